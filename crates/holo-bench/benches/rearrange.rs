@@ -1,0 +1,117 @@
+//! Eq. 4 against memcpy: how near to memory bandwidth the two layouts turn into each other.
+//!
+//! Run with `cargo bench -p holo-bench --bench rearrange`. All times are the best of several in this one run, so that only
+//! their ratios matter. numpy takes part if `HOLO_PYTHON` (or `python3`) has it.
+
+use std::hint::black_box;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+use holo_core::{GridSize, LightField, Remainder, Sensor, Split, rearrange::naive};
+use ndarray::{Array3, ArrayView3, ArrayViewMut3};
+use rayon::prelude::*;
+
+/// Repetitions of what takes milliseconds; the best one counts.
+const REPETITIONS: usize = 15;
+
+fn main() {
+    let views = GridSize::new(100, 100);
+    let split = Sensor::Paper8k.split(views, Remainder::Crop).expect("the paper's own split").split;
+    println!(
+        "{} x {} views of {} x {} pixels, 3 channels, {} threads; milliseconds (times memcpy)",
+        split.views().columns,
+        split.views().rows,
+        split.lenses().columns,
+        split.lenses().rows,
+        rayon::current_num_threads()
+    );
+    measure("RGB8", "uint8", split, |index| (index % 251) as u8);
+    measure("RGB16", "uint16", split, |index| (index % 65_521) as u16);
+    measure("RGB f32", "float32", split, |index| index as f32);
+}
+
+fn measure<T: Copy + Send + Sync + PartialEq>(name: &str, dtype: &str, split: Split, sample: impl Fn(usize) -> T) {
+    let raw = split.raw_size();
+    let shape = (raw.rows, raw.columns, 3);
+    let elemental =
+        Array3::from_shape_vec(shape, (0..raw.count() * 3).map(sample).collect()).expect("as many as the shape has");
+    let mut result = elemental.clone();
+
+    let memcpy = best(REPETITIONS, || copy(elemental.view(), result.view_mut()));
+    println!("{name} ({} MB)", elemental.len() * size_of::<T>() / 1_000_000);
+    let report = |what: &str, time: Duration| {
+        println!("  {what:<34} {:9.2} ({:6.2} x)", time.as_secs_f64() * 1e3, time.as_secs_f64() / memcpy.as_secs_f64());
+    };
+    report("memcpy, all threads", memcpy);
+
+    let lenses = LightField::from_elemental_grid(elemental.view(), split).expect("dense, right size");
+    report(
+        "elemental -> viewpoint grid",
+        best(REPETITIONS, || lenses.to_viewpoint_grid_into(result.view_mut()).expect("right size")),
+    );
+    let viewpoint = result.clone();
+    let by_views = LightField::from_viewpoint_grid(viewpoint.view(), split).expect("dense, right size");
+    report(
+        "viewpoint -> elemental grid",
+        best(REPETITIONS, || by_views.to_elemental_grid_into(result.view_mut()).expect("right size")),
+    );
+    assert!(result == elemental, "there and back is the identity");
+    report(
+        "elemental -> viewpoint, new image",
+        best(3, || {
+            black_box(lenses.to_viewpoint_grid());
+        }),
+    );
+
+    let mut oracle = None;
+    let naive = best(2, || oracle = Some(naive::to_viewpoint_grid(elemental.view(), split).expect("right size")));
+    report("the paper's loops (naive)", naive);
+    assert!(oracle.as_ref() == Some(&viewpoint), "fast and naive agree");
+
+    match numpy(dtype, split) {
+        Ok([forth, back]) => {
+            report("numpy, elemental -> viewpoint", forth);
+            report("numpy, viewpoint -> elemental", back);
+        }
+        Err(why) => println!("  numpy: {why}"),
+    }
+}
+
+/// The time to beat: the same bytes, unchanged, in as many pieces as there are threads.
+fn copy<T: Copy + Send + Sync>(source: ArrayView3<'_, T>, mut destination: ArrayViewMut3<'_, T>) {
+    let source = source.as_slice().expect("standard layout");
+    let destination = destination.as_slice_mut().expect("standard layout");
+    let piece = source.len().div_ceil(rayon::current_num_threads());
+    destination.par_chunks_mut(piece).zip(source.par_chunks(piece)).for_each(|(to, from)| to.copy_from_slice(from));
+}
+
+fn best(repetitions: usize, mut work: impl FnMut()) -> Duration {
+    let time = |work: &mut dyn FnMut()| {
+        let start = Instant::now();
+        work();
+        start.elapsed()
+    };
+    (0..repetitions).map(|_| time(&mut work)).min().expect("at least one repetition")
+}
+
+/// numpy's own strided copy into an existing array, both ways, timed by itself.
+fn numpy(dtype: &str, split: Split) -> Result<[Duration; 2], String> {
+    let program = std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let [v, u, t, s, c] = split.shape(3);
+    let script = format!(
+        "import numpy as n, time; e=n.ones(({v},{t},{u},{s},{c}),n.{dtype}); w=n.ones(({t},{v},{s},{u},{c}),n.{dtype}); \
+         k=lambda d,a:(lambda b:(n.copyto(d,a),time.perf_counter()-b)[1])(time.perf_counter()); \
+         print(min(k(w,e.transpose(1,0,3,2,4)) for _ in range(4)), min(k(e,w.transpose(1,0,3,2,4)) for _ in range(4)))"
+    );
+    let output = Command::new(&program).args(["-c", &script]).output().map_err(|error| format!("{program}: {error}"))?;
+    if !output.status.success() {
+        let message = String::from_utf8_lossy(&output.stderr);
+        return Err(format!("not measured: {}", message.lines().last().unwrap_or("it failed without a word")));
+    }
+    let text = String::from_utf8_lossy(&output.stdout);
+    let seconds: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    match seconds[..] {
+        [forth, back] => Ok([Duration::from_secs_f64(forth), Duration::from_secs_f64(back)]),
+        _ => Err(format!("unexpected answer {text:?}")),
+    }
+}

@@ -1,0 +1,265 @@
+//! The command line. On it x comes first everywhere: sizes are columns x rows, positions column, row.
+
+mod values;
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use holo_core::{GridSize, Sensor};
+
+pub use values::{CameraArgument, ExposureArgument, FocusArgument, Pair, Rgb};
+
+/// Holoscopic (integral, plenoptic 1.0) images from glTF scenes, with exact depth and disparity.
+#[derive(Parser, Debug)]
+#[command(version, propagate_version = true, subcommand_required = true, arg_required_else_help = true)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Render a scene (.glb, .gltf) into a raw holoscopic image with ground truth.
+    Render(RenderOptions),
+    /// Say what a file holds; for a scene also which rig and disparity range a render would get.
+    Info(InfoOptions),
+    /// Turn a grid of views into a grid of elemental images, or back.
+    Remap(RemapOptions),
+    /// Cut one view or one elemental image out of a raw image.
+    Extract(ExtractOptions),
+    /// Write a scene of the built-in gallery as .glb; without a name, list them.
+    Scene(SceneOptions),
+    /// Check the files of a dataset folder against the digests in its manifest.json.
+    Verify(VerifyOptions),
+}
+
+#[derive(Args, Debug)]
+pub struct RenderOptions {
+    /// The scene: .glb, or .gltf with the files it refers to.
+    pub scene: PathBuf,
+    /// Folder for the results; made if missing.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub rig: RigOptions,
+    /// How light is modelled.
+    #[arg(long, value_enum, default_value_t = IntegratorArgument::Auto)]
+    pub integrator: IntegratorArgument,
+    /// Rays through every pixel [default: 16, with the integrator depth 1].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub spp: Option<u32>,
+    /// Radiance of a constant sky, linear.
+    #[arg(long, value_name = "R,G,B", default_value = "0,0,0")]
+    pub sky: Rgb,
+    /// Stops by which 8- and 16-bit images are brightened, or `auto`.
+    #[arg(long, value_name = "auto|EV", default_value = "auto", allow_hyphen_values = true)]
+    pub exposure: ExposureArgument,
+    /// Depth and disparity for the central view or for all views.
+    #[arg(long, value_enum, default_value_t = GroundTruthArgument::Central)]
+    pub ground_truth: GroundTruthArgument,
+    /// What to write [default: vpi,el,disparity,depth; without colour disparity,depth].
+    #[arg(long, value_enum, value_delimiter = ',')]
+    pub write: Vec<Output>,
+    /// Bits a channel of the raw PNGs.
+    #[arg(long, value_name = "8|16", default_value_t = 8, value_parser = bit_depth)]
+    pub bit_depth: u8,
+    /// Chooses the random numbers.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub seed: u64,
+    #[command(flatten)]
+    pub engine: EngineOptions,
+    /// No progress and no summary.
+    #[arg(long)]
+    pub quiet: bool,
+    /// One JSON object about the run on standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What decides the rig.
+#[derive(Args, Debug)]
+pub struct RigOptions {
+    /// The sensor behind the lenses: hd, 4k, 8k (the paper's 7952x5304), uhd8k or WIDTHxHEIGHT.
+    #[arg(long, value_name = "NAME|WxH", default_value = "8k", value_parser = values::sensor, conflicts_with = "lenses")]
+    pub sensor: Sensor,
+    /// Views, columns x rows, or one number for both.
+    #[arg(long, value_name = "SxT|N", default_value = "100x100", value_parser = values::size)]
+    pub views: GridSize,
+    /// Lenses, columns x rows (the pixels of one view), instead of a sensor.
+    #[arg(long, value_name = "UxV", value_parser = values::size)]
+    pub lenses: Option<GridSize>,
+    /// Distance between neighbouring views, m.
+    #[arg(long, value_name = "B", conflicts_with = "f_number", value_parser = values::not_negative)]
+    pub baseline_m: Option<f64>,
+    /// The views sample the aperture of an f/N lens [default: 5].
+    #[arg(long, value_name = "N", value_parser = values::positive)]
+    pub f_number: Option<f64>,
+    /// Distance of the focus plane, m, `inf`, or `auto` (harmonic mean of nearest and farthest depth).
+    #[arg(long, value_name = "Z|inf|auto", default_value = "auto")]
+    pub focus_m: FocusArgument,
+    /// Focal length, mm [default: from the camera's angle of view].
+    #[arg(long, value_name = "F", value_parser = values::positive)]
+    pub focal_mm: Option<f64>,
+    /// Length of the larger image side on the sensor, mm.
+    #[arg(long, value_name = "S", default_value_t = 36.0, value_parser = values::positive)]
+    pub sensor_mm: f64,
+    /// How views are projected.
+    #[arg(long, value_enum, default_value_t = ProjectionArgument::Perspective)]
+    pub projection: ProjectionArgument,
+    /// Name or number of the scene's camera [default: the first].
+    #[arg(long, value_name = "NAME|INDEX")]
+    pub camera: Option<CameraArgument>,
+}
+
+#[derive(Args, Debug)]
+pub struct EngineOptions {
+    /// Threads [default: one per core].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// What finds the hits: Embree, the built-in BVH, or Embree where there is one.
+    #[arg(long, value_enum, default_value_t = BackendArgument::Auto)]
+    pub backend: BackendArgument,
+}
+
+#[derive(Args, Debug)]
+pub struct InfoOptions {
+    /// A scene, a PNG, a PFM, a parameters.cfg or a manifest.json.
+    pub file: PathBuf,
+    #[command(flatten)]
+    pub rig: RigOptions,
+    #[command(flatten)]
+    pub engine: EngineOptions,
+}
+
+#[derive(Args, Debug)]
+pub struct RemapOptions {
+    /// A raw PNG of 8 or 16 bits.
+    pub input: PathBuf,
+    /// The PNG to write.
+    pub output: PathBuf,
+    /// What the input is [default: by `_el` or `_vpi` in its name].
+    #[arg(long, value_enum)]
+    pub from: Option<LayoutArgument>,
+    /// What the output shall be [default: the other one].
+    #[arg(long, value_enum)]
+    pub to: Option<LayoutArgument>,
+    /// Views, columns x rows, or one number for both [default: from the parameters.cfg beside the input].
+    #[arg(long, value_name = "SxT|N", value_parser = values::size)]
+    pub views: Option<GridSize>,
+}
+
+#[derive(Args, Debug)]
+pub struct ExtractOptions {
+    /// A raw PNG of 8 or 16 bits.
+    pub input: PathBuf,
+    /// One viewpoint image: its column and row, from 0.
+    #[arg(long, value_name = "S,T", required_unless_present = "lens", conflicts_with = "lens")]
+    pub view: Option<Pair>,
+    /// One elemental image: the column and row of its lens, from 0.
+    #[arg(long, value_name = "U,V")]
+    pub lens: Option<Pair>,
+    /// The PNG to write.
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// What the input is [default: by `_el` or `_vpi` in its name].
+    #[arg(long, value_enum)]
+    pub from: Option<LayoutArgument>,
+    /// Views, columns x rows, or one number for both [default: from the parameters.cfg beside the input].
+    #[arg(long, value_name = "SxT|N", value_parser = values::size)]
+    pub views: Option<GridSize>,
+}
+
+#[derive(Args, Debug)]
+pub struct SceneOptions {
+    /// Which scene of the gallery.
+    pub name: Option<String>,
+    /// The .glb to write.
+    #[arg(long, value_name = "FILE", requires = "name")]
+    pub out: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub struct VerifyOptions {
+    /// A folder that `holo render` wrote.
+    pub folder: PathBuf,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum IntegratorArgument {
+    /// The cheapest that is exact for the scene.
+    Auto,
+    /// Ground truth alone.
+    Depth,
+    /// Direct light.
+    Direct,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GroundTruthArgument {
+    Central,
+    All,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProjectionArgument {
+    Perspective,
+    Orthographic,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BackendArgument {
+    Auto,
+    Embree,
+    Bvh,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LayoutArgument {
+    /// A grid of viewpoint images.
+    Vpi,
+    /// A grid of elemental images.
+    El,
+}
+
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Output {
+    /// scene_vpi.png: all views side by side.
+    Vpi,
+    /// scene_el.png: the raw image behind the lenses.
+    El,
+    /// scene_disparity.pfm and .png of the central view.
+    Disparity,
+    /// scene_depth.pfm of the central view.
+    Depth,
+    /// Not in this version.
+    #[value(hide = true)]
+    Mat,
+    /// Not in this version.
+    #[value(hide = true)]
+    Exr,
+    /// Not in this version.
+    #[value(hide = true)]
+    H5,
+    /// Not in this version.
+    #[value(hide = true)]
+    Hci,
+}
+
+fn bit_depth(text: &str) -> Result<u8, String> {
+    match text {
+        "8" => Ok(8),
+        "16" => Ok(16),
+        _ => Err("8 or 16".into()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+}

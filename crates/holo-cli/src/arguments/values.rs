@@ -1,0 +1,162 @@
+//! Values that are more than a number: sizes, positions, colours, and words that stand for a number.
+
+use std::str::FromStr;
+
+use holo_core::{GridSize, Sensor};
+
+/// Column and row, from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pair {
+    pub column: usize,
+    pub row: usize,
+}
+
+/// A linear colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rgb(pub [f32; 3]);
+
+/// `--focus-m`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FocusArgument {
+    Automatic,
+    Metres(f64),
+}
+
+/// `--exposure`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ExposureArgument {
+    Automatic,
+    Stops(f64),
+}
+
+/// `--camera`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraArgument(pub String);
+
+/// `COLUMNSxROWS`, or one number for both.
+pub fn size(text: &str) -> Result<GridSize, String> {
+    let number = |part: &str| match part.trim().parse::<usize>() {
+        Ok(0) | Err(_) => Err(format!("'{part}' is not a count; write COLUMNSxROWS, such as 30x20")),
+        Ok(count) => Ok(count),
+    };
+    match text.split_once(['x', 'X']) {
+        Some((columns, rows)) => Ok(GridSize::new(number(rows)?, number(columns)?)),
+        None => number(text).map(|count| GridSize::new(count, count)),
+    }
+}
+
+/// A sensor by name or size.
+pub fn sensor(text: &str) -> Result<Sensor, String> {
+    Ok(match text.to_ascii_lowercase().as_str() {
+        "hd" => Sensor::Hd,
+        "4k" => Sensor::Uhd4k,
+        "8k" => Sensor::Paper8k,
+        "uhd8k" => Sensor::Uhd8k,
+        other if other.contains('x') => Sensor::Other(size(other)?),
+        _ => return Err("hd, 4k, 8k, uhd8k or WIDTHxHEIGHT".into()),
+    })
+}
+
+/// A finite number above zero.
+pub fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
+        _ => Err("a number above 0".into()),
+    }
+}
+
+/// A finite number from zero up.
+pub fn not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x >= 0.0 && x.is_finite() => Ok(x),
+        _ => Err("a number from 0 up".into()),
+    }
+}
+
+impl FromStr for Pair {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number = |part: &str| part.trim().parse::<usize>().map_err(|_| format!("'{part}' is not an index from 0"));
+        match text.split_once(',') {
+            Some((column, row)) => Ok(Self { column: number(column)?, row: number(row)? }),
+            None => Err("COLUMN,ROW, both from 0".into()),
+        }
+    }
+}
+
+impl FromStr for Rgb {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let lower = text.to_ascii_lowercase();
+        if lower.ends_with(".hdr") || lower.ends_with(".exr") {
+            return Err("environment maps are not in this version; give a constant sky as R,G,B".into());
+        }
+        let parts: Vec<f32> = text
+            .split(',')
+            .map(|part| part.trim().parse::<f32>().ok().filter(|x| *x >= 0.0 && x.is_finite()))
+            .collect::<Option<_>>()
+            .ok_or("three numbers from 0 up: R,G,B")?;
+        <[f32; 3]>::try_from(parts).map(Self).map_err(|_| "three numbers from 0 up: R,G,B".into())
+    }
+}
+
+impl FromStr for FocusArgument {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self::Automatic),
+            "inf" => Ok(Self::Metres(f64::INFINITY)),
+            other => positive(other).map(Self::Metres).map_err(|_| "metres above 0, inf or auto".into()),
+        }
+    }
+}
+
+impl FromStr for ExposureArgument {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self::Automatic),
+            other => match other.parse::<f64>() {
+                Ok(stops) if stops.abs() <= 100.0 => Ok(Self::Stops(stops)),
+                _ => Err("stops between -100 and 100, or auto".into()),
+            },
+        }
+    }
+}
+
+impl FromStr for CameraArgument {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(Self(text.into()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_columns_by_rows() {
+        assert_eq!(size("30x20"), Ok(GridSize::new(20, 30)));
+        assert_eq!(size("7"), Ok(GridSize::new(7, 7)));
+        for bad in ["", "x", "0x3", "3x", "3x4x5", "-1x2", "99999999999999999999x1"] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn words_and_numbers() {
+        assert_eq!("inf".parse(), Ok(FocusArgument::Metres(f64::INFINITY)));
+        assert!("0".parse::<FocusArgument>().is_err() && "nan".parse::<FocusArgument>().is_err());
+        assert_eq!("-1.5".parse(), Ok(ExposureArgument::Stops(-1.5)));
+        assert_eq!("0.2, 0.3,1".parse(), Ok(Rgb([0.2, 0.3, 1.0])));
+        assert!("1,2".parse::<Rgb>().is_err() && "1,2,-3".parse::<Rgb>().is_err());
+        assert!("sky.hdr".parse::<Rgb>().unwrap_err().contains("not in this version"));
+        assert_eq!("3,4".parse(), Ok(Pair { column: 3, row: 4 }));
+    }
+}

@@ -1,0 +1,54 @@
+//! `holo`: a glTF scene becomes a raw holoscopic image with ground truth.
+//!
+//! This binary parses arguments, shows progress and turns errors into exit codes; everything else is in the libraries.
+//! Exit codes: 0 done, 1 failed (the message says what, where and what to do), 2 wrong use.
+
+mod arguments;
+mod commands;
+mod failure;
+mod interrupt;
+mod progress;
+mod report;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use arguments::{Arguments, Command};
+use failure::Failure;
+
+fn main() -> ExitCode {
+    let arguments = Arguments::parse();
+    stay_silent_while_a_guard_watches();
+    interrupt::install();
+    let result = match arguments.command {
+        Command::Render(options) => commands::render::run(&options),
+        Command::Info(options) => commands::info::run(&options),
+        Command::Remap(options) => commands::remap::run(&options),
+        Command::Extract(options) => commands::extract::run(&options),
+        Command::Scene(options) => commands::scene::run(&options),
+        Command::Verify(options) => commands::verify::run(&options),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => {
+            // What is still open here was left by a failing writer of another thread.
+            holo_io::remove_temporary_files();
+            eprintln!("holo: {failure}");
+            match failure {
+                Failure::Usage(_) => ExitCode::from(2),
+                Failure::Failed(_) => ExitCode::from(1),
+            }
+        }
+    }
+}
+
+/// The glTF loader turns a panic inside a decoder into an error; nobody wants to read about it twice.
+fn stay_silent_while_a_guard_watches() {
+    let print = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |info| {
+        if !holo_render::gltf::is_guarding() {
+            print(info);
+        }
+    }));
+}

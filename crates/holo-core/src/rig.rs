@@ -1,0 +1,242 @@
+//! The camera rig: a grid of parallel cameras whose images are shifted to meet on the focus plane.
+
+mod intrinsics;
+mod parameters;
+
+pub use intrinsics::{Intrinsics, automatic_baseline_m};
+pub use parameters::{Projection, RigParameters};
+
+use crate::error::{not_negative, positive, positive_or_infinite};
+use crate::{Disparity, Error, Split};
+
+/// A validated camera rig: every number in it is finite (the focus distance may be infinite) and of the right sign.
+///
+/// # Units
+///
+/// Metres in the camera's frame: right-handed, +X right, +Y up, looking along -Z. Columns run right and rows run down.
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
+///
+/// let rig = Rig::new(RigParameters {
+///     split: Split::new(GridSize::new(9, 9), GridSize::new(512, 512))?,
+///     intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
+///     baseline_x_m: 0.025,
+///     baseline_y_m: 0.025,
+///     focus_distance_m: 4.25,
+///     projection: Projection::Perspective,
+/// })?;
+/// assert_eq!(rig.view_x_m(8), 0.1);
+/// assert!((rig.disparity().from_depth_m(3.5) - 1.8439).abs() < 5e-5);
+/// # Ok::<(), holo_core::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Rig {
+    parameters: RigParameters,
+    disparity_x: Disparity,
+    disparity_y: Disparity,
+    /// Slope per pixel: sens/(f*N).
+    slope_per_px: f64,
+}
+
+/// A ray in the camera's frame.
+///
+/// `direction[2]` is exactly -1, so that the ray's parameter *is* the planar depth: the point at depth `z` is
+/// `origin_m + z * direction`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RigRay {
+    /// Where the ray starts, in the plane z = 0.
+    pub origin_m: [f64; 3],
+    /// Metres travelled per metre of depth.
+    pub direction: [f64; 3],
+}
+
+impl RigRay {
+    /// Returns the point at planar depth `depth_m`.
+    #[must_use]
+    pub fn at_depth_m(&self, depth_m: f64) -> [f64; 3] {
+        std::array::from_fn(|axis| self.origin_m[axis] + depth_m * self.direction[axis])
+    }
+
+    /// Returns how much longer the ray is than the depth it reaches: ray length = depth times this.
+    #[must_use]
+    pub fn length_per_depth(&self) -> f64 {
+        self.direction[0].hypot(self.direction[1]).hypot(1.0)
+    }
+}
+
+impl Rig {
+    /// Checks the parameters and makes the rig.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] if a length is NaN, infinite or has the wrong sign (baselines may be 0, the focus distance may be infinite), or if
+    /// a number derived from them overflows or underflows; [`Error::OrthographicFocus`] if an orthographic rig has an infinite focus distance.
+    pub fn new(parameters: RigParameters) -> Result<Self, Error> {
+        let Intrinsics { focal_length_m, sensor_size_m } = parameters.intrinsics;
+        let focal_length_m = positive("focal length in metres", focal_length_m)?;
+        let sensor_size_m = positive("sensor size in metres", sensor_size_m)?;
+        let baseline_x_m = not_negative("horizontal baseline in metres", parameters.baseline_x_m)?;
+        let baseline_y_m = not_negative("vertical baseline in metres", parameters.baseline_y_m)?;
+        let focus_distance_m = positive_or_infinite("focus distance in metres", parameters.focus_distance_m)?;
+        if parameters.projection == Projection::Orthographic && focus_distance_m.is_infinite() {
+            return Err(Error::OrthographicFocus { focus_distance_m });
+        }
+        let pixels = parameters.split.lenses().larger() as f64;
+        let slope_per_px = positive("slope per pixel", sensor_size_m / (focal_length_m * pixels))?;
+        let disparity = |what: &'static str, baseline_m: f64| {
+            let scale_m_px = baseline_m * focal_length_m * pixels / sensor_size_m;
+            if baseline_m > 0.0 && !scale_m_px.is_normal() {
+                // A scale that underflowed would make a real baseline look like none.
+                return Err(Error::BadNumber { what, value: scale_m_px, need: "within the range of normal numbers" });
+            }
+            Disparity::new(scale_m_px, focus_distance_m, parameters.projection)
+        };
+        let rig = Self {
+            parameters: RigParameters { baseline_x_m, baseline_y_m, ..parameters },
+            disparity_x: disparity("horizontal disparity scale", baseline_x_m)?,
+            disparity_y: disparity("vertical disparity scale", baseline_y_m)?,
+            slope_per_px,
+        };
+        // The corner views and pixels have the largest coordinates: when those are finite, all are.
+        let views = rig.split().views();
+        let lenses = rig.split().lenses();
+        let corner = rig.ray(0, 0, views.rows - 1, views.columns - 1, 0.0, 0.0);
+        let far_corner = rig.ray(lenses.rows - 1, lenses.columns - 1, 0, 0, 1.0, 1.0);
+        for ray in [corner, far_corner] {
+            for value in ray.origin_m.into_iter().chain(ray.direction) {
+                if !value.is_finite() {
+                    return Err(Error::BadNumber { what: "coordinate of the rig's corner ray", value, need: "finite" });
+                }
+            }
+        }
+        Ok(rig)
+    }
+
+    /// Returns the parameters that the rig was made from.
+    #[must_use]
+    pub const fn parameters(&self) -> &RigParameters {
+        &self.parameters
+    }
+
+    /// Returns the views and lenses.
+    #[must_use]
+    pub const fn split(&self) -> &Split {
+        &self.parameters.split
+    }
+
+    /// Returns the horizontal position of view column `s`: `(s - (S-1)/2) * baseline_x`, growing to the right.
+    ///
+    /// Any `s` has a position; columns from S on lie outside the rig.
+    #[must_use]
+    pub fn view_x_m(&self, s: usize) -> f64 {
+        (s as f64 - (self.split().views().columns - 1) as f64 / 2.0) * self.parameters.baseline_x_m
+    }
+
+    /// Returns the vertical position of view row `t`: `((T-1)/2 - t) * baseline_y`, falling from the top row on.
+    #[must_use]
+    pub fn view_y_m(&self, t: usize) -> f64 {
+        ((self.split().views().rows - 1) as f64 / 2.0 - t as f64) * self.parameters.baseline_y_m
+    }
+
+    /// Returns the horizontal slope of the line from the rig's centre through pixel column `column`: `(column - U/2) * sens/(f*N)`.
+    ///
+    /// # Units
+    ///
+    /// `column` in pixels from the left edge of a view, so the centre of column `u` is `u + 0.5`; the slope is metres per metre of
+    /// depth. N is the larger of U and V.
+    #[must_use]
+    pub fn slope_x(&self, column: f64) -> f64 {
+        (column - self.split().lenses().columns as f64 / 2.0) * self.slope_per_px
+    }
+
+    /// Returns the vertical slope of the line from the rig's centre through pixel row `row`: `(V/2 - row) * sens/(f*N)`.
+    #[must_use]
+    pub fn slope_y(&self, row: f64) -> f64 {
+        (self.split().lenses().rows as f64 / 2.0 - row) * self.slope_per_px
+    }
+
+    /// Returns the pixel column whose slope is `slope`, the inverse of [`Rig::slope_x`].
+    #[must_use]
+    pub fn column(&self, slope: f64) -> f64 {
+        slope / self.slope_per_px + self.split().lenses().columns as f64 / 2.0
+    }
+
+    /// Returns the pixel row whose slope is `slope`, the inverse of [`Rig::slope_y`].
+    #[must_use]
+    pub fn row(&self, slope: f64) -> f64 {
+        self.split().lenses().rows as f64 / 2.0 - slope / self.slope_per_px
+    }
+
+    /// Returns 1/F, which is 0 when the focus lies at infinity.
+    #[must_use]
+    pub fn inverse_focus_per_m(&self) -> f64 {
+        1.0 / self.parameters.focus_distance_m
+    }
+
+    /// Returns the ray of pixel `(v, u)` of view `(t, s)` through the point `(jx, jy)` of that pixel, `(0.5, 0.5)` being its centre.
+    ///
+    /// All rays of one elemental image, that is of one `(v, u, jx, jy)`, meet in one point of the focus plane. `jx` runs right and
+    /// `jy` down.
+    ///
+    /// # Source
+    ///
+    /// The paper's off-axis rig. Perspective: from `(x, y, 0)` towards the pixel's point P of the focus plane. Orthographic: through the same P
+    /// in the direction `(-x, -y, -F)`, which is the same for all pixels of a view.
+    #[must_use]
+    pub fn ray(&self, v: usize, u: usize, t: usize, s: usize, jx: f64, jy: f64) -> RigRay {
+        let (x_m, y_m) = (self.view_x_m(s), self.view_y_m(t));
+        let (slope_x, slope_y) = (self.slope_x(u as f64 + jx), self.slope_y(v as f64 + jy));
+        let focus_m = self.parameters.focus_distance_m;
+        // A division by infinity is 0: without a focus plane there is no shift.
+        let (shift_x, shift_y) = (x_m / focus_m, y_m / focus_m);
+        match self.parameters.projection {
+            Projection::Perspective => {
+                RigRay { origin_m: [x_m, y_m, 0.0], direction: [slope_x - shift_x, slope_y - shift_y, -1.0] }
+            }
+            Projection::Orthographic => RigRay {
+                origin_m: [slope_x * focus_m + x_m, slope_y * focus_m + y_m, 0.0],
+                direction: [-shift_x, -shift_y, -1.0],
+            },
+        }
+    }
+
+    /// Returns the row and column, in pixels of view `(t, s)`, at which a point of the camera's frame appears, or `None` if
+    /// it does not lie in front of the camera.
+    ///
+    /// The result may lie outside the image. The inverse of [`Rig::ray`]: `project(ray.at_depth_m(z))` is `(v + jy, u + jx)`.
+    #[must_use]
+    pub fn project(&self, point_m: [f64; 3], t: usize, s: usize) -> Option<(f64, f64)> {
+        let depth_m = -point_m[2];
+        if !(depth_m > 0.0 && point_m.iter().all(|value| value.is_finite())) {
+            return None;
+        }
+        let (x_m, y_m) = (self.view_x_m(s), self.view_y_m(t));
+        let focus_m = self.parameters.focus_distance_m;
+        let slope = |point: f64, view: f64| match self.parameters.projection {
+            Projection::Perspective => (point - view) / depth_m + view / focus_m,
+            Projection::Orthographic => (point - view + view / focus_m * depth_m) / focus_m,
+        };
+        Some((self.row(slope(point_m[1], y_m)), self.column(slope(point_m[0], x_m))))
+    }
+
+    /// Returns the disparity along x, which is the one that files hold.
+    #[must_use]
+    pub const fn disparity(&self) -> Disparity {
+        self.disparity_x
+    }
+
+    /// Returns the disparity between horizontally adjacent views.
+    #[must_use]
+    pub const fn disparity_x(&self) -> Disparity {
+        self.disparity_x
+    }
+
+    /// Returns the disparity between vertically adjacent views.
+    #[must_use]
+    pub const fn disparity_y(&self) -> Disparity {
+        self.disparity_y
+    }
+}

@@ -1,0 +1,185 @@
+//! Sensors of the paper and how they divide into views and lenses (Table I).
+
+use crate::{Error, GridSize, Split};
+
+/// A sensor by its size in pixels.
+///
+/// # Source
+///
+/// Table I of the paper divides "8K" by 20, 40, 60, 80 and 100 views per axis and finds 397x265, 198x132, 132x88, 99x66 and 79x53
+/// lenses (columns x rows), rounding down. Two errata of the paper follow from it:
+///
+/// - No UHD format gives this table; only a sensor of 7940..7959 x 5300..5319 pixels does. [`Sensor::Paper8k`] is therefore
+///   7952 x 5304 pixels, a 42-megapixel full-frame sensor, and [`Sensor::Uhd8k`] is the television format.
+/// - Fig. 8 prints "74x53" where 79x53 is meant.
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::{GridSize, Remainder, Sensor};
+///
+/// let table_row = Sensor::Paper8k.split(GridSize::new(100, 100), Remainder::Crop)?;
+/// assert_eq!(table_row.split.lenses(), GridSize::new(53, 79));
+/// assert_eq!(table_row.border, GridSize::new(4, 52));
+/// # Ok::<(), holo_core::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Sensor {
+    /// 1920 x 1080.
+    Hd,
+    /// 3840 x 2160.
+    Uhd4k,
+    /// The paper's "8K": 7952 x 5304.
+    Paper8k,
+    /// 7680 x 4320.
+    Uhd8k,
+    /// Any other size, rows first.
+    Other(GridSize),
+}
+
+/// What happens to rows and columns that do not fill a whole block of views.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Remainder {
+    /// They are cropped at the bottom and at the right, and reported.
+    Crop,
+    /// There must be none.
+    Exact,
+}
+
+/// A sensor divided: the split, and what was cropped to make it possible.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct SensorSplit {
+    /// The views and lenses.
+    pub split: Split,
+    /// Rows cropped at the bottom and columns cropped at the right; zero when the sensor divides exactly.
+    pub border: GridSize,
+}
+
+impl Sensor {
+    /// Returns the size in pixels, rows first.
+    #[must_use]
+    pub const fn size(self) -> GridSize {
+        match self {
+            Self::Hd => GridSize::new(1080, 1920),
+            Self::Uhd4k => GridSize::new(2160, 3840),
+            Self::Paper8k => GridSize::new(5304, 7952),
+            Self::Uhd8k => GridSize::new(4320, 7680),
+            Self::Other(size) => size,
+        }
+    }
+
+    /// Divides the sensor into `views` (T rows x S columns): every lens covers T x S pixels.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ZeroCount`] if there are no views or no pixels; [`Error::SensorTooSmall`] if there are more views than pixels along an axis;
+    /// [`Error::NotDivisible`] if pixels are left over and `remainder` is [`Remainder::Exact`]; [`Error::TooLarge`] for an
+    /// impossible sensor.
+    ///
+    /// # Source
+    ///
+    /// Eq. 1 and Table I.
+    pub fn split(self, views: GridSize, remainder: Remainder) -> Result<SensorSplit, Error> {
+        let sensor = self.size();
+        for (what, count) in [
+            ("view rows", views.rows),
+            ("view columns", views.columns),
+            ("sensor rows", sensor.rows),
+            ("sensor columns", sensor.columns),
+        ] {
+            if count == 0 {
+                return Err(Error::ZeroCount { what });
+            }
+        }
+        if sensor.rows < views.rows || sensor.columns < views.columns {
+            return Err(Error::SensorTooSmall { sensor, views });
+        }
+        let lenses = GridSize::new(sensor.rows / views.rows, sensor.columns / views.columns);
+        let border = GridSize::new(sensor.rows % views.rows, sensor.columns % views.columns);
+        if remainder == Remainder::Exact && border != GridSize::new(0, 0) {
+            return Err(Error::NotDivisible { sensor, views, border });
+        }
+        Ok(SensorSplit { split: Split::new(views, lenses)?, border })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Table I: views per axis, then lenses as the paper prints them, columns x rows.
+    const TABLE_I: [(usize, usize, usize); 5] =
+        [(20, 397, 265), (40, 198, 132), (60, 132, 88), (80, 99, 66), (100, 79, 53)];
+
+    #[test]
+    fn table_one_holds_for_the_8k_sensor() {
+        for (views, columns, rows) in TABLE_I {
+            let divided = Sensor::Paper8k.split(GridSize::new(views, views), Remainder::Crop).unwrap();
+            assert_eq!(divided.split.lenses(), GridSize::new(rows, columns), "{views} views per axis");
+            // The crop is what is missing to the full sensor, and less than one block.
+            let raw = divided.split.raw_size();
+            assert_eq!((raw.rows + divided.border.rows, raw.columns + divided.border.columns), (5304, 7952));
+            assert!(divided.border.rows < views && divided.border.columns < views);
+        }
+    }
+
+    #[test]
+    fn table_one_holds_for_no_other_named_sensor() {
+        let gives_table = |sensor: Sensor| {
+            TABLE_I.iter().all(|&(views, columns, rows)| {
+                sensor.split(GridSize::new(views, views), Remainder::Crop).unwrap().split.lenses()
+                    == GridSize::new(rows, columns)
+            })
+        };
+        for sensor in [Sensor::Hd, Sensor::Uhd4k, Sensor::Uhd8k] {
+            assert!(!gives_table(sensor), "{sensor:?}");
+        }
+        // Erratum: exactly the sensors of 5300..5319 rows and 7940..7959 columns give the table.
+        for rows in 5280..5340 {
+            assert_eq!(
+                gives_table(Sensor::Other(GridSize::new(rows, 7952))),
+                (5300..5320).contains(&rows),
+                "{rows} rows"
+            );
+        }
+        for columns in 7920..7980 {
+            assert_eq!(
+                gives_table(Sensor::Other(GridSize::new(5304, columns))),
+                (7940..7960).contains(&columns),
+                "{columns} columns"
+            );
+        }
+    }
+
+    #[test]
+    fn remainder_is_an_error_when_exactness_is_asked() {
+        let views = GridSize::new(100, 100);
+        assert_eq!(
+            Sensor::Paper8k.split(views, Remainder::Exact),
+            Err(Error::NotDivisible { sensor: GridSize::new(5304, 7952), views, border: GridSize::new(4, 52) })
+        );
+        let exact = Sensor::Uhd4k.split(GridSize::new(9, 16), Remainder::Exact).unwrap();
+        assert_eq!(exact.border, GridSize::new(0, 0));
+        assert_eq!(exact.split.raw_size(), Sensor::Uhd4k.size());
+    }
+
+    #[test]
+    fn impossible_sensors_are_errors() {
+        let one = GridSize::new(1, 1);
+        assert_eq!(Sensor::Hd.split(GridSize::new(0, 1), Remainder::Crop), Err(Error::ZeroCount { what: "view rows" }));
+        assert_eq!(
+            Sensor::Other(GridSize::new(1, 0)).split(one, Remainder::Crop),
+            Err(Error::ZeroCount { what: "sensor columns" })
+        );
+        let views = GridSize::new(1, 1921);
+        assert_eq!(
+            Sensor::Hd.split(views, Remainder::Crop),
+            Err(Error::SensorTooSmall { sensor: Sensor::Hd.size(), views })
+        );
+        assert!(matches!(
+            Sensor::Other(GridSize::new(usize::MAX, usize::MAX)).split(one, Remainder::Crop),
+            Err(Error::TooLarge { .. })
+        ));
+    }
+}

@@ -1,0 +1,180 @@
+//! Eq. 1: how a raw image divides into views and lenses.
+
+use crate::Error;
+
+/// Rows and columns of something laid out in a grid: views, lenses or pixels.
+///
+/// # Examples
+///
+/// ```
+/// let full_hd = holo_core::GridSize::new(1080, 1920);
+/// assert_eq!(full_hd.count(), 1080 * 1920);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct GridSize {
+    /// Number of rows, the vertical count.
+    pub rows: usize,
+    /// Number of columns, the horizontal count.
+    pub columns: usize,
+}
+
+impl GridSize {
+    /// Puts a number of rows and a number of columns together, rows first.
+    #[must_use]
+    pub const fn new(rows: usize, columns: usize) -> Self {
+        Self { rows, columns }
+    }
+
+    /// Returns `rows * columns`, or `usize::MAX` if the product is larger.
+    ///
+    /// A [`Split`] only holds grids whose product fits, so the count of its views and lenses is always exact.
+    #[must_use]
+    pub const fn count(self) -> usize {
+        self.rows.saturating_mul(self.columns)
+    }
+
+    /// Returns the larger of the two counts.
+    #[must_use]
+    pub const fn larger(self) -> usize {
+        if self.rows > self.columns { self.rows } else { self.columns }
+    }
+}
+
+/// The division of a raw image into T x S views and V x U lenses.
+///
+/// The raw image has `V*T` rows and `U*S` columns in either layout. Every `Split` that exists is possible: no count is zero
+/// and the number of samples fits the address space.
+///
+/// # Source
+///
+/// Eq. 1 of the paper, with the meaning that makes its Table I true: the number of views per axis times the number of lenses per
+/// axis is the number of pixels per axis. The paper's text calls its `M` the number of micro-lenses, but the table only holds when `M` counts
+/// views; see [`Sensor`](crate::Sensor) for the table.
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::{GridSize, Split};
+///
+/// let split = Split::new(GridSize::new(100, 100), GridSize::new(53, 79))?;
+/// assert_eq!(split.raw_size(), GridSize::new(5300, 7900));
+/// assert_eq!(split.central_view(), (50, 50));
+/// # Ok::<(), holo_core::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Split {
+    views: GridSize,
+    lenses: GridSize,
+}
+
+impl Split {
+    /// Makes a split of `views` (T rows x S columns) and `lenses` (V rows x U columns).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ZeroCount`] if any of the four counts is zero; [`Error::TooLarge`] if `T*S*V*U` is more than `isize::MAX`, the most that
+    /// an array can hold.
+    pub fn new(views: GridSize, lenses: GridSize) -> Result<Self, Error> {
+        for (what, count) in [
+            ("view rows", views.rows),
+            ("view columns", views.columns),
+            ("lens rows", lenses.rows),
+            ("lens columns", lenses.columns),
+        ] {
+            if count == 0 {
+                return Err(Error::ZeroCount { what });
+            }
+        }
+        let split = Self { views, lenses };
+        checked_product(&split.shape(1)).map(|_| split).ok_or(Error::TooLarge { what: "raw image" })
+    }
+
+    /// Returns the number of views: T rows x S columns.
+    #[must_use]
+    pub const fn views(&self) -> GridSize {
+        self.views
+    }
+
+    /// Returns the number of lenses, which is the size of one view in pixels: V rows x U columns.
+    #[must_use]
+    pub const fn lenses(&self) -> GridSize {
+        self.lenses
+    }
+
+    /// Returns the size of the raw image in pixels: V*T rows x U*S columns, the same in both layouts.
+    #[must_use]
+    pub const fn raw_size(&self) -> GridSize {
+        // No overflow: `new` has checked the product of all four.
+        GridSize::new(self.views.rows * self.lenses.rows, self.views.columns * self.lenses.columns)
+    }
+
+    /// Returns the number of samples of one channel, `V*U*T*S`.
+    #[must_use]
+    pub const fn sample_count(&self) -> usize {
+        self.views.rows * self.views.columns * self.lenses.rows * self.lenses.columns
+    }
+
+    /// Returns the row and column `(t, s)` of the central view: `(T/2, S/2)`, rounded down.
+    ///
+    /// With an even count no view lies in the middle of the rig; this is then the one just behind it.
+    #[must_use]
+    pub const fn central_view(&self) -> (usize, usize) {
+        (self.views.rows / 2, self.views.columns / 2)
+    }
+
+    /// Returns the shape `[V, U, T, S, channels]` of the 5D array.
+    #[must_use]
+    pub const fn shape(&self, channels: usize) -> [usize; 5] {
+        [self.lenses.rows, self.lenses.columns, self.views.rows, self.views.columns, channels]
+    }
+}
+
+/// The product of all counts, if it fits in an `isize` as the length of an array must.
+pub(crate) fn checked_product(counts: &[usize]) -> Option<usize> {
+    let product = counts.iter().try_fold(1_usize, |product, &count| product.checked_mul(count))?;
+    isize::try_from(product).is_ok().then_some(product)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zero_counts_are_named() {
+        let good = GridSize::new(2, 3);
+        assert_eq!(Split::new(GridSize::new(0, 3), good), Err(Error::ZeroCount { what: "view rows" }));
+        assert_eq!(Split::new(GridSize::new(2, 0), good), Err(Error::ZeroCount { what: "view columns" }));
+        assert_eq!(Split::new(good, GridSize::new(0, 3)), Err(Error::ZeroCount { what: "lens rows" }));
+        assert_eq!(Split::new(good, GridSize::new(2, 0)), Err(Error::ZeroCount { what: "lens columns" }));
+        // A zero wins over an overflow elsewhere: the product alone would be a harmless 0.
+        assert_eq!(
+            Split::new(GridSize::new(usize::MAX, usize::MAX), GridSize::new(usize::MAX, 0)),
+            Err(Error::ZeroCount { what: "lens columns" })
+        );
+    }
+
+    #[test]
+    fn sizes_are_checked_and_not_wrapped() {
+        let huge = GridSize::new(65_536, 65_536);
+        // 2^64 wraps to 0 in 64 bits: the product must not be taken for empty.
+        assert_eq!(Split::new(huge, huge), Err(Error::TooLarge { what: "raw image" }));
+        assert_eq!(
+            Split::new(GridSize::new(65_536, 65_536), GridSize::new(65_536, 1 << 15)),
+            Err(Error::TooLarge { what: "raw image" })
+        );
+        // isize::MAX = 2^63 - 1, so 2^62 is the largest power of two that may be split.
+        let largest = Split::new(huge, GridSize::new(1 << 15, 1 << 15)).unwrap();
+        assert_eq!(largest.sample_count(), 1 << 62);
+        assert!(Split::new(GridSize::new(usize::MAX, 1), GridSize::new(1, 1)).is_err());
+    }
+
+    #[test]
+    fn sizes_multiply_by_axis() {
+        let split = Split::new(GridSize::new(2, 3), GridSize::new(5, 7)).unwrap();
+        assert_eq!(split.raw_size(), GridSize::new(10, 21));
+        assert_eq!(split.sample_count(), 210);
+        assert_eq!(split.shape(4), [5, 7, 2, 3, 4]);
+        assert_eq!(split.central_view(), (1, 1));
+        assert_eq!(GridSize::new(usize::MAX, 2).count(), usize::MAX);
+    }
+}

@@ -1,0 +1,5 @@
+//! The rig and the equations between depth and disparity.
+
+mod disparity;
+mod double_double;
+mod rig;

@@ -1,0 +1,241 @@
+//! The rig: rays, pixels and disparity must tell one story.
+
+use holo_core::{Error, GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
+use proptest::prelude::*;
+
+const BOTH: [Projection; 2] = [Projection::Perspective, Projection::Orthographic];
+
+fn parameters(
+    views: (usize, usize),
+    lenses: (usize, usize),
+    focus_distance_m: f64,
+    projection: Projection,
+) -> RigParameters {
+    RigParameters {
+        split: Split::new(GridSize::new(views.0, views.1), GridSize::new(lenses.0, lenses.1)).unwrap(),
+        intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
+        baseline_x_m: 0.025,
+        baseline_y_m: 0.0125,
+        focus_distance_m,
+        projection,
+    }
+}
+
+/// Where the line through the rig's centre and a pixel meets the focus plane: point P of the design.
+fn focus_point_m(rig: &Rig, row: f64, column: f64) -> [f64; 3] {
+    let focus_m = rig.parameters().focus_distance_m;
+    [rig.slope_x(column) * focus_m, rig.slope_y(row) * focus_m, -focus_m]
+}
+
+fn near(left: f64, right: f64, tolerance: f64) -> bool {
+    (left - right).abs() <= tolerance
+}
+
+#[test]
+fn the_published_numbers_of_a_known_rig() {
+    // HCI "cotton": baseline 25 mm, f 100 mm, sensor 35 mm, 512 px, focus 4.25 m; printed to four digits.
+    let rig = Rig::new(parameters((9, 9), (512, 512), 4.25, Projection::Perspective)).unwrap();
+    assert!(near(rig.disparity().from_depth_m(3.5), 1.8439, 5e-5));
+    assert!(near(rig.disparity().from_depth_m(6.0), -2.5098, 5e-5));
+    // The add-on's `offset` key is the disparity of infinity with the other sign: 8.605.
+    assert!(near(rig.disparity().at_infinity_px(), -8.605, 5e-4));
+    // Half the baseline, half the disparity: a power of two is exact.
+    assert_eq!(rig.disparity_y().from_depth_m(3.5), rig.disparity_x().from_depth_m(3.5) / 2.0);
+    assert_eq!(rig.disparity(), rig.disparity_x());
+}
+
+#[test]
+fn views_are_centred_for_odd_and_even_counts() {
+    let rig = Rig::new(parameters((2, 5), (3, 4), 2.0, Projection::Perspective)).unwrap();
+    assert_eq!((0..5).map(|s| rig.view_x_m(s)).collect::<Vec<_>>(), [-0.05, -0.025, 0.0, 0.025, 0.05]);
+    // Row 0 is the top one: +Y.
+    assert_eq!((0..2).map(|t| rig.view_y_m(t)).collect::<Vec<_>>(), [0.006_25, -0.006_25]);
+    // Pixels: slopes grow to the right and fall downward, and vanish in the middle of the image.
+    assert_eq!((rig.slope_x(2.0), rig.slope_y(1.5)), (0.0, 0.0));
+    assert!(rig.slope_x(3.0) > 0.0 && rig.slope_y(3.0) < 0.0);
+    // The larger side, 4 px, spans the sensor: its edges have the slope sens/(2f).
+    assert!(near(rig.slope_x(4.0), 0.035 / 0.2, 1e-17));
+    assert_eq!(rig.slope_x(0.0), -rig.slope_x(4.0));
+}
+
+/// All rays of one elemental image pass through one point of the focus plane, whatever the projection.
+#[test]
+fn rays_of_an_elemental_image_meet_in_one_point() {
+    for projection in BOTH {
+        for focus_m in [0.01, 4.25, 1e6] {
+            let rig = Rig::new(parameters((4, 5), (6, 7), focus_m, projection)).unwrap();
+            for (v, u, jx, jy) in [(0, 0, 0.5, 0.5), (5, 6, 0.5, 0.5), (2, 3, 0.0, 1.0), (4, 1, 0.25, 0.75)] {
+                let point_m = focus_point_m(&rig, v as f64 + jy, u as f64 + jx);
+                for t in 0..4 {
+                    for s in 0..5 {
+                        let ray = rig.ray(v, u, t, s, jx, jy);
+                        assert_eq!(ray.direction[2], -1.0);
+                        assert_eq!(ray.origin_m[2], 0.0);
+                        let at_focus_m = ray.at_depth_m(focus_m);
+                        // A few roundings of numbers no larger than the view's position and the point.
+                        let tolerance = 8.0 * f64::EPSILON * (focus_m + 0.05);
+                        assert!((0..3).all(|axis| near(at_focus_m[axis], point_m[axis], tolerance)));
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn perspective_rays_start_at_the_view_and_orthographic_ones_are_parallel() {
+    let perspective = Rig::new(parameters((4, 5), (6, 7), 4.0, Projection::Perspective)).unwrap();
+    let orthographic = Rig::new(parameters((4, 5), (6, 7), 4.0, Projection::Orthographic)).unwrap();
+    for (t, s) in (0..4).flat_map(|t| (0..5).map(move |s| (t, s))) {
+        let first = orthographic.ray(0, 0, t, s, 0.5, 0.5);
+        for (v, u) in (0..6).flat_map(|v| (0..7).map(move |u| (v, u))) {
+            let origin_m = perspective.ray(v, u, t, s, 0.5, 0.5).origin_m;
+            assert_eq!(origin_m, [perspective.view_x_m(s), perspective.view_y_m(t), 0.0]);
+            let direction = orthographic.ray(v, u, t, s, 0.5, 0.5).direction;
+            assert_eq!(direction, first.direction);
+            assert_eq!(direction, [-orthographic.view_x_m(s) / 4.0, -orthographic.view_y_m(t) / 4.0, -1.0]);
+        }
+    }
+}
+
+#[test]
+fn without_a_focus_plane_there_is_no_shift() {
+    let rig = Rig::new(parameters((3, 3), (4, 4), f64::INFINITY, Projection::Perspective)).unwrap();
+    assert_eq!(rig.inverse_focus_per_m(), 0.0);
+    let directions: Vec<_> = (0..3).map(|s| rig.ray(1, 2, 0, s, 0.5, 0.5).direction).collect();
+    assert_eq!(directions[0], directions[2]);
+    assert_eq!(directions[1], [rig.slope_x(2.5), rig.slope_y(1.5), -1.0]);
+    assert!(rig.disparity().from_depth_m(2.0) > 0.0);
+    assert_eq!(rig.disparity().from_depth_m(f64::INFINITY), 0.0);
+    let finite = Rig::new(parameters((3, 3), (4, 4), 4.0, Projection::Perspective)).unwrap();
+    assert_eq!(finite.inverse_focus_per_m(), 0.25);
+}
+
+fn lengths() -> impl Strategy<Value = f64> {
+    (-2.0..4.0_f64).prop_map(|exponent| 10_f64.powf(exponent))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2_000))]
+
+    /// Eq. 3 says what the rays do: a point moves by `-d_x` columns per view to the right and `-d_y` rows per view down.
+    #[test]
+    fn disparity_is_what_rays_show(
+        focus_m in lengths(),
+        depth_m in lengths(),
+        (views, lenses) in ((1..7_usize, 1..7_usize), (1..40_usize, 1..40_usize)),
+        (x, y) in (-1.0..1.0_f64, -1.0..1.0_f64),
+    ) {
+        for projection in BOTH {
+            let rig = Rig::new(parameters(views, lenses, focus_m, projection)).unwrap();
+            let point_m = [x * depth_m, y * depth_m, -depth_m];
+            let (row, column) = rig.project(point_m, 0, 0).unwrap();
+            let d_x = rig.disparity_x().from_depth_m(depth_m);
+            let d_y = rig.disparity_y().from_depth_m(depth_m);
+            for (t, s) in [(0, views.1 - 1), (views.0 - 1, 0), (views.0 - 1, views.1 - 1)] {
+                let (row_there, column_there) = rig.project(point_m, t, s).unwrap();
+                let (row_expected, column_expected) = (row - d_y * t as f64, column - d_x * s as f64);
+                // Both are sums of a few terms, each good to some eps of the largest: the pixel itself, and the terms of the
+                // disparity, k/Z and k/F (perspective) or those times Z/F (orthographic).
+                let scale = rig.disparity_x().scale_m_px();
+                let largest = column.abs().max(row.abs()).max(40.0)
+                    + 6.0 * scale * (1.0 / depth_m + 1.0 / focus_m) * (1.0 + depth_m / focus_m);
+                let tolerance = 32.0 * f64::EPSILON * largest;
+                prop_assert!(near(row_there, row_expected, tolerance), "{row_there} is not {row_expected}");
+                prop_assert!(near(column_there, column_expected, tolerance), "{column_there} is not {column_expected}");
+            }
+        }
+    }
+
+    /// A ray of a pixel, followed to any depth, is seen by that pixel.
+    #[test]
+    fn project_undoes_ray(
+        focus_m in lengths(),
+        depth_m in lengths(),
+        (v, u, t, s) in (0..30_usize, 0..40_usize, 0..5_usize, 0..6_usize),
+        (jx, jy) in (0.0..1.0_f64, 0.0..1.0_f64),
+    ) {
+        for projection in BOTH {
+            let rig = Rig::new(parameters((5, 6), (30, 40), focus_m, projection)).unwrap();
+            let point_m = rig.ray(v, u, t, s, jx, jy).at_depth_m(depth_m);
+            let (row, column) = rig.project(point_m, t, s).unwrap();
+            let scale = rig.disparity_x().scale_m_px();
+            let largest = 40.0 + 6.0 * scale * (1.0 / depth_m + 1.0 / focus_m) * (1.0 + depth_m / focus_m);
+            let tolerance = 32.0 * f64::EPSILON * largest;
+            prop_assert!(near(row, v as f64 + jy, tolerance) && near(column, u as f64 + jx, tolerance));
+        }
+    }
+}
+
+#[test]
+fn what_lies_behind_the_camera_is_not_seen() {
+    let rig = Rig::new(parameters((3, 3), (4, 4), 4.0, Projection::Perspective)).unwrap();
+    for point_m in [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [0.0, 0.0, f64::NEG_INFINITY], [f64::NAN, 0.0, -1.0]] {
+        assert_eq!(rig.project(point_m, 0, 0), None);
+    }
+    assert_eq!(rig.project([0.0, 0.0, -4.0], 0, 0), Some((2.0, 2.0)));
+}
+
+#[test]
+fn rows_and_columns_turn_into_slopes_and_back() {
+    let rig = Rig::new(parameters((3, 3), (31, 47), 4.0, Projection::Perspective)).unwrap();
+    for pixel in [0.0, 0.5, 11.25, 30.0, 47.0, -3.0] {
+        // Differences of at most 47 px from the middle, two roundings each way.
+        assert!(near(rig.column(rig.slope_x(pixel)), pixel, 1e-13));
+        assert!(near(rig.row(rig.slope_y(pixel)), pixel, 1e-13));
+    }
+}
+
+#[test]
+fn ray_length_follows_from_depth() {
+    let rig = Rig::new(parameters((3, 3), (4, 4), 4.0, Projection::Perspective)).unwrap();
+    let ray = rig.ray(0, 0, 1, 1, 0.5, 0.5);
+    let [x, y, z] = ray.at_depth_m(7.0);
+    let length_m = (x * x + y * y + z * z).sqrt();
+    assert!(near(ray.length_per_depth() * 7.0, length_m, 1e-14));
+    assert!(ray.length_per_depth() > 1.0);
+}
+
+#[test]
+fn impossible_rigs_are_errors() {
+    let good = parameters((3, 3), (4, 4), 4.0, Projection::Perspective);
+    assert!(Rig::new(good).is_ok());
+    for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0] {
+        let intrinsics = good.intrinsics;
+        let bad = [
+            RigParameters { intrinsics: Intrinsics { focal_length_m: value, ..intrinsics }, ..good },
+            RigParameters { intrinsics: Intrinsics { sensor_size_m: value, ..intrinsics }, ..good },
+            RigParameters { baseline_x_m: value, ..good },
+            RigParameters { baseline_y_m: value, ..good },
+        ];
+        for bad in bad {
+            assert!(matches!(Rig::new(bad), Err(Error::BadNumber { .. })), "{bad:?}");
+        }
+    }
+    for focus_distance_m in [f64::NAN, 0.0, -0.0, -4.0, f64::NEG_INFINITY] {
+        assert!(Rig::new(RigParameters { focus_distance_m, ..good }).is_err(), "{focus_distance_m}");
+    }
+    assert!(matches!(
+        Rig::new(RigParameters { focus_distance_m: f64::INFINITY, projection: Projection::Orthographic, ..good }),
+        Err(Error::OrthographicFocus { .. })
+    ));
+    // Numbers that are fine alone and overflow together.
+    let tiny_focal = Intrinsics { focal_length_m: 1e-300, sensor_size_m: 1e300 };
+    assert!(Rig::new(RigParameters { intrinsics: tiny_focal, ..good }).is_err());
+    assert!(Rig::new(RigParameters { baseline_x_m: f64::MAX, ..good }).is_err());
+    assert!(Rig::new(RigParameters { focus_distance_m: f64::MIN_POSITIVE, baseline_x_m: 1e10, ..good }).is_err());
+    assert!(Rig::new(RigParameters { baseline_y_m: 1e-310, ..good }).is_err());
+    // Zero baselines are a rig: all views are the same.
+    let still = Rig::new(RigParameters { baseline_x_m: 0.0, baseline_y_m: -0.0, ..good }).unwrap();
+    assert_eq!(still.disparity().from_depth_m(1.0), 0.0);
+}
+
+/// A baseline of 10 micrometres must not vanish: it is compared with lengths of its own size, never with world coordinates.
+#[test]
+fn a_baseline_of_ten_micrometres_survives() {
+    let mut parameters = parameters((1, 3), (4, 4), 1e6, Projection::Perspective);
+    parameters.baseline_x_m = 1e-5;
+    let rig = Rig::new(parameters).unwrap();
+    assert_eq!([rig.view_x_m(0), rig.view_x_m(1), rig.view_x_m(2)], [-1e-5, 0.0, 1e-5]);
+    assert!(rig.disparity().from_depth_m(1.0) > 0.0);
+}

@@ -1,0 +1,6 @@
+//! The light field and its two layouts.
+
+mod clip;
+mod light_field;
+mod rearrange;
+mod samples;

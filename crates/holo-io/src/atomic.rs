@@ -1,0 +1,261 @@
+//! Files that appear whole or not at all.
+
+mod temporary;
+
+use std::fmt;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256 as Hasher};
+
+use crate::Error;
+use temporary::Temporary;
+pub use temporary::{remove_stale_temporary_files, remove_temporary_files};
+
+/// Bytes gathered before they are hashed and handed to the operating system.
+const BUFFER_BYTES: usize = 256 * 1024;
+
+/// The SHA-256 digest of a file; prints as 64 lower-case hexadecimal digits.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Sha256(pub [u8; 32]);
+
+impl fmt::Display for Sha256 {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
+    }
+}
+
+impl fmt::Debug for Sha256 {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Sha256({self})")
+    }
+}
+
+impl Sha256 {
+    /// Reads 64 hexadecimal digits of either case; anything else is `None`.
+    #[must_use]
+    pub fn from_hex(text: &str) -> Option<Self> {
+        let digits = text.as_bytes();
+        if digits.len() != 64 {
+            return None;
+        }
+        let digit = |at: usize| (digits[at] as char).to_digit(16).map(|value| value as u8);
+        let mut digest = [0; 32];
+        for (at, byte) in digest.iter_mut().enumerate() {
+            *byte = digit(2 * at)? << 4 | digit(2 * at + 1)?;
+        }
+        Some(Self(digest))
+    }
+}
+
+/// What was written: enough to check the file later, and all that a manifest keeps of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Written {
+    /// The size of the file.
+    pub bytes: u64,
+    /// The digest of its contents.
+    pub sha256: Sha256,
+}
+
+/// A file that is written under a temporary name and takes its own name only when it is complete.
+///
+/// The temporary name lies in the same folder: `.NAME.<process>-<number>.part`. [`commit`](Self::commit) syncs the file,
+/// renames it and syncs the folder, so a reader sees the old file, the new file or no file, but never half a file, even
+/// across a power cut. A file that is dropped without `commit` is removed. A killed process leaves at most the `.part`, which
+/// [`remove_stale_temporary_files`] clears away.
+///
+/// Where the name is a symbolic link to a file, that file is replaced and the link stays. Where it is a device or a pipe (`/dev/null`,
+/// `/dev/stdout`), the bytes go straight into it.
+///
+/// The size and the SHA-256 of the contents are worked out on the way, so no file needs to be read again for its manifest.
+///
+/// # Examples
+///
+/// ```
+/// use std::io::Write;
+///
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("note.txt");
+/// let mut file = holo_io::AtomicFile::create(&path)?;
+/// file.write_all(b"holo")?;
+/// assert!(!path.exists());
+/// let written = file.commit()?;
+/// assert_eq!((written.bytes, std::fs::read(&path)?), (4, b"holo".to_vec()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct AtomicFile {
+    /// The name as the caller gave it, for messages.
+    path: PathBuf,
+    file: File,
+    /// `None` where the bytes go straight into a device.
+    temporary: Option<Temporary>,
+    buffer: Vec<u8>,
+    hasher: Hasher,
+    bytes: u64,
+    /// The first error of a write. Encoders swallow errors in their destructors; `commit` must not.
+    failure: Option<io::Error>,
+}
+
+impl AtomicFile {
+    /// Starts a file that will be called `path`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] if the folder does not exist or cannot be written, if `path` is a folder, or after
+    /// [`remove_temporary_files`]; [`Error::BadInput`] if `path` has no file name.
+    pub fn create(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let failed = |source| Error::io("write", path, source);
+        let (file, temporary) = match fs::metadata(path) {
+            Ok(found) if found.is_dir() => return Err(failed(io::ErrorKind::IsADirectory.into())),
+            // Renaming over a device would replace the device by a file.
+            Ok(found) if !found.is_file() => (OpenOptions::new().write(true).open(path).map_err(failed)?, None),
+            Ok(_) => {
+                let target = fs::canonicalize(path).map_err(failed)?;
+                let (file, temporary) = Temporary::create(&target).map_err(failed)?;
+                (file, Some(temporary))
+            }
+            Err(_) if path.file_name().is_none() => {
+                return Err(Error::bad_input(path, "the path has no file name"));
+            }
+            Err(_) => {
+                // A name relative to today's working folder must still mean the same file at `commit`.
+                let target = std::path::absolute(path).map_err(failed)?;
+                let (file, temporary) = Temporary::create(&target).map_err(failed)?;
+                (file, Some(temporary))
+            }
+        };
+        Ok(Self {
+            path: path.to_owned(),
+            file,
+            temporary,
+            buffer: Vec::with_capacity(BUFFER_BYTES),
+            hasher: Hasher::new(),
+            bytes: 0,
+            failure: None,
+        })
+    }
+
+    /// Returns the name that the file will have.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Completes the file: writes what is left, syncs, renames, and returns the size and the digest.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] if any write since `create` failed, even where the code between swallowed its error, or if the file cannot be
+    /// synced or renamed. The temporary file is gone then, and an older file of that name is untouched.
+    pub fn commit(mut self) -> Result<Written, Error> {
+        let finished = self.finish();
+        finished.map_err(|source| Error::io("write", &self.path, source))
+    }
+
+    fn finish(&mut self) -> io::Result<Written> {
+        self.write_buffer()?;
+        if let Some(temporary) = self.temporary.take() {
+            self.file.sync_all()?;
+            temporary.rename()?;
+        }
+        Ok(Written { bytes: self.bytes, sha256: Sha256(self.hasher.finalize_reset().into()) })
+    }
+
+    /// Turns an error that came through an encoder into this crate's, preferring the operating system's own words.
+    #[cfg_attr(not(feature = "png"), allow(dead_code))]
+    pub(crate) fn error(&mut self, other: impl fmt::Display) -> Error {
+        let source = self.failure.take().unwrap_or_else(|| io::Error::other(other.to_string()));
+        Error::io("write", &self.path, source)
+    }
+
+    fn write_buffer(&mut self) -> io::Result<()> {
+        let buffer = std::mem::take(&mut self.buffer);
+        let outcome = self.write_through(&buffer);
+        self.buffer = buffer;
+        self.buffer.clear();
+        outcome
+    }
+
+    /// Hashes and writes; after one failure nothing is written any more.
+    fn write_through(&mut self, data: &[u8]) -> io::Result<()> {
+        if let Some(failure) = &self.failure {
+            return Err(copy_of(failure));
+        }
+        if let Err(failure) = self.file.write_all(data) {
+            let copy = copy_of(&failure);
+            self.failure = Some(failure);
+            return Err(copy);
+        }
+        self.hasher.update(data);
+        self.bytes += data.len() as u64;
+        Ok(())
+    }
+}
+
+impl Write for AtomicFile {
+    fn write(&mut self, data: &[u8]) -> io::Result<usize> {
+        if self.buffer.len() + data.len() > BUFFER_BYTES {
+            self.write_buffer()?;
+        }
+        if data.len() >= BUFFER_BYTES {
+            self.write_through(data)?;
+        } else {
+            self.buffer.extend_from_slice(data);
+        }
+        Ok(data.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.write_buffer()
+    }
+}
+
+/// A second error that says the same: `io::Error` is not `Clone`.
+fn copy_of(error: &io::Error) -> io::Error {
+    match error.raw_os_error() {
+        Some(code) => io::Error::from_raw_os_error(code),
+        None => io::Error::new(error.kind(), error.to_string()),
+    }
+}
+
+/// Writes a whole file at once, so that it appears complete or not at all.
+///
+/// # Errors
+///
+/// Those of [`AtomicFile::create`] and [`AtomicFile::commit`].
+pub fn write_file(path: impl AsRef<Path>, contents: &[u8]) -> Result<Written, Error> {
+    let mut file = AtomicFile::create(path)?;
+    match file.write_all(contents) {
+        Ok(()) => file.commit(),
+        Err(error) => Err(file.error(error)),
+    }
+}
+
+/// Reads a file and returns its size and digest.
+///
+/// # Errors
+///
+/// [`Error::Io`] if the file cannot be read.
+pub fn hash_file(path: impl AsRef<Path>) -> Result<Written, Error> {
+    let path = path.as_ref();
+    let failed = |source| Error::io("read", path, source);
+    let mut file = File::open(path).map_err(failed)?;
+    let mut hasher = Hasher::new();
+    let mut buffer = vec![0; BUFFER_BYTES];
+    let mut bytes = 0;
+    loop {
+        match io::Read::read(&mut file, &mut buffer) {
+            Ok(0) => break,
+            Ok(count) => {
+                hasher.update(&buffer[..count]);
+                bytes += count as u64;
+            }
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(failed(error)),
+        }
+    }
+    Ok(Written { bytes, sha256: Sha256(hasher.finalize().into()) })
+}

@@ -1,0 +1,216 @@
+//! Temporary names: made, remembered, renamed, and cleared away after a crash.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use crate::Error;
+
+const SUFFIX: &str = ".part";
+
+/// File systems commonly stop at 255 bytes a name; the process number and the suffix need the rest.
+const MAX_NAME_BYTES: usize = 200;
+
+/// The temporary files that this process has open.
+struct Live {
+    paths: BTreeSet<PathBuf>,
+    /// Set when the process is about to end: nothing new is started.
+    stopped: bool,
+}
+
+static LIVE: Mutex<Live> = Mutex::new(Live { paths: BTreeSet::new(), stopped: false });
+static NEXT: AtomicU64 = AtomicU64::new(0);
+
+/// No code panics while it holds the lock, and the set is sound after every statement.
+fn live() -> MutexGuard<'static, Live> {
+    LIVE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A temporary name that is removed when dropped, unless it was renamed.
+#[derive(Debug)]
+pub(super) struct Temporary {
+    path: PathBuf,
+    target: PathBuf,
+    renamed: bool,
+}
+
+impl Temporary {
+    /// Creates a temporary file beside `target`, which must be absolute.
+    pub(super) fn create(target: &Path) -> io::Result<(File, Self)> {
+        let folder = target.parent().ok_or(io::ErrorKind::InvalidInput)?;
+        let name = target.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_string_lossy();
+        let end = (0..=name.len().min(MAX_NAME_BYTES)).rev().find(|&at| name.is_char_boundary(at)).unwrap_or(0);
+        let name = &name[..end];
+        loop {
+            let number = NEXT.fetch_add(1, Ordering::Relaxed);
+            let path = folder.join(format!(".{name}.{}-{number}{SUFFIX}", std::process::id()));
+            // Held while the file is made, so that a clean-up never falls between making and remembering it.
+            let mut live = live();
+            if live.stopped {
+                return Err(io::Error::new(io::ErrorKind::Interrupted, "the program is stopping"));
+            }
+            match OpenOptions::new().write(true).create_new(true).open(&path) {
+                Ok(file) => {
+                    // The lock tells other processes that this file has a living writer. It falls with the process, however that
+                    // ends. A file system without locks only loses that one sign.
+                    let _ = file.try_lock();
+                    live.paths.insert(path.clone());
+                    return Ok((file, Self { path, target: target.to_owned(), renamed: false }));
+                }
+                // Left by a dead process that had the same number.
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    /// Gives the file its real name, in one step.
+    pub(super) fn rename(mut self) -> io::Result<()> {
+        fs::rename(&self.path, &self.target)?;
+        self.renamed = true;
+        sync_folder(self.target.parent())
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        live().paths.remove(&self.path);
+        if !self.renamed {
+            // Nobody is left to tell, and the name says what it is.
+            let _ = fs::remove_file(&self.path);
+        }
+    }
+}
+
+/// Makes the rename itself survive a power cut.
+fn sync_folder(folder: Option<&Path>) -> io::Result<()> {
+    // Only Unix opens folders; elsewhere the rename is as durable as the file system makes it.
+    let Some(folder) = folder.filter(|_| cfg!(unix)) else { return Ok(()) };
+    match File::open(folder).and_then(|folder| folder.sync_all()) {
+        // A folder that may be written but not read, or a file system that cannot sync folders: the file is in place all the same.
+        Err(error)
+            if matches!(
+                error.kind(),
+                io::ErrorKind::PermissionDenied | io::ErrorKind::InvalidInput | io::ErrorKind::Unsupported
+            ) =>
+        {
+            Ok(())
+        }
+        outcome => outcome,
+    }
+}
+
+/// Removes the temporary files of this process and starts no more; returns how many there were.
+///
+/// This is the last act of a process that was asked to stop (Ctrl-C): every [`AtomicFile`](crate::AtomicFile) that is still open can no longer be
+/// committed, and creating another is an error from now on.
+pub fn remove_temporary_files() -> usize {
+    let mut live = live();
+    live.stopped = true;
+    let paths = std::mem::take(&mut live.paths);
+    paths.iter().filter(|path| fs::remove_file(path).is_ok()).count()
+}
+
+/// Removes the temporary files that dead processes left in `folder`, and returns their paths.
+///
+/// A file goes only if its name is one that [`AtomicFile`](crate::AtomicFile) makes, if no living process holds its lock, and if no process of its number
+/// lives on this machine (where the system says so). The lock also protects the files of other machines and containers that share the
+/// folder. Subfolders are not searched.
+///
+/// # Errors
+///
+/// [`Error::Io`] if the folder cannot be listed or a stale file cannot be removed.
+pub fn remove_stale_temporary_files(folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
+    let folder = folder.as_ref();
+    let unlisted = |source| Error::io("list", folder, source);
+    let mut removed = Vec::new();
+    for entry in fs::read_dir(folder).map_err(unlisted)? {
+        let entry = entry.map_err(unlisted)?;
+        let Some(process) = entry.file_name().to_str().and_then(process_of) else { continue };
+        let path = entry.path();
+        if !entry.file_type().is_ok_and(|kind| kind.is_file()) || is_alive(process) || is_locked(&path) {
+            continue;
+        }
+        match fs::remove_file(&path) {
+            Ok(()) => removed.push(path),
+            // Somebody else cleared it away.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(error) => return Err(Error::io("remove", &path, error)),
+        }
+    }
+    removed.sort();
+    Ok(removed)
+}
+
+/// Returns the process number in a name of the form `.NAME.<process>-<number>.part`.
+fn process_of(name: &str) -> Option<u32> {
+    let (name, numbers) = name.strip_prefix('.')?.strip_suffix(SUFFIX)?.rsplit_once('.')?;
+    let (process, number) = numbers.split_once('-')?;
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    if name.is_empty() || !is_number(process) || !is_number(number) {
+        return None;
+    }
+    process.parse().ok()
+}
+
+/// Whether a process of this number runs; `false` where the system has no `/proc` to ask.
+fn is_alive(process: u32) -> bool {
+    process == std::process::id() || Path::new("/proc").join(process.to_string()).exists()
+}
+
+/// Whether a living process, here or on another machine, holds the file's lock; a file that cannot even be opened is not ours to judge.
+fn is_locked(path: &Path) -> bool {
+    // Open for writing, because network file systems grant exclusive locks to nobody else.
+    match OpenOptions::new().write(true).open(path) {
+        Ok(file) => matches!(file.try_lock(), Err(TryLockError::WouldBlock)),
+        Err(_) => true,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_our_own_names_are_recognised() {
+        assert_eq!(process_of(".scene_el.png.4711-3.part"), Some(4711));
+        assert_eq!(process_of(".a.b-c.d.1-0.part"), Some(1));
+        for other in [
+            "scene_el.png.4711-3.part",
+            ".x.4711.part",
+            ".x.-3.part",
+            ".x.4711-.part",
+            ".x.a-3.part",
+            ".part",
+            "..1-1.part",
+            ".x.+1-1.part",
+        ] {
+            assert_eq!(process_of(other), None, "{other}");
+        }
+    }
+
+    #[test]
+    fn a_name_of_the_longest_kind_still_gets_a_temporary() {
+        let folder = tempfile::tempdir().unwrap();
+        // Two-byte characters, so that a cut at a fixed byte would split one.
+        let target = folder.path().join(format!("a{}", "ä".repeat(127)));
+        let (_file, temporary) = Temporary::create(&target).unwrap();
+        temporary.rename().unwrap();
+        assert!(target.exists());
+    }
+
+    #[test]
+    fn a_taken_temporary_name_is_passed_over() {
+        let folder = tempfile::tempdir().unwrap();
+        let next = NEXT.load(Ordering::Relaxed);
+        for number in next..next + 50 {
+            fs::write(folder.path().join(format!(".x.{}-{number}.part", std::process::id())), b"old").unwrap();
+        }
+        let (_file, temporary) = Temporary::create(&folder.path().join("x")).unwrap();
+        temporary.rename().unwrap();
+        assert_eq!(fs::read(folder.path().join("x")).unwrap(), b"");
+    }
+}

@@ -1,0 +1,46 @@
+//! The names in a dataset folder.
+
+use std::path::{Path, PathBuf};
+
+use holo_core::GridSize;
+
+use crate::{Error, manifest::stays_inside};
+
+/// The elemental grid: the raw image behind the lenses.
+pub const ELEMENTAL_PNG: &str = "scene_el.png";
+/// The viewpoint grid: all views side by side.
+pub const VIEWPOINT_PNG: &str = "scene_vpi.png";
+/// Disparity of the central view in pixels between adjacent views.
+pub const DISPARITY_PFM: &str = "scene_disparity.pfm";
+/// The same as a picture.
+pub const DISPARITY_PNG: &str = "scene_disparity.png";
+/// Depth of the central view in metres.
+pub const DEPTH_PFM: &str = "scene_depth.pfm";
+/// The camera parameters.
+pub const PARAMETERS_CFG: &str = "parameters.cfg";
+/// The settings and digests.
+pub const MANIFEST_JSON: &str = "manifest.json";
+
+/// Returns the folder of one dataset: `<scene>/<S>x<T>`, views as columns x rows.
+///
+/// # Errors
+///
+/// [`Error::BadInput`] if the scene's name is not the name of one folder: empty, `..`, or with a separator in it.
+///
+/// # Source
+///
+/// Section IV of the paper.
+///
+/// # Examples
+///
+/// ```
+/// let folder = holo_io::dataset::folder("still_life", holo_core::GridSize::new(20, 40))?;
+/// assert_eq!(folder, std::path::Path::new("still_life/40x20"));
+/// # Ok::<(), holo_io::Error>(())
+/// ```
+pub fn folder(scene: &str, views: GridSize) -> Result<PathBuf, Error> {
+    if !stays_inside(scene) || scene.contains('/') {
+        return Err(Error::bad_input(Path::new(scene), "a scene's name must be usable as the name of one folder"));
+    }
+    Ok(Path::new(scene).join(format!("{}x{}", views.columns, views.rows)))
+}

@@ -1,0 +1,95 @@
+//! How much memory a reader may take, checked before it is taken.
+
+use std::path::Path;
+
+use crate::Error;
+
+/// The most memory that reading one file may take.
+///
+/// A few bytes of a damaged or hostile file can announce an image of many gigabytes. Every reader of this crate works out what it
+/// is about to hold and compares it with this budget before it asks for memory.
+///
+/// # Examples
+///
+/// ```
+/// // An 8K raw image of 8-bit RGB is 127 MB; a caller who expects no more can say so.
+/// let limits = holo_io::Limits { max_bytes: 200_000_000 };
+/// assert!(limits.max_bytes < holo_io::Limits::default().max_bytes);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Limits {
+    /// The budget for the data of one file once it is in memory, in bytes.
+    pub max_bytes: u64,
+}
+
+impl Limits {
+    /// No limit but the machine's own memory: for files that can be trusted.
+    pub const NONE: Self = Self { max_bytes: u64::MAX };
+}
+
+impl Default for Limits {
+    /// 4 GiB: thirty times an 8K raw image of 8-bit RGB.
+    fn default() -> Self {
+        Self { max_bytes: 4 << 30 }
+    }
+}
+
+impl Limits {
+    /// Passes a product of sizes that is within the budget and the address space, as an element count.
+    ///
+    /// The last factor is the size of one element in bytes and is not part of the returned count.
+    pub(crate) fn elements(
+        self,
+        path: &Path,
+        what: &'static str,
+        counts: &[usize],
+        element_bytes: usize,
+    ) -> Result<usize, Error> {
+        let too_large = |needed: u64, allowed: u64| Error::TooLarge { path: path.to_owned(), what, needed, allowed };
+        let address_space = isize::MAX as u64;
+        let elements = counts
+            .iter()
+            .try_fold(1_usize, |product, &count| product.checked_mul(count))
+            .ok_or_else(|| too_large(u64::MAX, self.max_bytes.min(address_space)))?;
+        let bytes = (elements as u64).saturating_mul(element_bytes as u64);
+        if bytes > self.max_bytes.min(address_space) {
+            return Err(too_large(bytes, self.max_bytes.min(address_space)));
+        }
+        Ok(elements)
+    }
+
+    /// Returns an empty vector with room for `elements` elements, or an error where the machine has no such memory.
+    pub(crate) fn room<T>(self, path: &Path, what: &'static str, elements: usize) -> Result<Vec<T>, Error> {
+        let mut vector = Vec::new();
+        vector.try_reserve_exact(elements).map_err(|_| Error::TooLarge {
+            path: path.to_owned(),
+            what,
+            needed: (elements as u64).saturating_mul(size_of::<T>() as u64),
+            allowed: self.max_bytes,
+        })?;
+        Ok(vector)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_budget_is_exact() {
+        let path = Path::new("x.png");
+        let limits = Limits { max_bytes: 24 };
+        assert_eq!(limits.elements(path, "image", &[2, 3], 4).unwrap(), 6);
+        let error = limits.elements(path, "image", &[5, 5], 1).unwrap_err();
+        assert!(matches!(error, Error::TooLarge { needed: 25, allowed: 24, .. }), "{error}");
+    }
+
+    #[test]
+    fn sizes_that_overflow_are_errors() {
+        let path = Path::new("x.png");
+        for counts in [&[usize::MAX, usize::MAX][..], &[usize::MAX], &[1 << 40, 1 << 40, 0]] {
+            assert!(Limits::NONE.elements(path, "image", counts, 8).is_err(), "{counts:?}");
+        }
+        assert!(Limits::NONE.room::<u64>(path, "image", usize::MAX / 16).is_err());
+    }
+}

@@ -1,0 +1,151 @@
+//! `manifest.json`: what a dataset folder was made with, and the digest of every file in it.
+
+mod json;
+mod rig;
+mod setting;
+mod verify;
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use crate::error::MEMORY;
+use crate::{Error, Limits, Written, write_file};
+
+pub use rig::ManifestRig;
+pub use setting::Setting;
+pub use verify::{Problem, ProblemKind};
+
+/// The value of the key `format`, by which the file is known.
+pub(crate) const FORMAT: &str = "holo manifest 1";
+
+/// What the value begins with in any version.
+pub(crate) const FORMAT_FAMILY: &str = "holo manifest ";
+
+/// A whole manifest is at most this long: room for the digests of some 100,000 files, and little enough that no crafted one fills the memory.
+const MAX_BYTES: u64 = 16 << 20;
+
+/// What a dataset folder was made with.
+///
+/// It holds no time and no path outside its folder, and its keys always come in the same order, so equal inputs give equal bytes.
+/// In JSON a size is `{"columns": .., "rows": ..}`, and a number that is not finite is the text `"inf"`, `"-inf"` or `"nan"`.
+///
+/// # Examples
+///
+/// ```
+/// use holo_io::{Manifest, Setting, write_file};
+///
+/// # let folder = tempfile::tempdir()?;
+/// let written = write_file(folder.path().join("scene_el.png"), b"pixels")?;
+/// let mut manifest = Manifest { seed: 7, exposure_ev: Some(-0.5), ..Manifest::default() };
+/// manifest.versions.insert("holo".into(), "0.1.0".into());
+/// manifest.settings.insert("integrator".into(), Setting::from("path"));
+/// manifest.files.insert("scene_el.png".into(), written);
+/// manifest.write(folder.path().join("manifest.json"))?;
+///
+/// let read = Manifest::read(folder.path().join("manifest.json"))?;
+/// assert_eq!(read, manifest);
+/// assert!(read.verify(folder.path()).is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Manifest {
+    /// What made the files: `holo` and its engines, each with its version.
+    pub versions: BTreeMap<String, String>,
+    /// The seed of all random numbers.
+    pub seed: u64,
+    /// Every other setting, by its name on the command line.
+    pub settings: BTreeMap<String, Setting>,
+    /// The views, the lenses and the cameras, in the units of the files.
+    pub rig: Option<ManifestRig>,
+    /// The smallest and largest finite disparity of the central view, which are black and white in `scene_disparity.png`.
+    pub disparity_px: Option<(f64, f64)>,
+    /// The exposure of the 8- and 16-bit images, in steps of a factor of two.
+    pub exposure_ev: Option<f64>,
+    /// The files by their name relative to the folder, with `/` between folders.
+    pub files: BTreeMap<String, Written>,
+}
+
+impl Manifest {
+    /// Returns the manifest as JSON, ending in a line feed.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadInput`] if a file name is not one inside the folder.
+    pub fn to_json(&self) -> Result<String, Error> {
+        json::write(self, Path::new(MEMORY))
+    }
+
+    /// Reads a manifest from JSON. Keys that this version does not know are passed over.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Broken`] if it is not JSON, a value has the wrong type or a file name leads outside the folder;
+    /// [`Error::Unsupported`] if it is a manifest of another version.
+    pub fn from_json(text: &str) -> Result<Self, Error> {
+        json::read(text.as_bytes(), Path::new(MEMORY))
+    }
+
+    /// Writes the manifest to a file, usually `manifest.json`.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Manifest::to_json`], and [`Error::Io`] if the file cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<Written, Error> {
+        let path = path.as_ref();
+        write_file(path, json::write(self, path)?.as_bytes())
+    }
+
+    /// Reads a manifest from a file.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Manifest::from_json`]; [`Error::Io`] if the file cannot be read; [`Error::TooLarge`] if it has more than 16 MiB.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        json::read(&read_small_file(path, MAX_BYTES)?, path)
+    }
+
+    /// Reads every listed file and returns what is wrong, in the order of their names; nothing if all is well.
+    ///
+    /// Files that the manifest does not list are not looked at.
+    #[must_use]
+    pub fn verify(&self, folder: impl AsRef<Path>) -> Vec<Problem> {
+        verify::verify(self, folder.as_ref())
+    }
+}
+
+/// Reads a text file of at most `max_bytes`.
+pub(crate) fn read_small_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Error> {
+    let failed = |source| Error::io("read", path, source);
+    let file = File::open(path).map_err(failed)?;
+    let announced = file.metadata().map_err(failed)?.len();
+    Limits { max_bytes }.elements(path, "file", &[usize::try_from(announced).unwrap_or(usize::MAX)], 1)?;
+    let mut bytes = Vec::new();
+    // A pipe announces nothing, so the length is checked again.
+    file.take(max_bytes + 1).read_to_end(&mut bytes).map_err(failed)?;
+    Limits { max_bytes }.elements(path, "file", &[bytes.len()], 1)?;
+    Ok(bytes)
+}
+
+/// Whether a name is a relative path that stays inside its folder on every system.
+pub(crate) fn stays_inside(name: &str) -> bool {
+    let plain = |part: &str| !matches!(part, "" | "." | "..") && !part.contains(['\\', ':', '\0']);
+    name.split('/').all(plain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_leave_the_folder_are_told_from_those_that_stay() {
+        for name in ["scene_el.png", "hci/input_Cam000.png", "..x", "a b"] {
+            assert!(stays_inside(name), "{name}");
+        }
+        for name in ["", "/etc/passwd", "../x", "a/../b", "a//b", "./a", "a/", "C:x", "a\\..\\b", "a\0"] {
+            assert!(!stays_inside(name), "{name}");
+        }
+    }
+}

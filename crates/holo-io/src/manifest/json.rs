@@ -1,0 +1,270 @@
+//! The manifest's JSON: fixed order of keys, sizes as columns and rows, infinities as text.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use holo_core::{GridSize, Projection};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::{FORMAT, Manifest, ManifestRig, Setting, stays_inside};
+use crate::{Error, Sha256, Written};
+
+/// The keys in the order in which they are written.
+#[derive(Serialize, Deserialize)]
+struct Document {
+    format: String,
+    #[serde(default)]
+    versions: BTreeMap<String, String>,
+    #[serde(default)]
+    seed: u64,
+    #[serde(default)]
+    settings: BTreeMap<String, Value>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    rig: Option<Rig>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    disparity_px: Option<Range>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    exposure_ev: Option<Number>,
+    #[serde(default)]
+    files: BTreeMap<String, FileEntry>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Rig {
+    views: Size,
+    lenses: Size,
+    baseline_m: Baseline,
+    focal_length_mm: Number,
+    sensor_size_mm: Number,
+    focus_distance_m: Number,
+    projection: ProjectionName,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Size {
+    columns: usize,
+    rows: usize,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Baseline {
+    x: Number,
+    y: Number,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Range {
+    min: Number,
+    max: Number,
+}
+
+#[derive(Serialize, Deserialize)]
+struct FileEntry {
+    bytes: u64,
+    sha256: String,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+enum ProjectionName {
+    Perspective,
+    Orthographic,
+}
+
+/// A number that may be infinite.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+enum Number {
+    Finite(f64),
+    Text(NotFinite),
+}
+
+#[derive(Serialize, Deserialize)]
+enum NotFinite {
+    #[serde(rename = "inf")]
+    Infinity,
+    #[serde(rename = "-inf")]
+    NegativeInfinity,
+    #[serde(rename = "nan")]
+    NotANumber,
+}
+
+impl NotFinite {
+    fn of(value: f64) -> Option<Self> {
+        match value {
+            f64::INFINITY => Some(Self::Infinity),
+            f64::NEG_INFINITY => Some(Self::NegativeInfinity),
+            value if value.is_nan() => Some(Self::NotANumber),
+            _ => None,
+        }
+    }
+
+    fn text(&self) -> &'static str {
+        match self {
+            Self::Infinity => "inf",
+            Self::NegativeInfinity => "-inf",
+            Self::NotANumber => "nan",
+        }
+    }
+
+    fn value(&self) -> f64 {
+        match self {
+            Self::Infinity => f64::INFINITY,
+            Self::NegativeInfinity => f64::NEG_INFINITY,
+            Self::NotANumber => f64::NAN,
+        }
+    }
+}
+
+impl From<f64> for Number {
+    fn from(value: f64) -> Self {
+        NotFinite::of(value).map_or(Self::Finite(value), Self::Text)
+    }
+}
+
+impl From<Number> for f64 {
+    fn from(number: Number) -> Self {
+        match number {
+            Number::Finite(value) => value,
+            Number::Text(text) => text.value(),
+        }
+    }
+}
+
+impl From<GridSize> for Size {
+    fn from(size: GridSize) -> Self {
+        Self { columns: size.columns, rows: size.rows }
+    }
+}
+
+impl From<Size> for GridSize {
+    fn from(size: Size) -> Self {
+        Self::new(size.rows, size.columns)
+    }
+}
+
+impl From<&ManifestRig> for Rig {
+    fn from(rig: &ManifestRig) -> Self {
+        Self {
+            views: rig.views.into(),
+            lenses: rig.lenses.into(),
+            baseline_m: Baseline { x: rig.baseline_x_m.into(), y: rig.baseline_y_m.into() },
+            focal_length_mm: rig.focal_length_mm.into(),
+            sensor_size_mm: rig.sensor_size_mm.into(),
+            focus_distance_m: rig.focus_distance_m.into(),
+            projection: match rig.projection {
+                Projection::Perspective => ProjectionName::Perspective,
+                Projection::Orthographic => ProjectionName::Orthographic,
+            },
+        }
+    }
+}
+
+impl From<Rig> for ManifestRig {
+    fn from(rig: Rig) -> Self {
+        Self {
+            views: rig.views.into(),
+            lenses: rig.lenses.into(),
+            baseline_x_m: rig.baseline_m.x.into(),
+            baseline_y_m: rig.baseline_m.y.into(),
+            focal_length_mm: rig.focal_length_mm.into(),
+            sensor_size_mm: rig.sensor_size_mm.into(),
+            focus_distance_m: rig.focus_distance_m.into(),
+            projection: match rig.projection {
+                ProjectionName::Perspective => Projection::Perspective,
+                ProjectionName::Orthographic => Projection::Orthographic,
+            },
+        }
+    }
+}
+
+fn setting_to_json(setting: &Setting) -> Value {
+    match setting {
+        Setting::None => Value::Null,
+        Setting::Bool(value) => Value::from(*value),
+        Setting::Integer(value) => Value::from(*value),
+        Setting::Float(value) => NotFinite::of(*value).map_or(Value::from(*value), |text| Value::from(text.text())),
+        Setting::Text(text) => Value::from(text.as_str()),
+        Setting::List(values) => values.iter().map(setting_to_json).collect(),
+        // In the order of a `BTreeMap`, whatever order the JSON crate keeps.
+        Setting::Table(values) => values.iter().map(|(key, value)| (key.clone(), setting_to_json(value))).collect(),
+    }
+}
+
+/// The nesting that can be met here is bounded by the parser, which stops at 128 levels.
+fn setting_from_json(value: Value) -> Setting {
+    match value {
+        Value::Null => Setting::None,
+        Value::Bool(value) => Setting::Bool(value),
+        Value::Number(number) => match (number.as_i64(), number.as_f64()) {
+            (Some(value), _) => Setting::Integer(value),
+            (None, Some(value)) => Setting::Float(value),
+            (None, None) => Setting::Text(number.to_string()),
+        },
+        Value::String(text) => match text.as_str() {
+            "inf" => Setting::Float(f64::INFINITY),
+            "-inf" => Setting::Float(f64::NEG_INFINITY),
+            "nan" => Setting::Float(f64::NAN),
+            _ => Setting::Text(text),
+        },
+        Value::Array(values) => Setting::List(values.into_iter().map(setting_from_json).collect()),
+        Value::Object(values) => {
+            Setting::Table(values.into_iter().map(|(key, value)| (key, setting_from_json(value))).collect())
+        }
+    }
+}
+
+pub(super) fn write(manifest: &Manifest, path: &Path) -> Result<String, Error> {
+    if let Some(name) = manifest.files.keys().find(|name| !stays_inside(name)) {
+        return Err(Error::bad_input(path, format!("the manifest lists {name:?}, which is no name inside its folder")));
+    }
+    let entry = |written: &Written| FileEntry { bytes: written.bytes, sha256: written.sha256.to_string() };
+    let document = Document {
+        format: FORMAT.to_owned(),
+        versions: manifest.versions.clone(),
+        seed: manifest.seed,
+        settings: manifest.settings.iter().map(|(key, value)| (key.clone(), setting_to_json(value))).collect(),
+        rig: manifest.rig.as_ref().map(Rig::from),
+        disparity_px: manifest.disparity_px.map(|(min, max)| Range { min: min.into(), max: max.into() }),
+        exposure_ev: manifest.exposure_ev.map(Number::from),
+        files: manifest.files.iter().map(|(name, written)| (name.clone(), entry(written))).collect(),
+    };
+    let text = serde_json::to_string_pretty(&document);
+    text.map(|text| text + "\n").map_err(|error| Error::bad_input(path, error.to_string()))
+}
+
+pub(super) fn read(text: &[u8], path: &Path) -> Result<Manifest, Error> {
+    let broken = |what: String| Error::broken(path, "manifest", what);
+    /// Only what is needed to tell a manifest of another version from a damaged one.
+    #[derive(Deserialize)]
+    struct Version {
+        format: String,
+    }
+    let version: Version = serde_json::from_slice(text).map_err(|error| broken(error.to_string()))?;
+    if version.format != FORMAT {
+        return Err(Error::unsupported(
+            path,
+            format!("the format is {:?}; this version of holo reads {FORMAT:?}", version.format),
+        ));
+    }
+    let document: Document = serde_json::from_slice(text).map_err(|error| broken(error.to_string()))?;
+    let mut files = BTreeMap::new();
+    for (name, entry) in document.files {
+        if !stays_inside(&name) {
+            return Err(broken(format!("files: {name:?} is no name inside the folder")));
+        }
+        let sha256 = Sha256::from_hex(&entry.sha256)
+            .ok_or_else(|| broken(format!("files: the SHA-256 of {name:?} is not 64 hexadecimal digits")))?;
+        files.insert(name, Written { bytes: entry.bytes, sha256 });
+    }
+    Ok(Manifest {
+        versions: document.versions,
+        seed: document.seed,
+        settings: document.settings.into_iter().map(|(key, value)| (key, setting_from_json(value))).collect(),
+        rig: document.rig.map(ManifestRig::from),
+        disparity_px: document.disparity_px.map(|range| (range.min.into(), range.max.into())),
+        exposure_ev: document.exposure_ev.map(f64::from),
+        files,
+    })
+}

@@ -1,0 +1,257 @@
+//! `parameters.cfg`: the camera parameters of a light field, with the keys of the HCI benchmark.
+//!
+//! The file is an INI file as Python's `configparser` writes and reads it: `key = value`, `=` the only delimiter, `%%` for a percent sign.
+
+mod ini;
+mod keys;
+mod pose;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use holo_core::{GridSize, Intrinsics, Projection, RigParameters, Split};
+
+use crate::error::MEMORY;
+use crate::manifest::read_small_file;
+use crate::{Error, Written, millimetres, write_file};
+
+pub use pose::CameraPose;
+
+/// No camera needs more text than this.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// The contents of a `parameters.cfg`, in the units of the file.
+///
+/// What is `None` or empty need not be in a file that is read. A missing number is left out of the file that is written; a missing text is
+/// written as an empty one. Keys that the format does not know are kept in [`other`](Self::other) and written back.
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::{GridSize, Intrinsics, Projection, RigParameters, Split};
+/// use holo_io::ParametersCfg;
+///
+/// let rig = RigParameters {
+///     split: Split::new(GridSize::new(9, 9), GridSize::new(512, 512))?,
+///     intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
+///     baseline_x_m: 0.025,
+///     baseline_y_m: 0.025,
+///     focus_distance_m: 4.25,
+///     projection: Projection::Perspective,
+/// };
+/// let mut parameters = ParametersCfg::from_rig(&rig);
+/// parameters.scene = "cotton".into();
+/// let text = parameters.to_text()?;
+/// assert!(text.starts_with("[intrinsics]\nfocal_length_mm = 100.0\nimage_resolution_x_px = 512\n"));
+/// let read = ParametersCfg::from_text(&text)?;
+/// assert_eq!(read, parameters);
+/// assert_eq!(read.rig_parameters()?, rig);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct ParametersCfg {
+    /// Focal length of every view's camera.
+    pub focal_length_mm: f64,
+    /// Pixels of one view: `image_resolution_y_px` rows (lenses V) and `image_resolution_x_px` columns (lenses U).
+    pub image_resolution_px: GridSize,
+    /// Size of the sensor along the larger side of a view.
+    pub sensor_size_mm: f64,
+    /// The f-number of a view's camera; 100 stands for a pinhole.
+    pub fstop: Option<f64>,
+    /// The views: `num_cams_y` rows (T) and `num_cams_x` columns (S).
+    pub num_cams: GridSize,
+    /// Distance between horizontally adjacent views.
+    pub baseline_mm: f64,
+    /// Distance between vertically adjacent views where it differs. The HCI tools know no such key: `holo` adds `baseline_y_mm` only then.
+    pub baseline_y_mm: Option<f64>,
+    /// Distance of the focus plane; infinity is the file's 0.
+    pub focus_distance_m: f64,
+    /// Perspective unless the file says otherwise. The HCI tools know no such key: `holo` adds `projection` only for orthographic views.
+    pub projection: Projection,
+    /// Position `center_cam_{x,y,z}_m` and rotation `center_cam_r{x,y,z}_rad` of the rig in Blender's world.
+    pub center_cam: Option<CameraPose>,
+    /// Disparity that the shift of the sensor takes away, in pixels: `b f N / (s F)`.
+    pub offset: Option<f64>,
+    /// Name of the scene.
+    pub scene: String,
+    /// Category of the scene.
+    pub category: String,
+    /// Date of rendering; see [`date_from_epoch`] for a reproducible one.
+    pub date: String,
+    /// Version of the scene.
+    pub version: String,
+    /// Authors, separated by `, `.
+    pub authors: String,
+    /// How to reach them.
+    pub contact: String,
+    /// The seed of the random numbers; -1 in files of the HCI tools whose renderer was never started.
+    pub cycles_seed: Option<i64>,
+    /// Smallest disparity of the scene in pixels.
+    pub disp_min: Option<f64>,
+    /// Largest disparity of the scene in pixels.
+    pub disp_max: Option<f64>,
+    /// Smallest disparity that the frustum preview was drawn for.
+    pub frustum_disp_min: Option<f64>,
+    /// Largest disparity that the frustum preview was drawn for.
+    pub frustum_disp_max: Option<f64>,
+    /// How many times larger the high-resolution ground truth is.
+    pub depth_map_scale: Option<f64>,
+    /// Keys that the format does not know, by section and key.
+    pub other: BTreeMap<(String, String), String>,
+}
+
+impl ParametersCfg {
+    /// Describes a rig; the texts, the pose and the disparities are left empty, the rest is as the HCI tools would fill it.
+    ///
+    /// `fstop` is 100, `depth_map_scale` is 1 and `cycles_seed` 0.
+    #[must_use]
+    pub fn from_rig(rig: &RigParameters) -> Self {
+        let focal_length_mm = millimetres::from_metres(rig.intrinsics.focal_length_m);
+        let sensor_size_mm = millimetres::from_metres(rig.intrinsics.sensor_size_m);
+        let baseline_mm = millimetres::from_metres(rig.baseline_x_m);
+        let lenses = rig.split.lenses();
+        // The HCI tools' own formula; an infinite focus distance gives 0.
+        let offset =
+            baseline_mm * focal_length_mm / rig.focus_distance_m / 1000.0 / sensor_size_mm * lenses.larger() as f64;
+        Self {
+            focal_length_mm,
+            image_resolution_px: lenses,
+            sensor_size_mm,
+            fstop: Some(100.0),
+            num_cams: rig.split.views(),
+            baseline_mm,
+            baseline_y_mm: (rig.baseline_y_m != rig.baseline_x_m).then(|| millimetres::from_metres(rig.baseline_y_m)),
+            focus_distance_m: rig.focus_distance_m,
+            projection: rig.projection,
+            center_cam: None,
+            offset: Some(offset),
+            scene: String::new(),
+            category: String::new(),
+            date: String::new(),
+            version: String::new(),
+            authors: String::new(),
+            contact: String::new(),
+            cycles_seed: Some(0),
+            disp_min: None,
+            disp_max: None,
+            frustum_disp_min: None,
+            frustum_disp_max: None,
+            depth_map_scale: Some(1.0),
+            other: BTreeMap::new(),
+        }
+    }
+
+    /// Returns the rig in metres, for [`holo_core::Rig::new`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Core`] if the counts of views and pixels make no image.
+    pub fn rig_parameters(&self) -> Result<RigParameters, Error> {
+        let split = Split::new(self.num_cams, self.image_resolution_px);
+        let baseline_x_m = millimetres::to_metres(self.baseline_mm);
+        Ok(RigParameters {
+            split: split.map_err(|error| Error::core(Path::new(MEMORY), error))?,
+            intrinsics: Intrinsics {
+                focal_length_m: millimetres::to_metres(self.focal_length_mm),
+                sensor_size_m: millimetres::to_metres(self.sensor_size_mm),
+            },
+            baseline_x_m,
+            baseline_y_m: self.baseline_y_mm.map_or(baseline_x_m, millimetres::to_metres),
+            focus_distance_m: self.focus_distance_m,
+            projection: self.projection,
+        })
+    }
+
+    /// Sets `disp_min` and `disp_max` as the HCI tools round them: to a tenth, with a tenth to spare on either side.
+    ///
+    /// # Source
+    ///
+    /// `floor(10 min)/10 - 0.1` and `ceil(10 max)/10 + 0.1`.
+    pub fn set_disparity_range_px(&mut self, min_px: f64, max_px: f64) {
+        // In whole tenths until the one division, so that -2.0 does not come out as -2.0000000000000004.
+        self.disp_min = Some(((10.0 * min_px).floor() - 1.0) / 10.0);
+        self.disp_max = Some(((10.0 * max_px).ceil() + 1.0) / 10.0);
+    }
+
+    /// Returns the text of the file.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadInput`] if a text has a control character, such as a line feed, or a name in `other` cannot be written.
+    pub fn to_text(&self) -> Result<String, Error> {
+        keys::write(self, Path::new(MEMORY))
+    }
+
+    /// Reads the text of a file.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Broken`] if a line is neither a section, a comment nor `key = value`, if a key occurs twice, if a number is none, or if one of the
+    /// numbers is missing that make a rig: focal length, resolution, sensor size, number of cameras, baseline, focus distance.
+    pub fn from_text(text: &str) -> Result<Self, Error> {
+        keys::read(text, Path::new(MEMORY))
+    }
+
+    /// Writes the file, usually called `parameters.cfg`.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`ParametersCfg::to_text`], and [`Error::Io`] if the file cannot be written.
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<Written, Error> {
+        let path = path.as_ref();
+        write_file(path, keys::write(self, path)?.as_bytes())
+    }
+
+    /// Reads a file. Text that is not UTF-8 is taken for Latin-1.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`ParametersCfg::from_text`]; [`Error::Io`] if the file cannot be read; [`Error::TooLarge`] if it has more than 1 MiB.
+    pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let bytes = read_small_file(path, MAX_BYTES)?;
+        let text = String::from_utf8(bytes)
+            .unwrap_or_else(|error| error.as_bytes().iter().map(|&byte| char::from(byte)).collect());
+        keys::read(&text, path)
+    }
+}
+
+/// Returns a date as `YYYY-MM-DD` (UTC), the form of the HCI tools, for `SOURCE_DATE_EPOCH`, which counts seconds since 1970.
+///
+/// No function of this crate looks at a clock: equal inputs give equal files. A caller who wants a date passes the one that the build or
+/// the user fixed.
+#[must_use]
+pub fn date_from_epoch(seconds: i64) -> String {
+    // Days to civil date in the proleptic Gregorian calendar, with years that begin in March so that leap days come last.
+    let days = i128::from(seconds.div_euclid(86_400)) + 719_468;
+    let (era, day_of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let shifted_month = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * shifted_month + 2) / 5 + 1;
+    let month = if shifted_month < 10 { shifted_month + 3 } else { shifted_month - 9 };
+    let year = year_of_era + era * 400 + i128::from(month <= 2);
+    format!("{year:04}-{month:02}-{day:02}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_are_those_of_the_calendar() {
+        for (seconds, date) in [
+            (0, "1970-01-01"),
+            (-1, "1969-12-31"),
+            (951_782_400, "2000-02-29"),
+            (951_868_800, "2000-03-01"),
+            (1_700_000_000, "2023-11-14"),
+            (4_107_542_399, "2100-02-28"),
+            (4_107_542_400, "2100-03-01"),
+        ] {
+            assert_eq!(date_from_epoch(seconds), date);
+        }
+        // No overflow at either end.
+        let _ = (date_from_epoch(i64::MIN), date_from_epoch(i64::MAX));
+    }
+}

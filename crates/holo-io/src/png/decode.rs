@@ -1,0 +1,129 @@
+//! Reads any PNG as samples of 8 or 16 bits.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Cursor, Seek};
+use std::path::Path;
+
+use holo_core::GridSize;
+use ndarray::Array3;
+
+use super::{PngInfo, PngSamples};
+use crate::error::MEMORY;
+use crate::{Error, Limits};
+
+/// What the decoder may take for rows and headers at least and at most, beside the image itself.
+const WORKING_BYTES: std::ops::RangeInclusive<u64> = 1 << 20..=256 << 20;
+
+/// Reads a PNG of any kind: grey, RGB or palette, 1 to 16 bits, interlaced or not.
+///
+/// # Errors
+///
+/// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not a PNG, is truncated or damaged; [`Error::TooLarge`] if
+/// its samples exceed the limits, before memory is taken for them.
+pub fn read_png(path: impl AsRef<Path>, limits: &Limits) -> Result<PngSamples, Error> {
+    let path = path.as_ref();
+    decode(open(path)?, path, *limits)
+}
+
+/// Reads a PNG that is in memory, like [`read_png`].
+///
+/// # Errors
+///
+/// Those of [`read_png`].
+pub fn decode_png(bytes: &[u8], limits: &Limits) -> Result<PngSamples, Error> {
+    decode(Cursor::new(bytes), Path::new(MEMORY), *limits)
+}
+
+/// Reads the header of a PNG without its pixels.
+///
+/// # Errors
+///
+/// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if its header is not that of a PNG.
+pub fn read_png_info(path: impl AsRef<Path>) -> Result<PngInfo, Error> {
+    let path = path.as_ref();
+    start(open(path)?, path, Limits::NONE).map(|(_, info)| info)
+}
+
+fn open(path: &Path) -> Result<BufReader<File>, Error> {
+    let file = File::open(path).map_err(|source| Error::io("read", path, source))?;
+    Ok(BufReader::with_capacity(1 << 18, file))
+}
+
+/// Reads up to the pixels.
+fn start<R: BufRead + Seek>(source: R, path: &Path, limits: Limits) -> Result<(png::Reader<R>, PngInfo), Error> {
+    let working = limits.max_bytes.clamp(*WORKING_BYTES.start(), *WORKING_BYTES.end()) as usize;
+    let mut decoder = png::Decoder::new_with_limits(source, png::Limits { bytes: working });
+    decoder.set_transformations(png::Transformations::EXPAND);
+    // Text and colour profiles are not looked at, so they need no memory and cannot be wrong.
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
+    let reader = decoder.read_info().map_err(|error| fault(error, path, limits))?;
+    let (colour, depth) = reader.output_color_type();
+    let size = reader.info();
+    let info = PngInfo {
+        size: GridSize::new(size.height as usize, size.width as usize),
+        channels: colour.samples(),
+        bits: if depth == png::BitDepth::Sixteen { 16 } else { 8 },
+    };
+    Ok((reader, info))
+}
+
+fn decode<R: BufRead + Seek>(source: R, path: &Path, limits: Limits) -> Result<PngSamples, Error> {
+    let (mut reader, info) = start(source, path, limits)?;
+    let shape = (info.size.rows, info.size.columns, info.channels);
+    let counts = [shape.0, shape.1, shape.2];
+    let samples = if info.bits == 8 {
+        let count = limits.elements(path, "image", &counts, 1)?;
+        let mut samples = limits.room::<u8>(path, "image", count)?;
+        read_rows(&mut reader, path, limits, count, |bytes| samples.extend_from_slice(bytes))?;
+        Array3::from_shape_vec(shape, samples).ok().map(PngSamples::U8)
+    } else {
+        let count = limits.elements(path, "image", &counts, 2)?;
+        let mut samples = limits.room::<u16>(path, "image", count)?;
+        let pair = |bytes: &[u8]| u16::from_be_bytes([bytes[0], bytes[1]]);
+        read_rows(&mut reader, path, limits, count * 2, |bytes| samples.extend(bytes.chunks_exact(2).map(pair)))?;
+        Array3::from_shape_vec(shape, samples).ok().map(PngSamples::U16)
+    };
+    // The pixels may be complete in a file that was cut behind them.
+    reader.finish().map_err(|error| fault(error, path, limits))?;
+    samples.ok_or_else(|| Error::broken(path, "PNG", "the image data is shorter than the header says"))
+}
+
+/// Hands the image to `take` from top to bottom, in pieces of whole samples.
+fn read_rows<R: BufRead + Seek>(
+    reader: &mut png::Reader<R>,
+    path: &Path,
+    limits: Limits,
+    bytes: usize,
+    mut take: impl FnMut(&[u8]),
+) -> Result<(), Error> {
+    let failed = |error| fault(error, path, limits);
+    if reader.info().interlaced {
+        // Interlaced rows arrive out of order, so the whole image is needed at once.
+        let mut image = limits.room(path, "image", bytes)?;
+        image.resize(bytes, 0);
+        let frame = reader.next_frame(&mut image).map_err(failed)?;
+        // Only the first frame of an animation could be smaller than the image; what is missing is noticed by its length.
+        take(&image[..frame.buffer_size().min(bytes)]);
+    } else {
+        // The room was only reserved: pages are touched as data really arrive, so a short file that announces much stays cheap.
+        while let Some(row) = reader.next_row().map_err(failed)? {
+            take(row.data());
+        }
+    }
+    Ok(())
+}
+
+/// Sorts the decoder's errors by who is at fault.
+fn fault(error: png::DecodingError, path: &Path, limits: Limits) -> Error {
+    match error {
+        png::DecodingError::IoError(source) if source.kind() == std::io::ErrorKind::UnexpectedEof => {
+            Error::broken(path, "PNG", "the file ends early; it was cut off while it was written or copied")
+        }
+        png::DecodingError::IoError(source) => Error::io("read", path, source),
+        png::DecodingError::LimitsExceeded => {
+            Error::TooLarge { path: path.to_owned(), what: "image", needed: u64::MAX, allowed: limits.max_bytes }
+        }
+        error => Error::broken(path, "PNG", error.to_string()),
+    }
+}

@@ -1,0 +1,107 @@
+//! What kind of file this is, by its contents.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Seek};
+use std::path::Path;
+
+use serde::Deserialize;
+use serde::de::IgnoredAny;
+
+use crate::{Error, manifest};
+
+/// A kind of file that `holo` knows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum FileKind {
+    /// A PNG image.
+    Png,
+    /// A PFM float image, grey or colour.
+    Pfm,
+    /// A glTF scene in one binary file (`.glb`).
+    GltfBinary,
+    /// A glTF scene as JSON (`.gltf`).
+    GltfJson,
+    /// Camera parameters with the keys of the HCI benchmark.
+    ParametersCfg,
+    /// The manifest of a dataset folder.
+    Manifest,
+    /// None of these.
+    Unknown,
+}
+
+/// How much of a text file is searched for the sections of a `parameters.cfg`.
+const HEAD_BYTES: u64 = 64 << 10;
+
+/// JSON behind this many bytes is not looked at.
+const MAX_JSON_BYTES: u64 = 1 << 30;
+
+/// Tells the kind of a file from its contents, whatever its name.
+///
+/// A file that is recognised may still be damaged: only as much is read as tells the kinds apart.
+///
+/// # Errors
+///
+/// [`Error::Io`] if the file cannot be read. A file of another kind is no error but [`FileKind::Unknown`].
+pub fn recognise(path: impl AsRef<Path>) -> Result<FileKind, Error> {
+    let path = path.as_ref();
+    let failed = |source| Error::io("read", path, source);
+    let file = File::open(path).map_err(failed)?;
+    if file.metadata().map_err(failed)?.is_dir() {
+        return Err(failed(std::io::ErrorKind::IsADirectory.into()));
+    }
+    let mut source = BufReader::with_capacity(HEAD_BYTES as usize, file);
+    let mut head = Vec::new();
+    source.by_ref().take(HEAD_BYTES).read_to_end(&mut head).map_err(failed)?;
+    let kind = match head.as_slice() {
+        [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => FileKind::Png,
+        [b'P', b'f' | b'F', space, ..] if space.is_ascii_whitespace() => FileKind::Pfm,
+        [b'g', b'l', b'T', b'F', ..] => FileKind::GltfBinary,
+        text if first_character(text) == Some(b'{') => {
+            source.rewind().map_err(failed)?;
+            json_kind(source)
+        }
+        text if has_sections(text) => FileKind::ParametersCfg,
+        _ => FileKind::Unknown,
+    };
+    Ok(kind)
+}
+
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+fn first_character(text: &[u8]) -> Option<u8> {
+    let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
+    text.iter().copied().find(|byte| !byte.is_ascii_whitespace())
+}
+
+/// Whether a text has the two sections that make a rig.
+fn has_sections(text: &[u8]) -> bool {
+    let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
+    let has =
+        |section: &[u8]| text.split(|byte| matches!(byte, b'\n' | b'\r')).any(|line| line.trim_ascii() == section);
+    has(b"[intrinsics]") && has(b"[extrinsics]")
+}
+
+/// Looks for the keys that tell our two JSON files apart, wherever in the file they stand, keeping nothing else.
+fn json_kind(mut source: impl BufRead) -> FileKind {
+    #[derive(Deserialize)]
+    struct TopLevel {
+        format: Option<Text>,
+        asset: Option<IgnoredAny>,
+    }
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Text {
+        Text(String),
+        Other(IgnoredAny),
+    }
+    if source.fill_buf().is_ok_and(|head| head.starts_with(BYTE_ORDER_MARK)) {
+        source.consume(BYTE_ORDER_MARK.len());
+    }
+    match serde_json::from_reader(source.take(MAX_JSON_BYTES)) {
+        Ok(TopLevel { format: Some(Text::Text(format)), .. }) if format.starts_with(manifest::FORMAT_FAMILY) => {
+            FileKind::Manifest
+        }
+        Ok(TopLevel { asset: Some(_), .. }) => FileKind::GltfJson,
+        _ => FileKind::Unknown,
+    }
+}

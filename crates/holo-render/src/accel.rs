@@ -1,0 +1,72 @@
+//! Ray acceleration: one seam, three engines.
+//!
+//! The integrators fill packets of 16 rays and ask an engine for the nearest hit or for any hit. [`embree`] is the fast
+//! one and is looked for at run time; [`bvh`] is pure Rust and always there; [`brute_force`] tests every triangle in
+//! f64 and is what the other two are held against.
+//!
+//! Packets are arrays of structures of arrays in the layout of Embree's `RTCRayHit16`, so that the fast engine reads
+//! them in place.
+
+pub(crate) mod brute_force;
+pub(crate) mod bvh;
+pub(crate) mod embree;
+mod packet;
+pub(crate) mod triangle;
+
+use std::sync::Arc;
+
+pub(crate) use packet::{LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
+
+use crate::error::Error;
+use crate::geometry::Geometry;
+
+/// Which engine finds the hits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Backend {
+    /// Embree where it can be loaded, else the BVH.
+    #[default]
+    Auto,
+    /// Embree 4, or an error that says where it was looked for.
+    Embree,
+    /// The pure-Rust BVH.
+    Bvh,
+    /// Every triangle against every ray in f64: for tests.
+    BruteForce,
+}
+
+/// What finds hits. Packets are bundles of nearly parallel rays, which engines may use but not rely on.
+/// Rays and hits are in camera coordinates.
+pub(crate) trait Engine: Send + Sync {
+    /// Fills the hits and shortens `far` of every valid lane whose ray hits something in (near, far).
+    fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits);
+
+    /// Sets `far` of every valid lane whose ray hits anything in (near, far) to minus infinity.
+    fn occluded(&self, valid: &Lanes<i32>, rays: &mut Rays);
+
+    /// The name and version for logs and manifests, such as "embree 4.4.0".
+    fn name(&self) -> &str;
+}
+
+/// An engine over `geometry`, with a note where `Auto` had to fall back.
+pub(crate) fn build(
+    backend: Backend,
+    geometry: &Arc<Geometry>,
+    threads: usize,
+) -> Result<(Box<dyn Engine>, Option<String>), Error> {
+    Ok(match backend {
+        Backend::Embree => (Box::new(embree::Embree::build(geometry, threads)?), None),
+        Backend::Bvh => (Box::new(bvh::Bvh::build(geometry)), None),
+        Backend::BruteForce => (Box::new(brute_force::BruteForce::build(geometry)), None),
+        Backend::Auto => match embree::Embree::build(geometry, threads) {
+            Ok(engine) => (Box::new(engine), None),
+            Err(Error::Embree(why)) => {
+                let note = format!("{why}; using the built-in BVH, which is several times slower");
+                (Box::new(bvh::Bvh::build(geometry)), Some(note))
+            }
+            Err(other) => return Err(other),
+        },
+    })
+}
+
+#[cfg(test)]
+mod tests;

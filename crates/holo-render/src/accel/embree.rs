@@ -1,0 +1,314 @@
+//! The fast engine: Intel Embree 4, loaded at run time through our own small binding.
+//!
+//! This is one of the two files of the project that contain `unsafe`. What makes it sound is said once, here:
+//!
+//! - The functions are those of Embree's public C header `embree4/rtcore.h`; their signatures are in [`Api`]. The ABI of
+//!   a major version does not change, and [`Api::load`] refuses any library that does not call itself 4.
+//! - A packet is our [`RayHits`], whose size and alignment are asserted at compile time and equal those of
+//!   `RTCRayHit16` of 4.3 and later. 4.0 to 4.2 lack the last field (`instPrimID`) and write less. A test surrounds
+//!   packets with canaries and shows that the installed version writes nothing else.
+//! - Vertex and index buffers are shared, not copied: the engine holds the [`Geometry`] that owns them, which nobody can
+//!   change any more, and releases the scene first. Vertices are padded by one entry since Embree reads 16 bytes each.
+//! - A committed scene may be queried from any thread (Embree manual, "rtcCommitScene").
+
+use std::ffi::{CString, c_char, c_int, c_uint, c_void};
+use std::path::{Path, PathBuf};
+use std::ptr::{self, NonNull};
+use std::sync::{Arc, OnceLock};
+
+use libloading::Library;
+
+use super::{Engine, Lanes, RayHits, Rays};
+use crate::error::Error;
+use crate::geometry::Geometry;
+
+/// An opaque object of Embree.
+type Handle = *mut c_void;
+
+/// `RTCIntersectArguments` and `RTCOccludedArguments`, which have the same layout.
+#[repr(C)]
+struct QueryArguments {
+    flags: c_uint,
+    feature_mask: c_uint,
+    context: *const c_void,
+    filter: *const c_void,
+    function: *const c_void,
+}
+
+impl QueryArguments {
+    /// Packets here are bundles of neighbouring views or directions: the coherent traversal suits all of them.
+    const fn new() -> Self {
+        let null = ptr::null();
+        Self { flags: RAY_QUERY_FLAG_COHERENT, feature_mask: c_uint::MAX, context: null, filter: null, function: null }
+    }
+}
+
+const RAY_QUERY_FLAG_COHERENT: c_uint = 1 << 16;
+const DEVICE_PROPERTY_VERSION: c_int = 0;
+const GEOMETRY_TYPE_TRIANGLE: c_int = 0;
+const BUFFER_TYPE_INDEX: c_int = 0;
+const BUFFER_TYPE_VERTEX: c_int = 1;
+const FORMAT_UINT3: c_int = 0x5003;
+const FORMAT_FLOAT3: c_int = 0x9003;
+/// Rays that touch an edge hit one of its triangles; it costs about 6 % of the speed.
+const SCENE_FLAG_ROBUST: c_int = 1 << 2;
+const BUILD_QUALITY_MEDIUM: c_int = 1;
+
+/// Declares the table of functions and its loader from one list.
+macro_rules! api {
+    ($($name:ident: fn($($argument:ty),*) $(-> $result:ty)?;)*) => {
+        /// The functions of one loaded library, which stays loaded as long as they are in use.
+        #[allow(non_snake_case)] // the names of the C header
+        struct Api {
+            $($name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
+            _library: Library,
+        }
+
+        impl Api {
+            fn from_library(library: Library) -> Result<Self, libloading::Error> {
+                Ok(Self {
+                    $(
+                        // SAFETY: the signature is that of the public header (see the head of this file), and the
+                        // pointer lives no longer than `_library` beside it.
+                        $name: unsafe { *library.get(concat!(stringify!($name), "\0").as_bytes())? },
+                    )*
+                    _library: library,
+                })
+            }
+        }
+    };
+}
+
+api! {
+    rtcNewDevice: fn(*const c_char) -> Handle;
+    rtcReleaseDevice: fn(Handle);
+    rtcGetDeviceProperty: fn(Handle, c_int) -> isize;
+    rtcGetDeviceError: fn(Handle) -> c_int;
+    rtcNewScene: fn(Handle) -> Handle;
+    rtcSetSceneFlags: fn(Handle, c_int);
+    rtcSetSceneBuildQuality: fn(Handle, c_int);
+    rtcCommitScene: fn(Handle);
+    rtcReleaseScene: fn(Handle);
+    rtcNewGeometry: fn(Handle, c_int) -> Handle;
+    rtcSetSharedGeometryBuffer: fn(Handle, c_int, c_uint, c_int, *const c_void, usize, usize, usize);
+    rtcCommitGeometry: fn(Handle);
+    rtcAttachGeometry: fn(Handle, Handle) -> c_uint;
+    rtcReleaseGeometry: fn(Handle);
+    rtcIntersect16: fn(*const c_int, Handle, *mut c_void, *const QueryArguments);
+    rtcOccluded16: fn(*const c_int, Handle, *mut c_void, *const QueryArguments);
+}
+
+impl Api {
+    /// The library, looked for once a process.
+    fn get() -> Result<Arc<Self>, Error> {
+        static API: OnceLock<Result<Arc<Api>, String>> = OnceLock::new();
+        API.get_or_init(|| Self::load().map(Arc::new)).clone().map_err(Error::Embree)
+    }
+
+    fn load() -> Result<Self, String> {
+        let mut tried = Vec::new();
+        for candidate in candidates() {
+            // SAFETY: loading runs the initialisers of the library, which is Embree (and TBB) by its name.
+            match unsafe { Library::new(&candidate) } {
+                Ok(library) => match Self::from_library(library) {
+                    Ok(api) => return Ok(api),
+                    Err(why) => tried.push(format!("{} lacks a function of Embree 4: {why}", candidate.display())),
+                },
+                Err(_) => tried.push(candidate.display().to_string()),
+            }
+        }
+        Err(format!(
+            "no Embree 4 found (tried {}); install libembree4, or run `cargo xtask embree`, or set HOLO_EMBREE_LIB",
+            tried.join(", ")
+        ))
+    }
+}
+
+/// Where the library may be, best first: HOLO_EMBREE_LIB alone if it is set, else the system's, `target/embree` beside
+/// the running program, the user's cache.
+fn candidates() -> Vec<PathBuf> {
+    if let Some(path) = std::env::var_os("HOLO_EMBREE_LIB") {
+        return vec![path.into()];
+    }
+    let names: &[&str] = if cfg!(windows) {
+        &["embree4.dll"]
+    } else if cfg!(target_os = "macos") {
+        &["libembree4.4.dylib", "libembree4.dylib", "/opt/homebrew/lib/libembree4.dylib"]
+    } else {
+        &["libembree4.so.4", "libembree4.so"]
+    };
+    let mut found: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
+    let mut folders: Vec<PathBuf> = Vec::new();
+    if let Ok(program) = std::env::current_exe() {
+        folders.extend(program.ancestors().skip(1).take(4).map(|folder| folder.join("embree")));
+    }
+    let cache = std::env::var_os("XDG_CACHE_HOME")
+        .map(PathBuf::from)
+        .or_else(|| std::env::var_os("HOME").map(|home| Path::new(&home).join(".cache")));
+    folders.extend(cache.map(|cache| cache.join("holo").join("embree")));
+    for folder in folders {
+        let Ok(entries) = std::fs::read_dir(&folder) else { continue };
+        let mut here: Vec<PathBuf> = entries
+            .filter_map(|entry| Some(entry.ok()?.path()))
+            .filter(|p| p.file_name().is_some_and(|n| n.to_string_lossy().contains("embree4")))
+            .collect();
+        here.sort();
+        found.extend(here);
+    }
+    found
+}
+
+/// A device and a committed scene of one triangle mesh.
+pub(crate) struct Embree {
+    api: Arc<Api>,
+    device: NonNull<c_void>,
+    scene: NonNull<c_void>,
+    name: String,
+    /// Owns the buffers that the scene reads.
+    _geometry: Arc<Geometry>,
+}
+
+// SAFETY: Embree's device and scene handles are reference-counted objects without thread affinity.
+unsafe impl Send for Embree {}
+// SAFETY: the scene is committed and never changed again; queries on it are thread-safe (head of this file).
+unsafe impl Sync for Embree {}
+
+impl Embree {
+    /// Builds the acceleration structure over `geometry` with `threads` threads (0: all).
+    pub fn build(geometry: &Arc<Geometry>, threads: usize) -> Result<Self, Error> {
+        let api = Api::get()?;
+        let config = CString::new(format!("threads={threads}")).map_err(|e| Error::Embree(e.to_string()))?;
+        // SAFETY: `config` is a string with its NUL that outlives the call.
+        let device = NonNull::new(unsafe { (api.rtcNewDevice)(config.as_ptr()) })
+            .ok_or_else(|| Error::Embree("no device can be made on this processor".into()))?;
+        // SAFETY: the device was just made.
+        let version = unsafe { (api.rtcGetDeviceProperty)(device.as_ptr(), DEVICE_PROPERTY_VERSION) };
+        if !(40_000..50_000).contains(&version) {
+            // SAFETY: the device was made above and is not used again.
+            unsafe { (api.rtcReleaseDevice)(device.as_ptr()) };
+            return Err(Error::Embree(format!("the library found is version {version}, this program needs 4.x")));
+        }
+        let name = format!("embree {}.{}.{}", version / 10_000, version / 100 % 100, version % 100);
+        // SAFETY: the device is alive.
+        let Some(scene) = NonNull::new(unsafe { (api.rtcNewScene)(device.as_ptr()) }) else {
+            // SAFETY: as above.
+            unsafe { (api.rtcReleaseDevice)(device.as_ptr()) };
+            return Err(Error::Embree("no scene could be made".into()));
+        };
+        // From here on `Drop` releases both.
+        let engine = Self { api, device, scene, name, _geometry: Arc::clone(geometry) };
+        engine.commit(geometry)?;
+        Ok(engine)
+    }
+
+    fn commit(&self, geometry: &Geometry) -> Result<(), Error> {
+        let (api, device, scene) = (&self.api, self.device.as_ptr(), self.scene.as_ptr());
+        // SAFETY: device and scene are alive; the buffers belong to `geometry`, which `self` keeps alive and nobody can
+        // change; counts and strides are those of the slices, vertices have one entry more than is announced.
+        unsafe {
+            (api.rtcSetSceneFlags)(scene, SCENE_FLAG_ROBUST);
+            (api.rtcSetSceneBuildQuality)(scene, BUILD_QUALITY_MEDIUM);
+            if !geometry.triangles().is_empty() {
+                let mesh = (api.rtcNewGeometry)(device, GEOMETRY_TYPE_TRIANGLE);
+                let share = |kind, format, data: *const c_void, count| {
+                    (api.rtcSetSharedGeometryBuffer)(mesh, kind, 0, format, data, 0, 12, count);
+                };
+                let vertices = geometry.positions().len();
+                share(BUFFER_TYPE_VERTEX, FORMAT_FLOAT3, geometry.padded_positions().as_ptr().cast(), vertices);
+                let triangles = geometry.triangles();
+                share(BUFFER_TYPE_INDEX, FORMAT_UINT3, triangles.as_ptr().cast(), triangles.len());
+                (api.rtcCommitGeometry)(mesh);
+                (api.rtcAttachGeometry)(scene, mesh);
+                (api.rtcReleaseGeometry)(mesh);
+            }
+            (api.rtcCommitScene)(scene);
+        }
+        // SAFETY: the device is alive.
+        match unsafe { (api.rtcGetDeviceError)(device) } {
+            0 => Ok(()),
+            4 => Err(Error::Embree(format!("out of memory over {} triangles", geometry.triangles().len()))),
+            code => Err(Error::Embree(format!("building failed with error code {code}"))),
+        }
+    }
+}
+
+impl Drop for Embree {
+    fn drop(&mut self) {
+        // SAFETY: both were made by `build` and are released once; the scene goes first, then the buffers may go.
+        unsafe {
+            (self.api.rtcReleaseScene)(self.scene.as_ptr());
+            (self.api.rtcReleaseDevice)(self.device.as_ptr());
+        }
+    }
+}
+
+impl Engine for Embree {
+    #[inline]
+    fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits) {
+        let arguments = QueryArguments::new();
+        // SAFETY: the scene is committed; `valid` and `packet` have the size and alignment of Embree's types.
+        unsafe {
+            let packet: *mut RayHits = packet;
+            (self.api.rtcIntersect16)(valid.0.as_ptr(), self.scene.as_ptr(), packet.cast(), &raw const arguments);
+        }
+    }
+
+    #[inline]
+    fn occluded(&self, valid: &Lanes<i32>, rays: &mut Rays) {
+        let arguments = QueryArguments::new();
+        // SAFETY: as in `intersect`, with `RTCRay16`.
+        unsafe {
+            let rays: *mut Rays = rays;
+            (self.api.rtcOccluded16)(valid.0.as_ptr(), self.scene.as_ptr(), rays.cast(), &raw const arguments);
+        }
+    }
+
+    fn name(&self) -> &str {
+        &self.name
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::tests::soup;
+    use crate::accel::{LANES, NO_TRIANGLE};
+
+    /// A packet between two fences of known bytes.
+    #[repr(C, align(64))]
+    struct Fenced<T> {
+        before: [u8; 256],
+        inner: T,
+        after: [u8; 256],
+    }
+
+    /// Holds for whichever version is installed: it writes into our structs and nowhere else.
+    #[test]
+    fn embree_writes_nothing_outside_our_packets() {
+        let geometry = Arc::new(soup(500, 1));
+        let engine = match Embree::build(&geometry, 1) {
+            Ok(engine) => engine,
+            Err(why) => {
+                eprintln!("not run: needs Embree 4: {why}");
+                return;
+            }
+        };
+        {
+            let valid = Lanes([-1; LANES]);
+            let mut packet = Fenced { before: [0xA5; 256], inner: RayHits::EMPTY, after: [0x5A; 256] };
+            let mut shadow = Fenced { before: [0xA5; 256], inner: Rays::EMPTY, after: [0x5A; 256] };
+            for lane in 0..LANES {
+                packet.inner.rays.direction[0][lane] = lane as f32 * 0.02 - 0.15;
+            }
+            shadow.inner.direction = packet.inner.rays.direction;
+            engine.intersect(&valid, &mut packet.inner);
+            engine.occluded(&valid, &mut shadow.inner);
+            assert!(packet.inner.hits.triangle.iter().any(|&k| k != NO_TRIANGLE), "the rays must hit something");
+            assert!(shadow.inner.far.contains(&f32::NEG_INFINITY), "the shadow rays must hit something");
+            for fences in [[&packet.before, &packet.after], [&shadow.before, &shadow.after]] {
+                assert!(fences[0].iter().all(|&b| b == 0xA5), "wrote before the packet");
+                assert!(fences[1].iter().all(|&b| b == 0x5A), "wrote behind the packet");
+            }
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Sixteen rays and their hits, laid out as Embree's `RTCRayHit16`.
+
+/// Rays in a packet.
+pub(crate) const LANES: usize = 16;
+
+/// The triangle of a ray that hit nothing (Embree's `RTC_INVALID_GEOMETRY_ID`).
+pub(crate) const NO_TRIANGLE: u32 = u32::MAX;
+
+/// One value a ray, aligned as Embree wants it.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Lanes<T>(pub [T; LANES]);
+
+/// `RTCRay16`: 12 words a ray.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rays {
+    pub origin: [[f32; LANES]; 3],
+    pub near: [f32; LANES],
+    pub direction: [[f32; LANES]; 3],
+    pub time: [f32; LANES],
+    pub far: [f32; LANES],
+    pub mask: [u32; LANES],
+    pub id: [u32; LANES],
+    pub flags: [u32; LANES],
+}
+
+/// `RTCHit16` of Embree 4.3 and later: 9 words a ray. Older 4.x lack the last and write less.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hits {
+    pub normal: [[f32; LANES]; 3],
+    pub u: [f32; LANES],
+    pub v: [f32; LANES],
+    pub triangle: [u32; LANES],
+    pub geometry: [u32; LANES],
+    pub instance: [u32; LANES],
+    pub instance_primitive: [u32; LANES],
+}
+
+/// `RTCRayHit16`: 1344 bytes.
+#[repr(C, align(64))]
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RayHits {
+    pub rays: Rays,
+    pub hits: Hits,
+}
+
+impl Rays {
+    /// No ray yet: from the origin along -Z, of any length.
+    pub const EMPTY: Self = Self {
+        origin: [[0.0; LANES]; 3],
+        near: [0.0; LANES],
+        direction: [[0.0; LANES], [0.0; LANES], [-1.0; LANES]],
+        time: [0.0; LANES],
+        far: [f32::INFINITY; LANES],
+        mask: [u32::MAX; LANES],
+        id: [0; LANES],
+        flags: [0; LANES],
+    };
+}
+
+impl Hits {
+    /// Nothing hit.
+    pub const EMPTY: Self = Self {
+        normal: [[0.0; LANES]; 3],
+        u: [0.0; LANES],
+        v: [0.0; LANES],
+        triangle: [NO_TRIANGLE; LANES],
+        geometry: [NO_TRIANGLE; LANES],
+        instance: [NO_TRIANGLE; LANES],
+        instance_primitive: [NO_TRIANGLE; LANES],
+    };
+}
+
+impl RayHits {
+    /// No ray and no hit.
+    pub const EMPTY: Self = Self { rays: Rays::EMPTY, hits: Hits::EMPTY };
+
+    /// Makes the packet ready for another query with the rays that are written into it next.
+    #[inline(always)]
+    pub fn reset(&mut self) {
+        self.rays.near = [0.0; LANES];
+        self.rays.far = [f32::INFINITY; LANES];
+        self.hits.triangle = [NO_TRIANGLE; LANES];
+        self.hits.geometry = [NO_TRIANGLE; LANES];
+    }
+}
+
+// The layout that the Embree seam relies on.
+const _: () = {
+    assert!(size_of::<Rays>() == 12 * 64 && align_of::<Rays>() == 64);
+    assert!(size_of::<Hits>() == 9 * 64);
+    assert!(size_of::<RayHits>() == 1344 && align_of::<RayHits>() == 64);
+    assert!(size_of::<Lanes<i32>>() == 64);
+};

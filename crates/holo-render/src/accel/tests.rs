@@ -1,0 +1,150 @@
+//! The three engines agree.
+
+use std::sync::Arc;
+
+use super::*;
+use crate::scene::{Instance, Material, Mesh, Scene, Transform};
+
+/// A small generator with a stated formula (SplitMix64), so that tests mean the same everywhere.
+pub(crate) fn random(state: &mut u64) -> f64 {
+    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let mut z = *state;
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+}
+
+/// `count` random triangles in front of the camera.
+pub(crate) fn soup(count: usize, seed: u64) -> Geometry {
+    let mut state = seed;
+    let mut positions = Vec::new();
+    for _ in 0..count {
+        let center = [random(&mut state) * 4.0 - 2.0, random(&mut state) * 4.0 - 2.0, -2.0 - 4.0 * random(&mut state)];
+        for _ in 0..3 {
+            positions.push(center.map(|c| (c + random(&mut state) * 0.8 - 0.4) as f32));
+        }
+    }
+    geometry(positions, (0..count as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect())
+}
+
+pub(crate) fn geometry(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Geometry {
+    let scene = Scene {
+        meshes: vec![Mesh { positions, triangles, ..Mesh::default() }],
+        instances: vec![Instance { name: String::new(), mesh: 0, transform: Transform::IDENTITY }],
+        materials: vec![Material::default()],
+        ..Scene::default()
+    };
+    Geometry::build(&scene, &Transform::IDENTITY).expect("a valid scene")
+}
+
+/// A closed box around the origin, 12 triangles.
+pub(crate) fn cube(half: f32) -> Geometry {
+    let positions: Vec<[f32; 3]> =
+        (0..8).map(|k| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { half } else { -half })).collect();
+    let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    geometry(positions, quads.iter().flat_map(|q: &[u32; 4]| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect())
+}
+
+fn engines(geometry: &Arc<Geometry>) -> Vec<Box<dyn Engine>> {
+    let mut list = vec![build(Backend::Bvh, geometry, 1).unwrap().0];
+    match build(Backend::Embree, geometry, 1) {
+        Ok((engine, _)) => list.push(engine),
+        Err(why) => eprintln!("not run for Embree: {why}"),
+    }
+    list
+}
+
+fn random_packet(state: &mut u64) -> RayHits {
+    let mut packet = RayHits::EMPTY;
+    for lane in 0..LANES {
+        for axis in 0..2 {
+            packet.rays.origin[axis][lane] = (random(state) * 0.2 - 0.1) as f32;
+            packet.rays.direction[axis][lane] = (random(state) - 0.5) as f32;
+        }
+    }
+    packet
+}
+
+/// On random triangles all engines see the same: hit or miss, triangle, distance, weights, occlusion. A ray within
+/// rounding of an edge may be judged differently by an f32 test, which is why one lane in a thousand may differ.
+#[test]
+fn engines_agree_on_random_triangles() {
+    let geometry = Arc::new(soup(400, 7));
+    let oracle = brute_force::BruteForce::build(&geometry);
+    let valid = Lanes(std::array::from_fn(|lane| if lane == 5 { 0 } else { -1 }));
+    for engine in engines(&geometry) {
+        let mut state = 99;
+        let (mut differ, mut hits) = (0, 0);
+        for _ in 0..500 {
+            let rays = random_packet(&mut state);
+            let (mut expected, mut got) = (rays, rays);
+            oracle.intersect(&valid, &mut expected);
+            engine.intersect(&valid, &mut got);
+            let (mut dark, mut also_dark) = (rays.rays, rays.rays);
+            oracle.occluded(&valid, &mut dark);
+            engine.occluded(&valid, &mut also_dark);
+            for lane in 0..LANES {
+                if lane == 5 {
+                    assert_eq!(got.rays.far[lane], f32::INFINITY, "an invalid lane was touched");
+                    assert_eq!(also_dark.far[lane], f32::INFINITY);
+                    continue;
+                }
+                let same =
+                    got.hits.triangle[lane] == expected.hits.triangle[lane] && (dark.far[lane] == also_dark.far[lane]);
+                if !same {
+                    differ += 1;
+                } else if expected.hits.triangle[lane] != NO_TRIANGLE {
+                    hits += 1;
+                    let (a, b) = (got.rays.far[lane], expected.rays.far[lane]);
+                    // Distances of 2 to 10 through products of three f32: some tens of ulp at worst.
+                    assert!((a - b).abs() <= 2e-5 * b, "{}: {a} against {b}", engine.name());
+                    for (a, b) in [(&got.hits.u, &expected.hits.u), (&got.hits.v, &expected.hits.v)] {
+                        // Slivers magnify rounding in the weights; they are only used to mix vertex attributes.
+                        assert!((a[lane] - b[lane]).abs() < 2e-3, "{}: {} {}", engine.name(), a[lane], b[lane]);
+                    }
+                }
+            }
+        }
+        assert!(hits > 3000, "the test must hit: {hits}");
+        assert!(differ <= 8, "{} differs on {differ} of 7500 rays", engine.name());
+    }
+}
+
+/// From inside a closed box every ray hits, also those aimed exactly at its edges and corners.
+#[test]
+fn no_ray_leaves_a_closed_box() {
+    let geometry = Arc::new(cube(1.0));
+    for engine in engines(&geometry) {
+        let mut state = 3;
+        for round in 0..2000 {
+            let mut packet = RayHits::EMPTY;
+            for lane in 0..LANES {
+                // Half of the targets lie on edges, a quarter are corners.
+                let mut target: [f32; 3] = std::array::from_fn(|_| (random(&mut state) * 2.0 - 1.0) as f32);
+                let snapped = [1, 2, 2, 3][(round + lane) % 4];
+                for axis in target.iter_mut().take(snapped) {
+                    *axis = if *axis < 0.0 { -1.0 } else { 1.0 };
+                }
+                for axis in 0..3 {
+                    packet.rays.origin[axis][lane] = (random(&mut state) * 0.5 - 0.25) as f32;
+                    packet.rays.direction[axis][lane] = target[axis] - packet.rays.origin[axis][lane];
+                }
+            }
+            engine.intersect(&Lanes([-1; LANES]), &mut packet);
+            assert!(!packet.hits.triangle.contains(&NO_TRIANGLE), "{} leaks in round {round}", engine.name());
+        }
+    }
+}
+
+#[test]
+fn an_empty_scene_is_hit_by_nothing() {
+    let geometry = Arc::new(geometry(vec![], vec![]));
+    let oracle: Box<dyn Engine> = Box::new(brute_force::BruteForce::build(&geometry));
+    for engine in engines(&geometry).into_iter().chain([oracle]) {
+        let mut packet = RayHits::EMPTY;
+        engine.intersect(&Lanes([-1; LANES]), &mut packet);
+        assert_eq!(packet.hits.triangle, [NO_TRIANGLE; LANES]);
+        engine.occluded(&Lanes([-1; LANES]), &mut packet.rays);
+        assert_eq!(packet.rays.far, [f32::INFINITY; LANES]);
+    }
+}

@@ -1,0 +1,163 @@
+//! From linear radiance to the integers of an image file: one exposure for all views, then the sRGB curve.
+
+use holo_core::{LightField, LightFieldOwned};
+use ndarray::{Array3, ArrayView3, Axis, Zip};
+use rayon::prelude::*;
+
+use crate::error::Error;
+use crate::srgb::{Encoder8, naive16};
+
+/// This share of all pixels may be brighter than [`BRIGHT`] of the display's range.
+const PERCENTILE: f64 = 0.99;
+/// Linear display value that the percentile is brought to.
+const BRIGHT: f64 = 0.8;
+/// Histogram steps a stop, and the stops from the darkest bucket up.
+const STEPS_PER_STOP: f64 = 16.0;
+const DARKEST_STOP: f64 = -64.0;
+const STOPS: usize = 128;
+
+/// An exposure (EV; linear values are multiplied by 2^EV) at which 99 % of the pixels that are not black lie below 80 %
+/// of the display's linear range. It comes from the whole light field, so that it is the same for all views; 0 if all is
+/// black.
+///
+/// # Accuracy
+/// A multiple of 1/16 EV. A histogram of integers decides, so the value does not depend on threads.
+#[must_use]
+pub fn automatic_exposure(color: &LightFieldOwned<f32>) -> f64 {
+    let buckets = (STOPS as f64 * STEPS_PER_STOP) as usize;
+    let samples = color.samples();
+    let histogram = samples
+        .axis_iter(Axis(0))
+        .into_par_iter()
+        .map(|row| {
+            let mut histogram = vec![0u64; buckets];
+            for pixel in row.rows() {
+                // Rec. 709 luminance; grey images have one channel.
+                let luminance = match pixel.as_slice() {
+                    Some([r, g, b, ..]) => 0.2126 * r + 0.7152 * g + 0.0722 * b,
+                    _ => pixel[0],
+                };
+                if luminance > 0.0 && luminance.is_finite() {
+                    // log2 from the bits: exact at powers of two, linear between; the buckets only need to be ordered.
+                    let bits = luminance.to_bits();
+                    let log2 = f64::from((bits >> 23) as i32 - 127) + f64::from(bits & 0x7F_FFFF) / f64::from(1 << 23);
+                    let bucket = (log2 - DARKEST_STOP) * STEPS_PER_STOP;
+                    histogram[bucket.clamp(0.0, buckets as f64 - 1.0) as usize] += 1;
+                }
+            }
+            histogram
+        })
+        .reduce(|| vec![0; buckets], |a, b| a.iter().zip(&b).map(|(x, y)| x + y).collect());
+    let total: u64 = histogram.iter().sum();
+    let mut seen = 0;
+    for (bucket, &count) in histogram.iter().enumerate() {
+        seen += count;
+        if count > 0 && seen as f64 >= PERCENTILE * total as f64 {
+            let stop = (bucket + 1) as f64 / STEPS_PER_STOP + DARKEST_STOP;
+            // Undo the linear interpolation of the logarithm above.
+            let radiance = stop.floor().exp2() * (1.0 + stop.fract().rem_euclid(1.0));
+            return ((BRIGHT / radiance).log2() * STEPS_PER_STOP).round() / STEPS_PER_STOP;
+        }
+    }
+    0.0
+}
+
+/// The light field as an elemental grid of 8-bit sRGB: exposure, clamping, curve, rounding to nearest.
+///
+/// # Errors
+/// If the image does not fit into memory.
+pub fn encode_8bit(color: &LightFieldOwned<f32>, exposure_ev: f64) -> Result<LightFieldOwned<u8>, Error> {
+    let encoder = Encoder8::get();
+    encode(color, exposure_ev, |x| encoder.encode(x))
+}
+
+/// The same with 16 bits.
+///
+/// # Errors
+/// As [`encode_8bit`].
+pub fn encode_16bit(color: &LightFieldOwned<f32>, exposure_ev: f64) -> Result<LightFieldOwned<u16>, Error> {
+    encode(color, exposure_ev, naive16)
+}
+
+fn encode<T: Copy + Default + Send + Sync>(
+    color: &LightFieldOwned<f32>,
+    exposure_ev: f64,
+    code: impl Fn(f32) -> T + Sync,
+) -> Result<LightFieldOwned<T>, Error> {
+    let split = color.split();
+    let factor = exposure_ev.exp2() as f32;
+    let mut coded = elemental_light_field(split, color.channels())?;
+    Zip::from(coded.samples_mut()).and(color.samples()).par_for_each(|coded, &x| *coded = code(x * factor));
+    Ok(coded)
+}
+
+/// One plane as 8-bit grey: `low` becomes 0, `high` 255, infinities the end on their side, NaN 0.
+#[must_use]
+pub fn grey_8bit(values: ArrayView3<f32>, low: f64, high: f64) -> Array3<u8> {
+    let span = if high > low { high - low } else { 1.0 };
+    values.map(|&x| ((f64::from(x) - low) / span * 255.0).round().clamp(0.0, 255.0) as u8)
+}
+
+/// A light field of zeros whose memory is an elemental grid.
+pub(crate) fn elemental_light_field<T: Copy + Default>(
+    split: holo_core::Split,
+    channels: usize,
+) -> Result<LightFieldOwned<T>, Error> {
+    let size = split.raw_size();
+    let count = size.rows.checked_mul(size.columns).and_then(|n| n.checked_mul(channels));
+    let fits = count.is_some_and(|n| Vec::<T>::new().try_reserve_exact(n).is_ok());
+    if !fits {
+        return Err(Error::BadSetting(format!(
+            "an image of {} x {} pixels does not fit into memory; use fewer views or lenses",
+            size.columns, size.rows
+        )));
+    }
+    let image = Array3::from_elem((size.rows, size.columns, channels), T::default());
+    Ok(LightField::from_elemental_grid(image, split)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use holo_core::{GridSize, Split};
+
+    fn field(values: impl Fn(usize) -> f32) -> LightFieldOwned<f32> {
+        let split = Split::new(GridSize::new(4, 5), GridSize::new(6, 7)).unwrap();
+        let mut field = elemental_light_field(split, 3).unwrap();
+        for (k, x) in field.samples_mut().iter_mut().enumerate() {
+            *x = values(k / 3);
+        }
+        field
+    }
+
+    #[test]
+    fn twice_the_light_is_one_stop_less() {
+        let base = automatic_exposure(&field(|k| 1e-3 * (k + 1) as f32));
+        assert_eq!(automatic_exposure(&field(|k| 2e-3 * (k + 1) as f32)), base - 1.0);
+        // The brightest but one percent of a ramp up to 0.84: 0.83, brought to 0.8.
+        assert!((base - (0.8f64 / 0.83).log2()).abs() < 2.0 / STEPS_PER_STOP, "{base}");
+    }
+
+    #[test]
+    fn black_and_broken_pixels_do_not_count() {
+        assert_eq!(automatic_exposure(&field(|_| 0.0)), 0.0);
+        let lit = automatic_exposure(&field(|_| 0.25));
+        assert_eq!(automatic_exposure(&field(|k| [0.25, 0.0, f32::NAN, f32::INFINITY][k % 4])), lit);
+    }
+
+    #[test]
+    fn codes_are_the_formula_after_the_exposure() {
+        let color = field(|k| k as f32 / 840.0);
+        let (eight, sixteen) = (encode_8bit(&color, -1.0).unwrap(), encode_16bit(&color, -1.0).unwrap());
+        for ((x, a), b) in color.samples().iter().zip(eight.samples()).zip(sixteen.samples()) {
+            assert_eq!(*a, crate::srgb::naive8(x * 0.5));
+            assert_eq!(*b, naive16(x * 0.5));
+        }
+    }
+
+    #[test]
+    fn grey_spans_its_range() {
+        let values = Array3::from_shape_vec((1, 5, 1), vec![-1.0, 0.0, 1.0, f32::INFINITY, f32::NAN]).unwrap();
+        assert_eq!(grey_8bit(values.view(), -1.0, 1.0).into_raw_vec_and_offset().0, [0, 128, 255, 255, 0]);
+    }
+}

@@ -1,0 +1,245 @@
+//! From a scene's camera and a few numbers to a rig.
+//!
+//! A glTF camera says where it stands and how wide it sees; sensor size, baseline and focus distance come from the user
+//! or from rules stated here.
+
+use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split, automatic_baseline_m};
+
+use crate::error::Error;
+use crate::render::Renderer;
+use crate::scene::{Camera, CameraLens, Scene, Transform};
+
+/// How a rig is wanted.
+#[derive(Clone, Debug)]
+pub struct Framing {
+    /// Views and lenses.
+    pub split: Split,
+    /// Which camera of the scene.
+    pub camera: CameraChoice,
+    /// Focal length, m; `None`: from the camera's angle of view.
+    pub focal_length_m: Option<f64>,
+    /// Length of the larger image side, m.
+    pub sensor_size_m: f64,
+    /// Distance between neighbouring views.
+    pub baseline: Baseline,
+    /// Projection of the views.
+    pub projection: Projection,
+}
+
+/// Which camera of a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum CameraChoice {
+    /// The first in node order; without any, one that sees the whole scene from +Z.
+    #[default]
+    First,
+    /// By position in [`Scene::cameras`].
+    Index(usize),
+    /// By name.
+    Name(String),
+}
+
+/// The distance between neighbouring views.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Baseline {
+    /// The views sample the aperture of an f/N lens: focal length / N / (views - 1), the longer side of the grid deciding.
+    FNumber(f64),
+    /// Metres, the same along both axes.
+    Metres(f64),
+}
+
+/// A camera position with intrinsics; focus is still open.
+#[derive(Clone, Debug)]
+pub struct Framed {
+    /// Camera to world.
+    pub pose: Transform,
+    /// Focal length and sensor size.
+    pub intrinsics: Intrinsics,
+    /// Distance between neighbouring views, m.
+    pub baseline_m: f64,
+    /// Which camera this is, for people.
+    pub camera: String,
+    split: Split,
+    projection: Projection,
+}
+
+/// Vertical angle of view of the camera that is made up for a scene without one, rad (40 degrees).
+const DEFAULT_ANGLE_RAD: f64 = 40.0 * std::f64::consts::PI / 180.0;
+
+impl Framing {
+    /// Finds the camera and the numbers that do not depend on what it sees.
+    ///
+    /// # Errors
+    /// No such camera, an orthographic camera, numbers that no rig can have.
+    pub fn frame(&self, scene: &Scene) -> Result<Framed, Error> {
+        let lenses = self.split.lenses();
+        let (pose, camera, half_angle) = match choose(scene, &self.camera)? {
+            Some(camera) => (camera.pose, format!("camera '{}'", camera.name), half_angle(camera, lenses)?),
+            None => frame_bounds(scene, lenses)?,
+        };
+        let focal_length_m = self.focal_length_m.unwrap_or(self.sensor_size_m / (2.0 * half_angle.tan()));
+        let baseline_m = match self.baseline {
+            Baseline::Metres(baseline) => baseline,
+            Baseline::FNumber(f_number) => automatic_baseline_m(focal_length_m, f_number, self.split.views())?,
+        };
+        let intrinsics = Intrinsics { focal_length_m, sensor_size_m: self.sensor_size_m };
+        let framed = Framed { pose, intrinsics, baseline_m, camera, split: self.split, projection: self.projection };
+        // Everything but the focus is known: let the rig judge it now, before a scene is built.
+        framed.rig_with(Projection::Perspective, f64::INFINITY)?;
+        Ok(framed)
+    }
+}
+
+impl Framed {
+    /// The rig focused at a distance (m, may be infinite).
+    ///
+    /// # Errors
+    /// Numbers that no rig can have; an orthographic rig needs a finite distance.
+    pub fn rig(&self, focus_distance_m: f64) -> Result<Rig, Error> {
+        self.rig_with(self.projection, focus_distance_m)
+    }
+
+    fn rig_with(&self, projection: Projection, focus_distance_m: f64) -> Result<Rig, Error> {
+        Ok(Rig::new(RigParameters {
+            split: self.split,
+            intrinsics: self.intrinsics,
+            baseline_x_m: self.baseline_m,
+            baseline_y_m: self.baseline_m,
+            focus_distance_m,
+            projection,
+        })?)
+    }
+
+    /// The focus distance that halves the range of disparities: the harmonic mean of the nearest and the farthest depth
+    /// in the central view (of the perspective rig focused at infinity). Infinite where that view sees nothing.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`]; an orthographic rig that sees nothing.
+    pub fn automatic_focus_m(&self, renderer: &Renderer) -> Result<f64, Error> {
+        let truth = renderer.central_truth(&self.rig_with(Projection::Perspective, f64::INFINITY)?)?;
+        let hits = truth.depth_m.iter().filter(|z| z.is_finite()).map(|&z| f64::from(z));
+        let (near, far) = hits.fold((f64::INFINITY, 0.0f64), |(near, far), z| (near.min(z), far.max(z)));
+        if far > 0.0 {
+            return Ok(2.0 / (1.0 / near + 1.0 / far));
+        }
+        match self.projection {
+            Projection::Perspective => Ok(f64::INFINITY),
+            Projection::Orthographic => Err(Error::BadSetting(
+                "the central view sees nothing to focus on; give a focus distance (--focus-m)".into(),
+            )),
+        }
+    }
+}
+
+fn choose<'a>(scene: &'a Scene, choice: &CameraChoice) -> Result<Option<&'a Camera>, Error> {
+    let list = || match scene.cameras.len() {
+        0 => "it has none".to_string(),
+        _ => format!("it has {}", scene.cameras.iter().map(|c| format!("'{}'", c.name)).collect::<Vec<_>>().join(", ")),
+    };
+    match choice {
+        CameraChoice::First => Ok(scene.cameras.first()),
+        CameraChoice::Index(index) => match scene.cameras.get(*index) {
+            Some(camera) => Ok(Some(camera)),
+            None => Err(Error::BadSetting(format!("the scene has no camera number {index}: {}", list()))),
+        },
+        CameraChoice::Name(name) => match scene.cameras.iter().find(|c| c.name == *name) {
+            Some(camera) => Ok(Some(camera)),
+            None => Err(Error::BadSetting(format!("the scene has no camera '{name}': {}", list()))),
+        },
+    }
+}
+
+/// Half the angle of view along the larger image side, rad. A camera with more columns than rows keeps its horizontal
+/// angle, else its vertical one.
+fn half_angle(camera: &Camera, lenses: GridSize) -> Result<f64, Error> {
+    match camera.lens {
+        CameraLens::Perspective { vertical_angle_rad, aspect_ratio } => {
+            let vertical = vertical_angle_rad / 2.0;
+            if lenses.columns < lenses.rows {
+                return Ok(vertical);
+            }
+            let aspect = aspect_ratio.unwrap_or(lenses.columns as f64 / lenses.rows as f64);
+            Ok((vertical.tan() * aspect).atan())
+        }
+        CameraLens::Orthographic { .. } => Err(Error::BadSetting(format!(
+            "camera '{}' is orthographic; choose a perspective camera, and --projection orthographic if the views shall \
+             be parallel projections",
+            camera.name
+        ))),
+    }
+}
+
+/// A camera in front of the scene's bounding box (on +Z) that just sees all of it.
+fn frame_bounds(scene: &Scene, lenses: GridSize) -> Result<(Transform, String, f64), Error> {
+    let Some((low, high)) = scene.bounds() else {
+        return Err(Error::BadSetting(
+            "the scene has neither a camera nor a triangle: there is nothing to look at".into(),
+        ));
+    };
+    let center: [f64; 3] = std::array::from_fn(|k| f64::midpoint(low[k], high[k]));
+    let half: [f64; 3] = std::array::from_fn(|k| (high[k] - low[k]) / 2.0);
+    let slope_y = (DEFAULT_ANGLE_RAD / 2.0).tan();
+    let slope_x = slope_y * lenses.columns as f64 / lenses.rows as f64;
+    let distance = (half[1] / slope_y).max(half[0] / slope_x);
+    // A scene that is a point is still looked at from somewhere.
+    let distance = half[2] + if distance > 0.0 { 1.05 * distance } else { 1.0 };
+    let pose = Transform::from_translation([center[0], center[1], center[2] + distance]);
+    let along_larger = if lenses.columns < lenses.rows { slope_y } else { slope_x };
+    Ok((pose, "no camera in the scene: one that sees all of it from +Z".into(), along_larger.atan()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera(aspect_ratio: Option<f64>) -> Camera {
+        let lens = CameraLens::Perspective { vertical_angle_rad: 0.8, aspect_ratio };
+        Camera { name: "a".into(), pose: Transform::IDENTITY, lens }
+    }
+
+    fn framing(lenses: GridSize, camera: CameraChoice) -> Framing {
+        Framing {
+            split: Split::new(GridSize::new(4, 5), lenses).unwrap(),
+            camera,
+            focal_length_m: None,
+            sensor_size_m: 0.036,
+            baseline: Baseline::FNumber(5.0),
+            projection: Projection::Perspective,
+        }
+    }
+
+    #[test]
+    fn the_larger_side_keeps_its_angle() {
+        let scene = |aspect| Scene { cameras: vec![camera(aspect)], ..Scene::default() };
+        let focal = |scene: &Scene, rows, columns| {
+            let lenses = GridSize::new(rows, columns);
+            framing(lenses, CameraChoice::First).frame(scene).unwrap().intrinsics.focal_length_m
+        };
+        // Landscape: tan(half horizontal) = aspect * tan(half vertical); sensor 36 mm is the width.
+        let tan = 0.4f64.tan();
+        assert!((focal(&scene(Some(1.5)), 10, 20) - 0.018 / (1.5 * tan)).abs() < 1e-12);
+        assert!((focal(&scene(None), 10, 20) - 0.018 / (2.0 * tan)).abs() < 1e-12, "aspect of the image");
+        // Portrait: the vertical angle, over the height.
+        assert!((focal(&scene(Some(1.5)), 20, 10) - 0.018 / tan).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_automatic_baseline_samples_the_aperture() {
+        let scene = Scene { cameras: vec![camera(Some(1.5))], ..Scene::default() };
+        let framed = framing(GridSize::new(10, 20), CameraChoice::First).frame(&scene).unwrap();
+        // 5 columns of views: four steps across the aperture.
+        assert!((framed.baseline_m - framed.intrinsics.focal_length_m / 5.0 / 4.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn cameras_are_found_or_named_in_the_error() {
+        let scene = Scene { cameras: vec![camera(None)], ..Scene::default() };
+        let lenses = GridSize::new(10, 20);
+        assert!(framing(lenses, CameraChoice::Name("a".into())).frame(&scene).is_ok());
+        for choice in [CameraChoice::Name("b".into()), CameraChoice::Index(1)] {
+            let message = framing(lenses, choice).frame(&scene).unwrap_err().to_string();
+            assert!(message.contains("'a'"), "{message}");
+        }
+        let nothing = framing(lenses, CameraChoice::First).frame(&Scene::default());
+        assert!(nothing.unwrap_err().to_string().contains("nothing to look at"));
+    }
+}

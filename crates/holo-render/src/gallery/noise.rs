@@ -1,0 +1,50 @@
+//! Deterministic randomness for the gallery: a small generator and smooth noise over it.
+
+/// SplitMix64: a stated formula, so that a scene is the same everywhere and for ever.
+pub(super) struct Random(u64);
+
+impl Random {
+    pub fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
+    /// The next number in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        (mix(self.0) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// The next number between two bounds.
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+}
+
+fn mix(z: u64) -> u64 {
+    let z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^ (z >> 31)
+}
+
+/// Value noise on the unit lattice, -1..1, once differentiable.
+pub(super) fn smooth([x, y, z]: [f64; 3]) -> f64 {
+    let cell = [x.floor(), y.floor(), z.floor()];
+    let fade = |t: f64| t * t * (3.0 - 2.0 * t);
+    let f = [fade(x - cell[0]), fade(y - cell[1]), fade(z - cell[2])];
+    let corner = |k: usize| {
+        let at = |axis: usize| (cell[axis] as i64 + (k >> axis & 1) as i64) as u64;
+        let hash = mix(at(0).wrapping_mul(0x8DA6_B343) ^ at(1).wrapping_mul(0xD816_3841_0000) ^ mix(at(2)));
+        (hash >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    };
+    (0..8)
+        .map(|k| {
+            let weight: f64 = (0..3).map(|axis| if k >> axis & 1 == 1 { f[axis] } else { 1.0 - f[axis] }).product();
+            weight * corner(k)
+        })
+        .sum()
+}
+
+/// Several octaves of [`smooth`], each of twice the frequency and half the height.
+pub(super) fn fractal(p: [f64; 3], octaves: u32) -> f64 {
+    (0..octaves).map(|k| f64::from(1 << k)).map(|frequency| smooth(p.map(|x| x * frequency)) / frequency).sum()
+}

@@ -1,0 +1,254 @@
+//! The scene as rays see it: one list of triangles in camera coordinates.
+//!
+//! The rig's centre is subtracted in f64 before anything is rounded to f32, and the world is turned into the camera's
+//! frame, so that a ray starts near the origin and its parameter is planar depth. A rig of 10 um baseline at world
+//! coordinate 1e6 m therefore sees the same scene as one at the origin.
+
+use rayon::prelude::*;
+
+use crate::error::Error;
+use crate::scene::{Mesh, Scene, Transform};
+
+/// Triangles of all instances in camera coordinates (right-handed, +Y up, the camera looks along -Z), metres.
+pub(crate) struct Geometry {
+    /// f32 positions for the ray engines. The last entry is padding: Embree reads 16 bytes of every vertex.
+    positions: Vec<[f32; 3]>,
+    /// Indices into the vertex arrays.
+    triangles: Vec<[u32; 3]>,
+    /// The plane of every triangle in f64.
+    planes: Vec<Plane>,
+    /// Unit vertex normals; zero where the mesh has none.
+    normals: Vec<[f32; 3]>,
+    texture_coordinates: Vec<[f32; 2]>,
+    colors: Vec<[f32; 4]>,
+    /// Which instance a triangle belongs to, as ascending first triangles.
+    parts: Vec<Part>,
+    /// For every triangle its index into `parts`.
+    part_of: Vec<u32>,
+}
+
+/// `normal . x = offset`, from f64 positions. The normal is the unnormalised cross product of two edges, 0 for a
+/// triangle without area; it points to the side from which the triangle is counter-clockwise.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Plane {
+    pub normal: [f64; 3],
+    pub offset: f64,
+}
+
+/// What the triangles of one instance have in common.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Part {
+    pub material: u32,
+    pub smooth: bool,
+    pub textured: bool,
+    pub colored: bool,
+    /// The largest coordinate of any vertex: what an f32 position of this instance can be off by, over 2^-24.
+    pub extent: f32,
+}
+
+impl Geometry {
+    /// Flattens `scene` into the frame of a camera at `pose`.
+    pub fn build(scene: &Scene, pose: &Transform) -> Result<Self, Error> {
+        let too_many = |what: &str, count: usize| Error::BadScene {
+            at: "scene".into(),
+            what: format!("{count} {what} in the world; at most {} fit", u32::MAX - 1),
+        };
+        let meshes: Vec<(&Mesh, &Transform)> =
+            scene.instances.iter().map(|i| (&scene.meshes[i.mesh], &i.transform)).collect();
+        let vertex_count = meshes.iter().map(|(m, _)| m.positions.len()).fold(0usize, usize::saturating_add);
+        let triangle_count = meshes.iter().map(|(m, _)| m.triangles.len()).fold(0usize, usize::saturating_add);
+        if vertex_count >= u32::MAX as usize {
+            return Err(too_many("vertices", vertex_count));
+        }
+        if triangle_count >= u32::MAX as usize {
+            return Err(too_many("triangles", triangle_count));
+        }
+        let any = |f: fn(&Mesh) -> bool| meshes.iter().any(|(m, _)| f(m));
+        let per_vertex = |wanted: bool| if wanted { vertex_count } else { 0 };
+        let mut geometry = Self {
+            positions: Vec::with_capacity(vertex_count + 1),
+            triangles: Vec::with_capacity(triangle_count),
+            planes: Vec::with_capacity(triangle_count),
+            normals: Vec::with_capacity(per_vertex(any(|m| !m.normals.is_empty()))),
+            texture_coordinates: Vec::with_capacity(per_vertex(any(|m| !m.texture_coordinates.is_empty()))),
+            colors: Vec::with_capacity(per_vertex(any(|m| !m.colors.is_empty()))),
+            parts: Vec::with_capacity(meshes.len()),
+            part_of: Vec::with_capacity(triangle_count),
+        };
+        let with_normals = any(|m| !m.normals.is_empty());
+        let with_coordinates = any(|m| !m.texture_coordinates.is_empty());
+        let with_colors = any(|m| !m.colors.is_empty());
+        for (mesh, transform) in meshes {
+            geometry.append(mesh, &to_camera(transform, pose), [with_normals, with_coordinates, with_colors])?;
+        }
+        geometry.positions.push([0.0; 3]);
+        Ok(geometry)
+    }
+
+    fn append(&mut self, mesh: &Mesh, to_camera: &Transform, with: [bool; 3]) -> Result<(), Error> {
+        let first_vertex = self.positions.len() as u32;
+        let exact: Vec<[f64; 3]> = mesh.positions.par_iter().map(|p| to_camera.point(p.map(f64::from))).collect();
+        let extent = exact.par_iter().flatten().map(|x| x.abs()).reduce(|| 0.0, f64::max);
+        // Beyond this the squares and products inside a ray engine overflow f32.
+        if !(extent < 1e18) {
+            return Err(Error::BadScene {
+                at: format!("mesh '{}'", mesh.name),
+                what: format!("a vertex is {extent:e} m from the camera; coordinates must stay below 1e18 m"),
+            });
+        }
+        self.positions.par_extend(exact.par_iter().map(|p| p.map(|x| x as f32)));
+        // A map that mirrors turns every triangle over; swapping two corners keeps its front in front.
+        let mirrored = to_camera.determinant() < 0.0;
+        let order = if mirrored { [0, 2, 1] } else { [0, 1, 2] };
+        self.triangles.par_extend(mesh.triangles.par_iter().map(|t| order.map(|k| t[k] + first_vertex)));
+        self.planes.par_extend(mesh.triangles.par_iter().map(|t| Plane::through(order.map(|k| exact[t[k] as usize]))));
+        let [with_normals, with_coordinates, with_colors] = with;
+        if with_normals {
+            let columns = to_camera.normal_columns();
+            // The cofactor matrix of a mirroring map also turns normals over; undo it so that they stay outward.
+            let sign = if mirrored { -1.0 } else { 1.0 };
+            let normal_map = Transform { columns, translation: [0.0; 3] };
+            let turn = |n: &[f32; 3]| {
+                let n = glam::DVec3::from(normal_map.vector(n.map(f64::from))) * sign;
+                n.normalize_or_zero().as_vec3().to_array()
+            };
+            if mesh.normals.is_empty() {
+                self.normals.resize(self.positions.len(), [0.0; 3]);
+            } else {
+                self.normals.par_extend(mesh.normals.par_iter().map(turn));
+            }
+        }
+        if with_coordinates {
+            self.texture_coordinates.extend_from_slice(&mesh.texture_coordinates);
+            self.texture_coordinates.resize(self.positions.len(), [0.0; 2]);
+        }
+        if with_colors {
+            self.colors.extend_from_slice(&mesh.colors);
+            self.colors.resize(self.positions.len(), [1.0; 4]);
+        }
+        self.part_of.resize(self.triangles.len(), self.parts.len() as u32);
+        self.parts.push(Part {
+            material: mesh.material as u32,
+            smooth: !mesh.normals.is_empty(),
+            textured: !mesh.texture_coordinates.is_empty(),
+            colored: !mesh.colors.is_empty(),
+            extent: extent as f32,
+        });
+        Ok(())
+    }
+
+    /// Vertex positions without the padding.
+    pub fn positions(&self) -> &[[f32; 3]] {
+        &self.positions[..self.positions.len() - 1]
+    }
+
+    /// Vertex positions with one more entry at the end, for engines that read 16 bytes a vertex.
+    pub fn padded_positions(&self) -> &[[f32; 3]] {
+        &self.positions
+    }
+
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// The corners of a triangle as the engines see them.
+    pub fn corners(&self, triangle: usize) -> [[f32; 3]; 3] {
+        self.triangles[triangle].map(|k| self.positions[k as usize])
+    }
+
+    #[inline]
+    pub fn planes(&self) -> &[Plane] {
+        &self.planes
+    }
+
+    #[inline]
+    pub fn part(&self, triangle: usize) -> &Part {
+        &self.parts[self.part_of[triangle] as usize]
+    }
+
+    #[inline]
+    pub fn normals_of(&self, triangle: usize) -> [[f32; 3]; 3] {
+        self.triangles[triangle].map(|k| self.normals[k as usize])
+    }
+
+    #[inline]
+    pub fn texture_coordinates_of(&self, triangle: usize) -> [[f32; 2]; 3] {
+        self.triangles[triangle].map(|k| self.texture_coordinates[k as usize])
+    }
+
+    #[inline]
+    pub fn colors_of(&self, triangle: usize) -> [[f32; 4]; 3] {
+        self.triangles[triangle].map(|k| self.colors[k as usize])
+    }
+}
+
+impl Plane {
+    pub fn through([a, b, c]: [[f64; 3]; 3]) -> Self {
+        let [a, b, c] = [a, b, c].map(glam::DVec3::from);
+        let normal = (b - a).cross(c - a);
+        Self { normal: normal.to_array(), offset: normal.dot(a) }
+    }
+}
+
+/// Object to camera coordinates. The camera's position is subtracted from the object's first: both may be large, and
+/// their difference is exact where it matters.
+fn to_camera(object: &Transform, pose: &Transform) -> Transform {
+    let shifted = Transform {
+        columns: object.columns,
+        translation: std::array::from_fn(|k| object.translation[k] - pose.translation[k]),
+    };
+    world_to_camera_rotation(pose).after(&shifted)
+}
+
+/// The inverse of the pose's rotation (its transpose), without the translation.
+pub(crate) fn world_to_camera_rotation(pose: &Transform) -> Transform {
+    let c = pose.columns;
+    Transform { columns: std::array::from_fn(|k| [c[0][k], c[1][k], c[2][k]]), translation: [0.0; 3] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Instance;
+
+    fn one_triangle(transform: Transform) -> Scene {
+        Scene {
+            meshes: vec![Mesh {
+                positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+                normals: vec![[0.0, 0.0, 1.0]; 3],
+                triangles: vec![[0, 1, 2]],
+                ..Mesh::default()
+            }],
+            instances: vec![Instance { name: String::new(), mesh: 0, transform }],
+            materials: vec![crate::scene::Material::default()],
+            ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn a_mirrored_triangle_keeps_its_front_and_its_normal() {
+        let mut mirrored = Transform::IDENTITY;
+        mirrored.columns[0][0] = -2.0;
+        let g = Geometry::build(&one_triangle(mirrored), &Transform::IDENTITY).unwrap();
+        assert!(g.planes()[0].normal[2] > 0.0, "front side turned over");
+        assert_eq!(g.normals_of(0)[0], [0.0, 0.0, 1.0]);
+    }
+
+    #[test]
+    fn a_far_world_is_the_near_world() {
+        // Powers of two: the difference of the translations is exact, so nothing may change at all.
+        let far = [f64::from(1 << 20), -f64::from(1 << 21), f64::from(1 << 22)];
+        let small = Transform { columns: [[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]], translation: far };
+        let near = Transform { translation: [0.0; 3], ..small };
+        let a = Geometry::build(&one_triangle(small), &Transform::from_translation(far)).unwrap();
+        let b = Geometry::build(&one_triangle(near), &Transform::IDENTITY).unwrap();
+        assert_eq!(a.positions(), b.positions());
+        assert_eq!(a.planes()[0].normal, b.planes()[0].normal);
+    }
+
+    #[test]
+    fn positions_beyond_f32_are_an_error() {
+        let far = Transform::from_translation([1e30, 0.0, 0.0]);
+        assert!(matches!(Geometry::build(&one_triangle(far), &Transform::IDENTITY), Err(Error::BadScene { .. })));
+    }
+}

@@ -1,0 +1,299 @@
+//! Pre-validation of accessors, before the `gltf` crate reads them.
+//!
+//! The `gltf` crate panics on indices out of range, wrong component types, counts of zero, short sparse lists and
+//! overflowing sizes. It therefore never sees the file: it gets a document made here, of nothing but those accessors that
+//! are read, each of them checked against its buffer to the last byte.
+
+use std::collections::BTreeMap;
+
+use ::gltf::json;
+use ::gltf::json::accessor::{ComponentType, Type};
+use ::gltf::json::validation::{Checked, USize64};
+
+use super::json::{Object, bad, unsupported};
+use super::values::Values;
+use super::views::Views;
+use crate::Error;
+
+/// What an accessor is wanted for; decides which types it may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Use {
+    /// Positions and normals.
+    Vectors,
+    TextureCoordinates,
+    Colors,
+    Indices,
+}
+
+/// A checked accessor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Handle {
+    /// Its number in the file, for messages.
+    pub(super) number: usize,
+    pub(super) count: usize,
+    /// Its number in the document given to the `gltf` crate.
+    pub(super) checked: usize,
+}
+
+/// Checks accessors one by one, as they are asked for.
+pub(super) struct Checker<'f> {
+    accessors: Vec<Object<'f>>,
+    views: &'f Views<'f>,
+    known: BTreeMap<usize, Handle>,
+    known_views: BTreeMap<usize, usize>,
+    root: json::Root,
+}
+
+impl<'f> Checker<'f> {
+    pub(super) fn new(root: &Object<'f>, views: &'f Views<'f>) -> Result<Self, Error> {
+        let mut document = json::Root::default();
+        for buffer in views.buffers() {
+            document.buffers.push(json::Buffer {
+                byte_length: USize64::from(buffer.len()),
+                name: None,
+                uri: None,
+                extensions: None,
+                extras: json::Extras::default(),
+            });
+        }
+        Ok(Self {
+            accessors: root.objects("accessors")?,
+            views,
+            known: BTreeMap::new(),
+            known_views: BTreeMap::new(),
+            root: document,
+        })
+    }
+
+    /// How many accessors the file has.
+    pub(super) fn len(&self) -> usize {
+        self.accessors.len()
+    }
+
+    /// Whether the accessor has values of its own, rather than the zeros of one without a buffer view.
+    pub(super) fn has_data(&self, number: usize) -> bool {
+        self.accessors.get(number).is_some_and(|a| a.has("bufferView") || a.has("sparse"))
+    }
+
+    /// Checks accessor `number` (in range) for a use; `user` is the JSON path of what refers to it.
+    pub(super) fn check(&mut self, number: usize, wanted: Use, user: &str) -> Result<Handle, Error> {
+        let Some(accessor) = self.accessors.get(number).cloned() else {
+            return Err(bad(user, format!("refers to accessors[{number}], which is not there")));
+        };
+        let component = component_type(&accessor)?;
+        let shape = shape(&accessor)?;
+        let normalized = accessor.boolean("normalized")?.unwrap_or(false);
+        check_use(&accessor, wanted, (component, shape, normalized), user)?;
+        if let Some(&handle) = self.known.get(&number) {
+            return Ok(handle);
+        }
+        let count = count(&accessor)?;
+        let size = component.size() * shape.multiplicity();
+        let offset = accessor.unsigned("byteOffset")?.unwrap_or(0);
+        let view = match accessor.index("bufferView", "bufferViews", self.views.len())? {
+            Some(view) => {
+                self.check_range(&accessor, view, (offset, count, size), true)?;
+                Some(json::Index::new(self.view(view)?))
+            }
+            None => None,
+        };
+        let sparse = match accessor.object("sparse")? {
+            Some(sparse) => Some(self.check_sparse(&sparse, count, size)?),
+            None => None,
+        };
+        let handle = Handle { number, count, checked: self.root.accessors.len() };
+        self.root.accessors.push(json::Accessor {
+            buffer_view: view,
+            byte_offset: Some(USize64(offset)),
+            count: USize64::from(count),
+            component_type: Checked::Valid(json::accessor::GenericComponentType(component)),
+            extensions: None,
+            extras: json::Extras::default(),
+            type_: Checked::Valid(shape),
+            min: None,
+            max: None,
+            name: None,
+            normalized,
+            sparse,
+        });
+        self.known.insert(number, handle);
+        Ok(handle)
+    }
+
+    pub(super) fn finish(self) -> Values<'f> {
+        // Nothing is left to validate, and the crate's own validation asks for optional things (min, max).
+        Values::new(::gltf::Document::from_json_without_validation(self.root), self.views.buffers())
+    }
+
+    /// Copies a buffer view into the crate's document, once.
+    fn view(&mut self, number: usize) -> Result<u32, Error> {
+        if let Some(&known) = self.known_views.get(&number) {
+            return Ok(known as u32);
+        }
+        let view = self.views.get(number)?;
+        let known = self.root.buffer_views.len();
+        self.root.buffer_views.push(json::buffer::View {
+            buffer: json::Index::new(view.buffer as u32),
+            byte_length: USize64::from(view.bytes.len()),
+            byte_offset: Some(USize64::from(view.offset)),
+            byte_stride: view.stride.map(json::buffer::Stride),
+            name: None,
+            target: None,
+            extensions: None,
+            extras: json::Extras::default(),
+        });
+        self.known_views.insert(number, known);
+        Ok(known as u32)
+    }
+
+    /// Checks that `count` elements of `size` bytes from `offset` on lie inside the buffer view, and returns their bytes.
+    fn check_range(
+        &self,
+        user: &Object<'_>,
+        number: usize,
+        (offset, count, size): (u64, usize, usize),
+        strided: bool,
+    ) -> Result<&'f [u8], Error> {
+        let view = self.views.get(number)?;
+        let stride = match view.stride {
+            Some(_) if !strided => {
+                return Err(bad(format!("bufferViews[{number}].byteStride"), "is not allowed for sparse accessors"));
+            }
+            Some(stride) if stride < size => {
+                let what = format!("is {stride}, but {} has elements of {size} bytes", user.path());
+                return Err(bad(format!("bufferViews[{number}].byteStride"), what));
+            }
+            Some(stride) => stride,
+            None => size,
+        };
+        let last = (count as u64 - 1).checked_mul(stride as u64);
+        let end = last.and_then(|last| last.checked_add(size as u64)?.checked_add(offset));
+        let range = end.filter(|&end| end <= view.bytes.len() as u64).map(|end| offset as usize..end as usize);
+        range.and_then(|range| view.bytes.get(range)).ok_or_else(|| {
+            let have = view.bytes.len();
+            let what = format!("needs {count} elements of {size} bytes (stride {stride}) from byte {offset} on, but bufferViews[{number}] has {have} bytes");
+            bad(user.path(), what)
+        })
+    }
+
+    fn check_sparse(
+        &mut self,
+        sparse: &Object<'_>,
+        length: usize,
+        size: usize,
+    ) -> Result<json::accessor::sparse::Sparse, Error> {
+        let count = count(sparse)?;
+        if count > length {
+            return Err(bad(sparse.at("count"), format!("is {count}, but the accessor has {length} elements")));
+        }
+        let part = |key: &str| sparse.object(key)?.ok_or_else(|| sparse.missing(key));
+        let view_of = |part: &Object<'_>| {
+            let view = part.index("bufferView", "bufferViews", self.views.len())?;
+            view.ok_or_else(|| part.missing("bufferView"))
+        };
+        let (indices, values) = (part("indices")?, part("values")?);
+        let (index_view, value_view) = (view_of(&indices)?, view_of(&values)?);
+        let index_offset = indices.unsigned("byteOffset")?.unwrap_or(0);
+        let value_offset = values.unsigned("byteOffset")?.unwrap_or(0);
+        let component = component_type(&indices)?;
+        if !matches!(component, ComponentType::U8 | ComponentType::U16 | ComponentType::U32) {
+            return Err(bad(indices.at("componentType"), "must be an unsigned integer type"));
+        }
+        let range = (index_offset, count, component.size());
+        let bytes = self.check_range(&indices, index_view, range, false)?;
+        self.check_range(&values, value_view, (value_offset, count, size), false)?;
+        // The crate takes the values in order of the indices and panics, or drops some, where those do not increase.
+        let mut previous = None;
+        for (k, bytes) in bytes.chunks_exact(component.size()).enumerate() {
+            let index = bytes.iter().rev().fold(0_usize, |index, &byte| index << 8 | usize::from(byte));
+            if index >= length || previous.is_some_and(|previous| index <= previous) {
+                let what = format!("number {k} is {index}; they must increase and stay below the count {length}");
+                return Err(bad(indices.path(), what));
+            }
+            previous = Some(index);
+        }
+        Ok(json::accessor::sparse::Sparse {
+            count: USize64::from(count),
+            indices: json::accessor::sparse::Indices {
+                buffer_view: json::Index::new(self.view(index_view)?),
+                byte_offset: USize64(index_offset),
+                component_type: Checked::Valid(json::accessor::IndexComponentType(component)),
+                extensions: None,
+                extras: json::Extras::default(),
+            },
+            values: json::accessor::sparse::Values {
+                buffer_view: json::Index::new(self.view(value_view)?),
+                byte_offset: USize64(value_offset),
+                extensions: None,
+                extras: json::Extras::default(),
+            },
+            extensions: None,
+            extras: json::Extras::default(),
+        })
+    }
+}
+
+fn component_type(object: &Object<'_>) -> Result<ComponentType, Error> {
+    let code = object.unsigned("componentType")?.ok_or_else(|| object.missing("componentType"))?;
+    Ok(match code {
+        5120 => ComponentType::I8,
+        5121 => ComponentType::U8,
+        5122 => ComponentType::I16,
+        5123 => ComponentType::U16,
+        5125 => ComponentType::U32,
+        5126 => ComponentType::F32,
+        _ => return Err(bad(object.at("componentType"), format!("is {code}, which is no component type of glTF"))),
+    })
+}
+
+fn shape(accessor: &Object<'_>) -> Result<Type, Error> {
+    Ok(match accessor.string("type")?.ok_or_else(|| accessor.missing("type"))? {
+        "SCALAR" => Type::Scalar,
+        "VEC2" => Type::Vec2,
+        "VEC3" => Type::Vec3,
+        "VEC4" => Type::Vec4,
+        "MAT2" => Type::Mat2,
+        "MAT3" => Type::Mat3,
+        "MAT4" => Type::Mat4,
+        _ => return Err(bad(accessor.at("type"), "is no accessor type of glTF")),
+    })
+}
+
+fn count(object: &Object<'_>) -> Result<usize, Error> {
+    let count = object.unsigned("count")?.ok_or_else(|| object.missing("count"))?;
+    // Vertex indices are 32 bits, and the highest one is kept free as glTF asks.
+    if count == 0 || count >= u64::from(u32::MAX) {
+        return Err(bad(object.at("count"), format!("is {count}; it must be 1..{}", u32::MAX - 1)));
+    }
+    Ok(count as usize)
+}
+
+fn check_use(
+    accessor: &Object<'_>,
+    wanted: Use,
+    (component, shape, normalized): (ComponentType, Type, bool),
+    user: &str,
+) -> Result<(), Error> {
+    use ComponentType::{F32, U8, U16, U32};
+    let small = matches!(component, U8 | U16);
+    let (fits, need) = match wanted {
+        Use::Vectors => (shape == Type::Vec3 && component == F32, "VEC3 of floats"),
+        Use::TextureCoordinates => (
+            shape == Type::Vec2 && (component == F32 || small && normalized),
+            "VEC2 of floats or of normalized unsigned bytes or shorts",
+        ),
+        Use::Colors => (
+            matches!(shape, Type::Vec3 | Type::Vec4) && (component == F32 || small && normalized),
+            "VEC3 or VEC4 of floats or of normalized unsigned bytes or shorts",
+        ),
+        Use::Indices => (shape == Type::Scalar && (small || component == U32), "SCALAR of unsigned integers"),
+    };
+    if fits {
+        return Ok(());
+    }
+    let quantized = matches!(wanted, Use::Vectors | Use::TextureCoordinates) && !matches!(component, F32 | U32);
+    if quantized && matches!(shape, Type::Vec2 | Type::Vec3) {
+        return Err(unsupported(accessor.path(), format!("integer data for {user} (KHR_mesh_quantization)")));
+    }
+    Err(bad(accessor.path(), format!("must be {need}, since {user} refers to it")))
+}

@@ -1,0 +1,171 @@
+//! The outside of a glTF file: binary container or JSON, and the bytes of its buffers and images.
+
+use std::borrow::Cow;
+use std::cell::Cell;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::json::{Object, bad, unsupported};
+use super::uri::{self, Target};
+use crate::Error;
+
+const MAGIC: &[u8] = b"glTF";
+const CHUNK_JSON: u32 = 0x4E4F_534A;
+const CHUNK_BINARY: u32 = 0x004E_4942;
+
+/// The JSON text and the binary chunk of a file in memory.
+pub(super) struct Parts<'a> {
+    pub(super) json: &'a [u8],
+    pub(super) binary: Option<&'a [u8]>,
+}
+
+/// Tells a binary glTF from a JSON one by its first bytes and takes it apart.
+pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, Error> {
+    if !bytes.starts_with(MAGIC) {
+        // The standard forbids a byte order mark, editors add one nevertheless.
+        let json = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
+        return match json.iter().find(|b| !b.is_ascii_whitespace()) {
+            Some(b'{') => Ok(Parts { json, binary: None }),
+            Some(_) => Err(bad("file", "is neither binary glTF (.glb) nor glTF JSON (.gltf)")),
+            None => Err(bad("file", "is empty")),
+        };
+    }
+    let truncated = || bad("glb header", "the file is cut short");
+    match word(bytes, 4).ok_or_else(truncated)? {
+        2 => {}
+        version => return Err(unsupported("glb header", format!("glTF container version {version} (only 2 is)"))),
+    }
+    let length = word(bytes, 8).ok_or_else(truncated)? as usize;
+    let Some(bytes) = bytes.get(..length) else {
+        let what = format!("says {length} bytes, but the file has {}: it is cut short", bytes.len());
+        return Err(bad("glb header", what));
+    };
+    let mut parts = Parts { json: &[], binary: None };
+    let (mut offset, mut number) = (12_usize, 0_usize);
+    // Up to three bytes can remain where a writer padded the file but not its last chunk.
+    while offset + 8 <= bytes.len() {
+        let (Some(length), Some(kind)) = (word(bytes, offset), word(bytes, offset + 4)) else { break };
+        let chunk = bytes[offset + 8..].get(..length as usize);
+        let chunk = chunk.ok_or_else(|| bad(format!("glb chunk {number}"), "reaches beyond the end of the file"))?;
+        match (number, kind) {
+            // Padding is made of spaces; writers that use zeros exist.
+            (0, CHUNK_JSON) => parts.json = trim_zeros(chunk),
+            (0, _) => return Err(bad("glb chunk 0", "is not JSON")),
+            (1, CHUNK_BINARY) => parts.binary = Some(chunk),
+            // Other chunks are for extensions and must be skipped.
+            _ => {}
+        }
+        // Chunks start at multiples of four; writers that forget to pad say so by their length.
+        offset += 8 + chunk.len().next_multiple_of(4);
+        number += 1;
+    }
+    if number == 0 { Err(bad("glb chunk 0", "is missing: the file has no JSON")) } else { Ok(parts) }
+}
+
+fn trim_zeros(mut json: &[u8]) -> &[u8] {
+    while let [rest @ .., 0] = json {
+        json = rest;
+    }
+    json
+}
+
+fn word(bytes: &[u8], offset: usize) -> Option<u32> {
+    bytes.get(offset..)?.first_chunk().copied().map(u32::from_le_bytes)
+}
+
+/// Parses the JSON and checks that it is glTF 2.
+pub(super) fn parse(json: &[u8]) -> Result<Value, Error> {
+    let value: Value = serde_json::from_slice(json).map_err(|e| bad("glTF JSON", e.to_string()))?;
+    let root = Object::root(&value)?;
+    let Some(asset) = root.object("asset")? else { return Err(root.missing("asset")) };
+    let Some(version) = asset.string("version")? else { return Err(asset.missing("version")) };
+    if version.split('.').next() != Some("2") {
+        return Err(unsupported("asset.version", format!("glTF {} (only 2.x is)", uri::shorten(version))));
+    }
+    match asset.string("minVersion")? {
+        Some(least) if least != "2.0" => Err(unsupported("asset.minVersion", format!("glTF {}", uri::shorten(least)))),
+        _ => Ok(value),
+    }
+}
+
+/// Where the parts of a file that are not in the file itself come from, and how many bytes may still be read.
+pub(super) struct Files {
+    folder: Option<PathBuf>,
+    bytes_left: Cell<u64>,
+    max_bytes: u64,
+}
+
+impl Files {
+    pub(super) fn new(folder: Option<&Path>, max_bytes: u64) -> Self {
+        Self { folder: folder.map(Path::to_path_buf), bytes_left: Cell::new(max_bytes), max_bytes }
+    }
+
+    /// Reads a whole file, if it is not larger than what may still be read.
+    pub(super) fn read(&self, path: &Path) -> Result<Vec<u8>, Error> {
+        let fail = |source| Error::Read { path: path.display().to_string(), source };
+        // Opening a pipe waits for its writer, so ask first; a scene itself is seekable too.
+        let size = path.metadata().map_err(fail)?;
+        if !size.is_file() {
+            return Err(bad(path.display().to_string(), "is not a file"));
+        }
+        let left = self.bytes_left.get();
+        let too_large = || {
+            let what = format!("makes the scene larger than the limit of {} bytes in files", self.max_bytes);
+            bad(path.display().to_string(), what)
+        };
+        if size.len() > left {
+            return Err(too_large());
+        }
+        let file = File::open(path).map_err(fail)?;
+        let mut bytes = Vec::new();
+        bytes.try_reserve_exact(usize::try_from(size.len()).map_err(|_| too_large())?).map_err(|_| too_large())?;
+        // The file may grow while it is read.
+        file.take(left).read_to_end(&mut bytes).map_err(fail)?;
+        self.bytes_left.set(left - bytes.len() as u64);
+        Ok(bytes)
+    }
+
+    /// The bytes behind a URI; `at` is its JSON path.
+    pub(super) fn fetch(&self, uri: &str, at: &str) -> Result<Vec<u8>, Error> {
+        match uri::resolve(uri, at)? {
+            Target::Data(bytes) => Ok(bytes),
+            Target::File(path) => match &self.folder {
+                Some(folder) => self.read(&folder.join(path)),
+                None => {
+                    let what = format!("refers to the file '{}'; load the scene from its path", path.display());
+                    Err(bad(at, what))
+                }
+            },
+        }
+    }
+}
+
+/// The bytes of all buffers, each at least as long as it says.
+pub(super) fn buffers<'a>(
+    root: &Object<'_>,
+    binary: Option<&'a [u8]>,
+    files: &Files,
+) -> Result<Vec<Cow<'a, [u8]>>, Error> {
+    let mut buffers = Vec::new();
+    for (k, buffer) in root.objects("buffers")?.into_iter().enumerate() {
+        let length = buffer.unsigned("byteLength")?.ok_or_else(|| buffer.missing("byteLength"))?;
+        let bytes: Cow<'a, [u8]> = match (buffer.string("uri")?, binary) {
+            (Some(uri), _) => Cow::Owned(files.fetch(uri, &buffer.at("uri"))?),
+            (None, Some(binary)) if k == 0 => Cow::Borrowed(binary),
+            // The fallback buffer of a compressed file has no bytes; whoever uses it is told so.
+            (None, _) if buffer.extension("EXT_meshopt_compression")?.is_some() => Cow::Borrowed(&[]),
+            (None, _) if k == 0 => return Err(bad(buffer.path(), "has no uri, and the file no binary chunk")),
+            (None, _) => return Err(buffer.missing("uri")),
+        };
+        let fallback = bytes.is_empty() && buffer.extension("EXT_meshopt_compression")?.is_some();
+        if length > bytes.len() as u64 && !fallback {
+            let what = format!("says {length} bytes, but there are only {}", bytes.len());
+            return Err(bad(buffer.at("byteLength"), what));
+        }
+        buffers.push(bytes);
+    }
+    Ok(buffers)
+}

@@ -1,0 +1,80 @@
+//! Which glTF extensions a file uses, and what becomes of those we do not handle.
+
+use std::collections::BTreeSet;
+
+use serde_json::Value;
+
+use super::json::{Object, unsupported};
+use super::uri::shorten;
+use super::warnings::Warnings;
+use crate::Error;
+
+pub(super) const LIGHTS: &str = "KHR_lights_punctual";
+pub(super) const SPECULAR: &str = "KHR_materials_specular";
+pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
+pub(super) const MESHOPT: &str = "EXT_meshopt_compression";
+
+/// The extensions that a file may require. `KHR_materials_specular` is among them because a `specularFactor` of 0 is how
+/// a file says "Lambertian" exactly; other factors are warned about material by material.
+pub(super) const HANDLED: &[&str] = &[LIGHTS, SPECULAR];
+
+/// The extensions of a file, sorted, each once.
+pub(super) struct Extensions {
+    pub(super) used: Vec<String>,
+    pub(super) required: Vec<String>,
+}
+
+/// Lists the extensions; warns about those that are used and not handled.
+///
+/// # Errors
+/// A required extension that is not handled.
+pub(super) fn check(file: &Value, root: &Object<'_>, warnings: &mut Warnings) -> Result<Extensions, Error> {
+    let names = |key: &str| -> Result<BTreeSet<String>, Error> {
+        let list = root.list(key)?.iter().enumerate();
+        let name = |(k, value): (usize, &Value)| {
+            let text = value.as_str().map(str::to_owned);
+            text.ok_or_else(|| super::json::bad(format!("{key}[{k}]"), "must be a string"))
+        };
+        list.map(name).collect()
+    };
+    let required = names("extensionsRequired")?;
+    let mut used = names("extensionsUsed")?;
+    used.extend(required.iter().cloned());
+    // Files forget to declare what they use; what matters is what is there.
+    find(file, &mut used);
+
+    let unhandled = |names: &BTreeSet<String>| -> Vec<String> {
+        names.iter().filter(|name| !HANDLED.contains(&name.as_str())).map(|name| shorten(name)).collect()
+    };
+    let missing = unhandled(&required);
+    if !missing.is_empty() {
+        let what = format!("the extension {}, which the file requires: re-export it without,", missing.join(", "));
+        return Err(unsupported("extensionsRequired", what));
+    }
+    let (materials, others): (Vec<_>, Vec<_>) =
+        unhandled(&used).into_iter().partition(|name| name.contains("_materials_") || name.contains("_texture_"));
+    let mut warn = |names: Vec<String>, text: &str| {
+        if !names.is_empty() {
+            warnings.note(&format!("{}: {text}", names.join(", ")), String::new);
+        }
+    };
+    warn(materials, "used but not modelled: surfaces are shaded as Lambertian");
+    warn(others, "used but not handled: ignored");
+    Ok(Extensions { used: used.into_iter().collect(), required: required.into_iter().collect() })
+}
+
+/// Gathers the keys of every `extensions` object. The parser limits the depth, so recursion is safe.
+fn find(value: &Value, names: &mut BTreeSet<String>) {
+    match value {
+        Value::Array(list) => list.iter().for_each(|value| find(value, names)),
+        Value::Object(map) => {
+            for (key, value) in map.iter().filter(|(key, _)| *key != "extras") {
+                if let (true, Value::Object(extensions)) = (key == "extensions", value) {
+                    names.extend(extensions.keys().filter(|name| !names.contains(*name)).cloned().collect::<Vec<_>>());
+                }
+                find(value, names);
+            }
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,64 @@
+//! The last net under the loader: a panic in a decoder we call becomes an error.
+//!
+//! Everything a file says is checked before it reaches another crate, so the net should never be needed; the mutation
+//! tests assert that it is not. A library must not install a panic hook; a program that has one asks [`is_guarding`]
+//! and stays silent.
+
+use std::cell::Cell;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::Error;
+
+thread_local! {
+    static GUARDING: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether this thread is inside the loader's last net: a panic now becomes an [`Error`], so a panic hook should print
+/// nothing.
+#[must_use]
+pub fn is_guarding() -> bool {
+    GUARDING.get()
+}
+
+/// Restores the flag also when a panic passes by.
+struct Restore(bool);
+
+impl Drop for Restore {
+    fn drop(&mut self) {
+        GUARDING.set(self.0);
+    }
+}
+
+/// Runs `work` with the flag of this thread set; for closures that run on other threads than their [`catch`].
+pub(super) fn guarded<T>(work: impl FnOnce() -> T) -> T {
+    let _restore = Restore(GUARDING.replace(true));
+    work()
+}
+
+/// Runs `work`; a panic in it becomes an error.
+pub(super) fn catch<T>(work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+    // Unwind safety: `work` owns or only reads what it uses, and all of it is thrown away on a panic.
+    let outcome = catch_unwind(AssertUnwindSafe(|| guarded(work)));
+    outcome.unwrap_or_else(|payload| {
+        let text = payload.downcast_ref::<String>().map(String::as_str);
+        let text = text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("no message");
+        let what = format!("the reader failed on this file ({text}); the file is likely damaged; please report it");
+        Err(super::json::bad("glTF", what))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panics_become_errors_and_the_flag_is_restored() {
+        assert!(!is_guarding());
+        let seen = catch(|| Ok(is_guarding()));
+        assert!(matches!(seen, Ok(true)));
+        // `resume_unwind` runs no panic hook, so the test's output stays clean.
+        let caught = catch::<()>(|| std::panic::resume_unwind(Box::new("boom")));
+        assert!(matches!(caught, Err(Error::BadFile { what, .. }) if what.contains("boom")));
+        assert!(!is_guarding());
+    }
+}

@@ -1,0 +1,57 @@
+//! From rays to values: one integrator a file.
+
+pub(crate) mod depth;
+pub(crate) mod direct;
+
+use holo_core::Disparity;
+
+use crate::accel::Engine;
+use crate::geometry::Geometry;
+use crate::light::PreparedLight;
+use crate::primary::RigTables;
+use crate::surface::Appearance;
+
+/// What the pixels of a light field hold.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Integrator {
+    /// The cheapest one that is exact for the scene: `Direct` where anything shines, else `Depth`.
+    #[default]
+    Auto,
+    /// Ground truth alone, no colour.
+    Depth,
+    /// One bounce: every punctual light with hard shadows, and the sky with occlusion, on Lambertian surfaces.
+    Direct,
+}
+
+/// What every integrator reads while it works.
+pub(crate) struct Context<'a> {
+    pub engine: &'a dyn Engine,
+    pub geometry: &'a Geometry,
+    pub appearance: &'a Appearance,
+    pub lights: &'a [PreparedLight],
+    pub sky: [f32; 3],
+    pub tables: RigTables,
+    pub disparity: Disparity,
+    pub seed: u64,
+    pub samples: u32,
+    /// Lens columns and view columns, for the numbers of lenses and views.
+    pub columns: [u32; 2],
+    /// Asked between samples.
+    pub cancelled: &'a (dyn Fn() -> bool + Sync),
+}
+
+/// Rays traced, by what they were for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RayCounts {
+    /// From a pixel into the scene.
+    pub primary: u64,
+    /// From a surface towards a light or the sky.
+    pub shadow: u64,
+}
+
+impl std::ops::Add for RayCounts {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        Self { primary: self.primary + other.primary, shadow: self.shadow + other.shadow }
+    }
+}

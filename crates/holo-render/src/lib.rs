@@ -1,0 +1,73 @@
+//! From a 3D scene straight to a raw holoscopic image, with exact depth and disparity.
+//!
+//! ```text
+//! scene (glTF or code) -> geometry in camera coordinates -> rays lens by lens -> light field
+//! ```
+//!
+//! # Conventions
+//! - World: right-handed, +Y up, metres (glTF's frame). A camera looks along its -Z. See [`scene`].
+//! - Rays, rigs and the order of indices are those of [`holo_core`]: axes (v, u, t, s, c), lens first, view second.
+//! - Depth is planar z along the optical axis; a miss is +infinity. Disparity is Eq. 3 between adjacent views.
+//! - Colour is linear RGB radiance in the units of KHR_lights_punctual; only [`exposure`] makes display values of it.
+//! - The result depends on the scene and the settings, never on threads or their timing.
+//!
+//! # Example
+//! ```
+//! use holo_core::{GridSize, Projection, Split};
+//! use holo_render::{Backend, Baseline, CameraChoice, Framing, GroundTruth, Integrator, Renderer, Request};
+//!
+//! # fn main() -> Result<(), holo_render::Error> {
+//! let scene = holo_render::gallery::scene("garden").expect("a scene of the gallery");
+//! let framing = Framing {
+//!     split: Split::new(GridSize::new(8, 8), GridSize::new(20, 30))?, // views, lenses
+//!     camera: CameraChoice::First,
+//!     focal_length_m: None,
+//!     sensor_size_m: 0.036,
+//!     baseline: Baseline::FNumber(5.0),
+//!     projection: Projection::Perspective,
+//! };
+//! let framed = framing.frame(&scene)?;
+//! let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0)?;
+//! let rig = framed.rig(framed.automatic_focus_m(&renderer)?)?;
+//! let request = Request {
+//!     rig,
+//!     integrator: Integrator::Auto,
+//!     samples: 1,
+//!     seed: 0,
+//!     sky: [0.2, 0.24, 0.32],
+//!     ground_truth: GroundTruth::Central,
+//! };
+//! let rendered = renderer.render(&request, &())?;
+//! let raw = rendered.color.expect("the scene is lit").to_elemental_grid();
+//! assert_eq!(raw.dim(), (20 * 8, 30 * 8, 3));
+//! # Ok(())
+//! # }
+//! ```
+
+pub mod exposure;
+pub mod gallery;
+pub mod gltf;
+pub mod scene;
+
+mod accel;
+mod dispatch;
+mod error;
+mod framing;
+mod geometry;
+mod integrator;
+mod light;
+mod primary;
+mod refine;
+mod render;
+mod sampling;
+mod sky;
+mod srgb;
+mod surface;
+mod texture;
+mod tile;
+
+pub use accel::Backend;
+pub use error::Error;
+pub use framing::{Baseline, CameraChoice, Framed, Framing};
+pub use integrator::{Integrator, RayCounts};
+pub use render::{GroundTruth, Progress, Rendered, Renderer, Request, Truth};

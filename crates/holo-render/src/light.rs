@@ -1,0 +1,159 @@
+//! Punctual lights in camera coordinates.
+//!
+//! Source: KHR_lights_punctual. Radiometry: 1 lux on a white Lambertian surface gives radiance 1/pi; I candela at r
+//! metres give I/r^2 lux. No factor of 683 or of 4 pi appears anywhere.
+
+use crate::geometry::world_to_camera_rotation;
+use crate::scene::{Light, LightKind, Transform};
+
+/// A light as the integrators use it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum PreparedLight {
+    /// Light from everywhere along one direction; the unit vector points *to* the light.
+    Directional { to_light: [f32; 3], irradiance: [f32; 3] },
+    /// Light from a point, perhaps into a cone only.
+    Point { position: [f32; 3], intensity: [f32; 3], inverse_range: f32, cone: Option<Cone> },
+}
+
+/// The cone of a spot light: intensity times `clamp(cosine * scale + offset, 0, 1)^2`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cone {
+    axis: [f32; 3],
+    scale: f32,
+    offset: f32,
+}
+
+/// Light that arrives at a point from one light, before the cosine and the shadow.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arrival {
+    /// Towards the light: unit length for directional lights, up to the light for the others.
+    pub to_light: [f32; 3],
+    /// Length of `to_light`.
+    pub length: f32,
+    /// How much of `PreparedLight::power` arrives on a surface that faces the light.
+    pub attenuation: f32,
+}
+
+/// The lights that shine at all, in the frame of a camera at `pose`.
+pub(crate) fn prepare(lights: &[Light], pose: &Transform) -> Vec<PreparedLight> {
+    let rotation = world_to_camera_rotation(pose);
+    let place = |p: [f64; 3]| rotation.vector(std::array::from_fn(|k| p[k] - pose.translation[k])).map(|x| x as f32);
+    let turn = |d: [f64; 3]| rotation.vector(d).map(|x| x as f32);
+    let inverse = |range: Option<f64>| range.map_or(0.0, |r| 1.0 / r) as f32;
+    lights
+        .iter()
+        .filter(|light| light.intensity.iter().any(|&i| i > 0.0))
+        .map(|light| {
+            let intensity = light.intensity.map(|x| x as f32);
+            match light.kind {
+                LightKind::Directional { direction } => {
+                    PreparedLight::Directional { to_light: turn(direction.map(|x| -x)), irradiance: intensity }
+                }
+                LightKind::Point { position, range } => {
+                    let inverse_range = inverse(range);
+                    PreparedLight::Point { position: place(position), intensity, inverse_range, cone: None }
+                }
+                LightKind::Spot { position, direction, range, inner_angle_rad, outer_angle_rad } => {
+                    let (inner, outer) = (inner_angle_rad.cos(), outer_angle_rad.cos());
+                    // The floor under the difference is the specification's own.
+                    let scale = 1.0 / (inner - outer).max(0.001);
+                    let cone = Cone { axis: turn(direction), scale: scale as f32, offset: (-outer * scale) as f32 };
+                    let (position, inverse_range) = (place(position), inverse(range));
+                    PreparedLight::Point { position, intensity, inverse_range, cone: Some(cone) }
+                }
+            }
+        })
+        .collect()
+}
+
+impl PreparedLight {
+    /// Irradiance (lux) or intensity (candela).
+    #[inline(always)]
+    pub fn power(&self) -> [f32; 3] {
+        match self {
+            Self::Directional { irradiance, .. } => *irradiance,
+            Self::Point { intensity, .. } => *intensity,
+        }
+    }
+
+    /// What arrives at `point`.
+    #[inline(always)]
+    pub fn arrival(&self, point: [f32; 3]) -> Arrival {
+        match self {
+            Self::Directional { to_light, .. } => Arrival { to_light: *to_light, length: 1.0, attenuation: 1.0 },
+            Self::Point { position, inverse_range, cone, .. } => {
+                let to_light = [position[0] - point[0], position[1] - point[1], position[2] - point[2]];
+                let squared = dot(to_light, to_light);
+                let length = squared.sqrt();
+                let reach = length * inverse_range;
+                let window = (1.0 - reach * reach * reach * reach).clamp(0.0, 1.0);
+                let mut attenuation = if squared > 0.0 { window / squared } else { 0.0 };
+                if let Some(cone) = cone {
+                    let cosine = -dot(to_light, cone.axis) / length;
+                    let edge = (cosine * cone.scale + cone.offset).clamp(0.0, 1.0);
+                    attenuation *= edge * edge;
+                }
+                Arrival { to_light, length, attenuation }
+            }
+        }
+    }
+
+    /// How far a shadow ray along `Arrival::to_light` has to look, in multiples of it.
+    #[inline(always)]
+    pub fn shadow_reach(&self) -> f32 {
+        match self {
+            Self::Directional { .. } => f32::INFINITY,
+            Self::Point { .. } => 1.0,
+        }
+    }
+}
+
+#[inline(always)]
+pub(crate) fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn one(kind: LightKind) -> PreparedLight {
+        prepare(&[Light { name: String::new(), intensity: [2.0; 3], kind }], &Transform::IDENTITY)[0]
+    }
+
+    #[test]
+    fn a_point_light_falls_off_with_the_square_and_ends_at_its_range() {
+        let light = one(LightKind::Point { position: [0.0; 3], range: None });
+        assert!((light.arrival([3.0, 0.0, 4.0]).attenuation - 0.04).abs() < 1e-7);
+        let light = one(LightKind::Point { position: [0.0; 3], range: Some(10.0) });
+        let expected = (1.0 - 0.5f32.powi(4)) / 25.0;
+        assert!((light.arrival([3.0, 0.0, 4.0]).attenuation - expected).abs() < 1e-7);
+        assert_eq!(light.arrival([0.0, 10.5, 0.0]).attenuation, 0.0);
+    }
+
+    #[test]
+    fn a_spot_is_full_inside_its_inner_and_dark_outside_its_outer_angle() {
+        let light = one(LightKind::Spot {
+            position: [0.0; 3],
+            direction: [0.0, 0.0, -1.0],
+            range: None,
+            inner_angle_rad: 0.3,
+            outer_angle_rad: 0.6,
+        });
+        let at = |angle: f32| light.arrival([angle.sin(), 0.0, -angle.cos()]).attenuation;
+        assert!((at(0.0) - 1.0).abs() < 1e-6 && (at(0.29) - 1.0).abs() < 1e-4);
+        assert_eq!(at(0.61), 0.0);
+        let half = ((0.45f32.cos() - 0.6f32.cos()) / (0.3f32.cos() - 0.6f32.cos())).powi(2);
+        assert!((at(0.45) - half).abs() < 1e-4);
+    }
+
+    #[test]
+    fn lights_that_do_not_shine_cost_no_shadow_rays() {
+        let dark = Light {
+            name: String::new(),
+            intensity: [0.0; 3],
+            kind: LightKind::Point { position: [0.0; 3], range: None },
+        };
+        assert!(prepare(&[dark], &Transform::IDENTITY).is_empty());
+    }
+}

@@ -1,0 +1,331 @@
+//! The renderer: a scene in front of a camera, ready to be looked at through any rig.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use holo_core::{LightFieldOwned, Rig};
+use ndarray::{Array2, ArrayViewMut2, ArrayViewMut5, Axis};
+use rayon::prelude::*;
+
+use crate::accel::{self, Backend, Engine};
+use crate::dispatch;
+use crate::error::Error;
+use crate::exposure::elemental_light_field;
+use crate::geometry::Geometry;
+use crate::integrator::depth::{DepthTile, TruthTile};
+use crate::integrator::direct::DirectTile;
+use crate::integrator::{Context, Integrator, RayCounts};
+use crate::light::{self, PreparedLight};
+use crate::primary::RigTables;
+use crate::sampling::MOST_SAMPLES;
+use crate::scene::{Scene, Transform};
+use crate::surface::Appearance;
+use crate::tile::{Tile, Tiling};
+
+/// A scene with its acceleration structure, in the frame of one camera.
+pub struct Renderer {
+    engine: Box<dyn Engine>,
+    note: Option<String>,
+    geometry: Arc<Geometry>,
+    appearance: Appearance,
+    lights: Vec<PreparedLight>,
+    pool: rayon::ThreadPool,
+}
+
+/// What to render.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The cameras.
+    pub rig: Rig,
+    /// How light is modelled.
+    pub integrator: Integrator,
+    /// Rays through every pixel: 1 goes through its centre, more are spread over it (a box filter).
+    pub samples: u32,
+    /// Chooses the random numbers.
+    pub seed: u64,
+    /// Radiance of the constant sky, linear RGB.
+    pub sky: [f32; 3],
+    /// For which views depth and disparity are wanted.
+    pub ground_truth: GroundTruth,
+}
+
+/// For which views ground truth is made.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum GroundTruth {
+    /// The central view.
+    #[default]
+    Central,
+    /// Every view (the central one as well).
+    All,
+}
+
+/// What was rendered. Light fields lie in memory as elemental grids.
+#[derive(Debug)]
+pub struct Rendered {
+    /// Linear RGB radiance; `None` from the integrator `Depth`.
+    pub color: Option<LightFieldOwned<f32>>,
+    /// Depth and disparity of the central view, axes (v, u).
+    pub central: Truth<Array2<f32>>,
+    /// Depth and disparity of all views, one channel, if they were asked for.
+    pub all: Option<Truth<LightFieldOwned<f32>>>,
+    /// The integrator used.
+    pub integrator: Integrator,
+    /// Why it was.
+    pub why: &'static str,
+    /// How many rays it took, ground truth included.
+    pub rays: RayCounts,
+}
+
+/// Ground truth in two units.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Truth<T> {
+    /// Planar depth along the optical axis, m; +infinity where nothing is hit.
+    pub depth_m: T,
+    /// Disparity between horizontally adjacent views (Eq. 3), px; nearer is larger.
+    pub disparity_px: T,
+}
+
+/// How a caller follows a render and stops it.
+pub trait Progress: Sync {
+    /// `done` of `total` units of work are finished. Called from any thread.
+    fn advance(&self, done: u64, total: u64) {
+        let _ = (done, total);
+    }
+
+    /// Asked often; once it says yes the render ends with [`Error::Cancelled`].
+    fn cancelled(&self) -> bool {
+        false
+    }
+}
+
+impl Progress for () {}
+
+impl Renderer {
+    /// Checks `scene`, moves it into the frame of a camera at `pose` and builds the acceleration structure, on `threads`
+    /// threads (0: one per core).
+    ///
+    /// # Errors
+    /// A broken scene, an engine that cannot be had, threads that cannot be started.
+    pub fn new(scene: &Scene, pose: &Transform, backend: Backend, threads: usize) -> Result<Self, Error> {
+        scene.validate()?;
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .map_err(|e| Error::BadSetting(format!("{threads} threads cannot be started: {e}")))?;
+        let (geometry, built) = pool.install(|| {
+            let geometry = Arc::new(Geometry::build(scene, pose)?);
+            let built = accel::build(backend, &geometry, pool.current_num_threads())?;
+            Ok::<_, Error>((geometry, built))
+        })?;
+        let (engine, note) = built;
+        let appearance = Appearance::new(&scene.materials, &scene.textures);
+        let lights = light::prepare(&scene.lights, pose);
+        Ok(Self { engine, note, geometry, appearance, lights, pool })
+    }
+
+    /// The engine and its version, such as "embree 4.4.0" or "bvh".
+    #[must_use]
+    pub fn engine_name(&self) -> &str {
+        self.engine.name()
+    }
+
+    /// Why the engine is not the one that is usually best.
+    #[must_use]
+    pub fn engine_note(&self) -> Option<&str> {
+        self.note.as_deref()
+    }
+
+    /// Threads that this renderer uses.
+    #[must_use]
+    pub fn threads(&self) -> usize {
+        self.pool.current_num_threads()
+    }
+
+    /// Runs `work` on this renderer's threads.
+    pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
+        self.pool.install(work)
+    }
+
+    /// Renders. The result depends on nothing but the scene, the pose and `request`: not on threads or their timing.
+    ///
+    /// # Errors
+    /// Impossible settings, memory that cannot be had, [`Error::Cancelled`].
+    pub fn render(&self, request: &Request, progress: &dyn Progress) -> Result<Rendered, Error> {
+        self.pool.install(|| self.render_here(request, progress))
+    }
+
+    /// Depth and disparity of the central view alone.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn central_truth(&self, rig: &Rig) -> Result<Truth<Array2<f32>>, Error> {
+        let request = Request {
+            rig: *rig,
+            integrator: Integrator::Depth,
+            samples: 1,
+            seed: 0,
+            sky: [0.0; 3],
+            ground_truth: GroundTruth::Central,
+        };
+        Ok(self.render(&request, &())?.central)
+    }
+
+    fn render_here(&self, request: &Request, progress: &dyn Progress) -> Result<Rendered, Error> {
+        let (integrator, why) = self.choose(request)?;
+        let split = *request.rig.split();
+        let (lenses, views) = (split.lenses(), split.views());
+        let all_counts = [lenses.rows, lenses.columns, views.rows, views.columns];
+        let cancelled = || progress.cancelled();
+        let context = Context {
+            engine: &*self.engine,
+            geometry: &self.geometry,
+            appearance: &self.appearance,
+            lights: &self.lights,
+            sky: request.sky,
+            tables: RigTables::new(&request.rig),
+            disparity: request.rig.disparity(),
+            seed: request.seed,
+            samples: request.samples,
+            columns: [lenses.columns as u32, views.columns as u32],
+            cancelled: &cancelled,
+        };
+        let with_color = integrator != Integrator::Depth;
+        let with_all = request.ground_truth == GroundTruth::All;
+        // One sample through the centre sees what the ground truth asks for.
+        let together = with_color && with_all && request.samples == 1;
+
+        let tiling = Tiling::new(all_counts);
+        let passes = u64::from(with_color) + u64::from(with_all && !together);
+        let work = Work::new(progress, passes * tiling.tiles().len() as u64);
+        let mut color = if with_color { Some(elemental_light_field::<f32>(split, 3)?) } else { None };
+        let mut all = if with_all { Some(Truth::light_fields(split)?) } else { None };
+        let mut rays = RayCounts::default();
+
+        if let Some(color) = &mut color {
+            let truth = if together { all.as_mut() } else { None };
+            let truth: Vec<Option<TruthTile>> = match truth {
+                Some(truth) => truth.tiles(&tiling).into_iter().map(Some).collect(),
+                None => std::iter::repeat_with(|| None).take(tiling.tiles().len()).collect(),
+            };
+            let parts: Vec<_> = tiling.cut(color.samples_mut()).into_iter().zip(truth).collect();
+            rays = rays
+                + work.run(&tiling, parts, |tile, (color, truth)| {
+                    dispatch::run(DirectTile { context: &context, tile, color, truth })
+                })?;
+        }
+        if let Some(all) = all.as_mut().filter(|_| !together) {
+            rays = rays
+                + work.run(&tiling, all.tiles(&tiling), |tile, out| {
+                    dispatch::run(DepthTile { context: &context, tile, out })
+                })?;
+        }
+        let central = if let Some(all) = &all {
+            let (t, s) = split.central_view();
+            let plane = |field: &LightFieldOwned<f32>| field.samples().slice(ndarray::s![.., .., t, s, 0]).to_owned();
+            Truth { depth_m: plane(&all.depth_m), disparity_px: plane(&all.disparity_px) }
+        } else {
+            let (central, count) = central(&context, [lenses.rows, lenses.columns], split.central_view())?;
+            rays = rays + count;
+            central
+        };
+        if progress.cancelled() {
+            return Err(Error::Cancelled);
+        }
+        Ok(Rendered { color, central, all, integrator, why, rays })
+    }
+
+    fn choose(&self, request: &Request) -> Result<(Integrator, &'static str), Error> {
+        let split = request.rig.split();
+        if !(1..=MOST_SAMPLES).contains(&request.samples) {
+            return Err(Error::BadSetting(format!(
+                "{} samples per pixel; 1 to {MOST_SAMPLES} can be drawn",
+                request.samples
+            )));
+        }
+        if split.lenses().count() > u32::MAX as usize || split.views().count() > u32::MAX as usize {
+            return Err(Error::BadSetting("more than 2^32 lenses or views".into()));
+        }
+        if request.sky.iter().any(|c| !(*c >= 0.0 && c.is_finite())) {
+            return Err(Error::BadSetting(format!("the sky {:?} must be finite and not negative", request.sky)));
+        }
+        let lit = !self.lights.is_empty() || request.sky.iter().any(|&c| c > 0.0);
+        Ok(match request.integrator {
+            Integrator::Auto if lit => (Integrator::Direct, "punctual lights or a sky on Lambertian surfaces"),
+            Integrator::Auto => (Integrator::Depth, "nothing in the scene shines"),
+            chosen => (chosen, "asked for"),
+        })
+    }
+}
+
+impl Truth<LightFieldOwned<f32>> {
+    fn light_fields(split: holo_core::Split) -> Result<Self, Error> {
+        Ok(Self { depth_m: elemental_light_field(split, 1)?, disparity_px: elemental_light_field(split, 1)? })
+    }
+
+    fn tiles(&mut self, tiling: &Tiling) -> Vec<TruthTile<'_>> {
+        let depth = tiling.cut(self.depth_m.samples_mut());
+        let disparity = tiling.cut(self.disparity_px.samples_mut());
+        depth.into_iter().zip(disparity).map(|(depth_m, disparity_px)| TruthTile { depth_m, disparity_px }).collect()
+    }
+}
+
+/// Ground truth of one view.
+fn central(
+    context: &Context,
+    lenses: [usize; 2],
+    (t, s): (usize, usize),
+) -> Result<(Truth<Array2<f32>>, RayCounts), Error> {
+    let tiling = Tiling::of_view(lenses, [t, s]);
+    let mut depth_m = Array2::zeros(lenses);
+    let mut disparity_px = Array2::zeros(lenses);
+    let (depth_parts, disparity_parts) =
+        (cut_plane(&tiling, depth_m.view_mut()), cut_plane(&tiling, disparity_px.view_mut()));
+    let parts: Vec<_> = depth_parts
+        .into_iter()
+        .zip(disparity_parts)
+        .map(|(depth_m, disparity_px)| TruthTile { depth_m, disparity_px })
+        .collect();
+    let rays = Work::new(&(), 0).run(&tiling, parts, |tile, out| dispatch::run(DepthTile { context, tile, out }))?;
+    Ok((Truth { depth_m, disparity_px }, rays))
+}
+
+/// A plane (v, u) as a light field of one view and one channel, in tiles.
+fn cut_plane<'a>(tiling: &Tiling, plane: ArrayViewMut2<'a, f32>) -> Vec<ArrayViewMut5<'a, f32>> {
+    tiling.cut(plane.insert_axis(Axis(2)).insert_axis(Axis(3)).insert_axis(Axis(4)))
+}
+
+/// Tiles on all threads, with progress and a way to stop.
+struct Work<'a> {
+    progress: &'a dyn Progress,
+    total: u64,
+    done: AtomicU64,
+}
+
+impl<'a> Work<'a> {
+    fn new(progress: &'a dyn Progress, total: u64) -> Self {
+        Self { progress, total, done: AtomicU64::new(0) }
+    }
+
+    fn run<P: Send>(
+        &self,
+        tiling: &Tiling,
+        parts: Vec<P>,
+        trace: impl Fn(&Tile, P) -> RayCounts + Sync,
+    ) -> Result<RayCounts, Error> {
+        let tiles = tiling.tiles();
+        debug_assert_eq!(tiles.len(), parts.len());
+        tiles
+            .par_iter()
+            .zip(parts)
+            .map(|(tile, part)| {
+                if self.progress.cancelled() {
+                    return Err(Error::Cancelled);
+                }
+                let rays = trace(tile, part);
+                let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+                self.progress.advance(done, self.total);
+                Ok(rays)
+            })
+            .try_reduce(RayCounts::default, |a, b| Ok(a + b))
+    }
+}

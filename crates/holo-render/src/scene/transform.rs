@@ -1,0 +1,99 @@
+//! An affine map in f64: three columns of a matrix and a translation.
+
+/// `x -> matrix * x + translation`, in f64 so that far-away scenes and tiny baselines survive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transform {
+    /// The columns of the 3 x 3 matrix: where the x, y and z axes go.
+    pub columns: [[f64; 3]; 3],
+    /// Where the origin goes, m.
+    pub translation: [f64; 3],
+}
+
+impl Default for Transform {
+    fn default() -> Self {
+        Self::IDENTITY
+    }
+}
+
+impl Transform {
+    /// Changes nothing.
+    pub const IDENTITY: Self =
+        Self { columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
+
+    /// A shift by metres along x, y and z.
+    #[must_use]
+    pub const fn from_translation(translation: [f64; 3]) -> Self {
+        Self { translation, ..Self::IDENTITY }
+    }
+
+    /// From translation, unit quaternion (x, y, z, w; normalised here, identity if it is zero) and scale, in glTF's
+    /// order: scale first, then rotation, then translation.
+    #[must_use]
+    pub fn from_parts(translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3]) -> Self {
+        let length = rotation.iter().map(|q| q * q).sum::<f64>().sqrt();
+        let [x, y, z, w] = if length > 0.0 { rotation.map(|q| q / length) } else { [0.0, 0.0, 0.0, 1.0] };
+        let rotation = [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)],
+            [2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)],
+            [2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)],
+        ];
+        let columns = std::array::from_fn(|k| rotation[k].map(|r| r * scale[k]));
+        Self { columns, translation }
+    }
+
+    /// A camera pose at `eye` that looks at `target`, with `up` upward in the picture.
+    #[must_use]
+    pub fn look_at(eye: [f64; 3], target: [f64; 3], up: [f64; 3]) -> Self {
+        let back = normalize(std::array::from_fn(|k| eye[k] - target[k]));
+        let right = normalize(cross(up, back));
+        Self { columns: [right, cross(back, right), back], translation: eye }
+    }
+
+    /// Where a point goes.
+    #[must_use]
+    pub fn point(&self, p: [f64; 3]) -> [f64; 3] {
+        let v = self.vector(p);
+        std::array::from_fn(|k| v[k] + self.translation[k])
+    }
+
+    /// Where a direction goes (no translation).
+    #[must_use]
+    pub fn vector(&self, v: [f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| self.columns[0][k] * v[0] + self.columns[1][k] * v[1] + self.columns[2][k] * v[2])
+    }
+
+    /// `self` after `first`.
+    #[must_use]
+    pub fn after(&self, first: &Self) -> Self {
+        Self { columns: first.columns.map(|c| self.vector(c)), translation: self.point(first.translation) }
+    }
+
+    /// The determinant of the matrix: negative where the map mirrors.
+    #[must_use]
+    pub fn determinant(&self) -> f64 {
+        let c = cross(self.columns[0], self.columns[1]);
+        (0..3).map(|k| c[k] * self.columns[2][k]).sum()
+    }
+
+    /// The cofactor matrix as columns: it maps normals (up to their length) also where the matrix is not invertible.
+    #[must_use]
+    pub fn normal_columns(&self) -> [[f64; 3]; 3] {
+        let [a, b, c] = self.columns;
+        [cross(b, c), cross(c, a), cross(a, b)]
+    }
+
+    /// Whether every entry is finite.
+    #[must_use]
+    pub fn is_finite(&self) -> bool {
+        self.columns.iter().flatten().chain(&self.translation).all(|x| x.is_finite())
+    }
+}
+
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn normalize(v: [f64; 3]) -> [f64; 3] {
+    let length = v.iter().map(|x| x * x).sum::<f64>().sqrt();
+    v.map(|x| x / length)
+}

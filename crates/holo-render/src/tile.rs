@@ -1,0 +1,186 @@
+//! The light field in tiles: boxes of lenses and view rows that one thread renders at a time.
+//!
+//! A tile is a whole elemental image where views are many, a row of lenses where they are few. Its pixels are held packet
+//! by packet while they are worked on and scattered into the light field's memory once at the end.
+
+use ndarray::{ArrayViewMut5, Axis};
+
+use crate::accel::{LANES, Lanes};
+use crate::primary::{PacketShape, Pixels};
+
+/// About this many pixels make a tile: enough to sort secondary rays, few enough to stay in the cache.
+const PIXELS: usize = 8192;
+
+/// Pixel counts along the four axes (v, u, t, s) and how tiles divide them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tiling {
+    counts: [usize; 4],
+    shape: PacketShape,
+    /// Lens rows, lens columns and view rows of a tile; always all view columns.
+    size: [usize; 3],
+    /// The view that `counts` starts at.
+    first_view: [usize; 2],
+}
+
+/// One tile: its first pixel and its extent along (v, u, t, s).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Tile {
+    start: [usize; 4],
+    extent: [usize; 4],
+    shape: PacketShape,
+}
+
+impl Tiling {
+    pub fn new(counts: [usize; 4]) -> Self {
+        let shape = PacketShape::fitting(counts);
+        let round_up = |count: usize, step: usize| count.div_ceil(step) * step;
+        let [v, u, t, s] = counts;
+        let along_t = if t * s <= 2 * PIXELS { round_up(t, shape.t) } else { round_up((PIXELS / s).max(1), shape.t) };
+        let lenses = (PIXELS / (along_t.min(t) * s)).max(1);
+        let along_v = round_up((lenses as f64).sqrt() as usize, shape.v).clamp(1, round_up(v, shape.v));
+        // Wide tiles: memory runs along lens columns.
+        let along_v = if shape.v == 1 { 1 } else { along_v };
+        let along_u = round_up((lenses / along_v).max(1), shape.u).clamp(1, round_up(u, shape.u));
+        Self { counts, shape, size: [along_v, along_u, along_t], first_view: [0, 0] }
+    }
+
+    /// All lenses of the one view (t, s).
+    pub fn of_view(lenses: [usize; 2], view: [usize; 2]) -> Self {
+        Self { first_view: view, ..Self::new([lenses[0], lenses[1], 1, 1]) }
+    }
+
+    /// All tiles in a fixed order.
+    pub fn tiles(&self) -> Vec<Tile> {
+        let [size_v, size_u, size_t] = self.size;
+        let [count_v, count_u, count_t, count_s] = self.counts;
+        let mut tiles = Vec::new();
+        for v in (0..count_v).step_by(size_v) {
+            for u in (0..count_u).step_by(size_u) {
+                for t in (0..count_t).step_by(size_t) {
+                    let extent = [size_v.min(count_v - v), size_u.min(count_u - u), size_t.min(count_t - t), count_s];
+                    let start = [v, u, t + self.first_view[0], self.first_view[1]];
+                    tiles.push(Tile { start, extent, shape: self.shape });
+                }
+            }
+        }
+        tiles
+    }
+
+    /// `field` cut into the same tiles in the same order.
+    pub fn cut<'a, T>(&self, field: ArrayViewMut5<'a, T>) -> Vec<ArrayViewMut5<'a, T>> {
+        let [size_v, size_u, size_t] = self.size;
+        let chunks = |part: ArrayViewMut5<'a, T>, axis: usize, size: usize| {
+            let mut rest = Some(part);
+            std::iter::from_fn(move || {
+                let part = rest.take()?;
+                if part.len_of(Axis(axis)) <= size {
+                    return Some(part);
+                }
+                let (head, tail) = part.split_at(Axis(axis), size);
+                rest = Some(tail);
+                Some(head)
+            })
+        };
+        chunks(field, 0, size_v)
+            .flat_map(|part| chunks(part, 1, size_u).collect::<Vec<_>>())
+            .flat_map(|part| chunks(part, 2, size_t).collect::<Vec<_>>())
+            .collect()
+    }
+}
+
+impl Tile {
+    /// Packets along each axis.
+    fn packet_grid(&self) -> [usize; 4] {
+        let shape = [self.shape.v, self.shape.u, self.shape.t, self.shape.s];
+        std::array::from_fn(|axis| self.extent[axis].div_ceil(shape[axis]))
+    }
+
+    pub fn packet_count(&self) -> usize {
+        self.packet_grid().iter().product()
+    }
+
+    /// The pixels of packet `index`. Lanes outside the tile repeat a pixel inside and are not valid.
+    #[inline(always)]
+    pub fn pixels(&self, index: usize) -> Pixels {
+        let grid = self.packet_grid();
+        let (rest, s) = (index / grid[3], index % grid[3]);
+        let (rest, t) = (rest / grid[2], rest % grid[2]);
+        let (v, u) = (rest / grid[1], rest % grid[1]);
+        let first = [v * self.shape.v, u * self.shape.u, t * self.shape.t, s * self.shape.s];
+        let mut pixels =
+            Pixels { v: [0; LANES], u: [0; LANES], t: [0; LANES], s: [0; LANES], valid: Lanes([-1; LANES]) };
+        for lane in 0..LANES {
+            let offset = self.shape.offset(lane);
+            let mut place = [0; 4];
+            for axis in 0..4 {
+                let wanted = first[axis] + offset[axis];
+                let inside = wanted.min(self.extent[axis] - 1);
+                if inside != wanted {
+                    pixels.valid.0[lane] = 0;
+                }
+                place[axis] = (self.start[axis] + inside) as u32;
+            }
+            [pixels.v[lane], pixels.u[lane], pixels.t[lane], pixels.s[lane]] = place;
+        }
+        pixels
+    }
+
+    /// Writes packet-ordered values (`packets[packet][channel][lane]`, scaled) into the tile's part of the light field.
+    #[inline(always)]
+    pub fn scatter<const C: usize>(&self, packets: &[[[f32; LANES]; C]], scale: f32, field: &mut ArrayViewMut5<f32>) {
+        let grid = self.packet_grid();
+        let shape = self.shape;
+        for (v, mut rows) in field.outer_iter_mut().enumerate() {
+            for (u, mut elemental) in rows.outer_iter_mut().enumerate() {
+                for (t, mut row) in elemental.outer_iter_mut().enumerate() {
+                    let first = ((v / shape.v * grid[1] + u / shape.u) * grid[2] + t / shape.t) * grid[3];
+                    let lane = ((v % shape.v * shape.u + u % shape.u) * shape.t + t % shape.t) * shape.s;
+                    let put = |s: usize, c: usize| packets[first + s / shape.s][c][lane + s % shape.s] * scale;
+                    if let Some(row) = row.as_slice_mut() {
+                        for (s, pixel) in row.chunks_exact_mut(C).enumerate() {
+                            for (c, value) in pixel.iter_mut().enumerate() {
+                                *value = put(s, c);
+                            }
+                        }
+                    } else {
+                        row.indexed_iter_mut().for_each(|((s, c), value)| *value = put(s, c));
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Array5;
+
+    /// Every pixel lies in one tile, in one packet, in one lane, and is scattered to its own place.
+    #[test]
+    fn tiles_cover_every_pixel_once() {
+        for counts in [[3, 5, 10, 11], [53, 7, 4, 4], [1, 1, 1, 70], [1, 1, 300, 90], [33, 65, 1, 1], [2, 3, 1, 2]] {
+            let [v, u, t, s] = counts;
+            let tiling = Tiling::new(counts);
+            let mut field = Array5::<f32>::from_elem((v, u, t, s, 1), -1.0);
+            let tiles = tiling.tiles();
+            let parts = tiling.cut(field.view_mut());
+            assert_eq!(tiles.len(), parts.len(), "{counts:?}");
+            for (tile, mut part) in tiles.iter().zip(parts) {
+                let mut buffer = vec![[[0.0f32; LANES]; 1]; tile.packet_count()];
+                let mut valid = 0;
+                for (k, packet) in buffer.iter_mut().enumerate() {
+                    let p = tile.pixels(k);
+                    for lane in (0..LANES).filter(|&lane| p.valid.0[lane] != 0) {
+                        let [pv, pu, pt, ps] = [p.v, p.u, p.t, p.s].map(|x| x[lane] as usize);
+                        packet[0][lane] = (((pv * u + pu) * t + pt) * s + ps) as f32;
+                        valid += 1;
+                    }
+                }
+                assert_eq!(valid, part.len(), "valid lanes are the tile's pixels");
+                tile.scatter(&buffer, 1.0, &mut part);
+            }
+            assert!(field.iter().enumerate().all(|(k, &x)| x == k as f32), "{counts:?}");
+        }
+    }
+}

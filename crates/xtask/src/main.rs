@@ -1,0 +1,79 @@
+//! Chores of the workspace: `cargo xtask demo`, `cargo xtask test` and what they need.
+//!
+//! ```text
+//! setup    fetch what the machine lacks (Embree 4) under target/
+//! build    setup + the release binary target/release/holo
+//! demo     build + render the demo scene into out/
+//! test     setup + every test
+//! embree   fetch Embree 4 alone
+//! fuzz     build every fuzz target and run each for some seconds
+//! bench    setup + the benchmarks
+//! ```
+
+mod demo;
+mod embree;
+mod fuzz;
+mod process;
+mod test;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let rest = arguments.get(1..).unwrap_or_default();
+    let result = match arguments.first().map(String::as_str) {
+        Some("setup") => setup(),
+        Some("build") => build(),
+        Some("demo") => build().and_then(|()| demo::run(rest)),
+        Some("test") => setup().and_then(|()| test::run(rest)),
+        Some("embree") => embree::fetch(),
+        Some("fuzz") => fuzz::run(rest),
+        Some("bench") => {
+            setup().and_then(|()| process::cargo(&[&["bench", "-p", "holo-bench"], strs(rest).as_slice()].concat()))
+        }
+        _ => Err("usage: cargo xtask setup | build | demo | test | embree | fuzz [SECONDS] | bench".into()),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            eprintln!("xtask: {why}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// What went wrong, in words.
+type Result<T = ()> = std::result::Result<T, String>;
+
+/// The workspace's folder.
+fn root() -> PathBuf {
+    // crates/xtask/../..
+    let here = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
+    here.ancestors().nth(2).map(PathBuf::from).unwrap_or(here)
+}
+
+/// Where builds and everything fetched go.
+fn target() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
+}
+
+fn strs(list: &[String]) -> Vec<&str> {
+    list.iter().map(String::as_str).collect()
+}
+
+/// Fetches what is missing. Without Embree everything still works, slower: that is said, and is no failure.
+fn setup() -> Result {
+    if let Err(why) = embree::ensure() {
+        eprintln!("xtask: no Embree 4: {why}");
+        eprintln!(
+            "xtask: going on with the built-in BVH, which is several times slower; install libembree4 to mend it"
+        );
+    }
+    Ok(())
+}
+
+fn build() -> Result {
+    setup()?;
+    process::cargo(&["build", "--release", "-p", "holo-cli"])
+}

@@ -1,0 +1,5 @@
+//! Fuzz targets as plain functions: each takes any bytes and panics where a property does not hold.
+
+mod gltf;
+
+pub use gltf::gltf;
