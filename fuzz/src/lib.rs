@@ -1,5 +1,6 @@
 //! Fuzz targets as plain functions: each takes any bytes and panics where a property does not hold.
 
 mod gltf;
+pub mod io;
 
 pub use gltf::gltf;

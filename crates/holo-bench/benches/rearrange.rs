@@ -12,7 +12,7 @@ use ndarray::{Array3, ArrayView3, ArrayViewMut3};
 use rayon::prelude::*;
 
 /// Repetitions of what takes milliseconds; the best one counts.
-const REPETITIONS: usize = 15;
+const REPETITIONS: usize = 30;
 
 fn main() {
     let views = GridSize::new(100, 100);
@@ -37,25 +37,25 @@ fn measure<T: Copy + Send + Sync + PartialEq>(name: &str, dtype: &str, split: Sp
         Array3::from_shape_vec(shape, (0..raw.count() * 3).map(sample).collect()).expect("as many as the shape has");
     let mut result = elemental.clone();
 
-    let memcpy = best(REPETITIONS, || copy(elemental.view(), result.view_mut()));
+    let lenses = LightField::from_elemental_grid(elemental.view(), split).expect("dense, right size");
+    let viewpoint = lenses.to_viewpoint_grid();
+    let by_views = LightField::from_viewpoint_grid(viewpoint.view(), split).expect("dense, right size");
+    // In turns, so that a busy moment of the machine cannot hit one of the three alone.
+    let [mut memcpy, mut forth, mut back] = [Duration::MAX; 3];
+    for _ in 0..REPETITIONS {
+        memcpy = memcpy.min(time(|| copy(elemental.view(), result.view_mut())));
+        forth = forth.min(time(|| lenses.to_viewpoint_grid_into(result.view_mut()).expect("right size")));
+        back = back.min(time(|| by_views.to_elemental_grid_into(result.view_mut()).expect("right size")));
+    }
+    assert!(result == elemental, "there and back is the identity");
+
     println!("{name} ({} MB)", elemental.len() * size_of::<T>() / 1_000_000);
     let report = |what: &str, time: Duration| {
         println!("  {what:<34} {:9.2} ({:6.2} x)", time.as_secs_f64() * 1e3, time.as_secs_f64() / memcpy.as_secs_f64());
     };
     report("memcpy, all threads", memcpy);
-
-    let lenses = LightField::from_elemental_grid(elemental.view(), split).expect("dense, right size");
-    report(
-        "elemental -> viewpoint grid",
-        best(REPETITIONS, || lenses.to_viewpoint_grid_into(result.view_mut()).expect("right size")),
-    );
-    let viewpoint = result.clone();
-    let by_views = LightField::from_viewpoint_grid(viewpoint.view(), split).expect("dense, right size");
-    report(
-        "viewpoint -> elemental grid",
-        best(REPETITIONS, || by_views.to_elemental_grid_into(result.view_mut()).expect("right size")),
-    );
-    assert!(result == elemental, "there and back is the identity");
+    report("elemental -> viewpoint grid", forth);
+    report("viewpoint -> elemental grid", back);
     report(
         "elemental -> viewpoint, new image",
         best(3, || {
@@ -85,12 +85,13 @@ fn copy<T: Copy + Send + Sync>(source: ArrayView3<'_, T>, mut destination: Array
     destination.par_chunks_mut(piece).zip(source.par_chunks(piece)).for_each(|(to, from)| to.copy_from_slice(from));
 }
 
+fn time(work: impl FnOnce()) -> Duration {
+    let start = Instant::now();
+    work();
+    start.elapsed()
+}
+
 fn best(repetitions: usize, mut work: impl FnMut()) -> Duration {
-    let time = |work: &mut dyn FnMut()| {
-        let start = Instant::now();
-        work();
-        start.elapsed()
-    };
     (0..repetitions).map(|_| time(&mut work)).min().expect("at least one repetition")
 }
 
@@ -103,7 +104,8 @@ fn numpy(dtype: &str, split: Split) -> Result<[Duration; 2], String> {
          k=lambda d,a:(lambda b:(n.copyto(d,a),time.perf_counter()-b)[1])(time.perf_counter()); \
          print(min(k(w,e.transpose(1,0,3,2,4)) for _ in range(4)), min(k(e,w.transpose(1,0,3,2,4)) for _ in range(4)))"
     );
-    let output = Command::new(&program).args(["-c", &script]).output().map_err(|error| format!("{program}: {error}"))?;
+    let output =
+        Command::new(&program).args(["-c", &script]).output().map_err(|error| format!("{program}: {error}"))?;
     if !output.status.success() {
         let message = String::from_utf8_lossy(&output.stderr);
         return Err(format!("not measured: {}", message.lines().last().unwrap_or("it failed without a word")));

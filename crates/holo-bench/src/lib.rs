@@ -1,1 +1,97 @@
-//! Placeholder.
+//! What the benchmarks share: a scene with a rig from the command line, and fair turns.
+
+use holo_core::{GridSize, Projection, Rig, Split};
+use holo_render::scene::{Scene, Transform};
+use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer};
+
+/// A scene in front of a rig.
+pub struct Setup {
+    /// The scene.
+    pub scene: Scene,
+    /// Where the camera stands.
+    pub pose: Transform,
+    /// The rig.
+    pub rig: Rig,
+    /// How often each entry is measured.
+    pub rounds: usize,
+    name: String,
+}
+
+impl Setup {
+    /// One line about what is measured.
+    #[must_use]
+    pub fn describe(&self) -> String {
+        let split = self.rig.split();
+        format!(
+            "{}: {} triangles; {} x {} views of {} x {} px; best of {}",
+            self.name,
+            self.scene.triangle_count(),
+            split.views().columns,
+            split.views().rows,
+            split.lenses().columns,
+            split.lenses().rows,
+            self.rounds
+        )
+    }
+}
+
+/// Reads `[SCENE.glb] [--views N] [--lenses UxV] [--rounds N]`; 100 x 100 views of 79 x 53 px unless told.
+///
+/// # Panics
+/// On arguments that make no sense: this is a benchmark.
+pub fn scene_rig(arguments: impl Iterator<Item = String>) -> Setup {
+    let (mut file, mut views, mut lenses, mut rounds) = (None, 100, (79, 53), 3);
+    let mut arguments = arguments.filter(|a| a != "--bench");
+    while let Some(argument) = arguments.next() {
+        let mut value = || arguments.next().expect("a value behind the option");
+        match argument.as_str() {
+            "--views" => views = value().parse().expect("a count"),
+            "--rounds" => rounds = value().parse().expect("a count"),
+            "--lenses" => {
+                let text = value();
+                let (u, v) = text.split_once('x').expect("UxV");
+                lenses = (u.parse().expect("a count"), v.parse().expect("a count"));
+            }
+            _ => file = Some(argument),
+        }
+    }
+    let (name, scene) = match file {
+        Some(path) => {
+            let loaded = holo_render::gltf::load(path.as_ref(), &Default::default()).expect("a scene");
+            let name = std::path::Path::new(&path).file_stem().expect("a file name");
+            (name.to_string_lossy().into_owned(), loaded.scene)
+        }
+        None => ("garden".into(), holo_render::gallery::scene("garden").expect("a scene of the gallery")),
+    };
+    let framing = Framing {
+        split: Split::new(GridSize::new(views, views), GridSize::new(lenses.1, lenses.0)).expect("sizes"),
+        camera: CameraChoice::First,
+        focal_length_m: None,
+        sensor_size_m: 0.036,
+        baseline: Baseline::FNumber(5.0),
+        projection: Projection::Perspective,
+    };
+    let framed = framing.frame(&scene).expect("a camera");
+    let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
+    let focus = framed.automatic_focus_m(&renderer).expect("a focus");
+    let rig = framed.rig(focus).expect("a rig");
+    Setup { scene, pose: framed.pose, rig, rounds, name }
+}
+
+/// Something to measure: its name and a function that returns seconds and a count.
+pub type Entry<'a> = (String, Box<dyn FnMut() -> (f64, u64) + 'a>);
+
+/// Runs every entry once a round and keeps the fastest of each.
+pub fn best_of(rounds: usize, entries: &mut [Entry]) -> Vec<(String, (f64, u64))> {
+    let mut best: Vec<(String, (f64, u64))> =
+        entries.iter().map(|(name, _)| (name.clone(), (f64::INFINITY, 0))).collect();
+    for _ in 0..rounds {
+        for ((_, run), (_, kept)) in entries.iter_mut().zip(&mut best) {
+            let measured = run();
+            if measured.0 < kept.0 {
+                *kept = measured;
+            }
+        }
+    }
+    best
+}

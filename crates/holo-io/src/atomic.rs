@@ -60,15 +60,16 @@ pub struct Written {
 
 /// A file that is written under a temporary name and takes its own name only when it is complete.
 ///
-/// The temporary name lies in the same folder: `.NAME.<process>-<number>.part`. [`commit`](Self::commit) syncs the file,
-/// renames it and syncs the folder, so a reader sees the old file, the new file or no file, but never half a file, even
-/// across a power cut. A file that is dropped without `commit` is removed. A killed process leaves at most the `.part`, which
-/// [`remove_stale_temporary_files`] clears away.
+/// The temporary name lies in the same folder: `.NAME.<process>-<number>.part`. [`commit`](Self::commit) syncs the
+/// file, renames it and syncs the folder, so a reader sees the old file, the new file or no file, but never half a
+/// file, even across a power cut. A file that is dropped without `commit` is removed. A killed process leaves at most
+/// the `.part`, which [`remove_stale_temporary_files`] clears away.
 ///
-/// Where the name is a symbolic link to a file, that file is replaced and the link stays. Where it is a device or a pipe (`/dev/null`,
-/// `/dev/stdout`), the bytes go straight into it.
+/// Where the name is a symbolic link to a file, that file is replaced and the link stays. Where it is a device or a
+/// pipe (`/dev/null`, `/dev/stdout`), the bytes go straight into it.
 ///
-/// The size and the SHA-256 of the contents are worked out on the way, so no file needs to be read again for its manifest.
+/// The size and the SHA-256 of the contents are worked out on the way, so no file needs to be read again for its
+/// manifest.
 ///
 /// # Examples
 ///
@@ -148,8 +149,8 @@ impl AtomicFile {
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] if any write since `create` failed, even where the code between swallowed its error, or if the file cannot be
-    /// synced or renamed. The temporary file is gone then, and an older file of that name is untouched.
+    /// [`Error::Io`] if any write since `create` failed, even where the code between swallowed its error, or if the
+    /// file cannot be synced or renamed. The temporary file is gone then, and an older file of that name is untouched.
     pub fn commit(mut self) -> Result<Written, Error> {
         let finished = self.finish();
         finished.map_err(|source| Error::io("write", &self.path, source))
@@ -165,7 +166,6 @@ impl AtomicFile {
     }
 
     /// Turns an error that came through an encoder into this crate's, preferring the operating system's own words.
-    #[cfg_attr(not(feature = "png"), allow(dead_code))]
     pub(crate) fn error(&mut self, other: impl fmt::Display) -> Error {
         let source = self.failure.take().unwrap_or_else(|| io::Error::other(other.to_string()));
         Error::io("write", &self.path, source)

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use holo_core::GridSize;
 
-use crate::{Error, manifest::stays_inside};
+use crate::Error;
 
 /// The elemental grid: the raw image behind the lenses.
 pub const ELEMENTAL_PNG: &str = "scene_el.png";
@@ -43,4 +43,25 @@ pub fn folder(scene: &str, views: GridSize) -> Result<PathBuf, Error> {
         return Err(Error::bad_input(Path::new(scene), "a scene's name must be usable as the name of one folder"));
     }
     Ok(Path::new(scene).join(format!("{}x{}", views.columns, views.rows)))
+}
+
+/// Whether a name is a relative path that stays inside its folder on every system.
+pub(crate) fn stays_inside(name: &str) -> bool {
+    let plain = |part: &str| !matches!(part, "" | "." | "..") && !part.contains(['\\', ':', '\0']);
+    name.split('/').all(plain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_leave_the_folder_are_told_from_those_that_stay() {
+        for name in ["scene_el.png", "hci/input_Cam000.png", "..x", "a b"] {
+            assert!(stays_inside(name), "{name}");
+        }
+        for name in ["", "/etc/passwd", "../x", "a/../b", "a//b", "./a", "a/", "C:x", "a\\..\\b", "a\0"] {
+            assert!(!stays_inside(name), "{name}");
+        }
+    }
 }

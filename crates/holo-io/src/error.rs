@@ -38,7 +38,10 @@ pub enum Error {
         source: io::Error,
     },
     /// Reading would take more memory than the caller's [`Limits`](crate::Limits) or the machine allow.
-    #[error("{}: the {what} needs {needed} bytes, but only {allowed} are allowed; raise the limit if the file can be trusted", .path.display())]
+    #[error(
+        "{}: the {what} needs {needed} bytes, but only {allowed} are allowed; raise the limit if the file can be trusted",
+        .path.display()
+    )]
     TooLarge {
         /// The file, or `(memory)`.
         path: PathBuf,

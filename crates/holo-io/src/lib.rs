@@ -2,23 +2,27 @@
 //!
 //! # Conventions
 //!
-//! - Arrays are `(rows, columns)` or `(rows, columns, channels)`, the top row first, with any strides: writers take views of any memory order
-//!   and copy no more than a row. Nothing is ever flipped; where a format stores the bottom row first (PFM), that stays inside its file.
+//! - Arrays are `(rows, columns)` or `(rows, columns, channels)`, the top row first, with any strides: writers take views
+//!   of any memory order and never copy the image as a whole. Nothing is ever flipped; where a format stores the bottom
+//!   row first (PFM), that stays inside its file.
 //! - In files and in text a size is columns x rows; in code rows come first ([`GridSize`](holo_core::GridSize)).
-//! - Depth is planar and in metres, `+infinity` where nothing was hit. Disparity is in pixels between adjacent views, positive nearer than the
-//!   focus plane. Millimetres occur only in fields whose name says so, because their files do.
-//! - A file appears whole or not at all: it is written under a temporary name in its folder, synced, and renamed ([`AtomicFile`]).
+//! - Depth is planar and in metres, `+infinity` where nothing was hit. Disparity is in pixels between adjacent views,
+//!   positive nearer than the focus plane. Millimetres occur only in fields whose name says so, because their files do.
+//! - A file appears whole or not at all: it is written under a temporary name in its folder, synced, and renamed
+//!   ([`AtomicFile`]).
 //! - Writers return the size and SHA-256 of what they wrote ([`Written`]), which is what a [`Manifest`] lists.
 //! - Equal inputs give equal bytes: no clock, no path and no random number gets into a file.
-//! - Readers take a budget ([`Limits`]) and compare it with what a file announces before they ask for memory. A damaged file is an
-//!   [`Error::Broken`], never a panic.
+//! - Readers take a budget ([`Limits`]) and compare it with what a file announces before they ask for memory. A damaged
+//!   file is an [`Error::Broken`], never a panic.
 //!
 //! # Formats
 //!
 //! | format | write | read |
 //! |---|---|---|
-//! | PNG, 8 and 16 bit | [`write_png_u8`], [`write_png_u16`], [`write_disparity_png`], [`encode_png_u8`], [`encode_png_u16`] | [`read_png`], [`decode_png`], [`read_png_info`] |
-//! | PFM | [`write_pfm`], [`write_pfm_colour`], [`Pfm::to_bytes`] | [`read_pfm`], [`read_pfm_grey`], [`decode_pfm`], [`read_pfm_info`] |
+//! | PNG, 8 and 16 bit | [`write_png_u8`], [`write_png_u16`], [`write_disparity_png`] | [`read_png`], [`read_png_info`] |
+//! | PNG in memory | [`encode_png_u8`], [`encode_png_u16`] | [`decode_png`] |
+//! | PFM | [`write_pfm`], [`write_pfm_colour`] | [`read_pfm`], [`read_pfm_grey`], [`read_pfm_info`] |
+//! | PFM in memory | [`Pfm::to_bytes`] | [`decode_pfm`] |
 //! | `parameters.cfg` | [`ParametersCfg::write`] | [`ParametersCfg::read`] |
 //! | `manifest.json` | [`Manifest::write`] | [`Manifest::read`], [`Manifest::verify`] |
 //! | raw PNG with its `parameters.cfg` | | [`RawImage::read`] |
@@ -32,10 +36,12 @@
 //!
 //! # What is not here
 //!
-//! No pixel is computed: exposure, the sRGB curve and the change of layout happen before. Nothing is printed and no process is ended. Folders
-//! are not created.
+//! No pixel is computed: exposure, the sRGB curve and the change of layout happen before. Nothing is printed and no
+//! process is ended. Folders are not created.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
+// The table above names what the feature adds.
+#![cfg_attr(not(feature = "png"), allow(rustdoc::broken_intra_doc_links))]
 
 mod atomic;
 pub mod dataset;

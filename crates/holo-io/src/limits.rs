@@ -1,13 +1,15 @@
 //! How much memory a reader may take, checked before it is taken.
 
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 
 use crate::Error;
 
 /// The most memory that reading one file may take.
 ///
-/// A few bytes of a damaged or hostile file can announce an image of many gigabytes. Every reader of this crate works out what it
-/// is about to hold and compares it with this budget before it asks for memory.
+/// A few bytes of a damaged or hostile file can announce an image of many gigabytes. Every reader of this crate works
+/// out what it is about to hold and compares it with this budget before it asks for memory.
 ///
 /// # Examples
 ///
@@ -69,6 +71,19 @@ impl Limits {
         })?;
         Ok(vector)
     }
+}
+
+/// Reads a text file of at most `max_bytes`.
+pub(crate) fn read_small_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Error> {
+    let failed = |source| Error::io("read", path, source);
+    let file = File::open(path).map_err(failed)?;
+    let announced = file.metadata().map_err(failed)?.len();
+    Limits { max_bytes }.elements(path, "file", &[usize::try_from(announced).unwrap_or(usize::MAX)], 1)?;
+    let mut bytes = Vec::new();
+    // A pipe announces nothing, so the length is checked again.
+    file.take(max_bytes + 1).read_to_end(&mut bytes).map_err(failed)?;
+    Limits { max_bytes }.elements(path, "file", &[bytes.len()], 1)?;
+    Ok(bytes)
 }
 
 #[cfg(test)]

@@ -6,12 +6,11 @@ mod setting;
 mod verify;
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use crate::error::MEMORY;
-use crate::{Error, Limits, Written, write_file};
+use crate::limits::read_small_file;
+use crate::{Error, Written, write_file};
 
 pub use rig::ManifestRig;
 pub use setting::Setting;
@@ -23,13 +22,15 @@ pub(crate) const FORMAT: &str = "holo manifest 1";
 /// What the value begins with in any version.
 pub(crate) const FORMAT_FAMILY: &str = "holo manifest ";
 
-/// A whole manifest is at most this long: room for the digests of some 100,000 files, and little enough that no crafted one fills the memory.
+/// A whole manifest is at most this long: room for the digests of some 100,000 files, and little enough that no crafted
+/// one fills the memory.
 const MAX_BYTES: u64 = 16 << 20;
 
 /// What a dataset folder was made with.
 ///
-/// It holds no time and no path outside its folder, and its keys always come in the same order, so equal inputs give equal bytes.
-/// In JSON a size is `{"columns": .., "rows": ..}`, and a number that is not finite is the text `"inf"`, `"-inf"` or `"nan"`.
+/// It holds no time and no path outside its folder, and its keys always come in the same order, so equal inputs give
+/// equal bytes. In JSON a size is `{"columns": .., "rows": ..}`, and a number that is not finite is the text `"inf"`,
+/// `"-inf"` or `"nan"`.
 ///
 /// # Examples
 ///
@@ -59,7 +60,8 @@ pub struct Manifest {
     pub settings: BTreeMap<String, Setting>,
     /// The views, the lenses and the cameras, in the units of the files.
     pub rig: Option<ManifestRig>,
-    /// The smallest and largest finite disparity of the central view, which are black and white in `scene_disparity.png`.
+    /// The smallest and largest finite disparity of the central view, which are black and white in
+    /// `scene_disparity.png`.
     pub disparity_px: Option<(f64, f64)>,
     /// The exposure of the 8- and 16-bit images, in steps of a factor of two.
     pub exposure_ev: Option<f64>,
@@ -101,7 +103,8 @@ impl Manifest {
     ///
     /// # Errors
     ///
-    /// Those of [`Manifest::from_json`]; [`Error::Io`] if the file cannot be read; [`Error::TooLarge`] if it has more than 16 MiB.
+    /// Those of [`Manifest::from_json`]; [`Error::Io`] if the file cannot be read; [`Error::TooLarge`] if it has more
+    /// than 16 MiB.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         json::read(&read_small_file(path, MAX_BYTES)?, path)
@@ -113,39 +116,5 @@ impl Manifest {
     #[must_use]
     pub fn verify(&self, folder: impl AsRef<Path>) -> Vec<Problem> {
         verify::verify(self, folder.as_ref())
-    }
-}
-
-/// Reads a text file of at most `max_bytes`.
-pub(crate) fn read_small_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Error> {
-    let failed = |source| Error::io("read", path, source);
-    let file = File::open(path).map_err(failed)?;
-    let announced = file.metadata().map_err(failed)?.len();
-    Limits { max_bytes }.elements(path, "file", &[usize::try_from(announced).unwrap_or(usize::MAX)], 1)?;
-    let mut bytes = Vec::new();
-    // A pipe announces nothing, so the length is checked again.
-    file.take(max_bytes + 1).read_to_end(&mut bytes).map_err(failed)?;
-    Limits { max_bytes }.elements(path, "file", &[bytes.len()], 1)?;
-    Ok(bytes)
-}
-
-/// Whether a name is a relative path that stays inside its folder on every system.
-pub(crate) fn stays_inside(name: &str) -> bool {
-    let plain = |part: &str| !matches!(part, "" | "." | "..") && !part.contains(['\\', ':', '\0']);
-    name.split('/').all(plain)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_that_leave_the_folder_are_told_from_those_that_stay() {
-        for name in ["scene_el.png", "hci/input_Cam000.png", "..x", "a b"] {
-            assert!(stays_inside(name), "{name}");
-        }
-        for name in ["", "/etc/passwd", "../x", "a/../b", "a//b", "./a", "a/", "C:x", "a\\..\\b", "a\0"] {
-            assert!(!stays_inside(name), "{name}");
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! Metres to the millimetres of files and back, by moving the decimal point.
 //!
-//! A multiplication by 1000 rounds in binary: 0.0351 m would be written as 35.099999999999994 mm. Moving the point of the shortest decimal text
-//! gives the number that a person would write, and moving it back gives the metres again.
+//! A multiplication by 1000 rounds in binary: 0.0351 m would be written as 35.099999999999994 mm. Moving the point of
+//! the shortest decimal text gives the number that a person would write, and moving it back gives the metres again.
 
 /// Returns a length in millimetres.
 pub(crate) fn from_metres(length_m: f64) -> f64 {

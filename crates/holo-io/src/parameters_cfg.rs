@@ -1,6 +1,7 @@
 //! `parameters.cfg`: the camera parameters of a light field, with the keys of the HCI benchmark.
 //!
-//! The file is an INI file as Python's `configparser` writes and reads it: `key = value`, `=` the only delimiter, `%%` for a percent sign.
+//! The file is an INI file as Python's `configparser` writes and reads it: `key = value`, `=` the only delimiter, `%%`
+//! for a percent sign.
 
 mod ini;
 mod keys;
@@ -12,7 +13,7 @@ use std::path::Path;
 use holo_core::{GridSize, Intrinsics, Projection, RigParameters, Split};
 
 use crate::error::MEMORY;
-use crate::manifest::read_small_file;
+use crate::limits::read_small_file;
 use crate::{Error, Written, millimetres, write_file};
 
 pub use pose::CameraPose;
@@ -22,8 +23,9 @@ const MAX_BYTES: u64 = 1 << 20;
 
 /// The contents of a `parameters.cfg`, in the units of the file.
 ///
-/// What is `None` or empty need not be in a file that is read. A missing number is left out of the file that is written; a missing text is
-/// written as an empty one. Keys that the format does not know are kept in [`other`](Self::other) and written back.
+/// What is `None` or empty need not be in a file that is read. A missing number is left out of the file that is
+/// written; a missing text is written as an empty one. Keys that the format does not know are kept in
+/// [`other`](Self::other) and written back.
 ///
 /// # Examples
 ///
@@ -62,11 +64,13 @@ pub struct ParametersCfg {
     pub num_cams: GridSize,
     /// Distance between horizontally adjacent views.
     pub baseline_mm: f64,
-    /// Distance between vertically adjacent views where it differs. The HCI tools know no such key: `holo` adds `baseline_y_mm` only then.
+    /// Distance between vertically adjacent views where it differs. The HCI tools know no such key: `holo` adds
+    /// `baseline_y_mm` only then.
     pub baseline_y_mm: Option<f64>,
     /// Distance of the focus plane; infinity is the file's 0.
     pub focus_distance_m: f64,
-    /// Perspective unless the file says otherwise. The HCI tools know no such key: `holo` adds `projection` only for orthographic views.
+    /// Perspective unless the file says otherwise. The HCI tools know no such key: `holo` adds `projection` only for
+    /// orthographic views.
     pub projection: Projection,
     /// Position `center_cam_{x,y,z}_m` and rotation `center_cam_r{x,y,z}_rad` of the rig in Blender's world.
     pub center_cam: Option<CameraPose>,
@@ -101,7 +105,8 @@ pub struct ParametersCfg {
 }
 
 impl ParametersCfg {
-    /// Describes a rig; the texts, the pose and the disparities are left empty, the rest is as the HCI tools would fill it.
+    /// Describes a rig; the texts, the pose and the disparities are left empty, the rest is as the HCI tools would fill
+    /// it.
     ///
     /// `fstop` is 100, `depth_map_scale` is 1 and `cycles_seed` 0.
     #[must_use]
@@ -177,7 +182,8 @@ impl ParametersCfg {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if a text has a control character, such as a line feed, or a name in `other` cannot be written.
+    /// [`Error::BadInput`] if a text has a control character, such as a line feed, or a name in `other` cannot be
+    /// written.
     pub fn to_text(&self) -> Result<String, Error> {
         keys::write(self, Path::new(MEMORY))
     }
@@ -186,8 +192,9 @@ impl ParametersCfg {
     ///
     /// # Errors
     ///
-    /// [`Error::Broken`] if a line is neither a section, a comment nor `key = value`, if a key occurs twice, if a number is none, or if one of the
-    /// numbers is missing that make a rig: focal length, resolution, sensor size, number of cameras, baseline, focus distance.
+    /// [`Error::Broken`] if a line is neither a section, a comment nor `key = value`, if a key occurs twice, if a
+    /// number is none, or if one of the numbers is missing that make a rig: focal length, resolution, sensor size,
+    /// number of cameras, baseline, focus distance.
     pub fn from_text(text: &str) -> Result<Self, Error> {
         keys::read(text, Path::new(MEMORY))
     }
@@ -206,7 +213,8 @@ impl ParametersCfg {
     ///
     /// # Errors
     ///
-    /// Those of [`ParametersCfg::from_text`]; [`Error::Io`] if the file cannot be read; [`Error::TooLarge`] if it has more than 1 MiB.
+    /// Those of [`ParametersCfg::from_text`]; [`Error::Io`] if the file cannot be read; [`Error::TooLarge`] if it has
+    /// more than 1 MiB.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let bytes = read_small_file(path, MAX_BYTES)?;
@@ -216,13 +224,15 @@ impl ParametersCfg {
     }
 }
 
-/// Returns a date as `YYYY-MM-DD` (UTC), the form of the HCI tools, for `SOURCE_DATE_EPOCH`, which counts seconds since 1970.
+/// Returns a date as `YYYY-MM-DD` (UTC), the form of the HCI tools, for `SOURCE_DATE_EPOCH`, which counts seconds since
+/// 1970.
 ///
-/// No function of this crate looks at a clock: equal inputs give equal files. A caller who wants a date passes the one that the build or
-/// the user fixed.
+/// No function of this crate looks at a clock: equal inputs give equal files. A caller who wants a date passes the one
+/// that the build or the user fixed.
 #[must_use]
 pub fn date_from_epoch(seconds: i64) -> String {
-    // Days to civil date in the proleptic Gregorian calendar, with years that begin in March so that leap days come last.
+    // Days to civil date in the proleptic Gregorian calendar, with years that begin in March so that leap days come
+    // last.
     let days = i128::from(seconds.div_euclid(86_400)) + 719_468;
     let (era, day_of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));
     let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;

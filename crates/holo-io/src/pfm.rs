@@ -1,7 +1,7 @@
 //! PFM: float images, grey or colour.
 //!
-//! Hand-written, because the format is four lines and no crate is right about it for odd heights. What is written is exactly what the HCI
-//! tools write: `Pf\nW H\n-1\n`, little-endian 32-bit floats, the bottom row first.
+//! Hand-written, because the format is four lines and no crate is right about it for odd heights. What is written is
+//! exactly what the HCI tools write: `Pf\nW H\n-1\n`, little-endian 32-bit floats, the bottom row first.
 
 mod header;
 
@@ -22,9 +22,11 @@ const BLOCK_BYTES: usize = 1 << 16;
 /// A float image as a PFM file holds it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pfm {
-    /// The values, top row first, of shape `(rows, columns, channels)` with 1 or 3 channels. They are as in the file: not multiplied by the scale.
+    /// The values, top row first, of shape `(rows, columns, channels)` with 1 or 3 channels. They are as in the file:
+    /// not multiplied by the scale.
     pub values: Array3<f32>,
-    /// The magnitude of the header's scale: 1 unless the file says otherwise. Its meaning is left to the two who exchange files.
+    /// The magnitude of the header's scale: 1 unless the file says otherwise. Its meaning is left to the two who
+    /// exchange files.
     pub scale: f64,
 }
 
@@ -70,7 +72,8 @@ pub struct PfmInfo {
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if the image is empty; [`Error::Io`] if the file cannot be written. No file of that name appears then.
+/// [`Error::BadInput`] if the image is empty; [`Error::Io`] if the file cannot be written. No file of that name appears
+/// then.
 ///
 /// # Examples
 ///
@@ -145,8 +148,8 @@ fn encode(out: &mut impl Write, image: ArrayView3<'_, f32>, scale: f64) -> std::
 ///
 /// # Errors
 ///
-/// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not a PFM, or is shorter or longer than its header says;
-/// [`Error::TooLarge`] if its values exceed the limits. Both are found out before memory is taken.
+/// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not a PFM, or is shorter or longer than its
+/// header says; [`Error::TooLarge`] if its values exceed the limits. Both are found out before memory is taken.
 pub fn read_pfm(path: impl AsRef<Path>, limits: &Limits) -> Result<Pfm, Error> {
     let path = path.as_ref();
     let failed = |source| Error::io("read", path, source);

@@ -40,8 +40,8 @@ pub enum Meaning {
 ///
 /// # Shape
 ///
-/// `(rows, columns, channels)`. One channel is grey, two are grey and alpha, three RGB, four RGB and alpha. Palettes and depths below 8 bits
-/// arrive as 8-bit samples over the full range, a transparent colour as an alpha channel.
+/// `(rows, columns, channels)`. One channel is grey, two are grey and alpha, three RGB, four RGB and alpha. Palettes
+/// and depths below 8 bits arrive as 8-bit samples over the full range, a transparent colour as an alpha channel.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum PngSamples {
     /// 8 bits a channel.
@@ -78,12 +78,13 @@ pub struct PngInfo {
 ///
 /// # Shape
 ///
-/// `image` is `(rows, columns, channels)` with 1 (grey), 2 (grey, alpha), 3 (RGB) or 4 (RGB, alpha) channels; any strides.
+/// `image` is `(rows, columns, channels)` with 1 (grey), 2 (grey, alpha), 3 (RGB) or 4 (RGB, alpha) channels; any
+/// strides.
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if the image is empty, has another number of channels or more than 2^31 - 1 rows or columns; [`Error::Io`]
-/// if the file cannot be written. No file of that name appears then.
+/// [`Error::BadInput`] if the image is empty, has another number of channels or more than 2^31 - 1 rows or columns;
+/// [`Error::Io`] if the file cannot be written. No file of that name appears then.
 ///
 /// # Examples
 ///
@@ -92,10 +93,10 @@ pub struct PngInfo {
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("image.png");
-/// let image = ndarray::Array3::from_shape_fn((5, 7, 3), |(row, column, channel)| (row * 30 + column * 4 + channel) as u8);
-/// let written = write_png_u8(&path, image.view(), Meaning::Srgb, Compression::Scratch)?;
-/// assert_eq!(read_png(&path, &Limits::default())?, PngSamples::U8(image));
-/// assert_eq!(written.bytes, std::fs::metadata(&path)?.len());
+/// let image = ndarray::Array3::from_shape_fn((5, 7, 3), |(row, column, channel)| (row * 30 + column * 4 + channel) as
+/// u8); let written = write_png_u8(&path, image.view(), Meaning::Srgb, Compression::Scratch)?;
+/// assert_eq!(read_png(&path, &Limits::default())?, PngSamples::U8(image)); assert_eq!(written.bytes,
+/// std::fs::metadata(&path)?.len());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_png_u8(
@@ -165,12 +166,14 @@ pub fn encode_png_u16(
 ///
 /// # Units
 ///
-/// `min_px` becomes 0 and `max_px` becomes 255, linear between and clamped outside; NaN becomes 0. Where the two are equal, every
-/// pixel that is not above them becomes 0. The numbers belong in the manifest, because the picture alone does not tell them.
+/// `min_px` becomes 0 and `max_px` becomes 255, linear between and clamped outside; NaN becomes 0. Where the two are
+/// equal, every pixel that is not above them becomes 0. The numbers belong in the manifest, because the picture alone
+/// does not tell them.
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if `min_px` or `max_px` is not finite, if `min_px` is the larger, or if the map is empty; [`Error::Io`] if the file cannot be written.
+/// [`Error::BadInput`] if `min_px` or `max_px` is not finite, if `min_px` is the larger, or if the map is empty;
+/// [`Error::Io`] if the file cannot be written.
 pub fn write_disparity_png(
     path: impl AsRef<Path>,
     disparity_px: ArrayView2<'_, f32>,

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use holo_core::{GridSize, Split};
+use holo_core::GridSize;
 use holo_io::{Error, FileKind, dataset, recognise};
 
 #[test]
@@ -58,7 +58,7 @@ fn kinds_are_told_by_contents() {
 
 #[cfg(feature = "png")]
 mod raw {
-    use holo_core::{Intrinsics, LightField, Projection, RigParameters};
+    use holo_core::{Intrinsics, LightField, Projection, RigParameters, Split};
     use holo_io::{Compression, Layout, Limits, Meaning, ParametersCfg, PngSamples, RawImage, write_png_u8};
     use ndarray::Array3;
 

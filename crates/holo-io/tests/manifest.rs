@@ -213,7 +213,7 @@ proptest! {
     #[test]
     fn every_manifest_reads_back(
         seed: u64, settings in prop::collection::btree_map(".{0,8}", setting(), 0..6),
-        numbers in prop::array::uniform4(prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO | prop::num::f64::INFINITE),
+        numbers in prop::array::uniform4(any::<f64>().prop_filter("NaN is not equal to itself", |n| !n.is_nan())),
         bytes: u64, digest: [u8; 32], views in (0_usize..9, 0_usize..usize::MAX),
     ) {
         let [min, max, exposure, focal_length_mm] = numbers;
@@ -221,7 +221,11 @@ proptest! {
             versions: BTreeMap::from([("holo".into(), "0".into())]),
             seed,
             settings,
-            rig: Some(ManifestRig { views: GridSize::new(views.0, views.1), focal_length_mm, ..ManifestRig::from(&rig()) }),
+            rig: Some(ManifestRig {
+                views: GridSize::new(views.0, views.1),
+                focal_length_mm,
+                ..ManifestRig::from(&rig())
+            }),
             disparity_px: Some((min, max)),
             exposure_ev: Some(exposure),
             files: BTreeMap::from([("scene_el.png".into(), Written { bytes, sha256: Sha256(digest) })]),

@@ -21,7 +21,7 @@ fn cotton() -> RigParameters {
 fn full() -> ParametersCfg {
     let mut parameters = ParametersCfg::from_rig(&cotton());
     parameters.center_cam =
-        Some(CameraPose { position_m: [1.0, -3.0, 2.5], rotation_rad: [1.5707963267948966, 0.0, -0.25] });
+        Some(CameraPose { position_m: [1.0, -3.0, 2.5], rotation_rad: [std::f64::consts::FRAC_PI_2, 0.0, -0.25] });
     parameters.scene = "cotton".into();
     parameters.category = "training".into();
     parameters.version = "v0".into();
@@ -106,8 +106,18 @@ fn what_the_hci_tools_have_no_key_for_is_added_only_where_it_matters() {
     assert!(matches!(error, Error::Unsupported { .. }), "{error}");
 }
 
-const LEAST: &str = "[intrinsics]\nfocal_length_mm=100\nimage_resolution_x_px=5\nimage_resolution_y_px=4\nsensor_size_mm=35\n\
-                     [extrinsics]\nnum_cams_x=3\nnum_cams_y=2\nbaseline_mm=1\nfocus_distance_m=7\n";
+const LEAST: &str = "\
+[intrinsics]
+focal_length_mm=100
+image_resolution_x_px=5
+image_resolution_y_px=4
+sensor_size_mm=35
+[extrinsics]
+num_cams_x=3
+num_cams_y=2
+baseline_mm=1
+focus_distance_m=7
+";
 
 #[test]
 fn only_the_numbers_of_the_rig_are_needed() {
@@ -128,10 +138,27 @@ fn only_the_numbers_of_the_rig_are_needed() {
 
 #[test]
 fn the_habits_of_other_programs_are_read() {
-    let strange = "\u{feff}; a comment\r\n[extrinsics]\r\nNum_Cams_X = 3.0\r\n  # not a value\r\nnum_cams_y =2\r\nBASELINE_MM= 1e0\r\nfocus_distance_m = 7\r\n\r\n\
-                   [intrinsics]\r\nfocal_length_mm = 100\r\nimage_resolution_x_px = 5\r\nimage_resolution_y_px = 4\r\nsensor_size_mm = 35\r\n\
-                   [meta]\r\nscene = a = b\r\nauthors = one,\r\n\ttwo\r\ncontact = 100%%\r\n";
-    let read = ParametersCfg::from_text(strange).unwrap();
+    let strange = "\u{feff}; a comment
+[extrinsics]
+Num_Cams_X = 3.0
+  # not a value
+num_cams_y =2
+BASELINE_MM= 1e0
+focus_distance_m = 7
+
+[intrinsics]
+focal_length_mm = 100
+image_resolution_x_px = 5
+image_resolution_y_px = 4
+sensor_size_mm = 35
+[meta]
+scene = a = b
+authors = one,
+\ttwo
+contact = 100%%
+"
+    .replace('\n', "\r\n");
+    let read = ParametersCfg::from_text(&strange).unwrap();
     assert_eq!(read.rig_parameters().unwrap(), ParametersCfg::from_text(LEAST).unwrap().rig_parameters().unwrap());
     assert_eq!((read.scene.as_str(), read.authors.as_str(), read.contact.as_str()), ("a = b", "one, two", "100%"));
     assert!(read.to_text().unwrap().contains("\ncontact = 100%%\n"));
@@ -208,7 +235,8 @@ fn texts_that_would_break_the_file_are_refused() {
 proptest! {
     #[test]
     fn every_parameter_reads_back(
-        numbers in prop::collection::vec(prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::INFINITE, 20),
+        // No zero, because a focus distance of 0 reads as infinity, and no NaN, because it is not equal to itself.
+        numbers in prop::collection::vec(any::<f64>().prop_filter("0 or NaN", |n| n.abs() > 0.0), 20),
         counts in prop::array::uniform4(0_usize..=usize::MAX), seed: i64, missing: u16,
         texts in prop::collection::vec("[^\\p{Cc}\u{feff}]{0,12}", 7), orthographic: bool,
         other in prop::collection::btree_map(("[a-z]{1,8}", "[a-z][a-z0-9_ .:%]{0,6}[a-z]"), "[^\\p{Cc}]{0,9}", 0..4),

@@ -266,6 +266,23 @@ fn palettes_and_small_depths_are_expanded() {
 }
 
 #[test]
+fn impossible_palettes_are_errors() {
+    let longer = [7; 800];
+    for bytes in [0, 1, 2, 4, 5, 7, 8, 769, 770, 771, 774] {
+        let before: [(&[u8; 4], &[u8]); 2] = [(b"PLTE", &longer[..bytes]), (b"tRNS", &[0])];
+        for depth in [2, 8] {
+            let row: &[u8] = if depth == 2 { &[0, 0b0001_1001] } else { &[0, 0, 1, 2, 1] };
+            for before in [&before[..1], &before] {
+                let read = decode_png(&handmade(header(4, 1, depth, 3, false), before, row), &Limits::default());
+                assert!(matches!(read, Err(Error::Broken { .. })), "{bytes} bytes at depth {depth}");
+            }
+        }
+    }
+    // Without any palette.
+    assert!(decode_png(&handmade(header(4, 1, 8, 3, false), &[], &[0, 0, 1, 2, 1]), &Limits::default()).is_err());
+}
+
+#[test]
 fn interlaced_images_are_put_together() {
     let (rows, columns) = (9, 11);
     let value = |row: usize, column: usize| (row * 16 + column) as u16 * 257 + 1;

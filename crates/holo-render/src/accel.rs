@@ -34,14 +34,29 @@ pub enum Backend {
     BruteForce,
 }
 
-/// What finds hits. Packets are bundles of nearly parallel rays, which engines may use but not rely on.
+/// How the rays of a packet run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Coherence {
+    /// Close together: worth walking the tree as one.
+    Coherent,
+    /// All over the place: better one at a time.
+    Incoherent,
+}
+
+/// What finds hits. Packets to `intersect` are bundles of nearly parallel rays, which engines may use but not rely on.
 /// Rays and hits are in camera coordinates.
 pub(crate) trait Engine: Send + Sync {
     /// Fills the hits and shortens `far` of every valid lane whose ray hits something in (near, far).
     fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits);
 
     /// Sets `far` of every valid lane whose ray hits anything in (near, far) to minus infinity.
-    fn occluded(&self, valid: &Lanes<i32>, rays: &mut Rays);
+    fn occluded(&self, valid: &Lanes<i32>, rays: &mut Rays, coherence: Coherence);
+
+    /// As `intersect`, asking for one ray after the other: what packets are measured against.
+    #[cfg(feature = "bench")]
+    fn intersect_singly(&self, valid: &Lanes<i32>, packet: &mut RayHits) {
+        self.intersect(valid, packet);
+    }
 
     /// The name and version for logs and manifests, such as "embree 4.4.0".
     fn name(&self) -> &str;

@@ -156,27 +156,32 @@ impl Geometry {
         self.triangles[triangle].map(|k| self.positions[k as usize])
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn planes(&self) -> &[Plane] {
         &self.planes
     }
 
-    #[inline]
-    pub fn part(&self, triangle: usize) -> &Part {
-        &self.parts[self.part_of[triangle] as usize]
+    #[inline(always)]
+    pub fn part_index(&self, triangle: usize) -> u32 {
+        self.part_of[triangle]
     }
 
-    #[inline]
+    #[inline(always)]
+    pub fn part(&self, index: u32) -> &Part {
+        &self.parts[index as usize]
+    }
+
+    #[inline(always)]
     pub fn normals_of(&self, triangle: usize) -> [[f32; 3]; 3] {
         self.triangles[triangle].map(|k| self.normals[k as usize])
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn texture_coordinates_of(&self, triangle: usize) -> [[f32; 2]; 3] {
         self.triangles[triangle].map(|k| self.texture_coordinates[k as usize])
     }
 
-    #[inline]
+    #[inline(always)]
     pub fn colors_of(&self, triangle: usize) -> [[f32; 4]; 3] {
         self.triangles[triangle].map(|k| self.colors[k as usize])
     }

@@ -121,8 +121,7 @@ fn assemble(bytes: &[u8], files: &Files, limits: &Limits) -> Result<Loaded, Erro
     let mut materials = materials::load(&root, &mut warnings)?;
     let meshes = meshes::load(&root, Checker::new(&root, &views)?, &mut materials, limits, &mut warnings)?;
     let placed = placed::load(&root, &nodes, &meshes, limits, &mut warnings)?;
-    let textures =
-        textures::load(&root, &views, files, &materials.needed_textures, limits, &mut warnings)?;
+    let textures = textures::load(&root, &views, files, &materials.needed_textures, limits, &mut warnings)?;
     if !root.list("animations")?.is_empty() {
         warnings.note("animations are ignored: the scene is drawn as it stands in the file", String::new);
     }

@@ -5,10 +5,11 @@ pub(crate) mod direct;
 
 use holo_core::Disparity;
 
-use crate::accel::Engine;
+use crate::accel::{Engine, LANES};
 use crate::geometry::Geometry;
 use crate::light::PreparedLight;
-use crate::primary::RigTables;
+use crate::primary::{Pixels, RigTables};
+use crate::sampling;
 use crate::surface::Appearance;
 
 /// What the pixels of a light field hold.
@@ -53,5 +54,19 @@ impl std::ops::Add for RayCounts {
     type Output = Self;
     fn add(self, other: Self) -> Self {
         Self { primary: self.primary + other.primary, shadow: self.shadow + other.shadow }
+    }
+}
+
+impl Context<'_> {
+    /// The random sequences of a packet's pixels.
+    #[inline(always)]
+    fn sequences(&self, pixels: &Pixels) -> [u32; LANES] {
+        let [v, u, t, s] = &pixels.place;
+        let (mut lens, mut view) = ([0; LANES], [0; LANES]);
+        for lane in 0..LANES {
+            lens[lane] = v[lane] * self.columns[0] + u[lane];
+            view[lane] = t[lane] * self.columns[1] + s[lane];
+        }
+        sampling::sequences(self.seed, &lens, &view)
     }
 }

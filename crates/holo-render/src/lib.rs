@@ -50,6 +50,9 @@ pub mod gltf;
 pub mod scene;
 
 mod accel;
+#[cfg(feature = "bench")]
+#[doc(hidden)]
+pub mod bench;
 mod dispatch;
 mod error;
 mod framing;

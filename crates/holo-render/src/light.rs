@@ -3,6 +3,7 @@
 //! Source: KHR_lights_punctual. Radiometry: 1 lux on a white Lambertian surface gives radiance 1/pi; I candela at r
 //! metres give I/r^2 lux. No factor of 683 or of 4 pi appears anywhere.
 
+use crate::accel::LANES;
 use crate::geometry::world_to_camera_rotation;
 use crate::scene::{Light, LightKind, Transform};
 
@@ -23,15 +24,13 @@ pub(crate) struct Cone {
     offset: f32,
 }
 
-/// Light that arrives at a point from one light, before the cosine and the shadow.
+/// Light that arrives at sixteen points from one light, before the cosine and the shadow.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Arrival {
+pub(crate) struct Arrivals {
     /// Towards the light: unit length for directional lights, up to the light for the others.
-    pub to_light: [f32; 3],
-    /// Length of `to_light`.
-    pub length: f32,
-    /// How much of `PreparedLight::power` arrives on a surface that faces the light.
-    pub attenuation: f32,
+    pub to_light: [[f32; LANES]; 3],
+    /// How much of `PreparedLight::power` arrives on a surface that faces the light, over the length of `to_light`.
+    pub attenuation: [f32; LANES],
 }
 
 /// The lights that shine at all, in the frame of a camera at `pose`.
@@ -76,24 +75,35 @@ impl PreparedLight {
         }
     }
 
-    /// What arrives at `point`.
+    /// What arrives at sixteen points.
     #[inline(always)]
-    pub fn arrival(&self, point: [f32; 3]) -> Arrival {
+    pub fn arrivals(&self, points: &[[f32; LANES]; 3]) -> Arrivals {
         match self {
-            Self::Directional { to_light, .. } => Arrival { to_light: *to_light, length: 1.0, attenuation: 1.0 },
+            Self::Directional { to_light, .. } => {
+                Arrivals { to_light: to_light.map(|x| [x; LANES]), attenuation: [1.0; LANES] }
+            }
             Self::Point { position, inverse_range, cone, .. } => {
-                let to_light = [position[0] - point[0], position[1] - point[1], position[2] - point[2]];
-                let squared = dot(to_light, to_light);
-                let length = squared.sqrt();
-                let reach = length * inverse_range;
-                let window = (1.0 - reach * reach * reach * reach).clamp(0.0, 1.0);
-                let mut attenuation = if squared > 0.0 { window / squared } else { 0.0 };
-                if let Some(cone) = cone {
-                    let cosine = -dot(to_light, cone.axis) / length;
-                    let edge = (cosine * cone.scale + cone.offset).clamp(0.0, 1.0);
-                    attenuation *= edge * edge;
+                let mut out = Arrivals { to_light: [[0.0; LANES]; 3], attenuation: [0.0; LANES] };
+                for lane in 0..LANES {
+                    let to_light: [f32; 3] = std::array::from_fn(|axis| position[axis] - points[axis][lane]);
+                    let squared = dot(to_light, to_light);
+                    let length = squared.sqrt();
+                    let reach = length * inverse_range;
+                    let window = (1.0 - reach * reach * reach * reach).clamp(0.0, 1.0);
+                    for axis in 0..3 {
+                        out.to_light[axis][lane] = to_light[axis];
+                    }
+                    out.attenuation[lane] = if squared > 0.0 { window / (squared * length) } else { 0.0 };
                 }
-                Arrival { to_light, length, attenuation }
+                if let Some(cone) = cone {
+                    for lane in 0..LANES {
+                        let to_light = [0, 1, 2].map(|axis| out.to_light[axis][lane]);
+                        let cosine = -dot(to_light, cone.axis) / dot(to_light, to_light).sqrt();
+                        let edge = (cosine * cone.scale + cone.offset).clamp(0.0, 1.0);
+                        out.attenuation[lane] *= edge * edge;
+                    }
+                }
+                out
             }
         }
     }
@@ -121,14 +131,21 @@ mod tests {
         prepare(&[Light { name: String::new(), intensity: [2.0; 3], kind }], &Transform::IDENTITY)[0]
     }
 
+    /// Attenuation at one point, per square metre.
+    fn at(light: &PreparedLight, point: [f32; 3]) -> f32 {
+        let arrivals = light.arrivals(&point.map(|x| [x; LANES]));
+        let to_light = arrivals.to_light.map(|axis| axis[3]);
+        arrivals.attenuation[3] * dot(to_light, to_light).sqrt()
+    }
+
     #[test]
     fn a_point_light_falls_off_with_the_square_and_ends_at_its_range() {
         let light = one(LightKind::Point { position: [0.0; 3], range: None });
-        assert!((light.arrival([3.0, 0.0, 4.0]).attenuation - 0.04).abs() < 1e-7);
+        assert!((at(&light, [3.0, 0.0, 4.0]) - 0.04).abs() < 1e-7);
         let light = one(LightKind::Point { position: [0.0; 3], range: Some(10.0) });
         let expected = (1.0 - 0.5f32.powi(4)) / 25.0;
-        assert!((light.arrival([3.0, 0.0, 4.0]).attenuation - expected).abs() < 1e-7);
-        assert_eq!(light.arrival([0.0, 10.5, 0.0]).attenuation, 0.0);
+        assert!((at(&light, [3.0, 0.0, 4.0]) - expected).abs() < 1e-7);
+        assert_eq!(at(&light, [0.0, 10.5, 0.0]), 0.0);
     }
 
     #[test]
@@ -140,11 +157,11 @@ mod tests {
             inner_angle_rad: 0.3,
             outer_angle_rad: 0.6,
         });
-        let at = |angle: f32| light.arrival([angle.sin(), 0.0, -angle.cos()]).attenuation;
-        assert!((at(0.0) - 1.0).abs() < 1e-6 && (at(0.29) - 1.0).abs() < 1e-4);
-        assert_eq!(at(0.61), 0.0);
+        let under = |angle: f32| at(&light, [angle.sin(), 0.0, -angle.cos()]);
+        assert!((under(0.0) - 1.0).abs() < 1e-6 && (under(0.29) - 1.0).abs() < 1e-4);
+        assert_eq!(under(0.61), 0.0);
         let half = ((0.45f32.cos() - 0.6f32.cos()) / (0.3f32.cos() - 0.6f32.cos())).powi(2);
-        assert!((at(0.45) - half).abs() < 1e-4);
+        assert!((under(0.45) - half).abs() < 1e-4);
     }
 
     #[test]

@@ -10,38 +10,35 @@ use crate::accel::{LANES, Lanes, RayHits};
 /// How the 16 lanes of a packet are spread over lens rows, lens columns, view rows and view columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PacketShape {
-    pub v: usize,
-    pub u: usize,
-    pub t: usize,
-    pub s: usize,
+    /// Lanes along (v, u, t, s); their product is 16.
+    pub size: [usize; 4],
+    /// Every lane's offsets along (v, u, t, s) from the packet's first pixel.
+    pub offsets: [[u32; LANES]; 4],
 }
 
 impl PacketShape {
     /// The shape for counts of lens rows and columns, view rows and columns: as square as the counts allow, views first,
     /// then lenses; lanes that remain have no pixel.
     pub fn fitting(counts: [usize; 4]) -> Self {
-        let mut shape = [1; 4];
-        while shape.iter().product::<usize>() < LANES {
+        let mut size = [1; 4];
+        while size.iter().product::<usize>() < LANES {
             let shortest = |[a, b]: [usize; 2]| {
-                let grows = |k: usize| 2 * shape[k] <= counts[k];
-                let order = if shape[b] <= shape[a] { [b, a] } else { [a, b] };
+                let grows = |k: usize| 2 * size[k] <= counts[k];
+                let order = if size[b] <= size[a] { [b, a] } else { [a, b] };
                 order.into_iter().find(|&k| grows(k))
             };
             let axis = shortest([2, 3]).or_else(|| shortest([0, 1])).unwrap_or(3);
-            shape[axis] *= 2;
+            size[axis] *= 2;
         }
-        let [v, u, t, s] = shape;
-        Self { v, u, t, s }
-    }
-
-    /// Lane `k`'s offsets (v, u, t, s) from the packet's first pixel.
-    #[inline(always)]
-    pub fn offset(&self, lane: usize) -> [usize; 4] {
-        let s = lane % self.s;
-        let rest = lane / self.s;
-        let t = rest % self.t;
-        let rest = rest / self.t;
-        [rest / self.u, rest % self.u, t, s]
+        let mut offsets = [[0; LANES]; 4];
+        for lane in 0..LANES {
+            let mut rest = lane;
+            for axis in (0..4).rev() {
+                offsets[axis][lane] = (rest % size[axis]) as u32;
+                rest /= size[axis];
+            }
+        }
+        Self { size, offsets }
     }
 }
 
@@ -70,10 +67,8 @@ pub(crate) struct ExactRays {
 /// Which pixels of the light field a packet holds.
 #[derive(Clone, Copy)]
 pub(crate) struct Pixels {
-    pub v: [u32; LANES],
-    pub u: [u32; LANES],
-    pub t: [u32; LANES],
-    pub s: [u32; LANES],
+    /// Indices along (v, u, t, s).
+    pub place: [[u32; LANES]; 4],
     pub valid: Lanes<i32>,
 }
 
@@ -96,11 +91,12 @@ impl RigTables {
     /// The rays through the points (`u + jitter`, `v + jitter`) of the pixels, exact and as f32 in `packet`.
     #[inline(always)]
     pub fn fill(&self, pixels: &Pixels, jitter: [&[f32; LANES]; 2], packet: &mut RayHits) -> ExactRays {
+        let [v, u, t, s] = &pixels.place;
         let mut x = [0.0; LANES];
         let mut y = [0.0; LANES];
         for lane in 0..LANES {
-            x[lane] = self.view_x[pixels.s[lane] as usize];
-            y[lane] = self.view_y[pixels.t[lane] as usize];
+            x[lane] = self.view_x[s[lane] as usize];
+            y[lane] = self.view_y[t[lane] as usize];
         }
         let mut rays = ExactRays {
             origin_x: [0.0; LANES],
@@ -109,8 +105,8 @@ impl RigTables {
             direction_y: [0.0; LANES],
         };
         for lane in 0..LANES {
-            let slope_x = self.slope_left + (f64::from(pixels.u[lane]) + f64::from(jitter[0][lane])) * self.slope_step;
-            let slope_y = self.slope_top - (f64::from(pixels.v[lane]) + f64::from(jitter[1][lane])) * self.slope_step;
+            let slope_x = self.slope_left + (f64::from(u[lane]) + f64::from(jitter[0][lane])) * self.slope_step;
+            let slope_y = self.slope_top - (f64::from(v[lane]) + f64::from(jitter[1][lane])) * self.slope_step;
             rays.origin_x[lane] = x[lane] + slope_x * self.slope_to_origin;
             rays.origin_y[lane] = y[lane] + slope_y * self.slope_to_origin;
             rays.direction_x[lane] = slope_x * self.slope_to_direction - x[lane] * self.inverse_focus;
@@ -140,17 +136,17 @@ mod tests {
             [[53, 79, 100, 100], [132, 198, 1, 1], [1, 1, 1, 10_000], [1, 1, 10_000, 1], [3, 3, 2, 2], [1, 1, 1, 1]]
         {
             let shape = PacketShape::fitting(counts);
-            assert_eq!(shape.v * shape.u * shape.t * shape.s, LANES, "{counts:?} {shape:?}");
-            let mut seen: Vec<[usize; 4]> = (0..LANES).map(|k| shape.offset(k)).collect();
+            assert_eq!(shape.size.iter().product::<usize>(), LANES, "{counts:?} {shape:?}");
+            let mut seen: Vec<[u32; 4]> = (0..LANES).map(|k| shape.offsets.map(|axis| axis[k])).collect();
             seen.sort_unstable();
             seen.dedup();
             assert_eq!(seen.len(), LANES);
         }
-        assert_eq!(PacketShape::fitting([53, 79, 100, 100]), PacketShape { v: 1, u: 1, t: 4, s: 4 });
-        assert_eq!(PacketShape::fitting([132, 198, 1, 1]), PacketShape { v: 4, u: 4, t: 1, s: 1 });
-        assert_eq!(PacketShape::fitting([1, 1, 1, 10_000]), PacketShape { v: 1, u: 1, t: 1, s: 16 });
-        assert_eq!(PacketShape::fitting([1, 1, 10_000, 1]), PacketShape { v: 1, u: 1, t: 16, s: 1 });
-        assert_eq!(PacketShape::fitting([2000, 1, 1, 1]), PacketShape { v: 16, u: 1, t: 1, s: 1 });
+        assert_eq!(PacketShape::fitting([53, 79, 100, 100]).size, [1, 1, 4, 4]);
+        assert_eq!(PacketShape::fitting([132, 198, 1, 1]).size, [4, 4, 1, 1]);
+        assert_eq!(PacketShape::fitting([1, 1, 1, 10_000]).size, [1, 1, 1, 16]);
+        assert_eq!(PacketShape::fitting([1, 1, 10_000, 1]).size, [1, 1, 16, 1]);
+        assert_eq!(PacketShape::fitting([2000, 1, 1, 1]).size, [16, 1, 1, 1]);
     }
 
     /// The tabulated rays are the rig's rays, to the rounding of a handful of f64 operations.
@@ -169,10 +165,7 @@ mod tests {
             .unwrap();
             let tables = RigTables::new(&rig);
             let pixels = Pixels {
-                v: [6; LANES],
-                u: std::array::from_fn(|k| (k % 9) as u32),
-                t: std::array::from_fn(|k| (k % 5) as u32),
-                s: std::array::from_fn(|k| (k % 6) as u32),
+                place: [99, 9, 5, 6].map(|n| std::array::from_fn(|k| if n == 99 { 6 } else { (k % n) as u32 })),
                 valid: Lanes([-1; LANES]),
             };
             let mut packet = RayHits::EMPTY;

@@ -4,59 +4,59 @@
 //! f64 from f64 positions. With rays whose z component is -1 the ray parameter is planar depth.
 
 use crate::accel::{LANES, NO_TRIANGLE, RayHits};
-use crate::geometry::{Geometry, Plane};
+use crate::geometry::Geometry;
 use crate::primary::ExactRays;
 
 /// A refined depth may leave the engine's by this much, relatively; beyond it the ray grazes the plane, the plane says
 /// nothing about the triangle any more, and the engine's depth stays.
 const LARGEST_CORRECTION: f64 = 1e-3;
 
-/// Planar depth (m) of every lane's hit; +infinity where nothing is hit.
+/// Where sixteen rays end.
+pub(crate) struct Refined {
+    /// Planar depth, m; +infinity where nothing is hit.
+    pub depth: [f64; LANES],
+    /// The normals of the triangles (their length is twice the area); 0 where nothing is hit.
+    pub normal: [[f64; LANES]; 3],
+}
+
+/// Refines the hits of `packet`, whose exact rays are `rays`.
 ///
 /// # Accuracy
 /// About 1e-15 * (distance of the triangle / distance along the normal), so 1e-12 unless the ray grazes.
 #[inline(always)]
-pub(crate) fn depths(geometry: &Geometry, packet: &RayHits, rays: &ExactRays) -> [f64; LANES] {
+pub(crate) fn refine(geometry: &Geometry, packet: &RayHits, rays: &ExactRays) -> Refined {
     let triangles = &packet.hits.triangle;
     let planes = geometry.planes();
-    let mut depth = [f64::INFINITY; LANES];
-    let first = triangles[0];
-    if triangles.iter().all(|&k| k == first) {
-        // Most packets hit one triangle: its plane is a constant of the loop.
-        if first != NO_TRIANGLE {
-            let plane = planes[first as usize];
-            for lane in 0..LANES {
-                depth[lane] = refine(&plane, rays, lane, packet.rays.far[lane]);
-            }
-        }
-        return depth;
-    }
     let mut normal = [[0.0; LANES]; 3];
     let mut offset = [0.0; LANES];
-    for lane in 0..LANES {
-        if triangles[lane] != NO_TRIANGLE {
-            let plane = &planes[triangles[lane] as usize];
-            for axis in 0..3 {
-                normal[axis][lane] = plane.normal[axis];
+    let first = triangles[0];
+    if triangles.iter().all(|&k| k == first) {
+        // Most packets hit one triangle: its plane is read once.
+        if first != NO_TRIANGLE {
+            let plane = planes[first as usize];
+            normal = plane.normal.map(|x| [x; LANES]);
+            offset = [plane.offset; LANES];
+        }
+    } else {
+        for lane in 0..LANES {
+            if triangles[lane] != NO_TRIANGLE {
+                let plane = &planes[triangles[lane] as usize];
+                for axis in 0..3 {
+                    normal[axis][lane] = plane.normal[axis];
+                }
+                offset[lane] = plane.offset;
             }
-            offset[lane] = plane.offset;
         }
     }
+    let mut depth = [0.0; LANES];
     for lane in 0..LANES {
-        let plane = Plane { normal: [normal[0][lane], normal[1][lane], normal[2][lane]], offset: offset[lane] };
-        // A lane without hit has a zero plane and an infinite `far`: both give +infinity.
-        depth[lane] = refine(&plane, rays, lane, packet.rays.far[lane]);
+        let [x, y, z] = [normal[0][lane], normal[1][lane], normal[2][lane]];
+        let towards = x * rays.direction_x[lane] + y * rays.direction_y[lane] - z;
+        let away = offset[lane] - (x * rays.origin_x[lane] + y * rays.origin_y[lane]);
+        let exact = away / towards;
+        // Infinite without a hit; the comparison fails for it, and for a plane that gives NaN.
+        let found = f64::from(packet.rays.far[lane]);
+        depth[lane] = if (exact - found).abs() <= LARGEST_CORRECTION * found { exact } else { found };
     }
-    depth
-}
-
-#[inline(always)]
-fn refine(plane: &Plane, rays: &ExactRays, lane: usize, found: f32) -> f64 {
-    let [x, y, z] = plane.normal;
-    let towards = x * rays.direction_x[lane] + y * rays.direction_y[lane] - z;
-    let away = plane.offset - (x * rays.origin_x[lane] + y * rays.origin_y[lane]);
-    let exact = away / towards;
-    let found = f64::from(found);
-    // Written so that NaN and infinity fail the comparison.
-    if (exact - found).abs() <= LARGEST_CORRECTION * found { exact } else { found }
+    Refined { depth, normal }
 }

@@ -141,6 +141,11 @@ impl Renderer {
         self.pool.current_num_threads()
     }
 
+    #[cfg(feature = "bench")]
+    pub(crate) fn engine(&self) -> &dyn Engine {
+        &*self.engine
+    }
+
     /// Runs `work` on this renderer's threads.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         self.pool.install(work)

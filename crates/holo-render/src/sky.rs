@@ -4,8 +4,9 @@
 //! pixel these rays run all over the place; but the pixels of one tile start close together, so they are collected,
 //! ordered by direction and traced in packets of neighbouring directions. The order changes nothing in the result.
 
-use crate::accel::{Engine, LANES, Lanes, Rays};
+use crate::accel::{Coherence, Engine, LANES, Lanes, Rays};
 use crate::sampling;
+use crate::surface::Surfaces;
 
 /// Directions are ordered by their cell in a square octahedral map of this many cells a side.
 const CELLS: usize = 64;
@@ -13,31 +14,62 @@ const CELLS: usize = 64;
 /// Sky rays of one tile, one per pixel at most.
 #[derive(Default)]
 pub(crate) struct SkyRays {
-    origins: Vec<[f32; 3]>,
-    directions: Vec<[f32; 3]>,
-    /// What the pixel gains if the sky is seen.
-    gains: Vec<[f32; 3]>,
-    /// Which pixel of the tile.
-    pixels: Vec<u32>,
+    rays: Vec<SkyRay>,
+    cells: Vec<u32>,
     order: Vec<u32>,
+    starts: Vec<u32>,
+}
+
+/// A ray towards the sky and what the pixel gains if it gets there.
+#[derive(Clone, Copy)]
+struct SkyRay {
+    origin: [f32; 3],
+    direction: [f32; 3],
+    gain: [f32; 3],
+    /// Which pixel of the tile.
+    pixel: u32,
 }
 
 impl SkyRays {
-    /// Asks for the sky over a surface point, with the random numbers `u` and `v`.
+    /// Asks for the sky over the surfaces of the valid lanes; the pixel of lane k is `first_pixel` + k.
     #[inline(always)]
-    pub fn push(&mut self, pixel: u32, origin: [f32; 3], normals: [[f32; 3]; 2], gain: [f32; 3], [u, v]: [f32; 2]) {
-        let [geometric, shading] = normals;
-        let local = sampling::cosine_hemisphere(u, v);
-        let [x, y] = sampling::frame(shading);
-        let direction: [f32; 3] = std::array::from_fn(|k| x[k] * local[0] + y[k] * local[1] + shading[k] * local[2]);
-        // Under the triangle itself there is no sky, whatever the interpolated normal says.
-        if crate::light::dot(direction, geometric) <= 0.0 {
-            return;
+    pub fn push(
+        &mut self,
+        first_pixel: u32,
+        surfaces: &Surfaces,
+        valid: &Lanes<i32>,
+        sky: [f32; 3],
+        numbers: &sampling::Points,
+    ) {
+        let local = sampling::cosine_hemisphere(numbers);
+        let (geometric, shading) = (&surfaces.geometric_normal, &surfaces.shading_normal);
+        let mut direction = [[0.0; LANES]; 3];
+        let mut cosine = [0.0; LANES];
+        for lane in 0..LANES {
+            let normal = [shading[0][lane], shading[1][lane], shading[2][lane]];
+            let [x, y] = sampling::frame(normal);
+            for axis in 0..3 {
+                let d = x[axis] * local[0][lane] + y[axis] * local[1][lane] + normal[axis] * local[2][lane];
+                direction[axis][lane] = d;
+                cosine[lane] += d * geometric[axis][lane];
+            }
         }
-        self.origins.push(origin);
-        self.directions.push(direction);
-        self.gains.push(gain);
-        self.pixels.push(pixel);
+        let mut cells = [0; LANES];
+        for lane in 0..LANES {
+            cells[lane] = cell([direction[0][lane], direction[1][lane], direction[2][lane]]);
+        }
+        for lane in 0..LANES {
+            // Under the triangle itself there is no sky, whatever the interpolated normal says.
+            if surfaces.hit[lane] && valid.0[lane] != 0 && cosine[lane] > 0.0 {
+                self.rays.push(SkyRay {
+                    origin: [0, 1, 2].map(|axis| surfaces.start[axis][lane]),
+                    direction: [0, 1, 2].map(|axis| direction[axis][lane]),
+                    gain: [0, 1, 2].map(|c| surfaces.albedo[c][lane] * sky[c]),
+                    pixel: first_pixel + lane as u32,
+                });
+                self.cells.push(cells[lane]);
+            }
+        }
     }
 
     /// Traces what was collected, adds the gains of the pixels that see the sky, and forgets the rays.
@@ -45,49 +77,51 @@ impl SkyRays {
     #[inline(always)]
     pub fn flush(&mut self, engine: &dyn Engine, mut add: impl FnMut(u32, [f32; 3])) -> u64 {
         self.sort_by_direction();
-        let mut rays = Rays::EMPTY;
+        let coherence = if std::env::var_os("INCOH").is_some() { Coherence::Incoherent } else { Coherence::Coherent };
+        let mut packet = Rays::EMPTY;
         for chunk in self.order.chunks(LANES) {
             let mut valid = Lanes([0; LANES]);
             for (lane, &k) in chunk.iter().enumerate() {
-                let k = k as usize;
+                let ray = &self.rays[k as usize];
                 for axis in 0..3 {
-                    rays.origin[axis][lane] = self.origins[k][axis];
-                    rays.direction[axis][lane] = self.directions[k][axis];
+                    packet.origin[axis][lane] = ray.origin[axis];
+                    packet.direction[axis][lane] = ray.direction[axis];
                 }
                 valid.0[lane] = -1;
             }
-            rays.near = [0.0; LANES];
-            rays.far = [f32::INFINITY; LANES];
-            engine.occluded(&valid, &mut rays);
+            packet.near = [0.0; LANES];
+            packet.far = [f32::INFINITY; LANES];
+            engine.occluded(&valid, &mut packet, coherence);
             for (lane, &k) in chunk.iter().enumerate() {
-                if rays.far[lane] > 0.0 {
-                    add(self.pixels[k as usize], self.gains[k as usize]);
+                if packet.far[lane] > 0.0 {
+                    let ray = &self.rays[k as usize];
+                    add(ray.pixel, ray.gain);
                 }
             }
         }
-        let count = self.pixels.len() as u64;
-        self.origins.clear();
-        self.directions.clear();
-        self.gains.clear();
-        self.pixels.clear();
+        let count = self.rays.len() as u64;
+        self.rays.clear();
+        self.cells.clear();
         count
     }
 
     /// A counting sort: stable, and linear in the number of rays.
     #[inline(always)]
     fn sort_by_direction(&mut self) {
-        let mut starts = vec![0u32; CELLS * CELLS + 1];
-        let cells: Vec<u32> = self.directions.iter().map(|&d| cell(d)).collect();
-        for &c in &cells {
-            starts[c as usize + 1] += 1;
+        self.starts.clear();
+        self.starts.resize(CELLS * CELLS + 1, 0);
+        for &c in &self.cells {
+            self.starts[c as usize + 1] += 1;
         }
-        for k in 1..starts.len() {
-            starts[k] += starts[k - 1];
+        let mut sum = 0;
+        for start in &mut self.starts {
+            sum += *start;
+            *start = sum;
         }
         self.order.clear();
-        self.order.resize(cells.len(), 0);
-        for (k, &c) in cells.iter().enumerate() {
-            let place = &mut starts[c as usize];
+        self.order.resize(self.cells.len(), 0);
+        for (k, &c) in self.cells.iter().enumerate() {
+            let place = &mut self.starts[c as usize];
             self.order[*place as usize] = k as u32;
             *place += 1;
         }
@@ -120,17 +154,25 @@ mod tests {
     #[test]
     fn the_order_is_a_permutation_of_neighbours() {
         let mut rays = SkyRays::default();
-        for index in 0..4096 {
-            let [a, b, u, v] = sampling::sample(1, index);
-            let normal = sampling::cosine_hemisphere(a, b);
-            rays.push(index, [0.0; 3], [normal, normal], [1.0; 3], [u, v]);
+        let up = [[0.0; LANES], [0.6; LANES], [0.8; LANES]];
+        let surfaces = Surfaces {
+            hit: [true; LANES],
+            start: [[0.0; LANES]; 3],
+            geometric_normal: up,
+            shading_normal: up,
+            albedo: [[1.0; LANES]; 3],
+        };
+        for index in 0..256 {
+            let numbers =
+                sampling::points(&std::array::from_fn(|lane| index * 16 + lane as u32), 0, sampling::Purpose::Sky);
+            rays.push(index * 16, &surfaces, &Lanes([-1; LANES]), [1.0; 3], &numbers);
         }
         rays.sort_by_direction();
         let mut sorted = rays.order.clone();
         sorted.sort_unstable();
         assert!(sorted.iter().enumerate().all(|(k, &o)| o == k as u32), "every ray once");
         let step = |order: &[u32]| {
-            let d = |k: u32| rays.directions[k as usize];
+            let d = |k: u32| rays.rays[k as usize].direction;
             order.windows(2).map(|w| 1.0 - crate::light::dot(d(w[0]), d(w[1]))).sum::<f32>() / order.len() as f32
         };
         let unsorted: Vec<u32> = (0..rays.order.len() as u32).collect();

@@ -1,9 +1,9 @@
 //! What the integrators need to know where a packet's rays hit: position, normals, albedo.
 
 use crate::accel::{LANES, NO_TRIANGLE, RayHits};
-use crate::geometry::Geometry;
-use crate::light::dot;
+use crate::geometry::{Geometry, Part};
 use crate::primary::ExactRays;
+use crate::refine::Refined;
 use crate::scene::{Material, Texture};
 use crate::srgb;
 use crate::texture;
@@ -15,18 +15,17 @@ pub(crate) struct Appearance {
     srgb: &'static [f32; 256],
 }
 
-/// Sixteen surface points in camera coordinates. Lanes without a hit hold zeros.
+/// Sixteen surface points in camera coordinates. What lanes without a hit hold means nothing.
 pub(crate) struct Surfaces {
     pub hit: [bool; LANES],
-    pub position: [[f32; LANES]; 3],
+    /// Where secondary rays start: the hit, moved off the surface so that they do not meet it again.
+    pub start: [[f32; LANES]; 3],
     /// Unit normal of the triangle on the side that the ray came from.
     pub geometric_normal: [[f32; LANES]; 3],
     /// Interpolated unit normal, turned to the same side together with the geometric one.
     pub shading_normal: [[f32; LANES]; 3],
     /// Lambertian reflectance, linear RGB.
     pub albedo: [[f32; LANES]; 3],
-    /// How far a secondary ray must start off the surface so as not to meet it again, m.
-    pub offset: [f32; LANES],
 }
 
 /// An f32 position is off by at most 2^-24 of the largest coordinate involved; a few such errors add up between the
@@ -38,101 +37,167 @@ impl Appearance {
         Self { materials: materials.to_vec(), textures: textures.to_vec(), srgb: srgb::decoding_table() }
     }
 
-    /// The surfaces that `packet` hit; `depth` is refined.
+    /// The surfaces that `packet` hit, or `None` if it hit nothing.
     #[inline(always)]
-    pub fn surfaces(&self, geometry: &Geometry, packet: &RayHits, rays: &ExactRays, depth: &[f64; LANES]) -> Surfaces {
+    pub fn surfaces(
+        &self,
+        geometry: &Geometry,
+        packet: &RayHits,
+        rays: &ExactRays,
+        refined: &Refined,
+    ) -> Option<Surfaces> {
+        let triangles = &packet.hits.triangle;
+        let some = *triangles.iter().find(|&&k| k != NO_TRIANGLE)?;
         let zero = [[0.0; LANES]; 3];
         let mut out = Surfaces {
-            hit: [false; LANES],
-            position: zero,
+            hit: triangles.map(|k| k != NO_TRIANGLE),
+            start: zero,
             geometric_normal: zero,
             shading_normal: zero,
             albedo: zero,
-            offset: [0.0; LANES],
         };
+        // Lanes without a hit look at a triangle of another lane: loops without branches, results that nobody reads.
+        let group = Group { triangles: triangles.map(|k| if k == NO_TRIANGLE { some } else { k } as usize), packet };
+        let mut position = zero;
         for lane in 0..LANES {
-            let z = if depth[lane].is_finite() { depth[lane] } else { 0.0 };
-            out.position[0][lane] = (rays.origin_x[lane] + z * rays.direction_x[lane]) as f32;
-            out.position[1][lane] = (rays.origin_y[lane] + z * rays.direction_y[lane]) as f32;
-            out.position[2][lane] = -z as f32;
+            let z = refined.depth[lane];
+            position[0][lane] = (rays.origin_x[lane] + z * rays.direction_x[lane]) as f32;
+            position[1][lane] = (rays.origin_y[lane] + z * rays.direction_y[lane]) as f32;
+            position[2][lane] = -z as f32;
+        }
+        let mut side = [0.0; LANES];
+        for lane in 0..LANES {
+            let [x, y, z] = [refined.normal[0][lane], refined.normal[1][lane], refined.normal[2][lane]];
+            // In f64, where the square of no normal of a sensible triangle leaves the range.
+            let inverse = 1.0 / (x * x + y * y + z * z).sqrt();
+            let towards = x * rays.direction_x[lane] + y * rays.direction_y[lane] - z;
+            side[lane] = if towards > 0.0 { -1.0 } else { 1.0 };
+            let unit = if inverse.is_finite() { f64::from(side[lane]) * inverse } else { 0.0 };
+            out.geometric_normal[0][lane] = (x * unit) as f32;
+            out.geometric_normal[1][lane] = (y * unit) as f32;
+            out.geometric_normal[2][lane] = (z * unit) as f32;
+        }
+
+        // Neighbouring rays mostly hit one mesh; what its triangles have in common is looked up once.
+        let parts = group.triangles.map(|k| geometry.part_index(k));
+        let mut extent = [0.0; LANES];
+        let mut done = [false; LANES];
+        while let Some(first) = done.iter().position(|&d| !d) {
+            let part = geometry.part(parts[first]);
+            let here: [bool; LANES] = std::array::from_fn(|lane| parts[lane] == parts[first]);
+            let albedo = self.albedo(geometry, part, &group.only(&here, first));
+            let normal = if part.smooth {
+                smooth_normals(geometry, &group.only(&here, first), &side, &out.geometric_normal)
+            } else {
+                out.geometric_normal
+            };
+            for lane in 0..LANES {
+                if here[lane] {
+                    for axis in 0..3 {
+                        out.albedo[axis][lane] = albedo[axis][lane];
+                        out.shading_normal[axis][lane] = normal[axis][lane];
+                    }
+                    extent[lane] = part.extent;
+                }
+                done[lane] |= here[lane];
+            }
         }
         for lane in 0..LANES {
-            let triangle = packet.hits.triangle[lane];
-            if triangle == NO_TRIANGLE {
-                continue;
-            }
-            let triangle = triangle as usize;
-            out.hit[lane] = true;
-            let part = geometry.part(triangle);
-            let [_, v, w] = weights(packet, lane);
-            let material = &self.materials[part.material as usize];
-            let mut albedo = [material.base_color[0], material.base_color[1], material.base_color[2]];
-            if let Some(used) = material.base_color_texture {
-                let coordinates =
-                    if part.textured { mix(geometry.texture_coordinates_of(triangle), v, w) } else { [0.0; 2] };
-                let color = texture::sample(&self.textures[used.texture], self.srgb, coordinates);
-                albedo = std::array::from_fn(|c| albedo[c] * color[c]);
-            }
-            if part.colored {
-                let color = mix(geometry.colors_of(triangle), v, w);
-                albedo = std::array::from_fn(|c| albedo[c] * color[c]);
-            }
-            let normal = geometry.planes()[triangle].normal;
-            let geometric = unit(normal.map(|x| x as f32)).unwrap_or_else(|| {
-                // Below the range of f32: normalise in f64.
-                glam::DVec3::from(normal).normalize_or_zero().as_vec3().to_array()
-            });
-            let shading = if part.smooth {
-                unit(mix(geometry.normals_of(triangle), v, w)).unwrap_or(geometric)
-            } else {
-                geometric
-            };
-            let direction = packet.rays.direction.map(|axis| axis[lane]);
-            let side = if dot(geometric, direction) > 0.0 { -1.0 } else { 1.0 };
-            let largest = (0..3).fold(part.extent, |m, axis| m.max(out.position[axis][lane].abs()));
-            out.offset[lane] = largest * OFFSET_PER_COORDINATE;
+            let [x, y, z] = [position[0][lane], position[1][lane], position[2][lane]];
+            let offset = extent[lane].max(x.abs()).max(y.abs()).max(z.abs()) * OFFSET_PER_COORDINATE;
             for axis in 0..3 {
-                out.geometric_normal[axis][lane] = geometric[axis] * side;
-                out.shading_normal[axis][lane] = shading[axis] * side;
-                out.albedo[axis][lane] = albedo[axis];
+                out.start[axis][lane] = position[axis][lane] + out.geometric_normal[axis][lane] * offset;
+            }
+        }
+        Some(out)
+    }
+
+    /// Base colour of triangles of one part: factor, texture, vertex colours.
+    #[inline(always)]
+    fn albedo(&self, geometry: &Geometry, part: &Part, group: &Group) -> [[f32; LANES]; 3] {
+        let material = &self.materials[part.material as usize];
+        let [r, g, b, _] = material.base_color;
+        let mut albedo = [[r; LANES], [g; LANES], [b; LANES]];
+        if let Some(used) = material.base_color_texture {
+            let texture = &self.textures[used.texture];
+            let coordinates = if part.textured {
+                group.mix(|triangle| geometry.texture_coordinates_of(triangle))
+            } else {
+                [[0.0; LANES]; 2]
+            };
+            for lane in 0..LANES {
+                let color = texture::sample(texture, self.srgb, [coordinates[0][lane], coordinates[1][lane]]);
+                for c in 0..3 {
+                    albedo[c][lane] *= color[c];
+                }
+            }
+        }
+        if part.colored {
+            let colors = group.mix(|triangle| geometry.colors_of(triangle));
+            for c in 0..3 {
+                for lane in 0..LANES {
+                    albedo[c][lane] *= colors[c][lane];
+                }
+            }
+        }
+        albedo
+    }
+}
+
+/// Interpolated normals at unit length on the side of the ray; the geometric ones where they cancel out.
+#[inline(always)]
+fn smooth_normals(
+    geometry: &Geometry,
+    group: &Group,
+    side: &[f32; LANES],
+    geometric: &[[f32; LANES]; 3],
+) -> [[f32; LANES]; 3] {
+    let mut normal = group.mix(|triangle| geometry.normals_of(triangle));
+    for lane in 0..LANES {
+        let [x, y, z] = [normal[0][lane], normal[1][lane], normal[2][lane]];
+        let squared = x * x + y * y + z * z;
+        let unit = side[lane] / squared.sqrt();
+        for axis in 0..3 {
+            normal[axis][lane] = if squared > 1e-12 { normal[axis][lane] * unit } else { geometric[axis][lane] };
+        }
+    }
+    normal
+}
+
+/// The triangles of sixteen lanes and where on them the rays hit.
+struct Group<'a> {
+    triangles: [usize; LANES],
+    packet: &'a RayHits,
+}
+
+impl Group<'_> {
+    /// The same with every other lane looking at the triangle of lane `first`.
+    #[inline(always)]
+    fn only(&self, here: &[bool; LANES], first: usize) -> Self {
+        let some = self.triangles[first];
+        let triangles = std::array::from_fn(|lane| if here[lane] { self.triangles[lane] } else { some });
+        Self { triangles, packet: self.packet }
+    }
+
+    /// A value of the three corners of every lane's triangle, weighted by where the ray hit.
+    #[inline(always)]
+    fn mix<const N: usize>(&self, corners: impl Fn(usize) -> [[f32; N]; 3]) -> [[f32; LANES]; N] {
+        let mut values = [[[0.0; LANES]; 3]; N];
+        for lane in 0..LANES {
+            let read = corners(self.triangles[lane]);
+            for corner in 0..3 {
+                for k in 0..N {
+                    values[k][corner][lane] = read[corner][k];
+                }
+            }
+        }
+        let mut out = [[0.0; LANES]; N];
+        for k in 0..N {
+            for lane in 0..LANES {
+                let (v, w) = (self.packet.hits.u[lane], self.packet.hits.v[lane]);
+                out[k][lane] = values[k][0][lane] * (1.0 - v - w) + values[k][1][lane] * v + values[k][2][lane] * w;
             }
         }
         out
     }
-}
-
-impl Surfaces {
-    /// One lane of a vector field.
-    #[inline(always)]
-    pub fn at(field: &[[f32; LANES]; 3], lane: usize) -> [f32; 3] {
-        [field[0][lane], field[1][lane], field[2][lane]]
-    }
-
-    /// Where a secondary ray of this lane starts.
-    #[inline(always)]
-    pub fn start(&self, lane: usize) -> [f32; 3] {
-        std::array::from_fn(|k| self.position[k][lane] + self.geometric_normal[k][lane] * self.offset[lane])
-    }
-}
-
-#[inline(always)]
-fn weights(packet: &RayHits, lane: usize) -> [f32; 3] {
-    let (v, w) = (packet.hits.u[lane], packet.hits.v[lane]);
-    [1.0 - v - w, v, w]
-}
-
-/// The value between three corners; the second and third have the weights `v` and `w`.
-#[inline(always)]
-fn mix<const N: usize>([a, b, c]: [[f32; N]; 3], v: f32, w: f32) -> [f32; N] {
-    std::array::from_fn(|k| a[k] * (1.0 - v - w) + b[k] * v + c[k] * w)
-}
-
-/// `v` at unit length, or `None` where its square is too small or too large for f32.
-#[inline(always)]
-fn unit(v: [f32; 3]) -> Option<[f32; 3]> {
-    let squared = dot(v, v);
-    (squared > 1e-30 && squared < 1e30).then(|| {
-        let inverse = 1.0 / squared.sqrt();
-        v.map(|x| x * inverse)
-    })
 }

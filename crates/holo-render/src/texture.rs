@@ -6,7 +6,7 @@
 use crate::scene::{Texture, Wrap};
 
 /// Linear RGB at texture coordinates (0, 0) = upper left corner of the image.
-#[inline]
+#[inline(always)]
 pub(crate) fn sample(texture: &Texture, table: &[f32; 256], [u, v]: [f32; 2]) -> [f32; 3] {
     let (column, fraction_x) = cell(u, texture.width);
     let (row, fraction_y) = cell(v, texture.height);
@@ -23,7 +23,7 @@ pub(crate) fn sample(texture: &Texture, table: &[f32; 256], [u, v]: [f32; 2]) ->
 }
 
 /// The texel left of (above) a coordinate and how far it is towards the next.
-#[inline]
+#[inline(always)]
 fn cell(coordinate: f32, size: usize) -> (i64, f32) {
     let position = coordinate * size as f32 - 0.5;
     let whole = position.floor();
@@ -31,7 +31,7 @@ fn cell(coordinate: f32, size: usize) -> (i64, f32) {
     (whole.clamp(-1e15, 1e15) as i64, if whole.abs() < 1e15 { position - whole } else { 0.0 })
 }
 
-#[inline]
+#[inline(always)]
 fn wrap(index: i64, size: usize, mode: Wrap) -> usize {
     let count = size as i64;
     if (0..count).contains(&index) {

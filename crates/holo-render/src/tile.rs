@@ -33,14 +33,15 @@ pub(crate) struct Tile {
 impl Tiling {
     pub fn new(counts: [usize; 4]) -> Self {
         let shape = PacketShape::fitting(counts);
+        let along = shape.size;
         let round_up = |count: usize, step: usize| count.div_ceil(step) * step;
         let [v, u, t, s] = counts;
-        let along_t = if t * s <= 2 * PIXELS { round_up(t, shape.t) } else { round_up((PIXELS / s).max(1), shape.t) };
+        let along_t = if t * s <= 2 * PIXELS { round_up(t, along[2]) } else { round_up((PIXELS / s).max(1), along[2]) };
         let lenses = (PIXELS / (along_t.min(t) * s)).max(1);
-        let along_v = round_up((lenses as f64).sqrt() as usize, shape.v).clamp(1, round_up(v, shape.v));
+        let along_v = round_up((lenses as f64).sqrt() as usize, along[0]).clamp(1, round_up(v, along[0]));
         // Wide tiles: memory runs along lens columns.
-        let along_v = if shape.v == 1 { 1 } else { along_v };
-        let along_u = round_up((lenses / along_v).max(1), shape.u).clamp(1, round_up(u, shape.u));
+        let along_v = if along[0] == 1 { 1 } else { along_v };
+        let along_u = round_up((lenses / along_v).max(1), along[1]).clamp(1, round_up(u, along[1]));
         Self { counts, shape, size: [along_v, along_u, along_t], first_view: [0, 0] }
     }
 
@@ -90,9 +91,9 @@ impl Tiling {
 
 impl Tile {
     /// Packets along each axis.
+    #[inline(always)]
     fn packet_grid(&self) -> [usize; 4] {
-        let shape = [self.shape.v, self.shape.u, self.shape.t, self.shape.s];
-        std::array::from_fn(|axis| self.extent[axis].div_ceil(shape[axis]))
+        std::array::from_fn(|axis| self.extent[axis].div_ceil(self.shape.size[axis]))
     }
 
     pub fn packet_count(&self) -> usize {
@@ -102,25 +103,19 @@ impl Tile {
     /// The pixels of packet `index`. Lanes outside the tile repeat a pixel inside and are not valid.
     #[inline(always)]
     pub fn pixels(&self, index: usize) -> Pixels {
+        let mut pixels = Pixels { place: [[0; LANES]; 4], valid: Lanes([-1; LANES]) };
         let grid = self.packet_grid();
-        let (rest, s) = (index / grid[3], index % grid[3]);
-        let (rest, t) = (rest / grid[2], rest % grid[2]);
-        let (v, u) = (rest / grid[1], rest % grid[1]);
-        let first = [v * self.shape.v, u * self.shape.u, t * self.shape.t, s * self.shape.s];
-        let mut pixels =
-            Pixels { v: [0; LANES], u: [0; LANES], t: [0; LANES], s: [0; LANES], valid: Lanes([-1; LANES]) };
-        for lane in 0..LANES {
-            let offset = self.shape.offset(lane);
-            let mut place = [0; 4];
-            for axis in 0..4 {
-                let wanted = first[axis] + offset[axis];
-                let inside = wanted.min(self.extent[axis] - 1);
-                if inside != wanted {
-                    pixels.valid.0[lane] = 0;
-                }
-                place[axis] = (self.start[axis] + inside) as u32;
+        let mut rest = index;
+        for axis in (0..4).rev() {
+            let first = (rest % grid[axis] * self.shape.size[axis]) as u32;
+            rest /= grid[axis];
+            let (start, last) = (self.start[axis] as u32, self.extent[axis] as u32 - 1);
+            for lane in 0..LANES {
+                let wanted = first + self.shape.offsets[axis][lane];
+                let inside = wanted.min(last);
+                pixels.place[axis][lane] = start + inside;
+                pixels.valid.0[lane] &= -i32::from(wanted == inside);
             }
-            [pixels.v[lane], pixels.u[lane], pixels.t[lane], pixels.s[lane]] = place;
         }
         pixels
     }
@@ -129,13 +124,13 @@ impl Tile {
     #[inline(always)]
     pub fn scatter<const C: usize>(&self, packets: &[[[f32; LANES]; C]], scale: f32, field: &mut ArrayViewMut5<f32>) {
         let grid = self.packet_grid();
-        let shape = self.shape;
+        let [size_v, size_u, size_t, size_s] = self.shape.size;
         for (v, mut rows) in field.outer_iter_mut().enumerate() {
             for (u, mut elemental) in rows.outer_iter_mut().enumerate() {
                 for (t, mut row) in elemental.outer_iter_mut().enumerate() {
-                    let first = ((v / shape.v * grid[1] + u / shape.u) * grid[2] + t / shape.t) * grid[3];
-                    let lane = ((v % shape.v * shape.u + u % shape.u) * shape.t + t % shape.t) * shape.s;
-                    let put = |s: usize, c: usize| packets[first + s / shape.s][c][lane + s % shape.s] * scale;
+                    let first = ((v / size_v * grid[1] + u / size_u) * grid[2] + t / size_t) * grid[3];
+                    let lane = ((v % size_v * size_u + u % size_u) * size_t + t % size_t) * size_s;
+                    let put = |s: usize, c: usize| packets[first + s / size_s][c][lane + s % size_s] * scale;
                     if let Some(row) = row.as_slice_mut() {
                         for (s, pixel) in row.chunks_exact_mut(C).enumerate() {
                             for (c, value) in pixel.iter_mut().enumerate() {
@@ -172,7 +167,7 @@ mod tests {
                 for (k, packet) in buffer.iter_mut().enumerate() {
                     let p = tile.pixels(k);
                     for lane in (0..LANES).filter(|&lane| p.valid.0[lane] != 0) {
-                        let [pv, pu, pt, ps] = [p.v, p.u, p.t, p.s].map(|x| x[lane] as usize);
+                        let [pv, pu, pt, ps] = p.place.map(|axis| axis[lane] as usize);
                         packet[0][lane] = (((pv * u + pu) * t + pt) * s + ps) as f32;
                         valid += 1;
                     }

@@ -27,7 +27,7 @@ pub fn run(arguments: &[String]) -> Result {
                 .env("RUSTFLAGS", flags)
                 .env("CARGO_TARGET_DIR", &target)
                 .args(["run", "--quiet", "--release", "-p", "holo-fuzz", "--features", "libfuzzer", "--bin"])
-                .arg(format!("fuzz_{name}"))
+                .arg(name)
                 .arg("--")
                 .arg(format!("-max_total_time={seconds}"))
                 .args(["-rss_limit_mb=4096", "-timeout=20", "-print_final_stats=1"])

@@ -7,12 +7,14 @@
 //! test     setup + every test
 //! embree   fetch Embree 4 alone
 //! fuzz     build every fuzz target and run each for some seconds
+//! package  build each library from its package alone
 //! bench    setup + the benchmarks
 //! ```
 
 mod demo;
 mod embree;
 mod fuzz;
+mod package;
 mod process;
 mod test;
 
@@ -29,10 +31,11 @@ fn main() -> ExitCode {
         Some("test") => setup().and_then(|()| test::run(rest)),
         Some("embree") => embree::fetch(),
         Some("fuzz") => fuzz::run(rest),
+        Some("package") => package::run(),
         Some("bench") => {
             setup().and_then(|()| process::cargo(&[&["bench", "-p", "holo-bench"], strs(rest).as_slice()].concat()))
         }
-        _ => Err("usage: cargo xtask setup | build | demo | test | embree | fuzz [SECONDS] | bench".into()),
+        _ => Err("usage: cargo xtask setup | build | demo | test | embree | fuzz [SECONDS] | package | bench".into()),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

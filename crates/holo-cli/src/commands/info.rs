@@ -57,10 +57,7 @@ fn scene(options: &InfoOptions) -> Result<(), Failure> {
 
 fn png(path: &Path) -> Result<(), Failure> {
     let info = holo_io::read_png_info(path)?;
-    println!(
-        "PNG, {} x {} px, {} channels of {} bits",
-        info.size.columns, info.size.rows, info.channels, info.bits
-    );
+    println!("PNG, {} x {} px, {} channels of {} bits", info.size.columns, info.size.rows, info.channels, info.bits);
     match Layout::of_file_name(path) {
         Some(Layout::Elemental) => println!("by its name: a grid of elemental images"),
         Some(Layout::Viewpoint) => println!("by its name: a grid of views"),

@@ -63,7 +63,7 @@ fn transpose<T: Copy>(source: &[T], destination: &mut [T], [rows, columns, chann
     match channels {
         1 => transpose_pixels(source, destination, rows, columns, block),
         2 => transpose_pixels(source.as_chunks::<2>().0, destination.as_chunks_mut::<2>().0, rows, columns, block),
-        3 => transpose_pixels(source.as_chunks::<3>().0, destination.as_chunks_mut::<3>().0, rows, columns, block),
+        3 => transpose_triples(source, destination, rows, columns, block),
         4 => transpose_pixels(source.as_chunks::<4>().0, destination.as_chunks_mut::<4>().0, rows, columns, block),
         _ => {
             for (column, line) in destination.chunks_exact_mut(rows * channels).enumerate() {
@@ -98,6 +98,37 @@ fn transpose_pixels<P: Copy>(source: &[P], destination: &mut [P], rows: usize, c
         for row in row..rows {
             for (line, pixel) in destination.chunks_exact_mut(rows).zip(lane(row)) {
                 line[row] = *pixel;
+            }
+        }
+    }
+}
+
+/// The transposition for three samples a pixel, the usual case.
+///
+/// Three bytes take two loads and two stores. Four take one each, so every pixel is moved together with the sample behind it, and the next
+/// pixel to be written puts right what that spoils. The last pixel of a line has no next one: it is moved alone, afterwards.
+fn transpose_triples<T: Copy>(source: &[T], destination: &mut [T], rows: usize, columns: usize, block: usize) {
+    for (index, destination) in destination.chunks_mut(block * rows * 3).enumerate() {
+        let first = index * block;
+        let count = destination.len() / (rows * 3);
+        let mut row = 0;
+        // Strictly less: the last row is not among these, so there always is a sample behind.
+        while row + LANES < rows {
+            let lane = |row: usize| source[(row * columns + first) * 3..][..count * 3 + 1].windows(4).step_by(3);
+            let lanes = lane(row).zip(lane(row + 1)).zip(lane(row + 2)).zip(lane(row + 3));
+            for (line, (((a, b), c), d)) in destination.chunks_exact_mut(rows * 3).zip(lanes) {
+                let line = &mut line[row * 3..][..LANES * 3 + 1];
+                line[0..4].copy_from_slice(a);
+                line[3..7].copy_from_slice(b);
+                line[6..10].copy_from_slice(c);
+                line[9..13].copy_from_slice(d);
+            }
+            row += LANES;
+        }
+        for row in row..rows {
+            let lane = &source[(row * columns + first) * 3..][..count * 3];
+            for (line, pixel) in destination.chunks_exact_mut(rows * 3).zip(lane.as_chunks::<3>().0) {
+                line[row * 3..][..3].copy_from_slice(pixel);
             }
         }
     }

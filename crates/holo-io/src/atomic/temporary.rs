@@ -54,8 +54,8 @@ impl Temporary {
             }
             match OpenOptions::new().write(true).create_new(true).open(&path) {
                 Ok(file) => {
-                    // The lock tells other processes that this file has a living writer. It falls with the process, however that
-                    // ends. A file system without locks only loses that one sign.
+                    // The lock tells other processes that this file has a living writer. It falls with the process,
+                    // however that ends. A file system without locks only loses that one sign.
                     let _ = file.try_lock();
                     live.paths.insert(path.clone());
                     return Ok((file, Self { path, target: target.to_owned(), renamed: false }));
@@ -90,7 +90,8 @@ fn sync_folder(folder: Option<&Path>) -> io::Result<()> {
     // Only Unix opens folders; elsewhere the rename is as durable as the file system makes it.
     let Some(folder) = folder.filter(|_| cfg!(unix)) else { return Ok(()) };
     match File::open(folder).and_then(|folder| folder.sync_all()) {
-        // A folder that may be written but not read, or a file system that cannot sync folders: the file is in place all the same.
+        // A folder that may be written but not read, or a file system that cannot sync folders: the file is in place
+        // all the same.
         Err(error)
             if matches!(
                 error.kind(),
@@ -105,8 +106,8 @@ fn sync_folder(folder: Option<&Path>) -> io::Result<()> {
 
 /// Removes the temporary files of this process and starts no more; returns how many there were.
 ///
-/// This is the last act of a process that was asked to stop (Ctrl-C): every [`AtomicFile`](crate::AtomicFile) that is still open can no longer be
-/// committed, and creating another is an error from now on.
+/// This is the last act of a process that was asked to stop (Ctrl-C): every [`AtomicFile`](crate::AtomicFile) that is
+/// still open can no longer be committed, and creating another is an error from now on.
 pub fn remove_temporary_files() -> usize {
     let mut live = live();
     live.stopped = true;
@@ -116,9 +117,9 @@ pub fn remove_temporary_files() -> usize {
 
 /// Removes the temporary files that dead processes left in `folder`, and returns their paths.
 ///
-/// A file goes only if its name is one that [`AtomicFile`](crate::AtomicFile) makes, if no living process holds its lock, and if no process of its number
-/// lives on this machine (where the system says so). The lock also protects the files of other machines and containers that share the
-/// folder. Subfolders are not searched.
+/// A file goes only if its name is one that [`AtomicFile`](crate::AtomicFile) makes, if no living process holds its
+/// lock, and if no process of its number lives on this machine (where the system says so). The lock also protects the
+/// files of other machines and containers that share the folder. Subfolders are not searched.
 ///
 /// # Errors
 ///
@@ -161,7 +162,8 @@ fn is_alive(process: u32) -> bool {
     process == std::process::id() || Path::new("/proc").join(process.to_string()).exists()
 }
 
-/// Whether a living process, here or on another machine, holds the file's lock; a file that cannot even be opened is not ours to judge.
+/// Whether a living process, here or on another machine, holds the file's lock; a file that cannot even be opened is
+/// not ours to judge.
 fn is_locked(path: &Path) -> bool {
     // Open for writing, because network file systems grant exclusive locks to nobody else.
     match OpenOptions::new().write(true).open(path) {

@@ -7,7 +7,8 @@ use holo_core::{GridSize, Projection};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{FORMAT, Manifest, ManifestRig, Setting, stays_inside};
+use super::{FORMAT, Manifest, ManifestRig, Setting};
+use crate::dataset::stays_inside;
 use crate::{Error, Sha256, Written};
 
 /// The keys in the order in which they are written.

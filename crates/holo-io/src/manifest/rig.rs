@@ -11,8 +11,8 @@ use crate::{Error, millimetres};
 ///
 /// # Units
 ///
-/// As the names say. Lengths in millimetres are the metres of [`RigParameters`] with the decimal point moved, so 0.035 m is 35.0 mm and not
-/// 35.00000000000001 mm.
+/// As the names say. Lengths in millimetres are the metres of [`RigParameters`] with the decimal point moved, so 0.035
+/// m is 35.0 mm and not 35.00000000000001 mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ManifestRig {
     /// Views, rows T and columns S.

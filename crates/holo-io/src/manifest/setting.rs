@@ -6,7 +6,8 @@ use holo_core::GridSize;
 
 /// The value of a setting, as JSON knows values.
 ///
-/// JSON has no infinity: such a number is written as the text `inf`, `-inf` or `nan`, and these three texts are read as numbers.
+/// JSON has no infinity: such a number is written as the text `inf`, `-inf` or `nan`, and these three texts are read as
+/// numbers.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Setting {

@@ -4,8 +4,8 @@
 ///
 /// # Units
 ///
-/// Blender's world: right-handed with Z up. The rotation is Euler XYZ: first about X, then Y, then Z. A camera without rotation looks along -Z with
-/// +Y up.
+/// Blender's world: right-handed with Z up. The rotation is Euler XYZ: first about X, then Y, then Z. A camera without
+/// rotation looks along -Z with +Y up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraPose {
     /// `center_cam_{x,y,z}_m`.
@@ -17,8 +17,8 @@ pub struct CameraPose {
 impl CameraPose {
     /// Turns the pose of a glTF camera into Blender's: `(x, y, z)` becomes `(x, -z, y)`.
     ///
-    /// `right`, `up` and `back` are the directions of the camera's +X, +Y and +Z axes in the glTF world, of length one and at right angles; `position_m`
-    /// is where it stands. Both worlds let a camera look along its -Z.
+    /// `right`, `up` and `back` are the directions of the camera's +X, +Y and +Z axes in the glTF world, of length one
+    /// and at right angles; `position_m` is where it stands. Both worlds let a camera look along its -Z.
     ///
     /// # Examples
     ///
@@ -41,7 +41,8 @@ impl CameraPose {
         let rotation_rad = if cos_b > 1e-9 {
             [up[2].atan2(back[2]), (-right[2]).atan2(cos_b), right[1].atan2(right[0])]
         } else {
-            // Looking straight along the axis of the second turn, only the sum of the other two is known: all of it goes to X.
+            // Looking straight along the axis of the second turn, only the sum of the other two is known: all of it
+            // goes to X.
             [(-back[1]).atan2(up[1]), (-right[2]).atan2(cos_b), 0.0]
         };
         Self { position_m: turn(position_m), rotation_rad: rotation_rad.map(|angle| angle + 0.0) }

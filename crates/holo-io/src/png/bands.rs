@@ -1,8 +1,8 @@
 //! One zlib stream out of bands of rows that are compressed side by side.
 //!
-//! Every band but the last ends in an empty stored block (deflate's "sync flush"), so it ends on a whole byte and the bands can simply follow one
-//! another. Nothing in a band refers back to an earlier one: that costs a few hundred bytes a band, and makes the result the same for any number
-//! of threads.
+//! Every band but the last ends in an empty stored block (deflate's "sync flush"), so it ends on a whole byte and the
+//! bands can simply follow one another. Nothing in a band refers back to an earlier one: that costs a few hundred bytes
+//! a band, and makes the result the same for any number of threads.
 
 use std::ops::Range;
 
@@ -22,9 +22,9 @@ const ADLER_BASE: u32 = 65_521;
 
 /// The ways to compress a band.
 ///
-/// Rendered images are noisy or they repeat. In noise, deflate's search for repetitions finds only short accidental ones, which cost more bits
-/// than they save; run lengths with a good Huffman code are smaller and three times as fast. Where rows do repeat the search wins tenfold. No
-/// setting suits both, but a sample tells them apart.
+/// Rendered images are noisy or they repeat. In noise, deflate's search for repetitions finds only short accidental
+/// ones, which cost more bits than they save; run lengths with a good Huffman code are smaller and three times as fast.
+/// Where rows do repeat the search wins tenfold. No setting suits both, but a sample tells them apart.
 const CHOICES: [(Strategy, i32); 2] = [(Strategy::Rle, 6), (Strategy::Default, 6)];
 
 /// Compresses `rows` rows of `row_bytes` filtered bytes each and hands the stream to `take` piece by piece.

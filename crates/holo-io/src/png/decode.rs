@@ -18,8 +18,8 @@ const WORKING_BYTES: std::ops::RangeInclusive<u64> = 1 << 20..=256 << 20;
 ///
 /// # Errors
 ///
-/// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not a PNG, is truncated or damaged; [`Error::TooLarge`] if
-/// its samples exceed the limits, before memory is taken for them.
+/// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not a PNG, is truncated or damaged;
+/// [`Error::TooLarge`] if its samples exceed the limits, before memory is taken for them.
 pub fn read_png(path: impl AsRef<Path>, limits: &Limits) -> Result<PngSamples, Error> {
     let path = path.as_ref();
     decode(open(path)?, path, *limits)
@@ -58,6 +58,7 @@ fn start<R: BufRead + Seek>(source: R, path: &Path, limits: Limits) -> Result<(p
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);
     let reader = decoder.read_info().map_err(|error| fault(error, path, limits))?;
+    check_palette(reader.info(), path)?;
     let (colour, depth) = reader.output_color_type();
     let size = reader.info();
     let info = PngInfo {
@@ -66,6 +67,15 @@ fn start<R: BufRead + Seek>(source: R, path: &Path, limits: Limits) -> Result<(p
         bits: if depth == png::BitDepth::Sixteen { 16 } else { 8 },
     };
     Ok((reader, info))
+}
+
+/// Refuses palettes that are not 1 to 256 whole triples: `png` 0.18.1 panics on a part of one (image-png issue 694).
+fn check_palette(info: &png::Info<'_>, path: &Path) -> Result<(), Error> {
+    let bytes = info.palette.as_ref().map_or(0, |palette| palette.len());
+    if info.color_type == png::ColorType::Indexed && (!bytes.is_multiple_of(3) || !(3..=768).contains(&bytes)) {
+        return Err(Error::broken(path, "PNG", format!("a palette of {bytes} bytes is not 1 to 256 colours")));
+    }
+    Ok(())
 }
 
 fn decode<R: BufRead + Seek>(source: R, path: &Path, limits: Limits) -> Result<PngSamples, Error> {
@@ -103,10 +113,12 @@ fn read_rows<R: BufRead + Seek>(
         let mut image = limits.room(path, "image", bytes)?;
         image.resize(bytes, 0);
         let frame = reader.next_frame(&mut image).map_err(failed)?;
-        // Only the first frame of an animation could be smaller than the image; what is missing is noticed by its length.
+        // Only the first frame of an animation could be smaller than the image; what is missing is noticed by its
+        // length.
         take(&image[..frame.buffer_size().min(bytes)]);
     } else {
-        // The room was only reserved: pages are touched as data really arrive, so a short file that announces much stays cheap.
+        // The room was only reserved: pages are touched as data really arrive, so a short file that announces much
+        // stays cheap.
         while let Some(row) = reader.next_row().map_err(failed)? {
             take(row.data());
         }

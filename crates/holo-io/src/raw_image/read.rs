@@ -25,8 +25,8 @@ impl RawImage {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if nothing tells the layout; those of [`read_png`] and [`ParametersCfg::read`]; [`Error::Broken`] if the
-    /// image has not the size that the parameters say.
+    /// [`Error::BadInput`] if nothing tells the layout; those of [`read_png`] and [`ParametersCfg::read`];
+    /// [`Error::Broken`] if the image has not the size that the parameters say.
     pub fn read(path: impl AsRef<Path>, layout: Option<Layout>, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
         let layout = layout.or_else(|| Layout::of_file_name(path)).ok_or_else(|| {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Engine, LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
+use super::{Coherence, Engine, LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
 use crate::geometry::Geometry;
 
 /// The engine of tests.
@@ -65,7 +65,7 @@ impl Engine for BruteForce {
         }
     }
 
-    fn occluded(&self, valid: &Lanes<i32>, rays: &mut Rays) {
+    fn occluded(&self, valid: &Lanes<i32>, rays: &mut Rays, _: Coherence) {
         for lane in (0..LANES).filter(|&lane| valid.0[lane] != 0) {
             if self.nearest(rays, lane).is_some() {
                 rays.far[lane] = f32::NEG_INFINITY;

@@ -12,7 +12,7 @@ use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::{Ray, RayHit};
 
 use super::triangle::{ShearedRay, TriangleHit};
-use super::{Engine, LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
+use super::{Coherence, Engine, LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
 use crate::geometry::Geometry;
 
 /// How much boxes grow, over the largest coordinate: 16 roundings of f32.
@@ -84,7 +84,7 @@ impl Engine for Bvh {
         }
     }
 
-    fn occluded(&self, valid: &Lanes<i32>, rays: &mut Rays) {
+    fn occluded(&self, valid: &Lanes<i32>, rays: &mut Rays, _: Coherence) {
         let Some(tree) = &self.tree else { return };
         for lane in (0..LANES).filter(|&lane| valid.0[lane] != 0) {
             let (ray, sheared) = Self::ray(rays, lane);

@@ -18,7 +18,7 @@ use std::sync::{Arc, OnceLock};
 
 use libloading::Library;
 
-use super::{Engine, Lanes, RayHits, Rays};
+use super::{Coherence, Engine, Lanes, RayHits, Rays};
 use crate::error::Error;
 use crate::geometry::Geometry;
 
@@ -36,10 +36,13 @@ struct QueryArguments {
 }
 
 impl QueryArguments {
-    /// Packets here are bundles of neighbouring views or directions: the coherent traversal suits all of them.
-    const fn new() -> Self {
+    const fn new(coherence: Coherence) -> Self {
+        let flags = match coherence {
+            Coherence::Coherent => RAY_QUERY_FLAG_COHERENT,
+            Coherence::Incoherent => 0,
+        };
         let null = ptr::null();
-        Self { flags: RAY_QUERY_FLAG_COHERENT, feature_mask: c_uint::MAX, context: null, filter: null, function: null }
+        Self { flags, feature_mask: c_uint::MAX, context: null, filter: null, function: null }
     }
 }
 
@@ -56,11 +59,11 @@ const BUILD_QUALITY_MEDIUM: c_int = 1;
 
 /// Declares the table of functions and its loader from one list.
 macro_rules! api {
-    ($($name:ident: fn($($argument:ty),*) $(-> $result:ty)?;)*) => {
+    ($($(#[$attribute:meta])* $name:ident: fn($($argument:ty),*) $(-> $result:ty)?;)*) => {
         /// The functions of one loaded library, which stays loaded as long as they are in use.
         #[allow(non_snake_case)] // the names of the C header
         struct Api {
-            $($name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
+            $($(#[$attribute])* $name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
             _library: Library,
         }
 
@@ -70,6 +73,7 @@ macro_rules! api {
                     $(
                         // SAFETY: the signature is that of the public header (see the head of this file), and the
                         // pointer lives no longer than `_library` beside it.
+                        $(#[$attribute])*
                         $name: unsafe { *library.get(concat!(stringify!($name), "\0").as_bytes())? },
                     )*
                     _library: library,
@@ -95,6 +99,8 @@ api! {
     rtcAttachGeometry: fn(Handle, Handle) -> c_uint;
     rtcReleaseGeometry: fn(Handle);
     rtcIntersect16: fn(*const c_int, Handle, *mut c_void, *const QueryArguments);
+    #[cfg(feature = "bench")]
+    rtcIntersect1: fn(Handle, *mut c_void, *const QueryArguments);
     rtcOccluded16: fn(*const c_int, Handle, *mut c_void, *const QueryArguments);
 }
 
@@ -245,7 +251,7 @@ impl Drop for Embree {
 impl Engine for Embree {
     #[inline]
     fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits) {
-        let arguments = QueryArguments::new();
+        let arguments = QueryArguments::new(Coherence::Coherent);
         // SAFETY: the scene is committed; `valid` and `packet` have the size and alignment of Embree's types.
         unsafe {
             let packet: *mut RayHits = packet;
@@ -254,12 +260,38 @@ impl Engine for Embree {
     }
 
     #[inline]
-    fn occluded(&self, valid: &Lanes<i32>, rays: &mut Rays) {
-        let arguments = QueryArguments::new();
+    fn occluded(&self, valid: &Lanes<i32>, rays: &mut Rays, coherence: Coherence) {
+        let arguments = QueryArguments::new(coherence);
         // SAFETY: as in `intersect`, with `RTCRay16`.
         unsafe {
             let rays: *mut Rays = rays;
             (self.api.rtcOccluded16)(valid.0.as_ptr(), self.scene.as_ptr(), rays.cast(), &raw const arguments);
+        }
+    }
+
+    #[cfg(feature = "bench")]
+    fn intersect_singly(&self, valid: &Lanes<i32>, packet: &mut RayHits) {
+        /// `RTCRayHit`: 96 bytes, one word a field.
+        #[repr(C, align(16))]
+        struct One([f32; 24]);
+        let arguments = QueryArguments::new(Coherence::Coherent);
+        for lane in (0..super::LANES).filter(|&lane| valid.0[lane] != 0) {
+            let rays = &packet.rays;
+            let mut one = One([0.0; 24]);
+            for axis in 0..3 {
+                one.0[axis] = rays.origin[axis][lane];
+                one.0[4 + axis] = rays.direction[axis][lane];
+            }
+            one.0[3] = rays.near[lane];
+            one.0[8] = rays.far[lane];
+            one.0[9] = f32::from_bits(u32::MAX);
+            one.0[18] = f32::from_bits(u32::MAX);
+            // SAFETY: as in `intersect`, with `RTCRayHit`.
+            unsafe {
+                (self.api.rtcIntersect1)(self.scene.as_ptr(), (&raw mut one).cast(), &raw const arguments);
+            }
+            packet.rays.far[lane] = one.0[8];
+            packet.hits.triangle[lane] = if one.0[18].to_bits() == u32::MAX { u32::MAX } else { one.0[17].to_bits() };
         }
     }
 
@@ -293,7 +325,7 @@ mod tests {
                 return;
             }
         };
-        {
+        for coherence in [Coherence::Coherent, Coherence::Incoherent] {
             let valid = Lanes([-1; LANES]);
             let mut packet = Fenced { before: [0xA5; 256], inner: RayHits::EMPTY, after: [0x5A; 256] };
             let mut shadow = Fenced { before: [0xA5; 256], inner: Rays::EMPTY, after: [0x5A; 256] };
@@ -302,7 +334,7 @@ mod tests {
             }
             shadow.inner.direction = packet.inner.rays.direction;
             engine.intersect(&valid, &mut packet.inner);
-            engine.occluded(&valid, &mut shadow.inner);
+            engine.occluded(&valid, &mut shadow.inner, coherence);
             assert!(packet.inner.hits.triangle.iter().any(|&k| k != NO_TRIANGLE), "the rays must hit something");
             assert!(shadow.inner.far.contains(&f32::NEG_INFINITY), "the shadow rays must hit something");
             for fences in [[&packet.before, &packet.after], [&shadow.before, &shadow.after]] {

@@ -75,14 +75,15 @@ fn engines_agree_on_random_triangles() {
     for engine in engines(&geometry) {
         let mut state = 99;
         let (mut differ, mut hits) = (0, 0);
-        for _ in 0..500 {
+        for round in 0..500 {
+            let coherence = if round % 2 == 0 { Coherence::Coherent } else { Coherence::Incoherent };
             let rays = random_packet(&mut state);
             let (mut expected, mut got) = (rays, rays);
             oracle.intersect(&valid, &mut expected);
             engine.intersect(&valid, &mut got);
             let (mut dark, mut also_dark) = (rays.rays, rays.rays);
-            oracle.occluded(&valid, &mut dark);
-            engine.occluded(&valid, &mut also_dark);
+            oracle.occluded(&valid, &mut dark, Coherence::Incoherent);
+            engine.occluded(&valid, &mut also_dark, coherence);
             for lane in 0..LANES {
                 if lane == 5 {
                     assert_eq!(got.rays.far[lane], f32::INFINITY, "an invalid lane was touched");
@@ -144,7 +145,7 @@ fn an_empty_scene_is_hit_by_nothing() {
         let mut packet = RayHits::EMPTY;
         engine.intersect(&Lanes([-1; LANES]), &mut packet);
         assert_eq!(packet.hits.triangle, [NO_TRIANGLE; LANES]);
-        engine.occluded(&Lanes([-1; LANES]), &mut packet.rays);
+        engine.occluded(&Lanes([-1; LANES]), &mut packet.rays, Coherence::Coherent);
         assert_eq!(packet.rays.far, [f32::INFINITY; LANES]);
     }
 }

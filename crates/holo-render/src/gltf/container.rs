@@ -36,7 +36,9 @@ pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, Error> {
     let truncated = || bad("glb header", "the file is cut short");
     match word(bytes, 4).ok_or_else(truncated)? {
         2 => {}
-        version => return Err(unsupported("glb header", format!("glTF container version {version} (only 2 is)"))),
+        version => {
+            return Err(unsupported("glb header", format!("glTF container version {version} (convert the file to 2)")));
+        }
     }
     let length = word(bytes, 8).ok_or_else(truncated)? as usize;
     let Some(bytes) = bytes.get(..length) else {
@@ -83,7 +85,7 @@ pub(super) fn parse(json: &[u8]) -> Result<Value, Error> {
     let Some(asset) = root.object("asset")? else { return Err(root.missing("asset")) };
     let Some(version) = asset.string("version")? else { return Err(asset.missing("version")) };
     if version.split('.').next() != Some("2") {
-        return Err(unsupported("asset.version", format!("glTF {} (only 2.x is)", uri::shorten(version))));
+        return Err(unsupported("asset.version", format!("glTF {} (convert the file to 2.0)", uri::shorten(version))));
     }
     match asset.string("minVersion")? {
         Some(least) if least != "2.0" => Err(unsupported("asset.minVersion", format!("glTF {}", uri::shorten(least)))),

@@ -48,7 +48,7 @@ pub(super) fn check(file: &Value, root: &Object<'_>, warnings: &mut Warnings) ->
     };
     let missing = unhandled(&required);
     if !missing.is_empty() {
-        let what = format!("the extension {}, which the file requires: re-export it without,", missing.join(", "));
+        let what = format!("the required extension {} (export the file again without it)", missing.join(", "));
         return Err(unsupported("extensionsRequired", what));
     }
     let (materials, others): (Vec<_>, Vec<_>) =

@@ -128,7 +128,7 @@ fn plan(
     let mut handle = |object: &Object<'_>, key: &str, wanted: Use| -> Result<Option<Handle>, Error> {
         let Some(number) = object.index(key, "accessors", count)? else { return Ok(None) };
         if compressed && !accessors.has_data(number) {
-            return Err(unsupported(primitive.path(), DRACO));
+            return Err(unsupported(primitive.path(), format!("{DRACO} (export the file uncompressed)")));
         }
         accessors.check(number, wanted, &object.at(key)).map(Some)
     };
@@ -202,7 +202,7 @@ impl Plan {
         let Some(indices) = self.indices else {
             return self.assemble(&mut (0..vertices as u32), vertices);
         };
-        let triangles = values.with_indices(indices, |indices| self.assemble(indices, indices_count(self)))??;
+        let triangles = values.with_indices(indices, |corners| self.assemble(corners, indices.count))??;
         // One pass to look for the largest index, a second one to name it only where it is too large.
         let largest = triangles.iter().flatten().copied().max().unwrap_or(0);
         if largest as usize >= vertices {
@@ -246,10 +246,6 @@ impl Plan {
         }
         Ok(triangles)
     }
-}
-
-fn indices_count(plan: &Plan) -> usize {
-    plan.indices.map_or(0, |indices| indices.count)
 }
 
 /// Makes normals unit vectors; those of length zero become the mean of the faces around their vertex, and then the

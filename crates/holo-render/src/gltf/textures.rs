@@ -140,7 +140,10 @@ impl<'v> Source<'v> {
         let format = match image::guess_format(&bytes) {
             Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
             Ok(other) => {
-                return Err(unsupported(image.path(), format!("an image of type {other:?} (PNG and JPEG are)")));
+                return Err(unsupported(
+                    image.path(),
+                    format!("the image format {other:?} (convert it to PNG or JPEG)"),
+                ));
             }
             Err(_) => return Err(bad(image.path(), "is neither PNG nor JPEG, or it is damaged")),
         };

@@ -21,9 +21,8 @@ pub(super) enum Target {
 pub(super) fn resolve(uri: &str, at: &str) -> Result<Target, Error> {
     match scheme(uri) {
         Some(scheme) if scheme.eq_ignore_ascii_case("data") => data(uri, at).map(Target::Data),
-        Some(scheme) => {
-            let what =
-                format!("the address '{}' (scheme {scheme}:); copy the file next to the glTF file", shorten(uri));
+        Some(_) => {
+            let what = format!("the address '{}' (copy what it points to next to the glTF file)", shorten(uri));
             Err(unsupported(at, what))
         }
         None => relative_path(uri, at).map(Target::File),

@@ -52,7 +52,9 @@ impl<'f> Views<'f> {
         let range = end.map(|end| offset as usize..end as usize);
         match range.and_then(|range| bytes.get(range)) {
             Some(bytes) => Ok(View { buffer, offset: offset as usize, stride, bytes }),
-            None if view.extension(MESHOPT)?.is_some() => Err(unsupported(view.path(), MESHOPT)),
+            None if view.extension(MESHOPT)?.is_some() => {
+                Err(unsupported(view.path(), format!("{MESHOPT} (export the file uncompressed)")))
+            }
             None => {
                 let have = bytes.len();
                 Err(bad(

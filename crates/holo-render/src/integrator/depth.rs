@@ -64,7 +64,7 @@ impl Kernel for DepthTile<'_, '_> {
             let rays = self.context.tables.fill(&pixels, [&CENTRE, &CENTRE], &mut packet);
             self.context.engine.intersect(&pixels.valid, &mut packet);
             primary += count(&pixels.valid);
-            truth.push(self.context, &refine::depths(self.context.geometry, &packet, &rays));
+            truth.push(self.context, &refine::refine(self.context.geometry, &packet, &rays).depth);
         }
         truth.scatter(self.tile, &mut self.out);
         RayCounts { primary, shadow: 0 }

@@ -10,12 +10,11 @@ use ndarray::ArrayViewMut5;
 
 use super::depth::{CENTRE, Truth, TruthTile, count};
 use super::{Context, RayCounts};
-use crate::accel::{LANES, Lanes, RayHits, Rays};
+use crate::accel::{Coherence, LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
 use crate::dispatch::Kernel;
-use crate::light::{PreparedLight, dot};
-use crate::primary::Pixels;
+use crate::light::PreparedLight;
 use crate::refine;
-use crate::sampling;
+use crate::sampling::{self, Purpose};
 use crate::sky::SkyRays;
 use crate::surface::Surfaces;
 use crate::tile::Tile;
@@ -46,33 +45,35 @@ impl Kernel for DirectTile<'_, '_> {
             }
             for (index, sum) in color.iter_mut().enumerate() {
                 let pixels = self.tile.pixels(index);
-                let numbers = Numbers::draw(context, &pixels, sample, has_sky);
-                let rays = context.tables.fill(&pixels, [&numbers.x, &numbers.y], &mut packet);
+                let sequences = context.sequences(&pixels);
+                let [x, y] = if context.samples == 1 {
+                    [CENTRE; 2]
+                } else {
+                    sampling::points(&sequences, sample, Purpose::Pixel)
+                };
+                let rays = context.tables.fill(&pixels, [&x, &y], &mut packet);
                 context.engine.intersect(&pixels.valid, &mut packet);
                 counts.primary += count(&pixels.valid);
-                let depth = refine::depths(context.geometry, &packet, &rays);
+                let refined = refine::refine(context.geometry, &packet, &rays);
                 if let Some(truth) = &mut truth {
-                    truth.push(context, &depth);
+                    truth.push(context, &refined.depth);
                 }
-                let surfaces = context.appearance.surfaces(context.geometry, &packet, &rays, &depth);
+                for lane in 0..LANES {
+                    let missed = if packet.hits.triangle[lane] == NO_TRIANGLE { 1.0 } else { 0.0 };
+                    for c in 0..3 {
+                        sum[c][lane] += context.sky[c] * missed;
+                    }
+                }
+                let Some(surfaces) = context.appearance.surfaces(context.geometry, &packet, &rays, &refined) else {
+                    continue;
+                };
                 for light in context.lights {
                     counts.shadow += add_light(context, light, &surfaces, &pixels.valid, sum);
                 }
                 if has_sky {
-                    for lane in 0..LANES {
-                        if pixels.valid.0[lane] == 0 {
-                        } else if surfaces.hit[lane] {
-                            let normals =
-                                [&surfaces.geometric_normal, &surfaces.shading_normal].map(|n| Surfaces::at(n, lane));
-                            let gain = std::array::from_fn(|c| surfaces.albedo[c][lane] * context.sky[c]);
-                            let numbers = [numbers.u[lane], numbers.v[lane]];
-                            sky_rays.push((index * LANES + lane) as u32, surfaces.start(lane), normals, gain, numbers);
-                        } else {
-                            for c in 0..3 {
-                                sum[c][lane] += context.sky[c];
-                            }
-                        }
-                    }
+                    let numbers = sampling::points(&sequences, sample, Purpose::Sky);
+                    let first = (index * LANES) as u32;
+                    sky_rays.push(first, &surfaces, &pixels.valid, context.sky, &numbers);
                 }
             }
             counts.shadow += sky_rays.flush(context.engine, |pixel, gain| {
@@ -90,36 +91,6 @@ impl Kernel for DirectTile<'_, '_> {
     }
 }
 
-/// The random numbers of a packet: a place in the pixel and a direction of the sky.
-struct Numbers {
-    x: [f32; LANES],
-    y: [f32; LANES],
-    u: [f32; LANES],
-    v: [f32; LANES],
-}
-
-impl Numbers {
-    #[inline(always)]
-    fn draw(context: &Context, pixels: &Pixels, sample: u32, has_sky: bool) -> Self {
-        let mut numbers = Self { x: CENTRE, y: CENTRE, u: [0.0; LANES], v: [0.0; LANES] };
-        if context.samples == 1 && !has_sky {
-            return numbers;
-        }
-        for lane in 0..LANES {
-            let lens = pixels.v[lane] * context.columns[0] + pixels.u[lane];
-            let view = pixels.t[lane] * context.columns[1] + pixels.s[lane];
-            let [x, y, u, v] = sampling::sample(sampling::sequence(context.seed, lens, view), sample);
-            if context.samples > 1 {
-                numbers.x[lane] = x;
-                numbers.y[lane] = y;
-            }
-            numbers.u[lane] = u;
-            numbers.v[lane] = v;
-        }
-        numbers
-    }
-}
-
 /// Adds one light to the lanes that it reaches; returns the shadow rays traced.
 #[inline(always)]
 fn add_light(
@@ -129,29 +100,27 @@ fn add_light(
     valid: &Lanes<i32>,
     sum: &mut [[f32; LANES]; 3],
 ) -> u64 {
-    let mut rays = Rays::EMPTY;
+    let arrivals = light.arrivals(&surfaces.start);
     let mut lit = Lanes([0; LANES]);
     let mut received = [0.0; LANES];
-    rays.far = [light.shadow_reach(); LANES];
     for lane in 0..LANES {
-        let start = surfaces.start(lane);
-        let arrival = light.arrival(start);
-        let cosine = dot(Surfaces::at(&surfaces.shading_normal, lane), arrival.to_light);
-        let above = dot(Surfaces::at(&surfaces.geometric_normal, lane), arrival.to_light);
-        let irradiance = arrival.attenuation * cosine / arrival.length;
-        let reaches = surfaces.hit[lane] && valid.0[lane] != 0 && above > 0.0 && irradiance > 0.0;
-        lit.0[lane] = if reaches { -1 } else { 0 };
-        received[lane] = if reaches { irradiance * std::f32::consts::FRAC_1_PI } else { 0.0 };
+        let [mut cosine, mut above] = [0.0; 2];
         for axis in 0..3 {
-            rays.origin[axis][lane] = start[axis];
-            rays.direction[axis][lane] = arrival.to_light[axis];
+            cosine += surfaces.shading_normal[axis][lane] * arrivals.to_light[axis][lane];
+            above += surfaces.geometric_normal[axis][lane] * arrivals.to_light[axis][lane];
         }
+        let irradiance = arrivals.attenuation[lane] * cosine;
+        let reaches = surfaces.hit[lane] & (valid.0[lane] != 0) & (above > 0.0) & (irradiance > 0.0);
+        lit.0[lane] = -i32::from(reaches);
+        received[lane] = if reaches { irradiance * std::f32::consts::FRAC_1_PI } else { 0.0 };
     }
     let count = count(&lit);
     if count == 0 {
         return 0;
     }
-    context.engine.occluded(&lit, &mut rays);
+    let mut rays = Rays { origin: surfaces.start, direction: arrivals.to_light, ..Rays::EMPTY };
+    rays.far = [light.shadow_reach(); LANES];
+    context.engine.occluded(&lit, &mut rays, Coherence::Coherent);
     let power = light.power();
     for lane in 0..LANES {
         let seen = if rays.far[lane] < 0.0 { 0.0 } else { received[lane] };

@@ -1,0 +1,43 @@
+//! The fuzz targets over their corpora, on the stable toolchain: what libFuzzer once found stays fixed.
+
+use std::path::Path;
+
+fn run(target: &str, function: fn(&[u8])) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz").join("corpus").join(target);
+    let mut count = 0;
+    for entry in std::fs::read_dir(&folder).expect("the corpus is part of the project") {
+        let path = entry.expect("a readable folder").path();
+        let bytes = std::fs::read(&path).expect("a readable file");
+        // Whole, and cut off at a few places.
+        for length in [bytes.len(), bytes.len() / 2, bytes.len().saturating_sub(1), bytes.len().min(13)] {
+            function(&bytes[..length]);
+        }
+        count += 1;
+    }
+    assert!(count >= 3, "{}: {count} files", folder.display());
+}
+
+#[test]
+fn gltf() {
+    run("gltf", holo_fuzz::gltf);
+}
+
+#[test]
+fn png() {
+    run("png", holo_fuzz::io::png);
+}
+
+#[test]
+fn pfm() {
+    run("pfm", holo_fuzz::io::pfm);
+}
+
+#[test]
+fn parameters_cfg() {
+    run("parameters_cfg", holo_fuzz::io::parameters_cfg);
+}
+
+#[test]
+fn manifest() {
+    run("manifest", holo_fuzz::io::manifest);
+}
