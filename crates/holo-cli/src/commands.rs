@@ -10,3 +10,5 @@ pub mod verify;
 mod output;
 mod prepare;
 mod raw;
+
+pub use output::take_back;

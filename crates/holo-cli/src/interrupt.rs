@@ -3,7 +3,11 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use crate::commands;
+use crate::console::say;
+
 static STOPPED: AtomicBool = AtomicBool::new(false);
+static SAID: AtomicBool = AtomicBool::new(false);
 
 /// A render asks this often and ends by itself; a writer in the middle of a large file is not waited for.
 const PATIENCE: Duration = Duration::from_millis(600);
@@ -14,16 +18,25 @@ pub fn install() {
         STOPPED.store(true, Ordering::SeqCst);
         // This is a thread of its own.
         std::thread::sleep(PATIENCE);
-        eprintln!("holo: stopped");
+        say_stopped();
+        // In this order: without its temporary file no writer can give a file its name any more.
         holo_io::remove_temporary_files();
+        commands::take_back();
         std::process::exit(1);
     });
     if let Err(why) = listening {
-        eprintln!("holo: Ctrl-C will not clean up: {why}");
+        say!("holo: Ctrl-C will not clean up: {why}");
     }
 }
 
 /// Whether somebody asked to stop.
 pub fn requested() -> bool {
     STOPPED.load(Ordering::SeqCst)
+}
+
+/// Says so, once, whichever thread comes first.
+pub fn say_stopped() {
+    if !SAID.swap(true, Ordering::SeqCst) {
+        say!("holo: stopped");
+    }
 }

@@ -5,6 +5,7 @@
 
 mod arguments;
 mod commands;
+mod console;
 mod failure;
 mod interrupt;
 mod progress;
@@ -15,6 +16,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use arguments::{Arguments, Command};
+use console::say;
 use failure::Failure;
 
 fn main() -> ExitCode {
@@ -34,7 +36,11 @@ fn main() -> ExitCode {
         Err(failure) => {
             // What is still open here was left by a failing writer of another thread.
             holo_io::remove_temporary_files();
-            eprintln!("holo: {failure}");
+            if interrupt::requested() {
+                interrupt::say_stopped();
+                return ExitCode::from(1);
+            }
+            say!("holo: {failure}");
             match failure {
                 Failure::Usage(_) => ExitCode::from(2),
                 Failure::Failed(_) => ExitCode::from(1),

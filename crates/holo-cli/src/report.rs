@@ -63,7 +63,7 @@ impl Report<'_> {
     pub fn print(&self, out: &Path) {
         let s = &self.seconds;
         let rays = self.rays.primary + self.rays.shadow;
-        eprintln!(
+        say!(
             "rendered {} in {:.2} s ({:.1} Mrays/s, {}, {} threads, {}: {})",
             describe_split(self.rig),
             s.render,
@@ -73,8 +73,8 @@ impl Report<'_> {
             integrator_name(self.integrator),
             self.why
         );
-        eprintln!("{}", describe_rig(self.rig, self.disparity_px));
-        eprintln!(
+        say!("{}", describe_rig(self.rig, self.disparity_px));
+        say!(
             "wrote {} files to {} ({:.2} s; load {:.2} s, build {:.2} s, total {:.2} s)",
             self.files.len(),
             out.display(),

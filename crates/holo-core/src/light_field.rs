@@ -199,10 +199,10 @@ pub(crate) fn checked_length<T>(split: &Split, channels: usize) -> Result<usize,
 
 /// Memory for `length` samples, asked for without aborting the program when there is none.
 pub(crate) fn filled_memory<T: Clone>(length: usize, value: T) -> Result<Vec<T>, Error> {
-    let mut memory = Vec::new();
-    memory
+    // Asked for and given back: an error where there is no such memory. Then `vec!`, which leaves zeros to the system, so
+    // that pages are made by the threads that first write to them.
+    Vec::<T>::new()
         .try_reserve_exact(length)
         .map_err(|_| Error::OutOfMemory { bytes: length.saturating_mul(size_of::<T>()) })?;
-    memory.resize(length, value);
-    Ok(memory)
+    Ok(vec![value; length])
 }

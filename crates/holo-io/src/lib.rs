@@ -28,7 +28,7 @@
 //! | raw PNG with its `parameters.cfg` | | [`RawImage::read`] |
 //! | any of these | | [`recognise`] |
 //!
-//! The names of the files in a dataset folder are in [`dataset`]; [`Layout`] tells its two raw images apart.
+//! The names of the files in a dataset folder are in [`dataset`]; [`layout_of_file_name`] tells its two raw images apart.
 //!
 //! # Features
 //!
@@ -69,7 +69,7 @@ pub use png::{
     Compression, Meaning, PngInfo, PngSamples, decode_png, encode_png_u8, encode_png_u16, read_png, read_png_info,
     write_disparity_png, write_png_u8, write_png_u16,
 };
-pub use raw_image::Layout;
 #[cfg(feature = "png")]
 pub use raw_image::RawImage;
+pub use raw_image::layout_of_file_name;
 pub use recognise::{FileKind, recognise};

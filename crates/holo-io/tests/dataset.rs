@@ -58,8 +58,9 @@ fn kinds_are_told_by_contents() {
 
 #[cfg(feature = "png")]
 mod raw {
+    use holo_core::Layout;
     use holo_core::{Intrinsics, LightField, Projection, RigParameters, Split};
-    use holo_io::{Compression, Layout, Limits, Meaning, ParametersCfg, PngSamples, RawImage, write_png_u8};
+    use holo_io::{Compression, Limits, Meaning, ParametersCfg, PngSamples, RawImage, write_png_u8};
     use ndarray::Array3;
 
     use super::*;
@@ -88,14 +89,14 @@ mod raw {
         };
         ParametersCfg::from_rig(&rig).write(folder.path().join(dataset::PARAMETERS_CFG)).unwrap();
         let raw = read("scene_el.png", None).unwrap();
-        assert_eq!((raw.layout, raw.parameters.rig_parameters().unwrap()), (Layout::Elemental, rig));
+        assert_eq!((raw.layout, raw.parameters.rig_parameters().unwrap()), (Layout::ElementalGrid, rig));
         let PngSamples::U8(samples) = raw.samples else { panic!("8 bits expected") };
         let light_field = LightField::from_elemental_grid(samples, split).unwrap();
         assert_eq!(light_field.samples()[[4, 6, 2, 3, 1]], image[[14, 27, 1]]);
 
         write("picture.png", &image);
         assert!(matches!(read("picture.png", None), Err(Error::BadInput { .. })));
-        assert_eq!(read("picture.png", Some(Layout::Viewpoint)).unwrap().layout, Layout::Viewpoint);
+        assert_eq!(read("picture.png", Some(Layout::ViewpointGrid)).unwrap().layout, Layout::ViewpointGrid);
         write("small_el.png", &Array3::zeros((15, 27, 3)));
         let error = read("small_el.png", None).unwrap_err();
         assert!(

@@ -15,7 +15,7 @@ pub(crate) mod triangle;
 
 use std::sync::Arc;
 
-pub(crate) use packet::{LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
+pub(crate) use packet::{LANES, Lanes, NO_TRIANGLE, RayHits, Rays, at};
 
 use crate::error::Error;
 use crate::geometry::Geometry;

@@ -1,7 +1,7 @@
 //! From linear radiance to the integers of an image file: one exposure for all views, then the sRGB curve.
 
-use holo_core::{LightField, LightFieldOwned};
-use ndarray::{Array3, ArrayView3, Axis, Zip};
+use holo_core::{Layout, LightField, LightFieldOwned};
+use ndarray::{Axis, Zip};
 use rayon::prelude::*;
 
 use crate::error::Error;
@@ -86,34 +86,9 @@ fn encode<T: Copy + Default + Send + Sync>(
 ) -> Result<LightFieldOwned<T>, Error> {
     let split = color.split();
     let factor = exposure_ev.exp2() as f32;
-    let mut coded = elemental_light_field(split, color.channels())?;
+    let mut coded = LightField::filled(split, color.channels(), Layout::ElementalGrid, T::default())?;
     Zip::from(coded.samples_mut()).and(color.samples()).par_for_each(|coded, &x| *coded = code(x * factor));
     Ok(coded)
-}
-
-/// One plane as 8-bit grey: `low` becomes 0, `high` 255, infinities the end on their side, NaN 0.
-#[must_use]
-pub fn grey_8bit(values: ArrayView3<f32>, low: f64, high: f64) -> Array3<u8> {
-    let span = if high > low { high - low } else { 1.0 };
-    values.map(|&x| ((f64::from(x) - low) / span * 255.0).round().clamp(0.0, 255.0) as u8)
-}
-
-/// A light field of zeros whose memory is an elemental grid.
-pub(crate) fn elemental_light_field<T: Copy + Default>(
-    split: holo_core::Split,
-    channels: usize,
-) -> Result<LightFieldOwned<T>, Error> {
-    let size = split.raw_size();
-    let count = size.rows.checked_mul(size.columns).and_then(|n| n.checked_mul(channels));
-    let fits = count.is_some_and(|n| Vec::<T>::new().try_reserve_exact(n).is_ok());
-    if !fits {
-        return Err(Error::BadSetting(format!(
-            "an image of {} x {} pixels does not fit into memory; use fewer views or lenses",
-            size.columns, size.rows
-        )));
-    }
-    let image = Array3::from_elem((size.rows, size.columns, channels), T::default());
-    Ok(LightField::from_elemental_grid(image, split)?)
 }
 
 #[cfg(test)]
@@ -123,7 +98,7 @@ mod tests {
 
     fn field(values: impl Fn(usize) -> f32) -> LightFieldOwned<f32> {
         let split = Split::new(GridSize::new(4, 5), GridSize::new(6, 7)).unwrap();
-        let mut field = elemental_light_field(split, 3).unwrap();
+        let mut field = LightField::filled(split, 3, Layout::ElementalGrid, 0.0).unwrap();
         for (k, x) in field.samples_mut().iter_mut().enumerate() {
             *x = values(k / 3);
         }
@@ -153,11 +128,5 @@ mod tests {
             assert_eq!(*a, crate::srgb::naive8(x * 0.5));
             assert_eq!(*b, naive16(x * 0.5));
         }
-    }
-
-    #[test]
-    fn grey_spans_its_range() {
-        let values = Array3::from_shape_vec((1, 5, 1), vec![-1.0, 0.0, 1.0, f32::INFINITY, f32::NAN]).unwrap();
-        assert_eq!(grey_8bit(values.view(), -1.0, 1.0).into_raw_vec_and_offset().0, [0, 128, 255, 255, 0]);
     }
 }

@@ -173,17 +173,24 @@ impl Geometry {
 
     #[inline(always)]
     pub fn normals_of(&self, triangle: usize) -> [[f32; 3]; 3] {
-        self.triangles[triangle].map(|k| self.normals[k as usize])
+        let [a, b, c] = self.triangles[triangle];
+        [self.normals[a as usize], self.normals[b as usize], self.normals[c as usize]]
     }
 
     #[inline(always)]
     pub fn texture_coordinates_of(&self, triangle: usize) -> [[f32; 2]; 3] {
-        self.triangles[triangle].map(|k| self.texture_coordinates[k as usize])
+        let [a, b, c] = self.triangles[triangle];
+        [
+            self.texture_coordinates[a as usize],
+            self.texture_coordinates[b as usize],
+            self.texture_coordinates[c as usize],
+        ]
     }
 
     #[inline(always)]
     pub fn colors_of(&self, triangle: usize) -> [[f32; 4]; 3] {
-        self.triangles[triangle].map(|k| self.colors[k as usize])
+        let [a, b, c] = self.triangles[triangle];
+        [self.colors[a as usize], self.colors[b as usize], self.colors[c as usize]]
     }
 }
 

@@ -3,7 +3,7 @@
 //! Source: KHR_lights_punctual. Radiometry: 1 lux on a white Lambertian surface gives radiance 1/pi; I candela at r
 //! metres give I/r^2 lux. No factor of 683 or of 4 pi appears anywhere.
 
-use crate::accel::LANES;
+use crate::accel::{LANES, at};
 use crate::geometry::world_to_camera_rotation;
 use crate::scene::{Light, LightKind, Transform};
 
@@ -80,12 +80,14 @@ impl PreparedLight {
     pub fn arrivals(&self, points: &[[f32; LANES]; 3]) -> Arrivals {
         match self {
             Self::Directional { to_light, .. } => {
-                Arrivals { to_light: to_light.map(|x| [x; LANES]), attenuation: [1.0; LANES] }
+                let [x, y, z] = *to_light;
+                Arrivals { to_light: [[x; LANES], [y; LANES], [z; LANES]], attenuation: [1.0; LANES] }
             }
             Self::Point { position, inverse_range, cone, .. } => {
                 let mut out = Arrivals { to_light: [[0.0; LANES]; 3], attenuation: [0.0; LANES] };
                 for lane in 0..LANES {
-                    let to_light: [f32; 3] = std::array::from_fn(|axis| position[axis] - points[axis][lane]);
+                    let to_light =
+                        [position[0] - points[0][lane], position[1] - points[1][lane], position[2] - points[2][lane]];
                     let squared = dot(to_light, to_light);
                     let length = squared.sqrt();
                     let reach = length * inverse_range;
@@ -97,7 +99,7 @@ impl PreparedLight {
                 }
                 if let Some(cone) = cone {
                     for lane in 0..LANES {
-                        let to_light = [0, 1, 2].map(|axis| out.to_light[axis][lane]);
+                        let to_light = at(&out.to_light, lane);
                         let cosine = -dot(to_light, cone.axis) / dot(to_light, to_light).sqrt();
                         let edge = (cosine * cone.scale + cone.offset).clamp(0.0, 1.0);
                         out.attenuation[lane] *= edge * edge;
@@ -132,7 +134,7 @@ mod tests {
     }
 
     /// Attenuation at one point, per square metre.
-    fn at(light: &PreparedLight, point: [f32; 3]) -> f32 {
+    fn arriving(light: &PreparedLight, point: [f32; 3]) -> f32 {
         let arrivals = light.arrivals(&point.map(|x| [x; LANES]));
         let to_light = arrivals.to_light.map(|axis| axis[3]);
         arrivals.attenuation[3] * dot(to_light, to_light).sqrt()
@@ -141,11 +143,11 @@ mod tests {
     #[test]
     fn a_point_light_falls_off_with_the_square_and_ends_at_its_range() {
         let light = one(LightKind::Point { position: [0.0; 3], range: None });
-        assert!((at(&light, [3.0, 0.0, 4.0]) - 0.04).abs() < 1e-7);
+        assert!((arriving(&light, [3.0, 0.0, 4.0]) - 0.04).abs() < 1e-7);
         let light = one(LightKind::Point { position: [0.0; 3], range: Some(10.0) });
         let expected = (1.0 - 0.5f32.powi(4)) / 25.0;
-        assert!((at(&light, [3.0, 0.0, 4.0]) - expected).abs() < 1e-7);
-        assert_eq!(at(&light, [0.0, 10.5, 0.0]), 0.0);
+        assert!((arriving(&light, [3.0, 0.0, 4.0]) - expected).abs() < 1e-7);
+        assert_eq!(arriving(&light, [0.0, 10.5, 0.0]), 0.0);
     }
 
     #[test]
@@ -157,7 +159,7 @@ mod tests {
             inner_angle_rad: 0.3,
             outer_angle_rad: 0.6,
         });
-        let under = |angle: f32| at(&light, [angle.sin(), 0.0, -angle.cos()]);
+        let under = |angle: f32| arriving(&light, [angle.sin(), 0.0, -angle.cos()]);
         assert!((under(0.0) - 1.0).abs() < 1e-6 && (under(0.29) - 1.0).abs() < 1e-4);
         assert_eq!(under(0.61), 0.0);
         let half = ((0.45f32.cos() - 0.6f32.cos()) / (0.3f32.cos() - 0.6f32.cos())).powi(2);

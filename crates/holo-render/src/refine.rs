@@ -34,7 +34,9 @@ pub(crate) fn refine(geometry: &Geometry, packet: &RayHits, rays: &ExactRays) ->
         // Most packets hit one triangle: its plane is read once.
         if first != NO_TRIANGLE {
             let plane = planes[first as usize];
-            normal = plane.normal.map(|x| [x; LANES]);
+            for axis in 0..3 {
+                normal[axis] = [plane.normal[axis]; LANES];
+            }
             offset = [plane.offset; LANES];
         }
     } else {

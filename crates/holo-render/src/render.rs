@@ -3,14 +3,13 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use holo_core::{LightFieldOwned, Rig};
-use ndarray::{Array2, ArrayViewMut2, ArrayViewMut5, Axis};
+use holo_core::{GridSize, Layout, LightField, LightFieldOwned, Rig, Split};
+use ndarray::{Array2, Axis};
 use rayon::prelude::*;
 
 use crate::accel::{self, Backend, Engine};
 use crate::dispatch;
 use crate::error::Error;
-use crate::exposure::elemental_light_field;
 use crate::geometry::Geometry;
 use crate::integrator::depth::{DepthTile, TruthTile};
 use crate::integrator::direct::DirectTile;
@@ -200,17 +199,19 @@ impl Renderer {
         let together = with_color && with_all && request.samples == 1;
 
         let tiling = Tiling::new(all_counts);
-        let passes = u64::from(with_color) + u64::from(with_all && !together);
-        let work = Work::new(progress, passes * tiling.tiles().len() as u64);
-        let mut color = if with_color { Some(elemental_light_field::<f32>(split, 3)?) } else { None };
+        // The large arrays first: a size that does not fit is refused before anything else is made for it.
+        let mut color = if with_color { Some(zeros(split, 3)?) } else { None };
         let mut all = if with_all { Some(Truth::light_fields(split)?) } else { None };
+        let tile_count = if with_color || with_all { tiling.tiles().len() } else { 0 };
+        let passes = u64::from(with_color) + u64::from(with_all && !together);
+        let work = Work::new(progress, passes * tile_count as u64);
         let mut rays = RayCounts::default();
 
         if let Some(color) = &mut color {
             let truth = if together { all.as_mut() } else { None };
             let truth: Vec<Option<TruthTile>> = match truth {
                 Some(truth) => truth.tiles(&tiling).into_iter().map(Some).collect(),
-                None => std::iter::repeat_with(|| None).take(tiling.tiles().len()).collect(),
+                None => std::iter::repeat_with(|| None).take(tile_count).collect(),
             };
             let parts: Vec<_> = tiling.cut(color.samples_mut()).into_iter().zip(truth).collect();
             rays = rays
@@ -229,7 +230,7 @@ impl Renderer {
             let plane = |field: &LightFieldOwned<f32>| field.samples().slice(ndarray::s![.., .., t, s, 0]).to_owned();
             Truth { depth_m: plane(&all.depth_m), disparity_px: plane(&all.disparity_px) }
         } else {
-            let (central, count) = central(&context, [lenses.rows, lenses.columns], split.central_view())?;
+            let (central, count) = central(&context, &split)?;
             rays = rays + count;
             central
         };
@@ -263,8 +264,8 @@ impl Renderer {
 }
 
 impl Truth<LightFieldOwned<f32>> {
-    fn light_fields(split: holo_core::Split) -> Result<Self, Error> {
-        Ok(Self { depth_m: elemental_light_field(split, 1)?, disparity_px: elemental_light_field(split, 1)? })
+    fn light_fields(split: Split) -> Result<Self, Error> {
+        Ok(Self { depth_m: zeros(split, 1)?, disparity_px: zeros(split, 1)? })
     }
 
     fn tiles(&mut self, tiling: &Tiling) -> Vec<TruthTile<'_>> {
@@ -274,29 +275,23 @@ impl Truth<LightFieldOwned<f32>> {
     }
 }
 
-/// Ground truth of one view.
-fn central(
-    context: &Context,
-    lenses: [usize; 2],
-    (t, s): (usize, usize),
-) -> Result<(Truth<Array2<f32>>, RayCounts), Error> {
-    let tiling = Tiling::of_view(lenses, [t, s]);
-    let mut depth_m = Array2::zeros(lenses);
-    let mut disparity_px = Array2::zeros(lenses);
-    let (depth_parts, disparity_parts) =
-        (cut_plane(&tiling, depth_m.view_mut()), cut_plane(&tiling, disparity_px.view_mut()));
-    let parts: Vec<_> = depth_parts
-        .into_iter()
-        .zip(disparity_parts)
-        .map(|(depth_m, disparity_px)| TruthTile { depth_m, disparity_px })
-        .collect();
-    let rays = Work::new(&(), 0).run(&tiling, parts, |tile, out| dispatch::run(DepthTile { context, tile, out }))?;
-    Ok((Truth { depth_m, disparity_px }, rays))
+/// A light field of zeros whose memory is an elemental grid.
+fn zeros(split: Split, channels: usize) -> Result<LightFieldOwned<f32>, Error> {
+    Ok(LightField::filled(split, channels, Layout::ElementalGrid, 0.0)?)
 }
 
-/// A plane (v, u) as a light field of one view and one channel, in tiles.
-fn cut_plane<'a>(tiling: &Tiling, plane: ArrayViewMut2<'a, f32>) -> Vec<ArrayViewMut5<'a, f32>> {
-    tiling.cut(plane.insert_axis(Axis(2)).insert_axis(Axis(3)).insert_axis(Axis(4)))
+/// Ground truth of the central view.
+fn central(context: &Context, split: &Split) -> Result<(Truth<Array2<f32>>, RayCounts), Error> {
+    let (lenses, (t, s)) = (split.lenses(), split.central_view());
+    let tiling = Tiling::of_view([lenses.rows, lenses.columns], [t, s]);
+    let mut truth = Truth::light_fields(Split::new(GridSize::new(1, 1), lenses)?)?;
+    let trace = |tile: &Tile, out| dispatch::run(DepthTile { context, tile, out });
+    let rays = Work::new(&(), 0).run(&tiling, truth.tiles(&tiling), trace)?;
+    let plane = |field: LightFieldOwned<f32>| {
+        let image = field.into_elemental_grid().unwrap_or_else(|field| field.to_elemental_grid());
+        image.index_axis_move(Axis(2), 0)
+    };
+    Ok((Truth { depth_m: plane(truth.depth_m), disparity_px: plane(truth.disparity_px) }, rays))
 }
 
 /// Tiles on all threads, with progress and a way to stop.

@@ -4,7 +4,7 @@
 //! pixel these rays run all over the place; but the pixels of one tile start close together, so they are collected,
 //! ordered by direction and traced in packets of neighbouring directions. The order changes nothing in the result.
 
-use crate::accel::{Coherence, Engine, LANES, Lanes, Rays};
+use crate::accel::{Coherence, Engine, LANES, Lanes, Rays, at};
 use crate::sampling;
 use crate::surface::Surfaces;
 
@@ -46,7 +46,7 @@ impl SkyRays {
         let mut direction = [[0.0; LANES]; 3];
         let mut cosine = [0.0; LANES];
         for lane in 0..LANES {
-            let normal = [shading[0][lane], shading[1][lane], shading[2][lane]];
+            let normal = at(shading, lane);
             let [x, y] = sampling::frame(normal);
             for axis in 0..3 {
                 let d = x[axis] * local[0][lane] + y[axis] * local[1][lane] + normal[axis] * local[2][lane];
@@ -54,17 +54,23 @@ impl SkyRays {
                 cosine[lane] += d * geometric[axis][lane];
             }
         }
+        let mut gain = [[0.0; LANES]; 3];
+        for c in 0..3 {
+            for lane in 0..LANES {
+                gain[c][lane] = surfaces.albedo[c][lane] * sky[c];
+            }
+        }
         let mut cells = [0; LANES];
         for lane in 0..LANES {
-            cells[lane] = cell([direction[0][lane], direction[1][lane], direction[2][lane]]);
+            cells[lane] = cell(at(&direction, lane));
         }
         for lane in 0..LANES {
             // Under the triangle itself there is no sky, whatever the interpolated normal says.
             if surfaces.hit[lane] && valid.0[lane] != 0 && cosine[lane] > 0.0 {
                 self.rays.push(SkyRay {
-                    origin: [0, 1, 2].map(|axis| surfaces.start[axis][lane]),
-                    direction: [0, 1, 2].map(|axis| direction[axis][lane]),
-                    gain: [0, 1, 2].map(|c| surfaces.albedo[c][lane] * sky[c]),
+                    origin: at(&surfaces.start, lane),
+                    direction: at(&direction, lane),
+                    gain: at(&gain, lane),
                     pixel: first_pixel + lane as u32,
                 });
                 self.cells.push(cells[lane]);
@@ -77,7 +83,6 @@ impl SkyRays {
     #[inline(always)]
     pub fn flush(&mut self, engine: &dyn Engine, mut add: impl FnMut(u32, [f32; 3])) -> u64 {
         self.sort_by_direction();
-        let coherence = if std::env::var_os("INCOH").is_some() { Coherence::Incoherent } else { Coherence::Coherent };
         let mut packet = Rays::EMPTY;
         for chunk in self.order.chunks(LANES) {
             let mut valid = Lanes([0; LANES]);
@@ -91,7 +96,8 @@ impl SkyRays {
             }
             packet.near = [0.0; LANES];
             packet.far = [f32::INFINITY; LANES];
-            engine.occluded(&valid, &mut packet, coherence);
+            // Neighbours in direction still start all over the tile.
+            engine.occluded(&valid, &mut packet, Coherence::Incoherent);
             for (lane, &k) in chunk.iter().enumerate() {
                 if packet.far[lane] > 0.0 {
                     let ray = &self.rays[k as usize];

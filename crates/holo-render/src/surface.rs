@@ -49,15 +49,14 @@ impl Appearance {
         let triangles = &packet.hits.triangle;
         let some = *triangles.iter().find(|&&k| k != NO_TRIANGLE)?;
         let zero = [[0.0; LANES]; 3];
-        let mut out = Surfaces {
-            hit: triangles.map(|k| k != NO_TRIANGLE),
-            start: zero,
-            geometric_normal: zero,
-            shading_normal: zero,
-            albedo: zero,
-        };
+        let mut out =
+            Surfaces { hit: [false; LANES], start: zero, geometric_normal: zero, shading_normal: zero, albedo: zero };
         // Lanes without a hit look at a triangle of another lane: loops without branches, results that nobody reads.
-        let group = Group { triangles: triangles.map(|k| if k == NO_TRIANGLE { some } else { k } as usize), packet };
+        let mut group = Group { triangles: [some; LANES], packet };
+        for lane in 0..LANES {
+            out.hit[lane] = triangles[lane] != NO_TRIANGLE;
+            group.triangles[lane] = if out.hit[lane] { triangles[lane] } else { some };
+        }
         let mut position = zero;
         for lane in 0..LANES {
             let z = refined.depth[lane];
@@ -79,12 +78,18 @@ impl Appearance {
         }
 
         // Neighbouring rays mostly hit one mesh; what its triangles have in common is looked up once.
-        let parts = group.triangles.map(|k| geometry.part_index(k));
+        let mut parts = [0; LANES];
+        for lane in 0..LANES {
+            parts[lane] = geometry.part_index(group.triangles[lane] as usize);
+        }
         let mut extent = [0.0; LANES];
         let mut done = [false; LANES];
         while let Some(first) = done.iter().position(|&d| !d) {
             let part = geometry.part(parts[first]);
-            let here: [bool; LANES] = std::array::from_fn(|lane| parts[lane] == parts[first]);
+            let mut here = [false; LANES];
+            for lane in 0..LANES {
+                here[lane] = parts[lane] == parts[first];
+            }
             let albedo = self.albedo(geometry, part, &group.only(&here, first));
             let normal = if part.smooth {
                 smooth_normals(geometry, &group.only(&here, first), &side, &out.geometric_normal)
@@ -166,7 +171,7 @@ fn smooth_normals(
 
 /// The triangles of sixteen lanes and where on them the rays hit.
 struct Group<'a> {
-    triangles: [usize; LANES],
+    triangles: [u32; LANES],
     packet: &'a RayHits,
 }
 
@@ -175,7 +180,10 @@ impl Group<'_> {
     #[inline(always)]
     fn only(&self, here: &[bool; LANES], first: usize) -> Self {
         let some = self.triangles[first];
-        let triangles = std::array::from_fn(|lane| if here[lane] { self.triangles[lane] } else { some });
+        let mut triangles = [some; LANES];
+        for lane in 0..LANES {
+            triangles[lane] = if here[lane] { self.triangles[lane] } else { some };
+        }
         Self { triangles, packet: self.packet }
     }
 
@@ -184,7 +192,7 @@ impl Group<'_> {
     fn mix<const N: usize>(&self, corners: impl Fn(usize) -> [[f32; N]; 3]) -> [[f32; LANES]; N] {
         let mut values = [[[0.0; LANES]; 3]; N];
         for lane in 0..LANES {
-            let read = corners(self.triangles[lane]);
+            let read = corners(self.triangles[lane] as usize);
             for corner in 0..3 {
                 for k in 0..N {
                     values[k][corner][lane] = read[corner][k];

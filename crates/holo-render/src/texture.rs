@@ -16,7 +16,9 @@ pub(crate) fn sample(texture: &Texture, table: &[f32; 256], [u, v]: [f32; 2]) ->
         let [r, g, b, _] = texture.texels[rows[j] * texture.width + columns[i]];
         [table[r as usize], table[g as usize], table[b as usize]]
     };
-    let mix = |a: [f32; 3], b: [f32; 3], f: f32| -> [f32; 3] { std::array::from_fn(|c| a[c] + (b[c] - a[c]) * f) };
+    let mix = |a: [f32; 3], b: [f32; 3], f: f32| {
+        [a[0] + (b[0] - a[0]) * f, a[1] + (b[1] - a[1]) * f, a[2] + (b[2] - a[2]) * f]
+    };
     let upper = mix(texel(0, 0), texel(0, 1), fraction_x);
     let lower = mix(texel(1, 0), texel(1, 1), fraction_x);
     mix(upper, lower, fraction_y)

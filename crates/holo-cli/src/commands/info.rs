@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use holo_io::{FileKind, Layout, Limits, Manifest, ParametersCfg, Pfm};
+use holo_core::Layout;
+use holo_io::{FileKind, Limits, Manifest, ParametersCfg, Pfm};
 
 use super::prepare::prepare;
 use crate::arguments::InfoOptions;
@@ -27,12 +28,12 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
 /// The scene, and the rig that a render with the same options would get.
 fn scene(options: &InfoOptions) -> Result<(), Failure> {
     let prepared = prepare(&options.file, &options.rig, &options.engine, false)?;
-    println!("{}", prepared.loaded.summary.to_string().trim_end());
+    out!("{}", prepared.loaded.summary.to_string().trim_end())?;
     if let Some((low, high)) = prepared.loaded.scene.bounds() {
-        println!("bounds: {low:.4?} to {high:.4?} m");
+        out!("bounds: {low:.4?} to {high:.4?} m")?;
     }
-    println!("a render with these options: {}, {}", describe_split(&prepared.rig), prepared.renderer.engine_name());
-    println!("camera: {}", prepared.framed.camera);
+    out!("a render with these options: {}, {}", describe_split(&prepared.rig), prepared.renderer.engine_name())?;
+    out!("camera: {}", prepared.framed.camera)?;
     let truth = prepared.renderer.central_truth(&prepared.rig)?;
     let range = |values: &ndarray::Array2<f32>| {
         let finite = values.iter().filter(|x| x.is_finite());
@@ -44,28 +45,28 @@ fn scene(options: &InfoOptions) -> Result<(), Failure> {
     match range(&truth.depth_m) {
         Some((near, far)) => {
             let empty = truth.depth_m.iter().filter(|z| z.is_infinite()).count();
-            println!(
+            out!(
                 "depth in the central view: {near:.4} to {far:.4} m, {empty} of {} pixels see nothing",
                 truth.depth_m.len()
-            );
+            )?;
         }
-        None => println!("depth in the central view: nothing is seen"),
+        None => out!("depth in the central view: nothing is seen")?,
     }
-    println!("{}", describe_rig(&prepared.rig, range(&truth.disparity_px)));
+    out!("{}", describe_rig(&prepared.rig, range(&truth.disparity_px)))?;
     Ok(())
 }
 
 fn png(path: &Path) -> Result<(), Failure> {
     let info = holo_io::read_png_info(path)?;
-    println!("PNG, {} x {} px, {} channels of {} bits", info.size.columns, info.size.rows, info.channels, info.bits);
-    match Layout::of_file_name(path) {
-        Some(Layout::Elemental) => println!("by its name: a grid of elemental images"),
-        Some(Layout::Viewpoint) => println!("by its name: a grid of views"),
+    out!("PNG, {} x {} px, {} channels of {} bits", info.size.columns, info.size.rows, info.channels, info.bits)?;
+    match holo_io::layout_of_file_name(path) {
+        Some(Layout::ElementalGrid) => out!("by its name: a grid of elemental images")?,
+        Some(Layout::ViewpointGrid) => out!("by its name: a grid of views")?,
         None => {}
     }
     let beside = path.with_file_name(holo_io::dataset::PARAMETERS_CFG);
     if beside.is_file() {
-        println!("beside it:");
+        out!("beside it:")?;
         parameters(&beside)?;
     }
     Ok(())
@@ -74,40 +75,40 @@ fn png(path: &Path) -> Result<(), Failure> {
 fn pfm(path: &Path) -> Result<(), Failure> {
     let Pfm { values: samples, .. } = holo_io::read_pfm(path, &Limits::default())?;
     let (rows, columns, channels) = samples.dim();
-    println!("PFM, {columns} x {rows} px, {channels} channels");
+    out!("PFM, {columns} x {rows} px, {channels} channels")?;
     let finite = samples.iter().filter(|x| x.is_finite());
     let (low, high) = finite.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
     let count = |test: fn(f32) -> bool| samples.iter().filter(|&&x| test(x)).count();
     if low <= high {
-        println!("finite values from {low} to {high}");
+        out!("finite values from {low} to {high}")?;
     }
-    println!("{} infinite, {} NaN", count(f32::is_infinite), count(f32::is_nan));
+    out!("{} infinite, {} NaN", count(f32::is_infinite), count(f32::is_nan))?;
     Ok(())
 }
 
 fn parameters(path: &Path) -> Result<(), Failure> {
     let parameters = ParametersCfg::read(path)?;
     let rig = holo_core::Rig::new(parameters.rig_parameters()?).map_err(|e| Failure::Failed(e.to_string()))?;
-    println!("camera parameters of '{}': {}", parameters.scene, describe_split(&rig));
+    out!("camera parameters of '{}': {}", parameters.scene, describe_split(&rig))?;
     let range = parameters.disp_min.zip(parameters.disp_max);
-    println!("{}", describe_rig(&rig, range));
+    out!("{}", describe_rig(&rig, range))?;
     Ok(())
 }
 
 fn manifest(path: &Path) -> Result<(), Failure> {
     let manifest = Manifest::read(path)?;
     for (name, version) in &manifest.versions {
-        println!("{name} {version}");
+        out!("{name} {version}")?;
     }
     if let Some(rig) = &manifest.rig {
         let rig = holo_core::Rig::new(rig.parameters()?).map_err(|e| Failure::Failed(e.to_string()))?;
-        println!("{}\n{}", describe_split(&rig), describe_rig(&rig, manifest.disparity_px));
+        out!("{}\n{}", describe_split(&rig), describe_rig(&rig, manifest.disparity_px))?;
     }
     if let Some(stops) = manifest.exposure_ev {
-        println!("exposure {stops} EV");
+        out!("exposure {stops} EV")?;
     }
     for (name, file) in &manifest.files {
-        println!("{:>12} bytes  {name}", file.bytes);
+        out!("{:>12} bytes  {name}", file.bytes)?;
     }
     Ok(())
 }

@@ -1,16 +1,42 @@
 //! A folder of results: made when it is missing, taken back if nothing comes of it, sealed by its manifest.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use holo_io::{Manifest, Written, dataset};
 
 use crate::failure::Failure;
 
+/// What the run has put where nothing was before: folders, and the files that are or will be in them, inner after
+/// outer. It is for the whole process, because a signal handler must reach it.
+struct Made {
+    paths: Vec<PathBuf>,
+    /// Set when the process is about to end: nothing new is made.
+    stopped: bool,
+}
+
+static MADE: Mutex<Made> = Mutex::new(Made { paths: Vec::new(), stopped: false });
+
+/// The list is sound after every statement, so a panic elsewhere does not spoil it.
+fn made() -> MutexGuard<'static, Made> {
+    MADE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes what an unfinished run has made, and makes nothing more. Files that were there before, replaced or not,
+/// stay, and so do folders with such files in them.
+pub fn take_back() {
+    let mut made = made();
+    made.stopped = true;
+    for path in made.paths.drain(..).rev() {
+        // What was never written, or shares its folder with files of others, is no error here.
+        let _ = if path.is_dir() { std::fs::remove_dir(&path) } else { std::fs::remove_file(&path) };
+    }
+}
+
 /// The folder while it is being filled.
 pub struct OutputFolder {
     path: PathBuf,
-    /// Folders that did not exist before, deepest first.
-    made: Vec<PathBuf>,
     files: Vec<(String, Written)>,
     finished: bool,
 }
@@ -18,20 +44,13 @@ pub struct OutputFolder {
 impl OutputFolder {
     /// Makes the folder and shows that files can be made in it, before any time is spent on what goes there.
     pub fn create(path: &Path) -> Result<Self, Failure> {
-        let failed = |at: &Path, why: std::io::Error| {
-            Failure::Failed(format!("cannot make the folder {}: {why}; choose another with --out", at.display()))
-        };
-        let mut folder = Self { path: path.to_path_buf(), made: Vec::new(), files: Vec::new(), finished: false };
+        let folder = Self { path: path.to_path_buf(), files: Vec::new(), finished: false };
         let missing: Vec<&Path> = path.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists()).collect();
         for ancestor in missing.into_iter().rev() {
-            match std::fs::create_dir(ancestor) {
-                Ok(()) => folder.made.insert(0, ancestor.to_path_buf()),
-                Err(why) if why.kind() == std::io::ErrorKind::AlreadyExists => {}
-                Err(why) => return Err(failed(ancestor, why)),
-            }
+            make_folder(ancestor)?;
         }
         if !path.is_dir() {
-            return Err(failed(path, std::io::ErrorKind::NotADirectory.into()));
+            return Err(cannot_make(path, ErrorKind::NotADirectory.into()));
         }
         holo_io::remove_stale_temporary_files(path)?;
         // Dropped without a commit it leaves nothing.
@@ -39,27 +58,25 @@ impl OutputFolder {
         Ok(folder)
     }
 
-    /// The path of a file in the folder.
+    /// The path of a file that is about to be written; `name` may lead into a subfolder.
     pub fn file(&self, name: &str) -> PathBuf {
-        self.path.join(name)
+        let path = self.path.join(name);
+        if std::fs::symlink_metadata(&path).is_err() {
+            made().paths.push(path.clone());
+        }
+        path
     }
 
-    /// A folder inside, made now.
-    pub fn subfolder(&mut self, name: &str) -> Result<PathBuf, Failure> {
-        let path = self.path.join(name);
-        match std::fs::create_dir(&path) {
-            Ok(()) => self.made.insert(0, path.clone()),
-            Err(why) if why.kind() == std::io::ErrorKind::AlreadyExists && path.is_dir() => {}
-            Err(why) => return Err(Failure::Failed(format!("cannot make the folder {}: {why}", path.display()))),
-        }
-        Ok(path)
+    /// Makes a folder inside.
+    pub fn subfolder(&self, name: &str) -> Result<(), Failure> {
+        make_folder(&self.path.join(name))
     }
 
     /// An older manifest speaks of files that are about to change.
     pub fn unseal(&self) -> Result<(), Failure> {
-        let path = self.file(dataset::MANIFEST_JSON);
+        let path = self.path.join(dataset::MANIFEST_JSON);
         match std::fs::remove_file(&path) {
-            Err(why) if why.kind() != std::io::ErrorKind::NotFound => {
+            Err(why) if why.kind() != ErrorKind::NotFound => {
                 Err(Failure::Failed(format!("cannot replace {}: {why}", path.display())))
             }
             _ => Ok(()),
@@ -76,6 +93,7 @@ impl OutputFolder {
         manifest.files.extend(self.files.drain(..));
         manifest.write(self.file(dataset::MANIFEST_JSON))?;
         self.finished = true;
+        made().paths.clear();
         let names = manifest.files.keys().cloned();
         Ok(names.chain([dataset::MANIFEST_JSON.to_string()]).collect())
     }
@@ -84,10 +102,26 @@ impl OutputFolder {
 impl Drop for OutputFolder {
     fn drop(&mut self) {
         if !self.finished {
-            // Only folders that are still empty go: whole files that were written stay.
-            for folder in &self.made {
-                let _ = std::fs::remove_dir(folder);
-            }
+            take_back();
         }
     }
+}
+
+/// Makes one folder unless it is there.
+fn make_folder(path: &Path) -> Result<(), Failure> {
+    // Held meanwhile, so that no folder is made behind the back of a handler that takes them back.
+    let mut made = made();
+    if made.stopped {
+        return Err(cannot_make(path, ErrorKind::Interrupted.into()));
+    }
+    match std::fs::create_dir(path) {
+        Ok(()) => made.paths.push(path.to_path_buf()),
+        Err(why) if why.kind() == ErrorKind::AlreadyExists && path.is_dir() => {}
+        Err(why) => return Err(cannot_make(path, why)),
+    }
+    Ok(())
+}
+
+fn cannot_make(path: &Path, why: std::io::Error) -> Failure {
+    Failure::Failed(format!("cannot make the folder {}: {why}; choose another with --out", path.display()))
 }

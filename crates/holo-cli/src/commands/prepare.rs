@@ -30,7 +30,7 @@ pub fn prepare(scene: &Path, rig: &RigOptions, engine: &EngineOptions, quiet: bo
     })?;
     let load_seconds = start.elapsed().as_secs_f64();
     if !quiet {
-        loaded.warnings.iter().for_each(|warning| eprintln!("warning: {warning}"));
+        loaded.warnings.iter().for_each(|warning| say!("warning: {warning}"));
     }
     let framing = Framing {
         split,
@@ -48,7 +48,7 @@ pub fn prepare(scene: &Path, rig: &RigOptions, engine: &EngineOptions, quiet: bo
     };
     let framed = framing.frame(&loaded.scene)?;
     if !quiet && loaded.scene.cameras.is_empty() {
-        eprintln!("warning: {}", framed.camera);
+        say!("warning: {}", framed.camera);
     }
     let start = Instant::now();
     let backend = match engine.backend {
@@ -59,7 +59,7 @@ pub fn prepare(scene: &Path, rig: &RigOptions, engine: &EngineOptions, quiet: bo
     let renderer = Renderer::new(&loaded.scene, &framed.pose, backend, usize::from(engine.threads.unwrap_or(0)))?;
     let build_seconds = start.elapsed().as_secs_f64();
     if let Some(note) = renderer.engine_note().filter(|_| !quiet) {
-        eprintln!("warning: {note}");
+        say!("warning: {note}");
     }
     let focus = match rig.focus_m {
         FocusArgument::Metres(distance) => distance,
@@ -86,9 +86,14 @@ fn split(rig: &RigOptions, quiet: bool) -> Result<Split, Failure> {
     let border = divided.border;
     if !quiet && (border.rows, border.columns) != (0, 0) {
         let size = rig.sensor.size();
-        eprintln!(
+        say!(
             "note: {} x {} views leave {} columns and {} rows of the {} x {} sensor unused",
-            rig.views.columns, rig.views.rows, border.columns, border.rows, size.columns, size.rows
+            rig.views.columns,
+            rig.views.rows,
+            border.columns,
+            border.rows,
+            size.columns,
+            size.rows
         );
     }
     Ok(divided.split)

@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use holo_core::{GridSize, LightField, LightFieldOwned, Split};
-use holo_io::{Layout, Limits, ParametersCfg, PngSamples, dataset};
+use holo_core::{GridSize, Layout, LightField, LightFieldOwned, Split};
+use holo_io::{Limits, ParametersCfg, PngSamples, dataset};
 
 use crate::arguments::LayoutArgument;
 use crate::failure::Failure;
@@ -17,7 +17,7 @@ pub enum Raw {
 /// Reads a raw PNG. Its layout comes from `from` or the file's name, its views from `views` or the `parameters.cfg`
 /// beside it.
 pub fn read(path: &Path, from: Option<LayoutArgument>, views: Option<GridSize>) -> Result<(Raw, Layout), Failure> {
-    let layout = from.map(layout).or_else(|| Layout::of_file_name(path)).ok_or_else(|| {
+    let layout = from.map(layout).or_else(|| holo_io::layout_of_file_name(path)).ok_or_else(|| {
         Failure::Usage(format!("{}: neither --from nor the name (_el, _vpi) says which grid this is", path.display()))
     })?;
     let views = match views {
@@ -50,15 +50,15 @@ pub fn read(path: &Path, from: Option<LayoutArgument>, views: Option<GridSize>) 
 
 fn wrap<T: Copy>(image: ndarray::Array3<T>, split: Split, layout: Layout) -> Result<LightFieldOwned<T>, Failure> {
     Ok(match layout {
-        Layout::Elemental => LightField::from_elemental_grid(image, split)?,
-        Layout::Viewpoint => LightField::from_viewpoint_grid(image, split)?,
+        Layout::ElementalGrid => LightField::from_elemental_grid(image, split)?,
+        Layout::ViewpointGrid => LightField::from_viewpoint_grid(image, split)?,
     })
 }
 
 /// The layout that a word of the command line means.
 pub fn layout(argument: LayoutArgument) -> Layout {
     match argument {
-        LayoutArgument::El => Layout::Elemental,
-        LayoutArgument::Vpi => Layout::Viewpoint,
+        LayoutArgument::El => Layout::ElementalGrid,
+        LayoutArgument::Vpi => Layout::ViewpointGrid,
     }
 }

@@ -1,7 +1,7 @@
 //! `holo remap`: one grid into the other.
 
-use holo_core::LightFieldOwned;
-use holo_io::{Compression, Layout, Meaning};
+use holo_core::{Layout, LightFieldOwned};
+use holo_io::{Compression, Meaning};
 
 use super::raw::{self, Raw};
 use crate::arguments::RemapOptions;
@@ -11,8 +11,8 @@ pub fn run(options: &RemapOptions) -> Result<(), Failure> {
     let (image, from) = raw::read(&options.input, options.from, options.views)?;
     let to = match (options.to, from) {
         (Some(to), _) => raw::layout(to),
-        (None, Layout::Elemental) => Layout::Viewpoint,
-        (None, Layout::Viewpoint) => Layout::Elemental,
+        (None, Layout::ElementalGrid) => Layout::ViewpointGrid,
+        (None, Layout::ViewpointGrid) => Layout::ElementalGrid,
     };
     let out = &options.output;
     match image {
@@ -25,7 +25,7 @@ pub fn run(options: &RemapOptions) -> Result<(), Failure> {
 /// The grid, without a copy where the memory already is that grid.
 fn grid<T: Copy + Send + Sync>(field: LightFieldOwned<T>, to: Layout) -> ndarray::Array3<T> {
     match to {
-        Layout::Elemental => field.into_elemental_grid().unwrap_or_else(|field| field.to_elemental_grid()),
-        Layout::Viewpoint => field.into_viewpoint_grid().unwrap_or_else(|field| field.to_viewpoint_grid()),
+        Layout::ElementalGrid => field.into_elemental_grid().unwrap_or_else(|field| field.to_elemental_grid()),
+        Layout::ViewpointGrid => field.into_viewpoint_grid().unwrap_or_else(|field| field.to_viewpoint_grid()),
     }
 }

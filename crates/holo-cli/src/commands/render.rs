@@ -39,7 +39,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         ..Seconds::default()
     };
     if !options.quiet && rendered.integrator == Integrator::Depth && options.integrator == IntegratorArgument::Auto {
-        eprintln!("note: the scene has no light, so there is no picture, only ground truth; try --sky 1,1,1");
+        say!("note: the scene has no light, so there is no picture, only ground truth; try --sky 1,1,1");
     }
 
     let writing = Instant::now();
@@ -69,7 +69,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         report.print(&options.out);
     }
     if options.json {
-        println!("{}", report.json());
+        out!("{}", report.json())?;
     }
     Ok(())
 }

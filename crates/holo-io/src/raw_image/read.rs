@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use holo_core::GridSize;
+use holo_core::{GridSize, Layout};
 
-use super::Layout;
+use super::layout_of_file_name;
 use crate::{Error, Limits, ParametersCfg, PngSamples, dataset, read_png};
 
 /// A raw image and the rig that it was made with.
@@ -29,7 +29,7 @@ impl RawImage {
     /// [`Error::Broken`] if the image has not the size that the parameters say.
     pub fn read(path: impl AsRef<Path>, layout: Option<Layout>, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
-        let layout = layout.or_else(|| Layout::of_file_name(path)).ok_or_else(|| {
+        let layout = layout.or_else(|| layout_of_file_name(path)).ok_or_else(|| {
             Error::bad_input(path, "the name does not tell the layout (`_el` or `_vpi`); say which it is")
         })?;
         let parameters_path = path.with_file_name(dataset::PARAMETERS_CFG);

@@ -49,7 +49,9 @@ impl Bvh {
 
     fn ray(rays: &Rays, lane: usize) -> (Ray, ShearedRay) {
         let origin = rays.origin.map(|axis| axis[lane]);
-        let direction = rays.direction.map(|axis| axis[lane]);
+        // `+ 0.0` turns -0 into 0, which the tree's box test would take for a negative number in one place and for a
+        // positive one in another.
+        let direction = rays.direction.map(|axis| axis[lane] + 0.0);
         let ray = Ray::new(origin.into(), direction.into(), rays.near[lane], rays.far[lane]);
         (ray, ShearedRay::new(origin, direction))
     }

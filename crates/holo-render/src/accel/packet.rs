@@ -11,6 +11,13 @@ pub(crate) const NO_TRIANGLE: u32 = u32::MAX;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lanes<T>(pub [T; LANES]);
 
+/// One lane of a vector field. (Closures such as those of `array::map` are not compiled for the kernel's instruction set;
+/// hot code is written with loops and with this.)
+#[inline(always)]
+pub(crate) fn at(field: &[[f32; LANES]; 3], lane: usize) -> [f32; 3] {
+    [field[0][lane], field[1][lane], field[2][lane]]
+}
+
 /// `RTCRay16`: 12 words a ray.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]

@@ -28,11 +28,12 @@ impl Truth {
     /// Takes the next packet's refined depths.
     #[inline(always)]
     pub fn push(&mut self, context: &Context, depth: &[f64; LANES]) {
-        let mut disparity = [0.0; LANES];
+        let (mut rounded, mut disparity) = ([0.0; LANES], [0.0; LANES]);
         for lane in 0..LANES {
+            rounded[lane] = depth[lane] as f32;
             disparity[lane] = context.disparity.from_depth_m(depth[lane]) as f32;
         }
-        self.depth_m.push([depth.map(|z| z as f32)]);
+        self.depth_m.push([rounded]);
         self.disparity_px.push([disparity]);
     }
 

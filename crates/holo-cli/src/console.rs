@@ -1,0 +1,34 @@
+//! Lines on standard output and standard error that never end the program: `println!` panics where nobody reads.
+
+use std::fmt::Arguments;
+use std::io::{ErrorKind, Write};
+
+use crate::failure::Failure;
+
+/// A line on standard output, for `out!`. A reader that has seen enough (`holo info x | head`) is no failure.
+pub fn print(line: Arguments) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    match writeln!(stdout, "{line}").and_then(|()| stdout.flush()) {
+        Err(why) if why.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::Failed(format!("cannot write to standard output: {why}")))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A line on standard error, for `say!`. There is nowhere left to complain if it cannot be written.
+pub fn tell(line: Arguments) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// `println!` with an error instead of a panic.
+macro_rules! out {
+    ($($line:tt)*) => { $crate::console::print(format_args!($($line)*)) };
+}
+
+/// `eprintln!` without a panic.
+macro_rules! say {
+    ($($line:tt)*) => { $crate::console::tell(format_args!($($line)*)) };
+}
+
+pub(crate) use {out, say};

@@ -1,0 +1,107 @@
+//! Scenes and rigs that several tests use.
+#![allow(dead_code)] // every test file uses its own part
+
+use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
+use holo_render::scene::{Instance, Material, Mesh, Scene, Transform};
+use holo_render::{Backend, GroundTruth, Integrator, Rendered, Renderer, Request};
+
+/// SplitMix64: the same numbers everywhere.
+pub struct Random(pub u64);
+
+impl Random {
+    pub fn unit(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+}
+
+/// A rig at the origin that looks along -Z: 50 mm lens on a 36 mm sensor.
+pub fn rig(
+    [t, s]: [usize; 2],
+    [v, u]: [usize; 2],
+    baseline_m: f64,
+    focus_distance_m: f64,
+    projection: Projection,
+) -> Rig {
+    Rig::new(RigParameters {
+        split: Split::new(GridSize::new(t, s), GridSize::new(v, u)).expect("sizes"),
+        intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
+        baseline_x_m: baseline_m,
+        baseline_y_m: baseline_m,
+        focus_distance_m,
+        projection,
+    })
+    .expect("a rig")
+}
+
+/// Adds a mesh of one material, placed once.
+pub fn add(scene: &mut Scene, mut mesh: Mesh, base_color: [f32; 4], transform: Transform) {
+    mesh.material = scene.materials.len();
+    scene.materials.push(Material { base_color, ..Material::default() });
+    scene.meshes.push(mesh);
+    scene.instances.push(Instance { name: String::new(), mesh: scene.meshes.len() - 1, transform });
+}
+
+/// A square of half-width `half` around the origin in the plane z = 0, facing +Z.
+pub fn square(half: f32) -> Mesh {
+    Mesh {
+        positions: vec![[-half, -half, 0.0], [half, -half, 0.0], [half, half, 0.0], [-half, half, 0.0]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    }
+}
+
+/// Random triangles between 2 and 6 m in front of the camera, a few colours.
+pub fn soup(count: usize, seed: u64) -> Scene {
+    let mut random = Random(seed);
+    let mut scene = Scene::default();
+    for _ in 0..4 {
+        let color = [random.unit() as f32, random.unit() as f32, random.unit() as f32, 1.0];
+        let mut mesh = Mesh::default();
+        for k in 0..(count / 4) as u32 {
+            let center = [random.between(-1.5, 1.5), random.between(-1.5, 1.5), random.between(-6.0, -2.0)];
+            mesh.positions.extend((0..3).map(|_| center.map(|c| (c + random.between(-0.4, 0.4)) as f32)));
+            mesh.triangles.push([3 * k, 3 * k + 1, 3 * k + 2]);
+        }
+        add(&mut scene, mesh, color, Transform::IDENTITY);
+    }
+    scene
+}
+
+/// Renders with the camera at the origin.
+pub fn render(scene: &Scene, request: &Request, backend: Backend, threads: usize) -> Rendered {
+    render_from(scene, &Transform::IDENTITY, request, backend, threads)
+}
+
+/// Renders with the camera at `pose`.
+pub fn render_from(scene: &Scene, pose: &Transform, request: &Request, backend: Backend, threads: usize) -> Rendered {
+    let renderer = Renderer::new(scene, pose, backend, threads).expect("a renderer");
+    renderer.render(request, &()).expect("a render")
+}
+
+/// A request for colour and the ground truth of all views.
+pub fn everything(rig: Rig, samples: u32, sky: [f32; 3]) -> Request {
+    Request { rig, integrator: Integrator::Direct, samples, seed: 1, sky, ground_truth: GroundTruth::All }
+}
+
+/// A request for the ground truth of all views alone.
+pub fn truth(rig: Rig) -> Request {
+    Request { integrator: Integrator::Depth, ..everything(rig, 1, [0.0; 3]) }
+}
+
+/// The engines that this machine has; says when Embree is missing.
+pub fn engines() -> Vec<Backend> {
+    match Renderer::new(&soup(4, 1), &Transform::IDENTITY, Backend::Embree, 1) {
+        Ok(_) => vec![Backend::Embree, Backend::Bvh],
+        Err(why) => {
+            eprintln!("not run for Embree: {why}");
+            vec![Backend::Bvh]
+        }
+    }
+}

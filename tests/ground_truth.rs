@@ -1,0 +1,114 @@
+//! Depth and disparity against closed forms, against each other, and against what other views see.
+
+mod common;
+
+use common::{add, engines, render, rig, soup, square, truth};
+use holo_core::Projection;
+use holo_render::scene::{Scene, Transform};
+use holo_render::{Backend, Renderer};
+
+/// A slanted plane fills the picture: its depth is known for every pixel of every view, in either projection, with
+/// either engine. f64 refinement leaves the rounding of the stored f32: 2^-24.
+#[test]
+fn depth_of_a_slanted_plane_is_exact() {
+    // z = -3 + 0.2 x - 0.3 y, as a square carried there.
+    let mut scene = Scene::default();
+    let plane =
+        Transform { columns: [[1.0, 0.0, 0.2], [0.0, 1.0, -0.3], [0.0, 0.0, 1.0]], translation: [0.0, 0.0, -3.0] };
+    add(&mut scene, square(20.0), [1.0; 4], plane);
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        for backend in engines() {
+            let rig = rig([3, 4], [7, 9], 0.05, 2.5, projection);
+            let rendered = render(&scene, &truth(rig), backend, 1);
+            let all = rendered.all.expect("asked for");
+            for ((v, u, t, s, _), &depth) in all.depth_m.samples().indexed_iter() {
+                let ray = rig.ray(v, u, t, s, 0.5, 0.5);
+                let [x, y] = [0, 1].map(|k| (ray.origin_m[k], ray.direction[k]));
+                // -Z = -3 + 0.2 (x + Z dx) - 0.3 (y + Z dy)
+                let exact = (3.0 - 0.2 * x.0 + 0.3 * y.0) / (1.0 + 0.2 * x.1 - 0.3 * y.1);
+                assert!(
+                    (f64::from(depth) - exact).abs() <= exact * 6.0e-8,
+                    "{backend:?} {projection:?} {v} {u} {t} {s}: {depth} {exact}"
+                );
+                let disparity = rig.disparity().from_depth_m(exact);
+                let found = f64::from(all.disparity_px.samples()[[v, u, t, s, 0]]);
+                // Relative to the scale of disparities here: f32 rounding.
+                assert!((found - disparity).abs() <= 1e-7 * disparity.abs().max(1e-3), "{found} {disparity}");
+            }
+        }
+    }
+}
+
+/// What the central ground truth says is what the ground truth of all views says of the central view, for even counts
+/// too.
+#[test]
+fn the_central_view_is_one_of_all() {
+    for views in [[5, 5], [4, 6], [1, 1], [1, 7]] {
+        let rig = rig(views, [11, 13], 0.02, 3.0, Projection::Perspective);
+        let scene = soup(200, 3);
+        let rendered = render(&scene, &truth(rig), Backend::Bvh, 2);
+        let alone = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, 1).unwrap().central_truth(&rig).unwrap();
+        assert_eq!(alone.depth_m, rendered.central.depth_m);
+        assert_eq!(alone.disparity_px, rendered.central.disparity_px);
+        assert!(alone.depth_m.iter().any(|z| z.is_finite()) && alone.depth_m.iter().any(|z| z.is_infinite()));
+    }
+}
+
+/// The point that a pixel of the central view sees lies, in every other view, where Eq. 3 says; and where that view sees
+/// the same surface (a plane here, so everywhere), the depths agree.
+#[test]
+fn points_move_by_their_disparity() {
+    let mut scene = Scene::default();
+    add(&mut scene, square(20.0), [1.0; 4], Transform::from_translation([0.0, 0.0, -4.0]));
+    let rig = rig([5, 5], [21, 31], 0.03, 2.5, Projection::Perspective);
+    let rendered = render(&scene, &truth(rig), Backend::Bvh, 1);
+    let (tc, sc) = rig.split().central_view();
+    for ((v, u), &disparity) in rendered.central.disparity_px.indexed_iter() {
+        let depth = f64::from(rendered.central.depth_m[[v, u]]);
+        let point = rig.ray(v, u, tc, sc, 0.5, 0.5).at_depth_m(depth);
+        for t in 0..5 {
+            for s in 0..5 {
+                let (row, column) = rig.project(point, t, s).expect("in front of the camera");
+                let d = f64::from(disparity);
+                let expected_column = u as f64 + 0.5 - d * (s as f64 - sc as f64);
+                let expected_row = v as f64 + 0.5 - d * (t as f64 - tc as f64);
+                // Depth and disparity were rounded to f32: a few 1e-7 of some tens of pixels.
+                assert!((column - expected_column).abs() < 1e-5, "{column} {expected_column}");
+                assert!((row - expected_row).abs() < 1e-5, "{row} {expected_row}");
+            }
+        }
+    }
+}
+
+/// All rays of an elemental image meet in one point of the focus plane.
+#[test]
+fn rays_of_an_elemental_image_meet_on_the_focus_plane() {
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        let rig = rig([6, 4], [5, 8], 0.07, 1.75, projection);
+        for (v, u) in [(0, 0), (2, 3), (4, 7)] {
+            let first = rig.ray(v, u, 0, 0, 0.5, 0.5).at_depth_m(1.75);
+            for (t, s) in [(5, 3), (2, 1), (0, 3)] {
+                let point = rig.ray(v, u, t, s, 0.5, 0.5).at_depth_m(1.75);
+                for axis in 0..3 {
+                    assert!((point[axis] - first[axis]).abs() < 1e-15, "{projection:?} {point:?} {first:?}");
+                }
+            }
+        }
+    }
+}
+
+/// The three engines see the same picture. An f32 engine may judge a ray within rounding of an edge differently: at most
+/// one pixel in a thousand.
+#[test]
+fn engines_agree_on_depth() {
+    let rig = rig([4, 4], [24, 36], 0.01, 4.0, Projection::Perspective);
+    let scene = soup(600, 9);
+    let oracle = render(&scene, &truth(rig), Backend::BruteForce, 2).all.expect("asked for");
+    for backend in engines() {
+        let found = render(&scene, &truth(rig), backend, 2).all.expect("asked for");
+        let (a, b) = (oracle.depth_m.samples(), found.depth_m.samples());
+        let same = |a: f32, b: f32| a == b || ((a - b) / a).abs() < 1e-6;
+        let (differ, all) = (a.iter().zip(b).filter(|(a, b)| !same(**a, **b)).count(), a.len());
+        assert!(differ * 1000 <= all, "{backend:?}: {differ} of {all}");
+    }
+}
