@@ -55,13 +55,13 @@ fn a_far_away_scene_is_the_scene_at_the_origin() {
     }
 }
 
-/// A scene a thousand times smaller or larger, rig and lights scaled with it, has the same disparities. The scale is no
+/// A scene a thousand or a million times smaller or larger, rig and lights scaled with it, has the same disparities. The scale is no
 /// power of two, so f32 rounding differs: silhouettes may flip, one pixel in a thousand.
 #[test]
 fn scale_does_not_matter() {
     let scene = soup(300, 6);
     let base = rig([4, 4], [20, 30], 0.01, 3.0, Projection::Perspective);
-    for scale in [1e-3, 1e3] {
+    for scale in [1e-6, 1e-3, 1e3, 1e6] {
         let mut scaled = scene.clone();
         scaled
             .instances
@@ -150,8 +150,24 @@ fn broken_scenes_are_named_errors() {
     range.meshes[1].triangles[0][2] = 99;
     let mut far = soup(4, 1);
     far.instances[0].transform.translation = [1e30, 0.0, 0.0];
-    for (scene, word) in [(nan, "meshes[0]"), (range, "meshes[1]"), (far, "mesh")] {
+    // Finite numbers that are none any more once they are multiplied.
+    let mut cancelling = soup(4, 1);
+    cancelling.instances[0].transform.columns = [[1e308, 0.0, 0.0], [-1e308, 1e-3, 0.0], [0.0, 0.0, 1.0]];
+    let mut glaring = soup(4, 1);
+    let direction = [0.0, 0.0, -1.0];
+    glaring.lights.push(Light { name: "sun".into(), intensity: [1e39; 3], kind: LightKind::Directional { direction } });
+    for (scene, word) in
+        [(nan, "meshes[0]"), (range, "meshes[1]"), (far, "mesh"), (cancelling, "mesh"), (glaring, "lights[0]")]
+    {
         let Err(error) = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, 1) else { panic!("accepted") };
         assert!(error.to_string().contains(word), "{error}");
     }
+}
+
+/// A rig beyond the range of f32 is refused.
+#[test]
+fn a_rig_of_absurd_size_is_an_error() {
+    let renderer = Renderer::new(&soup(4, 1), &Transform::IDENTITY, Backend::Bvh, 1).unwrap();
+    let rig = rig([2, 2], [3, 3], 1e39, f64::INFINITY, Projection::Perspective);
+    assert!(matches!(renderer.render(&truth(rig), &()), Err(Error::BadSetting(_))));
 }

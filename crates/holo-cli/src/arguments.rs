@@ -4,14 +4,16 @@ mod values;
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use holo_core::{GridSize, Sensor};
 
 pub use values::{CameraArgument, ExposureArgument, FocusArgument, Pair, Rgb};
 
 /// Holoscopic (integral, plenoptic 1.0) images from glTF scenes, with exact depth and disparity.
+///
+/// Everywhere x comes before y: sizes are columns x rows, positions are column,row and count from 0.
 #[derive(Parser, Debug)]
-#[command(version, propagate_version = true, subcommand_required = true, arg_required_else_help = true)]
+#[command(name = "holo", version, propagate_version = true, subcommand_required = true, arg_required_else_help = true)]
 pub struct Arguments {
     #[command(subcommand)]
     pub command: Command,
@@ -46,10 +48,10 @@ pub struct RenderOptions {
     #[arg(long, value_enum, default_value_t = IntegratorArgument::Auto)]
     pub integrator: IntegratorArgument,
     /// Rays through every pixel [default: 16, with the integrator depth 1].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=65536))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub spp: Option<u32>,
     /// Radiance of a constant sky, linear.
-    #[arg(long, value_name = "R,G,B", default_value = "0,0,0")]
+    #[arg(long, value_name = "R,G,B", allow_hyphen_values = true, default_value = "0,0,0")]
     pub sky: Rgb,
     /// Stops by which 8- and 16-bit images are brightened, or `auto`.
     #[arg(long, value_name = "auto|EV", default_value = "auto", allow_hyphen_values = true)]
@@ -57,14 +59,14 @@ pub struct RenderOptions {
     /// Depth and disparity for the central view or for all views.
     #[arg(long, value_enum, default_value_t = GroundTruthArgument::Central)]
     pub ground_truth: GroundTruthArgument,
-    /// What to write [default: vpi,el,disparity,depth; without colour disparity,depth].
-    #[arg(long, value_enum, value_delimiter = ',')]
+    /// What to write, separated by commas [default: vpi,el,disparity,depth; without colour disparity,depth].
+    #[arg(long, value_name = "WHAT,..", value_enum, value_delimiter = ',')]
     pub write: Vec<Output>,
     /// Bits a channel of the raw PNGs.
     #[arg(long, value_name = "8|16", default_value_t = 8, value_parser = bit_depth)]
     pub bit_depth: u8,
     /// Chooses the random numbers.
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 0)]
     pub seed: u64,
     #[command(flatten)]
     pub engine: EngineOptions,
@@ -83,25 +85,25 @@ pub struct RigOptions {
     #[arg(long, value_name = "NAME|WxH", default_value = "8k", value_parser = values::sensor, conflicts_with = "lenses")]
     pub sensor: Sensor,
     /// Views, columns x rows, or one number for both.
-    #[arg(long, value_name = "SxT|N", default_value = "100x100", value_parser = values::size)]
+    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, default_value = "100x100", value_parser = values::size)]
     pub views: GridSize,
     /// Lenses, columns x rows (the pixels of one view), instead of a sensor.
     #[arg(long, value_name = "UxV", value_parser = values::size)]
     pub lenses: Option<GridSize>,
     /// Distance between neighbouring views, m.
-    #[arg(long, value_name = "B", conflicts_with = "f_number", value_parser = values::not_negative)]
+    #[arg(long, value_name = "B", allow_negative_numbers = true, conflicts_with = "f_number", value_parser = values::not_negative)]
     pub baseline_m: Option<f64>,
     /// The views sample the aperture of an f/N lens [default: 5].
-    #[arg(long, value_name = "N", value_parser = values::positive)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = values::positive)]
     pub f_number: Option<f64>,
     /// Distance of the focus plane, m, `inf`, or `auto` (harmonic mean of nearest and farthest depth).
-    #[arg(long, value_name = "Z|inf|auto", default_value = "auto")]
+    #[arg(long, value_name = "Z|inf|auto", allow_negative_numbers = true, default_value = "auto")]
     pub focus_m: FocusArgument,
     /// Focal length, mm [default: from the camera's angle of view].
-    #[arg(long, value_name = "F", value_parser = values::positive)]
+    #[arg(long, value_name = "F", allow_negative_numbers = true, value_parser = values::positive)]
     pub focal_mm: Option<f64>,
     /// Length of the larger image side on the sensor, mm.
-    #[arg(long, value_name = "S", default_value_t = 36.0, value_parser = values::positive)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, default_value_t = 36.0, value_parser = values::positive)]
     pub sensor_mm: f64,
     /// How views are projected.
     #[arg(long, value_enum, default_value_t = ProjectionArgument::Perspective)]
@@ -114,7 +116,7 @@ pub struct RigOptions {
 #[derive(Args, Debug)]
 pub struct EngineOptions {
     /// Threads [default: one per core].
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// What finds the hits: Embree, the built-in BVH, or Embree where there is one.
     #[arg(long, value_enum, default_value_t = BackendArgument::Auto)]
@@ -144,19 +146,20 @@ pub struct RemapOptions {
     #[arg(long, value_enum)]
     pub to: Option<LayoutArgument>,
     /// Views, columns x rows, or one number for both [default: from the parameters.cfg beside the input].
-    #[arg(long, value_name = "SxT|N", value_parser = values::size)]
+    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = values::size)]
     pub views: Option<GridSize>,
 }
 
 #[derive(Args, Debug)]
+#[command(group(ArgGroup::new("image").required(true).args(["view", "lens"])))]
 pub struct ExtractOptions {
     /// A raw PNG of 8 or 16 bits.
     pub input: PathBuf,
     /// One viewpoint image: its column and row, from 0.
-    #[arg(long, value_name = "S,T", required_unless_present = "lens", conflicts_with = "lens")]
+    #[arg(long, value_name = "S,T", allow_hyphen_values = true)]
     pub view: Option<Pair>,
     /// One elemental image: the column and row of its lens, from 0.
-    #[arg(long, value_name = "U,V")]
+    #[arg(long, value_name = "U,V", allow_hyphen_values = true)]
     pub lens: Option<Pair>,
     /// The PNG to write.
     #[arg(long, value_name = "FILE")]
@@ -165,7 +168,7 @@ pub struct ExtractOptions {
     #[arg(long, value_enum)]
     pub from: Option<LayoutArgument>,
     /// Views, columns x rows, or one number for both [default: from the parameters.cfg beside the input].
-    #[arg(long, value_name = "SxT|N", value_parser = values::size)]
+    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = values::size)]
     pub views: Option<GridSize>,
 }
 
@@ -249,7 +252,7 @@ fn bit_depth(text: &str) -> Result<u8, String> {
     match text {
         "8" => Ok(8),
         "16" => Ok(16),
-        _ => Err("8 or 16".into()),
+        _ => Err("give 8 or 16".into()),
     }
 }
 

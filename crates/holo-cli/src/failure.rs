@@ -24,6 +24,8 @@ impl From<holo_render::Error> for Failure {
     fn from(error: holo_render::Error) -> Self {
         match error {
             holo_render::Error::BadSetting(message) => Self::Usage(message),
+            // The only impossible rig that no scene file can cause.
+            holo_render::Error::Core(why @ holo_core::Error::OrthographicFocus { .. }) => Self::Usage(why.to_string()),
             other => Self::Failed(other.to_string()),
         }
     }
@@ -37,6 +39,13 @@ impl From<holo_io::Error> for Failure {
 
 impl From<holo_core::Error> for Failure {
     fn from(error: holo_core::Error) -> Self {
-        Self::Usage(error.to_string())
+        match error {
+            // The library counts rows first, the command line columns.
+            holo_core::Error::SensorTooSmall { sensor, views } => Self::Usage(format!(
+                "a sensor of {} x {} pixels is too small for {} x {} views: every view needs at least one pixel",
+                sensor.columns, sensor.rows, views.columns, views.rows
+            )),
+            other => Self::Usage(other.to_string()),
+        }
     }
 }

@@ -3,8 +3,11 @@
 use std::path::Path;
 
 use holo_core::Rig;
+use holo_io::ManifestRig;
 use holo_render::{Integrator, RayCounts};
 use serde_json::{Value, json};
+
+use crate::console::say;
 
 /// Everything worth telling about one render.
 pub struct Report<'a> {
@@ -33,8 +36,7 @@ pub struct Seconds {
 impl Report<'_> {
     /// The object of `--json`.
     pub fn json(&self) -> Value {
-        let parameters = self.rig.parameters();
-        let split = self.rig.split();
+        let rig = ManifestRig::from(self.rig.parameters());
         let size = |s: holo_core::GridSize| json!({"columns": s.columns, "rows": s.rows});
         json!({
             "seconds": {
@@ -48,11 +50,11 @@ impl Report<'_> {
             "peak_rss_bytes": peak_rss_bytes(),
             "integrator": {"name": integrator_name(self.integrator), "why": self.why},
             "rig": {
-                "views": size(split.views()), "lenses": size(split.lenses()),
-                "baseline_m": {"x": parameters.baseline_x_m, "y": parameters.baseline_y_m},
-                "focal_length_mm": parameters.intrinsics.focal_length_m * 1e3,
-                "sensor_size_mm": parameters.intrinsics.sensor_size_m * 1e3,
-                "focus_distance_m": number(parameters.focus_distance_m),
+                "views": size(rig.views), "lenses": size(rig.lenses),
+                "baseline_m": {"x": rig.baseline_x_m, "y": rig.baseline_y_m},
+                "focal_length_mm": rig.focal_length_mm,
+                "sensor_size_mm": rig.sensor_size_mm,
+                "focus_distance_m": number(rig.focus_distance_m),
             },
             "disparity_px": self.disparity_px.map(|(min, max)| json!({"min": min, "max": max})),
             "files": self.files,
@@ -98,18 +100,34 @@ pub fn describe_split(rig: &Rig) -> String {
 
 /// The rig's lengths in words.
 pub fn describe_rig(rig: &Rig, disparity_px: Option<(f64, f64)>) -> String {
-    let parameters = rig.parameters();
+    let parameters = ManifestRig::from(rig.parameters());
     let range = match disparity_px {
-        Some((min, max)) => format!("disparity {min:.4} to {max:.4} px between neighbouring views"),
-        None => "nothing hit in the central view".into(),
+        Some((min, max)) => format!("disparity {} to {} px between neighbouring views", short(min), short(max)),
+        None => "no disparity known".into(),
+    };
+    let focus = match parameters.focus_distance_m {
+        distance if distance.is_finite() => format!("{} m", short(distance)),
+        _ => "at infinity".into(),
     };
     format!(
-        "rig: baseline {:.6} mm, focal length {:.3} mm, sensor {:.3} mm, focus {:.4} m; {range}",
-        parameters.baseline_x_m * 1e3,
-        parameters.intrinsics.focal_length_m * 1e3,
-        parameters.intrinsics.sensor_size_m * 1e3,
-        parameters.focus_distance_m
+        "rig: baseline {} mm, focal length {} mm, sensor {} mm, focus {focus}; {range}",
+        short(parameters.baseline_x_m * 1e3),
+        short(parameters.focal_length_mm),
+        short(parameters.sensor_size_mm),
     )
+}
+
+/// Some five digits, and a power of ten only where the number would be unreadable without.
+fn short(x: f64) -> String {
+    match x.abs() {
+        0.0 => "0".into(),
+        size if (1e-3..1e6).contains(&size) => {
+            let digits = (4 - size.log10().floor() as i32).clamp(0, 7) as usize;
+            let text = format!("{x:.digits$}");
+            if digits > 0 { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+        }
+        _ => format!("{x:.4e}"),
+    }
 }
 
 /// The name on the command line.
@@ -131,4 +149,25 @@ fn peak_rss_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_for_people_are_short() {
+        for (x, text) in [
+            (0.0, "0"),
+            (36.0, "36"),
+            (1.939_636_9, "1.9396"),
+            (-0.024_513_7, "-0.024514"),
+            (0.001, "0.001"),
+            (123_456.7, "123457"),
+            (1e303, "1.0000e303"),
+            (-1.25e-7, "-1.2500e-7"),
+        ] {
+            assert_eq!(short(x), text);
+        }
+    }
 }

@@ -9,6 +9,7 @@
 
 pub(crate) mod brute_force;
 pub(crate) mod bvh;
+#[allow(unsafe_code)]
 pub(crate) mod embree;
 mod packet;
 pub(crate) mod triangle;
@@ -72,13 +73,13 @@ pub(crate) fn build(
         Backend::Embree => (Box::new(embree::Embree::build(geometry, threads)?), None),
         Backend::Bvh => (Box::new(bvh::Bvh::build(geometry)), None),
         Backend::BruteForce => (Box::new(brute_force::BruteForce::build(geometry)), None),
-        Backend::Auto => match embree::Embree::build(geometry, threads) {
-            Ok(engine) => (Box::new(engine), None),
-            Err(Error::Embree(why)) => {
+        // Only a library that is not there is no error: one that fails over this scene is.
+        Backend::Auto => match embree::Embree::available() {
+            Ok(()) => (Box::new(embree::Embree::build(geometry, threads)?), None),
+            Err(why) => {
                 let note = format!("{why}; using the built-in BVH, which is several times slower");
                 (Box::new(bvh::Bvh::build(geometry)), Some(note))
             }
-            Err(other) => return Err(other),
         },
     })
 }

@@ -72,11 +72,11 @@ impl Framing {
     /// No such camera, an orthographic camera, numbers that no rig can have.
     pub fn frame(&self, scene: &Scene) -> Result<Framed, Error> {
         let lenses = self.split.lenses();
-        let (pose, camera, half_angle) = match choose(scene, &self.camera)? {
-            Some(camera) => (camera.pose, format!("camera '{}'", camera.name), half_angle(camera, lenses)?),
+        let (pose, camera, half_slope) = match choose(scene, &self.camera)? {
+            Some(camera) => (camera.pose, format!("camera '{}'", camera.name), half_slope(camera, lenses)?),
             None => frame_bounds(scene, lenses)?,
         };
-        let focal_length_m = self.focal_length_m.unwrap_or(self.sensor_size_m / (2.0 * half_angle.tan()));
+        let focal_length_m = self.focal_length_m.unwrap_or(self.sensor_size_m / (2.0 * half_slope));
         let baseline_m = match self.baseline {
             Baseline::Metres(baseline) => baseline,
             Baseline::FNumber(f_number) => automatic_baseline_m(focal_length_m, f_number, self.split.views())?,
@@ -148,17 +148,17 @@ fn choose<'a>(scene: &'a Scene, choice: &CameraChoice) -> Result<Option<&'a Came
     }
 }
 
-/// Half the angle of view along the larger image side, rad. A camera with more columns than rows keeps its horizontal
-/// angle, else its vertical one.
-fn half_angle(camera: &Camera, lenses: GridSize) -> Result<f64, Error> {
+/// The tangent of half the angle of view along the larger image side. A camera with more columns than rows keeps its
+/// horizontal angle, else its vertical one.
+fn half_slope(camera: &Camera, lenses: GridSize) -> Result<f64, Error> {
     match camera.lens {
         CameraLens::Perspective { vertical_angle_rad, aspect_ratio } => {
-            let vertical = vertical_angle_rad / 2.0;
+            let vertical = (vertical_angle_rad / 2.0).tan();
             if lenses.columns < lenses.rows {
                 return Ok(vertical);
             }
             let aspect = aspect_ratio.unwrap_or(lenses.columns as f64 / lenses.rows as f64);
-            Ok((vertical.tan() * aspect).atan())
+            Ok(vertical * aspect)
         }
         CameraLens::Orthographic { .. } => Err(Error::BadSetting(format!(
             "camera '{}' is orthographic; choose a perspective camera, and --projection orthographic if the views shall \
@@ -168,7 +168,7 @@ fn half_angle(camera: &Camera, lenses: GridSize) -> Result<f64, Error> {
     }
 }
 
-/// A camera in front of the scene's bounding box (on +Z) that just sees all of it.
+/// A camera in front of the scene's bounding box (on +Z) that just sees all of it with its own angle of view.
 fn frame_bounds(scene: &Scene, lenses: GridSize) -> Result<(Transform, String, f64), Error> {
     let Some((low, high)) = scene.bounds() else {
         return Err(Error::BadSetting(
@@ -184,7 +184,7 @@ fn frame_bounds(scene: &Scene, lenses: GridSize) -> Result<(Transform, String, f
     let distance = half[2] + if distance > 0.0 { 1.05 * distance } else { 1.0 };
     let pose = Transform::from_translation([center[0], center[1], center[2] + distance]);
     let along_larger = if lenses.columns < lenses.rows { slope_y } else { slope_x };
-    Ok((pose, "no camera in the scene: one that sees all of it from +Z".into(), along_larger.atan()))
+    Ok((pose, "no camera in the scene: one that sees all of it from +Z".into(), along_larger))
 }
 
 #[cfg(test)]

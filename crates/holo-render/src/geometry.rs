@@ -9,6 +9,9 @@ use rayon::prelude::*;
 use crate::error::Error;
 use crate::scene::{Mesh, Scene, Transform};
 
+/// Coordinates stay below this, m.
+pub(crate) const LARGEST_COORDINATE: f64 = 1e18;
+
 /// Triangles of all instances in camera coordinates (right-handed, +Y up, the camera looks along -Z), metres.
 pub(crate) struct Geometry {
     /// f32 positions for the ray engines. The last entry is padding: Embree reads 16 bytes of every vertex.
@@ -88,14 +91,14 @@ impl Geometry {
     fn append(&mut self, mesh: &Mesh, to_camera: &Transform, with: [bool; 3]) -> Result<(), Error> {
         let first_vertex = self.positions.len() as u32;
         let exact: Vec<[f64; 3]> = mesh.positions.par_iter().map(|p| to_camera.point(p.map(f64::from))).collect();
-        let extent = exact.par_iter().flatten().map(|x| x.abs()).reduce(|| 0.0, f64::max);
-        // Beyond this the squares and products inside a ray engine overflow f32.
-        if !(extent < 1e18) {
+        // Beyond this the squares and products inside a ray engine overflow f32. NaN fails the comparison too.
+        if let Some(bad) = exact.par_iter().flatten().find_any(|x| !(x.abs() < LARGEST_COORDINATE)) {
             return Err(Error::BadScene {
                 at: format!("mesh '{}'", mesh.name),
-                what: format!("a vertex is {extent:e} m from the camera; coordinates must stay below 1e18 m"),
+                what: format!("a vertex is {bad:e} m from the camera; coordinates must stay below 1e18 m"),
             });
         }
+        let extent = exact.par_iter().flatten().map(|x| x.abs()).reduce(|| 0.0, f64::max);
         self.positions.par_extend(exact.par_iter().map(|p| p.map(|x| x as f32)));
         // A map that mirrors turns every triangle over; swapping two corners keeps its front in front.
         let mirrored = to_camera.determinant() < 0.0;

@@ -9,13 +9,14 @@ use crate::accel::{Engine, LANES};
 use crate::geometry::Geometry;
 use crate::light::PreparedLight;
 use crate::primary::{Pixels, RigTables};
+use crate::render::Stop;
 use crate::sampling;
 use crate::surface::Appearance;
 
 /// What the pixels of a light field hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Integrator {
-    /// The cheapest one that is exact for the scene: `Direct` where anything shines, else `Depth`.
+    /// The cheapest one that shows what the scene has: `Direct` where anything shines, else `Depth`.
     #[default]
     Auto,
     /// Ground truth alone, no colour.
@@ -38,7 +39,7 @@ pub(crate) struct Context<'a> {
     /// Lens columns and view columns, for the numbers of lenses and views.
     pub columns: [u32; 2],
     /// Asked between samples.
-    pub cancelled: &'a (dyn Fn() -> bool + Sync),
+    pub stop: &'a Stop<'a>,
 }
 
 /// Rays traced, by what they were for.

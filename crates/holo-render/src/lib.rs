@@ -44,6 +44,9 @@
 //! # }
 //! ```
 
+// Allowed in two files: the Embree seam and the SIMD dispatch.
+#![deny(unsafe_code)]
+
 pub mod exposure;
 pub mod gallery;
 pub mod gltf;
@@ -53,6 +56,7 @@ mod accel;
 #[cfg(feature = "bench")]
 #[doc(hidden)]
 pub mod bench;
+#[allow(unsafe_code)]
 mod dispatch;
 mod error;
 mod framing;

@@ -7,6 +7,12 @@ use crate::accel::{LANES, at};
 use crate::geometry::world_to_camera_rotation;
 use crate::scene::{Light, LightKind, Transform};
 
+/// Shadow rays stop this far towards a light, so that a surface in which the light lies does not hide it.
+const SHADOW_REACH: f32 = 1.0 - 1e-4;
+
+/// No light is stronger than this anywhere, so that sums and products stay within f32.
+pub(crate) const STRONGEST: f32 = 1e30;
+
 /// A light as the integrators use it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum PreparedLight {
@@ -95,7 +101,8 @@ impl PreparedLight {
                     for axis in 0..3 {
                         out.to_light[axis][lane] = to_light[axis];
                     }
-                    out.attenuation[lane] = if squared > 0.0 { window / (squared * length) } else { 0.0 };
+                    let cubed = squared * length;
+                    out.attenuation[lane] = if cubed > 0.0 { (window / cubed).min(STRONGEST) } else { 0.0 };
                 }
                 if let Some(cone) = cone {
                     for lane in 0..LANES {
@@ -115,7 +122,7 @@ impl PreparedLight {
     pub fn shadow_reach(&self) -> f32 {
         match self {
             Self::Directional { .. } => f32::INFINITY,
-            Self::Point { .. } => 1.0,
+            Self::Point { .. } => SHADOW_REACH,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The renderer: a scene in front of a camera, ready to be looked at through any rig.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use holo_core::{GridSize, Layout, LightField, LightFieldOwned, Rig, Split};
 use ndarray::{Array2, Axis};
@@ -10,14 +10,14 @@ use rayon::prelude::*;
 use crate::accel::{self, Backend, Engine};
 use crate::dispatch;
 use crate::error::Error;
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, LARGEST_COORDINATE};
 use crate::integrator::depth::{DepthTile, TruthTile};
 use crate::integrator::direct::DirectTile;
 use crate::integrator::{Context, Integrator, RayCounts};
-use crate::light::{self, PreparedLight};
+use crate::light::{self, PreparedLight, STRONGEST};
 use crate::primary::RigTables;
 use crate::sampling::MOST_SAMPLES;
-use crate::scene::{Scene, Transform};
+use crate::scene::{self, Scene, Transform};
 use crate::surface::Appearance;
 use crate::tile::{Tile, Tiling};
 
@@ -44,7 +44,7 @@ pub struct Request {
     pub seed: u64,
     /// Radiance of the constant sky, linear RGB.
     pub sky: [f32; 3],
-    /// For which views depth and disparity are wanted.
+    /// For which views depth and disparity are wanted; always through the pixel's centre, whatever `samples` is.
     pub ground_truth: GroundTruth,
 }
 
@@ -80,7 +80,8 @@ pub struct Rendered {
 pub struct Truth<T> {
     /// Planar depth along the optical axis, m; +infinity where nothing is hit.
     pub depth_m: T,
-    /// Disparity between horizontally adjacent views (Eq. 3), px; nearer is larger.
+    /// Disparity between horizontally adjacent views (Eq. 3), px; nearer is larger. Where the baselines differ, the one
+    /// between vertically adjacent views is [`Rig::disparity_y`] of the depth.
     pub disparity_px: T,
 }
 
@@ -101,12 +102,15 @@ impl Progress for () {}
 
 impl Renderer {
     /// Checks `scene`, moves it into the frame of a camera at `pose` and builds the acceleration structure, on `threads`
-    /// threads (0: one per core).
+    /// threads (0: as many as rayon chooses, one per core).
     ///
     /// # Errors
     /// A broken scene, an engine that cannot be had, threads that cannot be started.
     pub fn new(scene: &Scene, pose: &Transform, backend: Backend, threads: usize) -> Result<Self, Error> {
         scene.validate()?;
+        if !scene::is_camera_pose(pose) {
+            return Err(Error::BadSetting("the camera pose must be a rotation and a translation, both finite".into()));
+        }
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)
             .build()
@@ -179,20 +183,8 @@ impl Renderer {
         let split = *request.rig.split();
         let (lenses, views) = (split.lenses(), split.views());
         let all_counts = [lenses.rows, lenses.columns, views.rows, views.columns];
-        let cancelled = || progress.cancelled();
-        let context = Context {
-            engine: &*self.engine,
-            geometry: &self.geometry,
-            appearance: &self.appearance,
-            lights: &self.lights,
-            sky: request.sky,
-            tables: RigTables::new(&request.rig),
-            disparity: request.rig.disparity(),
-            seed: request.seed,
-            samples: request.samples,
-            columns: [lenses.columns as u32, views.columns as u32],
-            cancelled: &cancelled,
-        };
+        let stop = Stop::new(progress);
+        let context = self.context(request, &stop);
         let with_color = integrator != Integrator::Depth;
         let with_all = request.ground_truth == GroundTruth::All;
         // One sample through the centre sees what the ground truth asks for.
@@ -204,7 +196,9 @@ impl Renderer {
         let mut all = if with_all { Some(Truth::light_fields(split)?) } else { None };
         let tile_count = if with_color || with_all { tiling.tiles().len() } else { 0 };
         let passes = u64::from(with_color) + u64::from(with_all && !together);
-        let work = Work::new(progress, passes * tile_count as u64);
+        let with_central = u64::from(!with_all);
+        let central_tiles = with_central * central_tiling(&split).tiles().len() as u64;
+        let work = Work::new(progress, &stop, passes * tile_count as u64 + central_tiles);
         let mut rays = RayCounts::default();
 
         if let Some(color) = &mut color {
@@ -230,14 +224,31 @@ impl Renderer {
             let plane = |field: &LightFieldOwned<f32>| field.samples().slice(ndarray::s![.., .., t, s, 0]).to_owned();
             Truth { depth_m: plane(&all.depth_m), disparity_px: plane(&all.disparity_px) }
         } else {
-            let (central, count) = central(&context, &split)?;
+            let (central, count) = central(&context, &work, &split)?;
             rays = rays + count;
             central
         };
-        if progress.cancelled() {
+        if stop.requested() {
             return Err(Error::Cancelled);
         }
         Ok(Rendered { color, central, all, integrator, why, rays })
+    }
+
+    fn context<'a>(&'a self, request: &Request, stop: &'a Stop<'a>) -> Context<'a> {
+        let split = request.rig.split();
+        Context {
+            engine: &*self.engine,
+            geometry: &self.geometry,
+            appearance: &self.appearance,
+            lights: &self.lights,
+            sky: request.sky,
+            tables: RigTables::new(&request.rig),
+            disparity: request.rig.disparity(),
+            seed: request.seed,
+            samples: request.samples,
+            columns: [split.lenses().columns as u32, split.views().columns as u32],
+            stop,
+        }
     }
 
     fn choose(&self, request: &Request) -> Result<(Integrator, &'static str), Error> {
@@ -249,10 +260,20 @@ impl Renderer {
             )));
         }
         if split.lenses().count() > u32::MAX as usize || split.views().count() > u32::MAX as usize {
-            return Err(Error::BadSetting("more than 2^32 lenses or views".into()));
+            return Err(Error::BadSetting("2^32 or more lenses or views".into()));
         }
-        if request.sky.iter().any(|c| !(*c >= 0.0 && c.is_finite())) {
-            return Err(Error::BadSetting(format!("the sky {:?} must be finite and not negative", request.sky)));
+        if request.sky.iter().any(|c| !(0.0..=STRONGEST).contains(c)) {
+            return Err(Error::BadSetting(format!("the sky {:?} must lie between 0 and {STRONGEST:e}", request.sky)));
+        }
+        // Rays are linear in all indices: what the corners are, no ray between them exceeds.
+        let (lenses, views) = (split.lenses(), split.views());
+        for (v, u) in [(0, 0), (lenses.rows - 1, lenses.columns - 1)] {
+            for (t, s) in [(0, 0), (views.rows - 1, views.columns - 1)] {
+                let ray = request.rig.ray(v, u, t, s, 0.5, 0.5);
+                if !ray.origin_m.iter().chain(&ray.direction).all(|x| x.abs() < LARGEST_COORDINATE) {
+                    return Err(Error::BadSetting(format!("the rig is too large: {ray:?}")));
+                }
+            }
         }
         let lit = !self.lights.is_empty() || request.sky.iter().any(|&c| c > 0.0);
         Ok(match request.integrator {
@@ -281,12 +302,11 @@ fn zeros(split: Split, channels: usize) -> Result<LightFieldOwned<f32>, Error> {
 }
 
 /// Ground truth of the central view.
-fn central(context: &Context, split: &Split) -> Result<(Truth<Array2<f32>>, RayCounts), Error> {
-    let (lenses, (t, s)) = (split.lenses(), split.central_view());
-    let tiling = Tiling::of_view([lenses.rows, lenses.columns], [t, s]);
-    let mut truth = Truth::light_fields(Split::new(GridSize::new(1, 1), lenses)?)?;
+fn central(context: &Context, work: &Work, split: &Split) -> Result<(Truth<Array2<f32>>, RayCounts), Error> {
+    let tiling = central_tiling(split);
+    let mut truth = Truth::light_fields(Split::new(GridSize::new(1, 1), split.lenses())?)?;
     let trace = |tile: &Tile, out| dispatch::run(DepthTile { context, tile, out });
-    let rays = Work::new(&(), 0).run(&tiling, truth.tiles(&tiling), trace)?;
+    let rays = work.run(&tiling, truth.tiles(&tiling), trace)?;
     let plane = |field: LightFieldOwned<f32>| {
         let image = field.into_elemental_grid().unwrap_or_else(|field| field.to_elemental_grid());
         image.index_axis_move(Axis(2), 0)
@@ -294,16 +314,41 @@ fn central(context: &Context, split: &Split) -> Result<(Truth<Array2<f32>>, RayC
     Ok((Truth { depth_m: plane(truth.depth_m), disparity_px: plane(truth.disparity_px) }, rays))
 }
 
+fn central_tiling(split: &Split) -> Tiling {
+    let (lenses, (t, s)) = (split.lenses(), split.central_view());
+    Tiling::of_view([lenses.rows, lenses.columns], [t, s])
+}
+
+/// Asks the caller whether to stop, and remembers a yes: what was skipped once is missing for good.
+pub(crate) struct Stop<'a> {
+    progress: &'a dyn Progress,
+    seen: AtomicBool,
+}
+
+impl<'a> Stop<'a> {
+    fn new(progress: &'a dyn Progress) -> Self {
+        Self { progress, seen: AtomicBool::new(false) }
+    }
+
+    pub fn requested(&self) -> bool {
+        if self.progress.cancelled() {
+            self.seen.store(true, Ordering::Relaxed);
+        }
+        self.seen.load(Ordering::Relaxed)
+    }
+}
+
 /// Tiles on all threads, with progress and a way to stop.
 struct Work<'a> {
     progress: &'a dyn Progress,
+    stop: &'a Stop<'a>,
     total: u64,
     done: AtomicU64,
 }
 
 impl<'a> Work<'a> {
-    fn new(progress: &'a dyn Progress, total: u64) -> Self {
-        Self { progress, total, done: AtomicU64::new(0) }
+    fn new(progress: &'a dyn Progress, stop: &'a Stop<'a>, total: u64) -> Self {
+        Self { progress, stop, total, done: AtomicU64::new(0) }
     }
 
     fn run<P: Send>(
@@ -318,7 +363,7 @@ impl<'a> Work<'a> {
             .par_iter()
             .zip(parts)
             .map(|(tile, part)| {
-                if self.progress.cancelled() {
+                if self.stop.requested() {
                     return Err(Error::Cancelled);
                 }
                 let rays = trace(tile, part);
@@ -329,3 +374,6 @@ impl<'a> Work<'a> {
             .try_reduce(RayCounts::default, |a, b| Ok(a + b))
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,6 +8,7 @@ mod transform;
 mod validate;
 
 pub use transform::Transform;
+pub(crate) use validate::is_camera_pose;
 
 /// A whole scene.
 #[derive(Clone, Debug, Default, PartialEq)]

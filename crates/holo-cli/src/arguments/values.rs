@@ -36,7 +36,7 @@ pub struct CameraArgument(pub String);
 /// `COLUMNSxROWS`, or one number for both.
 pub fn size(text: &str) -> Result<GridSize, String> {
     let number = |part: &str| match part.trim().parse::<usize>() {
-        Ok(0) | Err(_) => Err(format!("'{part}' is not a count; write COLUMNSxROWS, such as 30x20")),
+        Ok(0) | Err(_) => Err("write COLUMNSxROWS, such as 30x20, both from 1 up".to_string()),
         Ok(count) => Ok(count),
     };
     match text.split_once(['x', 'X']) {
@@ -53,7 +53,7 @@ pub fn sensor(text: &str) -> Result<Sensor, String> {
         "8k" => Sensor::Paper8k,
         "uhd8k" => Sensor::Uhd8k,
         other if other.contains('x') => Sensor::Other(size(other)?),
-        _ => return Err("hd, 4k, 8k, uhd8k or WIDTHxHEIGHT".into()),
+        _ => return Err("give hd, 4k, 8k, uhd8k or WIDTHxHEIGHT, such as 1500x1000".into()),
     })
 }
 
@@ -61,7 +61,7 @@ pub fn sensor(text: &str) -> Result<Sensor, String> {
 pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
-        _ => Err("a number above 0".into()),
+        _ => Err("give a number above 0".into()),
     }
 }
 
@@ -69,7 +69,7 @@ pub fn positive(text: &str) -> Result<f64, String> {
 pub fn not_negative(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x >= 0.0 && x.is_finite() => Ok(x),
-        _ => Err("a number from 0 up".into()),
+        _ => Err("give a number from 0 up".into()),
     }
 }
 
@@ -80,7 +80,7 @@ impl FromStr for Pair {
         let number = |part: &str| part.trim().parse::<usize>().map_err(|_| format!("'{part}' is not an index from 0"));
         match text.split_once(',') {
             Some((column, row)) => Ok(Self { column: number(column)?, row: number(row)? }),
-            None => Err("COLUMN,ROW, both from 0".into()),
+            None => Err("give COLUMN,ROW, both from 0".into()),
         }
     }
 }
@@ -97,8 +97,8 @@ impl FromStr for Rgb {
             .split(',')
             .map(|part| part.trim().parse::<f32>().ok().filter(|x| *x >= 0.0 && x.is_finite()))
             .collect::<Option<_>>()
-            .ok_or("three numbers from 0 up: R,G,B")?;
-        <[f32; 3]>::try_from(parts).map(Self).map_err(|_| "three numbers from 0 up: R,G,B".into())
+            .ok_or("give three numbers from 0 up: R,G,B")?;
+        <[f32; 3]>::try_from(parts).map(Self).map_err(|_| "give three numbers from 0 up: R,G,B".into())
     }
 }
 
@@ -109,7 +109,7 @@ impl FromStr for FocusArgument {
         match text {
             "auto" => Ok(Self::Automatic),
             "inf" => Ok(Self::Metres(f64::INFINITY)),
-            other => positive(other).map(Self::Metres).map_err(|_| "metres above 0, inf or auto".into()),
+            other => positive(other).map(Self::Metres).map_err(|_| "give metres above 0, inf or auto".into()),
         }
     }
 }
@@ -122,7 +122,7 @@ impl FromStr for ExposureArgument {
             "auto" => Ok(Self::Automatic),
             other => match other.parse::<f64>() {
                 Ok(stops) if stops.abs() <= 100.0 => Ok(Self::Stops(stops)),
-                _ => Err("stops between -100 and 100, or auto".into()),
+                _ => Err("give stops between -100 and 100, or auto".into()),
             },
         }
     }

@@ -3,15 +3,21 @@
 use std::path::Path;
 
 use holo_core::Layout;
+use holo_io::dataset::{MANIFEST_JSON, PARAMETERS_CFG};
 use holo_io::{FileKind, Limits, Manifest, ParametersCfg, Pfm};
 
 use super::prepare::prepare;
 use crate::arguments::InfoOptions;
+use crate::console::out;
 use crate::failure::Failure;
 use crate::report::{describe_rig, describe_split};
 
 pub fn run(options: &InfoOptions) -> Result<(), Failure> {
     let path = &options.file;
+    if path.is_dir() {
+        let at = path.display();
+        return Err(Failure::Failed(format!("{at} is a folder; name a file in it, such as its {MANIFEST_JSON}")));
+    }
     match holo_io::recognise(path)? {
         FileKind::GltfBinary | FileKind::GltfJson => scene(options),
         FileKind::Png => png(path),
@@ -27,13 +33,13 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
 
 /// The scene, and the rig that a render with the same options would get.
 fn scene(options: &InfoOptions) -> Result<(), Failure> {
-    let prepared = prepare(&options.file, &options.rig, &options.engine, false)?;
+    let prepared = prepare(&options.file, &options.rig, &options.engine, 0, false)?;
     out!("{}", prepared.loaded.summary.to_string().trim_end())?;
     if let Some((low, high)) = prepared.loaded.scene.bounds() {
         out!("bounds: {low:.4?} to {high:.4?} m")?;
     }
     out!("a render with these options: {}, {}", describe_split(&prepared.rig), prepared.renderer.engine_name())?;
-    out!("camera: {}", prepared.framed.camera)?;
+    out!("{}", prepared.framed.camera)?;
     let truth = prepared.renderer.central_truth(&prepared.rig)?;
     let range = |values: &ndarray::Array2<f32>| {
         let finite = values.iter().filter(|x| x.is_finite());
@@ -58,13 +64,20 @@ fn scene(options: &InfoOptions) -> Result<(), Failure> {
 
 fn png(path: &Path) -> Result<(), Failure> {
     let info = holo_io::read_png_info(path)?;
-    out!("PNG, {} x {} px, {} channels of {} bits", info.size.columns, info.size.rows, info.channels, info.bits)?;
+    out!(
+        "PNG, {} x {} px, {} {} of {} bits",
+        info.size.columns,
+        info.size.rows,
+        info.channels,
+        plural(info.channels, "channel"),
+        info.bits
+    )?;
     match holo_io::layout_of_file_name(path) {
         Some(Layout::ElementalGrid) => out!("by its name: a grid of elemental images")?,
         Some(Layout::ViewpointGrid) => out!("by its name: a grid of views")?,
         None => {}
     }
-    let beside = path.with_file_name(holo_io::dataset::PARAMETERS_CFG);
+    let beside = path.with_file_name(PARAMETERS_CFG);
     if beside.is_file() {
         out!("beside it:")?;
         parameters(&beside)?;
@@ -72,10 +85,15 @@ fn png(path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
+/// `word` with an s unless there is one of it.
+fn plural(count: usize, word: &str) -> String {
+    format!("{word}{}", if count == 1 { "" } else { "s" })
+}
+
 fn pfm(path: &Path) -> Result<(), Failure> {
     let Pfm { values: samples, .. } = holo_io::read_pfm(path, &Limits::default())?;
     let (rows, columns, channels) = samples.dim();
-    out!("PFM, {columns} x {rows} px, {channels} channels")?;
+    out!("PFM, {columns} x {rows} px, {channels} {}", plural(channels, "channel"))?;
     let finite = samples.iter().filter(|x| x.is_finite());
     let (low, high) = finite.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
     let count = |test: fn(f32) -> bool| samples.iter().filter(|&&x| test(x)).count();

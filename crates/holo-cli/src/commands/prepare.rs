@@ -8,6 +8,7 @@ use holo_render::gltf::{self, Limits, Loaded};
 use holo_render::{Backend, Baseline, CameraChoice, Framed, Framing, Renderer};
 
 use crate::arguments::{BackendArgument, CameraArgument, EngineOptions, FocusArgument, ProjectionArgument, RigOptions};
+use crate::console::say;
 use crate::failure::Failure;
 
 /// A scene ready to be rendered.
@@ -21,12 +22,21 @@ pub struct Prepared {
 }
 
 /// Loads and frames the scene, builds the acceleration structure and settles the focus. Warnings go to standard error.
-pub fn prepare(scene: &Path, rig: &RigOptions, engine: &EngineOptions, quiet: bool) -> Result<Prepared, Failure> {
+///
+/// `sample_bytes` is what the caller is going to keep of every sample of the light field.
+pub fn prepare(
+    scene: &Path,
+    rig: &RigOptions,
+    engine: &EngineOptions,
+    sample_bytes: usize,
+    quiet: bool,
+) -> Result<Prepared, Failure> {
     let split = split(rig, quiet)?;
+    refuse_what_does_not_fit(&split, sample_bytes)?;
     let start = Instant::now();
     let loaded = gltf::load(scene, &Limits::default()).map_err(|e| match e {
         holo_render::Error::Read { .. } => Failure::Failed(e.to_string()),
-        other => Failure::Failed(format!("{}: {other}", scene.display())),
+        other => Failure::Failed(named(scene, &other.to_string())),
     })?;
     let load_seconds = start.elapsed().as_secs_f64();
     if !quiet {
@@ -35,8 +45,9 @@ pub fn prepare(scene: &Path, rig: &RigOptions, engine: &EngineOptions, quiet: bo
     let framing = Framing {
         split,
         camera: camera(rig.camera.as_ref(), &loaded),
-        focal_length_m: rig.focal_mm.map(|mm| mm * 1e-3),
-        sensor_size_m: rig.sensor_mm * 1e-3,
+        // Divided, because 1e-3 is not exact: 36 mm times it is not 0.036 m.
+        focal_length_m: rig.focal_mm.map(|mm| mm / 1e3),
+        sensor_size_m: rig.sensor_mm / 1e3,
         baseline: match rig.baseline_m {
             Some(baseline) => Baseline::Metres(baseline),
             None => Baseline::FNumber(rig.f_number.unwrap_or(5.0)),
@@ -46,7 +57,11 @@ pub fn prepare(scene: &Path, rig: &RigOptions, engine: &EngineOptions, quiet: bo
             ProjectionArgument::Orthographic => Projection::Orthographic,
         },
     };
-    let framed = framing.frame(&loaded.scene)?;
+    let framed = framing.frame(&loaded.scene).map_err(|e| match e {
+        // Nobody chose this camera: it is the file that has none that will do.
+        holo_render::Error::BadSetting(why) if rig.camera.is_none() => Failure::Failed(named(scene, &why)),
+        other => blame(scene, other),
+    })?;
     if !quiet && loaded.scene.cameras.is_empty() {
         say!("warning: {}", framed.camera);
     }
@@ -56,16 +71,17 @@ pub fn prepare(scene: &Path, rig: &RigOptions, engine: &EngineOptions, quiet: bo
         BackendArgument::Embree => Backend::Embree,
         BackendArgument::Bvh => Backend::Bvh,
     };
-    let renderer = Renderer::new(&loaded.scene, &framed.pose, backend, usize::from(engine.threads.unwrap_or(0)))?;
+    let renderer = Renderer::new(&loaded.scene, &framed.pose, backend, usize::from(engine.threads.unwrap_or(0)))
+        .map_err(|e| blame(scene, e))?;
     let build_seconds = start.elapsed().as_secs_f64();
     if let Some(note) = renderer.engine_note().filter(|_| !quiet) {
         say!("warning: {note}");
     }
     let focus = match rig.focus_m {
         FocusArgument::Metres(distance) => distance,
-        FocusArgument::Automatic => framed.automatic_focus_m(&renderer)?,
+        FocusArgument::Automatic => framed.automatic_focus_m(&renderer).map_err(|e| blame(scene, e))?,
     };
-    let rig = framed.rig(focus)?;
+    let rig = framed.rig(focus).map_err(|e| blame(scene, e))?;
     Ok(Prepared { loaded, framed, renderer, rig, load_seconds, build_seconds })
 }
 
@@ -76,6 +92,54 @@ fn camera(wanted: Option<&CameraArgument>, loaded: &Loaded) -> CameraChoice {
         Ok(index) if loaded.scene.cameras.iter().all(|c| c.name != *text) => CameraChoice::Index(index),
         _ => CameraChoice::Name(text.clone()),
     }
+}
+
+/// The failure behind an error; numbers that come from the scene file, alone or with the options, name it.
+fn blame(scene: &Path, error: holo_render::Error) -> Failure {
+    let numbers = matches!(error, holo_render::Error::BadScene { .. } | holo_render::Error::Core(_));
+    match Failure::from(error) {
+        Failure::Failed(why) if numbers => Failure::Failed(named(scene, &why)),
+        other => other,
+    }
+}
+
+/// A message that begins with the name of the scene file, once.
+fn named(scene: &Path, message: &str) -> String {
+    let name = scene.display().to_string();
+    if message.starts_with(&format!("{name}: ")) { message.into() } else { format!("{name}: {message}") }
+}
+
+/// Asks for the memory that a render will need and gives it back untouched, so that impossible sizes are refused before
+/// any time is spent on them.
+fn refuse_what_does_not_fit(split: &Split, sample_bytes: usize) -> Result<(), Failure> {
+    /// Depth and disparity of the central view.
+    const LENS_BYTES: usize = 8;
+    /// Room for tables over the rows and columns of lenses and views.
+    const LINE_BYTES: usize = 64;
+    let (views, lenses, raw) = (split.views(), split.lenses(), split.raw_size());
+    let lines = [views.rows, views.columns, lenses.rows, lenses.columns];
+    let bytes = lines.iter().map(|count| count.saturating_mul(LINE_BYTES)).fold(
+        split.sample_count().saturating_mul(sample_bytes).saturating_add(lenses.count().saturating_mul(LENS_BYTES)),
+        usize::saturating_add,
+    );
+    let mut room = Vec::<u8>::new();
+    let refused = room.try_reserve_exact(bytes).is_err();
+    // Unseen, a compiler may leave out the request.
+    std::hint::black_box(&room);
+    if refused {
+        return Err(Failure::Usage(format!(
+            "a light field of {} x {} views of {} x {} px ({} x {} in all) needs {:.0} GB of memory, more than there is; \
+             use fewer views or lenses",
+            views.columns,
+            views.rows,
+            lenses.columns,
+            lenses.rows,
+            raw.columns,
+            raw.rows,
+            bytes as f64 / 1e9
+        )));
+    }
+    Ok(())
 }
 
 fn split(rig: &RigOptions, quiet: bool) -> Result<Split, Failure> {

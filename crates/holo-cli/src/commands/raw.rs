@@ -20,14 +20,16 @@ pub fn read(path: &Path, from: Option<LayoutArgument>, views: Option<GridSize>) 
     let layout = from.map(layout).or_else(|| holo_io::layout_of_file_name(path)).ok_or_else(|| {
         Failure::Usage(format!("{}: neither --from nor the name (_el, _vpi) says which grid this is", path.display()))
     })?;
-    let views = match views {
-        Some(views) => views,
+    // Given views are believed; parameters must fit the image, or they are those of another one.
+    let (views, lenses) = match views {
+        Some(views) => (views, None),
         None => {
             let beside = path.with_file_name(dataset::PARAMETERS_CFG);
             let missing = |why: &dyn std::fmt::Display| {
                 Failure::Usage(format!("how many views? give --views; {} does not tell: {why}", beside.display()))
             };
-            ParametersCfg::read(&beside).map_err(|e| missing(&e))?.num_cams
+            let parameters = ParametersCfg::read(&beside).map_err(|e| missing(&e))?;
+            (parameters.num_cams, Some(parameters.image_resolution_px))
         }
     };
     let samples = holo_io::read_png(path, &Limits::default())?;
@@ -41,6 +43,18 @@ pub fn read(path: &Path, from: Option<LayoutArgument>, views: Option<GridSize>) 
         )));
     }
     let split = Split::new(views, GridSize::new(rows / views.rows, columns / views.columns))?;
+    if let Some(lenses) = lenses.filter(|lenses| *lenses != split.lenses()) {
+        return Err(Failure::Usage(format!(
+            "{}: {columns} x {rows} pixels are not the {} x {} views of {} x {} px that the {} beside it speaks of; if it \
+             belongs to another image, give --views",
+            path.display(),
+            views.columns,
+            views.rows,
+            lenses.columns,
+            lenses.rows,
+            dataset::PARAMETERS_CFG
+        )));
+    }
     let raw = match samples {
         PngSamples::U8(image) => Raw::U8(wrap(image, split, layout)?),
         PngSamples::U16(image) => Raw::U16(wrap(image, split, layout)?),

@@ -11,15 +11,16 @@ use rayon::prelude::*;
 use super::output::OutputFolder;
 use super::prepare::{Prepared, prepare};
 use crate::arguments::{ExposureArgument, GroundTruthArgument, IntegratorArgument, Output, RenderOptions};
+use crate::console::{out, say};
 use crate::failure::Failure;
 use crate::progress::Bar;
 use crate::report::{Report, Seconds, integrator_name};
 
 pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let start = Instant::now();
-    refuse_what_is_not_here_yet(&options.write)?;
+    refuse_what_cannot_be(options)?;
     let mut folder = OutputFolder::create(&options.out)?;
-    let prepared = prepare(&options.scene, &options.rig, &options.engine, options.quiet)?;
+    let prepared = prepare(&options.scene, &options.rig, &options.engine, sample_bytes(options), options.quiet)?;
     let request = request(options, &prepared);
 
     let rendering = Instant::now();
@@ -74,15 +75,32 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     Ok(())
 }
 
-fn refuse_what_is_not_here_yet(wanted: &[Output]) -> Result<(), Failure> {
+/// The two raw images.
+const PICTURES: [Output; 2] = [Output::Vpi, Output::El];
+
+/// What the options alone show to be impossible, before anything is touched.
+fn refuse_what_cannot_be(options: &RenderOptions) -> Result<(), Failure> {
     for (output, name) in [(Output::Mat, "mat"), (Output::Exr, "exr"), (Output::H5, "h5"), (Output::Hci, "hci")] {
-        if wanted.contains(&output) {
+        if options.write.contains(&output) {
             return Err(Failure::Usage(format!(
                 "--write {name} is not in this version; it writes vpi, el, disparity and depth"
             )));
         }
     }
+    if options.integrator == IntegratorArgument::Depth && options.write.iter().any(|o| PICTURES.contains(o)) {
+        return Err(Failure::Usage(
+            "--integrator depth makes no picture; leave vpi and el out of --write, or choose --integrator direct"
+                .into(),
+        ));
+    }
     Ok(())
+}
+
+/// How many bytes the renderer keeps of every sample of the light field.
+fn sample_bytes(options: &RenderOptions) -> usize {
+    let color = if options.integrator == IntegratorArgument::Depth { 0 } else { 3 * size_of::<f32>() };
+    let truth = if options.ground_truth == GroundTruthArgument::All { 2 * size_of::<f32>() } else { 0 };
+    color + truth
 }
 
 fn request(options: &RenderOptions, prepared: &Prepared) -> Request {
@@ -107,17 +125,16 @@ fn request(options: &RenderOptions, prepared: &Prepared) -> Request {
 
 /// What to write: what was asked for, or all that there is.
 fn outputs(options: &RenderOptions, rendered: &Rendered) -> Result<Vec<Output>, Failure> {
-    let picture = [Output::Vpi, Output::El];
     if options.write.is_empty() {
         let truth = [Output::Disparity, Output::Depth];
-        return Ok(if rendered.color.is_some() { [picture, truth].concat() } else { truth.to_vec() });
+        return Ok(if rendered.color.is_some() { [PICTURES, truth].concat() } else { truth.to_vec() });
     }
-    if rendered.color.is_none() && options.write.iter().any(|o| picture.contains(o)) {
-        return Err(Failure::Usage(format!(
-            "there is no picture to write (integrator {}); leave vpi and el out of --write, or give the scene light \
-             with --sky 1,1,1",
-            integrator_name(rendered.integrator)
-        )));
+    if rendered.color.is_none() && options.write.iter().any(|o| PICTURES.contains(o)) {
+        return Err(Failure::Usage(
+            "the scene has no light, so there is no picture to write; leave vpi and el out of --write, or light it with \
+             --sky 1,1,1"
+                .into(),
+        ));
     }
     Ok(options.write.clone())
 }
@@ -176,16 +193,16 @@ fn write(
 
 /// One PFM a view in a folder of its own, numbered as in the HCI layout: view row * columns + view column.
 fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwned<f32>) -> Result<(), Failure> {
-    let inner = folder.subfolder(name)?;
+    folder.subfolder(name)?;
     let views = field.split().views();
     let digits = 3.max((views.count() - 1).to_string().len());
     let written: Vec<(String, Written)> = (0..views.count())
         .into_par_iter()
         .map(|k| {
-            let file = format!("scene_{name}_Cam{k:0digits$}.pfm");
+            let file = format!("{name}/scene_{name}_Cam{k:0digits$}.pfm");
             let view = field.view(k / views.columns, k % views.columns)?;
-            let written = holo_io::write_pfm(inner.join(&file), view.index_axis(ndarray::Axis(2), 0))?;
-            Ok((format!("{name}/{file}"), written))
+            let written = holo_io::write_pfm(folder.file(&file), view.index_axis(ndarray::Axis(2), 0))?;
+            Ok((file, written))
         })
         .collect::<Result<_, Failure>>()?;
     written.into_iter().for_each(|(file, written)| folder.add(file, written));

@@ -3,6 +3,7 @@
 use holo_render::{gallery, gltf};
 
 use crate::arguments::SceneOptions;
+use crate::console::{out, say};
 use crate::failure::Failure;
 
 pub fn run(options: &SceneOptions) -> Result<(), Failure> {

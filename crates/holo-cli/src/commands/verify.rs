@@ -3,6 +3,7 @@
 use holo_io::{Manifest, dataset};
 
 use crate::arguments::VerifyOptions;
+use crate::console::out;
 use crate::failure::Failure;
 
 pub fn run(options: &VerifyOptions) -> Result<(), Failure> {

@@ -1,5 +1,10 @@
 //! The engine that is always there: an eight-wide compressed BVH in pure Rust (obvhs) with the watertight triangle test
-//! of [`super::triangle`].
+//! of [`super::triangle`] and distances in f64.
+//!
+//! The tree decides which triangles a ray may hit; its own arithmetic is kept away from the result in three ways. Boxes
+//! are grown by more than its rounding. The scene is scaled to about 2^40 (by a power of two, which is exact), because
+//! the tree drops everything nearer than 1e-4. And a hit's distance comes from the triangle's plane in f64, because the
+//! distance that an f32 test yields on a sliver is off by far more than what keeps a shadow ray clear of its own surface.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -12,11 +17,8 @@ use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::{Ray, RayHit};
 
 use super::triangle::{ShearedRay, TriangleHit};
-use super::{Coherence, Engine, LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
+use super::{Coherence, Engine, LANES, Lanes, NO_TRIANGLE, RayHits, Rays, at};
 use crate::geometry::Geometry;
-
-/// How much boxes grow, over the largest coordinate: 16 roundings of f32.
-const BOX_MARGIN: f32 = 16.0 / 16_777_216.0;
 
 /// The pure-Rust engine.
 pub(crate) struct Bvh {
@@ -24,37 +26,89 @@ pub(crate) struct Bvh {
     tree: Option<CwBvh>,
     /// Corners in the order of the tree's leaves, so that a leaf reads neighbours.
     corners: Vec<[[f32; 3]; 3]>,
+    geometry: Arc<Geometry>,
+    /// Positions in the tree are positions in the scene times this power of two.
+    scale: f32,
 }
+
+/// How much boxes grow, over the largest coordinate: 16 roundings of f32.
+const BOX_MARGIN: f32 = 16.0 / 16_777_216.0;
+
+/// The largest coordinate in the tree lies below two to this power: far above the tree's own threshold, and products of
+/// two coordinates stay far below the range of f32.
+const TREE_EXPONENT: i32 = 40;
 
 impl Bvh {
     pub fn build(geometry: &Arc<Geometry>) -> Self {
         let count = geometry.triangles().len();
         if count == 0 {
-            return Self { tree: None, corners: Vec::new() };
+            return Self { tree: None, corners: Vec::new(), geometry: Arc::clone(geometry), scale: 1.0 };
         }
-        // The tree's box test rounds either way; boxes that are larger than any such error make it conservative, and the
-        // triangle test decides. Errors grow with the coordinates of the ray as well, so the whole scene sets the margin.
         let largest = geometry.positions().iter().flatten().fold(0.0f32, |m, x| m.max(x.abs()));
-        let margin = Vec3A::splat(largest * BOX_MARGIN);
+        let scale = power_of_two((TREE_EXPONENT - exponent(largest)).clamp(-126, 126));
+        // Errors grow with the coordinates of the ray as well, so the whole scene sets the margin.
+        let margin = Vec3A::splat(largest * scale * BOX_MARGIN);
         let boxes: Vec<Aabb> = (0..count)
             .map(|k| {
-                let bounds = Aabb::from_points(&geometry.corners(k).map(Vec3A::from));
+                let bounds = Aabb::from_points(&geometry.corners(k).map(|p| Vec3A::from(p) * scale));
                 Aabb::new(bounds.min - margin, bounds.max + margin)
             })
             .collect();
         let tree = build_cwbvh(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
         let corners = tree.primitive_indices.iter().map(|&k| geometry.corners(k as usize)).collect();
-        Self { tree: Some(tree), corners }
+        Self { tree: Some(tree), corners, geometry: Arc::clone(geometry), scale }
     }
 
-    fn ray(rays: &Rays, lane: usize) -> (Ray, ShearedRay) {
-        let origin = rays.origin.map(|axis| axis[lane]);
+    /// A ray of the scene and the same ray in the tree.
+    fn prepare(&self, rays: &Rays, lane: usize) -> TreeRay {
+        let origin = at(&rays.origin, lane);
         // `+ 0.0` turns -0 into 0, which the tree's box test would take for a negative number in one place and for a
         // positive one in another.
-        let direction = rays.direction.map(|axis| axis[lane] + 0.0);
-        let ray = Ray::new(origin.into(), direction.into(), rays.near[lane], rays.far[lane]);
-        (ray, ShearedRay::new(origin, direction))
+        let direction = at(&rays.direction, lane).map(|x| x + 0.0);
+        let largest = direction.iter().fold(0.0f32, |m, x| m.max(x.abs()));
+        let stretch = power_of_two(-exponent(largest).clamp(-126, 126));
+        // origin + t direction, times `scale`: the same point at t * scale / stretch along the stretched direction.
+        let to_tree = self.scale / stretch;
+        TreeRay {
+            sheared: ShearedRay::new(origin, direction),
+            exact: [origin.map(f64::from), direction.map(f64::from)],
+            near: rays.near[lane],
+            far: rays.far[lane],
+            ray: Ray::new(
+                Vec3A::from(origin) * self.scale,
+                Vec3A::from(direction) * stretch,
+                0.0,
+                rays.far[lane] * to_tree,
+            ),
+            to_tree,
+        }
     }
+
+    /// Where the ray meets the triangle of a leaf, if within its bounds.
+    #[inline(always)]
+    fn intersect_leaf(&self, ray: &TreeRay, leaf: usize, triangle: u32) -> Option<TriangleHit> {
+        let hit = ray.sheared.intersect(&self.corners[leaf])?;
+        let plane = &self.geometry.planes()[triangle as usize];
+        let [o, d] = &ray.exact;
+        let n = &plane.normal;
+        let exact =
+            (plane.offset - (n[0] * o[0] + n[1] * o[1] + n[2] * o[2])) / (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]);
+        // An edge-on plane says nothing; the triangle's own distance is all there is then.
+        let t = if exact.is_finite() { exact as f32 } else { hit.t };
+        (t > ray.near && t < ray.far).then_some(TriangleHit { t, ..hit })
+    }
+}
+
+/// A ray in both worlds.
+struct TreeRay {
+    sheared: ShearedRay,
+    /// Origin and direction.
+    exact: [[f64; 3]; 2],
+    near: f32,
+    far: f32,
+    ray: Ray,
+    /// Ray parameters in the tree over those in the scene.
+    to_tree: f32,
 }
 
 impl Engine for Bvh {
@@ -62,19 +116,17 @@ impl Engine for Bvh {
         for lane in (0..LANES).filter(|&lane| valid.0[lane] != 0) {
             packet.hits.triangle[lane] = NO_TRIANGLE;
             let Some(tree) = &self.tree else { continue };
-            let (ray, sheared) = Self::ray(&packet.rays, lane);
+            let ray = self.prepare(&packet.rays, lane);
             let mut nearest: Option<(TriangleHit, u32)> = None;
-            tree.ray_traverse(ray, &mut RayHit::none(), |ray, leaf| {
+            tree.ray_traverse(ray.ray, &mut RayHit::none(), |_, leaf| {
                 let triangle = tree.primitive_indices[leaf];
-                // Two triangles at the same distance: the one that comes first in the scene wins, in any tree.
-                let far = ray.tmax.next_up();
-                let Some(hit) = sheared.intersect(&self.corners[leaf], ray.tmin, far) else { return f32::INFINITY };
-                if nearest.is_none_or(|(best, k)| hit.t < best.t || (hit.t == best.t && triangle < k))
-                    && hit.t < packet.rays.far[lane]
-                {
+                let Some(hit) = self.intersect_leaf(&ray, leaf, triangle) else { return f32::INFINITY };
+                // Of two triangles at the same distance the one that comes first in the scene wins, in any tree.
+                if nearest.is_none_or(|(best, k)| hit.t < best.t || (hit.t == best.t && triangle < k)) {
                     nearest = Some((hit, triangle));
                 }
-                hit.t
+                // A little beyond, so that the tree does not skip another triangle at the same distance.
+                (hit.t * ray.to_tree).next_up()
             });
             if let Some((hit, triangle)) = nearest {
                 packet.rays.far[lane] = hit.t;
@@ -89,9 +141,12 @@ impl Engine for Bvh {
     fn occluded(&self, valid: &Lanes<i32>, rays: &mut Rays, _: Coherence) {
         let Some(tree) = &self.tree else { return };
         for lane in (0..LANES).filter(|&lane| valid.0[lane] != 0) {
-            let (ray, sheared) = Self::ray(rays, lane);
-            let clear = tree.ray_traverse_miss(ray, |ray, leaf| {
-                sheared.intersect(&self.corners[leaf], ray.tmin, ray.tmax).map_or(f32::INFINITY, |hit| hit.t)
+            let ray = self.prepare(rays, lane);
+            let clear = tree.ray_traverse_miss(ray.ray, |_, leaf| {
+                match self.intersect_leaf(&ray, leaf, tree.primitive_indices[leaf]) {
+                    Some(_) => 0.0,
+                    None => f32::INFINITY,
+                }
             });
             if !clear {
                 rays.far[lane] = f32::NEG_INFINITY;
@@ -102,4 +157,14 @@ impl Engine for Bvh {
     fn name(&self) -> &str {
         "bvh"
     }
+}
+
+/// The power of two just above a positive number; 0 for 0.
+fn exponent(x: f32) -> i32 {
+    if x > 0.0 { x.log2().floor() as i32 + 1 } else { 0 }
+}
+
+/// Two to a power between -126 and 127, exactly.
+fn power_of_two(exponent: i32) -> f32 {
+    f32::from_bits(((exponent + 127) as u32) << 23)
 }

@@ -4,6 +4,7 @@
 //!
 //! - The functions are those of Embree's public C header `embree4/rtcore.h`; their signatures are in [`Api`]. The ABI of
 //!   a major version does not change, and [`Api::load`] refuses any library that does not call itself 4.
+//! - The library has one level of instances, as every packaged build has (`RTC_MAX_INSTANCE_LEVEL_COUNT` = 1).
 //! - A packet is our [`RayHits`], whose size and alignment are asserted at compile time and equal those of
 //!   `RTCRayHit16` of 4.3 and later. 4.0 to 4.2 lack the last field (`instPrimID`) and write less. A test surrounds
 //!   packets with canaries and shows that the installed version writes nothing else.
@@ -48,6 +49,8 @@ impl QueryArguments {
 
 const RAY_QUERY_FLAG_COHERENT: c_uint = 1 << 16;
 const DEVICE_PROPERTY_VERSION: c_int = 0;
+const DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED: c_int = 65;
+const DEVICE_PROPERTY_TRIANGLE_GEOMETRY_SUPPORTED: c_int = 96;
 const GEOMETRY_TYPE_TRIANGLE: c_int = 0;
 const BUFFER_TYPE_INDEX: c_int = 0;
 const BUFFER_TYPE_VERTEX: c_int = 1;
@@ -115,12 +118,17 @@ impl Api {
         let mut tried = Vec::new();
         for candidate in candidates() {
             // SAFETY: loading runs the initialisers of the library, which is Embree (and TBB) by its name.
-            match unsafe { Library::new(&candidate) } {
-                Ok(library) => match Self::from_library(library) {
-                    Ok(api) => return Ok(api),
-                    Err(why) => tried.push(format!("{} lacks a function of Embree 4: {why}", candidate.display())),
+            let loaded = unsafe { Library::new(&candidate) }.map_err(|why| why.to_string());
+            match loaded.and_then(|library| Self::from_library(library).map_err(|why| why.to_string())) {
+                Ok(api) => match api.check() {
+                    Ok(()) => return Ok(api),
+                    Err(why) => tried.push(format!("{}: {why}", candidate.display())),
                 },
-                Err(_) => tried.push(candidate.display().to_string()),
+                // A name without a folder that is not there needs no explanation.
+                Err(_) if candidate.parent().is_none_or(|p| p.as_os_str().is_empty()) => {
+                    tried.push(candidate.display().to_string());
+                }
+                Err(why) => tried.push(format!("{}: {why}", candidate.display())),
             }
         }
         Err(format!(
@@ -128,10 +136,33 @@ impl Api {
             tried.join(", ")
         ))
     }
+
+    /// Whether this library is one that the rest of this file can rely on.
+    fn check(&self) -> Result<(), String> {
+        // SAFETY: a null configuration means defaults; the device is checked, asked and released here.
+        unsafe {
+            let device = (self.rtcNewDevice)(ptr::null());
+            if device.is_null() {
+                return Err(format!("no device can be made (error {})", (self.rtcGetDeviceError)(ptr::null_mut())));
+            }
+            let property = |which| (self.rtcGetDeviceProperty)(device, which);
+            let version = property(DEVICE_PROPERTY_VERSION);
+            let triangles = property(DEVICE_PROPERTY_TRIANGLE_GEOMETRY_SUPPORTED) != 0;
+            let one_sided = property(DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED) != 0;
+            (self.rtcReleaseDevice)(device);
+            if !(40_000..50_000).contains(&version) {
+                return Err(format!("it is version {version}, and this program needs 4.x"));
+            }
+            if !triangles || one_sided {
+                return Err("it was built without triangles or with one-sided ones".into());
+            }
+        }
+        Ok(())
+    }
 }
 
-/// Where the library may be, best first: HOLO_EMBREE_LIB alone if it is set, else the system's, `target/embree` beside
-/// the running program, the user's cache.
+/// Where the library may be, best first: HOLO_EMBREE_LIB alone if it is set, else the system's, a folder `embree` beside
+/// the running program or in the cargo target folder that it lies in, the user's cache.
 fn candidates() -> Vec<PathBuf> {
     if let Some(path) = std::env::var_os("HOLO_EMBREE_LIB") {
         return vec![path.into()];
@@ -146,7 +177,10 @@ fn candidates() -> Vec<PathBuf> {
     let mut found: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
     let mut folders: Vec<PathBuf> = Vec::new();
     if let Ok(program) = std::env::current_exe() {
-        folders.extend(program.ancestors().skip(1).take(4).map(|folder| folder.join("embree")));
+        // Beside the program; above it only inside a folder that cargo builds in.
+        let above = program.ancestors().skip(1).take(4).enumerate();
+        let trusted = above.filter(|(up, folder)| *up == 0 || folder.join("CACHEDIR.TAG").is_file());
+        folders.extend(trusted.map(|(_, folder)| folder.join("embree")));
     }
     let cache = std::env::var_os("XDG_CACHE_HOME")
         .map(PathBuf::from)
@@ -180,20 +214,20 @@ unsafe impl Send for Embree {}
 unsafe impl Sync for Embree {}
 
 impl Embree {
+    /// Whether a library can be loaded.
+    pub fn available() -> Result<(), Error> {
+        Api::get().map(drop)
+    }
+
     /// Builds the acceleration structure over `geometry` with `threads` threads (0: all).
     pub fn build(geometry: &Arc<Geometry>, threads: usize) -> Result<Self, Error> {
         let api = Api::get()?;
         let config = CString::new(format!("threads={threads}")).map_err(|e| Error::Embree(e.to_string()))?;
         // SAFETY: `config` is a string with its NUL that outlives the call.
         let device = NonNull::new(unsafe { (api.rtcNewDevice)(config.as_ptr()) })
-            .ok_or_else(|| Error::Embree("no device can be made on this processor".into()))?;
+            .ok_or_else(|| Error::Embree("no device could be made".into()))?;
         // SAFETY: the device was just made.
         let version = unsafe { (api.rtcGetDeviceProperty)(device.as_ptr(), DEVICE_PROPERTY_VERSION) };
-        if !(40_000..50_000).contains(&version) {
-            // SAFETY: the device was made above and is not used again.
-            unsafe { (api.rtcReleaseDevice)(device.as_ptr()) };
-            return Err(Error::Embree(format!("the library found is version {version}, this program needs 4.x")));
-        }
         let name = format!("embree {}.{}.{}", version / 10_000, version / 100 % 100, version % 100);
         // SAFETY: the device is alive.
         let Some(scene) = NonNull::new(unsafe { (api.rtcNewScene)(device.as_ptr()) }) else {

@@ -59,7 +59,10 @@ fn random_packet(state: &mut u64) -> RayHits {
     for lane in 0..LANES {
         for axis in 0..2 {
             packet.rays.origin[axis][lane] = (random(state) * 0.2 - 0.1) as f32;
-            packet.rays.direction[axis][lane] = (random(state) - 0.5) as f32;
+            // Rays along the axes too, with a zero of either sign.
+            let tilt = random(state) - 0.5;
+            packet.rays.direction[axis][lane] =
+                if tilt.abs() < 0.05 { 0.0f32.copysign(tilt as f32) } else { tilt as f32 };
         }
     }
     packet

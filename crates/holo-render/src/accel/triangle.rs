@@ -8,8 +8,8 @@
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShearedRay {
     origin: [f32; 3],
-    /// The order of the axes: the last is the one along which the direction is longest.
-    axes: [usize; 3],
+    /// The axis along which the direction is longest; it plays the part of Z.
+    longest: usize,
     shear: [f32; 3],
 }
 
@@ -25,22 +25,32 @@ impl ShearedRay {
     #[inline]
     pub fn new(origin: [f32; 3], direction: [f32; 3]) -> Self {
         let longest = (0..3).fold(0, |best, k| if direction[k].abs() > direction[best].abs() { k } else { best });
-        let mut axes = [(longest + 1) % 3, (longest + 2) % 3, longest];
-        if direction[longest] < 0.0 {
-            axes.swap(0, 1);
-        }
-        let [x, y, z] = axes;
-        let shear = [direction[x] / direction[z], direction[y] / direction[z], 1.0 / direction[z]];
-        Self { origin, axes, shear }
+        let (x, y, z) = (direction[(longest + 1) % 3], direction[(longest + 2) % 3], direction[longest]);
+        Self { origin, longest, shear: [x / z, y / z, 1.0 / z] }
     }
 
-    /// The hit with `near < t < far`, if any; both sides of the triangle count.
-    #[inline]
-    pub fn intersect(&self, corners: &[[f32; 3]; 3], near: f32, far: f32) -> Option<TriangleHit> {
-        let [kx, ky, kz] = self.axes;
-        let [sx, sy, sz] = self.shear;
-        let relative = corners.map(|c| [c[kx] - self.origin[kx], c[ky] - self.origin[ky], c[kz] - self.origin[kz]]);
-        let [a, b, c] = relative.map(|p| [p[0] - sx * p[2], p[1] - sy * p[2]]);
+    /// Where the line of the ray meets the triangle, if it does; both sides count. The weights are good; the parameter of a
+    /// sliver is not, which is why the caller computes it anew.
+    #[inline(always)]
+    pub fn intersect(&self, corners: &[[f32; 3]; 3]) -> Option<TriangleHit> {
+        // Three copies with constant indices: picking axes at run time would go through memory for every corner.
+        match self.longest {
+            0 => self.intersect_along::<1, 2, 0>(corners),
+            1 => self.intersect_along::<2, 0, 1>(corners),
+            _ => self.intersect_along::<0, 1, 2>(corners),
+        }
+    }
+
+    #[inline(always)]
+    fn intersect_along<const X: usize, const Y: usize, const Z: usize>(
+        &self,
+        corners: &[[f32; 3]; 3],
+    ) -> Option<TriangleHit> {
+        let (o, [sx, sy, sz]) = (&self.origin, self.shear);
+        let relative = |p: &[f32; 3]| [p[X] - o[X], p[Y] - o[Y], p[Z] - o[Z]];
+        let (pa, pb, pc) = (relative(&corners[0]), relative(&corners[1]), relative(&corners[2]));
+        let sheared = |p: [f32; 3]| [p[0] - sx * p[2], p[1] - sy * p[2]];
+        let (a, b, c) = (sheared(pa), sheared(pb), sheared(pc));
         let edge = |p: [f32; 2], q: [f32; 2]| q[0] * p[1] - q[1] * p[0];
         let (mut u, mut v, mut w) = (edge(b, c), edge(c, a), edge(a, b));
         if u == 0.0 || v == 0.0 || w == 0.0 {
@@ -57,9 +67,8 @@ impl ShearedRay {
         if determinant == 0.0 {
             return None;
         }
-        let scaled = u * (sz * relative[0][2]) + v * (sz * relative[1][2]) + w * (sz * relative[2][2]);
+        let scaled = sz * (u * pa[2] + v * pb[2] + w * pc[2]);
         let inverse = 1.0 / determinant;
-        let t = scaled * inverse;
-        (t > near && t < far).then_some(TriangleHit { t, u: v * inverse, v: w * inverse })
+        Some(TriangleHit { t: scaled * inverse, u: v * inverse, v: w * inverse })
     }
 }

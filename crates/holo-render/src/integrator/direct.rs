@@ -12,7 +12,7 @@ use super::depth::{CENTRE, Truth, TruthTile, count};
 use super::{Context, RayCounts};
 use crate::accel::{Coherence, LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
 use crate::dispatch::Kernel;
-use crate::light::PreparedLight;
+use crate::light::{PreparedLight, STRONGEST};
 use crate::refine;
 use crate::sampling::{self, Purpose};
 use crate::sky::SkyRays;
@@ -40,7 +40,7 @@ impl Kernel for DirectTile<'_, '_> {
         let mut packet = RayHits::EMPTY;
         let has_sky = context.sky.iter().any(|&c| c > 0.0);
         for sample in 0..context.samples {
-            if (context.cancelled)() {
+            if context.stop.requested() {
                 return counts;
             }
             for (index, sum) in color.iter_mut().enumerate() {
@@ -125,7 +125,7 @@ fn add_light(
     for lane in 0..LANES {
         let seen = if rays.far[lane] < 0.0 { 0.0 } else { received[lane] };
         for c in 0..3 {
-            sum[c][lane] += surfaces.albedo[c][lane] * power[c] * seen;
+            sum[c][lane] += (surfaces.albedo[c][lane] * power[c] * seen).min(STRONGEST);
         }
     }
     count

@@ -140,8 +140,12 @@ fn check_texture(k: usize, texture: &Texture) -> Result<(), Error> {
 
 fn check_light(k: usize, light: &Light) -> Result<(), Error> {
     let at = |field: &str| format!("lights[{k}].{field}");
-    if light.intensity.iter().any(|c| !c.is_finite() || *c < 0.0) {
-        return Err(bad(at("intensity"), format!("is {:?}; it must be finite and not negative", light.intensity)));
+    let strongest = f64::from(crate::light::STRONGEST);
+    if light.intensity.iter().any(|c| !(0.0..=strongest).contains(c)) {
+        return Err(bad(
+            at("intensity"),
+            format!("is {:?}; it must lie between 0 and {:e}", light.intensity, crate::light::STRONGEST),
+        ));
     }
     let (position, direction, range) = match light.kind {
         LightKind::Directional { direction } => (None, Some(direction), None),
@@ -167,14 +171,19 @@ fn check_light(k: usize, light: &Light) -> Result<(), Error> {
     Ok(())
 }
 
-fn check_camera(k: usize, camera: &Camera) -> Result<(), Error> {
-    let at = |field: &str| format!("cameras[{k}].{field}");
-    check_transform(|| format!("cameras[{k}]"), "pose", &camera.pose)?;
-    let [x, y, z] = camera.pose.columns;
+/// Whether a map is finite, a rotation and a translation.
+pub(crate) fn is_camera_pose(pose: &Transform) -> bool {
+    let [x, y, z] = pose.columns;
     let unit = [x, y, z].iter().all(|axis| is_near(squared_length(*axis).sqrt(), 1.0));
     let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let square = [dot(x, y), dot(y, z), dot(z, x)].iter().all(|&cosine| is_near(cosine, 0.0));
-    if !(unit && square && camera.pose.determinant() > 0.0) {
+    pose.is_finite() && unit && square && pose.determinant() > 0.0
+}
+
+fn check_camera(k: usize, camera: &Camera) -> Result<(), Error> {
+    let at = |field: &str| format!("cameras[{k}].{field}");
+    check_transform(|| format!("cameras[{k}]"), "pose", &camera.pose)?;
+    if !is_camera_pose(&camera.pose) {
         return Err(bad(at("pose"), "must be a rotation and a translation, without scale or mirroring"));
     }
     let positive = |x: f64| x > 0.0 && x.is_finite();

@@ -1,0 +1,94 @@
+//! The kernels under every instruction set, and stopping.
+
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use holo_core::{Intrinsics, Projection, RigParameters};
+use ndarray::Array5;
+
+use super::*;
+use crate::gallery;
+
+fn garden() -> (Renderer, Request) {
+    let scene = gallery::scene("garden").expect("a scene of the gallery");
+    let renderer = Renderer::new(&scene, &scene.cameras[0].pose, Backend::Bvh, 1).expect("a renderer");
+    let rig = Rig::new(RigParameters {
+        split: Split::new(GridSize::new(5, 6), GridSize::new(1, 60)).expect("sizes"),
+        intrinsics: Intrinsics { focal_length_m: 0.04, sensor_size_m: 0.036 },
+        baseline_x_m: 0.002,
+        baseline_y_m: 0.002,
+        focus_distance_m: 0.9,
+        projection: Projection::Perspective,
+    })
+    .expect("a rig");
+    let sky = [0.3, 0.4, 0.5];
+    let ground_truth = GroundTruth::Central;
+    (renderer, Request { rig, integrator: Integrator::Direct, samples: 2, seed: 3, sky, ground_truth })
+}
+
+/// The whole chain - rays, refinement, shading, random numbers, sky - gives the same bits without vectors, with AVX2 and
+/// with AVX-512, wherever the machine has them.
+#[test]
+fn every_instruction_set_gives_the_same_picture() {
+    let (renderer, request) = garden();
+    let stop = Stop::new(&());
+    let context = renderer.context(&request, &stop);
+    let tiling = Tiling::new([1, 60, 5, 6]);
+    let [tile] = tiling.tiles()[..] else { panic!("one tile is enough for this rig") };
+    // Every kernel writes into a picture of its own.
+    let mut pictures: Vec<Array5<f32>> = vec![Array5::zeros((1, 60, 5, 6, 3)); 3];
+    let mut parts = pictures.iter_mut();
+    let counts = dispatch::run_on_all(|| {
+        let color = parts.next().expect("three sets at most").view_mut();
+        DirectTile { context: &context, tile: &tile, color, truth: None }
+    });
+    assert!(pictures[0].iter().any(|x| *x > 0.0));
+    for (set, picture) in pictures.iter().take(counts.len()).enumerate() {
+        assert_eq!(counts[set], counts[0]);
+        assert!(picture.iter().zip(&pictures[0]).all(|(a, b)| a.to_bits() == b.to_bits()), "set {set}");
+    }
+}
+
+/// A caller that says stop once and then forgets it does not get a picture with holes.
+#[test]
+fn a_stop_is_remembered() {
+    struct Once(AtomicU32);
+    impl Progress for Once {
+        fn cancelled(&self) -> bool {
+            self.0.fetch_add(1, Ordering::SeqCst) == 3
+        }
+    }
+    let (renderer, request) = garden();
+    assert!(matches!(renderer.render(&request, &Once(AtomicU32::new(0))), Err(Error::Cancelled)));
+}
+
+#[test]
+fn progress_reaches_its_total() {
+    struct Last(std::sync::Mutex<Vec<(u64, u64)>>);
+    impl Progress for Last {
+        fn advance(&self, done: u64, total: u64) {
+            self.0.lock().expect("no other test").push((done, total));
+        }
+    }
+    let (renderer, request) = garden();
+    for (integrator, ground_truth) in [
+        (Integrator::Depth, GroundTruth::Central),
+        (Integrator::Direct, GroundTruth::All),
+        (Integrator::Depth, GroundTruth::All),
+    ] {
+        let seen = Last(Vec::new().into());
+        renderer.render(&Request { integrator, ground_truth, ..request.clone() }, &seen).expect("a render");
+        let steps = seen.0.into_inner().expect("no other test");
+        let last = *steps.last().expect("some progress");
+        assert_eq!(last.0, last.1, "{integrator:?} {ground_truth:?}");
+    }
+}
+
+#[test]
+fn poses_that_are_no_camera_are_errors() {
+    let scene = gallery::scene("garden").expect("a scene of the gallery");
+    let mut scaled = Transform::IDENTITY;
+    scaled.columns[0][0] = 2.0;
+    for pose in [scaled, Transform::from_translation([f64::NAN, 0.0, 0.0])] {
+        assert!(matches!(Renderer::new(&scene, &pose, Backend::Bvh, 1), Err(Error::BadSetting(_))));
+    }
+}

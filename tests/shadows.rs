@@ -1,0 +1,92 @@
+//! Shadows where they usually go wrong: no light through surfaces, no surface in its own shadow.
+
+mod common;
+
+use common::{add, engines, everything, render, rig, square};
+use holo_core::Projection;
+use holo_render::scene::{Light, LightKind, Mesh, Scene, Transform};
+
+fn light(kind: LightKind) -> Light {
+    Light { name: String::new(), intensity: [1.0; 3], kind }
+}
+
+/// Pixels without any light, of all views.
+fn dark_pixels(scene: &Scene, backend: holo_render::Backend) -> (usize, usize) {
+    let rig = rig([4, 4], [40, 60], 0.002, 2.0, Projection::Perspective);
+    let color = render(scene, &everything(rig, 1, [0.0; 3]), backend, 2).color.expect("lit");
+    let dark = color.samples().iter().step_by(3).filter(|x| **x == 0.0).count();
+    (dark, color.samples().len() / 3)
+}
+
+/// A wall of 4 m x 4 mm strips, tilted, under a slanting sun: rounding on slivers must not let a strip shade itself.
+#[test]
+fn slivers_do_not_shade_themselves() {
+    let mut scene = Scene::default();
+    let mut mesh = Mesh::default();
+    for k in 0..1000u32 {
+        let (y0, y1) = (-2.0 + 0.004 * k as f32, -2.0 + 0.004 * (k + 1) as f32);
+        mesh.positions.extend([[-2.0, y0, 0.0], [2.0, y0, 0.0], [2.0, y1, 0.0], [-2.0, y1, 0.0]]);
+        mesh.triangles.extend([[4 * k, 4 * k + 1, 4 * k + 2], [4 * k, 4 * k + 2, 4 * k + 3]]);
+    }
+    let tilt = Transform::from_parts([0.01, -0.02, -2.0], [0.21, 0.13, 0.08, 0.96], [1.0; 3]);
+    add(&mut scene, mesh, [0.8, 0.8, 0.8, 1.0], tilt);
+    let direction = [0.48, -0.6, -0.64];
+    scene.lights.push(light(LightKind::Directional { direction }));
+    for backend in engines() {
+        let (dark, all) = dark_pixels(&scene, backend);
+        assert_eq!(dark, 0, "{backend:?}: of {all}");
+    }
+}
+
+/// A sheet 30 cm before a wall casts the same shadow whether the lamp is 100 m or 1000 km away behind the camera.
+#[test]
+fn the_distance_of_a_lamp_does_not_lose_its_shadow() {
+    for backend in engines() {
+        let mut counts = Vec::new();
+        for distance in [100.0, 1e4, 1e6] {
+            let mut scene = Scene::default();
+            add(&mut scene, square(5.0), [0.8, 0.8, 0.8, 1.0], Transform::from_translation([0.0, 0.0, -2.0]));
+            add(&mut scene, square(0.1), [0.8, 0.8, 0.8, 1.0], Transform::from_translation([0.0, 0.0, -1.7]));
+            let direction = [0.6 * distance, 0.0, 0.8 * distance];
+            scene.lights.push(Light {
+                intensity: [distance * distance; 3],
+                ..light(LightKind::Point { position: direction, range: None })
+            });
+            counts.push(dark_pixels(&scene, backend).0);
+        }
+        assert!(counts[0] > 100, "the shadow must be in the picture: {counts:?}");
+        // Nearer lamps widen the shadow a little.
+        assert!(counts.iter().all(|&n| n.abs_diff(counts[2]) * 20 <= counts[2]), "{backend:?} {counts:?}");
+    }
+}
+
+/// A lamp that lies in the ceiling lights the room below.
+#[test]
+fn a_lamp_in_the_ceiling_is_not_hidden_by_it() {
+    let mut scene = Scene::default();
+    add(&mut scene, square(5.0), [0.8, 0.8, 0.8, 1.0], Transform::from_translation([0.0, 0.0, -2.0]));
+    // A tilted sheet above, out of sight, with the lamp at its centre.
+    let center = [0.1, 1.3, -1.1];
+    let sheet = Transform::from_parts(center, [0.7, 0.02, 0.01, 0.71], [1.0; 3]);
+    add(&mut scene, square(0.3), [0.8, 0.8, 0.8, 1.0], sheet);
+    scene.lights.push(light(LightKind::Point { position: center, range: None }));
+    for backend in engines() {
+        let (dark, all) = dark_pixels(&scene, backend);
+        assert_eq!(dark, 0, "{backend:?}: of {all}");
+    }
+}
+
+/// Coincident duplicates of a surface do not shade each other.
+#[test]
+fn duplicates_do_not_shade_each_other() {
+    let mut scene = Scene::default();
+    for _ in 0..3 {
+        let tilt = Transform::from_parts([0.01, -0.02, -2.0], [0.21, 0.13, 0.08, 0.96], [1.0; 3]);
+        add(&mut scene, square(4.0), [0.8, 0.8, 0.8, 1.0], tilt);
+    }
+    let direction = [0.48, -0.6, -0.64];
+    scene.lights.push(light(LightKind::Directional { direction }));
+    for backend in engines() {
+        assert_eq!(dark_pixels(&scene, backend).0, 0, "{backend:?}");
+    }
+}
