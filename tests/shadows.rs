@@ -55,8 +55,8 @@ fn the_distance_of_a_lamp_does_not_lose_its_shadow() {
             counts.push(dark_pixels(&scene, backend).0);
         }
         assert!(counts[0] > 100, "the shadow must be in the picture: {counts:?}");
-        // Nearer lamps widen the shadow a little.
-        assert!(counts.iter().all(|&n| n.abs_diff(counts[2]) * 20 <= counts[2]), "{backend:?} {counts:?}");
+        // The nearest moves the edge by 2 mm: one column of pixels, an eighth of this narrow shadow.
+        assert!(counts.iter().all(|&n| n.abs_diff(counts[2]) * 8 <= counts[2]), "{backend:?} {counts:?}");
     }
 }
 

@@ -142,7 +142,7 @@ pub struct RemapOptions {
     /// What the input is [default: by `_el` or `_vpi` in its name].
     #[arg(long, value_enum)]
     pub from: Option<LayoutArgument>,
-    /// What the output shall be [default: the other one].
+    /// What the output shall be [default: by `_el` or `_vpi` in its name, else the other one].
     #[arg(long, value_enum)]
     pub to: Option<LayoutArgument>,
     /// Views, columns x rows, or one number for both [default: from the parameters.cfg beside the input].

@@ -10,7 +10,7 @@ static STOPPED: AtomicBool = AtomicBool::new(false);
 static SAID: AtomicBool = AtomicBool::new(false);
 
 /// A render asks this often and ends by itself; a writer in the middle of a large file is not waited for.
-const PATIENCE: Duration = Duration::from_millis(600);
+const PATIENCE: Duration = Duration::from_millis(500);
 
 /// Begins to listen.
 pub fn install() {

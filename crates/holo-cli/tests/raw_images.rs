@@ -129,6 +129,23 @@ fn what_is_missing_or_does_not_fit_is_said() {
 }
 
 #[test]
+fn the_name_of_the_output_decides_unless_told_otherwise() {
+    let bench = Bench::new();
+    bench.render("out", "--write el");
+    let before = bench.bytes("out");
+    // In place: the file keeps the layout that its name promises.
+    ok(&bench, "remap out/scene_el.png out/scene_el.png");
+    assert!(bench.bytes("out") == before);
+    ok(&bench, "remap out/scene_el.png out/other.png");
+    assert_eq!(bench.run("remap out/other.png x_el.png --views 5x4 --from vpi").code, Some(0));
+    assert!(bench.bytes("")["x_el.png"] == before["scene_el.png"]);
+    let outcome = bench.run("remap out/scene_el.png out/odd_el.png --to vpi");
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    assert!(outcome.stderr.contains("warning:") && outcome.stderr.contains("--from"), "{outcome:?}");
+    assert!(bench.bytes("out")["odd_el.png"] == bench.bytes("out")["other.png"]);
+}
+
+#[test]
 fn parameters_of_another_image_are_noticed() {
     let bench = Bench::new();
     bench.render("out", "");

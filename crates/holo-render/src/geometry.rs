@@ -91,8 +91,8 @@ impl Geometry {
     fn append(&mut self, mesh: &Mesh, to_camera: &Transform, with: [bool; 3]) -> Result<(), Error> {
         let first_vertex = self.positions.len() as u32;
         let exact: Vec<[f64; 3]> = mesh.positions.par_iter().map(|p| to_camera.point(p.map(f64::from))).collect();
-        // Beyond this the squares and products inside a ray engine overflow f32. NaN fails the comparison too.
-        if let Some(bad) = exact.par_iter().flatten().find_any(|x| !(x.abs() < LARGEST_COORDINATE)) {
+        // Beyond this the squares and products inside a ray engine overflow f32.
+        if let Some(bad) = exact.par_iter().flatten().find_any(|x| x.is_nan() || x.abs() >= LARGEST_COORDINATE) {
             return Err(Error::BadScene {
                 at: format!("mesh '{}'", mesh.name),
                 what: format!("a vertex is {bad:e} m from the camera; coordinates must stay below 1e18 m"),

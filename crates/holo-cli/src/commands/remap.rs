@@ -5,16 +5,20 @@ use holo_io::{Compression, Meaning};
 
 use super::raw::{self, Raw};
 use crate::arguments::RemapOptions;
+use crate::console::say;
 use crate::failure::Failure;
 
 pub fn run(options: &RemapOptions) -> Result<(), Failure> {
     let (image, from) = raw::read(&options.input, options.from, options.views)?;
-    let to = match (options.to, from) {
-        (Some(to), _) => raw::layout(to),
-        (None, Layout::ElementalGrid) => Layout::ViewpointGrid,
-        (None, Layout::ViewpointGrid) => Layout::ElementalGrid,
-    };
     let out = &options.output;
+    let named = holo_io::layout_of_file_name(out);
+    let to = options.to.map(raw::layout).or(named).unwrap_or(match from {
+        Layout::ElementalGrid => Layout::ViewpointGrid,
+        Layout::ViewpointGrid => Layout::ElementalGrid,
+    });
+    if named.is_some_and(|named| named != to) {
+        say!("warning: {} says the other grid by its name; reading it back will need --from", out.display());
+    }
     match image {
         Raw::U8(field) => holo_io::write_png_u8(out, grid(field, to).view(), Meaning::Srgb, Compression::Published)?,
         Raw::U16(field) => holo_io::write_png_u16(out, grid(field, to).view(), Meaning::Srgb, Compression::Published)?,

@@ -74,10 +74,13 @@ macro_rules! api {
             fn from_library(library: Library) -> Result<Self, libloading::Error> {
                 Ok(Self {
                     $(
-                        // SAFETY: the signature is that of the public header (see the head of this file), and the
-                        // pointer lives no longer than `_library` beside it.
                         $(#[$attribute])*
-                        $name: unsafe { *library.get(concat!(stringify!($name), "\0").as_bytes())? },
+                        $name: {
+                            let symbol = concat!(stringify!($name), "\0").as_bytes();
+                            // SAFETY: the signature is that of the public header (see the head of this file), and the
+                            // pointer lives no longer than `_library` beside it.
+                            unsafe { *library.get(symbol)? }
+                        },
                     )*
                     _library: library,
                 })
