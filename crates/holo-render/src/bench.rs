@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::accel::{LANES, Lanes, NO_TRIANGLE, RayHits};
 use crate::dispatch::{self, Kernel};
-use crate::integrator::depth::{CENTRE, count};
+use crate::integrator::depth::count;
 use crate::primary::RigTables;
 use crate::render::Renderer;
 use crate::tile::{Tile, Tiling};
@@ -44,42 +44,40 @@ pub fn trace(renderer: &Renderer, rig: &Rig, work: Work) -> Traced {
     let split = rig.split();
     let (lenses, views) = (split.lenses(), split.views());
     let tiling = Tiling::new([lenses.rows, lenses.columns, views.rows, views.columns]);
-    let tables = RigTables::new(rig);
+    let tables = RigTables::new(rig, &tiling);
     let tiles = tiling.tiles();
+    // Made and touched beforehand, as a caller who renders again and again would have it: what is measured is rays.
+    let mut kept: Vec<Vec<Kept>> = renderer.install(|| {
+        let count = |tile: &Tile| if work == Work::Visibility { tile.packet_count() } else { 0 };
+        tiles.par_iter().map(|tile| vec![Kept::EMPTY; count(tile)]).collect()
+    });
     let start = Instant::now();
     let (rays, hits, engine_seconds) = renderer.install(|| {
-        let mut kept: Vec<Vec<Kept>> = Vec::new();
-        let traced = tiles
+        tiles
             .par_iter()
-            .map(|tile| dispatch::run(TraceTile { renderer, tables: &tables, tile, work }))
-            .fold(Vec::new, |mut all: Vec<(Vec<Kept>, [u64; 2], f64)>, one| {
-                all.push(one);
-                all
-            })
-            .reduce(Vec::new, |mut a, b| {
-                a.extend(b);
-                a
-            });
-        let mut sums = (0, 0, 0.0);
-        for (hits, [rays, hit], seconds) in traced {
-            kept.push(hits);
-            sums = (sums.0 + rays, sums.1 + hit, sums.2 + seconds);
-        }
-        black_box(&kept);
-        sums
+            .zip(&mut kept)
+            .map(|(tile, kept)| dispatch::run(TraceTile { renderer, tables: &tables, tile, work, kept }))
+            .reduce(|| (0, 0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2))
     });
     let seconds = match work {
         Work::Visibility => start.elapsed().as_secs_f64(),
         Work::BarePackets | Work::BareSingle => engine_seconds / renderer.threads() as f64,
     };
+    black_box(&kept);
     Traced { rays, hits, seconds }
 }
 
 /// Triangle and weights of a packet.
+#[derive(Clone, Copy)]
 struct Kept {
-    _triangle: [u32; LANES],
-    _u: [f32; LANES],
-    _v: [f32; LANES],
+    triangle: [u32; LANES],
+    u: [f32; LANES],
+    v: [f32; LANES],
+}
+
+impl Kept {
+    /// Not zeros, which the system would only promise.
+    const EMPTY: Self = Self { triangle: [NO_TRIANGLE; LANES], u: [0.0; LANES], v: [0.0; LANES] };
 }
 
 struct TraceTile<'a> {
@@ -87,37 +85,40 @@ struct TraceTile<'a> {
     tables: &'a RigTables,
     tile: &'a Tile,
     work: Work,
+    kept: &'a mut [Kept],
 }
 
 impl Kernel for TraceTile<'_> {
-    type Output = (Vec<Kept>, [u64; 2], f64);
+    /// Rays, hits, seconds inside the engine (bare work alone).
+    type Output = (u64, u64, f64);
 
     #[inline(always)]
     fn run(self) -> Self::Output {
         let engine = self.renderer.engine();
-        let packets = self.tile.packet_count();
-        let hit = |packet: &RayHits, valid: &Lanes<i32>| {
-            (0..LANES).filter(|&k| valid.0[k] != 0 && packet.hits.triangle[k] != NO_TRIANGLE).count() as u64
-        };
         let (mut rays, mut hits) = (0, 0);
         if self.work == Work::Visibility {
-            let mut kept = Vec::with_capacity(packets);
             let mut packet = RayHits::EMPTY;
-            for index in 0..packets {
-                let pixels = self.tile.pixels(index);
-                self.tables.fill(&pixels, [&CENTRE, &CENTRE], &mut packet);
+            for (block, kept) in self.tile.blocks().zip(self.kept) {
+                let pixels = self.tables.pixels(block);
+                self.tables.fill(&pixels, None, &mut packet);
                 engine.intersect(&pixels.valid, &mut packet);
                 rays += count(&pixels.valid);
-                hits += hit(&packet, &pixels.valid);
-                kept.push(Kept { _triangle: packet.hits.triangle, _u: packet.hits.u, _v: packet.hits.v });
+                kept.triangle = packet.hits.triangle;
+                kept.u = packet.hits.u;
+                kept.v = packet.hits.v;
+                for lane in 0..LANES {
+                    hits += u64::from((pixels.valid.0[lane] != 0) & (packet.hits.triangle[lane] != NO_TRIANGLE));
+                }
             }
-            return (kept, [rays, hits], 0.0);
+            return (rays, hits, 0.0);
         }
-        let mut buffer: Vec<(Lanes<i32>, RayHits)> = (0..packets)
-            .map(|index| {
-                let pixels = self.tile.pixels(index);
+        let mut buffer: Vec<(Lanes<i32>, RayHits)> = self
+            .tile
+            .blocks()
+            .map(|block| {
+                let pixels = self.tables.pixels(block);
                 let mut packet = RayHits::EMPTY;
-                self.tables.fill(&pixels, [&CENTRE, &CENTRE], &mut packet);
+                self.tables.fill(&pixels, None, &mut packet);
                 (pixels.valid, packet)
             })
             .collect();
@@ -132,8 +133,8 @@ impl Kernel for TraceTile<'_> {
         let seconds = start.elapsed().as_secs_f64();
         for (valid, packet) in &buffer {
             rays += count(valid);
-            hits += hit(packet, valid);
+            hits += (0..LANES).filter(|&k| valid.0[k] != 0 && packet.hits.triangle[k] != NO_TRIANGLE).count() as u64;
         }
-        (Vec::new(), [rays, hits], seconds)
+        (rays, hits, seconds)
     }
 }

@@ -62,11 +62,11 @@ impl Context<'_> {
     /// The random sequences of a packet's pixels.
     #[inline(always)]
     fn sequences(&self, pixels: &Pixels) -> [u32; LANES] {
-        let [v, u, t, s] = &pixels.place;
+        let [v, u, t, s] = pixels.axes;
         let (mut lens, mut view) = ([0; LANES], [0; LANES]);
         for lane in 0..LANES {
-            lens[lane] = v[lane] * self.columns[0] + u[lane];
-            view[lane] = t[lane] * self.columns[1] + s[lane];
+            lens[lane] = v.index[lane] * self.columns[0] + u.index[lane];
+            view[lane] = t.index[lane] * self.columns[1] + s.index[lane];
         }
         sampling::sequences(self.seed, &lens, &view)
     }

@@ -6,6 +6,7 @@
 use holo_core::{Projection, Rig};
 
 use crate::accel::{LANES, Lanes, RayHits};
+use crate::tile::Tiling;
 
 /// How the 16 lanes of a packet are spread over lens rows, lens columns, view rows and view columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,15 +43,29 @@ impl PacketShape {
     }
 }
 
-/// The rig's numbers, tabulated once: positions of all views and what a projection does with them.
+/// The lanes of a packet along one axis of the light field: which index each has, and what the rig makes of it.
+pub(crate) struct AxisLanes {
+    /// Indices along the axis. Lanes beyond its end repeat the last one.
+    pub index: [u32; LANES],
+    /// -1 for lanes within the axis, else 0.
+    pub valid: [i32; LANES],
+    /// Lenses: slope through the pixel's centre. Views: position, m.
+    value: [f64; LANES],
+    /// Views: what the position takes from the slope, position / focus distance.
+    shift: [f64; LANES],
+}
+
+/// Which pixels of the light field a packet holds: one entry of the tables for each of the axes (v, u, t, s).
+#[derive(Clone, Copy)]
+pub(crate) struct Pixels<'a> {
+    pub axes: [&'a AxisLanes; 4],
+    pub valid: Lanes<i32>,
+}
+
+/// The rig's numbers, tabulated packet by packet along every axis.
 pub(crate) struct RigTables {
-    view_x: Vec<f64>,
-    view_y: Vec<f64>,
-    inverse_focus: f64,
-    /// Slope per pixel and slope at the left and upper edge.
+    axes: [Vec<AxisLanes>; 4],
     slope_step: f64,
-    slope_left: f64,
-    slope_top: f64,
     /// Perspective: 0 and 1. Orthographic: the focus distance and 0.
     slope_to_origin: f64,
     slope_to_direction: f64,
@@ -64,39 +79,54 @@ pub(crate) struct ExactRays {
     pub direction_y: [f64; LANES],
 }
 
-/// Which pixels of the light field a packet holds.
-#[derive(Clone, Copy)]
-pub(crate) struct Pixels {
-    /// Indices along (v, u, t, s).
-    pub place: [[u32; LANES]; 4],
-    pub valid: Lanes<i32>,
-}
-
 impl RigTables {
-    pub fn new(rig: &Rig) -> Self {
-        let split = rig.split();
+    /// The tables for the packets of `tiling`.
+    pub fn new(rig: &Rig, tiling: &Tiling) -> Self {
+        let inverse_focus = rig.inverse_focus_per_m();
+        let axis = |axis: usize, value: &dyn Fn(usize) -> f64, inverse_focus: f64| -> Vec<AxisLanes> {
+            let lanes = |(index, valid): ([u32; LANES], [i32; LANES])| {
+                let value = index.map(|k| value(k as usize));
+                AxisLanes { index, valid, value, shift: value.map(|x| x * inverse_focus) }
+            };
+            tiling.blocks(axis).map(lanes).collect()
+        };
         let orthographic = rig.parameters().projection == Projection::Orthographic;
         Self {
-            view_x: (0..split.views().columns).map(|s| rig.view_x_m(s)).collect(),
-            view_y: (0..split.views().rows).map(|t| rig.view_y_m(t)).collect(),
-            inverse_focus: rig.inverse_focus_per_m(),
+            axes: [
+                axis(0, &|v| rig.slope_y(v as f64 + 0.5), 0.0),
+                axis(1, &|u| rig.slope_x(u as f64 + 0.5), 0.0),
+                axis(2, &|t| rig.view_y_m(t), inverse_focus),
+                axis(3, &|s| rig.view_x_m(s), inverse_focus),
+            ],
             slope_step: rig.slope_x(1.0) - rig.slope_x(0.0),
-            slope_left: rig.slope_x(0.0),
-            slope_top: rig.slope_y(0.0),
             slope_to_origin: if orthographic { rig.parameters().focus_distance_m } else { 0.0 },
             slope_to_direction: if orthographic { 0.0 } else { 1.0 },
         }
     }
 
-    /// The rays through the points (`u + jitter`, `v + jitter`) of the pixels, exact and as f32 in `packet`.
+    /// The pixels of the packet that is `block[axis]`-th along every axis.
     #[inline(always)]
-    pub fn fill(&self, pixels: &Pixels, jitter: [&[f32; LANES]; 2], packet: &mut RayHits) -> ExactRays {
-        let [v, u, t, s] = &pixels.place;
-        let mut x = [0.0; LANES];
-        let mut y = [0.0; LANES];
+    pub fn pixels(&self, block: [usize; 4]) -> Pixels<'_> {
+        let axes = [&self.axes[0][block[0]], &self.axes[1][block[1]], &self.axes[2][block[2]], &self.axes[3][block[3]]];
+        let mut valid = Lanes([0; LANES]);
         for lane in 0..LANES {
-            x[lane] = self.view_x[s[lane] as usize];
-            y[lane] = self.view_y[t[lane] as usize];
+            valid.0[lane] = axes[0].valid[lane] & axes[1].valid[lane] & axes[2].valid[lane] & axes[3].valid[lane];
+        }
+        Pixels { axes, valid }
+    }
+
+    /// The rays through the pixels, exact and as f32 in `packet`: through the centres, or through the points `within` the
+    /// pixels (x and y from the upper left corner, 0 to 1).
+    #[inline(always)]
+    pub fn fill(&self, pixels: &Pixels, within: Option<&[[f32; LANES]; 2]>, packet: &mut RayHits) -> ExactRays {
+        let [v, u, t, s] = pixels.axes;
+        let mut slope_x = u.value;
+        let mut slope_y = v.value;
+        if let Some([x, y]) = within {
+            for lane in 0..LANES {
+                slope_x[lane] += (f64::from(x[lane]) - 0.5) * self.slope_step;
+                slope_y[lane] -= (f64::from(y[lane]) - 0.5) * self.slope_step;
+            }
         }
         let mut rays = ExactRays {
             origin_x: [0.0; LANES],
@@ -105,22 +135,20 @@ impl RigTables {
             direction_y: [0.0; LANES],
         };
         for lane in 0..LANES {
-            let slope_x = self.slope_left + (f64::from(u[lane]) + f64::from(jitter[0][lane])) * self.slope_step;
-            let slope_y = self.slope_top - (f64::from(v[lane]) + f64::from(jitter[1][lane])) * self.slope_step;
-            rays.origin_x[lane] = x[lane] + slope_x * self.slope_to_origin;
-            rays.origin_y[lane] = y[lane] + slope_y * self.slope_to_origin;
-            rays.direction_x[lane] = slope_x * self.slope_to_direction - x[lane] * self.inverse_focus;
-            rays.direction_y[lane] = slope_y * self.slope_to_direction - y[lane] * self.inverse_focus;
+            rays.origin_x[lane] = s.value[lane] + slope_x[lane] * self.slope_to_origin;
+            rays.origin_y[lane] = t.value[lane] + slope_y[lane] * self.slope_to_origin;
+            rays.direction_x[lane] = slope_x[lane] * self.slope_to_direction - s.shift[lane];
+            rays.direction_y[lane] = slope_y[lane] * self.slope_to_direction - t.shift[lane];
         }
         packet.reset();
         for lane in 0..LANES {
             packet.rays.origin[0][lane] = rays.origin_x[lane] as f32;
             packet.rays.origin[1][lane] = rays.origin_y[lane] as f32;
-            packet.rays.origin[2][lane] = 0.0;
             packet.rays.direction[0][lane] = rays.direction_x[lane] as f32;
             packet.rays.direction[1][lane] = rays.direction_y[lane] as f32;
-            packet.rays.direction[2][lane] = -1.0;
         }
+        packet.rays.origin[2] = [0.0; LANES];
+        packet.rays.direction[2] = [-1.0; LANES];
         rays
     }
 }
@@ -163,22 +191,28 @@ mod tests {
                 projection,
             })
             .unwrap();
-            let tables = RigTables::new(&rig);
-            let pixels = Pixels {
-                place: [99, 9, 5, 6].map(|n| std::array::from_fn(|k| if n == 99 { 6 } else { (k % n) as u32 })),
-                valid: Lanes([-1; LANES]),
-            };
+            let tiling = Tiling::new([7, 9, 5, 6]);
+            let tables = RigTables::new(&rig, &tiling);
             let mut packet = RayHits::EMPTY;
-            let rays = tables.fill(&pixels, [&[0.25; LANES], &[0.75; LANES]], &mut packet);
-            for k in 0..LANES {
-                let ray = rig.ray(6, k % 9, k % 5, k % 6, 0.25, 0.75);
-                for (a, b) in [
-                    (rays.origin_x[k], ray.origin_m[0]),
-                    (rays.origin_y[k], ray.origin_m[1]),
-                    (rays.direction_x[k], ray.direction[0]),
-                    (rays.direction_y[k], ray.direction[1]),
-                ] {
-                    assert!((a - b).abs() < 1e-15, "{projection:?} lane {k}: {a} {b}");
+            // Two packets: within the grid, and at its end where some lanes are beyond it.
+            for block in [[6, 8, 0, 0], [3, 4, 1, 1]] {
+                let pixels = tables.pixels(block);
+                let rays = tables.fill(&pixels, Some(&[[0.25; LANES], [0.75; LANES]]), &mut packet);
+                let centres = tables.fill(&pixels, None, &mut packet);
+                for k in 0..LANES {
+                    let [v, u, t, s] = pixels.axes.map(|axis| axis.index[k] as usize);
+                    let ray = rig.ray(v, u, t, s, 0.25, 0.75);
+                    let centre = rig.ray(v, u, t, s, 0.5, 0.5);
+                    for (a, b) in [
+                        (rays.origin_x[k], ray.origin_m[0]),
+                        (rays.origin_y[k], ray.origin_m[1]),
+                        (rays.direction_x[k], ray.direction[0]),
+                        (rays.direction_y[k], ray.direction[1]),
+                        (centres.direction_x[k], centre.direction[0]),
+                        (centres.direction_y[k], centre.direction[1]),
+                    ] {
+                        assert!((a - b).abs() < 1e-15, "{projection:?} lane {k}: {a} {b}");
+                    }
                 }
             }
         }

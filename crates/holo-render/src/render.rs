@@ -184,7 +184,6 @@ impl Renderer {
         let (lenses, views) = (split.lenses(), split.views());
         let all_counts = [lenses.rows, lenses.columns, views.rows, views.columns];
         let stop = Stop::new(progress);
-        let context = self.context(request, &stop);
         let with_color = integrator != Integrator::Depth;
         let with_all = request.ground_truth == GroundTruth::All;
         // One sample through the centre sees what the ground truth asks for.
@@ -196,6 +195,7 @@ impl Renderer {
         let mut all = if with_all { Some(Truth::light_fields(split)?) } else { None };
         let tile_count = if with_color || with_all { tiling.tiles().len() } else { 0 };
         let passes = u64::from(with_color) + u64::from(with_all && !together);
+        let context = self.context(request, &tiling, &stop);
         let with_central = u64::from(!with_all);
         let central_tiles = with_central * central_tiling(&split).tiles().len() as u64;
         let work = Work::new(progress, &stop, passes * tile_count as u64 + central_tiles);
@@ -224,7 +224,8 @@ impl Renderer {
             let plane = |field: &LightFieldOwned<f32>| field.samples().slice(ndarray::s![.., .., t, s, 0]).to_owned();
             Truth { depth_m: plane(&all.depth_m), disparity_px: plane(&all.disparity_px) }
         } else {
-            let (central, count) = central(&context, &work, &split)?;
+            let tiling = central_tiling(&split);
+            let (central, count) = central(&self.context(request, &tiling, &stop), &tiling, &work, split.lenses())?;
             rays = rays + count;
             central
         };
@@ -234,7 +235,8 @@ impl Renderer {
         Ok(Rendered { color, central, all, integrator, why, rays })
     }
 
-    fn context<'a>(&'a self, request: &Request, stop: &'a Stop<'a>) -> Context<'a> {
+    /// What the integrators read over the packets of `tiling`.
+    fn context<'a>(&'a self, request: &Request, tiling: &Tiling, stop: &'a Stop<'a>) -> Context<'a> {
         let split = request.rig.split();
         Context {
             engine: &*self.engine,
@@ -242,7 +244,7 @@ impl Renderer {
             appearance: &self.appearance,
             lights: &self.lights,
             sky: request.sky,
-            tables: RigTables::new(&request.rig),
+            tables: RigTables::new(&request.rig, tiling),
             disparity: request.rig.disparity(),
             seed: request.seed,
             samples: request.samples,
@@ -302,11 +304,15 @@ fn zeros(split: Split, channels: usize) -> Result<LightFieldOwned<f32>, Error> {
 }
 
 /// Ground truth of the central view.
-fn central(context: &Context, work: &Work, split: &Split) -> Result<(Truth<Array2<f32>>, RayCounts), Error> {
-    let tiling = central_tiling(split);
-    let mut truth = Truth::light_fields(Split::new(GridSize::new(1, 1), split.lenses())?)?;
+fn central(
+    context: &Context,
+    tiling: &Tiling,
+    work: &Work,
+    lenses: GridSize,
+) -> Result<(Truth<Array2<f32>>, RayCounts), Error> {
+    let mut truth = Truth::light_fields(Split::new(GridSize::new(1, 1), lenses)?)?;
     let trace = |tile: &Tile, out| dispatch::run(DepthTile { context, tile, out });
-    let rays = work.run(&tiling, truth.tiles(&tiling), trace)?;
+    let rays = work.run(tiling, truth.tiles(tiling), trace)?;
     let plane = |field: LightFieldOwned<f32>| {
         let image = field.into_elemental_grid().unwrap_or_else(|field| field.to_elemental_grid());
         image.index_axis_move(Axis(2), 0)

@@ -6,8 +6,8 @@
 //! two-dimensional Sobol sequence, which is a (0, 2)-sequence: of every 2^k points that begin at a multiple of 2^k, each
 //! box of area 2^-k with sides of powers of two holds one. Pairs of one pixel are padded: the order of the points is
 //! scrambled anew for each (Burley, "Practical Hash-based Owen Scrambling", JCGT 9, 2020). Everything is arithmetic on
-//! 32-bit lanes without branches, so that 16 pixels are drawn at once: about 6 ns for a packet where the crate
-//! `sobol_burley` takes 70 ns a pixel.
+//! 32-bit lanes without branches, so that 16 pixels are drawn at once: 49 ns for two pairs of 16 pixels where the
+//! crate `sobol_burley` takes 406 ns (one core of an AMD EPYC with AVX-512).
 
 use crate::accel::LANES;
 

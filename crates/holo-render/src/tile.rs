@@ -5,8 +5,8 @@
 
 use ndarray::{ArrayViewMut5, Axis};
 
-use crate::accel::{LANES, Lanes};
-use crate::primary::{PacketShape, Pixels};
+use crate::accel::LANES;
+use crate::primary::PacketShape;
 
 /// About this many pixels make a tile: enough to sort secondary rays, few enough to stay in the cache.
 const PIXELS: usize = 8192;
@@ -22,12 +22,42 @@ pub(crate) struct Tiling {
     first_view: [usize; 2],
 }
 
-/// One tile: its first pixel and its extent along (v, u, t, s).
+/// One tile, in packets along (v, u, t, s).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tile {
-    start: [usize; 4],
-    extent: [usize; 4],
-    shape: PacketShape,
+    /// Its first packet among those of the whole light field.
+    first: [usize; 4],
+    packets: [usize; 4],
+    /// Lanes of a packet along every axis.
+    lanes: [usize; 4],
+}
+
+/// Iterates over the packets of a tile.
+pub(crate) struct Blocks {
+    tile: Tile,
+    next: [usize; 4],
+}
+
+impl Iterator for Blocks {
+    type Item = [usize; 4];
+
+    #[inline(always)]
+    fn next(&mut self) -> Option<[usize; 4]> {
+        let (first, packets) = (&self.tile.first, &self.tile.packets);
+        let [v, u, t, s] = self.next;
+        if v == packets[0] {
+            return None;
+        }
+        // Counts up like an odometer.
+        self.next[3] += 1;
+        for axis in (1..4).rev() {
+            if self.next[axis] == packets[axis] {
+                self.next[axis] = 0;
+                self.next[axis - 1] += 1;
+            }
+        }
+        Some([first[0] + v, first[1] + u, first[2] + t, first[3] + s])
+    }
 }
 
 impl Tiling {
@@ -50,6 +80,17 @@ impl Tiling {
         Self { first_view: view, ..Self::new([lenses[0], lenses[1], 1, 1]) }
     }
 
+    /// The packets along one of the axes (v, u, t, s): every lane's index, and whether it lies within the axis.
+    pub fn blocks(&self, axis: usize) -> impl Iterator<Item = ([u32; LANES], [i32; LANES])> {
+        let (count, size, offsets) = (self.counts[axis], self.shape.size[axis], self.shape.offsets[axis]);
+        let first = [0, 0, self.first_view[0], self.first_view[1]][axis] as u32;
+        (0..count).step_by(size).map(move |start| {
+            let wanted = offsets.map(|offset| start as u32 + offset);
+            let index = wanted.map(|k| first + k.min(count as u32 - 1));
+            (index, wanted.map(|k| -i32::from((k as usize) < count)))
+        })
+    }
+
     /// All tiles in a fixed order.
     pub fn tiles(&self) -> Vec<Tile> {
         let [size_v, size_u, size_t] = self.size;
@@ -59,8 +100,11 @@ impl Tiling {
             for u in (0..count_u).step_by(size_u) {
                 for t in (0..count_t).step_by(size_t) {
                     let extent = [size_v.min(count_v - v), size_u.min(count_u - u), size_t.min(count_t - t), count_s];
-                    let start = [v, u, t + self.first_view[0], self.first_view[1]];
-                    tiles.push(Tile { start, extent, shape: self.shape });
+                    // Tiles end where packets end.
+                    let block = |axis: usize, start: usize| start / self.shape.size[axis];
+                    let first = [block(0, v), block(1, u), block(2, t), 0];
+                    let packets = std::array::from_fn(|axis| extent[axis].div_ceil(self.shape.size[axis]));
+                    tiles.push(Tile { first, packets, lanes: self.shape.size });
                 }
             }
         }
@@ -90,41 +134,21 @@ impl Tiling {
 }
 
 impl Tile {
-    /// Packets along each axis.
-    #[inline(always)]
-    fn packet_grid(&self) -> [usize; 4] {
-        std::array::from_fn(|axis| self.extent[axis].div_ceil(self.shape.size[axis]))
-    }
-
     pub fn packet_count(&self) -> usize {
-        self.packet_grid().iter().product()
+        self.packets.iter().product()
     }
 
-    /// The pixels of packet `index`. Lanes outside the tile repeat a pixel inside and are not valid.
+    /// The places of all packets along the four axes, in the order in which a tile is held.
     #[inline(always)]
-    pub fn pixels(&self, index: usize) -> Pixels {
-        let mut pixels = Pixels { place: [[0; LANES]; 4], valid: Lanes([-1; LANES]) };
-        let grid = self.packet_grid();
-        let mut rest = index;
-        for axis in (0..4).rev() {
-            let first = (rest % grid[axis] * self.shape.size[axis]) as u32;
-            rest /= grid[axis];
-            let (start, last) = (self.start[axis] as u32, self.extent[axis] as u32 - 1);
-            for lane in 0..LANES {
-                let wanted = first + self.shape.offsets[axis][lane];
-                let inside = wanted.min(last);
-                pixels.place[axis][lane] = start + inside;
-                pixels.valid.0[lane] &= -i32::from(wanted == inside);
-            }
-        }
-        pixels
+    pub fn blocks(&self) -> Blocks {
+        Blocks { tile: *self, next: [0; 4] }
     }
 
     /// Writes packet-ordered values (`packets[packet][channel][lane]`, scaled) into the tile's part of the light field.
     #[inline(always)]
     pub fn scatter<const C: usize>(&self, packets: &[[[f32; LANES]; C]], scale: f32, field: &mut ArrayViewMut5<f32>) {
-        let grid = self.packet_grid();
-        let [size_v, size_u, size_t, size_s] = self.shape.size;
+        let grid = self.packets;
+        let [size_v, size_u, size_t, size_s] = self.lanes;
         for (v, mut rows) in field.outer_iter_mut().enumerate() {
             for (u, mut elemental) in rows.outer_iter_mut().enumerate() {
                 for (t, mut row) in elemental.outer_iter_mut().enumerate() {
@@ -164,10 +188,11 @@ mod tests {
             for (tile, mut part) in tiles.iter().zip(parts) {
                 let mut buffer = vec![[[0.0f32; LANES]; 1]; tile.packet_count()];
                 let mut valid = 0;
-                for (k, packet) in buffer.iter_mut().enumerate() {
-                    let p = tile.pixels(k);
-                    for lane in (0..LANES).filter(|&lane| p.valid.0[lane] != 0) {
-                        let [pv, pu, pt, ps] = p.place.map(|axis| axis[lane] as usize);
+                assert_eq!(tile.blocks().count(), buffer.len());
+                for (packet, block) in buffer.iter_mut().zip(tile.blocks()) {
+                    let axes = [0, 1, 2, 3].map(|axis| tiling.blocks(axis).nth(block[axis]).expect("a block"));
+                    for lane in (0..LANES).filter(|&lane| axes.iter().all(|(_, valid)| valid[lane] != 0)) {
+                        let [pv, pu, pt, ps] = axes.map(|(index, _)| index[lane] as usize);
                         packet[0][lane] = (((pv * u + pu) * t + pt) * s + ps) as f32;
                         valid += 1;
                     }

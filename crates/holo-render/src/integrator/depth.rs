@@ -60,9 +60,9 @@ impl Kernel for DepthTile<'_, '_> {
         let mut truth = Truth::default();
         let mut packet = RayHits::EMPTY;
         let mut primary = 0;
-        for index in 0..self.tile.packet_count() {
-            let pixels = self.tile.pixels(index);
-            let rays = self.context.tables.fill(&pixels, [&CENTRE, &CENTRE], &mut packet);
+        for block in self.tile.blocks() {
+            let pixels = self.context.tables.pixels(block);
+            let rays = self.context.tables.fill(&pixels, None, &mut packet);
             self.context.engine.intersect(&pixels.valid, &mut packet);
             primary += count(&pixels.valid);
             truth.push(self.context, &refine::refine(self.context.geometry, &packet, &rays).depth);
@@ -71,9 +71,6 @@ impl Kernel for DepthTile<'_, '_> {
         RayCounts { primary, shadow: 0 }
     }
 }
-
-/// The middle of every pixel.
-pub(crate) const CENTRE: [f32; LANES] = [0.5; LANES];
 
 /// Valid lanes.
 #[inline(always)]

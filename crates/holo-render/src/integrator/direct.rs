@@ -8,7 +8,7 @@
 
 use ndarray::ArrayViewMut5;
 
-use super::depth::{CENTRE, Truth, TruthTile, count};
+use super::depth::{Truth, TruthTile, count};
 use super::{Context, RayCounts};
 use crate::accel::{Coherence, LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
 use crate::dispatch::Kernel;
@@ -43,15 +43,11 @@ impl Kernel for DirectTile<'_, '_> {
             if context.stop.requested() {
                 return counts;
             }
-            for (index, sum) in color.iter_mut().enumerate() {
-                let pixels = self.tile.pixels(index);
+            for (index, (sum, block)) in color.iter_mut().zip(self.tile.blocks()).enumerate() {
+                let pixels = context.tables.pixels(block);
                 let sequences = context.sequences(&pixels);
-                let [x, y] = if context.samples == 1 {
-                    [CENTRE; 2]
-                } else {
-                    sampling::points(&sequences, sample, Purpose::Pixel)
-                };
-                let rays = context.tables.fill(&pixels, [&x, &y], &mut packet);
+                let points = (context.samples > 1).then(|| sampling::points(&sequences, sample, Purpose::Pixel));
+                let rays = context.tables.fill(&pixels, points.as_ref(), &mut packet);
                 context.engine.intersect(&pixels.valid, &mut packet);
                 counts.primary += count(&pixels.valid);
                 let refined = refine::refine(context.geometry, &packet, &rays);

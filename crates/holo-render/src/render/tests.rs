@@ -31,8 +31,8 @@ fn garden() -> (Renderer, Request) {
 fn every_instruction_set_gives_the_same_picture() {
     let (renderer, request) = garden();
     let stop = Stop::new(&());
-    let context = renderer.context(&request, &stop);
     let tiling = Tiling::new([1, 60, 5, 6]);
+    let context = renderer.context(&request, &tiling, &stop);
     let [tile] = tiling.tiles()[..] else { panic!("one tile is enough for this rig") };
     // Every kernel writes into a picture of its own.
     let mut pictures: Vec<Array5<f32>> = vec![Array5::zeros((1, 60, 5, 6, 3)); 3];
