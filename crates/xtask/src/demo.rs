@@ -17,7 +17,7 @@ pub fn run(arguments: &[String]) -> Result {
             .arg("render")
             .arg(&scene)
             .args(["--sensor", "8k", "--views", "100x100", "--baseline-m", "0.0004", "--sky", "0.35,0.45,0.6"])
-            .args(["--spp", "4", "--out"])
+            .args(["--spp", "2", "--out"])
             .arg(out.join("garden").join("100x100"))
             .args(arguments),
     )?;
@@ -27,7 +27,7 @@ pub fn run(arguments: &[String]) -> Result {
             .arg("render")
             .arg(&scene)
             .args(["--sensor", "8k", "--views", "20x20", "--baseline-m", "0.002", "--sky", "0.35,0.45,0.6"])
-            .args(["--spp", "4", "--out"])
+            .args(["--spp", "2", "--out"])
             .arg(out.join("garden").join("20x20"))
             .args(arguments),
     )?;
