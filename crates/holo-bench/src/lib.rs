@@ -1,4 +1,5 @@
 //! What the benchmarks share: a scene with a rig from the command line, and fair turns.
+#![forbid(unsafe_code)]
 
 use holo_core::{GridSize, Projection, Rig, Split};
 use holo_render::scene::{Scene, Transform};

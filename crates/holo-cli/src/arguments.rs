@@ -138,6 +138,7 @@ pub struct RemapOptions {
     /// A raw PNG of 8 or 16 bits.
     pub input: PathBuf,
     /// The PNG to write.
+    #[arg(value_parser = values::png)]
     pub output: PathBuf,
     /// What the input is [default: by `_el` or `_vpi` in its name].
     #[arg(long, value_enum)]
@@ -162,7 +163,7 @@ pub struct ExtractOptions {
     #[arg(long, value_name = "U,V", allow_hyphen_values = true)]
     pub lens: Option<Pair>,
     /// The PNG to write.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", value_parser = values::png)]
     pub out: PathBuf,
     /// What the input is [default: by `_el` or `_vpi` in its name].
     #[arg(long, value_enum)]

@@ -2,6 +2,7 @@
 //!
 //! This binary parses arguments, shows progress and turns errors into exit codes; everything else is in the libraries.
 //! Exit codes: 0 done, 1 failed (the message says what, where and what to do), 2 wrong use.
+#![forbid(unsafe_code)]
 
 mod arguments;
 mod commands;

@@ -273,7 +273,10 @@ impl Renderer {
             for (t, s) in [(0, 0), (views.rows - 1, views.columns - 1)] {
                 let ray = request.rig.ray(v, u, t, s, 0.5, 0.5);
                 if !ray.origin_m.iter().chain(&ray.direction).all(|x| x.abs() < LARGEST_COORDINATE) {
-                    return Err(Error::BadSetting(format!("the rig is too large: {ray:?}")));
+                    return Err(Error::BadSetting(format!(
+                        "the rig is too large: a ray starts at {:?} m and runs along {:?}; choose a smaller baseline or sensor",
+                        ray.origin_m, ray.direction
+                    )));
                 }
             }
         }

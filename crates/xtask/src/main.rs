@@ -10,6 +10,7 @@
 //! package  build each library from its package alone
 //! bench    setup + the benchmarks
 //! ```
+#![forbid(unsafe_code)]
 
 mod demo;
 mod embree;

@@ -2,7 +2,7 @@
 
 use crate::{Result, embree, process};
 
-/// `cargo test` over the workspace in two ways: with Embree where there is one, and once more on the BVH alone.
+/// `cargo test` over the workspace. Tests that compare engines take the BVH always and Embree where there is one.
 pub fn run(arguments: &[String]) -> Result {
     let extra = crate::strs(arguments);
     let embree = std::env::var_os("HOLO_EMBREE_LIB").is_some() || embree::ensure().is_ok();
@@ -13,6 +13,11 @@ pub fn run(arguments: &[String]) -> Result {
     }
     if !process::exists("c++") {
         println!("not run: libFuzzer builds of the fuzz targets: needs a C++ compiler (their corpora were run)");
+    }
+    let reference = std::env::var_os("HOLO_REFERENCE")
+        .map_or_else(|| crate::root().join("..").join("shared").join("reference"), std::path::PathBuf::from);
+    if !reference.join("still_life.glb").is_file() {
+        println!("not run: depth against Blender's: needs the reference scene (HOLO_REFERENCE names its folder)");
     }
     println!("all tests passed");
     Ok(())

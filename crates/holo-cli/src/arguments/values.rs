@@ -1,5 +1,6 @@
 //! Values that are more than a number: sizes, positions, colours, and words that stand for a number.
 
+use std::path::PathBuf;
 use std::str::FromStr;
 
 use holo_core::{GridSize, Sensor};
@@ -55,6 +56,17 @@ pub fn sensor(text: &str) -> Result<Sensor, String> {
         other if other.contains('x') => Sensor::Other(size(other)?),
         _ => return Err("give hd, 4k, 8k, uhd8k or WIDTHxHEIGHT, such as 1500x1000".into()),
     })
+}
+
+/// The name of a PNG. Another ending would lie about what is written; no ending, as of `/dev/null`, says nothing.
+pub fn png(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension() {
+        Some(ending) if !ending.eq_ignore_ascii_case("png") => {
+            Err("only PNG is written here; end the name in .png".into())
+        }
+        _ => Ok(path),
+    }
 }
 
 /// A finite number above zero.
@@ -147,6 +159,12 @@ mod tests {
         for bad in ["", "x", "0x3", "3x", "3x4x5", "-1x2", "99999999999999999999x1"] {
             assert!(size(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn only_png_is_promised() {
+        assert!(png("a/b.png").is_ok() && png("a.PNG").is_ok() && png("/dev/null").is_ok());
+        assert!(png("view.jpg").unwrap_err().contains(".png"));
     }
 
     #[test]

@@ -105,6 +105,8 @@ fn sample_bytes(options: &RenderOptions) -> usize {
 
 fn request(options: &RenderOptions, prepared: &Prepared) -> Request {
     let integrator = match options.integrator {
+        // Nobody asked for a picture: no light needs to be traced.
+        IntegratorArgument::Auto if wants_no_picture(&options.write) => Integrator::Depth,
         IntegratorArgument::Auto => Integrator::Auto,
         IntegratorArgument::Depth => Integrator::Depth,
         IntegratorArgument::Direct => Integrator::Direct,
@@ -121,6 +123,10 @@ fn request(options: &RenderOptions, prepared: &Prepared) -> Request {
             GroundTruthArgument::All => GroundTruth::All,
         },
     }
+}
+
+fn wants_no_picture(wanted: &[Output]) -> bool {
+    !wanted.is_empty() && !wanted.iter().any(|output| matches!(output, Output::Vpi | Output::El))
 }
 
 /// What to write: what was asked for, or all that there is.
