@@ -13,6 +13,8 @@ pub fn run(arguments: &[String]) -> Result {
         Some(text) => text.parse::<u32>().map_err(|_| format!("'{text}' is not a number of seconds"))?,
     };
     let target = crate::target().join("fuzz");
+    // With a target named, the flags below do not reach build scripts, which have no fuzzer to link with.
+    let host = process::host()?;
     let flags = "--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
                  -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
                  -Cllvm-args=-sanitizer-coverage-trace-compares -Cdebug-assertions -Ccodegen-units=1";
@@ -26,8 +28,8 @@ pub fn run(arguments: &[String]) -> Result {
                 .current_dir(root())
                 .env("RUSTFLAGS", flags)
                 .env("CARGO_TARGET_DIR", &target)
-                .args(["run", "--quiet", "--release", "-p", "holo-fuzz", "--features", "libfuzzer", "--bin"])
-                .arg(name)
+                .args(["run", "--quiet", "--release", "-p", "holo-fuzz", "--features", "libfuzzer"])
+                .args(["--target", &host, "--bin", name])
                 .arg("--")
                 .arg(format!("-max_total_time={seconds}"))
                 .args(["-rss_limit_mb=4096", "-timeout=20", "-print_final_stats=1"])

@@ -21,6 +21,15 @@ pub fn run(command: &mut Command) -> Result {
     }
 }
 
+/// The name of this machine's target, such as `x86_64-unknown-linux-gnu`.
+pub fn host() -> Result<String> {
+    let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+    let output = Command::new(rustc).arg("-vV").output().map_err(|why| format!("`rustc -vV` cannot be run: {why}"))?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let host = text.lines().find_map(|line| line.strip_prefix("host: "));
+    host.map(str::to_owned).ok_or_else(|| "`rustc -vV` names no host".into())
+}
+
 /// Whether a program is there to be run.
 pub fn exists(program: &str) -> bool {
     let Some(path) = std::env::var_os("PATH") else { return false };
