@@ -10,7 +10,7 @@ use crate::geometry::Geometry;
 use crate::light::PreparedLight;
 use crate::primary::{Pixels, RigTables};
 use crate::render::Stop;
-use crate::sampling;
+use crate::sampling::{self, Purpose};
 use crate::surface::Appearance;
 
 /// What the pixels of a light field hold.
@@ -69,5 +69,30 @@ impl Context<'_> {
             view[lane] = t.index[lane] * self.columns[1] + s.index[lane];
         }
         sampling::sequences(self.seed, &lens, &view)
+    }
+
+    /// Where sample `sample` of every pixel lies within its pixel.
+    ///
+    /// The 4 x 4 views of a block share the sixteenth of the pixel in which their samples lie, each with its own place in
+    /// it; from sample to sample the sixteenths are the points of one sequence, so that every 16 samples visit each once.
+    /// Every view alone sees independent points of the whole pixel (no bias). What is shared keeps a packet's rays a
+    /// narrow bundle: with a place of its own for each, dense scenes took three times as long.
+    #[inline(always)]
+    fn points(&self, pixels: &Pixels, sequences: &[u32; LANES], sample: u32) -> sampling::Points {
+        let [v, u, t, s] = pixels.axes;
+        let (mut lens, mut block) = ([0; LANES], [0; LANES]);
+        for lane in 0..LANES {
+            lens[lane] = v.index[lane] * self.columns[0] + u.index[lane];
+            // Set apart from the views themselves by the highest bit.
+            block[lane] = (t.index[lane] / 4 * self.columns[1] + s.index[lane] / 4) | 1 << 31;
+        }
+        let cells = sampling::points(&sampling::sequences(self.seed, &lens, &block), sample, Purpose::Pixel);
+        let mut points = sampling::points(sequences, sample, Purpose::Pixel);
+        for axis in 0..2 {
+            for lane in 0..LANES {
+                points[axis][lane] = ((cells[axis][lane] * 4.0).floor() + points[axis][lane]) * 0.25;
+            }
+        }
+        points
     }
 }

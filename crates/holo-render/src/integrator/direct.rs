@@ -4,7 +4,7 @@
 //! weighted by the cosine, that is seen) * sky; of a miss = sky. Shadows are hard. The sky's share is estimated with one
 //! cosine-distributed ray a sample (unbiased); everything else is exact for each ray.
 //!
-//! One sample goes through the pixel's centre; more are spread over the pixel (a box filter).
+//! One sample goes through the pixel's centre; more are spread over the pixel (a box filter), see [`Context::points`].
 
 use ndarray::ArrayViewMut5;
 
@@ -18,6 +18,9 @@ use crate::sampling::{self, Purpose};
 use crate::sky::SkyRays;
 use crate::surface::Surfaces;
 use crate::tile::Tile;
+
+/// Neighbouring lanes on different triangles, of 15, from which on rays are taken for incoherent (measured).
+const MANY_CHANGES: u32 = 11;
 
 /// The integrator over one tile; with one sample it can note the ground truth on its way.
 pub(crate) struct DirectTile<'a, 'b> {
@@ -46,7 +49,7 @@ impl Kernel for DirectTile<'_, '_> {
             for (index, (sum, block)) in color.iter_mut().zip(self.tile.blocks()).enumerate() {
                 let pixels = context.tables.pixels(block);
                 let sequences = context.sequences(&pixels);
-                let points = (context.samples > 1).then(|| sampling::points(&sequences, sample, Purpose::Pixel));
+                let points = if context.samples > 1 { Some(context.points(&pixels, &sequences, sample)) } else { None };
                 let rays = context.tables.fill(&pixels, points.as_ref(), &mut packet);
                 context.engine.intersect(&pixels.valid, &mut packet);
                 counts.primary += count(&pixels.valid);
@@ -63,8 +66,9 @@ impl Kernel for DirectTile<'_, '_> {
                 let Some(surfaces) = context.appearance.surfaces(context.geometry, &packet, &rays, &refined) else {
                     continue;
                 };
+                let coherence = coherence(&packet.hits.triangle);
                 for light in context.lights {
-                    counts.shadow += add_light(context, light, &surfaces, &pixels.valid, sum);
+                    counts.shadow += add_light(context, light, &surfaces, &pixels.valid, coherence, sum);
                 }
                 if has_sky {
                     let numbers = sampling::points(&sequences, sample, Purpose::Sky);
@@ -87,6 +91,17 @@ impl Kernel for DirectTile<'_, '_> {
     }
 }
 
+/// Rays from points on many different triangles (grass, leaves) go separate ways through the tree even towards one
+/// light: walking it together then costs more than one ray after the other.
+#[inline(always)]
+fn coherence(triangles: &[u32; LANES]) -> Coherence {
+    let mut changes = 0;
+    for lane in 1..LANES {
+        changes += u32::from(triangles[lane] != triangles[lane - 1]);
+    }
+    if changes > MANY_CHANGES { Coherence::Incoherent } else { Coherence::Coherent }
+}
+
 /// Adds one light to the lanes that it reaches; returns the shadow rays traced.
 #[inline(always)]
 fn add_light(
@@ -94,6 +109,7 @@ fn add_light(
     light: &PreparedLight,
     surfaces: &Surfaces,
     valid: &Lanes<i32>,
+    coherence: Coherence,
     sum: &mut [[f32; LANES]; 3],
 ) -> u64 {
     let arrivals = light.arrivals(&surfaces.start);
@@ -116,7 +132,7 @@ fn add_light(
     }
     let mut rays = Rays { origin: surfaces.start, direction: arrivals.to_light, ..Rays::EMPTY };
     rays.far = [light.shadow_reach(); LANES];
-    context.engine.occluded(&lit, &mut rays, Coherence::Coherent);
+    context.engine.occluded(&lit, &mut rays, coherence);
     let power = light.power();
     for lane in 0..LANES {
         let seen = if rays.far[lane] < 0.0 { 0.0 } else { received[lane] };
