@@ -125,6 +125,9 @@ fn a_scene_without_light_gives_ground_truth_and_a_hint() {
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     assert!(outcome.stderr.contains("--sky"), "{outcome:?}");
     assert_eq!(bench.list("dark"), [&DEFAULT_FILES[..5]].concat());
+    // Whoever asks for depth alone of a scene with light is not told that it has none.
+    let outcome = bench.run(&format!("render {SCENE} --out depth --lenses 12x8 --views 5x4 --write depth"));
+    assert!(outcome.code == Some(0) && !outcome.stderr.contains("--sky"), "{outcome:?}");
     let outcome = bench.run("render dark.glb --out lit --lenses 12x8 --views 5x4 --spp 1 --sky 1,1,1");
     assert_eq!((outcome.code, bench.list("lit").len()), (Some(0), 7), "{outcome:?}");
 }

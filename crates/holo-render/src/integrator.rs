@@ -61,7 +61,7 @@ impl std::ops::Add for RayCounts {
 impl Context<'_> {
     /// The random sequences of a packet's pixels.
     #[inline(always)]
-    fn sequences(&self, pixels: &Pixels) -> [u32; LANES] {
+    pub fn sequences(&self, pixels: &Pixels) -> [u32; LANES] {
         let [v, u, t, s] = pixels.axes;
         let (mut lens, mut view) = ([0; LANES], [0; LANES]);
         for lane in 0..LANES {
@@ -78,7 +78,7 @@ impl Context<'_> {
     /// Every view alone sees independent points of the whole pixel (no bias). What is shared keeps a packet's rays a
     /// narrow bundle: with a place of its own for each, dense scenes took three times as long.
     #[inline(always)]
-    fn points(&self, pixels: &Pixels, sequences: &[u32; LANES], sample: u32) -> sampling::Points {
+    pub fn points(&self, pixels: &Pixels, sequences: &[u32; LANES], sample: u32) -> sampling::Points {
         let [v, u, t, s] = pixels.axes;
         let (mut lens, mut block) = ([0; LANES], [0; LANES]);
         for lane in 0..LANES {

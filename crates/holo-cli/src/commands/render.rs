@@ -39,7 +39,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         render: rendering.elapsed().as_secs_f64(),
         ..Seconds::default()
     };
-    if !options.quiet && rendered.integrator == Integrator::Depth && options.integrator == IntegratorArgument::Auto {
+    if !options.quiet && rendered.integrator == Integrator::Depth && request.integrator == Integrator::Auto {
         say!("note: the scene has no light, so there is no picture, only ground truth; try --sky 1,1,1");
     }
 

@@ -92,3 +92,26 @@ fn poses_that_are_no_camera_are_errors() {
         assert!(matches!(Renderer::new(&scene, &pose, Backend::Bvh, 1), Err(Error::BadSetting(_))));
     }
 }
+
+/// Sixteen samples of a pixel visit each sixteenth of it once, all views of a block the same one at a time, each at a
+/// place of its own.
+#[test]
+fn the_views_of_a_block_share_the_sixteenth_of_the_pixel() {
+    let (renderer, request) = garden();
+    let stop = Stop::new(&());
+    let tiling = Tiling::new([1, 60, 5, 6]);
+    let context = renderer.context(&request, &tiling, &stop);
+    let pixels = context.tables.pixels([0, 7, 0, 0]);
+    let sequences = context.sequences(&pixels);
+    let mut visited = std::collections::BTreeSet::new();
+    for sample in 0..16 {
+        let [x, y] = context.points(&pixels, &sequences, sample);
+        let cells: Vec<[u32; 2]> = x.iter().zip(&y).map(|(x, y)| [x, y].map(|p| (p * 4.0) as u32)).collect();
+        assert!(cells.iter().all(|cell| *cell == cells[0]), "{cells:?}");
+        let places: std::collections::BTreeSet<[u32; 2]> =
+            x.iter().zip(&y).map(|(x, y)| [x.to_bits(), y.to_bits()]).collect();
+        assert_eq!(places.len(), 16, "two views sample the same point");
+        visited.insert(cells[0]);
+    }
+    assert_eq!(visited.len(), 16, "{visited:?}");
+}
