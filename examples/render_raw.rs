@@ -24,7 +24,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         scene.instances.push(Instance { name: format!("square {k}"), mesh: k, transform });
     }
     let direction = [0.0, -0.6, -0.8];
-    scene.lights.push(Light { name: "sun".into(), intensity: [3.0; 3], kind: LightKind::Directional { direction } });
+    scene.lights.push(Light {
+        name: "sun".into(),
+        intensity: [3.0; 3],
+        kind: LightKind::Directional { direction, angular_diameter_rad: 0.0 },
+    });
     let lens = CameraLens::Perspective { vertical_angle_rad: 0.6, aspect_ratio: Some(1.5) };
     scene.cameras.push(Camera { name: "main".into(), pose: Transform::IDENTITY, lens });
 

@@ -24,7 +24,7 @@ fn a_directional_light_obeys_lambert() {
         let mut scene = wall(albedo);
         let angle = degrees.to_radians();
         let direction = [angle.sin(), 0.0, -angle.cos()];
-        scene.lights.push(light([1.0, 2.0, 4.0], LightKind::Directional { direction }));
+        scene.lights.push(light([1.0, 2.0, 4.0], LightKind::Directional { direction, angular_diameter_rad: 0.0 }));
         let rendered = render(
             &scene,
             &everything(rig([2, 2], [3, 3], 0.01, 2.0, Projection::Perspective), 1, [0.0; 3]),
@@ -129,7 +129,7 @@ impl<'a> Naive<'a> {
         let mut sum = [0.0; 3];
         for light in &self.scene.lights {
             let (to_light, distance, strength) = match light.kind {
-                LightKind::Directional { direction } => (direction.map(|x| -x), f64::INFINITY, 1.0),
+                LightKind::Directional { direction, .. } => (direction.map(|x| -x), f64::INFINITY, 1.0),
                 LightKind::Point { position, .. } => {
                     let way = sub(position, point);
                     let r = dot(way, way).sqrt();
@@ -156,7 +156,7 @@ fn the_fast_renderer_is_the_naive_one() {
     let mut random = Random(12);
     let mut scene = soup(160, 21);
     let direction = [0.0, -0.6, -0.8];
-    scene.lights.push(light([2.0, 1.5, 1.0], LightKind::Directional { direction }));
+    scene.lights.push(light([2.0, 1.5, 1.0], LightKind::Directional { direction, angular_diameter_rad: 0.0 }));
     let position = [random.between(-1.0, 1.0), random.between(0.5, 1.0), -1.0];
     scene.lights.push(light([0.5, 1.0, 1.5], LightKind::Point { position, range: None }));
     let naive = Naive::new(&scene);

@@ -9,7 +9,7 @@ use holo_render::{Backend, Error, Renderer};
 
 fn lit_soup(seed: u64) -> Scene {
     let mut scene = soup(300, seed);
-    let sun = LightKind::Directional { direction: [0.0, -0.6, -0.8] };
+    let sun = LightKind::Directional { direction: [0.0, -0.6, -0.8], angular_diameter_rad: 0.0 };
     let lamp = LightKind::Point { position: [0.5, 1.0, -1.0], range: None };
     scene.lights.push(Light { name: "sun".into(), intensity: [2.0, 1.9, 1.7], kind: sun });
     scene.lights.push(Light { name: "lamp".into(), intensity: [0.5, 0.7, 0.9], kind: lamp });
@@ -117,7 +117,7 @@ fn degenerate_triangles_do_no_harm() {
     scene.lights.push(Light {
         name: String::new(),
         intensity: [1.0; 3],
-        kind: LightKind::Directional { direction: [0.0, 0.0, -1.0] },
+        kind: LightKind::Directional { direction: [0.0, 0.0, -1.0], angular_diameter_rad: 0.0 },
     });
     let rig = rig([4, 4], [9, 9], 0.01, 3.0, Projection::Perspective);
     let request = everything(rig, 2, [0.3; 3]);
@@ -155,7 +155,11 @@ fn broken_scenes_are_named_errors() {
     cancelling.instances[0].transform.columns = [[1e308, 0.0, 0.0], [-1e308, 1e-3, 0.0], [0.0, 0.0, 1.0]];
     let mut glaring = soup(4, 1);
     let direction = [0.0, 0.0, -1.0];
-    glaring.lights.push(Light { name: "sun".into(), intensity: [1e39; 3], kind: LightKind::Directional { direction } });
+    glaring.lights.push(Light {
+        name: "sun".into(),
+        intensity: [1e39; 3],
+        kind: LightKind::Directional { direction, angular_diameter_rad: 0.0 },
+    });
     for (scene, word) in
         [(nan, "meshes[0]"), (range, "meshes[1]"), (far, "mesh"), (cancelling, "mesh"), (glaring, "lights[0]")]
     {

@@ -31,7 +31,7 @@ fn slivers_do_not_shade_themselves() {
     let tilt = Transform::from_parts([0.01, -0.02, -2.0], [0.21, 0.13, 0.08, 0.96], [1.0; 3]);
     add(&mut scene, mesh, [0.8, 0.8, 0.8, 1.0], tilt);
     let direction = [0.48, -0.6, -0.64];
-    scene.lights.push(light(LightKind::Directional { direction }));
+    scene.lights.push(light(LightKind::Directional { direction, angular_diameter_rad: 0.0 }));
     for backend in engines() {
         let (dark, all) = dark_pixels(&scene, backend);
         assert_eq!(dark, 0, "{backend:?}: of {all}");
@@ -85,7 +85,7 @@ fn duplicates_do_not_shade_each_other() {
         add(&mut scene, square(4.0), [0.8, 0.8, 0.8, 1.0], tilt);
     }
     let direction = [0.48, -0.6, -0.64];
-    scene.lights.push(light(LightKind::Directional { direction }));
+    scene.lights.push(light(LightKind::Directional { direction, angular_diameter_rad: 0.0 }));
     for backend in engines() {
         assert_eq!(dark_pixels(&scene, backend).0, 0, "{backend:?}");
     }

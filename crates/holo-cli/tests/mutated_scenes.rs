@@ -40,7 +40,7 @@ fn original() -> Vec<u8> {
         wrap_u: Wrap::Mirror,
         wrap_v: Wrap::Clamp,
     });
-    scene.materials[0].base_color_texture = Some(TextureUse { texture: 0 });
+    scene.materials[0].base_color_texture = Some(TextureUse::new(0));
     holo_render::gltf::to_glb(&scene).unwrap()
 }
 

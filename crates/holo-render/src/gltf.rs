@@ -131,6 +131,7 @@ fn assemble(bytes: &[u8], files: &Files, limits: &Limits) -> Result<Loaded, Erro
         materials: materials.finish(&textures.index),
         textures: textures.textures,
         lights: placed.lights,
+        environment: None,
         cameras: placed.cameras,
     };
     scene.validate()?;

@@ -51,7 +51,7 @@ pub(crate) fn prepare(lights: &[Light], pose: &Transform) -> Vec<PreparedLight> 
         .map(|light| {
             let intensity = light.intensity.map(|x| x as f32);
             match light.kind {
-                LightKind::Directional { direction } => {
+                LightKind::Directional { direction, .. } => {
                     PreparedLight::Directional { to_light: turn(direction.map(|x| -x)), irradiance: intensity }
                 }
                 LightKind::Point { position, range } => {

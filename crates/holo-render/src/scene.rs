@@ -4,9 +4,11 @@
 //! with [`crate::gltf`]. Nothing here is checked while it is being filled; [`Scene::validate`] checks everything at once
 //! and the renderer calls it first, so an index out of range or a NaN vertex is an error and never a panic.
 
+mod material;
 mod transform;
 mod validate;
 
+pub use material::{Alpha, Material, NormalMap, TextureTransform, TextureUse, Volume};
 pub use transform::Transform;
 pub(crate) use validate::is_camera_pose;
 
@@ -23,6 +25,8 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// Punctual lights, already in world coordinates.
     pub lights: Vec<Light>,
+    /// What surrounds the scene, beside the constant sky of a request.
+    pub environment: Option<Environment>,
     /// Cameras in the order in which they were found.
     pub cameras: Vec<Camera>,
 }
@@ -39,6 +43,8 @@ pub struct Mesh {
     /// One texture coordinate a vertex, or empty: then textures are read at (0, 0). (0, 0) is the corner of the first
     /// (top left) texel, as in glTF.
     pub texture_coordinates: Vec<[f32; 2]>,
+    /// The second set ([`TextureUse::set`] 1), likewise.
+    pub second_coordinates: Vec<[f32; 2]>,
     /// One linear RGBA factor a vertex, multiplied into the base colour, or empty.
     pub colors: Vec<[f32; 4]>,
     /// Vertex indices, counter-clockwise seen from the front.
@@ -58,32 +64,7 @@ pub struct Instance {
     pub transform: Transform,
 }
 
-/// What a surface does with light. So far every surface is a two-sided Lambertian reflector of its base colour.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    /// A name for messages.
-    pub name: String,
-    /// Linear RGBA factor. Alpha is kept but not used yet: every surface is opaque.
-    pub base_color: [f32; 4],
-    /// Multiplies the base colour.
-    pub base_color_texture: Option<TextureUse>,
-}
-
-impl Default for Material {
-    /// White Lambert, the default material of glTF without its gloss.
-    fn default() -> Self {
-        Self { name: String::new(), base_color: [1.0; 4], base_color_texture: None }
-    }
-}
-
-/// A texture as a material uses it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct TextureUse {
-    /// Index into [`Scene::textures`].
-    pub texture: usize,
-}
-
-/// An sRGB image with its way of repeating. Looked up bilinearly in linear light.
+/// An image with its way of repeating. Looked up bilinearly, colours in linear light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// A name for messages.
@@ -92,12 +73,22 @@ pub struct Texture {
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// sRGB-encoded RGB and linear alpha, rows from the top, `width * height` of them.
+    /// 8-bit codes, rows from the top, `width * height` of them. Whether the colours are sRGB or plain numbers is up to
+    /// what a material uses them for; alpha is always a plain number.
     pub texels: Vec<[u8; 4]>,
     /// How the image goes on left and right of itself.
     pub wrap_u: Wrap,
     /// How the image goes on above and below itself.
     pub wrap_v: Wrap,
+}
+
+/// Radiance from infinitely far away as an equirectangular map: the direction (x, y, z) of the world lies at
+/// u = 1/2 + atan2(z, x) / (2 pi) of the width from the left and v = acos(y) / pi of the height from the top. Looked up
+/// bilinearly, around horizontally.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Environment {
+    /// Linear RGB, axes (row, column, channel), at least one row and column, finite and not negative.
+    pub radiance: ndarray::Array3<f32>,
 }
 
 /// What lies beyond the edge of a texture.
@@ -127,10 +118,13 @@ pub struct Light {
 /// The kinds of punctual lights, in world coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind {
-    /// Parallel light that travels along `direction` (unit length).
+    /// Light from far away that travels along `direction` (unit length).
     Directional {
         /// The way the light travels.
         direction: [f64; 3],
+        /// Apparent diameter of its disc, rad: 0 for parallel light with hard shadows, 0.0093 for the sun. A disc is
+        /// seen by the camera and in mirrors.
+        angular_diameter_rad: f64,
     },
     /// Shines equally to all sides.
     Point {

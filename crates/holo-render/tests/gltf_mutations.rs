@@ -110,7 +110,7 @@ fn written() -> Vec<u8> {
         texture_coordinates: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
         colors: vec![[1.0, 0.5, 0.25, 1.0]; 4],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
-        material: 0,
+        ..Mesh::default()
     };
     let texels = (0..16).map(|k| [k * 16, 255 - k, 7, 255]).collect();
     let texture = Texture { name: "t".into(), width: 4, height: 4, texels, wrap_u: Wrap::Mirror, wrap_v: Wrap::Clamp };
@@ -118,18 +118,19 @@ fn written() -> Vec<u8> {
     let scene = Scene {
         meshes: vec![mesh],
         instances: vec![Instance { name: "i".into(), mesh: 0, transform: pose }],
-        materials: vec![Material { base_color_texture: Some(TextureUse { texture: 0 }), ..Material::default() }],
+        materials: vec![Material { base_color_texture: Some(TextureUse::new(0)), ..Material::default() }],
         textures: vec![texture],
         lights: vec![Light {
             name: "l".into(),
             intensity: [1.0, 2.0, 3.0],
-            kind: LightKind::Directional { direction: [0.0, -0.6, -0.8] },
+            kind: LightKind::Directional { direction: [0.0, -0.6, -0.8], angular_diameter_rad: 0.0 },
         }],
         cameras: vec![Camera {
             name: "c".into(),
             pose,
             lens: CameraLens::Perspective { vertical_angle_rad: 0.8, aspect_ratio: Some(1.5) },
         }],
+        environment: None,
     };
     to_glb(&scene).unwrap()
 }

@@ -72,6 +72,7 @@ fn mesh(materials: usize) -> impl Strategy<Value = Mesh> {
                 positions,
                 normals,
                 texture_coordinates,
+                second_coordinates: vec![],
                 colors,
                 triangles,
                 material,
@@ -91,20 +92,23 @@ fn texture() -> impl Strategy<Value = Texture> {
 }
 
 fn material(textures: usize) -> impl Strategy<Value = Material> {
-    let texture = if textures > 0 {
-        option::of((0..textures).prop_map(|texture| TextureUse { texture })).boxed()
-    } else {
-        Just(None).boxed()
-    };
-    (name(), [0.0_f32..=1.0, 0.0_f32..=1.0, 0.0_f32..=1.0, 0.0_f32..=1.0], texture)
-        .prop_map(|(name, base_color, base_color_texture)| Material { name, base_color, base_color_texture })
+    let texture =
+        if textures > 0 { option::of((0..textures).prop_map(TextureUse::new)).boxed() } else { Just(None).boxed() };
+    (name(), [0.0_f32..=1.0, 0.0_f32..=1.0, 0.0_f32..=1.0, 0.0_f32..=1.0], texture).prop_map(
+        |(name, base_color, base_color_texture)| Material {
+            name,
+            base_color,
+            base_color_texture,
+            ..Material::default()
+        },
+    )
 }
 
 fn light() -> impl Strategy<Value = Light> {
     let positive = || prop_oneof![0.0..1e4_f64, Just(0.0), Just(1e-300), Just(1e29), Just(683.0), Just(0.1)];
     let range = || option::of(1e-3..1e3_f64);
     let kind = prop_oneof![
-        unit().prop_map(|direction| LightKind::Directional { direction }),
+        unit().prop_map(|direction| LightKind::Directional { direction, angular_diameter_rad: 0.0 }),
         (vector(), range()).prop_map(|(position, range)| LightKind::Point { position, range }),
         (vector(), unit(), range(), 0.0..=1.0_f64, 0.01..=std::f64::consts::FRAC_PI_2).prop_map(
             |(position, direction, range, share, outer)| LightKind::Spot {
@@ -160,6 +164,7 @@ fn scene() -> impl Strategy<Value = Scene> {
                 textures,
                 lights,
                 cameras,
+                environment: None,
             })
     })
 }
@@ -223,7 +228,7 @@ fn directions_and_axes_that_are_a_little_off_come_back_within_the_bound() {
         lights: vec![Light {
             name: String::new(),
             intensity: [1.0; 3],
-            kind: LightKind::Directional { direction: [0.6 * off, 0.0, -0.8 * off] },
+            kind: LightKind::Directional { direction: [0.6 * off, 0.0, -0.8 * off], angular_diameter_rad: 0.0 },
         }],
         cameras: vec![Camera {
             name: String::new(),
@@ -233,7 +238,7 @@ fn directions_and_axes_that_are_a_little_off_come_back_within_the_bound() {
         ..Scene::default()
     };
     let back = load_slice(&to_glb(&scene).unwrap(), &Limits::default()).unwrap().scene;
-    let LightKind::Directional { direction } = back.lights[0].kind else { panic!("{:?}", back.lights) };
+    let LightKind::Directional { direction, .. } = back.lights[0].kind else { panic!("{:?}", back.lights) };
     let close = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 2e-6);
     assert!(close(direction, [0.6, 0.0, -0.8]));
     for (axis, expected) in back.cameras[0].pose.columns.into_iter().zip(scene.cameras[0].pose.columns) {

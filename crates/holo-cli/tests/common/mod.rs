@@ -173,10 +173,9 @@ pub fn tiny_scene() -> Scene {
         name: "quad".into(),
         positions: vec![[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]],
         normals: vec![[0.0, 0.0, 1.0]; 4],
-        texture_coordinates: vec![],
         colors: vec![[1.0, 0.2, 0.2, 1.0], [0.2, 1.0, 0.2, 1.0], [0.2, 0.2, 1.0, 1.0], [1.0, 1.0, 1.0, 1.0]],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
-        material: 0,
+        ..Mesh::default()
     };
     let placed = |center: [f64; 3], turn: f64, size: f64| Instance {
         name: String::new(),
@@ -192,7 +191,6 @@ pub fn tiny_scene() -> Scene {
             placed([0.1, 0.2, -1.7], 0.1, 0.15),
         ],
         materials: vec![Material { name: "paint".into(), ..Material::default() }],
-        textures: vec![],
         lights: vec![Light {
             name: "lamp".into(),
             intensity: [8.0, 7.0, 6.0],
@@ -203,5 +201,6 @@ pub fn tiny_scene() -> Scene {
             pose: Transform::IDENTITY,
             lens: CameraLens::Perspective { vertical_angle_rad: 0.6, aspect_ratio: Some(1.5) },
         }],
+        ..Scene::default()
     }
 }

@@ -47,7 +47,11 @@ pub(super) fn scene() -> Scene {
 
 fn sun() -> Light {
     let direction = DVec3::new(-0.55, -0.85, -0.5).normalize().to_array();
-    Light { name: "sun".into(), intensity: [3.3, 3.0, 2.5], kind: LightKind::Directional { direction } }
+    Light {
+        name: "sun".into(),
+        intensity: [3.3, 3.0, 2.5],
+        kind: LightKind::Directional { direction, angular_diameter_rad: 0.0 },
+    }
 }
 
 fn lamp() -> Light {
@@ -191,7 +195,7 @@ fn tree(scene: &mut Scene, bark: usize, leaf: usize) {
 }
 
 fn textured(scene: &mut Scene, name: &str, texture: usize) -> usize {
-    let base_color_texture = Some(TextureUse { texture });
+    let base_color_texture = Some(TextureUse::new(texture));
     scene.materials.push(Material { name: name.into(), base_color_texture, ..Material::default() });
     scene.materials.len() - 1
 }

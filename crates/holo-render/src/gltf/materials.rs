@@ -41,7 +41,7 @@ pub(super) fn load(root: &Object<'_>, warnings: &mut Warnings) -> Result<Materia
                 let index = texture.index("index", "textures", texture_count)?;
                 let index = index.ok_or_else(|| texture.missing("index"))?;
                 base_color[index] = true;
-                loaded.base_color_texture = Some(TextureUse { texture: index });
+                loaded.base_color_texture = Some(TextureUse::new(index));
                 coordinate_set = texture.unsigned("texCoord")?.unwrap_or(0);
             }
         }
@@ -67,7 +67,7 @@ impl Materials {
         let mut materials = self.materials;
         for material in &mut materials {
             let texture = material.base_color_texture.and_then(|used| index.get(used.texture).copied().flatten());
-            material.base_color_texture = texture.map(|texture| TextureUse { texture });
+            material.base_color_texture = texture.map(TextureUse::new);
         }
         materials
     }

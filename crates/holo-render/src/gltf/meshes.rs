@@ -185,7 +185,11 @@ impl Plan {
             colors.iter_mut().flatten().for_each(|c| *c = c.clamp(0.0, 1.0));
         }
         let (name, material) = (self.name.clone(), self.material);
-        Ok((Mesh { name, positions, normals, texture_coordinates, colors, triangles, material }, warnings))
+        let second_coordinates = Vec::new();
+        Ok((
+            Mesh { name, positions, normals, texture_coordinates, second_coordinates, colors, triangles, material },
+            warnings,
+        ))
     }
 
     fn check_finite<const N: usize>(&self, list: &[[f32; N]], handle: Handle, key: &str) -> Result<(), Error> {

@@ -167,7 +167,7 @@ fn place(source: &LightSource, node_name: &str, world: &Transform) -> Option<Lig
     };
     let position = world.translation;
     let kind = match source.shape {
-        Shape::Directional => LightKind::Directional { direction: direction()? },
+        Shape::Directional => LightKind::Directional { direction: direction()?, angular_diameter_rad: 0.0 },
         Shape::Point { range } => LightKind::Point { position, range },
         Shape::Spot { range, inner, outer } => {
             LightKind::Spot { position, direction: direction()?, range, inner_angle_rad: inner, outer_angle_rad: outer }

@@ -319,7 +319,7 @@ fn placed(mut node: Value, transform: &Transform) -> Value {
 /// A frame whose -Z is exactly the direction of the light.
 fn light_frame(kind: &LightKind) -> Transform {
     let (translation, direction) = match *kind {
-        LightKind::Directional { direction } => ([0.0; 3], direction),
+        LightKind::Directional { direction, .. } => ([0.0; 3], direction),
         LightKind::Point { position, .. } => return Transform::from_translation(position),
         LightKind::Spot { position, direction, .. } => (position, direction),
     };

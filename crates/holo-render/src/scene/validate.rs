@@ -4,7 +4,10 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use rayon::prelude::*;
 
-use super::{Camera, CameraLens, Light, LightKind, Material, Mesh, Scene, Texture, Transform};
+use super::{
+    Alpha, Camera, CameraLens, Environment, Light, LightKind, Material, Mesh, Scene, Texture, TextureTransform,
+    Transform,
+};
 use crate::Error;
 
 /// Largest deviation of the squared length of a normal from 1; single-precision exporters come close to it.
@@ -41,6 +44,7 @@ impl Scene {
         }
         self.textures.iter().enumerate().try_for_each(|(k, texture)| check_texture(k, texture))?;
         self.lights.iter().enumerate().try_for_each(|(k, light)| check_light(k, light))?;
+        self.check_environment()?;
         self.cameras.iter().enumerate().try_for_each(|(k, camera)| check_camera(k, camera))
     }
 
@@ -53,6 +57,7 @@ impl Scene {
         let lengths = [
             ("normals", mesh.normals.len()),
             ("texture_coordinates", mesh.texture_coordinates.len()),
+            ("second_coordinates", mesh.second_coordinates.len()),
             ("colors", mesh.colors.len()),
         ];
         for (list, length) in lengths {
@@ -66,6 +71,7 @@ impl Scene {
         check_all(k, "normals", &mesh.normals, unit, "must have length 1")?;
         let finite = |p: &[f32; 2]| p.iter().all(|x| x.is_finite());
         check_all(k, "texture_coordinates", &mesh.texture_coordinates, finite, "must be finite")?;
+        check_all(k, "second_coordinates", &mesh.second_coordinates, finite, "must be finite")?;
         let share = |c: &[f32; 4]| c.iter().all(|x| (0.0..=1.0).contains(x));
         check_all(k, "colors", &mesh.colors, share, "must lie between 0 and 1")?;
         let inside = |t: &[u32; 3]| t.iter().all(|&v| (v as usize) < vertices);
@@ -73,14 +79,74 @@ impl Scene {
     }
 
     fn check_material(&self, k: usize, material: &Material) -> Result<(), Error> {
-        if material.base_color.iter().any(|c| !(0.0..=1.0).contains(c)) {
-            let what = format!("is {:?}; every channel must lie between 0 and 1", material.base_color);
-            return Err(bad(format!("materials[{k}].base_color"), what));
+        let at = |field: &str| format!("materials[{k}].{field}");
+        let share = |x: &f32| (0.0..=1.0).contains(x);
+        let shares: [(&str, &[f32]); 6] = [
+            ("base_color", &material.base_color),
+            ("metallic", &[material.metallic]),
+            ("roughness", &[material.roughness]),
+            ("specular", &[material.specular]),
+            ("transmission", &[material.transmission]),
+            ("volume.attenuation_color", material.volume.as_ref().map_or(&[], |volume| &volume.attenuation_color)),
+        ];
+        for (field, values) in shares {
+            if !values.iter().all(share) {
+                return Err(bad(at(field), format!("is {values:?}; it must lie between 0 and 1")));
+            }
         }
-        let at = || format!("materials[{k}]");
-        let textures = self.textures.len();
-        let used = material.base_color_texture;
-        used.map_or(Ok(()), |used| check_index(at, "base_color_texture", used.texture, "textures", textures))
+        let strongest = f64::from(crate::light::STRONGEST);
+        let positive: [(&str, &[f32]); 2] =
+            [("emission", &material.emission), ("specular_color", &material.specular_color)];
+        for (field, values) in positive {
+            if !values.iter().all(|&x| (0.0..=strongest).contains(&f64::from(x))) {
+                return Err(bad(at(field), format!("is {values:?}; it must lie between 0 and {strongest:e}")));
+            }
+        }
+        if !(1.0..=1e3).contains(&material.ior) {
+            return Err(bad(at("ior"), format!("is {}; it must lie between 1 and 1000", material.ior)));
+        }
+        if let Some(volume) = &material.volume {
+            // Written so that NaN fails; infinity is clear glass.
+            if !(volume.attenuation_distance_m > 0.0) {
+                return Err(bad(at("volume.attenuation_distance_m"), "must be above 0"));
+            }
+        }
+        if let Alpha::Mask(cutoff) = material.alpha
+            && !(cutoff >= 0.0 && cutoff.is_finite())
+        {
+            return Err(bad(at("alpha"), format!("has the cutoff {cutoff}; it must be finite and at least 0")));
+        }
+        if material.normal_map.is_some_and(|map| !map.scale.is_finite()) {
+            return Err(bad(at("normal_map.scale"), "must be finite"));
+        }
+        for (field, used) in material.textures() {
+            check_index(|| format!("materials[{k}]"), field, used.texture, "textures", self.textures.len())?;
+            if used.set > 1 {
+                return Err(bad(at(field), format!("wants texture coordinates {}; a mesh has 0 and 1", used.set)));
+            }
+            let TextureTransform { offset, rotation_rad, scale } = used.transform;
+            if !offset.iter().chain(&scale).chain(&[rotation_rad]).all(|x| x.is_finite()) {
+                return Err(bad(at(field), "has a transform that is not finite"));
+            }
+        }
+        Ok(())
+    }
+
+    fn check_environment(&self) -> Result<(), Error> {
+        let Some(Environment { radiance }) = &self.environment else { return Ok(()) };
+        let (rows, columns, channels) = radiance.dim();
+        check_count("environment.radiance", radiance.len())?;
+        if rows == 0 || columns == 0 || channels != 3 {
+            let what = format!("is {rows} x {columns} x {channels}; give rows x columns x 3, at least one of each");
+            return Err(bad("environment.radiance".into(), what));
+        }
+        match radiance.indexed_iter().find(|&(_, x)| !(0.0..=crate::light::STRONGEST).contains(x)) {
+            None => Ok(()),
+            Some(((v, u, c), x)) => {
+                let what = format!("is {x}; it must lie between 0 and {:e}", crate::light::STRONGEST);
+                Err(bad(format!("environment.radiance[{v}, {u}, {c}]"), what))
+            }
+        }
     }
 }
 
@@ -148,7 +214,12 @@ fn check_light(k: usize, light: &Light) -> Result<(), Error> {
         ));
     }
     let (position, direction, range) = match light.kind {
-        LightKind::Directional { direction } => (None, Some(direction), None),
+        LightKind::Directional { direction, angular_diameter_rad } => {
+            if !(0.0..=PI).contains(&angular_diameter_rad) {
+                return Err(bad(at("angular_diameter_rad"), format!("is {angular_diameter_rad}; need 0 to pi")));
+            }
+            (None, Some(direction), None)
+        }
         LightKind::Point { position, range } => (Some(position), None, range),
         LightKind::Spot { position, direction, range, inner_angle_rad: inner, outer_angle_rad: outer } => {
             if !(0.0 <= inner && inner <= outer && outer <= FRAC_PI_2) {

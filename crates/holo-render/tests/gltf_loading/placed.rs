@@ -110,7 +110,7 @@ fn lights_shine_where_their_nodes_point() {
     let turn = [SQRT_2 / 2.0, 0.0, 0.0, SQRT_2 / 2.0];
     let scene = with_light(sun, json!({ "rotation": turn, "scale": [5, 5, 5] })).load().unwrap().scene;
     assert_eq!((scene.lights[0].name.as_str(), scene.lights[0].intensity), ("sun", [4.0, 2.0, 1.0]));
-    let LightKind::Directional { direction } = scene.lights[0].kind else { panic!("{:?}", scene.lights[0]) };
+    let LightKind::Directional { direction, .. } = scene.lights[0].kind else { panic!("{:?}", scene.lights[0]) };
     assert!(near(direction, [0.0, 1.0, 0.0]), "{direction:?}");
 
     let bulb = json!({ "type": "point", "range": 7.5 });

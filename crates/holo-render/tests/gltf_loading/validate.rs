@@ -15,10 +15,10 @@ fn scene() -> Scene {
             texture_coordinates: vec![[0.0; 2]; 3],
             colors: vec![[0.5; 4]; 3],
             triangles: vec![[0, 1, 2]],
-            material: 0,
+            ..Mesh::default()
         }],
         instances: vec![Instance { name: String::new(), mesh: 0, transform: Transform::IDENTITY }],
-        materials: vec![Material { base_color_texture: Some(TextureUse { texture: 0 }), ..Material::default() }],
+        materials: vec![Material { base_color_texture: Some(TextureUse::new(0)), ..Material::default() }],
         textures: vec![Texture {
             name: String::new(),
             width: 2,
@@ -43,6 +43,7 @@ fn scene() -> Scene {
             pose: Transform::IDENTITY,
             lens: CameraLens::Perspective { vertical_angle_rad: 1.0, aspect_ratio: None },
         }],
+        environment: None,
     }
 }
 
