@@ -3,7 +3,7 @@
 use holo_core::{GridSize, Projection, Split};
 use holo_io::{Compression, Meaning, write_pfm, write_png_u8};
 use holo_render::scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
-use holo_render::{Backend, Baseline, CameraChoice, Framing, GroundTruth, Integrator, Renderer, Request, exposure};
+use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer, Request, exposure};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Three coloured squares at 0.4, 0.5 and 0.65 m.
@@ -43,14 +43,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let framed = framing.frame(&scene)?;
     let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0)?;
-    let request = Request {
-        rig: framed.rig(0.5)?,
-        integrator: Integrator::Direct,
-        samples: 4,
-        seed: 0,
-        sky: [0.1, 0.1, 0.12],
-        ground_truth: GroundTruth::Central,
-    };
+    let request =
+        Request { integrator: Integrator::Direct, samples: 4, sky: [0.1, 0.1, 0.12], ..Request::new(framed.rig(0.5)?) };
     let rendered = renderer.render(&request, &())?;
 
     let color = rendered.color.ok_or("the integrator `Direct` makes a picture")?;

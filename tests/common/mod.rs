@@ -87,7 +87,8 @@ pub fn render_from(scene: &Scene, pose: &Transform, request: &Request, backend: 
 
 /// A request for colour and the ground truth of all views.
 pub fn everything(rig: Rig, samples: u32, sky: [f32; 3]) -> Request {
-    Request { rig, integrator: Integrator::Direct, samples, seed: 1, sky, ground_truth: GroundTruth::All }
+    let ground_truth = GroundTruth::All;
+    Request { integrator: Integrator::Direct, samples, seed: 1, sky, ground_truth, ..Request::new(rig) }
 }
 
 /// A request for the ground truth of all views alone.

@@ -15,10 +15,10 @@ fn main() {
     let setup = scene_rig(std::env::args().skip(1));
     let rig = setup.rig;
     let render = move |renderer: &Renderer, integrator, sky, ground_truth| {
-        let request = Request { rig, integrator, samples: 1, seed: 0, sky, ground_truth };
+        let request = Request { integrator, sky, ground_truth, ..Request::new(rig) };
         let start = Instant::now();
         let rendered = renderer.render(&request, &()).expect("the scene renders");
-        (start.elapsed().as_secs_f64(), rendered.rays.primary + rendered.rays.shadow)
+        (start.elapsed().as_secs_f64(), rendered.rays.total())
     };
     let sky = [0.2, 0.24, 0.32];
     let engines = [Backend::Embree, Backend::Bvh].map(|b| Renderer::new(&setup.scene, &setup.pose, b, 0));

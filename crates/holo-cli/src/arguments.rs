@@ -50,6 +50,15 @@ pub struct RenderOptions {
     /// Rays through every pixel [default: 16, with the integrator depth 1].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub spp: Option<u32>,
+    /// How often light is scattered at most on its way to a pixel.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub max_bounces: u32,
+    /// Follow every path to its last bounce, however little it carries.
+    #[arg(long)]
+    pub no_roulette: bool,
+    /// Let `--integrator auto` leave out light that comes from other surfaces, except in mirrors and glass.
+    #[arg(long)]
+    pub no_indirect: bool,
     /// Radiance of a constant sky, linear.
     #[arg(long, value_name = "R,G,B", allow_hyphen_values = true, default_value = "0,0,0")]
     pub sky: Rgb,
@@ -196,6 +205,8 @@ pub enum IntegratorArgument {
     Depth,
     /// Direct light.
     Direct,
+    /// Light that surfaces hand on to each other.
+    Path,
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]

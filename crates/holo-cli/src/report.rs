@@ -43,7 +43,7 @@ impl Report<'_> {
                 "load": self.seconds.load, "build": self.seconds.build, "render": self.seconds.render,
                 "write": self.seconds.write, "total": self.seconds.total,
             },
-            "rays": {"primary": self.rays.primary, "shadow": self.rays.shadow, "other": 0},
+            "rays": {"primary": self.rays.primary, "shadow": self.rays.shadow, "other": self.rays.other},
             "samples": self.samples,
             "backend": self.backend,
             "threads": self.threads,
@@ -64,7 +64,7 @@ impl Report<'_> {
     /// A few lines on standard error.
     pub fn print(&self, out: &Path) {
         let s = &self.seconds;
-        let rays = self.rays.primary + self.rays.shadow;
+        let rays = self.rays.total();
         say!(
             "rendered {} in {:.2} s ({:.1} Mrays/s, {}, {} threads, {}: {})",
             describe_split(self.rig),
@@ -136,6 +136,7 @@ pub fn integrator_name(integrator: Integrator) -> &'static str {
         Integrator::Auto => "auto",
         Integrator::Depth => "depth",
         Integrator::Direct => "direct",
+        Integrator::Path => "path",
     }
 }
 

@@ -44,11 +44,10 @@ pub(crate) enum Coherence {
     Incoherent,
 }
 
-/// What finds hits. Packets to `intersect` are bundles of nearly parallel rays, which engines may use but not rely on.
-/// Rays and hits are in camera coordinates.
+/// What finds hits. Rays and hits are in camera coordinates.
 pub(crate) trait Engine: Send + Sync {
     /// Fills the hits and shortens `far` of every valid lane whose ray hits something in (near, far).
-    fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits);
+    fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits, coherence: Coherence);
 
     /// Sets `far` of every valid lane whose ray hits anything in (near, far) to minus infinity.
     fn occluded(&self, valid: &Lanes<i32>, rays: &mut Rays, coherence: Coherence);
@@ -56,7 +55,7 @@ pub(crate) trait Engine: Send + Sync {
     /// As `intersect`, asking for one ray after the other: what packets are measured against.
     #[cfg(feature = "bench")]
     fn intersect_singly(&self, valid: &Lanes<i32>, packet: &mut RayHits) {
-        self.intersect(valid, packet);
+        self.intersect(valid, packet, Coherence::Coherent);
     }
 
     /// The name and version for logs and manifests, such as "embree 4.4.0".

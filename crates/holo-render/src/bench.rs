@@ -9,7 +9,7 @@ use std::time::Instant;
 use holo_core::Rig;
 use rayon::prelude::*;
 
-use crate::accel::{LANES, Lanes, NO_TRIANGLE, RayHits};
+use crate::accel::{Coherence, LANES, Lanes, NO_TRIANGLE, RayHits};
 use crate::dispatch::{self, Kernel};
 use crate::integrator::depth::count;
 use crate::primary::RigTables;
@@ -101,7 +101,7 @@ impl Kernel for TraceTile<'_> {
             for (block, kept) in self.tile.blocks().zip(self.kept) {
                 let pixels = self.tables.pixels(block);
                 self.tables.fill(&pixels, None, &mut packet);
-                engine.intersect(&pixels.valid, &mut packet);
+                engine.intersect(&pixels.valid, &mut packet, Coherence::Coherent);
                 rays += count(&pixels.valid);
                 kept.triangle = packet.hits.triangle;
                 kept.u = packet.hits.u;
@@ -125,7 +125,7 @@ impl Kernel for TraceTile<'_> {
         let start = Instant::now();
         for (valid, packet) in &mut buffer {
             if self.work == Work::BarePackets {
-                engine.intersect(valid, packet);
+                engine.intersect(valid, packet, Coherence::Coherent);
             } else {
                 engine.intersect_singly(valid, packet);
             }

@@ -22,7 +22,8 @@ pub(crate) struct Geometry {
     planes: Vec<Plane>,
     /// Unit vertex normals; zero where the mesh has none.
     normals: Vec<[f32; 3]>,
-    texture_coordinates: Vec<[f32; 2]>,
+    /// Both sets.
+    texture_coordinates: [Vec<[f32; 2]>; 2],
     colors: Vec<[f32; 4]>,
     /// Which instance a triangle belongs to, as ascending first triangles.
     parts: Vec<Part>,
@@ -43,7 +44,8 @@ pub(crate) struct Plane {
 pub(crate) struct Part {
     pub material: u32,
     pub smooth: bool,
-    pub textured: bool,
+    /// Which of the two sets of texture coordinates it has.
+    pub textured: [bool; 2],
     pub colored: bool,
     /// The largest coordinate of any vertex: what an f32 position of this instance can be off by, over 2^-24.
     pub extent: f32,
@@ -68,27 +70,29 @@ impl Geometry {
         }
         let any = |f: fn(&Mesh) -> bool| meshes.iter().any(|(m, _)| f(m));
         let per_vertex = |wanted: bool| if wanted { vertex_count } else { 0 };
+        let with_normals = any(|m| !m.normals.is_empty());
+        let with_coordinates = any(|m| !m.texture_coordinates.is_empty());
+        let with_second = any(|m| !m.second_coordinates.is_empty());
+        let with_colors = any(|m| !m.colors.is_empty());
         let mut geometry = Self {
             positions: Vec::with_capacity(vertex_count + 1),
             triangles: Vec::with_capacity(triangle_count),
             planes: Vec::with_capacity(triangle_count),
-            normals: Vec::with_capacity(per_vertex(any(|m| !m.normals.is_empty()))),
-            texture_coordinates: Vec::with_capacity(per_vertex(any(|m| !m.texture_coordinates.is_empty()))),
-            colors: Vec::with_capacity(per_vertex(any(|m| !m.colors.is_empty()))),
+            normals: Vec::with_capacity(per_vertex(with_normals)),
+            texture_coordinates: [with_coordinates, with_second].map(|wanted| Vec::with_capacity(per_vertex(wanted))),
+            colors: Vec::with_capacity(per_vertex(with_colors)),
             parts: Vec::with_capacity(meshes.len()),
             part_of: Vec::with_capacity(triangle_count),
         };
-        let with_normals = any(|m| !m.normals.is_empty());
-        let with_coordinates = any(|m| !m.texture_coordinates.is_empty());
-        let with_colors = any(|m| !m.colors.is_empty());
         for (mesh, transform) in meshes {
-            geometry.append(mesh, &to_camera(transform, pose), [with_normals, with_coordinates, with_colors])?;
+            let with = [with_normals, with_coordinates, with_second, with_colors];
+            geometry.append(mesh, &to_camera(transform, pose), with)?;
         }
         geometry.positions.push([0.0; 3]);
         Ok(geometry)
     }
 
-    fn append(&mut self, mesh: &Mesh, to_camera: &Transform, with: [bool; 3]) -> Result<(), Error> {
+    fn append(&mut self, mesh: &Mesh, to_camera: &Transform, with: [bool; 4]) -> Result<(), Error> {
         let first_vertex = self.positions.len() as u32;
         let exact: Vec<[f64; 3]> = mesh.positions.par_iter().map(|p| to_camera.point(p.map(f64::from))).collect();
         // Beyond this the squares and products inside a ray engine overflow f32.
@@ -105,7 +109,7 @@ impl Geometry {
         let order = if mirrored { [0, 2, 1] } else { [0, 1, 2] };
         self.triangles.par_extend(mesh.triangles.par_iter().map(|t| order.map(|k| t[k] + first_vertex)));
         self.planes.par_extend(mesh.triangles.par_iter().map(|t| Plane::through(order.map(|k| exact[t[k] as usize]))));
-        let [with_normals, with_coordinates, with_colors] = with;
+        let [with_normals, with_coordinates, with_second, with_colors] = with;
         if with_normals {
             let columns = to_camera.normal_columns();
             // The cofactor matrix of a mirroring map also turns normals over; undo it so that they stay outward.
@@ -121,9 +125,10 @@ impl Geometry {
                 self.normals.par_extend(mesh.normals.par_iter().map(turn));
             }
         }
-        if with_coordinates {
-            self.texture_coordinates.extend_from_slice(&mesh.texture_coordinates);
-            self.texture_coordinates.resize(self.positions.len(), [0.0; 2]);
+        let sets = [(with_coordinates, &mesh.texture_coordinates), (with_second, &mesh.second_coordinates)];
+        for (all, (_, own)) in self.texture_coordinates.iter_mut().zip(sets).filter(|(_, (with, _))| *with) {
+            all.extend_from_slice(own);
+            all.resize(self.positions.len(), [0.0; 2]);
         }
         if with_colors {
             self.colors.extend_from_slice(&mesh.colors);
@@ -133,7 +138,7 @@ impl Geometry {
         self.parts.push(Part {
             material: mesh.material as u32,
             smooth: !mesh.normals.is_empty(),
-            textured: !mesh.texture_coordinates.is_empty(),
+            textured: [!mesh.texture_coordinates.is_empty(), !mesh.second_coordinates.is_empty()],
             colored: !mesh.colors.is_empty(),
             extent: extent as f32,
         });
@@ -180,14 +185,12 @@ impl Geometry {
         [self.normals[a as usize], self.normals[b as usize], self.normals[c as usize]]
     }
 
+    /// Of the set 0 or 1.
     #[inline(always)]
-    pub fn texture_coordinates_of(&self, triangle: usize) -> [[f32; 2]; 3] {
+    pub fn texture_coordinates_of(&self, triangle: usize, set: usize) -> [[f32; 2]; 3] {
         let [a, b, c] = self.triangles[triangle];
-        [
-            self.texture_coordinates[a as usize],
-            self.texture_coordinates[b as usize],
-            self.texture_coordinates[c as usize],
-        ]
+        let all = &self.texture_coordinates[set];
+        [all[a as usize], all[b as usize], all[c as usize]]
     }
 
     #[inline(always)]

@@ -1,14 +1,26 @@
 //! glTF 2.0: `.glb`, and `.gltf` with files beside it or data URIs inside.
 //!
 //! **What is read.** The default scene's node hierarchy, composed in f64; triangles, strips and fans, indexed or not, with
-//! normals, vertex colours and the texture coordinates that the base colour texture wants; sparse and normalized
-//! accessors; base colour factor and texture (PNG, JPEG; 16-bit images are rounded to 8) with its wrap modes; cameras;
-//! the lights of `KHR_lights_punctual`. Instances, lights and cameras come in the order of their nodes in the file.
+//! normals, vertex colours and two sets of texture coordinates (`TEXCOORD_0` and `_1`; where a material's textures read
+//! others, those); sparse and normalized accessors; textures (PNG, JPEG; 16-bit images are rounded to 8) with their wrap
+//! modes; cameras; the lights of `KHR_lights_punctual`. Instances, lights and cameras come in the order of their nodes in
+//! the file.
 //!
-//! **What is not.** Every surface is a two-sided Lambertian reflector so far: metal, gloss, glass, emission, normal maps
-//! and transparency are named in a warning. Morph targets, skins and animations are ignored, with a warning. Compressed
-//! and quantized meshes (Draco, meshopt, `KHR_mesh_quantization`) are errors. An extension we do not handle is named in a
-//! warning when it is used, in an error when it is required.
+//! **Materials** are read whole, with the specification's defaults (a file that says nothing means rough white metal, a
+//! non-metal without `KHR_materials_specular` the gloss of index 1.5): metallic-roughness, normal maps, emission, alpha,
+//! `doubleSided`, and the extensions `KHR_materials_emissive_strength`, `_ior`, `_specular`, `_transmission`, `_unlit`,
+//! `_volume` and `KHR_texture_transform`. Occlusion textures are passed over without a word, since light is really
+//! occluded. Of the thickness of a volume only counts whether it is above 0 (0: a thin pane); distances of attenuation are
+//! in world units. An index of refraction of 0, the specification's infinity, becomes 1000 (99.6 % reflected at normal
+//! incidence), with a warning. Black attenuation is kept a hair above 0.
+//!
+//! **Our own addition.** A directional light whose `extras` hold the number `angular_diameter_rad` is a disc of that
+//! apparent diameter, rad: 0.0093 for the sun. Without it, its light is parallel.
+//!
+//! **What is not.** Vertex tangents are passed over: normal maps follow the texture coordinates. Morph targets, skins and
+//! animations are ignored, with a warning. Compressed and quantized meshes (Draco, meshopt, `KHR_mesh_quantization`) are
+//! errors. An extension we do not handle (clearcoat, sheen, iridescence, anisotropy, dispersion, variants, ...) is named
+//! in a warning when it is used, in an error when it is required.
 //!
 //! **What a file may do.** Nothing but be loaded or be refused with an [`Error`] that says where: all sizes are checked
 //! against [`Limits`] before memory is taken, files are read only below the folder of the scene file, and nothing a file

@@ -2,27 +2,32 @@
 
 pub(crate) mod depth;
 pub(crate) mod direct;
+pub(crate) mod path;
+mod shade;
 
 use holo_core::Disparity;
 
 use crate::accel::{Engine, LANES};
+use crate::appearance::Appearance;
 use crate::geometry::Geometry;
 use crate::light::PreparedLight;
 use crate::primary::{Pixels, RigTables};
 use crate::render::Stop;
 use crate::sampling::{self, Purpose};
-use crate::surface::Appearance;
 
 /// What the pixels of a light field hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Integrator {
-    /// The cheapest one that shows what the scene has: `Direct` where anything shines, else `Depth`.
+    /// The cheapest one that is exact for the scene, up to [`crate::Request::indirect`].
     #[default]
     Auto,
     /// Ground truth alone, no colour.
     Depth,
-    /// One bounce: every punctual light with hard shadows, and the sky with occlusion, on Lambertian surfaces.
+    /// One bounce: what lights, emitters and the sky send to the first surface. What mirrors and glass show is black
+    /// except for sky and emitters.
     Direct,
+    /// Light that is scattered up to [`crate::Request::max_bounces`] times.
+    Path,
 }
 
 /// What every integrator reads while it works.
@@ -36,6 +41,10 @@ pub(crate) struct Context<'a> {
     pub disparity: Disparity,
     pub seed: u64,
     pub samples: u32,
+    /// Scattering events at most.
+    pub max_bounces: u32,
+    /// Whether weak paths may end at random.
+    pub roulette: bool,
     /// Lens columns and view columns, for the numbers of lenses and views.
     pub columns: [u32; 2],
     /// Asked between samples.
@@ -47,18 +56,38 @@ pub(crate) struct Context<'a> {
 pub struct RayCounts {
     /// From a pixel into the scene.
     pub primary: u64,
-    /// From a surface towards a light or the sky.
+    /// From a surface towards a light.
     pub shadow: u64,
+    /// Scattered by a surface.
+    pub other: u64,
+}
+
+impl RayCounts {
+    /// All of them.
+    #[must_use]
+    pub fn total(&self) -> u64 {
+        self.primary + self.shadow + self.other
+    }
 }
 
 impl std::ops::Add for RayCounts {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self { primary: self.primary + other.primary, shadow: self.shadow + other.shadow }
+        Self {
+            primary: self.primary + other.primary,
+            shadow: self.shadow + other.shadow,
+            other: self.other + other.other,
+        }
     }
 }
 
 impl Context<'_> {
+    /// Whether rays that the event number `event` (from 0) scatters can bring anything.
+    #[inline(always)]
+    pub fn scatters_on(&self, event: u32) -> bool {
+        event + 1 < self.max_bounces || self.sky.iter().any(|&c| c > 0.0)
+    }
+
     /// The random sequences of a packet's pixels.
     #[inline(always)]
     pub fn sequences(&self, pixels: &Pixels) -> [u32; LANES] {
@@ -86,8 +115,8 @@ impl Context<'_> {
             // Set apart from the views themselves by the highest bit.
             block[lane] = (t.index[lane] / 4 * self.columns[1] + s.index[lane] / 4) | 1 << 31;
         }
-        let cells = sampling::points(&sampling::sequences(self.seed, &lens, &block), sample, Purpose::Pixel);
-        let mut points = sampling::points(sequences, sample, Purpose::Pixel);
+        let cells = sampling::points(&sampling::sequences(self.seed, &lens, &block), sample, Purpose::PIXEL);
+        let mut points = sampling::points(sequences, sample, Purpose::PIXEL);
         for axis in 0..2 {
             for lane in 0..LANES {
                 points[axis][lane] = ((cells[axis][lane] * 4.0).floor() + points[axis][lane]) * 0.25;

@@ -14,7 +14,7 @@
 //! # Example
 //! ```
 //! use holo_core::{GridSize, Projection, Split};
-//! use holo_render::{Backend, Baseline, CameraChoice, Framing, GroundTruth, Integrator, Renderer, Request};
+//! use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer, Request};
 //!
 //! # fn main() -> Result<(), holo_render::Error> {
 //! let scene = holo_render::gallery::scene("garden").expect("a scene of the gallery");
@@ -30,12 +30,9 @@
 //! let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0)?;
 //! let rig = framed.rig(framed.automatic_focus_m(&renderer)?)?;
 //! let request = Request {
-//!     rig,
-//!     integrator: Integrator::Auto,
-//!     samples: 1,
-//!     seed: 0,
 //!     sky: [0.2, 0.24, 0.32],
-//!     ground_truth: GroundTruth::Central,
+//!     max_bounces: 3,
+//!     ..Request::new(rig)
 //! };
 //! let rendered = renderer.render(&request, &())?;
 //! let raw = rendered.color.expect("the scene is lit").to_elemental_grid();
@@ -53,6 +50,7 @@ pub mod gltf;
 pub mod scene;
 
 mod accel;
+mod appearance;
 #[cfg(feature = "bench")]
 #[doc(hidden)]
 pub mod bench;
@@ -63,11 +61,11 @@ mod framing;
 mod geometry;
 mod integrator;
 mod light;
+mod paths;
 mod primary;
 mod refine;
 mod render;
 mod sampling;
-mod sky;
 mod srgb;
 mod surface;
 mod texture;

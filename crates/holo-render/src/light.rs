@@ -35,7 +35,9 @@ pub(crate) struct Cone {
 pub(crate) struct Arrivals {
     /// Towards the light: unit length for directional lights, up to the light for the others.
     pub to_light: [[f32; LANES]; 3],
-    /// How much of `PreparedLight::power` arrives on a surface that faces the light, over the length of `to_light`.
+    /// Over the length of `to_light`.
+    pub inverse_length: [f32; LANES],
+    /// How much of `PreparedLight::power` arrives on a surface that faces the light.
     pub attenuation: [f32; LANES],
 }
 
@@ -87,10 +89,15 @@ impl PreparedLight {
         match self {
             Self::Directional { to_light, .. } => {
                 let [x, y, z] = *to_light;
-                Arrivals { to_light: [[x; LANES], [y; LANES], [z; LANES]], attenuation: [1.0; LANES] }
+                Arrivals {
+                    to_light: [[x; LANES], [y; LANES], [z; LANES]],
+                    inverse_length: [1.0; LANES],
+                    attenuation: [1.0; LANES],
+                }
             }
             Self::Point { position, inverse_range, cone, .. } => {
-                let mut out = Arrivals { to_light: [[0.0; LANES]; 3], attenuation: [0.0; LANES] };
+                let zero = [0.0; LANES];
+                let mut out = Arrivals { to_light: [zero; 3], inverse_length: zero, attenuation: zero };
                 for lane in 0..LANES {
                     let to_light =
                         [position[0] - points[0][lane], position[1] - points[1][lane], position[2] - points[2][lane]];
@@ -101,13 +108,13 @@ impl PreparedLight {
                     for axis in 0..3 {
                         out.to_light[axis][lane] = to_light[axis];
                     }
-                    let cubed = squared * length;
-                    out.attenuation[lane] = if cubed > 0.0 { (window / cubed).min(STRONGEST) } else { 0.0 };
+                    out.inverse_length[lane] = if length > 0.0 { (1.0 / length).min(STRONGEST) } else { 0.0 };
+                    out.attenuation[lane] = if squared > 0.0 { (window / squared).min(STRONGEST) } else { 0.0 };
                 }
                 if let Some(cone) = cone {
                     for lane in 0..LANES {
                         let to_light = at(&out.to_light, lane);
-                        let cosine = -dot(to_light, cone.axis) / dot(to_light, to_light).sqrt();
+                        let cosine = -dot(to_light, cone.axis) * out.inverse_length[lane];
                         let edge = (cosine * cone.scale + cone.offset).clamp(0.0, 1.0);
                         out.attenuation[lane] *= edge * edge;
                     }
@@ -143,8 +150,7 @@ mod tests {
     /// Attenuation at one point, per square metre.
     fn arriving(light: &PreparedLight, point: [f32; 3]) -> f32 {
         let arrivals = light.arrivals(&point.map(|x| [x; LANES]));
-        let to_light = arrivals.to_light.map(|axis| axis[3]);
-        arrivals.attenuation[3] * dot(to_light, to_light).sqrt()
+        arrivals.attenuation[3]
     }
 
     #[test]

@@ -8,18 +8,22 @@ use ndarray::{Array2, Axis};
 use rayon::prelude::*;
 
 use crate::accel::{self, Backend, Engine};
+use crate::appearance::Appearance;
 use crate::dispatch;
 use crate::error::Error;
 use crate::geometry::{Geometry, LARGEST_COORDINATE};
 use crate::integrator::depth::{DepthTile, TruthTile};
-use crate::integrator::direct::DirectTile;
+use crate::integrator::direct;
+use crate::integrator::path::PathTile;
 use crate::integrator::{Context, Integrator, RayCounts};
 use crate::light::{self, PreparedLight, STRONGEST};
 use crate::primary::RigTables;
 use crate::sampling::MOST_SAMPLES;
 use crate::scene::{self, Scene, Transform};
-use crate::surface::Appearance;
 use crate::tile::{Tile, Tiling};
+
+/// Scattering events at most: far more than any scene needs, far less than the purposes of random numbers.
+const MOST_BOUNCES: u32 = 65_536;
 
 /// A scene with its acceleration structure, in the frame of one camera.
 pub struct Renderer {
@@ -44,8 +48,32 @@ pub struct Request {
     pub seed: u64,
     /// Radiance of the constant sky, linear RGB.
     pub sky: [f32; 3],
+    /// Scattering events at most, for the integrator `Path` and for `Auto` when it chooses that.
+    pub max_bounces: u32,
+    /// Whether paths that carry little may end at random, those that survive counting for more (unbiased).
+    pub roulette: bool,
+    /// Whether `Auto` follows light from surface to surface; without, only to mirrors and glass.
+    pub indirect: bool,
     /// For which views depth and disparity are wanted; always through the pixel's centre, whatever `samples` is.
     pub ground_truth: GroundTruth,
+}
+
+impl Request {
+    /// Everything as the command line has it by default, with one sample and without a sky.
+    #[must_use]
+    pub fn new(rig: Rig) -> Self {
+        Self {
+            rig,
+            integrator: Integrator::Auto,
+            samples: 1,
+            seed: 0,
+            sky: [0.0; 3],
+            max_bounces: 8,
+            roulette: true,
+            indirect: true,
+            ground_truth: GroundTruth::Central,
+        }
+    }
 }
 
 /// For which views ground truth is made.
@@ -167,14 +195,7 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::render`].
     pub fn central_truth(&self, rig: &Rig) -> Result<Truth<Array2<f32>>, Error> {
-        let request = Request {
-            rig: *rig,
-            integrator: Integrator::Depth,
-            samples: 1,
-            seed: 0,
-            sky: [0.0; 3],
-            ground_truth: GroundTruth::Central,
-        };
+        let request = Request { integrator: Integrator::Depth, ..Request::new(*rig) };
         Ok(self.render(&request, &())?.central)
     }
 
@@ -195,7 +216,7 @@ impl Renderer {
         let mut all = if with_all { Some(Truth::light_fields(split)?) } else { None };
         let tile_count = if with_color || with_all { tiling.tiles().len() } else { 0 };
         let passes = u64::from(with_color) + u64::from(with_all && !together);
-        let context = self.context(request, &tiling, &stop);
+        let context = self.context(request, integrator, &tiling, &stop);
         let with_central = u64::from(!with_all);
         let central_tiles = with_central * central_tiling(&split).tiles().len() as u64;
         let work = Work::new(progress, &stop, passes * tile_count as u64 + central_tiles);
@@ -210,7 +231,7 @@ impl Renderer {
             let parts: Vec<_> = tiling.cut(color.samples_mut()).into_iter().zip(truth).collect();
             rays = rays
                 + work.run(&tiling, parts, |tile, (color, truth)| {
-                    dispatch::run(DirectTile { context: &context, tile, color, truth })
+                    dispatch::run(PathTile { context: &context, tile, color, truth })
                 })?;
         }
         if let Some(all) = all.as_mut().filter(|_| !together) {
@@ -225,7 +246,8 @@ impl Renderer {
             Truth { depth_m: plane(&all.depth_m), disparity_px: plane(&all.disparity_px) }
         } else {
             let tiling = central_tiling(&split);
-            let (central, count) = central(&self.context(request, &tiling, &stop), &tiling, &work, split.lenses())?;
+            let (central, count) =
+                central(&self.context(request, integrator, &tiling, &stop), &tiling, &work, split.lenses())?;
             rays = rays + count;
             central
         };
@@ -236,7 +258,13 @@ impl Renderer {
     }
 
     /// What the integrators read over the packets of `tiling`.
-    fn context<'a>(&'a self, request: &Request, tiling: &Tiling, stop: &'a Stop<'a>) -> Context<'a> {
+    fn context<'a>(
+        &'a self,
+        request: &Request,
+        integrator: Integrator,
+        tiling: &Tiling,
+        stop: &'a Stop<'a>,
+    ) -> Context<'a> {
         let split = request.rig.split();
         Context {
             engine: &*self.engine,
@@ -248,6 +276,8 @@ impl Renderer {
             disparity: request.rig.disparity(),
             seed: request.seed,
             samples: request.samples,
+            max_bounces: if integrator == Integrator::Direct { direct::BOUNCES } else { request.max_bounces },
+            roulette: request.roulette,
             columns: [split.lenses().columns as u32, split.views().columns as u32],
             stop,
         }
@@ -260,6 +290,10 @@ impl Renderer {
                 "{} samples per pixel; 1 to {MOST_SAMPLES} can be drawn",
                 request.samples
             )));
+        }
+        if !(1..=MOST_BOUNCES).contains(&request.max_bounces) {
+            let asked = request.max_bounces;
+            return Err(Error::BadSetting(format!("{asked} bounces; 1 to {MOST_BOUNCES} can be followed")));
         }
         if split.lenses().count() > u32::MAX as usize || split.views().count() > u32::MAX as usize {
             return Err(Error::BadSetting("2^32 or more lenses or views".into()));
@@ -282,6 +316,7 @@ impl Renderer {
         }
         let lit = !self.lights.is_empty() || request.sky.iter().any(|&c| c > 0.0);
         Ok(match request.integrator {
+            Integrator::Auto if lit && request.indirect => (Integrator::Path, "light from surface to surface"),
             Integrator::Auto if lit => (Integrator::Direct, "punctual lights or a sky on Lambertian surfaces"),
             Integrator::Auto => (Integrator::Depth, "nothing in the scene shines"),
             chosen => (chosen, "asked for"),

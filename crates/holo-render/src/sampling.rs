@@ -17,11 +17,35 @@ pub(crate) const MOST_SAMPLES: u32 = 1 << 16;
 
 /// What a pair of numbers is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Purpose {
+pub(crate) struct Purpose(u32);
+
+/// What a scattering event draws.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(dead_code)] // until emitters and surroundings are drawn
+pub(crate) enum Draw {
+    /// Where light goes on to.
+    Direction = 1,
+    /// Which way it does so, and whether it goes on at all.
+    Choice = 2,
+    /// Which punctual light, which emitter.
+    Light = 3,
+    /// Where on an emitter.
+    Emitter = 4,
+    /// Which direction of the surroundings.
+    Surroundings = 5,
+    /// Where on the disc of a distant light.
+    Disc = 6,
+}
+
+impl Purpose {
     /// Where in the pixel.
-    Pixel = 0,
-    /// Which direction of the sky.
-    Sky = 1,
+    pub const PIXEL: Self = Self(0);
+
+    /// Something that the event number `event` of a path needs, counted from 0.
+    #[inline(always)]
+    pub const fn event(event: u32, draw: Draw) -> Self {
+        Self(event * 8 + draw as u32)
+    }
 }
 
 /// Sixteen points of the unit square.
@@ -44,7 +68,7 @@ pub(crate) fn sequences(seed: u64, lens: &[u32; LANES], view: &[u32; LANES]) -> 
 pub(crate) fn points(sequences: &[u32; LANES], index: u32, purpose: Purpose) -> Points {
     let mut out = [[0.0; LANES]; 2];
     for lane in 0..LANES {
-        let seed = hash(sequences[lane] ^ (purpose as u32).wrapping_mul(0x85EB_CA6B));
+        let seed = hash(sequences[lane] ^ purpose.0.wrapping_mul(0x85EB_CA6B));
         let index = owen(index, seed);
         let x = owen(index.reverse_bits(), hash(seed ^ 0xA511_E9B3));
         let y = owen(sobol_second(index), hash(seed ^ 0x63D8_3595));
@@ -135,6 +159,8 @@ pub(crate) fn frame(n: [f32; 3]) -> [[f32; 3]; 2] {
 mod tests {
     use super::*;
 
+    const SKY: Purpose = Purpose::event(0, Draw::Direction);
+
     fn sequence(k: u32) -> [u32; LANES] {
         sequences(7, &std::array::from_fn(|lane| lane as u32), &[k; LANES])
     }
@@ -154,7 +180,7 @@ mod tests {
     /// does every later run of 2^k.
     #[test]
     fn every_run_of_points_is_a_net() {
-        for purpose in [Purpose::Pixel, Purpose::Sky] {
+        for purpose in [Purpose::PIXEL, SKY] {
             for k in [0u32, 1, 4, 6, 8] {
                 let count = 1u32 << k;
                 for first in [0, 3 * count] {
@@ -183,7 +209,7 @@ mod tests {
         let draw = |k: u32, purpose| points(&sequence(k), 0, purpose);
         let mut sums = [0.0f64; 4];
         for k in 0..4096 {
-            let (here, next, sky) = (draw(k, Purpose::Pixel), draw(k + 1, Purpose::Pixel), draw(k, Purpose::Sky));
+            let (here, next, sky) = (draw(k, Purpose::PIXEL), draw(k + 1, Purpose::PIXEL), draw(k, SKY));
             let centred = |x: f32| (f64::from(x) - 0.5) * 12f64.sqrt();
             let pairs =
                 [(here[0][0], here[0][1]), (here[0][2], next[0][2]), (here[0][3], sky[0][3]), (here[0][4], here[1][4])];
@@ -225,7 +251,7 @@ mod tests {
         let mut sums = [0.0f64; 3];
         let count = 16384;
         for index in 0..count {
-            let directions = cosine_hemisphere(&points(&sequence(0), index, Purpose::Sky));
+            let directions = cosine_hemisphere(&points(&sequence(0), index, SKY));
             for lane in 0..LANES {
                 let length: f32 = directions.iter().map(|x| x[lane] * x[lane]).sum();
                 assert!((length - 1.0).abs() < 1e-5);

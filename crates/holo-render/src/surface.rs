@@ -1,209 +1,150 @@
-//! What the integrators need to know where a packet's rays hit: position, normals, albedo.
+//! Where rays meet the scene: sixteen points with their normals and base colours.
+//!
+//! The engine says which triangle a ray hits. Where the ray meets that triangle's plane is computed in f64, for camera
+//! rays ([`crate::refine`]) and for scattered ones alike, so that a new ray starts on the surface and not beside it.
 
-use crate::accel::{LANES, NO_TRIANGLE, RayHits};
-use crate::geometry::{Geometry, Part};
+use crate::accel::{LANES, Lanes, NO_TRIANGLE, RayHits, at};
+use crate::appearance::Appearance;
+use crate::geometry::Geometry;
 use crate::primary::ExactRays;
 use crate::refine::Refined;
-use crate::scene::{Material, Texture};
-use crate::srgb;
-use crate::texture;
-
-/// Materials with their textures: what a surface looks up.
-pub(crate) struct Appearance {
-    materials: Vec<Material>,
-    textures: Vec<Texture>,
-    srgb: &'static [f32; 256],
-}
 
 /// Sixteen surface points in camera coordinates. What lanes without a hit hold means nothing.
 pub(crate) struct Surfaces {
     pub hit: [bool; LANES],
-    /// Where secondary rays start: the hit, moved off the surface so that they do not meet it again.
+    pub position: [[f32; LANES]; 3],
+    /// Where rays on the side of the arriving one start: the hit, moved off the surface so that they do not meet it again.
     pub start: [[f32; LANES]; 3],
     /// Unit normal of the triangle on the side that the ray came from.
     pub geometric_normal: [[f32; LANES]; 3],
     /// Interpolated unit normal, turned to the same side together with the geometric one.
     pub shading_normal: [[f32; LANES]; 3],
-    /// Lambertian reflectance, linear RGB.
-    pub albedo: [[f32; LANES]; 3],
+    /// 1 where the ray came to the front, -1 where to the back.
+    pub side: [f32; LANES],
+    /// The materials' indices.
+    pub material: [u32; LANES],
+    /// Base colour: factor, texture and vertex colours, linear RGB.
+    pub base_color: [[f32; LANES]; 3],
+}
+
+/// Sixteen points in space and the unnormalised normals there.
+struct Points {
+    position: [[f32; LANES]; 3],
+    normal: [[f64; LANES]; 3],
+    /// Normal times direction: below 0 on the front.
+    towards: [f64; LANES],
 }
 
 /// An f32 position is off by at most 2^-24 of the largest coordinate involved; a few such errors add up between the
 /// refined point, the engine's rounded vertices and its own arithmetic. Eight of them keep clear of the surface.
 const OFFSET_PER_COORDINATE: f32 = 8.0 / 16_777_216.0;
 
-impl Appearance {
-    pub fn new(materials: &[Material], textures: &[Texture]) -> Self {
-        Self { materials: materials.to_vec(), textures: textures.to_vec(), srgb: srgb::decoding_table() }
-    }
+/// A scattered ray's refined length may leave the engine's by this much, relatively; as for camera rays.
+const LARGEST_CORRECTION: f64 = 1e-3;
 
-    /// The surfaces that `packet` hit, or `None` if it hit nothing.
+impl Surfaces {
+    /// What the camera's rays hit, or `None` if that is nothing.
     #[inline(always)]
-    pub fn surfaces(
-        &self,
+    pub fn primary(
+        appearance: &Appearance,
         geometry: &Geometry,
         packet: &RayHits,
         rays: &ExactRays,
         refined: &Refined,
-    ) -> Option<Surfaces> {
-        let triangles = &packet.hits.triangle;
-        let some = *triangles.iter().find(|&&k| k != NO_TRIANGLE)?;
-        let zero = [[0.0; LANES]; 3];
-        let mut out =
-            Surfaces { hit: [false; LANES], start: zero, geometric_normal: zero, shading_normal: zero, albedo: zero };
-        // Lanes without a hit look at a triangle of another lane: loops without branches, results that nobody reads.
-        let mut group = Group { triangles: [some; LANES], packet };
-        for lane in 0..LANES {
-            out.hit[lane] = triangles[lane] != NO_TRIANGLE;
-            group.triangles[lane] = if out.hit[lane] { triangles[lane] } else { some };
-        }
-        let mut position = zero;
+    ) -> Option<Self> {
+        let some = *packet.hits.triangle.iter().find(|&&k| k != NO_TRIANGLE)?;
+        let mut points = Points { position: [[0.0; LANES]; 3], normal: refined.normal, towards: [0.0; LANES] };
         for lane in 0..LANES {
             let z = refined.depth[lane];
-            position[0][lane] = (rays.origin_x[lane] + z * rays.direction_x[lane]) as f32;
-            position[1][lane] = (rays.origin_y[lane] + z * rays.direction_y[lane]) as f32;
-            position[2][lane] = -z as f32;
-        }
-        let mut side = [0.0; LANES];
-        for lane in 0..LANES {
+            points.position[0][lane] = (rays.origin_x[lane] + z * rays.direction_x[lane]) as f32;
+            points.position[1][lane] = (rays.origin_y[lane] + z * rays.direction_y[lane]) as f32;
+            points.position[2][lane] = -z as f32;
             let [x, y, z] = [refined.normal[0][lane], refined.normal[1][lane], refined.normal[2][lane]];
+            points.towards[lane] = x * rays.direction_x[lane] + y * rays.direction_y[lane] - z;
+        }
+        Some(Self::new(appearance, geometry, packet, &points, some))
+    }
+
+    /// What rays from anywhere hit, or `None` if that is nothing.
+    #[inline(always)]
+    pub fn secondary(
+        appearance: &Appearance,
+        geometry: &Geometry,
+        packet: &RayHits,
+        valid: &Lanes<i32>,
+    ) -> Option<Self> {
+        let mut some = NO_TRIANGLE;
+        for lane in 0..LANES {
+            let found = valid.0[lane] != 0 && packet.hits.triangle[lane] != NO_TRIANGLE;
+            some = if found { packet.hits.triangle[lane] } else { some };
+        }
+        if some == NO_TRIANGLE {
+            return None;
+        }
+        let planes = geometry.planes();
+        let mut points = Points { position: [[0.0; LANES]; 3], normal: [[0.0; LANES]; 3], towards: [0.0; LANES] };
+        let mut offset = [0.0; LANES];
+        for lane in 0..LANES {
+            let triangle = packet.hits.triangle[lane];
+            let plane = &planes[if triangle == NO_TRIANGLE { some } else { triangle } as usize];
+            for axis in 0..3 {
+                points.normal[axis][lane] = plane.normal[axis];
+            }
+            offset[lane] = plane.offset;
+        }
+        for lane in 0..LANES {
+            let (origin, direction) = (&packet.rays.origin, &packet.rays.direction);
+            let [mut towards, mut away] = [0.0, offset[lane]];
+            for axis in 0..3 {
+                towards += points.normal[axis][lane] * f64::from(direction[axis][lane]);
+                away -= points.normal[axis][lane] * f64::from(origin[axis][lane]);
+            }
+            let (exact, found) = (away / towards, f64::from(packet.rays.far[lane]));
+            let length = if (exact - found).abs() <= LARGEST_CORRECTION * found { exact } else { found };
+            for axis in 0..3 {
+                let position = f64::from(origin[axis][lane]) + length * f64::from(direction[axis][lane]);
+                points.position[axis][lane] = position as f32;
+            }
+            points.towards[lane] = towards;
+        }
+        Some(Self::new(appearance, geometry, packet, &points, some))
+    }
+
+    #[inline(always)]
+    fn new(appearance: &Appearance, geometry: &Geometry, packet: &RayHits, points: &Points, some: u32) -> Self {
+        let zero = [[0.0; LANES]; 3];
+        let mut out = Self {
+            hit: [false; LANES],
+            position: points.position,
+            start: zero,
+            geometric_normal: zero,
+            shading_normal: zero,
+            side: [1.0; LANES],
+            material: [0; LANES],
+            base_color: zero,
+        };
+        // Lanes without a hit look at a triangle of another lane: loops without branches, results that nobody reads.
+        let mut triangles = [some; LANES];
+        for lane in 0..LANES {
+            out.hit[lane] = packet.hits.triangle[lane] != NO_TRIANGLE;
+            triangles[lane] = if out.hit[lane] { packet.hits.triangle[lane] } else { some };
+        }
+        for lane in 0..LANES {
+            let [x, y, z] = [points.normal[0][lane], points.normal[1][lane], points.normal[2][lane]];
             // In f64, where the square of no normal of a sensible triangle leaves the range.
             let inverse = 1.0 / (x * x + y * y + z * z).sqrt();
-            let towards = x * rays.direction_x[lane] + y * rays.direction_y[lane] - z;
-            side[lane] = if towards > 0.0 { -1.0 } else { 1.0 };
-            let unit = if inverse.is_finite() { f64::from(side[lane]) * inverse } else { 0.0 };
+            out.side[lane] = if points.towards[lane] > 0.0 { -1.0 } else { 1.0 };
+            let unit = if inverse.is_finite() { f64::from(out.side[lane]) * inverse } else { 0.0 };
             out.geometric_normal[0][lane] = (x * unit) as f32;
             out.geometric_normal[1][lane] = (y * unit) as f32;
             out.geometric_normal[2][lane] = (z * unit) as f32;
         }
-
-        // Neighbouring rays mostly hit one mesh; what its triangles have in common is looked up once.
-        let mut parts = [0; LANES];
+        let extent = appearance.look_up(geometry, packet, &triangles, &mut out);
         for lane in 0..LANES {
-            parts[lane] = geometry.part_index(group.triangles[lane] as usize);
-        }
-        let mut extent = [0.0; LANES];
-        let mut done = [false; LANES];
-        while let Some(first) = done.iter().position(|&d| !d) {
-            let part = geometry.part(parts[first]);
-            let mut here = [false; LANES];
-            for lane in 0..LANES {
-                here[lane] = parts[lane] == parts[first];
-            }
-            let albedo = self.albedo(geometry, part, &group.only(&here, first));
-            let normal = if part.smooth {
-                smooth_normals(geometry, &group.only(&here, first), &side, &out.geometric_normal)
-            } else {
-                out.geometric_normal
-            };
-            for lane in 0..LANES {
-                if here[lane] {
-                    for axis in 0..3 {
-                        out.albedo[axis][lane] = albedo[axis][lane];
-                        out.shading_normal[axis][lane] = normal[axis][lane];
-                    }
-                    extent[lane] = part.extent;
-                }
-                done[lane] |= here[lane];
-            }
-        }
-        for lane in 0..LANES {
-            let [x, y, z] = [position[0][lane], position[1][lane], position[2][lane]];
+            let [x, y, z] = at(&out.position, lane);
             let offset = extent[lane].max(x.abs()).max(y.abs()).max(z.abs()) * OFFSET_PER_COORDINATE;
             for axis in 0..3 {
-                out.start[axis][lane] = position[axis][lane] + out.geometric_normal[axis][lane] * offset;
-            }
-        }
-        Some(out)
-    }
-
-    /// Base colour of triangles of one part: factor, texture, vertex colours.
-    #[inline(always)]
-    fn albedo(&self, geometry: &Geometry, part: &Part, group: &Group) -> [[f32; LANES]; 3] {
-        let material = &self.materials[part.material as usize];
-        let [r, g, b, _] = material.base_color;
-        let mut albedo = [[r; LANES], [g; LANES], [b; LANES]];
-        if let Some(used) = material.base_color_texture {
-            let texture = &self.textures[used.texture];
-            let coordinates = if part.textured {
-                group.mix(|triangle| geometry.texture_coordinates_of(triangle))
-            } else {
-                [[0.0; LANES]; 2]
-            };
-            for lane in 0..LANES {
-                let color = texture::sample(texture, self.srgb, [coordinates[0][lane], coordinates[1][lane]]);
-                for c in 0..3 {
-                    albedo[c][lane] *= color[c];
-                }
-            }
-        }
-        if part.colored {
-            let colors = group.mix(|triangle| geometry.colors_of(triangle));
-            for c in 0..3 {
-                for lane in 0..LANES {
-                    albedo[c][lane] *= colors[c][lane];
-                }
-            }
-        }
-        albedo
-    }
-}
-
-/// Interpolated normals at unit length on the side of the ray; the geometric ones where they cancel out.
-#[inline(always)]
-fn smooth_normals(
-    geometry: &Geometry,
-    group: &Group,
-    side: &[f32; LANES],
-    geometric: &[[f32; LANES]; 3],
-) -> [[f32; LANES]; 3] {
-    let mut normal = group.mix(|triangle| geometry.normals_of(triangle));
-    for lane in 0..LANES {
-        let [x, y, z] = [normal[0][lane], normal[1][lane], normal[2][lane]];
-        let squared = x * x + y * y + z * z;
-        let unit = side[lane] / squared.sqrt();
-        for axis in 0..3 {
-            normal[axis][lane] = if squared > 1e-12 { normal[axis][lane] * unit } else { geometric[axis][lane] };
-        }
-    }
-    normal
-}
-
-/// The triangles of sixteen lanes and where on them the rays hit.
-struct Group<'a> {
-    triangles: [u32; LANES],
-    packet: &'a RayHits,
-}
-
-impl Group<'_> {
-    /// The same with every other lane looking at the triangle of lane `first`.
-    #[inline(always)]
-    fn only(&self, here: &[bool; LANES], first: usize) -> Self {
-        let some = self.triangles[first];
-        let mut triangles = [some; LANES];
-        for lane in 0..LANES {
-            triangles[lane] = if here[lane] { self.triangles[lane] } else { some };
-        }
-        Self { triangles, packet: self.packet }
-    }
-
-    /// A value of the three corners of every lane's triangle, weighted by where the ray hit.
-    #[inline(always)]
-    fn mix<const N: usize>(&self, corners: impl Fn(usize) -> [[f32; N]; 3]) -> [[f32; LANES]; N] {
-        let mut values = [[[0.0; LANES]; 3]; N];
-        for lane in 0..LANES {
-            let read = corners(self.triangles[lane] as usize);
-            for corner in 0..3 {
-                for k in 0..N {
-                    values[k][corner][lane] = read[corner][k];
-                }
-            }
-        }
-        let mut out = [[0.0; LANES]; N];
-        for k in 0..N {
-            for lane in 0..LANES {
-                let (v, w) = (self.packet.hits.u[lane], self.packet.hits.v[lane]);
-                out[k][lane] = values[k][0][lane] * (1.0 - v - w) + values[k][1][lane] * v + values[k][2][lane] * w;
+                out.start[axis][lane] = out.position[axis][lane] + out.geometric_normal[axis][lane] * offset;
             }
         }
         out

@@ -12,5 +12,7 @@ mod meshes;
 mod placed;
 #[path = "gltf_loading/support.rs"]
 mod support;
+#[path = "gltf_loading/surfaces.rs"]
+mod surfaces;
 #[path = "gltf_loading/validate.rs"]
 mod validate;

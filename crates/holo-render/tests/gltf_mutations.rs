@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 
 use holo_render::gltf::{Limits, is_guarding, load_slice, to_glb};
 use holo_render::scene::{
-    Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Texture, TextureUse, Transform, Wrap,
+    Alpha, Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene, Texture, TextureTransform,
+    TextureUse, Transform, Volume, Wrap,
 };
 use serde_json::{Value, json};
 
@@ -38,6 +39,29 @@ impl Random {
     }
 }
 
+/// Materials that use every feature the loader has.
+fn surfaces() -> Value {
+    json!([
+        { "name": "a", "pbrMetallicRoughness": { "metallicFactor": 0, "baseColorTexture": { "index": 0, "texCoord": 0 } } },
+        { "name": "b", "alphaMode": "MASK", "alphaCutoff": 0.25, "doubleSided": true,
+          "pbrMetallicRoughness": { "baseColorFactor": [0.1, 0.2, 0.3, 1], "baseColorTexture": { "index": 1 },
+            "roughnessFactor": 0.5, "metallicRoughnessTexture": { "index": 0, "texCoord": 3 } },
+          "normalTexture": { "index": 1, "scale": 0.5, "texCoord": 3 }, "occlusionTexture": { "index": 1 },
+          "emissiveFactor": [0, 0.5, 1], "emissiveTexture": { "index": 0,
+            "extensions": { "KHR_texture_transform": { "offset": [0.5, 0.25], "rotation": 0.75, "scale": [2, 3] } } },
+          "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 5 }, "KHR_materials_specular": {
+            "specularFactor": 0.5, "specularTexture": { "index": 0 }, "specularColorFactor": [1, 0.5, 1.5],
+            "specularColorTexture": { "index": 1 } } } },
+        { "name": "c", "alphaMode": "BLEND", "pbrMetallicRoughness": { "metallicFactor": 0, "roughnessFactor": 0 },
+          "extensions": { "KHR_materials_ior": { "ior": 1.33 }, "KHR_materials_transmission": {
+            "transmissionFactor": 0.9, "transmissionTexture": { "index": 0,
+              "extensions": { "KHR_texture_transform": { "texCoord": 1 } } } },
+            "KHR_materials_volume": { "thicknessFactor": 1, "thicknessTexture": { "index": 1 },
+              "attenuationDistance": 0.5, "attenuationColor": [0.9, 0.5, 0] } } },
+        { "name": "d", "extensions": { "KHR_materials_unlit": {} } },
+    ])
+}
+
 /// A file that uses every feature the loader has.
 fn everything() -> support::File {
     let mut file = support::File::new();
@@ -47,6 +71,7 @@ fn everything() -> support::File {
     file.json["accessors"][coordinates]["normalized"] = json!(true);
     let colors = file.accessor(&[200; 16], 5121, "VEC4", 4);
     file.json["accessors"][colors]["normalized"] = json!(true);
+    let second = file.floats(&[[0.5_f32, 0.0], [0.0, 0.5], [1.0, 0.25], [0.25, 1.0]]);
     let indices = file.indices_u16(&[0, 1, 2, 2, 1, 3]);
     let bytes = file.accessor(&[0, 1, 2, 3, 0, 0, 0, 0], 5121, "SCALAR", 4);
     let sparse_indices = file.view(&[1, 3]);
@@ -68,22 +93,19 @@ fn everything() -> support::File {
     file.json["images"] = json!([{ "bufferView": png }, { "bufferView": jpeg, "mimeType": "image/jpeg" }]);
     file.json["samplers"] = json!([{ "wrapS": 33071, "wrapT": 33648, "magFilter": 9729 }]);
     file.json["textures"] = json!([{ "source": 0, "sampler": 0 }, { "source": 1, "name": "t" }]);
-    file.json["materials"] = json!([
-        { "name": "a", "pbrMetallicRoughness": { "metallicFactor": 0, "baseColorTexture": { "index": 0, "texCoord": 0 } } },
-        { "name": "b", "pbrMetallicRoughness": { "baseColorFactor": [0.1, 0.2, 0.3, 1], "baseColorTexture": { "index": 1 } },
-          "extensions": { "KHR_materials_specular": { "specularFactor": 0 } }, "emissiveFactor": [0, 0, 1] },
-    ]);
+    file.json["materials"] = surfaces();
     file.json["meshes"] = json!([
         { "name": "m", "primitives": [
-            { "attributes": { "POSITION": positions, "NORMAL": normals, "TEXCOORD_0": coordinates, "COLOR_0": colors },
+            { "attributes": { "POSITION": positions, "NORMAL": normals, "TEXCOORD_0": coordinates, "TEXCOORD_1": second, "COLOR_0": colors },
               "indices": indices, "material": 0 },
-            { "attributes": { "POSITION": sparse }, "mode": 5, "material": 1 } ] },
+            { "attributes": { "POSITION": sparse, "TEXCOORD_3": coordinates }, "mode": 5, "material": 1 },
+            { "attributes": { "POSITION": positions, "TEXCOORD_1": second }, "material": 2, "indices": indices } ] },
         { "primitives": [{ "attributes": { "POSITION": strided }, "indices": bytes, "mode": 6 }] },
     ]);
     file.json["extensionsUsed"] = json!(["KHR_lights_punctual", "KHR_materials_specular"]);
-    file.json["extensionsRequired"] = json!(["KHR_lights_punctual"]);
+    file.json["extensionsRequired"] = json!(["KHR_lights_punctual", "KHR_materials_volume", "KHR_texture_transform"]);
     file.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
-        { "type": "directional", "color": [1, 0.5, 0.25], "intensity": 3 },
+        { "type": "directional", "color": [1, 0.5, 0.25], "intensity": 3, "extras": { "angular_diameter_rad": 0.0093 } },
         { "type": "spot", "range": 5, "spot": { "innerConeAngle": 0.1, "outerConeAngle": 0.4 } } ] } });
     file.json["cameras"] = json!([
         { "type": "perspective", "perspective": { "yfov": 0.6, "aspectRatio": 1.5, "znear": 0.1, "zfar": 100 } },
@@ -108,22 +130,39 @@ fn written() -> Vec<u8> {
         positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
         normals: vec![[0.0, 0.0, 1.0]; 4],
         texture_coordinates: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        second_coordinates: vec![[0.5, 0.0], [0.0, 0.5], [1.0, 1.0], [0.0, 1.0]],
         colors: vec![[1.0, 0.5, 0.25, 1.0]; 4],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..Mesh::default()
     };
     let texels = (0..16).map(|k| [k * 16, 255 - k, 7, 255]).collect();
     let texture = Texture { name: "t".into(), width: 4, height: 4, texels, wrap_u: Wrap::Mirror, wrap_v: Wrap::Clamp };
+    let transform = TextureTransform { offset: [0.1, 0.2], rotation_rad: 0.3, scale: [4.0, 5.0] };
+    let moved = TextureUse { texture: 0, set: 1, transform };
+    let material = Material {
+        base_color_texture: Some(TextureUse::new(0)),
+        metallic: 0.25,
+        roughness: 0.5,
+        normal_map: Some(NormalMap { texture: moved, scale: 0.7 }),
+        emission: [7.0, 0.1, 0.0],
+        alpha: Alpha::Mask(0.3),
+        ior: 1.6,
+        transmission: 0.5,
+        transmission_texture: Some(moved),
+        volume: Some(Volume { attenuation_distance_m: 0.1, attenuation_color: [0.9, 0.8, 0.7] }),
+        unlit: true,
+        ..Material::default()
+    };
     let pose = Transform::look_at([1.0, 2.0, 3.0], [0.0; 3], [0.0, 1.0, 0.0]);
     let scene = Scene {
         meshes: vec![mesh],
         instances: vec![Instance { name: "i".into(), mesh: 0, transform: pose }],
-        materials: vec![Material { base_color_texture: Some(TextureUse::new(0)), ..Material::default() }],
+        materials: vec![material],
         textures: vec![texture],
         lights: vec![Light {
             name: "l".into(),
             intensity: [1.0, 2.0, 3.0],
-            kind: LightKind::Directional { direction: [0.0, -0.6, -0.8], angular_diameter_rad: 0.0 },
+            kind: LightKind::Directional { direction: [0.0, -0.6, -0.8], angular_diameter_rad: 0.01 },
         }],
         cameras: vec![Camera {
             name: "c".into(),

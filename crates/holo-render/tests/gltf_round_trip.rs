@@ -2,7 +2,8 @@
 
 use holo_render::gltf::{Limits, load_slice, to_glb};
 use holo_render::scene::{
-    Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Texture, TextureUse, Transform, Wrap,
+    Alpha, Camera, CameraLens, Environment, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene, Texture,
+    TextureTransform, TextureUse, Transform, Volume, Wrap,
 };
 use proptest::collection::vec;
 use proptest::option;
@@ -61,18 +62,18 @@ fn mesh(materials: usize) -> impl Strategy<Value = Mesh> {
         (
             (name(), vec([float(), float(), float()], n), vec([0..n as u32, 0..n as u32, 0..n as u32], 1..6)),
             any::<bool>().prop_flat_map(move |on| vec(normal(), optional(on))),
-            any::<bool>().prop_flat_map(move |on| vec([float(), float()], optional(on))),
+            any::<[bool; 2]>().prop_flat_map(move |on| on.map(|on| vec([float(), float()], optional(on)))),
             any::<bool>().prop_flat_map(move |on| {
                 vec([0.0_f32..=1.0, 0.0_f32..=1.0, 0.0_f32..=1.0, 0.0_f32..=1.0], optional(on))
             }),
             0..materials,
         )
-            .prop_map(|((name, positions, triangles), normals, texture_coordinates, colors, material)| Mesh {
+            .prop_map(|((name, positions, triangles), normals, coordinates, colors, material)| Mesh {
                 name,
                 positions,
                 normals,
-                texture_coordinates,
-                second_coordinates: vec![],
+                texture_coordinates: coordinates[0].clone(),
+                second_coordinates: coordinates[1].clone(),
                 colors,
                 triangles,
                 material,
@@ -91,24 +92,82 @@ fn texture() -> impl Strategy<Value = Texture> {
     })
 }
 
+/// Both ends, and all that lies between.
+fn share() -> impl Strategy<Value = f32> {
+    prop_oneof![Just(0.0_f32), Just(1.0_f32), 0.0_f32..=1.0, Just(1e-45_f32), Just(0.1_f32)]
+}
+
+/// Anything from 0 to the strongest light.
+fn strength() -> impl Strategy<Value = f32> {
+    prop_oneof![share(), 0.0_f32..1e4, Just(1e30_f32), Just(683.1_f32), Just(f32::MIN_POSITIVE)]
+}
+
+fn texture_use(textures: usize) -> impl Strategy<Value = Option<TextureUse>> + Clone {
+    if textures == 0 {
+        return Just(None).boxed();
+    }
+    let transform = ([float(), float()], float(), [float(), float()])
+        .prop_map(|(offset, rotation_rad, scale)| TextureTransform { offset, rotation_rad, scale });
+    let transform = prop_oneof![Just(TextureTransform::IDENTITY), transform];
+    let used = (0..textures, 0..2_usize, transform);
+    option::of(used.prop_map(|(texture, set, transform)| TextureUse { texture, set, transform })).boxed()
+}
+
 fn material(textures: usize) -> impl Strategy<Value = Material> {
-    let texture =
-        if textures > 0 { option::of((0..textures).prop_map(TextureUse::new)).boxed() } else { Just(None).boxed() };
-    (name(), [0.0_f32..=1.0, 0.0_f32..=1.0, 0.0_f32..=1.0, 0.0_f32..=1.0], texture).prop_map(
-        |(name, base_color, base_color_texture)| Material {
-            name,
-            base_color,
-            base_color_texture,
-            ..Material::default()
-        },
+    let used = texture_use(textures);
+    let uses = [used.clone(), used.clone(), used.clone(), used.clone(), used.clone(), used.clone(), used];
+    let alpha = prop_oneof![
+        Just(Alpha::Opaque),
+        Just(Alpha::Blend),
+        prop_oneof![share(), 0.0_f32..9.0, Just(0.5_f32), Just(f32::MAX)].prop_map(Alpha::Mask)
+    ];
+    let distance = prop_oneof![Just(f32::INFINITY), Just(1e-45_f32), Just(f32::MAX), 1e-3_f32..1e3];
+    let left = || prop_oneof![Just(1.0_f32), Just(f32::MIN_POSITIVE), 0.01_f32..=1.0];
+    let volume = option::of(
+        (distance, [left(), left(), left()])
+            .prop_map(|(distance, attenuation_color)| Volume { attenuation_distance_m: distance, attenuation_color }),
+    );
+    let color = || prop_oneof![Just([1.0_f32; 3]), Just([0.0_f32; 3]), [strength(), strength(), strength()]];
+    let ior = prop_oneof![Just(1.5_f32), Just(1.0_f32), Just(1000.0_f32), 1.0_f32..3.0];
+    (
+        (name(), [share(), share(), share(), share()], uses, float()),
+        (share(), share(), share(), share()),
+        (color(), color(), alpha, ior, volume, any::<[bool; 2]>()),
     )
+        .prop_map(|((name, base_color, uses, scale), shares, others)| {
+            let (metallic, roughness, specular, transmission) = shares;
+            let (emission, specular_color, alpha, ior, volume, [double_sided, unlit]) = others;
+            Material {
+                name,
+                base_color,
+                base_color_texture: uses[0],
+                metallic,
+                roughness,
+                metallic_roughness_texture: uses[1],
+                normal_map: uses[2].map(|texture| NormalMap { texture, scale }),
+                emission,
+                emission_texture: uses[3],
+                alpha,
+                double_sided,
+                specular,
+                specular_texture: uses[4],
+                specular_color,
+                specular_color_texture: uses[5],
+                ior,
+                transmission,
+                transmission_texture: uses[6],
+                volume,
+                unlit,
+            }
+        })
 }
 
 fn light() -> impl Strategy<Value = Light> {
     let positive = || prop_oneof![0.0..1e4_f64, Just(0.0), Just(1e-300), Just(1e29), Just(683.0), Just(0.1)];
     let range = || option::of(1e-3..1e3_f64);
     let kind = prop_oneof![
-        unit().prop_map(|direction| LightKind::Directional { direction, angular_diameter_rad: 0.0 }),
+        (unit(), prop_oneof![Just(0.0), Just(std::f64::consts::PI), 0.0..0.1])
+            .prop_map(|(direction, angular_diameter_rad)| LightKind::Directional { direction, angular_diameter_rad }),
         (vector(), range()).prop_map(|(position, range)| LightKind::Point { position, range }),
         (vector(), unit(), range(), 0.0..=1.0_f64, 0.01..=std::f64::consts::FRAC_PI_2).prop_map(
             |(position, direction, range, share, outer)| LightKind::Spot {
@@ -218,6 +277,44 @@ fn an_empty_scene_comes_back() {
     assert!(
         bytes.len().is_multiple_of(4) && loaded.summary.generator.is_some_and(|name| name.starts_with("holo-render "))
     );
+}
+
+/// What other readers see of a plain surface: no extension beyond the one that says "no gloss".
+#[test]
+fn plain_materials_are_written_plainly() {
+    let json = |material: Material| {
+        let bytes = to_glb(&Scene { materials: vec![material], ..Scene::default() }).unwrap();
+        let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+        serde_json::from_slice::<serde_json::Value>(&bytes[20..20 + length]).unwrap()
+    };
+    let file = json(Material::default());
+    assert_eq!(file["extensionsUsed"], serde_json::json!(["KHR_materials_specular"]));
+    let expected = serde_json::json!({
+        "pbrMetallicRoughness":
+            { "baseColorFactor": [1.0, 1.0, 1.0, 1.0], "metallicFactor": 0.0, "roughnessFactor": 1.0 },
+        "doubleSided": true,
+        "extensions": { "KHR_materials_specular": { "specularFactor": 0.0 } },
+    });
+    assert_eq!(file["materials"][0], expected);
+    // Gloss as the specification has it by default needs no extension at all.
+    let file = json(Material { specular: 1.0, emission: [1.0, 0.5, 0.0], ..Material::default() });
+    assert_eq!(file.get("extensionsUsed"), None);
+    // Factors stay within 0..1; the strength is a power of two, so that nothing is rounded.
+    let file = json(Material { emission: [5.1, 0.1, 0.0], ..Material::default() });
+    assert_eq!(file["materials"][0]["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"], 8.0);
+    assert_eq!(file["materials"][0]["emissiveFactor"][0], f64::from(5.1_f32) / 8.0);
+    assert_eq!(
+        file["extensionsUsed"],
+        serde_json::json!(["KHR_materials_emissive_strength", "KHR_materials_specular"])
+    );
+}
+
+/// glTF has no word for what surrounds a scene.
+#[test]
+fn the_environment_is_left_out() {
+    let environment = Some(Environment { radiance: ndarray::Array3::ones((1, 2, 3)) });
+    let bytes = to_glb(&Scene { environment, ..Scene::default() }).unwrap();
+    assert_eq!(bytes, to_glb(&Scene::default()).unwrap());
 }
 
 #[test]

@@ -110,18 +110,22 @@ fn request(options: &RenderOptions, prepared: &Prepared) -> Request {
         IntegratorArgument::Auto => Integrator::Auto,
         IntegratorArgument::Depth => Integrator::Depth,
         IntegratorArgument::Direct => Integrator::Direct,
+        IntegratorArgument::Path => Integrator::Path,
     };
     let samples = options.spp.unwrap_or(if integrator == Integrator::Depth { 1 } else { 16 });
     Request {
-        rig: prepared.rig,
         integrator,
         samples,
         seed: options.seed,
         sky: options.sky.0,
+        max_bounces: options.max_bounces,
+        roulette: !options.no_roulette,
+        indirect: !options.no_indirect,
         ground_truth: match options.ground_truth {
             GroundTruthArgument::Central => GroundTruth::Central,
             GroundTruthArgument::All => GroundTruth::All,
         },
+        ..Request::new(prepared.rig)
     }
 }
 

@@ -52,7 +52,7 @@ impl BruteForce {
 }
 
 impl Engine for BruteForce {
-    fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits) {
+    fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits, _: Coherence) {
         for lane in (0..LANES).filter(|&lane| valid.0[lane] != 0) {
             packet.hits.triangle[lane] = NO_TRIANGLE;
             if let Some(hit) = self.nearest(&packet.rays, lane) {

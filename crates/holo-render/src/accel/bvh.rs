@@ -112,7 +112,7 @@ struct TreeRay {
 }
 
 impl Engine for Bvh {
-    fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits) {
+    fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits, _: Coherence) {
         for lane in (0..LANES).filter(|&lane| valid.0[lane] != 0) {
             packet.hits.triangle[lane] = NO_TRIANGLE;
             let Some(tree) = &self.tree else { continue };

@@ -287,8 +287,8 @@ impl Drop for Embree {
 
 impl Engine for Embree {
     #[inline]
-    fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits) {
-        let arguments = QueryArguments::new(Coherence::Coherent);
+    fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits, coherence: Coherence) {
+        let arguments = QueryArguments::new(coherence);
         // SAFETY: the scene is committed; `valid` and `packet` have the size and alignment of Embree's types.
         unsafe {
             let packet: *mut RayHits = packet;
@@ -370,7 +370,7 @@ mod tests {
                 packet.inner.rays.direction[0][lane] = lane as f32 * 0.02 - 0.15;
             }
             shadow.inner.direction = packet.inner.rays.direction;
-            engine.intersect(&valid, &mut packet.inner);
+            engine.intersect(&valid, &mut packet.inner, Coherence::Coherent);
             engine.occluded(&valid, &mut shadow.inner, coherence);
             assert!(packet.inner.hits.triangle.iter().any(|&k| k != NO_TRIANGLE), "the rays must hit something");
             assert!(shadow.inner.far.contains(&f32::NEG_INFINITY), "the shadow rays must hit something");

@@ -82,8 +82,8 @@ fn engines_agree_on_random_triangles() {
             let coherence = if round % 2 == 0 { Coherence::Coherent } else { Coherence::Incoherent };
             let rays = random_packet(&mut state);
             let (mut expected, mut got) = (rays, rays);
-            oracle.intersect(&valid, &mut expected);
-            engine.intersect(&valid, &mut got);
+            oracle.intersect(&valid, &mut expected, Coherence::Coherent);
+            engine.intersect(&valid, &mut got, Coherence::Coherent);
             let (mut dark, mut also_dark) = (rays.rays, rays.rays);
             oracle.occluded(&valid, &mut dark, Coherence::Incoherent);
             engine.occluded(&valid, &mut also_dark, coherence);
@@ -134,7 +134,7 @@ fn no_ray_leaves_a_closed_box() {
                     packet.rays.direction[axis][lane] = target[axis] - packet.rays.origin[axis][lane];
                 }
             }
-            engine.intersect(&Lanes([-1; LANES]), &mut packet);
+            engine.intersect(&Lanes([-1; LANES]), &mut packet, Coherence::Coherent);
             assert!(!packet.hits.triangle.contains(&NO_TRIANGLE), "{} leaks in round {round}", engine.name());
         }
     }
@@ -146,7 +146,7 @@ fn an_empty_scene_is_hit_by_nothing() {
     let oracle: Box<dyn Engine> = Box::new(brute_force::BruteForce::build(&geometry));
     for engine in engines(&geometry).into_iter().chain([oracle]) {
         let mut packet = RayHits::EMPTY;
-        engine.intersect(&Lanes([-1; LANES]), &mut packet);
+        engine.intersect(&Lanes([-1; LANES]), &mut packet, Coherence::Coherent);
         assert_eq!(packet.hits.triangle, [NO_TRIANGLE; LANES]);
         engine.occluded(&Lanes([-1; LANES]), &mut packet.rays, Coherence::Coherent);
         assert_eq!(packet.rays.far, [f32::INFINITY; LANES]);

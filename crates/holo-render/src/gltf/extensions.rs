@@ -10,13 +10,19 @@ use super::warnings::Warnings;
 use crate::Error;
 
 pub(super) const LIGHTS: &str = "KHR_lights_punctual";
+pub(super) const EMISSIVE_STRENGTH: &str = "KHR_materials_emissive_strength";
+pub(super) const IOR: &str = "KHR_materials_ior";
 pub(super) const SPECULAR: &str = "KHR_materials_specular";
+pub(super) const TRANSMISSION: &str = "KHR_materials_transmission";
+pub(super) const UNLIT: &str = "KHR_materials_unlit";
+pub(super) const VOLUME: &str = "KHR_materials_volume";
+pub(super) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 pub(super) const MESHOPT: &str = "EXT_meshopt_compression";
 
-/// The extensions that a file may require. `KHR_materials_specular` is among them because a `specularFactor` of 0 is how
-/// a file says "Lambertian" exactly; other factors are warned about material by material.
-pub(super) const HANDLED: &[&str] = &[LIGHTS, SPECULAR];
+/// The extensions that a file may require.
+pub(super) const HANDLED: &[&str] =
+    &[LIGHTS, EMISSIVE_STRENGTH, IOR, SPECULAR, TRANSMISSION, UNLIT, VOLUME, TEXTURE_TRANSFORM];
 
 /// The extensions of a file, sorted, each once.
 pub(super) struct Extensions {
@@ -58,13 +64,13 @@ pub(super) fn check(file: &Value, root: &Object<'_>, warnings: &mut Warnings) ->
             warnings.note(&format!("{}: {text}", names.join(", ")), String::new);
         }
     };
-    warn(materials, "used but not modelled: surfaces are shaded as Lambertian");
+    warn(materials, "used but not modelled: surfaces are drawn without");
     warn(others, "used but not handled: ignored");
     Ok(Extensions { used: used.into_iter().collect(), required: required.into_iter().collect() })
 }
 
 /// Gathers the keys of every `extensions` object. The parser limits the depth, so recursion is safe.
-fn find(value: &Value, names: &mut BTreeSet<String>) {
+pub(super) fn find(value: &Value, names: &mut BTreeSet<String>) {
     match value {
         Value::Array(list) => list.iter().for_each(|value| find(value, names)),
         Value::Object(map) => {

@@ -1,5 +1,7 @@
 //! Typed access to untrusted JSON: every wrong type, range or index becomes an error that names its JSON path.
 
+use std::ops::RangeInclusive;
+
 use serde_json::{Map, Value};
 
 use crate::Error;
@@ -133,6 +135,31 @@ impl<'a> Object<'a> {
         value.as_f64().map(Some).ok_or_else(|| bad(self.at(key), "must be a number"))
     }
 
+    /// A number within a range, in single precision.
+    pub(super) fn within(&self, key: &str, range: RangeInclusive<f32>) -> Result<Option<f32>, Error> {
+        let Some(x) = self.number(key)? else { return Ok(None) };
+        single(x, &range).map(Some).ok_or_else(|| bad(self.at(key), outside(&x, &range)))
+    }
+
+    /// Exactly `N` numbers within a range, in single precision.
+    pub(super) fn all_within<const N: usize>(
+        &self,
+        key: &str,
+        range: RangeInclusive<f32>,
+    ) -> Result<Option<[f32; N]>, Error> {
+        let Some(numbers) = self.numbers::<N>(key)? else { return Ok(None) };
+        let mut singles = [0.0; N];
+        for (out, x) in singles.iter_mut().zip(numbers) {
+            *out = single(x, &range).ok_or_else(|| bad(self.at(key), outside(&numbers, &range)))?;
+        }
+        Ok(Some(singles))
+    }
+
+    /// What the program that wrote the file added for itself. It may be anything; what is no object is passed over.
+    pub(super) fn extras(&self) -> Result<Option<Object<'a>>, Error> {
+        if matches!(self.map.get("extras"), Some(Value::Object(_))) { self.object("extras") } else { Ok(None) }
+    }
+
     /// Exactly `N` numbers.
     pub(super) fn numbers<const N: usize>(&self, key: &str) -> Result<Option<[f64; N]>, Error> {
         if !self.has(key) {
@@ -148,6 +175,16 @@ impl<'a> Object<'a> {
         }
         Ok(Some(numbers))
     }
+}
+
+/// Rounding keeps the order of numbers, so what lies within the range still does when it is single.
+fn single(x: f64, range: &RangeInclusive<f32>) -> Option<f32> {
+    (f64::from(*range.start())..=f64::from(*range.end())).contains(&x).then_some(x as f32)
+}
+
+fn outside(is: &dyn std::fmt::Debug, range: &RangeInclusive<f32>) -> String {
+    let bound = |x: f32| if x.abs() > 1e6 { format!("{x:e}") } else { x.to_string() };
+    format!("is {is:?}; it must lie between {} and {}", bound(*range.start()), bound(*range.end()))
 }
 
 fn unsigned(value: &Value) -> Option<u64> {

@@ -6,7 +6,7 @@ use super::Limits;
 use super::accessors::{Checker, Handle, Use};
 use super::extensions::DRACO;
 use super::json::{Object, bad, unsupported};
-use super::materials::Materials;
+use super::materials::{CoordinateSets, Materials};
 use super::net;
 use super::values::Values;
 use super::warnings::Warnings;
@@ -47,7 +47,7 @@ struct Plan {
     material: usize,
     positions: Handle,
     normals: Option<Handle>,
-    coordinates: Option<Handle>,
+    coordinates: [Option<Handle>; 2],
     colors: Option<Handle>,
     indices: Option<Handle>,
 }
@@ -75,11 +75,8 @@ pub(super) fn load(
                 None => *default_material.get_or_insert_with(|| materials.default_material()),
             };
             let name = if primitives.len() > 1 && !name.is_empty() { format!("{name}[{k}]") } else { name.to_owned() };
-            let set = materials.coordinate_set[material];
-            let textured = materials.materials[material].base_color_texture.is_some();
-            let Some(plan) = plan(primitive, &mut accessors, (name, mode, material), (set, textured), warnings)? else {
-                continue;
-            };
+            let sets = &materials.coordinate_sets[material];
+            let Some(plan) = plan(primitive, &mut accessors, (name, mode, material), sets, warnings)? else { continue };
             vertices += plan.positions.count as u64;
             triangles += plan.mode.triangles(plan.indices.unwrap_or(plan.positions).count) as u64;
             // Many primitives may share one accessor, so a small file can ask for more memory than it has bytes.
@@ -119,7 +116,7 @@ fn plan(
     primitive: &Object<'_>,
     accessors: &mut Checker<'_>,
     (name, mode, material): (String, Mode, usize),
-    (set, textured): (u64, bool),
+    sets: &CoordinateSets,
     warnings: &mut Warnings,
 ) -> Result<Option<Plan>, Error> {
     let attributes = primitive.object("attributes")?.ok_or_else(|| primitive.missing("attributes"))?;
@@ -137,17 +134,21 @@ fn plan(
         return Ok(None);
     };
     let normals = handle(&attributes, "NORMAL", Use::Vectors)?;
-    let coordinates = handle(&attributes, &format!("TEXCOORD_{set}"), Use::TextureCoordinates)?;
+    let mut coordinates = [None; 2];
+    for (coordinates, set) in coordinates.iter_mut().zip(sets.numbers) {
+        *coordinates = handle(&attributes, &format!("TEXCOORD_{set}"), Use::TextureCoordinates)?;
+    }
     let colors = handle(&attributes, "COLOR_0", Use::Colors)?;
     let indices = handle(primitive, "indices", Use::Indices)?;
-    for (key, attribute) in [("NORMAL", normals), ("TEXCOORD", coordinates), ("COLOR_0", colors)] {
+    let [first, second] = coordinates;
+    for (key, attribute) in [("NORMAL", normals), ("TEXCOORD", first), ("TEXCOORD", second), ("COLOR_0", colors)] {
         if let Some(attribute) = attribute.filter(|attribute| attribute.count != positions.count) {
             let what = format!("{key} has {} elements, POSITION has {}", attribute.count, positions.count);
             return Err(bad(attributes.path(), what));
         }
     }
     let at = || primitive.path().to_owned();
-    if textured && coordinates.is_none() {
+    if coordinates.iter().zip(sets.wanted).any(|(coordinates, wanted)| wanted && coordinates.is_none()) {
         warnings.note("the material has a texture, the primitive no coordinates for it: its first texel is used", at);
     }
     if !primitive.list("targets")?.is_empty() {
@@ -173,11 +174,13 @@ impl Plan {
                 warnings.note("normals of length zero were replaced by those of the faces around", || self.at.clone());
             }
         }
-        let coordinates = self.coordinates.map(|handle| values.texture_coordinates(handle)).transpose()?;
-        let texture_coordinates = coordinates.unwrap_or_default();
-        if let Some(handle) = self.coordinates {
-            self.check_finite(&texture_coordinates, handle, "TEXCOORD")?;
+        let mut coordinates = [Vec::new(), Vec::new()];
+        for (coordinates, handle) in coordinates.iter_mut().zip(self.coordinates) {
+            let Some(handle) = handle else { continue };
+            *coordinates = values.texture_coordinates(handle)?;
+            self.check_finite(coordinates, handle, "TEXCOORD")?;
         }
+        let [texture_coordinates, second_coordinates] = coordinates;
         let mut colors = self.colors.map(|handle| values.colors(handle)).transpose()?.unwrap_or_default();
         if let Some(handle) = self.colors {
             self.check_finite(&colors, handle, "COLOR_0")?;
@@ -185,7 +188,6 @@ impl Plan {
             colors.iter_mut().flatten().for_each(|c| *c = c.clamp(0.0, 1.0));
         }
         let (name, material) = (self.name.clone(), self.material);
-        let second_coordinates = Vec::new();
         Ok((
             Mesh { name, positions, normals, texture_coordinates, second_coordinates, colors, triangles, material },
             warnings,

@@ -16,6 +16,9 @@ const EXACT_FRAME: f64 = 1e-12;
 /// Single-precision exporters write a right angle a little too large.
 const ANGLE_SLACK: f64 = 1e-6;
 
+/// In the extras of a directional light: the apparent diameter of its disc, rad.
+pub(super) const ANGULAR_DIAMETER: &str = "angular_diameter_rad";
+
 /// Everything that nodes place, in the order of the nodes in the file.
 #[derive(Default)]
 pub(super) struct Placed {
@@ -33,7 +36,7 @@ struct LightSource {
 
 #[derive(Clone, Copy)]
 enum Shape {
-    Directional,
+    Directional { diameter: f64 },
     Point { range: Option<f64> },
     Spot { range: Option<f64>, inner: f64, outer: f64 },
 }
@@ -133,7 +136,7 @@ fn lights(root: &Object<'_>) -> Result<Vec<LightSource>, Error> {
             range => range,
         };
         let shape = match light.string("type")?.ok_or_else(|| light.missing("type"))? {
-            "directional" => Shape::Directional,
+            "directional" => Shape::Directional { diameter: angular_diameter(&light)? },
             "point" => Shape::Point { range },
             "spot" => {
                 let spot = light.object("spot")?;
@@ -158,6 +161,17 @@ fn lights(root: &Object<'_>) -> Result<Vec<LightSource>, Error> {
     extension.objects("lights")?.into_iter().map(read).collect()
 }
 
+/// How large the disc of a directional light appears. glTF has no word for it, so it lies in the extras of the light.
+fn angular_diameter(light: &Object<'_>) -> Result<f64, Error> {
+    let Some(extras) = light.extras()? else { return Ok(0.0) };
+    match extras.number(ANGULAR_DIAMETER)? {
+        Some(angle) if !(0.0..=PI).contains(&angle) => {
+            Err(bad(extras.at(ANGULAR_DIAMETER), format!("is {angle}; it must lie between 0 and pi")))
+        }
+        angle => Ok(angle.unwrap_or(0.0)),
+    }
+}
+
 /// A light in the world; `None` where its node leaves it no direction.
 fn place(source: &LightSource, node_name: &str, world: &Transform) -> Option<Light> {
     let direction = || {
@@ -167,7 +181,9 @@ fn place(source: &LightSource, node_name: &str, world: &Transform) -> Option<Lig
     };
     let position = world.translation;
     let kind = match source.shape {
-        Shape::Directional => LightKind::Directional { direction: direction()?, angular_diameter_rad: 0.0 },
+        Shape::Directional { diameter } => {
+            LightKind::Directional { direction: direction()?, angular_diameter_rad: diameter }
+        }
         Shape::Point { range } => LightKind::Point { position, range },
         Shape::Spot { range, inner, outer } => {
             LightKind::Spot { position, direction: direction()?, range, inner_angle_rad: inner, outer_angle_rad: outer }

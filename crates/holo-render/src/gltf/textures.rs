@@ -1,7 +1,7 @@
 //! Images and samplers: PNG and JPEG, embedded or in files, decoded to 8 bits a channel.
 //!
-//! 16-bit sources are rounded to 8 bits, because [`Texture`] keeps sRGB bytes. Colour profiles and gamma chunks are
-//! ignored, as glTF asks.
+//! 16-bit sources are rounded to 8 bits, because [`Texture`] keeps bytes. Colour profiles and gamma chunks are ignored, as
+//! glTF asks.
 
 use std::borrow::Cow;
 use std::io::Cursor;
@@ -52,7 +52,7 @@ pub(super) fn load(
     for (k, texture) in root.objects("textures")?.iter().enumerate().filter(|&(k, _)| needed.get(k) == Some(&true)) {
         let Some(image) = texture.index("source", "images", images.len())? else {
             // An extension holds the image (KTX2, WebP) or there is none; the standard allows drawing without.
-            warnings.note("the texture has no PNG or JPEG image: drawn white", || texture.path().to_owned());
+            warnings.note("the texture has no PNG or JPEG image: drawn without it", || texture.path().to_owned());
             continue;
         };
         let name = match texture.name()? {

@@ -1,12 +1,17 @@
 //! Scenes built in code as `.glb` files.
 
+mod materials;
+
+use std::collections::BTreeSet;
+
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 use serde_json::{Map, Value, json};
 
-use super::extensions::{LIGHTS, SPECULAR};
+use super::extensions::{self, LIGHTS};
+use super::placed::ANGULAR_DIAMETER;
 use crate::Error;
-use crate::scene::{Camera, CameraLens, Light, LightKind, Material, Mesh, Scene, Texture, Transform, Wrap};
+use crate::scene::{Camera, CameraLens, Light, LightKind, Mesh, Scene, Texture, Transform, Wrap};
 
 /// glTF wants a near plane; nothing is clipped when a scene is loaded here.
 const NEAR_PLANE_M: f64 = 0.01;
@@ -16,12 +21,16 @@ const FAR_PLANE_M: f64 = 1e6;
 ///
 /// Instances, lights and cameras become nodes; a node that is not merely shifted has a `matrix` (a transform that shears
 /// is written all the same, although glTF asks for matrices without shear). Numbers keep all their digits, textures are
-/// PNG. Materials are written so that other renderers see exactly a Lambertian surface: no metal, full roughness, a
-/// `specularFactor` of 0.
+/// PNG. Materials take whatever extensions they need: a Lambertian surface has a `specularFactor` of 0, so that other
+/// renderers see it as one; a body of glass has a `thicknessFactor` of 1, which says that it is no thin pane and is
+/// otherwise not ours to know; emission is split into a factor and a power of two. The apparent diameter of a directional
+/// light goes into `extras.angular_diameter_rad` of the light. glTF has no place for [`Scene::environment`]: it is left
+/// out.
 ///
 /// # Accuracy
-/// `load_slice(to_glb(scene))` gives an equal scene. Light directions and camera axes come back bit by bit where their
-/// squared lengths and products are within 1e-12 of what they should be, else normalised (a change below 2e-6).
+/// `load_slice(to_glb(scene))` gives an equal scene, but for the environment. Light directions and camera axes come back
+/// bit by bit where their squared lengths and products are within 1e-12 of what they should be, else normalised (a change
+/// below 2e-6).
 ///
 /// # Errors
 /// A scene that does not pass [`Scene::validate`]; a mesh without triangles, which glTF cannot hold; more than 4 GiB.
@@ -45,14 +54,13 @@ pub fn to_glb(scene: &Scene) -> Result<Vec<u8>, Error> {
         });
         textures.push(named(&texture.name, json!({ "source": source, "sampler": number })));
     }
-    let mut used = Vec::new();
+    let materials: Vec<Value> = scene.materials.iter().map(materials::material).collect();
+    let mut used = BTreeSet::new();
+    materials.iter().for_each(|material| extensions::find(material, &mut used));
     if !scene.lights.is_empty() {
-        used.push(LIGHTS.into());
+        used.insert(LIGHTS.to_owned());
         let lights: Vec<Value> = scene.lights.iter().map(light).collect();
         root.insert("extensions".into(), json!({ LIGHTS: { "lights": lights } }));
-    }
-    if !scene.materials.is_empty() {
-        used.push(SPECULAR.into());
     }
     let nodes = nodes(scene);
     let all_nodes: Vec<Value> = (0..nodes.len()).map(Value::from).collect();
@@ -61,11 +69,11 @@ pub fn to_glb(scene: &Scene) -> Result<Vec<u8>, Error> {
     root.insert("scene".into(), json!(0));
     let buffers = if body.bytes.is_empty() { Vec::new() } else { vec![json!({ "byteLength": body.bytes.len() })] };
     let lists = [
-        ("extensionsUsed", used),
+        ("extensionsUsed", used.into_iter().map(Value::from).collect()),
         ("scenes", vec![Value::Object(shown)]),
         ("nodes", nodes),
         ("meshes", meshes),
-        ("materials", scene.materials.iter().map(material).collect()),
+        ("materials", materials),
         ("textures", textures),
         ("images", images),
         ("samplers", samplers),
@@ -151,8 +159,10 @@ impl Body {
         if !mesh.normals.is_empty() {
             attributes.insert("NORMAL".into(), self.floats(&mesh.normals, "VEC3")?);
         }
-        if !mesh.texture_coordinates.is_empty() {
-            attributes.insert("TEXCOORD_0".into(), self.floats(&mesh.texture_coordinates, "VEC2")?);
+        for (key, set) in [("TEXCOORD_0", &mesh.texture_coordinates), ("TEXCOORD_1", &mesh.second_coordinates)] {
+            if !set.is_empty() {
+                attributes.insert(key.into(), self.floats(set, "VEC2")?);
+            }
         }
         if !mesh.colors.is_empty() {
             attributes.insert("COLOR_0".into(), self.floats(&mesh.colors, "VEC4")?);
@@ -216,23 +226,6 @@ fn sampler(texture: &Texture) -> Value {
     json!({ "magFilter": 9729, "minFilter": 9729, "wrapS": code(texture.wrap_u), "wrapT": code(texture.wrap_v) })
 }
 
-fn material(material: &Material) -> Value {
-    let mut surface = json!({
-        "baseColorFactor": material.base_color.map(f64::from),
-        "metallicFactor": 0.0,
-        "roughnessFactor": 1.0,
-    });
-    if let (Some(used), Value::Object(map)) = (material.base_color_texture, &mut surface) {
-        map.insert("baseColorTexture".into(), json!({ "index": used.texture }));
-    }
-    let value = json!({
-        "pbrMetallicRoughness": surface,
-        "doubleSided": true,
-        "extensions": { SPECULAR: { "specularFactor": 0.0 } },
-    });
-    named(&material.name, value)
-}
-
 fn camera(camera: &Camera) -> Value {
     match camera.lens {
         CameraLens::Perspective { vertical_angle_rad, aspect_ratio } => {
@@ -263,6 +256,11 @@ fn light(light: &Light) -> Value {
         }
         if let LightKind::Spot { inner_angle_rad, outer_angle_rad, .. } = light.kind {
             map.insert("spot".into(), json!({ "innerConeAngle": inner_angle_rad, "outerConeAngle": outer_angle_rad }));
+        }
+        if let LightKind::Directional { angular_diameter_rad, .. } = light.kind
+            && angular_diameter_rad != 0.0
+        {
+            map.insert("extras".into(), json!({ ANGULAR_DIAMETER: angular_diameter_rad }));
         }
     }
     named(&light.name, value)

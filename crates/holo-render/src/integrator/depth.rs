@@ -6,7 +6,7 @@
 use ndarray::ArrayViewMut5;
 
 use super::{Context, RayCounts};
-use crate::accel::{LANES, Lanes, RayHits};
+use crate::accel::{Coherence, LANES, Lanes, RayHits};
 use crate::dispatch::Kernel;
 use crate::refine;
 use crate::tile::Tile;
@@ -63,12 +63,12 @@ impl Kernel for DepthTile<'_, '_> {
         for block in self.tile.blocks() {
             let pixels = self.context.tables.pixels(block);
             let rays = self.context.tables.fill(&pixels, None, &mut packet);
-            self.context.engine.intersect(&pixels.valid, &mut packet);
+            self.context.engine.intersect(&pixels.valid, &mut packet, Coherence::Coherent);
             primary += count(&pixels.valid);
             truth.push(self.context, &refine::refine(self.context.geometry, &packet, &rays).depth);
         }
         truth.scatter(self.tile, &mut self.out);
-        RayCounts { primary, shadow: 0 }
+        RayCounts { primary, ..RayCounts::default() }
     }
 }
 

@@ -22,7 +22,7 @@ fn garden() -> (Renderer, Request) {
     .expect("a rig");
     let sky = [0.3, 0.4, 0.5];
     let ground_truth = GroundTruth::Central;
-    (renderer, Request { rig, integrator: Integrator::Direct, samples: 2, seed: 3, sky, ground_truth })
+    (renderer, Request { integrator: Integrator::Direct, samples: 2, seed: 3, sky, ground_truth, ..Request::new(rig) })
 }
 
 /// The whole chain - rays, refinement, shading, random numbers, sky - gives the same bits without vectors, with AVX2 and
@@ -32,14 +32,14 @@ fn every_instruction_set_gives_the_same_picture() {
     let (renderer, request) = garden();
     let stop = Stop::new(&());
     let tiling = Tiling::new([1, 60, 5, 6]);
-    let context = renderer.context(&request, &tiling, &stop);
+    let context = renderer.context(&request, Integrator::Path, &tiling, &stop);
     let [tile] = tiling.tiles()[..] else { panic!("one tile is enough for this rig") };
     // Every kernel writes into a picture of its own.
     let mut pictures: Vec<Array5<f32>> = vec![Array5::zeros((1, 60, 5, 6, 3)); 3];
     let mut parts = pictures.iter_mut();
     let counts = dispatch::run_on_all(|| {
         let color = parts.next().expect("three sets at most").view_mut();
-        DirectTile { context: &context, tile: &tile, color, truth: None }
+        PathTile { context: &context, tile: &tile, color, truth: None }
     });
     assert!(pictures[0].iter().any(|x| *x > 0.0));
     for (set, picture) in pictures.iter().take(counts.len()).enumerate() {
@@ -100,7 +100,7 @@ fn the_views_of_a_block_share_the_sixteenth_of_the_pixel() {
     let (renderer, request) = garden();
     let stop = Stop::new(&());
     let tiling = Tiling::new([1, 60, 5, 6]);
-    let context = renderer.context(&request, &tiling, &stop);
+    let context = renderer.context(&request, request.integrator, &tiling, &stop);
     let pixels = context.tables.pixels([0, 7, 0, 0]);
     let sequences = context.sequences(&pixels);
     let mut visited = std::collections::BTreeSet::new();

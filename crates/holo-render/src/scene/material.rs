@@ -100,12 +100,13 @@ impl TextureUse {
     }
 }
 
-/// KHR_texture_transform: scale first, then rotation, then offset.
+/// KHR_texture_transform: scale (w, h) first, then a turn by the angle r, then the offset (x, y):
+/// u' = w u cos r + h v sin r + x, v' = h v cos r - w u sin r + y.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureTransform {
     /// Added last.
     pub offset: [f32; 2],
-    /// Counter-clockwise with v upward, rad.
+    /// Turns the coordinates counter-clockwise as one sees them (v runs downward), rad.
     pub rotation_rad: f32,
     /// Multiplies first.
     pub scale: [f32; 2],

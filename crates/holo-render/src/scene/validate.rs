@@ -106,9 +106,14 @@ impl Scene {
             return Err(bad(at("ior"), format!("is {}; it must lie between 1 and 1000", material.ior)));
         }
         if let Some(volume) = &material.volume {
-            // Written so that NaN fails; infinity is clear glass.
-            if !(volume.attenuation_distance_m > 0.0) {
+            // Infinity is clear glass.
+            if volume.attenuation_distance_m.is_nan() || volume.attenuation_distance_m <= 0.0 {
                 return Err(bad(at("volume.attenuation_distance_m"), "must be above 0"));
+            }
+            // The renderer takes the logarithm.
+            if !volume.attenuation_color.iter().all(|&c| c >= f32::MIN_POSITIVE) {
+                let what = format!("is {:?}; it must be at least {:e}", volume.attenuation_color, f32::MIN_POSITIVE);
+                return Err(bad(at("volume.attenuation_color"), what));
             }
         }
         if let Alpha::Mask(cutoff) = material.alpha

@@ -137,6 +137,27 @@ fn lights_shine_where_their_nodes_point() {
 }
 
 #[test]
+fn a_directional_light_may_be_a_disc() {
+    let angle = |light: Value| match with_light(light, json!({})).load().unwrap().scene.lights[0].kind {
+        LightKind::Directional { angular_diameter_rad, .. } => angular_diameter_rad,
+        other => panic!("{other:?}"),
+    };
+    let sun = |extras: Value| json!({ "type": "directional", "extras": extras });
+    assert_eq!(angle(sun(json!({ "angular_diameter_rad": 0.0093, "other": "x" }))), 0.0093);
+    // Extras may be anything.
+    for extras in [json!({}), json!("x"), json!(null), json!([0.1])] {
+        assert_eq!(angle(sun(extras)), 0.0);
+    }
+    let at = "extensions.KHR_lights_punctual.lights[0].extras.angular_diameter_rad";
+    for wrong in [json!(-0.1), json!(3.15), json!("wide"), json!(null)] {
+        says(&with_light(sun(json!({ "angular_diameter_rad": wrong })), json!({})).error(), &[at]);
+    }
+    // Other lights have no disc, whatever they say.
+    let bulb = json!({ "type": "point", "extras": { "angular_diameter_rad": 9 } });
+    assert!(with_light(bulb, json!({})).load().is_ok());
+}
+
+#[test]
 fn broken_lights_are_named() {
     let error = |light: Value| with_light(light, json!({})).error();
     says(&error(json!({ "type": "area" })), &["lights[0].type", "area"]);

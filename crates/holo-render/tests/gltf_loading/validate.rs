@@ -1,7 +1,7 @@
 //! `Scene::validate`: one scene that passes, and every way to break it.
 
 use holo_render::scene::{
-    Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Texture, TextureUse, Transform, Wrap,
+    Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Texture, TextureUse, Transform, Volume, Wrap,
 };
 
 use super::support::says;
@@ -92,6 +92,16 @@ fn materials_and_textures() {
     says(&broken(|s| s.materials[0].base_color[0] = -0.1), &["materials[0].base_color"]);
     says(&broken(|s| s.materials[0].base_color[0] = f32::NAN), &["materials[0].base_color"]);
     says(&broken(|s| s.textures.clear()), &["materials[0].base_color_texture"]);
+    let volume = |attenuation_distance_m: f32, blue: f32| {
+        let volume = Volume { attenuation_distance_m, attenuation_color: [1.0, 1.0, blue] };
+        broken(|s| s.materials[0].volume = Some(volume))
+    };
+    for blue in [0.0, f32::MIN_POSITIVE / 2.0, 1.1, f32::NAN] {
+        says(&volume(1.0, blue), &["materials[0].volume.attenuation_color"]);
+    }
+    for distance in [0.0, -1.0, f32::NAN] {
+        says(&volume(distance, 1.0), &["materials[0].volume.attenuation_distance_m"]);
+    }
     says(&broken(|s| s.textures[0].width = 3), &["textures[0]", "3 x 1", "2"]);
     says(&broken(|s| s.textures[0].height = 0), &["textures[0]"]);
     says(&broken(|s| (s.textures[0].width, s.textures[0].height) = (1 << 31, usize::MAX)), &["textures[0]"]);
