@@ -33,6 +33,16 @@ fn pfm() {
 }
 
 #[test]
+fn exr() {
+    run("exr", holo_fuzz::io::exr);
+}
+
+#[test]
+fn hdr() {
+    run("hdr", holo_fuzz::io::hdr);
+}
+
+#[test]
 fn parameters_cfg() {
     run("parameters_cfg", holo_fuzz::io::parameters_cfg);
 }

@@ -1,8 +1,8 @@
 //! The readers of `holo-io`: any bytes are read or refused, and what was read can be written and reads back equal.
 
 use holo_io::{
-    Compression, Limits, Manifest, Meaning, ParametersCfg, PngSamples, decode_pfm, decode_png, encode_png_u8,
-    encode_png_u16,
+    Compression, ExrChannel, Limits, Manifest, Meaning, ParametersCfg, PngSamples, decode_exr, decode_exr_rgb,
+    decode_hdr, decode_pfm, decode_png, encode_exr, encode_png_u8, encode_png_u16,
 };
 
 /// Small, so that a few bytes that announce much are refused quickly.
@@ -36,6 +36,38 @@ pub fn pfm(data: &[u8]) {
     let again = decode_pfm(&bytes, &LIMITS).expect("what was written can be read");
     assert_eq!((again.values.dim(), again.scale), (image.values.dim(), image.scale));
     assert_eq!(again.to_bytes().expect("what was read can be written"), bytes);
+}
+
+/// OpenEXR: read both ways, written where the format's writer can, read again; compared as bits, so that NaN counts.
+///
+/// A panic in the decoder becomes an error, which is what the reader promises; libFuzzer stops at it all the same.
+///
+/// # Panics
+///
+/// If a property does not hold.
+pub fn exr(data: &[u8]) {
+    let _ = decode_exr_rgb(data, &LIMITS);
+    let Ok(image) = decode_exr(data, &LIMITS) else { return };
+    let channels: Vec<_> =
+        image.channels.iter().map(|(name, plane)| ExrChannel { name, plane: plane.view() }).collect();
+    // Names that repeat and parts of several sizes can be read, but not written.
+    let Ok(bytes) = encode_exr(&channels) else { return };
+    let again = decode_exr(&bytes, &Limits::default()).expect("what was written can be read");
+    assert_eq!(again.channels.len(), image.channels.len());
+    for (name, plane) in &image.channels {
+        let read = again.channel(name).expect("every channel is there");
+        assert!(read.dim() == plane.dim() && read.iter().zip(plane).all(|(a, b)| a.to_bits() == b.to_bits()), "{name}");
+    }
+}
+
+/// Radiance HDR: read or refused; what was read is neither negative nor NaN.
+///
+/// # Panics
+///
+/// If a property does not hold.
+pub fn hdr(data: &[u8]) {
+    let Ok(image) = decode_hdr(data, &LIMITS) else { return };
+    assert!(image.dim().2 == 3 && image.iter().all(|&value| value >= 0.0));
 }
 
 /// `parameters.cfg`: read, written, read again; compared as text, so that NaN counts.

@@ -16,6 +16,8 @@ pub const DISPARITY_PFM: &str = "scene_disparity.pfm";
 pub const DISPARITY_PNG: &str = "scene_disparity.png";
 /// Depth of the central view in metres.
 pub const DEPTH_PFM: &str = "scene_depth.pfm";
+/// All layers of the central view, linear and without exposure: colour, depth, normals and what else was rendered.
+pub const CENTRAL_EXR: &str = "scene_central.exr";
 /// The camera parameters.
 pub const PARAMETERS_CFG: &str = "parameters.cfg";
 /// The settings and digests.

@@ -1,4 +1,4 @@
-//! The files of holoscopic imaging: raw images, float maps, camera parameters, manifests.
+//! The files of holoscopic imaging: raw images, float maps, environment maps, camera parameters, manifests.
 //!
 //! # Conventions
 //!
@@ -23,6 +23,9 @@
 //! | PNG in memory | [`encode_png_u8`], [`encode_png_u16`] | [`decode_png`] |
 //! | PFM | [`write_pfm`], [`write_pfm_colour`] | [`read_pfm`], [`read_pfm_grey`], [`read_pfm_info`] |
 //! | PFM in memory | [`Pfm::to_bytes`] | [`decode_pfm`] |
+//! | EXR, 32-bit float | [`write_exr`] | [`read_exr`], [`read_exr_rgb`], [`read_exr_info`] |
+//! | EXR in memory | [`encode_exr`] | [`decode_exr`], [`decode_exr_rgb`] |
+//! | Radiance HDR | | [`read_hdr`], [`decode_hdr`], [`read_hdr_info`] |
 //! | `parameters.cfg` | [`ParametersCfg::write`] | [`ParametersCfg::read`] |
 //! | `manifest.json` | [`Manifest::write`] | [`Manifest::read`], [`Manifest::verify`] |
 //! | raw PNG with its `parameters.cfg` | | [`RawImage::read`] |
@@ -32,7 +35,14 @@
 //!
 //! # Features
 //!
-//! `png` (on by default): everything that needs a PNG codec. PFM, `parameters.cfg` and the manifest are always there.
+//! All on by default. `png`: everything that needs a PNG codec. `exr`: OpenEXR, through the crate `exr`. `hdr`: Radiance
+//! HDR, which needs no other crate. PFM, `parameters.cfg` and the manifest are always there, and so is [`recognise`] for
+//! every kind.
+//!
+//! # Panics in decoders
+//!
+//! The crate `exr` may panic on a damaged file. Such a panic becomes an [`Error`]; a program whose panic hook prints should
+//! ask [`is_guarding`] first and stay silent.
 //!
 //! # What is not here
 //!
@@ -40,15 +50,20 @@
 //! process is ended. Folders are not created.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
-// The table above names what the feature adds.
-#![cfg_attr(not(feature = "png"), allow(rustdoc::broken_intra_doc_links))]
+// The table above names what the features add.
+#![cfg_attr(not(all(feature = "png", feature = "exr", feature = "hdr")), allow(rustdoc::broken_intra_doc_links))]
 
 mod atomic;
 pub mod dataset;
 mod error;
+#[cfg(feature = "exr")]
+mod exr;
+#[cfg(feature = "hdr")]
+mod hdr;
 mod limits;
 mod manifest;
 mod millimetres;
+mod net;
 mod parameters_cfg;
 mod pfm;
 #[cfg(feature = "png")]
@@ -60,8 +75,16 @@ pub use atomic::{
     AtomicFile, Sha256, Written, hash_file, remove_stale_temporary_files, remove_temporary_files, write_file,
 };
 pub use error::Error;
+#[cfg(feature = "exr")]
+pub use exr::{
+    ExrChannel, ExrImage, ExrInfo, decode_exr, decode_exr_rgb, encode_exr, read_exr, read_exr_info, read_exr_rgb,
+    write_exr,
+};
+#[cfg(feature = "hdr")]
+pub use hdr::{HdrInfo, decode_hdr, read_hdr, read_hdr_info};
 pub use limits::Limits;
 pub use manifest::{Manifest, ManifestRig, Problem, ProblemKind, Setting};
+pub use net::is_guarding;
 pub use parameters_cfg::{CameraPose, ParametersCfg, date_from_epoch};
 pub use pfm::{Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_grey, read_pfm_info, write_pfm, write_pfm_colour};
 #[cfg(feature = "png")]

@@ -17,6 +17,10 @@ pub enum FileKind {
     Png,
     /// A PFM float image, grey or colour.
     Pfm,
+    /// An OpenEXR image; `read_exr_info` tells its size and channels.
+    Exr,
+    /// A Radiance HDR image; `read_hdr_info` tells its size.
+    Hdr,
     /// A glTF scene in one binary file (`.glb`).
     GltfBinary,
     /// A glTF scene as JSON (`.gltf`).
@@ -55,6 +59,8 @@ pub fn recognise(path: impl AsRef<Path>) -> Result<FileKind, Error> {
     let kind = match head.as_slice() {
         [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => FileKind::Png,
         [b'P', b'f' | b'F', space, ..] if space.is_ascii_whitespace() => FileKind::Pfm,
+        [0x76, 0x2f, 0x31, 0x01, ..] => FileKind::Exr,
+        text if [&b"#?RADIANCE"[..], b"#?RGBE"].iter().any(|signature| text.starts_with(signature)) => FileKind::Hdr,
         [b'g', b'l', b'T', b'F', ..] => FileKind::GltfBinary,
         text if first_character(text) == Some(b'{') => {
             source.rewind().map_err(failed)?;

@@ -18,12 +18,17 @@ fn kinds_are_told_by_contents() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("misleading.png");
     let padded = |text: &str| format!("{}{text}", " ".repeat(100_000));
-    let kinds: [(&[u8], FileKind); 17] = [
+    let kinds: [(&[u8], FileKind); 22] = [
         (b"\x89PNG\r\n\x1a\nrest", FileKind::Png),
         (b"\x89PNG\r\n\x1a", FileKind::Unknown),
         (b"Pf\n1 1\n-1\n", FileKind::Pfm),
         (b"PF 1 1", FileKind::Pfm),
         (b"Pfennig", FileKind::Unknown),
+        (b"\x76\x2f\x31\x01\x02\0\0\0", FileKind::Exr),
+        (b"\x76\x2f\x31", FileKind::Unknown),
+        (b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n", FileKind::Hdr),
+        (b"#?RGBE\n", FileKind::Hdr),
+        (b"#!RGBE\n", FileKind::Unknown),
         (b"glTF\x02\0\0\0", FileKind::GltfBinary),
         (br#"{"scenes":[{"format":7}],"asset":{"version":"2.0"}}"#, FileKind::GltfJson),
         (b"\xef\xbb\xbf{\"asset\":{}}", FileKind::GltfJson),

@@ -11,6 +11,7 @@ pub(crate) mod brute_force;
 pub(crate) mod bvh;
 #[allow(unsafe_code)]
 pub(crate) mod embree;
+pub(crate) mod holes;
 mod packet;
 pub(crate) mod triangle;
 

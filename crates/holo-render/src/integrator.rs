@@ -1,14 +1,20 @@
 //! From rays to values: one integrator a file.
 
+mod adaptive;
+pub(crate) mod auto;
 pub(crate) mod depth;
 pub(crate) mod direct;
+mod lights;
 pub(crate) mod path;
+mod scatterer;
 mod shade;
 
 use holo_core::Disparity;
 
 use crate::accel::{Engine, LANES};
 use crate::appearance::Appearance;
+use crate::emitters::Emitters;
+use crate::environment::Surroundings;
 use crate::geometry::Geometry;
 use crate::light::PreparedLight;
 use crate::primary::{Pixels, RigTables};
@@ -45,6 +51,20 @@ pub(crate) struct Context<'a> {
     pub max_bounces: u32,
     /// Whether weak paths may end at random.
     pub roulette: bool,
+    /// Relative standard error after which a pixel needs no more samples.
+    pub target_error: Option<f64>,
+    /// Whether the views of a block draw the same numbers for what happens to their light.
+    pub shared_noise: bool,
+    /// Whether light is followed from surfaces other than metal and glass.
+    pub indirect: bool,
+    pub emitters: Option<&'a Emitters>,
+    pub surroundings: Option<&'a Surroundings>,
+    /// Whether any light has an extent on the sky.
+    pub has_discs: bool,
+    /// Whether surfaces that glow may have holes.
+    pub has_holes: bool,
+    /// Whether rays must know what they hit even if nothing more is scattered there.
+    pub has_glow: bool,
     /// Lens columns and view columns, for the numbers of lenses and views.
     pub columns: [u32; 2],
     /// Asked between samples.
@@ -85,7 +105,19 @@ impl Context<'_> {
     /// Whether rays that the event number `event` (from 0) scatters can bring anything.
     #[inline(always)]
     pub fn scatters_on(&self, event: u32) -> bool {
-        event + 1 < self.max_bounces || self.sky.iter().any(|&c| c > 0.0)
+        event + 1 < self.max_bounces || self.has_glow || self.shines_from_beyond()
+    }
+
+    /// Whether rays that leave the scene find anything.
+    #[inline(always)]
+    pub fn shines_from_beyond(&self) -> bool {
+        self.sky[0] + self.sky[1] + self.sky[2] > 0.0 || self.surroundings.is_some() || self.has_discs
+    }
+
+    /// Whether scattered rays must remember how likely their direction was.
+    #[inline(always)]
+    pub fn needs_density(&self) -> bool {
+        self.emitters.is_some() || self.surroundings.is_some()
     }
 
     /// The random sequences of a packet's pixels.
@@ -100,6 +132,25 @@ impl Context<'_> {
         sampling::sequences(self.seed, &lens, &view)
     }
 
+    /// The random sequences for everything that happens on the way of the pixels' light.
+    #[inline(always)]
+    pub fn event_sequences(&self, pixels: &Pixels) -> [u32; LANES] {
+        if self.shared_noise { self.block_sequences(pixels) } else { self.sequences(pixels) }
+    }
+
+    /// The random sequences of the blocks of 4 x 4 views that the pixels belong to.
+    #[inline(always)]
+    fn block_sequences(&self, pixels: &Pixels) -> [u32; LANES] {
+        let [v, u, t, s] = pixels.axes;
+        let (mut lens, mut block) = ([0; LANES], [0; LANES]);
+        for lane in 0..LANES {
+            lens[lane] = v.index[lane] * self.columns[0] + u.index[lane];
+            // Set apart from the views themselves by the highest bit.
+            block[lane] = (t.index[lane] / 4 * self.columns[1] + s.index[lane] / 4) | 1 << 31;
+        }
+        sampling::sequences(self.seed, &lens, &block)
+    }
+
     /// Where sample `sample` of every pixel lies within its pixel.
     ///
     /// The 4 x 4 views of a block share the sixteenth of the pixel in which their samples lie, each with its own place in
@@ -108,14 +159,7 @@ impl Context<'_> {
     /// narrow bundle: with a place of its own for each, dense scenes took three times as long.
     #[inline(always)]
     pub fn points(&self, pixels: &Pixels, sequences: &[u32; LANES], sample: u32) -> sampling::Points {
-        let [v, u, t, s] = pixels.axes;
-        let (mut lens, mut block) = ([0; LANES], [0; LANES]);
-        for lane in 0..LANES {
-            lens[lane] = v.index[lane] * self.columns[0] + u.index[lane];
-            // Set apart from the views themselves by the highest bit.
-            block[lane] = (t.index[lane] / 4 * self.columns[1] + s.index[lane] / 4) | 1 << 31;
-        }
-        let cells = sampling::points(&sampling::sequences(self.seed, &lens, &block), sample, Purpose::PIXEL);
+        let cells = sampling::points(&self.block_sequences(pixels), sample, Purpose::PIXEL);
         let mut points = sampling::points(sequences, sample, Purpose::PIXEL);
         for axis in 0..2 {
             for lane in 0..LANES {

@@ -50,12 +50,16 @@ pub mod gltf;
 pub mod scene;
 
 mod accel;
+mod angles;
 mod appearance;
 #[cfg(feature = "bench")]
 #[doc(hidden)]
 pub mod bench;
+mod bsdf;
 #[allow(unsafe_code)]
 mod dispatch;
+mod emitters;
+mod environment;
 mod error;
 mod framing;
 mod geometry;

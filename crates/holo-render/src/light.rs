@@ -4,11 +4,13 @@
 //! metres give I/r^2 lux. No factor of 683 or of 4 pi appears anywhere.
 
 use crate::accel::{LANES, at};
+use crate::angles::sin_cos;
 use crate::geometry::world_to_camera_rotation;
+use crate::sampling::{self, Points};
 use crate::scene::{Light, LightKind, Transform};
 
 /// Shadow rays stop this far towards a light, so that a surface in which the light lies does not hide it.
-const SHADOW_REACH: f32 = 1.0 - 1e-4;
+pub(crate) const SHADOW_REACH: f32 = 1.0 - 1e-4;
 
 /// No light is stronger than this anywhere, so that sums and products stay within f32.
 pub(crate) const STRONGEST: f32 = 1e30;
@@ -18,8 +20,21 @@ pub(crate) const STRONGEST: f32 = 1e30;
 pub(crate) enum PreparedLight {
     /// Light from everywhere along one direction; the unit vector points *to* the light.
     Directional { to_light: [f32; 3], irradiance: [f32; 3] },
+    /// The same from all over a disc: `axis` points to its middle.
+    Disc { axis: [f32; 3], irradiance: [f32; 3], disc: Disc },
     /// Light from a point, perhaps into a cone only.
     Point { position: [f32; 3], intensity: [f32; 3], inverse_range: f32, cone: Option<Cone> },
+}
+
+/// The disc of a distant light of the half-angle a.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Disc {
+    /// 1 - cos a, which a small angle leaves its digits.
+    versine: f32,
+    /// Irradiance on a surface that faces the disc, over its radiance: pi sin^2 a.
+    projected: f32,
+    /// Solid angle over `projected`: 2 / (1 + cos a).
+    spread: f32,
 }
 
 /// The cone of a spot light: intensity times `clamp(cosine * scale + offset, 0, 1)^2`.
@@ -41,6 +56,16 @@ pub(crate) struct Arrivals {
     pub attenuation: [f32; LANES],
 }
 
+impl Disc {
+    fn new(diameter_rad: f64) -> Self {
+        let half = 0.5 * diameter_rad;
+        let (sin, cos) = half.sin_cos();
+        let versine = 2.0 * (0.5 * half).sin().powi(2);
+        let projected = std::f64::consts::PI * sin * sin;
+        Self { versine: versine as f32, projected: projected as f32, spread: (2.0 / (1.0 + cos)) as f32 }
+    }
+}
+
 /// The lights that shine at all, in the frame of a camera at `pose`.
 pub(crate) fn prepare(lights: &[Light], pose: &Transform) -> Vec<PreparedLight> {
     let rotation = world_to_camera_rotation(pose);
@@ -53,8 +78,14 @@ pub(crate) fn prepare(lights: &[Light], pose: &Transform) -> Vec<PreparedLight> 
         .map(|light| {
             let intensity = light.intensity.map(|x| x as f32);
             match light.kind {
-                LightKind::Directional { direction, .. } => {
-                    PreparedLight::Directional { to_light: turn(direction.map(|x| -x)), irradiance: intensity }
+                LightKind::Directional { direction, angular_diameter_rad } => {
+                    let to_light = turn(direction.map(|x| -x));
+                    if angular_diameter_rad > 0.0 {
+                        let disc = Disc::new(angular_diameter_rad);
+                        PreparedLight::Disc { axis: to_light, irradiance: intensity, disc }
+                    } else {
+                        PreparedLight::Directional { to_light, irradiance: intensity }
+                    }
                 }
                 LightKind::Point { position, range } => {
                     let inverse_range = inverse(range);
@@ -78,14 +109,14 @@ impl PreparedLight {
     #[inline(always)]
     pub fn power(&self) -> [f32; 3] {
         match self {
-            Self::Directional { irradiance, .. } => *irradiance,
+            Self::Directional { irradiance, .. } | Self::Disc { irradiance, .. } => *irradiance,
             Self::Point { intensity, .. } => *intensity,
         }
     }
 
-    /// What arrives at sixteen points.
+    /// What arrives at sixteen points; of discs from the place `place` on them.
     #[inline(always)]
-    pub fn arrivals(&self, points: &[[f32; LANES]; 3]) -> Arrivals {
+    pub fn arrivals(&self, points: &[[f32; LANES]; 3], place: &Points) -> Arrivals {
         match self {
             Self::Directional { to_light, .. } => {
                 let [x, y, z] = *to_light;
@@ -94,6 +125,22 @@ impl PreparedLight {
                     inverse_length: [1.0; LANES],
                     attenuation: [1.0; LANES],
                 }
+            }
+            Self::Disc { axis, disc, .. } => {
+                let [x, y] = sampling::frame(*axis);
+                let one = [1.0; LANES];
+                let mut out = Arrivals { to_light: [one; 3], inverse_length: one, attenuation: [disc.spread; LANES] };
+                for lane in 0..LANES {
+                    // Uniform over the solid angle: the versine is uniform.
+                    let versine = place[0][lane] * disc.versine;
+                    let across = (versine * (2.0 - versine)).max(0.0).sqrt();
+                    let (sin, cos) = sin_cos((place[1][lane] - 0.5) * std::f32::consts::TAU);
+                    for k in 0..3 {
+                        let sideways = x[k] * cos + y[k] * sin;
+                        out.to_light[k][lane] = axis[k] * (1.0 - versine) + sideways * across;
+                    }
+                }
+                out
             }
             Self::Point { position, inverse_range, cone, .. } => {
                 let zero = [0.0; LANES];
@@ -124,11 +171,37 @@ impl PreparedLight {
         }
     }
 
+    /// Whether the light has an extent on the sky.
+    pub fn is_disc(&self) -> bool {
+        matches!(self, Self::Disc { .. })
+    }
+
+    /// Whether the light is a disc that a ray in direction `direction` meets.
+    #[inline(always)]
+    pub fn disc_shows(&self, direction: &[[f32; LANES]; 3], lane: usize) -> bool {
+        let Self::Disc { axis, disc, .. } = self else { return false };
+        // The squared chord is twice the versine, and keeps its digits.
+        let unit = 1.0 / dot(at(direction, lane), at(direction, lane)).sqrt();
+        let mut chord = 0.0;
+        for k in 0..3 {
+            let difference = direction[k][lane] * unit - axis[k];
+            chord += difference * difference;
+        }
+        chord <= 2.0 * disc.versine
+    }
+
+    /// Radiance of the disc; 0 for other lights.
+    #[inline(always)]
+    pub fn disc_radiance(&self) -> [f32; 3] {
+        let Self::Disc { irradiance: [r, g, b], disc, .. } = self else { return [0.0; 3] };
+        [(r / disc.projected).min(STRONGEST), (g / disc.projected).min(STRONGEST), (b / disc.projected).min(STRONGEST)]
+    }
+
     /// How far a shadow ray along `Arrival::to_light` has to look, in multiples of it.
     #[inline(always)]
     pub fn shadow_reach(&self) -> f32 {
         match self {
-            Self::Directional { .. } => f32::INFINITY,
+            Self::Directional { .. } | Self::Disc { .. } => f32::INFINITY,
             Self::Point { .. } => SHADOW_REACH,
         }
     }
@@ -149,7 +222,7 @@ mod tests {
 
     /// Attenuation at one point, per square metre.
     fn arriving(light: &PreparedLight, point: [f32; 3]) -> f32 {
-        let arrivals = light.arrivals(&point.map(|x| [x; LANES]));
+        let arrivals = light.arrivals(&point.map(|x| [x; LANES]), &[[0.5; LANES]; 2]);
         arrivals.attenuation[3]
     }
 

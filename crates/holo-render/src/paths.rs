@@ -1,8 +1,8 @@
 //! Rays that surfaces scattered, of one tile, waiting to be traced together.
 //!
 //! Taken pixel by pixel scattered rays run all over the place; but the pixels of one tile start close together, so the
-//! rays are collected, ordered by direction and traced in packets of neighbouring directions. The order changes nothing
-//! in the result: no pixel has two rays in one list.
+//! rays are collected, ordered by direction and traced in packets of neighbouring directions. The order of a
+//! pixel's own rays depends on nothing but those rays.
 
 use crate::accel::{LANES, Lanes, Rays};
 
@@ -20,11 +20,32 @@ pub(crate) struct Path {
     /// Which pixel of the tile.
     pub pixel: u32,
     pub throughput: [f32; 3],
-    /// Whether the surface that the ray finds may scatter light on to it.
-    pub goes_on: bool,
+    /// Which sample of the pixel.
+    pub sample: Sample,
 }
 
-/// Scattered rays of one tile, one per pixel at most.
+/// Number of a sample, and whether the surface that the ray finds may scatter light on to it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Sample(u32);
+
+impl Sample {
+    #[inline(always)]
+    pub fn new(number: u32, goes_on: bool) -> Self {
+        Self(number << 1 | u32::from(goes_on))
+    }
+
+    #[inline(always)]
+    pub fn number(self) -> u32 {
+        self.0 >> 1
+    }
+
+    #[inline(always)]
+    pub fn goes_on(self) -> bool {
+        self.0 & 1 != 0
+    }
+}
+
+/// Scattered rays of one tile, one per sample at most.
 #[derive(Default)]
 pub(crate) struct Paths {
     paths: Vec<Path>,
@@ -39,6 +60,7 @@ pub(crate) struct PathPacket {
     pub density: [f32; LANES],
     pub pixel: [u32; LANES],
     pub throughput: [[f32; LANES]; 3],
+    pub sample: [u32; LANES],
     pub goes_on: [bool; LANES],
 }
 
@@ -67,6 +89,7 @@ impl Paths {
             density: [0.0; LANES],
             pixel: [0; LANES],
             throughput: [[0.0; LANES]; 3],
+            sample: [0; LANES],
             goes_on: [false; LANES],
         };
         let first = index * LANES;
@@ -81,7 +104,8 @@ impl Paths {
             }
             packet.density[lane] = path.density;
             packet.pixel[lane] = path.pixel;
-            packet.goes_on[lane] = path.goes_on;
+            packet.sample[lane] = path.sample.number();
+            packet.goes_on[lane] = path.sample.goes_on();
             packet.valid.0[lane] = -i32::from(first + lane < self.order.len());
         }
         rays.near = [0.0; LANES];
@@ -146,7 +170,7 @@ mod tests {
                 let direction = crate::accel::at(&directions, lane);
                 let pixel = index * 16 + lane as u32;
                 let (origin, throughput) = ([0.0; 3], [1.0; 3]);
-                let path = Path { origin, density: 1.0, direction, pixel, throughput, goes_on: true };
+                let path = Path { origin, density: 1.0, direction, pixel, throughput, sample: Sample::new(0, true) };
                 paths.push(path, cell(direction));
             }
         }

@@ -7,11 +7,15 @@ use holo_core::{GridSize, Layout, LightField, LightFieldOwned, Rig, Split};
 use ndarray::{Array2, Axis};
 use rayon::prelude::*;
 
+use crate::accel::holes::{Cover, Holes};
 use crate::accel::{self, Backend, Engine};
-use crate::appearance::Appearance;
+use crate::appearance::{Appearance, Kinds};
 use crate::dispatch;
+use crate::emitters::Emitters;
+use crate::environment::Surroundings;
 use crate::error::Error;
 use crate::geometry::{Geometry, LARGEST_COORDINATE};
+use crate::integrator::auto::{self, Contents};
 use crate::integrator::depth::{DepthTile, TruthTile};
 use crate::integrator::direct;
 use crate::integrator::path::PathTile;
@@ -27,11 +31,16 @@ const MOST_BOUNCES: u32 = 65_536;
 
 /// A scene with its acceleration structure, in the frame of one camera.
 pub struct Renderer {
-    engine: Box<dyn Engine>,
+    /// What light meets.
+    engine: Arc<dyn Engine>,
+    /// What the ground truth meets: the same unless surfaces have holes.
+    truth_engine: Arc<dyn Engine>,
     note: Option<String>,
     geometry: Arc<Geometry>,
-    appearance: Appearance,
+    appearance: Arc<Appearance>,
     lights: Vec<PreparedLight>,
+    emitters: Option<Emitters>,
+    surroundings: Option<Surroundings>,
     pool: rayon::ThreadPool,
 }
 
@@ -52,6 +61,11 @@ pub struct Request {
     pub max_bounces: u32,
     /// Whether paths that carry little may end at random, those that survive counting for more (unbiased).
     pub roulette: bool,
+    /// Relative standard error per pixel at which it needs no more samples; `samples` are the most it gets then.
+    pub target_error: Option<f64>,
+    /// Whether the views of a block of 4 x 4 draw the same random directions: faster, because their rays stay together,
+    /// but their noise is alike then, which looks like a texture at the focus plane.
+    pub shared_noise: bool,
     /// Whether `Auto` follows light from surface to surface; without, only to mirrors and glass.
     pub indirect: bool,
     /// For which views depth and disparity are wanted; always through the pixel's centre, whatever `samples` is.
@@ -70,6 +84,8 @@ impl Request {
             sky: [0.0; 3],
             max_bounces: 8,
             roulette: true,
+            target_error: None,
+            shared_noise: false,
             indirect: true,
             ground_truth: GroundTruth::Central,
         }
@@ -98,9 +114,11 @@ pub struct Rendered {
     /// The integrator used.
     pub integrator: Integrator,
     /// Why it was.
-    pub why: &'static str,
+    pub why: String,
     /// How many rays it took, ground truth included.
     pub rays: RayCounts,
+    /// How many samples the picture took: views x lenses x samples unless there was a target error.
+    pub samples: u64,
 }
 
 /// Ground truth in two units.
@@ -149,9 +167,20 @@ impl Renderer {
             Ok::<_, Error>((geometry, built))
         })?;
         let (engine, note) = built;
-        let appearance = Appearance::new(&scene.materials, &scene.textures);
+        let appearance = Arc::new(Appearance::new(&scene.materials, &scene.textures));
+        let engine: Arc<dyn Engine> = Arc::from(engine);
+        let [engine, truth_engine] = [Cover::Random, Cover::Half].map(|cover| {
+            let inner = Arc::clone(&engine);
+            if !appearance.kinds().has(Kinds::HOLES) {
+                return inner;
+            }
+            Arc::new(Holes { inner, geometry: Arc::clone(&geometry), appearance: Arc::clone(&appearance), cover })
+        });
         let lights = light::prepare(&scene.lights, pose);
-        Ok(Self { engine, note, geometry, appearance, lights, pool })
+        let emitters = Emitters::build(&geometry, &scene.materials, &scene.textures);
+        let surroundings = scene.environment.as_ref().map(|environment| Surroundings::new(environment, pose));
+        let surroundings = surroundings.filter(|surroundings| !surroundings.is_black());
+        Ok(Self { engine, truth_engine, note, geometry, appearance, lights, emitters, surroundings, pool })
     }
 
     /// The engine and its version, such as "embree 4.4.0" or "bvh".
@@ -207,8 +236,9 @@ impl Renderer {
         let stop = Stop::new(progress);
         let with_color = integrator != Integrator::Depth;
         let with_all = request.ground_truth == GroundTruth::All;
-        // One sample through the centre sees what the ground truth asks for.
-        let together = with_color && with_all && request.samples == 1;
+        // One sample through the centre sees what the ground truth asks for, unless it may pass by chance.
+        let has_holes = self.appearance.kinds().has(Kinds::HOLES);
+        let together = with_color && with_all && request.samples == 1 && !has_holes;
 
         let tiling = Tiling::new(all_counts);
         // The large arrays first: a size that does not fit is refused before anything else is made for it.
@@ -217,10 +247,12 @@ impl Renderer {
         let tile_count = if with_color || with_all { tiling.tiles().len() } else { 0 };
         let passes = u64::from(with_color) + u64::from(with_all && !together);
         let context = self.context(request, integrator, &tiling, &stop);
+        let truth_context = self.context(request, Integrator::Depth, &tiling, &stop);
         let with_central = u64::from(!with_all);
         let central_tiles = with_central * central_tiling(&split).tiles().len() as u64;
         let work = Work::new(progress, &stop, passes * tile_count as u64 + central_tiles);
         let mut rays = RayCounts::default();
+        let mut samples = 0;
 
         if let Some(color) = &mut color {
             let truth = if together { all.as_mut() } else { None };
@@ -233,11 +265,13 @@ impl Renderer {
                 + work.run(&tiling, parts, |tile, (color, truth)| {
                     dispatch::run(PathTile { context: &context, tile, color, truth })
                 })?;
+            // Every sample has one ray from the camera.
+            samples = rays.primary;
         }
         if let Some(all) = all.as_mut().filter(|_| !together) {
             rays = rays
                 + work.run(&tiling, all.tiles(&tiling), |tile, out| {
-                    dispatch::run(DepthTile { context: &context, tile, out })
+                    dispatch::run(DepthTile { context: &truth_context, tile, out })
                 })?;
         }
         let central = if let Some(all) = &all {
@@ -247,14 +281,14 @@ impl Renderer {
         } else {
             let tiling = central_tiling(&split);
             let (central, count) =
-                central(&self.context(request, integrator, &tiling, &stop), &tiling, &work, split.lenses())?;
+                central(&self.context(request, Integrator::Depth, &tiling, &stop), &tiling, &work, split.lenses())?;
             rays = rays + count;
             central
         };
         if stop.requested() {
             return Err(Error::Cancelled);
         }
-        Ok(Rendered { color, central, all, integrator, why, rays })
+        Ok(Rendered { color, central, all, integrator, why, rays, samples })
     }
 
     /// What the integrators read over the packets of `tiling`.
@@ -267,7 +301,7 @@ impl Renderer {
     ) -> Context<'a> {
         let split = request.rig.split();
         Context {
-            engine: &*self.engine,
+            engine: if integrator == Integrator::Depth { &*self.truth_engine } else { &*self.engine },
             geometry: &self.geometry,
             appearance: &self.appearance,
             lights: &self.lights,
@@ -278,18 +312,29 @@ impl Renderer {
             samples: request.samples,
             max_bounces: if integrator == Integrator::Direct { direct::BOUNCES } else { request.max_bounces },
             roulette: request.roulette,
+            target_error: request.target_error,
+            shared_noise: request.shared_noise,
+            indirect: integrator == Integrator::Direct || request.indirect,
+            emitters: self.emitters.as_ref(),
+            surroundings: self.surroundings.as_ref(),
+            has_discs: self.lights.iter().any(PreparedLight::is_disc),
+            has_holes: self.appearance.kinds().has(Kinds::HOLES),
+            has_glow: self.appearance.kinds().has(Kinds::GLOWS.and(Kinds::UNLIT)),
             columns: [split.lenses().columns as u32, split.views().columns as u32],
             stop,
         }
     }
 
-    fn choose(&self, request: &Request) -> Result<(Integrator, &'static str), Error> {
+    fn choose(&self, request: &Request) -> Result<(Integrator, String), Error> {
         let split = request.rig.split();
         if !(1..=MOST_SAMPLES).contains(&request.samples) {
             return Err(Error::BadSetting(format!(
                 "{} samples per pixel; 1 to {MOST_SAMPLES} can be drawn",
                 request.samples
             )));
+        }
+        if request.target_error.is_some_and(|target| !(target > 0.0 && target.is_finite())) {
+            return Err(Error::BadSetting("the target error must be finite and above 0".into()));
         }
         if !(1..=MOST_BOUNCES).contains(&request.max_bounces) {
             let asked = request.max_bounces;
@@ -314,13 +359,26 @@ impl Renderer {
                 }
             }
         }
-        let lit = !self.lights.is_empty() || request.sky.iter().any(|&c| c > 0.0);
         Ok(match request.integrator {
-            Integrator::Auto if lit && request.indirect => (Integrator::Path, "light from surface to surface"),
-            Integrator::Auto if lit => (Integrator::Direct, "punctual lights or a sky on Lambertian surfaces"),
-            Integrator::Auto => (Integrator::Depth, "nothing in the scene shines"),
-            chosen => (chosen, "asked for"),
+            Integrator::Auto => auto::choose(&self.contents(request), request.indirect),
+            chosen => (chosen, "asked for".into()),
         })
+    }
+
+    /// What decides which integrator the scene needs.
+    fn contents(&self, request: &Request) -> Contents {
+        let kinds = self.appearance.kinds();
+        let discs = self.lights.iter().filter(|light| light.is_disc()).count();
+        Contents {
+            punctual_lights: self.lights.len() - discs,
+            discs,
+            emitters: self.emitters.is_some(),
+            sky: request.sky.iter().any(|&c| c > 0.0),
+            surroundings: self.surroundings.is_some(),
+            glossy: kinds.has(Kinds::GLOSSY),
+            unlit: kinds.has(Kinds::UNLIT),
+            all_unlit: self.appearance.is_all_unlit(),
+        }
     }
 }
 

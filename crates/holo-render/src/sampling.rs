@@ -10,6 +10,7 @@
 //! crate `sobol_burley` takes 406 ns (one core of an AMD EPYC with AVX-512).
 
 use crate::accel::LANES;
+use crate::angles::sin_cos_quarter;
 
 /// Samples a pixel at most. The sequence is longer, but a sum of so many f32 is off by up to 2^-9 if all roundings fall
 /// to one side.
@@ -21,7 +22,6 @@ pub(crate) struct Purpose(u32);
 
 /// What a scattering event draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(dead_code)] // until emitters and surroundings are drawn
 pub(crate) enum Draw {
     /// Where light goes on to.
     Direction = 1,
@@ -66,10 +66,16 @@ pub(crate) fn sequences(seed: u64, lens: &[u32; LANES], view: &[u32; LANES]) -> 
 /// Sample number `index` of sixteen sequences, in [0, 1).
 #[inline(always)]
 pub(crate) fn points(sequences: &[u32; LANES], index: u32, purpose: Purpose) -> Points {
+    points_at(sequences, &[index; LANES], purpose)
+}
+
+/// A sample of its own number of each of sixteen sequences, in [0, 1).
+#[inline(always)]
+pub(crate) fn points_at(sequences: &[u32; LANES], indices: &[u32; LANES], purpose: Purpose) -> Points {
     let mut out = [[0.0; LANES]; 2];
     for lane in 0..LANES {
         let seed = hash(sequences[lane] ^ purpose.0.wrapping_mul(0x85EB_CA6B));
-        let index = owen(index, seed);
+        let index = owen(indices[lane], seed);
         let x = owen(index.reverse_bits(), hash(seed ^ 0xA511_E9B3));
         let y = owen(sobol_second(index), hash(seed ^ 0x63D8_3595));
         // The upper 24 bits: an f32 holds them exactly, and 1 is never reached.
@@ -81,7 +87,7 @@ pub(crate) fn points(sequences: &[u32; LANES], index: u32, purpose: Purpose) -> 
 
 /// Mixes 32 bits (the "lowbias32" constants of C. Wellons' hash prospector).
 #[inline(always)]
-fn hash(mut x: u32) -> u32 {
+pub(crate) fn hash(mut x: u32) -> u32 {
     x ^= x >> 16;
     x = x.wrapping_mul(0x7FEB_352D);
     x ^= x >> 15;
@@ -126,7 +132,7 @@ pub(crate) fn cosine_hemisphere([u, v]: &Points) -> [[f32; LANES]; 3] {
         let wide = a.abs() > b.abs();
         let (radius, other) = if wide { (a, b) } else { (b, a) };
         let ratio = if radius == 0.0 { 0.0 } else { other / radius };
-        let (sin, cos) = sin_cos(std::f32::consts::FRAC_PI_4 * ratio);
+        let (sin, cos) = sin_cos_quarter(std::f32::consts::FRAC_PI_4 * ratio);
         let (along, across) = (radius * cos, radius * sin);
         let (x, y) = if wide { (along, across) } else { (across, along) };
         out[0][lane] = x;
@@ -134,15 +140,6 @@ pub(crate) fn cosine_hemisphere([u, v]: &Points) -> [[f32; LANES]; 3] {
         out[2][lane] = (1.0 - x * x - y * y).max(0.0).sqrt();
     }
     out
-}
-
-/// Sine and cosine up to a quarter of pi, within 1e-7: the same bits on every machine, which the C library's are not.
-#[inline(always)]
-fn sin_cos(x: f32) -> (f32, f32) {
-    let s = x * x;
-    let sin = x * (1.0 + s * (-1.0 / 6.0 + s * (1.0 / 120.0 + s * (-1.0 / 5040.0 + s * (1.0 / 362_880.0)))));
-    let cos = 1.0 + s * (-0.5 + s * (1.0 / 24.0 + s * (-1.0 / 720.0 + s * (1.0 / 40320.0))));
-    (sin, cos)
 }
 
 /// Two unit vectors that make a right-handed frame with the unit vector `n` (Duff et al., "Building an Orthonormal
@@ -232,16 +229,6 @@ mod tests {
         assert!(zero.len() >= 4095, "lenses share sequences");
         for seed in [1, 2, 15, 1 << 32, u64::MAX] {
             assert!(all(seed).intersection(&zero).count() <= 1, "seed {seed}");
-        }
-    }
-
-    #[test]
-    fn sine_and_cosine_are_right() {
-        for k in -1000..=1000 {
-            let x = std::f32::consts::FRAC_PI_4 * k as f32 / 1000.0;
-            let (sin, cos) = sin_cos(x);
-            assert!((f64::from(sin) - f64::from(x).sin()).abs() < 1.2e-7);
-            assert!((f64::from(cos) - f64::from(x).cos()).abs() < 1.2e-7);
         }
     }
 

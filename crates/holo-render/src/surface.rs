@@ -4,7 +4,7 @@
 //! rays ([`crate::refine`]) and for scattered ones alike, so that a new ray starts on the surface and not beside it.
 
 use crate::accel::{LANES, Lanes, NO_TRIANGLE, RayHits, at};
-use crate::appearance::Appearance;
+use crate::appearance::{Appearance, Kinds};
 use crate::geometry::Geometry;
 use crate::primary::ExactRays;
 use crate::refine::Refined;
@@ -21,8 +21,12 @@ pub(crate) struct Surfaces {
     pub shading_normal: [[f32; LANES]; 3],
     /// 1 where the ray came to the front, -1 where to the back.
     pub side: [f32; LANES],
-    /// The materials' indices.
-    pub material: [u32; LANES],
+    /// The triangles; of lanes without a hit that of another lane.
+    pub triangle: [u32; LANES],
+    /// What their materials have.
+    pub kinds: [Kinds; LANES],
+    /// What any of them has.
+    pub any: Kinds,
     /// Base colour: factor, texture and vertex colours, linear RGB.
     pub base_color: [[f32; LANES]; 3],
 }
@@ -120,7 +124,9 @@ impl Surfaces {
             geometric_normal: zero,
             shading_normal: zero,
             side: [1.0; LANES],
-            material: [0; LANES],
+            triangle: [0; LANES],
+            kinds: [Kinds::default(); LANES],
+            any: Kinds::default(),
             base_color: zero,
         };
         // Lanes without a hit look at a triangle of another lane: loops without branches, results that nobody reads.

@@ -5,23 +5,42 @@
 
 use crate::scene::{Texture, Wrap};
 
-/// Linear RGB at texture coordinates (0, 0) = upper left corner of the image.
+/// RGB at texture coordinates (0, 0) = upper left corner of the image; `table` says what a code means.
 #[inline(always)]
-pub(crate) fn sample(texture: &Texture, table: &[f32; 256], [u, v]: [f32; 2]) -> [f32; 3] {
+pub(crate) fn sample(texture: &Texture, table: &[f32; 256], coordinates: [f32; 2]) -> [f32; 3] {
+    let ([upper_left, upper_right, lower_left, lower_right], fraction) = neighbours(texture, coordinates);
+    let mut out = [0.0; 3];
+    for c in 0..3 {
+        let value = |texel: [u8; 4]| table[texel[c] as usize];
+        out[c] = mix([value(upper_left), value(upper_right), value(lower_left), value(lower_right)], fraction);
+    }
+    out
+}
+
+/// Alpha, 0 to 1.
+#[inline(always)]
+pub(crate) fn sample_alpha(texture: &Texture, coordinates: [f32; 2]) -> f32 {
+    let ([a, b, c, d], fraction) = neighbours(texture, coordinates);
+    let value = |texel: [u8; 4]| f32::from(texel[3]);
+    mix([value(a), value(b), value(c), value(d)], fraction) / 255.0
+}
+
+/// The four texels around a place (upper left, upper right, lower left, lower right), and how far it is to the right and
+/// downward from the first.
+#[inline(always)]
+fn neighbours(texture: &Texture, [u, v]: [f32; 2]) -> ([[u8; 4]; 4], [f32; 2]) {
     let (column, fraction_x) = cell(u, texture.width);
     let (row, fraction_y) = cell(v, texture.height);
     let columns = [wrap(column, texture.width, texture.wrap_u), wrap(column + 1, texture.width, texture.wrap_u)];
     let rows = [wrap(row, texture.height, texture.wrap_v), wrap(row + 1, texture.height, texture.wrap_v)];
-    let texel = |j: usize, i: usize| {
-        let [r, g, b, _] = texture.texels[rows[j] * texture.width + columns[i]];
-        [table[r as usize], table[g as usize], table[b as usize]]
-    };
-    let mix = |a: [f32; 3], b: [f32; 3], f: f32| {
-        [a[0] + (b[0] - a[0]) * f, a[1] + (b[1] - a[1]) * f, a[2] + (b[2] - a[2]) * f]
-    };
-    let upper = mix(texel(0, 0), texel(0, 1), fraction_x);
-    let lower = mix(texel(1, 0), texel(1, 1), fraction_x);
-    mix(upper, lower, fraction_y)
+    let texel = |j: usize, i: usize| texture.texels[rows[j] * texture.width + columns[i]];
+    ([texel(0, 0), texel(0, 1), texel(1, 0), texel(1, 1)], [fraction_x, fraction_y])
+}
+
+#[inline(always)]
+fn mix([a, b, c, d]: [f32; 4], [x, y]: [f32; 2]) -> f32 {
+    let (upper, lower) = (a + (b - a) * x, c + (d - c) * x);
+    upper + (lower - upper) * y
 }
 
 /// The texel left of (above) a coordinate and how far it is towards the next.

@@ -61,7 +61,7 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
         backend: prepared.renderer.engine_name(),
         threads: prepared.renderer.threads(),
         integrator: rendered.integrator,
-        why: rendered.why,
+        why: &rendered.why,
         rig: &prepared.rig,
         disparity_px,
         files: &files,

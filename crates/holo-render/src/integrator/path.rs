@@ -22,11 +22,13 @@
 
 use ndarray::ArrayViewMut5;
 
+use super::adaptive::Samples;
 use super::depth::{Truth, TruthTile, count};
 use super::shade::{self, Shading};
-use super::{Context, RayCounts};
-use crate::accel::{Coherence, LANES, NO_TRIANGLE, RayHits};
+use super::{Context, RayCounts, lights};
+use crate::accel::{Coherence, LANES, RayHits, Rays};
 use crate::dispatch::Kernel;
+use crate::light::STRONGEST;
 use crate::paths::Paths;
 use crate::refine;
 use crate::surface::Surfaces;
@@ -34,6 +36,12 @@ use crate::tile::Tile;
 
 /// Neighbouring lanes on different triangles, of 15, from which on rays are taken for incoherent (measured).
 const MANY_CHANGES: u32 = 11;
+
+/// Samples of a tile whose scattered rays are sorted together: the more, the closer neighbours are.
+const TOGETHER: u32 = 4;
+
+/// From so many rays on, those of the first event are taken for coherent (measured).
+const DENSE: usize = 16_384;
 
 /// The integrator over one tile; with one sample it can note the ground truth on its way.
 pub(crate) struct PathTile<'a, 'b> {
@@ -54,28 +62,40 @@ impl Kernel for PathTile<'_, '_> {
             counts: RayCounts::default(),
             color: vec![[[0.0f32; LANES]; 3]; self.tile.packet_count()],
             sequences: Vec::with_capacity(self.tile.packet_count()),
+            events: Vec::with_capacity(self.tile.packet_count()),
+            samples: Samples::new(context, self.tile.packet_count()),
             now: Paths::default(),
             next: Paths::default(),
         };
         for block in self.tile.blocks() {
-            work.sequences.push(context.sequences(&context.tables.pixels(block)));
+            let pixels = context.tables.pixels(block);
+            work.sequences.push(context.sequences(&pixels));
+            work.events.push(context.event_sequences(&pixels));
         }
         let mut truth = self.truth.is_some().then(Truth::default);
-        for sample in 0..context.samples {
-            if context.stop.requested() {
-                return work.counts;
+        for first in (0..context.samples).step_by(TOGETHER as usize) {
+            let end = context.samples.min(first + TOGETHER);
+            for sample in first..end {
+                if context.stop.requested() {
+                    return work.counts;
+                }
+                work.camera_rays(self.tile, sample, truth.as_mut());
             }
-            work.camera_rays(self.tile, sample, truth.as_mut());
             for event in 1..=context.max_bounces {
                 std::mem::swap(&mut work.now, &mut work.next);
                 if work.now.len() == 0 {
                     break;
                 }
-                work.scattered_rays(event, sample);
+                work.scattered_rays(event);
                 work.now.clear();
             }
+            work.samples.add(end - first, &work.color);
+            if !work.samples.any_wanted() {
+                break;
+            }
         }
-        self.tile.scatter(&work.color, 1.0 / context.samples as f32, &mut self.color);
+        work.samples.average(&mut work.color);
+        self.tile.scatter(&work.color, 1.0, &mut self.color);
         if let (Some(truth), Some(out)) = (&truth, &mut self.truth) {
             truth.scatter(self.tile, out);
         }
@@ -89,8 +109,11 @@ struct Work<'a> {
     counts: RayCounts,
     /// Sums over the samples.
     color: Vec<[[f32; LANES]; 3]>,
-    /// The pixels' random sequences.
+    /// The pixels' random sequences for places within them.
     sequences: Vec<[u32; LANES]>,
+    /// The pixels' random sequences for everything that happens on the way of their light.
+    events: Vec<[u32; LANES]>,
+    samples: Samples,
     /// Rays that the last event scattered.
     now: Paths,
     /// Rays that this event scatters.
@@ -104,6 +127,9 @@ impl Work<'_> {
         let context = self.context;
         let mut packet = RayHits::EMPTY;
         for (index, block) in tile.blocks().enumerate() {
+            if !self.samples.wanted(index) {
+                continue;
+            }
             let pixels = context.tables.pixels(block);
             let points =
                 if context.samples > 1 { Some(context.points(&pixels, &self.sequences[index], sample)) } else { None };
@@ -115,83 +141,88 @@ impl Work<'_> {
                 truth.push(context, &refined.depth);
             }
             let sum = &mut self.color[index];
-            for lane in 0..LANES {
-                let missed = if packet.hits.triangle[lane] == NO_TRIANGLE { 1.0 } else { 0.0 };
-                for c in 0..3 {
-                    sum[c][lane] += context.sky[c] * missed;
-                }
-            }
+            let missed = lights::missed(&packet.hits.triangle, &pixels.valid);
+            add_escaping(context, &packet.rays, &missed, &[[1.0; LANES]; 3], &NO_CHOICE, sum);
             let found = Surfaces::primary(context.appearance, context.geometry, &packet, &rays, &refined);
             let Some(surfaces) = found else { continue };
             let mut pixel = [0; LANES];
+            let mut hit = surfaces.hit;
             for lane in 0..LANES {
                 pixel[lane] = (index * LANES + lane) as u32;
+                hit[lane] &= pixels.valid.0[lane] != 0;
             }
             let shading = Shading {
                 packet: &packet,
                 surfaces: &surfaces,
-                valid: &pixels.valid,
-                sequences: &self.sequences[index],
-                sample,
+                hit,
+                sequences: &self.events[index],
+                sample: [sample; LANES],
                 event: 0,
                 pixel: &pixel,
-                throughput: &[[1.0; LANES]; 3],
+                throughput: [[1.0; LANES]; 3],
+                density: &NO_CHOICE,
+                goes_on: [true; LANES],
                 coherence: coherence(&packet.hits.triangle),
             };
-            self.counts.shadow += shade::shade(context, &shading, sum, &mut self.next);
+            self.counts.shadow += shade::shade(context, shading, sum, &mut self.next);
         }
     }
 
     /// The rays that the event number `event` scattered, and the next event where they end.
     #[inline(always)]
-    fn scattered_rays(&mut self, event: u32, sample: u32) {
+    fn scattered_rays(&mut self, event: u32) {
         let context = self.context;
         self.now.sort_by_direction();
+        // The first event's rays start close together, and if there are many, neighbours in direction are close as well.
+        // Later ones start all over the scene, unless the views of a block go the same way.
+        let dense = event == 1 && self.now.len() >= DENSE;
+        let coherence = if dense || context.shared_noise { Coherence::Coherent } else { Coherence::Incoherent };
         let mut packet = RayHits::EMPTY;
-        let last = event == context.max_bounces;
+        // What is hit does not matter any more unless it glows.
+        let sky_alone = event == context.max_bounces && !context.has_glow;
         for index in 0..self.now.len().div_ceil(LANES) {
             packet.reset();
             let paths = self.now.packet(index, &mut packet.rays);
+            self.counts.other += count(&paths.valid);
             let mut gain = [[0.0; LANES]; 3];
-            if last {
-                // Neighbours in direction still start all over the tile.
-                context.engine.occluded(&paths.valid, &mut packet.rays, Coherence::Incoherent);
+            let mut missed = [false; LANES];
+            if sky_alone {
+                context.engine.occluded(&paths.valid, &mut packet.rays, coherence);
                 for lane in 0..LANES {
-                    let escaped = if packet.rays.far[lane] > 0.0 { 1.0 } else { 0.0 };
-                    for c in 0..3 {
-                        gain[c][lane] = paths.throughput[c][lane] * context.sky[c] * escaped;
-                    }
+                    missed[lane] = (paths.valid.0[lane] != 0) & (packet.rays.far[lane] >= 0.0);
                 }
-                self.counts.other += count(&paths.valid);
             } else {
-                context.engine.intersect(&paths.valid, &mut packet, Coherence::Incoherent);
-                self.counts.other += count(&paths.valid);
+                context.engine.intersect(&paths.valid, &mut packet, coherence);
+                missed = lights::missed(&packet.hits.triangle, &paths.valid);
+            }
+            add_escaping(context, &packet.rays, &missed, &paths.throughput, &paths.density, &mut gain);
+            let found = if sky_alone {
+                None
+            } else {
+                Surfaces::secondary(context.appearance, context.geometry, &packet, &paths.valid)
+            };
+            if let Some(surfaces) = found {
+                let mut sequences = [0; LANES];
+                let mut hit = surfaces.hit;
                 for lane in 0..LANES {
-                    let escaped = if packet.hits.triangle[lane] == NO_TRIANGLE { 1.0 } else { 0.0 };
-                    for c in 0..3 {
-                        gain[c][lane] = paths.throughput[c][lane] * context.sky[c] * escaped;
-                    }
+                    let pixel = paths.pixel[lane] as usize;
+                    sequences[lane] = self.events[pixel / LANES][pixel % LANES];
+                    hit[lane] &= paths.valid.0[lane] != 0;
                 }
-                let found = Surfaces::secondary(context.appearance, context.geometry, &packet, &paths.valid);
-                if let Some(surfaces) = found {
-                    let mut sequences = [0; LANES];
-                    for lane in 0..LANES {
-                        let pixel = paths.pixel[lane] as usize;
-                        sequences[lane] = self.sequences[pixel / LANES][pixel % LANES];
-                    }
-                    let shading = Shading {
-                        packet: &packet,
-                        surfaces: &surfaces,
-                        valid: &paths.valid,
-                        sequences: &sequences,
-                        sample,
-                        event,
-                        pixel: &paths.pixel,
-                        throughput: &paths.throughput,
-                        coherence: Coherence::Incoherent,
-                    };
-                    self.counts.shadow += shade::shade(context, &shading, &mut gain, &mut self.next);
-                }
+                let shading = Shading {
+                    packet: &packet,
+                    surfaces: &surfaces,
+                    hit,
+                    sequences: &sequences,
+                    sample: paths.sample,
+                    event,
+                    pixel: &paths.pixel,
+                    throughput: paths.throughput,
+                    density: &paths.density,
+                    goes_on: paths.goes_on,
+                    coherence: if context.shared_noise { Coherence::Coherent } else { Coherence::Incoherent },
+                };
+                self.counts.shadow += shade::shade(context, shading, &mut gain, &mut self.next);
             }
             for lane in 0..LANES {
                 if paths.valid.0[lane] != 0 {
@@ -202,6 +233,31 @@ impl Work<'_> {
                     }
                 }
             }
+        }
+    }
+}
+
+/// The density of directions that nothing else could have had.
+const NO_CHOICE: [f32; LANES] = [f32::INFINITY; LANES];
+
+/// Adds what rays that leave the scene find there.
+#[inline(always)]
+fn add_escaping(
+    context: &Context,
+    rays: &Rays,
+    missed: &[bool; LANES],
+    throughput: &[[f32; LANES]; 3],
+    density: &[f32; LANES],
+    gain: &mut [[f32; LANES]; 3],
+) {
+    if !missed.contains(&true) || !context.shines_from_beyond() {
+        return;
+    }
+    let radiance = lights::beyond(context, &rays.direction, density);
+    for lane in 0..LANES {
+        for c in 0..3 {
+            let found = (throughput[c][lane] * radiance[c][lane]).min(STRONGEST);
+            gain[c][lane] += if missed[lane] { found } else { 0.0 };
         }
     }
 }

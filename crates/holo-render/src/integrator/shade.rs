@@ -1,194 +1,145 @@
-//! What happens where sixteen rays end: light that arrives there straight from the lights, and rays that go on.
+//! What happens where sixteen rays end: what glows there, what arrives there straight from the lights, and rays that go
+//! on.
 
 use super::Context;
 use super::depth::count;
-use crate::accel::{Coherence, LANES, Lanes, RayHits, Rays, at};
-use crate::light::{Arrivals, PreparedLight, STRONGEST};
-use crate::paths::{self, Path, Paths};
+use super::lights;
+use super::scatterer::Scatterer;
+use crate::accel::{Coherence, LANES, Lanes, RayHits, at};
+use crate::appearance::Kinds;
+use crate::light::STRONGEST;
+use crate::paths::{self, Path, Paths, Sample};
 use crate::sampling::{self, Draw, Purpose};
 use crate::surface::Surfaces;
-
-/// Up to this many lights the first event asks every one.
-const ALL_LIGHTS: usize = 8;
 
 /// From this event on (counted from 0) paths are subject to roulette.
 const ROULETTE_FROM: u32 = 2;
 
 /// Sixteen points where rays ended, and what they carry.
 pub(crate) struct Shading<'a> {
-    #[allow(dead_code)] // until materials other than Lambert's are looked up
     pub packet: &'a RayHits,
     pub surfaces: &'a Surfaces,
-    pub valid: &'a Lanes<i32>,
+    /// Lanes that hit something.
+    pub hit: [bool; LANES],
     pub sequences: &'a [u32; LANES],
-    pub sample: u32,
+    pub sample: [u32; LANES],
     /// Which scattering event this is, from 0.
     pub event: u32,
     /// Which pixels of the tile.
     pub pixel: &'a [u32; LANES],
-    pub throughput: &'a [[f32; LANES]; 3],
+    pub throughput: [[f32; LANES]; 3],
+    /// Density with which the rays' directions were drawn; infinite where there was no choice.
+    pub density: &'a [f32; LANES],
+    /// Whether light may be scattered here.
+    pub goes_on: [bool; LANES],
     pub coherence: Coherence,
 }
 
-/// Adds what arrives from lights to `gain`, and the rays that go on to `next`. Returns the shadow rays traced.
+/// Adds what is seen to `gain`, and the rays that go on to `next`. Returns the shadow rays traced.
 #[inline(always)]
-pub(crate) fn shade(context: &Context, here: &Shading, gain: &mut [[f32; LANES]; 3], next: &mut Paths) -> u64 {
-    let mut shadow_rays = 0;
-    if here.event == 0 && context.lights.len() <= ALL_LIGHTS {
-        for light in context.lights {
-            shadow_rays += add_light(context, light, here, gain);
-        }
-    } else if !context.lights.is_empty() {
-        shadow_rays += add_one_light(context, here, gain);
+pub(crate) fn shade(context: &Context, mut here: Shading, gain: &mut [[f32; LANES]; 3], next: &mut Paths) -> u64 {
+    if here.surfaces.any.has(Kinds::FILLED) {
+        attenuate(context, &mut here);
     }
+    if here.surfaces.any.has(Kinds::GLOWS.and(Kinds::UNLIT)) {
+        add_glow(context, &mut here, gain);
+    }
+    let mut scatters = Lanes([0; LANES]);
+    for lane in 0..LANES {
+        scatters.0[lane] = -i32::from(here.hit[lane] & here.goes_on[lane]);
+        for c in 0..3 {
+            here.throughput[c][lane] = if scatters.0[lane] != 0 { here.throughput[c][lane] } else { 0.0 };
+        }
+    }
+    if here.event >= context.max_bounces || count(&scatters) == 0 {
+        return 0;
+    }
+    let scatterer = Scatterer::new(context, &here);
+    let shadow_rays = lights::add(context, &here, &scatterer, gain);
     if context.scatters_on(here.event) {
-        scatter(context, here, next);
+        scatter(context, &here, &scatterer, next);
     }
     shadow_rays
 }
 
-/// What arrives from one light before its shadow: radiance towards the viewer in three channels, 0 where it cannot reach.
+/// What the way through filled glass leaves of the light.
 #[inline(always)]
-fn unshadowed(light: &PreparedLight, arrivals: &Arrivals, here: &Shading) -> [[f32; LANES]; 3] {
-    let surfaces = here.surfaces;
-    let power = light.power();
-    let mut out = [[0.0; LANES]; 3];
+fn attenuate(context: &Context, here: &mut Shading) {
+    let mut length = [0.0; LANES];
     for lane in 0..LANES {
-        let [mut cosine, mut above] = [0.0; 2];
+        let mut squared = 0.0;
         for axis in 0..3 {
-            cosine += surfaces.shading_normal[axis][lane] * arrivals.to_light[axis][lane];
-            above += surfaces.geometric_normal[axis][lane] * arrivals.to_light[axis][lane];
+            let way = here.surfaces.position[axis][lane] - here.packet.rays.origin[axis][lane];
+            squared += way * way;
         }
-        let irradiance = arrivals.attenuation[lane] * (cosine * arrivals.inverse_length[lane]);
-        let reaches = surfaces.hit[lane] & (here.valid.0[lane] != 0) & (above > 0.0) & (irradiance > 0.0);
-        let received = if reaches { irradiance * std::f32::consts::FRAC_1_PI } else { 0.0 };
-        for c in 0..3 {
-            let reflected = here.throughput[c][lane] * surfaces.base_color[c][lane];
-            out[c][lane] = (reflected * power[c] * received).min(STRONGEST);
-        }
+        length[lane] = squared.sqrt();
     }
-    out
-}
-
-/// Adds one light to the lanes that it reaches; returns the shadow rays traced.
-#[inline(always)]
-fn add_light(context: &Context, light: &PreparedLight, here: &Shading, gain: &mut [[f32; LANES]; 3]) -> u64 {
-    let arrivals = light.arrivals(&here.surfaces.start);
-    let arriving = unshadowed(light, &arrivals, here);
-    let far = [light.shadow_reach(); LANES];
-    add_unless_hidden(context, here, &arrivals.to_light, far, &arriving, gain)
-}
-
-/// Adds one light, drawn for every lane by what each light would give without its shadow; returns the shadow rays.
-#[inline(always)]
-fn add_one_light(context: &Context, here: &Shading, gain: &mut [[f32; LANES]; 3]) -> u64 {
-    let [mut number, _] = sampling::points(here.sequences, here.sample, Purpose::event(here.event, Draw::Light));
-    let mut to_light = [[0.0; LANES]; 3];
-    let mut far = [0.0; LANES];
-    let mut chosen = [[0.0; LANES]; 3];
-    let [mut total, mut weight] = [[0.0; LANES]; 2];
-    for light in context.lights {
-        let arrivals = light.arrivals(&here.surfaces.start);
-        let arriving = unshadowed(light, &arrivals, here);
+    let left = context.appearance.attenuation(context.geometry, here.surfaces, &length);
+    for c in 0..3 {
         for lane in 0..LANES {
-            // A reservoir of one: the light takes the place with its share of what was seen so far, and what is left of
-            // the random number within that share is used again.
-            let gives = arriving[0][lane] + arriving[1][lane] + arriving[2][lane];
-            total[lane] += gives;
-            let share = if total[lane] > 0.0 { gives / total[lane] } else { 0.0 };
-            let takes = number[lane] < share;
-            number[lane] = if takes { number[lane] / share } else { (number[lane] - share) / (1.0 - share) };
-            number[lane] = if number[lane] >= 0.0 { number[lane].min(ONE_MINUS) } else { 0.0 };
-            weight[lane] = if takes { gives } else { weight[lane] };
-            far[lane] = if takes { light.shadow_reach() } else { far[lane] };
-            for axis in 0..3 {
-                to_light[axis][lane] = if takes { arrivals.to_light[axis][lane] } else { to_light[axis][lane] };
-                chosen[axis][lane] = if takes { arriving[axis][lane] } else { chosen[axis][lane] };
-            }
+            here.throughput[c][lane] *= left[c][lane];
         }
     }
-    for lane in 0..LANES {
-        let factor = if weight[lane] > 0.0 { total[lane] / weight[lane] } else { 0.0 };
-        for c in 0..3 {
-            chosen[c][lane] = (chosen[c][lane] * factor).min(STRONGEST);
-        }
-    }
-    add_unless_hidden(context, here, &to_light, far, &chosen, gain)
 }
 
-/// The largest f32 below 1.
-const ONE_MINUS: f32 = 1.0 - f32::EPSILON / 2.0;
-
-/// Adds `arriving` to the lanes whose shadow ray along `to_light` is free up to `far`; returns the rays traced.
+/// What the surfaces give out by themselves. Unlit ones do nothing else.
 #[inline(always)]
-fn add_unless_hidden(
-    context: &Context,
-    here: &Shading,
-    to_light: &[[f32; LANES]; 3],
-    far: [f32; LANES],
-    arriving: &[[f32; LANES]; 3],
-    gain: &mut [[f32; LANES]; 3],
-) -> u64 {
-    let mut lit = Lanes([0; LANES]);
+fn add_glow(context: &Context, here: &mut Shading, gain: &mut [[f32; LANES]; 3]) {
+    let surfaces = here.surfaces;
+    let hits = &here.packet.hits;
+    let glow = context.appearance.emission(
+        context.geometry,
+        &surfaces.triangle,
+        [&hits.u, &hits.v],
+        &surfaces.side,
+        &here.hit,
+    );
+    let weight = lights::weight_of_glow(context, here);
     for lane in 0..LANES {
-        lit.0[lane] = -i32::from(arriving[0][lane] + arriving[1][lane] + arriving[2][lane] > 0.0);
-    }
-    let count = count(&lit);
-    if count == 0 {
-        return 0;
-    }
-    let mut rays = Rays { origin: here.surfaces.start, direction: *to_light, far, ..Rays::EMPTY };
-    context.engine.occluded(&lit, &mut rays, here.coherence);
-    for lane in 0..LANES {
-        let seen = if rays.far[lane] < 0.0 { 0.0 } else { 1.0 };
+        let unlit = here.hit[lane] & surfaces.kinds[lane].has(Kinds::UNLIT);
         for c in 0..3 {
-            gain[c][lane] += arriving[c][lane] * seen;
+            let shown = if unlit { surfaces.base_color[c][lane] } else { glow[c][lane] * weight[lane] };
+            gain[c][lane] += (shown * here.throughput[c][lane]).min(STRONGEST);
         }
+        here.hit[lane] &= !unlit;
     }
-    count
 }
 
 /// Draws a direction for every lane and lets the path go on that way.
 #[inline(always)]
-fn scatter(context: &Context, here: &Shading, next: &mut Paths) {
-    let surfaces = here.surfaces;
-    let numbers = sampling::points(here.sequences, here.sample, Purpose::event(here.event, Draw::Direction));
-    let local = sampling::cosine_hemisphere(&numbers);
-    let mut direction = [[0.0; LANES]; 3];
+fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut Paths) {
+    let purpose = |draw| Purpose::event(here.event, draw);
+    let numbers = sampling::points_at(here.sequences, &here.sample, purpose(Draw::Direction));
+    let rolls = context.roulette && here.event >= ROULETTE_FROM;
+    let [choice, survival] = if rolls || scatterer.is_glossy() {
+        sampling::points_at(here.sequences, &here.sample, purpose(Draw::Choice))
+    } else {
+        [[0.0; LANES]; 2]
+    };
+    let scattered = scatterer.scatter(here, context.needs_density(), &numbers, &choice);
     let mut throughput = [[0.0; LANES]; 3];
-    for lane in 0..LANES {
-        let normal = at(&surfaces.shading_normal, lane);
-        let [x, y] = sampling::frame(normal);
-        let mut above = 0.0;
-        for axis in 0..3 {
-            let d = x[axis] * local[0][lane] + y[axis] * local[1][lane] + normal[axis] * local[2][lane];
-            direction[axis][lane] = d;
-            above += d * surfaces.geometric_normal[axis][lane];
-        }
-        // Under the triangle itself there is nothing to see, whatever the interpolated normal says.
-        let leaves = surfaces.hit[lane] & (here.valid.0[lane] != 0) & (above > 0.0);
-        for c in 0..3 {
-            let carried = here.throughput[c][lane] * surfaces.base_color[c][lane];
-            throughput[c][lane] = if leaves { carried } else { 0.0 };
+    for c in 0..3 {
+        for lane in 0..LANES {
+            throughput[c][lane] = (here.throughput[c][lane] * scattered.weight[c][lane]).min(STRONGEST);
         }
     }
-    if context.roulette && here.event >= ROULETTE_FROM {
-        roulette(here, &mut throughput);
+    if rolls {
+        roulette(&survival, &mut throughput);
     }
     let mut cells = [0; LANES];
     for lane in 0..LANES {
-        cells[lane] = paths::cell(at(&direction, lane));
+        cells[lane] = paths::cell(at(&scattered.direction, lane));
     }
     for lane in 0..LANES {
         let throughput = at(&throughput, lane);
         if throughput[0] + throughput[1] + throughput[2] > 0.0 {
             let path = Path {
-                origin: at(&surfaces.start, lane),
-                density: 0.0,
-                direction: at(&direction, lane),
+                origin: at(&scattered.start, lane),
+                density: scattered.density[lane],
+                direction: at(&scattered.direction, lane),
                 pixel: here.pixel[lane],
                 throughput,
-                goes_on: true,
+                sample: Sample::new(here.sample[lane], context.indirect | scattered.sharp[lane]),
             };
             next.push(path, cells[lane]);
         }
@@ -197,8 +148,7 @@ fn scatter(context: &Context, here: &Shading, next: &mut Paths) {
 
 /// Ends weak paths at random and makes up for them in those that survive.
 #[inline(always)]
-fn roulette(here: &Shading, throughput: &mut [[f32; LANES]; 3]) {
-    let [_, number] = sampling::points(here.sequences, here.sample, Purpose::event(here.event, Draw::Choice));
+fn roulette(number: &[f32; LANES], throughput: &mut [[f32; LANES]; 3]) {
     for lane in 0..LANES {
         let strongest = throughput[0][lane].max(throughput[1][lane]).max(throughput[2][lane]);
         let survival = strongest.clamp(0.05, 0.95);

@@ -1,0 +1,98 @@
+//! Full names of channels, and which of them are the colour of the image.
+
+use std::collections::HashMap;
+
+use exr::meta::Headers;
+
+/// A channel by its place in the file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Channel {
+    pub part: usize,
+    pub channel: usize,
+    pub name: String,
+}
+
+/// All channels with their full names, in the order of the file.
+pub(super) fn all(headers: &Headers) -> Vec<Channel> {
+    let several = headers.len() > 1;
+    let mut all = Vec::new();
+    for (part, header) in headers.iter().enumerate() {
+        let layer = header.own_attributes.layer_name.as_ref().filter(|layer| several && !layer.bytes().is_empty());
+        let layer = layer.map(|layer| format!("{}.", String::from_utf8_lossy(layer.bytes())));
+        for (channel, description) in header.channels.list.iter().enumerate() {
+            let own = String::from_utf8_lossy(description.name.bytes());
+            let name = match &layer {
+                // Some programs write the full name into the channel as well.
+                Some(layer) if !own.starts_with(layer.as_str()) => format!("{layer}{own}"),
+                _ => own.into_owned(),
+            };
+            all.push(Channel { part, channel, name });
+        }
+    }
+    all
+}
+
+/// The components that tell what a layer is.
+const COMPONENTS: [&str; 7] = ["R", "G", "B", "Y", "X", "Z", "RY"];
+
+/// The indices of red, green and blue; three times the same for luminance.
+pub(super) fn colour(channels: &[Channel]) -> Option<[usize; 3]> {
+    // The layers with the indices of their components, in the order of the file. A damaged file may have very many.
+    let mut places = HashMap::new();
+    let mut layers: Vec<(&str, [Option<usize>; COMPONENTS.len()])> = Vec::new();
+    for (index, channel) in channels.iter().enumerate() {
+        let (layer, component) = channel.name.rsplit_once('.').unwrap_or(("", &channel.name));
+        let Some(component) = COMPONENTS.iter().position(|known| *known == component) else { continue };
+        let place = *places.entry((channel.part, layer)).or_insert(layers.len());
+        if place == layers.len() {
+            layers.push((layer, [None; COMPONENTS.len()]));
+        }
+        layers[place].1[component].get_or_insert(index);
+    }
+    // Stable: equal ranks stay in the order of the file.
+    layers.sort_by_key(|(layer, _)| match *layer {
+        "" => 0,
+        layer if layer.split('.').any(|word| word == "Combined") => 1,
+        _ => 2,
+    });
+    let rgb = layers.iter().find_map(|(_, components)| Some([components[0]?, components[1]?, components[2]?]));
+    // X, Y, Z is a vector or CIE XYZ, and Y, RY, BY is colour in another coding.
+    rgb.or_else(|| {
+        layers.iter().find_map(|(_, components)| match components {
+            [.., luminance, None, None, None] => luminance.map(|index| [index; 3]),
+            _ => None,
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn colour_of(names: &[&str]) -> Option<[usize; 3]> {
+        let channel = |(channel, name): (usize, &&str)| Channel { part: 0, channel, name: (*name).to_owned() };
+        colour(&names.iter().enumerate().map(channel).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn the_colour_is_found_by_rank() {
+        assert_eq!(colour_of(&["A", "B", "G", "R"]), Some([3, 2, 1]));
+        assert_eq!(colour_of(&["B", "G", "R", "a.Combined.B", "a.Combined.G", "a.Combined.R"]), Some([2, 1, 0]));
+        let blender =
+            ["V.Albedo.B", "V.Albedo.G", "V.Albedo.R", "V.Combined.A", "V.Combined.B", "V.Combined.G", "V.Combined.R"];
+        assert_eq!(colour_of(&blender), Some([6, 5, 4]));
+        assert_eq!(colour_of(&["a.B", "a.G", "a.R", "b.B", "b.G", "b.R"]), Some([2, 1, 0]));
+        // Red of one layer and green of another are no colour.
+        assert_eq!(colour_of(&["a.B", "a.G", "b.R"]), None);
+    }
+
+    #[test]
+    fn luminance_is_told_from_the_second_axis() {
+        assert_eq!(colour_of(&["Y"]), Some([0; 3]));
+        assert_eq!(colour_of(&["A", "Y"]), Some([1; 3]));
+        assert_eq!(colour_of(&["Normal.X", "Normal.Y", "Normal.Z"]), None);
+        assert_eq!(colour_of(&["X", "Y", "Z", "light.Y"]), Some([3; 3]));
+        assert_eq!(colour_of(&["BY", "RY", "Y"]), None);
+        assert_eq!(colour_of(&["Z"]), None);
+    }
+}

@@ -1,0 +1,158 @@
+//! Radiance HDR (`.hdr`, `.pic`): linear RGB with 8 bits a channel and one exponent for the three.
+//!
+//! Own code, because the one maintained crate (`image` 0.25) reads one of the eight orientations and one of the two
+//! signatures, leaves exposure to its caller and multiplies run lengths without a check. Read are the signatures
+//! `#?RADIANCE` and `#?RGBE`, all orientations, flat scanlines and both run-length codings.
+//!
+//! # Model
+//!
+//! A pixel (r, g, b, e) is `(r, g, b) * 2^(e - 136)`, black where e = 0, divided by the product of the header's `EXPOSURE`
+//! and `COLORCORR` lines: what the camera saw, not what was done to the picture later. The power of two is exact; the
+//! division, where there is one, is rounded once. Half a step is not added to the mantissas: Radiance's own tools do,
+//! most others do not, and black would not stay black. Primaries are taken to be those of sRGB; `PRIMARIES` is ignored.
+//!
+//! # Source
+//!
+//! Ward, *Real Pixels*, Graphics Gems II (1991), and the file format chapter of the Radiance reference manual.
+
+mod header;
+mod scanline;
+
+use std::fs::File;
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+
+use holo_core::GridSize;
+use ndarray::{Array3, Axis};
+
+use crate::error::MEMORY;
+use crate::{Error, Limits};
+use header::{Header, Major};
+
+/// The format's name in messages.
+const FORMAT: &str = "HDR";
+
+/// What the header of a Radiance HDR file says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HdrInfo {
+    /// Rows and columns of the upright image.
+    pub size: GridSize,
+    /// The product of all `EXPOSURE` lines, 1 without any: the reader divides by it.
+    pub exposure: f64,
+    /// The product of all `COLORCORR` lines, for red, green and blue: the reader divides by it.
+    pub colour_correction: [f64; 3],
+}
+
+/// Reads a Radiance HDR image as linear RGB, `(rows, columns, 3)`, top row first, whatever its orientation in the file.
+///
+/// Exposure and colour correction of the header are divided out. Bytes behind the last scanline are not looked at.
+///
+/// # Errors
+///
+/// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not a Radiance HDR file, is truncated or
+/// damaged; [`Error::Unsupported`] if its pixels are XYZE; [`Error::TooLarge`] if the image exceeds the limits, before
+/// memory is taken for it.
+pub fn read_hdr(path: impl AsRef<Path>, limits: &Limits) -> Result<Array3<f32>, Error> {
+    let path = path.as_ref();
+    decode(&mut open(path)?, path, *limits)
+}
+
+/// Reads a Radiance HDR image that is in memory, like [`read_hdr`].
+///
+/// # Errors
+///
+/// Those of [`read_hdr`].
+///
+/// # Examples
+///
+/// ```
+/// let file = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x40\x20\x81";
+/// let image = holo_io::decode_hdr(file, &holo_io::Limits::default())?;
+/// assert_eq!(image, ndarray::array![[[1.0, 0.5, 0.25]]]);
+/// # Ok::<(), holo_io::Error>(())
+/// ```
+pub fn decode_hdr(bytes: &[u8], limits: &Limits) -> Result<Array3<f32>, Error> {
+    decode(&mut &*bytes, Path::new(MEMORY), *limits)
+}
+
+/// Reads the header of a Radiance HDR image without its pixels.
+///
+/// # Errors
+///
+/// [`Error::Io`] if the file cannot be read; [`Error::Broken`] or [`Error::Unsupported`] if its header cannot be.
+pub fn read_hdr_info(path: impl AsRef<Path>) -> Result<HdrInfo, Error> {
+    let path = path.as_ref();
+    Ok(Header::read(&mut open(path)?, path)?.info())
+}
+
+fn open(path: &Path) -> Result<BufReader<File>, Error> {
+    let file = File::open(path).map_err(|source| Error::io("read", path, source))?;
+    Ok(BufReader::with_capacity(1 << 18, file))
+}
+
+fn decode(source: &mut impl BufRead, path: &Path, limits: Limits) -> Result<Array3<f32>, Error> {
+    let header = Header::read(source, path)?;
+    let (scanlines, length) = (header.scanlines, header.length);
+    let upright = header.major == Major::Rows && !header.flip_scanlines && !header.flip_pixels;
+    // An image that lies otherwise is copied once.
+    let copies = if upright { 1 } else { 2 };
+    limits.elements(path, "image", &[copies, scanlines, length, 3], size_of::<f32>())?;
+    // The room is only reserved: pages are touched as data really arrive, so a short file that announces much is cheap.
+    let mut values = limits.room(path, "image", scanlines * length * 3)?;
+    let mut codes = limits.room(path, "image", length)?;
+    let scale = scales();
+    let divisor = header.colour_correction.map(|correction| (correction * header.exposure) as f32);
+    let plain = divisor == [1.0; 3];
+    for index in 0..scanlines {
+        scanline::read(source, &mut codes, length).map_err(|fault| {
+            let at = format!("scanline {} of {scanlines}", index + 1);
+            fault.error(path, &at)
+        })?;
+        for &[red, green, blue, exponent] in &codes {
+            let scale = scale[usize::from(exponent)];
+            let colour = [f32::from(red) * scale, f32::from(green) * scale, f32::from(blue) * scale];
+            if plain {
+                values.extend(colour);
+            } else {
+                values.extend([colour[0] / divisor[0], colour[1] / divisor[1], colour[2] / divisor[2]]);
+            }
+        }
+    }
+    let mut image = Array3::from_shape_vec((scanlines, length, 3), values)
+        .map_err(|error| Error::broken(path, FORMAT, error.to_string()))?;
+    if header.flip_scanlines {
+        image.invert_axis(Axis(0));
+    }
+    if header.flip_pixels {
+        image.invert_axis(Axis(1));
+    }
+    if header.major == Major::Columns {
+        image.swap_axes(0, 1);
+    }
+    Ok(if upright { image } else { image.as_standard_layout().into_owned() })
+}
+
+/// 2^(e - 136) for every exponent, and 0 for e = 0. The smallest, 2^-135, is a subnormal number and exact.
+fn scales() -> [f32; 256] {
+    let mut scales = [0.0; 256];
+    for (exponent, scale) in scales.iter_mut().enumerate().skip(1) {
+        // Of an f32, the exponent field is e - 136 + 127; where that is below 1, a subnormal has units of 2^-149.
+        *scale = f32::from_bits(if exponent > 9 { (exponent as u32 - 9) << 23 } else { 1 << (exponent + 13) });
+    }
+    scales
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scales_are_exact_powers_of_two() {
+        let scales = scales();
+        assert_eq!(scales[0], 0.0);
+        for (exponent, &scale) in scales.iter().enumerate().skip(1) {
+            // f64 holds all of them as normal numbers.
+            assert_eq!(f64::from(scale), 2.0_f64.powi(exponent as i32 - 136), "{exponent}");
+        }
+    }
+}

@@ -1,0 +1,63 @@
+//! The last net under a decoder that is not ours: a panic in it becomes an error.
+//!
+//! What a file announces is checked before the decoder sees it, but its own arithmetic on damaged data is not in our
+//! hands. A library must not install a panic hook; a program that has one asks [`is_guarding`] and stays silent.
+
+use std::cell::Cell;
+#[cfg(feature = "exr")]
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+thread_local! {
+    static GUARDING: Cell<bool> = const { Cell::new(false) };
+}
+
+/// Whether this thread is inside this crate's last net: a panic now becomes an [`Error`](crate::Error), so a panic hook
+/// should print nothing.
+///
+/// Only the OpenEXR reader and writer need the net; without the feature `exr` this is always false.
+#[must_use]
+pub fn is_guarding() -> bool {
+    GUARDING.get()
+}
+
+/// Restores the flag also when a panic passes by.
+#[cfg(feature = "exr")]
+struct Restore(bool);
+
+#[cfg(feature = "exr")]
+impl Drop for Restore {
+    fn drop(&mut self) {
+        GUARDING.set(self.0);
+    }
+}
+
+/// Runs `work` with the flag of this thread set; for closures that run on other threads than their [`catch`].
+#[cfg(feature = "exr")]
+pub(crate) fn guarded<T>(work: impl FnOnce() -> T) -> T {
+    let _restore = Restore(GUARDING.replace(true));
+    work()
+}
+
+/// Runs `work`; a panic in it becomes the text of its message.
+#[cfg(feature = "exr")]
+pub(crate) fn catch<T>(work: impl FnOnce() -> T) -> Result<T, String> {
+    // Unwind safety: `work` owns or only reads what it uses, and all of it is thrown away on a panic.
+    catch_unwind(AssertUnwindSafe(|| guarded(work))).map_err(|payload| {
+        let text = payload.downcast_ref::<String>().map(String::as_str);
+        text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("no message").to_owned()
+    })
+}
+
+#[cfg(all(test, feature = "exr"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn panics_become_errors_and_the_flag_is_restored() {
+        assert!(!is_guarding());
+        assert_eq!(catch(is_guarding), Ok(true));
+        // `resume_unwind` runs no panic hook, so the test's output stays clean.
+        assert_eq!(catch::<()>(|| std::panic::resume_unwind(Box::new("boom"))), Err("boom".to_owned()));
+        assert!(!is_guarding());
+    }
+}

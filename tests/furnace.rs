@@ -1,0 +1,127 @@
+//! The white furnace: in a world that shines equally from everywhere, what neither absorbs nor emits cannot be seen.
+//!
+//! Whole renders, from camera ray to picture: a body of flat triangles under a sky of 1 must show 1 in every pixel. Smooth
+//! shading would not: an interpolated normal sends some light below the triangle. The scattering functions alone, at
+//! all roughnesses, are integrated in `holo-render`'s own tests.
+
+mod common;
+
+use common::rig;
+use holo_core::Projection;
+use holo_render::scene::{Material, Mesh, Scene, Transform, Volume};
+use holo_render::{Backend, Integrator, Renderer, Request};
+
+/// A sphere of 20 * 4^3 flat triangles around the origin.
+fn sphere(radius: f32) -> Mesh {
+    let t = (1.0 + 5f64.sqrt()) / 2.0;
+    let mut positions: Vec<[f64; 3]> = Vec::new();
+    for (a, b) in [(-1.0, t), (1.0, t), (-1.0, -t), (1.0, -t)] {
+        positions.extend([[a, b, 0.0], [0.0, a, b], [b, 0.0, a]]);
+    }
+    // The faces of the icosahedron: all triples of neighbours, turned outward.
+    let distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>();
+    let mut triangles: Vec<[usize; 3]> = Vec::new();
+    for a in 0..12 {
+        for b in a + 1..12 {
+            for c in b + 1..12 {
+                let near = |p: usize, q: usize| distance(positions[p], positions[q]) < 4.1;
+                if near(a, b) && near(b, c) && near(a, c) {
+                    triangles.push([a, b, c]);
+                }
+            }
+        }
+    }
+    for _ in 0..3 {
+        let mut finer = Vec::new();
+        for &[a, b, c] in &triangles {
+            let mut middle = |p: usize, q: usize| {
+                let m: [f64; 3] = std::array::from_fn(|k| positions[p][k] + positions[q][k]);
+                positions.push(m);
+                positions.len() - 1
+            };
+            let (ab, bc, ca) = (middle(a, b), middle(b, c), middle(c, a));
+            for p in positions.iter_mut() {
+                let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
+                *p = p.map(|x| x / length);
+            }
+            finer.extend([[a, ab, ca], [b, bc, ab], [c, ca, bc], [ab, bc, ca]]);
+        }
+        triangles = finer;
+    }
+    let outward = |[a, b, c]: [usize; 3]| {
+        let [p, q, r] = [positions[a], positions[b], positions[c]];
+        let (u, v): ([f64; 3], [f64; 3]) = (std::array::from_fn(|k| q[k] - p[k]), std::array::from_fn(|k| r[k] - p[k]));
+        let normal = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+        let out: f64 = (0..3).map(|k| normal[k] * p[k]).sum();
+        if out > 0.0 { [a, b, c] } else { [a, c, b] }
+    };
+    Mesh {
+        triangles: triangles.into_iter().map(|t| outward(t).map(|k| k as u32)).collect(),
+        positions: positions.into_iter().map(|p| p.map(|x| x as f32 * radius)).collect(),
+        ..Mesh::default()
+    }
+}
+
+/// The mean and the extremes of what a rig of 3 x 3 views sees of `material` in a world of radiance 1.
+fn furnace(material: Material, samples: u32, bounces: u32) -> (f64, f32, f32) {
+    let mut scene = Scene::default();
+    common::add(&mut scene, sphere(0.6), [1.0; 4], Transform::from_translation([0.0, 0.0, -2.0]));
+    scene.materials[0] = material;
+    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+    let request = Request {
+        integrator: Integrator::Path,
+        samples,
+        sky: [1.0; 3],
+        max_bounces: bounces,
+        roulette: false,
+        ..Request::new(rig([3, 3], [12, 18], 0.05, 2.0, Projection::Perspective))
+    };
+    let color = renderer.render(&request, &()).expect("a render").color.expect("a picture");
+    let values = color.samples();
+    let mean = values.iter().map(|&x| f64::from(x)).sum::<f64>() / values.len() as f64;
+    let low = values.iter().copied().fold(f32::INFINITY, f32::min);
+    (mean, low, values.iter().copied().fold(0.0, f32::max))
+}
+
+/// Every path ends in the sky with all that it started with: not even noise is left.
+#[test]
+fn lambert_and_mirror_are_invisible() {
+    let mirror = Material { metallic: 1.0, roughness: 0.0, ..Material::default() };
+    for material in [Material::default(), mirror] {
+        let (mean, low, high) = furnace(material.clone(), 16, 4);
+        assert!((mean - 1.0).abs() < 1e-5 && low > 0.9999 && high < 1.0001, "{mean} {low} {high} {material:?}");
+    }
+}
+
+/// Radiance grows by n^2 on its way in and shrinks as much on its way out; what is left out is the
+/// light that is still inside: a body of flat faces holds some for long (0.4 % after 64 bounces).
+#[test]
+fn smooth_glass_is_invisible() {
+    let clear = Some(Volume { attenuation_distance_m: f32::INFINITY, attenuation_color: [1.0; 3] });
+    for (volume, ior) in [(clear, 1.5), (clear, 2.4), (clear, 1.0), (None, 1.5)] {
+        let glass = Material { roughness: 0.0, specular: 1.0, transmission: 1.0, ior, volume, ..Material::default() };
+        let (mean, _, high) = furnace(glass, 64, 1000);
+        assert!((mean - 1.0).abs() < 1e-3 && high < 1.5, "ior {ior} {volume:?}: {mean} {high}");
+    }
+}
+
+/// The mixtures may lose what their facets throw at each other, and nothing more (the table in `bsdf.rs` has how much);
+/// they never gain.
+#[test]
+fn nothing_shines_more_than_its_surroundings() {
+    let clear = Some(Volume { attenuation_distance_m: f32::INFINITY, attenuation_color: [1.0; 3] });
+    for roughness in [0.1, 0.4, 1.0] {
+        let rough = Material { roughness, specular: 1.0, ..Material::default() };
+        for (material, most_lost) in [
+            (rough.clone(), 0.1),
+            (Material { metallic: 1.0, ..rough.clone() }, 0.85),
+            (Material { metallic: 0.5, ..rough.clone() }, 0.4),
+            (Material { transmission: 1.0, volume: clear, ..rough.clone() }, 0.85),
+            (Material { transmission: 1.0, ..rough.clone() }, 0.85),
+            (Material { transmission: 0.5, metallic: 0.3, ..rough.clone() }, 0.7),
+        ] {
+            let (mean, ..) = furnace(material.clone(), 64, 64);
+            assert!(mean < 1.001 && mean > 1.0 - most_lost, "{mean} {material:?}");
+        }
+    }
+}
