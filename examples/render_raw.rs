@@ -4,6 +4,7 @@ use holo_core::{GridSize, Projection, Split};
 use holo_io::{Compression, Meaning, write_pfm, write_png_u8};
 use holo_render::scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer, Request, exposure};
+use ndarray::Axis;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Three coloured squares at 0.4, 0.5 and 0.65 m.
@@ -51,7 +52,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let raw = exposure::encode_8bit(&color, exposure::automatic_exposure(&color))?.to_elemental_grid();
     let out = std::env::temp_dir();
     write_png_u8(out.join("holo_example_raw.png"), raw.view(), Meaning::Srgb, Compression::Published)?;
-    write_pfm(out.join("holo_example_depth.pfm"), rendered.central.depth_m.view())?;
+    let depth_m = rendered.central.depth_m().ok_or("depth is asked for unless told otherwise")?;
+    write_pfm(out.join("holo_example_depth.pfm"), depth_m.index_axis(Axis(2), 0))?;
     println!(
         "{} x {} px with {}: holo_example_raw.png in {}",
         raw.dim().1,

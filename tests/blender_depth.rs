@@ -5,7 +5,7 @@ mod common;
 use std::path::{Path, PathBuf};
 
 use holo_core::{GridSize, Projection, Split};
-use holo_render::{Baseline, CameraChoice, Framing, Renderer};
+use holo_render::{Baseline, CameraChoice, Framing, Layer, Renderer};
 
 fn reference() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join("shared").join("reference");
@@ -37,7 +37,7 @@ fn five_views_have_the_depth_that_blender_finds() {
         for (t, s) in [(0, 0), (0, 40), (13, 29), (20, 20), (40, 40)] {
             let file = folder.join(format!("still_life_depth_t{t}_s{s}.pfm"));
             let theirs = holo_io::read_pfm_grey(file, &holo_io::Limits::default()).unwrap();
-            let ours = all.depth_m.view(t, s).unwrap();
+            let ours = all[Layer::Depth].view(t, s).unwrap();
             let mut errors: Vec<f64> = theirs
                 .indexed_iter()
                 .map(|((v, u), &z)| (f64::from(ours[[v, u, 0]]) / f64::from(z) - 1.0).abs())

@@ -5,7 +5,7 @@ mod common;
 use common::{add, engines, render, rig, soup, square, truth};
 use holo_core::Projection;
 use holo_render::scene::{Scene, Transform};
-use holo_render::{Backend, Renderer};
+use holo_render::{Backend, Layer, Renderer};
 
 /// A slanted plane fills the picture: its depth is known for every pixel of every view, in either projection, with
 /// either engine. f64 refinement leaves the rounding of the stored f32: 2^-24.
@@ -21,7 +21,7 @@ fn depth_of_a_slanted_plane_is_exact() {
             let rig = rig([3, 4], [7, 9], 0.05, 2.5, projection);
             let rendered = render(&scene, &truth(rig), backend, 1);
             let all = rendered.all.expect("asked for");
-            for ((v, u, t, s, _), &depth) in all.depth_m.samples().indexed_iter() {
+            for ((v, u, t, s, _), &depth) in all[Layer::Depth].samples().indexed_iter() {
                 let ray = rig.ray(v, u, t, s, 0.5, 0.5);
                 let [x, y] = [0, 1].map(|k| (ray.origin_m[k], ray.direction[k]));
                 // -Z = -3 + 0.2 (x + Z dx) - 0.3 (y + Z dy)
@@ -31,7 +31,7 @@ fn depth_of_a_slanted_plane_is_exact() {
                     "{backend:?} {projection:?} {v} {u} {t} {s}: {depth} {exact}"
                 );
                 let disparity = rig.disparity().from_depth_m(exact);
-                let found = f64::from(all.disparity_px.samples()[[v, u, t, s, 0]]);
+                let found = f64::from(all[Layer::Disparity].samples()[[v, u, t, s, 0]]);
                 // Relative to the scale of disparities here: f32 rounding.
                 assert!((found - disparity).abs() <= 1e-7 * disparity.abs().max(1e-3), "{found} {disparity}");
             }
@@ -48,9 +48,9 @@ fn the_central_view_is_one_of_all() {
         let scene = soup(200, 3);
         let rendered = render(&scene, &truth(rig), Backend::Bvh, 2);
         let alone = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, 1).unwrap().central_truth(&rig).unwrap();
-        assert_eq!(alone.depth_m, rendered.central.depth_m);
-        assert_eq!(alone.disparity_px, rendered.central.disparity_px);
-        assert!(alone.depth_m.iter().any(|z| z.is_finite()) && alone.depth_m.iter().any(|z| z.is_infinite()));
+        assert_eq!(alone, rendered.central);
+        let depth_m = &alone[Layer::Depth];
+        assert!(depth_m.iter().any(|z| z.is_finite()) && depth_m.iter().any(|z| z.is_infinite()));
     }
 }
 
@@ -63,8 +63,8 @@ fn points_move_by_their_disparity() {
     let rig = rig([5, 5], [21, 31], 0.03, 2.5, Projection::Perspective);
     let rendered = render(&scene, &truth(rig), Backend::Bvh, 1);
     let (tc, sc) = rig.split().central_view();
-    for ((v, u), &disparity) in rendered.central.disparity_px.indexed_iter() {
-        let depth = f64::from(rendered.central.depth_m[[v, u]]);
+    for ((v, u, _), &disparity) in rendered.central[Layer::Disparity].indexed_iter() {
+        let depth = f64::from(rendered.central[Layer::Depth][[v, u, 0]]);
         let point = rig.ray(v, u, tc, sc, 0.5, 0.5).at_depth_m(depth);
         for t in 0..5 {
             for s in 0..5 {
@@ -106,7 +106,7 @@ fn engines_agree_on_depth() {
     let oracle = render(&scene, &truth(rig), Backend::BruteForce, 2).all.expect("asked for");
     for backend in engines() {
         let found = render(&scene, &truth(rig), backend, 2).all.expect("asked for");
-        let (a, b) = (oracle.depth_m.samples(), found.depth_m.samples());
+        let (a, b) = (oracle[Layer::Depth].samples(), found[Layer::Depth].samples());
         let same = |a: f32, b: f32| a == b || ((a - b) / a).abs() < 1e-6;
         let (differ, all) = (a.iter().zip(b).filter(|(a, b)| !same(**a, **b)).count(), a.len());
         assert!(differ * 1000 <= all, "{backend:?}: {differ} of {all}");

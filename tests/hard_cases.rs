@@ -5,7 +5,7 @@ mod common;
 use common::{add, engines, everything, render, render_from, rig, soup, square, truth};
 use holo_core::Projection;
 use holo_render::scene::{Light, LightKind, Scene, Transform};
-use holo_render::{Backend, Error, Renderer};
+use holo_render::{Backend, Error, Layer, Renderer};
 
 fn lit_soup(seed: u64) -> Scene {
     let mut scene = soup(300, seed);
@@ -71,7 +71,7 @@ fn scale_does_not_matter() {
         for backend in engines() {
             let a = render(&scene, &truth(base), backend, 1).all.expect("asked for");
             let b = render(&scaled, &truth(rig), backend, 1).all.expect("asked for");
-            let (a, b) = (a.disparity_px.samples(), b.disparity_px.samples());
+            let (a, b) = (a[Layer::Disparity].samples(), b[Layer::Disparity].samples());
             let count = a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 1e-5).count();
             assert!(count * 1000 <= a.len(), "{backend:?} x {scale}: {count}");
         }
@@ -138,7 +138,7 @@ fn any_focus_sees_the_plane_at_its_depth() {
     for focus in [1e-3, 3.0, 1e9, f64::INFINITY] {
         let rig = rig([2, 2], [5, 5], 1e-4, focus, Projection::Perspective);
         let rendered = render(&scene, &truth(rig), Backend::Bvh, 1);
-        assert!(rendered.central.depth_m.iter().all(|z| *z == 3.0), "focus {focus}");
+        assert!(rendered.central[Layer::Depth].iter().all(|z| *z == 3.0), "focus {focus}");
     }
 }
 

@@ -9,16 +9,18 @@ use std::time::Instant;
 
 use holo_bench::{Entry, best_of, scene_rig};
 use holo_render::bench::{Work, trace};
-use holo_render::{Backend, GroundTruth, Integrator, Renderer, Request};
+use holo_render::{Backend, GroundTruth, Integrator, LayerSet, Renderer, Request};
 
 fn main() {
     let setup = scene_rig(std::env::args().skip(1));
     let rig = setup.rig;
-    let render = move |renderer: &Renderer, integrator, sky, ground_truth| {
-        let request = Request { integrator, sky, ground_truth, ..Request::new(rig) };
+    let run = |renderer: &Renderer, request: &Request| {
         let start = Instant::now();
-        let rendered = renderer.render(&request, &()).expect("the scene renders");
+        let rendered = renderer.render(request, &()).expect("the scene renders");
         (start.elapsed().as_secs_f64(), rendered.rays.total())
+    };
+    let render = move |renderer: &Renderer, integrator, sky, ground_truth| {
+        run(renderer, &Request { integrator, sky, ground_truth, ..Request::new(rig) })
     };
     let sky = [0.2, 0.24, 0.32];
     let engines = [Backend::Embree, Backend::Bvh].map(|b| Renderer::new(&setup.scene, &setup.pose, b, 0));
@@ -36,6 +38,18 @@ fn main() {
         add(
             "depth + disparity of all views, f64",
             Box::new(move || render(renderer, Integrator::Depth, [0.0; 3], GroundTruth::All)),
+        );
+        add(
+            "all layers of all views",
+            Box::new(move || {
+                let request = Request {
+                    integrator: Integrator::Depth,
+                    layers: LayerSet::ALL,
+                    ground_truth: GroundTruth::All,
+                    ..Request::new(rig)
+                };
+                run(renderer, &request)
+            }),
         );
         add("direct, lights", Box::new(move || render(renderer, Integrator::Direct, [0.0; 3], GroundTruth::Central)));
         add(

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use holo_core::{GridSize, Sensor};
 
-pub use values::{CameraArgument, ExposureArgument, FocusArgument, Pair, Rgb};
+pub use values::{CameraArgument, ExposureArgument, FocusArgument, Pair, SkyArgument};
 
 /// Holoscopic (integral, plenoptic 1.0) images from glTF scenes, with exact depth and disparity.
 ///
@@ -50,6 +50,9 @@ pub struct RenderOptions {
     /// Rays through every pixel [default: 16, with the integrator depth 1].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub spp: Option<u32>,
+    /// Relative standard error at which a pixel needs no more samples; --spp is then the most it gets [default: 1024].
+    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = values::positive)]
+    pub target_error: Option<f64>,
     /// How often light is scattered at most on its way to a pixel.
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub max_bounces: u32,
@@ -59,16 +62,23 @@ pub struct RenderOptions {
     /// Let `--integrator auto` leave out light that comes from other surfaces, except in mirrors and glass.
     #[arg(long)]
     pub no_indirect: bool,
-    /// Radiance of a constant sky, linear.
-    #[arg(long, value_name = "R,G,B", allow_hyphen_values = true, default_value = "0,0,0")]
-    pub sky: Rgb,
+    /// Radiance of a constant sky, linear, or an equirectangular map around the scene (.hdr, .exr).
+    #[arg(long, value_name = "R,G,B|FILE", allow_hyphen_values = true, default_value = "0,0,0")]
+    pub sky: SkyArgument,
     /// Stops by which 8- and 16-bit images are brightened, or `auto`.
     #[arg(long, value_name = "auto|EV", default_value = "auto", allow_hyphen_values = true)]
     pub exposure: ExposureArgument,
-    /// Depth and disparity for the central view or for all views.
+    /// Layers for the central view or for all views.
     #[arg(long, value_enum, default_value_t = GroundTruthArgument::Central)]
     pub ground_truth: GroundTruthArgument,
-    /// What to write, separated by commas [default: vpi,el,disparity,depth; without colour disparity,depth].
+    /// Layers to write as float maps (PFM), separated by commas [default: those of --write].
+    ///
+    /// Each tells what the ray through a pixel's centre meets first, glass included. scene_LAYER.pfm is the central
+    /// view's; with `--ground-truth all` the folder LAYER has one of every view.
+    #[arg(long, value_name = "NAME,..", value_enum, value_delimiter = ',')]
+    pub layers: Vec<LayerArgument>,
+    /// What to write, separated by commas [default: vpi,el, and disparity,depth unless --layers names others; without
+    /// colour no vpi and el].
     #[arg(long, value_name = "WHAT,..", value_enum, value_delimiter = ',')]
     pub write: Vec<Output>,
     /// Bits a channel of the raw PNGs.
@@ -134,7 +144,7 @@ pub struct EngineOptions {
 
 #[derive(Args, Debug)]
 pub struct InfoOptions {
-    /// A scene, a PNG, a PFM, a parameters.cfg or a manifest.json.
+    /// A scene, a PNG, a PFM, an EXR, a Radiance HDR, a parameters.cfg or a manifest.json.
     pub file: PathBuf,
     #[command(flatten)]
     pub rig: RigOptions,
@@ -236,6 +246,33 @@ pub enum LayoutArgument {
     El,
 }
 
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LayerArgument {
+    /// The picture in linear light, without exposure.
+    #[value(alias = "colour")]
+    Color,
+    /// Along the optical axis, m; nothing hit: infinity.
+    Depth,
+    /// Along the ray, m; nothing hit: infinity.
+    RayLength,
+    /// Between neighbouring views, px; also as a PNG.
+    Disparity,
+    /// Of the triangle, in the world, on the side that is seen.
+    GeometricNormal,
+    /// Interpolated between the vertices, likewise.
+    ShadingNormal,
+    /// Base colour, linear.
+    Albedo,
+    /// Number of the instance, from 1; nothing hit: 0.
+    ObjectId,
+    /// Number of the material, from 1; nothing hit: 0.
+    MaterialId,
+    /// 1 where something is hit, else 0.
+    HitMask,
+    /// All of these.
+    All,
+}
+
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Output {
     /// scene_vpi.png: all views side by side.
@@ -246,12 +283,11 @@ pub enum Output {
     Disparity,
     /// scene_depth.pfm of the central view.
     Depth,
+    /// scene_central.exr: colour and all layers of the central view, linear.
+    Exr,
     /// Not in this version.
     #[value(hide = true)]
     Mat,
-    /// Not in this version.
-    #[value(hide = true)]
-    Exr,
     /// Not in this version.
     #[value(hide = true)]
     H5,

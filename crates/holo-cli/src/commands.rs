@@ -7,8 +7,10 @@ pub mod render;
 pub mod scene;
 pub mod verify;
 
+mod layers;
 mod output;
 mod prepare;
 mod raw;
+mod sky;
 
 pub use output::take_back;

@@ -33,8 +33,11 @@ fn the_help_of_render_says_x_before_y_wherever_it_matters() {
     ] {
         assert!(text.contains(part), "no '{part}' in: {text}");
     }
+    for layer in holo_render::Layer::ALL.map(holo_render::Layer::name).into_iter().chain(["color", "all"]) {
+        assert!(text.contains(&format!("- {layer}:")), "{layer}: {text}");
+    }
     // What is not there yet is not offered.
-    for absent in ["mat", "exr", "h5", "hci"] {
+    for absent in ["mat", "h5", "hci"] {
         assert!(!text.contains(&format!("- {absent}:")), "{absent}");
     }
 }

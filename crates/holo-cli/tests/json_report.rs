@@ -49,7 +49,7 @@ fn one_object_with_every_promised_key() {
     if cfg!(target_os = "linux") {
         assert!(report["peak_rss_bytes"].as_u64() > Some(1 << 20));
     }
-    assert_eq!(report["integrator"]["name"], "direct");
+    assert_eq!(report["integrator"]["name"], "path");
     assert!(!report["integrator"]["why"].as_str().unwrap().is_empty());
 
     let rig = &report["rig"];

@@ -31,6 +31,8 @@ fn flags_and_values_that_do_not_exist() {
     refused(&bench, "--sensor nonsense", &["--sensor", "hd, 4k, 8k, uhd8k or WIDTHxHEIGHT"]);
     refused(&bench, "--integrator magic", &["auto, depth, direct"]);
     refused(&bench, "--write nonsense", &["vpi, el, disparity, depth"]);
+    refused(&bench, "--layers normals", &["color, depth, ray-length", "shading-normal", "hit-mask, all"]);
+    refused(&bench, "--sky sky.png", &["--sky", "R,G,B", ".hdr or .exr"]);
     refused(&bench, "--bit-depth 12", &["8 or 16"]);
     refused(&bench, "--backend gpu", &["auto, embree, bvh"]);
     refused(&bench, "--exposure bright", &["auto"]);
@@ -61,6 +63,7 @@ fn options_that_contradict_each_other_or_the_scene() {
     refused(&bench, "--baseline-m 0.1 --f-number 5", &["--baseline-m", "--f-number", "cannot be used with"]);
     refused(&bench, "--integrator depth --write el", &["--integrator depth", "leave vpi and el out"]);
     refused(&bench, "--integrator depth --write depth,vpi", &["leave vpi and el out"]);
+    refused(&bench, "--integrator depth --layers color,depth", &["--integrator depth", "leave color out"]);
     refused(&bench, &format!("--camera side {SMALL}"), &["'side'", "'front'"]);
     refused(&bench, &format!("--camera 1 {SMALL}"), &["number 1", "'front'"]);
     refused(&bench, "--sensor 100x80 --views 101x4", &["100 x 80 pixels", "101 x 4 views", "at least one pixel"]);
@@ -83,16 +86,18 @@ fn pictures_of_a_scene_without_light() {
     let outcome = bench.run(&format!("render dark.glb --out out --write el {SMALL}"));
     assert_eq!(outcome.code, Some(2), "{outcome:?}");
     assert!(outcome.stderr.contains("no light") && outcome.stderr.contains("--sky 1,1,1"), "{outcome:?}");
+    let outcome = bench.run(&format!("render dark.glb --out out --layers colour {SMALL}"));
+    assert_eq!(outcome.code, Some(2), "{outcome:?}");
+    assert!(outcome.stderr.contains("leave color out") && outcome.stderr.contains("--sky 1,1,1"), "{outcome:?}");
     assert_eq!(bench.list(""), ["dark.glb", SCENE]);
 }
 
 #[test]
 fn what_is_not_in_this_version_is_said_so() {
     let bench = Bench::new();
-    for output in ["mat", "exr", "h5", "hci", "el,mat"] {
-        refused(&bench, &format!("--write {output}"), &["not in this version", "vpi, el, disparity and depth"]);
+    for output in ["mat", "h5", "hci", "el,mat"] {
+        refused(&bench, &format!("--write {output}"), &["not in this version", "vpi, el, disparity, depth and exr"]);
     }
-    refused(&bench, "--sky sky.hdr", &["not in this version", "R,G,B"]);
 }
 
 #[test]
@@ -110,6 +115,7 @@ fn absurd_sizes_are_refused_without_taking_memory() {
         "--lenses 1x1 --views 4000000000x1000",
         "--lenses 100000000x1 --views 100000x1",
         "--lenses 100000000x1 --views 100000x1 --integrator depth --ground-truth all",
+        "--lenses 1000000x1000000 --views 1 --integrator depth --write exr --layers all",
     ] {
         refused(&bench, options, &[]);
         let outcome = bench.run(&format!("render {SCENE} --out out --quiet {options}"));

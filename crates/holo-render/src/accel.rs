@@ -20,7 +20,7 @@ use std::sync::Arc;
 pub(crate) use packet::{LANES, Lanes, NO_TRIANGLE, RayHits, Rays, at};
 
 use crate::error::Error;
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Instancing};
 
 /// Which engine finds the hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,7 +63,16 @@ pub(crate) trait Engine: Send + Sync {
     fn name(&self) -> &str;
 }
 
-/// An engine over `geometry`, with a note where `Auto` had to fall back.
+/// How the geometry for this engine may be stored, if it is up to the renderer.
+pub(crate) fn instancing(backend: Backend) -> Instancing {
+    match backend {
+        Backend::Embree => Instancing::WhereItPays,
+        Backend::Auto if embree::Embree::available().is_ok() => Instancing::WhereItPays,
+        Backend::Auto | Backend::Bvh | Backend::BruteForce => Instancing::Never,
+    }
+}
+
+/// An engine over `geometry` (as [`instancing`] says for `backend`), with a note where `Auto` had to fall back.
 pub(crate) fn build(
     backend: Backend,
     geometry: &Arc<Geometry>,

@@ -7,7 +7,7 @@ mod emission;
 mod scattering;
 
 use crate::accel::{LANES, RayHits};
-use crate::geometry::{Geometry, Part};
+use crate::geometry::{Geometry, Hit, Part};
 use crate::scene::{self, Alpha, NormalMap, Texture, TextureTransform, TextureUse};
 use crate::srgb;
 use crate::surface::Surfaces;
@@ -94,15 +94,14 @@ impl Lookup {
 struct Place<'a> {
     geometry: &'a Geometry,
     part: &'a Part,
-    triangle: usize,
+    triangle: Hit,
     /// How much of each corner there is.
     weights: [f32; 3],
 }
 
 impl<'a> Place<'a> {
     #[inline(always)]
-    fn new(geometry: &'a Geometry, triangle: u32, [v, w]: [f32; 2]) -> Self {
-        let triangle = triangle as usize;
+    fn new(geometry: &'a Geometry, triangle: Hit, [v, w]: [f32; 2]) -> Self {
         let part = geometry.part(geometry.part_index(triangle));
         Self { geometry, part, triangle, weights: [1.0 - v - w, v, w] }
     }
@@ -146,7 +145,7 @@ impl Appearance {
         &self,
         geometry: &Geometry,
         packet: &RayHits,
-        triangles: &[u32; LANES],
+        triangles: &[Hit; LANES],
         out: &mut Surfaces,
     ) -> [f32; LANES] {
         let mut extent = [0.0; LANES];
@@ -219,8 +218,8 @@ impl Appearance {
     /// The share of rays that meet the surface of a triangle where they cross it at the weights `place`; 0 in the holes
     /// of a mask.
     #[inline(always)]
-    pub fn opacity(&self, geometry: &Geometry, triangle: u32, place: [f32; 2]) -> f32 {
-        let part = geometry.part(geometry.part_index(triangle as usize));
+    pub fn opacity(&self, geometry: &Geometry, triangle: Hit, place: [f32; 2]) -> f32 {
+        let part = geometry.part(geometry.part_index(triangle));
         let material = &self.materials[part.material as usize];
         if !material.kinds.has(Kinds::HOLES) {
             return 1.0;

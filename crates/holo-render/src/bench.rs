@@ -9,12 +9,39 @@ use std::time::Instant;
 use holo_core::Rig;
 use rayon::prelude::*;
 
-use crate::accel::{Coherence, LANES, Lanes, NO_TRIANGLE, RayHits};
+use crate::accel::{Backend, Coherence, LANES, Lanes, NO_TRIANGLE, RayHits};
 use crate::dispatch::{self, Kernel};
+use crate::error::Error;
+use crate::geometry::Instancing;
 use crate::integrator::depth::count;
 use crate::primary::RigTables;
 use crate::render::Renderer;
+use crate::scene::{Scene, Transform};
 use crate::tile::{Tile, Tiling};
+
+/// How meshes that stand in many places are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Storage {
+    /// Copied to every place.
+    Flattened,
+    /// Kept once wherever that is possible.
+    Instanced,
+    /// As a render chooses.
+    Chosen,
+}
+
+/// A renderer with Embree that stores repeated meshes as told.
+///
+/// # Errors
+/// As [`Renderer::new`].
+pub fn renderer(scene: &Scene, pose: &Transform, storage: Storage) -> Result<Renderer, Error> {
+    let instancing = match storage {
+        Storage::Flattened => Instancing::Never,
+        Storage::Instanced => Instancing::WherePossible,
+        Storage::Chosen => Instancing::WhereItPays,
+    };
+    Renderer::with_instancing(scene, pose, Backend::Embree, 0, instancing)
+}
 
 /// Rays, how many of them hit, and the time they took.
 #[derive(Clone, Copy, Debug)]

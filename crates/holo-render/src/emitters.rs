@@ -22,7 +22,7 @@ mod tests;
 use glam::Vec3;
 
 use crate::accel::{LANES, at};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Hit};
 use crate::sampling::Points;
 use crate::scene::{Material, Texture};
 use crate::srgb;
@@ -77,8 +77,8 @@ impl Emitters {
         let mut sums = Vec::new();
         let mut densities = Vec::new();
         let mut total = 0.0;
-        for triangle in 0..geometry.triangles().len() {
-            let part = geometry.part_index(triangle);
+        for triangle in 0..geometry.flattened_count() {
+            let part = geometry.part_index(Hit::flattened(triangle));
             let material = geometry.part(part).material as usize;
             if densities.len() <= part as usize {
                 densities.resize(part as usize + 1, [0.0; 2]);
@@ -87,7 +87,7 @@ impl Emitters {
                 continue;
             }
             // The corners as the engines see them, in f64: on what a ray can hit the density is exact.
-            let [a, b, c] = geometry.corners(triangle).map(|p| Vec3::from(p).as_dvec3());
+            let [a, b, c] = geometry.corners(Hit::flattened(triangle)).map(|p| Vec3::from(p).as_dvec3());
             let normal = (b - a).cross(c - a);
             let area = 0.5 * normal.length();
             let both = materials[material].double_sided;
@@ -118,7 +118,7 @@ impl Emitters {
             *density = [front, if both { front } else { 0.0 }];
         }
         for emitter in &mut glowing {
-            emitter.densities = densities[geometry.part_index(emitter.triangle as usize) as usize];
+            emitter.densities = densities[geometry.part_index(Hit::flattened(emitter.triangle as usize)) as usize];
         }
         let mut starts = vec![0];
         starts.extend(sums[..sums.len() - 1].iter().map(|sum| (sum / total * STEPS as f64) as u64));

@@ -116,7 +116,7 @@ impl Framed {
     /// As [`Renderer::render`]; an orthographic rig that sees nothing.
     pub fn automatic_focus_m(&self, renderer: &Renderer) -> Result<f64, Error> {
         let truth = renderer.central_truth(&self.rig_with(Projection::Perspective, f64::INFINITY)?)?;
-        let hits = truth.depth_m.iter().filter(|z| z.is_finite()).map(|&z| f64::from(z));
+        let hits = truth.depth_m().into_iter().flatten().filter(|z| z.is_finite()).map(|&z| f64::from(z));
         let (near, far) = hits.fold((f64::INFINITY, 0.0f64), |(near, far), z| (near.min(z), far.max(z)));
         if far > 0.0 {
             return Ok(2.0 / (1.0 / near + 1.0 / far));

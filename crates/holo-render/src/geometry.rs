@@ -1,10 +1,22 @@
 //! The scene as rays see it: one list of triangles in camera coordinates.
 //!
+//! Where an engine knows instances and a mesh stands in many places ([`instancing`]), the mesh is kept once, in its own
+//! coordinates, behind the flattened triangles of the same list, and every place is a map into camera coordinates
+//! ([`placed`]). A hit then names its triangle and its place ([`Hit`]).
+//!
 //! The rig's centre is subtracted in f64 before anything is rounded to f32, and the world is turned into the camera's
 //! frame, so that a ray starts near the origin and its parameter is planar depth. A rig of 10 um baseline at world
 //! coordinate 1e6 m therefore sees the same scene as one at the origin.
 
+mod instancing;
+mod placed;
+
+use std::ops::Range;
+
 use rayon::prelude::*;
+
+pub(crate) use instancing::Instancing;
+pub(crate) use placed::Placed;
 
 use crate::error::Error;
 use crate::scene::{Mesh, Scene, Transform};
@@ -12,27 +24,60 @@ use crate::scene::{Mesh, Scene, Transform};
 /// Coordinates stay below this, m.
 pub(crate) const LARGEST_COORDINATE: f64 = 1e18;
 
-/// Triangles of all instances in camera coordinates (right-handed, +Y up, the camera looks along -Z), metres.
+/// The place of triangles that are flattened.
+pub(crate) const FLATTENED: u32 = u32::MAX;
+
+/// Which triangle, and for a mesh that is kept once: in which place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Hit {
+    pub triangle: u32,
+    /// Index into [`Geometry::placed`], or [`FLATTENED`].
+    pub instance: u32,
+}
+
+impl Hit {
+    pub fn flattened(triangle: usize) -> Self {
+        Self { triangle: triangle as u32, instance: FLATTENED }
+    }
+}
+
+/// Triangles of all instances in camera coordinates (right-handed, +Y up, the camera looks along -Z), metres; behind them
+/// those of meshes that are kept once, in mesh coordinates.
 pub(crate) struct Geometry {
     /// f32 positions for the ray engines. The last entry is padding: Embree reads 16 bytes of every vertex.
     positions: Vec<[f32; 3]>,
     /// Indices into the vertex arrays.
     triangles: Vec<[u32; 3]>,
-    /// The plane of every triangle in f64.
-    planes: Vec<Plane>,
+    /// What every triangle is looked up for, in the order of `triangles`.
+    facets: Vec<Facet>,
     /// Unit vertex normals; zero where the mesh has none.
     normals: Vec<[f32; 3]>,
     /// Both sets.
     texture_coordinates: [Vec<[f32; 2]>; 2],
     colors: Vec<[f32; 4]>,
-    /// Which instance a triangle belongs to, as ascending first triangles.
+    /// What belongs together: the flattened instances, then those of `placed`.
     parts: Vec<Part>,
-    /// For every triangle its index into `parts`.
-    part_of: Vec<u32>,
+    /// How many triangles are flattened.
+    flattened: usize,
+    /// The triangles of every mesh that is kept once.
+    prototypes: Vec<Range<usize>>,
+    /// Where those meshes stand.
+    placed: Vec<Placed>,
 }
 
-/// `normal . x = offset`, from f64 positions. The normal is the unnormalised cross product of two edges, 0 for a
-/// triangle without area; it points to the side from which the triangle is counter-clockwise.
+/// A triangle as hits look it up: one line of the cache.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+struct Facet {
+    plane: Plane,
+    /// Indices into the vertex arrays.
+    corners: [u32; 3],
+    /// Index into the parts; of prototypes no meaning.
+    part: u32,
+}
+
+/// `normal . x = offset`, from f64 positions. The normal has length 1, or 0 for a triangle without area; it points to
+/// the side from which the triangle is counter-clockwise.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Plane {
     pub normal: [f64; 3],
@@ -43,56 +88,83 @@ pub(crate) struct Plane {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Part {
     pub material: u32,
+    /// Index into [`Scene::instances`].
+    pub object: u32,
     pub smooth: bool,
     /// Which of the two sets of texture coordinates it has.
     pub textured: [bool; 2],
     pub colored: bool,
-    /// The largest coordinate of any vertex: what an f32 position of this instance can be off by, over 2^-24.
+    /// The largest coordinate of any vertex: what an f32 position of this instance can be off by, over 2^-24. For a mesh
+    /// that is kept once [`Placed::extent`], which stands for the same.
     pub extent: f32,
 }
 
 impl Geometry {
-    /// Flattens `scene` into the frame of a camera at `pose`.
-    pub fn build(scene: &Scene, pose: &Transform) -> Result<Self, Error> {
+    /// Moves `scene` into the frame of a camera at `pose`.
+    pub fn build(scene: &Scene, pose: &Transform, instancing: Instancing) -> Result<Self, Error> {
         let too_many = |what: &str, count: usize| Error::BadScene {
             at: "scene".into(),
             what: format!("{count} {what} in the world; at most {} fit", u32::MAX - 1),
         };
-        let meshes: Vec<(&Mesh, &Transform)> =
-            scene.instances.iter().map(|i| (&scene.meshes[i.mesh], &i.transform)).collect();
-        let vertex_count = meshes.iter().map(|(m, _)| m.positions.len()).fold(0usize, usize::saturating_add);
-        let triangle_count = meshes.iter().map(|(m, _)| m.triangles.len()).fold(0usize, usize::saturating_add);
+        let plan = instancing::plan(scene, pose, instancing);
+        let is_placed = |object: &usize| plan.placed[*object].is_some();
+        let objects = || 0..scene.instances.len();
+        let mesh_of = |object: usize| &scene.meshes[scene.instances[object].mesh];
+        let flattened: Vec<usize> = objects().filter(|object| !is_placed(object)).collect();
+        let placed: Vec<usize> = objects().filter(is_placed).collect();
+        let prototypes: Vec<&Mesh> = plan.prototypes.iter().map(|&mesh| &scene.meshes[mesh]).collect();
+        let meshes = || flattened.iter().map(|&object| mesh_of(object)).chain(prototypes.iter().copied());
+        let vertex_count = meshes().map(|m| m.positions.len()).fold(0usize, usize::saturating_add);
+        let triangle_count = meshes().map(|m| m.triangles.len()).fold(0usize, usize::saturating_add);
+        let flattened_count: usize = flattened.iter().map(|&object| mesh_of(object).triangles.len()).sum();
         if vertex_count >= u32::MAX as usize {
             return Err(too_many("vertices", vertex_count));
         }
         if triangle_count >= u32::MAX as usize {
             return Err(too_many("triangles", triangle_count));
         }
-        let any = |f: fn(&Mesh) -> bool| meshes.iter().any(|(m, _)| f(m));
+        if scene.instances.len() >= u32::MAX as usize {
+            return Err(too_many("instances", scene.instances.len()));
+        }
+        let any = |f: fn(&Mesh) -> bool| meshes().any(f);
         let per_vertex = |wanted: bool| if wanted { vertex_count } else { 0 };
         let with_normals = any(|m| !m.normals.is_empty());
         let with_coordinates = any(|m| !m.texture_coordinates.is_empty());
         let with_second = any(|m| !m.second_coordinates.is_empty());
         let with_colors = any(|m| !m.colors.is_empty());
+        let with = [with_normals, with_coordinates, with_second, with_colors];
         let mut geometry = Self {
             positions: Vec::with_capacity(vertex_count + 1),
             triangles: Vec::with_capacity(triangle_count),
-            planes: Vec::with_capacity(triangle_count),
+            facets: Vec::with_capacity(triangle_count),
             normals: Vec::with_capacity(per_vertex(with_normals)),
             texture_coordinates: [with_coordinates, with_second].map(|wanted| Vec::with_capacity(per_vertex(wanted))),
             colors: Vec::with_capacity(per_vertex(with_colors)),
-            parts: Vec::with_capacity(meshes.len()),
-            part_of: Vec::with_capacity(triangle_count),
+            parts: Vec::with_capacity(scene.instances.len()),
+            flattened: flattened_count,
+            prototypes: Vec::with_capacity(prototypes.len()),
+            placed: Vec::new(),
         };
-        for (mesh, transform) in meshes {
-            let with = [with_normals, with_coordinates, with_second, with_colors];
-            geometry.append(mesh, &to_camera(transform, pose), with)?;
+        for object in flattened {
+            let transform = &scene.instances[object].transform;
+            let extent = geometry.append(mesh_of(object), &to_camera(transform, pose), with)?;
+            geometry.parts.push(Part::new(mesh_of(object), object, extent));
+        }
+        for &mesh in &prototypes {
+            let first = geometry.triangles.len();
+            geometry.append(mesh, &Transform::IDENTITY, with)?;
+            geometry.prototypes.push(first..geometry.triangles.len());
         }
         geometry.positions.push([0.0; 3]);
+        geometry.placed = plan.placed.into_iter().flatten().collect();
+        for (placed, object) in geometry.placed.iter().zip(placed) {
+            geometry.parts.push(Part::new(mesh_of(object), object, placed.extent));
+        }
         Ok(geometry)
     }
 
-    fn append(&mut self, mesh: &Mesh, to_camera: &Transform, with: [bool; 4]) -> Result<(), Error> {
+    /// Adds the vertices and triangles of a mesh; returns its largest coordinate.
+    fn append(&mut self, mesh: &Mesh, to_camera: &Transform, with: [bool; 4]) -> Result<f32, Error> {
         let first_vertex = self.positions.len() as u32;
         let exact: Vec<[f64; 3]> = mesh.positions.par_iter().map(|p| to_camera.point(p.map(f64::from))).collect();
         // Beyond this the squares and products inside a ray engine overflow f32.
@@ -108,7 +180,12 @@ impl Geometry {
         let mirrored = to_camera.determinant() < 0.0;
         let order = if mirrored { [0, 2, 1] } else { [0, 1, 2] };
         self.triangles.par_extend(mesh.triangles.par_iter().map(|t| order.map(|k| t[k] + first_vertex)));
-        self.planes.par_extend(mesh.triangles.par_iter().map(|t| Plane::through(order.map(|k| exact[t[k] as usize]))));
+        let part = self.parts.len() as u32;
+        self.facets.par_extend(mesh.triangles.par_iter().map(|t| Facet {
+            plane: Plane::through(order.map(|k| exact[t[k] as usize])),
+            corners: order.map(|k| t[k] + first_vertex),
+            part,
+        }));
         let [with_normals, with_coordinates, with_second, with_colors] = with;
         if with_normals {
             let columns = to_camera.normal_columns();
@@ -134,15 +211,7 @@ impl Geometry {
             self.colors.extend_from_slice(&mesh.colors);
             self.colors.resize(self.positions.len(), [1.0; 4]);
         }
-        self.part_of.resize(self.triangles.len(), self.parts.len() as u32);
-        self.parts.push(Part {
-            material: mesh.material as u32,
-            smooth: !mesh.normals.is_empty(),
-            textured: [!mesh.texture_coordinates.is_empty(), !mesh.second_coordinates.is_empty()],
-            colored: !mesh.colors.is_empty(),
-            extent: extent as f32,
-        });
-        Ok(())
+        Ok(extent as f32)
     }
 
     /// Vertex positions without the padding.
@@ -155,23 +224,57 @@ impl Geometry {
         &self.positions
     }
 
+    /// All triangles: the flattened ones, then those of the prototypes.
     pub fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 
-    /// The corners of a triangle as the engines see them.
-    pub fn corners(&self, triangle: usize) -> [[f32; 3]; 3] {
-        self.triangles[triangle].map(|k| self.positions[k as usize])
+    /// How many triangles are flattened; they come first.
+    pub fn flattened_count(&self) -> usize {
+        self.flattened
+    }
+
+    /// The triangles of every mesh that is kept once, in its own coordinates.
+    pub fn prototypes(&self) -> &[Range<usize>] {
+        &self.prototypes
+    }
+
+    /// Where meshes that are kept once stand.
+    pub fn placed(&self) -> &[Placed] {
+        &self.placed
+    }
+
+    /// Whether hits may lie on meshes that are kept once.
+    #[inline(always)]
+    pub fn is_instanced(&self) -> bool {
+        !self.placed.is_empty()
+    }
+
+    /// The corners of a triangle in camera coordinates, in the order that the weights of a hit refer to: clockwise seen
+    /// from the front on a mesh that is kept once and placed by a map that mirrors.
+    pub fn corners(&self, hit: Hit) -> [[f32; 3]; 3] {
+        let corners = self.triangles[hit.triangle as usize].map(|k| self.positions[k as usize]);
+        if hit.instance == FLATTENED {
+            return corners;
+        }
+        let placed = &self.placed[hit.instance as usize];
+        corners.map(|p| placed.point(p))
+    }
+
+    /// The plane of a triangle in camera coordinates.
+    #[inline(always)]
+    pub fn plane(&self, hit: Hit) -> Plane {
+        let plane = self.facets[hit.triangle as usize].plane;
+        if hit.instance == FLATTENED { plane } else { self.placed[hit.instance as usize].plane(&plane) }
     }
 
     #[inline(always)]
-    pub fn planes(&self) -> &[Plane] {
-        &self.planes
-    }
-
-    #[inline(always)]
-    pub fn part_index(&self, triangle: usize) -> u32 {
-        self.part_of[triangle]
+    pub fn part_index(&self, hit: Hit) -> u32 {
+        if hit.instance == FLATTENED {
+            self.facets[hit.triangle as usize].part
+        } else {
+            (self.parts.len() - self.placed.len()) as u32 + hit.instance
+        }
     }
 
     #[inline(always)]
@@ -179,31 +282,50 @@ impl Geometry {
         &self.parts[index as usize]
     }
 
+    /// Unit normals of the corners in camera coordinates; zero where the mesh has none.
     #[inline(always)]
-    pub fn normals_of(&self, triangle: usize) -> [[f32; 3]; 3] {
-        let [a, b, c] = self.triangles[triangle];
-        [self.normals[a as usize], self.normals[b as usize], self.normals[c as usize]]
+    pub fn normals_of(&self, hit: Hit) -> [[f32; 3]; 3] {
+        let [a, b, c] = self.facets[hit.triangle as usize].corners;
+        let [a, b, c] = [self.normals[a as usize], self.normals[b as usize], self.normals[c as usize]];
+        if hit.instance == FLATTENED {
+            return [a, b, c];
+        }
+        let placed = &self.placed[hit.instance as usize];
+        [placed.normal(a), placed.normal(b), placed.normal(c)]
     }
 
     /// Of the set 0 or 1.
     #[inline(always)]
-    pub fn texture_coordinates_of(&self, triangle: usize, set: usize) -> [[f32; 2]; 3] {
-        let [a, b, c] = self.triangles[triangle];
+    pub fn texture_coordinates_of(&self, hit: Hit, set: usize) -> [[f32; 2]; 3] {
+        let [a, b, c] = self.facets[hit.triangle as usize].corners;
         let all = &self.texture_coordinates[set];
         [all[a as usize], all[b as usize], all[c as usize]]
     }
 
     #[inline(always)]
-    pub fn colors_of(&self, triangle: usize) -> [[f32; 4]; 3] {
-        let [a, b, c] = self.triangles[triangle];
+    pub fn colors_of(&self, hit: Hit) -> [[f32; 4]; 3] {
+        let [a, b, c] = self.facets[hit.triangle as usize].corners;
         [self.colors[a as usize], self.colors[b as usize], self.colors[c as usize]]
+    }
+}
+
+impl Part {
+    fn new(mesh: &Mesh, object: usize, extent: f32) -> Self {
+        Self {
+            material: mesh.material as u32,
+            object: object as u32,
+            smooth: !mesh.normals.is_empty(),
+            textured: [!mesh.texture_coordinates.is_empty(), !mesh.second_coordinates.is_empty()],
+            colored: !mesh.colors.is_empty(),
+            extent,
+        }
     }
 }
 
 impl Plane {
     pub fn through([a, b, c]: [[f64; 3]; 3]) -> Self {
         let [a, b, c] = [a, b, c].map(glam::DVec3::from);
-        let normal = (b - a).cross(c - a);
+        let normal = (b - a).cross(c - a).normalize_or_zero();
         Self { normal: normal.to_array(), offset: normal.dot(a) }
     }
 }
@@ -247,9 +369,9 @@ mod tests {
     fn a_mirrored_triangle_keeps_its_front_and_its_normal() {
         let mut mirrored = Transform::IDENTITY;
         mirrored.columns[0][0] = -2.0;
-        let g = Geometry::build(&one_triangle(mirrored), &Transform::IDENTITY).unwrap();
-        assert!(g.planes()[0].normal[2] > 0.0, "front side turned over");
-        assert_eq!(g.normals_of(0)[0], [0.0, 0.0, 1.0]);
+        let g = Geometry::build(&one_triangle(mirrored), &Transform::IDENTITY, Instancing::Never).unwrap();
+        assert!(g.plane(Hit::flattened(0)).normal[2] > 0.0, "front side turned over");
+        assert_eq!(g.normals_of(Hit::flattened(0))[0], [0.0, 0.0, 1.0]);
     }
 
     #[test]
@@ -258,15 +380,18 @@ mod tests {
         let far = [f64::from(1 << 20), -f64::from(1 << 21), f64::from(1 << 22)];
         let small = Transform { columns: [[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]], translation: far };
         let near = Transform { translation: [0.0; 3], ..small };
-        let a = Geometry::build(&one_triangle(small), &Transform::from_translation(far)).unwrap();
-        let b = Geometry::build(&one_triangle(near), &Transform::IDENTITY).unwrap();
+        let a = Geometry::build(&one_triangle(small), &Transform::from_translation(far), Instancing::Never).unwrap();
+        let b = Geometry::build(&one_triangle(near), &Transform::IDENTITY, Instancing::Never).unwrap();
         assert_eq!(a.positions(), b.positions());
-        assert_eq!(a.planes()[0].normal, b.planes()[0].normal);
+        assert_eq!(a.plane(Hit::flattened(0)).normal, b.plane(Hit::flattened(0)).normal);
     }
 
     #[test]
     fn positions_beyond_f32_are_an_error() {
         let far = Transform::from_translation([1e30, 0.0, 0.0]);
-        assert!(matches!(Geometry::build(&one_triangle(far), &Transform::IDENTITY), Err(Error::BadScene { .. })));
+        for instancing in [Instancing::Never, Instancing::WherePossible] {
+            let built = Geometry::build(&one_triangle(far), &Transform::IDENTITY, instancing);
+            assert!(matches!(built, Err(Error::BadScene { .. })));
+        }
     }
 }

@@ -8,6 +8,7 @@ mod lights;
 pub(crate) mod path;
 mod scatterer;
 mod shade;
+pub(crate) mod truth;
 
 use holo_core::Disparity;
 
@@ -45,6 +46,8 @@ pub(crate) struct Context<'a> {
     pub sky: [f32; 3],
     pub tables: RigTables,
     pub disparity: Disparity,
+    /// The camera's axes (right, up, back) in the world.
+    pub to_world: [[f64; 3]; 3],
     pub seed: u64,
     pub samples: u32,
     /// Scattering events at most.
@@ -53,8 +56,6 @@ pub(crate) struct Context<'a> {
     pub roulette: bool,
     /// Relative standard error after which a pixel needs no more samples.
     pub target_error: Option<f64>,
-    /// Whether the views of a block draw the same numbers for what happens to their light.
-    pub shared_noise: bool,
     /// Whether light is followed from surfaces other than metal and glass.
     pub indirect: bool,
     pub emitters: Option<&'a Emitters>,
@@ -130,12 +131,6 @@ impl Context<'_> {
             view[lane] = t.index[lane] * self.columns[1] + s.index[lane];
         }
         sampling::sequences(self.seed, &lens, &view)
-    }
-
-    /// The random sequences for everything that happens on the way of the pixels' light.
-    #[inline(always)]
-    pub fn event_sequences(&self, pixels: &Pixels) -> [u32; LANES] {
-        if self.shared_noise { self.block_sequences(pixels) } else { self.sequences(pixels) }
     }
 
     /// The random sequences of the blocks of 4 x 4 views that the pixels belong to.

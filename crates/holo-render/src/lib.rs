@@ -1,4 +1,4 @@
-//! From a 3D scene straight to a raw holoscopic image, with exact depth and disparity.
+//! From a 3D scene straight to a raw holoscopic image, with exact depth, disparity and other layers of ground truth.
 //!
 //! ```text
 //! scene (glTF or code) -> geometry in camera coordinates -> rays lens by lens -> light field
@@ -7,7 +7,8 @@
 //! # Conventions
 //! - World: right-handed, +Y up, metres (glTF's frame). A camera looks along its -Z. See [`scene`].
 //! - Rays, rigs and the order of indices are those of [`holo_core`]: axes (v, u, t, s, c), lens first, view second.
-//! - Depth is planar z along the optical axis; a miss is +infinity. Disparity is Eq. 3 between adjacent views.
+//! - Depth is planar z along the optical axis; a miss is +infinity. Disparity is Eq. 3 between adjacent views. All outputs
+//!   beside colour, by name: [`layers`].
 //! - Colour is linear RGB radiance in the units of KHR_lights_punctual; only [`exposure`] makes display values of it.
 //! - The result depends on the scene and the settings, never on threads or their timing.
 //!
@@ -47,6 +48,7 @@
 pub mod exposure;
 pub mod gallery;
 pub mod gltf;
+pub mod layers;
 pub mod scene;
 
 mod accel;
@@ -79,4 +81,5 @@ pub use accel::Backend;
 pub use error::Error;
 pub use framing::{Baseline, CameraChoice, Framed, Framing};
 pub use integrator::{Integrator, RayCounts};
-pub use render::{GroundTruth, Progress, Rendered, Renderer, Request, Truth};
+pub use layers::{Layer, LayerSet, Layers};
+pub use render::{GroundTruth, Progress, Rendered, Renderer, Request};

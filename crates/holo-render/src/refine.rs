@@ -15,7 +15,7 @@ const LARGEST_CORRECTION: f64 = 1e-3;
 pub(crate) struct Refined {
     /// Planar depth, m; +infinity where nothing is hit.
     pub depth: [f64; LANES],
-    /// The normals of the triangles (their length is twice the area); 0 where nothing is hit.
+    /// The unit normals of the triangles; 0 where nothing is hit.
     pub normal: [[f64; LANES]; 3],
 }
 
@@ -26,14 +26,14 @@ pub(crate) struct Refined {
 #[inline(always)]
 pub(crate) fn refine(geometry: &Geometry, packet: &RayHits, rays: &ExactRays) -> Refined {
     let triangles = &packet.hits.triangle;
-    let planes = geometry.planes();
     let mut normal = [[0.0; LANES]; 3];
     let mut offset = [0.0; LANES];
-    let first = triangles[0];
-    if triangles.iter().all(|&k| k == first) {
+    let first = packet.hit(0);
+    let one_place = !geometry.is_instanced() || packet.hits.instance.iter().all(|&k| k == first.instance);
+    if triangles.iter().all(|&k| k == first.triangle) && one_place {
         // Most packets hit one triangle: its plane is read once.
-        if first != NO_TRIANGLE {
-            let plane = planes[first as usize];
+        if first.triangle != NO_TRIANGLE {
+            let plane = geometry.plane(first);
             for axis in 0..3 {
                 normal[axis] = [plane.normal[axis]; LANES];
             }
@@ -42,7 +42,7 @@ pub(crate) fn refine(geometry: &Geometry, packet: &RayHits, rays: &ExactRays) ->
     } else {
         for lane in 0..LANES {
             if triangles[lane] != NO_TRIANGLE {
-                let plane = &planes[triangles[lane] as usize];
+                let plane = geometry.plane(packet.hit(lane));
                 for axis in 0..3 {
                     normal[axis][lane] = plane.normal[axis];
                 }

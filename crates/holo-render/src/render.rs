@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use holo_core::{GridSize, Layout, LightField, LightFieldOwned, Rig, Split};
-use ndarray::{Array2, Axis};
+use ndarray::Array3;
 use rayon::prelude::*;
 
 use crate::accel::holes::{Cover, Holes};
@@ -14,12 +14,14 @@ use crate::dispatch;
 use crate::emitters::Emitters;
 use crate::environment::Surroundings;
 use crate::error::Error;
-use crate::geometry::{Geometry, LARGEST_COORDINATE};
+use crate::geometry::{Geometry, Instancing, LARGEST_COORDINATE};
 use crate::integrator::auto::{self, Contents};
-use crate::integrator::depth::{DepthTile, TruthTile};
+use crate::integrator::depth::DepthTile;
 use crate::integrator::direct;
-use crate::integrator::path::PathTile;
+use crate::integrator::path::{self, PathTile};
+use crate::integrator::truth::TruthTile;
 use crate::integrator::{Context, Integrator, RayCounts};
+use crate::layers::{Layer, LayerSet, Layers};
 use crate::light::{self, PreparedLight, STRONGEST};
 use crate::primary::RigTables;
 use crate::sampling::MOST_SAMPLES;
@@ -28,6 +30,9 @@ use crate::tile::{Tile, Tiling};
 
 /// Scattering events at most: far more than any scene needs, far less than the purposes of random numbers.
 const MOST_BOUNCES: u32 = 65_536;
+
+/// The largest number up to which f32 holds all whole ones: 2^24.
+const MOST_NUMBERED: usize = 1 << 24;
 
 /// A scene with its acceleration structure, in the frame of one camera.
 pub struct Renderer {
@@ -41,6 +46,10 @@ pub struct Renderer {
     lights: Vec<PreparedLight>,
     emitters: Option<Emitters>,
     surroundings: Option<Surroundings>,
+    /// The camera's axes (right, up, back) in the world.
+    to_world: [[f64; 3]; 3],
+    /// Instances and materials of the scene.
+    counts: [usize; 2],
     pool: rayon::ThreadPool,
 }
 
@@ -63,12 +72,12 @@ pub struct Request {
     pub roulette: bool,
     /// Relative standard error per pixel at which it needs no more samples; `samples` are the most it gets then.
     pub target_error: Option<f64>,
-    /// Whether the views of a block of 4 x 4 draw the same random directions: faster, because their rays stay together,
-    /// but their noise is alike then, which looks like a texture at the focus plane.
-    pub shared_noise: bool,
     /// Whether `Auto` follows light from surface to surface; without, only to mirrors and glass.
     pub indirect: bool,
-    /// For which views depth and disparity are wanted; always through the pixel's centre, whatever `samples` is.
+    /// Which layers are wanted beside colour; always of what the ray through the pixel's centre meets first, whatever
+    /// `samples` is.
+    pub layers: LayerSet,
+    /// For which views they are wanted.
     pub ground_truth: GroundTruth,
 }
 
@@ -85,12 +94,15 @@ impl Request {
             max_bounces: 8,
             roulette: true,
             target_error: None,
-            shared_noise: false,
             indirect: true,
+            layers: DEPTH_AND_DISPARITY,
             ground_truth: GroundTruth::Central,
         }
     }
 }
+
+/// What nearly everybody wants.
+const DEPTH_AND_DISPARITY: LayerSet = LayerSet::of(&[Layer::Depth, Layer::Disparity]);
 
 /// For which views ground truth is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -107,10 +119,10 @@ pub enum GroundTruth {
 pub struct Rendered {
     /// Linear RGB radiance; `None` from the integrator `Depth`.
     pub color: Option<LightFieldOwned<f32>>,
-    /// Depth and disparity of the central view, axes (v, u).
-    pub central: Truth<Array2<f32>>,
-    /// Depth and disparity of all views, one channel, if they were asked for.
-    pub all: Option<Truth<LightFieldOwned<f32>>>,
+    /// The layers of the central view, axes (v, u, c).
+    pub central: Layers<Array3<f32>>,
+    /// The layers of all views, if they were asked for.
+    pub all: Option<Layers<LightFieldOwned<f32>>>,
     /// The integrator used.
     pub integrator: Integrator,
     /// Why it was.
@@ -119,16 +131,6 @@ pub struct Rendered {
     pub rays: RayCounts,
     /// How many samples the picture took: views x lenses x samples unless there was a target error.
     pub samples: u64,
-}
-
-/// Ground truth in two units.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Truth<T> {
-    /// Planar depth along the optical axis, m; +infinity where nothing is hit.
-    pub depth_m: T,
-    /// Disparity between horizontally adjacent views (Eq. 3), px; nearer is larger. Where the baselines differ, the one
-    /// between vertically adjacent views is [`Rig::disparity_y`] of the depth.
-    pub disparity_px: T,
 }
 
 /// How a caller follows a render and stops it.
@@ -153,6 +155,17 @@ impl Renderer {
     /// # Errors
     /// A broken scene, an engine that cannot be had, threads that cannot be started.
     pub fn new(scene: &Scene, pose: &Transform, backend: Backend, threads: usize) -> Result<Self, Error> {
+        Self::with_instancing(scene, pose, backend, threads, accel::instancing(backend))
+    }
+
+    /// As `new`; `instancing` must be something that the engine knows.
+    pub(crate) fn with_instancing(
+        scene: &Scene,
+        pose: &Transform,
+        backend: Backend,
+        threads: usize,
+        instancing: Instancing,
+    ) -> Result<Self, Error> {
         scene.validate()?;
         if !scene::is_camera_pose(pose) {
             return Err(Error::BadSetting("the camera pose must be a rotation and a translation, both finite".into()));
@@ -162,7 +175,7 @@ impl Renderer {
             .build()
             .map_err(|e| Error::BadSetting(format!("{threads} threads cannot be started: {e}")))?;
         let (geometry, built) = pool.install(|| {
-            let geometry = Arc::new(Geometry::build(scene, pose)?);
+            let geometry = Arc::new(Geometry::build(scene, pose, instancing)?);
             let built = accel::build(backend, &geometry, pool.current_num_threads())?;
             Ok::<_, Error>((geometry, built))
         })?;
@@ -180,7 +193,21 @@ impl Renderer {
         let emitters = Emitters::build(&geometry, &scene.materials, &scene.textures);
         let surroundings = scene.environment.as_ref().map(|environment| Surroundings::new(environment, pose));
         let surroundings = surroundings.filter(|surroundings| !surroundings.is_black());
-        Ok(Self { engine, truth_engine, note, geometry, appearance, lights, emitters, surroundings, pool })
+        let counts = [scene.instances.len(), scene.materials.len()];
+        let to_world = pose.columns;
+        Ok(Self {
+            engine,
+            truth_engine,
+            note,
+            geometry,
+            appearance,
+            lights,
+            emitters,
+            surroundings,
+            to_world,
+            counts,
+            pool,
+        })
     }
 
     /// The engine and its version, such as "embree 4.4.0" or "bvh".
@@ -219,13 +246,21 @@ impl Renderer {
         self.pool.install(|| self.render_here(request, progress))
     }
 
+    /// Layers of the central view alone, axes (v, u, c).
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn central_layers(&self, rig: &Rig, layers: LayerSet) -> Result<Layers<Array3<f32>>, Error> {
+        let request = Request { integrator: Integrator::Depth, layers, ..Request::new(*rig) };
+        Ok(self.render(&request, &())?.central)
+    }
+
     /// Depth and disparity of the central view alone.
     ///
     /// # Errors
     /// As [`Renderer::render`].
-    pub fn central_truth(&self, rig: &Rig) -> Result<Truth<Array2<f32>>, Error> {
-        let request = Request { integrator: Integrator::Depth, ..Request::new(*rig) };
-        Ok(self.render(&request, &())?.central)
+    pub fn central_truth(&self, rig: &Rig) -> Result<Layers<Array3<f32>>, Error> {
+        self.central_layers(rig, DEPTH_AND_DISPARITY)
     }
 
     fn render_here(&self, request: &Request, progress: &dyn Progress) -> Result<Rendered, Error> {
@@ -235,55 +270,50 @@ impl Renderer {
         let all_counts = [lenses.rows, lenses.columns, views.rows, views.columns];
         let stop = Stop::new(progress);
         let with_color = integrator != Integrator::Depth;
-        let with_all = request.ground_truth == GroundTruth::All;
-        // One sample through the centre sees what the ground truth asks for, unless it may pass by chance.
-        let has_holes = self.appearance.kinds().has(Kinds::HOLES);
-        let together = with_color && with_all && request.samples == 1 && !has_holes;
+        let with_layers = !request.layers.is_empty();
+        let with_all = request.ground_truth == GroundTruth::All && with_layers;
 
-        let tiling = Tiling::new(all_counts);
         // The large arrays first: a size that does not fit is refused before anything else is made for it.
         let mut color = if with_color { Some(zeros(split, 3)?) } else { None };
-        let mut all = if with_all { Some(Truth::light_fields(split)?) } else { None };
-        let tile_count = if with_color || with_all { tiling.tiles().len() } else { 0 };
-        let passes = u64::from(with_color) + u64::from(with_all && !together);
-        let context = self.context(request, integrator, &tiling, &stop);
-        let truth_context = self.context(request, Integrator::Depth, &tiling, &stop);
-        let with_central = u64::from(!with_all);
-        let central_tiles = with_central * central_tiling(&split).tiles().len() as u64;
-        let work = Work::new(progress, &stop, passes * tile_count as u64 + central_tiles);
+        let mut all = if with_all { Some(light_fields(split, request.layers)?) } else { None };
+        let color_tiling =
+            Tiling::with_tiles_of(all_counts, path::tile_pixels(request.samples, bounces(request, integrator)));
+        let all_tiling = Tiling::new(all_counts);
+        let tile_count = |wanted: bool, tiling: &Tiling| if wanted { tiling.tiles().len() as u64 } else { 0 };
+        let total = tile_count(with_color, &color_tiling)
+            + tile_count(with_all, &all_tiling)
+            + tile_count(with_layers && !with_all, &central_tiling(&split));
+        let work = Work::new(progress, &stop, total);
         let mut rays = RayCounts::default();
         let mut samples = 0;
 
         if let Some(color) = &mut color {
-            let truth = if together { all.as_mut() } else { None };
-            let truth: Vec<Option<TruthTile>> = match truth {
-                Some(truth) => truth.tiles(&tiling).into_iter().map(Some).collect(),
-                None => std::iter::repeat_with(|| None).take(tile_count).collect(),
-            };
-            let parts: Vec<_> = tiling.cut(color.samples_mut()).into_iter().zip(truth).collect();
-            rays = rays
-                + work.run(&tiling, parts, |tile, (color, truth)| {
-                    dispatch::run(PathTile { context: &context, tile, color, truth })
-                })?;
+            let context = self.context(request, integrator, &color_tiling, &stop);
+            let parts = color_tiling.cut(color.samples_mut());
+            rays = work
+                .run(&color_tiling, parts, |tile, color| dispatch::run(PathTile { context: &context, tile, color }))?;
             // Every sample has one ray from the camera.
             samples = rays.primary;
         }
-        if let Some(all) = all.as_mut().filter(|_| !together) {
+        // The ground truth has rays of its own, through the pixels' centres, however many samples colour takes.
+        if let Some(all) = &mut all {
+            let context = self.context(request, Integrator::Depth, &all_tiling, &stop);
             rays = rays
-                + work.run(&tiling, all.tiles(&tiling), |tile, out| {
-                    dispatch::run(DepthTile { context: &truth_context, tile, out })
+                + work.run(&all_tiling, tiles(all, &all_tiling), |tile, out| {
+                    dispatch::run(DepthTile { context: &context, tile, out })
                 })?;
         }
         let central = if let Some(all) = &all {
             let (t, s) = split.central_view();
-            let plane = |field: &LightFieldOwned<f32>| field.samples().slice(ndarray::s![.., .., t, s, 0]).to_owned();
-            Truth { depth_m: plane(&all.depth_m), disparity_px: plane(&all.disparity_px) }
-        } else {
+            all.iter().map(|(layer, field)| Ok((layer, field.view(t, s)?.to_owned()))).collect::<Result<_, Error>>()?
+        } else if with_layers {
             let tiling = central_tiling(&split);
-            let (central, count) =
-                central(&self.context(request, Integrator::Depth, &tiling, &stop), &tiling, &work, split.lenses())?;
+            let context = self.context(request, Integrator::Depth, &tiling, &stop);
+            let (central, count) = central(&context, &tiling, &work, split.lenses(), request.layers)?;
             rays = rays + count;
             central
+        } else {
+            Layers::default()
         };
         if stop.requested() {
             return Err(Error::Cancelled);
@@ -308,12 +338,12 @@ impl Renderer {
             sky: request.sky,
             tables: RigTables::new(&request.rig, tiling),
             disparity: request.rig.disparity(),
+            to_world: self.to_world,
             seed: request.seed,
             samples: request.samples,
-            max_bounces: if integrator == Integrator::Direct { direct::BOUNCES } else { request.max_bounces },
+            max_bounces: bounces(request, integrator),
             roulette: request.roulette,
             target_error: request.target_error,
-            shared_noise: request.shared_noise,
             indirect: integrator == Integrator::Direct || request.indirect,
             emitters: self.emitters.as_ref(),
             surroundings: self.surroundings.as_ref(),
@@ -359,6 +389,15 @@ impl Renderer {
                 }
             }
         }
+        for (layer, what, count) in
+            [(Layer::ObjectId, "instances", self.counts[0]), (Layer::MaterialId, "materials", self.counts[1])]
+        {
+            if request.layers.contains(layer) && count > MOST_NUMBERED {
+                return Err(Error::BadSetting(format!(
+                    "the layer '{layer}' numbers at most {MOST_NUMBERED} {what}; the scene has {count}: leave it out"
+                )));
+            }
+        }
         Ok(match request.integrator {
             Integrator::Auto => auto::choose(&self.contents(request), request.indirect),
             chosen => (chosen, "asked for".into()),
@@ -382,16 +421,20 @@ impl Renderer {
     }
 }
 
-impl Truth<LightFieldOwned<f32>> {
-    fn light_fields(split: Split) -> Result<Self, Error> {
-        Ok(Self { depth_m: zeros(split, 1)?, disparity_px: zeros(split, 1)? })
-    }
+/// Light fields for `layers`.
+fn light_fields(split: Split, layers: LayerSet) -> Result<Layers<LightFieldOwned<f32>>, Error> {
+    layers.iter().map(|layer| Ok((layer, zeros(split, layer.channels())?))).collect()
+}
 
-    fn tiles(&mut self, tiling: &Tiling) -> Vec<TruthTile<'_>> {
-        let depth = tiling.cut(self.depth_m.samples_mut());
-        let disparity = tiling.cut(self.disparity_px.samples_mut());
-        depth.into_iter().zip(disparity).map(|(depth_m, disparity_px)| TruthTile { depth_m, disparity_px }).collect()
+/// All layers cut into the same tiles.
+fn tiles<'a>(fields: &'a mut Layers<LightFieldOwned<f32>>, tiling: &Tiling) -> Vec<TruthTile<'a>> {
+    let mut tiles = Vec::new();
+    for (layer, field) in fields.iter_mut() {
+        let parts = tiling.cut(field.samples_mut());
+        tiles.resize_with(parts.len(), TruthTile::default);
+        tiles.iter_mut().zip(parts).for_each(|(tile, part)| tile.extend([(layer, part)]));
     }
+    tiles
 }
 
 /// A light field of zeros whose memory is an elemental grid.
@@ -399,21 +442,24 @@ fn zeros(split: Split, channels: usize) -> Result<LightFieldOwned<f32>, Error> {
     Ok(LightField::filled(split, channels, Layout::ElementalGrid, 0.0)?)
 }
 
-/// Ground truth of the central view.
+/// Layers of the central view.
 fn central(
     context: &Context,
     tiling: &Tiling,
     work: &Work,
     lenses: GridSize,
-) -> Result<(Truth<Array2<f32>>, RayCounts), Error> {
-    let mut truth = Truth::light_fields(Split::new(GridSize::new(1, 1), lenses)?)?;
+    layers: LayerSet,
+) -> Result<(Layers<Array3<f32>>, RayCounts), Error> {
+    let mut fields = light_fields(Split::new(GridSize::new(1, 1), lenses)?, layers)?;
     let trace = |tile: &Tile, out| dispatch::run(DepthTile { context, tile, out });
-    let rays = work.run(tiling, truth.tiles(tiling), trace)?;
-    let plane = |field: LightFieldOwned<f32>| {
-        let image = field.into_elemental_grid().unwrap_or_else(|field| field.to_elemental_grid());
-        image.index_axis_move(Axis(2), 0)
-    };
-    Ok((Truth { depth_m: plane(truth.depth_m), disparity_px: plane(truth.disparity_px) }, rays))
+    let rays = work.run(tiling, tiles(&mut fields, tiling), trace)?;
+    let image = |field: LightFieldOwned<f32>| field.into_elemental_grid().unwrap_or_else(|f| f.to_elemental_grid());
+    Ok((fields.into_iter().map(|(layer, field)| (layer, image(field))).collect(), rays))
+}
+
+/// Scattering events that the integrator follows.
+fn bounces(request: &Request, integrator: Integrator) -> u32 {
+    if integrator == Integrator::Direct { direct::BOUNCES } else { request.max_bounces }
 }
 
 fn central_tiling(split: &Split) -> Tiling {
@@ -477,5 +523,7 @@ impl<'a> Work<'a> {
     }
 }
 
+#[cfg(test)]
+mod instancing_tests;
 #[cfg(test)]
 mod tests;

@@ -3,9 +3,9 @@
 //! The engine says which triangle a ray hits. Where the ray meets that triangle's plane is computed in f64, for camera
 //! rays ([`crate::refine`]) and for scattered ones alike, so that a new ray starts on the surface and not beside it.
 
-use crate::accel::{LANES, Lanes, NO_TRIANGLE, RayHits, at};
+use crate::accel::{LANES, NO_TRIANGLE, RayHits, at};
 use crate::appearance::{Appearance, Kinds};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Hit};
 use crate::primary::ExactRays;
 use crate::refine::Refined;
 
@@ -22,7 +22,7 @@ pub(crate) struct Surfaces {
     /// 1 where the ray came to the front, -1 where to the back.
     pub side: [f32; LANES],
     /// The triangles; of lanes without a hit that of another lane.
-    pub triangle: [u32; LANES],
+    pub triangle: [Hit; LANES],
     /// What their materials have.
     pub kinds: [Kinds; LANES],
     /// What any of them has.
@@ -31,8 +31,8 @@ pub(crate) struct Surfaces {
     pub base_color: [[f32; LANES]; 3],
 }
 
-/// Sixteen points in space and the unnormalised normals there.
-struct Points {
+/// Sixteen points where rays end, and the triangles' unit normals there.
+pub(crate) struct HitPoints {
     position: [[f32; LANES]; 3],
     normal: [[f64; LANES]; 3],
     /// Normal times direction: below 0 on the front.
@@ -46,18 +46,14 @@ const OFFSET_PER_COORDINATE: f32 = 8.0 / 16_777_216.0;
 /// A scattered ray's refined length may leave the engine's by this much, relatively; as for camera rays.
 const LARGEST_CORRECTION: f64 = 1e-3;
 
-impl Surfaces {
-    /// What the camera's rays hit, or `None` if that is nothing.
+impl HitPoints {
+    /// Nowhere.
+    pub const NONE: Self = Self { position: [[0.0; LANES]; 3], normal: [[0.0; LANES]; 3], towards: [0.0; LANES] };
+
+    /// Where the camera's rays end.
     #[inline(always)]
-    pub fn primary(
-        appearance: &Appearance,
-        geometry: &Geometry,
-        packet: &RayHits,
-        rays: &ExactRays,
-        refined: &Refined,
-    ) -> Option<Self> {
-        let some = *packet.hits.triangle.iter().find(|&&k| k != NO_TRIANGLE)?;
-        let mut points = Points { position: [[0.0; LANES]; 3], normal: refined.normal, towards: [0.0; LANES] };
+    pub fn primary(rays: &ExactRays, refined: &Refined) -> Self {
+        let mut points = Self { normal: refined.normal, ..Self::NONE };
         for lane in 0..LANES {
             let z = refined.depth[lane];
             points.position[0][lane] = (rays.origin_x[lane] + z * rays.direction_x[lane]) as f32;
@@ -66,38 +62,25 @@ impl Surfaces {
             let [x, y, z] = [refined.normal[0][lane], refined.normal[1][lane], refined.normal[2][lane]];
             points.towards[lane] = x * rays.direction_x[lane] + y * rays.direction_y[lane] - z;
         }
-        Some(Self::new(appearance, geometry, packet, &points, some))
+        points
     }
 
-    /// What rays from anywhere hit, or `None` if that is nothing.
+    /// Where rays from anywhere end.
     #[inline(always)]
-    pub fn secondary(
-        appearance: &Appearance,
-        geometry: &Geometry,
-        packet: &RayHits,
-        valid: &Lanes<i32>,
-    ) -> Option<Self> {
-        let mut some = NO_TRIANGLE;
-        for lane in 0..LANES {
-            let found = valid.0[lane] != 0 && packet.hits.triangle[lane] != NO_TRIANGLE;
-            some = if found { packet.hits.triangle[lane] } else { some };
-        }
-        if some == NO_TRIANGLE {
-            return None;
-        }
-        let planes = geometry.planes();
-        let mut points = Points { position: [[0.0; LANES]; 3], normal: [[0.0; LANES]; 3], towards: [0.0; LANES] };
+    pub fn secondary(geometry: &Geometry, packet: &RayHits) -> Self {
+        let mut points = Self::NONE;
         let mut offset = [0.0; LANES];
         for lane in 0..LANES {
-            let triangle = packet.hits.triangle[lane];
-            let plane = &planes[if triangle == NO_TRIANGLE { some } else { triangle } as usize];
-            for axis in 0..3 {
-                points.normal[axis][lane] = plane.normal[axis];
+            if packet.hits.triangle[lane] != NO_TRIANGLE {
+                let plane = geometry.plane(packet.hit(lane));
+                for axis in 0..3 {
+                    points.normal[axis][lane] = plane.normal[axis];
+                }
+                offset[lane] = plane.offset;
             }
-            offset[lane] = plane.offset;
         }
+        let (origin, direction) = (&packet.rays.origin, &packet.rays.direction);
         for lane in 0..LANES {
-            let (origin, direction) = (&packet.rays.origin, &packet.rays.direction);
             let [mut towards, mut away] = [0.0, offset[lane]];
             for axis in 0..3 {
                 towards += points.normal[axis][lane] * f64::from(direction[axis][lane]);
@@ -111,11 +94,15 @@ impl Surfaces {
             }
             points.towards[lane] = towards;
         }
-        Some(Self::new(appearance, geometry, packet, &points, some))
+        points
     }
+}
 
+impl Surfaces {
+    /// The surfaces that `packet` hit, or `None` if it hit nothing. (Lanes that are not valid have no hit.)
     #[inline(always)]
-    fn new(appearance: &Appearance, geometry: &Geometry, packet: &RayHits, points: &Points, some: u32) -> Self {
+    pub fn new(appearance: &Appearance, geometry: &Geometry, packet: &RayHits, points: &HitPoints) -> Option<Self> {
+        let some = packet.hit(packet.hits.triangle.iter().position(|&k| k != NO_TRIANGLE)?);
         let zero = [[0.0; LANES]; 3];
         let mut out = Self {
             hit: [false; LANES],
@@ -124,7 +111,7 @@ impl Surfaces {
             geometric_normal: zero,
             shading_normal: zero,
             side: [1.0; LANES],
-            triangle: [0; LANES],
+            triangle: [some; LANES],
             kinds: [Kinds::default(); LANES],
             any: Kinds::default(),
             base_color: zero,
@@ -133,17 +120,13 @@ impl Surfaces {
         let mut triangles = [some; LANES];
         for lane in 0..LANES {
             out.hit[lane] = packet.hits.triangle[lane] != NO_TRIANGLE;
-            triangles[lane] = if out.hit[lane] { packet.hits.triangle[lane] } else { some };
+            triangles[lane] = if out.hit[lane] { packet.hit(lane) } else { some };
         }
         for lane in 0..LANES {
-            let [x, y, z] = [points.normal[0][lane], points.normal[1][lane], points.normal[2][lane]];
-            // In f64, where the square of no normal of a sensible triangle leaves the range.
-            let inverse = 1.0 / (x * x + y * y + z * z).sqrt();
             out.side[lane] = if points.towards[lane] > 0.0 { -1.0 } else { 1.0 };
-            let unit = if inverse.is_finite() { f64::from(out.side[lane]) * inverse } else { 0.0 };
-            out.geometric_normal[0][lane] = (x * unit) as f32;
-            out.geometric_normal[1][lane] = (y * unit) as f32;
-            out.geometric_normal[2][lane] = (z * unit) as f32;
+            for axis in 0..3 {
+                out.geometric_normal[axis][lane] = points.normal[axis][lane] as f32 * out.side[lane];
+            }
         }
         let extent = appearance.look_up(geometry, packet, &triangles, &mut out);
         for lane in 0..LANES {
@@ -153,6 +136,6 @@ impl Surfaces {
                 out.start[axis][lane] = out.position[axis][lane] + out.geometric_normal[axis][lane] * offset;
             }
         }
-        out
+        Some(out)
     }
 }

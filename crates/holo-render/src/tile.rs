@@ -8,7 +8,7 @@ use ndarray::{ArrayViewMut5, Axis};
 use crate::accel::LANES;
 use crate::primary::PacketShape;
 
-/// About this many pixels make a tile: enough to sort secondary rays, few enough to stay in the cache.
+/// About this many pixels make a tile: few enough to stay in the cache.
 const PIXELS: usize = 8192;
 
 /// Pixel counts along the four axes (v, u, t, s) and how tiles divide them.
@@ -62,12 +62,17 @@ impl Iterator for Blocks {
 
 impl Tiling {
     pub fn new(counts: [usize; 4]) -> Self {
+        Self::with_tiles_of(counts, PIXELS)
+    }
+
+    /// Tiles of about `pixels` pixels.
+    pub fn with_tiles_of(counts: [usize; 4], pixels: usize) -> Self {
         let shape = PacketShape::fitting(counts);
         let along = shape.size;
         let round_up = |count: usize, step: usize| count.div_ceil(step) * step;
         let [v, u, t, s] = counts;
-        let along_t = if t * s <= 2 * PIXELS { round_up(t, along[2]) } else { round_up((PIXELS / s).max(1), along[2]) };
-        let lenses = (PIXELS / (along_t.min(t) * s)).max(1);
+        let along_t = if t * s <= 2 * pixels { round_up(t, along[2]) } else { round_up((pixels / s).max(1), along[2]) };
+        let lenses = (pixels / (along_t.min(t) * s)).max(1);
         let along_v = round_up((lenses as f64).sqrt() as usize, along[0]).clamp(1, round_up(v, along[0]));
         // Wide tiles: memory runs along lens columns.
         let along_v = if along[0] == 1 { 1 } else { along_v };

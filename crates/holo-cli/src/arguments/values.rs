@@ -12,9 +12,14 @@ pub struct Pair {
     pub row: usize,
 }
 
-/// A linear colour.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rgb(pub [f32; 3]);
+/// `--sky`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SkyArgument {
+    /// The same linear RGB from everywhere.
+    Constant([f32; 3]),
+    /// A file with a map.
+    Map(PathBuf),
+}
 
 /// `--focus-m`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,6 +38,8 @@ pub enum ExposureArgument {
 /// `--camera`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraArgument(pub String);
+
+const SKY_FORMS: &str = "give three numbers from 0 up, R,G,B, or an environment map: a file that ends in .hdr or .exr";
 
 /// `COLUMNSxROWS`, or one number for both.
 pub fn size(text: &str) -> Result<GridSize, String> {
@@ -97,20 +104,20 @@ impl FromStr for Pair {
     }
 }
 
-impl FromStr for Rgb {
+impl FromStr for SkyArgument {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
         let lower = text.to_ascii_lowercase();
         if lower.ends_with(".hdr") || lower.ends_with(".exr") {
-            return Err("environment maps are not in this version; give a constant sky as R,G,B".into());
+            return Ok(Self::Map(text.into()));
         }
         let parts: Vec<f32> = text
             .split(',')
             .map(|part| part.trim().parse::<f32>().ok().filter(|x| *x >= 0.0 && x.is_finite()))
             .collect::<Option<_>>()
-            .ok_or("give three numbers from 0 up: R,G,B")?;
-        <[f32; 3]>::try_from(parts).map(Self).map_err(|_| "give three numbers from 0 up: R,G,B".into())
+            .ok_or(SKY_FORMS)?;
+        <[f32; 3]>::try_from(parts).map(Self::Constant).map_err(|_| SKY_FORMS.into())
     }
 }
 
@@ -172,9 +179,10 @@ mod tests {
         assert_eq!("inf".parse(), Ok(FocusArgument::Metres(f64::INFINITY)));
         assert!("0".parse::<FocusArgument>().is_err() && "nan".parse::<FocusArgument>().is_err());
         assert_eq!("-1.5".parse(), Ok(ExposureArgument::Stops(-1.5)));
-        assert_eq!("0.2, 0.3,1".parse(), Ok(Rgb([0.2, 0.3, 1.0])));
-        assert!("1,2".parse::<Rgb>().is_err() && "1,2,-3".parse::<Rgb>().is_err());
-        assert!("sky.hdr".parse::<Rgb>().unwrap_err().contains("not in this version"));
+        assert_eq!("0.2, 0.3,1".parse(), Ok(SkyArgument::Constant([0.2, 0.3, 1.0])));
+        assert!("1,2".parse::<SkyArgument>().is_err() && "1,2,-3".parse::<SkyArgument>().is_err());
+        assert_eq!("a,b/Sky.HDR".parse(), Ok(SkyArgument::Map("a,b/Sky.HDR".into())));
+        assert!("sky.png".parse::<SkyArgument>().unwrap_err().contains(".exr"));
         assert_eq!("3,4".parse(), Ok(Pair { column: 3, row: 4 }));
     }
 }

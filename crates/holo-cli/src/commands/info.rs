@@ -5,8 +5,9 @@ use std::path::Path;
 use holo_core::Layout;
 use holo_io::dataset::{MANIFEST_JSON, PARAMETERS_CFG};
 use holo_io::{FileKind, Limits, Manifest, ParametersCfg, Pfm};
+use holo_render::Layer;
 
-use super::prepare::prepare;
+use super::prepare::{Purpose, prepare};
 use crate::arguments::InfoOptions;
 use crate::console::out;
 use crate::failure::Failure;
@@ -24,8 +25,10 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
         FileKind::Pfm => pfm(path),
         FileKind::ParametersCfg => parameters(path),
         FileKind::Manifest => manifest(path),
+        FileKind::Exr => exr(path),
+        FileKind::Hdr => hdr(path),
         _ => Err(Failure::Failed(format!(
-            "{}: not a file that holo knows (.glb, .gltf, .png, .pfm, parameters.cfg, manifest.json)",
+            "{}: not a file that holo knows (.glb, .gltf, .png, .pfm, .exr, .hdr, parameters.cfg, manifest.json)",
             path.display()
         ))),
     }
@@ -33,7 +36,9 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
 
 /// The scene, and the rig that a render with the same options would get.
 fn scene(options: &InfoOptions) -> Result<(), Failure> {
-    let prepared = prepare(&options.file, &options.rig, &options.engine, 0, false)?;
+    // Depth and disparity of the central view.
+    let purpose = Purpose { lens_bytes: 2 * size_of::<f32>(), ..Purpose::default() };
+    let prepared = prepare(&options.file, &options.rig, &options.engine, purpose, false)?;
     out!("{}", prepared.loaded.summary.to_string().trim_end())?;
     if let Some((low, high)) = prepared.loaded.scene.bounds() {
         out!("bounds: {low:.4?} to {high:.4?} m")?;
@@ -41,24 +46,24 @@ fn scene(options: &InfoOptions) -> Result<(), Failure> {
     out!("a render with these options: {}, {}", describe_split(&prepared.rig), prepared.renderer.engine_name())?;
     out!("{}", prepared.framed.camera)?;
     let truth = prepared.renderer.central_truth(&prepared.rig)?;
-    let range = |values: &ndarray::Array2<f32>| {
-        let finite = values.iter().filter(|x| x.is_finite());
+    let range = |layer: Layer| {
+        let finite = truth[layer].iter().filter(|x| x.is_finite());
         let range = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| {
             (low.min(f64::from(x)), high.max(f64::from(x)))
         });
         (range.0 <= range.1).then_some(range)
     };
-    match range(&truth.depth_m) {
+    match range(Layer::Depth) {
         Some((near, far)) => {
-            let empty = truth.depth_m.iter().filter(|z| z.is_infinite()).count();
+            let empty = truth[Layer::Depth].iter().filter(|z| z.is_infinite()).count();
             out!(
                 "depth in the central view: {near:.4} to {far:.4} m, {empty} of {} pixels see nothing",
-                truth.depth_m.len()
+                truth[Layer::Depth].len()
             )?;
         }
         None => out!("depth in the central view: nothing is seen")?,
     }
-    out!("{}", describe_rig(&prepared.rig, range(&truth.disparity_px)))?;
+    out!("{}", describe_rig(&prepared.rig, range(Layer::Disparity)))?;
     Ok(())
 }
 
@@ -101,6 +106,23 @@ fn pfm(path: &Path) -> Result<(), Failure> {
         out!("finite values from {low} to {high}")?;
     }
     out!("{} infinite, {} NaN", count(f32::is_infinite), count(f32::is_nan))?;
+    Ok(())
+}
+
+fn exr(path: &Path) -> Result<(), Failure> {
+    let info = holo_io::read_exr_info(path)?;
+    let (columns, rows) = (info.size.columns, info.size.rows);
+    let count = info.channels.len();
+    out!("EXR, {columns} x {rows} px, {}, {count} {}", info.compression, plural(count, "channel"))?;
+    for name in &info.channels {
+        out!("  {name}")?;
+    }
+    Ok(())
+}
+
+fn hdr(path: &Path) -> Result<(), Failure> {
+    let info = holo_io::read_hdr_info(path)?;
+    out!("Radiance HDR, {} x {} px", info.size.columns, info.size.rows)?;
     Ok(())
 }
 

@@ -5,8 +5,10 @@ use std::time::Instant;
 
 use holo_core::{Projection, Remainder, Rig, Split};
 use holo_render::gltf::{self, Limits, Loaded};
+use holo_render::scene::Environment;
 use holo_render::{Backend, Baseline, CameraChoice, Framed, Framing, Renderer};
 
+use super::sky;
 use crate::arguments::{BackendArgument, CameraArgument, EngineOptions, FocusArgument, ProjectionArgument, RigOptions};
 use crate::console::say;
 use crate::failure::Failure;
@@ -21,23 +23,35 @@ pub struct Prepared {
     pub build_seconds: f64,
 }
 
+/// What a command is going to do with the scene.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Purpose<'a> {
+    /// An environment map to put around it.
+    pub sky: Option<&'a Path>,
+    /// What will be kept of every sample of the light field, bytes.
+    pub sample_bytes: usize,
+    /// What will be kept of every pixel of the central view, bytes.
+    pub lens_bytes: usize,
+}
+
 /// Loads and frames the scene, builds the acceleration structure and settles the focus. Warnings go to standard error.
-///
-/// `sample_bytes` is what the caller is going to keep of every sample of the light field.
 pub fn prepare(
     scene: &Path,
     rig: &RigOptions,
     engine: &EngineOptions,
-    sample_bytes: usize,
+    purpose: Purpose,
     quiet: bool,
 ) -> Result<Prepared, Failure> {
     let split = split(rig, quiet)?;
-    refuse_what_does_not_fit(&split, sample_bytes)?;
+    refuse_what_does_not_fit(&split, purpose)?;
     let start = Instant::now();
-    let loaded = gltf::load(scene, &Limits::default()).map_err(|e| match e {
+    let mut loaded = gltf::load(scene, &Limits::default()).map_err(|e| match e {
         holo_render::Error::Read { .. } => Failure::Failed(e.to_string()),
         other => Failure::Failed(named(scene, &other.to_string())),
     })?;
+    if let Some(path) = purpose.sky {
+        loaded.scene.environment = Some(Environment { radiance: sky::read(path)? });
+    }
     let load_seconds = start.elapsed().as_secs_f64();
     if !quiet {
         loaded.warnings.iter().for_each(|warning| say!("warning: {warning}"));
@@ -72,7 +86,12 @@ pub fn prepare(
         BackendArgument::Bvh => Backend::Bvh,
     };
     let renderer = Renderer::new(&loaded.scene, &framed.pose, backend, usize::from(engine.threads.unwrap_or(0)))
-        .map_err(|e| blame(scene, e))?;
+        .map_err(|e| match (&e, purpose.sky) {
+            (holo_render::Error::BadScene { at, what }, Some(sky)) if at.starts_with("environment") => {
+                Failure::Failed(named(sky, &format!("{at}: {what}")))
+            }
+            _ => blame(scene, e),
+        })?;
     let build_seconds = start.elapsed().as_secs_f64();
     if let Some(note) = renderer.engine_note().filter(|_| !quiet) {
         say!("warning: {note}");
@@ -111,15 +130,16 @@ fn named(scene: &Path, message: &str) -> String {
 
 /// Asks for the memory that a render will need and gives it back untouched, so that impossible sizes are refused before
 /// any time is spent on them.
-fn refuse_what_does_not_fit(split: &Split, sample_bytes: usize) -> Result<(), Failure> {
-    /// Depth and disparity of the central view.
-    const LENS_BYTES: usize = 8;
+fn refuse_what_does_not_fit(split: &Split, purpose: Purpose) -> Result<(), Failure> {
     /// Room for tables over the rows and columns of lenses and views.
     const LINE_BYTES: usize = 64;
     let (views, lenses, raw) = (split.views(), split.lenses(), split.raw_size());
     let lines = [views.rows, views.columns, lenses.rows, lenses.columns];
     let bytes = lines.iter().map(|count| count.saturating_mul(LINE_BYTES)).fold(
-        split.sample_count().saturating_mul(sample_bytes).saturating_add(lenses.count().saturating_mul(LENS_BYTES)),
+        split
+            .sample_count()
+            .saturating_mul(purpose.sample_bytes)
+            .saturating_add(lenses.count().saturating_mul(purpose.lens_bytes)),
         usize::saturating_add,
     );
     let mut room = Vec::<u8>::new();

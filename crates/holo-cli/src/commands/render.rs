@@ -4,12 +4,13 @@ use std::time::Instant;
 
 use holo_core::LightFieldOwned;
 use holo_io::{CameraPose, Compression, Manifest, ManifestRig, Meaning, ParametersCfg, Setting, Written, dataset};
-use holo_render::{GroundTruth, Integrator, Rendered, Request, Truth, exposure};
-use ndarray::ArrayView3;
-use rayon::prelude::*;
+use holo_render::{GroundTruth, Integrator, Layers, Rendered, Request, exposure};
+use ndarray::{Array3, ArrayView3};
 
+use super::layers::{self, Wanted};
 use super::output::OutputFolder;
-use super::prepare::{Prepared, prepare};
+use super::prepare::{Prepared, Purpose, prepare};
+use super::sky;
 use crate::arguments::{ExposureArgument, GroundTruthArgument, IntegratorArgument, Output, RenderOptions};
 use crate::console::{out, say};
 use crate::failure::Failure;
@@ -20,14 +21,20 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let start = Instant::now();
     refuse_what_cannot_be(options)?;
     let mut folder = OutputFolder::create(&options.out)?;
-    let prepared = prepare(&options.scene, &options.rig, &options.engine, sample_bytes(options), options.quiet)?;
-    let request = request(options, &prepared);
+    let wanted = Wanted::new(options);
+    let prepared = prepare(&options.scene, &options.rig, &options.engine, purpose(options, &wanted), options.quiet)?;
+    let request = request(options, &wanted, &prepared);
 
     let rendering = Instant::now();
     let bar = Bar::new("rendering", options.quiet);
     let rendered = prepared.renderer.render(&request, &bar);
     bar.finish();
     let mut rendered = rendered?;
+    // Of all views fewer layers may be wanted than of the central one.
+    let missing = wanted.central.without(rendered.central.set());
+    if !missing.is_empty() {
+        rendered.central.extend(prepared.renderer.central_layers(&prepared.rig, missing)?);
+    }
     let outputs = outputs(options, &rendered)?;
     let exposure_ev = rendered.color.as_ref().map(|color| match options.exposure {
         ExposureArgument::Stops(stops) => stops,
@@ -45,11 +52,15 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
 
     let writing = Instant::now();
     let disparity_px = finite_range(&rendered.central);
+    let manifest = manifest(options, &wanted, &prepared, &rendered, &request, exposure_ev, disparity_px)?;
     folder.unseal()?;
-    prepared.renderer.install(|| write(&mut folder, options, &mut rendered, &outputs, exposure_ev, disparity_px))?;
+    prepared.renderer.install(|| {
+        layers::write(&mut folder, &wanted, &rendered, disparity_px)?;
+        write(&mut folder, options, &wanted, &mut rendered, &outputs, exposure_ev)
+    })?;
     let parameters = parameters(options, &prepared, disparity_px);
     folder.add(dataset::PARAMETERS_CFG, parameters.write(folder.file(dataset::PARAMETERS_CFG))?);
-    let files = folder.seal(manifest(options, &prepared, &rendered, &request, exposure_ev, disparity_px)?)?;
+    let files = folder.seal(manifest)?;
     seconds.write = writing.elapsed().as_secs_f64();
     seconds.total = start.elapsed().as_secs_f64();
 
@@ -57,7 +68,10 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let report = Report {
         seconds,
         rays: rendered.rays,
-        samples: split.views().count() as u64 * split.lenses().count() as u64 * u64::from(request.samples),
+        samples: match rendered.integrator {
+            Integrator::Depth => split.views().count() as u64 * split.lenses().count() as u64,
+            _ => rendered.samples,
+        },
         backend: prepared.renderer.engine_name(),
         threads: prepared.renderer.threads(),
         integrator: rendered.integrator,
@@ -80,10 +94,10 @@ const PICTURES: [Output; 2] = [Output::Vpi, Output::El];
 
 /// What the options alone show to be impossible, before anything is touched.
 fn refuse_what_cannot_be(options: &RenderOptions) -> Result<(), Failure> {
-    for (output, name) in [(Output::Mat, "mat"), (Output::Exr, "exr"), (Output::H5, "h5"), (Output::Hci, "hci")] {
+    for (output, name) in [(Output::Mat, "mat"), (Output::H5, "h5"), (Output::Hci, "hci")] {
         if options.write.contains(&output) {
             return Err(Failure::Usage(format!(
-                "--write {name} is not in this version; it writes vpi, el, disparity and depth"
+                "--write {name} is not in this version; it writes vpi, el, disparity, depth and exr"
             )));
         }
     }
@@ -93,34 +107,51 @@ fn refuse_what_cannot_be(options: &RenderOptions) -> Result<(), Failure> {
                 .into(),
         ));
     }
+    if options.integrator == IntegratorArgument::Depth && layers::names_color(options) {
+        return Err(Failure::Usage(
+            "--integrator depth makes no picture; leave color out of --layers, or choose --integrator direct".into(),
+        ));
+    }
     Ok(())
 }
 
-/// How many bytes the renderer keeps of every sample of the light field.
-fn sample_bytes(options: &RenderOptions) -> usize {
-    let color = if options.integrator == IntegratorArgument::Depth { 0 } else { 3 * size_of::<f32>() };
-    let truth = if options.ground_truth == GroundTruthArgument::All { 2 * size_of::<f32>() } else { 0 };
-    color + truth
+/// What the renderer keeps.
+fn purpose<'a>(options: &'a RenderOptions, wanted: &Wanted) -> Purpose<'a> {
+    let color = if options.integrator == IntegratorArgument::Depth { 0 } else { 3 };
+    Purpose {
+        sky: sky::map(&options.sky),
+        sample_bytes: (color + wanted.all.channels()) * size_of::<f32>(),
+        lens_bytes: wanted.central.channels() * size_of::<f32>(),
+    }
 }
 
-fn request(options: &RenderOptions, prepared: &Prepared) -> Request {
+fn request(options: &RenderOptions, wanted: &Wanted, prepared: &Prepared) -> Request {
     let integrator = match options.integrator {
         // Nobody asked for a picture: no light needs to be traced.
-        IntegratorArgument::Auto if wants_no_picture(&options.write) => Integrator::Depth,
+        IntegratorArgument::Auto if wants_no_picture(options, wanted) => Integrator::Depth,
         IntegratorArgument::Auto => Integrator::Auto,
         IntegratorArgument::Depth => Integrator::Depth,
         IntegratorArgument::Direct => Integrator::Direct,
         IntegratorArgument::Path => Integrator::Path,
     };
-    let samples = options.spp.unwrap_or(if integrator == Integrator::Depth { 1 } else { 16 });
+    let samples = options.spp.unwrap_or(match (integrator, options.target_error) {
+        (Integrator::Depth, _) => 1,
+        (_, Some(_)) => 1024,
+        (_, None) => 16,
+    });
     Request {
         integrator,
         samples,
         seed: options.seed,
-        sky: options.sky.0,
+        sky: sky::constant(&options.sky),
         max_bounces: options.max_bounces,
         roulette: !options.no_roulette,
+        target_error: options.target_error,
         indirect: !options.no_indirect,
+        layers: match options.ground_truth {
+            GroundTruthArgument::Central => wanted.central,
+            GroundTruthArgument::All => wanted.all,
+        },
         ground_truth: match options.ground_truth {
             GroundTruthArgument::Central => GroundTruth::Central,
             GroundTruthArgument::All => GroundTruth::All,
@@ -129,15 +160,22 @@ fn request(options: &RenderOptions, prepared: &Prepared) -> Request {
     }
 }
 
-fn wants_no_picture(wanted: &[Output]) -> bool {
-    !wanted.is_empty() && !wanted.iter().any(|output| matches!(output, Output::Vpi | Output::El))
+fn wants_no_picture(options: &RenderOptions, wanted: &Wanted) -> bool {
+    let shows = |output: &Output| matches!(output, Output::Vpi | Output::El | Output::Exr);
+    !wanted.color && !options.write.is_empty() && !options.write.iter().any(shows)
 }
 
-/// What to write: what was asked for, or all that there is.
+/// What to write beside layers: what was asked for, or the pictures if there are any.
 fn outputs(options: &RenderOptions, rendered: &Rendered) -> Result<Vec<Output>, Failure> {
+    if rendered.color.is_none() && layers::names_color(options) {
+        return Err(Failure::Usage(
+            "the scene has no light, so there is no picture to write; leave color out of --layers, or light the scene \
+             with --sky 1,1,1"
+                .into(),
+        ));
+    }
     if options.write.is_empty() {
-        let truth = [Output::Disparity, Output::Depth];
-        return Ok(if rendered.color.is_some() { [PICTURES, truth].concat() } else { truth.to_vec() });
+        return Ok(if rendered.color.is_some() { PICTURES.to_vec() } else { Vec::new() });
     }
     if rendered.color.is_none() && options.write.iter().any(|o| PICTURES.contains(o)) {
         return Err(Failure::Usage(
@@ -150,41 +188,27 @@ fn outputs(options: &RenderOptions, rendered: &Rendered) -> Result<Vec<Output>, 
 }
 
 /// The range of the finite disparities of the central view; also infinitely far pixels have a finite disparity.
-fn finite_range(central: &Truth<ndarray::Array2<f32>>) -> Option<(f64, f64)> {
-    let finite = central.disparity_px.iter().filter(|d| d.is_finite()).map(|&d| f64::from(d));
+fn finite_range(central: &Layers<Array3<f32>>) -> Option<(f64, f64)> {
+    let disparities = central.disparity_px().into_iter().flatten();
+    let finite = disparities.filter(|d| d.is_finite()).map(|&d| f64::from(d));
     let range = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), d| (min.min(d), max.max(d)));
     (range.0 <= range.1).then_some(range)
 }
 
+/// Writes all that shows the picture.
 fn write(
     folder: &mut OutputFolder,
     options: &RenderOptions,
+    wanted: &Wanted,
     rendered: &mut Rendered,
     outputs: &[Output],
     exposure_ev: Option<f64>,
-    disparity_px: Option<(f64, f64)>,
 ) -> Result<(), Failure> {
-    let central = &rendered.central;
-    if outputs.contains(&Output::Depth) {
-        let path = folder.file(dataset::DEPTH_PFM);
-        folder.add(dataset::DEPTH_PFM, holo_io::write_pfm(path, central.depth_m.view())?);
+    if outputs.contains(&Output::Exr) {
+        layers::write_exr(folder, rendered)?;
     }
-    if outputs.contains(&Output::Disparity) {
-        let plane = central.disparity_px.view();
-        folder.add(dataset::DISPARITY_PFM, holo_io::write_pfm(folder.file(dataset::DISPARITY_PFM), plane)?);
-        let (low, high) = disparity_px.unwrap_or((0.0, 0.0));
-        let path = folder.file(dataset::DISPARITY_PNG);
-        let written = holo_io::write_disparity_png(path, plane, low, high, Compression::Published)?;
-        folder.add(dataset::DISPARITY_PNG, written);
-    }
-    if let Some(all) = &rendered.all {
-        for (wanted, name, field) in
-            [(Output::Depth, "depth", &all.depth_m), (Output::Disparity, "disparity", &all.disparity_px)]
-        {
-            if outputs.contains(&wanted) {
-                write_all_views(folder, name, field)?;
-            }
-        }
+    if let Some(color) = rendered.color.as_ref().filter(|_| wanted.color) {
+        layers::write_color(folder, color, options.ground_truth == GroundTruthArgument::All)?;
     }
     // The radiance is four times the size of what is written: it goes as soon as it is encoded.
     if let (Some(color), Some(ev)) = (rendered.color.take(), exposure_ev) {
@@ -198,24 +222,6 @@ fn write(
             write_raw(folder, outputs, coded, holo_io::write_png_u8)?;
         }
     }
-    Ok(())
-}
-
-/// One PFM a view in a folder of its own, numbered as in the HCI layout: view row * columns + view column.
-fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwned<f32>) -> Result<(), Failure> {
-    folder.subfolder(name)?;
-    let views = field.split().views();
-    let digits = 3.max((views.count() - 1).to_string().len());
-    let written: Vec<(String, Written)> = (0..views.count())
-        .into_par_iter()
-        .map(|k| {
-            let file = format!("{name}/scene_{name}_Cam{k:0digits$}.pfm");
-            let view = field.view(k / views.columns, k % views.columns)?;
-            let written = holo_io::write_pfm(folder.file(&file), view.index_axis(ndarray::Axis(2), 0))?;
-            Ok((file, written))
-        })
-        .collect::<Result<_, Failure>>()?;
-    written.into_iter().for_each(|(file, written)| folder.add(file, written));
     Ok(())
 }
 
@@ -266,6 +272,7 @@ fn parameters(options: &RenderOptions, prepared: &Prepared, disparity_px: Option
 
 fn manifest(
     options: &RenderOptions,
+    wanted: &Wanted,
     prepared: &Prepared,
     rendered: &Rendered,
     request: &Request,
@@ -287,9 +294,21 @@ fn manifest(
     settings.insert("camera".into(), prepared.framed.camera.clone().into());
     settings.insert("integrator".into(), integrator_name(rendered.integrator).into());
     settings.insert("spp".into(), request.samples.into());
+    if let Some(target) = request.target_error {
+        settings.insert("target-error".into(), Setting::Float(target));
+    }
+    if rendered.integrator == Integrator::Path {
+        settings.insert("max-bounces".into(), request.max_bounces.into());
+        settings.insert("roulette".into(), if request.roulette { "on" } else { "off" }.into());
+        settings.insert("indirect".into(), if request.indirect { "on" } else { "off" }.into());
+    }
     let sky = request.sky.map(|c| Setting::Float(f64::from(c)));
     settings.insert("sky".into(), Setting::List(sky.to_vec()));
+    if let Some(path) = sky::map(&options.sky) {
+        settings.insert("sky_sha256".into(), holo_io::hash_file(path)?.sha256.to_string().into());
+    }
     settings.insert("bit-depth".into(), u32::from(options.bit_depth).into());
+    settings.insert("layers".into(), wanted.names(rendered).into());
     let all = request.ground_truth == GroundTruth::All;
     settings.insert("ground-truth".into(), if all { "all" } else { "central" }.into());
     Ok(manifest)

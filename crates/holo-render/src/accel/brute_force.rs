@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use super::{Coherence, Engine, LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
-use crate::geometry::Geometry;
+use crate::geometry::{self, Geometry};
 
 /// The engine of tests.
 pub(crate) struct BruteForce {
@@ -31,7 +31,8 @@ impl BruteForce {
         let (near, far) = (f64::from(rays.near[lane]), f64::from(rays.far[lane]));
         let mut best: Option<Hit> = None;
         for triangle in 0..self.geometry.triangles().len() {
-            let [a, b, c] = self.geometry.corners(triangle).map(|p| DVec3::from(p.map(f64::from)));
+            let [a, b, c] =
+                self.geometry.corners(geometry::Hit::flattened(triangle)).map(|p| DVec3::from(p.map(f64::from)));
             // Moeller and Trumbore (1997), both sides.
             let (e1, e2) = (b - a, c - a);
             let p = direction.cross(e2);

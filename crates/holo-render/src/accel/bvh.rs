@@ -18,7 +18,7 @@ use obvhs::ray::{Ray, RayHit};
 
 use super::triangle::{ShearedRay, TriangleHit};
 use super::{Coherence, Engine, LANES, Lanes, NO_TRIANGLE, RayHits, Rays, at};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Hit};
 
 /// The pure-Rust engine.
 pub(crate) struct Bvh {
@@ -50,12 +50,12 @@ impl Bvh {
         let margin = Vec3A::splat(largest * scale * BOX_MARGIN);
         let boxes: Vec<Aabb> = (0..count)
             .map(|k| {
-                let bounds = Aabb::from_points(&geometry.corners(k).map(|p| Vec3A::from(p) * scale));
+                let bounds = Aabb::from_points(&geometry.corners(Hit::flattened(k)).map(|p| Vec3A::from(p) * scale));
                 Aabb::new(bounds.min - margin, bounds.max + margin)
             })
             .collect();
         let tree = build_cwbvh(&boxes, BvhBuildParams::medium_build(), &mut Duration::default());
-        let corners = tree.primitive_indices.iter().map(|&k| geometry.corners(k as usize)).collect();
+        let corners = tree.primitive_indices.iter().map(|&k| geometry.corners(Hit::flattened(k as usize))).collect();
         Self { tree: Some(tree), corners, geometry: Arc::clone(geometry), scale }
     }
 
@@ -88,7 +88,7 @@ impl Bvh {
     #[inline(always)]
     fn intersect_leaf(&self, ray: &TreeRay, leaf: usize, triangle: u32) -> Option<TriangleHit> {
         let hit = ray.sheared.intersect(&self.corners[leaf])?;
-        let plane = &self.geometry.planes()[triangle as usize];
+        let plane = self.geometry.plane(Hit::flattened(triangle as usize));
         let [o, d] = &ray.exact;
         let n = &plane.normal;
         let exact =

@@ -4,24 +4,28 @@
 //!
 //! - The functions are those of Embree's public C header `embree4/rtcore.h`; their signatures are in [`Api`]. The ABI of
 //!   a major version does not change, and [`Api::load`] refuses any library that does not call itself 4.
-//! - The library has one level of instances, as every packaged build has (`RTC_MAX_INSTANCE_LEVEL_COUNT` = 1).
+//! - The library has one level of instances, as every packaged build has (`RTC_MAX_INSTANCE_LEVEL_COUNT` = 1), and scenes
+//!   here use no more: triangles, and placements of prototypes that hold nothing but triangles.
+//! - Queries carry no context; the library then makes one of its own with an empty stack of instances (Embree manual,
+//!   "rtcIntersect16").
 //! - A packet is our [`RayHits`], whose size and alignment are asserted at compile time and equal those of
 //!   `RTCRayHit16` of 4.3 and later. 4.0 to 4.2 lack the last field (`instPrimID`) and write less. A test surrounds
 //!   packets with canaries and shows that the installed version writes nothing else.
 //! - Vertex and index buffers are shared, not copied: the engine holds the [`Geometry`] that owns them, which nobody can
-//!   change any more, and releases the scene first. Vertices are padded by one entry since Embree reads 16 bytes each.
+//!   change any more, and releases the scenes first. Vertices are padded by one entry since Embree reads 16 bytes each.
 //! - A committed scene may be queried from any thread (Embree manual, "rtcCommitScene").
 
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::ptr::{self, NonNull};
 use std::sync::{Arc, OnceLock};
 
 use libloading::Library;
 
-use super::{Coherence, Engine, Lanes, RayHits, Rays};
+use super::{Coherence, Engine, LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
 use crate::error::Error;
-use crate::geometry::Geometry;
+use crate::geometry::{FLATTENED, Geometry};
 
 /// An opaque object of Embree.
 type Handle = *mut c_void;
@@ -52,10 +56,12 @@ const DEVICE_PROPERTY_VERSION: c_int = 0;
 const DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED: c_int = 65;
 const DEVICE_PROPERTY_TRIANGLE_GEOMETRY_SUPPORTED: c_int = 96;
 const GEOMETRY_TYPE_TRIANGLE: c_int = 0;
+const GEOMETRY_TYPE_INSTANCE: c_int = 121;
 const BUFFER_TYPE_INDEX: c_int = 0;
 const BUFFER_TYPE_VERTEX: c_int = 1;
 const FORMAT_UINT3: c_int = 0x5003;
 const FORMAT_FLOAT3: c_int = 0x9003;
+const FORMAT_FLOAT3X4_COLUMN_MAJOR: c_int = 0x9234;
 /// Rays that touch an edge hit one of its triangles; it costs about 6 % of the speed.
 const SCENE_FLAG_ROBUST: c_int = 1 << 2;
 const BUILD_QUALITY_MEDIUM: c_int = 1;
@@ -102,7 +108,9 @@ api! {
     rtcNewGeometry: fn(Handle, c_int) -> Handle;
     rtcSetSharedGeometryBuffer: fn(Handle, c_int, c_uint, c_int, *const c_void, usize, usize, usize);
     rtcCommitGeometry: fn(Handle);
-    rtcAttachGeometry: fn(Handle, Handle) -> c_uint;
+    rtcAttachGeometryByID: fn(Handle, Handle, c_uint);
+    rtcSetGeometryInstancedScene: fn(Handle, Handle);
+    rtcSetGeometryTransform: fn(Handle, c_uint, c_int, *const c_void);
     rtcReleaseGeometry: fn(Handle);
     rtcIntersect16: fn(*const c_int, Handle, *mut c_void, *const QueryArguments);
     #[cfg(feature = "bench")]
@@ -152,12 +160,17 @@ impl Api {
             let version = property(DEVICE_PROPERTY_VERSION);
             let triangles = property(DEVICE_PROPERTY_TRIANGLE_GEOMETRY_SUPPORTED) != 0;
             let one_sided = property(DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED) != 0;
+            // No property says whether instances were built in; the library refuses to make one if not.
+            let instance = (self.rtcNewGeometry)(device, GEOMETRY_TYPE_INSTANCE);
+            if !instance.is_null() {
+                (self.rtcReleaseGeometry)(instance);
+            }
             (self.rtcReleaseDevice)(device);
             if !(40_000..50_000).contains(&version) {
                 return Err(format!("it is version {version}, and this program needs 4.x"));
             }
-            if !triangles || one_sided {
-                return Err("it was built without triangles or with one-sided ones".into());
+            if !triangles || one_sided || instance.is_null() {
+                return Err("it was built without triangles or instances, or with one-sided triangles".into());
             }
         }
         Ok(())
@@ -201,14 +214,16 @@ fn candidates() -> Vec<PathBuf> {
     found
 }
 
-/// A device and a committed scene of one triangle mesh.
+/// A device and a committed scene: the flattened triangles as one mesh, and placements of scenes of one mesh each.
 pub(crate) struct Embree {
     api: Arc<Api>,
     device: NonNull<c_void>,
     scene: NonNull<c_void>,
+    /// One scene for every mesh that is kept once.
+    prototypes: Vec<NonNull<c_void>>,
     name: String,
-    /// Owns the buffers that the scene reads.
-    _geometry: Arc<Geometry>,
+    /// Owns the buffers that the scenes read.
+    geometry: Arc<Geometry>,
 }
 
 // SAFETY: Embree's device and scene handles are reference-counted objects without thread affinity.
@@ -238,49 +253,126 @@ impl Embree {
             unsafe { (api.rtcReleaseDevice)(device.as_ptr()) };
             return Err(Error::Embree("no scene could be made".into()));
         };
-        // From here on `Drop` releases both.
-        let engine = Self { api, device, scene, name, _geometry: Arc::clone(geometry) };
-        engine.commit(geometry)?;
+        // From here on `Drop` releases what was made.
+        let mut engine = Self { api, device, scene, prototypes: Vec::new(), name, geometry: Arc::clone(geometry) };
+        engine.fill()?;
         Ok(engine)
     }
 
-    fn commit(&self, geometry: &Geometry) -> Result<(), Error> {
-        let (api, device, scene) = (&self.api, self.device.as_ptr(), self.scene.as_ptr());
-        // SAFETY: device and scene are alive; the buffers belong to `geometry`, which `self` keeps alive and nobody can
-        // change; counts and strides are those of the slices, vertices have one entry more than is announced.
-        unsafe {
-            (api.rtcSetSceneFlags)(scene, SCENE_FLAG_ROBUST);
-            (api.rtcSetSceneBuildQuality)(scene, BUILD_QUALITY_MEDIUM);
-            if !geometry.triangles().is_empty() {
-                let mesh = (api.rtcNewGeometry)(device, GEOMETRY_TYPE_TRIANGLE);
-                let share = |kind, format, data: *const c_void, count| {
-                    (api.rtcSetSharedGeometryBuffer)(mesh, kind, 0, format, data, 0, 12, count);
-                };
-                let vertices = geometry.positions().len();
-                share(BUFFER_TYPE_VERTEX, FORMAT_FLOAT3, geometry.padded_positions().as_ptr().cast(), vertices);
-                let triangles = geometry.triangles();
-                share(BUFFER_TYPE_INDEX, FORMAT_UINT3, triangles.as_ptr().cast(), triangles.len());
-                (api.rtcCommitGeometry)(mesh);
-                (api.rtcAttachGeometry)(scene, mesh);
-                (api.rtcReleaseGeometry)(mesh);
+    /// Gives the scene its geometry and builds it.
+    fn fill(&mut self) -> Result<(), Error> {
+        let geometry = Arc::clone(&self.geometry);
+        for triangles in geometry.prototypes() {
+            // SAFETY: the device is alive.
+            let made = NonNull::new(unsafe { (self.api.rtcNewScene)(self.device.as_ptr()) });
+            let Some(scene) = made else { return Err(self.failure()) };
+            self.prototypes.push(scene);
+            self.attach_triangles(scene, triangles.clone(), 0)?;
+            self.commit(scene)?;
+        }
+        let placed = geometry.placed();
+        for (id, place) in placed.iter().enumerate() {
+            let matrix = place.matrix();
+            let instance = self.new_geometry(GEOMETRY_TYPE_INSTANCE)?;
+            // SAFETY: all handles are alive; `matrix` is twelve floats, columns first, which the call copies. The scene takes
+            // its share in the geometry, so that ours can be given back. Its number is free: places are counted once.
+            unsafe {
+                let instance = instance.as_ptr();
+                let prototype = self.prototypes[place.prototype as usize].as_ptr();
+                (self.api.rtcSetGeometryInstancedScene)(instance, prototype);
+                let format = FORMAT_FLOAT3X4_COLUMN_MAJOR;
+                (self.api.rtcSetGeometryTransform)(instance, 0, format, matrix.as_ptr().cast());
+                (self.api.rtcCommitGeometry)(instance);
+                (self.api.rtcAttachGeometryByID)(self.scene.as_ptr(), instance, id as c_uint);
+                (self.api.rtcReleaseGeometry)(instance);
             }
-            (api.rtcCommitScene)(scene);
         }
+        if geometry.flattened_count() > 0 {
+            self.attach_triangles(self.scene, 0..geometry.flattened_count(), placed.len() as c_uint)?;
+        }
+        self.commit(self.scene)
+    }
+
+    fn new_geometry(&self, kind: c_int) -> Result<NonNull<c_void>, Error> {
         // SAFETY: the device is alive.
-        match unsafe { (api.rtcGetDeviceError)(device) } {
-            0 => Ok(()),
-            4 => Err(Error::Embree(format!("out of memory over {} triangles", geometry.triangles().len()))),
-            code => Err(Error::Embree(format!("building failed with error code {code}"))),
+        NonNull::new(unsafe { (self.api.rtcNewGeometry)(self.device.as_ptr(), kind) }).ok_or_else(|| self.failure())
+    }
+
+    /// Adds a range of the triangles to a scene, under the number `id`.
+    fn attach_triangles(&self, scene: NonNull<c_void>, range: Range<usize>, id: c_uint) -> Result<(), Error> {
+        let (api, geometry) = (&self.api, &self.geometry);
+        let mesh = self.new_geometry(GEOMETRY_TYPE_TRIANGLE)?.as_ptr();
+        let share = |kind, format, data: *const c_void, count| {
+            // SAFETY: the mesh is alive; the buffers belong to the geometry, which `self` keeps alive and nobody can change;
+            // counts and strides are those of the slices, vertices have one entry more than is announced.
+            unsafe { (api.rtcSetSharedGeometryBuffer)(mesh, kind, 0, format, data, 0, 12, count) };
+        };
+        let vertices = geometry.padded_positions();
+        share(BUFFER_TYPE_VERTEX, FORMAT_FLOAT3, vertices.as_ptr().cast(), vertices.len() - 1);
+        let triangles = &geometry.triangles()[range];
+        share(BUFFER_TYPE_INDEX, FORMAT_UINT3, triangles.as_ptr().cast(), triangles.len());
+        // SAFETY: mesh and scene are alive; the scene takes its share in the mesh, so that ours can be given back.
+        unsafe {
+            (api.rtcCommitGeometry)(mesh);
+            (api.rtcAttachGeometryByID)(scene.as_ptr(), mesh, id);
+            (api.rtcReleaseGeometry)(mesh);
         }
+        Ok(())
+    }
+
+    /// Builds the tree over a scene to which everything is attached.
+    fn commit(&self, scene: NonNull<c_void>) -> Result<(), Error> {
+        // SAFETY: device and scene are alive; what the scene refers to is, too (above).
+        let code = unsafe {
+            (self.api.rtcSetSceneFlags)(scene.as_ptr(), SCENE_FLAG_ROBUST);
+            (self.api.rtcSetSceneBuildQuality)(scene.as_ptr(), BUILD_QUALITY_MEDIUM);
+            (self.api.rtcCommitScene)(scene.as_ptr());
+            (self.api.rtcGetDeviceError)(self.device.as_ptr())
+        };
+        if code == 0 { Ok(()) } else { Err(self.error(code)) }
+    }
+
+    /// The error that the library has just met.
+    fn failure(&self) -> Error {
+        // SAFETY: the device is alive.
+        self.error(unsafe { (self.api.rtcGetDeviceError)(self.device.as_ptr()) })
+    }
+
+    fn error(&self, code: c_int) -> Error {
+        let (triangles, places) = (self.geometry.triangles().len(), self.geometry.placed().len());
+        Error::Embree(match code {
+            4 if places > 0 => format!("out of memory over {triangles} triangles and {places} instances"),
+            4 => format!("out of memory over {triangles} triangles"),
+            code => format!("building failed with error code {code}"),
+        })
     }
 }
 
 impl Drop for Embree {
     fn drop(&mut self) {
-        // SAFETY: both were made by `build` and are released once; the scene goes first, then the buffers may go.
+        // SAFETY: all were made by `build` and are released once; the scenes go first (the one that refers to the others
+        // before those), then the buffers may go.
         unsafe {
             (self.api.rtcReleaseScene)(self.scene.as_ptr());
+            for prototype in &self.prototypes {
+                (self.api.rtcReleaseScene)(prototype.as_ptr());
+            }
             (self.api.rtcReleaseDevice)(self.device.as_ptr());
+        }
+    }
+}
+
+/// Turns the triangles' numbers within their prototypes into those of the whole list.
+///
+/// Kept out of the way of scenes without instances.
+#[inline(never)]
+fn number_triangles(geometry: &Geometry, valid: &Lanes<i32>, packet: &mut RayHits) {
+    let hits = &mut packet.hits;
+    for lane in 0..LANES {
+        let instance = hits.instance[lane];
+        if valid.0[lane] != 0 && hits.triangle[lane] != NO_TRIANGLE && instance != FLATTENED {
+            let prototype = geometry.placed()[instance as usize].prototype;
+            hits.triangle[lane] += geometry.prototypes()[prototype as usize].start as u32;
         }
     }
 }
@@ -293,6 +385,9 @@ impl Engine for Embree {
         unsafe {
             let packet: *mut RayHits = packet;
             (self.api.rtcIntersect16)(valid.0.as_ptr(), self.scene.as_ptr(), packet.cast(), &raw const arguments);
+        }
+        if self.geometry.is_instanced() {
+            number_triangles(&self.geometry, valid, packet);
         }
     }
 
@@ -312,7 +407,7 @@ impl Engine for Embree {
         #[repr(C, align(16))]
         struct One([f32; 24]);
         let arguments = QueryArguments::new(Coherence::Coherent);
-        for lane in (0..super::LANES).filter(|&lane| valid.0[lane] != 0) {
+        for lane in (0..LANES).filter(|&lane| valid.0[lane] != 0) {
             let rays = &packet.rays;
             let mut one = One([0.0; 24]);
             for axis in 0..3 {
@@ -323,12 +418,17 @@ impl Engine for Embree {
             one.0[8] = rays.far[lane];
             one.0[9] = f32::from_bits(u32::MAX);
             one.0[18] = f32::from_bits(u32::MAX);
+            one.0[19] = f32::from_bits(FLATTENED);
             // SAFETY: as in `intersect`, with `RTCRayHit`.
             unsafe {
                 (self.api.rtcIntersect1)(self.scene.as_ptr(), (&raw mut one).cast(), &raw const arguments);
             }
             packet.rays.far[lane] = one.0[8];
             packet.hits.triangle[lane] = if one.0[18].to_bits() == u32::MAX { u32::MAX } else { one.0[17].to_bits() };
+            packet.hits.instance[lane] = one.0[19].to_bits();
+        }
+        if self.geometry.is_instanced() {
+            number_triangles(&self.geometry, valid, packet);
         }
     }
 
@@ -340,8 +440,7 @@ impl Engine for Embree {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::tests::soup;
-    use crate::accel::{LANES, NO_TRIANGLE};
+    use crate::accel::tests::{placed_soup, soup};
 
     /// A packet between two fences of known bytes.
     #[repr(C, align(64))]
@@ -354,8 +453,13 @@ mod tests {
     /// Holds for whichever version is installed: it writes into our structs and nowhere else.
     #[test]
     fn embree_writes_nothing_outside_our_packets() {
-        let geometry = Arc::new(soup(500, 1));
-        let engine = match Embree::build(&geometry, 1) {
+        for geometry in [soup(500, 1), placed_soup(500, 1)] {
+            nothing_outside_is_written(&Arc::new(geometry));
+        }
+    }
+
+    fn nothing_outside_is_written(geometry: &Arc<Geometry>) {
+        let engine = match Embree::build(geometry, 1) {
             Ok(engine) => engine,
             Err(why) => {
                 eprintln!("not run: needs Embree 4: {why}");

@@ -39,16 +39,16 @@ impl Holes {
     fn passing(&self, valid: &Lanes<i32>, packet: &RayHits) -> Lanes<i32> {
         let mut passes = Lanes([0; LANES]);
         for lane in 0..LANES {
-            let triangle = packet.hits.triangle[lane];
-            if valid.0[lane] == 0 || triangle == NO_TRIANGLE {
+            let hit = packet.hit(lane);
+            if valid.0[lane] == 0 || hit.triangle == NO_TRIANGLE {
                 continue;
             }
             let place = [packet.hits.u[lane], packet.hits.v[lane]];
-            let opacity = self.appearance.opacity(&self.geometry, triangle, place);
+            let opacity = self.appearance.opacity(&self.geometry, hit, place);
             let threshold = match self.cover {
                 Cover::Half => 0.5,
                 // Never 0: what is not there stops nothing.
-                Cover::Random if opacity < 1.0 => number(&packet.rays, lane, triangle),
+                Cover::Random if opacity < 1.0 => number(&packet.rays, lane, hit.triangle),
                 Cover::Random => 0.5,
             };
             passes.0[lane] = -i32::from(opacity < threshold);
@@ -72,6 +72,7 @@ impl Engine for Holes {
                 packet.rays.far[lane] = far[lane];
                 packet.hits.triangle[lane] = NO_TRIANGLE;
                 packet.hits.geometry[lane] = NO_TRIANGLE;
+                packet.hits.instance[lane] = NO_TRIANGLE;
             }
             self.inner.intersect(&going, packet, coherence);
         }
@@ -111,6 +112,7 @@ fn number(rays: &Rays, lane: usize, triangle: u32) -> f32 {
 mod tests {
     use super::*;
     use crate::accel::{Backend, build};
+    use crate::geometry::Instancing;
     use crate::scene::{Alpha, Instance, Material, Mesh, Scene, Transform};
 
     /// Ten squares one behind the other at 1, 2, .. m, all but the last of them with `alpha`.
@@ -127,7 +129,7 @@ mod tests {
             });
             scene.instances.push(Instance { name: String::new(), mesh: k, transform: Transform::IDENTITY });
         }
-        let geometry = Geometry::build(&scene, &Transform::IDENTITY).unwrap();
+        let geometry = Geometry::build(&scene, &Transform::IDENTITY, Instancing::Never).unwrap();
         (Arc::new(geometry), Arc::new(Appearance::new(&scene.materials, &scene.textures)))
     }
 

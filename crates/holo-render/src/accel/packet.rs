@@ -1,5 +1,7 @@
 //! Sixteen rays and their hits, laid out as Embree's `RTCRayHit16`.
 
+use crate::geometry::{FLATTENED, Hit};
+
 /// Rays in a packet.
 pub(crate) const LANES: usize = 16;
 
@@ -39,8 +41,10 @@ pub(crate) struct Hits {
     pub normal: [[f32; LANES]; 3],
     pub u: [f32; LANES],
     pub v: [f32; LANES],
+    /// Index into all triangles of the geometry.
     pub triangle: [u32; LANES],
     pub geometry: [u32; LANES],
+    /// Where the mesh stands that was hit, or [`FLATTENED`] (Embree's `RTC_INVALID_GEOMETRY_ID`).
     pub instance: [u32; LANES],
     pub instance_primitive: [u32; LANES],
 }
@@ -75,7 +79,7 @@ impl Hits {
         v: [0.0; LANES],
         triangle: [NO_TRIANGLE; LANES],
         geometry: [NO_TRIANGLE; LANES],
-        instance: [NO_TRIANGLE; LANES],
+        instance: [FLATTENED; LANES],
         instance_primitive: [NO_TRIANGLE; LANES],
     };
 }
@@ -91,6 +95,13 @@ impl RayHits {
         self.rays.far = [f32::INFINITY; LANES];
         self.hits.triangle = [NO_TRIANGLE; LANES];
         self.hits.geometry = [NO_TRIANGLE; LANES];
+        self.hits.instance = [FLATTENED; LANES];
+    }
+
+    /// What lane `lane` hit.
+    #[inline(always)]
+    pub fn hit(&self, lane: usize) -> Hit {
+        Hit { triangle: self.hits.triangle[lane], instance: self.hits.instance[lane] }
     }
 }
 

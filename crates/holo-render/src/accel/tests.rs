@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::*;
+use crate::geometry::Instancing;
 use crate::scene::{Instance, Material, Mesh, Scene, Transform};
 
 /// A small generator with a stated formula (SplitMix64), so that tests mean the same everywhere.
@@ -16,6 +17,22 @@ pub(crate) fn random(state: &mut u64) -> f64 {
 
 /// `count` random triangles in front of the camera.
 pub(crate) fn soup(count: usize, seed: u64) -> Geometry {
+    let (positions, triangles) = soup_mesh(count, seed);
+    geometry(positions, triangles)
+}
+
+/// The same as one mesh that is kept once and placed twice.
+pub(crate) fn placed_soup(count: usize, seed: u64) -> Geometry {
+    let (positions, triangles) = soup_mesh(count, seed);
+    let mut scene = scene(positions, triangles);
+    let aside = Transform::from_translation([0.5, 0.25, -1.0]);
+    scene.instances.push(Instance { transform: aside, ..scene.instances[0].clone() });
+    let geometry = Geometry::build(&scene, &Transform::IDENTITY, Instancing::WherePossible).expect("a valid scene");
+    assert_eq!(geometry.placed().len(), 2);
+    geometry
+}
+
+fn soup_mesh(count: usize, seed: u64) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let mut state = seed;
     let mut positions = Vec::new();
     for _ in 0..count {
@@ -24,17 +41,20 @@ pub(crate) fn soup(count: usize, seed: u64) -> Geometry {
             positions.push(center.map(|c| (c + random(&mut state) * 0.8 - 0.4) as f32));
         }
     }
-    geometry(positions, (0..count as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect())
+    (positions, (0..count as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect())
 }
 
 pub(crate) fn geometry(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Geometry {
-    let scene = Scene {
+    Geometry::build(&scene(positions, triangles), &Transform::IDENTITY, Instancing::Never).expect("a valid scene")
+}
+
+fn scene(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Scene {
+    Scene {
         meshes: vec![Mesh { positions, triangles, ..Mesh::default() }],
         instances: vec![Instance { name: String::new(), mesh: 0, transform: Transform::IDENTITY }],
         materials: vec![Material::default()],
         ..Scene::default()
-    };
-    Geometry::build(&scene, &Transform::IDENTITY).expect("a valid scene")
+    }
 }
 
 /// A closed box around the origin, 12 triangles.

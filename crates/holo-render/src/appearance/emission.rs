@@ -2,7 +2,7 @@
 
 use super::{Appearance, Kinds, Lookup, Place};
 use crate::accel::LANES;
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Hit};
 use crate::scene;
 
 /// Emission of a material.
@@ -31,7 +31,7 @@ impl Appearance {
     pub fn emission(
         &self,
         geometry: &Geometry,
-        triangles: &[u32; LANES],
+        triangles: &[Hit; LANES],
         [u, v]: [&[f32; LANES]; 2],
         side: &[f32; LANES],
         wanted: &[bool; LANES],

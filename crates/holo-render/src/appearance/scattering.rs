@@ -111,7 +111,7 @@ impl Appearance {
         let mut depth = [[0.0; LANES]; 3];
         for lane in 0..LANES {
             if surfaces.kinds[lane].has(Kinds::FILLED) & (surfaces.side[lane] < 0.0) {
-                let part = geometry.part(geometry.part_index(surfaces.triangle[lane] as usize));
+                let part = geometry.part(geometry.part_index(surfaces.triangle[lane]));
                 if let Some(absorption) = self.materials[part.material as usize].scattering.absorption {
                     for c in 0..3 {
                         depth[c][lane] = absorption[c] * length[lane];

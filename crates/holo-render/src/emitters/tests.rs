@@ -27,7 +27,7 @@ fn geometry(meshes: Vec<Shape>) -> Geometry {
         materials: vec![Material::default(); count],
         ..Scene::default()
     };
-    Geometry::build(&scene, &Transform::IDENTITY).expect("a small scene")
+    Geometry::build(&scene, &Transform::IDENTITY, crate::geometry::Instancing::Never).expect("a small scene")
 }
 
 /// The rectangle [-1, 2] x [-1, 1] at the height `z`; its front looks up (+z), or down.
@@ -126,9 +126,9 @@ fn samples_state_what_the_look_up_says() {
         let sample = emitters.sample(&from.map(|x| [x; LANES]), &choice, &point);
         for lane in 0..LANES {
             let triangle = sample.triangle[lane] as usize;
-            let part = geometry.part_index(triangle);
+            let part = geometry.part_index(Hit::flattened(triangle));
             seen[part as usize] += 1;
-            let [a, b, c] = geometry.corners(triangle).map(Vec3::from);
+            let [a, b, c] = geometry.corners(Hit::flattened(triangle)).map(Vec3::from);
             let (u, v) = (sample.u[lane], sample.v[lane]);
             assert!(u >= 0.0 && v >= 0.0 && u + v <= 1.0);
             let to_light = a * (1.0 - u - v) + b * u + c * v - Vec3::from(from);
@@ -142,7 +142,7 @@ fn samples_state_what_the_look_up_says() {
     }
     // In proportion to area times luminance times sides: within five standard deviations of the binomial.
     let luminance = |m: &Material| 0.2126 * m.emission[0] + 0.7152 * m.emission[1] + 0.0722 * m.emission[2];
-    let [a, b, c] = geometry.corners(4).map(Vec3::from);
+    let [a, b, c] = geometry.corners(Hit::flattened(4)).map(Vec3::from);
     let weights = [6.0 * luminance(&materials[0]), (b - a).cross(c - a).length() * luminance(&materials[2])];
     let share = f64::from(weights[0] / (weights[0] + weights[1]));
     assert_eq!(seen[1], 0);
@@ -168,7 +168,7 @@ fn a_million_triangles_are_chosen_in_proportion() {
     let emitters = Emitters::build(&geometry, &[glow([2.0; 3], true)], &[]).expect("it glows");
     let areas: Vec<f64> = (0..count as usize)
         .map(|k| {
-            let [a, b, c] = geometry.corners(k).map(|p| Vec3::from(p).as_dvec3());
+            let [a, b, c] = geometry.corners(Hit::flattened(k)).map(|p| Vec3::from(p).as_dvec3());
             (b - a).cross(c - a).length() / 2.0
         })
         .collect();

@@ -78,9 +78,12 @@ impl Samples {
         }
     }
 
-    /// Makes means of the sums.
+    /// Makes means of the sums; returns what is left to multiply them with.
     #[inline(always)]
-    pub fn average(&self, color: &mut [[[f32; LANES]; 3]]) {
+    pub fn average(&self, color: &mut [[[f32; LANES]; 3]], all: u32) -> f32 {
+        if self.target.is_none() {
+            return 1.0 / all as f32;
+        }
         for (packet, color) in self.packets.iter().zip(color) {
             let scale = 1.0 / packet.samples.max(1) as f32;
             for c in 0..3 {
@@ -89,6 +92,7 @@ impl Samples {
                 }
             }
         }
+        1.0
     }
 }
 

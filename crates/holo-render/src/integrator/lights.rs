@@ -9,7 +9,8 @@ use super::Context;
 use super::depth::count;
 use super::scatterer::Scatterer;
 use super::shade::Shading;
-use crate::accel::{LANES, Lanes, NO_TRIANGLE, Rays};
+use crate::accel::{LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
+use crate::geometry::Hit;
 use crate::light::{PreparedLight, SHADOW_REACH, STRONGEST};
 use crate::sampling::{self, Draw, Points, Purpose};
 
@@ -19,72 +20,219 @@ const ALL_LIGHTS: usize = 8;
 /// The largest f32 below 1.
 const ONE_MINUS: f32 = 1.0 - f32::EPSILON / 2.0;
 
-/// Light on its way to sixteen points, before anybody looked for what stands in between.
+/// Light on its way to sixteen points.
 struct Arriving {
-    /// Radiance that it adds to the pixels.
+    to_light: [[f32; LANES]; 3],
+    inverse_length: [f32; LANES],
+    /// How far to look, in multiples of `to_light`.
+    far: [f32; LANES],
+    /// Irradiance of a surface that faces the light; radiance where the light was asked with a density.
+    strength: [[f32; LANES]; 3],
+    /// The density with which the light was asked, if scattered rays may meet it as well; else infinite.
+    asked: [f32; LANES],
+}
+
+/// What light adds to the pixels if nothing stands in its way.
+#[derive(Clone, Copy)]
+struct Gain {
     gain: [[f32; LANES]; 3],
     start: [[f32; LANES]; 3],
     to_light: [[f32; LANES]; 3],
-    /// How far to look, in multiples of `to_light`.
     far: [f32; LANES],
 }
 
 /// Adds what arrives from all lights to `gain`; returns the shadow rays traced.
+///
+/// One loop over all that shines: what it calls is large, and compiled into the kernel once.
 #[inline(always)]
 pub(super) fn add(context: &Context, here: &Shading, scatterer: &Scatterer, gain: &mut [[f32; LANES]; 3]) -> u64 {
     let mut shadow_rays = 0;
-    let draw = |draw| sampling::points_at(here.sequences, &here.sample, Purpose::event(here.event, draw));
-    let place = if context.has_discs { draw(Draw::Disc) } else { [[0.5; LANES]; 2] };
-    if here.event == 0 && context.lights.len() <= ALL_LIGHTS {
-        for light in context.lights {
-            let arriving = unshadowed(light, here, scatterer, &place);
-            shadow_rays += add_unless_hidden(context, here, &arriving, gain);
-        }
-    } else if !context.lights.is_empty() {
-        let [number, _] = draw(Draw::Light);
-        let arriving = one_of_all(context, here, scatterer, number, &place);
-        shadow_rays += add_unless_hidden(context, here, &arriving, gain);
-    }
-    if let Some(emitters) = context.emitters {
-        let [_, choice] = draw(Draw::Light);
-        let sample = emitters.sample(&here.surfaces.start, &choice, &draw(Draw::Emitter));
-        let mut inverse_length = [0.0; LANES];
-        for lane in 0..LANES {
-            let mut squared = 0.0;
-            for axis in 0..3 {
-                squared += sample.to_light[axis][lane] * sample.to_light[axis][lane];
+    let punctual = context.lights.len();
+    let with_emitters = usize::from(context.emitters.is_some());
+    let all = punctual + with_emitters + usize::from(context.surroundings.is_some());
+    let one_of_all = punctual > ALL_LIGHTS || (here.event > 0 && punctual > 1);
+    let [number, choice] = if one_of_all | (with_emitters == 1) { draw(here, Draw::Light) } else { [[0.0; LANES]; 2] };
+    let mut reservoir = Reservoir::new(number);
+    for k in 0..all {
+        let arriving = if k < punctual {
+            punctual_light(context, here, &context.lights[k])
+        } else if k < punctual + with_emitters {
+            emitter(context, here, &choice)
+        } else {
+            surroundings(context, here)
+        };
+        let mut arrived = arrived(here, scatterer, &arriving);
+        if one_of_all && k < punctual {
+            reservoir.offer(&arrived);
+            if k + 1 < punctual {
+                continue;
             }
-            inverse_length[lane] = if squared > 0.0 { 1.0 / squared.sqrt() } else { 0.0 };
+            arrived = reservoir.chosen();
         }
-        let mut wanted = [false; LANES];
-        for lane in 0..LANES {
-            wanted[lane] = here.hit[lane] & (sample.pdf[lane] > 0.0);
-        }
-        // A density above 0 means that the point shows a side that glows; if both do, they glow alike.
-        let side = [1.0; LANES];
-        let mut radiance =
-            context.appearance.emission(context.geometry, &sample.triangle, [&sample.u, &sample.v], &side, &wanted);
-        if context.has_holes {
-            for lane in (0..LANES).filter(|&lane| wanted[lane]) {
-                let place = [sample.u[lane], sample.v[lane]];
-                let opacity = context.appearance.opacity(context.geometry, sample.triangle[lane], place);
-                for c in 0..3 {
-                    radiance[c][lane] *= opacity;
-                }
-            }
-        }
-        let arriving =
-            weighted(here, scatterer, sample.to_light, &inverse_length, &radiance, &sample.pdf, SHADOW_REACH);
-        shadow_rays += add_unless_hidden(context, here, &arriving, gain);
-    }
-    if let Some(surroundings) = context.surroundings {
-        let sample = surroundings.sample(&draw(Draw::Surroundings));
-        let one = [1.0; LANES];
-        let far = f32::INFINITY;
-        let arriving = weighted(here, scatterer, sample.direction, &one, &sample.radiance, &sample.pdf, far);
-        shadow_rays += add_unless_hidden(context, here, &arriving, gain);
+        shadow_rays += add_unless_hidden(context, here, &arrived, gain);
     }
     shadow_rays
+}
+
+#[inline(always)]
+fn draw(here: &Shading, draw: Draw) -> Points {
+    sampling::points_at(here.sequences, &here.paths.sample, Purpose::event(here.event, draw))
+}
+
+#[inline(always)]
+fn punctual_light(context: &Context, here: &Shading, light: &PreparedLight) -> Arriving {
+    let place = if context.has_discs { draw(here, Draw::Disc) } else { [[0.5; LANES]; 2] };
+    let arrivals = light.arrivals(&here.surfaces.start, &place);
+    let power = light.power();
+    let mut strength = [[0.0; LANES]; 3];
+    for c in 0..3 {
+        for lane in 0..LANES {
+            strength[c][lane] = power[c] * arrivals.attenuation[lane];
+        }
+    }
+    Arriving {
+        to_light: arrivals.to_light,
+        inverse_length: arrivals.inverse_length,
+        far: [light.shadow_reach(); LANES],
+        strength,
+        asked: [f32::INFINITY; LANES],
+    }
+}
+
+/// A point of something that glows.
+#[inline(always)]
+fn emitter(context: &Context, here: &Shading, choice: &[f32; LANES]) -> Arriving {
+    let zero = [0.0; LANES];
+    let mut out = Arriving {
+        to_light: [zero; 3],
+        inverse_length: zero,
+        far: [SHADOW_REACH; LANES],
+        strength: [zero; 3],
+        asked: zero,
+    };
+    let Some(emitters) = context.emitters else { return out };
+    let sample = emitters.sample(&here.surfaces.start, choice, &draw(here, Draw::Emitter));
+    let mut wanted = [false; LANES];
+    for lane in 0..LANES {
+        let mut squared = 0.0;
+        for axis in 0..3 {
+            squared += sample.to_light[axis][lane] * sample.to_light[axis][lane];
+        }
+        out.inverse_length[lane] = if squared > 0.0 { 1.0 / squared.sqrt() } else { 0.0 };
+        wanted[lane] = here.hit[lane] & (sample.pdf[lane] > 0.0);
+    }
+    // A density above 0 means that the point shows a side that glows; if both do, they glow alike.
+    let side = [1.0; LANES];
+    let place = [&sample.u, &sample.v];
+    let mut triangles = [Hit::flattened(0); LANES];
+    for lane in 0..LANES {
+        triangles[lane] = Hit::flattened(sample.triangle[lane] as usize);
+    }
+    out.strength = context.appearance.emission(context.geometry, &triangles, place, &side, &wanted);
+    if context.has_holes {
+        for lane in (0..LANES).filter(|&lane| wanted[lane]) {
+            let place = [sample.u[lane], sample.v[lane]];
+            let opacity = context.appearance.opacity(context.geometry, triangles[lane], place);
+            for c in 0..3 {
+                out.strength[c][lane] *= opacity;
+            }
+        }
+    }
+    out.to_light = sample.to_light;
+    out.asked = sample.pdf;
+    out
+}
+
+/// A direction of the surroundings.
+#[inline(always)]
+fn surroundings(context: &Context, here: &Shading) -> Arriving {
+    let zero = [0.0; LANES];
+    let (to_light, strength, asked) = match context.surroundings {
+        Some(surroundings) => {
+            let sample = surroundings.sample(&draw(here, Draw::Surroundings));
+            (sample.direction, sample.radiance, sample.pdf)
+        }
+        None => ([zero; 3], [zero; 3], zero),
+    };
+    Arriving { to_light, inverse_length: [1.0; LANES], far: [f32::INFINITY; LANES], strength, asked }
+}
+
+/// What the surfaces send on of it.
+#[inline(always)]
+fn arrived(here: &Shading, scatterer: &Scatterer, arriving: &Arriving) -> Gain {
+    let response = scatterer.respond(&arriving.to_light, &arriving.inverse_length);
+    let mut gain = [[0.0; LANES]; 3];
+    for lane in 0..LANES {
+        let asked = arriving.asked[lane];
+        // The balance heuristic over the density it was asked with: 1 / (asked + met).
+        let shared = 1.0 / (asked + response.density[lane]);
+        let factor = if asked == f32::INFINITY { 1.0 } else { shared };
+        let factor = if asked > 0.0 { factor } else { 0.0 };
+        for c in 0..3 {
+            let sent = here.paths.throughput[c][lane] * response.value[c][lane];
+            gain[c][lane] = (sent * (arriving.strength[c][lane] * factor)).min(STRONGEST);
+        }
+    }
+    Gain { gain, start: response.start, to_light: arriving.to_light, far: arriving.far }
+}
+
+/// One light for every lane, drawn by what each would give without its shadow.
+struct Reservoir {
+    number: [f32; LANES],
+    total: [f32; LANES],
+    weight: [f32; LANES],
+    kept: Gain,
+}
+
+impl Reservoir {
+    #[inline(always)]
+    fn new(number: [f32; LANES]) -> Self {
+        let zero = [0.0; LANES];
+        let kept = Gain { gain: [zero; 3], start: [zero; 3], to_light: [zero; 3], far: zero };
+        Self { number, total: zero, weight: zero, kept }
+    }
+
+    /// The light takes the place with its share of what was seen so far; what is left of the random number within that
+    /// share is used again.
+    #[inline(always)]
+    fn offer(&mut self, light: &Gain) {
+        let mut takes = [false; LANES];
+        for lane in 0..LANES {
+            let gives = light.gain[0][lane] + light.gain[1][lane] + light.gain[2][lane];
+            let total = self.total[lane] + gives;
+            let share = if total > 0.0 { gives / total } else { 0.0 };
+            let number = self.number[lane];
+            takes[lane] = number < share;
+            let rest = if takes[lane] { number / share } else { (number - share) / (1.0 - share) };
+            self.number[lane] = if rest >= 0.0 { rest.min(ONE_MINUS) } else { 0.0 };
+            self.weight[lane] = if takes[lane] { gives } else { self.weight[lane] };
+            self.total[lane] = total;
+        }
+        for lane in 0..LANES {
+            self.kept.far[lane] = if takes[lane] { light.far[lane] } else { self.kept.far[lane] };
+        }
+        for k in 0..3 {
+            for lane in 0..LANES {
+                self.kept.gain[k][lane] = if takes[lane] { light.gain[k][lane] } else { self.kept.gain[k][lane] };
+                self.kept.start[k][lane] = if takes[lane] { light.start[k][lane] } else { self.kept.start[k][lane] };
+                let to_light = self.kept.to_light[k][lane];
+                self.kept.to_light[k][lane] = if takes[lane] { light.to_light[k][lane] } else { to_light };
+            }
+        }
+    }
+
+    /// The light that was drawn, with the weight that makes up for the others.
+    #[inline(always)]
+    fn chosen(&self) -> Gain {
+        let mut out = self.kept;
+        for lane in 0..LANES {
+            let factor = if self.weight[lane] > 0.0 { self.total[lane] / self.weight[lane] } else { 0.0 };
+            for c in 0..3 {
+                out.gain[c][lane] = (out.gain[c][lane] * factor).min(STRONGEST);
+            }
+        }
+        out
+    }
 }
 
 /// What escaping rays find: sky, surroundings, the discs of distant lights.
@@ -126,7 +274,7 @@ pub(super) fn weight_of_glow(context: &Context, here: &Shading) -> [f32; LANES] 
     let mut part = [0; LANES];
     let [mut squared, mut cosine] = [[0.0; LANES]; 2];
     for lane in 0..LANES {
-        part[lane] = context.geometry.part_index(here.surfaces.triangle[lane] as usize);
+        part[lane] = context.geometry.part_index(here.surfaces.triangle[lane]);
         let mut along = 0.0;
         for axis in 0..3 {
             let way = here.packet.rays.origin[axis][lane] - here.surfaces.position[axis][lane];
@@ -137,7 +285,7 @@ pub(super) fn weight_of_glow(context: &Context, here: &Shading) -> [f32; LANES] 
     }
     let asked = emitters.pdf(&part, &squared, &cosine);
     for lane in 0..LANES {
-        out[lane] = balance(here.density[lane], asked[lane]);
+        out[lane] = balance(here.paths.density[lane], asked[lane]);
     }
     out
 }
@@ -149,91 +297,9 @@ fn balance(own: f32, other: f32) -> f32 {
     if other > 0.0 { 1.0 / (1.0 + other / own) } else { 1.0 }
 }
 
-/// What arrives from one punctual light.
-#[inline(always)]
-fn unshadowed(light: &PreparedLight, here: &Shading, scatterer: &Scatterer, place: &Points) -> Arriving {
-    let arrivals = light.arrivals(&here.surfaces.start, place);
-    let response = scatterer.respond(&arrivals.to_light, &arrivals.inverse_length);
-    let power = light.power();
-    let mut gain = [[0.0; LANES]; 3];
-    for lane in 0..LANES {
-        for c in 0..3 {
-            let sent = here.throughput[c][lane] * response.value[c][lane];
-            gain[c][lane] = (sent * (power[c] * arrivals.attenuation[lane])).min(STRONGEST);
-        }
-    }
-    Arriving { gain, start: response.start, to_light: arrivals.to_light, far: [light.shadow_reach(); LANES] }
-}
-
-/// One punctual light for every lane, drawn by what each would give without its shadow.
-#[inline(always)]
-fn one_of_all(
-    context: &Context,
-    here: &Shading,
-    scatterer: &Scatterer,
-    mut number: [f32; LANES],
-    place: &Points,
-) -> Arriving {
-    let zero = [0.0; LANES];
-    let mut chosen = Arriving { gain: [zero; 3], start: here.surfaces.start, to_light: [zero; 3], far: zero };
-    let [mut total, mut weight] = [zero; 2];
-    for light in context.lights {
-        let arriving = unshadowed(light, here, scatterer, place);
-        for lane in 0..LANES {
-            // A reservoir of one: the light takes the place with its share of what was seen so far, and what is left of
-            // the random number within that share is used again.
-            let gives = arriving.gain[0][lane] + arriving.gain[1][lane] + arriving.gain[2][lane];
-            total[lane] += gives;
-            let share = if total[lane] > 0.0 { gives / total[lane] } else { 0.0 };
-            let takes = number[lane] < share;
-            number[lane] = if takes { number[lane] / share } else { (number[lane] - share) / (1.0 - share) };
-            number[lane] = if number[lane] >= 0.0 { number[lane].min(ONE_MINUS) } else { 0.0 };
-            weight[lane] = if takes { gives } else { weight[lane] };
-            chosen.far[lane] = if takes { arriving.far[lane] } else { chosen.far[lane] };
-            for k in 0..3 {
-                chosen.gain[k][lane] = if takes { arriving.gain[k][lane] } else { chosen.gain[k][lane] };
-                chosen.start[k][lane] = if takes { arriving.start[k][lane] } else { chosen.start[k][lane] };
-                chosen.to_light[k][lane] = if takes { arriving.to_light[k][lane] } else { chosen.to_light[k][lane] };
-            }
-        }
-    }
-    for lane in 0..LANES {
-        let factor = if weight[lane] > 0.0 { total[lane] / weight[lane] } else { 0.0 };
-        for c in 0..3 {
-            chosen.gain[c][lane] = (chosen.gain[c][lane] * factor).min(STRONGEST);
-        }
-    }
-    chosen
-}
-
-/// What arrives from a light that scattered rays may meet as well, asked with the density `asked`.
-#[inline(always)]
-fn weighted(
-    here: &Shading,
-    scatterer: &Scatterer,
-    to_light: [[f32; LANES]; 3],
-    inverse_length: &[f32; LANES],
-    radiance: &[[f32; LANES]; 3],
-    asked: &[f32; LANES],
-    far: f32,
-) -> Arriving {
-    let response = scatterer.respond(&to_light, inverse_length);
-    let mut gain = [[0.0; LANES]; 3];
-    for lane in 0..LANES {
-        // The balance heuristic over the density: 1 / (asked + met).
-        let both = asked[lane] + response.density[lane];
-        let factor = if asked[lane] > 0.0 { 1.0 / both } else { 0.0 };
-        for c in 0..3 {
-            let sent = here.throughput[c][lane] * response.value[c][lane];
-            gain[c][lane] = (sent * (radiance[c][lane] * factor)).min(STRONGEST);
-        }
-    }
-    Arriving { gain, start: response.start, to_light, far: [far; LANES] }
-}
-
 /// Adds what arrives to the lanes whose shadow ray is free; returns the rays traced.
 #[inline(always)]
-fn add_unless_hidden(context: &Context, here: &Shading, arriving: &Arriving, gain: &mut [[f32; LANES]; 3]) -> u64 {
+fn add_unless_hidden(context: &Context, here: &Shading, arriving: &Gain, gain: &mut [[f32; LANES]; 3]) -> u64 {
     let mut lit = Lanes([0; LANES]);
     for lane in 0..LANES {
         let any = arriving.gain[0][lane] + arriving.gain[1][lane] + arriving.gain[2][lane] > 0.0;
@@ -254,12 +320,13 @@ fn add_unless_hidden(context: &Context, here: &Shading, arriving: &Arriving, gai
     count
 }
 
-/// Lanes of a packet that hit nothing.
+/// Valid lanes whose rays leave the scene; `sky_alone` if they were only asked whether they do.
 #[inline(always)]
-pub(super) fn missed(triangles: &[u32; LANES], valid: &Lanes<i32>) -> [bool; LANES] {
+pub(super) fn missed(packet: &RayHits, valid: &Lanes<i32>, sky_alone: bool) -> [bool; LANES] {
     let mut out = [false; LANES];
     for lane in 0..LANES {
-        out[lane] = (triangles[lane] == NO_TRIANGLE) & (valid.0[lane] != 0);
+        let hit = if sky_alone { packet.rays.far[lane] < 0.0 } else { packet.hits.triangle[lane] != NO_TRIANGLE };
+        out[lane] = (valid.0[lane] != 0) & !hit;
     }
     out
 }

@@ -23,32 +23,40 @@
 use ndarray::ArrayViewMut5;
 
 use super::adaptive::Samples;
-use super::depth::{Truth, TruthTile, count};
+use super::depth::count;
 use super::shade::{self, Shading};
 use super::{Context, RayCounts, lights};
 use crate::accel::{Coherence, LANES, RayHits, Rays};
 use crate::dispatch::Kernel;
 use crate::light::STRONGEST;
-use crate::paths::Paths;
+use crate::paths::{PathPacket, Paths};
 use crate::refine;
-use crate::surface::Surfaces;
+use crate::surface::{HitPoints, Surfaces};
 use crate::tile::Tile;
 
 /// Neighbouring lanes on different triangles, of 15, from which on rays are taken for incoherent (measured).
 const MANY_CHANGES: u32 = 11;
 
-/// Samples of a tile whose scattered rays are sorted together: the more, the closer neighbours are.
+/// Samples of a tile whose scattered rays are sorted together.
 const TOGETHER: u32 = 4;
+
+/// About so many samples are sorted together, for one event and for more: the more, the closer neighbours are, until they
+/// leave the cache (measured). Rays that only look for the sky gain less by it.
+const SORTED: [usize; 2] = [8192, 32_768];
+
+/// The size of tiles that suits so many samples a pixel and bounces.
+pub(crate) fn tile_pixels(samples: u32, bounces: u32) -> usize {
+    SORTED[usize::from(bounces > 1)] / samples.clamp(1, TOGETHER) as usize
+}
 
 /// From so many rays on, those of the first event are taken for coherent (measured).
 const DENSE: usize = 16_384;
 
-/// The integrator over one tile; with one sample it can note the ground truth on its way.
+/// The integrator over one tile.
 pub(crate) struct PathTile<'a, 'b> {
     pub context: &'a Context<'a>,
     pub tile: &'a Tile,
     pub color: ArrayViewMut5<'b, f32>,
-    pub truth: Option<TruthTile<'b>>,
 }
 
 impl Kernel for PathTile<'_, '_> {
@@ -62,43 +70,33 @@ impl Kernel for PathTile<'_, '_> {
             counts: RayCounts::default(),
             color: vec![[[0.0f32; LANES]; 3]; self.tile.packet_count()],
             sequences: Vec::with_capacity(self.tile.packet_count()),
-            events: Vec::with_capacity(self.tile.packet_count()),
             samples: Samples::new(context, self.tile.packet_count()),
             now: Paths::default(),
             next: Paths::default(),
         };
         for block in self.tile.blocks() {
-            let pixels = context.tables.pixels(block);
-            work.sequences.push(context.sequences(&pixels));
-            work.events.push(context.event_sequences(&pixels));
+            work.sequences.push(context.sequences(&context.tables.pixels(block)));
         }
-        let mut truth = self.truth.is_some().then(Truth::default);
         for first in (0..context.samples).step_by(TOGETHER as usize) {
             let end = context.samples.min(first + TOGETHER);
-            for sample in first..end {
-                if context.stop.requested() {
-                    return work.counts;
-                }
-                work.camera_rays(self.tile, sample, truth.as_mut());
+            if context.stop.requested() {
+                return work.counts;
             }
-            for event in 1..=context.max_bounces {
+            for event in 0..=context.max_bounces {
+                work.trace(self.tile, event, [first, end]);
+                work.now.clear();
                 std::mem::swap(&mut work.now, &mut work.next);
                 if work.now.len() == 0 {
                     break;
                 }
-                work.scattered_rays(event);
-                work.now.clear();
             }
             work.samples.add(end - first, &work.color);
             if !work.samples.any_wanted() {
                 break;
             }
         }
-        work.samples.average(&mut work.color);
-        self.tile.scatter(&work.color, 1.0, &mut self.color);
-        if let (Some(truth), Some(out)) = (&truth, &mut self.truth) {
-            truth.scatter(self.tile, out);
-        }
+        let scale = work.samples.average(&mut work.color, context.samples);
+        self.tile.scatter(&work.color, scale, &mut self.color);
         work.counts
     }
 }
@@ -109,10 +107,8 @@ struct Work<'a> {
     counts: RayCounts,
     /// Sums over the samples.
     color: Vec<[[f32; LANES]; 3]>,
-    /// The pixels' random sequences for places within them.
+    /// The pixels' random sequences.
     sequences: Vec<[u32; LANES]>,
-    /// The pixels' random sequences for everything that happens on the way of their light.
-    events: Vec<[u32; LANES]>,
     samples: Samples,
     /// Rays that the last event scattered.
     now: Paths,
@@ -120,125 +116,143 @@ struct Work<'a> {
     next: Paths,
 }
 
+/// Sixteen rays that were traced.
+struct Traced {
+    paths: PathPacket,
+    sequences: [u32; LANES],
+    points: HitPoints,
+    coherence: Coherence,
+}
+
 impl Work<'_> {
-    /// One ray through every pixel of the tile, and the first event where it ends.
+    /// All rays of one event: those of the camera for the samples from `first` to `end`, or those that the event before
+    /// scattered; and the next event where they end.
+    ///
+    /// One loop for both: what it calls is large, and compiled into the kernel once.
     #[inline(always)]
-    fn camera_rays(&mut self, tile: &Tile, sample: u32, mut truth: Option<&mut Truth>) {
+    fn trace(&mut self, tile: &Tile, event: u32, [first, end]: [u32; 2]) {
         let context = self.context;
+        self.now.sort_by_direction();
+        // What scattered rays hit after the last event does not matter any more unless it glows.
+        let sky_alone = event == context.max_bounces && !context.has_glow;
+        // The first event's rays start close together, and if there are many, neighbours in direction are close as well.
+        // Later ones start all over the scene.
+        let dense = !sky_alone && event == 1 && self.now.len() >= DENSE;
+        let coherence = if dense { Coherence::Coherent } else { Coherence::Incoherent };
+        let per_sample = self.color.len();
+        let packets = if event == 0 { per_sample * (end - first) as usize } else { self.now.len().div_ceil(LANES) };
+        let mut blocks = tile.blocks();
         let mut packet = RayHits::EMPTY;
-        for (index, block) in tile.blocks().enumerate() {
-            if !self.samples.wanted(index) {
-                continue;
-            }
-            let pixels = context.tables.pixels(block);
-            let points =
-                if context.samples > 1 { Some(context.points(&pixels, &self.sequences[index], sample)) } else { None };
-            let rays = context.tables.fill(&pixels, points.as_ref(), &mut packet);
-            context.engine.intersect(&pixels.valid, &mut packet, Coherence::Coherent);
-            self.counts.primary += count(&pixels.valid);
-            let refined = refine::refine(context.geometry, &packet, &rays);
-            if let Some(truth) = &mut truth {
-                truth.push(context, &refined.depth);
-            }
-            let sum = &mut self.color[index];
-            let missed = lights::missed(&packet.hits.triangle, &pixels.valid);
-            add_escaping(context, &packet.rays, &missed, &[[1.0; LANES]; 3], &NO_CHOICE, sum);
-            let found = Surfaces::primary(context.appearance, context.geometry, &packet, &rays, &refined);
-            let Some(surfaces) = found else { continue };
-            let mut pixel = [0; LANES];
-            let mut hit = surfaces.hit;
-            for lane in 0..LANES {
-                pixel[lane] = (index * LANES + lane) as u32;
-                hit[lane] &= pixels.valid.0[lane] != 0;
-            }
-            let shading = Shading {
-                packet: &packet,
-                surfaces: &surfaces,
-                hit,
-                sequences: &self.events[index],
-                sample: [sample; LANES],
-                event: 0,
-                pixel: &pixel,
-                throughput: [[1.0; LANES]; 3],
-                density: &NO_CHOICE,
-                goes_on: [true; LANES],
-                coherence: coherence(&packet.hits.triangle),
+        for k in 0..packets {
+            packet.reset();
+            let mut traced = if event == 0 {
+                let index = k % per_sample;
+                if index == 0 {
+                    blocks = tile.blocks();
+                }
+                let Some(block) = blocks.next() else { return };
+                if !self.samples.wanted(index) {
+                    continue;
+                }
+                let sample = first + (k / per_sample) as u32;
+                self.camera_rays(block, index, sample, &mut packet)
+            } else {
+                self.scattered_rays(k, coherence, sky_alone, &mut packet)
             };
-            self.counts.shadow += shade::shade(context, shading, sum, &mut self.next);
+            let mut gain = [[0.0; LANES]; 3];
+            let missed = lights::missed(&packet, &traced.paths.valid, sky_alone);
+            add_escaping(context, &packet.rays, &missed, &traced.paths, &mut gain);
+            let found = Surfaces::new(context.appearance, context.geometry, &packet, &traced.points);
+            if let Some(surfaces) = &found {
+                let mut hit = surfaces.hit;
+                for lane in 0..LANES {
+                    hit[lane] &= traced.paths.valid.0[lane] != 0;
+                }
+                let mut shading = Shading {
+                    packet: &packet,
+                    surfaces,
+                    hit,
+                    sequences: &traced.sequences,
+                    event,
+                    paths: &mut traced.paths,
+                    coherence: traced.coherence,
+                };
+                self.counts.shadow += shade::shade(context, &mut shading, &mut gain, &mut self.next);
+            }
+            self.add(event, &traced.paths, &gain);
         }
     }
 
-    /// The rays that the event number `event` scattered, and the next event where they end.
+    /// One ray through every pixel of a packet.
     #[inline(always)]
-    fn scattered_rays(&mut self, event: u32) {
+    fn camera_rays(&mut self, block: [usize; 4], index: usize, sample: u32, packet: &mut RayHits) -> Traced {
         let context = self.context;
-        self.now.sort_by_direction();
-        // The first event's rays start close together, and if there are many, neighbours in direction are close as well.
-        // Later ones start all over the scene, unless the views of a block go the same way.
-        let dense = event == 1 && self.now.len() >= DENSE;
-        let coherence = if dense || context.shared_noise { Coherence::Coherent } else { Coherence::Incoherent };
-        let mut packet = RayHits::EMPTY;
-        // What is hit does not matter any more unless it glows.
-        let sky_alone = event == context.max_bounces && !context.has_glow;
-        for index in 0..self.now.len().div_ceil(LANES) {
-            packet.reset();
-            let paths = self.now.packet(index, &mut packet.rays);
-            self.counts.other += count(&paths.valid);
-            let mut gain = [[0.0; LANES]; 3];
-            let mut missed = [false; LANES];
-            if sky_alone {
-                context.engine.occluded(&paths.valid, &mut packet.rays, coherence);
+        let pixels = context.tables.pixels(block);
+        let sequences = self.sequences[index];
+        let points = if context.samples > 1 { Some(context.points(&pixels, &sequences, sample)) } else { None };
+        let rays = context.tables.fill(&pixels, points.as_ref(), packet);
+        context.engine.intersect(&pixels.valid, packet, Coherence::Coherent);
+        self.counts.primary += count(&pixels.valid);
+        let refined = refine::refine(context.geometry, packet, &rays);
+        let mut paths = PathPacket {
+            valid: pixels.valid,
+            density: [f32::INFINITY; LANES],
+            pixel: [0; LANES],
+            throughput: [[1.0; LANES]; 3],
+            sample: [sample; LANES],
+            goes_on: [true; LANES],
+        };
+        for lane in 0..LANES {
+            paths.pixel[lane] = (index * LANES + lane) as u32;
+        }
+        let coherence = coherence(packet);
+        Traced { paths, sequences, points: HitPoints::primary(&rays, &refined), coherence }
+    }
+
+    /// The packet number `k` of the rays that the event before scattered. `sky_alone`: all that counts is which leave the
+    /// scene.
+    #[inline(always)]
+    fn scattered_rays(&mut self, k: usize, coherence: Coherence, sky_alone: bool, packet: &mut RayHits) -> Traced {
+        let context = self.context;
+        let paths = self.now.packet(k, &mut packet.rays);
+        self.counts.other += count(&paths.valid);
+        if sky_alone {
+            context.engine.occluded(&paths.valid, &mut packet.rays, coherence);
+        } else {
+            context.engine.intersect(&paths.valid, packet, coherence);
+        }
+        let mut sequences = [0; LANES];
+        for lane in 0..LANES {
+            let pixel = paths.pixel[lane] as usize;
+            sequences[lane] = self.sequences[pixel / LANES][pixel % LANES];
+        }
+        let points = if sky_alone { HitPoints::NONE } else { HitPoints::secondary(context.geometry, packet) };
+        Traced { paths, sequences, points, coherence: Coherence::Incoherent }
+    }
+
+    /// Adds what a packet found to its pixels.
+    #[inline(always)]
+    fn add(&mut self, event: u32, paths: &PathPacket, gain: &[[f32; LANES]; 3]) {
+        if event == 0 {
+            let sum = &mut self.color[paths.pixel[0] as usize / LANES];
+            for c in 0..3 {
                 for lane in 0..LANES {
-                    missed[lane] = (paths.valid.0[lane] != 0) & (packet.rays.far[lane] >= 0.0);
+                    sum[c][lane] += gain[c][lane];
                 }
-            } else {
-                context.engine.intersect(&paths.valid, &mut packet, coherence);
-                missed = lights::missed(&packet.hits.triangle, &paths.valid);
             }
-            add_escaping(context, &packet.rays, &missed, &paths.throughput, &paths.density, &mut gain);
-            let found = if sky_alone {
-                None
-            } else {
-                Surfaces::secondary(context.appearance, context.geometry, &packet, &paths.valid)
-            };
-            if let Some(surfaces) = found {
-                let mut sequences = [0; LANES];
-                let mut hit = surfaces.hit;
-                for lane in 0..LANES {
-                    let pixel = paths.pixel[lane] as usize;
-                    sequences[lane] = self.events[pixel / LANES][pixel % LANES];
-                    hit[lane] &= paths.valid.0[lane] != 0;
-                }
-                let shading = Shading {
-                    packet: &packet,
-                    surfaces: &surfaces,
-                    hit,
-                    sequences: &sequences,
-                    sample: paths.sample,
-                    event,
-                    pixel: &paths.pixel,
-                    throughput: paths.throughput,
-                    density: &paths.density,
-                    goes_on: paths.goes_on,
-                    coherence: if context.shared_noise { Coherence::Coherent } else { Coherence::Incoherent },
-                };
-                self.counts.shadow += shade::shade(context, shading, &mut gain, &mut self.next);
-            }
-            for lane in 0..LANES {
-                if paths.valid.0[lane] != 0 {
-                    let pixel = paths.pixel[lane] as usize;
-                    let sum = &mut self.color[pixel / LANES];
-                    for c in 0..3 {
-                        sum[c][pixel % LANES] += gain[c][lane];
-                    }
+            return;
+        }
+        for lane in 0..LANES {
+            if paths.valid.0[lane] != 0 {
+                let pixel = paths.pixel[lane] as usize;
+                let sum = &mut self.color[pixel / LANES];
+                for c in 0..3 {
+                    sum[c][pixel % LANES] += gain[c][lane];
                 }
             }
         }
     }
 }
-
-/// The density of directions that nothing else could have had.
-const NO_CHOICE: [f32; LANES] = [f32::INFINITY; LANES];
 
 /// Adds what rays that leave the scene find there.
 #[inline(always)]
@@ -246,17 +260,16 @@ fn add_escaping(
     context: &Context,
     rays: &Rays,
     missed: &[bool; LANES],
-    throughput: &[[f32; LANES]; 3],
-    density: &[f32; LANES],
+    paths: &PathPacket,
     gain: &mut [[f32; LANES]; 3],
 ) {
     if !missed.contains(&true) || !context.shines_from_beyond() {
         return;
     }
-    let radiance = lights::beyond(context, &rays.direction, density);
+    let radiance = lights::beyond(context, &rays.direction, &paths.density);
     for lane in 0..LANES {
         for c in 0..3 {
-            let found = (throughput[c][lane] * radiance[c][lane]).min(STRONGEST);
+            let found = (paths.throughput[c][lane] * radiance[c][lane]).min(STRONGEST);
             gain[c][lane] += if missed[lane] { found } else { 0.0 };
         }
     }
@@ -265,10 +278,11 @@ fn add_escaping(
 /// Rays from points on many different triangles (grass, leaves) go separate ways through the tree even towards one
 /// light: walking it together then costs more than one ray after the other.
 #[inline(always)]
-fn coherence(triangles: &[u32; LANES]) -> Coherence {
+fn coherence(packet: &RayHits) -> Coherence {
+    let (triangle, instance) = (&packet.hits.triangle, &packet.hits.instance);
     let mut changes = 0;
     for lane in 1..LANES {
-        changes += u32::from(triangles[lane] != triangles[lane - 1]);
+        changes += u32::from((triangle[lane] != triangle[lane - 1]) | (instance[lane] != instance[lane - 1]));
     }
     if changes > MANY_CHANGES { Coherence::Incoherent } else { Coherence::Coherent }
 }

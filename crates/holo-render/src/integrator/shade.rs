@@ -2,13 +2,12 @@
 //! on.
 
 use super::Context;
-use super::depth::count;
 use super::lights;
 use super::scatterer::Scatterer;
-use crate::accel::{Coherence, LANES, Lanes, RayHits, at};
+use crate::accel::{Coherence, LANES, RayHits, at};
 use crate::appearance::Kinds;
 use crate::light::STRONGEST;
-use crate::paths::{self, Path, Paths, Sample};
+use crate::paths::{self, Path, PathPacket, Paths, Sample};
 use crate::sampling::{self, Draw, Purpose};
 use crate::surface::Surfaces;
 
@@ -22,42 +21,41 @@ pub(crate) struct Shading<'a> {
     /// Lanes that hit something.
     pub hit: [bool; LANES],
     pub sequences: &'a [u32; LANES],
-    pub sample: [u32; LANES],
     /// Which scattering event this is, from 0.
     pub event: u32,
-    /// Which pixels of the tile.
-    pub pixel: &'a [u32; LANES],
-    pub throughput: [[f32; LANES]; 3],
-    /// Density with which the rays' directions were drawn; infinite where there was no choice.
-    pub density: &'a [f32; LANES],
-    /// Whether light may be scattered here.
-    pub goes_on: [bool; LANES],
+    /// What the rays carry.
+    pub paths: &'a mut PathPacket,
+    /// Of rays that leave here for a light.
     pub coherence: Coherence,
 }
 
 /// Adds what is seen to `gain`, and the rays that go on to `next`. Returns the shadow rays traced.
 #[inline(always)]
-pub(crate) fn shade(context: &Context, mut here: Shading, gain: &mut [[f32; LANES]; 3], next: &mut Paths) -> u64 {
+pub(crate) fn shade(context: &Context, here: &mut Shading, gain: &mut [[f32; LANES]; 3], next: &mut Paths) -> u64 {
     if here.surfaces.any.has(Kinds::FILLED) {
-        attenuate(context, &mut here);
+        attenuate(context, here);
     }
     if here.surfaces.any.has(Kinds::GLOWS.and(Kinds::UNLIT)) {
-        add_glow(context, &mut here, gain);
+        add_glow(context, here, gain);
     }
-    let mut scatters = Lanes([0; LANES]);
+    let mut any = false;
     for lane in 0..LANES {
-        scatters.0[lane] = -i32::from(here.hit[lane] & here.goes_on[lane]);
-        for c in 0..3 {
-            here.throughput[c][lane] = if scatters.0[lane] != 0 { here.throughput[c][lane] } else { 0.0 };
+        here.hit[lane] &= here.paths.goes_on[lane];
+        any |= here.hit[lane];
+    }
+    for c in 0..3 {
+        for lane in 0..LANES {
+            let carried = here.paths.throughput[c][lane];
+            here.paths.throughput[c][lane] = if here.hit[lane] { carried } else { 0.0 };
         }
     }
-    if here.event >= context.max_bounces || count(&scatters) == 0 {
+    if here.event >= context.max_bounces || !any {
         return 0;
     }
-    let scatterer = Scatterer::new(context, &here);
-    let shadow_rays = lights::add(context, &here, &scatterer, gain);
+    let scatterer = Scatterer::new(context, here);
+    let shadow_rays = lights::add(context, here, &scatterer, gain);
     if context.scatters_on(here.event) {
-        scatter(context, &here, &scatterer, next);
+        scatter(context, here, &scatterer, next);
     }
     shadow_rays
 }
@@ -77,7 +75,7 @@ fn attenuate(context: &Context, here: &mut Shading) {
     let left = context.appearance.attenuation(context.geometry, here.surfaces, &length);
     for c in 0..3 {
         for lane in 0..LANES {
-            here.throughput[c][lane] *= left[c][lane];
+            here.paths.throughput[c][lane] *= left[c][lane];
         }
     }
 }
@@ -99,7 +97,7 @@ fn add_glow(context: &Context, here: &mut Shading, gain: &mut [[f32; LANES]; 3])
         let unlit = here.hit[lane] & surfaces.kinds[lane].has(Kinds::UNLIT);
         for c in 0..3 {
             let shown = if unlit { surfaces.base_color[c][lane] } else { glow[c][lane] * weight[lane] };
-            gain[c][lane] += (shown * here.throughput[c][lane]).min(STRONGEST);
+            gain[c][lane] += (shown * here.paths.throughput[c][lane]).min(STRONGEST);
         }
         here.hit[lane] &= !unlit;
     }
@@ -109,10 +107,10 @@ fn add_glow(context: &Context, here: &mut Shading, gain: &mut [[f32; LANES]; 3])
 #[inline(always)]
 fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut Paths) {
     let purpose = |draw| Purpose::event(here.event, draw);
-    let numbers = sampling::points_at(here.sequences, &here.sample, purpose(Draw::Direction));
+    let numbers = sampling::points_at(here.sequences, &here.paths.sample, purpose(Draw::Direction));
     let rolls = context.roulette && here.event >= ROULETTE_FROM;
     let [choice, survival] = if rolls || scatterer.is_glossy() {
-        sampling::points_at(here.sequences, &here.sample, purpose(Draw::Choice))
+        sampling::points_at(here.sequences, &here.paths.sample, purpose(Draw::Choice))
     } else {
         [[0.0; LANES]; 2]
     };
@@ -120,7 +118,7 @@ fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut 
     let mut throughput = [[0.0; LANES]; 3];
     for c in 0..3 {
         for lane in 0..LANES {
-            throughput[c][lane] = (here.throughput[c][lane] * scattered.weight[c][lane]).min(STRONGEST);
+            throughput[c][lane] = (here.paths.throughput[c][lane] * scattered.weight[c][lane]).min(STRONGEST);
         }
     }
     if rolls {
@@ -137,9 +135,9 @@ fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut 
                 origin: at(&scattered.start, lane),
                 density: scattered.density[lane],
                 direction: at(&scattered.direction, lane),
-                pixel: here.pixel[lane],
+                pixel: here.paths.pixel[lane],
                 throughput,
-                sample: Sample::new(here.sample[lane], context.indirect | scattered.sharp[lane]),
+                sample: Sample::new(here.paths.sample[lane], context.indirect | scattered.sharp[lane]),
             };
             next.push(path, cells[lane]);
         }

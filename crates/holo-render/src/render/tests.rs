@@ -7,6 +7,7 @@ use ndarray::Array5;
 
 use super::*;
 use crate::gallery;
+use crate::scene::{Alpha, Environment, Material};
 
 fn garden() -> (Renderer, Request) {
     let scene = gallery::scene("garden").expect("a scene of the gallery");
@@ -25,11 +26,30 @@ fn garden() -> (Renderer, Request) {
     (renderer, Request { integrator: Integrator::Direct, samples: 2, seed: 3, sky, ground_truth, ..Request::new(rig) })
 }
 
-/// The whole chain - rays, refinement, shading, random numbers, sky - gives the same bits without vectors, with AVX2 and
-/// with AVX-512, wherever the machine has them.
+/// The whole chain - rays, refinement, shading, random numbers, sky, layers - gives the same bits without vectors, with
+/// AVX2 and with AVX-512, wherever the machine has them.
 #[test]
 fn every_instruction_set_gives_the_same_picture() {
-    let (renderer, request) = garden();
+    let (_, request) = garden();
+    let mut scene = gallery::scene("garden").expect("a scene of the gallery");
+    let pose = scene.cameras[0].pose;
+    // A little of everything.
+    for (k, material) in scene.materials.iter_mut().enumerate() {
+        let some = (k % 3) as f32 * 0.4;
+        *material = Material {
+            metallic: some,
+            roughness: 0.2 + some,
+            specular: 1.0,
+            transmission: 0.3,
+            emission: [0.05, 0.1, 0.2],
+            alpha: Alpha::Blend,
+            base_color: [0.8, 0.7, 0.6, 0.9],
+            ..material.clone()
+        };
+    }
+    let radiance = ndarray::Array3::from_shape_fn((8, 16, 3), |(v, u, c)| (v * u + c) as f32 * 0.01);
+    scene.environment = Some(Environment { radiance });
+    let renderer = Renderer::new(&scene, &pose, Backend::Bvh, 1).expect("a renderer");
     let stop = Stop::new(&());
     let tiling = Tiling::new([1, 60, 5, 6]);
     let context = renderer.context(&request, Integrator::Path, &tiling, &stop);
@@ -39,13 +59,39 @@ fn every_instruction_set_gives_the_same_picture() {
     let mut parts = pictures.iter_mut();
     let counts = dispatch::run_on_all(|| {
         let color = parts.next().expect("three sets at most").view_mut();
-        PathTile { context: &context, tile: &tile, color, truth: None }
+        PathTile { context: &context, tile: &tile, color }
     });
-    assert!(pictures[0].iter().any(|x| *x > 0.0));
-    for (set, picture) in pictures.iter().take(counts.len()).enumerate() {
+    assert!(pictures[0].iter().any(|x| *x > 0.0) && counts[0].other > 0);
+    for set in 0..counts.len() {
         assert_eq!(counts[set], counts[0]);
-        assert!(picture.iter().zip(&pictures[0]).all(|(a, b)| a.to_bits() == b.to_bits()), "set {set}");
+        assert!(pictures[set].iter().zip(&pictures[0]).all(|(a, b)| a.to_bits() == b.to_bits()), "set {set}");
     }
+
+    let mut truths: Vec<_> = (0..3).map(|_| light_fields(*request.rig.split(), LayerSet::ALL).expect("room")).collect();
+    let mut parts = truths.iter_mut();
+    let sets = dispatch::run_on_all(|| {
+        let out = tiles(parts.next().expect("three sets at most"), &tiling).pop().expect("a tile");
+        DepthTile { context: &context, tile: &tile, out }
+    });
+    for set in 0..sets.len() {
+        for (layer, field) in truths[set].iter() {
+            let same = field.samples().iter().zip(truths[0][layer].samples()).all(|(a, b)| a.to_bits() == b.to_bits());
+            assert!(same && field.samples().iter().any(|x| *x != 0.0), "{layer} of set {set}");
+        }
+    }
+}
+
+/// Numbers that f32 cannot hold are refused for the layers that hold them, and only for those.
+#[test]
+fn more_instances_than_f32_can_number_are_refused() {
+    let (mut renderer, request) = garden();
+    renderer.counts = [MOST_NUMBERED, MOST_NUMBERED];
+    let ask = |layers| Request { layers, ..request.clone() };
+    assert!(renderer.choose(&ask(LayerSet::ALL)).is_ok());
+    renderer.counts = [MOST_NUMBERED + 1, MOST_NUMBERED];
+    let refused = renderer.choose(&ask(LayerSet::ALL)).unwrap_err().to_string();
+    assert!(refused.contains("object-id") && refused.contains("16777217"), "{refused}");
+    assert!(renderer.choose(&ask(LayerSet::ALL.without([Layer::ObjectId].into()))).is_ok());
 }
 
 /// A caller that says stop once and then forgets it does not get a picture with holes.

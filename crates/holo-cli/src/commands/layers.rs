@@ -1,0 +1,241 @@
+//! Layers of a render: which are wanted, under which names they are written.
+//!
+//! Every layer is a float map: `scene_<layer>.pfm` for the central view, a folder `<layer>` with one map a view for all
+//! views (`-` in a layer's name is `_` in a file's). `scene_central.exr` holds all of the central view at once.
+
+use std::path::PathBuf;
+
+use holo_core::LightFieldOwned;
+use holo_io::{Compression, ExrChannel, Written, dataset};
+use holo_render::{Layer, LayerSet, Layers, Rendered};
+use ndarray::{Array3, ArrayView2, ArrayView3, Axis};
+use rayon::prelude::*;
+
+use super::output::OutputFolder;
+use crate::arguments::{GroundTruthArgument, LayerArgument, Output, RenderOptions};
+use crate::failure::Failure;
+
+/// The name of the picture among the layers, in linear light.
+const COLOR: &str = "color";
+
+/// Which layers are wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wanted {
+    /// To be written as float maps.
+    pub written: LayerSet,
+    /// To be known of the central view, whether they are written or not.
+    pub central: LayerSet,
+    /// To be known of all views.
+    pub all: LayerSet,
+    /// Whether the picture is written as a float map too, where there is one.
+    pub color: bool,
+}
+
+impl Wanted {
+    pub fn new(options: &RenderOptions) -> Self {
+        let named = &options.layers;
+        let mut written: LayerSet = named.iter().fold(LayerSet::EMPTY, |set, name| set.union(layers(*name)));
+        if named.is_empty() && options.write.is_empty() {
+            written = [Layer::Depth, Layer::Disparity].into();
+        }
+        for (output, layer) in [(Output::Depth, Layer::Depth), (Output::Disparity, Layer::Disparity)] {
+            if options.write.contains(&output) {
+                written = written.union([layer].into());
+            }
+        }
+        let exr = options.write.contains(&Output::Exr);
+        Self {
+            written,
+            // The range of disparities belongs to every dataset.
+            central: if exr { LayerSet::ALL } else { written.union([Layer::Disparity].into()) },
+            all: if options.ground_truth == GroundTruthArgument::All { written } else { LayerSet::EMPTY },
+            color: names_color(options) || named.contains(&LayerArgument::All),
+        }
+    }
+
+    /// Their names, for the manifest.
+    pub fn names(&self, rendered: &Rendered) -> Vec<&'static str> {
+        let color = (self.color && rendered.color.is_some()).then_some(COLOR);
+        color.into_iter().chain(self.written.iter().map(Layer::name)).collect()
+    }
+}
+
+/// Whether the picture is asked for by name, so that it cannot be left out.
+pub fn names_color(options: &RenderOptions) -> bool {
+    options.layers.contains(&LayerArgument::Color)
+}
+
+/// The layers that a word of the command line means.
+fn layers(argument: LayerArgument) -> LayerSet {
+    let one = match argument {
+        LayerArgument::Color => return LayerSet::EMPTY,
+        LayerArgument::All => return LayerSet::ALL,
+        LayerArgument::Depth => Layer::Depth,
+        LayerArgument::RayLength => Layer::RayLength,
+        LayerArgument::Disparity => Layer::Disparity,
+        LayerArgument::GeometricNormal => Layer::GeometricNormal,
+        LayerArgument::ShadingNormal => Layer::ShadingNormal,
+        LayerArgument::Albedo => Layer::Albedo,
+        LayerArgument::ObjectId => Layer::ObjectId,
+        LayerArgument::MaterialId => Layer::MaterialId,
+        LayerArgument::HitMask => Layer::HitMask,
+    };
+    LayerSet::of(&[one])
+}
+
+/// Writes all that `wanted` names, and the disparity's picture over the range `disparity_px`.
+pub fn write(
+    folder: &mut OutputFolder,
+    wanted: &Wanted,
+    rendered: &Rendered,
+    disparity_px: Option<(f64, f64)>,
+) -> Result<(), Failure> {
+    for (layer, image) in rendered.central.iter().filter(|(layer, _)| wanted.written.contains(*layer)) {
+        write_central(folder, layer.name(), image.view())?;
+    }
+    if let Some(disparity) = rendered.central.disparity_px().filter(|_| wanted.written.contains(Layer::Disparity)) {
+        let (low, high) = disparity_px.unwrap_or((0.0, 0.0));
+        let path = folder.file(dataset::DISPARITY_PNG);
+        let plane = disparity.index_axis(Axis(2), 0);
+        let written = holo_io::write_disparity_png(path, plane, low, high, Compression::Published)?;
+        folder.add(dataset::DISPARITY_PNG, written);
+    }
+    for (layer, field) in rendered.all.iter().flat_map(Layers::iter) {
+        write_all_views(folder, layer.name(), field)?;
+    }
+    Ok(())
+}
+
+/// Writes the picture as float maps, of the central view and, if they are wanted, of all views.
+pub fn write_color(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, all: bool) -> Result<(), Failure> {
+    write_central(folder, COLOR, central_view(color)?)?;
+    if all { write_all_views(folder, COLOR, color) } else { Ok(()) }
+}
+
+/// Writes all layers of the central view, and its picture, into one file.
+pub fn write_exr(folder: &mut OutputFolder, rendered: &Rendered) -> Result<(), Failure> {
+    let color = rendered.color.as_ref().map(central_view).transpose()?;
+    let channels = channels(&rendered.central, color);
+    let channels: Vec<_> = channels.iter().map(|(name, plane)| ExrChannel { name, plane: plane.view() }).collect();
+    let path = folder.file(dataset::CENTRAL_EXR);
+    folder.add(dataset::CENTRAL_EXR, holo_io::write_exr(path, &channels)?);
+    Ok(())
+}
+
+fn central_view(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_, f32>, Failure> {
+    let (t, s) = field.split().central_view();
+    Ok(field.view(t, s)?)
+}
+
+/// What the channels of a layer are called in an EXR: as in Blender's where it has the layer.
+fn exr_name(layer: Layer) -> (&'static str, &'static [&'static str]) {
+    match layer {
+        Layer::Depth => ("Depth", &["Z"]),
+        Layer::RayLength => ("RayLength", &["Z"]),
+        Layer::Disparity => ("Disparity", &["X"]),
+        Layer::GeometricNormal => ("GeometricNormal", &["X", "Y", "Z"]),
+        Layer::ShadingNormal => ("Normal", &["X", "Y", "Z"]),
+        Layer::Albedo => ("DiffCol", &["R", "G", "B"]),
+        Layer::ObjectId => ("IndexOB", &["X"]),
+        Layer::MaterialId => ("IndexMA", &["X"]),
+        Layer::HitMask => ("HitMask", &["X"]),
+    }
+}
+
+/// The planes of `scene_central.exr` with their names.
+fn channels<'a>(
+    central: &'a Layers<Array3<f32>>,
+    color: Option<ArrayView3<'a, f32>>,
+) -> Vec<(String, ArrayView2<'a, f32>)> {
+    let layers = central.iter().map(|(layer, image)| (exr_name(layer), image.view()));
+    let color = color.map(|image| (("Combined", &["R", "G", "B"][..]), image));
+    let planes = color.into_iter().chain(layers).flat_map(|((pass, components), image)| {
+        let plane = move |(c, component): (usize, &&str)| {
+            (format!("ViewLayer.{pass}.{component}"), image.index_axis_move(Axis(2), c))
+        };
+        components.iter().enumerate().map(plane)
+    });
+    planes.collect()
+}
+
+/// What the files of a layer have in their names.
+fn file_part(name: &str) -> String {
+    name.replace('-', "_")
+}
+
+fn write_central(folder: &mut OutputFolder, name: &str, image: ArrayView3<f32>) -> Result<(), Failure> {
+    let file = format!("scene_{}.pfm", file_part(name));
+    let written = write_pfm(folder.file(&file), image)?;
+    folder.add(file, written);
+    Ok(())
+}
+
+/// One PFM a view in a folder of its own, numbered as in the HCI layout: view row * columns + view column.
+fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwned<f32>) -> Result<(), Failure> {
+    let name = file_part(name);
+    folder.subfolder(&name)?;
+    let views = field.split().views();
+    let digits = 3.max((views.count() - 1).to_string().len());
+    let written: Vec<(String, Written)> = (0..views.count())
+        .into_par_iter()
+        .map(|k| {
+            let file = format!("{name}/scene_{name}_Cam{k:0digits$}.pfm");
+            let view = field.view(k / views.columns, k % views.columns)?;
+            let written = write_pfm(folder.file(&file), view)?;
+            Ok((file, written))
+        })
+        .collect::<Result<_, Failure>>()?;
+    written.into_iter().for_each(|(file, written)| folder.add(file, written));
+    Ok(())
+}
+
+/// Grey or colour by the number of channels.
+fn write_pfm(path: PathBuf, image: ArrayView3<f32>) -> Result<Written, holo_io::Error> {
+    match image.dim().2 {
+        1 => holo_io::write_pfm(path, image.index_axis_move(Axis(2), 0)),
+        _ => holo_io::write_pfm_colour(path, image),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::ValueEnum;
+
+    /// Every layer can be named, by its own name, and `all` means each of them.
+    #[test]
+    fn words_are_the_names_of_layers() {
+        for argument in LayerArgument::value_variants() {
+            let value = argument.to_possible_value().expect("none is skipped");
+            let found: Vec<Layer> = layers(*argument).iter().collect();
+            match value.get_name() {
+                "all" => assert_eq!(found, Layer::ALL),
+                COLOR => assert_eq!(found, []),
+                name => assert_eq!(found, [Layer::from_name(name).expect("a layer")]),
+            }
+        }
+        assert_eq!(LayerArgument::value_variants().len(), Layer::COUNT + 2);
+    }
+
+    /// The two oldest files are called what everybody calls them.
+    #[test]
+    fn files_are_named_by_their_layer() {
+        let file = |layer: Layer| format!("scene_{}.pfm", file_part(layer.name()));
+        assert_eq!(file(Layer::Depth), dataset::DEPTH_PFM);
+        assert_eq!(file(Layer::Disparity), dataset::DISPARITY_PFM);
+        assert_eq!(file(Layer::GeometricNormal), "scene_geometric_normal.pfm");
+    }
+
+    #[test]
+    fn every_channel_of_an_exr_has_a_name_of_its_own() {
+        let central: Layers<Array3<f32>> =
+            Layer::ALL.into_iter().map(|layer| (layer, Array3::zeros((2, 3, layer.channels())))).collect();
+        let color = Array3::zeros((2, 3, 3));
+        let channels = channels(&central, Some(color.view()));
+        let names: std::collections::BTreeSet<&str> = channels.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!((names.len(), channels.len()), (18, 18), "{names:?}");
+        for name in ["Combined.R", "Depth.Z", "Normal.Y", "DiffCol.B", "IndexOB.X", "IndexMA.X", "Disparity.X"] {
+            assert!(names.contains(format!("ViewLayer.{name}").as_str()), "{name}");
+        }
+    }
+}

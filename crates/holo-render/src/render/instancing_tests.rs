@@ -1,0 +1,335 @@
+//! Meshes that are kept once against the same meshes copied to every place. Needs Embree; without it nothing is tested.
+
+use holo_core::{GridSize, Intrinsics, Projection, RigParameters, Split};
+
+use super::*;
+use crate::accel::{Coherence, LANES, RayHits};
+use crate::geometry::{FLATTENED, Hit};
+use crate::refine;
+use crate::scene::{Instance, Light, LightKind, Material, Mesh, Texture, TextureUse, Wrap};
+
+/// A bumpy ball of radius about 1 around `center`: `2 * side * side` triangles with normals, coordinates and colours.
+fn ball(side: u32, center: f64) -> Mesh {
+    let mut mesh = Mesh::default();
+    for j in 0..=side {
+        for i in 0..=side {
+            let (s, t) = (f64::from(i) / f64::from(side), f64::from(j) / f64::from(side));
+            let (around, down) = (s * std::f64::consts::TAU, (0.01 + 0.98 * t) * std::f64::consts::PI);
+            let d = [down.sin() * around.cos(), down.cos(), -down.sin() * around.sin()];
+            let radius = 1.0 + 0.1 * (5.0 * around).sin() * down.sin();
+            mesh.positions.push(d.map(|x| (x * radius + center) as f32));
+            mesh.normals.push(d.map(|x| x as f32));
+            mesh.texture_coordinates.push([s as f32, t as f32]);
+            mesh.colors.push([1.0 - 0.5 * s as f32, 1.0, 0.5 + 0.5 * t as f32, 1.0]);
+        }
+    }
+    for j in 0..side {
+        for i in 0..side {
+            let [a, b] = [j, j + 1].map(|row| row * (side + 1) + i);
+            mesh.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+        }
+    }
+    mesh
+}
+
+/// Turned, stretched, mirrored, sheared, small and large places.
+fn places() -> Vec<Transform> {
+    let parts =
+        |x: f64, y: f64, z: f64, scale: [f64; 3]| Transform::from_parts([x, y, z], [0.3 + x, 0.4 - y, 0.2, 0.7], scale);
+    let mut sheared = parts(0.5, 0.35, -2.6, [0.25; 3]);
+    sheared.columns[1] = std::array::from_fn(|k| sheared.columns[1][k] + 0.9 * sheared.columns[0][k]);
+    vec![
+        parts(-0.6, -0.3, -2.2, [0.25; 3]),
+        parts(0.1, -0.35, -2.4, [0.3, 0.1, 0.2]),
+        parts(0.6, -0.3, -2.0, [-0.2, 0.2, 0.2]),
+        parts(-0.5, 0.4, -2.5, [0.2, -0.3, 0.05]),
+        sheared,
+        // Overlapping the first ones.
+        parts(-0.2, -0.1, -2.4, [0.3, 0.3, 0.3]),
+        parts(0.2, 0.0, -9.0, [3.0, 3.0, 2.0]),
+        parts(0.0, 0.2, -1.2, [0.02; 3]),
+    ]
+}
+
+/// The balls before a wall that glows (and is therefore flattened), under a sun.
+fn scene() -> Scene {
+    let texels = (0..64u8).map(|k| [k.wrapping_mul(37), 255 - k, 128 + k, 255]).collect();
+    let texture =
+        Texture { name: String::new(), width: 8, height: 8, texels, wrap_u: Wrap::Repeat, wrap_v: Wrap::Clamp };
+    let textured = Material { base_color_texture: Some(TextureUse::new(0)), ..Material::default() };
+    let glowing = Material { emission: [0.5; 3], ..Material::default() };
+    let wall = Mesh {
+        positions: vec![[-9.0, -9.0, -12.0], [9.0, -9.0, -12.0], [9.0, 9.0, -12.0], [-9.0, 9.0, -12.0]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        material: 1,
+        ..Mesh::default()
+    };
+    let place = |mesh, transform| Instance { name: String::new(), mesh, transform };
+    let mut instances: Vec<Instance> = places().into_iter().map(|transform| place(0, transform)).collect();
+    instances.insert(3, place(1, Transform::IDENTITY));
+    let kind = LightKind::Directional { direction: [0.48, -0.6, -0.64], angular_diameter_rad: 0.0 };
+    Scene {
+        meshes: vec![ball(24, 0.0), wall],
+        instances,
+        materials: vec![textured, glowing],
+        textures: vec![texture],
+        lights: vec![Light { name: String::new(), intensity: [2.0; 3], kind }],
+        ..Scene::default()
+    }
+}
+
+fn rig() -> Rig {
+    Rig::new(RigParameters {
+        split: Split::new(GridSize::new(4, 4), GridSize::new(60, 90)).expect("sizes"),
+        intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
+        baseline_x_m: 0.01,
+        baseline_y_m: 0.01,
+        focus_distance_m: 2.0,
+        projection: Projection::Perspective,
+    })
+    .expect("a rig")
+}
+
+/// Flattened and instanced, or `None` without Embree.
+fn both(scene: &Scene) -> Option<[Renderer; 2]> {
+    if let Err(why) = accel::embree::Embree::available() {
+        eprintln!("not run: needs Embree 4: {why}");
+        return None;
+    }
+    Some([Instancing::Never, Instancing::WherePossible].map(|instancing| {
+        Renderer::with_instancing(scene, &Transform::IDENTITY, Backend::Embree, 2, instancing).expect("a renderer")
+    }))
+}
+
+/// For every hit of an instanced geometry the number of the same triangle in the flattened one: instance by instance.
+fn flattened_numbers(scene: &Scene, geometry: &Geometry) -> impl Fn(Hit) -> u32 {
+    let mut firsts = Vec::new();
+    let mut first = 0;
+    for instance in &scene.instances {
+        firsts.push((instance.mesh, first));
+        first += scene.meshes[instance.mesh].triangles.len() as u32;
+    }
+    let of = |mesh: usize| firsts.iter().filter(move |(m, _)| *m == mesh).map(|(_, f)| *f).collect::<Vec<u32>>();
+    let (placed, flat) = (of(0), of(1));
+    let start = geometry.prototypes()[0].start as u32;
+    move |hit| {
+        if hit.instance == FLATTENED {
+            flat[0] + hit.triangle
+        } else {
+            placed[hit.instance as usize] + hit.triangle - start
+        }
+    }
+}
+
+struct Found {
+    hit: Hit,
+    depth: f64,
+    normal: [f64; 3],
+    weights: [f32; 2],
+}
+
+/// What every ray of the rig hits.
+fn trace(renderer: &Renderer) -> Vec<Found> {
+    let tiling = Tiling::new([60, 90, 4, 4]);
+    let tables = RigTables::new(&rig(), &tiling);
+    let mut out = Vec::new();
+    let mut packet = RayHits::EMPTY;
+    for tile in tiling.tiles() {
+        for block in tile.blocks() {
+            let pixels = tables.pixels(block);
+            let rays = tables.fill(&pixels, None, &mut packet);
+            renderer.engine.intersect(&pixels.valid, &mut packet, Coherence::Coherent);
+            let refined = refine::refine(&renderer.geometry, &packet, &rays);
+            for lane in (0..LANES).filter(|&lane| pixels.valid.0[lane] != 0) {
+                out.push(Found {
+                    hit: packet.hit(lane),
+                    depth: refined.depth[lane],
+                    normal: std::array::from_fn(|axis| refined.normal[axis][lane]),
+                    weights: [packet.hits.u[lane], packet.hits.v[lane]],
+                });
+            }
+        }
+    }
+    out
+}
+
+/// Every triangle of every place: corners, normals, plane, part.
+#[test]
+fn a_placed_triangle_is_its_flattened_self() {
+    let scene = scene();
+    let pose = Transform::look_at([0.3, 0.2, 0.5], [0.0, 0.0, -3.0], [0.1, 1.0, 0.0]);
+    let flat = Geometry::build(&scene, &pose, Instancing::Never).expect("a scene");
+    let geometry = Geometry::build(&scene, &pose, Instancing::WherePossible).expect("a scene");
+    assert_eq!((geometry.placed().len(), geometry.flattened_count()), (places().len(), 2));
+    let number = flattened_numbers(&scene, &geometry);
+    let triangles = geometry.prototypes()[0].clone();
+    for instance in 0..geometry.placed().len() as u32 {
+        let mirrored = places()[instance as usize].determinant() < 0.0;
+        // Flattening swaps two corners of what is mirrored.
+        let order = if mirrored { [0, 2, 1] } else { [0, 1, 2] };
+        for triangle in triangles.clone() {
+            let hit = Hit { triangle: triangle as u32, instance };
+            let same = Hit::flattened(number(hit) as usize);
+            assert_eq!(geometry.corners(hit), order.map(|k| flat.corners(same)[k]), "the same f64 sums");
+            let (a, b) = (geometry.normals_of(hit), order.map(|k| flat.normals_of(same)[k]));
+            // A handful of f32 roundings on numbers up to 1, magnified up to the ratio of the scales (6) squared.
+            assert!(a.iter().flatten().zip(b.iter().flatten()).all(|(a, b)| (a - b).abs() < 2e-5), "{a:?} {b:?}");
+            let (a, b) = (geometry.plane(hit), flat.plane(same));
+            let length = b.normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+            // f64 corners 10 m away are off by 1e-15, edges are 1e-3 m at least: 1e-12 of a length, here a hundredfold.
+            for (a, b) in a.normal.iter().chain([&a.offset]).zip(b.normal.iter().chain([&b.offset])) {
+                assert!((a - b).abs() < 1e-10 * length, "{a} {b} of {length}");
+            }
+            assert_eq!(geometry.colors_of(hit), order.map(|k| flat.colors_of(same)[k]));
+            assert_eq!(geometry.texture_coordinates_of(hit, 0), order.map(|k| flat.texture_coordinates_of(same, 0)[k]));
+            let [a, b] = [geometry.part(geometry.part_index(hit)), flat.part(flat.part_index(same))];
+            assert_eq!((a.material, a.smooth, a.textured, a.colored), (b.material, b.smooth, b.textured, b.colored));
+            assert!(a.extent >= b.extent && a.extent < 16.1 * b.extent, "{} {}", a.extent, b.extent);
+        }
+    }
+}
+
+/// All rays of a rig: the same triangle, depth to 1e-10, the same normal and weights.
+#[test]
+fn instanced_and_flattened_scenes_are_hit_alike() {
+    let scene = scene();
+    let Some([flat, instanced]) = both(&scene) else { return };
+    assert!(!flat.geometry.is_instanced() && instanced.geometry.is_instanced());
+    let number = flattened_numbers(&scene, &instanced.geometry);
+    let (expected, found) = (trace(&flat), trace(&instanced));
+    let mut differ = 0;
+    let mut places = std::collections::BTreeSet::new();
+    for (a, b) in expected.iter().zip(&found) {
+        let same = number(b.hit);
+        if same != a.hit.triangle {
+            // An edge: the neighbour is hit, or what lies behind a silhouette.
+            differ += 1;
+            continue;
+        }
+        places.insert(b.hit.instance);
+        assert!((a.depth - b.depth).abs() <= 1e-10 * a.depth, "{} {}", a.depth, b.depth);
+        let length = a.normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+        assert!((0..3).all(|k| (a.normal[k] - b.normal[k]).abs() < 1e-10 * length), "{:?} {:?}", a.normal, b.normal);
+        let mirrored = b.hit.instance != FLATTENED && self::places()[b.hit.instance as usize].determinant() < 0.0;
+        let weights = if mirrored { [a.weights[1], a.weights[0]] } else { a.weights };
+        // f32 positions (1e-6 m) over edges of some millimetres, seen at a slant.
+        assert!((0..2).all(|k| (weights[k] - b.weights[k]).abs() < 2e-2), "{weights:?} {:?}", b.weights);
+    }
+    assert_eq!(places.len(), self::places().len() + 1, "every place and the wall must be seen: {places:?}");
+    // f32 decides edges to about 1e-6 m, triangles are 1 to 10 mm wide: below one ray in a thousand.
+    assert!(differ * 1000 <= found.len(), "{differ} of {}", found.len());
+}
+
+/// Colours of direct light and of paths, and ground truth.
+#[test]
+fn instanced_and_flattened_pictures_agree() {
+    let scene = scene();
+    let Some(renderers) = both(&scene) else { return };
+    for integrator in [Integrator::Direct, Integrator::Path] {
+        let request = Request {
+            integrator,
+            sky: [0.3, 0.4, 0.5],
+            max_bounces: 3,
+            ground_truth: GroundTruth::All,
+            ..Request::new(rig())
+        };
+        let [flat, instanced] =
+            renderers.each_ref().map(|renderer| renderer.render(&request, &()).expect("a render").color.expect("lit"));
+        let (flat, instanced) = (flat.samples(), instanced.samples());
+        let different = flat.iter().zip(instanced).filter(|(a, b)| (*a - *b).abs() > 1e-3 * a.abs().max(0.1)).count();
+        // Silhouettes, edges of shadows, and paths that part at either: 0.3 % of the values.
+        assert!(different * 300 < flat.len(), "{integrator:?}: {different} of {}", flat.len());
+        let mean = |x: &ndarray::ArrayView5<f32>| x.iter().map(|x| f64::from(*x)).sum::<f64>() / x.len() as f64;
+        let (a, b) = (mean(&flat.view()), mean(&instanced.view()));
+        assert!((a - b).abs() < 1e-3 * a, "{integrator:?}: {a} {b}");
+    }
+}
+
+/// The other engines get everything flattened, and see what Embree sees.
+#[test]
+fn the_bvh_renders_what_is_instanced_elsewhere() {
+    let scene = scene();
+    let bvh = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, 2).expect("a renderer");
+    assert!(!bvh.geometry.is_instanced());
+    let Some([_, instanced]) = both(&scene) else { return };
+    let [a, b] = [&bvh, &instanced].map(|renderer| renderer.central_truth(&rig()).expect("a render"));
+    let [a, b] = [&a, &b].map(|truth| truth.depth_m().expect("depth"));
+    // Where both see the same triangle depth is the same f64, rounded to f32.
+    let different = a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 2e-7 * **a).count();
+    assert!(different * 200 < a.len(), "{different} of {}", a.len());
+}
+
+/// Small scenes are stored as they always were.
+#[test]
+fn small_scenes_stay_flattened() {
+    for scene in [scene(), crate::gallery::scene("garden").expect("a scene of the gallery")] {
+        let geometry = Geometry::build(&scene, &Transform::IDENTITY, Instancing::WhereItPays).expect("a scene");
+        assert!(!geometry.is_instanced());
+    }
+}
+
+/// What f32 in mesh coordinates would spoil is flattened: a mesh far from its own origin, a flat place, extreme shear,
+/// extreme units.
+#[test]
+fn places_that_would_lose_digits_are_flattened() {
+    let mut flat = Transform::from_translation([0.0, 0.0, -3.0]);
+    flat.columns[2] = [0.0; 3];
+    let mut sheared = Transform::from_translation([0.0, 0.0, -3.0]);
+    (sheared.columns[0], sheared.columns[1]) = ([1.0, 1.0, 0.0], [1.0, 1.02, 0.0]);
+    let microscopic = Transform::from_parts([0.0, 0.0, -3.0], [0.0, 0.0, 0.0, 1.0], [1e-7; 3]);
+    let far = Transform::from_translation([-1000.0, -1000.0, -1003.0]);
+    for (transform, center) in [(flat, 0.0), (sheared, 0.0), (microscopic, 0.0), (far, 1000.0)] {
+        let scene = Scene {
+            meshes: vec![ball(6, center)],
+            instances: vec![Instance { name: String::new(), mesh: 0, transform }],
+            materials: vec![Material::default()],
+            ..Scene::default()
+        };
+        let geometry = Geometry::build(&scene, &Transform::IDENTITY, Instancing::WherePossible).expect("a scene");
+        assert!(!geometry.is_instanced() && geometry.prototypes().is_empty(), "{transform:?}");
+        assert_eq!(geometry.triangles().len(), 72);
+    }
+}
+
+/// A wall of slivers, tilted, under a slanting sun, does not shade itself: built in metres, in millimetres, mirrored,
+/// stretched, sheared, and around a point away from its own origin (close to the largest loss that is let through).
+#[test]
+fn instanced_slivers_do_not_shade_themselves() {
+    let tilt = |scale: [f64; 3]| Transform::from_parts([0.01, -0.02, -2.0], [0.21, 0.13, 0.08, 0.96], scale);
+    let mut sheared = tilt([1.0; 3]);
+    sheared.columns[1] = std::array::from_fn(|k| sheared.columns[1][k] + 0.8 * sheared.columns[0][k]);
+    let away = 2.5;
+    let mut shifted = tilt([1.0; 3]);
+    shifted.translation = shifted.point([-away; 3]);
+    for (what, transform, unit, center) in [
+        ("metres", tilt([1.0; 3]), 1.0, 0.0),
+        ("millimetres", tilt([1e-3; 3]), 1e3, 0.0),
+        ("mirrored", tilt([1.0, -1.0, 1.0]), 1.0, 0.0),
+        ("stretched", tilt([1.7, 1.1, 0.01]), 1.0, 0.0),
+        ("sheared", sheared, 1.0, 0.0),
+        ("shifted", shifted, 1.0, away),
+    ] {
+        let mut mesh = Mesh::default();
+        for k in 0..1000u32 {
+            let (y0, y1) = (-2.0 + 0.004 * f64::from(k), -2.0 + 0.004 * f64::from(k + 1));
+            for [x, y] in [[-2.5, y0], [2.5, y0], [2.5, y1], [-2.5, y1]] {
+                mesh.positions.push([x, y, 0.0].map(|x| ((x + center) * unit) as f32));
+            }
+            mesh.triangles.extend([[4 * k, 4 * k + 1, 4 * k + 2], [4 * k, 4 * k + 2, 4 * k + 3]]);
+        }
+        let kind = LightKind::Directional { direction: [0.48, -0.6, -0.64], angular_diameter_rad: 0.0 };
+        let scene = Scene {
+            meshes: vec![mesh],
+            instances: vec![Instance { name: String::new(), mesh: 0, transform }],
+            materials: vec![Material::default()],
+            lights: vec![Light { name: String::new(), intensity: [1.0; 3], kind }],
+            ..Scene::default()
+        };
+        let Some([_, instanced]) = both(&scene) else { return };
+        assert!(instanced.geometry.is_instanced(), "{what}");
+        let request = Request { integrator: Integrator::Direct, ..Request::new(rig()) };
+        let color = instanced.render(&request, &()).expect("a render").color.expect("lit");
+        let dark = color.samples().iter().filter(|x| **x == 0.0).count();
+        assert_eq!(dark, 0, "{what}: of {}", color.samples().len());
+    }
+}

@@ -1,0 +1,64 @@
+//! A target error instead of a number of samples.
+
+mod common;
+
+use common::rig;
+use holo_core::Projection;
+use holo_render::scene::{Light, LightKind};
+use holo_render::{Backend, Integrator, Rendered, Request};
+
+/// Triangles in all colours under a small strong lamp and a sky: calm and noisy pixels side by side.
+fn picture(samples: u32, target_error: Option<f64>, seed: u64) -> Rendered {
+    let mut scene = common::soup(60, 5);
+    let kind = LightKind::Point { position: [1.0, 2.0, 0.5], range: None };
+    scene.lights.push(Light { name: String::new(), intensity: [6.0; 3], kind });
+    let request = Request {
+        integrator: Integrator::Path,
+        samples,
+        target_error,
+        seed,
+        sky: [0.3, 0.4, 0.5],
+        max_bounces: 3,
+        ..Request::new(rig([6, 6], [10, 16], 0.02, 3.0, Projection::Perspective))
+    };
+    common::render(&scene, &request, Backend::Auto, 0)
+}
+
+fn mean(rendered: &Rendered) -> f64 {
+    let samples = rendered.color.as_ref().expect("a picture").samples();
+    samples.iter().map(|&x| f64::from(x)).sum::<f64>() / samples.len() as f64
+}
+
+/// The error that was asked for is kept on average, calm pixels take fewer samples, and the mean of 16 pictures stays
+/// within 0.2 % of what many samples give: the bias of stopping early.
+#[test]
+fn pixels_stop_when_they_are_good_enough() {
+    let exact = picture(4096, None, 99);
+    let reference = mean(&exact);
+    let target = 0.05;
+    let (mut sum, mut within, mut all) = (0.0, 0, 0);
+    for seed in 0..16 {
+        let stopped = picture(1024, Some(target), seed);
+        let most = 36 * 160 * 1024;
+        assert!(stopped.samples >= 36 * 160 * 16 && stopped.samples < most / 4, "{} of {most}", stopped.samples);
+        sum += mean(&stopped) / 16.0;
+        let exact = exact.color.as_ref().expect("a picture").samples();
+        let got = stopped.color.as_ref().expect("a picture").samples();
+        let luminance = |p: &[f32]| 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2];
+        for (a, b) in got.rows().into_iter().zip(exact.rows()) {
+            let [a, b] = [a, b].map(|p| luminance(&[p[0], p[1], p[2]]));
+            within += usize::from((a - b).abs() <= target as f32 * b);
+            all += 1;
+        }
+    }
+    assert!((sum / reference - 1.0).abs() < 2e-3, "{sum} {reference}");
+    // One standard error holds 68 % of a normal distribution; ours is overestimated.
+    assert!(within as f64 > 0.75 * all as f64, "{within} of {all}");
+}
+
+#[test]
+fn without_a_target_every_pixel_gets_its_samples() {
+    assert_eq!(picture(5, None, 0).samples, 36 * 160 * 5);
+    // Fewer samples than the first look needs: all of them.
+    assert_eq!(picture(8, Some(0.5), 0).samples, 36 * 160 * 8);
+}
