@@ -4,9 +4,10 @@
 //! looked up where a packet meets such a material ([`Kinds`]), so that scenes without it do not pay for it.
 
 mod emission;
+mod look_up;
 mod scattering;
 
-use crate::accel::{LANES, RayHits};
+use crate::accel::RayHits;
 use crate::geometry::{Geometry, Hit, Part};
 use crate::scene::{self, Alpha, NormalMap, Texture, TextureTransform, TextureUse};
 use crate::srgb;
@@ -113,6 +114,11 @@ impl<'a> Place<'a> {
         }
         lookup.apply(mix(&self.geometry.texture_coordinates_of(self.triangle, lookup.set), self.weights))
     }
+
+    #[inline(always)]
+    fn vertex_color(&self) -> [f32; 4] {
+        mix(&self.geometry.colors_of(self.triangle), self.weights)
+    }
 }
 
 impl Appearance {
@@ -137,70 +143,6 @@ impl Appearance {
         self.materials.iter().all(|material| material.kinds.has(Kinds::UNLIT))
     }
 
-    /// Fills in material, kinds, base colour and shading normal; returns the largest coordinates of the meshes hit.
-    ///
-    /// Lane by lane: rays that are scattered, and those among leaves, hit a mesh of their own each.
-    #[inline(always)]
-    pub fn look_up(
-        &self,
-        geometry: &Geometry,
-        packet: &RayHits,
-        triangles: &[Hit; LANES],
-        out: &mut Surfaces,
-    ) -> [f32; LANES] {
-        let mut extent = [0.0; LANES];
-        let mut smooth = [false; LANES];
-        let mut any_smooth = false;
-        let mut corners = [[[0.0f32; LANES]; 3]; 3];
-        for lane in 0..LANES {
-            let place = Place::new(geometry, triangles[lane], [packet.hits.u[lane], packet.hits.v[lane]]);
-            let material = &self.materials[place.part.material as usize];
-            extent[lane] = place.part.extent;
-            out.triangle[lane] = triangles[lane];
-            out.kinds[lane] = material.kinds;
-            out.any = out.any.and(material.kinds);
-            let color = self.base_color(material, &place);
-            for c in 0..3 {
-                out.base_color[c][lane] = color[c];
-            }
-            if place.part.smooth {
-                let normals = geometry.normals_of(place.triangle);
-                for corner in 0..3 {
-                    for axis in 0..3 {
-                        corners[corner][axis][lane] = normals[corner][axis];
-                    }
-                }
-                smooth[lane] = true;
-                any_smooth = true;
-            }
-        }
-        out.shading_normal = out.geometric_normal;
-        if any_smooth {
-            for lane in 0..LANES {
-                let (b, c) = (packet.hits.u[lane], packet.hits.v[lane]);
-                let a = 1.0 - b - c;
-                let mut normal = [0.0; 3];
-                for axis in 0..3 {
-                    normal[axis] = corners[0][axis][lane] * a + corners[1][axis][lane] * b + corners[2][axis][lane] * c;
-                }
-                let squared = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
-                let unit = out.side[lane] / squared.sqrt();
-                // Where the three cancel out the triangle's own normal stays.
-                let usable = smooth[lane] & (squared > 1e-12);
-                for axis in 0..3 {
-                    let flat = out.geometric_normal[axis][lane];
-                    out.shading_normal[axis][lane] = if usable { normal[axis] * unit } else { flat };
-                }
-            }
-        }
-        if out.any.has(Kinds::RELIEF) {
-            for lane in 0..LANES {
-                self.bend(geometry, packet, lane, out);
-            }
-        }
-        extent
-    }
-
     #[inline(always)]
     fn base_color(&self, material: &Material, place: &Place) -> [f32; 3] {
         let [mut r, mut g, mut b, _] = material.base_color;
@@ -209,7 +151,7 @@ impl Appearance {
             (r, g, b) = (r * x, g * y, b * z);
         }
         if place.part.colored {
-            let [x, y, z, _] = mix(&place.geometry.colors_of(place.triangle), place.weights);
+            let [x, y, z, _] = place.vertex_color();
             (r, g, b) = (r * x, g * y, b * z);
         }
         [r, g, b]
@@ -230,7 +172,7 @@ impl Appearance {
             alpha *= texture::sample_alpha(&self.textures[lookup.texture], place.coordinates(lookup));
         }
         if place.part.colored {
-            alpha *= mix(&geometry.colors_of(place.triangle), place.weights)[3];
+            alpha *= place.vertex_color()[3];
         }
         match material.alpha {
             Alpha::Opaque => 1.0,

@@ -2,7 +2,7 @@
 
 use super::truth::{self, Seen, Truth, TruthTile};
 use super::{Context, RayCounts};
-use crate::accel::{Coherence, Lanes, RayHits};
+use crate::accel::{Coherence, LANES, Lanes, RayHits};
 use crate::dispatch::Kernel;
 use crate::refine;
 use crate::surface::{HitPoints, Surfaces};
@@ -61,5 +61,9 @@ impl DepthTile<'_, '_> {
 /// Valid lanes.
 #[inline(always)]
 pub(crate) fn count(valid: &Lanes<i32>) -> u64 {
-    valid.0.iter().map(|&v| u64::from(v != 0)).sum()
+    let mut count = 0;
+    for lane in 0..LANES {
+        count -= valid.0[lane];
+    }
+    count as u64
 }
