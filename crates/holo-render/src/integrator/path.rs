@@ -10,8 +10,8 @@
 //! by the balance heuristic (Veach and Guibas, 1995). The first event asks every punctual light, later ones ask one,
 //! drawn by what it would give without its shadow.
 //!
-//! **Roulette.** From the third event on a path survives with the probability of its throughput (5 to 95 %) and counts
-//! for as much more; unbiased, and it can be switched off.
+//! **Roulette.** From the third event on a path that carries less than an eighth survives with 8 times its throughput as
+//! the probability (5 % at least) and counts for as much more; unbiased, and it can be switched off.
 //!
 //! **In which order.** A tile's paths advance together, one event at a time: its camera rays first, in packets of
 //! neighbouring views, then all rays that the first event scattered, sorted by direction ([`crate::paths`]), and so on.
