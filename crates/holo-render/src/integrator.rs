@@ -133,9 +133,15 @@ impl Context<'_> {
         sampling::sequences(self.seed, &lens, &view)
     }
 
-    /// The random sequences of the blocks of 4 x 4 views that the pixels belong to.
+    /// Where sample `sample` of every pixel lies within its pixel: at the same place for the 4 x 4 views of a block, at
+    /// places of its own for every block and every lens.
+    ///
+    /// What is shared keeps a packet's rays a narrow bundle: with places of their own, rays and shadow rays of direct
+    /// light took three times as long. Every view alone sees points as good as its own, and its error is the same. The
+    /// mean over many views is less exact than it could be: over 12 x 12 views at 16 samples its relative squared error
+    /// is 8e-5 where independent places give 5e-6 (a view alone has 7e-4).
     #[inline(always)]
-    fn block_sequences(&self, pixels: &Pixels) -> [u32; LANES] {
+    pub fn points(&self, pixels: &Pixels, sample: u32) -> sampling::Points {
         let [v, u, t, s] = pixels.axes;
         let (mut lens, mut block) = ([0; LANES], [0; LANES]);
         for lane in 0..LANES {
@@ -143,24 +149,6 @@ impl Context<'_> {
             // Set apart from the views themselves by the highest bit.
             block[lane] = (t.index[lane] / 4 * self.columns[1] + s.index[lane] / 4) | 1 << 31;
         }
-        sampling::sequences(self.seed, &lens, &block)
-    }
-
-    /// Where sample `sample` of every pixel lies within its pixel.
-    ///
-    /// The 4 x 4 views of a block share the sixteenth of the pixel in which their samples lie, each with its own place in
-    /// it; from sample to sample the sixteenths are the points of one sequence, so that every 16 samples visit each once.
-    /// Every view alone sees independent points of the whole pixel (no bias). What is shared keeps a packet's rays a
-    /// narrow bundle: with a place of its own for each, dense scenes took three times as long.
-    #[inline(always)]
-    pub fn points(&self, pixels: &Pixels, sequences: &[u32; LANES], sample: u32) -> sampling::Points {
-        let cells = sampling::points(&self.block_sequences(pixels), sample, Purpose::PIXEL);
-        let mut points = sampling::points(sequences, sample, Purpose::PIXEL);
-        for axis in 0..2 {
-            for lane in 0..LANES {
-                points[axis][lane] = ((cells[axis][lane] * 4.0).floor() + points[axis][lane]) * 0.25;
-            }
-        }
-        points
+        sampling::points(&sampling::sequences(self.seed, &lens, &block), sample, Purpose::PIXEL)
     }
 }

@@ -189,7 +189,7 @@ impl Work<'_> {
         let context = self.context;
         let pixels = context.tables.pixels(block);
         let sequences = self.sequences[index];
-        let points = if context.samples > 1 { Some(context.points(&pixels, &sequences, sample)) } else { None };
+        let points = if context.samples > 1 { Some(context.points(&pixels, sample)) } else { None };
         let rays = context.tables.fill(&pixels, points.as_ref(), packet);
         context.engine.intersect(&pixels.valid, packet, Coherence::Coherent);
         self.counts.primary += count(&pixels.valid);
