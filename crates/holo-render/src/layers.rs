@@ -25,7 +25,7 @@
 //! - **Numbers** of objects and materials are exact, because more than 2^24 of them are refused.
 //!
 //! # Accuracy
-//! Depth, ray length, disparity and the geometric normal are computed in f64 ([`crate::refine`]) and rounded to f32 once:
+//! Depth, ray length, disparity and the geometric normal are computed in f64 (`refine.rs`) and rounded to f32 once:
 //! 2^-24. The shading normal and the albedo depend on where in the triangle the engine's f32 hit lies: some 1e-6 of the
 //! triangle.
 
