@@ -62,3 +62,33 @@ fn without_a_target_every_pixel_gets_its_samples() {
     // Fewer samples than the first look needs: all of them.
     assert_eq!(picture(8, Some(0.5), 0).samples, 36 * 160 * 8);
 }
+
+/// A glowing thread in the dark that covers 1.2 % of a row of pixels: most of their first samples are black, and yet the
+/// row must not go dark.
+#[test]
+fn faint_edges_in_the_dark_are_not_cut_off() {
+    let mut scene = holo_render::scene::Scene::default();
+    // 16 pixels are 36 mm behind 50 mm: a pixel is 0.135 m wide 3 m away; the thread lies inside the ninth row.
+    let (pixel, top) = (3.0 * 0.036 / 0.05 / 16.0, -0.04f32);
+    let mut mesh = common::square(1.0);
+    mesh.positions = [[-1.0, top], [1.0, top], [1.0, top + 0.012 * pixel as f32], [-1.0, top + 0.012 * pixel as f32]]
+        .map(|[x, y]| [x, y, -3.0])
+        .to_vec();
+    common::add(&mut scene, mesh, [0.0, 0.0, 0.0, 1.0], holo_render::scene::Transform::IDENTITY);
+    let material = scene.materials.last_mut().expect("that of the thread");
+    (material.emission, material.double_sided) = ([1.0; 3], true);
+    let row = |target_error| {
+        let request = Request {
+            integrator: Integrator::Direct,
+            samples: 2048,
+            target_error,
+            ..Request::new(rig([1, 1], [16, 16], 0.0, 3.0, Projection::Perspective))
+        };
+        let picture = common::render(&scene, &request, Backend::Bvh, 1).color.expect("a picture");
+        let view = picture.view(0, 0).expect("the only one");
+        (2..14).map(|u| f64::from(view[[8, u, 0]])).sum::<f64>() / 12.0
+    };
+    let (all, stopped) = (row(None), row(Some(0.05)));
+    assert!((all - 0.012).abs() < 1e-3, "{all}");
+    assert!((stopped / all - 1.0).abs() < 0.05, "{stopped} instead of {all}");
+}

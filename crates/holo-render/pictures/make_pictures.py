@@ -3,7 +3,7 @@
 Usage: make_pictures.py HOLO [--draft] [NAME ...]
 
 HOLO is the program (target/release/holo). Every picture has a function of its name below; without names all are made, in
-some twenty minutes on one core. `--draft` takes an eighth of the samples. Scenes are built here, in a temporary folder; shapes
+some twenty minutes on one idle core. `--draft` takes an eighth of the samples. Scenes are built here, in a temporary folder; shapes
 and file formats come from tests/radiance. The same program gives the same pixels on every run; another version of pillow
 may choose other palettes.
 """

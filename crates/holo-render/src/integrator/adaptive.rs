@@ -2,20 +2,25 @@
 //!
 //! With a target error the samples come in groups. After 16, 32, 64, ... samples the spread of the groups' means tells
 //! the standard error of the pixel's luminance; once it is below the target, relative to the mean, for all pixels of a
-//! packet, the packet is done. Sixteen neighbours decide together: one of them alone stops too early now and then. A
-//! pixel that is black so far is done.
+//! packet, the packet is done. Sixteen neighbours decide together: one of them alone stops too early now and then.
 //!
 //! The error is overestimated, by design: points of one sequence spread better over the groups than independent ones,
-//! which is what the formula assumes.
+//! which is what the formula assumes. A pixel that is black so far has no error that could be told; it is done after
+//! 256 samples.
 //!
 //! Bias: a pixel that happens to look calm stops sooner, so that what its samples missed is missing a little more often
-//! than it should. The test in `tests/adaptive.rs` holds the mean of a picture to the unbiased one.
+//! than it should; something bright that covers less than 1/256 of a black pixel may be lost. The tests in
+//! `tests/adaptive.rs` hold the means of pictures to the unbiased ones.
 
 use super::Context;
 use crate::accel::LANES;
+use crate::tile::Tile;
 
 /// Samples after which the error is looked at for the first time.
 const FIRST_LOOK: u32 = 16;
+
+/// Samples after which a pixel that is still black is taken for black.
+const BLACK_ENOUGH: u32 = 256;
 
 /// The samples of a tile's packets.
 pub(super) struct Samples {
@@ -30,6 +35,8 @@ struct Packet {
     samples: u32,
     groups: u32,
     done: bool,
+    /// Lanes that have a pixel.
+    valid: [bool; LANES],
     /// Sum of all samples' luminances when the last group was complete.
     sum: [f64; LANES],
     /// Sum of the squares of the groups' sums.
@@ -37,9 +44,19 @@ struct Packet {
 }
 
 impl Samples {
-    pub fn new(context: &Context, packets: usize) -> Self {
-        let packet = Packet { samples: 0, groups: 0, done: false, sum: [0.0; LANES], squares: [0.0; LANES] };
-        Self { target: context.target_error, packets: vec![packet; packets], active: packets }
+    pub fn new(context: &Context, tile: &Tile) -> Self {
+        let mut packets = Vec::with_capacity(tile.packet_count());
+        for block in tile.blocks() {
+            let zero = [0.0; LANES];
+            let mut packet =
+                Packet { samples: 0, groups: 0, done: false, valid: [false; LANES], sum: zero, squares: zero };
+            let pixels = context.tables.pixels(block);
+            for lane in 0..LANES {
+                packet.valid[lane] = pixels.valid.0[lane] != 0;
+            }
+            packets.push(packet);
+        }
+        Self { target: context.target_error, active: packets.len(), packets }
     }
 
     /// Whether a packet needs more.
@@ -105,7 +122,9 @@ impl Packet {
         for lane in 0..LANES {
             let mean = self.sum[lane] / groups;
             let variance = (self.squares[lane] / groups - mean * mean) / (groups - 1.0);
-            within &= variance <= target * target * mean * mean;
+            let calm =
+                if mean > 0.0 { variance <= target * target * mean * mean } else { self.samples >= BLACK_ENOUGH };
+            within &= calm | !self.valid[lane];
         }
         within
     }

@@ -70,7 +70,7 @@ impl Kernel for PathTile<'_, '_> {
             counts: RayCounts::default(),
             color: vec![[[0.0f32; LANES]; 3]; self.tile.packet_count()],
             sequences: Vec::with_capacity(self.tile.packet_count()),
-            samples: Samples::new(context, self.tile.packet_count()),
+            samples: Samples::new(context, self.tile),
             now: Paths::default(),
             next: Paths::default(),
         };

@@ -46,7 +46,8 @@ pub struct Material {
     pub transmission_texture: Option<TextureUse>,
     /// What glass encloses; without it glass is a thin pane that bends no ray.
     pub volume: Option<Volume>,
-    /// Shows its base colour as it is, without light.
+    /// Shows its base colour as it is, as radiance to whatever looks at it: the camera, mirrors, and other surfaces,
+    /// which it so lights.
     pub unlit: bool,
 }
 
