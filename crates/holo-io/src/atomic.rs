@@ -1,5 +1,7 @@
 //! Files that appear whole or not at all.
 
+#[cfg(any(feature = "mat", feature = "hdf5"))]
+mod place;
 mod temporary;
 
 use std::fmt;
@@ -10,6 +12,8 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256 as Hasher};
 
 use crate::Error;
+#[cfg(any(feature = "mat", feature = "hdf5"))]
+pub(crate) use place::AtomicPlace;
 use temporary::Temporary;
 pub use temporary::{remove_stale_temporary_files, remove_temporary_files};
 
@@ -109,24 +113,12 @@ impl AtomicFile {
     pub fn create(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let failed = |source| Error::io("write", path, source);
-        let (file, temporary) = match fs::metadata(path) {
-            Ok(found) if found.is_dir() => return Err(failed(io::ErrorKind::IsADirectory.into())),
-            // Renaming over a device would replace the device by a file.
-            Ok(found) if !found.is_file() => (OpenOptions::new().write(true).open(path).map_err(failed)?, None),
-            Ok(_) => {
-                let target = fs::canonicalize(path).map_err(failed)?;
+        let (file, temporary) = match target_of(path)? {
+            Some(target) => {
                 let (file, temporary) = Temporary::create(&target).map_err(failed)?;
                 (file, Some(temporary))
             }
-            Err(_) if path.file_name().is_none() => {
-                return Err(Error::bad_input(path, "the path has no file name"));
-            }
-            Err(_) => {
-                // A name relative to today's working folder must still mean the same file at `commit`.
-                let target = std::path::absolute(path).map_err(failed)?;
-                let (file, temporary) = Temporary::create(&target).map_err(failed)?;
-                (file, Some(temporary))
-            }
+            None => (OpenOptions::new().write(true).open(path).map_err(failed)?, None),
         };
         Ok(Self {
             path: path.to_owned(),
@@ -210,6 +202,20 @@ impl Write for AtomicFile {
 
     fn flush(&mut self) -> io::Result<()> {
         self.write_buffer()
+    }
+}
+
+/// Returns the absolute path of the file that `path` means, or `None` where it is a device or a pipe.
+fn target_of(path: &Path) -> Result<Option<PathBuf>, Error> {
+    let failed = |source| Error::io("write", path, source);
+    match fs::metadata(path) {
+        Ok(found) if found.is_dir() => Err(failed(io::ErrorKind::IsADirectory.into())),
+        // Renaming over a device would replace the device by a file.
+        Ok(found) if !found.is_file() => Ok(None),
+        Ok(_) => fs::canonicalize(path).map(Some).map_err(failed),
+        Err(_) if path.file_name().is_none() => Err(Error::bad_input(path, "the path has no file name")),
+        // A name relative to today's working folder must still mean the same file at `commit`.
+        Err(_) => std::path::absolute(path).map(Some).map_err(failed),
     }
 }
 

@@ -25,6 +25,8 @@
 //! | PFM in memory | [`Pfm::to_bytes`] | [`decode_pfm`] |
 //! | EXR, 32-bit float | [`write_exr`] | [`read_exr`], [`read_exr_rgb`], [`read_exr_info`] |
 //! | EXR in memory | [`encode_exr`] | [`decode_exr`], [`decode_exr_rgb`] |
+//! | MAT, level 5 | [`write_mat`], [`write_mat_light_field`] | [`read_mat`], [`read_mat_variable`], [`read_mat_light_field`], [`read_mat_info`] |
+//! | MAT in memory | [`encode_mat`] | [`decode_mat`] |
 //! | Radiance HDR | | [`read_hdr`], [`decode_hdr`], [`read_hdr_info`] |
 //! | `parameters.cfg` | [`ParametersCfg::write`] | [`ParametersCfg::read`] |
 //! | `manifest.json` | [`Manifest::write`] | [`Manifest::read`], [`Manifest::verify`] |
@@ -36,12 +38,12 @@
 //! # Features
 //!
 //! All on by default. `png`: everything that needs a PNG codec. `exr`: OpenEXR, through the crate `exr`. `hdr`: Radiance
-//! HDR, which needs no other crate. PFM, `parameters.cfg` and the manifest are always there, and so is [`recognise`] for
+//! HDR, which needs no other crate. `mat`: MATLAB's arrays, numbers decoded by the crate `matfile`. PFM, `parameters.cfg` and the manifest are always there, and so is [`recognise`] for
 //! every kind.
 //!
 //! # Panics in decoders
 //!
-//! The crate `exr` may panic on a damaged file. Such a panic becomes an [`Error`]; a program whose panic hook prints should
+//! The crate `exr` may panic on a damaged file (and `matfile` is watched as well). Such a panic becomes an [`Error`]; a program whose panic hook prints should
 //! ask [`is_guarding`] first and stay silent.
 //!
 //! # What is not here
@@ -51,17 +53,24 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 // The table above names what the features add.
-#![cfg_attr(not(all(feature = "png", feature = "exr", feature = "hdr")), allow(rustdoc::broken_intra_doc_links))]
+#![cfg_attr(
+    not(all(feature = "png", feature = "exr", feature = "hdr", feature = "mat")),
+    allow(rustdoc::broken_intra_doc_links)
+)]
 
 mod atomic;
 pub mod dataset;
 mod error;
 #[cfg(feature = "exr")]
 mod exr;
+#[cfg(feature = "hdf5")]
+mod hdf5;
 #[cfg(feature = "hdr")]
 mod hdr;
 mod limits;
 mod manifest;
+#[cfg(feature = "mat")]
+mod mat;
 mod millimetres;
 mod net;
 mod parameters_cfg;
@@ -70,6 +79,12 @@ mod pfm;
 mod png;
 mod raw_image;
 mod recognise;
+#[cfg(any(feature = "mat", feature = "hdf5"))]
+mod rig_values;
+#[cfg(any(feature = "mat", feature = "hdf5"))]
+mod stored;
+#[cfg(any(feature = "png", feature = "mat"))]
+mod zlib;
 
 pub use atomic::{
     AtomicFile, Sha256, Written, hash_file, remove_stale_temporary_files, remove_temporary_files, write_file,
@@ -80,10 +95,17 @@ pub use exr::{
     ExrChannel, ExrImage, ExrInfo, decode_exr, decode_exr_rgb, encode_exr, read_exr, read_exr_info, read_exr_rgb,
     write_exr,
 };
+#[cfg(feature = "hdf5")]
+pub use hdf5::{Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_hdf5, write_hdf5};
 #[cfg(feature = "hdr")]
 pub use hdr::{HdrInfo, decode_hdr, read_hdr, read_hdr_info};
 pub use limits::Limits;
 pub use manifest::{Manifest, ManifestRig, Problem, ProblemKind, Setting};
+#[cfg(feature = "mat")]
+pub use mat::{
+    MatArray, MatClass, MatInfo, MatLightField, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, decode_mat,
+    encode_mat, read_mat, read_mat_info, read_mat_light_field, read_mat_variable, write_mat, write_mat_light_field,
+};
 pub use net::is_guarding;
 pub use parameters_cfg::{CameraPose, ParametersCfg, date_from_epoch};
 pub use pfm::{Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_grey, read_pfm_info, write_pfm, write_pfm_colour};
@@ -96,3 +118,5 @@ pub use png::{
 pub use raw_image::RawImage;
 pub use raw_image::layout_of_file_name;
 pub use recognise::{FileKind, recognise};
+#[cfg(any(feature = "mat", feature = "hdf5"))]
+pub use stored::{StoredLightField, StoredSample};

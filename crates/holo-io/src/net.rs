@@ -4,7 +4,7 @@
 //! hands. A library must not install a panic hook; a program that has one asks [`is_guarding`] and stays silent.
 
 use std::cell::Cell;
-#[cfg(feature = "exr")]
+#[cfg(any(feature = "exr", feature = "mat"))]
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 thread_local! {
@@ -14,17 +14,17 @@ thread_local! {
 /// Whether this thread is inside this crate's last net: a panic now becomes an [`Error`](crate::Error), so a panic hook
 /// should print nothing.
 ///
-/// Only the OpenEXR reader and writer need the net; without the feature `exr` this is always false.
+/// Only the decoders of the features `exr` and `mat` need the net; without these this is always false.
 #[must_use]
 pub fn is_guarding() -> bool {
     GUARDING.get()
 }
 
 /// Restores the flag also when a panic passes by.
-#[cfg(feature = "exr")]
+#[cfg(any(feature = "exr", feature = "mat"))]
 struct Restore(bool);
 
-#[cfg(feature = "exr")]
+#[cfg(any(feature = "exr", feature = "mat"))]
 impl Drop for Restore {
     fn drop(&mut self) {
         GUARDING.set(self.0);
@@ -32,14 +32,14 @@ impl Drop for Restore {
 }
 
 /// Runs `work` with the flag of this thread set; for closures that run on other threads than their [`catch`].
-#[cfg(feature = "exr")]
+#[cfg(any(feature = "exr", feature = "mat"))]
 pub(crate) fn guarded<T>(work: impl FnOnce() -> T) -> T {
     let _restore = Restore(GUARDING.replace(true));
     work()
 }
 
 /// Runs `work`; a panic in it becomes the text of its message.
-#[cfg(feature = "exr")]
+#[cfg(any(feature = "exr", feature = "mat"))]
 pub(crate) fn catch<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     // Unwind safety: `work` owns or only reads what it uses, and all of it is thrown away on a panic.
     catch_unwind(AssertUnwindSafe(|| guarded(work))).map_err(|payload| {
@@ -48,7 +48,7 @@ pub(crate) fn catch<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     })
 }
 
-#[cfg(all(test, feature = "exr"))]
+#[cfg(all(test, any(feature = "exr", feature = "mat")))]
 mod tests {
     use super::*;
 

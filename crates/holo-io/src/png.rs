@@ -1,6 +1,5 @@
 //! PNG of 8 and 16 bits a channel, in sRGB or as plain data.
 
-mod bands;
 mod decode;
 mod encode;
 mod filter;

@@ -21,6 +21,12 @@ pub enum FileKind {
     Exr,
     /// A Radiance HDR image; `read_hdr_info` tells its size.
     Hdr,
+    /// A MAT file of MATLAB's level 5; `read_mat_info` lists its variables.
+    Mat5,
+    /// A MAT file of MATLAB's level 7.3, which is an HDF5 file with a header in front.
+    Mat73,
+    /// An HDF5 file.
+    Hdf5,
     /// A glTF scene in one binary file (`.glb`).
     GltfBinary,
     /// A glTF scene as JSON (`.gltf`).
@@ -61,6 +67,11 @@ pub fn recognise(path: impl AsRef<Path>) -> Result<FileKind, Error> {
         [b'P', b'f' | b'F', space, ..] if space.is_ascii_whitespace() => FileKind::Pfm,
         [0x76, 0x2f, 0x31, 0x01, ..] => FileKind::Exr,
         text if [&b"#?RADIANCE"[..], b"#?RGBE"].iter().any(|signature| text.starts_with(signature)) => FileKind::Hdr,
+        [0x89, b'H', b'D', b'F', b'\r', b'\n', 0x1a, b'\n', ..] => FileKind::Hdf5,
+        [b'M', b'A', b'T', b'L', b'A', b'B', b' ', ..] if is_mat(&head, 0x01) => FileKind::Mat5,
+        [b'M', b'A', b'T', b'L', b'A', b'B', b' ', ..] if is_mat(&head, 0x02) => FileKind::Mat73,
+        // HDF5 behind a user block of any other kind.
+        bytes if hdf5_behind_block(bytes) => FileKind::Hdf5,
         [b'g', b'l', b'T', b'F', ..] => FileKind::GltfBinary,
         text if first_character(text) == Some(b'{') => {
             source.rewind().map_err(failed)?;
@@ -70,6 +81,18 @@ pub fn recognise(path: impl AsRef<Path>) -> Result<FileKind, Error> {
         _ => FileKind::Unknown,
     };
     Ok(kind)
+}
+
+/// Whether the first bytes are the header of a MAT file of this version, in either byte order.
+fn is_mat(head: &[u8], version: u8) -> bool {
+    matches!(head.get(124..128), Some(&[0, major, b'I', b'M'] | &[major, 0, b'M', b'I']) if major == version)
+}
+
+/// Whether HDF5's signature stands where a user block of 512, 1024, 2048 ... bytes would end.
+fn hdf5_behind_block(head: &[u8]) -> bool {
+    let starts = std::iter::successors(Some(512_usize), |start| start.checked_mul(2));
+    let mut rests = starts.map_while(|start| head.get(start..));
+    rests.any(|rest| rest.starts_with(b"\x89HDF\r\n\x1a\n"))
 }
 
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";

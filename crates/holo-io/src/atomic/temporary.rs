@@ -67,6 +67,12 @@ impl Temporary {
         }
     }
 
+    /// The temporary name.
+    #[cfg(any(feature = "mat", feature = "hdf5"))]
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Gives the file its real name, in one step.
     pub(super) fn rename(mut self) -> io::Result<()> {
         fs::rename(&self.path, &self.target)?;

@@ -6,9 +6,9 @@ use std::path::Path;
 use ndarray::{ArrayView2, ArrayView3};
 
 use super::filter::Filter;
-use super::{Compression, Meaning, bands};
+use super::{Compression, Meaning};
 use crate::error::MEMORY;
-use crate::{AtomicFile, Error, Written};
+use crate::{AtomicFile, Error, Written, zlib};
 
 /// A sample of 8 or 16 bits, in the byte order of PNG.
 pub(super) trait Sample: Copy + Sync {
@@ -160,7 +160,7 @@ fn encode_published<T: Sample>(
             filter.append(&bytes, out);
         }
     };
-    bands::compress(rows, row_bytes + 1, filter, |data| writer.write_chunk(png::chunk::IDAT, data))?;
+    zlib::compress(rows, row_bytes + 1, filter, |data| writer.write_chunk(png::chunk::IDAT, data))?;
     writer.finish()
 }
 

@@ -1,15 +1,28 @@
-//! One zlib stream out of bands of rows that are compressed side by side.
+//! zlib streams: made of bands that are compressed side by side, and read back piece by piece.
 //!
 //! Every band but the last ends in an empty stored block (deflate's "sync flush"), so it ends on a whole byte and the
 //! bands can simply follow one another. Nothing in a band refers back to an earlier one: that costs a few hundred bytes
 //! a band, and makes the result the same for any number of threads.
 
+#[cfg(feature = "mat")]
+mod inflate;
+#[cfg(feature = "mat")]
+mod pieces;
+
+#[cfg(feature = "png")]
 use std::ops::Range;
 
+#[cfg(feature = "png")]
 use rayon::prelude::*;
 use zlib_rs::{Deflate, DeflateConfig, DeflateFlush, Method, Status, Strategy};
 
-/// Filtered bytes in a band: enough to forget the start of a band, few enough for many threads.
+#[cfg(feature = "mat")]
+pub(crate) use inflate::Inflated;
+#[cfg(feature = "mat")]
+pub(crate) use pieces::{Piece, Stream};
+
+/// Bytes in a band: enough to forget the start of a band, few enough for many threads.
+#[cfg(feature = "png")]
 const BAND_BYTES: usize = 1 << 20;
 
 /// Bytes of a band that the two strategies are tried on: three rows of an 8K image and twice deflate's window.
@@ -30,7 +43,8 @@ const CHOICES: [(Strategy, i32); 2] = [(Strategy::Rle, 6), (Strategy::Default, 6
 /// Compresses `rows` rows of `row_bytes` filtered bytes each and hands the stream to `take` piece by piece.
 ///
 /// `filter` appends the filtered rows of a range to a vector.
-pub(super) fn compress<E: From<std::io::Error>>(
+#[cfg(feature = "png")]
+pub(crate) fn compress<E: From<std::io::Error>>(
     rows: usize,
     row_bytes: usize,
     filter: impl Fn(Range<usize>, &mut Vec<u8>) + Sync,

@@ -1,0 +1,79 @@
+//! Attributes: the rig, axes, units and labels.
+
+use ::hdf5::types::{VarLenAscii, VarLenUnicode};
+use ::hdf5::{H5Type, Location};
+use ndarray::{aview0, aview1};
+
+use super::library::read_text;
+use crate::rig_values::RigValues;
+
+/// The version of the layout.
+const LAYOUT: &str = "holo light field 1";
+
+/// Attributes hold a handful of numbers; more is not looked at.
+const MAX_NUMBERS: usize = 16;
+
+fn text(at: &Location, name: &str, text: &str) -> ::hdf5::Result<()> {
+    let value: VarLenUnicode = text.parse().map_err(|_| ::hdf5::Error::from("text with a NUL in it"))?;
+    at.new_attr::<VarLenUnicode>().create(name)?.write_scalar(&value)
+}
+
+fn numbers<T: H5Type>(at: &Location, name: &str, values: &[T]) -> ::hdf5::Result<()> {
+    at.new_attr_builder().with_data(aview1(values)).create(name).map(|_| ())
+}
+
+fn number(at: &Location, name: &str, value: f64) -> ::hdf5::Result<()> {
+    at.new_attr_builder().with_data(aview0(&value)).create(name).map(|_| ())
+}
+
+/// Writes what is known of the whole file.
+pub(super) fn write_rig(file: &Location, rig: &holo_core::RigParameters) -> ::hdf5::Result<()> {
+    let values = RigValues::from(rig);
+    let (views, lenses) = (rig.split.views(), rig.split.lenses());
+    text(file, "format", LAYOUT)?;
+    text(file, "axes", "vutsc")?;
+    numbers(file, "views", &[views.rows as u64, views.columns as u64])?;
+    numbers(file, "lenses", &[lenses.rows as u64, lenses.columns as u64])?;
+    numbers(file, "baseline_m", &values.baseline_m)?;
+    number(file, "focal_length_mm", values.focal_length_mm)?;
+    number(file, "sensor_size_mm", values.sensor_size_mm)?;
+    number(file, "focus_distance_m", values.focus_distance_m)?;
+    text(file, "projection", values.projection)
+}
+
+/// Names the axes of a dataset and its unit.
+///
+/// The labels are what `H5DSset_label` of the library's high-level part would write, which the binding does not have.
+pub(super) fn write_axes(dataset: &Location, axes: &str, units: &str) -> ::hdf5::Result<()> {
+    text(dataset, "axes", axes)?;
+    text(dataset, "units", units)?;
+    let label = |letter: char| VarLenAscii::from_ascii(&[letter as u8]).map_err(|_| ::hdf5::Error::from("not ASCII"));
+    let labels: Vec<VarLenAscii> = axes.chars().map(label).collect::<Result<_, _>>()?;
+    numbers(dataset, "DIMENSION_LABELS", &labels)
+}
+
+/// Reads a text, if there is one.
+pub(super) fn read_word(at: &Location, name: &str) -> ::hdf5::Result<Option<String>> {
+    if !at.attr_names()?.iter().any(|own| own == name) {
+        return Ok(None);
+    }
+    let attribute = at.attr(name)?;
+    read_text(&attribute)
+}
+
+/// Reads a few numbers of any type, if there are any.
+pub(super) fn read_numbers(at: &Location, name: &str) -> ::hdf5::Result<Option<Vec<f64>>> {
+    if !at.attr_names()?.iter().any(|own| own == name) {
+        return Ok(None);
+    }
+    let attribute = at.attr(name)?;
+    if attribute.size() > MAX_NUMBERS {
+        return Err(format!("the attribute '{name}' has {} numbers", attribute.size()).into());
+    }
+    attribute
+        .as_reader()
+        .conversion(::hdf5::Conversion::Hard)
+        .read_raw::<f64>()
+        .or_else(|_| attribute.read_raw())
+        .map(Some)
+}

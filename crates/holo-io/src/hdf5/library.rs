@@ -1,0 +1,113 @@
+//! The seam to the C library: opening, creating, and what its errors mean.
+
+use std::io;
+use std::path::Path;
+
+use ::hdf5::types::{FixedAscii, FixedUnicode, TypeDescriptor, VarLenAscii, VarLenUnicode};
+use ::hdf5::{Container, File};
+
+use super::FORMAT;
+use crate::Error;
+
+/// The longest text of fixed length that is read.
+const MAX_TEXT: usize = 256;
+
+/// What was being done when the library failed.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Failure<'a> {
+    pub(crate) path: &'a Path,
+    pub(crate) is_writing: bool,
+}
+
+impl Failure<'_> {
+    /// Sorts an error of the library by who is at fault: the operating system, or the file.
+    pub(crate) fn error(self, error: ::hdf5::Error) -> Error {
+        let action = if self.is_writing { "write" } else { "read" };
+        // The system's number stands in the words of the innermost part.
+        let frames = error.stack().map(|stack| stack.iter().map(|frame| frame.desc().to_owned()).collect::<Vec<_>>());
+        let number = frames.iter().flatten().find_map(|text| system_error(text));
+        if let Some(number) = number {
+            return Error::io(action, self.path, io::Error::from_raw_os_error(number));
+        }
+        let what = error.to_string();
+        if self.is_writing {
+            return Error::io(action, self.path, io::Error::other(format!("the HDF5 library says: {what}")));
+        }
+        Error::broken(self.path, FORMAT, what)
+    }
+}
+
+/// Finds `errno = 28` in a message.
+fn system_error(text: &str) -> Option<i32> {
+    let (_, rest) = text.split_once("errno = ")?;
+    let digits = rest.find(|character: char| !character.is_ascii_digit()).unwrap_or(rest.len());
+    rest[..digits].parse().ok().filter(|&number| number > 0)
+}
+
+/// Creates a file under a name that exists already: the library empties it.
+///
+/// `user_block` bytes stay free in front; `oldest` asks for the oldest structures, which MATLAB reads.
+pub(crate) fn create(place: &Path, user_block: u64, oldest: bool) -> ::hdf5::Result<File> {
+    File::with_options()
+        // The temporary file has a lock already, of which the library knows nothing.
+        .with_fapl(|access| {
+            access.file_locking(false);
+            if oldest {
+                access.libver_earliest();
+            }
+            access
+        })
+        .with_fcpl(|creation| creation.userblock(user_block))
+        .create(place)
+}
+
+/// Opens a file for reading.
+pub(crate) fn open(path: &Path) -> Result<File, Error> {
+    // For the system's own words, where there is no such file.
+    let file = std::fs::File::open(path).map_err(|source| Error::io("read", path, source))?;
+    if file.metadata().is_ok_and(|metadata| metadata.is_dir()) {
+        return Err(Error::io("read", path, io::ErrorKind::IsADirectory.into()));
+    }
+    File::with_options()
+        .with_fapl(|access| access.file_locking(false))
+        .open(path)
+        .map_err(|error| Failure { path, is_writing: false }.error(error))
+}
+
+/// Reads one text, however it is stored; `None` if it is none, or too long.
+pub(crate) fn read_text(container: &Container) -> ::hdf5::Result<Option<String>> {
+    if container.size() != 1 {
+        return Ok(None);
+    }
+    let first = |values: Vec<String>| values.into_iter().next();
+    Ok(match container.dtype()?.to_descriptor()? {
+        TypeDescriptor::VarLenUnicode => {
+            first(container.read_raw::<VarLenUnicode>()?.iter().map(|text| text.as_str().to_owned()).collect())
+        }
+        TypeDescriptor::VarLenAscii => {
+            first(container.read_raw::<VarLenAscii>()?.iter().map(|text| text.as_str().to_owned()).collect())
+        }
+        TypeDescriptor::FixedAscii(length) if length <= MAX_TEXT => {
+            first(container.read_raw::<FixedAscii<MAX_TEXT>>()?.iter().map(|text| text.as_str().to_owned()).collect())
+        }
+        TypeDescriptor::FixedUnicode(length) if length <= MAX_TEXT => {
+            first(container.read_raw::<FixedUnicode<MAX_TEXT>>()?.iter().map(|text| text.as_str().to_owned()).collect())
+        }
+        _ => None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_systems_number_is_found() {
+        let text =
+            "file write failed: time = Mon, filename = 'x', errno = 28, error message = 'No space left on device'";
+        assert_eq!(system_error(text), Some(28));
+        for other in ["", "errno = ", "errno = x", "errno = 0,", "errno = 99999999999"] {
+            assert_eq!(system_error(other), None, "{other}");
+        }
+    }
+}

@@ -1,0 +1,277 @@
+//! The reader: what there is, and any part of it.
+
+use std::path::{Path, PathBuf};
+
+use ::hdf5::types::{FloatSize, IntSize, TypeDescriptor};
+use ::hdf5::{Dataset, File, H5Type, Hyperslab, SliceOrIndex};
+use holo_core::{GridSize, RigParameters, Split};
+use ndarray::{Array2, Array3, Array4, Array5, ArrayD, Dimension};
+
+use super::library::{Failure, open};
+use super::{FORMAT, Hdf5Map, attributes};
+use crate::stored::{StoredLightField, StoredSample, sealed::Sealed};
+use crate::{Error, Limits, rig_values};
+
+/// An open HDF5 light field.
+///
+/// Every read compares what it returns, and the chunks that it passes through, with the limits first.
+#[derive(Debug)]
+pub struct Hdf5LightField {
+    samples: Dataset,
+    file: File,
+    path: PathBuf,
+    limits: Limits,
+    shape: [usize; 5],
+    split: Split,
+    sample: &'static str,
+    rig: Option<RigParameters>,
+}
+
+/// Whether an HDF5 file holds a light field `/H` of five axes.
+///
+/// # Errors
+///
+/// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is no HDF5 file.
+pub fn is_light_field_hdf5(path: impl AsRef<Path>) -> Result<bool, Error> {
+    let file = open(path.as_ref())?;
+    Ok(file.dataset("H").is_ok_and(|samples| samples.ndim() == 5))
+}
+
+impl Hdf5LightField {
+    /// Opens a file and reads its shape and its rig.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is no HDF5 file, has no `/H` of five axes, or
+    /// contradicts itself; [`Error::Unsupported`] if its samples have another type than those that are written.
+    pub fn open(path: impl AsRef<Path>, limits: &Limits) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let failed = |error| Failure { path, is_writing: false }.error(error);
+        let broken = |what: String| Error::broken(path, FORMAT, what);
+        let file = open(path)?;
+        let samples = file.dataset("H").map_err(|_| broken("there is no dataset /H".into()))?;
+        let shape: [usize; 5] = samples
+            .get_shape()
+            .map_err(failed)?
+            .try_into()
+            .map_err(|shape: Vec<usize>| broken(format!("/H has {} axes instead of five", shape.len())))?;
+        let [v, u, t, s, channels] = shape;
+        let (views, lenses) = (GridSize::new(t, s), GridSize::new(v, u));
+        let split = Split::new(views, lenses).map_err(|error| Error::core(path, error))?;
+        if channels == 0 {
+            return Err(broken("/H has no channels".into()));
+        }
+        let sample = sample_name(&samples)
+            .map_err(failed)?
+            .ok_or_else(|| Error::unsupported(path, "/H holds neither uint8 nor uint16, float32 or float64"))?;
+        match attributes::read_word(&file, "axes").map_err(failed)?.as_deref() {
+            None | Some("vutsc") => {}
+            Some(other) => {
+                return Err(Error::unsupported(path, format!("the axes of /H are '{other}'; 'vutsc' can be read")));
+            }
+        }
+        let numbers = |name| attributes::read_numbers(&file, name).map_err(failed);
+        for (name, found) in [("views", views), ("lenses", lenses)] {
+            if let Some(counts) = numbers(name)?
+                && counts != [found.rows as f64, found.columns as f64]
+            {
+                return Err(broken(format!("`{name}` is {counts:?}, but /H has {} x {}", found.rows, found.columns)));
+            }
+        }
+        let lengths = [numbers("focal_length_mm")?, numbers("sensor_size_mm")?, numbers("focus_distance_m")?];
+        let projection = attributes::read_word(&file, "projection").map_err(failed)?;
+        let rig = rig_values::rig(path, split, numbers("baseline_m")?, lengths, projection.as_deref())?;
+        Ok(Self { samples, file, path: path.to_owned(), limits: *limits, shape, split, sample, rig })
+    }
+
+    /// Returns the number of views and lenses.
+    #[must_use]
+    pub const fn split(&self) -> Split {
+        self.split
+    }
+
+    /// Returns the number of channels.
+    #[must_use]
+    pub const fn channels(&self) -> usize {
+        self.shape[4]
+    }
+
+    /// Returns the type of the samples: `uint8`, `uint16`, `float32` or `float64`.
+    #[must_use]
+    pub const fn sample_type(&self) -> &'static str {
+        self.sample
+    }
+
+    /// Returns the rig, if the file tells all of it.
+    #[must_use]
+    pub const fn rig(&self) -> Option<&RigParameters> {
+        self.rig.as_ref()
+    }
+
+    /// Returns the maps of all views and those of the central view that the file has.
+    #[must_use]
+    pub fn maps(&self) -> (Vec<Hdf5Map>, Vec<Hdf5Map>) {
+        let there = |name: &str| self.file.dataset(name).is_ok();
+        let all = Hdf5Map::ALL.into_iter().filter(|map| there(map.name())).collect();
+        (all, Hdf5Map::ALL.into_iter().filter(|map| there(&format!("central/{}", map.name()))).collect())
+    }
+
+    /// Reads all samples.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooLarge`] if they exceed the limits; [`Error::Broken`] if the library cannot read them.
+    pub fn read(&self) -> Result<StoredLightField, Error> {
+        let whole = self.shape.map(|count| SliceOrIndex::from(0..count));
+        match self.sample {
+            "uint8" => self.stored::<u8>(whole),
+            "uint16" => self.stored::<u16>(whole),
+            "float32" => self.stored::<f32>(whole),
+            _ => self.stored::<f64>(whole),
+        }
+    }
+
+    fn stored<T: StoredSample>(&self, whole: [SliceOrIndex; 5]) -> Result<StoredLightField, Error> {
+        let samples: Array5<T> = self.part(&self.samples, whole.to_vec())?;
+        T::stored(samples).map_err(|error| Error::core(&self.path, error))
+    }
+
+    /// Reads the view `(t, s)` and little else.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u, c)`.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`read`](Self::read); [`Error::BadInput`] if there is no such view, or if `T` is not the type of the
+    /// samples.
+    pub fn read_view<T: StoredSample>(&self, t: usize, s: usize) -> Result<Array3<T>, Error> {
+        let [v, u, .., c] = self.shape;
+        self.check_type::<T>()?;
+        self.check_index("view", (t, s), self.split.views())?;
+        self.part(&self.samples, vec![(0..v).into(), (0..u).into(), t.into(), s.into(), (0..c).into()])
+    }
+
+    /// Reads the elemental image of the lens `(v, u)` and little else.
+    ///
+    /// # Shape
+    ///
+    /// `(t, s, c)`.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`read_view`](Self::read_view).
+    pub fn read_lens<T: StoredSample>(&self, v: usize, u: usize) -> Result<Array3<T>, Error> {
+        let [_, _, t, s, c] = self.shape;
+        self.check_type::<T>()?;
+        self.check_index("lens", (v, u), self.split.lenses())?;
+        self.part(&self.samples, vec![v.into(), u.into(), (0..t).into(), (0..s).into(), (0..c).into()])
+    }
+
+    /// Reads a map of all views, `(v, u, t, s)`.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`read`](Self::read); [`Error::BadInput`] if the file has no such map; [`Error::Broken`] if it has another
+    /// shape than the samples.
+    pub fn read_map(&self, map: Hdf5Map) -> Result<Array4<f32>, Error> {
+        let dataset = self.map_dataset(map.name(), &self.shape[..4])?;
+        self.part(&dataset, self.shape[..4].iter().map(|&count| (0..count).into()).collect())
+    }
+
+    /// Reads a map of the view `(t, s)`, `(v, u)`.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`read_map`](Self::read_map), and [`Error::BadInput`] if there is no such view.
+    pub fn read_map_of_view(&self, map: Hdf5Map, t: usize, s: usize) -> Result<Array2<f32>, Error> {
+        self.check_index("view", (t, s), self.split.views())?;
+        let dataset = self.map_dataset(map.name(), &self.shape[..4])?;
+        let [v, u, ..] = self.shape;
+        self.part(&dataset, vec![(0..v).into(), (0..u).into(), t.into(), s.into()])
+    }
+
+    /// Reads a map of the central view, `(v, u)`: that of the central view alone, or that part of the map of all views.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`read_map`](Self::read_map).
+    pub fn read_central_map(&self, map: Hdf5Map) -> Result<Array2<f32>, Error> {
+        let name = format!("central/{}", map.name());
+        if self.file.dataset(&name).is_err() {
+            let (t, s) = self.split.central_view();
+            return self.read_map_of_view(map, t, s);
+        }
+        let dataset = self.map_dataset(&name, &self.shape[..2])?;
+        self.part(&dataset, self.shape[..2].iter().map(|&count| (0..count).into()).collect())
+    }
+
+    fn map_dataset(&self, name: &str, shape: &[usize]) -> Result<Dataset, Error> {
+        let dataset = self
+            .file
+            .dataset(name)
+            .map_err(|_| Error::bad_input(&self.path, format!("the file has no map /{name}")))?;
+        if dataset.shape() != shape {
+            let what = format!("/{name} has shape {:?} instead of {shape:?}", dataset.shape());
+            return Err(Error::broken(&self.path, FORMAT, what));
+        }
+        Ok(dataset)
+    }
+
+    fn check_type<T: StoredSample>(&self) -> Result<(), Error> {
+        if T::NAME == self.sample {
+            return Ok(());
+        }
+        Err(Error::bad_input(&self.path, format!("the samples are {}, not {}", self.sample, T::NAME)))
+    }
+
+    fn check_index(&self, what: &str, (row, column): (usize, usize), count: GridSize) -> Result<(), Error> {
+        if row < count.rows && column < count.columns {
+            return Ok(());
+        }
+        Err(Error::bad_input(
+            &self.path,
+            format!("there is no {what} at row {row}, column {column}; {} x {} are there", count.rows, count.columns),
+        ))
+    }
+
+    /// Reads a part of a dataset.
+    fn part<T: H5Type, D: Dimension>(
+        &self,
+        dataset: &Dataset,
+        slices: Vec<SliceOrIndex>,
+    ) -> Result<ndarray::Array<T, D>, Error> {
+        let path = self.path.as_path();
+        let failed = |error| Failure { path, is_writing: false }.error(error);
+        let counts: Vec<usize> = slices
+            .iter()
+            .map(|slice| match *slice {
+                SliceOrIndex::SliceTo { start, end, .. } => end - start,
+                _ => 1,
+            })
+            .collect();
+        self.limits.elements(path, "part of the light field", &counts, size_of::<T>())?;
+        check_chunk(path, dataset, self.limits)?;
+        let part: ArrayD<T> = dataset.read_slice(Hyperslab::from(slices)).map_err(failed)?;
+        part.into_dimensionality().map_err(|error| Error::broken(path, FORMAT, error.to_string()))
+    }
+}
+
+/// Compares the size of a chunk, which the library holds whole, with the budget.
+pub(crate) fn check_chunk(path: &Path, dataset: &Dataset, limits: Limits) -> Result<(), Error> {
+    let bytes = dataset.dtype().map_or(1, |dtype| dtype.size());
+    let chunk = dataset.chunk().unwrap_or_default();
+    limits.elements(path, "chunk", &chunk, bytes).map(|_| ())
+}
+
+/// The name of a dataset's type, if light fields come in it.
+fn sample_name(dataset: &Dataset) -> ::hdf5::Result<Option<&'static str>> {
+    Ok(match dataset.dtype()?.to_descriptor()? {
+        TypeDescriptor::Unsigned(IntSize::U1) => Some(u8::NAME),
+        TypeDescriptor::Unsigned(IntSize::U2) => Some(u16::NAME),
+        TypeDescriptor::Float(FloatSize::U4) => Some(f32::NAME),
+        TypeDescriptor::Float(FloatSize::U8) => Some(f64::NAME),
+        _ => None,
+    })
+}

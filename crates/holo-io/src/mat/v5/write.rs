@@ -1,0 +1,144 @@
+//! The writer: variables one after another, each slab by slab.
+
+use std::io::{self, Seek, SeekFrom, Write};
+
+use ndarray::ArrayViewD;
+
+use super::{HEADER_BYTES, Storage, TYPE_COMPRESSED, TYPE_MATRIX, VERSION, code_of_class, padding};
+use crate::mat::order::column_major;
+use crate::mat::value::{Element, MatValue};
+use crate::zlib::{Piece, Stream};
+
+/// What `file` and every reader's listing show first; MATLAB wants the first words just so. No clock: equal inputs give
+/// equal bytes.
+const TEXT: &str = "MATLAB 5.0 MAT-file, written by holo";
+
+/// The header of the file.
+pub(in crate::mat) fn header() -> Vec<u8> {
+    let mut bytes = TEXT.as_bytes().to_vec();
+    bytes.resize(116, b' ');
+    // No subsystem data.
+    bytes.resize(124, 0);
+    bytes.extend(VERSION.to_le_bytes());
+    bytes.extend(b"IM");
+    debug_assert_eq!(bytes.len(), HEADER_BYTES);
+    bytes
+}
+
+/// Writes a variable as it is. The caller has checked its name and its size.
+pub(in crate::mat) fn plain(out: &mut impl Write, name: &str, value: &MatValue<'_>) -> io::Result<()> {
+    let variable = Variable::new(name, value)?;
+    out.write_all(&variable.head)?;
+    each_slab(value, &|bytes| bytes, &mut |bytes: Vec<u8>| out.write_all(&bytes))?;
+    out.write_all(&[0; 8][..variable.padding])
+}
+
+/// Writes a variable compressed. The length of what zlib makes of it goes in front when it is known.
+pub(in crate::mat) fn compressed(out: &mut (impl Write + Seek), name: &str, value: &MatValue<'_>) -> io::Result<()> {
+    let variable = Variable::new(name, value)?;
+    let start = out.stream_position()?;
+    out.write_all(&tag(TYPE_COMPRESSED, 0))?;
+    let mut stream = Stream::new(&mut *out)?;
+    stream.push(&Piece::compress(&variable.head)?)?;
+    each_slab(value, &|bytes| Piece::compress(&bytes), &mut |piece: io::Result<Piece>| stream.push(&piece?))?;
+    stream.push(&Piece::compress(&[0; 8][..variable.padding])?)?;
+    let bytes = stream.finish()?;
+    let length = u32::try_from(bytes).map_err(|_| io::Error::other("the compressed variable is longer than 4 GiB"))?;
+    let end = out.stream_position()?;
+    out.seek(SeekFrom::Start(start))?;
+    out.write_all(&tag(TYPE_COMPRESSED, length))?;
+    out.seek(SeekFrom::Start(end)).map(|_| ())
+}
+
+/// All of a variable but its data.
+struct Variable {
+    head: Vec<u8>,
+    padding: usize,
+}
+
+impl Variable {
+    fn new(name: &str, value: &MatValue<'_>) -> io::Result<Self> {
+        let unwritable = || io::Error::other("this variable cannot be written");
+        let class = value.class();
+        let (code, storage) = code_of_class(class).zip(Storage::of(class)).ok_or_else(unwritable)?;
+        let size = value.size();
+        let data = match value {
+            // The dimensions count units of UTF-16 all the same.
+            MatValue::Text(text) => text.len() as u64,
+            _ => size.iter().product::<usize>() as u64 * storage.bytes() as u64,
+        };
+
+        let mut head = Vec::new();
+        element(&mut head, Storage::U32, &[u32::from(code), 0].map(u32::to_le_bytes).concat());
+        let mut dimensions = Vec::new();
+        for &count in &size {
+            dimensions.extend(i32::try_from(count).map_err(|_| unwritable())?.to_le_bytes());
+        }
+        element(&mut head, Storage::I32, &dimensions);
+        element(&mut head, Storage::I8, name.as_bytes());
+        // Data of up to four bytes share their tag's eight.
+        let short = (1..=4).contains(&data);
+        let padding = if short { 4 - data } else { padding(data) };
+        head.extend(if short {
+            (storage.code() | (data as u32) << 16).to_le_bytes().to_vec()
+        } else {
+            tag(storage.code(), u32::try_from(data).map_err(|_| unwritable())?).to_vec()
+        });
+        let total = u32::try_from(head.len() as u64 + data + padding).map_err(|_| unwritable())?;
+        head.splice(0..0, tag(TYPE_MATRIX, total));
+        Ok(Self { head, padding: padding as usize })
+    }
+}
+
+const fn tag(code: u32, length: u32) -> [u8; 8] {
+    let ([a, b, c, d], [e, f, g, h]) = (code.to_le_bytes(), length.to_le_bytes());
+    [a, b, c, d, e, f, g, h]
+}
+
+/// Appends a small element, padded.
+fn element(bytes: &mut Vec<u8>, storage: Storage, data: &[u8]) {
+    let length = data.len() as u32;
+    if (1..=4).contains(&length) {
+        bytes.extend((storage.code() | length << 16).to_le_bytes());
+        bytes.extend(data);
+        bytes.resize(bytes.len() + 4 - data.len(), 0);
+    } else {
+        bytes.extend(tag(storage.code(), length));
+        bytes.extend(data);
+        bytes.resize(bytes.len() + padding(data.len() as u64) as usize, 0);
+    }
+}
+
+/// Passes the data of a variable on as bytes, slab by slab.
+fn each_slab<P: Send>(
+    value: &MatValue<'_>,
+    prepare: &(impl Fn(Vec<u8>) -> P + Sync),
+    take: &mut impl FnMut(P) -> io::Result<()>,
+) -> io::Result<()> {
+    fn numbers<T: Element, P: Send>(
+        array: &ArrayViewD<'_, T>,
+        prepare: &(impl Fn(Vec<u8>) -> P + Sync),
+        take: &mut impl FnMut(P) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let prepare = |values: &[T]| {
+            let mut bytes = Vec::new();
+            T::append(values, &mut bytes);
+            prepare(bytes)
+        };
+        column_major(array, prepare, take)
+    }
+    match value {
+        MatValue::U8(array) => numbers(array, prepare, take),
+        MatValue::I8(array) => numbers(array, prepare, take),
+        MatValue::U16(array) => numbers(array, prepare, take),
+        MatValue::I16(array) => numbers(array, prepare, take),
+        MatValue::U32(array) => numbers(array, prepare, take),
+        MatValue::I32(array) => numbers(array, prepare, take),
+        MatValue::U64(array) => numbers(array, prepare, take),
+        MatValue::I64(array) => numbers(array, prepare, take),
+        MatValue::F32(array) => numbers(array, prepare, take),
+        MatValue::F64(array) => numbers(array, prepare, take),
+        MatValue::Text("") => Ok(()),
+        MatValue::Text(text) => take(prepare(text.as_bytes().to_vec())),
+    }
+}

@@ -1,0 +1,83 @@
+//! The rig as MAT and HDF5 hold it: the numbers of the manifest, rows first.
+
+use std::path::Path;
+
+use holo_core::{Projection, RigParameters, Split};
+
+use crate::{Error, ManifestRig};
+
+/// The numbers of a rig; views and lenses are those of the samples.
+pub(crate) struct RigValues {
+    /// Vertical, horizontal.
+    pub(crate) baseline_m: [f64; 2],
+    pub(crate) focal_length_mm: f64,
+    pub(crate) sensor_size_mm: f64,
+    pub(crate) focus_distance_m: f64,
+    pub(crate) projection: &'static str,
+}
+
+impl From<&RigParameters> for RigValues {
+    fn from(parameters: &RigParameters) -> Self {
+        let rig = ManifestRig::from(parameters);
+        Self {
+            baseline_m: [rig.baseline_y_m, rig.baseline_x_m],
+            focal_length_mm: rig.focal_length_mm,
+            sensor_size_mm: rig.sensor_size_mm,
+            focus_distance_m: rig.focus_distance_m,
+            projection: match rig.projection {
+                Projection::Perspective => "perspective",
+                Projection::Orthographic => "orthographic",
+            },
+        }
+    }
+}
+
+/// Checks that a rig is for these views and lenses.
+pub(crate) fn check_split(path: &Path, rig: Option<&RigParameters>, split: &Split) -> Result<(), Error> {
+    match rig {
+        Some(rig) if rig.split != *split => {
+            Err(Error::bad_input(path, format!("the rig is for {:?}, but the light field has {split:?}", rig.split)))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Puts a rig together; `None` if a number is missing.
+///
+/// `lengths` are focal length and sensor size in millimetres and the focus distance in metres. A rig without a projection
+/// is a perspective one; a single baseline is for both axes.
+pub(crate) fn rig(
+    path: &Path,
+    split: Split,
+    baseline_m: Option<Vec<f64>>,
+    lengths: [Option<Vec<f64>>; 3],
+    projection: Option<&str>,
+) -> Result<Option<RigParameters>, Error> {
+    let [Some(focal), Some(sensor), Some(focus)] = lengths else { return Ok(None) };
+    let Some(baseline_m) = baseline_m else { return Ok(None) };
+    let broken = |what: String| Error::broken(path, "rig", what);
+    let one = |name: &str, numbers: Vec<f64>| match numbers[..] {
+        [number] => Ok(number),
+        _ => Err(broken(format!("`{name}` has {} numbers instead of one", numbers.len()))),
+    };
+    let (baseline_y_m, baseline_x_m) = match baseline_m[..] {
+        [both] => (both, both),
+        [y, x] => (y, x),
+        _ => return Err(broken(format!("`baseline_m` has {} numbers instead of two", baseline_m.len()))),
+    };
+    let rig = ManifestRig {
+        views: split.views(),
+        lenses: split.lenses(),
+        baseline_x_m,
+        baseline_y_m,
+        focal_length_mm: one("focal_length_mm", focal)?,
+        sensor_size_mm: one("sensor_size_mm", sensor)?,
+        focus_distance_m: one("focus_distance_m", focus)?,
+        projection: match projection {
+            None | Some("perspective") => Projection::Perspective,
+            Some("orthographic") => Projection::Orthographic,
+            Some(other) => return Err(broken(format!("`projection` is '{other}'"))),
+        },
+    };
+    rig.parameters().map(Some)
+}

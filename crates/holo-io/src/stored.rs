@@ -1,0 +1,105 @@
+//! Light fields as files hold them: of one of four number types.
+
+use holo_core::{LightField, LightFieldOwned, Split};
+use ndarray::{Array5, ArrayView5, ArrayViewD, IxDyn};
+
+/// A type of number that a light field in a file may have: `u8`, `u16`, `f32` or `f64`.
+pub trait StoredSample: sealed::Sealed + Copy + Default + Send + Sync + 'static {}
+
+/// A light field that was read from a file, in the type that it has there.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum StoredLightField {
+    /// 8-bit integers, usually on the sRGB curve.
+    U8(LightFieldOwned<u8>),
+    /// 16-bit integers, usually on the sRGB curve.
+    U16(LightFieldOwned<u16>),
+    /// 32-bit floats, usually linear.
+    F32(LightFieldOwned<f32>),
+    /// 64-bit floats.
+    F64(LightFieldOwned<f64>),
+}
+
+/// Calls a method on the light field, whatever its type.
+macro_rules! any {
+    ($stored:expr, $light_field:ident => $call:expr) => {
+        match $stored {
+            StoredLightField::U8($light_field) => $call,
+            StoredLightField::U16($light_field) => $call,
+            StoredLightField::F32($light_field) => $call,
+            StoredLightField::F64($light_field) => $call,
+        }
+    };
+}
+
+impl StoredLightField {
+    /// Returns the number of views and lenses.
+    #[must_use]
+    pub fn split(&self) -> Split {
+        any!(self, light_field => light_field.split())
+    }
+
+    /// Returns the number of channels.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        any!(self, light_field => light_field.channels())
+    }
+}
+
+pub(crate) mod sealed {
+    use super::{Array5, ArrayViewD, LightField, StoredLightField};
+
+    /// A number that HDF5 knows, where this crate does.
+    #[cfg(feature = "hdf5")]
+    pub trait Number: Sized + std::fmt::Debug + ::hdf5::H5Type {}
+    #[cfg(not(feature = "hdf5"))]
+    pub trait Number: Sized + std::fmt::Debug {}
+
+    /// What this crate does with a sample type; nobody else can add one.
+    pub trait Sealed: Number {
+        #[doc(hidden)]
+        const NAME: &'static str;
+        #[doc(hidden)]
+        const IS_FLOAT: bool;
+        #[cfg(feature = "mat")]
+        #[doc(hidden)]
+        fn mat_value(array: ArrayViewD<'_, Self>) -> crate::mat::MatValue<'_>;
+        #[doc(hidden)]
+        fn stored(samples: Array5<Self>) -> Result<StoredLightField, holo_core::Error>;
+    }
+
+    macro_rules! sample {
+        ($($type:ty, $name:ident, $text:literal, $is_float:literal;)*) => {$(
+            impl Number for $type {}
+
+            impl Sealed for $type {
+                const NAME: &'static str = $text;
+                const IS_FLOAT: bool = $is_float;
+
+                #[cfg(feature = "mat")]
+                fn mat_value(array: ArrayViewD<'_, Self>) -> crate::mat::MatValue<'_> {
+                    crate::mat::MatValue::$name(array)
+                }
+
+                fn stored(samples: Array5<Self>) -> Result<StoredLightField, holo_core::Error> {
+                    LightField::new(samples).map(StoredLightField::$name)
+                }
+            }
+
+            impl super::StoredSample for $type {}
+        )*};
+    }
+
+    sample! {
+        u8, U8, "uint8", false;
+        u16, U16, "uint16", false;
+        f32, F32, "float32", true;
+        f64, F64, "float64", true;
+    }
+}
+
+/// The order that a light field's axes have in a file, as letters.
+#[cfg(feature = "mat")]
+pub(crate) fn in_order<'a, T>(samples: ArrayView5<'a, T>, axes: &[usize; 5]) -> ArrayViewD<'a, T> {
+    samples.into_dyn().permuted_axes(IxDyn(axes))
+}

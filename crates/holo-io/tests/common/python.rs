@@ -1,0 +1,25 @@
+//! The other side's own readers, where this machine has them.
+
+use std::process::Command;
+
+/// Runs a script with `HOLO_PYTHON` or `python3` and returns what it prints, or says what is missing and returns `None`.
+///
+/// # Panics
+///
+/// If the script itself fails.
+pub fn run(modules: &[&str], script: &str, arguments: &[&str]) -> Option<String> {
+    let program = std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let imports = format!("import {}", modules.join(", "));
+    let has = Command::new(&program).args(["-c", &imports]).output().is_ok_and(|output| output.status.success());
+    if !has {
+        eprintln!("not run: needs {} in Python (HOLO_PYTHON names the interpreter)", modules.join(", "));
+        return None;
+    }
+    let output = Command::new(&program)
+        .args(["-c", &format!("import sys\n{imports}\n{script}")])
+        .args(arguments)
+        .output()
+        .expect("it just ran");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Some(String::from_utf8_lossy(&output.stdout).into_owned())
+}

@@ -1,0 +1,69 @@
+//! MAT files that are cut off or damaged: errors, and never a panic that anybody hears. Alone in its process, because it
+//! sets the panic hook.
+#![cfg(feature = "mat")]
+
+mod common;
+
+use std::fs;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use common::data;
+use holo_io::{Error, Limits, MatOptions, MatValue, MatVariable, decode_mat, encode_mat};
+use ndarray::ArrayD;
+
+#[test]
+fn cut_and_mutated_files_are_errors_and_never_panics() {
+    static PANICS: AtomicUsize = AtomicUsize::new(0);
+    const LIMITS: Limits = Limits { max_bytes: 1 << 20 };
+    std::panic::set_hook(Box::new(|_| {
+        // Not even under a guard: the decoder sees nothing that was not checked.
+        PANICS.fetch_add(1, Ordering::Relaxed);
+    }));
+    let mut files = Vec::new();
+    for name in ["scipy_plain.mat", "scipy_compressed.mat", "scipy_classes.mat"] {
+        files.push((name, fs::read(data(name)).unwrap()));
+    }
+    let array = ArrayD::from_shape_fn(vec![5, 6, 2], |at| at[0] as f32 - at[2] as f32);
+    let variables = [
+        MatVariable { name: "array", value: MatValue::F32(array.view()) },
+        MatVariable { name: "word", value: MatValue::Text("µm") },
+    ];
+    for is_compressed in [false, true] {
+        let options = MatOptions { is_compressed, ..MatOptions::default() };
+        files.push(("ours", encode_mat(&variables, &options).unwrap()));
+    }
+    for (name, whole) in &files {
+        // A cut between two variables leaves a sound file with less in it: the format has no end.
+        let count = |bytes: &[u8]| decode_mat(bytes, &LIMITS).map(|variables| variables.len());
+        let all = count(whole).unwrap_or(usize::MAX);
+        for end in 0..whole.len() {
+            match count(&whole[..end]) {
+                Ok(fewer) => assert!(fewer < all, "{name} cut at {end}"),
+                Err(Error::Broken { .. } | Error::Unsupported { .. }) => {}
+                Err(error) => panic!("{name} cut at {end}: {error}"),
+            }
+        }
+        let mut state = 1_u64;
+        for _ in 0..4000 {
+            let mut bytes = whole.clone();
+            for _ in 0..3 {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                let at = (state >> 33) as usize % bytes.len();
+                bytes[at] = if state & 1 << 20 == 0 { (state >> 24) as u8 } else { bytes[at] ^ 1 << (state >> 21 & 7) };
+            }
+            let _ = decode_mat(&bytes, &LIMITS);
+        }
+    }
+    assert_eq!(PANICS.load(Ordering::Relaxed), 0);
+}
+
+#[test]
+fn a_small_file_that_stands_for_gigabytes_is_refused_by_its_announcement() {
+    // Zeros compress a thousandfold: 64 MB in 64 KB. One MiB is allowed.
+    let zeros = ArrayD::<u8>::zeros(vec![8000, 8000]);
+    let options = MatOptions { is_compressed: true, ..MatOptions::default() };
+    let bytes = encode_mat(&[MatVariable { name: "zeros", value: MatValue::U8(zeros.view()) }], &options).unwrap();
+    assert!(bytes.len() < 200_000, "{}", bytes.len());
+    let error = decode_mat(&bytes, &Limits { max_bytes: 1 << 20 }).unwrap_err();
+    assert!(matches!(error, Error::TooLarge { needed: 64_000_000, .. }), "{error}");
+}
