@@ -77,11 +77,14 @@ pub struct RenderOptions {
     /// view's; with `--ground-truth all` the folder LAYER has one of every view.
     #[arg(long, value_name = "NAME,..", value_enum, value_delimiter = ',')]
     pub layers: Vec<LayerArgument>,
-    /// What to write, separated by commas [default: vpi,el, and disparity,depth unless --layers names others; without
-    /// colour no vpi and el].
+    /// What to write, separated by commas [default: vpi,el,mat, and disparity,depth unless --layers names others; without
+    /// colour no vpi, el and mat].
     #[arg(long, value_name = "WHAT,..", value_enum, value_delimiter = ',')]
     pub write: Vec<Output>,
-    /// Bits a channel of the raw PNGs.
+    /// Order of the array in scene_5d.mat: H(v,u,t,s,c), or LF(t,s,v,u,c) as in the Light Field Toolbox.
+    #[arg(long, value_name = "ORDER", value_enum, default_value_t = MatOrderArgument::Lenses)]
+    pub mat_order: MatOrderArgument,
+    /// Bits a channel of the raw PNGs and of scene_5d.mat.
     #[arg(long, value_name = "8|16", default_value_t = 8, value_parser = bit_depth)]
     pub bit_depth: u8,
     /// Chooses the random numbers.
@@ -273,6 +276,14 @@ pub enum LayerArgument {
     All,
 }
 
+#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MatOrderArgument {
+    /// `H` of size [V U T S C]: lenses first.
+    Lenses,
+    /// `LF` of size [T S V U C]: views first.
+    Lftoolbox,
+}
+
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Output {
     /// scene_vpi.png: all views side by side.
@@ -285,11 +296,9 @@ pub enum Output {
     Depth,
     /// scene_central.exr: colour and all layers of the central view, linear.
     Exr,
-    /// Not in this version.
-    #[value(hide = true)]
+    /// scene_5d.mat: the raw image's integers as a 5D array for MATLAB.
     Mat,
-    /// Not in this version.
-    #[value(hide = true)]
+    /// scene_5d.h5: linear radiance and the layers of depth and disparity as 5D arrays.
     H5,
     /// Not in this version.
     #[value(hide = true)]

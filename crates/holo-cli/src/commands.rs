@@ -9,6 +9,7 @@ pub mod verify;
 
 mod layers;
 mod output;
+mod pictures;
 mod prepare;
 mod raw;
 mod sky;

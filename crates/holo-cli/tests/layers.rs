@@ -38,7 +38,8 @@ fn layers_are_written_by_name() {
     assert_eq!(layers_of(&bench, "default"), ["depth", "disparity"]);
     // Those that are named take the place of the two, twice named or not.
     bench.render("some", "--layers albedo,ray-length,albedo");
-    let pictures = ["manifest.json", "parameters.cfg", "scene_albedo.pfm", "scene_el.png", "scene_ray_length.pfm"];
+    let pictures =
+        ["manifest.json", "parameters.cfg", "scene_5d.mat", "scene_albedo.pfm", "scene_el.png", "scene_ray_length.pfm"];
     assert_eq!(bench.list("some"), [&pictures[..], &["scene_vpi.png"]].concat());
     assert_eq!(layers_of(&bench, "some"), ["ray-length", "albedo"]);
     // Beside what --write names.
@@ -46,13 +47,13 @@ fn layers_are_written_by_name() {
     assert_eq!(bench.list("beside"), ["manifest.json", "parameters.cfg", "scene_depth.pfm", "scene_hit_mask.pfm"]);
     bench.render("all", "--layers all");
     let mut expected =
-        [&DEFAULT_FILES[..2], &ALL_MAPS, &["scene_disparity.png", "scene_el.png", "scene_vpi.png"]].concat();
+        [&DEFAULT_FILES[..3], &ALL_MAPS, &["scene_disparity.png", "scene_el.png", "scene_vpi.png"]].concat();
     expected.sort_unstable();
     assert_eq!(bench.list("all"), expected);
     assert_eq!(bench.run("verify all").code, Some(0));
     // Without a picture all means all that there are.
     bench.render("truth", "--layers all --integrator depth");
-    expected.retain(|name| !["scene_color.pfm", "scene_el.png", "scene_vpi.png"].contains(name));
+    expected.retain(|name| !["scene_5d.mat", "scene_color.pfm", "scene_el.png", "scene_vpi.png"].contains(name));
     assert_eq!(bench.list("truth"), expected);
     for name in expected.iter().filter(|name| name.starts_with("scene_")) {
         let read = |out: &str| std::fs::read(bench.path(out).join(name)).unwrap();

@@ -64,7 +64,7 @@ fn the_manifest_verifies_until_a_file_changes() {
     let outcome = bench.run("verify out");
     assert_eq!(outcome.code, Some(1), "{outcome:?}");
     assert!(outcome.stdout.contains("scene_vpi.png: changed") && outcome.stdout.contains("scene_depth.pfm: missing"));
-    assert!(outcome.stderr.contains("2 of 6 files"), "{outcome:?}");
+    assert!(outcome.stderr.contains("2 of 7 files"), "{outcome:?}");
 }
 
 #[test]
@@ -79,11 +79,59 @@ fn sixteen_bits_are_the_same_picture() {
     }
 }
 
+/// What there is without a picture.
+fn without_picture() -> Vec<&'static str> {
+    let shows = ["scene_5d.mat", "scene_el.png", "scene_vpi.png"];
+    DEFAULT_FILES.into_iter().filter(|name| !shows.contains(name)).collect()
+}
+
+/// The array in the .mat holds the integers of the raw image, in either order, with the rig beside it.
+#[test]
+fn the_mat_file_is_the_raw_image() {
+    let bench = Bench::new();
+    for (out, more) in [("coarse", ""), ("fine", "--bit-depth 16"), ("toolbox", "--mat-order lftoolbox")] {
+        bench.render(out, more);
+        let mat = holo_io::read_mat_light_field(bench.path(out).join("scene_5d.mat"), &Default::default()).unwrap();
+        let raw = bench.path(out).join("scene_el.png");
+        match mat.light_field {
+            holo_io::StoredLightField::U8(field) => assert_eq!(field.to_elemental_grid(), read_u8(raw), "{out}"),
+            holo_io::StoredLightField::U16(field) => assert_eq!(field.to_elemental_grid(), read_u16(raw), "{out}"),
+            other => panic!("{out}: {other:?}"),
+        }
+        let manifest = holo_io::Manifest::read(bench.path(out).join("manifest.json")).unwrap();
+        assert_eq!(mat.rig, Some(manifest.rig.unwrap().parameters().unwrap()), "{out}");
+    }
+}
+
+/// The array in the .h5 is the linear picture, and its maps are those of the PFMs.
+#[cfg(feature = "hdf5")]
+#[test]
+fn the_hdf5_file_holds_radiance_and_ground_truth() {
+    use holo_io::{Hdf5LightField, Hdf5Map, Limits, read_pfm, read_pfm_grey};
+    let bench = Bench::new();
+    for (out, more) in [("central", ""), ("all", "--ground-truth all")] {
+        bench.render(out, &format!("--write h5,depth,disparity --layers color {more}"));
+        let path = |name: &str| bench.path(out).join(name);
+        let file = Hdf5LightField::open(path("scene_5d.h5"), &Limits::default()).unwrap();
+        // Row 2 of 4, column 2 of 5.
+        let picture = read_pfm(path("scene_color.pfm"), &Limits::default()).unwrap().values;
+        assert_eq!(file.read_view::<f32>(2, 2).unwrap(), picture, "{out}");
+        for (map, name) in [(Hdf5Map::Depth, "scene_depth.pfm"), (Hdf5Map::Disparity, "scene_disparity.pfm")] {
+            let central = read_pfm_grey(path(name), &Limits::default()).unwrap();
+            let stored = if out == "all" { file.read_map_of_view(map, 2, 2) } else { file.read_central_map(map) };
+            assert_eq!(stored.unwrap(), central, "{out} {name}");
+        }
+        let manifest = holo_io::Manifest::read(path("manifest.json")).unwrap();
+        assert_eq!(file.rig(), Some(&manifest.rig.unwrap().parameters().unwrap()), "{out}");
+    }
+}
+
 #[test]
 fn only_what_is_asked_for_is_written() {
     let bench = Bench::new();
     for (write, files) in [
         ("el", &["scene_el.png"][..]),
+        ("mat", &["scene_5d.mat"]),
         ("depth,vpi", &["scene_depth.pfm", "scene_vpi.png"]),
         ("disparity", &["scene_disparity.pfm", "scene_disparity.png"]),
     ] {
@@ -93,7 +141,7 @@ fn only_what_is_asked_for_is_written() {
         assert_eq!(bench.run(&format!("verify {write}")).code, Some(0));
     }
     bench.render("depth-only", "--integrator depth");
-    assert_eq!(bench.list("depth-only"), [&DEFAULT_FILES[..5]].concat());
+    assert_eq!(bench.list("depth-only"), without_picture());
 }
 
 #[test]
@@ -124,12 +172,12 @@ fn a_scene_without_light_gives_ground_truth_and_a_hint() {
     let outcome = bench.run("render dark.glb --out dark --lenses 12x8 --views 5x4");
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     assert!(outcome.stderr.contains("--sky"), "{outcome:?}");
-    assert_eq!(bench.list("dark"), [&DEFAULT_FILES[..5]].concat());
+    assert_eq!(bench.list("dark"), without_picture());
     // Whoever asks for depth alone of a scene with light is not told that it has none.
     let outcome = bench.run(&format!("render {SCENE} --out depth --lenses 12x8 --views 5x4 --write depth"));
     assert!(outcome.code == Some(0) && !outcome.stderr.contains("--sky"), "{outcome:?}");
     let outcome = bench.run("render dark.glb --out lit --lenses 12x8 --views 5x4 --spp 1 --sky 1,1,1");
-    assert_eq!((outcome.code, bench.list("lit").len()), (Some(0), 7), "{outcome:?}");
+    assert_eq!((outcome.code, bench.list("lit").len()), (Some(0), DEFAULT_FILES.len()), "{outcome:?}");
 }
 
 #[test]

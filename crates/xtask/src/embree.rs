@@ -33,10 +33,7 @@ pub fn ensure() -> Result {
 
 /// Fetches Embree from PyPI.
 pub fn fetch() -> Result {
-    let python = ["python3", "python"]
-        .into_iter()
-        .find(|name| process::exists(name))
-        .ok_or("neither python3 nor python is on PATH, and the library comes from PyPI")?;
+    let python = process::python()?;
     eprintln!("xtask: fetching Embree 4.4 (the PyPI wheel {PACKAGE}, 14 MB)");
     let download = target().join("download");
     std::fs::create_dir_all(&download).map_err(|why| format!("{}: {why}", download.display()))?;

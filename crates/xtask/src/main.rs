@@ -1,8 +1,8 @@
 //! Chores of the workspace: `cargo xtask demo`, `cargo xtask test` and what they need.
 //!
 //! ```text
-//! setup    fetch what the machine lacks (Embree 4) under target/
-//! build    setup + the release binary target/release/holo
+//! setup    fetch what the machine lacks (Embree 4, CMake) under target/
+//! build    setup + the release binary target/release/holo with every feature
 //! demo     build + render the demo scene into out/
 //! test     setup + every test
 //! embree   fetch Embree 4 alone
@@ -12,6 +12,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod cmake;
 mod demo;
 mod embree;
 mod fuzz;
@@ -66,7 +67,8 @@ fn strs(list: &[String]) -> Vec<&str> {
     list.iter().map(String::as_str).collect()
 }
 
-/// Fetches what is missing. Without Embree everything still works, slower: that is said, and is no failure.
+/// Fetches what is missing. Without Embree everything still works, slower, and without CMake everything but HDF5: that is
+/// said, and is no failure.
 fn setup() -> Result {
     if let Err(why) = embree::ensure() {
         eprintln!("xtask: no Embree 4: {why}");
@@ -74,10 +76,19 @@ fn setup() -> Result {
             "xtask: going on with the built-in BVH, which is several times slower; install libembree4 to mend it"
         );
     }
+    if let Err(why) = cmake::ensure() {
+        eprintln!("xtask: no CMake: {why}");
+        eprintln!("xtask: going on without HDF5 and MATLAB's level 7.3; install cmake to mend it");
+    }
     Ok(())
+}
+
+/// Cargo's arguments for all that can be built here.
+fn features() -> &'static [&'static str] {
+    if cmake::is_there() { &["--features", "hdf5"] } else { &[] }
 }
 
 fn build() -> Result {
     setup()?;
-    process::cargo(&["build", "--release", "-p", "holo-cli"])
+    process::cargo(&[&["build", "--release", "-p", "holo-cli"], features()].concat())
 }

@@ -8,7 +8,7 @@ use crate::Result;
 /// Runs cargo in the workspace with this process's own output.
 pub fn cargo(arguments: &[&str]) -> Result {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    run(Command::new(cargo).args(arguments).current_dir(crate::root()))
+    run(Command::new(cargo).args(arguments).current_dir(crate::root()).envs(crate::cmake::environment()))
 }
 
 /// Runs a command to its end.
@@ -37,6 +37,12 @@ pub fn exists(program: &str) -> bool {
         let candidate = folder.join(program);
         candidate.is_file() || Path::new(&candidate).with_extension("exe").is_file()
     })
+}
+
+/// The name of Python 3.
+pub fn python() -> Result<&'static str> {
+    let found = ["python3", "python"].into_iter().find(|name| exists(name));
+    found.ok_or_else(|| "neither python3 nor python is on PATH".into())
 }
 
 fn describe(command: &Command) -> String {

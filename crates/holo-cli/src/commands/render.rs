@@ -2,13 +2,13 @@
 
 use std::time::Instant;
 
-use holo_core::LightFieldOwned;
-use holo_io::{CameraPose, Compression, Manifest, ManifestRig, Meaning, ParametersCfg, Setting, Written, dataset};
+use holo_io::{CameraPose, Manifest, ManifestRig, ParametersCfg, Setting, dataset};
 use holo_render::{GroundTruth, Integrator, Layers, Rendered, Request, exposure};
-use ndarray::{Array3, ArrayView3};
+use ndarray::Array3;
 
 use super::layers::{self, Wanted};
 use super::output::OutputFolder;
+use super::pictures;
 use super::prepare::{Prepared, Purpose, prepare};
 use super::sky;
 use crate::arguments::{ExposureArgument, GroundTruthArgument, IntegratorArgument, Output, RenderOptions};
@@ -56,7 +56,8 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     folder.unseal()?;
     prepared.renderer.install(|| {
         layers::write(&mut folder, &wanted, &rendered, disparity_px)?;
-        write(&mut folder, options, &wanted, &mut rendered, &outputs, exposure_ev)
+        let rig = &prepared.rig;
+        pictures::write(&mut folder, options, &wanted, &mut rendered, rig, &outputs, exposure_ev)
     })?;
     let parameters = parameters(options, &prepared, disparity_px);
     folder.add(dataset::PARAMETERS_CFG, parameters.write(folder.file(dataset::PARAMETERS_CFG))?);
@@ -89,23 +90,21 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The two raw images.
-const PICTURES: [Output; 2] = [Output::Vpi, Output::El];
-
 /// What the options alone show to be impossible, before anything is touched.
 fn refuse_what_cannot_be(options: &RenderOptions) -> Result<(), Failure> {
-    for (output, name) in [(Output::Mat, "mat"), (Output::H5, "h5"), (Output::Hci, "hci")] {
-        if options.write.contains(&output) {
-            return Err(Failure::Usage(format!(
-                "--write {name} is not in this version; it writes vpi, el, disparity, depth and exr"
-            )));
-        }
+    if options.write.contains(&Output::Hci) {
+        return Err(Failure::Usage("--write hci is not in this version".into()));
     }
-    if options.integrator == IntegratorArgument::Depth && options.write.iter().any(|o| PICTURES.contains(o)) {
-        return Err(Failure::Usage(
-            "--integrator depth makes no picture; leave vpi and el out of --write, or choose --integrator direct"
-                .into(),
-        ));
+    #[cfg(not(feature = "hdf5"))]
+    if options.write.contains(&Output::H5) {
+        return Err(pictures::without_hdf5());
+    }
+    if let Some(names) =
+        pictures::needing_color(&options.write).filter(|_| options.integrator == IntegratorArgument::Depth)
+    {
+        return Err(Failure::Usage(format!(
+            "--integrator depth makes no picture; leave {names} out of --write, or choose --integrator direct"
+        )));
     }
     if options.integrator == IntegratorArgument::Depth && layers::names_color(options) {
         return Err(Failure::Usage(
@@ -161,8 +160,8 @@ fn request(options: &RenderOptions, wanted: &Wanted, prepared: &Prepared) -> Req
 }
 
 fn wants_no_picture(options: &RenderOptions, wanted: &Wanted) -> bool {
-    let shows = |output: &Output| matches!(output, Output::Vpi | Output::El | Output::Exr);
-    !wanted.color && !options.write.is_empty() && !options.write.iter().any(shows)
+    let shows = options.write.contains(&Output::Exr) || pictures::needing_color(&options.write).is_some();
+    !wanted.color && !options.write.is_empty() && !shows
 }
 
 /// What to write beside layers: what was asked for, or the pictures if there are any.
@@ -175,14 +174,13 @@ fn outputs(options: &RenderOptions, rendered: &Rendered) -> Result<Vec<Output>, 
         ));
     }
     if options.write.is_empty() {
-        return Ok(if rendered.color.is_some() { PICTURES.to_vec() } else { Vec::new() });
+        return Ok(if rendered.color.is_some() { pictures::USUAL.to_vec() } else { Vec::new() });
     }
-    if rendered.color.is_none() && options.write.iter().any(|o| PICTURES.contains(o)) {
-        return Err(Failure::Usage(
-            "the scene has no light, so there is no picture to write; leave vpi and el out of --write, or light it with \
+    if let Some(names) = pictures::needing_color(&options.write).filter(|_| rendered.color.is_none()) {
+        return Err(Failure::Usage(format!(
+            "the scene has no light, so there is no picture to write; leave {names} out of --write, or light it with \
              --sky 1,1,1"
-                .into(),
-        ));
+        )));
     }
     Ok(options.write.clone())
 }
@@ -193,64 +191,6 @@ fn finite_range(central: &Layers<Array3<f32>>) -> Option<(f64, f64)> {
     let finite = disparities.filter(|d| d.is_finite()).map(|&d| f64::from(d));
     let range = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), d| (min.min(d), max.max(d)));
     (range.0 <= range.1).then_some(range)
-}
-
-/// Writes all that shows the picture.
-fn write(
-    folder: &mut OutputFolder,
-    options: &RenderOptions,
-    wanted: &Wanted,
-    rendered: &mut Rendered,
-    outputs: &[Output],
-    exposure_ev: Option<f64>,
-) -> Result<(), Failure> {
-    if outputs.contains(&Output::Exr) {
-        layers::write_exr(folder, rendered)?;
-    }
-    if let Some(color) = rendered.color.as_ref().filter(|_| wanted.color) {
-        layers::write_color(folder, color, options.ground_truth == GroundTruthArgument::All)?;
-    }
-    // The radiance is four times the size of what is written: it goes as soon as it is encoded.
-    if let (Some(color), Some(ev)) = (rendered.color.take(), exposure_ev) {
-        if options.bit_depth == 16 {
-            let coded = exposure::encode_16bit(&color, ev)?;
-            drop(color);
-            write_raw(folder, outputs, coded, holo_io::write_png_u16)?;
-        } else {
-            let coded = exposure::encode_8bit(&color, ev)?;
-            drop(color);
-            write_raw(folder, outputs, coded, holo_io::write_png_u8)?;
-        }
-    }
-    Ok(())
-}
-
-/// The two raw images, side by side on two threads.
-fn write_raw<T: Copy + Send + Sync>(
-    folder: &mut OutputFolder,
-    outputs: &[Output],
-    coded: LightFieldOwned<T>,
-    png: fn(std::path::PathBuf, ArrayView3<T>, Meaning, Compression) -> Result<Written, holo_io::Error>,
-) -> Result<(), Failure> {
-    let write = |name: &str, image: ArrayView3<T>| png(folder.file(name), image, Meaning::Srgb, Compression::Published);
-    let (elemental, viewpoint) = rayon::join(
-        || {
-            outputs.contains(&Output::El).then(|| {
-                let name = dataset::ELEMENTAL_PNG;
-                match coded.as_elemental_grid() {
-                    Some(image) => write(name, image),
-                    None => write(name, coded.to_elemental_grid().view()),
-                }
-            })
-        },
-        || outputs.contains(&Output::Vpi).then(|| write(dataset::VIEWPOINT_PNG, coded.to_viewpoint_grid().view())),
-    );
-    for (name, written) in [(dataset::ELEMENTAL_PNG, elemental), (dataset::VIEWPOINT_PNG, viewpoint)] {
-        if let Some(written) = written {
-            folder.add(name, written?);
-        }
-    }
-    Ok(())
 }
 
 fn parameters(options: &RenderOptions, prepared: &Prepared, disparity_px: Option<(f64, f64)>) -> ParametersCfg {

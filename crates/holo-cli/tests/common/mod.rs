@@ -24,9 +24,10 @@ pub fn small_split() -> Split {
 }
 
 /// The files that a render with colour writes unless told otherwise, in alphabetical order.
-pub const DEFAULT_FILES: [&str; 7] = [
+pub const DEFAULT_FILES: [&str; 8] = [
     "manifest.json",
     "parameters.cfg",
+    "scene_5d.mat",
     "scene_depth.pfm",
     "scene_disparity.pfm",
     "scene_disparity.png",
