@@ -89,7 +89,7 @@ pub enum MatVersion {
 pub struct MatOptions {
     /// The level.
     pub version: MatVersion,
-    /// Whether variables are compressed (zlib): smaller, and several times slower to write and to read.
+    /// Whether variables are compressed (zlib): smaller, and slower to write and to read.
     pub is_compressed: bool,
 }
 

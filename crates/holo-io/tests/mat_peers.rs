@@ -71,7 +71,7 @@ fn what_is_not_read_is_listed_and_refused_by_name() {
     assert!(read_mat(&path, &Limits::default()).is_err());
 }
 
-/// Octave stores doubles as the smallest integers that hold them, `int8` included; older machines had the other byte order.
+/// A file made by hand: the other byte order, and doubles stored as `int8`.
 #[test]
 fn other_byte_order_and_other_storage() {
     let read = read_mat(data("hand_big_endian.mat"), &Limits::default()).unwrap();

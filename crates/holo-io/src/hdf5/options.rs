@@ -46,7 +46,7 @@ pub struct Hdf5Options {
 }
 
 impl Default for Hdf5Options {
-    /// Level 1: higher ones take several times as long for a few per cent.
+    /// Level 1, the fastest: linear radiance is noisy.
     fn default() -> Self {
         Self { gzip_level: 1, chunk: None }
     }

@@ -88,8 +88,8 @@ impl Storage {
         }
     }
 
-    /// The type that a class is written as: its own numbers, and UTF-8 for text, which SciPy and Octave read beyond ASCII
-    /// where they refuse UTF-16.
+    /// The type that a class is written as: its own numbers, and UTF-8 for text, because SciPy
+    /// does not read `uint16` beyond ASCII.
     const fn of(class: MatClass) -> Option<Self> {
         Some(match class {
             MatClass::U8 | MatClass::Logical => Self::U8,

@@ -27,7 +27,7 @@ const BLOCK_BYTES: usize = 512;
 /// Bytes of a chunk at most.
 const CHUNK_BYTES: usize = 1 << 20;
 
-/// Gzip behind shuffle, as fast as it goes: MATLAB's own choice is not much smaller.
+/// Gzip behind shuffle.
 const GZIP_LEVEL: u8 = 3;
 
 const CLASS: &str = "MATLAB_class";

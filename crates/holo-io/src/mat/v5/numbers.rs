@@ -1,12 +1,14 @@
 //! The numbers of a variable, decoded by the crate `matfile` in pieces.
 //!
-//! `matfile` 0.5 reads whole files. On files that it did not expect it stops in the middle and calls the rest read,
-//! multiplies dimensions without a check, inflates without end, prints to the terminal, and refuses `int32` (its table
-//! says `uint32` for both), `int8` that stand for doubles (Octave's habit), and text. `tests/mat_matfile.rs` holds it to
-//! each of these, so that a later version is noticed. What is right about it is the decoding of numbers. So it is shown
-//! small files that are made here: one array each, of the type that the numbers are stored as, in the byte order of the
-//! file, with no number in it that was not checked but the data. `int32` goes as `uint32`, which has the same bits. What
-//! the numbers mean, and what type they become, is settled here. In memory are the variable and a few such pieces.
+//! `matfile` 0.5 reads whole files, and goes wrong on those that it did not expect: it takes a cut file for a whole one,
+//! multiplies dimensions without a check, refuses `int32` (its table has `uint32` in that place) and passes over text.
+//! `tests/mat_matfile.rs` holds it to each of these, so that a later version is noticed. By its source it also inflates
+//! without a bound, prints to the terminal, and refuses doubles that are stored as `int8`.
+//!
+//! What is right about it is the decoding of numbers. So it is shown small files that are made here: one array each, of
+//! the type that the numbers are stored as, in the byte order of the file, in which nothing comes from the file that was
+//! read but the data. `int32` goes as `uint32`, which has the same bits. What the numbers mean, and what type they become,
+//! is settled here. In memory are the variable and a few such pieces.
 
 use std::any::Any;
 

@@ -1,0 +1,105 @@
+//! MAT files of level 7.3: the same variables as in level 5, for MATLAB's own reader and for h5py.
+#![cfg(all(feature = "hdf5", feature = "mat"))]
+
+#[path = "common/python.rs"]
+mod python;
+
+use holo_core::LightField;
+use holo_io::{
+    FileKind, Limits, MatArray, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, StoredLightField, read_mat,
+    read_mat_info, read_mat_light_field, recognise, write_mat, write_mat_light_field,
+};
+use ndarray::{Array5, ArrayD, Axis};
+use proptest::prelude::*;
+
+const OPTIONS: [MatOptions; 2] = [
+    MatOptions { version: MatVersion::V73, is_compressed: false },
+    MatOptions { version: MatVersion::V73, is_compressed: true },
+];
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+
+    #[test]
+    fn light_fields_get_their_axes_back(
+        shape in prop::array::uniform5(1_usize..5),
+        views_first in any::<bool>(),
+        compressed in 0..2_usize,
+    ) {
+        let mut samples = Array5::from_shape_fn(shape, |(v, u, t, s, c)| (v * 97 + u * 31 + t * 11 + s * 5 + c * 3) as u16);
+        samples.invert_axis(Axis(2));
+        let field = LightField::new(samples).unwrap();
+        let order = if views_first { MatOrder::LightFieldToolbox } else { MatOrder::Lenses };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene_5d.mat");
+        write_mat_light_field(&path, &field, None, order, &OPTIONS[compressed]).unwrap();
+        let read = read_mat_light_field(&path, &Limits::default()).unwrap();
+        prop_assert_eq!(read.light_field, StoredLightField::U16(field));
+    }
+}
+
+#[test]
+fn both_levels_hold_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let cube = ArrayD::from_shape_fn(vec![70, 200, 90], |at| (at[0] as f32).sin() + at[1] as f32 - at[2] as f32);
+    let signed = ArrayD::from_shape_fn(vec![3, 1, 4], |at| at[0] as i32 - 70_000 * at[2] as i32);
+    let empty = ArrayD::<f64>::zeros(vec![0, 3]);
+    let one = ndarray::aview0(&0.1_f64).into_dyn();
+    let variables = [
+        MatVariable { name: "cube", value: MatValue::F32(cube.view()) },
+        MatVariable { name: "empty", value: MatValue::F64(empty.view()) },
+        MatVariable { name: "nothing", value: MatValue::Text("") },
+        MatVariable { name: "one", value: MatValue::F64(one) },
+        MatVariable { name: "signed", value: MatValue::I32(signed.view()) },
+        MatVariable { name: "word", value: MatValue::Text("Größe µm 光") },
+    ];
+    let five = folder.path().join("five.mat");
+    write_mat(&five, &variables, &MatOptions::default()).unwrap();
+    for options in OPTIONS {
+        let path = folder.path().join("seven.mat");
+        let written = write_mat(&path, &variables, &options).unwrap();
+        assert_eq!(written, holo_io::hash_file(&path).unwrap());
+        assert_eq!(recognise(&path).unwrap(), FileKind::Mat73);
+        assert_eq!(read_mat(&path, &Limits::default()).unwrap(), read_mat(&five, &Limits::default()).unwrap());
+        assert_eq!(read_mat_info(&path).unwrap(), read_mat_info(&five).unwrap());
+        let bytes = std::fs::read(&path).unwrap();
+        assert!(bytes.starts_with(b"MATLAB 7.3 MAT-file") && &bytes[124..128] == b"\x00\x02IM");
+        assert!(bytes[512..].starts_with(b"\x89HDF\r\n\x1a\n\x00"));
+        std::thread::sleep(std::time::Duration::from_millis(1100));
+        assert_eq!(write_mat(&path, &variables, &options).unwrap(), written);
+        assert!(read_mat(&path, &Limits { max_bytes: 100 }).is_err());
+    }
+    assert_eq!(read_mat(&five, &Limits::default()).unwrap()[2].1, MatArray::Text(String::new()));
+}
+
+#[test]
+fn h5py_finds_what_matlab_writes() {
+    const SCRIPT: &str = r#"
+import numpy as np
+file = h5py.File(sys.argv[1])
+assert file.userblock_size == 512
+x = file["x"]
+assert x.shape == (4, 3, 2) and (x[...].T == np.arange(24).reshape(2, 3, 4)).all(), x[...]
+assert x.attrs["MATLAB_class"] == b"uint16"
+kind = x.attrs.get_id("MATLAB_class").get_type()
+assert not kind.is_variable_str() and kind.get_size() == 6
+assert file["word"].attrs["MATLAB_class"] == b"char" and file["word"].attrs["MATLAB_int_decode"] == 2
+assert "".join(map(chr, file["word"][:, 0])) == "px"
+assert file["none"].attrs["MATLAB_empty"] == 1 and file["none"][...].tolist() == [0, 3]
+print("fine")
+"#;
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.mat");
+    let x = ArrayD::from_shape_vec(vec![2, 3, 4], (0..24_u16).collect()).unwrap();
+    let none = ArrayD::<f64>::zeros(vec![0, 3]);
+    let variables = [
+        MatVariable { name: "x", value: MatValue::U16(x.view()) },
+        MatVariable { name: "word", value: MatValue::Text("px") },
+        MatVariable { name: "none", value: MatValue::F64(none.view()) },
+    ];
+    for options in OPTIONS {
+        write_mat(&path, &variables, &options).unwrap();
+        let Some(text) = python::run(&["h5py"], SCRIPT, &[path.to_str().unwrap()]) else { return };
+        assert_eq!(text.trim(), "fine");
+    }
+}
