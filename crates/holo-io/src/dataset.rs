@@ -1,10 +1,22 @@
-//! The names in a dataset folder.
+//! Dataset folders: the names in them, reading one, and finding many.
+//!
+//! # Source
+//!
+//! Section IV of the paper names the folders and the raw images; the other files are this project's.
+
+#[cfg(feature = "png")]
+mod folder;
+mod list;
 
 use std::path::{Path, PathBuf};
 
 use holo_core::GridSize;
 
 use crate::Error;
+
+#[cfg(feature = "png")]
+pub use folder::DatasetFolder;
+pub use list::{DatasetEntry, list};
 
 /// The elemental grid: the raw image behind the lenses.
 pub const ELEMENTAL_PNG: &str = "scene_el.png";

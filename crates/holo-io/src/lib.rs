@@ -31,7 +31,11 @@
 //! | `parameters.cfg` | [`ParametersCfg::write`] | [`ParametersCfg::read`] |
 //! | `manifest.json` | [`Manifest::write`] | [`Manifest::read`], [`Manifest::verify`] |
 //! | raw PNG with its `parameters.cfg` | | [`RawImage::read`] |
-//! | any of these | | [`recognise`] |
+//! | dataset folder | file by file | [`dataset::DatasetFolder`], [`dataset::list`] |
+//! | HCI folder | [`HciImage::write`] | [`HciFolder::open`] |
+//! | folder of the Stanford Lego gantry | | [`GantryFolder::open`] |
+//! | any of these files | | [`recognise`] |
+//! | any of these files and folders | | [`open`] |
 //!
 //! The names of the files in a dataset folder are in [`dataset`]; [`layout_of_file_name`] tells its two raw images apart.
 //!
@@ -63,6 +67,10 @@ pub mod dataset;
 mod error;
 #[cfg(feature = "exr")]
 mod exr;
+#[cfg(feature = "png")]
+pub mod gantry;
+#[cfg(feature = "png")]
+pub mod hci;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 #[cfg(feature = "hdr")]
@@ -73,10 +81,14 @@ mod manifest;
 mod mat;
 mod millimetres;
 mod net;
+#[cfg(feature = "png")]
+mod open;
 mod parameters_cfg;
 mod pfm;
 #[cfg(feature = "png")]
 mod png;
+#[cfg(feature = "png")]
+mod png_light_field;
 mod raw_image;
 mod recognise;
 #[cfg(any(feature = "mat", feature = "hdf5"))]
@@ -95,6 +107,10 @@ pub use exr::{
     ExrChannel, ExrImage, ExrInfo, decode_exr, decode_exr_rgb, encode_exr, read_exr, read_exr_info, read_exr_rgb,
     write_exr,
 };
+#[cfg(feature = "png")]
+pub use gantry::{GantryFolder, GantryPosition};
+#[cfg(feature = "png")]
+pub use hci::{HciFolder, HciImage, HciQuantity, HciResolution, HciTruth, HciViews};
 #[cfg(feature = "hdf5")]
 pub use hdf5::{Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_hdf5, write_hdf5};
 #[cfg(feature = "hdr")]
@@ -107,6 +123,8 @@ pub use mat::{
     encode_mat, read_mat, read_mat_info, read_mat_light_field, read_mat_variable, write_mat, write_mat_light_field,
 };
 pub use net::is_guarding;
+#[cfg(feature = "png")]
+pub use open::{Opened, open};
 pub use parameters_cfg::{CameraPose, ParametersCfg, date_from_epoch};
 pub use pfm::{Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_grey, read_pfm_info, write_pfm, write_pfm_colour};
 #[cfg(feature = "png")]
@@ -114,6 +132,8 @@ pub use png::{
     Compression, Meaning, PngInfo, PngSamples, decode_png, encode_png_u8, encode_png_u16, read_png, read_png_info,
     write_disparity_png, write_png_u8, write_png_u16,
 };
+#[cfg(feature = "png")]
+pub use png_light_field::PngLightField;
 #[cfg(feature = "png")]
 pub use raw_image::RawImage;
 pub use raw_image::layout_of_file_name;

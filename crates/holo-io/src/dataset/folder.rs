@@ -1,0 +1,183 @@
+//! A dataset folder that is read.
+
+use std::path::{Path, PathBuf};
+
+use holo_core::{GridSize, Layout, Rig, RigParameters, Split};
+use ndarray::Array2;
+
+use super::{DEPTH_PFM, DISPARITY_PFM, ELEMENTAL_PNG, MANIFEST_JSON, PARAMETERS_CFG, VIEWPOINT_PNG};
+use crate::{Error, Limits, Manifest, ParametersCfg, PngLightField, read_pfm_grey, read_png, read_png_info};
+
+/// What errors call the folder.
+const FORMAT: &str = "dataset folder";
+
+/// A folder that `holo render` wrote: its manifest, its parameters, and what can be read from it.
+///
+/// Opening reads `manifest.json` and `parameters.cfg`; images are read when they are asked for. The manifest is written
+/// last, so a folder without it is not finished. Files that it does not list belong to no dataset and are passed over.
+/// Nothing here compares contents: [`Manifest::verify`] does.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DatasetFolder {
+    path: PathBuf,
+    manifest: Manifest,
+    parameters: Option<ParametersCfg>,
+    rig: RigParameters,
+}
+
+impl DatasetFolder {
+    /// Opens a folder.
+    ///
+    /// The rig is that of the manifest, and of `parameters.cfg` if the manifest has none.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Manifest::read`]: [`Error::Io`] above all, if there is no manifest. Those of [`ParametersCfg::read`] if
+    /// the manifest lists one. [`Error::Broken`] if neither tells the rig, or if the two speak of other views or pixels.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let manifest = Manifest::read(path.join(MANIFEST_JSON))?;
+        let parameters_path = path.join(PARAMETERS_CFG);
+        let listed = manifest.files.contains_key(PARAMETERS_CFG);
+        let parameters = listed.then(|| ParametersCfg::read(&parameters_path)).transpose()?;
+        let rig = match (&manifest.rig, &parameters) {
+            (Some(rig), _) => rig.parameters().map_err(|error| about(&path.join(MANIFEST_JSON), error))?,
+            (None, Some(parameters)) => parameters.rig_parameters().map_err(|error| about(&parameters_path, error))?,
+            (None, None) => {
+                let what = format!("neither {MANIFEST_JSON} nor a {PARAMETERS_CFG} that it lists tells the rig");
+                return Err(Error::broken(path, FORMAT, what));
+            }
+        };
+        let sizes = (rig.split.views(), rig.split.lenses());
+        if let Some(other) = parameters.as_ref().map(|p| (p.num_cams, p.image_resolution_px)).filter(|p| *p != sizes) {
+            let what = format!("it speaks of {}, but {MANIFEST_JSON} of {}", in_words(other), in_words(sizes));
+            return Err(Error::broken(&parameters_path, FORMAT, what));
+        }
+        Ok(Self { path: path.to_owned(), manifest, parameters, rig })
+    }
+
+    /// Returns the folder's own path.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Returns all that the manifest says.
+    #[must_use]
+    pub const fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// Returns all that `parameters.cfg` says, if the manifest lists one.
+    #[must_use]
+    pub const fn parameters(&self) -> Option<&ParametersCfg> {
+        self.parameters.as_ref()
+    }
+
+    /// Returns the number of views and lenses.
+    #[must_use]
+    pub const fn split(&self) -> Split {
+        self.rig.split
+    }
+
+    /// Returns the rig.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Core`] if its numbers make no rig. The images can be read all the same.
+    pub fn rig(&self) -> Result<Rig, Error> {
+        Rig::new(self.rig).map_err(|error| Error::core(&self.path, error))
+    }
+
+    /// Returns the raw image that [`DatasetFolder::read`] reads: the elemental grid, else the viewpoint grid, else none.
+    #[must_use]
+    pub fn raw_image(&self) -> Option<(PathBuf, Layout)> {
+        let grids = [(ELEMENTAL_PNG, Layout::ElementalGrid), (VIEWPOINT_PNG, Layout::ViewpointGrid)];
+        let listed = grids.into_iter().find(|(name, _)| self.manifest.files.contains_key(*name));
+        listed.map(|(name, layout)| (self.path.join(name), layout))
+    }
+
+    /// Reads the light field from one of the two raw images; both hold the same samples.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u, t, s, c)`, in memory as the raw image is; nothing is copied.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Unsupported`] if the dataset has no picture, only ground truth; those of [`read_png`]; [`Error::Broken`]
+    /// if the image has not the size that the rig calls for, before memory is taken for it.
+    pub fn read(&self, limits: &Limits) -> Result<PngLightField, Error> {
+        let Some((file, layout)) = self.raw_image() else {
+            let what =
+                format!("the dataset has no picture: {MANIFEST_JSON} lists no {ELEMENTAL_PNG} or {VIEWPOINT_PNG}");
+            return Err(Error::unsupported(&self.path, what));
+        };
+        self.check_size(&file, read_png_info(&file)?.size, self.split().raw_size())?;
+        PngLightField::from_raw(read_png(&file, limits)?, layout, self.split()).map_err(|error| about(&file, error))
+    }
+
+    /// Reads the planar depth of the central view in metres, or returns `None` if the dataset has none.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u)`.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`read_pfm_grey`]; [`Error::Broken`] if the map has not the size of a view.
+    pub fn depth_m(&self, limits: &Limits) -> Result<Option<Array2<f32>>, Error> {
+        self.map(DEPTH_PFM, limits)
+    }
+
+    /// Reads the disparity of the central view in pixels between horizontally adjacent views, or returns `None` if the
+    /// dataset has none.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u)`.
+    ///
+    /// # Errors
+    ///
+    /// As [`DatasetFolder::depth_m`].
+    pub fn disparity_px(&self, limits: &Limits) -> Result<Option<Array2<f32>>, Error> {
+        self.map(DISPARITY_PFM, limits)
+    }
+
+    fn map(&self, name: &str, limits: &Limits) -> Result<Option<Array2<f32>>, Error> {
+        if !self.manifest.files.contains_key(name) {
+            return Ok(None);
+        }
+        let file = self.path.join(name);
+        let map = read_pfm_grey(&file, limits)?;
+        self.check_size(&file, GridSize::new(map.nrows(), map.ncols()), self.split().lenses())?;
+        Ok(Some(map))
+    }
+
+    fn check_size(&self, file: &Path, found: GridSize, expected: GridSize) -> Result<(), Error> {
+        if found == expected {
+            return Ok(());
+        }
+        let sizes = (self.split().views(), self.split().lenses());
+        let what = format!(
+            "it has {} x {} pixels, but the rig of {} needs {} x {}",
+            found.columns,
+            found.rows,
+            in_words(sizes),
+            expected.columns,
+            expected.rows
+        );
+        Err(Error::broken(file, FORMAT, what))
+    }
+}
+
+/// The same error about a file instead of memory.
+fn about(path: &Path, error: Error) -> Error {
+    match error {
+        Error::Core { source, .. } => Error::core(path, source),
+        other => other,
+    }
+}
+
+fn in_words((views, pixels): (GridSize, GridSize)) -> String {
+    format!("{} x {} views of {} x {} pixels", views.columns, views.rows, pixels.columns, pixels.rows)
+}

@@ -1,0 +1,311 @@
+//! An HCI folder that is read.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use holo_core::{GridSize, Layout, LightFieldOwned, Rig, Split};
+use ndarray::{Array2, Axis};
+use rayon::prelude::*;
+
+use super::names::Name;
+use super::{FORMAT, HciQuantity, HciResolution};
+use crate::png_light_field::Views;
+use crate::{Error, Limits, ParametersCfg, PngLightField, PngSamples, dataset, read_pfm_grey, read_pfm_info};
+
+/// An HCI folder: its parameters, and where its views and its ground truth are.
+///
+/// Opening reads `parameters.cfg` and the names of the files; pixels are read when they are asked for.
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::{GridSize, Intrinsics, Layout, LightField, Projection, RigParameters, Split};
+/// use holo_io::{Compression, HciFolder, HciImage, HciTruth, HciViews, Limits, ParametersCfg, PngLightField};
+///
+/// # let folder = tempfile::tempdir()?;
+/// # let path = folder.path();
+/// let split = Split::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
+/// let rig = RigParameters {
+///     split,
+///     intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
+///     baseline_x_m: 0.025,
+///     baseline_y_m: 0.025,
+///     focus_distance_m: 4.25,
+///     projection: Projection::Perspective,
+/// };
+/// let light_field = LightField::filled(split, 3, Layout::ElementalGrid, 7_u8)?;
+/// let image = HciImage {
+///     views: HciViews::U8(light_field.borrowed()),
+///     parameters: &ParametersCfg::from_rig(&rig),
+///     disparity_px: HciTruth::None,
+///     depth_m: HciTruth::None,
+/// };
+/// image.write(path, Compression::Scratch)?;
+///
+/// let read = HciFolder::open(path)?;
+/// assert_eq!(read.rig()?.parameters(), &rig);
+/// assert_eq!(read.read(&Limits::default())?, PngLightField::U8(light_field));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct HciFolder {
+    path: PathBuf,
+    parameters: ParametersCfg,
+    split: Split,
+    /// One file a view, in reading order.
+    views: Vec<PathBuf>,
+    truth: BTreeMap<Name, PathBuf>,
+}
+
+impl HciFolder {
+    /// Opens a folder: reads its `parameters.cfg` and checks that there is a file for every view.
+    ///
+    /// Keys that do not make the rig may be missing, and so may all ground truth. Other files do not matter.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`ParametersCfg::read`]; [`Error::Io`] if the folder cannot be listed; [`Error::Core`] if the parameters
+    /// make no image; [`Error::Broken`] if a view is missing or has two files, such as `input_Cam007.png` and
+    /// `input_Cam0007.png`.
+    pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
+        let path = path.as_ref();
+        // First, because a folder without it is unfinished, whatever else is there.
+        let parameters_path = path.join(dataset::PARAMETERS_CFG);
+        let parameters = ParametersCfg::read(&parameters_path)?;
+        let split = Split::new(parameters.num_cams, parameters.image_resolution_px)
+            .map_err(|error| Error::core(&parameters_path, error))?;
+        let mut files = files(path)?;
+        let count = split.views().count();
+        let mut views = Vec::with_capacity(count.min(files.len()));
+        for index in 0..count {
+            let Some(file) = files.remove(&Name::View(index)) else {
+                let columns = split.views().columns;
+                return Err(Error::broken(
+                    path,
+                    FORMAT,
+                    format!(
+                        "there is no {}, the view in row {}, column {} of the {columns} x {} that {} speaks of",
+                        Name::View(index),
+                        index / columns,
+                        index % columns,
+                        split.views().rows,
+                        dataset::PARAMETERS_CFG
+                    ),
+                ));
+            };
+            views.push(file);
+        }
+        files.retain(|name, _| matches!(name, Name::Truth { .. }));
+        Ok(Self { path: path.to_owned(), parameters, split, views, truth: files })
+    }
+
+    /// Whether there is at least one file whose name is that of a view.
+    pub(crate) fn has_views(path: &Path) -> Result<bool, Error> {
+        let failed = |source| Error::io("list", path, source);
+        for entry in fs::read_dir(path).map_err(failed)? {
+            let name = entry.map_err(failed)?.file_name();
+            if matches!(name.to_str().and_then(Name::parse), Some(Name::View(_))) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Returns the folder's own path.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Returns all that `parameters.cfg` says.
+    #[must_use]
+    pub const fn parameters(&self) -> &ParametersCfg {
+        &self.parameters
+    }
+
+    /// Returns the number of views and lenses.
+    #[must_use]
+    pub const fn split(&self) -> Split {
+        self.split
+    }
+
+    /// Returns the rig, as far as the file knows it: see [what the HCI tools do not know](super::hci).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Core`] if its numbers make no rig, such as a focal length of 0. The images can be read all the same.
+    pub fn rig(&self) -> Result<Rig, Error> {
+        let fault = |error| Error::core(&self.path.join(dataset::PARAMETERS_CFG), error);
+        Rig::new(self.parameters.rig_parameters()?).map_err(fault)
+    }
+
+    /// Reads all views.
+    ///
+    /// Views may be grey or RGB, of 8 or 16 bits, but all alike. An alpha channel is dropped: colours stay as they are
+    /// stored, also where they are transparent.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u, t, s, c)` with 1 or 3 channels; in memory a viewpoint grid.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`read_png`](crate::read_png); [`Error::Broken`] if a view has another size than the parameters say, or
+    /// is of another kind than the first one; [`Error::TooLarge`] if the samples of all views exceed the limits, before
+    /// memory is taken for them.
+    pub fn read(&self, limits: &Limits) -> Result<PngLightField, Error> {
+        self.files().read(limits)
+    }
+
+    /// Reads view `(t, s)` alone.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u, c)` with 1 or 3 channels; alpha is dropped as in [`HciFolder::read`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Core`] if there is no such view; those of [`read_png`](crate::read_png); [`Error::Broken`] if the view
+    /// has not the size that the parameters say.
+    pub fn read_view(&self, t: usize, s: usize, limits: &Limits) -> Result<PngSamples, Error> {
+        self.files().read_one(self.index(t, s)?, limits)
+    }
+
+    /// Reads a map of the central view, or returns `None` if there is no file of it.
+    ///
+    /// Where the map has no file of its own, that of the central one among all views is taken.
+    ///
+    /// # Shape
+    ///
+    /// `(rows, columns)`: those of a view, or of any finer grid for [`HciResolution::High`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`read_pfm_grey`]; [`Error::Broken`] if a map of low resolution has not the size of a view.
+    pub fn central_truth(
+        &self,
+        quantity: HciQuantity,
+        resolution: HciResolution,
+        limits: &Limits,
+    ) -> Result<Option<Array2<f32>>, Error> {
+        let (t, s) = self.split.central_view();
+        match self.truth.get(&Name::truth(quantity, resolution, None)) {
+            Some(file) => self.read_truth(file, resolution, limits).map(Some),
+            None => self.truth_of_view(quantity, resolution, t, s, limits),
+        }
+    }
+
+    /// Reads the map of view `(t, s)`, or returns `None` if there is no file of it.
+    ///
+    /// # Shape
+    ///
+    /// As in [`HciFolder::central_truth`].
+    ///
+    /// # Errors
+    ///
+    /// As [`HciFolder::central_truth`], and [`Error::Core`] if there is no such view.
+    pub fn truth_of_view(
+        &self,
+        quantity: HciQuantity,
+        resolution: HciResolution,
+        t: usize,
+        s: usize,
+        limits: &Limits,
+    ) -> Result<Option<Array2<f32>>, Error> {
+        let index = self.index(t, s)?;
+        let file = self.truth.get(&Name::truth(quantity, resolution, Some(index)));
+        file.map(|file| self.read_truth(file, resolution, limits)).transpose()
+    }
+
+    /// Reads the maps of low resolution of all views, or returns `None` unless every view has one.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u, t, s, 1)`.
+    ///
+    /// # Errors
+    ///
+    /// As [`HciFolder::central_truth`]; [`Error::TooLarge`] if all maps together exceed the limits, before memory is
+    /// taken for them.
+    pub fn truth_of_all_views(
+        &self,
+        quantity: HciQuantity,
+        limits: &Limits,
+    ) -> Result<Option<LightFieldOwned<f32>>, Error> {
+        let file = |index| self.truth.get(&Name::truth(quantity, HciResolution::Low, Some(index)));
+        let Some(files) = (0..self.views.len()).map(file).collect::<Option<Vec<&PathBuf>>>() else { return Ok(None) };
+        limits.elements(&self.path, "ground truth", &self.split.shape(1), size_of::<f32>())?;
+        let mut maps = LightFieldOwned::filled(self.split, 1, Layout::ViewpointGrid, 0.0)
+            .map_err(|error| Error::core(&self.path, error))?;
+        let failure = maps
+            .par_views_mut()
+            .zip(&files)
+            .map(|((_, mut view), file)| {
+                let map = self.read_truth(file, HciResolution::Low, limits)?;
+                view.assign(&map.insert_axis(Axis(2)));
+                Ok(())
+            })
+            .find_map_first(Result::err);
+        failure.map_or(Ok(Some(maps)), Err)
+    }
+
+    fn read_truth(&self, file: &Path, resolution: HciResolution, limits: &Limits) -> Result<Array2<f32>, Error> {
+        let (found, view) = (read_pfm_info(file)?.size, self.split.lenses());
+        if resolution == HciResolution::Low && found != view {
+            return Err(Error::broken(
+                file,
+                FORMAT,
+                format!(
+                    "it has {} x {} pixels, but {} says {} x {}",
+                    found.columns,
+                    found.rows,
+                    dataset::PARAMETERS_CFG,
+                    view.columns,
+                    view.rows
+                ),
+            ));
+        }
+        let map = read_pfm_grey(file, limits)?;
+        match GridSize::new(map.nrows(), map.ncols()) == found {
+            true => Ok(map),
+            false => Err(Error::broken(file, FORMAT, "it changed while it was read")),
+        }
+    }
+
+    fn index(&self, t: usize, s: usize) -> Result<usize, Error> {
+        self.files().index(&self.path, t, s)
+    }
+
+    fn files(&self) -> Views<'_> {
+        Views {
+            format: FORMAT,
+            views: self.split.views(),
+            files: &self.views,
+            expected: Some((self.split.lenses(), dataset::PARAMETERS_CFG)),
+        }
+    }
+}
+
+/// The files of a folder that have a meaning in it.
+pub(super) fn files(folder: &Path) -> Result<BTreeMap<Name, PathBuf>, Error> {
+    let failed = |source| Error::io("list", folder, source);
+    let mut files: BTreeMap<Name, PathBuf> = BTreeMap::new();
+    for entry in fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let Some(name) = path.file_name().and_then(|name| name.to_str()).and_then(Name::parse) else { continue };
+        if let Some(other) = files.insert(name, path.clone()) {
+            // Which comes first is up to the file system; the message is not.
+            let [mut first, mut second] = [other, path];
+            if second < first {
+                std::mem::swap(&mut first, &mut second);
+            }
+            return Err(Error::broken(
+                &second,
+                FORMAT,
+                format!("{} has the same number; remove the one that does not belong here", first.display()),
+            ));
+        }
+    }
+    Ok(files)
+}

@@ -1,0 +1,210 @@
+//! An HCI folder that is written.
+
+use std::fs;
+use std::path::Path;
+
+use holo_core::{GridSize, LightFieldView, Split};
+use ndarray::{ArrayView2, Axis};
+use rayon::prelude::*;
+
+use super::folder::files;
+use super::names::Name;
+use super::{HciQuantity, HciResolution};
+use crate::{Compression, Error, Meaning, ParametersCfg, Written, dataset, write_pfm, write_png_u8, write_png_u16};
+
+/// The pictures of all views.
+///
+/// # Shape
+///
+/// `(v, u, t, s, c)` with 1 to 4 channels as in [`write_png_u8`]; any strides. The HCI tools expect 3 channels of 8 bits.
+#[derive(Debug, Clone, Copy)]
+pub enum HciViews<'a> {
+    /// 8 bits a channel.
+    U8(LightFieldView<'a, u8>),
+    /// 16 bits a channel.
+    U16(LightFieldView<'a, u16>),
+}
+
+/// Depth or disparity of low resolution.
+#[derive(Debug, Clone, Copy)]
+pub enum HciTruth<'a> {
+    /// It is not known.
+    None,
+    /// Of the central view, `(v, u)`.
+    Central(ArrayView2<'a, f32>),
+    /// Of all views, `(v, u, t, s, 1)`. The central view gets a file of its own beside its numbered one.
+    All(LightFieldView<'a, f32>),
+}
+
+/// What is to be written as an [HCI folder](super::hci).
+#[derive(Debug, Clone, Copy)]
+pub struct HciImage<'a> {
+    /// The pictures.
+    pub views: HciViews<'a>,
+    /// The rig and the rest of `parameters.cfg`, as it will be written.
+    pub parameters: &'a ParametersCfg,
+    /// Disparity in pixels between horizontally adjacent views.
+    pub disparity_px: HciTruth<'a>,
+    /// Planar depth in metres.
+    pub depth_m: HciTruth<'a>,
+}
+
+impl<'a> HciImage<'a> {
+    /// Returns the names of all files in the order in which they are finished at the earliest: views, ground truth,
+    /// `parameters.cfg`.
+    #[must_use]
+    pub fn file_names(&self) -> Vec<String> {
+        let names = self.names().into_iter().map(|name| name.to_string());
+        names.chain([dataset::PARAMETERS_CFG.to_owned()]).collect()
+    }
+
+    /// Writes the files into a folder that exists, on all threads, and returns their names with size and digest, in the
+    /// order of [`HciImage::file_names`].
+    ///
+    /// An older `parameters.cfg` is removed first and the new one written last, so the folder does not look complete
+    /// before it is. Files of the same names are replaced; all others stay.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadInput`] if the parameters or the ground truth are for other views or pixels than the pictures, or if
+    /// the folder holds views or ground truth that would stay and be taken for a part of this image; then nothing is
+    /// written. Those of [`write_png_u8`], [`write_pfm`] and [`ParametersCfg::write`]; then there is no `parameters.cfg`,
+    /// and files that were finished before stay.
+    pub fn write(&self, folder: impl AsRef<Path>, compression: Compression) -> Result<Vec<(String, Written)>, Error> {
+        let folder = folder.as_ref();
+        self.check(folder)?;
+        let parameters = folder.join(dataset::PARAMETERS_CFG);
+        // What cannot be written as text should be noticed before a thousand views are.
+        self.parameters.to_text().map_err(|error| at(&parameters, error))?;
+        match fs::remove_file(&parameters) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(Error::io("replace", &parameters, error));
+            }
+            _ => {}
+        }
+        let mut written: Vec<(String, Written)> = self
+            .names()
+            .into_par_iter()
+            .map(|name| {
+                let text = name.to_string();
+                self.write_one(name, &folder.join(&text), compression).map(|written| (text, written))
+            })
+            .collect::<Result<_, Error>>()?;
+        written.push((dataset::PARAMETERS_CFG.to_owned(), self.parameters.write(&parameters)?));
+        Ok(written)
+    }
+
+    fn split(&self) -> Split {
+        match self.views {
+            HciViews::U8(views) => views.split(),
+            HciViews::U16(views) => views.split(),
+        }
+    }
+
+    fn maps(&self) -> [(HciQuantity, HciTruth<'a>); 2] {
+        [(HciQuantity::Disparity, self.disparity_px), (HciQuantity::Depth, self.depth_m)]
+    }
+
+    /// All names but that of the parameters.
+    fn names(&self) -> Vec<Name> {
+        let count = self.split().views().count();
+        let mut names: Vec<Name> = (0..count).map(Name::View).collect();
+        for (quantity, truth) in self.maps() {
+            let name = |view| Name::truth(quantity, HciResolution::Low, view);
+            match truth {
+                HciTruth::None => {}
+                HciTruth::Central(_) => names.push(name(None)),
+                HciTruth::All(_) => names.extend([None].into_iter().chain((0..count).map(Some)).map(name)),
+            }
+        }
+        names
+    }
+
+    fn check(&self, folder: &Path) -> Result<(), Error> {
+        let split = self.split();
+        let (views, lenses) = (split.views(), split.lenses());
+        let bad = |what: String| Err(Error::bad_input(folder, what));
+        let ParametersCfg { num_cams, image_resolution_px, .. } = *self.parameters;
+        if (num_cams, image_resolution_px) != (views, lenses) {
+            return bad(format!(
+                "the parameters are for {}, the pictures are {}",
+                in_words(num_cams, image_resolution_px),
+                in_words(views, lenses)
+            ));
+        }
+        for (quantity, truth) in self.maps() {
+            let quantity = if quantity == HciQuantity::Depth { "depth" } else { "disparity" };
+            match truth {
+                HciTruth::Central(map) if map.dim() != (lenses.rows, lenses.columns) => {
+                    let (rows, columns) = map.dim();
+                    return bad(format!(
+                        "the {quantity} has {columns} x {rows} pixels, a view has {} x {}",
+                        lenses.columns, lenses.rows
+                    ));
+                }
+                HciTruth::All(maps) if maps.split() != split || maps.channels() != 1 => {
+                    return bad(format!(
+                        "the {quantity} is {} with {} channels, the pictures are {}; a map has 1 channel",
+                        in_words(maps.split().views(), maps.split().lenses()),
+                        maps.channels(),
+                        in_words(views, lenses)
+                    ));
+                }
+                _ => {}
+            }
+        }
+        self.check_leftovers(folder)
+    }
+
+    /// Refuses a folder with files that a reader would take for a part of this image.
+    fn check_leftovers(&self, folder: &Path) -> Result<(), Error> {
+        let ours: std::collections::BTreeSet<String> = self.file_names().into_iter().collect();
+        for path in files(folder)?.into_values() {
+            if path.file_name().and_then(|name| name.to_str()).is_some_and(|name| !ours.contains(name)) {
+                return Err(Error::bad_input(
+                    &path,
+                    "this file of another image would stay beside the new ones; remove it or choose another folder",
+                ));
+            }
+        }
+        Ok(())
+    }
+
+    fn write_one(&self, name: Name, path: &Path, compression: Compression) -> Result<Written, Error> {
+        let GridSize { columns, .. } = self.split().views();
+        let fault = |error| Error::core(path, error);
+        match name {
+            Name::View(index) => {
+                let (t, s) = (index / columns, index % columns);
+                match self.views {
+                    HciViews::U8(views) => {
+                        write_png_u8(path, views.view(t, s).map_err(fault)?, Meaning::Srgb, compression)
+                    }
+                    HciViews::U16(views) => {
+                        write_png_u16(path, views.view(t, s).map_err(fault)?, Meaning::Srgb, compression)
+                    }
+                }
+            }
+            Name::Truth { depth, view, .. } => {
+                let (t, s) = view.map_or(self.split().central_view(), |index| (index / columns, index % columns));
+                match if depth { self.depth_m } else { self.disparity_px } {
+                    HciTruth::Central(map) => write_pfm(path, map),
+                    HciTruth::All(maps) => write_pfm(path, maps.view(t, s).map_err(fault)?.index_axis_move(Axis(2), 0)),
+                    HciTruth::None => Err(Error::bad_input(path, "there is no ground truth to write")),
+                }
+            }
+        }
+    }
+}
+
+/// The same error about a file instead of memory.
+fn at(path: &Path, error: Error) -> Error {
+    match error {
+        Error::BadInput { what, .. } => Error::bad_input(path, what),
+        other => other,
+    }
+}
+
+fn in_words(views: GridSize, pixels: GridSize) -> String {
+    format!("{} x {} views of {} x {} pixels", views.columns, views.rows, pixels.columns, pixels.rows)
+}
