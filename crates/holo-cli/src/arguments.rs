@@ -147,7 +147,7 @@ pub struct EngineOptions {
 
 #[derive(Args, Debug)]
 pub struct InfoOptions {
-    /// A scene, a PNG, a PFM, an EXR, a Radiance HDR, a parameters.cfg or a manifest.json.
+    /// A scene, a PNG, PFM, EXR, Radiance HDR or .mat, a parameters.cfg, a manifest.json, or a folder of them.
     pub file: PathBuf,
     #[command(flatten)]
     pub rig: RigOptions,
@@ -157,7 +157,7 @@ pub struct InfoOptions {
 
 #[derive(Args, Debug)]
 pub struct RemapOptions {
-    /// A raw PNG of 8 or 16 bits.
+    /// A raw PNG, a .mat, or a folder: of `holo render`, of HCI's layout, of a gantry.
     pub input: PathBuf,
     /// The PNG to write.
     #[arg(value_parser = values::png)]
@@ -176,7 +176,7 @@ pub struct RemapOptions {
 #[derive(Args, Debug)]
 #[command(group(ArgGroup::new("image").required(true).args(["view", "lens"])))]
 pub struct ExtractOptions {
-    /// A raw PNG of 8 or 16 bits.
+    /// A raw PNG, a .mat, an .h5, or a folder: of `holo render`, of HCI's layout, of a gantry.
     pub input: PathBuf,
     /// One viewpoint image: its column and row, from 0.
     #[arg(long, value_name = "S,T", allow_hyphen_values = true)]
@@ -184,8 +184,8 @@ pub struct ExtractOptions {
     /// One elemental image: the column and row of its lens, from 0.
     #[arg(long, value_name = "U,V", allow_hyphen_values = true)]
     pub lens: Option<Pair>,
-    /// The PNG to write.
-    #[arg(long, value_name = "FILE", value_parser = values::png)]
+    /// The PNG to write, or the PFM where the input holds floats.
+    #[arg(long, value_name = "FILE", value_parser = values::png_or_pfm)]
     pub out: PathBuf,
     /// What the input is [default: by `_el` or `_vpi` in its name].
     #[arg(long, value_enum)]
@@ -300,8 +300,7 @@ pub enum Output {
     Mat,
     /// scene_5d.h5: linear radiance and the layers of depth and disparity as 5D arrays.
     H5,
-    /// Not in this version.
-    #[value(hide = true)]
+    /// hci/: a PNG a view with depth and disparity, in the layout of the HCI benchmark.
     Hci,
 }
 

@@ -36,8 +36,6 @@ fn the_help_of_render_says_x_before_y_wherever_it_matters() {
     for layer in holo_render::Layer::ALL.map(holo_render::Layer::name).into_iter().chain(["color", "all"]) {
         assert!(text.contains(&format!("- {layer}:")), "{layer}: {text}");
     }
-    // What is not there yet is not offered.
-    assert!(!text.contains("- hci:"), "{text}");
 }
 
 #[test]

@@ -170,3 +170,48 @@ fn a_damaged_image_is_an_error_and_leaves_nothing() {
     assert!(outcome.stderr.contains("out/cut_el.png") && !outcome.stderr.contains("panicked"), "{outcome:?}");
     assert_eq!(bench.list("out"), before);
 }
+
+/// Whatever holds the light field, the same view comes out of it.
+#[test]
+fn a_view_is_the_same_from_every_kind_of_file() {
+    let bench = Bench::new();
+    bench.render("out", "--write el,vpi,mat,hci --ground-truth all");
+    ok(&bench, "extract out/scene_el.png --view 3,1 --out one.png");
+    let expected = read_u8(bench.path("one.png"));
+    for input in ["out", "out/scene_vpi.png", "out/scene_5d.mat", "out/hci"] {
+        ok(&bench, &format!("extract {input} --view 3,1 --out other.png"));
+        assert_eq!(read_u8(bench.path("other.png")), expected, "{input}");
+        ok(&bench, &format!("remap {input} again.png --to el"));
+        assert_eq!(read_u8(bench.path("again.png")), read_u8(bench.path("out/scene_el.png")), "{input}");
+    }
+    // Of 5 x 4 views; each has its truth.
+    let hci = bench.list("out/hci");
+    assert_eq!(hci.len(), 20 + 2 * 21 + 1, "{hci:?}");
+    for name in ["input_Cam019.png", "gt_disp_lowres.pfm", "gt_depth_lowres_Cam000.pfm", "parameters.cfg"] {
+        assert!(hci.iter().any(|file| file == name), "{name}");
+    }
+    assert_eq!(bench.run("verify out").code, Some(0));
+    for (arguments, words) in [
+        ("extract out/hci --view 3,1 --out other.png --views 4x4", &["5 x 4 views", "--views"][..]),
+        ("extract . --view 3,1 --out other.png", &["no light field"]),
+        ("extract out/hci --view 3,1 --out other.pfm", &["integers", ".png"]),
+        ("remap out/hci again.png", &["--to", "_el"]),
+    ] {
+        let outcome = bench.run(arguments);
+        assert_eq!(outcome.code, Some(2), "{arguments}: {outcome:?}");
+        assert!(words.iter().all(|word| outcome.stderr.contains(word)), "{arguments}: {outcome:?}");
+    }
+}
+
+/// An .h5 holds linear floats: they come out as a PFM and as nothing else.
+#[cfg(feature = "hdf5")]
+#[test]
+fn floats_come_out_as_floats() {
+    let bench = Bench::new();
+    bench.render("out", "--write h5 --layers color");
+    // Column 2 of 5, row 2 of 4: the central view.
+    ok(&bench, "extract out/scene_5d.h5 --view 2,2 --out view.pfm");
+    assert!(bench.bytes("")["view.pfm"] == bench.bytes("out")["scene_color.pfm"]);
+    let outcome = bench.run("extract out/scene_5d.h5 --view 2,2 --out view.png");
+    assert!(outcome.code == Some(2) && outcome.stderr.contains(".pfm"), "{outcome:?}");
+}

@@ -93,9 +93,9 @@ fn pictures_of_a_scene_without_light() {
 }
 
 #[test]
-fn what_is_not_in_this_version_is_said_so() {
+fn what_cannot_be_written_is_said_so() {
     let bench = Bench::new();
-    refused(&bench, "--write hci", &["hci is not in this version"]);
+    refused(&bench, "--write obj", &["vpi", "el", "mat", "hci"]);
     #[cfg(not(feature = "hdf5"))]
     refused(&bench, "--write el,h5", &["has no HDF5", "cargo xtask build"]);
 }
@@ -130,8 +130,12 @@ fn an_existing_folder_is_left_alone() {
     bench.render("out", "");
     std::fs::write(bench.path("out/mine.txt"), "keep").unwrap();
     let before = bench.bytes("out");
-    for options in ["--camera side", "--write hci", "--integrator depth --write el", "--views 65535x65535 --lenses 9x9"]
-    {
+    for options in [
+        "--camera side",
+        "--integrator depth --write el,hci",
+        "--integrator depth --write el",
+        "--views 65535x65535 --lenses 9x9",
+    ] {
         let outcome = bench.run(&format!("render {SCENE} --out out {options}"));
         assert_eq!(outcome.code, Some(2), "{outcome:?}");
         assert!(bench.bytes("out") == before, "{options}");

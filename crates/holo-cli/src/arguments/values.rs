@@ -76,6 +76,13 @@ pub fn png(text: &str) -> Result<PathBuf, String> {
     }
 }
 
+/// The name of a PNG or a PFM.
+pub fn png_or_pfm(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    let is_pfm = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pfm"));
+    if is_pfm { Ok(path) } else { png(text).map_err(|_| "end the name in .png, or .pfm for floats".into()) }
+}
+
 /// A finite number above zero.
 pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use holo_core::Layout;
 use holo_io::dataset::{MANIFEST_JSON, PARAMETERS_CFG};
-use holo_io::{FileKind, Limits, Manifest, ParametersCfg, Pfm};
+use holo_io::{FileKind, Limits, Manifest, Opened, ParametersCfg, Pfm};
 use holo_render::Layer;
 
 use super::prepare::{Purpose, prepare};
@@ -16,8 +16,7 @@ use crate::report::{describe_rig, describe_split};
 pub fn run(options: &InfoOptions) -> Result<(), Failure> {
     let path = &options.file;
     if path.is_dir() {
-        let at = path.display();
-        return Err(Failure::Failed(format!("{at} is a folder; name a file in it, such as its {MANIFEST_JSON}")));
+        return folder(path);
     }
     match holo_io::recognise(path)? {
         FileKind::GltfBinary | FileKind::GltfJson => scene(options),
@@ -27,11 +26,43 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
         FileKind::Manifest => manifest(path),
         FileKind::Exr => exr(path),
         FileKind::Hdr => hdr(path),
+        FileKind::Mat5 | FileKind::Mat73 => mat(path),
         _ => Err(Failure::Failed(format!(
-            "{}: not a file that holo knows (.glb, .gltf, .png, .pfm, .exr, .hdr, parameters.cfg, manifest.json)",
+            "{}: not a file that holo knows (.glb, .gltf, .png, .pfm, .exr, .hdr, .mat, parameters.cfg, manifest.json)",
             path.display()
         ))),
     }
+}
+
+/// What kind of folder, and the rig of a light field in it.
+fn folder(path: &Path) -> Result<(), Failure> {
+    let opened = holo_io::open(path)?;
+    if matches!(opened, Opened::UnknownFolder { .. }) {
+        let at = path.display();
+        return Err(Failure::Failed(format!(
+            "{at} is a folder without a {MANIFEST_JSON} or a light field; name a file in it"
+        )));
+    }
+    out!("{opened}")?;
+    match opened {
+        Opened::DatasetFolder(_) => manifest(&path.join(MANIFEST_JSON)),
+        Opened::HciFolder(_) => parameters(&path.join(PARAMETERS_CFG)),
+        Opened::Datasets(entries) => {
+            for entry in entries {
+                out!("{}", entry.path.display())?;
+            }
+            Ok(())
+        }
+        _ => Ok(()),
+    }
+}
+
+fn mat(path: &Path) -> Result<(), Failure> {
+    for variable in holo_io::read_mat_info(path)? {
+        let size = variable.size.iter().map(ToString::to_string).collect::<Vec<_>>().join(" x ");
+        out!("{} {size} {}", variable.name, variable.class.name())?;
+    }
+    Ok(())
 }
 
 /// The scene, and the rig that a render with the same options would get.

@@ -43,12 +43,20 @@ impl Wanted {
                 written = written.union([layer].into());
             }
         }
+        // What the files of several layers hold.
+        let mut held = written;
+        if options.write.contains(&Output::H5) {
+            held = held.union([Layer::Depth, Layer::RayLength, Layer::Disparity].into());
+        }
+        if options.write.contains(&Output::Hci) {
+            held = held.union([Layer::Depth, Layer::Disparity].into());
+        }
         let exr = options.write.contains(&Output::Exr);
         Self {
             written,
             // The range of disparities belongs to every dataset.
-            central: if exr { LayerSet::ALL } else { written.union([Layer::Disparity].into()) },
-            all: if options.ground_truth == GroundTruthArgument::All { written } else { LayerSet::EMPTY },
+            central: if exr { LayerSet::ALL } else { held.union([Layer::Disparity].into()) },
+            all: if options.ground_truth == GroundTruthArgument::All { held } else { LayerSet::EMPTY },
             color: names_color(options) || named.contains(&LayerArgument::All),
         }
     }
@@ -100,7 +108,8 @@ pub fn write(
         let written = holo_io::write_disparity_png(path, plane, low, high, Compression::Published)?;
         folder.add(dataset::DISPARITY_PNG, written);
     }
-    for (layer, field) in rendered.all.iter().flat_map(Layers::iter) {
+    let all = rendered.all.iter().flat_map(Layers::iter);
+    for (layer, field) in all.filter(|(layer, _)| wanted.written.contains(*layer)) {
         write_all_views(folder, layer.name(), field)?;
     }
     Ok(())

@@ -2,19 +2,25 @@
 //!
 //! Linear radiance goes into HDF5 and EXR as it is; exposure and the sRGB curve come between it and all integers.
 
-use holo_core::{LightFieldOwned, Rig};
-use holo_io::{Compression, MatOptions, MatOrder, Meaning, StoredSample, Written, dataset};
-use holo_render::{Rendered, exposure};
-use ndarray::ArrayView3;
+use holo_core::{LightField, LightFieldOwned, LightFieldView, Rig};
+use holo_io::{
+    Compression, HciImage, HciTruth, HciViews, MatOptions, MatOrder, Meaning, ParametersCfg, StoredSample, Written,
+    dataset,
+};
+use holo_render::{Layer, Rendered, exposure};
+use ndarray::{ArrayView3, Axis};
 
 use super::layers::{self, Wanted};
 use super::output::OutputFolder;
 use crate::arguments::{GroundTruthArgument, MatOrderArgument, Output, RenderOptions};
 use crate::failure::Failure;
 
+/// The folder of HCI's layout within that of a dataset.
+const HCI_FOLDER: &str = "hci";
+
 /// Outputs that need a picture, with what they are called.
-pub const NEED_COLOR: [(Output, &str); 4] =
-    [(Output::Vpi, "vpi"), (Output::El, "el"), (Output::Mat, "mat"), (Output::H5, "h5")];
+const NEED_COLOR: [(Output, &str); 5] =
+    [(Output::Vpi, "vpi"), (Output::El, "el"), (Output::Mat, "mat"), (Output::H5, "h5"), (Output::Hci, "hci")];
 
 /// What is written when nothing is named.
 pub const USUAL: [Output; 3] = [Output::Vpi, Output::El, Output::Mat];
@@ -27,116 +33,174 @@ pub fn needing_color(write: &[Output]) -> Option<String> {
     Some(if others.is_empty() { (*last).to_owned() } else { format!("{} and {last}", others.join(", ")) })
 }
 
-/// Writes all that shows the picture.
-pub fn write(
-    folder: &mut OutputFolder,
-    options: &RenderOptions,
-    wanted: &Wanted,
-    rendered: &mut Rendered,
-    rig: &Rig,
-    outputs: &[Output],
-    exposure_ev: Option<f64>,
-) -> Result<(), Failure> {
-    if outputs.contains(&Output::Exr) {
-        layers::write_exr(folder, rendered)?;
-    }
-    if let Some(color) = rendered.color.as_ref().filter(|_| wanted.color) {
-        layers::write_color(folder, color, options.ground_truth == GroundTruthArgument::All)?;
-    }
-    if outputs.contains(&Output::H5) {
-        write_hdf5(folder, rendered, rig)?;
-    }
-    // The radiance is four times the size of what is written: it goes as soon as it is encoded.
-    if let (Some(color), Some(ev)) = (rendered.color.take(), exposure_ev) {
-        if options.bit_depth == 16 {
-            let coded = exposure::encode_16bit(&color, ev)?;
-            drop(color);
-            write_coded(folder, options, outputs, &coded, rig, holo_io::write_png_u16)?;
-        } else {
-            let coded = exposure::encode_8bit(&color, ev)?;
-            drop(color);
-            write_coded(folder, options, outputs, &coded, rig, holo_io::write_png_u8)?;
-        }
-    }
-    Ok(())
+/// What decides how the picture is written.
+pub struct Pictures<'a> {
+    pub options: &'a RenderOptions,
+    pub outputs: &'a [Output],
+    pub rig: &'a Rig,
+    pub parameters: &'a ParametersCfg,
 }
 
-type WritePng<T> = fn(std::path::PathBuf, ArrayView3<T>, Meaning, Compression) -> Result<Written, holo_io::Error>;
+/// A sample of PNG files.
+trait PngSample: StoredSample {
+    fn write_png(path: std::path::PathBuf, image: ArrayView3<Self>) -> Result<Written, holo_io::Error>;
+    fn hci(field: LightFieldView<Self>) -> HciViews;
+}
 
-/// The files of integers, side by side on the threads.
-fn write_coded<T: StoredSample>(
-    folder: &mut OutputFolder,
-    options: &RenderOptions,
-    outputs: &[Output],
-    coded: &LightFieldOwned<T>,
-    rig: &Rig,
-    png: WritePng<T>,
-) -> Result<(), Failure> {
-    let write = |name: &str, image: ArrayView3<T>| png(folder.file(name), image, Meaning::Srgb, Compression::Published);
-    let elemental = || {
-        outputs.contains(&Output::El).then(|| {
-            let name = dataset::ELEMENTAL_PNG;
-            match coded.as_elemental_grid() {
-                Some(image) => write(name, image),
-                None => write(name, coded.to_elemental_grid().view()),
+impl PngSample for u8 {
+    fn write_png(path: std::path::PathBuf, image: ArrayView3<Self>) -> Result<Written, holo_io::Error> {
+        holo_io::write_png_u8(path, image, Meaning::Srgb, Compression::Published)
+    }
+
+    fn hci(field: LightFieldView<Self>) -> HciViews {
+        HciViews::U8(field)
+    }
+}
+
+impl PngSample for u16 {
+    fn write_png(path: std::path::PathBuf, image: ArrayView3<Self>) -> Result<Written, holo_io::Error> {
+        holo_io::write_png_u16(path, image, Meaning::Srgb, Compression::Published)
+    }
+
+    fn hci(field: LightFieldView<Self>) -> HciViews {
+        HciViews::U16(field)
+    }
+}
+
+impl Pictures<'_> {
+    /// Writes all that shows the picture.
+    pub fn write(
+        &self,
+        folder: &mut OutputFolder,
+        wanted: &Wanted,
+        rendered: &mut Rendered,
+        exposure_ev: Option<f64>,
+    ) -> Result<(), Failure> {
+        if self.wants(Output::Exr) {
+            layers::write_exr(folder, rendered)?;
+        }
+        if let Some(color) = rendered.color.as_ref().filter(|_| wanted.color) {
+            layers::write_color(folder, color, self.options.ground_truth == GroundTruthArgument::All)?;
+        }
+        if self.wants(Output::H5) {
+            self.write_hdf5(folder, rendered)?;
+        }
+        // The radiance is four times the size of what is written: it goes as soon as it is encoded.
+        if let (Some(color), Some(ev)) = (rendered.color.take(), exposure_ev) {
+            if self.options.bit_depth == 16 {
+                let coded = exposure::encode_16bit(&color, ev)?;
+                drop(color);
+                self.write_coded(folder, &coded, rendered)?;
+            } else {
+                let coded = exposure::encode_8bit(&color, ev)?;
+                drop(color);
+                self.write_coded(folder, &coded, rendered)?;
             }
-        })
-    };
-    let viewpoint = || {
-        let wanted = outputs.contains(&Output::Vpi);
-        wanted.then(|| write(dataset::VIEWPOINT_PNG, coded.to_viewpoint_grid().view()))
-    };
-    let mat = || {
-        outputs.contains(&Output::Mat).then(|| {
-            let order = match options.mat_order {
+        }
+        Ok(())
+    }
+
+    fn wants(&self, output: Output) -> bool {
+        self.outputs.contains(&output)
+    }
+
+    /// The files of integers, side by side on the threads.
+    fn write_coded<T: PngSample>(
+        &self,
+        folder: &mut OutputFolder,
+        coded: &LightFieldOwned<T>,
+        rendered: &Rendered,
+    ) -> Result<(), Failure> {
+        let elemental = || {
+            let path = self.wants(Output::El).then(|| folder.file(dataset::ELEMENTAL_PNG))?;
+            Some(match coded.as_elemental_grid() {
+                Some(image) => T::write_png(path, image),
+                None => T::write_png(path, coded.to_elemental_grid().view()),
+            })
+        };
+        let viewpoint = || {
+            let path = self.wants(Output::Vpi).then(|| folder.file(dataset::VIEWPOINT_PNG))?;
+            Some(T::write_png(path, coded.to_viewpoint_grid().view()))
+        };
+        let mat = || {
+            let path = self.wants(Output::Mat).then(|| folder.file(dataset::LIGHT_FIELD_MAT))?;
+            let order = match self.options.mat_order {
                 MatOrderArgument::Lenses => MatOrder::Lenses,
                 MatOrderArgument::Lftoolbox => MatOrder::LightFieldToolbox,
             };
-            let path = folder.file(dataset::LIGHT_FIELD_MAT);
-            holo_io::write_mat_light_field(path, coded, Some(rig.parameters()), order, &MatOptions::default())
-        })
-    };
-    let ((elemental, viewpoint), mat) = rayon::join(|| rayon::join(elemental, viewpoint), mat);
-    let written =
-        [(dataset::ELEMENTAL_PNG, elemental), (dataset::VIEWPOINT_PNG, viewpoint), (dataset::LIGHT_FIELD_MAT, mat)];
-    for (name, written) in written {
-        if let Some(written) = written {
-            folder.add(name, written?);
+            let options = MatOptions::default();
+            Some(holo_io::write_mat_light_field(path, coded, Some(self.rig.parameters()), order, &options))
+        };
+        let ((elemental, viewpoint), mat) = rayon::join(|| rayon::join(elemental, viewpoint), mat);
+        let names = [dataset::ELEMENTAL_PNG, dataset::VIEWPOINT_PNG, dataset::LIGHT_FIELD_MAT];
+        for (name, written) in names.into_iter().zip([elemental, viewpoint, mat]) {
+            if let Some(written) = written {
+                folder.add(name, written?);
+            }
         }
+        if self.wants(Output::Hci) {
+            self.write_hci(folder, T::hci(LightField::new(coded.samples())?), rendered)?;
+        }
+        Ok(())
     }
-    Ok(())
-}
 
-/// Linear radiance and the maps that were rendered: of all views if there are any, else of the central one.
-#[cfg(feature = "hdf5")]
-fn write_hdf5(folder: &mut OutputFolder, rendered: &Rendered, rig: &Rig) -> Result<(), Failure> {
-    use holo_io::{Hdf5Map, Hdf5Options};
-    use holo_render::Layer;
-    use ndarray::Axis;
+    /// A PNG a view, and the truth of all views if it is known, else of the central one.
+    fn write_hci<'a>(
+        &'a self,
+        folder: &mut OutputFolder,
+        views: HciViews<'a>,
+        rendered: &'a Rendered,
+    ) -> Result<(), Failure> {
+        let truth = |layer: Layer| {
+            Ok::<_, Failure>(match &rendered.all {
+                Some(all) => HciTruth::All(LightField::new(all[layer].samples())?),
+                None => HciTruth::Central(rendered.central[layer].index_axis(Axis(2), 0)),
+            })
+        };
+        let image = HciImage {
+            views,
+            parameters: self.parameters,
+            disparity_px: truth(Layer::Disparity)?,
+            depth_m: truth(Layer::Depth)?,
+        };
+        folder.subfolder(HCI_FOLDER)?;
+        let name = |file: &str| format!("{HCI_FOLDER}/{file}");
+        // Noted beforehand, so that an interrupted run takes them back.
+        image.file_names().iter().for_each(|file| drop(folder.file(&name(file))));
+        let written = image.write(folder.file(HCI_FOLDER), Compression::Published)?;
+        written.into_iter().for_each(|(file, written)| folder.add(name(&file), written));
+        Ok(())
+    }
 
-    let Some(color) = &rendered.color else { return Ok(()) };
-    let kind = |layer: Layer| match layer {
-        Layer::Depth => Some(Hdf5Map::Depth),
-        Layer::RayLength => Some(Hdf5Map::RayLength),
-        Layer::Disparity => Some(Hdf5Map::Disparity),
-        _ => None,
-    };
-    let all = rendered.all.iter().flat_map(holo_render::Layers::iter);
-    let maps: Vec<_> =
-        all.filter_map(|(layer, field)| Some((kind(layer)?, field.samples().index_axis_move(Axis(4), 0)))).collect();
-    let central = rendered.central.iter().filter(|_| maps.is_empty());
-    let central: Vec<_> =
-        central.filter_map(|(layer, image)| Some((kind(layer)?, image.index_axis(Axis(2), 0)))).collect();
-    let name = dataset::LIGHT_FIELD_HDF5;
-    let written =
-        holo_io::write_hdf5(folder.file(name), color, rig.parameters(), &maps, &central, &Hdf5Options::default())?;
-    folder.add(name, written);
-    Ok(())
-}
+    /// Linear radiance and the maps that were rendered: of all views if there are any, else of the central one.
+    #[cfg(feature = "hdf5")]
+    fn write_hdf5(&self, folder: &mut OutputFolder, rendered: &Rendered) -> Result<(), Failure> {
+        use holo_io::{Hdf5Map, Hdf5Options};
 
-#[cfg(not(feature = "hdf5"))]
-fn write_hdf5(_: &mut OutputFolder, _: &Rendered, _: &Rig) -> Result<(), Failure> {
-    Err(without_hdf5())
+        let Some(color) = &rendered.color else { return Ok(()) };
+        let kind = |layer: Layer| match layer {
+            Layer::Depth => Some(Hdf5Map::Depth),
+            Layer::RayLength => Some(Hdf5Map::RayLength),
+            Layer::Disparity => Some(Hdf5Map::Disparity),
+            _ => None,
+        };
+        let all = rendered.all.iter().flat_map(holo_render::Layers::iter);
+        let maps: Vec<_> = all
+            .filter_map(|(layer, field)| Some((kind(layer)?, field.samples().index_axis_move(Axis(4), 0))))
+            .collect();
+        let central = rendered.central.iter().filter(|_| maps.is_empty());
+        let central: Vec<_> =
+            central.filter_map(|(layer, image)| Some((kind(layer)?, image.index_axis(Axis(2), 0)))).collect();
+        let (name, rig) = (dataset::LIGHT_FIELD_HDF5, self.rig.parameters());
+        let options = Hdf5Options::default();
+        folder.add(name, holo_io::write_hdf5(folder.file(name), color, rig, &maps, &central, &options)?);
+        Ok(())
+    }
+
+    #[cfg(not(feature = "hdf5"))]
+    fn write_hdf5(&self, _: &mut OutputFolder, _: &Rendered) -> Result<(), Failure> {
+        Err(without_hdf5())
+    }
 }
 
 /// Why a build without HDF5 cannot.

@@ -1,22 +1,111 @@
-//! Raw PNGs as light fields: what `remap` and `extract` have in common.
+//! Light fields from files and folders of every kind: what `remap` and `extract` have in common.
 
 use std::path::Path;
 
 use holo_core::{GridSize, Layout, LightField, LightFieldOwned, Split};
-use holo_io::{Limits, ParametersCfg, PngSamples, dataset};
+use holo_io::{FileKind, Limits, Opened, ParametersCfg, PngLightField, PngSamples, StoredLightField, dataset};
 
 use crate::arguments::LayoutArgument;
 use crate::failure::Failure;
 
-/// A raw image of either depth.
+/// A light field in the type of its file.
 pub enum Raw {
     U8(LightFieldOwned<u8>),
     U16(LightFieldOwned<u16>),
+    Float(LightFieldOwned<f32>),
+}
+
+impl Raw {
+    fn split(&self) -> Split {
+        match self {
+            Self::U8(field) => field.split(),
+            Self::U16(field) => field.split(),
+            Self::Float(field) => field.split(),
+        }
+    }
+}
+
+impl From<PngLightField> for Raw {
+    fn from(field: PngLightField) -> Self {
+        match field {
+            PngLightField::U8(field) => Self::U8(field),
+            PngLightField::U16(field) => Self::U16(field),
+        }
+    }
+}
+
+impl TryFrom<StoredLightField> for Raw {
+    type Error = Failure;
+
+    fn try_from(field: StoredLightField) -> Result<Self, Failure> {
+        Ok(match field {
+            StoredLightField::U8(field) => Self::U8(field),
+            StoredLightField::U16(field) => Self::U16(field),
+            StoredLightField::F32(field) => Self::Float(field),
+            StoredLightField::F64(field) => Self::Float(LightField::new(field.samples().mapv(|x| x as f32))?),
+            _ => return Err(Failure::Failed("the samples are of a type that is not read here".into())),
+        })
+    }
+}
+
+/// Reads a raw PNG, a `.mat`, an `.h5`, or a folder: a dataset's, one of HCI's layout, a gantry's. Also tells which grid it
+/// is, if it is one.
+pub fn read(
+    path: &Path,
+    from: Option<LayoutArgument>,
+    views: Option<GridSize>,
+) -> Result<(Raw, Option<Layout>), Failure> {
+    let limits = Limits::default();
+    let (raw, layout) = if path.is_dir() {
+        read_folder(path, &limits)?
+    } else {
+        match holo_io::recognise(path)? {
+            FileKind::Mat5 | FileKind::Mat73 => {
+                (holo_io::read_mat_light_field(path, &limits)?.light_field.try_into()?, None)
+            }
+            FileKind::Hdf5 => (read_hdf5(path, &limits)?, None),
+            _ => return read_png(path, from, views).map(|(raw, layout)| (raw, Some(layout))),
+        }
+    };
+    if let Some(views) = views.filter(|views| *views != raw.split().views()) {
+        let own = raw.split().views();
+        return Err(Failure::Usage(format!(
+            "{} has {} x {} views, not the {} x {} of --views",
+            path.display(),
+            own.columns,
+            own.rows,
+            views.columns,
+            views.rows
+        )));
+    }
+    Ok((raw, layout))
+}
+
+fn read_folder(path: &Path, limits: &Limits) -> Result<(Raw, Option<Layout>), Failure> {
+    Ok(match holo_io::open(path)? {
+        Opened::DatasetFolder(folder) => {
+            let layout = folder.raw_image().map(|(_, layout)| layout);
+            (folder.read(limits)?.into(), layout)
+        }
+        Opened::HciFolder(folder) => (folder.read(limits)?.into(), None),
+        Opened::GantryFolder(folder) => (folder.read(limits)?.into(), None),
+        other => return Err(Failure::Usage(format!("{} holds no light field: {other}", path.display()))),
+    })
+}
+
+#[cfg(feature = "hdf5")]
+fn read_hdf5(path: &Path, limits: &Limits) -> Result<Raw, Failure> {
+    holo_io::Hdf5LightField::open(path, limits)?.read()?.try_into()
+}
+
+#[cfg(not(feature = "hdf5"))]
+fn read_hdf5(_: &Path, _: &Limits) -> Result<Raw, Failure> {
+    Err(super::pictures::without_hdf5())
 }
 
 /// Reads a raw PNG. Its layout comes from `from` or the file's name, its views from `views` or the `parameters.cfg`
 /// beside it.
-pub fn read(path: &Path, from: Option<LayoutArgument>, views: Option<GridSize>) -> Result<(Raw, Layout), Failure> {
+fn read_png(path: &Path, from: Option<LayoutArgument>, views: Option<GridSize>) -> Result<(Raw, Layout), Failure> {
     let layout = from.map(layout).or_else(|| holo_io::layout_of_file_name(path)).ok_or_else(|| {
         Failure::Usage(format!("{}: neither --from nor the name (_el, _vpi) says which grid this is", path.display()))
     })?;

@@ -8,7 +8,7 @@ use ndarray::Array3;
 
 use super::layers::{self, Wanted};
 use super::output::OutputFolder;
-use super::pictures;
+use super::pictures::{self, Pictures};
 use super::prepare::{Prepared, Purpose, prepare};
 use super::sky;
 use crate::arguments::{ExposureArgument, GroundTruthArgument, IntegratorArgument, Output, RenderOptions};
@@ -53,13 +53,13 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
     let writing = Instant::now();
     let disparity_px = finite_range(&rendered.central);
     let manifest = manifest(options, &wanted, &prepared, &rendered, &request, exposure_ev, disparity_px)?;
+    let parameters = parameters(options, &prepared, disparity_px);
     folder.unseal()?;
     prepared.renderer.install(|| {
         layers::write(&mut folder, &wanted, &rendered, disparity_px)?;
-        let rig = &prepared.rig;
-        pictures::write(&mut folder, options, &wanted, &mut rendered, rig, &outputs, exposure_ev)
+        let pictures = Pictures { options, outputs: &outputs, rig: &prepared.rig, parameters: &parameters };
+        pictures.write(&mut folder, &wanted, &mut rendered, exposure_ev)
     })?;
-    let parameters = parameters(options, &prepared, disparity_px);
     folder.add(dataset::PARAMETERS_CFG, parameters.write(folder.file(dataset::PARAMETERS_CFG))?);
     let files = folder.seal(manifest)?;
     seconds.write = writing.elapsed().as_secs_f64();
@@ -92,9 +92,6 @@ pub fn run(options: &RenderOptions) -> Result<(), Failure> {
 
 /// What the options alone show to be impossible, before anything is touched.
 fn refuse_what_cannot_be(options: &RenderOptions) -> Result<(), Failure> {
-    if options.write.contains(&Output::Hci) {
-        return Err(Failure::Usage("--write hci is not in this version".into()));
-    }
     #[cfg(not(feature = "hdf5"))]
     if options.write.contains(&Output::H5) {
         return Err(pictures::without_hdf5());
