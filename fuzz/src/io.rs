@@ -48,8 +48,7 @@ pub fn pfm(data: &[u8]) {
 pub fn exr(data: &[u8]) {
     let _ = decode_exr_rgb(data, &LIMITS);
     let Ok(image) = decode_exr(data, &LIMITS) else { return };
-    let channels: Vec<_> =
-        image.channels.iter().map(|(name, plane)| ExrChannel { name, plane: plane.view() }).collect();
+    let channels: Vec<_> = image.channels.iter().map(|(name, plane)| ExrChannel::float(name, plane.view())).collect();
     // Names that repeat and parts of several sizes can be read, but not written.
     let Ok(bytes) = encode_exr(&channels) else { return };
     let again = decode_exr(&bytes, &Limits::default()).expect("what was written can be read");

@@ -183,7 +183,7 @@ fn a_sky_can_be_a_file() {
     assert!(!manifest.settings.contains_key("sky_sha256"));
 
     let negative = ndarray::array![[-1.0f32]];
-    let channels = ["R", "G", "B"].map(|name| holo_io::ExrChannel { name, plane: negative.view() });
+    let channels = ["R", "G", "B"].map(|name| holo_io::ExrChannel::float(name, negative.view()));
     holo_io::write_exr(bench.path("dark.exr"), &channels).unwrap();
     std::fs::write(bench.path("none.hdr"), "hello").unwrap();
     for (file, words) in [

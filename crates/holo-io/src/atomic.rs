@@ -6,7 +6,7 @@ mod temporary;
 
 use std::fmt;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256 as Hasher};
@@ -99,6 +99,8 @@ pub struct AtomicFile {
     buffer: Vec<u8>,
     hasher: Hasher,
     bytes: u64,
+    /// Set where bytes in the middle change after they are written, so that the digest is that of the end.
+    hash_at_commit: bool,
     /// The first error of a write. Encoders swallow errors in their destructors; `commit` must not.
     failure: Option<io::Error>,
 }
@@ -127,6 +129,7 @@ impl AtomicFile {
             buffer: Vec::with_capacity(BUFFER_BYTES),
             hasher: Hasher::new(),
             bytes: 0,
+            hash_at_commit: false,
             failure: None,
         })
     }
@@ -150,11 +153,40 @@ impl AtomicFile {
 
     fn finish(&mut self) -> io::Result<Written> {
         self.write_buffer()?;
+        let mut written = Written { bytes: self.bytes, sha256: Sha256(self.hasher.finalize_reset().into()) };
+        if self.hash_at_commit {
+            self.file.seek(SeekFrom::Start(0))?;
+            written = hash(&mut self.file)?;
+            if written.bytes != self.bytes {
+                return Err(io::Error::other("the file changed its length while it was written"));
+            }
+        }
         if let Some(temporary) = self.temporary.take() {
             self.file.sync_all()?;
             temporary.rename()?;
         }
-        Ok(Written { bytes: self.bytes, sha256: Sha256(self.hasher.finalize_reset().into()) })
+        Ok(written)
+    }
+
+    /// Whether there is a temporary file, which can be changed until `commit`: not so for a device or a pipe.
+    pub(crate) fn is_temporary(&self) -> bool {
+        self.temporary.is_some()
+    }
+
+    /// Announces an [`overwrite`](Self::overwrite): `commit` reads the file once more for its digest.
+    pub(crate) fn hash_at_commit(&mut self) {
+        self.hash_at_commit = true;
+    }
+
+    /// Changes bytes that were written before; only after [`hash_at_commit`](Self::hash_at_commit).
+    pub(crate) fn overwrite(&mut self, position: u64, data: &[u8]) -> io::Result<()> {
+        self.write_buffer()?;
+        if !self.hash_at_commit || !self.is_temporary() || position + data.len() as u64 > self.bytes {
+            return Err(io::ErrorKind::Unsupported.into());
+        }
+        let outcome = self.file.seek(SeekFrom::Start(position)).and_then(|_| self.file.write_all(data));
+        let outcome = outcome.and_then(|()| self.file.seek(SeekFrom::End(0)).map(drop));
+        outcome.inspect_err(|failure| self.failure = Some(copy_of(failure)))
     }
 
     /// Turns an error that came through an encoder into this crate's, preferring the operating system's own words.
@@ -181,7 +213,9 @@ impl AtomicFile {
             self.failure = Some(failure);
             return Err(copy);
         }
-        self.hasher.update(data);
+        if !self.hash_at_commit {
+            self.hasher.update(data);
+        }
         self.bytes += data.len() as u64;
         Ok(())
     }
@@ -249,18 +283,23 @@ pub fn hash_file(path: impl AsRef<Path>) -> Result<Written, Error> {
     let path = path.as_ref();
     let failed = |source| Error::io("read", path, source);
     let mut file = File::open(path).map_err(failed)?;
+    hash(&mut file).map_err(failed)
+}
+
+/// The size and digest of what is read up to the end.
+fn hash(source: &mut impl Read) -> io::Result<Written> {
     let mut hasher = Hasher::new();
     let mut buffer = vec![0; BUFFER_BYTES];
     let mut bytes = 0;
     loop {
-        match io::Read::read(&mut file, &mut buffer) {
+        match source.read(&mut buffer) {
             Ok(0) => break,
             Ok(count) => {
                 hasher.update(&buffer[..count]);
                 bytes += count as u64;
             }
             Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(failed(error)),
+            Err(error) => return Err(error),
         }
     }
     Ok(Written { bytes, sha256: Sha256(hasher.finalize().into()) })

@@ -15,17 +15,21 @@
 //! - **Resolution levels**: only the largest is read.
 //! - **Not read**: deep data, subsampled channels, and the codings HTJ2K, ZSTD and later ones. Chromaticities are not
 //!   looked at.
-//! - **Written**: one part, scanlines, 32-bit floats, ZIP over 16 lines, display window = data window = the planes. The
-//!   same planes give the same bytes, whatever the number of threads; there is neither date nor name of a program.
+//! - **Written**: one part, scanlines, floats of 32 or 16 bits, one of four codings, display window = data window = the
+//!   planes. The same planes give the same bytes, whatever the number of threads and however they are cut into bands;
+//!   there is neither date nor name of a program.
 //!
 //! # Source
 //!
 //! *The OpenEXR File Layout*, and *Technical Introduction to OpenEXR*, Academy Software Foundation.
 
+mod compress;
 mod dwa;
 mod names;
 mod parts;
 mod read;
+mod samples;
+mod stream;
 mod write;
 
 use std::fs::File;
@@ -36,7 +40,11 @@ use holo_core::GridSize;
 use ndarray::{Array2, Array3, ArrayView2};
 
 use crate::error::MEMORY;
-use crate::{AtomicFile, Error, Limits, Written};
+use crate::{Error, Limits, Written};
+
+pub use compress::ExrCompression;
+pub use samples::ExrSamples;
+pub use stream::ExrWriter;
 
 /// The format's name in messages.
 const FORMAT: &str = "EXR";
@@ -48,6 +56,22 @@ pub struct ExrChannel<'a> {
     pub name: &'a str,
     /// The samples, `(rows, columns)`, top row first; any strides.
     pub plane: ArrayView2<'a, f32>,
+    /// What the samples are in the file.
+    pub samples: ExrSamples,
+}
+
+impl<'a> ExrChannel<'a> {
+    /// A channel of 32-bit floats: every value as it is.
+    #[must_use]
+    pub fn float(name: &'a str, plane: ArrayView2<'a, f32>) -> Self {
+        Self { name, plane, samples: ExrSamples::Float }
+    }
+
+    /// A channel of 16-bit floats: half the size; see [`ExrSamples::Half`] for what it cannot hold.
+    #[must_use]
+    pub fn half(name: &'a str, plane: ArrayView2<'a, f32>) -> Self {
+        Self { name, plane, samples: ExrSamples::Half }
+    }
 }
 
 /// All channels of an EXR file.
@@ -62,6 +86,15 @@ impl ExrImage {
     #[must_use]
     pub fn channel(&self, name: &str) -> Option<&Array2<f32>> {
         self.channels.iter().find_map(|(own, plane)| (own == name).then_some(plane))
+    }
+
+    /// Returns a component of a pass of Blender's, of the first view layer that has it: `pass("IndexOB", "X")`.
+    ///
+    /// Blender 5 has other names for some passes than Blender before it, such as `Object Index` for `IndexOB`; either name
+    /// finds both.
+    #[must_use]
+    pub fn pass(&self, pass: &str, component: &str) -> Option<&Array2<f32>> {
+        self.channels.iter().find_map(|(own, plane)| names::is_of_pass(own, pass, component).then_some(plane))
     }
 }
 
@@ -80,14 +113,15 @@ pub struct ExrInfo {
     pub has_colour: bool,
 }
 
-/// Writes an EXR of 32-bit floats, ZIP-compressed.
+/// Writes an EXR, ZIP-compressed over 16 lines.
 ///
-/// The compressed file is in memory once, because a table at its front holds where its blocks begin.
+/// [`write_exr_with`] has the choice of the compression, [`ExrWriter`] writes what does not fit into memory.
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if there is no channel or no pixel, if planes differ in size, or if names repeat, are empty, longer
-/// than 255 bytes or contain a NUL; [`Error::Io`] if the file cannot be written. No file of that name appears then.
+/// [`Error::BadInput`] if there is no channel or no pixel, if planes differ in size, if names repeat, are empty, longer
+/// than 255 bytes or contain a NUL, or if 16-bit floats are asked for what they cannot hold ([`ExrSamples::Half`]);
+/// [`Error::Io`] if the file cannot be written. No file of that name appears then.
 ///
 /// # Examples
 ///
@@ -97,23 +131,30 @@ pub struct ExrInfo {
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join(holo_io::dataset::CENTRAL_EXR);
 /// let depth_m = ndarray::array![[1.5, f32::INFINITY], [2.5, 3.5]];
-/// holo_io::write_exr(&path, &[ExrChannel { name: "ViewLayer.Depth.Z", plane: depth_m.view() }])?;
+/// holo_io::write_exr(&path, &[ExrChannel::float("ViewLayer.Depth.Z", depth_m.view())])?;
 /// let image = holo_io::read_exr(&path, &holo_io::Limits::default())?;
 /// assert_eq!(image.channel("ViewLayer.Depth.Z"), Some(&depth_m));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_exr(path: impl AsRef<Path>, channels: &[ExrChannel<'_>]) -> Result<Written, Error> {
-    use std::io::Write;
+    write_exr_with(path, channels, ExrCompression::Zip)
+}
 
+/// Writes an EXR, compressed as one likes.
+///
+/// # Errors
+///
+/// Those of [`write_exr`].
+pub fn write_exr_with(
+    path: impl AsRef<Path>,
+    channels: &[ExrChannel<'_>],
+    compression: ExrCompression,
+) -> Result<Written, Error> {
     let path = path.as_ref();
-    let sorted = write::check(channels, path)?;
-    // First, so that a folder that cannot be written to is found out before the work.
-    let mut file = AtomicFile::create(path)?;
-    let bytes = write::encode(&sorted, path)?;
-    match file.write_all(&bytes) {
-        Ok(()) => file.commit(),
-        Err(error) => Err(file.error(error)),
-    }
+    let size = common_size(channels, path)?;
+    let mut writer = ExrWriter::create(path, size, &formats(channels), compression)?;
+    writer.write_rows(&planes(channels))?;
+    writer.finish()
 }
 
 /// Returns the bytes that [`write_exr`] would write.
@@ -122,8 +163,48 @@ pub fn write_exr(path: impl AsRef<Path>, channels: &[ExrChannel<'_>]) -> Result<
 ///
 /// [`Error::BadInput`] as there.
 pub fn encode_exr(channels: &[ExrChannel<'_>]) -> Result<Vec<u8>, Error> {
+    encode_exr_with(channels, ExrCompression::Zip)
+}
+
+/// Returns the bytes that [`write_exr_with`] would write.
+///
+/// # Errors
+///
+/// [`Error::BadInput`] as there.
+pub fn encode_exr_with(channels: &[ExrChannel<'_>], compression: ExrCompression) -> Result<Vec<u8>, Error> {
     let path = Path::new(MEMORY);
-    write::encode(&write::check(channels, path)?, path)
+    let size = common_size(channels, path)?;
+    let mut bytes = Vec::new();
+    let mut encoder = write::Encoder::new(size, &formats(channels), compression, path, &mut bytes)?;
+    encoder.write_rows(&planes(channels), path, &mut bytes)?;
+    let (at, table) = encoder.finish(path, &mut bytes)?;
+    bytes[at..at + table.len()].copy_from_slice(&table);
+    Ok(bytes)
+}
+
+/// The size of all planes; without any, one that is refused later.
+fn common_size(channels: &[ExrChannel<'_>], path: &Path) -> Result<GridSize, Error> {
+    let Some(first) = channels.first() else { return Ok(GridSize::new(1, 1)) };
+    let (rows, columns) = first.plane.dim();
+    for channel in channels {
+        let (own_rows, own_columns) = channel.plane.dim();
+        if (own_rows, own_columns) != (rows, columns) {
+            let what = format!(
+                "channel {} has {own_columns} x {own_rows} pixels, channel {} has {columns} x {rows}",
+                channel.name, first.name
+            );
+            return Err(Error::bad_input(path, what));
+        }
+    }
+    Ok(GridSize::new(rows, columns))
+}
+
+fn formats<'a>(channels: &[ExrChannel<'a>]) -> Vec<(&'a str, ExrSamples)> {
+    channels.iter().map(|channel| (channel.name, channel.samples)).collect()
+}
+
+fn planes<'a>(channels: &[ExrChannel<'a>]) -> Vec<ArrayView2<'a, f32>> {
+    channels.iter().map(|channel| channel.plane).collect()
 }
 
 /// Reads all channels of an EXR: every part, any sample type, scanlines or tiles.

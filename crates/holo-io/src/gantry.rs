@@ -169,10 +169,12 @@ impl GantryFolder {
     }
 }
 
-/// The files of a folder by row and column.
-fn files(folder: &Path) -> Result<BTreeMap<(usize, usize), (PathBuf, GantryPosition)>, Error> {
+/// Files and positions by row and column.
+type Files = BTreeMap<(usize, usize), (PathBuf, GantryPosition)>;
+
+fn files(folder: &Path) -> Result<Files, Error> {
     let failed = |source| Error::io("list", folder, source);
-    let mut files: BTreeMap<(usize, usize), (PathBuf, GantryPosition)> = BTreeMap::new();
+    let mut files = Files::new();
     for entry in fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
         let Some(name) = path.file_name().and_then(|name| name.to_str()).and_then(Name::parse) else { continue };

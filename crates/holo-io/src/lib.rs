@@ -3,7 +3,8 @@
 //! # Conventions
 //!
 //! - Arrays are `(rows, columns)` or `(rows, columns, channels)`, the top row first, with any strides: writers take views
-//!   of any memory order and never copy the image as a whole. Nothing is ever flipped; where a format stores the bottom
+//!   of any memory order and never copy the image as a whole. What does not fit into memory is written band by band
+//!   ([`PngWriter`], [`ExrWriter`]). Nothing is ever flipped; where a format stores the bottom
 //!   row first (PFM), that stays inside its file.
 //! - In files and in text a size is columns x rows; in code rows come first ([`GridSize`](holo_core::GridSize)).
 //! - Depth is planar and in metres, `+infinity` where nothing was hit. Disparity is in pixels between adjacent views,
@@ -19,12 +20,12 @@
 //!
 //! | format | write | read |
 //! |---|---|---|
-//! | PNG, 8 and 16 bit | [`write_png_u8`], [`write_png_u16`], [`write_disparity_png`] | [`read_png`], [`read_png_info`] |
+//! | PNG, 8 and 16 bit | [`write_png_u8`], [`write_png_u16`], [`write_disparity_png`], [`PngWriter`] | [`read_png`], [`read_png_info`] |
 //! | PNG in memory | [`encode_png_u8`], [`encode_png_u16`] | [`decode_png`] |
 //! | PFM | [`write_pfm`], [`write_pfm_colour`] | [`read_pfm`], [`read_pfm_grey`], [`read_pfm_info`] |
 //! | PFM in memory | [`Pfm::to_bytes`] | [`decode_pfm`] |
-//! | EXR, 32-bit float | [`write_exr`] | [`read_exr`], [`read_exr_rgb`], [`read_exr_info`] |
-//! | EXR in memory | [`encode_exr`] | [`decode_exr`], [`decode_exr_rgb`] |
+//! | EXR, 32-bit or 16-bit float | [`write_exr`], [`write_exr_with`], [`ExrWriter`] | [`read_exr`], [`read_exr_rgb`], [`read_exr_info`] |
+//! | EXR in memory | [`encode_exr`], [`encode_exr_with`] | [`decode_exr`], [`decode_exr_rgb`] |
 //! | MAT, level 5 | [`write_mat`], [`write_mat_light_field`] | [`read_mat`], [`read_mat_variable`], [`read_mat_light_field`], [`read_mat_info`] |
 //! | MAT in memory | [`encode_mat`] | [`decode_mat`] |
 //! | Radiance HDR | | [`read_hdr`], [`decode_hdr`], [`read_hdr_info`] |
@@ -64,6 +65,8 @@
 
 mod atomic;
 pub mod dataset;
+#[cfg(any(feature = "png", feature = "exr", feature = "mat"))]
+mod deflate;
 mod error;
 #[cfg(feature = "exr")]
 mod exr;
@@ -104,8 +107,8 @@ pub use atomic::{
 pub use error::Error;
 #[cfg(feature = "exr")]
 pub use exr::{
-    ExrChannel, ExrImage, ExrInfo, decode_exr, decode_exr_rgb, encode_exr, read_exr, read_exr_info, read_exr_rgb,
-    write_exr,
+    ExrChannel, ExrCompression, ExrImage, ExrInfo, ExrSamples, ExrWriter, decode_exr, decode_exr_rgb, encode_exr,
+    encode_exr_with, read_exr, read_exr_info, read_exr_rgb, write_exr, write_exr_with,
 };
 #[cfg(feature = "png")]
 pub use gantry::{GantryFolder, GantryPosition};
@@ -129,8 +132,8 @@ pub use parameters_cfg::{CameraPose, ParametersCfg, date_from_epoch};
 pub use pfm::{Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_grey, read_pfm_info, write_pfm, write_pfm_colour};
 #[cfg(feature = "png")]
 pub use png::{
-    Compression, Meaning, PngInfo, PngSamples, decode_png, encode_png_u8, encode_png_u16, read_png, read_png_info,
-    write_disparity_png, write_png_u8, write_png_u16,
+    Compression, Meaning, PngInfo, PngSample, PngSamples, PngWriter, decode_png, encode_png_u8, encode_png_u16,
+    read_png, read_png_info, write_disparity_png, write_png_u8, write_png_u16,
 };
 #[cfg(feature = "png")]
 pub use png_light_field::PngLightField;

@@ -1,17 +1,22 @@
 //! PNG of 8 and 16 bits a channel, in sRGB or as plain data.
 
+mod bands;
 mod decode;
 mod encode;
 mod filter;
+mod stream;
 
 use std::path::Path;
 
 use holo_core::GridSize;
 use ndarray::{Array3, ArrayView2, ArrayView3};
 
+use crate::error::MEMORY;
 use crate::{Error, Written};
+use encode::Encoder;
 
 pub use decode::{decode_png, read_png, read_png_info};
+pub use stream::{PngSample, PngWriter};
 
 /// How hard to compress a PNG. The pixels are the same either way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -92,10 +97,10 @@ pub struct PngInfo {
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("image.png");
-/// let image = ndarray::Array3::from_shape_fn((5, 7, 3), |(row, column, channel)| (row * 30 + column * 4 + channel) as
-/// u8); let written = write_png_u8(&path, image.view(), Meaning::Srgb, Compression::Scratch)?;
-/// assert_eq!(read_png(&path, &Limits::default())?, PngSamples::U8(image)); assert_eq!(written.bytes,
-/// std::fs::metadata(&path)?.len());
+/// let image = ndarray::Array3::from_shape_fn((5, 7, 3), |(row, column, _)| (row * 30 + column * 4) as u8);
+/// let written = write_png_u8(&path, image.view(), Meaning::Srgb, Compression::Scratch)?;
+/// assert_eq!(read_png(&path, &Limits::default())?, PngSamples::U8(image));
+/// assert_eq!(written.bytes, std::fs::metadata(&path)?.len());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_png_u8(
@@ -104,7 +109,7 @@ pub fn write_png_u8(
     meaning: Meaning,
     compression: Compression,
 ) -> Result<Written, Error> {
-    encode::write(path.as_ref(), image, meaning, compression)
+    write(path.as_ref(), image, meaning, compression)
 }
 
 /// Writes an image of 16 bits a channel.
@@ -124,7 +129,7 @@ pub fn write_png_u16(
     meaning: Meaning,
     compression: Compression,
 ) -> Result<Written, Error> {
-    encode::write(path.as_ref(), image, meaning, compression)
+    write(path.as_ref(), image, meaning, compression)
 }
 
 /// Returns an image of 8 bits a channel as the bytes of a PNG file, such as for a page that embeds it.
@@ -137,7 +142,7 @@ pub fn write_png_u16(
 ///
 /// [`Error::BadInput`] as in [`write_png_u8`].
 pub fn encode_png_u8(image: ArrayView3<'_, u8>, meaning: Meaning, compression: Compression) -> Result<Vec<u8>, Error> {
-    encode::to_bytes(image, meaning, compression)
+    to_bytes(image, meaning, compression)
 }
 
 /// Returns an image of 16 bits a channel as the bytes of a PNG file.
@@ -154,7 +159,32 @@ pub fn encode_png_u16(
     meaning: Meaning,
     compression: Compression,
 ) -> Result<Vec<u8>, Error> {
-    encode::to_bytes(image, meaning, compression)
+    to_bytes(image, meaning, compression)
+}
+
+fn write<T: PngSample>(
+    path: &Path,
+    image: ArrayView3<'_, T>,
+    meaning: Meaning,
+    compression: Compression,
+) -> Result<Written, Error> {
+    let (rows, columns, channels) = image.dim();
+    let mut writer = PngWriter::create(path, GridSize::new(rows, columns), channels, meaning, compression)?;
+    writer.write_rows(image)?;
+    writer.finish()
+}
+
+fn to_bytes<T: PngSample>(
+    image: ArrayView3<'_, T>,
+    meaning: Meaning,
+    compression: Compression,
+) -> Result<Vec<u8>, Error> {
+    let path = Path::new(MEMORY);
+    let (rows, columns, channels) = image.dim();
+    let layout = encode::Layout::new(GridSize::new(rows, columns), channels, size_of::<T>(), path)?;
+    let mut encoder = Encoder::<T, _>::new(Vec::new(), layout, meaning, compression)?;
+    encoder.write_rows(image)?;
+    encoder.finish()
 }
 
 /// Writes a disparity map as a grey 8-bit picture: brighter is nearer.
@@ -186,7 +216,7 @@ pub fn write_disparity_png(
     }
     let grey = disparity_px.mapv(|disparity_px| grey_level(f64::from(disparity_px), min_px, max_px));
     let grey = grey.insert_axis(ndarray::Axis(2));
-    encode::write(path, grey.view(), Meaning::Data, compression)
+    write(path, grey.view(), Meaning::Data, compression)
 }
 
 /// Maps `min_px..=max_px` to `0..=255`.

@@ -9,27 +9,18 @@ mod inflate;
 #[cfg(feature = "mat")]
 mod pieces;
 
-#[cfg(feature = "png")]
-use std::ops::Range;
-
-#[cfg(feature = "png")]
-use rayon::prelude::*;
-use zlib_rs::{Deflate, DeflateConfig, DeflateFlush, Method, Status, Strategy};
+use zlib_rs::{DeflateConfig, DeflateFlush, Method, Strategy};
 
 #[cfg(feature = "mat")]
 pub(crate) use inflate::Inflated;
 #[cfg(feature = "mat")]
 pub(crate) use pieces::{Piece, Stream};
 
-/// Bytes in a band: enough to forget the start of a band, few enough for many threads.
-#[cfg(feature = "png")]
-const BAND_BYTES: usize = 1 << 20;
-
 /// Bytes of a band that the two strategies are tried on: three rows of an 8K image and twice deflate's window.
 const SAMPLE_BYTES: usize = 64 << 10;
 
 /// The header of a zlib stream with a window of 32 KiB and ordinary effort.
-const ZLIB_HEADER: [u8; 2] = [0x78, 0x9c];
+pub(crate) const ZLIB_HEADER: [u8; 2] = [0x78, 0x9c];
 
 const ADLER_BASE: u32 = 65_521;
 
@@ -40,45 +31,8 @@ const ADLER_BASE: u32 = 65_521;
 /// Where rows do repeat the search wins tenfold. No setting suits both, but a sample tells them apart.
 const CHOICES: [(Strategy, i32); 2] = [(Strategy::Rle, 6), (Strategy::Default, 6)];
 
-/// Compresses `rows` rows of `row_bytes` filtered bytes each and hands the stream to `take` piece by piece.
-///
-/// `filter` appends the filtered rows of a range to a vector.
-#[cfg(feature = "png")]
-pub(crate) fn compress<E: From<std::io::Error>>(
-    rows: usize,
-    row_bytes: usize,
-    filter: impl Fn(Range<usize>, &mut Vec<u8>) + Sync,
-    mut take: impl FnMut(&[u8]) -> Result<(), E>,
-) -> Result<(), E> {
-    let rows_of_band = (BAND_BYTES / row_bytes).max(1);
-    let bands: Vec<Range<usize>> =
-        (0..rows).step_by(rows_of_band).map(|start| start..rows.min(start + rows_of_band)).collect();
-    // Only a few bands a thread are held at a time, whatever the size of the image.
-    let group = 4 * rayon::current_num_threads();
-    let mut adler = 1;
-    let mut head = ZLIB_HEADER.to_vec();
-    for group in bands.chunks(group) {
-        let compressed: Vec<std::io::Result<(Vec<u8>, u32, usize)>> = group
-            .par_iter()
-            .map(|band| {
-                let mut filtered = Vec::with_capacity(band.len() * row_bytes);
-                filter(band.clone(), &mut filtered);
-                let bytes = deflate_band(&filtered, band.end == rows)?;
-                Ok((bytes, adler32(&filtered), filtered.len()))
-            })
-            .collect();
-        for band in compressed {
-            let (bytes, band_adler, length) = band?;
-            adler = combine_adler32(adler, band_adler, length);
-            head.extend_from_slice(&bytes);
-            take(&head)?;
-            head.clear();
-        }
-    }
-    take(&adler.to_be_bytes())
-}
-
-fn deflate_band(filtered: &[u8], is_last: bool) -> std::io::Result<Vec<u8>> {
+/// Compresses a band with the strategy that suits it.
+pub(crate) fn deflate_band(filtered: &[u8], is_last: bool) -> std::io::Result<Vec<u8>> {
     // From the middle, because a band that begins at an edge of the picture is not typical there.
     let start = filtered.len().saturating_sub(SAMPLE_BYTES) / 2;
     let sample = &filtered[start..filtered.len().min(start + SAMPLE_BYTES)];
@@ -95,25 +49,11 @@ fn deflate_band(filtered: &[u8], is_last: bool) -> std::io::Result<Vec<u8>> {
 /// Returns raw deflate data.
 fn deflate(data: &[u8], (strategy, level): (Strategy, i32), flush: DeflateFlush) -> std::io::Result<Vec<u8>> {
     let config = DeflateConfig { level, method: Method::Deflated, window_bits: -15, mem_level: 8, strategy };
-    let mut deflate = Deflate::new_with_config(config);
-    let mut out = vec![0; data.len() / 2 + 1024];
-    loop {
-        let (read, written) = (deflate.total_in() as usize, deflate.total_out() as usize);
-        let status = deflate
-            .compress(&data[read..], &mut out[written..], flush)
-            .map_err(|error| std::io::Error::other(error.as_str()))?;
-        let end = deflate.total_out() as usize;
-        // A flush is complete when it leaves room behind it.
-        if status == Status::StreamEnd || (end < out.len() && flush != DeflateFlush::Finish) {
-            out.truncate(end);
-            return Ok(out);
-        }
-        out.resize(out.len() * 2, 0);
-    }
+    crate::deflate::deflate(data, config, flush)
 }
 
 /// The checksum at the end of a zlib stream.
-fn adler32(data: &[u8]) -> u32 {
+pub(crate) fn adler32(data: &[u8]) -> u32 {
     let (mut a, mut b) = (1_u32, 0_u32);
     // The longest block after which the sums still fit 32 bits.
     for block in data.chunks(5552) {
@@ -128,7 +68,7 @@ fn adler32(data: &[u8]) -> u32 {
 }
 
 /// Returns the checksum of two pieces of data, one behind the other; `length` is that of the second.
-fn combine_adler32(first: u32, second: u32, length: usize) -> u32 {
+pub(crate) fn combine_adler32(first: u32, second: u32, length: usize) -> u32 {
     let base = u64::from(ADLER_BASE);
     let (a1, b1) = (u64::from(first & 0xffff), u64::from(first >> 16));
     let (a2, b2) = (u64::from(second & 0xffff), u64::from(second >> 16));

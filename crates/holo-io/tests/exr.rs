@@ -19,7 +19,8 @@ fn bits<'a>(values: impl IntoIterator<Item = &'a f32>) -> Vec<u32> {
 }
 
 fn encode(channels: &[(&str, ArrayView2<'_, f32>)]) -> Result<Vec<u8>, Error> {
-    encode_exr(&channels.iter().map(|&(name, plane)| ExrChannel { name, plane }).collect::<Vec<_>>())
+    let channels: Vec<_> = channels.iter().map(|&(name, plane)| ExrChannel::float(name, plane)).collect();
+    encode_exr(&channels)
 }
 
 proptest! {
@@ -51,7 +52,7 @@ proptest! {
         }
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("image.exr");
-        let list: Vec<_> = planes.iter().map(|(name, plane)| ExrChannel { name, plane: plane.view() }).collect();
+        let list: Vec<_> = planes.iter().map(|(name, plane)| ExrChannel::float(name, plane.view())).collect();
         let written = write_exr(&path, &list).unwrap();
         prop_assert_eq!(written, holo_io::hash_file(&path).unwrap());
         prop_assert_eq!(fs::read(&path).unwrap(), encode_exr(&list).unwrap());
@@ -93,7 +94,7 @@ fn what_cannot_be_written_is_refused_and_leaves_nothing() {
     let (small, large) = (Array2::zeros((2, 2)), Array2::zeros((2, 3)));
     let empty = Array2::zeros((0, 3));
     let long = "x".repeat(256);
-    let channel = |name, plane| ExrChannel { name, plane };
+    let channel = ExrChannel::float;
     for channels in [
         &[][..],
         &[channel("R", empty.view())],
@@ -121,6 +122,8 @@ fn files_of_openexr_are_read() {
         ("openexr_half_zip.exr", "zip block"),
         ("openexr_half_tiled.exr", "zip block"),
         ("openexr_half_pxr24.exr", "pxr24"),
+        ("openexr_half_piz.exr", "piz"),
+        ("openexr_half_zips.exr", "zip line"),
         ("openexr_parts.exr", "zip block"),
     ] {
         let image = read_exr_rgb(data(name), &Limits::default()).unwrap();
@@ -172,6 +175,18 @@ fn half_float_and_integer_may_be_mixed() {
 }
 
 #[test]
+fn identifiers_of_integers_are_read_in_every_coding() {
+    for name in ["openexr_id_zip.exr", "openexr_id_piz.exr", "openexr_id_rle_tiled.exr", "openexr_id_pxr24.exr"] {
+        let image = read_exr(data(name), &Limits::default()).unwrap();
+        for (row, column) in ndarray::indices((20, 19)) {
+            let at = |name: &str| image.channel(name).unwrap()[[row, column]];
+            let whole = ramp(row, column, 0);
+            assert_eq!((at("R"), at("id")), (whole, whole * 3.0 + 1_048_576.0), "{name} at {row} {column}");
+        }
+    }
+}
+
+#[test]
 fn lossy_codings_lose_no_more_than_in_openexr() {
     // What OpenEXR itself reads of the two files differs from the ramp by at most these numbers.
     for (name, bound) in [("openexr_half_dwaa.exr", 0.97), ("openexr_half_b44.exr", 8.0)] {
@@ -206,6 +221,10 @@ fn files_of_blender_are_read() {
     let layers = read_exr(&path, &Limits::default()).unwrap();
     let depth = read_pfm_grey(data("blender_depth.pfm"), &Limits::default()).unwrap();
     assert_eq!(layers.channel("ViewLayer.Depth.Z"), Some(&depth));
+    assert_eq!(layers.pass("Depth", "Z"), Some(&depth));
+    // Blender 5 writes `Diffuse Color` where Blender before it wrote `DiffCol`.
+    assert!(layers.channel("ViewLayer.DiffCol.R").is_none() && layers.pass("DiffCol", "R").is_some());
+    assert_eq!(layers.pass("DiffCol", "G"), layers.channel("ViewLayer.Diffuse Color.G"));
     let red = layers.channel("ViewLayer.Combined.R").unwrap();
     assert_eq!(red, combined.index_axis(Axis(2), 0));
     let info = read_exr_info(&path).unwrap();

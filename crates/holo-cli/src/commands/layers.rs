@@ -125,7 +125,7 @@ pub fn write_color(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, all:
 pub fn write_exr(folder: &mut OutputFolder, rendered: &Rendered) -> Result<(), Failure> {
     let color = rendered.color.as_ref().map(central_view).transpose()?;
     let channels = channels(&rendered.central, color);
-    let channels: Vec<_> = channels.iter().map(|(name, plane)| ExrChannel { name, plane: plane.view() }).collect();
+    let channels: Vec<_> = channels.iter().map(|(name, plane)| ExrChannel::float(name, plane.view())).collect();
     let path = folder.file(dataset::CENTRAL_EXR);
     folder.add(dataset::CENTRAL_EXR, holo_io::write_exr(path, &channels)?);
     Ok(())

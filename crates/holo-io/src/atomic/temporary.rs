@@ -52,7 +52,8 @@ impl Temporary {
             if live.stopped {
                 return Err(io::Error::new(io::ErrorKind::Interrupted, "the program is stopping"));
             }
-            match OpenOptions::new().write(true).create_new(true).open(&path) {
+            // For reading too: a digest may need what was written.
+            match OpenOptions::new().read(true).write(true).create_new(true).open(&path) {
                 Ok(file) => {
                     // The lock tells other processes that this file has a living writer. It falls with the process,
                     // however that ends. A file system without locks only loses that one sign.

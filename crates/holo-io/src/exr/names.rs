@@ -32,6 +32,34 @@ pub(super) fn all(headers: &Headers) -> Vec<Channel> {
     all
 }
 
+/// Passes that are called otherwise since Blender 5: the name before, the name since.
+const RENAMED_PASSES: [(&str, &str); 11] = [
+    ("IndexOB", "Object Index"),
+    ("IndexMA", "Material Index"),
+    ("DiffCol", "Diffuse Color"),
+    ("DiffDir", "Diffuse Direct"),
+    ("DiffInd", "Diffuse Indirect"),
+    ("GlossCol", "Glossy Color"),
+    ("GlossDir", "Glossy Direct"),
+    ("GlossInd", "Glossy Indirect"),
+    ("TransCol", "Transmission Color"),
+    ("TransDir", "Transmission Direct"),
+    ("TransInd", "Transmission Indirect"),
+];
+
+/// The layer of a full name, without its last dot, and the component.
+pub(super) fn split(name: &str) -> (&str, &str) {
+    name.rsplit_once('.').unwrap_or(("", name))
+}
+
+/// Whether a full name is that of a component of a pass, under either of its names.
+pub(super) fn is_of_pass(name: &str, pass: &str, component: &str) -> bool {
+    let (layer, own_component) = split(name);
+    let own_pass = split(layer).1;
+    let newer = |name| RENAMED_PASSES.iter().find_map(|&(old, new)| (old == name).then_some(new)).unwrap_or(name);
+    own_component == component && newer(own_pass) == newer(pass)
+}
+
 /// The components that tell what a layer is.
 const COMPONENTS: [&str; 7] = ["R", "G", "B", "Y", "X", "Z", "RY"];
 
@@ -41,7 +69,7 @@ pub(super) fn colour(channels: &[Channel]) -> Option<[usize; 3]> {
     let mut places = HashMap::new();
     let mut layers: Vec<(&str, [Option<usize>; COMPONENTS.len()])> = Vec::new();
     for (index, channel) in channels.iter().enumerate() {
-        let (layer, component) = channel.name.rsplit_once('.').unwrap_or(("", &channel.name));
+        let (layer, component) = split(&channel.name);
         let Some(component) = COMPONENTS.iter().position(|known| *known == component) else { continue };
         let place = *places.entry((channel.part, layer)).or_insert(layers.len());
         if place == layers.len() {
@@ -84,6 +112,15 @@ mod tests {
         assert_eq!(colour_of(&["a.B", "a.G", "a.R", "b.B", "b.G", "b.R"]), Some([2, 1, 0]));
         // Red of one layer and green of another are no colour.
         assert_eq!(colour_of(&["a.B", "a.G", "b.R"]), None);
+    }
+
+    #[test]
+    fn passes_are_found_under_either_name() {
+        for name in ["ViewLayer.IndexOB.X", "View Layer.Object Index.X", "IndexOB.X"] {
+            assert!(is_of_pass(name, "IndexOB", "X") && is_of_pass(name, "Object Index", "X"), "{name}");
+            assert!(!is_of_pass(name, "IndexMA", "X") && !is_of_pass(name, "IndexOB", "Y"), "{name}");
+        }
+        assert!(is_of_pass("V.Depth.Z", "Depth", "Z") && !is_of_pass("V.DepthZ", "Depth", "Z"));
     }
 
     #[test]

@@ -1,108 +1,302 @@
-//! Writes one part of 32-bit floats: blocks of 16 rows, compressed side by side and put down in their order.
+//! One part of scanlines as it comes, top to bottom: blocks are compressed side by side and put down in their order.
+//!
+//! The table of where the blocks begin lies in front of them, but is known only behind the last. So the file begins with
+//! an empty table, and whoever holds the file puts the true one into its place.
 
-use std::io::Cursor;
+use std::io::{Cursor, Write};
+use std::ops::Range;
 use std::path::Path;
 
-use exr::block::writer::ChunksWriter;
-use exr::block::{BlockIndex, UncompressedBlock};
-use exr::meta::BlockDescription;
-use exr::meta::attribute::{ChannelDescription, Compression, LineOrder, SampleType, Text};
+use exr::meta::attribute::{ChannelDescription, LineOrder, Text};
 use exr::meta::header::{Header, LayerAttributes};
-use exr::prelude::Vec2;
+use exr::meta::{BlockDescription, Headers};
+use holo_core::GridSize;
+use ndarray::ArrayView2;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-use super::ExrChannel;
+use super::samples::{self, Scratch};
+use super::{ExrCompression, ExrSamples};
 use crate::Error;
 use crate::net::{catch, guarded};
 
 /// What the format allows in a channel's name.
 const MAX_NAME_BYTES: usize = 255;
 
+/// Blocks that wait to be compressed take at most this many bytes, if it is more than one.
+const BATCH_BYTES: usize = 64 << 20;
+
+/// A channel in the order of the file.
+struct Channel {
+    /// Its place in the order of the caller.
+    place: usize,
+    name: String,
+    samples: ExrSamples,
+}
+
 /// Sorts the channels by name, as the format wants them, and refuses what cannot be written.
-pub(super) fn check<'a>(channels: &[ExrChannel<'a>], path: &Path) -> Result<Vec<ExrChannel<'a>>, Error> {
+fn check(size: GridSize, channels: &[(&str, ExrSamples)], path: &Path) -> Result<Vec<Channel>, Error> {
     let bad = |what: String| Error::bad_input(path, what);
-    let mut sorted = channels.to_vec();
-    sorted.sort_by(|a, b| a.name.as_bytes().cmp(b.name.as_bytes()));
-    let Some(first) = sorted.first() else { return Err(bad("an EXR needs at least one channel".into())) };
-    let (rows, columns) = first.plane.dim();
     // The format's own bound, half the range of its 32-bit coordinates.
     let most = (i32::MAX / 2) as usize;
-    if !(1..most).contains(&rows) || !(1..most).contains(&columns) {
-        return Err(bad(format!("an image of {columns} x {rows} pixels cannot be an EXR")));
+    if !(1..most).contains(&size.rows) || !(1..most).contains(&size.columns) {
+        return Err(bad(format!("an image of {} x {} pixels cannot be an EXR", size.columns, size.rows)));
     }
-    for channel in &sorted {
-        let name = channel.name;
+    let mut sorted = Vec::with_capacity(channels.len());
+    for (place, &(name, samples)) in channels.iter().enumerate() {
         if name.is_empty() || name.len() > MAX_NAME_BYTES || name.contains('\0') {
             return Err(bad(format!("a channel's name has 1 to {MAX_NAME_BYTES} bytes and no NUL, unlike {name:?}")));
         }
-        if channel.plane.dim() != (rows, columns) {
-            let (own_rows, own_columns) = channel.plane.dim();
+        if samples == ExrSamples::Half && ExrSamples::is_identifier(name) {
             return Err(bad(format!(
-                "channel {name} has {own_columns} x {own_rows} pixels, channel {} has {columns} x {rows}",
-                first.name
+                "channel {name} holds identifiers, which are not exact in 16-bit floats above 2048; write it in 32-bit \
+                 floats"
             )));
         }
+        sorted.push(Channel { place, name: name.to_owned(), samples });
     }
+    if sorted.is_empty() {
+        return Err(bad("an EXR needs at least one channel".into()));
+    }
+    sorted.sort_by(|a, b| a.name.as_bytes().cmp(b.name.as_bytes()));
     if let Some(pair) = sorted.windows(2).find(|pair| pair[0].name == pair[1].name) {
         return Err(bad(format!("the channel {} occurs twice", pair[0].name)));
     }
     Ok(sorted)
 }
 
-/// The bytes of the file. The channels have passed [`check`].
-pub(super) fn encode(channels: &[ExrChannel<'_>], path: &Path) -> Result<Vec<u8>, Error> {
-    let failed = |text: String| Error::bad_input(path, format!("the EXR encoder failed: {text}"));
-    let outcome = catch(|| {
-        let mut bytes = Vec::new();
-        write(channels, &mut bytes).map(|()| bytes)
-    });
-    outcome.map_err(failed)?.map_err(|error| failed(error.to_string()))
+/// A file on its way.
+pub(super) struct Encoder {
+    channels: Vec<Channel>,
+    compression: ExrCompression,
+    headers: Headers,
+    size: GridSize,
+    line_bytes: usize,
+    /// Rows that were taken.
+    rows: usize,
+    /// Whole blocks that wait to be compressed, and the one that is not whole yet.
+    waiting: Vec<Vec<u8>>,
+    block: Vec<u8>,
+    at_once: usize,
+    /// Where the table is in the file, what it is to hold, and where the next block begins.
+    table_at: usize,
+    table: Vec<u64>,
+    position: u64,
+    /// After a failure nobody knows which rows are in the file.
+    has_failed: bool,
 }
 
-fn write(channels: &[ExrChannel<'_>], bytes: &mut Vec<u8>) -> exr::error::UnitResult {
-    let (rows, columns) = channels[0].plane.dim();
-    let describe = |channel: &ExrChannel<'_>| {
-        // The crate's own conversion takes Latin-1 only; the format stores bytes, in practice UTF-8.
-        ChannelDescription::new(Text::from_slice_unchecked(channel.name.as_bytes()), SampleType::F32, false)
-    };
-    let header = Header::new(Text::default(), (columns, rows), channels.iter().map(describe).collect())
-        .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
-        // A single part has no name.
-        .with_attributes(LayerAttributes::default());
-    let height = Compression::ZIP16.scan_lines_per_block();
-    let headers = [header].into_iter().collect();
-    exr::block::write(Cursor::new(bytes), headers, true, |meta, writer| {
-        let blocks = rows.div_ceil(height);
-        let at_once = 4 * rayon::current_num_threads();
-        for start in (0..blocks).step_by(at_once) {
-            let batch = (start..blocks.min(start + at_once)).into_par_iter();
-            let chunks: Vec<_> = batch
-                .map(|index| {
-                    let block = block(channels, index * height, height.min(rows - index * height));
-                    (index, guarded(|| block.compress_to_chunk(&meta.headers)))
-                })
-                .collect();
-            for (index, chunk) in chunks {
-                writer.write_chunk(index, chunk?)?;
+impl Encoder {
+    /// Writes the header and an empty table.
+    pub fn new(
+        size: GridSize,
+        channels: &[(&str, ExrSamples)],
+        compression: ExrCompression,
+        path: &Path,
+        out: &mut impl Write,
+    ) -> Result<Self, Error> {
+        let channels = check(size, channels, path)?;
+        let line_bytes = channels
+            .iter()
+            .try_fold(0_usize, |sum, channel| sum.checked_add(channel.samples.bytes().checked_mul(size.columns)?));
+        // The format counts the bytes of a block in 31 bits.
+        let block_bytes = line_bytes.and_then(|bytes| bytes.checked_mul(compression.lines()));
+        let (Some(line_bytes), Some(block_bytes @ ..=0x7fff_ffff)) = (line_bytes, block_bytes) else {
+            let what = format!(
+                "{} channels of {} columns are too much for the {} lines of one block; write them to several files",
+                channels.len(),
+                size.columns,
+                compression.lines()
+            );
+            return Err(Error::bad_input(path, what));
+        };
+        let describe = |channel: &Channel| {
+            // The crate's own conversion takes Latin-1 only; the format stores bytes, in practice UTF-8.
+            ChannelDescription::new(Text::from_slice_unchecked(channel.name.as_bytes()), channel.samples.kind(), false)
+        };
+        let descriptions = channels.iter().map(describe).collect();
+        let header = Header::new(Text::default(), (size.columns, size.rows), descriptions)
+            .with_encoding(compression.coding(), BlockDescription::ScanLines, LineOrder::Increasing)
+            // A single part has no name.
+            .with_attributes(LayerAttributes::default());
+        let blocks = header.chunk_count;
+        let headers: Headers = [header].into_iter().collect();
+        let start = head(&headers, path)?;
+        out.write_all(&start).map_err(|error| Error::io("write", path, error))?;
+        Ok(Self {
+            channels,
+            compression,
+            headers,
+            size,
+            line_bytes,
+            rows: 0,
+            waiting: Vec::new(),
+            block: Vec::new(),
+            at_once: (BATCH_BYTES / block_bytes).clamp(1, 4 * rayon::current_num_threads()),
+            table_at: start.len() - blocks * size_of::<u64>(),
+            table: Vec::with_capacity(blocks),
+            position: start.len() as u64,
+            has_failed: false,
+        })
+    }
+
+    /// Takes the next rows: one plane a channel, in the caller's order.
+    pub fn write_rows(
+        &mut self,
+        planes: &[ArrayView2<'_, f32>],
+        path: &Path,
+        out: &mut impl Write,
+    ) -> Result<(), Error> {
+        if self.has_failed {
+            return Err(Error::bad_input(path, "an earlier band of rows could not be written"));
+        }
+        let outcome = self.check_rows(planes, path).and_then(|rows| self.take_rows(planes, rows, path, out));
+        self.has_failed = outcome.is_err();
+        outcome
+    }
+
+    fn check_rows(&self, planes: &[ArrayView2<'_, f32>], path: &Path) -> Result<usize, Error> {
+        let bad = |what: String| Err(Error::bad_input(path, what));
+        if planes.len() != self.channels.len() {
+            return bad(format!("{} planes were given for {} channels", planes.len(), self.channels.len()));
+        }
+        let rows = planes[0].dim().0;
+        for channel in &self.channels {
+            let (own_rows, own_columns) = planes[channel.place].dim();
+            if (own_rows, own_columns) != (rows, self.size.columns) {
+                return bad(format!(
+                    "channel {} has {own_columns} x {own_rows} pixels where {} x {rows} are needed",
+                    channel.name, self.size.columns
+                ));
             }
+        }
+        let left = self.size.rows - self.rows;
+        if rows > left {
+            return bad(format!("{rows} rows were given, but of {} only {left} are missing", self.size.rows));
+        }
+        Ok(rows)
+    }
+
+    fn take_rows(
+        &mut self,
+        planes: &[ArrayView2<'_, f32>],
+        rows: usize,
+        path: &Path,
+        out: &mut impl Write,
+    ) -> Result<(), Error> {
+        let lines = self.compression.lines();
+        let mut row = 0;
+        while row < rows {
+            // Pieces that end where blocks end.
+            let mut pieces = Vec::new();
+            while row < rows && pieces.len() < self.at_once {
+                let end = rows.min(row + lines - (self.rows + row) % lines);
+                pieces.push(row..end);
+                row = end;
+            }
+            let first = pieces[0].start;
+            let gathered: Vec<_> = pieces.into_par_iter().map(|piece| self.gather(planes, piece, path)).collect();
+            for bytes in gathered {
+                let bytes = bytes?;
+                if self.block.is_empty() {
+                    self.block = bytes;
+                } else {
+                    self.block.extend_from_slice(&bytes);
+                }
+                let whole = (self.size.rows - self.first_of_block()).min(lines) * self.line_bytes;
+                if self.block.len() == whole {
+                    self.waiting.push(std::mem::take(&mut self.block));
+                }
+                if self.waiting.len() >= self.at_once {
+                    self.compress(path, out)?;
+                }
+            }
+            debug_assert!(row > first, "every turn takes rows");
+        }
+        self.rows += rows;
+        Ok(())
+    }
+
+    /// The row with which the block begins that is being filled.
+    fn first_of_block(&self) -> usize {
+        (self.table.len() + self.waiting.len()) * self.compression.lines()
+    }
+
+    /// The samples of some rows as a block has them.
+    fn gather(&self, planes: &[ArrayView2<'_, f32>], rows: Range<usize>, path: &Path) -> Result<Vec<u8>, Error> {
+        let order = self.compression.byte_order();
+        let mut scratch = Scratch::default();
+        let mut bytes = Vec::with_capacity(rows.len() * self.line_bytes);
+        for row in rows {
+            for channel in &self.channels {
+                let line = planes[channel.place].row(row);
+                samples::append(line, channel.samples, order, &mut scratch, &mut bytes).map_err(|(column, value)| {
+                    let (name, row) = (&channel.name, self.rows + row);
+                    Error::bad_input(
+                        path,
+                        format!(
+                            "channel {name}, row {row}, column {column}: {value} is beyond 65504, the largest 16-bit \
+                             float; write the channel in 32-bit floats, or scale it"
+                        ),
+                    )
+                })?;
+            }
+        }
+        Ok(bytes)
+    }
+
+    /// Compresses and writes the blocks that wait.
+    fn compress(&mut self, path: &Path, out: &mut impl Write) -> Result<(), Error> {
+        let (lines, compression, headers) = (self.compression.lines(), self.compression, self.headers.as_slice());
+        let first = self.table.len();
+        let blocks: Vec<_> =
+            std::mem::take(&mut self.waiting).into_iter().enumerate().map(|(at, block)| (first + at, block)).collect();
+        let compress =
+            |(index, block): (usize, Vec<u8>)| (index, guarded(|| compression.compress(block, index * lines, headers)));
+        let compressed: Vec<_> =
+            catch(|| blocks.into_par_iter().map(compress).collect()).map_err(|text| failed(path, &text))?;
+        for (index, block) in compressed {
+            let block = block.map_err(|error| failed(path, &error.to_string()))?;
+            // Checked in `new`: rows are fewer than 2^30 and a block has less than 2^31 bytes.
+            let mut start = ((index * lines) as i32).to_le_bytes().to_vec();
+            start.extend((block.len() as i32).to_le_bytes());
+            out.write_all(&start)
+                .and_then(|()| out.write_all(&block))
+                .map_err(|error| Error::io("write", path, error))?;
+            self.table.push(self.position);
+            self.position += (start.len() + block.len()) as u64;
         }
         Ok(())
-    })
+    }
+
+    /// Writes what waits, and returns what belongs at which place of the file.
+    pub fn finish(mut self, path: &Path, out: &mut impl Write) -> Result<(usize, Vec<u8>), Error> {
+        if self.has_failed {
+            return Err(Error::bad_input(path, "the image is not complete: a band of rows could not be written"));
+        }
+        if self.rows != self.size.rows {
+            let what = format!("the image is not complete: {} of {} rows were written", self.rows, self.size.rows);
+            return Err(Error::bad_input(path, what));
+        }
+        self.compress(path, out)?;
+        Ok((self.table_at, self.table.iter().flat_map(|position| position.to_le_bytes()).collect()))
+    }
 }
 
-/// The rows from `first` on: of every row all samples of the first channel, then all of the second.
-fn block(channels: &[ExrChannel<'_>], first: usize, height: usize) -> UncompressedBlock {
-    let columns = channels[0].plane.dim().1;
-    let mut data = Vec::with_capacity(channels.len() * height * columns * size_of::<f32>());
-    for row in first..first + height {
-        for channel in channels {
-            for value in channel.plane.row(row) {
-                // Blocks are in the byte order of the machine; the crate turns them into that of the file.
-                data.extend(value.to_ne_bytes());
-            }
-        }
+fn failed(path: &Path, text: &str) -> Error {
+    Error::bad_input(path, format!("the EXR encoder failed: {text}"))
+}
+
+/// The bytes of a file up to its first block, the table being empty.
+fn head(headers: &Headers, path: &Path) -> Result<Vec<u8>, Error> {
+    let mut bytes = Vec::new();
+    let outcome = catch(|| {
+        // The crate writes a header only as the beginning of a whole file, so that is stopped behind it.
+        exr::block::write(Cursor::new(&mut bytes), headers.clone(), true, |_, _| Err(exr::error::Error::Aborted))
+    });
+    match outcome {
+        Ok(Err(exr::error::Error::Aborted)) => Ok(bytes),
+        Ok(Err(error)) => Err(failed(path, &error.to_string())),
+        Ok(Ok(())) => Err(failed(path, "a file without blocks was complete")),
+        Err(text) => Err(failed(path, &text)),
     }
-    let index =
-        BlockIndex { layer: 0, pixel_position: Vec2(0, first), pixel_size: Vec2(columns, height), level: Vec2(0, 0) };
-    UncompressedBlock { index, data }
 }

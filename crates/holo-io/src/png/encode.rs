@@ -1,89 +1,70 @@
-//! Writes PNG row by row.
+//! Encodes PNG row by row, into whatever takes bytes.
 
 use std::io::Write;
+use std::marker::PhantomData;
 use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
 
-use ndarray::{ArrayView2, ArrayView3};
+use holo_core::GridSize;
+use ndarray::{ArrayView2, ArrayView3, Axis};
 
-use super::filter::Filter;
+use super::bands::Bands;
 use super::{Compression, Meaning};
 use crate::error::MEMORY;
-use crate::{AtomicFile, Error, Written, zlib};
+use crate::{AtomicFile, Error};
 
 /// A sample of 8 or 16 bits, in the byte order of PNG.
-pub(super) trait Sample: Copy + Sync {
-    const DEPTH: png::BitDepth;
+pub trait Sample: Copy + Send + Sync {
+    /// Its size in the file.
+    const BYTES: usize;
 
-    /// Appends a row that lies dense in memory.
-    fn extend_dense(row: &[Self], bytes: &mut Vec<u8>);
+    /// Puts samples that lie dense in memory into as many bytes as they have.
+    fn put_dense(samples: &[Self], bytes: &mut [u8]);
 
-    /// Appends one sample.
-    fn push(self, bytes: &mut Vec<u8>);
+    /// Puts one sample.
+    fn put(self, bytes: &mut [u8]);
 }
 
 impl Sample for u8 {
-    const DEPTH: png::BitDepth = png::BitDepth::Eight;
+    const BYTES: usize = 1;
 
-    fn extend_dense(row: &[Self], bytes: &mut Vec<u8>) {
-        bytes.extend_from_slice(row);
+    fn put_dense(samples: &[Self], bytes: &mut [u8]) {
+        bytes.copy_from_slice(samples);
     }
 
-    fn push(self, bytes: &mut Vec<u8>) {
-        bytes.push(self);
+    fn put(self, bytes: &mut [u8]) {
+        bytes[0] = self;
     }
 }
 
 impl Sample for u16 {
-    const DEPTH: png::BitDepth = png::BitDepth::Sixteen;
+    const BYTES: usize = 2;
 
-    fn extend_dense(row: &[Self], bytes: &mut Vec<u8>) {
-        bytes.extend(row.iter().flat_map(|sample| sample.to_be_bytes()));
+    fn put_dense(samples: &[Self], bytes: &mut [u8]) {
+        for (sample, bytes) in samples.iter().zip(bytes.chunks_exact_mut(2)) {
+            sample.put(bytes);
+        }
     }
 
-    fn push(self, bytes: &mut Vec<u8>) {
-        bytes.extend(self.to_be_bytes());
+    fn put(self, bytes: &mut [u8]) {
+        bytes.copy_from_slice(&self.to_be_bytes());
     }
-}
-
-/// Writes to a file that appears whole or not at all.
-pub(super) fn write<T: Sample>(
-    path: &Path,
-    image: ArrayView3<'_, T>,
-    meaning: Meaning,
-    compression: Compression,
-) -> Result<Written, Error> {
-    let header = Header::of(image, path)?;
-    let mut file = AtomicFile::create(path)?;
-    match encode(&mut file, image, header, meaning, compression) {
-        Ok(()) => file.commit(),
-        Err(error) => Err(file.error(error)),
-    }
-}
-
-/// Returns the bytes of the file.
-pub(super) fn to_bytes<T: Sample>(
-    image: ArrayView3<'_, T>,
-    meaning: Meaning,
-    compression: Compression,
-) -> Result<Vec<u8>, Error> {
-    let path = Path::new(MEMORY);
-    let header = Header::of(image, path)?;
-    let mut bytes = Vec::new();
-    encode(&mut bytes, image, header, meaning, compression)
-        .map_err(|error| Error::io("write", path, std::io::Error::other(error.to_string())))?;
-    Ok(bytes)
 }
 
 /// What PNG needs to know of an image, checked.
-struct Header {
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Layout {
+    pub size: GridSize,
+    pub channels: usize,
     width: u32,
     height: u32,
     colour: png::ColorType,
+    pixel_bytes: usize,
+    row_bytes: usize,
 }
 
-impl Header {
-    fn of<T>(image: ArrayView3<'_, T>, path: &Path) -> Result<Self, Error> {
-        let (rows, columns, channels) = image.dim();
+impl Layout {
+    pub fn new(size: GridSize, channels: usize, sample_bytes: usize, path: &Path) -> Result<Self, Error> {
         let bad = |what: String| Error::bad_input(path, what);
         let side = |count: usize, what: &str| {
             u32::try_from(count)
@@ -98,77 +79,144 @@ impl Header {
             4 => png::ColorType::Rgba,
             _ => return Err(bad(format!("a PNG has 1 to 4 channels, not {channels}"))),
         };
-        Ok(Self { width: side(columns, "columns")?, height: side(rows, "rows")?, colour })
+        let (width, height) = (side(size.columns, "columns")?, side(size.rows, "rows")?);
+        let pixel_bytes = channels * sample_bytes;
+        let row_bytes = size
+            .columns
+            .checked_mul(pixel_bytes)
+            .filter(|&bytes| bytes < isize::MAX as usize / 4)
+            .ok_or_else(|| bad(format!("rows of {width} pixels do not fit into the memory of this machine")))?;
+        Ok(Self { size, channels, width, height, colour, pixel_bytes, row_bytes })
     }
 }
 
-fn encode<T: Sample>(
-    out: impl Write,
-    image: ArrayView3<'_, T>,
-    header: Header,
-    meaning: Meaning,
-    compression: Compression,
-) -> Result<(), png::EncodingError> {
-    let mut encoder = png::Encoder::new(out, header.width, header.height);
-    encoder.set_color(header.colour);
-    encoder.set_depth(T::DEPTH);
-    if meaning == Meaning::Srgb {
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    }
-    match compression {
-        Compression::Scratch => encode_scratch(encoder, image),
-        Compression::Published => encode_published(encoder, image),
+/// Where the bytes go, and what its word is when something goes wrong.
+pub(super) trait Sink: Write + 'static {
+    /// Turns an error of the `png` crate, which may hide its cause, into ours.
+    fn fault(&mut self, error: png::EncodingError) -> Error;
+}
+
+impl Sink for AtomicFile {
+    fn fault(&mut self, error: png::EncodingError) -> Error {
+        self.error(error)
     }
 }
 
-/// Streams the rows through the `png` crate.
-fn encode_scratch<T: Sample>(
-    mut encoder: png::Encoder<'_, impl Write>,
-    image: ArrayView3<'_, T>,
-) -> Result<(), png::EncodingError> {
-    encoder.set_compression(png::Compression::Fast);
-    encoder.set_filter(png::Filter::Adaptive);
-    let mut writer = encoder.write_header()?;
-    let mut rows = writer.stream_writer_with_size(1 << 16)?;
-    let mut bytes = Vec::new();
-    for row in image.outer_iter() {
-        gather(row, &mut bytes);
-        rows.write_all(&bytes)?;
+impl Sink for Vec<u8> {
+    fn fault(&mut self, error: png::EncodingError) -> Error {
+        Error::io("write", Path::new(MEMORY), std::io::Error::other(error.to_string()))
     }
-    rows.finish()?;
-    writer.finish()
 }
 
-/// Filters and compresses bands of rows on all threads; the `png` crate writes the header and the chunks.
-fn encode_published<T: Sample>(
-    encoder: png::Encoder<'_, impl Write>,
-    image: ArrayView3<'_, T>,
-) -> Result<(), png::EncodingError> {
-    let mut writer = encoder.write_header()?;
-    let (rows, columns, channels) = image.dim();
-    let pixel_bytes = channels * size_of::<T>();
-    let row_bytes = columns * pixel_bytes;
-    let filter = |band: std::ops::Range<usize>, out: &mut Vec<u8>| {
-        let mut filter = Filter::new(row_bytes, pixel_bytes);
-        let mut bytes = Vec::with_capacity(row_bytes);
-        if let Some(above) = band.start.checked_sub(1) {
-            gather(image.index_axis(ndarray::Axis(0), above), &mut bytes);
-            filter.set_above(&bytes);
+/// A writer of which one owner gives bytes away and another gets it back in the end: the `png` crate keeps what it has.
+struct Shared<W>(Arc<Mutex<W>>);
+
+impl<W: Write> Write for Shared<W> {
+    fn write(&mut self, data: &[u8]) -> std::io::Result<usize> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).write(data)
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).flush()
+    }
+}
+
+/// How the rows become bytes.
+enum Rows<W: Sink> {
+    /// Through the `png` crate, one row at a time.
+    Scratch(Box<png::StreamWriter<'static, Shared<W>>>),
+    /// In bands on all threads; the `png` crate writes the header and the chunks.
+    Published(Box<png::Writer<Shared<W>>>, Bands),
+}
+
+/// A PNG on its way into `W`. Whoever owns it counts the rows.
+pub(super) struct Encoder<T, W: Sink> {
+    rows: Rows<W>,
+    row_bytes: usize,
+    out: Arc<Mutex<W>>,
+    samples: PhantomData<fn(T)>,
+}
+
+impl<T: Sample, W: Sink> Encoder<T, W> {
+    /// Writes the header.
+    pub fn new(out: W, layout: Layout, meaning: Meaning, compression: Compression) -> Result<Self, Error> {
+        let out = Arc::new(Mutex::new(out));
+        let rows = Rows::new::<T>(Shared(Arc::clone(&out)), layout, meaning, compression);
+        match rows {
+            Ok(rows) => Ok(Self { rows, row_bytes: layout.row_bytes, out, samples: PhantomData }),
+            Err(error) => Err(fault(&out, error)),
         }
-        for row in band {
-            gather(image.index_axis(ndarray::Axis(0), row), &mut bytes);
-            filter.append(&bytes, out);
+    }
+
+    /// Takes the next rows, which are no more than are missing and as wide as the image.
+    pub fn write_rows(&mut self, rows: ArrayView3<'_, T>) -> Result<(), Error> {
+        let outcome = match &mut self.rows {
+            Rows::Scratch(writer) => {
+                let mut bytes = vec![0; self.row_bytes];
+                rows.outer_iter().try_for_each(|row| {
+                    gather(row, &mut bytes);
+                    Ok(writer.write_all(&bytes)?)
+                })
+            }
+            Rows::Published(writer, bands) => bands.push(
+                rows.dim().0,
+                |row, bytes| gather(rows.index_axis(Axis(0), row), bytes),
+                |data| writer.write_chunk(png::chunk::IDAT, data),
+            ),
+        };
+        outcome.map_err(|error| fault(&self.out, error))
+    }
+
+    /// Completes the file, and returns what it was written into.
+    pub fn finish(self) -> Result<W, Error> {
+        let outcome = match self.rows {
+            // The end of the file is written when the writer falls; should that fail, `W` knows.
+            Rows::Scratch(writer) => writer.finish(),
+            Rows::Published(writer, _) => writer.finish(),
+        };
+        outcome.map_err(|error| fault(&self.out, error))?;
+        match Arc::try_unwrap(self.out) {
+            Ok(out) => Ok(out.into_inner().unwrap_or_else(PoisonError::into_inner)),
+            Err(out) => Err(fault(&out, std::io::Error::other("the encoder still holds its output").into())),
         }
-    };
-    zlib::compress(rows, row_bytes + 1, filter, |data| writer.write_chunk(png::chunk::IDAT, data))?;
-    writer.finish()
+    }
 }
 
-/// Replaces `bytes` by those of a row of any strides.
-fn gather<T: Sample>(row: ArrayView2<'_, T>, bytes: &mut Vec<u8>) {
-    bytes.clear();
+fn fault<W: Sink>(out: &Mutex<W>, error: png::EncodingError) -> Error {
+    out.lock().unwrap_or_else(PoisonError::into_inner).fault(error)
+}
+
+impl<W: Sink> Rows<W> {
+    fn new<T: Sample>(
+        out: Shared<W>,
+        layout: Layout,
+        meaning: Meaning,
+        compression: Compression,
+    ) -> Result<Self, png::EncodingError> {
+        let mut encoder = png::Encoder::new(out, layout.width, layout.height);
+        encoder.set_color(layout.colour);
+        encoder.set_depth(if T::BYTES == 1 { png::BitDepth::Eight } else { png::BitDepth::Sixteen });
+        if meaning == Meaning::Srgb {
+            encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        }
+        Ok(match compression {
+            Compression::Scratch => {
+                encoder.set_compression(png::Compression::Fast);
+                encoder.set_filter(png::Filter::Adaptive);
+                Self::Scratch(Box::new(encoder.write_header()?.into_stream_writer_with_size(1 << 16)?))
+            }
+            Compression::Published => {
+                let bands = Bands::new(layout.size.rows, layout.row_bytes, layout.pixel_bytes);
+                Self::Published(Box::new(encoder.write_header()?), bands)
+            }
+        })
+    }
+}
+
+/// Puts a row of any strides into its bytes.
+fn gather<T: Sample>(row: ArrayView2<'_, T>, bytes: &mut [u8]) {
     match row.as_slice() {
-        Some(dense) => T::extend_dense(dense, bytes),
-        None => row.iter().for_each(|sample| sample.push(bytes)),
+        Some(dense) => T::put_dense(dense, bytes),
+        None => row.iter().zip(bytes.chunks_exact_mut(T::BYTES)).for_each(|(sample, bytes)| sample.put(bytes)),
     }
 }

@@ -1,0 +1,128 @@
+//! An EXR that is written band by band, so that it never is in memory as a whole.
+
+use std::path::Path;
+
+use holo_core::GridSize;
+use ndarray::ArrayView2;
+
+use super::write::Encoder;
+use super::{ExrCompression, ExrSamples};
+use crate::{AtomicFile, Error, Written};
+
+/// Writes an EXR from top to bottom, a band of rows at a time.
+///
+/// Memory holds at most 64 MiB of samples (or one block of lines, if that is more) and what they become. How the rows are
+/// cut into bands makes no difference to the bytes of the file, nor does the number of threads.
+///
+/// The file appears with [`finish`](Self::finish), whole; a writer that is dropped leaves nothing behind. Where `path` is
+/// a device or a pipe, in which one cannot go back to the table of blocks, the compressed file waits in memory until then.
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::GridSize;
+/// use holo_io::{ExrCompression, ExrSamples, ExrWriter};
+/// use ndarray::{Array3, Axis};
+///
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("raw.exr");
+/// let channels = ["R", "G", "B"].map(|name| (name, ExrSamples::Half));
+/// let mut exr = ExrWriter::create(&path, GridSize::new(40, 30), &channels, ExrCompression::Zip)?;
+/// for band in 0..4 {
+///     let rows = Array3::from_elem((10, 30, 3), band as f32);
+///     exr.write_rows(&[0, 1, 2].map(|channel| rows.index_axis(Axis(2), channel)))?;
+/// }
+/// assert!(!path.exists());
+/// let written = exr.finish()?;
+/// assert_eq!(written, holo_io::hash_file(&path)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct ExrWriter {
+    file: AtomicFile,
+    /// The file so far, where it cannot be changed once it is written.
+    whole: Option<Vec<u8>>,
+    encoder: Encoder,
+}
+
+impl std::fmt::Debug for ExrWriter {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ExrWriter").field("file", &self.file).finish_non_exhaustive()
+    }
+}
+
+impl ExrWriter {
+    /// Starts a file of `size` with the given channels: full names, such as `ViewLayer.Combined.R`, and what their samples
+    /// are. The file has them sorted by name, as the format wants it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadInput`] if there is no channel or no pixel, if names repeat, are empty, longer than 255 bytes or contain
+    /// a NUL, if identifiers are to be [`Half`](ExrSamples::Half), or if one block of lines would exceed 2 GiB;
+    /// [`Error::Io`] if the file cannot be written.
+    pub fn create(
+        path: impl AsRef<Path>,
+        size: GridSize,
+        channels: &[(&str, ExrSamples)],
+        compression: ExrCompression,
+    ) -> Result<Self, Error> {
+        let path = path.as_ref();
+        // In memory first, so that what cannot be written touches no file.
+        let mut start = Vec::new();
+        let encoder = Encoder::new(size, channels, compression, path, &mut start)?;
+        let mut file = AtomicFile::create(path)?;
+        let mut whole = None;
+        if file.is_temporary() {
+            // The table is known only at the end.
+            file.hash_at_commit();
+            std::io::Write::write_all(&mut file, &start).map_err(|error| Error::io("write", path, error))?;
+        } else {
+            whole = Some(start);
+        }
+        Ok(Self { file, whole, encoder })
+    }
+
+    /// Writes the next rows, any number of them.
+    ///
+    /// # Shape
+    ///
+    /// One plane `(rows, columns)` a channel, in the order in which the channels were given; any strides.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadInput`] if the planes do not fit, if there are more rows than the image has, or if a finite value is too
+    /// large for [`ExrSamples::Half`]; [`Error::Io`] if the file cannot be written. After an error the file cannot be
+    /// finished.
+    pub fn write_rows(&mut self, planes: &[ArrayView2<'_, f32>]) -> Result<(), Error> {
+        let path = self.file.path().to_owned();
+        match &mut self.whole {
+            Some(whole) => self.encoder.write_rows(planes, &path, whole),
+            None => self.encoder.write_rows(planes, &path, &mut self.file),
+        }
+    }
+
+    /// Completes the file, and gives it its name.
+    ///
+    /// The digest is that of the whole file, which is read once for it.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadInput`] if rows are missing; [`Error::Io`] if the file cannot be written. No file of that name appears
+    /// then, and an older one stays.
+    pub fn finish(self) -> Result<Written, Error> {
+        let Self { mut file, whole, encoder } = self;
+        let path = file.path().to_owned();
+        let failed = |error| Error::io("write", &path, error);
+        match whole {
+            Some(mut bytes) => {
+                let (at, table) = encoder.finish(&path, &mut bytes)?;
+                bytes[at..at + table.len()].copy_from_slice(&table);
+                std::io::Write::write_all(&mut file, &bytes).map_err(failed)?;
+            }
+            None => {
+                let (at, table) = encoder.finish(&path, &mut file)?;
+                file.overwrite(at as u64, &table).map_err(failed)?;
+            }
+        }
+        file.commit()
+    }
+}

@@ -1,0 +1,128 @@
+//! A PNG that is written band by band, so that it never is in memory as a whole.
+
+use std::path::{Path, PathBuf};
+
+use holo_core::GridSize;
+use ndarray::ArrayView3;
+
+use super::encode::{Encoder, Layout, Sample};
+use super::{Compression, Meaning};
+use crate::{AtomicFile, Error, Written};
+
+/// A sample of a PNG: `u8` or `u16`.
+pub trait PngSample: Sample {}
+
+impl PngSample for u8 {}
+impl PngSample for u16 {}
+
+/// Writes a PNG of 8 or 16 bits a channel from top to bottom, a band of rows at a time.
+///
+/// Memory holds at most 64 MiB of rows (or one, if that is more) and what they become; with [`Compression::Scratch`] only
+/// one row. How the rows are cut into bands makes no difference to the bytes of the file, nor does the number of threads.
+///
+/// The file appears with [`finish`](Self::finish), whole; a writer that is dropped leaves nothing behind.
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::GridSize;
+/// use holo_io::{Compression, Meaning, PngWriter};
+/// use ndarray::Array3;
+///
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("raw.png");
+/// let mut png = PngWriter::create(&path, GridSize::new(40, 30), 3, Meaning::Srgb, Compression::Published)?;
+/// for band in 0..4 {
+///     png.write_rows(Array3::<u8>::from_elem((10, 30, 3), band * 60).view())?;
+/// }
+/// assert!(!path.exists());
+/// let written = png.finish()?;
+/// assert_eq!(written, holo_io::hash_file(&path)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct PngWriter<T: PngSample> {
+    path: PathBuf,
+    encoder: Encoder<T, AtomicFile>,
+    layout: Layout,
+    rows: usize,
+    has_failed: bool,
+}
+
+impl<T: PngSample> std::fmt::Debug for PngWriter<T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("PngWriter").field("path", &self.path).field("rows", &self.rows).finish_non_exhaustive()
+    }
+}
+
+impl<T: PngSample> PngWriter<T> {
+    /// Starts a file of `size` with 1 (grey), 2 (grey, alpha), 3 (RGB) or 4 (RGB, alpha) channels.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadInput`] if the image is empty, has another number of channels or more than 2^31 - 1 rows or columns;
+    /// [`Error::Io`] if the file cannot be written.
+    pub fn create(
+        path: impl AsRef<Path>,
+        size: GridSize,
+        channels: usize,
+        meaning: Meaning,
+        compression: Compression,
+    ) -> Result<Self, Error> {
+        let path = path.as_ref();
+        let layout = Layout::new(size, channels, size_of::<T>(), path)?;
+        let file = AtomicFile::create(path)?;
+        let encoder = Encoder::new(file, layout, meaning, compression)?;
+        Ok(Self { path: path.to_owned(), encoder, layout, rows: 0, has_failed: false })
+    }
+
+    /// Writes the next rows, any number of them.
+    ///
+    /// # Shape
+    ///
+    /// `(rows, columns, channels)`; any strides.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadInput`] if columns or channels are not those of the image or if it has fewer rows; [`Error::Io`] if the
+    /// file cannot be written. After an error the file cannot be finished.
+    pub fn write_rows(&mut self, rows: ArrayView3<'_, T>) -> Result<(), Error> {
+        let bad = |what: String| Err(Error::bad_input(&self.path, what));
+        if self.has_failed {
+            return bad("an earlier band of rows could not be written".into());
+        }
+        let (count, columns, channels) = rows.dim();
+        let left = self.layout.size.rows - self.rows;
+        if (columns, channels) != (self.layout.size.columns, self.layout.channels) {
+            self.has_failed = true;
+            return bad(format!(
+                "rows of {columns} pixels and {channels} channels were given where {} and {} are needed",
+                self.layout.size.columns, self.layout.channels
+            ));
+        }
+        if count > left {
+            self.has_failed = true;
+            return bad(format!("{count} rows were given, but of {} only {left} are missing", self.layout.size.rows));
+        }
+        self.rows += count;
+        self.encoder.write_rows(rows).inspect_err(|_| self.has_failed = true)
+    }
+
+    /// Completes the file, and gives it its name.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadInput`] if rows are missing; [`Error::Io`] if the file cannot be written. No file of that name appears
+    /// then, and an older one stays.
+    pub fn finish(self) -> Result<Written, Error> {
+        let path = &self.path;
+        if self.has_failed || self.rows != self.layout.size.rows {
+            let (rows, of) = (self.rows, self.layout.size.rows);
+            let what = match self.has_failed {
+                true => "the image is not complete: a band of rows could not be written".to_owned(),
+                false => format!("the image is not complete: {rows} of {of} rows were written"),
+            };
+            return Err(Error::bad_input(path, what));
+        }
+        self.encoder.finish()?.commit()
+    }
+}

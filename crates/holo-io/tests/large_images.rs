@@ -1,0 +1,80 @@
+//! Raw images of 65,536 x 43,000 pixels, written in less than 500 MB of memory. They take minutes and, on the disk of the
+//! temporary folder, gigabytes for as long:
+//!
+//! `cargo test --release -p holo-io --test large_images -- --ignored --nocapture --test-threads=1`
+#![cfg(all(target_os = "linux", feature = "png", feature = "exr"))]
+
+use std::time::Instant;
+
+use holo_core::GridSize;
+use holo_io::{
+    Compression, ExrCompression, ExrSamples, ExrWriter, Meaning, PngWriter, Written, read_exr_info, read_png_info,
+};
+use ndarray::{Array3, ArrayView3, Axis};
+
+const SIZE: GridSize = GridSize { rows: 43_000, columns: 65_536 };
+const BAND: usize = 64;
+
+/// The most memory that this process has had so far, in bytes.
+fn peak() -> u64 {
+    let text = std::fs::read_to_string("/proc/self/status").unwrap();
+    let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
+    line.split_whitespace().next().unwrap().parse::<u64>().unwrap() * 1024
+}
+
+/// Hands out band after band of something that compresses: slow gradients with edges.
+fn bands<T: Copy + Default>(value: impl Fn(usize, usize, usize) -> T, mut take: impl FnMut(ArrayView3<'_, T>)) {
+    let mut band = Array3::from_elem((BAND, SIZE.columns, 3), T::default());
+    for first in (0..SIZE.rows).step_by(BAND) {
+        let rows = BAND.min(SIZE.rows - first);
+        for (row, mut line) in band.outer_iter_mut().enumerate() {
+            let line = line.as_slice_mut().unwrap();
+            for (column, pixel) in line.chunks_exact_mut(3).enumerate() {
+                (0..3).for_each(|channel| pixel[channel] = value(first + row, column, channel));
+            }
+        }
+        take(band.slice_axis(Axis(0), (..rows).into()));
+    }
+}
+
+fn report(what: &str, start: Instant, written: Written) {
+    let (seconds, megabytes, peak) = (start.elapsed().as_secs_f64(), written.bytes as f64 / 1e6, peak());
+    println!("{what}: {seconds:.1} s, {megabytes:.0} MB, peak of memory {:.0} MB", peak as f64 / 1e6);
+    assert!(peak < 500_000_000, "{what} took {peak} bytes");
+}
+
+#[test]
+#[ignore = "minutes, and gigabytes of disk"]
+fn png_of_64k_is_written_in_bounded_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    for compression in [Compression::Published, Compression::Scratch] {
+        let path = folder.path().join("raw.png");
+        let start = Instant::now();
+        let mut writer = PngWriter::create(&path, SIZE, 3, Meaning::Srgb, compression).unwrap();
+        bands(
+            |row, column, channel| (row / 16 + (column >> 6) * (channel + 1)) as u8,
+            |rows| writer.write_rows(rows).unwrap(),
+        );
+        report(&format!("PNG, RGB of 8 bits, {compression:?}"), start, writer.finish().unwrap());
+        let info = read_png_info(&path).unwrap();
+        assert_eq!((info.size, info.channels, info.bits), (SIZE, 3, 8));
+    }
+}
+
+#[test]
+#[ignore = "minutes, and gigabytes of disk"]
+fn exr_of_64k_is_written_in_bounded_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("raw.exr");
+    let start = Instant::now();
+    let channels = ["R", "G", "B"].map(|name| (name, ExrSamples::Half));
+    let mut writer = ExrWriter::create(&path, SIZE, &channels, ExrCompression::Zip).unwrap();
+    bands(
+        |row, column, channel| ((row / 16 + (column >> 6) * (channel + 1)) % 256) as f32 / 256.0,
+        |rows| {
+            writer.write_rows(&[0, 1, 2].map(|channel| rows.index_axis(Axis(2), channel))).unwrap();
+        },
+    );
+    report("EXR, RGB of half, ZIP", start, writer.finish().unwrap());
+    assert_eq!(read_exr_info(&path).unwrap().size, SIZE);
+}

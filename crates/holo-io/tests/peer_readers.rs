@@ -1,0 +1,87 @@
+//! What is written is what others read, bit for bit: Pillow or OpenCV for PNG, OpenEXR's own library for EXR.
+//!
+//! Needs a Python that has them: `HOLO_PYTHON`, or `python3`. Without, it says so and passes.
+#![cfg(all(feature = "png", feature = "exr"))]
+
+use std::path::Path;
+use std::process::Command;
+
+use holo_io::{Compression, ExrChannel, ExrCompression, Meaning, write_exr_with, write_png_u8, write_png_u16};
+use ndarray::{Array2, Array3};
+
+#[test]
+fn other_programs_read_the_same_bits() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut files = Vec::new();
+    let mut state = 1_u64;
+    let mut next = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 40) as u16
+    };
+    for channels in [1, 2, 3, 4] {
+        for (compression, kind) in [(Compression::Scratch, "s"), (Compression::Published, "p")] {
+            let deep = Array3::from_shape_simple_fn((37, 23, channels), &mut next);
+            let path = folder.path().join(format!("{channels}{kind}16.png"));
+            write_png_u16(&path, deep.view(), Meaning::Data, compression).unwrap();
+            // OpenCV has no grey with alpha: it makes three equal colours of it.
+            if channels != 2 {
+                files.push((path, deep.iter().map(|sample| format!("{sample:04x}")).collect::<String>()));
+                let flat = deep.mapv(|sample| sample as u8);
+                let path = folder.path().join(format!("{channels}{kind}8.png"));
+                write_png_u8(&path, flat.view(), Meaning::Srgb, compression).unwrap();
+                files.push((path, flat.iter().map(|sample| format!("{sample:02x}")).collect()));
+            }
+        }
+    }
+    // Whole numbers up to 2047 are exact in half; quarters of them and infinity too.
+    let halves = Array2::from_shape_simple_fn((70, 31), || f32::from(next() % 2048) / 4.0);
+    let mut floats = Array2::from_shape_simple_fn((70, 31), || f32::from_bits(u32::from(next()) << 15 | 7));
+    floats[[0, 0]] = f32::INFINITY;
+    for (compression, name) in [
+        (ExrCompression::Zip, "zip"),
+        (ExrCompression::Zips, "zips"),
+        (ExrCompression::Piz, "piz"),
+        (ExrCompression::None, "none"),
+    ] {
+        let path = folder.path().join(format!("{name}.exr"));
+        let channels = [
+            ExrChannel::half("ViewLayer.Combined.R", halves.view()),
+            ExrChannel::float("ViewLayer.Depth.Z", floats.view()),
+        ];
+        write_exr_with(&path, &channels, compression).unwrap();
+        let half = |value: &f32| {
+            // Exact numbers from 0 to 511.75 only.
+            let bits = value.to_bits();
+            if bits == 0 { 0 } else { ((bits >> 23) - 112) << 10 | bits >> 13 & 1023 }
+        };
+        let mut expected: String = halves.iter().map(|value| format!("{:04x}", half(value))).collect();
+        expected.extend(floats.iter().map(|value| format!("{:08x}", value.to_bits())));
+        files.push((path, expected));
+    }
+    let program = std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/peers/read_images.py");
+    let mut command = Command::new(&program);
+    command.arg(script).args(files.iter().map(|(path, _)| path));
+    let output = match command.output() {
+        Ok(output) if output.status.success() => output,
+        Ok(output) => {
+            let text = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert!(text.contains("ModuleNotFoundError"), "{text}");
+            println!("not run: {program} lacks a module; set HOLO_PYTHON to a Python with numpy, Pillow and OpenEXR");
+            return;
+        }
+        Err(error) => {
+            println!("not run: {program}: {error}");
+            return;
+        }
+    };
+    let text = String::from_utf8(output.stdout).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), files.len());
+    for ((path, expected), line) in files.iter().zip(lines) {
+        match line {
+            "-" => println!("{}: no program here reads it", path.display()),
+            line => assert!(line == expected, "{}", path.display()),
+        }
+    }
+}
