@@ -10,11 +10,11 @@ use std::path::{Path, PathBuf};
 #[non_exhaustive]
 pub enum Error {
     /// The file breaks its format's rules: truncated, damaged, or made by a faulty program.
-    #[error("{}: broken {format} file: {what}", .path.display())]
+    #[error("{}: broken {format}{}: {what}", .path.display(), if format.ends_with("folder") { "" } else { " file" })]
     Broken {
         /// The file, or `(memory)`.
         path: PathBuf,
-        /// The format that it was read as, such as `"PFM"`.
+        /// The format that it was read as, such as `"PFM"` or `"HCI folder"`.
         format: &'static str,
         /// What is wrong, and where in the file.
         what: String,

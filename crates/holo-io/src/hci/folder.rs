@@ -130,7 +130,7 @@ impl HciFolder {
         self.split
     }
 
-    /// Returns the rig, as far as the file knows it: see [what the HCI tools do not know](super::hci).
+    /// Returns the rig, as far as the file knows it: see [what the HCI tools do not know](super).
     ///
     /// # Errors
     ///

@@ -36,7 +36,7 @@ pub enum HciTruth<'a> {
     All(LightFieldView<'a, f32>),
 }
 
-/// What is to be written as an [HCI folder](super::hci).
+/// What is to be written as an [HCI folder](super).
 #[derive(Debug, Clone, Copy)]
 pub struct HciImage<'a> {
     /// The pictures.
@@ -50,8 +50,7 @@ pub struct HciImage<'a> {
 }
 
 impl<'a> HciImage<'a> {
-    /// Returns the names of all files in the order in which they are finished at the earliest: views, ground truth,
-    /// `parameters.cfg`.
+    /// Returns the names of all files: views, ground truth, and at last `parameters.cfg`.
     #[must_use]
     pub fn file_names(&self) -> Vec<String> {
         let names = self.names().into_iter().map(|name| name.to_string());

@@ -1,0 +1,443 @@
+//! HCI folders: round trips bit for bit, the names of the HCI tools, and what a reader does about damage.
+#![cfg(feature = "png")]
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use holo_core::{GridSize, Intrinsics, Layout, LightField, LightFieldOwned, Projection, RigParameters, Split};
+use holo_io::{
+    Compression, Error, HciFolder, HciImage, HciQuantity, HciResolution, HciTruth, HciViews, Limits, Meaning,
+    ParametersCfg, PngLightField, PngSamples, write_pfm, write_png_u8, write_png_u16,
+};
+use ndarray::{Array2, Array3, Axis, s};
+use proptest::prelude::*;
+
+fn rig(split: Split) -> RigParameters {
+    RigParameters {
+        split,
+        intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
+        baseline_x_m: 0.025,
+        baseline_y_m: 0.025,
+        focus_distance_m: 4.25,
+        projection: Projection::Perspective,
+    }
+}
+
+fn split(views: [usize; 2], lenses: [usize; 2]) -> Split {
+    Split::new(GridSize::new(views[0], views[1]), GridSize::new(lenses[0], lenses[1])).unwrap()
+}
+
+/// Samples that tell where they belong, in memory as a raw image.
+fn field<T: Copy>(split: Split, channels: usize, sample: impl Fn(u64) -> T) -> LightFieldOwned<T> {
+    let mut field = LightField::filled(split, channels, Layout::ElementalGrid, sample(0)).unwrap();
+    // A step that reaches all bits.
+    let mut value = 0_u64;
+    field.samples_mut().map_inplace(|place| {
+        value = value.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        *place = sample(value >> 33);
+    });
+    field
+}
+
+fn bytes(split: Split, channels: usize) -> LightFieldOwned<u8> {
+    field(split, channels, |value| value as u8)
+}
+
+fn maps(split: Split) -> LightFieldOwned<f32> {
+    let mut maps = field(split, 1, |value| value as f32 / 1000.0);
+    maps.samples_mut()[[0, 0, 0, 0, 0]] = f32::INFINITY;
+    maps
+}
+
+fn write(path: &Path, views: &LightFieldOwned<u8>, parameters: &ParametersCfg) -> Result<(), Error> {
+    let image = HciImage {
+        views: HciViews::U8(views.borrowed()),
+        parameters,
+        disparity_px: HciTruth::None,
+        depth_m: HciTruth::None,
+    };
+    image.write(path, Compression::Scratch).map(|_| ())
+}
+
+/// A folder with 2 x 3 views of 4 x 5 pixels and no ground truth.
+fn small() -> (tempfile::TempDir, LightFieldOwned<u8>) {
+    let split = split([2, 3], [4, 5]);
+    let folder = tempfile::tempdir().unwrap();
+    let views = bytes(split, 3);
+    write(folder.path(), &views, &ParametersCfg::from_rig(&rig(split))).unwrap();
+    (folder, views)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    #[test]
+    fn any_grid_comes_back_bit_for_bit(
+        t in 1_usize..5, s in 1_usize..5, v in 1_usize..6, u in 1_usize..6, rgb: bool, deep: bool, all: bool,
+        infinite: bool, published: bool,
+    ) {
+        let split = split([t, s], [v, u]);
+        let mut rig = rig(split);
+        if infinite {
+            rig.focus_distance_m = f64::INFINITY;
+        }
+        let parameters = ParametersCfg::from_rig(&rig);
+        let channels = if rgb { 3 } else { 1 };
+        let (shallow, deeper) = (bytes(split, channels), field(split, channels, |value| value as u16));
+        let maps = maps(split);
+        let (row, column) = split.central_view();
+        let central = maps.view(row, column).unwrap().index_axis_move(Axis(2), 0).to_owned();
+        let image = HciImage {
+            views: if deep { HciViews::U16(deeper.borrowed()) } else { HciViews::U8(shallow.borrowed()) },
+            parameters: &parameters,
+            disparity_px: HciTruth::Central(central.view()),
+            depth_m: if all { HciTruth::All(maps.borrowed()) } else { HciTruth::None },
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let compression = if published { Compression::Published } else { Compression::Scratch };
+        let written = image.write(folder.path(), compression).unwrap();
+        let names: Vec<String> = written.iter().map(|(name, _)| name.clone()).collect();
+        prop_assert_eq!(&names, &image.file_names());
+        prop_assert_eq!(names.last().unwrap(), "parameters.cfg");
+        prop_assert_eq!(fs::read_dir(folder.path()).unwrap().count(), names.len());
+        for (name, written) in written {
+            prop_assert_eq!(holo_io::hash_file(folder.path().join(name)).unwrap(), written);
+        }
+
+        let limits = Limits::default();
+        let read = HciFolder::open(folder.path()).unwrap();
+        prop_assert_eq!(*read.rig().unwrap().parameters(), rig);
+        prop_assert_eq!(read.parameters(), &parameters);
+        let expected = if deep { PngLightField::U16(deeper) } else { PngLightField::U8(shallow) };
+        prop_assert_eq!(&read.read(&limits).unwrap(), &expected);
+        let one = match (&expected, read.read_view(t - 1, s - 1, &limits).unwrap()) {
+            (PngLightField::U8(all), PngSamples::U8(one)) => all.view(t - 1, s - 1).unwrap() == one,
+            (PngLightField::U16(all), PngSamples::U16(one)) => all.view(t - 1, s - 1).unwrap() == one,
+            _ => false,
+        };
+        prop_assert!(one);
+        let truth = |quantity| read.central_truth(quantity, HciResolution::Low, &limits).unwrap();
+        prop_assert_eq!(truth(HciQuantity::Disparity).unwrap(), &central);
+        prop_assert_eq!(truth(HciQuantity::Depth), all.then_some(central));
+        prop_assert_eq!(read.truth_of_all_views(HciQuantity::Disparity, &limits).unwrap(), None);
+        prop_assert_eq!(read.truth_of_all_views(HciQuantity::Depth, &limits).unwrap(), all.then_some(maps));
+    }
+}
+
+#[test]
+fn more_than_999_views_have_the_numbers_of_the_hci_tools() {
+    let split = split([26, 40], [2, 3]);
+    let folder = tempfile::tempdir().unwrap();
+    let views = bytes(split, 3);
+    write(folder.path(), &views, &ParametersCfg::from_rig(&rig(split))).unwrap();
+    for name in ["input_Cam000.png", "input_Cam999.png", "input_Cam1000.png", "input_Cam1039.png"] {
+        assert!(folder.path().join(name).is_file(), "{name}");
+    }
+    assert!(!folder.path().join("input_Cam0000.png").exists() && !folder.path().join("input_Cam1040.png").exists());
+    let read = HciFolder::open(folder.path()).unwrap();
+    assert_eq!(read.read(&Limits::default()).unwrap(), PngLightField::U8(views.clone()));
+    // Four digits throughout, as other programs number.
+    for index in 0..1000 {
+        let name = |digits: usize| folder.path().join(format!("input_Cam{index:0digits$}.png"));
+        fs::rename(name(3), name(4)).unwrap();
+    }
+    let read = HciFolder::open(folder.path()).unwrap();
+    assert_eq!(read.read(&Limits::default()).unwrap(), PngLightField::U8(views));
+}
+
+#[test]
+fn the_central_view_of_even_counts_is_a_real_one() {
+    let split = split([2, 4], [3, 3]);
+    let maps = maps(split);
+    let views = bytes(split, 1);
+    let folder = tempfile::tempdir().unwrap();
+    let parameters = ParametersCfg::from_rig(&rig(split));
+    let image = HciImage {
+        views: HciViews::U8(views.borrowed()),
+        parameters: &parameters,
+        disparity_px: HciTruth::All(maps.borrowed()),
+        depth_m: HciTruth::None,
+    };
+    image.write(folder.path(), Compression::Scratch).unwrap();
+    let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
+    assert_eq!(read("gt_disp_lowres.pfm"), read("gt_disp_lowres_Cam006.pfm"));
+    // Without a file of its own the central map is the numbered one.
+    fs::remove_file(folder.path().join("gt_disp_lowres.pfm")).unwrap();
+    let opened = HciFolder::open(folder.path()).unwrap();
+    let central = opened.central_truth(HciQuantity::Disparity, HciResolution::Low, &Limits::default()).unwrap();
+    assert_eq!(central.unwrap(), maps.view(1, 2).unwrap().index_axis_move(Axis(2), 0));
+    // One map less, and there are no longer those of all views.
+    fs::remove_file(folder.path().join("gt_disp_lowres_Cam005.pfm")).unwrap();
+    let opened = HciFolder::open(folder.path()).unwrap();
+    assert_eq!(opened.truth_of_all_views(HciQuantity::Disparity, &Limits::default()).unwrap(), None);
+}
+
+#[test]
+fn unequal_baselines_and_parallel_views_keep_their_rig() {
+    let split = split([3, 3], [2, 2]);
+    let rig = RigParameters { baseline_y_m: 0.5, projection: Projection::Orthographic, ..rig(split) };
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), &bytes(split, 3), &ParametersCfg::from_rig(&rig)).unwrap();
+    assert_eq!(HciFolder::open(folder.path()).unwrap().rig().unwrap().parameters(), &rig);
+    // What the HCI tools read is the horizontal one.
+    let text = fs::read_to_string(folder.path().join("parameters.cfg")).unwrap();
+    assert!(text.contains("\nbaseline_mm = 25.0\n"), "{text}");
+}
+
+#[test]
+fn optional_keys_may_be_missing() {
+    let (folder, views) = small();
+    let least = "[intrinsics]\nfocal_length_mm=100\nimage_resolution_x_px=5\nimage_resolution_y_px=4\nsensor_size_mm=35\n\
+                 [extrinsics]\nnum_cams_x=3\nnum_cams_y=2\nbaseline_mm=1\nfocus_distance_m=0\n";
+    let parameters = folder.path().join("parameters.cfg");
+    fs::write(&parameters, least).unwrap();
+    let read = HciFolder::open(folder.path()).unwrap();
+    assert_eq!(read.rig().unwrap().parameters().focus_distance_m, f64::INFINITY);
+    assert_eq!(read.read(&Limits::default()).unwrap(), PngLightField::U8(views));
+    for quantity in [HciQuantity::Depth, HciQuantity::Disparity] {
+        for resolution in [HciResolution::Low, HciResolution::High] {
+            assert_eq!(read.central_truth(quantity, resolution, &Limits::default()).unwrap(), None);
+        }
+    }
+    // Numbers that make no rig do not keep the pictures from being read.
+    fs::write(&parameters, least.replace("focal_length_mm=100", "focal_length_mm=0")).unwrap();
+    let read = HciFolder::open(folder.path()).unwrap();
+    assert!(matches!(read.rig(), Err(Error::Core { .. })));
+    read.read(&Limits::default()).unwrap();
+    fs::write(&parameters, least.replace("num_cams_x=3", "num_cams_x=0")).unwrap();
+    assert!(matches!(HciFolder::open(folder.path()), Err(Error::Core { .. })));
+    // A grid that no folder holds is refused without counting it out.
+    fs::write(&parameters, least.replace("num_cams_x=3", "num_cams_x=1000000000000")).unwrap();
+    assert!(matches!(HciFolder::open(folder.path()), Err(Error::Broken { .. })));
+}
+
+#[test]
+fn alpha_is_dropped_and_colours_stay() {
+    let (folder, views) = small();
+    for (index, ((_, _), view)) in views.views().enumerate() {
+        let with_alpha = Array3::from_shape_fn((4, 5, 4), |(row, column, channel)| {
+            if channel == 3 { (row * 50) as u8 } else { view[[row, column, channel]] }
+        });
+        // Every second view, so that RGB and RGBA stand side by side.
+        if index % 2 == 0 {
+            let path = folder.path().join(format!("input_Cam{index:03}.png"));
+            write_png_u8(path, with_alpha.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+        }
+    }
+    let read = HciFolder::open(folder.path()).unwrap();
+    assert_eq!(read.read(&Limits::default()).unwrap(), PngLightField::U8(views.clone()));
+    let PngSamples::U8(one) = read.read_view(0, 2, &Limits::default()).unwrap() else { panic!("8 bits") };
+    assert_eq!(one, views.view(0, 2).unwrap());
+}
+
+#[test]
+fn views_that_are_missing_or_unlike_the_others_are_named() {
+    let (folder, views) = small();
+    let path = |name: &str| folder.path().join(name);
+    let opened = HciFolder::open(folder.path()).unwrap();
+    let message = |opened: &HciFolder| opened.read(&Limits::default()).unwrap_err().to_string();
+
+    let wide: Array3<u8> = Array3::zeros((4, 6, 3));
+    write_png_u8(path("input_Cam003.png"), wide.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    let text = message(&opened);
+    assert!(text.ends_with("it has 6 x 4 pixels, but parameters.cfg says 5 x 4"), "{text}");
+    assert!(text.contains("input_Cam003.png: broken HCI folder: it has"), "{text}");
+    assert!(matches!(opened.read_view(1, 0, &Limits::default()), Err(Error::Broken { .. })));
+    opened.read_view(0, 0, &Limits::default()).unwrap();
+
+    let deep: Array3<u16> = Array3::zeros((4, 5, 3));
+    write_png_u16(path("input_Cam003.png"), deep.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    let text = message(&opened);
+    assert!(text.contains("RGB in 16 bits, but input_Cam000.png is 5 x 4 pixels of RGB in 8 bits"), "{text}");
+    let grey = views.samples().slice(s![.., .., 0, 0, ..1]).to_owned();
+    write_png_u8(path("input_Cam003.png"), grey.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    assert!(message(&opened).contains("pixels of grey in 8 bits"));
+    fs::write(path("input_Cam003.png"), b"\x89PNG").unwrap();
+    assert!(matches!(opened.read(&Limits::default()), Err(Error::Broken { format: "PNG", .. })));
+
+    fs::remove_file(path("input_Cam003.png")).unwrap();
+    let error = HciFolder::open(folder.path()).unwrap_err().to_string();
+    assert!(error.contains("there is no input_Cam003.png, the view in row 1, column 0 of the 3 x 2"), "{error}");
+    fs::copy(path("input_Cam000.png"), path("input_Cam0000.png")).unwrap();
+    let error = HciFolder::open(folder.path()).unwrap_err().to_string();
+    assert!(error.contains("has the same number"), "{error}");
+
+    for (t, s) in [(2, 0), (0, 3), (usize::MAX, usize::MAX)] {
+        assert!(matches!(opened.read_view(t, s, &Limits::default()), Err(Error::Core { .. })));
+        let truth = opened.truth_of_view(HciQuantity::Depth, HciResolution::Low, t, s, &Limits::default());
+        assert!(matches!(truth, Err(Error::Core { .. })));
+    }
+}
+
+#[test]
+fn the_budget_is_for_all_views_together() {
+    let (folder, _) = small();
+    let opened = HciFolder::open(folder.path()).unwrap();
+    let needed = 2 * 3 * 4 * 5 * 3;
+    opened.read(&Limits { max_bytes: needed }).unwrap();
+    let error = opened.read(&Limits { max_bytes: needed - 1 }).unwrap_err();
+    assert!(matches!(error, Error::TooLarge { needed: 360, allowed: 359, .. }), "{error}");
+}
+
+#[test]
+fn ground_truth_of_other_sizes_is_refused_unless_it_is_finer() {
+    let (folder, _) = small();
+    let fine: Array2<f32> = Array2::from_shape_fn((40, 50), |(row, column)| (row * 50 + column) as f32);
+    for name in ["gt_depth_lowres.pfm", "gt_depth_highres.pfm", "gt_depth_highres_Cam0001.pfm"] {
+        write_pfm(folder.path().join(name), fine.view()).unwrap();
+    }
+    let opened = HciFolder::open(folder.path()).unwrap();
+    let limits = Limits::default();
+    let low = opened.central_truth(HciQuantity::Depth, HciResolution::Low, &limits);
+    assert!(low.unwrap_err().to_string().ends_with("it has 50 x 40 pixels, but parameters.cfg says 5 x 4"));
+    assert_eq!(opened.central_truth(HciQuantity::Depth, HciResolution::High, &limits).unwrap().unwrap(), fine);
+    let one = opened.truth_of_view(HciQuantity::Depth, HciResolution::High, 0, 1, &limits).unwrap();
+    assert_eq!(one.unwrap(), fine);
+}
+
+#[test]
+fn what_does_not_fit_together_is_not_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let size = split([2, 3], [4, 5]);
+    let views = bytes(size, 3);
+    let good = ParametersCfg::from_rig(&rig(size));
+    let other = ParametersCfg::from_rig(&rig(split([3, 2], [4, 5])));
+    let error = write(folder.path(), &views, &other).unwrap_err().to_string();
+    assert!(
+        error.ends_with(
+            "the parameters are for 2 x 3 views of 5 x 4 pixels, the pictures are 3 x 2 views of 5 x 4 pixels"
+        ),
+        "{error}"
+    );
+    let unwritable = ParametersCfg { scene: "a\nb".into(), ..good.clone() };
+    assert!(matches!(write(folder.path(), &views, &unwritable), Err(Error::BadInput { .. })));
+    let small: Array2<f32> = Array2::zeros((5, 4));
+    let colour: LightFieldOwned<f32> = LightField::filled(size, 3, Layout::ElementalGrid, 0.0).unwrap();
+    for truth in [HciTruth::Central(small.view()), HciTruth::All(colour.borrowed())] {
+        let views = HciViews::U8(views.borrowed());
+        let image = HciImage { views, parameters: &good, disparity_px: HciTruth::None, depth_m: truth };
+        assert!(matches!(image.write(folder.path(), Compression::Scratch), Err(Error::BadInput { .. })));
+    }
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    // A file, and nothing at all, instead of a folder.
+    let file = folder.path().join("file");
+    fs::write(&file, b"x").unwrap();
+    for path in [file, folder.path().join("none")] {
+        assert!(matches!(write(&path, &views, &good), Err(Error::Io { .. })), "{}", path.display());
+        assert!(matches!(HciFolder::open(&path), Err(Error::Io { .. })), "{}", path.display());
+    }
+}
+
+#[test]
+fn a_folder_does_not_look_complete_before_it_is() {
+    let (folder, views) = small();
+    let parameters = folder.path().join("parameters.cfg");
+    let good = ParametersCfg::from_rig(&rig(views.split()));
+    // The same again replaces everything.
+    write(folder.path(), &views, &good).unwrap();
+    // Something in the way of a view: the older parameters are gone and the new ones never come.
+    let view = folder.path().join("input_Cam004.png");
+    fs::remove_file(&view).unwrap();
+    fs::create_dir(&view).unwrap();
+    assert!(matches!(write(folder.path(), &views, &good), Err(Error::Io { .. })));
+    assert!(!parameters.exists());
+    assert_eq!(HciFolder::open(folder.path()).unwrap_err().path(), parameters);
+    fs::remove_dir(&view).unwrap();
+    write(folder.path(), &views, &good).unwrap();
+
+    // What is left of a larger grid would be taken for a part of this one by other readers: nothing is touched.
+    let fewer = bytes(split([2, 2], [4, 5]), 3);
+    let error = write(folder.path(), &fewer, &ParametersCfg::from_rig(&rig(fewer.split()))).unwrap_err();
+    assert!(matches!(error, Error::BadInput { .. }), "{error}");
+    assert_eq!(HciFolder::open(folder.path()).unwrap().read(&Limits::default()).unwrap(), PngLightField::U8(views));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_folder_that_cannot_be_written_is_an_error() {
+    use std::os::unix::fs::PermissionsExt;
+    let (folder, views) = small();
+    fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o555)).unwrap();
+    let refused = write(folder.path(), &views, &ParametersCfg::from_rig(&rig(views.split())));
+    let is_root = fs::write(folder.path().join("probe"), b"x").is_ok();
+    // Reading needs no permission to write, and nothing was lost.
+    HciFolder::open(folder.path()).unwrap().read(&Limits::default()).unwrap();
+    fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o755)).unwrap();
+    if is_root {
+        eprintln!("not run: needs a user whom permissions bind");
+        return;
+    }
+    assert!(matches!(refused, Err(Error::Io { .. })));
+}
+
+/// Reads the folder with none of our code and prints what it finds.
+const READER: &str = r#"
+import configparser, os, re, sys
+import numpy as np
+from PIL import Image
+folder = sys.argv[1]
+config = configparser.ConfigParser(delimiters=("=",))
+config.read_file(open(os.path.join(folder, "parameters.cfg")))
+columns, rows = config.getint("extrinsics", "num_cams_x"), config.getint("extrinsics", "num_cams_y")
+width = config.getint("intrinsics", "image_resolution_x_px")
+height = config.getint("intrinsics", "image_resolution_y_px")
+for section, keys in (("intrinsics", "focal_length_mm sensor_size_mm fstop"),
+                      ("extrinsics", "baseline_mm focus_distance_m offset"),
+                      ("meta", "disp_min disp_max depth_map_scale")):
+    for key in keys.split():
+        print(key, repr(config.getfloat(section, key)))
+def pfm(name):
+    with open(os.path.join(folder, name), "rb") as f:
+        assert f.readline() == b"Pf\n"
+        w, h = map(int, f.readline().split())
+        scale = float(f.readline())
+        assert (w, h, scale) == (width, height, -1.0)
+        return np.frombuffer(f.read(), "<f4").reshape(h, w)[::-1]
+views = np.stack([np.asarray(Image.open(os.path.join(folder, "input_Cam%03d.png" % i))) for i in range(rows * columns)])
+assert views.shape == (rows * columns, height, width, 3) and views.dtype == np.uint8, views.shape
+print("views", views.tobytes().hex())
+print("central", pfm("gt_disp_lowres.pfm").astype("<f4").tobytes().hex())
+print("depth", b"".join(pfm("gt_depth_lowres_Cam%03d.pfm" % i).astype("<f4").tobytes() for i in range(rows * columns)).hex())
+"#;
+
+#[test]
+fn python_reads_what_is_written() {
+    let python = std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let probe = Command::new(&python).args(["-c", "import numpy, PIL"]).output();
+    if !probe.is_ok_and(|probe| probe.status.success()) {
+        eprintln!("not run: needs a Python with numpy and pillow (HOLO_PYTHON names it)");
+        return;
+    }
+    let size = split([4, 3], [5, 6]);
+    let (views, maps) = (bytes(size, 3), maps(size));
+    let (t, s) = size.central_view();
+    let central = maps.view(t, s).unwrap().index_axis_move(Axis(2), 0);
+    let mut parameters = ParametersCfg::from_rig(&RigParameters { baseline_y_m: 0.05, ..rig(size) });
+    parameters.set_disparity_range_px(-1.42, 1.61);
+    parameters.scene = "100 % = all".into();
+    let image = HciImage {
+        views: HciViews::U8(views.borrowed()),
+        parameters: &parameters,
+        disparity_px: HciTruth::Central(central),
+        depth_m: HciTruth::All(maps.borrowed()),
+    };
+    let folder = tempfile::tempdir().unwrap();
+    image.write(folder.path(), Compression::Published).unwrap();
+    let output = Command::new(&python).args(["-c", READER]).arg(folder.path()).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = String::from_utf8(output.stdout).unwrap();
+
+    let hex = |bytes: Vec<u8>| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+    let floats = |map: ndarray::ArrayView2<f32>| map.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+    let all_views = views.views().flat_map(|(_, view)| view.iter().copied().collect::<Vec<u8>>()).collect();
+    let all_maps = maps.views().flat_map(|(_, map)| floats(map.index_axis_move(Axis(2), 0))).collect();
+    let expected = format!(
+        "focal_length_mm 100.0\nsensor_size_mm 35.0\nfstop 100.0\nbaseline_mm 25.0\nfocus_distance_m 4.25\noffset {:?}\n\
+         disp_min -1.6\ndisp_max 1.8\ndepth_map_scale 1.0\nviews {}\ncentral {}\ndepth {}\n",
+        parameters.offset.unwrap(),
+        hex(all_views),
+        hex(floats(central)),
+        hex(all_maps)
+    );
+    assert_eq!(text.replace('\r', ""), expected);
+}
