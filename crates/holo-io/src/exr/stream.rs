@@ -11,7 +11,7 @@ use crate::{AtomicFile, Error, Written};
 
 /// Writes an EXR from top to bottom, a band of rows at a time.
 ///
-/// Memory holds at most 64 MiB of samples (or one block of lines, if that is more) and what they become. How the rows are
+/// Memory holds a few times 64 MiB (or a few blocks of lines, if those are more), whatever the size. How the rows are
 /// cut into bands makes no difference to the bytes of the file, nor does the number of threads.
 ///
 /// The file appears with [`finish`](Self::finish), whole; a writer that is dropped leaves nothing behind. Where `path` is

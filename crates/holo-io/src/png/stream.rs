@@ -17,8 +17,9 @@ impl PngSample for u16 {}
 
 /// Writes a PNG of 8 or 16 bits a channel from top to bottom, a band of rows at a time.
 ///
-/// Memory holds at most 64 MiB of rows (or one, if that is more) and what they become; with [`Compression::Scratch`] only
-/// one row. How the rows are cut into bands makes no difference to the bytes of the file, nor does the number of threads.
+/// Memory holds a few times 64 MiB (or a few rows, if those are more), whatever the size; with [`Compression::Scratch`]
+/// only one row. How the rows are cut into bands makes no difference to the bytes of the file, nor does the number of
+/// threads.
 ///
 /// The file appears with [`finish`](Self::finish), whole; a writer that is dropped leaves nothing behind.
 ///
