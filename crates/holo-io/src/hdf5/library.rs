@@ -57,7 +57,8 @@ pub(crate) fn create(place: &Path, user_block: u64, oldest: bool) -> ::hdf5::Res
             }
             access
         })
-        .with_fcpl(|creation| creation.userblock(user_block))
+        // The root is an object too, and would hold the time.
+        .with_fcpl(|creation| creation.userblock(user_block).obj_track_times(false))
         .create(place)
 }
 
