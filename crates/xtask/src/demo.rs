@@ -23,7 +23,8 @@ pub fn run(arguments: &[String]) -> Result {
                 .arg("render")
                 .arg(&scene)
                 .args(["--sensor", "8k", "--views", views, "--baseline-m", baseline_m])
-                .args(["--sky", "0.35,0.45,0.6", "--spp", "2", "--out"])
+                // Direct light: the grass is dense, and a first look should not take minutes.
+                .args(["--sky", "0.35,0.45,0.6", "--spp", "2", "--no-indirect", "--out"])
                 .arg(&folder)
                 .args(arguments),
         )?;

@@ -192,7 +192,7 @@ impl<T: StoredSample> Rows<T> {
             let source = rows.slice_axis(Axis(0), Slice::from(taken..taken + count));
             let start = self.count - filled;
             let end = self.count + count;
-            let is_full = end % height == 0 || end == self.shape[0];
+            let is_full = end.is_multiple_of(height) || end == self.shape[0];
             if filled == 0 && is_full && source.is_standard_layout() {
                 self.write(start..end, source).map_err(|error| Failure { path, is_writing: true }.error(error))?;
             } else {
