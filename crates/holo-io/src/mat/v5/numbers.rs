@@ -81,7 +81,7 @@ fn decode<T: Element>(bytes: &[u8], storage: Storage, order: ByteOrder) -> Resul
 }
 
 /// Turns stored numbers into those of the variable's type; `None` if one has no exact place there.
-#[expect(clippy::ptr_arg, reason = "the whole vector is what may be of the type that is wanted")]
+#[expect(clippy::ptr_arg, reason = "only a sized type can be asked what it is")]
 fn take<S: Element, T: Element>(values: &Vec<S>) -> Option<Vec<T>> {
     // The usual case, which keeps every bit, those of NaN included.
     if let Some(same) = (values as &dyn Any).downcast_ref::<Vec<T>>() {
