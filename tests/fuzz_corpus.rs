@@ -43,6 +43,11 @@ fn hdr() {
 }
 
 #[test]
+fn mat() {
+    run("mat", holo_fuzz::io::mat);
+}
+
+#[test]
 fn parameters_cfg() {
     run("parameters_cfg", holo_fuzz::io::parameters_cfg);
 }

@@ -1,8 +1,9 @@
 //! The readers of `holo-io`: any bytes are read or refused, and what was read can be written and reads back equal.
 
 use holo_io::{
-    Compression, ExrChannel, Limits, Manifest, Meaning, ParametersCfg, PngSamples, decode_exr, decode_exr_rgb,
-    decode_hdr, decode_pfm, decode_png, encode_exr, encode_png_u8, encode_png_u16,
+    Compression, ExrChannel, Limits, Manifest, MatOptions, MatVariable, Meaning, ParametersCfg, PngSamples, decode_exr,
+    decode_exr_rgb, decode_hdr, decode_mat, decode_pfm, decode_png, encode_exr, encode_mat, encode_png_u8,
+    encode_png_u16,
 };
 
 /// Small, so that a few bytes that announce much are refused quickly.
@@ -67,6 +68,27 @@ pub fn exr(data: &[u8]) {
 pub fn hdr(data: &[u8]) {
     let Ok(image) = decode_hdr(data, &LIMITS) else { return };
     assert!(image.dim().2 == 3 && image.iter().all(|&value| value >= 0.0));
+}
+
+/// MAT files of level 5: read, written both ways, read again; compared as bytes, so that NaN counts.
+///
+/// A panic in the decoder becomes an error, which is what the reader promises; libFuzzer stops at it all the same.
+///
+/// # Panics
+///
+/// If a property does not hold.
+pub fn mat(data: &[u8]) {
+    let Ok(read) = decode_mat(data, &LIMITS) else { return };
+    let variables: Vec<_> = read.iter().map(|(name, value)| MatVariable { name, value: value.view() }).collect();
+    let plain = MatOptions::default();
+    // Names that repeat, or that MATLAB has not, can be read but not written.
+    let Ok(bytes) = encode_mat(&variables, &plain) else { return };
+    let compressed = encode_mat(&variables, &MatOptions { is_compressed: true, ..plain });
+    for again in [&bytes, &compressed.expect("what can be written plain can be compressed")] {
+        let again = decode_mat(again, &Limits::default()).expect("what was written can be read");
+        let variables: Vec<_> = again.iter().map(|(name, value)| MatVariable { name, value: value.view() }).collect();
+        assert!(encode_mat(&variables, &plain).expect("what was read can be written") == bytes);
+    }
 }
 
 /// `parameters.cfg`: read, written, read again; compared as text, so that NaN counts.

@@ -4,7 +4,7 @@ use std::process::Command;
 
 use crate::{Result, process, root};
 
-const TARGETS: &[&str] = &["gltf", "png", "pfm", "parameters_cfg", "manifest"];
+const TARGETS: &[&str] = &["gltf", "png", "pfm", "parameters_cfg", "manifest", "exr", "hdr", "mat"];
 
 /// `cargo xtask fuzz [SECONDS]`: 10 seconds a target unless told.
 pub fn run(arguments: &[String]) -> Result {
