@@ -4,7 +4,7 @@ use super::noise::{Random, fractal, smooth};
 use crate::scene::{Texture, Wrap};
 
 /// A texture from linear colour at (x, y) in 0..1.
-fn paint(name: &str, size: usize, wrap: Wrap, color: impl Fn(f64, f64) -> [f64; 3]) -> Texture {
+pub(super) fn paint(name: &str, size: usize, wrap: Wrap, color: impl Fn(f64, f64) -> [f64; 3]) -> Texture {
     let texels = (0..size * size)
         .map(|k| {
             let (x, y) = (((k % size) as f64 + 0.5) / size as f64, ((k / size) as f64 + 0.5) / size as f64);
@@ -13,6 +13,11 @@ fn paint(name: &str, size: usize, wrap: Wrap, color: impl Fn(f64, f64) -> [f64; 
         })
         .collect();
     Texture { name: name.into(), width: size, height: size, texels, wrap_u: wrap, wrap_v: wrap }
+}
+
+/// From `a` at 0 to `b` at 1.
+pub(super) fn mix(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
+    std::array::from_fn(|c| a[c] + (b[c] - a[c]) * share)
 }
 
 /// Old brickwork, 8 courses high; repeats.
