@@ -1,7 +1,7 @@
 //! Pool balls, just broken, on a green cloth.
 //!
-//! There for: specular highlights. Hard about it: every ball is an almost textureless sphere that mirrors the lamps above
-//! the table; the highlights lie at depths of their own, behind the surface, and move from view to view.
+//! There for: specular highlights. Hard about it: every ball is an almost textureless sphere that mirrors the lamps
+//! above the table; the highlights lie at depths of their own, behind the surface, and move from view to view.
 
 use glam::DVec3;
 

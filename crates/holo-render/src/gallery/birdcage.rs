@@ -1,7 +1,7 @@
 //! A wire birdcage with paper birds, some in it and some gone.
 //!
-//! There for: thin structures. Hard about it: the wires are about as wide as a pixel of a view and stand before each other,
-//! before the birds and before a plain wall; their shadows look like wires.
+//! There for: thin structures. Hard about it: the wires are about as wide as a pixel of a view and stand before each
+//! other, before the birds and before a plain wall; their shadows look like wires.
 
 use std::f64::consts::TAU;
 

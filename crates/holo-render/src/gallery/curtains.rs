@@ -1,7 +1,7 @@
 //! Lace curtains before a window, a veil behind them, a vase on the sill between the two.
 //!
-//! There for: transparency by alpha, as holes (lace) and as a share (veil). Hard about it: a pixel shows up to four layers
-//! at once; the holes repeat and are about as wide as a pixel; what is behind is seen in pieces.
+//! There for: transparency by alpha, as holes (lace) and as a share (veil). Hard about it: a pixel shows up to four
+//! layers at once; the holes repeat and are about as wide as a pixel; what is behind is seen in pieces.
 
 use std::f64::consts::TAU;
 

@@ -1,7 +1,8 @@
 //! A walled garden on a table: brickwork and a mosaic behind, stones, a knotted sculpture, grass and a small tree.
 //!
-//! There for: dense foliage of many instances before a textured background, and hard shadows on rough and smooth things.
-//! Hard about it: blades and leaves are narrower than a pixel and hide each other; hardly two neighbours share a depth.
+//! There for: dense foliage of many instances before a textured background, and hard shadows on rough and smooth
+//! things. Hard about it: blades and leaves are narrower than a pixel and hide each other; hardly two neighbours share
+//! a depth.
 
 use glam::DVec3;
 

@@ -1,7 +1,7 @@
 //! Paper lanterns over a pond of pebbles at dusk; candles in cups.
 //!
-//! There for: emissive light, many coloured lamps of the scene itself. Hard about it: what shines has hardly any shading;
-//! light comes from within the scene and falls off fast; the shadows are many, soft and coloured.
+//! There for: emissive light, many coloured lamps of the scene itself. Hard about it: what shines has hardly any
+//! shading; light comes from within the scene and falls off fast; the shadows are many, soft and coloured.
 
 use std::f64::consts::TAU;
 

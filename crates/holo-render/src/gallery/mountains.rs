@@ -1,7 +1,7 @@
 //! A paper theatre: ranges of mountains cut from card, one behind the other, and a leporello of pictures in front.
 //!
-//! There for: slanted and layered planes. Hard about it: the layers are some centimetres apart and throw shadows on each
-//! other; the pages of the leporello meet in sharp folds and slant both ways.
+//! There for: slanted and layered planes. Hard about it: the layers are some centimetres apart and throw shadows on
+//! each other; the pages of the leporello meet in sharp folds and slant both ways.
 
 use glam::DVec3;
 

@@ -1,7 +1,7 @@
 //! The plaster solids of a drawing class on a sheet of paper: a cone, a ball, a cylinder, a block, an egg.
 //!
-//! There for: surfaces without any texture. Hard about it: nothing but shading, soft shadow and outline tells depth; the
-//! seamless background has no feature at all.
+//! There for: surfaces without any texture. Hard about it: nothing but shading, soft shadow and outline tells depth;
+//! the seamless background has no feature at all.
 
 use glam::DVec3;
 

@@ -6,9 +6,9 @@ use crate::scene::Mesh;
 
 /// A body of revolution about +Y through the points (radius, height) of `profile`, as a smooth curve.
 ///
-/// The outside lies to the left of the way: a solid goes from its top to its bottom, a vessel from the middle of the bowl
-/// up the inner wall, over the rim and down the outer one. Points next to each other make an edge. Texture coordinates
-/// are (angle, way), 0 to 1.
+/// The outside lies to the left of the way: a solid goes from its top to its bottom, a vessel from the middle of the
+/// bowl up the inner wall, over the rim and down the outer one. Points next to each other make an edge. Texture
+/// coordinates are (angle, way), 0 to 1.
 pub(super) fn lathe(columns: u32, steps: u32, profile: &[[f64; 2]]) -> Mesh {
     let mut mesh = Mesh::default();
     let rows = steps * (profile.len() as u32 - 1);

@@ -1,7 +1,7 @@
 //! A tiled corner: the same painted tile everywhere, with bowls and lemons on the ledge.
 //!
-//! There for: repetitive texture. Hard about it: every tile equals its neighbours exactly, on the wall, the ledge and the
-//! floor, so that a match is right only up to a whole tile; the glaze mirrors the window.
+//! There for: repetitive texture. Hard about it: every tile equals its neighbours exactly, on the wall, the ledge and
+//! the floor, so that a match is right only up to a whole tile; the glaze mirrors the window.
 
 use glam::DVec3;
 
