@@ -7,7 +7,7 @@ use crate::{Result, process, root, target};
 /// What is rendered: views per axis, metres between them, and the view and lens that are cut out to look at. The
 /// baselines are wider than an f/5 lens would allow, so that the eye sees the parallax.
 const SPLITS: &[(&str, &str, &str, &str)] =
-    &[("100x100", "0.0004", "50,50", "40,26"), ("20x20", "0.002", "10,10", "200,130")];
+    &[("100x100", "0.0002", "50,50", "40,26"), ("20x20", "0.001", "10,10", "200,130")];
 
 /// Renders into `out/`. Further arguments go to `holo render`.
 pub fn run(arguments: &[String]) -> Result {
