@@ -169,16 +169,19 @@ impl AtomicFile {
     }
 
     /// Whether there is a temporary file, which can be changed until `commit`: not so for a device or a pipe.
+    #[cfg_attr(not(all(feature = "exr", feature = "mat")), allow(dead_code, reason = "for formats that are off"))]
     pub(crate) fn is_temporary(&self) -> bool {
         self.temporary.is_some()
     }
 
     /// Announces an [`overwrite`](Self::overwrite): `commit` reads the file once more for its digest.
+    #[cfg_attr(not(all(feature = "exr", feature = "mat")), allow(dead_code, reason = "for formats that are off"))]
     pub(crate) fn hash_at_commit(&mut self) {
         self.hash_at_commit = true;
     }
 
     /// Changes bytes that were written before; only after [`hash_at_commit`](Self::hash_at_commit).
+    #[cfg_attr(not(all(feature = "exr", feature = "mat")), allow(dead_code, reason = "for formats that are off"))]
     pub(crate) fn overwrite(&mut self, position: u64, data: &[u8]) -> io::Result<()> {
         self.write_buffer()?;
         if !self.hash_at_commit || !self.is_temporary() || position + data.len() as u64 > self.bytes {
