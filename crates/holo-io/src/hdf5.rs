@@ -19,9 +19,18 @@
 //! # Chunks
 //!
 //! A file is read by lens and by view, and each wants other neighbours side by side. A chunk of 4 x 4 lenses, 10 x 10 views
-//! and all channels lies between: one lens inflates 16 times what it returns, one view 100 times. The shape follows from that
-//! arithmetic and has not been measured against others yet: `cargo bench -p holo-bench --bench files --features hdf5 --
-//! --chunks` prints the table.
+//! and all channels lies between: one lens inflates 16 times what it returns, one view 100 times. Measured with 100 x 100
+//! views of 79 x 53 px, float32, gzip 1, on 2 cores of an AMD EPYC (`cargo bench -p holo-bench --bench files --features hdf5
+//! -- --chunks` makes such a table):
+//!
+//! | lens rows, columns, view rows, columns | write, s | MB | one view, ms | one lens, ms |
+//! |---|---|---|---|---|
+//! | 1, 1, 100, 100: an elemental image | 9.3 | 297 | 2390 | 1.5 |
+//! | 53, 79, 1, 1: a view | 11.6 | 389 | 1.1 | 2313 |
+//! | **4, 4, 10, 10** | 7.8 | 344 | 30 | 9 |
+//! | 8, 8, 10, 10 | 9.3 | 324 | 26 | 34 |
+//! | 4, 4, 25, 25 | 9.3 | 307 | 150 | 9 |
+//! | 8, 10, 5, 5 | 7.9 | 357 | 8 | 42 |
 //!
 //! # What is not safe here
 //!
