@@ -121,6 +121,7 @@ fn gather<T: Copy + Default>(reversed: &ArrayViewD<'_, T>, plan: &Plan, slab: &S
     }
     source.slice_axis_inplace(Axis(0), Slice::from(slab.start..slab.end));
     let mut values = vec![T::default(); source.len()];
+    // `values` was made with the length of `source`, so the shape cannot disagree.
     let target = ArrayViewMutD::from_shape(source.raw_dim(), &mut values).expect("as many as the shape has");
     tiles(source, target, plan.near - plan.axis);
     values
