@@ -33,8 +33,8 @@ use std::path::{Path, PathBuf};
 
 use holo_core::GridSize;
 
-use crate::png_light_field::Views;
-use crate::{Error, Limits, PngLightField, PngSamples};
+use crate::views::Views;
+use crate::{Error, Limits, PngSamples, StoredLightField};
 use name::Name;
 
 /// What errors call the folder.
@@ -143,7 +143,7 @@ impl GantryFolder {
     ///
     /// Those of [`read_png`](crate::read_png); [`Error::Broken`] if a view has another size than the first one or is of
     /// another kind; [`Error::TooLarge`] if the samples of all views exceed the limits, before memory is taken for them.
-    pub fn read(&self, limits: &Limits) -> Result<PngLightField, Error> {
+    pub fn read(&self, limits: &Limits) -> Result<StoredLightField, Error> {
         self.files().read(limits)
     }
 

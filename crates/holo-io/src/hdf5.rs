@@ -25,12 +25,16 @@
 //!
 //! | lens rows, columns, view rows, columns | write, s | MB | one view, ms | one lens, ms |
 //! |---|---|---|---|---|
-//! | 1, 1, 100, 100: an elemental image | 9.3 | 297 | 2390 | 1.5 |
-//! | 53, 79, 1, 1: a view | 11.6 | 389 | 1.1 | 2313 |
-//! | **4, 4, 10, 10** | 7.8 | 344 | 30 | 9 |
-//! | 8, 8, 10, 10 | 9.3 | 324 | 26 | 34 |
-//! | 4, 4, 25, 25 | 9.3 | 307 | 150 | 9 |
-//! | 8, 10, 5, 5 | 7.9 | 357 | 8 | 42 |
+//! | 1, 1, 100, 100: an elemental image | 3.7 | 266 | 1061 | 0.3 |
+//! | 53, 79, 1, 1: a view | 4.2 | 420 | 0.8 | 1345 |
+//! | 2, 2, 10, 10 | 4.3 | 354 | 32 | 1.6 |
+//! | **4, 4, 10, 10** | 3.2 | 342 | 18 | 5 |
+//! | 4, 4, 20, 20 | 3.1 | 317 | 52 | 4 |
+//! | 8, 8, 10, 10 | 3.3 | 335 | 14 | 18 |
+//!
+//! The library deflates with zlib-ng, through the feature of `libz-sys`: 3.1 s where h5py with zlib takes 7.0 s, for 6 % more
+//! bytes at level 1 (342 MB against 322 MB). Its bytes do not depend on the processor: its plain code and that for AVX-512 gave
+//! the same for 189 streams at levels 1 to 9.
 //!
 //! # What is not safe here
 //!
@@ -54,6 +58,8 @@ use crate::{Error, Written};
 
 #[cfg(feature = "mat")]
 pub(crate) use library::{Failure, create, open, read_text};
+#[cfg(feature = "mat")]
+pub(crate) use options::CHUNK;
 pub use options::{Hdf5Map, Hdf5Options};
 #[cfg(feature = "mat")]
 pub(crate) use read::check_chunk;

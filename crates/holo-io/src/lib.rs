@@ -65,8 +65,6 @@
 
 mod atomic;
 pub mod dataset;
-#[cfg(any(feature = "png", feature = "exr", feature = "mat"))]
-mod deflate;
 mod error;
 #[cfg(feature = "exr")]
 mod exr;
@@ -90,15 +88,15 @@ mod parameters_cfg;
 mod pfm;
 #[cfg(feature = "png")]
 mod png;
-#[cfg(feature = "png")]
-mod png_light_field;
 mod raw_image;
 mod recognise;
 #[cfg(any(feature = "mat", feature = "hdf5"))]
 mod rig_values;
-#[cfg(any(feature = "mat", feature = "hdf5"))]
+#[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
 mod stored;
-#[cfg(any(feature = "png", feature = "mat"))]
+#[cfg(feature = "png")]
+mod views;
+#[cfg(any(feature = "png", feature = "exr", feature = "mat"))]
 mod zlib;
 
 pub use atomic::{
@@ -120,6 +118,8 @@ pub use hdf5::{Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_
 pub use hdr::{HdrInfo, decode_hdr, read_hdr, read_hdr_info};
 pub use limits::Limits;
 pub use manifest::{Manifest, ManifestRig, Problem, ProblemKind, Setting};
+#[cfg(all(feature = "mat", feature = "hdf5"))]
+pub use mat::MatWriter;
 #[cfg(feature = "mat")]
 pub use mat::{
     MatArray, MatClass, MatInfo, MatLightField, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, decode_mat,
@@ -136,10 +136,10 @@ pub use png::{
     read_png, read_png_info, write_disparity_png, write_png_u8, write_png_u16,
 };
 #[cfg(feature = "png")]
-pub use png_light_field::PngLightField;
-#[cfg(feature = "png")]
 pub use raw_image::RawImage;
 pub use raw_image::layout_of_file_name;
 pub use recognise::{FileKind, recognise};
+#[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
+pub use stored::StoredLightField;
 #[cfg(any(feature = "mat", feature = "hdf5"))]
-pub use stored::{StoredLightField, StoredSample};
+pub use stored::StoredSample;

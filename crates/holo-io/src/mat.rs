@@ -34,6 +34,8 @@
 mod file;
 mod light_field;
 mod order;
+#[cfg(feature = "hdf5")]
+mod stream;
 mod v5;
 #[cfg(feature = "hdf5")]
 mod v73;
@@ -44,6 +46,8 @@ use std::path::Path;
 use crate::{Error, Limits, Written};
 
 pub use light_field::{MatLightField, MatOrder, read_mat_light_field, write_mat_light_field};
+#[cfg(feature = "hdf5")]
+pub use stream::MatWriter;
 pub use value::{MatArray, MatClass, MatValue};
 
 /// The format's name in messages.

@@ -1,12 +1,16 @@
 //! Light fields as files hold them: of one of four number types.
 
-use holo_core::{LightField, LightFieldOwned, Split};
-use ndarray::{Array5, ArrayView5, ArrayViewD, IxDyn};
+use holo_core::{LightFieldOwned, Split};
 
 /// A type of number that a light field in a file may have: `u8`, `u16`, `f32` or `f64`.
+#[cfg(any(feature = "mat", feature = "hdf5"))]
 pub trait StoredSample: sealed::Sealed + Copy + Default + Send + Sync + 'static {}
 
-/// A light field that was read from a file, in the type that it has there.
+/// A light field that was read from a file or from a file a view, in the type that it has there.
+///
+/// # Shape
+///
+/// `(v, u, t, s, c)`, as every light field; the order in memory is that of the file or files.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum StoredLightField {
@@ -33,21 +37,64 @@ macro_rules! any {
 }
 
 impl StoredLightField {
+    /// Takes a raw image for a light field; nothing is copied.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Core`](crate::Error::Core) if the image has not the size that the split calls for.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use holo_core::{GridSize, Layout, Split};
+    /// use holo_io::{PngSamples, StoredLightField};
+    ///
+    /// let split = Split::new(GridSize::new(2, 3), GridSize::new(4, 5))?;
+    /// let raw = PngSamples::U8(ndarray::Array3::zeros((8, 15, 3)));
+    /// let light_field = StoredLightField::from_raw(raw, Layout::ElementalGrid, split)?;
+    /// assert_eq!((light_field.split(), light_field.channels()), (split, 3));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[cfg(feature = "png")]
+    pub fn from_raw(raw: crate::PngSamples, layout: holo_core::Layout, split: Split) -> Result<Self, crate::Error> {
+        fn wrap<T>(
+            raw: ndarray::Array3<T>,
+            layout: holo_core::Layout,
+            split: Split,
+        ) -> Result<LightFieldOwned<T>, holo_core::Error> {
+            match layout {
+                holo_core::Layout::ElementalGrid => LightFieldOwned::from_elemental_grid(raw, split),
+                holo_core::Layout::ViewpointGrid => LightFieldOwned::from_viewpoint_grid(raw, split),
+            }
+        }
+        match raw {
+            crate::PngSamples::U8(raw) => wrap(raw, layout, split).map(Self::U8),
+            crate::PngSamples::U16(raw) => wrap(raw, layout, split).map(Self::U16),
+        }
+        .map_err(|error| crate::Error::core(std::path::Path::new(crate::error::MEMORY), error))
+    }
+
     /// Returns the number of views and lenses.
     #[must_use]
     pub fn split(&self) -> Split {
         any!(self, light_field => light_field.split())
     }
 
-    /// Returns the number of channels.
+    /// Returns the number of channels: 1 grey, 2 grey and alpha, 3 RGB, 4 RGB and alpha.
     #[must_use]
     pub fn channels(&self) -> usize {
         any!(self, light_field => light_field.channels())
     }
 }
 
+#[cfg(any(feature = "mat", feature = "hdf5"))]
 pub(crate) mod sealed {
-    use super::{Array5, ArrayViewD, LightField, StoredLightField};
+    use holo_core::LightField;
+    use ndarray::Array5;
+    #[cfg(feature = "mat")]
+    use ndarray::ArrayViewD;
+
+    use super::StoredLightField;
 
     /// A number that HDF5 knows, where this crate does.
     #[cfg(feature = "hdf5")]
@@ -63,6 +110,9 @@ pub(crate) mod sealed {
         const IS_FLOAT: bool;
         #[cfg(feature = "mat")]
         #[doc(hidden)]
+        const MAT_CLASS: crate::mat::MatClass;
+        #[cfg(feature = "mat")]
+        #[doc(hidden)]
         fn mat_value(array: ArrayViewD<'_, Self>) -> crate::mat::MatValue<'_>;
         #[doc(hidden)]
         fn stored(samples: Array5<Self>) -> Result<StoredLightField, holo_core::Error>;
@@ -75,6 +125,8 @@ pub(crate) mod sealed {
             impl Sealed for $type {
                 const NAME: &'static str = $text;
                 const IS_FLOAT: bool = $is_float;
+                #[cfg(feature = "mat")]
+                const MAT_CLASS: crate::mat::MatClass = crate::mat::MatClass::$name;
 
                 #[cfg(feature = "mat")]
                 fn mat_value(array: ArrayViewD<'_, Self>) -> crate::mat::MatValue<'_> {
@@ -100,6 +152,6 @@ pub(crate) mod sealed {
 
 /// The order that a light field's axes have in a file, as letters.
 #[cfg(feature = "mat")]
-pub(crate) fn in_order<'a, T>(samples: ArrayView5<'a, T>, axes: &[usize; 5]) -> ArrayViewD<'a, T> {
-    samples.into_dyn().permuted_axes(IxDyn(axes))
+pub(crate) fn in_order<'a, T>(samples: ndarray::ArrayView5<'a, T>, axes: &[usize; 5]) -> ndarray::ArrayViewD<'a, T> {
+    samples.into_dyn().permuted_axes(ndarray::IxDyn(axes))
 }

@@ -1,4 +1,5 @@
-//! zlib streams: made of bands that are compressed side by side, and read back piece by piece.
+//! zlib streams, of which PNG, OpenEXR and MAT files are made: compressed by the strategy that suits the data, in bands side
+//! by side, and read back piece by piece.
 //!
 //! Every band but the last ends in an empty stored block (deflate's "sync flush"), so it ends on a whole byte and the
 //! bands can simply follow one another. Nothing in a band refers back to an earlier one: that costs a few hundred bytes
@@ -9,7 +10,7 @@ mod inflate;
 #[cfg(feature = "mat")]
 mod pieces;
 
-use zlib_rs::{DeflateConfig, DeflateFlush, Method, Strategy};
+use zlib_rs::{Deflate, DeflateConfig, DeflateFlush, Method, Status, Strategy};
 
 #[cfg(feature = "mat")]
 pub(crate) use inflate::Inflated;
@@ -20,9 +21,16 @@ pub(crate) use pieces::{Piece, Stream};
 const SAMPLE_BYTES: usize = 64 << 10;
 
 /// The header of a zlib stream with a window of 32 KiB and ordinary effort.
+#[cfg(any(feature = "png", feature = "mat"))]
 pub(crate) const ZLIB_HEADER: [u8; 2] = [0x78, 0x9c];
 
+#[cfg(any(feature = "png", feature = "mat"))]
 const ADLER_BASE: u32 = 65_521;
+
+/// `window_bits` of deflate without header and checksum, and with them.
+const RAW: i32 = -15;
+#[cfg(feature = "exr")]
+const WITH_HEADER: i32 = 15;
 
 /// The ways to compress a band.
 ///
@@ -31,28 +39,59 @@ const ADLER_BASE: u32 = 65_521;
 /// Where rows do repeat the search wins tenfold. No setting suits both, but a sample tells them apart.
 const CHOICES: [(Strategy, i32); 2] = [(Strategy::Rle, 6), (Strategy::Default, 6)];
 
-/// Compresses a band with the strategy that suits it.
+/// Compresses a band with the strategy that suits it: raw deflate data, which another band may follow unless it is the last.
+#[cfg(any(feature = "png", feature = "mat"))]
 pub(crate) fn deflate_band(filtered: &[u8], is_last: bool) -> std::io::Result<Vec<u8>> {
+    deflate_suited(filtered, RAW, if is_last { DeflateFlush::Finish } else { DeflateFlush::SyncFlush })
+}
+
+/// Compresses data with the strategy that suits it to a whole zlib stream, with header and checksum.
+#[cfg(feature = "exr")]
+pub(crate) fn zlib_stream(data: &[u8]) -> std::io::Result<Vec<u8>> {
+    deflate_suited(data, WITH_HEADER, DeflateFlush::Finish)
+}
+
+fn deflate_suited(data: &[u8], window_bits: i32, flush: DeflateFlush) -> std::io::Result<Vec<u8>> {
     // From the middle, because a band that begins at an edge of the picture is not typical there.
-    let start = filtered.len().saturating_sub(SAMPLE_BYTES) / 2;
-    let sample = &filtered[start..filtered.len().min(start + SAMPLE_BYTES)];
+    let start = data.len().saturating_sub(SAMPLE_BYTES) / 2;
+    let sample = &data[start..data.len().min(start + SAMPLE_BYTES)];
     let mut best = (usize::MAX, CHOICES[0]);
     for choice in CHOICES {
-        let size = deflate(sample, choice, DeflateFlush::Finish)?.len();
+        let size = deflate(sample, choice, RAW, DeflateFlush::Finish)?.len();
         if size < best.0 {
             best = (size, choice);
         }
     }
-    deflate(filtered, best.1, if is_last { DeflateFlush::Finish } else { DeflateFlush::SyncFlush })
+    deflate(data, best.1, window_bits, flush)
 }
 
-/// Returns raw deflate data.
-fn deflate(data: &[u8], (strategy, level): (Strategy, i32), flush: DeflateFlush) -> std::io::Result<Vec<u8>> {
-    let config = DeflateConfig { level, method: Method::Deflated, window_bits: -15, mem_level: 8, strategy };
-    crate::deflate::deflate(data, config, flush)
+/// Compresses data in one go.
+fn deflate(
+    data: &[u8],
+    (strategy, level): (Strategy, i32),
+    window_bits: i32,
+    flush: DeflateFlush,
+) -> std::io::Result<Vec<u8>> {
+    let config = DeflateConfig { level, method: Method::Deflated, window_bits, mem_level: 8, strategy };
+    let mut deflate = Deflate::new_with_config(config);
+    let mut out = vec![0; data.len() / 2 + 1024];
+    loop {
+        let (read, written) = (deflate.total_in() as usize, deflate.total_out() as usize);
+        let status = deflate
+            .compress(&data[read..], &mut out[written..], flush)
+            .map_err(|error| std::io::Error::other(error.as_str()))?;
+        let end = deflate.total_out() as usize;
+        // A flush is complete when it leaves room behind it.
+        if status == Status::StreamEnd || (end < out.len() && flush != DeflateFlush::Finish) {
+            out.truncate(end);
+            return Ok(out);
+        }
+        out.resize(out.len() * 2, 0);
+    }
 }
 
 /// The checksum at the end of a zlib stream.
+#[cfg(any(feature = "png", feature = "mat"))]
 pub(crate) fn adler32(data: &[u8]) -> u32 {
     let (mut a, mut b) = (1_u32, 0_u32);
     // The longest block after which the sums still fit 32 bits.
@@ -68,6 +107,7 @@ pub(crate) fn adler32(data: &[u8]) -> u32 {
 }
 
 /// Returns the checksum of two pieces of data, one behind the other; `length` is that of the second.
+#[cfg(any(feature = "png", feature = "mat"))]
 pub(crate) fn combine_adler32(first: u32, second: u32, length: usize) -> u32 {
     let base = u64::from(ADLER_BASE);
     let (a1, b1) = (u64::from(first & 0xffff), u64::from(first >> 16));
@@ -78,7 +118,7 @@ pub(crate) fn combine_adler32(first: u32, second: u32, length: usize) -> u32 {
     (b << 16 | a) as u32
 }
 
-#[cfg(test)]
+#[cfg(all(test, any(feature = "png", feature = "mat")))]
 mod tests {
     use super::*;
 

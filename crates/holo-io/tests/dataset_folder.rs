@@ -7,7 +7,8 @@ use std::path::Path;
 use holo_core::{GridSize, Intrinsics, Layout, LightField, LightFieldOwned, Projection, RigParameters, Split};
 use holo_io::dataset::{self, DatasetEntry, DatasetFolder};
 use holo_io::{
-    Compression, Error, Limits, Manifest, ManifestRig, Meaning, ParametersCfg, PngLightField, write_pfm, write_png_u8,
+    Compression, Error, Limits, Manifest, ManifestRig, Meaning, ParametersCfg, StoredLightField, write_pfm,
+    write_png_u8,
 };
 use ndarray::Array2;
 
@@ -80,7 +81,7 @@ fn a_dataset_comes_back() {
         let listed = names.contains(&dataset::PARAMETERS_CFG);
         assert_eq!(opened.parameters(), listed.then(|| ParametersCfg::from_rig(&rig())).as_ref());
         assert_eq!(opened.raw_image().unwrap().0, folder.path().join(names[0]));
-        assert_eq!(opened.read(&limits).unwrap(), PngLightField::U8(light_field()));
+        assert_eq!(opened.read(&limits).unwrap(), StoredLightField::U8(light_field()));
         let maps = names.contains(&dataset::DEPTH_PFM).then(map);
         assert_eq!(opened.depth_m(&limits).unwrap(), maps);
         assert_eq!(opened.disparity_px(&limits).unwrap(), maps);

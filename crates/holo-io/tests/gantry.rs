@@ -6,7 +6,7 @@ use std::path::Path;
 
 use holo_core::{GridSize, LightField};
 use holo_io::{
-    Compression, Error, GantryFolder, GantryPosition, Limits, Meaning, PngLightField, PngSamples, write_png_u8,
+    Compression, Error, GantryFolder, GantryPosition, Limits, Meaning, PngSamples, StoredLightField, write_png_u8,
     write_png_u16,
 };
 use ndarray::{Array3, Array5};
@@ -55,7 +55,7 @@ fn both_kinds_of_names_are_read_in_the_order_of_their_indices() {
         assert_eq!((opened.position(2, 0), opened.position(0, 11)), (None, None));
         let expected = Array5::from_shape_fn((3, 4, 2, 11, 3), |(v, u, t, s, c)| view(t, s)[[v, u, c]]);
         let read = opened.read(&Limits::default()).unwrap();
-        assert_eq!(read, PngLightField::U8(LightField::new(expected).unwrap()));
+        assert_eq!(read, StoredLightField::U8(LightField::new(expected).unwrap()));
         assert_eq!(opened.read_view(1, 10, &Limits::default()).unwrap(), PngSamples::U8(view(1, 10)));
         assert!(matches!(opened.read_view(2, 0, &Limits::default()), Err(Error::Core { .. })));
     }

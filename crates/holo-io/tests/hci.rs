@@ -8,7 +8,7 @@ use std::process::Command;
 use holo_core::{GridSize, Intrinsics, Layout, LightField, LightFieldOwned, Projection, RigParameters, Split};
 use holo_io::{
     Compression, Error, HciFolder, HciImage, HciQuantity, HciResolution, HciTruth, HciViews, Limits, Meaning,
-    ParametersCfg, PngLightField, PngSamples, write_pfm, write_png_u8, write_png_u16,
+    ParametersCfg, PngSamples, StoredLightField, write_pfm, write_png_u8, write_png_u16,
 };
 use ndarray::{Array2, Array3, Axis, s};
 use proptest::prelude::*;
@@ -108,11 +108,11 @@ proptest! {
         let read = HciFolder::open(folder.path()).unwrap();
         prop_assert_eq!(*read.rig().unwrap().parameters(), rig);
         prop_assert_eq!(read.parameters(), &parameters);
-        let expected = if deep { PngLightField::U16(deeper) } else { PngLightField::U8(shallow) };
+        let expected = if deep { StoredLightField::U16(deeper) } else { StoredLightField::U8(shallow) };
         prop_assert_eq!(&read.read(&limits).unwrap(), &expected);
         let one = match (&expected, read.read_view(t - 1, s - 1, &limits).unwrap()) {
-            (PngLightField::U8(all), PngSamples::U8(one)) => all.view(t - 1, s - 1).unwrap() == one,
-            (PngLightField::U16(all), PngSamples::U16(one)) => all.view(t - 1, s - 1).unwrap() == one,
+            (StoredLightField::U8(all), PngSamples::U8(one)) => all.view(t - 1, s - 1).unwrap() == one,
+            (StoredLightField::U16(all), PngSamples::U16(one)) => all.view(t - 1, s - 1).unwrap() == one,
             _ => false,
         };
         prop_assert!(one);
@@ -135,14 +135,14 @@ fn more_than_999_views_have_the_numbers_of_the_hci_tools() {
     }
     assert!(!folder.path().join("input_Cam0000.png").exists() && !folder.path().join("input_Cam1040.png").exists());
     let read = HciFolder::open(folder.path()).unwrap();
-    assert_eq!(read.read(&Limits::default()).unwrap(), PngLightField::U8(views.clone()));
+    assert_eq!(read.read(&Limits::default()).unwrap(), StoredLightField::U8(views.clone()));
     // Four digits throughout, as other programs number.
     for index in 0..1000 {
         let name = |digits: usize| folder.path().join(format!("input_Cam{index:0digits$}.png"));
         fs::rename(name(3), name(4)).unwrap();
     }
     let read = HciFolder::open(folder.path()).unwrap();
-    assert_eq!(read.read(&Limits::default()).unwrap(), PngLightField::U8(views));
+    assert_eq!(read.read(&Limits::default()).unwrap(), StoredLightField::U8(views));
 }
 
 #[test]
@@ -193,7 +193,7 @@ fn optional_keys_may_be_missing() {
     fs::write(&parameters, least).unwrap();
     let read = HciFolder::open(folder.path()).unwrap();
     assert_eq!(read.rig().unwrap().parameters().focus_distance_m, f64::INFINITY);
-    assert_eq!(read.read(&Limits::default()).unwrap(), PngLightField::U8(views));
+    assert_eq!(read.read(&Limits::default()).unwrap(), StoredLightField::U8(views));
     for quantity in [HciQuantity::Depth, HciQuantity::Disparity] {
         for resolution in [HciResolution::Low, HciResolution::High] {
             assert_eq!(read.central_truth(quantity, resolution, &Limits::default()).unwrap(), None);
@@ -225,7 +225,7 @@ fn alpha_is_dropped_and_colours_stay() {
         }
     }
     let read = HciFolder::open(folder.path()).unwrap();
-    assert_eq!(read.read(&Limits::default()).unwrap(), PngLightField::U8(views.clone()));
+    assert_eq!(read.read(&Limits::default()).unwrap(), StoredLightField::U8(views.clone()));
     let PngSamples::U8(one) = read.read_view(0, 2, &Limits::default()).unwrap() else { panic!("8 bits") };
     assert_eq!(one, views.view(0, 2).unwrap());
 }
@@ -349,7 +349,7 @@ fn a_folder_does_not_look_complete_before_it_is() {
     let fewer = bytes(split([2, 2], [4, 5]), 3);
     let error = write(folder.path(), &fewer, &ParametersCfg::from_rig(&rig(fewer.split()))).unwrap_err();
     assert!(matches!(error, Error::BadInput { .. }), "{error}");
-    assert_eq!(HciFolder::open(folder.path()).unwrap().read(&Limits::default()).unwrap(), PngLightField::U8(views));
+    assert_eq!(HciFolder::open(folder.path()).unwrap().read(&Limits::default()).unwrap(), StoredLightField::U8(views));
 }
 
 #[cfg(unix)]

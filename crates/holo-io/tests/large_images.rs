@@ -1,8 +1,9 @@
 //! Raw images of 65,536 x 43,000 pixels, written in less than 500 MB of memory. They take minutes and, on the disk of the
 //! temporary folder, gigabytes for as long:
 //!
-//! `cargo test --release -p holo-io --test large_images -- --ignored --nocapture --test-threads=1`
-#![cfg(all(target_os = "linux", feature = "png", feature = "exr"))]
+//! `cargo test --release -p holo-io --features hdf5 --test large_images NAME -- --ignored --nocapture`, one NAME at a time:
+//! the peak of memory is one of the process.
+#![cfg(all(target_os = "linux", feature = "png", feature = "exr", feature = "mat"))]
 
 use std::time::Instant;
 
@@ -77,4 +78,63 @@ fn exr_of_64k_is_written_in_bounded_memory() {
     );
     report("EXR, RGB of half, ZIP", start, writer.finish().unwrap());
     assert_eq!(read_exr_info(&path).unwrap().size, SIZE);
+}
+
+/// 65,500 x 43,000 pixels: 655 x 430 lenses, 100 x 100 views.
+#[cfg(feature = "hdf5")]
+fn rig() -> holo_core::RigParameters {
+    holo_core::RigParameters {
+        split: holo_core::Split::new(GridSize::new(100, 100), GridSize::new(430, 655)).unwrap(),
+        intrinsics: holo_core::Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
+        baseline_x_m: 1e-4,
+        baseline_y_m: 1e-4,
+        focus_distance_m: 1.0,
+        projection: holo_core::Projection::Perspective,
+    }
+}
+
+/// Hands out lens row after lens row.
+#[cfg(feature = "hdf5")]
+fn lens_rows<T: Copy + Default>(
+    value: impl Fn(usize, usize, usize) -> T,
+    mut take: impl FnMut(ndarray::ArrayView5<'_, T>),
+) {
+    let mut row = ndarray::Array5::from_elem((1, 655, 100, 100, 3), T::default());
+    for v in 0..430 {
+        for (index, sample) in row.as_slice_mut().unwrap().iter_mut().enumerate() {
+            *sample = value(v, index / 30_000, index % 30_000);
+        }
+        take(row.view());
+    }
+}
+
+#[cfg(feature = "hdf5")]
+#[test]
+#[ignore = "minutes, and gigabytes of disk"]
+fn hdf5_of_64k_is_written_in_bounded_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene_5d.h5");
+    let start = Instant::now();
+    let options = holo_io::Hdf5Options::default();
+    let mut writer = holo_io::Hdf5Writer::create(&path, &rig(), 3, &[], &options).unwrap();
+    lens_rows(|v, u, at| ((v + u) % 64 + at / 3000) as f32 / 256.0, |row| writer.write_lens_rows(row).unwrap());
+    report("HDF5, RGB of float32, gzip 1", start, writer.finish().unwrap());
+    let file = holo_io::Hdf5LightField::open(&path, &holo_io::Limits::default()).unwrap();
+    assert_eq!(file.split(), rig().split);
+}
+
+#[cfg(feature = "hdf5")]
+#[test]
+#[ignore = "minutes, and gigabytes of disk"]
+fn mat_of_64k_is_written_in_bounded_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    for is_compressed in [true, false] {
+        let path = folder.path().join("scene_5d.mat");
+        let start = Instant::now();
+        let mut writer = holo_io::MatWriter::create(&path, &rig(), 3, is_compressed).unwrap();
+        lens_rows(|v, u, at| ((v + u) % 64 + at / 300) as u8, |row| writer.write_lens_rows(row).unwrap());
+        report(&format!("MAT 7.3, RGB of uint8, compressed: {is_compressed}"), start, writer.finish().unwrap());
+        let infos = holo_io::read_mat_info(&path).unwrap();
+        assert_eq!(infos.iter().find(|info| info.name == "H").unwrap().size, [430, 655, 100, 100, 3]);
+    }
 }

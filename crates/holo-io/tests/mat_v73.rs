@@ -4,12 +4,12 @@
 #[path = "common/python.rs"]
 mod python;
 
-use holo_core::LightField;
+use holo_core::{GridSize, Intrinsics, LightField, Projection, RigParameters, Split};
 use holo_io::{
-    FileKind, Limits, MatArray, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, StoredLightField, read_mat,
-    read_mat_info, read_mat_light_field, recognise, write_mat, write_mat_light_field,
+    FileKind, Limits, MatArray, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, MatWriter, StoredLightField,
+    read_mat, read_mat_info, read_mat_light_field, recognise, write_mat, write_mat_light_field,
 };
-use ndarray::{Array5, ArrayD, Axis};
+use ndarray::{Array5, ArrayD, Axis, Slice};
 use proptest::prelude::*;
 
 const OPTIONS: [MatOptions; 2] = [
@@ -36,6 +36,60 @@ proptest! {
         let read = read_mat_light_field(&path, &Limits::default()).unwrap();
         prop_assert_eq!(read.light_field, StoredLightField::U16(field));
     }
+
+    #[test]
+    fn rows_one_after_another_are_the_whole(
+        shape in (1_usize..11, 1_usize..22, 1_usize..4, 1_usize..13, 1_usize..4),
+        steps in prop::collection::vec(1_usize..7, 11),
+        is_compressed in any::<bool>(),
+    ) {
+        let samples = Array5::from_shape_fn(shape, |(v, u, t, s, c)| (v * 97 + u * 31 + t * 11 + s * 5 + c * 3) as u16);
+        let split = Split::new(GridSize::new(shape.2, shape.3), GridSize::new(shape.0, shape.1)).unwrap();
+        let rig = RigParameters {
+            split,
+            intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
+            baseline_x_m: 1e-3,
+            baseline_y_m: 1e-3,
+            focus_distance_m: 2.0,
+            projection: Projection::Orthographic,
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("scene_5d.mat");
+        let mut writer = MatWriter::create(&path, &rig, shape.4, is_compressed).unwrap();
+        let mut first = 0;
+        for step in steps {
+            let end = shape.0.min(first + step);
+            writer.write_lens_rows(samples.slice_axis(Axis(0), Slice::from(first..end))).unwrap();
+            first = end;
+        }
+        prop_assert!(writer.write_lens_rows(samples.slice_axis(Axis(0), Slice::from(..1))).is_err());
+        writer.finish().unwrap();
+        let read = read_mat_light_field(&path, &Limits::default()).unwrap();
+        prop_assert_eq!(read.light_field, StoredLightField::U16(LightField::new(samples).unwrap()));
+        prop_assert_eq!(read.rig, Some(rig));
+    }
+}
+
+#[test]
+fn rows_that_are_missing_or_do_not_fit_leave_no_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene_5d.mat");
+    let rig = RigParameters {
+        split: Split::new(GridSize::new(2, 2), GridSize::new(3, 3)).unwrap(),
+        intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
+        baseline_x_m: 1e-3,
+        baseline_y_m: 1e-3,
+        focus_distance_m: 2.0,
+        projection: Projection::Perspective,
+    };
+    let mut writer = MatWriter::<u8>::create(&path, &rig, 3, true).unwrap();
+    let error = writer.write_lens_rows(Array5::zeros((1, 4, 2, 2, 3)).view()).unwrap_err();
+    assert!(error.to_string().contains("do not fit"), "{error}");
+    writer.write_lens_rows(Array5::zeros((2, 3, 2, 2, 3)).view()).unwrap();
+    let error = writer.finish().unwrap_err();
+    assert!(error.to_string().contains("only 2 of 3 lens rows"), "{error}");
+    assert!(MatWriter::<u8>::create(&path, &rig, 0, true).is_err());
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
 #[test]
@@ -100,6 +154,45 @@ print("fine")
     for options in OPTIONS {
         write_mat(&path, &variables, &options).unwrap();
         let Some(text) = python::run(&["h5py"], SCRIPT, &[path.to_str().unwrap()]) else { return };
+        assert_eq!(text.trim(), "fine");
+    }
+}
+
+/// Two readers of level 7.3 besides MATLAB's: one for every class, one for numbers.
+#[test]
+fn hdf5storage_and_mat73_read_ours() {
+    const SCRIPT: &str = r#"
+import numpy as np
+v, u, t, s, c = np.ogrid[:4, :3, :2, :5, :3]
+for path, kind in zip(sys.argv[1::2], sys.argv[2::2]):
+    for file in (hdf5storage.loadmat(path), mat73.loadmat(path)):
+        H = file["H"]
+        assert H.shape == (4, 3, 2, 5, 3) and H.dtype == np.dtype(kind), (H.shape, H.dtype)
+        assert (H == (v * 97 + u * 31 + t * 11 + s * 5 + c * 3).astype(kind)).all()
+print("fine")
+"#;
+    let folder = tempfile::tempdir().unwrap();
+    let samples =
+        Array5::from_shape_fn((4, 3, 2, 5, 3), |(v, u, t, s, c)| (v * 97 + u * 31 + t * 11 + s * 5 + c * 3) as u16);
+    let field = LightField::new(samples).unwrap();
+    let mut arguments = Vec::new();
+    for (number, options) in OPTIONS.iter().enumerate() {
+        for kind in ["uint8", "uint16", "float32", "float64"] {
+            let path = folder.path().join(format!("{kind}{number}.mat"));
+            match kind {
+                "uint8" => write_mat_light_field(&path, &field.map(|&x| x as u8), None, MatOrder::Lenses, options),
+                "uint16" => write_mat_light_field(&path, &field, None, MatOrder::Lenses, options),
+                "float32" => {
+                    write_mat_light_field(&path, &field.map(|&x| f32::from(x)), None, MatOrder::Lenses, options)
+                }
+                _ => write_mat_light_field(&path, &field.map(|&x| f64::from(x)), None, MatOrder::Lenses, options),
+            }
+            .unwrap();
+            arguments.extend([path.to_str().unwrap().to_owned(), kind.to_owned()]);
+        }
+    }
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    if let Some(text) = python::run(&["hdf5storage", "mat73"], SCRIPT, &arguments) {
         assert_eq!(text.trim(), "fine");
     }
 }

@@ -4,7 +4,7 @@
 //! setup    fetch what the machine lacks (Embree 4, CMake) under target/
 //! build    setup + the release binary target/release/holo with every feature
 //! demo     build + render the demo scene into out/
-//! test     setup + every test
+//! test     setup + the programs to test against + every test
 //! embree   fetch Embree 4 alone
 //! fuzz     build every fuzz target and run each for some seconds
 //! package  build each library from its package alone
@@ -17,6 +17,7 @@ mod demo;
 mod embree;
 mod fuzz;
 mod package;
+mod peers;
 mod process;
 mod test;
 

@@ -8,7 +8,11 @@ use crate::Result;
 /// Runs cargo in the workspace with this process's own output.
 pub fn cargo(arguments: &[&str]) -> Result {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    run(Command::new(cargo).args(arguments).current_dir(crate::root()).envs(crate::cmake::environment()))
+    run(Command::new(cargo)
+        .args(arguments)
+        .current_dir(crate::root())
+        .envs(crate::cmake::environment())
+        .envs(crate::peers::environment()))
 }
 
 /// Runs a command to its end.

@@ -1,12 +1,15 @@
 //! Every test, and a plain word about those that this machine cannot run.
 
-use crate::{Result, cmake, embree, process};
+use crate::{Result, cmake, embree, peers, process};
 
 /// `cargo test` over the workspace. Tests that compare engines take the BVH always and Embree where there is one.
 pub fn run(arguments: &[String]) -> Result {
     let extra = crate::strs(arguments);
     let embree = std::env::var_os("HOLO_EMBREE_LIB").is_some() || embree::ensure().is_ok();
     let hdf5 = cmake::is_there();
+    if let Err(why) = peers::ensure() {
+        eprintln!("xtask: no programs to test against: {why}");
+    }
     let features: &[&str] = if hdf5 { &["--features", "holo-io/hdf5,holo-cli/hdf5"] } else { &[] };
     process::cargo(&[&["test", "--workspace", "--quiet"], features, extra.as_slice()].concat())?;
     println!();
@@ -15,6 +18,17 @@ pub fn run(arguments: &[String]) -> Result {
     }
     if !hdf5 {
         println!("not run: HDF5 and MATLAB's level 7.3: needs cmake (no wheel of it could be fetched)");
+    }
+    if !peers::is_there() {
+        println!(
+            "not run: files read and written by SciPy, h5py, OpenCV, OpenEXR: needs those (pip could not fetch them)"
+        );
+    }
+    if !process::exists("octave-cli") {
+        println!("not run: MAT files read and written by GNU Octave: needs octave-cli (Debian's package octave)");
+    }
+    if cfg!(target_os = "linux") && !is_root() {
+        println!("not run: full and read-only disks: needs root, to mount a small file system");
     }
     if !process::exists("c++") {
         println!("not run: libFuzzer builds of the fuzz targets: needs a C++ compiler (their corpora were run)");
@@ -26,4 +40,11 @@ pub fn run(arguments: &[String]) -> Result {
     }
     println!("all tests passed");
     Ok(())
+}
+
+/// Whether this user may mount file systems, as far as the user's number tells.
+fn is_root() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("Uid:"));
+    line.is_some_and(|ids| ids.split_whitespace().nth(1) == Some("0"))
 }

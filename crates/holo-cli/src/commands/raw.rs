@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use holo_core::{GridSize, Layout, LightField, LightFieldOwned, Split};
-use holo_io::{FileKind, Limits, Opened, ParametersCfg, PngLightField, PngSamples, StoredLightField, dataset};
+use holo_io::{FileKind, Limits, Opened, ParametersCfg, StoredLightField, dataset};
 
 use crate::arguments::LayoutArgument;
 use crate::failure::Failure;
@@ -21,15 +21,6 @@ impl Raw {
             Self::U8(field) => field.split(),
             Self::U16(field) => field.split(),
             Self::Float(field) => field.split(),
-        }
-    }
-}
-
-impl From<PngLightField> for Raw {
-    fn from(field: PngLightField) -> Self {
-        match field {
-            PngLightField::U8(field) => Self::U8(field),
-            PngLightField::U16(field) => Self::U16(field),
         }
     }
 }
@@ -85,10 +76,10 @@ fn read_folder(path: &Path, limits: &Limits) -> Result<(Raw, Option<Layout>), Fa
     Ok(match holo_io::open(path)? {
         Opened::DatasetFolder(folder) => {
             let layout = folder.raw_image().map(|(_, layout)| layout);
-            (folder.read(limits)?.into(), layout)
+            (folder.read(limits)?.try_into()?, layout)
         }
-        Opened::HciFolder(folder) => (folder.read(limits)?.into(), None),
-        Opened::GantryFolder(folder) => (folder.read(limits)?.into(), None),
+        Opened::HciFolder(folder) => (folder.read(limits)?.try_into()?, None),
+        Opened::GantryFolder(folder) => (folder.read(limits)?.try_into()?, None),
         other => return Err(Failure::Usage(format!("{} holds no light field: {other}", path.display()))),
     })
 }
@@ -144,18 +135,7 @@ fn read_png(path: &Path, from: Option<LayoutArgument>, views: Option<GridSize>) 
             dataset::PARAMETERS_CFG
         )));
     }
-    let raw = match samples {
-        PngSamples::U8(image) => Raw::U8(wrap(image, split, layout)?),
-        PngSamples::U16(image) => Raw::U16(wrap(image, split, layout)?),
-    };
-    Ok((raw, layout))
-}
-
-fn wrap<T: Copy>(image: ndarray::Array3<T>, split: Split, layout: Layout) -> Result<LightFieldOwned<T>, Failure> {
-    Ok(match layout {
-        Layout::ElementalGrid => LightField::from_elemental_grid(image, split)?,
-        Layout::ViewpointGrid => LightField::from_viewpoint_grid(image, split)?,
-    })
+    Ok((StoredLightField::from_raw(samples, layout, split)?.try_into()?, layout))
 }
 
 /// The layout that a word of the command line means.

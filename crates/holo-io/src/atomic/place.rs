@@ -41,6 +41,7 @@ impl AtomicPlace {
     }
 
     /// The file itself, at its beginning; whoever writes must flush before `commit`.
+    #[cfg(feature = "mat")]
     pub(crate) fn file(&self) -> &File {
         &self.file
     }

@@ -5,10 +5,9 @@ use exr::block::{BlockIndex, UncompressedBlock};
 use exr::meta::attribute::Compression;
 use exr::meta::header::Header;
 use exr::prelude::Vec2;
-use zlib_rs::{DeflateConfig, DeflateFlush, Method, Strategy};
 
 use super::samples::ByteOrder;
-use crate::deflate::deflate;
+use crate::zlib::zlib_stream;
 
 /// How the samples of an EXR are compressed. None of these loses anything.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -24,9 +23,6 @@ pub enum ExrCompression {
     /// As they are.
     None,
 }
-
-/// Effort of deflate: what OpenEXR 3 itself uses.
-const LEVEL: i32 = 4;
 
 impl ExrCompression {
     pub(super) fn coding(self) -> Compression {
@@ -57,14 +53,7 @@ impl ExrCompression {
         match self {
             Self::None => Ok(samples),
             Self::Zip | Self::Zips => {
-                let config = DeflateConfig {
-                    level: LEVEL,
-                    method: Method::Deflated,
-                    window_bits: 15,
-                    mem_level: 8,
-                    strategy: Strategy::Default,
-                };
-                let compressed = deflate(&differences(&samples), config, DeflateFlush::Finish)?;
+                let compressed = zlib_stream(&differences(&samples))?;
                 // A block that is not smaller is kept as it is; readers know it by its length.
                 Ok(if compressed.len() < samples.len() { compressed } else { samples })
             }

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 
 use super::names::Name;
 use super::{FORMAT, HciQuantity, HciResolution};
-use crate::png_light_field::Views;
-use crate::{Error, Limits, ParametersCfg, PngLightField, PngSamples, dataset, read_pfm_grey, read_pfm_info};
+use crate::views::Views;
+use crate::{Error, Limits, ParametersCfg, PngSamples, StoredLightField, dataset, read_pfm_grey, read_pfm_info};
 
 /// An HCI folder: its parameters, and where its views and its ground truth are.
 ///
@@ -21,7 +21,7 @@ use crate::{Error, Limits, ParametersCfg, PngLightField, PngSamples, dataset, re
 ///
 /// ```
 /// use holo_core::{GridSize, Intrinsics, Layout, LightField, Projection, RigParameters, Split};
-/// use holo_io::{Compression, HciFolder, HciImage, HciTruth, HciViews, Limits, ParametersCfg, PngLightField};
+/// use holo_io::{Compression, HciFolder, HciImage, HciTruth, HciViews, Limits, ParametersCfg, StoredLightField};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// # let path = folder.path();
@@ -45,7 +45,7 @@ use crate::{Error, Limits, ParametersCfg, PngLightField, PngSamples, dataset, re
 ///
 /// let read = HciFolder::open(path)?;
 /// assert_eq!(read.rig()?.parameters(), &rig);
-/// assert_eq!(read.read(&Limits::default())?, PngLightField::U8(light_field));
+/// assert_eq!(read.read(&Limits::default())?, StoredLightField::U8(light_field));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -154,7 +154,7 @@ impl HciFolder {
     /// Those of [`read_png`](crate::read_png); [`Error::Broken`] if a view has another size than the parameters say, or
     /// is of another kind than the first one; [`Error::TooLarge`] if the samples of all views exceed the limits, before
     /// memory is taken for them.
-    pub fn read(&self, limits: &Limits) -> Result<PngLightField, Error> {
+    pub fn read(&self, limits: &Limits) -> Result<StoredLightField, Error> {
         self.files().read(limits)
     }
 

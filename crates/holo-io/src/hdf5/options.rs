@@ -53,7 +53,7 @@ impl Default for Hdf5Options {
 }
 
 /// Lens rows, lens columns, view rows and view columns of a chunk that suits both ways of reading.
-const CHUNK: [usize; 4] = [4, 4, 10, 10];
+pub(crate) const CHUNK: [usize; 4] = [4, 4, 10, 10];
 
 impl Hdf5Options {
     /// The chunk for samples of this shape: never larger than the whole.

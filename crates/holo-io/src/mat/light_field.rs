@@ -22,7 +22,7 @@ pub enum MatOrder {
 }
 
 impl MatOrder {
-    const fn name(self) -> &'static str {
+    pub(super) const fn name(self) -> &'static str {
         match self {
             Self::Lenses => "H",
             Self::LightFieldToolbox => "LF",
@@ -79,20 +79,26 @@ where
     let path = path.as_ref();
     let split = light_field.split();
     rig_values::check_split(path, rig, &split)?;
-    let pair = |size: GridSize| [size.rows as f64, size.columns as f64];
-    let (views, lenses) = (pair(split.views()), pair(split.lenses()));
+    let counts = [split.views(), split.lenses()].map(|size| [size.rows as f64, size.columns as f64]);
     let values = rig.map(RigValues::from);
     let samples = S::Elem::mat_value(in_order(light_field.samples(), &order.axes()));
+    let mut variables = vec![MatVariable { name: order.name(), value: samples }];
+    variables.extend(beside(order, &counts, values.as_ref()));
+    write_mat(path, &variables, options)
+}
+
+/// The small variables beside the samples; `counts` are those of views and lenses.
+pub(super) fn beside<'a>(
+    order: MatOrder,
+    counts: &'a [[f64; 2]; 2],
+    values: Option<&'a RigValues>,
+) -> Vec<MatVariable<'a>> {
     let numbers = |name, numbers| MatVariable { name, value: MatValue::F64(aview1(numbers).into_dyn()) };
     let number = |name, number| MatVariable { name, value: MatValue::F64(aview0(number).into_dyn()) };
     let text = |name, text| MatVariable { name, value: MatValue::Text(text) };
-    let mut variables = vec![
-        MatVariable { name: order.name(), value: samples },
-        text("axes", order.letters()),
-        numbers("views", &views),
-        numbers("lenses", &lenses),
-    ];
-    if let Some(values) = &values {
+    let [views, lenses] = counts;
+    let mut variables = vec![text("axes", order.letters()), numbers("views", views), numbers("lenses", lenses)];
+    if let Some(values) = values {
         variables.extend([
             numbers("baseline_m", &values.baseline_m),
             number("focal_length_mm", &values.focal_length_mm),
@@ -101,7 +107,7 @@ where
             text("projection", values.projection),
         ]);
     }
-    write_mat(path, &variables, options)
+    variables
 }
 
 /// Reads a light field from a MAT file: `H` or `LF`, and the rig beside it.

@@ -45,33 +45,69 @@ fn header() -> Vec<u8> {
 }
 
 pub(super) fn write(path: &Path, variables: &[MatVariable<'_>], is_compressed: bool) -> Result<Written, Error> {
-    let place = AtomicPlace::create(path)?;
-    let failed = |error| Failure { path, is_writing: true }.error(error);
-    let file = create(place.temporary_path(), BLOCK_BYTES as u64, true).map_err(failed)?;
-    for MatVariable { name, value } in variables {
-        match value {
-            MatValue::U8(array) => numbers(&file, name, array, value, is_compressed),
-            MatValue::I8(array) => numbers(&file, name, array, value, is_compressed),
-            MatValue::U16(array) => numbers(&file, name, array, value, is_compressed),
-            MatValue::I16(array) => numbers(&file, name, array, value, is_compressed),
-            MatValue::U32(array) => numbers(&file, name, array, value, is_compressed),
-            MatValue::I32(array) => numbers(&file, name, array, value, is_compressed),
-            MatValue::U64(array) => numbers(&file, name, array, value, is_compressed),
-            MatValue::I64(array) => numbers(&file, name, array, value, is_compressed),
-            MatValue::F32(array) => numbers(&file, name, array, value, is_compressed),
-            MatValue::F64(array) => numbers(&file, name, array, value, is_compressed),
-            MatValue::Text(text) => {
-                let units: Vec<u16> = text.encode_utf16().collect();
-                numbers(&file, name, &ndarray::aview1(&units).into_dyn(), value, false)
-            }
-        }
-        .map_err(failed)?;
+    let (place, file) = begin(path)?;
+    for one in variables {
+        variable(&file, one, is_compressed).map_err(|error| Failure { path, is_writing: true }.error(error))?;
     }
+    end(place, file)
+}
+
+/// Starts a file.
+pub(super) fn begin(path: &Path) -> Result<(AtomicPlace, File), Error> {
+    let place = AtomicPlace::create(path)?;
+    let file = create(place.temporary_path(), BLOCK_BYTES as u64, true)
+        .map_err(|error| Failure { path, is_writing: true }.error(error))?;
+    Ok((place, file))
+}
+
+/// Completes a file and gives it its name.
+pub(super) fn end(place: AtomicPlace, file: File) -> Result<Written, Error> {
+    let failed = |error| Failure { path: place.path(), is_writing: true }.error(error);
     // By its own call, because closing tells no errors.
     file.flush().map_err(failed)?;
     file.close().map_err(failed)?;
-    place.file().write_all(&header()).map_err(|error| Error::io("write", path, error))?;
+    place.file().write_all(&header()).map_err(|error| Error::io("write", place.path(), error))?;
     place.commit()
+}
+
+/// Writes one variable.
+pub(super) fn variable(file: &File, variable: &MatVariable<'_>, is_compressed: bool) -> ::hdf5::Result<()> {
+    let MatVariable { name, value } = variable;
+    match value {
+        MatValue::U8(array) => numbers(file, name, array, value, is_compressed),
+        MatValue::I8(array) => numbers(file, name, array, value, is_compressed),
+        MatValue::U16(array) => numbers(file, name, array, value, is_compressed),
+        MatValue::I16(array) => numbers(file, name, array, value, is_compressed),
+        MatValue::U32(array) => numbers(file, name, array, value, is_compressed),
+        MatValue::I32(array) => numbers(file, name, array, value, is_compressed),
+        MatValue::U64(array) => numbers(file, name, array, value, is_compressed),
+        MatValue::I64(array) => numbers(file, name, array, value, is_compressed),
+        MatValue::F32(array) => numbers(file, name, array, value, is_compressed),
+        MatValue::F64(array) => numbers(file, name, array, value, is_compressed),
+        MatValue::Text(text) => {
+            let units: Vec<u16> = text.encode_utf16().collect();
+            numbers(file, name, &ndarray::aview1(&units).into_dyn(), value, false)
+        }
+    }
+}
+
+/// Makes the dataset of a variable in chunks; `shape` is the reverse of MATLAB's.
+pub(super) fn chunked<T: H5Type>(
+    file: &File,
+    name: &str,
+    shape: &[usize],
+    chunk: Vec<usize>,
+    class: MatClass,
+    is_compressed: bool,
+) -> ::hdf5::Result<Dataset> {
+    let builder = file.new_dataset::<T>().shape(shape).chunk(chunk).obj_track_times(false);
+    let mut builder = builder.fill_time(::hdf5::dataset::FillTime::Never);
+    if is_compressed {
+        builder = builder.shuffle().deflate(GZIP_LEVEL);
+    }
+    let dataset = builder.create(name)?;
+    describe(&dataset, class)?;
+    Ok(dataset)
 }
 
 /// Writes a variable slab by slab.
@@ -102,9 +138,7 @@ fn numbers<T: Element + H5Type>(
     let reversed = reversed.reversed_axes();
     let shape = reversed.shape().to_vec();
     let mut plan = Plan::new(&shape, reversed.strides(), size_of::<T>());
-    let mut builder = file.new_dataset::<T>().shape(&shape).obj_track_times(false);
-    builder = builder.fill_time(::hdf5::dataset::FillTime::Never);
-    if is_compressed {
+    let dataset = if is_compressed {
         // Slabs hold whole chunks, so that none is compressed twice.
         let mut chunk = vec![1; shape.len()];
         let mut room = CHUNK_BYTES / size_of::<T>();
@@ -114,10 +148,13 @@ fn numbers<T: Element + H5Type>(
             room /= chunk[axis];
         }
         plan.step -= plan.step % chunk[plan.axis];
-        builder = builder.chunk(chunk).shuffle().deflate(GZIP_LEVEL);
-    }
-    let dataset = builder.create(name)?;
-    describe(&dataset, value.class())?;
+        chunked::<T>(file, name, &shape, chunk, value.class(), true)?
+    } else {
+        let builder = file.new_dataset::<T>().shape(&shape).obj_track_times(false);
+        let dataset = builder.fill_time(::hdf5::dataset::FillTime::Never).create(name)?;
+        describe(&dataset, value.class())?;
+        dataset
+    };
     plan.run(&reversed, <[T]>::to_vec, |slab, values: Vec<T>| {
         let mut slices: Vec<SliceOrIndex> = slab.outer.iter().map(|&index| (index..index + 1).into()).collect();
         slices.push((slab.start..slab.end).into());

@@ -6,8 +6,7 @@ use holo_core::{GridSize, Layout, LightFieldOwned, Split};
 use ndarray::{Array3, ArrayViewMut3, Axis, Slice};
 use rayon::prelude::*;
 
-use super::PngLightField;
-use crate::{Error, Limits, PngInfo, PngSamples, read_png, read_png_info};
+use crate::{Error, Limits, PngInfo, PngSamples, StoredLightField, read_png, read_png_info};
 
 /// The files of a grid of views, in reading order.
 pub(crate) struct Views<'a> {
@@ -23,7 +22,7 @@ pub(crate) struct Views<'a> {
 
 impl Views<'_> {
     /// Reads all views, on all threads.
-    pub(crate) fn read(&self, limits: &Limits) -> Result<PngLightField, Error> {
+    pub(crate) fn read(&self, limits: &Limits) -> Result<StoredLightField, Error> {
         let first = &self.files[0];
         let info = self.info(first)?;
         let channels = colours(info.channels);
@@ -40,10 +39,10 @@ impl Views<'_> {
         };
         if bytes == 1 {
             let pick = |samples| if let PngSamples::U8(samples) = samples { Some(samples) } else { None };
-            self.fill(split, channels, limits, as_first, pick).map(PngLightField::U8)
+            self.fill(split, channels, limits, as_first, pick).map(StoredLightField::U8)
         } else {
             let pick = |samples| if let PngSamples::U16(samples) = samples { Some(samples) } else { None };
-            self.fill(split, channels, limits, as_first, pick).map(PngLightField::U16)
+            self.fill(split, channels, limits, as_first, pick).map(StoredLightField::U16)
         }
     }
 

@@ -1,0 +1,173 @@
+//! A light field of level 7.3 that is written lens row by lens row, so that it never is in memory as a whole.
+//!
+//! In the file the lens row runs fastest, so rows that come one after another lie far apart: chunks bring them together
+//! again. A chunk holds a few lenses and views, as in this crate's HDF5 files, and the rows of a chunk are gathered before they
+//! are written.
+
+use std::path::Path;
+
+use ::hdf5::{Dataset, File, Hyperslab, SliceOrIndex};
+use holo_core::RigParameters;
+use ndarray::{Array5, ArrayD, ArrayView5, Axis, Dimension, Slice};
+
+use super::light_field::{MatOrder, beside};
+use super::order::column_major;
+use super::v73;
+use crate::hdf5::{CHUNK, Failure};
+use crate::rig_values::RigValues;
+use crate::stored::StoredSample;
+use crate::{Error, Written};
+
+/// Lens columns that are turned round at a time, in chunks.
+const CHUNKS_AT_A_TIME: usize = 4;
+
+/// Writes a light field into a MAT file of level 7.3, lens row by lens row: `H`, and the rig beside it.
+///
+/// In memory are four lens rows (79 MB for 64K pixels of 8 bits) and a small part of them turned round, whatever the size of the whole. The file appears when
+/// [`finish`](Self::finish) succeeds, and not before. Level 5 cannot be written in this order.
+///
+/// # Errors
+///
+/// Every method: [`Error::Io`] if the file cannot be written, a full disk included; [`Error::BadInput`] if an argument does
+/// not fit the rig. After an error the file can only be dropped.
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::{GridSize, Intrinsics, Projection, RigParameters, Split};
+/// use holo_io::{Limits, MatWriter, read_mat_light_field};
+///
+/// # let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("scene_5d.mat");
+/// let rig = RigParameters {
+///     split: Split::new(GridSize::new(2, 3), GridSize::new(6, 5))?,
+///     intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
+///     baseline_x_m: 1e-3,
+///     baseline_y_m: 1e-3,
+///     focus_distance_m: 1.0,
+///     projection: Projection::Perspective,
+/// };
+/// let mut mat = MatWriter::<u8>::create(&path, &rig, 3, true)?;
+/// for row in 0..6 {
+///     mat.write_lens_rows(ndarray::Array5::from_elem((1, 5, 2, 3, 3), row).view())?;
+/// }
+/// mat.finish()?;
+/// assert_eq!(read_mat_light_field(&path, &Limits::default())?.rig, Some(rig));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct MatWriter<T> {
+    // The order matters: the dataset is closed first, then the file, and then the temporary file can go.
+    dataset: Dataset,
+    file: File,
+    place: crate::atomic::AtomicPlace,
+    /// (v, u, t, s, c) of the whole.
+    shape: [usize; 5],
+    /// Lens rows and columns of a chunk.
+    chunk: [usize; 2],
+    /// Rows on their way: as many as a chunk is high.
+    band: Array5<T>,
+    /// Rows that came so far.
+    count: usize,
+}
+
+impl<T: StoredSample> MatWriter<T> {
+    /// Starts a file with samples of `channels` channels.
+    pub fn create(
+        path: impl AsRef<Path>,
+        rig: &RigParameters,
+        channels: usize,
+        is_compressed: bool,
+    ) -> Result<Self, Error> {
+        let path = path.as_ref();
+        if channels == 0 {
+            return Err(Error::bad_input(path, "a light field without channels"));
+        }
+        let values = RigValues::from(rig);
+        let (place, file) = v73::begin(path)?;
+        let failed = |error| Failure { path, is_writing: true }.error(error);
+        let order = MatOrder::Lenses;
+        let counts = [rig.split.views(), rig.split.lenses()].map(|size| [size.rows as f64, size.columns as f64]);
+        for variable in beside(order, &counts, Some(&values)) {
+            v73::variable(&file, &variable, false).map_err(failed)?;
+        }
+        let shape = rig.split.shape(channels);
+        let mut chunk = shape;
+        CHUNK.into_iter().enumerate().for_each(|(axis, side)| chunk[axis] = side.clamp(1, shape[axis]));
+        let reversed = |sides: [usize; 5]| sides.into_iter().rev().collect::<Vec<_>>();
+        let dataset =
+            v73::chunked::<T>(&file, order.name(), &reversed(shape), reversed(chunk), T::MAT_CLASS, is_compressed)
+                .map_err(failed)?;
+        let band = Array5::default([chunk[0], shape[1], shape[2], shape[3], shape[4]]);
+        Ok(Self { dataset, file, place, shape, chunk: [chunk[0], chunk[1]], band, count: 0 })
+    }
+
+    /// Writes the next lens rows.
+    ///
+    /// # Shape
+    ///
+    /// `(rows, u, t, s, c)`, any strides and any number of rows that are left.
+    pub fn write_lens_rows(&mut self, rows: ArrayView5<'_, T>) -> Result<(), Error> {
+        let left = self.shape[0] - self.count;
+        let given = rows.raw_dim();
+        if given.slice()[1..] != self.shape[1..] || given[0] > left {
+            let what = format!("rows of shape {given:?} do not fit {:?}, of which {left} rows are left", self.shape);
+            return Err(Error::bad_input(self.place.path(), what));
+        }
+        let height = self.chunk[0];
+        let mut taken = 0;
+        while taken < given[0] {
+            let filled = self.count % height;
+            let count = (height - filled).min(given[0] - taken);
+            let source = rows.slice_axis(Axis(0), Slice::from(taken..taken + count));
+            let start = self.count - filled;
+            let end = self.count + count;
+            let is_full = end.is_multiple_of(height) || end == self.shape[0];
+            let failure = Failure { path: self.place.path(), is_writing: true };
+            if filled == 0 && is_full {
+                self.write(start, source).map_err(|error| failure.error(error))?;
+            } else {
+                self.band.slice_axis_mut(Axis(0), Slice::from(filled..filled + count)).assign(&source);
+                if is_full {
+                    let band = self.band.slice_axis(Axis(0), Slice::from(..end - start));
+                    self.write(start, band).map_err(|error| failure.error(error))?;
+                }
+            }
+            taken += count;
+            self.count += count;
+        }
+        Ok(())
+    }
+
+    /// Writes the rows of a chunk, some columns of chunks at a time.
+    fn write(&self, first: usize, rows: ArrayView5<'_, T>) -> ::hdf5::Result<()> {
+        let step = self.chunk[1] * CHUNKS_AT_A_TIME;
+        for start in (0..self.shape[1]).step_by(step) {
+            let end = self.shape[1].min(start + step);
+            let part = rows.slice_axis(Axis(1), Slice::from(start..end));
+            let mut turned = Vec::with_capacity(part.len());
+            let gathered = column_major(&part.into_dyn(), <[T]>::to_vec, |slab| {
+                turned.extend(slab);
+                Ok::<_, std::convert::Infallible>(())
+            });
+            let Ok(()) = gathered;
+            let shape: Vec<usize> = part.shape().iter().rev().copied().collect();
+            let turned = ArrayD::from_shape_vec(shape.clone(), turned).map_err(|error| error.to_string())?;
+            let mut slices: Vec<SliceOrIndex> = shape[..3].iter().map(|&count| (0..count).into()).collect();
+            slices.extend([start..end, first..first + shape[4]].map(SliceOrIndex::from));
+            self.dataset.write_slice(turned.view(), Hyperslab::from(slices))?;
+        }
+        Ok(())
+    }
+
+    /// Completes the file and gives it its name.
+    pub fn finish(self) -> Result<Written, Error> {
+        let Self { dataset, file, place, shape, count, .. } = self;
+        if count < shape[0] {
+            let what = format!("only {count} of {} lens rows were written", shape[0]);
+            return Err(Error::bad_input(place.path(), what));
+        }
+        drop(dataset);
+        v73::end(place, file)
+    }
+}

@@ -1,0 +1,131 @@
+//! What other programs write is read, number for number: a table of format, program, type of sample and size.
+//!
+//! `peers/write_files.py` writes the files with every program that `HOLO_PYTHON` (or `python3`) has; the numbers are formulas
+//! that both sides know. What ours look like to those programs is asked in `peer_readers.rs`, `mat_peers.rs`, `mat_v73.rs`,
+//! `mat_octave.rs` and `hdf5.rs`.
+#![cfg(all(feature = "png", feature = "exr", feature = "mat"))]
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Command;
+
+use holo_io::{Limits, PngSamples, StoredLightField, read_exr, read_mat_light_field, read_png};
+use ndarray::{Array3, Array5};
+
+/// The numbers of `image` in the script.
+fn image(size: &str, channels: usize, top: usize) -> Array3<usize> {
+    let (rows, columns) = size.split_once('x').unwrap();
+    let shape = (rows.parse().unwrap(), columns.parse().unwrap(), channels);
+    Array3::from_shape_fn(shape, |(row, column, channel)| (row * 8191 + column * 523 + channel * 97) % top)
+}
+
+/// The numbers of `light_field` in the script.
+fn light_field(size: &str) -> Array5<f64> {
+    let counts: Vec<usize> = size.split('x').map(|count| count.parse().unwrap()).collect();
+    let shape = <[usize; 5]>::try_from(counts).unwrap();
+    Array5::from_shape_fn(shape, |(v, u, t, s, c)| ((v * 97 + u * 31 + t * 11 + s * 5 + c * 3) % 256) as f64)
+}
+
+fn assert_png(path: &Path, size: &str, channels: &str, bits: &str) {
+    let top = if bits == "8" { 256 } else { 65_536 };
+    let expected = image(size, channels.parse().unwrap(), top);
+    match (read_png(path, &Limits::default()).unwrap(), bits) {
+        (PngSamples::U8(read), "8") => assert_eq!(read.mapv(usize::from), expected, "{}", path.display()),
+        (PngSamples::U16(read), "16") => assert_eq!(read.mapv(usize::from), expected, "{}", path.display()),
+        (read, _) => panic!("{}: {:?}", path.display(), read.dim()),
+    }
+}
+
+fn assert_exr(path: &Path, size: &str) {
+    let expected = image(size, 3, 2048);
+    let read = read_exr(path, &Limits::default()).unwrap();
+    for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
+        let plane = read.channel(name).unwrap();
+        let wanted = expected.index_axis(ndarray::Axis(2), channel).mapv(|value| value as f32);
+        assert_eq!(plane, wanted, "{} {name}", path.display());
+    }
+}
+
+fn assert_light_field(path: &Path, read: StoredLightField, size: &str, kind: &str) {
+    let (numbers, found) = match read {
+        StoredLightField::U8(field) => (field.samples().mapv(f64::from), "uint8"),
+        StoredLightField::U16(field) => (field.samples().mapv(f64::from), "uint16"),
+        StoredLightField::F32(field) => (field.samples().mapv(f64::from), "float32"),
+        StoredLightField::F64(field) => (field.samples().to_owned(), "float64"),
+        _ => panic!("{}", path.display()),
+    };
+    assert_eq!(found, kind, "{}", path.display());
+    assert_eq!(numbers, light_field(size), "{}", path.display());
+}
+
+#[test]
+fn what_others_write_is_read_exactly() {
+    let folder = tempfile::tempdir().unwrap();
+    let program = std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/peers/write_files.py");
+    let output = match Command::new(&program).arg(script).arg(folder.path()).output() {
+        Ok(output) if output.status.success() => output,
+        Ok(output) => {
+            let text = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert!(text.contains("ModuleNotFoundError"), "{text}");
+            println!("not run: {program} lacks numpy; `cargo xtask test` fetches it, or set HOLO_PYTHON");
+            return;
+        }
+        Err(error) => {
+            println!("not run: {program}: {error}");
+            return;
+        }
+    };
+    let text = String::from_utf8(output.stdout).unwrap();
+    let mut table = BTreeMap::<(String, String, String), usize>::new();
+    for line in text.lines() {
+        let (name, program) = line.split_once('\t').unwrap();
+        let path = folder.path().join(name);
+        let (stem, ending) = name.rsplit_once('.').unwrap();
+        let words: Vec<&str> = stem.split('_').collect();
+        let kind = match (words[..].iter().as_slice(), ending) {
+            (&[_, size, channels, bits], "png") => {
+                assert_png(&path, size, channels, bits);
+                format!("{bits} bit, {channels} channels")
+            }
+            (&[_, size, coding, kind], "exr") => {
+                assert_exr(&path, size);
+                format!("{kind}, {coding}")
+            }
+            (&[_, size, kind, coding], "mat") => {
+                assert_light_field(
+                    &path,
+                    read_mat_light_field(&path, &Limits::default()).unwrap().light_field,
+                    size,
+                    kind,
+                );
+                format!("{kind}, level 5, {coding}")
+            }
+            #[cfg(feature = "hdf5")]
+            (&[_, size, kind], "mat") => {
+                assert_light_field(
+                    &path,
+                    read_mat_light_field(&path, &Limits::default()).unwrap().light_field,
+                    size,
+                    kind,
+                );
+                format!("{kind}, level 7.3")
+            }
+            #[cfg(feature = "hdf5")]
+            (&[_, size, kind, coding], "h5") => {
+                let file = holo_io::Hdf5LightField::open(&path, &Limits::default()).unwrap();
+                assert_light_field(&path, file.read().unwrap(), size, kind);
+                format!("{kind}, {coding}")
+            }
+            #[cfg(not(feature = "hdf5"))]
+            (&[_, _, _], "mat") | (&[_, _, _, _], "h5") => continue,
+            _ => panic!("{name}"),
+        };
+        *table.entry((ending.to_owned(), program.to_owned(), kind)).or_default() += 1;
+    }
+    assert!(!table.is_empty(), "the script wrote nothing");
+    println!("format | written by | samples | sizes read equal");
+    for ((ending, program, kind), count) in table {
+        println!("{ending} | {program} | {kind} | {count}");
+    }
+}

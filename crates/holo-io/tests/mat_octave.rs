@@ -1,0 +1,96 @@
+//! GNU Octave reads our `.mat` files as MATLAB would, and we read Octave's.
+//!
+//! Needs `octave-cli`; without it the test says so and passes.
+#![cfg(feature = "mat")]
+
+use std::process::Command;
+
+use holo_core::{GridSize, Intrinsics, LightField, Projection, RigParameters, Split};
+use holo_io::{
+    Limits, MatOptions, MatOrder, MatVersion, StoredLightField, StoredSample, read_mat_light_field,
+    write_mat_light_field,
+};
+use ndarray::Array5;
+
+/// (v, u, t, s, c): all different, none square.
+const SHAPE: (usize, usize, usize, usize, usize) = (4, 6, 2, 5, 3);
+
+fn value((v, u, t, s, c): (usize, usize, usize, usize, usize)) -> u8 {
+    ((v * 97 + u * 31 + t * 11 + s * 5 + c * 3) % 256) as u8
+}
+
+/// What `load` gives, in words; then the same numbers in Octave's own files. Indices of MATLAB count from 1.
+const SCRIPT: &str = r#"
+args = argv();
+load(args{1});
+elemental = squeeze(H(2, 3, :, :, :));
+view = squeeze(H(:, :, 2, 4, :));
+printf("%s %s\n", class(H), mat2str(size(H)));
+printf("elemental %s view %s\n", mat2str(size(elemental)), mat2str(size(view)));
+[v, u, t, s, c] = ndgrid(0:3, 0:5, 0:1, 0:4, 0:2);
+expected = mod(v * 97 + u * 31 + t * 11 + s * 5 + c * 3, 256);
+printf("equal %d\n", all(double(H(:)) == expected(:)));
+printf("elemental(1,5,2) %d view(4,6,3) %d\n", elemental(1, 5, 2), view(4, 6, 3));
+printf("views %s lenses %s axes %s focus %g\n", mat2str(views), mat2str(lenses), axes, focus_distance_m);
+printf("baseline %s projection %s\n", mat2str(baseline_m), projection);
+save("-v6", args{2}, "H");
+save("-v7", args{3}, "H");
+"#;
+
+fn rig() -> RigParameters {
+    RigParameters {
+        split: Split::new(GridSize::new(SHAPE.2, SHAPE.3), GridSize::new(SHAPE.0, SHAPE.1)).unwrap(),
+        intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
+        baseline_x_m: 1e-3,
+        baseline_y_m: 2e-3,
+        focus_distance_m: 4.25,
+        projection: Projection::Perspective,
+    }
+}
+
+/// Writes, lets Octave read and write, and returns what it wrote at levels 6 and 7.
+fn through_octave<T: StoredSample>(class: &str, convert: fn(u8) -> T, is_compressed: bool) -> [StoredLightField; 2] {
+    let folder = tempfile::tempdir().unwrap();
+    let names = ["ours.mat", "v6.mat", "v7.mat"].map(|name| folder.path().join(name));
+    let field = LightField::new(Array5::from_shape_fn(SHAPE, |at| convert(value(at)))).unwrap();
+    let options = MatOptions { version: MatVersion::V5, is_compressed };
+    write_mat_light_field(&names[0], &field, Some(&rig()), MatOrder::Lenses, &options).unwrap();
+    let script = folder.path().join("script.m");
+    std::fs::write(&script, SCRIPT).unwrap();
+    let output = Command::new("octave-cli")
+        .args(["--quiet", "--no-history", "--norc"])
+        .arg(&script)
+        .args(&names)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let expected = format!(
+        "{class} [4 6 2 5 3]\nelemental [2 5 3] view [4 6 3]\nequal 1\nelemental(1,5,2) {} view(4,6,3) {}\nviews [2 5] lenses [4 6] axes vutsc focus 4.25\nbaseline [0.002 0.001] projection perspective\n",
+        value((1, 2, 0, 4, 1)),
+        value((3, 5, 1, 3, 2)),
+    );
+    assert_eq!(String::from_utf8(output.stdout).unwrap(), expected);
+    [&names[1], &names[2]].map(|path| read_mat_light_field(path, &Limits::default()).unwrap().light_field)
+}
+
+#[test]
+fn octave_shows_elemental_images_and_views_and_its_own_files_are_read() {
+    if Command::new("octave-cli").arg("--version").output().is_err() {
+        println!("not run: needs octave-cli (Debian's package octave)");
+        return;
+    }
+    macro_rules! round {
+        ($type:ty, $class:literal, $variant:ident) => {
+            for is_compressed in [false, true] {
+                let expected = Array5::from_shape_fn(SHAPE, |at| <$type>::from(value(at)));
+                for read in through_octave::<$type>($class, <$type>::from, is_compressed) {
+                    assert_eq!(read, StoredLightField::$variant(LightField::new(expected.clone()).unwrap()), $class);
+                }
+            }
+        };
+    }
+    round!(u8, "uint8", U8);
+    round!(u16, "uint16", U16);
+    round!(f32, "single", F32);
+    round!(f64, "double", F64);
+}
