@@ -47,6 +47,12 @@ fn mat() {
     run("mat", holo_fuzz::io::mat);
 }
 
+#[cfg(feature = "hdf5")]
+#[test]
+fn hdf5() {
+    run("hdf5", holo_fuzz::hdf5);
+}
+
 #[test]
 fn parameters_cfg() {
     run("parameters_cfg", holo_fuzz::io::parameters_cfg);

@@ -1,3 +1,3 @@
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|data: &[u8]| holo_fuzz::io::mat(data));
+libfuzzer_sys::fuzz_target!(init: holo_fuzz::let_the_net_catch(), |data: &[u8]| holo_fuzz::io::mat(data));

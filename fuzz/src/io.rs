@@ -41,7 +41,7 @@ pub fn pfm(data: &[u8]) {
 
 /// OpenEXR: read both ways, written where the format's writer can, read again; compared as bits, so that NaN counts.
 ///
-/// A panic in the decoder becomes an error, which is what the reader promises; libFuzzer stops at it all the same.
+/// A panic in the decoder becomes an error, which is what the reader promises.
 ///
 /// # Panics
 ///
@@ -72,7 +72,7 @@ pub fn hdr(data: &[u8]) {
 
 /// MAT files of level 5: read, written both ways, read again; compared as bytes, so that NaN counts.
 ///
-/// A panic in the decoder becomes an error, which is what the reader promises; libFuzzer stops at it all the same.
+/// A panic in the decoder becomes an error, which is what the reader promises.
 ///
 /// # Panics
 ///

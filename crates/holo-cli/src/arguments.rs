@@ -294,7 +294,7 @@ pub enum Output {
     Disparity,
     /// scene_depth.pfm of the central view.
     Depth,
-    /// scene_central.exr: colour and all layers of the central view, linear.
+    /// scene_central.exr: colour and all layers of the central view, linear. With el or vpi also scene_el.exr, scene_vpi.exr.
     Exr,
     /// scene_5d.mat: the raw image's integers as a 5D array for MATLAB.
     Mat,

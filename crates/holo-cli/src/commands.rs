@@ -7,6 +7,7 @@ pub mod render;
 pub mod scene;
 pub mod verify;
 
+mod exr;
 mod layers;
 mod output;
 mod pictures;

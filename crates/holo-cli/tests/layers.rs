@@ -165,6 +165,34 @@ fn one_exr_holds_all_of_the_central_view() {
 }
 
 #[test]
+fn grids_in_linear_light_hold_the_same_radiance() {
+    let bench = Bench::new();
+    bench.render("out", "--write exr,el,vpi --layers color --ground-truth all");
+    let read = |name: &str| read_exr(bench.path("out").join(name), &Limits::default()).unwrap();
+    let (elemental, viewpoint) = (read("scene_el.exr"), read("scene_vpi.exr"));
+    let split = small_split();
+    let (views, lenses) = (split.views(), split.lenses());
+    for (channel, component) in ["R", "G", "B"].into_iter().enumerate() {
+        let name = format!("ViewLayer.Combined.{component}");
+        let (elemental, viewpoint) = (elemental.channel(&name).unwrap(), viewpoint.channel(&name).unwrap());
+        for t in 0..views.rows {
+            for s in 0..views.columns {
+                let view = map(&bench, &format!("out/color/scene_color_Cam{:03}.pfm", t * views.columns + s));
+                let expected = view.slice(s![.., .., channel]);
+                let from_elemental = elemental.slice(s![t..;views.rows, s..;views.columns]);
+                let (row, column) = (t * lenses.rows, s * lenses.columns);
+                let from_viewpoint = viewpoint.slice(s![row..row + lenses.rows, column..column + lenses.columns]);
+                // Rounded to 11 bits.
+                let near = |a: &f32, b: &f32| (a - b).abs() <= b.abs() / 2048.0 + 3e-8;
+                assert!(expected.iter().zip(from_elemental).all(|(b, a)| near(a, b)), "{t} {s} {name}");
+                assert_eq!(from_elemental, from_viewpoint, "{t} {s} {name}");
+            }
+        }
+    }
+    assert_eq!(bench.run("verify out").code, Some(0));
+}
+
+#[test]
 fn a_sky_can_be_a_file() {
     let bench = Bench::new();
     // Two texels: orange and half of it.

@@ -30,6 +30,10 @@ pub const DISPARITY_PNG: &str = "scene_disparity.png";
 pub const DEPTH_PFM: &str = "scene_depth.pfm";
 /// All layers of the central view, linear and without exposure: colour, depth, normals and what else was rendered.
 pub const CENTRAL_EXR: &str = "scene_central.exr";
+/// The elemental grid in linear light, without exposure.
+pub const ELEMENTAL_EXR: &str = "scene_el.exr";
+/// The viewpoint grid in linear light, without exposure.
+pub const VIEWPOINT_EXR: &str = "scene_vpi.exr";
 /// The light field as a 5D array of the raw image's integers, for MATLAB.
 pub const LIGHT_FIELD_MAT: &str = "scene_5d.mat";
 /// The light field as a 5D array of linear radiance, with maps of ground truth.

@@ -58,8 +58,6 @@ use crate::{Error, Written};
 
 #[cfg(feature = "mat")]
 pub(crate) use library::{Failure, create, open, read_text};
-#[cfg(feature = "mat")]
-pub(crate) use options::CHUNK;
 pub use options::{Hdf5Map, Hdf5Options};
 #[cfg(feature = "mat")]
 pub(crate) use read::check_chunk;

@@ -4,8 +4,8 @@
 //!
 //! - Arrays are `(rows, columns)` or `(rows, columns, channels)`, the top row first, with any strides: writers take views
 //!   of any memory order and never copy the image as a whole. What does not fit into memory is written band by band
-//!   ([`PngWriter`], [`ExrWriter`]). Nothing is ever flipped; where a format stores the bottom
-//!   row first (PFM), that stays inside its file.
+//!   ([`PngWriter`], [`ExrWriter`], `MatWriter`, `Hdf5Writer`). Nothing is ever flipped; where a format stores the bottom row
+//!   first (PFM), that stays inside its file.
 //! - In files and in text a size is columns x rows; in code rows come first ([`GridSize`](holo_core::GridSize)).
 //! - Depth is planar and in metres, `+infinity` where nothing was hit. Disparity is in pixels between adjacent views,
 //!   positive nearer than the focus plane. Millimetres occur only in fields whose name says so, because their files do.
@@ -26,8 +26,9 @@
 //! | PFM in memory | [`Pfm::to_bytes`] | [`decode_pfm`] |
 //! | EXR, 32-bit or 16-bit float | [`write_exr`], [`write_exr_with`], [`ExrWriter`] | [`read_exr`], [`read_exr_rgb`], [`read_exr_info`] |
 //! | EXR in memory | [`encode_exr`], [`encode_exr_with`] | [`decode_exr`], [`decode_exr_rgb`] |
-//! | MAT, level 5 | [`write_mat`], [`write_mat_light_field`] | [`read_mat`], [`read_mat_variable`], [`read_mat_light_field`], [`read_mat_info`] |
+//! | MAT, levels 5 and 7.3 | [`write_mat`], [`write_mat_light_field`]; `MatWriter` lens row by lens row | [`read_mat`], [`read_mat_variable`], [`read_mat_light_field`], [`read_mat_info`] |
 //! | MAT in memory | [`encode_mat`] | [`decode_mat`] |
+//! | HDF5 | `write_hdf5`; `Hdf5Writer` lens row by lens row | `Hdf5LightField`: all, one view, one lens |
 //! | Radiance HDR | | [`read_hdr`], [`decode_hdr`], [`read_hdr_info`] |
 //! | `parameters.cfg` | [`ParametersCfg::write`] | [`ParametersCfg::read`] |
 //! | `manifest.json` | [`Manifest::write`] | [`Manifest::read`], [`Manifest::verify`] |
@@ -42,19 +43,22 @@
 //!
 //! # Features
 //!
-//! All on by default. `png`: everything that needs a PNG codec. `exr`: OpenEXR, through the crate `exr`. `hdr`: Radiance
-//! HDR, which needs no other crate. `mat`: MATLAB's arrays, numbers decoded by the crate `matfile`. PFM, `parameters.cfg` and the manifest are always there, and so is [`recognise`] for
-//! every kind.
+//! On by default: `png`, everything that needs a PNG codec; `exr`, OpenEXR, through the crate `exr`; `hdr`, Radiance HDR, which
+//! needs no other crate; `mat`, MATLAB's arrays of level 5, numbers decoded by the crate `matfile`. On request: `hdf5`, and with
+//! `mat` MATLAB's level 7.3; it builds the HDF5 library from its C source, which takes CMake. PFM, `parameters.cfg` and the
+//! manifest are always there, and so is [`recognise`] for every kind.
 //!
 //! # Panics in decoders
 //!
-//! The crate `exr` may panic on a damaged file (and `matfile` is watched as well). Such a panic becomes an [`Error`]; a program whose panic hook prints should
-//! ask [`is_guarding`] first and stay silent.
+//! The crate `exr` may panic on a damaged file (and `matfile` is watched as well). Such a panic becomes an [`Error`]; a program
+//! whose panic hook prints should ask [`is_guarding`] first and stay silent. The HDF5 library is C: read only `.h5` and level 7.3
+//! files from somebody you trust.
 //!
 //! # What is not here
 //!
 //! No pixel is computed: exposure, the sRGB curve and the change of layout happen before. Nothing is printed and no
-//! process is ended. Folders are not created.
+//! process is ended. Folders are not created. The `lf.h5` of the first HCI benchmark (2013) is not read: its conventions are known
+//! only from hearsay, and no file was at hand to prove them on.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 // The table above names what the features add.

@@ -2,11 +2,12 @@
 
 use std::process::Command;
 
-use crate::{Result, process, root};
+use crate::{Result, cmake, process, root};
 
-/// The target `exr` is left out: the decoder panics on damaged B44 blocks, which the net of `holo-io` turns into errors, but
-/// libFuzzer ends at any panic. Its corpus runs in `tests/fuzz_corpus.rs`.
-const TARGETS: &[&str] = &["gltf", "png", "pfm", "parameters_cfg", "manifest", "hdr", "mat"];
+const TARGETS: &[&str] = &["gltf", "png", "pfm", "exr", "hdr", "mat", "parameters_cfg", "manifest"];
+
+/// What needs the HDF5 library.
+const WITH_HDF5: &[&str] = &["hdf5"];
 
 /// `cargo xtask fuzz [SECONDS]`: 10 seconds a target unless told.
 pub fn run(arguments: &[String]) -> Result {
@@ -20,7 +21,8 @@ pub fn run(arguments: &[String]) -> Result {
     let flags = "--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
                  -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
                  -Cllvm-args=-sanitizer-coverage-trace-compares -Cdebug-assertions -Ccodegen-units=1";
-    for name in TARGETS {
+    let (hdf5, features) = if cmake::is_there() { (WITH_HDF5, "libfuzzer,hdf5") } else { (&[][..], "libfuzzer") };
+    for name in TARGETS.iter().chain(hdf5) {
         println!("fuzzing {name} for {seconds} s");
         let corpus = root().join("fuzz").join("corpus").join(name);
         let findings = target.join("findings").join(name);
@@ -30,7 +32,8 @@ pub fn run(arguments: &[String]) -> Result {
                 .current_dir(root())
                 .env("RUSTFLAGS", flags)
                 .env("CARGO_TARGET_DIR", &target)
-                .args(["run", "--quiet", "--release", "-p", "holo-fuzz", "--features", "libfuzzer"])
+                .envs(cmake::environment())
+                .args(["run", "--quiet", "--release", "-p", "holo-fuzz", "--features", features])
                 .args(["--target", &host, "--bin", name])
                 .arg("--")
                 .arg(format!("-max_total_time={seconds}"))

@@ -6,6 +6,7 @@
 //! demo     build + render the demo scene into out/
 //! test     setup + the programs to test against + every test
 //! embree   fetch Embree 4 alone
+//! clippy   clippy over all that needs HDF5, warnings denied
 //! fuzz     build every fuzz target and run each for some seconds
 //! package  build each library from its package alone
 //! bench    setup + the benchmarks
@@ -32,13 +33,15 @@ fn main() -> ExitCode {
         Some("build") => build(),
         Some("demo") => build().and_then(|()| demo::run(rest)),
         Some("test") => setup().and_then(|()| test::run(rest)),
+        Some("clippy") => clippy(),
         Some("embree") => embree::fetch(),
         Some("fuzz") => fuzz::run(rest),
         Some("package") => package::run(),
         Some("bench") => {
             setup().and_then(|()| process::cargo(&[&["bench", "-p", "holo-bench"], strs(rest).as_slice()].concat()))
         }
-        _ => Err("usage: cargo xtask setup | build | demo | test | embree | fuzz [SECONDS] | package | bench".into()),
+        _ => Err("usage: cargo xtask setup | build | demo | test | clippy | embree | fuzz [SECONDS] | package | bench"
+            .into()),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,
@@ -87,6 +90,26 @@ fn setup() -> Result {
 /// Cargo's arguments for all that can be built here.
 fn features() -> &'static [&'static str] {
     if cmake::is_there() { &["--features", "hdf5"] } else { &[] }
+}
+
+/// Lints what the plain `cargo clippy` leaves out.
+fn clippy() -> Result {
+    if !cmake::is_there() {
+        println!("not run: clippy over HDF5: needs cmake");
+        return Ok(());
+    }
+    let features = "holo-io/hdf5,holo-cli/hdf5,holo-bench/hdf5,holo-workspace/hdf5";
+    process::cargo(&[
+        "clippy",
+        "--workspace",
+        "--all-targets",
+        "--quiet",
+        "--features",
+        features,
+        "--",
+        "-D",
+        "warnings",
+    ])
 }
 
 fn build() -> Result {

@@ -10,7 +10,7 @@ pub fn run(arguments: &[String]) -> Result {
     if let Err(why) = peers::ensure() {
         eprintln!("xtask: no programs to test against: {why}");
     }
-    let features: &[&str] = if hdf5 { &["--features", "holo-io/hdf5,holo-cli/hdf5"] } else { &[] };
+    let features: &[&str] = if hdf5 { &["--features", "holo-io/hdf5,holo-cli/hdf5,holo-workspace/hdf5"] } else { &[] };
     process::cargo(&[&["test", "--workspace", "--quiet"], features, extra.as_slice()].concat())?;
     println!();
     if !embree {

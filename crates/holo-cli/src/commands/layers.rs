@@ -6,9 +6,9 @@
 use std::path::PathBuf;
 
 use holo_core::LightFieldOwned;
-use holo_io::{Compression, ExrChannel, Written, dataset};
+use holo_io::{Compression, Written, dataset};
 use holo_render::{Layer, LayerSet, Layers, Rendered};
-use ndarray::{Array3, ArrayView2, ArrayView3, Axis};
+use ndarray::{ArrayView3, Axis};
 use rayon::prelude::*;
 
 use super::output::OutputFolder;
@@ -121,50 +121,9 @@ pub fn write_color(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, all:
     if all { write_all_views(folder, COLOR, color) } else { Ok(()) }
 }
 
-/// Writes all layers of the central view, and its picture, into one file.
-pub fn write_exr(folder: &mut OutputFolder, rendered: &Rendered) -> Result<(), Failure> {
-    let color = rendered.color.as_ref().map(central_view).transpose()?;
-    let channels = channels(&rendered.central, color);
-    let channels: Vec<_> = channels.iter().map(|(name, plane)| ExrChannel::float(name, plane.view())).collect();
-    let path = folder.file(dataset::CENTRAL_EXR);
-    folder.add(dataset::CENTRAL_EXR, holo_io::write_exr(path, &channels)?);
-    Ok(())
-}
-
-fn central_view(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_, f32>, Failure> {
+pub fn central_view(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_, f32>, Failure> {
     let (t, s) = field.split().central_view();
     Ok(field.view(t, s)?)
-}
-
-/// What the channels of a layer are called in an EXR: as in Blender's where it has the layer.
-fn exr_name(layer: Layer) -> (&'static str, &'static [&'static str]) {
-    match layer {
-        Layer::Depth => ("Depth", &["Z"]),
-        Layer::RayLength => ("RayLength", &["Z"]),
-        Layer::Disparity => ("Disparity", &["X"]),
-        Layer::GeometricNormal => ("GeometricNormal", &["X", "Y", "Z"]),
-        Layer::ShadingNormal => ("Normal", &["X", "Y", "Z"]),
-        Layer::Albedo => ("DiffCol", &["R", "G", "B"]),
-        Layer::ObjectId => ("IndexOB", &["X"]),
-        Layer::MaterialId => ("IndexMA", &["X"]),
-        Layer::HitMask => ("HitMask", &["X"]),
-    }
-}
-
-/// The planes of `scene_central.exr` with their names.
-fn channels<'a>(
-    central: &'a Layers<Array3<f32>>,
-    color: Option<ArrayView3<'a, f32>>,
-) -> Vec<(String, ArrayView2<'a, f32>)> {
-    let layers = central.iter().map(|(layer, image)| (exr_name(layer), image.view()));
-    let color = color.map(|image| (("Combined", &["R", "G", "B"][..]), image));
-    let planes = color.into_iter().chain(layers).flat_map(|((pass, components), image)| {
-        let plane = move |(c, component): (usize, &&str)| {
-            (format!("ViewLayer.{pass}.{component}"), image.index_axis_move(Axis(2), c))
-        };
-        components.iter().enumerate().map(plane)
-    });
-    planes.collect()
 }
 
 /// What the files of a layer have in their names.
@@ -233,18 +192,5 @@ mod tests {
         assert_eq!(file(Layer::Depth), dataset::DEPTH_PFM);
         assert_eq!(file(Layer::Disparity), dataset::DISPARITY_PFM);
         assert_eq!(file(Layer::GeometricNormal), "scene_geometric_normal.pfm");
-    }
-
-    #[test]
-    fn every_channel_of_an_exr_has_a_name_of_its_own() {
-        let central: Layers<Array3<f32>> =
-            Layer::ALL.into_iter().map(|layer| (layer, Array3::zeros((2, 3, layer.channels())))).collect();
-        let color = Array3::zeros((2, 3, 3));
-        let channels = channels(&central, Some(color.view()));
-        let names: std::collections::BTreeSet<&str> = channels.iter().map(|(name, _)| name.as_str()).collect();
-        assert_eq!((names.len(), channels.len()), (18, 18), "{names:?}");
-        for name in ["Combined.R", "Depth.Z", "Normal.Y", "DiffCol.B", "IndexOB.X", "IndexMA.X", "Disparity.X"] {
-            assert!(names.contains(format!("ViewLayer.{name}").as_str()), "{name}");
-        }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! Linear radiance goes into HDF5 and EXR as it is; exposure and the sRGB curve come between it and all integers.
 
-use holo_core::{LightField, LightFieldOwned, LightFieldView, Rig};
+use holo_core::{Layout, LightField, LightFieldOwned, LightFieldView, Rig};
 use holo_io::{
     Compression, HciImage, HciTruth, HciViews, MatOptions, MatOrder, Meaning, ParametersCfg, StoredSample, Written,
     dataset,
@@ -10,6 +10,7 @@ use holo_io::{
 use holo_render::{Layer, Rendered, exposure};
 use ndarray::{ArrayView3, Axis};
 
+use super::exr;
 use super::layers::{self, Wanted};
 use super::output::OutputFolder;
 use crate::arguments::{GroundTruthArgument, MatOrderArgument, Output, RenderOptions};
@@ -77,7 +78,13 @@ impl Pictures<'_> {
         exposure_ev: Option<f64>,
     ) -> Result<(), Failure> {
         if self.wants(Output::Exr) {
-            layers::write_exr(folder, rendered)?;
+            exr::write_central(folder, rendered)?;
+            let grids = [(Output::El, Layout::ElementalGrid), (Output::Vpi, Layout::ViewpointGrid)];
+            for (_, layout) in grids.into_iter().filter(|(output, _)| self.wants(*output)) {
+                if let Some(color) = &rendered.color {
+                    exr::write_grid(folder, color, layout)?;
+                }
+            }
         }
         if let Some(color) = rendered.color.as_ref().filter(|_| wanted.color) {
             layers::write_color(folder, color, self.options.ground_truth == GroundTruthArgument::All)?;

@@ -53,13 +53,41 @@ impl Default for Hdf5Options {
 }
 
 /// Lens rows, lens columns, view rows and view columns of a chunk that suits both ways of reading.
-pub(crate) const CHUNK: [usize; 4] = [4, 4, 10, 10];
+const CHUNK: [usize; 4] = [4, 4, 10, 10];
+
+/// Bytes of the rows of a chunk, as far as the default chunk can be made to fit.
+const MAX_BAND_BYTES: usize = 256 << 20;
 
 impl Hdf5Options {
     /// The chunk for samples of this shape: never larger than the whole.
-    pub(super) fn chunk_of(&self, shape: &[usize]) -> Vec<usize> {
-        let wanted = self.chunk.unwrap_or(CHUNK);
+    ///
+    /// The rows of a chunk are in memory when it is written. Where lens rows are so long that these would be too much, the
+    /// chunk is lower and wider instead, as far as it can.
+    pub(crate) fn chunk_of(&self, shape: &[usize], element_bytes: usize) -> Vec<usize> {
+        let mut wanted = self.chunk.unwrap_or(CHUNK);
+        let row_bytes = shape[1..].iter().product::<usize>().saturating_mul(element_bytes);
+        while self.chunk.is_none() && wanted[0] > 1 && row_bytes.saturating_mul(wanted[0]) > MAX_BAND_BYTES {
+            wanted[0] /= 2;
+            wanted[1] *= 2;
+        }
         let side = |(axis, &count): (usize, &usize)| wanted.get(axis).map_or(count, |&side| side.clamp(1, count));
         shape.iter().enumerate().map(side).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chunks_are_lower_where_rows_are_long() {
+        let chunk = |shape: [usize; 5], bytes| Hdf5Options::default().chunk_of(&shape, bytes);
+        assert_eq!(chunk([53, 79, 100, 100, 3], 4), [4, 4, 10, 10, 3]);
+        assert_eq!(chunk([3, 2, 5, 100, 1], 4), [3, 2, 5, 10, 1]);
+        // 64K pixels wide: a lens row is 79 MB.
+        assert_eq!(chunk([430, 655, 100, 100, 3], 4), [2, 8, 10, 10, 3]);
+        assert_eq!(chunk([430, 655, 100, 100, 3], 1), [4, 4, 10, 10, 3]);
+        let own = Hdf5Options { chunk: Some([4, 4, 10, 10]), ..Hdf5Options::default() };
+        assert_eq!(own.chunk_of(&[430, 655, 100, 100, 3], 4), [4, 4, 10, 10, 3]);
     }
 }

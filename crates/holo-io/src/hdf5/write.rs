@@ -15,8 +15,8 @@ use crate::{Error, Written};
 
 /// Writes a light field lens row by lens row, and the ground truth beside it.
 ///
-/// In memory are as many lens rows as a chunk is high, of the samples and of each map, whatever the size of the whole: 64K x 43K
-/// pixels of 100 x 100 views, as float32 of three channels, need 310 MB by this count. The file appears when [`finish`](Self::finish) succeeds, and not before.
+/// In memory are as many lens rows as a chunk is high, of the samples and of each map, whatever the size of the whole: 256 MiB
+/// at most for samples of 100 x 100 views up to 109K pixels wide, as float32 of three channels. The file appears when [`finish`](Self::finish) succeeds, and not before.
 ///
 /// # Errors
 ///
@@ -157,7 +157,7 @@ impl<T: StoredSample> Rows<T> {
         path: &Path,
     ) -> Result<Self, Error> {
         let failed = |error| Failure { path, is_writing: true }.error(error);
-        let chunk = options.chunk_of(shape);
+        let chunk = options.chunk_of(shape, size_of::<T>());
         let mut builder = file
             .new_dataset::<T>()
             .shape(shape)

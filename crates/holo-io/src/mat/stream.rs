@@ -13,7 +13,7 @@ use ndarray::{Array5, ArrayD, ArrayView5, Axis, Dimension, Slice};
 use super::light_field::{MatOrder, beside};
 use super::order::column_major;
 use super::v73;
-use crate::hdf5::{CHUNK, Failure};
+use crate::hdf5::{Failure, Hdf5Options};
 use crate::rig_values::RigValues;
 use crate::stored::StoredSample;
 use crate::{Error, Written};
@@ -92,11 +92,10 @@ impl<T: StoredSample> MatWriter<T> {
             v73::variable(&file, &variable, false).map_err(failed)?;
         }
         let shape = rig.split.shape(channels);
-        let mut chunk = shape;
-        CHUNK.into_iter().enumerate().for_each(|(axis, side)| chunk[axis] = side.clamp(1, shape[axis]));
-        let reversed = |sides: [usize; 5]| sides.into_iter().rev().collect::<Vec<_>>();
+        let chunk = Hdf5Options::default().chunk_of(&shape, size_of::<T>());
+        let reversed = |sides: &[usize]| sides.iter().rev().copied().collect::<Vec<_>>();
         let dataset =
-            v73::chunked::<T>(&file, order.name(), &reversed(shape), reversed(chunk), T::MAT_CLASS, is_compressed)
+            v73::chunked::<T>(&file, order.name(), &reversed(&shape), reversed(&chunk), T::MAT_CLASS, is_compressed)
                 .map_err(failed)?;
         let band = Array5::default([chunk[0], shape[1], shape[2], shape[3], shape[4]]);
         Ok(Self { dataset, file, place, shape, chunk: [chunk[0], chunk[1]], band, count: 0 })
