@@ -1,5 +1,6 @@
 //! The command line. On it x comes first everywhere: sizes are columns x rows, positions column, row.
 
+mod dataset;
 mod values;
 
 use std::path::PathBuf;
@@ -7,7 +8,8 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use holo_core::{GridSize, Sensor};
 
-pub use values::{CameraArgument, ExposureArgument, FocusArgument, Pair, SkyArgument};
+pub use dataset::DatasetOptions;
+pub use values::{CameraArgument, ExposureArgument, FocusArgument, Pair, Shard, SkyArgument};
 
 /// Holoscopic (integral, plenoptic 1.0) images from glTF scenes, with exact depth and disparity.
 ///
@@ -22,7 +24,11 @@ pub struct Arguments {
 #[derive(Subcommand, Debug)]
 pub enum Command {
     /// Render a scene (.glb, .gltf) into a raw holoscopic image with ground truth.
-    Render(RenderOptions),
+    Render(Box<RenderOptions>),
+    /// Make a dataset: scenes of the gallery and your own, each with several numbers of views; or go on with one.
+    Dataset(Box<DatasetOptions>),
+    /// Put the parts of `holo render --shard` together.
+    Merge(MergeOptions),
     /// Say what a file holds; for a scene also which rig and disparity range a render would get.
     Info(InfoOptions),
     /// Turn a grid of views into a grid of elemental images, or back.
@@ -31,11 +37,11 @@ pub enum Command {
     Extract(ExtractOptions),
     /// Write a scene of the built-in gallery as .glb; without a name, list them.
     Scene(SceneOptions),
-    /// Check the files of a dataset folder against the digests in its manifest.json.
+    /// Check a dataset, or one folder of it, against its digests: hashes, sizes, what is missing.
     Verify(VerifyOptions),
 }
 
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct RenderOptions {
     /// The scene: .glb, or .gltf with the files it refers to.
     pub scene: PathBuf,
@@ -44,6 +50,24 @@ pub struct RenderOptions {
     pub out: PathBuf,
     #[command(flatten)]
     pub rig: RigOptions,
+    #[command(flatten)]
+    pub job: JobOptions,
+    /// Part K of N of the picture alone, cut between rows of lenses: DIR is then for `holo merge`.
+    #[arg(long, value_name = "K/N", value_parser = values::shard)]
+    pub shard: Option<Shard>,
+    #[command(flatten)]
+    pub engine: EngineOptions,
+    /// No progress and no summary.
+    #[arg(long)]
+    pub quiet: bool,
+    /// One JSON object about the run on standard output.
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What decides, with the scene and the rig, every file that is written.
+#[derive(Args, Clone, Debug)]
+pub struct JobOptions {
     /// How light is modelled.
     #[arg(long, value_enum, default_value_t = IntegratorArgument::Auto)]
     pub integrator: IntegratorArgument,
@@ -90,18 +114,10 @@ pub struct RenderOptions {
     /// Chooses the random numbers.
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 0)]
     pub seed: u64,
-    #[command(flatten)]
-    pub engine: EngineOptions,
-    /// No progress and no summary.
-    #[arg(long)]
-    pub quiet: bool,
-    /// One JSON object about the run on standard output.
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// What decides the rig.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct RigOptions {
     /// The sensor behind the lenses: hd, 4k, 8k (the paper's 7952x5304), uhd8k or WIDTHxHEIGHT.
     #[arg(long, value_name = "NAME|WxH", default_value = "8k", value_parser = values::sensor, conflicts_with = "lenses")]
@@ -135,7 +151,7 @@ pub struct RigOptions {
     pub camera: Option<CameraArgument>,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub struct EngineOptions {
     /// Threads [default: one per core].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
@@ -206,8 +222,20 @@ pub struct SceneOptions {
 
 #[derive(Args, Debug)]
 pub struct VerifyOptions {
-    /// A folder that `holo render` wrote.
+    /// A folder that `holo render` or `holo dataset` wrote.
     pub folder: PathBuf,
+}
+
+#[derive(Args, Debug)]
+pub struct MergeOptions {
+    /// Folder for the results; made if missing.
+    pub out: PathBuf,
+    /// The folders that `holo render --shard` wrote, all of them, in any order.
+    #[arg(required = true)]
+    pub parts: Vec<PathBuf>,
+    /// No summary.
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,18 +1,25 @@
 //! One command a file.
 
+pub mod dataset;
 pub mod extract;
 pub mod info;
+pub mod merge;
 pub mod remap;
 pub mod render;
 pub mod scene;
 pub mod verify;
 
+mod asked;
 mod exr;
+mod job;
 mod layers;
 mod output;
+mod part;
 mod pictures;
 mod prepare;
 mod raw;
 mod sky;
+mod source;
 
+pub use asked::Wish;
 pub use output::take_back;

@@ -11,6 +11,15 @@ pub enum Failure {
     Failed(String),
 }
 
+impl Failure {
+    /// What went wrong, without advice on the command line.
+    pub fn message(&self) -> String {
+        match self {
+            Self::Usage(message) | Self::Failed(message) => message.clone(),
+        }
+    }
+}
+
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

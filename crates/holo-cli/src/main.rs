@@ -14,18 +14,24 @@ mod report;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches};
 
 use arguments::{Arguments, Command};
+use commands::Wish;
 use console::say;
 use failure::Failure;
 
 fn main() -> ExitCode {
-    let arguments = Arguments::parse();
+    let matches = Arguments::command().get_matches();
+    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    // What was said to the command, for those that keep it.
+    let said = matches.subcommand().map(|(_, said)| said.clone()).unwrap_or_default();
     stay_silent_while_a_guard_watches();
     interrupt::install();
     let result = match arguments.command {
-        Command::Render(options) => commands::render::run(&options),
+        Command::Render(options) => commands::render::run(&Wish::new(*options, &said)),
+        Command::Dataset(options) => commands::dataset::run(*options, said),
+        Command::Merge(options) => commands::merge::run(&options),
         Command::Info(options) => commands::info::run(&options),
         Command::Remap(options) => commands::remap::run(&options),
         Command::Extract(options) => commands::extract::run(&options),

@@ -23,6 +23,34 @@ pub struct Report<'a> {
     pub files: &'a [String],
 }
 
+/// What one of many renders tells.
+pub struct RunJson {
+    pub seconds: Seconds,
+    pub rays: RayCounts,
+    pub samples: u64,
+    pub integrator: Integrator,
+    pub disparity_px: Option<(f64, f64)>,
+}
+
+impl RunJson {
+    pub fn mrays_per_second(&self) -> f64 {
+        self.rays.total() as f64 / self.seconds.render.max(1e-9) / 1e6
+    }
+
+    pub fn json(&self) -> Value {
+        json!({
+            "seconds": self.seconds.json(),
+            "rays": rays(self.rays),
+            "samples": self.samples,
+            "integrator": integrator_name(self.integrator),
+        })
+    }
+}
+
+fn rays(rays: RayCounts) -> Value {
+    json!({"primary": rays.primary, "shadow": rays.shadow, "other": rays.other})
+}
+
 /// Where the time went.
 #[derive(Clone, Copy, Default)]
 pub struct Seconds {
@@ -33,17 +61,22 @@ pub struct Seconds {
     pub total: f64,
 }
 
+impl Seconds {
+    fn json(&self) -> Value {
+        json!({
+            "load": self.load, "build": self.build, "render": self.render, "write": self.write, "total": self.total,
+        })
+    }
+}
+
 impl Report<'_> {
     /// The object of `--json`.
     pub fn json(&self) -> Value {
         let rig = ManifestRig::from(self.rig.parameters());
         let size = |s: holo_core::GridSize| json!({"columns": s.columns, "rows": s.rows});
         json!({
-            "seconds": {
-                "load": self.seconds.load, "build": self.seconds.build, "render": self.seconds.render,
-                "write": self.seconds.write, "total": self.seconds.total,
-            },
-            "rays": {"primary": self.rays.primary, "shadow": self.rays.shadow, "other": self.rays.other},
+            "seconds": self.seconds.json(),
+            "rays": rays(self.rays),
             "samples": self.samples,
             "backend": self.backend,
             "threads": self.threads,
@@ -118,7 +151,7 @@ pub fn describe_rig(rig: &Rig, disparity_px: Option<(f64, f64)>) -> String {
 }
 
 /// Some five digits, and a power of ten only where the number would be unreadable without.
-fn short(x: f64) -> String {
+pub fn short(x: f64) -> String {
     match x.abs() {
         0.0 => "0".into(),
         size if (1e-3..1e6).contains(&size) => {
@@ -146,7 +179,7 @@ fn number(x: f64) -> Value {
 }
 
 /// The most memory that this process ever held, where the system tells (Linux).
-fn peak_rss_bytes() -> Option<u64> {
+pub fn peak_rss_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib * 1024)

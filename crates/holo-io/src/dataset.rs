@@ -4,6 +4,7 @@
 //!
 //! Section IV of the paper names the folders and the raw images; the other files are this project's.
 
+mod description;
 #[cfg(feature = "png")]
 mod folder;
 mod list;
@@ -14,6 +15,7 @@ use holo_core::GridSize;
 
 use crate::Error;
 
+pub use description::{Description, SceneEntry};
 #[cfg(feature = "png")]
 pub use folder::DatasetFolder;
 pub use list::{DatasetEntry, list};
@@ -42,6 +44,10 @@ pub const LIGHT_FIELD_HDF5: &str = "scene_5d.h5";
 pub const PARAMETERS_CFG: &str = "parameters.cfg";
 /// The settings and digests.
 pub const MANIFEST_JSON: &str = "manifest.json";
+/// What a dataset of many folders consists of, in its root.
+pub const DATASET_JSON: &str = "dataset.json";
+/// The same for people.
+pub const DATASET_MD: &str = "DATASET.md";
 
 /// Returns the folder of one dataset: `<scene>/<S>x<T>`, views as columns x rows.
 ///

@@ -33,7 +33,8 @@
 //! | `parameters.cfg` | [`ParametersCfg::write`] | [`ParametersCfg::read`] |
 //! | `manifest.json` | [`Manifest::write`] | [`Manifest::read`], [`Manifest::verify`] |
 //! | raw PNG with its `parameters.cfg` | | [`RawImage::read`] |
-//! | dataset folder | file by file | [`dataset::DatasetFolder`], [`dataset::list`] |
+//! | dataset folder | file by file | [`dataset::DatasetFolder`] |
+//! | dataset of many folders | [`dataset::Description::write`] | [`dataset::Description::read`], [`dataset::list`] |
 //! | HCI folder | [`HciImage::write`] | [`HciFolder::open`] |
 //! | folder of the Stanford Lego gantry | | [`GantryFolder::open`] |
 //! | any of these files | | [`recognise`] |

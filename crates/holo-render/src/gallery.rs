@@ -94,3 +94,26 @@ pub fn scene(name: &str) -> Option<Scene> {
     };
     Some(build())
 }
+
+/// What the scene of this name is there for, or `None`.
+#[must_use]
+pub fn purpose(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "garden" => "dense foliage of many instances, textured background, hard shadows",
+        "mirror" => "a mirror, metal and glaze before a papered wall",
+        "clockwork" => "rough metals in many thin layers",
+        "glasses" => "clear glass: refraction, total internal reflection",
+        "bottles" => "coloured thick glass before the light",
+        "birdcage" => "thin structures and their shadows",
+        "chess" => "soft and hard shadows over a pattern",
+        "mountains" => "slanted and layered planes",
+        "billiards" => "specular highlights",
+        "tiles" => "repetitive texture, equal to the last texel",
+        "plaster" => "textureless surfaces",
+        "curtains" => "transparency by alpha: holes and veils",
+        "lanterns" => "emissive light from within the scene",
+        "dominoes" => "a large range of depths",
+        "fruit" => "a still life of all materials",
+        _ => return None,
+    })
+}

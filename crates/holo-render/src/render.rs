@@ -1,5 +1,6 @@
 //! The renderer: a scene in front of a camera, ready to be looked at through any rig.
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -79,6 +80,9 @@ pub struct Request {
     pub layers: LayerSet,
     /// For which views they are wanted.
     pub ground_truth: GroundTruth,
+    /// The rows of lenses that are wanted; `None`: all. They come out as they would within the whole if they are such as
+    /// [`Renderer::part_of_lens_rows`] gives.
+    pub lens_rows: Option<Range<usize>>,
 }
 
 impl Request {
@@ -97,6 +101,7 @@ impl Request {
             indirect: true,
             layers: DEPTH_AND_DISPARITY,
             ground_truth: GroundTruth::Central,
+            lens_rows: None,
         }
     }
 }
@@ -114,7 +119,7 @@ pub enum GroundTruth {
     All,
 }
 
-/// What was rendered. Light fields lie in memory as elemental grids.
+/// What was rendered. Light fields lie in memory as elemental grids; all arrays have the lens rows that were asked for.
 #[derive(Debug)]
 pub struct Rendered {
     /// Linear RGB radiance; `None` from the integrator `Depth`.
@@ -246,6 +251,27 @@ impl Renderer {
         self.pool.install(|| self.render_here(request, progress))
     }
 
+    /// The lens rows of part `part` (from 0) of `of`, such that the parts of a request come out byte for byte as the whole.
+    ///
+    /// Parts are about equally high; the cuts lie between tiles. What the request says of lens rows does not matter.
+    ///
+    /// # Errors
+    /// Impossible settings; more parts than there are rows of tiles.
+    pub fn part_of_lens_rows(&self, request: &Request, part: usize, of: usize) -> Result<Range<usize>, Error> {
+        let (integrator, _) = self.choose(request)?;
+        let step = Tilings::new(request, integrator).row_step();
+        let rows = request.rig.split().lenses().rows;
+        let most = rows.div_ceil(step);
+        if part >= of || of > most {
+            return Err(Error::BadSetting(format!(
+                "part {} of {of}: this picture of {rows} rows of lenses can be cut into 1 to {most} parts",
+                part + 1
+            )));
+        }
+        let cut = |part: usize| (most * part / of * step).min(rows);
+        Ok(cut(part)..cut(part + 1))
+    }
+
     /// Layers of the central view alone, axes (v, u, c).
     ///
     /// # Errors
@@ -265,9 +291,15 @@ impl Renderer {
 
     fn render_here(&self, request: &Request, progress: &dyn Progress) -> Result<Rendered, Error> {
         let (integrator, why) = self.choose(request)?;
-        let split = *request.rig.split();
-        let (lenses, views) = (split.lenses(), split.views());
-        let all_counts = [lenses.rows, lenses.columns, views.rows, views.columns];
+        let tilings = Tilings::new(request, integrator);
+        let whole = *request.rig.split();
+        let rows = request.lens_rows.clone().unwrap_or(0..whole.lenses().rows);
+        if rows.is_empty() || rows.end > whole.lenses().rows {
+            let count = whole.lenses().rows;
+            return Err(Error::BadSetting(format!("lens rows {rows:?} are not some of the {count} that there are")));
+        }
+        let split = Split::new(whole.views(), GridSize::new(rows.len(), whole.lenses().columns))?;
+        let Tilings { color: color_tiling, all: all_tiling, central: central_tiling } = tilings.lens_rows(&rows);
         let stop = Stop::new(progress);
         let with_color = integrator != Integrator::Depth;
         let with_layers = !request.layers.is_empty();
@@ -276,13 +308,10 @@ impl Renderer {
         // The large arrays first: a size that does not fit is refused before anything else is made for it.
         let mut color = if with_color { Some(zeros(split, 3)?) } else { None };
         let mut all = if with_all { Some(light_fields(split, request.layers)?) } else { None };
-        let color_tiling =
-            Tiling::with_tiles_of(all_counts, path::tile_pixels(request.samples, bounces(request, integrator)));
-        let all_tiling = Tiling::new(all_counts);
         let tile_count = |wanted: bool, tiling: &Tiling| if wanted { tiling.tiles().len() as u64 } else { 0 };
         let total = tile_count(with_color, &color_tiling)
             + tile_count(with_all, &all_tiling)
-            + tile_count(with_layers && !with_all, &central_tiling(&split));
+            + tile_count(with_layers && !with_all, &central_tiling);
         let work = Work::new(progress, &stop, total);
         let mut rays = RayCounts::default();
         let mut samples = 0;
@@ -304,12 +333,11 @@ impl Renderer {
                 })?;
         }
         let central = if let Some(all) = &all {
-            let (t, s) = split.central_view();
+            let (t, s) = whole.central_view();
             all.iter().map(|(layer, field)| Ok((layer, field.view(t, s)?.to_owned()))).collect::<Result<_, Error>>()?
         } else if with_layers {
-            let tiling = central_tiling(&split);
-            let context = self.context(request, Integrator::Depth, &tiling, &stop);
-            let (central, count) = central(&context, &tiling, &work, split.lenses(), request.layers)?;
+            let context = self.context(request, Integrator::Depth, &central_tiling, &stop);
+            let (central, count) = central(&context, &central_tiling, &work, split.lenses(), request.layers)?;
             rays = rays + count;
             central
         } else {
@@ -462,9 +490,45 @@ fn bounces(request: &Request, integrator: Integrator) -> u32 {
     if integrator == Integrator::Direct { direct::BOUNCES } else { request.max_bounces }
 }
 
-fn central_tiling(split: &Split) -> Tiling {
-    let (lenses, (t, s)) = (split.lenses(), split.central_view());
-    Tiling::of_view([lenses.rows, lenses.columns], [t, s])
+/// How the light field is cut for the picture, for layers of all views, and for those of the central one.
+struct Tilings {
+    color: Tiling,
+    all: Tiling,
+    central: Tiling,
+}
+
+impl Tilings {
+    fn new(request: &Request, integrator: Integrator) -> Self {
+        let split = request.rig.split();
+        let (lenses, views) = (split.lenses(), split.views());
+        let counts = [lenses.rows, lenses.columns, views.rows, views.columns];
+        let (t, s) = split.central_view();
+        Self {
+            color: Tiling::with_tiles_of(counts, path::tile_pixels(request.samples, bounces(request, integrator))),
+            all: Tiling::new(counts),
+            central: Tiling::of_view([lenses.rows, lenses.columns], [t, s]),
+        }
+    }
+
+    fn lens_rows(&self, rows: &Range<usize>) -> Self {
+        let [color, all, central] = [self.color, self.all, self.central].map(|tiling| tiling.lens_rows(rows.clone()));
+        Self { color, all, central }
+    }
+
+    /// Lens rows between which nothing changes if the rest is rendered elsewhere: scattered rays are sorted and traced tile
+    /// by tile, ground truth packet by packet.
+    fn row_step(&self) -> usize {
+        let steps = [self.color.tile_rows(), self.all.packet_rows(), self.central.packet_rows()];
+        steps.into_iter().fold(1, least_common_multiple)
+    }
+}
+
+fn least_common_multiple(a: usize, b: usize) -> usize {
+    let (mut x, mut y) = (a, b);
+    while y != 0 {
+        (x, y) = (y, x % y);
+    }
+    a / x * b
 }
 
 /// Asks the caller whether to stop, and remembers a yes: what was skipped once is missing for good.

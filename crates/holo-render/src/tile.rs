@@ -3,6 +3,8 @@
 //! A tile is a whole elemental image where views are many, a row of lenses where they are few. Its pixels are held packet
 //! by packet while they are worked on and scattered into the light field's memory once at the end.
 
+use std::ops::Range;
+
 use ndarray::{ArrayViewMut5, Axis};
 
 use crate::accel::LANES;
@@ -20,6 +22,8 @@ pub(crate) struct Tiling {
     size: [usize; 3],
     /// The view that `counts` starts at.
     first_view: [usize; 2],
+    /// The lens row that `counts` starts at.
+    first_row: usize,
 }
 
 /// One tile, in packets along (v, u, t, s).
@@ -77,7 +81,7 @@ impl Tiling {
         // Wide tiles: memory runs along lens columns.
         let along_v = if along[0] == 1 { 1 } else { along_v };
         let along_u = round_up((lenses / along_v).max(1), along[1]).clamp(1, round_up(u, along[1]));
-        Self { counts, shape, size: [along_v, along_u, along_t], first_view: [0, 0] }
+        Self { counts, shape, size: [along_v, along_u, along_t], first_view: [0, 0], first_row: 0 }
     }
 
     /// All lenses of the one view (t, s).
@@ -85,10 +89,27 @@ impl Tiling {
         Self { first_view: view, ..Self::new([lenses[0], lenses[1], 1, 1]) }
     }
 
+    /// The lens rows `rows` of it alone. From a row of [`tile_rows`](Self::tile_rows) on they are the same tiles as in the whole,
+    /// and from one of [`packet_rows`](Self::packet_rows) on the same packets.
+    pub fn lens_rows(self, rows: Range<usize>) -> Self {
+        let counts = [rows.len(), self.counts[1], self.counts[2], self.counts[3]];
+        Self { counts, first_row: rows.start, ..self }
+    }
+
+    /// Tiles begin at multiples of this many lens rows.
+    pub fn tile_rows(&self) -> usize {
+        self.size[0]
+    }
+
+    /// Packets begin at multiples of this many lens rows.
+    pub fn packet_rows(&self) -> usize {
+        self.shape.size[0]
+    }
+
     /// The packets along one of the axes (v, u, t, s): every lane's index, and whether it lies within the axis.
     pub fn blocks(&self, axis: usize) -> impl Iterator<Item = ([u32; LANES], [i32; LANES])> {
         let (count, size, offsets) = (self.counts[axis], self.shape.size[axis], self.shape.offsets[axis]);
-        let first = [0, 0, self.first_view[0], self.first_view[1]][axis] as u32;
+        let first = [self.first_row, 0, self.first_view[0], self.first_view[1]][axis] as u32;
         (0..count).step_by(size).map(move |start| {
             let wanted = offsets.map(|offset| start as u32 + offset);
             let index = wanted.map(|k| first + k.min(count as u32 - 1));

@@ -35,6 +35,13 @@ pub enum ExposureArgument {
     Stops(f64),
 }
 
+/// `--shard`: the part K of N, K from 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    pub part: usize,
+    pub of: usize,
+}
+
 /// `--camera`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CameraArgument(pub String);
@@ -50,6 +57,15 @@ pub fn size(text: &str) -> Result<GridSize, String> {
     match text.split_once(['x', 'X']) {
         Some((columns, rows)) => Ok(GridSize::new(number(rows)?, number(columns)?)),
         None => number(text).map(|count| GridSize::new(count, count)),
+    }
+}
+
+/// `K/N`.
+pub fn shard(text: &str) -> Result<Shard, String> {
+    let parsed = text.split_once('/').and_then(|(part, of)| Some((part.parse().ok()?, of.parse().ok()?)));
+    match parsed {
+        Some((part, of)) if (1..=of).contains(&part) => Ok(Shard { part, of }),
+        _ => Err("write K/N, such as 2/3: part 2 of 3, counted from 1".into()),
     }
 }
 

@@ -12,7 +12,7 @@ use ndarray::{ArrayView3, Axis};
 use rayon::prelude::*;
 
 use super::output::OutputFolder;
-use crate::arguments::{GroundTruthArgument, LayerArgument, Output, RenderOptions};
+use crate::arguments::{GroundTruthArgument, JobOptions, LayerArgument, Output};
 use crate::failure::Failure;
 
 /// The name of the picture among the layers, in linear light.
@@ -32,7 +32,7 @@ pub struct Wanted {
 }
 
 impl Wanted {
-    pub fn new(options: &RenderOptions) -> Self {
+    pub fn new(options: &JobOptions) -> Self {
         let named = &options.layers;
         let mut written: LayerSet = named.iter().fold(LayerSet::EMPTY, |set, name| set.union(layers(*name)));
         if named.is_empty() && options.write.is_empty() {
@@ -69,7 +69,7 @@ impl Wanted {
 }
 
 /// Whether the picture is asked for by name, so that it cannot be left out.
-pub fn names_color(options: &RenderOptions) -> bool {
+pub fn names_color(options: &JobOptions) -> bool {
     options.layers.contains(&LayerArgument::Color)
 }
 

@@ -42,8 +42,16 @@ pub struct OutputFolder {
 }
 
 impl OutputFolder {
-    /// Makes the folder and shows that files can be made in it, before any time is spent on what goes there.
+    /// Makes the folder of one render and shows that files can be made in it, before any time is spent on what goes there.
     pub fn create(path: &Path) -> Result<Self, Failure> {
+        let folder = Self::create_plain(path)?;
+        // Dropped without a commit it leaves nothing.
+        holo_io::AtomicFile::create(path.join(dataset::MANIFEST_JSON))?;
+        Ok(folder)
+    }
+
+    /// Makes the folder and clears away what a run that was killed has left in it.
+    pub fn create_plain(path: &Path) -> Result<Self, Failure> {
         let folder = Self { path: path.to_path_buf(), files: Vec::new(), finished: false };
         let missing: Vec<&Path> = path.ancestors().take_while(|p| !p.as_os_str().is_empty() && !p.exists()).collect();
         for ancestor in missing.into_iter().rev() {
@@ -53,9 +61,13 @@ impl OutputFolder {
             return Err(cannot_make(path, ErrorKind::NotADirectory.into()));
         }
         holo_io::remove_stale_temporary_files(path)?;
-        // Dropped without a commit it leaves nothing.
-        holo_io::AtomicFile::create(path.join(dataset::MANIFEST_JSON))?;
         Ok(folder)
+    }
+
+    /// Lets everything that is in it stay, whatever comes.
+    pub fn keep(mut self) {
+        self.finished = true;
+        made().paths.clear();
     }
 
     /// The path of a file that is about to be written; `name` may lead into a subfolder.

@@ -13,7 +13,7 @@ use ndarray::{ArrayView3, Axis};
 use super::exr;
 use super::layers::{self, Wanted};
 use super::output::OutputFolder;
-use crate::arguments::{GroundTruthArgument, MatOrderArgument, Output, RenderOptions};
+use crate::arguments::{GroundTruthArgument, JobOptions, MatOrderArgument, Output};
 use crate::failure::Failure;
 
 /// The folder of HCI's layout within that of a dataset.
@@ -36,7 +36,7 @@ pub fn needing_color(write: &[Output]) -> Option<String> {
 
 /// What decides how the picture is written.
 pub struct Pictures<'a> {
-    pub options: &'a RenderOptions,
+    pub options: &'a JobOptions,
     pub outputs: &'a [Output],
     pub rig: &'a Rig,
     pub parameters: &'a ParametersCfg,

@@ -4,11 +4,12 @@ use std::path::Path;
 use std::time::Instant;
 
 use holo_core::{Projection, Remainder, Rig, Split};
-use holo_render::gltf::{self, Limits, Loaded};
+use holo_render::gltf::Loaded;
 use holo_render::scene::Environment;
 use holo_render::{Backend, Baseline, CameraChoice, Framed, Framing, Renderer};
 
 use super::sky;
+use super::source::Source;
 use crate::arguments::{BackendArgument, CameraArgument, EngineOptions, FocusArgument, ProjectionArgument, RigOptions};
 use crate::console::say;
 use crate::failure::Failure;
@@ -36,7 +37,7 @@ pub struct Purpose<'a> {
 
 /// Loads and frames the scene, builds the acceleration structure and settles the focus. Warnings go to standard error.
 pub fn prepare(
-    scene: &Path,
+    source: &Source,
     rig: &RigOptions,
     engine: &EngineOptions,
     purpose: Purpose,
@@ -45,7 +46,8 @@ pub fn prepare(
     let split = split(rig, quiet)?;
     refuse_what_does_not_fit(&split, purpose)?;
     let start = Instant::now();
-    let mut loaded = gltf::load(scene, &Limits::default()).map_err(|e| match e {
+    let scene = source.path();
+    let mut loaded = source.load().map_err(|e| match e {
         holo_render::Error::Read { .. } => Failure::Failed(e.to_string()),
         other => Failure::Failed(named(scene, &other.to_string())),
     })?;
@@ -80,18 +82,15 @@ pub fn prepare(
         say!("warning: {}", framed.camera);
     }
     let start = Instant::now();
-    let backend = match engine.backend {
-        BackendArgument::Auto => Backend::Auto,
-        BackendArgument::Embree => Backend::Embree,
-        BackendArgument::Bvh => Backend::Bvh,
-    };
-    let renderer = Renderer::new(&loaded.scene, &framed.pose, backend, usize::from(engine.threads.unwrap_or(0)))
-        .map_err(|e| match (&e, purpose.sky) {
-            (holo_render::Error::BadScene { at, what }, Some(sky)) if at.starts_with("environment") => {
-                Failure::Failed(named(sky, &format!("{at}: {what}")))
-            }
-            _ => blame(scene, e),
-        })?;
+    let renderer =
+        Renderer::new(&loaded.scene, &framed.pose, backend(engine), usize::from(engine.threads.unwrap_or(0))).map_err(
+            |e| match (&e, purpose.sky) {
+                (holo_render::Error::BadScene { at, what }, Some(sky)) if at.starts_with("environment") => {
+                    Failure::Failed(named(sky, &format!("{at}: {what}")))
+                }
+                _ => blame(scene, e),
+            },
+        )?;
     let build_seconds = start.elapsed().as_secs_f64();
     if let Some(note) = renderer.engine_note().filter(|_| !quiet) {
         say!("warning: {note}");
@@ -102,6 +101,15 @@ pub fn prepare(
     };
     let rig = framed.rig(focus).map_err(|e| blame(scene, e))?;
     Ok(Prepared { loaded, framed, renderer, rig, load_seconds, build_seconds })
+}
+
+/// What the option means.
+pub fn backend(engine: &EngineOptions) -> Backend {
+    match engine.backend {
+        BackendArgument::Auto => Backend::Auto,
+        BackendArgument::Embree => Backend::Embree,
+        BackendArgument::Bvh => Backend::Bvh,
+    }
 }
 
 /// A number chooses by index unless a camera has that very name.

@@ -4,7 +4,7 @@ use std::sync::LazyLock;
 
 use holo_core::{GridSize, Projection, Split};
 
-use super::{NAMES, scene};
+use super::{NAMES, purpose, scene};
 use crate::gltf::{Limits, load_slice, to_glb};
 use crate::render::Renderer;
 use crate::scene::Scene;
@@ -90,4 +90,12 @@ fn disparities_suit_dense_views() {
         let bounds = if name == "dominoes" { 0.2..0.4 } else { 0.08..0.26 };
         assert!(bounds.contains(&largest), "{name}: {largest} px");
     }
+}
+
+#[test]
+fn every_scene_says_what_it_is_for() {
+    for name in NAMES {
+        assert!(purpose(name).is_some_and(|purpose| !purpose.is_empty()), "{name}");
+    }
+    assert_eq!(purpose("teapot"), None);
 }

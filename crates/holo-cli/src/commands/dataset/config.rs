@@ -1,0 +1,137 @@
+//! Options from a TOML file: the long names of the command line, which wins where both say something.
+
+use std::ffi::OsString;
+use std::path::Path;
+
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Args, Command, FromArgMatches};
+use toml::Value;
+
+use crate::arguments::DatasetOptions;
+use crate::failure::Failure;
+
+/// A file of options is at most this long.
+const MAX_BYTES: u64 = 1 << 20;
+
+/// Options whose values are files, which a TOML file names from where it lies itself.
+const PATHS: [&str; 2] = ["out", "glb"];
+
+/// Adds what the file of `--config` says, if there is one.
+pub fn complete(options: DatasetOptions, said: ArgMatches) -> Result<(DatasetOptions, ArgMatches), Failure> {
+    let Some(path) = &options.config else { return Ok((options, said)) };
+    let failed = |why: std::io::Error| Failure::Failed(format!("cannot read {}: {why}", path.display()));
+    if path.metadata().map_err(failed)?.len() > MAX_BYTES {
+        return Err(Failure::Failed(format!("{}: too long for a file of options", path.display())));
+    }
+    let text = std::fs::read_to_string(path).map_err(failed)?;
+    let own: Vec<OsString> = std::env::args_os().skip(2).collect();
+    parse(path, &text, &said, own)
+}
+
+fn parse(
+    path: &Path,
+    text: &str,
+    said: &ArgMatches,
+    own: Vec<OsString>,
+) -> Result<(DatasetOptions, ArgMatches), Failure> {
+    let wrong = |what: String| Failure::Usage(format!("{}: {what}", path.display()));
+    let table: toml::Table = text.parse().map_err(|why: toml::de::Error| wrong(why.to_string()))?;
+    let command = DatasetOptions::augment_args(Command::new("holo dataset").no_binary_name(true));
+    let known: Vec<(&str, &str)> = command
+        .get_arguments()
+        .filter_map(|argument| Some((argument.get_long()?, argument.get_id().as_str())))
+        .filter(|(name, _)| *name != "config")
+        .collect();
+    let mut line: Vec<OsString> = Vec::new();
+    for (key, value) in &table {
+        let name = key.replace('_', "-");
+        let Some((name, id)) = known.iter().find(|(known, _)| *known == name) else {
+            return Err(wrong(unknown(key, known.iter().map(|(name, _)| *name))));
+        };
+        if said.value_source(id) == Some(ValueSource::CommandLine) {
+            continue;
+        }
+        let words = words(value)
+            .ok_or_else(|| wrong(format!("`{key}` is neither a number, a text, yes or no, nor a list of these")))?;
+        let words = if PATHS.contains(name) { beside(path, words) } else { words };
+        match words.join(",").as_str() {
+            "false" => {}
+            "true" => line.push(format!("--{name}").into()),
+            value => line.push(format!("--{name}={value}").into()),
+        }
+    }
+    line.extend(own);
+    let matches = command.try_get_matches_from(line);
+    let parsed = matches.and_then(|matches| Ok((DatasetOptions::from_arg_matches(&matches)?, matches)));
+    parsed.map_err(|error| wrong(error.to_string()))
+}
+
+/// What an unknown key is answered with.
+fn unknown<'a>(key: &str, known: impl Iterator<Item = &'a str>) -> String {
+    let near = known.map(|name| (strsim::jaro_winkler(key, name), name));
+    match near.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        Some((likeness, name)) if likeness > 0.75 => format!("unknown key `{key}`; did you mean `{name}`?"),
+        _ => format!("unknown key `{key}`; the keys are the long options of `holo dataset --help`"),
+    }
+}
+
+/// A value as it would stand on the command line, in pieces.
+fn words(value: &Value) -> Option<Vec<String>> {
+    Some(match value {
+        Value::String(text) => vec![text.clone()],
+        Value::Integer(number) => vec![number.to_string()],
+        Value::Float(number) => vec![number.to_string()],
+        Value::Boolean(yes) => vec![yes.to_string()],
+        Value::Array(values) => values.iter().map(words).collect::<Option<Vec<_>>>()?.concat(),
+        Value::Datetime(_) | Value::Table(_) => return None,
+    })
+}
+
+/// Paths that are relative to the folder of the file.
+fn beside(path: &Path, words: Vec<String>) -> Vec<String> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    words.into_iter().map(|word| folder.join(word).to_string_lossy().into_owned()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str, own: &str) -> Result<DatasetOptions, String> {
+        let own: Vec<OsString> = own.split_whitespace().map(OsString::from).collect();
+        let command = DatasetOptions::augment_args(Command::new("holo dataset").no_binary_name(true));
+        let said = command.try_get_matches_from(&own).unwrap();
+        parse(Path::new("some/set.toml"), text, &said, own).map(|(options, _)| options).map_err(|error| error.message())
+    }
+
+    #[test]
+    fn a_file_says_what_the_command_line_could() {
+        let options = read(
+            "out = \"data\"\nscenes = [\"garden\", \"chess\"]\nsplits = [20, \"4x3\"]\nspp = 3\nno-indirect = true\nquiet = false\nf_number = 2.8\nglb = [\"own/a.glb\"]\n",
+            "--spp 5",
+        )
+        .unwrap();
+        assert_eq!(options.out.as_deref(), Some(Path::new("some/data")));
+        assert_eq!(options.scenes, ["garden", "chess"]);
+        assert_eq!(options.splits, [holo_core::GridSize::new(20, 20), holo_core::GridSize::new(3, 4)]);
+        assert_eq!((options.job.spp, options.job.no_indirect, options.quiet), (Some(5), true, false));
+        assert_eq!((options.f_number, options.glb), (2.8, vec!["some/own/a.glb".into()]));
+    }
+
+    #[test]
+    fn unknown_keys_and_values_are_errors_with_a_suggestion() {
+        for (text, part) in [
+            ("scens = [\"garden\"]", "did you mean `scenes`?"),
+            ("splitss = 20", "did you mean `splits`?"),
+            ("zzz = 1", "the keys are the long options"),
+            ("config = \"x\"", "unknown key"),
+            ("spp = 0", "--spp"),
+            ("spp = \"many\"", "--spp"),
+            ("spp = {a = 1}", "`spp` is neither"),
+            ("spp = ", "set.toml"),
+        ] {
+            let error = read(text, "").unwrap_err();
+            assert!(error.contains(part) && error.contains("some/set.toml"), "{text}: {error}");
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! A part of a picture: some rows of its lenses, as float maps that lose nothing, in a folder for `holo merge`.
+//!
+//! | file | what |
+//! |---|---|
+//! | `color.pfm` | linear radiance, the lens rows of the elemental grid |
+//! | `central_LAYER.pfm`, `all_LAYER.pfm` | layers of the central view, and of all views as an elemental grid |
+//! | `parameters.cfg`, `manifest.json` | as in the whole, and in the manifest which part it is |
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
+
+use holo_core::{GridSize, LightField, LightFieldOwned, Rig, Split};
+use holo_io::{Limits, Manifest, ParametersCfg, Setting, Written, dataset};
+use holo_render::{Integrator, Layer, Layers, RayCounts, Rendered};
+use ndarray::{Array3, ArrayView3, Axis, Slice};
+
+use super::job::{Finished, Traced};
+use super::layers::Wanted;
+use super::output::OutputFolder;
+use crate::arguments::{JobOptions, Shard};
+use crate::failure::Failure;
+
+const COLOR: &str = "color.pfm";
+
+/// The key in a manifest's settings that makes it one of a part.
+const PART: &str = "part";
+
+fn central_file(layer: Layer) -> String {
+    format!("central_{}.pfm", layer.name())
+}
+
+fn all_file(layer: Layer) -> String {
+    format!("all_{}.pfm", layer.name())
+}
+
+/// Writes a part.
+pub fn write(traced: Traced, shard: Shard, mut folder: OutputFolder) -> Result<Finished, Failure> {
+    let Traced { rendered, mut manifest, parameters, .. } = traced;
+    folder.unseal()?;
+    let mut put = |name: String, image: ArrayView3<f32>| -> Result<(), Failure> {
+        let path = folder.file(&name);
+        folder.add(name, write_pfm(&path, image)?);
+        Ok(())
+    };
+    if let Some(color) = &rendered.color {
+        put(COLOR.into(), grid(color)?.view())?;
+    }
+    for (layer, image) in rendered.central.iter() {
+        put(central_file(layer), image.view())?;
+    }
+    for (layer, field) in rendered.all.iter().flat_map(Layers::iter) {
+        put(all_file(layer), grid(field)?.view())?;
+    }
+    folder.add(dataset::PARAMETERS_CFG, parameters.write(folder.file(dataset::PARAMETERS_CFG))?);
+    manifest.settings.insert(PART.into(), Label::new(shard, &rendered).setting());
+    Ok(Finished { disparity_px: None, files: folder.seal(manifest)? })
+}
+
+fn write_pfm(path: &Path, image: ArrayView3<f32>) -> Result<Written, Failure> {
+    Ok(match image.dim().2 {
+        1 => holo_io::write_pfm(path, image.index_axis(Axis(2), 0))?,
+        _ => holo_io::write_pfm_colour(path, image)?,
+    })
+}
+
+/// The elemental grid, which is the memory as it lies.
+fn grid(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_, f32>, Failure> {
+    field
+        .as_elemental_grid()
+        .ok_or_else(|| Failure::Failed("the picture does not lie in memory as it is rendered".into()))
+}
+
+/// Which part it is, and what only its render knew.
+struct Label {
+    shard: Shard,
+    rays: [u64; 3],
+    samples: u64,
+    why: String,
+}
+
+impl Label {
+    fn new(shard: Shard, rendered: &Rendered) -> Self {
+        let RayCounts { primary, shadow, other } = rendered.rays;
+        Self { shard, rays: [primary, shadow, other], samples: rendered.samples, why: rendered.why.clone() }
+    }
+
+    fn setting(&self) -> Setting {
+        let count = |count: u64| Setting::Integer(i64::try_from(count).unwrap_or(i64::MAX));
+        Setting::Table(BTreeMap::from([
+            ("number".to_owned(), self.shard.part.into()),
+            ("of".to_owned(), self.shard.of.into()),
+            ("rays".to_owned(), Setting::List(self.rays.map(count).to_vec())),
+            ("samples".to_owned(), count(self.samples)),
+            ("why".to_owned(), self.why.clone().into()),
+        ]))
+    }
+
+    fn read(setting: &Setting) -> Option<Self> {
+        let Setting::Table(table) = setting else { return None };
+        let count = |setting: &Setting| match setting {
+            Setting::Integer(count) => u64::try_from(*count).ok(),
+            _ => None,
+        };
+        let number = |name: &str| usize::try_from(count(table.get(name)?)?).ok();
+        let shard = Shard { part: number("number")?, of: number("of")? };
+        let Setting::List(rays) = table.get("rays")? else { return None };
+        let rays: Vec<u64> = rays.iter().map(count).collect::<Option<_>>()?;
+        let why = table.get("why")?.as_text()?.to_owned();
+        let is_one = (1..=shard.of).contains(&shard.part);
+        is_one.then_some(Self { shard, rays: rays.try_into().ok()?, samples: count(table.get("samples")?)?, why })
+    }
+}
+
+/// A part's manifest and label, without its pixels.
+struct Part<'a> {
+    folder: &'a Path,
+    manifest: Manifest,
+    label: Label,
+}
+
+/// Reads parts and puts them together.
+///
+/// # Errors
+///
+/// Parts that are damaged, missing, there twice, or of different pictures.
+pub fn read(
+    folders: &[std::path::PathBuf],
+    options: impl Fn(&Manifest) -> Result<JobOptions, Failure>,
+) -> Result<(Traced, JobOptions), Failure> {
+    let mut parts = folders.iter().map(|folder| open(folder)).collect::<Result<Vec<_>, _>>()?;
+    parts.sort_by_key(|part| part.label.shard.part);
+    let manifest = same(&parts)?;
+    let options = options(&manifest)?;
+    let parameters = ParametersCfg::read(parts[0].folder.join(dataset::PARAMETERS_CFG))?;
+    let broken = |what: String| Failure::Failed(format!("{}: {what}", parts[0].folder.display()));
+    let rig = manifest.rig.as_ref().ok_or_else(|| broken("the manifest has no rig".into()))?;
+    let rig = Rig::new(rig.parameters()?)?;
+    let split = *rig.split();
+    let wanted = Wanted::new(&options);
+
+    let has = |name: &str| parts[0].manifest.files.contains_key(name);
+    let color = has(COLOR).then(|| gather(&parts, COLOR, split, 3)).transpose()?;
+    let one = Split::new(GridSize::new(1, 1), split.lenses())?;
+    let mut central: Layers<Array3<f32>> = Layers::default();
+    let mut all: Layers<LightFieldOwned<f32>> = Layers::default();
+    for layer in Layer::ALL {
+        let name = central_file(layer);
+        if has(&name) {
+            let image = gather(&parts, &name, one, layer.channels())?;
+            central.extend([(layer, image.into_elemental_grid().unwrap_or_else(|field| field.to_elemental_grid()))]);
+        }
+        let name = all_file(layer);
+        if has(&name) {
+            all.extend([(layer, gather(&parts, &name, split, layer.channels())?)]);
+        }
+    }
+    let integrator = match manifest.settings.get("integrator").and_then(Setting::as_text) {
+        Some("path") => Integrator::Path,
+        Some("direct") => Integrator::Direct,
+        _ => Integrator::Depth,
+    };
+    let sum = |of: fn(&Label) -> u64| parts.iter().map(|part| of(&part.label)).sum();
+    let rays = RayCounts { primary: sum(|l| l.rays[0]), shadow: sum(|l| l.rays[1]), other: sum(|l| l.rays[2]) };
+    let all = (!all.set().is_empty()).then_some(all);
+    let why = parts[0].label.why.clone();
+    let rendered = Rendered { color, central, all, integrator, why, rays, samples: sum(|l| l.samples) };
+    Ok((Traced { rendered, wanted, rig, manifest, parameters }, options))
+}
+
+fn open(folder: &Path) -> Result<Part<'_>, Failure> {
+    let manifest = Manifest::read(folder.join(dataset::MANIFEST_JSON))?;
+    let label = manifest.settings.get(PART).and_then(Label::read).ok_or_else(|| {
+        Failure::Usage(format!("{}: not a part; `holo render --shard K/N` makes parts", folder.display()))
+    })?;
+    let problems = manifest.verify(folder);
+    match problems.first() {
+        Some(problem) => {
+            let Shard { part, of } = label.shard;
+            Err(Failure::Failed(format!("{}: {problem}; render it again with --shard {part}/{of}", folder.display())))
+        }
+        None => Ok(Part { folder, manifest, label }),
+    }
+}
+
+/// What the manifests of all parts say alike.
+fn same(parts: &[Part<'_>]) -> Result<Manifest, Failure> {
+    let plain = |part: &Part<'_>| {
+        let mut manifest = Manifest { files: BTreeMap::new(), ..part.manifest.clone() };
+        manifest.settings.remove(PART);
+        manifest
+    };
+    let first = plain(&parts[0]);
+    let of = parts[0].label.shard.of;
+    for part in &parts[1..] {
+        if part.label.shard.of != of || plain(part) != first {
+            return Err(Failure::Failed(format!(
+                "{} and {} are parts of different pictures: scene, options, versions and N must be the same",
+                parts[0].folder.display(),
+                part.folder.display()
+            )));
+        }
+    }
+    let numbers: Vec<usize> = parts.iter().map(|part| part.label.shard.part).collect();
+    if let Some(twice) = numbers.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(Failure::Usage(format!("part {} of {of} is given twice", twice[0])));
+    }
+    let missing: Vec<String> =
+        (1..=of).filter(|number| !numbers.contains(number)).map(|number| format!("{number}/{of}")).collect();
+    if !missing.is_empty() {
+        return Err(Failure::Usage(format!("{} missing; give all {of} parts", missing.join(", "))));
+    }
+    Ok(first)
+}
+
+/// One array of all parts.
+fn gather(parts: &[Part<'_>], name: &str, split: Split, channels: usize) -> Result<LightFieldOwned<f32>, Failure> {
+    let (views, lenses) = (split.views(), split.lenses());
+    let size = split.raw_size();
+    let mut grid = Array3::<f32>::zeros((size.rows, size.columns, channels));
+    let mut first = 0;
+    for part in parts {
+        let path = part.folder.join(name);
+        let image = holo_io::read_pfm(&path, &Limits::default())?.values;
+        let (rows, columns, found) = image.dim();
+        let rows_of_lenses: Range<usize> = first..first + rows / views.rows;
+        if rows % views.rows != 0 || rows_of_lenses.end > lenses.rows || (columns, found) != (size.columns, channels) {
+            let what = format!("{}: {columns} x {rows} pixels are no rows of this picture", path.display());
+            return Err(Failure::Failed(what));
+        }
+        let place = Slice::from(first * views.rows..first * views.rows + rows);
+        grid.slice_axis_mut(Axis(0), place).assign(&image);
+        first = rows_of_lenses.end;
+    }
+    if first != lenses.rows {
+        return Err(Failure::Failed(format!("{name}: the parts have {first} of {} rows of lenses", lenses.rows)));
+    }
+    Ok(LightField::from_elemental_grid(grid, split)?)
+}
