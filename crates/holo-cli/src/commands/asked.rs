@@ -70,6 +70,10 @@ pub fn asked(matches: &ArgMatches) -> Asked {
         let values: Vec<_> = values.map(|value| value.to_string_lossy()).collect();
         asked.insert(name.to_owned(), values.join(","));
     }
+    // Lenses stand instead of a sensor, which has a default all the same.
+    if asked.contains_key("lenses") {
+        asked.remove("sensor");
+    }
     asked
 }
 

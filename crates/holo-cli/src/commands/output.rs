@@ -16,6 +16,9 @@ struct Made {
     stopped: bool,
 }
 
+/// Where an older manifest waits while its folder is written anew.
+const OLD_MANIFEST: &str = ".manifest.old.json";
+
 static MADE: Mutex<Made> = Mutex::new(Made { paths: Vec::new(), stopped: false });
 
 /// The list is sound after every statement, so a panic elsewhere does not spoil it.
@@ -23,11 +26,15 @@ fn made() -> MutexGuard<'static, Made> {
     MADE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes what an unfinished run has made, and makes nothing more. Files that were there before, replaced or not,
-/// stay, and so do folders with such files in them.
+/// Removes what an unfinished run has made, and makes nothing more: the process is about to end.
 pub fn take_back() {
     let mut made = made();
     made.stopped = true;
+    remove(&mut made);
+}
+
+/// Removes what was made. Files that were there before, replaced or not, stay, and so do folders with such files in them.
+fn remove(made: &mut Made) {
     for path in made.paths.drain(..).rev() {
         // What was never written, or shares its folder with files of others, is no error here.
         let _ = if path.is_dir() { std::fs::remove_dir(&path) } else { std::fs::remove_file(&path) };
@@ -84,10 +91,10 @@ impl OutputFolder {
         make_folder(&self.path.join(name))
     }
 
-    /// An older manifest speaks of files that are about to change.
+    /// An older manifest speaks of files that are about to change: it is put aside until they are written.
     pub fn unseal(&self) -> Result<(), Failure> {
         let path = self.path.join(dataset::MANIFEST_JSON);
-        match std::fs::remove_file(&path) {
+        match std::fs::rename(&path, self.path.join(OLD_MANIFEST)) {
             Err(why) if why.kind() != ErrorKind::NotFound => {
                 Err(Failure::Failed(format!("cannot replace {}: {why}", path.display())))
             }
@@ -106,6 +113,7 @@ impl OutputFolder {
         manifest.write(self.file(dataset::MANIFEST_JSON))?;
         self.finished = true;
         made().paths.clear();
+        clear_older(&self.path, &manifest);
         let names = manifest.files.keys().cloned();
         Ok(names.chain([dataset::MANIFEST_JSON.to_string()]).collect())
     }
@@ -114,9 +122,25 @@ impl OutputFolder {
 impl Drop for OutputFolder {
     fn drop(&mut self) {
         if !self.finished {
-            take_back();
+            remove(&mut made());
         }
     }
+}
+
+/// Removes what an older render wrote into a folder and this one did not: a folder holds what its manifest says. Files that no
+/// manifest speaks of are somebody else's and stay.
+pub fn clear_older(folder: &Path, manifest: &Manifest) {
+    let aside = folder.join(OLD_MANIFEST);
+    if let Ok(older) = Manifest::read(&aside) {
+        // What cannot be removed is in nobody's way.
+        for name in older.files.keys().filter(|name| !manifest.files.contains_key(*name)) {
+            let path = folder.join(name);
+            let _ = std::fs::remove_file(&path);
+            let folders = path.ancestors().skip(1).take_while(|ancestor| *ancestor != folder);
+            folders.for_each(|inner| drop(std::fs::remove_dir(inner)));
+        }
+    }
+    let _ = std::fs::remove_file(aside);
 }
 
 /// Makes one folder unless it is there.

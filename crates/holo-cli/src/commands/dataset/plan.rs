@@ -9,6 +9,7 @@ use holo_render::gallery;
 
 use crate::arguments::DatasetOptions;
 use crate::commands::asked::{self, Wish};
+use crate::commands::output;
 use crate::commands::source::Source;
 use crate::failure::Failure;
 
@@ -101,5 +102,10 @@ pub fn done(folder: &Path, identity: &Manifest) -> Option<Manifest> {
     let is_same = manifest.versions == identity.versions
         && manifest.seed == identity.seed
         && identity.settings.iter().all(|(name, value)| manifest.settings.get(name) == Some(value));
-    (is_same && manifest.verify(folder).is_empty()).then_some(manifest)
+    let is_done = is_same && manifest.verify(folder).is_empty();
+    if is_done {
+        // A run may have been killed when it had only this left to do.
+        output::clear_older(folder, &manifest);
+    }
+    is_done.then_some(manifest)
 }
