@@ -76,7 +76,7 @@ pub struct DisparityRange {
 /// assert!((range.max_px - 1.8439).abs() < 5e-5 && (range.min_px + 2.5098).abs() < 5e-5);
 /// // Views move by at most a pixel from one to the next between 3.81 m and 4.81 m.
 /// let smooth = optics.angular_depth_of_field(1.0)?;
-/// assert!((smooth.near_m - 3.802).abs() < 1e-3 && (smooth.far_m - 4.817).abs() < 1e-3);
+/// assert!((smooth.near_m - 3.8075).abs() < 1e-4 && (smooth.far_m - 4.8088).abs() < 1e-4);
 /// # Ok::<(), holo_core::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
