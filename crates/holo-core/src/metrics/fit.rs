@@ -108,8 +108,8 @@ pub fn best_constant<T: Real>(
 /// A search, not a proof: BadPix has many local minima. 1,024 planes through three pixels each, half of them neighbours, compete on at most 2,048
 /// pixels; the four best are improved by steps along both slopes, each half as long as the one before, on at most 8,192; all of
 /// them and the constant are then judged on all pixels. For given slopes the offset is the best there is, found as in
-/// [`best_constant`]. A plane that a tenth of the pixels lies in is found with a probability of about 2/3 by its far
-/// triples alone, and one of a quarter almost surely.
+/// [`best_constant`]. A plane that a quarter of the pixels lies in is met by its far triples almost surely; of one that holds a tenth
+/// they meet two in five, and the near triples have to find the others.
 ///
 /// # Errors
 ///
