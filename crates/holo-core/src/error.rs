@@ -96,6 +96,20 @@ pub enum Error {
     },
     /// Depth was asked of a rig whose views coincide, which has no parallax.
     NoBaseline,
+    /// Border, mask and missing values leave no pixel to measure.
+    NothingToMeasure {
+        /// What was to be measured, such as `"disparity error"`.
+        what: &'static str,
+        /// Rows and columns of the map.
+        shape: [usize; 2],
+        /// The ignored border in pixels.
+        border_px: usize,
+    },
+    /// A disparity range, a depth range or both together that no rig in front of its scene can have.
+    ImpossibleRange {
+        /// Why, such as `"the nearest depth must have the largest disparity"`.
+        why: &'static str,
+    },
 }
 
 impl fmt::Display for Error {
@@ -139,6 +153,13 @@ impl fmt::Display for Error {
             Self::NoBaseline => {
                 write!(f, "the baseline is 0: all views coincide, so disparity says nothing about depth")
             }
+            Self::NothingToMeasure { what, shape: [rows, columns], border_px } => write!(
+                f,
+                "no pixel is left to measure the {what}: the map has {rows} rows x {columns} columns, {border_px} px of border \
+                 are ignored on every side, and the mask and missing values may take the rest; ask for a narrower border or \
+                 another mask"
+            ),
+            Self::ImpossibleRange { why } => write!(f, "no rig has these ranges: {why}"),
         }
     }
 }

@@ -39,6 +39,11 @@
 //! | Eq. 4 | [`LightField::to_elemental_grid`], [`LightField::to_viewpoint_grid`], [`rearrange::naive`] |
 //! | Eq. 5 | [`Block`], [`LightField::from_elemental_grid`], [`LightField::from_viewpoint_grid`] |
 //!
+//! # Tools
+//!
+//! [`refocus`] adds shifted views up to a picture that is sharp in one plane, or everywhere. [`metrics`] says how good a disparity map
+//! or a picture is. [`optics`] says what a rig can see before it is built, and which rig sees what is wanted.
+//!
 //! # What is not here
 //!
 //! No file is opened, no C library is called, and nothing is rendered. Hexagonal lens grids, rotated grids and lens
@@ -66,9 +71,13 @@ mod block;
 mod disparity;
 mod error;
 mod light_field;
+pub mod metrics;
+pub mod optics;
 mod real;
 pub mod rearrange;
+pub mod refocus;
 mod rig;
+mod sample;
 mod sensor;
 mod split;
 mod stereo;
@@ -76,9 +85,12 @@ mod stereo;
 pub use block::{Block, OneBasedBlock};
 pub use disparity::Disparity;
 pub use error::Error;
-pub use light_field::{Layout, LightField, LightFieldCow, LightFieldOwned, LightFieldView, LightFieldViewMut};
+pub use light_field::{
+    Layout, LightField, LightFieldCow, LightFieldOwned, LightFieldView, LightFieldViewMut, ViewOrder, ViewPath,
+};
 pub use real::Real;
 pub use rig::{Intrinsics, Projection, Rig, RigParameters, RigRay, automatic_baseline_m};
+pub use sample::Sample;
 pub use sensor::{Remainder, Sensor, SensorSplit};
 pub use split::{GridSize, Split};
 pub use stereo::StereoPair;

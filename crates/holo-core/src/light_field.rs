@@ -1,12 +1,17 @@
 //! The 5D light field: one array type over any strides.
 
 mod clip;
+mod compose;
 mod epi;
 mod grids;
 mod images;
+mod path;
+mod quilt;
 mod rotate;
 
+pub use compose::ViewOrder;
 pub use grids::Layout;
+pub use path::ViewPath;
 
 use std::fmt;
 

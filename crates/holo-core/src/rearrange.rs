@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::light_field::checked_length;
 use crate::{Error, LightField};
-use transpose::Scratch;
+pub(crate) use transpose::Scratch;
 
 /// Bytes below which a rearrangement stays on the calling thread: waking the others costs more than it saves.
 const PARALLEL_BYTES: usize = 1 << 17;
@@ -160,7 +160,11 @@ fn fill_elemental_row<T: Copy>(samples: ArrayView3<'_, T>, row: ArrayViewMut2<'_
 }
 
 /// Writes the samples `(u, s, c)` of one lens row and view row as a row of the viewpoint grid: S groups of U pixels.
-fn fill_viewpoint_row<T: Copy>(samples: ArrayView3<'_, T>, row: ArrayViewMut2<'_, T>, scratch: &mut Scratch<T>) {
+pub(crate) fn fill_viewpoint_row<T: Copy>(
+    samples: ArrayView3<'_, T>,
+    row: ArrayViewMut2<'_, T>,
+    scratch: &mut Scratch<T>,
+) {
     fill_row(samples.permuted_axes([1, 0, 2]), row, scratch);
 }
 

@@ -15,13 +15,13 @@ const LANES: usize = 4;
 ///
 /// A transposition jumps through its source and its destination, which the processor's prefetcher cannot follow. Copying the row in and out
 /// of the cache in one piece, and jumping only there, takes half the time of jumping through main memory.
-pub(super) struct Scratch<T> {
+pub(crate) struct Scratch<T> {
     source: Vec<T>,
     destination: Vec<T>,
 }
 
 impl<T: Copy> Scratch<T> {
-    pub(super) const fn new() -> Self {
+    pub(crate) const fn new() -> Self {
         Self { source: Vec::new(), destination: Vec::new() }
     }
 

@@ -1,0 +1,147 @@
+//! Ways through the views of a light field, for animations and displays.
+
+use super::ViewOrder;
+use crate::error::index_below;
+use crate::{Error, GridSize};
+
+/// A way from view to view. Every view on it is a real one; nothing is interpolated.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ViewPath {
+    /// One turn around the middle of the grid, on the largest ellipse that fits, from the rightmost view downward (clockwise as
+    /// seen from behind the cameras). It is closed: the last view is beside the first, so that it can be played in a loop.
+    Circle,
+    /// One row of views from left to right.
+    Sweep {
+        /// The row, counted from 0 at the top.
+        row: usize,
+    },
+    /// One row of views from left to right and back, the two ends once each: closed, so that it can be played in a loop.
+    Swing {
+        /// The row, counted from 0 at the top.
+        row: usize,
+    },
+    /// All views, row by row from the top, every other row from right to left: each view is beside the one before.
+    Serpentine,
+}
+
+impl ViewPath {
+    /// Returns the rows and columns `(t, s)` of the views on the way, in its order.
+    ///
+    /// No view comes twice in a row, and that of a circle also not at its end and its start.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ZeroCount`] if there are no views; [`Error::OutOfRange`] if there is no such row; [`Error::TooLarge`] if there are more
+    /// views than an array can list.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use holo_core::{GridSize, ViewPath};
+    ///
+    /// let views = GridSize::new(3, 3);
+    /// assert_eq!(ViewPath::Swing { row: 1 }.views(views)?, [(1, 0), (1, 1), (1, 2), (1, 1)]);
+    /// let circle = ViewPath::Circle.views(views)?;
+    /// assert_eq!(circle[..3], [(1, 2), (2, 2), (2, 1)]);
+    /// # Ok::<(), holo_core::Error>(())
+    /// ```
+    pub fn views(self, views: GridSize) -> Result<Vec<(usize, usize)>, Error> {
+        // Also refuses grids without rows or columns, or with more views than can be listed.
+        crate::Split::new(views, GridSize::new(1, 1))?;
+        match self {
+            Self::Circle => Ok(circle(views)),
+            Self::Sweep { row } => {
+                index_below("view row", row, views.rows)?;
+                Ok((0..views.columns).map(|s| (row, s)).collect())
+            }
+            Self::Swing { row } => {
+                index_below("view row", row, views.rows)?;
+                let back = (1..views.columns.saturating_sub(1)).rev();
+                Ok((0..views.columns).chain(back).map(|s| (row, s)).collect())
+            }
+            Self::Serpentine => (0..views.count()).map(|index| ViewOrder::Serpentine.view(index, views)).collect(),
+        }
+    }
+}
+
+/// The views nearest to the points of an ellipse around the middle, without repetitions.
+fn circle(views: GridSize) -> Vec<(usize, usize)> {
+    let (radius_t, radius_s) = ((views.rows - 1) as f64 / 2.0, (views.columns - 1) as f64 / 2.0);
+    // Eight points for every view along the way, so that none is stepped over.
+    let points = 8 * 4 * views.larger();
+    let mut path: Vec<(usize, usize)> = Vec::new();
+    for point in 0..points {
+        let angle = std::f64::consts::TAU * point as f64 / points as f64;
+        // Rows run down, so a growing angle goes clockwise. Between 0 and the count - 1 before rounding, and so after it.
+        let t = (radius_t + radius_t * angle.sin()).round() as usize;
+        let s = (radius_s + radius_s * angle.cos()).round() as usize;
+        if path.last() != Some(&(t, s)) {
+            path.push((t, s));
+        }
+    }
+    if path.len() > 1 && path.last() == path.first() {
+        path.pop();
+    }
+    path
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Neighbours touch at least at a corner.
+    fn adjacent(a: (usize, usize), b: (usize, usize)) -> bool {
+        a != b && a.0.abs_diff(b.0) <= 1 && a.1.abs_diff(b.1) <= 1
+    }
+
+    #[test]
+    fn circles_are_closed_and_step_to_neighbours() {
+        for (rows, columns) in [(2, 2), (3, 3), (9, 9), (10, 4), (1, 7), (5, 1), (100, 100)] {
+            let views = GridSize::new(rows, columns);
+            let path = ViewPath::Circle.views(views).unwrap();
+            for (index, &view) in path.iter().enumerate() {
+                assert!(view.0 < rows && view.1 < columns);
+                assert!(adjacent(view, path[(index + 1) % path.len()]), "{rows}x{columns}: {view:?}");
+            }
+            // It reaches all four sides.
+            assert_eq!(path.iter().map(|view| view.1).max(), Some(columns - 1));
+            assert_eq!(path.iter().map(|view| view.1).min(), Some(0));
+            assert_eq!(path.iter().map(|view| view.0).max(), Some(rows - 1));
+            assert_eq!(path.iter().map(|view| view.0).min(), Some(0));
+        }
+        assert_eq!(ViewPath::Circle.views(GridSize::new(1, 1)), Ok(vec![(0, 0)]));
+        // Clockwise, from the right: down comes before up.
+        let path = ViewPath::Circle.views(GridSize::new(9, 9)).unwrap();
+        let bottom = path.iter().position(|&view| view == (8, 4)).unwrap();
+        let top = path.iter().position(|&view| view == (0, 4)).unwrap();
+        assert!(path[0] == (4, 8) && bottom < top);
+    }
+
+    #[test]
+    fn serpentine_visits_every_view_once_by_steps_of_one() {
+        let path = ViewPath::Serpentine.views(GridSize::new(4, 5)).unwrap();
+        assert!(path.windows(2).all(|pair| pair[0].0.abs_diff(pair[1].0) + pair[0].1.abs_diff(pair[1].1) == 1));
+        let mut sorted = path.clone();
+        sorted.sort_unstable();
+        sorted.dedup();
+        assert_eq!((path.len(), sorted.len()), (20, 20));
+    }
+
+    #[test]
+    fn swings_do_not_rest_at_their_ends() {
+        let swing = |columns| ViewPath::Swing { row: 0 }.views(GridSize::new(1, columns)).unwrap();
+        assert_eq!(swing(1), [(0, 0)]);
+        assert_eq!(swing(2), [(0, 0), (0, 1)]);
+        assert_eq!(swing(4), [(0, 0), (0, 1), (0, 2), (0, 3), (0, 2), (0, 1)]);
+    }
+
+    #[test]
+    fn impossible_grids_and_rows_are_errors() {
+        for path in [ViewPath::Circle, ViewPath::Sweep { row: 0 }, ViewPath::Serpentine] {
+            assert!(path.views(GridSize::new(0, 3)).is_err());
+            assert!(path.views(GridSize::new(usize::MAX, usize::MAX)).is_err());
+        }
+        assert!(matches!(ViewPath::Sweep { row: 3 }.views(GridSize::new(3, 3)), Err(Error::OutOfRange { .. })));
+    }
+}

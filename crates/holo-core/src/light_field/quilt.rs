@@ -1,0 +1,100 @@
+//! Quilts: some views side by side in one image, in the order of multi-view displays.
+
+use ndarray::{Array3, Axis, Data, Slice};
+
+use super::{LightField, checked_length, filled_memory};
+use crate::{Error, GridSize, Split};
+
+impl<S: Data> LightField<S>
+where
+    S::Elem: Copy,
+{
+    /// Returns some views as one image in the order of multi-view displays: the first at the bottom left, then to the right, then
+    /// row by row **upward**.
+    ///
+    /// Looking Glass displays read such quilts; their first view is the leftmost camera. Every view stays upright. The views of one
+    /// row of cameras, from left to right, are `ViewPath::Sweep { row }.views(..)`.
+    ///
+    /// # Shape
+    ///
+    /// `tiles.rows * V` rows and `tiles.columns * U` columns, for `tiles.count()` views.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] if the list has another length than the tiles; [`Error::OutOfRange`] if there is no such view; [`Error::ZeroCount`] without
+    /// tiles; [`Error::TooLarge`] and [`Error::OutOfMemory`] if the image is too large.
+    ///
+    /// # Examples
+    ///
+    /// ```
+    /// use holo_core::{GridSize, LightField, Split, ViewPath};
+    /// use ndarray::array;
+    ///
+    /// // Four views of one pixel each, in a row.
+    /// let split = Split::new(GridSize::new(1, 4), GridSize::new(1, 1))?;
+    /// let light_field = LightField::from_elemental_grid(array![[['a'], ['b'], ['c'], ['d']]], split)?;
+    /// let views = ViewPath::Sweep { row: 0 }.views(split.views())?;
+    /// let quilt = light_field.to_quilt(GridSize::new(2, 2), &views)?;
+    /// assert_eq!(quilt, array![[['c'], ['d']], [['a'], ['b']]]);
+    /// # Ok::<(), holo_core::Error>(())
+    /// ```
+    pub fn to_quilt(&self, tiles: GridSize, views: &[(usize, usize)]) -> Result<Array3<S::Elem>, Error> {
+        if views.len() != tiles.count() {
+            let (expected, found) = (vec![tiles.count()], vec![views.len()]);
+            return Err(Error::Shape { what: "list of views of the quilt", expected, found });
+        }
+        let (lenses, channels) = (self.split().lenses(), self.channels());
+        // A quilt is a viewpoint grid of other counts: the same checks of its size.
+        let split = Split::new(tiles, lenses)?;
+        let memory = filled_memory(checked_length::<S::Elem>(&split, channels)?, self.samples[[0, 0, 0, 0, 0]])?;
+        let size = split.raw_size();
+        let mut quilt =
+            Array3::from_shape_vec((size.rows, size.columns, channels), memory).expect("the length is the product");
+        for (index, &(t, s)) in views.iter().enumerate() {
+            let (row, column) = (tiles.rows - 1 - index / tiles.columns, index % tiles.columns);
+            let (top, left) = (row * lenses.rows, column * lenses.columns);
+            let mut tile = quilt.slice_axis_mut(Axis(0), Slice::from(top..top + lenses.rows));
+            tile.slice_axis_inplace(Axis(1), Slice::from(left..left + lenses.columns));
+            tile.assign(&self.view(t, s)?);
+        }
+        Ok(quilt)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Layout, ViewPath};
+
+    fn numbered() -> LightField<ndarray::OwnedRepr<u32>> {
+        let split = Split::new(GridSize::new(2, 6), GridSize::new(3, 4)).unwrap();
+        let mut light_field = LightField::filled(split, 2, Layout::ElementalGrid, 0).unwrap();
+        for ((v, u, t, s, c), sample) in light_field.samples_mut().indexed_iter_mut() {
+            *sample = (t * 10_000 + s * 1000 + v * 100 + u * 10 + c) as u32;
+        }
+        light_field
+    }
+
+    #[test]
+    fn first_view_is_bottom_left_and_upright() {
+        let light_field = numbered();
+        let views = ViewPath::Sweep { row: 1 }.views(light_field.split().views()).unwrap();
+        // Two columns and three rows of tiles of 4 x 3 pixels.
+        let quilt = light_field.to_quilt(GridSize::new(3, 2), &views).unwrap();
+        assert_eq!(quilt.dim(), (9, 8, 2));
+        // Bottom row: views 0 and 1; middle: 2 and 3; top: 4 and 5. The pixel (0, 0) of each is its top left.
+        assert_eq!((quilt[[6, 0, 0]], quilt[[6, 4, 0]]), (10_000, 11_000));
+        assert_eq!((quilt[[3, 0, 0]], quilt[[3, 4, 0]]), (12_000, 13_000));
+        assert_eq!((quilt[[0, 0, 0]], quilt[[0, 4, 0]]), (14_000, 15_000));
+        assert_eq!(quilt[[8, 7, 1]], 11_000 + 200 + 30 + 1);
+    }
+
+    #[test]
+    fn wrong_lists_are_errors() {
+        let light_field = numbered();
+        let tiles = GridSize::new(1, 2);
+        assert!(matches!(light_field.to_quilt(tiles, &[(0, 0)]), Err(Error::Shape { .. })));
+        assert!(matches!(light_field.to_quilt(tiles, &[(0, 0), (2, 0)]), Err(Error::OutOfRange { .. })));
+        assert!(matches!(light_field.to_quilt(GridSize::new(0, 2), &[]), Err(Error::ZeroCount { .. })));
+    }
+}

@@ -1,0 +1,354 @@
+//! What a holoscopic camera sees, before it is built: disparities, depth of field, depth resolution; and the camera that sees what
+//! is wanted.
+//!
+//! [`CameraDesign`] turns the numbers of a camera with a micro-lens array into a [`Rig`]; [`Optics`] says what any rig can do;
+//! [`rig_for_disparities`] goes the other way, from a range of depths and of disparities to focus distance and baseline.
+//!
+//! Everything follows from Eq. 3 for the rig's horizontal axis, with pinhole views that share one focus plane. The main lens is taken to be
+//! thin and the focus distance to be measured from it.
+
+mod design;
+mod solve;
+mod warnings;
+
+pub use design::CameraDesign;
+pub use solve::{DisparitySolution, rig_for_disparities};
+pub use warnings::OpticsWarning;
+
+use crate::error::{positive, positive_or_infinite};
+use crate::{Disparity, Error, Rig};
+
+/// A range of depths, the nearer first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DepthRange {
+    /// The nearest depth, in metres.
+    pub near_m: f64,
+    /// The farthest depth, in metres; may be infinite.
+    pub far_m: f64,
+}
+
+impl DepthRange {
+    /// Makes a range of depths in front of the camera.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] if the nearest depth is not finite and above 0 or the farthest is not above 0 (infinity is allowed);
+    /// [`Error::ImpossibleRange`] if the nearest is not below the farthest.
+    pub fn new(near_m: f64, far_m: f64) -> Result<Self, Error> {
+        let near_m = positive("nearest depth in metres", near_m)?;
+        let far_m = positive_or_infinite("farthest depth in metres", far_m)?;
+        if near_m < far_m {
+            Ok(Self { near_m, far_m })
+        } else {
+            Err(Error::ImpossibleRange { why: "the nearest depth must be below the farthest" })
+        }
+    }
+}
+
+/// A range of disparities, the smaller (farther) first.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DisparityRange {
+    /// The smallest disparity, that of the farthest depth, in pixels between adjacent views.
+    pub min_px: f64,
+    /// The largest disparity, that of the nearest depth, in pixels between adjacent views.
+    pub max_px: f64,
+}
+
+/// What a rig can do.
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::optics::{DepthRange, Optics};
+/// use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
+///
+/// // The camera of the benchmark's scene "cotton".
+/// let rig = Rig::new(RigParameters {
+///     split: Split::new(GridSize::new(9, 9), GridSize::new(512, 512))?,
+///     intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
+///     baseline_x_m: 0.025,
+///     baseline_y_m: 0.025,
+///     focus_distance_m: 4.25,
+///     projection: Projection::Perspective,
+/// })?;
+/// let optics = Optics::new(rig)?;
+/// let range = optics.disparity_range_px(DepthRange::new(3.5, 6.0)?);
+/// assert!((range.max_px - 1.8439).abs() < 5e-5 && (range.min_px + 2.5098).abs() < 5e-5);
+/// // Views move by at most a pixel from one to the next between 3.81 m and 4.81 m.
+/// let smooth = optics.angular_depth_of_field(1.0)?;
+/// assert!((smooth.near_m - 3.8075).abs() < 1e-4 && (smooth.far_m - 4.8088).abs() < 1e-4);
+/// # Ok::<(), holo_core::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Optics {
+    rig: Rig,
+}
+
+impl Optics {
+    /// Takes a rig.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoBaseline`] if its views coincide horizontally: nothing here means anything then.
+    pub fn new(rig: Rig) -> Result<Self, Error> {
+        if rig.parameters().baseline_x_m == 0.0 || rig.split().views().columns < 2 {
+            return Err(Error::NoBaseline);
+        }
+        Ok(Self { rig })
+    }
+
+    /// Returns the rig.
+    #[must_use]
+    pub const fn rig(&self) -> &Rig {
+        &self.rig
+    }
+
+    /// Returns the disparities of a range of depths.
+    ///
+    /// # Source
+    ///
+    /// Eq. 3.
+    #[must_use]
+    pub fn disparity_range_px(&self, depths: DepthRange) -> DisparityRange {
+        let disparity = self.disparity();
+        DisparityRange { min_px: disparity.from_depth_m(depths.far_m), max_px: disparity.from_depth_m(depths.near_m) }
+    }
+
+    /// Returns the width of the synthetic aperture, in metres: from the first to the last view of a row.
+    #[must_use]
+    pub fn aperture_m(&self) -> f64 {
+        self.rig.parameters().baseline_x_m * self.gaps()
+    }
+
+    /// Returns the depths that move by at most `limit_px` from one view to the next.
+    ///
+    /// Up to half a pixel or one pixel, the views sample the angles densely enough to be blended without ghosts, and refocusing
+    /// to these depths meets no aliasing.
+    ///
+    /// # Units
+    ///
+    /// Pixels in, metres out. The far end is infinite if infinity itself moves by no more.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] if the limit is not finite and above 0.
+    pub fn angular_depth_of_field(&self, limit_px: f64) -> Result<DepthRange, Error> {
+        Ok(self.depths_within(positive("disparity limit in pixels", limit_px)?))
+    }
+
+    /// Returns the depth of field of the picture that all views together make, refocused at the rig's focus distance: the depths
+    /// whose circle of confusion is at most `circle_px` wide.
+    ///
+    /// A point spreads over as many pixels as the outermost views of a row are apart in their image of it.
+    ///
+    /// # Units
+    ///
+    /// Pixels in, metres out. The far end is infinite from the hyperfocal distance on.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] if the circle is not finite and above 0.
+    ///
+    /// # Source
+    ///
+    /// The usual thin-lens relation for an aperture A, `c = A f |1/Z - 1/F|`, where f stands for the image distance as everywhere in
+    /// this crate (a pinhole view whose focus is a shift).
+    pub fn defocus_depth_of_field(&self, circle_px: f64) -> Result<DepthRange, Error> {
+        Ok(self.depths_within(positive("circle of confusion in pixels", circle_px)? / self.gaps()))
+    }
+
+    /// Returns the hyperfocal distance, in metres: focused there, the picture of all views is sharp to infinity.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] if the circle is not finite and above 0.
+    ///
+    /// # Source
+    ///
+    /// `A f / c`: the focus distance at which infinity has the circle of confusion c.
+    pub fn hyperfocal_m(&self, circle_px: f64) -> Result<f64, Error> {
+        Ok(self.disparity().scale_m_px() * self.gaps() / positive("circle of confusion in pixels", circle_px)?)
+    }
+
+    /// Returns the angle between adjacent views as a point of the focus plane on the axis sees them, in radians; 0 for an
+    /// infinite focus.
+    #[must_use]
+    pub fn angular_step_rad(&self) -> f64 {
+        let parameters = self.rig.parameters();
+        // Two views half a baseline to either side of the axis.
+        2.0 * (parameters.baseline_x_m / 2.0 / parameters.focus_distance_m).atan()
+    }
+
+    /// Returns the width that one pixel of a view covers at a depth, in metres.
+    ///
+    /// An orthographic view covers the same at every depth.
+    #[must_use]
+    pub fn pixel_size_m(&self, depth_m: f64) -> f64 {
+        let pixel = |column| self.rig.ray(0, column, 0, 0, 0.5, 0.5).at_depth_m(depth_m)[0];
+        pixel(1) - pixel(0)
+    }
+
+    /// Returns how thick the slab around a depth is whose disparities differ by `step_px`, in metres.
+    ///
+    /// With the step that an estimate can tell apart this is the depth resolution. It is infinite where the slab reaches infinity.
+    ///
+    /// # Accuracy
+    ///
+    /// Exact for a step that lies half before and half behind the depth; for small steps this is the usual `step * Z^2 / k`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] if the depth or the step is not finite and above 0.
+    pub fn depth_resolution_m(&self, depth_m: f64, step_px: f64) -> Result<f64, Error> {
+        let depth_m = positive("depth in metres", depth_m)?;
+        let step_px = positive("disparity step in pixels", step_px)?;
+        let at_px = self.disparity().from_depth_m(depth_m);
+        Ok(self.depth_or_infinity_m(at_px - step_px / 2.0) - self.depth_or_infinity_m(at_px + step_px / 2.0))
+    }
+
+    /// Returns what speaks against using the rig for a range of depths.
+    ///
+    /// # Units
+    ///
+    /// `limit_px` is the largest disparity that is welcome, of either sign; `step_px` the smallest that an estimate can tell apart.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] if the limit or the step is not finite and above 0.
+    pub fn warnings(&self, depths: DepthRange, limit_px: f64, step_px: f64) -> Result<Vec<OpticsWarning>, Error> {
+        warnings::of(self, depths, limit_px, step_px)
+    }
+
+    fn disparity(&self) -> Disparity {
+        self.rig.disparity_x()
+    }
+
+    /// How many times the baseline lies between the first and the last view of a row.
+    fn gaps(&self) -> f64 {
+        (self.rig.split().views().columns - 1) as f64
+    }
+
+    fn depths_within(&self, limit_px: f64) -> DepthRange {
+        DepthRange { near_m: self.depth_or_infinity_m(limit_px), far_m: self.depth_or_infinity_m(-limit_px) }
+    }
+
+    /// The depth of a disparity; infinity for those beyond that of infinity, which belong to no point in front of the rig, and 0 for those
+    /// that an orthographic rig has behind its back.
+    fn depth_or_infinity_m(&self, disparity_px: f64) -> f64 {
+        let disparity = self.disparity();
+        if disparity_px <= disparity.at_infinity_px() {
+            f64::INFINITY
+        } else {
+            disparity.to_depth_m(disparity_px).max(0.0)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{GridSize, Intrinsics, Projection, RigParameters, Split};
+
+    /// k = 0.02 * 0.05 * 360 / 0.036 = 10 m px.
+    fn optics(focus_distance_m: f64, projection: Projection) -> Optics {
+        let parameters = RigParameters {
+            split: Split::new(GridSize::new(5, 11), GridSize::new(240, 360)).unwrap(),
+            intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
+            baseline_x_m: 0.02,
+            baseline_y_m: 0.01,
+            focus_distance_m,
+            projection,
+        };
+        Optics::new(Rig::new(parameters).unwrap()).unwrap()
+    }
+
+    fn close(value: f64, expected: f64) {
+        // Some ten roundings.
+        assert!((value - expected).abs() <= 1e-14 * expected.abs().max(1.0), "{value} for {expected}");
+    }
+
+    #[test]
+    fn ranges_by_hand() {
+        let optics = optics(5.0, Projection::Perspective);
+        let range = optics.disparity_range_px(DepthRange::new(2.0, f64::INFINITY).unwrap());
+        // 10 (1/2 - 1/5) and -10/5.
+        close(range.max_px, 3.0);
+        close(range.min_px, -2.0);
+        close(optics.aperture_m(), 0.2);
+        // 1/Z = 1/5 +- 1/10.
+        let smooth = optics.angular_depth_of_field(1.0).unwrap();
+        close(smooth.near_m, 10.0 / 3.0);
+        close(smooth.far_m, 10.0);
+        // Up to 2 px everything to infinity.
+        assert_eq!(optics.angular_depth_of_field(2.0).unwrap().far_m, f64::INFINITY);
+        assert_eq!(optics.angular_depth_of_field(7.0).unwrap().far_m, f64::INFINITY);
+        // Ten gaps: a circle of 2 px is a disparity of 0.2 px, and 1/Z = 1/5 +- 1/50.
+        let sharp = optics.defocus_depth_of_field(2.0).unwrap();
+        close(sharp.near_m, 50.0 / 11.0);
+        close(sharp.far_m, 50.0 / 9.0);
+        close(optics.hyperfocal_m(2.0).unwrap(), 50.0);
+    }
+
+    #[test]
+    fn focused_at_the_hyperfocal_distance_all_is_sharp_from_half_of_it_on() {
+        let hyperfocal_m = optics(5.0, Projection::Perspective).hyperfocal_m(1.5).unwrap();
+        let sharp = optics(hyperfocal_m, Projection::Perspective).defocus_depth_of_field(1.5 * (1.0 + 1e-15)).unwrap();
+        close(sharp.near_m, hyperfocal_m / 2.0);
+        assert_eq!(sharp.far_m, f64::INFINITY);
+    }
+
+    #[test]
+    fn depth_of_field_agrees_with_the_formula_of_photographers() {
+        // near = H F/(H + F), far = H F/(H - F), for a lens whose image distance is f.
+        let optics = optics(5.0, Projection::Perspective);
+        for circle_px in [0.5, 1.0, 3.0, 15.0] {
+            let (h, f) = (optics.hyperfocal_m(circle_px).unwrap(), 5.0);
+            let sharp = optics.defocus_depth_of_field(circle_px).unwrap();
+            close(sharp.near_m, h * f / (h + f));
+            close(sharp.far_m, h * f / (h - f));
+        }
+    }
+
+    #[test]
+    fn sampling_by_hand() {
+        let optics = optics(5.0, Projection::Perspective);
+        close(optics.angular_step_rad(), 2.0 * (0.01_f64 / 5.0).atan());
+        // 0.036/(0.05 * 360) = 0.002 m a metre.
+        close(optics.pixel_size_m(7.0), 0.014);
+        close(self::optics(5.0, Projection::Orthographic).pixel_size_m(7.0), 0.01);
+        assert_eq!(self::optics(f64::INFINITY, Projection::Perspective).angular_step_rad(), 0.0);
+    }
+
+    #[test]
+    fn depth_resolution_is_a_slab_around_the_depth() {
+        let optics = optics(5.0, Projection::Perspective);
+        // 1/Z = 1/4 +- 0.05/10.
+        close(optics.depth_resolution_m(4.0, 0.1).unwrap(), 1.0 / 0.245 - 1.0 / 0.255);
+        // The first order: 0.1 * 16/10. The next is 1/4 (0.1 * 4/10)^2 of it.
+        assert!((optics.depth_resolution_m(4.0, 0.1).unwrap() / 0.16 - 1.0).abs() < 5e-4);
+        assert_eq!(optics.depth_resolution_m(100.0, 0.3).unwrap(), f64::INFINITY);
+        // Orthographic: Z = F (1 - d F/k), so 0.1 px are 0.1 * 25/10 at every depth.
+        let orthographic = self::optics(5.0, Projection::Orthographic);
+        for depth_m in [4.0, 20.0] {
+            assert!((orthographic.depth_resolution_m(depth_m, 0.1).unwrap() - 0.25).abs() < 1e-13);
+        }
+        assert!(optics.depth_resolution_m(0.0, 0.1).is_err() && optics.depth_resolution_m(1.0, f64::NAN).is_err());
+    }
+
+    #[test]
+    fn ranges_and_rigs_that_mean_nothing_are_errors() {
+        for (near_m, far_m) in
+            [(0.0, 1.0), (2.0, 2.0), (3.0, 2.0), (f64::NAN, 2.0), (1.0, f64::NAN), (f64::INFINITY, 9.0)]
+        {
+            assert!(DepthRange::new(near_m, far_m).is_err(), "{near_m} {far_m}");
+        }
+        let parameters = *optics(5.0, Projection::Perspective).rig().parameters();
+        let without = Rig::new(RigParameters { baseline_x_m: 0.0, ..parameters }).unwrap();
+        assert_eq!(Optics::new(without), Err(Error::NoBaseline));
+        let single = Split::new(GridSize::new(5, 1), GridSize::new(240, 360)).unwrap();
+        assert_eq!(
+            Optics::new(Rig::new(RigParameters { split: single, ..parameters }).unwrap()),
+            Err(Error::NoBaseline)
+        );
+    }
+}

@@ -1,0 +1,123 @@
+//! What speaks against a rig.
+
+use std::fmt;
+
+use super::{DepthRange, DisparityRange, Optics};
+use crate::Error;
+use crate::error::positive;
+
+/// A reason why a rig does not suit a range of depths. It works all the same.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum OpticsWarning {
+    /// Some depths move farther from view to view than is welcome.
+    DisparityBeyondLimit {
+        /// The disparities of the depths.
+        range: DisparityRange,
+        /// The largest that is welcome, of either sign, in pixels.
+        limit_px: f64,
+    },
+    /// One step of disparity is deeper than the whole range: the baseline is too small to tell its depths apart.
+    DepthResolutionTooCoarse {
+        /// How thick the slab of one step is in the middle of the range, in metres; may be infinite.
+        resolution_m: f64,
+        /// How deep the range is, in metres.
+        depth_m: f64,
+        /// The step, in pixels.
+        step_px: f64,
+    },
+}
+
+impl fmt::Display for OpticsWarning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::DisparityBeyondLimit { range: DisparityRange { min_px, max_px }, limit_px } => write!(
+                f,
+                "disparities from {min_px:.3} to {max_px:.3} px leave -{limit_px} to {limit_px} px: use a smaller baseline, more views on \
+                 the same aperture, or a focus distance nearer to the harmonic mean of the depths"
+            ),
+            Self::DepthResolutionTooCoarse { resolution_m, depth_m, step_px } => write!(
+                f,
+                "a step of {step_px} px is {resolution_m:.3} m deep, more than the whole range of {depth_m:.3} m: use a larger \
+                 baseline or more pixels a view"
+            ),
+        }
+    }
+}
+
+pub(super) fn of(
+    optics: &Optics,
+    depths: DepthRange,
+    limit_px: f64,
+    step_px: f64,
+) -> Result<Vec<OpticsWarning>, Error> {
+    let limit_px = positive("disparity limit in pixels", limit_px)?;
+    let step_px = positive("disparity step in pixels", step_px)?;
+    let range = optics.disparity_range_px(depths);
+    let mut warnings = Vec::new();
+    if range.max_px > limit_px || range.min_px < -limit_px {
+        warnings.push(OpticsWarning::DisparityBeyondLimit { range, limit_px });
+    }
+    // A range that fits into one step has a slab around its middle, in disparity, that is deeper than it.
+    if range.max_px - range.min_px < step_px {
+        let middle_px = f64::midpoint(range.min_px, range.max_px);
+        let middle_m = optics.rig().disparity_x().to_depth_m(middle_px);
+        let resolution_m = optics.depth_resolution_m(middle_m, step_px)?;
+        let depth_m = depths.far_m - depths.near_m;
+        warnings.push(OpticsWarning::DepthResolutionTooCoarse { resolution_m, depth_m, step_px });
+    }
+    Ok(warnings)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
+
+    /// k = 500 times the baseline.
+    fn optics(baseline_m: f64) -> Optics {
+        let parameters = RigParameters {
+            split: Split::new(GridSize::new(5, 5), GridSize::new(360, 360)).unwrap(),
+            intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
+            baseline_x_m: baseline_m,
+            baseline_y_m: baseline_m,
+            focus_distance_m: 3.0,
+            projection: Projection::Perspective,
+        };
+        Optics::new(Rig::new(parameters).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn baselines_too_large_and_too_small_are_named() {
+        let depths = DepthRange::new(2.0, 6.0).unwrap();
+        // k = 12: 2 px at either end.
+        assert_eq!(optics(0.024).warnings(depths, 2.1, 0.1), Ok(vec![]));
+        let warnings = optics(0.024).warnings(depths, 1.9, 0.1).unwrap();
+        assert!(matches!(warnings[..], [OpticsWarning::DisparityBeyondLimit { .. }]));
+        assert!(warnings[0].to_string().contains("from -2.000 to 2.000 px leave -1.9 to 1.9 px"), "{}", warnings[0]);
+        // k = 0.12: the range has 0.04 px in all, less than a step.
+        let warnings = optics(0.00024).warnings(depths, 2.0, 0.1).unwrap();
+        let [OpticsWarning::DepthResolutionTooCoarse { resolution_m, depth_m, .. }] = warnings[..] else {
+            panic!("{warnings:?}")
+        };
+        // The slab of 0.1 px around 3 m, 1/Z = 1/3 -+ 0.417, reaches infinity.
+        assert_eq!((resolution_m, depth_m), (f64::INFINITY, 4.0));
+        // Just enough: 0.04 px and a step of as much.
+        assert_eq!(optics(0.00024).warnings(depths, 2.0, 0.0399), Ok(vec![]));
+        assert!(
+            optics(0.024).warnings(depths, 0.0, 0.1).is_err() && optics(0.024).warnings(depths, 1.0, -0.1).is_err()
+        );
+    }
+
+    #[test]
+    fn a_slab_is_deeper_than_a_range_that_it_holds() {
+        // 1/Z from 1/6 to 1/2: 0.04 px, in a step of 0.05 px around 1/3.
+        let warnings = optics(0.00024).warnings(DepthRange::new(2.0, 6.0).unwrap(), 2.0, 0.05).unwrap();
+        let [OpticsWarning::DepthResolutionTooCoarse { resolution_m, .. }] = warnings[..] else {
+            panic!("{warnings:?}")
+        };
+        let half = 0.025 / 0.12;
+        let expected = 1.0 / (1.0 / 3.0 - half) - 1.0 / (1.0 / 3.0 + half);
+        assert!((resolution_m - expected).abs() < 1e-12 && resolution_m > 4.0, "{resolution_m}");
+    }
+}

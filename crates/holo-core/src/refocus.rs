@@ -1,0 +1,287 @@
+//! Pictures with another focus: shifted views added up.
+//!
+//! A point at `(v, u)` of the reference view is at `(v - d*dt, u - d*ds)` in the view `dt` rows down and `ds` columns right, where d is its
+//! disparity. To focus on the plane of disparity d, every view is sampled there, and the samples are averaged: what lies in
+//! the plane falls on itself, what lies before or behind it spreads over as many pixels as the aperture has views times the
+//! difference of disparity. The views used, and with what weight, are the synthetic [`Aperture`].
+//!
+//! A view counts at a pixel only if the sample lies within its image, and the sum is divided by the weight of the views that
+//! count. The edges are therefore as bright as the middle, from fewer views.
+//!
+//! # Shift-and-sum of LFToolbox
+//!
+//! `LFFiltShiftSum` takes a slope instead of a disparity and centres the aperture between the views;
+//! [`slope_from_disparity`] and [`disparity_from_slope`] translate.
+
+mod aperture;
+mod every_pixel;
+mod kernel;
+mod shift_sum;
+
+pub use aperture::Aperture;
+pub use kernel::Kernel;
+
+use ndarray::{Array3, ArrayRef2, Data};
+
+use crate::{Error, GridSize, LightField, Real, Rig, Sample};
+
+/// How a light field is refocused: with which aperture, from which viewpoint, and how views are sampled between their pixels.
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::refocus::Refocus;
+/// use holo_core::{GridSize, LightField, Split};
+/// use ndarray::Array3;
+///
+/// // Three views in a row of a dot that moves by one pixel to the left from view to view: its disparity is 1.
+/// let split = Split::new(GridSize::new(1, 3), GridSize::new(1, 5))?;
+/// let mut views = Array3::<u8>::zeros((1, 15, 1));
+/// for view in 0..3 {
+///     views[[0, 5 * view + 3 - view, 0]] = 90;
+/// }
+/// let light_field = LightField::from_viewpoint_grid(views, split)?;
+/// let refocus = Refocus::new(split.views())?;
+/// let sharp = refocus.at_disparity(&light_field, 1.0)?;
+/// assert_eq!(sharp.into_raw_vec_and_offset().0, [0.0, 0.0, 90.0, 0.0, 0.0]);
+/// let blurred = refocus.at_disparity(&light_field, 0.0)?;
+/// assert_eq!(blurred.into_raw_vec_and_offset().0, [0.0, 30.0, 30.0, 30.0, 0.0]);
+/// # Ok::<(), holo_core::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refocus {
+    aperture: Aperture,
+    kernel: Kernel,
+    reference: (f64, f64),
+    vertical_ratio: f64,
+}
+
+impl Refocus {
+    /// Uses all views alike, seen from the central view (row T/2, column S/2, rounded down), with the kernel of Catmull and Rom.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ZeroCount`] if there are no views; [`Error::TooLarge`] and [`Error::OutOfMemory`] if there are too many.
+    pub fn new(views: GridSize) -> Result<Self, Error> {
+        Ok(Self::with_aperture(Aperture::all(views)?))
+    }
+
+    /// Uses an aperture, seen from the central view, with the kernel of Catmull and Rom.
+    #[must_use]
+    pub fn with_aperture(aperture: Aperture) -> Self {
+        let views = aperture.views();
+        let reference = ((views.rows / 2) as f64, (views.columns / 2) as f64);
+        Self { aperture, kernel: Kernel::default(), reference, vertical_ratio: 1.0 }
+    }
+
+    /// Samples the views with another kernel.
+    #[must_use]
+    pub fn kernel(self, kernel: Kernel) -> Self {
+        Self { kernel, ..self }
+    }
+
+    /// Shows the scene from another place of the view grid, given as a row and a column of views that may lie between views or outside.
+    ///
+    /// `((T-1)/2, (S-1)/2)` is the middle of the rig, for even counts half a view beside the central view.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] if a number is NaN or infinite.
+    pub fn reference(self, t: f64, s: f64) -> Result<Self, Error> {
+        for (what, value) in [("reference view row", t), ("reference view column", s)] {
+            finite(what, value)?;
+        }
+        Ok(Self { reference: (t, s), ..self })
+    }
+
+    /// States how much larger the vertical disparity of a point is than its horizontal one: the ratio of the baselines, 1 if not told.
+    ///
+    /// [`Refocus::at_disparity`] and all others take the horizontal disparity, except for [`Refocus::at_distance_m`], which asks the rig.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] if the ratio is NaN or infinite.
+    pub fn vertical_ratio(self, vertical_ratio: f64) -> Result<Self, Error> {
+        Ok(Self { vertical_ratio: finite("ratio of vertical to horizontal disparity", vertical_ratio)?, ..self })
+    }
+
+    /// Returns the picture that is sharp where the disparity is `disparity_px`.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u, c)`, the size of a view.
+    ///
+    /// # Units
+    ///
+    /// Disparity in pixels between adjacent views, positive nearer than the focus plane of the rig. Samples keep their scale.
+    ///
+    /// # Accuracy
+    ///
+    /// Within `(S + 4 T + 16) * 2^-23` of the sum in exact arithmetic, times the largest sample: `f32` sums, over the views of each row
+    /// first. The same bits for any number of threads. A pixel that no view of the aperture sees is NaN; from a view of the aperture
+    /// there is none.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] if the aperture has another number of views; [`Error::BadNumber`] if the disparity is NaN or infinite;
+    /// [`Error::OutOfMemory`] if there is no memory for `V * U * (T + 1) * C` numbers.
+    pub fn at_disparity<S>(&self, light_field: &LightField<S>, disparity_px: f64) -> Result<Array3<f32>, Error>
+    where
+        S: Data,
+        S::Elem: Sample,
+    {
+        finite("disparity in pixels", disparity_px)?;
+        self.sum(light_field, disparity_px * self.vertical_ratio, disparity_px)
+    }
+
+    /// Returns the picture that is sharp at a distance from the cameras.
+    ///
+    /// # Units
+    ///
+    /// Planar depth in metres; infinity is allowed.
+    ///
+    /// # Errors
+    ///
+    /// As [`Refocus::at_disparity`]; [`Error::BadNumber`] if the distance is not above 0; [`Error::Shape`] if the rig has other
+    /// views or lenses than the light field.
+    ///
+    /// # Source
+    ///
+    /// Eq. 3, for rows and columns with their own baselines.
+    pub fn at_distance_m<S>(
+        &self,
+        light_field: &LightField<S>,
+        rig: &Rig,
+        distance_m: f64,
+    ) -> Result<Array3<f32>, Error>
+    where
+        S: Data,
+        S::Elem: Sample,
+    {
+        let distance_m = crate::error::positive_or_infinite("distance in metres", distance_m)?;
+        if *rig.split() != light_field.split() {
+            let (expected, found) = (rig.split().shape(light_field.channels()), light_field.samples().shape().to_vec());
+            return Err(Error::Shape { what: "light field", expected: expected.to_vec(), found });
+        }
+        let vertical_px = finite("disparity in pixels", rig.disparity_y().from_depth_m(distance_m))?;
+        let horizontal_px = finite("disparity in pixels", rig.disparity_x().from_depth_m(distance_m))?;
+        self.sum(light_field, vertical_px, horizontal_px)
+    }
+
+    /// Returns one picture for each of some disparities, made when it is asked for.
+    ///
+    /// # Errors
+    ///
+    /// Each picture as [`Refocus::at_disparity`].
+    pub fn focal_stack<'a, S>(
+        &'a self,
+        light_field: &'a LightField<S>,
+        disparities_px: &'a [f64],
+    ) -> impl ExactSizeIterator<Item = Result<Array3<f32>, Error>> + 'a
+    where
+        S: Data,
+        S::Elem: Sample,
+    {
+        disparities_px.iter().map(move |&disparity_px| self.at_disparity(light_field, disparity_px))
+    }
+
+    /// Returns the picture that is sharp everywhere: each pixel is refocused at its own disparity.
+    ///
+    /// Nothing is known of what covers what: next to an edge the views that see the nearer surface in the place of the farther one are averaged
+    /// in with the others. A narrow aperture makes such seams narrow.
+    ///
+    /// # Shape
+    ///
+    /// The map is (V, U) and belongs to the reference view; the result is `(v, u, c)`.
+    ///
+    /// # Accuracy
+    ///
+    /// As [`Refocus::at_disparity`]. A pixel whose disparity is NaN or infinite is NaN.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Shape`] if the map is not of the size of a view or the aperture has another number of views; [`Error::OutOfMemory`] if
+    /// there is no memory for the picture.
+    pub fn all_in_focus<S, D>(
+        &self,
+        light_field: &LightField<S>,
+        disparity_px: &ArrayRef2<D>,
+    ) -> Result<Array3<f32>, Error>
+    where
+        S: Data,
+        S::Elem: Sample,
+        D: Real,
+    {
+        self.check_views(light_field)?;
+        let lenses = light_field.split().lenses();
+        if disparity_px.dim() != (lenses.rows, lenses.columns) {
+            let (expected, found) = (vec![lenses.rows, lenses.columns], disparity_px.shape().to_vec());
+            return Err(Error::Shape { what: "disparity map", expected, found });
+        }
+        every_pixel::all_in_focus(self, light_field.samples(), disparity_px.view())
+    }
+
+    fn sum<S>(&self, light_field: &LightField<S>, vertical_px: f64, horizontal_px: f64) -> Result<Array3<f32>, Error>
+    where
+        S: Data,
+        S::Elem: Sample,
+    {
+        self.check_views(light_field)?;
+        shift_sum::shift_and_sum(self, light_field.samples(), vertical_px, horizontal_px)
+    }
+
+    fn check_views<S: Data>(&self, light_field: &LightField<S>) -> Result<(), Error> {
+        let (views, aperture) = (light_field.split().views(), self.aperture.views());
+        if views == aperture {
+            return Ok(());
+        }
+        let expected = vec![views.rows, views.columns];
+        Err(Error::Shape { what: "aperture", expected, found: vec![aperture.rows, aperture.columns] })
+    }
+}
+
+/// Returns the slope at which LFToolbox's `LFFiltShiftSum` focuses on a disparity: `-d (T-1)/T` for T views along the axis.
+///
+/// The toolbox spreads shifts of `linspace(-1/2, 1/2, T) * slope * T` pixels over the views, so the step between two of them is
+/// `slope * T/(T-1)`, and it adds them to the place where it samples. The numbers agree for arrays whose views are in the order of
+/// this crate, without flips. The toolbox keeps the middle of the grid in place: `Refocus::reference((T-1)/2, (S-1)/2)`.
+///
+/// # Errors
+///
+/// [`Error::BadNumber`] if there are fewer than two views: they have no step.
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::refocus::{disparity_from_slope, slope_from_disparity};
+///
+/// // Nine views: the step is 9/8 of the slope.
+/// assert_eq!(slope_from_disparity(1.125, 9)?, -1.0);
+/// assert_eq!(disparity_from_slope(-1.0, 9)?, 1.125);
+/// # Ok::<(), holo_core::Error>(())
+/// ```
+pub fn slope_from_disparity(disparity_px: f64, views: usize) -> Result<f64, Error> {
+    let views = at_least_two(views)?;
+    Ok(-disparity_px * ((views - 1.0) / views))
+}
+
+/// Returns the disparity on which LFToolbox's `LFFiltShiftSum` focuses at a slope: `-slope T/(T-1)`, the inverse of
+/// [`slope_from_disparity`].
+///
+/// # Errors
+///
+/// As [`slope_from_disparity`].
+pub fn disparity_from_slope(slope: f64, views: usize) -> Result<f64, Error> {
+    let views = at_least_two(views)?;
+    Ok(-slope * (views / (views - 1.0)))
+}
+
+fn at_least_two(views: usize) -> Result<f64, Error> {
+    let value = views as f64;
+    let what = "number of views along the axis";
+    if views < 2 { Err(Error::BadNumber { what, value, need: "at least 2" }) } else { Ok(value) }
+}
+
+fn finite(what: &'static str, value: f64) -> Result<f64, Error> {
+    if value.is_finite() { Ok(value) } else { Err(Error::BadNumber { what, value, need: "finite" }) }
+}

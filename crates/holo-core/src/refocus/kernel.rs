@@ -1,0 +1,117 @@
+//! How a view is sampled between its pixels, and where a shifted view covers the picture.
+
+use std::ops::Range;
+
+/// The interpolation between pixels, along rows and columns alike.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+pub enum Kernel {
+    /// Two pixels an axis, weighted by how near they are. It blurs, most of all half-way between pixels, so that a search
+    /// for the sharpest plane is drawn towards disparities that put many views on whole pixels, by some hundredths of a pixel.
+    Bilinear,
+    /// Four pixels an axis: the cubic of Catmull and Rom, which is that of Keys with a = -1/2. It keeps more detail, reproduces parabolas,
+    /// and may overshoot next to edges by up to an eighth of their height an axis.
+    #[default]
+    CatmullRom,
+}
+
+/// Pixels that a kernel reaches to either side of the two that a place lies between, with one more for places beyond the outermost.
+pub(super) const PAD: usize = 2;
+
+impl Kernel {
+    /// The weights of the four pixels before, at, behind and two behind a place that lies `fraction` behind a pixel.
+    pub(super) fn weights(self, fraction: f64) -> [f64; 4] {
+        let f = fraction;
+        match self {
+            Self::Bilinear => [0.0, 1.0 - f, f, 0.0],
+            Self::CatmullRom => [
+                0.5 * f * (-1.0 + f * (2.0 - f)),
+                1.0 + 0.5 * f * f * (3.0 * f - 5.0),
+                0.5 * f * (1.0 + f * (4.0 - 3.0 * f)),
+                0.5 * f * f * (f - 1.0),
+            ],
+        }
+    }
+}
+
+/// What a shift of a whole image along one axis comes to: the same four weights everywhere.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Shift {
+    /// The pixels of the picture whose samples lie within the image: between its outer edges, half a pixel beyond the outermost centres.
+    pub covered: Range<usize>,
+    /// The first of the four pixels for the pixel 0 of the picture.
+    pub first: isize,
+    /// Their weights.
+    pub weights: [f32; 4],
+}
+
+impl Shift {
+    /// The shift that samples an image of `count` pixels at `pixel + position`.
+    pub fn new(position: f64, count: usize, kernel: Kernel) -> Self {
+        // Conversions saturate: a position beyond all pixels covers none, infinity included.
+        let from = (-0.5 - position).ceil().max(0.0) as usize;
+        let to = (count as f64 - 0.5 - position).ceil().max(0.0) as usize;
+        let covered = from.min(count)..to.min(count);
+        if covered.is_empty() {
+            return Self { covered: 0..0, first: 0, weights: [0.0; 4] };
+        }
+        let whole = position.floor();
+        let weights = kernel.weights(position - whole).map(|weight| weight as f32);
+        Self { covered, first: whole as isize - 1, weights }
+    }
+
+    /// The pixel of the image that has weight `tap` at a pixel of the picture; beyond an edge, the pixel on it.
+    pub fn source(&self, pixel: usize, tap: usize, count: usize) -> usize {
+        (pixel as isize + self.first + tap as isize).clamp(0, count as isize - 1) as usize
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kernels_reproduce_what_they_should() {
+        for step in 0..=64 {
+            let f = f64::from(step) / 64.0;
+            for (kernel, degree) in [(Kernel::Bilinear, 1), (Kernel::CatmullRom, 2)] {
+                let weights = kernel.weights(f);
+                for power in 0..=degree {
+                    // The polynomial x^power at the places -1, 0, 1, 2.
+                    let sum: f64 = weights.iter().zip([-1.0_f64, 0.0, 1.0, 2.0]).map(|(w, x)| w * x.powi(power)).sum();
+                    assert!((sum - f.powi(power)).abs() < 1e-15, "{kernel:?} {f} {power}");
+                }
+            }
+        }
+        assert_eq!(Kernel::CatmullRom.weights(0.0), [0.0, 1.0, 0.0, 0.0]);
+        assert_eq!(Kernel::CatmullRom.weights(0.5), [-0.0625, 0.5625, 0.5625, -0.0625]);
+    }
+
+    #[test]
+    fn shifts_cover_what_lies_between_the_outer_edges() {
+        let covered = |position| Shift::new(position, 10, Kernel::CatmullRom).covered;
+        assert_eq!(covered(0.0), 0..10);
+        assert_eq!(covered(0.49), 0..10);
+        // Pixel 9 + 0.5 is on the right edge, which belongs to the next pixel; pixel 0 - 0.5 on the left edge, which belongs to this one.
+        assert_eq!(covered(0.5), 0..9);
+        assert_eq!(covered(-0.5), 0..10);
+        assert_eq!(covered(-0.51), 1..10);
+        assert_eq!(covered(3.2), 0..7);
+        assert_eq!(covered(-3.2), 3..10);
+        for far in [10.0, -11.0, 1e300, -1e300, f64::INFINITY, f64::NEG_INFINITY] {
+            assert!(covered(far).is_empty(), "{far}");
+        }
+    }
+
+    #[test]
+    fn no_weight_lies_beyond_the_padding() {
+        for step in -200..200 {
+            let shift = Shift::new(f64::from(step) / 16.0, 10, Kernel::CatmullRom);
+            if !shift.covered.is_empty() {
+                let reach = |pixel: usize, tap: isize| pixel as isize + shift.first + tap;
+                assert!(reach(shift.covered.start, 0) >= -(PAD as isize), "{step}");
+                assert!(reach(shift.covered.end - 1, 3) < 10 + PAD as isize, "{step}");
+            }
+        }
+    }
+}

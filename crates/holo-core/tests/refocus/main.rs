@@ -1,0 +1,215 @@
+//! Refocusing: against the sum to the letter, against LFToolbox's shifts, and against planes whose disparity is known.
+
+mod naive;
+mod sharpness;
+
+use holo_core::refocus::{Aperture, Kernel, Refocus, disparity_from_slope, slope_from_disparity};
+use holo_core::{
+    Error, GridSize, Intrinsics, LightField, LightFieldOwned, Projection, Rig, RigParameters, Sample, Split,
+};
+use ndarray::{Array2, Array3, Array5, ArrayView3};
+
+/// Numbers that look random, in 0..256.
+fn byte(index: usize) -> u8 {
+    let mut hash = (index as u64).wrapping_add(0x9e37_79b9_7f4a_7c15).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    hash = (hash ^ (hash >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (hash >> 56) as u8
+}
+
+fn noise<T>(split: Split, channels: usize, sample: impl Fn(u8) -> T) -> LightFieldOwned<T> {
+    let raw = split.raw_size();
+    let shape = (raw.rows, raw.columns, channels);
+    let image =
+        Array3::from_shape_fn(shape, |(row, column, c)| sample(byte((row * raw.columns + column) * channels + c)));
+    LightField::from_elemental_grid(image, split).unwrap()
+}
+
+/// Compares with the sum in f64, pixel by pixel and NaN by NaN.
+fn assert_close(found: ArrayView3<'_, f32>, expected: ArrayView3<'_, f64>, bound: f64, what: &str) {
+    assert_eq!(found.dim(), expected.dim(), "{what}");
+    for ((index, &found), &expected) in found.indexed_iter().zip(&expected) {
+        let same = (found.is_nan() && expected.is_nan()) || (f64::from(found) - expected).abs() <= bound;
+        assert!(same, "{what} {index:?}: {found} for {expected}, bound {bound:e}");
+    }
+}
+
+/// The documented bound.
+fn bound(split: Split, largest: f64) -> f64 {
+    let views = split.views();
+    (views.columns + 4 * views.rows + 16) as f64 * 2.0_f64.powi(-23) * largest
+}
+
+/// Compares both ways to refocus one light field with their naive twin, at many disparities.
+fn check<T: Sample>(light_field: &LightFieldOwned<T>, largest: f64) {
+    let split = light_field.split();
+    let views = split.views();
+    let middle = ((views.rows - 1) as f64 / 2.0, (views.columns - 1) as f64 / 2.0);
+    let apertures = [
+        Aperture::all(views).unwrap(),
+        Aperture::disc(views, middle, views.larger() as f64 * 0.8).unwrap(),
+        Aperture::gaussian(views, (0.0, middle.1), 1.5).unwrap(),
+    ];
+    for aperture in apertures {
+        for kernel in [Kernel::Bilinear, Kernel::CatmullRom] {
+            let refocus = Refocus::with_aperture(aperture.clone()).kernel(kernel).vertical_ratio(0.75).unwrap();
+            let central = split.central_view();
+            let central = (central.0 as f64, central.1 as f64);
+            for (refocus, reference) in
+                [(refocus.clone(), central), (refocus.reference(middle.0, -0.25).unwrap(), (middle.0, -0.25))]
+            {
+                for disparity in [0.0, 1.0, -2.0, 0.3, -1.7, 4.1, 1000.0] {
+                    let twin = |disparity: &dyn Fn(usize, usize) -> f64| {
+                        naive::refocused(light_field, &aperture, kernel, reference, 0.75, disparity)
+                    };
+                    let what = format!("{split:?} {kernel:?} {disparity}");
+                    let found = refocus.at_disparity(light_field, disparity).unwrap();
+                    assert_close(found.view(), twin(&|_, _| disparity).view(), bound(split, largest), &what);
+                    let lenses = split.lenses();
+                    let map = Array2::from_shape_fn((lenses.rows, lenses.columns), |(v, u)| {
+                        disparity + 0.1 * v as f64 - 0.05 * u as f64
+                    });
+                    let found = refocus.all_in_focus(light_field, &map).unwrap();
+                    let expected = twin(&|v, u| map[[v, u]]);
+                    assert_close(found.view(), expected.view(), bound(split, largest), &what);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn sums_are_those_of_the_definition() {
+    for (views, lenses, channels) in
+        [((3, 3), (6, 7), 3), ((2, 4), (5, 9), 1), ((1, 5), (1, 8), 2), ((4, 1), (7, 1), 4), ((5, 2), (3, 2), 5)]
+    {
+        let split = Split::new(GridSize::new(views.0, views.1), GridSize::new(lenses.0, lenses.1)).unwrap();
+        check(&noise(split, channels, |byte| byte), 255.0);
+        check(&noise(split, channels, |byte| u16::from(byte) * 257), 65535.0);
+        check(&noise(split, channels, |byte| f32::from(byte) / 128.0 - 1.0), 1.0);
+    }
+}
+
+#[test]
+fn order_in_memory_changes_no_bit() {
+    let split = Split::new(GridSize::new(3, 4), GridSize::new(8, 9)).unwrap();
+    let elemental = noise(split, 3, |byte| byte);
+    let viewpoint = LightField::from_viewpoint_grid(elemental.to_viewpoint_grid(), split).unwrap();
+    // Neither: turned by 180 degrees, stored, and seen turned back.
+    let turned = elemental.clone().rotate_raw().to_owned().to_elemental_grid();
+    let turned = LightField::from_elemental_grid(turned, split).unwrap().rotate_raw();
+    let refocus = Refocus::new(split.views()).unwrap();
+    let bits = |picture: Array3<f32>| picture.mapv(f32::to_bits);
+    let expected = bits(refocus.at_disparity(&elemental, 0.6).unwrap());
+    assert_eq!(bits(refocus.at_disparity(&viewpoint, 0.6).unwrap()), expected);
+    assert_eq!(bits(refocus.at_disparity(&turned, 0.6).unwrap()), expected);
+    let part = elemental.clip_lenses(1..6, 2..8).unwrap();
+    let copy = LightField::from_elemental_grid(part.to_elemental_grid(), part.split()).unwrap();
+    let part = refocus.at_disparity(&part, 0.6).unwrap();
+    assert_eq!(bits(part), bits(refocus.at_disparity(&copy, 0.6).unwrap()));
+}
+
+#[test]
+fn threads_change_no_bit() {
+    let split = Split::new(GridSize::new(4, 5), GridSize::new(31, 17)).unwrap();
+    let light_field = noise(split, 3, |byte| byte);
+    let refocus = Refocus::new(split.views()).unwrap();
+    let map = Array2::from_elem((31, 17), 0.37_f32);
+    let in_pool = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let plane = refocus.at_disparity(&light_field, 0.37).unwrap().mapv(f32::to_bits);
+            (plane, refocus.all_in_focus(&light_field, &map).unwrap().mapv(f32::to_bits))
+        })
+    };
+    assert_eq!(in_pool(1), in_pool(3));
+}
+
+#[test]
+fn edges_are_as_bright_as_the_middle() {
+    let split = Split::new(GridSize::new(5, 5), GridSize::new(12, 10)).unwrap();
+    let light_field = noise(split, 1, |_| 200_u8);
+    let refocus = Refocus::new(split.views()).unwrap();
+    for disparity in [0.0, 0.5, -2.3, 3.9, -40.0] {
+        for &sample in &refocus.at_disparity(&light_field, disparity).unwrap() {
+            assert!((f64::from(sample) - 200.0).abs() < bound(split, 200.0), "{sample} at {disparity}");
+        }
+    }
+    // Where the aperture does not see the picture there is nothing to show: one view, two columns to the right, at disparity 3.
+    let one = Aperture::square(split.views(), (2.0, 4.0), 0.5).unwrap();
+    let picture = Refocus::with_aperture(one).at_disparity(&light_field, 3.0).unwrap();
+    for ((_, u, _), sample) in picture.indexed_iter() {
+        assert_eq!(sample.is_nan(), u < 6, "column {u}");
+    }
+    // The pixel without a disparity has no value, its neighbours have theirs.
+    let mut map = Array2::from_elem((12, 10), 0.5_f32);
+    map[[3, 4]] = f32::NAN;
+    let picture = refocus.all_in_focus(&light_field, &map).unwrap();
+    assert!(picture.indexed_iter().all(|((v, u, _), sample)| sample.is_nan() == ((v, u) == (3, 4))));
+}
+
+#[test]
+fn slopes_are_those_of_lftoolbox() {
+    for views in [2_usize, 5, 9, 20] {
+        for disparity in [1.0, -0.7, 2.15] {
+            let slope = slope_from_disparity(disparity, views).unwrap();
+            assert!((disparity_from_slope(slope, views).unwrap() - disparity).abs() < 1e-15);
+            for view in 0..views {
+                // The toolbox's shift of that view, linspace(-1/2, 1/2, T) * slope * T, which it adds to the place of a sample.
+                let linspace = -0.5 + view as f64 / (views - 1) as f64;
+                let toolbox = linspace * slope * views as f64;
+                // Here: -d times the views between it and the middle. Four roundings of numbers below 25.
+                let here = -disparity * (view as f64 - (views - 1) as f64 / 2.0);
+                assert!((toolbox - here).abs() < 1e-13, "view {view} of {views}: {toolbox} and {here}");
+            }
+        }
+    }
+    assert!(slope_from_disparity(1.0, 1).is_err() && disparity_from_slope(1.0, 0).is_err());
+}
+
+#[test]
+fn distances_go_through_the_rig_of_either_axis() {
+    let split = Split::new(GridSize::new(3, 3), GridSize::new(16, 16)).unwrap();
+    let parameters = RigParameters {
+        split,
+        intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
+        baseline_x_m: 0.04,
+        baseline_y_m: 0.02,
+        focus_distance_m: 4.0,
+        projection: Projection::Perspective,
+    };
+    let rig = Rig::new(parameters).unwrap();
+    let light_field = noise(split, 1, |byte| byte);
+    let refocus = Refocus::new(split.views()).unwrap().vertical_ratio(0.5).unwrap();
+    for distance_m in [2.0, 4.0, f64::INFINITY] {
+        let disparity_px = rig.disparity_x().from_depth_m(distance_m);
+        let expected = refocus.at_disparity(&light_field, disparity_px).unwrap();
+        // The ratio is for disparities; a rig knows its own, and half of a double is exact.
+        let without_ratio = Refocus::new(split.views()).unwrap();
+        assert_eq!(without_ratio.at_distance_m(&light_field, &rig, distance_m), Ok(expected));
+    }
+    for distance_m in [0.0, -1.0, f64::NAN] {
+        assert!(refocus.at_distance_m(&light_field, &rig, distance_m).is_err(), "{distance_m}");
+    }
+    let other = light_field.clip_lenses(0..8, 0..16).unwrap();
+    assert!(matches!(refocus.at_distance_m(&other, &rig, 4.0), Err(Error::Shape { .. })));
+}
+
+#[test]
+fn wrong_numbers_and_shapes_are_errors() {
+    let split = Split::new(GridSize::new(3, 3), GridSize::new(4, 5)).unwrap();
+    let light_field = noise(split, 1, |byte| byte);
+    let refocus = Refocus::new(split.views()).unwrap();
+    for value in [f64::NAN, f64::INFINITY] {
+        assert!(refocus.at_disparity(&light_field, value).is_err());
+        assert!(refocus.clone().reference(0.0, value).is_err() && refocus.clone().vertical_ratio(value).is_err());
+    }
+    let other = Refocus::new(GridSize::new(3, 4)).unwrap();
+    assert!(matches!(other.at_disparity(&light_field, 0.0), Err(Error::Shape { what: "aperture", .. })));
+    let map = Array2::<f32>::zeros((5, 4));
+    assert!(matches!(refocus.all_in_focus(&light_field, &map), Err(Error::Shape { what: "disparity map", .. })));
+    // A huge but finite disparity: only the reference view is left.
+    let picture = refocus.at_disparity(&light_field, 1e300).unwrap();
+    assert_eq!(picture, light_field.view(1, 1).unwrap().mapv(f32::from));
+    let one_pixel = LightField::new(Array5::from_elem((1, 1, 3, 3, 1), 7_u8)).unwrap();
+    assert_eq!(refocus.at_disparity(&one_pixel, 0.2).unwrap()[[0, 0, 0]], 7.0);
+}
