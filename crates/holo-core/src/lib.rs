@@ -39,6 +39,10 @@
 //! | Eq. 4 | [`LightField::to_elemental_grid`], [`LightField::to_viewpoint_grid`], [`rearrange::naive`] |
 //! | Eq. 5 | [`Block`], [`LightField::from_elemental_grid`], [`LightField::from_viewpoint_grid`] |
 //!
+//! # Depth
+//!
+//! [`plane_sweep`] estimates the disparity of the central view from the others.
+//!
 //! # What is not here
 //!
 //! No file is opened, no C library is called, and nothing is rendered. Hexagonal lens grids, rotated grids and lens

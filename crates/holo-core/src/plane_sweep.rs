@@ -1,4 +1,41 @@
 //! Depth from the views: multi-view stereo by plane sweep.
+//!
+//! 1. `views.rs` takes a star of views around the central one, as planes of `f32`.
+//! 2. `cost.rs` moves every view by every disparity and asks how much its colours differ from the centre's: truncated,
+//!    summed over 3 x 3 pixels, and over that half of the star which agrees best, because what hides a point does so from one
+//!    side. The step between two disparities is what moves the outermost view by half a pixel (`effort.rs`).
+//! 3. `scanline.rs` sums the costs along eight directions, so that textured places speak for those without texture, and
+//!    `sweep.rs` takes the lowest.
+//! 4. `measure.rs` makes one Gauss-Newton step at every pixel on its own, with the views that the map so far says can see it
+//!    and weights against those that differ; it knows how precise each step is.
+//! 5. `plane_fit.rs` fits a plane to the steps around every pixel, each weighted by its precision, by likeness of colour and
+//!    by whether it belongs to the same surface. 4 and 5 are repeated. The precision that a plane rests on is the confidence.
+//!
+//! # Measured
+//!
+//! Pixels that are more than 0.07 px off ("bad"), 15 pixels of border left out; squared error x 100; wall time on 2 cores AMD EPYC
+//! that were shared with other work. Path tracing without light between surfaces, 16 to 32 samples a pixel, 8 bits. Beside
+//! it what the best constant and the best of 600 planes through the truth get.
+//!
+//! | light field | constant | plane | Draft | Fast | Balanced | Thorough |
+//! |---|---|---|---|---|---|---|
+//! | still life, 9 x 9 of 512 x 512, -1.5 to 2.2 px | 52.9 | 53.0 | 5.16 %, 0.53, 0.8 s | 4.20 %, 0.58, 1.9 s | 3.97 %, 0.50, 5.7 s | 4.12 %, 0.67, 11.5 s |
+//! | the same without the balls of glass and mirror (7 % of it) | | | 1.54 %, 0.28 | 0.94 %, 0.37 | 0.83 %, 0.26 | 0.90 %, 0.44 |
+//! | still life, 20 x 20 of 397 x 265, -0.6 to 0.2 px | 54.2 | 54.4 | 3.66 %, 0.13, 0.2 s | 3.31 %, 0.14, 0.6 s | 3.57 %, 0.14, 1.8 s | |
+//! | gallery `mountains`, 9 x 9 of 256 x 256, +-3 px | 82.0 | 75.1 | 21.8 %, 1.6, 0.4 s | 12.1 %, 1.4, 1.0 s | 9.0 %, 1.4, 2.5 s | 8.5 %, 1.4, 4.7 s |
+//!
+//! The constants were chosen on `mountains` and the 20 x 20 still life, so their rows are no test of new scenes; the balls were masked
+//! by discs drawn by hand, and Thorough was not run at 20 x 20.
+//!
+//! What is bad is mirrors and glass, in which one sees something at another distance; floors seen at a flat angle with hardly
+//! any texture; and a pixel along edges. Gallery `garden` stays above 30 % at any effort: by eye, a third or
+//! more of it is grass and leaves about a pixel wide, and about a seventh an empty sky.
+//!
+//! # Memory
+//!
+//! With n views of the star and C matched channels: `4 C (n + 1) V U` bytes for samples, `(20 + 12 C) V U` for maps, and 256 MiB or
+//! `512 planes U` bytes, whichever is more, for costs (less for small views). 9 x 9 views of 512 x 512 took 205 MB with the light
+//! field itself. By this formula an 8K image in colour stays below 3 GB at any split; that was not measured.
 
 mod cost;
 mod effort;
@@ -73,7 +110,7 @@ pub struct DepthEstimate {
 ///
 /// # Accuracy
 ///
-/// Slanted planes with a smooth texture and without noise: within 0.01 px for [`Effort::Balanced`] and up, outside a border of 6
+/// Slanted planes with a smooth texture and without noise: within 0.01 px for [`Effort::Balanced`] and up, outside a border of 7
 /// pixels. What the file's head says of rendered scenes is measured. Mirrors and glass get the disparity of what is seen in
 /// them, or anything; where nothing has texture, neighbours decide. The result is the same for any number of threads.
 ///
@@ -118,13 +155,13 @@ where
     let planes = spread(&views, &settings, low, high);
     let mut map = sweep::sweep(&views, &planes, &views.guide()?, sweep::BAND_BYTES)?;
 
+    // The sweep is right to a step or to half a pixel of the outermost view; what is farther off is another surface.
+    let gate_px = planes.step_px.max(0.5 / views.reach());
+    let fit = Fit { radius_px: settings.radius_px, gate_px, widest_px: 4.0 * gate_px };
     let mut picture = views.centre.clone();
     let mut information = Vec::new();
-    for round in 0..settings.refinements {
+    for _ in 0..settings.refinements {
         let found = measure::measure(&views, &map, &picture, high, planes.step_px)?;
-        // What was a plane's step off at first is not after some rounds; what still is, is another surface.
-        let gate_px = planes.step_px * 0.7_f32.powi(round as i32).max(0.3);
-        let fit = Fit { radius_px: settings.radius_px, gate_px, widest_px: 4.0 * planes.step_px };
         (map, information) = fit.smooth(views.size, &map, &found)?;
         map.iter_mut().for_each(|disparity_px| *disparity_px = disparity_px.clamp(low, high));
         picture = found.picture;

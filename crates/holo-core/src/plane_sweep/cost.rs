@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::views::{View, Views};
 
 /// A difference of colours that counts as "something else", of a range of 1.
-const TRUNCATION: f32 = 0.15;
+const TRUNCATION: f32 = 0.04;
 
 /// The integer that stands for it.
 pub(super) const WORST: f32 = 1000.0;

@@ -10,7 +10,7 @@ pub enum Effort {
     /// A star of up to 32 views in colour, planes half a pixel apart, refined four times.
     #[default]
     Balanced,
-    /// A star of up to 64 views in colour, planes 0.35 pixels apart, refined eight times.
+    /// A star of up to 64 views in colour, planes 0.35 pixels apart, refined six times.
     Thorough,
 }
 
@@ -35,7 +35,7 @@ impl Effort {
             views_per_arm: 4,
             step_px: 0.5,
             refinements: 4,
-            radius_px: 5,
+            radius_px: 7,
         };
         match self {
             Self::Draft => Settings {
@@ -46,9 +46,9 @@ impl Effort {
                 refinements: 1,
                 radius_px: 3,
             },
-            Self::Fast => Settings { has_diagonals: false, step_px: 0.75, refinements: 2, radius_px: 4, ..balanced },
+            Self::Fast => Settings { has_diagonals: false, step_px: 0.75, refinements: 2, radius_px: 5, ..balanced },
             Self::Balanced => balanced,
-            Self::Thorough => Settings { views_per_arm: 8, step_px: 0.35, refinements: 8, ..balanced },
+            Self::Thorough => Settings { views_per_arm: 8, step_px: 0.35, refinements: 6, radius_px: 9, ..balanced },
         }
     }
 }

@@ -10,8 +10,8 @@ use crate::{Error, GridSize};
 const COLOUR: f32 = 0.1;
 /// What the disparity so far weighs against its measurement, per square pixel: enough to hold a pixel that says nothing.
 const PRIOR: f32 = 4.0;
-/// Information, per square pixel, at which no look beyond the nearest neighbours is taken: a standard error of 0.016 px.
-const ENOUGH: f32 = 4000.0;
+/// Information, per square pixel, at which no look beyond the nearest neighbours is taken: a standard error of 0.007 px.
+const ENOUGH: f32 = 20_000.0;
 /// How many standard errors of a pixel's own surroundings its neighbours may be off.
 const ERRORS: f32 = 12.0;
 /// How much slopes are held back where the neighbours do not span a plane.

@@ -9,7 +9,7 @@ use super::cost::WORST;
 use crate::GridSize;
 
 /// What one plane up or down costs.
-const SMALL: f32 = 0.03 * WORST;
+const SMALL: f32 = 0.06 * WORST;
 /// What a jump costs where the picture is even, and where it has an edge.
 const LARGE: (f32, f32) = (0.6 * WORST, 0.12 * WORST);
 

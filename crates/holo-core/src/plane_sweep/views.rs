@@ -212,7 +212,7 @@ pub(super) fn test_views(rows: usize, columns: usize, channels: usize) -> Views 
         let next = |_| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             // Around grey, so that not all differences are truncated.
-            0.4 + 0.3 * (state >> 8) as f32 / (1 << 24) as f32
+            0.4 + 0.08 * (state >> 8) as f32 / (1 << 24) as f32
         };
         (0..rows * columns * channels).map(next).collect::<Vec<f32>>()
     };

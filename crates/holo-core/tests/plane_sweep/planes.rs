@@ -11,7 +11,7 @@ fn options(effort: Effort) -> PlaneSweepOptions {
 }
 
 /// The border: half a window of the last fit, within which a plane hangs on neighbours of one side.
-const BORDER: usize = 6;
+const BORDER: usize = 7;
 
 #[test]
 fn a_slanted_plane_is_exact_to_a_hundredth() {
