@@ -41,7 +41,7 @@
 //!
 //! # Tools
 //!
-//! [`refocus`] adds shifted views up to a picture that is sharp in one plane, or everywhere. [`metrics`] says how good a disparity map
+//! [`plane_sweep`] estimates the disparity of the central view from the others. [`refocus`] adds shifted views up to a picture that is sharp in one plane, or everywhere. [`metrics`] says how good a disparity map
 //! or a picture is. [`optics`] says what a rig can see before it is built, and which rig sees what is wanted.
 //!
 //! # What is not here
@@ -73,6 +73,7 @@ mod error;
 mod light_field;
 pub mod metrics;
 pub mod optics;
+mod plane_sweep;
 mod real;
 pub mod rearrange;
 pub mod refocus;
@@ -88,6 +89,7 @@ pub use error::Error;
 pub use light_field::{
     Layout, LightField, LightFieldCow, LightFieldOwned, LightFieldView, LightFieldViewMut, ViewOrder, ViewPath,
 };
+pub use plane_sweep::{DepthEstimate, Effort, PlaneSweepOptions, plane_sweep};
 pub use real::Real;
 pub use rig::{Intrinsics, Projection, Rig, RigParameters, RigRay, automatic_baseline_m};
 pub use sample::Sample;

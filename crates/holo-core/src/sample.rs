@@ -9,8 +9,11 @@ mod sealed {
 
 /// `u8`, `u16` or `f32`: an element of a picture or of a light field that is measured or refocused.
 ///
-/// Values are taken as they are: no gamma curve is undone and nothing is scaled.
+/// Values are taken as they are: no tone curve is undone.
 pub trait Sample: sealed::Sealed + Copy + PartialEq + Send + Sync + 'static {
+    /// The largest value of an integer; floats have no scale of their own.
+    const WHITE: Option<f32>;
+
     /// Widens to `f32`, which is exact for all three.
     fn to_f32(self) -> f32;
 
@@ -21,18 +24,24 @@ pub trait Sample: sealed::Sealed + Copy + PartialEq + Send + Sync + 'static {
 }
 
 impl Sample for u8 {
+    const WHITE: Option<f32> = Some(255.0);
+
     fn to_f32(self) -> f32 {
         f32::from(self)
     }
 }
 
 impl Sample for u16 {
+    const WHITE: Option<f32> = Some(65_535.0);
+
     fn to_f32(self) -> f32 {
         f32::from(self)
     }
 }
 
 impl Sample for f32 {
+    const WHITE: Option<f32> = None;
+
     fn to_f32(self) -> f32 {
         self
     }

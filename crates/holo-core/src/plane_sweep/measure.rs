@@ -1,0 +1,303 @@
+//! One Gauss-Newton step at every pixel on its own: what the views that see it say about its disparity.
+
+use rayon::prelude::*;
+
+use super::views::{ARMS, Views};
+use crate::Error;
+use crate::light_field::filled_memory;
+
+/// A difference of colours below which noise is not told from rounding, of a range of 1.
+const FLOOR: f32 = 0.002;
+/// Views that are held at once; more are never chosen.
+const MOST_VIEWS: usize = 64;
+
+/// What the views say about every pixel.
+pub(super) struct Measurements {
+    /// The disparity that fits best.
+    pub(super) disparity_px: Vec<f32>,
+    /// One over its variance, per square pixel.
+    pub(super) information: Vec<f32>,
+    /// The mean of what the views show, channel by channel: the picture with less noise.
+    pub(super) picture: Vec<f32>,
+}
+
+/// Measures every pixel around the disparities of a map.
+///
+/// `picture` is where the gradients come from; `step_px` is the longest step.
+pub(super) fn measure(
+    views: &Views,
+    map: &[f32],
+    picture: &[f32],
+    nearest_px: f32,
+    step_px: f32,
+) -> Result<Measurements, Error> {
+    let (pixels, columns) = (views.pixels(), views.size.columns);
+    let mut disparity_px = filled_memory(pixels, 0.0)?;
+    let mut information = filled_memory(pixels, 0.0)?;
+    // Pixel by pixel while it is written, so that every thread has a piece of its own.
+    let mut mixed = filled_memory(pixels * views.channels, 0.0)?;
+    (&mut disparity_px, &mut information)
+        .into_par_iter()
+        .zip(mixed.par_chunks_exact_mut(views.channels))
+        .with_min_len(columns)
+        .enumerate()
+        .for_each(|(pixel, ((disparity_px, information), mean))| {
+            let (row, column) = (pixel / columns, pixel % columns);
+            let limits = visible_steps(views, map, row, column, nearest_px);
+            let (delta, found) = measure_pixel(views, map[pixel], picture, row, column, &limits, mean);
+            *disparity_px = map[pixel] + delta.clamp(-step_px, step_px);
+            *information = found;
+        });
+    let mut picture = filled_memory(mixed.len(), 0.0)?;
+    for channel in 0..views.channels {
+        for (to, from) in picture[channel * pixels..].iter_mut().zip(mixed.iter().skip(channel).step_by(views.channels))
+        {
+            *to = *from;
+        }
+    }
+    Ok(Measurements { disparity_px, information, picture })
+}
+
+/// How many steps along every arm a pixel can be followed before something nearer hides it.
+///
+/// A point x pixels along the arm that is nearer by e pixels of disparity is in the same place of the view x/e steps on, and in
+/// front.
+fn visible_steps(views: &Views, map: &[f32], row: usize, column: usize, nearest_px: f32) -> [f32; 8] {
+    let (rows, columns) = (views.size.rows, views.size.columns);
+    let here = map[row * columns + column];
+    let reach = views.reach();
+    let far = ((nearest_px - here) * reach).ceil().max(0.0) as usize;
+    ARMS.map(|(down, right)| {
+        let mut limit = f32::INFINITY;
+        let (mut row, mut column) = (row, column);
+        for distance in 1..=far {
+            let (Some(next_row), Some(next_column)) = (row.checked_add_signed(down), column.checked_add_signed(right))
+            else {
+                break;
+            };
+            if next_row >= rows || next_column >= columns {
+                break;
+            }
+            (row, column) = (next_row, next_column);
+            let nearer = map[row * columns + column] - here;
+            if nearer * reach > distance as f32 {
+                limit = limit.min(distance as f32 / nearer);
+            }
+        }
+        limit
+    })
+}
+
+/// The step and its information; `mean` gets the colour.
+fn measure_pixel(
+    views: &Views,
+    disparity_px: f32,
+    picture: &[f32],
+    row: usize,
+    column: usize,
+    limits: &[f32; 8],
+    mean: &mut [f32],
+) -> (f32, f32) {
+    let (pixels, channels) = (views.pixels(), views.channels);
+    let (rows, columns) = (views.size.rows, views.size.columns);
+    let pixel = row * columns + column;
+    let mut gradients = [(0.0, 0.0); 3];
+    let mut centre = [0.0; 3];
+    for channel in 0..channels {
+        gradients[channel] = gradient(&picture[channel * pixels..(channel + 1) * pixels], rows, columns, row, column);
+        centre[channel] = views.centre[channel * pixels + pixel];
+    }
+
+    // Differences to the centre of every view that sees the pixel.
+    let mut seen = [(0.0_f32, 0.0_f32, [0.0_f32; 3]); MOST_VIEWS];
+    let mut squares = [0.0_f32; MOST_VIEWS];
+    let mut count = 0;
+    for view in &views.others {
+        let y = row as f32 - disparity_px * view.down;
+        let x = column as f32 - disparity_px * view.right;
+        let is_inside = y >= 0.0 && x >= 0.0 && y <= (rows - 1) as f32 && x <= (columns - 1) as f32;
+        if !is_inside || view.steps > limits[view.arm] {
+            continue;
+        }
+        let cubic = Cubic::new(y, x, rows, columns);
+        let mut difference = [0.0; 3];
+        for channel in 0..channels {
+            let plane = &view.samples[channel * pixels..(channel + 1) * pixels];
+            difference[channel] = cubic.sample(plane, columns) - centre[channel];
+        }
+        squares[count] = difference.iter().map(|d| d * d).sum::<f32>() / channels as f32;
+        seen[count] = (view.down, view.right, difference);
+        count += 1;
+    }
+    if count == 0 {
+        mean.copy_from_slice(&centre[..channels]);
+        return (0.0, 0.0);
+    }
+    let mut sorted = squares;
+    let median = *sorted[..count].select_nth_unstable_by(count / 2, f32::total_cmp).1;
+    let scale = 3.0 * median + FLOOR * FLOOR;
+
+    // A line through (h, difference) for every channel with one slope for all: what is constant is the centre's own noise.
+    let (mut hh, mut hr, mut rr, mut spread) = (0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32);
+    let mut total = 1.0;
+    for index in 0..count {
+        let weight = 1.0 / (1.0 + squares[index] / scale);
+        let (down, right, _) = seen[index];
+        total += weight;
+        spread += weight * (down * down + right * right);
+        squares[index] = weight;
+    }
+    for channel in 0..channels {
+        let (by_row, by_column) = gradients[channel];
+        let (mut h_sum, mut r_sum, mut hh_sum, mut hr_sum, mut rr_sum) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for index in 0..count {
+            let (down, right, difference) = seen[index];
+            let (weight, r) = (squares[index], difference[channel]);
+            let h = down * by_row + right * by_column;
+            h_sum += weight * h;
+            r_sum += weight * r;
+            hh_sum += weight * h * h;
+            hr_sum += weight * h * r;
+            rr_sum += weight * r * r;
+        }
+        mean[channel] = centre[channel] + r_sum / total;
+        hh += hh_sum - h_sum * h_sum / total;
+        hr += hr_sum - h_sum * r_sum / total;
+        rr += rr_sum - r_sum * r_sum / total;
+    }
+    let delta = if hh > 1e-12 { hr / hh } else { 0.0 };
+    let variance = ((rr - hr * delta) / (total * channels as f32)).max(0.0) + FLOOR * FLOOR;
+    // Noise alone has a gradient too; the mean of `total` views has so much less of it.
+    let of_noise = 0.5 * variance / total * spread * channels as f32 * 0.5;
+    (delta, (hh - of_noise).max(0.0) / variance)
+}
+
+/// Differences of neighbours, one-sided at the border.
+fn gradient(plane: &[f32], rows: usize, columns: usize, row: usize, column: usize) -> (f32, f32) {
+    let slope = |low: usize, high: usize, first: usize, second: usize| {
+        if high > low { (plane[second] - plane[first]) / (high - low) as f32 } else { 0.0 }
+    };
+    let (above, below) = (row.saturating_sub(1), (row + 1).min(rows - 1));
+    let (left, right) = (column.saturating_sub(1), (column + 1).min(columns - 1));
+    (
+        slope(above, below, above * columns + column, below * columns + column),
+        slope(left, right, row * columns + left, row * columns + right),
+    )
+}
+
+/// The 4 x 4 weights of a place in an image, by Keys' cubic convolution.
+struct Cubic {
+    rows: [usize; 4],
+    columns: [usize; 4],
+    by_row: [f32; 4],
+    by_column: [f32; 4],
+    /// Whether the four columns follow one another.
+    is_inner: bool,
+}
+
+impl Cubic {
+    fn new(y: f32, x: f32, rows: usize, columns: usize) -> Self {
+        let (row, column) = (y.floor(), x.floor());
+        let place = |first: f32, count: usize| {
+            std::array::from_fn(|tap| (first as isize + tap as isize - 1).clamp(0, count as isize - 1) as usize)
+        };
+        let (rows, places) = (place(row, rows), place(column, columns));
+        Self {
+            rows,
+            columns: places,
+            by_row: keys(y - row),
+            by_column: keys(x - column),
+            is_inner: places[3] == places[0] + 3,
+        }
+    }
+
+    fn sample(&self, plane: &[f32], width: usize) -> f32 {
+        let mut sum = 0.0;
+        for tap in 0..4 {
+            let row = &plane[self.rows[tap] * width..(self.rows[tap] + 1) * width];
+            let w = &self.by_column;
+            let value = if self.is_inner {
+                let four = &row[self.columns[0]..self.columns[0] + 4];
+                four[0] * w[0] + four[1] * w[1] + four[2] * w[2] + four[3] * w[3]
+            } else {
+                (0..4).map(|tap| row[self.columns[tap]] * w[tap]).sum()
+            };
+            sum += self.by_row[tap] * value;
+        }
+        sum
+    }
+}
+
+/// Keys' weights with a = -1/2, which reproduce parabolas.
+fn keys(t: f32) -> [f32; 4] {
+    let (t2, t3) = (t * t, t * t * t);
+    [-0.5 * t + t2 - 0.5 * t3, 1.0 - 2.5 * t2 + 1.5 * t3, 0.5 * t + 2.0 * t2 - 1.5 * t3, -0.5 * t2 + 0.5 * t3]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::views::test_views;
+    use super::*;
+
+    #[test]
+    fn cubic_convolution_reproduces_a_parabola_and_holds_at_the_border() {
+        let plane: Vec<f32> = (0..80)
+            .map(|pixel| {
+                let (y, x) = ((pixel / 10) as f32, (pixel % 10) as f32);
+                0.3 + 0.02 * y * y - 0.01 * x * x + 0.005 * x * y
+            })
+            .collect();
+        for (y, x) in [(3.25_f32, 4.5_f32), (1.0, 1.0), (5.9, 7.1), (2.5, 6.75)] {
+            let expected = 0.3 + 0.02 * y * y - 0.01 * x * x + 0.005 * x * y;
+            let found = Cubic::new(y, x, 8, 10).sample(&plane, 10);
+            // Sixteen products of numbers of about 1 in f32.
+            assert!((found - expected).abs() < 2e-6, "({y}, {x}): {found}, {expected}");
+        }
+        for (row, column) in [(0, 0), (7, 9), (0, 9), (7, 0)] {
+            let found = Cubic::new(row as f32, column as f32, 8, 10).sample(&plane, 10);
+            assert_eq!(found, plane[row * 10 + column]);
+        }
+        assert_eq!(Cubic::new(0.0, 0.0, 1, 1).sample(&[0.5], 1), 0.5);
+    }
+
+    #[test]
+    fn what_is_visible_agrees_with_moving_every_pixel() {
+        let views = test_views(24, 24, 1);
+        // A tilted ground with two boxes on it.
+        let map: Vec<f32> = (0..576)
+            .map(|pixel| match (pixel / 24, pixel % 24) {
+                (5..=9, 6..=12) => 1.6,
+                (14..=20, 11..=13) => 0.9,
+                (row, _) => 0.013 * row as f32,
+            })
+            .collect();
+        for pixel in 0..576 {
+            let (row, column) = (pixel / 24, pixel % 24);
+            let limits = visible_steps(&views, &map, row, column, 1.6);
+            for (arm, &(down, right)) in ARMS.iter().enumerate() {
+                for steps in [1.0, 2.0, 3.0] {
+                    // In the view, another pixel of the same line comes from beyond this one to before it: it crossed.
+                    let hidden = (1..24).any(|distance: isize| {
+                        let (r, c) = (row as isize + down * distance, column as isize + right * distance);
+                        (0..24).contains(&r) && (0..24).contains(&c) && {
+                            let nearer = map[(r * 24 + c) as usize] - map[pixel];
+                            distance as f32 - nearer * steps < 0.0
+                        }
+                    });
+                    assert_eq!(hidden, steps > limits[arm], "({row}, {column}) arm {arm}, {steps} steps");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn equal_samples_say_nothing() {
+        let mut views = test_views(8, 8, 3);
+        views.centre.fill(0.5);
+        views.others.iter_mut().for_each(|view| view.samples.fill(0.5));
+        let map = vec![0.25; 64];
+        let found = measure(&views, &map, &views.centre, 1.0, 0.1).unwrap();
+        assert_eq!(found.information, [0.0; 64]);
+        assert_eq!(found.disparity_px, map);
+    }
+}

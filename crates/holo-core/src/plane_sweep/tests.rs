@@ -1,0 +1,51 @@
+//! What needs the insides: bands, ranges and steps.
+
+use super::*;
+use crate::GridSize;
+
+#[test]
+fn bands_change_next_to_nothing() {
+    let mut views = views::test_views(300, 8, 1);
+    // A wall at disparity 0, with noise of half its contrast.
+    let views::Views { centre, others, .. } = &mut views;
+    for view in others {
+        view.samples.iter_mut().zip(&*centre).for_each(|(sample, centre)| *sample = 0.5 * *sample + 0.5 * centre);
+    }
+    let planes = Planes { first_px: -1.0, step_px: 0.25, count: 9 };
+    let guide = views.guide().unwrap();
+    let whole = sweep::sweep(&views, &planes, &guide, sweep::BAND_BYTES).unwrap();
+    // No memory at all is the smallest band: 128 rows, of which 64 are kept.
+    let banded = sweep::sweep(&views, &planes, &guide, 0).unwrap();
+    let different = whole.iter().zip(&banded).filter(|(one, other)| (**one - **other).abs() > 0.01).count();
+    // Paths from beyond the margin decide where nothing else does: one pixel in a hundred at most.
+    assert!(different * 100 < whole.len(), "{different} of {}", whole.len());
+}
+
+#[test]
+fn steps_follow_the_outermost_view() {
+    let mut views = views::test_views(4, 4, 1);
+    let settings = Effort::Balanced.settings();
+    // Three steps to the outermost view, half a pixel there: 1/6 px.
+    let planes = spread(&views, &settings, -1.0, 1.0);
+    assert_eq!((planes.count, planes.first_px), (13, -1.0));
+    assert!((planes.disparity_px(12.0) - 1.0).abs() < 1e-6);
+    assert_eq!(spread(&views, &settings, -1e6, 1e6).count, MOST_PLANES);
+    views.size = GridSize::new(4, 4);
+    assert_eq!(spread(&views, &settings, 0.0, 1e-9).count, 5);
+}
+
+#[test]
+fn impossible_ranges_are_refused() {
+    for (low, high) in [(f32::NAN, 1.0), (0.0, f32::INFINITY), (1.0, 1.0), (2.0, 1.0), (-2e6, 0.0)] {
+        assert!(check_range(low, high).is_err(), "{low}..{high}");
+    }
+    let message = check_range(1.0, -1.0).unwrap_err().to_string();
+    assert_eq!(message, "the greatest disparity in pixels is -1; it must be above the least disparity");
+}
+
+#[test]
+fn confidence_stays_between_0_and_1() {
+    assert_eq!(confidence(0.0), 0.0);
+    assert_eq!(confidence(f32::INFINITY), 1.0);
+    assert!((confidence(2500.0) - 0.5).abs() < 1e-6);
+}

@@ -1,0 +1,268 @@
+//! Which views are matched, and their samples as planes of `f32`.
+
+use ndarray::{ArrayView3, Data};
+use rayon::prelude::*;
+
+use super::effort::Settings;
+use crate::light_field::filled_memory;
+use crate::split::checked_product;
+use crate::{Error, GridSize, LightField, Sample};
+
+/// The arms of the star, turning from right over down: rows and columns of one step.
+pub(super) const ARMS: [(isize, isize); 8] = [(0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1)];
+
+/// One view: where it is seen from the central one, and its samples.
+pub(super) struct View {
+    /// Rows down from the central view.
+    pub(super) down: f32,
+    /// Columns right of the central view.
+    pub(super) right: f32,
+    /// Its arm, an index of [`ARMS`].
+    pub(super) arm: usize,
+    /// Steps along the arm.
+    pub(super) steps: f32,
+    /// Channel by channel, row by row.
+    pub(super) samples: Vec<f32>,
+}
+
+/// The central view and those that it is compared with.
+pub(super) struct Views {
+    pub(super) size: GridSize,
+    pub(super) channels: usize,
+    /// Channel by channel, row by row.
+    pub(super) centre: Vec<f32>,
+    pub(super) others: Vec<View>,
+}
+
+impl Views {
+    /// Copies the star of views that the settings ask for.
+    pub(super) fn gather<S>(light_field: &LightField<S>, settings: &Settings) -> Result<Self, Error>
+    where
+        S: Data,
+        S::Elem: Sample,
+    {
+        let (size, views) = (light_field.split().lenses(), light_field.split().views());
+        // Two channels are taken for grey and alpha, four for colour and alpha.
+        let colours = if light_field.channels() >= 3 { 3 } else { 1 };
+        let channels = if settings.is_grey { 1 } else { colours };
+        let length =
+            checked_product(&[size.rows, size.columns, channels]).ok_or(Error::TooLarge { what: "plane of a view" })?;
+
+        let (middle_row, middle_column) = (views.rows / 2, views.columns / 2);
+        let mut centre = filled_memory(length, 0.0)?;
+        copy(&light_field.view(middle_row, middle_column)?, colours, channels, &mut centre)?;
+        let scale = if S::Elem::WHITE.is_none() { Scale::of(&centre) } else { Scale::IDENTITY };
+        scale.apply(&mut centre);
+
+        let mut others = Vec::new();
+        for (row, column, arm) in star(views, settings) {
+            let (down, right) = (row as isize - middle_row as isize, column as isize - middle_column as isize);
+            others.push(View {
+                down: down as f32,
+                right: right as f32,
+                arm,
+                steps: down.abs().max(right.abs()) as f32,
+                samples: filled_memory(length, 0.0)?,
+            });
+        }
+        if others.is_empty() {
+            return Err(Error::ZeroCount { what: "views beside the central one" });
+        }
+        // The storage `S` need not be one that threads share; a borrowed view is.
+        let light_field = light_field.borrowed();
+        others.par_iter_mut().try_for_each(|view| {
+            let row = middle_row.wrapping_add_signed(view.down as isize);
+            let column = middle_column.wrapping_add_signed(view.right as isize);
+            copy(&light_field.view(row, column)?, colours, channels, &mut view.samples)?;
+            scale.apply(&mut view.samples);
+            Ok(())
+        })?;
+        Ok(Self { size, channels, centre, others })
+    }
+
+    /// How far the farthest view is from the centre, in steps between views; 0 without other views.
+    pub(super) fn reach(&self) -> f32 {
+        self.others.iter().map(|view| view.steps).fold(0.0, f32::max)
+    }
+
+    /// The grey picture of the centre, each pixel the mean of 3 x 3: where the edges are, with less noise.
+    pub(super) fn guide(&self) -> Result<Vec<f32>, Error> {
+        let GridSize { rows, columns } = self.size;
+        let mut guide = filled_memory(self.pixels(), 0.0)?;
+        guide.par_chunks_exact_mut(columns).enumerate().for_each(|(row, guide)| {
+            for (column, guide) in guide.iter_mut().enumerate() {
+                let (mut sum, mut count) = (0.0, 0.0);
+                for channel in self.centre.chunks_exact(rows * columns) {
+                    for row in row.saturating_sub(1)..(row + 2).min(rows) {
+                        for column in column.saturating_sub(1)..(column + 2).min(columns) {
+                            sum += channel[row * columns + column];
+                            count += 1.0;
+                        }
+                    }
+                }
+                *guide = sum / count;
+            }
+        });
+        Ok(guide)
+    }
+
+    /// Number of pixels of one view.
+    pub(super) fn pixels(&self) -> usize {
+        self.size.rows * self.size.columns
+    }
+}
+
+/// The views of the star, `(row, column, arm)`: evenly spaced along every arm, the outermost always among them.
+fn star(views: GridSize, settings: &Settings) -> Vec<(usize, usize, usize)> {
+    let (middle_row, middle_column) = (views.rows / 2, views.columns / 2);
+    let mut chosen = Vec::new();
+    for (arm, &(down, right)) in ARMS.iter().enumerate() {
+        if arm % 2 == 1 && !settings.has_diagonals {
+            continue;
+        }
+        let room = |step: isize, middle: usize, count: usize| match step {
+            1 => count - 1 - middle,
+            -1 => middle,
+            _ => usize::MAX,
+        };
+        let length = room(down, middle_row, views.rows).min(room(right, middle_column, views.columns));
+        let taken = length.min(settings.views_per_arm);
+        for index in 1..=taken {
+            // Rounded up, so that the last one is the outermost; distinct because taken <= length.
+            let steps = (index * length).div_ceil(taken) as isize;
+            let row = middle_row.wrapping_add_signed(down * steps);
+            chosen.push((row, middle_column.wrapping_add_signed(right * steps), arm));
+        }
+    }
+    chosen
+}
+
+/// Copies one view into planes; `channels` is 1 or `colours`, and 1 of 3 colours is their mean.
+fn copy<T: Sample>(view: &ArrayView3<'_, T>, colours: usize, channels: usize, planes: &mut [f32]) -> Result<(), Error> {
+    let (rows, columns, _) = view.dim();
+    let white = T::WHITE.unwrap_or(1.0);
+    for row in 0..rows {
+        for column in 0..columns {
+            let mut mean = 0.0;
+            for channel in 0..colours {
+                let value = view[[row, column, channel]].to_f32() / white;
+                if !value.is_finite() {
+                    return Err(Error::BadNumber { what: "sample of a view", value: f64::from(value), need: "finite" });
+                }
+                if channels == colours {
+                    planes[(channel * rows + row) * columns + column] = value;
+                } else {
+                    mean += value / colours as f32;
+                }
+            }
+            if channels != colours {
+                planes[row * columns + column] = mean;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A linear map to about 0 to 1.
+#[derive(Clone, Copy)]
+struct Scale {
+    offset: f32,
+    factor: f32,
+}
+
+impl Scale {
+    const IDENTITY: Self = Self { offset: 0.0, factor: 1.0 };
+
+    /// The map of the middle 98 % of the values to 0 to 1; beyond lie lamps and what sparkles.
+    fn of(values: &[f32]) -> Self {
+        let mut sorted = values.to_vec();
+        sorted.sort_unstable_by(f32::total_cmp);
+        let low = sorted[sorted.len() / 100];
+        let high = sorted[sorted.len() - 1 - sorted.len() / 100];
+        let factor = 1.0 / (high - low);
+        // A picture of one value, or one whose span leaves the range of f32: nothing to match.
+        if factor.is_finite() && factor > 0.0 {
+            Self { offset: low, factor }
+        } else {
+            Self { offset: low, factor: 0.0 }
+        }
+    }
+
+    fn apply(self, values: &mut [f32]) {
+        if self.factor == 1.0 && self.offset == 0.0 {
+            return;
+        }
+        for value in values {
+            // Lamps are clamped: far above everything else, they would only overflow.
+            *value = ((*value - self.offset) * self.factor).clamp(-1.0, 4.0);
+        }
+    }
+}
+
+/// Views of pseudo-random samples: a star of two steps an arm, one arm of which is missing.
+#[cfg(test)]
+pub(super) fn test_views(rows: usize, columns: usize, channels: usize) -> Views {
+    let mut state = 3_u32;
+    let mut samples = || {
+        let next = |_| {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            // Around grey, so that not all differences are truncated.
+            0.4 + 0.08 * (state >> 8) as f32 / (1 << 24) as f32
+        };
+        (0..rows * columns * channels).map(next).collect::<Vec<f32>>()
+    };
+    let centre = samples();
+    let mut others = Vec::new();
+    for (arm, &(down, right)) in ARMS.iter().enumerate().skip(1) {
+        for steps in [1.0, 3.0] {
+            let (down, right) = (down as f32 * steps, right as f32 * steps);
+            others.push(View { down, right, arm, steps, samples: samples() });
+        }
+    }
+    Views { size: GridSize::new(rows, columns), channels, centre, others }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Effort;
+    use super::*;
+
+    fn chosen(rows: usize, columns: usize, effort: Effort) -> Vec<(usize, usize, usize)> {
+        star(GridSize::new(rows, columns), &effort.settings())
+    }
+
+    #[test]
+    fn the_star_reaches_the_rim_and_takes_no_view_twice() {
+        for (rows, columns) in [(9, 9), (20, 20), (100, 100), (1, 9), (7, 1), (2, 2), (3, 40), (1, 2), (2, 1)] {
+            for effort in [Effort::Draft, Effort::Fast, Effort::Balanced, Effort::Thorough] {
+                let views = chosen(rows, columns, effort);
+                let mut places: Vec<_> = views.iter().map(|&(row, column, _)| (row, column)).collect();
+                places.sort_unstable();
+                places.dedup();
+                assert_eq!(places.len(), views.len(), "{rows}x{columns}");
+                assert!(!places.contains(&(rows / 2, columns / 2)));
+                assert!(places.iter().all(|&(row, column)| row < rows && column < columns));
+                assert_eq!(columns > 1, places.contains(&(rows / 2, 0)), "{rows}x{columns}");
+                assert_eq!(rows > 1, places.contains(&(0, columns / 2)), "{rows}x{columns}");
+                assert!(views.len() <= 64, "what `measure` can hold");
+            }
+        }
+        assert_eq!(chosen(9, 9, Effort::Balanced).len(), 32);
+        assert_eq!(chosen(1, 1, Effort::Thorough), []);
+        // Two columns: the central one is the right one, so the only other view is left of it.
+        assert_eq!(chosen(1, 2, Effort::Balanced), [(0, 0, 4)]);
+    }
+
+    #[test]
+    fn floats_of_any_scale_become_zero_to_one() {
+        let mut values: Vec<f32> = (0..1000).map(|value| 3e5 + 7e3 * value as f32).collect();
+        values[500] = 1e30;
+        let scale = Scale::of(&values);
+        scale.apply(&mut values);
+        assert!((values[10] - 0.0).abs() < 1e-3 && (values[989] - 1.0).abs() < 2e-3, "{} {}", values[10], values[989]);
+        assert_eq!(values[500], 4.0);
+        let mut even = vec![5.0; 10];
+        Scale::of(&even).apply(&mut even);
+        assert_eq!(even, [0.0; 10]);
+    }
+}

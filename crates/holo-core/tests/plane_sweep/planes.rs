@@ -1,0 +1,80 @@
+//! Slanted planes without noise come out to a hundredth of a pixel, at any count of views.
+
+use holo_core::{Effort, PlaneSweepOptions, plane_sweep};
+
+use super::scenes::{Surface, plane, worst};
+
+const SLANTED: Surface = Surface { here: -0.9, by_row: 0.021, by_column: 0.008 };
+
+fn options(effort: Effort) -> PlaneSweepOptions {
+    PlaneSweepOptions { disparity_min_px: -1.5, disparity_max_px: 2.0, effort }
+}
+
+/// The border: half a window of the last fit, within which a plane hangs on neighbours of one side.
+const BORDER: usize = 7;
+
+#[test]
+fn a_slanted_plane_is_exact_to_a_hundredth() {
+    for effort in [Effort::Balanced, Effort::Thorough] {
+        let (light_field, truth) = plane([72, 80, 9, 9, 3], SLANTED);
+        let found = plane_sweep(&light_field, &options(effort)).unwrap();
+        let worst = worst(&found.disparity_px, &truth, BORDER);
+        // What is left is cubic interpolation of waves of 9 pixels.
+        assert!(worst < 0.01, "{effort:?}: {worst}");
+        assert!(found.confidence.iter().all(|confidence| (0.9..=1.0).contains(confidence)));
+    }
+}
+
+#[test]
+fn little_effort_is_worth_less() {
+    let (light_field, truth) = plane([72, 80, 9, 9, 1], SLANTED);
+    let [draft, fast] = [Effort::Draft, Effort::Fast]
+        .map(|effort| worst(&plane_sweep(&light_field, &options(effort)).unwrap().disparity_px, &truth, BORDER));
+    // One round from a step of a quarter of a pixel, and two.
+    assert!(draft < 0.1, "{draft}");
+    assert!(fast < 0.03, "{fast}");
+}
+
+#[test]
+fn rows_columns_pairs_and_even_counts_of_views_will_do() {
+    for (view_rows, view_columns, bound) in
+        [(1, 9, 0.01), (9, 1, 0.01), (8, 6, 0.01), (2, 9, 0.01), (3, 3, 0.01), (1, 2, 0.02), (2, 1, 0.02)]
+    {
+        let surface = Surface { here: -0.5, by_row: 0.011, by_column: 0.006 };
+        let (light_field, truth) = plane([64, 64, view_rows, view_columns, 3], surface);
+        let found = plane_sweep(&light_field, &options(Effort::Balanced)).unwrap();
+        let worst = worst(&found.disparity_px, &truth, BORDER);
+        // A single other view has no opposite one, whose errors of interpolation have the other sign.
+        assert!(worst < bound, "{view_rows} x {view_columns}: {worst}");
+    }
+}
+
+#[test]
+fn many_views_with_a_tiny_baseline_will_do() {
+    let surface = Surface { here: -0.03, by_row: 0.0008, by_column: 0.0004 };
+    let (light_field, truth) = plane([40, 44, 41, 41, 1], surface);
+    let options = PlaneSweepOptions { disparity_min_px: -0.06, disparity_max_px: 0.06, effort: Effort::Balanced };
+    let found = plane_sweep(&light_field, &options).unwrap();
+    let worst = worst(&found.disparity_px, &truth, BORDER);
+    // 0.01 px over the 20 steps to the rim.
+    assert!(worst < 0.01 / 20.0, "{worst}");
+}
+
+#[test]
+fn integers_and_floats_of_any_scale_agree() {
+    let (floats, truth) = plane([48, 48, 7, 7, 3], SLANTED);
+    let options = options(Effort::Fast);
+    let expected = plane_sweep(&floats, &options).unwrap();
+    let scaled = floats.map(|&sample| sample * 3000.0);
+    let bytes = floats.map(|&sample| (sample * 255.0).round() as u8);
+    let words = floats.map(|&sample| (sample * 65535.0).round() as u16);
+    let found = [
+        plane_sweep(&scaled, &options).unwrap(),
+        plane_sweep(&bytes, &options).unwrap(),
+        plane_sweep(&words, &options).unwrap(),
+    ];
+    for found in found {
+        assert!(worst(&found.disparity_px, &expected.disparity_px, BORDER) < 0.02);
+        assert!(worst(&found.disparity_px, &truth, BORDER) < 0.04);
+    }
+}
