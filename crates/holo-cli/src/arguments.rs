@@ -37,6 +37,8 @@ pub enum Command {
     Extract(ExtractOptions),
     /// Write a scene of the built-in gallery as .glb; without a name, list them.
     Scene(SceneOptions),
+    /// Make one HTML page in which a light field is moved through, refocused and measured.
+    View(ViewOptions),
     /// Check a dataset, or one folder of it, against its digests: hashes, sizes, what is missing.
     Verify(VerifyOptions),
 }
@@ -203,6 +205,24 @@ pub struct ExtractOptions {
     /// The PNG to write, or the PFM where the input holds floats.
     #[arg(long, value_name = "FILE", value_parser = values::png_or_pfm)]
     pub out: PathBuf,
+    /// What the input is [default: by `_el` or `_vpi` in its name].
+    #[arg(long, value_enum)]
+    pub from: Option<LayoutArgument>,
+    /// Views, columns x rows, or one number for both [default: from the parameters.cfg beside the input].
+    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = values::size)]
+    pub views: Option<GridSize>,
+}
+
+#[derive(Args, Debug)]
+pub struct ViewOptions {
+    /// A raw PNG, a .mat, an .h5, or a folder: of `holo render`, of HCI's layout, of a gantry.
+    pub input: PathBuf,
+    /// The page to write; it needs no other file and no network.
+    #[arg(short, long, value_name = "FILE", value_parser = values::html)]
+    pub out: PathBuf,
+    /// An estimate of the central view's disparity in px, to be shown beside the truth.
+    #[arg(long, value_name = "FILE.pfm")]
+    pub estimate: Option<PathBuf>,
     /// What the input is [default: by `_el` or `_vpi` in its name].
     #[arg(long, value_enum)]
     pub from: Option<LayoutArgument>,

@@ -8,6 +8,7 @@ pub mod remap;
 pub mod render;
 pub mod scene;
 pub mod verify;
+pub mod view;
 
 mod asked;
 mod exr;

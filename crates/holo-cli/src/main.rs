@@ -35,6 +35,7 @@ fn main() -> ExitCode {
         Command::Info(options) => commands::info::run(&options),
         Command::Remap(options) => commands::remap::run(&options),
         Command::Extract(options) => commands::extract::run(&options),
+        Command::View(options) => commands::view::run(&options),
         Command::Scene(options) => commands::scene::run(&options),
         Command::Verify(options) => commands::verify::run(&options),
     };

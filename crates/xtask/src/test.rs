@@ -27,6 +27,11 @@ pub fn run(arguments: &[String]) -> Result {
     if !process::exists("octave-cli") {
         println!("not run: MAT files read and written by GNU Octave: needs octave-cli (Debian's package octave)");
     }
+    if !["chromium", "chromium-browser", "google-chrome"].iter().any(|name| process::exists(name))
+        && std::env::var_os("HOLO_CHROMIUM").is_none()
+    {
+        println!("not run: the viewer's page in a browser: needs chromium (HOLO_CHROMIUM names it)");
+    }
     if cfg!(target_os = "linux") && !is_root() {
         println!("not run: full and read-only disks: needs root, to mount a small file system");
     }

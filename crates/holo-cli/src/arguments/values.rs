@@ -99,6 +99,17 @@ pub fn png_or_pfm(text: &str) -> Result<PathBuf, String> {
     if is_pfm { Ok(path) } else { png(text).map_err(|_| "end the name in .png, or .pfm for floats".into()) }
 }
 
+/// The name of a page.
+pub fn html(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension() {
+        Some(ending) if !["html", "htm"].iter().any(|known| ending.eq_ignore_ascii_case(known)) => {
+            Err("a page is written; end the name in .html".into())
+        }
+        _ => Ok(path),
+    }
+}
+
 /// A finite number above zero.
 pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -195,6 +206,8 @@ mod tests {
     fn only_png_is_promised() {
         assert!(png("a/b.png").is_ok() && png("a.PNG").is_ok() && png("/dev/null").is_ok());
         assert!(png("view.jpg").unwrap_err().contains(".png"));
+        assert!(html("a.html").is_ok() && html("a.HTM").is_ok() && html("/dev/stdout").is_ok());
+        assert!(html("page.png").unwrap_err().contains(".html"));
     }
 
     #[test]

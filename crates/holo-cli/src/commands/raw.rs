@@ -1,4 +1,4 @@
-//! Light fields from files and folders of every kind: what `remap` and `extract` have in common.
+//! Light fields from files and folders of every kind: what `remap`, `extract` and `view` have in common.
 
 use std::path::Path;
 
@@ -16,7 +16,8 @@ pub enum Raw {
 }
 
 impl Raw {
-    fn split(&self) -> Split {
+    /// Views and lenses.
+    pub fn split(&self) -> Split {
         match self {
             Self::U8(field) => field.split(),
             Self::U16(field) => field.split(),
@@ -94,9 +95,20 @@ fn read_hdf5(_: &Path, _: &Limits) -> Result<Raw, Failure> {
     Err(super::pictures::without_hdf5())
 }
 
-/// Reads a raw PNG. Its layout comes from `from` or the file's name, its views from `views` or the `parameters.cfg`
-/// beside it.
 fn read_png(path: &Path, from: Option<LayoutArgument>, views: Option<GridSize>) -> Result<(Raw, Layout), Failure> {
+    let (layout, split) = describe_png(path, from, views)?;
+    let samples = holo_io::read_png(path, &Limits::default())?;
+    Ok((StoredLightField::from_raw(samples, layout, split)?.try_into()?, layout))
+}
+
+/// Tells which grid a raw PNG is, and of how many views and lenses, from its header.
+///
+/// Its layout comes from `from` or the file's name, its views from `views` or the `parameters.cfg` beside it.
+pub fn describe_png(
+    path: &Path,
+    from: Option<LayoutArgument>,
+    views: Option<GridSize>,
+) -> Result<(Layout, Split), Failure> {
     let layout = from.map(layout).or_else(|| holo_io::layout_of_file_name(path)).ok_or_else(|| {
         Failure::Usage(format!("{}: neither --from nor the name (_el, _vpi) says which grid this is", path.display()))
     })?;
@@ -112,8 +124,7 @@ fn read_png(path: &Path, from: Option<LayoutArgument>, views: Option<GridSize>) 
             (parameters.num_cams, Some(parameters.image_resolution_px))
         }
     };
-    let samples = holo_io::read_png(path, &Limits::default())?;
-    let (rows, columns, _) = samples.dim();
+    let GridSize { rows, columns } = holo_io::read_png_info(path)?.size;
     if views.rows == 0 || views.columns == 0 || rows % views.rows != 0 || columns % views.columns != 0 {
         return Err(Failure::Usage(format!(
             "{}: {columns} x {rows} pixels do not divide into {} x {} views",
@@ -135,7 +146,7 @@ fn read_png(path: &Path, from: Option<LayoutArgument>, views: Option<GridSize>) 
             dataset::PARAMETERS_CFG
         )));
     }
-    Ok((StoredLightField::from_raw(samples, layout, split)?.try_into()?, layout))
+    Ok((layout, split))
 }
 
 /// The layout that a word of the command line means.

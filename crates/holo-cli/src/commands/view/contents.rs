@@ -1,0 +1,170 @@
+//! What a page shows: the raw image, the maps of the central view, the rig.
+
+use std::fs::File;
+use std::io::{self, Cursor, Read};
+use std::path::{Path, PathBuf};
+
+use holo_core::{GridSize, Layout, LightFieldOwned, Rig, Split};
+use holo_io::dataset::{DatasetFolder, ELEMENTAL_PNG, MANIFEST_JSON, PARAMETERS_CFG, VIEWPOINT_PNG};
+use holo_io::{Compression, FileKind, HciFolder, HciQuantity, HciResolution, Limits, Meaning, Opened, ParametersCfg};
+use ndarray::{Array2, Axis};
+
+use super::super::raw::{self, Raw};
+use crate::arguments::ViewOptions;
+use crate::failure::Failure;
+
+/// Everything that goes into a page.
+pub struct Contents {
+    /// What the window is called.
+    pub title: String,
+    pub split: Split,
+    pub rig: Option<Rig>,
+    pub picture: Picture,
+    /// Maps of the central view, (v, u).
+    pub depth_m: Option<Array2<f32>>,
+    pub disparity_px: Option<Array2<f32>>,
+    pub estimate_px: Option<Array2<f32>>,
+}
+
+/// The elemental grid as a PNG of 8 bits, grey or RGB.
+pub enum Picture {
+    /// A file that is one already.
+    File(PathBuf),
+    /// Made from something else.
+    Encoded(Vec<u8>),
+}
+
+impl Picture {
+    /// The bytes of the PNG, from the first one.
+    ///
+    /// # Errors
+    ///
+    /// Those of opening the file.
+    pub fn bytes(&self) -> io::Result<Box<dyn Read + '_>> {
+        Ok(match self {
+            Self::File(path) => Box::new(File::open(path)?),
+            Self::Encoded(bytes) => Box::new(Cursor::new(bytes)),
+        })
+    }
+}
+
+/// What stands beside a picture.
+#[derive(Default)]
+struct Beside {
+    rig: Option<Rig>,
+    depth_m: Option<Array2<f32>>,
+    disparity_px: Option<Array2<f32>>,
+}
+
+impl Contents {
+    /// Finds everything that `holo view` was asked to show.
+    ///
+    /// # Errors
+    ///
+    /// [`Failure`] if there is no light field, or if the estimate has not the size of a view.
+    pub fn gather(options: &ViewOptions) -> Result<Self, Failure> {
+        let input = dataset_of(options).unwrap_or(&options.input);
+        let beside = beside(input, options)?;
+        let (picture, split) = picture(input, options)?;
+        let beside_fits = beside.rig.as_ref().is_none_or(|rig| *rig.split() == split);
+        let Beside { rig, depth_m, disparity_px } = if beside_fits { beside } else { Beside::default() };
+        let estimate_px = options.estimate.as_deref().map(|path| estimate(path, split.lenses())).transpose()?;
+        let name = std::path::absolute(&options.input).unwrap_or_else(|_| options.input.clone());
+        let title = name.file_name().map_or_else(|| "light field".into(), |name| name.to_string_lossy().into_owned());
+        Ok(Self { title, split, rig, picture, depth_m, disparity_px, estimate_px })
+    }
+}
+
+/// The folder of a raw image that is named itself: what stands in its manifest belongs to the picture.
+fn dataset_of(options: &ViewOptions) -> Option<&Path> {
+    let named = options.input.file_name().is_some_and(|name| name == ELEMENTAL_PNG || name == VIEWPOINT_PNG);
+    let folder = options.input.parent()?;
+    let plain = named && options.from.is_none() && options.views.is_none();
+    (plain && folder.join(MANIFEST_JSON).is_file()).then_some(folder)
+}
+
+/// The PNG. One that can be shown as it is stays a file; everything else is read and encoded.
+fn picture(input: &Path, options: &ViewOptions) -> Result<(Picture, Split), Failure> {
+    let given = match holo_io::open(input)? {
+        Opened::DatasetFolder(folder) => folder.raw_image().map(|(file, layout)| (file, layout, folder.split())),
+        Opened::Png(_) => {
+            let (layout, split) = raw::describe_png(input, options.from, options.views)?;
+            Some((input.to_owned(), layout, split))
+        }
+        _ => None,
+    };
+    if let Some((file, Layout::ElementalGrid, split)) = given {
+        let info = holo_io::read_png_info(&file)?;
+        if info.bits == 8 && matches!(info.channels, 1 | 3) && info.size == split.raw_size() {
+            return Ok((Picture::File(file), split));
+        }
+    }
+    let (raw, _) = raw::read(input, options.from, options.views)?;
+    let split = raw.split();
+    let field = match raw {
+        Raw::U8(field) => field,
+        // Codes on the same curve: 65535 is 255, and halves round up.
+        Raw::U16(field) => narrowed(&field, |code| ((u32::from(code) * 255 + 32767) / 65535) as u8),
+        Raw::Float(field) => {
+            let ev = holo_render::exposure::automatic_exposure(&field);
+            holo_render::exposure::encode_8bit(&field, ev)?
+        }
+    };
+    let grid = field.into_elemental_grid().unwrap_or_else(|field| field.to_elemental_grid());
+    // Alpha says nothing here: colours are shown as they are stored.
+    let channels = if grid.len_of(Axis(2)) >= 3 { 3 } else { 1 };
+    let png =
+        holo_io::encode_png_u8(grid.slice_axis(Axis(2), (..channels).into()), Meaning::Srgb, Compression::Scratch)?;
+    Ok((Picture::Encoded(png), split))
+}
+
+fn narrowed(field: &LightFieldOwned<u16>, code: fn(u16) -> u8) -> LightFieldOwned<u8> {
+    field.map(|&sample| code(sample))
+}
+
+/// The rig and the truth that a folder or the files beside the picture tell of.
+fn beside(input: &Path, options: &ViewOptions) -> Result<Beside, Failure> {
+    let limits = Limits::default();
+    if !input.is_dir() {
+        return Ok(Beside { rig: rig_of_file(input, options), ..Beside::default() });
+    }
+    Ok(match holo_io::open(input)? {
+        Opened::DatasetFolder(folder) => of_dataset(&folder, &limits)?,
+        Opened::HciFolder(folder) => of_hci(&folder, &limits)?,
+        _ => Beside::default(),
+    })
+}
+
+fn of_dataset(folder: &DatasetFolder, limits: &Limits) -> Result<Beside, Failure> {
+    Ok(Beside { rig: folder.rig().ok(), depth_m: folder.depth_m(limits)?, disparity_px: folder.disparity_px(limits)? })
+}
+
+fn of_hci(folder: &HciFolder, limits: &Limits) -> Result<Beside, Failure> {
+    let map = |quantity| folder.central_truth(quantity, HciResolution::Low, limits);
+    Ok(Beside { rig: folder.rig().ok(), depth_m: map(HciQuantity::Depth)?, disparity_px: map(HciQuantity::Disparity)? })
+}
+
+/// The rig of a file: its own, or that of the `parameters.cfg` beside it. A page without one lacks metres and nothing else.
+fn rig_of_file(input: &Path, options: &ViewOptions) -> Option<Rig> {
+    let parameters = match holo_io::recognise(input).ok()? {
+        FileKind::Mat5 | FileKind::Mat73 => holo_io::read_mat_light_field(input, &Limits::default()).ok()?.rig?,
+        _ if options.views.is_some() => return None,
+        _ => ParametersCfg::read(input.with_file_name(PARAMETERS_CFG)).ok()?.rig_parameters().ok()?,
+    };
+    Rig::new(parameters).ok()
+}
+
+fn estimate(path: &Path, view: GridSize) -> Result<Array2<f32>, Failure> {
+    let map = holo_io::read_pfm_grey(path, &Limits::default())?;
+    if (map.nrows(), map.ncols()) != (view.rows, view.columns) {
+        return Err(Failure::Usage(format!(
+            "{}: an estimate has one value for every pixel of a view, {} x {}, not {} x {}",
+            path.display(),
+            view.columns,
+            view.rows,
+            map.ncols(),
+            map.nrows()
+        )));
+    }
+    Ok(map)
+}

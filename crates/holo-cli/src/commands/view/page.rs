@@ -1,0 +1,148 @@
+//! The page's text: HTML, style and scripts from `page/`, and the data between them.
+//!
+//! The order matters to a browser that reads it: style first, then the page's body, then the data as text that no script
+//! engine looks at, then the scripts. The picture is cut into blocks, each an element of its own, which the scripts drop
+//! as soon as it is decoded.
+
+use std::io::{self, Write};
+
+use holo_core::{Disparity, GridSize, Projection, Rig};
+use ndarray::Array2;
+use serde_json::{Value, json};
+
+use super::base64;
+use super::contents::Contents;
+
+const PAGE: &str = include_str!("page/page.html");
+const STYLE: &str = include_str!("page/style.css");
+
+/// The scripts in the order in which they need each other.
+const SCRIPTS: [&str; 16] = [
+    include_str!("page/embedded.js"),
+    include_str!("page/geometry.js"),
+    include_str!("page/state.js"),
+    include_str!("page/colours.js"),
+    include_str!("page/frame.js"),
+    include_str!("page/shaders.js"),
+    include_str!("page/tiles.js"),
+    include_str!("page/webgl.js"),
+    include_str!("page/canvas.js"),
+    include_str!("page/drawing.js"),
+    include_str!("page/readout.js"),
+    include_str!("page/inset.js"),
+    include_str!("page/controls.js"),
+    include_str!("page/gestures.js"),
+    include_str!("page/surface.js"),
+    include_str!("page/main.js"),
+];
+
+/// Places in `page.html` that are filled in, in their order.
+const PLACES: [&str; 4] = ["{{title}}", "{{style}}", "{{data}}", "{{scripts}}"];
+
+/// Writes the page.
+///
+/// # Errors
+///
+/// Those of `out`, and of the picture's file if it is one.
+pub fn write(out: &mut impl Write, contents: &Contents) -> io::Result<()> {
+    let mut rest = PAGE;
+    for place in PLACES {
+        // A page without the place would be a mistake of the source; its test says so.
+        let (before, after) = rest.split_once(place).unwrap_or((rest, ""));
+        out.write_all(before.as_bytes())?;
+        match place {
+            "{{title}}" => out.write_all(escaped(&contents.title).as_bytes())?,
+            "{{style}}" => out.write_all(STYLE.as_bytes())?,
+            "{{data}}" => write_data(out, contents)?,
+            _ => SCRIPTS.iter().try_for_each(|script| out.write_all(script.as_bytes()))?,
+        }
+        rest = after;
+    }
+    out.write_all(rest.as_bytes())
+}
+
+fn write_data(out: &mut impl Write, contents: &Contents) -> io::Result<()> {
+    // Inside an element of this kind only `</script` could end it.
+    let numbers = numbers(contents).to_string().replace('<', "\\u003c");
+    writeln!(out, "<script type=\"application/json\" id=\"numbers\">{numbers}</script>")?;
+    let maps =
+        [("depth", &contents.depth_m), ("disparity", &contents.disparity_px), ("estimate", &contents.estimate_px)];
+    for (name, map) in maps {
+        if let Some(map) = map {
+            write_blocks(out, name, &mut little_endian(map).as_slice())?;
+        }
+    }
+    write_blocks(out, "picture", &mut contents.picture.bytes()?)
+}
+
+/// Writes bytes as elements of at most 4 MiB of base64 each.
+fn write_blocks(out: &mut impl Write, name: &str, source: &mut impl io::Read) -> io::Result<()> {
+    let mut block = vec![0; base64::BLOCK_BYTES];
+    loop {
+        let filled = base64::read_block(source, &mut block)?;
+        if filled == 0 {
+            return Ok(());
+        }
+        write!(out, "<script type=\"text/plain\" data-block=\"{name}\">")?;
+        base64::write(out, &block[..filled])?;
+        writeln!(out, "</script>")?;
+    }
+}
+
+fn little_endian(map: &Array2<f32>) -> Vec<u8> {
+    map.iter().flat_map(|value| value.to_le_bytes()).collect()
+}
+
+/// The counts, and of the rig what the page computes with: Eq. 3 needs k and F alone.
+fn numbers(contents: &Contents) -> Value {
+    let size = |size: GridSize| json!({"columns": size.columns, "rows": size.rows});
+    json!({
+        "title": contents.title,
+        "version": env!("CARGO_PKG_VERSION"),
+        "views": size(contents.split.views()),
+        "lenses": size(contents.split.lenses()),
+        "rig": contents.rig.as_ref().map(rig),
+    })
+}
+
+fn rig(rig: &Rig) -> Value {
+    let (x, y): (Disparity, Disparity) = (rig.disparity_x(), rig.disparity_y());
+    let focus_m = x.focus_distance_m();
+    json!({
+        "scale_m_px": {"x": x.scale_m_px(), "y": y.scale_m_px()},
+        // JSON has no infinity.
+        "focus_distance_m": if focus_m.is_finite() { json!(focus_m) } else { Value::Null },
+        "orthographic": x.projection() == Projection::Orthographic,
+    })
+}
+
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_place_is_there_once_and_in_order() {
+        let found: Vec<_> = PLACES.map(|place| PAGE.find(place).expect(place)).into();
+        assert!(found.is_sorted(), "{found:?}");
+        assert!(PLACES.iter().all(|place| PAGE.matches(place).count() == 1));
+    }
+
+    /// A page that asked the network would say so by an address.
+    #[test]
+    fn nothing_refers_to_another_place() {
+        for text in [PAGE, STYLE].into_iter().chain(SCRIPTS) {
+            for word in ["http:", "https:", "@import", "fetch(", "XMLHttpRequest", "src=\"//", "</script"] {
+                assert!(!text.contains(word) || (text == PAGE && word == "</script"), "{word} in: {text:.60}");
+            }
+        }
+    }
+
+    #[test]
+    fn titles_cannot_leave_their_element() {
+        assert_eq!(escaped("</title><b a=\"&\">"), "&lt;/title&gt;&lt;b a=&quot;&amp;&quot;&gt;");
+    }
+}

@@ -1,0 +1,90 @@
+// Where the picture lies on the screen: device pixel = offset + scale * picture pixel. Every mode keeps its own.
+
+const stage = document.getElementById('picture');
+
+// Zoomed in no further than this many device pixels a pixel, unless so few fill the screen.
+const MAX_SCALE = 256;
+const MARGIN = 0.94;
+
+// What surrounds the picture, as in style.css.
+const GROUND = [20 / 255, 20 / 255, 21 / 255];
+
+const frames = {};
+const ratio = () => window.devicePixelRatio || 1;
+
+const fitScale = (mode) => {
+  const size = sheetSize(mode);
+  return Math.min(stage.width / size[0], stage.height / size[1]) * MARGIN;
+};
+
+const largestScale = (mode) => Math.max(MAX_SCALE, 4 * fitScale(mode));
+
+const fitted = (mode) => {
+  const scale = fitScale(mode);
+  return { scale, offset: sheetSize(mode).map((side, axis) => ([stage.width, stage.height][axis] - side * scale) / 2) };
+};
+
+// A mode that was not touched since follows the window.
+const frame = () => (frames[state.mode] ??= fitted(state.mode));
+
+const forgetFrame = () => {
+  delete frames[state.mode];
+};
+
+// Device pixels of an event.
+const devicePosition = (event) => {
+  const box = stage.getBoundingClientRect();
+  return [(event.clientX - box.left) * (stage.width / box.width), (event.clientY - box.top) * (stage.height / box.height)];
+};
+
+const toSheet = (position) => {
+  const { scale, offset } = frame();
+  return position.map((value, axis) => (value - offset[axis]) / scale);
+};
+
+// At least this much of the picture stays on the screen.
+const keepInSight = (next) => {
+  const size = sheetSize(state.mode);
+  next.offset = next.offset.map((value, axis) => {
+    const side = [stage.width, stage.height][axis];
+    const shown = Math.min(80 * ratio(), size[axis] * next.scale);
+    return clamp(value, shown - size[axis] * next.scale, side - shown);
+  });
+  return next;
+};
+
+// Lens and view under the pointer, or null.
+const pointed = () => state.pointer && placeInLightField(state.mode, toSheet(state.pointer), state.view);
+
+const pan = (x, y) => {
+  const { scale, offset } = frame();
+  frames[state.mode] = keepInSight({ scale, offset: [offset[0] + x, offset[1] + y], touched: true });
+};
+
+// Zooms so that what lies under `position` stays there.
+const zoomAt = (position, factor) => {
+  const { scale, offset } = frame();
+  const next = clamp(scale * factor, Math.min(fitScale(state.mode), 1) / 2, largestScale(state.mode));
+  const moved = offset.map((value, axis) => position[axis] - ((position[axis] - value) / scale) * next);
+  frames[state.mode] = keepInSight({ scale: next, offset: moved, touched: true });
+};
+
+// Fills most of the screen with a part of the picture.
+const zoomTo = (column, row, columns, rows) => {
+  const scale = clamp(Math.min(stage.width / columns, stage.height / rows) * 0.8, 1e-3, largestScale(state.mode));
+  const centre = [column + columns / 2, row + rows / 2];
+  frames[state.mode] = {
+    scale, offset: centre.map((value, axis) => [stage.width, stage.height][axis] / 2 - value * scale), touched: true,
+  };
+};
+
+// Follows the size of the window. True if it changed.
+const resize = () => {
+  const box = stage.parentElement.getBoundingClientRect();
+  const [width, height] = [box.width, box.height].map((side) => Math.max(1, Math.round(side * ratio())));
+  if (stage.width === width && stage.height === height) return false;
+  stage.width = width;
+  stage.height = height;
+  for (const mode of MODES) if (!frames[mode]?.touched) delete frames[mode];
+  return true;
+};
