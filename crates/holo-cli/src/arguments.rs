@@ -1,6 +1,7 @@
 //! The command line. On it x comes first everywhere: sizes are columns x rows, positions column, row.
 
 mod dataset;
+mod tools;
 mod values;
 
 use std::path::PathBuf;
@@ -9,6 +10,9 @@ use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
 use holo_core::{GridSize, Sensor};
 
 pub use dataset::DatasetOptions;
+pub use tools::{
+    ApertureArgument, DepthOptions, EffortArgument, EpiOptions, EvalOptions, KernelArgument, RefocusOptions,
+};
 pub use values::{CameraArgument, ExposureArgument, FocusArgument, Pair, Shard, SkyArgument};
 
 /// Holoscopic (integral, plenoptic 1.0) images from glTF scenes, with exact depth and disparity.
@@ -37,6 +41,14 @@ pub enum Command {
     Extract(ExtractOptions),
     /// Write a scene of the built-in gallery as .glb; without a name, list them.
     Scene(SceneOptions),
+    /// Add all views up to one picture that is sharp at a distance, or everywhere.
+    Refocus(RefocusOptions),
+    /// Estimate the disparity of the central view from the others.
+    Depth(DepthOptions),
+    /// Score a disparity map against the truth (BadPix, MSE ...), or a picture against another (PSNR, SSIM).
+    Eval(EvalOptions),
+    /// Cut an epipolar-plane image out of a light field.
+    Epi(EpiOptions),
     /// Make one HTML page in which a light field is moved through, refocused and measured.
     View(ViewOptions),
     /// Check a dataset, or one folder of it, against its digests: hashes, sizes, what is missing.

@@ -1,9 +1,13 @@
 //! One command a file.
 
 pub mod dataset;
+pub mod depth;
+pub mod epi;
+pub mod eval;
 pub mod extract;
 pub mod info;
 pub mod merge;
+pub mod refocus;
 pub mod remap;
 pub mod render;
 pub mod scene;
@@ -11,6 +15,7 @@ pub mod verify;
 pub mod view;
 
 mod asked;
+mod beside;
 mod exr;
 mod job;
 mod layers;

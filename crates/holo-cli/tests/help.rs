@@ -14,7 +14,10 @@ fn help(arguments: &str) -> String {
 #[test]
 fn the_help_names_every_command_and_the_order_of_numbers() {
     let text = help("--help");
-    for command in ["render", "info", "remap", "extract", "view", "scene", "verify"] {
+    for command in [
+        "render", "dataset", "merge", "info", "remap", "extract", "refocus", "depth", "eval", "epi", "view", "scene",
+        "verify",
+    ] {
         assert!(text.contains(&format!(" {command} ")), "{command}: {text}");
     }
     assert!(text.contains("columns x rows"), "{text}");

@@ -5,6 +5,8 @@ use std::str::FromStr;
 
 use holo_core::{GridSize, Sensor};
 
+use super::tools::ApertureArgument;
+
 /// Column and row, from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Pair {
@@ -108,6 +110,60 @@ pub fn html(text: &str) -> Result<PathBuf, String> {
         }
         _ => Ok(path),
     }
+}
+
+/// Any finite number.
+pub fn finite(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err("write a number, such as -0.5".into()),
+    }
+}
+
+/// A distance in metres, or `inf`.
+pub fn distance(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(number) if number > 0.0 => Ok(number),
+        _ => Err("write a distance above 0 in metres, or inf".into()),
+    }
+}
+
+/// `MIN,MAX`.
+pub fn range(text: &str) -> Result<(f64, f64), String> {
+    let ends = text.split_once(',').and_then(|(min, max)| Some((finite(min).ok()?, finite(max).ok()?)));
+    ends.filter(|(min, max)| min < max).ok_or_else(|| "write MIN,MAX, such as -2,2.5, the smaller first".into())
+}
+
+/// `A,B,N`.
+pub fn stack(text: &str) -> Result<(f64, f64, usize), String> {
+    let parts: Vec<&str> = text.split(',').collect();
+    let parsed = match parts[..] {
+        [first, last, count] => finite(first).ok().zip(finite(last).ok()).zip(count.parse::<usize>().ok()),
+        _ => None,
+    };
+    match parsed {
+        Some(((first, last), count @ 1..=100_000)) => Ok((first, last, count)),
+        _ => Err("write A,B,N, such as -1,1,21: 21 pictures from -1 to 1 px".into()),
+    }
+}
+
+/// `all`, or a shape with its size in views.
+pub fn aperture(text: &str) -> Result<ApertureArgument, String> {
+    let sized = text.split_once(':').and_then(|(shape, size)| Some((shape, positive(size).ok()?)));
+    match (text, sized) {
+        ("all", _) => Ok(ApertureArgument::All),
+        (_, Some(("disc", size))) => Ok(ApertureArgument::Disc(size)),
+        (_, Some(("square", size))) => Ok(ApertureArgument::Square(size)),
+        (_, Some(("gaussian", size))) => Ok(ApertureArgument::Gaussian(size)),
+        _ => Err("write all, disc:D, square:D or gaussian:D, such as disc:9, D in views".into()),
+    }
+}
+
+/// A place among pixels and one among views, from 0.
+pub fn row_of_pixels(text: &str) -> Result<Pair, String> {
+    let numbers = text.split_once(',').and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+    let (column, row) = numbers.ok_or("write two numbers from 0, such as 20,4: the pixels' and the views'")?;
+    Ok(Pair { column, row })
 }
 
 /// A finite number above zero.

@@ -5,10 +5,11 @@ use std::io::{self, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use holo_core::{GridSize, Layout, LightFieldOwned, Rig, Split};
-use holo_io::dataset::{DatasetFolder, ELEMENTAL_PNG, MANIFEST_JSON, PARAMETERS_CFG, VIEWPOINT_PNG};
-use holo_io::{Compression, FileKind, HciFolder, HciQuantity, HciResolution, Limits, Meaning, Opened, ParametersCfg};
+use holo_io::dataset::{ELEMENTAL_PNG, MANIFEST_JSON, VIEWPOINT_PNG};
+use holo_io::{Compression, Limits, Meaning, Opened};
 use ndarray::{Array2, Axis};
 
+use super::super::beside::Beside;
 use super::super::raw::{self, Raw};
 use crate::arguments::ViewOptions;
 use crate::failure::Failure;
@@ -48,14 +49,6 @@ impl Picture {
     }
 }
 
-/// What stands beside a picture.
-#[derive(Default)]
-struct Beside {
-    rig: Option<Rig>,
-    depth_m: Option<Array2<f32>>,
-    disparity_px: Option<Array2<f32>>,
-}
-
 impl Contents {
     /// Finds everything that `holo view` was asked to show.
     ///
@@ -64,7 +57,7 @@ impl Contents {
     /// [`Failure`] if there is no light field, or if the estimate has not the size of a view.
     pub fn gather(options: &ViewOptions) -> Result<Self, Failure> {
         let input = dataset_of(options).unwrap_or(&options.input);
-        let beside = beside(input, options)?;
+        let beside = Beside::of(input, options.views.is_some())?;
         let (picture, split) = picture(input, options)?;
         let beside_fits = beside.rig.as_ref().is_none_or(|rig| *rig.split() == split);
         let Beside { rig, depth_m, disparity_px } = if beside_fits { beside } else { Beside::default() };
@@ -120,38 +113,6 @@ fn picture(input: &Path, options: &ViewOptions) -> Result<(Picture, Split), Fail
 
 fn narrowed(field: &LightFieldOwned<u16>, code: fn(u16) -> u8) -> LightFieldOwned<u8> {
     field.map(|&sample| code(sample))
-}
-
-/// The rig and the truth that a folder or the files beside the picture tell of.
-fn beside(input: &Path, options: &ViewOptions) -> Result<Beside, Failure> {
-    let limits = Limits::default();
-    if !input.is_dir() {
-        return Ok(Beside { rig: rig_of_file(input, options), ..Beside::default() });
-    }
-    Ok(match holo_io::open(input)? {
-        Opened::DatasetFolder(folder) => of_dataset(&folder, &limits)?,
-        Opened::HciFolder(folder) => of_hci(&folder, &limits)?,
-        _ => Beside::default(),
-    })
-}
-
-fn of_dataset(folder: &DatasetFolder, limits: &Limits) -> Result<Beside, Failure> {
-    Ok(Beside { rig: folder.rig().ok(), depth_m: folder.depth_m(limits)?, disparity_px: folder.disparity_px(limits)? })
-}
-
-fn of_hci(folder: &HciFolder, limits: &Limits) -> Result<Beside, Failure> {
-    let map = |quantity| folder.central_truth(quantity, HciResolution::Low, limits);
-    Ok(Beside { rig: folder.rig().ok(), depth_m: map(HciQuantity::Depth)?, disparity_px: map(HciQuantity::Disparity)? })
-}
-
-/// The rig of a file: its own, or that of the `parameters.cfg` beside it. A page without one lacks metres and nothing else.
-fn rig_of_file(input: &Path, options: &ViewOptions) -> Option<Rig> {
-    let parameters = match holo_io::recognise(input).ok()? {
-        FileKind::Mat5 | FileKind::Mat73 => holo_io::read_mat_light_field(input, &Limits::default()).ok()?.rig?,
-        _ if options.views.is_some() => return None,
-        _ => ParametersCfg::read(input.with_file_name(PARAMETERS_CFG)).ok()?.rig_parameters().ok()?,
-    };
-    Rig::new(parameters).ok()
 }
 
 fn estimate(path: &Path, view: GridSize) -> Result<Array2<f32>, Failure> {

@@ -1,0 +1,52 @@
+//! `holo depth`: disparity of the central view, estimated from the others.
+
+use std::time::Instant;
+
+use holo_core::{Effort, PlaneSweepOptions, plane_sweep};
+
+use super::beside;
+use super::raw::{self, Raw};
+use crate::arguments::{DepthOptions, EffortArgument};
+use crate::console::say;
+use crate::failure::Failure;
+
+pub fn run(options: &DepthOptions) -> Result<(), Failure> {
+    let input = &options.input.input;
+    let (raw, _) = raw::read(input, options.input.from, options.input.views)?;
+    let mut sweep = PlaneSweepOptions {
+        effort: match options.effort {
+            EffortArgument::Draft => Effort::Draft,
+            EffortArgument::Fast => Effort::Fast,
+            EffortArgument::Balanced => Effort::Balanced,
+            EffortArgument::Thorough => Effort::Thorough,
+        },
+        ..PlaneSweepOptions::default()
+    };
+    if let Some((min, max)) = options.range.or_else(|| beside::disparity_range(input)) {
+        (sweep.disparity_min_px, sweep.disparity_max_px) = (min as f32, max as f32);
+    } else if !options.quiet {
+        say!("note: no range of disparities is known; looking from -4 to 4 px; --range MIN,MAX says better");
+    }
+    let start = Instant::now();
+    let estimate = match &raw {
+        Raw::U8(field) => plane_sweep(field, &sweep),
+        Raw::U16(field) => plane_sweep(field, &sweep),
+        Raw::Float(field) => plane_sweep(field, &sweep),
+    }?;
+    let seconds = start.elapsed().as_secs_f64();
+    holo_io::write_pfm(&options.out, estimate.disparity_px.view())?;
+    if let Some(path) = &options.confidence {
+        holo_io::write_pfm(path, estimate.confidence.view())?;
+    }
+    if !options.quiet {
+        let views = raw.split().views();
+        let (min, max) = (sweep.disparity_min_px, sweep.disparity_max_px);
+        say!(
+            "estimated the central one of {} x {} views between {min} and {max} px in {seconds:.1} s: {}",
+            views.columns,
+            views.rows,
+            options.out.display()
+        );
+    }
+    Ok(())
+}

@@ -1,0 +1,125 @@
+//! `holo eval`: an estimate against the truth, a picture against another.
+
+use std::path::Path;
+
+use holo_core::metrics::{
+    BAD_PIXEL_THRESHOLDS_PX, ErrorColours, Region, best_constant, best_plane, bumpiness, disparity_scores, error_map,
+    psnr_db, ssim,
+};
+use holo_io::{Compression, FileKind, Limits, Meaning, PngSamples};
+use ndarray::{Array2, Axis};
+use serde_json::{Value, json};
+
+use crate::arguments::EvalOptions;
+use crate::console::out;
+use crate::failure::Failure;
+
+/// The threshold at which the best constant and plane are found: the benchmark's widest.
+const FIT_THRESHOLD_PX: f64 = 0.07;
+
+pub fn run(options: &EvalOptions) -> Result<(), Failure> {
+    let kinds = [holo_io::recognise(&options.estimate)?, holo_io::recognise(&options.truth)?];
+    let rows = match kinds {
+        [FileKind::Pfm, FileKind::Pfm] => maps(options)?,
+        [FileKind::Png, FileKind::Png] => pictures(options)?,
+        _ => {
+            return Err(Failure::Usage(format!(
+                "{} and {}: two disparity maps (.pfm) or two pictures (.png) can be compared",
+                options.estimate.display(),
+                options.truth.display()
+            )));
+        }
+    };
+    if options.json {
+        let object: serde_json::Map<String, Value> = rows.into_iter().map(|row| (row.key, row.value)).collect();
+        return out!("{}", Value::Object(object));
+    }
+    for row in rows {
+        match row.value {
+            Value::Number(number) if row.unit != "pixels" => {
+                out!("{:<28} {:>12.4} {}", row.name, number.as_f64().unwrap_or(f64::NAN), row.unit)?;
+            }
+            value => out!("{:<28} {:>12} {}", row.name, value.to_string().trim_matches('"'), row.unit)?,
+        }
+    }
+    Ok(())
+}
+
+/// One number.
+struct Row {
+    key: String,
+    name: String,
+    value: Value,
+    unit: &'static str,
+}
+
+fn row(key: &str, name: &str, value: f64, unit: &'static str) -> Row {
+    // JSON has neither infinity nor NaN.
+    let value = if value.is_finite() { json!(value) } else { json!(value.to_string()) };
+    Row { key: key.into(), name: name.into(), value, unit }
+}
+
+fn maps(options: &EvalOptions) -> Result<Vec<Row>, Failure> {
+    let limits = Limits::default();
+    let estimate = holo_io::read_pfm_grey(&options.estimate, &limits)?;
+    let truth = holo_io::read_pfm_grey(&options.truth, &limits)?;
+    let mask = options.mask.as_deref().map(read_mask).transpose()?;
+    let region = Region { border_px: options.border, mask: mask.as_ref().map(|mask| mask.view()) };
+    let scores = disparity_scores(&estimate, &truth, &region)?;
+    let mut rows = Vec::new();
+    for (threshold, percent) in BAD_PIXEL_THRESHOLDS_PX.into_iter().zip(scores.bad_pixels_percent) {
+        let key = format!("bad_pixels_{threshold}_percent");
+        rows.push(row(&key, &format!("BadPix({threshold})"), percent, "%"));
+    }
+    let constant = best_constant(&truth, FIT_THRESHOLD_PX, &region)?.bad_pixels_percent;
+    let plane = best_plane(&truth, FIT_THRESHOLD_PX, &region)?.bad_pixels_percent;
+    rows.extend([
+        row("best_constant_bad_pixels_percent", "BadPix(0.07), best constant", constant, "%"),
+        row("best_plane_bad_pixels_percent", "BadPix(0.07), best plane", plane, "%"),
+        row("mean_squared_error_x100", "MSE x 100", scores.mean_squared_error_x100, "px^2"),
+        row("q25_x100", "Q25 x 100", scores.q25_x100, "px"),
+        row("bumpiness", "bumpiness", bumpiness(&estimate, &truth, &region)?.value, ""),
+        row("mean_absolute_error_px", "MAE", scores.mean_absolute_error_px, "px"),
+        row("root_mean_squared_error_px", "RMSE", scores.root_mean_squared_error_px, "px"),
+    ]);
+    let counts = scores.counts;
+    for (key, name, count) in [
+        ("compared", "pixels compared", counts.compared),
+        ("estimate_not_finite", "without a finite estimate", counts.estimate_not_finite),
+        ("truth_not_finite", "without a finite truth", counts.truth_not_finite),
+    ] {
+        rows.push(Row { key: key.into(), name: name.into(), value: json!(count), unit: "pixels" });
+    }
+    if let Some(path) = &options.error_map {
+        let picture = error_map(&estimate, &truth, options.error_range, &ErrorColours::default())?;
+        holo_io::write_png_u8(path, picture.view(), Meaning::Srgb, Compression::Published)?;
+    }
+    Ok(rows)
+}
+
+fn read_mask(path: &Path) -> Result<Array2<bool>, Failure> {
+    let samples = holo_io::read_png(path, &Limits::default())?;
+    Ok(match samples {
+        PngSamples::U8(image) => image.index_axis(Axis(2), 0).mapv(|value| value > 0),
+        PngSamples::U16(image) => image.index_axis(Axis(2), 0).mapv(|value| value > 0),
+    })
+}
+
+fn pictures(options: &EvalOptions) -> Result<Vec<Row>, Failure> {
+    if options.mask.is_some() || options.error_map.is_some() {
+        return Err(Failure::Usage("--mask and --error-map are for disparity maps".into()));
+    }
+    let limits = Limits::default();
+    let (psnr, ssim) =
+        match (holo_io::read_png(&options.estimate, &limits)?, holo_io::read_png(&options.truth, &limits)?) {
+            (PngSamples::U8(one), PngSamples::U8(other)) => (psnr_db(&one, &other, 255.0)?, ssim(&one, &other, 255.0)?),
+            (PngSamples::U16(one), PngSamples::U16(other)) => {
+                (psnr_db(&one, &other, 65_535.0)?, ssim(&one, &other, 65_535.0)?)
+            }
+            _ => {
+                let what = "one has 8 bits and the other 16; compare pictures of the same depth";
+                return Err(Failure::Usage(format!("{}: {what}", options.estimate.display())));
+            }
+        };
+    Ok(vec![row("psnr_db", "PSNR", psnr, "dB"), row("ssim", "SSIM", ssim, "")])
+}

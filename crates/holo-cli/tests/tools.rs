@@ -1,0 +1,169 @@
+//! `holo refocus`, `depth`, `eval` and `epi`: what they write is what the libraries say.
+
+mod common;
+
+use common::{Bench, Outcome, SCENE, read_u8, read_u16, small_split};
+use holo_core::metrics::{Region, disparity_scores};
+use holo_io::{Compression, Limits, Meaning, read_pfm_grey, write_pfm, write_png_u8};
+use ndarray::{Array2, s};
+use serde_json::Value;
+
+fn ok(outcome: Outcome) -> Outcome {
+    assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    outcome
+}
+
+#[test]
+fn refocus_at_zero_is_the_mean_of_the_views_in_linear_light() {
+    let bench = Bench::new();
+    bench.render("out", "--bit-depth 16 --spp 4");
+    ok(bench.run("refocus out --disparity 0 --out sharp.png"));
+    let (views, lenses) = (small_split().views(), small_split().lenses());
+    let raw = read_u16(bench.path("out/scene_el.png"));
+    let curve = |code: u16| {
+        let code = f64::from(code) / 65_535.0;
+        if code <= 0.040_45 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
+    };
+    let refocused = read_u16(bench.path("sharp.png"));
+    assert_eq!(refocused.dim(), (lenses.rows, lenses.columns, 3));
+    for v in 0..lenses.rows {
+        for u in 0..lenses.columns {
+            for c in 0..3 {
+                let block =
+                    raw.slice(s![v * views.rows..(v + 1) * views.rows, u * views.columns..(u + 1) * views.columns, c]);
+                let mean = block.iter().map(|&code| curve(code)).sum::<f64>() / views.count() as f64;
+                let found = curve(refocused[[v, u, c]]);
+                // f32 sums of 20 views, and the rounding of 16-bit codes where the curve is steepest.
+                assert!((found - mean).abs() < 4e-5, "{v} {u} {c}: {found} {mean}");
+            }
+        }
+    }
+}
+
+#[test]
+fn refocus_knows_distances_slopes_stacks_and_everything_in_focus() {
+    let bench = Bench::new();
+    bench.render("out", "--baseline-m 0.05 --spp 4");
+    let out = ok(bench.run("info out")).stdout;
+    assert!(!out.is_empty());
+    let parameters = holo_io::ParametersCfg::read(bench.path("out/parameters.cfg")).unwrap().rig_parameters().unwrap();
+    let disparity = holo_core::Rig::new(parameters).unwrap().disparity().from_depth_m(1.4);
+    ok(bench.run("refocus out --distance-m 1.4 --out distance.png"));
+    ok(bench.run(&format!("refocus out --disparity {disparity} --out disparity.png")));
+    assert_eq!(read_u8(bench.path("distance.png")), read_u8(bench.path("disparity.png")));
+    // 5 views: the toolbox's slope is -d 4/5.
+    ok(bench.run(&format!("refocus out --slope {} --out slope.png", -disparity * 0.8)));
+    let (slope, by_disparity) = (read_u8(bench.path("slope.png")), read_u8(bench.path("disparity.png")));
+    assert!(slope.iter().zip(&by_disparity).all(|(a, b)| a.abs_diff(*b) <= 1), "the same but for rounding");
+    ok(bench.run(&format!("refocus out --stack {disparity},0,2 --out stack.png")));
+    assert_eq!(read_u8(bench.path("stack_000.png")), read_u8(bench.path("disparity.png")));
+    let map = Array2::from_elem((8, 12), disparity as f32);
+    write_pfm(bench.path("map.pfm"), map.view()).unwrap();
+    ok(bench.run("refocus out --all-in-focus map.pfm --out all.png"));
+    let all = read_u8(bench.path("all.png"));
+    assert!(all.iter().zip(&by_disparity).all(|(a, b)| a.abs_diff(*b) <= 1));
+    // One view alone is that view.
+    ok(bench.run("refocus out --disparity 0.3 --aperture disc:0.5 --out one.png"));
+    ok(bench.run("extract out/scene_el.png --view 2,2 --out view.png"));
+    assert_eq!(read_u8(bench.path("one.png")), read_u8(bench.path("view.png")));
+}
+
+#[test]
+fn an_estimate_is_written_and_judged() {
+    let bench = Bench::new();
+    ok(bench.run(&format!(
+        "render {SCENE} --out out --lenses 60x40 --views 7 --baseline-m 0.02 --spp 16 --sky 0.3,0.3,0.3 --quiet"
+    )));
+    let outcome = ok(bench.run("depth out --out estimate.pfm --confidence sure.pfm --effort draft"));
+    assert!(outcome.stderr.contains("7 x 7 views"), "{outcome:?}");
+    // The raw image alone, with the parameters beside it, says the same.
+    ok(bench.run("depth out/scene_el.png --out raw.pfm --effort draft --quiet"));
+    assert_eq!(std::fs::read(bench.path("raw.pfm")).unwrap(), std::fs::read(bench.path("estimate.pfm")).unwrap());
+    let estimate = read_pfm_grey(bench.path("estimate.pfm"), &Limits::default()).unwrap();
+    let truth = read_pfm_grey(bench.path("out/scene_disparity.pfm"), &Limits::default()).unwrap();
+    let scores = disparity_scores(&estimate, &truth, &Region::with_border(5)).unwrap();
+    let json =
+        ok(bench.run("eval estimate.pfm out/scene_disparity.pfm --border 5 --json --error-map error.png")).stdout;
+    let json: Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(json["bad_pixels_0.07_percent"], scores.bad_pixels_percent[2]);
+    assert_eq!(json["mean_squared_error_x100"], scores.mean_squared_error_x100);
+    assert_eq!(json["compared"], scores.counts.compared);
+    assert!(json["best_plane_bad_pixels_percent"].as_f64() <= json["best_constant_bad_pixels_percent"].as_f64());
+    assert_eq!(read_u8(bench.path("error.png")).dim(), (40, 60, 3));
+    let table = ok(bench.run("eval estimate.pfm out/scene_disparity.pfm --border 5")).stdout;
+    for name in [
+        "BadPix(0.01)",
+        "BadPix(0.07), best plane",
+        "MSE x 100",
+        "Q25 x 100",
+        "bumpiness",
+        "RMSE",
+        "without a finite truth",
+    ] {
+        assert!(table.contains(name), "no {name} in {table}");
+    }
+    // A mask that leaves the left half.
+    let mask = ndarray::Array3::from_shape_fn((40, 60, 1), |(_, column, _)| if column < 30 { 255_u8 } else { 0 });
+    write_png_u8(bench.path("mask.png"), mask.view(), Meaning::Data, Compression::Scratch).unwrap();
+    let masked = ok(bench.run("eval estimate.pfm out/scene_disparity.pfm --border 5 --mask mask.png --json")).stdout;
+    let masked: Value = serde_json::from_str(&masked).unwrap();
+    assert!(masked["compared"].as_u64() < json["compared"].as_u64());
+}
+
+#[test]
+fn pictures_are_compared_too() {
+    let bench = Bench::new();
+    bench.render("out", "");
+    let table = ok(bench.run("eval out/scene_el.png out/scene_vpi.png")).stdout;
+    assert!(table.contains("PSNR") && table.contains("SSIM"), "{table}");
+    let same = ok(bench.run("eval out/scene_el.png out/scene_el.png --json")).stdout;
+    let same: Value = serde_json::from_str(&same).unwrap();
+    assert_eq!((&same["ssim"], &same["psnr_db"]), (&Value::from(1.0), &Value::from("inf")));
+}
+
+#[test]
+fn an_epi_is_a_row_of_pixels_as_a_row_of_views_sees_it() {
+    let bench = Bench::new();
+    bench.render("out", "");
+    ok(bench.run("epi out --row 3,1 --out row.png"));
+    ok(bench.run("epi out --column 7,2 --out column.png"));
+    let raw = read_u8(bench.path("out/scene_vpi.png"));
+    let (views, lenses) = (small_split().views(), small_split().lenses());
+    let (row, column) = (read_u8(bench.path("row.png")), read_u8(bench.path("column.png")));
+    assert_eq!((row.dim(), column.dim()), ((views.columns, lenses.columns, 3), (views.rows, lenses.rows, 3)));
+    for s in 0..views.columns {
+        for u in 0..lenses.columns {
+            assert_eq!(row[[s, u, 0]], raw[[lenses.rows + 3, s * lenses.columns + u, 0]]);
+        }
+    }
+    for t in 0..views.rows {
+        for v in 0..lenses.rows {
+            assert_eq!(column[[t, v, 1]], raw[[t * lenses.rows + v, 2 * lenses.columns + 7, 1]]);
+        }
+    }
+}
+
+#[test]
+fn wrong_use_is_said() {
+    let bench = Bench::new();
+    bench.render("out", "");
+    for (arguments, part) in [
+        ("refocus out --out x.png", "--disparity"),
+        ("refocus out --disparity 0 --distance-m 1 --out x.png", "cannot be used with"),
+        ("refocus out --disparity 0 --aperture round --out x.png", "disc:D"),
+        ("refocus out --stack 1,2 --out x.png", "A,B,N"),
+        ("refocus out --distance-m -1 --out x.png", "above 0"),
+        ("refocus out/scene_el.png --views 5x4 --distance-m 1 --out x.png", "no rig is known"),
+        ("depth out --out x.pfm --range 2,1", "MIN,MAX"),
+        ("eval out/scene_el.png out/scene_depth.pfm", "two disparity maps"),
+        ("eval out/scene_el.png out/scene_el.png --mask out/scene_el.png", "are for disparity maps"),
+        ("epi out --out x.png", "--row"),
+        ("epi out --row 8,0 --out x.png", "lens row"),
+        ("epi out --row 0,0 --out x.pfm", ".png"),
+    ] {
+        let outcome = bench.run(arguments);
+        assert_eq!(outcome.code, Some(2), "{arguments}: {outcome:?}");
+        assert!(outcome.stderr.contains(part), "{arguments}: {outcome:?}");
+    }
+    assert!(!bench.list("").iter().any(|name| name.starts_with("x.")), "nothing was written");
+}
