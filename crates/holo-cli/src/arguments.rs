@@ -51,7 +51,7 @@ pub enum Command {
     Epi(EpiOptions),
     /// Make one HTML page in which a light field is moved through, refocused and measured.
     View(ViewOptions),
-    /// Check a dataset, or one folder of it, against its digests: hashes, sizes, what is missing.
+    /// Check a dataset, or one folder of it, against the digests in its manifest.json: hashes, sizes, what is missing.
     Verify(VerifyOptions),
 }
 
