@@ -1,19 +1,26 @@
 //! The command line. On it x comes first everywhere: sizes are columns x rows, positions column, row.
 
 mod dataset;
+mod optics;
+mod pictures;
 mod tools;
 mod values;
 
 use std::path::PathBuf;
 
-use clap::{ArgGroup, Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use holo_core::{GridSize, Sensor};
 
 pub use dataset::DatasetOptions;
-pub use tools::{
-    ApertureArgument, DepthOptions, EffortArgument, EpiOptions, EvalOptions, KernelArgument, RefocusOptions,
+pub use optics::OpticsOptions;
+pub use pictures::{
+    AnimateOptions, ComposeOptions, ExtractOptions, OrderArgument, PathArgument, QuiltOptions, RotateOptions,
 };
-pub use values::{CameraArgument, ExposureArgument, FocusArgument, Pair, Shard, SkyArgument};
+pub use tools::{
+    ApertureArgument, DepthOptions, EffortArgument, EpiOptions, EvalOptions, InputOptions, KernelArgument,
+    RefocusOptions,
+};
+pub use values::{CameraArgument, Crop, ExposureArgument, FocusArgument, Pair, Places, Shard, SkyArgument};
 
 /// Holoscopic (integral, plenoptic 1.0) images from glTF scenes, with exact depth and disparity.
 ///
@@ -37,8 +44,16 @@ pub enum Command {
     Info(InfoOptions),
     /// Turn a grid of views into a grid of elemental images, or back.
     Remap(RemapOptions),
-    /// Cut one view or one elemental image out of a raw image.
+    /// Cut views or elemental images out of a raw image: one, some or all of them.
     Extract(ExtractOptions),
+    /// Put pictures of single views together into a raw image.
+    Compose(ComposeOptions),
+    /// Turn every elemental image by 180 degrees, as integral displays need it.
+    RotateElements(RotateOptions),
+    /// Put the views of one row side by side as multi-view displays read them.
+    Quilt(QuiltOptions),
+    /// Make a moving picture of a way through the views.
+    Animate(AnimateOptions),
     /// Write a scene of the built-in gallery as .glb; without a name, list them.
     Scene(SceneOptions),
     /// Add all views up to one picture that is sharp at a distance, or everywhere.
@@ -51,6 +66,8 @@ pub enum Command {
     Epi(EpiOptions),
     /// Make one HTML page in which a light field is moved through, refocused and measured.
     View(ViewOptions),
+    /// Work out what a camera will see before it is built: disparities, depth of field, resolution; and the reverse.
+    Optics(OpticsOptions),
     /// Check a dataset, or one folder of it, against the digests in its manifest.json: hashes, sizes, what is missing.
     Verify(VerifyOptions),
 }
@@ -130,27 +147,41 @@ pub struct JobOptions {
     pub seed: u64,
 }
 
-/// What decides the rig.
+/// The sensor and the main lens.
 #[derive(Args, Clone, Debug)]
-pub struct RigOptions {
+pub struct MainLensOptions {
     /// The sensor behind the lenses: hd, 4k, 8k (the paper's 7952x5304), uhd8k or WIDTHxHEIGHT.
-    #[arg(long, value_name = "NAME|WxH", default_value = "8k", value_parser = values::sensor, conflicts_with = "lenses")]
+    #[arg(long, value_name = "NAME|WxH", default_value = "8k", value_parser = values::sensor)]
     pub sensor: Sensor,
-    /// Views, columns x rows, or one number for both.
-    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, default_value = "100x100", value_parser = values::size)]
-    pub views: GridSize,
-    /// Lenses, columns x rows (the pixels of one view), instead of a sensor.
-    #[arg(long, value_name = "UxV", value_parser = values::size)]
-    pub lenses: Option<GridSize>,
-    /// Distance between neighbouring views, m.
-    #[arg(long, value_name = "B", allow_negative_numbers = true, conflicts_with = "f_number", value_parser = values::not_negative)]
-    pub baseline_m: Option<f64>,
     /// The views sample the aperture of an f/N lens [default: 5].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = values::positive)]
     pub f_number: Option<f64>,
     /// Distance of the focus plane, m, `inf`, or `auto` (harmonic mean of nearest and farthest depth).
     #[arg(long, value_name = "Z|inf|auto", allow_negative_numbers = true, default_value = "auto")]
     pub focus_m: FocusArgument,
+}
+
+impl MainLensOptions {
+    /// The f-number, or the paper's.
+    pub fn f_number_or_default(&self) -> f64 {
+        self.f_number.unwrap_or(5.0)
+    }
+}
+
+/// What decides the rig.
+#[derive(Args, Clone, Debug)]
+pub struct RigOptions {
+    #[command(flatten)]
+    pub main_lens: MainLensOptions,
+    /// Views, columns x rows, or one number for both.
+    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, default_value = "100x100", value_parser = values::size)]
+    pub views: GridSize,
+    /// Lenses, columns x rows (the pixels of one view), instead of a sensor.
+    #[arg(long, value_name = "UxV", conflicts_with = "sensor", value_parser = values::size)]
+    pub lenses: Option<GridSize>,
+    /// Distance between neighbouring views, m.
+    #[arg(long, value_name = "B", allow_negative_numbers = true, conflicts_with = "f_number", value_parser = values::not_negative)]
+    pub baseline_m: Option<f64>,
     /// Focal length, mm [default: from the camera's angle of view].
     #[arg(long, value_name = "F", allow_negative_numbers = true, value_parser = values::positive)]
     pub focal_mm: Option<f64>,
@@ -187,60 +218,26 @@ pub struct InfoOptions {
 
 #[derive(Args, Debug)]
 pub struct RemapOptions {
-    /// A raw PNG, a .mat, or a folder: of `holo render`, of HCI's layout, of a gantry.
-    pub input: PathBuf,
+    #[command(flatten)]
+    pub input: InputOptions,
     /// The PNG to write.
     #[arg(value_parser = values::png)]
     pub output: PathBuf,
-    /// What the input is [default: by `_el` or `_vpi` in its name].
-    #[arg(long, value_enum)]
-    pub from: Option<LayoutArgument>,
     /// What the output shall be [default: by `_el` or `_vpi` in its name, else the other one].
     #[arg(long, value_enum)]
     pub to: Option<LayoutArgument>,
-    /// Views, columns x rows, or one number for both [default: from the parameters.cfg beside the input].
-    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = values::size)]
-    pub views: Option<GridSize>,
-}
-
-#[derive(Args, Debug)]
-#[command(group(ArgGroup::new("image").required(true).args(["view", "lens"])))]
-pub struct ExtractOptions {
-    /// A raw PNG, a .mat, an .h5, or a folder: of `holo render`, of HCI's layout, of a gantry.
-    pub input: PathBuf,
-    /// One viewpoint image: its column and row, from 0.
-    #[arg(long, value_name = "S,T", allow_hyphen_values = true)]
-    pub view: Option<Pair>,
-    /// One elemental image: the column and row of its lens, from 0.
-    #[arg(long, value_name = "U,V", allow_hyphen_values = true)]
-    pub lens: Option<Pair>,
-    /// The PNG to write, or the PFM where the input holds floats.
-    #[arg(long, value_name = "FILE", value_parser = values::png_or_pfm)]
-    pub out: PathBuf,
-    /// What the input is [default: by `_el` or `_vpi` in its name].
-    #[arg(long, value_enum)]
-    pub from: Option<LayoutArgument>,
-    /// Views, columns x rows, or one number for both [default: from the parameters.cfg beside the input].
-    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = values::size)]
-    pub views: Option<GridSize>,
 }
 
 #[derive(Args, Debug)]
 pub struct ViewOptions {
-    /// A raw PNG, a .mat, an .h5, or a folder: of `holo render`, of HCI's layout, of a gantry.
-    pub input: PathBuf,
+    #[command(flatten)]
+    pub input: InputOptions,
     /// The page to write; it needs no other file and no network.
     #[arg(short, long, value_name = "FILE", value_parser = values::html)]
     pub out: PathBuf,
     /// An estimate of the central view's disparity in px, to be shown beside the truth.
     #[arg(long, value_name = "FILE.pfm")]
     pub estimate: Option<PathBuf>,
-    /// What the input is [default: by `_el` or `_vpi` in its name].
-    #[arg(long, value_enum)]
-    pub from: Option<LayoutArgument>,
-    /// Views, columns x rows, or one number for both [default: from the parameters.cfg beside the input].
-    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = values::size)]
-    pub views: Option<GridSize>,
 }
 
 #[derive(Args, Debug)]

@@ -1,5 +1,7 @@
 //! One command a file.
 
+pub mod animate;
+pub mod compose;
 pub mod dataset;
 pub mod depth;
 pub mod epi;
@@ -7,9 +9,12 @@ pub mod eval;
 pub mod extract;
 pub mod info;
 pub mod merge;
+pub mod optics;
+pub mod quilt;
 pub mod refocus;
 pub mod remap;
 pub mod render;
+pub mod rotate;
 pub mod scene;
 pub mod verify;
 pub mod view;
@@ -21,6 +26,7 @@ mod job;
 mod layers;
 mod output;
 mod part;
+mod picture;
 mod pictures;
 mod prepare;
 mod raw;

@@ -35,12 +35,17 @@ fn main() -> ExitCode {
         Command::Info(options) => commands::info::run(&options),
         Command::Remap(options) => commands::remap::run(&options),
         Command::Extract(options) => commands::extract::run(&options),
+        Command::Compose(options) => commands::compose::run(&options),
+        Command::RotateElements(options) => commands::rotate::run(&options),
+        Command::Quilt(options) => commands::quilt::run(&options),
+        Command::Animate(options) => commands::animate::run(&options),
         Command::Refocus(options) => commands::refocus::run(&options),
         Command::Depth(options) => commands::depth::run(&options),
         Command::Eval(options) => commands::eval::run(&options),
         Command::Epi(options) => commands::epi::run(&options),
         Command::View(options) => commands::view::run(&options),
         Command::Scene(options) => commands::scene::run(&options),
+        Command::Optics(options) => commands::optics::run(&options),
         Command::Verify(options) => commands::verify::run(&options),
     };
     match result {

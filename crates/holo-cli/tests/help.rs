@@ -15,7 +15,23 @@ fn help(arguments: &str) -> String {
 fn the_help_names_every_command_and_the_order_of_numbers() {
     let text = help("--help");
     for command in [
-        "render", "dataset", "merge", "info", "remap", "extract", "refocus", "depth", "eval", "epi", "view", "scene",
+        "render",
+        "dataset",
+        "merge",
+        "info",
+        "remap",
+        "extract",
+        "compose",
+        "rotate-elements",
+        "quilt",
+        "animate",
+        "refocus",
+        "depth",
+        "eval",
+        "epi",
+        "view",
+        "optics",
+        "scene",
         "verify",
     ] {
         assert!(text.contains(&format!(" {command} ")), "{command}: {text}");
@@ -45,8 +61,8 @@ fn the_help_of_render_says_x_before_y_wherever_it_matters() {
 fn the_other_commands_say_it_too() {
     assert!(help("remap --help").contains("Views, columns x rows"));
     let text = help("extract --help");
-    assert!(text.contains("--view <S,T> One viewpoint image: its column and row, from 0"), "{text}");
-    assert!(text.contains("--lens <U,V> One elemental image: the column and row of its lens, from 0"), "{text}");
+    assert!(text.contains("--view <S,T> Viewpoint images: the column and row of one, from 0"), "{text}");
+    assert!(text.contains("--lens <U,V> Elemental images: the column and row of a lens, from 0"), "{text}");
     assert!(help("help verify").contains("manifest.json"));
 }
 

@@ -138,7 +138,7 @@ pub use pfm::{Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_grey, read_pfm_info, 
 #[cfg(feature = "png")]
 pub use png::{
     Compression, Meaning, PngInfo, PngSample, PngSamples, PngWriter, decode_png, encode_png_u8, encode_png_u16,
-    read_png, read_png_info, write_disparity_png, write_png_u8, write_png_u16,
+    read_png, read_png_info, write_disparity_png, write_png_animation, write_png_u8, write_png_u16,
 };
 #[cfg(feature = "png")]
 pub use raw_image::RawImage;
@@ -148,3 +148,5 @@ pub use recognise::{FileKind, recognise};
 pub use stored::StoredLightField;
 #[cfg(any(feature = "mat", feature = "hdf5"))]
 pub use stored::StoredSample;
+#[cfg(feature = "png")]
+pub use views::read_views;

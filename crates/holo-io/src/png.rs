@@ -1,5 +1,6 @@
 //! PNG of 8 and 16 bits a channel, in sRGB or as plain data.
 
+mod animation;
 mod bands;
 mod decode;
 mod encode;
@@ -15,6 +16,7 @@ use crate::error::MEMORY;
 use crate::{Error, Written};
 use encode::Encoder;
 
+pub use animation::write_png_animation;
 pub use decode::{decode_png, read_png, read_png_info};
 pub use stream::{PngSample, PngWriter};
 

@@ -1,12 +1,40 @@
-//! A folder with one PNG a view, as one light field.
+//! PNGs of one view each, as one light field.
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, Layout, LightFieldOwned, Split};
+use holo_core::{GridSize, Layout, LightFieldOwned, Split, ViewOrder};
 use ndarray::{Array3, ArrayViewMut3, Axis, Slice};
 use rayon::prelude::*;
 
 use crate::{Error, Limits, PngInfo, PngSamples, StoredLightField, read_png, read_png_info};
+
+/// Reads a list of PNGs, one a view, as one light field.
+///
+/// The views lie in memory side by side, as a viewpoint grid. Alpha is left out; the views must be alike in size, bits and
+/// colour.
+///
+/// # Errors
+///
+/// [`Error::BadInput`] if there are more or fewer files than views; [`Error::Broken`] if a file is not like the first;
+/// [`Error::TooLarge`] if the light field exceeds the limits; otherwise as [`read_png`].
+pub fn read_views(
+    files: &[PathBuf],
+    views: GridSize,
+    order: ViewOrder,
+    limits: &Limits,
+) -> Result<StoredLightField, Error> {
+    let first = files.first().map_or(Path::new("list of views"), PathBuf::as_path);
+    if files.len() != views.count() || files.is_empty() {
+        let what = format!("{} x {} views need as many pictures, not {}", views.columns, views.rows, files.len());
+        return Err(Error::bad_input(first, what));
+    }
+    let mut row_by_row = files.to_vec();
+    for (index, file) in files.iter().enumerate() {
+        let (t, s) = order.view(index, views).map_err(|error| Error::core(first, error))?;
+        row_by_row[t * views.columns + s].clone_from(file);
+    }
+    Views { format: "list of views", views, files: &row_by_row, expected: None }.read(limits)
+}
 
 /// The files of a grid of views, in reading order.
 pub(crate) struct Views<'a> {

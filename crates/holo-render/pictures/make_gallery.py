@@ -1,16 +1,19 @@
-"""Makes gallery.png: the central view of every scene of the gallery. Needs Python 3.9 with numpy and pillow (10.1 or newer).
+"""Makes gallery.png: every scene of the gallery, and below each a crop of its raw image. Needs Python 3.9 with numpy and
+pillow (10.1 or newer).
 
 Usage: make_gallery.py HOLO [--draft] [--keep FOLDER]
 
-HOLO is the program (target/release/holo); its gallery is what is shown, in its order. `--draft` takes a sixth of the
-samples. `--keep` leaves every picture as it was rendered in a folder. Some five minutes on two cores.
+HOLO is the program (target/release/holo); its gallery is what is shown, in its order. `--draft` takes a sixteenth of the
+samples. `--keep` leaves every picture as it was rendered in a folder. Some fifteen minutes on two cores.
 """
+import json
 import math
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
+import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 HERE = Path(__file__).resolve().parent
@@ -23,7 +26,10 @@ COLUMNS = 5
 # Rendered larger and reduced: more samples a pixel, and smooth edges.
 TILE = (240, 160)
 RENDERED = (360, 240)
-LARGE = 600_000
+# The raw image of 20 x 20 views at 8K, of which two rows of lenses are rendered: the 67th part of 133.
+RAW = ["--sensor", "8k", "--views", 20, "--shard", "67/133"]
+CROP = (240, 40)
+LARGE = 700_000
 
 
 def run(*command):
@@ -37,7 +43,23 @@ def photograph(holo, name, samples, folder):
     size = f"{RENDERED[0]}x{RENDERED[1]}"
     flags = ["--views", 1, "--lenses", size, "--spp", samples, "--write", "el", "--quiet"]
     run(holo, "render", scene, "--out", folder / name, *flags)
-    return Image.open(folder / name / "scene_el.png").convert("RGB")
+    exposure = json.loads((folder / name / "manifest.json").read_text())["exposure_ev"]
+    return Image.open(folder / name / "scene_el.png").convert("RGB"), exposure
+
+
+def raw_crop(holo, name, samples, folder, exposure):
+    """The middle of the raw image, a pixel a pixel, as bright as the photograph."""
+    part = folder / f"{name}.raw"
+    run(holo, "render", folder / f"{name}.glb", "--out", part, *RAW, "--spp", samples, "--write", "el", "--quiet")
+    with open(part / "color.pfm", "rb") as file:
+        assert file.readline() == b"PF\n"
+        columns, rows = map(int, file.readline().split())
+        assert float(file.readline()) < 0
+        linear = np.fromfile(file, "<f4").reshape(rows, columns, 3)[::-1] * 2.0**exposure
+    left = (columns - CROP[0]) // 2
+    linear = np.clip(linear[: CROP[1], left : left + CROP[0]], 0, 1)
+    codes = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return Image.fromarray((codes * 255 + 0.5).astype(np.uint8))
 
 
 def main():
@@ -49,7 +71,7 @@ def main():
     holo = arguments[0]
     names = run(holo, "scene").split()
     rows = math.ceil(len(names) / COLUMNS)
-    width, height = TILE[0] + GAP, TILE[1] + STRIP + GAP
+    width, height = TILE[0] + GAP, TILE[1] + STRIP + 2 + CROP[1] + GAP
     page = Image.new("RGB", (COLUMNS * width - GAP, rows * height - GAP), "white")
     draw, font = ImageDraw.Draw(page), ImageFont.load_default(13)
     with tempfile.TemporaryDirectory() as folder:
@@ -58,8 +80,10 @@ def main():
         for k, name in enumerate(names):
             x, y = k % COLUMNS * width, k // COLUMNS * height
             draw.text((x + 1, y + STRIP // 2 - 1), name, fill=(30, 30, 30), font=font, anchor="lm")
-            picture = photograph(holo, name, 4 if draft else 24, folder)
+            picture, exposure = photograph(holo, name, 32 if draft else 512, folder)
             page.paste(picture.resize(TILE, Image.Resampling.BOX), (x, y + STRIP))
+            crop = raw_crop(holo, name, 4 if draft else 64, folder, exposure)
+            page.paste(crop, (x, y + STRIP + TILE[1] + 2))
             print(name, flush=True)
     path = HERE / "gallery.png"
     tries = [lambda: page, lambda: coarser(page, 7), lambda: coarser(page, 6)]

@@ -27,7 +27,7 @@ pub(crate) enum Draw {
     Direction = 1,
     /// Which way it does so, and whether it goes on at all.
     Choice = 2,
-    /// Which punctual light, which emitter.
+    /// Which punctual light, which of the points on emitters.
     Light = 3,
     /// Where on an emitter.
     Emitter = 4,
@@ -35,6 +35,8 @@ pub(crate) enum Draw {
     Surroundings = 5,
     /// Where on the disc of a distant light.
     Disc = 6,
+    /// Which emitter.
+    EmitterChoice = 7,
 }
 
 impl Purpose {

@@ -1,45 +1,71 @@
 //! Builds the libFuzzer targets and runs each for a while.
 
+use std::path::Path;
 use std::process::Command;
 
-use crate::{Result, process, root};
+use crate::{Result, cmake, process, root};
 
-/// The targets `exr` and `hdf5` are built by hand (`--features libfuzzer,hdf5`) and not part of the short run; their corpora are, in
-/// `tests/fuzz_corpus.rs`.
-const TARGETS: &[&str] = &["gltf", "png", "pfm", "hdr", "mat", "parameters_cfg", "manifest"];
+/// What needs Rust alone.
+const TARGETS: &[&str] = &["gltf", "png", "pfm", "hdr", "exr", "mat", "parameters_cfg", "manifest"];
 
-/// `cargo xtask fuzz [SECONDS]`: 10 seconds a target unless told.
+/// What needs CMake, for the HDF5 library.
+const HDF5: &str = "hdf5";
+
+/// `cargo xtask fuzz [SECONDS [TARGET..]]`: 10 seconds a target and all of them unless told.
 pub fn run(arguments: &[String]) -> Result {
-    let seconds = match arguments.first() {
-        None => 10,
-        Some(text) => text.parse::<u32>().map_err(|_| format!("'{text}' is not a number of seconds"))?,
+    let (seconds, named) = match arguments.split_first() {
+        None => (10, arguments),
+        Some((text, named)) => {
+            (text.parse::<u32>().map_err(|_| format!("'{text}' is not a number of seconds"))?, named)
+        }
     };
-    let target = crate::target().join("fuzz");
+    let mut targets = TARGETS.to_vec();
+    if cmake::is_there() {
+        targets.push(HDF5);
+    } else {
+        println!("not run: {HDF5}: needs CMake (cargo xtask setup)");
+    }
+    if let Some(unknown) = named.iter().find(|name| !targets.contains(&name.as_str())) {
+        return Err(format!("there is no target '{unknown}'; there are {}", targets.join(", ")));
+    }
+    targets.retain(|target| named.is_empty() || named.iter().any(|name| name == target));
+    let folder = crate::target().join("fuzz");
     // With a target named, the flags below do not reach build scripts, which have no fuzzer to link with.
     let host = process::host()?;
-    let flags = "--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
-                 -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
-                 -Cllvm-args=-sanitizer-coverage-trace-compares -Cdebug-assertions -Ccodegen-units=1";
-    for name in TARGETS {
+    build(&targets, &folder, &host)?;
+    for name in targets {
         println!("fuzzing {name} for {seconds} s");
-        let corpus = root().join("fuzz").join("corpus").join(name);
-        let findings = target.join("findings").join(name);
+        let findings = folder.join("findings").join(name);
         std::fs::create_dir_all(&findings).map_err(|why| format!("{}: {why}", findings.display()))?;
         process::run(
-            Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+            Command::new(folder.join(&host).join("release").join(name))
                 .current_dir(root())
-                .env("RUSTFLAGS", flags)
-                .env("CARGO_TARGET_DIR", &target)
-                .args(["run", "--quiet", "--release", "-p", "holo-fuzz", "--features", "libfuzzer"])
-                .args(["--target", &host, "--bin", name])
-                .arg("--")
                 .arg(format!("-max_total_time={seconds}"))
                 .args(["-rss_limit_mb=4096", "-timeout=20", "-print_final_stats=1"])
                 .arg(format!("-artifact_prefix={}/", findings.display()))
                 // New inputs go beside the findings, not into the repository.
                 .arg(&findings)
-                .arg(&corpus),
+                .arg(root().join("fuzz").join("corpus").join(name)),
         )?;
     }
     Ok(())
+}
+
+/// Builds all of them at once: they share everything but their main loop.
+fn build(targets: &[&str], folder: &Path, host: &str) -> Result {
+    let flags = "--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
+                 -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
+                 -Cllvm-args=-sanitizer-coverage-trace-compares -Cdebug-assertions -Ccodegen-units=1";
+    let features = if targets.contains(&HDF5) { "libfuzzer,hdf5" } else { "libfuzzer" };
+    process::run(
+        Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+            .current_dir(root())
+            .env("RUSTFLAGS", flags)
+            .env("CARGO_TARGET_DIR", folder)
+            // Every program would be optimised as a whole, a minute each.
+            .env("CARGO_PROFILE_RELEASE_LTO", "off")
+            .envs(cmake::environment())
+            .args(["build", "--quiet", "--release", "-p", "holo-fuzz", "--features", features, "--target", host])
+            .args(targets.iter().flat_map(|name| ["--bin", name])),
+    )
 }

@@ -40,7 +40,7 @@ fn main() -> ExitCode {
         Some("bench") => {
             setup().and_then(|()| process::cargo(&[&["bench", "-p", "holo-bench"], strs(rest).as_slice()].concat()))
         }
-        _ => Err("usage: cargo xtask setup | build | demo | test | clippy | embree | fuzz [SECONDS] | package | bench"
+        _ => Err("usage: cargo xtask setup | build | demo | test | clippy | embree | fuzz [SECONDS [TARGET..]] | package | bench"
             .into()),
     };
     match result {

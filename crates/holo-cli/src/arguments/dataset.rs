@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use holo_core::{GridSize, Sensor};
+use holo_core::GridSize;
 
-use super::{EngineOptions, FocusArgument, JobOptions, Shard, values};
+use super::{EngineOptions, JobOptions, MainLensOptions, Shard, values};
 
 /// Every option can stand in a TOML file as well, under its long name; the command line wins.
 #[derive(Args, Clone, Debug)]
@@ -25,15 +25,8 @@ pub struct DatasetOptions {
     /// Views per axis, or columns x rows, separated by commas.
     #[arg(long, value_name = "SxT|N,..", value_delimiter = ',', default_value = "20,40,60,80,100", value_parser = values::size)]
     pub splits: Vec<GridSize>,
-    /// The sensor behind the lenses: hd, 4k, 8k (the paper's 7952x5304), uhd8k or WIDTHxHEIGHT.
-    #[arg(long, value_name = "NAME|WxH", default_value = "8k", value_parser = values::sensor)]
-    pub sensor: Sensor,
-    /// The views sample the aperture of an f/N lens.
-    #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 5.0, value_parser = values::positive)]
-    pub f_number: f64,
-    /// Distance of the focus plane, m, `inf`, or `auto` (harmonic mean of nearest and farthest depth).
-    #[arg(long, value_name = "Z|inf|auto", allow_negative_numbers = true, default_value = "auto")]
-    pub focus_m: FocusArgument,
+    #[command(flatten)]
+    pub main_lens: MainLensOptions,
     #[command(flatten)]
     pub job: JobOptions,
     /// Do every N-th job only, beginning with the K-th: N machines with K from 1 to N make the whole, without talking.

@@ -14,6 +14,33 @@ pub struct Pair {
     pub row: usize,
 }
 
+/// Columns and rows of a grid, each from 0: one place or several.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Places {
+    pub columns: Span,
+    pub rows: Span,
+}
+
+/// Some indices of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Span {
+    All,
+    /// From the first to the last, which is one of them if the step meets it.
+    Steps {
+        first: usize,
+        last: usize,
+        step: usize,
+    },
+}
+
+/// A part of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Crop {
+    pub left: usize,
+    pub top: usize,
+    pub size: GridSize,
+}
+
 /// `--sky`.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SkyArgument {
@@ -166,6 +193,29 @@ pub fn row_of_pixels(text: &str) -> Result<Pair, String> {
     Ok(Pair { column, row })
 }
 
+/// `X,Y,WxH`.
+pub fn crop(text: &str) -> Result<Crop, String> {
+    let parts: Vec<&str> = text.split(',').collect();
+    let parsed = match parts[..] {
+        [left, top, extent] => left.parse().ok().zip(top.parse().ok()).zip(size(extent).ok()),
+        _ => None,
+    };
+    let ((left, top), size) = parsed.ok_or("write X,Y,WxH, such as 10,0,64x48: the left top pixel and the size")?;
+    Ok(Crop { left, top, size })
+}
+
+/// `NEAR,FAR` in metres.
+pub fn depths(text: &str) -> Result<(f64, f64), String> {
+    let ends = text.split_once(',').and_then(|(near, far)| Some((positive(near).ok()?, distance(far).ok()?)));
+    ends.filter(|(near, far)| near < far)
+        .ok_or_else(|| "write NEAR,FAR in metres, such as 2,6 or 0.5,inf, the smaller first".into())
+}
+
+/// Pictures a second, as an animated PNG can tell them.
+pub fn frame_rate(text: &str) -> Result<f64, String> {
+    positive(text).ok().filter(|rate| (0.01..=600.0).contains(rate)).ok_or_else(|| "give 0.01 to 600".into())
+}
+
 /// A finite number above zero.
 pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
@@ -190,6 +240,55 @@ impl FromStr for Pair {
         match text.split_once(',') {
             Some((column, row)) => Ok(Self { column: number(column)?, row: number(row)? }),
             None => Err("give COLUMN,ROW, both from 0".into()),
+        }
+    }
+}
+
+impl Places {
+    /// Whether it names one place, not a set that may happen to have one.
+    pub fn is_one(self) -> bool {
+        let one = |span| matches!(span, Span::Steps { first, last, .. } if first == last);
+        one(self.columns) && one(self.rows)
+    }
+}
+
+impl Span {
+    /// The indices it means of an axis that has `count`; those beyond are left to whoever looks there.
+    pub fn indices(self, count: usize) -> impl Iterator<Item = usize> + Clone {
+        let (first, last, step) = match self {
+            Self::All => (0, count.saturating_sub(1), 1),
+            Self::Steps { first, last, step } => (first, last, step),
+        };
+        (first..=last).step_by(step)
+    }
+}
+
+impl FromStr for Span {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let text = text.trim();
+        if text == "all" {
+            return Ok(Self::All);
+        }
+        let number = |part: &str| part.parse::<usize>().ok();
+        let (ends, step) = text.split_once(':').unwrap_or((text, "1"));
+        let (first, last) = ends.split_once('-').unwrap_or((ends, ends));
+        match (number(first), number(last), number(step)) {
+            (Some(first), Some(last), Some(step @ 1..)) if first <= last => Ok(Self::Steps { first, last, step }),
+            _ => Err(format!("'{text}' is none of: 3 (from 0), 2-8, 0-90:10, all")),
+        }
+    }
+}
+
+impl FromStr for Places {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once(',') {
+            Some((columns, rows)) => Ok(Self { columns: columns.parse()?, rows: rows.parse()? }),
+            None if text.trim() == "all" => Ok(Self { columns: Span::All, rows: Span::All }),
+            None => Err("give COLUMN,ROW, both from 0, or all".into()),
         }
     }
 }
@@ -276,5 +375,24 @@ mod tests {
         assert_eq!("a,b/Sky.HDR".parse(), Ok(SkyArgument::Map("a,b/Sky.HDR".into())));
         assert!("sky.png".parse::<SkyArgument>().unwrap_err().contains(".exr"));
         assert_eq!("3,4".parse(), Ok(Pair { column: 3, row: 4 }));
+        assert_eq!(depths("2,inf"), Ok((2.0, f64::INFINITY)));
+        assert!(depths("6,2").is_err() && depths("0,2").is_err() && depths("2").is_err());
+        assert_eq!(crop("1,2,30x20"), Ok(Crop { left: 1, top: 2, size: GridSize::new(20, 30) }));
+        assert!(crop("1,2,0x3").is_err() && crop("1,2").is_err() && crop("-1,2,3x3").is_err());
+        assert!(frame_rate("0").is_err() && frame_rate("601").is_err() && frame_rate("12.5").is_ok());
+    }
+
+    #[test]
+    fn places_are_one_some_or_all() {
+        let all = |text: &str, count| text.parse::<Span>().unwrap().indices(count).collect::<Vec<_>>();
+        assert_eq!(all("all", 3), [0, 1, 2]);
+        assert_eq!(all("2-8:3", 100), [2, 5, 8]);
+        assert_eq!(all("7", 3), [7]);
+        for bad in ["", "8-2", "1-3:0", "a", "-1", "1-", "1:2:3"] {
+            assert!(bad.parse::<Span>().is_err(), "{bad}");
+        }
+        assert!("3,4".parse::<Places>().unwrap().is_one());
+        assert!(!"3,all".parse::<Places>().unwrap().is_one() && !"all".parse::<Places>().unwrap().is_one());
+        assert!("3".parse::<Places>().is_err());
     }
 }

@@ -12,7 +12,7 @@ use crate::failure::Failure;
 
 pub fn run(options: &DepthOptions) -> Result<(), Failure> {
     let input = &options.input.input;
-    let (raw, _) = raw::read(input, options.input.from, options.input.views)?;
+    let (raw, _) = raw::read_input(&options.input)?;
     let mut sweep = PlaneSweepOptions {
         effort: match options.effort {
             EffortArgument::Draft => Effort::Draft,

@@ -66,7 +66,7 @@ pub fn prepare(
         sensor_size_m: rig.sensor_mm / 1e3,
         baseline: match rig.baseline_m {
             Some(baseline) => Baseline::Metres(baseline),
-            None => Baseline::FNumber(rig.f_number.unwrap_or(5.0)),
+            None => Baseline::FNumber(rig.main_lens.f_number_or_default()),
         },
         projection: match rig.projection {
             ProjectionArgument::Perspective => Projection::Perspective,
@@ -95,7 +95,7 @@ pub fn prepare(
     if let Some(note) = renderer.engine_note().filter(|_| !quiet) {
         say!("warning: {note}");
     }
-    let focus = match rig.focus_m {
+    let focus = match rig.main_lens.focus_m {
         FocusArgument::Metres(distance) => distance,
         FocusArgument::Automatic => framed.automatic_focus_m(&renderer).map_err(|e| blame(scene, e))?,
     };
@@ -174,10 +174,10 @@ fn split(rig: &RigOptions, quiet: bool) -> Result<Split, Failure> {
     if let Some(lenses) = rig.lenses {
         return Ok(Split::new(rig.views, lenses)?);
     }
-    let divided = rig.sensor.split(rig.views, Remainder::Crop)?;
+    let divided = rig.main_lens.sensor.split(rig.views, Remainder::Crop)?;
     let border = divided.border;
     if !quiet && (border.rows, border.columns) != (0, 0) {
-        let size = rig.sensor.size();
+        let size = rig.main_lens.sensor.size();
         say!(
             "note: {} x {} views leave {} columns and {} rows of the {} x {} sensor unused",
             rig.views.columns,

@@ -1,11 +1,12 @@
-//! Light fields from files and folders of every kind: what `remap`, `extract` and `view` have in common.
+//! Light fields from files and folders of every kind, in the type of their file.
 
 use std::path::Path;
 
 use holo_core::{GridSize, Layout, LightField, LightFieldOwned, Split};
 use holo_io::{FileKind, Limits, Opened, ParametersCfg, StoredLightField, dataset};
 
-use crate::arguments::LayoutArgument;
+use super::picture::Picture;
+use crate::arguments::{InputOptions, LayoutArgument};
 use crate::failure::Failure;
 
 /// A light field in the type of its file.
@@ -26,6 +27,36 @@ impl Raw {
     }
 }
 
+/// Calls a method of whichever light field it is, and makes a [`Picture`] of the result.
+macro_rules! picture {
+    ($raw:expr, $field:ident => $cut:expr) => {
+        Ok(match $raw {
+            Raw::U8($field) => Picture::U8($cut?),
+            Raw::U16($field) => Picture::U16($cut?),
+            Raw::Float($field) => Picture::Float($cut?),
+        })
+    };
+}
+
+/// Pieces, borrowed.
+impl Raw {
+    pub fn view(&self, t: usize, s: usize) -> Result<Picture<'_>, Failure> {
+        picture!(self, field => field.view(t, s))
+    }
+
+    pub fn elemental(&self, v: usize, u: usize) -> Result<Picture<'_>, Failure> {
+        picture!(self, field => field.elemental(v, u))
+    }
+
+    pub fn epi_row(&self, v: usize, t: usize) -> Result<Picture<'_>, Failure> {
+        picture!(self, field => field.epi_row(v, t))
+    }
+
+    pub fn epi_column(&self, u: usize, s: usize) -> Result<Picture<'_>, Failure> {
+        picture!(self, field => field.epi_column(u, s))
+    }
+}
+
 impl TryFrom<StoredLightField> for Raw {
     type Error = Failure;
 
@@ -38,6 +69,11 @@ impl TryFrom<StoredLightField> for Raw {
             _ => return Err(Failure::Failed("the samples are of a type that is not read here".into())),
         })
     }
+}
+
+/// Reads what the command line names.
+pub fn read_input(input: &InputOptions) -> Result<(Raw, Option<Layout>), Failure> {
+    read(&input.input, input.from, input.views)
 }
 
 /// Reads a raw PNG, a `.mat`, an `.h5`, or a folder: a dataset's, one of HCI's layout, a gantry's. Also tells which grid it

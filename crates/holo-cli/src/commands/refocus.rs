@@ -2,7 +2,7 @@
 //!
 //! Light is added up, not codes: the sRGB curve of integers is undone first and put back at the end.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use holo_core::refocus::{Aperture, Kernel, Refocus, disparity_from_slope};
 use holo_core::{GridSize, LightField, LightFieldOwned, Rig, Split};
@@ -11,7 +11,7 @@ use holo_render::exposure;
 use ndarray::{Array3, Axis, Slice};
 
 use super::beside::Beside;
-use super::extract::write_pfm;
+use super::picture::{numbered, write_pfm};
 use super::raw::{self, Raw};
 use crate::arguments::{ApertureArgument, KernelArgument, RefocusOptions};
 use crate::failure::Failure;
@@ -24,8 +24,8 @@ enum Codes {
 }
 
 pub fn run(options: &RefocusOptions) -> Result<(), Failure> {
-    let (input, from, views) = (&options.input.input, options.input.from, options.input.views);
-    let (raw, _) = raw::read(input, from, views)?;
+    let (input, views) = (&options.input.input, options.input.views);
+    let (raw, _) = raw::read_input(&options.input)?;
     let split = raw.split();
     let rig = Beside::of(input, views.is_some())?.rig.filter(|rig| *rig.split() == split);
     let refocus = refocus(options, split.views(), rig.as_ref())?;
@@ -120,12 +120,4 @@ fn write(out: &Path, picture: Array3<f32>, codes: Codes) -> Result<(), Failure> 
         }
     }
     Ok(())
-}
-
-/// `stack.png` becomes `stack_007.png`.
-fn numbered(out: &Path, number: usize, count: usize) -> PathBuf {
-    let digits = count.saturating_sub(1).to_string().len().max(3);
-    let stem = out.file_stem().unwrap_or_default().to_string_lossy();
-    let ending = out.extension().unwrap_or_default().to_string_lossy();
-    out.with_file_name(format!("{stem}_{number:0digits$}.{ending}"))
 }

@@ -24,7 +24,7 @@ pub fn run(options: &ViewOptions) -> Result<(), Failure> {
     if raw.rows.saturating_mul(raw.columns) > MAX_PIXELS {
         return Err(Failure::Failed(format!(
             "{}: {} x {} pixels are more than a browser holds ({} million); render fewer views or lenses for a page",
-            options.input.display(),
+            options.input.input.display(),
             raw.columns,
             raw.rows,
             MAX_PIXELS / 1_000_000

@@ -36,11 +36,14 @@ impl fmt::Display for OpticsWarning {
                 "disparities from {min_px:.3} to {max_px:.3} px leave -{limit_px} to {limit_px} px: use a smaller baseline, more views on \
                  the same aperture, or a focus distance nearer to the harmonic mean of the depths"
             ),
-            Self::DepthResolutionTooCoarse { resolution_m, depth_m, step_px } => write!(
-                f,
-                "a step of {step_px} px is {resolution_m:.3} m deep, more than the whole range of {depth_m:.3} m: use a larger \
-                 baseline or more pixels a view"
-            ),
+            Self::DepthResolutionTooCoarse { resolution_m, depth_m, step_px } => {
+                if resolution_m.is_finite() {
+                    write!(f, "a step of {step_px} px is {resolution_m:.3} m deep")?;
+                } else {
+                    write!(f, "a step of {step_px} px reaches to infinity")?;
+                }
+                write!(f, ", more than the whole range of {depth_m:.3} m: use a larger baseline or more pixels a view")
+            }
         }
     }
 }

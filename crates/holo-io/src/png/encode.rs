@@ -88,6 +88,21 @@ impl Layout {
             .ok_or_else(|| bad(format!("rows of {width} pixels do not fit into the memory of this machine")))?;
         Ok(Self { size, channels, width, height, colour, pixel_bytes, row_bytes })
     }
+
+    pub fn row_bytes(&self) -> usize {
+        self.row_bytes
+    }
+
+    /// An encoder that knows what the header says.
+    pub fn encoder<'a, T: Sample, W: Write>(&self, out: W, meaning: Meaning) -> png::Encoder<'a, W> {
+        let mut encoder = png::Encoder::new(out, self.width, self.height);
+        encoder.set_color(self.colour);
+        encoder.set_depth(if T::BYTES == 1 { png::BitDepth::Eight } else { png::BitDepth::Sixteen });
+        if meaning == Meaning::Srgb {
+            encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+        }
+        encoder
+    }
 }
 
 /// Where the bytes go, and what its word is when something goes wrong.
@@ -193,12 +208,7 @@ impl<W: Sink> Rows<W> {
         meaning: Meaning,
         compression: Compression,
     ) -> Result<Self, png::EncodingError> {
-        let mut encoder = png::Encoder::new(out, layout.width, layout.height);
-        encoder.set_color(layout.colour);
-        encoder.set_depth(if T::BYTES == 1 { png::BitDepth::Eight } else { png::BitDepth::Sixteen });
-        if meaning == Meaning::Srgb {
-            encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        }
+        let mut encoder = layout.encoder::<T, _>(out, meaning);
         Ok(match compression {
             Compression::Scratch => {
                 encoder.set_compression(png::Compression::Fast);
@@ -214,7 +224,7 @@ impl<W: Sink> Rows<W> {
 }
 
 /// Puts a row of any strides into its bytes.
-fn gather<T: Sample>(row: ArrayView2<'_, T>, bytes: &mut [u8]) {
+pub(super) fn gather<T: Sample>(row: ArrayView2<'_, T>, bytes: &mut [u8]) {
     match row.as_slice() {
         Some(dense) => T::put_dense(dense, bytes),
         None => row.iter().zip(bytes.chunks_exact_mut(T::BYTES)).for_each(|(sample, bytes)| sample.put(bytes)),

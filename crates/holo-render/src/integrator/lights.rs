@@ -4,6 +4,9 @@
 //! Punctual lights can only be asked. Emissive surfaces and surroundings with a map are asked as well and met by
 //! scattered rays: each way counts by the balance heuristic. The constant sky is only met. The discs of distant lights
 //! are asked by everything that is not perfectly smooth, and met by what is.
+//!
+//! Of emissive surfaces several points are asked what they would give without their shadow, and a shadow ray goes to one
+//! of them, drawn by that (Talbot et al., "Importance Resampling for Global Illumination", 2005).
 
 use super::Context;
 use super::depth::count;
@@ -16,6 +19,16 @@ use crate::sampling::{self, Draw, Points, Purpose};
 
 /// Up to this many lights the first event asks every one.
 const ALL_LIGHTS: usize = 8;
+
+/// Points on emissive surfaces that the first event asks, and later ones. Measured on nine scenes of the gallery, lit by rooms
+/// and windows, 4 samples a pixel: against one point the squared error falls to 0.43 (plaster), 0.65 (chess), 0.48 (curtains),
+/// and the time grows by 12, 20, 18 %. Eight points cost another 28 % and gain 3 to 17 %.
+const POINTS_ASKED: [u32; 2] = [4, 1];
+
+/// How often all points of one event together count against the direction that its surface scatters to (the factor of the
+/// asking way in the balance heuristic; any value is unbiased). With 1 the scattered ray, which tells most of mirrors, keeps
+/// its weight; with all points' worth everything hangs on the one shadow ray.
+const WEIGHT_OF_POINTS: [f32; 2] = [2.0, 1.0];
 
 /// The largest f32 below 1.
 const ONE_MINUS: f32 = 1.0 - f32::EPSILON / 2.0;
@@ -48,16 +61,16 @@ struct Gain {
 pub(super) fn add(context: &Context, here: &Shading, scatterer: &Scatterer, gain: &mut [[f32; LANES]; 3]) -> u64 {
     let mut shadow_rays = 0;
     let punctual = context.lights.len();
-    let with_emitters = usize::from(context.emitters.is_some());
-    let all = punctual + with_emitters + usize::from(context.surroundings.is_some());
+    let points = if context.emitters.is_some() { points_asked(here.event).0 as usize } else { 0 };
+    let all = punctual + points + usize::from(context.surroundings.is_some());
     let one_of_all = punctual > ALL_LIGHTS || (here.event > 0 && punctual > 1);
-    let [number, choice] = if one_of_all | (with_emitters == 1) { draw(here, Draw::Light) } else { [[0.0; LANES]; 2] };
-    let mut reservoir = Reservoir::new(number);
+    let numbers = if one_of_all | (points > 0) { draw(here, Draw::Light) } else { [[0.0; LANES]; 2] };
+    let mut reservoir = Reservoir::new(numbers[0]);
     for k in 0..all {
         let arriving = if k < punctual {
             punctual_light(context, here, &context.lights[k])
-        } else if k < punctual + with_emitters {
-            emitter(context, here, &choice)
+        } else if k < punctual + points {
+            emitter(context, here, (k - punctual) as u32)
         } else {
             surroundings(context, here)
         };
@@ -65,6 +78,16 @@ pub(super) fn add(context: &Context, here: &Shading, scatterer: &Scatterer, gain
         if one_of_all && k < punctual {
             reservoir.offer(&arrived);
             if k + 1 < punctual {
+                continue;
+            }
+            arrived = reservoir.chosen();
+        }
+        if k >= punctual && k < punctual + points {
+            if k == punctual {
+                reservoir = Reservoir::new(numbers[1]);
+            }
+            reservoir.offer(&arrived);
+            if k + 1 < punctual + points {
                 continue;
             }
             arrived = reservoir.chosen();
@@ -99,9 +122,17 @@ fn punctual_light(context: &Context, here: &Shading, light: &PreparedLight) -> A
     }
 }
 
-/// A point of something that glows.
+/// How many points on emissive surfaces the event number `event` asks, and how much they count.
 #[inline(always)]
-fn emitter(context: &Context, here: &Shading, choice: &[f32; LANES]) -> Arriving {
+fn points_asked(event: u32) -> (u32, f32) {
+    let later = usize::from(event > 0);
+    (POINTS_ASKED[later], WEIGHT_OF_POINTS[later])
+}
+
+/// Point number `k` of something that glows, of those that this event asks: together with those of the other samples
+/// they are one sequence, spread over all that glows.
+#[inline(always)]
+fn emitter(context: &Context, here: &Shading, k: u32) -> Arriving {
     let zero = [0.0; LANES];
     let mut out = Arriving {
         to_light: [zero; 3],
@@ -111,7 +142,14 @@ fn emitter(context: &Context, here: &Shading, choice: &[f32; LANES]) -> Arriving
         asked: zero,
     };
     let Some(emitters) = context.emitters else { return out };
-    let sample = emitters.sample(&here.surfaces.start, choice, &draw(here, Draw::Emitter));
+    let (points, weight) = points_asked(here.event);
+    let mut indices = [0; LANES];
+    for lane in 0..LANES {
+        indices[lane] = here.paths.sample[lane] * points + k;
+    }
+    let draw = |draw| sampling::points_at(here.sequences, &indices, Purpose::event(here.event, draw));
+    let [choice, _] = draw(Draw::EmitterChoice);
+    let sample = emitters.sample(&here.surfaces.start, &choice, &draw(Draw::Emitter));
     let mut wanted = [false; LANES];
     for lane in 0..LANES {
         let mut squared = 0.0;
@@ -139,7 +177,13 @@ fn emitter(context: &Context, here: &Shading, choice: &[f32; LANES]) -> Arriving
         }
     }
     out.to_light = sample.to_light;
-    out.asked = sample.pdf;
+    for lane in 0..LANES {
+        out.asked[lane] = sample.pdf[lane] * weight;
+        // Each point stands for its share of all.
+        for c in 0..3 {
+            out.strength[c][lane] *= weight / points as f32;
+        }
+    }
     out
 }
 
@@ -284,8 +328,10 @@ pub(super) fn weight_of_glow(context: &Context, here: &Shading) -> [f32; LANES] 
         cosine[lane] = here.surfaces.side[lane] * along / squared[lane].sqrt();
     }
     let asked = emitters.pdf(&part, &squared, &cosine);
+    // By the event that scattered the ray hither. Camera rays have an infinite density: nothing else asked for them.
+    let (_, weight) = points_asked(here.event.saturating_sub(1));
     for lane in 0..LANES {
-        out[lane] = balance(here.paths.density[lane], asked[lane]);
+        out[lane] = balance(here.paths.density[lane], asked[lane] * weight);
     }
     out
 }

@@ -115,7 +115,7 @@ mod tests {
         assert_eq!(options.scenes, ["garden", "chess"]);
         assert_eq!(options.splits, [holo_core::GridSize::new(20, 20), holo_core::GridSize::new(3, 4)]);
         assert_eq!((options.job.spp, options.job.no_indirect, options.quiet), (Some(5), true, false));
-        assert_eq!((options.f_number, options.glb), (2.8, vec!["some/own/a.glb".into()]));
+        assert_eq!((options.main_lens.f_number, options.glb), (Some(2.8), vec!["some/own/a.glb".into()]));
     }
 
     #[test]

@@ -44,7 +44,7 @@ pub fn jobs(options: &DatasetOptions, said: &ArgMatches) -> Result<Vec<Job>, Fai
         if splits.iter().any(|split| split.views() == views) {
             return Err(Failure::Usage(format!("--splits has {} twice", in_words(views))));
         }
-        splits.push(options.sensor.split(views, Remainder::Crop)?.split);
+        splits.push(options.main_lens.sensor.split(views, Remainder::Crop)?.split);
     }
     let common: asked::Asked = asked::asked(said);
     let mut jobs = Vec::new();

@@ -56,13 +56,13 @@ impl Contents {
     ///
     /// [`Failure`] if there is no light field, or if the estimate has not the size of a view.
     pub fn gather(options: &ViewOptions) -> Result<Self, Failure> {
-        let input = dataset_of(options).unwrap_or(&options.input);
-        let beside = Beside::of(input, options.views.is_some())?;
+        let input = dataset_of(options).unwrap_or(&options.input.input);
+        let beside = Beside::of(input, options.input.views.is_some())?;
         let (picture, split) = picture(input, options)?;
         let beside_fits = beside.rig.as_ref().is_none_or(|rig| *rig.split() == split);
         let Beside { rig, depth_m, disparity_px } = if beside_fits { beside } else { Beside::default() };
         let estimate_px = options.estimate.as_deref().map(|path| estimate(path, split.lenses())).transpose()?;
-        let name = std::path::absolute(&options.input).unwrap_or_else(|_| options.input.clone());
+        let name = std::path::absolute(&options.input.input).unwrap_or_else(|_| options.input.input.clone());
         let title = name.file_name().map_or_else(|| "light field".into(), |name| name.to_string_lossy().into_owned());
         Ok(Self { title, split, rig, picture, depth_m, disparity_px, estimate_px })
     }
@@ -70,9 +70,9 @@ impl Contents {
 
 /// The folder of a raw image that is named itself: what stands in its manifest belongs to the picture.
 fn dataset_of(options: &ViewOptions) -> Option<&Path> {
-    let named = options.input.file_name().is_some_and(|name| name == ELEMENTAL_PNG || name == VIEWPOINT_PNG);
-    let folder = options.input.parent()?;
-    let plain = named && options.from.is_none() && options.views.is_none();
+    let named = options.input.input.file_name().is_some_and(|name| name == ELEMENTAL_PNG || name == VIEWPOINT_PNG);
+    let folder = options.input.input.parent()?;
+    let plain = named && options.input.from.is_none() && options.input.views.is_none();
     (plain && folder.join(MANIFEST_JSON).is_file()).then_some(folder)
 }
 
@@ -81,7 +81,7 @@ fn picture(input: &Path, options: &ViewOptions) -> Result<(Picture, Split), Fail
     let given = match holo_io::open(input)? {
         Opened::DatasetFolder(folder) => folder.raw_image().map(|(file, layout)| (file, layout, folder.split())),
         Opened::Png(_) => {
-            let (layout, split) = raw::describe_png(input, options.from, options.views)?;
+            let (layout, split) = raw::describe_png(input, options.input.from, options.input.views)?;
             Some((input.to_owned(), layout, split))
         }
         _ => None,
@@ -92,7 +92,7 @@ fn picture(input: &Path, options: &ViewOptions) -> Result<(Picture, Split), Fail
             return Ok((Picture::File(file), split));
         }
     }
-    let (raw, _) = raw::read(input, options.from, options.views)?;
+    let (raw, _) = raw::read(input, options.input.from, options.input.views)?;
     let split = raw.split();
     let field = match raw {
         Raw::U8(field) => field,
