@@ -1,9 +1,11 @@
 //! `holo refocus`, `depth`, `eval` and `epi`: what they write is what the libraries say.
 
 mod common;
+#[path = "../../holo-io/tests/common/python.rs"]
+mod python;
 
 use common::{Bench, Outcome, SCENE, read_u8, read_u16, small_split};
-use holo_core::metrics::{Region, disparity_scores};
+use holo_core::metrics::{NormalGeometry, Region, disparity_scores, median_angle_error_deg};
 use holo_io::{Compression, Limits, Meaning, read_pfm_grey, write_pfm, write_png_u8};
 use ndarray::{Array2, s};
 use serde_json::Value;
@@ -90,6 +92,12 @@ fn an_estimate_is_written_and_judged() {
     assert_eq!(json["compared"], scores.counts.compared);
     assert!(json["best_plane_bad_pixels_percent"].as_f64() <= json["best_constant_bad_pixels_percent"].as_f64());
     assert_eq!(read_u8(bench.path("error.png")).dim(), (40, 60, 3));
+    // The rig beside the truth makes depths of the maps, and of these normals.
+    let parameters = holo_io::ParametersCfg::read(bench.path("out/parameters.cfg")).unwrap().rig_parameters().unwrap();
+    let rig = holo_core::Rig::new(parameters).unwrap();
+    let region = Region::with_border(5);
+    let angle = median_angle_error_deg(&estimate, &truth, &rig, NormalGeometry::Pinhole, &region).unwrap();
+    assert_eq!(json["median_angle_deg"], angle.value);
     let table = ok(bench.run("eval estimate.pfm out/scene_disparity.pfm --border 5")).stdout;
     for name in [
         "BadPix(0.01)",
@@ -98,6 +106,7 @@ fn an_estimate_is_written_and_judged() {
         "Q25 x 100",
         "bumpiness",
         "RMSE",
+        "median angle of normals",
         "without a finite truth",
     ] {
         assert!(table.contains(name), "no {name} in {table}");
@@ -119,6 +128,34 @@ fn pictures_are_compared_too() {
     let same = ok(bench.run("eval out/scene_el.png out/scene_el.png --json")).stdout;
     let same: Value = serde_json::from_str(&same).unwrap();
     assert_eq!((&same["ssim"], &same["psnr_db"]), (&Value::from(1.0), &Value::from("inf")));
+}
+
+/// `holo eval` beside scikit-image, on noise of 8 and of 16 bits, grey and coloured. The Gaussian of SSIM is summed in another
+/// order there: 1e-9.
+#[test]
+fn psnr_and_ssim_are_those_of_scikit_image() {
+    let bench = Bench::new();
+    bench.render("out", "");
+    bench.render("other", "--spp 3 --seed 7");
+    let noise = |seed: usize, (row, column, c): (usize, usize, usize)| {
+        ((row * 7919 + column * 104_729 + c * 31 + seed * (row * column + 17)) % 65_521) as u16
+    };
+    for (name, seed) in [("a.png", 1), ("b.png", 3)] {
+        let deep = ndarray::Array3::from_shape_fn((37, 41, 1), |at| noise(seed, at));
+        holo_io::write_png_u16(bench.path(name), deep.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    }
+    for (one, other) in [("out/scene_el.png", "other/scene_el.png"), ("a.png", "b.png")] {
+        let own: Value = serde_json::from_str(&ok(bench.run(&format!("eval {one} {other} --json"))).stdout).unwrap();
+        let paths = [one, other].map(|name| bench.path(name).to_str().unwrap().to_owned());
+        let arguments = [paths[0].as_str(), paths[1].as_str()];
+        let modules = ["numpy", "skimage", "PIL"];
+        let Some(theirs) = python::run(&modules, include_str!("scikit_image.py"), &arguments) else { return };
+        let theirs: Value = serde_json::from_str(&theirs).unwrap();
+        for key in ["psnr_db", "ssim"] {
+            let (own, theirs) = (own[key].as_f64().unwrap(), theirs[key].as_f64().unwrap());
+            assert!((own - theirs).abs() <= 1e-9 * theirs.abs(), "{key} of {one}: {own} and {theirs}");
+        }
+    }
 }
 
 #[test]

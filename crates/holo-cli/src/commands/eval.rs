@@ -3,13 +3,15 @@
 use std::path::Path;
 
 use holo_core::metrics::{
-    BAD_PIXEL_THRESHOLDS_PX, ErrorColours, Region, best_constant, best_plane, bumpiness, disparity_scores, error_map,
-    psnr_db, ssim,
+    BAD_PIXEL_THRESHOLDS_PX, ErrorColours, NormalGeometry, Region, best_constant, best_plane, bumpiness,
+    disparity_scores, error_map, median_angle_error_deg, psnr_db, ssim,
 };
+use holo_core::{GridSize, Rig};
 use holo_io::{Compression, FileKind, Limits, Meaning, PngSamples};
 use ndarray::{Array2, Axis};
 use serde_json::{Value, json};
 
+use super::beside::Beside;
 use crate::arguments::EvalOptions;
 use crate::console::out;
 use crate::failure::Failure;
@@ -82,6 +84,10 @@ fn maps(options: &EvalOptions) -> Result<Vec<Row>, Failure> {
         row("mean_absolute_error_px", "MAE", scores.mean_absolute_error_px, "px"),
         row("root_mean_squared_error_px", "RMSE", scores.root_mean_squared_error_px, "px"),
     ]);
+    if let Some(rig) = rig_beside(&options.truth, truth.dim()) {
+        let angle = median_angle_error_deg(&estimate, &truth, &rig, NormalGeometry::Pinhole, &region)?;
+        rows.push(row("median_angle_deg", "median angle of normals", angle.value, "degrees"));
+    }
     let counts = scores.counts;
     for (key, name, count) in [
         ("compared", "pixels compared", counts.compared),
@@ -95,6 +101,13 @@ fn maps(options: &EvalOptions) -> Result<Vec<Row>, Failure> {
         holo_io::write_png_u8(path, picture.view(), Meaning::Srgb, Compression::Published)?;
     }
     Ok(rows)
+}
+
+/// The rig of a map's views, if the `parameters.cfg` beside it is theirs: depths, and with them normals, need one.
+fn rig_beside(map: &Path, (rows, columns): (usize, usize)) -> Option<Rig> {
+    let rig = Beside::of(map, false).ok()?.rig?;
+    let (views, lenses) = (rig.split().views(), rig.split().lenses());
+    (lenses == GridSize::new(rows, columns) && views.columns > 1).then_some(rig)
 }
 
 fn read_mask(path: &Path) -> Result<Array2<bool>, Failure> {
