@@ -1,5 +1,7 @@
 //! The three engines agree.
 
+mod watertight;
+
 use std::sync::Arc;
 
 use super::*;
