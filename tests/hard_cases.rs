@@ -99,6 +99,26 @@ fn any_shape_of_rig_works() {
     }
 }
 
+/// 65,535 and 65,537 views, a million lenses: no index is cut to 16 bits, no product to 32.
+#[test]
+fn sizes_at_the_edges_of_index_types_work() {
+    let mut scene = Scene::default();
+    add(&mut scene, square(500.0), [1.0; 4], Transform::from_translation([0.0, 0.0, -3.0]));
+    for (views, lenses) in [
+        ([1, 65_535], [1, 2]),
+        ([257, 255], [2, 1]),
+        ([65_537, 1], [1, 1]),
+        ([1, 1], [1000, 1000]),
+        ([2, 1], [1, 1 << 20]),
+    ] {
+        let rig = rig(views, lenses, 1e-9, 3.0, Projection::Perspective);
+        let all = render(&scene, &truth(rig), Backend::Bvh, 2).all.expect("asked for");
+        let depth = all[Layer::Depth].samples();
+        assert_eq!(depth.dim(), (lenses[0], lenses[1], views[0], views[1], 1));
+        assert!(depth.iter().all(|z| *z == 3.0), "{views:?} {lenses:?}");
+    }
+}
+
 /// Sizes beyond memory are refused, not tried.
 #[test]
 fn absurd_sizes_are_errors() {

@@ -5,6 +5,7 @@ mod common;
 use common::{add, engines, everything, render, rig, square};
 use holo_core::Projection;
 use holo_render::scene::{Light, LightKind, Mesh, Scene, Transform};
+use holo_render::{Layer, LayerSet, Request};
 
 fn light(kind: LightKind) -> Light {
     Light { name: String::new(), intensity: [1.0; 3], kind }
@@ -88,5 +89,76 @@ fn duplicates_do_not_shade_each_other() {
     scene.lights.push(light(LightKind::Directional { direction, angular_diameter_rad: 0.0 }));
     for backend in engines() {
         assert_eq!(dark_pixels(&scene, backend).0, 0, "{backend:?}");
+    }
+}
+
+/// Under a sun 0.01 degrees above the horizon every pixel of a plain has E sin(0.01 degrees) of it, and none is dark: f32 knows the
+/// cosine of so flat an angle to 1e-7/1.7e-4.
+#[test]
+fn grazing_light_is_even() {
+    let elevation = 0.01_f64.to_radians();
+    let mut scene = Scene::default();
+    // Seen from above: the plain faces the camera, the sun comes from the right.
+    add(&mut scene, square(4.0), [0.8, 0.8, 0.8, 1.0], Transform::from_translation([0.0, 0.0, -2.0]));
+    let direction = [-elevation.cos(), 0.0, -elevation.sin()];
+    scene.lights.push(light(LightKind::Directional { direction, angular_diameter_rad: 0.0 }));
+    let expected = 0.8 / std::f64::consts::PI * elevation.sin();
+    for backend in engines() {
+        let rig = rig([4, 4], [40, 60], 0.002, 2.0, Projection::Perspective);
+        let color = render(&scene, &everything(rig, 1, [0.0; 3]), backend, 2).color.expect("lit");
+        let worst = color.samples().iter().map(|&x| (f64::from(x) / expected - 1.0).abs()).fold(0.0, f64::max);
+        assert!(worst < 2e-3, "{backend:?}: {worst}");
+    }
+}
+
+/// A coarse ball with smooth normals under a sun: where the triangle itself is turned away it is dark, and where it faces the sun it is
+/// not darker than Lambert's law makes it; no light comes through from behind.
+#[test]
+fn the_terminator_of_a_coarse_ball_has_neither_acne_nor_leaks() {
+    let mut mesh = Mesh::default();
+    let (around, up) = (16_u32, 8_u32);
+    for i in 0..=up {
+        for j in 0..=around {
+            let (a, b) = (std::f64::consts::PI * f64::from(i) / 8.0, std::f64::consts::TAU * f64::from(j) / 16.0);
+            let point = [a.sin() * b.cos(), a.cos(), a.sin() * b.sin()].map(|x| x as f32);
+            mesh.positions.push(point);
+            mesh.normals.push(point);
+        }
+    }
+    for i in 0..up {
+        for j in 0..around {
+            let [a, b, c, d] = [i * 17 + j, (i + 1) * 17 + j, (i + 1) * 17 + j + 1, i * 17 + j + 1];
+            mesh.triangles.extend([[a, c, b], [a, d, c]]);
+        }
+    }
+    let mut scene = Scene::default();
+    add(&mut scene, mesh, [1.0; 4], Transform::from_translation([0.0, 0.0, -4.0]));
+    let sun = [-0.8_f32, -0.36, -0.48];
+    let direction = sun.map(f64::from);
+    scene.lights.push(light(LightKind::Directional { direction, angular_diameter_rad: 0.0 }));
+    for backend in engines() {
+        let rig = rig([2, 2], [80, 120], 0.002, 4.0, Projection::Perspective);
+        let layers = LayerSet::of(&[Layer::GeometricNormal, Layer::ShadingNormal, Layer::HitMask]);
+        let request = Request { layers, ..everything(rig, 1, [0.0; 3]) };
+        let rendered = render(&scene, &request, backend, 2);
+        let (color, all) = (rendered.color.expect("lit"), rendered.all.expect("asked for"));
+        let (geometric, shading) = (all[Layer::GeometricNormal].samples(), all[Layer::ShadingNormal].samples());
+        let [mut leaks, mut acne, mut lit] = [0; 3];
+        for ((v, u, t, s, c), value) in color.samples().indexed_iter() {
+            if c > 0 || all[Layer::HitMask].samples()[[v, u, t, s, 0]] == 0.0 {
+                continue;
+            }
+            let facing = |normals: &ndarray::ArrayView5<f32>| -> f32 {
+                (0..3).map(|k| -sun[k] * normals[[v, u, t, s, k]]).sum()
+            };
+            let (by_triangle, by_normal) = (facing(&geometric), facing(&shading));
+            // The rim of the shadow is a rounding wide.
+            leaks += usize::from(by_triangle < -1e-4 && *value > 0.0);
+            let expected = by_normal.max(0.0) / std::f32::consts::PI;
+            acne += usize::from(by_triangle > 1e-4 && *value < 0.999 * expected);
+            lit += usize::from(*value > 0.0);
+        }
+        assert!(lit > 4000, "{backend:?}: only {lit} pixels are lit");
+        assert_eq!((leaks, acne), (0, 0), "{backend:?}: leaks, acne");
     }
 }

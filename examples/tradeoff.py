@@ -1,0 +1,91 @@
+"""The paper's trade-off (section V) as a table: more views of one sensor are smaller views, closer together.
+
+Usage: tradeoff.py HOLO DATASET SCENE [SCENE ..]
+
+HOLO is the program, DATASET a folder that `holo dataset` wrote with the splits 20 to 100. Needs numpy and pillow. For every scene
+and split: baseline, disparity range and depth of field (a blur of one pixel of the 20 x 20 split) of all views together; PSNR and
+SSIM of the central view, enlarged to the size that it has at 20 x 20, against that one; multi-view stereo from the raw image:
+BadPix(0.07) beside that of the best constant, and the median error of depth.
+"""
+import json
+import subprocess
+import sys
+import tempfile
+from configparser import ConfigParser
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+SPLITS = [20, 40, 60, 80, 100]
+LARGE = (397, 265)
+
+
+def run(*command):
+    return subprocess.run([str(part) for part in command], check=True, capture_output=True, text=True).stdout
+
+
+def read_pfm(path):
+    with open(path, "rb") as file:
+        file.readline()
+        columns, rows = map(int, file.readline().split())
+        assert float(file.readline()) < 0
+        return np.fromfile(file, "<f4").reshape(rows, columns)[::-1]
+
+
+def inverse_depth(disparity_px, parameters):
+    """Eq. 3 solved for 1/Z."""
+    inside, outside = parameters["intrinsics"], parameters["extrinsics"]
+    pixels = max(inside.getint("image_resolution_x_px"), inside.getint("image_resolution_y_px"))
+    k = outside.getfloat("baseline_mm") / 1e3 * inside.getfloat("focal_length_mm") * pixels
+    k /= inside.getfloat("sensor_size_mm")
+    return disparity_px / k + 1 / outside.getfloat("focus_distance_m")
+
+
+def row(holo, job, split, reference, folder):
+    depth = read_pfm(job / "scene_depth.pfm")
+    near, far = depth[np.isfinite(depth)].min(), depth[np.isfinite(depth)].max()
+    # One pixel of the 20 x 20 split is so much of one here.
+    circle = 20 / split
+    optics = json.loads(run(holo, "optics", job, "--depths-m", f"{near},{far * 1.000001}", "--circle-px", circle, "--json"))
+    view = folder / f"view{split}.png"
+    run(holo, "extract", job, "--view", f"{split // 2},{split // 2}", "--out", view)
+    Image.open(view).resize(LARGE, Image.Resampling.BICUBIC).save(view)
+    likeness = json.loads(run(holo, "eval", view, reference or view, "--json"))
+    estimate, truth = folder / f"estimate{split}.pfm", job / "scene_disparity.pfm"
+    # The raw image alone, with the parameters beside it.
+    run(holo, "depth", job / "scene_el.png", "--out", estimate, "--quiet")
+    scores = json.loads(run(holo, "eval", estimate, truth, "--border", max(2, 15 * 20 // split), "--json"))
+    parameters = ConfigParser()
+    parameters.read(job / "parameters.cfg")
+    estimated, true = (inverse_depth(read_pfm(path).astype(float), parameters) for path in (estimate, truth))
+    error = np.median(np.abs(true / np.maximum(estimated, 1e-9) - 1)[np.isfinite(true) & (true > 0)])
+    low, high = optics["disparity_px"]
+    sharp = " to ".join(x if isinstance(x, str) else f"{x:.2f}" for x in optics["depth_of_field_m"])
+    like = "" if reference is None else f"{likeness['psnr_db']:.1f} dB, {likeness['ssim']:.3f}"
+    stereo = f"{scores['bad_pixels_0.07_percent']:.1f} % ({scores['best_constant_bad_pixels_percent']:.1f} %)"
+    lenses = optics["lenses"]
+    print(
+        f"| {job.parent.name} | {split}x{split} | {lenses['columns']}x{lenses['rows']} | {optics['baseline_mm']:.3f} mm "
+        f"| {low:.3f} to {high:.3f} px | {sharp} m | {like} | {stereo} | {100 * error:.2f} % |",
+        flush=True,
+    )
+    return view
+
+
+def main():
+    if len(sys.argv) < 4:
+        sys.exit(__doc__)
+    holo, dataset, scenes = sys.argv[1], Path(sys.argv[2]), sys.argv[3:]
+    print("| scene | views | lenses | baseline | disparities | depth of field | enlarged view | BadPix(0.07) (constant) | depth error |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    for scene in scenes:
+        with tempfile.TemporaryDirectory() as folder:
+            reference = None
+            for split in SPLITS:
+                view = row(holo, dataset / scene / f"{split}x{split}", split, reference, Path(folder))
+                reference = reference or view
+
+
+if __name__ == "__main__":
+    main()
