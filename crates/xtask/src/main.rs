@@ -10,6 +10,7 @@
 //! fuzz     build every fuzz target and run each for some seconds
 //! package  build each library from its package alone
 //! bench    setup + the benchmarks
+//! report   setup + speed against error, measured anew into report/
 //! ```
 #![forbid(unsafe_code)]
 
@@ -40,8 +41,15 @@ fn main() -> ExitCode {
         Some("bench") => {
             setup().and_then(|()| process::cargo(&[&["bench", "-p", "holo-bench"], strs(rest).as_slice()].concat()))
         }
-        _ => Err("usage: cargo xtask setup | build | demo | test | clippy | embree | fuzz [SECONDS [TARGET..]] | package | bench"
-            .into()),
+        Some("report") => setup().and_then(|()| {
+            let report = ["run", "--quiet", "--release", "-p", "holo-bench", "--bin", "report", "--"];
+            process::cargo(&[&report, strs(rest).as_slice()].concat())
+        }),
+        _ => Err(
+            "usage: cargo xtask setup | build | demo | test | clippy | embree | fuzz [SECONDS [TARGET..]] | package | \
+                  bench | report [--quick] [--out DIR]"
+                .into(),
+        ),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

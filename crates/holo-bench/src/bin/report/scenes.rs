@@ -1,0 +1,71 @@
+//! Scenes in front of rigs, and the machine they are rendered on.
+
+use holo_core::{GridSize, Projection, Rig, Split};
+use holo_render::scene::{Scene, Transform};
+use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer, gallery};
+
+/// A scene of the gallery, ready to be rendered.
+pub struct Ready {
+    pub scene: Scene,
+    pub pose: Transform,
+    pub rig: Rig,
+}
+
+impl Ready {
+    /// With `views` an axis and the baseline of an f/5 lens, or with `baseline_m`.
+    pub fn new(name: &str, views: usize, lenses: GridSize, baseline_m: Option<f64>) -> Self {
+        let scene = gallery::scene(name).expect("a scene of the gallery");
+        let framing = Framing {
+            split: Split::new(GridSize::new(views, views), lenses).expect("sizes"),
+            camera: CameraChoice::First,
+            focal_length_m: None,
+            sensor_size_m: 0.036,
+            baseline: baseline_m.map_or(Baseline::FNumber(5.0), Baseline::Metres),
+            projection: Projection::Perspective,
+        };
+        let framed = framing.frame(&scene).expect("a camera");
+        let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
+        let focus = framed.automatic_focus_m(&renderer).expect("a focus");
+        Self { rig: framed.rig(focus).expect("a rig"), pose: framed.pose, scene }
+    }
+
+    pub fn renderer(&self, backend: Backend, threads: usize) -> Renderer {
+        Renderer::new(&self.scene, &self.pose, backend, threads).expect("a renderer")
+    }
+}
+
+/// Radiance of the sky that a scene of the gallery is shown under.
+pub fn sky(name: &str) -> [f32; 3] {
+    if name == "garden" { [0.35, 0.45, 0.6] } else { [0.0; 3] }
+}
+
+/// The engines that are here, the fast one first.
+pub fn engines() -> Vec<Backend> {
+    let empty = Scene::default();
+    let all = [Backend::Embree, Backend::Bvh];
+    all.into_iter().filter(|&backend| Renderer::new(&empty, &Transform::IDENTITY, backend, 1).is_ok()).collect()
+}
+
+/// A word for tables.
+pub fn name(backend: Backend) -> &'static str {
+    match backend {
+        Backend::Embree => "Embree",
+        Backend::Bvh => "BVH",
+        _ => "other",
+    }
+}
+
+/// What this machine is.
+pub fn machine() -> String {
+    let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = cpu.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or(": an unknown processor");
+    let threads = std::thread::available_parallelism().map_or(1, usize::from);
+    let engine = Renderer::new(&Scene::default(), &Transform::IDENTITY, Backend::Auto, 1);
+    let engine = engine.map_or_else(|error| error.to_string(), |renderer| renderer.engine_name().to_owned());
+    format!(
+        "Machine: {}, {threads} threads; {engine}; holo {}. Times are medians; ± is half of what lies between the fastest and the \
+         slowest run. Machines are shared: trust ratios.",
+        model.trim_start_matches([' ', '\t', ':']),
+        env!("CARGO_PKG_VERSION")
+    )
+}

@@ -1,0 +1,133 @@
+//! Depth and disparity against a closed form and against every triangle in f64.
+
+use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
+use holo_render::scene::{Instance, Material, Mesh, Scene, Transform};
+use holo_render::{Backend, GroundTruth, Integrator, Layer, Renderer, Request};
+
+use crate::scenes::{Ready, name};
+use crate::sheet::{Sheet, short, timed};
+use crate::{Section, Wish};
+
+/// Relative difference of depth beyond which two engines saw different triangles.
+const ANOTHER_SURFACE: f64 = 1e-5;
+
+pub fn section(wish: &Wish) -> Section {
+    let mut sheet = Sheet::new(&[
+        "what",
+        "engine",
+        "Mrays/s",
+        "median relative error of depth",
+        "largest",
+        "largest error of disparity, px",
+        "pixels on another surface",
+    ]);
+    for &engine in &wish.engines {
+        slanted_plane(wish, engine, &mut sheet);
+    }
+    for scene in ["plaster", "garden"] {
+        for &engine in &wish.engines {
+            every_triangle(wish, scene, engine, &mut sheet);
+        }
+    }
+    Section {
+        title: "Ground truth",
+        text: "A slanted plane against its closed form, in f64; scenes of the gallery against every triangle tried in f64 (few rays, \
+               for that takes long). Layers are stored in f32, which rounds by up to 6e-8. Pixels on another surface are rays within \
+               rounding of a silhouette, and not counted among the errors."
+            .into(),
+        sheet,
+        plots: Vec::new(),
+    }
+}
+
+fn truth_request(rig: Rig) -> Request {
+    Request { integrator: Integrator::Depth, ground_truth: GroundTruth::All, ..Request::new(rig) }
+}
+
+/// The plane z = -2 - 0.5 x - 0.25 y.
+fn slanted_plane(wish: &Wish, engine: Backend, sheet: &mut Sheet) {
+    let corner = |x: f32, y: f32| [x, y, -2.0 - 0.5 * x - 0.25 * y];
+    let scene = Scene {
+        meshes: vec![Mesh {
+            positions: vec![corner(-8.0, -8.0), corner(8.0, -8.0), corner(8.0, 8.0), corner(-8.0, 8.0)],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        }],
+        instances: vec![Instance { name: String::new(), mesh: 0, transform: Transform::IDENTITY }],
+        materials: vec![Material::default()],
+        ..Scene::default()
+    };
+    let views = if wish.quick { 30 } else { 100 };
+    let rig = Rig::new(RigParameters {
+        split: Split::new(GridSize::new(views, views), GridSize::new(53, 79)).expect("sizes"),
+        intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
+        baseline_x_m: 1e-4,
+        baseline_y_m: 1e-4,
+        focus_distance_m: 2.0,
+        projection: Projection::Perspective,
+    })
+    .expect("a rig");
+    let renderer = Renderer::new(&scene, &Transform::IDENTITY, engine, 0).expect("a scene");
+    let (seconds, rendered) = timed(wish.rounds, || renderer.render(&truth_request(rig), &()).expect("a render"));
+    let all = rendered.all.expect("asked for");
+    let (depth, disparity) = (all[Layer::Depth].samples(), all[Layer::Disparity].samples());
+    let (mut errors, mut worst_px) = (Vec::new(), 0.0_f64);
+    for ((v, u, t, s, _), &found) in depth.indexed_iter() {
+        // The ray through the pixel's centre meets the plane where z is linear in what the ray has gone.
+        let ray = rig.ray(v, u, t, s, 0.5, 0.5);
+        let [near, far] = [1.0, 2.0].map(|z| ray.at_depth_m(z));
+        let height = |p: [f64; 3]| p[2] + 2.0 + 0.5 * p[0] + 0.25 * p[1];
+        let (a, b) = (height(near), height(far));
+        let exact = 1.0 + a / (a - b);
+        errors.push((f64::from(found) / exact - 1.0).abs());
+        let exact_px = rig.disparity().from_depth_m(exact);
+        worst_px = worst_px.max((f64::from(disparity[[v, u, t, s, 0]]) - exact_px).abs());
+    }
+    row(sheet, "slanted plane, closed form", engine, rendered.rays.total() as f64 / seconds.median, errors, worst_px);
+}
+
+fn every_triangle(wish: &Wish, scene: &str, engine: Backend, sheet: &mut Sheet) {
+    let lenses = if wish.quick { GridSize::new(6, 9) } else { GridSize::new(20, 30) };
+    let ready = Ready::new(scene, 2, lenses, Some(1e-3));
+    let request = truth_request(ready.rig);
+    let render = |backend| ready.renderer(backend, 0).render(&request, &()).expect("a render");
+    let (exact, found) = (render(Backend::BruteForce), render(engine));
+    let speed = {
+        let many = Ready::new(scene, if wish.quick { 20 } else { 100 }, GridSize::new(53, 79), None);
+        let renderer = many.renderer(engine, 0);
+        let request = truth_request(many.rig);
+        let (seconds, rendered) = timed(wish.rounds, || renderer.render(&request, &()).expect("a render"));
+        rendered.rays.total() as f64 / seconds.median
+    };
+    let (exact, found) = (exact.all.expect("asked for"), found.all.expect("asked for"));
+    let (mut errors, mut worst_px) = (Vec::new(), 0.0_f64);
+    let pairs = exact[Layer::Depth].samples().into_iter().zip(found[Layer::Depth].samples());
+    let disparities = exact[Layer::Disparity].samples().into_iter().zip(found[Layer::Disparity].samples());
+    for ((&exact, &found), (&exact_px, &found_px)) in pairs.zip(disparities) {
+        if exact == found {
+            errors.push(0.0);
+            continue;
+        }
+        let error = (f64::from(found) / f64::from(exact) - 1.0).abs();
+        errors.push(if error.is_nan() { f64::INFINITY } else { error });
+        if error < ANOTHER_SURFACE {
+            worst_px = worst_px.max((f64::from(found_px) - f64::from(exact_px)).abs());
+        }
+    }
+    row(sheet, &format!("{scene}, every triangle"), engine, speed, errors, worst_px);
+}
+
+fn row(sheet: &mut Sheet, what: &str, engine: Backend, rays_per_second: f64, mut errors: Vec<f64>, worst_px: f64) {
+    let all = errors.len();
+    errors.retain(|error| *error < ANOTHER_SURFACE);
+    errors.sort_by(f64::total_cmp);
+    sheet.push([
+        what.into(),
+        name(engine).into(),
+        short(rays_per_second / 1e6),
+        short(errors[errors.len() / 2]),
+        short(errors[errors.len() - 1]),
+        short(worst_px),
+        format!("{} of {all}", all - errors.len()),
+    ]);
+}
