@@ -45,12 +45,7 @@ pub fn section(wish: &Wish) -> Section {
             (Effort::Balanced, "balanced"),
             (Effort::Thorough, "thorough"),
         ] {
-            let options = PlaneSweepOptions {
-                effort,
-                disparity_min_px: low - 0.1,
-                disparity_max_px: high + 0.1,
-                ..PlaneSweepOptions::default()
-            };
+            let options = PlaneSweepOptions { effort, disparity_min_px: low - 0.1, disparity_max_px: high + 0.1 };
             let (seconds, estimate) =
                 timed(wish.rounds.min(3), || plane_sweep(&coded, &options).expect("an estimate").disparity_px);
             let scores = disparity_scores(&estimate, &truth, &region).expect("maps of one size");
