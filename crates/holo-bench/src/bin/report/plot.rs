@@ -57,14 +57,14 @@ impl Plot {
                 escaped(words)
             );
         };
-        text(LEFT, 20.0, "start", 14, &self.title);
+        text(LEFT, 15.0, "start", 14, &self.title);
         text(0.5 * (LEFT + right), HEIGHT - 10.0, "middle", 12, &self.axes[0]);
         text(6.0, TOP - 4.0, "start", 12, &self.axes[1]);
         for x in x_axis.marks() {
-            text(x_at(x), bottom + 16.0, "middle", 11, &crate::sheet::short(x));
+            text(x_at(x), bottom + 16.0, "middle", 11, &plain(x));
         }
         for y in y_axis.marks() {
-            text(LEFT - 6.0, y_at(y) + 4.0, "end", 11, &crate::sheet::short(y));
+            text(LEFT - 6.0, y_at(y) + 4.0, "end", 11, &plain(y));
         }
         for (k, series) in self.series.iter().enumerate() {
             text(right + 44.0, TOP + 12.0 + 18.0 * k as f64, "start", 11, &series.name);
@@ -134,6 +134,12 @@ impl Axis {
         }
         marks
     }
+}
+
+/// One, two or five times a power of ten, without zeros behind the point.
+fn plain(mark: f64) -> String {
+    let text = crate::sheet::short(mark);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
 }
 
 fn escaped(words: &str) -> String {

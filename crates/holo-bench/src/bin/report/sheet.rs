@@ -49,20 +49,29 @@ pub struct Seconds {
 impl Seconds {
     /// `0.123 +-4 %`.
     pub fn text(self) -> String {
-        format!("{:.3} ±{:.0} %", self.median, 50.0 * self.spread)
+        format!("{} ±{:.0} %", short(self.median), 50.0 * self.spread)
     }
 }
+
+/// Runs of fewer seconds are warmed up.
+const WARM_UP: f64 = 0.5;
 
 /// Runs something several times; also returns what the last run made.
 pub fn timed<T>(rounds: usize, mut work: impl FnMut() -> T) -> (Seconds, T) {
     let mut last = None;
     let mut seconds = Vec::new();
-    for _ in 0..rounds.max(1) {
+    for round in 0..=rounds.max(1) {
         // Not two of them at once in memory.
         drop(last.take());
         let start = Instant::now();
         last = Some(work());
         seconds.push(start.elapsed().as_secs_f64());
+        // What is quick is warmed up by its first run, which does not count; of what takes long that makes no difference.
+        if round == 0 && seconds[0] < WARM_UP {
+            seconds.clear();
+        } else if seconds.len() == rounds.max(1) {
+            break;
+        }
     }
     seconds.sort_by(f64::total_cmp);
     let median = seconds[seconds.len() / 2];
