@@ -14,9 +14,9 @@ const SCENES: [&str; 4] = ["garden", "plaster", "chess", "glasses"];
 const EPSILON: f64 = 1e-2;
 
 pub fn section(wish: &Wish) -> Section {
-    let (views, lenses) = if wish.quick { (6, GridSize::new(12, 18)) } else { (10, GridSize::new(24, 36)) };
+    let (views, lenses) = if wish.quick { (6, GridSize::new(12, 18)) } else { (8, GridSize::new(24, 36)) };
     let samples: &[u32] = if wish.quick { &[1, 4, 16] } else { &[1, 4, 16, 64] };
-    let reference_samples = if wish.quick { 256 } else { 1024 };
+    let reference_samples = if wish.quick { 256 } else { 512 };
     let mut sheet = Sheet::new(&[
         "scene",
         "integrator",
