@@ -48,7 +48,13 @@ fn main() {
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--quick" => quick = true,
-            "--out" => out = arguments.next().expect("a folder behind --out").into(),
+            "--out" => match arguments.next() {
+                Some(folder) => out = folder.into(),
+                None => {
+                    eprintln!("report: --out needs a folder behind it");
+                    std::process::exit(2);
+                }
+            },
             other => {
                 eprintln!("report: unknown argument '{other}'; there are --quick and --out DIR");
                 std::process::exit(2);

@@ -3,7 +3,7 @@
 //! A ray through an edge meets both of its triangles within rounding; a triangle test that rounds one edge in two ways lets it
 //! slip between them. The BVH has the watertight test of [`super::super::triangle`] (Woop, Benthin, Wald, 2013), and none leaks. With
 //! Embree 4.4, ROBUST flag and all, one in a thousand of rays that are aimed *exactly* at a vertex or an edge of a sphere does: a
-//! known limit, held to one in a hundred here. Rays that are not aimed so meet such a place once in millions.
+//! known limit, held to one in a hundred here.
 
 use std::f64::consts::TAU;
 
