@@ -109,6 +109,7 @@ fn engines_agree_on_depth() {
         let (a, b) = (oracle[Layer::Depth].samples(), found[Layer::Depth].samples());
         let same = |a: f32, b: f32| a == b || ((a - b) / a).abs() < 1e-6;
         let (differ, all) = (a.iter().zip(b).filter(|(a, b)| !same(**a, **b)).count(), a.len());
+        println!("{backend:?}: {differ} of {all}");
         assert!(differ * 1000 <= all, "{backend:?}: {differ} of {all}");
     }
 }

@@ -5,7 +5,7 @@ mod common;
 use common::{add, engines, everything, render, rig, square};
 use holo_core::Projection;
 use holo_render::scene::{Light, LightKind, Mesh, Scene, Transform};
-use holo_render::{Layer, LayerSet, Request};
+use holo_render::{Integrator, Layer, LayerSet, Request};
 
 fn light(kind: LightKind) -> Light {
     Light { name: String::new(), intensity: [1.0; 3], kind }
@@ -15,7 +15,8 @@ fn light(kind: LightKind) -> Light {
 fn dark_pixels(scene: &Scene, backend: holo_render::Backend) -> (usize, usize) {
     let rig = rig([4, 4], [40, 60], 0.002, 2.0, Projection::Perspective);
     let color = render(scene, &everything(rig, 1, [0.0; 3]), backend, 2).color.expect("lit");
-    let dark = color.samples().iter().step_by(3).filter(|x| **x == 0.0).count();
+    // What is no number is dark, too.
+    let dark = color.samples().iter().step_by(3).filter(|x| x.is_nan() || **x <= 0.0).count();
     (dark, color.samples().len() / 3)
 }
 
@@ -92,22 +93,86 @@ fn duplicates_do_not_shade_each_other() {
     }
 }
 
-/// Under a sun 0.01 degrees above the horizon every pixel of a plain has E sin(0.01 degrees) of it, and none is dark: f32 knows the
-/// cosine of so flat an angle to 1e-7/1.7e-4.
+/// A tilted wall that is a micrometre, a metre or a thousand kilometres wide does not shade itself: what keeps shadow rays off a surface grows
+/// with the scene.
+#[test]
+fn no_scale_shades_itself() {
+    for scale in [1e-6, 1e-3, 1.0, 1e3, 1e6] {
+        let mut scene = Scene::default();
+        let tilt = Transform::from_parts([0.01, -0.02, -2.0].map(|x| x * scale), [0.21, 0.13, 0.08, 0.96], [scale; 3]);
+        add(&mut scene, square(4.0), [0.8, 0.8, 0.8, 1.0], tilt);
+        let direction = [0.48, -0.6, -0.64];
+        scene.lights.push(light(LightKind::Directional { direction, angular_diameter_rad: 0.0 }));
+        let rig = rig([4, 4], [40, 60], 0.002 * scale, 2.0 * scale, Projection::Perspective);
+        for backend in engines() {
+            let color = render(&scene, &everything(rig, 1, [0.0; 3]), backend, 2).color.expect("lit");
+            let dark = color.samples().iter().filter(|x| x.is_nan() || **x <= 0.0).count();
+            assert_eq!(dark, 0, "{backend:?} x {scale}");
+        }
+    }
+}
+
+/// A tilted plain of 5000 triangles under a sun 0.01 degrees above it: every pixel has E sin(0.01 degrees), to the 1e-3 that f32 knows of
+/// so flat a cosine (1e-7 of 1.7e-4), and none is dark. With the sun as far below, all are black.
 #[test]
 fn grazing_light_is_even() {
     let elevation = 0.01_f64.to_radians();
+    let mut plain = Mesh::default();
+    for k in 0..51 * 51 {
+        plain.positions.push([-4.0 + 0.16 * (k % 51) as f32, -4.0 + 0.16 * (k / 51) as f32, 0.0]);
+    }
+    for k in 0..50 * 50_u32 {
+        let a = k / 50 * 51 + k % 50;
+        plain.triangles.extend([[a, a + 1, a + 52], [a, a + 52, a + 51]]);
+    }
+    let tilt = Transform::from_parts([0.01, -0.02, -2.0], [0.21, 0.13, 0.08, 0.96], [1.0; 3]);
+    let rig = rig([4, 4], [40, 60], 0.002, 2.0, Projection::Perspective);
+    for (elevation, below) in [(elevation, false), (-elevation, true)] {
+        let mut scene = Scene::default();
+        add(&mut scene, plain.clone(), [0.8, 0.8, 0.8, 1.0], tilt);
+        let direction = tilt.vector([-elevation.cos(), 0.0, -elevation.sin()]);
+        scene.lights.push(light(LightKind::Directional { direction, angular_diameter_rad: 0.0 }));
+        let expected = 0.8 / std::f64::consts::PI * elevation.sin();
+        for backend in engines() {
+            let color = render(&scene, &everything(rig, 1, [0.0; 3]), backend, 2).color.expect("lit");
+            let values = color.samples();
+            assert!(values.iter().all(|x| x.is_finite()));
+            if below {
+                assert!(values.iter().all(|x| *x == 0.0), "{backend:?}: light from below");
+                continue;
+            }
+            let worst = values.iter().map(|&x| (f64::from(x) / expected - 1.0).abs()).fold(0.0, f64::max);
+            println!("{backend:?}: {worst:.1e}");
+            assert!(worst < 1e-3, "{backend:?}: {worst}");
+        }
+    }
+}
+
+/// A closed room is black whatever shines outside: no light comes through its walls, edges and corners.
+#[test]
+fn no_light_leaks_into_a_closed_room() {
+    let positions = (0..8).map(|k| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 1.0 } else { -1.0 })).collect();
+    let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    let triangles = quads.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
+    let room = Mesh { positions, triangles, ..Mesh::default() };
     let mut scene = Scene::default();
-    // Seen from above: the plain faces the camera, the sun comes from the right.
-    add(&mut scene, square(4.0), [0.8, 0.8, 0.8, 1.0], Transform::from_translation([0.0, 0.0, -2.0]));
-    let direction = [-elevation.cos(), 0.0, -elevation.sin()];
-    scene.lights.push(light(LightKind::Directional { direction, angular_diameter_rad: 0.0 }));
-    let expected = 0.8 / std::f64::consts::PI * elevation.sin();
+    let turned = Transform::from_parts([0.1, 0.05, -0.2], [0.21, 0.33, 0.18, 0.8], [1.0; 3]);
+    add(&mut scene, room, [0.8, 0.8, 0.8, 1.0], turned);
+    for direction in [[0.48, -0.6, -0.64], [-1.0, 0.0, 0.0], [0.6, 0.0, 0.8]] {
+        scene.lights.push(light(LightKind::Directional { direction, angular_diameter_rad: 0.02 }));
+    }
+    let lamp = LightKind::Point { position: [0.5, 3.0, -1.0], range: None };
+    scene.lights.push(Light { intensity: [1e6; 3], ..light(lamp) });
+    // An edge, a corner and the walls between are in the picture.
+    let rig = rig([4, 4], [80, 120], 0.002, 1.0, Projection::Perspective);
     for backend in engines() {
-        let rig = rig([4, 4], [40, 60], 0.002, 2.0, Projection::Perspective);
-        let color = render(&scene, &everything(rig, 1, [0.0; 3]), backend, 2).color.expect("lit");
-        let worst = color.samples().iter().map(|&x| (f64::from(x) / expected - 1.0).abs()).fold(0.0, f64::max);
-        assert!(worst < 2e-3, "{backend:?}: {worst}");
+        for integrator in [Integrator::Direct, Integrator::Path] {
+            let request = Request { integrator, ..everything(rig, 4, [1.0; 3]) };
+            let rendered = render(&scene, &request, backend, 2);
+            assert!(rendered.central[Layer::Depth].iter().all(|z| z.is_finite()));
+            let lit = rendered.color.expect("asked for").samples().iter().filter(|x| **x != 0.0).count();
+            assert_eq!(lit, 0, "{backend:?} {integrator:?}");
+        }
     }
 }
 

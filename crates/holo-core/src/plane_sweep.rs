@@ -28,8 +28,8 @@
 //! by discs drawn by hand, and Thorough was not run at 20 x 20.
 //!
 //! What is bad is mirrors and glass, in which one sees something at another distance; floors seen at a flat angle with hardly
-//! any texture; and a pixel along edges. Gallery `garden` stays above 30 % at any effort: by eye, a third or
-//! more of it is grass and leaves about a pixel wide, and about a seventh an empty sky.
+//! any texture; and a pixel along edges. Gallery `garden` stays at a seventh to a fifth at any effort: much of it is grass and leaves
+//! about a pixel wide.
 //!
 //! # Memory
 //!

@@ -1,4 +1,4 @@
-//! Eq. 4: from one layout to the other, the only place where pixels move.
+//! Eq. 4: from one layout to the other, the only place where one grid becomes the other.
 //!
 //! For a fixed lens row `v` and view row `t`, row `v*T + t` of the elemental grid and row `t*V + v` of the viewpoint grid hold the
 //! same U*S pixels: the one as U groups of S, the other as S groups of U. The whole job is therefore V*T independent

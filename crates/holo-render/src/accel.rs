@@ -94,4 +94,4 @@ pub(crate) fn build(
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -4,6 +4,7 @@
 //! by tile on the renderer's threads, and says how long that took.
 
 use std::hint::black_box;
+use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Instant;
 
 use holo_core::Rig;
@@ -28,6 +29,31 @@ pub enum Storage {
     Instanced,
     /// As a render chooses.
     Chosen,
+}
+
+/// Where samples lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sampler {
+    /// Owen-scrambled Sobol points, the place in the pixel shared by 4 x 4 views, as in every render.
+    Shared,
+    /// The same points, every view with places of its own.
+    Own,
+    /// Independent random numbers.
+    Independent,
+}
+
+static SAMPLER: AtomicU8 = AtomicU8::new(0);
+
+const SAMPLERS: [Sampler; 3] = [Sampler::Shared, Sampler::Own, Sampler::Independent];
+
+/// The sampler of all renders of this process from now on.
+pub fn set_sampler(sampler: Sampler) {
+    SAMPLER.store(sampler as u8, Ordering::Relaxed);
+}
+
+#[inline(always)]
+pub(crate) fn sampler() -> Sampler {
+    SAMPLERS[usize::from(SAMPLER.load(Ordering::Relaxed))]
 }
 
 /// A renderer with Embree that stores repeated meshes as told.

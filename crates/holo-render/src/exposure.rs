@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::error::Error;
 use crate::srgb::{Encoder8, naive16};
 
-/// This share of all pixels may be brighter than [`BRIGHT`] of the display's range.
+/// This share of all pixels lies below [`BRIGHT`] of the display's range.
 const PERCENTILE: f64 = 0.99;
 /// Linear display value that the percentile is brought to.
 const BRIGHT: f64 = 0.8;

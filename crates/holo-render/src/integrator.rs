@@ -146,9 +146,20 @@ impl Context<'_> {
         let (mut lens, mut block) = ([0; LANES], [0; LANES]);
         for lane in 0..LANES {
             lens[lane] = v.index[lane] * self.columns[0] + u.index[lane];
+            let side = views_that_share();
             // Set apart from the views themselves by the highest bit.
-            block[lane] = (t.index[lane] / 4 * self.columns[1] + s.index[lane] / 4) | 1 << 31;
+            block[lane] = (t.index[lane] / side * self.columns[1] + s.index[lane] / side) | 1 << 31;
         }
         sampling::points(&sampling::sequences(self.seed, &lens, &block), sample, Purpose::PIXEL)
     }
+}
+
+/// How wide a block of views is whose samples lie at the same places of their pixels.
+#[inline(always)]
+fn views_that_share() -> u32 {
+    #[cfg(feature = "bench")]
+    if crate::bench::sampler() != crate::bench::Sampler::Shared {
+        return 1;
+    }
+    4
 }

@@ -62,3 +62,6 @@ pub(crate) fn refine(geometry: &Geometry, packet: &RayHits, rays: &ExactRays) ->
     }
     Refined { depth, normal }
 }
+
+#[cfg(test)]
+mod tests;

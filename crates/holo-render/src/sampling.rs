@@ -74,6 +74,10 @@ pub(crate) fn points(sequences: &[u32; LANES], index: u32, purpose: Purpose) -> 
 /// A sample of its own number of each of sixteen sequences, in [0, 1).
 #[inline(always)]
 pub(crate) fn points_at(sequences: &[u32; LANES], indices: &[u32; LANES], purpose: Purpose) -> Points {
+    #[cfg(feature = "bench")]
+    if crate::bench::sampler() == crate::bench::Sampler::Independent {
+        return independent(sequences, indices, purpose);
+    }
     let mut out = [[0.0; LANES]; 2];
     for lane in 0..LANES {
         let seed = hash(sequences[lane] ^ purpose.0.wrapping_mul(0x85EB_CA6B));
@@ -83,6 +87,20 @@ pub(crate) fn points_at(sequences: &[u32; LANES], indices: &[u32; LANES], purpos
         // The upper 24 bits: an f32 holds them exactly, and 1 is never reached.
         out[0][lane] = (x >> 8) as f32 * (1.0 / 16_777_216.0);
         out[1][lane] = (y >> 8) as f32 * (1.0 / 16_777_216.0);
+    }
+    out
+}
+
+/// In place of [`points_at`]: numbers that know nothing of each other, to measure what the sequence is worth.
+#[cfg(feature = "bench")]
+fn independent(sequences: &[u32; LANES], indices: &[u32; LANES], purpose: Purpose) -> Points {
+    let mut out = [[0.0; LANES]; 2];
+    for lane in 0..LANES {
+        let mut x = hash(hash(sequences[lane] ^ purpose.0.wrapping_mul(0x85EB_CA6B)) ^ hash(indices[lane]));
+        for coordinate in &mut out {
+            x = hash(x.wrapping_add(0x9E37_79B9));
+            coordinate[lane] = (x >> 8) as f32 * (1.0 / 16_777_216.0);
+        }
     }
     out
 }

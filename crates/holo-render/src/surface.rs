@@ -13,7 +13,8 @@ use crate::refine::Refined;
 pub(crate) struct Surfaces {
     pub hit: [bool; LANES],
     pub position: [[f32; LANES]; 3],
-    /// Where rays on the side of the arriving one start: the hit, moved off the surface so that they do not meet it again.
+    /// Where rays on the side of the arriving one start: the hit, moved off the surface so that they do not meet it again, and back
+    /// along the arriving ray so that they do not start behind another one.
     pub start: [[f32; LANES]; 3],
     /// Unit normal of the triangle on the side that the ray came from.
     pub geometric_normal: [[f32; LANES]; 3],
@@ -40,7 +41,9 @@ pub(crate) struct HitPoints {
 }
 
 /// An f32 position is off by at most 2^-24 of the largest coordinate involved; a few such errors add up between the
-/// refined point, the engine's rounded vertices and its own arithmetic. Eight of them keep clear of the surface.
+/// refined point, the engine's rounded vertices and its own arithmetic. Eight of them keep clear of the surface. Where two walls
+/// meet that is not enough: a hit on the one within rounding of the other could start behind that, and see what lies outside (of ten
+/// million samples of a closed room one to five did). Where the ray came from lies before both, so as much is gone back along it.
 const OFFSET_PER_COORDINATE: f32 = 8.0 / 16_777_216.0;
 
 /// A scattered ray's refined length may leave the engine's by this much, relatively; as for camera rays.
@@ -132,8 +135,12 @@ impl Surfaces {
         for lane in 0..LANES {
             let [x, y, z] = at(&out.position, lane);
             let offset = extent[lane].max(x.abs()).max(y.abs()).max(z.abs()) * OFFSET_PER_COORDINATE;
+            let direction = at(&packet.rays.direction, lane);
+            let [x, y, z] = direction;
+            let back = offset / (x * x + y * y + z * z).sqrt();
             for axis in 0..3 {
-                out.start[axis][lane] = out.position[axis][lane] + out.geometric_normal[axis][lane] * offset;
+                let off = out.geometric_normal[axis][lane] * offset - direction[axis] * back;
+                out.start[axis][lane] = out.position[axis][lane] + off;
             }
         }
         Some(out)

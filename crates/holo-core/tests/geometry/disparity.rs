@@ -1,7 +1,8 @@
 //! Eq. 2 and Eq. 3 against a reference of twice the precision, at the ends of their ranges and at infinity.
 
 use crate::double_double::{DoubleDouble, exact, ulps};
-use holo_core::{Disparity, Error, Projection, StereoPair};
+use crate::exact::{Exact, is_within};
+use holo_core::{Disparity, Error, GridSize, Intrinsics, Projection, Rig, RigParameters, Split, StereoPair};
 use ndarray::{Array2, array};
 use proptest::prelude::*;
 
@@ -47,6 +48,68 @@ proptest! {
                 let off = ulps(disparity, reference(scale, focus_m, depth_m, projection));
                 prop_assert!(off <= 4.0, "{off} ulp at F = {focus_m:e}, Z = {depth_m:e}, k = {scale:e}");
             }
+        }
+    }
+
+    /// The same without any rounding in the reference: integers of as many bits as it takes (up to 290 here).
+    #[test]
+    fn disparity_is_within_4_ulp_of_the_exact_quotient((focus_m, depth_m) in focus_and_depth(), scale in decades(-9.0, 6.0)) {
+        let [k, f, z] = [scale, focus_m, depth_m].map(Exact::new);
+        for projection in BOTH {
+            let disparity = Disparity::new(scale, focus_m, projection).unwrap().from_depth_m(depth_m);
+            let numerator = k.clone() * (f.clone() - z.clone());
+            let denominator = match projection {
+                Projection::Perspective => z.clone() * f.clone(),
+                Projection::Orthographic => f.clone() * f.clone(),
+            };
+            prop_assert!(
+                is_within(disparity, 4.0, numerator, denominator),
+                "{disparity:e} at F = {focus_m:e}, Z = {depth_m:e}, k = {scale:e}"
+            );
+        }
+    }
+
+    /// Without a focus plane, and without anything in the way: k/Z and -k/F, one rounding each.
+    #[test]
+    fn infinite_distances_are_limits((focus_m, depth_m) in focus_and_depth(), scale in decades(-9.0, 6.0)) {
+        let [k, f, z] = [scale, focus_m, depth_m].map(Exact::new);
+        let unfocused = Disparity::new(scale, f64::INFINITY, Projection::Perspective).unwrap();
+        prop_assert!(is_within(unfocused.from_depth_m(depth_m), 1.0, k.clone(), z));
+        let nothing_there = Disparity::new(scale, focus_m, Projection::Perspective).unwrap().from_depth_m(f64::INFINITY);
+        prop_assert!(is_within(-nothing_there, 1.0, k, f));
+    }
+
+    /// In f32 maps, too, near and far from the focus plane: the f64 result, rounded once.
+    #[test]
+    fn f32_maps_round_once((focus_m, depth_m) in focus_and_depth(), scale in decades(-9.0, 6.0)) {
+        for projection in BOTH {
+            let map = Disparity::new(scale, focus_m, projection).unwrap();
+            let stored_m = depth_m as f32;
+            let found = map.map_from_depth_m(&array![stored_m])[0];
+            prop_assert_eq!(found, map.from_depth_m(f64::from(stored_m)) as f32);
+        }
+    }
+
+    /// From the rig's own numbers, with baselines from a nanometre to a metre: three more roundings make k = b f N / sensor.
+    #[test]
+    fn rigs_have_the_disparity_of_their_numbers(
+        (focus_m, depth_m) in focus_and_depth(), baseline_m in decades(-9.0, 0.0), focal_m in decades(-3.0, 0.0), columns in 1_usize..5000
+    ) {
+        let rig = Rig::new(RigParameters {
+            split: Split::new(GridSize::new(1, 2), GridSize::new(1, columns)).unwrap(),
+            intrinsics: Intrinsics { focal_length_m: focal_m, sensor_size_m: 0.036 },
+            baseline_x_m: baseline_m,
+            baseline_y_m: baseline_m,
+            focus_distance_m: focus_m,
+            projection: Projection::Perspective,
+        })
+        .unwrap();
+        if depth_m != focus_m {
+            let [b, f, n, sensor] = [baseline_m, focal_m, columns as f64, 0.036].map(Exact::new);
+            let [focus, z] = [focus_m, depth_m].map(Exact::new);
+            let numerator = b * f * n * (focus.clone() - z.clone());
+            let disparity = rig.disparity().from_depth_m(depth_m);
+            prop_assert!(is_within(disparity, 7.0, numerator, sensor * z * focus), "{disparity:e} at b = {baseline_m:e}");
         }
     }
 

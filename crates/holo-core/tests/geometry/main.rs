@@ -2,4 +2,5 @@
 
 mod disparity;
 mod double_double;
+mod exact;
 mod rig;

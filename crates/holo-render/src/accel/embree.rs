@@ -62,7 +62,7 @@ const BUFFER_TYPE_VERTEX: c_int = 1;
 const FORMAT_UINT3: c_int = 0x5003;
 const FORMAT_FLOAT3: c_int = 0x9003;
 const FORMAT_FLOAT3X4_COLUMN_MAJOR: c_int = 0x9234;
-/// Rays that touch an edge hit one of its triangles; it costs about 6 % of the speed.
+/// Rays that touch an edge hit one of its triangles (vertices: see the tests of watertightness); it costs about 6 % of the speed.
 const SCENE_FLAG_ROBUST: c_int = 1 << 2;
 const BUILD_QUALITY_MEDIUM: c_int = 1;
 

@@ -8,6 +8,9 @@ pub(crate) const LANES: usize = 16;
 /// The triangle of a ray that hit nothing (Embree's `RTC_INVALID_GEOMETRY_ID`).
 pub(crate) const NO_TRIANGLE: u32 = u32::MAX;
 
+/// Where rays begin: a camera that lies exactly on a surface does not see it.
+const NEAREST: f32 = f32::MIN_POSITIVE;
+
 /// One value a ray, aligned as Embree wants it.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +64,7 @@ impl Rays {
     /// No ray yet: from the origin along -Z, of any length.
     pub const EMPTY: Self = Self {
         origin: [[0.0; LANES]; 3],
-        near: [0.0; LANES],
+        near: [NEAREST; LANES],
         direction: [[0.0; LANES], [0.0; LANES], [-1.0; LANES]],
         time: [0.0; LANES],
         far: [f32::INFINITY; LANES],
@@ -91,7 +94,7 @@ impl RayHits {
     /// Makes the packet ready for another query with the rays that are written into it next.
     #[inline(always)]
     pub fn reset(&mut self) {
-        self.rays.near = [0.0; LANES];
+        self.rays.near = [NEAREST; LANES];
         self.rays.far = [f32::INFINITY; LANES];
         self.hits.triangle = [NO_TRIANGLE; LANES];
         self.hits.geometry = [NO_TRIANGLE; LANES];

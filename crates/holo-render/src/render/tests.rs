@@ -81,6 +81,43 @@ fn every_instruction_set_gives_the_same_picture() {
     }
 }
 
+/// How the picture is cut into tiles is nobody's business: the same bytes, though paths are sorted within a tile.
+#[test]
+fn the_size_of_tiles_changes_nothing() {
+    let scene = gallery::scene("garden").expect("a scene of the gallery");
+    let renderer = Renderer::new(&scene, &scene.cameras[0].pose, Backend::Bvh, 1).expect("a renderer");
+    let (_, request) = garden();
+    let split = Split::new(GridSize::new(5, 6), GridSize::new(7, 30)).expect("sizes");
+    let rig = Rig::new(RigParameters { split, ..*request.rig.parameters() }).expect("a rig");
+    let picture = |integrator: Integrator, pixels: usize| {
+        let request = Request { rig, integrator, samples: 4, ..request.clone() };
+        let (stop, tiling) = (Stop::new(&()), Tiling::with_tiles_of([7, 30, 5, 6], pixels));
+        let context = renderer.context(&request, integrator, &tiling, &stop);
+        let (mut color, mut truth) =
+            (zeros(split, 3).expect("room"), light_fields(split, LayerSet::ALL).expect("room"));
+        for (tile, color) in tiling.tiles().iter().zip(tiling.cut(color.samples_mut())) {
+            dispatch::run(PathTile { context: &context, tile, color });
+        }
+        for (tile, out) in tiling.tiles().iter().zip(tiles(&mut truth, &tiling)) {
+            dispatch::run(DepthTile { context: &context, tile, out });
+        }
+        (color, truth, tiling.tiles().len())
+    };
+    for integrator in [Integrator::Direct, Integrator::Path] {
+        let (color, truth, _) = picture(integrator, 100_000);
+        assert!(color.samples().iter().any(|x| *x > 0.0));
+        let mut counts = Vec::new();
+        for pixels in [40, 300, 2048] {
+            let (other, other_truth, count) = picture(integrator, pixels);
+            counts.push(count);
+            assert_eq!(truth, other_truth, "{pixels}");
+            let bits = color.samples().iter().zip(other.samples()).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+            assert_eq!(bits, 0, "{integrator:?}, tiles of {pixels}");
+        }
+        assert!(counts[0] > counts[1] && counts[1] > counts[2], "{counts:?}");
+    }
+}
+
 /// Numbers that f32 cannot hold are refused for the layers that hold them, and only for those.
 #[test]
 fn more_instances_than_f32_can_number_are_refused() {

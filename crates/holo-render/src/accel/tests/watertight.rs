@@ -1,9 +1,19 @@
 //! Closed meshes have no holes: rays from inside that are aimed exactly at edges and vertices.
 //!
 //! A ray through an edge meets both of its triangles within rounding; a triangle test that rounds one edge in two ways lets it
-//! slip between them. The BVH has the watertight test of [`super::super::triangle`] (Woop, Benthin, Wald, 2013), and none leaks. With
-//! Embree 4.4, ROBUST flag and all, one in a thousand of rays that are aimed *exactly* at a vertex or an edge of a sphere does: a
-//! known limit, held to one in a hundred here.
+//! slip between them. The BVH has the watertight test of [`super::super::triangle`] (Woop, Benthin, Wald, 2013), and none leaks.
+//!
+//! Embree 4.4 with its ROBUST flag is tight along edges and leaks in *vertices*, up to 7 in a thousand of rays that are aimed exactly
+//! at one: a known limit. It computes on which side of the ray an edge passes in three dimensions (Plücker coordinates), alike for
+//! both triangles of an edge, but with a rounding error in proportion to distance times length. Where a ray passes a vertex within
+//! that error the signs of the spokes are chance, and may put it outside every triangle of the fan; Embree's tolerance, an ulp of
+//! the three sides' sum, is too small where triangles are small for their distance. (The test of the BVH first projects the corners
+//! along the ray and takes exact signs of what it has projected: a fan in a plane has no such holes.) A ray must come within some
+//! 1e-7 of its length of a vertex for that: of 10 million that are aimed anywhere none leaks.
+//!
+//! Its flag for coherent rays is a promise, not a hint: sixteen rays from all around the torus under that flag leaked through
+//! edges, too (196 of 2.56 million). Coherent packets here are such as the renderer sends: from neighbouring points, towards one
+//! point (cameras, lamps) or anywhere (shadow rays of the first event, which choose their directions).
 
 use std::f64::consts::TAU;
 
@@ -119,29 +129,50 @@ fn meshes() -> Vec<Closed> {
     vec![sphere(5), torus(96, 48), box_of_grids("grids", &even), box_of_grids("slivers", &thin)]
 }
 
-/// Rays of one mesh that leave it, of `packets` times 16; half the targets are vertices, half lie on edges.
-fn leaks(mesh: &Closed, engine: &dyn Engine, packets: usize) -> usize {
+/// What rays are aimed at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Target {
+    /// A vertex, or a place that f32 cannot tell from one.
+    Vertex,
+    /// A place on an edge: halves and quarters are exact where its ends have few digits; others are an f32 off.
+    Edge,
+    /// Any direction.
+    Anywhere,
+}
+
+/// How many rays, of `packets` times 16, leave the mesh.
+///
+/// Every second packet is coherent as those of a camera are: sixteen points close together, all aimed at one.
+fn leaks(mesh: &Closed, engine: &dyn Engine, target: Target, packets: usize) -> usize {
     let mut state = 11;
     let mut leaks = 0;
     for round in 0..packets {
+        let coherence = if round % 2 == 0 { Coherence::Coherent } else { Coherence::Incoherent };
         let mut packet = RayHits::EMPTY;
+        let first = aim(mesh, target, &mut state);
         for lane in 0..LANES {
-            let triangle = mesh.triangles[(random(&mut state) * mesh.triangles.len() as f64) as usize];
-            let [a, b] = [0, 1].map(|corner| mesh.positions[triangle[corner] as usize]);
-            // Halves and quarters of an edge are exact where its ends have few digits; others are an f32 off.
-            let share = [0.0, 0.5, 0.25, random(&mut state) as f32][lane % 4];
-            let from = (mesh.inside)(a, &mut state);
+            let aimed = match (coherence, target) {
+                (Coherence::Incoherent, _) => aim(mesh, target, &mut state),
+                // Steps of a baseline: up to 1 mm.
+                (Coherence::Coherent, Target::Anywhere) => {
+                    let from = first[0].map(|x| x + (random(&mut state) * 1e-3) as f32);
+                    [from, from.map(|x| x + random(&mut state) as f32 - 0.5)]
+                }
+                (Coherence::Coherent, _) => [first[0].map(|x| x + (random(&mut state) * 1e-3) as f32), first[1]],
+            };
             for axis in 0..3 {
-                let target = a[axis] + share * (b[axis] - a[axis]);
-                packet.rays.origin[axis][lane] = from[axis];
-                packet.rays.direction[axis][lane] = target - from[axis];
+                packet.rays.origin[axis][lane] = aimed[0][axis];
+                packet.rays.direction[axis][lane] = aimed[1][axis] - aimed[0][axis];
             }
         }
         let mut shadows = packet.rays;
-        let coherence = if round % 2 == 0 { Coherence::Coherent } else { Coherence::Incoherent };
         engine.intersect(&Lanes([-1; LANES]), &mut packet, coherence);
-        leaks += packet.hits.triangle.iter().filter(|&&triangle| triangle == NO_TRIANGLE).count();
-        if round % 8 == 0 {
+        for lane in 0..LANES {
+            // What a ray is aimed at is at 1; a wall behind it, across the hole of the torus, is a leak, too.
+            let beyond = target != Target::Anywhere && packet.rays.far[lane] > 1.001;
+            leaks += usize::from(beyond || packet.hits.triangle[lane] == NO_TRIANGLE);
+        }
+        if round % 16 < 2 {
             engine.occluded(&Lanes([-1; LANES]), &mut shadows, coherence);
             leaks += shadows.far.iter().filter(|&&far| far != f32::NEG_INFINITY).count();
         }
@@ -149,17 +180,41 @@ fn leaks(mesh: &Closed, engine: &dyn Engine, packets: usize) -> usize {
     leaks
 }
 
+/// A point inside, and where a ray from there goes: through an edge, its end, or anywhere.
+fn aim(mesh: &Closed, target: Target, state: &mut u64) -> [[f32; 3]; 2] {
+    loop {
+        let triangle = mesh.triangles[(random(state) * mesh.triangles.len() as f64) as usize];
+        let corner = (random(state) * 3.0) as usize;
+        let [a, b] = [corner, (corner + 1) % 3].map(|corner| mesh.positions[triangle[corner] as usize]);
+        // The short edges of the slivers are as good as a vertex.
+        let is_long = (0..3).any(|axis| (a[axis] - b[axis]).abs() > 1e-5);
+        let from = (mesh.inside)(a, state);
+        let share = match target {
+            Target::Anywhere => return [from, from.map(|x| x + random(state) as f32 - 0.5)],
+            Target::Vertex => 0.0,
+            Target::Edge if is_long => {
+                [0.5, 0.25, 0.75, 0.01 + 0.98 * random(state) as f32][(random(state) * 4.0) as usize]
+            }
+            Target::Edge => continue,
+        };
+        return [from, std::array::from_fn(|axis| a[axis] + share * (b[axis] - a[axis]))];
+    }
+}
+
 #[test]
 fn rays_at_edges_and_vertices_stay_inside_closed_meshes() {
     for mesh in meshes() {
         let geometry = Arc::new(geometry(mesh.positions.clone(), mesh.triangles.clone()));
         for engine in engines(&geometry) {
-            // 2.6 million rays a mesh; the BVH, ten times slower in a test, gets a quarter.
-            let packets = if engine.name() == "bvh" { 40_000 } else { 160_000 };
-            let leaks = leaks(&mesh, engine.as_ref(), packets);
-            println!("{} of {}: {leaks} leaks of {} rays", mesh.name, engine.name(), packets * LANES);
-            let most = if engine.name() == "bvh" { 0 } else { packets * LANES / 100 };
-            assert!(leaks <= most, "{} of {}: {leaks}", mesh.name, engine.name());
+            let tight = engine.name() == "bvh";
+            for target in [Target::Vertex, Target::Edge, Target::Anywhere] {
+                // 2.56 million rays of each kind a mesh, 10 million in all; the BVH, ten times slower in a test, gets a third.
+                let packets = if tight { 53_000 } else { 160_000 };
+                let leaks = leaks(&mesh, engine.as_ref(), target, packets);
+                println!("{} of {}, {target:?}: {leaks} leaks of {} rays", mesh.name, engine.name(), packets * LANES);
+                let most = if tight || target != Target::Vertex { 0 } else { packets * LANES / 100 };
+                assert!(leaks <= most, "{} of {}, {target:?}: {leaks}", mesh.name, engine.name());
+            }
         }
     }
 }
