@@ -24,9 +24,11 @@ fn views_taken_out_and_put_together_are_the_raw_image() {
     std::fs::create_dir(bench.path("views")).unwrap();
     ok(bench.run("extract out --view all --out views/v.png"));
     assert_eq!(bench.list("views").len(), 20);
-    assert_eq!(read_u8(bench.path("views/v_03_01.png")), field.view(1, 3).unwrap());
-    // Named by column first they are not in reading order: listed they are.
-    let listed: Vec<_> = (0..4).flat_map(|t| (0..5).map(move |s| format!("views/v_{s:02}_{t:02}.png"))).collect();
+    assert_eq!(read_u8(bench.path("views/v_r01_c03.png")), field.view(1, 3).unwrap());
+    // Their names are in reading order: the folder is enough.
+    ok(bench.run("compose views --views 5x4 --out whole_el.png"));
+    assert_eq!(read_u8(bench.path("whole_el.png")), read_u8(bench.path("out/scene_el.png")));
+    let listed: Vec<_> = (0..4).flat_map(|t| (0..5).map(move |s| format!("views/v_r{t:02}_c{s:02}.png"))).collect();
     ok(bench.run(&format!("compose {} --views 5x4 --out again_el.png", listed.join(" "))));
     assert_eq!(read_u8(bench.path("again_el.png")), read_u8(bench.path("out/scene_el.png")));
     // A folder of numbered pictures, moved as a gantry moves.
@@ -46,8 +48,8 @@ fn some_images_and_parts_of_them() {
     let field = rendered(&bench);
     std::fs::create_dir(bench.path("some")).unwrap();
     ok(bench.run("extract out --lens 1-11:5,7 --out some/lens.png"));
-    assert_eq!(bench.list("some"), ["lens_01_07.png", "lens_06_07.png", "lens_11_07.png"]);
-    assert_eq!(read_u8(bench.path("some/lens_06_07.png")), field.elemental(7, 6).unwrap());
+    assert_eq!(bench.list("some"), ["lens_r07_c01.png", "lens_r07_c06.png", "lens_r07_c11.png"]);
+    assert_eq!(read_u8(bench.path("some/lens_r07_c06.png")), field.elemental(7, 6).unwrap());
     ok(bench.run("extract out --view 2,3 --crop 4,1,6x2 --out crop.png"));
     assert_eq!(read_u8(bench.path("crop.png")), field.view(3, 2).unwrap().slice(s![1..3, 4..10, ..]));
 }

@@ -23,7 +23,7 @@ pub struct ExtractOptions {
     /// A part of every image alone: its left column, its top row, its width and height in pixels.
     #[arg(long, value_name = "X,Y,WxH", value_parser = values::crop)]
     pub crop: Option<Crop>,
-    /// The PNG to write, or the PFM where the input holds floats; of several, each gets _COLUMN_ROW in its name.
+    /// The PNG to write, or the PFM where the input holds floats; of several, each gets _rROW_cCOLUMN in its name.
     #[arg(long, value_name = "FILE", value_parser = values::png_or_pfm)]
     pub out: PathBuf,
 }

@@ -74,10 +74,10 @@ pub fn numbered(out: &Path, number: usize, count: usize) -> PathBuf {
     with_more(out, &format!("_{number:0digits$}"))
 }
 
-/// `view.png` becomes `view_012_004.png`: column, row.
+/// `view.png` becomes `view_r004_c012.png`: row first, so that names in order are pictures in reading order.
 pub fn placed(out: &Path, [column, row]: [usize; 2], largest: usize) -> PathBuf {
     let digits = largest.saturating_sub(1).to_string().len().max(2);
-    with_more(out, &format!("_{column:0digits$}_{row:0digits$}"))
+    with_more(out, &format!("_r{row:0digits$}_c{column:0digits$}"))
 }
 
 fn with_more(out: &Path, more: &str) -> PathBuf {
