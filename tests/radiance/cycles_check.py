@@ -89,8 +89,8 @@ def surround(scene, environment):
         background.inputs[0].default_value = (0.2, 0.24, 0.32, 1)
 
 
-def render(path, environment, spp, bounces):
-    """Radiance and the index of the object seen at the centre of every pixel, rows from the top."""
+def prepare(path, environment, bounces):
+    """The scene, ready to be rendered as glTF has it, and the names of its objects in the order of their indices."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.import_scene.gltf(filepath=os.path.abspath(path), import_shading="NORMALS", export_import_convert_lighting_mode="COMPAT")
     document = Glb(path).document
@@ -126,18 +126,25 @@ def render(path, environment, spp, bounces):
     scene.render.image_settings.media_type = "MULTI_LAYER_IMAGE"
     scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
     scene.render.image_settings.color_depth = "32"
+    return scene, names
+
+
+def render_once(scene, path):
+    """Every pass by name, rows from the top; `path` is the EXR file that is written on the way."""
+    scene.render.filepath = path
+    bpy.ops.render.render(write_still=True)
+    parts = OpenEXR.File(path).parts
+    return {part.name().split(".")[-1]: next(iter(part.channels.values())).pixels for part in parts}
+
+
+def render(path, environment, spp, bounces):
+    """Radiance and the index of the object seen at the centre of every pixel, rows from the top."""
+    scene, names = prepare(path, environment, bounces)
     folder = tempfile.mkdtemp()
-
-    def layers(samples):
-        cycles.samples = samples
-        scene.render.filepath = os.path.join(folder, f"{samples}.exr")
-        bpy.ops.render.render(write_still=True)
-        parts = OpenEXR.File(scene.render.filepath).parts
-        return {part.name().split(".")[-1]: next(iter(part.channels.values())).pixels for part in parts}
-
-    color = layers(spp)["Combined"]
-    scene.render.filter_size = 0.01
-    index = layers(1)["Object Index"]
+    scene.cycles.samples = spp
+    color = render_once(scene, os.path.join(folder, "color.exr"))["Combined"]
+    scene.render.filter_size, scene.cycles.samples = 0.01, 1
+    index = render_once(scene, os.path.join(folder, "index.exr"))["Object Index"]
     return color[..., :3].astype(np.float64), np.rint(index).astype(int), names
 
 

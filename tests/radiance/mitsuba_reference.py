@@ -197,11 +197,11 @@ def render_central(scene, pose, spp, passes, seed, sampler="multijitter", width=
     return halves.mean(axis=0), halves
 
 
-def grid(scene, pose, views, width=79, height=53):
+def grid(scene, pose, views, width=79, height=53, sampler="independent"):
     """The scene with a square grid of views in one `batch`."""
     side = math.isqrt(views)
     film = {"type": "hdrfilm", "width": width * side * side, "height": height, "rfilter": {"type": "box"}, "pixel_format": "rgb"}
-    batch = {"type": "batch", "film": film, "sampler": {"type": "independent"}}
+    batch = {"type": "batch", "film": film, "sampler": {"type": sampler}}
     for row in range(side):
         for column in range(side):
             offset = ((column - (side - 1) / 2) * BASELINE_M, ((side - 1) / 2 - row) * BASELINE_M)

@@ -4,9 +4,8 @@
 
 use std::ffi::OsString;
 use std::path::PathBuf;
-use std::process::Command;
 
-use crate::{Result, process, target};
+use crate::{Result, pip, process, target};
 
 const PACKAGES: [&str; 2] = ["cmake>=3.20", "ninja"];
 
@@ -20,18 +19,7 @@ pub fn ensure() -> Result {
     }
     let python = process::python()?;
     eprintln!("xtask: fetching CMake and Ninja from PyPI (30 MB)");
-    // Installed beside its place and then moved there: a killed run leaves no half tool behind.
-    let fresh = target().join("build-tools.part");
-    let _ = std::fs::remove_dir_all(&fresh);
-    process::run(
-        Command::new(python)
-            .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps"])
-            .args(["--only-binary=:all:", "--no-warn-script-location", "--target"])
-            .arg(&fresh)
-            .args(PACKAGES),
-    )?;
-    let _ = std::fs::remove_dir_all(folder());
-    std::fs::rename(&fresh, folder()).map_err(|why| format!("{}: {why}", folder().display()))?;
+    pip::install(python, &PACKAGES, &folder())?;
     if fetched() { Ok(()) } else { Err(format!("{} holds no cmake", folder().display())) }
 }
 

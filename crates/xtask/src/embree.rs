@@ -82,7 +82,7 @@ fn newest_wheel(folder: &Path) -> Result<PathBuf> {
         .ok_or_else(|| format!("pip left no wheel in {}", folder.display()))
 }
 
-fn library_files(folder: &Path) -> Vec<PathBuf> {
+pub fn library_files(folder: &Path) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let is_embree = |path: &PathBuf| path.file_name().is_some_and(|n| n.to_string_lossy().contains("embree4"));
     entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_embree).collect()

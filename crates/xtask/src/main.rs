@@ -8,9 +8,10 @@
 //! embree   fetch Embree 4 alone
 //! clippy   clippy over all that needs HDF5, warnings denied
 //! fuzz     build every fuzz target and run each for some seconds
+//! sanitize the renderer's tests under AddressSanitizer and ThreadSanitizer, parts under Miri (nightly)
 //! package  build each library from its package alone
 //! bench    setup + the benchmarks
-//! report   setup + speed against error, measured anew into report/
+//! report   setup + speed against error, measured anew into report/; --peers: beside Mitsuba and Blender
 //! ```
 #![forbid(unsafe_code)]
 
@@ -20,7 +21,10 @@ mod embree;
 mod fuzz;
 mod package;
 mod peers;
+mod pip;
 mod process;
+mod renderers;
+mod sanitize;
 mod test;
 
 use std::path::PathBuf;
@@ -38,16 +42,19 @@ fn main() -> ExitCode {
         Some("embree") => embree::fetch(),
         Some("fuzz") => fuzz::run(rest),
         Some("package") => package::run(),
+        Some("sanitize") => embree::ensure().and_then(|()| sanitize::run(rest)),
         Some("bench") => {
             setup().and_then(|()| process::cargo(&[&["bench", "-p", "holo-bench"], strs(rest).as_slice()].concat()))
         }
         Some("report") => setup().and_then(|()| {
             let report = ["run", "--quiet", "--release", "-p", "holo-bench", "--bin", "report", "--"];
-            process::cargo(&[&report, strs(rest).as_slice()].concat())
+            let environment =
+                if rest.iter().any(|argument| argument == "--peers") { renderers::ensure() } else { Vec::new() };
+            process::cargo_with(&[&report, strs(rest).as_slice()].concat(), environment)
         }),
         _ => Err(
             "usage: cargo xtask setup | build | demo | test | clippy | embree | fuzz [SECONDS [TARGET..]] | package | \
-                  bench | report [--quick] [--out DIR]"
+                  bench | report [--quick] [--peers] [--out DIR] | sanitize [address] [thread] [miri]"
                 .into(),
         ),
     };

@@ -5,9 +5,8 @@
 
 use std::ffi::OsString;
 use std::path::PathBuf;
-use std::process::Command;
 
-use crate::{Result, process, target};
+use crate::{Result, pip, process, target};
 
 /// What reads and writes our formats elsewhere.
 const PACKAGES: [&str; 9] = [
@@ -29,18 +28,7 @@ pub fn ensure() -> Result {
     }
     let python = process::python()?;
     eprintln!("xtask: fetching SciPy, h5py, OpenCV and others from PyPI, to test against (about 170 MB)");
-    // Installed beside its place and then moved there: a killed run leaves nothing half done behind.
-    let fresh = target().join("python.part");
-    let _ = std::fs::remove_dir_all(&fresh);
-    process::run(
-        Command::new(python)
-            .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--root-user-action=ignore"])
-            .args(["--only-binary=:all:", "--no-warn-script-location", "--target"])
-            .arg(&fresh)
-            .args(PACKAGES),
-    )?;
-    let _ = std::fs::remove_dir_all(folder());
-    std::fs::rename(&fresh, folder()).map_err(|why| format!("{}: {why}", folder().display()))
+    pip::install(python, &PACKAGES, &folder())
 }
 
 /// The environment in which the tests find Python with these packages.

@@ -1,5 +1,6 @@
 //! Running other programs, and saying what was run when they fail.
 
+use std::ffi::OsString;
 use std::path::Path;
 use std::process::Command;
 
@@ -7,12 +8,18 @@ use crate::Result;
 
 /// Runs cargo in the workspace with this process's own output.
 pub fn cargo(arguments: &[&str]) -> Result {
+    cargo_with(arguments, Vec::new())
+}
+
+/// Runs cargo with some more variables set.
+pub fn cargo_with(arguments: &[&str], environment: Vec<(&'static str, OsString)>) -> Result {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     run(Command::new(cargo)
         .args(arguments)
         .current_dir(crate::root())
         .envs(crate::cmake::environment())
-        .envs(crate::peers::environment()))
+        .envs(crate::peers::environment())
+        .envs(environment))
 }
 
 /// Runs a command to its end.

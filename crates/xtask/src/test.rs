@@ -5,7 +5,10 @@ use crate::{Result, cmake, embree, peers, process};
 /// `cargo test` over the workspace. Tests that compare engines take the BVH always and Embree where there is one.
 pub fn run(arguments: &[String]) -> Result {
     let extra = crate::strs(arguments);
-    let embree = std::env::var_os("HOLO_EMBREE_LIB").is_some() || embree::ensure().is_ok();
+    let embree = match std::env::var_os("HOLO_EMBREE_LIB") {
+        Some(library) => std::path::Path::new(&library).is_file(),
+        None => embree::ensure().is_ok(),
+    };
     let hdf5 = cmake::is_there();
     if let Err(why) = peers::ensure() {
         eprintln!("xtask: no programs to test against: {why}");
@@ -41,14 +44,16 @@ pub fn run(arguments: &[String]) -> Result {
     let reference = std::env::var_os("HOLO_REFERENCE")
         .map_or_else(|| crate::root().join("..").join("shared").join("reference"), std::path::PathBuf::from);
     if !reference.join("still_life.glb").is_file() {
-        println!("not run: depth against Blender's: needs the reference scene (HOLO_REFERENCE names its folder)");
+        println!(
+            "not run: depth against Blender's, the still life against Mitsuba's: needs their scene (HOLO_REFERENCE names its folder)"
+        );
     }
     println!("all tests passed");
     Ok(())
 }
 
 /// Whether this user may mount file systems, as far as the user's number tells.
-fn is_root() -> bool {
+pub fn is_root() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("Uid:"));
     line.is_some_and(|ids| ids.split_whitespace().nth(1) == Some("0"))

@@ -1,12 +1,13 @@
-//! Speed against error, measured anew: `cargo xtask report [--quick] [--out DIR]`.
+//! Speed against error, measured anew: `cargo xtask report [--quick] [--peers] [--out DIR]`.
 //!
 //! Writes `REPORT.md`, a CSV file a table and SVG plots. Every time is the median of several runs of this one process, with how far the
-//! runs are apart, and is told as a ratio wherever there is something to hold it against; every error is against a reference of
-//! the same run: many samples, a closed form, every triangle tried in f64, or the same bits.
+//! runs are apart (building a tree: one run), and is told as a ratio wherever there is something to hold it against; every error is against
+//! many samples, a closed form, every triangle tried in f64, the same bits, or Mitsuba's picture in `tests/radiance`.
 #![forbid(unsafe_code)]
 
 mod light;
 mod moves;
+mod peers;
 mod plot;
 mod scaling;
 mod scenes;
@@ -36,18 +37,24 @@ pub struct Section {
     pub title: &'static str,
     /// What was measured and how, and what is to be seen.
     pub text: String,
+    /// What the summary says of it: what, how fast, how wrong.
+    pub highlights: Vec<[String; 3]>,
     /// Its table.
     pub sheet: Sheet,
     /// Names and contents of its plots.
     pub plots: Vec<(&'static str, String)>,
 }
 
+/// Makes a section.
+type Maker = fn(&Wish) -> Section;
+
 fn main() {
-    let (mut quick, mut out) = (false, PathBuf::from("report"));
+    let (mut quick, mut with_peers, mut out) = (false, false, PathBuf::from("report"));
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--quick" => quick = true,
+            "--peers" => with_peers = true,
             "--out" => match arguments.next() {
                 Some(folder) => out = folder.into(),
                 None => {
@@ -56,7 +63,7 @@ fn main() {
                 }
             },
             other => {
-                eprintln!("report: unknown argument '{other}'; there are --quick and --out DIR");
+                eprintln!("report: unknown argument '{other}'; there are --quick, --peers and --out DIR");
                 std::process::exit(2);
             }
         }
@@ -64,13 +71,17 @@ fn main() {
     let start = Instant::now();
     let wish = Wish { quick, rounds: if quick { 3 } else { 5 }, engines: scenes::engines() };
     let mut sections = Vec::new();
-    for (name, make) in [
-        ("light", light::section as fn(&Wish) -> Section),
+    let mut makers: Vec<(&str, Maker)> = vec![
+        ("light", light::section),
         ("ground truth", truth::section),
         ("scaling", scaling::section),
         ("pixels and files", moves::section),
         ("depth from stereo", stereo::section),
-    ] {
+    ];
+    if with_peers {
+        makers.insert(0, ("beside other renderers", peers::section));
+    }
+    for (name, make) in makers {
         eprintln!("{:5.0} s  {name}", start.elapsed().as_secs_f64());
         sections.push(make(&wish));
     }
@@ -87,6 +98,10 @@ fn write(out: &Path, sections: &[Section], quick: bool) -> std::io::Result<()> {
     if quick {
         text += "\nA quick report: few samples, small pictures; the numbers scatter more than those of a whole one.\n";
     }
+    let mut summary = Sheet::new(&["what", "speed", "error"]);
+    sections.iter().flat_map(|section| &section.highlights).for_each(|row| summary.push(row.clone()));
+    text += &format!("\n## In short\n\n{}", summary.markdown());
+    std::fs::write(out.join("in_short.csv"), summary.csv())?;
     for section in sections {
         text += &format!("\n## {}\n\n{}\n\n{}", section.title, section.text, section.sheet.markdown());
         let stem = section.title.to_lowercase().replace(' ', "_");

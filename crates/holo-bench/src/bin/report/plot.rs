@@ -9,7 +9,7 @@ const RIGHT: f64 = 200.0;
 const TOP: f64 = 36.0;
 const BOTTOM: f64 = 46.0;
 
-const COLORS: [&str; 5] = ["#1b6ca8", "#c1531b", "#2d8659", "#7d4fa3", "#8a6d1f"];
+const COLORS: [&str; 6] = ["#1b6ca8", "#c1531b", "#2d8659", "#7d4fa3", "#8a6d1f", "#333333"];
 const DASHES: [&str; 3] = ["none", "6 4", "2 3"];
 
 /// Points joined by a line.

@@ -2,7 +2,7 @@
 
 use holo_core::{GridSize, Projection, Rig, Split};
 use holo_render::scene::{Scene, Transform};
-use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer, gallery};
+use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer, gallery};
 
 /// A scene of the gallery, ready to be rendered.
 pub struct Ready {
@@ -34,7 +34,7 @@ impl Ready {
     }
 }
 
-/// Radiance of the sky that a scene of the gallery is shown under.
+/// Radiance of the sky that a scene of the gallery is measured under: `garden` has black shadows without one.
 pub fn sky(name: &str) -> [f32; 3] {
     if name == "garden" { [0.35, 0.45, 0.6] } else { [0.0; 3] }
 }
@@ -68,4 +68,14 @@ pub fn machine() -> String {
         model.trim_start_matches([' ', '\t', ':']),
         env!("CARGO_PKG_VERSION")
     )
+}
+
+/// A word for tables and names of files.
+pub fn word(integrator: Integrator) -> &'static str {
+    if integrator == Integrator::Direct { "direct" } else { "path" }
+}
+
+/// What an integrator makes, in words for the summary.
+pub fn light(integrator: Integrator) -> &'static str {
+    if integrator == Integrator::Direct { "direct light" } else { "paths" }
 }

@@ -19,6 +19,12 @@ impl Sheet {
         self.rows.push(cells.into());
     }
 
+    /// The row that was added last.
+    pub fn last<const N: usize>(&self) -> [String; N] {
+        let row = self.rows.last().cloned().unwrap_or_default();
+        row.try_into().expect("as many cells as there are headings")
+    }
+
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| format!("| {} |\n", cells.join(" | "));
         let headings: Vec<String> = self.headings.iter().map(|heading| (*heading).into()).collect();
@@ -28,13 +34,12 @@ impl Sheet {
     }
 
     pub fn csv(&self) -> String {
-        let mut text = self.headings.join(",") + "\n";
-        for row in &self.rows {
-            // No cell has a comma but those that are numbers with words.
-            let cells: Vec<String> = row.iter().map(|cell| cell.replace(',', ";")).collect();
-            text += &(cells.join(",") + "\n");
-        }
-        text
+        // Commas are only within words, and as good as semicolons there.
+        let line = |cells: &mut dyn Iterator<Item = &str>| {
+            cells.map(|cell| cell.replace(',', ";")).collect::<Vec<_>>().join(",") + "\n"
+        };
+        let rows = self.rows.iter().map(|row| line(&mut row.iter().map(String::as_str)));
+        line(&mut self.headings.iter().copied()) + &rows.collect::<String>()
     }
 }
 
@@ -47,6 +52,18 @@ pub struct Seconds {
 }
 
 impl Seconds {
+    /// Of times that another program measured.
+    pub fn of(mut seconds: Vec<f64>) -> Option<Self> {
+        seconds.sort_by(f64::total_cmp);
+        let median = *seconds.get(seconds.len() / 2)?;
+        Some(Self { median, spread: (seconds[seconds.len() - 1] - seconds[0]) / median })
+    }
+
+    /// This over another, with both spreads: `3.1 +-6 %`.
+    pub fn ratio(self, other: Self) -> String {
+        format!("{} ±{:.0} %", short(self.median / other.median), 50.0 * (self.spread + other.spread))
+    }
+
     /// `0.123 +-4 %`.
     pub fn text(self) -> String {
         format!("{} ±{:.0} %", short(self.median), 50.0 * self.spread)
@@ -73,20 +90,26 @@ pub fn timed<T>(rounds: usize, mut work: impl FnMut() -> T) -> (Seconds, T) {
             break;
         }
     }
-    seconds.sort_by(f64::total_cmp);
-    let median = seconds[seconds.len() / 2];
-    let spread = (seconds[seconds.len() - 1] - seconds[0]) / median;
-    (Seconds { median, spread }, last.expect("at least one run"))
+    (Seconds::of(seconds).expect("at least one run"), last.expect("at least one run"))
 }
 
 /// Runs something and tells by how many bytes the peak of memory rose; `None` where the system does not tell.
 pub fn peak_bytes<T>(work: impl FnOnce() -> T) -> (Option<u64>, T) {
-    // Makes the peak that of what comes.
-    let reset = std::fs::write("/proc/self/clear_refs", "5").is_ok();
+    let reset = reset_peak();
     let before = status("VmRSS:");
     let made = work();
     let peak = status("VmHWM:").zip(before).map(|(peak, before)| peak.saturating_sub(before));
     (peak.filter(|_| reset), made)
+}
+
+/// Makes the peak of memory that of what comes; whether the system can do that.
+pub fn reset_peak() -> bool {
+    std::fs::write("/proc/self/clear_refs", "5").is_ok()
+}
+
+/// The peak of this process's memory since it began or was last reset.
+pub fn peak_of_process() -> Option<u64> {
+    status("VmHWM:")
 }
 
 fn status(key: &str) -> Option<u64> {

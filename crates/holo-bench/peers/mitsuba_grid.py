@@ -1,0 +1,46 @@
+"""Times Mitsuba 3 over a grid of views in one `batch`, and keeps the central one.
+
+    mitsuba_grid.py SCENE.glb --out FOLDER [--side 11] [--samples 1,4,16] [--depth 9] [--sampler multijitter] [--rounds 3]
+
+What `cargo xtask report --peers` runs; what is printed is told in `peer.py`, seconds of all views. The scene, its materials and its
+cameras are those of `tests/radiance/mitsuba_reference.py`; kernels are compiled before the clock starts, as a user who renders
+twice has them.
+"""
+import os
+import time
+
+import numpy as np
+
+import peer
+
+import mitsuba_reference as reference  # (peer says where it is)
+from files import write_pfm
+
+WIDTH, HEIGHT = 99, 66
+
+
+def main():
+    parser = peer.parser(__doc__, 11, "all rendered in one call")
+    parser.add_argument("--depth", type=int, default=9)
+    parser.add_argument("--sampler", choices=["multijitter", "independent"], default="multijitter")
+    parser.add_argument("--rounds", type=int, default=3)
+    a = parser.parse_args()
+    mi = reference.mi
+    surround = {"type": "constant", "radiance": reference.color([0.2, 0.24, 0.32])}
+    scene, pose = reference.describe(a.scene, surround, a.depth)
+    loaded, _ = reference.grid(scene, pose, a.side**2, WIDTH, HEIGHT, a.sampler)
+    for samples in a.samples:
+        seconds, pictures = [], []
+        for k in range(a.rounds + 1):
+            start = time.time()
+            image = np.array(mi.render(loaded, spp=samples, seed=1 + k))
+            if k > 0:
+                seconds.append(time.time() - start)
+                center = WIDTH * (a.side**2 // 2)
+                pictures.append(os.path.join(a.out, f"mitsuba_{a.sampler}_{a.depth}_{samples}_{k}.pfm"))
+                write_pfm(pictures[-1], image[:, center : center + WIDTH, :3])
+        peer.tell(samples, seconds, pictures)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,291 @@
+//! Mitsuba 3 and Blender's Cycles beside ours: the same scene, views, samples and reference, measured in the same run.
+//!
+//! `cargo xtask report --peers` installs both under `target/peers` and names that folder in `HOLO_PEERS`; the scripts that drive them
+//! are in `crates/holo-bench/peers`. The scene and the reference, many thousand samples of Mitsuba's, are those of `tests/radiance`.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use holo_core::{GridSize, Projection, Split};
+use holo_io::Limits;
+use holo_render::scene::Scene;
+use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer, Request};
+use ndarray::Array3;
+
+use crate::plot::{Plot, Series};
+use crate::scenes::{light, name, word};
+use crate::sheet::{Seconds, Sheet, peak_of_process, reset_peak, short, timed};
+use crate::{Section, Wish};
+
+/// Distances of the scripts: of neighbouring views, and of the plane where all views meet.
+const BASELINE_M: f64 = 0.002;
+const FOCUS_M: f64 = 0.8;
+const SKY: [f32; 3] = [0.2, 0.24, 0.32];
+
+/// Added to the square of the reference in the relative squared error.
+const EPSILON: f64 = 1e-2;
+
+/// Of a picture's squared errors the largest of this share are left out: a few bright dots ("fireflies") decide the plain mean.
+const FIREFLIES: f64 = 0.01;
+
+/// What one program needs for one number of samples.
+struct Line {
+    program: String,
+    samples: u32,
+    /// Of one view.
+    seconds: Seconds,
+    peak_bytes: Option<u64>,
+    /// The central view, once a seed.
+    pictures: Vec<Array3<f32>>,
+}
+
+pub fn section(wish: &Wish) -> Section {
+    let mut sheet = Sheet::new(&[
+        "integrator",
+        "program",
+        "samples",
+        "ms a view",
+        "Msamples/s",
+        "RMSE",
+        "relative MSE",
+        "without the worst 1 %",
+        "time, of ours",
+        "time x error, of ours",
+        "peak memory, MB",
+    ]);
+    let samples: &[u32] = if wish.quick { &[1, 4] } else { &[1, 4, 16, 64] };
+    let side = if wish.quick { 5 } else { 11 };
+    let mut plots = Vec::new();
+    let mut missing = Vec::new();
+    let mut highlights = Vec::new();
+    for (integrator, plot_name) in [(Integrator::Direct, "peers_direct"), (Integrator::Path, "peers_path")] {
+        let reference = folder().join(format!("metal_and_glass_{}.pfm", word(integrator)));
+        let reference = holo_io::read_pfm(reference, &Limits::default());
+        let reference = reference.expect("the reference of tests/radiance").values;
+        let mut lines = Vec::new();
+        for &engine in &wish.engines {
+            lines.extend(ours(wish, engine, integrator, side, samples));
+        }
+        if !wish.quick {
+            lines.extend(ours(wish, wish.engines[0], integrator, 101, &samples[..1]));
+        }
+        let (theirs, failures) = others(wish, integrator, side, samples);
+        lines.extend(theirs);
+        missing.extend(failures);
+        plots.push((plot_name, judge(integrator, &lines, &reference, &mut sheet, &mut highlights)));
+    }
+    missing.sort();
+    missing.dedup();
+    let missing = if missing.is_empty() { String::new() } else { format!(" Not run: {}.", missing.join("; ")) };
+    Section {
+        title: "Beside other renderers",
+        text: format!(
+            "`tests/radiance/metal_and_glass.glb` (rough metal, glass, varnish; two lights and a sky), views of 99 x 66 px 2 mm apart, focus \
+             at 0.8 m, paths of up to 8 bounces without roulette, all threads. Ours and Mitsuba 3 (`llvm_ad_rgb`, one `batch`, kernels compiled \
+             before) render {side} x {side} views; Blender's Cycles a view at a time from a scene that stays in memory. Error: of the central \
+             view against a reference of thousands of samples, mean over seeds; the reference is Mitsuba's, and Cycles has another \
+             varnish, up to 3 % off on one small ball. Time times error counts without the worst 1 % of pixels: bright dots of a few paths decide \
+             the plain mean. Memory is the peak of the whole process.{missing}"
+        ),
+        highlights,
+        sheet,
+        plots,
+    }
+}
+
+/// Adds all lines of one integrator to the table, and those of the most samples to the summary; their plot. Ours comes first.
+fn judge(
+    integrator: Integrator,
+    lines: &[Line],
+    reference: &Array3<f32>,
+    sheet: &mut Sheet,
+    highlights: &mut Vec<[String; 3]>,
+) -> String {
+    let word = word(integrator);
+    let most = lines.iter().map(|line| line.samples).max().unwrap_or(0);
+    let ours = lines[0].program.replace("holo, ", "`holo` with ");
+    let mut usual = Vec::new();
+    let mut series: Vec<Series> = Vec::new();
+    for line in lines {
+        let [rmse, relative, trimmed] = errors(&line.pictures, reference);
+        let cost = Seconds { median: line.seconds.median * trimmed, ..line.seconds };
+        if line.program == lines[0].program {
+            usual.push((line.samples, line.seconds, cost));
+        }
+        let (_, usual, usual_cost) = *usual.iter().find(|usual| usual.0 == line.samples).expect("ours is first");
+        let pixels = (reference.len() / 3) as f64;
+        sheet.push([
+            word.into(),
+            line.program.clone(),
+            line.samples.to_string(),
+            Seconds { median: 1e3 * line.seconds.median, ..line.seconds }.text(),
+            short(pixels * f64::from(line.samples) / line.seconds.median / 1e6),
+            short(rmse),
+            short(relative),
+            short(trimmed),
+            line.seconds.ratio(usual),
+            cost.ratio(usual_cost),
+            line.peak_bytes.map_or("?".into(), |bytes| short(bytes as f64 / 1e6)),
+        ]);
+        let other = !line.program.starts_with("holo") && !line.program.ends_with("independent");
+        if line.samples == most && other {
+            let error = short(trimmed);
+            highlights.push([
+                format!("{}: {}, {most} samples a pixel", line.program, light(integrator)),
+                format!("{} times as long as {ours}", line.seconds.ratio(usual)),
+                format!(
+                    "relative MSE {error} (worst 1 % left out); {} times as long for the same",
+                    cost.ratio(usual_cost)
+                ),
+            ]);
+        }
+        let point = (line.seconds.median, trimmed);
+        match series.iter_mut().find(|series| series.name == line.program) {
+            Some(series) => series.points.push(point),
+            None => {
+                let (color, points) = (series.len(), vec![point]);
+                series.push(Series { name: line.program.clone(), color, dashes: 0, points });
+            }
+        }
+    }
+    let mut plot = Plot::new(
+        &format!("{word}: time against noise, beside other renderers"),
+        "seconds a view of 99 x 66 px",
+        "relative squared error, without the worst 1 %",
+    );
+    series.into_iter().for_each(|series| plot.add(series));
+    plot.svg()
+}
+
+/// Where the scene and its references are.
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/radiance")
+}
+
+fn ours(wish: &Wish, engine: Backend, integrator: Integrator, side: usize, samples: &[u32]) -> Vec<Line> {
+    let scene: Scene =
+        holo_render::gltf::load(&folder().join("metal_and_glass.glb"), &Default::default()).expect("a scene").scene;
+    let framing = Framing {
+        split: Split::new(GridSize::new(side, side), GridSize::new(66, 99)).expect("sizes"),
+        camera: CameraChoice::First,
+        focal_length_m: None,
+        sensor_size_m: 0.036,
+        baseline: Baseline::Metres(BASELINE_M),
+        projection: Projection::Perspective,
+    };
+    let framed = framing.frame(&scene).expect("a camera");
+    let rig = framed.rig(FOCUS_M).expect("a rig");
+    let renderer = Renderer::new(&scene, &framed.pose, engine, 0).expect("a renderer");
+    let program =
+        if side > 11 { format!("holo, {}, {side} x {side}", name(engine)) } else { format!("holo, {}", name(engine)) };
+    reset_peak();
+    samples
+        .iter()
+        .map(|&samples| {
+            let request = Request { integrator, samples, sky: SKY, roulette: false, ..Request::new(rig) };
+            let mut pictures = Vec::new();
+            let (seconds, ()) = timed(wish.rounds.min(3), || {
+                let request = Request { seed: pictures.len() as u64, ..request.clone() };
+                let color = renderer.render(&request, &()).expect("a render").color.expect("a picture");
+                pictures.push(color.view(side / 2, side / 2).expect("the central view").to_owned());
+            });
+            let seconds = Seconds { median: seconds.median / (side * side) as f64, ..seconds };
+            Line { program: program.clone(), samples, seconds, peak_bytes: peak_of_process(), pictures }
+        })
+        .collect()
+}
+
+/// Mitsuba with two samplers, and Blender; and in words what is not there, or what went wrong.
+fn others(wish: &Wish, integrator: Integrator, side: usize, samples: &[u32]) -> (Vec<Line>, Vec<String>) {
+    let bounces = if integrator == Integrator::Direct { 1 } else { 8 };
+    let rounds = wish.rounds.min(3).to_string();
+    let (side, depth, cycles) = (side.to_string(), (bounces + 1).to_string(), (bounces - 1).to_string());
+    let mut lines = Vec::new();
+    let mut failures = Vec::new();
+    for sampler in ["multijitter", "independent"] {
+        let arguments =
+            ["--side", side.as_str(), "--depth", &depth, "--rounds", &rounds, "--sampler", sampler].map(str::to_owned);
+        // A round is all views.
+        let views = side.parse::<f64>().map_or(1.0, |side| side * side);
+        match run("mitsuba", "mitsuba_grid.py", &arguments, samples, &format!("Mitsuba 3, {sampler}"), views) {
+            Ok(found) => lines.extend(found),
+            Err(why) => failures.push(why),
+        }
+    }
+    let arguments = ["--bounces", cycles.as_str(), "--seeds", &rounds].map(str::to_owned);
+    match run("blender", "blender_loop.py", &arguments, samples, "Blender, Cycles", 1.0) {
+        Ok(found) => lines.extend(found),
+        Err(why) => failures.push(why),
+    }
+    (lines, failures)
+}
+
+fn run(
+    peer: &str,
+    script: &str,
+    arguments: &[String],
+    samples: &[u32],
+    program: &str,
+    views: f64,
+) -> Result<Vec<Line>, String> {
+    let peers = std::env::var_os("HOLO_PEERS").ok_or("the peers are not installed (cargo xtask report --peers)")?;
+    let home = Path::new(&peers).join(peer);
+    // Written last by whoever installed it: the Python that it was installed for.
+    let python = std::fs::read_to_string(home.with_extension("python"))
+        .map_err(|_| format!("{program}: could not be installed"))?;
+    let out = std::env::temp_dir().join(format!("holo-peers-{}", std::process::id()));
+    std::fs::create_dir_all(&out).map_err(|why| format!("{}: {why}", out.display()))?;
+    let samples: Vec<String> = samples.iter().map(u32::to_string).collect();
+    let output = Command::new(python.trim())
+        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("peers").join(script))
+        .arg(folder().join("metal_and_glass.glb"))
+        .arg("--out")
+        .arg(&out)
+        .args(["--samples", &samples.join(",")])
+        .args(arguments)
+        .env("PYTHONPATH", &home)
+        .stderr(Stdio::piped())
+        .output()
+        .map_err(|why| format!("{program}: {why}"))?;
+    let failure = || {
+        let words = String::from_utf8_lossy(&output.stderr);
+        format!("{program}: {}", words.lines().last().unwrap_or("it ended without a word"))
+    };
+    let text = String::from_utf8_lossy(&output.stdout);
+    let lines: Vec<Line> = text.lines().filter_map(|line| parse(line, program, views)).collect();
+    let _ = std::fs::remove_dir_all(&out);
+    if output.status.success() && lines.len() == samples.len() { Ok(lines) } else { Err(failure()) }
+}
+
+/// A line of a script: samples, seconds, peak, pictures. Other lines are talk.
+fn parse(line: &str, program: &str, views: f64) -> Option<Line> {
+    let fields: Vec<&str> = line.split('\t').collect();
+    let [samples, seconds, peak, pictures] = fields[..] else { return None };
+    let seconds: Option<Vec<f64>> = seconds.split(',').map(|s| Some(s.parse::<f64>().ok()? / views)).collect();
+    let read = |path: &str| Some(holo_io::read_pfm(path, &Limits::default()).ok()?.values);
+    Some(Line {
+        program: program.into(),
+        samples: samples.parse().ok()?,
+        seconds: Seconds::of(seconds?)?,
+        peak_bytes: peak.parse().ok(),
+        pictures: pictures.split(',').map(read).collect::<Option<_>>()?,
+    })
+}
+
+/// RMSE, relative MSE, and that without the worst pixels, over all pictures.
+fn errors(pictures: &[Array3<f32>], reference: &Array3<f32>) -> [f64; 3] {
+    let mut squares = 0.0;
+    let mut relative = Vec::new();
+    for picture in pictures {
+        for (&x, &r) in picture.iter().zip(reference) {
+            let (x, r) = (f64::from(x), f64::from(r));
+            squares += (x - r).powi(2);
+            relative.push((x - r).powi(2) / (r * r + EPSILON));
+        }
+    }
+    let count = relative.len() as f64;
+    relative.sort_by(f64::total_cmp);
+    let kept = &relative[..(count * (1.0 - FIREFLIES)) as usize];
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    [(squares / count).sqrt(), mean(&relative), mean(kept)]
+}

@@ -1,0 +1,72 @@
+//! The renderer's tests under AddressSanitizer and ThreadSanitizer, and what is pure Rust under Miri: `cargo xtask sanitize [WHAT..]`.
+//!
+//! Needs Linux on x86-64, rustup with a nightly toolchain and its components rust-src and miri, and takes some twenty minutes: not
+//! part of the tests. Embree itself is not instrumented. What is watched is the seam: our packets and buffers, their lifetimes, threads that share them.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::{Result, embree, process, root, target};
+
+const TARGET: &str = "x86_64-unknown-linux-gnu";
+
+/// Tests of the workspace that go through both engines, and through all threads.
+const SEAM: [&str; 5] = ["hard_cases", "ground_truth", "path", "shadows", "layers"];
+
+/// Runs what is named, or all three.
+pub fn run(arguments: &[String]) -> Result {
+    let all = ["address", "thread", "miri"].map(String::from);
+    for what in if arguments.is_empty() { &all[..] } else { arguments } {
+        match what.as_str() {
+            "address" => instrumented(what, &[], "ASAN_OPTIONS", "allocator_may_return_null=1".into())?,
+            "thread" => {
+                let known = root().join("crates/xtask/thread_sanitizer.supp");
+                let options = "allocator_may_return_null=1 ignore_noninstrumented_modules=1";
+                let options = format!("suppressions={} {options}", known.display());
+                // The standard library, too: its locks are what orders things.
+                instrumented(what, &["-Zbuild-std"], "TSAN_OPTIONS", options)?;
+            }
+            "miri" => miri()?,
+            other => return Err(format!("there is no sanitizer '{other}': address, thread and miri are")),
+        }
+    }
+    Ok(())
+}
+
+fn nightly(folder: &str) -> Command {
+    let mut cargo = Command::new("cargo");
+    cargo.arg("+nightly").current_dir(root()).env("CARGO_TARGET_DIR", target().join("sanitize").join(folder));
+    cargo
+}
+
+fn instrumented(sanitizer: &str, arguments: &[&str], variable: &str, options: String) -> Result {
+    let seam = SEAM.iter().flat_map(|test| ["--test", test]).collect::<Vec<_>>();
+    for of in [vec!["-p", "holo-render", "--lib"], [vec!["-p", "holo-workspace"], seam].concat()] {
+        let mut cargo = nightly(sanitizer);
+        cargo.args(["test", "--release", "--target", TARGET]).args(arguments).args(of);
+        cargo.env("RUSTFLAGS", format!("-Zsanitizer={sanitizer}")).env(variable, &options);
+        if let Some(library) = embree_library() {
+            cargo.env("HOLO_EMBREE_LIB", library);
+        }
+        process::run(&mut cargo)?;
+    }
+    Ok(())
+}
+
+/// Miri cannot load Embree: shapes of packets, rays, points, and the light field's blocks and lists of `holo-core`. It is a thousand times slower than the processor: pictures are out of reach.
+fn miri() -> Result {
+    let parts: [&[&str]; 2] = [
+        &["-p", "holo-render", "--lib", "--", "primary::", "every_run_of_points"],
+        &["-p", "holo-core", "--lib", "--", "block", "split", "light_field"],
+    ];
+    for part in parts {
+        let mut cargo = nightly("miri");
+        cargo.args(["miri", "test"]).args(part);
+        process::run(cargo.env("MIRIFLAGS", "-Zmiri-disable-isolation"))?;
+    }
+    Ok(())
+}
+
+fn embree_library() -> Option<PathBuf> {
+    std::env::var_os("HOLO_EMBREE_LIB").map(PathBuf::from).or_else(|| embree::library_files(&embree::folder()).pop())
+}
