@@ -1,5 +1,8 @@
 //! One Gauss-Newton step at every pixel on its own: what the views that see it say about its disparity.
 
+#[cfg(test)]
+mod naive;
+
 use rayon::prelude::*;
 
 use super::views::{ARMS, Views};
