@@ -56,6 +56,10 @@ fn main() {
             "direct, lights and sky",
             Box::new(move || render(renderer, Integrator::Direct, sky, GroundTruth::Central)),
         );
+        add(
+            "paths of 8 events, lights and sky",
+            Box::new(move || render(renderer, Integrator::Path, sky, GroundTruth::Central)),
+        );
     }
     println!("{}", setup.describe());
     let results = best_of(setup.rounds, &mut entries);

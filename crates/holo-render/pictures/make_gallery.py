@@ -20,7 +20,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 sys.dont_write_bytecode = True
 
-from make_pictures import GAP, STRIP, coarser  # noqa: E402
+from sheet import GAP, STRIP, coarser  # noqa: E402
 
 COLUMNS = 5
 # Rendered larger and reduced: more samples a pixel, and smooth edges.

@@ -3,118 +3,31 @@
 Usage: make_pictures.py HOLO [--draft] [NAME ...]
 
 HOLO is the program (target/release/holo). Every picture has a function of its name below; without names all are made, in
-some twenty minutes on one idle core. `--draft` takes an eighth of the samples. Scenes are built here, in a temporary folder; shapes
-and file formats come from tests/radiance. The same program gives the same pixels on every run; another version of pillow
+some twenty minutes on one idle core. `--draft` takes an eighth of the samples. Scenes are built in a temporary folder with scene.py
+and put onto sheets by sheet.py; more shapes and file formats come from tests/radiance. The same program gives the same pixels on every run; another version of pillow
 may choose other palettes.
 """
 import math
 import subprocess
 import sys
 import tempfile
-from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parents[2] / "tests" / "radiance"))
+sys.path[:0] = [str(HERE), str(HERE.parents[2] / "tests" / "radiance")]
 sys.dont_write_bytecode = True
 
-from files import GlbWriter, write_hdr  # noqa: E402
+from files import write_hdr  # noqa: E402
 from make_scenes import ball, box, lathe, looking, rectangle, rounded, tiles, torus, turned_y  # noqa: E402
+from scene import Scene, uv_ball  # noqa: E402
+from sheet import compose, encode, letters, read_pfm  # noqa: E402
 
 HOLO = ""
 DRAFT = False
 FOLDER = Path()
-
-
-# Scenes
-
-
-class Scene:
-    """A .glb in the making. Materials are written as in glTF, in short: see `material`."""
-
-    def __init__(self):
-        self.glb = GlbWriter()
-        self.glb.document["asset"]["generator"] = "holo make_pictures.py"
-        self.used = set()
-
-    def texture(self, pixels):
-        """An 8-bit RGB or RGBA image (an array or a picture) as a texture that repeats; returns its index."""
-        data = BytesIO()
-        (pixels if isinstance(pixels, Image.Image) else Image.fromarray(pixels)).save(data, "PNG")
-        image = self.glb.append("images", {"bufferView": self.glb.view(data.getvalue()), "mimeType": "image/png"})
-        if "samplers" not in self.glb.document:
-            self.glb.append("samplers", {"magFilter": 9729, "minFilter": 9729, "wrapS": 10497, "wrapT": 10497})
-        return self.glb.append("textures", {"source": image, "sampler": 0})
-
-    def material(self, color=(1, 1, 1), metallic=0.0, roughness=1.0, texture=None, extensions=None, **entry):
-        """`texture`: of the base colour, an index or a texture info. `extensions`: without KHR_materials_."""
-        color = [*color, 1.0] if len(color) == 3 else list(color)
-        pbr = {"baseColorFactor": color, "metallicFactor": metallic, "roughnessFactor": roughness}
-        if texture is not None:
-            pbr["baseColorTexture"] = texture if isinstance(texture, dict) else {"index": texture}
-        entry = {"pbrMetallicRoughness": pbr, "doubleSided": True} | entry
-        if extensions:
-            entry["extensions"] = {f"KHR_materials_{key}": value for key, value in extensions.items()}
-            self.used |= set(entry["extensions"])
-        return self.glb.append("materials", entry)
-
-    def matt(self, color=(1, 1, 1), texture=None, **entry):
-        """Lambert's law and nothing else."""
-        return self.material(color, texture=texture, extensions={"specular": {"specularFactor": 0.0}}, **entry)
-
-    def glass(self, color=(1, 1, 1), roughness=0.0, ior=1.5, volume=None):
-        extensions = {"transmission": {"transmissionFactor": 1.0}, "ior": {"ior": ior}}
-        if volume is not None:
-            extensions["volume"] = {"thicknessFactor": 1.0, **volume}
-        return self.material(color, roughness=roughness, extensions=extensions)
-
-    def glow(self, color, strength, texture=None, double_sided=False):
-        entry = {"emissiveFactor": list(color), "doubleSided": double_sided}
-        if texture is not None:
-            entry["emissiveTexture"] = {"index": texture}
-        extensions = {"emissive_strength": {"emissiveStrength": strength}, "specular": {"specularFactor": 0.0}}
-        return self.material((0, 0, 0) if texture is None else (0.02, 0.02, 0.02), extensions=extensions, **entry)
-
-    def mesh(self, shape, material, second=None, colors=None):
-        positions, normals, coordinates, triangles = shape
-        attributes = {"POSITION": self.glb.accessor(positions)}
-        more = {"NORMAL": normals, "TEXCOORD_0": coordinates, "TEXCOORD_1": second, "COLOR_0": colors}
-        attributes |= {key: self.glb.accessor(np.asarray(values, float)) for key, values in more.items() if values is not None}
-        primitive = {"attributes": attributes, "indices": self.glb.accessor(np.asarray(triangles).ravel()), "material": material}
-        return self.glb.append("meshes", {"primitives": [primitive]})
-
-    def place(self, mesh, at=(0, 0, 0), **transform):
-        self.glb.append("nodes", {"mesh": mesh, "translation": [float(x) for x in at], **transform})
-
-    def add(self, shape, material, at=(0, 0, 0), second=None, colors=None):
-        self.place(self.mesh(shape, material, second, colors), at)
-
-    def light(self, entry, **node):
-        lights = self.glb.document.setdefault("extensions", {}).setdefault("KHR_lights_punctual", {"lights": []})["lights"]
-        lights.append(entry)
-        self.used.add("KHR_lights_punctual")
-        self.glb.append("nodes", {**node, "extensions": {"KHR_lights_punctual": {"light": len(lights) - 1}}})
-
-    def sun(self, direction, intensity=3.0, color=(1, 1, 1), degrees=0.0):
-        extras = {"extras": {"angular_diameter_rad": math.radians(degrees)}} if degrees else {}
-        self.light({"type": "directional", "color": list(color), "intensity": intensity, **extras}, rotation=looking(direction))
-
-    def camera(self, position, target, degrees, size):
-        """`degrees`: angle of view from top to bottom; `size`: of the picture, columns and rows."""
-        lens = {"yfov": math.radians(degrees), "aspectRatio": size[0] / size[1], "znear": 0.01}
-        camera = self.glb.append("cameras", {"type": "perspective", "perspective": lens})
-        self.glb.append("nodes", {"camera": camera, "translation": list(position), "rotation": looking(np.subtract(target, position))})
-
-    def write(self, path):
-        document = self.glb.document
-        if "KHR_texture_transform" in str(document.get("materials")):
-            self.used.add("KHR_texture_transform")
-        document["extensionsUsed"] = sorted(self.used)
-        document["scene"], document["scenes"] = 0, [{"nodes": list(range(len(document["nodes"])))}]
-        self.glb.write(path)
 
 
 def run(scene, *flags):
@@ -139,93 +52,6 @@ def render(scene, size, samples, *flags, error=0.015):
     flags = flags if error is None else (*flags, "--target-error", error)
     folder = run(scene, "--views", 1, "--lenses", f"{size[0]}x{size[1]}", "--spp", samples, "--write", "el", *flags)
     return Image.open(folder / "scene_el.png").convert("RGB")
-
-
-def read_pfm(path):
-    """One or three channels, top row first."""
-    kind, size, scale, data = path.read_bytes().split(b"\n", 3)
-    width, height = map(int, size.split())
-    values = np.frombuffer(data, "<f4" if float(scale) < 0 else ">f4")
-    return values.reshape(height, width, 3 if kind == b"PF" else 1)[::-1]
-
-
-# Pictures
-
-GAP = 6
-STRIP = 20
-LARGE = 80_000
-
-
-def compose(name, rows):
-    """Writes the PNG of rows of (picture, caption)."""
-    width = max(sum(picture.width + GAP for picture, _ in row) - GAP for row in rows)
-    height = sum(max(picture.height for picture, _ in row) + STRIP + GAP for row in rows) - GAP
-    page = Image.new("RGB", (width, height), "white")
-    draw = ImageDraw.Draw(page)
-    font = ImageFont.load_default(13)
-    y = 0
-    for row in rows:
-        x = 0
-        for picture, caption in row:
-            # Text wider than its panel would run into the next one.
-            assert draw.textlength(caption, font) <= picture.width + GAP, caption
-            draw.text((x + 1, y + STRIP // 2 - 1), caption, fill=(30, 30, 30), font=font, anchor="lm")
-            page.paste(picture, (x, y + STRIP))
-            x += picture.width + GAP
-        y += STRIP + max(picture.height for picture, _ in row) + GAP
-    save(name, page)
-
-
-def save(name, page):
-    """Writes a PNG; if that is large, with fewer bits a channel, else with a palette."""
-    path = HERE / f"{name}.png"
-    tries = [lambda: page, lambda: coarser(page, 7), lambda: coarser(page, 6)]
-    tries += [lambda n=n: page.quantize(n, method=Image.Quantize.MEDIANCUT, kmeans=2) for n in (256, 128)]
-    for attempt in tries:
-        attempt().save(path, optimize=True)
-        if path.stat().st_size <= LARGE:
-            break
-    print(f"{path.name}: {page.width} x {page.height}, {path.stat().st_size / 1000:.0f} kB", flush=True)
-
-
-def coarser(page, bits):
-    """With all channels rounded to so many bits."""
-    step = 1 << (8 - bits)
-    values = (np.asarray(page).astype(int) + step // 2) // step * step
-    return Image.fromarray(np.minimum(values, 255).astype(np.uint8))
-
-
-def encode(linear):
-    """Linear values as a picture with sRGB's curve."""
-    linear = np.clip(linear, 0, 1)
-    curve = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055)
-    return Image.fromarray(np.rint(curve * 255).astype(np.uint8))
-
-
-def letters(text, size, ink, paper, height):
-    """A picture with large letters."""
-    picture = Image.new("RGB", size, paper)
-    ImageDraw.Draw(picture).text((size[0] / 2, size[1] / 2), text, fill=ink, font=ImageFont.load_default(height), anchor="mm")
-    return picture
-
-
-def checks(count, light, dark, size=256):
-    y, x = np.mgrid[0:size, 0:size] * count // size
-    return np.where(((x + y) % 2 == 0)[..., None], np.array(light), np.array(dark)).astype(np.uint8)
-
-
-def uv_ball(radius, segments, rings):
-    """A ball with texture coordinates: u around, v from the top down."""
-    v, u = np.meshgrid(np.arange(rings + 1) / rings, np.arange(segments + 1) / segments, indexing="ij")
-    polar, around = math.pi * v, 2 * math.pi * (u - 0.25)
-    normals = np.stack([np.sin(polar) * np.sin(around + math.pi / 2), np.cos(polar), np.sin(polar) * np.cos(around + math.pi / 2)], axis=-1).reshape(-1, 3)
-    triangles = []
-    for i in range(rings):
-        for j in range(segments):
-            a = i * (segments + 1) + j
-            b, c, d = a + 1, a + segments + 2, a + segments + 1
-            triangles += [[a, d, c]] * (i < rings - 1) + [[a, c, b]] * (i > 0)
-    return radius * normals, normals, np.stack([u, v], axis=-1).reshape(-1, 2), np.array(triangles)
 
 
 def directions(height, width):

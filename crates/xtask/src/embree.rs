@@ -53,7 +53,19 @@ pub fn fetch() -> Result {
         return Err(format!("{} holds no libembree4", wheel.display()));
     }
     let _ = std::fs::remove_dir_all(folder());
-    std::fs::rename(&fresh, folder()).map_err(|why| format!("{}: {why}", folder().display()))
+    std::fs::rename(&fresh, folder()).map_err(|why| format!("{}: {why}", folder().display()))?;
+    mark()
+}
+
+/// Programs take libraries only from a target folder that is marked as one. Cargo marks those that it makes itself, not one that
+/// was there before.
+fn mark() -> Result {
+    let tag = target().join("CACHEDIR.TAG");
+    if tag.is_file() {
+        return Ok(());
+    }
+    let text = "Signature: 8a477f597d28d172789f06886806bc55\n# What cargo and xtask build and fetch; see https://bford.info/cachedir/\n";
+    std::fs::write(&tag, text).map_err(|why| format!("{}: {why}", tag.display()))
 }
 
 /// A wheel is a zip archive; the libraries lie in a folder `*.libs`.

@@ -1,6 +1,6 @@
 //! How time and memory grow with views, with triangles and with threads.
 
-use holo_core::GridSize;
+use holo_core::{GridSize, Remainder, Sensor};
 use holo_render::scene::{Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use holo_render::{Backend, Integrator, Renderer, Request};
 
@@ -20,6 +20,10 @@ pub fn section(wish: &Wish) -> Section {
         points: views(wish, engine, &mut sheet),
     });
     let mut largest = vec![sheet.last()];
+    if !wish.quick {
+        let points = divisions(wish, engine, &mut sheet);
+        plot.add(Series { name: "views of an 8K sensor".into(), color: 3, dashes: 0, points });
+    }
     let points = triangles(wish, engine, &mut sheet);
     largest.push(sheet.last());
     plot.add(Series { name: "triangles, 10,000 pixels".into(), color: 1, dashes: 0, points });
@@ -38,10 +42,11 @@ pub fn section(wish: &Wish) -> Section {
     Section {
         title: "Scaling",
         text: format!(
-            "Direct light of `garden`, a sample a pixel, for 1 to {} views of 79 x 53 px at the baseline of an f/5 lens, and for 1 to all \
+            "Direct light of `garden`, a sample a pixel, for 1 to {} views of 79 x 53 px at the baseline of an f/5 lens{}, and for 1 to all \
              threads; a bumpy ball of 10^3 to 10^{} triangles under a sun, 10,000 pixels. Memory is what the peak rises by while it is \
              rendered; of triangles, also while the tree is built.",
             if wish.quick { "1024" } else { "10,000" },
+            if wish.quick { "" } else { ", for an 8K sensor divided into 20 to 100 views an axis" },
             if wish.quick { 5 } else { 7 }
         ),
         highlights,
@@ -56,25 +61,35 @@ fn direct(rig: holo_core::Rig, sky: [f32; 3]) -> Request {
 
 fn views(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> Vec<(f64, f64)> {
     let counts: &[usize] = if wish.quick { &[1, 3, 10, 32] } else { &[1, 3, 10, 32, 56, 100] };
-    let mut points = Vec::new();
-    for &views in counts {
-        let ready = Ready::new("garden", views, GridSize::new(53, 79), None);
-        let request = direct(ready.rig, sky("garden"));
-        let (build, renderer) = timed(1, || ready.renderer(engine, 0));
-        let (bytes, (seconds, rendered)) =
-            peak_bytes(|| timed(wish.rounds, || renderer.render(&request, &()).expect("a render")));
-        let count = views * views;
-        points.push((count as f64, seconds.median));
-        sheet.push([
-            "views".into(),
-            count.to_string(),
-            short(build.median),
-            seconds.text(),
-            short(rendered.rays.total() as f64 / seconds.median / 1e6),
-            bytes.map_or("?".into(), |bytes| short(bytes as f64 / 1e6)),
-        ]);
-    }
-    points
+    counts.iter().map(|&views| garden("views", views, GridSize::new(53, 79), wish.rounds, engine, sheet)).collect()
+}
+
+/// The rows of the paper's Table I: few large views or many small ones of the same sensor.
+fn divisions(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> Vec<(f64, f64)> {
+    let row = |views| {
+        let split = Sensor::Paper8k.split(GridSize::new(views, views), Remainder::Crop).expect("a split").split;
+        garden("views of 8K", views, split.lenses(), wish.rounds.min(3), engine, sheet)
+    };
+    [20, 40, 60, 80, 100].into_iter().map(row).collect()
+}
+
+/// A row of the table, and its point on the plot.
+fn garden(what: &str, views: usize, lenses: GridSize, rounds: usize, engine: Backend, sheet: &mut Sheet) -> (f64, f64) {
+    let ready = Ready::new("garden", views, lenses, None);
+    let request = direct(ready.rig, sky("garden"));
+    let (build, renderer) = timed(1, || ready.renderer(engine, 0));
+    let (bytes, (seconds, rendered)) =
+        peak_bytes(|| timed(rounds, || renderer.render(&request, &()).expect("a render")));
+    let count = views * views;
+    sheet.push([
+        what.into(),
+        count.to_string(),
+        short(build.median),
+        seconds.text(),
+        short(rendered.rays.total() as f64 / seconds.median / 1e6),
+        bytes.map_or("?".into(), |bytes| short(bytes as f64 / 1e6)),
+    ]);
+    (count as f64, seconds.median)
 }
 
 fn threads(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> Vec<(f64, f64)> {
