@@ -94,7 +94,7 @@ fn sixty_four_bounces_between_mirrors_lose_nothing_and_gain_nothing() {
         };
         let color = renderer.render(&request, &()).expect("a render").color.expect("a picture");
         let (mut judged, mut most, mut trapped) = (0, 0, 0);
-        for ((v, u, t, s, _), &found) in color.samples().indexed_iter() {
+        for ((v, u, t, s, channel), &found) in color.samples().indexed_iter() {
             let ray = rig.ray(v, u, t, s, 0.5, 0.5);
             // The mirror number k is met after 1 + 1.5 k metres of depth.
             let reach = |k: i32| {
@@ -109,12 +109,15 @@ fn sixty_four_bounces_between_mirrors_lose_nothing_and_gain_nothing() {
             }
             let expected = if reflections < 64 { f64::from(reflectance).powi(reflections) } else { 0.0 };
             assert!((f64::from(found) - expected).abs() < 1e-5, "{reflections} reflections: {found} for {expected}");
+            if channel > 0 {
+                continue;
+            }
             judged += 1;
             trapped += i32::from(reflections > 64);
             most = if reflections < 64 { most.max(reflections) } else { most };
         }
         println!("mirrors of {reflectance}: {judged} pixels, up to {most} reflections, {trapped} have more than 64");
-        assert!(judged > 100_000 && most > 40 && trapped > 0, "{judged} {most} {trapped}");
+        assert!(judged > 40_000 && most > 40 && trapped > 0, "{judged} {most} {trapped}");
     }
 }
 

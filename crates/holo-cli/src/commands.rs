@@ -30,6 +30,7 @@ mod picture;
 mod pictures;
 mod prepare;
 mod raw;
+mod remarks;
 mod sky;
 mod source;
 

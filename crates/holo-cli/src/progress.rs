@@ -51,13 +51,17 @@ pub struct Overall {
 const STEPS: u64 = 1000;
 
 impl Overall {
-    /// A bar for `jobs` renders; hidden if `quiet` or if standard error is no terminal.
-    pub fn new(jobs: usize, quiet: bool) -> Self {
+    /// Hidden if `quiet` or if standard error is no terminal.
+    pub fn new(quiet: bool) -> Self {
         let Bar(bar) = Bar::new("", quiet);
-        bar.set_length(jobs as u64 * STEPS);
         let style = ProgressStyle::with_template("{msg:22} [{bar:30}] {percent:>3} %  {elapsed} gone, {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
         Self { bar, done: AtomicU64::new(0) }
+    }
+
+    /// There are so many renders to come.
+    pub fn expect(&self, jobs: usize) {
+        self.bar.set_length(jobs as u64 * STEPS);
     }
 
     /// `done` renders are over; the next is called `name`.

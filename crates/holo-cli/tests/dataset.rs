@@ -75,6 +75,30 @@ fn what_is_done_is_kept_and_a_changed_setting_redoes_what_it_touches() {
 }
 
 #[test]
+fn what_is_to_be_known_is_said_once() {
+    let bench = Bench::new();
+    let mut blind = common::tiny_scene();
+    blind.cameras.clear();
+    std::fs::write(bench.path("blind.glb"), holo_render::gltf::to_glb(&blind).unwrap()).unwrap();
+    let run = |out: &str, more: &str| {
+        let mut command = bench.command(&format!("{SMALL} --glb blind.glb --out {out} {more}"));
+        command.env("HOLO_EMBREE_LIB", "/nonexistent/libembree4.so");
+        let outcome = common::outcome(command);
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        outcome
+    };
+    let outcome = run("set", "");
+    // Eight jobs: two scenes, of which one has no camera; four splits, of which 3 x 3 leaves a row of 40.
+    for once in ["built-in BVH", "blind: warning: ", "note: 3 x 3 views leave 0 columns and 1 rows"] {
+        assert_eq!(outcome.stderr.matches(once).count(), 1, "'{once}' in {outcome:?}");
+    }
+    assert_eq!(run("set", "--quiet").stderr, "");
+    // Of what is done already there is nothing to say but what draws it.
+    let again = run("set", "");
+    assert!(again.stderr.contains("built-in BVH") && !again.stderr.contains("blind: warning"), "{again:?}");
+}
+
+#[test]
 fn shards_make_the_whole() {
     let bench = Bench::new();
     made(&bench, "whole", "--quiet");

@@ -21,6 +21,8 @@
 //! | format | write | read |
 //! |---|---|---|
 //! | PNG, 8 and 16 bit | [`write_png_u8`], [`write_png_u16`], [`write_disparity_png`], [`PngWriter`] | [`read_png`], [`read_png_info`] |
+//! | PNG that moves | [`write_png_animation`] | |
+//! | PNGs of one view each | | [`read_views`] |
 //! | PNG in memory | [`encode_png_u8`], [`encode_png_u16`] | [`decode_png`] |
 //! | PFM | [`write_pfm`], [`write_pfm_colour`] | [`read_pfm`], [`read_pfm_grey`], [`read_pfm_info`] |
 //! | PFM in memory | [`Pfm::to_bytes`] | [`decode_pfm`] |

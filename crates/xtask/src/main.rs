@@ -43,9 +43,12 @@ fn main() -> ExitCode {
         Some("fuzz") => fuzz::run(rest),
         Some("package") => package::run(),
         Some("sanitize") => embree::ensure().and_then(|()| sanitize::run(rest)),
-        Some("bench") => {
-            setup().and_then(|()| process::cargo(&[&["bench", "-p", "holo-bench"], strs(rest).as_slice()].concat()))
-        }
+        Some("bench") => setup().and_then(|()| {
+            if let Err(why) = peers::ensure() {
+                eprintln!("xtask: no programs to measure against: {why}");
+            }
+            process::cargo(&[&["bench", "-p", "holo-bench"], strs(rest).as_slice()].concat())
+        }),
         Some("report") => setup().and_then(|()| {
             let report = ["run", "--quiet", "--release", "-p", "holo-bench", "--bin", "report", "--"];
             let environment =

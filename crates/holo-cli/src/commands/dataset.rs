@@ -14,6 +14,7 @@ use serde_json::json;
 use self::plan::Job;
 use self::table::{Line, Table};
 use super::output::OutputFolder;
+use super::remarks::{OnceEach, Remarks};
 use super::{job, prepare};
 use crate::arguments::{DatasetOptions, EngineOptions};
 use crate::console::{out, say};
@@ -30,7 +31,9 @@ pub fn run(options: DatasetOptions, said: ArgMatches) -> Result<(), Failure> {
     })?;
     job::refuse_what_cannot_be(&options.job)?;
     let jobs = plan::jobs(&options, &said)?;
-    let engine = engine_name(&options.engine)?;
+    let bar = Overall::new(options.quiet);
+    let remarks = OnceEach::above(&bar, options.quiet);
+    let engine = engine_name(&options.engine, &remarks)?;
 
     // The root is described before anything is in it, so that a dataset that is half done can be checked too.
     let folder = OutputFolder::create_plain(&root)?;
@@ -42,11 +45,11 @@ pub fn run(options: DatasetOptions, said: ArgMatches) -> Result<(), Failure> {
         .enumerate()
         .filter(|(index, _)| options.shard.is_none_or(|shard| index % shard.of == shard.part - 1))
         .collect();
-    let bar = Overall::new(mine.len(), options.quiet);
+    bar.expect(mine.len());
     let mut table = Table::default();
     for (done, &(index, job)) in mine.iter().enumerate() {
         bar.begin(done, &job.name());
-        let line = match run_job(&options, &root, job, &engine, &bar) {
+        let line = match run_job(&options, &root, job, &engine, &bar, &remarks.of_scene(&job.source.name())) {
             Ok(line) => line,
             Err(_) if interrupt::requested() => {
                 return Err(Failure::Failed("stopped; the same command goes on".into()));
@@ -89,6 +92,7 @@ fn run_job(
     job: &Job,
     engine: &str,
     bar: &Overall,
+    remarks: &dyn Remarks,
 ) -> Result<Line, Failure> {
     let start = Instant::now();
     let out = root.join(job.folder()?);
@@ -97,9 +101,9 @@ fn run_job(
         return Ok(Line::kept(job, &manifest));
     }
     let folder = OutputFolder::create(&out)?;
-    let prepared = job::prepare_job(&job.source, &job.wish)?;
+    let prepared = job::prepare_job(&job.source, &job.wish, remarks)?;
     let rendering = Instant::now();
-    let (traced, _) = job::trace(&job.source, &job.wish, &prepared, None, bar)?;
+    let (traced, _) = job::trace(&job.source, &job.wish, &prepared, None, bar, remarks)?;
     let exposure_ev = prepared.renderer.install(|| job::exposure_ev(&options.job, &traced.rendered));
     let (rays, samples, integrator) = (traced.rendered.rays, traced.rendered.samples, traced.rendered.integrator);
     let (render, writing) = (rendering.elapsed().as_secs_f64(), Instant::now());
@@ -117,9 +121,10 @@ fn run_job(
 }
 
 /// The engine and its version, as manifests name it.
-fn engine_name(options: &EngineOptions) -> Result<String, Failure> {
+fn engine_name(options: &EngineOptions, remarks: &dyn Remarks) -> Result<String, Failure> {
     let backend: Backend = prepare::backend(options);
     let empty = scene::Scene::default();
     let renderer = Renderer::new(&empty, &scene::Transform::IDENTITY, backend, 1)?;
+    prepare::remark_on_engine(&renderer, remarks);
     Ok(renderer.engine_name().to_owned())
 }

@@ -8,6 +8,7 @@ use holo_io::{FileKind, Limits, Manifest, Opened, ParametersCfg, Pfm};
 use holo_render::Layer;
 
 use super::prepare::{Purpose, prepare};
+use super::remarks::Plain;
 use super::source::Source;
 use crate::arguments::InfoOptions;
 use crate::console::out;
@@ -70,7 +71,8 @@ fn mat(path: &Path) -> Result<(), Failure> {
 fn scene(options: &InfoOptions) -> Result<(), Failure> {
     // Depth and disparity of the central view.
     let purpose = Purpose { lens_bytes: 2 * size_of::<f32>(), ..Purpose::default() };
-    let prepared = prepare(&Source::File(options.file.clone()), &options.rig, &options.engine, purpose, false)?;
+    let prepared =
+        prepare(&Source::File(options.file.clone()), &options.rig, &options.engine, purpose, &Plain { quiet: false })?;
     out!("{}", prepared.loaded.summary.to_string().trim_end())?;
     if let Some((low, high)) = prepared.loaded.scene.bounds() {
         out!("bounds: {low:.4?} to {high:.4?} m")?;

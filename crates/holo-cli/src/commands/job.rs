@@ -12,10 +12,10 @@ use super::layers::{self, Wanted};
 use super::output::OutputFolder;
 use super::pictures::{self, Pictures};
 use super::prepare::{Prepared, Purpose, prepare};
+use super::remarks::{About, Remarks};
 use super::sky;
 use super::source::Source;
 use crate::arguments::{ExposureArgument, GroundTruthArgument, IntegratorArgument, JobOptions, Output, Shard};
-use crate::console::say;
 use crate::failure::Failure;
 use crate::report::integrator_name;
 
@@ -58,10 +58,10 @@ pub fn refuse_what_cannot_be(options: &JobOptions) -> Result<(), Failure> {
 }
 
 /// Loads the scene and makes ready.
-pub fn prepare_job(source: &Source, wish: &Wish) -> Result<Prepared, Failure> {
+pub fn prepare_job(source: &Source, wish: &Wish, remarks: &dyn Remarks) -> Result<Prepared, Failure> {
     let options = &wish.options;
     let wanted = Wanted::new(&options.job);
-    prepare(source, &options.rig, &options.engine, purpose(&options.job, &wanted), options.quiet)
+    prepare(source, &options.rig, &options.engine, purpose(&options.job, &wanted), remarks)
 }
 
 /// Renders, all of it or a part. Returns the seconds that it took as well.
@@ -71,6 +71,7 @@ pub fn trace(
     prepared: &Prepared,
     shard: Option<Shard>,
     progress: &dyn Progress,
+    remarks: &dyn Remarks,
 ) -> Result<(Traced, f64), Failure> {
     let options = &wish.options.job;
     let wanted = Wanted::new(options);
@@ -90,8 +91,9 @@ pub fn trace(
     let seconds = start.elapsed().as_secs_f64();
     // What cannot be written is said before the rest is made.
     outputs(options, rendered.color.is_some())?;
-    if !wish.options.quiet && rendered.integrator == Integrator::Depth && request.integrator == Integrator::Auto {
-        say!("note: the scene has no light, so there is no picture, only ground truth; try --sky 1,1,1");
+    if rendered.integrator == Integrator::Depth && request.integrator == Integrator::Auto {
+        let note = "note: the scene has no light, so there is no picture, only ground truth; try --sky 1,1,1";
+        remarks.remark(About::Scene, note);
     }
     let manifest = manifest(source, wish, &wanted, prepared, &rendered, &request)?;
     let parameters = parameters(options, source, prepared);

@@ -8,10 +8,10 @@ use holo_render::gltf::Loaded;
 use holo_render::scene::Environment;
 use holo_render::{Backend, Baseline, CameraChoice, Framed, Framing, Renderer};
 
+use super::remarks::{About, Remarks};
 use super::sky;
 use super::source::Source;
 use crate::arguments::{BackendArgument, CameraArgument, EngineOptions, FocusArgument, ProjectionArgument, RigOptions};
-use crate::console::say;
 use crate::failure::Failure;
 
 /// A scene ready to be rendered.
@@ -35,15 +35,15 @@ pub struct Purpose<'a> {
     pub lens_bytes: usize,
 }
 
-/// Loads and frames the scene, builds the acceleration structure and settles the focus. Warnings go to standard error.
+/// Loads and frames the scene, builds the acceleration structure and settles the focus.
 pub fn prepare(
     source: &Source,
     rig: &RigOptions,
     engine: &EngineOptions,
     purpose: Purpose,
-    quiet: bool,
+    remarks: &dyn Remarks,
 ) -> Result<Prepared, Failure> {
-    let split = split(rig, quiet)?;
+    let split = split(rig, remarks)?;
     refuse_what_does_not_fit(&split, purpose)?;
     let start = Instant::now();
     let scene = source.path();
@@ -55,9 +55,7 @@ pub fn prepare(
         loaded.scene.environment = Some(Environment { radiance: sky::read(path)? });
     }
     let load_seconds = start.elapsed().as_secs_f64();
-    if !quiet {
-        loaded.warnings.iter().for_each(|warning| say!("warning: {warning}"));
-    }
+    loaded.warnings.iter().for_each(|warning| remarks.remark(About::Scene, &format!("warning: {warning}")));
     let framing = Framing {
         split,
         camera: camera(rig.camera.as_ref(), &loaded),
@@ -78,8 +76,8 @@ pub fn prepare(
         holo_render::Error::BadSetting(why) if rig.camera.is_none() => Failure::Failed(named(scene, &why)),
         other => blame(scene, other),
     })?;
-    if !quiet && loaded.scene.cameras.is_empty() {
-        say!("warning: {}", framed.camera);
+    if loaded.scene.cameras.is_empty() {
+        remarks.remark(About::Scene, &format!("warning: {}", framed.camera));
     }
     let start = Instant::now();
     let renderer =
@@ -92,15 +90,20 @@ pub fn prepare(
             },
         )?;
     let build_seconds = start.elapsed().as_secs_f64();
-    if let Some(note) = renderer.engine_note().filter(|_| !quiet) {
-        say!("warning: {note}");
-    }
+    remark_on_engine(&renderer, remarks);
     let focus = match rig.main_lens.focus_m {
         FocusArgument::Metres(distance) => distance,
         FocusArgument::Automatic => framed.automatic_focus_m(&renderer).map_err(|e| blame(scene, e))?,
     };
     let rig = framed.rig(focus).map_err(|e| blame(scene, e))?;
     Ok(Prepared { loaded, framed, renderer, rig, load_seconds, build_seconds })
+}
+
+/// Says which engine stands in for the one that was wanted.
+pub fn remark_on_engine(renderer: &Renderer, remarks: &dyn Remarks) {
+    if let Some(note) = renderer.engine_note() {
+        remarks.remark(About::SetUp, &format!("warning: {note}"));
+    }
 }
 
 /// What the option means.
@@ -170,23 +173,19 @@ fn refuse_what_does_not_fit(split: &Split, purpose: Purpose) -> Result<(), Failu
     Ok(())
 }
 
-fn split(rig: &RigOptions, quiet: bool) -> Result<Split, Failure> {
+fn split(rig: &RigOptions, remarks: &dyn Remarks) -> Result<Split, Failure> {
     if let Some(lenses) = rig.lenses {
         return Ok(Split::new(rig.views, lenses)?);
     }
     let divided = rig.main_lens.sensor.split(rig.views, Remainder::Crop)?;
     let border = divided.border;
-    if !quiet && (border.rows, border.columns) != (0, 0) {
+    if (border.rows, border.columns) != (0, 0) {
         let size = rig.main_lens.sensor.size();
-        say!(
+        let note = format!(
             "note: {} x {} views leave {} columns and {} rows of the {} x {} sensor unused",
-            rig.views.columns,
-            rig.views.rows,
-            border.columns,
-            border.rows,
-            size.columns,
-            size.rows
+            rig.views.columns, rig.views.rows, border.columns, border.rows, size.columns, size.rows
         );
+        remarks.remark(About::SetUp, &note);
     }
     Ok(divided.split)
 }

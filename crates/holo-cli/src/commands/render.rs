@@ -6,6 +6,7 @@ use holo_render::Integrator;
 
 use super::asked::Wish;
 use super::output::OutputFolder;
+use super::remarks::Plain;
 use super::source::Source;
 use super::{job, part};
 use crate::console::out;
@@ -19,11 +20,12 @@ pub fn run(wish: &Wish) -> Result<(), Failure> {
     job::refuse_what_cannot_be(&options.job)?;
     let folder = OutputFolder::create(&options.out)?;
     let source = Source::File(options.scene.clone());
-    let prepared = job::prepare_job(&source, wish)?;
+    let remarks = Plain { quiet: options.quiet };
+    let prepared = job::prepare_job(&source, wish, &remarks)?;
 
     let rendering = Instant::now();
     let bar = Bar::new("rendering", options.quiet);
-    let traced = job::trace(&source, wish, &prepared, options.shard, &bar);
+    let traced = job::trace(&source, wish, &prepared, options.shard, &bar, &remarks);
     bar.finish();
     let (traced, _) = traced?;
     let (rays, samples, integrator) = (traced.rendered.rays, traced.rendered.samples, traced.rendered.integrator);

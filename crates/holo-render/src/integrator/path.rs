@@ -7,8 +7,8 @@
 //! **How.** Every event asks for the light that arrives straight from a light (next-event estimation), then draws one
 //! direction in which the path goes on. Punctual lights can only be found the first way. The constant sky is only found
 //! the second way, which draws it perfectly. Surroundings with a map and emissive surfaces are found both ways, weighted
-//! by the balance heuristic (Veach and Guibas, 1995). The first event asks every punctual light, later ones ask one,
-//! drawn by what it would give without its shadow.
+//! by the balance heuristic (Veach and Guibas, 1995). The first event asks every punctual light if there
+//! are eight at most; of more, and later, one is asked, drawn by what it would give without its shadow.
 //!
 //! **Roulette.** From the third event on a path that carries less than an eighth survives with 8 times its throughput as
 //! the probability (5 % at least) and counts for as much more; unbiased, and it can be switched off.

@@ -52,7 +52,7 @@ pub fn jobs(options: &DatasetOptions, said: &ArgMatches) -> Result<Vec<Job>, Fai
         for &split in &splits {
             let mut asked = common.clone();
             asked.insert("views".into(), in_words(split.views()));
-            let mut line = vec![source.path().display().to_string(), "--out=out".into(), "--quiet".into()];
+            let mut line = vec![source.path().display().to_string(), "--out=out".into()];
             line.extend(asked::arguments(&asked));
             let mut wish = Wish::parse(line)?;
             wish.options.engine = options.engine.clone();
