@@ -1,8 +1,9 @@
 //! Scenes built in code: nothing to download, the same bytes everywhere.
 //!
 //! A scene of the gallery is an ordinary [`Scene`]: render it, change it, or export it with [`crate::gltf::to_glb`], which
-//! leaves nothing out: what fills the shadows is a room that glows, not an environment map (`garden` has a sun and a lamp alone). All are at table-top scale
-//! (0.2 to 1 m but for lamps and the room they stand in) and seen through a lens of 50 mm (39 mm: `garden`). The last
+//! leaves nothing out: what fills the shadows is a room that glows, not an environment map (`garden` has a sun and a lamp
+//! alone). All are at table-top scale (0.2 to 1 m but for lamps and the room they stand in) and seen through a lens of 50 mm
+//! (39 mm: `garden`). The last
 //! column has the largest disparity between neighbours of 20 x 20 views of 397 x 265 pixels at f/5 with automatic focus;
 //! the least is its negative. No view sees past the scene. Every scene has one camera, for pictures of 3:2.
 //!

@@ -25,10 +25,10 @@ const SYSTEM_FOLDERS: &[&str] = &[
 
 /// Fetches Embree unless there is one.
 pub fn ensure() -> Result {
-    if std::env::var_os("HOLO_EMBREE_LIB").is_some() || system_has_one() || !library_files(&folder()).is_empty() {
+    if std::env::var_os("HOLO_EMBREE_LIB").is_some() || system_has_one() {
         return Ok(());
     }
-    fetch()
+    if library_files(&folder()).is_empty() { fetch() } else { mark() }
 }
 
 /// Fetches Embree from PyPI.

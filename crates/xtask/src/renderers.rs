@@ -61,6 +61,8 @@ fn llvm() -> Result<PathBuf> {
     }
     if process::exists("apt-get") && crate::test::is_root() {
         eprintln!("xtask: installing libllvm19 for Mitsuba");
+        // A fresh machine knows of no packages yet; with an old list the next step may still do.
+        let _ = process::run(Command::new("apt-get").args(["update", "-q"]));
         process::run(
             Command::new("apt-get")
                 .args(["install", "-y", "-q", "--no-install-recommends", "libllvm19"])

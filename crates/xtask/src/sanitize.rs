@@ -1,7 +1,8 @@
 //! The renderer's tests under AddressSanitizer and ThreadSanitizer, and what is pure Rust under Miri: `cargo xtask sanitize [WHAT..]`.
 //!
 //! Needs Linux on x86-64, rustup with a nightly toolchain and its components rust-src and miri, and takes some twenty minutes: not
-//! part of the tests. Embree itself is not instrumented. What is watched is the seam: our packets and buffers, their lifetimes, threads that share them.
+//! part of the tests. Embree itself is not instrumented. What is watched is the seam: our packets and buffers, their lifetimes,
+//! threads that share them.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -53,7 +54,8 @@ fn instrumented(sanitizer: &str, arguments: &[&str], variable: &str, options: St
     Ok(())
 }
 
-/// Miri cannot load Embree: shapes of packets, rays, points, and the light field's blocks and lists of `holo-core`. It is a thousand times slower than the processor: pictures are out of reach.
+/// Miri cannot load Embree: shapes of packets, rays, points, and the light field's blocks and lists of `holo-core`. It is a thousand
+/// times slower than the processor: pictures are out of reach.
 fn miri() -> Result {
     let parts: [&[&str]; 2] = [
         &["-p", "holo-render", "--lib", "--", "primary::", "every_run_of_points"],

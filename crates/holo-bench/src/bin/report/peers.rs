@@ -245,16 +245,20 @@ fn run(
         .args(arguments)
         .env("PYTHONPATH", &home)
         .stderr(Stdio::piped())
-        .output()
-        .map_err(|why| format!("{program}: {why}"))?;
-    let failure = || {
-        let words = String::from_utf8_lossy(&output.stderr);
-        format!("{program}: {}", words.lines().last().unwrap_or("it ended without a word"))
-    };
-    let text = String::from_utf8_lossy(&output.stdout);
-    let lines: Vec<Line> = text.lines().filter_map(|line| parse(line, program, views)).collect();
+        .output();
+    // The pictures are read before their folder goes.
+    let lines: Vec<Line> = output.iter().flat_map(|output| parse_all(&output.stdout, program, views)).collect();
     let _ = std::fs::remove_dir_all(&out);
-    if output.status.success() && lines.len() == samples.len() { Ok(lines) } else { Err(failure()) }
+    let output = output.map_err(|why| format!("{program}: {}: {why}", python.trim()))?;
+    if output.status.success() && lines.len() == samples.len() {
+        return Ok(lines);
+    }
+    let words = String::from_utf8_lossy(&output.stderr);
+    Err(format!("{program}: {}", words.lines().last().unwrap_or("it ended without a word")))
+}
+
+fn parse_all(text: &[u8], program: &str, views: f64) -> Vec<Line> {
+    String::from_utf8_lossy(text).lines().filter_map(|line| parse(line, program, views)).collect()
 }
 
 /// A line of a script: samples, seconds, peak, pictures. Other lines are talk.
