@@ -1,0 +1,116 @@
+//! Renders of the library, pinned to the bit: SHA-256 of every render's arrays, against `pinned/arrays.txt`.
+//!
+//! What changes pixels on purpose writes the list anew (`HOLO_PIN=write cargo test --test pinned`) and says why in the
+//! changelog; nothing else may change a line of it.
+//!
+//! The arrays are the same for any number of threads and any instruction set. They are pinned on 64-bit Linux with glibc
+//! alone, because the gallery's shapes are computed with the system's sine and cosine; and for Embree 4.4.0 alone.
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use common::{engines, rig};
+use holo_core::Projection;
+use holo_io::{Limits, Sha256};
+use holo_render::scene::{Environment, Scene};
+use holo_render::{Backend, GroundTruth, Integrator, LayerSet, Rendered, Renderer, Request, gallery, gltf};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests")
+}
+
+/// The digest of float values in the order of their axes.
+fn digest<'a>(values: impl Iterator<Item = &'a f32>) -> String {
+    let bytes: Vec<u8> = values.flat_map(|value| value.to_bits().to_le_bytes()).collect();
+    Sha256::of(&bytes).to_string()
+}
+
+/// A line for the color, and one for the layers of each kind.
+fn lines(name: &str, rendered: &Rendered, lines: &mut BTreeMap<String, String>) {
+    if let Some(color) = &rendered.color {
+        lines.insert(format!("{name}/color"), digest(color.samples().iter()));
+    }
+    lines.insert(format!("{name}/central"), digest(rendered.central.iter().flat_map(|(_, image)| image)));
+    if let Some(all) = &rendered.all {
+        lines.insert(format!("{name}/all"), digest(all.iter().flat_map(|(_, field)| field.samples().into_iter())));
+    }
+}
+
+/// The gallery, and a scene from a file with an environment map.
+fn scenes() -> Vec<(&'static str, Scene)> {
+    let mut scenes: Vec<_> =
+        gallery::NAMES.iter().map(|&name| (name, gallery::scene(name).expect("a scene of the gallery"))).collect();
+    let radiance = folder().join("radiance");
+    let mut window = gltf::load(&radiance.join("window.glb"), &gltf::Limits::default()).expect("a scene").scene;
+    let map = holo_io::read_hdr(radiance.join("window_sky.hdr"), &Limits::default()).expect("a map");
+    window.environment = Some(Environment { radiance: map });
+    scenes.push(("window", window));
+    scenes
+}
+
+fn arrays(backend: Backend, engine: &str) -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    for (name, scene) in scenes() {
+        let renderer = Renderer::new(&scene, &scene.cameras[0].pose, backend, 0).expect("a renderer");
+        let sky = if name == "garden" { [0.3, 0.4, 0.5] } else { [0.0; 3] };
+        let focused = |views, lenses, projection| rig(views, lenses, 1e-3, 0.6, projection);
+        let dense = focused([5, 6], [12, 17], Projection::Perspective);
+        let path = Request { samples: 3, seed: 5, sky, max_bounces: 5, ..Request::new(dense) };
+        let mut put = |what: &str, request: Request| {
+            let rendered = renderer.render(&request, &()).expect("a render");
+            lines(&format!("{engine}/{name}/{what}"), &rendered, &mut found);
+        };
+        put("path", Request { integrator: Integrator::Path, ..path.clone() });
+        put("direct", Request { integrator: Integrator::Direct, layers: LayerSet::ALL, ..path.clone() });
+        put("no_indirect", Request { indirect: false, samples: 1, ..path.clone() });
+        let sparse = focused([1, 2], [19, 23], Projection::Perspective);
+        put("adaptive", Request { target_error: Some(0.2), samples: 64, rig: sparse, ..path.clone() });
+        let parallel = focused([9, 4], [7, 5], Projection::Orthographic);
+        let truth = Request { integrator: Integrator::Depth, layers: LayerSet::ALL, ..Request::new(parallel) };
+        put("parallel", Request { ground_truth: GroundTruth::All, ..truth.clone() });
+        put("rows", Request { rig: dense, lens_rows: Some(4..9), ..truth });
+    }
+    found
+}
+
+#[test]
+fn no_bit_of_a_render_changes() {
+    if !cfg!(all(target_os = "linux", target_env = "gnu", target_arch = "x86_64")) {
+        println!("not run: the arrays are pinned on 64-bit x86 Linux with glibc");
+        return;
+    }
+    let list = folder().join("pinned").join("arrays.txt");
+    let mut found = BTreeMap::new();
+    for backend in engines() {
+        let name = Renderer::new(&common::soup(4, 1), &holo_render::scene::Transform::IDENTITY, backend, 1)
+            .expect("a renderer")
+            .engine_name()
+            .to_owned();
+        if ["bvh", "embree 4.4.0"].contains(&name.as_str()) {
+            found.extend(arrays(backend, &name.replace(' ', "-")));
+        } else {
+            println!("not run for {name}: the arrays are pinned for Embree 4.4.0");
+        }
+    }
+    if std::env::var_os("HOLO_PIN").is_some() {
+        let text = found.iter().fold(String::new(), |mut text, (name, digest)| {
+            let _ = writeln!(text, "{digest}  {name}");
+            text
+        });
+        std::fs::write(&list, text).expect("the list");
+        return;
+    }
+    let text = std::fs::read_to_string(&list).expect("the list");
+    let pinned: BTreeMap<&str, &str> =
+        text.lines().filter_map(|line| line.split_once("  ").map(|(digest, name)| (name, digest))).collect();
+    let changed: Vec<&String> = found
+        .iter()
+        .filter(|(name, digest)| pinned.get(name.as_str()) != Some(&digest.as_str()))
+        .map(|f| f.0)
+        .collect();
+    assert!(changed.is_empty(), "{} of {} arrays are other than pinned: {changed:#?}", changed.len(), found.len());
+    assert!(found.len() >= pinned.len() / 2, "{} of {} arrays were rendered", found.len(), pinned.len());
+}
