@@ -2,8 +2,8 @@
 
 use holo_core::{GridSize, Projection, Split};
 use holo_io::{Compression, Meaning, write_pfm, write_png_u8};
-use holo_render::scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer, Request, exposure};
+use holo_scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use ndarray::Axis;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -4,8 +4,8 @@ mod common;
 
 use common::rig;
 use holo_core::Projection;
-use holo_render::scene::{Light, LightKind};
 use holo_render::{Backend, Integrator, Rendered, Request};
+use holo_scene::{Light, LightKind};
 
 /// Triangles in all colours under a small strong lamp and a sky: calm and noisy pixels side by side.
 fn picture(samples: u32, target_error: Option<f64>, seed: u64) -> Rendered {
@@ -67,14 +67,14 @@ fn without_a_target_every_pixel_gets_its_samples() {
 /// row must not go dark.
 #[test]
 fn faint_edges_in_the_dark_are_not_cut_off() {
-    let mut scene = holo_render::scene::Scene::default();
+    let mut scene = holo_scene::Scene::default();
     // 16 pixels are 36 mm behind 50 mm: a pixel is 0.135 m wide 3 m away; the thread lies inside the ninth row.
     let (pixel, top) = (3.0 * 0.036 / 0.05 / 16.0, -0.04f32);
     let mut mesh = common::square(1.0);
     mesh.positions = [[-1.0, top], [1.0, top], [1.0, top + 0.012 * pixel as f32], [-1.0, top + 0.012 * pixel as f32]]
         .map(|[x, y]| [x, y, -3.0])
         .to_vec();
-    common::add(&mut scene, mesh, [0.0, 0.0, 0.0, 1.0], holo_render::scene::Transform::IDENTITY);
+    common::add(&mut scene, mesh, [0.0, 0.0, 0.0, 1.0], holo_scene::Transform::IDENTITY);
     let material = scene.materials.last_mut().expect("that of the thread");
     (material.emission, material.double_sided) = ([1.0; 3], true);
     let row = |target_error| {

@@ -20,7 +20,7 @@ fn five_views_have_the_depth_that_blender_finds() {
         eprintln!("not run: needs the reference scene (HOLO_REFERENCE)");
         return;
     };
-    let loaded = holo_render::gltf::load(&folder.join("still_life.glb"), &Default::default()).expect("a scene");
+    let loaded = holo_scene::gltf::load(&folder.join("still_life.glb"), &Default::default()).expect("a scene");
     let framing = Framing {
         split: Split::new(GridSize::new(41, 41), GridSize::new(132, 198)).unwrap(),
         camera: CameraChoice::First,

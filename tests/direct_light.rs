@@ -5,7 +5,7 @@ mod common;
 use common::{Random, add, engines, everything, render, rig, soup, square};
 use holo_core::Projection;
 use holo_render::Backend;
-use holo_render::scene::{Light, LightKind, Scene, Transform};
+use holo_scene::{Light, LightKind, Scene, Transform};
 
 fn light(intensity: [f64; 3], kind: LightKind) -> Light {
     Light { name: String::new(), intensity, kind }

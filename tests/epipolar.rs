@@ -4,8 +4,8 @@ mod common;
 
 use common::{Random, engines, render, rig, square};
 use holo_core::{Projection, Rig};
-use holo_render::scene::{Instance, Light, LightKind, Material, Scene, Texture, TextureUse, Transform, Wrap};
 use holo_render::{Integrator, Layer, Request};
+use holo_scene::{Instance, Light, LightKind, Material, Scene, Texture, TextureUse, Transform, Wrap};
 use proptest::prelude::*;
 
 /// Pixels of a view, and views.
@@ -44,7 +44,7 @@ fn wall(rig: &Rig, depth_m: f64, seed: u64) -> Scene {
     let kind = LightKind::Directional { direction: [0.0, 0.0, -1.0], angular_diameter_rad: 0.0 };
     assert_eq!(rig.split().lenses().columns, PIXELS[1]);
     Scene {
-        meshes: vec![holo_render::scene::Mesh { texture_coordinates, ..square(half_m as f32) }],
+        meshes: vec![holo_scene::Mesh { texture_coordinates, ..square(half_m as f32) }],
         instances: vec![Instance {
             name: String::new(),
             mesh: 0,

@@ -12,8 +12,9 @@ use std::path::Path;
 use common::rig;
 use holo_core::{Projection, Rig};
 use holo_io::Limits;
-use holo_render::scene::{Environment, Scene};
-use holo_render::{Backend, Integrator, Renderer, Request, gallery, gltf};
+use holo_render::{Backend, Integrator, Renderer, Request};
+use holo_scene::{Environment, Scene};
+use holo_scene::{gallery, gltf};
 
 const SEEDS: u64 = 64;
 

@@ -8,8 +8,8 @@ mod common;
 
 use common::rig;
 use holo_core::Projection;
-use holo_render::scene::{Material, Mesh, Scene, Transform, Volume};
 use holo_render::{Backend, Integrator, Renderer, Request};
+use holo_scene::{Material, Mesh, Scene, Transform, Volume};
 
 /// A sphere of 20 * 4^3 flat triangles around the origin.
 fn sphere(radius: f32) -> Mesh {

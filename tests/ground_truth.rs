@@ -4,8 +4,8 @@ mod common;
 
 use common::{add, engines, render, rig, soup, square, truth};
 use holo_core::Projection;
-use holo_render::scene::{Scene, Transform};
 use holo_render::{Backend, Layer, Renderer};
+use holo_scene::{Scene, Transform};
 
 /// A slanted plane fills the picture: its depth is known for every pixel of every view, in either projection, with
 /// either engine. f64 refinement leaves the rounding of the stored f32: 2^-24.

@@ -4,8 +4,8 @@ mod common;
 
 use common::{add, engines, everything, render, render_from, rig, soup, square, truth};
 use holo_core::{Projection, RigRay};
-use holo_render::scene::{Light, LightKind, Mesh, Scene, Transform};
 use holo_render::{Backend, Error, Integrator, Layer, Renderer, Request};
+use holo_scene::{Light, LightKind, Mesh, Scene, Transform};
 
 fn lit_soup(seed: u64) -> Scene {
     let mut scene = soup(300, seed);

@@ -4,8 +4,8 @@ mod common;
 
 use common::{Random, engines, render_from, rig, square};
 use holo_core::{LightFieldOwned, Projection, Rig};
-use holo_render::scene::{Instance, Material, Mesh, Scene, Texture, TextureTransform, TextureUse, Transform, Wrap};
 use holo_render::{Backend, GroundTruth, Integrator, Layer, LayerSet, Layers, Renderer, Request};
+use holo_scene::{Instance, Material, Mesh, Scene, Texture, TextureTransform, TextureUse, Transform, Wrap};
 
 /// What the naive renderer finds for one ray; the layers of a miss where it hits nothing.
 struct Found {

@@ -4,8 +4,8 @@ mod common;
 
 use common::{add, rig, square};
 use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
-use holo_render::scene::{Light, LightKind, Material, Mesh, Scene, Transform, Volume};
 use holo_render::{Backend, Integrator, Layer, Renderer, Request};
+use holo_scene::{Light, LightKind, Material, Mesh, Scene, Transform, Volume};
 
 /// A closed box of half-width `half`.
 fn cube(half: f32) -> Mesh {

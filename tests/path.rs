@@ -7,13 +7,13 @@ use std::path::Path;
 use common::engines;
 use holo_core::{GridSize, Projection, Split};
 use holo_io::Limits;
-use holo_render::scene::{Environment, Scene};
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Rendered, Renderer, Request};
+use holo_scene::{Environment, Scene};
 
 /// The two scenes of `tests/radiance`: all materials, all lights.
 fn scenes() -> [(Scene, [f32; 3]); 2] {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join("radiance");
-    let load = |name: &str| holo_render::gltf::load(&folder.join(name), &Default::default()).expect("a scene").scene;
+    let load = |name: &str| holo_scene::gltf::load(&folder.join(name), &Default::default()).expect("a scene").scene;
     let mut window = load("window.glb");
     let radiance = holo_io::read_hdr(folder.join("window_sky.hdr"), &Limits::default()).expect("a map");
     window.environment = Some(Environment { radiance });

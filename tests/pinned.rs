@@ -15,8 +15,9 @@ use std::path::{Path, PathBuf};
 use common::{engines, rig};
 use holo_core::Projection;
 use holo_io::{Limits, Sha256};
-use holo_render::scene::{Environment, Scene};
-use holo_render::{Backend, GroundTruth, Integrator, LayerSet, Rendered, Renderer, Request, gallery, gltf};
+use holo_render::{Backend, GroundTruth, Integrator, LayerSet, Rendered, Renderer, Request};
+use holo_scene::{Environment, Scene};
+use holo_scene::{gallery, gltf};
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests")
@@ -85,7 +86,7 @@ fn no_bit_of_a_render_changes() {
     let list = folder().join("pinned").join("arrays.txt");
     let mut found = BTreeMap::new();
     for backend in engines() {
-        let name = Renderer::new(&common::soup(4, 1), &holo_render::scene::Transform::IDENTITY, backend, 1)
+        let name = Renderer::new(&common::soup(4, 1), &holo_scene::Transform::IDENTITY, backend, 1)
             .expect("a renderer")
             .engine_name()
             .to_owned();

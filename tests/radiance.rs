@@ -9,8 +9,8 @@ use std::path::{Path, PathBuf};
 
 use holo_core::{GridSize, Projection, Rig, Split};
 use holo_io::Limits;
-use holo_render::scene::Environment;
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Layer, LayerSet, Rendered, Renderer, Request};
+use holo_scene::Environment;
 use ndarray::Array3;
 
 /// One picture to compare.
@@ -29,7 +29,7 @@ struct Case {
 }
 
 fn prepare(folder: &Path, case: &Case, size: GridSize, backend: Backend) -> (Renderer, Rig) {
-    let mut scene = holo_render::gltf::load(&folder.join(case.scene), &Default::default()).expect("a scene").scene;
+    let mut scene = holo_scene::gltf::load(&folder.join(case.scene), &Default::default()).expect("a scene").scene;
     if let Some(map) = case.map {
         let radiance = holo_io::read_hdr(folder.join(map), &Limits::default()).expect("a map");
         scene.environment = Some(Environment { radiance });

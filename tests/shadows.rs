@@ -4,8 +4,8 @@ mod common;
 
 use common::{add, engines, everything, render, rig, square};
 use holo_core::Projection;
-use holo_render::scene::{Light, LightKind, Mesh, Scene, Transform};
 use holo_render::{Integrator, Layer, LayerSet, Request};
+use holo_scene::{Light, LightKind, Mesh, Scene, Transform};
 
 fn light(kind: LightKind) -> Light {
     Light { name: String::new(), intensity: [1.0; 3], kind }

@@ -1,6 +1,6 @@
 //! glTF from strangers: loads or is refused; what loads validates, and survives being written and loaded again.
 
-use holo_render::gltf::{Limits, load_slice, to_glb};
+use holo_scene::gltf::{Limits, load_slice, to_glb};
 
 /// Small enough that a file of a few bytes cannot make the fuzzer run out of memory.
 const LIMITS: Limits = Limits {

@@ -2,8 +2,8 @@
 #![allow(dead_code)] // every test file uses its own part
 
 use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
-use holo_render::scene::{Instance, Material, Mesh, Scene, Transform};
 use holo_render::{Backend, GroundTruth, Integrator, Rendered, Renderer, Request};
+use holo_scene::{Instance, Material, Mesh, Scene, Transform};
 
 /// SplitMix64: the same numbers everywhere.
 pub struct Random(pub u64);

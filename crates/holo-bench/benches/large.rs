@@ -15,8 +15,8 @@ use std::time::Instant;
 use holo_bench::best_of;
 use holo_core::{GridSize, Projection, Split};
 use holo_render::bench::{Storage, Work, renderer, trace};
-use holo_render::scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use holo_render::{Baseline, CameraChoice, Framing, GroundTruth, Integrator, Request};
+use holo_scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 
 const CASES: [&str; 5] = ["unique", "r1000x10000", "r100x100000", "g2500x4000", "garden"];
 
@@ -120,7 +120,7 @@ fn peak_mib() -> u64 {
 
 fn scene(case: &str) -> Scene {
     match case {
-        "garden" => return holo_render::gallery::scene("garden").expect("a scene of the gallery"),
+        "garden" => return holo_scene::gallery::scene("garden").expect("a scene of the gallery"),
         "unique" => {
             let mut scene = Scene::default();
             let land = sheet(1600, 1562, |s, t| {

@@ -2,8 +2,8 @@
 #![forbid(unsafe_code)]
 
 use holo_core::{GridSize, Projection, Rig, Split};
-use holo_render::scene::{Scene, Transform};
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer};
+use holo_scene::{Scene, Transform};
 
 /// A scene in front of a rig.
 pub struct Setup {
@@ -58,11 +58,11 @@ pub fn scene_rig(arguments: impl Iterator<Item = String>) -> Setup {
     }
     let (name, scene) = match file {
         Some(path) => {
-            let loaded = holo_render::gltf::load(path.as_ref(), &Default::default()).expect("a scene");
+            let loaded = holo_scene::gltf::load(path.as_ref(), &Default::default()).expect("a scene");
             let name = std::path::Path::new(&path).file_stem().expect("a file name");
             (name.to_string_lossy().into_owned(), loaded.scene)
         }
-        None => ("garden".into(), holo_render::gallery::scene("garden").expect("a scene of the gallery")),
+        None => ("garden".into(), holo_scene::gallery::scene("garden").expect("a scene of the gallery")),
     };
     let framing = Framing {
         split: Split::new(GridSize::new(views, views), GridSize::new(lenses.1, lenses.0)).expect("sizes"),

@@ -40,6 +40,12 @@ impl From<holo_render::Error> for Failure {
     }
 }
 
+impl From<holo_scene::Error> for Failure {
+    fn from(error: holo_scene::Error) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
 impl From<holo_io::Error> for Failure {
     fn from(error: holo_io::Error) -> Self {
         Self::Failed(error.to_string())

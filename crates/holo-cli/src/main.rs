@@ -70,7 +70,7 @@ fn main() -> ExitCode {
 fn stay_silent_while_a_guard_watches() {
     let print = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |info| {
-        if !holo_render::gltf::is_guarding() && !holo_io::is_guarding() {
+        if !holo_scene::gltf::is_guarding() && !holo_io::is_guarding() {
             print(info);
         }
     }));

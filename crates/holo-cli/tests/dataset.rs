@@ -69,7 +69,7 @@ fn what_is_done_is_kept_and_a_changed_setting_redoes_what_it_touches() {
     assert_eq!(states(&made(&bench, "set", "--json --quiet --write el,depth --seed 1")), ["made"; 4]);
     // Another scene of the same name.
     std::fs::copy(bench.path(SCENE), bench.path("other.glb")).unwrap();
-    let glb = holo_render::gltf::to_glb(&holo_render::gallery::scene("plaster").unwrap()).unwrap();
+    let glb = holo_scene::gltf::to_glb(&holo_scene::gallery::scene("plaster").unwrap()).unwrap();
     std::fs::write(bench.path(SCENE), glb).unwrap();
     assert_eq!(states(&made(&bench, "set", "--json --quiet --write el,depth --seed 1")), ["made"; 4]);
 }
@@ -79,7 +79,7 @@ fn what_is_to_be_known_is_said_once() {
     let bench = Bench::new();
     let mut blind = common::tiny_scene();
     blind.cameras.clear();
-    std::fs::write(bench.path("blind.glb"), holo_render::gltf::to_glb(&blind).unwrap()).unwrap();
+    std::fs::write(bench.path("blind.glb"), holo_scene::gltf::to_glb(&blind).unwrap()).unwrap();
     let run = |out: &str, more: &str| {
         let mut command = bench.command(&format!("{SMALL} --glb blind.glb --out {out} {more}"));
         command.env("HOLO_EMBREE_LIB", "/nonexistent/libembree4.so");

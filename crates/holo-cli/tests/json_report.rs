@@ -92,7 +92,7 @@ fn quiet_is_silent() {
     let mut scene = common::tiny_scene();
     scene.cameras.clear();
     scene.lights.clear();
-    std::fs::write(bench.path("bare.glb"), holo_render::gltf::to_glb(&scene).unwrap()).unwrap();
+    std::fs::write(bench.path("bare.glb"), holo_scene::gltf::to_glb(&scene).unwrap()).unwrap();
     let arguments = "render bare.glb --out out --sensor 61x33 --views 5x4";
     let loud = bench.run(arguments);
     assert!(loud.stderr.contains("note:") && loud.stderr.contains("warning:"), "{loud:?}");

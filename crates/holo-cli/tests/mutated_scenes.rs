@@ -9,7 +9,7 @@ use std::process::Stdio;
 use std::time::Duration;
 
 use common::{Bench, Outcome, SMALL};
-use holo_render::scene::{Texture, TextureUse, Wrap};
+use holo_scene::{Texture, TextureUse, Wrap};
 
 /// A small generator with a stable sequence (splitmix64).
 struct Random(u64);
@@ -41,7 +41,7 @@ fn original() -> Vec<u8> {
         wrap_v: Wrap::Clamp,
     });
     scene.materials[0].base_color_texture = Some(TextureUse::new(0));
-    holo_render::gltf::to_glb(&scene).unwrap()
+    holo_scene::gltf::to_glb(&scene).unwrap()
 }
 
 fn mutated(original: &[u8], random: &mut Random) -> Vec<u8> {

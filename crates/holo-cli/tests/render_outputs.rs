@@ -168,7 +168,7 @@ fn a_scene_without_light_gives_ground_truth_and_a_hint() {
     let bench = Bench::new();
     let mut scene = common::tiny_scene();
     scene.lights.clear();
-    std::fs::write(bench.path("dark.glb"), holo_render::gltf::to_glb(&scene).unwrap()).unwrap();
+    std::fs::write(bench.path("dark.glb"), holo_scene::gltf::to_glb(&scene).unwrap()).unwrap();
     let outcome = bench.run("render dark.glb --out dark --lenses 12x8 --views 5x4");
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     assert!(outcome.stderr.contains("--sky"), "{outcome:?}");

@@ -82,7 +82,7 @@ fn pictures_of_a_scene_without_light() {
     let bench = Bench::new();
     let mut scene = common::tiny_scene();
     scene.lights.clear();
-    std::fs::write(bench.path("dark.glb"), holo_render::gltf::to_glb(&scene).unwrap()).unwrap();
+    std::fs::write(bench.path("dark.glb"), holo_scene::gltf::to_glb(&scene).unwrap()).unwrap();
     let outcome = bench.run(&format!("render dark.glb --out out --write el {SMALL}"));
     assert_eq!(outcome.code, Some(2), "{outcome:?}");
     assert!(outcome.stderr.contains("no light") && outcome.stderr.contains("--sky 1,1,1"), "{outcome:?}");

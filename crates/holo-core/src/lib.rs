@@ -68,6 +68,7 @@
 #![warn(missing_docs)]
 
 mod block;
+pub mod color;
 mod disparity;
 mod error;
 mod light_field;

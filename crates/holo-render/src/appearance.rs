@@ -9,10 +9,10 @@ mod scattering;
 
 use crate::accel::RayHits;
 use crate::geometry::{Geometry, Hit, Part};
-use crate::scene::{self, Alpha, NormalMap, Texture, TextureTransform, TextureUse};
-use crate::srgb;
 use crate::surface::Surfaces;
 use crate::texture;
+use holo_core::color::srgb8_to_linear_table;
+use holo_scene::{Alpha, NormalMap, Texture, TextureTransform, TextureUse};
 
 /// Materials with their textures, prepared for looking up.
 pub(crate) struct Appearance {
@@ -122,13 +122,13 @@ impl<'a> Place<'a> {
 }
 
 impl Appearance {
-    pub fn new(materials: &[scene::Material], textures: &[Texture]) -> Self {
+    pub fn new(materials: &[holo_scene::Material], textures: &[Texture]) -> Self {
         let mut linear = [0.0; 256];
         linear.iter_mut().enumerate().for_each(|(code, value)| *value = code as f32 / 255.0);
         Self {
             materials: materials.iter().map(Material::new).collect(),
             textures: textures.to_vec(),
-            srgb: srgb::decoding_table(),
+            srgb: srgb8_to_linear_table(),
             linear,
         }
     }
@@ -260,7 +260,7 @@ impl Appearance {
 }
 
 impl Material {
-    fn new(material: &scene::Material) -> Self {
+    fn new(material: &holo_scene::Material) -> Self {
         let relief = material.normal_map.map(|NormalMap { texture, scale }| (Lookup::new(texture), scale));
         let emission = emission::Emission::new(material);
         let scattering = scattering::Scattering::new(material);

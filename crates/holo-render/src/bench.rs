@@ -17,8 +17,8 @@ use crate::geometry::Instancing;
 use crate::integrator::depth::count;
 use crate::primary::RigTables;
 use crate::render::Renderer;
-use crate::scene::{Scene, Transform};
 use crate::tile::{Tile, Tiling};
+use holo_scene::{Scene, Transform};
 
 /// How meshes that stand in many places are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

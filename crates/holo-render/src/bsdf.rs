@@ -1,4 +1,4 @@
-//! What a surface does with light that reaches it: the materials of [`crate::scene::Material`], sixteen at a time.
+//! What a surface does with light that reaches it: the materials of [`holo_scene::Material`], sixteen at a time.
 //!
 //! Directions are unit vectors in the frame of the shading normal: z is the normal on the viewer's side, `out` points
 //! back to the viewer (`out.z` > 0), `into` to where the light comes from. A surface is a mixture of three, each of

@@ -24,8 +24,8 @@ use glam::Vec3;
 use crate::accel::{LANES, at};
 use crate::geometry::{Geometry, Hit};
 use crate::sampling::Points;
-use crate::scene::{Material, Texture};
-use crate::srgb;
+use holo_core::color::srgb8_to_linear_table;
+use holo_scene::{Material, Texture};
 
 /// All power, in steps.
 const STEPS: u64 = 1 << 40;
@@ -244,7 +244,7 @@ fn strength(material: &Material, textures: &[Texture], means: &mut [Option<[f64;
 
 /// The mean of an sRGB texture in linear light.
 fn mean_texel(texture: &Texture) -> [f64; 3] {
-    let table = srgb::decoding_table();
+    let table = srgb8_to_linear_table();
     let mut sum = [0.0; 3];
     for texel in &texture.texels {
         for c in 0..3 {

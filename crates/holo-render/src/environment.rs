@@ -20,8 +20,8 @@ use std::f32::consts::{FRAC_1_PI, TAU};
 use crate::accel::{LANES, at};
 use crate::angles::{atan2, sin_cos};
 use crate::sampling::Points;
-use crate::scene::{Environment, Transform};
 use cells::Cells;
+use holo_scene::{Environment, Transform};
 
 /// An environment in the frame of a camera. It holds a copy of the image.
 pub(crate) struct Surroundings {

@@ -5,7 +5,7 @@ use ndarray::{Axis, Zip};
 use rayon::prelude::*;
 
 use crate::error::Error;
-use crate::srgb::{Encoder8, naive16};
+use holo_core::color::{Srgb8Encoder, linear_to_srgb16};
 
 /// This share of all pixels lies below [`BRIGHT`] of the display's range.
 const PERCENTILE: f64 = 0.99;
@@ -67,7 +67,7 @@ pub fn automatic_exposure(color: &LightFieldOwned<f32>) -> f64 {
 /// # Errors
 /// If the image does not fit into memory.
 pub fn encode_8bit(color: &LightFieldOwned<f32>, exposure_ev: f64) -> Result<LightFieldOwned<u8>, Error> {
-    let encoder = Encoder8::get();
+    let encoder = Srgb8Encoder::get();
     encode(color, exposure_ev, |x| encoder.encode(x))
 }
 
@@ -76,7 +76,7 @@ pub fn encode_8bit(color: &LightFieldOwned<f32>, exposure_ev: f64) -> Result<Lig
 /// # Errors
 /// As [`encode_8bit`].
 pub fn encode_16bit(color: &LightFieldOwned<f32>, exposure_ev: f64) -> Result<LightFieldOwned<u16>, Error> {
-    encode(color, exposure_ev, naive16)
+    encode(color, exposure_ev, linear_to_srgb16)
 }
 
 fn encode<T: Copy + Default + Send + Sync>(
@@ -125,8 +125,8 @@ mod tests {
         let color = field(|k| k as f32 / 840.0);
         let (eight, sixteen) = (encode_8bit(&color, -1.0).unwrap(), encode_16bit(&color, -1.0).unwrap());
         for ((x, a), b) in color.samples().iter().zip(eight.samples()).zip(sixteen.samples()) {
-            assert_eq!(*a, crate::srgb::naive8(x * 0.5));
-            assert_eq!(*b, naive16(x * 0.5));
+            assert_eq!(*a, holo_core::color::linear_to_srgb8(x * 0.5));
+            assert_eq!(*b, linear_to_srgb16(x * 0.5));
         }
     }
 }

@@ -7,7 +7,7 @@ use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split, aut
 
 use crate::error::Error;
 use crate::render::Renderer;
-use crate::scene::{Camera, CameraLens, Scene, Transform};
+use holo_scene::{Camera, CameraLens, Scene, Transform};
 
 /// How a rig is wanted.
 #[derive(Clone, Debug)]

@@ -19,7 +19,7 @@ pub(crate) use instancing::Instancing;
 pub(crate) use placed::Placed;
 
 use crate::error::Error;
-use crate::scene::{Mesh, Scene, Transform};
+use holo_scene::{Mesh, Scene, Transform};
 
 /// Coordinates stay below this, m.
 pub(crate) const LARGEST_COORDINATE: f64 = 1e18;
@@ -99,12 +99,15 @@ pub(crate) struct Part {
     pub extent: f32,
 }
 
+fn bad_scene(at: String, what: String) -> Error {
+    Error::Scene(holo_scene::Error::BadScene { at, what })
+}
+
 impl Geometry {
     /// Moves `scene` into the frame of a camera at `pose`.
     pub fn build(scene: &Scene, pose: &Transform, instancing: Instancing) -> Result<Self, Error> {
-        let too_many = |what: &str, count: usize| Error::BadScene {
-            at: "scene".into(),
-            what: format!("{count} {what} in the world; at most {} fit", u32::MAX - 1),
+        let too_many = |what: &str, count: usize| {
+            bad_scene("scene".into(), format!("{count} {what} in the world; at most {} fit", u32::MAX - 1))
         };
         let plan = instancing::plan(scene, pose, instancing);
         let is_placed = |object: &usize| plan.placed[*object].is_some();
@@ -169,10 +172,8 @@ impl Geometry {
         let exact: Vec<[f64; 3]> = mesh.positions.par_iter().map(|p| to_camera.point(p.map(f64::from))).collect();
         // Beyond this the squares and products inside a ray engine overflow f32.
         if let Some(bad) = exact.par_iter().flatten().find_any(|x| x.is_nan() || x.abs() >= LARGEST_COORDINATE) {
-            return Err(Error::BadScene {
-                at: format!("mesh '{}'", mesh.name),
-                what: format!("a vertex is {bad:e} m from the camera; coordinates must stay below 1e18 m"),
-            });
+            let what = format!("a vertex is {bad:e} m from the camera; coordinates must stay below 1e18 m");
+            return Err(bad_scene(format!("mesh '{}'", mesh.name), what));
         }
         let extent = exact.par_iter().flatten().map(|x| x.abs()).reduce(|| 0.0, f64::max);
         self.positions.par_extend(exact.par_iter().map(|p| p.map(|x| x as f32)));
@@ -349,7 +350,7 @@ pub(crate) fn world_to_camera_rotation(pose: &Transform) -> Transform {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Instance;
+    use holo_scene::Instance;
 
     fn one_triangle(transform: Transform) -> Scene {
         Scene {
@@ -360,7 +361,7 @@ mod tests {
                 ..Mesh::default()
             }],
             instances: vec![Instance { name: String::new(), mesh: 0, transform }],
-            materials: vec![crate::scene::Material::default()],
+            materials: vec![holo_scene::Material::default()],
             ..Scene::default()
         }
     }
@@ -391,7 +392,7 @@ mod tests {
         let far = Transform::from_translation([1e30, 0.0, 0.0]);
         for instancing in [Instancing::Never, Instancing::WherePossible] {
             let built = Geometry::build(&one_triangle(far), &Transform::IDENTITY, instancing);
-            assert!(matches!(built, Err(Error::BadScene { .. })));
+            assert!(matches!(built, Err(Error::Scene(holo_scene::Error::BadScene { .. }))));
         }
     }
 }

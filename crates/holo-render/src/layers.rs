@@ -12,8 +12,8 @@
 //! | `geometric-normal` | 3 | unit vector, world | 0 |
 //! | `shading-normal` | 3 | unit vector, world | 0 |
 //! | `albedo` | 3 | linear RGB, 0 to 1 | 0 |
-//! | `object-id` | 1 | index in [`Scene::instances`](crate::scene::Scene::instances) + 1 | 0 |
-//! | `material-id` | 1 | index in [`Scene::materials`](crate::scene::Scene::materials) + 1 | 0 |
+//! | `object-id` | 1 | index in [`Scene::instances`](holo_scene::Scene::instances) + 1 | 0 |
+//! | `material-id` | 1 | index in [`Scene::materials`](holo_scene::Scene::materials) + 1 | 0 |
 //! | `hit-mask` | 1 | 1 | 0 |
 //!
 //! - **Rays.** A perspective ray leaves the view's centre, so its length is the distance from the view; an orthographic one

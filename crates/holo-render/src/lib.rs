@@ -18,7 +18,7 @@
 //! use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer, Request};
 //!
 //! # fn main() -> Result<(), holo_render::Error> {
-//! let scene = holo_render::gallery::scene("garden").expect("a scene of the gallery");
+//! let scene = holo_scene::gallery::scene("garden").expect("a scene of the gallery");
 //! let framing = Framing {
 //!     split: Split::new(GridSize::new(8, 8), GridSize::new(20, 30))?, // views, lenses
 //!     camera: CameraChoice::First,
@@ -46,10 +46,7 @@
 #![deny(unsafe_code)]
 
 pub mod exposure;
-pub mod gallery;
-pub mod gltf;
 pub mod layers;
-pub mod scene;
 
 mod accel;
 mod angles;
@@ -72,7 +69,6 @@ mod primary;
 mod refine;
 mod render;
 mod sampling;
-mod srgb;
 mod surface;
 mod texture;
 mod tile;

@@ -7,7 +7,7 @@ use crate::accel::{LANES, at};
 use crate::angles::sin_cos;
 use crate::geometry::world_to_camera_rotation;
 use crate::sampling::{self, Points};
-use crate::scene::{Light, LightKind, Transform};
+use holo_scene::{Light, LightKind, Transform};
 
 /// Shadow rays stop this far towards a light, so that a surface in which the light lies does not hide it.
 pub(crate) const SHADOW_REACH: f32 = 1.0 - 1e-4;

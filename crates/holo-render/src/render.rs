@@ -26,8 +26,8 @@ use crate::layers::{Layer, LayerSet, Layers};
 use crate::light::{self, PreparedLight, STRONGEST};
 use crate::primary::RigTables;
 use crate::sampling::MOST_SAMPLES;
-use crate::scene::{self, Scene, Transform};
 use crate::tile::{Tile, Tiling};
+use holo_scene::{Scene, Transform};
 
 /// Scattering events at most: far more than any scene needs, far less than the purposes of random numbers.
 const MOST_BOUNCES: u32 = 65_536;
@@ -172,7 +172,7 @@ impl Renderer {
         instancing: Instancing,
     ) -> Result<Self, Error> {
         scene.validate()?;
-        if !scene::is_camera_pose(pose) {
+        if !pose.is_pose() {
             return Err(Error::BadSetting("the camera pose must be a rotation and a translation, both finite".into()));
         }
         let pool = rayon::ThreadPoolBuilder::new()

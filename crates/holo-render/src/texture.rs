@@ -4,7 +4,7 @@
 //! neighbours are mixed (as Mitsuba does; Cycles mixes first, which is darker where neighbours differ).
 
 use crate::accel::LANES;
-use crate::scene::{Texture, Wrap};
+use holo_scene::{Texture, Wrap};
 
 /// RGB at texture coordinates (0, 0) = upper left corner of the image; `table` says what a code means.
 #[inline(always)]
@@ -156,7 +156,7 @@ fn mirrored(whole: f32, size: usize) -> [u32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::srgb::{decoding_table as srgb_table, to_linear as srgb_to_linear};
+    use holo_core::color::{srgb_to_linear, srgb8_to_linear_table as srgb_table};
 
     fn ramp(mode: Wrap) -> Texture {
         let texels = (0..4).map(|k| [k * 60, 0, 0, 255]).collect();

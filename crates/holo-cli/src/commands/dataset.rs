@@ -8,7 +8,7 @@ mod table;
 use std::time::Instant;
 
 use clap::ArgMatches;
-use holo_render::{Backend, Renderer, scene};
+use holo_render::{Backend, Renderer};
 use serde_json::json;
 
 use self::plan::Job;
@@ -123,8 +123,8 @@ fn run_job(
 /// The engine and its version, as manifests name it.
 fn engine_name(options: &EngineOptions, remarks: &dyn Remarks) -> Result<String, Failure> {
     let backend: Backend = prepare::backend(options);
-    let empty = scene::Scene::default();
-    let renderer = Renderer::new(&empty, &scene::Transform::IDENTITY, backend, 1)?;
+    let empty = holo_scene::Scene::default();
+    let renderer = Renderer::new(&empty, &holo_scene::Transform::IDENTITY, backend, 1)?;
     prepare::remark_on_engine(&renderer, remarks);
     Ok(renderer.engine_name().to_owned())
 }

@@ -4,9 +4,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use holo_core::{Projection, Remainder, Rig, Split};
-use holo_render::gltf::Loaded;
-use holo_render::scene::Environment;
 use holo_render::{Backend, Baseline, CameraChoice, Framed, Framing, Renderer};
+use holo_scene::Environment;
+use holo_scene::gltf::Loaded;
 
 use super::remarks::{About, Remarks};
 use super::sky;
@@ -48,7 +48,7 @@ pub fn prepare(
     let start = Instant::now();
     let scene = source.path();
     let mut loaded = source.load().map_err(|e| match e {
-        holo_render::Error::Read { .. } => Failure::Failed(e.to_string()),
+        holo_scene::Error::Read { .. } => Failure::Failed(e.to_string()),
         other => Failure::Failed(named(scene, &other.to_string())),
     })?;
     if let Some(path) = purpose.sky {
@@ -83,7 +83,9 @@ pub fn prepare(
     let renderer =
         Renderer::new(&loaded.scene, &framed.pose, backend(engine), usize::from(engine.threads.unwrap_or(0))).map_err(
             |e| match (&e, purpose.sky) {
-                (holo_render::Error::BadScene { at, what }, Some(sky)) if at.starts_with("environment") => {
+                (holo_render::Error::Scene(holo_scene::Error::BadScene { at, what }), Some(sky))
+                    if at.starts_with("environment") =>
+                {
                     Failure::Failed(named(sky, &format!("{at}: {what}")))
                 }
                 _ => blame(scene, e),
@@ -126,7 +128,7 @@ fn camera(wanted: Option<&CameraArgument>, loaded: &Loaded) -> CameraChoice {
 
 /// The failure behind an error; numbers that come from the scene file, alone or with the options, name it.
 fn blame(scene: &Path, error: holo_render::Error) -> Failure {
-    let numbers = matches!(error, holo_render::Error::BadScene { .. } | holo_render::Error::Core(_));
+    let numbers = matches!(error, holo_render::Error::Scene(_) | holo_render::Error::Core(_));
     match Failure::from(error) {
         Failure::Failed(why) if numbers => Failure::Failed(named(scene, &why)),
         other => other,

@@ -1,6 +1,6 @@
 //! `holo scene`: the gallery as .glb files.
 
-use holo_render::{gallery, gltf};
+use holo_scene::{gallery, gltf};
 
 use crate::arguments::SceneOptions;
 use crate::console::{out, say};

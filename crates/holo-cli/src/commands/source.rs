@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use holo_io::Sha256;
-use holo_render::gltf::{self, Limits, Loaded};
-use holo_render::{Error, gallery};
+use holo_scene::gltf::{self, Limits, Loaded};
+use holo_scene::{Error, gallery};
 
 use crate::failure::Failure;
 

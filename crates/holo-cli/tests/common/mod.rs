@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use holo_core::{GridSize, LightFieldOwned, Split};
 use holo_io::{Limits, PngSamples};
-use holo_render::scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
+use holo_scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use ndarray::Array3;
 
 /// The scene in every [`Bench`].
@@ -53,7 +53,7 @@ pub struct Outcome {
 impl Bench {
     pub fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
-        std::fs::write(folder.path().join(SCENE), holo_render::gltf::to_glb(&tiny_scene()).unwrap()).unwrap();
+        std::fs::write(folder.path().join(SCENE), holo_scene::gltf::to_glb(&tiny_scene()).unwrap()).unwrap();
         Self { folder }
     }
 

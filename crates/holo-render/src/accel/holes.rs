@@ -3,7 +3,7 @@
 //! A ray that meets a triangle where it does not count is sent on from there. Engines need to know nothing of it, and a
 //! scene without alpha never comes here. Surfaces that are nearer to each other than 5e-7 of their distance count as one.
 //!
-//! A share of rays ([`crate::scene::Alpha::Blend`]) is drawn by a hash of the ray and the triangle: every sample of a
+//! A share of rays ([`holo_scene::Alpha::Blend`]) is drawn by a hash of the ray and the triangle: every sample of a
 //! pixel has its own ray. The ground truth, which has one ray, takes a surface from a share of one half on, as Blender's
 //! depth pass does.
 
@@ -113,7 +113,7 @@ mod tests {
     use super::*;
     use crate::accel::{Backend, build};
     use crate::geometry::Instancing;
-    use crate::scene::{Alpha, Instance, Material, Mesh, Scene, Transform};
+    use holo_scene::{Alpha, Instance, Material, Mesh, Scene, Transform};
 
     /// Ten squares one behind the other at 1, 2, .. m, all but the last of them with `alpha`.
     fn stack(alpha: Alpha, share: f32) -> (Arc<Geometry>, Arc<Appearance>) {

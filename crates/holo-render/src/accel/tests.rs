@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::geometry::Instancing;
-use crate::scene::{Instance, Material, Mesh, Scene, Transform};
+use holo_scene::{Instance, Material, Mesh, Scene, Transform};
 
 /// A small generator with a stated formula (SplitMix64), so that tests mean the same everywhere.
 pub(crate) fn random(state: &mut u64) -> f64 {

@@ -3,7 +3,6 @@
 use super::{Appearance, Kinds, Lookup, Place};
 use crate::accel::LANES;
 use crate::geometry::{Geometry, Hit};
-use crate::scene;
 
 /// Emission of a material.
 pub(super) struct Emission {
@@ -15,7 +14,7 @@ pub(super) struct Emission {
 }
 
 impl Emission {
-    pub fn new(material: &scene::Material) -> Self {
+    pub fn new(material: &holo_scene::Material) -> Self {
         let texture = material.emission_texture.map(Lookup::new);
         Self { factor: material.emission, texture, both_sides: material.double_sided }
     }

@@ -4,7 +4,6 @@ use super::{Appearance, Kinds, Lookup, Place};
 use crate::accel::{LANES, RayHits};
 use crate::bsdf::{Bsdf, fresnel};
 use crate::geometry::Geometry;
-use crate::scene;
 use crate::surface::Surfaces;
 use crate::texture;
 
@@ -25,7 +24,7 @@ pub(super) struct Scattering {
 }
 
 impl Scattering {
-    pub fn new(material: &scene::Material) -> Self {
+    pub fn new(material: &holo_scene::Material) -> Self {
         let absorption = material.volume.map(|volume| {
             let distance = f64::from(volume.attenuation_distance_m);
             // Beer and Lambert: color = exp(-absorption * distance). (f64 logarithms of f32 values, rounded to f32,

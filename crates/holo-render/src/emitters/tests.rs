@@ -3,7 +3,7 @@
 use super::*;
 use crate::dispatch::{Kernel, run_on_all};
 use crate::sampling::{Purpose, points, sequences};
-use crate::scene::{Instance, Mesh, Scene, TextureUse, Transform, Wrap};
+use holo_scene::{Instance, Mesh, Scene, TextureUse, Transform, Wrap};
 
 fn glow(emission: [f32; 3], double_sided: bool) -> Material {
     Material { emission, double_sided, ..Material::default() }

@@ -2,7 +2,7 @@
 
 use super::placed::Placed;
 use super::to_camera;
-use crate::scene::{Mesh, Scene, Transform};
+use holo_scene::{Mesh, Scene, Transform};
 
 /// What a ray engine is ready for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

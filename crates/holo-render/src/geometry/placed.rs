@@ -12,7 +12,7 @@
 //! ones do, and so do meshes far from their own origin. Where the loss is too large the placement is flattened.
 
 use super::Plane;
-use crate::scene::Transform;
+use holo_scene::Transform;
 
 /// The error bound of a placement over that of its flattened triangles must stay below this. Rotated and stretched
 /// meshes around their own origin reach 2 to 9.

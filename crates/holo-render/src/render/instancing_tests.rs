@@ -6,7 +6,7 @@ use super::*;
 use crate::accel::{Coherence, LANES, RayHits};
 use crate::geometry::{FLATTENED, Hit};
 use crate::refine;
-use crate::scene::{Instance, Light, LightKind, Material, Mesh, Texture, TextureUse, Wrap};
+use holo_scene::{Instance, Light, LightKind, Material, Mesh, Texture, TextureUse, Wrap};
 
 /// A bumpy ball of radius about 1 around `center`: `2 * side * side` triangles with normals, coordinates and colours.
 fn ball(side: u32, center: f64) -> Mesh {
@@ -262,7 +262,7 @@ fn the_bvh_renders_what_is_instanced_elsewhere() {
 /// Small scenes are stored as they always were.
 #[test]
 fn small_scenes_stay_flattened() {
-    for scene in [scene(), crate::gallery::scene("garden").expect("a scene of the gallery")] {
+    for scene in [scene(), holo_scene::gallery::scene("garden").expect("a scene of the gallery")] {
         let geometry = Geometry::build(&scene, &Transform::IDENTITY, Instancing::WhereItPays).expect("a scene");
         assert!(!geometry.is_instanced());
     }

@@ -6,8 +6,8 @@ use holo_core::{Intrinsics, Projection, RigParameters};
 use ndarray::Array5;
 
 use super::*;
-use crate::gallery;
-use crate::scene::{Alpha, Environment, Material};
+use holo_scene::gallery;
+use holo_scene::{Alpha, Environment, Material};
 
 fn garden() -> (Renderer, Request) {
     let scene = gallery::scene("garden").expect("a scene of the gallery");

@@ -8,8 +8,8 @@ use std::process::{Command, Stdio};
 
 use holo_core::{GridSize, Projection, Split};
 use holo_io::Limits;
-use holo_render::scene::Scene;
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer, Request};
+use holo_scene::Scene;
 use ndarray::Array3;
 
 use crate::plot::{Plot, Series};
@@ -164,7 +164,7 @@ fn folder() -> PathBuf {
 
 fn ours(wish: &Wish, engine: Backend, integrator: Integrator, side: usize, samples: &[u32]) -> Vec<Line> {
     let scene: Scene =
-        holo_render::gltf::load(&folder().join("metal_and_glass.glb"), &Default::default()).expect("a scene").scene;
+        holo_scene::gltf::load(&folder().join("metal_and_glass.glb"), &Default::default()).expect("a scene").scene;
     let framing = Framing {
         split: Split::new(GridSize::new(side, side), GridSize::new(66, 99)).expect("sizes"),
         camera: CameraChoice::First,

@@ -1,8 +1,8 @@
 //! How time and memory grow with views, with triangles and with threads.
 
 use holo_core::{GridSize, Remainder, Sensor};
-use holo_render::scene::{Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use holo_render::{Backend, Integrator, Renderer, Request};
+use holo_scene::{Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 
 use crate::plot::{Plot, Series};
 use crate::scenes::{Ready, sky};

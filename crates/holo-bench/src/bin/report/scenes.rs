@@ -1,8 +1,9 @@
 //! Scenes in front of rigs, and the machine they are rendered on.
 
 use holo_core::{GridSize, Projection, Rig, Split};
-use holo_render::scene::{Scene, Transform};
-use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer, gallery};
+use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer};
+use holo_scene::gallery;
+use holo_scene::{Scene, Transform};
 
 /// A scene of the gallery, ready to be rendered.
 pub struct Ready {

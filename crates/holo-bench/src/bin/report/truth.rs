@@ -1,8 +1,8 @@
 //! Depth and disparity against a closed form and against every triangle in f64.
 
 use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
-use holo_render::scene::{Instance, Material, Mesh, Scene, Transform};
 use holo_render::{Backend, GroundTruth, Integrator, Layer, Renderer, Request};
+use holo_scene::{Instance, Material, Mesh, Scene, Transform};
 
 use crate::scenes::{Ready, name};
 use crate::sheet::{Sheet, short, timed};

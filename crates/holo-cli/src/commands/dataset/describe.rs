@@ -8,7 +8,7 @@ use clap::ArgMatches;
 use holo_core::Split;
 use holo_io::dataset::{self as names};
 use holo_io::dataset::{Description, SceneEntry};
-use holo_render::gallery;
+use holo_scene::gallery;
 
 use super::plan::{Job, in_words};
 use crate::arguments::{DatasetOptions, SkyArgument};

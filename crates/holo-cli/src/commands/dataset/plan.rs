@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::ArgMatches;
 use holo_core::{GridSize, Remainder, Split};
 use holo_io::{Manifest, dataset};
-use holo_render::gallery;
+use holo_scene::gallery;
 
 use crate::arguments::DatasetOptions;
 use crate::commands::asked::{self, Wish};

@@ -1,0 +1,32 @@
+//! What rigs see of the gallery.
+
+use holo_core::{GridSize, Projection, Split};
+use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer};
+use holo_scene::gallery::{NAMES, scene};
+
+/// 20 x 20 views of 397 x 265 pixels: no view sees past the scene, and disparities are worth measuring but small.
+#[test]
+fn disparities_suit_dense_views() {
+    let split = Split::new(GridSize::new(20, 20), GridSize::new(265, 397)).expect("a possible split");
+    for name in NAMES.iter().copied() {
+        let scene = &scene(name).expect("a scene of the gallery");
+        let framing = Framing {
+            split,
+            camera: CameraChoice::First,
+            focal_length_m: None,
+            sensor_size_m: 0.036,
+            baseline: Baseline::FNumber(5.0),
+            projection: Projection::Perspective,
+        };
+        let framed = framing.frame(scene).expect(name);
+        let renderer = Renderer::new(scene, &framed.pose, Backend::Auto, 0).expect(name);
+        let rig = framed.rig(framed.automatic_focus_m(&renderer).expect(name)).expect(name);
+        let truth = renderer.central_truth(&rig).expect(name);
+        let disparity = truth.disparity_px().expect(name);
+        let depth = truth.depth_m().expect(name);
+        assert!(depth.iter().all(|z| z.is_finite()), "{name}: the view sees past the scene");
+        let largest = disparity.iter().fold(0.0_f32, |largest, d| largest.max(d.abs()));
+        let bounds = if name == "dominoes" { 0.2..0.4 } else { 0.08..0.26 };
+        assert!(bounds.contains(&largest), "{name}: {largest} px");
+    }
+}

@@ -1,0 +1,63 @@
+//! Materials of the studio, by what they are in the world.
+
+use crate::{Alpha, Material, NormalMap, TextureTransform, TextureUse, Volume};
+
+/// Paper, plaster, felt: Lambert's law alone.
+pub(super) fn matt([r, g, b]: [f32; 3]) -> Material {
+    Material { base_color: [r, g, b, 1.0], ..Material::default() }
+}
+
+/// Lacquer, glaze, polished stone: a diffuser under a colourless gloss.
+pub(super) fn glossy(color: [f32; 3], roughness: f32) -> Material {
+    Material { roughness, specular: 1.0, ..matt(color) }
+}
+
+/// A metal, by its colour at normal incidence.
+pub(super) fn metal(color: [f32; 3], roughness: f32) -> Material {
+    Material { metallic: 1.0, roughness, specular: 1.0, ..matt(color) }
+}
+
+pub(super) const SILVER: [f32; 3] = [0.95, 0.93, 0.89];
+pub(super) const STEEL: [f32; 3] = [0.56, 0.57, 0.58];
+pub(super) const BRASS: [f32; 3] = [0.89, 0.70, 0.38];
+pub(super) const COPPER: [f32; 3] = [0.93, 0.60, 0.47];
+
+/// A body of clear glass.
+pub(super) fn clear_glass() -> Material {
+    body_of_glass(f32::INFINITY, [1.0; 3])
+}
+
+/// A body of glass that leaves `color` of white light after `distance` metres.
+pub(super) fn body_of_glass(distance: f32, color: [f32; 3]) -> Material {
+    let volume = Some(Volume { attenuation_distance_m: distance, attenuation_color: color });
+    Material { transmission: 1.0, roughness: 0.0, specular: 1.0, ior: 1.5, volume, ..matt([1.0; 3]) }
+}
+
+/// The same with the picture of a texture.
+pub(super) fn textured(texture: usize, material: Material) -> Material {
+    Material { base_color_texture: Some(TextureUse::new(texture)), ..material }
+}
+
+/// The same with the picture of a texture, so many times across and down.
+pub(super) fn repeated(texture: usize, scale: [f32; 2], material: Material) -> Material {
+    Material { base_color_texture: Some(times(texture, scale)), ..material }
+}
+
+/// The same with a relief, so many times across and down.
+pub(super) fn embossed(texture: usize, times_across: [f32; 2], strength: f32, material: Material) -> Material {
+    Material { normal_map: Some(NormalMap { texture: times(texture, times_across), scale: strength }), ..material }
+}
+
+/// The same with roughness (and metal) from a texture.
+pub(super) fn worn(texture: usize, scale: [f32; 2], material: Material) -> Material {
+    Material { metallic_roughness_texture: Some(times(texture, scale)), ..material }
+}
+
+/// The same with holes where the texture's alpha is below a half.
+pub(super) fn cut_out(texture: usize, scale: [f32; 2], material: Material) -> Material {
+    Material { alpha: Alpha::Mask(0.5), ..repeated(texture, scale, material) }
+}
+
+fn times(texture: usize, scale: [f32; 2]) -> TextureUse {
+    TextureUse { transform: TextureTransform { scale, ..TextureTransform::IDENTITY }, ..TextureUse::new(texture) }
+}

@@ -1,0 +1,71 @@
+//! What every scene of the gallery keeps.
+
+use std::sync::LazyLock;
+
+use super::{NAMES, purpose, scene};
+use crate::Scene;
+use crate::gltf::{Limits, load_slice, to_glb};
+
+/// All scenes, built once.
+fn all() -> impl Iterator<Item = (&'static str, &'static Scene)> {
+    static SCENES: LazyLock<Vec<Scene>> =
+        LazyLock::new(|| NAMES.iter().map(|name| scene(name).expect("a name of the list")).collect());
+    NAMES.iter().copied().zip(SCENES.iter())
+}
+
+#[test]
+fn every_scene_is_valid_and_lit_and_has_a_camera() {
+    for (name, scene) in all() {
+        scene.validate().expect(name);
+        let lit = !scene.lights.is_empty() || scene.materials.iter().any(|material| material.emission != [0.0; 3]);
+        assert!(lit && !scene.cameras.is_empty(), "{name}");
+        assert!((10_000..=500_000).contains(&scene.triangle_count()), "{name}: {} triangles", scene.triangle_count());
+    }
+    assert!(scene("no such scene").is_none());
+}
+
+#[test]
+fn names_are_listed_once() {
+    let once: std::collections::BTreeSet<_> = NAMES.iter().collect();
+    assert_eq!((NAMES.len(), once.len()), (15, 15));
+}
+
+/// What does not glow, that is all but lamps and the studio, is 0.2 to 1 m in size.
+#[test]
+fn every_scene_fits_a_table() {
+    for (name, scene) in all() {
+        let mut scene = scene.clone();
+        let glows: Vec<bool> =
+            scene.meshes.iter().map(|mesh| scene.materials[mesh.material].emission != [0.0; 3]).collect();
+        scene.instances.retain(|instance| !glows[instance.mesh]);
+        let (low, high) = scene.bounds().expect(name);
+        let longest = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+        // Positions are f32.
+        assert!((0.2..1.0 + 1e-6).contains(&longest), "{name}: {longest} m");
+    }
+}
+
+#[test]
+fn every_scene_leaves_as_glb_whole_and_comes_back_equal() {
+    for (name, scene) in all() {
+        assert!(scene.environment.is_none(), "{name}: glTF has no place for an environment");
+        let loaded = load_slice(&to_glb(scene).expect(name), &Limits::default()).expect(name);
+        assert!(loaded.scene == *scene, "{name} changed");
+        assert_eq!(loaded.warnings, [""; 0], "{name}");
+    }
+}
+
+#[test]
+fn every_scene_is_the_same_each_time() {
+    for (name, first) in all() {
+        assert!(scene(name).expect(name) == *first, "{name}");
+    }
+}
+
+#[test]
+fn every_scene_says_what_it_is_for() {
+    for name in NAMES {
+        assert!(purpose(name).is_some_and(|purpose| !purpose.is_empty()), "{name}");
+    }
+    assert_eq!(purpose("teapot"), None);
+}

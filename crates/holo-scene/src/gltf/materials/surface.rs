@@ -1,0 +1,162 @@
+//! One material of a file: metallic-roughness, and the extensions for gloss, glass and glow.
+//!
+//! Sources: the glTF 2.0 specification, sections 3.9 and 5.19; KHR_materials_emissive_strength, _ior, _specular,
+//! _transmission, _unlit, _volume; KHR_texture_transform. A number outside its range is an error, but for what files are
+//! known to write: see [`index_of_refraction`] and [`volume`].
+
+use super::super::extensions::{EMISSIVE_STRENGTH, IOR, SPECULAR, TEXTURE_TRANSFORM, TRANSMISSION, UNLIT, VOLUME};
+use super::super::json::{Object, bad};
+use super::super::warnings::Warnings;
+use crate::Error;
+use crate::MAX_RADIANCE;
+use crate::{Alpha, Material, NormalMap, TextureTransform, TextureUse, Volume};
+
+/// The highest index of refraction of a scene: 99.6 % are reflected at normal incidence.
+const HIGHEST_IOR: f32 = 1000.0;
+
+/// The material of the specification for whoever says nothing: rough white metal with a dark back.
+pub(super) fn standard(name: &str) -> Material {
+    Material {
+        name: name.to_owned(),
+        metallic: 1.0,
+        roughness: 1.0,
+        double_sided: false,
+        specular: 1.0,
+        ..Material::default()
+    }
+}
+
+/// Reads a material; its textures are numbered as in the file, and so are their sets of coordinates.
+pub(super) fn read(
+    material: &Object<'_>,
+    name: &str,
+    texture_count: usize,
+    place: impl Fn() -> String,
+    warnings: &mut Warnings,
+) -> Result<Material, Error> {
+    let texture = |object: &Object<'_>, key: &str| texture_use(object, key, texture_count);
+    let mut read = standard(name);
+    if let Some(surface) = material.object("pbrMetallicRoughness")? {
+        set(&mut read.base_color, surface.all_within("baseColorFactor", 0.0..=1.0)?);
+        read.base_color_texture = texture(&surface, "baseColorTexture")?;
+        set(&mut read.metallic, surface.within("metallicFactor", 0.0..=1.0)?);
+        set(&mut read.roughness, surface.within("roughnessFactor", 0.0..=1.0)?);
+        read.metallic_roughness_texture = texture(&surface, "metallicRoughnessTexture")?;
+    }
+    if let Some(texture) = texture(material, "normalTexture")? {
+        let map = material.object("normalTexture")?;
+        let scale = map.map(|map| map.within("scale", f32::MIN..=f32::MAX)).transpose()?.flatten();
+        read.normal_map = Some(NormalMap { texture, scale: scale.unwrap_or(1.0) });
+    }
+    read.emission = emission(material)?;
+    read.emission_texture = texture(material, "emissiveTexture")?;
+    read.alpha = match material.string("alphaMode")? {
+        None | Some("OPAQUE") => Alpha::Opaque,
+        Some("MASK") => Alpha::Mask(material.within("alphaCutoff", 0.0..=f32::MAX)?.unwrap_or(0.5)),
+        Some("BLEND") => Alpha::Blend,
+        Some(_) => return Err(bad(material.at("alphaMode"), "must be OPAQUE, MASK or BLEND")),
+    };
+    set(&mut read.double_sided, material.boolean("doubleSided")?);
+    if let Some(specular) = material.extension(SPECULAR)? {
+        set(&mut read.specular, specular.within("specularFactor", 0.0..=1.0)?);
+        read.specular_texture = texture(&specular, "specularTexture")?;
+        set(&mut read.specular_color, specular.all_within("specularColorFactor", 0.0..=MAX_RADIANCE)?);
+        read.specular_color_texture = texture(&specular, "specularColorTexture")?;
+    }
+    set(&mut read.ior, index_of_refraction(material, &place, warnings)?);
+    if let Some(transmission) = material.extension(TRANSMISSION)? {
+        set(&mut read.transmission, transmission.within("transmissionFactor", 0.0..=1.0)?);
+        read.transmission_texture = texture(&transmission, "transmissionTexture")?;
+    }
+    read.volume = volume(material, &place, warnings)?;
+    read.unlit = material.extension(UNLIT)?.is_some();
+    Ok(read)
+}
+
+/// Leaves the default where the file says nothing.
+fn set<T>(field: &mut T, said: Option<T>) {
+    if let Some(said) = said {
+        *field = said;
+    }
+}
+
+/// Factor times strength, multiplied in double precision.
+fn emission(material: &Object<'_>) -> Result<[f32; 3], Error> {
+    material.all_within::<3>("emissiveFactor", 0.0..=1.0)?;
+    let factor = material.numbers::<3>("emissiveFactor")?.unwrap_or_default();
+    let Some(extension) = material.extension(EMISSIVE_STRENGTH)? else { return Ok(factor.map(|c| c as f32)) };
+    extension.within("emissiveStrength", 0.0..=f32::MAX)?;
+    let strength = extension.number("emissiveStrength")?.unwrap_or(1.0);
+    let emission = factor.map(|c| c * strength);
+    if emission.iter().any(|&c| c > f64::from(MAX_RADIANCE)) {
+        let what = format!("is {strength}; times emissiveFactor it must not exceed {MAX_RADIANCE:e}");
+        return Err(bad(extension.at("emissiveStrength"), what));
+    }
+    Ok(emission.map(|c| c as f32))
+}
+
+/// 0 stands for infinity in a file; that and anything beyond [`HIGHEST_IOR`] is cut there, with a warning.
+fn index_of_refraction(
+    material: &Object<'_>,
+    place: impl Fn() -> String,
+    warnings: &mut Warnings,
+) -> Result<Option<f32>, Error> {
+    let Some(extension) = material.extension(IOR)? else { return Ok(None) };
+    let ior = match extension.number("ior")? {
+        Some(0.0) => f64::INFINITY,
+        Some(ior) if ior < 1.0 => {
+            return Err(bad(extension.at("ior"), format!("is {ior}; it must be at least 1, or 0 for infinity")));
+        }
+        Some(ior) => ior,
+        None => return Ok(None),
+    };
+    if ior > f64::from(HIGHEST_IOR) {
+        warnings.note("an index of refraction of 0 (infinity) or above 1000 is drawn as 1000", place);
+    }
+    Ok(Some((ior as f32).min(HIGHEST_IOR)))
+}
+
+/// What the surface encloses; nothing where the walls are thin.
+fn volume(material: &Object<'_>, place: impl Fn() -> String, warnings: &mut Warnings) -> Result<Option<Volume>, Error> {
+    let Some(extension) = material.extension(VOLUME)? else { return Ok(None) };
+    let distance = match extension.number("attenuationDistance")? {
+        // 0 is not allowed, but written by some for "none".
+        None | Some(0.0) => f32::INFINITY,
+        // The smallest and the largest single numbers; beyond the latter lies infinity, which is allowed here.
+        Some(distance) if distance >= f64::from(f32::from_bits(1)) => distance as f32,
+        Some(distance) => {
+            return Err(bad(extension.at("attenuationDistance"), format!("is {distance}; it must be above 0")));
+        }
+    };
+    // Black swallows at once; the smallest number that a logarithm takes is as good.
+    let color = extension.all_within::<3>("attenuationColor", 0.0..=1.0)?.unwrap_or([1.0; 3]);
+    let attenuation_color = color.map(|c| c.max(f32::MIN_POSITIVE));
+    // How thick is for those who do not follow rays through the body; we only need to know whether it is one.
+    if extension.within("thicknessFactor", 0.0..=f32::MAX)?.unwrap_or(0.0) == 0.0 {
+        return Ok(None);
+    }
+    if extension.has("thicknessTexture") {
+        warnings.note("thickness textures are ignored: rays find the thickness of a body themselves", place);
+    }
+    Ok(Some(Volume { attenuation_distance_m: distance, attenuation_color }))
+}
+
+/// What a material says of one of its textures.
+fn texture_use(object: &Object<'_>, key: &str, texture_count: usize) -> Result<Option<TextureUse>, Error> {
+    let Some(info) = object.object(key)? else { return Ok(None) };
+    let texture = info.index("index", "textures", texture_count)?.ok_or_else(|| info.missing("index"))?;
+    let mut set = info.unsigned("texCoord")?;
+    let mut transform = TextureTransform::IDENTITY;
+    if let Some(extension) = info.extension(TEXTURE_TRANSFORM)? {
+        let finite = f32::MIN..=f32::MAX;
+        transform = TextureTransform {
+            offset: extension.all_within("offset", finite.clone())?.unwrap_or(transform.offset),
+            rotation_rad: extension.within("rotation", finite.clone())?.unwrap_or(transform.rotation_rad),
+            scale: extension.all_within("scale", finite)?.unwrap_or(transform.scale),
+        };
+        // The extension may name other coordinates for those who understand it.
+        set = extension.unsigned("texCoord")?.or(set);
+    }
+    let set = usize::try_from(set.unwrap_or(0)).unwrap_or(usize::MAX);
+    Ok(Some(TextureUse { texture, set, transform }))
+}

@@ -1,0 +1,304 @@
+//! Mesh primitives: triangles, strips and fans, indexed or not; one [`Mesh`] each.
+
+use rayon::prelude::*;
+
+use super::Limits;
+use super::accessors::{Checker, Handle, Use};
+use super::extensions::DRACO;
+use super::json::{Object, bad, unsupported};
+use super::materials::{CoordinateSets, Materials};
+use super::net;
+use super::values::Values;
+use super::warnings::Warnings;
+use crate::Error;
+use crate::Mesh;
+
+/// Squared lengths this close to 1 count as unit normals and keep their bits; others are normalised.
+const UNIT_TOLERANCE: f64 = 1e-3;
+
+/// The meshes of the scene, and for each mesh of the file the range of those that came from its primitives.
+pub(super) struct Meshes {
+    pub(super) meshes: Vec<Mesh>,
+    pub(super) ranges: Vec<std::ops::Range<usize>>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Mode {
+    Triangles,
+    Strip,
+    Fan,
+}
+
+impl Mode {
+    /// How many triangles `count` corners make. What remains of an incomplete triangle is ignored, as by a GPU.
+    fn triangles(self, count: usize) -> usize {
+        match self {
+            Self::Triangles => count / 3,
+            Self::Strip | Self::Fan => count.saturating_sub(2),
+        }
+    }
+}
+
+/// A primitive whose accessors are checked, before its values are read.
+struct Plan {
+    at: String,
+    name: String,
+    mode: Mode,
+    material: usize,
+    positions: Handle,
+    normals: Option<Handle>,
+    coordinates: [Option<Handle>; 2],
+    colors: Option<Handle>,
+    indices: Option<Handle>,
+}
+
+/// Reads all meshes of the file.
+pub(super) fn load(
+    root: &Object<'_>,
+    mut accessors: Checker<'_>,
+    materials: &mut Materials,
+    limits: &Limits,
+    warnings: &mut Warnings,
+) -> Result<Meshes, Error> {
+    let material_count = materials.materials.len();
+    let mut default_material = None;
+    let (mut plans, mut ranges) = (Vec::new(), Vec::new());
+    let (mut vertices, mut triangles) = (0_u64, 0_u64);
+    for mesh in root.objects("meshes")? {
+        let first = plans.len();
+        let name = mesh.name()?;
+        let primitives = mesh.objects("primitives")?;
+        for (k, primitive) in primitives.iter().enumerate() {
+            let Some(mode) = mode(primitive, warnings)? else { continue };
+            let material = match primitive.index("material", "materials", material_count)? {
+                Some(material) => material,
+                None => *default_material.get_or_insert_with(|| materials.default_material()),
+            };
+            let name = if primitives.len() > 1 && !name.is_empty() { format!("{name}[{k}]") } else { name.to_owned() };
+            let sets = &materials.coordinate_sets[material];
+            let Some(plan) = plan(primitive, &mut accessors, (name, mode, material), sets, warnings)? else { continue };
+            vertices += plan.positions.count as u64;
+            triangles += plan.mode.triangles(plan.indices.unwrap_or(plan.positions).count) as u64;
+            // Many primitives may share one accessor, so a small file can ask for more memory than it has bytes.
+            if vertices > limits.max_vertices || triangles > limits.max_triangles {
+                let (v, t) = (limits.max_vertices, limits.max_triangles);
+                return Err(bad(&plan.at, format!("the meshes exceed the limit of {t} triangles or {v} vertices")));
+            }
+            plans.push(plan);
+        }
+        ranges.push(first..plans.len());
+    }
+    let values = accessors.finish();
+    let read: Vec<(Mesh, Warnings)> =
+        plans.par_iter().map(|plan| net::guarded(|| plan.read(&values))).collect::<Result<_, Error>>()?;
+    let mut meshes = Vec::with_capacity(read.len());
+    for (mesh, its_warnings) in read {
+        meshes.push(mesh);
+        warnings.append(its_warnings);
+    }
+    Ok(Meshes { meshes, ranges })
+}
+
+fn mode(primitive: &Object<'_>, warnings: &mut Warnings) -> Result<Option<Mode>, Error> {
+    Ok(match primitive.unsigned("mode")? {
+        None | Some(4) => Some(Mode::Triangles),
+        Some(5) => Some(Mode::Strip),
+        Some(6) => Some(Mode::Fan),
+        Some(0..=3) => {
+            warnings.note("points and lines have no surface: left out", || primitive.path().to_owned());
+            None
+        }
+        Some(other) => return Err(bad(primitive.at("mode"), format!("is {other}, which is no mode of glTF"))),
+    })
+}
+
+fn plan(
+    primitive: &Object<'_>,
+    accessors: &mut Checker<'_>,
+    (name, mode, material): (String, Mode, usize),
+    sets: &CoordinateSets,
+    warnings: &mut Warnings,
+) -> Result<Option<Plan>, Error> {
+    let attributes = primitive.object("attributes")?.ok_or_else(|| primitive.missing("attributes"))?;
+    let compressed = primitive.extension(DRACO)?.is_some();
+    let count = accessors.len();
+    let mut handle = |object: &Object<'_>, key: &str, wanted: Use| -> Result<Option<Handle>, Error> {
+        let Some(number) = object.index(key, "accessors", count)? else { return Ok(None) };
+        if compressed && !accessors.has_data(number) {
+            return Err(unsupported(primitive.path(), format!("{DRACO} (export the file uncompressed)")));
+        }
+        accessors.check(number, wanted, &object.at(key)).map(Some)
+    };
+    let Some(positions) = handle(&attributes, "POSITION", Use::Vectors)? else {
+        warnings.note("a primitive without positions is left out", || primitive.path().to_owned());
+        return Ok(None);
+    };
+    let normals = handle(&attributes, "NORMAL", Use::Vectors)?;
+    let mut coordinates = [None; 2];
+    for (coordinates, set) in coordinates.iter_mut().zip(sets.numbers) {
+        *coordinates = handle(&attributes, &format!("TEXCOORD_{set}"), Use::TextureCoordinates)?;
+    }
+    let colors = handle(&attributes, "COLOR_0", Use::Colors)?;
+    let indices = handle(primitive, "indices", Use::Indices)?;
+    let [first, second] = coordinates;
+    for (key, attribute) in [("NORMAL", normals), ("TEXCOORD", first), ("TEXCOORD", second), ("COLOR_0", colors)] {
+        if let Some(attribute) = attribute.filter(|attribute| attribute.count != positions.count) {
+            let what = format!("{key} has {} elements, POSITION has {}", attribute.count, positions.count);
+            return Err(bad(attributes.path(), what));
+        }
+    }
+    let at = || primitive.path().to_owned();
+    if coordinates.iter().zip(sets.wanted).any(|(coordinates, wanted)| wanted && coordinates.is_none()) {
+        warnings.note("the material has a texture, the primitive no coordinates for it: its first texel is used", at);
+    }
+    if !primitive.list("targets")?.is_empty() {
+        warnings.note("morph targets are ignored: drawn without them", at);
+    }
+    let corners = indices.unwrap_or(positions).count;
+    if corners < 3 || (mode == Mode::Triangles && corners % 3 != 0) {
+        warnings.note("the corners do not make whole triangles: the rest is left out", at);
+    }
+    Ok(Some(Plan { at: at(), name, mode, material, positions, normals, coordinates, colors, indices }))
+}
+
+impl Plan {
+    fn read(&self, values: &Values<'_>) -> Result<(Mesh, Warnings), Error> {
+        let mut warnings = Warnings::default();
+        let positions = values.vectors(self.positions)?;
+        self.check_finite(&positions, self.positions, "POSITION")?;
+        let triangles = self.triangles(values, positions.len())?;
+        let mut normals = self.normals.map(|handle| values.vectors(handle)).transpose()?.unwrap_or_default();
+        if let Some(handle) = self.normals {
+            self.check_finite(&normals, handle, "NORMAL")?;
+            if !normalize(&mut normals, &positions, &triangles) {
+                warnings.note("normals of length zero were replaced by those of the faces around", || self.at.clone());
+            }
+        }
+        let mut coordinates = [Vec::new(), Vec::new()];
+        for (coordinates, handle) in coordinates.iter_mut().zip(self.coordinates) {
+            let Some(handle) = handle else { continue };
+            *coordinates = values.texture_coordinates(handle)?;
+            self.check_finite(coordinates, handle, "TEXCOORD")?;
+        }
+        let [texture_coordinates, second_coordinates] = coordinates;
+        let mut colors = self.colors.map(|handle| values.colors(handle)).transpose()?.unwrap_or_default();
+        if let Some(handle) = self.colors {
+            self.check_finite(&colors, handle, "COLOR_0")?;
+            // The standard asks for it: a surface cannot reflect more than it receives, or less than nothing.
+            colors.iter_mut().flatten().for_each(|c| *c = c.clamp(0.0, 1.0));
+        }
+        let (name, material) = (self.name.clone(), self.material);
+        Ok((
+            Mesh { name, positions, normals, texture_coordinates, second_coordinates, colors, triangles, material },
+            warnings,
+        ))
+    }
+
+    fn check_finite<const N: usize>(&self, list: &[[f32; N]], handle: Handle, key: &str) -> Result<(), Error> {
+        match list.iter().position(|element| element.iter().any(|x| !x.is_finite())) {
+            None => Ok(()),
+            Some(k) => {
+                let what = format!("element {k} is {:?} ({key} of {}): repair the mesh", list[k], self.at);
+                Err(bad(format!("accessors[{}]", handle.number), what))
+            }
+        }
+    }
+
+    fn triangles(&self, values: &Values<'_>, vertices: usize) -> Result<Vec<[u32; 3]>, Error> {
+        let Some(indices) = self.indices else {
+            return self.assemble(&mut (0..vertices as u32), vertices);
+        };
+        let triangles = values.with_indices(indices, |corners| self.assemble(corners, indices.count))??;
+        // One pass to look for the largest index, a second one to name it only where it is too large.
+        let largest = triangles.iter().flatten().copied().max().unwrap_or(0);
+        if largest as usize >= vertices {
+            let what = format!("refers to vertex {largest}, but {} has {vertices} vertices", self.at);
+            return Err(bad(format!("accessors[{}]", indices.number), what));
+        }
+        Ok(triangles)
+    }
+
+    /// Puts corners together to triangles in the order that glTF prescribes.
+    fn assemble(&self, corners: &mut dyn Iterator<Item = u32>, count: usize) -> Result<Vec<[u32; 3]>, Error> {
+        let mut triangles = Vec::new();
+        let number = self.mode.triangles(count);
+        triangles
+            .try_reserve_exact(number)
+            .map_err(|_| bad(&self.at, format!("{number} triangles do not fit into memory")))?;
+        let mut next = || corners.next();
+        match self.mode {
+            Mode::Triangles => {
+                while let (Some(a), Some(b), Some(c)) = (next(), next(), next()) {
+                    triangles.push([a, b, c]);
+                }
+            }
+            Mode::Strip => {
+                if let (Some(mut a), Some(mut b)) = (next(), next()) {
+                    while let Some(c) = next() {
+                        // Every second triangle of a strip runs the other way round.
+                        triangles.push(if triangles.len() % 2 == 0 { [a, b, c] } else { [a, c, b] });
+                        (a, b) = (b, c);
+                    }
+                }
+            }
+            Mode::Fan => {
+                if let (Some(centre), Some(mut b)) = (next(), next()) {
+                    while let Some(c) = next() {
+                        triangles.push([b, c, centre]);
+                        b = c;
+                    }
+                }
+            }
+        }
+        Ok(triangles)
+    }
+}
+
+/// Makes normals unit vectors; those of length zero become the mean of the faces around their vertex, and then the
+/// answer is `false`.
+fn normalize(normals: &mut [[f32; 3]], positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> bool {
+    let mut zeros = false;
+    for normal in normals.iter_mut() {
+        let squared = squared_length(normal.map(f64::from));
+        if (squared - 1.0).abs() > UNIT_TOLERANCE {
+            match unit(normal.map(f64::from)) {
+                Some(unit) => *normal = unit,
+                None => {
+                    *normal = [0.0; 3];
+                    zeros = true;
+                }
+            }
+        }
+    }
+    if !zeros {
+        return true;
+    }
+    let mut sums = vec![[0.0_f64; 3]; normals.len()];
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|k| positions[k as usize].map(f64::from));
+        let (ab, ac) = (minus(b, a), minus(c, a));
+        // Not normalised: larger faces count more.
+        let face = [ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]];
+        for &k in triangle {
+            sums[k as usize].iter_mut().zip(face).for_each(|(sum, x)| *sum += x);
+        }
+    }
+    for (normal, sum) in normals.iter_mut().zip(sums).filter(|(normal, _)| **normal == [0.0; 3]) {
+        // A vertex of no face, or of faces without area, is never seen.
+        *normal = unit(sum).unwrap_or([0.0, 0.0, 1.0]);
+    }
+    false
+}
+
+fn unit(v: [f64; 3]) -> Option<[f32; 3]> {
+    let length = squared_length(v).sqrt();
+    (length > 0.0 && length.is_finite()).then(|| v.map(|x| (x / length) as f32))
+}
+
+fn squared_length(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum()
+}
+
+fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}

@@ -1,0 +1,228 @@
+//! What nodes place in the world: instances of meshes, cameras, and the lights of `KHR_lights_punctual`.
+
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+use super::Limits;
+use super::extensions::LIGHTS;
+use super::json::{Object, bad, unsupported};
+use super::meshes::Meshes;
+use super::nodes::Nodes;
+use super::warnings::Warnings;
+use crate::Error;
+use crate::{Camera, CameraLens, Instance, Light, LightKind, Transform};
+
+/// Axes this close to a right-handed orthonormal frame keep their bits, so that what `to_glb` writes comes back exactly.
+const EXACT_FRAME: f64 = 1e-12;
+/// Single-precision exporters write a right angle a little too large.
+const ANGLE_SLACK: f64 = 1e-6;
+
+/// In the extras of a directional light: the apparent diameter of its disc, rad.
+pub(super) const ANGULAR_DIAMETER: &str = "angular_diameter_rad";
+
+/// Everything that nodes place, in the order of the nodes in the file.
+#[derive(Default)]
+pub(super) struct Placed {
+    pub(super) instances: Vec<Instance>,
+    pub(super) lights: Vec<Light>,
+    pub(super) cameras: Vec<Camera>,
+}
+
+/// A light before a node gives it a place.
+struct LightSource {
+    name: String,
+    intensity: [f64; 3],
+    shape: Shape,
+}
+
+#[derive(Clone, Copy)]
+enum Shape {
+    Directional { diameter: f64 },
+    Point { range: Option<f64> },
+    Spot { range: Option<f64>, inner: f64, outer: f64 },
+}
+
+/// Goes through the nodes of the scene.
+pub(super) fn load(
+    root: &Object<'_>,
+    nodes: &Nodes<'_>,
+    meshes: &Meshes,
+    limits: &Limits,
+    warnings: &mut Warnings,
+) -> Result<Placed, Error> {
+    let cameras = cameras(root)?;
+    let lights = lights(root)?;
+    let mut placed = Placed::default();
+    let mut triangles = 0_u64;
+    let shown = nodes.nodes.iter().zip(&nodes.world).filter_map(|(node, world)| Some((node, world.as_ref()?)));
+    for (node, world) in shown {
+        let name = node.name()?;
+        if let Some(mesh) = node.index("mesh", "meshes", meshes.ranges.len())? {
+            for mesh in meshes.ranges[mesh].clone() {
+                triangles = triangles.saturating_add(meshes.meshes[mesh].triangles.len() as u64);
+                if placed.instances.len() >= limits.max_instances || triangles > limits.max_triangles {
+                    let (i, t) = (limits.max_instances, limits.max_triangles);
+                    let what = format!("the scene exceeds the limit of {i} mesh instances or {t} triangles");
+                    return Err(bad(node.path(), what));
+                }
+                placed.instances.push(Instance { name: name.to_owned(), mesh, transform: *world });
+            }
+            if node.has("skin") {
+                warnings.note("skins are ignored: drawn in the pose of the mesh", || node.path().to_owned());
+            }
+        }
+        if let Some(camera) = node.index("camera", "cameras", cameras.len())? {
+            let (own_name, lens) = &cameras[camera];
+            match frame(world) {
+                Some(pose) => {
+                    let name = if name.is_empty() { own_name } else { name };
+                    placed.cameras.push(Camera { name: name.to_owned(), pose, lens: *lens });
+                }
+                None => warnings.note("a camera whose scale is zero is left out", || node.path().to_owned()),
+            }
+        }
+        if let Some(reference) = node.extension(LIGHTS)? {
+            let light = reference.index("light", "lights", lights.len())?.ok_or_else(|| reference.missing("light"))?;
+            match place(&lights[light], name, world) {
+                Some(light) => placed.lights.push(light),
+                None => {
+                    warnings.note("a light whose scale is zero has no direction: left out", || node.path().to_owned())
+                }
+            }
+        }
+    }
+    Ok(placed)
+}
+
+fn cameras<'f>(root: &Object<'f>) -> Result<Vec<(&'f str, CameraLens)>, Error> {
+    let read = |camera: Object<'f>| {
+        let kind = camera.string("type")?.ok_or_else(|| camera.missing("type"))?;
+        if !matches!(kind, "perspective" | "orthographic") {
+            return Err(bad(camera.at("type"), "must be perspective or orthographic"));
+        }
+        let lens = camera.object(kind)?.ok_or_else(|| camera.missing(kind))?;
+        let positive = |key: &str| match lens.number(key)? {
+            Some(x) if x > 0.0 => Ok(Some(x)),
+            Some(x) => Err(bad(lens.at(key), format!("is {x}; it must be above 0"))),
+            None => Ok(None),
+        };
+        let required = |key: &str| positive(key)?.ok_or_else(|| lens.missing(key));
+        let lens = if kind == "perspective" {
+            let angle = required("yfov")?;
+            if angle >= PI {
+                return Err(bad(lens.at("yfov"), format!("is {angle}; it must be below pi")));
+            }
+            CameraLens::Perspective { vertical_angle_rad: angle, aspect_ratio: positive("aspectRatio")? }
+        } else {
+            CameraLens::Orthographic { half_width_m: required("xmag")?, half_height_m: required("ymag")? }
+        };
+        Ok((camera.name()?, lens))
+    };
+    root.objects("cameras")?.into_iter().map(read).collect()
+}
+
+fn lights(root: &Object<'_>) -> Result<Vec<LightSource>, Error> {
+    let Some(extension) = root.extension(LIGHTS)? else { return Ok(Vec::new()) };
+    let read = |light: Object<'_>| {
+        let color = light.numbers::<3>("color")?.unwrap_or([1.0; 3]);
+        let factor = light.number("intensity")?.unwrap_or(1.0);
+        let intensity = color.map(|c| c * factor);
+        if intensity.iter().any(|c| !c.is_finite() || *c < 0.0) {
+            return Err(bad(light.path(), "its colour times its intensity must be finite and not negative"));
+        }
+        let range = match light.number("range")? {
+            Some(range) if range <= 0.0 => {
+                return Err(bad(light.at("range"), format!("is {range}; it must be above 0")));
+            }
+            range => range,
+        };
+        let shape = match light.string("type")?.ok_or_else(|| light.missing("type"))? {
+            "directional" => Shape::Directional { diameter: angular_diameter(&light)? },
+            "point" => Shape::Point { range },
+            "spot" => {
+                let spot = light.object("spot")?;
+                let angle = |key: &str, default: f64| {
+                    let angle = spot.as_ref().map(|spot| spot.number(key)).transpose()?.flatten();
+                    Ok::<f64, Error>(angle.unwrap_or(default))
+                };
+                let (inner, outer) = (angle("innerConeAngle", 0.0)?, angle("outerConeAngle", FRAC_PI_4)?);
+                let ordered = 0.0 <= inner && inner <= outer && outer > 0.0 && outer <= FRAC_PI_2 + ANGLE_SLACK;
+                if !ordered {
+                    let what = format!("its cone angles are {inner} and {outer}; need 0 <= inner <= outer <= pi/2");
+                    return Err(bad(light.at("spot"), what));
+                }
+                Shape::Spot { range, inner: inner.min(FRAC_PI_2), outer: outer.min(FRAC_PI_2) }
+            }
+            other => {
+                return Err(unsupported(light.at("type"), format!("the light type '{}'", super::uri::shorten(other))));
+            }
+        };
+        Ok(LightSource { name: light.name()?.to_owned(), intensity, shape })
+    };
+    extension.objects("lights")?.into_iter().map(read).collect()
+}
+
+/// How large the disc of a directional light appears. glTF has no word for it, so it lies in the extras of the light.
+fn angular_diameter(light: &Object<'_>) -> Result<f64, Error> {
+    let Some(extras) = light.extras()? else { return Ok(0.0) };
+    match extras.number(ANGULAR_DIAMETER)? {
+        Some(angle) if !(0.0..=PI).contains(&angle) => {
+            Err(bad(extras.at(ANGULAR_DIAMETER), format!("is {angle}; it must lie between 0 and pi")))
+        }
+        angle => Ok(angle.unwrap_or(0.0)),
+    }
+}
+
+/// A light in the world; `None` where its node leaves it no direction.
+fn place(source: &LightSource, node_name: &str, world: &Transform) -> Option<Light> {
+    let direction = || {
+        let direction = world.vector([0.0, 0.0, -1.0]);
+        let off = (direction.iter().map(|x| x * x).sum::<f64>() - 1.0).abs();
+        if off <= EXACT_FRAME { Some(direction) } else { unit(direction) }
+    };
+    let position = world.translation;
+    let kind = match source.shape {
+        Shape::Directional { diameter } => {
+            LightKind::Directional { direction: direction()?, angular_diameter_rad: diameter }
+        }
+        Shape::Point { range } => LightKind::Point { position, range },
+        Shape::Spot { range, inner, outer } => {
+            LightKind::Spot { position, direction: direction()?, range, inner_angle_rad: inner, outer_angle_rad: outer }
+        }
+    };
+    let name = if source.name.is_empty() { node_name } else { &source.name };
+    Some(Light { name: name.to_owned(), intensity: source.intensity, kind })
+}
+
+/// The rotation and translation of a transform. Viewing and upward direction stay where scale, shear and mirroring put
+/// them; the picture itself is never mirrored.
+fn frame(world: &Transform) -> Option<Transform> {
+    let [x, y, z] = world.columns;
+    let exact =
+        [(dot(x, x), 1.0), (dot(y, y), 1.0), (dot(z, z), 1.0), (dot(x, y), 0.0), (dot(y, z), 0.0), (dot(z, x), 0.0)];
+    if exact.iter().all(|(is, should)| (is - should).abs() <= EXACT_FRAME) && world.determinant() > 0.0 {
+        return Some(*world);
+    }
+    let back = unit(z)?;
+    let y = unit(y)?;
+    let along = dot(y, back);
+    let up = unit([y[0] - along * back[0], y[1] - along * back[1], y[2] - along * back[2]])?;
+    let right =
+        [up[1] * back[2] - up[2] * back[1], up[2] * back[0] - up[0] * back[2], up[0] * back[1] - up[1] * back[0]];
+    Some(Transform { columns: [right, up, back], translation: world.translation })
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The vector with length 1; `None` for zero.
+fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
+    // Scaled first: squares of huge or tiny numbers overflow or vanish.
+    let largest = v.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    if !(largest > 0.0 && largest.is_finite()) {
+        return None;
+    }
+    let v = v.map(|x| x / largest);
+    let length = dot(v, v).sqrt();
+    Some(v.map(|x| x / length))
+}

@@ -1,0 +1,135 @@
+//! Containers, external files and what they may refer to.
+
+use std::fs;
+
+use holo_scene::gltf::{Limits, load, load_slice};
+use serde_json::{Value, json};
+
+use super::support::{File, TRIANGLE, base64, glb, png, says, triangle};
+
+/// A `.gltf` whose buffer is at `uri`.
+fn external(uri: &str) -> Value {
+    let mut json = triangle().json;
+    json["buffers"][0]["uri"] = json!(uri);
+    json
+}
+
+fn error_of(bytes: &[u8]) -> String {
+    load_slice(bytes, &Limits::default()).unwrap_err().to_string()
+}
+
+#[test]
+fn json_with_data_uris() {
+    let binary = triangle().binary;
+    for uri in [
+        format!("data:application/octet-stream;base64,{}", base64(&binary)),
+        format!("data:application/gltf-buffer;base64,{}", base64(&binary).trim_end_matches('=')),
+    ] {
+        let loaded = load_slice(external(&uri).to_string().as_bytes(), &Limits::default()).unwrap();
+        assert_eq!(loaded.scene.meshes[0].positions, TRIANGLE);
+    }
+    says(&error_of(external("data:;base64,****").to_string().as_bytes()), &["buffers[0].uri", "base64"]);
+    says(&error_of(external("data:;base64,AAAA").to_string().as_bytes()), &["buffers[0].byteLength", "36", "3"]);
+    // With the byte order mark that some editors write.
+    let text = format!("\u{feff}{}", external(&format!("data:;base64,{}", base64(&binary))));
+    assert!(load_slice(text.as_bytes(), &Limits::default()).is_ok());
+}
+
+#[test]
+fn files_beside_the_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    fs::create_dir(at("sub dir")).unwrap();
+    fs::write(at("sub dir/a b.bin"), triangle().binary).unwrap();
+    fs::write(at("tex \u{e9}.png"), png(1, 1, &[[1, 2, 3, 4]])).unwrap();
+    let mut json = external("sub%20dir/a%20b.bin");
+    json["images"] = json!([{ "uri": "./tex%20%C3%A9.png" }]);
+    json["textures"] = json!([{ "source": 0 }]);
+    fs::write(at("scene.gltf"), json.to_string()).unwrap();
+    let loaded = load(&at("scene.gltf"), &Limits::default()).unwrap();
+    assert_eq!(loaded.scene.meshes[0].positions, TRIANGLE);
+    assert_eq!(loaded.scene.textures[0].texels, [[1, 2, 3, 4]]);
+
+    // Bytes of all files together count.
+    let size = json.to_string().len() as u64;
+    let small = Limits { max_bytes: size + 30, ..Limits::default() };
+    says(&load(&at("scene.gltf"), &small).unwrap_err().to_string(), &["a b.bin", "limit"]);
+    // A short file.
+    fs::write(at("sub dir/a b.bin"), &triangle().binary[..35]).unwrap();
+    says(&load(&at("scene.gltf"), &Limits::default()).unwrap_err().to_string(), &["buffers[0].byteLength", "35"]);
+    fs::remove_file(at("sub dir/a b.bin")).unwrap();
+    says(&load(&at("scene.gltf"), &Limits::default()).unwrap_err().to_string(), &["cannot read", "a b.bin"]);
+    says(&load(&at("none.glb"), &Limits::default()).unwrap_err().to_string(), &["cannot read", "none.glb"]);
+    says(&load(folder.path(), &Limits::default()).unwrap_err().to_string(), &["not a file"]);
+}
+
+#[test]
+fn nothing_outside_the_folder_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let inner = folder.path().join("inner");
+    fs::create_dir(&inner).unwrap();
+    fs::write(folder.path().join("secret.bin"), triangle().binary).unwrap();
+    let absolute = folder.path().join("secret.bin").display().to_string();
+    let upward = ["../secret.bin", "%2E%2E/secret.bin", "..%2Fsecret.bin", "x/../../secret.bin", "..\\secret.bin"];
+    for uri in upward.into_iter().chain([absolute.as_str()]) {
+        fs::write(inner.join("scene.gltf"), external(uri).to_string()).unwrap();
+        let message = load(&inner.join("scene.gltf"), &Limits::default()).unwrap_err().to_string();
+        says(&message, &["buffers[0].uri", "folder of the glTF file"]);
+    }
+    for uri in ["http://example.org/x.bin", "file:///etc/passwd", "C:\\x.bin"] {
+        fs::write(inner.join("scene.gltf"), external(uri).to_string()).unwrap();
+        let message = load(&inner.join("scene.gltf"), &Limits::default()).unwrap_err().to_string();
+        says(&message, &["buffers[0].uri", "not supported"]);
+    }
+    // From memory there is no folder at all.
+    says(&error_of(external("x.bin").to_string().as_bytes()), &["buffers[0].uri", "x.bin", "path"]);
+}
+
+#[test]
+fn broken_containers_are_named() {
+    let whole = triangle().glb();
+    for length in 0..whole.len() {
+        error_of(&whole[..length]);
+    }
+    says(&error_of(b""), &["empty"]);
+    says(&error_of(b"PK\x03\x04"), &["neither"]);
+    says(&error_of(b"{ \"asset\": "), &["glTF JSON"]);
+    says(&error_of(b"{}"), &["asset", "missing"]);
+    says(&error_of(&whole[..whole.len() - 1]), &["cut short"]);
+    let mut version = whole.clone();
+    version[4] = 1;
+    says(&error_of(&version), &["version 1"]);
+    let mut chunk = whole.clone();
+    chunk[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
+    says(&error_of(&chunk), &["chunk 0", "beyond"]);
+    let mut kind = whole.clone();
+    kind[16] = b'X';
+    says(&error_of(&kind), &["chunk 0", "not JSON"]);
+    says(&error_of(&glb(b"\xff\xfe", &[])), &["glTF JSON"]);
+    says(&error_of(&glb(b"[1]", &[])), &["not an object"]);
+    says(&error_of(&glb("[".repeat(100_000).as_bytes(), &[])), &["glTF JSON", "recursion"]);
+    says(&error_of(&glb(br#"{"asset":{"version":"1.0"}}"#, &[])), &["asset.version", "1.0"]);
+    says(&error_of(&glb(br#"{"asset":{"version":"2.1","minVersion":"2.1"}}"#, &[])), &["asset.minVersion"]);
+    says(&error_of(&glb(br#"{"asset":{"version":"2.0"},"nodes":{}}"#, &[])), &["nodes", "array"]);
+    says(&error_of(&glb(br#"{"asset":{"version":"2.0"},"nodes":[{"translation":[1e999,0,0]}]}"#, &[])), &["JSON"]);
+    // Bytes behind the end and chunks of other kinds are not our business.
+    let mut longer = whole.clone();
+    longer.extend_from_slice(b"garbage");
+    assert!(load_slice(&longer, &Limits::default()).is_ok());
+    let mut chunks = whole;
+    chunks.extend_from_slice(&[4, 0, 0, 0, b'A', b'C', b'M', b'E', 1, 2, 3, 4]);
+    let total = (chunks.len() as u32).to_le_bytes();
+    chunks[8..12].copy_from_slice(&total);
+    assert!(load_slice(&chunks, &Limits::default()).is_ok());
+    // A buffer without uri in a file without binary chunk.
+    says(&error_of(triangle().json.to_string().as_bytes()), &["buffers[0]", "binary chunk"]);
+}
+
+#[test]
+fn an_empty_scene_loads() {
+    let loaded = File::new().load().unwrap();
+    assert_eq!(loaded.scene, holo_scene::Scene::default());
+    assert!(loaded.warnings.is_empty());
+    assert_eq!(loaded.summary.triangles, 0);
+    says(&loaded.summary.to_string(), &["generator:           unknown", "cameras:             none"]);
+}

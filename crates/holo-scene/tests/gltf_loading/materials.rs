@@ -1,0 +1,258 @@
+//! Materials, textures and extensions.
+
+use holo_scene::gltf::{Limits, load_slice};
+use holo_scene::{Texture, Wrap};
+use serde_json::{Value, json};
+
+use super::support::{File, base64, png, says, triangle};
+
+const TEXELS: [[u8; 4]; 6] =
+    [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [9, 8, 7, 6], [128, 127, 126, 0], [1, 2, 3, 200]];
+
+/// A triangle whose material's base colour is an embedded image.
+fn textured(image: &[u8]) -> File {
+    let mut file = triangle();
+    let view = file.view(image);
+    file.push("images", json!({ "bufferView": view, "mimeType": "image/png", "name": "picture" }));
+    file.push("textures", json!({ "source": 0 }));
+    file.push(
+        "materials",
+        lambert(json!({ "baseColorTexture": { "index": 0 }, "baseColorFactor": [0.5, 0.25, 1, 1] })),
+    );
+    file.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    let coordinates = file.floats(&[[0.0_f32, 0.0], [1.0, 0.0], [0.0, 1.0]]);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(coordinates);
+    file
+}
+
+/// A material that is Lambertian.
+fn lambert(surface: Value) -> Value {
+    let mut surface = surface;
+    surface["metallicFactor"] = json!(0);
+    json!({ "pbrMetallicRoughness": surface, "extensions": { "KHR_materials_specular": { "specularFactor": 0 } } })
+}
+
+fn only_texture(file: &File) -> Texture {
+    let textures = file.load().unwrap().scene.textures;
+    assert_eq!(textures.len(), 1);
+    textures.into_iter().next().unwrap()
+}
+
+#[test]
+fn embedded_png() {
+    let file = textured(&png(3, 2, &TEXELS));
+    let loaded = file.load().unwrap();
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    let scene = loaded.scene;
+    assert_eq!(scene.materials[0].base_color, [0.5, 0.25, 1.0, 1.0]);
+    assert_eq!(scene.materials[0].base_color_texture.map(|used| used.texture), Some(0));
+    let texture = &scene.textures[0];
+    assert_eq!((texture.width, texture.height, texture.name.as_str()), (3, 2, "picture"));
+    assert_eq!(texture.texels, TEXELS);
+    assert_eq!((texture.wrap_u, texture.wrap_v), (Wrap::Repeat, Wrap::Repeat));
+}
+
+#[test]
+fn wrap_modes() {
+    let mut file = textured(&png(3, 2, &TEXELS));
+    file.json["textures"][0]["sampler"] = json!(0);
+    let modes = [(10497, Wrap::Repeat), (33071, Wrap::Clamp), (33648, Wrap::Mirror)];
+    for (code_u, wrap_u) in modes {
+        for (code_v, wrap_v) in modes {
+            file.json["samplers"] = json!([{ "wrapS": code_u, "wrapT": code_v }]);
+            let texture = only_texture(&file);
+            assert_eq!((texture.wrap_u, texture.wrap_v), (wrap_u, wrap_v));
+        }
+    }
+    file.json["samplers"] = json!([{ "wrapT": 10496 }]);
+    says(&file.error(), &["samplers[0].wrapT", "10496"]);
+    file.json["samplers"] = json!([{ "magFilter": 9728 }]);
+    says(&file.load().unwrap().warnings.join("\n"), &["samplers[0]", "nearest"]);
+}
+
+#[test]
+fn deeper_and_shallower_images_become_eight_bits() {
+    let bytes = |picture: image::DynamicImage, format| {
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        picture.write_to(&mut bytes, format).unwrap();
+        bytes.into_inner()
+    };
+    let deep = image::ImageBuffer::<image::Rgb<u16>, _>::from_raw(1, 1, vec![65535_u16, 0x80_80, 0]).unwrap();
+    let texture = only_texture(&textured(&bytes(deep.into(), image::ImageFormat::Png)));
+    assert_eq!(texture.texels, [[255, 128, 0, 255]]);
+    let grey = image::GrayImage::from_raw(1, 1, vec![77]).unwrap();
+    let texture = only_texture(&textured(&bytes(grey.into(), image::ImageFormat::Png)));
+    assert_eq!(texture.texels, [[77, 77, 77, 255]]);
+    // JPEG, although the file calls it PNG.
+    let flat = image::RgbImage::from_pixel(16, 8, image::Rgb([200, 100, 50]));
+    let texture = only_texture(&textured(&bytes(flat.into(), image::ImageFormat::Jpeg)));
+    assert_eq!((texture.width, texture.height), (16, 8));
+    assert!(texture.texels.iter().all(|t| t[0].abs_diff(200) < 4 && t[1].abs_diff(100) < 4 && t[2].abs_diff(50) < 4));
+}
+
+#[test]
+fn textures_that_share_an_image() {
+    let mut file = textured(&png(3, 2, &TEXELS));
+    file.push("samplers", json!({ "wrapS": 33071 }));
+    file.push("textures", json!({ "source": 0, "sampler": 0, "name": "other" }));
+    let textures = file.load().unwrap().scene.textures;
+    assert_eq!(textures.len(), 2);
+    assert_eq!(textures[0].texels, textures[1].texels);
+    assert_eq!((textures[1].wrap_u, textures[1].name.as_str()), (Wrap::Clamp, "other"));
+}
+
+#[test]
+fn broken_images_are_named() {
+    let whole = png(3, 2, &TEXELS);
+    says(&textured(&whole[..whole.len() - 30]).error(), &["images[0]", "decoded"]);
+    says(&textured(b"GIF89a").error(), &["images[0]", "Gif", "not supported"]);
+    says(&textured(b"nothing at all").error(), &["images[0]", "neither PNG nor JPEG"]);
+    let mut file = textured(&whole);
+    file.json["images"][0] = json!({});
+    says(&file.error(), &["images[0]", "neither bufferView nor uri"]);
+    file.json["textures"][0]["source"] = json!(4);
+    says(&file.error(), &["textures[0].source", "images[4]"]);
+    file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = json!(1);
+    says(&file.error(), &["materials[0].pbrMetallicRoughness.baseColorTexture.index", "textures[1]"]);
+}
+
+#[test]
+fn huge_images_are_refused_before_they_are_decoded() {
+    let file = textured(&png(3, 2, &TEXELS));
+    let limits = |max_texture_pixels| Limits { max_texture_pixels, ..Limits::default() };
+    assert!(load_slice(&file.glb(), &limits(6)).is_ok());
+    says(&load_slice(&file.glb(), &limits(5)).unwrap_err().to_string(), &["images[0]", "limit of 5 pixels"]);
+    // The header alone says 2^31 - 1 pixels square.
+    let mut bytes = png(3, 2, &TEXELS);
+    bytes[16..24].copy_from_slice(&[0x7F, 0xFF, 0xFF, 0xFF, 0x7F, 0xFF, 0xFF, 0xFF]);
+    says(&textured(&bytes).error(), &["images[0]"]);
+}
+
+/// A mesh has two sets of coordinates; a file may have more.
+#[test]
+fn textures_choose_their_coordinates() {
+    let mut file = textured(&png(3, 2, &TEXELS));
+    for set in 1..4 {
+        let coordinates = file.floats(&[[set as f32, 0.5]; 3]);
+        file.json["meshes"][0]["primitives"][0]["attributes"][format!("TEXCOORD_{set}")] = json!(coordinates);
+    }
+    // The sets that base colour, metallic-roughness and emission read; what the mesh then has, and which of it they read.
+    let mut check = |sets: [u64; 3], mesh: [f32; 2], read: [Option<usize>; 3]| {
+        file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] =
+            json!({ "index": 0, "texCoord": sets[0] });
+        file.json["materials"][0]["pbrMetallicRoughness"]["metallicRoughnessTexture"] =
+            json!({ "index": 0, "texCoord": sets[1] });
+        file.json["materials"][0]["emissiveTexture"] = json!({ "index": 0, "texCoord": sets[2] });
+        let loaded = file.load().unwrap();
+        let scene = &loaded.scene;
+        // The second vertex of TEXCOORD_0 is (1, 0), those of the others are (set, 0.5).
+        let [u, v] = scene.meshes[0].texture_coordinates[1];
+        assert_eq!([if v == 0.0 { 0.0 } else { u }, scene.meshes[0].second_coordinates[1][0]], mesh, "{sets:?}");
+        let material = &scene.materials[0];
+        let uses = [material.base_color_texture, material.metallic_roughness_texture, material.emission_texture];
+        assert_eq!(uses.map(|used| used.map(|used| used.set)), read, "{sets:?}");
+        loaded.warnings.join("\n")
+    };
+    assert_eq!(check([0, 0, 0], [0.0, 1.0], [Some(0), Some(0), Some(0)]), "");
+    assert_eq!(check([1, 1, 0], [0.0, 1.0], [Some(1), Some(1), Some(0)]), "");
+    assert_eq!(check([2, 2, 2], [2.0, 1.0], [Some(0), Some(0), Some(0)]), "");
+    assert_eq!(check([3, 0, 3], [0.0, 3.0], [Some(1), Some(0), Some(1)]), "");
+    assert_eq!(check([3, 1, 1], [3.0, 1.0], [Some(0), Some(1), Some(1)]), "");
+    assert_eq!(check([3, 2, 3], [2.0, 3.0], [Some(1), Some(0), Some(1)]), "");
+    let warnings = check([2, 0, 1], [0.0, 1.0], [None, Some(0), Some(1)]);
+    says(&warnings, &["materials[0]", "more than two sets of coordinates"]);
+}
+
+#[test]
+fn missing_coordinates_are_said() {
+    let mut file = textured(&png(3, 2, &TEXELS));
+    file.json["materials"][0]["emissiveTexture"] = json!({ "index": 0, "texCoord": 1 });
+    let loaded = file.load().unwrap();
+    assert!(loaded.scene.meshes[0].second_coordinates.is_empty());
+    says(&loaded.warnings.join("\n"), &["meshes[0].primitives[0]", "no coordinates"]);
+    file.json["materials"][0]["emissiveTexture"]["texCoord"] = json!(u64::MAX);
+    says(&file.load().unwrap().warnings.join("\n"), &["no coordinates"]);
+    // As many as there are vertices, or none.
+    let two = file.floats(&[[0.0_f32, 0.0]; 2]);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = json!(two);
+    file.json["materials"][0]["emissiveTexture"]["texCoord"] = json!(1);
+    says(&file.error(), &["meshes[0].primitives[0].attributes", "TEXCOORD has 2 elements"]);
+}
+
+#[test]
+fn textures_that_nothing_here_reads_are_not_decoded() {
+    let mut file = textured(&png(3, 2, &TEXELS));
+    file.push("images", json!({ "uri": "missing.png" }));
+    file.push("textures", json!({ "source": 1 }));
+    file.json["materials"][0]["extensions"]["KHR_materials_clearcoat"] = json!({ "clearcoatTexture": { "index": 1 } });
+    let loaded = file.load().unwrap();
+    assert_eq!(loaded.scene.textures.len(), 1);
+    says(&loaded.warnings.join("\n"), &["KHR_materials_clearcoat"]);
+    // One that a normal map reads is.
+    file.json["materials"][0]["normalTexture"] = json!({ "index": 1 });
+    says(&file.error(), &["images[1].uri"]);
+    // A texture without an image that we can read: left out wherever it is used, and said.
+    let mut file = textured(&png(3, 2, &TEXELS));
+    file.json["textures"][0] = json!({ "extensions": { "KHR_texture_basisu": { "source": 0 } } });
+    file.json["materials"][0]["normalTexture"] = json!({ "index": 0 });
+    let loaded = file.load().unwrap();
+    assert!(loaded.scene.textures.is_empty() && loaded.scene.materials[0].base_color_texture.is_none());
+    assert_eq!(loaded.scene.materials[0].normal_map, None);
+    says(&loaded.warnings.join("\n"), &["KHR_texture_basisu", "drawn without it"]);
+}
+
+#[test]
+fn images_as_data_uris() {
+    let mut file = textured(&png(3, 2, &TEXELS));
+    let uri = format!("data:image/png;base64,{}", base64(&png(3, 2, &TEXELS)));
+    file.json["images"][0] = json!({ "uri": uri });
+    assert_eq!(only_texture(&file).texels, TEXELS);
+}
+
+#[test]
+fn what_is_changed_is_named_once_a_kind() {
+    let mut file = triangle();
+    for _ in 0..500 {
+        file.push("materials", json!({ "name": "mirror", "extensions": { "KHR_materials_ior": { "ior": 0 } } }));
+        let volume = json!({ "thicknessFactor": 1, "thicknessTexture": { "index": 0 } });
+        file.push("materials", json!({ "extensions": { "KHR_materials_volume": volume } }));
+    }
+    let lines = file.load().unwrap().warnings;
+    assert_eq!(lines.len(), 2, "{lines:#?}");
+    says(&lines[0], &["materials[0] 'mirror' and 499 more: an index of refraction"]);
+    says(&lines[1], &["materials[1] '' and 499 more: thickness"]);
+    let mut file = triangle();
+    file.push("materials", json!({ "pbrMetallicRoughness": { "baseColorFactor": [1.5, 0, 0, 1] } }));
+    says(&file.error(), &["materials[0].pbrMetallicRoughness.baseColorFactor"]);
+}
+
+#[test]
+fn extensions_are_handled_named_or_refused() {
+    let mut file = triangle();
+    file.json["extensionsUsed"] = json!(["KHR_lights_punctual", "KHR_materials_specular"]);
+    file.json["extensionsRequired"] = json!(["KHR_lights_punctual", "KHR_materials_specular", "KHR_lights_punctual"]);
+    let loaded = file.load().unwrap();
+    assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+    assert_eq!(loaded.summary.extensions_required, ["KHR_lights_punctual", "KHR_materials_specular"]);
+
+    file.json["extensionsUsed"] = json!(["KHR_materials_sheen", "KHR_texture_basisu", "ACME_x", "ACME_x"]);
+    let lines = file.load().unwrap().warnings;
+    assert_eq!(lines.len(), 2, "{lines:?}");
+    says(&lines[0], &["KHR_materials_sheen, KHR_texture_basisu", "drawn without"]);
+    says(&lines[1], &["ACME_x: used but not handled"]);
+
+    file.json["extensionsRequired"] = json!(["KHR_lights_punctual", "ACME_x"]);
+    let message = file.error();
+    says(&message, &["extensionsRequired", "ACME_x", "not supported"]);
+    assert!(!message.contains("KHR_lights_punctual"));
+    file.json["extensionsRequired"] = json!([7]);
+    says(&file.error(), &["extensionsRequired[0]", "string"]);
+
+    // Used without being declared.
+    let mut file = triangle();
+    file.json["nodes"][0]["extensions"] = json!({ "ACME_undeclared": {} });
+    file.json["nodes"][0]["extras"] = json!({ "extensions": { "ACME_not_one": {} } });
+    let lines = file.load().unwrap().warnings.join("\n");
+    says(&lines, &["ACME_undeclared"]);
+    assert!(!lines.contains("ACME_not_one"));
+}

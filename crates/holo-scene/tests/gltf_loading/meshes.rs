@@ -1,0 +1,359 @@
+//! Primitives and accessors.
+
+use holo_scene::Mesh;
+use holo_scene::gltf::{Limits, load_slice};
+use serde_json::json;
+
+use super::support::{File, TRIANGLE, says, triangle};
+
+fn only_mesh(file: &File) -> Mesh {
+    let scene = file.load().unwrap().scene;
+    assert_eq!((scene.meshes.len(), scene.instances.len()), (1, 1));
+    scene.meshes.into_iter().next().unwrap()
+}
+
+const FIVE: [[f32; 3]; 5] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.5, 2.0, 0.25]];
+
+#[test]
+fn plain_triangles() {
+    let mut file = File::new();
+    let positions = file.floats(&[FIVE[0], FIVE[1], FIVE[2], FIVE[2], FIVE[1], FIVE[3]]);
+    file.show(json!({ "attributes": { "POSITION": positions } }));
+    let mesh = only_mesh(&file);
+    assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 5]]);
+    assert_eq!(mesh.positions.len(), 6);
+    assert!(mesh.normals.is_empty() && mesh.texture_coordinates.is_empty() && mesh.colors.is_empty());
+}
+
+#[test]
+fn strips_and_fans_keep_the_front_side() {
+    let mut file = File::new();
+    let positions = file.floats(&FIVE);
+    file.show(json!({ "attributes": { "POSITION": positions }, "mode": 5 }));
+    assert_eq!(only_mesh(&file).triangles, [[0, 1, 2], [1, 3, 2], [2, 3, 4]]);
+    file.json["meshes"][0]["primitives"][0]["mode"] = json!(6);
+    assert_eq!(only_mesh(&file).triangles, [[1, 2, 0], [2, 3, 0], [3, 4, 0]]);
+    // Indexed as well.
+    let indices = file.indices_u16(&[4, 3, 2, 1]);
+    file.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
+    assert_eq!(only_mesh(&file).triangles, [[3, 2, 4], [2, 1, 4]]);
+    file.json["meshes"][0]["primitives"][0]["mode"] = json!(5);
+    assert_eq!(only_mesh(&file).triangles, [[4, 3, 2], [3, 1, 2]]);
+    // A strip of a flat quad: both triangles face the same way.
+    let area = |[a, b, c]: [u32; 3]| {
+        let [a, b, c] = [a, b, c].map(|k| FIVE[k as usize]);
+        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    };
+    let mut file = File::new();
+    let positions = file.floats(&FIVE[..4]);
+    file.show(json!({ "attributes": { "POSITION": positions }, "mode": 5 }));
+    assert!(only_mesh(&file).triangles.into_iter().all(|triangle| area(triangle) > 0.0));
+}
+
+#[test]
+fn indices_of_every_width() {
+    let expected = [[4, 1, 2], [0, 3, 2]];
+    let indices: [u32; 6] = [4, 1, 2, 0, 3, 2];
+    let wide = |width: usize| -> Vec<u8> { indices.iter().flat_map(|k| k.to_le_bytes()[..width].to_vec()).collect() };
+    for (width, code) in [(1, 5121), (2, 5123), (4, 5125)] {
+        let mut file = File::new();
+        let positions = file.floats(&FIVE);
+        let indices = file.accessor(&wide(width), code, "SCALAR", 6);
+        file.show(json!({ "attributes": { "POSITION": positions }, "indices": indices }));
+        assert_eq!(only_mesh(&file).triangles, expected, "{width} bytes");
+    }
+    // Index types that glTF does not know.
+    for code in [5120, 5122, 5126, 5124, 0] {
+        let mut file = File::new();
+        let positions = file.floats(&FIVE);
+        let indices = file.accessor(&wide(4), code, "SCALAR", 6);
+        file.show(json!({ "attributes": { "POSITION": positions }, "indices": indices }));
+        says(&file.error(), &["accessors[1]"]);
+    }
+}
+
+#[test]
+fn indices_out_of_range_are_named() {
+    let mut file = File::new();
+    let positions = file.floats(&TRIANGLE);
+    let indices = file.indices_u16(&[0, 1, 3]);
+    file.show(json!({ "attributes": { "POSITION": positions }, "indices": indices }));
+    says(&file.error(), &["accessors[1]", "vertex 3", "meshes[0].primitives[0]", "3 vertices"]);
+}
+
+#[test]
+fn interleaved_attributes_and_offsets() {
+    let mut file = File::new();
+    let mut bytes = vec![9_u8; 8];
+    for (k, position) in TRIANGLE.iter().enumerate() {
+        bytes.extend(position.iter().flat_map(|x| x.to_le_bytes()));
+        bytes.extend([0.0_f32, 0.6, 0.8].iter().flat_map(|x| x.to_le_bytes()));
+        bytes.extend([k as u8 * 51, 255, 0, 0]);
+    }
+    let view = file.view(&bytes);
+    file.json["bufferViews"][view]["byteStride"] = json!(28);
+    let at = |offset: usize| json!({ "bufferView": view, "byteOffset": offset, "componentType": 5126, "count": 3, "type": "VEC3" });
+    let positions = file.push("accessors", at(8));
+    let normals = file.push("accessors", at(20));
+    let coordinates = json!({ "bufferView": view, "byteOffset": 32, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC2" });
+    let coordinates = file.push("accessors", coordinates);
+    file.show(json!({ "attributes": { "POSITION": positions, "NORMAL": normals, "TEXCOORD_0": coordinates } }));
+    let mesh = only_mesh(&file);
+    assert_eq!(mesh.positions, TRIANGLE);
+    assert_eq!(mesh.normals, [[0.0, 0.6, 0.8]; 3]);
+    for ([u, v], expected) in mesh.texture_coordinates.iter().zip([0.0, 0.2, 0.4]) {
+        assert!((u - expected).abs() < 1e-7 && *v == 1.0, "{u} {v}");
+    }
+    // One byte further and the last element sticks out.
+    file.json["accessors"][positions]["byteOffset"] = json!(26);
+    says(&file.error(), &["accessors[0]", "bufferViews[0]"]);
+    file.json["bufferViews"][view]["byteStride"] = json!(8);
+    says(&file.error(), &["byteStride", "12 bytes"]);
+}
+
+#[test]
+fn colours_of_every_type() {
+    let shorts: Vec<u8> = [0_u16, 65535, 13107].repeat(3).iter().flat_map(|x| x.to_le_bytes()).collect();
+    let cases: [(Vec<u8>, u32, &str, [f32; 4]); 4] = [
+        ([0_u8, 255, 51].repeat(3), 5121, "VEC3", [0.0, 1.0, 0.2, 1.0]),
+        ([0_u8, 255, 51, 102].repeat(3), 5121, "VEC4", [0.0, 1.0, 0.2, 0.4]),
+        (shorts, 5123, "VEC3", [0.0, 1.0, 0.2, 1.0]),
+        (
+            [0.25_f32, 2.0, -1.0, 0.5].repeat(3).iter().flat_map(|x| x.to_le_bytes()).collect(),
+            5126,
+            "VEC4",
+            [0.25, 1.0, 0.0, 0.5],
+        ),
+    ];
+    for (bytes, component, shape, expected) in cases {
+        let mut file = triangle();
+        let colors = file.accessor(&bytes, component, shape, 3);
+        file.json["accessors"][colors]["normalized"] = json!(component != 5126);
+        file.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(colors);
+        for color in only_mesh(&file).colors {
+            for (is, should) in color.iter().zip(expected) {
+                assert!((is - should).abs() < 1e-7, "{color:?} instead of {expected:?}");
+            }
+        }
+        if component != 5126 {
+            file.json["accessors"][colors]["normalized"] = json!(false);
+            says(&file.error(), &["accessors[1]", "normalized"]);
+        }
+    }
+}
+
+#[test]
+fn sparse_accessors() {
+    let mut file = triangle();
+    let indices = file.view(&[0, 2]);
+    let values: Vec<u8> =
+        [[7.0_f32, 8.0, 9.0], [0.0, 2.0, 0.0]].as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
+    let values = file.view(&values);
+    file.json["accessors"][0]["sparse"] = json!({ "count": 2,
+        "indices": { "bufferView": indices, "componentType": 5121 }, "values": { "bufferView": values } });
+    assert_eq!(only_mesh(&file).positions, [[7.0, 8.0, 9.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]]);
+    // Over zeros.
+    file.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    assert_eq!(only_mesh(&file).positions, [[7.0, 8.0, 9.0], [0.0; 3], [0.0, 2.0, 0.0]]);
+    let offset = file.json["bufferViews"][indices]["byteOffset"].as_u64().unwrap() as usize;
+    let mut broken = |bytes: [u8; 2]| {
+        file.binary[offset..offset + 2].copy_from_slice(&bytes);
+        file.error()
+    };
+    says(&broken([2, 0]), &["accessors[0].sparse.indices", "increase"]);
+    says(&broken([1, 1]), &["accessors[0].sparse.indices", "increase"]);
+    says(&broken([0, 3]), &["accessors[0].sparse.indices", "below the count 3"]);
+    file.binary[offset..offset + 2].copy_from_slice(&[0, 2]);
+    let sparse = |key: &str, value: serde_json::Value| {
+        let mut broken = File { json: file.json.clone(), binary: file.binary.clone() };
+        broken.json["accessors"][0]["sparse"][key] = value;
+        broken.error()
+    };
+    says(&sparse("count", json!(0)), &["accessors[0].sparse.count"]);
+    says(&sparse("count", json!(4)), &["accessors[0].sparse.count"]);
+    says(&sparse("count", json!(3)), &["accessors[0].sparse"]);
+    says(&sparse("values", json!({ "bufferView": 99 })), &["accessors[0].sparse.values.bufferView"]);
+    says(&sparse("indices", json!({ "bufferView": indices, "componentType": 5126 })), &["componentType"]);
+    says(
+        &sparse("indices", json!({ "bufferView": indices, "componentType": 5121, "byteOffset": u64::MAX })),
+        &["sparse.indices"],
+    );
+}
+
+#[test]
+fn an_accessor_without_data_is_zeros() {
+    let mut file = triangle();
+    let zeros = file.push("accessors", json!({ "componentType": 5126, "count": 3, "type": "VEC2" }));
+    file.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(zeros);
+    let indices = file.push("accessors", json!({ "componentType": 5125, "count": 6, "type": "SCALAR" }));
+    file.json["meshes"][0]["primitives"][0]["indices"] = json!(indices);
+    let mesh = only_mesh(&file);
+    assert_eq!(mesh.texture_coordinates, [[0.0; 2]; 3]);
+    assert_eq!(mesh.triangles, [[0; 3]; 2]);
+}
+
+#[test]
+fn normals_are_unit_vectors() {
+    let mut file = triangle();
+    let normals = file.floats(&[[0.0_f32, 0.0, 3.0], [0.0, 0.0, 0.0], [1e-30, 0.0, 0.0]]);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(normals);
+    let loaded = file.load().unwrap();
+    // Too long: shortened; zero: that of the face; short, but with a direction: lengthened.
+    assert_eq!(loaded.scene.meshes[0].normals, [[0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
+    says(&loaded.warnings.join("\n"), &["normals of length zero"]);
+}
+
+#[test]
+fn not_a_number_is_an_error() {
+    for (attribute, bad) in [("POSITION", f32::NAN), ("POSITION", f32::INFINITY), ("NORMAL", f32::NAN)] {
+        let mut file = triangle();
+        let mut values = TRIANGLE;
+        values[1][2] = bad;
+        let accessor = file.floats(&values);
+        file.json["meshes"][0]["primitives"][0]["attributes"][attribute] = json!(accessor);
+        says(&file.error(), &["accessors[1]", "element 1", attribute, "meshes[0].primitives[0]"]);
+    }
+    for attribute in ["TEXCOORD_0", "COLOR_0"] {
+        let mut file = triangle();
+        let accessor =
+            if attribute == "COLOR_0" { file.floats(&[[f32::NAN; 3]; 3]) } else { file.floats(&[[f32::NAN; 2]; 3]) };
+        file.json["meshes"][0]["primitives"][0]["attributes"][attribute] = json!(accessor);
+        says(&file.error(), &["accessors[1]", "element 0"]);
+    }
+}
+
+#[test]
+fn absurd_counts_and_short_buffers_are_errors() {
+    for count in
+        [json!(4_000_000_000_u32), json!(u64::MAX), json!(1e19), json!(0), json!(-3), json!(1.5), json!("3"), json!(4)]
+    {
+        let mut file = triangle();
+        file.json["accessors"][0]["count"] = count;
+        says(&file.error(), &["accessors[0]"]);
+        // Without a buffer view nothing but the limit stands between the count and the memory.
+        file.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+        if file.json["accessors"][0]["count"] != json!(4) {
+            file.error();
+        }
+    }
+    let field = |path: &str, value: serde_json::Value| {
+        let mut file = triangle();
+        *file.json.pointer_mut(path).unwrap() = value;
+        file.error()
+    };
+    says(&field("/bufferViews/0/byteLength", json!(35)), &["accessors[0]", "35 bytes"]);
+    says(&field("/bufferViews/0/byteLength", json!(37)), &["bufferViews[0]", "37"]);
+    says(&field("/bufferViews/0/byteOffset", json!(4)), &["bufferViews[0]"]);
+    says(&field("/bufferViews/0/byteOffset", json!(u64::MAX)), &["bufferViews[0]"]);
+    says(&field("/bufferViews/0/buffer", json!(1)), &["bufferViews[0].buffer", "buffers[1]"]);
+    says(&field("/buffers/0/byteLength", json!(40)), &["buffers[0].byteLength", "40", "36"]);
+    says(&field("/accessors/0/bufferView", json!(1)), &["accessors[0].bufferView"]);
+    says(&field("/accessors/0/type", json!("VEC2")), &["accessors[0]", "VEC3"]);
+    says(&field("/accessors/0/type", json!("VEC5")), &["accessors[0].type"]);
+    says(&field("/accessors/0/componentType", json!(5125)), &["accessors[0]", "VEC3 of floats"]);
+    says(&field("/meshes/0/primitives/0/attributes/POSITION", json!(5)), &["attributes.POSITION", "accessors[5]"]);
+    says(&field("/meshes/0/primitives/0/attributes", json!([])), &["attributes", "object"]);
+}
+
+#[test]
+fn limits_hold_before_memory_is_taken() {
+    // 1000 primitives over one accessor: a small file that asks for much.
+    let mut file = File::new();
+    let positions = file.push("accessors", json!({ "componentType": 5126, "count": 3_000_000, "type": "VEC3" }));
+    let primitive = json!({ "attributes": { "POSITION": positions } });
+    file.push("meshes", json!({ "primitives": vec![primitive; 1000] }));
+    says(&file.error(), &["meshes[0].primitives[", "limit"]);
+    // One triangle in many places.
+    let mut file = triangle();
+    file.json["nodes"] = json!(vec![json!({ "mesh": 0 }); 10]);
+    let limits =
+        |max_triangles: u64, max_instances: usize| Limits { max_triangles, max_instances, ..Limits::default() };
+    assert!(load_slice(&file.glb(), &limits(10, 10)).is_ok());
+    says(&load_slice(&file.glb(), &limits(9, 10)).unwrap_err().to_string(), &["nodes[9]", "limit"]);
+    says(&load_slice(&file.glb(), &limits(10, 9)).unwrap_err().to_string(), &["nodes[9]", "limit"]);
+    let small = Limits { max_bytes: 100, ..Limits::default() };
+    says(&load_slice(&file.glb(), &small).unwrap_err().to_string(), &["limit of 100"]);
+}
+
+#[test]
+fn attributes_of_different_lengths_are_errors() {
+    let mut file = triangle();
+    let normals = file.floats(&[[0.0_f32, 0.0, 1.0]; 2]);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(normals);
+    says(&file.error(), &["meshes[0].primitives[0].attributes", "NORMAL", "2", "3"]);
+}
+
+#[test]
+fn primitives_share_meshes_between_nodes() {
+    let mut file = triangle();
+    let lines = json!({ "attributes": { "POSITION": 0 }, "mode": 1 });
+    let pointless = json!({ "attributes": {} });
+    let second = json!({ "attributes": { "POSITION": 0 }, "material": 0 });
+    file.push("materials", json!({ "name": "m" }));
+    file.json["meshes"][0]["primitives"].as_array_mut().unwrap().extend([lines, pointless, second]);
+    file.json["meshes"][0]["name"] = json!("pair");
+    file.push("nodes", json!({ "mesh": 0, "translation": [1, 0, 0] }));
+    let loaded = file.load().unwrap();
+    let scene = &loaded.scene;
+    assert_eq!(scene.meshes.iter().map(|mesh| mesh.name.as_str()).collect::<Vec<_>>(), ["pair[0]", "pair[3]"]);
+    assert_eq!(scene.instances.iter().map(|instance| instance.mesh).collect::<Vec<_>>(), [0, 1, 0, 1]);
+    // The one without a material got a default one behind those of the file.
+    assert_eq!(scene.meshes.iter().map(|mesh| mesh.material).collect::<Vec<_>>(), [1, 0]);
+    assert_eq!(scene.materials.len(), 2);
+    says(&loaded.warnings.join("\n"), &["points and lines", "without positions"]);
+    assert_eq!((loaded.summary.meshes, loaded.summary.instances, loaded.summary.triangles), (2, 4, 4));
+}
+
+#[test]
+fn leftover_corners_are_warned_about() {
+    let mut file = File::new();
+    let positions = file.floats(&FIVE);
+    file.show(json!({ "attributes": { "POSITION": positions } }));
+    let loaded = file.load().unwrap();
+    assert_eq!(loaded.scene.meshes[0].triangles, [[0, 1, 2]]);
+    says(&loaded.warnings.join("\n"), &["whole triangles"]);
+    let mut file = File::new();
+    let positions = file.floats(&FIVE[..2]);
+    file.show(json!({ "attributes": { "POSITION": positions }, "mode": 5 }));
+    assert!(file.load().unwrap().scene.meshes[0].triangles.is_empty());
+}
+
+#[test]
+fn quantized_and_compressed_meshes_are_refused_by_name() {
+    let mut file = File::new();
+    let positions = file.accessor(&[0; 24], 5122, "VEC3", 3);
+    file.show(json!({ "attributes": { "POSITION": positions } }));
+    says(&file.error(), &["accessors[0]", "KHR_mesh_quantization", "not supported"]);
+    let mut file = triangle();
+    file.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+    file.json["meshes"][0]["primitives"][0]["extensions"] =
+        json!({ "KHR_draco_mesh_compression": { "bufferView": 0 } });
+    says(&file.error(), &["meshes[0].primitives[0]", "KHR_draco_mesh_compression", "not supported"]);
+    let mut file = triangle();
+    file.push(
+        "buffers",
+        json!({ "byteLength": 36, "extensions": { "EXT_meshopt_compression": { "fallback": true } } }),
+    );
+    file.json["bufferViews"][0]["buffer"] = json!(1);
+    file.json["bufferViews"][0]["extensions"] = json!({ "EXT_meshopt_compression": { "buffer": 0 } });
+    says(&file.error(), &["bufferViews[0]", "EXT_meshopt_compression", "not supported"]);
+    for name in ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization"] {
+        let mut file = triangle();
+        file.json["extensionsRequired"] = json!([name]);
+        says(&file.error(), &["extensionsRequired", name]);
+    }
+}
+
+#[test]
+fn morph_targets_skins_and_animations_are_named() {
+    let mut file = triangle();
+    file.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }]);
+    file.json["nodes"][0]["skin"] = json!(0);
+    // Broken on purpose: what is ignored is not looked at.
+    file.json["skins"] = json!([{ "joints": [77] }]);
+    file.json["animations"] = json!([{ "channels": [{ "sampler": 9 }] }]);
+    says(
+        &file.load().unwrap().warnings.join("\n"),
+        &["morph targets are ignored", "skins are ignored", "animations are ignored"],
+    );
+}
