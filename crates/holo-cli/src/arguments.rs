@@ -3,13 +3,17 @@
 mod dataset;
 mod optics;
 mod pictures;
+mod spec;
 mod tools;
 mod values;
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use holo_core::{GridSize, Sensor};
+use holo_dataset::options::{parse_bit_depth, parse_not_negative, parse_positive, parse_sensor, parse_size};
+use holo_dataset::{Exposure, Focus, Shard, Sky};
 
 pub use dataset::DatasetOptions;
 pub use optics::OpticsOptions;
@@ -20,7 +24,7 @@ pub use tools::{
     ApertureArgument, DepthOptions, EffortArgument, EpiOptions, EvalOptions, InputOptions, KernelArgument,
     RefocusOptions,
 };
-pub use values::{CameraArgument, Crop, ExposureArgument, FocusArgument, Pair, Places, Shard, SkyArgument};
+pub use values::{Crop, Pair, Places};
 
 /// Holoscopic (integral, plenoptic 1.0) images from glTF scenes, with exact depth and disparity.
 ///
@@ -84,7 +88,7 @@ pub struct RenderOptions {
     #[command(flatten)]
     pub job: JobOptions,
     /// Part K of N of the picture alone, cut between rows of lenses: DIR is then for `holo merge`.
-    #[arg(long, value_name = "K/N", value_parser = values::shard)]
+    #[arg(long, value_name = "K/N", value_parser = Shard::from_str)]
     pub shard: Option<Shard>,
     #[command(flatten)]
     pub engine: EngineOptions,
@@ -106,7 +110,7 @@ pub struct JobOptions {
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub spp: Option<u32>,
     /// Relative standard error at which a pixel needs no more samples; --spp is then the most it gets [default: 1024].
-    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = values::positive)]
+    #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = parse_positive)]
     pub target_error: Option<f64>,
     /// How often light is scattered at most on its way to a pixel.
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=65536))]
@@ -119,10 +123,10 @@ pub struct JobOptions {
     pub no_indirect: bool,
     /// Radiance of a constant sky, linear, or an equirectangular map around the scene (.hdr, .exr).
     #[arg(long, value_name = "R,G,B|FILE", allow_hyphen_values = true, default_value = "0,0,0")]
-    pub sky: SkyArgument,
+    pub sky: Sky,
     /// Stops by which 8- and 16-bit images are brightened, or `auto`.
     #[arg(long, value_name = "auto|EV", default_value = "auto", allow_hyphen_values = true)]
-    pub exposure: ExposureArgument,
+    pub exposure: Exposure,
     /// Layers for the central view or for all views.
     #[arg(long, value_enum, default_value_t = GroundTruthArgument::Central)]
     pub ground_truth: GroundTruthArgument,
@@ -135,12 +139,12 @@ pub struct JobOptions {
     /// What to write, separated by commas [default: vpi,el,mat, and disparity,depth unless --layers names others; without
     /// colour no vpi, el and mat].
     #[arg(long, value_name = "WHAT,..", value_enum, value_delimiter = ',')]
-    pub write: Vec<Output>,
+    pub write: Vec<OutputArgument>,
     /// Order of the array in scene_5d.mat: H(v,u,t,s,c), or LF(t,s,v,u,c) as in the Light Field Toolbox.
     #[arg(long, value_name = "ORDER", value_enum, default_value_t = MatOrderArgument::Lenses)]
     pub mat_order: MatOrderArgument,
     /// Bits a channel of the raw PNGs and of scene_5d.mat.
-    #[arg(long, value_name = "8|16", default_value_t = 8, value_parser = bit_depth)]
+    #[arg(long, value_name = "8|16", default_value_t = 8, value_parser = parse_bit_depth)]
     pub bit_depth: u8,
     /// Chooses the random numbers.
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 0)]
@@ -151,21 +155,14 @@ pub struct JobOptions {
 #[derive(Args, Clone, Debug)]
 pub struct MainLensOptions {
     /// The sensor behind the lenses: hd, 4k, 8k (the paper's 7952x5304), uhd8k or WIDTHxHEIGHT.
-    #[arg(long, value_name = "NAME|WxH", default_value = "8k", value_parser = values::sensor)]
+    #[arg(long, value_name = "NAME|WxH", default_value = "8k", value_parser = parse_sensor)]
     pub sensor: Sensor,
     /// The views sample the aperture of an f/N lens [default: 5].
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = values::positive)]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse_positive)]
     pub f_number: Option<f64>,
     /// Distance of the focus plane, m, `inf`, or `auto` (harmonic mean of nearest and farthest depth).
     #[arg(long, value_name = "Z|inf|auto", allow_negative_numbers = true, default_value = "auto")]
-    pub focus_m: FocusArgument,
-}
-
-impl MainLensOptions {
-    /// The f-number, or the paper's.
-    pub fn f_number_or_default(&self) -> f64 {
-        self.f_number.unwrap_or(5.0)
-    }
+    pub focus_m: Focus,
 }
 
 /// What decides the rig.
@@ -174,26 +171,26 @@ pub struct RigOptions {
     #[command(flatten)]
     pub main_lens: MainLensOptions,
     /// Views, columns x rows, or one number for both.
-    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, default_value = "100x100", value_parser = values::size)]
+    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, default_value = "100x100", value_parser = parse_size)]
     pub views: GridSize,
     /// Lenses, columns x rows (the pixels of one view), instead of a sensor.
-    #[arg(long, value_name = "UxV", conflicts_with = "sensor", value_parser = values::size)]
+    #[arg(long, value_name = "UxV", conflicts_with = "sensor", value_parser = parse_size)]
     pub lenses: Option<GridSize>,
     /// Distance between neighbouring views, m.
-    #[arg(long, value_name = "B", allow_negative_numbers = true, conflicts_with = "f_number", value_parser = values::not_negative)]
+    #[arg(long, value_name = "B", allow_negative_numbers = true, conflicts_with = "f_number", value_parser = parse_not_negative)]
     pub baseline_m: Option<f64>,
     /// Focal length, mm [default: from the camera's angle of view].
-    #[arg(long, value_name = "F", allow_negative_numbers = true, value_parser = values::positive)]
+    #[arg(long, value_name = "F", allow_negative_numbers = true, value_parser = parse_positive)]
     pub focal_mm: Option<f64>,
     /// Length of the larger image side on the sensor, mm.
-    #[arg(long, value_name = "S", allow_negative_numbers = true, default_value_t = 36.0, value_parser = values::positive)]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, default_value_t = 36.0, value_parser = parse_positive)]
     pub sensor_mm: f64,
     /// How views are projected.
     #[arg(long, value_enum, default_value_t = ProjectionArgument::Perspective)]
     pub projection: ProjectionArgument,
     /// Name or number of the scene's camera [default: the first].
     #[arg(long, value_name = "NAME|INDEX")]
-    pub camera: Option<CameraArgument>,
+    pub camera: Option<String>,
 }
 
 #[derive(Args, Clone, Debug)]
@@ -342,7 +339,7 @@ pub enum MatOrderArgument {
 }
 
 #[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Output {
+pub enum OutputArgument {
     /// scene_vpi.png: all views side by side.
     Vpi,
     /// scene_el.png: the raw image behind the lenses.
@@ -359,14 +356,6 @@ pub enum Output {
     H5,
     /// hci/: a PNG a view with depth and disparity, in the layout of the HCI benchmark.
     Hci,
-}
-
-fn bit_depth(text: &str) -> Result<u8, String> {
-    match text {
-        "8" => Ok(8),
-        "16" => Ok(16),
-        _ => Err("give 8 or 16".into()),
-    }
 }
 
 #[cfg(test)]

@@ -19,20 +19,8 @@ pub mod scene;
 pub mod verify;
 pub mod view;
 
-mod asked;
 mod beside;
-mod exr;
-mod job;
-mod layers;
-mod output;
-mod part;
+mod diagnostics;
 mod picture;
-mod pictures;
-mod prepare;
 mod raw;
-mod remarks;
-mod sky;
-mod source;
-
-pub use asked::Wish;
-pub use output::take_back;
+mod requested;

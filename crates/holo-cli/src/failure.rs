@@ -40,6 +40,17 @@ impl From<holo_render::Error> for Failure {
     }
 }
 
+impl From<holo_dataset::Error> for Failure {
+    fn from(error: holo_dataset::Error) -> Self {
+        match error {
+            holo_dataset::Error::BadRequest(message) => Self::Usage(message),
+            holo_dataset::Error::Render(error) => error.into(),
+            holo_dataset::Error::Core(error) => error.into(),
+            other => Self::Failed(other.to_string()),
+        }
+    }
+}
+
 impl From<holo_scene::Error> for Failure {
     fn from(error: holo_scene::Error) -> Self {
         Self::Failed(error.to_string())

@@ -1,9 +1,11 @@
 //! Ctrl-C and SIGTERM: stop within a second, leave no partial file.
 
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use crate::commands;
+use holo_dataset::Rollback;
+
 use crate::console::say;
 
 static STOPPED: AtomicBool = AtomicBool::new(false);
@@ -11,6 +13,12 @@ static SAID: AtomicBool = AtomicBool::new(false);
 
 /// A render asks this often and ends by itself; a writer in the middle of a large file is not waited for.
 const PATIENCE: Duration = Duration::from_millis(500);
+
+/// What the commands of this process have put where nothing was before.
+pub fn rollback() -> &'static Rollback {
+    static ROLLBACK: LazyLock<Rollback> = LazyLock::new(Rollback::default);
+    &ROLLBACK
+}
 
 /// Begins to listen.
 pub fn install() {
@@ -21,7 +29,7 @@ pub fn install() {
         say_stopped();
         // In this order: without its temporary file no writer can give a file its name any more.
         holo_io::remove_temporary_files();
-        commands::take_back();
+        rollback().stop();
         std::process::exit(1);
     });
     if let Err(why) = listening {

@@ -17,20 +17,19 @@ use std::process::ExitCode;
 use clap::{CommandFactory, FromArgMatches};
 
 use arguments::{Arguments, Command};
-use commands::Wish;
 use console::say;
 use failure::Failure;
 
 fn main() -> ExitCode {
     let matches = Arguments::command().get_matches();
     let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-    // What was said to the command, for those that keep it.
-    let said = matches.subcommand().map(|(_, said)| said.clone()).unwrap_or_default();
+    // The words of the command, for manifests.
+    let words = matches.subcommand().map(|(_, words)| words.clone()).unwrap_or_default();
     stay_silent_while_a_guard_watches();
     interrupt::install();
     let result = match arguments.command {
-        Command::Render(options) => commands::render::run(&Wish::new(*options, &said)),
-        Command::Dataset(options) => commands::dataset::run(*options, said),
+        Command::Render(options) => commands::render::run(&options, &words),
+        Command::Dataset(options) => commands::dataset::run(*options, words),
         Command::Merge(options) => commands::merge::run(&options),
         Command::Info(options) => commands::info::run(&options),
         Command::Remap(options) => commands::remap::run(&options),

@@ -3,122 +3,84 @@
 use std::path::Path;
 
 use holo_core::Rig;
+use holo_dataset::options::integrator_name;
+use holo_dataset::{RenderReport, Seconds};
 use holo_io::ManifestRig;
-use holo_render::{Integrator, RayCounts};
+use holo_render::RayCounts;
 use serde_json::{Value, json};
 
 use crate::console::say;
 
-/// Everything worth telling about one render.
-pub struct Report<'a> {
-    pub seconds: Seconds,
-    pub rays: RayCounts,
-    pub samples: u64,
-    pub backend: &'a str,
-    pub threads: usize,
-    pub integrator: Integrator,
-    pub why: &'a str,
-    pub rig: &'a Rig,
-    pub disparity_px: Option<(f64, f64)>,
-    pub files: &'a [String],
+/// Rays of all kinds a second of rendering, in millions.
+pub fn mrays_per_second(report: &RenderReport) -> f64 {
+    report.rays.total() as f64 / report.seconds.render.max(1e-9) / 1e6
 }
 
 /// What one of many renders tells.
-pub struct RunJson {
-    pub seconds: Seconds,
-    pub rays: RayCounts,
-    pub samples: u64,
-    pub integrator: Integrator,
-    pub disparity_px: Option<(f64, f64)>,
+pub fn run_json(report: &RenderReport) -> Value {
+    json!({
+        "seconds": seconds(&report.seconds),
+        "rays": rays(report.rays),
+        "samples": report.samples,
+        "integrator": integrator_name(report.integrator),
+    })
 }
 
-impl RunJson {
-    pub fn mrays_per_second(&self) -> f64 {
-        self.rays.total() as f64 / self.seconds.render.max(1e-9) / 1e6
-    }
+/// The object of `--json`.
+pub fn json(report: &RenderReport) -> Value {
+    let rig = ManifestRig::from(report.rig.parameters());
+    let size = |s: holo_core::GridSize| json!({"columns": s.columns, "rows": s.rows});
+    json!({
+        "seconds": seconds(&report.seconds),
+        "rays": rays(report.rays),
+        "samples": report.samples,
+        "backend": report.backend,
+        "threads": report.threads,
+        "peak_rss_bytes": peak_rss_bytes(),
+        "integrator": {"name": integrator_name(report.integrator), "why": report.why},
+        "rig": {
+            "views": size(rig.views), "lenses": size(rig.lenses),
+            "baseline_m": {"x": rig.baseline_x_m, "y": rig.baseline_y_m},
+            "focal_length_mm": rig.focal_length_mm,
+            "sensor_size_mm": rig.sensor_size_mm,
+            "focus_distance_m": number(rig.focus_distance_m),
+        },
+        "disparity_px": report.disparity_px.map(|(min, max)| json!({"min": min, "max": max})),
+        "files": report.files,
+    })
+}
 
-    pub fn json(&self) -> Value {
-        json!({
-            "seconds": self.seconds.json(),
-            "rays": rays(self.rays),
-            "samples": self.samples,
-            "integrator": integrator_name(self.integrator),
-        })
-    }
+/// A few lines on standard error.
+pub fn print(report: &RenderReport, out: &Path) {
+    let s = &report.seconds;
+    say!(
+        "rendered {} in {:.2} s ({:.1} Mrays/s, {}, {} threads, {}: {})",
+        describe_split(&report.rig),
+        s.render,
+        mrays_per_second(report),
+        report.backend,
+        report.threads,
+        integrator_name(report.integrator),
+        report.why
+    );
+    say!("{}", describe_rig(&report.rig, report.disparity_px));
+    say!(
+        "wrote {} files to {} ({:.2} s; load {:.2} s, build {:.2} s, total {:.2} s)",
+        report.files.len(),
+        out.display(),
+        s.write,
+        s.load,
+        s.build,
+        s.total
+    );
 }
 
 fn rays(rays: RayCounts) -> Value {
     json!({"primary": rays.primary, "shadow": rays.shadow, "other": rays.other})
 }
 
-/// Where the time went.
-#[derive(Clone, Copy, Default)]
-pub struct Seconds {
-    pub load: f64,
-    pub build: f64,
-    pub render: f64,
-    pub write: f64,
-    pub total: f64,
-}
-
-impl Seconds {
-    fn json(&self) -> Value {
-        json!({
-            "load": self.load, "build": self.build, "render": self.render, "write": self.write, "total": self.total,
-        })
-    }
-}
-
-impl Report<'_> {
-    /// The object of `--json`.
-    pub fn json(&self) -> Value {
-        let rig = ManifestRig::from(self.rig.parameters());
-        let size = |s: holo_core::GridSize| json!({"columns": s.columns, "rows": s.rows});
-        json!({
-            "seconds": self.seconds.json(),
-            "rays": rays(self.rays),
-            "samples": self.samples,
-            "backend": self.backend,
-            "threads": self.threads,
-            "peak_rss_bytes": peak_rss_bytes(),
-            "integrator": {"name": integrator_name(self.integrator), "why": self.why},
-            "rig": {
-                "views": size(rig.views), "lenses": size(rig.lenses),
-                "baseline_m": {"x": rig.baseline_x_m, "y": rig.baseline_y_m},
-                "focal_length_mm": rig.focal_length_mm,
-                "sensor_size_mm": rig.sensor_size_mm,
-                "focus_distance_m": number(rig.focus_distance_m),
-            },
-            "disparity_px": self.disparity_px.map(|(min, max)| json!({"min": min, "max": max})),
-            "files": self.files,
-        })
-    }
-
-    /// A few lines on standard error.
-    pub fn print(&self, out: &Path) {
-        let s = &self.seconds;
-        let rays = self.rays.total();
-        say!(
-            "rendered {} in {:.2} s ({:.1} Mrays/s, {}, {} threads, {}: {})",
-            describe_split(self.rig),
-            s.render,
-            rays as f64 / s.render.max(1e-9) / 1e6,
-            self.backend,
-            self.threads,
-            integrator_name(self.integrator),
-            self.why
-        );
-        say!("{}", describe_rig(self.rig, self.disparity_px));
-        say!(
-            "wrote {} files to {} ({:.2} s; load {:.2} s, build {:.2} s, total {:.2} s)",
-            self.files.len(),
-            out.display(),
-            s.write,
-            s.load,
-            s.build,
-            s.total
-        );
-    }
+fn seconds(s: &Seconds) -> Value {
+    json!({"load": s.load, "build": s.build, "render": s.render, "write": s.write, "total": s.total})
 }
 
 /// Views, lenses and raw size in words.
@@ -160,16 +122,6 @@ pub fn short(x: f64) -> String {
             if digits > 0 { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
         }
         _ => format!("{x:.4e}"),
-    }
-}
-
-/// The name on the command line.
-pub fn integrator_name(integrator: Integrator) -> &'static str {
-    match integrator {
-        Integrator::Auto => "auto",
-        Integrator::Depth => "depth",
-        Integrator::Direct => "direct",
-        Integrator::Path => "path",
     }
 }
 

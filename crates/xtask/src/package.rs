@@ -4,7 +4,7 @@ use std::process::Command;
 
 use crate::{Result, process, root};
 
-const LIBRARIES: &[&str] = &["holo-core", "holo-scene", "holo-render", "holo-io"];
+const LIBRARIES: &[&str] = &["holo-core", "holo-scene", "holo-render", "holo-io", "holo-dataset"];
 
 /// What a user of `holo-core` pulls in directly.
 const CORE_NEEDS: &[&str] = &["ndarray", "rayon"];

@@ -1,11 +1,15 @@
 //! The options of `holo dataset`.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::Args;
 use holo_core::GridSize;
 
-use super::{EngineOptions, JobOptions, MainLensOptions, Shard, values};
+use holo_dataset::Shard;
+use holo_dataset::options::parse_size;
+
+use super::{EngineOptions, JobOptions, MainLensOptions};
 
 /// Every option can stand in a TOML file as well, under its long name; the command line wins.
 #[derive(Args, Clone, Debug)]
@@ -23,14 +27,14 @@ pub struct DatasetOptions {
     #[arg(long, value_name = "FILE,..", value_delimiter = ',')]
     pub glb: Vec<PathBuf>,
     /// Views per axis, or columns x rows, separated by commas.
-    #[arg(long, value_name = "SxT|N,..", value_delimiter = ',', default_value = "20,40,60,80,100", value_parser = values::size)]
+    #[arg(long, value_name = "SxT|N,..", value_delimiter = ',', default_value = "20,40,60,80,100", value_parser = parse_size)]
     pub splits: Vec<GridSize>,
     #[command(flatten)]
     pub main_lens: MainLensOptions,
     #[command(flatten)]
     pub job: JobOptions,
     /// Do every N-th job only, beginning with the K-th: N machines with K from 1 to N make the whole, without talking.
-    #[arg(long, value_name = "K/N", value_parser = values::shard)]
+    #[arg(long, value_name = "K/N", value_parser = Shard::from_str)]
     pub shard: Option<Shard>,
     #[command(flatten)]
     pub engine: EngineOptions,

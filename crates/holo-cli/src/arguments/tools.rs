@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::{ArgGroup, Args, ValueEnum};
 use holo_core::GridSize;
 
+use holo_dataset::options::{parse_positive, parse_size};
+
 use super::{LayoutArgument, Pair, values};
 
 /// A light field and what it is.
@@ -16,7 +18,7 @@ pub struct InputOptions {
     #[arg(long, value_enum)]
     pub from: Option<LayoutArgument>,
     /// Views, columns x rows, or one number for both [default: from the parameters.cfg beside the input].
-    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = values::size)]
+    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = parse_size)]
     pub views: Option<GridSize>,
 }
 
@@ -115,7 +117,7 @@ pub struct EvalOptions {
     #[arg(long, value_name = "FILE.png", value_parser = values::png)]
     pub error_map: Option<PathBuf>,
     /// The error at which the picture's colours are full, px.
-    #[arg(long, value_name = "PX", default_value_t = 0.2, value_parser = values::positive)]
+    #[arg(long, value_name = "PX", default_value_t = 0.2, value_parser = parse_positive)]
     pub error_range: f64,
     /// One JSON object on standard output instead of a table.
     #[arg(long)]

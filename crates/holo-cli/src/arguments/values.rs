@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use holo_core::{GridSize, Sensor};
+use holo_core::GridSize;
+use holo_dataset::options::{parse_positive as positive, parse_size as size};
 
 use super::tools::ApertureArgument;
 
@@ -39,75 +40,6 @@ pub struct Crop {
     pub left: usize,
     pub top: usize,
     pub size: GridSize,
-}
-
-/// `--sky`.
-#[derive(Clone, Debug, PartialEq)]
-pub enum SkyArgument {
-    /// The same linear RGB from everywhere.
-    Constant([f32; 3]),
-    /// A file with a map.
-    Map(PathBuf),
-}
-
-/// `--focus-m`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum FocusArgument {
-    Automatic,
-    Metres(f64),
-}
-
-/// `--exposure`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ExposureArgument {
-    Automatic,
-    Stops(f64),
-}
-
-/// `--shard`: the part K of N, K from 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shard {
-    pub part: usize,
-    pub of: usize,
-}
-
-/// `--camera`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct CameraArgument(pub String);
-
-const SKY_FORMS: &str = "give three numbers from 0 up, R,G,B, or an environment map: a file that ends in .hdr or .exr";
-
-/// `COLUMNSxROWS`, or one number for both.
-pub fn size(text: &str) -> Result<GridSize, String> {
-    let number = |part: &str| match part.trim().parse::<usize>() {
-        Ok(0) | Err(_) => Err("write COLUMNSxROWS, such as 30x20, both from 1 up".to_string()),
-        Ok(count) => Ok(count),
-    };
-    match text.split_once(['x', 'X']) {
-        Some((columns, rows)) => Ok(GridSize::new(number(rows)?, number(columns)?)),
-        None => number(text).map(|count| GridSize::new(count, count)),
-    }
-}
-
-/// `K/N`.
-pub fn shard(text: &str) -> Result<Shard, String> {
-    let parsed = text.split_once('/').and_then(|(part, of)| Some((part.parse().ok()?, of.parse().ok()?)));
-    match parsed {
-        Some((part, of)) if (1..=of).contains(&part) => Ok(Shard { part, of }),
-        _ => Err("write K/N, such as 2/3: part 2 of 3, counted from 1".into()),
-    }
-}
-
-/// A sensor by name or size.
-pub fn sensor(text: &str) -> Result<Sensor, String> {
-    Ok(match text.to_ascii_lowercase().as_str() {
-        "hd" => Sensor::Hd,
-        "4k" => Sensor::Uhd4k,
-        "8k" => Sensor::Paper8k,
-        "uhd8k" => Sensor::Uhd8k,
-        other if other.contains('x') => Sensor::Other(size(other)?),
-        _ => return Err("give hd, 4k, 8k, uhd8k or WIDTHxHEIGHT, such as 1500x1000".into()),
-    })
 }
 
 /// The name of a PNG. Another ending would lie about what is written; no ending, as of `/dev/null`, says nothing.
@@ -216,22 +148,6 @@ pub fn frame_rate(text: &str) -> Result<f64, String> {
     positive(text).ok().filter(|rate| (0.01..=600.0).contains(rate)).ok_or_else(|| "give 0.01 to 600".into())
 }
 
-/// A finite number above zero.
-pub fn positive(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
-        _ => Err("give a number above 0".into()),
-    }
-}
-
-/// A finite number from zero up.
-pub fn not_negative(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(x) if x >= 0.0 && x.is_finite() => Ok(x),
-        _ => Err("give a number from 0 up".into()),
-    }
-}
-
 impl FromStr for Pair {
     type Err = String;
 
@@ -293,69 +209,9 @@ impl FromStr for Places {
     }
 }
 
-impl FromStr for SkyArgument {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let lower = text.to_ascii_lowercase();
-        if lower.ends_with(".hdr") || lower.ends_with(".exr") {
-            return Ok(Self::Map(text.into()));
-        }
-        let parts: Vec<f32> = text
-            .split(',')
-            .map(|part| part.trim().parse::<f32>().ok().filter(|x| *x >= 0.0 && x.is_finite()))
-            .collect::<Option<_>>()
-            .ok_or(SKY_FORMS)?;
-        <[f32; 3]>::try_from(parts).map(Self::Constant).map_err(|_| SKY_FORMS.into())
-    }
-}
-
-impl FromStr for FocusArgument {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "auto" => Ok(Self::Automatic),
-            "inf" => Ok(Self::Metres(f64::INFINITY)),
-            other => positive(other).map(Self::Metres).map_err(|_| "give metres above 0, inf or auto".into()),
-        }
-    }
-}
-
-impl FromStr for ExposureArgument {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "auto" => Ok(Self::Automatic),
-            other => match other.parse::<f64>() {
-                Ok(stops) if stops.abs() <= 100.0 => Ok(Self::Stops(stops)),
-                _ => Err("give stops between -100 and 100, or auto".into()),
-            },
-        }
-    }
-}
-
-impl FromStr for CameraArgument {
-    type Err = std::convert::Infallible;
-
-    fn from_str(text: &str) -> Result<Self, Self::Err> {
-        Ok(Self(text.into()))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sizes_are_columns_by_rows() {
-        assert_eq!(size("30x20"), Ok(GridSize::new(20, 30)));
-        assert_eq!(size("7"), Ok(GridSize::new(7, 7)));
-        for bad in ["", "x", "0x3", "3x", "3x4x5", "-1x2", "99999999999999999999x1"] {
-            assert!(size(bad).is_err(), "{bad}");
-        }
-    }
 
     #[test]
     fn only_png_is_promised() {
@@ -367,13 +223,6 @@ mod tests {
 
     #[test]
     fn words_and_numbers() {
-        assert_eq!("inf".parse(), Ok(FocusArgument::Metres(f64::INFINITY)));
-        assert!("0".parse::<FocusArgument>().is_err() && "nan".parse::<FocusArgument>().is_err());
-        assert_eq!("-1.5".parse(), Ok(ExposureArgument::Stops(-1.5)));
-        assert_eq!("0.2, 0.3,1".parse(), Ok(SkyArgument::Constant([0.2, 0.3, 1.0])));
-        assert!("1,2".parse::<SkyArgument>().is_err() && "1,2,-3".parse::<SkyArgument>().is_err());
-        assert_eq!("a,b/Sky.HDR".parse(), Ok(SkyArgument::Map("a,b/Sky.HDR".into())));
-        assert!("sky.png".parse::<SkyArgument>().unwrap_err().contains(".exr"));
         assert_eq!("3,4".parse(), Ok(Pair { column: 3, row: 4 }));
         assert_eq!(depths("2,inf"), Ok((2.0, f64::INFINITY)));
         assert!(depths("6,2").is_err() && depths("0,2").is_err() && depths("2").is_err());

@@ -3,13 +3,12 @@
 use std::path::Path;
 
 use holo_core::Layout;
+use holo_dataset::SceneSource;
 use holo_io::dataset::{MANIFEST_JSON, PARAMETERS_CFG};
 use holo_io::{FileKind, Limits, Manifest, Opened, ParametersCfg, Pfm};
 use holo_render::Layer;
 
-use super::prepare::{Purpose, prepare};
-use super::remarks::Plain;
-use super::source::Source;
+use super::diagnostics::Plain;
 use crate::arguments::InfoOptions;
 use crate::console::out;
 use crate::failure::Failure;
@@ -69,10 +68,8 @@ fn mat(path: &Path) -> Result<(), Failure> {
 
 /// The scene, and the rig that a render with the same options would get.
 fn scene(options: &InfoOptions) -> Result<(), Failure> {
-    // Depth and disparity of the central view.
-    let purpose = Purpose { lens_bytes: 2 * size_of::<f32>(), ..Purpose::default() };
-    let prepared =
-        prepare(&Source::File(options.file.clone()), &options.rig, &options.engine, purpose, &Plain { quiet: false })?;
+    let source = SceneSource::File(options.file.clone());
+    let prepared = source.prepare(&options.rig.spec(), &options.engine.spec(), &Plain { quiet: false })?;
     out!("{}", prepared.loaded.summary.to_string().trim_end())?;
     if let Some((low, high)) = prepared.loaded.scene.bounds() {
         out!("bounds: {low:.4?} to {high:.4?} m")?;

@@ -2,10 +2,11 @@
 
 use holo_core::optics::{CameraDesign, DepthRange, DisparityRange, Optics, rig_for_disparities};
 use holo_core::{GridSize, Intrinsics, Projection, Remainder, Rig, RigParameters, Sensor, Split, automatic_baseline_m};
+use holo_dataset::Focus;
 use serde_json::{Map, Value, json};
 
 use super::beside::Beside;
-use crate::arguments::{FocusArgument, OpticsOptions};
+use crate::arguments::OpticsOptions;
 use crate::console::{out, say};
 use crate::failure::Failure;
 
@@ -40,7 +41,7 @@ pub fn run(options: &OpticsOptions) -> Result<(), Failure> {
 fn rig(options: &OpticsOptions, depths: Option<DepthRange>) -> Result<Rig, Failure> {
     // Divided, because 1e-3 is not exact: 36 mm times it is not 0.036 m.
     let intrinsics = Intrinsics { focal_length_m: options.focal_mm / 1e3, sensor_size_m: options.sensor_mm / 1e3 };
-    let f_number = options.main_lens.f_number_or_default();
+    let f_number = options.main_lens.spec().f_number_or_default();
     if let Some(lens_pitch_mm) = options.lens_pitch_mm {
         let design = CameraDesign {
             sensor: options.main_lens.sensor,
@@ -100,10 +101,10 @@ fn wanted(
 
 fn focus_m(options: &OpticsOptions, depths: Option<DepthRange>) -> Result<f64, Failure> {
     match (options.main_lens.focus_m, depths) {
-        (FocusArgument::Metres(focus_m), _) => Ok(focus_m),
+        (Focus::Meters(focus_m), _) => Ok(focus_m),
         // The harmonic mean, as a render does it: it halves the range of disparities.
-        (FocusArgument::Automatic, Some(depths)) => Ok(2.0 * depths.near_m / (1.0 + depths.near_m / depths.far_m)),
-        (FocusArgument::Automatic, None) => {
+        (Focus::Automatic, Some(depths)) => Ok(2.0 * depths.near_m / (1.0 + depths.near_m / depths.far_m)),
+        (Focus::Automatic, None) => {
             Err(Failure::Usage("where is the focus? give --focus-m, or --depths-m and it lies between them".into()))
         }
     }

@@ -2,16 +2,17 @@
 
 use std::path::Path;
 
+use holo_dataset::options::size_text;
+use holo_dataset::{DatasetJob, RenderReport};
 use holo_io::Manifest;
 use serde_json::{Value, json};
 
-use super::plan::Job;
 use crate::console::say;
-use crate::report::{RunJson, short};
+use crate::report::{self, short};
 
 /// What became of a job.
 enum Outcome {
-    Made { run: RunJson, files: usize },
+    Made { report: RenderReport, why: Option<String> },
     Kept,
     Failed(String),
 }
@@ -26,35 +27,38 @@ pub struct Line {
 }
 
 impl Line {
-    pub fn made(job: &Job, run: RunJson, bytes: u64, files: usize) -> Self {
-        let disparity_px = run.disparity_px;
-        Self::new(job, Outcome::Made { run, files }, disparity_px, bytes)
+    pub fn made(job: &DatasetJob, report: RenderReport, folder: &Path, why: Option<String>) -> Self {
+        let disparity_px = report.disparity_px;
+        let size = |name: &String| folder.join(name).metadata().ok().map(|file| file.len());
+        let bytes = report.files.iter().filter_map(size).sum();
+        Self::new(job, Outcome::Made { report, why }, disparity_px, bytes)
     }
 
-    pub fn kept(job: &Job, manifest: &Manifest) -> Self {
+    pub fn kept(job: &DatasetJob, manifest: &Manifest) -> Self {
         let bytes = manifest.files.values().map(|written| written.bytes).sum();
         Self::new(job, Outcome::Kept, manifest.disparity_px, bytes)
     }
 
-    pub fn failed(job: &Job, why: String) -> Self {
+    pub fn failed(job: &DatasetJob, why: String) -> Self {
         Self::new(job, Outcome::Failed(why), None, 0)
     }
 
-    fn new(job: &Job, outcome: Outcome, disparity_px: Option<(f64, f64)>, bytes: u64) -> Self {
-        let views = super::plan::in_words(job.split.views());
-        Self { scene: job.source.name(), views, outcome, disparity_px, bytes }
+    fn new(job: &DatasetJob, outcome: Outcome, disparity_px: Option<(f64, f64)>, bytes: u64) -> Self {
+        let views = size_text(job.split.views());
+        Self { scene: job.render.source.name(), views, outcome, disparity_px, bytes }
     }
 
     /// For people.
     pub fn text(&self) -> String {
         let name = format!("{} {}", self.scene, self.views);
         match &self.outcome {
-            Outcome::Made { run, .. } => format!(
-                "{name}: {:.1} s, {:.1} Mrays/s, disparity {} px, {}",
-                run.seconds.total,
-                run.mrays_per_second(),
+            Outcome::Made { report, why } => format!(
+                "{name}: {:.1} s, {:.1} Mrays/s, disparity {} px, {}{}",
+                report.seconds.total,
+                report::mrays_per_second(report),
                 self.disparities(),
-                size(self.bytes)
+                size(self.bytes),
+                why.as_ref().map_or_else(String::new, |why| format!(" (made again: {why})"))
             ),
             Outcome::Kept => format!("{name}: done already, {}", size(self.bytes)),
             Outcome::Failed(why) => format!("{name}: failed: {why}"),
@@ -70,7 +74,13 @@ impl Line {
             "bytes": self.bytes,
         });
         let (status, more) = match &self.outcome {
-            Outcome::Made { run, files } => ("made", json!({"run": run.json(), "files": files})),
+            Outcome::Made { report, why } => {
+                let mut more = json!({"run": report::run_json(report), "files": report.files.len()});
+                if let Some(why) = why {
+                    more["why"] = why.as_str().into();
+                }
+                ("made", more)
+            }
             Outcome::Kept => ("kept", json!({})),
             Outcome::Failed(why) => ("failed", json!({"why": why})),
         };
@@ -111,8 +121,8 @@ impl Table {
         say!("{:<12} {:>8} {:>9} {:>8} {:>22} {:>9}", "scene", "views", "seconds", "Mrays/s", "disparity, px", "size");
         for line in &self.0 {
             let (time, speed) = match &line.outcome {
-                Outcome::Made { run, .. } => {
-                    (format!("{:.1}", run.seconds.total), format!("{:.1}", run.mrays_per_second()))
+                Outcome::Made { report, .. } => {
+                    (format!("{:.1}", report.seconds.total), format!("{:.1}", report::mrays_per_second(report)))
                 }
                 Outcome::Kept => ("kept".into(), "-".into()),
                 Outcome::Failed(_) => ("failed".into(), "-".into()),

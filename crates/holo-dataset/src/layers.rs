@@ -7,20 +7,20 @@ use std::path::PathBuf;
 
 use holo_core::LightFieldOwned;
 use holo_io::{Compression, Written, dataset};
-use holo_render::{Layer, LayerSet, Layers, Rendered};
+use holo_render::{GroundTruth, Layer, LayerSet, Layers, Rendered};
 use ndarray::{ArrayView3, Axis};
 use rayon::prelude::*;
 
-use super::output::OutputFolder;
-use crate::arguments::{GroundTruthArgument, JobOptions, LayerArgument, Output};
-use crate::failure::Failure;
+use crate::Error;
+use crate::output_folder::OutputFolder;
+use crate::spec::{LayerChoice, Output, RenderSpec};
 
 /// The name of the picture among the layers, in linear light.
 const COLOR: &str = "color";
 
 /// Which layers are wanted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Wanted {
+pub(crate) struct Wanted {
     /// To be written as float maps.
     pub written: LayerSet,
     /// To be known of the central view, whether they are written or not.
@@ -32,72 +32,62 @@ pub struct Wanted {
 }
 
 impl Wanted {
-    pub fn new(options: &JobOptions) -> Self {
-        let named = &options.layers;
+    pub(crate) fn new(spec: &RenderSpec) -> Self {
+        let named = &spec.layers;
         let mut written: LayerSet = named.iter().fold(LayerSet::EMPTY, |set, name| set.union(layers(*name)));
-        if named.is_empty() && options.write.is_empty() {
+        if named.is_empty() && spec.outputs.is_empty() {
             written = [Layer::Depth, Layer::Disparity].into();
         }
         for (output, layer) in [(Output::Depth, Layer::Depth), (Output::Disparity, Layer::Disparity)] {
-            if options.write.contains(&output) {
+            if spec.outputs.contains(&output) {
                 written = written.union([layer].into());
             }
         }
         // What the files of several layers hold.
         let mut held = written;
-        if options.write.contains(&Output::H5) {
+        if spec.outputs.contains(&Output::H5) {
             held = held.union([Layer::Depth, Layer::RayLength, Layer::Disparity].into());
         }
-        if options.write.contains(&Output::Hci) {
+        if spec.outputs.contains(&Output::Hci) {
             held = held.union([Layer::Depth, Layer::Disparity].into());
         }
-        let exr = options.write.contains(&Output::Exr);
+        let exr = spec.outputs.contains(&Output::Exr);
         Self {
             written,
             // The range of disparities belongs to every dataset.
             central: if exr { LayerSet::ALL } else { held.union([Layer::Disparity].into()) },
-            all: if options.ground_truth == GroundTruthArgument::All { held } else { LayerSet::EMPTY },
-            color: names_color(options) || named.contains(&LayerArgument::All),
+            all: if spec.ground_truth == GroundTruth::All { held } else { LayerSet::EMPTY },
+            color: names_color(spec) || named.contains(&LayerChoice::All),
         }
     }
 
     /// Their names, for the manifest.
-    pub fn names(&self, rendered: &Rendered) -> Vec<&'static str> {
+    pub(crate) fn names(&self, rendered: &Rendered) -> Vec<&'static str> {
         let color = (self.color && rendered.color.is_some()).then_some(COLOR);
         color.into_iter().chain(self.written.iter().map(Layer::name)).collect()
     }
 }
 
 /// Whether the picture is asked for by name, so that it cannot be left out.
-pub fn names_color(options: &JobOptions) -> bool {
-    options.layers.contains(&LayerArgument::Color)
+pub(crate) fn names_color(spec: &RenderSpec) -> bool {
+    spec.layers.contains(&LayerChoice::Color)
 }
 
-/// The layers that a word of the command line means.
-fn layers(argument: LayerArgument) -> LayerSet {
-    let one = match argument {
-        LayerArgument::Color => return LayerSet::EMPTY,
-        LayerArgument::All => return LayerSet::ALL,
-        LayerArgument::Depth => Layer::Depth,
-        LayerArgument::RayLength => Layer::RayLength,
-        LayerArgument::Disparity => Layer::Disparity,
-        LayerArgument::GeometricNormal => Layer::GeometricNormal,
-        LayerArgument::ShadingNormal => Layer::ShadingNormal,
-        LayerArgument::Albedo => Layer::Albedo,
-        LayerArgument::ObjectId => Layer::ObjectId,
-        LayerArgument::MaterialId => Layer::MaterialId,
-        LayerArgument::HitMask => Layer::HitMask,
-    };
-    LayerSet::of(&[one])
+fn layers(choice: LayerChoice) -> LayerSet {
+    match choice {
+        LayerChoice::Color => LayerSet::EMPTY,
+        LayerChoice::All => LayerSet::ALL,
+        LayerChoice::One(layer) => LayerSet::of(&[layer]),
+    }
 }
 
 /// Writes all that `wanted` names, and the disparity's picture over the range `disparity_px`.
-pub fn write(
+pub(crate) fn write(
     folder: &mut OutputFolder,
     wanted: &Wanted,
     rendered: &Rendered,
     disparity_px: Option<(f64, f64)>,
-) -> Result<(), Failure> {
+) -> Result<(), Error> {
     for (layer, image) in rendered.central.iter().filter(|(layer, _)| wanted.written.contains(*layer)) {
         write_central(folder, layer.name(), image.view())?;
     }
@@ -116,12 +106,12 @@ pub fn write(
 }
 
 /// Writes the picture as float maps, of the central view and, if they are wanted, of all views.
-pub fn write_color(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, all: bool) -> Result<(), Failure> {
+pub(crate) fn write_color(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, all: bool) -> Result<(), Error> {
     write_central(folder, COLOR, central_view(color)?)?;
     if all { write_all_views(folder, COLOR, color) } else { Ok(()) }
 }
 
-pub fn central_view(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_, f32>, Failure> {
+pub(crate) fn central_view(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_, f32>, Error> {
     let (t, s) = field.split().central_view();
     Ok(field.view(t, s)?)
 }
@@ -131,7 +121,7 @@ fn file_part(name: &str) -> String {
     name.replace('-', "_")
 }
 
-fn write_central(folder: &mut OutputFolder, name: &str, image: ArrayView3<f32>) -> Result<(), Failure> {
+fn write_central(folder: &mut OutputFolder, name: &str, image: ArrayView3<f32>) -> Result<(), Error> {
     let file = format!("scene_{}.pfm", file_part(name));
     let written = write_pfm(folder.file(&file), image)?;
     folder.add(file, written);
@@ -139,7 +129,7 @@ fn write_central(folder: &mut OutputFolder, name: &str, image: ArrayView3<f32>) 
 }
 
 /// One PFM a view in a folder of its own, numbered as in the HCI layout: view row * columns + view column.
-fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwned<f32>) -> Result<(), Failure> {
+fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwned<f32>) -> Result<(), Error> {
     let name = file_part(name);
     folder.subfolder(&name)?;
     let views = field.split().views();
@@ -152,7 +142,7 @@ fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwne
             let written = write_pfm(folder.file(&file), view)?;
             Ok((file, written))
         })
-        .collect::<Result<_, Failure>>()?;
+        .collect::<Result<_, Error>>()?;
     written.into_iter().for_each(|(file, written)| folder.add(file, written));
     Ok(())
 }
@@ -168,22 +158,6 @@ fn write_pfm(path: PathBuf, image: ArrayView3<f32>) -> Result<Written, holo_io::
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::ValueEnum;
-
-    /// Every layer can be named, by its own name, and `all` means each of them.
-    #[test]
-    fn words_are_the_names_of_layers() {
-        for argument in LayerArgument::value_variants() {
-            let value = argument.to_possible_value().expect("none is skipped");
-            let found: Vec<Layer> = layers(*argument).iter().collect();
-            match value.get_name() {
-                "all" => assert_eq!(found, Layer::ALL),
-                COLOR => assert_eq!(found, []),
-                name => assert_eq!(found, [Layer::from_name(name).expect("a layer")]),
-            }
-        }
-        assert_eq!(LayerArgument::value_variants().len(), Layer::COUNT + 2);
-    }
 
     /// The two oldest files are called what everybody calls them.
     #[test]

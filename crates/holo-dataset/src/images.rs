@@ -4,17 +4,15 @@
 
 use holo_core::{Layout, LightField, LightFieldOwned, LightFieldView, Rig};
 use holo_io::{
-    Compression, HciImage, HciTruth, HciViews, MatOptions, MatOrder, Meaning, ParametersCfg, StoredSample, Written,
-    dataset,
+    Compression, HciImage, HciTruth, HciViews, MatOptions, Meaning, ParametersCfg, StoredSample, Written, dataset,
 };
-use holo_render::{Layer, Rendered, exposure};
+use holo_render::{GroundTruth, Layer, Rendered, exposure};
 use ndarray::{ArrayView3, Axis};
 
-use super::exr;
-use super::layers::{self, Wanted};
-use super::output::OutputFolder;
-use crate::arguments::{GroundTruthArgument, JobOptions, MatOrderArgument, Output};
-use crate::failure::Failure;
+use crate::layers::{self, Wanted};
+use crate::output_folder::OutputFolder;
+use crate::spec::{Output, RenderSpec};
+use crate::{Error, exr};
 
 /// The folder of HCI's layout within that of a dataset.
 const HCI_FOLDER: &str = "hci";
@@ -24,10 +22,10 @@ const NEED_COLOR: [(Output, &str); 5] =
     [(Output::Vpi, "vpi"), (Output::El, "el"), (Output::Mat, "mat"), (Output::H5, "h5"), (Output::Hci, "hci")];
 
 /// What is written when nothing is named.
-pub const USUAL: [Output; 3] = [Output::Vpi, Output::El, Output::Mat];
+pub(crate) const USUAL: [Output; 3] = [Output::Vpi, Output::El, Output::Mat];
 
 /// The names of those outputs among `write` that need a picture, as in "vpi and el".
-pub fn needing_color(write: &[Output]) -> Option<String> {
+pub(crate) fn needing_color(write: &[Output]) -> Option<String> {
     let names: Vec<&str> =
         NEED_COLOR.iter().filter(|(output, _)| write.contains(output)).map(|(_, name)| *name).collect();
     let (last, others) = names.split_last()?;
@@ -35,8 +33,8 @@ pub fn needing_color(write: &[Output]) -> Option<String> {
 }
 
 /// What decides how the picture is written.
-pub struct Pictures<'a> {
-    pub options: &'a JobOptions,
+pub(crate) struct Images<'a> {
+    pub spec: &'a RenderSpec,
     pub outputs: &'a [Output],
     pub rig: &'a Rig,
     pub parameters: &'a ParametersCfg,
@@ -68,7 +66,7 @@ impl PngSample for u16 {
     }
 }
 
-impl Pictures<'_> {
+impl Images<'_> {
     /// Writes all that shows the picture.
     pub fn write(
         &self,
@@ -76,7 +74,7 @@ impl Pictures<'_> {
         wanted: &Wanted,
         rendered: &mut Rendered,
         exposure_ev: Option<f64>,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Error> {
         if self.wants(Output::Exr) {
             exr::write_central(folder, rendered)?;
             let grids = [(Output::El, Layout::ElementalGrid), (Output::Vpi, Layout::ViewpointGrid)];
@@ -87,14 +85,14 @@ impl Pictures<'_> {
             }
         }
         if let Some(color) = rendered.color.as_ref().filter(|_| wanted.color) {
-            layers::write_color(folder, color, self.options.ground_truth == GroundTruthArgument::All)?;
+            layers::write_color(folder, color, self.spec.ground_truth == GroundTruth::All)?;
         }
         if self.wants(Output::H5) {
             self.write_hdf5(folder, rendered)?;
         }
         // The radiance is four times the size of what is written: it goes as soon as it is encoded.
         if let (Some(color), Some(ev)) = (rendered.color.take(), exposure_ev) {
-            if self.options.bit_depth == 16 {
+            if self.spec.bit_depth == 16 {
                 let coded = exposure::encode_16bit(&color, ev)?;
                 drop(color);
                 self.write_coded(folder, &coded, rendered)?;
@@ -117,7 +115,7 @@ impl Pictures<'_> {
         folder: &mut OutputFolder,
         coded: &LightFieldOwned<T>,
         rendered: &Rendered,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Error> {
         let elemental = || {
             let path = self.wants(Output::El).then(|| folder.file(dataset::ELEMENTAL_PNG))?;
             Some(match coded.as_elemental_grid() {
@@ -131,11 +129,7 @@ impl Pictures<'_> {
         };
         let mat = || {
             let path = self.wants(Output::Mat).then(|| folder.file(dataset::LIGHT_FIELD_MAT))?;
-            let order = match self.options.mat_order {
-                MatOrderArgument::Lenses => MatOrder::Lenses,
-                MatOrderArgument::Lftoolbox => MatOrder::LightFieldToolbox,
-            };
-            let options = MatOptions::default();
+            let (order, options) = (self.spec.mat_order, MatOptions::default());
             Some(holo_io::write_mat_light_field(path, coded, Some(self.rig.parameters()), order, &options))
         };
         let ((elemental, viewpoint), mat) = rayon::join(|| rayon::join(elemental, viewpoint), mat);
@@ -157,9 +151,9 @@ impl Pictures<'_> {
         folder: &mut OutputFolder,
         views: HciViews<'a>,
         rendered: &'a Rendered,
-    ) -> Result<(), Failure> {
+    ) -> Result<(), Error> {
         let truth = |layer: Layer| {
-            Ok::<_, Failure>(match &rendered.all {
+            Ok::<_, Error>(match &rendered.all {
                 Some(all) => HciTruth::All(LightField::new(all[layer].samples())?),
                 None => HciTruth::Central(rendered.central[layer].index_axis(Axis(2), 0)),
             })
@@ -181,7 +175,7 @@ impl Pictures<'_> {
 
     /// Linear radiance and the maps that were rendered: of all views if there are any, else of the central one.
     #[cfg(feature = "hdf5")]
-    fn write_hdf5(&self, folder: &mut OutputFolder, rendered: &Rendered) -> Result<(), Failure> {
+    fn write_hdf5(&self, folder: &mut OutputFolder, rendered: &Rendered) -> Result<(), Error> {
         use holo_io::{Hdf5Map, Hdf5Options};
 
         let Some(color) = &rendered.color else { return Ok(()) };
@@ -205,15 +199,15 @@ impl Pictures<'_> {
     }
 
     #[cfg(not(feature = "hdf5"))]
-    fn write_hdf5(&self, _: &mut OutputFolder, _: &Rendered) -> Result<(), Failure> {
+    fn write_hdf5(&self, _: &mut OutputFolder, _: &Rendered) -> Result<(), Error> {
         Err(without_hdf5())
     }
 }
 
 /// Why a build without HDF5 cannot.
 #[cfg(not(feature = "hdf5"))]
-pub fn without_hdf5() -> Failure {
-    Failure::Usage(
+pub(crate) fn without_hdf5() -> Error {
+    Error::BadRequest(
         "this build of holo has no HDF5; `cargo xtask build` makes one that has, or cargo build --features hdf5".into(),
     )
 }

@@ -1,32 +1,20 @@
-//! Remarks on the way to a picture: what a scene has that is left out, which engine stands in for another.
+//! Warnings and notes on standard error.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 
+use holo_dataset::{About, Diagnostics};
+
 use crate::console::say;
 use crate::progress::Overall;
 
-/// What a remark is about.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum About {
-    /// The scene, or the picture of it.
-    Scene,
-    /// The engine or the sensor, whatever the scene.
-    SetUp,
-}
-
-/// Takes remarks; each is a line that begins with `warning:` or `note:`.
-pub trait Remarks {
-    fn remark(&self, about: About, line: &str);
-}
-
-/// Of one render: every remark goes to standard error, or none.
+/// Of one render: every diagnostic goes to standard error, or none.
 pub struct Plain {
     pub quiet: bool,
 }
 
-impl Remarks for Plain {
-    fn remark(&self, _: About, line: &str) {
+impl Diagnostics for Plain {
+    fn report(&self, _: About, line: &str) {
         if !self.quiet {
             say!("{line}");
         }
@@ -46,7 +34,7 @@ impl<'a> OnceEach<'a> {
         Self { bar, quiet, said: RefCell::default() }
     }
 
-    /// Takes the remarks of one scene.
+    /// Takes the diagnostics of one scene.
     pub fn of_scene<'b>(&'b self, scene: &'b str) -> OfScene<'b> {
         OfScene { all: self, scene }
     }
@@ -59,8 +47,8 @@ impl<'a> OnceEach<'a> {
     }
 }
 
-impl Remarks for OnceEach<'_> {
-    fn remark(&self, _: About, line: &str) {
+impl Diagnostics for OnceEach<'_> {
+    fn report(&self, _: About, line: &str) {
         self.line(line.to_owned());
     }
 }
@@ -71,11 +59,11 @@ pub struct OfScene<'a> {
     scene: &'a str,
 }
 
-impl Remarks for OfScene<'_> {
-    fn remark(&self, about: About, line: &str) {
+impl Diagnostics for OfScene<'_> {
+    fn report(&self, about: About, line: &str) {
         self.all.line(match about {
             About::Scene => format!("{}: {line}", self.scene),
-            About::SetUp => line.to_owned(),
+            About::Setup => line.to_owned(),
         });
     }
 }

@@ -5,9 +5,9 @@ use holo_io::{ExrChannel, ExrCompression, ExrSamples, ExrWriter, dataset};
 use holo_render::{Layer, Layers, Rendered};
 use ndarray::{Array3, ArrayView2, ArrayView3, Axis};
 
-use super::layers::central_view;
-use super::output::OutputFolder;
-use crate::failure::Failure;
+use crate::Error;
+use crate::layers::central_view;
+use crate::output_folder::OutputFolder;
 
 /// The largest number that 16 bits hold.
 const MAX_HALF: f32 = 65_504.0;
@@ -16,7 +16,7 @@ const MAX_HALF: f32 = 65_504.0;
 const COMBINED: [&str; 3] = ["ViewLayer.Combined.R", "ViewLayer.Combined.G", "ViewLayer.Combined.B"];
 
 /// Writes all layers of the central view, and its picture, into one file of 32-bit floats.
-pub fn write_central(folder: &mut OutputFolder, rendered: &Rendered) -> Result<(), Failure> {
+pub(crate) fn write_central(folder: &mut OutputFolder, rendered: &Rendered) -> Result<(), Error> {
     let color = rendered.color.as_ref().map(central_view).transpose()?;
     let channels = channels(&rendered.central, color);
     let channels: Vec<_> = channels.iter().map(|(name, plane)| ExrChannel::float(name, plane.view())).collect();
@@ -28,7 +28,7 @@ pub fn write_central(folder: &mut OutputFolder, rendered: &Rendered) -> Result<(
 /// Writes the whole picture as one of its grids: 16-bit floats where they can hold it, else 32-bit ones.
 ///
 /// Row of lenses by row of lenses, or row of views by row of views: no second picture is in memory.
-pub fn write_grid(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, layout: Layout) -> Result<(), Failure> {
+pub(crate) fn write_grid(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, layout: Layout) -> Result<(), Error> {
     let split = color.split();
     let (views, lenses, size) = (split.views(), split.lenses(), split.raw_size());
     let (name, bands) = match layout {

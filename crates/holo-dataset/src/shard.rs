@@ -15,11 +15,12 @@ use holo_io::{Limits, Manifest, ParametersCfg, Setting, Written, dataset};
 use holo_render::{Integrator, Layer, Layers, RayCounts, Rendered};
 use ndarray::{Array3, ArrayView3, Axis, Slice};
 
-use super::job::{Finished, Traced};
-use super::layers::Wanted;
-use super::output::OutputFolder;
-use crate::arguments::{JobOptions, Shard};
-use crate::failure::Failure;
+use crate::Error;
+use crate::job::{Finished, Traced};
+use crate::layers::Wanted;
+use crate::options::integrator_from_name;
+use crate::output_folder::OutputFolder;
+use crate::spec::{RenderSpec, Shard};
 
 const COLOR: &str = "color.pfm";
 
@@ -35,10 +36,10 @@ fn all_file(layer: Layer) -> String {
 }
 
 /// Writes a part.
-pub fn write(traced: Traced, shard: Shard, mut folder: OutputFolder) -> Result<Finished, Failure> {
+pub(crate) fn write(traced: Traced, shard: Shard, mut folder: OutputFolder) -> Result<Finished, Error> {
     let Traced { rendered, mut manifest, parameters, .. } = traced;
     folder.unseal()?;
-    let mut put = |name: String, image: ArrayView3<f32>| -> Result<(), Failure> {
+    let mut put = |name: String, image: ArrayView3<f32>| -> Result<(), Error> {
         let path = folder.file(&name);
         folder.add(name, write_pfm(&path, image)?);
         Ok(())
@@ -57,7 +58,7 @@ pub fn write(traced: Traced, shard: Shard, mut folder: OutputFolder) -> Result<F
     Ok(Finished { disparity_px: None, files: folder.seal(manifest)? })
 }
 
-fn write_pfm(path: &Path, image: ArrayView3<f32>) -> Result<Written, Failure> {
+fn write_pfm(path: &Path, image: ArrayView3<f32>) -> Result<Written, Error> {
     Ok(match image.dim().2 {
         1 => holo_io::write_pfm(path, image.index_axis(Axis(2), 0))?,
         _ => holo_io::write_pfm_colour(path, image)?,
@@ -65,10 +66,10 @@ fn write_pfm(path: &Path, image: ArrayView3<f32>) -> Result<Written, Failure> {
 }
 
 /// The elemental grid, which is the memory as it lies.
-fn grid(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_, f32>, Failure> {
+fn grid(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_, f32>, Error> {
     field
         .as_elemental_grid()
-        .ok_or_else(|| Failure::Failed("the picture does not lie in memory as it is rendered".into()))
+        .ok_or_else(|| Error::Failed("the picture does not lie in memory as it is rendered".into()))
 }
 
 /// Which part it is, and what only its render knew.
@@ -124,20 +125,17 @@ struct Part<'a> {
 /// # Errors
 ///
 /// Parts that are damaged, missing, there twice, or of different pictures.
-pub fn read(
-    folders: &[std::path::PathBuf],
-    options: impl Fn(&Manifest) -> Result<JobOptions, Failure>,
-) -> Result<(Traced, JobOptions), Failure> {
+pub(crate) fn read(folders: &[std::path::PathBuf]) -> Result<(Traced, RenderSpec), Error> {
     let mut parts = folders.iter().map(|folder| open(folder)).collect::<Result<Vec<_>, _>>()?;
     parts.sort_by_key(|part| part.label.shard.part);
     let manifest = same(&parts)?;
-    let options = options(&manifest)?;
+    let spec = spec(&manifest)?;
     let parameters = ParametersCfg::read(parts[0].folder.join(dataset::PARAMETERS_CFG))?;
-    let broken = |what: String| Failure::Failed(format!("{}: {what}", parts[0].folder.display()));
+    let broken = |what: String| Error::Failed(format!("{}: {what}", parts[0].folder.display()));
     let rig = manifest.rig.as_ref().ok_or_else(|| broken("the manifest has no rig".into()))?;
     let rig = Rig::new(rig.parameters()?)?;
     let split = *rig.split();
-    let wanted = Wanted::new(&options);
+    let wanted = Wanted::new(&spec);
 
     let has = |name: &str| parts[0].manifest.files.contains_key(name);
     let color = has(COLOR).then(|| gather(&parts, COLOR, split, 3)).transpose()?;
@@ -155,36 +153,42 @@ pub fn read(
             all.extend([(layer, gather(&parts, &name, split, layer.channels())?)]);
         }
     }
-    let integrator = match manifest.settings.get("integrator").and_then(Setting::as_text) {
-        Some("path") => Integrator::Path,
-        Some("direct") => Integrator::Direct,
-        _ => Integrator::Depth,
-    };
+    let integrator = manifest.settings.get("integrator").and_then(Setting::as_text).and_then(integrator_from_name);
+    let integrator = integrator.unwrap_or(Integrator::Depth);
     let sum = |of: fn(&Label) -> u64| parts.iter().map(|part| of(&part.label)).sum();
     let rays = RayCounts { primary: sum(|l| l.rays[0]), shadow: sum(|l| l.rays[1]), other: sum(|l| l.rays[2]) };
     let all = (!all.set().is_empty()).then_some(all);
     let why = parts[0].label.why.clone();
     let rendered = Rendered { color, central, all, integrator, why, rays, samples: sum(|l| l.samples) };
-    Ok((Traced { rendered, wanted, rig, manifest, parameters }, options))
+    Ok((Traced { rendered, wanted, rig, manifest, parameters }, spec))
 }
 
-fn open(folder: &Path) -> Result<Part<'_>, Failure> {
+/// What the parts were asked to write. The light is in them already, so the sky may be unknown.
+fn spec(manifest: &Manifest) -> Result<RenderSpec, Error> {
+    let unknown = || Error::Failed("the parts do not say what they were rendered with".into());
+    let Some(Setting::Table(options)) = manifest.settings.get("options") else { return Err(unknown()) };
+    let text = |(name, value): (&String, &Setting)| Some((name.clone(), value.as_text()?.to_owned()));
+    let options: Option<_> = options.iter().map(text).collect();
+    RenderSpec::from_options(&options.ok_or_else(unknown)?)
+}
+
+fn open(folder: &Path) -> Result<Part<'_>, Error> {
     let manifest = Manifest::read(folder.join(dataset::MANIFEST_JSON))?;
     let label = manifest.settings.get(PART).and_then(Label::read).ok_or_else(|| {
-        Failure::Usage(format!("{}: not a part; `holo render --shard K/N` makes parts", folder.display()))
+        Error::BadRequest(format!("{}: not a part; `holo render --shard K/N` makes parts", folder.display()))
     })?;
     let problems = manifest.verify(folder);
     match problems.first() {
         Some(problem) => {
             let Shard { part, of } = label.shard;
-            Err(Failure::Failed(format!("{}: {problem}; render it again with --shard {part}/{of}", folder.display())))
+            Err(Error::Failed(format!("{}: {problem}; render it again with --shard {part}/{of}", folder.display())))
         }
         None => Ok(Part { folder, manifest, label }),
     }
 }
 
 /// What the manifests of all parts say alike.
-fn same(parts: &[Part<'_>]) -> Result<Manifest, Failure> {
+fn same(parts: &[Part<'_>]) -> Result<Manifest, Error> {
     let plain = |part: &Part<'_>| {
         let mut manifest = Manifest { files: BTreeMap::new(), ..part.manifest.clone() };
         manifest.settings.remove(PART);
@@ -194,7 +198,7 @@ fn same(parts: &[Part<'_>]) -> Result<Manifest, Failure> {
     let of = parts[0].label.shard.of;
     for part in &parts[1..] {
         if part.label.shard.of != of || plain(part) != first {
-            return Err(Failure::Failed(format!(
+            return Err(Error::Failed(format!(
                 "{} and {} are parts of different pictures: scene, options, versions and N must be the same",
                 parts[0].folder.display(),
                 part.folder.display()
@@ -203,18 +207,18 @@ fn same(parts: &[Part<'_>]) -> Result<Manifest, Failure> {
     }
     let numbers: Vec<usize> = parts.iter().map(|part| part.label.shard.part).collect();
     if let Some(twice) = numbers.windows(2).find(|pair| pair[0] == pair[1]) {
-        return Err(Failure::Usage(format!("part {} of {of} is given twice", twice[0])));
+        return Err(Error::BadRequest(format!("part {} of {of} is given twice", twice[0])));
     }
     let missing: Vec<String> =
         (1..=of).filter(|number| !numbers.contains(number)).map(|number| format!("{number}/{of}")).collect();
     if !missing.is_empty() {
-        return Err(Failure::Usage(format!("{} missing; give all {of} parts", missing.join(", "))));
+        return Err(Error::BadRequest(format!("{} missing; give all {of} parts", missing.join(", "))));
     }
     Ok(first)
 }
 
 /// One array of all parts.
-fn gather(parts: &[Part<'_>], name: &str, split: Split, channels: usize) -> Result<LightFieldOwned<f32>, Failure> {
+fn gather(parts: &[Part<'_>], name: &str, split: Split, channels: usize) -> Result<LightFieldOwned<f32>, Error> {
     let (views, lenses) = (split.views(), split.lenses());
     let size = split.raw_size();
     let mut grid = Array3::<f32>::zeros((size.rows, size.columns, channels));
@@ -226,14 +230,14 @@ fn gather(parts: &[Part<'_>], name: &str, split: Split, channels: usize) -> Resu
         let rows_of_lenses: Range<usize> = first..first + rows / views.rows;
         if rows % views.rows != 0 || rows_of_lenses.end > lenses.rows || (columns, found) != (size.columns, channels) {
             let what = format!("{}: {columns} x {rows} pixels are no rows of this picture", path.display());
-            return Err(Failure::Failed(what));
+            return Err(Error::Failed(what));
         }
         let place = Slice::from(first * views.rows..first * views.rows + rows);
         grid.slice_axis_mut(Axis(0), place).assign(&image);
         first = rows_of_lenses.end;
     }
     if first != lenses.rows {
-        return Err(Failure::Failed(format!("{name}: the parts have {first} of {} rows of lenses", lenses.rows)));
+        return Err(Error::Failed(format!("{name}: the parts have {first} of {} rows of lenses", lenses.rows)));
     }
     Ok(LightField::from_elemental_grid(grid, split)?)
 }

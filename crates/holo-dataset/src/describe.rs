@@ -4,16 +4,14 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use clap::ArgMatches;
 use holo_core::Split;
 use holo_io::dataset::{self as names};
 use holo_io::dataset::{Description, SceneEntry};
 use holo_scene::gallery;
 
-use super::plan::{Job, in_words};
-use crate::arguments::{DatasetOptions, SkyArgument};
-use crate::commands::asked;
-use crate::failure::Failure;
+use crate::Error;
+use crate::options::{arguments, size_text};
+use crate::plan::DatasetPlan;
 
 /// Where the licence can be read.
 const LICENCE: &str = "CC0-1.0";
@@ -39,43 +37,33 @@ const CONVENTIONS: [(&str, &str); 8] = [
 ];
 
 /// Writes both.
-pub fn write(
-    root: &Path,
-    options: &DatasetOptions,
-    jobs: &[Job],
-    said: &ArgMatches,
-    engine: &str,
-) -> Result<(), Failure> {
-    let description = describe(options, jobs, said, engine)?;
+pub(crate) fn write(root: &Path, plan: &DatasetPlan, backend: &str) -> Result<(), Error> {
+    let description = describe(plan, backend)?;
     description.write(root)?;
     holo_io::write_file(root.join(names::DATASET_MD), document(&description).as_bytes())?;
     Ok(())
 }
 
-fn describe(options: &DatasetOptions, jobs: &[Job], said: &ArgMatches, engine: &str) -> Result<Description, Failure> {
+fn describe(plan: &DatasetPlan, backend: &str) -> Result<Description, Error> {
     let mut scenes: Vec<SceneEntry> = Vec::new();
     let mut splits: Vec<Split> = Vec::new();
-    for job in jobs {
-        let name = job.source.name();
+    for job in &plan.jobs {
+        let name = job.render.source.name();
         if scenes.iter().all(|scene| scene.name != name) {
             let purpose = gallery::purpose(&name).unwrap_or("a scene from a file").to_owned();
-            scenes.push(SceneEntry { name, purpose, sha256: job.source.sha256()?.to_string() });
+            scenes.push(SceneEntry { name, purpose, sha256: job.render.source.sha256()?.to_string() });
         }
         if !splits.contains(&job.split) {
             splits.push(job.split);
         }
     }
-    let mut asked = asked::asked(said);
-    if matches!(options.job.sky, SkyArgument::Map(_)) {
-        asked.insert("sky".into(), "map".into());
-    }
     let pairs = |pairs: &[(&str, &str)]| pairs.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
     Ok(Description {
         versions: BTreeMap::from([
             ("holo".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-            ("engine".to_owned(), engine.to_owned()),
+            ("engine".to_owned(), backend.to_owned()),
         ]),
-        options: asked,
+        options: plan.options.clone(),
         scenes,
         splits,
         conventions: pairs(&CONVENTIONS),
@@ -107,7 +95,7 @@ fn write_document(description: &Description, text: &mut String) -> std::fmt::Res
     writeln!(text, "\n## Splits\n\nEvery scene has a folder a split, named by its views, columns x rows.\n")?;
     writeln!(text, "| folder | views | lenses (pixels of a view) | raw image, px |\n|---|---|---|---|")?;
     for split in splits {
-        let (views, lenses, raw) = (in_words(split.views()), in_words(split.lenses()), in_words(split.raw_size()));
+        let (views, lenses, raw) = (size_text(split.views()), size_text(split.lenses()), size_text(split.raw_size()));
         writeln!(text, "| `{views}` | {views} | {lenses} | {raw} |")?;
     }
     writeln!(text, "\n## Files\n\n| file | what |\n|---|---|")?;
@@ -126,8 +114,8 @@ fn write_document(description: &Description, text: &mut String) -> std::fmt::Res
     )?;
     writeln!(text, "```\nholo dataset --out DIR \\")?;
     writeln!(text, "    --scenes {} \\", join(scenes.iter().map(|scene| scene.name.clone())))?;
-    write!(text, "    --splits {}", join(splits.iter().map(|split| in_words(split.views()))))?;
-    for argument in asked::arguments(&description.options).filter(|argument| !argument.ends_with('=')) {
+    write!(text, "    --splits {}", join(splits.iter().map(|split| size_text(split.views()))))?;
+    for argument in arguments(&description.options).filter(|argument| !argument.ends_with('=')) {
         write!(text, " \\\n    {argument}")?;
     }
     writeln!(

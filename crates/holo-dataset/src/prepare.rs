@@ -1,32 +1,37 @@
-//! From options to a renderer and a rig: what `render` and `info` have in common.
+//! From a specification to a renderer and a rig.
 
 use std::path::Path;
 use std::time::Instant;
 
-use holo_core::{Projection, Remainder, Rig, Split};
-use holo_render::{Backend, Baseline, CameraChoice, Framed, Framing, Renderer};
+use holo_core::{Remainder, Rig, Split};
+use holo_render::{Baseline, CameraChoice, Framed, Framing, Renderer};
 use holo_scene::Environment;
 use holo_scene::gltf::Loaded;
 
-use super::remarks::{About, Remarks};
-use super::sky;
-use super::source::Source;
-use crate::arguments::{BackendArgument, CameraArgument, EngineOptions, FocusArgument, ProjectionArgument, RigOptions};
-use crate::failure::Failure;
+use crate::diagnostics::{About, Diagnostics};
+use crate::source::SceneSource;
+use crate::spec::{EngineSpec, Focus, RigSpec};
+use crate::{Error, sky};
 
 /// A scene ready to be rendered.
 pub struct Prepared {
+    /// The scene and what its file says.
     pub loaded: Loaded,
+    /// The camera.
     pub framed: Framed,
+    /// The scene with its acceleration structure.
     pub renderer: Renderer,
+    /// The cameras of all views.
     pub rig: Rig,
+    /// Wall-clock time that reading the scene took.
     pub load_seconds: f64,
+    /// Wall-clock time that building the acceleration structure took.
     pub build_seconds: f64,
 }
 
 /// What a command is going to do with the scene.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Purpose<'a> {
+pub(crate) struct Purpose<'a> {
     /// An environment map to put around it.
     pub sky: Option<&'a Path>,
     /// What will be kept of every sample of the light field, bytes.
@@ -36,26 +41,29 @@ pub struct Purpose<'a> {
 }
 
 /// Loads and frames the scene, builds the acceleration structure and settles the focus.
-pub fn prepare(
-    source: &Source,
-    rig: &RigOptions,
-    engine: &EngineOptions,
+///
+/// # Errors
+/// A scene that cannot be read, numbers that no rig can have, a light field that does not fit into memory.
+pub(crate) fn prepare(
+    source: &SceneSource,
+    rig: &RigSpec,
+    engine: &EngineSpec,
     purpose: Purpose,
-    remarks: &dyn Remarks,
-) -> Result<Prepared, Failure> {
-    let split = split(rig, remarks)?;
-    refuse_what_does_not_fit(&split, purpose)?;
+    diagnostics: &dyn Diagnostics,
+) -> Result<Prepared, Error> {
+    let split = split(rig, diagnostics)?;
+    validate_memory(&split, purpose)?;
     let start = Instant::now();
     let scene = source.path();
     let mut loaded = source.load().map_err(|e| match e {
-        holo_scene::Error::Read { .. } => Failure::Failed(e.to_string()),
-        other => Failure::Failed(named(scene, &other.to_string())),
+        holo_scene::Error::Read { .. } => Error::Failed(e.to_string()),
+        other => Error::Failed(named(scene, &other.to_string())),
     })?;
     if let Some(path) = purpose.sky {
         loaded.scene.environment = Some(Environment { radiance: sky::read(path)? });
     }
     let load_seconds = start.elapsed().as_secs_f64();
-    loaded.warnings.iter().for_each(|warning| remarks.remark(About::Scene, &format!("warning: {warning}")));
+    loaded.warnings.iter().for_each(|warning| diagnostics.report(About::Scene, &format!("warning: {warning}")));
     let framing = Framing {
         split,
         camera: camera(rig.camera.as_ref(), &loaded),
@@ -64,62 +72,66 @@ pub fn prepare(
         sensor_size_m: rig.sensor_mm / 1e3,
         baseline: match rig.baseline_m {
             Some(baseline) => Baseline::Metres(baseline),
-            None => Baseline::FNumber(rig.main_lens.f_number_or_default()),
+            None => Baseline::FNumber(rig.f_number_or_default()),
         },
-        projection: match rig.projection {
-            ProjectionArgument::Perspective => Projection::Perspective,
-            ProjectionArgument::Orthographic => Projection::Orthographic,
-        },
+        projection: rig.projection,
     };
     let framed = framing.frame(&loaded.scene).map_err(|e| match e {
         // Nobody chose this camera: it is the file that has none that will do.
-        holo_render::Error::BadSetting(why) if rig.camera.is_none() => Failure::Failed(named(scene, &why)),
+        holo_render::Error::BadSetting(why) if rig.camera.is_none() => Error::Failed(named(scene, &why)),
         other => blame(scene, other),
     })?;
     if loaded.scene.cameras.is_empty() {
-        remarks.remark(About::Scene, &format!("warning: {}", framed.camera));
+        diagnostics.report(About::Scene, &format!("warning: {}", framed.camera));
     }
     let start = Instant::now();
-    let renderer =
-        Renderer::new(&loaded.scene, &framed.pose, backend(engine), usize::from(engine.threads.unwrap_or(0))).map_err(
-            |e| match (&e, purpose.sky) {
-                (holo_render::Error::Scene(holo_scene::Error::BadScene { at, what }), Some(sky))
-                    if at.starts_with("environment") =>
-                {
-                    Failure::Failed(named(sky, &format!("{at}: {what}")))
-                }
-                _ => blame(scene, e),
-            },
-        )?;
+    let renderer = Renderer::new(&loaded.scene, &framed.pose, engine.backend, engine.threads).map_err(|e| {
+        match (&e, purpose.sky) {
+            (holo_render::Error::Scene(holo_scene::Error::BadScene { at, what }), Some(sky))
+                if at.starts_with("environment") =>
+            {
+                Error::Failed(named(sky, &format!("{at}: {what}")))
+            }
+            _ => blame(scene, e),
+        }
+    })?;
     let build_seconds = start.elapsed().as_secs_f64();
-    remark_on_engine(&renderer, remarks);
-    let focus = match rig.main_lens.focus_m {
-        FocusArgument::Metres(distance) => distance,
-        FocusArgument::Automatic => framed.automatic_focus_m(&renderer).map_err(|e| blame(scene, e))?,
+    report_backend(&renderer, diagnostics);
+    let focus = match rig.focus {
+        Focus::Meters(distance) => distance,
+        Focus::Automatic => framed.automatic_focus_m(&renderer).map_err(|e| blame(scene, e))?,
     };
     let rig = framed.rig(focus).map_err(|e| blame(scene, e))?;
     Ok(Prepared { loaded, framed, renderer, rig, load_seconds, build_seconds })
 }
 
-/// Says which engine stands in for the one that was wanted.
-pub fn remark_on_engine(renderer: &Renderer, remarks: &dyn Remarks) {
-    if let Some(note) = renderer.engine_note() {
-        remarks.remark(About::SetUp, &format!("warning: {note}"));
+impl SceneSource {
+    /// Loads and frames the scene, builds the acceleration structure and settles the focus, ready for depth and disparity of
+    /// the central view.
+    ///
+    /// # Errors
+    /// A scene that cannot be read, numbers that no rig can have.
+    pub fn prepare(
+        &self,
+        rig: &RigSpec,
+        engine: &EngineSpec,
+        diagnostics: &dyn Diagnostics,
+    ) -> Result<Prepared, Error> {
+        let purpose = Purpose { lens_bytes: 2 * size_of::<f32>(), ..Purpose::default() };
+        prepare(self, rig, engine, purpose, diagnostics)
     }
 }
 
-/// What the option means.
-pub fn backend(engine: &EngineOptions) -> Backend {
-    match engine.backend {
-        BackendArgument::Auto => Backend::Auto,
-        BackendArgument::Embree => Backend::Embree,
-        BackendArgument::Bvh => Backend::Bvh,
+/// Reports which backend stands in for the one that was requested.
+pub(crate) fn report_backend(renderer: &Renderer, diagnostics: &dyn Diagnostics) {
+    if let Some(note) = renderer.engine_note() {
+        diagnostics.report(About::Setup, &format!("warning: {note}"));
     }
 }
 
 /// A number chooses by index unless a camera has that very name.
-fn camera(wanted: Option<&CameraArgument>, loaded: &Loaded) -> CameraChoice {
-    let Some(CameraArgument(text)) = wanted else { return CameraChoice::First };
+fn camera(requested: Option<&String>, loaded: &Loaded) -> CameraChoice {
+    let Some(text) = requested else { return CameraChoice::First };
     match text.parse::<usize>() {
         Ok(index) if loaded.scene.cameras.iter().all(|c| c.name != *text) => CameraChoice::Index(index),
         _ => CameraChoice::Name(text.clone()),
@@ -127,11 +139,11 @@ fn camera(wanted: Option<&CameraArgument>, loaded: &Loaded) -> CameraChoice {
 }
 
 /// The failure behind an error; numbers that come from the scene file, alone or with the options, name it.
-fn blame(scene: &Path, error: holo_render::Error) -> Failure {
+fn blame(scene: &Path, error: holo_render::Error) -> Error {
     let numbers = matches!(error, holo_render::Error::Scene(_) | holo_render::Error::Core(_));
-    match Failure::from(error) {
-        Failure::Failed(why) if numbers => Failure::Failed(named(scene, &why)),
-        other => other,
+    match Error::from(error) {
+        error if numbers && !error.is_bad_request() => Error::Failed(named(scene, &error.to_string())),
+        error => error,
     }
 }
 
@@ -143,7 +155,7 @@ fn named(scene: &Path, message: &str) -> String {
 
 /// Asks for the memory that a render will need and gives it back untouched, so that impossible sizes are refused before
 /// any time is spent on them.
-fn refuse_what_does_not_fit(split: &Split, purpose: Purpose) -> Result<(), Failure> {
+fn validate_memory(split: &Split, purpose: Purpose) -> Result<(), Error> {
     /// Room for tables over the rows and columns of lenses and views.
     const LINE_BYTES: usize = 64;
     let (views, lenses, raw) = (split.views(), split.lenses(), split.raw_size());
@@ -160,7 +172,7 @@ fn refuse_what_does_not_fit(split: &Split, purpose: Purpose) -> Result<(), Failu
     // Unseen, a compiler may leave out the request.
     std::hint::black_box(&room);
     if refused {
-        return Err(Failure::Usage(format!(
+        return Err(Error::BadRequest(format!(
             "a light field of {} x {} views of {} x {} px ({} x {} in all) needs {:.0} GB of memory, more than there is; \
              use fewer views or lenses",
             views.columns,
@@ -175,19 +187,19 @@ fn refuse_what_does_not_fit(split: &Split, purpose: Purpose) -> Result<(), Failu
     Ok(())
 }
 
-fn split(rig: &RigOptions, remarks: &dyn Remarks) -> Result<Split, Failure> {
+fn split(rig: &RigSpec, diagnostics: &dyn Diagnostics) -> Result<Split, Error> {
     if let Some(lenses) = rig.lenses {
         return Ok(Split::new(rig.views, lenses)?);
     }
-    let divided = rig.main_lens.sensor.split(rig.views, Remainder::Crop)?;
+    let divided = rig.sensor.split(rig.views, Remainder::Crop)?;
     let border = divided.border;
     if (border.rows, border.columns) != (0, 0) {
-        let size = rig.main_lens.sensor.size();
+        let size = rig.sensor.size();
         let note = format!(
             "note: {} x {} views leave {} columns and {} rows of the {} x {} sensor unused",
             rig.views.columns, rig.views.rows, border.columns, border.rows, size.columns, size.rows
         );
-        remarks.remark(About::SetUp, &note);
+        diagnostics.report(About::Setup, &note);
     }
     Ok(divided.split)
 }

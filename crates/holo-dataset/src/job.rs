@@ -1,0 +1,411 @@
+//! One render from scene to folder: prepare, trace, write.
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use holo_core::Rig;
+use holo_io::{CameraPose, Manifest, ManifestRig, ParametersCfg, Setting, dataset};
+use holo_render::{GroundTruth, Integrator, Layers, Progress, RayCounts, Rendered, Request, exposure};
+use ndarray::Array3;
+
+use crate::diagnostics::{About, Diagnostics};
+use crate::images::{self, Images};
+use crate::layers::{self, Wanted};
+use crate::options::{self, Options, integrator_name};
+use crate::output_folder::{OutputFolder, Rollback};
+use crate::prepare::{Prepared, Purpose, prepare};
+use crate::source::SceneSource;
+use crate::spec::{EngineSpec, Exposure, Output, RenderSpec, Shard};
+use crate::{Error, shard, sky};
+
+/// One render: a scene, what to make of it, and how that was put in words.
+#[derive(Clone, Debug)]
+pub struct RenderJob {
+    /// The scene.
+    pub source: SceneSource,
+    /// What to render.
+    pub spec: RenderSpec,
+    /// With which backend, on how many threads.
+    pub engine: EngineSpec,
+    /// What the manifest keeps of the specification.
+    options: Options,
+}
+
+/// What was rendered, with all that its files need to know.
+pub(crate) struct Traced {
+    pub rendered: Rendered,
+    pub wanted: Wanted,
+    pub rig: Rig,
+    /// Without what only the whole image tells: exposure, disparities, files.
+    pub manifest: Manifest,
+    /// Without the range of disparities.
+    pub parameters: ParametersCfg,
+}
+
+/// What was found out while the files were written.
+pub(crate) struct Finished {
+    pub disparity_px: Option<(f64, f64)>,
+    pub files: Vec<String>,
+}
+
+/// What is worth telling about a finished render.
+#[derive(Clone, Debug)]
+#[non_exhaustive]
+pub struct RenderReport {
+    /// Where the time went.
+    pub seconds: Seconds,
+    /// Rays traced.
+    pub rays: RayCounts,
+    /// Samples of the image: views x lenses x samples a pixel unless there was a target error.
+    pub samples: u64,
+    /// The ray tracing backend and its version.
+    pub backend: String,
+    /// Threads used.
+    pub threads: usize,
+    /// The integrator used.
+    pub integrator: Integrator,
+    /// Why it was.
+    pub why: String,
+    /// The cameras.
+    pub rig: Rig,
+    /// Smallest and largest finite disparity of the central view.
+    pub disparity_px: Option<(f64, f64)>,
+    /// Names of the files, relative to the folder.
+    pub files: Vec<String>,
+}
+
+/// Wall-clock time by what it was spent on, s.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Seconds {
+    /// Reading the scene.
+    pub load: f64,
+    /// Building the acceleration structure.
+    pub build: f64,
+    /// From the first ray to the finished light field in memory, exposure included.
+    pub render: f64,
+    /// Encoding and writing files.
+    pub write: f64,
+    /// Everything.
+    pub total: f64,
+}
+
+impl RenderJob {
+    /// A job; its manifest will hold the specification as [`RenderSpec::to_options`] puts it.
+    #[must_use]
+    pub fn new(source: SceneSource, spec: RenderSpec) -> Self {
+        let options = spec.to_options();
+        Self { source, spec, engine: EngineSpec::default(), options }
+    }
+
+    /// The same job with the words of its specification as they were typed.
+    #[must_use]
+    pub fn with_options(self, options: Options) -> Self {
+        let options = options::without_paths(options, &self.spec);
+        Self { options, ..self }
+    }
+
+    /// The same job with this backend and these threads.
+    #[must_use]
+    pub fn with_engine(self, engine: EngineSpec) -> Self {
+        Self { engine, ..self }
+    }
+
+    /// Renders into the folder `out`, all of it or one shard.
+    ///
+    /// # Errors
+    /// A specification that contradicts itself, a scene that cannot be read, files that cannot be written. Nothing is left
+    /// of what the run began.
+    pub fn run(
+        &self,
+        out: &Path,
+        shard: Option<Shard>,
+        progress: &dyn Progress,
+        diagnostics: &dyn Diagnostics,
+        rollback: &Rollback,
+    ) -> Result<RenderReport, Error> {
+        let start = Instant::now();
+        validate(&self.spec)?;
+        let folder = OutputFolder::create(out, rollback)?;
+        let prepared = self.prepare(diagnostics)?;
+        let rendering = Instant::now();
+        let traced = self.trace(&prepared, shard, progress, diagnostics)?;
+        let (rays, samples, integrator) = (traced.rendered.rays, traced.rendered.samples, traced.rendered.integrator);
+        let why = traced.rendered.why.clone();
+        let renderer = &prepared.renderer;
+        let exposure_ev = match shard {
+            // Only the whole image tells.
+            Some(_) => None,
+            None => renderer.install(|| exposure_ev(&self.spec, &traced.rendered)),
+        };
+        let (render, writing) = (rendering.elapsed(), Instant::now());
+        let finished = renderer.install(|| match shard {
+            Some(shard) => shard::write(traced, shard, folder),
+            None => write(&self.spec, traced, exposure_ev, folder),
+        })?;
+        let split = prepared.rig.split();
+        Ok(RenderReport {
+            seconds: Seconds {
+                load: prepared.load_seconds,
+                build: prepared.build_seconds,
+                render: render.as_secs_f64(),
+                write: writing.elapsed().as_secs_f64(),
+                total: start.elapsed().as_secs_f64(),
+            },
+            rays,
+            samples: match integrator {
+                Integrator::Depth => split.views().count() as u64 * split.lenses().count() as u64,
+                _ => samples,
+            },
+            backend: renderer.engine_name().to_owned(),
+            threads: renderer.threads(),
+            integrator,
+            why,
+            rig: prepared.rig,
+            disparity_px: finished.disparity_px,
+            files: finished.files,
+        })
+    }
+
+    /// Loads the scene, builds the acceleration structure and settles the focus, as [`run`](Self::run) does first.
+    ///
+    /// # Errors
+    /// A scene that cannot be read, numbers that no rig can have, a light field that does not fit into memory.
+    pub fn prepare(&self, diagnostics: &dyn Diagnostics) -> Result<Prepared, Error> {
+        let wanted = Wanted::new(&self.spec);
+        prepare(&self.source, &self.spec.rig, &self.engine, purpose(&self.spec, &wanted), diagnostics)
+    }
+
+    /// What decides the job's files beside the options: scene, sky, versions. A manifest that says the same is of the same
+    /// job. `backend` is what [`Renderer::engine_name`](holo_render::Renderer::engine_name) says.
+    ///
+    /// # Errors
+    /// A scene or a map that cannot be read.
+    pub fn identity(&self, backend: &str) -> Result<Manifest, Error> {
+        let mut manifest = Manifest { seed: self.spec.seed, ..Manifest::default() };
+        manifest.versions.insert("holo".into(), env!("CARGO_PKG_VERSION").into());
+        manifest.versions.insert("engine".into(), backend.into());
+        let settings = &mut manifest.settings;
+        settings.insert("scene_sha256".into(), self.source.sha256()?.to_string().into());
+        if let Some(path) = self.spec.sky_map() {
+            settings.insert("sky_sha256".into(), holo_io::hash_file(path)?.sha256.to_string().into());
+        }
+        let options = self.options.iter().map(|(name, value)| (name.clone(), value.as_str().into()));
+        settings.insert("options".into(), Setting::Table(options.collect()));
+        Ok(manifest)
+    }
+
+    /// Renders, all of it or a part.
+    fn trace(
+        &self,
+        prepared: &Prepared,
+        shard: Option<Shard>,
+        progress: &dyn Progress,
+        diagnostics: &dyn Diagnostics,
+    ) -> Result<Traced, Error> {
+        let spec = &self.spec;
+        let wanted = Wanted::new(spec);
+        let mut request = request(spec, &wanted, prepared);
+        if let Some(shard) = shard {
+            request.lens_rows = Some(prepared.renderer.part_of_lens_rows(&request, shard.part - 1, shard.of)?);
+        }
+        let mut rendered = prepared.renderer.render(&request, progress)?;
+        // Of all views fewer layers may be wanted than of the central one.
+        let missing = wanted.central.without(rendered.central.set());
+        if !missing.is_empty() {
+            let mut more = Request { integrator: Integrator::Depth, layers: missing, ..Request::new(prepared.rig) };
+            more.lens_rows.clone_from(&request.lens_rows);
+            rendered.central.extend(prepared.renderer.render(&more, &())?.central);
+        }
+        // What cannot be written is said before the rest is made.
+        outputs(spec, rendered.color.is_some())?;
+        if rendered.integrator == Integrator::Depth && request.integrator == Integrator::Auto {
+            let note = "note: the scene has no light, so there is no picture, only ground truth; try --sky 1,1,1";
+            diagnostics.report(About::Scene, note);
+        }
+        let manifest = self.manifest(&wanted, prepared, &rendered, &request)?;
+        let parameters = self.parameters(prepared);
+        Ok(Traced { rendered, wanted, rig: prepared.rig, manifest, parameters })
+    }
+
+    fn parameters(&self, prepared: &Prepared) -> ParametersCfg {
+        let mut parameters = ParametersCfg::from_rig(prepared.rig.parameters());
+        let pose = prepared.framed.pose;
+        let [right, up, back] = pose.columns;
+        parameters.center_cam = Some(CameraPose::from_gltf(pose.translation, right, up, back));
+        parameters.scene = self.source.name();
+        parameters.cycles_seed = i64::try_from(self.spec.seed).ok();
+        // Reproducible builds set this; without it files carry no date.
+        if let Some(seconds) = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.parse::<i64>().ok()) {
+            parameters.date = holo_io::date_from_epoch(seconds);
+        }
+        parameters
+    }
+
+    fn manifest(
+        &self,
+        wanted: &Wanted,
+        prepared: &Prepared,
+        rendered: &Rendered,
+        request: &Request,
+    ) -> Result<Manifest, Error> {
+        let mut manifest = self.identity(prepared.renderer.engine_name())?;
+        manifest.rig = Some(ManifestRig::from(prepared.rig.parameters()));
+        let settings = &mut manifest.settings;
+        settings.insert("camera".into(), prepared.framed.camera.clone().into());
+        settings.insert("integrator".into(), integrator_name(rendered.integrator).into());
+        settings.insert("spp".into(), request.samples.into());
+        if let Some(target) = request.target_error {
+            settings.insert("target-error".into(), Setting::Float(target));
+        }
+        if rendered.integrator == Integrator::Path {
+            settings.insert("max-bounces".into(), request.max_bounces.into());
+            settings.insert("roulette".into(), if request.roulette { "on" } else { "off" }.into());
+            settings.insert("indirect".into(), if request.indirect { "on" } else { "off" }.into());
+        }
+        let sky = request.sky.map(|c| Setting::Float(f64::from(c)));
+        settings.insert("sky".into(), Setting::List(sky.to_vec()));
+        settings.insert("bit-depth".into(), u32::from(self.spec.bit_depth).into());
+        settings.insert("layers".into(), wanted.names(rendered).into());
+        let all = request.ground_truth == GroundTruth::All;
+        settings.insert("ground-truth".into(), if all { "all" } else { "central" }.into());
+        Ok(manifest)
+    }
+}
+
+/// Puts the shards of an image together: `parts` are the folders that they were rendered into, in any order. Returns the
+/// names of the files in `out`.
+///
+/// # Errors
+/// Parts that are damaged, missing, given twice, or of different images; files that cannot be written.
+pub fn merge(out: &Path, parts: &[PathBuf], rollback: &Rollback) -> Result<Vec<String>, Error> {
+    let folder = OutputFolder::create(out, rollback)?;
+    let (traced, spec) = shard::read(parts)?;
+    let exposure_ev = exposure_ev(&spec, &traced.rendered);
+    Ok(write(&spec, traced, exposure_ev, folder)?.files)
+}
+
+/// Refuses what the specification alone shows to be impossible, before anything is touched.
+///
+/// # Errors
+/// [`Error::BadRequest`].
+pub fn validate(spec: &RenderSpec) -> Result<(), Error> {
+    #[cfg(not(feature = "hdf5"))]
+    if spec.outputs.contains(&Output::H5) {
+        return Err(images::without_hdf5());
+    }
+    if let Some(names) = images::needing_color(&spec.outputs).filter(|_| spec.integrator == Integrator::Depth) {
+        return Err(Error::BadRequest(format!(
+            "--integrator depth makes no picture; leave {names} out of --write, or choose --integrator direct"
+        )));
+    }
+    if spec.integrator == Integrator::Depth && layers::names_color(spec) {
+        return Err(Error::BadRequest(
+            "--integrator depth makes no picture; leave color out of --layers, or choose --integrator direct".into(),
+        ));
+    }
+    Ok(())
+}
+
+/// The exposure for the whole picture, if there is one.
+fn exposure_ev(spec: &RenderSpec, rendered: &Rendered) -> Option<f64> {
+    rendered.color.as_ref().map(|color| match spec.exposure {
+        Exposure::Ev(ev) => ev,
+        Exposure::Automatic => exposure::automatic_exposure(color),
+    })
+}
+
+/// Writes every file and seals the folder.
+fn write(
+    spec: &RenderSpec,
+    mut traced: Traced,
+    exposure_ev: Option<f64>,
+    mut folder: OutputFolder,
+) -> Result<Finished, Error> {
+    let rendered = &mut traced.rendered;
+    let outputs = outputs(spec, rendered.color.is_some())?;
+    let disparity_px = finite_range(&rendered.central);
+    let mut parameters = traced.parameters;
+    if let Some((min, max)) = disparity_px {
+        parameters.set_disparity_range_px(min, max);
+    }
+    folder.unseal()?;
+    layers::write(&mut folder, &traced.wanted, rendered, disparity_px)?;
+    let images = Images { spec, outputs: &outputs, rig: &traced.rig, parameters: &parameters };
+    images.write(&mut folder, &traced.wanted, rendered, exposure_ev)?;
+    folder.add(dataset::PARAMETERS_CFG, parameters.write(folder.file(dataset::PARAMETERS_CFG))?);
+    let files = folder.seal(Manifest { disparity_px, exposure_ev, ..traced.manifest })?;
+    Ok(Finished { disparity_px, files })
+}
+
+/// What the renderer keeps.
+fn purpose<'a>(spec: &'a RenderSpec, wanted: &Wanted) -> Purpose<'a> {
+    let color = if spec.integrator == Integrator::Depth { 0 } else { 3 };
+    Purpose {
+        sky: spec.sky_map().map(PathBuf::as_path),
+        sample_bytes: (color + wanted.all.channels()) * size_of::<f32>(),
+        lens_bytes: wanted.central.channels() * size_of::<f32>(),
+    }
+}
+
+fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
+    let integrator = match spec.integrator {
+        // Nobody asked for an image: no light needs to be traced.
+        Integrator::Auto if wants_no_image(spec, wanted) => Integrator::Depth,
+        chosen => chosen,
+    };
+    let samples = spec.samples.unwrap_or(match (integrator, spec.target_error) {
+        (Integrator::Depth, _) => 1,
+        (_, Some(_)) => 1024,
+        (_, None) => 16,
+    });
+    Request {
+        integrator,
+        samples,
+        seed: spec.seed,
+        sky: sky::constant(&spec.sky),
+        max_bounces: spec.max_bounces,
+        roulette: spec.roulette,
+        target_error: spec.target_error,
+        indirect: spec.indirect,
+        layers: match spec.ground_truth {
+            GroundTruth::Central => wanted.central,
+            GroundTruth::All => wanted.all,
+        },
+        ground_truth: spec.ground_truth,
+        ..Request::new(prepared.rig)
+    }
+}
+
+fn wants_no_image(spec: &RenderSpec, wanted: &Wanted) -> bool {
+    let shows = spec.outputs.contains(&Output::Exr) || images::needing_color(&spec.outputs).is_some();
+    !wanted.color && !spec.outputs.is_empty() && !shows
+}
+
+/// What to write beside layers: what was asked for, or the pictures if there are any.
+fn outputs(spec: &RenderSpec, has_picture: bool) -> Result<Vec<Output>, Error> {
+    if !has_picture && layers::names_color(spec) {
+        return Err(Error::BadRequest(
+            "the scene has no light, so there is no picture to write; leave color out of --layers, or light the scene \
+             with --sky 1,1,1"
+                .into(),
+        ));
+    }
+    if spec.outputs.is_empty() {
+        return Ok(if has_picture { images::USUAL.to_vec() } else { Vec::new() });
+    }
+    if let Some(names) = images::needing_color(&spec.outputs).filter(|_| !has_picture) {
+        return Err(Error::BadRequest(format!(
+            "the scene has no light, so there is no picture to write; leave {names} out of --write, or light it with \
+             --sky 1,1,1"
+        )));
+    }
+    Ok(spec.outputs.clone())
+}
+
+/// The range of the finite disparities of the central view; also infinitely far pixels have a finite disparity.
+fn finite_range(central: &Layers<Array3<f32>>) -> Option<(f64, f64)> {
+    let disparities = central.disparity_px().into_iter().flatten();
+    let finite = disparities.filter(|d| d.is_finite()).map(|&d| f64::from(d));
+    let range = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), d| (min.min(d), max.max(d)));
+    (range.0 <= range.1).then_some(range)
+}

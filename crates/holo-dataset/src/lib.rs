@@ -1,0 +1,56 @@
+//! Render jobs and datasets: from a scene and a specification to a folder of files, and from many of both to a dataset.
+//!
+//! ```text
+//! SceneSource + RenderSpec -> RenderJob -> folder (images, ground truth, parameters.cfg, manifest.json)
+//! scenes x view counts     -> DatasetPlan -> <scene>/<S>x<T>/ each, dataset.json, DATASET.md
+//! ```
+//!
+//! A folder appears whole or not at all: its manifest, written last, has the digest of every file. A job that finds a
+//! folder that is what it would make leaves it alone, so that an interrupted dataset goes on where it was. One image may be
+//! split between machines ([`Shard`]) and put together by [`merge`]. [`verify`] checks what is on disk.
+//!
+//! # Example
+//! ```
+//! use holo_core::GridSize;
+//! use holo_dataset::{RenderJob, RenderSpec, RigSpec, Rollback, SceneSource, verify};
+//!
+//! # let folder = tempfile::tempdir()?;
+//! # let out = folder.path().join("garden");
+//! let rig = RigSpec { views: GridSize::new(3, 4), lenses: Some(GridSize::new(8, 12)), ..RigSpec::default() };
+//! let spec = RenderSpec { rig, samples: Some(1), ..RenderSpec::default() };
+//! let job = RenderJob::new(SceneSource::gallery("plaster")?, spec);
+//! let report = job.run(&out, None, &(), &(), &Rollback::default())?;
+//! assert!(report.files.contains(&"scene_el.png".to_owned()));
+//! assert_eq!(verify(&out)?.bad_folders, 0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+#![forbid(unsafe_code)]
+
+pub mod options;
+
+mod describe;
+mod diagnostics;
+mod error;
+mod exr;
+mod images;
+mod job;
+mod layers;
+mod output_folder;
+mod plan;
+mod prepare;
+mod shard;
+mod sky;
+mod source;
+mod spec;
+mod verify;
+
+pub use diagnostics::{About, Diagnostics};
+pub use error::Error;
+pub use job::{RenderJob, RenderReport, Seconds, merge, validate};
+pub use output_folder::{OutputFolder, Rollback};
+pub use plan::{DatasetJob, DatasetPlan, JobOutcome, sources};
+pub use prepare::Prepared;
+pub use source::SceneSource;
+pub use spec::{EngineSpec, Exposure, Focus, LayerChoice, Output, RenderSpec, RigSpec, Shard, Sky};
+pub use verify::{Verification, is_dataset, verify};

@@ -1,0 +1,479 @@
+//! Options as text: the words of the command line, in which manifests keep what a folder was made with.
+//!
+//! A later run compares them with its own to tell whether a folder is what it would make, and `merge` writes what its parts
+//! were asked for. Threads, the backend and the folder are not among them, for they decide no file.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use holo_core::{GridSize, Projection, Sensor};
+use holo_io::MatOrder;
+use holo_render::{GroundTruth, Integrator, Layer};
+
+use crate::Error;
+use crate::spec::{Exposure, Focus, LayerChoice, Output, RenderSpec, Shard, Sky};
+
+/// Long names of the command line and their values.
+pub type Options = BTreeMap<String, String>;
+
+/// What an environment map is called: its path is nobody's business, its digest stands elsewhere.
+const MAP: &str = "map";
+
+/// Outputs and their names.
+const OUTPUTS: [(Output, &str); 8] = [
+    (Output::Vpi, "vpi"),
+    (Output::El, "el"),
+    (Output::Disparity, "disparity"),
+    (Output::Depth, "depth"),
+    (Output::Exr, "exr"),
+    (Output::Mat, "mat"),
+    (Output::H5, "h5"),
+    (Output::Hci, "hci"),
+];
+
+/// Integrators and their names.
+const INTEGRATORS: [(Integrator, &str); 4] = [
+    (Integrator::Auto, "auto"),
+    (Integrator::Depth, "depth"),
+    (Integrator::Direct, "direct"),
+    (Integrator::Path, "path"),
+];
+
+const SENSORS: [(Sensor, &str); 4] =
+    [(Sensor::Hd, "hd"), (Sensor::Uhd4k, "4k"), (Sensor::Paper8k, "8k"), (Sensor::Uhd8k, "uhd8k")];
+
+const SKY_FORMS: &str = "give three numbers from 0 up, R,G,B, or an environment map: a file that ends in .hdr or .exr";
+
+/// The name of an integrator on the command line and in files.
+#[must_use]
+pub fn integrator_name(integrator: Integrator) -> &'static str {
+    name_of(&INTEGRATORS, &integrator)
+}
+
+/// The integrator of that name.
+#[must_use]
+pub fn integrator_from_name(name: &str) -> Option<Integrator> {
+    named(&INTEGRATORS, name)
+}
+
+/// A size as text, columns x rows.
+#[must_use]
+pub fn size_text(size: GridSize) -> String {
+    format!("{}x{}", size.columns, size.rows)
+}
+
+/// `COLUMNSxROWS`, or one number for both.
+///
+/// # Errors
+/// A text that is neither, or a count of 0.
+pub fn parse_size(text: &str) -> Result<GridSize, String> {
+    let number = |part: &str| match part.trim().parse::<usize>() {
+        Ok(0) | Err(_) => Err("write COLUMNSxROWS, such as 30x20, both from 1 up".to_string()),
+        Ok(count) => Ok(count),
+    };
+    match text.split_once(['x', 'X']) {
+        Some((columns, rows)) => Ok(GridSize::new(number(rows)?, number(columns)?)),
+        None => number(text).map(|count| GridSize::new(count, count)),
+    }
+}
+
+/// A sensor by name or size.
+///
+/// # Errors
+/// Neither a known name nor a size.
+pub fn parse_sensor(text: &str) -> Result<Sensor, String> {
+    let name = text.to_ascii_lowercase();
+    match named(&SENSORS, &name) {
+        Some(sensor) => Ok(sensor),
+        None if name.contains('x') => Ok(Sensor::Other(parse_size(&name)?)),
+        None => Err("give hd, 4k, 8k, uhd8k or WIDTHxHEIGHT, such as 1500x1000".into()),
+    }
+}
+
+/// A finite number above zero.
+///
+/// # Errors
+/// Anything else.
+pub fn parse_positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
+        _ => Err("give a number above 0".into()),
+    }
+}
+
+/// A finite number from zero up.
+///
+/// # Errors
+/// Anything else.
+pub fn parse_not_negative(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x >= 0.0 && x.is_finite() => Ok(x),
+        _ => Err("give a number from 0 up".into()),
+    }
+}
+
+/// 8 or 16.
+///
+/// # Errors
+/// Anything else.
+pub fn parse_bit_depth(text: &str) -> Result<u8, String> {
+    match text {
+        "8" => Ok(8),
+        "16" => Ok(16),
+        _ => Err("give 8 or 16".into()),
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    /// `K/N`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parsed = text.split_once('/').and_then(|(part, of)| Some((part.parse().ok()?, of.parse().ok()?)));
+        match parsed {
+            Some((part, of)) if (1..=of).contains(&part) => Ok(Self { part, of }),
+            _ => Err("write K/N, such as 2/3: part 2 of 3, counted from 1".into()),
+        }
+    }
+}
+
+impl FromStr for Sky {
+    type Err = String;
+
+    /// `R,G,B` or a file.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let lower = text.to_ascii_lowercase();
+        if lower.ends_with(".hdr") || lower.ends_with(".exr") {
+            return Ok(Self::Map(text.into()));
+        }
+        let parts: Vec<f32> = text
+            .split(',')
+            .map(|part| part.trim().parse::<f32>().ok().filter(|x| *x >= 0.0 && x.is_finite()))
+            .collect::<Option<_>>()
+            .ok_or(SKY_FORMS)?;
+        <[f32; 3]>::try_from(parts).map(Self::Constant).map_err(|_| SKY_FORMS.into())
+    }
+}
+
+impl FromStr for Focus {
+    type Err = String;
+
+    /// `auto`, `inf` or meters.
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self::Automatic),
+            "inf" => Ok(Self::Meters(f64::INFINITY)),
+            other => parse_positive(other).map(Self::Meters).map_err(|_| "give metres above 0, inf or auto".into()),
+        }
+    }
+}
+
+impl FromStr for Exposure {
+    type Err = String;
+
+    /// `auto` or EV.
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self::Automatic),
+            other => match other.parse::<f64>() {
+                Ok(ev) if ev.abs() <= 100.0 => Ok(Self::Ev(ev)),
+                _ => Err("give stops between -100 and 100, or auto".into()),
+            },
+        }
+    }
+}
+
+impl LayerChoice {
+    /// `color`, `all` or the name of a layer.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        match name {
+            "color" | "colour" => Some(Self::Color),
+            "all" => Some(Self::All),
+            other => Layer::from_name(other).map(Self::One),
+        }
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Color => "color",
+            Self::All => "all",
+            Self::One(layer) => layer.name(),
+        }
+    }
+}
+
+impl Output {
+    /// The output of that name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        named(&OUTPUTS, name)
+    }
+
+    /// Its name on the command line.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        name_of(&OUTPUTS, &self)
+    }
+}
+
+impl RenderSpec {
+    /// The specification as text. An environment map is called `map`, whatever its path.
+    #[must_use]
+    pub fn to_options(&self) -> Options {
+        let rig = &self.rig;
+        let mut options = Options::new();
+        let mut set = |name: &str, value: String| drop(options.insert(name.to_owned(), value));
+        let list = |names: Vec<&str>| names.join(",");
+        match rig.lenses {
+            // Lenses stand instead of a sensor.
+            Some(lenses) => set("lenses", size_text(lenses)),
+            None => set("sensor", sensor_text(rig.sensor)),
+        }
+        set("views", size_text(rig.views));
+        let optional = [
+            ("f-number", rig.f_number),
+            ("baseline-m", rig.baseline_m),
+            ("focal-mm", rig.focal_mm),
+            ("target-error", self.target_error),
+        ];
+        for (name, value) in optional.into_iter().filter_map(|(name, value)| Some((name, value?))) {
+            set(name, value.to_string());
+        }
+        if let Some(camera) = &rig.camera {
+            set("camera", camera.clone());
+        }
+        if let Some(samples) = self.samples {
+            set("spp", samples.to_string());
+        }
+        set(
+            "focus-m",
+            match rig.focus {
+                Focus::Automatic => "auto".into(),
+                Focus::Meters(distance) => distance.to_string(),
+            },
+        );
+        set("sensor-mm", rig.sensor_mm.to_string());
+        let orthographic = rig.projection == Projection::Orthographic;
+        set("projection", if orthographic { "orthographic" } else { "perspective" }.into());
+        set("integrator", integrator_name(self.integrator).into());
+        set("max-bounces", self.max_bounces.to_string());
+        set("no-roulette", (!self.roulette).to_string());
+        set("no-indirect", (!self.indirect).to_string());
+        set(
+            "sky",
+            match &self.sky {
+                Sky::Constant([r, g, b]) => format!("{r},{g},{b}"),
+                Sky::Map(_) => MAP.into(),
+            },
+        );
+        set(
+            "exposure",
+            match self.exposure {
+                Exposure::Automatic => "auto".into(),
+                Exposure::Ev(ev) => ev.to_string(),
+            },
+        );
+        let all = self.ground_truth == GroundTruth::All;
+        set("ground-truth", if all { "all" } else { "central" }.into());
+        if !self.layers.is_empty() {
+            set("layers", list(self.layers.iter().map(|layer| layer.name()).collect()));
+        }
+        if !self.outputs.is_empty() {
+            set("write", list(self.outputs.iter().map(|output| output.name()).collect()));
+        }
+        let views_first = self.mat_order == MatOrder::LightFieldToolbox;
+        set("mat-order", if views_first { "lftoolbox" } else { "lenses" }.into());
+        set("bit-depth", self.bit_depth.to_string());
+        set("seed", self.seed.to_string());
+        options
+    }
+
+    /// The specification that such text describes; what it does not name has its default. A sky that is called `map` is
+    /// black: only its digest is known.
+    ///
+    /// # Errors
+    /// [`Error::BadRequest`]: an unknown name, a value that does not read.
+    pub fn from_options(options: &Options) -> Result<Self, Error> {
+        let mut spec = Self::default();
+        for (name, value) in options {
+            spec.set(name, value).map_err(|why| Error::BadRequest(format!("--{name}={value}: {why}")))?;
+        }
+        Ok(spec)
+    }
+
+    fn set(&mut self, name: &str, value: &str) -> Result<(), String> {
+        fn number<T: FromStr>(text: &str) -> Result<T, String> {
+            text.parse().map_err(|_| "not such a number".to_owned())
+        }
+        let rig = &mut self.rig;
+        match name {
+            "sensor" => rig.sensor = parse_sensor(value)?,
+            "f-number" => rig.f_number = Some(parse_positive(value)?),
+            "focus-m" => rig.focus = value.parse()?,
+            "views" => rig.views = parse_size(value)?,
+            "lenses" => rig.lenses = Some(parse_size(value)?),
+            "baseline-m" => rig.baseline_m = Some(parse_not_negative(value)?),
+            "focal-mm" => rig.focal_mm = Some(parse_positive(value)?),
+            "sensor-mm" => rig.sensor_mm = parse_positive(value)?,
+            "projection" => {
+                rig.projection = one_of(
+                    &[(Projection::Perspective, "perspective"), (Projection::Orthographic, "orthographic")],
+                    value,
+                )?;
+            }
+            "camera" => rig.camera = Some(value.to_owned()),
+            "integrator" => self.integrator = one_of(&INTEGRATORS, value)?,
+            "spp" => self.samples = Some(number(value)?),
+            "target-error" => self.target_error = Some(parse_positive(value)?),
+            "max-bounces" => self.max_bounces = number(value)?,
+            "no-roulette" => self.roulette = !number::<bool>(value)?,
+            "no-indirect" => self.indirect = !number::<bool>(value)?,
+            "sky" if value == MAP => {}
+            "sky" => self.sky = value.parse()?,
+            "exposure" => self.exposure = value.parse()?,
+            "ground-truth" => {
+                self.ground_truth = one_of(&[(GroundTruth::Central, "central"), (GroundTruth::All, "all")], value)?;
+            }
+            "layers" => self.layers = list(value, LayerChoice::from_name)?,
+            "write" => self.outputs = list(value, Output::from_name)?,
+            "mat-order" => {
+                self.mat_order =
+                    one_of(&[(MatOrder::Lenses, "lenses"), (MatOrder::LightFieldToolbox, "lftoolbox")], value)?;
+            }
+            "bit-depth" => self.bit_depth = parse_bit_depth(value)?,
+            "seed" => self.seed = number(value)?,
+            _ => return Err("no such option".into()),
+        }
+        Ok(())
+    }
+
+    /// The file of the environment map, if there is one.
+    #[must_use]
+    pub fn sky_map(&self) -> Option<&PathBuf> {
+        match &self.sky {
+            Sky::Constant(_) => None,
+            Sky::Map(path) => Some(path),
+        }
+    }
+}
+
+/// The same as pieces of a command line.
+pub fn arguments(options: &Options) -> impl Iterator<Item = String> {
+    options.iter().filter(|(_, value)| *value != "false").map(|(name, value)| match value.as_str() {
+        "true" => format!("--{name}"),
+        value => format!("--{name}={value}"),
+    })
+}
+
+/// Removes what is nobody's business from text as it was typed: the path of an environment map.
+#[must_use]
+pub fn without_paths(mut options: Options, spec: &RenderSpec) -> Options {
+    if spec.sky_map().is_some() {
+        options.insert("sky".into(), MAP.into());
+    }
+    options
+}
+
+fn sensor_text(sensor: Sensor) -> String {
+    match sensor {
+        Sensor::Other(size) => size_text(size),
+        known => name_of(&SENSORS, &known).into(),
+    }
+}
+
+fn named<T: Copy>(names: &[(T, &str)], name: &str) -> Option<T> {
+    names.iter().find(|(_, known)| *known == name).map(|(value, _)| *value)
+}
+
+fn name_of<T: PartialEq>(names: &[(T, &'static str)], value: &T) -> &'static str {
+    names.iter().find(|(known, _)| known == value).map_or("", |(_, name)| name)
+}
+
+fn one_of<T: Copy>(names: &[(T, &str)], name: &str) -> Result<T, String> {
+    let all = || names.iter().map(|(_, name)| *name).collect::<Vec<_>>().join(", ");
+    named(names, name).ok_or_else(|| format!("give one of {}", all()))
+}
+
+fn list<T>(text: &str, read: impl Fn(&str) -> Option<T>) -> Result<Vec<T>, String> {
+    text.split(',').map(|name| read(name).ok_or_else(|| format!("there is no '{name}'"))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spec::RigSpec;
+
+    #[test]
+    fn a_specification_comes_back_from_its_text() {
+        let rig = RigSpec {
+            views: GridSize::new(2, 3),
+            lenses: Some(GridSize::new(4, 5)),
+            baseline_m: Some(1e-3),
+            focal_mm: Some(35.5),
+            focus: Focus::Meters(f64::INFINITY),
+            projection: Projection::Orthographic,
+            camera: Some("front".into()),
+            ..RigSpec::default()
+        };
+        let spec = RenderSpec {
+            rig,
+            integrator: Integrator::Path,
+            samples: Some(3),
+            target_error: Some(0.05),
+            roulette: false,
+            sky: Sky::Constant([1.0, 0.25, 0.0]),
+            exposure: Exposure::Ev(-1.5),
+            ground_truth: GroundTruth::All,
+            layers: vec![LayerChoice::Color, LayerChoice::One(Layer::HitMask)],
+            outputs: vec![Output::El, Output::H5],
+            mat_order: MatOrder::LightFieldToolbox,
+            bit_depth: 16,
+            seed: u64::MAX,
+            ..RenderSpec::default()
+        };
+        for spec in [spec, RenderSpec::default()] {
+            assert_eq!(RenderSpec::from_options(&spec.to_options()).unwrap(), spec);
+        }
+    }
+
+    #[test]
+    fn no_path_gets_into_a_manifest() {
+        let spec = RenderSpec { sky: "/some/where.hdr".parse().unwrap(), ..RenderSpec::default() };
+        assert_eq!(spec.to_options()["sky"], MAP);
+        let typed = Options::from([("sky".to_owned(), "/some/where.hdr".to_owned())]);
+        assert_eq!(without_paths(typed, &spec)["sky"], MAP);
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_named() {
+        for (name, value, part) in [("spp", "x", "--spp=x"), ("zzz", "1", "no such option"), ("write", "el,x", "'x'")] {
+            let error = RenderSpec::from_options(&Options::from([(name.to_owned(), value.to_owned())])).unwrap_err();
+            assert!(error.to_string().contains(part), "{error}");
+            assert!(error.is_bad_request());
+        }
+    }
+
+    #[test]
+    fn words_and_numbers() {
+        assert_eq!("inf".parse(), Ok(Focus::Meters(f64::INFINITY)));
+        assert!("0".parse::<Focus>().is_err() && "nan".parse::<Focus>().is_err());
+        assert_eq!("-1.5".parse(), Ok(Exposure::Ev(-1.5)));
+        assert_eq!("0.2, 0.3,1".parse(), Ok(Sky::Constant([0.2, 0.3, 1.0])));
+        assert!("1,2".parse::<Sky>().is_err() && "1,2,-3".parse::<Sky>().is_err());
+        assert_eq!("a,b/Sky.HDR".parse(), Ok(Sky::Map("a,b/Sky.HDR".into())));
+        assert!("sky.png".parse::<Sky>().unwrap_err().contains(".exr"));
+    }
+
+    #[test]
+    fn sizes_are_columns_by_rows() {
+        assert_eq!(parse_size("30x20"), Ok(GridSize::new(20, 30)));
+        assert_eq!(parse_size("7"), Ok(GridSize::new(7, 7)));
+        for bad in ["", "x", "0x3", "3x", "3x4x5", "-1x2", "99999999999999999999x1"] {
+            assert!(parse_size(bad).is_err(), "{bad}");
+        }
+    }
+}
