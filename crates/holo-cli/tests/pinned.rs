@@ -173,3 +173,33 @@ fn no_byte_of_a_file_changes() {
         .collect();
     assert!(missing.is_empty(), "no longer written: {missing:#?}");
 }
+
+/// A dataset that version 0.1.0 made: it verifies, and the same command makes it again and says why.
+#[test]
+fn an_older_dataset_verifies_and_is_made_again() {
+    let bench = Bench::new();
+    let older = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/pinned/from_0.1.0");
+    for file in ["DATASET.md", "dataset.json"] {
+        std::fs::create_dir_all(bench.path("set/window/2x2")).unwrap();
+        std::fs::copy(older.join(file), bench.path("set").join(file)).unwrap();
+    }
+    for file in std::fs::read_dir(older.join("window/2x2")).unwrap() {
+        let file = file.unwrap();
+        std::fs::copy(file.path(), bench.path("set/window/2x2").join(file.file_name())).unwrap();
+    }
+    std::fs::copy(older.join("../../../../../tests/radiance/window.glb"), bench.path("window.glb")).unwrap();
+    let verified = bench.run("verify set");
+    assert_eq!(verified.code, Some(0), "{verified:?}");
+    let before = bench.bytes("set/window/2x2");
+
+    let line = "dataset --out set --scenes none --glb window.glb --sensor 12x8 --splits 2 --spp 1 --sky 1,1,1 \
+                --write el,disparity,mat --backend bvh";
+    let again = bench.run(line);
+    assert_eq!(again.code, Some(0), "{again:?}");
+    assert!(again.stderr.contains("(made again: it was made by holo 0.1.0, this is holo "), "{again:?}");
+    for (name, bytes) in bench.bytes("set/window/2x2") {
+        assert_eq!(digest(&name, &bytes), digest(&name, &before[&name]), "{name} is other than 0.1.0 made it");
+    }
+    let kept = bench.run(line);
+    assert!(kept.stderr.contains("done already"), "{kept:?}");
+}
