@@ -95,5 +95,5 @@ pub use real::Real;
 pub use rig::{Intrinsics, Projection, Rig, RigParameters, RigRay, automatic_baseline_m};
 pub use sample::Sample;
 pub use sensor::{Remainder, Sensor, SensorSplit};
-pub use split::{GridSize, Split};
+pub use split::{GridSize, Split, ViewIndex};
 pub use stereo::StereoPair;

@@ -40,6 +40,23 @@ impl GridSize {
     }
 }
 
+/// A view by its row and column, both from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct ViewIndex {
+    /// Row `t` of the view.
+    pub row: usize,
+    /// Column `s` of the view.
+    pub column: usize,
+}
+
+impl ViewIndex {
+    /// Puts a row and a column together, row first.
+    #[must_use]
+    pub const fn new(row: usize, column: usize) -> Self {
+        Self { row, column }
+    }
+}
+
 /// The division of a raw image into T x S views and V x U lenses.
 ///
 /// The raw image has `V*T` rows and `U*S` columns in either layout. Every `Split` that exists is possible: no count is zero

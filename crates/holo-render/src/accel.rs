@@ -17,7 +17,7 @@ pub(crate) mod triangle;
 
 use std::sync::Arc;
 
-pub(crate) use packet::{LANES, Lanes, NO_TRIANGLE, RayHits, Rays, at};
+pub(crate) use packet::{ExactRays, LANES, Lanes, NO_TRIANGLE, RayHits, Rays, at};
 
 use crate::error::Error;
 use crate::geometry::{Geometry, Instancing};

@@ -4,20 +4,21 @@
 //! by tile on the renderer's threads, and says how long that took.
 
 use std::hint::black_box;
-use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::Instant;
 
 use holo_core::Rig;
 use rayon::prelude::*;
 
 use crate::accel::{Backend, Coherence, LANES, Lanes, NO_TRIANGLE, RayHits};
+use crate::camera::RaySource;
+use crate::camera::rig::RigRays;
+use crate::camera::tile::{Selection, Tile, Tiling};
 use crate::dispatch::{self, Kernel};
 use crate::error::Error;
 use crate::geometry::Instancing;
 use crate::integrator::depth::count;
-use crate::primary::RigTables;
 use crate::render::Renderer;
-use crate::tile::{Tile, Tiling};
+
 use holo_scene::{Scene, Transform};
 
 /// How meshes that stand in many places are stored.
@@ -29,31 +30,6 @@ pub enum Storage {
     Instanced,
     /// As a render chooses.
     Chosen,
-}
-
-/// Where samples lie.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sampler {
-    /// Owen-scrambled Sobol points, the place in the pixel shared by 4 x 4 views, as in every render.
-    Shared,
-    /// The same points, every view with places of its own.
-    Own,
-    /// Independent random numbers.
-    Independent,
-}
-
-static SAMPLER: AtomicU8 = AtomicU8::new(0);
-
-const SAMPLERS: [Sampler; 3] = [Sampler::Shared, Sampler::Own, Sampler::Independent];
-
-/// The sampler of all renders of this process from now on.
-pub fn set_sampler(sampler: Sampler) {
-    SAMPLER.store(sampler as u8, Ordering::Relaxed);
-}
-
-#[inline(always)]
-pub(crate) fn sampler() -> Sampler {
-    SAMPLERS[usize::from(SAMPLER.load(Ordering::Relaxed))]
 }
 
 /// A renderer with Embree that stores repeated meshes as told.
@@ -94,10 +70,9 @@ pub enum Work {
 /// Traces all primary rays of `rig` through the pixels' centres.
 #[must_use]
 pub fn trace(renderer: &Renderer, rig: &Rig, work: Work) -> Traced {
-    let split = rig.split();
-    let (lenses, views) = (split.lenses(), split.views());
-    let tiling = Tiling::new([lenses.rows, lenses.columns, views.rows, views.columns]);
-    let tables = RigTables::new(rig, &tiling);
+    let selection = Selection::whole(rig.split());
+    let tiling = Tiling::new(selection.counts());
+    let source = RaySource::Rig(RigRays::new(rig, &tiling, &selection, 4));
     let tiles = tiling.tiles();
     // Made and touched beforehand, as a caller who renders again and again would have it: what is measured is rays.
     let mut kept: Vec<Vec<Kept>> = renderer.install(|| {
@@ -109,7 +84,7 @@ pub fn trace(renderer: &Renderer, rig: &Rig, work: Work) -> Traced {
         tiles
             .par_iter()
             .zip(&mut kept)
-            .map(|(tile, kept)| dispatch::run(TraceTile { renderer, tables: &tables, tile, work, kept }))
+            .map(|(tile, kept)| dispatch::run(TraceTile { renderer, source: &source, tile, work, kept }))
             .reduce(|| (0, 0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2))
     });
     let seconds = match work {
@@ -135,7 +110,7 @@ impl Kept {
 
 struct TraceTile<'a> {
     renderer: &'a Renderer,
-    tables: &'a RigTables,
+    source: &'a RaySource,
     tile: &'a Tile,
     work: Work,
     kept: &'a mut [Kept],
@@ -151,9 +126,8 @@ impl Kernel for TraceTile<'_> {
         let (mut rays, mut hits) = (0, 0);
         if self.work == Work::Visibility {
             let mut packet = RayHits::EMPTY;
-            for (block, kept) in self.tile.blocks().zip(self.kept) {
-                let pixels = self.tables.pixels(block);
-                self.tables.fill(&pixels, None, &mut packet);
+            for (pixels, kept) in self.source.packets(self.tile).zip(self.kept) {
+                self.source.chief(&pixels, &mut packet);
                 engine.intersect(&pixels.valid, &mut packet, Coherence::Coherent);
                 rays += count(&pixels.valid);
                 kept.triangle = packet.hits.triangle;
@@ -166,12 +140,11 @@ impl Kernel for TraceTile<'_> {
             return (rays, hits, 0.0);
         }
         let mut buffer: Vec<(Lanes<i32>, RayHits)> = self
-            .tile
-            .blocks()
-            .map(|block| {
-                let pixels = self.tables.pixels(block);
+            .source
+            .packets(self.tile)
+            .map(|pixels| {
                 let mut packet = RayHits::EMPTY;
-                self.tables.fill(&pixels, None, &mut packet);
+                self.source.chief(&pixels, &mut packet);
                 (pixels.valid, packet)
             })
             .collect();

@@ -10,17 +10,15 @@ mod scatterer;
 mod shade;
 pub(crate) mod truth;
 
-use holo_core::Disparity;
-
-use crate::accel::{Engine, LANES};
+use crate::accel::Engine;
 use crate::appearance::Appearance;
+use crate::camera::RaySource;
 use crate::emitters::Emitters;
 use crate::environment::Surroundings;
 use crate::geometry::Geometry;
 use crate::light::PreparedLight;
-use crate::primary::{Pixels, RigTables};
-use crate::render::Stop;
-use crate::sampling::{self, Purpose};
+use crate::progress::Stop;
+use crate::sampling::Sampler;
 
 /// What the pixels of a light field hold.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -39,17 +37,37 @@ pub enum Integrator {
 
 /// What every integrator reads while it works.
 pub(crate) struct Context<'a> {
+    pub scene: SceneData<'a>,
+    pub camera: RaySource,
+    pub sampler: Sampler,
+    pub policy: Policy,
+    /// Asked between samples.
+    pub stop: &'a Stop<'a>,
+}
+
+/// What rays meet.
+#[derive(Clone, Copy)]
+pub(crate) struct SceneData<'a> {
     pub engine: &'a dyn Engine,
     pub geometry: &'a Geometry,
     pub appearance: &'a Appearance,
     pub lights: &'a [PreparedLight],
+    pub emitters: Option<&'a Emitters>,
+    pub surroundings: Option<&'a Surroundings>,
     pub sky: [f32; 3],
-    pub tables: RigTables,
-    pub disparity: Disparity,
     /// The camera's axes (right, up, back) in the world.
     pub to_world: [[f64; 3]; 3],
-    pub seed: u64,
-    pub samples: u32,
+    /// Whether any light has an extent on the sky.
+    pub has_discs: bool,
+    /// Whether surfaces that glow may have holes.
+    pub has_holes: bool,
+    /// Whether rays must know what they hit even if nothing more is scattered there.
+    pub has_glow: bool,
+}
+
+/// How far paths are followed, and when a pixel has enough of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Policy {
     /// Scattering events at most.
     pub max_bounces: u32,
     /// Whether weak paths may end at random.
@@ -58,18 +76,6 @@ pub(crate) struct Context<'a> {
     pub target_error: Option<f64>,
     /// Whether light is followed from surfaces other than metal and glass.
     pub indirect: bool,
-    pub emitters: Option<&'a Emitters>,
-    pub surroundings: Option<&'a Surroundings>,
-    /// Whether any light has an extent on the sky.
-    pub has_discs: bool,
-    /// Whether surfaces that glow may have holes.
-    pub has_holes: bool,
-    /// Whether rays must know what they hit even if nothing more is scattered there.
-    pub has_glow: bool,
-    /// Lens columns and view columns, for the numbers of lenses and views.
-    pub columns: [u32; 2],
-    /// Asked between samples.
-    pub stop: &'a Stop<'a>,
 }
 
 /// Rays traced, by what they were for.
@@ -102,13 +108,7 @@ impl std::ops::Add for RayCounts {
     }
 }
 
-impl Context<'_> {
-    /// Whether rays that the event number `event` (from 0) scatters can bring anything.
-    #[inline(always)]
-    pub fn scatters_on(&self, event: u32) -> bool {
-        event + 1 < self.max_bounces || self.has_glow || self.shines_from_beyond()
-    }
-
+impl SceneData<'_> {
     /// Whether rays that leave the scene find anything.
     #[inline(always)]
     pub fn shines_from_beyond(&self) -> bool {
@@ -120,46 +120,12 @@ impl Context<'_> {
     pub fn needs_density(&self) -> bool {
         self.emitters.is_some() || self.surroundings.is_some()
     }
-
-    /// The random sequences of a packet's pixels.
-    #[inline(always)]
-    pub fn sequences(&self, pixels: &Pixels) -> [u32; LANES] {
-        let [v, u, t, s] = pixels.axes;
-        let (mut lens, mut view) = ([0; LANES], [0; LANES]);
-        for lane in 0..LANES {
-            lens[lane] = v.index[lane] * self.columns[0] + u.index[lane];
-            view[lane] = t.index[lane] * self.columns[1] + s.index[lane];
-        }
-        sampling::sequences(self.seed, &lens, &view)
-    }
-
-    /// Where sample `sample` of every pixel lies within its pixel: at the same place for the 4 x 4 views of a block, at
-    /// places of its own for every block and every lens.
-    ///
-    /// What is shared keeps a packet's rays a narrow bundle: with places of their own, rays and shadow rays of direct
-    /// light took three times as long. Every view alone sees points as good as its own, and its error is the same. The
-    /// mean over many views is less exact than it could be: over 12 x 12 views at 16 samples its relative squared error
-    /// is 8e-5 where independent places give 5e-6 (a view alone has 7e-4).
-    #[inline(always)]
-    pub fn points(&self, pixels: &Pixels, sample: u32) -> sampling::Points {
-        let [v, u, t, s] = pixels.axes;
-        let (mut lens, mut block) = ([0; LANES], [0; LANES]);
-        for lane in 0..LANES {
-            lens[lane] = v.index[lane] * self.columns[0] + u.index[lane];
-            let side = views_that_share();
-            // Set apart from the views themselves by the highest bit.
-            block[lane] = (t.index[lane] / side * self.columns[1] + s.index[lane] / side) | 1 << 31;
-        }
-        sampling::points(&sampling::sequences(self.seed, &lens, &block), sample, Purpose::PIXEL)
-    }
 }
 
-/// How wide a block of views is whose samples lie at the same places of their pixels.
-#[inline(always)]
-fn views_that_share() -> u32 {
-    #[cfg(feature = "bench")]
-    if crate::bench::sampler() != crate::bench::Sampler::Shared {
-        return 1;
+impl Context<'_> {
+    /// Whether rays that the event number `event` (from 0) scatters can bring anything.
+    #[inline(always)]
+    pub fn scatters_on(&self, event: u32) -> bool {
+        event + 1 < self.policy.max_bounces || self.scene.has_glow || self.scene.shines_from_beyond()
     }
-    4
 }

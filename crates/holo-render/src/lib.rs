@@ -55,27 +55,28 @@ mod appearance;
 #[doc(hidden)]
 pub mod bench;
 mod bsdf;
+mod camera;
 #[allow(unsafe_code)]
 mod dispatch;
 mod emitters;
 mod environment;
 mod error;
-mod framing;
 mod geometry;
 mod integrator;
 mod light;
 mod paths;
-mod primary;
+mod progress;
 mod refine;
 mod render;
 mod sampling;
 mod surface;
 mod texture;
-mod tile;
 
 pub use accel::Backend;
+pub use camera::framing::{Baseline, CameraChoice, Framed, Framing};
 pub use error::Error;
-pub use framing::{Baseline, CameraChoice, Framed, Framing};
 pub use integrator::{Integrator, RayCounts};
 pub use layers::{Layer, LayerSet, Layers};
-pub use render::{GroundTruth, Progress, Rendered, Renderer, Request};
+pub use progress::Progress;
+pub use render::{GroundTruth, Rendered, Renderer, Request, Views};
+pub use sampling::Sampling;

@@ -3,9 +3,8 @@
 //! An engine decides in f32 *which* triangle is hit; where the exact ray meets that triangle's plane is computed anew in
 //! f64 from f64 positions. With rays whose z component is -1 the ray parameter is planar depth.
 
-use crate::accel::{LANES, NO_TRIANGLE, RayHits};
+use crate::accel::{ExactRays, LANES, NO_TRIANGLE, RayHits};
 use crate::geometry::Geometry;
-use crate::primary::ExactRays;
 
 /// A refined depth may leave the engine's by this much, relatively; beyond it the ray grazes the plane, the plane says
 /// nothing about the triangle any more, and the engine's depth stays.

@@ -53,6 +53,76 @@ impl Purpose {
 /// Sixteen points of the unit square.
 pub(crate) type Points = [[f32; LANES]; 2];
 
+/// How the samples of a pixel are chosen. All of them are unbiased.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sampling {
+    /// Owen-scrambled Sobol points. Blocks of 4 x 4 views share the positions of their samples within the pixel, so that a
+    /// packet's rays stay a narrow bundle; each view's error is the same as with positions of its own, the error of a mean
+    /// over many views is larger.
+    #[default]
+    SharedPositions,
+    /// The same points, every view with positions of its own: slower.
+    OwnPositions,
+    /// Independent random numbers, to measure what the points are worth.
+    Independent,
+}
+
+/// Numbers of sixteen pixels, by which random numbers are drawn.
+#[derive(Clone, Copy)]
+pub(crate) struct PixelNumbers {
+    /// The lens.
+    pub lens: [u32; LANES],
+    /// The pixel behind the lens: the view.
+    pub view: [u32; LANES],
+    /// The views that share the positions of their samples within the pixel; below 2^31.
+    pub block: [u32; LANES],
+}
+
+/// Draws random numbers.
+#[derive(Clone, Copy)]
+pub(crate) struct Sampler {
+    pub seed: u64,
+    /// Samples of a pixel at most.
+    pub samples: u32,
+    pub sampling: Sampling,
+}
+
+impl Sampling {
+    /// How wide the blocks of views are that share the positions of their samples within the pixel.
+    pub(crate) fn shared_views(self) -> u32 {
+        if self == Self::SharedPositions { 4 } else { 1 }
+    }
+}
+
+impl Sampler {
+    /// The random sequences of sixteen pixels.
+    #[inline(always)]
+    pub fn sequences(&self, pixels: &PixelNumbers) -> [u32; LANES] {
+        sequences(self.seed, &pixels.lens, &pixels.view)
+    }
+
+    /// Where sample `sample` of every pixel lies within its pixel: at the same place for the views of a block, at places of
+    /// its own for every block and every lens.
+    #[inline(always)]
+    pub fn pixel_positions(&self, pixels: &PixelNumbers, sample: u32) -> Points {
+        let mut block = pixels.block;
+        for lane in 0..LANES {
+            // Set apart from the views themselves by the highest bit.
+            block[lane] |= 1 << 31;
+        }
+        self.points(&sequences(self.seed, &pixels.lens, &block), &[sample; LANES], Purpose::PIXEL)
+    }
+
+    /// A sample of its own number of each of sixteen sequences, in [0, 1).
+    #[inline(always)]
+    pub fn points(&self, sequences: &[u32; LANES], indices: &[u32; LANES], purpose: Purpose) -> Points {
+        if self.sampling == Sampling::Independent {
+            return independent(sequences, indices, purpose);
+        }
+        points_at(sequences, indices, purpose)
+    }
+}
+
 /// The sequences of sixteen pixels; lenses and views are counted row by row.
 #[inline(always)]
 pub(crate) fn sequences(seed: u64, lens: &[u32; LANES], view: &[u32; LANES]) -> [u32; LANES] {
@@ -66,7 +136,7 @@ pub(crate) fn sequences(seed: u64, lens: &[u32; LANES], view: &[u32; LANES]) -> 
 }
 
 /// Sample number `index` of sixteen sequences, in [0, 1).
-#[inline(always)]
+#[cfg(test)]
 pub(crate) fn points(sequences: &[u32; LANES], index: u32, purpose: Purpose) -> Points {
     points_at(sequences, &[index; LANES], purpose)
 }
@@ -74,10 +144,6 @@ pub(crate) fn points(sequences: &[u32; LANES], index: u32, purpose: Purpose) -> 
 /// A sample of its own number of each of sixteen sequences, in [0, 1).
 #[inline(always)]
 pub(crate) fn points_at(sequences: &[u32; LANES], indices: &[u32; LANES], purpose: Purpose) -> Points {
-    #[cfg(feature = "bench")]
-    if crate::bench::sampler() == crate::bench::Sampler::Independent {
-        return independent(sequences, indices, purpose);
-    }
     let mut out = [[0.0; LANES]; 2];
     for lane in 0..LANES {
         let seed = hash(sequences[lane] ^ purpose.0.wrapping_mul(0x85EB_CA6B));
@@ -92,7 +158,7 @@ pub(crate) fn points_at(sequences: &[u32; LANES], indices: &[u32; LANES], purpos
 }
 
 /// In place of [`points_at`]: numbers that know nothing of each other, to measure what the sequence is worth.
-#[cfg(feature = "bench")]
+#[inline(never)]
 fn independent(sequences: &[u32; LANES], indices: &[u32; LANES], purpose: Purpose) -> Points {
     let mut out = [[0.0; LANES]; 2];
     for lane in 0..LANES {

@@ -3,10 +3,9 @@
 //! The engine says which triangle a ray hits. Where the ray meets that triangle's plane is computed in f64, for camera
 //! rays ([`crate::refine`]) and for scattered ones alike, so that a new ray starts on the surface and not beside it.
 
-use crate::accel::{LANES, NO_TRIANGLE, RayHits, at};
+use crate::accel::{ExactRays, LANES, NO_TRIANGLE, RayHits, at};
 use crate::appearance::{Appearance, Kinds};
 use crate::geometry::{Geometry, Hit};
-use crate::primary::ExactRays;
 use crate::refine::Refined;
 
 /// Sixteen surface points in camera coordinates. What lanes without a hit hold means nothing.

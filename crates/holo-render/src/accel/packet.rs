@@ -37,6 +37,14 @@ pub(crate) struct Rays {
     pub flags: [u32; LANES],
 }
 
+/// Sixteen exact rays: camera coordinates, start in the plane z = 0, direction z = -1.
+pub(crate) struct ExactRays {
+    pub origin_x: [f64; LANES],
+    pub origin_y: [f64; LANES],
+    pub direction_x: [f64; LANES],
+    pub direction_y: [f64; LANES],
+}
+
 /// `RTCHit16` of Embree 4.3 and later: 9 words a ray. Older 4.x lack the last and write less.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]

@@ -3,45 +3,11 @@
 //! All rays of one elemental image pass through one point of the focus plane, so a packet of neighbouring views under
 //! one lens is a narrow, coherent bundle. Rigs with few views fill the packet with neighbouring lenses instead.
 
-use holo_core::{Projection, Rig};
+use holo_core::{Disparity, Projection, Rig};
 
-use crate::accel::{LANES, Lanes, RayHits};
-use crate::tile::Tiling;
-
-/// How the 16 lanes of a packet are spread over lens rows, lens columns, view rows and view columns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct PacketShape {
-    /// Lanes along (v, u, t, s); their product is 16.
-    pub size: [usize; 4],
-    /// Every lane's offsets along (v, u, t, s) from the packet's first pixel.
-    pub offsets: [[u32; LANES]; 4],
-}
-
-impl PacketShape {
-    /// The shape for counts of lens rows and columns, view rows and columns: as square as the counts allow, views first,
-    /// then lenses; lanes that remain have no pixel.
-    pub fn fitting(counts: [usize; 4]) -> Self {
-        let mut size = [1; 4];
-        while size.iter().product::<usize>() < LANES {
-            let shortest = |[a, b]: [usize; 2]| {
-                let grows = |k: usize| 2 * size[k] <= counts[k];
-                let order = if size[b] <= size[a] { [b, a] } else { [a, b] };
-                order.into_iter().find(|&k| grows(k))
-            };
-            let axis = shortest([2, 3]).or_else(|| shortest([0, 1])).unwrap_or(3);
-            size[axis] *= 2;
-        }
-        let mut offsets = [[0; LANES]; 4];
-        for lane in 0..LANES {
-            let mut rest = lane;
-            for axis in (0..4).rev() {
-                offsets[axis][lane] = (rest % size[axis]) as u32;
-                rest /= size[axis];
-            }
-        }
-        Self { size, offsets }
-    }
-}
+use super::tile::{Selection, Tiling};
+use crate::accel::{ExactRays, LANES, Lanes, RayHits};
+use crate::sampling::PixelNumbers;
 
 /// The lanes of a packet along one axis of the light field: which index each has, and what the rig makes of it.
 pub(crate) struct AxisLanes {
@@ -57,39 +23,49 @@ pub(crate) struct AxisLanes {
 
 /// Which pixels of the light field a packet holds: one entry of the tables for each of the axes (v, u, t, s).
 #[derive(Clone, Copy)]
-pub(crate) struct Pixels<'a> {
-    pub axes: [&'a AxisLanes; 4],
-    pub valid: Lanes<i32>,
+pub(crate) struct RigPixels<'a> {
+    axes: [&'a AxisLanes; 4],
+    valid: Lanes<i32>,
+}
+
+impl RigPixels<'_> {
+    #[inline(always)]
+    pub fn valid(&self) -> Lanes<i32> {
+        self.valid
+    }
 }
 
 /// The rig's numbers, tabulated packet by packet along every axis.
-pub(crate) struct RigTables {
+pub(crate) struct RigRays {
     axes: [Vec<AxisLanes>; 4],
+    /// Whether the views are a list, along which the tables of both view axes run.
+    is_list: bool,
+    disparity: Disparity,
+    /// Lens columns and view columns of the whole light field, for the numbers of lenses and views.
+    columns: [u32; 2],
+    /// The binary logarithm of the width of blocks of views that share their positions in the pixel.
+    shared_bits: u32,
     slope_step: f64,
     /// Perspective: 0 and 1. Orthographic: the focus distance and 0.
     slope_to_origin: f64,
     slope_to_direction: f64,
 }
 
-/// Sixteen exact rays: camera coordinates, start in the plane z = 0, direction z = -1.
-pub(crate) struct ExactRays {
-    pub origin_x: [f64; LANES],
-    pub origin_y: [f64; LANES],
-    pub direction_x: [f64; LANES],
-    pub direction_y: [f64; LANES],
-}
-
-impl RigTables {
-    /// The tables for the packets of `tiling`.
-    pub fn new(rig: &Rig, tiling: &Tiling) -> Self {
+impl RigRays {
+    /// The tables for the packets of `tiling`, which cut the pixels of `selection`. Blocks of `shared_views` x `shared_views`
+    /// views (a power of two) share their sample positions in the pixel.
+    pub fn new(rig: &Rig, tiling: &Tiling, selection: &Selection, shared_views: u32) -> Self {
         let inverse_focus = rig.inverse_focus_per_m();
         let axis = |axis: usize, value: &dyn Fn(usize) -> f64, inverse_focus: f64| -> Vec<AxisLanes> {
-            let lanes = |(index, valid): ([u32; LANES], [i32; LANES])| {
+            let lanes = |(place, valid): ([usize; LANES], [i32; LANES])| {
+                let index = place.map(|k| selection.index(axis, k));
                 let value = index.map(|k| value(k as usize));
                 AxisLanes { index, valid, value, shift: value.map(|x| x * inverse_focus) }
             };
-            tiling.blocks(axis).map(lanes).collect()
+            let along = if axis == 2 && selection.is_list() { 3 } else { axis };
+            tiling.blocks(along).map(lanes).collect()
         };
+        let split = rig.split();
         let orthographic = rig.parameters().projection == Projection::Orthographic;
         Self {
             axes: [
@@ -98,6 +74,10 @@ impl RigTables {
                 axis(2, &|t| rig.view_y_m(t), inverse_focus),
                 axis(3, &|s| rig.view_x_m(s), inverse_focus),
             ],
+            is_list: selection.is_list(),
+            disparity: rig.disparity(),
+            columns: [split.lenses().columns as u32, split.views().columns as u32],
+            shared_bits: shared_views.ilog2(),
             slope_step: rig.slope_x(1.0) - rig.slope_x(0.0),
             slope_to_origin: if orthographic { rig.parameters().focus_distance_m } else { 0.0 },
             slope_to_direction: if orthographic { 0.0 } else { 1.0 },
@@ -106,19 +86,39 @@ impl RigTables {
 
     /// The pixels of the packet that is `block[axis]`-th along every axis.
     #[inline(always)]
-    pub fn pixels(&self, block: [usize; 4]) -> Pixels<'_> {
-        let axes = [&self.axes[0][block[0]], &self.axes[1][block[1]], &self.axes[2][block[2]], &self.axes[3][block[3]]];
+    pub fn pixels(&self, block: [usize; 4]) -> RigPixels<'_> {
+        let [v, u, t, s] = block;
+        let t = if self.is_list { s } else { t };
+        let axes = [&self.axes[0][v], &self.axes[1][u], &self.axes[2][t], &self.axes[3][s]];
         let mut valid = Lanes([0; LANES]);
         for lane in 0..LANES {
             valid.0[lane] = axes[0].valid[lane] & axes[1].valid[lane] & axes[2].valid[lane] & axes[3].valid[lane];
         }
-        Pixels { axes, valid }
+        RigPixels { axes, valid }
+    }
+
+    /// The numbers of the pixels' lenses and views in the whole light field.
+    #[inline(always)]
+    pub fn numbers(&self, pixels: &RigPixels) -> PixelNumbers {
+        let [v, u, t, s] = pixels.axes;
+        let (mut lens, mut view, mut block) = ([0; LANES], [0; LANES], [0; LANES]);
+        for lane in 0..LANES {
+            lens[lane] = v.index[lane] * self.columns[0] + u.index[lane];
+            view[lane] = t.index[lane] * self.columns[1] + s.index[lane];
+            block[lane] = (t.index[lane] >> self.shared_bits) * self.columns[1] + (s.index[lane] >> self.shared_bits);
+        }
+        PixelNumbers { lens, view, block }
+    }
+
+    #[inline(always)]
+    pub fn disparity(&self) -> &Disparity {
+        &self.disparity
     }
 
     /// The rays through the pixels, exact and as f32 in `packet`: through the centres, or through the points `within` the
     /// pixels (x and y from the upper left corner, 0 to 1).
     #[inline(always)]
-    pub fn fill(&self, pixels: &Pixels, within: Option<&[[f32; LANES]; 2]>, packet: &mut RayHits) -> ExactRays {
+    pub fn fill(&self, pixels: &RigPixels, within: Option<&[[f32; LANES]; 2]>, packet: &mut RayHits) -> ExactRays {
         let [v, u, t, s] = pixels.axes;
         let mut slope_x = u.value;
         let mut slope_y = v.value;
@@ -158,25 +158,6 @@ mod tests {
     use super::*;
     use holo_core::{GridSize, Intrinsics, RigParameters, Split};
 
-    #[test]
-    fn every_shape_has_sixteen_lanes_and_no_needless_waste() {
-        for counts in
-            [[53, 79, 100, 100], [132, 198, 1, 1], [1, 1, 1, 10_000], [1, 1, 10_000, 1], [3, 3, 2, 2], [1, 1, 1, 1]]
-        {
-            let shape = PacketShape::fitting(counts);
-            assert_eq!(shape.size.iter().product::<usize>(), LANES, "{counts:?} {shape:?}");
-            let mut seen: Vec<[u32; 4]> = (0..LANES).map(|k| shape.offsets.map(|axis| axis[k])).collect();
-            seen.sort_unstable();
-            seen.dedup();
-            assert_eq!(seen.len(), LANES);
-        }
-        assert_eq!(PacketShape::fitting([53, 79, 100, 100]).size, [1, 1, 4, 4]);
-        assert_eq!(PacketShape::fitting([132, 198, 1, 1]).size, [4, 4, 1, 1]);
-        assert_eq!(PacketShape::fitting([1, 1, 1, 10_000]).size, [1, 1, 1, 16]);
-        assert_eq!(PacketShape::fitting([1, 1, 10_000, 1]).size, [1, 1, 16, 1]);
-        assert_eq!(PacketShape::fitting([2000, 1, 1, 1]).size, [16, 1, 1, 1]);
-    }
-
     /// The tabulated rays are the rig's rays, to the rounding of a handful of f64 operations.
     #[test]
     fn tables_and_rig_give_the_same_rays() {
@@ -191,8 +172,9 @@ mod tests {
                 projection,
             })
             .unwrap();
-            let tiling = Tiling::new([7, 9, 5, 6]);
-            let tables = RigTables::new(&rig, &tiling);
+            let selection = Selection::whole(&split);
+            let tiling = Tiling::new(selection.counts());
+            let tables = RigRays::new(&rig, &tiling, &selection, 4);
             let mut packet = RayHits::EMPTY;
             // Two packets: within the grid, and at its end where some lanes are beyond it.
             for block in [[6, 8, 0, 0], [3, 4, 1, 1]] {

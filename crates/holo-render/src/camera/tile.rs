@@ -5,13 +5,48 @@
 
 use std::ops::Range;
 
+use holo_core::Split;
 use ndarray::{ArrayViewMut5, Axis};
 
 use crate::accel::LANES;
-use crate::primary::PacketShape;
 
 /// About this many pixels make a tile: few enough to stay in the cache.
 const PIXELS: usize = 8192;
+
+/// How the 16 lanes of a packet are spread over lens rows, lens columns, view rows and view columns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct PacketShape {
+    /// Lanes along (v, u, t, s); their product is 16.
+    pub size: [usize; 4],
+    /// Every lane's offsets along (v, u, t, s) from the packet's first pixel.
+    pub offsets: [[u32; LANES]; 4],
+}
+
+impl PacketShape {
+    /// The shape for counts of lens rows and columns, view rows and columns: as square as the counts allow, views first,
+    /// then lenses; lanes that remain have no pixel.
+    pub fn fitting(counts: [usize; 4]) -> Self {
+        let mut size = [1; 4];
+        while size.iter().product::<usize>() < LANES {
+            let shortest = |[a, b]: [usize; 2]| {
+                let grows = |k: usize| 2 * size[k] <= counts[k];
+                let order = if size[b] <= size[a] { [b, a] } else { [a, b] };
+                order.into_iter().find(|&k| grows(k))
+            };
+            let axis = shortest([2, 3]).or_else(|| shortest([0, 1])).unwrap_or(3);
+            size[axis] *= 2;
+        }
+        let mut offsets = [[0; LANES]; 4];
+        for lane in 0..LANES {
+            let mut rest = lane;
+            for axis in (0..4).rev() {
+                offsets[axis][lane] = (rest % size[axis]) as u32;
+                rest /= size[axis];
+            }
+        }
+        Self { size, offsets }
+    }
+}
 
 /// Pixel counts along the four axes (v, u, t, s) and how tiles divide them.
 #[derive(Clone, Copy, Debug)]
@@ -20,10 +55,56 @@ pub(crate) struct Tiling {
     shape: PacketShape,
     /// Lens rows, lens columns and view rows of a tile; always all view columns.
     size: [usize; 3],
-    /// The view that `counts` starts at.
-    first_view: [usize; 2],
-    /// The lens row that `counts` starts at.
-    first_row: usize,
+}
+
+/// The pixels of a light field that are wanted: some rows of lenses, all lens columns, some views.
+#[derive(Clone, Debug)]
+pub(crate) struct Selection {
+    pub lens_rows: Range<usize>,
+    pub lens_columns: usize,
+    pub views: SelectedViews,
+}
+
+/// The views that are wanted.
+#[derive(Clone, Debug)]
+pub(crate) enum SelectedViews {
+    /// All of so many rows and columns.
+    Grid([usize; 2]),
+    /// These, as (row, column), side by side in one row.
+    List(Vec<[u32; 2]>),
+}
+
+impl Selection {
+    /// Every pixel.
+    pub fn whole(split: &Split) -> Self {
+        let (lenses, views) = (split.lenses(), split.views());
+        let views = SelectedViews::Grid([views.rows, views.columns]);
+        Self { lens_rows: 0..lenses.rows, lens_columns: lenses.columns, views }
+    }
+
+    /// Pixels along (v, u, t, s). A list is a row of views.
+    pub fn counts(&self) -> [usize; 4] {
+        let [t, s] = match &self.views {
+            SelectedViews::Grid(counts) => *counts,
+            SelectedViews::List(views) => [1, views.len()],
+        };
+        [self.lens_rows.len(), self.lens_columns, t, s]
+    }
+
+    /// Whether the row of a view changes along the axis of columns: the views are a list.
+    pub fn is_list(&self) -> bool {
+        matches!(self.views, SelectedViews::List(_))
+    }
+
+    /// Index `k` along one of the axes (v, u, t, s) as an index of the whole light field. In a list both view axes are
+    /// indexed by the place in the list.
+    pub fn index(&self, axis: usize, k: usize) -> u32 {
+        match (axis, &self.views) {
+            (0, _) => (self.lens_rows.start + k) as u32,
+            (2 | 3, SelectedViews::List(views)) => views[k][axis - 2],
+            _ => k as u32,
+        }
+    }
 }
 
 /// One tile, in packets along (v, u, t, s).
@@ -81,19 +162,14 @@ impl Tiling {
         // Wide tiles: memory runs along lens columns.
         let along_v = if along[0] == 1 { 1 } else { along_v };
         let along_u = round_up((lenses / along_v).max(1), along[1]).clamp(1, round_up(u, along[1]));
-        Self { counts, shape, size: [along_v, along_u, along_t], first_view: [0, 0], first_row: 0 }
+        Self { counts, shape, size: [along_v, along_u, along_t] }
     }
 
-    /// All lenses of the one view (t, s).
-    pub fn of_view(lenses: [usize; 2], view: [usize; 2]) -> Self {
-        Self { first_view: view, ..Self::new([lenses[0], lenses[1], 1, 1]) }
-    }
-
-    /// The lens rows `rows` of it alone. From a row of [`tile_rows`](Self::tile_rows) on they are the same tiles as in the whole,
-    /// and from one of [`packet_rows`](Self::packet_rows) on the same packets.
-    pub fn lens_rows(self, rows: Range<usize>) -> Self {
-        let counts = [rows.len(), self.counts[1], self.counts[2], self.counts[3]];
-        Self { counts, first_row: rows.start, ..self }
+    /// So many rows of lenses of it alone. If they begin at a multiple of [`tile_rows`](Self::tile_rows) they are the same tiles as
+    /// in the whole, and at one of [`packet_rows`](Self::packet_rows) the same packets.
+    pub fn lens_rows(self, rows: usize) -> Self {
+        let counts = [rows, self.counts[1], self.counts[2], self.counts[3]];
+        Self { counts, ..self }
     }
 
     /// Tiles begin at multiples of this many lens rows.
@@ -106,14 +182,12 @@ impl Tiling {
         self.shape.size[0]
     }
 
-    /// The packets along one of the axes (v, u, t, s): every lane's index, and whether it lies within the axis.
-    pub fn blocks(&self, axis: usize) -> impl Iterator<Item = ([u32; LANES], [i32; LANES])> {
+    /// The packets along one of the axes (v, u, t, s): every lane's place along the axis, and whether it lies within it.
+    pub fn blocks(&self, axis: usize) -> impl Iterator<Item = ([usize; LANES], [i32; LANES])> {
         let (count, size, offsets) = (self.counts[axis], self.shape.size[axis], self.shape.offsets[axis]);
-        let first = [self.first_row, 0, self.first_view[0], self.first_view[1]][axis] as u32;
         (0..count).step_by(size).map(move |start| {
-            let wanted = offsets.map(|offset| start as u32 + offset);
-            let index = wanted.map(|k| first + k.min(count as u32 - 1));
-            (index, wanted.map(|k| -i32::from((k as usize) < count)))
+            let wanted = offsets.map(|offset| start + offset as usize);
+            (wanted.map(|k| k.min(count - 1)), wanted.map(|k| -i32::from(k < count)))
         })
     }
 
@@ -172,7 +246,7 @@ impl Tile {
 
     /// Writes packet-ordered values (`packets[packet][channel][lane]`, scaled) into the tile's part of the light field.
     #[inline(always)]
-    pub fn scatter<const C: usize>(&self, packets: &[[[f32; LANES]; C]], scale: f32, field: &mut ArrayViewMut5<f32>) {
+    pub fn write<const C: usize>(&self, packets: &[[[f32; LANES]; C]], scale: f32, field: &mut ArrayViewMut5<f32>) {
         let grid = self.packets;
         let [size_v, size_u, size_t, size_s] = self.lanes;
         for (v, mut rows) in field.outer_iter_mut().enumerate() {
@@ -201,6 +275,25 @@ mod tests {
     use super::*;
     use ndarray::Array5;
 
+    #[test]
+    fn every_shape_has_sixteen_lanes_and_no_needless_waste() {
+        for counts in
+            [[53, 79, 100, 100], [132, 198, 1, 1], [1, 1, 1, 10_000], [1, 1, 10_000, 1], [3, 3, 2, 2], [1, 1, 1, 1]]
+        {
+            let shape = PacketShape::fitting(counts);
+            assert_eq!(shape.size.iter().product::<usize>(), LANES, "{counts:?} {shape:?}");
+            let mut seen: Vec<[u32; 4]> = (0..LANES).map(|k| shape.offsets.map(|axis| axis[k])).collect();
+            seen.sort_unstable();
+            seen.dedup();
+            assert_eq!(seen.len(), LANES);
+        }
+        assert_eq!(PacketShape::fitting([53, 79, 100, 100]).size, [1, 1, 4, 4]);
+        assert_eq!(PacketShape::fitting([132, 198, 1, 1]).size, [4, 4, 1, 1]);
+        assert_eq!(PacketShape::fitting([1, 1, 1, 10_000]).size, [1, 1, 1, 16]);
+        assert_eq!(PacketShape::fitting([1, 1, 10_000, 1]).size, [1, 1, 16, 1]);
+        assert_eq!(PacketShape::fitting([2000, 1, 1, 1]).size, [16, 1, 1, 1]);
+    }
+
     /// Every pixel lies in one tile, in one packet, in one lane, and is scattered to its own place.
     #[test]
     fn tiles_cover_every_pixel_once() {
@@ -218,13 +311,13 @@ mod tests {
                 for (packet, block) in buffer.iter_mut().zip(tile.blocks()) {
                     let axes = [0, 1, 2, 3].map(|axis| tiling.blocks(axis).nth(block[axis]).expect("a block"));
                     for lane in (0..LANES).filter(|&lane| axes.iter().all(|(_, valid)| valid[lane] != 0)) {
-                        let [pv, pu, pt, ps] = axes.map(|(index, _)| index[lane] as usize);
+                        let [pv, pu, pt, ps] = axes.map(|(index, _)| index[lane]);
                         packet[0][lane] = (((pv * u + pu) * t + pt) * s + ps) as f32;
                         valid += 1;
                     }
                 }
                 assert_eq!(valid, part.len(), "valid lanes are the tile's pixels");
-                tile.scatter(&buffer, 1.0, &mut part);
+                tile.write(&buffer, 1.0, &mut part);
             }
             assert!(field.iter().enumerate().all(|(k, &x)| x == k as f32), "{counts:?}");
         }

@@ -14,7 +14,7 @@
 
 use super::Context;
 use crate::accel::LANES;
-use crate::tile::Tile;
+use crate::camera::tile::Tile;
 
 /// Samples after which the error is looked at for the first time.
 const FIRST_LOOK: u32 = 16;
@@ -46,17 +46,16 @@ struct Packet {
 impl Samples {
     pub fn new(context: &Context, tile: &Tile) -> Self {
         let mut packets = Vec::with_capacity(tile.packet_count());
-        for block in tile.blocks() {
+        for pixels in context.camera.packets(tile) {
             let zero = [0.0; LANES];
             let mut packet =
                 Packet { samples: 0, groups: 0, done: false, valid: [false; LANES], sum: zero, squares: zero };
-            let pixels = context.tables.pixels(block);
             for lane in 0..LANES {
                 packet.valid[lane] = pixels.valid.0[lane] != 0;
             }
             packets.push(packet);
         }
-        Self { target: context.target_error, active: packets.len(), packets }
+        Self { target: context.policy.target_error, active: packets.len(), packets }
     }
 
     /// Whether a packet needs more.

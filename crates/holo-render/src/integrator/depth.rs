@@ -3,10 +3,10 @@
 use super::truth::{self, Seen, Truth, TruthTile};
 use super::{Context, RayCounts};
 use crate::accel::{Coherence, LANES, Lanes, RayHits};
+use crate::camera::tile::Tile;
 use crate::dispatch::Kernel;
 use crate::refine;
 use crate::surface::{HitPoints, Surfaces};
-use crate::tile::Tile;
 
 /// The integrator over one tile.
 pub(crate) struct DepthTile<'a, 'b> {
@@ -27,7 +27,7 @@ impl Kernel for DepthTile<'_, '_> {
         } else {
             self.trace::<false>(&mut truth)
         };
-        truth.scatter(self.tile, &mut self.out);
+        truth.write(self.tile, &mut self.out);
         RayCounts { primary, ..RayCounts::default() }
     }
 }
@@ -40,14 +40,18 @@ impl DepthTile<'_, '_> {
         let context = self.context;
         let mut packet = RayHits::EMPTY;
         let mut primary = 0;
-        for block in self.tile.blocks() {
-            let pixels = context.tables.pixels(block);
-            let rays = context.tables.fill(&pixels, None, &mut packet);
-            context.engine.intersect(&pixels.valid, &mut packet, Coherence::Coherent);
+        for pixels in context.camera.packets(self.tile) {
+            let rays = context.camera.chief(&pixels, &mut packet);
+            context.scene.engine.intersect(&pixels.valid, &mut packet, Coherence::Coherent);
             primary += count(&pixels.valid);
-            let refined = refine::refine(context.geometry, &packet, &rays);
+            let refined = refine::refine(context.scene.geometry, &packet, &rays);
             let surfaces = if WITH_SURFACES {
-                Surfaces::new(context.appearance, context.geometry, &packet, &HitPoints::primary(&rays, &refined))
+                Surfaces::new(
+                    context.scene.appearance,
+                    context.scene.geometry,
+                    &packet,
+                    &HitPoints::primary(&rays, &refined),
+                )
             } else {
                 None
             };

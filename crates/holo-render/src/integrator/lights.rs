@@ -15,7 +15,7 @@ use super::shade::Shading;
 use crate::accel::{LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
 use crate::geometry::Hit;
 use crate::light::{PreparedLight, SHADOW_REACH, STRONGEST};
-use crate::sampling::{self, Draw, Points, Purpose};
+use crate::sampling::{Draw, Points, Purpose};
 
 /// Up to this many lights the first event asks every one.
 const ALL_LIGHTS: usize = 8;
@@ -60,15 +60,15 @@ struct Gain {
 #[inline(always)]
 pub(super) fn add(context: &Context, here: &Shading, scatterer: &Scatterer, gain: &mut [[f32; LANES]; 3]) -> u64 {
     let mut shadow_rays = 0;
-    let punctual = context.lights.len();
-    let points = if context.emitters.is_some() { points_asked(here.event).0 as usize } else { 0 };
-    let all = punctual + points + usize::from(context.surroundings.is_some());
+    let punctual = context.scene.lights.len();
+    let points = if context.scene.emitters.is_some() { points_asked(here.event).0 as usize } else { 0 };
+    let all = punctual + points + usize::from(context.scene.surroundings.is_some());
     let one_of_all = punctual > ALL_LIGHTS || (here.event > 0 && punctual > 1);
-    let numbers = if one_of_all | (points > 0) { draw(here, Draw::Light) } else { [[0.0; LANES]; 2] };
+    let numbers = if one_of_all | (points > 0) { draw(context, here, Draw::Light) } else { [[0.0; LANES]; 2] };
     let mut reservoir = Reservoir::new(numbers[0]);
     for k in 0..all {
         let arriving = if k < punctual {
-            punctual_light(context, here, &context.lights[k])
+            punctual_light(context, here, &context.scene.lights[k])
         } else if k < punctual + points {
             emitter(context, here, (k - punctual) as u32)
         } else {
@@ -98,13 +98,13 @@ pub(super) fn add(context: &Context, here: &Shading, scatterer: &Scatterer, gain
 }
 
 #[inline(always)]
-fn draw(here: &Shading, draw: Draw) -> Points {
-    sampling::points_at(here.sequences, &here.paths.sample, Purpose::event(here.event, draw))
+fn draw(context: &Context, here: &Shading, draw: Draw) -> Points {
+    context.sampler.points(here.sequences, &here.paths.sample, Purpose::event(here.event, draw))
 }
 
 #[inline(always)]
 fn punctual_light(context: &Context, here: &Shading, light: &PreparedLight) -> Arriving {
-    let place = if context.has_discs { draw(here, Draw::Disc) } else { [[0.5; LANES]; 2] };
+    let place = if context.scene.has_discs { draw(context, here, Draw::Disc) } else { [[0.5; LANES]; 2] };
     let arrivals = light.arrivals(&here.surfaces.start, &place);
     let power = light.power();
     let mut strength = [[0.0; LANES]; 3];
@@ -141,13 +141,13 @@ fn emitter(context: &Context, here: &Shading, k: u32) -> Arriving {
         strength: [zero; 3],
         asked: zero,
     };
-    let Some(emitters) = context.emitters else { return out };
+    let Some(emitters) = context.scene.emitters else { return out };
     let (points, weight) = points_asked(here.event);
     let mut indices = [0; LANES];
     for lane in 0..LANES {
         indices[lane] = here.paths.sample[lane] * points + k;
     }
-    let draw = |draw| sampling::points_at(here.sequences, &indices, Purpose::event(here.event, draw));
+    let draw = |draw| context.sampler.points(here.sequences, &indices, Purpose::event(here.event, draw));
     let [choice, _] = draw(Draw::EmitterChoice);
     let sample = emitters.sample(&here.surfaces.start, &choice, &draw(Draw::Emitter));
     let mut wanted = [false; LANES];
@@ -166,11 +166,11 @@ fn emitter(context: &Context, here: &Shading, k: u32) -> Arriving {
     for lane in 0..LANES {
         triangles[lane] = Hit::flattened(sample.triangle[lane] as usize);
     }
-    out.strength = context.appearance.emission(context.geometry, &triangles, place, &side, &wanted);
-    if context.has_holes {
+    out.strength = context.scene.appearance.emission(context.scene.geometry, &triangles, place, &side, &wanted);
+    if context.scene.has_holes {
         for lane in (0..LANES).filter(|&lane| wanted[lane]) {
             let place = [sample.u[lane], sample.v[lane]];
-            let opacity = context.appearance.opacity(context.geometry, triangles[lane], place);
+            let opacity = context.scene.appearance.opacity(context.scene.geometry, triangles[lane], place);
             for c in 0..3 {
                 out.strength[c][lane] *= opacity;
             }
@@ -191,9 +191,9 @@ fn emitter(context: &Context, here: &Shading, k: u32) -> Arriving {
 #[inline(always)]
 fn surroundings(context: &Context, here: &Shading) -> Arriving {
     let zero = [0.0; LANES];
-    let (to_light, strength, asked) = match context.surroundings {
+    let (to_light, strength, asked) = match context.scene.surroundings {
         Some(surroundings) => {
-            let sample = surroundings.sample(&draw(here, Draw::Surroundings));
+            let sample = surroundings.sample(&draw(context, here, Draw::Surroundings));
             (sample.direction, sample.radiance, sample.pdf)
         }
         None => ([zero; 3], [zero; 3], zero),
@@ -284,9 +284,9 @@ impl Reservoir {
 pub(super) fn beyond(context: &Context, direction: &[[f32; LANES]; 3], density: &[f32; LANES]) -> [[f32; LANES]; 3] {
     let mut out = [[0.0; LANES]; 3];
     for c in 0..3 {
-        out[c] = [context.sky[c]; LANES];
+        out[c] = [context.scene.sky[c]; LANES];
     }
-    if let Some(surroundings) = context.surroundings {
+    if let Some(surroundings) = context.scene.surroundings {
         let radiance = surroundings.radiance(direction);
         let asked = surroundings.pdf(direction);
         for lane in 0..LANES {
@@ -296,8 +296,8 @@ pub(super) fn beyond(context: &Context, direction: &[[f32; LANES]; 3], density: 
             }
         }
     }
-    if context.has_discs {
-        for light in context.lights {
+    if context.scene.has_discs {
+        for light in context.scene.lights {
             for lane in 0..LANES {
                 let seen = (density[lane] == f32::INFINITY) & light.disc_shows(direction, lane);
                 let radiance = light.disc_radiance();
@@ -314,11 +314,11 @@ pub(super) fn beyond(context: &Context, direction: &[[f32; LANES]; 3], density: 
 #[inline(always)]
 pub(super) fn weight_of_glow(context: &Context, here: &Shading) -> [f32; LANES] {
     let mut out = [1.0; LANES];
-    let Some(emitters) = context.emitters else { return out };
+    let Some(emitters) = context.scene.emitters else { return out };
     let mut part = [0; LANES];
     let [mut squared, mut cosine] = [[0.0; LANES]; 2];
     for lane in 0..LANES {
-        part[lane] = context.geometry.part_index(here.surfaces.triangle[lane]);
+        part[lane] = context.scene.geometry.part_index(here.surfaces.triangle[lane]);
         let mut along = 0.0;
         for axis in 0..3 {
             let way = here.packet.rays.origin[axis][lane] - here.surfaces.position[axis][lane];
@@ -356,7 +356,7 @@ fn add_unless_hidden(context: &Context, here: &Shading, arriving: &Gain, gain: &
         return 0;
     }
     let mut rays = Rays { origin: arriving.start, direction: arriving.to_light, far: arriving.far, ..Rays::EMPTY };
-    context.engine.occluded(&lit, &mut rays, here.coherence);
+    context.scene.engine.occluded(&lit, &mut rays, here.coherence);
     for lane in 0..LANES {
         let free = (lit.0[lane] != 0) & (rays.far[lane] >= 0.0);
         for c in 0..3 {

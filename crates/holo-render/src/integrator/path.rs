@@ -18,7 +18,7 @@
 //! Rays after the last event only need to know whether they reach the sky, unless something in the scene glows.
 //!
 //! **Samples.** One sample goes through the pixel's centre; more are spread over the pixel (a box filter), see
-//! [`Context::points`].
+//! [`crate::Sampling`].
 
 use ndarray::ArrayViewMut5;
 
@@ -27,12 +27,13 @@ use super::depth::count;
 use super::shade::{self, Shading};
 use super::{Context, RayCounts, lights};
 use crate::accel::{Coherence, LANES, RayHits, Rays};
+use crate::camera::tile::Tile;
+use crate::camera::{CameraRays, PixelPacket};
 use crate::dispatch::Kernel;
 use crate::light::STRONGEST;
 use crate::paths::{PathPacket, Paths};
 use crate::refine;
 use crate::surface::{HitPoints, Surfaces};
-use crate::tile::Tile;
 
 /// Neighbouring lanes on different triangles, of 15, from which on rays are taken for incoherent (measured).
 const MANY_CHANGES: u32 = 11;
@@ -74,15 +75,15 @@ impl Kernel for PathTile<'_, '_> {
             now: Paths::default(),
             next: Paths::default(),
         };
-        for block in self.tile.blocks() {
-            work.sequences.push(context.sequences(&context.tables.pixels(block)));
+        for pixels in context.camera.packets(self.tile) {
+            work.sequences.push(context.sampler.sequences(&pixels.numbers));
         }
-        for first in (0..context.samples).step_by(TOGETHER as usize) {
-            let end = context.samples.min(first + TOGETHER);
+        for first in (0..context.sampler.samples).step_by(TOGETHER as usize) {
+            let end = context.sampler.samples.min(first + TOGETHER);
             if context.stop.requested() {
                 return work.counts;
             }
-            for event in 0..=context.max_bounces {
+            for event in 0..=context.policy.max_bounces {
                 work.trace(self.tile, event, [first, end]);
                 work.now.clear();
                 std::mem::swap(&mut work.now, &mut work.next);
@@ -95,8 +96,8 @@ impl Kernel for PathTile<'_, '_> {
                 break;
             }
         }
-        let scale = work.samples.average(&mut work.color, context.samples);
-        self.tile.scatter(&work.color, scale, &mut self.color);
+        let scale = work.samples.average(&mut work.color, context.sampler.samples);
+        self.tile.write(&work.color, scale, &mut self.color);
         work.counts
     }
 }
@@ -134,35 +135,35 @@ impl Work<'_> {
         let context = self.context;
         self.now.sort_by_direction();
         // What scattered rays hit after the last event does not matter any more unless it glows.
-        let sky_alone = event == context.max_bounces && !context.has_glow;
+        let sky_alone = event == context.policy.max_bounces && !context.scene.has_glow;
         // The first event's rays start close together, and if there are many, neighbours in direction are close as well.
         // Later ones start all over the scene.
         let dense = !sky_alone && event == 1 && self.now.len() >= DENSE;
         let coherence = if dense { Coherence::Coherent } else { Coherence::Incoherent };
         let per_sample = self.color.len();
         let packets = if event == 0 { per_sample * (end - first) as usize } else { self.now.len().div_ceil(LANES) };
-        let mut blocks = tile.blocks();
+        let mut blocks = context.camera.packets(tile);
         let mut packet = RayHits::EMPTY;
         for k in 0..packets {
             packet.reset();
             let mut traced = if event == 0 {
                 let index = k % per_sample;
                 if index == 0 {
-                    blocks = tile.blocks();
+                    blocks = context.camera.packets(tile);
                 }
-                let Some(block) = blocks.next() else { return };
+                let Some(pixels) = blocks.next() else { return };
                 if !self.samples.wanted(index) {
                     continue;
                 }
                 let sample = first + (k / per_sample) as u32;
-                self.camera_rays(block, index, sample, &mut packet)
+                self.camera_rays(&pixels, index, sample, &mut packet)
             } else {
                 self.scattered_rays(k, coherence, sky_alone, &mut packet)
             };
             let mut gain = [[0.0; LANES]; 3];
             let missed = lights::missed(&packet, &traced.paths.valid, sky_alone);
             add_escaping(context, &packet.rays, &missed, &traced.paths, &mut gain);
-            let found = Surfaces::new(context.appearance, context.geometry, &packet, &traced.points);
+            let found = Surfaces::new(context.scene.appearance, context.scene.geometry, &packet, &traced.points);
             if let Some(surfaces) = &found {
                 let mut hit = surfaces.hit;
                 for lane in 0..LANES {
@@ -185,20 +186,18 @@ impl Work<'_> {
 
     /// One ray through every pixel of a packet.
     #[inline(always)]
-    fn camera_rays(&mut self, block: [usize; 4], index: usize, sample: u32, packet: &mut RayHits) -> Traced {
+    fn camera_rays(&mut self, pixels: &PixelPacket, index: usize, sample: u32, packet: &mut RayHits) -> Traced {
         let context = self.context;
-        let pixels = context.tables.pixels(block);
         let sequences = self.sequences[index];
-        let points = if context.samples > 1 { Some(context.points(&pixels, sample)) } else { None };
-        let rays = context.tables.fill(&pixels, points.as_ref(), packet);
-        context.engine.intersect(&pixels.valid, packet, Coherence::Coherent);
+        let CameraRays { exact, weight } = context.camera.sample(pixels, &context.sampler, sample, packet);
+        context.scene.engine.intersect(&pixels.valid, packet, Coherence::Coherent);
         self.counts.primary += count(&pixels.valid);
-        let refined = refine::refine(context.geometry, packet, &rays);
+        let refined = refine::refine(context.scene.geometry, packet, &exact);
         let mut paths = PathPacket {
             valid: pixels.valid,
             density: [f32::INFINITY; LANES],
             pixel: [0; LANES],
-            throughput: [[1.0; LANES]; 3],
+            throughput: [weight; 3],
             sample: [sample; LANES],
             goes_on: [true; LANES],
         };
@@ -206,7 +205,7 @@ impl Work<'_> {
             paths.pixel[lane] = (index * LANES + lane) as u32;
         }
         let coherence = coherence(packet);
-        Traced { paths, sequences, points: HitPoints::primary(&rays, &refined), coherence }
+        Traced { paths, sequences, points: HitPoints::primary(&exact, &refined), coherence }
     }
 
     /// The packet number `k` of the rays that the event before scattered. `sky_alone`: all that counts is which leave the
@@ -217,16 +216,16 @@ impl Work<'_> {
         let paths = self.now.packet(k, &mut packet.rays);
         self.counts.other += count(&paths.valid);
         if sky_alone {
-            context.engine.occluded(&paths.valid, &mut packet.rays, coherence);
+            context.scene.engine.occluded(&paths.valid, &mut packet.rays, coherence);
         } else {
-            context.engine.intersect(&paths.valid, packet, coherence);
+            context.scene.engine.intersect(&paths.valid, packet, coherence);
         }
         let mut sequences = [0; LANES];
         for lane in 0..LANES {
             let pixel = paths.pixel[lane] as usize;
             sequences[lane] = self.sequences[pixel / LANES][pixel % LANES];
         }
-        let points = if sky_alone { HitPoints::NONE } else { HitPoints::secondary(context.geometry, packet) };
+        let points = if sky_alone { HitPoints::NONE } else { HitPoints::secondary(context.scene.geometry, packet) };
         Traced { paths, sequences, points, coherence: Coherence::Incoherent }
     }
 
@@ -263,7 +262,7 @@ fn add_escaping(
     paths: &PathPacket,
     gain: &mut [[f32; LANES]; 3],
 ) {
-    if !missed.contains(&true) || !context.shines_from_beyond() {
+    if !missed.contains(&true) || !context.scene.shines_from_beyond() {
         return;
     }
     let radiance = lights::beyond(context, &rays.direction, &paths.density);

@@ -180,7 +180,7 @@ impl Glossy {
         let surfaces = here.surfaces;
         let zero = [[0.0; LANES]; 3];
         let mut out = Self {
-            bsdf: context.appearance.scattering(context.geometry, here.packet, surfaces),
+            bsdf: context.scene.appearance.scattering(context.scene.geometry, here.packet, surfaces),
             lanes: [false; LANES],
             axes: [zero; 3],
             out: zero,

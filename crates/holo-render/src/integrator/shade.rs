@@ -8,7 +8,7 @@ use crate::accel::{Coherence, LANES, RayHits, at};
 use crate::appearance::Kinds;
 use crate::light::STRONGEST;
 use crate::paths::{self, Path, PathPacket, Paths, Sample};
-use crate::sampling::{self, Draw, Purpose};
+use crate::sampling::{Draw, Purpose};
 use crate::surface::Surfaces;
 
 /// From this event on (counted from 0) paths are subject to roulette.
@@ -56,7 +56,7 @@ pub(crate) fn shade(context: &Context, here: &mut Shading, gain: &mut [[f32; LAN
             here.paths.throughput[c][lane] = if here.hit[lane] { carried } else { 0.0 };
         }
     }
-    if here.event >= context.max_bounces || !any {
+    if here.event >= context.policy.max_bounces || !any {
         return 0;
     }
     let scatterer = Scatterer::new(context, here);
@@ -79,7 +79,7 @@ fn attenuate(context: &Context, here: &mut Shading) {
         }
         length[lane] = squared.sqrt();
     }
-    let left = context.appearance.attenuation(context.geometry, here.surfaces, &length);
+    let left = context.scene.appearance.attenuation(context.scene.geometry, here.surfaces, &length);
     for c in 0..3 {
         for lane in 0..LANES {
             here.paths.throughput[c][lane] *= left[c][lane];
@@ -92,8 +92,8 @@ fn attenuate(context: &Context, here: &mut Shading) {
 fn add_glow(context: &Context, here: &mut Shading, gain: &mut [[f32; LANES]; 3]) {
     let surfaces = here.surfaces;
     let hits = &here.packet.hits;
-    let glow = context.appearance.emission(
-        context.geometry,
+    let glow = context.scene.appearance.emission(
+        context.scene.geometry,
         &surfaces.triangle,
         [&hits.u, &hits.v],
         &surfaces.side,
@@ -114,14 +114,14 @@ fn add_glow(context: &Context, here: &mut Shading, gain: &mut [[f32; LANES]; 3])
 #[inline(always)]
 fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut Paths) {
     let purpose = |draw| Purpose::event(here.event, draw);
-    let numbers = sampling::points_at(here.sequences, &here.paths.sample, purpose(Draw::Direction));
-    let rolls = context.roulette && here.event >= ROULETTE_FROM;
+    let numbers = context.sampler.points(here.sequences, &here.paths.sample, purpose(Draw::Direction));
+    let rolls = context.policy.roulette && here.event >= ROULETTE_FROM;
     let [choice, survival] = if rolls || scatterer.is_glossy() {
-        sampling::points_at(here.sequences, &here.paths.sample, purpose(Draw::Choice))
+        context.sampler.points(here.sequences, &here.paths.sample, purpose(Draw::Choice))
     } else {
         [[0.0; LANES]; 2]
     };
-    let scattered = scatterer.scatter(here, context.needs_density(), &numbers, &choice);
+    let scattered = scatterer.scatter(here, context.scene.needs_density(), &numbers, &choice);
     let mut throughput = [[0.0; LANES]; 3];
     for c in 0..3 {
         for lane in 0..LANES {
@@ -144,7 +144,7 @@ fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut 
                 direction: at(&scattered.direction, lane),
                 pixel: here.paths.pixel[lane],
                 throughput,
-                sample: Sample::new(here.paths.sample[lane], context.indirect | scattered.sharp[lane]),
+                sample: Sample::new(here.paths.sample[lane], context.policy.indirect | scattered.sharp[lane]),
             };
             next.push(path, cells[lane]);
         }

@@ -6,12 +6,11 @@
 use ndarray::ArrayViewMut5;
 
 use super::Context;
-use crate::accel::{LANES, NO_TRIANGLE, RayHits};
+use crate::accel::{ExactRays, LANES, NO_TRIANGLE, RayHits};
+use crate::camera::tile::Tile;
 use crate::layers::{Layer, LayerSet, Layers};
-use crate::primary::ExactRays;
 use crate::refine::Refined;
 use crate::surface::Surfaces;
-use crate::tile::Tile;
 
 /// Layers that need more than the triangle: the vertices' normals, the material's textures.
 const OF_SURFACES: LayerSet = LayerSet::of(&[Layer::ShadingNormal, Layer::Albedo]);
@@ -78,13 +77,13 @@ impl Truth {
 
     /// Writes the tile.
     #[inline(always)]
-    pub fn scatter(&self, tile: &Tile, out: &mut TruthTile) {
+    pub fn write(&self, tile: &Tile, out: &mut TruthTile) {
         for (layer, field) in out.iter_mut() {
             let k = layer as usize;
             if layer.channels() == 1 {
-                tile.scatter(&self.numbers[k], 1.0, field);
+                tile.write(&self.numbers[k], 1.0, field);
             } else {
-                tile.scatter(&self.vectors[k], 1.0, field);
+                tile.write(&self.vectors[k], 1.0, field);
             }
         }
     }
@@ -114,7 +113,7 @@ fn ray_length(seen: &Seen) -> [f32; LANES] {
 fn disparity(context: &Context, seen: &Seen) -> [f32; LANES] {
     let mut out = [0.0; LANES];
     for lane in 0..LANES {
-        out[lane] = context.disparity.from_depth_m(seen.refined.depth[lane]) as f32;
+        out[lane] = context.camera.disparity().from_depth_m(seen.refined.depth[lane]) as f32;
     }
     out
 }
@@ -134,7 +133,7 @@ fn object_id(context: &Context, seen: &Seen) -> [f32; LANES] {
     for lane in 0..LANES {
         let hit = seen.packet.hit(lane);
         if hit.triangle != NO_TRIANGLE {
-            out[lane] = (context.geometry.part(context.geometry.part_index(hit)).object + 1) as f32;
+            out[lane] = (context.scene.geometry.part(context.scene.geometry.part_index(hit)).object + 1) as f32;
         }
     }
     out
@@ -146,8 +145,8 @@ fn material_id(context: &Context, seen: &Seen) -> [f32; LANES] {
     for lane in 0..LANES {
         let hit = seen.packet.hit(lane);
         if hit.triangle != NO_TRIANGLE {
-            let part = context.geometry.part_index(hit);
-            out[lane] = (context.geometry.part(part).material + 1) as f32;
+            let part = context.scene.geometry.part_index(hit);
+            out[lane] = (context.scene.geometry.part(part).material + 1) as f32;
         }
     }
     out
@@ -200,7 +199,7 @@ fn albedo(seen: &Seen) -> [[f32; LANES]; 3] {
 #[inline(always)]
 fn unit_in_world(context: &Context, normal: &[[f64; LANES]; 3]) -> [[f32; LANES]; 3] {
     let mut out = [[0.0; LANES]; 3];
-    let [right, up, back] = &context.to_world;
+    let [right, up, back] = &context.scene.to_world;
     for lane in 0..LANES {
         let [x, y, z] = [normal[0][lane], normal[1][lane], normal[2][lane]];
         let mut world = [0.0; 3];

@@ -10,8 +10,9 @@ use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
 use super::*;
 use crate::accel::tests::{cube, geometry, soup};
 use crate::accel::{Backend, Coherence, Engine, build};
-use crate::primary::RigTables;
-use crate::tile::Tiling;
+use crate::camera::RaySource;
+use crate::camera::rig::RigRays;
+use crate::camera::tile::{Selection, Tiling};
 
 const BOUND: f64 = 1e-10;
 
@@ -32,14 +33,14 @@ fn rig() -> Rig {
 
 /// Every ray of the rig with its depth, infinite without a hit.
 fn trace(geometry: &Geometry, engine: &dyn Engine) -> Vec<Found> {
-    let tiling = Tiling::new([40, 60, 3, 5]);
-    let tables = RigTables::new(&rig(), &tiling);
+    let selection = Selection::whole(rig().split());
+    let tiling = Tiling::new(selection.counts());
+    let camera = RaySource::Rig(RigRays::new(&rig(), &tiling, &selection, 4));
     let mut found = Vec::new();
     for tile in tiling.tiles() {
-        for block in tile.blocks() {
-            let pixels = tables.pixels(block);
+        for pixels in camera.packets(&tile) {
             let mut packet = RayHits::EMPTY;
-            let rays = tables.fill(&pixels, None, &mut packet);
+            let rays = camera.chief(&pixels, &mut packet);
             engine.intersect(&pixels.valid, &mut packet, Coherence::Coherent);
             let refined = refine(geometry, &packet, &rays);
             for lane in (0..LANES).filter(|&lane| pixels.valid.0[lane] != 0) {

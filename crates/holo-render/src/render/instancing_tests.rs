@@ -4,6 +4,7 @@ use holo_core::{GridSize, Intrinsics, Projection, RigParameters, Split};
 
 use super::*;
 use crate::accel::{Coherence, LANES, RayHits};
+use crate::camera::tile::{Selection, Tiling};
 use crate::geometry::{FLATTENED, Hit};
 use crate::refine;
 use holo_scene::{Instance, Light, LightKind, Material, Mesh, Texture, TextureUse, Wrap};
@@ -130,14 +131,14 @@ struct Found {
 
 /// What every ray of the rig hits.
 fn trace(renderer: &Renderer) -> Vec<Found> {
-    let tiling = Tiling::new([60, 90, 4, 4]);
-    let tables = RigTables::new(&rig(), &tiling);
+    let selection = Selection::whole(rig().split());
+    let tiling = Tiling::new(selection.counts());
+    let camera = RaySource::Rig(RigRays::new(&rig(), &tiling, &selection, 4));
     let mut out = Vec::new();
     let mut packet = RayHits::EMPTY;
     for tile in tiling.tiles() {
-        for block in tile.blocks() {
-            let pixels = tables.pixels(block);
-            let rays = tables.fill(&pixels, None, &mut packet);
+        for pixels in camera.packets(&tile) {
+            let rays = camera.chief(&pixels, &mut packet);
             renderer.engine.intersect(&pixels.valid, &mut packet, Coherence::Coherent);
             let refined = refine::refine(&renderer.geometry, &packet, &rays);
             for lane in (0..LANES).filter(|&lane| pixels.valid.0[lane] != 0) {

@@ -2,10 +2,17 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use holo_core::{Intrinsics, Projection, RigParameters};
+use holo_core::{GridSize, Intrinsics, Projection, RigParameters, Split, ViewIndex};
 use ndarray::Array5;
 
+use super::image::{light_fields, tiles, zeros};
+use super::request::MOST_NUMBERED;
 use super::*;
+use crate::camera::tile::{Selection, Tiling};
+use crate::dispatch;
+use crate::integrator::depth::DepthTile;
+use crate::integrator::path::PathTile;
+use crate::layers::Layer;
 use holo_scene::gallery;
 use holo_scene::{Alpha, Environment, Material};
 
@@ -24,6 +31,11 @@ fn garden() -> (Renderer, Request) {
     let sky = [0.3, 0.4, 0.5];
     let ground_truth = GroundTruth::Central;
     (renderer, Request { integrator: Integrator::Direct, samples: 2, seed: 3, sky, ground_truth, ..Request::new(rig) })
+}
+
+fn region(split: &Split, pixels: usize) -> Region {
+    let selection = Selection::whole(split);
+    Region { tiling: Tiling::with_tiles_of(selection.counts(), pixels), selection }
 }
 
 /// The whole chain - rays, refinement, shading, random numbers, sky, layers - gives the same bits without vectors, with
@@ -51,8 +63,9 @@ fn every_instruction_set_gives_the_same_picture() {
     scene.environment = Some(Environment { radiance });
     let renderer = Renderer::new(&scene, &pose, Backend::Bvh, 1).expect("a renderer");
     let stop = Stop::new(&());
-    let tiling = Tiling::new([1, 60, 5, 6]);
-    let context = renderer.context(&request, Integrator::Path, &tiling, &stop);
+    let region = region(request.rig.split(), 10_000);
+    let context = renderer.context(&request, Integrator::Path, &region, &stop);
+    let tiling = &region.tiling;
     let [tile] = tiling.tiles()[..] else { panic!("one tile is enough for this rig") };
     // Every kernel writes into a picture of its own.
     let mut pictures: Vec<Array5<f32>> = vec![Array5::zeros((1, 60, 5, 6, 3)); 3];
@@ -70,7 +83,7 @@ fn every_instruction_set_gives_the_same_picture() {
     let mut truths: Vec<_> = (0..3).map(|_| light_fields(*request.rig.split(), LayerSet::ALL).expect("room")).collect();
     let mut parts = truths.iter_mut();
     let sets = dispatch::run_on_all(|| {
-        let out = tiles(parts.next().expect("three sets at most"), &tiling).pop().expect("a tile");
+        let out = tiles(parts.next().expect("three sets at most"), tiling).pop().expect("a tile");
         DepthTile { context: &context, tile: &tile, out }
     });
     for set in 0..sets.len() {
@@ -91,14 +104,15 @@ fn the_size_of_tiles_changes_nothing() {
     let rig = Rig::new(RigParameters { split, ..*request.rig.parameters() }).expect("a rig");
     let picture = |integrator: Integrator, pixels: usize| {
         let request = Request { rig, integrator, samples: 4, ..request.clone() };
-        let (stop, tiling) = (Stop::new(&()), Tiling::with_tiles_of([7, 30, 5, 6], pixels));
-        let context = renderer.context(&request, integrator, &tiling, &stop);
+        let (stop, region) = (Stop::new(&()), region(&split, pixels));
+        let context = renderer.context(&request, integrator, &region, &stop);
+        let tiling = &region.tiling;
         let (mut color, mut truth) =
             (zeros(split, 3).expect("room"), light_fields(split, LayerSet::ALL).expect("room"));
         for (tile, color) in tiling.tiles().iter().zip(tiling.cut(color.samples_mut())) {
             dispatch::run(PathTile { context: &context, tile, color });
         }
-        for (tile, out) in tiling.tiles().iter().zip(tiles(&mut truth, &tiling)) {
+        for (tile, out) in tiling.tiles().iter().zip(tiles(&mut truth, tiling)) {
             dispatch::run(DepthTile { context: &context, tile, out });
         }
         (color, truth, tiling.tiles().len())
@@ -182,10 +196,14 @@ fn poses_that_are_no_camera_are_errors() {
 fn the_views_of_a_block_share_the_points_of_the_pixel() {
     let (renderer, request) = garden();
     let stop = Stop::new(&());
-    let tiling = Tiling::new([1, 60, 8, 8]);
-    let context = renderer.context(&request, request.integrator, &tiling, &stop);
-    let points = |block, sample| {
-        let [x, y] = context.points(&context.tables.pixels(block), sample);
+    let split = Split::new(GridSize::new(8, 8), GridSize::new(1, 60)).expect("sizes");
+    let rig = Rig::new(RigParameters { split, ..*request.rig.parameters() }).expect("a rig");
+    let region = region(&split, 8192);
+    let context = renderer.context(&Request { rig, ..request.clone() }, request.integrator, &region, &stop);
+    let tiles = region.tiling.tiles();
+    let packets: Vec<_> = tiles.iter().flat_map(|tile| context.camera.packets(tile)).collect();
+    let points = |[_, u, t, s]: [usize; 4], sample| {
+        let [x, y] = context.sampler.pixel_positions(&packets[(u * 2 + t) * 2 + s].numbers, sample);
         assert!(x.iter().all(|a| *a == x[0]) && y.iter().all(|a| *a == y[0]), "{x:?} {y:?}");
         [x[0], y[0]]
     };
@@ -198,4 +216,39 @@ fn the_views_of_a_block_share_the_points_of_the_pixel() {
         visited.insert(here.map(|p| (p * 4.0) as u32));
     }
     assert_eq!(visited.len(), 16, "{visited:?}");
+}
+
+/// Some views alone are what they are among all of them: one, the corners, more than a packet holds, one twice.
+#[test]
+fn a_list_of_views_gives_the_pixels_of_the_whole() {
+    let (renderer, request) = garden();
+    let ground_truth = GroundTruth::All;
+    let whole = Request { ground_truth, layers: LayerSet::ALL, max_bounces: 3, ..request };
+    for integrator in [Integrator::Depth, Integrator::Path] {
+        let whole = Request { integrator, ..whole.clone() };
+        let all = renderer.render(&whole, &()).expect("a render");
+        let corners = [[0, 0], [0, 5], [4, 0], [4, 5]].map(|[row, column]| ViewIndex::new(row, column));
+        let many = (0..23).map(|k| ViewIndex::new(k % 5, (k * 7) % 6)).collect();
+        for list in [vec![ViewIndex::new(3, 1)], corners.to_vec(), many, vec![ViewIndex::new(2, 2); 2]] {
+            let some = renderer.render(&Request { views: Views::List(list.clone()), ..whole.clone() }, &());
+            let some = some.expect("a render");
+            assert_eq!(some.central, all.central, "the central view is not of the list");
+            let (some_all, all_all) = (some.all.expect("layers"), all.all.as_ref().expect("layers"));
+            for (k, view) in list.iter().enumerate() {
+                for layer in Layer::ALL {
+                    let expected = all_all[layer].view(view.row, view.column).expect("a view");
+                    assert_eq!(some_all[layer].view(0, k).expect("a view"), expected, "{layer} of {view:?}");
+                }
+                if let (Some(some), Some(all)) = (&some.color, &all.color) {
+                    let expected = all.view(view.row, view.column).expect("a view");
+                    // Without a target error nothing of a pixel depends on its neighbors.
+                    assert_eq!(some.view(0, k).expect("a view"), expected, "{integrator:?}, {view:?}");
+                }
+            }
+        }
+    }
+    for bad in [vec![], vec![ViewIndex::new(5, 0)], vec![ViewIndex::new(0, 6)]] {
+        let refused = renderer.render(&Request { views: Views::List(bad), ..whole.clone() }, &());
+        assert!(matches!(refused, Err(Error::BadSetting(_))));
+    }
 }

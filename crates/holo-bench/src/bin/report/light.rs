@@ -1,8 +1,7 @@
 //! Time against noise of every integrator and engine, on scenes with every kind of light.
 
 use holo_core::{GridSize, LightFieldOwned};
-use holo_render::bench::{Sampler, set_sampler};
-use holo_render::{Backend, Integrator, Renderer, Request};
+use holo_render::{Backend, Integrator, Renderer, Request, Sampling};
 
 use crate::plot::{Plot, Series};
 use crate::scenes::{Ready, light, name, sky, word};
@@ -36,11 +35,11 @@ impl Setting {
         }
     }
 
-    fn sampler(self) -> Sampler {
+    fn sampling(self) -> Sampling {
         match self {
-            Self::Usual | Self::NoRoulette => Sampler::Shared,
-            Self::OwnPlaces => Sampler::Own,
-            Self::Independent => Sampler::Independent,
+            Self::Usual | Self::NoRoulette => Sampling::SharedPositions,
+            Self::OwnPlaces => Sampling::OwnPositions,
+            Self::Independent => Sampling::Independent,
         }
     }
 }
@@ -164,12 +163,12 @@ impl Work<'_> {
         let mut usual = Vec::new();
         for (engine, setting) in lines(&self.wish.engines, integrator) {
             let renderer = ready.renderer(engine, 0);
-            set_sampler(setting.sampler());
             let mut points = Vec::new();
             for (k, &samples) in self.samples.iter().enumerate() {
                 // What takes long scatters little.
                 let rounds = if samples > 4 { self.wish.rounds.min(3) } else { self.wish.rounds };
-                let request = Request { samples, roulette: setting != Setting::NoRoulette, ..request.clone() };
+                let (roulette, sampling) = (setting != Setting::NoRoulette, setting.sampling());
+                let request = Request { samples, roulette, sampling, ..request.clone() };
                 let measured = Measured::new(rounds, &renderer, &request, &reference);
                 points.push((measured.seconds.median, measured.relative));
                 if usual.len() == k {
@@ -200,7 +199,6 @@ impl Work<'_> {
                 plotted.push((format!("{scene}, {}", name(engine)), points));
             }
         }
-        set_sampler(Sampler::Shared);
         plotted
     }
 }

@@ -2,8 +2,7 @@
 
 use holo_core::metrics::{Region, best_constant, best_plane, disparity_scores};
 use holo_core::{Effort, GridSize, PlaneSweepOptions, plane_sweep};
-use holo_render::bench::{Sampler, set_sampler};
-use holo_render::{Integrator, Layer, Request, exposure};
+use holo_render::{Integrator, Layer, Request, Sampling, exposure};
 
 use crate::plot::{Plot, Series};
 use crate::scenes::{Ready, sky};
@@ -11,12 +10,12 @@ use crate::sheet::{Sheet, short, timed};
 use crate::{Section, Wish};
 
 /// Efforts and the samplers of the pictures that they are tried on: all of them on pictures as they are usually made.
-const TRIED: [(Effort, Sampler, &str, &str); 5] = [
-    (Effort::Draft, Sampler::Shared, "draft", "as usual"),
-    (Effort::Fast, Sampler::Shared, "fast", "as usual"),
-    (Effort::Balanced, Sampler::Shared, "balanced", "as usual"),
-    (Effort::Thorough, Sampler::Shared, "thorough", "as usual"),
-    (Effort::Balanced, Sampler::Own, "balanced", "places of its own in every view"),
+const TRIED: [(Effort, Sampling, &str, &str); 5] = [
+    (Effort::Draft, Sampling::SharedPositions, "draft", "as usual"),
+    (Effort::Fast, Sampling::SharedPositions, "fast", "as usual"),
+    (Effort::Balanced, Sampling::SharedPositions, "balanced", "as usual"),
+    (Effort::Thorough, Sampling::SharedPositions, "thorough", "as usual"),
+    (Effort::Balanced, Sampling::OwnPositions, "balanced", "places of its own in every view"),
 ];
 
 pub fn section(wish: &Wish) -> Section {
@@ -40,16 +39,15 @@ pub fn section(wish: &Wish) -> Section {
         let renderer = ready.renderer(wish.engines[0], 0);
         let integrator = Integrator::Direct;
         let request = Request { integrator, samples, sky: sky(scene_name), ..Request::new(ready.rig) };
-        let render = |sampler| {
-            set_sampler(sampler);
+        let render = |sampling| {
+            let request = Request { sampling, ..request.clone() };
             let rendered = renderer.render(&request, &()).expect("a render");
-            set_sampler(Sampler::Shared);
             let color = rendered.color.expect("a picture");
             let stops = exposure::automatic_exposure(&color);
             let coded = exposure::encode_8bit(&color, stops).expect("a picture");
             (coded, rendered.central[Layer::Disparity].index_axis(ndarray::Axis(2), 0).to_owned())
         };
-        let ((usual, truth), (own, _)) = (render(Sampler::Shared), render(Sampler::Own));
+        let ((usual, truth), (own, _)) = (render(Sampling::SharedPositions), render(Sampling::OwnPositions));
         let finite = truth.iter().copied().filter(|d| d.is_finite());
         let (low, high) = finite.fold((f32::MAX, f32::MIN), |(low, high), d| (low.min(d), high.max(d)));
         let region = Region::with_border(15);
@@ -58,14 +56,14 @@ pub fn section(wish: &Wish) -> Section {
         let mut points = Vec::new();
         for (effort, sampler, name, sampling) in TRIED {
             let options = PlaneSweepOptions { effort, disparity_min_px: low - 0.1, disparity_max_px: high + 0.1 };
-            let coded = if sampler == Sampler::Shared { &usual } else { &own };
+            let coded = if sampler == Sampling::SharedPositions { &usual } else { &own };
             let (seconds, estimate) =
                 timed(wish.rounds.min(3), || plane_sweep(coded, &options).expect("an estimate").disparity_px);
             let scores = disparity_scores(&estimate, &truth, &region).expect("maps of one size");
-            if sampler == Sampler::Shared {
+            if sampler == Sampling::SharedPositions {
                 points.push((seconds.median, scores.bad_pixels_percent[2]));
             }
-            if (effort, sampler) == (Effort::Balanced, Sampler::Shared) {
+            if (effort, sampler) == (Effort::Balanced, Sampling::SharedPositions) {
                 highlights.push([
                     format!("depth from stereo: `{scene_name}`, {name}"),
                     format!("{} s", seconds.text()),

@@ -1,0 +1,71 @@
+//! Which pixels a render makes, and how they are cut into tiles.
+
+use holo_core::{GridSize, Split};
+
+use super::request::{Request, Views};
+use crate::camera::tile::{SelectedViews, Selection, Tiling};
+use crate::error::Error;
+use crate::integrator::{Integrator, path};
+
+/// Some pixels of a light field, cut into tiles.
+pub(super) struct Region {
+    pub selection: Selection,
+    pub tiling: Tiling,
+}
+
+/// The pixels of color, of layers of all views, and of those of the central one.
+pub(super) struct Plan {
+    pub color: Region,
+    pub all: Region,
+    pub central: Region,
+}
+
+impl Region {
+    /// Tiles are cut as if all rows of lenses were wanted; then the wanted ones are taken.
+    fn new(request: &Request, views: SelectedViews, tile: impl Fn([usize; 4]) -> Tiling) -> Self {
+        let whole = Selection { views, ..Selection::whole(request.rig.split()) };
+        let tiling = tile(whole.counts());
+        let lens_rows = request.lens_rows();
+        Self { tiling: tiling.lens_rows(lens_rows.len()), selection: Selection { lens_rows, ..whole } }
+    }
+
+    /// Views and lenses of its light field.
+    pub fn split(&self) -> Result<Split, Error> {
+        let [v, u, t, s] = self.selection.counts();
+        Ok(Split::new(GridSize::new(t, s), GridSize::new(v, u))?)
+    }
+}
+
+impl Plan {
+    pub fn new(request: &Request, integrator: Integrator) -> Self {
+        let split = request.rig.split();
+        let views = match &request.views {
+            Views::All => SelectedViews::Grid([split.views().rows, split.views().columns]),
+            Views::List(list) => {
+                SelectedViews::List(list.iter().map(|view| [view.row as u32, view.column as u32]).collect())
+            }
+        };
+        let (t, s) = split.central_view();
+        let pixels = path::tile_pixels(request.samples, request.bounces(integrator));
+        Self {
+            color: Region::new(request, views.clone(), |counts| Tiling::with_tiles_of(counts, pixels)),
+            all: Region::new(request, views, Tiling::new),
+            central: Region::new(request, SelectedViews::List(vec![[t as u32, s as u32]]), Tiling::new),
+        }
+    }
+
+    /// Lens rows between which nothing changes if the rest is rendered elsewhere: scattered rays are sorted and traced tile
+    /// by tile, ground truth packet by packet.
+    pub fn row_step(&self) -> usize {
+        let steps = [self.color.tiling.tile_rows(), self.all.tiling.packet_rows(), self.central.tiling.packet_rows()];
+        steps.into_iter().fold(1, least_common_multiple)
+    }
+}
+
+fn least_common_multiple(a: usize, b: usize) -> usize {
+    let (mut x, mut y) = (a, b);
+    while y != 0 {
+        (x, y) = (y, x % y);
+    }
+    a / x * b
+}

@@ -1,0 +1,47 @@
+//! Tiles on all threads.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
+use crate::camera::tile::{Tile, Tiling};
+use crate::error::Error;
+use crate::integrator::RayCounts;
+use crate::progress::{Progress, Stop};
+
+/// Tiles on all threads, with progress and a way to stop.
+pub(super) struct Work<'a> {
+    progress: &'a dyn Progress,
+    stop: &'a Stop<'a>,
+    total: u64,
+    done: AtomicU64,
+}
+
+impl<'a> Work<'a> {
+    pub fn new(progress: &'a dyn Progress, stop: &'a Stop<'a>, total: u64) -> Self {
+        Self { progress, stop, total, done: AtomicU64::new(0) }
+    }
+
+    pub fn run<P: Send>(
+        &self,
+        tiling: &Tiling,
+        parts: Vec<P>,
+        trace: impl Fn(&Tile, P) -> RayCounts + Sync,
+    ) -> Result<RayCounts, Error> {
+        let tiles = tiling.tiles();
+        debug_assert_eq!(tiles.len(), parts.len());
+        tiles
+            .par_iter()
+            .zip(parts)
+            .map(|(tile, part)| {
+                if self.stop.requested() {
+                    return Err(Error::Cancelled);
+                }
+                let rays = trace(tile, part);
+                let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+                self.progress.advance(done, self.total);
+                Ok(rays)
+            })
+            .try_reduce(RayCounts::default, |a, b| Ok(a + b))
+    }
+}
