@@ -78,7 +78,7 @@ fn measure(case: &str, storage_name: &str, views: usize, rounds: usize) {
     };
     let (mut seconds, built) = build();
     let peak = peak_mib();
-    let rig = framed.rig(framed.automatic_focus_m(&built).expect("a focus")).expect("a rig");
+    let rig = framed.rig(built.automatic_focus_m(&framed).expect("a focus")).expect("a rig");
     let render = |integrator, ground_truth| {
         let request = Request { integrator, ground_truth, ..Request::new(rig) };
         let start = Instant::now();

@@ -74,7 +74,7 @@ pub fn scene_rig(arguments: impl Iterator<Item = String>) -> Setup {
     };
     let framed = framing.frame(&scene).expect("a camera");
     let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
-    let focus = framed.automatic_focus_m(&renderer).expect("a focus");
+    let focus = renderer.automatic_focus_m(&framed).expect("a focus");
     let rig = framed.rig(focus).expect("a rig");
     Setup { scene, pose: framed.pose, rig, rounds, name }
 }

@@ -99,7 +99,7 @@ pub(crate) fn prepare(
     report_backend(&renderer, diagnostics);
     let focus = match rig.focus {
         Focus::Meters(distance) => distance,
-        Focus::Automatic => framed.automatic_focus_m(&renderer).map_err(|e| blame(scene, e))?,
+        Focus::Automatic => renderer.automatic_focus_m(&framed).map_err(|e| blame(scene, e))?,
     };
     let rig = framed.rig(focus).map_err(|e| blame(scene, e))?;
     Ok(Prepared { loaded, framed, renderer, rig, load_seconds, build_seconds })

@@ -11,16 +11,17 @@ pub(crate) mod brute_force;
 pub(crate) mod bvh;
 #[allow(unsafe_code)]
 pub(crate) mod embree;
-pub(crate) mod holes;
 mod packet;
+pub(crate) mod refine;
 pub(crate) mod triangle;
 
 use std::sync::Arc;
 
-pub(crate) use packet::{ExactRays, LANES, Lanes, NO_TRIANGLE, RayHits, Rays, at};
+pub(crate) use packet::{ExactRays, NO_TRIANGLE, RayHits, Rays};
 
 use crate::error::Error;
 use crate::geometry::{Geometry, Instancing};
+use crate::simd::Lanes;
 
 /// Which engine finds the hits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

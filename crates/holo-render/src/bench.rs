@@ -9,15 +9,16 @@ use std::time::Instant;
 use holo_core::Rig;
 use rayon::prelude::*;
 
-use crate::accel::{Backend, Coherence, LANES, Lanes, NO_TRIANGLE, RayHits};
+use crate::accel::{Backend, Coherence, NO_TRIANGLE, RayHits};
 use crate::camera::RaySource;
 use crate::camera::rig::RigRays;
 use crate::camera::tile::{Selection, Tile, Tiling};
-use crate::dispatch::{self, Kernel};
 use crate::error::Error;
 use crate::geometry::Instancing;
-use crate::integrator::depth::count;
 use crate::render::Renderer;
+use crate::simd::count;
+use crate::simd::{self, Kernel};
+use crate::simd::{LANES, Lanes};
 
 use holo_scene::{Scene, Transform};
 
@@ -84,7 +85,7 @@ pub fn trace(renderer: &Renderer, rig: &Rig, work: Work) -> Traced {
         tiles
             .par_iter()
             .zip(&mut kept)
-            .map(|(tile, kept)| dispatch::run(TraceTile { renderer, source: &source, tile, work, kept }))
+            .map(|(tile, kept)| simd::run(TraceTile { renderer, source: &source, tile, work, kept }))
             .reduce(|| (0, 0, 0.0), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2))
     });
     let seconds = match work {

@@ -15,8 +15,9 @@ pub(crate) mod tile;
 
 use holo_core::Disparity;
 
-use crate::accel::{ExactRays, LANES, Lanes, RayHits};
+use crate::accel::{ExactRays, RayHits};
 use crate::sampling::{PixelNumbers, Sampler};
+use crate::simd::{LANES, Lanes};
 use rig::{RigPixels, RigRays};
 use tile::{Blocks, Tile};
 

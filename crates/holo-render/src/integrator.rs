@@ -1,22 +1,22 @@
 //! From rays to values: one integrator a file.
 
-mod adaptive;
 pub(crate) mod auto;
 pub(crate) mod depth;
 pub(crate) mod direct;
 mod lights;
 pub(crate) mod path;
+mod paths;
 mod scatterer;
 mod shade;
 pub(crate) mod truth;
 
 use crate::accel::Engine;
-use crate::appearance::Appearance;
 use crate::camera::RaySource;
-use crate::emitters::Emitters;
-use crate::environment::Surroundings;
 use crate::geometry::Geometry;
+use crate::light::Emitters;
 use crate::light::PreparedLight;
+use crate::light::Surroundings;
+use crate::material::Appearance;
 use crate::progress::Stop;
 use crate::sampling::Sampler;
 

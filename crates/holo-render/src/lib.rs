@@ -29,7 +29,7 @@
 //! };
 //! let framed = framing.frame(&scene)?;
 //! let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0)?;
-//! let rig = framed.rig(framed.automatic_focus_m(&renderer)?)?;
+//! let rig = framed.rig(renderer.automatic_focus_m(&framed)?)?;
 //! let request = Request {
 //!     sky: [0.2, 0.24, 0.32],
 //!     max_bounces: 3,
@@ -45,38 +45,28 @@
 // Allowed in two files: the Embree seam and the SIMD dispatch.
 #![deny(unsafe_code)]
 
-pub mod exposure;
-pub mod layers;
-
 mod accel;
-mod angles;
-mod appearance;
 #[cfg(feature = "bench")]
 #[doc(hidden)]
 pub mod bench;
-mod bsdf;
 mod camera;
-#[allow(unsafe_code)]
-mod dispatch;
-mod emitters;
-mod environment;
 mod error;
+mod film;
 mod geometry;
 mod integrator;
 mod light;
-mod paths;
+mod material;
 mod progress;
-mod refine;
 mod render;
 mod sampling;
-mod surface;
-mod texture;
+mod simd;
 
 pub use accel::Backend;
 pub use camera::framing::{Baseline, CameraChoice, Framed, Framing};
 pub use error::Error;
+pub use film::layers::{Layer, LayerSet, Layers};
+pub use film::{exposure, layers};
 pub use integrator::{Integrator, RayCounts};
-pub use layers::{Layer, LayerSet, Layers};
 pub use progress::Progress;
 pub use render::{GroundTruth, Rendered, Renderer, Request, Views};
 pub use sampling::Sampling;

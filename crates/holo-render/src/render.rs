@@ -8,7 +8,7 @@ mod work;
 use std::ops::Range;
 use std::sync::Arc;
 
-use holo_core::Rig;
+use holo_core::{Projection, Rig};
 use holo_scene::{Scene, Transform};
 use ndarray::Array3;
 
@@ -16,19 +16,20 @@ pub use self::request::{GroundTruth, Rendered, Request, Views};
 
 use self::plan::{Plan, Region};
 use self::request::DEPTH_AND_DISPARITY;
-use crate::accel::holes::{Cover, Holes};
 use crate::accel::{self, Backend, Engine};
-use crate::appearance::{Appearance, Kinds};
 use crate::camera::RaySource;
+use crate::camera::framing::Framed;
 use crate::camera::rig::RigRays;
-use crate::emitters::Emitters;
-use crate::environment::Surroundings;
 use crate::error::Error;
+use crate::film::layers::{LayerSet, Layers};
 use crate::geometry::{Geometry, Instancing};
 use crate::integrator::auto::{self, Contents};
 use crate::integrator::{Context, Integrator, Policy, SceneData};
-use crate::layers::{LayerSet, Layers};
+use crate::light::Emitters;
+use crate::light::Surroundings;
 use crate::light::{self, PreparedLight};
+use crate::material::{Appearance, Kinds};
+use crate::material::{Cover, Holes};
 use crate::progress::{Progress, Stop};
 use crate::sampling::Sampler;
 
@@ -185,6 +186,26 @@ impl Renderer {
     /// As [`Renderer::render`].
     pub fn central_truth(&self, rig: &Rig) -> Result<Layers<Array3<f32>>, Error> {
         self.central_layers(rig, DEPTH_AND_DISPARITY)
+    }
+
+    /// The focus distance that halves the range of disparities: the harmonic mean of the nearest and the farthest depth
+    /// in the central view (of the perspective rig focused at infinity). Infinite where that view sees nothing.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`]; an orthographic rig that sees nothing.
+    pub fn automatic_focus_m(&self, framed: &Framed) -> Result<f64, Error> {
+        let truth = self.central_truth(&framed.rig_with(Projection::Perspective, f64::INFINITY)?)?;
+        let hits = truth.depth_m().into_iter().flatten().filter(|z| z.is_finite()).map(|&z| f64::from(z));
+        let (near, far) = hits.fold((f64::INFINITY, 0.0f64), |(near, far), z| (near.min(z), far.max(z)));
+        if far > 0.0 {
+            return Ok(2.0 / (1.0 / near + 1.0 / far));
+        }
+        match framed.projection {
+            Projection::Perspective => Ok(f64::INFINITY),
+            Projection::Orthographic => Err(Error::BadSetting(
+                "the central view sees nothing to focus on; give a focus distance (--focus-m)".into(),
+            )),
+        }
     }
 
     /// What the integrators read over the packets of `region`.

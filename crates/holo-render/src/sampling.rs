@@ -9,8 +9,8 @@
 //! 32-bit lanes without branches, so that 16 pixels are drawn at once: 49 ns for two pairs of 16 pixels where the
 //! crate `sobol_burley` takes 406 ns (one core of an AMD EPYC with AVX-512).
 
-use crate::accel::LANES;
-use crate::angles::sin_cos_quarter;
+use crate::simd::LANES;
+use crate::simd::angles::sin_cos_quarter;
 
 /// Samples a pixel at most. The sequence is longer, but a sum of so many f32 is off by up to 2^-9 if all roundings fall
 /// to one side.

@@ -20,7 +20,7 @@ fn disparities_suit_dense_views() {
         };
         let framed = framing.frame(scene).expect(name);
         let renderer = Renderer::new(scene, &framed.pose, Backend::Auto, 0).expect(name);
-        let rig = framed.rig(framed.automatic_focus_m(&renderer).expect(name)).expect(name);
+        let rig = framed.rig(renderer.automatic_focus_m(&framed).expect(name)).expect(name);
         let truth = renderer.central_truth(&rig).expect(name);
         let disparity = truth.disparity_px().expect(name);
         let depth = truth.depth_m().expect(name);

@@ -9,6 +9,7 @@
 //! clippy   clippy over all that needs HDF5, warnings denied
 //! fuzz     build every fuzz target and run each for some seconds
 //! sanitize the renderer's tests under AddressSanitizer and ThreadSanitizer, parts under Miri (nightly)
+//! rooms    the modules of every library and what they import of each other; circles are errors
 //! package  build each library from its package alone
 //! bench    setup + the benchmarks
 //! report   setup + speed against error, measured anew into report/; --peers: beside Mitsuba and Blender
@@ -24,6 +25,7 @@ mod peers;
 mod pip;
 mod process;
 mod renderers;
+mod rooms;
 mod sanitize;
 mod test;
 
@@ -42,6 +44,7 @@ fn main() -> ExitCode {
         Some("embree") => embree::fetch(),
         Some("fuzz") => fuzz::run(rest),
         Some("package") => package::run(),
+        Some("rooms") => rooms::run(),
         Some("sanitize") => embree::ensure().and_then(|()| sanitize::run(rest)),
         Some("bench") => setup().and_then(|()| {
             if let Err(why) = peers::ensure() {
@@ -56,7 +59,7 @@ fn main() -> ExitCode {
             process::cargo_with(&[&report, strs(rest).as_slice()].concat(), environment)
         }),
         _ => Err(
-            "usage: cargo xtask setup | build | demo | test | clippy | embree | fuzz [SECONDS [TARGET..]] | package | \
+            "usage: cargo xtask setup | build | demo | test | clippy | embree | fuzz [SECONDS [TARGET..]] | package | rooms | \
                   bench | report [--quick] [--peers] [--out DIR] | sanitize [address] [thread] [miri]"
                 .into(),
         ),

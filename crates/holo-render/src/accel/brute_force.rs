@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::{Coherence, Engine, LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
+use super::{Coherence, Engine, NO_TRIANGLE, RayHits, Rays};
 use crate::geometry::{self, Geometry};
+use crate::simd::{LANES, Lanes};
 
 /// The engine of tests.
 pub(crate) struct BruteForce {

@@ -17,8 +17,9 @@ use obvhs::cwbvh::builder::build_cwbvh;
 use obvhs::ray::{Ray, RayHit};
 
 use super::triangle::{ShearedRay, TriangleHit};
-use super::{Coherence, Engine, LANES, Lanes, NO_TRIANGLE, RayHits, Rays, at};
+use super::{Coherence, Engine, NO_TRIANGLE, RayHits, Rays};
 use crate::geometry::{Geometry, Hit};
+use crate::simd::{LANES, Lanes, at};
 
 /// The pure-Rust engine.
 pub(crate) struct Bvh {

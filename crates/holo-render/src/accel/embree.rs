@@ -23,9 +23,10 @@ use std::sync::{Arc, OnceLock};
 
 use libloading::Library;
 
-use super::{Coherence, Engine, LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
+use super::{Coherence, Engine, NO_TRIANGLE, RayHits, Rays};
 use crate::error::Error;
 use crate::geometry::{FLATTENED, Geometry};
+use crate::simd::{LANES, Lanes};
 
 /// An opaque object of Embree.
 type Handle = *mut c_void;

@@ -1,27 +1,13 @@
 //! Sixteen rays and their hits, laid out as Embree's `RTCRayHit16`.
 
 use crate::geometry::{FLATTENED, Hit};
-
-/// Rays in a packet.
-pub(crate) const LANES: usize = 16;
+use crate::simd::{LANES, Lanes};
 
 /// The triangle of a ray that hit nothing (Embree's `RTC_INVALID_GEOMETRY_ID`).
 pub(crate) const NO_TRIANGLE: u32 = u32::MAX;
 
 /// Where rays begin: a camera that lies exactly on a surface does not see it.
 const NEAREST: f32 = f32::MIN_POSITIVE;
-
-/// One value a ray, aligned as Embree wants it.
-#[repr(C, align(64))]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Lanes<T>(pub [T; LANES]);
-
-/// One lane of a vector field. (Closures such as those of `array::map` are not compiled for the kernel's instruction set;
-/// hot code is written with loops and with this.)
-#[inline(always)]
-pub(crate) fn at(field: &[[f32; LANES]; 3], lane: usize) -> [f32; 3] {
-    [field[0][lane], field[1][lane], field[2][lane]]
-}
 
 /// `RTCRay16`: 12 words a ray.
 #[repr(C, align(64))]

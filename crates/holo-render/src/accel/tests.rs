@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::geometry::Instancing;
+use crate::simd::{LANES, Lanes};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
 
 /// A small generator with a stated formula (SplitMix64), so that tests mean the same everywhere.

@@ -6,7 +6,6 @@
 use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split, automatic_baseline_m};
 
 use crate::error::Error;
-use crate::render::Renderer;
 use holo_scene::{Camera, CameraLens, Scene, Transform};
 
 /// How a rig is wanted.
@@ -59,7 +58,7 @@ pub struct Framed {
     /// Which camera this is, for people.
     pub camera: String,
     split: Split,
-    projection: Projection,
+    pub(crate) projection: Projection,
 }
 
 /// Vertical angle of view of the camera that is made up for a scene without one, rad (40 degrees).
@@ -98,7 +97,7 @@ impl Framed {
         self.rig_with(self.projection, focus_distance_m)
     }
 
-    fn rig_with(&self, projection: Projection, focus_distance_m: f64) -> Result<Rig, Error> {
+    pub(crate) fn rig_with(&self, projection: Projection, focus_distance_m: f64) -> Result<Rig, Error> {
         Ok(Rig::new(RigParameters {
             split: self.split,
             intrinsics: self.intrinsics,
@@ -107,26 +106,6 @@ impl Framed {
             focus_distance_m,
             projection,
         })?)
-    }
-
-    /// The focus distance that halves the range of disparities: the harmonic mean of the nearest and the farthest depth
-    /// in the central view (of the perspective rig focused at infinity). Infinite where that view sees nothing.
-    ///
-    /// # Errors
-    /// As [`Renderer::render`]; an orthographic rig that sees nothing.
-    pub fn automatic_focus_m(&self, renderer: &Renderer) -> Result<f64, Error> {
-        let truth = renderer.central_truth(&self.rig_with(Projection::Perspective, f64::INFINITY)?)?;
-        let hits = truth.depth_m().into_iter().flatten().filter(|z| z.is_finite()).map(|&z| f64::from(z));
-        let (near, far) = hits.fold((f64::INFINITY, 0.0f64), |(near, far), z| (near.min(z), far.max(z)));
-        if far > 0.0 {
-            return Ok(2.0 / (1.0 / near + 1.0 / far));
-        }
-        match self.projection {
-            Projection::Perspective => Ok(f64::INFINITY),
-            Projection::Orthographic => Err(Error::BadSetting(
-                "the central view sees nothing to focus on; give a focus distance (--focus-m)".into(),
-            )),
-        }
     }
 }
 

@@ -6,8 +6,9 @@
 use holo_core::{Disparity, Projection, Rig};
 
 use super::tile::{Selection, Tiling};
-use crate::accel::{ExactRays, LANES, Lanes, RayHits};
+use crate::accel::{ExactRays, RayHits};
 use crate::sampling::PixelNumbers;
+use crate::simd::{LANES, Lanes};
 
 /// The lanes of a packet along one axis of the light field: which index each has, and what the rig makes of it.
 pub(crate) struct AxisLanes {

@@ -8,7 +8,7 @@ use std::ops::Range;
 use holo_core::Split;
 use ndarray::{ArrayViewMut5, Axis};
 
-use crate::accel::LANES;
+use crate::simd::LANES;
 
 /// About this many pixels make a tile: few enough to stay in the cache.
 const PIXELS: usize = 8192;

@@ -2,11 +2,11 @@
 
 use super::truth::{self, Seen, Truth, TruthTile};
 use super::{Context, RayCounts};
-use crate::accel::{Coherence, LANES, Lanes, RayHits};
+use crate::accel::refine;
+use crate::accel::{Coherence, RayHits};
 use crate::camera::tile::Tile;
-use crate::dispatch::Kernel;
-use crate::refine;
-use crate::surface::{HitPoints, Surfaces};
+use crate::material::{HitPoints, Surfaces};
+use crate::simd::{Kernel, count};
 
 /// The integrator over one tile.
 pub(crate) struct DepthTile<'a, 'b> {
@@ -60,14 +60,4 @@ impl DepthTile<'_, '_> {
         }
         primary
     }
-}
-
-/// Valid lanes.
-#[inline(always)]
-pub(crate) fn count(valid: &Lanes<i32>) -> u64 {
-    let mut count = 0;
-    for lane in 0..LANES {
-        count -= valid.0[lane];
-    }
-    count as u64
 }

@@ -9,13 +9,15 @@
 //! of them, drawn by that (Talbot et al., "Importance Resampling for Global Illumination", 2005).
 
 use super::Context;
-use super::depth::count;
 use super::scatterer::Scatterer;
 use super::shade::Shading;
-use crate::accel::{LANES, Lanes, NO_TRIANGLE, RayHits, Rays};
+use crate::accel::{NO_TRIANGLE, RayHits, Rays};
 use crate::geometry::Hit;
-use crate::light::{PreparedLight, SHADOW_REACH, STRONGEST};
+use crate::light::{PreparedLight, SHADOW_REACH};
 use crate::sampling::{Draw, Points, Purpose};
+use crate::simd::count;
+use crate::simd::{LANES, Lanes};
+use holo_scene::MAX_RADIANCE;
 
 /// Up to this many lights the first event asks every one.
 const ALL_LIGHTS: usize = 8;
@@ -214,7 +216,7 @@ fn arrived(here: &Shading, scatterer: &Scatterer, arriving: &Arriving) -> Gain {
         let factor = if asked > 0.0 { factor } else { 0.0 };
         for c in 0..3 {
             let sent = here.paths.throughput[c][lane] * response.value[c][lane];
-            gain[c][lane] = (sent * (arriving.strength[c][lane] * factor)).min(STRONGEST);
+            gain[c][lane] = (sent * (arriving.strength[c][lane] * factor)).min(MAX_RADIANCE);
         }
     }
     Gain { gain, start: response.start, to_light: arriving.to_light, far: arriving.far }
@@ -272,7 +274,7 @@ impl Reservoir {
         for lane in 0..LANES {
             let factor = if self.weight[lane] > 0.0 { self.total[lane] / self.weight[lane] } else { 0.0 };
             for c in 0..3 {
-                out.gain[c][lane] = (out.gain[c][lane] * factor).min(STRONGEST);
+                out.gain[c][lane] = (out.gain[c][lane] * factor).min(MAX_RADIANCE);
             }
         }
         out

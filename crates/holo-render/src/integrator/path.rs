@@ -14,7 +14,7 @@
 //! the probability (5 % at least) and counts for as much more; unbiased, and it can be switched off.
 //!
 //! **In which order.** A tile's paths advance together, one event at a time: its camera rays first, in packets of
-//! neighbouring views, then all rays that the first event scattered, sorted by direction ([`crate::paths`]), and so on.
+//! neighbouring views, then all rays that the first event scattered, sorted by direction ([`super::paths`]), and so on.
 //! Rays after the last event only need to know whether they reach the sky, unless something in the scene glows.
 //!
 //! **Samples.** One sample goes through the pixel's centre; more are spread over the pixel (a box filter), see
@@ -22,18 +22,19 @@
 
 use ndarray::ArrayViewMut5;
 
-use super::adaptive::Samples;
-use super::depth::count;
+use super::paths::{PathPacket, Paths};
 use super::shade::{self, Shading};
 use super::{Context, RayCounts, lights};
-use crate::accel::{Coherence, LANES, RayHits, Rays};
+use crate::accel::refine;
+use crate::accel::{Coherence, RayHits, Rays};
 use crate::camera::tile::Tile;
 use crate::camera::{CameraRays, PixelPacket};
-use crate::dispatch::Kernel;
-use crate::light::STRONGEST;
-use crate::paths::{PathPacket, Paths};
-use crate::refine;
-use crate::surface::{HitPoints, Surfaces};
+use crate::film::adaptive::Samples;
+use crate::material::{HitPoints, Surfaces};
+use crate::simd::Kernel;
+use crate::simd::LANES;
+use crate::simd::count;
+use holo_scene::MAX_RADIANCE;
 
 /// Neighbouring lanes on different triangles, of 15, from which on rays are taken for incoherent (measured).
 const MANY_CHANGES: u32 = 11;
@@ -71,11 +72,12 @@ impl Kernel for PathTile<'_, '_> {
             counts: RayCounts::default(),
             color: vec![[[0.0f32; LANES]; 3]; self.tile.packet_count()],
             sequences: Vec::with_capacity(self.tile.packet_count()),
-            samples: Samples::new(context, self.tile),
+            samples: Samples::new(context.policy.target_error, self.tile.packet_count()),
             now: Paths::default(),
             next: Paths::default(),
         };
         for pixels in context.camera.packets(self.tile) {
+            work.samples.push(&pixels.valid);
             work.sequences.push(context.sampler.sequences(&pixels.numbers));
         }
         for first in (0..context.sampler.samples).step_by(TOGETHER as usize) {
@@ -268,7 +270,7 @@ fn add_escaping(
     let radiance = lights::beyond(context, &rays.direction, &paths.density);
     for lane in 0..LANES {
         for c in 0..3 {
-            let found = (paths.throughput[c][lane] * radiance[c][lane]).min(STRONGEST);
+            let found = (paths.throughput[c][lane] * radiance[c][lane]).min(MAX_RADIANCE);
             gain[c][lane] += if missed[lane] { found } else { 0.0 };
         }
     }

@@ -1,4 +1,4 @@
-//! Sixteen surfaces as they scatter light: Lambert's law where that is all, [`crate::bsdf`] where a packet meets more.
+//! Sixteen surfaces as they scatter light: Lambert's law where that is all, [`crate::material::bsdf`] where a packet meets more.
 //!
 //! A lane's result does not depend on its neighbours: Lambertian lanes are computed by the same few operations whether
 //! the packet meets glossy surfaces or not.
@@ -7,11 +7,11 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::Context;
 use super::shade::Shading;
-use crate::accel::{LANES, at};
-use crate::appearance::Kinds;
-use crate::bsdf::Bsdf;
+use crate::material::Kinds;
+use crate::material::Surfaces;
+use crate::material::bsdf::Bsdf;
 use crate::sampling::{self, Points};
-use crate::surface::Surfaces;
+use crate::simd::{LANES, at};
 
 /// Viewers look at a glossy surface from at least this cosine above its shading normal's plane; a normal that is turned
 /// away further (at the rim of smooth-shaded meshes) is bent towards them.

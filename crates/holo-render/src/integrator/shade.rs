@@ -3,13 +3,14 @@
 
 use super::Context;
 use super::lights;
+use super::paths::{self, Path, PathPacket, Paths, Sample};
 use super::scatterer::Scatterer;
-use crate::accel::{Coherence, LANES, RayHits, at};
-use crate::appearance::Kinds;
-use crate::light::STRONGEST;
-use crate::paths::{self, Path, PathPacket, Paths, Sample};
+use crate::accel::{Coherence, RayHits};
+use crate::material::Kinds;
+use crate::material::Surfaces;
 use crate::sampling::{Draw, Purpose};
-use crate::surface::Surfaces;
+use crate::simd::{LANES, at};
+use holo_scene::MAX_RADIANCE;
 
 /// From this event on (counted from 0) paths are subject to roulette.
 const ROULETTE_FROM: u32 = 2;
@@ -104,7 +105,7 @@ fn add_glow(context: &Context, here: &mut Shading, gain: &mut [[f32; LANES]; 3])
         let unlit = here.hit[lane] & surfaces.kinds[lane].has(Kinds::UNLIT);
         for c in 0..3 {
             let shown = if unlit { surfaces.base_color[c][lane] } else { glow[c][lane] * weight[lane] };
-            gain[c][lane] += (shown * here.paths.throughput[c][lane]).min(STRONGEST);
+            gain[c][lane] += (shown * here.paths.throughput[c][lane]).min(MAX_RADIANCE);
         }
         here.hit[lane] &= !unlit;
     }
@@ -125,7 +126,7 @@ fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut 
     let mut throughput = [[0.0; LANES]; 3];
     for c in 0..3 {
         for lane in 0..LANES {
-            throughput[c][lane] = (here.paths.throughput[c][lane] * scattered.weight[c][lane]).min(STRONGEST);
+            throughput[c][lane] = (here.paths.throughput[c][lane] * scattered.weight[c][lane]).min(MAX_RADIANCE);
         }
     }
     if rolls {

@@ -1,16 +1,17 @@
 //! Layers of one tile, packet by packet: what sixteen exact rays through the pixels' centres see first.
 //!
-//! The engine finds the triangle in f32, [`crate::refine`] gives the depth and the triangle's normal in f64; every layer
-//! is computed from those before it is rounded to f32. What the layers mean is told in [`crate::layers`].
+//! The engine finds the triangle in f32, [`crate::accel::refine`] gives the depth and the triangle's normal in f64; every layer
+//! is computed from those before it is rounded to f32. What the layers mean is told in [`crate::film::layers`].
 
 use ndarray::ArrayViewMut5;
 
 use super::Context;
-use crate::accel::{ExactRays, LANES, NO_TRIANGLE, RayHits};
+use crate::accel::refine::Refined;
+use crate::accel::{ExactRays, NO_TRIANGLE, RayHits};
 use crate::camera::tile::Tile;
-use crate::layers::{Layer, LayerSet, Layers};
-use crate::refine::Refined;
-use crate::surface::Surfaces;
+use crate::film::layers::{Layer, LayerSet, Layers};
+use crate::material::Surfaces;
+use crate::simd::LANES;
 
 /// Layers that need more than the triangle: the vertices' normals, the material's textures.
 const OF_SURFACES: LayerSet = LayerSet::of(&[Layer::ShadingNormal, Layer::Albedo]);

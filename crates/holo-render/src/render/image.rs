@@ -8,14 +8,14 @@ use super::plan::{Plan, Region};
 use super::request::{GroundTruth, Rendered, Request, Views};
 use super::work::Work;
 use crate::camera::tile::{Tile, Tiling};
-use crate::dispatch;
 use crate::error::Error;
+use crate::film::layers::{LayerSet, Layers};
 use crate::integrator::depth::DepthTile;
 use crate::integrator::path::PathTile;
 use crate::integrator::truth::TruthTile;
 use crate::integrator::{Context, Integrator, RayCounts};
-use crate::layers::{LayerSet, Layers};
 use crate::progress::{Progress, Stop};
+use crate::simd;
 
 impl Renderer {
     /// Renders on this thread's pool.
@@ -43,7 +43,7 @@ impl Renderer {
         if let Some(color) = &mut color {
             let context = self.context(request, integrator, &plan.color, &stop);
             let tiling = &plan.color.tiling;
-            let trace = |tile: &Tile, color| dispatch::run(PathTile { context: &context, tile, color });
+            let trace = |tile: &Tile, color| simd::run(PathTile { context: &context, tile, color });
             rays = work.run(tiling, tiling.cut(color.samples_mut()), trace)?;
             // Every sample has one ray from the camera.
             samples = rays.primary;
@@ -93,7 +93,7 @@ fn trace_truth(
     work: &Work,
     fields: &mut Layers<LightFieldOwned<f32>>,
 ) -> Result<RayCounts, Error> {
-    work.run(tiling, tiles(fields, tiling), |tile, out| dispatch::run(DepthTile { context, tile, out }))
+    work.run(tiling, tiles(fields, tiling), |tile, out| simd::run(DepthTile { context, tile, out }))
 }
 
 /// All layers cut into the same tiles.

@@ -3,10 +3,11 @@
 use holo_core::{GridSize, Intrinsics, Projection, RigParameters, Split};
 
 use super::*;
-use crate::accel::{Coherence, LANES, RayHits};
+use crate::accel::refine;
+use crate::accel::{Coherence, RayHits};
 use crate::camera::tile::{Selection, Tiling};
 use crate::geometry::{FLATTENED, Hit};
-use crate::refine;
+use crate::simd::LANES;
 use holo_scene::{Instance, Light, LightKind, Material, Mesh, Texture, TextureUse, Wrap};
 
 /// A bumpy ball of radius about 1 around `center`: `2 * side * side` triangles with normals, coordinates and colours.

@@ -6,11 +6,11 @@ use holo_core::{LightFieldOwned, Rig, ViewIndex};
 use ndarray::Array3;
 
 use crate::error::Error;
+use crate::film::layers::{Layer, LayerSet, Layers};
 use crate::geometry::LARGEST_COORDINATE;
 use crate::integrator::{Integrator, RayCounts, direct};
-use crate::layers::{Layer, LayerSet, Layers};
-use crate::light::STRONGEST;
 use crate::sampling::{MOST_SAMPLES, Sampling};
+use holo_scene::MAX_RADIANCE;
 
 /// Scattering events at most: far more than any scene needs, far less than the purposes of random numbers.
 const MOST_BOUNCES: u32 = 65_536;
@@ -139,8 +139,8 @@ impl Request {
         if split.lenses().count() > u32::MAX as usize || split.views().count() > u32::MAX as usize {
             return Err(Error::BadSetting("2^32 or more lenses or views".into()));
         }
-        if self.sky.iter().any(|c| !(0.0..=STRONGEST).contains(c)) {
-            return Err(Error::BadSetting(format!("the sky {:?} must lie between 0 and {STRONGEST:e}", self.sky)));
+        if self.sky.iter().any(|c| !(0.0..=MAX_RADIANCE).contains(c)) {
+            return Err(Error::BadSetting(format!("the sky {:?} must lie between 0 and {MAX_RADIANCE:e}", self.sky)));
         }
         // Rays are linear in all indices: what the corners are, no ray between them exceeds.
         let (lenses, views) = (split.lenses(), split.views());

@@ -9,10 +9,10 @@ use super::image::{light_fields, tiles, zeros};
 use super::request::MOST_NUMBERED;
 use super::*;
 use crate::camera::tile::{Selection, Tiling};
-use crate::dispatch;
+use crate::film::layers::Layer;
 use crate::integrator::depth::DepthTile;
 use crate::integrator::path::PathTile;
-use crate::layers::Layer;
+use crate::simd;
 use holo_scene::gallery;
 use holo_scene::{Alpha, Environment, Material};
 
@@ -70,7 +70,7 @@ fn every_instruction_set_gives_the_same_picture() {
     // Every kernel writes into a picture of its own.
     let mut pictures: Vec<Array5<f32>> = vec![Array5::zeros((1, 60, 5, 6, 3)); 3];
     let mut parts = pictures.iter_mut();
-    let counts = dispatch::run_on_all(|| {
+    let counts = simd::run_on_all(|| {
         let color = parts.next().expect("three sets at most").view_mut();
         PathTile { context: &context, tile: &tile, color }
     });
@@ -82,7 +82,7 @@ fn every_instruction_set_gives_the_same_picture() {
 
     let mut truths: Vec<_> = (0..3).map(|_| light_fields(*request.rig.split(), LayerSet::ALL).expect("room")).collect();
     let mut parts = truths.iter_mut();
-    let sets = dispatch::run_on_all(|| {
+    let sets = simd::run_on_all(|| {
         let out = tiles(parts.next().expect("three sets at most"), tiling).pop().expect("a tile");
         DepthTile { context: &context, tile: &tile, out }
     });
@@ -110,10 +110,10 @@ fn the_size_of_tiles_changes_nothing() {
         let (mut color, mut truth) =
             (zeros(split, 3).expect("room"), light_fields(split, LayerSet::ALL).expect("room"));
         for (tile, color) in tiling.tiles().iter().zip(tiling.cut(color.samples_mut())) {
-            dispatch::run(PathTile { context: &context, tile, color });
+            simd::run(PathTile { context: &context, tile, color });
         }
         for (tile, out) in tiling.tiles().iter().zip(tiles(&mut truth, tiling)) {
-            dispatch::run(DepthTile { context: &context, tile, out });
+            simd::run(DepthTile { context: &context, tile, out });
         }
         (color, truth, tiling.tiles().len())
     };

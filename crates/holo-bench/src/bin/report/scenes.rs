@@ -26,7 +26,7 @@ impl Ready {
         };
         let framed = framing.frame(&scene).expect("a camera");
         let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
-        let focus = framed.automatic_focus_m(&renderer).expect("a focus");
+        let focus = renderer.automatic_focus_m(&framed).expect("a focus");
         Self { rig: framed.rig(focus).expect("a rig"), pose: framed.pose, scene }
     }
 

@@ -18,6 +18,7 @@
 use std::f64::consts::TAU;
 
 use super::*;
+use crate::simd::{LANES, Lanes};
 
 /// A closed mesh and points inside.
 struct Closed {

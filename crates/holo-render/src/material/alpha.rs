@@ -1,0 +1,182 @@
+//! Surfaces with holes: an engine around another one that lets rays pass where the alpha of a material says so.
+//!
+//! A ray that meets a triangle where it does not count is sent on from there. Engines need to know nothing of it, and a
+//! scene without alpha never comes here. Surfaces that are nearer to each other than 5e-7 of their distance count as one.
+//!
+//! A share of rays ([`holo_scene::Alpha::Blend`]) is drawn by a hash of the ray and the triangle: every sample of a
+//! pixel has its own ray. The ground truth, which has one ray, takes a surface from a share of one half on, as Blender's
+//! depth pass does.
+
+use std::sync::Arc;
+
+use crate::accel::{Coherence, Engine, NO_TRIANGLE, RayHits, Rays};
+use crate::geometry::Geometry;
+use crate::material::Appearance;
+use crate::sampling::hash;
+use crate::simd::{LANES, Lanes};
+
+/// Which rays a surface that covers a share of them stops.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Cover {
+    /// That share.
+    Random,
+    /// All from one half on.
+    Half,
+}
+
+/// An engine that respects alpha.
+pub(crate) struct Holes {
+    pub inner: Arc<dyn Engine>,
+    pub geometry: Arc<Geometry>,
+    pub appearance: Arc<Appearance>,
+    pub cover: Cover,
+}
+
+/// Layers that a ray can pass; what lies behind so many is not seen.
+const MOST_LAYERS: usize = 1 << 16;
+
+impl Holes {
+    /// The valid lanes whose ray passes the triangle that it hit.
+    fn passing(&self, valid: &Lanes<i32>, packet: &RayHits) -> Lanes<i32> {
+        let mut passes = Lanes([0; LANES]);
+        for lane in 0..LANES {
+            let hit = packet.hit(lane);
+            if valid.0[lane] == 0 || hit.triangle == NO_TRIANGLE {
+                continue;
+            }
+            let place = [packet.hits.u[lane], packet.hits.v[lane]];
+            let opacity = self.appearance.opacity(&self.geometry, hit, place);
+            let threshold = match self.cover {
+                Cover::Half => 0.5,
+                // Never 0: what is not there stops nothing.
+                Cover::Random if opacity < 1.0 => number(&packet.rays, lane, hit.triangle),
+                Cover::Random => 0.5,
+            };
+            passes.0[lane] = -i32::from(opacity < threshold);
+        }
+        passes
+    }
+}
+
+impl Engine for Holes {
+    fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits, coherence: Coherence) {
+        let far = packet.rays.far;
+        self.inner.intersect(valid, packet, coherence);
+        let mut going = *valid;
+        for _ in 0..MOST_LAYERS {
+            going = self.passing(&going, packet);
+            if going.0 == [0; LANES] {
+                return;
+            }
+            for lane in (0..LANES).filter(|&lane| going.0[lane] != 0) {
+                packet.rays.near[lane] = beyond(packet.rays.far[lane]);
+                packet.rays.far[lane] = far[lane];
+                packet.hits.triangle[lane] = NO_TRIANGLE;
+                packet.hits.geometry[lane] = NO_TRIANGLE;
+                packet.hits.instance[lane] = NO_TRIANGLE;
+            }
+            self.inner.intersect(&going, packet, coherence);
+        }
+    }
+
+    fn occluded(&self, valid: &Lanes<i32>, rays: &mut Rays, coherence: Coherence) {
+        let mut packet = RayHits { rays: *rays, ..RayHits::EMPTY };
+        self.intersect(valid, &mut packet, coherence);
+        for lane in 0..LANES {
+            if valid.0[lane] != 0 && packet.hits.triangle[lane] != NO_TRIANGLE {
+                rays.far[lane] = f32::NEG_INFINITY;
+            }
+        }
+    }
+
+    fn name(&self) -> &str {
+        self.inner.name()
+    }
+}
+
+/// Just behind the place at `distance`: further than the engine's rounding of it.
+fn beyond(distance: f32) -> f32 {
+    (distance * (1.0 + 5e-7)).max(f32::MIN_POSITIVE)
+}
+
+/// A random number above 0, up to 1, of a ray and a triangle.
+fn number(rays: &Rays, lane: usize, triangle: u32) -> f32 {
+    let mut state = triangle.wrapping_mul(0x9E37_79B9);
+    for axis in 0..3 {
+        state = hash(state ^ rays.origin[axis][lane].to_bits());
+        state = hash(state ^ rays.direction[axis][lane].to_bits());
+    }
+    ((state >> 8) + 1) as f32 * (1.0 / 16_777_216.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::{Backend, build};
+    use crate::geometry::Instancing;
+    use holo_scene::{Alpha, Instance, Material, Mesh, Scene, Transform};
+
+    /// Ten squares one behind the other at 1, 2, .. m, all but the last of them with `alpha`.
+    fn stack(alpha: Alpha, share: f32) -> (Arc<Geometry>, Arc<Appearance>) {
+        let paned = Material { base_color: [1.0, 1.0, 1.0, share], alpha, ..Material::default() };
+        let mut scene = Scene { materials: vec![paned, Material::default()], ..Scene::default() };
+        for k in 0..10 {
+            let z = -1.0 - k as f32;
+            scene.meshes.push(Mesh {
+                positions: vec![[-9.0, -9.0, z], [9.0, -9.0, z], [9.0, 9.0, z], [-9.0, 9.0, z]],
+                triangles: vec![[0, 1, 2], [0, 2, 3]],
+                material: usize::from(k == 9),
+                ..Mesh::default()
+            });
+            scene.instances.push(Instance { name: String::new(), mesh: k, transform: Transform::IDENTITY });
+        }
+        let geometry = Geometry::build(&scene, &Transform::IDENTITY, Instancing::Never).unwrap();
+        (Arc::new(geometry), Arc::new(Appearance::new(&scene.materials, &scene.textures)))
+    }
+
+    /// Depths of 4096 rays.
+    fn depths(alpha: Alpha, share: f32, cover: Cover) -> Vec<f32> {
+        let (geometry, appearance) = stack(alpha, share);
+        let inner: Arc<dyn Engine> = Arc::from(build(Backend::Bvh, &geometry, 1).unwrap().0);
+        let holes = Holes { inner, geometry, appearance, cover };
+        let mut out = Vec::new();
+        for k in 0..256 {
+            let mut packet = RayHits::EMPTY;
+            for lane in 0..LANES {
+                packet.rays.direction[0][lane] = (k * LANES + lane) as f32 * 1e-4;
+                packet.rays.direction[1][lane] = 0.1;
+            }
+            let valid = Lanes([-1; LANES]);
+            let mut shadow = packet.rays;
+            holes.intersect(&valid, &mut packet, Coherence::Coherent);
+            // Up to just before the hit nothing is in the way; up to just behind it something is.
+            shadow.far = packet.rays.far.map(|far| far * 0.999);
+            holes.occluded(&valid, &mut shadow, Coherence::Coherent);
+            assert!(shadow.far.iter().all(|far| *far > 0.0));
+            shadow.far = packet.rays.far.map(|far| far * 1.001);
+            holes.occluded(&valid, &mut shadow, Coherence::Coherent);
+            assert!(shadow.far.iter().all(|far| *far < 0.0));
+            out.extend(packet.rays.far);
+        }
+        out
+    }
+
+    #[test]
+    fn masks_and_shares_stop_the_rays_that_they_should() {
+        let all = |depths: Vec<f32>, expected: f32| assert!(depths.iter().all(|d| (d - expected).abs() < 1e-5));
+        all(depths(Alpha::Mask(0.5), 0.5, Cover::Random), 1.0);
+        all(depths(Alpha::Mask(0.5), 0.49, Cover::Random), 10.0);
+        all(depths(Alpha::Opaque, 0.0, Cover::Random), 1.0);
+        all(depths(Alpha::Blend, 1.0, Cover::Random), 1.0);
+        all(depths(Alpha::Blend, 0.0, Cover::Random), 10.0);
+        all(depths(Alpha::Blend, 0.5, Cover::Half), 1.0);
+        all(depths(Alpha::Blend, 0.499, Cover::Half), 10.0);
+        // Of 4096 rays a quarter stops at each layer: within four standard errors of 0.0068.
+        let some = depths(Alpha::Blend, 0.25, Cover::Random);
+        let share = |from: f32| some.iter().filter(|d| **d > from).count() as f64 / some.len() as f64;
+        for layers in 1..9 {
+            let expected = 0.75f64.powi(layers);
+            assert!((share(layers as f32 + 0.5) - expected).abs() < 4.0 * 0.0078, "{layers} {}", share(layers as f32));
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! What surfaces give out by themselves.
+
+use super::{Appearance, Kinds, Lookup, Place};
+use crate::geometry::{Geometry, Hit};
+use crate::simd::LANES;
+
+/// Emission of a material.
+pub(super) struct Emission {
+    /// Radiance, linear RGB.
+    factor: [f32; 3],
+    texture: Option<Lookup>,
+    /// Whether the back glows like the front.
+    both_sides: bool,
+}
+
+impl Emission {
+    pub fn new(material: &holo_scene::Material) -> Self {
+        let texture = material.emission_texture.map(Lookup::new);
+        Self { factor: material.emission, texture, both_sides: material.double_sided }
+    }
+
+    pub fn glows(&self) -> bool {
+        self.factor.iter().any(|&x| x > 0.0)
+    }
+}
+
+impl Appearance {
+    /// Radiance that sixteen places give out towards the side `side` (1 front, -1 back); 0 where they do not glow.
+    #[inline(always)]
+    pub fn emission(
+        &self,
+        geometry: &Geometry,
+        triangles: &[Hit; LANES],
+        [u, v]: [&[f32; LANES]; 2],
+        side: &[f32; LANES],
+        wanted: &[bool; LANES],
+    ) -> [[f32; LANES]; 3] {
+        let mut out = [[0.0; LANES]; 3];
+        for lane in 0..LANES {
+            if !wanted[lane] {
+                continue;
+            }
+            let place = Place::new(geometry, triangles[lane], [u[lane], v[lane]]);
+            let material = &self.materials[place.part.material as usize];
+            let emission = &material.emission;
+            if !material.kinds.has(Kinds::GLOWS) | ((side[lane] < 0.0) & !emission.both_sides) {
+                continue;
+            }
+            let mut radiance = emission.factor;
+            if let Some(lookup) = &emission.texture {
+                let texel = self.color(lookup, &place);
+                for c in 0..3 {
+                    radiance[c] *= texel[c];
+                }
+            }
+            for c in 0..3 {
+                out[c][lane] = radiance[c];
+            }
+        }
+        out
+    }
+}

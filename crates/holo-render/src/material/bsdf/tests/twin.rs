@@ -1,0 +1,280 @@
+//! The mixture by the textbook, in f64 and one direction at a time, against the lanes; and reciprocity.
+
+use std::f64::consts::PI;
+
+use super::quadrature::{Vector, distribution, dot, half_vector, lambda, visible};
+use super::{CLEAR_GLASS, One, Random, all, bsdf, lanes_of, viewers};
+use crate::material::bsdf::microfacet::{CLEAR_BELOW, SMOOTH_BELOW};
+use crate::material::bsdf::{Bsdf, albedo, exact};
+use crate::simd::LANES;
+
+/// f |into.z| and the density.
+#[derive(Clone, Copy, Debug, Default)]
+struct Scattered {
+    value: Vector,
+    pdf: f64,
+}
+
+fn schlick(f0: f64, f90: f64, c: f64) -> f64 {
+    f0 + (f90 - f0) * (1.0 - c).powi(5)
+}
+
+/// Reflectance of glass, channel by channel and the strongest.
+fn glass(one: &One, c: f64, eta: f64) -> [f64; 4] {
+    let exact = exact::interface(c.max(1e-12), eta);
+    let normal = ((eta - 1.0) / (eta + 1.0)).powi(2);
+    let f90 = f64::from(one.specular);
+    let channel = |f0: f64| {
+        if exact.transmitted == 0.0 {
+            return 1.0;
+        }
+        // Written from the transmitted side: 1 - normal is 0 for no index.
+        (f90 - (f90 - f0) * exact.transmitted / (1.0 - normal)).clamp(0.0, 1.0)
+    };
+    let [r, g, b] = one.f0().map(f64::from);
+    [channel(r), channel(g), channel(b), channel(r.max(g).max(b))]
+}
+
+/// The albedo of the varnish and its mean: the table's own, which has a test to itself.
+fn coat(one: &One, z: f64) -> [f64; 2] {
+    let width = [one.width(); LANES];
+    let smooth = [one.width() < SMOOTH_BELOW; LANES];
+    let rows = albedo::rows(&width);
+    let z = z as f32;
+    let f0 = one.f0().into_iter().fold(0.0, f32::max);
+    let here = albedo::table().albedo(&rows, &[z; LANES], &width, &smooth);
+    let mean = albedo::table().average(&rows, &smooth);
+    let way = (1.0 - z).powi(5);
+    [f64::from(here.of(0, f0, one.specular, way)), f64::from(mean.of(0, f0, one.specular))]
+}
+
+/// The textbook; the cosines at facets are off by `shift`.
+fn textbook(one: &One, out: Vector, into: Vector, shift: f64) -> Scattered {
+    let width = f64::from(one.width());
+    let (smooth, eta) = (one.width() < SMOOTH_BELOW, f64::from(one.eta));
+    let clear = smooth || (!one.thin && (one.eta - 1.0).abs() < CLEAR_BELOW);
+    let base = one.base_color.map(f64::from);
+    let f0 = one.f0().map(f64::from);
+    let metal = f64::from(one.metallic);
+    let glassy = (1.0 - metal) * f64::from(one.transmission);
+    let varnished = (1.0 - metal) * (1.0 - f64::from(one.transmission));
+
+    let [albedo_out, mean] = coat(one, out[2]);
+    let mean_of = |of: &dyn Fn(usize) -> f64| (of(0) + of(1) + of(2)) / 3.0;
+    let energies = [
+        metal * mean_of(&|c| schlick(base[c], 1.0, out[2])).max(0.05),
+        glassy,
+        varnished * albedo_out,
+        varnished * (1.0 - albedo_out) * mean_of(&|c| base[c]),
+    ];
+    let sum: f64 = energies.iter().sum();
+    let pick = if sum > 0.0 { energies.map(|e| e / sum) } else { [0.0, 0.0, 0.0, 1.0] };
+
+    let mut scattered = Scattered::default();
+    let lambda_sum = 1.0 + lambda(out[2], width) + lambda(into[2].abs(), width);
+    if into[2] > 0.0 {
+        let [albedo_into, _] = coat(one, into[2]);
+        let coupling = (1.0 - albedo_out) * (1.0 - albedo_into) / (1.0 - mean).max(1e-7);
+        for c in 0..3 {
+            scattered.value[c] += varnished * base[c] / PI * coupling * into[2];
+        }
+        scattered.pdf += pick[3] * into[2] / PI;
+
+        let h = half_vector(out, into, 1.0);
+        let c = (dot(out, h) + shift).clamp(0.0, 1.0);
+        let mirror = distribution(h, width) / lambda_sum / (4.0 * out[2] * into[2]);
+        let density = visible(out, h, width) / (4.0 * dot(out, h));
+        let reflected = glass(one, c, eta);
+        for channel in 0..3 {
+            let specular = f64::from(one.specular);
+            let mut f = 0.0;
+            if !smooth {
+                f += metal * schlick(base[channel], 1.0, c) + varnished * schlick(f0[channel], specular, c);
+            }
+            if !clear {
+                f += glassy * reflected[channel];
+            }
+            scattered.value[channel] += f * if f > 0.0 { mirror * into[2] } else { 0.0 };
+        }
+        scattered.pdf += if smooth { 0.0 } else { (pick[0] + pick[2]) * density };
+        scattered.pdf += if clear { 0.0 } else { pick[1] * reflected[3] * density };
+    } else if into[2] < 0.0 && !clear {
+        let (value, density, through) = if one.thin {
+            let there = [into[0], into[1], -into[2]];
+            let h = half_vector(out, there, 1.0);
+            let value = distribution(h, width) / lambda_sum / (4.0 * out[2] * there[2]);
+            let through = 1.0 - glass(one, dot(out, h) + shift, eta)[3];
+            (value, visible(out, h, width) / (4.0 * dot(out, h)), through)
+        } else {
+            let h = half_vector(out, into, eta);
+            let (o, i) = (dot(out, h), -dot(into, h));
+            if o <= 0.0 || i <= 0.0 {
+                return scattered;
+            }
+            // Walter et al., equation 21, with the light on the far side, divided by eta^2: radiance.
+            let square = (o - eta * i).powi(2);
+            let value = o * i / (out[2] * -into[2]) * distribution(h, width) / lambda_sum / square;
+            let through = if eta < 1.0 { glass(one, i + shift, 1.0 / eta) } else { glass(one, o + shift, eta) };
+            (value, visible(out, h, width) * eta * eta * i / square, 1.0 - through[3])
+        };
+        for c in 0..3 {
+            scattered.value[c] += glassy * base[c] * through * value * -into[2];
+        }
+        scattered.pdf += pick[1] * through * density;
+    }
+    scattered
+}
+
+/// How far f32 may be off, as a share: the half vector is known to 1e-7 of the directions that make it, so its slope to
+/// that over its length, and D hangs on the slope over the width.
+fn bound(one: &One, out: Vector, into: Vector) -> (f64, f64) {
+    let bends = into[2] < 0.0 && !one.thin;
+    let scale = if bends { f64::from(one.eta) } else { 1.0 };
+    let z = if into[2] < 0.0 && one.thin { -into[2] } else { into[2] };
+    let half = [out[0] + scale * into[0], out[1] + scale * into[1], out[2] + scale * z];
+    let slope = 2e-7 * (1.0 + scale) / dot(half, half).sqrt();
+    (1e-5 + 4.0 * slope / f64::from(one.width()).max(1e-3), slope)
+}
+
+fn at(directions: &[[f32; LANES]; 3], lane: usize) -> Vector {
+    std::array::from_fn(|axis| f64::from(directions[axis][lane]))
+}
+
+/// Values and densities of random mixtures, towards random directions and towards those that are drawn, within the bound
+/// above plus what such an error of the cosine does to the reflectance.
+#[test]
+fn the_lanes_agree_with_the_textbook() {
+    let mut random = Random::new(21);
+    let (mut sharp, mut seen) = (0, 0);
+    for round in 0..600 {
+        let ones: [One; LANES] = std::array::from_fn(|_| One::random(&mut random));
+        let surfaces = bsdf(&ones);
+        let out = lanes_of(&viewers(&mut random));
+        let mut into = lanes_of(&std::array::from_fn(|_| random.direction()));
+        if round % 2 == 0 {
+            into = surfaces.sample(&out, &random.lanes(), &random.points()).into;
+        }
+        let evaluated = surfaces.evaluate(&out, &into);
+        for lane in 0..LANES {
+            let one = &ones[lane];
+            let (o, i) = (at(&out, lane), at(&into, lane));
+            let (bound, slope) = bound(one, o, i);
+            if i[2].abs() < 1e-6 || bound > 0.1 {
+                continue;
+            }
+            let expected = textbook(one, o, i, 0.0);
+            let moved = [-slope, slope].map(|shift| textbook(one, o, i, shift));
+            let mut check = |computed: f32, of: &dyn Fn(&Scattered) -> f64| {
+                let expected = of(&expected);
+                let slack = moved.iter().map(|m| (of(m) - expected).abs()).fold(0.0, f64::max);
+                let error = (f64::from(computed) - expected).abs();
+                assert!(
+                    error <= bound * expected + slack + 1e-9,
+                    "{computed} {expected} off by {error}, {bound} {slack}; {one:?} {o:?} {i:?}"
+                );
+                seen += u32::from(expected > 1e-6);
+                sharp += u32::from(expected > 1e-6 && bound * expected + slack < 1e-3 * expected);
+            };
+            for c in 0..3 {
+                check(evaluated.value[c][lane], &|s| s.value[c]);
+            }
+            check(evaluated.pdf[lane], &|s| s.pdf);
+        }
+    }
+    assert!(seen > 20_000 && sharp > seen * 3 / 4, "most are held to a thousandth: {sharp} of {seen}");
+}
+
+/// f is the same with viewer and light exchanged; through a surface that bends, radiance makes it eta^2 times as much.
+#[test]
+fn mixtures_are_reciprocal() {
+    let mut random = Random::new(22);
+    let (mut reflected, mut passed) = (0, 0);
+    for round in 0..600 {
+        let mut ones: [One; LANES] = std::array::from_fn(|_| One::random(&mut random));
+        if round % 2 == 1 {
+            ones = ones.map(|one| One { metallic: 0.0, roughness: one.roughness.max(0.1), ..CLEAR_GLASS });
+        }
+        let surfaces = bsdf(&ones);
+        let out = lanes_of(&viewers(&mut random));
+        let into = if round % 4 < 2 {
+            lanes_of(&std::array::from_fn(|_| random.direction()))
+        } else {
+            surfaces.sample(&out, &random.lanes(), &random.points()).into
+        };
+        // Seen from the other side where the light comes from there.
+        let (mut back, mut back_out, mut back_into) = (ones, into, out);
+        for lane in 0..LANES {
+            if into[2][lane] < 0.0 {
+                back_out[2][lane] *= -1.0;
+                back_into[2][lane] *= -1.0;
+                // A pane is glass in air from either side.
+                back[lane].eta = if ones[lane].thin { ones[lane].eta } else { 1.0 / ones[lane].eta };
+            }
+        }
+        let forth = surfaces.evaluate(&out, &into);
+        let back = bsdf(&back).evaluate(&back_out, &back_into);
+        for lane in 0..LANES {
+            let (o, i) = (at(&out, lane), at(&into, lane));
+            let (bound, _) = bound(&ones[lane], o, i);
+            if i[2].abs() < 1e-5 || bound > 0.1 {
+                continue;
+            }
+            let bends = i[2] < 0.0 && !ones[lane].thin;
+            let scale = if bends { f64::from(ones[lane].eta).powi(2) } else { 1.0 };
+            for c in 0..3 {
+                let forth = f64::from(forth.value[c][lane]) / i[2].abs() * scale;
+                let back = f64::from(back.value[c][lane]) / o[2];
+                let error = (forth - back).abs();
+                assert!(
+                    error <= 2.0 * bound * forth.max(back) + 1e-9,
+                    "{forth} {back}, {bound}; {:?} {o:?} {i:?}",
+                    ones[lane]
+                );
+                reflected += u32::from(forth > 1e-6 && i[2] > 0.0);
+                passed += u32::from(forth > 1e-6 && i[2] < 0.0);
+            }
+        }
+    }
+    assert!(reflected > 3000 && passed > 3000, "{reflected} {passed}");
+}
+
+/// What has a single direction weighs, over all choices, what closed forms say.
+#[test]
+fn single_directions_weigh_what_they_reflect() {
+    const STEPS: usize = 16_384;
+    let mut random = Random::new(23);
+    for _ in 0..40 {
+        let one = One { roughness: 0.0, ..One::random(&mut random) };
+        let (surfaces, out): (Bsdf, Vector) = (all(one), super::viewer(random.next().max(0.02)));
+        let mut means = [[0.0; 3]; 2];
+        for first in (0..STEPS).step_by(LANES) {
+            let choice = std::array::from_fn(|lane| ((first + lane) as f32 + 0.5) / STEPS as f32);
+            let sampled = surfaces.sample(&super::single(out), &choice, &[[0.4; LANES], [0.3; LANES]]);
+            for lane in 0..LANES {
+                if sampled.pdf[lane] == f32::INFINITY {
+                    for c in 0..3 {
+                        let side = usize::from(sampled.transmitted[lane]);
+                        means[side][c] += f64::from(sampled.weight[c][lane]) / STEPS as f64;
+                    }
+                }
+            }
+        }
+        let metal = f64::from(one.metallic);
+        let glassy = (1.0 - metal) * f64::from(one.transmission);
+        let varnished = (1.0 - metal) * (1.0 - f64::from(one.transmission));
+        let (mu, eta) = (f64::from(out[2] as f32), f64::from(one.eta));
+        let reflected = glass(&one, mu, eta);
+        let spread = if one.thin { 1.0 } else { eta * eta };
+        for c in 0..3 {
+            let base = f64::from(one.base_color[c]);
+            let mirror = metal * schlick(base, 1.0, mu)
+                + varnished * schlick(f64::from(one.f0()[c]), f64::from(one.specular), mu)
+                + glassy * reflected[c];
+            let window = glassy * (1.0 - reflected[3]) * base / spread;
+            // The choices are a grid: one more or less may fall on either side of a threshold.
+            for (mean, expected) in [(means[0][c], mirror), (means[1][c], window)] {
+                assert!((mean - expected).abs() < 1e-3 * (1.0 + 1.0 / spread), "{mean} {expected} {one:?} {mu}");
+            }
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! Texture look-up: bilinear, in linear light.
+//!
+//! The texel (i, j) has its centre at ((i + 0.5) / width, (j + 0.5) / height). sRGB is decoded before the four
+//! neighbours are mixed (as Mitsuba does; Cycles mixes first, which is darker where neighbours differ).
+
+use crate::simd::LANES;
+use holo_scene::{Texture, Wrap};
+
+/// RGB at texture coordinates (0, 0) = upper left corner of the image; `table` says what a code means.
+#[inline(always)]
+pub(crate) fn sample(texture: &Texture, table: &[f32; 256], coordinates: [f32; 2]) -> [f32; 3] {
+    let ([upper_left, upper_right, lower_left, lower_right], fraction) = neighbours(texture, coordinates);
+    let mut out = [0.0; 3];
+    for c in 0..3 {
+        let value = |texel: [u8; 4]| table[texel[c] as usize];
+        out[c] = mix([value(upper_left), value(upper_right), value(lower_left), value(lower_right)], fraction);
+    }
+    out
+}
+
+/// Alpha, 0 to 1.
+#[inline(always)]
+pub(crate) fn sample_alpha(texture: &Texture, coordinates: [f32; 2]) -> f32 {
+    let ([a, b, c, d], fraction) = neighbours(texture, coordinates);
+    let value = |texel: [u8; 4]| f32::from(texel[3]);
+    mix([value(a), value(b), value(c), value(d)], fraction) / 255.0
+}
+
+/// [`sample`] at sixteen places: the same values, bit for bit.
+#[inline(always)]
+pub(crate) fn sample_sixteen(texture: &Texture, table: &[f32; 256], [u, v]: &[[f32; LANES]; 2]) -> [[f32; LANES]; 3] {
+    let columns = taps_of_sixteen(u, texture.width, texture.wrap_u);
+    let rows = taps_of_sixteen(v, texture.height, texture.wrap_v);
+    let mut out = [[0.0; LANES]; 3];
+    for lane in 0..LANES {
+        let (upper, lower) = (rows.first[lane] as usize * texture.width, rows.second[lane] as usize * texture.width);
+        let (left, right) = (columns.first[lane] as usize, columns.second[lane] as usize);
+        let texels = [upper + left, upper + right, lower + left, lower + right];
+        let [a, b, c, d] = [texels[0], texels[1], texels[2], texels[3]];
+        let [a, b, c, d] = [texture.texels[a], texture.texels[b], texture.texels[c], texture.texels[d]];
+        let fraction = [columns.fraction[lane], rows.fraction[lane]];
+        for k in 0..3 {
+            let values = [table[a[k] as usize], table[b[k] as usize], table[c[k] as usize], table[d[k] as usize]];
+            out[k][lane] = mix(values, fraction);
+        }
+    }
+    out
+}
+
+/// The four texels around a place (upper left, upper right, lower left, lower right), and how far it is to the right and
+/// downward from the first.
+#[inline(always)]
+fn neighbours(texture: &Texture, [u, v]: [f32; 2]) -> ([[u8; 4]; 4], [f32; 2]) {
+    let (columns, fraction_x) = taps(u, texture.width, texture.wrap_u);
+    let (rows, fraction_y) = taps(v, texture.height, texture.wrap_v);
+    let texel = |j: usize, i: usize| texture.texels[rows[j] as usize * texture.width + columns[i] as usize];
+    ([texel(0, 0), texel(0, 1), texel(1, 0), texel(1, 1)], [fraction_x, fraction_y])
+}
+
+#[inline(always)]
+fn mix([a, b, c, d]: [f32; 4], [x, y]: [f32; 2]) -> f32 {
+    let (upper, lower) = (a + (b - a) * x, c + (d - c) * x);
+    upper + (lower - upper) * y
+}
+
+/// Two neighbouring texels along one axis, and how far it is from the first to the second, sixteen times.
+struct Taps {
+    first: [u32; LANES],
+    second: [u32; LANES],
+    fraction: [f32; LANES],
+}
+
+/// One loop a mode: without branches in it, so that the lanes stay side by side.
+#[inline(always)]
+fn taps_of_sixteen(coordinates: &[f32; LANES], size: usize, mode: Wrap) -> Taps {
+    let mut out = Taps { first: [0; LANES], second: [0; LANES], fraction: [0.0; LANES] };
+    let mut whole = [0.0; LANES];
+    for lane in 0..LANES {
+        (whole[lane], out.fraction[lane]) = cell(coordinates[lane], size);
+    }
+    match mode {
+        Wrap::Repeat => {
+            for lane in 0..LANES {
+                [out.first[lane], out.second[lane]] = repeated(whole[lane], size);
+            }
+        }
+        Wrap::Clamp => {
+            for lane in 0..LANES {
+                [out.first[lane], out.second[lane]] = clamped(whole[lane], size);
+            }
+        }
+        Wrap::Mirror => {
+            for lane in 0..LANES {
+                [out.first[lane], out.second[lane]] = mirrored(whole[lane], size);
+            }
+        }
+    }
+    out
+}
+
+#[inline(always)]
+fn taps(coordinate: f32, size: usize, mode: Wrap) -> ([u32; 2], f32) {
+    let (whole, fraction) = cell(coordinate, size);
+    let indices = match mode {
+        Wrap::Repeat => repeated(whole, size),
+        Wrap::Clamp => clamped(whole, size),
+        Wrap::Mirror => mirrored(whole, size),
+    };
+    (indices, fraction)
+}
+
+/// The texel left of (above) a coordinate, before the image is repeated, and how far it is towards the next.
+#[inline(always)]
+fn cell(coordinate: f32, size: usize) -> (f32, f32) {
+    let position = coordinate * size as f32 - 0.5;
+    let whole = position.floor();
+    // So far outside f32 has no fraction any more, and any texel will do.
+    let near = whole.abs() < WHOLE_NUMBERS;
+    (if near { whole } else { 0.0 }, if near { position - whole } else { 0.0 })
+}
+
+/// Up to here f32 holds all whole numbers; textures are smaller.
+const WHOLE_NUMBERS: f32 = 16_777_216.0;
+
+/// `whole` modulo `period`, both whole numbers below 2^24.
+#[inline(always)]
+fn modulo(whole: f32, period: f32) -> u32 {
+    let rest = whole - (whole / period).floor() * period;
+    // The quotient is rounded: it may have reached the next whole number.
+    let rest = if rest < 0.0 { rest + period } else { rest };
+    (if rest >= period { rest - period } else { rest }) as u32
+}
+
+#[inline(always)]
+fn repeated(whole: f32, size: usize) -> [u32; 2] {
+    let first = modulo(whole, size as f32);
+    let second = first + 1;
+    [first, if second == size as u32 { 0 } else { second }]
+}
+
+#[inline(always)]
+fn clamped(whole: f32, size: usize) -> [u32; 2] {
+    let last = (size - 1) as f32;
+    [whole.max(0.0).min(last) as u32, (whole + 1.0).max(0.0).min(last) as u32]
+}
+
+#[inline(always)]
+fn mirrored(whole: f32, size: usize) -> [u32; 2] {
+    let size = size as u32;
+    let first = modulo(whole, (2 * size) as f32);
+    let second = if first + 1 == 2 * size { 0 } else { first + 1 };
+    let fold = |k: u32| if k < size { k } else { 2 * size - 1 - k };
+    [fold(first), fold(second)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use holo_core::color::{srgb_to_linear, srgb8_to_linear_table as srgb_table};
+
+    fn ramp(mode: Wrap) -> Texture {
+        let texels = (0..4).map(|k| [k * 60, 0, 0, 255]).collect();
+        Texture { name: String::new(), width: 4, height: 1, texels, wrap_u: mode, wrap_v: mode }
+    }
+
+    fn red(texture: &Texture, u: f32) -> f32 {
+        sample(texture, srgb_table(), [u, 0.5])[0]
+    }
+
+    #[test]
+    fn texel_centres_return_their_texel_in_linear_light() {
+        let t = ramp(Wrap::Clamp);
+        for k in 0..4 {
+            let expected = srgb_to_linear(f64::from(k * 60) / 255.0) as f32;
+            assert!((red(&t, (k as f32 + 0.5) / 4.0) - expected).abs() < 1e-7);
+        }
+        // Halfway between two centres: the mean of the two linear values, not of the codes.
+        let mean = (srgb_to_linear(60.0 / 255.0) + srgb_to_linear(120.0 / 255.0)) / 2.0;
+        assert!((f64::from(red(&t, 0.5)) - mean).abs() < 1e-7);
+    }
+
+    #[test]
+    fn edges_repeat_clamp_and_mirror() {
+        let value = |k: i32| srgb_to_linear(f64::from(k * 60) / 255.0) as f32;
+        for (mode, left, right) in [(Wrap::Repeat, 3, 0), (Wrap::Clamp, 0, 3), (Wrap::Mirror, 0, 3)] {
+            let t = ramp(mode);
+            assert!((red(&t, -0.125) - value(left)).abs() < 1e-6, "{mode:?}");
+            assert!((red(&t, 1.125) - value(right)).abs() < 1e-6, "{mode:?}");
+        }
+        assert!((red(&ramp(Wrap::Mirror), 1.375) - value(2)).abs() < 1e-6);
+        assert!((red(&ramp(Wrap::Repeat), -7.375) - value(2)).abs() < 1e-6);
+        for mode in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
+            for u in [f32::MAX, f32::MIN, 1e20, -1e20] {
+                assert!(red(&ramp(mode), u).is_finite(), "{mode:?} {u}");
+            }
+        }
+    }
+
+    /// Sixteen places together see what each sees alone, in every mode, near and far.
+    #[test]
+    fn sixteen_places_are_sixteen_times_one() {
+        let (width, height) = (7, 3);
+        let texels = (0..width * height).map(|k| [k as u8 * 11, 255 - k as u8, k as u8, 255]).collect();
+        let mut texture =
+            Texture { name: String::new(), width, height, texels, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat };
+        for (wrap_u, wrap_v) in [(Wrap::Repeat, Wrap::Mirror), (Wrap::Mirror, Wrap::Clamp), (Wrap::Clamp, Wrap::Repeat)]
+        {
+            (texture.wrap_u, texture.wrap_v) = (wrap_u, wrap_v);
+            for k in 0..200 {
+                let place = |lane: usize| (k as f32 - 100.0) * 0.37 * 1.07f32.powi(k) + lane as f32 * 0.093;
+                let u: [f32; LANES] = std::array::from_fn(place);
+                let v: [f32; LANES] = std::array::from_fn(|lane| place(lane) * -0.61);
+                let together = sample_sixteen(&texture, srgb_table(), &[u, v]);
+                for lane in 0..LANES {
+                    let alone = sample(&texture, srgb_table(), [u[lane], v[lane]]);
+                    assert_eq!([0, 1, 2].map(|c| together[c][lane].to_bits()), alone.map(f32::to_bits));
+                }
+            }
+        }
+    }
+
+    /// Whole-number arithmetic says which texel an index beyond the image stands for.
+    #[test]
+    fn indices_wrap_as_whole_numbers_do() {
+        for size in [1usize, 2, 3, 7, 4096, 12_345] {
+            for k in (-40_000i64..40_000).step_by(37).chain(-20..20).chain([-16_777_215, 16_777_215]) {
+                let count = size as i64;
+                let fold = |k: i64| {
+                    let k = k.rem_euclid(2 * count);
+                    if k < count { k } else { 2 * count - 1 - k }
+                };
+                let both = |f: &dyn Fn(i64) -> i64| [f(k) as u32, f(k + 1) as u32];
+                assert_eq!(repeated(k as f32, size), both(&|k| k.rem_euclid(count)), "{k} of {size}");
+                assert_eq!(clamped(k as f32, size), both(&|k| k.clamp(0, count - 1)), "{k} of {size}");
+                assert_eq!(mirrored(k as f32, size), both(&fold), "{k} of {size}");
+            }
+        }
+    }
+}
