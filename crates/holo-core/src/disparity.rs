@@ -1,9 +1,21 @@
 //! Eq. 3: disparity from depth and back.
 
 mod maps;
+mod stereo;
 
+pub use stereo::StereoPair;
+
+use crate::Error;
 use crate::error::{not_negative, positive_or_infinite};
-use crate::{Error, Projection};
+
+/// How the rays of one view run.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Projection {
+    /// All rays of a view start in one point: an ordinary camera.
+    Perspective,
+    /// All rays of a view are parallel, as behind a telecentric lens: the paper's "VPIs are orthographic, EIs are perspective".
+    Orthographic,
+}
 
 /// The map between depth and disparity along one axis of a rig.
 ///

@@ -67,33 +67,29 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
-mod block;
+mod camera;
 pub mod color;
 mod disparity;
 mod error;
+mod estimate;
+mod grid;
+mod layout;
 mod light_field;
 pub mod metrics;
 pub mod optics;
-mod plane_sweep;
 mod real;
-pub mod rearrange;
 pub mod refocus;
-mod rig;
 mod sample;
-mod sensor;
-mod split;
-mod stereo;
 
-pub use block::{Block, OneBasedBlock};
-pub use disparity::Disparity;
+pub use camera::{Intrinsics, Rig, RigParameters, RigRay, automatic_baseline_m};
+pub use disparity::{Disparity, Projection, StereoPair};
 pub use error::Error;
+pub use estimate::{DepthEstimate, Effort, PlaneSweepOptions, plane_sweep};
+pub use grid::{GridSize, ViewIndex};
+pub use layout::{Block, OneBasedBlock, Remainder, Sensor, SensorSplit, Split};
+pub use light_field::rearrange;
 pub use light_field::{
     Layout, LightField, LightFieldCow, LightFieldOwned, LightFieldView, LightFieldViewMut, ViewOrder, ViewPath,
 };
-pub use plane_sweep::{DepthEstimate, Effort, PlaneSweepOptions, plane_sweep};
 pub use real::Real;
-pub use rig::{Intrinsics, Projection, Rig, RigParameters, RigRay, automatic_baseline_m};
 pub use sample::Sample;
-pub use sensor::{Remainder, Sensor, SensorSplit};
-pub use split::{GridSize, Split, ViewIndex};
-pub use stereo::StereoPair;

@@ -7,6 +7,7 @@ mod grids;
 mod images;
 mod path;
 mod quilt;
+pub mod rearrange;
 mod rotate;
 
 pub use compose::ViewOrder;
@@ -19,7 +20,7 @@ use ndarray::{
     ArrayBase, ArrayView5, ArrayViewMut5, CowRepr, Data, DataMut, Ix5, OwnedRepr, RawData, RawDataClone, ViewRepr,
 };
 
-use crate::split::checked_product;
+use crate::layout::checked_product;
 use crate::{Error, GridSize, Split};
 
 /// A light field `H(v, u, t, s, c)`: lens row, lens column, view row, view column, channel.

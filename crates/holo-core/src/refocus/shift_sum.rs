@@ -9,9 +9,9 @@ use rayon::prelude::*;
 
 use super::Refocus;
 use super::kernel::{PAD, Shift};
+use crate::layout::checked_product;
 use crate::light_field::filled_memory;
-use crate::rearrange::{Scratch, fill_viewpoint_row};
-use crate::split::checked_product;
+use crate::light_field::rearrange::{Scratch, fill_viewpoint_row};
 use crate::{Error, Sample};
 
 pub(super) fn shift_and_sum<T: Sample>(

@@ -1,13 +1,8 @@
 //! The camera rig: a grid of parallel cameras whose images are shifted to meet on the focus plane.
 
-mod intrinsics;
-mod parameters;
-
-pub use intrinsics::{Intrinsics, automatic_baseline_m};
-pub use parameters::{Projection, RigParameters};
-
+use super::{Intrinsics, RigParameters};
 use crate::error::{not_negative, positive, positive_or_infinite};
-use crate::{Disparity, Error, Split};
+use crate::{Disparity, Error, Projection, Split};
 
 /// A validated camera rig: every number in it is finite (the focus distance may be infinite) and of the right sign.
 ///

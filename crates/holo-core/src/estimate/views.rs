@@ -4,8 +4,8 @@ use ndarray::{ArrayView3, Data};
 use rayon::prelude::*;
 
 use super::effort::Settings;
+use crate::layout::checked_product;
 use crate::light_field::filled_memory;
-use crate::split::checked_product;
 use crate::{Error, GridSize, LightField, Sample};
 
 /// The arms of the star, turning from right over down: rows and columns of one step.

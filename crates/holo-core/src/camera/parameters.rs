@@ -1,15 +1,7 @@
 //! What a rig is made of, before it is checked.
 
-use crate::{Intrinsics, Split};
-
-/// How the rays of one view run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum Projection {
-    /// All rays of a view start in one point: an ordinary camera.
-    Perspective,
-    /// All rays of a view are parallel, as behind a telecentric lens: the paper's "VPIs are orthographic, EIs are perspective".
-    Orthographic,
-}
+use super::Intrinsics;
+use crate::{Projection, Split};
 
 /// The parameters of a [`Rig`](crate::Rig), unchecked.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use super::cost::{self, Planes};
 use super::scanline;
 use super::views::Views;
+use crate::layout::checked_product;
 use crate::light_field::filled_memory;
-use crate::split::checked_product;
 use crate::{Error, GridSize};
 
 /// What the costs and their sums may take together, unless four times the margin takes more.
