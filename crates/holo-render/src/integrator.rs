@@ -3,9 +3,12 @@
 pub(crate) mod auto;
 pub(crate) mod depth;
 pub(crate) mod direct;
-mod lights;
+mod direct_light;
+mod light_sampling;
+mod mis;
 pub(crate) mod path;
 mod paths;
+mod resampling;
 mod scatterer;
 mod shade;
 pub(crate) mod truth;

@@ -21,6 +21,7 @@ const FIRST_LOOK: u32 = 16;
 const BLACK_ENOUGH: u32 = 256;
 
 /// The samples of a tile's packets.
+#[derive(Default)]
 pub(crate) struct Samples {
     target: Option<f64>,
     packets: Vec<Packet>,
@@ -42,9 +43,11 @@ struct Packet {
 }
 
 impl Samples {
-    /// Of a tile of `packets` packets, none of which is noted yet.
-    pub fn new(target: Option<f64>, packets: usize) -> Self {
-        Self { target, active: 0, packets: Vec::with_capacity(packets) }
+    /// Makes it ready for another tile, no packet of which is noted yet.
+    pub fn begin(&mut self, target: Option<f64>) {
+        self.target = target;
+        self.active = 0;
+        self.packets.clear();
     }
 
     /// Notes the next packet, which has pixels in its valid lanes.

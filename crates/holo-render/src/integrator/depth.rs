@@ -13,6 +13,7 @@ pub(crate) struct DepthTile<'a, 'b> {
     pub context: &'a Context<'a>,
     pub tile: &'a Tile,
     pub out: TruthTile<'b>,
+    pub truth: &'a mut Truth,
 }
 
 impl Kernel for DepthTile<'_, '_> {
@@ -21,13 +22,9 @@ impl Kernel for DepthTile<'_, '_> {
     #[inline(always)]
     fn run(mut self) -> RayCounts {
         let layers = self.out.set();
-        let mut truth = Truth::new(layers, self.tile);
-        let primary = if truth::needs_surfaces(layers) {
-            self.trace::<true>(&mut truth)
-        } else {
-            self.trace::<false>(&mut truth)
-        };
-        truth.write(self.tile, &mut self.out);
+        self.truth.begin(layers);
+        let primary = if truth::needs_surfaces(layers) { self.trace::<true>() } else { self.trace::<false>() };
+        self.truth.write(self.tile, &mut self.out);
         RayCounts { primary, ..RayCounts::default() }
     }
 }
@@ -36,7 +33,7 @@ impl DepthTile<'_, '_> {
     /// Traces the tile; returns the rays. Two loops, because the compiler lets even those who need no surfaces pay a
     /// tenth for having them in theirs.
     #[inline(always)]
-    fn trace<const WITH_SURFACES: bool>(&self, truth: &mut Truth) -> u64 {
+    fn trace<const WITH_SURFACES: bool>(&mut self) -> u64 {
         let context = self.context;
         let mut packet = RayHits::EMPTY;
         let mut primary = 0;
@@ -56,7 +53,7 @@ impl DepthTile<'_, '_> {
                 None
             };
             let seen = Seen { packet: &packet, rays: &rays, refined: &refined, surfaces: surfaces.as_ref() };
-            truth.push(context, &seen);
+            self.truth.push(context, &seen);
         }
         primary
     }

@@ -24,7 +24,7 @@ use ndarray::ArrayViewMut5;
 
 use super::paths::{PathPacket, Paths};
 use super::shade::{self, Shading};
-use super::{Context, RayCounts, lights};
+use super::{Context, RayCounts, mis};
 use crate::accel::refine;
 use crate::accel::{Coherence, RayHits, Rays};
 use crate::camera::tile::Tile;
@@ -59,55 +59,12 @@ pub(crate) struct PathTile<'a, 'b> {
     pub context: &'a Context<'a>,
     pub tile: &'a Tile,
     pub color: ArrayViewMut5<'b, f32>,
+    pub scratch: &'a mut Scratch,
 }
 
-impl Kernel for PathTile<'_, '_> {
-    type Output = RayCounts;
-
-    #[inline(always)]
-    fn run(mut self) -> RayCounts {
-        let context = self.context;
-        let mut work = Work {
-            context,
-            counts: RayCounts::default(),
-            color: vec![[[0.0f32; LANES]; 3]; self.tile.packet_count()],
-            sequences: Vec::with_capacity(self.tile.packet_count()),
-            samples: Samples::new(context.policy.target_error, self.tile.packet_count()),
-            now: Paths::default(),
-            next: Paths::default(),
-        };
-        for pixels in context.camera.packets(self.tile) {
-            work.samples.push(&pixels.valid);
-            work.sequences.push(context.sampler.sequences(&pixels.numbers));
-        }
-        for first in (0..context.sampler.samples).step_by(TOGETHER as usize) {
-            let end = context.sampler.samples.min(first + TOGETHER);
-            if context.stop.requested() {
-                return work.counts;
-            }
-            for event in 0..=context.policy.max_bounces {
-                work.trace(self.tile, event, [first, end]);
-                work.now.clear();
-                std::mem::swap(&mut work.now, &mut work.next);
-                if work.now.len() == 0 {
-                    break;
-                }
-            }
-            work.samples.add(end - first, &work.color);
-            if !work.samples.any_wanted() {
-                break;
-            }
-        }
-        let scale = work.samples.average(&mut work.color, context.sampler.samples);
-        self.tile.write(&work.color, scale, &mut self.color);
-        work.counts
-    }
-}
-
-/// A tile at work.
-struct Work<'a> {
-    context: &'a Context<'a>,
-    counts: RayCounts,
+/// What a tile's paths are held in while they are followed. A thread keeps its memory from tile to tile.
+#[derive(Default)]
+pub(crate) struct Scratch {
     /// Sums over the samples.
     color: Vec<[[f32; LANES]; 3]>,
     /// The pixels' random sequences.
@@ -117,6 +74,64 @@ struct Work<'a> {
     now: Paths,
     /// Rays that this event scatters.
     next: Paths,
+}
+
+impl Kernel for PathTile<'_, '_> {
+    type Output = RayCounts;
+
+    #[inline(always)]
+    fn run(mut self) -> RayCounts {
+        let context = self.context;
+        self.scratch.begin(context, self.tile);
+        let mut work = Work { context, counts: RayCounts::default(), scratch: self.scratch };
+        for first in (0..context.sampler.samples).step_by(TOGETHER as usize) {
+            let end = context.sampler.samples.min(first + TOGETHER);
+            if context.stop.requested() {
+                return work.counts;
+            }
+            for event in 0..=context.policy.max_bounces {
+                work.trace(self.tile, event, [first, end]);
+                let scratch = &mut *work.scratch;
+                scratch.now.clear();
+                std::mem::swap(&mut scratch.now, &mut scratch.next);
+                if scratch.now.len() == 0 {
+                    break;
+                }
+            }
+            work.scratch.samples.add(end - first, &work.scratch.color);
+            if !work.scratch.samples.any_wanted() {
+                break;
+            }
+        }
+        let scratch = work.scratch;
+        let scale = scratch.samples.average(&mut scratch.color, context.sampler.samples);
+        self.tile.write(&scratch.color, scale, &mut self.color);
+        work.counts
+    }
+}
+
+impl Scratch {
+    /// Makes it ready for another tile.
+    #[inline(always)]
+    fn begin(&mut self, context: &Context, tile: &Tile) {
+        self.color.clear();
+        self.color.resize(tile.packet_count(), [[0.0; LANES]; 3]);
+        self.sequences.clear();
+        self.samples.begin(context.policy.target_error);
+        self.now.clear();
+        self.next.clear();
+        for pixels in context.camera.packets(tile) {
+            self.samples.push(&pixels.valid);
+            self.sequences.push(context.sampler.sequences(&pixels.numbers));
+        }
+    }
+}
+
+/// A tile at work.
+struct Work<'a> {
+    context: &'a Context<'a>,
+    counts: RayCounts,
+    scratch: &'a mut Scratch,
 }
 
 /// Sixteen rays that were traced.
@@ -135,15 +150,16 @@ impl Work<'_> {
     #[inline(always)]
     fn trace(&mut self, tile: &Tile, event: u32, [first, end]: [u32; 2]) {
         let context = self.context;
-        self.now.sort_by_direction();
+        self.scratch.now.sort_by_direction();
         // What scattered rays hit after the last event does not matter any more unless it glows.
         let sky_alone = event == context.policy.max_bounces && !context.scene.has_glow;
         // The first event's rays start close together, and if there are many, neighbours in direction are close as well.
         // Later ones start all over the scene.
-        let dense = !sky_alone && event == 1 && self.now.len() >= DENSE;
+        let dense = !sky_alone && event == 1 && self.scratch.now.len() >= DENSE;
         let coherence = if dense { Coherence::Coherent } else { Coherence::Incoherent };
-        let per_sample = self.color.len();
-        let packets = if event == 0 { per_sample * (end - first) as usize } else { self.now.len().div_ceil(LANES) };
+        let per_sample = self.scratch.color.len();
+        let packets =
+            if event == 0 { per_sample * (end - first) as usize } else { self.scratch.now.len().div_ceil(LANES) };
         let mut blocks = context.camera.packets(tile);
         let mut packet = RayHits::EMPTY;
         for k in 0..packets {
@@ -154,7 +170,7 @@ impl Work<'_> {
                     blocks = context.camera.packets(tile);
                 }
                 let Some(pixels) = blocks.next() else { return };
-                if !self.samples.wanted(index) {
+                if !self.scratch.samples.wanted(index) {
                     continue;
                 }
                 let sample = first + (k / per_sample) as u32;
@@ -163,7 +179,7 @@ impl Work<'_> {
                 self.scattered_rays(k, coherence, sky_alone, &mut packet)
             };
             let mut gain = [[0.0; LANES]; 3];
-            let missed = lights::missed(&packet, &traced.paths.valid, sky_alone);
+            let missed = mis::missed(&packet, &traced.paths.valid, sky_alone);
             add_escaping(context, &packet.rays, &missed, &traced.paths, &mut gain);
             let found = Surfaces::new(context.scene.appearance, context.scene.geometry, &packet, &traced.points);
             if let Some(surfaces) = &found {
@@ -180,7 +196,7 @@ impl Work<'_> {
                     paths: &mut traced.paths,
                     coherence: traced.coherence,
                 };
-                self.counts.shadow += shade::shade(context, &mut shading, &mut gain, &mut self.next);
+                self.counts.shadow += shade::shade(context, &mut shading, &mut gain, &mut self.scratch.next);
             }
             self.add(event, &traced.paths, &gain);
         }
@@ -190,7 +206,7 @@ impl Work<'_> {
     #[inline(always)]
     fn camera_rays(&mut self, pixels: &PixelPacket, index: usize, sample: u32, packet: &mut RayHits) -> Traced {
         let context = self.context;
-        let sequences = self.sequences[index];
+        let sequences = self.scratch.sequences[index];
         let CameraRays { exact, weight } = context.camera.sample(pixels, &context.sampler, sample, packet);
         context.scene.engine.intersect(&pixels.valid, packet, Coherence::Coherent);
         self.counts.primary += count(&pixels.valid);
@@ -215,7 +231,7 @@ impl Work<'_> {
     #[inline(always)]
     fn scattered_rays(&mut self, k: usize, coherence: Coherence, sky_alone: bool, packet: &mut RayHits) -> Traced {
         let context = self.context;
-        let paths = self.now.packet(k, &mut packet.rays);
+        let paths = self.scratch.now.packet(k, &mut packet.rays);
         self.counts.other += count(&paths.valid);
         if sky_alone {
             context.scene.engine.occluded(&paths.valid, &mut packet.rays, coherence);
@@ -225,7 +241,7 @@ impl Work<'_> {
         let mut sequences = [0; LANES];
         for lane in 0..LANES {
             let pixel = paths.pixel[lane] as usize;
-            sequences[lane] = self.sequences[pixel / LANES][pixel % LANES];
+            sequences[lane] = self.scratch.sequences[pixel / LANES][pixel % LANES];
         }
         let points = if sky_alone { HitPoints::NONE } else { HitPoints::secondary(context.scene.geometry, packet) };
         Traced { paths, sequences, points, coherence: Coherence::Incoherent }
@@ -235,7 +251,7 @@ impl Work<'_> {
     #[inline(always)]
     fn add(&mut self, event: u32, paths: &PathPacket, gain: &[[f32; LANES]; 3]) {
         if event == 0 {
-            let sum = &mut self.color[paths.pixel[0] as usize / LANES];
+            let sum = &mut self.scratch.color[paths.pixel[0] as usize / LANES];
             for c in 0..3 {
                 for lane in 0..LANES {
                     sum[c][lane] += gain[c][lane];
@@ -246,7 +262,7 @@ impl Work<'_> {
         for lane in 0..LANES {
             if paths.valid.0[lane] != 0 {
                 let pixel = paths.pixel[lane] as usize;
-                let sum = &mut self.color[pixel / LANES];
+                let sum = &mut self.scratch.color[pixel / LANES];
                 for c in 0..3 {
                     sum[c][pixel % LANES] += gain[c][lane];
                 }
@@ -267,7 +283,7 @@ fn add_escaping(
     if !missed.contains(&true) || !context.scene.shines_from_beyond() {
         return;
     }
-    let radiance = lights::beyond(context, &rays.direction, &paths.density);
+    let radiance = mis::environment_radiance(context, &rays.direction, &paths.density);
     for lane in 0..LANES {
         for c in 0..3 {
             let found = (paths.throughput[c][lane] * radiance[c][lane]).min(MAX_RADIANCE);

@@ -2,9 +2,9 @@
 //! on.
 
 use super::Context;
-use super::lights;
 use super::paths::{self, Path, PathPacket, Paths, Sample};
 use super::scatterer::Scatterer;
+use super::{direct_light, mis};
 use crate::accel::{Coherence, RayHits};
 use crate::material::Kinds;
 use crate::material::Surfaces;
@@ -61,7 +61,7 @@ pub(crate) fn shade(context: &Context, here: &mut Shading, gain: &mut [[f32; LAN
         return 0;
     }
     let scatterer = Scatterer::new(context, here);
-    let shadow_rays = lights::add(context, here, &scatterer, gain);
+    let shadow_rays = direct_light::add(context, here, &scatterer, gain);
     if context.scatters_on(here.event) {
         scatter(context, here, &scatterer, next);
     }
@@ -100,7 +100,7 @@ fn add_glow(context: &Context, here: &mut Shading, gain: &mut [[f32; LANES]; 3])
         &surfaces.side,
         &here.hit,
     );
-    let weight = lights::weight_of_glow(context, here);
+    let weight = mis::emission_weight(context, here);
     for lane in 0..LANES {
         let unlit = here.hit[lane] & surfaces.kinds[lane].has(Kinds::UNLIT);
         for c in 0..3 {

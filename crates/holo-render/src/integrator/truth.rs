@@ -28,7 +28,9 @@ pub(crate) struct Seen<'a> {
     pub surfaces: Option<&'a Surfaces>,
 }
 
-/// The layers of one tile while it is worked on. Each has its packets in the one of the two lists that fits it.
+/// The layers of one tile while it is worked on. Each has its packets in the one of the two lists that fits it. A thread keeps its
+/// memory from tile to tile.
+#[derive(Default)]
 pub(crate) struct Truth {
     layers: LayerSet,
     numbers: [Vec<[[f32; LANES]; 1]>; Layer::COUNT],
@@ -41,17 +43,11 @@ pub(crate) fn needs_surfaces(layers: LayerSet) -> bool {
 }
 
 impl Truth {
-    /// Room for the packets of `tile`.
-    pub fn new(layers: LayerSet, tile: &Tile) -> Self {
-        let room = |k: usize, channels: usize| {
-            let wanted = layers.contains(Layer::ALL[k]) && Layer::ALL[k].channels() == channels;
-            if wanted { tile.packet_count() } else { 0 }
-        };
-        Self {
-            layers,
-            numbers: std::array::from_fn(|k| Vec::with_capacity(room(k, 1))),
-            vectors: std::array::from_fn(|k| Vec::with_capacity(room(k, 3))),
-        }
+    /// Makes it ready for another tile of these layers.
+    pub fn begin(&mut self, layers: LayerSet) {
+        self.layers = layers;
+        self.numbers.iter_mut().for_each(Vec::clear);
+        self.vectors.iter_mut().for_each(Vec::clear);
     }
 
     /// Takes what the next packet sees.

@@ -11,7 +11,7 @@ use crate::camera::tile::{Tile, Tiling};
 use crate::error::Error;
 use crate::film::layers::{LayerSet, Layers};
 use crate::integrator::depth::DepthTile;
-use crate::integrator::path::PathTile;
+use crate::integrator::path::{PathTile, Scratch};
 use crate::integrator::truth::TruthTile;
 use crate::integrator::{Context, Integrator, RayCounts};
 use crate::progress::{Progress, Stop};
@@ -43,7 +43,9 @@ impl Renderer {
         if let Some(color) = &mut color {
             let context = self.context(request, integrator, &plan.color, &stop);
             let tiling = &plan.color.tiling;
-            let trace = |tile: &Tile, color| simd::run(PathTile { context: &context, tile, color });
+            let trace = |tile: &Tile, color, scratch: &mut Scratch| {
+                simd::run(PathTile { context: &context, tile, color, scratch })
+            };
             rays = work.run(tiling, tiling.cut(color.samples_mut()), trace)?;
             // Every sample has one ray from the camera.
             samples = rays.primary;
@@ -93,7 +95,7 @@ fn trace_truth(
     work: &Work,
     fields: &mut Layers<LightFieldOwned<f32>>,
 ) -> Result<RayCounts, Error> {
-    work.run(tiling, tiles(fields, tiling), |tile, out| simd::run(DepthTile { context, tile, out }))
+    work.run(tiling, tiles(fields, tiling), |tile, out, truth| simd::run(DepthTile { context, tile, out, truth }))
 }
 
 /// All layers cut into the same tiles.

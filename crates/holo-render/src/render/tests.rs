@@ -11,7 +11,8 @@ use super::*;
 use crate::camera::tile::{Selection, Tiling};
 use crate::film::layers::Layer;
 use crate::integrator::depth::DepthTile;
-use crate::integrator::path::PathTile;
+use crate::integrator::path::{PathTile, Scratch};
+use crate::integrator::truth::Truth;
 use crate::simd;
 use holo_scene::gallery;
 use holo_scene::{Alpha, Environment, Material};
@@ -70,9 +71,11 @@ fn every_instruction_set_gives_the_same_picture() {
     // Every kernel writes into a picture of its own.
     let mut pictures: Vec<Array5<f32>> = vec![Array5::zeros((1, 60, 5, 6, 3)); 3];
     let mut parts = pictures.iter_mut();
+    let mut memory: [Scratch; 3] = Default::default();
+    let mut scratches = memory.iter_mut();
     let counts = simd::run_on_all(|| {
         let color = parts.next().expect("three sets at most").view_mut();
-        PathTile { context: &context, tile: &tile, color }
+        PathTile { context: &context, tile: &tile, color, scratch: scratches.next().expect("three sets at most") }
     });
     assert!(pictures[0].iter().any(|x| *x > 0.0) && counts[0].other > 0);
     for set in 0..counts.len() {
@@ -82,9 +85,11 @@ fn every_instruction_set_gives_the_same_picture() {
 
     let mut truths: Vec<_> = (0..3).map(|_| light_fields(*request.rig.split(), LayerSet::ALL).expect("room")).collect();
     let mut parts = truths.iter_mut();
+    let mut truth_memory: [Truth; 3] = Default::default();
+    let mut truths_of = truth_memory.iter_mut();
     let sets = simd::run_on_all(|| {
         let out = tiles(parts.next().expect("three sets at most"), tiling).pop().expect("a tile");
-        DepthTile { context: &context, tile: &tile, out }
+        DepthTile { context: &context, tile: &tile, out, truth: truths_of.next().expect("three sets at most") }
     });
     for set in 0..sets.len() {
         for (layer, field) in truths[set].iter() {
@@ -109,11 +114,12 @@ fn the_size_of_tiles_changes_nothing() {
         let tiling = &region.tiling;
         let (mut color, mut truth) =
             (zeros(split, 3).expect("room"), light_fields(split, LayerSet::ALL).expect("room"));
+        let (mut scratch, mut buffer) = (Scratch::default(), Truth::default());
         for (tile, color) in tiling.tiles().iter().zip(tiling.cut(color.samples_mut())) {
-            simd::run(PathTile { context: &context, tile, color });
+            simd::run(PathTile { context: &context, tile, color, scratch: &mut scratch });
         }
         for (tile, out) in tiling.tiles().iter().zip(tiles(&mut truth, tiling)) {
-            simd::run(DepthTile { context: &context, tile, out });
+            simd::run(DepthTile { context: &context, tile, out, truth: &mut buffer });
         }
         (color, truth, tiling.tiles().len())
     };

@@ -1,6 +1,7 @@
 //! Tiles on all threads.
 
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
@@ -22,13 +23,16 @@ impl<'a> Work<'a> {
         Self { progress, stop, total, done: AtomicU64::new(0) }
     }
 
-    pub fn run<P: Send>(
+    /// Traces every tile into its part; each thread hands its scratch memory from tile to tile.
+    pub fn run<P: Send, S: Default + Send>(
         &self,
         tiling: &Tiling,
         parts: Vec<P>,
-        trace: impl Fn(&Tile, P) -> RayCounts + Sync,
+        trace: impl Fn(&Tile, P, &mut S) -> RayCounts + Sync,
     ) -> Result<RayCounts, Error> {
         let tiles = tiling.tiles();
+        // As many as tiles were ever worked on at the same time.
+        let idle = Mutex::new(Vec::<S>::new());
         debug_assert_eq!(tiles.len(), parts.len());
         tiles
             .par_iter()
@@ -37,7 +41,10 @@ impl<'a> Work<'a> {
                 if self.stop.requested() {
                     return Err(Error::Cancelled);
                 }
-                let rays = trace(tile, part);
+                let taken = idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
+                let mut scratch = taken.unwrap_or_default();
+                let rays = trace(tile, part, &mut scratch);
+                idle.lock().unwrap_or_else(PoisonError::into_inner).push(scratch);
                 let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
                 self.progress.advance(done, self.total);
                 Ok(rays)
