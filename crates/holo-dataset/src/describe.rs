@@ -10,8 +10,8 @@ use holo_io::dataset::{Description, SceneEntry};
 use holo_scene::gallery;
 
 use crate::Error;
-use crate::options::{arguments, size_text};
-use crate::plan::DatasetPlan;
+use crate::options::{Options, arguments, size_text};
+use crate::source::SceneSource;
 
 /// Where the licence can be read.
 const LICENCE: &str = "CC0-1.0";
@@ -36,25 +36,28 @@ const CONVENTIONS: [(&str, &str); 8] = [
     ),
 ];
 
-/// Writes both.
-pub(crate) fn write(root: &Path, plan: &DatasetPlan, backend: &str) -> Result<(), Error> {
-    let description = describe(plan, backend)?;
+/// A scene and how it is divided.
+type Job<'a> = (&'a SceneSource, Split);
+
+/// Writes both, for a dataset of these jobs.
+pub(crate) fn write(root: &Path, jobs: &[Job], options: &Options, backend: &str) -> Result<(), Error> {
+    let description = describe(jobs, options, backend)?;
     description.write(root)?;
     holo_io::write_file(root.join(names::DATASET_MD), document(&description).as_bytes())?;
     Ok(())
 }
 
-fn describe(plan: &DatasetPlan, backend: &str) -> Result<Description, Error> {
+fn describe(jobs: &[Job], options: &Options, backend: &str) -> Result<Description, Error> {
     let mut scenes: Vec<SceneEntry> = Vec::new();
     let mut splits: Vec<Split> = Vec::new();
-    for job in &plan.jobs {
-        let name = job.render.source.name();
+    for (source, split) in jobs {
+        let name = source.name();
         if scenes.iter().all(|scene| scene.name != name) {
             let purpose = gallery::purpose(&name).unwrap_or("a scene from a file").to_owned();
-            scenes.push(SceneEntry { name, purpose, sha256: job.render.source.sha256()?.to_string() });
+            scenes.push(SceneEntry { name, purpose, sha256: source.sha256()?.to_string() });
         }
-        if !splits.contains(&job.split) {
-            splits.push(job.split);
+        if !splits.contains(split) {
+            splits.push(*split);
         }
     }
     let pairs = |pairs: &[(&str, &str)]| pairs.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
@@ -63,7 +66,7 @@ fn describe(plan: &DatasetPlan, backend: &str) -> Result<Description, Error> {
             ("holo".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
             ("engine".to_owned(), backend.to_owned()),
         ]),
-        options: plan.options.clone(),
+        options: options.clone(),
         scenes,
         splits,
         conventions: pairs(&CONVENTIONS),

@@ -8,7 +8,8 @@ use holo_render::{Progress, Renderer};
 use holo_scene::gallery;
 
 use crate::diagnostics::Diagnostics;
-use crate::job::{RenderJob, RenderReport, validate};
+use crate::files::validate;
+use crate::job::{RenderJob, RenderReport};
 use crate::options::{Options, size_text};
 use crate::output_folder::{OutputFolder, Rollback, clear_older};
 use crate::source::SceneSource;
@@ -117,7 +118,8 @@ impl DatasetPlan {
     /// Files that cannot be written.
     pub fn describe(&self, root: &Path, backend: &str, rollback: &Rollback) -> Result<(), Error> {
         let folder = OutputFolder::create_plain(root, rollback)?;
-        describe::write(root, self, backend)?;
+        let jobs: Vec<_> = self.jobs.iter().map(|job| (&job.render.source, job.split)).collect();
+        describe::write(root, &jobs, &self.options, backend)?;
         folder.keep();
         Ok(())
     }

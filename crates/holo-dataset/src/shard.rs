@@ -8,7 +8,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use holo_core::{GridSize, LightField, LightFieldOwned, Rig, Split};
 use holo_io::{Limits, Manifest, ParametersCfg, Setting, Written, dataset};
@@ -16,10 +16,10 @@ use holo_render::{Integrator, Layer, Layers, RayCounts, Rendered};
 use ndarray::{Array3, ArrayView3, Axis, Slice};
 
 use crate::Error;
-use crate::job::{Finished, Traced};
+use crate::files::{self, Finished, Traced, exposure_ev};
 use crate::layers::Wanted;
 use crate::options::integrator_from_name;
-use crate::output_folder::OutputFolder;
+use crate::output_folder::{OutputFolder, Rollback};
 use crate::spec::{RenderSpec, Shard};
 
 const COLOR: &str = "color.pfm";
@@ -120,12 +120,24 @@ struct Part<'a> {
     label: Label,
 }
 
+/// Puts the shards of an image together: `parts` are the folders that they were rendered into, in any order. Returns the
+/// names of the files in `out`.
+///
+/// # Errors
+/// Parts that are damaged, missing, given twice, or of different images; files that cannot be written.
+pub fn merge(out: &Path, parts: &[PathBuf], rollback: &Rollback) -> Result<Vec<String>, Error> {
+    let folder = OutputFolder::create(out, rollback)?;
+    let (traced, spec) = read(parts)?;
+    let exposure_ev = exposure_ev(&spec, &traced.rendered);
+    Ok(files::write(&spec, traced, exposure_ev, folder)?.files)
+}
+
 /// Reads parts and puts them together.
 ///
 /// # Errors
 ///
 /// Parts that are damaged, missing, there twice, or of different pictures.
-pub(crate) fn read(folders: &[std::path::PathBuf]) -> Result<(Traced, RenderSpec), Error> {
+pub(crate) fn read(folders: &[PathBuf]) -> Result<(Traced, RenderSpec), Error> {
     let mut parts = folders.iter().map(|folder| open(folder)).collect::<Result<Vec<_>, _>>()?;
     parts.sort_by_key(|part| part.label.shard.part);
     let manifest = same(&parts)?;

@@ -1,0 +1,111 @@
+//! Writing the files of a whole render, and what a specification promises of them.
+
+use holo_core::Rig;
+use holo_io::{Manifest, ParametersCfg, dataset};
+use holo_render::{Integrator, Layers, Rendered, exposure};
+use ndarray::Array3;
+
+use crate::Error;
+use crate::images::{self, Images};
+use crate::layers::{self, Wanted};
+use crate::output_folder::OutputFolder;
+use crate::spec::{Exposure, Output, RenderSpec};
+
+/// What was rendered, with all that its files need to know.
+pub(crate) struct Traced {
+    pub rendered: Rendered,
+    pub wanted: Wanted,
+    pub rig: Rig,
+    /// Without what only the whole image tells: exposure, disparities, files.
+    pub manifest: Manifest,
+    /// Without the range of disparities.
+    pub parameters: ParametersCfg,
+}
+
+/// What was found out while the files were written.
+pub(crate) struct Finished {
+    pub disparity_px: Option<(f64, f64)>,
+    pub files: Vec<String>,
+}
+
+/// Refuses what the specification alone shows to be impossible, before anything is touched.
+///
+/// # Errors
+/// [`Error::BadRequest`].
+pub fn validate(spec: &RenderSpec) -> Result<(), Error> {
+    #[cfg(not(feature = "hdf5"))]
+    if spec.outputs.contains(&Output::H5) {
+        return Err(images::without_hdf5());
+    }
+    if let Some(names) = images::needing_color(&spec.outputs).filter(|_| spec.integrator == Integrator::Depth) {
+        return Err(Error::BadRequest(format!(
+            "--integrator depth makes no picture; leave {names} out of --write, or choose --integrator direct"
+        )));
+    }
+    if spec.integrator == Integrator::Depth && layers::names_color(spec) {
+        return Err(Error::BadRequest(
+            "--integrator depth makes no picture; leave color out of --layers, or choose --integrator direct".into(),
+        ));
+    }
+    Ok(())
+}
+
+/// The exposure for the whole picture, if there is one.
+pub(crate) fn exposure_ev(spec: &RenderSpec, rendered: &Rendered) -> Option<f64> {
+    rendered.color.as_ref().map(|color| match spec.exposure {
+        Exposure::Ev(ev) => ev,
+        Exposure::Automatic => exposure::automatic_exposure(color),
+    })
+}
+
+/// Writes every file and seals the folder.
+pub(crate) fn write(
+    spec: &RenderSpec,
+    mut traced: Traced,
+    exposure_ev: Option<f64>,
+    mut folder: OutputFolder,
+) -> Result<Finished, Error> {
+    let rendered = &mut traced.rendered;
+    let outputs = outputs(spec, rendered.color.is_some())?;
+    let disparity_px = finite_range(&rendered.central);
+    let mut parameters = traced.parameters;
+    if let Some((min, max)) = disparity_px {
+        parameters.set_disparity_range_px(min, max);
+    }
+    folder.unseal()?;
+    layers::write(&mut folder, &traced.wanted, rendered, disparity_px)?;
+    let images = Images { spec, outputs: &outputs, rig: &traced.rig, parameters: &parameters };
+    images.write(&mut folder, &traced.wanted, rendered, exposure_ev)?;
+    folder.add(dataset::PARAMETERS_CFG, parameters.write(folder.file(dataset::PARAMETERS_CFG))?);
+    let files = folder.seal(Manifest { disparity_px, exposure_ev, ..traced.manifest })?;
+    Ok(Finished { disparity_px, files })
+}
+
+/// What to write beside layers: what was asked for, or the pictures if there are any.
+pub(crate) fn outputs(spec: &RenderSpec, has_picture: bool) -> Result<Vec<Output>, Error> {
+    if !has_picture && layers::names_color(spec) {
+        return Err(Error::BadRequest(
+            "the scene has no light, so there is no picture to write; leave color out of --layers, or light the scene \
+             with --sky 1,1,1"
+                .into(),
+        ));
+    }
+    if spec.outputs.is_empty() {
+        return Ok(if has_picture { images::USUAL.to_vec() } else { Vec::new() });
+    }
+    if let Some(names) = images::needing_color(&spec.outputs).filter(|_| !has_picture) {
+        return Err(Error::BadRequest(format!(
+            "the scene has no light, so there is no picture to write; leave {names} out of --write, or light it with \
+             --sky 1,1,1"
+        )));
+    }
+    Ok(spec.outputs.clone())
+}
+
+/// The range of the finite disparities of the central view; also infinitely far pixels have a finite disparity.
+fn finite_range(central: &Layers<Array3<f32>>) -> Option<(f64, f64)> {
+    let disparities = central.disparity_px().into_iter().flatten();
+    let finite = disparities.filter(|d| d.is_finite()).map(|&d| f64::from(d));
+    let range = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), d| (min.min(d), max.max(d)));
+    (range.0 <= range.1).then_some(range)
+}
