@@ -59,10 +59,9 @@ fn a_wall_hides_half_of_the_sky() {
     let edge =
         Transform { columns: [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]], translation: [0.12, 0.0, 45.0] };
     add(&mut scene, square(50.0), [0.0, 0.0, 0.0, 1.0], edge);
-    let mut parameters = *rig([4, 4], [5, 5], 1e-4, 2.0, Projection::Perspective).parameters();
     // A long lens: it sees only the foot of the wall, 2 to 10 cm from it.
-    parameters.intrinsics.focal_length_m = 2.0;
-    let request = everything(holo_core::Rig::new(parameters).unwrap(), 64, [1.0; 3]);
+    let rig = rig([4, 4], [5, 5], 1e-4, 2.0, Projection::Perspective).to_builder().focal_length_m(2.0).build();
+    let request = everything(rig.expect("a rig"), 64, [1.0; 3]);
     let color = render(&scene, &request, Backend::Bvh, 2).color.expect("lit");
     let samples = color.samples();
     let lit: Vec<f64> = samples.iter().map(|&x| f64::from(x)).collect();

@@ -217,7 +217,7 @@ fn tolerance(layer: Layer, exact: f64, rig: &Rig) -> f64 {
     match layer {
         Layer::Depth | Layer::RayLength => 6.0e-8 * exact,
         // Relative to the scale of disparities, because they pass through 0.
-        Layer::Disparity => 1e-7 * (rig.disparity().scale_m_px() / rig.parameters().focus_distance_m).max(exact.abs()),
+        Layer::Disparity => 1e-7 * (rig.disparity().scale_m_px() / rig.focus_distance_m()).max(exact.abs()),
         Layer::GeometricNormal => 6.0e-8,
         Layer::ShadingNormal => 8e-6,
         Layer::Albedo => 4e-6,

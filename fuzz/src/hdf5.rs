@@ -82,7 +82,7 @@ pub fn hdf5(data: &[u8]) {
     let _ = holo_io::recognise(&path);
     let _ = holo_io::is_light_field_hdf5(&path);
     let Ok(field) = Hdf5LightField::open(&path, &limits) else { return };
-    let _ = field.rig().copied().map(holo_core::Rig::new);
+    let _ = field.rig().copied();
     let (all, central) = field.maps();
     all.into_iter().for_each(|map| drop(field.read_map(map)));
     central.into_iter().for_each(|map| drop(field.read_central_map(map)));

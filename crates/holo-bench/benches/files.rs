@@ -143,14 +143,13 @@ fn floats(shape: (usize, usize, usize), count: usize) -> holo_core::LightFieldOw
 
 #[cfg(feature = "hdf5")]
 fn write_hdf5(path: &Path, field: &holo_core::LightFieldOwned<f32>, chunk: Option<[usize; 4]>) -> u64 {
-    let rig = holo_core::RigParameters {
-        split: split(),
-        intrinsics: holo_core::Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-        baseline_x_m: 1e-4,
-        baseline_y_m: 1e-4,
-        focus_distance_m: 2.0,
-        projection: holo_core::Projection::Perspective,
-    };
+    let rig = Rig::builder(split())
+        .intrinsics(holo_core::Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 })
+        .baseline_m(1e-4)
+        .focus_distance_m(2.0)
+        .projection(holo_core::Projection::Perspective)
+        .build()
+        .unwrap();
     let options = holo_io::Hdf5Options { chunk, ..Default::default() };
     holo_io::write_hdf5(path, field, &rig, &[], &[], &options).expect("a file").bytes
 }

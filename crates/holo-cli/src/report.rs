@@ -5,7 +5,7 @@ use std::path::Path;
 use holo_core::Rig;
 use holo_dataset::options::integrator_name;
 use holo_dataset::{RenderReport, Seconds};
-use holo_io::ManifestRig;
+use holo_io::meters_to_millimeters;
 use holo_render::RayCounts;
 use serde_json::{Value, json};
 
@@ -28,7 +28,7 @@ pub fn run_json(report: &RenderReport) -> Value {
 
 /// The object of `--json`.
 pub fn json(report: &RenderReport) -> Value {
-    let rig = ManifestRig::from(report.rig.parameters());
+    let rig = &report.rig;
     let size = |s: holo_core::GridSize| json!({"columns": s.columns, "rows": s.rows});
     json!({
         "seconds": seconds(&report.seconds),
@@ -39,11 +39,11 @@ pub fn json(report: &RenderReport) -> Value {
         "peak_rss_bytes": peak_rss_bytes(),
         "integrator": {"name": integrator_name(report.integrator), "why": report.why},
         "rig": {
-            "views": size(rig.views), "lenses": size(rig.lenses),
-            "baseline_m": {"x": rig.baseline_x_m, "y": rig.baseline_y_m},
-            "focal_length_mm": rig.focal_length_mm,
-            "sensor_size_mm": rig.sensor_size_mm,
-            "focus_distance_m": number(rig.focus_distance_m),
+            "views": size(rig.split().views()), "lenses": size(rig.split().lenses()),
+            "baseline_m": {"x": rig.baseline_x_m(), "y": rig.baseline_y_m()},
+            "focal_length_mm": meters_to_millimeters(rig.focal_length_m()),
+            "sensor_size_mm": meters_to_millimeters(rig.sensor_size_m()),
+            "focus_distance_m": number(rig.focus_distance_m()),
         },
         "disparity_px": report.disparity_px.map(|(min, max)| json!({"min": min, "max": max})),
         "files": report.files,
@@ -95,20 +95,19 @@ pub fn describe_split(rig: &Rig) -> String {
 
 /// The rig's lengths in words.
 pub fn describe_rig(rig: &Rig, disparity_px: Option<(f64, f64)>) -> String {
-    let parameters = ManifestRig::from(rig.parameters());
     let range = match disparity_px {
         Some((min, max)) => format!("disparity {} to {} px between neighbouring views", short(min), short(max)),
         None => "no disparity known".into(),
     };
-    let focus = match parameters.focus_distance_m {
+    let focus = match rig.focus_distance_m() {
         distance if distance.is_finite() => format!("{} m", short(distance)),
         _ => "at infinity".into(),
     };
     format!(
         "rig: baseline {} mm, focal length {} mm, sensor {} mm, focus {focus}; {range}",
-        short(parameters.baseline_x_m * 1e3),
-        short(parameters.focal_length_mm),
-        short(parameters.sensor_size_mm),
+        short(rig.baseline_x_m() * 1e3),
+        short(meters_to_millimeters(rig.focal_length_m())),
+        short(meters_to_millimeters(rig.sensor_size_m())),
     )
 }
 

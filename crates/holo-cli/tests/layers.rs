@@ -3,7 +3,6 @@
 mod common;
 
 use common::{Bench, DEFAULT_FILES, SCENE, SMALL, small_split};
-use holo_core::Rig;
 use holo_io::{Limits, Manifest, Setting, read_exr, read_pfm};
 use ndarray::{Array3, s};
 
@@ -66,8 +65,7 @@ fn layers_agree_with_each_other() {
     let bench = Bench::new();
     bench.render("out", "--layers all");
     let map = |layer: &str| map(&bench, &format!("out/scene_{layer}.pfm"));
-    let rig = Manifest::read(bench.path("out/manifest.json")).unwrap().rig.unwrap().parameters().unwrap();
-    let rig = Rig::new(rig).unwrap();
+    let rig = Manifest::read(bench.path("out/manifest.json")).unwrap().rig.unwrap();
     let (t, s) = rig.split().central_view();
     let (depth, length, mask) = (map("depth"), map("ray_length"), map("hit_mask"));
     let [geometric, shading] = ["geometric_normal", "shading_normal"].map(map);

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Bench, DEFAULT_FILES, SCENE, read_u8, read_u16, small_split};
-use holo_core::{LightField, Rig};
+use holo_core::LightField;
 use holo_io::{Limits, Manifest, read_pfm_grey};
 
 #[test]
@@ -29,7 +29,7 @@ fn depth_and_disparity_agree_by_equation_3() {
     let bench = Bench::new();
     bench.render("out", "--baseline-m 0.05");
     let manifest = Manifest::read(bench.path("out/manifest.json")).unwrap();
-    let rig = Rig::new(manifest.rig.unwrap().parameters().unwrap()).unwrap();
+    let rig = manifest.rig.unwrap();
     let read = |name: &str| read_pfm_grey(bench.path("out").join(name), &Limits::default()).unwrap();
     let (depth_m, disparity_px) = (read("scene_depth.pfm"), read("scene_disparity.pfm"));
     assert_eq!((depth_m.dim(), disparity_px.dim()), ((8, 12), (8, 12)));
@@ -99,7 +99,7 @@ fn the_mat_file_is_the_raw_image() {
             other => panic!("{out}: {other:?}"),
         }
         let manifest = holo_io::Manifest::read(bench.path(out).join("manifest.json")).unwrap();
-        assert_eq!(mat.rig, Some(manifest.rig.unwrap().parameters().unwrap()), "{out}");
+        assert_eq!(mat.rig, Some(manifest.rig.unwrap()), "{out}");
     }
 }
 
@@ -122,7 +122,7 @@ fn the_hdf5_file_holds_radiance_and_ground_truth() {
             assert_eq!(stored.unwrap(), central, "{out} {name}");
         }
         let manifest = holo_io::Manifest::read(path("manifest.json")).unwrap();
-        assert_eq!(file.rig(), Some(&manifest.rig.unwrap().parameters().unwrap()), "{out}");
+        assert_eq!(file.rig(), Some(&manifest.rig.unwrap()), "{out}");
     }
 }
 

@@ -48,8 +48,8 @@ fn refocus_knows_distances_slopes_stacks_and_everything_in_focus() {
     bench.render("out", "--baseline-m 0.05 --spp 4");
     let out = ok(bench.run("info out")).stdout;
     assert!(!out.is_empty());
-    let parameters = holo_io::ParametersCfg::read(bench.path("out/parameters.cfg")).unwrap().rig_parameters().unwrap();
-    let disparity = holo_core::Rig::new(parameters).unwrap().disparity().from_depth_m(1.4);
+    let parameters = holo_io::ParametersCfg::read(bench.path("out/parameters.cfg")).unwrap().rig().unwrap();
+    let disparity = parameters.disparity().from_depth_m(1.4);
     ok(bench.run("refocus out --distance-m 1.4 --out distance.png"));
     ok(bench.run(&format!("refocus out --disparity {disparity} --out disparity.png")));
     assert_eq!(read_u8(bench.path("distance.png")), read_u8(bench.path("disparity.png")));
@@ -93,8 +93,8 @@ fn an_estimate_is_written_and_judged() {
     assert!(json["best_plane_bad_pixels_percent"].as_f64() <= json["best_constant_bad_pixels_percent"].as_f64());
     assert_eq!(read_u8(bench.path("error.png")).dim(), (40, 60, 3));
     // The rig beside the truth makes depths of the maps, and of these normals.
-    let parameters = holo_io::ParametersCfg::read(bench.path("out/parameters.cfg")).unwrap().rig_parameters().unwrap();
-    let rig = holo_core::Rig::new(parameters).unwrap();
+    let parameters = holo_io::ParametersCfg::read(bench.path("out/parameters.cfg")).unwrap().rig().unwrap();
+    let rig = parameters;
     let region = Region::with_border(5);
     let angle = median_angle_error_deg(&estimate, &truth, &rig, NormalGeometry::Pinhole, &region).unwrap();
     assert_eq!(json["median_angle_deg"], angle.value);

@@ -81,7 +81,7 @@ mod real;
 pub mod refocus;
 mod sample;
 
-pub use camera::{Intrinsics, Rig, RigParameters, RigRay, automatic_baseline_m};
+pub use camera::{Intrinsics, Rig, RigBuilder, RigRay, automatic_baseline_m};
 pub use disparity::{Disparity, Projection, StereoPair};
 pub use error::Error;
 pub use estimate::{DepthEstimate, Effort, PlaneSweepOptions, plane_sweep};

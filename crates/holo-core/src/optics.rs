@@ -60,17 +60,10 @@ pub struct DisparityRange {
 ///
 /// ```
 /// use holo_core::optics::{DepthRange, Optics};
-/// use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
+/// use holo_core::{GridSize, Rig, Split};
 ///
 /// // The camera of the benchmark's scene "cotton".
-/// let rig = Rig::new(RigParameters {
-///     split: Split::new(GridSize::new(9, 9), GridSize::new(512, 512))?,
-///     intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
-///     baseline_x_m: 0.025,
-///     baseline_y_m: 0.025,
-///     focus_distance_m: 4.25,
-///     projection: Projection::Perspective,
-/// })?;
+/// let rig = Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(512, 512))?).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
 /// let optics = Optics::new(rig)?;
 /// let range = optics.disparity_range_px(DepthRange::new(3.5, 6.0)?);
 /// assert!((range.max_px - 1.8439).abs() < 5e-5 && (range.min_px + 2.5098).abs() < 5e-5);
@@ -91,7 +84,7 @@ impl Optics {
     ///
     /// [`Error::NoBaseline`] if its views coincide horizontally: nothing here means anything then.
     pub fn new(rig: Rig) -> Result<Self, Error> {
-        if rig.parameters().baseline_x_m == 0.0 || rig.split().views().columns < 2 {
+        if rig.baseline_x_m() == 0.0 || rig.split().views().columns < 2 {
             return Err(Error::NoBaseline);
         }
         Ok(Self { rig })
@@ -117,7 +110,7 @@ impl Optics {
     /// Returns the width of the synthetic aperture, in metres: from the first to the last view of a row.
     #[must_use]
     pub fn aperture_m(&self) -> f64 {
-        self.rig.parameters().baseline_x_m * self.gaps()
+        self.rig.baseline_x_m() * self.gaps()
     }
 
     /// Returns the depths that move by at most `limit_px` from one view to the next.
@@ -174,9 +167,8 @@ impl Optics {
     /// infinite focus.
     #[must_use]
     pub fn angular_step_rad(&self) -> f64 {
-        let parameters = self.rig.parameters();
         // Two views half a baseline to either side of the axis.
-        2.0 * (parameters.baseline_x_m / 2.0 / parameters.focus_distance_m).atan()
+        2.0 * (self.rig.baseline_x_m() / 2.0 / self.rig.focus_distance_m()).atan()
     }
 
     /// Returns the width that one pixel of a view covers at a depth, in metres.
@@ -247,19 +239,20 @@ impl Optics {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{GridSize, Intrinsics, Projection, RigParameters, Split};
+    use crate::{GridSize, Projection, Split};
 
     /// k = 0.02 * 0.05 * 360 / 0.036 = 10 m px.
     fn optics(focus_distance_m: f64, projection: Projection) -> Optics {
-        let parameters = RigParameters {
-            split: Split::new(GridSize::new(5, 11), GridSize::new(240, 360)).unwrap(),
-            intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-            baseline_x_m: 0.02,
-            baseline_y_m: 0.01,
-            focus_distance_m,
-            projection,
-        };
-        Optics::new(Rig::new(parameters).unwrap()).unwrap()
+        let rig = Rig::builder(Split::new(GridSize::new(5, 11), GridSize::new(240, 360)).unwrap())
+            .focal_length_m(0.05)
+            .sensor_size_m(0.036)
+            .baseline_x_m(0.02)
+            .baseline_y_m(0.01)
+            .focus_distance_m(focus_distance_m)
+            .projection(projection)
+            .build()
+            .unwrap();
+        Optics::new(rig).unwrap()
     }
 
     fn close(value: f64, expected: f64) {
@@ -342,13 +335,10 @@ mod tests {
         {
             assert!(DepthRange::new(near_m, far_m).is_err(), "{near_m} {far_m}");
         }
-        let parameters = *optics(5.0, Projection::Perspective).rig().parameters();
-        let without = Rig::new(RigParameters { baseline_x_m: 0.0, ..parameters }).unwrap();
+        let rig = *optics(5.0, Projection::Perspective).rig();
+        let without = rig.to_builder().baseline_x_m(0.0).build().unwrap();
         assert_eq!(Optics::new(without), Err(Error::NoBaseline));
         let single = Split::new(GridSize::new(5, 1), GridSize::new(240, 360)).unwrap();
-        assert_eq!(
-            Optics::new(Rig::new(RigParameters { split: single, ..parameters }).unwrap()),
-            Err(Error::NoBaseline)
-        );
+        assert_eq!(Optics::new(rig.to_builder().split(single).build().unwrap()), Err(Error::NoBaseline));
     }
 }

@@ -130,7 +130,7 @@ impl Images<'_> {
         let mat = || {
             let path = self.wants(Output::Mat).then(|| folder.file(dataset::LIGHT_FIELD_MAT))?;
             let (order, options) = (self.spec.mat_order, MatOptions::default());
-            Some(holo_io::write_mat_light_field(path, coded, Some(self.rig.parameters()), order, &options))
+            Some(holo_io::write_mat_light_field(path, coded, Some(self.rig), order, &options))
         };
         let ((elemental, viewpoint), mat) = rayon::join(|| rayon::join(elemental, viewpoint), mat);
         let names = [dataset::ELEMENTAL_PNG, dataset::VIEWPOINT_PNG, dataset::LIGHT_FIELD_MAT];
@@ -192,7 +192,7 @@ impl Images<'_> {
         let central = rendered.central.iter().filter(|_| maps.is_empty());
         let central: Vec<_> =
             central.filter_map(|(layer, image)| Some((kind(layer)?, image.index_axis(Axis(2), 0)))).collect();
-        let (name, rig) = (dataset::LIGHT_FIELD_HDF5, self.rig.parameters());
+        let (name, rig) = (dataset::LIGHT_FIELD_HDF5, self.rig);
         let options = Hdf5Options::default();
         folder.add(name, holo_io::write_hdf5(folder.file(name), color, rig, &maps, &central, &options)?);
         Ok(())

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use holo_core::Rig;
-use holo_io::{CameraPose, Manifest, ManifestRig, ParametersCfg, Setting};
+use holo_io::{CameraPose, Manifest, ParametersCfg, Setting};
 use holo_render::{GroundTruth, Integrator, Progress, RayCounts, Rendered, Request};
 
 use crate::diagnostics::{About, Diagnostics};
@@ -211,7 +211,7 @@ impl RenderJob {
     }
 
     fn parameters(&self, prepared: &Prepared) -> ParametersCfg {
-        let mut parameters = ParametersCfg::from_rig(prepared.rig.parameters());
+        let mut parameters = ParametersCfg::from_rig(&prepared.rig);
         let pose = prepared.framed.pose;
         let [right, up, back] = pose.columns;
         parameters.center_cam = Some(CameraPose::from_gltf(pose.translation, right, up, back));
@@ -232,7 +232,7 @@ impl RenderJob {
         request: &Request,
     ) -> Result<Manifest, Error> {
         let mut manifest = self.identity(prepared.renderer.engine_name())?;
-        manifest.rig = Some(ManifestRig::from(prepared.rig.parameters()));
+        manifest.rig = Some(prepared.rig);
         let settings = &mut manifest.settings;
         settings.insert("camera".into(), prepared.framed.camera.clone().into());
         settings.insert("integrator".into(), integrator_name(rendered.integrator).into());

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, LightField, LightFieldOwned, Rig, Split};
+use holo_core::{GridSize, LightField, LightFieldOwned, Split};
 use holo_io::{Limits, Manifest, ParametersCfg, Setting, Written, dataset};
 use holo_render::{Integrator, Layer, Layers, RayCounts, Rendered};
 use ndarray::{Array3, ArrayView3, Axis, Slice};
@@ -144,8 +144,7 @@ pub(crate) fn read(folders: &[PathBuf]) -> Result<(Traced, RenderSpec), Error> {
     let spec = spec(&manifest)?;
     let parameters = ParametersCfg::read(parts[0].folder.join(dataset::PARAMETERS_CFG))?;
     let broken = |what: String| Error::Failed(format!("{}: {what}", parts[0].folder.display()));
-    let rig = manifest.rig.as_ref().ok_or_else(|| broken("the manifest has no rig".into()))?;
-    let rig = Rig::new(rig.parameters()?)?;
+    let rig = manifest.rig.ok_or_else(|| broken("the manifest has no rig".into()))?;
     let split = *rig.split();
     let wanted = Wanted::new(&spec);
 

@@ -103,6 +103,14 @@ impl Error {
         Self::Io { action, path: path.to_owned(), source }
     }
 
+    /// The same error of the library `holo-core`, about another file.
+    pub(crate) fn about(self, path: &Path) -> Self {
+        match self {
+            Self::Core { source, .. } => Self::core(path, source),
+            other => other,
+        }
+    }
+
     pub(crate) fn core(path: &Path, source: holo_core::Error) -> Self {
         Self::Core { path: path.to_owned(), source }
     }

@@ -50,7 +50,7 @@ mod write;
 
 use std::path::Path;
 
-use holo_core::{LightField, RigParameters};
+use holo_core::{LightField, Rig};
 use ndarray::{ArrayView2, ArrayView4, Axis, Data, Slice};
 
 use crate::stored::StoredSample;
@@ -81,21 +81,14 @@ const FORMAT: &str = "HDF5";
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Intrinsics, LightField, Projection, RigParameters, Split};
+/// use holo_core::{GridSize, LightField, Rig, Split};
 /// use holo_io::{Hdf5LightField, Hdf5Map, Hdf5Options, Limits, write_hdf5};
 /// use ndarray::{Array2, Array5};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("scene_5d.h5");
 /// let split = Split::new(GridSize::new(2, 3), GridSize::new(4, 5))?;
-/// let rig = RigParameters {
-///     split,
-///     intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-///     baseline_x_m: 1e-3,
-///     baseline_y_m: 1e-3,
-///     focus_distance_m: 2.0,
-///     projection: Projection::Perspective,
-/// };
+/// let rig = Rig::builder(split).focal_length_m(0.05).sensor_size_m(0.036).baseline_m(1e-3).focus_distance_m(2.0).build()?;
 /// let light_field = LightField::new(Array5::<f32>::ones(split.shape(3)))?;
 /// let depth_m = Array2::from_elem((4, 5), 2.5);
 /// write_hdf5(&path, &light_field, &rig, &[], &[(Hdf5Map::Depth, depth_m.view())], &Hdf5Options::default())?;
@@ -108,7 +101,7 @@ const FORMAT: &str = "HDF5";
 pub fn write_hdf5<S>(
     path: impl AsRef<Path>,
     light_field: &LightField<S>,
-    rig: &RigParameters,
+    rig: &Rig,
     maps: &[(Hdf5Map, ArrayView4<'_, f32>)],
     central: &[(Hdf5Map, ArrayView2<'_, f32>)],
     options: &Hdf5Options,
@@ -123,11 +116,11 @@ where
     let mut writer = Hdf5Writer::<S::Elem>::create(path, rig, light_field.channels(), &kinds, options)?;
     let rows = writer.lens_rows_at_a_time();
     let samples = light_field.samples();
-    for start in (0..rig.split.lenses().rows).step_by(rows) {
-        let range = Slice::from(start..rig.split.lenses().rows.min(start + rows));
+    for start in (0..rig.split().lenses().rows).step_by(rows) {
+        let range = Slice::from(start..rig.split().lenses().rows.min(start + rows));
         writer.write_lens_rows(samples.slice_axis(Axis(0), range))?;
         for (kind, map) in maps {
-            if map.len_of(Axis(0)) != rig.split.lenses().rows {
+            if map.len_of(Axis(0)) != rig.split().lenses().rows {
                 return Err(Error::bad_input(path, format!("the map {} has shape {:?}", kind.name(), map.shape())));
             }
             writer.write_map_lens_rows(*kind, map.slice_axis(Axis(0), range))?;

@@ -87,7 +87,7 @@ mod limits;
 mod manifest;
 #[cfg(feature = "mat")]
 mod mat;
-mod millimetres;
+mod millimeters;
 mod net;
 #[cfg(feature = "png")]
 mod open;
@@ -124,7 +124,7 @@ pub use hdf5::{Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_
 #[cfg(feature = "hdr")]
 pub use hdr::{HdrInfo, decode_hdr, read_hdr, read_hdr_info};
 pub use limits::Limits;
-pub use manifest::{Manifest, ManifestRig, Problem, ProblemKind, Setting};
+pub use manifest::{Manifest, Problem, ProblemKind, Setting};
 #[cfg(all(feature = "mat", feature = "hdf5"))]
 pub use mat::MatWriter;
 #[cfg(feature = "mat")]
@@ -132,6 +132,7 @@ pub use mat::{
     MatArray, MatClass, MatInfo, MatLightField, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, decode_mat,
     encode_mat, read_mat, read_mat_info, read_mat_light_field, read_mat_variable, write_mat, write_mat_light_field,
 };
+pub use millimeters::{meters_to_millimeters, millimeters_to_meters};
 pub use net::is_guarding;
 #[cfg(feature = "png")]
 pub use open::{Opened, open};

@@ -1,18 +1,18 @@
 //! `manifest.json`: what a dataset folder was made with, and the digest of every file in it.
 
 mod json;
-mod rig;
 mod setting;
 mod verify;
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use holo_core::Rig;
+
 use crate::error::MEMORY;
 use crate::limits::read_small_file;
 use crate::{Error, Written, write_file};
 
-pub use rig::ManifestRig;
 pub use setting::Setting;
 pub use verify::{Problem, ProblemKind};
 
@@ -59,7 +59,7 @@ pub struct Manifest {
     /// Every other setting, by its name on the command line.
     pub settings: BTreeMap<String, Setting>,
     /// The views, the lenses and the cameras, in the units of the files.
-    pub rig: Option<ManifestRig>,
+    pub rig: Option<Rig>,
     /// The smallest and largest finite disparity of the central view, which are black and white in
     /// `scene_disparity.png`.
     pub disparity_px: Option<(f64, f64)>,

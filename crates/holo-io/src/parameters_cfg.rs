@@ -10,11 +10,11 @@ mod pose;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use holo_core::{GridSize, Intrinsics, Projection, RigParameters, Split};
+use holo_core::{GridSize, Projection, Rig, Split};
 
 use crate::error::MEMORY;
 use crate::limits::read_small_file;
-use crate::{Error, Written, millimetres, write_file};
+use crate::{Error, Written, meters_to_millimeters, millimeters_to_meters, write_file};
 
 pub use pose::CameraPose;
 
@@ -30,24 +30,17 @@ const MAX_BYTES: u64 = 1 << 20;
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Intrinsics, Projection, RigParameters, Split};
+/// use holo_core::{GridSize, Rig, Split};
 /// use holo_io::ParametersCfg;
 ///
-/// let rig = RigParameters {
-///     split: Split::new(GridSize::new(9, 9), GridSize::new(512, 512))?,
-///     intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
-///     baseline_x_m: 0.025,
-///     baseline_y_m: 0.025,
-///     focus_distance_m: 4.25,
-///     projection: Projection::Perspective,
-/// };
+/// let rig = Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(512, 512))?).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
 /// let mut parameters = ParametersCfg::from_rig(&rig);
 /// parameters.scene = "cotton".into();
 /// let text = parameters.to_text()?;
 /// assert!(text.starts_with("[intrinsics]\nfocal_length_mm = 100.0\nimage_resolution_x_px = 512\n"));
 /// let read = ParametersCfg::from_text(&text)?;
 /// assert_eq!(read, parameters);
-/// assert_eq!(read.rig_parameters()?, rig);
+/// assert_eq!(read.rig()?, rig);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -110,24 +103,25 @@ impl ParametersCfg {
     ///
     /// `fstop` is 100, `depth_map_scale` is 1 and `cycles_seed` 0.
     #[must_use]
-    pub fn from_rig(rig: &RigParameters) -> Self {
-        let focal_length_mm = millimetres::from_metres(rig.intrinsics.focal_length_m);
-        let sensor_size_mm = millimetres::from_metres(rig.intrinsics.sensor_size_m);
-        let baseline_mm = millimetres::from_metres(rig.baseline_x_m);
-        let lenses = rig.split.lenses();
+    pub fn from_rig(rig: &Rig) -> Self {
+        let focal_length_mm = meters_to_millimeters(rig.focal_length_m());
+        let sensor_size_mm = meters_to_millimeters(rig.sensor_size_m());
+        let baseline_mm = meters_to_millimeters(rig.baseline_x_m());
+        let lenses = rig.split().lenses();
         // The HCI tools' own formula; an infinite focus distance gives 0.
         let offset =
-            baseline_mm * focal_length_mm / rig.focus_distance_m / 1000.0 / sensor_size_mm * lenses.larger() as f64;
+            baseline_mm * focal_length_mm / rig.focus_distance_m() / 1000.0 / sensor_size_mm * lenses.larger() as f64;
         Self {
             focal_length_mm,
             image_resolution_px: lenses,
             sensor_size_mm,
             fstop: Some(100.0),
-            num_cams: rig.split.views(),
+            num_cams: rig.split().views(),
             baseline_mm,
-            baseline_y_mm: (rig.baseline_y_m != rig.baseline_x_m).then(|| millimetres::from_metres(rig.baseline_y_m)),
-            focus_distance_m: rig.focus_distance_m,
-            projection: rig.projection,
+            baseline_y_mm: (rig.baseline_y_m() != rig.baseline_x_m())
+                .then(|| meters_to_millimeters(rig.baseline_y_m())),
+            focus_distance_m: rig.focus_distance_m(),
+            projection: rig.projection(),
             center_cam: None,
             offset: Some(offset),
             scene: String::new(),
@@ -146,25 +140,24 @@ impl ParametersCfg {
         }
     }
 
-    /// Returns the rig in metres, for [`holo_core::Rig::new`].
+    /// Returns the rig.
     ///
     /// # Errors
     ///
-    /// [`Error::Core`] if the counts of views and pixels make no image.
-    pub fn rig_parameters(&self) -> Result<RigParameters, Error> {
+    /// [`Error::Core`] if the numbers make no rig.
+    pub fn rig(&self) -> Result<Rig, Error> {
         let split = Split::new(self.num_cams, self.image_resolution_px);
-        let baseline_x_m = millimetres::to_metres(self.baseline_mm);
-        Ok(RigParameters {
-            split: split.map_err(|error| Error::core(Path::new(MEMORY), error))?,
-            intrinsics: Intrinsics {
-                focal_length_m: millimetres::to_metres(self.focal_length_mm),
-                sensor_size_m: millimetres::to_metres(self.sensor_size_mm),
-            },
-            baseline_x_m,
-            baseline_y_m: self.baseline_y_mm.map_or(baseline_x_m, millimetres::to_metres),
-            focus_distance_m: self.focus_distance_m,
-            projection: self.projection,
-        })
+        let baseline_x_m = millimeters_to_meters(self.baseline_mm);
+        let core = |error| Error::core(Path::new(MEMORY), error);
+        Rig::builder(split.map_err(core)?)
+            .focal_length_m(millimeters_to_meters(self.focal_length_mm))
+            .sensor_size_m(millimeters_to_meters(self.sensor_size_mm))
+            .baseline_x_m(baseline_x_m)
+            .baseline_y_m(self.baseline_y_mm.map_or(baseline_x_m, millimeters_to_meters))
+            .focus_distance_m(self.focus_distance_m)
+            .projection(self.projection)
+            .build()
+            .map_err(core)
     }
 
     /// Sets `disp_min` and `disp_max` as the HCI tools round them: to a tenth, with a tenth to spare on either side.

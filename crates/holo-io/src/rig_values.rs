@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use holo_core::{Projection, RigParameters, Split};
+use holo_core::{Projection, Rig, Split};
 
-use crate::{Error, ManifestRig};
+use crate::{Error, meters_to_millimeters, millimeters_to_meters};
 
 /// The numbers of a rig; views and lenses are those of the samples.
 pub(crate) struct RigValues {
@@ -16,15 +16,14 @@ pub(crate) struct RigValues {
     pub(crate) projection: &'static str,
 }
 
-impl From<&RigParameters> for RigValues {
-    fn from(parameters: &RigParameters) -> Self {
-        let rig = ManifestRig::from(parameters);
+impl From<&Rig> for RigValues {
+    fn from(rig: &Rig) -> Self {
         Self {
-            baseline_m: [rig.baseline_y_m, rig.baseline_x_m],
-            focal_length_mm: rig.focal_length_mm,
-            sensor_size_mm: rig.sensor_size_mm,
-            focus_distance_m: rig.focus_distance_m,
-            projection: match rig.projection {
+            baseline_m: [rig.baseline_y_m(), rig.baseline_x_m()],
+            focal_length_mm: meters_to_millimeters(rig.focal_length_m()),
+            sensor_size_mm: meters_to_millimeters(rig.sensor_size_m()),
+            focus_distance_m: rig.focus_distance_m(),
+            projection: match rig.projection() {
                 Projection::Perspective => "perspective",
                 Projection::Orthographic => "orthographic",
             },
@@ -33,16 +32,19 @@ impl From<&RigParameters> for RigValues {
 }
 
 /// Checks that a rig is for these views and lenses.
-pub(crate) fn check_split(path: &Path, rig: Option<&RigParameters>, split: &Split) -> Result<(), Error> {
+pub(crate) fn check_split(path: &Path, rig: Option<&Rig>, split: &Split) -> Result<(), Error> {
     match rig {
-        Some(rig) if rig.split != *split => {
-            Err(Error::bad_input(path, format!("the rig is for {:?}, but the light field has {split:?}", rig.split)))
+        Some(rig) if rig.split() != split => {
+            Err(Error::bad_input(path, format!("the rig is for {:?}, but the light field has {split:?}", rig.split())))
         }
         _ => Ok(()),
     }
 }
 
-/// Puts a rig together; `None` if a number is missing.
+/// The rig of a file: `None` if a number is missing, an error of `holo-core` if the numbers make no rig.
+pub(crate) type FoundRig = Option<Result<Rig, holo_core::Error>>;
+
+/// Puts a rig together.
 ///
 /// `lengths` are focal length and sensor size in millimetres and the focus distance in metres. A rig without a projection
 /// is a perspective one; a single baseline is for both axes.
@@ -52,7 +54,7 @@ pub(crate) fn rig(
     baseline_m: Option<Vec<f64>>,
     lengths: [Option<Vec<f64>>; 3],
     projection: Option<&str>,
-) -> Result<Option<RigParameters>, Error> {
+) -> Result<FoundRig, Error> {
     let [Some(focal), Some(sensor), Some(focus)] = lengths else { return Ok(None) };
     let Some(baseline_m) = baseline_m else { return Ok(None) };
     let broken = |what: String| Error::broken(path, "rig", what);
@@ -65,19 +67,18 @@ pub(crate) fn rig(
         [y, x] => (y, x),
         _ => return Err(broken(format!("`baseline_m` has {} numbers instead of two", baseline_m.len()))),
     };
-    let rig = ManifestRig {
-        views: split.views(),
-        lenses: split.lenses(),
-        baseline_x_m,
-        baseline_y_m,
-        focal_length_mm: one("focal_length_mm", focal)?,
-        sensor_size_mm: one("sensor_size_mm", sensor)?,
-        focus_distance_m: one("focus_distance_m", focus)?,
-        projection: match projection {
-            None | Some("perspective") => Projection::Perspective,
-            Some("orthographic") => Projection::Orthographic,
-            Some(other) => return Err(broken(format!("`projection` is '{other}'"))),
-        },
+    let projection = match projection {
+        None | Some("perspective") => Projection::Perspective,
+        Some("orthographic") => Projection::Orthographic,
+        Some(other) => return Err(broken(format!("`projection` is '{other}'"))),
     };
-    rig.parameters().map(Some)
+    let rig = Rig::builder(split)
+        .focal_length_m(millimeters_to_meters(one("focal_length_mm", focal)?))
+        .sensor_size_m(millimeters_to_meters(one("sensor_size_mm", sensor)?))
+        .baseline_x_m(baseline_x_m)
+        .baseline_y_m(baseline_y_m)
+        .focus_distance_m(one("focus_distance_m", focus)?)
+        .projection(projection)
+        .build();
+    Ok(Some(rig))
 }

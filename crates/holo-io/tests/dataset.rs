@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use holo_core::GridSize;
+use holo_core::{GridSize, Rig};
 use holo_io::{Error, FileKind, dataset, recognise};
 
 #[test]
@@ -64,7 +64,7 @@ fn kinds_are_told_by_contents() {
 #[cfg(feature = "png")]
 mod raw {
     use holo_core::Layout;
-    use holo_core::{Intrinsics, LightField, Projection, RigParameters, Split};
+    use holo_core::{LightField, Split};
     use holo_io::{Compression, Limits, Meaning, ParametersCfg, PngSamples, RawImage, write_png_u8};
     use ndarray::Array3;
 
@@ -84,17 +84,16 @@ mod raw {
         let error = read("scene_el.png", None).unwrap_err();
         assert_eq!(error.path(), folder.path().join("parameters.cfg"));
 
-        let rig = RigParameters {
-            split,
-            intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-            baseline_x_m: 0.01,
-            baseline_y_m: 0.01,
-            focus_distance_m: 6.0,
-            projection: Projection::Perspective,
-        };
+        let rig = Rig::builder(split)
+            .focal_length_m(0.05)
+            .sensor_size_m(0.036)
+            .baseline_m(0.01)
+            .focus_distance_m(6.0)
+            .build()
+            .unwrap();
         ParametersCfg::from_rig(&rig).write(folder.path().join(dataset::PARAMETERS_CFG)).unwrap();
         let raw = read("scene_el.png", None).unwrap();
-        assert_eq!((raw.layout, raw.parameters.rig_parameters().unwrap()), (Layout::ElementalGrid, rig));
+        assert_eq!((raw.layout, raw.parameters.rig().unwrap()), (Layout::ElementalGrid, rig));
         let PngSamples::U8(samples) = raw.samples else { panic!("8 bits expected") };
         let light_field = LightField::from_elemental_grid(samples, split).unwrap();
         assert_eq!(light_field.samples()[[4, 6, 2, 3, 1]], image[[14, 27, 1]]);

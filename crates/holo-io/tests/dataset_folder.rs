@@ -4,27 +4,26 @@
 use std::fs;
 use std::path::Path;
 
-use holo_core::{GridSize, Intrinsics, Layout, LightField, LightFieldOwned, Projection, RigParameters, Split};
+use holo_core::{GridSize, Layout, LightField, LightFieldOwned, Rig, Split};
 use holo_io::dataset::{self, DatasetEntry, DatasetFolder};
 use holo_io::{
-    Compression, Error, Limits, Manifest, ManifestRig, Meaning, ParametersCfg, StoredLightField, write_pfm,
-    write_png_u8,
+    Compression, Error, Limits, Manifest, Meaning, ParametersCfg, StoredLightField, write_pfm, write_png_u8,
 };
 use ndarray::Array2;
 
-fn rig() -> RigParameters {
-    RigParameters {
-        split: Split::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap(),
-        intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-        baseline_x_m: 0.01,
-        baseline_y_m: 0.02,
-        focus_distance_m: f64::INFINITY,
-        projection: Projection::Perspective,
-    }
+fn rig() -> Rig {
+    Rig::builder(Split::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap())
+        .focal_length_m(0.05)
+        .sensor_size_m(0.036)
+        .baseline_x_m(0.01)
+        .baseline_y_m(0.02)
+        .focus_distance_m(f64::INFINITY)
+        .build()
+        .unwrap()
 }
 
 fn light_field() -> LightFieldOwned<u8> {
-    let mut light_field = LightField::filled(rig().split, 3, Layout::ElementalGrid, 0_u8).unwrap();
+    let mut light_field = LightField::filled(*rig().split(), 3, Layout::ElementalGrid, 0_u8).unwrap();
     let mut value = 0_u8;
     light_field.samples_mut().map_inplace(|place| {
         value = value.wrapping_mul(13).wrapping_add(41);
@@ -52,7 +51,7 @@ fn write(path: &Path, names: &[&str], with_rig: bool) -> Manifest {
         };
         manifest.files.insert(name.to_owned(), written);
     }
-    manifest.rig = with_rig.then(|| ManifestRig::from(&rig()));
+    manifest.rig = with_rig.then(|| rig());
     manifest.write(path.join(dataset::MANIFEST_JSON)).unwrap();
     manifest
 }
@@ -76,8 +75,8 @@ fn a_dataset_comes_back() {
         let manifest = write(folder.path(), names, with_rig);
         let opened = DatasetFolder::open(folder.path()).unwrap();
         assert_eq!((opened.manifest(), opened.path()), (&manifest, folder.path()));
-        assert_eq!(opened.rig().unwrap().parameters(), &rig());
-        assert_eq!(opened.split(), rig().split);
+        assert_eq!(opened.rig(), &rig());
+        assert_eq!(opened.split(), *rig().split());
         let listed = names.contains(&dataset::PARAMETERS_CFG);
         assert_eq!(opened.parameters(), listed.then(|| ParametersCfg::from_rig(&rig())).as_ref());
         assert_eq!(opened.raw_image().unwrap().0, folder.path().join(names[0]));

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use holo_core::{GridSize, Intrinsics, Layout, LightField, LightFieldOwned, Projection, RigParameters, Split};
+use holo_core::{GridSize, Layout, LightField, LightFieldOwned, Projection, Rig, Split};
 use holo_io::{
     Compression, Error, HciFolder, HciImage, HciQuantity, HciResolution, HciTruth, HciViews, Limits, Meaning,
     ParametersCfg, PngSamples, StoredLightField, write_pfm, write_png_u8, write_png_u16,
@@ -13,15 +13,14 @@ use holo_io::{
 use ndarray::{Array2, Array3, Axis, s};
 use proptest::prelude::*;
 
-fn rig(split: Split) -> RigParameters {
-    RigParameters {
-        split,
-        intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
-        baseline_x_m: 0.025,
-        baseline_y_m: 0.025,
-        focus_distance_m: 4.25,
-        projection: Projection::Perspective,
-    }
+fn rig(split: Split) -> Rig {
+    Rig::builder(split)
+        .focal_length_m(0.1)
+        .sensor_size_m(0.035)
+        .baseline_m(0.025)
+        .focus_distance_m(4.25)
+        .build()
+        .unwrap()
 }
 
 fn split(views: [usize; 2], lenses: [usize; 2]) -> Split {
@@ -79,7 +78,7 @@ proptest! {
         let split = split([t, s], [v, u]);
         let mut rig = rig(split);
         if infinite {
-            rig.focus_distance_m = f64::INFINITY;
+            rig = rig.to_builder().focus_distance_m(f64::INFINITY).build().unwrap();
         }
         let parameters = ParametersCfg::from_rig(&rig);
         let channels = if rgb { 3 } else { 1 };
@@ -106,7 +105,7 @@ proptest! {
 
         let limits = Limits::default();
         let read = HciFolder::open(folder.path()).unwrap();
-        prop_assert_eq!(*read.rig().unwrap().parameters(), rig);
+        prop_assert_eq!(read.rig().unwrap(), rig);
         prop_assert_eq!(read.parameters(), &parameters);
         let expected = if deep { StoredLightField::U16(deeper) } else { StoredLightField::U8(shallow) };
         prop_assert_eq!(&read.read(&limits).unwrap(), &expected);
@@ -175,10 +174,10 @@ fn the_central_view_of_even_counts_is_a_real_one() {
 #[test]
 fn unequal_baselines_and_parallel_views_keep_their_rig() {
     let split = split([3, 3], [2, 2]);
-    let rig = RigParameters { baseline_y_m: 0.5, projection: Projection::Orthographic, ..rig(split) };
+    let rig = rig(split).to_builder().baseline_y_m(0.5).projection(Projection::Orthographic).build().unwrap();
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &bytes(split, 3), &ParametersCfg::from_rig(&rig)).unwrap();
-    assert_eq!(HciFolder::open(folder.path()).unwrap().rig().unwrap().parameters(), &rig);
+    assert_eq!(HciFolder::open(folder.path()).unwrap().rig().unwrap(), rig);
     // What the HCI tools read is the horizontal one.
     let text = fs::read_to_string(folder.path().join("parameters.cfg")).unwrap();
     assert!(text.contains("\nbaseline_mm = 25.0\n"), "{text}");
@@ -192,7 +191,7 @@ fn optional_keys_may_be_missing() {
     let parameters = folder.path().join("parameters.cfg");
     fs::write(&parameters, least).unwrap();
     let read = HciFolder::open(folder.path()).unwrap();
-    assert_eq!(read.rig().unwrap().parameters().focus_distance_m, f64::INFINITY);
+    assert_eq!(read.rig().unwrap().focus_distance_m(), f64::INFINITY);
     assert_eq!(read.read(&Limits::default()).unwrap(), StoredLightField::U8(views));
     for quantity in [HciQuantity::Depth, HciQuantity::Disparity] {
         for resolution in [HciResolution::Low, HciResolution::High] {
@@ -412,7 +411,7 @@ fn python_reads_what_is_written() {
     let (views, maps) = (bytes(size, 3), maps(size));
     let (t, s) = size.central_view();
     let central = maps.view(t, s).unwrap().index_axis_move(Axis(2), 0);
-    let mut parameters = ParametersCfg::from_rig(&RigParameters { baseline_y_m: 0.05, ..rig(size) });
+    let mut parameters = ParametersCfg::from_rig(&rig(size).to_builder().baseline_y_m(0.05).build().unwrap());
     parameters.set_disparity_range_px(-1.42, 1.61);
     parameters.scene = "100 % = all".into();
     let image = HciImage {

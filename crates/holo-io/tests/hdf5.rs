@@ -9,22 +9,22 @@ use std::path::Path;
 use std::process::Command;
 
 use common::data;
-use holo_core::{GridSize, Intrinsics, LightField, Projection, RigParameters, Split};
+use holo_core::{GridSize, LightField, Rig, Split};
 use holo_io::{
     Error, FileKind, Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, Limits, StoredLightField, recognise, write_hdf5,
 };
 use ndarray::{Array2, Array3, Array4, Array5, Axis, Slice};
 use proptest::prelude::*;
 
-fn rig(split: Split) -> RigParameters {
-    RigParameters {
-        split,
-        intrinsics: Intrinsics { focal_length_m: 0.0351, sensor_size_m: 0.036 },
-        baseline_x_m: 1e-4,
-        baseline_y_m: 2e-4,
-        focus_distance_m: f64::INFINITY,
-        projection: Projection::Perspective,
-    }
+fn rig(split: Split) -> Rig {
+    Rig::builder(split)
+        .focal_length_m(0.0351)
+        .sensor_size_m(0.036)
+        .baseline_x_m(1e-4)
+        .baseline_y_m(2e-4)
+        .focus_distance_m(f64::INFINITY)
+        .build()
+        .unwrap()
 }
 
 fn value((v, u, t, s, c): (usize, usize, usize, usize, usize)) -> f32 {
@@ -157,8 +157,9 @@ fn files_of_h5py_read_bit_for_bit() {
     let file = Hdf5LightField::open(data("h5py_lf.h5"), &Limits::default()).unwrap();
     let expected = Array5::from_shape_fn((4, 3, 2, 5, 3), |at| value(at) / 7.0);
     assert_eq!(file.read().unwrap(), StoredLightField::F32(LightField::new(expected).unwrap()));
-    let rig = file.rig().unwrap();
-    assert_eq!((rig.projection, rig.baseline_y_m, rig.baseline_x_m), (Projection::Orthographic, 2e-4, 1e-4));
+    // Parallel projection with a focus at infinity: its pixels are read all the same.
+    assert_eq!(file.rig(), None);
+    assert!(matches!(file.rig_error(), Some(holo_core::Error::OrthographicFocus { .. })));
     let depth = file.read_map(Hdf5Map::Depth).unwrap();
     assert_eq!(depth, Array4::from_shape_fn((4, 3, 2, 5), |(v, u, t, s)| value((v, u, t, s, 0)) / 3.0));
     let file = Hdf5LightField::open(data("h5py_u16.h5"), &Limits::default()).unwrap();

@@ -7,7 +7,7 @@
 
 use std::time::Instant;
 
-use holo_core::GridSize;
+use holo_core::{GridSize, Rig};
 use holo_io::{
     Compression, ExrCompression, ExrSamples, ExrWriter, Meaning, PngWriter, Written, read_exr_info, read_png_info,
 };
@@ -82,15 +82,14 @@ fn exr_of_64k_is_written_in_bounded_memory() {
 
 /// 65,500 x 43,000 pixels: 655 x 430 lenses, 100 x 100 views.
 #[cfg(feature = "hdf5")]
-fn rig() -> holo_core::RigParameters {
-    holo_core::RigParameters {
-        split: holo_core::Split::new(GridSize::new(100, 100), GridSize::new(430, 655)).unwrap(),
-        intrinsics: holo_core::Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-        baseline_x_m: 1e-4,
-        baseline_y_m: 1e-4,
-        focus_distance_m: 1.0,
-        projection: holo_core::Projection::Perspective,
-    }
+fn rig() -> holo_core::Rig {
+    Rig::builder(holo_core::Split::new(GridSize::new(100, 100), GridSize::new(430, 655)).unwrap())
+        .intrinsics(holo_core::Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 })
+        .baseline_m(1e-4)
+        .focus_distance_m(1.0)
+        .projection(holo_core::Projection::Perspective)
+        .build()
+        .unwrap()
 }
 
 /// Hands out lens row after lens row.
@@ -120,7 +119,7 @@ fn hdf5_of_64k_is_written_in_bounded_memory() {
     lens_rows(|v, u, at| ((v + u) % 64 + at / 3000) as f32 / 256.0, |row| writer.write_lens_rows(row).unwrap());
     report("HDF5, RGB of float32, gzip 1", start, writer.finish().unwrap());
     let file = holo_io::Hdf5LightField::open(&path, &holo_io::Limits::default()).unwrap();
-    assert_eq!(file.split(), rig().split);
+    assert_eq!(file.split(), *rig().split());
 }
 
 #[cfg(feature = "hdf5")]

@@ -1,7 +1,7 @@
 //! MAT files of level 5: what is written comes back bit for bit, whatever its shape, strides and type.
 #![cfg(feature = "mat")]
 
-use holo_core::{GridSize, Intrinsics, LightField, Projection, RigParameters, Split};
+use holo_core::{GridSize, LightField, Projection, Rig, Split};
 use holo_io::{
     Error, FileKind, Limits, MatArray, MatClass, MatOptions, MatOrder, MatValue, MatVariable, MatVersion,
     StoredLightField, decode_mat, encode_mat, read_mat, read_mat_info, read_mat_light_field, read_mat_variable,
@@ -155,15 +155,15 @@ proptest! {
     }
 }
 
-fn rig(split: Split) -> RigParameters {
-    RigParameters {
-        split,
-        intrinsics: Intrinsics { focal_length_m: 0.0351, sensor_size_m: 0.036 },
-        baseline_x_m: 1e-4,
-        baseline_y_m: 2e-4,
-        focus_distance_m: f64::INFINITY,
-        projection: Projection::Perspective,
-    }
+fn rig(split: Split) -> Rig {
+    Rig::builder(split)
+        .focal_length_m(0.0351)
+        .sensor_size_m(0.036)
+        .baseline_x_m(1e-4)
+        .baseline_y_m(2e-4)
+        .focus_distance_m(f64::INFINITY)
+        .build()
+        .unwrap()
 }
 
 #[test]
@@ -174,7 +174,7 @@ fn the_rig_comes_back() {
     let field = LightField::new(Array5::<u8>::zeros(split.shape(3))).unwrap();
     for projection in [Projection::Perspective, Projection::Orthographic] {
         let focus_distance_m = if projection == Projection::Perspective { f64::INFINITY } else { 4.25 };
-        let rig = RigParameters { projection, focus_distance_m, ..rig(split) };
+        let rig = rig(split).to_builder().focus_distance_m(focus_distance_m).projection(projection).build().unwrap();
         write_mat_light_field(&path, &field, Some(&rig), MatOrder::Lenses, &PLAIN).unwrap();
         assert_eq!(read_mat_light_field(&path, &Limits::default()).unwrap().rig, Some(rig));
     }

@@ -5,7 +5,7 @@
 
 use std::process::Command;
 
-use holo_core::{GridSize, Intrinsics, LightField, Projection, RigParameters, Split};
+use holo_core::{GridSize, LightField, Rig, Split};
 use holo_io::{
     Limits, MatOptions, MatOrder, MatVersion, StoredLightField, StoredSample, read_mat_light_field,
     write_mat_light_field,
@@ -37,15 +37,15 @@ save("-v6", args{2}, "H");
 save("-v7", args{3}, "H");
 "#;
 
-fn rig() -> RigParameters {
-    RigParameters {
-        split: Split::new(GridSize::new(SHAPE.2, SHAPE.3), GridSize::new(SHAPE.0, SHAPE.1)).unwrap(),
-        intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-        baseline_x_m: 1e-3,
-        baseline_y_m: 2e-3,
-        focus_distance_m: 4.25,
-        projection: Projection::Perspective,
-    }
+fn rig() -> Rig {
+    Rig::builder(Split::new(GridSize::new(SHAPE.2, SHAPE.3), GridSize::new(SHAPE.0, SHAPE.1)).unwrap())
+        .focal_length_m(0.05)
+        .sensor_size_m(0.036)
+        .baseline_x_m(1e-3)
+        .baseline_y_m(2e-3)
+        .focus_distance_m(4.25)
+        .build()
+        .unwrap()
 }
 
 /// Writes, lets Octave read and write, and returns what it wrote at levels 6 and 7.

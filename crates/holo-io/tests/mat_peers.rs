@@ -6,7 +6,7 @@ mod common;
 mod python;
 
 use common::data;
-use holo_core::{GridSize, Intrinsics, LightField, Projection, RigParameters, Split};
+use holo_core::{GridSize, LightField, Rig, Split};
 use holo_io::{
     Error, Limits, MatArray, MatClass, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, StoredLightField,
     read_mat, read_mat_info, read_mat_light_field, read_mat_variable, write_mat, write_mat_light_field,
@@ -32,8 +32,8 @@ fn files_of_scipy_read_bit_for_bit() {
         let expected = Array5::from_shape_fn(SHAPE, |at| (value(at) % 251) as u8);
         assert_eq!(read.light_field, StoredLightField::U8(LightField::new(expected).unwrap()), "{name}");
         let rig = read.rig.unwrap();
-        assert_eq!((rig.baseline_y_m, rig.baseline_x_m, rig.focus_distance_m), (2e-4, 1e-4, f64::INFINITY));
-        assert_eq!((rig.intrinsics.focal_length_m, rig.intrinsics.sensor_size_m), (0.0351, 0.036));
+        assert_eq!((rig.baseline_y_m(), rig.baseline_x_m(), rig.focus_distance_m()), (2e-4, 1e-4, f64::INFINITY));
+        assert_eq!((rig.focal_length_m(), rig.sensor_size_m()), (0.0351, 0.036));
         let all = read_mat(&path, &Limits::default()).unwrap();
         let get = |name: &str| all.iter().find(|(own, _)| own == name).unwrap().1.clone();
         assert_eq!(get("int32s"), MatArray::I32(row(vec![i32::MIN, -1, 0, i32::MAX])));
@@ -101,14 +101,14 @@ print("fine")
 "#;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.mat");
-    let rig = RigParameters {
-        split: Split::new(GridSize::new(2, 5), GridSize::new(4, 3)).unwrap(),
-        intrinsics: Intrinsics { focal_length_m: 0.0351, sensor_size_m: 0.036 },
-        baseline_x_m: 1e-4,
-        baseline_y_m: 2e-4,
-        focus_distance_m: f64::INFINITY,
-        projection: Projection::Perspective,
-    };
+    let rig = Rig::builder(Split::new(GridSize::new(2, 5), GridSize::new(4, 3)).unwrap())
+        .focal_length_m(0.0351)
+        .sensor_size_m(0.036)
+        .baseline_x_m(1e-4)
+        .baseline_y_m(2e-4)
+        .focus_distance_m(f64::INFINITY)
+        .build()
+        .unwrap();
     for is_compressed in [false, true] {
         let options = MatOptions { version: MatVersion::V5, is_compressed };
         for (order, name) in [(MatOrder::Lenses, "H"), (MatOrder::LightFieldToolbox, "LF")] {

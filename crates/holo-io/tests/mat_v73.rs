@@ -4,7 +4,7 @@
 #[path = "common/python.rs"]
 mod python;
 
-use holo_core::{GridSize, Intrinsics, LightField, Projection, RigParameters, Split};
+use holo_core::{GridSize, LightField, Projection, Rig, Split};
 use holo_io::{
     FileKind, Limits, MatArray, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, MatWriter, StoredLightField,
     read_mat, read_mat_info, read_mat_light_field, recognise, write_mat, write_mat_light_field,
@@ -45,14 +45,7 @@ proptest! {
     ) {
         let samples = Array5::from_shape_fn(shape, |(v, u, t, s, c)| (v * 97 + u * 31 + t * 11 + s * 5 + c * 3) as u16);
         let split = Split::new(GridSize::new(shape.2, shape.3), GridSize::new(shape.0, shape.1)).unwrap();
-        let rig = RigParameters {
-            split,
-            intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-            baseline_x_m: 1e-3,
-            baseline_y_m: 1e-3,
-            focus_distance_m: 2.0,
-            projection: Projection::Orthographic,
-        };
+        let rig = Rig::builder(split).focal_length_m(0.05).sensor_size_m(0.036).baseline_m(1e-3).focus_distance_m(2.0).projection(Projection::Orthographic).build().unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene_5d.mat");
         let mut writer = MatWriter::create(&path, &rig, shape.4, is_compressed).unwrap();
@@ -74,14 +67,13 @@ proptest! {
 fn rows_that_are_missing_or_do_not_fit_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.mat");
-    let rig = RigParameters {
-        split: Split::new(GridSize::new(2, 2), GridSize::new(3, 3)).unwrap(),
-        intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-        baseline_x_m: 1e-3,
-        baseline_y_m: 1e-3,
-        focus_distance_m: 2.0,
-        projection: Projection::Perspective,
-    };
+    let rig = Rig::builder(Split::new(GridSize::new(2, 2), GridSize::new(3, 3)).unwrap())
+        .focal_length_m(0.05)
+        .sensor_size_m(0.036)
+        .baseline_m(1e-3)
+        .focus_distance_m(2.0)
+        .build()
+        .unwrap();
     let mut writer = MatWriter::<u8>::create(&path, &rig, 3, true).unwrap();
     let error = writer.write_lens_rows(Array5::zeros((1, 4, 2, 2, 3)).view()).unwrap_err();
     assert!(error.to_string().contains("do not fit"), "{error}");

@@ -3,22 +3,21 @@
 
 use std::fs;
 
-use holo_core::{GridSize, Intrinsics, Layout, LightField, Projection, RigParameters, Split};
+use holo_core::{GridSize, Layout, LightField, Rig, Split};
 use holo_io::{
-    Compression, Error, FileKind, HciImage, HciTruth, HciViews, Manifest, ManifestRig, Meaning, Opened, ParametersCfg,
-    open, write_pfm, write_png_u16,
+    Compression, Error, FileKind, HciImage, HciTruth, HciViews, Manifest, Meaning, Opened, ParametersCfg, open,
+    write_pfm, write_png_u16,
 };
 use ndarray::{Array2, Array3};
 
-fn rig() -> RigParameters {
-    RigParameters {
-        split: Split::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap(),
-        intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
-        baseline_x_m: 0.025,
-        baseline_y_m: 0.025,
-        focus_distance_m: 4.25,
-        projection: Projection::Perspective,
-    }
+fn rig() -> Rig {
+    Rig::builder(Split::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap())
+        .focal_length_m(0.1)
+        .sensor_size_m(0.035)
+        .baseline_m(0.025)
+        .focus_distance_m(4.25)
+        .build()
+        .unwrap()
 }
 
 #[test]
@@ -81,7 +80,7 @@ fn folders_are_told_by_what_is_in_them() {
     let parameters = ParametersCfg::from_rig(&rig());
     parameters.write(path.join("parameters.cfg")).unwrap();
     assert!(matches!(open(path).unwrap(), Opened::UnknownFolder { entries: 2 }));
-    let views = LightField::filled(rig().split, 3, Layout::ElementalGrid, 9_u8).unwrap();
+    let views = LightField::filled(*rig().split(), 3, Layout::ElementalGrid, 9_u8).unwrap();
     let image = HciImage {
         views: HciViews::U8(views.borrowed()),
         parameters: &parameters,
@@ -100,9 +99,7 @@ fn folders_are_told_by_what_is_in_them() {
     let root = tempfile::tempdir().unwrap();
     let dataset = root.path().join("boxes/3x2");
     fs::create_dir_all(&dataset).unwrap();
-    Manifest { rig: Some(ManifestRig::from(&rig())), ..Manifest::default() }
-        .write(dataset.join("manifest.json"))
-        .unwrap();
+    Manifest { rig: Some(rig()), ..Manifest::default() }.write(dataset.join("manifest.json")).unwrap();
     assert_eq!(open(&dataset).unwrap().to_string(), "dataset folder, 3 x 2 views of 5 x 4 pixels, no picture");
     assert_eq!(open(root.path()).unwrap().to_string(), "folder of 1 dataset");
     // A folder where a file is looked for is no file.

@@ -2,20 +2,19 @@
 
 use std::fs;
 
-use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
+use holo_core::{GridSize, Projection, Rig, Split};
 use holo_io::{CameraPose, Error, ParametersCfg};
 use proptest::prelude::*;
 
 /// The rig of the HCI scene `cotton`.
-fn cotton() -> RigParameters {
-    RigParameters {
-        split: Split::new(GridSize::new(9, 9), GridSize::new(512, 512)).unwrap(),
-        intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
-        baseline_x_m: 0.025,
-        baseline_y_m: 0.025,
-        focus_distance_m: 4.25,
-        projection: Projection::Perspective,
-    }
+fn cotton() -> Rig {
+    Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(512, 512)).unwrap())
+        .focal_length_m(0.1)
+        .sensor_size_m(0.035)
+        .baseline_m(0.025)
+        .focus_distance_m(4.25)
+        .build()
+        .unwrap()
 }
 
 fn full() -> ParametersCfg {
@@ -78,18 +77,18 @@ depth_map_scale = 10.0
 ";
     assert_eq!(parameters.to_text().unwrap(), expected);
     assert_eq!(ParametersCfg::from_text(expected).unwrap(), parameters);
-    let disparity = Rig::new(parameters.rig_parameters().unwrap()).unwrap().disparity();
+    let disparity = parameters.rig().unwrap().disparity();
     assert!((disparity.from_depth_m(3.5) - 1.8439).abs() < 5e-5);
 }
 
 #[test]
 fn infinity_is_zero_in_the_file() {
-    let rig = RigParameters { focus_distance_m: f64::INFINITY, ..cotton() };
+    let rig = cotton().to_builder().focus_distance_m(f64::INFINITY).build().unwrap();
     let parameters = ParametersCfg::from_rig(&rig);
     assert_eq!(parameters.offset, Some(0.0));
     let text = parameters.to_text().unwrap();
     assert!(text.contains("\nfocus_distance_m = 0.0\n") && text.contains("\noffset = 0.0\n"));
-    assert_eq!(ParametersCfg::from_text(&text).unwrap().rig_parameters().unwrap(), rig);
+    assert_eq!(ParametersCfg::from_text(&text).unwrap().rig().unwrap(), rig);
     let other = text.replace("focus_distance_m = 0.0", "focus_distance_m = 0");
     assert_eq!(ParametersCfg::from_text(&other).unwrap().focus_distance_m, f64::INFINITY);
 }
@@ -98,10 +97,10 @@ fn infinity_is_zero_in_the_file() {
 fn what_the_hci_tools_have_no_key_for_is_added_only_where_it_matters() {
     let text = full().to_text().unwrap();
     assert!(!text.contains("baseline_y_mm") && !text.contains("projection"));
-    let rig = RigParameters { baseline_y_m: 0.5, projection: Projection::Orthographic, ..cotton() };
+    let rig = cotton().to_builder().baseline_y_m(0.5).projection(Projection::Orthographic).build().unwrap();
     let text = ParametersCfg::from_rig(&rig).to_text().unwrap();
     assert!(text.contains("\nbaseline_y_mm = 500.0\nprojection = orthographic\n"));
-    assert_eq!(ParametersCfg::from_text(&text).unwrap().rig_parameters().unwrap(), rig);
+    assert_eq!(ParametersCfg::from_text(&text).unwrap().rig().unwrap(), rig);
     let error = ParametersCfg::from_text(&text.replace("orthographic", "fisheye")).unwrap_err();
     assert!(matches!(error, Error::Unsupported { .. }), "{error}");
 }
@@ -159,7 +158,7 @@ contact = 100%%
 "
     .replace('\n', "\r\n");
     let read = ParametersCfg::from_text(&strange).unwrap();
-    assert_eq!(read.rig_parameters().unwrap(), ParametersCfg::from_text(LEAST).unwrap().rig_parameters().unwrap());
+    assert_eq!(read.rig().unwrap(), ParametersCfg::from_text(LEAST).unwrap().rig().unwrap());
     assert_eq!((read.scene.as_str(), read.authors.as_str(), read.contact.as_str()), ("a = b", "one, two", "100%"));
     assert!(read.to_text().unwrap().contains("\ncontact = 100%%\n"));
     // Latin-1, as older editors leave it.
@@ -201,7 +200,7 @@ fn damage_is_named_with_its_line() {
     assert!(error.to_string().ends_with("line 1: a key before the first [section]"));
     // A count of zero is a number; that it makes no image is said when the rig is asked for.
     let parameters = ParametersCfg::from_text(&LEAST.replace("num_cams_x=3", "num_cams_x=0")).unwrap();
-    assert!(matches!(parameters.rig_parameters(), Err(Error::Core { .. })));
+    assert!(matches!(parameters.rig(), Err(Error::Core { .. })));
 }
 
 #[test]

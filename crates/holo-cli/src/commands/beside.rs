@@ -36,7 +36,11 @@ impl Beside {
 }
 
 fn of_dataset(folder: &DatasetFolder, limits: &Limits) -> Result<Beside, Failure> {
-    Ok(Beside { rig: folder.rig().ok(), depth_m: folder.depth_m(limits)?, disparity_px: folder.disparity_px(limits)? })
+    Ok(Beside {
+        rig: Some(*folder.rig()),
+        depth_m: folder.depth_m(limits)?,
+        disparity_px: folder.disparity_px(limits)?,
+    })
 }
 
 fn of_hci(folder: &HciFolder, limits: &Limits) -> Result<Beside, Failure> {
@@ -46,12 +50,11 @@ fn of_hci(folder: &HciFolder, limits: &Limits) -> Result<Beside, Failure> {
 
 /// The rig of a file: its own, or that of the `parameters.cfg` beside it.
 fn rig_of_file(input: &Path, is_other: bool) -> Option<Rig> {
-    let parameters = match holo_io::recognise(input).ok()? {
-        FileKind::Mat5 | FileKind::Mat73 => holo_io::read_mat_light_field(input, &Limits::default()).ok()?.rig?,
-        _ if is_other => return None,
-        _ => ParametersCfg::read(input.with_file_name(PARAMETERS_CFG)).ok()?.rig_parameters().ok()?,
-    };
-    Rig::new(parameters).ok()
+    match holo_io::recognise(input).ok()? {
+        FileKind::Mat5 | FileKind::Mat73 => holo_io::read_mat_light_field(input, &Limits::default()).ok()?.rig,
+        _ if is_other => None,
+        _ => ParametersCfg::read(input.with_file_name(PARAMETERS_CFG)).ok()?.rig().ok(),
+    }
 }
 
 /// The range of disparities that the parameters of a picture promise.

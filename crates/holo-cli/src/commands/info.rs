@@ -159,7 +159,7 @@ fn hdr(path: &Path) -> Result<(), Failure> {
 
 fn parameters(path: &Path) -> Result<(), Failure> {
     let parameters = ParametersCfg::read(path)?;
-    let rig = holo_core::Rig::new(parameters.rig_parameters()?).map_err(|e| Failure::Failed(e.to_string()))?;
+    let rig = parameters.rig()?;
     out!("camera parameters of '{}': {}", parameters.scene, describe_split(&rig))?;
     let range = parameters.disp_min.zip(parameters.disp_max);
     out!("{}", describe_rig(&rig, range))?;
@@ -172,8 +172,7 @@ fn manifest(path: &Path) -> Result<(), Failure> {
         out!("{name} {version}")?;
     }
     if let Some(rig) = &manifest.rig {
-        let rig = holo_core::Rig::new(rig.parameters()?).map_err(|e| Failure::Failed(e.to_string()))?;
-        out!("{}\n{}", describe_split(&rig), describe_rig(&rig, manifest.disparity_px))?;
+        out!("{}\n{}", describe_split(rig), describe_rig(rig, manifest.disparity_px))?;
     }
     if let Some(stops) = manifest.exposure_ev {
         out!("exposure {stops} EV")?;

@@ -1,7 +1,7 @@
 //! `holo optics`: what a camera will see, before it is built or rendered; and the camera that sees what is wanted.
 
 use holo_core::optics::{CameraDesign, DepthRange, DisparityRange, Optics, rig_for_disparities};
-use holo_core::{GridSize, Intrinsics, Projection, Remainder, Rig, RigParameters, Sensor, Split, automatic_baseline_m};
+use holo_core::{GridSize, Intrinsics, Remainder, Rig, Sensor, Split, automatic_baseline_m};
 use holo_dataset::Focus;
 use serde_json::{Map, Value, json};
 
@@ -77,14 +77,7 @@ fn sensor_split(sensor: Sensor, views: GridSize) -> Result<Split, Failure> {
 }
 
 fn with(split: Split, intrinsics: Intrinsics, baseline_m: f64, focus_distance_m: f64) -> Result<Rig, Failure> {
-    Ok(Rig::new(RigParameters {
-        split,
-        intrinsics,
-        baseline_x_m: baseline_m,
-        baseline_y_m: baseline_m,
-        focus_distance_m,
-        projection: Projection::Perspective,
-    })?)
+    Ok(Rig::builder(split).intrinsics(intrinsics).baseline_m(baseline_m).focus_distance_m(focus_distance_m).build()?)
 }
 
 /// The rig with the disparities that were asked for, if any were.
@@ -153,21 +146,21 @@ fn size(size: GridSize) -> Value {
 fn rows(options: &OpticsOptions, optics: &Optics, depths: Option<DepthRange>) -> Result<Vec<Row>, Failure> {
     let mut rows = Vec::new();
     let mut row = |key, name, value, unit| rows.push(Row { key, name, value, unit });
-    let parameters = optics.rig().parameters();
-    let split = parameters.split;
+    let rig = optics.rig();
+    let split = rig.split();
     let range = |range: DepthRange| json!([finite(range.near_m), finite(range.far_m)]);
     row("views", "views", size(split.views()), "");
     row("lenses", "lenses (pixels of a view)", size(split.lenses()), "");
-    row("focal_length_mm", "focal length", finite(parameters.intrinsics.focal_length_m * 1e3), "mm");
-    row("sensor_size_mm", "larger image side on the sensor", finite(parameters.intrinsics.sensor_size_m * 1e3), "mm");
-    row("focus_distance_m", "focus distance", finite(parameters.focus_distance_m), "m");
-    row("baseline_mm", "baseline (between neighbouring views)", finite(parameters.baseline_x_m * 1e3), "mm");
+    row("focal_length_mm", "focal length", finite(rig.focal_length_m() * 1e3), "mm");
+    row("sensor_size_mm", "larger image side on the sensor", finite(rig.sensor_size_m() * 1e3), "mm");
+    row("focus_distance_m", "focus distance", finite(rig.focus_distance_m()), "m");
+    row("baseline_mm", "baseline (between neighbouring views)", finite(rig.baseline_x_m() * 1e3), "mm");
     row("aperture_mm", "synthetic aperture (first to last view)", finite(optics.aperture_m() * 1e3), "mm");
-    let f_number = parameters.intrinsics.focal_length_m / optics.aperture_m();
+    let f_number = rig.focal_length_m() / optics.aperture_m();
     row("f_number", "f-number of that aperture", finite(f_number), "");
     row("angular_step_mrad", "angle between views at the focus", finite(optics.angular_step_rad() * 1e3), "mrad");
-    if parameters.focus_distance_m.is_finite() {
-        let pixel = optics.pixel_size_m(parameters.focus_distance_m) * 1e3;
+    if rig.focus_distance_m().is_finite() {
+        let pixel = optics.pixel_size_m(rig.focus_distance_m()) * 1e3;
         row("pixel_at_focus_mm", "a pixel of a view at the focus", finite(pixel), "mm");
     }
     let smooth = optics.angular_depth_of_field(1.0)?;

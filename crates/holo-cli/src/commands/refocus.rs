@@ -70,7 +70,7 @@ fn refocus(options: &RefocusOptions, views: GridSize, rig: Option<&Rig>) -> Resu
         KernelArgument::Cubic => Kernel::CatmullRom,
         KernelArgument::Bilinear => Kernel::Bilinear,
     });
-    let baselines = rig.map(|rig| (rig.parameters().baseline_x_m, rig.parameters().baseline_y_m));
+    let baselines = rig.map(|rig| (rig.baseline_x_m(), rig.baseline_y_m()));
     Ok(match baselines {
         Some((x, y)) if x > 0.0 && y > 0.0 => refocus.vertical_ratio(y / x)?,
         _ => refocus,

@@ -1,8 +1,7 @@
 //! The camera rig: a grid of parallel cameras whose images are shifted to meet on the focus plane.
 
-use super::{Intrinsics, RigParameters};
-use crate::error::{not_negative, positive, positive_or_infinite};
-use crate::{Disparity, Error, Projection, Split};
+use super::{Intrinsics, RigBuilder};
+use crate::{Disparity, Projection, Split};
 
 /// A validated camera rig: every number in it is finite (the focus distance may be infinite) and of the right sign.
 ///
@@ -13,27 +12,26 @@ use crate::{Disparity, Error, Projection, Split};
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
+/// use holo_core::{GridSize, Rig, Split};
 ///
-/// let rig = Rig::new(RigParameters {
-///     split: Split::new(GridSize::new(9, 9), GridSize::new(512, 512))?,
-///     intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
-///     baseline_x_m: 0.025,
-///     baseline_y_m: 0.025,
-///     focus_distance_m: 4.25,
-///     projection: Projection::Perspective,
-/// })?;
+/// let rig = Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(512, 512))?)
+///     .focal_length_m(0.1)
+///     .sensor_size_m(0.035)
+///     .baseline_m(0.025)
+///     .focus_distance_m(4.25)
+///     .build()?;
 /// assert_eq!(rig.view_x_m(8), 0.1);
 /// assert!((rig.disparity().from_depth_m(3.5) - 1.8439).abs() < 5e-5);
 /// # Ok::<(), holo_core::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rig {
-    parameters: RigParameters,
-    disparity_x: Disparity,
-    disparity_y: Disparity,
+    /// Checked.
+    pub(super) numbers: RigBuilder,
+    pub(super) disparity_x: Disparity,
+    pub(super) disparity_y: Disparity,
     /// Slope per pixel: sens/(f*N).
-    slope_per_px: f64,
+    pub(super) slope_per_px: f64,
 }
 
 /// A ray in the camera's frame.
@@ -63,63 +61,65 @@ impl RigRay {
 }
 
 impl Rig {
-    /// Checks the parameters and makes the rig.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::BadNumber`] if a length is NaN, infinite or has the wrong sign (baselines may be 0, the focus distance may be infinite), or if
-    /// a number derived from them overflows or underflows; [`Error::OrthographicFocus`] if an orthographic rig has an infinite focus distance.
-    pub fn new(parameters: RigParameters) -> Result<Self, Error> {
-        let Intrinsics { focal_length_m, sensor_size_m } = parameters.intrinsics;
-        let focal_length_m = positive("focal length in metres", focal_length_m)?;
-        let sensor_size_m = positive("sensor size in metres", sensor_size_m)?;
-        let baseline_x_m = not_negative("horizontal baseline in metres", parameters.baseline_x_m)?;
-        let baseline_y_m = not_negative("vertical baseline in metres", parameters.baseline_y_m)?;
-        let focus_distance_m = positive_or_infinite("focus distance in metres", parameters.focus_distance_m)?;
-        if parameters.projection == Projection::Orthographic && focus_distance_m.is_infinite() {
-            return Err(Error::OrthographicFocus { focus_distance_m });
-        }
-        let pixels = parameters.split.lenses().larger() as f64;
-        let slope_per_px = positive("slope per pixel", sensor_size_m / (focal_length_m * pixels))?;
-        let disparity = |what: &'static str, baseline_m: f64| {
-            let scale_m_px = baseline_m * focal_length_m * pixels / sensor_size_m;
-            if baseline_m > 0.0 && !scale_m_px.is_normal() {
-                // A scale that underflowed would make a real baseline look like none.
-                return Err(Error::BadNumber { what, value: scale_m_px, need: "within the range of normal numbers" });
-            }
-            Disparity::new(scale_m_px, focus_distance_m, parameters.projection)
-        };
-        let rig = Self {
-            parameters: RigParameters { baseline_x_m, baseline_y_m, ..parameters },
-            disparity_x: disparity("horizontal disparity scale", baseline_x_m)?,
-            disparity_y: disparity("vertical disparity scale", baseline_y_m)?,
-            slope_per_px,
-        };
-        // The corner views and pixels have the largest coordinates: when those are finite, all are.
-        let views = rig.split().views();
-        let lenses = rig.split().lenses();
-        let corner = rig.ray(0, 0, views.rows - 1, views.columns - 1, 0.0, 0.0);
-        let far_corner = rig.ray(lenses.rows - 1, lenses.columns - 1, 0, 0, 1.0, 1.0);
-        for ray in [corner, far_corner] {
-            for value in ray.origin_m.into_iter().chain(ray.direction) {
-                if !value.is_finite() {
-                    return Err(Error::BadNumber { what: "coordinate of the rig's corner ray", value, need: "finite" });
-                }
-            }
-        }
-        Ok(rig)
+    /// Begins a rig of these views and lenses: perspective, a 50 mm lens over 36 mm, focused at infinity, all views in one
+    /// place.
+    #[must_use]
+    pub const fn builder(split: Split) -> RigBuilder {
+        RigBuilder::new(split)
     }
 
-    /// Returns the parameters that the rig was made from.
+    /// Begins a rig with the numbers of this one.
     #[must_use]
-    pub const fn parameters(&self) -> &RigParameters {
-        &self.parameters
+    pub const fn to_builder(&self) -> RigBuilder {
+        self.numbers
     }
 
     /// Returns the views and lenses.
     #[must_use]
     pub const fn split(&self) -> &Split {
-        &self.parameters.split
+        &self.numbers.split
+    }
+
+    /// Returns focal length and sensor size.
+    #[must_use]
+    pub const fn intrinsics(&self) -> Intrinsics {
+        self.numbers.intrinsics
+    }
+
+    /// Returns the focal length of every view's camera.
+    #[must_use]
+    pub const fn focal_length_m(&self) -> f64 {
+        self.numbers.intrinsics.focal_length_m
+    }
+
+    /// Returns the length of the larger image side.
+    #[must_use]
+    pub const fn sensor_size_m(&self) -> f64 {
+        self.numbers.intrinsics.sensor_size_m
+    }
+
+    /// Returns the distance between horizontally adjacent views.
+    #[must_use]
+    pub const fn baseline_x_m(&self) -> f64 {
+        self.numbers.baseline_x_m
+    }
+
+    /// Returns the distance between vertically adjacent views.
+    #[must_use]
+    pub const fn baseline_y_m(&self) -> f64 {
+        self.numbers.baseline_y_m
+    }
+
+    /// Returns the depth of the plane in which a point has the same pixel in every view; may be infinite.
+    #[must_use]
+    pub const fn focus_distance_m(&self) -> f64 {
+        self.numbers.focus_distance_m
+    }
+
+    /// Returns how the rays of a view run.
+    #[must_use]
+    pub const fn projection(&self) -> Projection {
+        self.numbers.projection
     }
 
     /// Returns the horizontal position of view column `s`: `(s - (S-1)/2) * baseline_x`, growing to the right.
@@ -127,13 +127,13 @@ impl Rig {
     /// Any `s` has a position; columns from S on lie outside the rig.
     #[must_use]
     pub fn view_x_m(&self, s: usize) -> f64 {
-        (s as f64 - (self.split().views().columns - 1) as f64 / 2.0) * self.parameters.baseline_x_m
+        (s as f64 - (self.split().views().columns - 1) as f64 / 2.0) * self.numbers.baseline_x_m
     }
 
     /// Returns the vertical position of view row `t`: `((T-1)/2 - t) * baseline_y`, falling from the top row on.
     #[must_use]
     pub fn view_y_m(&self, t: usize) -> f64 {
-        ((self.split().views().rows - 1) as f64 / 2.0 - t as f64) * self.parameters.baseline_y_m
+        ((self.split().views().rows - 1) as f64 / 2.0 - t as f64) * self.numbers.baseline_y_m
     }
 
     /// Returns the horizontal slope of the line from the rig's centre through pixel column `column`: `(column - U/2) * sens/(f*N)`.
@@ -168,7 +168,7 @@ impl Rig {
     /// Returns 1/F, which is 0 when the focus lies at infinity.
     #[must_use]
     pub fn inverse_focus_per_m(&self) -> f64 {
-        1.0 / self.parameters.focus_distance_m
+        1.0 / self.numbers.focus_distance_m
     }
 
     /// Returns the ray of pixel `(v, u)` of view `(t, s)` through the point `(jx, jy)` of that pixel, `(0.5, 0.5)` being its centre.
@@ -184,10 +184,10 @@ impl Rig {
     pub fn ray(&self, v: usize, u: usize, t: usize, s: usize, jx: f64, jy: f64) -> RigRay {
         let (x_m, y_m) = (self.view_x_m(s), self.view_y_m(t));
         let (slope_x, slope_y) = (self.slope_x(u as f64 + jx), self.slope_y(v as f64 + jy));
-        let focus_m = self.parameters.focus_distance_m;
+        let focus_m = self.numbers.focus_distance_m;
         // A division by infinity is 0: without a focus plane there is no shift.
         let (shift_x, shift_y) = (x_m / focus_m, y_m / focus_m);
-        match self.parameters.projection {
+        match self.numbers.projection {
             Projection::Perspective => {
                 RigRay { origin_m: [x_m, y_m, 0.0], direction: [slope_x - shift_x, slope_y - shift_y, -1.0] }
             }
@@ -209,8 +209,8 @@ impl Rig {
             return None;
         }
         let (x_m, y_m) = (self.view_x_m(s), self.view_y_m(t));
-        let focus_m = self.parameters.focus_distance_m;
-        let slope = |point: f64, view: f64| match self.parameters.projection {
+        let focus_m = self.numbers.focus_distance_m;
+        let slope = |point: f64, view: f64| match self.numbers.projection {
             Projection::Perspective => (point - view) / depth_m + view / focus_m,
             Projection::Orthographic => (point - view + view / focus_m * depth_m) / focus_m,
         };

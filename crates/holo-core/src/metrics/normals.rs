@@ -42,17 +42,10 @@ pub enum NormalGeometry {
 ///
 /// ```
 /// use holo_core::metrics::{NormalGeometry, normals_from_disparity};
-/// use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
+/// use holo_core::{GridSize, Rig, Split};
 /// use ndarray::Array2;
 ///
-/// let rig = Rig::new(RigParameters {
-///     split: Split::new(GridSize::new(9, 9), GridSize::new(16, 16))?,
-///     intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
-///     baseline_x_m: 0.025,
-///     baseline_y_m: 0.025,
-///     focus_distance_m: 4.25,
-///     projection: Projection::Perspective,
-/// })?;
+/// let rig = Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(16, 16))?).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
 /// // Disparity 0 everywhere is a wall that faces the camera.
 /// let normals = normals_from_disparity(&Array2::<f32>::zeros((16, 16)), &rig, NormalGeometry::Pinhole)?;
 /// assert!((normals[[8, 8, 2]] - 1.0).abs() < 1e-12);
@@ -136,7 +129,7 @@ pub fn median_angle_error_deg<A: Real, B: Real>(
 fn points_m(depth_m: &Array2<f64>, rig: &Rig, geometry: NormalGeometry) -> Array2<[f64; 3]> {
     let (rows, columns) = depth_m.dim();
     let (t, s) = rig.split().central_view();
-    let intrinsics = rig.parameters().intrinsics;
+    let intrinsics = rig.intrinsics();
     let scale = 0.5 * intrinsics.sensor_size_m / intrinsics.focal_length_m;
     let share = |index: usize, count: usize| index as f64 / (count as f64 - 1.0);
     Array2::from_shape_fn((rows, columns), |(row, column)| {
@@ -199,20 +192,19 @@ fn median(values: &mut [f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{GridSize, Intrinsics, Projection, RigParameters, Split};
+    use crate::{GridSize, Projection, Split};
 
     const SIZE: usize = 24;
 
     fn rig(views: usize, projection: Projection) -> Rig {
-        Rig::new(RigParameters {
-            split: Split::new(GridSize::new(views, views), GridSize::new(SIZE, SIZE)).unwrap(),
-            intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-            baseline_x_m: 0.02,
-            baseline_y_m: 0.02,
-            focus_distance_m: 3.0,
-            projection,
-        })
-        .unwrap()
+        Rig::builder(Split::new(GridSize::new(views, views), GridSize::new(SIZE, SIZE)).unwrap())
+            .focal_length_m(0.05)
+            .sensor_size_m(0.036)
+            .baseline_m(0.02)
+            .focus_distance_m(3.0)
+            .projection(projection)
+            .build()
+            .unwrap()
     }
 
     /// The disparity of the plane through (0, 0, -3) with a given normal, as the central view sees it.

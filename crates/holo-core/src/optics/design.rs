@@ -1,9 +1,7 @@
 //! A camera with a micro-lens array, and the rig that it is.
 
 use crate::error::{positive, positive_or_infinite};
-use crate::{
-    Error, GridSize, Intrinsics, Projection, Remainder, Rig, RigParameters, Sensor, SensorSplit, automatic_baseline_m,
-};
+use crate::{Error, GridSize, Remainder, Rig, Sensor, SensorSplit, automatic_baseline_m};
 
 /// How far a lens pitch may be from a whole number of pixels, as a share of a pixel, so that a pitch given in rounded metres is still read as
 /// meant.
@@ -30,7 +28,7 @@ const WHOLE_PIXEL: f64 = 1e-3;
 /// let rig = design.rig()?;
 /// assert_eq!(rig.split().lenses(), GridSize::new(53, 79));
 /// // The views share the aperture of 10 mm.
-/// assert!((rig.parameters().baseline_x_m - 0.010 / 99.0).abs() < 1e-18);
+/// assert!((rig.baseline_x_m() - 0.010 / 99.0).abs() < 1e-18);
 /// # Ok::<(), holo_core::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,14 +109,12 @@ impl CameraDesign {
         let focus_distance_m = positive_or_infinite("focus distance in metres", self.focus_distance_m)?;
         let baseline_m = automatic_baseline_m(self.focal_length_m, self.f_number, split.views())?;
         let sensor_size_m = self.pixel_pitch_m()? * split.raw_size().larger() as f64;
-        Rig::new(RigParameters {
-            split,
-            intrinsics: Intrinsics { focal_length_m: self.focal_length_m, sensor_size_m },
-            baseline_x_m: baseline_m,
-            baseline_y_m: baseline_m,
-            focus_distance_m,
-            projection: Projection::Perspective,
-        })
+        Rig::builder(split)
+            .focal_length_m(self.focal_length_m)
+            .sensor_size_m(sensor_size_m)
+            .baseline_m(baseline_m)
+            .focus_distance_m(focus_distance_m)
+            .build()
     }
 }
 
@@ -146,8 +142,8 @@ mod tests {
         assert_eq!((split.split.lenses(), split.border), (GridSize::new(12, 17), GridSize::new(6, 1)));
         let rig = design.rig().unwrap();
         // 119 pixels of the longer side are used, and 5 mm of aperture are shared by six gaps.
-        assert!((rig.parameters().intrinsics.sensor_size_m - 0.0119).abs() < 1e-17);
-        assert!((rig.parameters().baseline_x_m - 0.005 / 6.0).abs() < 1e-17);
+        assert!((rig.sensor_size_m() - 0.0119).abs() < 1e-17);
+        assert!((rig.baseline_x_m() - 0.005 / 6.0).abs() < 1e-17);
         // A pixel of a view is as wide as a lens: 0.7 mm at 20 mm.
         assert!((rig.slope_x(1.0) - rig.slope_x(0.0) - 0.7 / 20.0).abs() < 1e-15);
     }

@@ -87,7 +87,7 @@ pub fn rig_for_disparities(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Rig, RigParameters, Split};
+    use crate::{Rig, Split};
 
     const INTRINSICS: Intrinsics = Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 };
     const LENSES: GridSize = GridSize::new(240, 360);
@@ -102,15 +102,12 @@ mod tests {
             for (min_px, max_px) in [(-2.0, 2.0), (-0.5, 3.0), (-4.0, -1.0), (-1e-3, 1e-3), (0.0, 2.0), (-3.0, 0.0)] {
                 // Disparities of one sign need a focus in front of or behind all; in front there is always room.
                 let found = solve(near_m, far_m, min_px, max_px).unwrap();
-                let rig = Rig::new(RigParameters {
-                    split: Split::new(GridSize::new(5, 5), LENSES).unwrap(),
-                    intrinsics: INTRINSICS,
-                    baseline_x_m: found.baseline_m,
-                    baseline_y_m: found.baseline_m,
-                    focus_distance_m: found.focus_distance_m,
-                    projection: Projection::Perspective,
-                })
-                .unwrap();
+                let rig = Rig::builder(Split::new(GridSize::new(5, 5), LENSES).unwrap())
+                    .intrinsics(INTRINSICS)
+                    .baseline_m(found.baseline_m)
+                    .focus_distance_m(found.focus_distance_m)
+                    .build()
+                    .unwrap();
                 // k and F are good to some ulp; what that is in disparity grows with how near together the depths are: by k/Z over the span.
                 let bound = 1e-14 * rig.disparity().scale_m_px() / near_m;
                 assert!(

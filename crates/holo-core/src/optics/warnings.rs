@@ -75,19 +75,18 @@ pub(super) fn of(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
+    use crate::{GridSize, Rig, Split};
 
     /// k = 500 times the baseline.
     fn optics(baseline_m: f64) -> Optics {
-        let parameters = RigParameters {
-            split: Split::new(GridSize::new(5, 5), GridSize::new(360, 360)).unwrap(),
-            intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-            baseline_x_m: baseline_m,
-            baseline_y_m: baseline_m,
-            focus_distance_m: 3.0,
-            projection: Projection::Perspective,
-        };
-        Optics::new(Rig::new(parameters).unwrap()).unwrap()
+        let rig = Rig::builder(Split::new(GridSize::new(5, 5), GridSize::new(360, 360)).unwrap())
+            .focal_length_m(0.05)
+            .sensor_size_m(0.036)
+            .baseline_m(baseline_m)
+            .focus_distance_m(3.0)
+            .build()
+            .unwrap();
+        Optics::new(rig).unwrap()
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::double_double::{DoubleDouble, exact, ulps};
 use crate::exact::{Exact, is_within};
-use holo_core::{Disparity, Error, GridSize, Intrinsics, Projection, Rig, RigParameters, Split, StereoPair};
+use holo_core::{Disparity, Error, GridSize, Projection, Rig, Split, StereoPair};
 use ndarray::{Array2, array};
 use proptest::prelude::*;
 
@@ -95,14 +95,7 @@ proptest! {
     fn rigs_have_the_disparity_of_their_numbers(
         (focus_m, depth_m) in focus_and_depth(), baseline_m in decades(-9.0, 0.0), focal_m in decades(-3.0, 0.0), columns in 1_usize..5000
     ) {
-        let rig = Rig::new(RigParameters {
-            split: Split::new(GridSize::new(1, 2), GridSize::new(1, columns)).unwrap(),
-            intrinsics: Intrinsics { focal_length_m: focal_m, sensor_size_m: 0.036 },
-            baseline_x_m: baseline_m,
-            baseline_y_m: baseline_m,
-            focus_distance_m: focus_m,
-            projection: Projection::Perspective,
-        })
+        let rig = Rig::builder(Split::new(GridSize::new(1, 2), GridSize::new(1, columns)).unwrap()).focal_length_m(focal_m).sensor_size_m(0.036).baseline_m(baseline_m).focus_distance_m(focus_m).build()
         .unwrap();
         if depth_m != focus_m {
             let [b, f, n, sensor] = [baseline_m, focal_m, columns as f64, 0.036].map(Exact::new);

@@ -1,29 +1,25 @@
 //! The rig: rays, pixels and disparity must tell one story.
 
-use holo_core::{Error, GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
+use holo_core::{Error, GridSize, Intrinsics, Projection, Rig, Split};
 use proptest::prelude::*;
 
 const BOTH: [Projection; 2] = [Projection::Perspective, Projection::Orthographic];
 
-fn parameters(
-    views: (usize, usize),
-    lenses: (usize, usize),
-    focus_distance_m: f64,
-    projection: Projection,
-) -> RigParameters {
-    RigParameters {
-        split: Split::new(GridSize::new(views.0, views.1), GridSize::new(lenses.0, lenses.1)).unwrap(),
-        intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
-        baseline_x_m: 0.025,
-        baseline_y_m: 0.0125,
-        focus_distance_m,
-        projection,
-    }
+fn rig(views: (usize, usize), lenses: (usize, usize), focus_distance_m: f64, projection: Projection) -> Rig {
+    Rig::builder(Split::new(GridSize::new(views.0, views.1), GridSize::new(lenses.0, lenses.1)).unwrap())
+        .focal_length_m(0.1)
+        .sensor_size_m(0.035)
+        .baseline_x_m(0.025)
+        .baseline_y_m(0.0125)
+        .focus_distance_m(focus_distance_m)
+        .projection(projection)
+        .build()
+        .unwrap()
 }
 
 /// Where the line through the rig's centre and a pixel meets the focus plane: point P of the design.
 fn focus_point_m(rig: &Rig, row: f64, column: f64) -> [f64; 3] {
-    let focus_m = rig.parameters().focus_distance_m;
+    let focus_m = rig.focus_distance_m();
     [rig.slope_x(column) * focus_m, rig.slope_y(row) * focus_m, -focus_m]
 }
 
@@ -34,7 +30,7 @@ fn near(left: f64, right: f64, tolerance: f64) -> bool {
 #[test]
 fn the_published_numbers_of_a_known_rig() {
     // HCI "cotton": baseline 25 mm, f 100 mm, sensor 35 mm, 512 px, focus 4.25 m; printed to four digits.
-    let rig = Rig::new(parameters((9, 9), (512, 512), 4.25, Projection::Perspective)).unwrap();
+    let rig = rig((9, 9), (512, 512), 4.25, Projection::Perspective);
     assert!(near(rig.disparity().from_depth_m(3.5), 1.8439, 5e-5));
     assert!(near(rig.disparity().from_depth_m(6.0), -2.5098, 5e-5));
     // The add-on's `offset` key is the disparity of infinity with the other sign: 8.605.
@@ -46,7 +42,7 @@ fn the_published_numbers_of_a_known_rig() {
 
 #[test]
 fn views_are_centred_for_odd_and_even_counts() {
-    let rig = Rig::new(parameters((2, 5), (3, 4), 2.0, Projection::Perspective)).unwrap();
+    let rig = rig((2, 5), (3, 4), 2.0, Projection::Perspective);
     assert_eq!((0..5).map(|s| rig.view_x_m(s)).collect::<Vec<_>>(), [-0.05, -0.025, 0.0, 0.025, 0.05]);
     // Row 0 is the top one: +Y.
     assert_eq!((0..2).map(|t| rig.view_y_m(t)).collect::<Vec<_>>(), [0.006_25, -0.006_25]);
@@ -63,7 +59,7 @@ fn views_are_centred_for_odd_and_even_counts() {
 fn rays_of_an_elemental_image_meet_in_one_point() {
     for projection in BOTH {
         for focus_m in [0.01, 4.25, 1e6] {
-            let rig = Rig::new(parameters((4, 5), (6, 7), focus_m, projection)).unwrap();
+            let rig = rig((4, 5), (6, 7), focus_m, projection);
             for (v, u, jx, jy) in [(0, 0, 0.5, 0.5), (5, 6, 0.5, 0.5), (2, 3, 0.0, 1.0), (4, 1, 0.25, 0.75)] {
                 let point_m = focus_point_m(&rig, v as f64 + jy, u as f64 + jx);
                 for t in 0..4 {
@@ -84,8 +80,8 @@ fn rays_of_an_elemental_image_meet_in_one_point() {
 
 #[test]
 fn perspective_rays_start_at_the_view_and_orthographic_ones_are_parallel() {
-    let perspective = Rig::new(parameters((4, 5), (6, 7), 4.0, Projection::Perspective)).unwrap();
-    let orthographic = Rig::new(parameters((4, 5), (6, 7), 4.0, Projection::Orthographic)).unwrap();
+    let perspective = rig((4, 5), (6, 7), 4.0, Projection::Perspective);
+    let orthographic = rig((4, 5), (6, 7), 4.0, Projection::Orthographic);
     for (t, s) in (0..4).flat_map(|t| (0..5).map(move |s| (t, s))) {
         let first = orthographic.ray(0, 0, t, s, 0.5, 0.5);
         for (v, u) in (0..6).flat_map(|v| (0..7).map(move |u| (v, u))) {
@@ -100,14 +96,14 @@ fn perspective_rays_start_at_the_view_and_orthographic_ones_are_parallel() {
 
 #[test]
 fn without_a_focus_plane_there_is_no_shift() {
-    let rig = Rig::new(parameters((3, 3), (4, 4), f64::INFINITY, Projection::Perspective)).unwrap();
-    assert_eq!(rig.inverse_focus_per_m(), 0.0);
-    let directions: Vec<_> = (0..3).map(|s| rig.ray(1, 2, 0, s, 0.5, 0.5).direction).collect();
+    let unshifted = rig((3, 3), (4, 4), f64::INFINITY, Projection::Perspective);
+    assert_eq!(unshifted.inverse_focus_per_m(), 0.0);
+    let directions: Vec<_> = (0..3).map(|s| unshifted.ray(1, 2, 0, s, 0.5, 0.5).direction).collect();
     assert_eq!(directions[0], directions[2]);
-    assert_eq!(directions[1], [rig.slope_x(2.5), rig.slope_y(1.5), -1.0]);
-    assert!(rig.disparity().from_depth_m(2.0) > 0.0);
-    assert_eq!(rig.disparity().from_depth_m(f64::INFINITY), 0.0);
-    let finite = Rig::new(parameters((3, 3), (4, 4), 4.0, Projection::Perspective)).unwrap();
+    assert_eq!(directions[1], [unshifted.slope_x(2.5), unshifted.slope_y(1.5), -1.0]);
+    assert!(unshifted.disparity().from_depth_m(2.0) > 0.0);
+    assert_eq!(unshifted.disparity().from_depth_m(f64::INFINITY), 0.0);
+    let finite = rig((3, 3), (4, 4), 4.0, Projection::Perspective);
     assert_eq!(finite.inverse_focus_per_m(), 0.25);
 }
 
@@ -127,7 +123,7 @@ proptest! {
         (x, y) in (-1.0..1.0_f64, -1.0..1.0_f64),
     ) {
         for projection in BOTH {
-            let rig = Rig::new(parameters(views, lenses, focus_m, projection)).unwrap();
+            let rig = rig(views, lenses, focus_m, projection);
             let point_m = [x * depth_m, y * depth_m, -depth_m];
             let (row, column) = rig.project(point_m, 0, 0).unwrap();
             let d_x = rig.disparity_x().from_depth_m(depth_m);
@@ -156,7 +152,7 @@ proptest! {
         (jx, jy) in (0.0..1.0_f64, 0.0..1.0_f64),
     ) {
         for projection in BOTH {
-            let rig = Rig::new(parameters((5, 6), (30, 40), focus_m, projection)).unwrap();
+            let rig = rig((5, 6), (30, 40), focus_m, projection);
             let point_m = rig.ray(v, u, t, s, jx, jy).at_depth_m(depth_m);
             let (row, column) = rig.project(point_m, t, s).unwrap();
             let scale = rig.disparity_x().scale_m_px();
@@ -169,7 +165,7 @@ proptest! {
 
 #[test]
 fn what_lies_behind_the_camera_is_not_seen() {
-    let rig = Rig::new(parameters((3, 3), (4, 4), 4.0, Projection::Perspective)).unwrap();
+    let rig = rig((3, 3), (4, 4), 4.0, Projection::Perspective);
     for point_m in [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [0.0, 0.0, f64::NEG_INFINITY], [f64::NAN, 0.0, -1.0]] {
         assert_eq!(rig.project(point_m, 0, 0), None);
     }
@@ -178,7 +174,7 @@ fn what_lies_behind_the_camera_is_not_seen() {
 
 #[test]
 fn rows_and_columns_turn_into_slopes_and_back() {
-    let rig = Rig::new(parameters((3, 3), (31, 47), 4.0, Projection::Perspective)).unwrap();
+    let rig = rig((3, 3), (31, 47), 4.0, Projection::Perspective);
     for pixel in [0.0, 0.5, 11.25, 30.0, 47.0, -3.0] {
         // Differences of at most 47 px from the middle, two roundings each way.
         assert!(near(rig.column(rig.slope_x(pixel)), pixel, 1e-13));
@@ -188,7 +184,7 @@ fn rows_and_columns_turn_into_slopes_and_back() {
 
 #[test]
 fn ray_length_follows_from_depth() {
-    let rig = Rig::new(parameters((3, 3), (4, 4), 4.0, Projection::Perspective)).unwrap();
+    let rig = rig((3, 3), (4, 4), 4.0, Projection::Perspective);
     let ray = rig.ray(0, 0, 1, 1, 0.5, 0.5);
     let [x, y, z] = ray.at_depth_m(7.0);
     let length_m = (x * x + y * y + z * z).sqrt();
@@ -198,44 +194,40 @@ fn ray_length_follows_from_depth() {
 
 #[test]
 fn impossible_rigs_are_errors() {
-    let good = parameters((3, 3), (4, 4), 4.0, Projection::Perspective);
-    assert!(Rig::new(good).is_ok());
+    let good = rig((3, 3), (4, 4), 4.0, Projection::Perspective);
     for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0] {
-        let intrinsics = good.intrinsics;
         let bad = [
-            RigParameters { intrinsics: Intrinsics { focal_length_m: value, ..intrinsics }, ..good },
-            RigParameters { intrinsics: Intrinsics { sensor_size_m: value, ..intrinsics }, ..good },
-            RigParameters { baseline_x_m: value, ..good },
-            RigParameters { baseline_y_m: value, ..good },
+            good.to_builder().focal_length_m(value),
+            good.to_builder().sensor_size_m(value),
+            good.to_builder().baseline_x_m(value),
+            good.to_builder().baseline_y_m(value),
         ];
         for bad in bad {
-            assert!(matches!(Rig::new(bad), Err(Error::BadNumber { .. })), "{bad:?}");
+            assert!(matches!(bad.build(), Err(Error::BadNumber { .. })), "{bad:?}");
         }
     }
     for focus_distance_m in [f64::NAN, 0.0, -0.0, -4.0, f64::NEG_INFINITY] {
-        assert!(Rig::new(RigParameters { focus_distance_m, ..good }).is_err(), "{focus_distance_m}");
+        assert!(good.to_builder().focus_distance_m(focus_distance_m).build().is_err(), "{focus_distance_m}");
     }
     assert!(matches!(
-        Rig::new(RigParameters { focus_distance_m: f64::INFINITY, projection: Projection::Orthographic, ..good }),
+        good.to_builder().focus_distance_m(f64::INFINITY).projection(Projection::Orthographic).build(),
         Err(Error::OrthographicFocus { .. })
     ));
     // Numbers that are fine alone and overflow together.
     let tiny_focal = Intrinsics { focal_length_m: 1e-300, sensor_size_m: 1e300 };
-    assert!(Rig::new(RigParameters { intrinsics: tiny_focal, ..good }).is_err());
-    assert!(Rig::new(RigParameters { baseline_x_m: f64::MAX, ..good }).is_err());
-    assert!(Rig::new(RigParameters { focus_distance_m: f64::MIN_POSITIVE, baseline_x_m: 1e10, ..good }).is_err());
-    assert!(Rig::new(RigParameters { baseline_y_m: 1e-310, ..good }).is_err());
+    assert!(good.to_builder().intrinsics(tiny_focal).build().is_err());
+    assert!(good.to_builder().baseline_x_m(f64::MAX).build().is_err());
+    assert!(good.to_builder().baseline_x_m(1e10).focus_distance_m(f64::MIN_POSITIVE).build().is_err());
+    assert!(good.to_builder().baseline_y_m(1e-310).build().is_err());
     // Zero baselines are a rig: all views are the same.
-    let still = Rig::new(RigParameters { baseline_x_m: 0.0, baseline_y_m: -0.0, ..good }).unwrap();
+    let still = good.to_builder().baseline_x_m(0.0).baseline_y_m(-0.0).build().unwrap();
     assert_eq!(still.disparity().from_depth_m(1.0), 0.0);
 }
 
 /// A baseline of 10 micrometres must not vanish: it is compared with lengths of its own size, never with world coordinates.
 #[test]
 fn a_baseline_of_ten_micrometres_survives() {
-    let mut parameters = parameters((1, 3), (4, 4), 1e6, Projection::Perspective);
-    parameters.baseline_x_m = 1e-5;
-    let rig = Rig::new(parameters).unwrap();
+    let rig = rig((1, 3), (4, 4), 1e6, Projection::Perspective).to_builder().baseline_x_m(1e-5).build().unwrap();
     assert_eq!([rig.view_x_m(0), rig.view_x_m(1), rig.view_x_m(2)], [-1e-5, 0.0, 1e-5]);
     assert!(rig.disparity().from_depth_m(1.0) > 0.0);
 }

@@ -1,7 +1,7 @@
 //! The benchmark's measures against numbers that Python made of the toolkit's formulas.
 
 use holo_core::metrics::{NormalGeometry, Region, bumpiness, disparity_scores, median_angle_error_deg};
-use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
+use holo_core::{GridSize, Rig, Split};
 use ndarray::Array2;
 
 // What `toolkit_reference.py` prints with scikit-image 0.26.0.
@@ -44,15 +44,13 @@ fn measures_are_those_of_the_toolkit() {
     close(scores.q25_x100, Q25);
     close(bumpiness(&estimate, &truth, &region).unwrap().value, BUMPINESS);
 
-    let rig = Rig::new(RigParameters {
-        split: Split::new(GridSize::new(9, 9), GridSize::new(SIZE, SIZE)).unwrap(),
-        intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-        baseline_x_m: 0.02,
-        baseline_y_m: 0.02,
-        focus_distance_m: 3.0,
-        projection: Projection::Perspective,
-    })
-    .unwrap();
+    let rig = Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(SIZE, SIZE)).unwrap())
+        .focal_length_m(0.05)
+        .sensor_size_m(0.036)
+        .baseline_m(0.02)
+        .focus_distance_m(3.0)
+        .build()
+        .unwrap();
     for (geometry, expected) in [(NormalGeometry::Pinhole, ANGLE_PINHOLE), (NormalGeometry::Toolkit, ANGLE_TOOLKIT)] {
         close(median_angle_error_deg(&estimate, &truth, &rig, geometry, &region).unwrap().value, expected);
     }

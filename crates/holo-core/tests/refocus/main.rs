@@ -4,9 +4,7 @@ mod naive;
 mod sharpness;
 
 use holo_core::refocus::{Aperture, Kernel, Refocus, disparity_from_slope, slope_from_disparity};
-use holo_core::{
-    Error, GridSize, Intrinsics, LightField, LightFieldOwned, Projection, Rig, RigParameters, Sample, Split,
-};
+use holo_core::{Error, GridSize, LightField, LightFieldOwned, Rig, Sample, Split};
 use ndarray::{Array2, Array3, Array5, ArrayView3};
 
 /// Numbers that look random, in 0..256.
@@ -169,15 +167,14 @@ fn slopes_are_those_of_lftoolbox() {
 #[test]
 fn distances_go_through_the_rig_of_either_axis() {
     let split = Split::new(GridSize::new(3, 3), GridSize::new(16, 16)).unwrap();
-    let parameters = RigParameters {
-        split,
-        intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
-        baseline_x_m: 0.04,
-        baseline_y_m: 0.02,
-        focus_distance_m: 4.0,
-        projection: Projection::Perspective,
-    };
-    let rig = Rig::new(parameters).unwrap();
+    let rig = Rig::builder(split)
+        .focal_length_m(0.1)
+        .sensor_size_m(0.035)
+        .baseline_x_m(0.04)
+        .baseline_y_m(0.02)
+        .focus_distance_m(4.0)
+        .build()
+        .unwrap();
     let light_field = noise(split, 1, |byte| byte);
     let refocus = Refocus::new(split.views()).unwrap().vertical_ratio(0.5).unwrap();
     for distance_m in [2.0, 4.0, f64::INFINITY] {

@@ -1,7 +1,7 @@
 //! Planes of known depth: sharpest where they are.
 
 use holo_core::refocus::{Kernel, Refocus};
-use holo_core::{GridSize, Intrinsics, LightField, Projection, Rig, RigParameters, Split};
+use holo_core::{GridSize, LightField, Rig, Split};
 use ndarray::{Array2, Array3, Array5, ArrayView3};
 
 /// A texture of waves of 5 to 12 pixels in all directions, within 0..1: every kernel can follow it between pixels.
@@ -15,15 +15,14 @@ fn texture(row: f64, column: f64) -> f64 {
 }
 
 fn rig(views: (usize, usize), baselines_m: (f64, f64)) -> Rig {
-    Rig::new(RigParameters {
-        split: Split::new(GridSize::new(views.0, views.1), GridSize::new(64, 80)).unwrap(),
-        intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-        baseline_x_m: baselines_m.1,
-        baseline_y_m: baselines_m.0,
-        focus_distance_m: 4.0,
-        projection: Projection::Perspective,
-    })
-    .unwrap()
+    Rig::builder(Split::new(GridSize::new(views.0, views.1), GridSize::new(64, 80)).unwrap())
+        .focal_length_m(0.05)
+        .sensor_size_m(0.036)
+        .baseline_x_m(baselines_m.1)
+        .baseline_y_m(baselines_m.0)
+        .focus_distance_m(4.0)
+        .build()
+        .unwrap()
 }
 
 /// A wall at a depth, painted with the texture in pixels of the rig's centre, as 8-bit samples.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, Layout, Rig, RigParameters, Split};
+use holo_core::{GridSize, Layout, Rig, Split};
 use ndarray::Array2;
 
 use super::{DEPTH_PFM, DISPARITY_PFM, ELEMENTAL_PNG, MANIFEST_JSON, PARAMETERS_CFG, VIEWPOINT_PNG};
@@ -21,7 +21,7 @@ pub struct DatasetFolder {
     path: PathBuf,
     manifest: Manifest,
     parameters: Option<ParametersCfg>,
-    rig: RigParameters,
+    rig: Rig,
 }
 
 impl DatasetFolder {
@@ -40,14 +40,14 @@ impl DatasetFolder {
         let listed = manifest.files.contains_key(PARAMETERS_CFG);
         let parameters = listed.then(|| ParametersCfg::read(&parameters_path)).transpose()?;
         let rig = match (&manifest.rig, &parameters) {
-            (Some(rig), _) => rig.parameters().map_err(|error| about(&path.join(MANIFEST_JSON), error))?,
-            (None, Some(parameters)) => parameters.rig_parameters().map_err(|error| about(&parameters_path, error))?,
+            (Some(rig), _) => *rig,
+            (None, Some(parameters)) => parameters.rig().map_err(|error| error.about(&parameters_path))?,
             (None, None) => {
                 let what = format!("neither {MANIFEST_JSON} nor a {PARAMETERS_CFG} that it lists tells the rig");
                 return Err(Error::broken(path, FORMAT, what));
             }
         };
-        let sizes = (rig.split.views(), rig.split.lenses());
+        let sizes = (rig.split().views(), rig.split().lenses());
         if let Some(other) = parameters.as_ref().map(|p| (p.num_cams, p.image_resolution_px)).filter(|p| *p != sizes) {
             let what = format!("it speaks of {}, but {MANIFEST_JSON} of {}", in_words(other), in_words(sizes));
             return Err(Error::broken(&parameters_path, FORMAT, what));
@@ -76,16 +76,13 @@ impl DatasetFolder {
     /// Returns the number of views and lenses.
     #[must_use]
     pub const fn split(&self) -> Split {
-        self.rig.split
+        *self.rig.split()
     }
 
     /// Returns the rig.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Core`] if its numbers make no rig. The images can be read all the same.
-    pub fn rig(&self) -> Result<Rig, Error> {
-        Rig::new(self.rig).map_err(|error| Error::core(&self.path, error))
+    #[must_use]
+    pub const fn rig(&self) -> &Rig {
+        &self.rig
     }
 
     /// Returns the raw image that [`DatasetFolder::read`] reads: the elemental grid, else the viewpoint grid, else none.
@@ -113,7 +110,7 @@ impl DatasetFolder {
             return Err(Error::unsupported(&self.path, what));
         };
         self.check_size(&file, read_png_info(&file)?.size, self.split().raw_size())?;
-        StoredLightField::from_raw(read_png(&file, limits)?, layout, self.split()).map_err(|error| about(&file, error))
+        StoredLightField::from_raw(read_png(&file, limits)?, layout, self.split()).map_err(|error| error.about(&file))
     }
 
     /// Reads the planar depth of the central view in metres, or returns `None` if the dataset has none.
@@ -167,14 +164,6 @@ impl DatasetFolder {
             expected.rows
         );
         Err(Error::broken(file, FORMAT, what))
-    }
-}
-
-/// The same error about a file instead of memory.
-fn about(path: &Path, error: Error) -> Error {
-    match error {
-        Error::Core { source, .. } => Error::core(path, source),
-        other => other,
     }
 }
 

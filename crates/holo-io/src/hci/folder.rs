@@ -20,20 +20,13 @@ use crate::{Error, Limits, ParametersCfg, PngSamples, StoredLightField, dataset,
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Intrinsics, Layout, LightField, Projection, RigParameters, Split};
+/// use holo_core::{GridSize, Layout, LightField, Rig, Split};
 /// use holo_io::{Compression, HciFolder, HciImage, HciTruth, HciViews, Limits, ParametersCfg, StoredLightField};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// # let path = folder.path();
 /// let split = Split::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
-/// let rig = RigParameters {
-///     split,
-///     intrinsics: Intrinsics { focal_length_m: 0.1, sensor_size_m: 0.035 },
-///     baseline_x_m: 0.025,
-///     baseline_y_m: 0.025,
-///     focus_distance_m: 4.25,
-///     projection: Projection::Perspective,
-/// };
+/// let rig = Rig::builder(split).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
 /// let light_field = LightField::filled(split, 3, Layout::ElementalGrid, 7_u8)?;
 /// let image = HciImage {
 ///     views: HciViews::U8(light_field.borrowed()),
@@ -44,7 +37,7 @@ use crate::{Error, Limits, ParametersCfg, PngSamples, StoredLightField, dataset,
 /// image.write(path, Compression::Scratch)?;
 ///
 /// let read = HciFolder::open(path)?;
-/// assert_eq!(read.rig()?.parameters(), &rig);
+/// assert_eq!(read.rig()?, rig);
 /// assert_eq!(read.read(&Limits::default())?, StoredLightField::U8(light_field));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -136,8 +129,7 @@ impl HciFolder {
     ///
     /// [`Error::Core`] if its numbers make no rig, such as a focal length of 0. The images can be read all the same.
     pub fn rig(&self) -> Result<Rig, Error> {
-        let fault = |error| Error::core(&self.path.join(dataset::PARAMETERS_CFG), error);
-        Rig::new(self.parameters.rig_parameters()?).map_err(fault)
+        self.parameters.rig().map_err(|error| error.about(&self.path.join(dataset::PARAMETERS_CFG)))
     }
 
     /// Reads all views.

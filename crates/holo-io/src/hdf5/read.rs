@@ -4,13 +4,14 @@ use std::path::{Path, PathBuf};
 
 use ::hdf5::types::{FloatSize, IntSize, TypeDescriptor};
 use ::hdf5::{Dataset, File, H5Type, Hyperslab, SliceOrIndex};
-use holo_core::{GridSize, RigParameters, Split};
+use holo_core::{GridSize, Rig, Split};
 use ndarray::{Array2, Array3, Array4, Array5, ArrayD, Dimension};
 
 use super::library::{Failure, open};
 use super::{FORMAT, Hdf5Map, attributes};
+use crate::rig_values::{self, FoundRig};
 use crate::stored::{StoredLightField, StoredSample, sealed::Sealed};
-use crate::{Error, Limits, rig_values};
+use crate::{Error, Limits};
 
 /// An open HDF5 light field.
 ///
@@ -24,7 +25,7 @@ pub struct Hdf5LightField {
     shape: [usize; 5],
     split: Split,
     sample: &'static str,
-    rig: Option<RigParameters>,
+    rig: FoundRig,
 }
 
 /// Whether an HDF5 file holds a light field `/H` of five axes.
@@ -102,10 +103,16 @@ impl Hdf5LightField {
         self.sample
     }
 
-    /// Returns the rig, if the file tells all of it.
+    /// Returns the rig, if the file tells all of it and its numbers make one.
     #[must_use]
-    pub const fn rig(&self) -> Option<&RigParameters> {
-        self.rig.as_ref()
+    pub fn rig(&self) -> Option<&Rig> {
+        self.rig.as_ref()?.as_ref().ok()
+    }
+
+    /// Returns why the numbers in the file make no rig, if they do not.
+    #[must_use]
+    pub fn rig_error(&self) -> Option<&holo_core::Error> {
+        self.rig.as_ref()?.as_ref().err()
     }
 
     /// Returns the maps of all views and those of the central view that the file has.

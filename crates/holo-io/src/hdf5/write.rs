@@ -1,9 +1,9 @@
 //! The writer: lens rows as they come.
 
+use holo_core::Rig;
 use std::path::Path;
 
 use ::hdf5::{Dataset, File, Hyperslab, SliceOrIndex};
-use holo_core::RigParameters;
 use ndarray::parallel::prelude::*;
 use ndarray::{ArrayD, ArrayView2, ArrayView4, ArrayView5, ArrayViewD, Axis, IxDyn, Slice};
 
@@ -30,7 +30,7 @@ pub struct Hdf5Writer<T> {
     file: File,
     place: AtomicPlace,
     options: Hdf5Options,
-    rig: RigParameters,
+    rig: Rig,
 }
 
 /// A dataset that is written along its first axis.
@@ -48,7 +48,7 @@ impl<T: StoredSample> Hdf5Writer<T> {
     /// Starts a file with samples of `channels` channels, and with these maps of all views.
     pub fn create(
         path: impl AsRef<Path>,
-        rig: &RigParameters,
+        rig: &Rig,
         channels: usize,
         maps: &[Hdf5Map],
         options: &Hdf5Options,
@@ -64,7 +64,7 @@ impl<T: StoredSample> Hdf5Writer<T> {
         let failed = |error| Failure { path, is_writing: true }.error(error);
         let file = create(place.temporary_path(), 0, false).map_err(failed)?;
         attributes::write_rig(&file, rig).map_err(failed)?;
-        let shape = rig.split.shape(channels);
+        let shape = rig.split().shape(channels);
         // Linear radiance has no unit here: 1 is what exposure 0 shows as white.
         let unit = if T::IS_FLOAT { "linear radiance" } else { "sRGB" };
         let samples = Rows::create(&file, "H", &shape, "vutsc", unit, options, path)?;
@@ -123,7 +123,7 @@ impl<T: StoredSample> Hdf5Writer<T> {
             // Without a clock, like everything here.
             self.file.create_group_builder().obj_track_times(false).create("central").map_err(failed)?;
         }
-        let lenses = self.rig.split.lenses();
+        let lenses = self.rig.split().lenses();
         let name = format!("central/{}", map.name());
         let whole = Hdf5Options { chunk: Some([lenses.rows, lenses.columns, 1, 1]), ..self.options };
         let shape = [lenses.rows, lenses.columns];

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use holo_core::{GridSize, Projection};
+use holo_core::{GridSize, Projection, Rig, Split};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{FORMAT, Manifest, ManifestRig, Setting};
+use super::{FORMAT, Manifest, Setting};
 use crate::dataset::stays_inside;
-use crate::{Error, Sha256, Written};
+use crate::{Error, Sha256, Written, meters_to_millimeters, millimeters_to_meters};
 
 /// The keys in the order in which they are written.
 #[derive(Serialize, Deserialize)]
@@ -22,7 +22,7 @@ struct Document {
     #[serde(default)]
     settings: BTreeMap<String, Value>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    rig: Option<Rig>,
+    rig: Option<RigDocument>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     disparity_px: Option<Range>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -32,7 +32,7 @@ struct Document {
 }
 
 #[derive(Serialize, Deserialize)]
-struct Rig {
+struct RigDocument {
     views: Size,
     lenses: Size,
     baseline_m: Baseline,
@@ -145,16 +145,16 @@ impl From<Size> for GridSize {
     }
 }
 
-impl From<&ManifestRig> for Rig {
-    fn from(rig: &ManifestRig) -> Self {
+impl From<&Rig> for RigDocument {
+    fn from(rig: &Rig) -> Self {
         Self {
-            views: rig.views.into(),
-            lenses: rig.lenses.into(),
-            baseline_m: Baseline { x: rig.baseline_x_m.into(), y: rig.baseline_y_m.into() },
-            focal_length_mm: rig.focal_length_mm.into(),
-            sensor_size_mm: rig.sensor_size_mm.into(),
-            focus_distance_m: rig.focus_distance_m.into(),
-            projection: match rig.projection {
+            views: rig.split().views().into(),
+            lenses: rig.split().lenses().into(),
+            baseline_m: Baseline { x: rig.baseline_x_m().into(), y: rig.baseline_y_m().into() },
+            focal_length_mm: meters_to_millimeters(rig.focal_length_m()).into(),
+            sensor_size_mm: meters_to_millimeters(rig.sensor_size_m()).into(),
+            focus_distance_m: rig.focus_distance_m().into(),
+            projection: match rig.projection() {
                 Projection::Perspective => ProjectionName::Perspective,
                 Projection::Orthographic => ProjectionName::Orthographic,
             },
@@ -162,21 +162,21 @@ impl From<&ManifestRig> for Rig {
     }
 }
 
-impl From<Rig> for ManifestRig {
-    fn from(rig: Rig) -> Self {
-        Self {
-            views: rig.views.into(),
-            lenses: rig.lenses.into(),
-            baseline_x_m: rig.baseline_m.x.into(),
-            baseline_y_m: rig.baseline_m.y.into(),
-            focal_length_mm: rig.focal_length_mm.into(),
-            sensor_size_mm: rig.sensor_size_mm.into(),
-            focus_distance_m: rig.focus_distance_m.into(),
-            projection: match rig.projection {
+impl TryFrom<RigDocument> for Rig {
+    type Error = holo_core::Error;
+
+    fn try_from(rig: RigDocument) -> Result<Self, holo_core::Error> {
+        Self::builder(Split::new(rig.views.into(), rig.lenses.into())?)
+            .focal_length_m(millimeters_to_meters(rig.focal_length_mm.into()))
+            .sensor_size_m(millimeters_to_meters(rig.sensor_size_mm.into()))
+            .baseline_x_m(rig.baseline_m.x.into())
+            .baseline_y_m(rig.baseline_m.y.into())
+            .focus_distance_m(rig.focus_distance_m.into())
+            .projection(match rig.projection {
                 ProjectionName::Perspective => Projection::Perspective,
                 ProjectionName::Orthographic => Projection::Orthographic,
-            },
-        }
+            })
+            .build()
     }
 }
 
@@ -226,7 +226,7 @@ pub(super) fn write(manifest: &Manifest, path: &Path) -> Result<String, Error> {
         versions: manifest.versions.clone(),
         seed: manifest.seed,
         settings: manifest.settings.iter().map(|(key, value)| (key.clone(), setting_to_json(value))).collect(),
-        rig: manifest.rig.as_ref().map(Rig::from),
+        rig: manifest.rig.as_ref().map(RigDocument::from),
         disparity_px: manifest.disparity_px.map(|(min, max)| Range { min: min.into(), max: max.into() }),
         exposure_ev: manifest.exposure_ev.map(Number::from),
         files: manifest.files.iter().map(|(name, written)| (name.clone(), entry(written))).collect(),
@@ -263,7 +263,7 @@ pub(super) fn read(text: &[u8], path: &Path) -> Result<Manifest, Error> {
         versions: document.versions,
         seed: document.seed,
         settings: document.settings.into_iter().map(|(key, value)| (key, setting_from_json(value))).collect(),
-        rig: document.rig.map(ManifestRig::from),
+        rig: document.rig.map(Rig::try_from).transpose().map_err(|why| broken(format!("rig: {why}")))?,
         disparity_px: document.disparity_px.map(|range| (range.min.into(), range.max.into())),
         exposure_ev: document.exposure_ev.map(f64::from),
         files,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use holo_core::{GridSize, LightField, RigParameters};
+use holo_core::{GridSize, LightField, Rig};
 use ndarray::{Array5, ArrayD, Data, Ix5, IxDyn, aview0, aview1};
 
 use super::file::{Opened, missing};
@@ -50,8 +50,10 @@ impl MatOrder {
 pub struct MatLightField {
     /// The samples, with the strides that the file has.
     pub light_field: StoredLightField,
-    /// The rig, if the file tells all of it.
-    pub rig: Option<RigParameters>,
+    /// The rig, if the file tells all of it and its numbers make one.
+    pub rig: Option<Rig>,
+    /// Why the numbers in the file make no rig, if they do not.
+    pub rig_error: Option<holo_core::Error>,
 }
 
 /// Writes a light field and what is known of its rig.
@@ -68,7 +70,7 @@ pub struct MatLightField {
 pub fn write_mat_light_field<S>(
     path: impl AsRef<Path>,
     light_field: &LightField<S>,
-    rig: Option<&RigParameters>,
+    rig: Option<&Rig>,
     order: MatOrder,
     options: &MatOptions,
 ) -> Result<Written, Error>
@@ -160,7 +162,12 @@ pub fn read_mat_light_field(path: impl AsRef<Path>, limits: &Limits) -> Result<M
     check_counts(path, "views", views, split.views())?;
     check_counts(path, "lenses", lenses, split.lenses())?;
     let rig = rig_values::rig(path, split, baseline_m, lengths, projection.as_deref())?;
-    Ok(MatLightField { light_field, rig })
+    let (rig, rig_error) = match rig {
+        Some(Ok(rig)) => (Some(rig), None),
+        Some(Err(error)) => (None, Some(error)),
+        None => (None, None),
+    };
+    Ok(MatLightField { light_field, rig, rig_error })
 }
 
 fn contradiction(path: &Path, what: impl Into<String>) -> Error {

@@ -4,10 +4,10 @@
 //! again. A chunk holds a few lenses and views, as in this crate's HDF5 files, and the rows of a chunk are gathered before they
 //! are written.
 
+use holo_core::Rig;
 use std::path::Path;
 
 use ::hdf5::{Dataset, File, Hyperslab, SliceOrIndex};
-use holo_core::RigParameters;
 use ndarray::{Array5, ArrayD, ArrayView5, Axis, Dimension, Slice};
 
 use super::light_field::{MatOrder, beside};
@@ -34,19 +34,12 @@ const CHUNKS_AT_A_TIME: usize = 4;
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Intrinsics, Projection, RigParameters, Split};
+/// use holo_core::{GridSize, Rig, Split};
 /// use holo_io::{Limits, MatWriter, read_mat_light_field};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("scene_5d.mat");
-/// let rig = RigParameters {
-///     split: Split::new(GridSize::new(2, 3), GridSize::new(6, 5))?,
-///     intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-///     baseline_x_m: 1e-3,
-///     baseline_y_m: 1e-3,
-///     focus_distance_m: 1.0,
-///     projection: Projection::Perspective,
-/// };
+/// let rig = Rig::builder(Split::new(GridSize::new(2, 3), GridSize::new(6, 5))?).focal_length_m(0.05).sensor_size_m(0.036).baseline_m(1e-3).focus_distance_m(1.0).build()?;
 /// let mut mat = MatWriter::<u8>::create(&path, &rig, 3, true)?;
 /// for row in 0..6 {
 ///     mat.write_lens_rows(ndarray::Array5::from_elem((1, 5, 2, 3, 3), row).view())?;
@@ -73,12 +66,7 @@ pub struct MatWriter<T> {
 
 impl<T: StoredSample> MatWriter<T> {
     /// Starts a file with samples of `channels` channels.
-    pub fn create(
-        path: impl AsRef<Path>,
-        rig: &RigParameters,
-        channels: usize,
-        is_compressed: bool,
-    ) -> Result<Self, Error> {
+    pub fn create(path: impl AsRef<Path>, rig: &Rig, channels: usize, is_compressed: bool) -> Result<Self, Error> {
         let path = path.as_ref();
         if channels == 0 {
             return Err(Error::bad_input(path, "a light field without channels"));
@@ -87,11 +75,11 @@ impl<T: StoredSample> MatWriter<T> {
         let (place, file) = v73::begin(path)?;
         let failed = |error| Failure { path, is_writing: true }.error(error);
         let order = MatOrder::Lenses;
-        let counts = [rig.split.views(), rig.split.lenses()].map(|size| [size.rows as f64, size.columns as f64]);
+        let counts = [rig.split().views(), rig.split().lenses()].map(|size| [size.rows as f64, size.columns as f64]);
         for variable in beside(order, &counts, Some(&values)) {
             v73::variable(&file, &variable, false).map_err(failed)?;
         }
-        let shape = rig.split.shape(channels);
+        let shape = rig.split().shape(channels);
         let chunk = Hdf5Options::default().chunk_of(&shape, size_of::<T>());
         let reversed = |sides: &[usize]| sides.iter().rev().copied().collect::<Vec<_>>();
         let dataset =

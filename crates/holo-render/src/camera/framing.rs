@@ -3,7 +3,7 @@
 //! A glTF camera says where it stands and how wide it sees; sensor size, baseline and focus distance come from the user
 //! or from rules stated here.
 
-use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split, automatic_baseline_m};
+use holo_core::{GridSize, Intrinsics, Projection, Rig, Split, automatic_baseline_m};
 
 use crate::error::Error;
 use holo_scene::{Camera, CameraLens, Scene, Transform};
@@ -98,14 +98,12 @@ impl Framed {
     }
 
     pub(crate) fn rig_with(&self, projection: Projection, focus_distance_m: f64) -> Result<Rig, Error> {
-        Ok(Rig::new(RigParameters {
-            split: self.split,
-            intrinsics: self.intrinsics,
-            baseline_x_m: self.baseline_m,
-            baseline_y_m: self.baseline_m,
-            focus_distance_m,
-            projection,
-        })?)
+        Ok(Rig::builder(self.split)
+            .intrinsics(self.intrinsics)
+            .baseline_m(self.baseline_m)
+            .focus_distance_m(focus_distance_m)
+            .projection(projection)
+            .build()?)
     }
 }
 

@@ -67,7 +67,7 @@ impl RigRays {
             tiling.blocks(along).map(lanes).collect()
         };
         let split = rig.split();
-        let orthographic = rig.parameters().projection == Projection::Orthographic;
+        let orthographic = rig.projection() == Projection::Orthographic;
         Self {
             axes: [
                 axis(0, &|v| rig.slope_y(v as f64 + 0.5), 0.0),
@@ -80,7 +80,7 @@ impl RigRays {
             columns: [split.lenses().columns as u32, split.views().columns as u32],
             shared_bits: shared_views.ilog2(),
             slope_step: rig.slope_x(1.0) - rig.slope_x(0.0),
-            slope_to_origin: if orthographic { rig.parameters().focus_distance_m } else { 0.0 },
+            slope_to_origin: if orthographic { rig.focus_distance_m() } else { 0.0 },
             slope_to_direction: if orthographic { 0.0 } else { 1.0 },
         }
     }
@@ -157,22 +157,22 @@ impl RigRays {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use holo_core::{GridSize, Intrinsics, RigParameters, Split};
+    use holo_core::{GridSize, Split};
 
     /// The tabulated rays are the rig's rays, to the rounding of a handful of f64 operations.
     #[test]
     fn tables_and_rig_give_the_same_rays() {
         for projection in [Projection::Perspective, Projection::Orthographic] {
             let split = Split::new(GridSize::new(5, 6), GridSize::new(7, 9)).unwrap();
-            let rig = Rig::new(RigParameters {
-                split,
-                intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-                baseline_x_m: 0.01,
-                baseline_y_m: 0.02,
-                focus_distance_m: 3.0,
-                projection,
-            })
-            .unwrap();
+            let rig = Rig::builder(split)
+                .focal_length_m(0.05)
+                .sensor_size_m(0.036)
+                .baseline_x_m(0.01)
+                .baseline_y_m(0.02)
+                .focus_distance_m(3.0)
+                .projection(projection)
+                .build()
+                .unwrap();
             let selection = Selection::whole(&split);
             let tiling = Tiling::new(selection.counts());
             let tables = RigRays::new(&rig, &tiling, &selection, 4);

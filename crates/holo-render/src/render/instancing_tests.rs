@@ -1,6 +1,6 @@
 //! Meshes that are kept once against the same meshes copied to every place. Needs Embree; without it nothing is tested.
 
-use holo_core::{GridSize, Intrinsics, Projection, RigParameters, Split};
+use holo_core::{GridSize, Rig, Split};
 
 use super::*;
 use crate::accel::refine;
@@ -81,15 +81,13 @@ fn scene() -> Scene {
 }
 
 fn rig() -> Rig {
-    Rig::new(RigParameters {
-        split: Split::new(GridSize::new(4, 4), GridSize::new(60, 90)).expect("sizes"),
-        intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-        baseline_x_m: 0.01,
-        baseline_y_m: 0.01,
-        focus_distance_m: 2.0,
-        projection: Projection::Perspective,
-    })
-    .expect("a rig")
+    Rig::builder(Split::new(GridSize::new(4, 4), GridSize::new(60, 90)).expect("sizes"))
+        .focal_length_m(0.05)
+        .sensor_size_m(0.036)
+        .baseline_m(0.01)
+        .focus_distance_m(2.0)
+        .build()
+        .expect("a rig")
 }
 
 /// Flattened and instanced, or `None` without Embree.

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use holo_core::{GridSize, Intrinsics, Projection, RigParameters, Split, ViewIndex};
+use holo_core::{GridSize, Rig, Split, ViewIndex};
 use ndarray::Array5;
 
 use super::image::{light_fields, tiles, zeros};
@@ -20,15 +20,13 @@ use holo_scene::{Alpha, Environment, Material};
 fn garden() -> (Renderer, Request) {
     let scene = gallery::scene("garden").expect("a scene of the gallery");
     let renderer = Renderer::new(&scene, &scene.cameras[0].pose, Backend::Bvh, 1).expect("a renderer");
-    let rig = Rig::new(RigParameters {
-        split: Split::new(GridSize::new(5, 6), GridSize::new(1, 60)).expect("sizes"),
-        intrinsics: Intrinsics { focal_length_m: 0.04, sensor_size_m: 0.036 },
-        baseline_x_m: 0.002,
-        baseline_y_m: 0.002,
-        focus_distance_m: 0.9,
-        projection: Projection::Perspective,
-    })
-    .expect("a rig");
+    let rig = Rig::builder(Split::new(GridSize::new(5, 6), GridSize::new(1, 60)).expect("sizes"))
+        .focal_length_m(0.04)
+        .sensor_size_m(0.036)
+        .baseline_m(0.002)
+        .focus_distance_m(0.9)
+        .build()
+        .expect("a rig");
     let sky = [0.3, 0.4, 0.5];
     let ground_truth = GroundTruth::Central;
     (renderer, Request { integrator: Integrator::Direct, samples: 2, seed: 3, sky, ground_truth, ..Request::new(rig) })
@@ -106,7 +104,7 @@ fn the_size_of_tiles_changes_nothing() {
     let renderer = Renderer::new(&scene, &scene.cameras[0].pose, Backend::Bvh, 1).expect("a renderer");
     let (_, request) = garden();
     let split = Split::new(GridSize::new(5, 6), GridSize::new(7, 30)).expect("sizes");
-    let rig = Rig::new(RigParameters { split, ..*request.rig.parameters() }).expect("a rig");
+    let rig = request.rig.to_builder().split(split).build().expect("a rig");
     let picture = |integrator: Integrator, pixels: usize| {
         let request = Request { rig, integrator, samples: 4, ..request.clone() };
         let (stop, region) = (Stop::new(&()), region(&split, pixels));
@@ -203,7 +201,7 @@ fn the_views_of_a_block_share_the_points_of_the_pixel() {
     let (renderer, request) = garden();
     let stop = Stop::new(&());
     let split = Split::new(GridSize::new(8, 8), GridSize::new(1, 60)).expect("sizes");
-    let rig = Rig::new(RigParameters { split, ..*request.rig.parameters() }).expect("a rig");
+    let rig = request.rig.to_builder().split(split).build().expect("a rig");
     let region = region(&split, 8192);
     let context = renderer.context(&Request { rig, ..request.clone() }, request.integrator, &region, &stop);
     let tiles = region.tiling.tiles();

@@ -1,6 +1,6 @@
 //! Depth and disparity against a closed form and against every triangle in f64.
 
-use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
+use holo_core::{GridSize, Rig, Split};
 use holo_render::{Backend, GroundTruth, Integrator, Layer, Renderer, Request};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
 
@@ -63,15 +63,13 @@ fn slanted_plane(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> [String; 3]
         ..Scene::default()
     };
     let views = if wish.quick { 30 } else { 100 };
-    let rig = Rig::new(RigParameters {
-        split: Split::new(GridSize::new(views, views), GridSize::new(53, 79)).expect("sizes"),
-        intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-        baseline_x_m: 1e-4,
-        baseline_y_m: 1e-4,
-        focus_distance_m: 2.0,
-        projection: Projection::Perspective,
-    })
-    .expect("a rig");
+    let rig = Rig::builder(Split::new(GridSize::new(views, views), GridSize::new(53, 79)).expect("sizes"))
+        .focal_length_m(0.05)
+        .sensor_size_m(0.036)
+        .baseline_m(1e-4)
+        .focus_distance_m(2.0)
+        .build()
+        .expect("a rig");
     let renderer = Renderer::new(&scene, &Transform::IDENTITY, engine, 0).expect("a scene");
     let (seconds, rendered) = timed(wish.rounds, || renderer.render(&truth_request(rig), &()).expect("a render"));
     let all = rendered.all.expect("asked for");

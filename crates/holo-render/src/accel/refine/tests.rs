@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use holo_core::{GridSize, Intrinsics, Projection, Rig, RigParameters, Split};
+use holo_core::{GridSize, Projection, Rig, Split};
 
 use super::*;
 use crate::accel::tests::{cube, geometry, soup};
@@ -20,15 +20,14 @@ const BOUND: f64 = 1e-10;
 type Found = ([f64; 3], [f64; 3], f64, f32);
 
 fn rig() -> Rig {
-    Rig::new(RigParameters {
-        split: Split::new(GridSize::new(3, 5), GridSize::new(40, 60)).expect("sizes"),
-        intrinsics: Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 },
-        baseline_x_m: 0.013,
-        baseline_y_m: 0.017,
-        focus_distance_m: 2.0,
-        projection: Projection::Perspective,
-    })
-    .expect("a rig")
+    Rig::builder(Split::new(GridSize::new(3, 5), GridSize::new(40, 60)).expect("sizes"))
+        .focal_length_m(0.05)
+        .sensor_size_m(0.036)
+        .baseline_x_m(0.013)
+        .baseline_y_m(0.017)
+        .focus_distance_m(2.0)
+        .build()
+        .expect("a rig")
 }
 
 /// Every ray of the rig with its depth, infinite without a hit.
@@ -182,7 +181,7 @@ fn points_are_in_other_views_where_eq_3_says() {
     let triangles = geometry.triangles().iter().map(|t| t.map(|k| geometry.positions()[k as usize].map(f64::from)));
     let triangles: Vec<[[f64; 3]; 3]> = triangles.collect();
     for projection in [Projection::Perspective, Projection::Orthographic] {
-        let rig = Rig::new(RigParameters { projection, ..*rig().parameters() }).expect("a rig");
+        let rig = rig().to_builder().projection(projection).build().expect("a rig");
         let (center_t, center_s) = rig.split().central_view();
         for backend in [Backend::Embree, Backend::Bvh] {
             let Ok((engine, _)) = build(backend, &geometry, 1) else {
@@ -200,7 +199,7 @@ fn points_are_in_other_views_where_eq_3_says() {
                 let point = rig.ray(v, u, center_t, center_s, 0.5, 0.5).at_depth_m(depth);
                 // Eq. 3 counts along a row of views; along a column it is in proportion to the baseline.
                 let d = rig.disparity().from_depth_m(depth);
-                let d_rows = d * rig.parameters().baseline_y_m / rig.parameters().baseline_x_m;
+                let d_rows = d * rig.baseline_y_m() / rig.baseline_x_m();
                 for (t, s) in [(0, 0), (0, 3), (1, 4), (2, 1), (2, 4)] {
                     let [rows, columns] = [t as f64 - center_t as f64, s as f64 - center_s as f64];
                     let expected = [place[0] - d_rows * rows, place[1] - d * columns];
