@@ -143,7 +143,7 @@ fn floats(shape: (usize, usize, usize), count: usize) -> holo_core::LightFieldOw
 
 #[cfg(feature = "hdf5")]
 fn write_hdf5(path: &Path, field: &holo_core::LightFieldOwned<f32>, chunk: Option<[usize; 4]>) -> u64 {
-    let rig = Rig::builder(split())
+    let rig = holo_core::Rig::builder(split())
         .intrinsics(holo_core::Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 })
         .baseline_m(1e-4)
         .focus_distance_m(2.0)

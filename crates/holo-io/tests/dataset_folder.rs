@@ -51,7 +51,7 @@ fn write(path: &Path, names: &[&str], with_rig: bool) -> Manifest {
         };
         manifest.files.insert(name.to_owned(), written);
     }
-    manifest.rig = with_rig.then(|| rig());
+    manifest.rig = with_rig.then(rig);
     manifest.write(path.join(dataset::MANIFEST_JSON)).unwrap();
     manifest
 }

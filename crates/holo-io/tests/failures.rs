@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use std::sync::Barrier;
 use std::time::{Duration, Instant};
 
-use holo_core::{GridSize, LightFieldOwned, Rig};
+use holo_core::{GridSize, LightFieldOwned};
 use holo_io::{
     Compression, Error, ExrChannel, ExrCompression, ExrSamples, ExrWriter, Limits, MatOptions, MatOrder, MatVersion,
     Meaning, PngWriter, Written, read_exr, read_mat_light_field, read_pfm_grey, read_png, remove_stale_temporary_files,
@@ -75,7 +75,7 @@ fn light_field(seed: u64) -> LightFieldOwned<u16> {
 
 #[cfg(feature = "hdf5")]
 fn rig() -> holo_core::Rig {
-    Rig::builder(light_field(0).split())
+    holo_core::Rig::builder(light_field(0).split())
         .intrinsics(holo_core::Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 })
         .baseline_m(1e-3)
         .focus_distance_m(1.0)

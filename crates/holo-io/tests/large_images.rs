@@ -7,7 +7,7 @@
 
 use std::time::Instant;
 
-use holo_core::{GridSize, Rig};
+use holo_core::GridSize;
 use holo_io::{
     Compression, ExrCompression, ExrSamples, ExrWriter, Meaning, PngWriter, Written, read_exr_info, read_png_info,
 };
@@ -83,7 +83,7 @@ fn exr_of_64k_is_written_in_bounded_memory() {
 /// 65,500 x 43,000 pixels: 655 x 430 lenses, 100 x 100 views.
 #[cfg(feature = "hdf5")]
 fn rig() -> holo_core::Rig {
-    Rig::builder(holo_core::Split::new(GridSize::new(100, 100), GridSize::new(430, 655)).unwrap())
+    holo_core::Rig::builder(holo_core::Split::new(GridSize::new(100, 100), GridSize::new(430, 655)).unwrap())
         .intrinsics(holo_core::Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 })
         .baseline_m(1e-4)
         .focus_distance_m(1.0)

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! # Conventions
-//! - World: right-handed, +Y up, metres (glTF's frame). A camera looks along its -Z. See [`scene`].
+//! - World: right-handed, +Y up, metres (glTF's frame). A camera looks along its -Z. See [`holo_scene`].
 //! - Rays, rigs and the order of indices are those of [`holo_core`]: axes (v, u, t, s, c), lens first, view second.
 //! - Depth is planar z along the optical axis; a miss is +infinity. Disparity is Eq. 3 between adjacent views. All outputs
 //!   beside colour, by name: [`layers`].

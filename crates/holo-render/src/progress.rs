@@ -9,7 +9,7 @@ pub trait Progress: Sync {
         let _ = (done, total);
     }
 
-    /// Asked often; once it says yes the render ends with [`Error::Cancelled`].
+    /// Asked often; once it says yes the render ends with [`Error::Cancelled`](crate::Error::Cancelled).
     fn cancelled(&self) -> bool {
         false
     }

@@ -15,7 +15,7 @@ pub struct Scene {
     pub instances: Vec<Instance>,
     /// Surface descriptions, referred to by [`Mesh::material`].
     pub materials: Vec<Material>,
-    /// Images, referred to by [`TextureUse::texture`].
+    /// Images, referred to by [`TextureUse::texture`](crate::TextureUse::texture).
     pub textures: Vec<Texture>,
     /// Punctual lights, already in world coordinates.
     pub lights: Vec<Light>,
@@ -37,7 +37,7 @@ pub struct Mesh {
     /// One texture coordinate a vertex, or empty: then textures are read at (0, 0). (0, 0) is the corner of the first
     /// (top left) texel, as in glTF.
     pub texture_coordinates: Vec<[f32; 2]>,
-    /// The second set ([`TextureUse::set`] 1), likewise.
+    /// The second set ([`TextureUse::set`](crate::TextureUse::set) 1), likewise.
     pub second_coordinates: Vec<[f32; 2]>,
     /// One linear RGBA factor a vertex, multiplied into the base colour, or empty.
     pub colors: Vec<[f32; 4]>,

@@ -61,7 +61,7 @@ fn imports(source: &Path) -> Result<BTreeMap<String, BTreeSet<String>>> {
         imports.entry(room).or_default().extend(named(text));
     }
     let rooms: BTreeSet<String> = imports.keys().cloned().collect();
-    let doors = doors(&texts.iter().find(|(path, _)| *path == source.join("lib.rs")).map_or("", |(_, text)| text));
+    let doors = doors(texts.iter().find(|(path, _)| *path == source.join("lib.rs")).map_or("", |(_, text)| text));
     for (room, of) in &mut imports {
         let resolved = of.iter().map(|name| doors.get(name).unwrap_or(name).clone());
         *of = resolved.filter(|name| name != room && rooms.contains(name)).collect();

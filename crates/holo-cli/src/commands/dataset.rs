@@ -48,7 +48,7 @@ pub fn run(options: DatasetOptions, matches: ArgMatches) -> Result<(), Failure> 
         let outcome = plan.run_job(job, &root, &backend, &bar, &diagnostics.of_scene(&scene), interrupt::rollback());
         let line = match outcome {
             Ok(JobOutcome::Kept(manifest)) => Line::kept(job, &manifest),
-            Ok(JobOutcome::Made(report, why)) => Line::made(job, *report, &root.join(job.folder()?), why),
+            Ok(JobOutcome::Made(report, why)) => Line::made(job, report, &root.join(job.folder()?), why),
             Err(_) if interrupt::requested() => {
                 return Err(Failure::Failed("stopped; the same command goes on".into()));
             }

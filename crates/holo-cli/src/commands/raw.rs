@@ -128,7 +128,9 @@ fn read_hdf5(path: &Path, limits: &Limits) -> Result<Raw, Failure> {
 
 #[cfg(not(feature = "hdf5"))]
 fn read_hdf5(_: &Path, _: &Limits) -> Result<Raw, Failure> {
-    Err(super::pictures::without_hdf5())
+    Err(Failure::Usage(
+        "this build of holo has no HDF5; `cargo xtask build` makes one that has, or cargo build --features hdf5".into(),
+    ))
 }
 
 fn read_png(path: &Path, from: Option<LayoutArgument>, views: Option<GridSize>) -> Result<(Raw, Layout), Failure> {

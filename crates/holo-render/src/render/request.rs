@@ -49,7 +49,7 @@ pub struct Request {
     /// How the samples of a pixel are chosen.
     pub sampling: Sampling,
     /// The rows of lenses that are wanted; `None`: all. They come out as they would within the whole if they are such as
-    /// [`Renderer::part_of_lens_rows`] gives.
+    /// [`Renderer::part_of_lens_rows`](super::Renderer::part_of_lens_rows) gives.
     pub lens_rows: Option<Range<usize>>,
 }
 

@@ -12,7 +12,7 @@ use crate::report::{self, short};
 
 /// What became of a job.
 enum Outcome {
-    Made { report: RenderReport, why: Option<String> },
+    Made { report: Box<RenderReport>, why: Option<String> },
     Kept,
     Failed(String),
 }
@@ -27,7 +27,7 @@ pub struct Line {
 }
 
 impl Line {
-    pub fn made(job: &DatasetJob, report: RenderReport, folder: &Path, why: Option<String>) -> Self {
+    pub fn made(job: &DatasetJob, report: Box<RenderReport>, folder: &Path, why: Option<String>) -> Self {
         let disparity_px = report.disparity_px;
         let size = |name: &String| folder.join(name).metadata().ok().map(|file| file.len());
         let bytes = report.files.iter().filter_map(size).sum();
