@@ -12,7 +12,7 @@ use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use holo_core::{GridSize, Sensor};
-use holo_dataset::options::{parse_bit_depth, parse_not_negative, parse_positive, parse_sensor, parse_size};
+use holo_dataset::options::{parse_bit_depth, parse_not_negative, parse_positive, parse_sensor};
 use holo_dataset::{Exposure, Focus, Shard, Sky};
 
 pub use dataset::DatasetOptions;
@@ -171,10 +171,10 @@ pub struct RigOptions {
     #[command(flatten)]
     pub main_lens: MainLensOptions,
     /// Views, columns x rows, or one number for both.
-    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, default_value = "100x100", value_parser = parse_size)]
+    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, default_value = "100x100", value_parser = GridSize::from_str)]
     pub views: GridSize,
     /// Lenses, columns x rows (the pixels of one view), instead of a sensor.
-    #[arg(long, value_name = "UxV", conflicts_with = "sensor", value_parser = parse_size)]
+    #[arg(long, value_name = "UxV", conflicts_with = "sensor", value_parser = GridSize::from_str)]
     pub lenses: Option<GridSize>,
     /// Distance between neighbouring views, m.
     #[arg(long, value_name = "B", allow_negative_numbers = true, conflicts_with = "f_number", value_parser = parse_not_negative)]

@@ -81,11 +81,14 @@ mod real;
 pub mod refocus;
 mod sample;
 
+/// The array crate of every public signature, in the version that they mean.
+pub use ndarray;
+
 pub use camera::{Intrinsics, Rig, RigBuilder, RigRay, automatic_baseline_m};
 pub use disparity::{Disparity, Projection, StereoPair};
 pub use error::Error;
 pub use estimate::{DepthEstimate, Effort, PlaneSweepOptions, plane_sweep};
-pub use grid::{GridSize, ViewIndex};
+pub use grid::{GridSize, LensIndex, ParseGridSizeError, ViewIndex};
 pub use layout::{Block, OneBasedBlock, Remainder, Sensor, SensorSplit, Split};
 pub use light_field::rearrange;
 pub use light_field::{

@@ -5,6 +5,7 @@ mod compose;
 mod epi;
 mod grids;
 mod images;
+mod interpolate;
 mod path;
 mod quilt;
 pub mod rearrange;
@@ -159,6 +160,15 @@ impl<S: DataMut> LightField<S> {
     #[must_use]
     pub fn borrowed_mut(&mut self) -> LightFieldViewMut<'_, S::Elem> {
         LightField::trusted(self.samples.view_mut())
+    }
+}
+
+impl<S: RawData> TryFrom<ArrayBase<S, Ix5>> for LightField<S> {
+    type Error = Error;
+
+    /// As [`LightField::new`].
+    fn try_from(samples: ArrayBase<S, Ix5>) -> Result<Self, Error> {
+        Self::new(samples)
     }
 }
 

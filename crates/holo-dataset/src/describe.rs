@@ -10,7 +10,7 @@ use holo_io::dataset::{Description, SceneEntry};
 use holo_scene::gallery;
 
 use crate::Error;
-use crate::options::{Options, arguments, size_text};
+use crate::options::{Options, arguments};
 use crate::source::SceneSource;
 
 /// Where the licence can be read.
@@ -98,7 +98,8 @@ fn write_document(description: &Description, text: &mut String) -> std::fmt::Res
     writeln!(text, "\n## Splits\n\nEvery scene has a folder a split, named by its views, columns x rows.\n")?;
     writeln!(text, "| folder | views | lenses (pixels of a view) | raw image, px |\n|---|---|---|---|")?;
     for split in splits {
-        let (views, lenses, raw) = (size_text(split.views()), size_text(split.lenses()), size_text(split.raw_size()));
+        let (views, lenses, raw) =
+            (split.views().to_string(), split.lenses().to_string(), split.raw_size().to_string());
         writeln!(text, "| `{views}` | {views} | {lenses} | {raw} |")?;
     }
     writeln!(text, "\n## Files\n\n| file | what |\n|---|---|")?;
@@ -117,7 +118,7 @@ fn write_document(description: &Description, text: &mut String) -> std::fmt::Res
     )?;
     writeln!(text, "```\nholo dataset --out DIR \\")?;
     writeln!(text, "    --scenes {} \\", join(scenes.iter().map(|scene| scene.name.clone())))?;
-    write!(text, "    --splits {}", join(splits.iter().map(|split| size_text(split.views()))))?;
+    write!(text, "    --splits {}", join(splits.iter().map(|split| split.views().to_string())))?;
     for argument in arguments(&description.options).filter(|argument| !argument.ends_with('=')) {
         write!(text, " \\\n    {argument}")?;
     }

@@ -10,7 +10,7 @@ use holo_scene::gallery;
 use crate::diagnostics::Diagnostics;
 use crate::files::validate;
 use crate::job::{RenderJob, RenderReport};
-use crate::options::{Options, size_text};
+use crate::options::Options;
 use crate::output_folder::{OutputFolder, Rollback, clear_older};
 use crate::source::SceneSource;
 use crate::spec::{EngineSpec, RenderSpec};
@@ -51,7 +51,7 @@ impl DatasetJob {
     /// As in `garden 20x20`.
     #[must_use]
     pub fn name(&self) -> String {
-        format!("{} {}", self.render.source.name(), size_text(self.split.views()))
+        format!("{} {}", self.render.source.name(), self.split.views())
     }
 
     /// Its folder in the root of the dataset.
@@ -80,7 +80,7 @@ impl DatasetPlan {
         let mut splits: Vec<Split> = Vec::new();
         for &views in views {
             if splits.iter().any(|split| split.views() == views) {
-                return Err(Error::BadRequest(format!("--splits has {} twice", size_text(views))));
+                return Err(Error::BadRequest(format!("--splits has {} twice", views)));
             }
             splits.push(spec.rig.sensor.split(views, Remainder::Crop)?.split);
         }
@@ -91,7 +91,7 @@ impl DatasetPlan {
                 spec.rig.views = split.views();
                 let mut words = spec.to_options();
                 words.extend(options.clone());
-                words.insert("views".into(), size_text(split.views()));
+                words.insert("views".into(), split.views().to_string());
                 let render = RenderJob::new(source.clone(), spec).with_options(words).with_engine(engine);
                 jobs.push(DatasetJob { split, render });
             }

@@ -7,7 +7,6 @@ use clap::Args;
 use holo_core::GridSize;
 
 use holo_dataset::Shard;
-use holo_dataset::options::parse_size;
 
 use super::{EngineOptions, JobOptions, MainLensOptions};
 
@@ -27,7 +26,7 @@ pub struct DatasetOptions {
     #[arg(long, value_name = "FILE,..", value_delimiter = ',')]
     pub glb: Vec<PathBuf>,
     /// Views per axis, or columns x rows, separated by commas.
-    #[arg(long, value_name = "SxT|N,..", value_delimiter = ',', default_value = "20,40,60,80,100", value_parser = parse_size)]
+    #[arg(long, value_name = "SxT|N,..", value_delimiter = ',', default_value = "20,40,60,80,100", value_parser = GridSize::from_str)]
     pub splits: Vec<GridSize>,
     #[command(flatten)]
     pub main_lens: MainLensOptions,

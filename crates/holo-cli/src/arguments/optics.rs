@@ -1,11 +1,12 @@
 //! The options of `holo optics`.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::Args;
 use holo_core::GridSize;
 
-use holo_dataset::options::{parse_positive, parse_size};
+use holo_dataset::options::parse_positive;
 
 use super::{MainLensOptions, values};
 
@@ -18,10 +19,10 @@ pub struct OpticsOptions {
     #[command(flatten)]
     pub main_lens: MainLensOptions,
     /// Views, columns x rows, or one number for both [default: 100x100].
-    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = parse_size)]
+    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = GridSize::from_str)]
     pub views: Option<GridSize>,
     /// Lenses, columns x rows (the pixels of one view), instead of a sensor.
-    #[arg(long, value_name = "UxV", conflicts_with_all = ["sensor", "lens_pitch_mm"], value_parser = parse_size)]
+    #[arg(long, value_name = "UxV", conflicts_with_all = ["sensor", "lens_pitch_mm"], value_parser = GridSize::from_str)]
     pub lenses: Option<GridSize>,
     /// Distance between neighbouring micro-lenses, mm: tells the views from the pixels behind one lens.
     #[arg(long, value_name = "P", conflicts_with = "views", value_parser = parse_positive)]

@@ -2,11 +2,10 @@
 //! animate.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{ArgGroup, Args, ValueEnum};
 use holo_core::GridSize;
-
-use holo_dataset::options::parse_size;
 
 use super::tools::InputOptions;
 use super::{Crop, LayoutArgument, Places, values};
@@ -36,7 +35,7 @@ pub struct ComposeOptions {
     #[arg(required = true)]
     pub images: Vec<PathBuf>,
     /// Views, columns x rows, or one number for both.
-    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = parse_size)]
+    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = GridSize::from_str)]
     pub views: GridSize,
     /// How the pictures run through the grid of views.
     #[arg(long, value_enum, default_value_t = OrderArgument::RowMajor)]
@@ -77,7 +76,7 @@ pub struct QuiltOptions {
     #[command(flatten)]
     pub input: InputOptions,
     /// Tiles of the quilt, columns x rows. Where the row has more views, they are taken at even distances.
-    #[arg(long, value_name = "CxR", value_parser = parse_size)]
+    #[arg(long, value_name = "CxR", value_parser = GridSize::from_str)]
     pub tiles: GridSize,
     /// The row of views, from 0 [default: the central one].
     #[arg(long, value_name = "T")]

@@ -1,11 +1,12 @@
 //! The options of the commands that look at a light field: refocus, depth, eval, epi.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{ArgGroup, Args, ValueEnum};
 use holo_core::GridSize;
 
-use holo_dataset::options::{parse_positive, parse_size};
+use holo_dataset::options::parse_positive;
 
 use super::{LayoutArgument, Pair, values};
 
@@ -18,7 +19,7 @@ pub struct InputOptions {
     #[arg(long, value_enum)]
     pub from: Option<LayoutArgument>,
     /// Views, columns x rows, or one number for both [default: from the parameters.cfg beside the input].
-    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = parse_size)]
+    #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = GridSize::from_str)]
     pub views: Option<GridSize>,
 }
 

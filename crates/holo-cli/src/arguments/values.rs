@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use holo_core::GridSize;
-use holo_dataset::options::{parse_positive as positive, parse_size as size};
+use holo_dataset::options::parse_positive as positive;
 
 use super::tools::ApertureArgument;
 
@@ -129,7 +129,7 @@ pub fn row_of_pixels(text: &str) -> Result<Pair, String> {
 pub fn crop(text: &str) -> Result<Crop, String> {
     let parts: Vec<&str> = text.split(',').collect();
     let parsed = match parts[..] {
-        [left, top, extent] => left.parse().ok().zip(top.parse().ok()).zip(size(extent).ok()),
+        [left, top, extent] => left.parse().ok().zip(top.parse().ok()).zip(extent.parse::<GridSize>().ok()),
         _ => None,
     };
     let ((left, top), size) = parsed.ok_or("write X,Y,WxH, such as 10,0,64x48: the left top pixel and the size")?;

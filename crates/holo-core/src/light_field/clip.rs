@@ -1,6 +1,6 @@
 //! Clipping: fewer views, fewer lenses, or a piece of one image.
 
-use std::ops::Range;
+use std::ops::{Bound, Range, RangeBounds};
 
 use ndarray::{ArrayView3, Axis, Data, DataMut, RawData, Slice};
 
@@ -18,12 +18,28 @@ impl<S: RawData> LightField<S> {
     /// # Errors
     ///
     /// [`Error::BadRange`] if a range is empty or reaches beyond the views.
-    pub fn into_clip_views(self, rows: Range<usize>, columns: Range<usize>) -> Result<Self, Error> {
+    pub fn into_clip_views(
+        self,
+        rows: impl RangeBounds<usize>,
+        columns: impl RangeBounds<usize>,
+    ) -> Result<Self, Error> {
         let (_, _, t, s, _) = self.samples.dim();
-        range_within("view rows", &rows, t)?;
-        range_within("view columns", &columns, s)?;
+        let (rows, columns) = (within("view rows", &rows, t)?, within("view columns", &columns, s)?);
         let samples = self.samples.slice_axis_move(Axis(2), Slice::from(rows));
         Ok(Self::trusted(samples.slice_axis_move(Axis(3), Slice::from(columns))))
+    }
+
+    /// Keeps every `rows`-th view row and every `columns`-th view column from the first on, and drops the others, without
+    /// copying: the same scene with a baseline that is so much longer.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ZeroCount`] if a step is 0.
+    pub fn into_stride_views(self, rows: usize, columns: usize) -> Result<Self, Error> {
+        let (_, _, t, s, _) = self.samples.dim();
+        let (rows, columns) = (every("view rows of a step", rows, t)?, every("view columns of a step", columns, s)?);
+        let samples = self.samples.slice_axis_move(Axis(2), rows);
+        Ok(Self::trusted(samples.slice_axis_move(Axis(3), columns)))
     }
 
     /// Keeps a rectangle of lenses, that is a piece of every view, and drops the others, without copying.
@@ -35,10 +51,13 @@ impl<S: RawData> LightField<S> {
     /// # Errors
     ///
     /// [`Error::BadRange`] if a range is empty or reaches beyond the lenses.
-    pub fn into_clip_lenses(self, rows: Range<usize>, columns: Range<usize>) -> Result<Self, Error> {
+    pub fn into_clip_lenses(
+        self,
+        rows: impl RangeBounds<usize>,
+        columns: impl RangeBounds<usize>,
+    ) -> Result<Self, Error> {
         let (v, u, ..) = self.samples.dim();
-        range_within("lens rows", &rows, v)?;
-        range_within("lens columns", &columns, u)?;
+        let (rows, columns) = (within("lens rows", &rows, v)?, within("lens columns", &columns, u)?);
         let samples = self.samples.slice_axis_move(Axis(0), Slice::from(rows));
         Ok(Self::trusted(samples.slice_axis_move(Axis(1), Slice::from(columns))))
     }
@@ -65,8 +84,22 @@ impl<S: Data> LightField<S> {
     /// assert_eq!(copy, middle);
     /// # Ok::<(), holo_core::Error>(())
     /// ```
-    pub fn clip_views(&self, rows: Range<usize>, columns: Range<usize>) -> Result<LightFieldView<'_, S::Elem>, Error> {
+    pub fn clip_views(
+        &self,
+        rows: impl RangeBounds<usize>,
+        columns: impl RangeBounds<usize>,
+    ) -> Result<LightFieldView<'_, S::Elem>, Error> {
         self.borrowed().into_clip_views(rows, columns)
+    }
+
+    /// Returns every `rows`-th view row and every `columns`-th view column from the first on as a borrowed light field; see
+    /// [`LightField::into_stride_views`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::ZeroCount`] if a step is 0.
+    pub fn stride_views(&self, rows: usize, columns: usize) -> Result<LightFieldView<'_, S::Elem>, Error> {
+        self.borrowed().into_stride_views(rows, columns)
     }
 
     /// Returns a rectangle of lenses, that is a piece of every view, as a borrowed light field.
@@ -74,7 +107,11 @@ impl<S: Data> LightField<S> {
     /// # Errors
     ///
     /// [`Error::BadRange`] if a range is empty or reaches beyond the lenses.
-    pub fn clip_lenses(&self, rows: Range<usize>, columns: Range<usize>) -> Result<LightFieldView<'_, S::Elem>, Error> {
+    pub fn clip_lenses(
+        &self,
+        rows: impl RangeBounds<usize>,
+        columns: impl RangeBounds<usize>,
+    ) -> Result<LightFieldView<'_, S::Elem>, Error> {
         self.borrowed().into_clip_lenses(rows, columns)
     }
 
@@ -91,8 +128,8 @@ impl<S: Data> LightField<S> {
         &self,
         t: usize,
         s: usize,
-        rows: Range<usize>,
-        columns: Range<usize>,
+        rows: impl RangeBounds<usize>,
+        columns: impl RangeBounds<usize>,
     ) -> Result<ArrayView3<'_, S::Elem>, Error> {
         crop(self.view(t, s)?, rows, columns)
     }
@@ -110,8 +147,8 @@ impl<S: Data> LightField<S> {
         &self,
         v: usize,
         u: usize,
-        rows: Range<usize>,
-        columns: Range<usize>,
+        rows: impl RangeBounds<usize>,
+        columns: impl RangeBounds<usize>,
     ) -> Result<ArrayView3<'_, S::Elem>, Error> {
         crop(self.elemental(v, u)?, rows, columns)
     }
@@ -125,8 +162,8 @@ impl<S: DataMut> LightField<S> {
     /// [`Error::BadRange`] if a range is empty or reaches beyond the views.
     pub fn clip_views_mut(
         &mut self,
-        rows: Range<usize>,
-        columns: Range<usize>,
+        rows: impl RangeBounds<usize>,
+        columns: impl RangeBounds<usize>,
     ) -> Result<LightFieldViewMut<'_, S::Elem>, Error> {
         self.borrowed_mut().into_clip_views(rows, columns)
     }
@@ -138,16 +175,81 @@ impl<S: DataMut> LightField<S> {
     /// [`Error::BadRange`] if a range is empty or reaches beyond the lenses.
     pub fn clip_lenses_mut(
         &mut self,
-        rows: Range<usize>,
-        columns: Range<usize>,
+        rows: impl RangeBounds<usize>,
+        columns: impl RangeBounds<usize>,
     ) -> Result<LightFieldViewMut<'_, S::Elem>, Error> {
         self.borrowed_mut().into_clip_lenses(rows, columns)
     }
 }
 
-fn crop<T>(image: ArrayView3<'_, T>, rows: Range<usize>, columns: Range<usize>) -> Result<ArrayView3<'_, T>, Error> {
-    range_within("image rows", &rows, image.dim().0)?;
-    range_within("image columns", &columns, image.dim().1)?;
+fn crop<'a, T>(
+    image: ArrayView3<'a, T>,
+    rows: impl RangeBounds<usize>,
+    columns: impl RangeBounds<usize>,
+) -> Result<ArrayView3<'a, T>, Error> {
+    let (height, width, _) = image.dim();
+    let (rows, columns) = (within("image rows", &rows, height)?, within("image columns", &columns, width)?);
     let image = image.slice_axis_move(Axis(0), Slice::from(rows));
     Ok(image.slice_axis_move(Axis(1), Slice::from(columns)))
+}
+
+/// The range that bounds mean among `count` indices.
+fn within(what: &'static str, bounds: &impl RangeBounds<usize>, count: usize) -> Result<Range<usize>, Error> {
+    // A bound that overflows lies beyond every count, and is refused as one.
+    let start = match bounds.start_bound() {
+        Bound::Included(&start) => start,
+        Bound::Excluded(&start) => start.saturating_add(1),
+        Bound::Unbounded => 0,
+    };
+    let end = match bounds.end_bound() {
+        Bound::Included(&end) => end.saturating_add(1),
+        Bound::Excluded(&end) => end,
+        Bound::Unbounded => count,
+    };
+    range_within(what, &(start..end), count)?;
+    Ok(start..end)
+}
+
+/// Every `step`-th index of a slice, from the first on.
+fn every(what: &'static str, step: usize, count: usize) -> Result<Slice, Error> {
+    match isize::try_from(step) {
+        Ok(0) => Err(Error::ZeroCount { what }),
+        Ok(step) => Ok(Slice { start: 0, end: None, step }),
+        // Beyond every count: the first alone.
+        Err(_) => Ok(Slice::from(0..1.min(count))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{GridSize, LightFieldOwned, Split};
+    use ndarray::Array5;
+
+    fn field() -> LightFieldOwned<usize> {
+        let samples = Array5::from_shape_fn((3, 4, 5, 7, 1), |(v, u, t, s, _)| ((v * 10 + u) * 10 + t) * 10 + s);
+        LightField::new(samples).unwrap()
+    }
+
+    #[test]
+    fn any_kind_of_range_will_do() {
+        let field = field();
+        assert_eq!(field.clip_views(.., ..).unwrap(), field);
+        assert_eq!(field.clip_views(1..=2, ..3).unwrap(), field.clip_views(1..3, 0..3).unwrap());
+        assert_eq!(field.clip_lenses(1.., ..=0).unwrap(), field.clip_lenses(1..3, 0..1).unwrap());
+        assert!(matches!(field.clip_views(0..=usize::MAX, ..), Err(Error::BadRange { .. })));
+        assert!(matches!(field.clip_views(5.., ..), Err(Error::BadRange { .. })));
+    }
+
+    #[test]
+    fn strides_keep_every_so_many_views() {
+        let field = field();
+        let some = field.stride_views(2, 3).unwrap();
+        assert_eq!(some.split(), Split::new(GridSize::new(3, 3), GridSize::new(3, 4)).unwrap());
+        for (t, s) in [(0, 0), (1, 2), (2, 1)] {
+            assert_eq!(some.view(t, s).unwrap(), field.view(2 * t, 3 * s).unwrap());
+        }
+        assert_eq!(field.stride_views(usize::MAX, 100).unwrap().split().views(), GridSize::new(1, 1));
+        assert!(matches!(field.stride_views(0, 1), Err(Error::ZeroCount { .. })));
+    }
 }

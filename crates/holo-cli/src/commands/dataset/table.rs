@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use holo_dataset::options::size_text;
 use holo_dataset::{DatasetJob, RenderReport};
 use holo_io::Manifest;
 use serde_json::{Value, json};
@@ -44,7 +43,7 @@ impl Line {
     }
 
     fn new(job: &DatasetJob, outcome: Outcome, disparity_px: Option<(f64, f64)>, bytes: u64) -> Self {
-        let views = size_text(job.split.views());
+        let views = job.split.views().to_string();
         Self { scene: job.render.source.name(), views, outcome, disparity_px, bytes }
     }
 
