@@ -104,6 +104,7 @@ impl Error {
     }
 
     /// The same error of the library `holo-core`, about another file.
+    #[cfg(feature = "png")]
     pub(crate) fn about(self, path: &Path) -> Self {
         match self {
             Self::Core { source, .. } => Self::core(path, source),

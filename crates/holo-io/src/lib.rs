@@ -88,6 +88,7 @@ mod manifest;
 #[cfg(feature = "mat")]
 mod mat;
 mod millimeters;
+mod names;
 mod net;
 #[cfg(feature = "png")]
 mod open;

@@ -35,7 +35,7 @@ pub fn layout_of_file_name(path: impl AsRef<Path>) -> Option<Layout> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset;
+    use crate::names;
 
     #[test]
     fn layouts_are_told_by_whole_words() {
@@ -53,7 +53,7 @@ mod tests {
         ] {
             assert_eq!(layout_of_file_name(name), layout, "{name}");
         }
-        assert_eq!(layout_of_file_name(dataset::ELEMENTAL_PNG), Some(Layout::ElementalGrid));
-        assert_eq!(layout_of_file_name(dataset::VIEWPOINT_PNG), Some(Layout::ViewpointGrid));
+        assert_eq!(layout_of_file_name(names::ELEMENTAL_PNG), Some(Layout::ElementalGrid));
+        assert_eq!(layout_of_file_name(names::VIEWPOINT_PNG), Some(Layout::ViewpointGrid));
     }
 }

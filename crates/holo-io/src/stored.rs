@@ -110,12 +110,19 @@ pub(crate) mod sealed {
         const IS_FLOAT: bool;
         #[cfg(feature = "mat")]
         #[doc(hidden)]
-        const MAT_CLASS: crate::mat::MatClass;
-        #[cfg(feature = "mat")]
-        #[doc(hidden)]
-        fn mat_value(array: ArrayViewD<'_, Self>) -> crate::mat::MatValue<'_>;
+        fn any(array: ArrayViewD<'_, Self>) -> AnyView<'_>;
         #[doc(hidden)]
         fn stored(samples: Array5<Self>) -> Result<StoredLightField, holo_core::Error>;
+    }
+
+    /// An array of any of the types.
+    #[cfg(feature = "mat")]
+    #[derive(Debug)]
+    pub enum AnyView<'a> {
+        U8(ArrayViewD<'a, u8>),
+        U16(ArrayViewD<'a, u16>),
+        F32(ArrayViewD<'a, f32>),
+        F64(ArrayViewD<'a, f64>),
     }
 
     macro_rules! sample {
@@ -125,12 +132,10 @@ pub(crate) mod sealed {
             impl Sealed for $type {
                 const NAME: &'static str = $text;
                 const IS_FLOAT: bool = $is_float;
-                #[cfg(feature = "mat")]
-                const MAT_CLASS: crate::mat::MatClass = crate::mat::MatClass::$name;
 
                 #[cfg(feature = "mat")]
-                fn mat_value(array: ArrayViewD<'_, Self>) -> crate::mat::MatValue<'_> {
-                    crate::mat::MatValue::$name(array)
+                fn any(array: ArrayViewD<'_, Self>) -> AnyView<'_> {
+                    AnyView::$name(array)
                 }
 
                 fn stored(samples: Array5<Self>) -> Result<StoredLightField, holo_core::Error> {

@@ -6,6 +6,7 @@
 //! demo     build + render the demo scene into out/
 //! test     setup + the programs to test against + every test
 //! embree   fetch Embree 4 alone
+//! doc      documents of all that needs HDF5
 //! clippy   clippy over all that needs HDF5, warnings denied
 //! fuzz     build every fuzz target and run each for some seconds
 //! sanitize the renderer's tests under AddressSanitizer and ThreadSanitizer, parts under Miri (nightly)
@@ -44,6 +45,7 @@ fn main() -> ExitCode {
         Some("embree") => embree::fetch(),
         Some("fuzz") => fuzz::run(rest),
         Some("package") => package::run(),
+        Some("doc") => doc(),
         Some("rooms") => rooms::run(),
         Some("sanitize") => embree::ensure().and_then(|()| sanitize::run(rest)),
         Some("bench") => setup().and_then(|()| {
@@ -59,7 +61,7 @@ fn main() -> ExitCode {
             process::cargo_with(&[&report, strs(rest).as_slice()].concat(), environment)
         }),
         _ => Err(
-            "usage: cargo xtask setup | build | demo | test | clippy | embree | fuzz [SECONDS [TARGET..]] | package | rooms | \
+            "usage: cargo xtask setup | build | demo | test | clippy | doc | embree | fuzz [SECONDS [TARGET..]] | package | rooms | \
                   bench | report [--quick] [--peers] [--out DIR] | sanitize [address] [thread] [miri]"
                 .into(),
         ),
@@ -113,20 +115,31 @@ fn features() -> &'static [&'static str] {
     if cmake::is_there() { &["--features", "hdf5"] } else { &[] }
 }
 
+/// Builds the documents of what the plain `cargo doc` leaves out.
+fn doc() -> Result {
+    if !cmake::is_there() {
+        println!("not run: documents with HDF5: needs cmake");
+        return Ok(());
+    }
+    process::cargo(&["doc", "--quiet", "--workspace", "--no-deps", "--features", HDF5_FEATURES])
+}
+
+/// All that needs CMake.
+const HDF5_FEATURES: &str = "holo-io/hdf5,holo-cli/hdf5,holo-bench/hdf5,holo-workspace/hdf5";
+
 /// Lints what the plain `cargo clippy` leaves out.
 fn clippy() -> Result {
     if !cmake::is_there() {
         println!("not run: clippy over HDF5: needs cmake");
         return Ok(());
     }
-    let features = "holo-io/hdf5,holo-cli/hdf5,holo-bench/hdf5,holo-workspace/hdf5";
     process::cargo(&[
         "clippy",
         "--workspace",
         "--all-targets",
         "--quiet",
         "--features",
-        features,
+        HDF5_FEATURES,
         "--",
         "-D",
         "warnings",

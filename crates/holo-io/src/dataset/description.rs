@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use holo_core::{GridSize, Split};
 use serde::{Deserialize, Serialize};
 
-use super::{DATASET_JSON, folder, stays_inside};
+use super::{DATASET_JSON, folder};
 use crate::error::MEMORY;
 use crate::limits::read_small_file;
+use crate::names::stays_inside;
 use crate::{Error, Written, write_file};
 
 /// The value of the key `format`.

@@ -10,8 +10,9 @@ use rayon::prelude::*;
 
 use super::names::Name;
 use super::{FORMAT, HciQuantity, HciResolution};
+use crate::names::PARAMETERS_CFG;
 use crate::views::Views;
-use crate::{Error, Limits, ParametersCfg, PngSamples, StoredLightField, dataset, read_pfm_grey, read_pfm_info};
+use crate::{Error, Limits, ParametersCfg, PngSamples, StoredLightField, read_pfm_grey, read_pfm_info};
 
 /// An HCI folder: its parameters, and where its views and its ground truth are.
 ///
@@ -64,7 +65,7 @@ impl HciFolder {
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         // First, because a folder without it is unfinished, whatever else is there.
-        let parameters_path = path.join(dataset::PARAMETERS_CFG);
+        let parameters_path = path.join(PARAMETERS_CFG);
         let parameters = ParametersCfg::read(&parameters_path)?;
         let split = Split::new(parameters.num_cams, parameters.image_resolution_px)
             .map_err(|error| Error::core(&parameters_path, error))?;
@@ -83,7 +84,7 @@ impl HciFolder {
                         index / columns,
                         index % columns,
                         split.views().rows,
-                        dataset::PARAMETERS_CFG
+                        PARAMETERS_CFG
                     ),
                 ));
             };
@@ -129,7 +130,7 @@ impl HciFolder {
     ///
     /// [`Error::Core`] if its numbers make no rig, such as a focal length of 0. The images can be read all the same.
     pub fn rig(&self) -> Result<Rig, Error> {
-        self.parameters.rig().map_err(|error| error.about(&self.path.join(dataset::PARAMETERS_CFG)))
+        self.parameters.rig().map_err(|error| error.about(&self.path.join(PARAMETERS_CFG)))
     }
 
     /// Reads all views.
@@ -250,11 +251,7 @@ impl HciFolder {
                 FORMAT,
                 format!(
                     "it has {} x {} pixels, but {} says {} x {}",
-                    found.columns,
-                    found.rows,
-                    dataset::PARAMETERS_CFG,
-                    view.columns,
-                    view.rows
+                    found.columns, found.rows, PARAMETERS_CFG, view.columns, view.rows
                 ),
             ));
         }
@@ -274,7 +271,7 @@ impl HciFolder {
             format: FORMAT,
             views: self.split.views(),
             files: &self.views,
-            expected: Some((self.split.lenses(), dataset::PARAMETERS_CFG)),
+            expected: Some((self.split.lenses(), PARAMETERS_CFG)),
         }
     }
 }

@@ -10,7 +10,8 @@ use rayon::prelude::*;
 use super::folder::files;
 use super::names::Name;
 use super::{HciQuantity, HciResolution};
-use crate::{Compression, Error, Meaning, ParametersCfg, Written, dataset, write_pfm, write_png_u8, write_png_u16};
+use crate::names::PARAMETERS_CFG;
+use crate::{Compression, Error, Meaning, ParametersCfg, Written, write_pfm, write_png_u8, write_png_u16};
 
 /// The pictures of all views.
 ///
@@ -54,7 +55,7 @@ impl<'a> HciImage<'a> {
     #[must_use]
     pub fn file_names(&self) -> Vec<String> {
         let names = self.names().into_iter().map(|name| name.to_string());
-        names.chain([dataset::PARAMETERS_CFG.to_owned()]).collect()
+        names.chain([PARAMETERS_CFG.to_owned()]).collect()
     }
 
     /// Writes the files into a folder that exists, on all threads, and returns their names with size and digest, in the
@@ -72,7 +73,7 @@ impl<'a> HciImage<'a> {
     pub fn write(&self, folder: impl AsRef<Path>, compression: Compression) -> Result<Vec<(String, Written)>, Error> {
         let folder = folder.as_ref();
         self.check(folder)?;
-        let parameters = folder.join(dataset::PARAMETERS_CFG);
+        let parameters = folder.join(PARAMETERS_CFG);
         // What cannot be written as text should be noticed before a thousand views are.
         self.parameters.to_text().map_err(|error| at(&parameters, error))?;
         match fs::remove_file(&parameters) {
@@ -89,7 +90,7 @@ impl<'a> HciImage<'a> {
                 self.write_one(name, &folder.join(&text), compression).map(|written| (text, written))
             })
             .collect::<Result<_, Error>>()?;
-        written.push((dataset::PARAMETERS_CFG.to_owned(), self.parameters.write(&parameters)?));
+        written.push((PARAMETERS_CFG.to_owned(), self.parameters.write(&parameters)?));
         Ok(written)
     }
 

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{FORMAT, Manifest, Setting};
-use crate::dataset::stays_inside;
+use crate::names::stays_inside;
 use crate::{Error, Sha256, Written, meters_to_millimeters, millimeters_to_meters};
 
 /// The keys in the order in which they are written.

@@ -6,7 +6,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::Manifest;
-use crate::dataset::stays_inside;
+use crate::names::stays_inside;
 use crate::{Error, Sha256, Written, hash_file};
 
 /// One file that is not as the manifest says.

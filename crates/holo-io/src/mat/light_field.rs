@@ -8,7 +8,8 @@ use ndarray::{Array5, ArrayD, Data, Ix5, IxDyn, aview0, aview1};
 use super::file::{Opened, missing};
 use super::{MatArray, MatOptions, MatValue, MatVariable, write_mat};
 use crate::rig_values::{self, RigValues};
-use crate::stored::{StoredLightField, StoredSample, in_order, sealed::Sealed};
+use crate::stored::sealed::{AnyView, Sealed};
+use crate::stored::{StoredLightField, StoredSample, in_order};
 use crate::{Error, Limits, Written};
 
 /// The order of a light field's dimensions in a MAT file.
@@ -56,6 +57,17 @@ pub struct MatLightField {
     pub rig_error: Option<holo_core::Error>,
 }
 
+impl<'a> From<AnyView<'a>> for MatValue<'a> {
+    fn from(array: AnyView<'a>) -> Self {
+        match array {
+            AnyView::U8(array) => Self::U8(array),
+            AnyView::U16(array) => Self::U16(array),
+            AnyView::F32(array) => Self::F32(array),
+            AnyView::F64(array) => Self::F64(array),
+        }
+    }
+}
+
 /// Writes a light field and what is known of its rig.
 ///
 /// The variables are those of the module's table. The samples are not copied as a whole, whatever their strides.
@@ -83,7 +95,7 @@ where
     rig_values::check_split(path, rig, &split)?;
     let counts = [split.views(), split.lenses()].map(|size| [size.rows as f64, size.columns as f64]);
     let values = rig.map(RigValues::from);
-    let samples = S::Elem::mat_value(in_order(light_field.samples(), &order.axes()));
+    let samples = MatValue::from(S::Elem::any(in_order(light_field.samples(), &order.axes())));
     let mut variables = vec![MatVariable { name: order.name(), value: samples }];
     variables.extend(beside(order, &counts, values.as_ref()));
     write_mat(path, &variables, options)

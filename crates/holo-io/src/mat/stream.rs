@@ -4,15 +4,16 @@
 //! again. A chunk holds a few lenses and views, as in this crate's HDF5 files, and the rows of a chunk are gathered before they
 //! are written.
 
-use holo_core::Rig;
 use std::path::Path;
 
+use holo_core::Rig;
+
 use ::hdf5::{Dataset, File, Hyperslab, SliceOrIndex};
-use ndarray::{Array5, ArrayD, ArrayView5, Axis, Dimension, Slice};
+use ndarray::{Array5, ArrayD, ArrayView5, Axis, Dimension, Slice, aview1};
 
 use super::light_field::{MatOrder, beside};
 use super::order::column_major;
-use super::v73;
+use super::{MatValue, v73};
 use crate::hdf5::{Failure, Hdf5Options};
 use crate::rig_values::RigValues;
 use crate::stored::StoredSample;
@@ -81,10 +82,10 @@ impl<T: StoredSample> MatWriter<T> {
         }
         let shape = rig.split().shape(channels);
         let chunk = Hdf5Options::default().chunk_of(&shape, size_of::<T>());
+        let class = MatValue::from(T::any(aview1::<T>(&[]).into_dyn())).class();
         let reversed = |sides: &[usize]| sides.iter().rev().copied().collect::<Vec<_>>();
-        let dataset =
-            v73::chunked::<T>(&file, order.name(), &reversed(&shape), reversed(&chunk), T::MAT_CLASS, is_compressed)
-                .map_err(failed)?;
+        let dataset = v73::chunked::<T>(&file, order.name(), &reversed(&shape), reversed(&chunk), class, is_compressed)
+            .map_err(failed)?;
         let band = Array5::default([chunk[0], shape[1], shape[2], shape[3], shape[4]]);
         Ok(Self { dataset, file, place, shape, chunk: [chunk[0], chunk[1]], band, count: 0 })
     }

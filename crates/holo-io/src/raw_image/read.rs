@@ -5,7 +5,8 @@ use std::path::Path;
 use holo_core::{GridSize, Layout};
 
 use super::layout_of_file_name;
-use crate::{Error, Limits, ParametersCfg, PngSamples, dataset, read_png};
+use crate::names::PARAMETERS_CFG;
+use crate::{Error, Limits, ParametersCfg, PngSamples, read_png};
 
 /// A raw image and the rig that it was made with.
 #[derive(Debug, Clone, PartialEq)]
@@ -32,7 +33,7 @@ impl RawImage {
         let layout = layout.or_else(|| layout_of_file_name(path)).ok_or_else(|| {
             Error::bad_input(path, "the name does not tell the layout (`_el` or `_vpi`); say which it is")
         })?;
-        let parameters_path = path.with_file_name(dataset::PARAMETERS_CFG);
+        let parameters_path = path.with_file_name(PARAMETERS_CFG);
         let parameters = ParametersCfg::read(&parameters_path)?;
         let split = holo_core::Split::new(parameters.num_cams, parameters.image_resolution_px)
             .map_err(|error| Error::core(&parameters_path, error))?;
@@ -45,13 +46,7 @@ impl RawImage {
                 "raw image",
                 format!(
                     "it has {columns} x {rows} pixels, but {} says {} x {} views of {} x {} pixels, which make {} x {}",
-                    dataset::PARAMETERS_CFG,
-                    views.columns,
-                    views.rows,
-                    lenses.columns,
-                    lenses.rows,
-                    raw.columns,
-                    raw.rows
+                    PARAMETERS_CFG, views.columns, views.rows, lenses.columns, lenses.rows, raw.columns, raw.rows
                 ),
             ));
         }
