@@ -79,7 +79,6 @@ pub mod metrics;
 pub mod optics;
 mod real;
 pub mod refocus;
-mod sample;
 
 /// The array crate of every public signature, in the version that they mean.
 pub use ndarray;
@@ -92,7 +91,7 @@ pub use grid::{GridSize, LensIndex, ParseGridSizeError, ViewIndex};
 pub use layout::{Block, OneBasedBlock, Remainder, Sensor, SensorSplit, Split};
 pub use light_field::rearrange;
 pub use light_field::{
-    Layout, LightField, LightFieldCow, LightFieldOwned, LightFieldView, LightFieldViewMut, ViewOrder, ViewPath,
+    DynImage, DynImageRef, DynLightField, DynLightFieldRef, Layout, LightField, LightFieldCow, LightFieldOwned,
+    LightFieldView, LightFieldViewMut, Sample, SampleKind, ViewOrder, ViewPath,
 };
 pub use real::Real;
-pub use sample::Sample;

@@ -2,6 +2,7 @@
 
 mod clip;
 mod compose;
+mod dynamic;
 mod epi;
 mod grids;
 mod images;
@@ -10,10 +11,13 @@ mod path;
 mod quilt;
 pub mod rearrange;
 mod rotate;
+mod sample;
 
 pub use compose::ViewOrder;
+pub use dynamic::{DynImage, DynImageRef, DynLightField, DynLightFieldRef};
 pub use grids::Layout;
 pub use path::ViewPath;
+pub use sample::{Sample, SampleKind};
 
 use std::fmt;
 

@@ -1,0 +1,334 @@
+//! Light fields and images whose element type is known only when the program runs: what files hold.
+
+use ndarray::{Array3, ArrayView3};
+
+use super::sample::sealed::Sealed;
+use super::{LightFieldOwned, LightFieldView, Sample, SampleKind};
+use crate::{Error, GridSize, Layout, Split};
+
+/// A light field of any of the element types.
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::{DynLightField, LightField, for_each_sample};
+/// use ndarray::Array5;
+///
+/// let field: DynLightField = LightField::new(Array5::<u16>::from_elem((2, 3, 4, 5, 1), 7))?.into();
+/// assert_eq!(field.kind().name(), "uint16");
+/// let sum: f64 = for_each_sample!(DynLightField, &field, f => f.samples().iter().map(|&x| f64::from(x)).sum());
+/// assert_eq!(sum, 7.0 * 120.0);
+/// # Ok::<(), holo_core::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub enum DynLightField {
+    /// 8 bits a sample.
+    U8(LightFieldOwned<u8>),
+    /// 16 bits a sample.
+    U16(LightFieldOwned<u16>),
+    /// Single precision.
+    F32(LightFieldOwned<f32>),
+    /// Double precision, MATLAB's default.
+    F64(LightFieldOwned<f64>),
+}
+
+/// A borrowed light field of any of the element types.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DynLightFieldRef<'a> {
+    /// 8 bits a sample.
+    U8(LightFieldView<'a, u8>),
+    /// 16 bits a sample.
+    U16(LightFieldView<'a, u16>),
+    /// Single precision.
+    F32(LightFieldView<'a, f32>),
+    /// Double precision.
+    F64(LightFieldView<'a, f64>),
+}
+
+/// An image `(row, column, channel)` of any of the element types.
+#[derive(Debug, Clone, PartialEq)]
+pub enum DynImage {
+    /// 8 bits a sample.
+    U8(Array3<u8>),
+    /// 16 bits a sample.
+    U16(Array3<u16>),
+    /// Single precision.
+    F32(Array3<f32>),
+    /// Double precision.
+    F64(Array3<f64>),
+}
+
+/// A borrowed image `(row, column, channel)` of any of the element types.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum DynImageRef<'a> {
+    /// 8 bits a sample.
+    U8(ArrayView3<'a, u8>),
+    /// 16 bits a sample.
+    U16(ArrayView3<'a, u16>),
+    /// Single precision.
+    F32(ArrayView3<'a, f32>),
+    /// Double precision.
+    F64(ArrayView3<'a, f64>),
+}
+
+/// Runs the same code on whichever element type a [`DynLightField`], [`DynLightFieldRef`], [`DynImage`] or [`DynImageRef`]
+/// holds: `for_each_sample!(DynImage, value, image => expression)`. The value is matched as it is given: by reference or
+/// by value.
+#[macro_export]
+macro_rules! for_each_sample {
+    ($type:ident, $value:expr, $name:ident => $body:expr) => {
+        match $value {
+            $crate::$type::U8($name) => $body,
+            $crate::$type::U16($name) => $body,
+            $crate::$type::F32($name) => $body,
+            $crate::$type::F64($name) => $body,
+        }
+    };
+}
+
+impl DynLightField {
+    /// Wraps a raw image without copying it; see [`LightField::from_elemental_grid`](crate::LightField::from_elemental_grid).
+    ///
+    /// # Errors
+    ///
+    /// As there.
+    pub fn from_grid(image: DynImage, layout: Layout, split: Split) -> Result<Self, Error> {
+        fn wrap<T: Sample>(image: Array3<T>, layout: Layout, split: Split) -> Result<DynLightField, Error> {
+            Ok(match layout {
+                Layout::ElementalGrid => LightFieldOwned::from_elemental_grid(image, split)?,
+                Layout::ViewpointGrid => LightFieldOwned::from_viewpoint_grid(image, split)?,
+            }
+            .into())
+        }
+        for_each_sample!(DynImage, image, image => wrap(image, layout, split))
+    }
+
+    /// Borrows it.
+    #[must_use]
+    pub fn by_ref(&self) -> DynLightFieldRef<'_> {
+        for_each_sample!(DynLightField, self, field => field.borrowed().into())
+    }
+
+    /// Returns the element type.
+    #[must_use]
+    pub fn kind(&self) -> SampleKind {
+        self.by_ref().kind()
+    }
+
+    /// Returns the number of views and lenses.
+    #[must_use]
+    pub fn split(&self) -> Split {
+        self.by_ref().split()
+    }
+
+    /// Returns the number of channels.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        self.by_ref().channels()
+    }
+
+    /// Converts every sample to `f32`, without any scale: integers keep their values, `f64` is rounded to nearest. Samples
+    /// that are `f32` are not copied.
+    #[must_use]
+    pub fn into_f32(self) -> LightFieldOwned<f32> {
+        match self {
+            Self::F32(field) => field,
+            other => other.to_f32(),
+        }
+    }
+
+    /// Copies every sample as `f32`; see [`DynLightField::into_f32`].
+    #[must_use]
+    pub fn to_f32(&self) -> LightFieldOwned<f32> {
+        for_each_sample!(DynLightField, self, field => field.map(|&sample| sample.to_f32()))
+    }
+
+    /// Returns view `(t, s)`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`] if there is no such view.
+    pub fn view(&self, t: usize, s: usize) -> Result<DynImageRef<'_>, Error> {
+        for_each_sample!(DynLightField, self, field => field.view(t, s).map(Into::into))
+    }
+
+    /// Returns the elemental image of lens `(v, u)`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`] if there is no such lens.
+    pub fn elemental(&self, v: usize, u: usize) -> Result<DynImageRef<'_>, Error> {
+        for_each_sample!(DynLightField, self, field => field.elemental(v, u).map(Into::into))
+    }
+
+    /// Returns the epipolar-plane image of lens row `v` in view row `t`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`] if there is no such row.
+    pub fn epi_row(&self, v: usize, t: usize) -> Result<DynImageRef<'_>, Error> {
+        for_each_sample!(DynLightField, self, field => field.epi_row(v, t).map(Into::into))
+    }
+
+    /// Returns the epipolar-plane image of lens column `u` in view column `s`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`] if there is no such column.
+    pub fn epi_column(&self, u: usize, s: usize) -> Result<DynImageRef<'_>, Error> {
+        for_each_sample!(DynLightField, self, field => field.epi_column(u, s).map(Into::into))
+    }
+}
+
+impl DynLightFieldRef<'_> {
+    /// Returns the element type.
+    #[must_use]
+    pub fn kind(&self) -> SampleKind {
+        for_each_sample!(DynLightFieldRef, self, field => kind_of(&field.samples()))
+    }
+
+    /// Returns the number of views and lenses.
+    #[must_use]
+    pub fn split(&self) -> Split {
+        for_each_sample!(DynLightFieldRef, self, field => field.split())
+    }
+
+    /// Returns the number of channels.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        for_each_sample!(DynLightFieldRef, self, field => field.channels())
+    }
+}
+
+impl DynImage {
+    /// Borrows it.
+    #[must_use]
+    pub fn by_ref(&self) -> DynImageRef<'_> {
+        for_each_sample!(DynImage, self, image => image.view().into())
+    }
+
+    /// Returns the element type.
+    #[must_use]
+    pub fn kind(&self) -> SampleKind {
+        self.by_ref().kind()
+    }
+
+    /// Returns the number of rows and columns.
+    #[must_use]
+    pub fn size(&self) -> GridSize {
+        self.by_ref().size()
+    }
+
+    /// Returns the number of channels.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        self.by_ref().channels()
+    }
+}
+
+impl DynImageRef<'_> {
+    /// Returns the element type.
+    #[must_use]
+    pub fn kind(&self) -> SampleKind {
+        for_each_sample!(DynImageRef, self, image => kind_of(image))
+    }
+
+    /// Returns the number of rows and columns.
+    #[must_use]
+    pub fn size(&self) -> GridSize {
+        let (rows, columns, _) = for_each_sample!(DynImageRef, self, image => image.dim());
+        GridSize::new(rows, columns)
+    }
+
+    /// Returns the number of channels.
+    #[must_use]
+    pub fn channels(&self) -> usize {
+        for_each_sample!(DynImageRef, self, image => image.dim().2)
+    }
+}
+
+fn kind_of<T: Sample, D>(_: &ndarray::ArrayView<'_, T, D>) -> SampleKind {
+    T::KIND
+}
+
+impl<T: Sample> From<LightFieldOwned<T>> for DynLightField {
+    fn from(field: LightFieldOwned<T>) -> Self {
+        Sealed::light_field(field)
+    }
+}
+
+impl<'a, T: Sample> From<LightFieldView<'a, T>> for DynLightFieldRef<'a> {
+    fn from(field: LightFieldView<'a, T>) -> Self {
+        Sealed::light_field_ref(field)
+    }
+}
+
+impl<'a> From<&'a DynLightField> for DynLightFieldRef<'a> {
+    fn from(field: &'a DynLightField) -> Self {
+        field.by_ref()
+    }
+}
+
+impl<T: Sample> From<Array3<T>> for DynImage {
+    fn from(image: Array3<T>) -> Self {
+        Sealed::image(image)
+    }
+}
+
+impl<'a, T: Sample> From<ArrayView3<'a, T>> for DynImageRef<'a> {
+    fn from(image: ArrayView3<'a, T>) -> Self {
+        Sealed::image_ref(image)
+    }
+}
+
+impl<'a> From<&'a DynImage> for DynImageRef<'a> {
+    fn from(image: &'a DynImage) -> Self {
+        image.by_ref()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::LightField;
+    use ndarray::Array5;
+
+    fn fields() -> [DynLightField; 4] {
+        let samples =
+            Array5::from_shape_fn((2, 3, 4, 5, 3), |(v, u, t, s, c)| (((v * 3 + u) * 4 + t) * 5 + s + c) as u8);
+        let field = LightField::new(samples).unwrap();
+        [
+            field.clone().into(),
+            field.map(|&x| u16::from(x)).into(),
+            field.map(|&x| f32::from(x)).into(),
+            field.map(|&x| f64::from(x)).into(),
+        ]
+    }
+
+    #[test]
+    fn every_type_has_the_same_pieces() {
+        let kinds = [SampleKind::U8, SampleKind::U16, SampleKind::F32, SampleKind::F64];
+        let expected = fields()[2].to_f32();
+        for (field, kind) in fields().into_iter().zip(kinds) {
+            assert_eq!((field.kind(), field.channels()), (kind, 3));
+            assert_eq!(field.split(), Split::new(GridSize::new(4, 5), GridSize::new(2, 3)).unwrap());
+            let view = field.view(3, 2).unwrap();
+            assert_eq!((view.kind(), view.size(), view.channels()), (kind, GridSize::new(2, 3), 3));
+            assert_eq!(field.elemental(1, 2).unwrap().size(), GridSize::new(4, 5));
+            assert_eq!(field.epi_row(1, 2).unwrap().channels(), 3);
+            assert!(field.view(4, 0).is_err() && field.epi_column(3, 0).is_err());
+            assert_eq!(field.into_f32(), expected);
+        }
+    }
+
+    #[test]
+    fn raw_images_are_wrapped_in_their_type() {
+        let split = Split::new(GridSize::new(4, 5), GridSize::new(2, 3)).unwrap();
+        for field in fields() {
+            let grid: DynImage = for_each_sample!(DynLightField, &field, f => f.to_viewpoint_grid().into());
+            assert_eq!(DynLightField::from_grid(grid, Layout::ViewpointGrid, split).unwrap(), field);
+        }
+        let wrong: DynImage = Array3::<u8>::zeros((3, 3, 1)).into();
+        assert!(DynLightField::from_grid(wrong, Layout::ElementalGrid, split).is_err());
+    }
+}

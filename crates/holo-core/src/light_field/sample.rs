@@ -1,0 +1,111 @@
+//! The element types of images and light fields.
+
+use ndarray::{Array3, ArrayView3};
+
+use super::dynamic::{DynImage, DynImageRef, DynLightField, DynLightFieldRef};
+use super::{LightFieldOwned, LightFieldView};
+
+/// One of the element types, as a value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum SampleKind {
+    /// `u8`.
+    U8,
+    /// `u16`.
+    U16,
+    /// `f32`.
+    F32,
+    /// `f64`.
+    F64,
+}
+
+impl SampleKind {
+    /// The name that numpy and HDF5 have for it, such as `uint8`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::U8 => "uint8",
+            Self::U16 => "uint16",
+            Self::F32 => "float32",
+            Self::F64 => "float64",
+        }
+    }
+
+    /// Whether it is one of the two floating-point types.
+    #[must_use]
+    pub const fn is_float(self) -> bool {
+        matches!(self, Self::F32 | Self::F64)
+    }
+}
+
+/// `u8`, `u16`, `f32` or `f64`: an element of an image or of a light field.
+///
+/// Values are taken as they are: no tone curve is undone.
+pub trait Sample: sealed::Sealed + Copy + Default + PartialEq + std::fmt::Debug + Send + Sync + 'static {
+    /// Which of them it is.
+    const KIND: SampleKind;
+
+    /// The largest value of an integer; floats have no scale of their own.
+    const WHITE: Option<f32>;
+
+    /// Converts to `f32`: exact for all but `f64`, which is rounded to nearest.
+    fn to_f32(self) -> f32;
+
+    /// Widens to `f64`, which is exact.
+    fn to_f64(self) -> f64;
+}
+
+/// How a type becomes one of many: not for callers, who have `From`.
+pub(super) mod sealed {
+    use super::{Array3, ArrayView3, DynImage, DynImageRef, DynLightField, DynLightFieldRef};
+    use super::{LightFieldOwned, LightFieldView};
+
+    pub trait Sealed: Sized {
+        fn light_field(field: LightFieldOwned<Self>) -> DynLightField;
+        fn light_field_ref(field: LightFieldView<'_, Self>) -> DynLightFieldRef<'_>;
+        fn image(image: Array3<Self>) -> DynImage;
+        fn image_ref(image: ArrayView3<'_, Self>) -> DynImageRef<'_>;
+    }
+}
+
+macro_rules! sample {
+    ($($type:ty, $name:ident, $white:expr;)*) => {$(
+        impl sealed::Sealed for $type {
+            fn light_field(field: LightFieldOwned<Self>) -> DynLightField {
+                DynLightField::$name(field)
+            }
+
+            fn light_field_ref(field: LightFieldView<'_, Self>) -> DynLightFieldRef<'_> {
+                DynLightFieldRef::$name(field)
+            }
+
+            fn image(image: Array3<Self>) -> DynImage {
+                DynImage::$name(image)
+            }
+
+            fn image_ref(image: ArrayView3<'_, Self>) -> DynImageRef<'_> {
+                DynImageRef::$name(image)
+            }
+        }
+
+        impl Sample for $type {
+            const KIND: SampleKind = SampleKind::$name;
+            const WHITE: Option<f32> = $white;
+
+            #[allow(clippy::cast_possible_truncation, clippy::cast_lossless, reason = "one line for four types")]
+            fn to_f32(self) -> f32 {
+                self as f32
+            }
+
+            fn to_f64(self) -> f64 {
+                f64::from(self)
+            }
+        }
+    )*};
+}
+
+sample! {
+    u8, U8, Some(255.0);
+    u16, U16, Some(65_535.0);
+    f32, F32, None;
+    f64, F64, None;
+}
