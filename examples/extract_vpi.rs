@@ -3,15 +3,15 @@
 //! `cargo run --example extract_vpi -- scene_el.png VIEWS COLUMN ROW view.png`, or without arguments on a raw image that it
 //! makes itself.
 
-use holo_core::{GridSize, LightField, Split};
-use holo_io::{Compression, Limits, Meaning, PngSamples, read_png, write_png_u8};
+use holo_core::{DynImage, GridSize, LightField, Split};
+use holo_io::{Compression, Limits, Meaning, read_png, write_png};
 use ndarray::Array3;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let (raw, views, [s, t], out) = match arguments.as_slice() {
         [input, views, s, t, out] => match read_png(input, &Limits::default())? {
-            PngSamples::U8(raw) => (raw, views.parse()?, [s.parse()?, t.parse()?], out.into()),
+            DynImage::U8(raw) => (raw, views.parse()?, [s.parse()?, t.parse()?], out.into()),
             _ => return Err("this example reads 8-bit images".into()),
         },
         _ => (made_up(4), 4, [2, 1], std::env::temp_dir().join("holo_example_view.png")),
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let split = Split::new(GridSize::new(views, views), GridSize::new(rows / views, columns / views))?;
     let light_field = LightField::from_elemental_grid(raw, split)?; // copies nothing
     let view = light_field.view(t, s)?; // one pixel from under every lens, as a borrowed image
-    write_png_u8(&out, view, Meaning::Srgb, Compression::Published)?;
+    write_png(&out, view, Meaning::Srgb, Compression::Published)?;
     println!("view {s},{t} of {views} x {views}: {} x {} px in {}", columns / views, rows / views, out.display());
     Ok(())
 }

@@ -1,9 +1,9 @@
 //! The readers of `holo-io`: any bytes are read or refused, and what was read can be written and reads back equal.
 
+use holo_core::SampleKind;
 use holo_io::{
-    Compression, ExrChannel, Limits, Manifest, MatOptions, MatVariable, Meaning, ParametersCfg, PngSamples, decode_exr,
-    decode_exr_rgb, decode_hdr, decode_mat, decode_pfm, decode_png, encode_exr, encode_mat, encode_png_u8,
-    encode_png_u16,
+    Compression, ExrChannel, Limits, Manifest, MatOptions, MatVariable, Meaning, ParametersCfg, decode_exr,
+    decode_exr_rgb, decode_hdr, decode_mat, decode_pfm, decode_png, encode_exr, encode_mat, encode_png,
 };
 
 /// Small, so that a few bytes that announce much are refused quickly.
@@ -17,11 +17,8 @@ const LIMITS: Limits = Limits { max_bytes: 1 << 20 };
 pub fn png(data: &[u8]) {
     let Ok(samples) = decode_png(data, &LIMITS) else { return };
     for compression in [Compression::Scratch, Compression::Published] {
-        let bytes = match &samples {
-            PngSamples::U8(samples) => encode_png_u8(samples.view(), Meaning::Srgb, compression),
-            PngSamples::U16(samples) => encode_png_u16(samples.view(), Meaning::Data, compression),
-        };
-        let bytes = bytes.expect("what was read can be written");
+        let meaning = if samples.kind() == SampleKind::U8 { Meaning::Srgb } else { Meaning::Data };
+        let bytes = encode_png(&samples, meaning, compression).expect("what was read can be written");
         assert_eq!(decode_png(&bytes, &LIMITS).expect("what was written can be read"), samples);
     }
 }

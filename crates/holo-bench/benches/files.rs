@@ -177,8 +177,8 @@ fn chunks() {
             });
             times.fold(f64::INFINITY, f64::min)
         };
-        let lens = best(&|file| drop(file.read_lens::<f32>(26, 39).expect("a lens")));
-        let view = best(&|file| drop(file.read_view::<f32>(50, 50).expect("a view")));
+        let lens = best(&|file| drop(file.read_lens(26, 39).expect("a lens")));
+        let view = best(&|file| drop(file.read_view(50, 50).expect("a view")));
         println!("| {chunk:?} | {write:.1} | {:.0} | {lens:.1} | {view:.1} |", bytes as f64 / 1e6);
     }
 }

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use holo_io::{Compression, ExrChannel, ExrCompression, Limits, Meaning, read_exr, write_exr_with, write_png_u8};
+use holo_io::{Compression, ExrChannel, ExrCompression, Limits, Meaning, read_exr, write_exr_with, write_png};
 use ndarray::{Array3, Axis};
 
 const ROWS: usize = 5300;
@@ -98,7 +98,7 @@ fn measure(folder: &Path, entry: &str, rounds: usize) {
         drop(bytes);
         let compression = if what == "scratch" { Compression::Scratch } else { Compression::Published };
         report(rounds, &file, || {
-            write_png_u8(&file, image.view(), Meaning::Srgb, compression).expect("a file");
+            write_png(&file, image.view(), Meaning::Srgb, compression).expect("a file");
         });
     } else if what == "read" {
         drop(bytes);

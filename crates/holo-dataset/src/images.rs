@@ -2,10 +2,10 @@
 //!
 //! Linear radiance goes into HDF5 and EXR as it is; exposure and the sRGB curve come between it and all integers.
 
-use holo_core::{Layout, LightField, LightFieldOwned, LightFieldView, Rig};
-use holo_io::{
-    Compression, HciImage, HciTruth, HciViews, MatOptions, Meaning, ParametersCfg, StoredSample, Written, dataset,
-};
+use std::path::PathBuf;
+
+use holo_core::{DynLightFieldRef, Layout, LightField, LightFieldOwned, Rig, Sample};
+use holo_io::{Compression, HciImage, HciTruth, MatOptions, Meaning, ParametersCfg, dataset};
 use holo_render::{GroundTruth, Layer, Rendered, exposure};
 use ndarray::{ArrayView3, Axis};
 
@@ -38,32 +38,6 @@ pub(crate) struct Images<'a> {
     pub outputs: &'a [Output],
     pub rig: &'a Rig,
     pub parameters: &'a ParametersCfg,
-}
-
-/// A sample of PNG files.
-trait PngSample: StoredSample {
-    fn write_png(path: std::path::PathBuf, image: ArrayView3<Self>) -> Result<Written, holo_io::Error>;
-    fn hci(field: LightFieldView<Self>) -> HciViews;
-}
-
-impl PngSample for u8 {
-    fn write_png(path: std::path::PathBuf, image: ArrayView3<Self>) -> Result<Written, holo_io::Error> {
-        holo_io::write_png_u8(path, image, Meaning::Srgb, Compression::Published)
-    }
-
-    fn hci(field: LightFieldView<Self>) -> HciViews {
-        HciViews::U8(field)
-    }
-}
-
-impl PngSample for u16 {
-    fn write_png(path: std::path::PathBuf, image: ArrayView3<Self>) -> Result<Written, holo_io::Error> {
-        holo_io::write_png_u16(path, image, Meaning::Srgb, Compression::Published)
-    }
-
-    fn hci(field: LightFieldView<Self>) -> HciViews {
-        HciViews::U16(field)
-    }
 }
 
 impl Images<'_> {
@@ -110,22 +84,25 @@ impl Images<'_> {
     }
 
     /// The files of integers, side by side on the threads.
-    fn write_coded<T: PngSample>(
+    fn write_coded<T: Sample>(
         &self,
         folder: &mut OutputFolder,
         coded: &LightFieldOwned<T>,
         rendered: &Rendered,
     ) -> Result<(), Error> {
+        let write_png = |path: PathBuf, image: ArrayView3<T>| {
+            holo_io::write_png(path, image, Meaning::Srgb, Compression::Published)
+        };
         let elemental = || {
             let path = self.wants(Output::El).then(|| folder.file(dataset::ELEMENTAL_PNG))?;
             Some(match coded.as_elemental_grid() {
-                Some(image) => T::write_png(path, image),
-                None => T::write_png(path, coded.to_elemental_grid().view()),
+                Some(image) => write_png(path, image),
+                None => write_png(path, coded.to_elemental_grid().view()),
             })
         };
         let viewpoint = || {
             let path = self.wants(Output::Vpi).then(|| folder.file(dataset::VIEWPOINT_PNG))?;
-            Some(T::write_png(path, coded.to_viewpoint_grid().view()))
+            Some(write_png(path, coded.to_viewpoint_grid().view()))
         };
         let mat = || {
             let path = self.wants(Output::Mat).then(|| folder.file(dataset::LIGHT_FIELD_MAT))?;
@@ -140,7 +117,7 @@ impl Images<'_> {
             }
         }
         if self.wants(Output::Hci) {
-            self.write_hci(folder, T::hci(LightField::new(coded.samples())?), rendered)?;
+            self.write_hci(folder, coded.borrowed().into(), rendered)?;
         }
         Ok(())
     }
@@ -149,7 +126,7 @@ impl Images<'_> {
     fn write_hci<'a>(
         &'a self,
         folder: &mut OutputFolder,
-        views: HciViews<'a>,
+        views: DynLightFieldRef<'a>,
         rendered: &'a Rendered,
     ) -> Result<(), Error> {
         let truth = |layer: Layer| {

@@ -31,10 +31,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use holo_core::GridSize;
+use holo_core::{DynImage, DynLightField, GridSize};
 
 use crate::views::Views;
-use crate::{Error, Limits, PngSamples, StoredLightField};
+use crate::{Error, Limits};
 use name::Name;
 
 /// What errors call the folder.
@@ -143,7 +143,7 @@ impl GantryFolder {
     ///
     /// Those of [`read_png`](crate::read_png); [`Error::Broken`] if a view has another size than the first one or is of
     /// another kind; [`Error::TooLarge`] if the samples of all views exceed the limits, before memory is taken for them.
-    pub fn read(&self, limits: &Limits) -> Result<StoredLightField, Error> {
+    pub fn read(&self, limits: &Limits) -> Result<DynLightField, Error> {
         self.files().read(limits)
     }
 
@@ -156,7 +156,7 @@ impl GantryFolder {
     /// # Errors
     ///
     /// [`Error::Core`] if there is no such view; those of [`read_png`](crate::read_png).
-    pub fn read_view(&self, t: usize, s: usize, limits: &Limits) -> Result<PngSamples, Error> {
+    pub fn read_view(&self, t: usize, s: usize, limits: &Limits) -> Result<DynImage, Error> {
         self.files().read_one(self.index(t, s)?, limits)
     }
 

@@ -37,7 +37,7 @@ mod names;
 mod write;
 
 pub use folder::HciFolder;
-pub use write::{HciImage, HciTruth, HciViews};
+pub use write::{HciImage, HciTruth};
 
 /// What a map of ground truth holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -50,10 +50,9 @@ mod write;
 
 use std::path::Path;
 
-use holo_core::{LightField, Rig};
+use holo_core::{LightField, Rig, Sample};
 use ndarray::{ArrayView2, ArrayView4, Axis, Data, Slice};
 
-use crate::stored::StoredSample;
 use crate::{Error, Written};
 
 #[cfg(feature = "mat")]
@@ -66,6 +65,14 @@ pub use write::Hdf5Writer;
 
 /// The format's name in messages.
 const FORMAT: &str = "HDF5";
+
+/// A sample as the HDF5 library knows it.
+pub(crate) trait Number: Sample + ::hdf5::H5Type {}
+
+impl Number for u8 {}
+impl Number for u16 {}
+impl Number for f32 {}
+impl Number for f64 {}
 
 /// Writes a light field that is in memory, the ground truth of all views, and that of the central view.
 ///
@@ -94,7 +101,7 @@ const FORMAT: &str = "HDF5";
 /// write_hdf5(&path, &light_field, &rig, &[], &[(Hdf5Map::Depth, depth_m.view())], &Hdf5Options::default())?;
 /// let file = Hdf5LightField::open(&path, &Limits::default())?;
 /// assert_eq!(file.rig(), Some(&rig));
-/// assert_eq!(file.read_view::<f32>(1, 2)?.dim(), (4, 5, 3));
+/// assert_eq!(file.read_view(1, 2)?.dim(), (4, 5, 3));
 /// assert_eq!(file.read_central_map(Hdf5Map::Depth)?, depth_m);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -108,7 +115,7 @@ pub fn write_hdf5<S>(
 ) -> Result<Written, Error>
 where
     S: Data,
-    S::Elem: StoredSample,
+    S::Elem: Sample,
 {
     let path = path.as_ref();
     let kinds: Vec<Hdf5Map> = maps.iter().map(|&(kind, _)| kind).collect();

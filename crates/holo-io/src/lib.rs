@@ -20,10 +20,10 @@
 //!
 //! | format | write | read |
 //! |---|---|---|
-//! | PNG, 8 and 16 bit | [`write_png_u8`], [`write_png_u16`], [`write_disparity_png`], [`PngWriter`] | [`read_png`], [`read_png_info`] |
+//! | PNG, 8 and 16 bit | [`write_png`], [`write_disparity_png`], [`PngWriter`] | [`read_png`], [`read_png_info`] |
 //! | PNG that moves | [`write_png_animation`] | |
 //! | PNGs of one view each | | [`read_views`] |
-//! | PNG in memory | [`encode_png_u8`], [`encode_png_u16`] | [`decode_png`] |
+//! | PNG in memory | [`encode_png`] | [`decode_png`] |
 //! | PFM | [`write_pfm`], [`write_pfm_colour`] | [`read_pfm`], [`read_pfm_grey`], [`read_pfm_info`] |
 //! | PFM in memory | [`Pfm::to_bytes`] | [`decode_pfm`] |
 //! | EXR, 32-bit or 16-bit float | [`write_exr`], [`write_exr_with`], [`ExrWriter`] | [`read_exr`], [`read_exr_rgb`], [`read_exr_info`] |
@@ -100,8 +100,6 @@ mod raw_image;
 mod recognise;
 #[cfg(any(feature = "mat", feature = "hdf5"))]
 mod rig_values;
-#[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
-mod stored;
 #[cfg(feature = "png")]
 mod views;
 #[cfg(any(feature = "png", feature = "exr", feature = "mat"))]
@@ -119,7 +117,7 @@ pub use exr::{
 #[cfg(feature = "png")]
 pub use gantry::{GantryFolder, GantryPosition};
 #[cfg(feature = "png")]
-pub use hci::{HciFolder, HciImage, HciQuantity, HciResolution, HciTruth, HciViews};
+pub use hci::{HciFolder, HciImage, HciQuantity, HciResolution, HciTruth};
 #[cfg(feature = "hdf5")]
 pub use hdf5::{Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_hdf5, write_hdf5};
 #[cfg(feature = "hdr")]
@@ -141,16 +139,12 @@ pub use parameters_cfg::{CameraPose, ParametersCfg, date_from_epoch};
 pub use pfm::{Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_grey, read_pfm_info, write_pfm, write_pfm_colour};
 #[cfg(feature = "png")]
 pub use png::{
-    Compression, Meaning, PngInfo, PngSample, PngSamples, PngWriter, decode_png, encode_png_u8, encode_png_u16,
-    read_png, read_png_info, write_disparity_png, write_png_animation, write_png_u8, write_png_u16,
+    Compression, Meaning, PngInfo, PngWriter, decode_png, encode_png, read_png, read_png_info, write_disparity_png,
+    write_png, write_png_animation,
 };
 #[cfg(feature = "png")]
 pub use raw_image::RawImage;
 pub use raw_image::layout_of_file_name;
 pub use recognise::{FileKind, recognise};
-#[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
-pub use stored::StoredLightField;
-#[cfg(any(feature = "mat", feature = "hdf5"))]
-pub use stored::StoredSample;
 #[cfg(feature = "png")]
 pub use views::read_views;

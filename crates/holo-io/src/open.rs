@@ -82,7 +82,7 @@ pub enum Opened {
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("picture");
 /// let image = ndarray::Array3::<u8>::zeros((2, 3, 3));
-/// holo_io::write_png_u8(&path, image.view(), holo_io::Meaning::Srgb, holo_io::Compression::Scratch)?;
+/// holo_io::write_png(&path, image.view(), holo_io::Meaning::Srgb, holo_io::Compression::Scratch)?;
 /// assert_eq!(holo_io::open(&path)?.to_string(), "PNG image, 3 x 2 pixels, 3 channels of 8 bits");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

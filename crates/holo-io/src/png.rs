@@ -9,8 +9,8 @@ mod stream;
 
 use std::path::Path;
 
-use holo_core::GridSize;
-use ndarray::{Array3, ArrayView2, ArrayView3};
+use holo_core::{DynImageRef, GridSize};
+use ndarray::ArrayView2;
 
 use crate::error::MEMORY;
 use crate::{Error, Written};
@@ -18,7 +18,7 @@ use encode::Encoder;
 
 pub use animation::write_png_animation;
 pub use decode::{decode_png, read_png, read_png_info};
-pub use stream::{PngSample, PngWriter};
+pub use stream::PngWriter;
 
 /// How hard to compress a PNG. The pixels are the same either way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -42,31 +42,6 @@ pub enum Meaning {
     Data,
 }
 
-/// The samples of a PNG, in the depth that the file has.
-///
-/// # Shape
-///
-/// `(rows, columns, channels)`. One channel is grey, two are grey and alpha, three RGB, four RGB and alpha. Palettes
-/// and depths below 8 bits arrive as 8-bit samples over the full range, a transparent colour as an alpha channel.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum PngSamples {
-    /// 8 bits a channel.
-    U8(Array3<u8>),
-    /// 16 bits a channel.
-    U16(Array3<u16>),
-}
-
-impl PngSamples {
-    /// Returns `(rows, columns, channels)`.
-    #[must_use]
-    pub fn dim(&self) -> (usize, usize, usize) {
-        match self {
-            Self::U8(samples) => samples.dim(),
-            Self::U16(samples) => samples.dim(),
-        }
-    }
-}
-
 /// What a PNG's header says.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PngInfo {
@@ -78,7 +53,7 @@ pub struct PngInfo {
     pub bits: u8,
 }
 
-/// Writes an image of 8 bits a channel.
+/// Writes an image of 8 or 16 bits a channel.
 ///
 /// Rows are streamed: no second copy of the image is made, whatever its strides.
 ///
@@ -89,102 +64,52 @@ pub struct PngInfo {
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if the image is empty, has another number of channels or more than 2^31 - 1 rows or columns;
-/// [`Error::Io`] if the file cannot be written. No file of that name appears then.
+/// [`Error::BadInput`] if the image holds floats, is empty, has another number of channels or more than 2^31 - 1 rows or
+/// columns; [`Error::Io`] if the file cannot be written. No file of that name appears then.
 ///
 /// # Examples
 ///
 /// ```
-/// use holo_io::{Compression, Limits, Meaning, PngSamples, read_png, write_png_u8};
+/// use holo_core::DynImage;
+/// use holo_io::{Compression, Limits, Meaning, read_png, write_png};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("image.png");
 /// let image = ndarray::Array3::from_shape_fn((5, 7, 3), |(row, column, _)| (row * 30 + column * 4) as u8);
-/// let written = write_png_u8(&path, image.view(), Meaning::Srgb, Compression::Scratch)?;
-/// assert_eq!(read_png(&path, &Limits::default())?, PngSamples::U8(image));
+/// let written = write_png(&path, image.view(), Meaning::Srgb, Compression::Scratch)?;
+/// assert_eq!(read_png(&path, &Limits::default())?, DynImage::U8(image));
 /// assert_eq!(written.bytes, std::fs::metadata(&path)?.len());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write_png_u8(
+pub fn write_png<'a>(
     path: impl AsRef<Path>,
-    image: ArrayView3<'_, u8>,
+    image: impl Into<DynImageRef<'a>>,
     meaning: Meaning,
     compression: Compression,
 ) -> Result<Written, Error> {
-    write(path.as_ref(), image, meaning, compression)
-}
-
-/// Writes an image of 16 bits a channel.
-///
-/// Rows are streamed: no second copy of the image is made, whatever its strides.
-///
-/// # Shape
-///
-/// As in [`write_png_u8`].
-///
-/// # Errors
-///
-/// As in [`write_png_u8`].
-pub fn write_png_u16(
-    path: impl AsRef<Path>,
-    image: ArrayView3<'_, u16>,
-    meaning: Meaning,
-    compression: Compression,
-) -> Result<Written, Error> {
-    write(path.as_ref(), image, meaning, compression)
-}
-
-/// Returns an image of 8 bits a channel as the bytes of a PNG file, such as for a page that embeds it.
-///
-/// # Shape
-///
-/// As in [`write_png_u8`].
-///
-/// # Errors
-///
-/// [`Error::BadInput`] as in [`write_png_u8`].
-pub fn encode_png_u8(image: ArrayView3<'_, u8>, meaning: Meaning, compression: Compression) -> Result<Vec<u8>, Error> {
-    to_bytes(image, meaning, compression)
-}
-
-/// Returns an image of 16 bits a channel as the bytes of a PNG file.
-///
-/// # Shape
-///
-/// As in [`write_png_u8`].
-///
-/// # Errors
-///
-/// [`Error::BadInput`] as in [`write_png_u8`].
-pub fn encode_png_u16(
-    image: ArrayView3<'_, u16>,
-    meaning: Meaning,
-    compression: Compression,
-) -> Result<Vec<u8>, Error> {
-    to_bytes(image, meaning, compression)
-}
-
-fn write<T: PngSample>(
-    path: &Path,
-    image: ArrayView3<'_, T>,
-    meaning: Meaning,
-    compression: Compression,
-) -> Result<Written, Error> {
-    let (rows, columns, channels) = image.dim();
-    let mut writer = PngWriter::create(path, GridSize::new(rows, columns), channels, meaning, compression)?;
+    let image = image.into();
+    let mut writer = PngWriter::create(path, image.size(), image.channels(), image.kind(), meaning, compression)?;
     writer.write_rows(image)?;
     writer.finish()
 }
 
-fn to_bytes<T: PngSample>(
-    image: ArrayView3<'_, T>,
+/// Returns an image of 8 or 16 bits a channel as the bytes of a PNG file, such as for a page that embeds it.
+///
+/// # Shape
+///
+/// As in [`write_png`].
+///
+/// # Errors
+///
+/// [`Error::BadInput`] as in [`write_png`].
+pub fn encode_png<'a>(
+    image: impl Into<DynImageRef<'a>>,
     meaning: Meaning,
     compression: Compression,
 ) -> Result<Vec<u8>, Error> {
-    let path = Path::new(MEMORY);
-    let (rows, columns, channels) = image.dim();
-    let layout = encode::Layout::new(GridSize::new(rows, columns), channels, size_of::<T>(), path)?;
-    let mut encoder = Encoder::<T, _>::new(Vec::new(), layout, meaning, compression)?;
+    let image = image.into();
+    let layout = encode::Layout::new(image.size(), image.channels(), image.kind(), Path::new(MEMORY))?;
+    let mut encoder = Encoder::new(Vec::new(), layout, meaning, compression)?;
     encoder.write_rows(image)?;
     encoder.finish()
 }
@@ -218,7 +143,7 @@ pub fn write_disparity_png(
     }
     let grey = disparity_px.mapv(|disparity_px| grey_level(f64::from(disparity_px), min_px, max_px));
     let grey = grey.insert_axis(ndarray::Axis(2));
-    write(path, grey.view(), Meaning::Data, compression)
+    write_png(path, grey.view(), Meaning::Data, compression)
 }
 
 /// Maps `min_px..=max_px` to `0..=255`.

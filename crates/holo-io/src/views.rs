@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, Layout, LightFieldOwned, Split, ViewOrder};
+use holo_core::{
+    DynImage, DynLightField, GridSize, Layout, LightFieldOwned, Sample, Split, ViewOrder, for_each_sample,
+};
 use ndarray::{Array3, ArrayViewMut3, Axis, Slice};
 use rayon::prelude::*;
 
-use crate::{Error, Limits, PngInfo, PngSamples, StoredLightField, read_png, read_png_info};
+use crate::{Error, Limits, PngInfo, read_png, read_png_info};
 
 /// Reads a list of PNGs, one a view, as one light field.
 ///
@@ -22,7 +24,7 @@ pub fn read_views(
     views: GridSize,
     order: ViewOrder,
     limits: &Limits,
-) -> Result<StoredLightField, Error> {
+) -> Result<DynLightField, Error> {
     let first = files.first().map_or(Path::new("list of views"), PathBuf::as_path);
     if files.len() != views.count() || files.is_empty() {
         let what = format!("{} x {} views need as many pictures, not {}", views.columns, views.rows, files.len());
@@ -50,7 +52,7 @@ pub(crate) struct Views<'a> {
 
 impl Views<'_> {
     /// Reads all views, on all threads.
-    pub(crate) fn read(&self, limits: &Limits) -> Result<StoredLightField, Error> {
+    pub(crate) fn read(&self, limits: &Limits) -> Result<DynLightField, Error> {
         let first = &self.files[0];
         let info = self.info(first)?;
         let channels = colours(info.channels);
@@ -66,16 +68,16 @@ impl Views<'_> {
             Err(self.broken(file, format!("it is {}, but {} is {}", in_words(&found), name(first), in_words(&info))))
         };
         if bytes == 1 {
-            let pick = |samples| if let PngSamples::U8(samples) = samples { Some(samples) } else { None };
-            self.fill(split, channels, limits, as_first, pick).map(StoredLightField::U8)
+            let pick = |samples| if let DynImage::U8(samples) = samples { Some(samples) } else { None };
+            self.fill(split, channels, limits, as_first, pick).map(DynLightField::U8)
         } else {
-            let pick = |samples| if let PngSamples::U16(samples) = samples { Some(samples) } else { None };
-            self.fill(split, channels, limits, as_first, pick).map(StoredLightField::U16)
+            let pick = |samples| if let DynImage::U16(samples) = samples { Some(samples) } else { None };
+            self.fill(split, channels, limits, as_first, pick).map(DynLightField::U16)
         }
     }
 
     /// Reads one view, without its alpha.
-    pub(crate) fn read_one(&self, index: usize, limits: &Limits) -> Result<PngSamples, Error> {
+    pub(crate) fn read_one(&self, index: usize, limits: &Limits) -> Result<DynImage, Error> {
         let file = &self.files[index];
         self.info(file)?;
         Ok(without_alpha(read_png(file, limits)?))
@@ -97,7 +99,7 @@ impl Views<'_> {
         channels: usize,
         limits: &Limits,
         check: impl Fn(&Path) -> Result<(), Error> + Sync,
-        pick: impl Fn(PngSamples) -> Option<Array3<T>> + Sync,
+        pick: impl Fn(DynImage) -> Option<Array3<T>> + Sync,
     ) -> Result<LightFieldOwned<T>, Error> {
         let mut light_field = LightFieldOwned::filled(split, channels, Layout::ViewpointGrid, T::default())
             .map_err(|error| Error::core(&self.files[0], error))?;
@@ -142,18 +144,15 @@ fn colours(channels: usize) -> usize {
 }
 
 /// Drops the alpha channel; the colours stay as they are stored, also where they are transparent.
-fn without_alpha(samples: PngSamples) -> PngSamples {
-    fn drop<T: Copy>(samples: Array3<T>) -> Array3<T> {
+fn without_alpha(samples: DynImage) -> DynImage {
+    fn drop<T: Sample>(samples: Array3<T>) -> Array3<T> {
         let channels = samples.dim().2;
         if channels == colours(channels) {
             return samples;
         }
         samples.slice_axis(Axis(2), Slice::from(..colours(channels))).as_standard_layout().into_owned()
     }
-    match samples {
-        PngSamples::U8(samples) => PngSamples::U8(drop(samples)),
-        PngSamples::U16(samples) => PngSamples::U16(drop(samples)),
-    }
+    for_each_sample!(DynImage, samples, samples => drop(samples).into())
 }
 
 fn in_words(info: &PngInfo) -> String {

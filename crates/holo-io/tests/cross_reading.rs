@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Command;
 
-use holo_io::{Limits, PngSamples, StoredLightField, read_exr, read_mat_light_field, read_png};
+use holo_core::{DynImage, DynLightField};
+use holo_io::{Limits, read_exr, read_mat_light_field, read_png};
 use ndarray::{Array3, Array5};
 
 /// The numbers of `image` in the script.
@@ -30,8 +31,8 @@ fn assert_png(path: &Path, size: &str, channels: &str, bits: &str) {
     let top = if bits == "8" { 256 } else { 65_536 };
     let expected = image(size, channels.parse().unwrap(), top);
     match (read_png(path, &Limits::default()).unwrap(), bits) {
-        (PngSamples::U8(read), "8") => assert_eq!(read.mapv(usize::from), expected, "{}", path.display()),
-        (PngSamples::U16(read), "16") => assert_eq!(read.mapv(usize::from), expected, "{}", path.display()),
+        (DynImage::U8(read), "8") => assert_eq!(read.mapv(usize::from), expected, "{}", path.display()),
+        (DynImage::U16(read), "16") => assert_eq!(read.mapv(usize::from), expected, "{}", path.display()),
         (read, _) => panic!("{}: {:?}", path.display(), read.dim()),
     }
 }
@@ -46,13 +47,12 @@ fn assert_exr(path: &Path, size: &str) {
     }
 }
 
-fn assert_light_field(path: &Path, read: StoredLightField, size: &str, kind: &str) {
+fn assert_light_field(path: &Path, read: DynLightField, size: &str, kind: &str) {
     let (numbers, found) = match read {
-        StoredLightField::U8(field) => (field.samples().mapv(f64::from), "uint8"),
-        StoredLightField::U16(field) => (field.samples().mapv(f64::from), "uint16"),
-        StoredLightField::F32(field) => (field.samples().mapv(f64::from), "float32"),
-        StoredLightField::F64(field) => (field.samples().to_owned(), "float64"),
-        _ => panic!("{}", path.display()),
+        DynLightField::U8(field) => (field.samples().mapv(f64::from), "uint8"),
+        DynLightField::U16(field) => (field.samples().mapv(f64::from), "uint16"),
+        DynLightField::F32(field) => (field.samples().mapv(f64::from), "float32"),
+        DynLightField::F64(field) => (field.samples().to_owned(), "float64"),
     };
     assert_eq!(found, kind, "{}", path.display());
     assert_eq!(numbers, light_field(size), "{}", path.display());

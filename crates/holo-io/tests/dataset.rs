@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use holo_core::{GridSize, Rig};
+use holo_core::{DynImage, GridSize, Rig};
 use holo_io::{Error, FileKind, dataset, recognise};
 
 #[test]
@@ -65,7 +65,7 @@ fn kinds_are_told_by_contents() {
 mod raw {
     use holo_core::Layout;
     use holo_core::{LightField, Split};
-    use holo_io::{Compression, Limits, Meaning, ParametersCfg, PngSamples, RawImage, write_png_u8};
+    use holo_io::{Compression, Limits, Meaning, ParametersCfg, RawImage, write_png};
     use ndarray::Array3;
 
     use super::*;
@@ -77,7 +77,7 @@ mod raw {
         let image =
             Array3::from_shape_fn((15, 28, 3), |(row, column, channel)| (row * 13 + column * 3 + channel) as u8);
         let write = |name: &str, image: &Array3<u8>| {
-            write_png_u8(folder.path().join(name), image.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+            write_png(folder.path().join(name), image.view(), Meaning::Srgb, Compression::Scratch).unwrap();
         };
         let read = |name: &str, layout| RawImage::read(folder.path().join(name), layout, &Limits::default());
         write("scene_el.png", &image);
@@ -94,7 +94,7 @@ mod raw {
         ParametersCfg::from_rig(&rig).write(folder.path().join(dataset::PARAMETERS_CFG)).unwrap();
         let raw = read("scene_el.png", None).unwrap();
         assert_eq!((raw.layout, raw.parameters.rig().unwrap()), (Layout::ElementalGrid, rig));
-        let PngSamples::U8(samples) = raw.samples else { panic!("8 bits expected") };
+        let DynImage::U8(samples) = raw.samples else { panic!("8 bits expected") };
         let light_field = LightField::from_elemental_grid(samples, split).unwrap();
         assert_eq!(light_field.samples()[[4, 6, 2, 3, 1]], image[[14, 27, 1]]);
 

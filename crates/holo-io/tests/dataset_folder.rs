@@ -4,11 +4,9 @@
 use std::fs;
 use std::path::Path;
 
-use holo_core::{GridSize, Layout, LightField, LightFieldOwned, Rig, Split};
+use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldOwned, Rig, Split};
 use holo_io::dataset::{self, DatasetEntry, DatasetFolder};
-use holo_io::{
-    Compression, Error, Limits, Manifest, Meaning, ParametersCfg, StoredLightField, write_pfm, write_png_u8,
-};
+use holo_io::{Compression, Error, Limits, Manifest, Meaning, ParametersCfg, write_pfm, write_png};
 use ndarray::Array2;
 
 fn rig() -> Rig {
@@ -40,7 +38,7 @@ fn map() -> Array2<f32> {
 fn write(path: &Path, names: &[&str], with_rig: bool) -> Manifest {
     let mut manifest = Manifest::default();
     let png = |name: &str, image: ndarray::Array3<u8>| {
-        write_png_u8(path.join(name), image.view(), Meaning::Srgb, Compression::Scratch).unwrap()
+        write_png(path.join(name), image.view(), Meaning::Srgb, Compression::Scratch).unwrap()
     };
     for &name in names {
         let written = match name {
@@ -80,7 +78,7 @@ fn a_dataset_comes_back() {
         let listed = names.contains(&dataset::PARAMETERS_CFG);
         assert_eq!(opened.parameters(), listed.then(|| ParametersCfg::from_rig(&rig())).as_ref());
         assert_eq!(opened.raw_image().unwrap().0, folder.path().join(names[0]));
-        assert_eq!(opened.read(&limits).unwrap(), StoredLightField::U8(light_field()));
+        assert_eq!(opened.read(&limits).unwrap(), DynLightField::U8(light_field()));
         let maps = names.contains(&dataset::DEPTH_PFM).then(map);
         assert_eq!(opened.depth_m(&limits).unwrap(), maps);
         assert_eq!(opened.disparity_px(&limits).unwrap(), maps);
@@ -107,7 +105,7 @@ fn folders_that_are_unfinished_or_contradict_themselves_are_refused() {
 
     write_pfm(path(dataset::DEPTH_PFM), map().t()).unwrap();
     let small = ndarray::Array3::<u8>::zeros((15, 27, 3));
-    write_png_u8(path(dataset::ELEMENTAL_PNG), small.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    write_png(path(dataset::ELEMENTAL_PNG), small.view(), Meaning::Srgb, Compression::Scratch).unwrap();
     let opened = DatasetFolder::open(folder.path()).unwrap();
     let text = opened.depth_m(&limits).unwrap_err().to_string();
     assert!(text.contains("it has 5 x 7 pixels, but the rig of 4 x 3 views of 7 x 5 pixels needs 7 x 5"), "{text}");

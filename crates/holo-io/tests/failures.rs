@@ -9,11 +9,11 @@ use std::process::{Command, Stdio};
 use std::sync::Barrier;
 use std::time::{Duration, Instant};
 
-use holo_core::{GridSize, LightFieldOwned};
+use holo_core::{GridSize, LightFieldOwned, SampleKind};
 use holo_io::{
     Compression, Error, ExrChannel, ExrCompression, ExrSamples, ExrWriter, Limits, MatOptions, MatOrder, MatVersion,
     Meaning, PngWriter, Written, read_exr, read_mat_light_field, read_pfm_grey, read_png, remove_stale_temporary_files,
-    write_exr_with, write_mat_light_field, write_pfm, write_png_u8, write_png_u16,
+    write_exr_with, write_mat_light_field, write_pfm, write_png,
 };
 use ndarray::{Array2, Array3, Axis};
 
@@ -22,15 +22,15 @@ type Way = (&'static str, fn(&Path, u64) -> Result<Written, Error>);
 
 const WAYS: &[Way] = &[
     ("scratch.png", |path, seed| {
-        write_png_u8(path, noise(seed).mapv(|bits| bits as u8).view(), Meaning::Srgb, Compression::Scratch)
+        write_png(path, noise(seed).mapv(|bits| bits as u8).view(), Meaning::Srgb, Compression::Scratch)
     }),
     ("published.png", |path, seed| {
-        write_png_u16(path, noise(seed).mapv(|bits| bits as u16).view(), Meaning::Data, Compression::Published)
+        write_png(path, noise(seed).mapv(|bits| bits as u16).view(), Meaning::Data, Compression::Published)
     }),
     ("bands.png", |path, seed| {
         let image = noise(seed).mapv(|bits| bits as u8);
         let size = GridSize::new(image.dim().0, image.dim().1);
-        let mut writer = PngWriter::create(path, size, 3, Meaning::Srgb, Compression::Published)?;
+        let mut writer = PngWriter::create(path, size, 3, SampleKind::U8, Meaning::Srgb, Compression::Published)?;
         image.axis_chunks_iter(Axis(0), 7).try_for_each(|rows| writer.write_rows(rows))?;
         writer.finish()
     }),

@@ -4,11 +4,8 @@
 use std::fs;
 use std::path::Path;
 
-use holo_core::{GridSize, LightField};
-use holo_io::{
-    Compression, Error, GantryFolder, GantryPosition, Limits, Meaning, PngSamples, StoredLightField, write_png_u8,
-    write_png_u16,
-};
+use holo_core::{DynImage, DynLightField, GridSize, LightField};
+use holo_io::{Compression, Error, GantryFolder, GantryPosition, Limits, Meaning, write_png};
 use ndarray::{Array3, Array5};
 
 const STEP_X: f64 = -8.598834;
@@ -27,7 +24,7 @@ fn view(row: usize, column: usize) -> Array3<u8> {
 }
 
 fn write(path: &Path, image: &Array3<u8>) {
-    write_png_u8(path, image.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    write_png(path, image.view(), Meaning::Srgb, Compression::Scratch).unwrap();
 }
 
 fn folder(rows: &[usize], columns: &[usize], end: &str) -> tempfile::TempDir {
@@ -55,8 +52,8 @@ fn both_kinds_of_names_are_read_in_the_order_of_their_indices() {
         assert_eq!((opened.position(2, 0), opened.position(0, 11)), (None, None));
         let expected = Array5::from_shape_fn((3, 4, 2, 11, 3), |(v, u, t, s, c)| view(t, s)[[v, u, c]]);
         let read = opened.read(&Limits::default()).unwrap();
-        assert_eq!(read, StoredLightField::U8(LightField::new(expected).unwrap()));
-        assert_eq!(opened.read_view(1, 10, &Limits::default()).unwrap(), PngSamples::U8(view(1, 10)));
+        assert_eq!(read, DynLightField::U8(LightField::new(expected).unwrap()));
+        assert_eq!(opened.read_view(1, 10, &Limits::default()).unwrap(), DynImage::U8(view(1, 10)));
         assert!(matches!(opened.read_view(2, 0, &Limits::default()), Err(Error::Core { .. })));
     }
 }
@@ -66,7 +63,7 @@ fn a_part_of_a_set_is_a_grid_too() {
     let folder = folder(&[1, 3], &[2, 3], "");
     let opened = GantryFolder::open(folder.path()).unwrap();
     assert_eq!(opened.views(), GridSize::new(2, 2));
-    assert_eq!(opened.read_view(1, 0, &Limits::default()).unwrap(), PngSamples::U8(view(3, 2)));
+    assert_eq!(opened.read_view(1, 0, &Limits::default()).unwrap(), DynImage::U8(view(3, 2)));
 }
 
 #[test]
@@ -101,7 +98,7 @@ fn views_unlike_the_first_are_refused() {
     assert_eq!(error.path(), last);
     assert!(error.to_string().contains("it is 5 x 3 pixels of RGB in 8 bits, but out_00_00_"), "{error}");
     let deep: Array3<u16> = Array3::zeros((3, 4, 3));
-    write_png_u16(&last, deep.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    write_png(&last, deep.view(), Meaning::Srgb, Compression::Scratch).unwrap();
     assert!(matches!(opened.read(&Limits::default()), Err(Error::Broken { .. })));
     fs::remove_file(&last).unwrap();
     assert!(matches!(opened.read(&Limits::default()), Err(Error::Io { .. })));

@@ -5,10 +5,10 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use holo_core::{GridSize, Layout, LightField, LightFieldOwned, Projection, Rig, Split};
+use holo_core::{DynImage, DynLightField, GridSize, Layout, LightField, LightFieldOwned, Projection, Rig, Split};
 use holo_io::{
-    Compression, Error, HciFolder, HciImage, HciQuantity, HciResolution, HciTruth, HciViews, Limits, Meaning,
-    ParametersCfg, PngSamples, StoredLightField, write_pfm, write_png_u8, write_png_u16,
+    Compression, Error, HciFolder, HciImage, HciQuantity, HciResolution, HciTruth, Limits, Meaning, ParametersCfg,
+    write_pfm, write_png,
 };
 use ndarray::{Array2, Array3, Axis, s};
 use proptest::prelude::*;
@@ -50,12 +50,8 @@ fn maps(split: Split) -> LightFieldOwned<f32> {
 }
 
 fn write(path: &Path, views: &LightFieldOwned<u8>, parameters: &ParametersCfg) -> Result<(), Error> {
-    let image = HciImage {
-        views: HciViews::U8(views.borrowed()),
-        parameters,
-        disparity_px: HciTruth::None,
-        depth_m: HciTruth::None,
-    };
+    let image =
+        HciImage { views: views.borrowed().into(), parameters, disparity_px: HciTruth::None, depth_m: HciTruth::None };
     image.write(path, Compression::Scratch).map(|_| ())
 }
 
@@ -87,7 +83,7 @@ proptest! {
         let (row, column) = split.central_view();
         let central = maps.view(row, column).unwrap().index_axis_move(Axis(2), 0).to_owned();
         let image = HciImage {
-            views: if deep { HciViews::U16(deeper.borrowed()) } else { HciViews::U8(shallow.borrowed()) },
+            views: if deep { deeper.borrowed().into() } else { shallow.borrowed().into() },
             parameters: &parameters,
             disparity_px: HciTruth::Central(central.view()),
             depth_m: if all { HciTruth::All(maps.borrowed()) } else { HciTruth::None },
@@ -107,11 +103,11 @@ proptest! {
         let read = HciFolder::open(folder.path()).unwrap();
         prop_assert_eq!(read.rig().unwrap(), rig);
         prop_assert_eq!(read.parameters(), &parameters);
-        let expected = if deep { StoredLightField::U16(deeper) } else { StoredLightField::U8(shallow) };
+        let expected = if deep { DynLightField::U16(deeper) } else { DynLightField::U8(shallow) };
         prop_assert_eq!(&read.read(&limits).unwrap(), &expected);
         let one = match (&expected, read.read_view(t - 1, s - 1, &limits).unwrap()) {
-            (StoredLightField::U8(all), PngSamples::U8(one)) => all.view(t - 1, s - 1).unwrap() == one,
-            (StoredLightField::U16(all), PngSamples::U16(one)) => all.view(t - 1, s - 1).unwrap() == one,
+            (DynLightField::U8(all), DynImage::U8(one)) => all.view(t - 1, s - 1).unwrap() == one,
+            (DynLightField::U16(all), DynImage::U16(one)) => all.view(t - 1, s - 1).unwrap() == one,
             _ => false,
         };
         prop_assert!(one);
@@ -134,14 +130,14 @@ fn more_than_999_views_have_the_numbers_of_the_hci_tools() {
     }
     assert!(!folder.path().join("input_Cam0000.png").exists() && !folder.path().join("input_Cam1040.png").exists());
     let read = HciFolder::open(folder.path()).unwrap();
-    assert_eq!(read.read(&Limits::default()).unwrap(), StoredLightField::U8(views.clone()));
+    assert_eq!(read.read(&Limits::default()).unwrap(), DynLightField::U8(views.clone()));
     // Four digits throughout, as other programs number.
     for index in 0..1000 {
         let name = |digits: usize| folder.path().join(format!("input_Cam{index:0digits$}.png"));
         fs::rename(name(3), name(4)).unwrap();
     }
     let read = HciFolder::open(folder.path()).unwrap();
-    assert_eq!(read.read(&Limits::default()).unwrap(), StoredLightField::U8(views));
+    assert_eq!(read.read(&Limits::default()).unwrap(), DynLightField::U8(views));
 }
 
 #[test]
@@ -152,7 +148,7 @@ fn the_central_view_of_even_counts_is_a_real_one() {
     let folder = tempfile::tempdir().unwrap();
     let parameters = ParametersCfg::from_rig(&rig(split));
     let image = HciImage {
-        views: HciViews::U8(views.borrowed()),
+        views: views.borrowed().into(),
         parameters: &parameters,
         disparity_px: HciTruth::All(maps.borrowed()),
         depth_m: HciTruth::None,
@@ -192,7 +188,7 @@ fn optional_keys_may_be_missing() {
     fs::write(&parameters, least).unwrap();
     let read = HciFolder::open(folder.path()).unwrap();
     assert_eq!(read.rig().unwrap().focus_distance_m(), f64::INFINITY);
-    assert_eq!(read.read(&Limits::default()).unwrap(), StoredLightField::U8(views));
+    assert_eq!(read.read(&Limits::default()).unwrap(), DynLightField::U8(views));
     for quantity in [HciQuantity::Depth, HciQuantity::Disparity] {
         for resolution in [HciResolution::Low, HciResolution::High] {
             assert_eq!(read.central_truth(quantity, resolution, &Limits::default()).unwrap(), None);
@@ -220,12 +216,12 @@ fn alpha_is_dropped_and_colours_stay() {
         // Every second view, so that RGB and RGBA stand side by side.
         if index % 2 == 0 {
             let path = folder.path().join(format!("input_Cam{index:03}.png"));
-            write_png_u8(path, with_alpha.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+            write_png(path, with_alpha.view(), Meaning::Srgb, Compression::Scratch).unwrap();
         }
     }
     let read = HciFolder::open(folder.path()).unwrap();
-    assert_eq!(read.read(&Limits::default()).unwrap(), StoredLightField::U8(views.clone()));
-    let PngSamples::U8(one) = read.read_view(0, 2, &Limits::default()).unwrap() else { panic!("8 bits") };
+    assert_eq!(read.read(&Limits::default()).unwrap(), DynLightField::U8(views.clone()));
+    let DynImage::U8(one) = read.read_view(0, 2, &Limits::default()).unwrap() else { panic!("8 bits") };
     assert_eq!(one, views.view(0, 2).unwrap());
 }
 
@@ -237,7 +233,7 @@ fn views_that_are_missing_or_unlike_the_others_are_named() {
     let message = |opened: &HciFolder| opened.read(&Limits::default()).unwrap_err().to_string();
 
     let wide: Array3<u8> = Array3::zeros((4, 6, 3));
-    write_png_u8(path("input_Cam003.png"), wide.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    write_png(path("input_Cam003.png"), wide.view(), Meaning::Srgb, Compression::Scratch).unwrap();
     let text = message(&opened);
     assert!(text.ends_with("it has 6 x 4 pixels, but parameters.cfg says 5 x 4"), "{text}");
     assert!(text.contains("input_Cam003.png: broken HCI folder: it has"), "{text}");
@@ -245,11 +241,11 @@ fn views_that_are_missing_or_unlike_the_others_are_named() {
     opened.read_view(0, 0, &Limits::default()).unwrap();
 
     let deep: Array3<u16> = Array3::zeros((4, 5, 3));
-    write_png_u16(path("input_Cam003.png"), deep.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    write_png(path("input_Cam003.png"), deep.view(), Meaning::Srgb, Compression::Scratch).unwrap();
     let text = message(&opened);
     assert!(text.contains("RGB in 16 bits, but input_Cam000.png is 5 x 4 pixels of RGB in 8 bits"), "{text}");
     let grey = views.samples().slice(s![.., .., 0, 0, ..1]).to_owned();
-    write_png_u8(path("input_Cam003.png"), grey.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    write_png(path("input_Cam003.png"), grey.view(), Meaning::Srgb, Compression::Scratch).unwrap();
     assert!(message(&opened).contains("pixels of grey in 8 bits"));
     fs::write(path("input_Cam003.png"), b"\x89PNG").unwrap();
     assert!(matches!(opened.read(&Limits::default()), Err(Error::Broken { format: "PNG", .. })));
@@ -313,7 +309,7 @@ fn what_does_not_fit_together_is_not_written() {
     let small: Array2<f32> = Array2::zeros((5, 4));
     let colour: LightFieldOwned<f32> = LightField::filled(size, 3, Layout::ElementalGrid, 0.0).unwrap();
     for truth in [HciTruth::Central(small.view()), HciTruth::All(colour.borrowed())] {
-        let views = HciViews::U8(views.borrowed());
+        let views = views.borrowed().into();
         let image = HciImage { views, parameters: &good, disparity_px: HciTruth::None, depth_m: truth };
         assert!(matches!(image.write(folder.path(), Compression::Scratch), Err(Error::BadInput { .. })));
     }
@@ -348,7 +344,7 @@ fn a_folder_does_not_look_complete_before_it_is() {
     let fewer = bytes(split([2, 2], [4, 5]), 3);
     let error = write(folder.path(), &fewer, &ParametersCfg::from_rig(&rig(fewer.split()))).unwrap_err();
     assert!(matches!(error, Error::BadInput { .. }), "{error}");
-    assert_eq!(HciFolder::open(folder.path()).unwrap().read(&Limits::default()).unwrap(), StoredLightField::U8(views));
+    assert_eq!(HciFolder::open(folder.path()).unwrap().read(&Limits::default()).unwrap(), DynLightField::U8(views));
 }
 
 #[cfg(unix)]
@@ -415,7 +411,7 @@ fn python_reads_what_is_written() {
     parameters.set_disparity_range_px(-1.42, 1.61);
     parameters.scene = "100 % = all".into();
     let image = HciImage {
-        views: HciViews::U8(views.borrowed()),
+        views: views.borrowed().into(),
         parameters: &parameters,
         disparity_px: HciTruth::Central(central),
         depth_m: HciTruth::All(maps.borrowed()),

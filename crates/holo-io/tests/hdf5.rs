@@ -9,10 +9,8 @@ use std::path::Path;
 use std::process::Command;
 
 use common::data;
-use holo_core::{GridSize, LightField, Rig, Split};
-use holo_io::{
-    Error, FileKind, Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, Limits, StoredLightField, recognise, write_hdf5,
-};
+use holo_core::{DynLightField, GridSize, LightField, Rig, SampleKind, Split};
+use holo_io::{Error, FileKind, Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, Limits, recognise, write_hdf5};
 use ndarray::{Array2, Array3, Array4, Array5, Axis, Slice};
 use proptest::prelude::*;
 
@@ -72,12 +70,12 @@ proptest! {
         let file = Hdf5LightField::open(&path, &Limits::default()).unwrap();
         let field = LightField::new(samples).unwrap();
         prop_assert_eq!(file.rig(), Some(&rig(split)));
-        prop_assert_eq!(file.read_view::<f32>(t - 1, s / 2).unwrap(), field.view(t - 1, s / 2).unwrap());
-        prop_assert_eq!(file.read_lens::<f32>(v / 2, u - 1).unwrap(), field.elemental(v / 2, u - 1).unwrap());
+        prop_assert_eq!(file.read_view(t - 1, s / 2).unwrap(), field.view(t - 1, s / 2).unwrap().to_owned().into());
+        prop_assert_eq!(file.read_lens(v / 2, u - 1).unwrap(), field.elemental(v / 2, u - 1).unwrap().to_owned().into());
         prop_assert_eq!(file.read_map(Hdf5Map::Depth).unwrap(), depth.view());
         let central = depth.index_axis(Axis(2), t / 2).index_axis_move(Axis(2), s / 2).to_owned();
         prop_assert_eq!(file.read_central_map(Hdf5Map::Depth).unwrap(), central);
-        prop_assert_eq!(file.read().unwrap(), StoredLightField::F32(field));
+        prop_assert_eq!(file.read().unwrap(), DynLightField::F32(field));
     }
 }
 
@@ -93,12 +91,12 @@ fn integers_and_the_central_view() {
     let options = Hdf5Options::default();
     write_hdf5(&path, &field, &rig(split), &[], &central, &options).unwrap();
     let file = Hdf5LightField::open(&path, &Limits::default()).unwrap();
-    assert_eq!((file.sample_type(), file.channels(), file.split()), ("uint16", 3, split));
+    assert_eq!((file.sample_kind(), file.channels(), file.split()), (SampleKind::U16, 3, split));
     assert_eq!(file.maps(), (vec![], vec![Hdf5Map::Depth, Hdf5Map::Disparity]));
     assert_eq!(file.read_central_map(Hdf5Map::Disparity).unwrap(), depth);
-    assert_eq!(file.read().unwrap(), StoredLightField::U16(field.clone()));
-    assert!(file.read_view::<f32>(0, 0).is_err() && file.read_view::<u16>(2, 0).is_err());
-    assert!(file.read_lens::<u16>(0, 5).is_err() && file.read_map(Hdf5Map::Depth).is_err());
+    assert_eq!(file.read().unwrap(), DynLightField::U16(field.clone()));
+    assert!(file.read_view(0, 0).is_ok() && file.read_view(2, 0).is_err());
+    assert!(file.read_lens(0, 5).is_err() && file.read_map(Hdf5Map::Depth).is_err());
     assert_eq!(recognise(&path).unwrap(), FileKind::Hdf5);
     // The same again, and at another time: the same bytes.
     let first = std::fs::read(&path).unwrap();
@@ -107,7 +105,7 @@ fn integers_and_the_central_view() {
     assert!(std::fs::read(&path).unwrap() == first);
     assert_eq!(names(folder.path()), ["scene_5d.h5"]);
     write_hdf5(&path, &field.map(|&x| (x / 256) as u8), &rig(split), &[], &[], &options).unwrap();
-    let StoredLightField::U8(read) = Hdf5LightField::open(&path, &Limits::default()).unwrap().read().unwrap() else {
+    let DynLightField::U8(read) = Hdf5LightField::open(&path, &Limits::default()).unwrap().read().unwrap() else {
         panic!("uint8")
     };
     assert_eq!(read, field.map(|&x| (x / 256) as u8));
@@ -146,26 +144,26 @@ fn limits_are_for_the_part_and_its_chunks() {
     let path = data("h5py_lf.h5");
     let file = Hdf5LightField::open(&path, &Limits { max_bytes: 480 }).unwrap();
     // A chunk is 2 x 2 x 2 x 5 x 3 floats, a view 4 x 3 x 3, the whole 1440 bytes.
-    assert!(file.read_view::<f32>(0, 0).is_ok());
+    assert!(file.read_view(0, 0).is_ok());
     assert!(matches!(file.read(), Err(Error::TooLarge { needed: 1440, .. })));
     let file = Hdf5LightField::open(&path, &Limits { max_bytes: 479 }).unwrap();
-    assert!(matches!(file.read_view::<f32>(0, 0), Err(Error::TooLarge { needed: 480, .. })));
+    assert!(matches!(file.read_view(0, 0), Err(Error::TooLarge { needed: 480, .. })));
 }
 
 #[test]
 fn files_of_h5py_read_bit_for_bit() {
     let file = Hdf5LightField::open(data("h5py_lf.h5"), &Limits::default()).unwrap();
     let expected = Array5::from_shape_fn((4, 3, 2, 5, 3), |at| value(at) / 7.0);
-    assert_eq!(file.read().unwrap(), StoredLightField::F32(LightField::new(expected).unwrap()));
+    assert_eq!(file.read().unwrap(), DynLightField::F32(LightField::new(expected).unwrap()));
     // Parallel projection with a focus at infinity: its pixels are read all the same.
     assert_eq!(file.rig(), None);
     assert!(matches!(file.rig_error(), Some(holo_core::Error::OrthographicFocus { .. })));
     let depth = file.read_map(Hdf5Map::Depth).unwrap();
     assert_eq!(depth, Array4::from_shape_fn((4, 3, 2, 5), |(v, u, t, s)| value((v, u, t, s, 0)) / 3.0));
     let file = Hdf5LightField::open(data("h5py_u16.h5"), &Limits::default()).unwrap();
-    assert_eq!((file.sample_type(), file.rig()), ("uint16", None));
+    assert_eq!((file.sample_kind(), file.rig()), (SampleKind::U16, None));
     let expected = Array5::from_shape_fn((4, 3, 2, 5, 3), |at| value(at) as u16);
-    assert_eq!(file.read().unwrap(), StoredLightField::U16(LightField::new(expected).unwrap()));
+    assert_eq!(file.read().unwrap(), DynLightField::U16(LightField::new(expected).unwrap()));
 }
 
 #[test]

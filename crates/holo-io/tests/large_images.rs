@@ -7,7 +7,7 @@
 
 use std::time::Instant;
 
-use holo_core::GridSize;
+use holo_core::{GridSize, SampleKind};
 use holo_io::{
     Compression, ExrCompression, ExrSamples, ExrWriter, Meaning, PngWriter, Written, read_exr_info, read_png_info,
 };
@@ -51,7 +51,7 @@ fn png_of_64k_is_written_in_bounded_memory() {
     for compression in [Compression::Published, Compression::Scratch] {
         let path = folder.path().join("raw.png");
         let start = Instant::now();
-        let mut writer = PngWriter::create(&path, SIZE, 3, Meaning::Srgb, compression).unwrap();
+        let mut writer = PngWriter::create(&path, SIZE, 3, SampleKind::U8, Meaning::Srgb, compression).unwrap();
         bands(
             |row, column, channel| (row / 16 + (column >> 6) * (channel + 1)) as u8,
             |rows| writer.write_rows(rows).unwrap(),

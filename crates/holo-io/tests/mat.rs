@@ -1,11 +1,11 @@
 //! MAT files of level 5: what is written comes back bit for bit, whatever its shape, strides and type.
 #![cfg(feature = "mat")]
 
-use holo_core::{GridSize, LightField, Projection, Rig, Split};
+use holo_core::{DynLightField, GridSize, LightField, Projection, Rig, Split};
 use holo_io::{
-    Error, FileKind, Limits, MatArray, MatClass, MatOptions, MatOrder, MatValue, MatVariable, MatVersion,
-    StoredLightField, decode_mat, encode_mat, read_mat, read_mat_info, read_mat_light_field, read_mat_variable,
-    recognise, write_mat, write_mat_light_field,
+    Error, FileKind, Limits, MatArray, MatClass, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, decode_mat,
+    encode_mat, read_mat, read_mat_info, read_mat_light_field, read_mat_variable, recognise, write_mat,
+    write_mat_light_field,
 };
 use ndarray::{Array5, ArrayD, Axis, IxDyn, ShapeBuilder, Slice};
 use proptest::prelude::*;
@@ -129,22 +129,22 @@ proptest! {
         let stored = match kind {
             0 => {
                 write_mat_light_field(&path, &field, None, order, &options).unwrap();
-                StoredLightField::U8(field)
+                DynLightField::U8(field)
             }
             1 => {
                 let field = field.map(|&sample| u16::from(sample) * 257);
                 write_mat_light_field(&path, &field, None, order, &options).unwrap();
-                StoredLightField::U16(field)
+                DynLightField::U16(field)
             }
             2 => {
                 let field = field.map(|&sample| f32::from(sample) / 7.0);
                 write_mat_light_field(&path, &field, None, order, &options).unwrap();
-                StoredLightField::F32(field)
+                DynLightField::F32(field)
             }
             _ => {
                 let field = field.map(|&sample| f64::from(sample) / 7.0);
                 write_mat_light_field(&path, &field, None, order, &options).unwrap();
-                StoredLightField::F64(field)
+                DynLightField::F64(field)
             }
         };
         let read = read_mat_light_field(&path, &Limits::default()).unwrap();

@@ -5,11 +5,8 @@
 
 use std::process::Command;
 
-use holo_core::{GridSize, LightField, Rig, Split};
-use holo_io::{
-    Limits, MatOptions, MatOrder, MatVersion, StoredLightField, StoredSample, read_mat_light_field,
-    write_mat_light_field,
-};
+use holo_core::{DynLightField, GridSize, LightField, Rig, Sample, Split};
+use holo_io::{Limits, MatOptions, MatOrder, MatVersion, read_mat_light_field, write_mat_light_field};
 use ndarray::Array5;
 
 /// (v, u, t, s, c): all different, none square.
@@ -49,7 +46,7 @@ fn rig() -> Rig {
 }
 
 /// Writes, lets Octave read and write, and returns what it wrote at levels 6 and 7.
-fn through_octave<T: StoredSample>(class: &str, convert: fn(u8) -> T, is_compressed: bool) -> [StoredLightField; 2] {
+fn through_octave<T: Sample>(class: &str, convert: fn(u8) -> T, is_compressed: bool) -> [DynLightField; 2] {
     let folder = tempfile::tempdir().unwrap();
     let names = ["ours.mat", "v6.mat", "v7.mat"].map(|name| folder.path().join(name));
     let field = LightField::new(Array5::from_shape_fn(SHAPE, |at| convert(value(at)))).unwrap();
@@ -84,7 +81,7 @@ fn octave_shows_elemental_images_and_views_and_its_own_files_are_read() {
             for is_compressed in [false, true] {
                 let expected = Array5::from_shape_fn(SHAPE, |at| <$type>::from(value(at)));
                 for read in through_octave::<$type>($class, <$type>::from, is_compressed) {
-                    assert_eq!(read, StoredLightField::$variant(LightField::new(expected.clone()).unwrap()), $class);
+                    assert_eq!(read, DynLightField::$variant(LightField::new(expected.clone()).unwrap()), $class);
                 }
             }
         };

@@ -6,10 +6,10 @@ mod common;
 mod python;
 
 use common::data;
-use holo_core::{GridSize, LightField, Rig, Split};
+use holo_core::{DynLightField, GridSize, LightField, Rig, Split};
 use holo_io::{
-    Error, Limits, MatArray, MatClass, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, StoredLightField,
-    read_mat, read_mat_info, read_mat_light_field, read_mat_variable, write_mat, write_mat_light_field,
+    Error, Limits, MatArray, MatClass, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, read_mat,
+    read_mat_info, read_mat_light_field, read_mat_variable, write_mat, write_mat_light_field,
 };
 use ndarray::{Array5, ArrayD};
 
@@ -30,7 +30,7 @@ fn files_of_scipy_read_bit_for_bit() {
         let path = data(name);
         let read = read_mat_light_field(&path, &Limits::default()).unwrap();
         let expected = Array5::from_shape_fn(SHAPE, |at| (value(at) % 251) as u8);
-        assert_eq!(read.light_field, StoredLightField::U8(LightField::new(expected).unwrap()), "{name}");
+        assert_eq!(read.light_field, DynLightField::U8(LightField::new(expected).unwrap()), "{name}");
         let rig = read.rig.unwrap();
         assert_eq!((rig.baseline_y_m(), rig.baseline_x_m(), rig.focus_distance_m()), (2e-4, 1e-4, f64::INFINITY));
         assert_eq!((rig.focal_length_m(), rig.sensor_size_m()), (0.0351, 0.036));
@@ -53,7 +53,7 @@ fn what_is_not_read_is_listed_and_refused_by_name() {
     let path = data("scipy_classes.mat");
     let read = read_mat_light_field(&path, &Limits::default()).unwrap();
     let expected = Array5::from_shape_fn(SHAPE, |at| value(at) as u16);
-    assert_eq!(read.light_field, StoredLightField::U16(LightField::new(expected).unwrap()));
+    assert_eq!(read.light_field, DynLightField::U16(LightField::new(expected).unwrap()));
     assert_eq!(read.rig, None);
     let infos = read_mat_info(&path).unwrap();
     for (name, class) in [

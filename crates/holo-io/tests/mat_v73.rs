@@ -4,10 +4,10 @@
 #[path = "common/python.rs"]
 mod python;
 
-use holo_core::{GridSize, LightField, Projection, Rig, Split};
+use holo_core::{DynLightField, GridSize, LightField, Projection, Rig, Split};
 use holo_io::{
-    FileKind, Limits, MatArray, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, MatWriter, StoredLightField,
-    read_mat, read_mat_info, read_mat_light_field, recognise, write_mat, write_mat_light_field,
+    FileKind, Limits, MatArray, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, MatWriter, read_mat,
+    read_mat_info, read_mat_light_field, recognise, write_mat, write_mat_light_field,
 };
 use ndarray::{Array5, ArrayD, Axis, Slice};
 use proptest::prelude::*;
@@ -34,7 +34,7 @@ proptest! {
         let path = folder.path().join("scene_5d.mat");
         write_mat_light_field(&path, &field, None, order, &OPTIONS[compressed]).unwrap();
         let read = read_mat_light_field(&path, &Limits::default()).unwrap();
-        prop_assert_eq!(read.light_field, StoredLightField::U16(field));
+        prop_assert_eq!(read.light_field, DynLightField::U16(field));
     }
 
     #[test]
@@ -58,7 +58,7 @@ proptest! {
         prop_assert!(writer.write_lens_rows(samples.slice_axis(Axis(0), Slice::from(..1))).is_err());
         writer.finish().unwrap();
         let read = read_mat_light_field(&path, &Limits::default()).unwrap();
-        prop_assert_eq!(read.light_field, StoredLightField::U16(LightField::new(samples).unwrap()));
+        prop_assert_eq!(read.light_field, DynLightField::U16(LightField::new(samples).unwrap()));
         prop_assert_eq!(read.rig, Some(rig));
     }
 }

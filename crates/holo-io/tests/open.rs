@@ -5,8 +5,8 @@ use std::fs;
 
 use holo_core::{GridSize, Layout, LightField, Rig, Split};
 use holo_io::{
-    Compression, Error, FileKind, HciImage, HciTruth, HciViews, Manifest, Meaning, Opened, ParametersCfg, open,
-    write_pfm, write_png_u16,
+    Compression, Error, FileKind, HciImage, HciTruth, Manifest, Meaning, Opened, ParametersCfg, open, write_pfm,
+    write_png,
 };
 use ndarray::{Array2, Array3};
 
@@ -25,7 +25,7 @@ fn files_are_described_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("misleading.txt");
     let line = || open(&path).unwrap().to_string();
-    write_png_u16(&path, Array3::zeros((2, 3, 1)).view(), Meaning::Data, Compression::Scratch).unwrap();
+    write_png(&path, Array3::<u16>::zeros((2, 3, 1)).view(), Meaning::Data, Compression::Scratch).unwrap();
     assert_eq!(line(), "PNG image, 3 x 2 pixels, 1 channel of 16 bits");
     write_pfm(&path, Array2::zeros((2, 3)).view()).unwrap();
     assert_eq!(line(), "PFM float image, 3 x 2 pixels, grey");
@@ -82,7 +82,7 @@ fn folders_are_told_by_what_is_in_them() {
     assert!(matches!(open(path).unwrap(), Opened::UnknownFolder { entries: 2 }));
     let views = LightField::filled(*rig().split(), 3, Layout::ElementalGrid, 9_u8).unwrap();
     let image = HciImage {
-        views: HciViews::U8(views.borrowed()),
+        views: views.borrowed().into(),
         parameters: &parameters,
         disparity_px: HciTruth::None,
         depth_m: HciTruth::None,

@@ -4,9 +4,9 @@
 use std::fs;
 use std::path::Path;
 
+use holo_core::DynImage;
 use holo_io::{
-    Compression, Error, Limits, Meaning, PngSamples, decode_png, read_png, read_png_info, write_disparity_png,
-    write_png_u8, write_png_u16,
+    Compression, Error, Limits, Meaning, decode_png, read_png, read_png_info, write_disparity_png, write_png,
 };
 use ndarray::{Array2, Array3, ArrayView3, Axis, Slice, s};
 use proptest::prelude::*;
@@ -70,13 +70,13 @@ proptest! {
         let mut value = || if flat { 77 } else { next() };
 
         let image = with_strides(kind, (rows, columns, channels), || value() as u8);
-        let written = write_png_u8(&path, image.view(), Meaning::Srgb, compression).unwrap();
+        let written = write_png(&path, image.view(), Meaning::Srgb, compression).unwrap();
         prop_assert_eq!(written, holo_io::hash_file(&path).unwrap());
-        prop_assert_eq!(read_png(&path, &Limits::default()).unwrap(), PngSamples::U8(image));
+        prop_assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U8(image));
 
         let image = with_strides(kind, (rows, columns, channels), || value() as u16);
-        write_png_u16(&path, image.view(), Meaning::Data, compression).unwrap();
-        prop_assert_eq!(read_png(&path, &Limits::default()).unwrap(), PngSamples::U16(image));
+        write_png(&path, image.view(), Meaning::Data, compression).unwrap();
+        prop_assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U16(image));
         let info = read_png_info(&path).unwrap();
         prop_assert_eq!((info.size.rows, info.size.columns, info.channels, info.bits), (rows, columns, channels, 16));
     }
@@ -101,12 +101,11 @@ fn an_image_of_many_bands_reads_back_and_does_not_depend_on_threads() {
     for threads in [1, 2, 5] {
         let path = folder.path().join(format!("{threads}.png"));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        digests
-            .push(pool.install(|| write_png_u8(&path, image.view(), Meaning::Srgb, Compression::Published)).unwrap());
-        assert_eq!(read_png(&path, &Limits::default()).unwrap(), PngSamples::U8(image.clone()));
+        digests.push(pool.install(|| write_png(&path, image.view(), Meaning::Srgb, Compression::Published)).unwrap());
+        assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U8(image.clone()));
     }
     assert!(digests.windows(2).all(|pair| pair[0] == pair[1]));
-    let scratch = write_png_u8(folder.path().join("s.png"), image.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    let scratch = write_png(folder.path().join("s.png"), image.view(), Meaning::Srgb, Compression::Scratch).unwrap();
     assert!(digests[0].bytes < scratch.bytes, "{} against {}", digests[0].bytes, scratch.bytes);
 }
 
@@ -116,7 +115,7 @@ fn the_header_says_what_the_samples_are() {
     let path = folder.path().join("image.png");
     for compression in BOTH {
         let image = Array3::from_elem((2, 3, 1), 0x1234_u16);
-        write_png_u16(&path, image.view(), Meaning::Srgb, compression).unwrap();
+        write_png(&path, image.view(), Meaning::Srgb, compression).unwrap();
         let bytes = fs::read(&path).unwrap();
         // Width, height, depth, colour type, compression, filter, interlace.
         assert_eq!(bytes[16..29], [0, 0, 0, 3, 0, 0, 0, 2, 16, 0, 0, 0, 0]);
@@ -127,7 +126,7 @@ fn the_header_says_what_the_samples_are() {
         reader.next_frame(&mut raw).unwrap();
         assert_eq!(raw, [0x12, 0x34].repeat(6));
 
-        write_png_u16(&path, image.view(), Meaning::Data, compression).unwrap();
+        write_png(&path, image.view(), Meaning::Data, compression).unwrap();
         let bytes = fs::read(&path).unwrap();
         for claim in [b"sRGB", b"gAMA", b"iCCP", b"cHRM"] {
             assert!(!bytes.windows(4).any(|name| name == claim));
@@ -142,8 +141,8 @@ fn equal_images_give_equal_bytes_whatever_their_strides() {
         let mut next = noise(3);
         let image = with_strides(4, (37, 41, 3), || next() as u8);
         let dense = image.as_standard_layout().into_owned();
-        let one = write_png_u8(folder.path().join("a.png"), image.view(), Meaning::Srgb, compression).unwrap();
-        let other = write_png_u8(folder.path().join("b.png"), dense.view(), Meaning::Srgb, compression).unwrap();
+        let one = write_png(folder.path().join("a.png"), image.view(), Meaning::Srgb, compression).unwrap();
+        let other = write_png(folder.path().join("b.png"), dense.view(), Meaning::Srgb, compression).unwrap();
         assert_eq!(one, other);
     }
 }
@@ -155,7 +154,7 @@ fn a_file_cut_anywhere_is_an_error() {
     let mut next = noise(1);
     let image = Array3::from_shape_simple_fn((7, 5, 3), || next() as u8);
     for compression in BOTH {
-        write_png_u8(&path, image.view(), Meaning::Srgb, compression).unwrap();
+        write_png(&path, image.view(), Meaning::Srgb, compression).unwrap();
         let bytes = fs::read(&path).unwrap();
         assert!(decode_png(&bytes, &Limits::default()).is_ok());
         for end in 0..bytes.len() {
@@ -170,9 +169,9 @@ fn a_changed_byte_is_an_error_or_the_same_image() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
     let image = Array3::from_shape_fn((5, 4, 2), |(row, column, channel)| (row * 50 + column * 10 + channel) as u8);
-    write_png_u8(&path, image.view(), Meaning::Srgb, Compression::Published).unwrap();
+    write_png(&path, image.view(), Meaning::Srgb, Compression::Published).unwrap();
     let bytes = fs::read(&path).unwrap();
-    let image = PngSamples::U8(image);
+    let image = DynImage::U8(image);
     for at in 0..bytes.len() {
         for change in [0x01, 0x20, 0x80, 0xff] {
             let mut changed = bytes.clone();
@@ -188,7 +187,7 @@ fn a_changed_byte_is_an_error_or_the_same_image() {
 fn the_budget_is_checked_before_memory_is_taken() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
-    write_png_u16(&path, Array3::zeros((10, 10, 3)).view(), Meaning::Data, Compression::Scratch).unwrap();
+    write_png(&path, Array3::<u16>::zeros((10, 10, 3)).view(), Meaning::Data, Compression::Scratch).unwrap();
     assert!(read_png(&path, &Limits { max_bytes: 600 }).is_ok());
     let error = read_png(&path, &Limits { max_bytes: 599 }).unwrap_err();
     assert!(matches!(error, Error::TooLarge { needed: 600, allowed: 599, .. }), "{error}");
@@ -243,8 +242,8 @@ fn header(columns: u8, rows: u8, depth: u8, colour: u8, interlaced: bool) -> [u8
 #[test]
 fn palettes_and_small_depths_are_expanded() {
     let read = |bytes: Vec<u8>| match decode_png(&bytes, &Limits::default()).unwrap() {
-        PngSamples::U8(samples) => samples,
-        PngSamples::U16(_) => panic!("8 bits expected"),
+        DynImage::U8(samples) => samples,
+        other => panic!("8 bits expected, not {}", other.kind().name()),
     };
     let palette: &[u8] = &[10, 20, 30, 40, 50, 60, 70, 80, 90];
     // 2 bits a pixel: 0 1 2 1.
@@ -304,8 +303,8 @@ fn interlaced_images_are_put_together() {
         let bytes = handmade(header(columns as u8, rows as u8, depth, 0, true), &[], &data);
         let expected = Array3::from_shape_fn((rows, columns, 1), |(row, column, _)| value(row, column));
         let expected = match depth {
-            8 => PngSamples::U8(expected.mapv(|value| value as u8)),
-            _ => PngSamples::U16(expected),
+            8 => DynImage::U8(expected.mapv(|value| value as u8)),
+            _ => DynImage::U16(expected),
         };
         assert_eq!(decode_png(&bytes, &Limits::default()).unwrap(), expected);
         for end in 0..bytes.len() {
@@ -328,14 +327,14 @@ fn impossible_images_are_refused_and_leave_nothing() {
     let path = folder.path().join("image.png");
     for shape in [(0, 3, 3), (3, 0, 3), (3, 3, 0), (3, 3, 5)] {
         for compression in BOTH {
-            let error = write_png_u8(&path, Array3::zeros(shape).view(), Meaning::Srgb, compression).unwrap_err();
+            let error = write_png(&path, Array3::<u8>::zeros(shape).view(), Meaning::Srgb, compression).unwrap_err();
             assert!(matches!(error, Error::BadInput { .. }), "{shape:?}: {error}");
         }
     }
     // A view of one number repeated takes no memory, but as an image it would have too many rows.
     let one = Array3::<u8>::zeros((1, 1, 1));
     let tall: ArrayView3<'_, u8> = one.broadcast((1 << 31, 1, 1)).unwrap();
-    assert!(matches!(write_png_u8(&path, tall, Meaning::Srgb, Compression::Scratch), Err(Error::BadInput { .. })));
+    assert!(matches!(write_png(&path, tall, Meaning::Srgb, Compression::Scratch), Err(Error::BadInput { .. })));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
@@ -344,7 +343,7 @@ fn impossible_images_are_refused_and_leave_nothing() {
 fn a_full_disk_is_reported_with_its_path_and_the_systems_words() {
     for compression in BOTH {
         for image in [Array3::zeros((1, 1, 3)), large_image()] {
-            let error = write_png_u8("/dev/full", image.view(), Meaning::Srgb, compression).unwrap_err();
+            let error = write_png("/dev/full", image.view(), Meaning::Srgb, compression).unwrap_err();
             let Error::Io { path, source, .. } = &error else { panic!("{error}") };
             assert_eq!((path.as_path(), source.kind()), (Path::new("/dev/full"), std::io::ErrorKind::StorageFull));
             assert!(error.to_string().contains("free some space"), "{error}");
@@ -360,7 +359,7 @@ fn errors_of_the_path_name_the_path() {
     fs::write(&file, b"x").unwrap();
     let image = Array3::<u8>::zeros((1, 1, 3));
     for path in [file.join("image.png"), folder.path().join("missing/image.png"), folder.path().to_owned()] {
-        let error = write_png_u8(&path, image.view(), Meaning::Srgb, Compression::Scratch).unwrap_err();
+        let error = write_png(&path, image.view(), Meaning::Srgb, Compression::Scratch).unwrap_err();
         assert!(matches!(error, Error::Io { .. }) && error.path() == path, "{error}");
     }
     for path in [folder.path().join("missing.png"), folder.path().to_owned()] {
@@ -378,10 +377,10 @@ fn disparity_becomes_grey_and_nearer_is_brighter() {
     let map = ndarray::array![[-2.0_f32, 0.0, 2.0], [f32::NAN, f32::NEG_INFINITY, 9.0]];
     write_disparity_png(&path, map.view(), -2.0, 2.0, Compression::Published).unwrap();
     let expected = Array3::from_shape_vec((2, 3, 1), vec![0, 128, 255, 0, 0, 255]).unwrap();
-    assert_eq!(read_png(&path, &Limits::default()).unwrap(), PngSamples::U8(expected));
+    assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U8(expected));
     // A map without parallax is one grey.
     write_disparity_png(&path, Array2::zeros((2, 2)).view(), 0.0, 0.0, Compression::Scratch).unwrap();
-    assert_eq!(read_png(&path, &Limits::default()).unwrap(), PngSamples::U8(Array3::zeros((2, 2, 1))));
+    assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U8(Array3::zeros((2, 2, 1))));
     for (min, max) in [(1.0, 0.0), (f64::NAN, 1.0), (0.0, f64::INFINITY)] {
         let error = write_disparity_png(&path, map.view(), min, max, Compression::Scratch).unwrap_err();
         assert!(matches!(error, Error::BadInput { .. }), "{error}");

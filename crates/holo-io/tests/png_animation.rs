@@ -5,7 +5,8 @@ use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::Path;
 
-use holo_io::{Error, Limits, Meaning, PngSamples, read_png, write_png_animation};
+use holo_core::DynImage;
+use holo_io::{Error, Limits, Meaning, read_png, write_png_animation};
 use ndarray::{Array3, ArrayView3};
 
 fn picture(number: u16) -> Array3<u16> {
@@ -43,7 +44,7 @@ fn every_picture_comes_back_whatever_its_strides() {
         assert_eq!(*bytes, expected);
     }
     // Who knows no animation sees the first picture.
-    let PngSamples::U16(first) = read_png(&path, &Limits::default()).unwrap() else { panic!("8 bits") };
+    let DynImage::U16(first) = read_png(&path, &Limits::default()).unwrap() else { panic!("8 bits") };
     assert_eq!(first, views[0]);
 }
 

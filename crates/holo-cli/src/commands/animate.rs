@@ -1,7 +1,7 @@
 //! `holo animate`: a way through the views as a moving picture, or as one picture a view.
 
-use holo_core::{LightFieldOwned, ViewPath};
-use holo_io::{Meaning, PngSample};
+use holo_core::{LightFieldOwned, Sample, ViewPath};
+use holo_io::Meaning;
 
 use super::picture::numbered;
 use super::raw::{self, Raw};
@@ -39,7 +39,7 @@ pub fn run(options: &AnimateOptions) -> Result<(), Failure> {
     }
 }
 
-fn write<T: PngSample>(
+fn write<T: Sample>(
     field: &LightFieldOwned<T>,
     shown: &[(usize, usize)],
     options: &AnimateOptions,

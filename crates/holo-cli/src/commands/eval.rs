@@ -6,8 +6,8 @@ use holo_core::metrics::{
     BAD_PIXEL_THRESHOLDS_PX, ErrorColours, NormalGeometry, Region, best_constant, best_plane, bumpiness,
     disparity_scores, error_map, median_angle_error_deg, psnr_db, ssim,
 };
-use holo_core::{GridSize, Rig};
-use holo_io::{Compression, FileKind, Limits, Meaning, PngSamples};
+use holo_core::{DynImage, GridSize, Rig, Sample, for_each_sample};
+use holo_io::{Compression, FileKind, Limits, Meaning};
 use ndarray::{Array2, Axis};
 use serde_json::{Value, json};
 
@@ -98,7 +98,7 @@ fn maps(options: &EvalOptions) -> Result<Vec<Row>, Failure> {
     }
     if let Some(path) = &options.error_map {
         let picture = error_map(&estimate, &truth, options.error_range, &ErrorColours::default())?;
-        holo_io::write_png_u8(path, picture.view(), Meaning::Srgb, Compression::Published)?;
+        holo_io::write_png(path, picture.view(), Meaning::Srgb, Compression::Published)?;
     }
     Ok(rows)
 }
@@ -112,10 +112,9 @@ fn rig_beside(map: &Path, (rows, columns): (usize, usize)) -> Option<Rig> {
 
 fn read_mask(path: &Path) -> Result<Array2<bool>, Failure> {
     let samples = holo_io::read_png(path, &Limits::default())?;
-    Ok(match samples {
-        PngSamples::U8(image) => image.index_axis(Axis(2), 0).mapv(|value| value > 0),
-        PngSamples::U16(image) => image.index_axis(Axis(2), 0).mapv(|value| value > 0),
-    })
+    Ok(
+        for_each_sample!(DynImage, samples, image => image.index_axis(Axis(2), 0).mapv(|value| Sample::to_f64(value) > 0.0)),
+    )
 }
 
 fn pictures(options: &EvalOptions) -> Result<Vec<Row>, Failure> {
@@ -125,8 +124,8 @@ fn pictures(options: &EvalOptions) -> Result<Vec<Row>, Failure> {
     let limits = Limits::default();
     let (psnr, ssim) =
         match (holo_io::read_png(&options.estimate, &limits)?, holo_io::read_png(&options.truth, &limits)?) {
-            (PngSamples::U8(one), PngSamples::U8(other)) => (psnr_db(&one, &other, 255.0)?, ssim(&one, &other, 255.0)?),
-            (PngSamples::U16(one), PngSamples::U16(other)) => {
+            (DynImage::U8(one), DynImage::U8(other)) => (psnr_db(&one, &other, 255.0)?, ssim(&one, &other, 255.0)?),
+            (DynImage::U16(one), DynImage::U16(other)) => {
                 (psnr_db(&one, &other, 65_535.0)?, ssim(&one, &other, 65_535.0)?)
             }
             _ => {

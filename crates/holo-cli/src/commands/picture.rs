@@ -39,8 +39,8 @@ impl<'a> Picture<'a> {
                 "{} holds integers on the sRGB curve; end the name of --out in .png",
                 input.display()
             ))),
-            Self::U8(image) => Ok(holo_io::write_png_u8(out, image, meaning, compression).map(drop)?),
-            Self::U16(image) => Ok(holo_io::write_png_u16(out, image, meaning, compression).map(drop)?),
+            Self::U8(image) => Ok(holo_io::write_png(out, image, meaning, compression).map(drop)?),
+            Self::U16(image) => Ok(holo_io::write_png(out, image, meaning, compression).map(drop)?),
         }
     }
 }

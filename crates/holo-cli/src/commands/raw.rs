@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use holo_core::{GridSize, Layout, LightField, LightFieldOwned, Split};
-use holo_io::{FileKind, Limits, Opened, ParametersCfg, StoredLightField, dataset};
+use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldOwned, Split};
+use holo_io::{FileKind, Limits, Opened, ParametersCfg, dataset};
 
 use super::picture::Picture;
 use crate::arguments::{InputOptions, LayoutArgument};
@@ -57,16 +57,15 @@ impl Raw {
     }
 }
 
-impl TryFrom<StoredLightField> for Raw {
+impl TryFrom<DynLightField> for Raw {
     type Error = Failure;
 
-    fn try_from(field: StoredLightField) -> Result<Self, Failure> {
+    fn try_from(field: DynLightField) -> Result<Self, Failure> {
         Ok(match field {
-            StoredLightField::U8(field) => Self::U8(field),
-            StoredLightField::U16(field) => Self::U16(field),
-            StoredLightField::F32(field) => Self::Float(field),
-            StoredLightField::F64(field) => Self::Float(LightField::new(field.samples().mapv(|x| x as f32))?),
-            _ => return Err(Failure::Failed("the samples are of a type that is not read here".into())),
+            DynLightField::U8(field) => Self::U8(field),
+            DynLightField::U16(field) => Self::U16(field),
+            DynLightField::F32(field) => Self::Float(field),
+            DynLightField::F64(field) => Self::Float(LightField::new(field.samples().mapv(|x| x as f32))?),
         })
     }
 }
@@ -136,7 +135,7 @@ fn read_hdf5(_: &Path, _: &Limits) -> Result<Raw, Failure> {
 fn read_png(path: &Path, from: Option<LayoutArgument>, views: Option<GridSize>) -> Result<(Raw, Layout), Failure> {
     let (layout, split) = describe_png(path, from, views)?;
     let samples = holo_io::read_png(path, &Limits::default())?;
-    Ok((StoredLightField::from_raw(samples, layout, split)?.try_into()?, layout))
+    Ok((DynLightField::from_grid(samples, layout, split)?.try_into()?, layout))
 }
 
 /// Tells which grid a raw PNG is, and of how many views and lenses, from its header.

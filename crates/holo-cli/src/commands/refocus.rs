@@ -112,11 +112,11 @@ fn write(out: &Path, picture: Array3<f32>, codes: Codes) -> Result<(), Failure> 
     match codes {
         Codes::Bits8 => {
             let coded = exposure::encode_8bit(&one, 0.0)?;
-            holo_io::write_png_u8(out, coded.view(0, 0)?, Meaning::Srgb, Compression::Published)?;
+            holo_io::write_png(out, coded.view(0, 0)?, Meaning::Srgb, Compression::Published)?;
         }
         Codes::Bits16 => {
             let coded = exposure::encode_16bit(&one, 0.0)?;
-            holo_io::write_png_u16(out, coded.view(0, 0)?, Meaning::Srgb, Compression::Published)?;
+            holo_io::write_png(out, coded.view(0, 0)?, Meaning::Srgb, Compression::Published)?;
         }
     }
     Ok(())

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use holo_core::{GridSize, LightFieldOwned, Split};
-use holo_io::{Limits, PngSamples};
+use holo_core::{DynImage, GridSize, LightFieldOwned, Split};
+use holo_io::Limits;
 use holo_scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use ndarray::Array3;
 
@@ -146,16 +146,16 @@ pub fn wait(mut child: Child, at_most: Duration) -> Option<Outcome> {
 /// A PNG of 8 bits, (rows, columns, channels).
 pub fn read_u8(path: impl AsRef<Path>) -> Array3<u8> {
     match holo_io::read_png(path, &Limits::default()).unwrap() {
-        PngSamples::U8(image) => image,
-        PngSamples::U16(_) => panic!("16 bits"),
+        DynImage::U8(image) => image,
+        other => panic!("{:?}", other.kind()),
     }
 }
 
 /// A PNG of 16 bits, (rows, columns, channels).
 pub fn read_u16(path: impl AsRef<Path>) -> Array3<u16> {
     match holo_io::read_png(path, &Limits::default()).unwrap() {
-        PngSamples::U16(image) => image,
-        PngSamples::U8(_) => panic!("8 bits"),
+        DynImage::U16(image) => image,
+        other => panic!("{:?}", other.kind()),
     }
 }
 

@@ -213,6 +213,12 @@ impl DynImage {
         self.by_ref().kind()
     }
 
+    /// Returns rows, columns and channels.
+    #[must_use]
+    pub fn dim(&self) -> (usize, usize, usize) {
+        self.by_ref().dim()
+    }
+
     /// Returns the number of rows and columns.
     #[must_use]
     pub fn size(&self) -> GridSize {
@@ -233,17 +239,23 @@ impl DynImageRef<'_> {
         for_each_sample!(DynImageRef, self, image => kind_of(image))
     }
 
+    /// Returns rows, columns and channels.
+    #[must_use]
+    pub fn dim(&self) -> (usize, usize, usize) {
+        for_each_sample!(DynImageRef, self, image => image.dim())
+    }
+
     /// Returns the number of rows and columns.
     #[must_use]
     pub fn size(&self) -> GridSize {
-        let (rows, columns, _) = for_each_sample!(DynImageRef, self, image => image.dim());
+        let (rows, columns, _) = self.dim();
         GridSize::new(rows, columns)
     }
 
     /// Returns the number of channels.
     #[must_use]
     pub fn channels(&self) -> usize {
-        for_each_sample!(DynImageRef, self, image => image.dim().2)
+        self.dim().2
     }
 }
 

@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, Layout, Rig, Split};
+use holo_core::{DynLightField, GridSize, Layout, Rig, Split};
 use ndarray::Array2;
 
 use super::{DEPTH_PFM, DISPARITY_PFM, ELEMENTAL_PNG, MANIFEST_JSON, PARAMETERS_CFG, VIEWPOINT_PNG};
-use crate::{Error, Limits, Manifest, ParametersCfg, StoredLightField, read_pfm_grey, read_png, read_png_info};
+use crate::{Error, Limits, Manifest, ParametersCfg, read_pfm_grey, read_png, read_png_info};
 
 /// What errors call the folder.
 const FORMAT: &str = "dataset folder";
@@ -103,14 +103,15 @@ impl DatasetFolder {
     ///
     /// [`Error::Unsupported`] if the dataset has no picture, only ground truth; those of [`read_png`]; [`Error::Broken`]
     /// if the image has not the size that the rig calls for, before memory is taken for it.
-    pub fn read(&self, limits: &Limits) -> Result<StoredLightField, Error> {
+    pub fn read(&self, limits: &Limits) -> Result<DynLightField, Error> {
         let Some((file, layout)) = self.raw_image() else {
             let what =
                 format!("the dataset has no picture: {MANIFEST_JSON} lists no {ELEMENTAL_PNG} or {VIEWPOINT_PNG}");
             return Err(Error::unsupported(&self.path, what));
         };
         self.check_size(&file, read_png_info(&file)?.size, self.split().raw_size())?;
-        StoredLightField::from_raw(read_png(&file, limits)?, layout, self.split()).map_err(|error| error.about(&file))
+        DynLightField::from_grid(read_png(&file, limits)?, layout, self.split())
+            .map_err(|error| Error::core(&file, error))
     }
 
     /// Reads the planar depth of the central view in metres, or returns `None` if the dataset has none.

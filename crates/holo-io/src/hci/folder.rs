@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, Layout, LightFieldOwned, Rig, Split};
+use holo_core::{DynImage, DynLightField, GridSize, Layout, LightFieldOwned, Rig, Split};
 use ndarray::{Array2, Axis};
 use rayon::prelude::*;
 
@@ -12,7 +12,7 @@ use super::names::Name;
 use super::{FORMAT, HciQuantity, HciResolution};
 use crate::names::PARAMETERS_CFG;
 use crate::views::Views;
-use crate::{Error, Limits, ParametersCfg, PngSamples, StoredLightField, read_pfm_grey, read_pfm_info};
+use crate::{Error, Limits, ParametersCfg, read_pfm_grey, read_pfm_info};
 
 /// An HCI folder: its parameters, and where its views and its ground truth are.
 ///
@@ -21,8 +21,8 @@ use crate::{Error, Limits, ParametersCfg, PngSamples, StoredLightField, read_pfm
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Layout, LightField, Rig, Split};
-/// use holo_io::{Compression, HciFolder, HciImage, HciTruth, HciViews, Limits, ParametersCfg, StoredLightField};
+/// use holo_core::{DynLightField, GridSize, Layout, LightField, Rig, Split};
+/// use holo_io::{Compression, HciFolder, HciImage, HciTruth, Limits, ParametersCfg};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// # let path = folder.path();
@@ -30,7 +30,7 @@ use crate::{Error, Limits, ParametersCfg, PngSamples, StoredLightField, read_pfm
 /// let rig = Rig::builder(split).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
 /// let light_field = LightField::filled(split, 3, Layout::ElementalGrid, 7_u8)?;
 /// let image = HciImage {
-///     views: HciViews::U8(light_field.borrowed()),
+///     views: light_field.borrowed().into(),
 ///     parameters: &ParametersCfg::from_rig(&rig),
 ///     disparity_px: HciTruth::None,
 ///     depth_m: HciTruth::None,
@@ -39,7 +39,7 @@ use crate::{Error, Limits, ParametersCfg, PngSamples, StoredLightField, read_pfm
 ///
 /// let read = HciFolder::open(path)?;
 /// assert_eq!(read.rig()?, rig);
-/// assert_eq!(read.read(&Limits::default())?, StoredLightField::U8(light_field));
+/// assert_eq!(read.read(&Limits::default())?, DynLightField::U8(light_field));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -147,7 +147,7 @@ impl HciFolder {
     /// Those of [`read_png`](crate::read_png); [`Error::Broken`] if a view has another size than the parameters say, or
     /// is of another kind than the first one; [`Error::TooLarge`] if the samples of all views exceed the limits, before
     /// memory is taken for them.
-    pub fn read(&self, limits: &Limits) -> Result<StoredLightField, Error> {
+    pub fn read(&self, limits: &Limits) -> Result<DynLightField, Error> {
         self.files().read(limits)
     }
 
@@ -161,7 +161,7 @@ impl HciFolder {
     ///
     /// [`Error::Core`] if there is no such view; those of [`read_png`](crate::read_png); [`Error::Broken`] if the view
     /// has not the size that the parameters say.
-    pub fn read_view(&self, t: usize, s: usize, limits: &Limits) -> Result<PngSamples, Error> {
+    pub fn read_view(&self, t: usize, s: usize, limits: &Limits) -> Result<DynImage, Error> {
         self.files().read_one(self.index(t, s)?, limits)
     }
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use holo_core::{GridSize, LightFieldView, Split};
+use holo_core::{DynImageRef, DynLightFieldRef, GridSize, LightFieldView, Split, for_each_sample};
 use ndarray::{ArrayView2, Axis};
 use rayon::prelude::*;
 
@@ -11,20 +11,7 @@ use super::folder::files;
 use super::names::Name;
 use super::{HciQuantity, HciResolution};
 use crate::names::PARAMETERS_CFG;
-use crate::{Compression, Error, Meaning, ParametersCfg, Written, write_pfm, write_png_u8, write_png_u16};
-
-/// The pictures of all views.
-///
-/// # Shape
-///
-/// `(v, u, t, s, c)` with 1 to 4 channels as in [`write_png_u8`]; any strides. The HCI tools expect 3 channels of 8 bits.
-#[derive(Debug, Clone, Copy)]
-pub enum HciViews<'a> {
-    /// 8 bits a channel.
-    U8(LightFieldView<'a, u8>),
-    /// 16 bits a channel.
-    U16(LightFieldView<'a, u16>),
-}
+use crate::{Compression, Error, Meaning, ParametersCfg, Written, write_pfm, write_png};
 
 /// Depth or disparity of low resolution.
 #[derive(Debug, Clone, Copy)]
@@ -40,8 +27,9 @@ pub enum HciTruth<'a> {
 /// What is to be written as an [HCI folder](super).
 #[derive(Debug, Clone, Copy)]
 pub struct HciImage<'a> {
-    /// The pictures.
-    pub views: HciViews<'a>,
+    /// The images of all views, `(v, u, t, s, c)` with 1 to 4 channels of 8 or 16 bits; any strides. The HCI tools expect 3
+    /// channels of 8 bits.
+    pub views: DynLightFieldRef<'a>,
     /// The rig and the rest of `parameters.cfg`, as it will be written.
     pub parameters: &'a ParametersCfg,
     /// Disparity in pixels between horizontally adjacent views.
@@ -68,7 +56,7 @@ impl<'a> HciImage<'a> {
     ///
     /// [`Error::BadInput`] if the parameters or the ground truth are for other views or pixels than the pictures, or if
     /// the folder holds views or ground truth that would stay and be taken for a part of this image; then nothing is
-    /// written. Those of [`write_png_u8`], [`write_pfm`] and [`ParametersCfg::write`]; then there is no `parameters.cfg`,
+    /// written. Those of [`write_png`], [`write_pfm`] and [`ParametersCfg::write`]; then there is no `parameters.cfg`,
     /// and files that were finished before stay.
     pub fn write(&self, folder: impl AsRef<Path>, compression: Compression) -> Result<Vec<(String, Written)>, Error> {
         let folder = folder.as_ref();
@@ -95,10 +83,7 @@ impl<'a> HciImage<'a> {
     }
 
     fn split(&self) -> Split {
-        match self.views {
-            HciViews::U8(views) => views.split(),
-            HciViews::U16(views) => views.split(),
-        }
+        self.views.split()
     }
 
     fn maps(&self) -> [(HciQuantity, HciTruth<'a>); 2] {
@@ -176,14 +161,9 @@ impl<'a> HciImage<'a> {
         match name {
             Name::View(index) => {
                 let (t, s) = (index / columns, index % columns);
-                match self.views {
-                    HciViews::U8(views) => {
-                        write_png_u8(path, views.view(t, s).map_err(fault)?, Meaning::Srgb, compression)
-                    }
-                    HciViews::U16(views) => {
-                        write_png_u16(path, views.view(t, s).map_err(fault)?, Meaning::Srgb, compression)
-                    }
-                }
+                let view: DynImageRef<'_> =
+                    for_each_sample!(DynLightFieldRef, &self.views, views => views.view(t, s).map_err(fault)?.into());
+                write_png(path, view, Meaning::Srgb, compression)
             }
             Name::Truth { depth, view, .. } => {
                 let (t, s) = view.map_or(self.split().central_view(), |index| (index / columns, index % columns));

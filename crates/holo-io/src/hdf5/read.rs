@@ -4,13 +4,12 @@ use std::path::{Path, PathBuf};
 
 use ::hdf5::types::{FloatSize, IntSize, TypeDescriptor};
 use ::hdf5::{Dataset, File, H5Type, Hyperslab, SliceOrIndex};
-use holo_core::{GridSize, Rig, Split};
-use ndarray::{Array2, Array3, Array4, Array5, ArrayD, Dimension};
+use holo_core::{DynImage, DynLightField, GridSize, LightField, Rig, SampleKind, Split};
+use ndarray::{Array2, Array4, Array5, ArrayD, Dimension};
 
 use super::library::{Failure, open};
-use super::{FORMAT, Hdf5Map, attributes};
+use super::{FORMAT, Hdf5Map, Number, attributes};
 use crate::rig_values::{self, FoundRig};
-use crate::stored::{StoredLightField, StoredSample, sealed::Sealed};
 use crate::{Error, Limits};
 
 /// An open HDF5 light field.
@@ -24,7 +23,7 @@ pub struct Hdf5LightField {
     limits: Limits,
     shape: [usize; 5],
     split: Split,
-    sample: &'static str,
+    sample: SampleKind,
     rig: FoundRig,
 }
 
@@ -97,9 +96,9 @@ impl Hdf5LightField {
         self.shape[4]
     }
 
-    /// Returns the type of the samples: `uint8`, `uint16`, `float32` or `float64`.
+    /// Returns the type of the samples.
     #[must_use]
-    pub const fn sample_type(&self) -> &'static str {
+    pub const fn sample_kind(&self) -> SampleKind {
         self.sample
     }
 
@@ -128,19 +127,28 @@ impl Hdf5LightField {
     /// # Errors
     ///
     /// [`Error::TooLarge`] if they exceed the limits; [`Error::Broken`] if the library cannot read them.
-    pub fn read(&self) -> Result<StoredLightField, Error> {
+    pub fn read(&self) -> Result<DynLightField, Error> {
         let whole = self.shape.map(|count| SliceOrIndex::from(0..count));
         match self.sample {
-            "uint8" => self.stored::<u8>(whole),
-            "uint16" => self.stored::<u16>(whole),
-            "float32" => self.stored::<f32>(whole),
-            _ => self.stored::<f64>(whole),
+            SampleKind::U8 => self.light_field::<u8>(whole),
+            SampleKind::U16 => self.light_field::<u16>(whole),
+            SampleKind::F32 => self.light_field::<f32>(whole),
+            SampleKind::F64 => self.light_field::<f64>(whole),
         }
     }
 
-    fn stored<T: StoredSample>(&self, whole: [SliceOrIndex; 5]) -> Result<StoredLightField, Error> {
+    fn light_field<T: Number>(&self, whole: [SliceOrIndex; 5]) -> Result<DynLightField, Error> {
         let samples: Array5<T> = self.part(&self.samples, whole.to_vec())?;
-        T::stored(samples).map_err(|error| Error::core(&self.path, error))
+        LightField::new(samples).map(DynLightField::from).map_err(|error| Error::core(&self.path, error))
+    }
+
+    fn image(&self, slices: Vec<SliceOrIndex>) -> Result<DynImage, Error> {
+        Ok(match self.sample {
+            SampleKind::U8 => DynImage::U8(self.part(&self.samples, slices)?),
+            SampleKind::U16 => DynImage::U16(self.part(&self.samples, slices)?),
+            SampleKind::F32 => DynImage::F32(self.part(&self.samples, slices)?),
+            SampleKind::F64 => DynImage::F64(self.part(&self.samples, slices)?),
+        })
     }
 
     /// Reads the view `(t, s)` and little else.
@@ -151,13 +159,11 @@ impl Hdf5LightField {
     ///
     /// # Errors
     ///
-    /// Those of [`read`](Self::read); [`Error::BadInput`] if there is no such view, or if `T` is not the type of the
-    /// samples.
-    pub fn read_view<T: StoredSample>(&self, t: usize, s: usize) -> Result<Array3<T>, Error> {
+    /// Those of [`read`](Self::read); [`Error::BadInput`] if there is no such view.
+    pub fn read_view(&self, t: usize, s: usize) -> Result<DynImage, Error> {
         let [v, u, .., c] = self.shape;
-        self.check_type::<T>()?;
         self.check_index("view", (t, s), self.split.views())?;
-        self.part(&self.samples, vec![(0..v).into(), (0..u).into(), t.into(), s.into(), (0..c).into()])
+        self.image(vec![(0..v).into(), (0..u).into(), t.into(), s.into(), (0..c).into()])
     }
 
     /// Reads the elemental image of the lens `(v, u)` and little else.
@@ -169,11 +175,10 @@ impl Hdf5LightField {
     /// # Errors
     ///
     /// Those of [`read_view`](Self::read_view).
-    pub fn read_lens<T: StoredSample>(&self, v: usize, u: usize) -> Result<Array3<T>, Error> {
+    pub fn read_lens(&self, v: usize, u: usize) -> Result<DynImage, Error> {
         let [_, _, t, s, c] = self.shape;
-        self.check_type::<T>()?;
         self.check_index("lens", (v, u), self.split.lenses())?;
-        self.part(&self.samples, vec![v.into(), u.into(), (0..t).into(), (0..s).into(), (0..c).into()])
+        self.image(vec![v.into(), u.into(), (0..t).into(), (0..s).into(), (0..c).into()])
     }
 
     /// Reads a map of all views, `(v, u, t, s)`.
@@ -226,13 +231,6 @@ impl Hdf5LightField {
         Ok(dataset)
     }
 
-    fn check_type<T: StoredSample>(&self) -> Result<(), Error> {
-        if T::NAME == self.sample {
-            return Ok(());
-        }
-        Err(Error::bad_input(&self.path, format!("the samples are {}, not {}", self.sample, T::NAME)))
-    }
-
     fn check_index(&self, what: &str, (row, column): (usize, usize), count: GridSize) -> Result<(), Error> {
         if row < count.rows && column < count.columns {
             return Ok(());
@@ -273,12 +271,12 @@ pub(crate) fn check_chunk(path: &Path, dataset: &Dataset, limits: Limits) -> Res
 }
 
 /// The name of a dataset's type, if light fields come in it.
-fn sample_name(dataset: &Dataset) -> ::hdf5::Result<Option<&'static str>> {
+fn sample_name(dataset: &Dataset) -> ::hdf5::Result<Option<SampleKind>> {
     Ok(match dataset.dtype()?.to_descriptor()? {
-        TypeDescriptor::Unsigned(IntSize::U1) => Some(u8::NAME),
-        TypeDescriptor::Unsigned(IntSize::U2) => Some(u16::NAME),
-        TypeDescriptor::Float(FloatSize::U4) => Some(f32::NAME),
-        TypeDescriptor::Float(FloatSize::U8) => Some(f64::NAME),
+        TypeDescriptor::Unsigned(IntSize::U1) => Some(SampleKind::U8),
+        TypeDescriptor::Unsigned(IntSize::U2) => Some(SampleKind::U16),
+        TypeDescriptor::Float(FloatSize::U4) => Some(SampleKind::F32),
+        TypeDescriptor::Float(FloatSize::U8) => Some(SampleKind::F64),
         _ => None,
     })
 }

@@ -1,16 +1,17 @@
 //! The writer: lens rows as they come.
 
-use holo_core::Rig;
+use std::marker::PhantomData;
 use std::path::Path;
+
+use holo_core::{DynLightFieldRef, LightField, Rig, Sample, SampleKind};
 
 use ::hdf5::{Dataset, File, Hyperslab, SliceOrIndex};
 use ndarray::parallel::prelude::*;
 use ndarray::{ArrayD, ArrayView2, ArrayView4, ArrayView5, ArrayViewD, Axis, IxDyn, Slice};
 
 use super::library::{Failure, create};
-use super::{Hdf5Map, Hdf5Options, attributes};
+use super::{Hdf5Map, Hdf5Options, Number, attributes};
 use crate::atomic::AtomicPlace;
-use crate::stored::StoredSample;
 use crate::{Error, Written};
 
 /// Writes a light field lens row by lens row, and the ground truth beside it.
@@ -25,12 +26,34 @@ use crate::{Error, Written};
 #[derive(Debug)]
 pub struct Hdf5Writer<T> {
     // The order matters: datasets are closed first, then the file, and then the temporary file can go.
-    samples: Rows<T>,
+    samples: AnyRows,
     maps: Vec<(Hdf5Map, Rows<f32>)>,
     file: File,
     place: AtomicPlace,
     options: Hdf5Options,
     rig: Rig,
+    sample: PhantomData<T>,
+}
+
+/// The samples, of one of the types.
+#[derive(Debug)]
+enum AnyRows {
+    U8(Rows<u8>),
+    U16(Rows<u16>),
+    F32(Rows<f32>),
+    F64(Rows<f64>),
+}
+
+/// Runs the same on whichever it is.
+macro_rules! any {
+    ($rows:expr, $name:ident => $body:expr) => {
+        match $rows {
+            AnyRows::U8($name) => $body,
+            AnyRows::U16($name) => $body,
+            AnyRows::F32($name) => $body,
+            AnyRows::F64($name) => $body,
+        }
+    };
 }
 
 /// A dataset that is written along its first axis.
@@ -44,7 +67,7 @@ struct Rows<T> {
     count: usize,
 }
 
-impl<T: StoredSample> Hdf5Writer<T> {
+impl<T: Sample> Hdf5Writer<T> {
     /// Starts a file with samples of `channels` channels, and with these maps of all views.
     pub fn create(
         path: impl AsRef<Path>,
@@ -66,8 +89,14 @@ impl<T: StoredSample> Hdf5Writer<T> {
         attributes::write_rig(&file, rig).map_err(failed)?;
         let shape = rig.split().shape(channels);
         // Linear radiance has no unit here: 1 is what exposure 0 shows as white.
-        let unit = if T::IS_FLOAT { "linear radiance" } else { "sRGB" };
-        let samples = Rows::create(&file, "H", &shape, "vutsc", unit, options, path)?;
+        let unit = if T::KIND.is_float() { "linear radiance" } else { "sRGB" };
+        let (name, axes) = ("H", "vutsc");
+        let samples = match T::KIND {
+            SampleKind::U8 => AnyRows::U8(Rows::create(&file, name, &shape, axes, unit, options, path)?),
+            SampleKind::U16 => AnyRows::U16(Rows::create(&file, name, &shape, axes, unit, options, path)?),
+            SampleKind::F32 => AnyRows::F32(Rows::create(&file, name, &shape, axes, unit, options, path)?),
+            SampleKind::F64 => AnyRows::F64(Rows::create(&file, name, &shape, axes, unit, options, path)?),
+        };
         let mut rows = Vec::with_capacity(maps.len());
         for &kind in maps {
             if rows.iter().any(|&(other, _)| other == kind) {
@@ -75,13 +104,13 @@ impl<T: StoredSample> Hdf5Writer<T> {
             }
             rows.push((kind, Rows::create(&file, kind.name(), &shape[..4], "vuts", kind.unit(), options, path)?));
         }
-        Ok(Self { samples, maps: rows, file, place, options: *options, rig: *rig })
+        Ok(Self { samples, maps: rows, file, place, options: *options, rig: *rig, sample: PhantomData })
     }
 
     /// Returns how many lens rows are best written in one call: fewer or more are right too, but are copied once.
     #[must_use]
     pub fn lens_rows_at_a_time(&self) -> usize {
-        self.samples.band.len_of(Axis(0))
+        any!(&self.samples, rows => rows.band.len_of(Axis(0)))
     }
 
     /// Writes the next lens rows of the samples.
@@ -90,7 +119,18 @@ impl<T: StoredSample> Hdf5Writer<T> {
     ///
     /// `(rows, u, t, s, c)`, any strides and any number of rows that are left.
     pub fn write_lens_rows(&mut self, rows: ArrayView5<'_, T>) -> Result<(), Error> {
-        self.samples.push(rows.into_dyn(), self.place.path())
+        if rows.is_empty() {
+            return Ok(());
+        }
+        let path = self.place.path();
+        let rows = LightField::new(rows).map_err(|error| Error::core(path, error))?;
+        match (&mut self.samples, DynLightFieldRef::from(rows)) {
+            (AnyRows::U8(out), DynLightFieldRef::U8(rows)) => out.push(rows.into_samples().into_dyn(), path),
+            (AnyRows::U16(out), DynLightFieldRef::U16(rows)) => out.push(rows.into_samples().into_dyn(), path),
+            (AnyRows::F32(out), DynLightFieldRef::F32(rows)) => out.push(rows.into_samples().into_dyn(), path),
+            (AnyRows::F64(out), DynLightFieldRef::F64(rows)) => out.push(rows.into_samples().into_dyn(), path),
+            _ => Err(Error::bad_input(path, "rows of another type")),
+        }
     }
 
     /// Writes the next lens rows of a map of all views.
@@ -136,7 +176,7 @@ impl<T: StoredSample> Hdf5Writer<T> {
     pub fn finish(self) -> Result<Written, Error> {
         let Self { samples, maps, file, place, .. } = self;
         let failed = |error| Failure { path: place.path(), is_writing: true }.error(error);
-        samples.check_complete("H", place.path())?;
+        any!(&samples, rows => rows.check_complete("H", place.path()))?;
         maps.iter().try_for_each(|(kind, rows)| rows.check_complete(kind.name(), place.path()))?;
         drop((samples, maps));
         // By its own call, because closing tells no errors.
@@ -146,7 +186,7 @@ impl<T: StoredSample> Hdf5Writer<T> {
     }
 }
 
-impl<T: StoredSample> Rows<T> {
+impl<T: Number> Rows<T> {
     fn create(
         file: &File,
         name: &str,

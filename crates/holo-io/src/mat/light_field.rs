@@ -2,14 +2,12 @@
 
 use std::path::Path;
 
-use holo_core::{GridSize, LightField, Rig};
-use ndarray::{Array5, ArrayD, Data, Ix5, IxDyn, aview0, aview1};
+use holo_core::{DynLightField, DynLightFieldRef, GridSize, LightField, Rig, Sample};
+use ndarray::{Array5, ArrayD, ArrayView5, ArrayViewD, Data, Ix5, IxDyn, aview0, aview1};
 
 use super::file::{Opened, missing};
 use super::{MatArray, MatOptions, MatValue, MatVariable, write_mat};
 use crate::rig_values::{self, RigValues};
-use crate::stored::sealed::{AnyView, Sealed};
-use crate::stored::{StoredLightField, StoredSample, in_order};
 use crate::{Error, Limits, Written};
 
 /// The order of a light field's dimensions in a MAT file.
@@ -50,21 +48,23 @@ impl MatOrder {
 #[derive(Debug, Clone, PartialEq)]
 pub struct MatLightField {
     /// The samples, with the strides that the file has.
-    pub light_field: StoredLightField,
+    pub light_field: DynLightField,
     /// The rig, if the file tells all of it and its numbers make one.
     pub rig: Option<Rig>,
     /// Why the numbers in the file make no rig, if they do not.
     pub rig_error: Option<holo_core::Error>,
 }
 
-impl<'a> From<AnyView<'a>> for MatValue<'a> {
-    fn from(array: AnyView<'a>) -> Self {
-        match array {
-            AnyView::U8(array) => Self::U8(array),
-            AnyView::U16(array) => Self::U16(array),
-            AnyView::F32(array) => Self::F32(array),
-            AnyView::F64(array) => Self::F64(array),
-        }
+/// The samples as MATLAB shall see them, in the order of `axes`.
+pub(super) fn value<'a>(samples: DynLightFieldRef<'a>, axes: &[usize; 5]) -> MatValue<'a> {
+    fn ordered<'a, T>(samples: ArrayView5<'a, T>, axes: &[usize; 5]) -> ArrayViewD<'a, T> {
+        samples.into_dyn().permuted_axes(IxDyn(axes))
+    }
+    match samples {
+        DynLightFieldRef::U8(field) => MatValue::U8(ordered(field.into_samples(), axes)),
+        DynLightFieldRef::U16(field) => MatValue::U16(ordered(field.into_samples(), axes)),
+        DynLightFieldRef::F32(field) => MatValue::F32(ordered(field.into_samples(), axes)),
+        DynLightFieldRef::F64(field) => MatValue::F64(ordered(field.into_samples(), axes)),
     }
 }
 
@@ -88,14 +88,14 @@ pub fn write_mat_light_field<S>(
 ) -> Result<Written, Error>
 where
     S: Data,
-    S::Elem: StoredSample,
+    S::Elem: Sample,
 {
     let path = path.as_ref();
     let split = light_field.split();
     rig_values::check_split(path, rig, &split)?;
     let counts = [split.views(), split.lenses()].map(|size| [size.rows as f64, size.columns as f64]);
     let values = rig.map(RigValues::from);
-    let samples = MatValue::from(S::Elem::any(in_order(light_field.samples(), &order.axes())));
+    let samples = value(light_field.borrowed().into(), &order.axes());
     let mut variables = vec![MatVariable { name: order.name(), value: samples }];
     variables.extend(beside(order, &counts, values.as_ref()));
     write_mat(path, &variables, options)
@@ -187,7 +187,7 @@ fn contradiction(path: &Path, what: impl Into<String>) -> Error {
 }
 
 /// Gives an array its five axes back and names them.
-fn ordered<T: StoredSample + Sealed>(path: &Path, array: ArrayD<T>, letters: &str) -> Result<StoredLightField, Error> {
+fn ordered<T: Sample>(path: &Path, array: ArrayD<T>, letters: &str) -> Result<DynLightField, Error> {
     let mut shape = array.shape().to_vec();
     if shape.len() > 5 {
         return Err(contradiction(path, format!("the samples have {} dimensions instead of five", shape.len())));
@@ -205,7 +205,7 @@ fn ordered<T: StoredSample + Sealed>(path: &Path, array: ArrayD<T>, letters: &st
         .permuted_axes(IxDyn(&axes))
         .into_dimensionality::<Ix5>()
         .map_err(|error| contradiction(path, error.to_string()))?;
-    T::stored(array).map_err(|error| Error::core(path, error))
+    LightField::new(array).map(DynLightField::from).map_err(|error| Error::core(path, error))
 }
 
 /// Compares counts that stand beside the samples with the samples.

@@ -4,19 +4,19 @@
 //! again. A chunk holds a few lenses and views, as in this crate's HDF5 files, and the rows of a chunk are gathered before they
 //! are written.
 
+use std::marker::PhantomData;
 use std::path::Path;
 
-use holo_core::Rig;
+use holo_core::{DynLightFieldRef, LightField, Rig, Sample, SampleKind};
 
 use ::hdf5::{Dataset, File, Hyperslab, SliceOrIndex};
-use ndarray::{Array5, ArrayD, ArrayView5, Axis, Dimension, Slice, aview1};
+use ndarray::{Array5, ArrayD, ArrayView5, Axis, Dimension, Slice};
 
 use super::light_field::{MatOrder, beside};
 use super::order::column_major;
-use super::{MatValue, v73};
-use crate::hdf5::{Failure, Hdf5Options};
+use super::{MatClass, v73};
+use crate::hdf5::{Failure, Hdf5Options, Number};
 use crate::rig_values::RigValues;
-use crate::stored::StoredSample;
 use crate::{Error, Written};
 
 /// Lens columns that are turned round at a time, in chunks.
@@ -52,9 +52,25 @@ const CHUNKS_AT_A_TIME: usize = 4;
 #[derive(Debug)]
 pub struct MatWriter<T> {
     // The order matters: the dataset is closed first, then the file, and then the temporary file can go.
-    dataset: Dataset,
+    rows: AnyRows,
     file: File,
     place: crate::atomic::AtomicPlace,
+    samples: PhantomData<T>,
+}
+
+/// The rows of one of the types.
+#[derive(Debug)]
+enum AnyRows {
+    U8(Rows<u8>),
+    U16(Rows<u16>),
+    F32(Rows<f32>),
+    F64(Rows<f64>),
+}
+
+/// A dataset that is written lens row by lens row.
+#[derive(Debug)]
+struct Rows<T> {
+    dataset: Dataset,
     /// (v, u, t, s, c) of the whole.
     shape: [usize; 5],
     /// Lens rows and columns of a chunk.
@@ -65,7 +81,7 @@ pub struct MatWriter<T> {
     count: usize,
 }
 
-impl<T: StoredSample> MatWriter<T> {
+impl<T: Sample> MatWriter<T> {
     /// Starts a file with samples of `channels` channels.
     pub fn create(path: impl AsRef<Path>, rig: &Rig, channels: usize, is_compressed: bool) -> Result<Self, Error> {
         let path = path.as_ref();
@@ -75,19 +91,19 @@ impl<T: StoredSample> MatWriter<T> {
         let values = RigValues::from(rig);
         let (place, file) = v73::begin(path)?;
         let failed = |error| Failure { path, is_writing: true }.error(error);
-        let order = MatOrder::Lenses;
         let counts = [rig.split().views(), rig.split().lenses()].map(|size| [size.rows as f64, size.columns as f64]);
-        for variable in beside(order, &counts, Some(&values)) {
+        for variable in beside(MatOrder::Lenses, &counts, Some(&values)) {
             v73::variable(&file, &variable, false).map_err(failed)?;
         }
         let shape = rig.split().shape(channels);
-        let chunk = Hdf5Options::default().chunk_of(&shape, size_of::<T>());
-        let class = MatValue::from(T::any(aview1::<T>(&[]).into_dyn())).class();
-        let reversed = |sides: &[usize]| sides.iter().rev().copied().collect::<Vec<_>>();
-        let dataset = v73::chunked::<T>(&file, order.name(), &reversed(&shape), reversed(&chunk), class, is_compressed)
-            .map_err(failed)?;
-        let band = Array5::default([chunk[0], shape[1], shape[2], shape[3], shape[4]]);
-        Ok(Self { dataset, file, place, shape, chunk: [chunk[0], chunk[1]], band, count: 0 })
+        let rows = match T::KIND {
+            SampleKind::U8 => Rows::create(&file, shape, MatClass::U8, is_compressed).map(AnyRows::U8),
+            SampleKind::U16 => Rows::create(&file, shape, MatClass::U16, is_compressed).map(AnyRows::U16),
+            SampleKind::F32 => Rows::create(&file, shape, MatClass::F32, is_compressed).map(AnyRows::F32),
+            SampleKind::F64 => Rows::create(&file, shape, MatClass::F64, is_compressed).map(AnyRows::F64),
+        }
+        .map_err(failed)?;
+        Ok(Self { rows, file, place, samples: PhantomData })
     }
 
     /// Writes the next lens rows.
@@ -96,11 +112,54 @@ impl<T: StoredSample> MatWriter<T> {
     ///
     /// `(rows, u, t, s, c)`, any strides and any number of rows that are left.
     pub fn write_lens_rows(&mut self, rows: ArrayView5<'_, T>) -> Result<(), Error> {
+        if rows.is_empty() {
+            return Ok(());
+        }
+        let path = self.place.path();
+        let rows = LightField::new(rows).map_err(|error| Error::core(path, error))?;
+        match (&mut self.rows, DynLightFieldRef::from(rows)) {
+            (AnyRows::U8(out), DynLightFieldRef::U8(rows)) => out.push(rows.into_samples(), path),
+            (AnyRows::U16(out), DynLightFieldRef::U16(rows)) => out.push(rows.into_samples(), path),
+            (AnyRows::F32(out), DynLightFieldRef::F32(rows)) => out.push(rows.into_samples(), path),
+            (AnyRows::F64(out), DynLightFieldRef::F64(rows)) => out.push(rows.into_samples(), path),
+            _ => Err(Error::bad_input(path, "rows of another type")),
+        }
+    }
+
+    /// Completes the file and gives it its name.
+    pub fn finish(self) -> Result<Written, Error> {
+        let Self { rows, file, place, .. } = self;
+        let (count, all) = match &rows {
+            AnyRows::U8(rows) => (rows.count, rows.shape[0]),
+            AnyRows::U16(rows) => (rows.count, rows.shape[0]),
+            AnyRows::F32(rows) => (rows.count, rows.shape[0]),
+            AnyRows::F64(rows) => (rows.count, rows.shape[0]),
+        };
+        if count < all {
+            return Err(Error::bad_input(place.path(), format!("only {count} of {all} lens rows were written")));
+        }
+        drop(rows);
+        v73::end(place, file)
+    }
+}
+
+impl<T: Number> Rows<T> {
+    fn create(file: &File, shape: [usize; 5], class: MatClass, is_compressed: bool) -> ::hdf5::Result<Self> {
+        let chunk = Hdf5Options::default().chunk_of(&shape, size_of::<T>());
+        let reversed = |sides: &[usize]| sides.iter().rev().copied().collect::<Vec<_>>();
+        let name = MatOrder::Lenses.name();
+        let dataset = v73::chunked::<T>(file, name, &reversed(&shape), reversed(&chunk), class, is_compressed)?;
+        let band = Array5::default([chunk[0], shape[1], shape[2], shape[3], shape[4]]);
+        Ok(Self { dataset, shape, chunk: [chunk[0], chunk[1]], band, count: 0 })
+    }
+
+    /// Takes rows, and writes what makes whole chunks.
+    fn push(&mut self, rows: ArrayView5<'_, T>, path: &Path) -> Result<(), Error> {
         let left = self.shape[0] - self.count;
         let given = rows.raw_dim();
         if given.slice()[1..] != self.shape[1..] || given[0] > left {
             let what = format!("rows of shape {given:?} do not fit {:?}, of which {left} rows are left", self.shape);
-            return Err(Error::bad_input(self.place.path(), what));
+            return Err(Error::bad_input(path, what));
         }
         let height = self.chunk[0];
         let mut taken = 0;
@@ -111,7 +170,7 @@ impl<T: StoredSample> MatWriter<T> {
             let start = self.count - filled;
             let end = self.count + count;
             let is_full = end.is_multiple_of(height) || end == self.shape[0];
-            let failure = Failure { path: self.place.path(), is_writing: true };
+            let failure = Failure { path, is_writing: true };
             if filled == 0 && is_full {
                 self.write(start, source).map_err(|error| failure.error(error))?;
             } else {
@@ -146,16 +205,5 @@ impl<T: StoredSample> MatWriter<T> {
             self.dataset.write_slice(turned.view(), Hyperslab::from(slices))?;
         }
         Ok(())
-    }
-
-    /// Completes the file and gives it its name.
-    pub fn finish(self) -> Result<Written, Error> {
-        let Self { dataset, file, place, shape, count, .. } = self;
-        if count < shape[0] {
-            let what = format!("only {count} of {} lens rows were written", shape[0]);
-            return Err(Error::bad_input(place.path(), what));
-        }
-        drop(dataset);
-        v73::end(place, file)
     }
 }

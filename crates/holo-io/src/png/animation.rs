@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use holo_core::GridSize;
+use holo_core::{GridSize, Sample};
 use ndarray::ArrayView3;
 
-use super::encode::{Layout, gather};
-use super::{Meaning, PngSample};
+use super::Meaning;
+use super::encode::{Layout, gather_image};
 use crate::{AtomicFile, Error, Written};
 
 /// Ticks of the clock a second in which the time of a picture is told.
@@ -16,7 +16,7 @@ const TICKS: f64 = 100.0;
 ///
 /// # Shape
 ///
-/// Every picture is `(rows, columns, channels)` as in [`super::write_png_u8`], all of one shape; any strides.
+/// Every picture is `(rows, columns, channels)` as in [`super::write_png`], all of one shape; any strides.
 ///
 /// # Units
 ///
@@ -44,7 +44,7 @@ const TICKS: f64 = 100.0;
 /// write_png_animation(folder.path().join("moving.png"), &views, 25.0, Meaning::Srgb)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write_png_animation<T: PngSample>(
+pub fn write_png_animation<T: Sample>(
     path: impl AsRef<Path>,
     pictures: &[ArrayView3<'_, T>],
     pictures_per_second: f64,
@@ -66,10 +66,10 @@ pub fn write_png_animation<T: PngSample>(
             first.shape()
         )));
     }
-    let layout = Layout::new(GridSize::new(rows, columns), channels, size_of::<T>(), path)?;
+    let layout = Layout::new(GridSize::new(rows, columns), channels, T::KIND, path)?;
     let mut file = AtomicFile::create(path)?;
     let mut encode = || -> Result<(), png::EncodingError> {
-        let mut encoder = layout.encoder::<T, _>(&mut file, meaning);
+        let mut encoder = layout.encoder(&mut file, meaning);
         encoder.set_compression(png::Compression::Balanced);
         encoder.set_filter(png::Filter::Adaptive);
         encoder.set_animated(count, 0)?;
@@ -78,9 +78,7 @@ pub fn write_png_animation<T: PngSample>(
         let mut writer = encoder.write_header()?;
         let mut bytes = vec![0; layout.row_bytes() * rows];
         for picture in pictures {
-            for (row, bytes) in picture.outer_iter().zip(bytes.chunks_exact_mut(layout.row_bytes())) {
-                gather(row, bytes);
-            }
+            gather_image(&(*picture).into(), layout.row_bytes(), &mut bytes);
             writer.write_image_data(&bytes)?;
         }
         writer.finish()

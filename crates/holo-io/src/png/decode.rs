@@ -4,10 +4,10 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Seek};
 use std::path::Path;
 
-use holo_core::GridSize;
+use holo_core::{DynImage, GridSize};
 use ndarray::Array3;
 
-use super::{PngInfo, PngSamples};
+use super::PngInfo;
 use crate::error::MEMORY;
 use crate::{Error, Limits};
 
@@ -20,7 +20,7 @@ const WORKING_BYTES: std::ops::RangeInclusive<u64> = 1 << 20..=256 << 20;
 ///
 /// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not a PNG, is truncated or damaged;
 /// [`Error::TooLarge`] if its samples exceed the limits, before memory is taken for them.
-pub fn read_png(path: impl AsRef<Path>, limits: &Limits) -> Result<PngSamples, Error> {
+pub fn read_png(path: impl AsRef<Path>, limits: &Limits) -> Result<DynImage, Error> {
     let path = path.as_ref();
     decode(open(path)?, path, *limits)
 }
@@ -30,7 +30,7 @@ pub fn read_png(path: impl AsRef<Path>, limits: &Limits) -> Result<PngSamples, E
 /// # Errors
 ///
 /// Those of [`read_png`].
-pub fn decode_png(bytes: &[u8], limits: &Limits) -> Result<PngSamples, Error> {
+pub fn decode_png(bytes: &[u8], limits: &Limits) -> Result<DynImage, Error> {
     decode(Cursor::new(bytes), Path::new(MEMORY), *limits)
 }
 
@@ -78,7 +78,7 @@ fn check_palette(info: &png::Info<'_>, path: &Path) -> Result<(), Error> {
     Ok(())
 }
 
-fn decode<R: BufRead + Seek>(source: R, path: &Path, limits: Limits) -> Result<PngSamples, Error> {
+fn decode<R: BufRead + Seek>(source: R, path: &Path, limits: Limits) -> Result<DynImage, Error> {
     let (mut reader, info) = start(source, path, limits)?;
     let shape = (info.size.rows, info.size.columns, info.channels);
     let counts = [shape.0, shape.1, shape.2];
@@ -86,13 +86,13 @@ fn decode<R: BufRead + Seek>(source: R, path: &Path, limits: Limits) -> Result<P
         let count = limits.elements(path, "image", &counts, 1)?;
         let mut samples = limits.room::<u8>(path, "image", count)?;
         read_rows(&mut reader, path, limits, count, |bytes| samples.extend_from_slice(bytes))?;
-        Array3::from_shape_vec(shape, samples).ok().map(PngSamples::U8)
+        Array3::from_shape_vec(shape, samples).ok().map(DynImage::U8)
     } else {
         let count = limits.elements(path, "image", &counts, 2)?;
         let mut samples = limits.room::<u16>(path, "image", count)?;
         let pair = |bytes: &[u8]| u16::from_be_bytes([bytes[0], bytes[1]]);
         read_rows(&mut reader, path, limits, count * 2, |bytes| samples.extend(bytes.chunks_exact(2).map(pair)))?;
-        Array3::from_shape_vec(shape, samples).ok().map(PngSamples::U16)
+        Array3::from_shape_vec(shape, samples).ok().map(DynImage::U16)
     };
     // The pixels may be complete in a file that was cut behind them.
     reader.finish().map_err(|error| fault(error, path, limits))?;

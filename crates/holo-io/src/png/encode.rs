@@ -1,11 +1,10 @@
 //! Encodes PNG row by row, into whatever takes bytes.
 
 use std::io::Write;
-use std::marker::PhantomData;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use holo_core::GridSize;
+use holo_core::{DynImageRef, GridSize, SampleKind};
 use ndarray::{ArrayView2, ArrayView3, Axis};
 
 use super::bands::Bands;
@@ -13,8 +12,8 @@ use super::{Compression, Meaning};
 use crate::error::MEMORY;
 use crate::{AtomicFile, Error};
 
-/// A sample of 8 or 16 bits, in the byte order of PNG.
-pub trait Sample: Copy + Send + Sync {
+/// A number of 8 or 16 bits, in the byte order of PNG.
+pub(super) trait Bytes: Copy + Send + Sync {
     /// Its size in the file.
     const BYTES: usize;
 
@@ -25,7 +24,7 @@ pub trait Sample: Copy + Send + Sync {
     fn put(self, bytes: &mut [u8]);
 }
 
-impl Sample for u8 {
+impl Bytes for u8 {
     const BYTES: usize = 1;
 
     fn put_dense(samples: &[Self], bytes: &mut [u8]) {
@@ -37,7 +36,7 @@ impl Sample for u8 {
     }
 }
 
-impl Sample for u16 {
+impl Bytes for u16 {
     const BYTES: usize = 2;
 
     fn put_dense(samples: &[Self], bytes: &mut [u8]) {
@@ -58,14 +57,26 @@ pub(super) struct Layout {
     pub channels: usize,
     width: u32,
     height: u32,
+    pub kind: SampleKind,
     colour: png::ColorType,
+    depth: png::BitDepth,
     pixel_bytes: usize,
     row_bytes: usize,
 }
 
 impl Layout {
-    pub fn new(size: GridSize, channels: usize, sample_bytes: usize, path: &Path) -> Result<Self, Error> {
+    pub fn new(size: GridSize, channels: usize, kind: SampleKind, path: &Path) -> Result<Self, Error> {
         let bad = |what: String| Error::bad_input(path, what);
+        let (depth, sample_bytes) = match kind {
+            SampleKind::U8 => (png::BitDepth::Eight, 1),
+            SampleKind::U16 => (png::BitDepth::Sixteen, 2),
+            SampleKind::F32 | SampleKind::F64 => {
+                let kind = kind.name();
+                return Err(bad(format!(
+                    "a PNG holds integers of 8 or 16 bits, not {kind}; write PFM or EXR, or encode it"
+                )));
+            }
+        };
         let side = |count: usize, what: &str| {
             u32::try_from(count)
                 .ok()
@@ -86,7 +97,7 @@ impl Layout {
             .checked_mul(pixel_bytes)
             .filter(|&bytes| bytes < isize::MAX as usize / 4)
             .ok_or_else(|| bad(format!("rows of {width} pixels do not fit into the memory of this machine")))?;
-        Ok(Self { size, channels, width, height, colour, pixel_bytes, row_bytes })
+        Ok(Self { size, channels, width, height, kind, colour, depth, pixel_bytes, row_bytes })
     }
 
     pub fn row_bytes(&self) -> usize {
@@ -94,10 +105,10 @@ impl Layout {
     }
 
     /// An encoder that knows what the header says.
-    pub fn encoder<'a, T: Sample, W: Write>(&self, out: W, meaning: Meaning) -> png::Encoder<'a, W> {
+    pub fn encoder<'a, W: Write>(&self, out: W, meaning: Meaning) -> png::Encoder<'a, W> {
         let mut encoder = png::Encoder::new(out, self.width, self.height);
         encoder.set_color(self.colour);
-        encoder.set_depth(if T::BYTES == 1 { png::BitDepth::Eight } else { png::BitDepth::Sixteen });
+        encoder.set_depth(self.depth);
         if meaning == Meaning::Srgb {
             encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         }
@@ -145,26 +156,34 @@ enum Rows<W: Sink> {
 }
 
 /// A PNG on its way into `W`. Whoever owns it counts the rows.
-pub(super) struct Encoder<T, W: Sink> {
+pub(super) struct Encoder<W: Sink> {
     rows: Rows<W>,
     row_bytes: usize,
     out: Arc<Mutex<W>>,
-    samples: PhantomData<fn(T)>,
 }
 
-impl<T: Sample, W: Sink> Encoder<T, W> {
+impl<W: Sink> Encoder<W> {
     /// Writes the header.
     pub fn new(out: W, layout: Layout, meaning: Meaning, compression: Compression) -> Result<Self, Error> {
         let out = Arc::new(Mutex::new(out));
-        let rows = Rows::new::<T>(Shared(Arc::clone(&out)), layout, meaning, compression);
+        let rows = Rows::new(Shared(Arc::clone(&out)), layout, meaning, compression);
         match rows {
-            Ok(rows) => Ok(Self { rows, row_bytes: layout.row_bytes, out, samples: PhantomData }),
+            Ok(rows) => Ok(Self { rows, row_bytes: layout.row_bytes, out }),
             Err(error) => Err(fault(&out, error)),
         }
     }
 
-    /// Takes the next rows, which are no more than are missing and as wide as the image.
-    pub fn write_rows(&mut self, rows: ArrayView3<'_, T>) -> Result<(), Error> {
+    /// Takes the next rows, which are no more than are missing, as wide as the image, and of its kind.
+    pub fn write_rows(&mut self, rows: DynImageRef<'_>) -> Result<(), Error> {
+        match rows {
+            DynImageRef::U8(rows) => self.push(rows),
+            DynImageRef::U16(rows) => self.push(rows),
+            // The layout has refused floats.
+            DynImageRef::F32(_) | DynImageRef::F64(_) => Ok(()),
+        }
+    }
+
+    fn push<T: Bytes>(&mut self, rows: ArrayView3<'_, T>) -> Result<(), Error> {
         let outcome = match &mut self.rows {
             Rows::Scratch(writer) => {
                 let mut bytes = vec![0; self.row_bytes];
@@ -202,13 +221,13 @@ fn fault<W: Sink>(out: &Mutex<W>, error: png::EncodingError) -> Error {
 }
 
 impl<W: Sink> Rows<W> {
-    fn new<T: Sample>(
+    fn new(
         out: Shared<W>,
         layout: Layout,
         meaning: Meaning,
         compression: Compression,
     ) -> Result<Self, png::EncodingError> {
-        let mut encoder = layout.encoder::<T, _>(out, meaning);
+        let mut encoder = layout.encoder(out, meaning);
         Ok(match compression {
             Compression::Scratch => {
                 encoder.set_compression(png::Compression::Fast);
@@ -223,8 +242,21 @@ impl<W: Sink> Rows<W> {
     }
 }
 
+/// Puts the rows of an image into their bytes, as many bytes a row.
+pub(super) fn gather_image(image: &DynImageRef<'_>, row_bytes: usize, bytes: &mut [u8]) {
+    fn rows<T: Bytes>(image: &ArrayView3<'_, T>, row_bytes: usize, bytes: &mut [u8]) {
+        image.outer_iter().zip(bytes.chunks_exact_mut(row_bytes)).for_each(|(row, bytes)| gather(row, bytes));
+    }
+    match image {
+        DynImageRef::U8(image) => rows(image, row_bytes, bytes),
+        DynImageRef::U16(image) => rows(image, row_bytes, bytes),
+        // The layout has refused floats.
+        DynImageRef::F32(_) | DynImageRef::F64(_) => {}
+    }
+}
+
 /// Puts a row of any strides into its bytes.
-pub(super) fn gather<T: Sample>(row: ArrayView2<'_, T>, bytes: &mut [u8]) {
+fn gather<T: Bytes>(row: ArrayView2<'_, T>, bytes: &mut [u8]) {
     match row.as_slice() {
         Some(dense) => T::put_dense(dense, bytes),
         None => row.iter().zip(bytes.chunks_exact_mut(T::BYTES)).for_each(|(sample, bytes)| sample.put(bytes)),

@@ -2,18 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::GridSize;
-use ndarray::ArrayView3;
+use holo_core::{DynImageRef, GridSize, SampleKind};
 
-use super::encode::{Encoder, Layout, Sample};
+use super::encode::{Encoder, Layout};
 use super::{Compression, Meaning};
 use crate::{AtomicFile, Error, Written};
-
-/// A sample of a PNG: `u8` or `u16`.
-pub trait PngSample: Sample {}
-
-impl PngSample for u8 {}
-impl PngSample for u16 {}
 
 /// Writes a PNG of 8 or 16 bits a channel from top to bottom, a band of rows at a time.
 ///
@@ -26,13 +19,13 @@ impl PngSample for u16 {}
 /// # Examples
 ///
 /// ```
-/// use holo_core::GridSize;
+/// use holo_core::{GridSize, SampleKind};
 /// use holo_io::{Compression, Meaning, PngWriter};
 /// use ndarray::Array3;
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("raw.png");
-/// let mut png = PngWriter::create(&path, GridSize::new(40, 30), 3, Meaning::Srgb, Compression::Published)?;
+/// let mut png = PngWriter::create(&path, GridSize::new(40, 30), 3, SampleKind::U8, Meaning::Srgb, Compression::Published)?;
 /// for band in 0..4 {
 ///     png.write_rows(Array3::<u8>::from_elem((10, 30, 3), band * 60).view())?;
 /// }
@@ -41,36 +34,37 @@ impl PngSample for u16 {}
 /// assert_eq!(written, holo_io::hash_file(&path)?);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub struct PngWriter<T: PngSample> {
+pub struct PngWriter {
     path: PathBuf,
-    encoder: Encoder<T, AtomicFile>,
+    encoder: Encoder<AtomicFile>,
     layout: Layout,
     rows: usize,
     has_failed: bool,
 }
 
-impl<T: PngSample> std::fmt::Debug for PngWriter<T> {
+impl std::fmt::Debug for PngWriter {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("PngWriter").field("path", &self.path).field("rows", &self.rows).finish_non_exhaustive()
     }
 }
 
-impl<T: PngSample> PngWriter<T> {
-    /// Starts a file of `size` with 1 (grey), 2 (grey, alpha), 3 (RGB) or 4 (RGB, alpha) channels.
+impl PngWriter {
+    /// Starts a file of `size` with 1 (grey), 2 (grey, alpha), 3 (RGB) or 4 (RGB, alpha) channels of 8 or 16 bits.
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if the image is empty, has another number of channels or more than 2^31 - 1 rows or columns;
+    /// [`Error::BadInput`] if the samples are to be floats, if the image is empty, has another number of channels or more than 2^31 - 1 rows or columns;
     /// [`Error::Io`] if the file cannot be written.
     pub fn create(
         path: impl AsRef<Path>,
         size: GridSize,
         channels: usize,
+        kind: SampleKind,
         meaning: Meaning,
         compression: Compression,
     ) -> Result<Self, Error> {
         let path = path.as_ref();
-        let layout = Layout::new(size, channels, size_of::<T>(), path)?;
+        let layout = Layout::new(size, channels, kind, path)?;
         let file = AtomicFile::create(path)?;
         let encoder = Encoder::new(file, layout, meaning, compression)?;
         Ok(Self { path: path.to_owned(), encoder, layout, rows: 0, has_failed: false })
@@ -84,14 +78,23 @@ impl<T: PngSample> PngWriter<T> {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if columns or channels are not those of the image or if it has fewer rows; [`Error::Io`] if the
+    /// [`Error::BadInput`] if columns, channels or type are not those of the image or if it has fewer rows; [`Error::Io`] if the
     /// file cannot be written. After an error the file cannot be finished.
-    pub fn write_rows(&mut self, rows: ArrayView3<'_, T>) -> Result<(), Error> {
+    pub fn write_rows<'a>(&mut self, rows: impl Into<DynImageRef<'a>>) -> Result<(), Error> {
+        let rows = rows.into();
         let bad = |what: String| Err(Error::bad_input(&self.path, what));
         if self.has_failed {
             return bad("an earlier band of rows could not be written".into());
         }
-        let (count, columns, channels) = rows.dim();
+        let (GridSize { rows: count, columns }, channels) = (rows.size(), rows.channels());
+        if rows.kind() != self.layout.kind {
+            self.has_failed = true;
+            return bad(format!(
+                "rows of {} were given where {} are needed",
+                rows.kind().name(),
+                self.layout.kind.name()
+            ));
+        }
         let left = self.layout.size.rows - self.rows;
         if (columns, channels) != (self.layout.size.columns, self.layout.channels) {
             self.has_failed = true;

@@ -2,17 +2,17 @@
 
 use std::path::Path;
 
-use holo_core::{GridSize, Layout};
+use holo_core::{DynImage, GridSize, Layout};
 
 use super::layout_of_file_name;
 use crate::names::PARAMETERS_CFG;
-use crate::{Error, Limits, ParametersCfg, PngSamples, read_png};
+use crate::{Error, Limits, ParametersCfg, read_png};
 
 /// A raw image and the rig that it was made with.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RawImage {
     /// The image. Its size is that of the rig's split.
-    pub samples: PngSamples,
+    pub samples: DynImage,
     /// Which grid it is.
     pub layout: Layout,
     /// The camera parameters.

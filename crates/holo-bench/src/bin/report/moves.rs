@@ -1,9 +1,9 @@
 //! Moving pixels and writing files: bandwidth, and the error, which must be none.
 
-use holo_core::{GridSize, LightField, Remainder, Sensor, rearrange::naive};
+use holo_core::{DynImage, DynLightField, GridSize, LightField, Remainder, Sensor, rearrange::naive};
 use holo_io::{
-    Compression, ExrChannel, ExrCompression, Limits, MatOptions, MatOrder, Meaning, PngSamples, StoredLightField,
-    read_exr, read_mat_light_field, read_png, write_exr_with, write_mat_light_field, write_png_u8,
+    Compression, ExrChannel, ExrCompression, Limits, MatOptions, MatOrder, Meaning, read_exr, read_mat_light_field,
+    read_png, write_exr_with, write_mat_light_field, write_png,
 };
 use ndarray::{Array3, Axis};
 
@@ -56,10 +56,10 @@ pub fn section(wish: &Wish) -> Section {
     let rounds = wish.rounds.min(3);
     let path = folder.join("image.png");
     for (name, compression) in [("Scratch", Compression::Scratch), ("Published", Compression::Published)] {
-        let write = || write_png_u8(&path, image.view(), Meaning::Srgb, compression).expect("a file");
+        let write = || write_png(&path, image.view(), Meaning::Srgb, compression).expect("a file");
         let (seconds, written) = timed(rounds, write);
         let (reading, samples) = timed(rounds, || read_png(&path, &limits).expect("the file"));
-        let PngSamples::U8(samples) = samples else { panic!("8 bits were written") };
+        let DynImage::U8(samples) = samples else { panic!("8 bits were written") };
         let wrong = differing(&samples, &image);
         push(&format!("PNG, {name}, write"), seconds, Some(written.bytes), wrong);
         push(&format!("PNG, {name}, read"), reading, None, wrong);
@@ -69,7 +69,7 @@ pub fn section(wish: &Wish) -> Section {
     let write = || write_mat_light_field(&path, &field, None, MatOrder::default(), &options).expect("a file");
     let (seconds, written) = timed(rounds, write);
     let (reading, read) = timed(rounds, || read_mat_light_field(&path, &limits).expect("the file"));
-    let StoredLightField::U8(read) = read.light_field else { panic!("8 bits were written") };
+    let DynLightField::U8(read) = read.light_field else { panic!("8 bits were written") };
     let wrong = read.samples().into_iter().zip(field.samples()).filter(|(a, b)| a != b).count();
     push("MAT 5, write", seconds, Some(written.bytes), wrong);
     push("MAT 5, read", reading, None, wrong);

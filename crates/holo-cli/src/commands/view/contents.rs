@@ -106,8 +106,7 @@ fn picture(input: &Path, options: &ViewOptions) -> Result<(Picture, Split), Fail
     let grid = field.into_elemental_grid().unwrap_or_else(|field| field.to_elemental_grid());
     // Alpha says nothing here: colours are shown as they are stored.
     let channels = if grid.len_of(Axis(2)) >= 3 { 3 } else { 1 };
-    let png =
-        holo_io::encode_png_u8(grid.slice_axis(Axis(2), (..channels).into()), Meaning::Srgb, Compression::Scratch)?;
+    let png = holo_io::encode_png(grid.slice_axis(Axis(2), (..channels).into()), Meaning::Srgb, Compression::Scratch)?;
     Ok((Picture::Encoded(png), split))
 }
 
