@@ -4,7 +4,7 @@
 //! makes itself.
 
 use holo_core::{DynImage, GridSize, LightField, Split};
-use holo_io::{Compression, Limits, Meaning, read_png, write_png};
+use holo_io::{ColorEncoding, Compression, Limits, read_png, write_png};
 use ndarray::Array3;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let split = Split::new(GridSize::new(views, views), GridSize::new(rows / views, columns / views))?;
     let light_field = LightField::from_elemental_grid(raw, split)?; // copies nothing
     let view = light_field.view(t, s)?; // one pixel from under every lens, as a borrowed image
-    write_png(&out, view, Meaning::Srgb, Compression::Published)?;
+    write_png(&out, view, ColorEncoding::Srgb, Compression::Best)?;
     println!("view {s},{t} of {views} x {views}: {} x {} px in {}", columns / views, rows / views, out.display());
     Ok(())
 }

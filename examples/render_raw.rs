@@ -1,7 +1,7 @@
 //! A scene built in code, rendered straight into a raw holoscopic image. No file is read.
 
 use holo_core::{GridSize, Projection, Split};
-use holo_io::{Compression, Meaning, write_pfm, write_png};
+use holo_io::{ColorEncoding, Compression, write_pfm, write_png};
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer, Request, exposure};
 use holo_scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use ndarray::Axis;
@@ -51,7 +51,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let color = rendered.color.ok_or("the integrator `Direct` makes a picture")?;
     let raw = exposure::encode_8bit(&color, exposure::automatic_exposure(&color))?.to_elemental_grid();
     let out = std::env::temp_dir();
-    write_png(out.join("holo_example_raw.png"), raw.view(), Meaning::Srgb, Compression::Published)?;
+    write_png(out.join("holo_example_raw.png"), raw.view(), ColorEncoding::Srgb, Compression::Best)?;
     let depth_m = rendered.central.depth_m().ok_or("depth is asked for unless told otherwise")?;
     write_pfm(out.join("holo_example_depth.pfm"), depth_m.index_axis(Axis(2), 0))?;
     println!(

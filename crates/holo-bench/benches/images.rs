@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Instant;
 
-use holo_io::{Compression, ExrChannel, ExrCompression, Limits, Meaning, read_exr, write_exr_with, write_png};
+use holo_io::{ColorEncoding, Compression, ExrChannel, ExrCompression, Limits, read_exr, write_exr_with, write_png};
 use ndarray::{Array3, Axis};
 
 const ROWS: usize = 5300;
@@ -96,9 +96,9 @@ fn measure(folder: &Path, entry: &str, rounds: usize) {
     if kind == "png" {
         let image = shaped(samples.map(|sample| (sample >> 8) as u8));
         drop(bytes);
-        let compression = if what == "scratch" { Compression::Scratch } else { Compression::Published };
+        let compression = if what == "scratch" { Compression::Fast } else { Compression::Best };
         report(rounds, &file, || {
-            write_png(&file, image.view(), Meaning::Srgb, compression).expect("a file");
+            write_png(&file, image.view(), ColorEncoding::Srgb, compression).expect("a file");
         });
     } else if what == "read" {
         drop(bytes);

@@ -4,11 +4,11 @@ mod common;
 
 use common::{Bench, patterned, read_u8, read_u16, small_split};
 use holo_core::{LightField, LightFieldOwned};
-use holo_io::{Compression, Meaning, write_png};
+use holo_io::{ColorEncoding, Compression, write_png};
 
 fn write_8(bench: &Bench, name: &str, field: &LightFieldOwned<u8>) {
     let image = field.to_elemental_grid();
-    write_png(bench.path(name), image.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    write_png(bench.path(name), image.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
 }
 
 fn ok(bench: &Bench, arguments: &str) {
@@ -37,7 +37,8 @@ fn there_and_back_is_the_identity_with_views_given() {
     let fine = patterned(40_503);
     let coarse = fine.map(|x| *x as u8);
     write_8(&bench, "eight.png", &coarse);
-    write_png(bench.path("sixteen.png"), fine.to_elemental_grid().view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    write_png(bench.path("sixteen.png"), fine.to_elemental_grid().view(), ColorEncoding::Srgb, Compression::Fast)
+        .unwrap();
     for name in ["eight", "sixteen"] {
         ok(&bench, &format!("remap {name}.png {name}_a.png --from el --to vpi --views 5x4"));
         ok(&bench, &format!("remap {name}_a.png {name}_b.png --from vpi --views 5x4"));
@@ -79,7 +80,7 @@ fn one_view_and_one_elemental_image() {
 fn extracting_with_views_given_and_in_16_bits() {
     let bench = Bench::new();
     let field = patterned(977);
-    write_png(bench.path("raw.png"), field.to_viewpoint_grid().view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    write_png(bench.path("raw.png"), field.to_viewpoint_grid().view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
     ok(&bench, "extract raw.png --from vpi --views 5x4 --view 4,1 --out view.png");
     assert_eq!(read_u16(bench.path("view.png")), field.view(1, 4).unwrap());
     ok(&bench, "extract raw.png --from vpi --views 5x4 --lens 11,2 --out lens.png");

@@ -6,7 +6,7 @@ mod python;
 
 use common::{Bench, Outcome, SCENE, read_u8, read_u16, small_split};
 use holo_core::metrics::{NormalGeometry, Region, disparity_scores, median_angle_error_deg};
-use holo_io::{Compression, Limits, Meaning, read_pfm_grey, write_pfm, write_png};
+use holo_io::{ColorEncoding, Compression, Limits, read_pfm_grey, write_pfm, write_png};
 use ndarray::{Array2, s};
 use serde_json::Value;
 
@@ -113,7 +113,7 @@ fn an_estimate_is_written_and_judged() {
     }
     // A mask that leaves the left half.
     let mask = ndarray::Array3::from_shape_fn((40, 60, 1), |(_, column, _)| if column < 30 { 255_u8 } else { 0 });
-    write_png(bench.path("mask.png"), mask.view(), Meaning::Data, Compression::Scratch).unwrap();
+    write_png(bench.path("mask.png"), mask.view(), ColorEncoding::Data, Compression::Fast).unwrap();
     let masked = ok(bench.run("eval estimate.pfm out/scene_disparity.pfm --border 5 --mask mask.png --json")).stdout;
     let masked: Value = serde_json::from_str(&masked).unwrap();
     assert!(masked["compared"].as_u64() < json["compared"].as_u64());
@@ -142,7 +142,7 @@ fn psnr_and_ssim_are_those_of_scikit_image() {
     };
     for (name, seed) in [("a.png", 1), ("b.png", 3)] {
         let deep = ndarray::Array3::from_shape_fn((37, 41, 1), |at| noise(seed, at));
-        holo_io::write_png(bench.path(name), deep.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+        holo_io::write_png(bench.path(name), deep.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
     }
     for (one, other) in [("out/scene_el.png", "other/scene_el.png"), ("a.png", "b.png")] {
         let own: Value = serde_json::from_str(&ok(bench.run(&format!("eval {one} {other} --json"))).stdout).unwrap();

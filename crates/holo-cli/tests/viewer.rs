@@ -8,7 +8,7 @@ use std::process::Command;
 
 use common::{Bench, Outcome, patterned, read_u8};
 use holo_core::LightFieldOwned;
-use holo_io::{Compression, Limits, Meaning};
+use holo_io::{ColorEncoding, Compression, Limits};
 use ndarray::{Array2, Array3, s};
 
 fn ok(outcome: Outcome) -> Outcome {
@@ -94,7 +94,7 @@ fn other_kinds_become_eight_bits() {
     let bench = Bench::new();
     let field: LightFieldOwned<u16> = patterned(977);
     let grid = field.to_elemental_grid();
-    holo_io::write_png(bench.path("raw_el.png"), grid.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    holo_io::write_png(bench.path("raw_el.png"), grid.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
     ok(bench.run("view raw_el.png --views 5x4 -o page.html"));
     let page = std::fs::read_to_string(bench.path("page.html")).unwrap();
     std::fs::write(bench.path("shown.png"), embedded(&page, "picture")).unwrap();
@@ -105,7 +105,7 @@ fn other_kinds_become_eight_bits() {
     // Alpha goes, colours stay as they are stored.
     let with_alpha =
         Array3::from_shape_fn((32, 60, 4), |(row, column, channel)| (row * 7 + column * 3 + channel * 50) as u8);
-    holo_io::write_png(bench.path("a_el.png"), with_alpha.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    holo_io::write_png(bench.path("a_el.png"), with_alpha.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
     ok(bench.run("view a_el.png --views 5x4 -o page.html"));
     let page = std::fs::read_to_string(bench.path("page.html")).unwrap();
     std::fs::write(bench.path("shown.png"), embedded(&page, "picture")).unwrap();
@@ -178,7 +178,7 @@ fn a_browser_shows_one_view_and_one_lens() {
     let bench = Bench::new();
     for (views, rows, columns) in [("1x1", 6, 9), ("9x6", 6, 9), ("3x2", 6, 9)] {
         let image = Array3::from_shape_fn((rows, columns, 1), |(row, column, _)| (row * 40 + column * 5) as u8);
-        holo_io::write_png(bench.path("raw_el.png"), image.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+        holo_io::write_png(bench.path("raw_el.png"), image.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
         ok(bench.run(&format!("view raw_el.png --views {views} -o page.html")));
         if !browse(&bench, &["page.html", "raw_el.png"]) {
             return;

@@ -84,7 +84,7 @@ impl Default for PlaneSweepOptions {
 
 /// What a plane sweep found out about the central view.
 #[derive(Debug, Clone, PartialEq)]
-pub struct DepthEstimate {
+pub struct DisparityEstimate {
     /// Disparity in pixels between adjacent views, positive nearer than the focus plane; `(v, u)`.
     pub disparity_px: Array2<f32>,
     /// From 0, "nothing is known here", to 1; `(v, u)`.
@@ -141,7 +141,7 @@ pub struct DepthEstimate {
 /// assert!(estimate.confidence[[12, 12]] > 0.9);
 /// # Ok::<(), holo_core::Error>(())
 /// ```
-pub fn plane_sweep<S>(light_field: &LightField<S>, options: &PlaneSweepOptions) -> Result<DepthEstimate, Error>
+pub fn plane_sweep<S>(light_field: &LightField<S>, options: &PlaneSweepOptions) -> Result<DisparityEstimate, Error>
 where
     S: Data,
     S::Elem: Sample,
@@ -166,7 +166,7 @@ where
     }
     let confidence = information.into_iter().map(confidence).collect();
     let shape = (views.size.rows, views.size.columns);
-    Ok(DepthEstimate {
+    Ok(DisparityEstimate {
         disparity_px: Array2::from_shape_vec(shape, map).expect("one value a pixel"),
         confidence: Array2::from_shape_vec(shape, confidence).expect("one value a pixel"),
     })

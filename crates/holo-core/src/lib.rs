@@ -86,12 +86,12 @@ pub use ndarray;
 pub use camera::{Intrinsics, Rig, RigBuilder, RigRay, automatic_baseline_m};
 pub use disparity::{Disparity, Projection, StereoPair};
 pub use error::Error;
-pub use estimate::{DepthEstimate, Effort, PlaneSweepOptions, plane_sweep};
+pub use estimate::{DisparityEstimate, Effort, PlaneSweepOptions, plane_sweep};
 pub use grid::{GridSize, LensIndex, ParseGridSizeError, ViewIndex};
 pub use layout::{Block, OneBasedBlock, Remainder, Sensor, SensorSplit, Split};
 pub use light_field::rearrange;
 pub use light_field::{
     DynImage, DynImageRef, DynLightField, DynLightFieldRef, Layout, LightField, LightFieldCow, LightFieldOwned,
-    LightFieldView, LightFieldViewMut, Sample, SampleKind, ViewOrder, ViewPath,
+    LightFieldRef, LightFieldRefMut, Sample, SampleKind, ViewOrder, ViewPath,
 };
 pub use real::Real;

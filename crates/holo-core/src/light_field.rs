@@ -61,10 +61,10 @@ pub struct LightField<S: RawData> {
 pub type LightFieldOwned<T> = LightField<OwnedRepr<T>>;
 
 /// A light field that borrows its samples.
-pub type LightFieldView<'a, T> = LightField<ViewRepr<&'a T>>;
+pub type LightFieldRef<'a, T> = LightField<ViewRepr<&'a T>>;
 
 /// A light field that mutably borrows its samples.
-pub type LightFieldViewMut<'a, T> = LightField<ViewRepr<&'a mut T>>;
+pub type LightFieldRefMut<'a, T> = LightField<ViewRepr<&'a mut T>>;
 
 /// A light field that owns or borrows its samples.
 pub type LightFieldCow<'a, T> = LightField<CowRepr<'a, T>>;
@@ -122,7 +122,7 @@ impl<S: Data> LightField<S> {
 
     /// Returns a light field that borrows this one.
     #[must_use]
-    pub fn borrowed(&self) -> LightFieldView<'_, S::Elem> {
+    pub fn borrowed(&self) -> LightFieldRef<'_, S::Elem> {
         LightField::trusted(self.samples.view())
     }
 
@@ -162,7 +162,7 @@ impl<S: DataMut> LightField<S> {
 
     /// Returns a light field that mutably borrows this one.
     #[must_use]
-    pub fn borrowed_mut(&mut self) -> LightFieldViewMut<'_, S::Elem> {
+    pub fn borrowed_mut(&mut self) -> LightFieldRefMut<'_, S::Elem> {
         LightField::trusted(self.samples.view_mut())
     }
 }

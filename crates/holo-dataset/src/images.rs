@@ -5,7 +5,7 @@
 use std::path::PathBuf;
 
 use holo_core::{DynLightFieldRef, Layout, LightField, LightFieldOwned, Rig, Sample};
-use holo_io::{Compression, HciImage, HciTruth, MatOptions, Meaning, ParametersCfg, dataset};
+use holo_io::{ColorEncoding, Compression, HciImage, HciTruth, MatOptions, ParametersCfg, dataset};
 use holo_render::{GroundTruth, Layer, Rendered, exposure};
 use ndarray::{ArrayView3, Axis};
 
@@ -91,7 +91,7 @@ impl Images<'_> {
         rendered: &Rendered,
     ) -> Result<(), Error> {
         let write_png = |path: PathBuf, image: ArrayView3<T>| {
-            holo_io::write_png(path, image, Meaning::Srgb, Compression::Published)
+            holo_io::write_png(path, image, ColorEncoding::Srgb, Compression::Best)
         };
         let elemental = || {
             let path = self.wants(Output::El).then(|| folder.file(dataset::ELEMENTAL_PNG))?;
@@ -145,7 +145,7 @@ impl Images<'_> {
         let name = |file: &str| format!("{HCI_FOLDER}/{file}");
         // Noted beforehand, so that an interrupted run takes them back.
         image.file_names().iter().for_each(|file| drop(folder.file(&name(file))));
-        let written = image.write(folder.file(HCI_FOLDER), Compression::Published)?;
+        let written = image.write(folder.file(HCI_FOLDER), Compression::Best)?;
         written.into_iter().for_each(|(file, written)| folder.add(name(&file), written));
         Ok(())
     }

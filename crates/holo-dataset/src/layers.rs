@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 
 use holo_core::LightFieldOwned;
-use holo_io::{Compression, Written, dataset};
+use holo_io::{Compression, FileDigest, dataset};
 use holo_render::{GroundTruth, Layer, LayerSet, Layers, Rendered};
 use ndarray::{ArrayView3, Axis};
 use rayon::prelude::*;
@@ -95,7 +95,7 @@ pub(crate) fn write(
         let (low, high) = disparity_px.unwrap_or((0.0, 0.0));
         let path = folder.file(dataset::DISPARITY_PNG);
         let plane = disparity.index_axis(Axis(2), 0);
-        let written = holo_io::write_disparity_png(path, plane, low, high, Compression::Published)?;
+        let written = holo_io::write_disparity_png(path, plane, low, high, Compression::Best)?;
         folder.add(dataset::DISPARITY_PNG, written);
     }
     let all = rendered.all.iter().flat_map(Layers::iter);
@@ -134,7 +134,7 @@ fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwne
     folder.subfolder(&name)?;
     let views = field.split().views();
     let digits = 3.max((views.count() - 1).to_string().len());
-    let written: Vec<(String, Written)> = (0..views.count())
+    let written: Vec<(String, FileDigest)> = (0..views.count())
         .into_par_iter()
         .map(|k| {
             let file = format!("{name}/scene_{name}_Cam{k:0digits$}.pfm");
@@ -148,7 +148,7 @@ fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwne
 }
 
 /// Grey or colour by the number of channels.
-fn write_pfm(path: PathBuf, image: ArrayView3<f32>) -> Result<Written, holo_io::Error> {
+fn write_pfm(path: PathBuf, image: ArrayView3<f32>) -> Result<FileDigest, holo_io::Error> {
     match image.dim().2 {
         1 => holo_io::write_pfm(path, image.index_axis_move(Axis(2), 0)),
         _ => holo_io::write_pfm_colour(path, image),

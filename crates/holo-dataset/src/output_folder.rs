@@ -4,7 +4,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use holo_io::{Manifest, Written, dataset};
+use holo_io::{FileDigest, Manifest, dataset};
 
 use crate::Error;
 
@@ -64,7 +64,7 @@ impl Made {
 /// The folder while it is being filled.
 pub struct OutputFolder {
     path: PathBuf,
-    files: Vec<(String, Written)>,
+    files: Vec<(String, FileDigest)>,
     finished: bool,
     rollback: Rollback,
     run: u64,
@@ -144,7 +144,7 @@ impl OutputFolder {
     }
 
     /// Notes a file that was written.
-    pub fn add(&mut self, name: impl Into<String>, written: Written) {
+    pub fn add(&mut self, name: impl Into<String>, written: FileDigest) {
         self.files.push((name.into(), written));
     }
 

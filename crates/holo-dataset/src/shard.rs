@@ -11,7 +11,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use holo_core::{GridSize, LightField, LightFieldOwned, Split};
-use holo_io::{Limits, Manifest, ParametersCfg, Setting, Written, dataset};
+use holo_io::{FileDigest, Limits, Manifest, ParametersCfg, Setting, dataset};
 use holo_render::{Integrator, Layer, Layers, RayCounts, Rendered};
 use ndarray::{Array3, ArrayView3, Axis, Slice};
 
@@ -58,7 +58,7 @@ pub(crate) fn write(traced: Traced, shard: Shard, mut folder: OutputFolder) -> R
     Ok(Finished { disparity_px: None, files: folder.seal(manifest)? })
 }
 
-fn write_pfm(path: &Path, image: ArrayView3<f32>) -> Result<Written, Error> {
+fn write_pfm(path: &Path, image: ArrayView3<f32>) -> Result<FileDigest, Error> {
     Ok(match image.dim().2 {
         1 => holo_io::write_pfm(path, image.index_axis(Axis(2), 0))?,
         _ => holo_io::write_pfm_colour(path, image)?,

@@ -13,7 +13,7 @@ use sha2::{Digest, Sha256 as Hasher};
 
 use crate::Error;
 #[cfg(any(feature = "mat", feature = "hdf5"))]
-pub(crate) use place::AtomicPlace;
+pub(crate) use place::AtomicPath;
 use temporary::Temporary;
 pub use temporary::{remove_stale_temporary_files, remove_temporary_files};
 
@@ -63,7 +63,7 @@ impl Sha256 {
 
 /// What was written: enough to check the file later, and all that a manifest keeps of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Written {
+pub struct FileDigest {
     /// The size of the file.
     pub bytes: u64,
     /// The digest of its contents.
@@ -154,14 +154,14 @@ impl AtomicFile {
     ///
     /// [`Error::Io`] if any write since `create` failed, even where the code between swallowed its error, or if the
     /// file cannot be synced or renamed. The temporary file is gone then, and an older file of that name is untouched.
-    pub fn commit(mut self) -> Result<Written, Error> {
+    pub fn commit(mut self) -> Result<FileDigest, Error> {
         let finished = self.finish();
         finished.map_err(|source| Error::io("write", &self.path, source))
     }
 
-    fn finish(&mut self) -> io::Result<Written> {
+    fn finish(&mut self) -> io::Result<FileDigest> {
         self.write_buffer()?;
-        let mut written = Written { bytes: self.bytes, sha256: Sha256(self.hasher.finalize_reset().into()) };
+        let mut written = FileDigest { bytes: self.bytes, sha256: Sha256(self.hasher.finalize_reset().into()) };
         if self.hash_at_commit {
             self.file.seek(SeekFrom::Start(0))?;
             written = hash(&mut self.file)?;
@@ -277,7 +277,7 @@ fn copy_of(error: &io::Error) -> io::Error {
 /// # Errors
 ///
 /// Those of [`AtomicFile::create`] and [`AtomicFile::commit`].
-pub fn write_file(path: impl AsRef<Path>, contents: &[u8]) -> Result<Written, Error> {
+pub fn write_file(path: impl AsRef<Path>, contents: &[u8]) -> Result<FileDigest, Error> {
     let mut file = AtomicFile::create(path)?;
     match file.write_all(contents) {
         Ok(()) => file.commit(),
@@ -290,7 +290,7 @@ pub fn write_file(path: impl AsRef<Path>, contents: &[u8]) -> Result<Written, Er
 /// # Errors
 ///
 /// [`Error::Io`] if the file cannot be read.
-pub fn hash_file(path: impl AsRef<Path>) -> Result<Written, Error> {
+pub fn hash_file(path: impl AsRef<Path>) -> Result<FileDigest, Error> {
     let path = path.as_ref();
     let failed = |source| Error::io("read", path, source);
     let mut file = File::open(path).map_err(failed)?;
@@ -298,7 +298,7 @@ pub fn hash_file(path: impl AsRef<Path>) -> Result<Written, Error> {
 }
 
 /// The size and digest of what is read up to the end.
-fn hash(source: &mut impl Read) -> io::Result<Written> {
+fn hash(source: &mut impl Read) -> io::Result<FileDigest> {
     let mut hasher = Hasher::new();
     let mut buffer = vec![0; BUFFER_BYTES];
     let mut bytes = 0;
@@ -313,5 +313,5 @@ fn hash(source: &mut impl Read) -> io::Result<Written> {
             Err(error) => return Err(error),
         }
     }
-    Ok(Written { bytes, sha256: Sha256(hasher.finalize().into()) })
+    Ok(FileDigest { bytes, sha256: Sha256(hasher.finalize().into()) })
 }

@@ -40,7 +40,7 @@ use holo_core::GridSize;
 use ndarray::{Array2, Array3, ArrayView2};
 
 use crate::error::MEMORY;
-use crate::{Error, Limits, Written};
+use crate::{Error, FileDigest, Limits};
 
 pub use compress::ExrCompression;
 pub use samples::ExrSamples;
@@ -136,7 +136,7 @@ pub struct ExrInfo {
 /// assert_eq!(image.channel("ViewLayer.Depth.Z"), Some(&depth_m));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write_exr(path: impl AsRef<Path>, channels: &[ExrChannel<'_>]) -> Result<Written, Error> {
+pub fn write_exr(path: impl AsRef<Path>, channels: &[ExrChannel<'_>]) -> Result<FileDigest, Error> {
     write_exr_with(path, channels, ExrCompression::Zip)
 }
 
@@ -149,7 +149,7 @@ pub fn write_exr_with(
     path: impl AsRef<Path>,
     channels: &[ExrChannel<'_>],
     compression: ExrCompression,
-) -> Result<Written, Error> {
+) -> Result<FileDigest, Error> {
     let path = path.as_ref();
     let size = common_size(channels, path)?;
     let mut writer = ExrWriter::create(path, size, &formats(channels), compression)?;

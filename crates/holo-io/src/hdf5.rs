@@ -53,7 +53,7 @@ use std::path::Path;
 use holo_core::{LightField, Rig, Sample};
 use ndarray::{ArrayView2, ArrayView4, Axis, Data, Slice};
 
-use crate::{Error, Written};
+use crate::{Error, FileDigest};
 
 #[cfg(feature = "mat")]
 pub(crate) use library::{Failure, create, open, read_text};
@@ -112,7 +112,7 @@ pub fn write_hdf5<S>(
     maps: &[(Hdf5Map, ArrayView4<'_, f32>)],
     central: &[(Hdf5Map, ArrayView2<'_, f32>)],
     options: &Hdf5Options,
-) -> Result<Written, Error>
+) -> Result<FileDigest, Error>
 where
     S: Data,
     S::Elem: Sample,

@@ -11,7 +11,7 @@
 //!   positive nearer than the focus plane. Millimetres occur only in fields whose name says so, because their files do.
 //! - A file appears whole or not at all: it is written under a temporary name in its folder, synced, and renamed
 //!   ([`AtomicFile`]).
-//! - Writers return the size and SHA-256 of what they wrote ([`Written`]), which is what a [`Manifest`] lists.
+//! - Writers return the size and SHA-256 of what they wrote ([`FileDigest`]), which is what a [`Manifest`] lists.
 //! - Equal inputs give equal bytes: no clock, no path and no random number gets into a file.
 //! - Readers take a budget ([`Limits`]) and compare it with what a file announces before they ask for memory. A damaged
 //!   file is an [`Error::Broken`], never a panic.
@@ -106,7 +106,7 @@ mod views;
 mod zlib;
 
 pub use atomic::{
-    AtomicFile, Sha256, Written, hash_file, remove_stale_temporary_files, remove_temporary_files, write_file,
+    AtomicFile, FileDigest, Sha256, hash_file, remove_stale_temporary_files, remove_temporary_files, write_file,
 };
 pub use error::Error;
 #[cfg(feature = "exr")]
@@ -123,7 +123,7 @@ pub use hdf5::{Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_
 #[cfg(feature = "hdr")]
 pub use hdr::{HdrInfo, decode_hdr, read_hdr, read_hdr_info};
 pub use limits::Limits;
-pub use manifest::{Manifest, Problem, ProblemKind, Setting};
+pub use manifest::{Manifest, Mismatch, MismatchKind, Setting};
 #[cfg(all(feature = "mat", feature = "hdf5"))]
 pub use mat::MatWriter;
 #[cfg(feature = "mat")]
@@ -134,13 +134,13 @@ pub use mat::{
 pub use millimeters::{meters_to_millimeters, millimeters_to_meters};
 pub use net::is_guarding;
 #[cfg(feature = "png")]
-pub use open::{Opened, open};
+pub use open::{FileInfo, open};
 pub use parameters_cfg::{CameraPose, ParametersCfg, date_from_epoch};
 pub use pfm::{Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_grey, read_pfm_info, write_pfm, write_pfm_colour};
 #[cfg(feature = "png")]
 pub use png::{
-    Compression, Meaning, PngInfo, PngWriter, decode_png, encode_png, read_png, read_png_info, write_disparity_png,
-    write_png, write_png_animation,
+    ColorEncoding, Compression, PngInfo, PngWriter, decode_png, encode_png, read_png, read_png_info,
+    write_disparity_png, write_png, write_png_animation,
 };
 #[cfg(feature = "png")]
 pub use raw_image::RawImage;

@@ -11,10 +11,10 @@ use holo_core::Rig;
 
 use crate::error::MEMORY;
 use crate::limits::read_small_file;
-use crate::{Error, Written, write_file};
+use crate::{Error, FileDigest, write_file};
 
 pub use setting::Setting;
-pub use verify::{Problem, ProblemKind};
+pub use verify::{Mismatch, MismatchKind};
 
 /// The value of the key `format`, by which the file is known.
 pub(crate) const FORMAT: &str = "holo manifest 1";
@@ -66,7 +66,7 @@ pub struct Manifest {
     /// The exposure of the 8- and 16-bit images, in steps of a factor of two.
     pub exposure_ev: Option<f64>,
     /// The files by their name relative to the folder, with `/` between folders.
-    pub files: BTreeMap<String, Written>,
+    pub files: BTreeMap<String, FileDigest>,
 }
 
 impl Manifest {
@@ -94,7 +94,7 @@ impl Manifest {
     /// # Errors
     ///
     /// Those of [`Manifest::to_json`], and [`Error::Io`] if the file cannot be written.
-    pub fn write(&self, path: impl AsRef<Path>) -> Result<Written, Error> {
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<FileDigest, Error> {
         let path = path.as_ref();
         write_file(path, json::write(self, path)?.as_bytes())
     }
@@ -114,7 +114,7 @@ impl Manifest {
     ///
     /// Files that the manifest does not list are not looked at.
     #[must_use]
-    pub fn verify(&self, folder: impl AsRef<Path>) -> Vec<Problem> {
+    pub fn verify(&self, folder: impl AsRef<Path>) -> Vec<Mismatch> {
         verify::verify(self, folder.as_ref())
     }
 }

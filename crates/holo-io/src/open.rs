@@ -21,7 +21,7 @@ const SHOWN_BYTES: u64 = 16;
 /// Headers, parameters and lists of files have been read; pixels have not.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub enum Opened {
+pub enum FileInfo {
     /// A PNG image.
     Png(PngInfo),
     /// A PFM float image.
@@ -74,7 +74,7 @@ pub enum Opened {
 /// # Errors
 ///
 /// [`Error::Io`] if the path cannot be read. A file or folder that is recognised but damaged or incomplete gives the
-/// error of its own reader, such as [`HciFolder::open`], and not [`Opened::Unknown`].
+/// error of its own reader, such as [`HciFolder::open`], and not [`FileInfo::Unknown`].
 ///
 /// # Examples
 ///
@@ -82,62 +82,62 @@ pub enum Opened {
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("picture");
 /// let image = ndarray::Array3::<u8>::zeros((2, 3, 3));
-/// holo_io::write_png(&path, image.view(), holo_io::Meaning::Srgb, holo_io::Compression::Scratch)?;
+/// holo_io::write_png(&path, image.view(), holo_io::ColorEncoding::Srgb, holo_io::Compression::Fast)?;
 /// assert_eq!(holo_io::open(&path)?.to_string(), "PNG image, 3 x 2 pixels, 3 channels of 8 bits");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn open(path: impl AsRef<Path>) -> Result<Opened, Error> {
+pub fn open(path: impl AsRef<Path>) -> Result<FileInfo, Error> {
     let path = path.as_ref();
     let metadata = fs::metadata(path).map_err(|source| Error::io("read", path, source))?;
     if metadata.is_dir() { open_folder(path) } else { open_file(path, metadata.len()) }
 }
 
-fn open_file(path: &Path, bytes: u64) -> Result<Opened, Error> {
+fn open_file(path: &Path, bytes: u64) -> Result<FileInfo, Error> {
     Ok(match recognise(path)? {
-        FileKind::Png => Opened::Png(read_png_info(path)?),
-        FileKind::Pfm => Opened::Pfm(read_pfm_info(path)?),
+        FileKind::Png => FileInfo::Png(read_png_info(path)?),
+        FileKind::Pfm => FileInfo::Pfm(read_pfm_info(path)?),
         #[cfg(feature = "exr")]
         FileKind::Exr => {
             let info = crate::read_exr_info(path)?;
-            Opened::Exr { size: info.size, channels: info.channels }
+            FileInfo::Exr { size: info.size, channels: info.channels }
         }
         #[cfg(feature = "hdr")]
-        FileKind::Hdr => Opened::Hdr { size: crate::read_hdr_info(path)?.size },
-        FileKind::ParametersCfg => Opened::ParametersCfg(Box::new(ParametersCfg::read(path)?)),
-        FileKind::Manifest => Opened::Manifest(Box::new(Manifest::read(path)?)),
+        FileKind::Hdr => FileInfo::Hdr { size: crate::read_hdr_info(path)?.size },
+        FileKind::ParametersCfg => FileInfo::ParametersCfg(Box::new(ParametersCfg::read(path)?)),
+        FileKind::Manifest => FileInfo::Manifest(Box::new(Manifest::read(path)?)),
         FileKind::Unknown => {
             let failed = |source| Error::io("read", path, source);
             let mut first_bytes = Vec::new();
             File::open(path).map_err(failed)?.take(SHOWN_BYTES).read_to_end(&mut first_bytes).map_err(failed)?;
-            Opened::Unknown { first_bytes, bytes }
+            FileInfo::Unknown { first_bytes, bytes }
         }
-        other => Opened::Other(other),
+        other => FileInfo::Other(other),
     })
 }
 
-fn open_folder(path: &Path) -> Result<Opened, Error> {
+fn open_folder(path: &Path) -> Result<FileInfo, Error> {
     let is = |name: &str, kind| {
         let file = path.join(name);
         Ok::<_, Error>(file.is_file() && recognise(&file)? == kind)
     };
     if is(MANIFEST_JSON, FileKind::Manifest)? {
-        return Ok(Opened::DatasetFolder(Box::new(DatasetFolder::open(path)?)));
+        return Ok(FileInfo::DatasetFolder(Box::new(DatasetFolder::open(path)?)));
     }
     if is(PARAMETERS_CFG, FileKind::ParametersCfg)? && HciFolder::has_views(path)? {
-        return Ok(Opened::HciFolder(Box::new(HciFolder::open(path)?)));
+        return Ok(FileInfo::HciFolder(Box::new(HciFolder::open(path)?)));
     }
     if GantryFolder::has_views(path)? {
-        return Ok(Opened::GantryFolder(Box::new(GantryFolder::open(path)?)));
+        return Ok(FileInfo::GantryFolder(Box::new(GantryFolder::open(path)?)));
     }
     let datasets = dataset::list(path)?;
     if !datasets.is_empty() {
-        return Ok(Opened::Datasets(datasets));
+        return Ok(FileInfo::Datasets(datasets));
     }
     let entries = fs::read_dir(path).map_err(|source| Error::io("list", path, source))?;
-    Ok(Opened::UnknownFolder { entries: entries.count() })
+    Ok(FileInfo::UnknownFolder { entries: entries.count() })
 }
 
-impl fmt::Display for Opened {
+impl fmt::Display for FileInfo {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Png(info) => {

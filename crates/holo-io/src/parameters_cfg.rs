@@ -14,7 +14,7 @@ use holo_core::{GridSize, Projection, Rig, Split};
 
 use crate::error::MEMORY;
 use crate::limits::read_small_file;
-use crate::{Error, Written, meters_to_millimeters, millimeters_to_meters, write_file};
+use crate::{Error, FileDigest, meters_to_millimeters, millimeters_to_meters, write_file};
 
 pub use pose::CameraPose;
 
@@ -197,7 +197,7 @@ impl ParametersCfg {
     /// # Errors
     ///
     /// Those of [`ParametersCfg::to_text`], and [`Error::Io`] if the file cannot be written.
-    pub fn write(&self, path: impl AsRef<Path>) -> Result<Written, Error> {
+    pub fn write(&self, path: impl AsRef<Path>) -> Result<FileDigest, Error> {
         let path = path.as_ref();
         write_file(path, keys::write(self, path)?.as_bytes())
     }

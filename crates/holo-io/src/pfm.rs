@@ -13,7 +13,7 @@ use holo_core::GridSize;
 use ndarray::{Array2, Array3, ArrayView2, ArrayView3, Axis};
 
 use crate::error::MEMORY;
-use crate::{AtomicFile, Error, Limits, Written};
+use crate::{AtomicFile, Error, FileDigest, Limits};
 use header::Header;
 
 /// Bytes moved at a time; a whole number of floats.
@@ -86,7 +86,7 @@ pub struct PfmInfo {
 /// assert_eq!(holo_io::read_pfm_grey(&path, &holo_io::Limits::default())?, depth_m);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write_pfm(path: impl AsRef<Path>, image: ArrayView2<'_, f32>) -> Result<Written, Error> {
+pub fn write_pfm(path: impl AsRef<Path>, image: ArrayView2<'_, f32>) -> Result<FileDigest, Error> {
     write(path.as_ref(), image.insert_axis(Axis(2)))
 }
 
@@ -99,7 +99,7 @@ pub fn write_pfm(path: impl AsRef<Path>, image: ArrayView2<'_, f32>) -> Result<W
 /// # Errors
 ///
 /// [`Error::BadInput`] if the image is empty or has not three channels; [`Error::Io`] if the file cannot be written.
-pub fn write_pfm_colour(path: impl AsRef<Path>, image: ArrayView3<'_, f32>) -> Result<Written, Error> {
+pub fn write_pfm_colour(path: impl AsRef<Path>, image: ArrayView3<'_, f32>) -> Result<FileDigest, Error> {
     let path = path.as_ref();
     if image.dim().2 != 3 {
         return Err(Error::bad_input(path, format!("a colour PFM has 3 channels, not {}", image.dim().2)));
@@ -107,7 +107,7 @@ pub fn write_pfm_colour(path: impl AsRef<Path>, image: ArrayView3<'_, f32>) -> R
     write(path, image)
 }
 
-fn write(path: &Path, image: ArrayView3<'_, f32>) -> Result<Written, Error> {
+fn write(path: &Path, image: ArrayView3<'_, f32>) -> Result<FileDigest, Error> {
     check(image, path)?;
     let mut file = AtomicFile::create(path)?;
     match encode(&mut file, image, 1.0) {

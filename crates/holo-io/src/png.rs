@@ -13,7 +13,7 @@ use holo_core::{DynImageRef, GridSize};
 use ndarray::ArrayView2;
 
 use crate::error::MEMORY;
-use crate::{Error, Written};
+use crate::{Error, FileDigest};
 use encode::Encoder;
 
 pub use animation::write_png_animation;
@@ -26,15 +26,15 @@ pub use stream::PngWriter;
 pub enum Compression {
     /// Quick: a third of a second for an 8K image of 8-bit RGB. For files that are read once or twice.
     #[default]
-    Scratch,
+    Fast,
     /// Small: a few times slower. For files that are kept and passed on.
-    Published,
+    Best,
 }
 
 /// What the numbers of a PNG mean to a program that shows it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
-pub enum Meaning {
+pub enum ColorEncoding {
     /// Colour or brightness on the sRGB curve: the file says so in its `sRGB` chunk.
     #[default]
     Srgb,
@@ -71,12 +71,12 @@ pub struct PngInfo {
 ///
 /// ```
 /// use holo_core::DynImage;
-/// use holo_io::{Compression, Limits, Meaning, read_png, write_png};
+/// use holo_io::{Compression, Limits, ColorEncoding, read_png, write_png};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("image.png");
 /// let image = ndarray::Array3::from_shape_fn((5, 7, 3), |(row, column, _)| (row * 30 + column * 4) as u8);
-/// let written = write_png(&path, image.view(), Meaning::Srgb, Compression::Scratch)?;
+/// let written = write_png(&path, image.view(), ColorEncoding::Srgb, Compression::Fast)?;
 /// assert_eq!(read_png(&path, &Limits::default())?, DynImage::U8(image));
 /// assert_eq!(written.bytes, std::fs::metadata(&path)?.len());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -84,9 +84,9 @@ pub struct PngInfo {
 pub fn write_png<'a>(
     path: impl AsRef<Path>,
     image: impl Into<DynImageRef<'a>>,
-    meaning: Meaning,
+    meaning: ColorEncoding,
     compression: Compression,
-) -> Result<Written, Error> {
+) -> Result<FileDigest, Error> {
     let image = image.into();
     let mut writer = PngWriter::create(path, image.size(), image.channels(), image.kind(), meaning, compression)?;
     writer.write_rows(image)?;
@@ -104,7 +104,7 @@ pub fn write_png<'a>(
 /// [`Error::BadInput`] as in [`write_png`].
 pub fn encode_png<'a>(
     image: impl Into<DynImageRef<'a>>,
-    meaning: Meaning,
+    meaning: ColorEncoding,
     compression: Compression,
 ) -> Result<Vec<u8>, Error> {
     let image = image.into();
@@ -136,14 +136,14 @@ pub fn write_disparity_png(
     min_px: f64,
     max_px: f64,
     compression: Compression,
-) -> Result<Written, Error> {
+) -> Result<FileDigest, Error> {
     let path = path.as_ref();
     if !(min_px.is_finite() && max_px.is_finite() && min_px <= max_px) {
         return Err(Error::bad_input(path, format!("a disparity range of {min_px} to {max_px} px cannot be drawn")));
     }
     let grey = disparity_px.mapv(|disparity_px| grey_level(f64::from(disparity_px), min_px, max_px));
     let grey = grey.insert_axis(ndarray::Axis(2));
-    write_png(path, grey.view(), Meaning::Data, compression)
+    write_png(path, grey.view(), ColorEncoding::Data, compression)
 }
 
 /// Maps `min_px..=max_px` to `0..=255`.

@@ -65,7 +65,7 @@ fn kinds_are_told_by_contents() {
 mod raw {
     use holo_core::Layout;
     use holo_core::{LightField, Split};
-    use holo_io::{Compression, Limits, Meaning, ParametersCfg, RawImage, write_png};
+    use holo_io::{ColorEncoding, Compression, Limits, ParametersCfg, RawImage, write_png};
     use ndarray::Array3;
 
     use super::*;
@@ -77,7 +77,7 @@ mod raw {
         let image =
             Array3::from_shape_fn((15, 28, 3), |(row, column, channel)| (row * 13 + column * 3 + channel) as u8);
         let write = |name: &str, image: &Array3<u8>| {
-            write_png(folder.path().join(name), image.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+            write_png(folder.path().join(name), image.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
         };
         let read = |name: &str, layout| RawImage::read(folder.path().join(name), layout, &Limits::default());
         write("scene_el.png", &image);

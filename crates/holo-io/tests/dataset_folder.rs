@@ -6,7 +6,7 @@ use std::path::Path;
 
 use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldOwned, Rig, Split};
 use holo_io::dataset::{self, DatasetEntry, DatasetFolder};
-use holo_io::{Compression, Error, Limits, Manifest, Meaning, ParametersCfg, write_pfm, write_png};
+use holo_io::{ColorEncoding, Compression, Error, Limits, Manifest, ParametersCfg, write_pfm, write_png};
 use ndarray::Array2;
 
 fn rig() -> Rig {
@@ -38,7 +38,7 @@ fn map() -> Array2<f32> {
 fn write(path: &Path, names: &[&str], with_rig: bool) -> Manifest {
     let mut manifest = Manifest::default();
     let png = |name: &str, image: ndarray::Array3<u8>| {
-        write_png(path.join(name), image.view(), Meaning::Srgb, Compression::Scratch).unwrap()
+        write_png(path.join(name), image.view(), ColorEncoding::Srgb, Compression::Fast).unwrap()
     };
     for &name in names {
         let written = match name {
@@ -105,7 +105,7 @@ fn folders_that_are_unfinished_or_contradict_themselves_are_refused() {
 
     write_pfm(path(dataset::DEPTH_PFM), map().t()).unwrap();
     let small = ndarray::Array3::<u8>::zeros((15, 27, 3));
-    write_png(path(dataset::ELEMENTAL_PNG), small.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    write_png(path(dataset::ELEMENTAL_PNG), small.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
     let opened = DatasetFolder::open(folder.path()).unwrap();
     let text = opened.depth_m(&limits).unwrap_err().to_string();
     assert!(text.contains("it has 5 x 7 pixels, but the rig of 4 x 3 views of 7 x 5 pixels needs 7 x 5"), "{text}");

@@ -11,26 +11,26 @@ use std::time::{Duration, Instant};
 
 use holo_core::{GridSize, LightFieldOwned, SampleKind};
 use holo_io::{
-    Compression, Error, ExrChannel, ExrCompression, ExrSamples, ExrWriter, Limits, MatOptions, MatOrder, MatVersion,
-    Meaning, PngWriter, Written, read_exr, read_mat_light_field, read_pfm_grey, read_png, remove_stale_temporary_files,
-    write_exr_with, write_mat_light_field, write_pfm, write_png,
+    ColorEncoding, Compression, Error, ExrChannel, ExrCompression, ExrSamples, ExrWriter, FileDigest, Limits,
+    MatOptions, MatOrder, MatVersion, PngWriter, read_exr, read_mat_light_field, read_pfm_grey, read_png,
+    remove_stale_temporary_files, write_exr_with, write_mat_light_field, write_pfm, write_png,
 };
 use ndarray::{Array2, Array3, Axis};
 
 /// Every way to write an image: a name for the file, and what writes an image that depends on a number into it.
-type Way = (&'static str, fn(&Path, u64) -> Result<Written, Error>);
+type Way = (&'static str, fn(&Path, u64) -> Result<FileDigest, Error>);
 
 const WAYS: &[Way] = &[
     ("scratch.png", |path, seed| {
-        write_png(path, noise(seed).mapv(|bits| bits as u8).view(), Meaning::Srgb, Compression::Scratch)
+        write_png(path, noise(seed).mapv(|bits| bits as u8).view(), ColorEncoding::Srgb, Compression::Fast)
     }),
     ("published.png", |path, seed| {
-        write_png(path, noise(seed).mapv(|bits| bits as u16).view(), Meaning::Data, Compression::Published)
+        write_png(path, noise(seed).mapv(|bits| bits as u16).view(), ColorEncoding::Data, Compression::Best)
     }),
     ("bands.png", |path, seed| {
         let image = noise(seed).mapv(|bits| bits as u8);
         let size = GridSize::new(image.dim().0, image.dim().1);
-        let mut writer = PngWriter::create(path, size, 3, SampleKind::U8, Meaning::Srgb, Compression::Published)?;
+        let mut writer = PngWriter::create(path, size, 3, SampleKind::U8, ColorEncoding::Srgb, Compression::Best)?;
         image.axis_chunks_iter(Axis(0), 7).try_for_each(|rows| writer.write_rows(rows))?;
         writer.finish()
     }),
@@ -84,7 +84,7 @@ fn rig() -> holo_core::Rig {
         .unwrap()
 }
 
-fn write_light_field(path: &Path, seed: u64, version: MatVersion, is_compressed: bool) -> Result<Written, Error> {
+fn write_light_field(path: &Path, seed: u64, version: MatVersion, is_compressed: bool) -> Result<FileDigest, Error> {
     let options = MatOptions { version, is_compressed };
     write_mat_light_field(path, &light_field(seed), None, MatOrder::Lenses, &options)
 }
@@ -206,7 +206,7 @@ fn two_writers_of_one_name_leave_one_of_the_two_files() {
     for &(name, write) in WAYS {
         let path = folder.path().join(name);
         let barrier = Barrier::new(2);
-        let written: Vec<Written> = std::thread::scope(|scope| {
+        let written: Vec<FileDigest> = std::thread::scope(|scope| {
             let threads = [1, 2].map(|seed| {
                 let (path, barrier) = (&path, &barrier);
                 scope.spawn(move || {

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use holo_core::{DynImage, DynLightField, GridSize, LightField};
-use holo_io::{Compression, Error, GantryFolder, GantryPosition, Limits, Meaning, write_png};
+use holo_io::{ColorEncoding, Compression, Error, GantryFolder, GantryPosition, Limits, write_png};
 use ndarray::{Array3, Array5};
 
 const STEP_X: f64 = -8.598834;
@@ -24,7 +24,7 @@ fn view(row: usize, column: usize) -> Array3<u8> {
 }
 
 fn write(path: &Path, image: &Array3<u8>) {
-    write_png(path, image.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    write_png(path, image.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
 }
 
 fn folder(rows: &[usize], columns: &[usize], end: &str) -> tempfile::TempDir {
@@ -98,7 +98,7 @@ fn views_unlike_the_first_are_refused() {
     assert_eq!(error.path(), last);
     assert!(error.to_string().contains("it is 5 x 3 pixels of RGB in 8 bits, but out_00_00_"), "{error}");
     let deep: Array3<u16> = Array3::zeros((3, 4, 3));
-    write_png(&last, deep.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    write_png(&last, deep.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
     assert!(matches!(opened.read(&Limits::default()), Err(Error::Broken { .. })));
     fs::remove_file(&last).unwrap();
     assert!(matches!(opened.read(&Limits::default()), Err(Error::Io { .. })));

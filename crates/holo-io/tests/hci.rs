@@ -7,8 +7,8 @@ use std::process::Command;
 
 use holo_core::{DynImage, DynLightField, GridSize, Layout, LightField, LightFieldOwned, Projection, Rig, Split};
 use holo_io::{
-    Compression, Error, HciFolder, HciImage, HciQuantity, HciResolution, HciTruth, Limits, Meaning, ParametersCfg,
-    write_pfm, write_png,
+    ColorEncoding, Compression, Error, HciFolder, HciImage, HciQuantity, HciResolution, HciTruth, Limits,
+    ParametersCfg, write_pfm, write_png,
 };
 use ndarray::{Array2, Array3, Axis, s};
 use proptest::prelude::*;
@@ -52,7 +52,7 @@ fn maps(split: Split) -> LightFieldOwned<f32> {
 fn write(path: &Path, views: &LightFieldOwned<u8>, parameters: &ParametersCfg) -> Result<(), Error> {
     let image =
         HciImage { views: views.borrowed().into(), parameters, disparity_px: HciTruth::None, depth_m: HciTruth::None };
-    image.write(path, Compression::Scratch).map(|_| ())
+    image.write(path, Compression::Fast).map(|_| ())
 }
 
 /// A folder with 2 x 3 views of 4 x 5 pixels and no ground truth.
@@ -89,7 +89,7 @@ proptest! {
             depth_m: if all { HciTruth::All(maps.borrowed()) } else { HciTruth::None },
         };
         let folder = tempfile::tempdir().unwrap();
-        let compression = if published { Compression::Published } else { Compression::Scratch };
+        let compression = if published { Compression::Best } else { Compression::Fast };
         let written = image.write(folder.path(), compression).unwrap();
         let names: Vec<String> = written.iter().map(|(name, _)| name.clone()).collect();
         prop_assert_eq!(&names, &image.file_names());
@@ -153,7 +153,7 @@ fn the_central_view_of_even_counts_is_a_real_one() {
         disparity_px: HciTruth::All(maps.borrowed()),
         depth_m: HciTruth::None,
     };
-    image.write(folder.path(), Compression::Scratch).unwrap();
+    image.write(folder.path(), Compression::Fast).unwrap();
     let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
     assert_eq!(read("gt_disp_lowres.pfm"), read("gt_disp_lowres_Cam006.pfm"));
     // Without a file of its own the central map is the numbered one.
@@ -216,7 +216,7 @@ fn alpha_is_dropped_and_colours_stay() {
         // Every second view, so that RGB and RGBA stand side by side.
         if index % 2 == 0 {
             let path = folder.path().join(format!("input_Cam{index:03}.png"));
-            write_png(path, with_alpha.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+            write_png(path, with_alpha.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
         }
     }
     let read = HciFolder::open(folder.path()).unwrap();
@@ -233,7 +233,7 @@ fn views_that_are_missing_or_unlike_the_others_are_named() {
     let message = |opened: &HciFolder| opened.read(&Limits::default()).unwrap_err().to_string();
 
     let wide: Array3<u8> = Array3::zeros((4, 6, 3));
-    write_png(path("input_Cam003.png"), wide.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    write_png(path("input_Cam003.png"), wide.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
     let text = message(&opened);
     assert!(text.ends_with("it has 6 x 4 pixels, but parameters.cfg says 5 x 4"), "{text}");
     assert!(text.contains("input_Cam003.png: broken HCI folder: it has"), "{text}");
@@ -241,11 +241,11 @@ fn views_that_are_missing_or_unlike_the_others_are_named() {
     opened.read_view(0, 0, &Limits::default()).unwrap();
 
     let deep: Array3<u16> = Array3::zeros((4, 5, 3));
-    write_png(path("input_Cam003.png"), deep.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    write_png(path("input_Cam003.png"), deep.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
     let text = message(&opened);
     assert!(text.contains("RGB in 16 bits, but input_Cam000.png is 5 x 4 pixels of RGB in 8 bits"), "{text}");
     let grey = views.samples().slice(s![.., .., 0, 0, ..1]).to_owned();
-    write_png(path("input_Cam003.png"), grey.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    write_png(path("input_Cam003.png"), grey.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
     assert!(message(&opened).contains("pixels of grey in 8 bits"));
     fs::write(path("input_Cam003.png"), b"\x89PNG").unwrap();
     assert!(matches!(opened.read(&Limits::default()), Err(Error::Broken { format: "PNG", .. })));
@@ -311,7 +311,7 @@ fn what_does_not_fit_together_is_not_written() {
     for truth in [HciTruth::Central(small.view()), HciTruth::All(colour.borrowed())] {
         let views = views.borrowed().into();
         let image = HciImage { views, parameters: &good, disparity_px: HciTruth::None, depth_m: truth };
-        assert!(matches!(image.write(folder.path(), Compression::Scratch), Err(Error::BadInput { .. })));
+        assert!(matches!(image.write(folder.path(), Compression::Fast), Err(Error::BadInput { .. })));
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     // A file, and nothing at all, instead of a folder.
@@ -417,7 +417,7 @@ fn python_reads_what_is_written() {
         depth_m: HciTruth::All(maps.borrowed()),
     };
     let folder = tempfile::tempdir().unwrap();
-    image.write(folder.path(), Compression::Published).unwrap();
+    image.write(folder.path(), Compression::Best).unwrap();
     let output = Command::new(&python).args(["-c", READER]).arg(folder.path()).output().unwrap();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let text = String::from_utf8(output.stdout).unwrap();

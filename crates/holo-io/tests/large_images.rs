@@ -9,7 +9,8 @@ use std::time::Instant;
 
 use holo_core::{GridSize, SampleKind};
 use holo_io::{
-    Compression, ExrCompression, ExrSamples, ExrWriter, Meaning, PngWriter, Written, read_exr_info, read_png_info,
+    ColorEncoding, Compression, ExrCompression, ExrSamples, ExrWriter, FileDigest, PngWriter, read_exr_info,
+    read_png_info,
 };
 use ndarray::{Array3, ArrayView3, Axis};
 
@@ -38,7 +39,7 @@ fn bands<T: Copy + Default>(value: impl Fn(usize, usize, usize) -> T, mut take: 
     }
 }
 
-fn report(what: &str, start: Instant, written: Written) {
+fn report(what: &str, start: Instant, written: FileDigest) {
     let (seconds, megabytes, peak) = (start.elapsed().as_secs_f64(), written.bytes as f64 / 1e6, peak());
     println!("{what}: {seconds:.1} s, {megabytes:.0} MB, peak of memory {:.0} MB", peak as f64 / 1e6);
     assert!(peak < 500_000_000, "{what} took {peak} bytes");
@@ -48,10 +49,10 @@ fn report(what: &str, start: Instant, written: Written) {
 #[ignore = "minutes, and gigabytes of disk"]
 fn png_of_64k_is_written_in_bounded_memory() {
     let folder = tempfile::tempdir().unwrap();
-    for compression in [Compression::Published, Compression::Scratch] {
+    for compression in [Compression::Best, Compression::Fast] {
         let path = folder.path().join("raw.png");
         let start = Instant::now();
-        let mut writer = PngWriter::create(&path, SIZE, 3, SampleKind::U8, Meaning::Srgb, compression).unwrap();
+        let mut writer = PngWriter::create(&path, SIZE, 3, SampleKind::U8, ColorEncoding::Srgb, compression).unwrap();
         bands(
             |row, column, channel| (row / 16 + (column >> 6) * (channel + 1)) as u8,
             |rows| writer.write_rows(rows).unwrap(),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use holo_core::{GridSize, Rig, Split};
-use holo_io::{Error, Manifest, ProblemKind, Setting, Sha256, Written, write_file};
+use holo_io::{Error, FileDigest, Manifest, MismatchKind, Setting, Sha256, write_file};
 use proptest::prelude::*;
 
 fn rig() -> Rig {
@@ -33,7 +33,7 @@ fn example() -> Manifest {
     manifest.settings.insert("sensor".into(), GridSize::new(5304, 7952).into());
     manifest.settings.insert("camera".into(), Setting::None);
     manifest.settings.insert("focus_m".into(), f64::INFINITY.into());
-    let written = Written { bytes: 3, sha256: Sha256([0xab; 32]) };
+    let written = FileDigest { bytes: 3, sha256: Sha256([0xab; 32]) };
     manifest.files.insert("scene_el.png".into(), written);
     manifest.files.insert("hci/input_Cam000.png".into(), written);
     manifest
@@ -138,7 +138,7 @@ fn other_versions_are_told_from_damage() {
 
 #[test]
 fn names_outside_the_folder_are_refused() {
-    let written = Written { bytes: 0, sha256: Sha256([0; 32]) };
+    let written = FileDigest { bytes: 0, sha256: Sha256([0; 32]) };
     for name in ["/etc/passwd", "../x", "a/../../b", "", "C:\\x"] {
         let manifest = Manifest { files: BTreeMap::from([(name.to_owned(), written)]), ..Manifest::default() };
         assert!(matches!(manifest.to_json(), Err(Error::BadInput { .. })), "{name}");
@@ -149,7 +149,7 @@ fn names_outside_the_folder_are_refused() {
         );
         assert!(matches!(Manifest::from_json(&text), Err(Error::Broken { .. })), "{name}");
         let folder = tempfile::tempdir().unwrap();
-        assert!(matches!(manifest.verify(folder.path())[0].kind, ProblemKind::Outside));
+        assert!(matches!(manifest.verify(folder.path())[0].kind, MismatchKind::Outside));
     }
     let text = r#"{"format":"holo manifest 1","files":{"a":{"bytes":0,"sha256":"0"}}}"#;
     assert!(Manifest::from_json(text).unwrap_err().to_string().contains("SHA-256"));
@@ -172,10 +172,10 @@ fn a_changed_folder_is_noticed() {
     fs::create_dir(folder.path().join("d")).unwrap();
     let problems = manifest.verify(folder.path());
     assert_eq!(problems.iter().map(|problem| problem.file.as_str()).collect::<Vec<_>>(), ["a", "b", "c", "d"]);
-    assert!(matches!(problems[0].kind, ProblemKind::Contents { .. }));
-    assert!(matches!(problems[1].kind, ProblemKind::Size { expected: 1, found: 6 }));
-    assert!(matches!(problems[2].kind, ProblemKind::Missing));
-    assert!(matches!(problems[3].kind, ProblemKind::Missing));
+    assert!(matches!(problems[0].kind, MismatchKind::Contents { .. }));
+    assert!(matches!(problems[1].kind, MismatchKind::Size { expected: 1, found: 6 }));
+    assert!(matches!(problems[2].kind, MismatchKind::Missing));
+    assert!(matches!(problems[3].kind, MismatchKind::Missing));
     assert_eq!(problems[1].to_string(), "b: 6 bytes, but the manifest says 1");
     assert_eq!(problems[2].to_string(), "c: missing");
 }
@@ -231,7 +231,7 @@ proptest! {
                 .ok(),
             disparity_px: Some((min, max)),
             exposure_ev: Some(exposure),
-            files: BTreeMap::from([("scene_el.png".into(), Written { bytes, sha256: Sha256(digest) })]),
+            files: BTreeMap::from([("scene_el.png".into(), FileDigest { bytes, sha256: Sha256(digest) })]),
         };
         let text = manifest.to_json().unwrap();
         let mut read = Manifest::from_json(&text).unwrap();

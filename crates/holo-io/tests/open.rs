@@ -5,8 +5,8 @@ use std::fs;
 
 use holo_core::{GridSize, Layout, LightField, Rig, Split};
 use holo_io::{
-    Compression, Error, FileKind, HciImage, HciTruth, Manifest, Meaning, Opened, ParametersCfg, open, write_pfm,
-    write_png,
+    ColorEncoding, Compression, Error, FileInfo, FileKind, HciImage, HciTruth, Manifest, ParametersCfg, open,
+    write_pfm, write_png,
 };
 use ndarray::{Array2, Array3};
 
@@ -25,7 +25,7 @@ fn files_are_described_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("misleading.txt");
     let line = || open(&path).unwrap().to_string();
-    write_png(&path, Array3::<u16>::zeros((2, 3, 1)).view(), Meaning::Data, Compression::Scratch).unwrap();
+    write_png(&path, Array3::<u16>::zeros((2, 3, 1)).view(), ColorEncoding::Data, Compression::Fast).unwrap();
     assert_eq!(line(), "PNG image, 3 x 2 pixels, 1 channel of 16 bits");
     write_pfm(&path, Array2::zeros((2, 3)).view()).unwrap();
     assert_eq!(line(), "PFM float image, 3 x 2 pixels, grey");
@@ -34,7 +34,7 @@ fn files_are_described_in_one_line() {
     Manifest::default().write(&path).unwrap();
     assert_eq!(line(), "manifest of 0 files");
     fs::write(&path, b"glTF\x02\0\0\0").unwrap();
-    assert_eq!(open(&path).unwrap(), Opened::Other(FileKind::GltfBinary));
+    assert_eq!(open(&path).unwrap(), FileInfo::Other(FileKind::GltfBinary));
     assert_eq!(line(), "glTF scene, binary (.glb)");
     fs::write(&path, b"").unwrap();
     assert_eq!(line(), "empty file");
@@ -55,7 +55,7 @@ fn files_are_described_in_one_line() {
 fn an_exr_tells_its_channels() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/openexr_half_zip.exr");
     let opened = open(path).unwrap();
-    let Opened::Exr { size, channels } = &opened else { panic!("{opened}") };
+    let FileInfo::Exr { size, channels } = &opened else { panic!("{opened}") };
     assert!(size.count() > 0 && !channels.is_empty());
     assert!(opened.to_string().starts_with("OpenEXR image, "), "{opened}");
 }
@@ -79,7 +79,7 @@ fn folders_are_told_by_what_is_in_them() {
     // Parameters alone make no HCI folder.
     let parameters = ParametersCfg::from_rig(&rig());
     parameters.write(path.join("parameters.cfg")).unwrap();
-    assert!(matches!(open(path).unwrap(), Opened::UnknownFolder { entries: 2 }));
+    assert!(matches!(open(path).unwrap(), FileInfo::UnknownFolder { entries: 2 }));
     let views = LightField::filled(*rig().split(), 3, Layout::ElementalGrid, 9_u8).unwrap();
     let image = HciImage {
         views: views.borrowed().into(),
@@ -87,7 +87,7 @@ fn folders_are_told_by_what_is_in_them() {
         disparity_px: HciTruth::None,
         depth_m: HciTruth::None,
     };
-    image.write(path, Compression::Scratch).unwrap();
+    image.write(path, Compression::Fast).unwrap();
     assert_eq!(open(path).unwrap().to_string(), "HCI folder, 3 x 2 views of 5 x 4 pixels");
 
     let gantry = tempfile::tempdir().unwrap();
@@ -105,5 +105,5 @@ fn folders_are_told_by_what_is_in_them() {
     // A folder where a file is looked for is no file.
     fs::remove_file(dataset.join("manifest.json")).unwrap();
     fs::create_dir(dataset.join("manifest.json")).unwrap();
-    assert!(matches!(open(&dataset).unwrap(), Opened::UnknownFolder { entries: 1 }));
+    assert!(matches!(open(&dataset).unwrap(), FileInfo::UnknownFolder { entries: 1 }));
 }

@@ -6,7 +6,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use holo_io::{Compression, ExrChannel, ExrCompression, Meaning, write_exr_with, write_png};
+use holo_io::{ColorEncoding, Compression, ExrChannel, ExrCompression, write_exr_with, write_png};
 use ndarray::{Array2, Array3};
 
 #[test]
@@ -19,16 +19,16 @@ fn other_programs_read_the_same_bits() {
         (state >> 40) as u16
     };
     for channels in [1, 2, 3, 4] {
-        for (compression, kind) in [(Compression::Scratch, "s"), (Compression::Published, "p")] {
+        for (compression, kind) in [(Compression::Fast, "s"), (Compression::Best, "p")] {
             let deep = Array3::from_shape_simple_fn((37, 23, channels), &mut next);
             let path = folder.path().join(format!("{channels}{kind}16.png"));
-            write_png(&path, deep.view(), Meaning::Data, compression).unwrap();
+            write_png(&path, deep.view(), ColorEncoding::Data, compression).unwrap();
             // OpenCV has no grey with alpha: it makes three equal colours of it.
             if channels != 2 {
                 files.push((path, deep.iter().map(|sample| format!("{sample:04x}")).collect::<String>()));
                 let flat = deep.mapv(|sample| sample as u8);
                 let path = folder.path().join(format!("{channels}{kind}8.png"));
-                write_png(&path, flat.view(), Meaning::Srgb, compression).unwrap();
+                write_png(&path, flat.view(), ColorEncoding::Srgb, compression).unwrap();
                 files.push((path, flat.iter().map(|sample| format!("{sample:02x}")).collect()));
             }
         }

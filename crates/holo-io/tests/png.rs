@@ -6,12 +6,12 @@ use std::path::Path;
 
 use holo_core::DynImage;
 use holo_io::{
-    Compression, Error, Limits, Meaning, decode_png, read_png, read_png_info, write_disparity_png, write_png,
+    ColorEncoding, Compression, Error, Limits, decode_png, read_png, read_png_info, write_disparity_png, write_png,
 };
 use ndarray::{Array2, Array3, ArrayView3, Axis, Slice, s};
 use proptest::prelude::*;
 
-const BOTH: [Compression; 2] = [Compression::Scratch, Compression::Published];
+const BOTH: [Compression; 2] = [Compression::Fast, Compression::Best];
 
 /// Cheap numbers without pattern.
 fn noise(seed: u64) -> impl FnMut() -> u64 {
@@ -70,12 +70,12 @@ proptest! {
         let mut value = || if flat { 77 } else { next() };
 
         let image = with_strides(kind, (rows, columns, channels), || value() as u8);
-        let written = write_png(&path, image.view(), Meaning::Srgb, compression).unwrap();
+        let written = write_png(&path, image.view(), ColorEncoding::Srgb, compression).unwrap();
         prop_assert_eq!(written, holo_io::hash_file(&path).unwrap());
         prop_assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U8(image));
 
         let image = with_strides(kind, (rows, columns, channels), || value() as u16);
-        write_png(&path, image.view(), Meaning::Data, compression).unwrap();
+        write_png(&path, image.view(), ColorEncoding::Data, compression).unwrap();
         prop_assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U16(image));
         let info = read_png_info(&path).unwrap();
         prop_assert_eq!((info.size.rows, info.size.columns, info.channels, info.bits), (rows, columns, channels, 16));
@@ -101,11 +101,11 @@ fn an_image_of_many_bands_reads_back_and_does_not_depend_on_threads() {
     for threads in [1, 2, 5] {
         let path = folder.path().join(format!("{threads}.png"));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        digests.push(pool.install(|| write_png(&path, image.view(), Meaning::Srgb, Compression::Published)).unwrap());
+        digests.push(pool.install(|| write_png(&path, image.view(), ColorEncoding::Srgb, Compression::Best)).unwrap());
         assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U8(image.clone()));
     }
     assert!(digests.windows(2).all(|pair| pair[0] == pair[1]));
-    let scratch = write_png(folder.path().join("s.png"), image.view(), Meaning::Srgb, Compression::Scratch).unwrap();
+    let scratch = write_png(folder.path().join("s.png"), image.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
     assert!(digests[0].bytes < scratch.bytes, "{} against {}", digests[0].bytes, scratch.bytes);
 }
 
@@ -115,7 +115,7 @@ fn the_header_says_what_the_samples_are() {
     let path = folder.path().join("image.png");
     for compression in BOTH {
         let image = Array3::from_elem((2, 3, 1), 0x1234_u16);
-        write_png(&path, image.view(), Meaning::Srgb, compression).unwrap();
+        write_png(&path, image.view(), ColorEncoding::Srgb, compression).unwrap();
         let bytes = fs::read(&path).unwrap();
         // Width, height, depth, colour type, compression, filter, interlace.
         assert_eq!(bytes[16..29], [0, 0, 0, 3, 0, 0, 0, 2, 16, 0, 0, 0, 0]);
@@ -126,7 +126,7 @@ fn the_header_says_what_the_samples_are() {
         reader.next_frame(&mut raw).unwrap();
         assert_eq!(raw, [0x12, 0x34].repeat(6));
 
-        write_png(&path, image.view(), Meaning::Data, compression).unwrap();
+        write_png(&path, image.view(), ColorEncoding::Data, compression).unwrap();
         let bytes = fs::read(&path).unwrap();
         for claim in [b"sRGB", b"gAMA", b"iCCP", b"cHRM"] {
             assert!(!bytes.windows(4).any(|name| name == claim));
@@ -141,8 +141,8 @@ fn equal_images_give_equal_bytes_whatever_their_strides() {
         let mut next = noise(3);
         let image = with_strides(4, (37, 41, 3), || next() as u8);
         let dense = image.as_standard_layout().into_owned();
-        let one = write_png(folder.path().join("a.png"), image.view(), Meaning::Srgb, compression).unwrap();
-        let other = write_png(folder.path().join("b.png"), dense.view(), Meaning::Srgb, compression).unwrap();
+        let one = write_png(folder.path().join("a.png"), image.view(), ColorEncoding::Srgb, compression).unwrap();
+        let other = write_png(folder.path().join("b.png"), dense.view(), ColorEncoding::Srgb, compression).unwrap();
         assert_eq!(one, other);
     }
 }
@@ -154,7 +154,7 @@ fn a_file_cut_anywhere_is_an_error() {
     let mut next = noise(1);
     let image = Array3::from_shape_simple_fn((7, 5, 3), || next() as u8);
     for compression in BOTH {
-        write_png(&path, image.view(), Meaning::Srgb, compression).unwrap();
+        write_png(&path, image.view(), ColorEncoding::Srgb, compression).unwrap();
         let bytes = fs::read(&path).unwrap();
         assert!(decode_png(&bytes, &Limits::default()).is_ok());
         for end in 0..bytes.len() {
@@ -169,7 +169,7 @@ fn a_changed_byte_is_an_error_or_the_same_image() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
     let image = Array3::from_shape_fn((5, 4, 2), |(row, column, channel)| (row * 50 + column * 10 + channel) as u8);
-    write_png(&path, image.view(), Meaning::Srgb, Compression::Published).unwrap();
+    write_png(&path, image.view(), ColorEncoding::Srgb, Compression::Best).unwrap();
     let bytes = fs::read(&path).unwrap();
     let image = DynImage::U8(image);
     for at in 0..bytes.len() {
@@ -187,7 +187,7 @@ fn a_changed_byte_is_an_error_or_the_same_image() {
 fn the_budget_is_checked_before_memory_is_taken() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
-    write_png(&path, Array3::<u16>::zeros((10, 10, 3)).view(), Meaning::Data, Compression::Scratch).unwrap();
+    write_png(&path, Array3::<u16>::zeros((10, 10, 3)).view(), ColorEncoding::Data, Compression::Fast).unwrap();
     assert!(read_png(&path, &Limits { max_bytes: 600 }).is_ok());
     let error = read_png(&path, &Limits { max_bytes: 599 }).unwrap_err();
     assert!(matches!(error, Error::TooLarge { needed: 600, allowed: 599, .. }), "{error}");
@@ -327,14 +327,15 @@ fn impossible_images_are_refused_and_leave_nothing() {
     let path = folder.path().join("image.png");
     for shape in [(0, 3, 3), (3, 0, 3), (3, 3, 0), (3, 3, 5)] {
         for compression in BOTH {
-            let error = write_png(&path, Array3::<u8>::zeros(shape).view(), Meaning::Srgb, compression).unwrap_err();
+            let error =
+                write_png(&path, Array3::<u8>::zeros(shape).view(), ColorEncoding::Srgb, compression).unwrap_err();
             assert!(matches!(error, Error::BadInput { .. }), "{shape:?}: {error}");
         }
     }
     // A view of one number repeated takes no memory, but as an image it would have too many rows.
     let one = Array3::<u8>::zeros((1, 1, 1));
     let tall: ArrayView3<'_, u8> = one.broadcast((1 << 31, 1, 1)).unwrap();
-    assert!(matches!(write_png(&path, tall, Meaning::Srgb, Compression::Scratch), Err(Error::BadInput { .. })));
+    assert!(matches!(write_png(&path, tall, ColorEncoding::Srgb, Compression::Fast), Err(Error::BadInput { .. })));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
@@ -343,7 +344,7 @@ fn impossible_images_are_refused_and_leave_nothing() {
 fn a_full_disk_is_reported_with_its_path_and_the_systems_words() {
     for compression in BOTH {
         for image in [Array3::zeros((1, 1, 3)), large_image()] {
-            let error = write_png("/dev/full", image.view(), Meaning::Srgb, compression).unwrap_err();
+            let error = write_png("/dev/full", image.view(), ColorEncoding::Srgb, compression).unwrap_err();
             let Error::Io { path, source, .. } = &error else { panic!("{error}") };
             assert_eq!((path.as_path(), source.kind()), (Path::new("/dev/full"), std::io::ErrorKind::StorageFull));
             assert!(error.to_string().contains("free some space"), "{error}");
@@ -359,7 +360,7 @@ fn errors_of_the_path_name_the_path() {
     fs::write(&file, b"x").unwrap();
     let image = Array3::<u8>::zeros((1, 1, 3));
     for path in [file.join("image.png"), folder.path().join("missing/image.png"), folder.path().to_owned()] {
-        let error = write_png(&path, image.view(), Meaning::Srgb, Compression::Scratch).unwrap_err();
+        let error = write_png(&path, image.view(), ColorEncoding::Srgb, Compression::Fast).unwrap_err();
         assert!(matches!(error, Error::Io { .. }) && error.path() == path, "{error}");
     }
     for path in [folder.path().join("missing.png"), folder.path().to_owned()] {
@@ -375,14 +376,14 @@ fn disparity_becomes_grey_and_nearer_is_brighter() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_disparity.png");
     let map = ndarray::array![[-2.0_f32, 0.0, 2.0], [f32::NAN, f32::NEG_INFINITY, 9.0]];
-    write_disparity_png(&path, map.view(), -2.0, 2.0, Compression::Published).unwrap();
+    write_disparity_png(&path, map.view(), -2.0, 2.0, Compression::Best).unwrap();
     let expected = Array3::from_shape_vec((2, 3, 1), vec![0, 128, 255, 0, 0, 255]).unwrap();
     assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U8(expected));
     // A map without parallax is one grey.
-    write_disparity_png(&path, Array2::zeros((2, 2)).view(), 0.0, 0.0, Compression::Scratch).unwrap();
+    write_disparity_png(&path, Array2::zeros((2, 2)).view(), 0.0, 0.0, Compression::Fast).unwrap();
     assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U8(Array3::zeros((2, 2, 1))));
     for (min, max) in [(1.0, 0.0), (f64::NAN, 1.0), (0.0, f64::INFINITY)] {
-        let error = write_disparity_png(&path, map.view(), min, max, Compression::Scratch).unwrap_err();
+        let error = write_disparity_png(&path, map.view(), min, max, Compression::Fast).unwrap_err();
         assert!(matches!(error, Error::BadInput { .. }), "{error}");
     }
 }

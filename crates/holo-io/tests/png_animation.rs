@@ -6,7 +6,7 @@ use std::io::BufReader;
 use std::path::Path;
 
 use holo_core::DynImage;
-use holo_io::{Error, Limits, Meaning, read_png, write_png_animation};
+use holo_io::{ColorEncoding, Error, Limits, read_png, write_png_animation};
 use ndarray::{Array3, ArrayView3};
 
 fn picture(number: u16) -> Array3<u16> {
@@ -35,7 +35,7 @@ fn every_picture_comes_back_whatever_its_strides() {
     let path = folder.path().join("moving.png");
     let deep: Vec<_> = (0..4).map(picture).collect();
     let views: Vec<ArrayView3<u16>> = deep.iter().map(|p| p.view().reversed_axes().permuted_axes([1, 2, 0])).collect();
-    let written = write_png_animation(&path, &views, 12.5, Meaning::Srgb).unwrap();
+    let written = write_png_animation(&path, &views, 12.5, ColorEncoding::Srgb).unwrap();
     assert_eq!(written, holo_io::hash_file(&path).unwrap());
     let (found, delays) = pictures(&path);
     assert_eq!(delays, [(100, 1250); 4]);
@@ -53,7 +53,7 @@ fn one_grey_picture_is_an_animation_too() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("one.png");
     let one = Array3::<u8>::from_elem((1, 1, 1), 77);
-    write_png_animation(&path, &[one.view()], 600.0, Meaning::Data).unwrap();
+    write_png_animation(&path, &[one.view()], 600.0, ColorEncoding::Data).unwrap();
     assert_eq!(pictures(&path), (vec![vec![77]], vec![(100, 60_000)]));
 }
 
@@ -71,7 +71,7 @@ fn what_cannot_move_is_said_and_leaves_nothing() {
         (&[one.view()], 0.0, "0.01 to 600"),
         (&[one.view()], f64::NAN, "0.01 to 600"),
     ] {
-        let error = write_png_animation(&path, pictures, rate, Meaning::Srgb).unwrap_err();
+        let error = write_png_animation(&path, pictures, rate, ColorEncoding::Srgb).unwrap_err();
         assert!(matches!(error, Error::BadInput { .. }) && error.to_string().contains(part), "{error}");
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
@@ -82,7 +82,8 @@ fn what_cannot_move_is_said_and_leaves_nothing() {
 fn a_full_disk_is_reported_in_the_systems_words() {
     for side in [1, 300] {
         let noise = Array3::from_shape_fn((side, side, 3), |(a, b, c)| (a * 7919 + b * 104_729 + c * c * 31) as u8);
-        let error = write_png_animation("/dev/full", &[noise.view(), noise.view()], 25.0, Meaning::Srgb).unwrap_err();
+        let error =
+            write_png_animation("/dev/full", &[noise.view(), noise.view()], 25.0, ColorEncoding::Srgb).unwrap_err();
         assert!(error.to_string().contains("free some space"), "{error}");
     }
 }

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use holo_core::{DynImage, GridSize, SampleKind};
 use holo_io::{
-    Compression, Error, ExrChannel, ExrCompression, ExrSamples, ExrWriter, Limits, Meaning, PngWriter, decode_exr,
-    encode_exr_with, encode_png, hash_file, read_png,
+    ColorEncoding, Compression, Error, ExrChannel, ExrCompression, ExrSamples, ExrWriter, Limits, PngWriter,
+    decode_exr, encode_exr_with, encode_png, hash_file, read_png,
 };
 use ndarray::{Array2, Array3, ArrayView2, Axis, Slice, s};
 use proptest::prelude::*;
@@ -89,7 +89,7 @@ proptest! {
     ) {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("raw.png");
-        let compression = if published { Compression::Published } else { Compression::Scratch };
+        let compression = if published { Compression::Best } else { Compression::Fast };
         let image = Array3::from_shape_fn((rows, columns, channels), |(row, column, channel)| {
             pattern[(row * columns * channels + column * channels + channel) % pattern.len()]
         });
@@ -97,23 +97,23 @@ proptest! {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let size = GridSize::new(rows, columns);
         let written = pool.install(|| {
-            let mut writer = PngWriter::create(&path, size, channels, SampleKind::U16, Meaning::Data, compression).unwrap();
+            let mut writer = PngWriter::create(&path, size, channels, SampleKind::U16, ColorEncoding::Data, compression).unwrap();
             for cut in cuts(rows, &seeds).windows(2) {
                 writer.write_rows(image.slice(s![cut[0]..cut[1], .., ..])).unwrap();
             }
             writer.finish().unwrap()
         });
-        prop_assert_eq!(fs::read(&path).unwrap(), encode_png(image.view(), Meaning::Data, compression).unwrap());
+        prop_assert_eq!(fs::read(&path).unwrap(), encode_png(image.view(), ColorEncoding::Data, compression).unwrap());
         prop_assert_eq!(written, hash_file(&path).unwrap());
         prop_assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U16(image));
         pool.install(|| {
-            let mut writer = PngWriter::create(&path, size, channels, SampleKind::U8, Meaning::Srgb, compression).unwrap();
+            let mut writer = PngWriter::create(&path, size, channels, SampleKind::U8, ColorEncoding::Srgb, compression).unwrap();
             for cut in cuts(rows, &seeds).windows(2) {
                 writer.write_rows(small.slice(s![cut[0]..cut[1], .., ..])).unwrap();
             }
             writer.finish().unwrap()
         });
-        prop_assert_eq!(fs::read(&path).unwrap(), encode_png(small.view(), Meaning::Srgb, compression).unwrap());
+        prop_assert_eq!(fs::read(&path).unwrap(), encode_png(small.view(), ColorEncoding::Srgb, compression).unwrap());
     }
 }
 
@@ -123,7 +123,7 @@ fn images_of_many_groups_do_not_depend_on_bands_or_threads() {
     let image = Array3::from_shape_fn((3000, 1100, 3), |(row, column, channel)| {
         ((row * row / 7 + column * 3) % 251 + channel) as u8
     });
-    let whole = encode_png(image.view(), Meaning::Srgb, Compression::Published).unwrap();
+    let whole = encode_png(image.view(), ColorEncoding::Srgb, Compression::Best).unwrap();
     let plane = Array2::from_shape_fn((3000, 1100), |(row, column)| ((row * 1100 + column) as f32).sqrt());
     let piz = encode_exr_with(&[ExrChannel::half("Y", plane.view())], ExrCompression::Piz).unwrap();
     for (threads, band) in [(1, 1), (2, 997), (3, 3000)] {
@@ -132,7 +132,7 @@ fn images_of_many_groups_do_not_depend_on_bands_or_threads() {
         let (png, exr) = (folder.path().join("a.png"), folder.path().join("a.exr"));
         pool.install(|| {
             let mut writer =
-                PngWriter::create(&png, size, 3, SampleKind::U8, Meaning::Srgb, Compression::Published).unwrap();
+                PngWriter::create(&png, size, 3, SampleKind::U8, ColorEncoding::Srgb, Compression::Best).unwrap();
             image.axis_chunks_iter(Axis(0), band).for_each(|rows| writer.write_rows(rows).unwrap());
             writer.finish().unwrap();
             let mut writer = ExrWriter::create(&exr, size, &[("Y", ExrSamples::Half)], ExrCompression::Piz).unwrap();
@@ -154,8 +154,8 @@ fn what_is_not_finished_leaves_what_was_there() {
     fs::write(&exr, b"old").unwrap();
     let size = GridSize::new(10, 4);
     let (rows, plane) = (Array3::<u8>::zeros((9, 4, 3)), Array2::zeros((9, 4)));
-    for compression in [Compression::Scratch, Compression::Published] {
-        let start = || PngWriter::create(&png, size, 3, SampleKind::U8, Meaning::Srgb, compression).unwrap();
+    for compression in [Compression::Fast, Compression::Best] {
+        let start = || PngWriter::create(&png, size, 3, SampleKind::U8, ColorEncoding::Srgb, compression).unwrap();
         let mut dropped = start();
         dropped.write_rows(rows.view()).unwrap();
         drop(dropped);
@@ -226,7 +226,7 @@ fn blocks_beyond_the_format_are_refused_before_memory_is_taken() {
     assert!(matches!(error, Error::BadInput { .. }) && error.to_string().contains("several files"), "{error}");
     for size in [GridSize::new(0, 4), GridSize::new(4, 0), GridSize::new(usize::MAX, 4), GridSize::new(4, usize::MAX)] {
         assert!(ExrWriter::create(&path, size, &channels[..1], ExrCompression::Zip).is_err());
-        assert!(PngWriter::create(&path, size, 3, SampleKind::U8, Meaning::Srgb, Compression::Published).is_err());
+        assert!(PngWriter::create(&path, size, 3, SampleKind::U8, ColorEncoding::Srgb, Compression::Best).is_err());
     }
     assert_eq!(count(folder.path()), 0);
 }

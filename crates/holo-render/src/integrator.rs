@@ -17,8 +17,8 @@ use crate::accel::Engine;
 use crate::camera::RaySource;
 use crate::geometry::Geometry;
 use crate::light::Emitters;
+use crate::light::EnvironmentLight;
 use crate::light::PreparedLight;
-use crate::light::Surroundings;
 use crate::material::Appearance;
 use crate::progress::Stop;
 use crate::sampling::Sampler;
@@ -56,7 +56,7 @@ pub(crate) struct SceneData<'a> {
     pub appearance: &'a Appearance,
     pub lights: &'a [PreparedLight],
     pub emitters: Option<&'a Emitters>,
-    pub surroundings: Option<&'a Surroundings>,
+    pub surroundings: Option<&'a EnvironmentLight>,
     pub sky: [f32; 3],
     /// The camera's axes (right, up, back) in the world.
     pub to_world: [[f64; 3]; 3],

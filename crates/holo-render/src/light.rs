@@ -8,5 +8,5 @@ mod environment;
 mod punctual;
 
 pub(crate) use emitters::Emitters;
-pub(crate) use environment::Surroundings;
+pub(crate) use environment::EnvironmentLight;
 pub(crate) use punctual::{PreparedLight, SHADOW_REACH, prepare};

@@ -26,7 +26,7 @@ use crate::geometry::{Geometry, Instancing};
 use crate::integrator::auto::{self, Contents};
 use crate::integrator::{Context, Integrator, Policy, SceneData};
 use crate::light::Emitters;
-use crate::light::Surroundings;
+use crate::light::EnvironmentLight;
 use crate::light::{self, PreparedLight};
 use crate::material::{Appearance, Kinds};
 use crate::material::{Cover, Holes};
@@ -44,7 +44,7 @@ pub struct Renderer {
     appearance: Arc<Appearance>,
     lights: Vec<PreparedLight>,
     emitters: Option<Emitters>,
-    surroundings: Option<Surroundings>,
+    surroundings: Option<EnvironmentLight>,
     /// The camera's axes (right, up, back) in the world.
     to_world: [[f64; 3]; 3],
     /// Instances and materials of the scene.
@@ -95,7 +95,7 @@ impl Renderer {
         });
         let lights = light::prepare(&scene.lights, pose);
         let emitters = Emitters::build(&geometry, &scene.materials, &scene.textures);
-        let surroundings = scene.environment.as_ref().map(|environment| Surroundings::new(environment, pose));
+        let surroundings = scene.environment.as_ref().map(|environment| EnvironmentLight::new(environment, pose));
         let surroundings = surroundings.filter(|surroundings| !surroundings.is_black());
         let counts = [scene.instances.len(), scene.materials.len()];
         let to_world = pose.columns;

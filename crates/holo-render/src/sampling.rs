@@ -32,7 +32,7 @@ pub(crate) enum Draw {
     /// Where on an emitter.
     Emitter = 4,
     /// Which direction of the surroundings.
-    Surroundings = 5,
+    EnvironmentLight = 5,
     /// Where on the disc of a distant light.
     Disc = 6,
     /// Which emitter.

@@ -1,7 +1,7 @@
 //! `holo animate`: a way through the views as a moving picture, or as one picture a view.
 
 use holo_core::{LightFieldOwned, Sample, ViewPath};
-use holo_io::Meaning;
+use holo_io::ColorEncoding;
 
 use super::picture::numbered;
 use super::raw::{self, Raw};
@@ -48,6 +48,6 @@ fn write<T: Sample>(
         return Err(Failure::Usage("a moving picture is a PNG; end the name of --out in .png".into()));
     }
     let frames: Vec<_> = shown.iter().map(|&(t, s)| field.view(t, s)).collect::<Result<_, _>>()?;
-    holo_io::write_png_animation(&options.out, &frames, options.fps, Meaning::Srgb)?;
+    holo_io::write_png_animation(&options.out, &frames, options.fps, ColorEncoding::Srgb)?;
     Ok(())
 }

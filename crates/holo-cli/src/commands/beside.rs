@@ -4,7 +4,7 @@ use std::path::Path;
 
 use holo_core::Rig;
 use holo_io::dataset::{DatasetFolder, PARAMETERS_CFG};
-use holo_io::{FileKind, HciFolder, HciQuantity, HciResolution, Limits, Opened, ParametersCfg};
+use holo_io::{FileInfo, FileKind, HciFolder, HciQuantity, HciResolution, Limits, ParametersCfg};
 use ndarray::Array2;
 
 use crate::failure::Failure;
@@ -28,8 +28,8 @@ impl Beside {
             return Ok(Self { rig: rig_of_file(input, is_other), ..Self::default() });
         }
         Ok(match holo_io::open(input)? {
-            Opened::DatasetFolder(folder) => of_dataset(&folder, &limits)?,
-            Opened::HciFolder(folder) => of_hci(&folder, &limits)?,
+            FileInfo::DatasetFolder(folder) => of_dataset(&folder, &limits)?,
+            FileInfo::HciFolder(folder) => of_hci(&folder, &limits)?,
             _ => Self::default(),
         })
     }

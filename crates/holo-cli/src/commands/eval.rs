@@ -7,7 +7,7 @@ use holo_core::metrics::{
     disparity_scores, error_map, median_angle_error_deg, psnr_db, ssim,
 };
 use holo_core::{DynImage, GridSize, Rig, Sample, for_each_sample};
-use holo_io::{Compression, FileKind, Limits, Meaning};
+use holo_io::{ColorEncoding, Compression, FileKind, Limits};
 use ndarray::{Array2, Axis};
 use serde_json::{Value, json};
 
@@ -98,7 +98,7 @@ fn maps(options: &EvalOptions) -> Result<Vec<Row>, Failure> {
     }
     if let Some(path) = &options.error_map {
         let picture = error_map(&estimate, &truth, options.error_range, &ErrorColours::default())?;
-        holo_io::write_png(path, picture.view(), Meaning::Srgb, Compression::Published)?;
+        holo_io::write_png(path, picture.view(), ColorEncoding::Srgb, Compression::Best)?;
     }
     Ok(rows)
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use holo_core::Layout;
 use holo_dataset::SceneSource;
 use holo_io::dataset::{MANIFEST_JSON, PARAMETERS_CFG};
-use holo_io::{FileKind, Limits, Manifest, Opened, ParametersCfg, Pfm};
+use holo_io::{FileInfo, FileKind, Limits, Manifest, ParametersCfg, Pfm};
 use holo_render::Layer;
 
 use super::diagnostics::Plain;
@@ -38,7 +38,7 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
 /// What kind of folder, and the rig of a light field in it.
 fn folder(path: &Path) -> Result<(), Failure> {
     let opened = holo_io::open(path)?;
-    if matches!(opened, Opened::UnknownFolder { .. }) {
+    if matches!(opened, FileInfo::UnknownFolder { .. }) {
         let at = path.display();
         return Err(Failure::Failed(format!(
             "{at} is a folder without a {MANIFEST_JSON} or a light field; name a file in it"
@@ -46,9 +46,9 @@ fn folder(path: &Path) -> Result<(), Failure> {
     }
     out!("{opened}")?;
     match opened {
-        Opened::DatasetFolder(_) => manifest(&path.join(MANIFEST_JSON)),
-        Opened::HciFolder(_) => parameters(&path.join(PARAMETERS_CFG)),
-        Opened::Datasets(entries) => {
+        FileInfo::DatasetFolder(_) => manifest(&path.join(MANIFEST_JSON)),
+        FileInfo::HciFolder(_) => parameters(&path.join(PARAMETERS_CFG)),
+        FileInfo::Datasets(entries) => {
             for entry in entries {
                 out!("{}", entry.path.display())?;
             }

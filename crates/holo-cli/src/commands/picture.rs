@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_io::{Compression, Meaning};
+use holo_io::{ColorEncoding, Compression};
 use ndarray::{ArrayView3, Axis, Slice};
 
 use crate::arguments::Crop;
@@ -27,7 +27,7 @@ impl<'a> Picture<'a> {
 
     /// Writes integers into a PNG and floats into a PFM: nothing is converted. `input` is where it comes from.
     pub fn write(self, out: &Path, input: &Path) -> Result<(), Failure> {
-        let (meaning, compression) = (Meaning::Srgb, Compression::Published);
+        let (meaning, compression) = (ColorEncoding::Srgb, Compression::Best);
         let floats = out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pfm"));
         match self {
             Self::Float(image) if floats => write_pfm(out, image),

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldOwned, Split};
-use holo_io::{FileKind, Limits, Opened, ParametersCfg, dataset};
+use holo_io::{FileInfo, FileKind, Limits, ParametersCfg, dataset};
 
 use super::picture::Picture;
 use crate::arguments::{InputOptions, LayoutArgument};
@@ -110,12 +110,12 @@ pub fn read(
 
 fn read_folder(path: &Path, limits: &Limits) -> Result<(Raw, Option<Layout>), Failure> {
     Ok(match holo_io::open(path)? {
-        Opened::DatasetFolder(folder) => {
+        FileInfo::DatasetFolder(folder) => {
             let layout = folder.raw_image().map(|(_, layout)| layout);
             (folder.read(limits)?.try_into()?, layout)
         }
-        Opened::HciFolder(folder) => (folder.read(limits)?.try_into()?, None),
-        Opened::GantryFolder(folder) => (folder.read(limits)?.try_into()?, None),
+        FileInfo::HciFolder(folder) => (folder.read(limits)?.try_into()?, None),
+        FileInfo::GantryFolder(folder) => (folder.read(limits)?.try_into()?, None),
         other => return Err(Failure::Usage(format!("{} holds no light field: {other}", path.display()))),
     })
 }

@@ -4,9 +4,10 @@
 
 use std::path::Path;
 
+use holo_core::color::srgb_to_linear;
 use holo_core::refocus::{Aperture, Kernel, Refocus, disparity_from_slope};
 use holo_core::{GridSize, LightField, LightFieldOwned, Rig, Split};
-use holo_io::{Compression, Limits, Meaning};
+use holo_io::{ColorEncoding, Compression, Limits};
 use holo_render::exposure;
 use ndarray::{Array3, Axis, Slice};
 
@@ -79,9 +80,9 @@ fn refocus(options: &RefocusOptions, views: GridSize, rig: Option<&Rig>) -> Resu
 
 /// The colours in linear light, without alpha.
 fn linear(raw: Raw) -> Result<LightFieldOwned<f32>, Failure> {
-    let curve = |code: f64| if code <= 0.040_45 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) };
-    let table =
-        |codes: usize| (0..codes).map(|code| curve(code as f64 / (codes - 1) as f64) as f32).collect::<Vec<_>>();
+    let table = |codes: usize| {
+        (0..codes).map(|code| srgb_to_linear(code as f64 / (codes - 1) as f64) as f32).collect::<Vec<_>>()
+    };
     let field = match raw {
         Raw::U8(field) => {
             let table = table(1 << 8);
@@ -112,11 +113,11 @@ fn write(out: &Path, picture: Array3<f32>, codes: Codes) -> Result<(), Failure> 
     match codes {
         Codes::Bits8 => {
             let coded = exposure::encode_8bit(&one, 0.0)?;
-            holo_io::write_png(out, coded.view(0, 0)?, Meaning::Srgb, Compression::Published)?;
+            holo_io::write_png(out, coded.view(0, 0)?, ColorEncoding::Srgb, Compression::Best)?;
         }
         Codes::Bits16 => {
             let coded = exposure::encode_16bit(&one, 0.0)?;
-            holo_io::write_png(out, coded.view(0, 0)?, Meaning::Srgb, Compression::Published)?;
+            holo_io::write_png(out, coded.view(0, 0)?, ColorEncoding::Srgb, Compression::Best)?;
         }
     }
     Ok(())

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use holo_core::{Layout, LightFieldOwned};
-use holo_io::{Compression, Meaning};
+use holo_io::{ColorEncoding, Compression};
 
 use super::raw::{self, Raw};
 use crate::arguments::{LayoutArgument, RemapOptions};
@@ -35,11 +35,11 @@ pub fn output_layout(to: Option<LayoutArgument>, out: &Path, default: Option<Lay
 /// Writes a whole light field as a PNG. `input` is where it comes from.
 pub fn write_grid(image: Raw, to: Layout, out: &Path, input: &Path) -> Result<(), Failure> {
     match image {
-        Raw::U8(field) => holo_io::write_png(out, grid(field, to).view(), Meaning::Srgb, Compression::Published)?,
+        Raw::U8(field) => holo_io::write_png(out, grid(field, to).view(), ColorEncoding::Srgb, Compression::Best)?,
         Raw::Float(_) => {
             return Err(Failure::Usage(format!("{} holds linear floats, which no PNG can", input.display())));
         }
-        Raw::U16(field) => holo_io::write_png(out, grid(field, to).view(), Meaning::Srgb, Compression::Published)?,
+        Raw::U16(field) => holo_io::write_png(out, grid(field, to).view(), ColorEncoding::Srgb, Compression::Best)?,
     };
     Ok(())
 }

@@ -4,7 +4,7 @@ use std::ops::{Bound, Range, RangeBounds};
 
 use ndarray::{ArrayView3, Axis, Data, DataMut, RawData, Slice};
 
-use super::{LightField, LightFieldView, LightFieldViewMut};
+use super::{LightField, LightFieldRef, LightFieldRefMut};
 use crate::Error;
 use crate::error::range_within;
 
@@ -88,7 +88,7 @@ impl<S: Data> LightField<S> {
         &self,
         rows: impl RangeBounds<usize>,
         columns: impl RangeBounds<usize>,
-    ) -> Result<LightFieldView<'_, S::Elem>, Error> {
+    ) -> Result<LightFieldRef<'_, S::Elem>, Error> {
         self.borrowed().into_clip_views(rows, columns)
     }
 
@@ -98,7 +98,7 @@ impl<S: Data> LightField<S> {
     /// # Errors
     ///
     /// [`Error::ZeroCount`] if a step is 0.
-    pub fn stride_views(&self, rows: usize, columns: usize) -> Result<LightFieldView<'_, S::Elem>, Error> {
+    pub fn stride_views(&self, rows: usize, columns: usize) -> Result<LightFieldRef<'_, S::Elem>, Error> {
         self.borrowed().into_stride_views(rows, columns)
     }
 
@@ -111,7 +111,7 @@ impl<S: Data> LightField<S> {
         &self,
         rows: impl RangeBounds<usize>,
         columns: impl RangeBounds<usize>,
-    ) -> Result<LightFieldView<'_, S::Elem>, Error> {
+    ) -> Result<LightFieldRef<'_, S::Elem>, Error> {
         self.borrowed().into_clip_lenses(rows, columns)
     }
 
@@ -164,7 +164,7 @@ impl<S: DataMut> LightField<S> {
         &mut self,
         rows: impl RangeBounds<usize>,
         columns: impl RangeBounds<usize>,
-    ) -> Result<LightFieldViewMut<'_, S::Elem>, Error> {
+    ) -> Result<LightFieldRefMut<'_, S::Elem>, Error> {
         self.borrowed_mut().into_clip_views(rows, columns)
     }
 
@@ -177,7 +177,7 @@ impl<S: DataMut> LightField<S> {
         &mut self,
         rows: impl RangeBounds<usize>,
         columns: impl RangeBounds<usize>,
-    ) -> Result<LightFieldViewMut<'_, S::Elem>, Error> {
+    ) -> Result<LightFieldRefMut<'_, S::Elem>, Error> {
         self.borrowed_mut().into_clip_lenses(rows, columns)
     }
 }

@@ -3,7 +3,7 @@
 use ndarray::{Array3, ArrayView3};
 
 use super::sample::sealed::Sealed;
-use super::{LightFieldOwned, LightFieldView, Sample, SampleKind};
+use super::{LightFieldOwned, LightFieldRef, Sample, SampleKind};
 use crate::{Error, GridSize, Layout, Split};
 
 /// A light field of any of the element types.
@@ -36,13 +36,13 @@ pub enum DynLightField {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DynLightFieldRef<'a> {
     /// 8 bits a sample.
-    U8(LightFieldView<'a, u8>),
+    U8(LightFieldRef<'a, u8>),
     /// 16 bits a sample.
-    U16(LightFieldView<'a, u16>),
+    U16(LightFieldRef<'a, u16>),
     /// Single precision.
-    F32(LightFieldView<'a, f32>),
+    F32(LightFieldRef<'a, f32>),
     /// Double precision.
-    F64(LightFieldView<'a, f64>),
+    F64(LightFieldRef<'a, f64>),
 }
 
 /// An image `(row, column, channel)` of any of the element types.
@@ -269,8 +269,8 @@ impl<T: Sample> From<LightFieldOwned<T>> for DynLightField {
     }
 }
 
-impl<'a, T: Sample> From<LightFieldView<'a, T>> for DynLightFieldRef<'a> {
-    fn from(field: LightFieldView<'a, T>) -> Self {
+impl<'a, T: Sample> From<LightFieldRef<'a, T>> for DynLightFieldRef<'a> {
+    fn from(field: LightFieldRef<'a, T>) -> Self {
         Sealed::light_field_ref(field)
     }
 }

@@ -3,7 +3,7 @@
 use ndarray::{Array3, ArrayView3};
 
 use super::dynamic::{DynImage, DynImageRef, DynLightField, DynLightFieldRef};
-use super::{LightFieldOwned, LightFieldView};
+use super::{LightFieldOwned, LightFieldRef};
 
 /// One of the element types, as a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -57,11 +57,11 @@ pub trait Sample: sealed::Sealed + Copy + Default + PartialEq + std::fmt::Debug 
 /// How a type becomes one of many: not for callers, who have `From`.
 pub(super) mod sealed {
     use super::{Array3, ArrayView3, DynImage, DynImageRef, DynLightField, DynLightFieldRef};
-    use super::{LightFieldOwned, LightFieldView};
+    use super::{LightFieldOwned, LightFieldRef};
 
     pub trait Sealed: Sized {
         fn light_field(field: LightFieldOwned<Self>) -> DynLightField;
-        fn light_field_ref(field: LightFieldView<'_, Self>) -> DynLightFieldRef<'_>;
+        fn light_field_ref(field: LightFieldRef<'_, Self>) -> DynLightFieldRef<'_>;
         fn image(image: Array3<Self>) -> DynImage;
         fn image_ref(image: ArrayView3<'_, Self>) -> DynImageRef<'_>;
     }
@@ -74,7 +74,7 @@ macro_rules! sample {
                 DynLightField::$name(field)
             }
 
-            fn light_field_ref(field: LightFieldView<'_, Self>) -> DynLightFieldRef<'_> {
+            fn light_field_ref(field: LightFieldRef<'_, Self>) -> DynLightFieldRef<'_> {
                 DynLightFieldRef::$name(field)
             }
 

@@ -89,7 +89,7 @@ proptest! {
         turned.invert_axis(Axis(0));
         turned.invert_axis(Axis(1));
         for by_view in [false, true] {
-            let grid = |light_field: holo_core::LightFieldView<'_, u16>| {
+            let grid = |light_field: holo_core::LightFieldRef<'_, u16>| {
                 if by_view { light_field.to_viewpoint_grid() } else { light_field.to_elemental_grid() }
             };
             let light_field = if by_view {

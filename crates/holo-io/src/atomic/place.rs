@@ -4,19 +4,19 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 
 use super::temporary::Temporary;
-use super::{Written, hash_file, target_of};
+use super::{FileDigest, hash_file, target_of};
 use crate::Error;
 
 /// What [`AtomicFile`](super::AtomicFile) is, for writers that do not go front to back. The digest costs one more pass.
 #[derive(Debug)]
-pub(crate) struct AtomicPlace {
+pub(crate) struct AtomicPath {
     path: PathBuf,
     /// Holds the lock that tells other processes of a living writer.
     file: File,
     temporary: Temporary,
 }
 
-impl AtomicPlace {
+impl AtomicPath {
     /// Starts a file that will be called `path`.
     pub(crate) fn create(path: &Path) -> Result<Self, Error> {
         let Some(target) = target_of(path)? else {
@@ -47,7 +47,7 @@ impl AtomicPlace {
     }
 
     /// Completes the file: syncs, hashes, renames.
-    pub(crate) fn commit(self) -> Result<Written, Error> {
+    pub(crate) fn commit(self) -> Result<FileDigest, Error> {
         let failed = |source| Error::io("write", &self.path, source);
         self.file.sync_all().map_err(failed)?;
         let written = hash_file(self.temporary.path())?;

@@ -10,7 +10,7 @@ use super::{DATASET_JSON, folder};
 use crate::error::MEMORY;
 use crate::limits::read_small_file;
 use crate::names::stays_inside;
-use crate::{Error, Written, write_file};
+use crate::{Error, FileDigest, write_file};
 
 /// The value of the key `format`.
 const FORMAT: &str = "holo dataset 1";
@@ -150,7 +150,7 @@ impl Description {
     /// # Errors
     ///
     /// Those of [`to_json`](Self::to_json), and [`Error::Io`] if the file cannot be written.
-    pub fn write(&self, root: impl AsRef<Path>) -> Result<Written, Error> {
+    pub fn write(&self, root: impl AsRef<Path>) -> Result<FileDigest, Error> {
         write_file(root.as_ref().join(DATASET_JSON), self.to_json()?.as_bytes())
     }
 

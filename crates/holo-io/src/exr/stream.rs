@@ -7,7 +7,7 @@ use ndarray::ArrayView2;
 
 use super::write::Encoder;
 use super::{ExrCompression, ExrSamples};
-use crate::{AtomicFile, Error, Written};
+use crate::{AtomicFile, Error, FileDigest};
 
 /// Writes an EXR from top to bottom, a band of rows at a time.
 ///
@@ -108,7 +108,7 @@ impl ExrWriter {
     ///
     /// [`Error::BadInput`] if rows are missing; [`Error::Io`] if the file cannot be written. No file of that name appears
     /// then, and an older one stays.
-    pub fn finish(self) -> Result<Written, Error> {
+    pub fn finish(self) -> Result<FileDigest, Error> {
         let Self { mut file, whole, encoder } = self;
         let path = file.path().to_owned();
         let failed = |error| Error::io("write", &path, error);

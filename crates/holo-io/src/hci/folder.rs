@@ -35,7 +35,7 @@ use crate::{Error, Limits, ParametersCfg, read_pfm_grey, read_pfm_info};
 ///     disparity_px: HciTruth::None,
 ///     depth_m: HciTruth::None,
 /// };
-/// image.write(path, Compression::Scratch)?;
+/// image.write(path, Compression::Fast)?;
 ///
 /// let read = HciFolder::open(path)?;
 /// assert_eq!(read.rig()?, rig);

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use holo_core::{DynImageRef, DynLightFieldRef, GridSize, LightFieldView, Split, for_each_sample};
+use holo_core::{DynImageRef, DynLightFieldRef, GridSize, LightFieldRef, Split, for_each_sample};
 use ndarray::{ArrayView2, Axis};
 use rayon::prelude::*;
 
@@ -11,7 +11,7 @@ use super::folder::files;
 use super::names::Name;
 use super::{HciQuantity, HciResolution};
 use crate::names::PARAMETERS_CFG;
-use crate::{Compression, Error, Meaning, ParametersCfg, Written, write_pfm, write_png};
+use crate::{ColorEncoding, Compression, Error, FileDigest, ParametersCfg, write_pfm, write_png};
 
 /// Depth or disparity of low resolution.
 #[derive(Debug, Clone, Copy)]
@@ -21,7 +21,7 @@ pub enum HciTruth<'a> {
     /// Of the central view, `(v, u)`.
     Central(ArrayView2<'a, f32>),
     /// Of all views, `(v, u, t, s, 1)`. The central view gets a file of its own beside its numbered one.
-    All(LightFieldView<'a, f32>),
+    All(LightFieldRef<'a, f32>),
 }
 
 /// What is to be written as an [HCI folder](super).
@@ -58,7 +58,11 @@ impl<'a> HciImage<'a> {
     /// the folder holds views or ground truth that would stay and be taken for a part of this image; then nothing is
     /// written. Those of [`write_png`], [`write_pfm`] and [`ParametersCfg::write`]; then there is no `parameters.cfg`,
     /// and files that were finished before stay.
-    pub fn write(&self, folder: impl AsRef<Path>, compression: Compression) -> Result<Vec<(String, Written)>, Error> {
+    pub fn write(
+        &self,
+        folder: impl AsRef<Path>,
+        compression: Compression,
+    ) -> Result<Vec<(String, FileDigest)>, Error> {
         let folder = folder.as_ref();
         self.check(folder)?;
         let parameters = folder.join(PARAMETERS_CFG);
@@ -70,7 +74,7 @@ impl<'a> HciImage<'a> {
             }
             _ => {}
         }
-        let mut written: Vec<(String, Written)> = self
+        let mut written: Vec<(String, FileDigest)> = self
             .names()
             .into_par_iter()
             .map(|name| {
@@ -155,7 +159,7 @@ impl<'a> HciImage<'a> {
         Ok(())
     }
 
-    fn write_one(&self, name: Name, path: &Path, compression: Compression) -> Result<Written, Error> {
+    fn write_one(&self, name: Name, path: &Path, compression: Compression) -> Result<FileDigest, Error> {
         let GridSize { columns, .. } = self.split().views();
         let fault = |error| Error::core(path, error);
         match name {
@@ -163,7 +167,7 @@ impl<'a> HciImage<'a> {
                 let (t, s) = (index / columns, index % columns);
                 let view: DynImageRef<'_> =
                     for_each_sample!(DynLightFieldRef, &self.views, views => views.view(t, s).map_err(fault)?.into());
-                write_png(path, view, Meaning::Srgb, compression)
+                write_png(path, view, ColorEncoding::Srgb, compression)
             }
             Name::Truth { depth, view, .. } => {
                 let (t, s) = view.map_or(self.split().central_view(), |index| (index / columns, index % columns));

@@ -11,8 +11,8 @@ use ndarray::{ArrayD, ArrayView2, ArrayView4, ArrayView5, ArrayViewD, Axis, IxDy
 
 use super::library::{Failure, create};
 use super::{Hdf5Map, Hdf5Options, Number, attributes};
-use crate::atomic::AtomicPlace;
-use crate::{Error, Written};
+use crate::atomic::AtomicPath;
+use crate::{Error, FileDigest};
 
 /// Writes a light field lens row by lens row, and the ground truth beside it.
 ///
@@ -29,7 +29,7 @@ pub struct Hdf5Writer<T> {
     samples: AnyRows,
     maps: Vec<(Hdf5Map, Rows<f32>)>,
     file: File,
-    place: AtomicPlace,
+    place: AtomicPath,
     options: Hdf5Options,
     rig: Rig,
     sample: PhantomData<T>,
@@ -83,7 +83,7 @@ impl<T: Sample> Hdf5Writer<T> {
         if options.gzip_level > 9 {
             return Err(Error::bad_input(path, format!("gzip has levels 0 to 9, not {}", options.gzip_level)));
         }
-        let place = AtomicPlace::create(path)?;
+        let place = AtomicPath::create(path)?;
         let failed = |error| Failure { path, is_writing: true }.error(error);
         let file = create(place.temporary_path(), 0, false).map_err(failed)?;
         attributes::write_rig(&file, rig).map_err(failed)?;
@@ -173,7 +173,7 @@ impl<T: Sample> Hdf5Writer<T> {
     }
 
     /// Completes the file and gives it its name.
-    pub fn finish(self) -> Result<Written, Error> {
+    pub fn finish(self) -> Result<FileDigest, Error> {
         let Self { samples, maps, file, place, .. } = self;
         let failed = |error| Failure { path: place.path(), is_writing: true }.error(error);
         any!(&samples, rows => rows.check_complete("H", place.path()))?;

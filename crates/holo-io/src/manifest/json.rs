@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::{FORMAT, Manifest, Setting};
 use crate::names::stays_inside;
-use crate::{Error, Sha256, Written, meters_to_millimeters, millimeters_to_meters};
+use crate::{Error, FileDigest, Sha256, meters_to_millimeters, millimeters_to_meters};
 
 /// The keys in the order in which they are written.
 #[derive(Serialize, Deserialize)]
@@ -220,7 +220,7 @@ pub(super) fn write(manifest: &Manifest, path: &Path) -> Result<String, Error> {
     if let Some(name) = manifest.files.keys().find(|name| !stays_inside(name)) {
         return Err(Error::bad_input(path, format!("the manifest lists {name:?}, which is no name inside its folder")));
     }
-    let entry = |written: &Written| FileEntry { bytes: written.bytes, sha256: written.sha256.to_string() };
+    let entry = |written: &FileDigest| FileEntry { bytes: written.bytes, sha256: written.sha256.to_string() };
     let document = Document {
         format: FORMAT.to_owned(),
         versions: manifest.versions.clone(),
@@ -257,7 +257,7 @@ pub(super) fn read(text: &[u8], path: &Path) -> Result<Manifest, Error> {
         }
         let sha256 = Sha256::from_hex(&entry.sha256)
             .ok_or_else(|| broken(format!("files: the SHA-256 of {name:?} is not 64 hexadecimal digits")))?;
-        files.insert(name, Written { bytes: entry.bytes, sha256 });
+        files.insert(name, FileDigest { bytes: entry.bytes, sha256 });
     }
     Ok(Manifest {
         versions: document.versions,

@@ -8,9 +8,9 @@ use std::path::Path;
 use super::v5::read::Reader;
 use super::v5::{self, MAX_VARIABLE_BYTES, VARIABLE_HEAD_BYTES};
 use super::{FORMAT_V5, MatArray, MatInfo, MatOptions, MatVariable, MatVersion};
-use crate::atomic::AtomicPlace;
+use crate::atomic::AtomicPath;
 use crate::error::MEMORY;
-use crate::{AtomicFile, Error, Limits, Written};
+use crate::{AtomicFile, Error, FileDigest, Limits};
 
 /// Bytes read or written at a time.
 const BUFFER_BYTES: usize = 1 << 18;
@@ -61,12 +61,12 @@ fn check(variables: &[MatVariable<'_>], version: MatVersion, path: &Path) -> Res
     }
 }
 
-pub(super) fn write(path: &Path, variables: &[MatVariable<'_>], options: MatOptions) -> Result<Written, Error> {
+pub(super) fn write(path: &Path, variables: &[MatVariable<'_>], options: MatOptions) -> Result<FileDigest, Error> {
     if check(variables, options.version, path)? {
         return write_v73(path, variables, options);
     }
     if options.is_compressed {
-        let place = AtomicPlace::create(path)?;
+        let place = AtomicPath::create(path)?;
         let mut out = BufWriter::with_capacity(BUFFER_BYTES, place.file());
         write_v5(&mut out, variables, v5::write::compressed)
             .and_then(|()| out.flush())
@@ -82,12 +82,12 @@ pub(super) fn write(path: &Path, variables: &[MatVariable<'_>], options: MatOpti
 }
 
 #[cfg(feature = "hdf5")]
-fn write_v73(path: &Path, variables: &[MatVariable<'_>], options: MatOptions) -> Result<Written, Error> {
+fn write_v73(path: &Path, variables: &[MatVariable<'_>], options: MatOptions) -> Result<FileDigest, Error> {
     super::v73::write(path, variables, options.is_compressed)
 }
 
 #[cfg(not(feature = "hdf5"))]
-fn write_v73(path: &Path, _: &[MatVariable<'_>], _: MatOptions) -> Result<Written, Error> {
+fn write_v73(path: &Path, _: &[MatVariable<'_>], _: MatOptions) -> Result<FileDigest, Error> {
     Err(Error::bad_input(
         path,
         "this build cannot write a MAT file of level 7.3, which is an HDF5 file; build with the feature `hdf5`",
@@ -119,13 +119,13 @@ pub(super) fn encode(variables: &[MatVariable<'_>], options: MatOptions) -> Resu
 }
 
 /// A file of either level whose variables are known.
-pub(super) enum Opened<'a> {
+pub(super) enum FileInfo<'a> {
     V5(Reader<'a, BufReader<File>>),
     #[cfg(feature = "hdf5")]
     V73(super::v73::Reader<'a>),
 }
 
-impl<'a> Opened<'a> {
+impl<'a> FileInfo<'a> {
     pub(super) fn open(path: &'a Path, limits: Limits) -> Result<Self, Error> {
         let failed = |source| Error::io("read", path, source);
         let mut file = File::open(path).map_err(failed)?;

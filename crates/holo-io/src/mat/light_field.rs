@@ -5,10 +5,10 @@ use std::path::Path;
 use holo_core::{DynLightField, DynLightFieldRef, GridSize, LightField, Rig, Sample};
 use ndarray::{Array5, ArrayD, ArrayView5, ArrayViewD, Data, Ix5, IxDyn, aview0, aview1};
 
-use super::file::{Opened, missing};
+use super::file::{FileInfo, missing};
 use super::{MatArray, MatOptions, MatValue, MatVariable, write_mat};
 use crate::rig_values::{self, RigValues};
-use crate::{Error, Limits, Written};
+use crate::{Error, FileDigest, Limits};
 
 /// The order of a light field's dimensions in a MAT file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -85,7 +85,7 @@ pub fn write_mat_light_field<S>(
     rig: Option<&Rig>,
     order: MatOrder,
     options: &MatOptions,
-) -> Result<Written, Error>
+) -> Result<FileDigest, Error>
 where
     S: Data,
     S::Elem: Sample,
@@ -136,7 +136,7 @@ pub(super) fn beside<'a>(
 /// the table's.
 pub fn read_mat_light_field(path: impl AsRef<Path>, limits: &Limits) -> Result<MatLightField, Error> {
     let path = path.as_ref();
-    let mut opened = Opened::open(path, *limits)?;
+    let mut opened = FileInfo::open(path, *limits)?;
     let infos = opened.infos();
     let position = |name: &str| infos.iter().position(|info| info.name == name);
     let orders = [MatOrder::Lenses, MatOrder::LightFieldToolbox];

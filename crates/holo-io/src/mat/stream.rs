@@ -17,7 +17,7 @@ use super::order::column_major;
 use super::{MatClass, v73};
 use crate::hdf5::{Failure, Hdf5Options, Number};
 use crate::rig_values::RigValues;
-use crate::{Error, Written};
+use crate::{Error, FileDigest};
 
 /// Lens columns that are turned round at a time, in chunks.
 const CHUNKS_AT_A_TIME: usize = 4;
@@ -54,7 +54,7 @@ pub struct MatWriter<T> {
     // The order matters: the dataset is closed first, then the file, and then the temporary file can go.
     rows: AnyRows,
     file: File,
-    place: crate::atomic::AtomicPlace,
+    place: crate::atomic::AtomicPath,
     samples: PhantomData<T>,
 }
 
@@ -127,7 +127,7 @@ impl<T: Sample> MatWriter<T> {
     }
 
     /// Completes the file and gives it its name.
-    pub fn finish(self) -> Result<Written, Error> {
+    pub fn finish(self) -> Result<FileDigest, Error> {
         let Self { rows, file, place, .. } = self;
         let (count, all) = match &rows {
             AnyRows::U8(rows) => (rows.count, rows.shape[0]),

@@ -14,9 +14,9 @@ use ndarray::{ArrayD, ArrayViewD, Axis, IxDyn, ShapeBuilder};
 use super::order::Plan;
 use super::value::Element;
 use super::{MatArray, MatClass, MatInfo, MatValue, MatVariable, unreadable};
-use crate::atomic::AtomicPlace;
+use crate::atomic::AtomicPath;
 use crate::hdf5::{Failure, check_chunk, create, open, read_text};
-use crate::{Error, Limits, Written};
+use crate::{Error, FileDigest, Limits};
 
 /// What stands first in the file; MATLAB wants the first words just so.
 const TEXT: &str = "MATLAB 7.3 MAT-file, written by holo, HDF5 schema 1.00 .";
@@ -44,7 +44,7 @@ fn header() -> Vec<u8> {
     bytes
 }
 
-pub(super) fn write(path: &Path, variables: &[MatVariable<'_>], is_compressed: bool) -> Result<Written, Error> {
+pub(super) fn write(path: &Path, variables: &[MatVariable<'_>], is_compressed: bool) -> Result<FileDigest, Error> {
     let (place, file) = begin(path)?;
     for one in variables {
         variable(&file, one, is_compressed).map_err(|error| Failure { path, is_writing: true }.error(error))?;
@@ -53,15 +53,15 @@ pub(super) fn write(path: &Path, variables: &[MatVariable<'_>], is_compressed: b
 }
 
 /// Starts a file.
-pub(super) fn begin(path: &Path) -> Result<(AtomicPlace, File), Error> {
-    let place = AtomicPlace::create(path)?;
+pub(super) fn begin(path: &Path) -> Result<(AtomicPath, File), Error> {
+    let place = AtomicPath::create(path)?;
     let file = create(place.temporary_path(), BLOCK_BYTES as u64, true)
         .map_err(|error| Failure { path, is_writing: true }.error(error))?;
     Ok((place, file))
 }
 
 /// Completes a file and gives it its name.
-pub(super) fn end(place: AtomicPlace, file: File) -> Result<Written, Error> {
+pub(super) fn end(place: AtomicPath, file: File) -> Result<FileDigest, Error> {
     let failed = |error| Failure { path: place.path(), is_writing: true }.error(error);
     // By its own call, because closing tells no errors.
     file.flush().map_err(failed)?;

@@ -5,9 +5,9 @@ use std::path::Path;
 use holo_core::{GridSize, Sample};
 use ndarray::ArrayView3;
 
-use super::Meaning;
+use super::ColorEncoding;
 use super::encode::{Layout, gather_image};
-use crate::{AtomicFile, Error, Written};
+use crate::{AtomicFile, Error, FileDigest};
 
 /// Ticks of the clock a second in which the time of a picture is told.
 const TICKS: f64 = 100.0;
@@ -35,21 +35,21 @@ const TICKS: f64 = 100.0;
 /// # Examples
 ///
 /// ```
-/// use holo_io::{Meaning, write_png_animation};
+/// use holo_io::{ColorEncoding, write_png_animation};
 /// use ndarray::Array3;
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let pictures: Vec<_> = (0..4).map(|k| Array3::<u8>::from_elem((5, 7, 3), k * 60)).collect();
 /// let views: Vec<_> = pictures.iter().map(|picture| picture.view()).collect();
-/// write_png_animation(folder.path().join("moving.png"), &views, 25.0, Meaning::Srgb)?;
+/// write_png_animation(folder.path().join("moving.png"), &views, 25.0, ColorEncoding::Srgb)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_png_animation<T: Sample>(
     path: impl AsRef<Path>,
     pictures: &[ArrayView3<'_, T>],
     pictures_per_second: f64,
-    meaning: Meaning,
-) -> Result<Written, Error> {
+    meaning: ColorEncoding,
+) -> Result<FileDigest, Error> {
     let path = path.as_ref();
     let bad = |what: String| Error::bad_input(path, what);
     let Some(first) = pictures.first() else { return Err(bad("an animation needs a picture".into())) };

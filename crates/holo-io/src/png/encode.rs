@@ -8,7 +8,7 @@ use holo_core::{DynImageRef, GridSize, SampleKind};
 use ndarray::{ArrayView2, ArrayView3, Axis};
 
 use super::bands::Bands;
-use super::{Compression, Meaning};
+use super::{ColorEncoding, Compression};
 use crate::error::MEMORY;
 use crate::{AtomicFile, Error};
 
@@ -105,11 +105,11 @@ impl Layout {
     }
 
     /// An encoder that knows what the header says.
-    pub fn encoder<'a, W: Write>(&self, out: W, meaning: Meaning) -> png::Encoder<'a, W> {
+    pub fn encoder<'a, W: Write>(&self, out: W, meaning: ColorEncoding) -> png::Encoder<'a, W> {
         let mut encoder = png::Encoder::new(out, self.width, self.height);
         encoder.set_color(self.colour);
         encoder.set_depth(self.depth);
-        if meaning == Meaning::Srgb {
+        if meaning == ColorEncoding::Srgb {
             encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         }
         encoder
@@ -150,9 +150,9 @@ impl<W: Write> Write for Shared<W> {
 /// How the rows become bytes.
 enum Rows<W: Sink> {
     /// Through the `png` crate, one row at a time.
-    Scratch(Box<png::StreamWriter<'static, Shared<W>>>),
+    Fast(Box<png::StreamWriter<'static, Shared<W>>>),
     /// In bands on all threads; the `png` crate writes the header and the chunks.
-    Published(Box<png::Writer<Shared<W>>>, Bands),
+    Best(Box<png::Writer<Shared<W>>>, Bands),
 }
 
 /// A PNG on its way into `W`. Whoever owns it counts the rows.
@@ -164,7 +164,7 @@ pub(super) struct Encoder<W: Sink> {
 
 impl<W: Sink> Encoder<W> {
     /// Writes the header.
-    pub fn new(out: W, layout: Layout, meaning: Meaning, compression: Compression) -> Result<Self, Error> {
+    pub fn new(out: W, layout: Layout, meaning: ColorEncoding, compression: Compression) -> Result<Self, Error> {
         let out = Arc::new(Mutex::new(out));
         let rows = Rows::new(Shared(Arc::clone(&out)), layout, meaning, compression);
         match rows {
@@ -185,14 +185,14 @@ impl<W: Sink> Encoder<W> {
 
     fn push<T: Bytes>(&mut self, rows: ArrayView3<'_, T>) -> Result<(), Error> {
         let outcome = match &mut self.rows {
-            Rows::Scratch(writer) => {
+            Rows::Fast(writer) => {
                 let mut bytes = vec![0; self.row_bytes];
                 rows.outer_iter().try_for_each(|row| {
                     gather(row, &mut bytes);
                     Ok(writer.write_all(&bytes)?)
                 })
             }
-            Rows::Published(writer, bands) => bands.push(
+            Rows::Best(writer, bands) => bands.push(
                 rows.dim().0,
                 |row, bytes| gather(rows.index_axis(Axis(0), row), bytes),
                 |data| writer.write_chunk(png::chunk::IDAT, data),
@@ -205,8 +205,8 @@ impl<W: Sink> Encoder<W> {
     pub fn finish(self) -> Result<W, Error> {
         let outcome = match self.rows {
             // The end of the file is written when the writer falls; should that fail, `W` knows.
-            Rows::Scratch(writer) => writer.finish(),
-            Rows::Published(writer, _) => writer.finish(),
+            Rows::Fast(writer) => writer.finish(),
+            Rows::Best(writer, _) => writer.finish(),
         };
         outcome.map_err(|error| fault(&self.out, error))?;
         match Arc::try_unwrap(self.out) {
@@ -224,19 +224,19 @@ impl<W: Sink> Rows<W> {
     fn new(
         out: Shared<W>,
         layout: Layout,
-        meaning: Meaning,
+        meaning: ColorEncoding,
         compression: Compression,
     ) -> Result<Self, png::EncodingError> {
         let mut encoder = layout.encoder(out, meaning);
         Ok(match compression {
-            Compression::Scratch => {
+            Compression::Fast => {
                 encoder.set_compression(png::Compression::Fast);
                 encoder.set_filter(png::Filter::Adaptive);
-                Self::Scratch(Box::new(encoder.write_header()?.into_stream_writer_with_size(1 << 16)?))
+                Self::Fast(Box::new(encoder.write_header()?.into_stream_writer_with_size(1 << 16)?))
             }
-            Compression::Published => {
+            Compression::Best => {
                 let bands = Bands::new(layout.size.rows, layout.row_bytes, layout.pixel_bytes);
-                Self::Published(Box::new(encoder.write_header()?), bands)
+                Self::Best(Box::new(encoder.write_header()?), bands)
             }
         })
     }

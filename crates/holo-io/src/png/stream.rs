@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use holo_core::{DynImageRef, GridSize, SampleKind};
 
 use super::encode::{Encoder, Layout};
-use super::{Compression, Meaning};
-use crate::{AtomicFile, Error, Written};
+use super::{ColorEncoding, Compression};
+use crate::{AtomicFile, Error, FileDigest};
 
 /// Writes a PNG of 8 or 16 bits a channel from top to bottom, a band of rows at a time.
 ///
-/// Memory holds a few times 64 MiB (or a few rows, if those are more), whatever the size; with [`Compression::Scratch`]
+/// Memory holds a few times 64 MiB (or a few rows, if those are more), whatever the size; with [`Compression::Fast`]
 /// only one row. How the rows are cut into bands makes no difference to the bytes of the file, nor does the number of
 /// threads.
 ///
@@ -20,12 +20,12 @@ use crate::{AtomicFile, Error, Written};
 ///
 /// ```
 /// use holo_core::{GridSize, SampleKind};
-/// use holo_io::{Compression, Meaning, PngWriter};
+/// use holo_io::{Compression, ColorEncoding, PngWriter};
 /// use ndarray::Array3;
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("raw.png");
-/// let mut png = PngWriter::create(&path, GridSize::new(40, 30), 3, SampleKind::U8, Meaning::Srgb, Compression::Published)?;
+/// let mut png = PngWriter::create(&path, GridSize::new(40, 30), 3, SampleKind::U8, ColorEncoding::Srgb, Compression::Best)?;
 /// for band in 0..4 {
 ///     png.write_rows(Array3::<u8>::from_elem((10, 30, 3), band * 60).view())?;
 /// }
@@ -60,7 +60,7 @@ impl PngWriter {
         size: GridSize,
         channels: usize,
         kind: SampleKind,
-        meaning: Meaning,
+        meaning: ColorEncoding,
         compression: Compression,
     ) -> Result<Self, Error> {
         let path = path.as_ref();
@@ -117,7 +117,7 @@ impl PngWriter {
     ///
     /// [`Error::BadInput`] if rows are missing; [`Error::Io`] if the file cannot be written. No file of that name appears
     /// then, and an older one stays.
-    pub fn finish(self) -> Result<Written, Error> {
+    pub fn finish(self) -> Result<FileDigest, Error> {
         let path = &self.path;
         if self.has_failed || self.rows != self.layout.size.rows {
             let (rows, of) = (self.rows, self.layout.size.rows);

@@ -200,7 +200,7 @@ fn environment(context: &Context, here: &Shading) -> LightSample {
     let zero = [0.0; LANES];
     let (to_light, strength, pdf) = match context.scene.surroundings {
         Some(surroundings) => {
-            let sample = surroundings.sample(&draw(context, here, Draw::Surroundings));
+            let sample = surroundings.sample(&draw(context, here, Draw::EnvironmentLight));
             (sample.direction, sample.radiance, sample.pdf)
         }
         None => ([zero; 3], [zero; 3], zero),

@@ -24,7 +24,7 @@ use cells::Cells;
 use holo_scene::{Environment, Transform};
 
 /// An environment in the frame of a camera. It holds a copy of the image.
-pub(crate) struct Surroundings {
+pub(crate) struct EnvironmentLight {
     columns: i32,
     rows: i32,
     /// Row by row from the top.
@@ -45,7 +45,7 @@ pub(crate) struct EnvironmentSample {
     pub pdf: [f32; LANES],
 }
 
-impl Surroundings {
+impl EnvironmentLight {
     /// Prepares a valid `environment` for a camera at `pose`.
     pub fn new(environment: &Environment, pose: &Transform) -> Self {
         let (rows, columns, _) = environment.radiance.dim();

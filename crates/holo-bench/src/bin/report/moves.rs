@@ -2,8 +2,8 @@
 
 use holo_core::{DynImage, DynLightField, GridSize, LightField, Remainder, Sensor, rearrange::naive};
 use holo_io::{
-    Compression, ExrChannel, ExrCompression, Limits, MatOptions, MatOrder, Meaning, read_exr, read_mat_light_field,
-    read_png, write_exr_with, write_mat_light_field, write_png,
+    ColorEncoding, Compression, ExrChannel, ExrCompression, Limits, MatOptions, MatOrder, read_exr,
+    read_mat_light_field, read_png, write_exr_with, write_mat_light_field, write_png,
 };
 use ndarray::{Array3, Axis};
 
@@ -55,8 +55,8 @@ pub fn section(wish: &Wish) -> Section {
     let limits = Limits::default();
     let rounds = wish.rounds.min(3);
     let path = folder.join("image.png");
-    for (name, compression) in [("Scratch", Compression::Scratch), ("Published", Compression::Published)] {
-        let write = || write_png(&path, image.view(), Meaning::Srgb, compression).expect("a file");
+    for (name, compression) in [("Scratch", Compression::Fast), ("Published", Compression::Best)] {
+        let write = || write_png(&path, image.view(), ColorEncoding::Srgb, compression).expect("a file");
         let (seconds, written) = timed(rounds, write);
         let (reading, samples) = timed(rounds, || read_png(&path, &limits).expect("the file"));
         let DynImage::U8(samples) = samples else { panic!("8 bits were written") };

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use holo_core::{GridSize, Layout, LightFieldOwned, Rig, Split};
 use holo_io::dataset::{ELEMENTAL_PNG, MANIFEST_JSON, VIEWPOINT_PNG};
-use holo_io::{Compression, Limits, Meaning, Opened};
+use holo_io::{ColorEncoding, Compression, FileInfo, Limits};
 use ndarray::{Array2, Axis};
 
 use super::super::beside::Beside;
@@ -79,8 +79,8 @@ fn dataset_of(options: &ViewOptions) -> Option<&Path> {
 /// The PNG. One that can be shown as it is stays a file; everything else is read and encoded.
 fn picture(input: &Path, options: &ViewOptions) -> Result<(Picture, Split), Failure> {
     let given = match holo_io::open(input)? {
-        Opened::DatasetFolder(folder) => folder.raw_image().map(|(file, layout)| (file, layout, folder.split())),
-        Opened::Png(_) => {
+        FileInfo::DatasetFolder(folder) => folder.raw_image().map(|(file, layout)| (file, layout, folder.split())),
+        FileInfo::Png(_) => {
             let (layout, split) = raw::describe_png(input, options.input.from, options.input.views)?;
             Some((input.to_owned(), layout, split))
         }
@@ -106,7 +106,8 @@ fn picture(input: &Path, options: &ViewOptions) -> Result<(Picture, Split), Fail
     let grid = field.into_elemental_grid().unwrap_or_else(|field| field.to_elemental_grid());
     // Alpha says nothing here: colours are shown as they are stored.
     let channels = if grid.len_of(Axis(2)) >= 3 { 3 } else { 1 };
-    let png = holo_io::encode_png(grid.slice_axis(Axis(2), (..channels).into()), Meaning::Srgb, Compression::Scratch)?;
+    let png =
+        holo_io::encode_png(grid.slice_axis(Axis(2), (..channels).into()), ColorEncoding::Srgb, Compression::Fast)?;
     Ok((Picture::Encoded(png), split))
 }
 

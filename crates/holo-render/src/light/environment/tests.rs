@@ -66,7 +66,7 @@ fn independent(sets: u32) -> impl Iterator<Item = Points> {
 }
 
 /// Mean and standard error of the irradiance (first channel) on a surface with a world normal, `16 * sets` samples.
-fn irradiance(surroundings: &Surroundings, pose: &Transform, normal: [f64; 3], sets: u32) -> (f64, f64) {
+fn irradiance(surroundings: &EnvironmentLight, pose: &Transform, normal: [f64; 3], sets: u32) -> (f64, f64) {
     let (mut sum, mut squares) = (0.0, 0.0);
     for numbers in independent(sets) {
         let sample = surroundings.sample(&numbers);
@@ -92,7 +92,7 @@ fn the_axes_of_the_world_lie_where_the_mapping_says() {
         4 => [9.0; 3],
         _ => [[1.0, 10.0, 100.0, 1000.0][column], 0.0, 0.0],
     });
-    let surroundings = Surroundings::new(&map, &Transform::IDENTITY);
+    let surroundings = EnvironmentLight::new(&map, &Transform::IDENTITY);
     let cases = [
         ([1.0, 0.0, 0.0], 55.0),   // u = 1/2: between the second and the third
         ([0.0, 0.0, 1.0], 550.0),  // u = 3/4: between the third and the fourth
@@ -109,7 +109,7 @@ fn the_axes_of_the_world_lie_where_the_mapping_says() {
         // The camera at its default looks along -z; turned to the direction it sees the same straight ahead.
         let up = if direction[1] == 0.0 { [0.0, 1.0, 0.0] } else { [1.0, 0.0, 0.0] };
         let pose = Transform::look_at([0.0; 3], direction.map(f64::from), up);
-        let ahead = Surroundings::new(&map, &pose).radiance(&lanes([0.0, 0.0, -1.0]))[0][0];
+        let ahead = EnvironmentLight::new(&map, &pose).radiance(&lanes([0.0, 0.0, -1.0]))[0][0];
         assert!((ahead / expected - 1.0).abs() < 1e-5, "ahead at {direction:?}: {ahead}");
     }
 }
@@ -120,7 +120,7 @@ fn a_bright_texel_is_seen_at_its_own_direction() {
     for (row, column) in [(0, 0), (5, 63), (16, 31), (16, 32), (31, 17), (24, 0)] {
         let map = image(32, 64, |r, c| if (r, c) == (row, column) { [1.0, 2.0, 3.0] } else { [0.0; 3] });
         let pose = TURNED();
-        let surroundings = Surroundings::new(&map, &pose);
+        let surroundings = EnvironmentLight::new(&map, &pose);
         for r in 0..32 {
             for c in 0..64 {
                 let world = direction_of((c as f64 + 0.5) / 64.0, (r as f64 + 0.5) / 32.0);
@@ -140,7 +140,7 @@ fn a_bright_texel_is_seen_at_its_own_direction() {
 fn between_texels_it_is_bilinear_in_every_frame() {
     let map = noise(19, 37);
     for pose in [Transform::IDENTITY, TURNED()] {
-        let surroundings = Surroundings::new(&map, &pose);
+        let surroundings = EnvironmentLight::new(&map, &pose);
         for k in 0..20_000 {
             let (u, v) = (f64::from(k) / 20_000.0, 0.02 + 0.96 * (f64::from(k) * 0.618).rem_euclid(1.0));
             let camera = crate::geometry::world_to_camera_rotation(&pose).vector(direction_of(u, v));
@@ -158,7 +158,7 @@ fn between_texels_it_is_bilinear_in_every_frame() {
 #[test]
 fn the_density_integrates_to_one() {
     for (map, pose) in [(noise(8, 16), TURNED()), (noise(3, 5), Transform::IDENTITY), (noise(1, 1), TURNED())] {
-        let surroundings = Surroundings::new(&map, &pose);
+        let surroundings = EnvironmentLight::new(&map, &pose);
         let (rows, columns) = (1501, 3001);
         let mut sum = 0.0;
         for row in 0..rows {
@@ -186,7 +186,7 @@ fn the_density_integrates_to_one() {
 #[test]
 fn a_constant_image_has_a_constant_density() {
     for (rows, columns, at_most) in [(1, 1, 1e-6), (32, 64, 1e-4), (1024, 2048, 5.5e-2)] {
-        let surroundings = Surroundings::new(&image(rows, columns, |_, _| [0.25; 3]), &TURNED());
+        let surroundings = EnvironmentLight::new(&image(rows, columns, |_, _| [0.25; 3]), &TURNED());
         let (mut off, mut worst) = (0.0, 0.0f64);
         for numbers in independent(1000) {
             let sample = surroundings.sample(&numbers);
@@ -209,7 +209,7 @@ fn a_constant_image_has_a_constant_density() {
 #[test]
 fn samples_state_what_the_look_ups_say() {
     for (map, pose) in [(noise(128, 256), TURNED()), (noise(7, 3), Transform::IDENTITY)] {
-        let surroundings = Surroundings::new(&map, &pose);
+        let surroundings = EnvironmentLight::new(&map, &pose);
         let mut elsewhere = 0;
         for numbers in independent(10_000) {
             let sample = surroundings.sample(&numbers);
@@ -234,7 +234,7 @@ fn samples_state_what_the_look_ups_say() {
 #[test]
 fn directions_are_drawn_with_the_density() {
     let pose = TURNED();
-    let surroundings = Surroundings::new(&noise(4, 6), &pose);
+    let surroundings = EnvironmentLight::new(&noise(4, 6), &pose);
     let (rows, columns) = (8, 12);
     let mut counts = vec![0.0; rows * columns];
     let sets = 20_000;
@@ -270,7 +270,7 @@ fn directions_are_drawn_with_the_density() {
 fn the_irradiance_is_that_of_all_texels() {
     let map = noise(12, 24);
     let pose = TURNED();
-    let surroundings = Surroundings::new(&map, &pose);
+    let surroundings = EnvironmentLight::new(&map, &pose);
     for normal in [[0.0, 1.0, 0.0], [0.0, -1.0, 0.0], unit([1.0, 0.3, -0.5]), unit([-0.4, 0.1, 0.9])] {
         let (rows, columns) = (72, 144);
         let mut expected = 0.0;
@@ -297,7 +297,7 @@ fn the_sun_in_one_texel_is_found() {
     let (row, column) = (700, 1000);
     let map = image(2048, 4096, |r, c| if (r, c) == (row, column) { [1e5; 3] } else { [0.01; 3] });
     let pose = TURNED();
-    let surroundings = Surroundings::new(&map, &pose);
+    let surroundings = EnvironmentLight::new(&map, &pose);
     let polar = PI * (row as f64 + 0.5) / 2048.0;
     let solid_angle = (PI / 2048.0).powi(2) * polar.sin();
     let expected = 0.01 * PI + (1e5 - 0.01) * solid_angle * polar.cos();
@@ -314,7 +314,7 @@ fn the_sun_in_one_texel_is_found() {
 
 #[test]
 fn black_surroundings_have_no_density() {
-    let black = Surroundings::new(&image(5, 9, |_, _| [0.0; 3]), &TURNED());
+    let black = EnvironmentLight::new(&image(5, 9, |_, _| [0.0; 3]), &TURNED());
     assert!(black.is_black());
     for numbers in independent(20) {
         let sample = black.sample(&numbers);
@@ -324,7 +324,7 @@ fn black_surroundings_have_no_density() {
     }
     // Half black: nothing is drawn where the bilinear image is 0.
     let half = image(6, 8, |row, column| if row < 3 && column < 4 { [0.0, 0.0, 1.0] } else { [0.0; 3] });
-    let half = Surroundings::new(&half, &TURNED());
+    let half = EnvironmentLight::new(&half, &TURNED());
     assert!(!half.is_black());
     for numbers in independent(500) {
         let sample = half.sample(&numbers);
@@ -334,7 +334,7 @@ fn black_surroundings_have_no_density() {
     }
 }
 
-struct Everything<'a>(&'a Surroundings, Points);
+struct Everything<'a>(&'a EnvironmentLight, Points);
 
 impl Kernel for Everything<'_> {
     type Output = Vec<u32>;
@@ -353,7 +353,7 @@ impl Kernel for Everything<'_> {
 
 #[test]
 fn every_instruction_set_gives_the_same_bits() {
-    let surroundings = Surroundings::new(&noise(33, 70), &TURNED());
+    let surroundings = EnvironmentLight::new(&noise(33, 70), &TURNED());
     for numbers in independent(2000) {
         let results = run_on_all(|| Everything(&surroundings, numbers));
         assert!(results.iter().all(|r| *r == results[0]));
