@@ -1,7 +1,7 @@
 //! Files that appear whole or not at all.
 
 #[cfg(any(feature = "mat", feature = "hdf5"))]
-mod place;
+mod path;
 mod temporary;
 
 use std::fmt;
@@ -13,7 +13,7 @@ use sha2::{Digest, Sha256 as Hasher};
 
 use crate::Error;
 #[cfg(any(feature = "mat", feature = "hdf5"))]
-pub(crate) use place::AtomicPath;
+pub(crate) use path::AtomicPath;
 use temporary::Temporary;
 pub use temporary::{remove_stale_temporary_files, remove_temporary_files};
 

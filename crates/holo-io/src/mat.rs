@@ -152,7 +152,7 @@ pub fn encode_mat(variables: &[MatVariable<'_>], options: &MatOptions) -> Result
 /// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is no MAT file, is truncated or damaged;
 /// [`Error::Unsupported`] if it is of level 4, or of 7.3 and the feature `hdf5` is off.
 pub fn read_mat_info(path: impl AsRef<Path>) -> Result<Vec<MatInfo>, Error> {
-    Ok(file::FileInfo::open(path.as_ref(), Limits::NONE)?.infos())
+    Ok(file::MatReader::open(path.as_ref(), Limits::NONE)?.infos())
 }
 
 /// Reads one variable of a MAT file by its name; the first, should a faulty file have several.
@@ -163,7 +163,7 @@ pub fn read_mat_info(path: impl AsRef<Path>) -> Result<Vec<MatInfo>, Error> {
 /// that is not read; [`Error::TooLarge`] if it exceeds the limits, before memory is taken for it.
 pub fn read_mat_variable(path: impl AsRef<Path>, name: &str, limits: &Limits) -> Result<MatArray, Error> {
     let path = path.as_ref();
-    let mut opened = file::FileInfo::open(path, *limits)?;
+    let mut opened = file::MatReader::open(path, *limits)?;
     let infos = opened.infos();
     let index = infos.iter().position(|info| info.name == name);
     let index = index.ok_or_else(|| Error::bad_input(path, file::missing(name, &infos)))?;
@@ -177,7 +177,7 @@ pub fn read_mat_variable(path: impl AsRef<Path>, name: &str, limits: &Limits) ->
 /// Those of [`read_mat_variable`], also if a single variable is of a class that is not read: [`read_mat_variable`] reads
 /// the others. The limits are for all together.
 pub fn read_mat(path: impl AsRef<Path>, limits: &Limits) -> Result<Vec<(String, MatArray)>, Error> {
-    file::FileInfo::open(path.as_ref(), *limits)?.all()
+    file::MatReader::open(path.as_ref(), *limits)?.all()
 }
 
 /// Reads all variables of a MAT file of level 5 that is in memory, like [`read_mat`].

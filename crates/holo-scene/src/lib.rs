@@ -8,7 +8,21 @@
 //! # Example
 //! ```
 //! # fn main() -> Result<(), holo_scene::Error> {
-//! let scene = holo_scene::gallery::scene("garden").expect("a scene of the gallery");
+//! use holo_scene::{Instance, Material, Mesh, Scene, Transform};
+//!
+//! let triangle = Mesh {
+//!     name: "sail".into(),
+//!     positions: vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]],
+//!     triangles: vec![[0, 1, 2]],
+//!     ..Mesh::default()
+//! };
+//! let scene = Scene {
+//!     materials: vec![Material::default()],
+//!     meshes: vec![triangle],
+//!     instances: vec![Instance { name: "boat".into(), mesh: 0, transform: Transform::from_translation([0.0, 1.0, -3.0]) }],
+//!     ..Scene::default()
+//! };
+//! scene.validate()?;
 //! let glb = holo_scene::gltf::to_glb(&scene)?;
 //! let loaded = holo_scene::gltf::load_slice(&glb, &Default::default())?;
 //! assert_eq!(loaded.scene, scene);

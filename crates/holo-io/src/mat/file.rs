@@ -118,14 +118,14 @@ pub(super) fn encode(variables: &[MatVariable<'_>], options: MatOptions) -> Resu
     Ok(out.into_inner())
 }
 
-/// A file of either level whose variables are known.
-pub(super) enum FileInfo<'a> {
+/// A MAT file of version 5 or 7.3 whose variables are known.
+pub(super) enum MatReader<'a> {
     V5(Reader<'a, BufReader<File>>),
     #[cfg(feature = "hdf5")]
     V73(super::v73::Reader<'a>),
 }
 
-impl<'a> FileInfo<'a> {
+impl<'a> MatReader<'a> {
     pub(super) fn open(path: &'a Path, limits: Limits) -> Result<Self, Error> {
         let failed = |source| Error::io("read", path, source);
         let mut file = File::open(path).map_err(failed)?;

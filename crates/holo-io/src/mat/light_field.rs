@@ -5,7 +5,7 @@ use std::path::Path;
 use holo_core::{DynLightField, DynLightFieldRef, GridSize, LightField, Rig, Sample};
 use ndarray::{Array5, ArrayD, ArrayView5, ArrayViewD, Data, Ix5, IxDyn, aview0, aview1};
 
-use super::file::{FileInfo, missing};
+use super::file::{MatReader, missing};
 use super::{MatArray, MatOptions, MatValue, MatVariable, write_mat};
 use crate::rig_values::{self, RigValues};
 use crate::{Error, FileDigest, Limits};
@@ -136,7 +136,7 @@ pub(super) fn beside<'a>(
 /// the table's.
 pub fn read_mat_light_field(path: impl AsRef<Path>, limits: &Limits) -> Result<MatLightField, Error> {
     let path = path.as_ref();
-    let mut opened = FileInfo::open(path, *limits)?;
+    let mut opened = MatReader::open(path, *limits)?;
     let infos = opened.infos();
     let position = |name: &str| infos.iter().position(|info| info.name == name);
     let orders = [MatOrder::Lenses, MatOrder::LightFieldToolbox];
