@@ -84,6 +84,7 @@ pub mod refocus;
 pub use ndarray;
 
 pub use camera::{Intrinsics, Rig, RigBuilder, RigRay, automatic_baseline_m};
+pub use color::ColorEncoding;
 pub use disparity::{Disparity, Projection, StereoPair};
 pub use error::Error;
 pub use estimate::{DisparityEstimate, Effort, PlaneSweepOptions, plane_sweep};

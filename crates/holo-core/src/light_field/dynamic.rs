@@ -1,6 +1,8 @@
 //! Light fields and images whose element type is known only when the program runs: what files hold.
 
-use ndarray::{Array3, ArrayView3};
+use std::ops::Range;
+
+use ndarray::{Array3, ArrayView3, Axis, Slice};
 
 use super::sample::sealed::Sealed;
 use super::{LightFieldOwned, LightFieldRef, Sample, SampleKind};
@@ -101,6 +103,38 @@ impl DynLightField {
             .into())
         }
         for_each_sample!(DynImage, image, image => wrap(image, layout, split))
+    }
+
+    /// Returns the raw image in a layout: without a copy where the samples already lie in memory that way.
+    ///
+    /// # Shape
+    ///
+    /// `(V*T, U*S, C)`.
+    #[must_use]
+    pub fn into_grid(self, layout: Layout) -> DynImage {
+        fn grid<T: Sample>(field: LightFieldOwned<T>, layout: Layout) -> DynImage {
+            match layout {
+                Layout::ElementalGrid => field.into_elemental_grid().unwrap_or_else(|field| field.to_elemental_grid()),
+                Layout::ViewpointGrid => field.into_viewpoint_grid().unwrap_or_else(|field| field.to_viewpoint_grid()),
+            }
+            .into()
+        }
+        for_each_sample!(DynLightField, self, field => grid(field, layout))
+    }
+
+    /// Returns the light field without its alpha channel: the first of one or two channels, the first three of more.
+    /// Colors stay as they are stored, also where they are transparent.
+    #[must_use]
+    pub fn without_alpha(self) -> Self {
+        fn colors<T: Sample>(field: LightFieldOwned<T>) -> DynLightField {
+            let channels = if field.channels() >= 3 { 3 } else { 1 };
+            if field.channels() == channels {
+                return field.into();
+            }
+            let samples = field.into_samples();
+            LightFieldOwned::trusted(samples.slice_axis(Axis(4), Slice::from(..channels)).to_owned()).into()
+        }
+        for_each_sample!(DynLightField, self, field => colors(field))
     }
 
     /// Borrows it.
@@ -232,7 +266,27 @@ impl DynImage {
     }
 }
 
-impl DynImageRef<'_> {
+impl<'a> DynImageRef<'a> {
+    /// Returns the part of the image in these rows and columns.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`] if the part leaves the image or has no pixels.
+    pub fn crop(self, rows: Range<usize>, columns: Range<usize>) -> Result<Self, Error> {
+        let size = self.size();
+        for (what, range, count) in
+            [("row of the part", &rows, size.rows), ("column of the part", &columns, size.columns)]
+        {
+            if range.is_empty() || range.end > count {
+                return Err(Error::OutOfRange { what, index: range.end.max(range.start), count, first: 0 });
+            }
+        }
+        fn cut<T: Sample>(image: ArrayView3<'_, T>, rows: Range<usize>, columns: Range<usize>) -> DynImageRef<'_> {
+            image.slice_axis_move(Axis(0), rows.into()).slice_axis_move(Axis(1), columns.into()).into()
+        }
+        Ok(for_each_sample!(DynImageRef, self, image => cut(image, rows, columns)))
+    }
+
     /// Returns the element type.
     #[must_use]
     pub fn kind(&self) -> SampleKind {
@@ -330,6 +384,50 @@ mod tests {
             assert_eq!(field.epi_row(1, 2).unwrap().channels(), 3);
             assert!(field.view(4, 0).is_err() && field.epi_column(3, 0).is_err());
             assert_eq!(field.into_f32(), expected);
+        }
+    }
+
+    #[test]
+    fn alpha_is_dropped_and_colors_are_kept() {
+        for field in fields() {
+            assert_eq!(field.clone().without_alpha(), field);
+            let narrow: DynLightField = for_each_sample!(DynLightField, &field, f => {
+                LightField::new(f.samples().slice_axis(Axis(4), Slice::from(..2)).to_owned()).unwrap().into()
+            });
+            assert_eq!((narrow.channels(), narrow.clone().without_alpha().channels()), (2, 1));
+            assert_eq!(narrow.without_alpha().view(1, 2).unwrap(), {
+                let view = field.view(1, 2).unwrap();
+                for_each_sample!(DynImageRef, view, v => v.slice_axis_move(Axis(2), Slice::from(..1)).into())
+            });
+        }
+    }
+
+    #[test]
+    fn a_part_of_an_image_has_its_pixels_and_stays_inside() {
+        for field in fields() {
+            let view = field.elemental(1, 1).unwrap();
+            let part = view.crop(1..3, 2..5).unwrap();
+            assert_eq!((part.size(), part.kind()), (GridSize::new(2, 3), field.kind()));
+            let same = for_each_sample!(DynImageRef, view, v => {
+                let cut = v.slice_axis_move(Axis(0), (1..3).into()).slice_axis_move(Axis(1), (2..5).into());
+                cut.into()
+            });
+            assert_eq!(part, same);
+            for (rows, columns) in [(0..5, 0..1), (0..1, 4..6), (2..2, 0..1)] {
+                assert!(matches!(view.crop(rows, columns), Err(Error::OutOfRange { .. })));
+            }
+        }
+    }
+
+    #[test]
+    fn grids_of_either_layout_are_the_same_light_field() {
+        for field in fields() {
+            let split = field.split();
+            for layout in [Layout::ElementalGrid, Layout::ViewpointGrid] {
+                let grid = field.clone().into_grid(layout);
+                assert_eq!(grid.size(), split.raw_size());
+                assert_eq!(DynLightField::from_grid(grid, layout, split).unwrap(), field);
+            }
         }
     }
 
