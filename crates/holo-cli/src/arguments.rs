@@ -1,5 +1,6 @@
 //! The command line. On it x comes first everywhere: sizes are columns x rows, positions column, row.
 
+mod choices;
 mod dataset;
 mod optics;
 mod pictures;
@@ -10,20 +11,19 @@ mod values;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use holo_core::{GridSize, Sensor};
+use clap::{Args, Parser, Subcommand};
+use holo_core::{GridSize, Layout, Projection, Sensor};
 use holo_dataset::options::{parse_bit_depth, parse_not_negative, parse_positive, parse_sensor};
-use holo_dataset::{Exposure, Focus, Shard, Sky};
+use holo_dataset::{Exposure, Focus, LayerChoice, Output, Shard, Sky};
+use holo_io::MatOrder;
+use holo_render::{Backend, GroundTruth, Integrator};
+
+use choices::{BACKENDS, GROUND_TRUTHS, INTEGRATORS, LAYERS, LAYOUTS, MAT_ORDERS, OUTPUTS, PROJECTIONS, choice};
 
 pub use dataset::DatasetOptions;
 pub use optics::OpticsOptions;
-pub use pictures::{
-    AnimateOptions, ComposeOptions, ExtractOptions, OrderArgument, PathArgument, QuiltOptions, RotateOptions,
-};
-pub use tools::{
-    ApertureArgument, DepthOptions, EffortArgument, EpiOptions, EvalOptions, InputOptions, KernelArgument,
-    RefocusOptions,
-};
+pub use pictures::{AnimateOptions, ComposeOptions, ExtractOptions, PathArgument, QuiltOptions, RotateOptions};
+pub use tools::{ApertureArgument, DepthOptions, EpiOptions, EvalOptions, InputOptions, RefocusOptions};
 pub use values::{Crop, Pair, Places};
 
 /// Holoscopic (integral, plenoptic 1.0) images from glTF scenes, with exact depth and disparity.
@@ -104,8 +104,8 @@ pub struct RenderOptions {
 #[derive(Args, Clone, Debug)]
 pub struct JobOptions {
     /// How light is modelled.
-    #[arg(long, value_enum, default_value_t = IntegratorArgument::Auto)]
-    pub integrator: IntegratorArgument,
+    #[arg(long, value_parser = choice(INTEGRATORS), default_value = "auto")]
+    pub integrator: Integrator,
     /// Rays through every pixel [default: 16, with the integrator depth 1].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub spp: Option<u32>,
@@ -128,21 +128,21 @@ pub struct JobOptions {
     #[arg(long, value_name = "auto|EV", default_value = "auto", allow_hyphen_values = true)]
     pub exposure: Exposure,
     /// Layers for the central view or for all views.
-    #[arg(long, value_enum, default_value_t = GroundTruthArgument::Central)]
-    pub ground_truth: GroundTruthArgument,
+    #[arg(long, value_parser = choice(GROUND_TRUTHS), default_value = "central")]
+    pub ground_truth: GroundTruth,
     /// Layers to write as float maps (PFM), separated by commas [default: those of --write].
     ///
     /// Each tells what the ray through a pixel's centre meets first, glass included. scene_LAYER.pfm is the central
     /// view's; with `--ground-truth all` the folder LAYER has one of every view.
-    #[arg(long, value_name = "NAME,..", value_enum, value_delimiter = ',')]
-    pub layers: Vec<LayerArgument>,
+    #[arg(long, value_name = "NAME,..", value_parser = choice(LAYERS), value_delimiter = ',')]
+    pub layers: Vec<LayerChoice>,
     /// What to write, separated by commas [default: vpi,el,mat, and disparity,depth unless --layers names others; without
     /// colour no vpi, el and mat].
-    #[arg(long, value_name = "WHAT,..", value_enum, value_delimiter = ',')]
-    pub write: Vec<OutputArgument>,
+    #[arg(long, value_name = "WHAT,..", value_parser = choice(OUTPUTS), value_delimiter = ',')]
+    pub write: Vec<Output>,
     /// Order of the array in scene_5d.mat: H(v,u,t,s,c), or LF(t,s,v,u,c) as in the Light Field Toolbox.
-    #[arg(long, value_name = "ORDER", value_enum, default_value_t = MatOrderArgument::Lenses)]
-    pub mat_order: MatOrderArgument,
+    #[arg(long, value_name = "ORDER", value_parser = choice(MAT_ORDERS), default_value = "lenses")]
+    pub mat_order: MatOrder,
     /// Bits a channel of the raw PNGs and of scene_5d.mat.
     #[arg(long, value_name = "8|16", default_value_t = 8, value_parser = parse_bit_depth)]
     pub bit_depth: u8,
@@ -186,8 +186,8 @@ pub struct RigOptions {
     #[arg(long, value_name = "S", allow_negative_numbers = true, default_value_t = 36.0, value_parser = parse_positive)]
     pub sensor_mm: f64,
     /// How views are projected.
-    #[arg(long, value_enum, default_value_t = ProjectionArgument::Perspective)]
-    pub projection: ProjectionArgument,
+    #[arg(long, value_parser = choice(PROJECTIONS), default_value = "perspective")]
+    pub projection: Projection,
     /// Name or number of the scene's camera [default: the first].
     #[arg(long, value_name = "NAME|INDEX")]
     pub camera: Option<String>,
@@ -199,8 +199,8 @@ pub struct EngineOptions {
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// What finds the hits: Embree, the built-in BVH, or Embree where there is one.
-    #[arg(long, value_enum, default_value_t = BackendArgument::Auto)]
-    pub backend: BackendArgument,
+    #[arg(long, value_parser = choice(BACKENDS), default_value = "auto")]
+    pub backend: Backend,
 }
 
 #[derive(Args, Debug)]
@@ -221,8 +221,8 @@ pub struct RemapOptions {
     #[arg(value_parser = values::png)]
     pub output: PathBuf,
     /// What the output shall be [default: by `_el` or `_vpi` in its name, else the other one].
-    #[arg(long, value_enum)]
-    pub to: Option<LayoutArgument>,
+    #[arg(long, value_parser = choice(LAYOUTS))]
+    pub to: Option<Layout>,
 }
 
 #[derive(Args, Debug)]
@@ -262,100 +262,6 @@ pub struct MergeOptions {
     /// No summary.
     #[arg(long)]
     pub quiet: bool,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum IntegratorArgument {
-    /// The cheapest that is exact for the scene.
-    Auto,
-    /// Ground truth alone.
-    Depth,
-    /// Direct light.
-    Direct,
-    /// Light that surfaces hand on to each other.
-    Path,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GroundTruthArgument {
-    Central,
-    All,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ProjectionArgument {
-    Perspective,
-    Orthographic,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BackendArgument {
-    Auto,
-    Embree,
-    Bvh,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LayoutArgument {
-    /// A grid of viewpoint images.
-    Vpi,
-    /// A grid of elemental images.
-    El,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LayerArgument {
-    /// The picture in linear light, without exposure.
-    #[value(alias = "colour")]
-    Color,
-    /// Along the optical axis, m; nothing hit: infinity.
-    Depth,
-    /// Along the ray, m; nothing hit: infinity.
-    RayLength,
-    /// Between neighbouring views, px; also as a PNG.
-    Disparity,
-    /// Of the triangle, in the world, on the side that is seen.
-    GeometricNormal,
-    /// Interpolated between the vertices, likewise.
-    ShadingNormal,
-    /// Base colour, linear.
-    Albedo,
-    /// Number of the instance, from 1; nothing hit: 0.
-    ObjectId,
-    /// Number of the material, from 1; nothing hit: 0.
-    MaterialId,
-    /// 1 where something is hit, else 0.
-    HitMask,
-    /// All of these.
-    All,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MatOrderArgument {
-    /// `H` of size [V U T S C]: lenses first.
-    Lenses,
-    /// `LF` of size [T S V U C]: views first.
-    Lftoolbox,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum OutputArgument {
-    /// scene_vpi.png: all views side by side.
-    Vpi,
-    /// scene_el.png: the raw image behind the lenses.
-    El,
-    /// scene_disparity.pfm and .png of the central view.
-    Disparity,
-    /// scene_depth.pfm of the central view.
-    Depth,
-    /// scene_central.exr: colour and all layers of the central view, linear. With el or vpi also scene_el.exr, scene_vpi.exr.
-    Exr,
-    /// scene_5d.mat: the raw image's integers as a 5D array for MATLAB.
-    Mat,
-    /// scene_5d.h5: linear radiance and the layers of depth and disparity as 5D arrays.
-    H5,
-    /// hci/: a PNG a view with depth and disparity, in the layout of the HCI benchmark.
-    Hci,
 }
 
 #[cfg(test)]

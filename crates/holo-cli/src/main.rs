@@ -10,6 +10,7 @@ mod console;
 mod failure;
 mod interrupt;
 mod progress;
+mod quantities;
 mod report;
 
 use std::process::ExitCode;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use holo_core::Rig;
+use holo_core::{Rig, Split};
 use holo_dataset::options::integrator_name;
 use holo_dataset::{RenderReport, Seconds};
 use holo_io::meters_to_millimeters;
@@ -10,6 +10,7 @@ use holo_render::RayCounts;
 use serde_json::{Value, json};
 
 use crate::console::say;
+use crate::quantities::finite;
 
 /// Rays of all kinds a second of rendering, in millions.
 pub fn mrays_per_second(report: &RenderReport) -> f64 {
@@ -43,7 +44,7 @@ pub fn json(report: &RenderReport) -> Value {
             "baseline_m": {"x": rig.baseline_x_m(), "y": rig.baseline_y_m()},
             "focal_length_mm": meters_to_millimeters(rig.focal_length_m()),
             "sensor_size_mm": meters_to_millimeters(rig.sensor_size_m()),
-            "focus_distance_m": number(rig.focus_distance_m()),
+            "focus_distance_m": finite(rig.focus_distance_m()),
         },
         "disparity_px": report.disparity_px.map(|(min, max)| json!({"min": min, "max": max})),
         "files": report.files,
@@ -55,7 +56,7 @@ pub fn print(report: &RenderReport, out: &Path) {
     let s = &report.seconds;
     say!(
         "rendered {} in {:.2} s ({:.1} Mrays/s, {}, {} threads, {}: {})",
-        describe_split(&report.rig),
+        describe_split(report.rig.split()),
         s.render,
         mrays_per_second(report),
         report.backend,
@@ -84,9 +85,8 @@ fn seconds(s: &Seconds) -> Value {
 }
 
 /// Views, lenses and raw size in words.
-pub fn describe_split(rig: &Rig) -> String {
-    let (split, raw) = (rig.split(), rig.split().raw_size());
-    let (views, lenses) = (split.views(), split.lenses());
+pub fn describe_split(split: &Split) -> String {
+    let (views, lenses, raw) = (split.views(), split.lenses(), split.raw_size());
     format!(
         "{} x {} views of {} x {} px (raw image {} x {})",
         views.columns, views.rows, lenses.columns, lenses.rows, raw.columns, raw.rows
@@ -122,11 +122,6 @@ pub fn short(x: f64) -> String {
         }
         _ => format!("{x:.4e}"),
     }
-}
-
-/// JSON has no infinity.
-fn number(x: f64) -> Value {
-    if x.is_finite() { json!(x) } else { json!("inf") }
 }
 
 /// The most memory that this process ever held, where the system tells (Linux).

@@ -188,7 +188,7 @@ fn wrong_use_is_said_before_anything_is_made() {
         ("dataset --out set --splits 0", "COLUMNSxROWS"),
         ("dataset --out set --sensor 10x10 --scenes garden", "too small"),
         ("dataset --out set --shard 4/3", "part 2 of 3"),
-        ("dataset --out set --config bad.toml", "did you mean `scenes`?"),
+        ("dataset --out set --config bad.toml", "'--scenes'"),
         ("dataset --out set --integrator depth --write el", "--integrator depth makes no picture"),
     ] {
         let outcome = bench.run(arguments);

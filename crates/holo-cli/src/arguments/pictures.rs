@@ -5,10 +5,11 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::{ArgGroup, Args, ValueEnum};
-use holo_core::GridSize;
+use holo_core::{GridSize, Layout, ViewOrder};
 
+use super::choices::{LAYOUTS, ORDERS, choice};
 use super::tools::InputOptions;
-use super::{Crop, LayoutArgument, Places, values};
+use super::{Crop, Places, values};
 
 #[derive(Args, Debug)]
 #[command(group(ArgGroup::new("image").required(true).args(["view", "lens"])))]
@@ -38,22 +39,14 @@ pub struct ComposeOptions {
     #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = GridSize::from_str)]
     pub views: GridSize,
     /// How the pictures run through the grid of views.
-    #[arg(long, value_enum, default_value_t = OrderArgument::RowMajor)]
-    pub order: OrderArgument,
+    #[arg(long, value_parser = choice(ORDERS), default_value = "row-major")]
+    pub order: ViewOrder,
     /// The PNG to write.
     #[arg(long, value_name = "FILE", value_parser = values::png)]
     pub out: PathBuf,
     /// Which grid to write [default: by `_el` or `_vpi` in the name of --out].
-    #[arg(long, value_enum)]
-    pub to: Option<LayoutArgument>,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OrderArgument {
-    /// Every row from left to right, as the HCI benchmark counts.
-    RowMajor,
-    /// Every second row from right to left, as a gantry moves.
-    Serpentine,
+    #[arg(long, value_parser = choice(LAYOUTS))]
+    pub to: Option<Layout>,
 }
 
 #[derive(Args, Debug)]
@@ -67,8 +60,8 @@ pub struct RotateOptions {
     #[arg(long)]
     pub whole: bool,
     /// What the output shall be [default: by `_el` or `_vpi` in its name, else as the input].
-    #[arg(long, value_enum)]
-    pub to: Option<LayoutArgument>,
+    #[arg(long, value_parser = choice(LAYOUTS))]
+    pub to: Option<Layout>,
 }
 
 #[derive(Args, Debug)]

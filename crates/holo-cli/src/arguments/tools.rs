@@ -3,12 +3,14 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::{ArgGroup, Args, ValueEnum};
-use holo_core::GridSize;
+use clap::{ArgGroup, Args};
+use holo_core::refocus::Kernel;
+use holo_core::{Effort, GridSize, Layout, ViewOrder};
 
 use holo_dataset::options::parse_positive;
 
-use super::{LayoutArgument, OrderArgument, Pair, values};
+use super::choices::{EFFORTS, KERNELS, LAYOUTS, ORDERS, choice};
+use super::{Pair, values};
 
 /// A light field and what it is.
 #[derive(Args, Clone, Debug)]
@@ -16,14 +18,14 @@ pub struct InputOptions {
     /// A raw PNG, a .mat, an .h5, or a folder: of `holo render`, of the HCI benchmark, of a gantry, or of images, one a view.
     pub input: PathBuf,
     /// What the input is [default: by `_el` or `_vpi` in its name].
-    #[arg(long, value_enum)]
-    pub from: Option<LayoutArgument>,
+    #[arg(long, value_parser = choice(LAYOUTS))]
+    pub from: Option<Layout>,
     /// Views, columns x rows, or one number for both [default: from the parameters.cfg beside the input].
     #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = GridSize::from_str)]
     pub views: Option<GridSize>,
     /// The order of the images of a folder of images.
-    #[arg(long, value_enum, default_value_t = OrderArgument::RowMajor)]
-    pub order: OrderArgument,
+    #[arg(long, value_parser = choice(ORDERS), default_value = "row-major")]
+    pub order: ViewOrder,
 }
 
 #[derive(Args, Debug)]
@@ -50,8 +52,8 @@ pub struct RefocusOptions {
     #[arg(long, value_name = "SHAPE", default_value = "all", value_parser = values::aperture)]
     pub aperture: ApertureArgument,
     /// How a view is sampled between its pixels.
-    #[arg(long, value_enum, default_value_t = KernelArgument::Cubic)]
-    pub kernel: KernelArgument,
+    #[arg(long, value_parser = choice(KERNELS), default_value = "cubic")]
+    pub kernel: Kernel,
     /// The picture to write: .png, or .pfm for linear floats.
     #[arg(long, value_name = "FILE", value_parser = values::png_or_pfm)]
     pub out: PathBuf,
@@ -66,14 +68,6 @@ pub enum ApertureArgument {
     Gaussian(f64),
 }
 
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum KernelArgument {
-    /// Catmull and Rom's cubic: sharper.
-    Cubic,
-    /// The two or four nearest pixels.
-    Bilinear,
-}
-
 #[derive(Args, Debug)]
 pub struct DepthOptions {
     #[command(flatten)]
@@ -85,24 +79,14 @@ pub struct DepthOptions {
     #[arg(long, value_name = "MIN,MAX", allow_hyphen_values = true, value_parser = values::range)]
     pub range: Option<(f64, f64)>,
     /// How much work it is worth.
-    #[arg(long, value_enum, default_value_t = EffortArgument::Balanced)]
-    pub effort: EffortArgument,
+    #[arg(long, value_parser = choice(EFFORTS), default_value = "balanced")]
+    pub effort: Effort,
     /// How sure the estimate is, 0 to 1, as another map.
     #[arg(long, value_name = "FILE.pfm")]
     pub confidence: Option<PathBuf>,
     /// No summary.
     #[arg(long)]
     pub quiet: bool,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EffortArgument {
-    /// A handful of views.
-    Draft,
-    Fast,
-    Balanced,
-    /// All that helps.
-    Thorough,
 }
 
 #[derive(Args, Debug)]

@@ -24,6 +24,6 @@ pub fn run(options: &ComposeOptions) -> Result<(), Failure> {
             options.views.count()
         )));
     }
-    let field = holo_io::read_views(&images, options.views, options.order.into(), &Limits::default())?;
+    let field = holo_io::read_views(&images, options.views, options.order, &Limits::default())?;
     remap::write_grid(field, to, &options.out)
 }

@@ -6,11 +6,10 @@ mod table;
 use std::time::Instant;
 
 use clap::ArgMatches;
-use holo_dataset::{DatasetJob, DatasetPlan, JobOutcome, sources, validate};
+use holo_dataset::{DatasetJob, DatasetPlan, Deduplicated, JobOutcome, sources, validate};
 use serde_json::json;
 
 use self::table::{Line, Table};
-use super::diagnostics::OnceEach;
 use super::requested::requested;
 use crate::arguments::DatasetOptions;
 use crate::console::{out, say};
@@ -30,7 +29,11 @@ pub fn run(options: DatasetOptions, matches: ArgMatches) -> Result<(), Failure> 
     })?;
     let plan = plan(&options, &matches)?;
     let bar = Overall::new(options.quiet);
-    let diagnostics = OnceEach::above(&bar, options.quiet);
+    let diagnostics = Deduplicated::new(|line: &str| {
+        if !options.quiet {
+            bar.above(|| say!("{line}"));
+        }
+    });
     let backend = plan.backend(&diagnostics)?;
     plan.describe(&root, &backend, interrupt::rollback())?;
 

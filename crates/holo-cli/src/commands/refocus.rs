@@ -4,13 +4,13 @@
 
 use std::path::Path;
 
-use holo_core::refocus::{Aperture, Kernel, Refocus, disparity_from_slope};
+use holo_core::refocus::{Aperture, Refocus, disparity_from_slope};
 use holo_core::{DynImage, GridSize, Rig, SampleKind};
 use holo_io::Limits;
 use ndarray::Array3;
 
 use super::files::{self, numbered};
-use crate::arguments::{ApertureArgument, KernelArgument, RefocusOptions};
+use crate::arguments::{ApertureArgument, RefocusOptions};
 use crate::failure::Failure;
 
 pub fn run(options: &RefocusOptions) -> Result<(), Failure> {
@@ -55,10 +55,7 @@ fn refocus(options: &RefocusOptions, views: GridSize, rig: Option<&Rig>) -> Resu
         ApertureArgument::Square(side) => Aperture::square(views, centre, side)?,
         ApertureArgument::Gaussian(deviation) => Aperture::gaussian(views, centre, deviation)?,
     };
-    let refocus = Refocus::with_aperture(aperture).kernel(match options.kernel {
-        KernelArgument::Cubic => Kernel::CatmullRom,
-        KernelArgument::Bilinear => Kernel::Bilinear,
-    });
+    let refocus = Refocus::with_aperture(aperture).kernel(options.kernel);
     let baselines = rig.map(|rig| (rig.baseline_x_m(), rig.baseline_y_m()));
     Ok(match baselines {
         Some((x, y)) if x > 0.0 && y > 0.0 => refocus.vertical_ratio(y / x)?,

@@ -271,14 +271,12 @@ impl<'a> DynImageRef<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] if the part leaves the image or has no pixels.
+    /// [`Error::BadRange`] if the part leaves the image or has no pixels.
     pub fn crop(self, rows: Range<usize>, columns: Range<usize>) -> Result<Self, Error> {
         let size = self.size();
-        for (what, range, count) in
-            [("row of the part", &rows, size.rows), ("column of the part", &columns, size.columns)]
-        {
+        for (what, range, count) in [("image rows", &rows, size.rows), ("image columns", &columns, size.columns)] {
             if range.is_empty() || range.end > count {
-                return Err(Error::OutOfRange { what, index: range.end.max(range.start), count, first: 0 });
+                return Err(Error::BadRange { what, start: range.start, end: range.end, count });
             }
         }
         fn cut<T: Sample>(image: ArrayView3<'_, T>, rows: Range<usize>, columns: Range<usize>) -> DynImageRef<'_> {
@@ -414,7 +412,7 @@ mod tests {
             });
             assert_eq!(part, same);
             for (rows, columns) in [(0..5, 0..1), (0..1, 4..6), (2..2, 0..1)] {
-                assert!(matches!(view.crop(rows, columns), Err(Error::OutOfRange { .. })));
+                assert!(matches!(view.crop(rows, columns), Err(Error::BadRange { .. })));
             }
         }
     }
