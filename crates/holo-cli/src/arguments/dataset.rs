@@ -25,9 +25,9 @@ pub struct DatasetOptions {
     /// Scenes of your own, .glb or .gltf, beside those of the gallery; each is called as its file.
     #[arg(long, value_name = "FILE,..", value_delimiter = ',')]
     pub glb: Vec<PathBuf>,
-    /// Views per axis, or columns x rows, separated by commas.
-    #[arg(long, value_name = "SxT|N,..", value_delimiter = ',', default_value = "20,40,60,80,100", value_parser = GridSize::from_str)]
-    pub splits: Vec<GridSize>,
+    /// Numbers of views, each columns x rows or one number for both, separated by commas: every scene is rendered with each.
+    #[arg(long = "views", alias = "splits", value_name = "SxT|N,..", value_delimiter = ',', default_value = "20,40,60,80,100", value_parser = GridSize::from_str)]
+    pub view_counts: Vec<GridSize>,
     #[command(flatten)]
     pub main_lens: MainLensOptions,
     #[command(flatten)]

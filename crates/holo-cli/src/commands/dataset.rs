@@ -96,5 +96,5 @@ fn plan(options: &DatasetOptions, matches: &ArgMatches) -> Result<DatasetPlan, F
         _ => Some(&options.scenes[..]),
     };
     let sources = sources(names, &options.glb)?;
-    Ok(DatasetPlan::new(&sources, &options.splits, spec, requested(matches), options.engine.spec())?)
+    Ok(DatasetPlan::new(&sources, &options.view_counts, spec, requested(matches), options.engine.spec())?)
 }

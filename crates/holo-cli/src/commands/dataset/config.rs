@@ -41,7 +41,11 @@ fn parse(
     for (key, value) in &table {
         // A key that no option has is left to the parser of the command line, which suggests one.
         let name = key.replace('_', "-");
-        let option = command.get_arguments().find(|argument| argument.get_long() == Some(&name));
+        let is_called = |argument: &&clap::Arg| {
+            let mut names = argument.get_long().into_iter().chain(argument.get_all_aliases().into_iter().flatten());
+            names.any(|known| known == name)
+        };
+        let option = command.get_arguments().find(is_called);
         if name == "config" {
             return Err(wrong("a file of options cannot name another".into()));
         }
@@ -95,22 +99,30 @@ mod tests {
     #[test]
     fn a_file_says_what_the_command_line_could() {
         let options = read(
-            "out = \"data\"\nscenes = [\"garden\", \"chess\"]\nsplits = [20, \"4x3\"]\nspp = 3\nno-indirect = true\nquiet = false\nf_number = 2.8\nglb = [\"own/a.glb\"]\n",
+            "out = \"data\"\nscenes = [\"garden\", \"chess\"]\nviews = [20, \"4x3\"]\nspp = 3\nno-indirect = true\nquiet = false\nf_number = 2.8\nglb = [\"own/a.glb\"]\n",
             "--spp 5",
         )
         .unwrap();
         assert_eq!(options.out.as_deref(), Some(Path::new("some/data")));
         assert_eq!(options.scenes, ["garden", "chess"]);
-        assert_eq!(options.splits, [holo_core::GridSize::new(20, 20), holo_core::GridSize::new(3, 4)]);
+        assert_eq!(options.view_counts, [holo_core::GridSize::new(20, 20), holo_core::GridSize::new(3, 4)]);
         assert_eq!((options.job.spp, options.job.no_indirect, options.quiet), (Some(5), true, false));
         assert_eq!((options.main_lens.f_number, options.glb), (Some(2.8), vec!["some/own/a.glb".into()]));
+    }
+
+    #[test]
+    fn the_key_of_version_0_1_0_is_the_same_option() {
+        let views = |text: &str, own: &str| read(text, own).unwrap().view_counts;
+        assert_eq!(views("splits = 3", ""), [holo_core::GridSize::new(3, 3)]);
+        assert_eq!(views("splits = 3", "--views 5"), [holo_core::GridSize::new(5, 5)]);
+        assert_eq!(views("views = 3", "--splits 5"), [holo_core::GridSize::new(5, 5)]);
     }
 
     #[test]
     fn unknown_keys_and_values_are_errors_with_a_suggestion() {
         for (text, part) in [
             ("scens = [\"garden\"]", "'--scenes'"),
-            ("splitss = 20", "'--splits'"),
+            ("viewss = 20", "'--views'"),
             ("zzz = 1", "'--zzz'"),
             ("zzz = false", "'--zzz'"),
             ("config = \"x\"", "cannot name another"),
