@@ -128,6 +128,24 @@ pub fn library_files(folder: &Path) -> Vec<PathBuf> {
     entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_embree).collect()
 }
 
+/// Every library that the wheel holds: Embree and those that it needs.
+pub fn all_libraries(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
+    let is_library = |path: &PathBuf| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        [".so", ".dylib", ".dll"].iter().any(|ending| name.contains(ending))
+    };
+    entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_library).collect()
+}
+
+/// The version of Embree that is pinned: that of the wheel.
+pub fn version() -> Result<String> {
+    let file = REQUIREMENTS.file();
+    let text = std::fs::read_to_string(&file).map_err(|why| format!("{}: {why}", file.display()))?;
+    let version = text.lines().find_map(|line| line.strip_prefix("embreex==")?.split_whitespace().next());
+    version.map(str::to_owned).ok_or_else(|| format!("{} does not name embreex", file.display()))
+}
+
 fn is_installed() -> bool {
     SYSTEM_FOLDERS.iter().any(|folder| SYSTEM_NAMES.iter().any(|name| Path::new(folder).join(name).exists()))
 }

@@ -5,6 +5,7 @@
 //! build    setup + the release binary target/release/holo with every feature
 //! demo     build + render the demo scene into out/
 //! test     setup + the programs to test against + every test
+//! dist     build + an archive for machines without Rust in target/dist/; --check: unpack it and run what is in it
 //! embree   fetch Embree 4 alone
 //! doc      documentation with HDF5
 //! clippy   clippy with HDF5, warnings denied
@@ -19,8 +20,10 @@
 
 mod cmake;
 mod demo;
+mod dist;
 mod embree;
 mod fuzz;
+mod licenses;
 mod modules;
 mod package;
 mod peers;
@@ -35,7 +38,7 @@ use std::process::ExitCode;
 
 use pip::Availability;
 
-const USAGE: &str = "usage: cargo xtask setup | build | demo | test | clippy | doc | embree | \
+const USAGE: &str = "usage: cargo xtask setup | build | demo | test | dist [--check] | clippy | doc | embree | \
     fuzz [SECONDS [TARGET..]] | package | modules | bench | report [--quick] [--peers] [--out DIR] | \
     sanitize [address] [thread] [miri]";
 
@@ -62,6 +65,10 @@ fn run(arguments: &[String]) -> Result {
         "test" => {
             setup()?;
             test::run(rest)
+        }
+        "dist" => {
+            setup()?;
+            dist::run(rest)
         }
         "clippy" => clippy(),
         "embree" => match embree::fetch()? {
