@@ -143,7 +143,7 @@ fn check(folder: &Path, archive: &Path, name: &str) -> Result {
     if backend != expected {
         return Err(format!("the unpacked program renders with '{backend}', not with '{expected}'"));
     }
-    println!("unpacked, it renders with {backend}, verifies its files and needs glibc alone");
+    println!("unpacked, holo renders with {backend} and verifies its files; it links glibc alone");
     Ok(())
 }
 
