@@ -1,6 +1,8 @@
 //! Scenes and rigs that several tests use.
 #![allow(dead_code)] // every test file uses its own part
 
+mod peer;
+
 use holo_core::{GridSize, Projection, Rig, Split};
 use holo_render::{Backend, GroundTruth, Integrator, Rendered, Renderer, Request};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
@@ -95,12 +97,12 @@ pub fn truth(rig: Rig) -> Request {
     Request { integrator: Integrator::Depth, ..everything(rig, 1, [0.0; 3]) }
 }
 
-/// The engines that this machine has; says when Embree is missing.
+/// The engines that this machine has; reports when Embree is missing.
 pub fn engines() -> Vec<Backend> {
     match Renderer::new(&soup(4, 1), &Transform::IDENTITY, Backend::Embree, 1) {
         Ok(_) => vec![Backend::Embree, Backend::Bvh],
         Err(why) => {
-            eprintln!("not run for Embree: {why}");
+            peer::missing(&format!("Embree: {why}"));
             vec![Backend::Bvh]
         }
     }
