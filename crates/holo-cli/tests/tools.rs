@@ -1,5 +1,7 @@
 //! `holo refocus`, `depth`, `eval` and `epi`: what they write is what the libraries say.
 
+#![allow(clippy::duplicate_mod, reason = "two modules of tests say alike what a machine lacks")]
+
 mod common;
 #[path = "../../holo-io/tests/common/python.rs"]
 mod python;
