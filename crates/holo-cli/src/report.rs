@@ -1,4 +1,4 @@
-//! What a render tells when it is done: a summary for people, one JSON object for programs.
+//! The report of a render: a summary for people, one JSON object for programs.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ pub fn mrays_per_second(report: &RenderReport) -> f64 {
     report.rays.total() as f64 / report.seconds.render.max(1e-9) / 1e6
 }
 
-/// What one of many renders tells.
+/// The report of one of many renders.
 pub fn run_json(report: &RenderReport) -> Value {
     json!({
         "seconds": seconds(&report.seconds),
@@ -96,8 +96,8 @@ pub fn describe_split(split: &Split) -> String {
 /// The rig's lengths in words.
 pub fn describe_rig(rig: &Rig, disparity_px: Option<(f64, f64)>) -> String {
     let range = match disparity_px {
-        Some((min, max)) => format!("disparity {} to {} px between neighbouring views", short(min), short(max)),
-        None => "no disparity known".into(),
+        Some((min, max)) => format!("disparity {} to {} px between adjacent views", short(min), short(max)),
+        None => "disparity range unknown".into(),
     };
     let focus = match rig.focus_distance_m() {
         distance if distance.is_finite() => format!("{} m", short(distance)),
@@ -124,7 +124,7 @@ pub fn short(x: f64) -> String {
     }
 }
 
-/// The most memory that this process ever held, where the system tells (Linux).
+/// Peak resident memory of this process, where the system reports it (Linux).
 pub fn peak_rss_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

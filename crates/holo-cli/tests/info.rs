@@ -71,7 +71,7 @@ fn images_and_maps() {
 fn parameters_and_manifest() {
     let bench = Bench::new();
     bench.render("out", "");
-    let rig = ["5 x 4 views of 12 x 8 px (raw image 60 x 32)", "sensor 36 mm", "px between neighbouring views"];
+    let rig = ["5 x 4 views of 12 x 8 px (raw image 60 x 32)", "sensor 36 mm", "px between adjacent views"];
     has(&info(&bench, "out/parameters.cfg"), &[&["camera parameters of 'tiny'"][..], &rig].concat());
     let text = info(&bench, "out/manifest.json");
     has(&text, &[&["holo ", "engine ", "exposure ", "scene_el.png", "parameters.cfg"][..], &rig].concat());

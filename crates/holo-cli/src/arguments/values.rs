@@ -1,4 +1,4 @@
-//! Values that are more than a number: sizes, positions, colours, and words that stand for a number.
+//! Values that are more than a number: sizes, positions, ranges, and words that stand for a number.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -74,11 +74,11 @@ pub fn finite(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A distance in metres, or `inf`.
+/// A distance in meters, or `inf`.
 pub fn distance(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number > 0.0 => Ok(number),
-        _ => Err("write a distance above 0 in metres, or inf".into()),
+        _ => Err("give a distance above 0 in meters, or inf".into()),
     }
 }
 
@@ -97,7 +97,7 @@ pub fn stack(text: &str) -> Result<(f64, f64, usize), String> {
     };
     match parsed {
         Some(((first, last), count @ 1..=100_000)) => Ok((first, last, count)),
-        _ => Err("write A,B,N, such as -1,1,21: 21 pictures from -1 to 1 px".into()),
+        _ => Err("write A,B,N, such as -1,1,21: 21 images from -1 to 1 px".into()),
     }
 }
 
@@ -131,14 +131,14 @@ pub fn crop(text: &str) -> Result<Crop, String> {
     Ok(Crop { left, top, size })
 }
 
-/// `NEAR,FAR` in metres.
+/// `NEAR,FAR` in meters.
 pub fn depths(text: &str) -> Result<(f64, f64), String> {
     let ends = text.split_once(',').and_then(|(near, far)| Some((positive(near).ok()?, distance(far).ok()?)));
     ends.filter(|(near, far)| near < far)
-        .ok_or_else(|| "write NEAR,FAR in metres, such as 2,6 or 0.5,inf, the smaller first".into())
+        .ok_or_else(|| "give NEAR,FAR in meters, such as 2,6 or 0.5,inf, the smaller first".into())
 }
 
-/// Pictures a second, as an animated PNG can tell them.
+/// Frames per second, as an animated PNG stores them.
 pub fn frame_rate(text: &str) -> Result<f64, String> {
     positive(text).ok().filter(|rate| (0.01..=600.0).contains(rate)).ok_or_else(|| "give 0.01 to 600".into())
 }

@@ -1,4 +1,4 @@
-//! `holo dataset`: scenes times splits, each a folder of its own; what is done stays done.
+//! `holo dataset`: scenes times numbers of views, each a folder of its own; complete folders are kept.
 
 mod config;
 mod table;
@@ -80,7 +80,7 @@ pub fn run(options: DatasetOptions, matches: ArgMatches) -> Result<(), Failure> 
     match table.counts() {
         (_, _, 0) => Ok(()),
         (made, kept, failed) => Err(Failure::Failed(format!(
-            "{failed} of {} jobs failed; mend what they say and run the same command again, which does these alone",
+            "{failed} of {} jobs failed; correct what they report and run the same command again, which renders only these",
             made + kept + failed
         ))),
     }

@@ -15,7 +15,7 @@ pub fn run(options: &DepthOptions) -> Result<(), Failure> {
     if let Some((min, max)) = options.range.or(file.disparity_range_px) {
         (sweep.disparity_min_px, sweep.disparity_max_px) = (min as f32, max as f32);
     } else if !options.quiet {
-        say!("note: no range of disparities is known; looking from -4 to 4 px; --range MIN,MAX says better");
+        say!("note: the disparity range is unknown; searching -4 to 4 px; set it with --range MIN,MAX");
     }
     let start = Instant::now();
     let estimate = for_each_sample!(DynLightField, &file.light_field, field => plane_sweep(field, &sweep))?;

@@ -1,4 +1,4 @@
-//! `holo eval`: an estimate against the truth, a picture against another.
+//! `holo eval`: an estimate against ground truth, an image against another.
 
 use std::path::Path;
 
@@ -22,10 +22,10 @@ pub fn run(options: &EvalOptions) -> Result<(), Failure> {
     let kinds = [holo_io::recognise(&options.estimate)?, holo_io::recognise(&options.truth)?];
     let rows = match kinds {
         [FileKind::Pfm, FileKind::Pfm] => maps(options)?,
-        [FileKind::Png, FileKind::Png] => pictures(options)?,
+        [FileKind::Png, FileKind::Png] => images(options)?,
         _ => {
             return Err(Failure::Usage(format!(
-                "{} and {}: two disparity maps (.pfm) or two pictures (.png) can be compared",
+                "{} and {}: two disparity maps (.pfm) or two images (.png) can be compared",
                 options.estimate.display(),
                 options.truth.display()
             )));
@@ -74,8 +74,8 @@ fn maps(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {
         rows.push(Quantity::new(key, name, json!(count), "pixels"));
     }
     if let Some(path) = &options.error_map {
-        let picture = error_map(&estimate, &truth, options.error_range, &ErrorColours::default())?;
-        holo_io::write_png(path, picture.view(), ColorEncoding::Srgb, Compression::Best)?;
+        let image = error_map(&estimate, &truth, options.error_range, &ErrorColours::default())?;
+        holo_io::write_png(path, image.view(), ColorEncoding::Srgb, Compression::Best)?;
     }
     Ok(rows)
 }
@@ -94,7 +94,7 @@ fn read_mask(path: &Path) -> Result<Array2<bool>, Failure> {
     )
 }
 
-fn pictures(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {
+fn images(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {
     if options.mask.is_some() || options.error_map.is_some() {
         return Err(Failure::Usage("--mask and --error-map are for disparity maps".into()));
     }
@@ -106,7 +106,7 @@ fn pictures(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {
                 (psnr_db(&one, &other, 65_535.0)?, ssim(&one, &other, 65_535.0)?)
             }
             _ => {
-                let what = "one has 8 bits and the other 16; compare pictures of the same depth";
+                let what = "one has 8 bits and the other 16; compare images of the same bit depth";
                 return Err(Failure::Usage(format!("{}: {what}", options.estimate.display())));
             }
         };

@@ -1,4 +1,4 @@
-//! `holo info`: what a file holds, in a few lines.
+//! `holo info`: a file or folder in a few lines.
 
 use std::path::Path;
 

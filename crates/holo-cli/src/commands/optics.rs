@@ -15,7 +15,10 @@ pub fn run(options: &OpticsOptions) -> Result<(), Failure> {
     let depths = options.depths_m.map(|(near_m, far_m)| DepthRange::new(near_m, far_m)).transpose()?;
     let rig = match &options.input {
         Some(input) => holo_io::read_rig(input, &Limits::default())?.ok_or_else(|| {
-            Failure::Usage(format!("{}: no rig is known; is there a parameters.cfg beside it?", input.display()))
+            Failure::Usage(format!(
+                "{}: the camera parameters are unknown; is there a parameters.cfg beside it?",
+                input.display()
+            ))
         })?,
         None => rig(options, depths)?,
     };
@@ -69,7 +72,7 @@ fn with(split: Split, intrinsics: Intrinsics, baseline_m: f64, focus_distance_m:
     Ok(Rig::builder(split).intrinsics(intrinsics).baseline_m(baseline_m).focus_distance_m(focus_distance_m).build()?)
 }
 
-/// The rig with the disparities that were asked for, if any were.
+/// The rig with the requested disparities, if there are any.
 fn wanted(
     options: &OpticsOptions,
     depths: Option<DepthRange>,
@@ -107,7 +110,7 @@ fn rows(options: &OpticsOptions, optics: &Optics, depths: Option<DepthRange>) ->
     row("focal_length_mm", "focal length", finite(rig.focal_length_m() * 1e3), "mm");
     row("sensor_size_mm", "larger image side on the sensor", finite(rig.sensor_size_m() * 1e3), "mm");
     row("focus_distance_m", "focus distance", finite(rig.focus_distance_m()), "m");
-    row("baseline_mm", "baseline (between neighbouring views)", finite(rig.baseline_x_m() * 1e3), "mm");
+    row("baseline_mm", "baseline (between adjacent views)", finite(rig.baseline_x_m() * 1e3), "mm");
     row("aperture_mm", "synthetic aperture (first to last view)", finite(optics.aperture_m() * 1e3), "mm");
     let f_number = rig.focal_length_m() / optics.aperture_m();
     row("f_number", "f-number of that aperture", finite(f_number), "");

@@ -132,7 +132,7 @@ fn wrong_use_is_said() {
         ("compose out --views 3 --out x.png", "neither --to nor the name"),
         ("quilt out --tiles 3x2 --out x.png", "need 6 views, but a row has 5"),
         ("quilt out --tiles 2x2 --row 4 --out x.png", "view row"),
-        ("animate out --path circle --row 1 --out x.png", "sweep and swing"),
+        ("animate out --path circle --row 1 --out x.png", "sweep and ping-pong"),
         ("animate out --path sweep --row 4 --out x.png", "view row"),
         ("animate out --fps 0 --out x.png", "0.01 to 600"),
         ("rotate-elements out x.jpg", ".png"),
