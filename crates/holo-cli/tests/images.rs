@@ -141,7 +141,7 @@ fn wrong_use_is_said() {
         ("optics --depths-m 6,2", "NEAR,FAR"),
         ("optics --disparity -2,2", "--depths-m"),
         ("optics --depths-m 1,2 --disparity 2,3 --focus-m 1", "cannot be used with"),
-        ("optics tiny.glb", "no rig"),
+        ("optics tiny.glb", "camera parameters are unknown"),
     ] {
         let outcome = bench.run(arguments);
         assert_eq!(outcome.code, Some(2), "{arguments}: {outcome:?}");
