@@ -7,7 +7,7 @@ use holo_core::Projection;
 use holo_render::{Backend, Integrator, Rendered, Request};
 use holo_scene::{Light, LightKind};
 
-/// Triangles in all colours under a small strong lamp and a sky: calm and noisy pixels side by side.
+/// Triangles in all colors under a small strong lamp and a sky: calm and noisy pixels side by side.
 fn picture(samples: u32, target_error: Option<f64>, seed: u64) -> Rendered {
     let mut scene = common::soup(60, 5);
     let kind = LightKind::Point { position: [1.0, 2.0, 0.5], range: None };

@@ -18,7 +18,7 @@ fn sphere(radius: f32) -> Mesh {
     for (a, b) in [(-1.0, t), (1.0, t), (-1.0, -t), (1.0, -t)] {
         positions.extend([[a, b, 0.0], [0.0, a, b], [b, 0.0, a]]);
     }
-    // The faces of the icosahedron: all triples of neighbours, turned outward.
+    // The faces of the icosahedron: all triples of neighbors, turned outward.
     let distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>();
     let mut triangles: Vec<[usize; 3]> = Vec::new();
     for a in 0..12 {

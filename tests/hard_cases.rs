@@ -78,7 +78,7 @@ fn a_far_away_scene_is_the_scene_at_the_origin() {
 /// origin to an f32's rounding and 10 nm of slope, disparity (up to 1.4e-4 px here) to its own rounding, but for one silhouette pixel in
 /// 1000; light to 1e-4 but for one pixel in 100, where shadows have their edges.
 #[test]
-fn ten_thousand_kilometres_away_nanometres_are_lost() {
+fn ten_thousand_kilometers_away_nanometers_are_lost() {
     let place = |shift: [f64; 3]| {
         let pose = Transform::from_parts(shift, [0.3, -0.5, 0.2, 0.7], [1.0; 3]);
         let mut scene = lit_soup(8);
@@ -121,7 +121,7 @@ fn ten_thousand_kilometres_away_nanometres_are_lost() {
 
 /// There, too, views 10 um apart are not one: a wall at 45 degrees is as far from each of them as its plane says, to an f32's rounding.
 #[test]
-fn ten_micrometres_survive_ten_thousand_kilometres_away() {
+fn ten_micrometers_survive_ten_thousand_kilometers_away() {
     let shift = [1e7, -1e7, 1e7];
     let mut scene = Scene::default();
     // z = -3 + x
@@ -354,8 +354,8 @@ fn broken_scenes_are_named_errors() {
     let mut far = soup(4, 1);
     far.instances[0].transform.translation = [1e30, 0.0, 0.0];
     // Finite numbers that are none any more once they are multiplied.
-    let mut cancelling = soup(4, 1);
-    cancelling.instances[0].transform.columns = [[1e308, 0.0, 0.0], [-1e308, 1e-3, 0.0], [0.0, 0.0, 1.0]];
+    let mut canceling = soup(4, 1);
+    canceling.instances[0].transform.columns = [[1e308, 0.0, 0.0], [-1e308, 1e-3, 0.0], [0.0, 0.0, 1.0]];
     let mut glaring = soup(4, 1);
     let direction = [0.0, 0.0, -1.0];
     glaring.lights.push(Light {
@@ -364,7 +364,7 @@ fn broken_scenes_are_named_errors() {
         kind: LightKind::Directional { direction, angular_diameter_rad: 0.0 },
     });
     for (scene, word) in
-        [(nan, "meshes[0]"), (range, "meshes[1]"), (far, "mesh"), (cancelling, "mesh"), (glaring, "lights[0]")]
+        [(nan, "meshes[0]"), (range, "meshes[1]"), (far, "mesh"), (canceling, "mesh"), (glaring, "lights[0]")]
     {
         let Err(error) = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, 1) else { panic!("accepted") };
         assert!(error.to_string().contains(word), "{error}");

@@ -264,14 +264,14 @@ fn layers_are_what_a_naive_renderer_finds() {
     }
 }
 
-/// Colour may take one sample or many, light may be traced or not: the layers are the same bits, and so are those of the
+/// Color may take one sample or many, light may be traced or not: the layers are the same bits, and so are those of the
 /// central view alone.
 #[test]
 fn layers_do_not_depend_on_what_is_rendered_with_them() {
     let (scene, pose) = moved(&scene());
     let rig = rig([4, 5], [14, 19], 0.03, 3.0, Projection::Perspective);
     let alone = render_from(&scene, &pose, &request(rig), Backend::Bvh, 1);
-    let (t, s) = rig.split().central_view();
+    let (t, s) = rig.shape().central_view();
     let central = |all: &Layers<LightFieldOwned<f32>>| -> Layers<_> {
         all.iter().map(|(layer, field)| (layer, field.view(t, s).expect("a view").to_owned())).collect()
     };

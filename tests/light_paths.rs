@@ -3,7 +3,7 @@
 mod common;
 
 use common::{add, rig, square};
-use holo_core::{GridSize, Projection, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_render::{Backend, Integrator, Layer, Renderer, Request};
 use holo_scene::{Light, LightKind, Material, Mesh, Scene, Transform, Volume};
 
@@ -96,7 +96,7 @@ fn sixty_four_bounces_between_mirrors_lose_nothing_and_gain_nothing() {
         let (mut judged, mut most, mut trapped) = (0, 0, 0);
         for ((v, u, t, s, channel), &found) in color.samples().indexed_iter() {
             let ray = rig.ray(v, u, t, s, 0.5, 0.5);
-            // The mirror number k is met after 1 + 1.5 k metres of depth.
+            // The mirror number k is met after 1 + 1.5 k meters of depth.
             let reach = |k: i32| {
                 (0..2)
                     .map(|i| (ray.origin_m[i] + ray.direction[i] * (1.0 + 1.5 * f64::from(k))).abs())
@@ -123,7 +123,7 @@ fn sixty_four_bounces_between_mirrors_lose_nothing_and_gain_nothing() {
 
 /// A camera that sees a hundred-thousandth of a degree: with it rays meet a surface at the angle that is wanted.
 fn narrow_rig(half_angle: f64) -> Rig {
-    Rig::builder(Split::new(GridSize::new(2, 2), GridSize::new(8, 12)).expect("sizes"))
+    Rig::builder(LightFieldShape::new(GridSize::new(2, 2), GridSize::new(8, 12)).expect("sizes"))
         .focal_length_m(0.018 / half_angle)
         .sensor_size_m(0.036)
         .baseline_m(1e-9)
@@ -141,7 +141,7 @@ fn narrow_rig(half_angle: f64) -> Rig {
 #[test]
 fn grazing_and_critical_angles_are_numbers() {
     for degrees in [10.0_f64, 1.0, 0.1, 0.01, 0.001] {
-        // The plane of the pane holds the view's centre but for this angle: from (0, 0, 0) it is met after 2 m.
+        // The plane of the pane holds the view's center but for this angle: from (0, 0, 0) it is met after 2 m.
         let angle = degrees.to_radians();
         let (sin, cos) = (0.5 * (std::f64::consts::FRAC_PI_2 - angle)).sin_cos();
         let tilted = Transform::from_parts([0.0, 0.0, -2.0], [sin, 0.0, 0.0, cos], [1.0; 3]);

@@ -67,7 +67,7 @@ fn the_distance_of_a_lamp_does_not_lose_its_shadow() {
 fn a_lamp_in_the_ceiling_is_not_hidden_by_it() {
     let mut scene = Scene::default();
     add(&mut scene, square(5.0), [0.8, 0.8, 0.8, 1.0], Transform::from_translation([0.0, 0.0, -2.0]));
-    // A tilted sheet above, out of sight, with the lamp at its centre.
+    // A tilted sheet above, out of sight, with the lamp at its center.
     let center = [0.1, 1.3, -1.1];
     let sheet = Transform::from_parts(center, [0.7, 0.02, 0.01, 0.71], [1.0; 3]);
     add(&mut scene, square(0.3), [0.8, 0.8, 0.8, 1.0], sheet);
@@ -93,7 +93,7 @@ fn duplicates_do_not_shade_each_other() {
     }
 }
 
-/// A tilted wall that is a micrometre, a metre or a thousand kilometres wide does not shade itself: what keeps shadow rays off a surface grows
+/// A tilted wall that is a micrometer, a meter or a thousand kilometers wide does not shade itself: what keeps shadow rays off a surface grows
 /// with the scene.
 #[test]
 fn no_scale_shades_itself() {

@@ -25,7 +25,7 @@ pub enum Projection {
 ///
 /// # Units
 ///
-/// Depth in metres along the optical axis, disparity in pixels. The scale k = baseline * f * N / sens is in metre-pixels.
+/// Depth in meters along the optical axis, disparity in pixels. The scale k = baseline * f * N / sens is in meter-pixels.
 ///
 /// # Source
 ///
@@ -57,21 +57,21 @@ impl Disparity {
     /// [`Error::BadNumber`] if the scale is NaN, infinite or negative or the focus distance is not above 0; [`Error::OrthographicFocus`] if
     /// an orthographic map has an infinite focus distance.
     pub fn new(scale_m_px: f64, focus_distance_m: f64, projection: Projection) -> Result<Self, Error> {
-        let scale_m_px = not_negative("disparity scale in metre-pixels", scale_m_px)?;
-        let focus_distance_m = positive_or_infinite("focus distance in metres", focus_distance_m)?;
+        let scale_m_px = not_negative("disparity scale in meter-pixels", scale_m_px)?;
+        let focus_distance_m = positive_or_infinite("focus distance in meters", focus_distance_m)?;
         if projection == Projection::Orthographic && focus_distance_m.is_infinite() {
             return Err(Error::OrthographicFocus { focus_distance_m });
         }
         Ok(Self { scale_m_px, focus_distance_m, projection })
     }
 
-    /// Returns the scale k = baseline * f * N / sens, in metre-pixels.
+    /// Returns the scale k = baseline * f * N / sens, in meter-pixels.
     #[must_use]
     pub const fn scale_m_px(&self) -> f64 {
         self.scale_m_px
     }
 
-    /// Returns the focus distance, in metres; may be infinite.
+    /// Returns the focus distance, in meters; may be infinite.
     #[must_use]
     pub const fn focus_distance_m(&self) -> f64 {
         self.focus_distance_m
@@ -126,7 +126,7 @@ impl Disparity {
         }
     }
 
-    /// Returns the planar depth, in metres, at which a point has the disparity `disparity_px`.
+    /// Returns the planar depth, in meters, at which a point has the disparity `disparity_px`.
     ///
     /// The disparity of infinity gives `+infinity` back, exactly. A disparity below it belongs to no point in front of a perspective
     /// rig; the formula is followed all the same and yields a negative depth, so that the two maps stay inverses.

@@ -21,9 +21,11 @@ pub enum Error {
         /// What was to be made, such as `"light field"`.
         what: &'static str,
     },
-    /// The memory for an array could not be had.
+    /// An allocation failed.
     OutOfMemory {
-        /// How many bytes were asked for.
+        /// What the memory was for, with its article, such as `"a light field"`.
+        what: &'static str,
+        /// The requested size in bytes.
         bytes: usize,
     },
     /// An array does not have the shape that the other arguments call for.
@@ -82,7 +84,7 @@ pub enum Error {
     },
     /// A number is NaN, infinite, of the wrong sign or otherwise outside what it may be.
     BadNumber {
-        /// Which number, such as `"focal length in metres"`.
+        /// Which number, such as `"focal length in meters"`.
         what: &'static str,
         /// Its value.
         value: f64,
@@ -117,7 +119,7 @@ impl fmt::Display for Error {
         match self {
             Self::ZeroCount { what } => write!(f, "the number of {what} is 0; it must be at least 1"),
             Self::TooLarge { what } => write!(f, "the {what} does not fit the address space"),
-            Self::OutOfMemory { bytes } => write!(f, "{bytes} bytes of memory could not be had"),
+            Self::OutOfMemory { what, bytes } => write!(f, "out of memory: allocating {bytes} bytes for {what} failed"),
             Self::Shape { what, expected, found } => {
                 write!(f, "the {what} has the shape {found:?}; it must be {expected:?}")
             }
@@ -209,8 +211,8 @@ mod tests {
 
     #[test]
     fn messages_name_the_culprit_and_its_value() {
-        let message = positive("focal length in metres", f64::NAN).unwrap_err().to_string();
-        assert_eq!(message, "the focal length in metres is NaN; it must be finite and above 0");
+        let message = positive("focal length in meters", f64::NAN).unwrap_err().to_string();
+        assert_eq!(message, "the focal length in meters is NaN; it must be finite and above 0");
         let message = index_below("view row", 7, 5).unwrap_err().to_string();
         assert_eq!(message, "view row 7 does not exist: there are 5, counted from 0");
         let message = range_within("view rows", &(3..9), 5).unwrap_err().to_string();

@@ -1,14 +1,14 @@
 //! Depth from the views: multi-view stereo by plane sweep.
 //!
 //! 1. `views.rs` takes a star of views around the central one, as planes of `f32`.
-//! 2. `cost.rs` moves every view by every disparity and asks how much its colours differ from the centre's: truncated,
+//! 2. `cost.rs` moves every view by every disparity and asks how much its colors differ from the center's: truncated,
 //!    summed over 3 x 3 pixels, and over that half of the star which agrees best, because what hides a point does so from one
 //!    side. The step between two disparities is what moves the outermost view by half a pixel (`effort.rs`).
 //! 3. `scanline.rs` sums the costs along eight directions, so that textured places speak for those without texture, and
 //!    `sweep.rs` takes the lowest.
 //! 4. `measure.rs` makes one Gauss-Newton step at every pixel on its own, with the views that the map so far says can see it
 //!    and weights against those that differ; it knows how precise each step is.
-//! 5. `plane_fit.rs` fits a plane to the steps around every pixel, each weighted by its precision, by likeness of colour and
+//! 5. `plane_fit.rs` fits a plane to the steps around every pixel, each weighted by its precision, by likeness of color and
 //!    by whether it belongs to the same surface. 4 and 5 are repeated. The precision that a plane rests on is the confidence.
 //!
 //! # Measured
@@ -35,7 +35,7 @@
 //!
 //! With n views of the star and C matched channels: `4 C (n + 1) V U` bytes for samples, `(20 + 12 C) V U` for maps, and 256 MiB or
 //! `512 planes U` bytes, whichever is more, for costs (less for small views). 9 x 9 views of 512 x 512 took 205 MB with the light
-//! field itself. By this formula an 8K image in colour stays below 3 GB at any split; that was not measured.
+//! field itself. By this formula an 8K image in color stays below 3 GB at any split; that was not measured.
 
 mod cost;
 mod effort;
@@ -94,7 +94,7 @@ pub struct DisparityEstimate {
 /// Estimates the disparity of every pixel of the central view: multi-view stereo by plane sweep.
 ///
 /// A star of views around the central one is compared with it. Every pixel is tried on planes of equal disparity; where a
-/// view shows the same colour there, the plane is likely. Then every pixel's disparity is refined between the planes.
+/// view shows the same color there, the plane is likely. Then every pixel's disparity is refined between the planes.
 ///
 /// # Shape
 ///
@@ -110,7 +110,7 @@ pub struct DisparityEstimate {
 ///
 /// Slanted planes with a smooth texture and without noise: within 0.01 px for [`Effort::Balanced`] and up, outside a border of 7
 /// pixels. What the file's head says of rendered scenes is measured. Mirrors and glass get the disparity of what is seen in
-/// them, or anything; where nothing has texture, neighbours decide. The result is the same for any number of threads.
+/// them, or anything; where nothing has texture, neighbors decide. The result is the same for any number of threads.
 ///
 /// # Errors
 ///
@@ -156,7 +156,7 @@ where
     // The sweep is right to a step or to half a pixel of the outermost view; what is farther off is another surface.
     let gate_px = planes.step_px.max(0.5 / views.reach());
     let fit = Fit { radius_px: settings.radius_px, gate_px, widest_px: 4.0 * gate_px };
-    let mut picture = views.centre.clone();
+    let mut picture = views.center.clone();
     let mut information = Vec::new();
     for _ in 0..settings.refinements {
         let found = measure::measure(&views, &map, &picture, high, planes.step_px)?;

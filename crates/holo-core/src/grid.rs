@@ -59,7 +59,7 @@ impl GridSize {
 
     /// Returns `rows * columns`, or `usize::MAX` if the product is larger.
     ///
-    /// A [`Split`](crate::Split) only holds grids whose product fits, so the count of its views and lenses is always exact.
+    /// A [`LightFieldShape`](crate::LightFieldShape) only holds grids whose product fits, so the count of its views and lenses is always exact.
     #[must_use]
     pub const fn count(self) -> usize {
         self.rows.saturating_mul(self.columns)

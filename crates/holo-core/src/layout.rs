@@ -2,9 +2,9 @@
 
 mod block;
 mod sensor;
-mod split;
+mod shape;
 
 pub use block::{Block, OneBasedBlock};
-pub use sensor::{Remainder, Sensor, SensorSplit};
-pub use split::Split;
-pub(crate) use split::checked_product;
+pub use sensor::{Remainder, Sensor, SensorDivision};
+pub use shape::LightFieldShape;
+pub(crate) use shape::checked_product;

@@ -13,7 +13,7 @@
 //!
 //! Both are counted in [`PixelCounts`]: a score over few pixels cannot pass for a score over all.
 //!
-//! [`best_constant`] and [`best_plane`] score what needs no light field at all: the maps that an estimate has to beat.
+//! [`trivial_constant`] and [`trivial_plane`] score what needs no light field at all: the maps that an estimate has to beat.
 //! [`error_map`] is the error as a picture.
 //!
 //! # Pictures
@@ -22,21 +22,21 @@
 
 mod disparity;
 mod error_map;
-mod fit;
 mod normals;
 mod psnr;
 mod region;
 mod smoothness;
 mod ssim;
+mod trivial;
 
 pub use disparity::{BAD_PIXEL_THRESHOLDS_PX, DisparityScores, bad_pixels_percent, disparity_scores};
-pub use error_map::{ErrorColours, error_map};
-pub use fit::{ConstantFit, PlaneFit, best_constant, best_plane};
+pub use error_map::{ErrorColors, error_map};
 pub use normals::{NormalGeometry, median_angle_error_deg, normals_from_disparity};
 pub use psnr::psnr_db;
 pub use region::{DEFAULT_BORDER_PX, PixelCounts, Region};
 pub use smoothness::{BUMPINESS_LIMIT, bumpiness};
 pub use ssim::{SSIM_WINDOW_PX, ssim};
+pub use trivial::{TrivialConstant, TrivialPlane, trivial_constant, trivial_plane};
 
 /// A score and the pixels that it is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -46,5 +46,5 @@ pub struct Score {
     /// How many pixels could be measured.
     pub pixels: usize,
     /// How many pixels of the region could not: a value that they need is missing, or lies outside the map.
-    pub left_out: usize,
+    pub excluded: usize,
 }

@@ -21,9 +21,9 @@ use crate::{Disparity, Error, Rig};
 /// A range of depths, the nearer first.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DepthRange {
-    /// The nearest depth, in metres.
+    /// The nearest depth, in meters.
     pub near_m: f64,
-    /// The farthest depth, in metres; may be infinite.
+    /// The farthest depth, in meters; may be infinite.
     pub far_m: f64,
 }
 
@@ -35,8 +35,8 @@ impl DepthRange {
     /// [`Error::BadNumber`] if the nearest depth is not finite and above 0 or the farthest is not above 0 (infinity is allowed);
     /// [`Error::ImpossibleRange`] if the nearest is not below the farthest.
     pub fn new(near_m: f64, far_m: f64) -> Result<Self, Error> {
-        let near_m = positive("nearest depth in metres", near_m)?;
-        let far_m = positive_or_infinite("farthest depth in metres", far_m)?;
+        let near_m = positive("nearest depth in meters", near_m)?;
+        let far_m = positive_or_infinite("farthest depth in meters", far_m)?;
         if near_m < far_m {
             Ok(Self { near_m, far_m })
         } else {
@@ -60,10 +60,10 @@ pub struct DisparityRange {
 ///
 /// ```
 /// use holo_core::optics::{DepthRange, Optics};
-/// use holo_core::{GridSize, Rig, Split};
+/// use holo_core::{GridSize, Rig, LightFieldShape};
 ///
 /// // The camera of the benchmark's scene "cotton".
-/// let rig = Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(512, 512))?).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
+/// let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(512, 512))?).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
 /// let optics = Optics::new(rig)?;
 /// let range = optics.disparity_range_px(DepthRange::new(3.5, 6.0)?);
 /// assert!((range.max_px - 1.8439).abs() < 5e-5 && (range.min_px + 2.5098).abs() < 5e-5);
@@ -84,7 +84,7 @@ impl Optics {
     ///
     /// [`Error::NoBaseline`] if its views coincide horizontally: nothing here means anything then.
     pub fn new(rig: Rig) -> Result<Self, Error> {
-        if rig.baseline_x_m() == 0.0 || rig.split().views().columns < 2 {
+        if rig.baseline_x_m() == 0.0 || rig.shape().views().columns < 2 {
             return Err(Error::NoBaseline);
         }
         Ok(Self { rig })
@@ -107,7 +107,7 @@ impl Optics {
         DisparityRange { min_px: disparity.from_depth_m(depths.far_m), max_px: disparity.from_depth_m(depths.near_m) }
     }
 
-    /// Returns the width of the synthetic aperture, in metres: from the first to the last view of a row.
+    /// Returns the width of the synthetic aperture, in meters: from the first to the last view of a row.
     #[must_use]
     pub fn aperture_m(&self) -> f64 {
         self.rig.baseline_x_m() * self.gaps()
@@ -120,7 +120,7 @@ impl Optics {
     ///
     /// # Units
     ///
-    /// Pixels in, metres out. The far end is infinite if infinity itself moves by no more.
+    /// Pixels in, meters out. The far end is infinite if infinity itself moves by no more.
     ///
     /// # Errors
     ///
@@ -136,7 +136,7 @@ impl Optics {
     ///
     /// # Units
     ///
-    /// Pixels in, metres out. The far end is infinite from the hyperfocal distance on.
+    /// Pixels in, meters out. The far end is infinite from the hyperfocal distance on.
     ///
     /// # Errors
     ///
@@ -150,7 +150,7 @@ impl Optics {
         Ok(self.depths_within(positive("circle of confusion in pixels", circle_px)? / self.gaps()))
     }
 
-    /// Returns the hyperfocal distance, in metres: focused there, the picture of all views is sharp to infinity.
+    /// Returns the hyperfocal distance, in meters: focused there, the picture of all views is sharp to infinity.
     ///
     /// # Errors
     ///
@@ -171,7 +171,7 @@ impl Optics {
         2.0 * (self.rig.baseline_x_m() / 2.0 / self.rig.focus_distance_m()).atan()
     }
 
-    /// Returns the width that one pixel of a view covers at a depth, in metres.
+    /// Returns the width that one pixel of a view covers at a depth, in meters.
     ///
     /// An orthographic view covers the same at every depth.
     #[must_use]
@@ -180,7 +180,7 @@ impl Optics {
         pixel(1) - pixel(0)
     }
 
-    /// Returns how thick the slab around a depth is whose disparities differ by `step_px`, in metres.
+    /// Returns how thick the slab around a depth is whose disparities differ by `step_px`, in meters.
     ///
     /// With the step that an estimate can tell apart this is the depth resolution. It is infinite where the slab reaches infinity.
     ///
@@ -192,7 +192,7 @@ impl Optics {
     ///
     /// [`Error::BadNumber`] if the depth or the step is not finite and above 0.
     pub fn depth_resolution_m(&self, depth_m: f64, step_px: f64) -> Result<f64, Error> {
-        let depth_m = positive("depth in metres", depth_m)?;
+        let depth_m = positive("depth in meters", depth_m)?;
         let step_px = positive("disparity step in pixels", step_px)?;
         let at_px = self.disparity().from_depth_m(depth_m);
         Ok(self.depth_or_infinity_m(at_px - step_px / 2.0) - self.depth_or_infinity_m(at_px + step_px / 2.0))
@@ -217,7 +217,7 @@ impl Optics {
 
     /// How many times the baseline lies between the first and the last view of a row.
     fn gaps(&self) -> f64 {
-        (self.rig.split().views().columns - 1) as f64
+        (self.rig.shape().views().columns - 1) as f64
     }
 
     fn depths_within(&self, limit_px: f64) -> DepthRange {
@@ -239,11 +239,11 @@ impl Optics {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{GridSize, Projection, Split};
+    use crate::{GridSize, LightFieldShape, Projection};
 
     /// k = 0.02 * 0.05 * 360 / 0.036 = 10 m px.
     fn optics(focus_distance_m: f64, projection: Projection) -> Optics {
-        let rig = Rig::builder(Split::new(GridSize::new(5, 11), GridSize::new(240, 360)).unwrap())
+        let rig = Rig::builder(LightFieldShape::new(GridSize::new(5, 11), GridSize::new(240, 360)).unwrap())
             .focal_length_m(0.05)
             .sensor_size_m(0.036)
             .baseline_x_m(0.02)
@@ -306,7 +306,7 @@ mod tests {
     fn sampling_by_hand() {
         let optics = optics(5.0, Projection::Perspective);
         close(optics.angular_step_rad(), 2.0 * (0.01_f64 / 5.0).atan());
-        // 0.036/(0.05 * 360) = 0.002 m a metre.
+        // 0.036/(0.05 * 360) = 0.002 m a meter.
         close(optics.pixel_size_m(7.0), 0.014);
         close(self::optics(5.0, Projection::Orthographic).pixel_size_m(7.0), 0.01);
         assert_eq!(self::optics(f64::INFINITY, Projection::Perspective).angular_step_rad(), 0.0);
@@ -338,7 +338,7 @@ mod tests {
         let rig = *optics(5.0, Projection::Perspective).rig();
         let without = rig.to_builder().baseline_x_m(0.0).build().unwrap();
         assert_eq!(Optics::new(without), Err(Error::NoBaseline));
-        let single = Split::new(GridSize::new(5, 1), GridSize::new(240, 360)).unwrap();
-        assert_eq!(Optics::new(rig.to_builder().split(single).build().unwrap()), Err(Error::NoBaseline));
+        let single = LightFieldShape::new(GridSize::new(5, 1), GridSize::new(240, 360)).unwrap();
+        assert_eq!(Optics::new(rig.to_builder().shape(single).build().unwrap()), Err(Error::NoBaseline));
     }
 }

@@ -10,7 +10,7 @@
 //!
 //! # Shift-and-sum of LFToolbox
 //!
-//! `LFFiltShiftSum` takes a slope instead of a disparity and centres the aperture between the views;
+//! `LFFiltShiftSum` takes a slope instead of a disparity and centers the aperture between the views;
 //! [`slope_from_disparity`] and [`disparity_from_slope`] translate.
 
 mod aperture;
@@ -31,17 +31,17 @@ use crate::{Error, GridSize, LightField, Real, Rig, Sample};
 ///
 /// ```
 /// use holo_core::refocus::Refocus;
-/// use holo_core::{GridSize, LightField, Split};
+/// use holo_core::{GridSize, LightField, LightFieldShape};
 /// use ndarray::Array3;
 ///
 /// // Three views in a row of a dot that moves by one pixel to the left from view to view: its disparity is 1.
-/// let split = Split::new(GridSize::new(1, 3), GridSize::new(1, 5))?;
+/// let shape = LightFieldShape::new(GridSize::new(1, 3), GridSize::new(1, 5))?;
 /// let mut views = Array3::<u8>::zeros((1, 15, 1));
 /// for view in 0..3 {
 ///     views[[0, 5 * view + 3 - view, 0]] = 90;
 /// }
-/// let light_field = LightField::from_viewpoint_grid(views, split)?;
-/// let refocus = Refocus::new(split.views())?;
+/// let light_field = LightField::from_viewpoint_grid(views, shape)?;
+/// let refocus = Refocus::new(shape.views())?;
 /// let sharp = refocus.at_disparity(&light_field, 1.0)?;
 /// assert_eq!(sharp.into_raw_vec_and_offset().0, [0.0, 0.0, 90.0, 0.0, 0.0]);
 /// let blurred = refocus.at_disparity(&light_field, 0.0)?;
@@ -138,7 +138,7 @@ impl Refocus {
     ///
     /// # Units
     ///
-    /// Planar depth in metres; infinity is allowed.
+    /// Planar depth in meters; infinity is allowed.
     ///
     /// # Errors
     ///
@@ -158,9 +158,10 @@ impl Refocus {
         S: Data,
         S::Elem: Sample,
     {
-        let distance_m = crate::error::positive_or_infinite("distance in metres", distance_m)?;
-        if *rig.split() != light_field.split() {
-            let (expected, found) = (rig.split().shape(light_field.channels()), light_field.samples().shape().to_vec());
+        let distance_m = crate::error::positive_or_infinite("distance in meters", distance_m)?;
+        if *rig.shape() != light_field.shape() {
+            let (expected, found) =
+                (rig.shape().array_shape(light_field.channels()), light_field.samples().shape().to_vec());
             return Err(Error::Shape { what: "light field", expected: expected.to_vec(), found });
         }
         let vertical_px = finite("disparity in pixels", rig.disparity_y().from_depth_m(distance_m))?;
@@ -213,7 +214,7 @@ impl Refocus {
         D: Real,
     {
         self.check_views(light_field)?;
-        let lenses = light_field.split().lenses();
+        let lenses = light_field.shape().lenses();
         if disparity_px.dim() != (lenses.rows, lenses.columns) {
             let (expected, found) = (vec![lenses.rows, lenses.columns], disparity_px.shape().to_vec());
             return Err(Error::Shape { what: "disparity map", expected, found });
@@ -231,7 +232,7 @@ impl Refocus {
     }
 
     fn check_views<S: Data>(&self, light_field: &LightField<S>) -> Result<(), Error> {
-        let (views, aperture) = (light_field.split().views(), self.aperture.views());
+        let (views, aperture) = (light_field.shape().views(), self.aperture.views());
         if views == aperture {
             return Ok(());
         }

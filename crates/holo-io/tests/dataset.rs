@@ -64,7 +64,7 @@ fn kinds_are_told_by_contents() {
 #[cfg(feature = "png")]
 mod raw {
     use holo_core::Layout;
-    use holo_core::{LightField, Split};
+    use holo_core::{LightField, LightFieldShape};
     use holo_io::{ColorEncoding, Compression, Limits, ParametersCfg, RawImage, write_png};
     use ndarray::Array3;
 
@@ -73,7 +73,7 @@ mod raw {
     #[test]
     fn a_raw_image_is_read_with_the_parameters_beside_it() {
         let folder = tempfile::tempdir().unwrap();
-        let split = Split::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap();
+        let split = LightFieldShape::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap();
         let image =
             Array3::from_shape_fn((15, 28, 3), |(row, column, channel)| (row * 13 + column * 3 + channel) as u8);
         let write = |name: &str, image: &Array3<u8>| {

@@ -59,7 +59,7 @@ fn instrumented(sanitizer: &str, arguments: &[&str], variable: &str, options: St
 fn miri() -> Result {
     let parts: [&[&str]; 2] = [
         &["-p", "holo-render", "--lib", "--", "primary::", "every_run_of_points"],
-        &["-p", "holo-core", "--lib", "--", "block", "split", "light_field"],
+        &["-p", "holo-core", "--lib", "--", "block", "shape", "light_field"],
     ];
     for part in parts {
         let mut cargo = nightly("miri");

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 
 pub fn run(options: &ExtractOptions) -> Result<(), Failure> {
     let (raw, _) = raw::read_input(&options.input)?;
-    let split = raw.split();
+    let split = raw.shape();
     match (options.view, options.lens) {
         (Some(places), _) => write(options, places, split.views(), |row, column| raw.view(row, column)),
         (None, Some(places)) => write(options, places, split.lenses(), |row, column| raw.elemental(row, column)),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldOwned, Split};
+use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldOwned, LightFieldShape};
 use holo_io::{FileInfo, FileKind, Limits, ParametersCfg, dataset};
 
 use super::picture::Picture;
@@ -18,11 +18,11 @@ pub enum Raw {
 
 impl Raw {
     /// Views and lenses.
-    pub fn split(&self) -> Split {
+    pub fn shape(&self) -> LightFieldShape {
         match self {
-            Self::U8(field) => field.split(),
-            Self::U16(field) => field.split(),
-            Self::Float(field) => field.split(),
+            Self::U8(field) => field.shape(),
+            Self::U16(field) => field.shape(),
+            Self::Float(field) => field.shape(),
         }
     }
 }
@@ -45,7 +45,7 @@ impl Raw {
     }
 
     pub fn elemental(&self, v: usize, u: usize) -> Result<Picture<'_>, Failure> {
-        picture!(self, field => field.elemental(v, u))
+        picture!(self, field => field.elemental_image(v, u))
     }
 
     pub fn epi_row(&self, v: usize, t: usize) -> Result<Picture<'_>, Failure> {
@@ -94,8 +94,8 @@ pub fn read(
             _ => return read_png(path, from, views).map(|(raw, layout)| (raw, Some(layout))),
         }
     };
-    if let Some(views) = views.filter(|views| *views != raw.split().views()) {
-        let own = raw.split().views();
+    if let Some(views) = views.filter(|views| *views != raw.shape().views()) {
+        let own = raw.shape().views();
         return Err(Failure::Usage(format!(
             "{} has {} x {} views, not the {} x {} of --views",
             path.display(),
@@ -145,7 +145,7 @@ pub fn describe_png(
     path: &Path,
     from: Option<LayoutArgument>,
     views: Option<GridSize>,
-) -> Result<(Layout, Split), Failure> {
+) -> Result<(Layout, LightFieldShape), Failure> {
     let layout = from.map(layout).or_else(|| holo_io::layout_of_file_name(path)).ok_or_else(|| {
         Failure::Usage(format!("{}: neither --from nor the name (_el, _vpi) says which grid this is", path.display()))
     })?;
@@ -170,7 +170,7 @@ pub fn describe_png(
             views.rows
         )));
     }
-    let split = Split::new(views, GridSize::new(rows / views.rows, columns / views.columns))?;
+    let split = LightFieldShape::new(views, GridSize::new(rows / views.rows, columns / views.columns))?;
     if let Some(lenses) = lenses.filter(|lenses| *lenses != split.lenses()) {
         return Err(Failure::Usage(format!(
             "{}: {columns} x {rows} pixels are not the {} x {} views of {} x {} px that the {} beside it speaks of; if it \

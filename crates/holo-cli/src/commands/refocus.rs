@@ -6,7 +6,7 @@ use std::path::Path;
 
 use holo_core::color::srgb_to_linear;
 use holo_core::refocus::{Aperture, Kernel, Refocus, disparity_from_slope};
-use holo_core::{GridSize, LightField, LightFieldOwned, Rig, Split};
+use holo_core::{GridSize, LightField, LightFieldOwned, LightFieldShape, Rig};
 use holo_io::{ColorEncoding, Compression, Limits};
 use holo_render::exposure;
 use ndarray::{Array3, Axis, Slice};
@@ -27,8 +27,8 @@ enum Codes {
 pub fn run(options: &RefocusOptions) -> Result<(), Failure> {
     let (input, views) = (&options.input.input, options.input.views);
     let (raw, _) = raw::read_input(&options.input)?;
-    let split = raw.split();
-    let rig = Beside::of(input, views.is_some())?.rig.filter(|rig| *rig.split() == split);
+    let split = raw.shape();
+    let rig = Beside::of(input, views.is_some())?.rig.filter(|rig| *rig.shape() == split);
     let refocus = refocus(options, split.views(), rig.as_ref())?;
     let codes = if matches!(raw, Raw::U8(_)) { Codes::Bits8 } else { Codes::Bits16 };
     let field = linear(raw)?;
@@ -86,11 +86,11 @@ fn linear(raw: Raw) -> Result<LightFieldOwned<f32>, Failure> {
     let field = match raw {
         Raw::U8(field) => {
             let table = table(1 << 8);
-            field.map(|&code| table[usize::from(code)])
+            field.map(|&code| table[usize::from(code)])?
         }
         Raw::U16(field) => {
             let table = table(1 << 16);
-            field.map(|&code| table[usize::from(code)])
+            field.map(|&code| table[usize::from(code)])?
         }
         Raw::Float(field) => field,
     };
@@ -107,7 +107,7 @@ fn write(out: &Path, picture: Array3<f32>, codes: Codes) -> Result<(), Failure> 
         return write_pfm(out, picture.view());
     }
     let (rows, columns, _) = picture.dim();
-    let split = Split::new(GridSize::new(1, 1), GridSize::new(rows, columns))?;
+    let split = LightFieldShape::new(GridSize::new(1, 1), GridSize::new(rows, columns))?;
     // What overshoots below black at an edge is black.
     let one = LightField::from_viewpoint_grid(picture.mapv(|value| value.max(0.0)), split)?;
     match codes {

@@ -35,19 +35,19 @@ pub fn output_layout(to: Option<LayoutArgument>, out: &Path, default: Option<Lay
 /// Writes a whole light field as a PNG. `input` is where it comes from.
 pub fn write_grid(image: Raw, to: Layout, out: &Path, input: &Path) -> Result<(), Failure> {
     match image {
-        Raw::U8(field) => holo_io::write_png(out, grid(field, to).view(), ColorEncoding::Srgb, Compression::Best)?,
+        Raw::U8(field) => holo_io::write_png(out, grid(field, to)?.view(), ColorEncoding::Srgb, Compression::Best)?,
         Raw::Float(_) => {
             return Err(Failure::Usage(format!("{} holds linear floats, which no PNG can", input.display())));
         }
-        Raw::U16(field) => holo_io::write_png(out, grid(field, to).view(), ColorEncoding::Srgb, Compression::Best)?,
+        Raw::U16(field) => holo_io::write_png(out, grid(field, to)?.view(), ColorEncoding::Srgb, Compression::Best)?,
     };
     Ok(())
 }
 
 /// The grid, without a copy where the memory already is that grid.
-fn grid<T: Copy + Send + Sync>(field: LightFieldOwned<T>, to: Layout) -> ndarray::Array3<T> {
+fn grid<T: Copy + Send + Sync>(field: LightFieldOwned<T>, to: Layout) -> Result<ndarray::Array3<T>, holo_core::Error> {
     match to {
-        Layout::ElementalGrid => field.into_elemental_grid().unwrap_or_else(|field| field.to_elemental_grid()),
-        Layout::ViewpointGrid => field.into_viewpoint_grid().unwrap_or_else(|field| field.to_viewpoint_grid()),
+        Layout::ElementalGrid => field.into_elemental_grid().or_else(|field| field.to_elemental_grid()),
+        Layout::ViewpointGrid => field.into_viewpoint_grid().or_else(|field| field.to_viewpoint_grid()),
     }
 }

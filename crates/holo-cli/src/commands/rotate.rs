@@ -19,5 +19,5 @@ pub fn run(options: &RotateOptions) -> Result<(), Failure> {
 }
 
 fn turn<T>(field: LightFieldOwned<T>, whole: bool) -> LightFieldOwned<T> {
-    if whole { field.rotate_raw() } else { field.rotate_elementals() }
+    if whole { field.rotate_raw() } else { field.rotate_elemental_images() }
 }

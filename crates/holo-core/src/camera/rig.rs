@@ -1,20 +1,20 @@
 //! The camera rig: a grid of parallel cameras whose images are shifted to meet on the focus plane.
 
 use super::{Intrinsics, RigBuilder};
-use crate::{Disparity, Projection, Split};
+use crate::{Disparity, LightFieldShape, Projection};
 
 /// A validated camera rig: every number in it is finite (the focus distance may be infinite) and of the right sign.
 ///
 /// # Units
 ///
-/// Metres in the camera's frame: right-handed, +X right, +Y up, looking along -Z. Columns run right and rows run down.
+/// Meters in the camera's frame: right-handed, +X right, +Y up, looking along -Z. Columns run right and rows run down.
 ///
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Rig, Split};
+/// use holo_core::{GridSize, Rig, LightFieldShape};
 ///
-/// let rig = Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(512, 512))?)
+/// let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(512, 512))?)
 ///     .focal_length_m(0.1)
 ///     .sensor_size_m(0.035)
 ///     .baseline_m(0.025)
@@ -42,7 +42,7 @@ pub struct Rig {
 pub struct RigRay {
     /// Where the ray starts, in the plane z = 0.
     pub origin_m: [f64; 3],
-    /// Metres travelled per metre of depth.
+    /// Meters traveled per meter of depth.
     pub direction: [f64; 3],
 }
 
@@ -64,8 +64,8 @@ impl Rig {
     /// Begins a rig of these views and lenses: perspective, a 50 mm lens over 36 mm, focused at infinity, all views in one
     /// place.
     #[must_use]
-    pub const fn builder(split: Split) -> RigBuilder {
-        RigBuilder::new(split)
+    pub const fn builder(shape: LightFieldShape) -> RigBuilder {
+        RigBuilder::new(shape)
     }
 
     /// Begins a rig with the numbers of this one.
@@ -76,8 +76,8 @@ impl Rig {
 
     /// Returns the views and lenses.
     #[must_use]
-    pub const fn split(&self) -> &Split {
-        &self.numbers.split
+    pub const fn shape(&self) -> &LightFieldShape {
+        &self.numbers.shape
     }
 
     /// Returns focal length and sensor size.
@@ -127,42 +127,42 @@ impl Rig {
     /// Any `s` has a position; columns from S on lie outside the rig.
     #[must_use]
     pub fn view_x_m(&self, s: usize) -> f64 {
-        (s as f64 - (self.split().views().columns - 1) as f64 / 2.0) * self.numbers.baseline_x_m
+        (s as f64 - (self.shape().views().columns - 1) as f64 / 2.0) * self.numbers.baseline_x_m
     }
 
     /// Returns the vertical position of view row `t`: `((T-1)/2 - t) * baseline_y`, falling from the top row on.
     #[must_use]
     pub fn view_y_m(&self, t: usize) -> f64 {
-        ((self.split().views().rows - 1) as f64 / 2.0 - t as f64) * self.numbers.baseline_y_m
+        ((self.shape().views().rows - 1) as f64 / 2.0 - t as f64) * self.numbers.baseline_y_m
     }
 
-    /// Returns the horizontal slope of the line from the rig's centre through pixel column `column`: `(column - U/2) * sens/(f*N)`.
+    /// Returns the horizontal slope of the line from the rig's center through pixel column `column`: `(column - U/2) * sens/(f*N)`.
     ///
     /// # Units
     ///
-    /// `column` in pixels from the left edge of a view, so the centre of column `u` is `u + 0.5`; the slope is metres per metre of
+    /// `column` in pixels from the left edge of a view, so the center of column `u` is `u + 0.5`; the slope is meters per meter of
     /// depth. N is the larger of U and V.
     #[must_use]
     pub fn slope_x(&self, column: f64) -> f64 {
-        (column - self.split().lenses().columns as f64 / 2.0) * self.slope_per_px
+        (column - self.shape().lenses().columns as f64 / 2.0) * self.slope_per_px
     }
 
-    /// Returns the vertical slope of the line from the rig's centre through pixel row `row`: `(V/2 - row) * sens/(f*N)`.
+    /// Returns the vertical slope of the line from the rig's center through pixel row `row`: `(V/2 - row) * sens/(f*N)`.
     #[must_use]
     pub fn slope_y(&self, row: f64) -> f64 {
-        (self.split().lenses().rows as f64 / 2.0 - row) * self.slope_per_px
+        (self.shape().lenses().rows as f64 / 2.0 - row) * self.slope_per_px
     }
 
     /// Returns the pixel column whose slope is `slope`, the inverse of [`Rig::slope_x`].
     #[must_use]
     pub fn column(&self, slope: f64) -> f64 {
-        slope / self.slope_per_px + self.split().lenses().columns as f64 / 2.0
+        slope / self.slope_per_px + self.shape().lenses().columns as f64 / 2.0
     }
 
     /// Returns the pixel row whose slope is `slope`, the inverse of [`Rig::slope_y`].
     #[must_use]
     pub fn row(&self, slope: f64) -> f64 {
-        self.split().lenses().rows as f64 / 2.0 - slope / self.slope_per_px
+        self.shape().lenses().rows as f64 / 2.0 - slope / self.slope_per_px
     }
 
     /// Returns 1/F, which is 0 when the focus lies at infinity.
@@ -171,7 +171,7 @@ impl Rig {
         1.0 / self.numbers.focus_distance_m
     }
 
-    /// Returns the ray of pixel `(v, u)` of view `(t, s)` through the point `(jx, jy)` of that pixel, `(0.5, 0.5)` being its centre.
+    /// Returns the ray of pixel `(v, u)` of view `(t, s)` through the point `(jx, jy)` of that pixel, `(0.5, 0.5)` being its center.
     ///
     /// All rays of one elemental image, that is of one `(v, u, jx, jy)`, meet in one point of the focus plane. `jx` runs right and
     /// `jy` down.

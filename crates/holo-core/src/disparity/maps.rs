@@ -14,7 +14,7 @@ impl Disparity {
     ///
     /// # Units
     ///
-    /// Metres in, pixels out. `+infinity` marks "no hit" and becomes the disparity of infinity.
+    /// Meters in, pixels out. `+infinity` marks "no hit" and becomes the disparity of infinity.
     ///
     /// # Accuracy
     ///
@@ -41,7 +41,7 @@ impl Disparity {
         depth_m.mapv_inplace(|depth| T::from_f64(self.from_depth_m(depth.to_f64())));
     }
 
-    /// Returns the depth of every disparity of a map, in metres.
+    /// Returns the depth of every disparity of a map, in meters.
     ///
     /// # Shape
     ///

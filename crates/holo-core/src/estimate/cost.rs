@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::views::{View, Views};
 
-/// A difference of colours that counts as "something else", of a range of 1.
+/// A difference of colors that counts as "something else", of a range of 1.
 const TRUNCATION: f32 = 0.04;
 
 /// The integer that stands for it.
@@ -100,7 +100,7 @@ fn fill_tile(views: &Views, planes: &Planes, first_row: usize, rows: usize, sums
 
 /// A view moved by a fraction of a pixel: the same four weights for every pixel of it.
 struct Shift {
-    /// Rows of the centre that meet the view, first and end.
+    /// Rows of the center that meet the view, first and end.
     rows: (usize, usize),
     columns: (usize, usize),
     down: isize,
@@ -156,17 +156,17 @@ impl Shift {
         for channel in 0..views.channels {
             let plane = channel * views.pixels();
             let start = plane + source_row * columns + source_column;
-            // Where a weight is 0 the neighbour may not exist; then the pixel itself stands in for it.
+            // Where a weight is 0 the neighbor may not exist; then the pixel itself stands in for it.
             let next_column = usize::from(w01 + w11 > 0.0);
             let next_row = if w10 + w11 > 0.0 { columns } else { 0 };
             let a = &view.samples[start..start + width];
             let b = &view.samples[start + next_column..start + next_column + width];
             let c = &view.samples[start + next_row..start + next_row + width];
             let d = &view.samples[start + next_row + next_column..start + next_row + next_column + width];
-            let centre = &views.centre[plane + row * columns + first..plane + row * columns + end];
+            let center = &views.center[plane + row * columns + first..plane + row * columns + end];
             for column in 0..width {
                 let value = w00 * a[column] + w01 * b[column] + w10 * c[column] + w11 * d[column];
-                shifted[column] += (value - centre[column]).abs();
+                shifted[column] += (value - center[column]).abs();
             }
         }
         let scale = 1.0 / (views.channels as f32 * TRUNCATION);
@@ -190,7 +190,7 @@ fn split(shift: f32) -> (isize, f32) {
     }
 }
 
-/// Sums of three neighbours along every row; the border counts twice.
+/// Sums of three neighbors along every row; the border counts twice.
 fn box_sum_columns(values: &mut [f32], columns: usize) {
     for row in values.chunks_exact_mut(columns) {
         let mut left = row[0];
@@ -205,7 +205,7 @@ fn box_sum_columns(values: &mut [f32], columns: usize) {
 
 /// The mean difference over that half of the star which agrees best.
 ///
-/// What hides a point hides it from one side: of five neighbouring arms out of eight, some five see it.
+/// What hides a point hides it from one side: of five neighboring arms out of eight, some five see it.
 fn best_half(differences: &[f32], counts: &[f32], area: usize, columns: usize, rows: [usize; 3], best: &mut [f32]) {
     const BLOCK: usize = 16;
     for start in (0..columns).step_by(BLOCK) {

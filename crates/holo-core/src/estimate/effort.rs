@@ -3,14 +3,14 @@
 /// How much work an estimate is worth: from a look at a handful of views to all that helps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Effort {
-    /// A cross of up to 8 views in grey, planes one pixel of the outermost view apart, refined once.
+    /// A cross of up to 8 views in gray, planes one pixel of the outermost view apart, refined once.
     Draft,
-    /// A cross of up to 16 views in colour, refined twice.
+    /// A cross of up to 16 views in color, refined twice.
     Fast,
-    /// A star of up to 32 views in colour, planes half a pixel apart, refined four times.
+    /// A star of up to 32 views in color, planes half a pixel apart, refined four times.
     #[default]
     Balanced,
-    /// A star of up to 64 views in colour, planes 0.35 pixels apart, refined six times.
+    /// A star of up to 64 views in color, planes 0.35 pixels apart, refined six times.
     Thorough,
 }
 

@@ -7,9 +7,9 @@ use rayon::prelude::*;
 
 use super::views::{ARMS, Views};
 use crate::Error;
-use crate::light_field::filled_memory;
+use crate::memory::filled;
 
-/// A difference of colours below which noise is not told from rounding, of a range of 1.
+/// A difference of colors below which noise is not told from rounding, of a range of 1.
 const FLOOR: f32 = 0.002;
 /// Views that are held at once; more are never chosen.
 const MOST_VIEWS: usize = 64;
@@ -35,10 +35,10 @@ pub(super) fn measure(
     step_px: f32,
 ) -> Result<Measurements, Error> {
     let (pixels, columns) = (views.pixels(), views.size.columns);
-    let mut disparity_px = filled_memory(pixels, 0.0)?;
-    let mut information = filled_memory(pixels, 0.0)?;
+    let mut disparity_px = filled("a disparity map", pixels, 0.0)?;
+    let mut information = filled("the information of a disparity map", pixels, 0.0)?;
     // Pixel by pixel while it is written, so that every thread has a piece of its own.
-    let mut mixed = filled_memory(pixels * views.channels, 0.0)?;
+    let mut mixed = filled("an averaged view", pixels * views.channels, 0.0)?;
     (&mut disparity_px, &mut information)
         .into_par_iter()
         .zip(mixed.par_chunks_exact_mut(views.channels))
@@ -51,7 +51,7 @@ pub(super) fn measure(
             *disparity_px = map[pixel] + delta.clamp(-step_px, step_px);
             *information = found;
         });
-    let mut picture = filled_memory(mixed.len(), 0.0)?;
+    let mut picture = filled("an averaged view", mixed.len(), 0.0)?;
     for channel in 0..views.channels {
         for (to, from) in picture[channel * pixels..].iter_mut().zip(mixed.iter().skip(channel).step_by(views.channels))
         {
@@ -91,7 +91,7 @@ fn visible_steps(views: &Views, map: &[f32], row: usize, column: usize, nearest_
     })
 }
 
-/// The step and its information; `mean` gets the colour.
+/// The step and its information; `mean` gets the color.
 fn measure_pixel(
     views: &Views,
     disparity_px: f32,
@@ -105,13 +105,13 @@ fn measure_pixel(
     let (rows, columns) = (views.size.rows, views.size.columns);
     let pixel = row * columns + column;
     let mut gradients = [(0.0, 0.0); 3];
-    let mut centre = [0.0; 3];
+    let mut center = [0.0; 3];
     for channel in 0..channels {
         gradients[channel] = gradient(&picture[channel * pixels..(channel + 1) * pixels], rows, columns, row, column);
-        centre[channel] = views.centre[channel * pixels + pixel];
+        center[channel] = views.center[channel * pixels + pixel];
     }
 
-    // Differences to the centre of every view that sees the pixel.
+    // Differences to the center of every view that sees the pixel.
     let mut seen = [(0.0_f32, 0.0_f32, [0.0_f32; 3]); MOST_VIEWS];
     let mut squares = [0.0_f32; MOST_VIEWS];
     let mut count = 0;
@@ -126,21 +126,21 @@ fn measure_pixel(
         let mut difference = [0.0; 3];
         for channel in 0..channels {
             let plane = &view.samples[channel * pixels..(channel + 1) * pixels];
-            difference[channel] = cubic.sample(plane, columns) - centre[channel];
+            difference[channel] = cubic.sample(plane, columns) - center[channel];
         }
         squares[count] = difference.iter().map(|d| d * d).sum::<f32>() / channels as f32;
         seen[count] = (view.down, view.right, difference);
         count += 1;
     }
     if count == 0 {
-        mean.copy_from_slice(&centre[..channels]);
+        mean.copy_from_slice(&center[..channels]);
         return (0.0, 0.0);
     }
     let mut sorted = squares;
     let median = *sorted[..count].select_nth_unstable_by(count / 2, f32::total_cmp).1;
     let scale = 3.0 * median + FLOOR * FLOOR;
 
-    // A line through (h, difference) for every channel with one slope for all: what is constant is the centre's own noise.
+    // A line through (h, difference) for every channel with one slope for all: what is constant is the center's own noise.
     let (mut hh, mut hr, mut rr, mut spread) = (0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32);
     let mut total = 1.0;
     for index in 0..count {
@@ -163,7 +163,7 @@ fn measure_pixel(
             hr_sum += weight * h * r;
             rr_sum += weight * r * r;
         }
-        mean[channel] = centre[channel] + r_sum / total;
+        mean[channel] = center[channel] + r_sum / total;
         hh += hh_sum - h_sum * h_sum / total;
         hr += hr_sum - h_sum * r_sum / total;
         rr += rr_sum - r_sum * r_sum / total;
@@ -175,7 +175,7 @@ fn measure_pixel(
     (delta, (hh - of_noise).max(0.0) / variance)
 }
 
-/// Differences of neighbours, one-sided at the border.
+/// Differences of neighbors, one-sided at the border.
 fn gradient(plane: &[f32], rows: usize, columns: usize, row: usize, column: usize) -> (f32, f32) {
     let slope = |low: usize, high: usize, first: usize, second: usize| {
         if high > low { (plane[second] - plane[first]) / (high - low) as f32 } else { 0.0 }
@@ -296,10 +296,10 @@ mod tests {
     #[test]
     fn equal_samples_say_nothing() {
         let mut views = test_views(8, 8, 3);
-        views.centre.fill(0.5);
+        views.center.fill(0.5);
         views.others.iter_mut().for_each(|view| view.samples.fill(0.5));
         let map = vec![0.25; 64];
-        let found = measure(&views, &map, &views.centre, 1.0, 0.1).unwrap();
+        let found = measure(&views, &map, &views.center, 1.0, 0.1).unwrap();
         assert_eq!(found.information, [0.0; 64]);
         assert_eq!(found.disparity_px, map);
     }

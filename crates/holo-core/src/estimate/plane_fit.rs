@@ -3,26 +3,26 @@
 use rayon::prelude::*;
 
 use super::measure::Measurements;
-use crate::light_field::filled_memory;
+use crate::memory::filled;
 use crate::{Error, GridSize};
 
-/// A difference of colours at which a neighbour counts a quarter, of a range of 1.
-const COLOUR: f32 = 0.1;
+/// A difference of colors at which a neighbor counts a quarter, of a range of 1.
+const COLOR: f32 = 0.1;
 /// What the disparity so far weighs against its measurement, per square pixel: enough to hold a pixel that says nothing.
 const PRIOR: f32 = 4.0;
-/// Information, per square pixel, at which no look beyond the nearest neighbours is taken: a standard error of 0.007 px.
+/// Information, per square pixel, at which no look beyond the nearest neighbors is taken: a standard error of 0.007 px.
 const ENOUGH: f32 = 20_000.0;
-/// How many standard errors of a pixel's own surroundings its neighbours may be off.
+/// How many standard errors of a pixel's own surroundings its neighbors may be off.
 const ERRORS: f32 = 12.0;
-/// How much slopes are held back where the neighbours do not span a plane.
+/// How much slopes are held back where the neighbors do not span a plane.
 const RIDGE: f32 = 1e-3;
 
 /// How planes are fitted.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fit {
-    /// Half the side of the square of neighbours.
+    /// Half the side of the square of neighbors.
     pub(super) radius_px: usize,
-    /// Neighbours farther than this from a surface that is well measured belong to another one.
+    /// Neighbors farther than this from a surface that is well measured belong to another one.
     pub(super) gate_px: f32,
     /// The same for a surface of which next to nothing is known.
     pub(super) widest_px: f32,
@@ -36,12 +36,12 @@ impl Fit {
         map: &[f32],
         found: &Measurements,
     ) -> Result<(Vec<f32>, Vec<f32>), Error> {
-        let mut smoothed = filled_memory(map.len(), 0.0)?;
-        let mut information = filled_memory(map.len(), 0.0)?;
-        let neighbours = Neighbours { fit: self, size, map, found, channels: found.picture.len() / map.len() };
+        let mut smoothed = filled("a disparity map", map.len(), 0.0)?;
+        let mut information = filled("the information of a disparity map", map.len(), 0.0)?;
+        let neighbors = Neighbors { fit: self, size, map, found, channels: found.picture.len() / map.len() };
         (&mut smoothed, &mut information).into_par_iter().with_min_len(size.columns).enumerate().for_each(
             |(pixel, (smoothed, information))| {
-                let plane = neighbours.plane_at(pixel / size.columns, pixel % size.columns);
+                let plane = neighbors.plane_at(pixel / size.columns, pixel % size.columns);
                 (*smoothed, *information) = (plane.here, plane.information);
             },
         );
@@ -58,7 +58,7 @@ struct Plane {
     information: f32,
 }
 
-struct Neighbours<'a> {
+struct Neighbors<'a> {
     fit: &'a Fit,
     size: GridSize,
     map: &'a [f32],
@@ -66,7 +66,7 @@ struct Neighbours<'a> {
     channels: usize,
 }
 
-impl Neighbours<'_> {
+impl Neighbors<'_> {
     fn plane_at(&self, row: usize, column: usize) -> Plane {
         let here = self.map[row * self.size.columns + column];
         let gate_px = self.gate_px(row, column);
@@ -83,7 +83,7 @@ impl Neighbours<'_> {
         plane
     }
 
-    /// How far from the surface a neighbour may be: wide where nothing is known yet, narrow at the edges of textured things.
+    /// How far from the surface a neighbor may be: wide where nothing is known yet, narrow at the edges of textured things.
     fn gate_px(&self, row: usize, column: usize) -> f32 {
         let mut information = 1e-6;
         for row in row.saturating_sub(2)..(row + 3).min(self.size.rows) {
@@ -95,7 +95,7 @@ impl Neighbours<'_> {
         (gate_px * gate_px + ERRORS * ERRORS / information).sqrt().min(widest_px)
     }
 
-    /// The plane of least squares through every `stride`-th neighbour.
+    /// The plane of least squares through every `stride`-th neighbor.
     fn fitted(&self, row: usize, column: usize, last: &Plane, gate_px: f32, stride: usize) -> Plane {
         let GridSize { rows, columns } = self.size;
         let radius = self.fit.radius_px * stride;
@@ -103,9 +103,9 @@ impl Neighbours<'_> {
         let top = row - row.min(radius) / stride * stride;
         let left = column - column.min(radius) / stride * stride;
         let (bottom, right) = ((row + radius).min(rows - 1), (column + radius).min(columns - 1));
-        let centre = row * columns + column;
+        let center = row * columns + column;
         let per_square = 1.0 / ((radius * radius) as f32 * 0.75);
-        let per_colour = 1.0 / (self.channels as f32 * COLOUR * COLOUR);
+        let per_color = 1.0 / (self.channels as f32 * COLOR * COLOR);
         let mut moments = Moments::default();
         for other_row in (top..=bottom).step_by(stride) {
             let y = other_row as f32 - row as f32;
@@ -114,12 +114,12 @@ impl Neighbours<'_> {
                 let other = other_row * columns + other_column;
                 let so_far = self.map[other];
                 let off = (so_far - last.here - last.by_row * y - last.by_column * x) / gate_px;
-                // Tukey's biweight: beyond the gate a neighbour counts nothing.
+                // Tukey's biweight: beyond the gate a neighbor counts nothing.
                 let same = 1.0 - off * off;
                 if same <= 0.0 {
                     continue;
                 }
-                let alike = 1.0 / (1.0 + self.colour_distance(centre, other) * per_colour);
+                let alike = 1.0 / (1.0 + self.color_distance(center, other) * per_color);
                 let near = 1.0 / (1.0 + (x * x + y * y) * per_square);
                 let weight = (same * alike * near) * (same * alike * near);
                 let information = self.found.information[other];
@@ -133,7 +133,7 @@ impl Neighbours<'_> {
         plane
     }
 
-    fn colour_distance(&self, one: usize, other: usize) -> f32 {
+    fn color_distance(&self, one: usize, other: usize) -> f32 {
         let mut squares = 0.0;
         for channel in self.found.picture.chunks_exact(self.map.len()).take(self.channels) {
             let difference = channel[one] - channel[other];
@@ -172,7 +172,7 @@ impl Moments {
         self.dy += wd * y;
     }
 
-    /// The plane of least squares; without a neighbour the flat one at 0.
+    /// The plane of least squares; without a neighbor the flat one at 0.
     fn solve(&self, radius: usize) -> Plane {
         if self.one <= 0.0 {
             return Plane { here: 0.0, by_row: 0.0, by_column: 0.0, information: 0.0 };
@@ -254,7 +254,7 @@ mod tests {
         let (smoothed, _) = fit.smooth(size, &map, &found).unwrap();
         for pixel in 0..400 {
             let error = (smoothed[pixel] - truth(pixel)).abs();
-            // A corner has 25 neighbours: an error of 0.071 root mean square becomes about 0.071 / 5 * 2 (the value at
+            // A corner has 25 neighbors: an error of 0.071 root mean square becomes about 0.071 / 5 * 2 (the value at
             // the end of a fitted line has twice the error of the mean). A plane across the step would be 0.5 off.
             assert!(error < 0.04, "pixel {pixel}: {error}");
         }

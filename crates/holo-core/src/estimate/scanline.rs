@@ -1,4 +1,4 @@
-//! Semi-global matching: costs summed along eight directions, so that textured places speak for their neighbours.
+//! Semi-global matching: costs summed along eight directions, so that textured places speak for their neighbors.
 
 #[cfg(test)]
 mod naive;
@@ -13,7 +13,7 @@ const SMALL: f32 = 0.06 * WORST;
 /// What a jump costs where the picture is even, and where it has an edge.
 const LARGE: (f32, f32) = (0.6 * WORST, 0.12 * WORST);
 
-/// A difference of grey values that is half an edge.
+/// A difference of gray values that is half an edge.
 const EDGE: f32 = 0.06;
 /// Columns that one thread takes of a row.
 const CHUNK: usize = 64;
@@ -22,7 +22,7 @@ const CHUNK: usize = 64;
 ///
 /// # Shape
 ///
-/// `costs` and the result are row, column, plane; `guide`, the grey picture, is row, column.
+/// `costs` and the result are row, column, plane; `guide`, the gray picture, is row, column.
 ///
 /// # Source
 ///
@@ -71,8 +71,8 @@ fn down_rows(costs: &[u16], size: GridSize, planes: usize, guide: &[f32], sums: 
                     let costs = &costs[pixel * planes..(pixel + 1) * planes];
                     for (direction, next) in next.iter_mut().enumerate() {
                         let from = last_row.and_then(|last: usize| {
-                            let neighbour = (column + direction).checked_sub(1).filter(|&column| column < columns)?;
-                            Some((&paths[neighbour][direction], jump(guide[last * columns + neighbour], guide[pixel])))
+                            let neighbor = (column + direction).checked_sub(1).filter(|&column| column < columns)?;
+                            Some((&paths[neighbor][direction], jump(guide[last * columns + neighbor], guide[pixel])))
                         });
                         advance(from, costs, next, sums);
                     }
@@ -84,7 +84,7 @@ fn down_rows(costs: &[u16], size: GridSize, planes: usize, guide: &[f32], sums: 
     }
 }
 
-/// What a jump costs between two pixels of these grey values.
+/// What a jump costs between two pixels of these gray values.
 fn jump(from: f32, to: f32) -> u16 {
     let edge = (from - to) / EDGE;
     (LARGE.1 + (LARGE.0 - LARGE.1) / (1.0 + edge * edge)) as u16

@@ -6,7 +6,7 @@ use super::cost::{self, Planes};
 use super::scanline;
 use super::views::Views;
 use crate::layout::checked_product;
-use crate::light_field::filled_memory;
+use crate::memory::filled;
 use crate::{Error, GridSize};
 
 /// What the costs and their sums may take together, unless four times the margin takes more.
@@ -24,9 +24,9 @@ pub(super) fn sweep(views: &Views, planes: &Planes, guide: &[f32], band_bytes: u
     let tall = (band_bytes / 4 / row_cells).max(4 * MARGIN_ROWS).min(rows);
     let core = if tall == rows { rows } else { tall - 2 * MARGIN_ROWS };
     let cells = checked_product(&[tall, row_cells]).ok_or(too_large)?;
-    let mut costs = filled_memory(cells, 0_u16)?;
-    let mut sums = filled_memory(cells, 0_u16)?;
-    let mut map = filled_memory(rows * columns, 0.0)?;
+    let mut costs = filled("a cost volume", cells, 0_u16)?;
+    let mut sums = filled("an aggregated cost volume", cells, 0_u16)?;
+    let mut map = filled("a disparity map", rows * columns, 0.0)?;
     for first in (0..rows).step_by(core) {
         let end = (first + core).min(rows);
         let (top, bottom) = (first.saturating_sub(MARGIN_ROWS), (end + MARGIN_ROWS).min(rows));
@@ -46,7 +46,7 @@ pub(super) fn sweep(views: &Views, planes: &Planes, guide: &[f32], band_bytes: u
     Ok(map)
 }
 
-/// Where the lowest sum is; a parabola through it and its neighbours gives the fraction.
+/// Where the lowest sum is; a parabola through it and its neighbors gives the fraction.
 fn lowest(sums: &[u16]) -> f32 {
     let best = (1..sums.len()).fold(0, |best, plane| if sums[plane] < sums[best] { plane } else { best });
     if best == 0 || best + 1 == sums.len() {

@@ -7,9 +7,9 @@ use crate::GridSize;
 fn bands_change_next_to_nothing() {
     let mut views = views::test_views(300, 8, 1);
     // A wall at disparity 0, with noise of half its contrast.
-    let views::Views { centre, others, .. } = &mut views;
+    let views::Views { center, others, .. } = &mut views;
     for view in others {
-        view.samples.iter_mut().zip(&*centre).for_each(|(sample, centre)| *sample = 0.5 * *sample + 0.5 * centre);
+        view.samples.iter_mut().zip(&*center).for_each(|(sample, center)| *sample = 0.5 * *sample + 0.5 * center);
     }
     let planes = Planes { first_px: -1.0, step_px: 0.25, count: 9 };
     let guide = views.guide().unwrap();

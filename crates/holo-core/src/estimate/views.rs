@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::effort::Settings;
 use crate::layout::checked_product;
-use crate::light_field::filled_memory;
+use crate::memory::filled;
 use crate::{Error, GridSize, LightField, Sample};
 
 /// The arms of the star, turning from right over down: rows and columns of one step.
@@ -30,7 +30,7 @@ pub(super) struct Views {
     pub(super) size: GridSize,
     pub(super) channels: usize,
     /// Channel by channel, row by row.
-    pub(super) centre: Vec<f32>,
+    pub(super) center: Vec<f32>,
     pub(super) others: Vec<View>,
 }
 
@@ -41,18 +41,18 @@ impl Views {
         S: Data,
         S::Elem: Sample,
     {
-        let (size, views) = (light_field.split().lenses(), light_field.split().views());
-        // Two channels are taken for grey and alpha, four for colour and alpha.
-        let colours = if light_field.channels() >= 3 { 3 } else { 1 };
-        let channels = if settings.is_grey { 1 } else { colours };
+        let (size, views) = (light_field.shape().lenses(), light_field.shape().views());
+        // Two channels are taken for gray and alpha, four for color and alpha.
+        let colors = if light_field.channels() >= 3 { 3 } else { 1 };
+        let channels = if settings.is_grey { 1 } else { colors };
         let length =
             checked_product(&[size.rows, size.columns, channels]).ok_or(Error::TooLarge { what: "plane of a view" })?;
 
         let (middle_row, middle_column) = (views.rows / 2, views.columns / 2);
-        let mut centre = filled_memory(length, 0.0)?;
-        copy(&light_field.view(middle_row, middle_column)?, colours, channels, &mut centre)?;
-        let scale = if S::Elem::WHITE.is_none() { Scale::of(&centre) } else { Scale::IDENTITY };
-        scale.apply(&mut centre);
+        let mut center = filled("the central view", length, 0.0)?;
+        copy(&light_field.view(middle_row, middle_column)?, colors, channels, &mut center)?;
+        let scale = if S::Elem::WHITE.is_none() { Scale::of(&center) } else { Scale::IDENTITY };
+        scale.apply(&mut center);
 
         let mut others = Vec::new();
         for (row, column, arm) in star(views, settings) {
@@ -62,37 +62,37 @@ impl Views {
                 right: right as f32,
                 arm,
                 steps: down.abs().max(right.abs()) as f32,
-                samples: filled_memory(length, 0.0)?,
+                samples: filled("a view", length, 0.0)?,
             });
         }
         if others.is_empty() {
             return Err(Error::ZeroCount { what: "views beside the central one" });
         }
         // The storage `S` need not be one that threads share; a borrowed view is.
-        let light_field = light_field.borrowed();
+        let light_field = light_field.as_light_field_ref();
         others.par_iter_mut().try_for_each(|view| {
             let row = middle_row.wrapping_add_signed(view.down as isize);
             let column = middle_column.wrapping_add_signed(view.right as isize);
-            copy(&light_field.view(row, column)?, colours, channels, &mut view.samples)?;
+            copy(&light_field.view(row, column)?, colors, channels, &mut view.samples)?;
             scale.apply(&mut view.samples);
             Ok(())
         })?;
-        Ok(Self { size, channels, centre, others })
+        Ok(Self { size, channels, center, others })
     }
 
-    /// How far the farthest view is from the centre, in steps between views; 0 without other views.
+    /// How far the farthest view is from the center, in steps between views; 0 without other views.
     pub(super) fn reach(&self) -> f32 {
         self.others.iter().map(|view| view.steps).fold(0.0, f32::max)
     }
 
-    /// The grey picture of the centre, each pixel the mean of 3 x 3: where the edges are, with less noise.
+    /// The gray picture of the center, each pixel the mean of 3 x 3: where the edges are, with less noise.
     pub(super) fn guide(&self) -> Result<Vec<f32>, Error> {
         let GridSize { rows, columns } = self.size;
-        let mut guide = filled_memory(self.pixels(), 0.0)?;
+        let mut guide = filled("a guide image", self.pixels(), 0.0)?;
         guide.par_chunks_exact_mut(columns).enumerate().for_each(|(row, guide)| {
             for (column, guide) in guide.iter_mut().enumerate() {
                 let (mut sum, mut count) = (0.0, 0.0);
-                for channel in self.centre.chunks_exact(rows * columns) {
+                for channel in self.center.chunks_exact(rows * columns) {
                     for row in row.saturating_sub(1)..(row + 2).min(rows) {
                         for column in column.saturating_sub(1)..(column + 2).min(columns) {
                             sum += channel[row * columns + column];
@@ -137,25 +137,25 @@ fn star(views: GridSize, settings: &Settings) -> Vec<(usize, usize, usize)> {
     chosen
 }
 
-/// Copies one view into planes; `channels` is 1 or `colours`, and 1 of 3 colours is their mean.
-fn copy<T: Sample>(view: &ArrayView3<'_, T>, colours: usize, channels: usize, planes: &mut [f32]) -> Result<(), Error> {
+/// Copies one view into planes; `channels` is 1 or `colors`, and 1 of 3 colors is their mean.
+fn copy<T: Sample>(view: &ArrayView3<'_, T>, colors: usize, channels: usize, planes: &mut [f32]) -> Result<(), Error> {
     let (rows, columns, _) = view.dim();
     let white = T::WHITE.unwrap_or(1.0);
     for row in 0..rows {
         for column in 0..columns {
             let mut mean = 0.0;
-            for channel in 0..colours {
+            for channel in 0..colors {
                 let value = view[[row, column, channel]].to_f32() / white;
                 if !value.is_finite() {
                     return Err(Error::BadNumber { what: "sample of a view", value: f64::from(value), need: "finite" });
                 }
-                if channels == colours {
+                if channels == colors {
                     planes[(channel * rows + row) * columns + column] = value;
                 } else {
-                    mean += value / colours as f32;
+                    mean += value / colors as f32;
                 }
             }
-            if channels != colours {
+            if channels != colors {
                 planes[row * columns + column] = mean;
             }
         }
@@ -206,12 +206,12 @@ pub(super) fn test_views(rows: usize, columns: usize, channels: usize) -> Views 
     let mut samples = || {
         let next = |_| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            // Around grey, so that not all differences are truncated.
+            // Around gray, so that not all differences are truncated.
             0.4 + 0.08 * (state >> 8) as f32 / (1 << 24) as f32
         };
         (0..rows * columns * channels).map(next).collect::<Vec<f32>>()
     };
-    let centre = samples();
+    let center = samples();
     let mut others = Vec::new();
     for (arm, &(down, right)) in ARMS.iter().enumerate().skip(1) {
         for steps in [1.0, 3.0] {
@@ -219,7 +219,7 @@ pub(super) fn test_views(rows: usize, columns: usize, channels: usize) -> Views 
             others.push(View { down, right, arm, steps, samples: samples() });
         }
     }
-    Views { size: GridSize::new(rows, columns), channels, centre, others }
+    Views { size: GridSize::new(rows, columns), channels, center, others }
 }
 
 #[cfg(test)]

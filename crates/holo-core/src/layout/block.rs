@@ -3,7 +3,7 @@
 use std::ops::{Range, RangeInclusive};
 
 use crate::error::index_below;
-use crate::{Error, Split};
+use crate::{Error, LightFieldShape};
 
 /// The pixels of one elemental image or of one view within a grid, 0-based and half-open as Rust counts.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -23,7 +23,7 @@ pub struct OneBasedBlock {
     pub columns: RangeInclusive<usize>,
 }
 
-impl Split {
+impl LightFieldShape {
     /// Returns where the elemental image of lens `(v, u)` lies in the elemental grid: T rows from `v*T`, S columns from `u*S`.
     ///
     /// # Errors
@@ -33,7 +33,7 @@ impl Split {
     /// # Source
     ///
     /// Eq. 5, 0-based.
-    pub fn elemental_block(&self, v: usize, u: usize) -> Result<Block, Error> {
+    pub fn elemental_image_block(&self, v: usize, u: usize) -> Result<Block, Error> {
         index_below("lens row", v, self.lenses().rows)?;
         index_below("lens column", u, self.lenses().columns)?;
         let (rows, columns) = (self.views().rows, self.views().columns);
@@ -71,14 +71,14 @@ impl Split {
     /// # Examples
     ///
     /// ```
-    /// use holo_core::{GridSize, Split};
+    /// use holo_core::{GridSize, LightFieldShape};
     ///
-    /// let split = Split::new(GridSize::new(20, 20), GridSize::new(265, 397))?;
-    /// assert_eq!(split.elemental_block_one_based(1, 1)?.rows, 1..=20);
-    /// assert_eq!(split.elemental_block_one_based(1, 2)?.columns, 21..=40);
+    /// let shape = LightFieldShape::new(GridSize::new(20, 20), GridSize::new(265, 397))?;
+    /// assert_eq!(shape.elemental_image_block_one_based(1, 1)?.rows, 1..=20);
+    /// assert_eq!(shape.elemental_image_block_one_based(1, 2)?.columns, 21..=40);
     /// # Ok::<(), holo_core::Error>(())
     /// ```
-    pub fn elemental_block_one_based(&self, v: usize, u: usize) -> Result<OneBasedBlock, Error> {
+    pub fn elemental_image_block_one_based(&self, v: usize, u: usize) -> Result<OneBasedBlock, Error> {
         index_from_one("lens row", v, self.lenses().rows)?;
         index_from_one("lens column", u, self.lenses().columns)?;
         let (rows, columns) = (self.views().rows, self.views().columns);
@@ -119,18 +119,18 @@ mod tests {
     #[test]
     fn the_papers_ranges_are_ours_shifted_by_one() {
         for (t, s, v, u) in [(3, 4, 5, 7), (1, 1, 1, 1), (1, 6, 2, 1), (20, 20, 3, 2)] {
-            let split = Split::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap();
+            let shape = LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap();
             for row in 0..v {
                 for column in 0..u {
-                    let ours = split.elemental_block(row, column).unwrap();
-                    let paper = split.elemental_block_one_based(row + 1, column + 1).unwrap();
+                    let ours = shape.elemental_image_block(row, column).unwrap();
+                    let paper = shape.elemental_image_block_one_based(row + 1, column + 1).unwrap();
                     assert!(same(&paper.rows, &ours.rows) && same(&paper.columns, &ours.columns));
                 }
             }
             for row in 0..t {
                 for column in 0..s {
-                    let ours = split.view_block(row, column).unwrap();
-                    let paper = split.view_block_one_based(row + 1, column + 1).unwrap();
+                    let ours = shape.view_block(row, column).unwrap();
+                    let paper = shape.view_block_one_based(row + 1, column + 1).unwrap();
                     assert!(same(&paper.rows, &ours.rows) && same(&paper.columns, &ours.columns));
                 }
             }
@@ -139,8 +139,8 @@ mod tests {
 
     #[test]
     fn blocks_tile_the_raw_image() {
-        let split = Split::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap();
-        let raw = split.raw_size();
+        let shape = LightFieldShape::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap();
+        let raw = shape.raw_size();
         let mut by_lens = vec![0; raw.count()];
         let mut by_view = vec![0; raw.count()];
         let count = |owners: &mut Vec<usize>, block: Block| {
@@ -152,12 +152,12 @@ mod tests {
         };
         for v in 0..5 {
             for u in 0..7 {
-                count(&mut by_lens, split.elemental_block(v, u).unwrap());
+                count(&mut by_lens, shape.elemental_image_block(v, u).unwrap());
             }
         }
         for t in 0..3 {
             for s in 0..4 {
-                count(&mut by_view, split.view_block(t, s).unwrap());
+                count(&mut by_view, shape.view_block(t, s).unwrap());
             }
         }
         assert!(by_lens.iter().chain(&by_view).all(|&owners| owners == 1));
@@ -165,21 +165,21 @@ mod tests {
 
     #[test]
     fn indices_out_of_range_are_errors() {
-        let split = Split::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap();
+        let shape = LightFieldShape::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap();
         assert_eq!(
-            split.elemental_block(5, 0),
+            shape.elemental_image_block(5, 0),
             Err(Error::OutOfRange { what: "lens row", index: 5, count: 5, first: 0 })
         );
         assert_eq!(
-            split.view_block(0, 4),
+            shape.view_block(0, 4),
             Err(Error::OutOfRange { what: "view column", index: 4, count: 4, first: 0 })
         );
         assert_eq!(
-            split.elemental_block_one_based(0, 1),
+            shape.elemental_image_block_one_based(0, 1),
             Err(Error::OutOfRange { what: "lens row", index: 0, count: 5, first: 1 })
         );
-        assert!(split.elemental_block_one_based(5, 7).is_ok());
-        assert!(split.view_block_one_based(4, 1).is_err());
-        assert!(split.view_block_one_based(usize::MAX, usize::MAX).is_err());
+        assert!(shape.elemental_image_block_one_based(5, 7).is_ok());
+        assert!(shape.view_block_one_based(4, 1).is_err());
+        assert!(shape.view_block_one_based(usize::MAX, usize::MAX).is_err());
     }
 }

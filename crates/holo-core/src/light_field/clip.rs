@@ -73,14 +73,14 @@ impl<S: Data> LightField<S> {
     /// # Examples
     ///
     /// ```
-    /// use holo_core::{GridSize, LightField, Split};
+    /// use holo_core::{GridSize, LightField, LightFieldShape};
     /// use ndarray::Array3;
     ///
-    /// let split = Split::new(GridSize::new(9, 9), GridSize::new(4, 5))?;
-    /// let light_field = LightField::from_elemental_grid(Array3::<u8>::zeros((36, 45, 3)), split)?;
+    /// let shape = LightFieldShape::new(GridSize::new(9, 9), GridSize::new(4, 5))?;
+    /// let light_field = LightField::from_elemental_grid(Array3::<u8>::zeros((36, 45, 3)), shape)?;
     /// let middle = light_field.clip_views(3..6, 3..6)?;
-    /// assert_eq!(middle.split().views(), GridSize::new(3, 3));
-    /// let copy = middle.to_owned();
+    /// assert_eq!(middle.shape().views(), GridSize::new(3, 3));
+    /// let copy = middle.to_owned()?;
     /// assert_eq!(copy, middle);
     /// # Ok::<(), holo_core::Error>(())
     /// ```
@@ -89,7 +89,7 @@ impl<S: Data> LightField<S> {
         rows: impl RangeBounds<usize>,
         columns: impl RangeBounds<usize>,
     ) -> Result<LightFieldRef<'_, S::Elem>, Error> {
-        self.borrowed().into_clip_views(rows, columns)
+        self.as_light_field_ref().into_clip_views(rows, columns)
     }
 
     /// Returns every `rows`-th view row and every `columns`-th view column from the first on as a borrowed light field; see
@@ -99,7 +99,7 @@ impl<S: Data> LightField<S> {
     ///
     /// [`Error::ZeroCount`] if a step is 0.
     pub fn stride_views(&self, rows: usize, columns: usize) -> Result<LightFieldRef<'_, S::Elem>, Error> {
-        self.borrowed().into_stride_views(rows, columns)
+        self.as_light_field_ref().into_stride_views(rows, columns)
     }
 
     /// Returns a rectangle of lenses, that is a piece of every view, as a borrowed light field.
@@ -112,7 +112,7 @@ impl<S: Data> LightField<S> {
         rows: impl RangeBounds<usize>,
         columns: impl RangeBounds<usize>,
     ) -> Result<LightFieldRef<'_, S::Elem>, Error> {
-        self.borrowed().into_clip_lenses(rows, columns)
+        self.as_light_field_ref().into_clip_lenses(rows, columns)
     }
 
     /// Returns a piece of view `(t, s)`.
@@ -143,14 +143,14 @@ impl<S: Data> LightField<S> {
     /// # Errors
     ///
     /// [`Error::OutOfRange`] if there is no such lens; [`Error::BadRange`] if a range is empty or reaches beyond the image.
-    pub fn crop_elemental(
+    pub fn crop_elemental_image(
         &self,
         v: usize,
         u: usize,
         rows: impl RangeBounds<usize>,
         columns: impl RangeBounds<usize>,
     ) -> Result<ArrayView3<'_, S::Elem>, Error> {
-        crop(self.elemental(v, u)?, rows, columns)
+        crop(self.elemental_image(v, u)?, rows, columns)
     }
 }
 
@@ -165,7 +165,7 @@ impl<S: DataMut> LightField<S> {
         rows: impl RangeBounds<usize>,
         columns: impl RangeBounds<usize>,
     ) -> Result<LightFieldRefMut<'_, S::Elem>, Error> {
-        self.borrowed_mut().into_clip_views(rows, columns)
+        self.as_light_field_mut().into_clip_views(rows, columns)
     }
 
     /// Returns a rectangle of lenses as a mutably borrowed light field.
@@ -178,7 +178,7 @@ impl<S: DataMut> LightField<S> {
         rows: impl RangeBounds<usize>,
         columns: impl RangeBounds<usize>,
     ) -> Result<LightFieldRefMut<'_, S::Elem>, Error> {
-        self.borrowed_mut().into_clip_lenses(rows, columns)
+        self.as_light_field_mut().into_clip_lenses(rows, columns)
     }
 }
 
@@ -223,7 +223,7 @@ fn every(what: &'static str, step: usize, count: usize) -> Result<Slice, Error> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{GridSize, LightFieldOwned, Split};
+    use crate::{GridSize, LightFieldOwned, LightFieldShape};
     use ndarray::Array5;
 
     fn field() -> LightFieldOwned<usize> {
@@ -245,11 +245,11 @@ mod tests {
     fn strides_keep_every_so_many_views() {
         let field = field();
         let some = field.stride_views(2, 3).unwrap();
-        assert_eq!(some.split(), Split::new(GridSize::new(3, 3), GridSize::new(3, 4)).unwrap());
+        assert_eq!(some.shape(), LightFieldShape::new(GridSize::new(3, 3), GridSize::new(3, 4)).unwrap());
         for (t, s) in [(0, 0), (1, 2), (2, 1)] {
             assert_eq!(some.view(t, s).unwrap(), field.view(2 * t, 3 * s).unwrap());
         }
-        assert_eq!(field.stride_views(usize::MAX, 100).unwrap().split().views(), GridSize::new(1, 1));
+        assert_eq!(field.stride_views(usize::MAX, 100).unwrap().shape().views(), GridSize::new(1, 1));
         assert!(matches!(field.stride_views(0, 1), Err(Error::ZeroCount { .. })));
     }
 }

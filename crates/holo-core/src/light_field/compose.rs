@@ -3,7 +3,7 @@
 use ndarray::ArrayView3;
 
 use super::{Layout, LightField, LightFieldOwned};
-use crate::{Error, GridSize, Split};
+use crate::{Error, GridSize, LightFieldShape};
 
 /// The order in which a list holds the views of a light field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -86,9 +86,9 @@ impl<T: Copy> LightFieldOwned<T> {
         };
         let Some(first) = images.next() else { return miscounted(0) };
         let (rows, columns, channels) = first.dim();
-        let split = Split::new(views, GridSize::new(rows, columns))?;
+        let shape = LightFieldShape::new(views, GridSize::new(rows, columns))?;
         let Some(&sample) = first.first() else { return Err(Error::ZeroCount { what: "channels" }) };
-        let mut light_field = LightField::filled(split, channels, layout, sample)?;
+        let mut light_field = LightField::filled(shape, channels, layout, sample)?;
         let mut count = 0;
         for image in std::iter::once(first).chain(images) {
             if count == views.count() {

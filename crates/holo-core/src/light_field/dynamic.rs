@@ -1,10 +1,10 @@
-//! Light fields and images whose element type is known only when the program runs: what files hold.
+//! Light fields and images whose element type is known only at run time, as in files.
 
 use ndarray::{Array3, ArrayView3};
 
 use super::sample::sealed::Sealed;
 use super::{LightFieldOwned, LightFieldRef, Sample, SampleKind};
-use crate::{Error, GridSize, Layout, Split};
+use crate::{Error, GridSize, Layout, LightFieldShape};
 
 /// A light field of any of the element types.
 ///
@@ -87,63 +87,80 @@ macro_rules! for_each_sample {
 }
 
 impl DynLightField {
-    /// Wraps a raw image without copying it; see [`LightField::from_elemental_grid`](crate::LightField::from_elemental_grid).
+    /// Wraps a raw image in the given layout without copying it.
+    ///
+    /// # Shape
+    ///
+    /// `(V*T, U*S, C)`: row, column, channel.
     ///
     /// # Errors
     ///
-    /// As there.
-    pub fn from_grid(image: DynImage, layout: Layout, split: Split) -> Result<Self, Error> {
-        fn wrap<T: Sample>(image: Array3<T>, layout: Layout, split: Split) -> Result<DynLightField, Error> {
+    /// As [`LightField::from_elemental_grid`](crate::LightField::from_elemental_grid).
+    pub fn from_grid(image: DynImage, layout: Layout, shape: LightFieldShape) -> Result<Self, Error> {
+        fn wrap<T: Sample>(image: Array3<T>, layout: Layout, shape: LightFieldShape) -> Result<DynLightField, Error> {
             Ok(match layout {
-                Layout::ElementalGrid => LightFieldOwned::from_elemental_grid(image, split)?,
-                Layout::ViewpointGrid => LightFieldOwned::from_viewpoint_grid(image, split)?,
+                Layout::ElementalGrid => LightFieldOwned::from_elemental_grid(image, shape)?,
+                Layout::ViewpointGrid => LightFieldOwned::from_viewpoint_grid(image, shape)?,
             }
             .into())
         }
-        for_each_sample!(DynImage, image, image => wrap(image, layout, split))
+        for_each_sample!(DynImage, image, image => wrap(image, layout, shape))
     }
 
-    /// Borrows it.
+    /// Returns a light field that borrows the samples of this one.
     #[must_use]
-    pub fn by_ref(&self) -> DynLightFieldRef<'_> {
-        for_each_sample!(DynLightField, self, field => field.borrowed().into())
+    pub fn as_light_field_ref(&self) -> DynLightFieldRef<'_> {
+        for_each_sample!(DynLightField, self, field => field.as_light_field_ref().into())
     }
 
     /// Returns the element type.
     #[must_use]
     pub fn kind(&self) -> SampleKind {
-        self.by_ref().kind()
+        self.as_light_field_ref().kind()
     }
 
-    /// Returns the number of views and lenses.
+    /// Returns the (rows, columns) of views and of microlenses.
     #[must_use]
-    pub fn split(&self) -> Split {
-        self.by_ref().split()
+    pub fn shape(&self) -> LightFieldShape {
+        self.as_light_field_ref().shape()
     }
 
     /// Returns the number of channels.
     #[must_use]
     pub fn channels(&self) -> usize {
-        self.by_ref().channels()
+        self.as_light_field_ref().channels()
     }
 
-    /// Converts every sample to `f32`, without any scale: integers keep their values, `f64` is rounded to nearest. Samples
-    /// that are `f32` are not copied.
-    #[must_use]
-    pub fn into_f32(self) -> LightFieldOwned<f32> {
+    /// Converts every sample to `f32` without a scale. Samples that are `f32` are not copied.
+    ///
+    /// # Accuracy
+    ///
+    /// Exact for integers and `f32`; `f64` is rounded to nearest.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfMemory`] if the allocation of the copy fails.
+    pub fn into_f32(self) -> Result<LightFieldOwned<f32>, Error> {
         match self {
-            Self::F32(field) => field,
+            Self::F32(field) => Ok(field),
             other => other.to_f32(),
         }
     }
 
     /// Copies every sample as `f32`; see [`DynLightField::into_f32`].
-    #[must_use]
-    pub fn to_f32(&self) -> LightFieldOwned<f32> {
+    ///
+    /// # Errors
+    ///
+    /// As [`DynLightField::into_f32`].
+    pub fn to_f32(&self) -> Result<LightFieldOwned<f32>, Error> {
         for_each_sample!(DynLightField, self, field => field.map(|&sample| sample.to_f32()))
     }
 
     /// Returns view `(t, s)`.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u, c)`.
     ///
     /// # Errors
     ///
@@ -152,16 +169,24 @@ impl DynLightField {
         for_each_sample!(DynLightField, self, field => field.view(t, s).map(Into::into))
     }
 
-    /// Returns the elemental image of lens `(v, u)`.
+    /// Returns the elemental image (micro-image) of microlens `(v, u)`.
+    ///
+    /// # Shape
+    ///
+    /// `(t, s, c)`.
     ///
     /// # Errors
     ///
     /// [`Error::OutOfRange`] if there is no such lens.
-    pub fn elemental(&self, v: usize, u: usize) -> Result<DynImageRef<'_>, Error> {
-        for_each_sample!(DynLightField, self, field => field.elemental(v, u).map(Into::into))
+    pub fn elemental_image(&self, v: usize, u: usize) -> Result<DynImageRef<'_>, Error> {
+        for_each_sample!(DynLightField, self, field => field.elemental_image(v, u).map(Into::into))
     }
 
-    /// Returns the epipolar-plane image of lens row `v` in view row `t`.
+    /// Returns the epipolar-plane image of microlens row `v` in view row `t`.
+    ///
+    /// # Shape
+    ///
+    /// `(s, u, c)`.
     ///
     /// # Errors
     ///
@@ -170,7 +195,11 @@ impl DynLightField {
         for_each_sample!(DynLightField, self, field => field.epi_row(v, t).map(Into::into))
     }
 
-    /// Returns the epipolar-plane image of lens column `u` in view column `s`.
+    /// Returns the epipolar-plane image of microlens column `u` in view column `s`.
+    ///
+    /// # Shape
+    ///
+    /// `(t, v, c)`.
     ///
     /// # Errors
     ///
@@ -187,10 +216,10 @@ impl DynLightFieldRef<'_> {
         for_each_sample!(DynLightFieldRef, self, field => kind_of(&field.samples()))
     }
 
-    /// Returns the number of views and lenses.
+    /// Returns the (rows, columns) of views and of microlenses.
     #[must_use]
-    pub fn split(&self) -> Split {
-        for_each_sample!(DynLightFieldRef, self, field => field.split())
+    pub fn shape(&self) -> LightFieldShape {
+        for_each_sample!(DynLightFieldRef, self, field => field.shape())
     }
 
     /// Returns the number of channels.
@@ -201,34 +230,34 @@ impl DynLightFieldRef<'_> {
 }
 
 impl DynImage {
-    /// Borrows it.
+    /// Returns an image that borrows the samples of this one.
     #[must_use]
-    pub fn by_ref(&self) -> DynImageRef<'_> {
+    pub fn as_image_ref(&self) -> DynImageRef<'_> {
         for_each_sample!(DynImage, self, image => image.view().into())
     }
 
     /// Returns the element type.
     #[must_use]
     pub fn kind(&self) -> SampleKind {
-        self.by_ref().kind()
+        self.as_image_ref().kind()
     }
 
     /// Returns rows, columns and channels.
     #[must_use]
     pub fn dim(&self) -> (usize, usize, usize) {
-        self.by_ref().dim()
+        self.as_image_ref().dim()
     }
 
     /// Returns the number of rows and columns.
     #[must_use]
     pub fn size(&self) -> GridSize {
-        self.by_ref().size()
+        self.as_image_ref().size()
     }
 
     /// Returns the number of channels.
     #[must_use]
     pub fn channels(&self) -> usize {
-        self.by_ref().channels()
+        self.as_image_ref().channels()
     }
 }
 
@@ -277,7 +306,7 @@ impl<'a, T: Sample> From<LightFieldRef<'a, T>> for DynLightFieldRef<'a> {
 
 impl<'a> From<&'a DynLightField> for DynLightFieldRef<'a> {
     fn from(field: &'a DynLightField) -> Self {
-        field.by_ref()
+        field.as_light_field_ref()
     }
 }
 
@@ -295,7 +324,7 @@ impl<'a, T: Sample> From<ArrayView3<'a, T>> for DynImageRef<'a> {
 
 impl<'a> From<&'a DynImage> for DynImageRef<'a> {
     fn from(image: &'a DynImage) -> Self {
-        image.by_ref()
+        image.as_image_ref()
     }
 }
 
@@ -311,36 +340,36 @@ mod tests {
         let field = LightField::new(samples).unwrap();
         [
             field.clone().into(),
-            field.map(|&x| u16::from(x)).into(),
-            field.map(|&x| f32::from(x)).into(),
-            field.map(|&x| f64::from(x)).into(),
+            field.map(|&x| u16::from(x)).unwrap().into(),
+            field.map(|&x| f32::from(x)).unwrap().into(),
+            field.map(|&x| f64::from(x)).unwrap().into(),
         ]
     }
 
     #[test]
     fn every_type_has_the_same_pieces() {
         let kinds = [SampleKind::U8, SampleKind::U16, SampleKind::F32, SampleKind::F64];
-        let expected = fields()[2].to_f32();
+        let expected = fields()[2].to_f32().unwrap();
         for (field, kind) in fields().into_iter().zip(kinds) {
             assert_eq!((field.kind(), field.channels()), (kind, 3));
-            assert_eq!(field.split(), Split::new(GridSize::new(4, 5), GridSize::new(2, 3)).unwrap());
+            assert_eq!(field.shape(), LightFieldShape::new(GridSize::new(4, 5), GridSize::new(2, 3)).unwrap());
             let view = field.view(3, 2).unwrap();
             assert_eq!((view.kind(), view.size(), view.channels()), (kind, GridSize::new(2, 3), 3));
-            assert_eq!(field.elemental(1, 2).unwrap().size(), GridSize::new(4, 5));
+            assert_eq!(field.elemental_image(1, 2).unwrap().size(), GridSize::new(4, 5));
             assert_eq!(field.epi_row(1, 2).unwrap().channels(), 3);
             assert!(field.view(4, 0).is_err() && field.epi_column(3, 0).is_err());
-            assert_eq!(field.into_f32(), expected);
+            assert_eq!(field.into_f32().unwrap(), expected);
         }
     }
 
     #[test]
     fn raw_images_are_wrapped_in_their_type() {
-        let split = Split::new(GridSize::new(4, 5), GridSize::new(2, 3)).unwrap();
+        let shape = LightFieldShape::new(GridSize::new(4, 5), GridSize::new(2, 3)).unwrap();
         for field in fields() {
-            let grid: DynImage = for_each_sample!(DynLightField, &field, f => f.to_viewpoint_grid().into());
-            assert_eq!(DynLightField::from_grid(grid, Layout::ViewpointGrid, split).unwrap(), field);
+            let grid: DynImage = for_each_sample!(DynLightField, &field, f => f.to_viewpoint_grid().unwrap().into());
+            assert_eq!(DynLightField::from_grid(grid, Layout::ViewpointGrid, shape).unwrap(), field);
         }
         let wrong: DynImage = Array3::<u8>::zeros((3, 3, 1)).into();
-        assert!(DynLightField::from_grid(wrong, Layout::ElementalGrid, split).is_err());
+        assert!(DynLightField::from_grid(wrong, Layout::ElementalGrid, shape).is_err());
     }
 }

@@ -22,11 +22,11 @@ impl<S: Data> LightField<S> {
     /// # Examples
     ///
     /// ```
-    /// use holo_core::{GridSize, LightField, Split};
+    /// use holo_core::{GridSize, LightField, LightFieldShape};
     /// use ndarray::Array3;
     ///
-    /// let split = Split::new(GridSize::new(3, 4), GridSize::new(5, 7))?;
-    /// let light_field = LightField::from_elemental_grid(Array3::<u8>::zeros((15, 28, 1)), split)?;
+    /// let shape = LightFieldShape::new(GridSize::new(3, 4), GridSize::new(5, 7))?;
+    /// let light_field = LightField::from_elemental_grid(Array3::<u8>::zeros((15, 28, 1)), shape)?;
     /// assert_eq!(light_field.epi_row(4, 2)?.dim(), (4, 7, 1));
     /// assert_eq!(light_field.epi_column(6, 3)?.dim(), (3, 5, 1));
     /// # Ok::<(), holo_core::Error>(())

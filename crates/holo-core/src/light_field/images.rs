@@ -21,11 +21,11 @@ impl<S: Data> LightField<S> {
     /// # Examples
     ///
     /// ```
-    /// use holo_core::{GridSize, LightField, Split};
+    /// use holo_core::{GridSize, LightField, LightFieldShape};
     /// use ndarray::Array3;
     ///
-    /// let split = Split::new(GridSize::new(2, 2), GridSize::new(3, 3))?;
-    /// let light_field = LightField::from_elemental_grid(Array3::<u8>::zeros((6, 6, 3)), split)?;
+    /// let shape = LightFieldShape::new(GridSize::new(2, 2), GridSize::new(3, 3))?;
+    /// let light_field = LightField::from_elemental_grid(Array3::<u8>::zeros((6, 6, 3)), shape)?;
     /// assert_eq!(light_field.view(1, 1)?.dim(), (3, 3, 3));
     /// assert!(light_field.view(2, 0).is_err());
     /// # Ok::<(), holo_core::Error>(())
@@ -44,7 +44,7 @@ impl<S: Data> LightField<S> {
     /// # Errors
     ///
     /// [`Error::OutOfRange`] if there is no such lens.
-    pub fn elemental(&self, v: usize, u: usize) -> Result<ArrayView3<'_, S::Elem>, Error> {
+    pub fn elemental_image(&self, v: usize, u: usize) -> Result<ArrayView3<'_, S::Elem>, Error> {
         self.check_lens(v, u)?;
         Ok(elemental_at(&self.samples.view(), v, u).1)
     }
@@ -59,7 +59,7 @@ impl<S: Data> LightField<S> {
     }
 
     /// Returns all elemental images in reading order with their `(v, u)`.
-    pub fn elementals(
+    pub fn elemental_images(
         &self,
     ) -> impl ExactSizeIterator<Item = ((usize, usize), ArrayView3<'_, S::Elem>)> + DoubleEndedIterator {
         let samples = self.samples.view();
@@ -80,7 +80,7 @@ impl<S: Data> LightField<S> {
     }
 
     /// Returns all elemental images for rayon's threads, with their `(v, u)`.
-    pub fn par_elementals(&self) -> impl IndexedParallelIterator<Item = ((usize, usize), ArrayView3<'_, S::Elem>)>
+    pub fn par_elemental_images(&self) -> impl IndexedParallelIterator<Item = ((usize, usize), ArrayView3<'_, S::Elem>)>
     where
         S::Elem: Sync,
     {
@@ -114,12 +114,12 @@ impl<S: DataMut> LightField<S> {
         Ok(self.samples.view_mut().index_axis_move(Axis(3), s).index_axis_move(Axis(2), t))
     }
 
-    /// Returns the elemental image of lens `(v, u)` as a mutable image; the twin of [`LightField::elemental`].
+    /// Returns the elemental image of lens `(v, u)` as a mutable image; the twin of [`LightField::elemental_image`].
     ///
     /// # Errors
     ///
     /// [`Error::OutOfRange`] if there is no such lens.
-    pub fn elemental_mut(&mut self, v: usize, u: usize) -> Result<ArrayViewMut3<'_, S::Elem>, Error> {
+    pub fn elemental_image_mut(&mut self, v: usize, u: usize) -> Result<ArrayViewMut3<'_, S::Elem>, Error> {
         self.check_lens(v, u)?;
         Ok(self.samples.view_mut().index_axis_move(Axis(1), u).index_axis_move(Axis(0), v))
     }
@@ -130,7 +130,7 @@ impl<S: DataMut> LightField<S> {
     }
 
     /// Returns all elemental images in reading order, mutable, with their `(v, u)`.
-    pub fn elementals_mut(&mut self) -> impl Iterator<Item = ((usize, usize), ArrayViewMut3<'_, S::Elem>)> {
+    pub fn elemental_images_mut(&mut self) -> impl Iterator<Item = ((usize, usize), ArrayViewMut3<'_, S::Elem>)> {
         tiles_mut(self.samples.view_mut())
     }
 
@@ -147,13 +147,13 @@ impl<S: DataMut> LightField<S> {
     /// Returns all elemental images for rayon's threads, mutable, with their `(v, u)`.
     ///
     /// This makes a list of the images first, about a hundred bytes each.
-    pub fn par_elementals_mut(
+    pub fn par_elemental_images_mut(
         &mut self,
     ) -> impl IndexedParallelIterator<Item = ((usize, usize), ArrayViewMut3<'_, S::Elem>)>
     where
         S::Elem: Send,
     {
-        self.elementals_mut().collect::<Vec<_>>().into_par_iter()
+        self.elemental_images_mut().collect::<Vec<_>>().into_par_iter()
     }
 }
 

@@ -17,7 +17,7 @@ pub enum ViewPath {
         row: usize,
     },
     /// One row of views from left to right and back, the two ends once each: closed, so that it can be played in a loop.
-    Swing {
+    PingPong {
         /// The row, counted from 0 at the top.
         row: usize,
     },
@@ -41,21 +41,21 @@ impl ViewPath {
     /// use holo_core::{GridSize, ViewPath};
     ///
     /// let views = GridSize::new(3, 3);
-    /// assert_eq!(ViewPath::Swing { row: 1 }.views(views)?, [(1, 0), (1, 1), (1, 2), (1, 1)]);
+    /// assert_eq!(ViewPath::PingPong { row: 1 }.views(views)?, [(1, 0), (1, 1), (1, 2), (1, 1)]);
     /// let circle = ViewPath::Circle.views(views)?;
     /// assert_eq!(circle[..3], [(1, 2), (2, 2), (2, 1)]);
     /// # Ok::<(), holo_core::Error>(())
     /// ```
     pub fn views(self, views: GridSize) -> Result<Vec<(usize, usize)>, Error> {
         // Also refuses grids without rows or columns, or with more views than can be listed.
-        crate::Split::new(views, GridSize::new(1, 1))?;
+        crate::LightFieldShape::new(views, GridSize::new(1, 1))?;
         match self {
             Self::Circle => Ok(circle(views)),
             Self::Sweep { row } => {
                 index_below("view row", row, views.rows)?;
                 Ok((0..views.columns).map(|s| (row, s)).collect())
             }
-            Self::Swing { row } => {
+            Self::PingPong { row } => {
                 index_below("view row", row, views.rows)?;
                 let back = (1..views.columns.saturating_sub(1)).rev();
                 Ok((0..views.columns).chain(back).map(|s| (row, s)).collect())
@@ -90,13 +90,13 @@ fn circle(views: GridSize) -> Vec<(usize, usize)> {
 mod tests {
     use super::*;
 
-    /// Neighbours touch at least at a corner.
+    /// Neighbors touch at least at a corner.
     fn adjacent(a: (usize, usize), b: (usize, usize)) -> bool {
         a != b && a.0.abs_diff(b.0) <= 1 && a.1.abs_diff(b.1) <= 1
     }
 
     #[test]
-    fn circles_are_closed_and_step_to_neighbours() {
+    fn circles_are_closed_and_step_to_neighbors() {
         for (rows, columns) in [(2, 2), (3, 3), (9, 9), (10, 4), (1, 7), (5, 1), (100, 100)] {
             let views = GridSize::new(rows, columns);
             let path = ViewPath::Circle.views(views).unwrap();
@@ -129,11 +129,11 @@ mod tests {
     }
 
     #[test]
-    fn swings_do_not_rest_at_their_ends() {
-        let swing = |columns| ViewPath::Swing { row: 0 }.views(GridSize::new(1, columns)).unwrap();
-        assert_eq!(swing(1), [(0, 0)]);
-        assert_eq!(swing(2), [(0, 0), (0, 1)]);
-        assert_eq!(swing(4), [(0, 0), (0, 1), (0, 2), (0, 3), (0, 2), (0, 1)]);
+    fn ping_pong_repeats_no_end() {
+        let ping_pong = |columns| ViewPath::PingPong { row: 0 }.views(GridSize::new(1, columns)).unwrap();
+        assert_eq!(ping_pong(1), [(0, 0)]);
+        assert_eq!(ping_pong(2), [(0, 0), (0, 1)]);
+        assert_eq!(ping_pong(4), [(0, 0), (0, 1), (0, 2), (0, 3), (0, 2), (0, 1)]);
     }
 
     #[test]

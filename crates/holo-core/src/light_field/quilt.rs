@@ -2,8 +2,9 @@
 
 use ndarray::{Array3, Axis, Data, Slice};
 
-use super::{LightField, checked_length, filled_memory};
-use crate::{Error, GridSize, Split};
+use super::{LightField, checked_length};
+use crate::memory::filled;
+use crate::{Error, GridSize, LightFieldShape};
 
 impl<S: Data> LightField<S>
 where
@@ -27,13 +28,13 @@ where
     /// # Examples
     ///
     /// ```
-    /// use holo_core::{GridSize, LightField, Split, ViewPath};
+    /// use holo_core::{GridSize, LightField, LightFieldShape, ViewPath};
     /// use ndarray::array;
     ///
     /// // Four views of one pixel each, in a row.
-    /// let split = Split::new(GridSize::new(1, 4), GridSize::new(1, 1))?;
-    /// let light_field = LightField::from_elemental_grid(array![[['a'], ['b'], ['c'], ['d']]], split)?;
-    /// let views = ViewPath::Sweep { row: 0 }.views(split.views())?;
+    /// let shape = LightFieldShape::new(GridSize::new(1, 4), GridSize::new(1, 1))?;
+    /// let light_field = LightField::from_elemental_grid(array![[['a'], ['b'], ['c'], ['d']]], shape)?;
+    /// let views = ViewPath::Sweep { row: 0 }.views(shape.views())?;
     /// let quilt = light_field.to_quilt(GridSize::new(2, 2), &views)?;
     /// assert_eq!(quilt, array![[['c'], ['d']], [['a'], ['b']]]);
     /// # Ok::<(), holo_core::Error>(())
@@ -43,11 +44,11 @@ where
             let (expected, found) = (vec![tiles.count()], vec![views.len()]);
             return Err(Error::Shape { what: "list of views of the quilt", expected, found });
         }
-        let (lenses, channels) = (self.split().lenses(), self.channels());
+        let (lenses, channels) = (self.shape().lenses(), self.channels());
         // A quilt is a viewpoint grid of other counts: the same checks of its size.
-        let split = Split::new(tiles, lenses)?;
-        let memory = filled_memory(checked_length::<S::Elem>(&split, channels)?, self.samples[[0, 0, 0, 0, 0]])?;
-        let size = split.raw_size();
+        let shape = LightFieldShape::new(tiles, lenses)?;
+        let memory = filled("a quilt", checked_length::<S::Elem>(&shape, channels)?, self.samples[[0, 0, 0, 0, 0]])?;
+        let size = shape.raw_size();
         let mut quilt =
             Array3::from_shape_vec((size.rows, size.columns, channels), memory).expect("the length is the product");
         for (index, &(t, s)) in views.iter().enumerate() {
@@ -67,8 +68,8 @@ mod tests {
     use crate::{Layout, ViewPath};
 
     fn numbered() -> LightField<ndarray::OwnedRepr<u32>> {
-        let split = Split::new(GridSize::new(2, 6), GridSize::new(3, 4)).unwrap();
-        let mut light_field = LightField::filled(split, 2, Layout::ElementalGrid, 0).unwrap();
+        let shape = LightFieldShape::new(GridSize::new(2, 6), GridSize::new(3, 4)).unwrap();
+        let mut light_field = LightField::filled(shape, 2, Layout::ElementalGrid, 0).unwrap();
         for ((v, u, t, s, c), sample) in light_field.samples_mut().indexed_iter_mut() {
             *sample = (t * 10_000 + s * 1000 + v * 100 + u * 10 + c) as u32;
         }
@@ -78,7 +79,7 @@ mod tests {
     #[test]
     fn first_view_is_bottom_left_and_upright() {
         let light_field = numbered();
-        let views = ViewPath::Sweep { row: 1 }.views(light_field.split().views()).unwrap();
+        let views = ViewPath::Sweep { row: 1 }.views(light_field.shape().views()).unwrap();
         // Two columns and three rows of tiles of 4 x 3 pixels.
         let quilt = light_field.to_quilt(GridSize::new(3, 2), &views).unwrap();
         assert_eq!(quilt.dim(), (9, 8, 2));

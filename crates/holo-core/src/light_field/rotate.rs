@@ -8,26 +8,26 @@ impl<S: RawData> LightField<S> {
     /// Rotates every elemental image by 180 degrees in its place, by strides alone: no sample moves.
     ///
     /// Integral *displays* need this: the lens in front of each elemental image turns it, and without the rotation the scene is seen
-    /// inside out. Rotating twice changes nothing. Use `light_field.borrowed().rotate_elementals()` to keep the original.
+    /// inside out. Rotating twice changes nothing. Use `light_field.as_light_field_ref().rotate_elemental_images()` to keep the original.
     ///
     /// # Examples
     ///
     /// ```
-    /// use holo_core::{GridSize, LightField, Split};
+    /// use holo_core::{GridSize, LightField, LightFieldShape};
     /// use ndarray::array;
     ///
     /// // One row of two lenses with three views each.
-    /// let split = Split::new(GridSize::new(1, 3), GridSize::new(1, 2))?;
+    /// let shape = LightFieldShape::new(GridSize::new(1, 3), GridSize::new(1, 2))?;
     /// let raw = array![[[1], [2], [3], [4], [5], [6]]];
-    /// let light_field = LightField::from_elemental_grid(raw, split)?;
-    /// let display = light_field.borrowed().rotate_elementals().to_elemental_grid();
+    /// let light_field = LightField::from_elemental_grid(raw, shape)?;
+    /// let display = light_field.as_light_field_ref().rotate_elemental_images().to_elemental_grid()?;
     /// assert_eq!(display, array![[[3], [2], [1], [6], [5], [4]]]);
-    /// let sensor = light_field.rotate_raw().to_elemental_grid();
+    /// let sensor = light_field.rotate_raw().to_elemental_grid()?;
     /// assert_eq!(sensor, array![[[6], [5], [4], [3], [2], [1]]]);
     /// # Ok::<(), holo_core::Error>(())
     /// ```
     #[must_use]
-    pub fn rotate_elementals(mut self) -> Self {
+    pub fn rotate_elemental_images(mut self) -> Self {
         for axis in [2, 3] {
             self.samples.invert_axis(Axis(axis));
         }

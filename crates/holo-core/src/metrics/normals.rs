@@ -9,7 +9,7 @@ use crate::{Error, Real, Rig};
 /// Where the points of a map are taken to lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum NormalGeometry {
-    /// Where they are: on the rays of the rig's central view, through the centres of its pixels.
+    /// Where they are: on the rays of the rig's central view, through the centers of its pixels.
     #[default]
     Pinhole,
     /// Where the benchmark's toolkit takes them to be: at `x = u / (U-1) * 0.5 * sens/f * Z` and likewise down the rows.
@@ -22,7 +22,7 @@ pub enum NormalGeometry {
 
 /// Returns the unit normals of the surface that a disparity map shows, in the camera's frame: +X right, +Y up, towards the camera.
 ///
-/// A pixel whose 3 x 3 neighbours are not all finite or do not all exist has the normal NaN. A disparity below that of infinity
+/// A pixel whose 3 x 3 neighbors are not all finite or do not all exist has the normal NaN. A disparity below that of infinity
 /// lies at a negative depth by the formula, which is followed; see [`Disparity::to_depth_m`](crate::Disparity::to_depth_m).
 ///
 /// # Shape
@@ -42,10 +42,10 @@ pub enum NormalGeometry {
 ///
 /// ```
 /// use holo_core::metrics::{NormalGeometry, normals_from_disparity};
-/// use holo_core::{GridSize, Rig, Split};
+/// use holo_core::{GridSize, Rig, LightFieldShape};
 /// use ndarray::Array2;
 ///
-/// let rig = Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(16, 16))?).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
+/// let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(16, 16))?).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
 /// // Disparity 0 everywhere is a wall that faces the camera.
 /// let normals = normals_from_disparity(&Array2::<f32>::zeros((16, 16)), &rig, NormalGeometry::Pinhole)?;
 /// assert!((normals[[8, 8, 2]] - 1.0).abs() < 1e-12);
@@ -57,7 +57,7 @@ pub fn normals_from_disparity<T: Real>(
     geometry: NormalGeometry,
 ) -> Result<Array3<f64>, Error> {
     let (rows, columns) = disparity_px.dim();
-    let lenses = rig.split().lenses();
+    let lenses = rig.shape().lenses();
     if (rows, columns) != (lenses.rows, lenses.columns) {
         let expected = vec![lenses.rows, lenses.columns];
         return Err(Error::Shape { what: "disparity map", expected, found: vec![rows, columns] });
@@ -109,26 +109,26 @@ pub fn median_angle_error_deg<A: Real, B: Real>(
     let shape = same_shape(estimate, truth)?;
     let estimated = normals_from_disparity(estimate, rig, geometry)?;
     let true_normals = normals_from_disparity(truth, rig, geometry)?;
-    let (mut angles, mut left_out) = (Vec::new(), 0);
+    let (mut angles, mut excluded) = (Vec::new(), 0);
     for [row, column] in region.pixels(shape)? {
         let at = |normals: &Array3<f64>| std::array::from_fn(|axis| normals[[row, column, axis]]);
         let angle_rad = angle_rad(at(&estimated), at(&true_normals));
         if angle_rad.is_finite() {
             angles.push(angle_rad);
         } else {
-            left_out += 1;
+            excluded += 1;
         }
     }
-    if angles.is_empty() && left_out == 0 {
+    if angles.is_empty() && excluded == 0 {
         return Err(Error::NothingToMeasure { what: "angle of normals", shape, border_px: region.border_px });
     }
-    Ok(Score { value: median(&mut angles).to_degrees(), pixels: angles.len(), left_out })
+    Ok(Score { value: median(&mut angles).to_degrees(), pixels: angles.len(), excluded })
 }
 
 /// The points in the camera's frame that the pixels of a depth map show.
 fn points_m(depth_m: &Array2<f64>, rig: &Rig, geometry: NormalGeometry) -> Array2<[f64; 3]> {
     let (rows, columns) = depth_m.dim();
-    let (t, s) = rig.split().central_view();
+    let (t, s) = rig.shape().central_view();
     let intrinsics = rig.intrinsics();
     let scale = 0.5 * intrinsics.sensor_size_m / intrinsics.focal_length_m;
     let share = |index: usize, count: usize| index as f64 / (count as f64 - 1.0);
@@ -144,7 +144,7 @@ fn points_m(depth_m: &Array2<f64>, rig: &Rig, geometry: NormalGeometry) -> Array
     })
 }
 
-/// The unit normal at the centre of 3 x 3 points.
+/// The unit normal at the center of 3 x 3 points.
 fn normal(point: impl Fn(usize, usize) -> [f64; 3]) -> [f64; 3] {
     const WEIGHTS: [f64; 3] = [3.0, 10.0, 3.0];
     let (mut down, mut right) = ([0.0; 3], [0.0; 3]);
@@ -156,12 +156,12 @@ fn normal(point: impl Fn(usize, usize) -> [f64; 3]) -> [f64; 3] {
             right[axis] += weight * (right_of[axis] - left_of[axis]);
         }
     }
-    // The centre has no weight in either derivative, but a pixel without a depth has no normal.
-    let centre = point(1, 1)[2] * 0.0;
+    // The center has no weight in either derivative, but a pixel without a depth has no normal.
+    let center = point(1, 1)[2] * 0.0;
     // Down x right looks towards +Z, where the camera is.
     let normal = cross(down, right);
     let length = normal[0].hypot(normal[1]).hypot(normal[2]);
-    normal.map(|component| component / length + centre)
+    normal.map(|component| component / length + center)
 }
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
@@ -192,12 +192,12 @@ fn median(values: &mut [f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{GridSize, Projection, Split};
+    use crate::{GridSize, LightFieldShape, Projection};
 
     const SIZE: usize = 24;
 
     fn rig(views: usize, projection: Projection) -> Rig {
-        Rig::builder(Split::new(GridSize::new(views, views), GridSize::new(SIZE, SIZE)).unwrap())
+        Rig::builder(LightFieldShape::new(GridSize::new(views, views), GridSize::new(SIZE, SIZE)).unwrap())
             .focal_length_m(0.05)
             .sensor_size_m(0.036)
             .baseline_m(0.02)
@@ -209,7 +209,7 @@ mod tests {
 
     /// The disparity of the plane through (0, 0, -3) with a given normal, as the central view sees it.
     fn plane(rig: &Rig, normal: [f64; 3]) -> Array2<f64> {
-        let (t, s) = rig.split().central_view();
+        let (t, s) = rig.shape().central_view();
         Array2::from_shape_fn((SIZE, SIZE), |(row, column)| {
             let ray = rig.ray(row, column, t, s, 0.5, 0.5);
             let dot = |vector: [f64; 3]| (0..3).map(|axis| normal[axis] * vector[axis]).sum::<f64>();
@@ -228,7 +228,7 @@ mod tests {
         let length = (0.3_f64 * 0.3 + 0.2 * 0.2 + 1.0).sqrt();
         let leaning = [0.3 / length, -0.2 / length, 1.0 / length];
         for projection in [Projection::Perspective, Projection::Orthographic] {
-            // Even counts: the central view is beside the rig's centre.
+            // Even counts: the central view is beside the rig's center.
             for rig in [rig(5, projection), rig(4, projection)] {
                 for normal in [[0.0, 0.0, 1.0], tilted(30.0), leaning] {
                     let normals = normals_from_disparity(&plane(&rig, normal), &rig, NormalGeometry::Pinhole).unwrap();
@@ -256,7 +256,7 @@ mod tests {
         let score = |a, b, geometry| median_angle_error_deg(a, b, &rig, geometry, &region).unwrap();
         let found = score(&tilted, &flat, NormalGeometry::Pinhole);
         assert!((found.value - 25.0).abs() < 1e-9, "{}", found.value);
-        assert_eq!((found.pixels, found.left_out), ((SIZE - 2) * (SIZE - 2), 0));
+        assert_eq!((found.pixels, found.excluded), ((SIZE - 2) * (SIZE - 2), 0));
         assert_eq!(score(&flat, &flat, NormalGeometry::Toolkit).value, 0.0);
         // The toolkit's cloud is an affine image of the true one: with x = (X + cZ)/2 and c = sens/(2f) up to (U-1)/U, a plane
         // leaning by 25 degrees about Y has Z = -X tan(25) + const, and what comes out is no longer 25.
@@ -288,7 +288,7 @@ mod tests {
         let geometry = NormalGeometry::Pinhole;
         let region = Region::with_border(1);
         let score = median_angle_error_deg(&holes, &flat, &rig, geometry, &region).unwrap();
-        assert_eq!(score, Score { value: 0.0, pixels: 22 * 22 - 9, left_out: 9 });
+        assert_eq!(score, Score { value: 0.0, pixels: 22 * 22 - 9, excluded: 9 });
         let everything = Array2::from_elem((SIZE, SIZE), f32::NAN);
         let score = median_angle_error_deg(&everything, &flat, &rig, geometry, &region).unwrap();
         assert!(score.value.is_nan() && score.pixels == 0);

@@ -32,7 +32,7 @@ const REACH_PX: usize = 2;
 ///
 /// Honauer et al. 2016, and `BumpinessPlanes` and `BumpinessContinSurf` of the toolkit, which differ in their mask only: the Frobenius norm
 /// of (xx, xy, yx, yy), each of them two Scharr filters of scikit-image, one after the other. Those filters weigh the two
-/// neighbours by +1 and -1 and do not halve the difference. The value is therefore **four times** the norm of the Hessian that
+/// neighbors by +1 and -1 and do not halve the difference. The value is therefore **four times** the norm of the Hessian that
 /// the paper speaks of, before the clamp, and so it is here: a score must be comparable with published ones. At the edge of the map the toolkit extends the
 /// error instead of leaving pixels out; with the border of 15 px that it ignores, no such pixel counts.
 pub fn bumpiness<A: Real, B: Real>(
@@ -41,16 +41,16 @@ pub fn bumpiness<A: Real, B: Real>(
     region: &Region<'_>,
 ) -> Result<Score, Error> {
     let shape = same_shape(estimate, truth)?;
-    let (mut sum, mut score) = (0.0, Score { value: f64::NAN, pixels: 0, left_out: 0 });
+    let (mut sum, mut score) = (0.0, Score { value: f64::NAN, pixels: 0, excluded: 0 });
     for pixel in region.pixels(shape)? {
         let Some(patch) = error_patch(estimate, truth, shape, pixel) else {
-            score.left_out += 1;
+            score.excluded += 1;
             continue;
         };
         score.pixels += 1;
         sum += hessian_norm(&patch).min(BUMPINESS_LIMIT);
     }
-    if score.pixels + score.left_out == 0 {
+    if score.pixels + score.excluded == 0 {
         return Err(Error::NothingToMeasure { what: "bumpiness", shape, border_px: region.border_px });
     }
     if score.pixels > 0 {
@@ -84,7 +84,7 @@ fn error_patch<A: Real, B: Real>(
     Some(patch)
 }
 
-/// The norm of (xx, xy, yx, yy) at the centre of a patch, in the toolkit's scale.
+/// The norm of (xx, xy, yx, yy) at the center of a patch, in the toolkit's scale.
 ///
 /// Two Scharr filters in a row are one filter of 5 x 5, the product of a filter down the columns and one along the rows. Along an axis
 /// it holds D = (1, 0, -1) for each derivative along it and S = (3, 10, 3)/16 for each across it.
@@ -116,7 +116,7 @@ mod tests {
         let estimate =
             Array2::from_shape_fn(shape, |(row, column)| truth[[row, column]] + error(row as f64, column as f64));
         let score = bumpiness(&estimate, &truth, &INNER).unwrap();
-        assert_eq!((score.pixels, score.left_out), ((shape.0 - 4) * (shape.1 - 4), 0));
+        assert_eq!((score.pixels, score.excluded), ((shape.0 - 4) * (shape.1 - 4), 0));
         score.value
     }
 
@@ -160,11 +160,11 @@ mod tests {
         hole[[4, 2]] = f64::NAN;
         let score = bumpiness(&hole, &flat, &Region::with_border(0)).unwrap();
         // 5 rows x 6 columns are far enough from the edge; those in columns 2..=4 of all five rows see the hole.
-        assert_eq!(score, Score { value: 0.0, pixels: 15, left_out: 75 });
+        assert_eq!(score, Score { value: 0.0, pixels: 15, excluded: 75 });
         assert_eq!(bumpiness(&flat, &hole, &Region::with_border(0)), Ok(score));
         let small = Array2::<f64>::zeros((3, 4));
         let score = bumpiness(&small, &small, &Region::with_border(1)).unwrap();
-        assert!(score.value.is_nan() && score.left_out == 2);
+        assert!(score.value.is_nan() && score.excluded == 2);
         assert!(bumpiness(&small, &small, &Region::with_border(2)).is_err());
     }
 }

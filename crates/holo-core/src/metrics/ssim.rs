@@ -17,7 +17,7 @@ const RADIUS: usize = 5;
 /// The deviation of the Gaussian window, in pixels.
 const SIGMA_PX: f64 = 1.5;
 
-/// Rows of windows that one task measures: the 10 rows above and below that it filters for its neighbours cost 16 %.
+/// Rows of windows that one task measures: the 10 rows above and below that it filters for its neighbors cost 16 %.
 const BAND: usize = 64;
 
 /// The five pictures that a window averages: x, y, x^2, y^2, x*y.

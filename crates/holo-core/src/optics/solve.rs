@@ -7,9 +7,9 @@ use crate::{Disparity, Error, GridSize, Intrinsics, Projection};
 /// Focus distance and baseline for wanted disparities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisparitySolution {
-    /// The focus distance, in metres; may be infinite.
+    /// The focus distance, in meters; may be infinite.
     pub focus_distance_m: f64,
-    /// The distance between adjacent views, in metres.
+    /// The distance between adjacent views, in meters.
     pub baseline_m: f64,
     /// Eq. 3 with these numbers.
     pub disparity: Disparity,
@@ -22,7 +22,7 @@ pub struct DisparitySolution {
 ///
 /// # Units
 ///
-/// Depths in metres, the farthest may be infinite; disparities in pixels between adjacent views; `lenses` is the size of a
+/// Depths in meters, the farthest may be infinite; disparities in pixels between adjacent views; `lenses` is the size of a
 /// view in pixels.
 ///
 /// # Errors
@@ -64,13 +64,13 @@ pub fn rig_for_disparities(
     if min_px >= max_px {
         return Err(Error::ImpossibleRange { why: "the largest disparity must be above the smallest" });
     }
-    let focal_length_m = positive("focal length in metres", intrinsics.focal_length_m)?;
-    let sensor_size_m = positive("sensor size in metres", intrinsics.sensor_size_m)?;
+    let focal_length_m = positive("focal length in meters", intrinsics.focal_length_m)?;
+    let sensor_size_m = positive("sensor size in meters", intrinsics.sensor_size_m)?;
     let pixels = positive("pixels along the larger side of a view", lenses.larger() as f64)?;
     // Z1/Z2, which is 0 for an infinite Z2: nothing here divides infinity by infinity.
     let ratio = near_m / far_m;
     let span_px = max_px - min_px;
-    let scale_m_px = positive("disparity scale in metre-pixels", span_px * near_m / (1.0 - ratio))?;
+    let scale_m_px = positive("disparity scale in meter-pixels", span_px * near_m / (1.0 - ratio))?;
     let beyond_px = max_px * ratio - min_px;
     if beyond_px < 0.0 {
         let why = "the farthest depth would lie nearer than the focus plane, and that beyond infinity; \
@@ -79,7 +79,7 @@ pub fn rig_for_disparities(
     }
     // +0, which becomes +infinity: a focus at infinity.
     let focus_distance_m = span_px * near_m / (beyond_px + 0.0);
-    let baseline_m = positive("baseline in metres", scale_m_px * sensor_size_m / (focal_length_m * pixels))?;
+    let baseline_m = positive("baseline in meters", scale_m_px * sensor_size_m / (focal_length_m * pixels))?;
     let disparity = Disparity::new(scale_m_px, focus_distance_m, Projection::Perspective)?;
     Ok(DisparitySolution { focus_distance_m, baseline_m, disparity })
 }
@@ -87,7 +87,7 @@ pub fn rig_for_disparities(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Rig, Split};
+    use crate::{LightFieldShape, Rig};
 
     const INTRINSICS: Intrinsics = Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 };
     const LENSES: GridSize = GridSize::new(240, 360);
@@ -102,7 +102,7 @@ mod tests {
             for (min_px, max_px) in [(-2.0, 2.0), (-0.5, 3.0), (-4.0, -1.0), (-1e-3, 1e-3), (0.0, 2.0), (-3.0, 0.0)] {
                 // Disparities of one sign need a focus in front of or behind all; in front there is always room.
                 let found = solve(near_m, far_m, min_px, max_px).unwrap();
-                let rig = Rig::builder(Split::new(GridSize::new(5, 5), LENSES).unwrap())
+                let rig = Rig::builder(LightFieldShape::new(GridSize::new(5, 5), LENSES).unwrap())
                     .intrinsics(INTRINSICS)
                     .baseline_m(found.baseline_m)
                     .focus_distance_m(found.focus_distance_m)

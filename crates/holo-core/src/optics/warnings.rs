@@ -19,9 +19,9 @@ pub enum OpticsWarning {
     },
     /// One step of disparity is deeper than the whole range: the baseline is too small to tell its depths apart.
     DepthResolutionTooCoarse {
-        /// How thick the slab of one step is in the middle of the range, in metres; may be infinite.
+        /// How thick the slab of one step is in the middle of the range, in meters; may be infinite.
         resolution_m: f64,
-        /// How deep the range is, in metres.
+        /// How deep the range is, in meters.
         depth_m: f64,
         /// The step, in pixels.
         step_px: f64,
@@ -75,11 +75,11 @@ pub(super) fn of(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{GridSize, Rig, Split};
+    use crate::{GridSize, LightFieldShape, Rig};
 
     /// k = 500 times the baseline.
     fn optics(baseline_m: f64) -> Optics {
-        let rig = Rig::builder(Split::new(GridSize::new(5, 5), GridSize::new(360, 360)).unwrap())
+        let rig = Rig::builder(LightFieldShape::new(GridSize::new(5, 5), GridSize::new(360, 360)).unwrap())
             .focal_length_m(0.05)
             .sensor_size_m(0.036)
             .baseline_m(baseline_m)

@@ -3,8 +3,9 @@
 use ndarray::{Array2, ArrayView2};
 
 use crate::error::positive;
-use crate::light_field::{checked_length, filled_memory};
-use crate::{Error, GridSize, Split};
+use crate::light_field::checked_length;
+use crate::memory::filled;
+use crate::{Error, GridSize, LightFieldShape};
 
 /// A weight for every view of a light field.
 ///
@@ -17,7 +18,7 @@ use crate::{Error, GridSize, Split};
 /// use holo_core::GridSize;
 /// use holo_core::refocus::Aperture;
 ///
-/// // A disc three views wide around the middle of 5 x 5 views: the middle and its four neighbours.
+/// // A disc three views wide around the middle of 5 x 5 views: the middle and its four neighbors.
 /// let disc = Aperture::disc(GridSize::new(5, 5), (2.0, 2.0), 2.0)?;
 /// assert_eq!(disc.weights().sum(), 5.0);
 /// # Ok::<(), holo_core::Error>(())
@@ -37,27 +38,27 @@ impl Aperture {
         Self::from_function(views, |_, _| 1.0)
     }
 
-    /// Makes a round aperture: the views not farther from `centre` than half the diameter, with equal weights.
+    /// Makes a round aperture: the views not farther from `center` than half the diameter, with equal weights.
     ///
     /// # Errors
     ///
     /// As [`Aperture::all`]; [`Error::BadNumber`] if the diameter is not finite and above 0, or if no view lies within it.
-    pub fn disc(views: GridSize, centre: (f64, f64), diameter_views: f64) -> Result<Self, Error> {
+    pub fn disc(views: GridSize, center: (f64, f64), diameter_views: f64) -> Result<Self, Error> {
         let radius = positive("diameter of the aperture in views", diameter_views)? / 2.0;
-        Self::cut_out(views, centre, diameter_views, |down, right| down.hypot(right) <= radius + EDGE)
+        Self::cut_out(views, center, diameter_views, |down, right| down.hypot(right) <= radius + EDGE)
     }
 
-    /// Makes a square aperture: the views not farther from `centre` along either axis than half the side, with equal weights.
+    /// Makes a square aperture: the views not farther from `center` along either axis than half the side, with equal weights.
     ///
     /// # Errors
     ///
     /// As [`Aperture::disc`].
-    pub fn square(views: GridSize, centre: (f64, f64), side_views: f64) -> Result<Self, Error> {
+    pub fn square(views: GridSize, center: (f64, f64), side_views: f64) -> Result<Self, Error> {
         let half = positive("side of the aperture in views", side_views)? / 2.0;
-        Self::cut_out(views, centre, side_views, |down, right| down.abs().max(right.abs()) <= half + EDGE)
+        Self::cut_out(views, center, side_views, |down, right| down.abs().max(right.abs()) <= half + EDGE)
     }
 
-    /// Makes an aperture without an edge: Gaussian weights around `centre`.
+    /// Makes an aperture without an edge: Gaussian weights around `center`.
     ///
     /// # Units
     ///
@@ -66,10 +67,10 @@ impl Aperture {
     /// # Errors
     ///
     /// As [`Aperture::disc`].
-    pub fn gaussian(views: GridSize, centre: (f64, f64), deviation_views: f64) -> Result<Self, Error> {
+    pub fn gaussian(views: GridSize, center: (f64, f64), deviation_views: f64) -> Result<Self, Error> {
         let deviation = positive("deviation of the aperture in views", deviation_views)?;
         let aperture = Self::from_function(views, |t, s| {
-            let (down, right) = (t as f64 - centre.0, s as f64 - centre.1);
+            let (down, right) = (t as f64 - center.0, s as f64 - center.1);
             (-0.5 * ((down / deviation).powi(2) + (right / deviation).powi(2))).exp() as f32
         })?;
         aperture.not_empty(deviation_views)
@@ -82,7 +83,7 @@ impl Aperture {
     /// [`Error::ZeroCount`] if there are no views; [`Error::BadNumber`] if a weight is negative, infinite or NaN, or if their sum is not
     /// finite and above 0.
     pub fn from_weights(weights: Array2<f32>) -> Result<Self, Error> {
-        Split::new(GridSize::new(weights.nrows(), weights.ncols()), GridSize::new(1, 1))?;
+        LightFieldShape::new(GridSize::new(weights.nrows(), weights.ncols()), GridSize::new(1, 1))?;
         for &weight in &weights {
             if !(weight.is_finite() && weight >= 0.0) {
                 let what = "weight of a view in the aperture";
@@ -107,17 +108,17 @@ impl Aperture {
 
     fn cut_out(
         views: GridSize,
-        centre: (f64, f64),
+        center: (f64, f64),
         size_views: f64,
         inside: impl Fn(f64, f64) -> bool,
     ) -> Result<Self, Error> {
-        let weight = |t: usize, s: usize| f32::from(u8::from(inside(t as f64 - centre.0, s as f64 - centre.1)));
+        let weight = |t: usize, s: usize| f32::from(u8::from(inside(t as f64 - center.0, s as f64 - center.1)));
         Self::from_function(views, weight)?.not_empty(size_views)
     }
 
     fn from_function(views: GridSize, weight: impl Fn(usize, usize) -> f32) -> Result<Self, Error> {
-        let split = Split::new(views, GridSize::new(1, 1))?;
-        let memory = filled_memory(checked_length::<f32>(&split, 1)?, 0.0)?;
+        let shape = LightFieldShape::new(views, GridSize::new(1, 1))?;
+        let memory = filled("the weights of an aperture", checked_length::<f32>(&shape, 1)?, 0.0)?;
         let mut weights =
             Array2::from_shape_vec((views.rows, views.columns), memory).expect("the length is the product");
         for ((t, s), value) in weights.indexed_iter_mut() {
@@ -126,17 +127,17 @@ impl Aperture {
         Ok(Self { weights })
     }
 
-    /// Refuses an aperture that no view lies in; a centre that is not a number has none.
+    /// Refuses an aperture that no view lies in; a center that is not a number has none.
     fn not_empty(self, size_views: f64) -> Result<Self, Error> {
         if self.weights.iter().any(|&weight| weight > 0.0) {
             return Ok(self);
         }
         let what = "size of the aperture in views";
-        Err(Error::BadNumber { what, value: size_views, need: "large enough to reach a view from its centre" })
+        Err(Error::BadNumber { what, value: size_views, need: "large enough to reach a view from its center" })
     }
 }
 
-/// What a view may lie beyond the edge, in views: centres such as 4.5 are exact, sizes computed elsewhere may not be.
+/// What a view may lie beyond the edge, in views: centers such as 4.5 are exact, sizes computed elsewhere may not be.
 const EDGE: f64 = 1e-9;
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::Refocus;
 use super::kernel::Shift;
-use crate::light_field::filled_memory;
+use crate::memory::{collected, filled};
 use crate::{Error, Real, Sample};
 
 pub(super) fn all_in_focus<T: Sample, D: Real>(
@@ -17,7 +17,7 @@ pub(super) fn all_in_focus<T: Sample, D: Real>(
 ) -> Result<Array3<f32>, Error> {
     let shape: [usize; 5] = samples.dim().into();
     let [rows, columns, _, _, channels] = shape;
-    let mut picture = filled_memory(rows * columns * channels, f32::NAN)?;
+    let mut picture = filled("a refocused image", rows * columns * channels, f32::NAN)?;
 
     // Samples by one sum of strides each. A light field with gaps or reversed axes is copied for that.
     let forward = samples.strides().iter().all(|&stride| stride >= 0);
@@ -25,9 +25,7 @@ pub(super) fn all_in_focus<T: Sample, D: Real>(
     let (memory, strides) = match samples.as_slice_memory_order() {
         Some(memory) if forward => (memory, std::array::from_fn(|axis| samples.strides()[axis] as usize)),
         _ => {
-            let mut memory = filled_memory(samples.len(), samples[[0, 0, 0, 0, 0]])?;
-            memory.iter_mut().zip(&samples).for_each(|(copy, &sample)| *copy = sample);
-            copy = memory;
+            copy = collected("a copy of a light field", samples.iter().copied())?;
             (&copy[..], std::array::from_fn(|axis| shape[axis + 1..].iter().product()))
         }
     };

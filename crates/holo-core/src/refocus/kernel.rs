@@ -37,7 +37,7 @@ impl Kernel {
 /// What a shift of a whole image along one axis comes to: the same four weights everywhere.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Shift {
-    /// The pixels of the picture whose samples lie within the image: between its outer edges, half a pixel beyond the outermost centres.
+    /// The pixels of the picture whose samples lie within the image: between its outer edges, half a pixel beyond the outermost centers.
     pub covered: Range<usize>,
     /// The first of the four pixels for the pixel 0 of the picture.
     pub first: isize,

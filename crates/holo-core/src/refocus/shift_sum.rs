@@ -10,8 +10,8 @@ use rayon::prelude::*;
 use super::Refocus;
 use super::kernel::{PAD, Shift};
 use crate::layout::checked_product;
-use crate::light_field::filled_memory;
 use crate::light_field::rearrange::{Scratch, fill_viewpoint_row};
+use crate::memory::filled;
 use crate::{Error, Sample};
 
 pub(super) fn shift_and_sum<T: Sample>(
@@ -23,9 +23,9 @@ pub(super) fn shift_and_sum<T: Sample>(
     let (rows, columns, view_rows, view_columns, channels) = samples.dim();
     let too_large = Error::TooLarge { what: "sum of the views" };
     let length = checked_product(&[rows, view_rows, columns, channels, size_of::<f32>()]).ok_or(too_large)?;
-    let mut sums = filled_memory(length / size_of::<f32>(), 0.0_f32)?;
+    let mut sums = filled("the sums of the view rows", length / size_of::<f32>(), 0.0_f32)?;
     let line = columns * channels;
-    let mut picture = filled_memory(rows * line, 0.0_f32)?;
+    let mut picture = filled("a refocused image", rows * line, 0.0_f32)?;
 
     let shifts = |disparity: f64, views: usize, reference: f64, count: usize| -> Vec<Shift> {
         (0..views).map(|view| Shift::new(-disparity * (view as f64 - reference), count, refocus.kernel)).collect()
@@ -56,7 +56,7 @@ pub(super) fn shift_and_sum<T: Sample>(
     });
 
     // The weight that fell inside, for each view row and pixel column.
-    let mut inside = filled_memory(view_rows * columns, 0.0_f32)?;
+    let mut inside = filled("the weights of a refocused image", view_rows * columns, 0.0_f32)?;
     for (inside, weights) in inside.chunks_exact_mut(columns).zip(refocus.aperture.weights().outer_iter()) {
         for (shift, &weight) in along.iter().zip(weights) {
             inside[shift.covered.clone()].iter_mut().for_each(|inside| *inside += weight);

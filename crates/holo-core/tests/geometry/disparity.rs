@@ -2,7 +2,7 @@
 
 use crate::double_double::{DoubleDouble, exact, ulps};
 use crate::exact::{Exact, is_within};
-use holo_core::{Disparity, Error, GridSize, Projection, Rig, Split, StereoPair};
+use holo_core::{Disparity, Error, GridSize, LightFieldShape, Projection, Rig, StereoPair};
 use ndarray::{Array2, array};
 use proptest::prelude::*;
 
@@ -90,12 +90,12 @@ proptest! {
         }
     }
 
-    /// From the rig's own numbers, with baselines from a nanometre to a metre: three more roundings make k = b f N / sensor.
+    /// From the rig's own numbers, with baselines from a nanometer to a meter: three more roundings make k = b f N / sensor.
     #[test]
     fn rigs_have_the_disparity_of_their_numbers(
         (focus_m, depth_m) in focus_and_depth(), baseline_m in decades(-9.0, 0.0), focal_m in decades(-3.0, 0.0), columns in 1_usize..5000
     ) {
-        let rig = Rig::builder(Split::new(GridSize::new(1, 2), GridSize::new(1, columns)).unwrap()).focal_length_m(focal_m).sensor_size_m(0.036).baseline_m(baseline_m).focus_distance_m(focus_m).build()
+        let rig = Rig::builder(LightFieldShape::new(GridSize::new(1, 2), GridSize::new(1, columns)).unwrap()).focal_length_m(focal_m).sensor_size_m(0.036).baseline_m(baseline_m).focus_distance_m(focus_m).build()
         .unwrap();
         if depth_m != focus_m {
             let [b, f, n, sensor] = [baseline_m, focal_m, columns as f64, 0.036].map(Exact::new);
@@ -340,7 +340,7 @@ fn eq_2_at_its_ends() {
     }
 }
 
-/// Eq. 2 is Eq. 3 with the focus at infinity: metres on the sensor instead of pixels.
+/// Eq. 2 is Eq. 3 with the focus at infinity: meters on the sensor instead of pixels.
 #[test]
 fn eq_2_is_eq_3_focused_at_infinity() {
     let (baseline_m, focal_m, sensor_m, pixels) = (0.025, 0.1, 0.035, 512.0);

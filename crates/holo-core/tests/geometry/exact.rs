@@ -56,7 +56,7 @@ impl Sub for Exact {
 
 /// Whether `value` is within `units` units in the last place of the quotient; both are above 0 in magnitude.
 pub fn is_within(value: f64, units: f64, numerator: Exact, denominator: Exact) -> bool {
-    // Of the two neighbours the nearer one: below a power of two units are half as large.
+    // Of the two neighbors the nearer one: below a power of two units are half as large.
     let unit = value.abs() - value.abs().next_down();
     let off = Exact::new(value) * denominator.clone() - numerator;
     off.abs().is_at_most(&(Exact::new(units * unit) * denominator.abs()))

@@ -1,12 +1,12 @@
 //! The rig: rays, pixels and disparity must tell one story.
 
-use holo_core::{Error, GridSize, Intrinsics, Projection, Rig, Split};
+use holo_core::{Error, GridSize, Intrinsics, LightFieldShape, Projection, Rig};
 use proptest::prelude::*;
 
 const BOTH: [Projection; 2] = [Projection::Perspective, Projection::Orthographic];
 
 fn rig(views: (usize, usize), lenses: (usize, usize), focus_distance_m: f64, projection: Projection) -> Rig {
-    Rig::builder(Split::new(GridSize::new(views.0, views.1), GridSize::new(lenses.0, lenses.1)).unwrap())
+    Rig::builder(LightFieldShape::new(GridSize::new(views.0, views.1), GridSize::new(lenses.0, lenses.1)).unwrap())
         .focal_length_m(0.1)
         .sensor_size_m(0.035)
         .baseline_x_m(0.025)
@@ -17,7 +17,7 @@ fn rig(views: (usize, usize), lenses: (usize, usize), focus_distance_m: f64, pro
         .unwrap()
 }
 
-/// Where the line through the rig's centre and a pixel meets the focus plane: point P of the design.
+/// Where the line through the rig's center and a pixel meets the focus plane: point P of the design.
 fn focus_point_m(rig: &Rig, row: f64, column: f64) -> [f64; 3] {
     let focus_m = rig.focus_distance_m();
     [rig.slope_x(column) * focus_m, rig.slope_y(row) * focus_m, -focus_m]
@@ -41,7 +41,7 @@ fn the_published_numbers_of_a_known_rig() {
 }
 
 #[test]
-fn views_are_centred_for_odd_and_even_counts() {
+fn views_are_centered_for_odd_and_even_counts() {
     let rig = rig((2, 5), (3, 4), 2.0, Projection::Perspective);
     assert_eq!((0..5).map(|s| rig.view_x_m(s)).collect::<Vec<_>>(), [-0.05, -0.025, 0.0, 0.025, 0.05]);
     // Row 0 is the top one: +Y.
@@ -224,9 +224,9 @@ fn impossible_rigs_are_errors() {
     assert_eq!(still.disparity().from_depth_m(1.0), 0.0);
 }
 
-/// A baseline of 10 micrometres must not vanish: it is compared with lengths of its own size, never with world coordinates.
+/// A baseline of 10 micrometers must not vanish: it is compared with lengths of its own size, never with world coordinates.
 #[test]
-fn a_baseline_of_ten_micrometres_survives() {
+fn a_baseline_of_ten_micrometers_survives() {
     let rig = rig((1, 3), (4, 4), 1e6, Projection::Perspective).to_builder().baseline_x_m(1e-5).build().unwrap();
     assert_eq!([rig.view_x_m(0), rig.view_x_m(1), rig.view_x_m(2)], [-1e-5, 0.0, 1e-5]);
     assert!(rig.disparity().from_depth_m(1.0) > 0.0);

@@ -1,6 +1,6 @@
 //! What the property tests share: element types, awkward shapes, awkward strides.
 
-use holo_core::{GridSize, Split};
+use holo_core::{GridSize, LightFieldShape};
 use ndarray::{Array3, ArrayView3, Axis, Slice};
 use proptest::prelude::*;
 
@@ -33,7 +33,7 @@ sample! {
 
 /// A different value for every index (as far as the type goes), the same in every run.
 pub fn sample_at<T: Sample>(index: usize) -> T {
-    // The finaliser of splitmix64: neighbours differ in all bits.
+    // The finalizer of splitmix64: neighbors differ in all bits.
     let mut hash = (index as u64).wrapping_add(0x9e37_79b9_7f4a_7c15).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     hash = (hash ^ (hash >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     T::from_hash(hash ^ (hash >> 31))
@@ -55,9 +55,9 @@ fn count() -> impl Strategy<Value = usize> {
     prop_oneof![2 => Just(1_usize), 3 => 2..=6_usize, 1 => Just(7), 1 => Just(11), 1 => Just(13)]
 }
 
-pub fn splits() -> impl Strategy<Value = Split> {
+pub fn splits() -> impl Strategy<Value = LightFieldShape> {
     (count(), count(), count(), count())
-        .prop_map(|(t, s, v, u)| Split::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap())
+        .prop_map(|(t, s, v, u)| LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap())
 }
 
 pub fn channels() -> impl Strategy<Value = usize> {

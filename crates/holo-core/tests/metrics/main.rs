@@ -1,7 +1,7 @@
 //! The benchmark's measures against numbers that Python made of the toolkit's formulas.
 
 use holo_core::metrics::{NormalGeometry, Region, bumpiness, disparity_scores, median_angle_error_deg};
-use holo_core::{GridSize, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Rig};
 use ndarray::Array2;
 
 // What `toolkit_reference.py` prints with scikit-image 0.26.0.
@@ -44,7 +44,7 @@ fn measures_are_those_of_the_toolkit() {
     close(scores.q25_x100, Q25);
     close(bumpiness(&estimate, &truth, &region).unwrap().value, BUMPINESS);
 
-    let rig = Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(SIZE, SIZE)).unwrap())
+    let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(SIZE, SIZE)).unwrap())
         .focal_length_m(0.05)
         .sensor_size_m(0.036)
         .baseline_m(0.02)

@@ -9,7 +9,7 @@ use super::scenes::{Surface, plane};
 const EFFORTS: [Effort; 4] = [Effort::Draft, Effort::Fast, Effort::Balanced, Effort::Thorough];
 
 #[test]
-fn nothing_is_known_of_a_picture_of_one_colour() {
+fn nothing_is_known_of_a_picture_of_one_color() {
     for value in [0, 7, 255_u8] {
         let light_field = LightField::new(Array5::from_elem((20, 22, 5, 5, 3), value)).unwrap();
         for effort in EFFORTS {
@@ -30,8 +30,8 @@ fn threads_and_strides_change_no_bit() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         assert_eq!(pool.install(|| plane_sweep(&light_field, &options)).unwrap(), expected, "{threads} threads");
     }
-    let split = light_field.split();
-    let views = LightField::from_viewpoint_grid(light_field.to_viewpoint_grid(), split).unwrap();
+    let shape = light_field.shape();
+    let views = LightField::from_viewpoint_grid(light_field.to_viewpoint_grid().unwrap(), shape).unwrap();
     assert_eq!(plane_sweep(&views, &options).unwrap(), expected);
 }
 

@@ -16,7 +16,7 @@ fn edges_of_a_bar_stay_where_they_are() {
         let at = |disparity_px: f64| (v as f64 + disparity_px * down, u as f64 + disparity_px * right);
         let (bar_v, bar_u) = at(BAR_PX);
         if COLUMNS.contains(&bar_u) {
-            // Another piece of the same cloth: colours alone do not tell the two apart.
+            // Another piece of the same cloth: colors alone do not tell the two apart.
             texture(bar_v * 1.1 + 100.0, bar_u * 1.1 + 40.0, channel) as f32
         } else {
             let (wall_v, wall_u) = at(WALL_PX);

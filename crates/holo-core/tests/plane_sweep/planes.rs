@@ -10,7 +10,7 @@ fn options(effort: Effort) -> PlaneSweepOptions {
     PlaneSweepOptions { disparity_min_px: -1.5, disparity_max_px: 2.0, effort }
 }
 
-/// The border: half a window of the last fit, within which a plane hangs on neighbours of one side.
+/// The border: half a window of the last fit, within which a plane hangs on neighbors of one side.
 const BORDER: usize = 7;
 
 #[test]
@@ -65,9 +65,9 @@ fn integers_and_floats_of_any_scale_agree() {
     let (floats, truth) = plane([48, 48, 7, 7, 3], SLANTED);
     let options = options(Effort::Fast);
     let expected = plane_sweep(&floats, &options).unwrap();
-    let scaled = floats.map(|&sample| sample * 3000.0);
-    let bytes = floats.map(|&sample| (sample * 255.0).round() as u8);
-    let words = floats.map(|&sample| (sample * 65535.0).round() as u16);
+    let scaled = floats.map(|&sample| sample * 3000.0).unwrap();
+    let bytes = floats.map(|&sample| (sample * 255.0).round() as u8).unwrap();
+    let words = floats.map(|&sample| (sample * 65535.0).round() as u16).unwrap();
     let found = [
         plane_sweep(&scaled, &options).unwrap(),
         plane_sweep(&bytes, &options).unwrap(),

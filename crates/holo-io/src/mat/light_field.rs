@@ -91,11 +91,11 @@ where
     S::Elem: Sample,
 {
     let path = path.as_ref();
-    let split = light_field.split();
+    let split = light_field.shape();
     rig_values::check_split(path, rig, &split)?;
     let counts = [split.views(), split.lenses()].map(|size| [size.rows as f64, size.columns as f64]);
     let values = rig.map(RigValues::from);
-    let samples = value(light_field.borrowed().into(), &order.axes());
+    let samples = value(light_field.as_light_field_ref().into(), &order.axes());
     let mut variables = vec![MatVariable { name: order.name(), value: samples }];
     variables.extend(beside(order, &counts, values.as_ref()));
     write_mat(path, &variables, options)
@@ -170,7 +170,7 @@ pub fn read_mat_light_field(path: impl AsRef<Path>, limits: &Limits) -> Result<M
             Err(Error::unsupported(path, what))
         }
     }?;
-    let split = light_field.split();
+    let split = light_field.shape();
     check_counts(path, "views", views, split.views())?;
     check_counts(path, "lenses", lenses, split.lenses())?;
     let rig = rig_values::rig(path, split, baseline_m, lengths, projection.as_deref())?;

@@ -35,7 +35,7 @@ impl RawImage {
         })?;
         let parameters_path = path.with_file_name(PARAMETERS_CFG);
         let parameters = ParametersCfg::read(&parameters_path)?;
-        let split = holo_core::Split::new(parameters.num_cams, parameters.image_resolution_px)
+        let split = holo_core::LightFieldShape::new(parameters.num_cams, parameters.image_resolution_px)
             .map_err(|error| Error::core(&parameters_path, error))?;
         let samples = read_png(path, limits)?;
         let (rows, columns, _) = samples.dim();

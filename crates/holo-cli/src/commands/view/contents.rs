@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Cursor, Read};
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, Layout, LightFieldOwned, Rig, Split};
+use holo_core::{GridSize, Layout, LightFieldOwned, LightFieldShape, Rig};
 use holo_io::dataset::{ELEMENTAL_PNG, MANIFEST_JSON, VIEWPOINT_PNG};
 use holo_io::{ColorEncoding, Compression, FileInfo, Limits};
 use ndarray::{Array2, Axis};
@@ -18,7 +18,7 @@ use crate::failure::Failure;
 pub struct Contents {
     /// What the window is called.
     pub title: String,
-    pub split: Split,
+    pub split: LightFieldShape,
     pub rig: Option<Rig>,
     pub picture: Picture,
     /// Maps of the central view, (v, u).
@@ -59,7 +59,7 @@ impl Contents {
         let input = dataset_of(options).unwrap_or(&options.input.input);
         let beside = Beside::of(input, options.input.views.is_some())?;
         let (picture, split) = picture(input, options)?;
-        let beside_fits = beside.rig.as_ref().is_none_or(|rig| *rig.split() == split);
+        let beside_fits = beside.rig.as_ref().is_none_or(|rig| *rig.shape() == split);
         let Beside { rig, depth_m, disparity_px } = if beside_fits { beside } else { Beside::default() };
         let estimate_px = options.estimate.as_deref().map(|path| estimate(path, split.lenses())).transpose()?;
         let name = std::path::absolute(&options.input.input).unwrap_or_else(|_| options.input.input.clone());
@@ -77,9 +77,9 @@ fn dataset_of(options: &ViewOptions) -> Option<&Path> {
 }
 
 /// The PNG. One that can be shown as it is stays a file; everything else is read and encoded.
-fn picture(input: &Path, options: &ViewOptions) -> Result<(Picture, Split), Failure> {
+fn picture(input: &Path, options: &ViewOptions) -> Result<(Picture, LightFieldShape), Failure> {
     let given = match holo_io::open(input)? {
-        FileInfo::DatasetFolder(folder) => folder.raw_image().map(|(file, layout)| (file, layout, folder.split())),
+        FileInfo::DatasetFolder(folder) => folder.raw_image().map(|(file, layout)| (file, layout, folder.shape())),
         FileInfo::Png(_) => {
             let (layout, split) = raw::describe_png(input, options.input.from, options.input.views)?;
             Some((input.to_owned(), layout, split))
@@ -93,17 +93,17 @@ fn picture(input: &Path, options: &ViewOptions) -> Result<(Picture, Split), Fail
         }
     }
     let (raw, _) = raw::read(input, options.input.from, options.input.views)?;
-    let split = raw.split();
+    let split = raw.shape();
     let field = match raw {
         Raw::U8(field) => field,
         // Codes on the same curve: 65535 is 255, and halves round up.
-        Raw::U16(field) => narrowed(&field, |code| ((u32::from(code) * 255 + 32767) / 65535) as u8),
+        Raw::U16(field) => narrowed(&field, |code| ((u32::from(code) * 255 + 32767) / 65535) as u8)?,
         Raw::Float(field) => {
             let ev = holo_render::exposure::automatic_exposure(&field);
             holo_render::exposure::encode_8bit(&field, ev)?
         }
     };
-    let grid = field.into_elemental_grid().unwrap_or_else(|field| field.to_elemental_grid());
+    let grid = field.into_elemental_grid().or_else(|field| field.to_elemental_grid())?;
     // Alpha says nothing here: colours are shown as they are stored.
     let channels = if grid.len_of(Axis(2)) >= 3 { 3 } else { 1 };
     let png =
@@ -111,7 +111,7 @@ fn picture(input: &Path, options: &ViewOptions) -> Result<(Picture, Split), Fail
     Ok((Picture::Encoded(png), split))
 }
 
-fn narrowed(field: &LightFieldOwned<u16>, code: fn(u16) -> u8) -> LightFieldOwned<u8> {
+fn narrowed(field: &LightFieldOwned<u16>, code: fn(u16) -> u8) -> Result<LightFieldOwned<u8>, holo_core::Error> {
     field.map(|&sample| code(sample))
 }
 

@@ -19,7 +19,7 @@ fn difference(views: &Views, view: &View, disparity_px: f64, row: usize, column:
         let (down, across) = (y - y.floor(), x - x.floor());
         let value = (1.0 - down) * ((1.0 - across) * at(top, left) + across * at(top, right))
             + down * ((1.0 - across) * at(bottom, left) + across * at(bottom, right));
-        sum += (value - f64::from(views.centre[channel * rows * columns + row * columns + column])).abs();
+        sum += (value - f64::from(views.center[channel * rows * columns + row * columns + column])).abs();
     }
     Some((sum / views.channels as f64 / f64::from(TRUNCATION)).min(1.0))
 }

@@ -41,7 +41,7 @@ fn is_hidden(map: &[f32], (rows, columns): (usize, usize), row: usize, column: u
     })
 }
 
-/// The difference of the two neighbours over how far they are apart.
+/// The difference of the two neighbors over how far they are apart.
 fn slope(plane: &[f32], columns: usize, ends: [(usize, usize); 2], distance: usize) -> f64 {
     let at = |(row, column): (usize, usize)| f64::from(plane[row * columns + column]);
     if distance == 0 { 0.0 } else { (at(ends[1]) - at(ends[0])) / distance as f64 }
@@ -72,15 +72,15 @@ fn inverse(mut matrix: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     inverse
 }
 
-/// The step, its information and the mean colour of one pixel.
+/// The step, its information and the mean color of one pixel.
 fn measure_pixel(views: &Views, map: &[f32], picture: &[f32], row: usize, column: usize) -> (f64, f64, Vec<f64>) {
     let (rows, columns) = (views.size.rows, views.size.columns);
     let (pixels, channels) = (views.pixels(), views.channels);
     let pixel = row * columns + column;
     let disparity_px = f64::from(map[pixel]);
-    let centre: Vec<f64> = (0..channels).map(|channel| f64::from(views.centre[channel * pixels + pixel])).collect();
+    let center: Vec<f64> = (0..channels).map(|channel| f64::from(views.center[channel * pixels + pixel])).collect();
 
-    // (down, right, differences to the centre) of every view that sees the pixel.
+    // (down, right, differences to the center) of every view that sees the pixel.
     let mut seen = Vec::new();
     for view in &views.others {
         let (y, x) =
@@ -89,12 +89,12 @@ fn measure_pixel(views: &Views, map: &[f32], picture: &[f32], row: usize, column
         if is_inside && !is_hidden(map, (rows, columns), row, column, view) {
             let plane = |channel: usize| &view.samples[channel * pixels..(channel + 1) * pixels];
             let differences: Vec<f64> =
-                (0..channels).map(|channel| sample(plane(channel), (rows, columns), y, x) - centre[channel]).collect();
+                (0..channels).map(|channel| sample(plane(channel), (rows, columns), y, x) - center[channel]).collect();
             seen.push((f64::from(view.down), f64::from(view.right), differences));
         }
     }
     if seen.is_empty() {
-        return (0.0, 0.0, centre);
+        return (0.0, 0.0, center);
     }
     let squares: Vec<f64> = seen
         .iter()
@@ -105,7 +105,7 @@ fn measure_pixel(views: &Views, map: &[f32], picture: &[f32], row: usize, column
     let scale = 3.0 * sorted[sorted.len() / 2] + f64::from(FLOOR).powi(2);
     let weights: Vec<f64> = squares.iter().map(|square| 1.0 / (1.0 + square / scale)).collect();
 
-    // Observations (channel, h, difference, weight): the centre is one of them, where h and the difference are 0.
+    // Observations (channel, h, difference, weight): the center is one of them, where h and the difference are 0.
     let mut observations = Vec::new();
     for channel in 0..channels {
         let plane = &picture[channel * pixels..(channel + 1) * pixels];
@@ -148,7 +148,7 @@ fn measure_pixel(views: &Views, map: &[f32], picture: &[f32], row: usize, column
     let mean = (0..channels)
         .map(|channel| {
             let sum: f64 = seen.iter().zip(&weights).map(|((_, _, d), weight)| weight * d[channel]).sum();
-            centre[channel] + sum / total
+            center[channel] + sum / total
         })
         .collect();
     (solution[0], (1.0 / covariance[0][0] - of_noise).max(0.0) / variance, mean)
@@ -167,10 +167,10 @@ fn steps_agree_with_the_normal_equations() {
                 (row, column) => -0.31 + 0.013 * row as f32 + 0.021 * column as f32,
             })
             .collect();
-        let found = measure(&views, &map, &views.centre, 1.55, f32::INFINITY).unwrap();
+        let found = measure(&views, &map, &views.center, 1.55, f32::INFINITY).unwrap();
         for pixel in 0..pixels {
             let (delta, information, mean) =
-                measure_pixel(&views, &map, &views.centre, pixel / columns, pixel % columns);
+                measure_pixel(&views, &map, &views.center, pixel / columns, pixel % columns);
             let at = format!("{rows}x{columns}x{channels} pixel {pixel}");
             // Sums of at most 43 products in f32 are good to 43 half ulps, 2.6e-6; what is left of their differences (`hh` less its
             // mean, squares less what the line explains) has a tenth of them here: 2.6e-5. Measured: 1.1e-5 of both.

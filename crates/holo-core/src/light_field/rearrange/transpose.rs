@@ -8,7 +8,7 @@ const SCRATCH_BYTES: usize = 1 << 18;
 /// Columns of a longer row that are done at a time, so that the lines of the destination in use stay in the cache.
 const BLOCK: usize = 16;
 
-/// Source rows that are read side by side: their pixels are neighbours in the destination.
+/// Source rows that are read side by side: their pixels are neighbors in the destination.
 const LANES: usize = 4;
 
 /// Scratch memory of one task.

@@ -4,7 +4,7 @@ use crate::{Error, GridSize};
 
 /// The division of a raw image into T x S views and V x U lenses.
 ///
-/// The raw image has `V*T` rows and `U*S` columns in either layout. Every `Split` that exists is possible: no count is zero
+/// The raw image has `V*T` rows and `U*S` columns in either layout. Every `LightFieldShape` that exists is possible: no count is zero
 /// and the number of samples fits the address space.
 ///
 /// # Source
@@ -16,21 +16,21 @@ use crate::{Error, GridSize};
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Split};
+/// use holo_core::{GridSize, LightFieldShape};
 ///
-/// let split = Split::new(GridSize::new(100, 100), GridSize::new(53, 79))?;
-/// assert_eq!(split.raw_size(), GridSize::new(5300, 7900));
-/// assert_eq!(split.central_view(), (50, 50));
+/// let shape = LightFieldShape::new(GridSize::new(100, 100), GridSize::new(53, 79))?;
+/// assert_eq!(shape.raw_size(), GridSize::new(5300, 7900));
+/// assert_eq!(shape.central_view(), (50, 50));
 /// # Ok::<(), holo_core::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Split {
+pub struct LightFieldShape {
     views: GridSize,
     lenses: GridSize,
 }
 
-impl Split {
-    /// Makes a split of `views` (T rows x S columns) and `lenses` (V rows x U columns).
+impl LightFieldShape {
+    /// Makes a shape of `views` (T rows x S columns) and `lenses` (V rows x U columns).
     ///
     /// # Errors
     ///
@@ -47,8 +47,8 @@ impl Split {
                 return Err(Error::ZeroCount { what });
             }
         }
-        let split = Self { views, lenses };
-        checked_product(&split.shape(1)).map(|_| split).ok_or(Error::TooLarge { what: "raw image" })
+        let shape = Self { views, lenses };
+        checked_product(&shape.array_shape(1)).map(|_| shape).ok_or(Error::TooLarge { what: "raw image" })
     }
 
     /// Returns the number of views: T rows x S columns.
@@ -86,7 +86,7 @@ impl Split {
 
     /// Returns the shape `[V, U, T, S, channels]` of the 5D array.
     #[must_use]
-    pub const fn shape(&self, channels: usize) -> [usize; 5] {
+    pub const fn array_shape(&self, channels: usize) -> [usize; 5] {
         [self.lenses.rows, self.lenses.columns, self.views.rows, self.views.columns, channels]
     }
 }
@@ -104,13 +104,13 @@ mod tests {
     #[test]
     fn zero_counts_are_named() {
         let good = GridSize::new(2, 3);
-        assert_eq!(Split::new(GridSize::new(0, 3), good), Err(Error::ZeroCount { what: "view rows" }));
-        assert_eq!(Split::new(GridSize::new(2, 0), good), Err(Error::ZeroCount { what: "view columns" }));
-        assert_eq!(Split::new(good, GridSize::new(0, 3)), Err(Error::ZeroCount { what: "lens rows" }));
-        assert_eq!(Split::new(good, GridSize::new(2, 0)), Err(Error::ZeroCount { what: "lens columns" }));
+        assert_eq!(LightFieldShape::new(GridSize::new(0, 3), good), Err(Error::ZeroCount { what: "view rows" }));
+        assert_eq!(LightFieldShape::new(GridSize::new(2, 0), good), Err(Error::ZeroCount { what: "view columns" }));
+        assert_eq!(LightFieldShape::new(good, GridSize::new(0, 3)), Err(Error::ZeroCount { what: "lens rows" }));
+        assert_eq!(LightFieldShape::new(good, GridSize::new(2, 0)), Err(Error::ZeroCount { what: "lens columns" }));
         // A zero wins over an overflow elsewhere: the product alone would be a harmless 0.
         assert_eq!(
-            Split::new(GridSize::new(usize::MAX, usize::MAX), GridSize::new(usize::MAX, 0)),
+            LightFieldShape::new(GridSize::new(usize::MAX, usize::MAX), GridSize::new(usize::MAX, 0)),
             Err(Error::ZeroCount { what: "lens columns" })
         );
     }
@@ -119,24 +119,24 @@ mod tests {
     fn sizes_are_checked_and_not_wrapped() {
         let huge = GridSize::new(65_536, 65_536);
         // 2^64 wraps to 0 in 64 bits: the product must not be taken for empty.
-        assert_eq!(Split::new(huge, huge), Err(Error::TooLarge { what: "raw image" }));
+        assert_eq!(LightFieldShape::new(huge, huge), Err(Error::TooLarge { what: "raw image" }));
         assert_eq!(
-            Split::new(GridSize::new(65_536, 65_536), GridSize::new(65_536, 1 << 15)),
+            LightFieldShape::new(GridSize::new(65_536, 65_536), GridSize::new(65_536, 1 << 15)),
             Err(Error::TooLarge { what: "raw image" })
         );
         // isize::MAX = 2^63 - 1, so 2^62 is the largest power of two that may be split.
-        let largest = Split::new(huge, GridSize::new(1 << 15, 1 << 15)).unwrap();
+        let largest = LightFieldShape::new(huge, GridSize::new(1 << 15, 1 << 15)).unwrap();
         assert_eq!(largest.sample_count(), 1 << 62);
-        assert!(Split::new(GridSize::new(usize::MAX, 1), GridSize::new(1, 1)).is_err());
+        assert!(LightFieldShape::new(GridSize::new(usize::MAX, 1), GridSize::new(1, 1)).is_err());
     }
 
     #[test]
     fn sizes_multiply_by_axis() {
-        let split = Split::new(GridSize::new(2, 3), GridSize::new(5, 7)).unwrap();
-        assert_eq!(split.raw_size(), GridSize::new(10, 21));
-        assert_eq!(split.sample_count(), 210);
-        assert_eq!(split.shape(4), [5, 7, 2, 3, 4]);
-        assert_eq!(split.central_view(), (1, 1));
+        let shape = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(5, 7)).unwrap();
+        assert_eq!(shape.raw_size(), GridSize::new(10, 21));
+        assert_eq!(shape.sample_count(), 210);
+        assert_eq!(shape.array_shape(4), [5, 7, 2, 3, 4]);
+        assert_eq!(shape.central_view(), (1, 1));
         assert_eq!(GridSize::new(usize::MAX, 2).count(), usize::MAX);
     }
 }

@@ -20,7 +20,7 @@ const FINALISTS: usize = 4;
 
 /// The constant disparity that most pixels of a map lie next to.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ConstantFit {
+pub struct TrivialConstant {
     /// The disparity.
     pub disparity_px: f64,
     /// BadPix of that constant as an estimate of the map, in percent.
@@ -31,7 +31,7 @@ pub struct ConstantFit {
 
 /// A plane of disparity that many pixels of a map lie next to.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlaneFit {
+pub struct TrivialPlane {
     /// The disparity at row 0, column 0.
     pub offset_px: f64,
     /// What it grows by from one row to the next.
@@ -44,7 +44,7 @@ pub struct PlaneFit {
     pub counts: PixelCounts,
 }
 
-impl PlaneFit {
+impl TrivialPlane {
     /// Returns the disparity of the plane at a pixel.
     #[must_use]
     pub fn disparity_px(&self, row: usize, column: usize) -> f64 {
@@ -75,29 +75,29 @@ impl PlaneFit {
 /// # Examples
 ///
 /// ```
-/// use holo_core::metrics::{Region, best_constant};
+/// use holo_core::metrics::{Region, trivial_constant};
 /// use ndarray::array;
 ///
 /// let map = array![[1.0_f32, 1.125, 5.0, 1.0625]];
-/// let fit = best_constant(&map, 0.07, &Region::with_border(0))?;
+/// let fit = trivial_constant(&map, 0.07, &Region::with_border(0))?;
 /// assert_eq!((fit.disparity_px, fit.bad_pixels_percent), (1.0625, 25.0));
 /// # Ok::<(), holo_core::Error>(())
 /// ```
-pub fn best_constant<T: Real>(
+pub fn trivial_constant<T: Real>(
     truth: &ArrayRef2<T>,
     threshold_px: f64,
     region: &Region<'_>,
-) -> Result<ConstantFit, Error> {
+) -> Result<TrivialConstant, Error> {
     let threshold_px = not_negative("bad pixel threshold in pixels", threshold_px)?;
     let (points, counts) = points(truth, region)?;
     let mut values: Vec<f64> = points.iter().map(|point| point.disparity).collect();
     let (good, disparity_px) = fullest_window(&mut values, threshold_px);
-    Ok(ConstantFit { disparity_px, bad_pixels_percent: percent_bad(good, points.len()), counts })
+    Ok(TrivialConstant { disparity_px, bad_pixels_percent: percent_bad(good, points.len()), counts })
 }
 
 /// Returns a plane with a low BadPix for a disparity map: the score of an estimate that knows three numbers.
 ///
-/// It is never worse than [`best_constant`]. The same map gives the same plane, bit by bit.
+/// It is never worse than [`trivial_constant`]. The same map gives the same plane, bit by bit.
 ///
 /// # Units
 ///
@@ -105,16 +105,20 @@ pub fn best_constant<T: Real>(
 ///
 /// # Accuracy
 ///
-/// A search, not a proof: BadPix has many local minima. 1,024 planes through three pixels each, half of them neighbours, compete on at most 2,048
+/// A search, not a proof: BadPix has many local minima. 1,024 planes through three pixels each, half of them neighbors, compete on at most 2,048
 /// pixels; the four best are improved by steps along both slopes, each half as long as the one before, on at most 8,192; all of
 /// them and the constant are then judged on all pixels. For given slopes the offset is the best there is, found as in
-/// [`best_constant`]. A plane that a quarter of the pixels lies in is met by its far triples almost surely; of one that holds a tenth
+/// [`trivial_constant`]. A plane that a quarter of the pixels lies in is met by its far triples almost surely; of one that holds a tenth
 /// they meet two in five, and the near triples have to find the others.
 ///
 /// # Errors
 ///
-/// As [`best_constant`].
-pub fn best_plane<T: Real>(truth: &ArrayRef2<T>, threshold_px: f64, region: &Region<'_>) -> Result<PlaneFit, Error> {
+/// As [`trivial_constant`].
+pub fn trivial_plane<T: Real>(
+    truth: &ArrayRef2<T>,
+    threshold_px: f64,
+    region: &Region<'_>,
+) -> Result<TrivialPlane, Error> {
     let threshold_px = not_negative("bad pixel threshold in pixels", threshold_px)?;
     let (points, counts) = points(truth, region)?;
     let mut draw = Draw(0x5eed);
@@ -139,11 +143,11 @@ pub fn best_plane<T: Real>(truth: &ArrayRef2<T>, threshold_px: f64, region: &Reg
         slopes.push(start);
         slopes.push(improved(&many, start, threshold_px, extent, &mut residuals));
     }
-    let mut best: Option<PlaneFit> = None;
+    let mut best: Option<TrivialPlane> = None;
     for slopes in slopes {
         let offset_px = offset_for(&points, slopes, threshold_px, &mut residuals).1;
         let (per_row_px, per_column_px) = (slopes.per_row, slopes.per_column);
-        let mut fit = PlaneFit { offset_px, per_row_px, per_column_px, bad_pixels_percent: 0.0, counts };
+        let mut fit = TrivialPlane { offset_px, per_row_px, per_column_px, bad_pixels_percent: 0.0, counts };
         // Counted anew with the sum that the caller will see, which rounds otherwise than a residual.
         let off = |point: &Point| (fit.at(point.row, point.column) - point.disparity).abs();
         let good = points.iter().filter(|point| off(point) <= threshold_px).count();
@@ -323,7 +327,7 @@ mod tests {
         for seed in 0..20 {
             let map = noise((9, 11), seed);
             for threshold in [0.0, 0.01, 0.07, 0.5, 9.0] {
-                let fit = best_constant(&map, threshold, &ALL).unwrap();
+                let fit = trivial_constant(&map, threshold, &ALL).unwrap();
                 let score =
                     |value: f64| bad_pixels_percent(&Array2::from_elem((9, 11), value), &map, threshold, &ALL).unwrap();
                 // It scores what it says, and every window that starts or ends at a value is no better.
@@ -340,13 +344,13 @@ mod tests {
     #[test]
     fn fits_leave_out_what_has_no_truth() {
         let map = array![[f32::NAN, 2.0, f32::INFINITY], [2.0, 2.0, 7.0]];
-        let fit = best_constant(&map, 0.07, &ALL).unwrap();
+        let fit = trivial_constant(&map, 0.07, &ALL).unwrap();
         assert_eq!((fit.disparity_px, fit.bad_pixels_percent), (2.0, 25.0));
         assert_eq!(fit.counts, PixelCounts { region: 6, truth_not_finite: 2, estimate_not_finite: 0, compared: 4 });
         let nothing = Array2::from_elem((3, 3), f32::NAN);
-        assert!(matches!(best_constant(&nothing, 0.07, &ALL), Err(Error::NothingToMeasure { .. })));
-        assert!(matches!(best_plane(&nothing, 0.07, &ALL), Err(Error::NothingToMeasure { .. })));
-        assert!(best_plane(&map, f64::NAN, &ALL).is_err());
+        assert!(matches!(trivial_constant(&nothing, 0.07, &ALL), Err(Error::NothingToMeasure { .. })));
+        assert!(matches!(trivial_plane(&nothing, 0.07, &ALL), Err(Error::NothingToMeasure { .. })));
+        assert!(trivial_plane(&map, f64::NAN, &ALL).is_err());
     }
 
     #[test]
@@ -359,7 +363,7 @@ mod tests {
                 map[[row, column]] = slope(row, column);
             }
         }
-        let fit = best_plane(&map, 0.07, &ALL).unwrap();
+        let fit = trivial_plane(&map, 0.07, &ALL).unwrap();
         // 27 of 80 columns at least, and by chance 3.5 % of the others; a plane that misses a tenth of its own has more bad ones.
         assert!(fit.bad_pixels_percent <= 100.0 * 53.0 / 80.0, "{}", fit.bad_pixels_percent);
         // Every pixel of the plane is within the threshold; so is the plane from its truth at three corners of that part.
@@ -374,12 +378,13 @@ mod tests {
     fn a_plane_is_never_worse_than_a_constant() {
         for seed in 0..5 {
             let map = noise((12, 12), seed).mapv(|value| value.min(1.0));
-            let (plane, constant) = (best_plane(&map, 0.03, &ALL).unwrap(), best_constant(&map, 0.03, &ALL).unwrap());
+            let (plane, constant) =
+                (trivial_plane(&map, 0.03, &ALL).unwrap(), trivial_constant(&map, 0.03, &ALL).unwrap());
             assert!(plane.bad_pixels_percent <= constant.bad_pixels_percent);
-            assert_eq!(best_plane(&map, 0.03, &ALL), Ok(plane));
+            assert_eq!(trivial_plane(&map, 0.03, &ALL), Ok(plane));
         }
         // Too few pixels for a plane: the constant it is.
-        let fit = best_plane(&array![[4.0_f32, 4.5]], 0.25, &ALL).unwrap();
+        let fit = trivial_plane(&array![[4.0_f32, 4.5]], 0.25, &ALL).unwrap();
         assert_eq!((fit.offset_px, fit.per_row_px, fit.bad_pixels_percent), (4.25, 0.0, 0.0));
     }
 }
