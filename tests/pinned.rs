@@ -7,9 +7,10 @@
 //! alone, because the gallery's shapes are computed with the system's sine and cosine; and for Embree 4.4.0 alone.
 
 mod common;
+#[path = "common/pins.rs"]
+mod pins;
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use common::{engines, rig};
@@ -96,22 +97,5 @@ fn no_bit_of_a_render_changes() {
             println!("not run for {name}: the arrays are pinned for Embree 4.4.0");
         }
     }
-    if std::env::var_os("HOLO_PIN").is_some() {
-        let text = found.iter().fold(String::new(), |mut text, (name, digest)| {
-            let _ = writeln!(text, "{digest}  {name}");
-            text
-        });
-        std::fs::write(&list, text).expect("the list");
-        return;
-    }
-    let text = std::fs::read_to_string(&list).expect("the list");
-    let pinned: BTreeMap<&str, &str> =
-        text.lines().filter_map(|line| line.split_once("  ").map(|(digest, name)| (name, digest))).collect();
-    let changed: Vec<&String> = found
-        .iter()
-        .filter(|(name, digest)| pinned.get(name.as_str()) != Some(&digest.as_str()))
-        .map(|f| f.0)
-        .collect();
-    assert!(changed.is_empty(), "{} of {} arrays are other than pinned: {changed:#?}", changed.len(), found.len());
-    assert!(found.len() >= pinned.len() / 2, "{} of {} arrays were rendered", found.len(), pinned.len());
+    pins::check(&list, &found, |_| false);
 }

@@ -17,7 +17,7 @@ const LIMITS: Limits = Limits { max_bytes: 1 << 20 };
 pub fn png(data: &[u8]) {
     let Ok(samples) = decode_png(data, &LIMITS) else { return };
     for compression in [Compression::Fast, Compression::Best] {
-        let meaning = if samples.kind() == SampleKind::U8 { ColorEncoding::Srgb } else { ColorEncoding::Data };
+        let meaning = if samples.kind() == SampleKind::U8 { ColorEncoding::Srgb } else { ColorEncoding::Linear };
         let bytes = encode_png(&samples, meaning, compression).expect("what was read can be written");
         assert_eq!(decode_png(&bytes, &LIMITS).expect("what was written can be read"), samples);
     }

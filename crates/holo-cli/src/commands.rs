@@ -19,8 +19,6 @@ pub mod scene;
 pub mod verify;
 pub mod view;
 
-mod beside;
 mod diagnostics;
-mod picture;
-mod raw;
+mod files;
 mod requested;

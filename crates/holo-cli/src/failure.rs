@@ -59,7 +59,14 @@ impl From<holo_scene::Error> for Failure {
 
 impl From<holo_io::Error> for Failure {
     fn from(error: holo_io::Error) -> Self {
-        Self::Failed(error.to_string())
+        match error {
+            holo_io::Error::MissingOption { path, option, what } => {
+                let flag = if option == "layout" { "from" } else { option };
+                Self::Usage(format!("{}: {what}; give --{flag}", path.display()))
+            }
+            error @ holo_io::Error::NoLightField { .. } => Self::Usage(error.to_string()),
+            other => Self::Failed(other.to_string()),
+        }
     }
 }
 

@@ -126,7 +126,7 @@ fn wrong_use_is_said() {
         ("extract out --view 5,0 --out x.png", "view column"),
         ("extract out --view 0-7,0 --out x.png", "view column"),
         ("extract out --view 8-2,0 --out x.png", "2-8"),
-        ("extract out --view 0,0 --crop 10,0,6x2 --out x.png", "leaves the image of 12 x 8"),
+        ("extract out --view 0,0 --crop 10,0,6x2 --out x.png", "leaves the image of 12x8"),
         ("extract out --lens 0,0 --crop 18446744073709551615,0,6x2 --out x.png", "leaves the image"),
         ("compose out --views 5x4 --out x_el.png", "need 20"),
         ("compose out --views 3 --out x.png", "neither --to nor the name"),

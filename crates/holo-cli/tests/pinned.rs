@@ -4,9 +4,10 @@
 //! test -p holo-cli --features hdf5 --test pinned`) and says why in the changelog; nothing else may change a line of it.
 
 mod common;
+#[path = "../../../tests/common/pins.rs"]
+mod pins;
 
 use std::collections::BTreeMap;
-use std::fmt::Write as _;
 use std::path::Path;
 
 use common::Bench;
@@ -149,29 +150,7 @@ fn no_byte_of_a_file_changes() {
             found.extend(files);
         }
     }
-    if std::env::var_os("HOLO_PIN").is_some() {
-        let text = found.iter().fold(String::new(), |mut text, (name, digest)| {
-            let _ = writeln!(text, "{digest}  {name}");
-            text
-        });
-        std::fs::write(&list, text).expect("the list");
-        return;
-    }
-    let text = std::fs::read_to_string(&list).expect("the list");
-    let pinned: BTreeMap<&str, &str> =
-        text.lines().filter_map(|line| line.split_once("  ").map(|(digest, name)| (name, digest))).collect();
-    let changed: Vec<&String> = found
-        .iter()
-        .filter(|(name, digest)| pinned.get(name.as_str()) != Some(&digest.as_str()))
-        .map(|f| f.0)
-        .collect();
-    assert!(changed.is_empty(), "{} of {} files are other than pinned: {changed:#?}", changed.len(), found.len());
-    let missing: Vec<&&str> = pinned
-        .keys()
-        .filter(|name| name.starts_with("bvh/") && !found.contains_key(**name))
-        .filter(|name| cfg!(feature = "hdf5") || !name.contains("/h5/"))
-        .collect();
-    assert!(missing.is_empty(), "no longer written: {missing:#?}");
+    pins::check(&list, &found, |name| !cfg!(feature = "hdf5") && name.contains("/h5/"));
 }
 
 /// A dataset that version 0.1.0 made: it verifies, and the same command makes it again and says why.

@@ -113,7 +113,7 @@ fn an_estimate_is_written_and_judged() {
     }
     // A mask that leaves the left half.
     let mask = ndarray::Array3::from_shape_fn((40, 60, 1), |(_, column, _)| if column < 30 { 255_u8 } else { 0 });
-    write_png(bench.path("mask.png"), mask.view(), ColorEncoding::Data, Compression::Fast).unwrap();
+    write_png(bench.path("mask.png"), mask.view(), ColorEncoding::Linear, Compression::Fast).unwrap();
     let masked = ok(bench.run("eval estimate.pfm out/scene_disparity.pfm --border 5 --mask mask.png --json")).stdout;
     let masked: Value = serde_json::from_str(&masked).unwrap();
     assert!(masked["compared"].as_u64() < json["compared"].as_u64());
@@ -184,13 +184,15 @@ fn an_epi_is_a_row_of_pixels_as_a_row_of_views_sees_it() {
 fn wrong_use_is_said() {
     let bench = Bench::new();
     bench.render("out", "");
+    std::fs::create_dir(bench.path("alone")).unwrap();
+    std::fs::copy(bench.path("out/scene_el.png"), bench.path("alone/scene_el.png")).unwrap();
     for (arguments, part) in [
         ("refocus out --out x.png", "--disparity"),
         ("refocus out --disparity 0 --distance-m 1 --out x.png", "cannot be used with"),
         ("refocus out --disparity 0 --aperture round --out x.png", "disc:D"),
         ("refocus out --stack 1,2 --out x.png", "A,B,N"),
         ("refocus out --distance-m -1 --out x.png", "above 0"),
-        ("refocus out/scene_el.png --views 5x4 --distance-m 1 --out x.png", "no rig is known"),
+        ("refocus alone/scene_el.png --views 5x4 --distance-m 1 --out x.png", "no rig is known"),
         ("depth out --out x.pfm --range 2,1", "MIN,MAX"),
         ("eval out/scene_el.png out/scene_depth.pfm", "two disparity maps"),
         ("eval out/scene_el.png out/scene_el.png --mask out/scene_el.png", "are for disparity maps"),

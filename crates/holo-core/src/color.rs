@@ -5,6 +5,18 @@
 
 use std::sync::OnceLock;
 
+/// How the samples of an image or a light field represent light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+pub enum ColorEncoding {
+    /// Color or gray on the sRGB curve, as displays take it. A PNG says so in its `sRGB` chunk.
+    #[default]
+    Srgb,
+    /// Values proportional to what they measure: radiance, or a quantity that is no light, such as disparity. A PNG claims
+    /// no color space.
+    Linear,
+}
+
 /// Linear light of an encoded value, both 0 to 1.
 #[must_use]
 pub fn srgb_to_linear(encoded: f64) -> f64 {

@@ -77,6 +77,10 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+/// The README's example as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
 
 mod camera;
 pub mod color;
@@ -96,6 +100,7 @@ pub mod refocus;
 pub use ndarray;
 
 pub use camera::{Intrinsics, Rig, RigBuilder, RigRay, automatic_baseline_m};
+pub use color::ColorEncoding;
 pub use disparity::{Disparity, Projection, StereoPair};
 pub use error::Error;
 pub use estimate::{DisparityEstimate, Effort, PlaneSweepOptions, plane_sweep};

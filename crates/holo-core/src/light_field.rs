@@ -3,6 +3,7 @@
 mod clip;
 mod compose;
 mod dynamic;
+mod encoding;
 mod epi;
 mod grids;
 mod images;

@@ -60,6 +60,24 @@ pub enum Error {
         /// What is wrong with the arguments.
         what: String,
     },
+    /// The files do not tell how the samples of a light field are arranged, or they contradict what the caller said.
+    #[error("{}: {what}; set `{option}`", .path.display())]
+    MissingOption {
+        /// The file or folder.
+        path: PathBuf,
+        /// The field of [`ReadOptions`](crate::ReadOptions) that decides.
+        option: &'static str,
+        /// What is not known or does not fit.
+        what: String,
+    },
+    /// The file or folder is not one that a light field can be read from.
+    #[error("{}: no light field: {what}", .path.display())]
+    NoLightField {
+        /// The file or folder.
+        path: PathBuf,
+        /// What it is instead.
+        what: String,
+    },
     /// Numbers read from a file describe an impossible light field or rig.
     #[error("{}: {source}", .path.display())]
     Core {
@@ -83,6 +101,8 @@ impl Error {
             | Self::Io { path, .. }
             | Self::TooLarge { path, .. }
             | Self::BadInput { path, .. }
+            | Self::MissingOption { path, .. }
+            | Self::NoLightField { path, .. }
             | Self::Core { path, .. } => path,
         }
     }
@@ -104,7 +124,7 @@ impl Error {
     }
 
     /// The same error of the library `holo-core`, about another file.
-    #[cfg(feature = "png")]
+    #[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
     pub(crate) fn about(self, path: &Path) -> Self {
         match self {
             Self::Core { source, .. } => Self::core(path, source),

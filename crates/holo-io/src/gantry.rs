@@ -132,6 +132,11 @@ impl GantryFolder {
         self.index(t, s).ok().map(|index| self.positions[index])
     }
 
+    /// Returns the file of view `(t, s)`, which must exist.
+    pub(crate) fn file(&self, t: usize, s: usize) -> &Path {
+        &self.files[t * self.views.columns + s]
+    }
+
     /// Reads all views.
     ///
     /// # Shape

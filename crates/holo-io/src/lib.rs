@@ -34,7 +34,9 @@
 //! | Radiance HDR | | [`read_hdr`], [`decode_hdr`], [`read_hdr_info`] |
 //! | `parameters.cfg` | [`ParametersCfg::write`] | [`ParametersCfg::read`] |
 //! | `manifest.json` | [`Manifest::write`] | [`Manifest::read`], [`Manifest::verify`] |
-//! | raw PNG with its `parameters.cfg` | | [`RawImage::read`] |
+//! | PNG or PFM, by the ending of the name | [`write_image`] | |
+//! | any light field: folder, raw PNG, MAT, HDF5 | | [`read_light_field`], [`LightFieldReader`] |
+//! | the rig of any of them | | [`read_rig`] |
 //! | dataset folder | file by file | [`dataset::DatasetFolder`] |
 //! | dataset of many folders | [`dataset::Description::write`] | [`dataset::Description::read`], [`dataset::list`] |
 //! | HCI folder | [`HciImage::write`] | [`HciFolder::open`] |
@@ -83,6 +85,10 @@ pub mod hci;
 mod hdf5;
 #[cfg(feature = "hdr")]
 mod hdr;
+#[cfg(feature = "png")]
+mod image_file;
+#[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
+mod light_field;
 mod limits;
 mod manifest;
 #[cfg(feature = "mat")]
@@ -122,6 +128,13 @@ pub use hci::{HciFolder, HciImage, HciQuantity, HciResolution, HciTruth};
 pub use hdf5::{Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_hdf5, write_hdf5};
 #[cfg(feature = "hdr")]
 pub use hdr::{HdrInfo, decode_hdr, read_hdr, read_hdr_info};
+pub use holo_core::ColorEncoding;
+#[cfg(feature = "png")]
+pub use image_file::write_image;
+#[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
+pub use light_field::{
+    LightFieldFile, LightFieldFormat, LightFieldReader, ReadOptions, list_images, read_light_field, read_rig,
+};
 pub use limits::Limits;
 pub use manifest::{Manifest, Mismatch, MismatchKind, Setting};
 #[cfg(all(feature = "mat", feature = "hdf5"))]
@@ -139,11 +152,9 @@ pub use parameters_cfg::{CameraPose, ParametersCfg, date_from_epoch};
 pub use pfm::{Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_grey, read_pfm_info, write_pfm, write_pfm_colour};
 #[cfg(feature = "png")]
 pub use png::{
-    ColorEncoding, Compression, PngInfo, PngWriter, decode_png, encode_png, read_png, read_png_info,
-    write_disparity_png, write_png, write_png_animation,
+    Compression, PngInfo, PngWriter, decode_png, encode_png, read_png, read_png_info, write_disparity_png, write_png,
+    write_png_animation,
 };
-#[cfg(feature = "png")]
-pub use raw_image::RawImage;
 pub use raw_image::layout_of_file_name;
 pub use recognise::{FileKind, recognise};
 #[cfg(feature = "png")]

@@ -45,6 +45,7 @@ use std::path::Path;
 
 use crate::{Error, FileDigest, Limits};
 
+pub(crate) use light_field::read_light_field_header;
 pub use light_field::{MatLightField, MatOrder, read_mat_light_field, write_mat_light_field};
 #[cfg(feature = "hdf5")]
 pub use stream::MatWriter;

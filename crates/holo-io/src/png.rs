@@ -9,7 +9,7 @@ mod stream;
 
 use std::path::Path;
 
-use holo_core::{DynImageRef, GridSize};
+use holo_core::{ColorEncoding, DynImageRef, GridSize};
 use ndarray::ArrayView2;
 
 use crate::error::MEMORY;
@@ -29,17 +29,6 @@ pub enum Compression {
     Fast,
     /// Small: a few times slower. For files that are kept and passed on.
     Best,
-}
-
-/// What the numbers of a PNG mean to a program that shows it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-#[non_exhaustive]
-pub enum ColorEncoding {
-    /// Colour or brightness on the sRGB curve: the file says so in its `sRGB` chunk.
-    #[default]
-    Srgb,
-    /// Plain numbers, such as a map of disparity: the file claims no colour space.
-    Data,
 }
 
 /// What a PNG's header says.
@@ -70,8 +59,8 @@ pub struct PngInfo {
 /// # Examples
 ///
 /// ```
-/// use holo_core::DynImage;
-/// use holo_io::{Compression, Limits, ColorEncoding, read_png, write_png};
+/// use holo_core::{ColorEncoding, DynImage};
+/// use holo_io::{Compression, Limits, read_png, write_png};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("image.png");
@@ -84,11 +73,11 @@ pub struct PngInfo {
 pub fn write_png<'a>(
     path: impl AsRef<Path>,
     image: impl Into<DynImageRef<'a>>,
-    meaning: ColorEncoding,
+    encoding: ColorEncoding,
     compression: Compression,
 ) -> Result<FileDigest, Error> {
     let image = image.into();
-    let mut writer = PngWriter::create(path, image.size(), image.channels(), image.kind(), meaning, compression)?;
+    let mut writer = PngWriter::create(path, image.size(), image.channels(), image.kind(), encoding, compression)?;
     writer.write_rows(image)?;
     writer.finish()
 }
@@ -104,12 +93,12 @@ pub fn write_png<'a>(
 /// [`Error::BadInput`] as in [`write_png`].
 pub fn encode_png<'a>(
     image: impl Into<DynImageRef<'a>>,
-    meaning: ColorEncoding,
+    encoding: ColorEncoding,
     compression: Compression,
 ) -> Result<Vec<u8>, Error> {
     let image = image.into();
     let layout = encode::Layout::new(image.size(), image.channels(), image.kind(), Path::new(MEMORY))?;
-    let mut encoder = Encoder::new(Vec::new(), layout, meaning, compression)?;
+    let mut encoder = Encoder::new(Vec::new(), layout, encoding, compression)?;
     encoder.write_rows(image)?;
     encoder.finish()
 }
@@ -143,7 +132,7 @@ pub fn write_disparity_png(
     }
     let grey = disparity_px.mapv(|disparity_px| grey_level(f64::from(disparity_px), min_px, max_px));
     let grey = grey.insert_axis(ndarray::Axis(2));
-    write_png(path, grey.view(), ColorEncoding::Data, compression)
+    write_png(path, grey.view(), ColorEncoding::Linear, compression)
 }
 
 /// Maps `min_px..=max_px` to `0..=255`.

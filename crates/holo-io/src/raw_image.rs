@@ -1,14 +1,8 @@
-//! Raw images in their two layouts, and how a file name tells which one it is.
-
-#[cfg(feature = "png")]
-mod read;
+//! How a file name tells the layout of a raw image.
 
 use std::path::Path;
 
 use holo_core::Layout;
-
-#[cfg(feature = "png")]
-pub use read::RawImage;
 
 /// Tells the layout of a raw image from its file name: the last `_el` or `_vpi` in it, as a whole word.
 ///

@@ -25,7 +25,7 @@ const WAYS: &[Way] = &[
         write_png(path, noise(seed).mapv(|bits| bits as u8).view(), ColorEncoding::Srgb, Compression::Fast)
     }),
     ("published.png", |path, seed| {
-        write_png(path, noise(seed).mapv(|bits| bits as u16).view(), ColorEncoding::Data, Compression::Best)
+        write_png(path, noise(seed).mapv(|bits| bits as u16).view(), ColorEncoding::Linear, Compression::Best)
     }),
     ("bands.png", |path, seed| {
         let image = noise(seed).mapv(|bits| bits as u8);

@@ -25,7 +25,7 @@ fn files_are_described_in_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("misleading.txt");
     let line = || open(&path).unwrap().to_string();
-    write_png(&path, Array3::<u16>::zeros((2, 3, 1)).view(), ColorEncoding::Data, Compression::Fast).unwrap();
+    write_png(&path, Array3::<u16>::zeros((2, 3, 1)).view(), ColorEncoding::Linear, Compression::Fast).unwrap();
     assert_eq!(line(), "PNG image, 3 x 2 pixels, 1 channel of 16 bits");
     write_pfm(&path, Array2::zeros((2, 3)).view()).unwrap();
     assert_eq!(line(), "PFM float image, 3 x 2 pixels, grey");

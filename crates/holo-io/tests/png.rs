@@ -75,7 +75,7 @@ proptest! {
         prop_assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U8(image));
 
         let image = with_strides(kind, (rows, columns, channels), || value() as u16);
-        write_png(&path, image.view(), ColorEncoding::Data, compression).unwrap();
+        write_png(&path, image.view(), ColorEncoding::Linear, compression).unwrap();
         prop_assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U16(image));
         let info = read_png_info(&path).unwrap();
         prop_assert_eq!((info.size.rows, info.size.columns, info.channels, info.bits), (rows, columns, channels, 16));
@@ -126,7 +126,7 @@ fn the_header_says_what_the_samples_are() {
         reader.next_frame(&mut raw).unwrap();
         assert_eq!(raw, [0x12, 0x34].repeat(6));
 
-        write_png(&path, image.view(), ColorEncoding::Data, compression).unwrap();
+        write_png(&path, image.view(), ColorEncoding::Linear, compression).unwrap();
         let bytes = fs::read(&path).unwrap();
         for claim in [b"sRGB", b"gAMA", b"iCCP", b"cHRM"] {
             assert!(!bytes.windows(4).any(|name| name == claim));
@@ -187,7 +187,7 @@ fn a_changed_byte_is_an_error_or_the_same_image() {
 fn the_budget_is_checked_before_memory_is_taken() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
-    write_png(&path, Array3::<u16>::zeros((10, 10, 3)).view(), ColorEncoding::Data, Compression::Fast).unwrap();
+    write_png(&path, Array3::<u16>::zeros((10, 10, 3)).view(), ColorEncoding::Linear, Compression::Fast).unwrap();
     assert!(read_png(&path, &Limits { max_bytes: 600 }).is_ok());
     let error = read_png(&path, &Limits { max_bytes: 599 }).unwrap_err();
     assert!(matches!(error, Error::TooLarge { needed: 600, allowed: 599, .. }), "{error}");

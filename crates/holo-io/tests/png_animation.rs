@@ -53,7 +53,7 @@ fn one_grey_picture_is_an_animation_too() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("one.png");
     let one = Array3::<u8>::from_elem((1, 1, 1), 77);
-    write_png_animation(&path, &[one.view()], 600.0, ColorEncoding::Data).unwrap();
+    write_png_animation(&path, &[one.view()], 600.0, ColorEncoding::Linear).unwrap();
     assert_eq!(pictures(&path), (vec![vec![77]], vec![(100, 60_000)]));
 }
 

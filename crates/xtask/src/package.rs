@@ -5,7 +5,7 @@ use std::process::Command;
 
 use crate::{Result, process, root};
 
-const LIBRARIES: &[&str] = &["holo-core", "holo-scene", "holo-render", "holo-io", "holo-dataset"];
+const LIBRARIES: &[&str] = &["holo-core", "holo-scene", "holo-render", "holo-io", "holo-dataset", "holo-viewer"];
 
 /// What a user of `holo-core` pulls in directly.
 const CORE_NEEDS: &[&str] = &["ndarray", "rayon"];

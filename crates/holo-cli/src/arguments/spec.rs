@@ -1,14 +1,15 @@
 //! From the command line to what the libraries take.
 
 use clap::ValueEnum;
-use holo_core::Projection;
+use holo_core::{Layout, Projection, ViewOrder};
 use holo_dataset::{EngineSpec, LayerChoice, Output, RenderSpec, RigSpec};
 use holo_io::MatOrder;
 use holo_render::{Backend, GroundTruth, Integrator};
 
 use super::{
     BackendArgument, DatasetOptions, EngineOptions, GroundTruthArgument, IntegratorArgument, JobOptions, LayerArgument,
-    MainLensOptions, MatOrderArgument, OutputArgument, ProjectionArgument, RenderOptions, RigOptions,
+    LayoutArgument, MainLensOptions, MatOrderArgument, OrderArgument, OutputArgument, ProjectionArgument,
+    RenderOptions, RigOptions,
 };
 
 impl RenderOptions {
@@ -53,6 +54,24 @@ impl JobOptions {
             },
             bit_depth: self.bit_depth,
             seed: self.seed,
+        }
+    }
+}
+
+impl From<LayoutArgument> for Layout {
+    fn from(argument: LayoutArgument) -> Self {
+        match argument {
+            LayoutArgument::El => Self::ElementalGrid,
+            LayoutArgument::Vpi => Self::ViewpointGrid,
+        }
+    }
+}
+
+impl From<OrderArgument> for ViewOrder {
+    fn from(argument: OrderArgument) -> Self {
+        match argument {
+            OrderArgument::RowMajor => Self::RowMajor,
+            OrderArgument::Serpentine => Self::Serpentine,
         }
     }
 }

@@ -8,12 +8,12 @@ use holo_core::GridSize;
 
 use holo_dataset::options::parse_positive;
 
-use super::{LayoutArgument, Pair, values};
+use super::{LayoutArgument, OrderArgument, Pair, values};
 
 /// A light field and what it is.
 #[derive(Args, Clone, Debug)]
 pub struct InputOptions {
-    /// A raw PNG, a .mat, an .h5, or a folder: of `holo render`, of HCI's layout, of a gantry.
+    /// A raw PNG, a .mat, an .h5, or a folder: of `holo render`, of the HCI benchmark, of a gantry, or of images, one a view.
     pub input: PathBuf,
     /// What the input is [default: by `_el` or `_vpi` in its name].
     #[arg(long, value_enum)]
@@ -21,6 +21,9 @@ pub struct InputOptions {
     /// Views, columns x rows, or one number for both [default: from the parameters.cfg beside the input].
     #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, value_parser = GridSize::from_str)]
     pub views: Option<GridSize>,
+    /// The order of the images of a folder of images.
+    #[arg(long, value_enum, default_value_t = OrderArgument::RowMajor)]
+    pub order: OrderArgument,
 }
 
 #[derive(Args, Debug)]

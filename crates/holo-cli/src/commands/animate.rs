@@ -1,16 +1,15 @@
 //! `holo animate`: a way through the views as a moving picture, or as one picture a view.
 
-use holo_core::{LightFieldOwned, Sample, ViewPath};
+use holo_core::{DynLightField, LightFieldOwned, Sample, ViewPath};
 use holo_io::ColorEncoding;
 
-use super::picture::numbered;
-use super::raw::{self, Raw};
+use super::files::{self, numbered};
 use crate::arguments::{AnimateOptions, PathArgument};
 use crate::failure::Failure;
 
 pub fn run(options: &AnimateOptions) -> Result<(), Failure> {
-    let (raw, _) = raw::read_input(&options.input)?;
-    let views = raw.shape().views();
+    let light_field = files::read(&options.input)?.light_field;
+    let views = light_field.shape().views();
     let row = options.row.unwrap_or(views.rows / 2);
     let path = match options.path {
         PathArgument::Circle => ViewPath::Circle,
@@ -25,14 +24,14 @@ pub fn run(options: &AnimateOptions) -> Result<(), Failure> {
     if options.frames {
         for (number, &(t, s)) in shown.iter().enumerate() {
             let out = numbered(&options.out, number, shown.len());
-            raw.view(t, s)?.write(&out, &options.input.input)?;
+            files::write(&out, light_field.view(t, s)?)?;
         }
         return Ok(());
     }
-    match &raw {
-        Raw::U8(field) => write(field, &shown, options),
-        Raw::U16(field) => write(field, &shown, options),
-        Raw::Float(_) => Err(Failure::Usage(format!(
+    match &light_field {
+        DynLightField::U8(field) => write(field, &shown, options),
+        DynLightField::U16(field) => write(field, &shown, options),
+        DynLightField::F32(_) | DynLightField::F64(_) => Err(Failure::Usage(format!(
             "{} holds linear floats, which no PNG can; give --frames and a name that ends in .pfm",
             options.input.input.display()
         ))),

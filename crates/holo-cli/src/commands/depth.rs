@@ -2,17 +2,15 @@
 
 use std::time::Instant;
 
-use holo_core::{Effort, PlaneSweepOptions, plane_sweep};
+use holo_core::{Effort, PlaneSweepOptions, for_each_sample, plane_sweep};
 
-use super::beside;
-use super::raw::{self, Raw};
+use super::files;
 use crate::arguments::{DepthOptions, EffortArgument};
 use crate::console::say;
 use crate::failure::Failure;
 
 pub fn run(options: &DepthOptions) -> Result<(), Failure> {
-    let input = &options.input.input;
-    let (raw, _) = raw::read_input(&options.input)?;
+    let file = files::read(&options.input)?;
     let mut sweep = PlaneSweepOptions {
         effort: match options.effort {
             EffortArgument::Draft => Effort::Draft,
@@ -22,24 +20,20 @@ pub fn run(options: &DepthOptions) -> Result<(), Failure> {
         },
         ..PlaneSweepOptions::default()
     };
-    if let Some((min, max)) = options.range.or_else(|| beside::disparity_range(input)) {
+    if let Some((min, max)) = options.range.or(file.disparity_range_px) {
         (sweep.disparity_min_px, sweep.disparity_max_px) = (min as f32, max as f32);
     } else if !options.quiet {
         say!("note: no range of disparities is known; looking from -4 to 4 px; --range MIN,MAX says better");
     }
     let start = Instant::now();
-    let estimate = match &raw {
-        Raw::U8(field) => plane_sweep(field, &sweep),
-        Raw::U16(field) => plane_sweep(field, &sweep),
-        Raw::Float(field) => plane_sweep(field, &sweep),
-    }?;
+    let estimate = for_each_sample!(DynLightField, &file.light_field, field => plane_sweep(field, &sweep))?;
     let seconds = start.elapsed().as_secs_f64();
     holo_io::write_pfm(&options.out, estimate.disparity_px.view())?;
     if let Some(path) = &options.confidence {
         holo_io::write_pfm(path, estimate.confidence.view())?;
     }
     if !options.quiet {
-        let views = raw.shape().views();
+        let views = file.light_field.shape().views();
         let (min, max) = (sweep.disparity_min_px, sweep.disparity_max_px);
         say!(
             "estimated the central one of {} x {} views between {min} and {max} px in {seconds:.1} s: {}",

@@ -11,7 +11,6 @@ use holo_io::{ColorEncoding, Compression, FileKind, Limits};
 use ndarray::{Array2, Axis};
 use serde_json::{Value, json};
 
-use super::beside::Beside;
 use crate::arguments::EvalOptions;
 use crate::console::out;
 use crate::failure::Failure;
@@ -105,7 +104,7 @@ fn maps(options: &EvalOptions) -> Result<Vec<Row>, Failure> {
 
 /// The rig of a map's views, if the `parameters.cfg` beside it is theirs: depths, and with them normals, need one.
 fn rig_beside(map: &Path, (rows, columns): (usize, usize)) -> Option<Rig> {
-    let rig = Beside::of(map, false).ok()?.rig?;
+    let rig = holo_io::read_rig(map, &Limits::default()).ok()??;
     let (views, lenses) = (rig.shape().views(), rig.shape().lenses());
     (lenses == GridSize::new(rows, columns) && views.columns > 1).then_some(rig)
 }

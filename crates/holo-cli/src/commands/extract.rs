@@ -1,46 +1,55 @@
 //! `holo extract`: one, some or all views or elemental images.
 
-use holo_core::GridSize;
+use holo_core::{DynImageRef, GridSize};
 
-use super::picture;
-use super::raw;
-use crate::arguments::{ExtractOptions, Places};
+use super::files;
+use crate::arguments::{Crop, ExtractOptions, Places};
 use crate::failure::Failure;
 
 pub fn run(options: &ExtractOptions) -> Result<(), Failure> {
-    let (raw, _) = raw::read_input(&options.input)?;
-    let split = raw.shape();
+    let light_field = files::read(&options.input)?.light_field;
+    let split = light_field.shape();
     match (options.view, options.lens) {
-        (Some(places), _) => write(options, places, split.views(), |row, column| raw.view(row, column)),
-        (None, Some(places)) => write(options, places, split.lenses(), |row, column| raw.elemental(row, column)),
+        (Some(places), _) => write(options, places, split.views(), |row, column| light_field.view(row, column)),
+        (None, Some(places)) => {
+            write(options, places, split.lenses(), |row, column| light_field.elemental_image(row, column))
+        }
         (None, None) => Err(Failure::Usage("give --view S,T or --lens U,V".into())),
     }
 }
 
-/// Writes the pictures at `places` of a grid of `size`.
+/// Writes the images at `places` of a grid of `size`.
 fn write<'a>(
     options: &ExtractOptions,
     places: Places,
     size: GridSize,
-    picture_at: impl Fn(usize, usize) -> Result<picture::Picture<'a>, Failure>,
+    image_at: impl Fn(usize, usize) -> Result<DynImageRef<'a>, holo_core::Error>,
 ) -> Result<(), Failure> {
     let columns = places.columns.indices(size.columns);
     let at = places.rows.indices(size.rows).flat_map(|row| columns.clone().map(move |column| (row, column)));
     // Ends of ranges are looked at before anything is written.
     if let Some((row, column)) = at.clone().last() {
-        picture_at(row, column)?;
+        image_at(row, column)?;
     }
     for (row, column) in at {
-        let cut = picture_at(row, column)?;
-        let cut = match options.crop {
-            Some(crop) => cut.crop(crop)?,
-            None => cut,
+        let image = image_at(row, column)?;
+        let image = match options.crop {
+            Some(crop) => cropped(image, crop)?,
+            None => image,
         };
         let out = match places.is_one() {
             true => options.out.clone(),
-            false => picture::placed(&options.out, [column, row], size.larger()),
+            false => files::at_position(&options.out, [column, row], size.larger()),
         };
-        cut.write(&out, &options.input.input)?;
+        files::write(&out, image)?;
     }
     Ok(())
+}
+
+fn cropped(image: DynImageRef<'_>, crop: Crop) -> Result<DynImageRef<'_>, Failure> {
+    let Crop { left, top, size } = crop;
+    let (bottom, right) = (top.saturating_add(size.rows), left.saturating_add(size.columns));
+    image
+        .crop(top..bottom, left..right)
+        .map_err(|_| Failure::Usage(format!("--crop {left},{top},{size} leaves the image of {} pixels", image.size())))
 }

@@ -3,9 +3,9 @@
 use holo_core::optics::{CameraDesign, DepthRange, DisparityRange, Optics, rig_for_disparities};
 use holo_core::{GridSize, Intrinsics, LightFieldShape, Remainder, Rig, Sensor, automatic_baseline_m};
 use holo_dataset::Focus;
+use holo_io::Limits;
 use serde_json::{Map, Value, json};
 
-use super::beside::Beside;
 use crate::arguments::OpticsOptions;
 use crate::console::{out, say};
 use crate::failure::Failure;
@@ -16,7 +16,7 @@ const VIEWS: GridSize = GridSize::new(100, 100);
 pub fn run(options: &OpticsOptions) -> Result<(), Failure> {
     let depths = options.depths_m.map(|(near_m, far_m)| DepthRange::new(near_m, far_m)).transpose()?;
     let rig = match &options.input {
-        Some(input) => Beside::of(input, false)?.rig.ok_or_else(|| {
+        Some(input) => holo_io::read_rig(input, &Limits::default())?.ok_or_else(|| {
             Failure::Usage(format!("{}: no rig is known; is there a parameters.cfg beside it?", input.display()))
         })?,
         None => rig(options, depths)?,

@@ -1,23 +1,18 @@
 //! `holo quilt`: the views of one row as multi-view displays read them.
 
-use holo_core::LightFieldOwned;
-use ndarray::Array3;
+use holo_core::{DynImage, LightFieldOwned, Sample, for_each_sample};
 
-use super::picture::Picture;
-use super::raw::{self, Raw};
+use super::files;
 use crate::arguments::QuiltOptions;
 use crate::failure::Failure;
 
 pub fn run(options: &QuiltOptions) -> Result<(), Failure> {
-    let (raw, _) = raw::read_input(&options.input)?;
-    match &raw {
-        Raw::U8(field) => Picture::U8(quilt(field, options)?.view()).write(&options.out, &options.input.input),
-        Raw::U16(field) => Picture::U16(quilt(field, options)?.view()).write(&options.out, &options.input.input),
-        Raw::Float(field) => Picture::Float(quilt(field, options)?.view()).write(&options.out, &options.input.input),
-    }
+    let light_field = files::read(&options.input)?.light_field;
+    let quilt = for_each_sample!(DynLightField, &light_field, field => quilt(field, options))?;
+    files::write(&options.out, &quilt)
 }
 
-fn quilt<T: Copy>(field: &LightFieldOwned<T>, options: &QuiltOptions) -> Result<Array3<T>, Failure> {
+fn quilt<T: Sample>(field: &LightFieldOwned<T>, options: &QuiltOptions) -> Result<DynImage, Failure> {
     let (views, tiles) = (field.shape().views(), options.tiles.count());
     if tiles > views.columns {
         return Err(Failure::Usage(format!(
@@ -27,7 +22,7 @@ fn quilt<T: Copy>(field: &LightFieldOwned<T>, options: &QuiltOptions) -> Result<
     }
     let row = options.row.unwrap_or(views.rows / 2);
     let shown: Vec<_> = (0..tiles).map(|tile| (row, evenly(tile, tiles, views.columns))).collect();
-    Ok(field.to_quilt(options.tiles, &shown)?)
+    Ok(field.to_quilt(options.tiles, &shown)?.into())
 }
 
 /// Number `index` of `count` places spread over 0 to `all` - 1, both ends among them; the middle for one alone.

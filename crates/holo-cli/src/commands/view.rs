@@ -1,38 +1,29 @@
 //! `holo view`: a light field as one HTML page.
-//!
-//! Nothing is computed from the picture here: the page holds the raw image as a PNG and the maps as floats, and its own
-//! scripts (`view/page/`) make views, refocused pictures and errors of them.
 
-mod base64;
-mod contents;
-mod page;
+use std::path::Path;
 
-use holo_io::AtomicFile;
+use holo_io::dataset::{ELEMENTAL_PNG, MANIFEST_JSON, VIEWPOINT_PNG};
+use holo_io::{AtomicFile, Limits};
+use holo_viewer::Page;
 
+use super::files;
 use crate::arguments::ViewOptions;
 use crate::console::say;
 use crate::failure::Failure;
-use contents::Contents;
-
-/// How many pixels a page may hold: 16K television fits. A browser keeps four bytes of each in graphics memory, and for a
-/// moment once more in its own.
-const MAX_PIXELS: usize = 1 << 27;
 
 pub fn run(options: &ViewOptions) -> Result<(), Failure> {
-    let contents = Contents::gather(options)?;
-    let raw = contents.split.raw_size();
-    if raw.rows.saturating_mul(raw.columns) > MAX_PIXELS {
-        return Err(Failure::Failed(format!(
-            "{}: {} x {} pixels are more than a browser holds ({} million); render fewer views or lenses for a page",
-            options.input.input.display(),
-            raw.columns,
-            raw.rows,
-            MAX_PIXELS / 1_000_000
-        )));
+    let input = &options.input.input;
+    let reader = files::open(dataset_of(options).unwrap_or(input), &options.input)?;
+    let path = std::path::absolute(input).unwrap_or_else(|_| input.clone());
+    let title = path.file_name().map_or_else(|| "light field".into(), |name| name.to_string_lossy());
+    let mut page = Page::new(title, reader).map_err(|error| about(input, error))?;
+    if let Some(path) = &options.estimate {
+        let map = holo_io::read_pfm_grey(path, &Limits::default())?;
+        page = page.estimate_px(map).map_err(|error| about(path, error))?;
     }
     let mut file = AtomicFile::create(&options.out)?;
     let failed = |why: std::io::Error| Failure::Failed(format!("cannot write {}: {why}", options.out.display()));
-    page::write(&mut file, &contents).map_err(failed)?;
+    page.write(&mut file).map_err(failed)?;
     let written = file.commit()?;
     say!(
         "wrote {} ({:.1} MB): open it in a browser; ? shows the keys",
@@ -40,4 +31,20 @@ pub fn run(options: &ViewOptions) -> Result<(), Failure> {
         written.bytes as f64 / 1e6
     );
     Ok(())
+}
+
+/// The folder of a raw image that is named itself: what its manifest contains belongs to the image.
+fn dataset_of(options: &ViewOptions) -> Option<&Path> {
+    let named = options.input.input.file_name().is_some_and(|name| name == ELEMENTAL_PNG || name == VIEWPOINT_PNG);
+    let folder = options.input.input.parent()?;
+    let plain = named && options.input.from.is_none() && options.input.views.is_none();
+    (plain && folder.join(MANIFEST_JSON).is_file()).then_some(folder)
+}
+
+fn about(path: &Path, error: holo_viewer::Error) -> Failure {
+    match error {
+        holo_viewer::Error::Io(error) => error.into(),
+        holo_viewer::Error::EstimateSize { .. } => Failure::Usage(format!("{}: {error}", path.display())),
+        other => Failure::Failed(format!("{}: {other}", path.display())),
+    }
 }

@@ -1,6 +1,8 @@
 //! Light fields and images whose element type is known only at run time, as in files.
 
-use ndarray::{Array3, ArrayView3};
+use std::ops::Range;
+
+use ndarray::{Array3, ArrayView3, Axis, Slice};
 
 use super::sample::sealed::Sealed;
 use super::{LightFieldOwned, LightFieldRef, Sample, SampleKind};
@@ -105,6 +107,45 @@ impl DynLightField {
             .into())
         }
         for_each_sample!(DynImage, image, image => wrap(image, layout, shape))
+    }
+
+    /// Returns the raw image in the given layout. Samples that already lie in memory in that order are not copied.
+    ///
+    /// # Shape
+    ///
+    /// `(V*T, U*S, C)`: row, column, channel.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfMemory`] if the allocation of a copy fails.
+    pub fn into_grid(self, layout: Layout) -> Result<DynImage, Error> {
+        fn grid<T: Sample>(field: LightFieldOwned<T>, layout: Layout) -> Result<DynImage, Error> {
+            Ok(match layout {
+                Layout::ElementalGrid => field.into_elemental_grid().or_else(|field| field.to_elemental_grid())?,
+                Layout::ViewpointGrid => field.into_viewpoint_grid().or_else(|field| field.to_viewpoint_grid())?,
+            }
+            .into())
+        }
+        for_each_sample!(DynLightField, self, field => grid(field, layout))
+    }
+
+    /// Returns the light field without its alpha channel: the first of one or two channels, the first three of more.
+    ///
+    /// The colors of transparent pixels do not change. Without an alpha channel nothing is copied.
+    ///
+    /// # Errors
+    ///
+    /// As [`DynLightField::into_grid`].
+    pub fn without_alpha(self) -> Result<Self, Error> {
+        fn colors<T: Sample>(field: LightFieldOwned<T>) -> Result<DynLightField, Error> {
+            let channels = if field.channels() >= 3 { 3 } else { 1 };
+            if field.channels() == channels {
+                return Ok(field.into());
+            }
+            let samples = field.samples().slice_axis_move(Axis(4), Slice::from(..channels));
+            Ok(LightFieldRef::trusted(samples).to_owned()?.into())
+        }
+        for_each_sample!(DynLightField, self, field => colors(field))
     }
 
     /// Returns a light field that borrows the samples of this one.
@@ -261,7 +302,27 @@ impl DynImage {
     }
 }
 
-impl DynImageRef<'_> {
+impl<'a> DynImageRef<'a> {
+    /// Returns the part of the image in these rows and columns.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfRange`] if the part leaves the image or has no pixels.
+    pub fn crop(self, rows: Range<usize>, columns: Range<usize>) -> Result<Self, Error> {
+        let size = self.size();
+        for (what, range, count) in
+            [("row of the part", &rows, size.rows), ("column of the part", &columns, size.columns)]
+        {
+            if range.is_empty() || range.end > count {
+                return Err(Error::OutOfRange { what, index: range.end.max(range.start), count, first: 0 });
+            }
+        }
+        fn cut<T: Sample>(image: ArrayView3<'_, T>, rows: Range<usize>, columns: Range<usize>) -> DynImageRef<'_> {
+            image.slice_axis_move(Axis(0), rows.into()).slice_axis_move(Axis(1), columns.into()).into()
+        }
+        Ok(for_each_sample!(DynImageRef, self, image => cut(image, rows, columns)))
+    }
+
     /// Returns the element type.
     #[must_use]
     pub fn kind(&self) -> SampleKind {
@@ -359,6 +420,50 @@ mod tests {
             assert_eq!(field.epi_row(1, 2).unwrap().channels(), 3);
             assert!(field.view(4, 0).is_err() && field.epi_column(3, 0).is_err());
             assert_eq!(field.into_f32().unwrap(), expected);
+        }
+    }
+
+    #[test]
+    fn alpha_is_dropped_and_colors_are_kept() {
+        for field in fields() {
+            assert_eq!(field.clone().without_alpha().unwrap(), field);
+            let narrow: DynLightField = for_each_sample!(DynLightField, &field, f => {
+                LightField::new(f.samples().slice_axis(Axis(4), Slice::from(..2)).to_owned()).unwrap().into()
+            });
+            assert_eq!((narrow.channels(), narrow.clone().without_alpha().unwrap().channels()), (2, 1));
+            assert_eq!(narrow.without_alpha().unwrap().view(1, 2).unwrap(), {
+                let view = field.view(1, 2).unwrap();
+                for_each_sample!(DynImageRef, view, v => v.slice_axis_move(Axis(2), Slice::from(..1)).into())
+            });
+        }
+    }
+
+    #[test]
+    fn a_part_of_an_image_has_its_pixels_and_stays_inside() {
+        for field in fields() {
+            let view = field.elemental_image(1, 1).unwrap();
+            let part = view.crop(1..3, 2..5).unwrap();
+            assert_eq!((part.size(), part.kind()), (GridSize::new(2, 3), field.kind()));
+            let same = for_each_sample!(DynImageRef, view, v => {
+                let cut = v.slice_axis_move(Axis(0), (1..3).into()).slice_axis_move(Axis(1), (2..5).into());
+                cut.into()
+            });
+            assert_eq!(part, same);
+            for (rows, columns) in [(0..5, 0..1), (0..1, 4..6), (2..2, 0..1)] {
+                assert!(matches!(view.crop(rows, columns), Err(Error::OutOfRange { .. })));
+            }
+        }
+    }
+
+    #[test]
+    fn grids_of_either_layout_are_the_same_light_field() {
+        for field in fields() {
+            let shape = field.shape();
+            for layout in [Layout::ElementalGrid, Layout::ViewpointGrid] {
+                let grid = field.clone().into_grid(layout).unwrap();
+                assert_eq!(grid.size(), shape.raw_size());
+                assert_eq!(DynLightField::from_grid(grid, layout, shape).unwrap(), field);
+            }
         }
     }
 

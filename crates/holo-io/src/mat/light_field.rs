@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use holo_core::{DynLightField, DynLightFieldRef, GridSize, LightField, Rig, Sample};
+use holo_core::{DynLightField, DynLightFieldRef, GridSize, LightField, LightFieldShape, Rig, Sample};
 use ndarray::{Array5, ArrayD, ArrayView5, ArrayViewD, Data, Ix5, IxDyn, aview0, aview1};
 
 use super::file::{MatReader, missing};
-use super::{MatArray, MatOptions, MatValue, MatVariable, write_mat};
+use super::{MatArray, MatClass, MatInfo, MatOptions, MatValue, MatVariable, write_mat};
 use crate::rig_values::{self, RigValues};
 use crate::{Error, FileDigest, Limits};
 
@@ -136,14 +136,85 @@ pub(super) fn beside<'a>(
 /// the table's.
 pub fn read_mat_light_field(path: impl AsRef<Path>, limits: &Limits) -> Result<MatLightField, Error> {
     let path = path.as_ref();
-    let mut opened = MatReader::open(path, *limits)?;
-    let infos = opened.infos();
+    let mut reader = MatReader::open(path, *limits)?;
+    let header = read_header(path, &mut reader)?;
+    let light_field = match reader.value(header.index)? {
+        MatArray::U8(array) => ordered(path, array, &header.letters),
+        MatArray::U16(array) => ordered(path, array, &header.letters),
+        MatArray::F32(array) => ordered(path, array, &header.letters),
+        MatArray::F64(array) => ordered(path, array, &header.letters),
+        _ => Err(unreadable(path, &header.info)),
+    }?;
+    let (rig, rig_error) = header.numbers.check(path, light_field.shape())?;
+    Ok(MatLightField { light_field, rig, rig_error })
+}
+
+/// What a file tells about its light field without the samples.
+pub(crate) struct MatHeader {
+    pub(crate) shape: LightFieldShape,
+    pub(crate) is_float: bool,
+    pub(crate) rig: Option<Rig>,
+    pub(crate) rig_error: Option<holo_core::Error>,
+}
+
+/// Reads everything of a light field but its samples; errors as [`read_mat_light_field`].
+pub(crate) fn read_light_field_header(path: &Path, limits: &Limits) -> Result<MatHeader, Error> {
+    let header = read_header(path, &mut MatReader::open(path, *limits)?)?;
+    let is_float = match header.info.class {
+        MatClass::U8 | MatClass::Logical | MatClass::U16 => false,
+        MatClass::F32 | MatClass::F64 => true,
+        _ => return Err(unreadable(path, &header.info)),
+    };
+    let mut size = header.info.size.clone();
+    if size.len() > 5 {
+        return Err(contradiction(path, format!("the samples have {} dimensions instead of five", size.len())));
+    }
+    size.resize(5, 1);
+    let [v, u, t, s, _] = axes_of(path, &header.letters)?.map(|axis| size[axis]);
+    let shape =
+        LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u)).map_err(|error| Error::core(path, error))?;
+    let (rig, rig_error) = header.numbers.check(path, shape)?;
+    Ok(MatHeader { shape, is_float, rig, rig_error })
+}
+
+/// The small variables, and which variable holds the samples.
+struct Header {
+    index: usize,
+    info: MatInfo,
+    letters: String,
+    numbers: Numbers,
+}
+
+/// The numbers beside the samples.
+struct Numbers {
+    views: Option<Vec<f64>>,
+    lenses: Option<Vec<f64>>,
+    baseline_m: Option<Vec<f64>>,
+    lengths: [Option<Vec<f64>>; 3],
+    projection: Option<String>,
+}
+
+impl Numbers {
+    /// Compares them with the samples and makes the rig.
+    fn check(self, path: &Path, shape: LightFieldShape) -> Result<(Option<Rig>, Option<holo_core::Error>), Error> {
+        check_counts(path, "views", self.views, shape.views())?;
+        check_counts(path, "lenses", self.lenses, shape.lenses())?;
+        Ok(match rig_values::rig(path, shape, self.baseline_m, self.lengths, self.projection.as_deref())? {
+            Some(Ok(rig)) => (Some(rig), None),
+            Some(Err(error)) => (None, Some(error)),
+            None => (None, None),
+        })
+    }
+}
+
+fn read_header(path: &Path, reader: &mut MatReader<'_>) -> Result<Header, Error> {
+    let infos = reader.infos();
     let position = |name: &str| infos.iter().position(|info| info.name == name);
     let orders = [MatOrder::Lenses, MatOrder::LightFieldToolbox];
     let found = orders.into_iter().find_map(|order| Some((order, position(order.name())?)));
     let (order, index) = found.ok_or_else(|| Error::bad_input(path, missing("H", &infos)))?;
 
-    let mut value = |name: &str| position(name).map(|index| opened.value(index)).transpose();
+    let mut value = |name: &str| position(name).map(|index| reader.value(index)).transpose();
     let letters = match value("axes")? {
         Some(MatArray::Text(letters)) => letters,
         Some(_) => return Err(contradiction(path, "`axes` is not text")),
@@ -158,32 +229,33 @@ pub fn read_mat_light_field(path: impl AsRef<Path>, limits: &Limits) -> Result<M
         Some(_) => return Err(contradiction(path, "`projection` is not text")),
         None => None,
     };
+    let numbers = Numbers { views, lenses, baseline_m, lengths, projection };
+    Ok(Header { index, info: infos[index].clone(), letters, numbers })
+}
 
-    let light_field = match opened.value(index)? {
-        MatArray::U8(array) => ordered(path, array, &letters),
-        MatArray::U16(array) => ordered(path, array, &letters),
-        MatArray::F32(array) => ordered(path, array, &letters),
-        MatArray::F64(array) => ordered(path, array, &letters),
-        other => {
-            let class = other.view().class().name();
-            let what = format!("'{}' is of class {class}; uint8, uint16, single and double can be read", order.name());
-            Err(Error::unsupported(path, what))
-        }
-    }?;
-    let split = light_field.shape();
-    check_counts(path, "views", views, split.views())?;
-    check_counts(path, "lenses", lenses, split.lenses())?;
-    let rig = rig_values::rig(path, split, baseline_m, lengths, projection.as_deref())?;
-    let (rig, rig_error) = match rig {
-        Some(Ok(rig)) => (Some(rig), None),
-        Some(Err(error)) => (None, Some(error)),
-        None => (None, None),
-    };
-    Ok(MatLightField { light_field, rig, rig_error })
+fn unreadable(path: &Path, info: &MatInfo) -> Error {
+    let class = info.class.name();
+    Error::unsupported(
+        path,
+        format!("'{}' is of class {class}; uint8, uint16, single and double can be read", info.name),
+    )
 }
 
 fn contradiction(path: &Path, what: impl Into<String>) -> Error {
     Error::broken(path, "MAT light field", what)
+}
+
+/// Which dimension of the file each axis of `(v, u, t, s, c)` is.
+fn axes_of(path: &Path, letters: &str) -> Result<[usize; 5], Error> {
+    let contradiction = || contradiction(path, format!("`axes` is '{letters}' instead of an order of vutsc"));
+    if letters.len() != 5 {
+        return Err(contradiction());
+    }
+    let mut axes = [0; 5];
+    for (axis, letter) in axes.iter_mut().zip("vutsc".chars()) {
+        *axis = letters.find(letter).ok_or_else(contradiction)?;
+    }
+    Ok(axes)
 }
 
 /// Gives an array its five axes back and names them.
@@ -192,10 +264,7 @@ fn ordered<T: Sample>(path: &Path, array: ArrayD<T>, letters: &str) -> Result<Dy
     if shape.len() > 5 {
         return Err(contradiction(path, format!("the samples have {} dimensions instead of five", shape.len())));
     }
-    let axes: Option<Vec<usize>> = "vutsc".chars().map(|letter| letters.find(letter)).collect();
-    let axes = axes.filter(|_| letters.len() == 5);
-    let axes =
-        axes.ok_or_else(|| contradiction(path, format!("`axes` is '{letters}' instead of an order of vutsc")))?;
+    let axes = axes_of(path, letters)?;
     let mut array = array;
     while shape.len() < 5 {
         array = array.insert_axis(ndarray::Axis(shape.len()));

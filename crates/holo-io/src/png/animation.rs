@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use holo_core::{GridSize, Sample};
+use holo_core::{ColorEncoding, GridSize, Sample};
 use ndarray::ArrayView3;
 
-use super::ColorEncoding;
 use super::encode::{Layout, gather_image};
 use crate::{AtomicFile, Error, FileDigest};
 
@@ -48,7 +47,7 @@ pub fn write_png_animation<T: Sample>(
     path: impl AsRef<Path>,
     pictures: &[ArrayView3<'_, T>],
     pictures_per_second: f64,
-    meaning: ColorEncoding,
+    encoding: ColorEncoding,
 ) -> Result<FileDigest, Error> {
     let path = path.as_ref();
     let bad = |what: String| Error::bad_input(path, what);
@@ -69,7 +68,7 @@ pub fn write_png_animation<T: Sample>(
     let layout = Layout::new(GridSize::new(rows, columns), channels, T::KIND, path)?;
     let mut file = AtomicFile::create(path)?;
     let mut encode = || -> Result<(), png::EncodingError> {
-        let mut encoder = layout.encoder(&mut file, meaning);
+        let mut encoder = layout.encoder(&mut file, encoding);
         encoder.set_compression(png::Compression::Balanced);
         encoder.set_filter(png::Filter::Adaptive);
         encoder.set_animated(count, 0)?;

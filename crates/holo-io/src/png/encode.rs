@@ -4,11 +4,11 @@ use std::io::Write;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use holo_core::{DynImageRef, GridSize, SampleKind};
+use holo_core::{ColorEncoding, DynImageRef, GridSize, SampleKind};
 use ndarray::{ArrayView2, ArrayView3, Axis};
 
+use super::Compression;
 use super::bands::Bands;
-use super::{ColorEncoding, Compression};
 use crate::error::MEMORY;
 use crate::{AtomicFile, Error};
 
@@ -105,11 +105,11 @@ impl Layout {
     }
 
     /// An encoder that knows what the header says.
-    pub fn encoder<'a, W: Write>(&self, out: W, meaning: ColorEncoding) -> png::Encoder<'a, W> {
+    pub fn encoder<'a, W: Write>(&self, out: W, encoding: ColorEncoding) -> png::Encoder<'a, W> {
         let mut encoder = png::Encoder::new(out, self.width, self.height);
         encoder.set_color(self.colour);
         encoder.set_depth(self.depth);
-        if meaning == ColorEncoding::Srgb {
+        if encoding == ColorEncoding::Srgb {
             encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         }
         encoder
@@ -164,9 +164,9 @@ pub(super) struct Encoder<W: Sink> {
 
 impl<W: Sink> Encoder<W> {
     /// Writes the header.
-    pub fn new(out: W, layout: Layout, meaning: ColorEncoding, compression: Compression) -> Result<Self, Error> {
+    pub fn new(out: W, layout: Layout, encoding: ColorEncoding, compression: Compression) -> Result<Self, Error> {
         let out = Arc::new(Mutex::new(out));
-        let rows = Rows::new(Shared(Arc::clone(&out)), layout, meaning, compression);
+        let rows = Rows::new(Shared(Arc::clone(&out)), layout, encoding, compression);
         match rows {
             Ok(rows) => Ok(Self { rows, row_bytes: layout.row_bytes, out }),
             Err(error) => Err(fault(&out, error)),
@@ -224,10 +224,10 @@ impl<W: Sink> Rows<W> {
     fn new(
         out: Shared<W>,
         layout: Layout,
-        meaning: ColorEncoding,
+        encoding: ColorEncoding,
         compression: Compression,
     ) -> Result<Self, png::EncodingError> {
-        let mut encoder = layout.encoder(out, meaning);
+        let mut encoder = layout.encoder(out, encoding);
         Ok(match compression {
             Compression::Fast => {
                 encoder.set_compression(png::Compression::Fast);

@@ -2,10 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{DynImageRef, GridSize, SampleKind};
+use holo_core::{ColorEncoding, DynImageRef, GridSize, SampleKind};
 
+use super::Compression;
 use super::encode::{Encoder, Layout};
-use super::{ColorEncoding, Compression};
 use crate::{AtomicFile, Error, FileDigest};
 
 /// Writes a PNG of 8 or 16 bits a channel from top to bottom, a band of rows at a time.
@@ -60,13 +60,13 @@ impl PngWriter {
         size: GridSize,
         channels: usize,
         kind: SampleKind,
-        meaning: ColorEncoding,
+        encoding: ColorEncoding,
         compression: Compression,
     ) -> Result<Self, Error> {
         let path = path.as_ref();
         let layout = Layout::new(size, channels, kind, path)?;
         let file = AtomicFile::create(path)?;
-        let encoder = Encoder::new(file, layout, meaning, compression)?;
+        let encoder = Encoder::new(file, layout, encoding, compression)?;
         Ok(Self { path: path.to_owned(), encoder, layout, rows: 0, has_failed: false })
     }
 

@@ -1,17 +1,18 @@
 //! The page's text: HTML, style and scripts from `page/`, and the data between them.
 //!
 //! The order matters to a browser that reads it: style first, then the page's body, then the data as text that no script
-//! engine looks at, then the scripts. The picture is cut into blocks, each an element of its own, which the scripts drop
+//! engine looks at, then the scripts. The image is cut into blocks, each an element of its own, which the scripts drop
 //! as soon as it is decoded.
 
-use std::io::{self, Write};
+use std::io::{self, Read, Write};
 
+use base64::engine::general_purpose::STANDARD;
+use base64::write::EncoderWriter;
 use holo_core::{Disparity, GridSize, Projection, Rig};
 use ndarray::Array2;
 use serde_json::{Value, json};
 
-use super::base64;
-use super::contents::Contents;
+use crate::contents::Page;
 
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/style.css");
@@ -39,12 +40,21 @@ const SCRIPTS: [&str; 16] = [
 /// Places in `page.html` that are filled in, in their order.
 const PLACES: [&str; 4] = ["{{title}}", "{{style}}", "{{data}}", "{{scripts}}"];
 
-/// Writes the page.
-///
-/// # Errors
-///
-/// Those of `out`, and of the picture's file if it is one.
-pub fn write(out: &mut impl Write, contents: &Contents) -> io::Result<()> {
+/// Bytes of one block: a multiple of three, so that only the last one is padded.
+const BLOCK_BYTES: usize = 3 << 20;
+
+impl Page {
+    /// Writes the page as HTML.
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`, and of reading the file of the raw image.
+    pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
+        write(out, self)
+    }
+}
+
+fn write(out: &mut impl Write, contents: &Page) -> io::Result<()> {
     let mut rest = PAGE;
     for place in PLACES {
         // A page without the place would be a mistake of the source; its test says so.
@@ -61,7 +71,7 @@ pub fn write(out: &mut impl Write, contents: &Contents) -> io::Result<()> {
     out.write_all(rest.as_bytes())
 }
 
-fn write_data(out: &mut impl Write, contents: &Contents) -> io::Result<()> {
+fn write_data(out: &mut impl Write, contents: &Page) -> io::Result<()> {
     // Inside an element of this kind only `</script` could end it.
     let numbers = numbers(contents).to_string().replace('<', "\\u003c");
     writeln!(out, "<script type=\"application/json\" id=\"numbers\">{numbers}</script>")?;
@@ -72,19 +82,22 @@ fn write_data(out: &mut impl Write, contents: &Contents) -> io::Result<()> {
             write_blocks(out, name, &mut little_endian(map).as_slice())?;
         }
     }
-    write_blocks(out, "picture", &mut contents.picture.bytes()?)
+    write_blocks(out, "picture", &mut contents.image.bytes()?)
 }
 
 /// Writes bytes as elements of at most 4 MiB of base64 each.
-fn write_blocks(out: &mut impl Write, name: &str, source: &mut impl io::Read) -> io::Result<()> {
-    let mut block = vec![0; base64::BLOCK_BYTES];
+fn write_blocks(out: &mut impl Write, name: &str, source: &mut impl Read) -> io::Result<()> {
+    let mut block = Vec::with_capacity(BLOCK_BYTES);
     loop {
-        let filled = base64::read_block(source, &mut block)?;
-        if filled == 0 {
+        block.clear();
+        if source.by_ref().take(BLOCK_BYTES as u64).read_to_end(&mut block)? == 0 {
             return Ok(());
         }
         write!(out, "<script type=\"text/plain\" data-block=\"{name}\">")?;
-        base64::write(out, &block[..filled])?;
+        let mut text = EncoderWriter::new(&mut *out, &STANDARD);
+        text.write_all(&block)?;
+        text.finish()?;
+        drop(text);
         writeln!(out, "</script>")?;
     }
 }
@@ -94,13 +107,13 @@ fn little_endian(map: &Array2<f32>) -> Vec<u8> {
 }
 
 /// The counts, and of the rig what the page computes with: Eq. 3 needs k and F alone.
-fn numbers(contents: &Contents) -> Value {
+fn numbers(contents: &Page) -> Value {
     let size = |size: GridSize| json!({"columns": size.columns, "rows": size.rows});
     json!({
         "title": contents.title,
         "version": env!("CARGO_PKG_VERSION"),
-        "views": size(contents.split.views()),
-        "lenses": size(contents.split.lenses()),
+        "views": size(contents.shape.views()),
+        "lenses": size(contents.shape.lenses()),
         "rig": contents.rig.as_ref().map(rig),
     })
 }

@@ -1,0 +1,56 @@
+//! What most commands share: a light field from the command line, an image into a file.
+
+use std::path::{Path, PathBuf};
+
+use holo_core::{DynImageRef, Layout};
+use holo_io::{LightFieldFile, LightFieldReader, ReadOptions};
+
+use crate::arguments::InputOptions;
+use crate::console::say;
+use crate::failure::Failure;
+
+/// Reads the light field that the command line names, and says what is wrong beside its samples.
+pub fn read(input: &InputOptions) -> Result<LightFieldFile, Failure> {
+    Ok(open(&input.input, input)?.read()?)
+}
+
+/// The same without its samples; `path` instead of the input's own.
+pub fn open(path: &Path, input: &InputOptions) -> Result<LightFieldReader, Failure> {
+    let options =
+        ReadOptions::default().views(input.views).layout(input.from.map(Layout::from)).order(input.order.into());
+    let reader = LightFieldReader::open(path, &options)?;
+    for warning in reader.warnings() {
+        say!("warning: {warning}");
+    }
+    Ok(reader)
+}
+
+/// Writes an image in the type of its samples: integers into a PNG, floats into a PFM.
+pub fn write<'a>(out: &Path, image: impl Into<DynImageRef<'a>>) -> Result<(), Failure> {
+    match holo_io::write_image(out, image) {
+        Err(error @ holo_io::Error::BadInput { .. }) => Err(Failure::Usage(error.to_string())),
+        other => Ok(other.map(drop)?),
+    }
+}
+
+/// `stack.png` becomes `stack_007.png`.
+pub fn numbered(out: &Path, number: usize, count: usize) -> PathBuf {
+    let digits = count.saturating_sub(1).to_string().len().max(3);
+    with_suffix(out, &format!("_{number:0digits$}"))
+}
+
+/// `view.png` becomes `view_r004_c012.png`: row first, so that names in order are images in reading order.
+pub fn at_position(out: &Path, [column, row]: [usize; 2], largest: usize) -> PathBuf {
+    let digits = largest.saturating_sub(1).to_string().len().max(2);
+    with_suffix(out, &format!("_r{row:0digits$}_c{column:0digits$}"))
+}
+
+fn with_suffix(out: &Path, suffix: &str) -> PathBuf {
+    let mut name = out.file_stem().unwrap_or_default().to_os_string();
+    name.push(suffix);
+    if let Some(ending) = out.extension() {
+        name.push(".");
+        name.push(ending);
+    }
+    out.with_file_name(name)
+}

@@ -1,0 +1,72 @@
+//! The images of a folder in the order in which a person counts them.
+
+use std::cmp::Ordering;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::Error;
+
+/// Lists the PNGs of a folder in natural order: runs of digits in their names compare as numbers, so `view9.png` is before
+/// `view10.png`.
+///
+/// # Errors
+///
+/// [`Error::Io`] if the folder cannot be listed.
+pub fn list_images(folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
+    let folder = folder.as_ref();
+    let failed = |source| Error::io("list", folder, source);
+    let mut images = Vec::new();
+    for entry in fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) && path.is_file() {
+            images.push(path);
+        }
+    }
+    images.sort_by(|a, b| natural_order(&a.to_string_lossy(), &b.to_string_lossy()));
+    Ok(images)
+}
+
+fn natural_order(a: &str, b: &str) -> Ordering {
+    let (a_runs, b_runs) = (runs(a), runs(b));
+    let mut order = a_runs.iter().zip(&b_runs).map(|(a, b)| match (is_number(a), is_number(b)) {
+        (true, true) => {
+            let (x, y) = (a.trim_start_matches('0'), b.trim_start_matches('0'));
+            x.len().cmp(&y.len()).then_with(|| x.cmp(y))
+        }
+        _ => a.cmp(b),
+    });
+    let first = order.find(|order| order.is_ne()).unwrap_or(Ordering::Equal);
+    first.then(a_runs.len().cmp(&b_runs.len())).then_with(|| a.cmp(b))
+}
+
+fn is_number(run: &str) -> bool {
+    run.starts_with(|c: char| c.is_ascii_digit())
+}
+
+/// The runs of digits of a text, and what is between them.
+fn runs(text: &str) -> Vec<&str> {
+    let mut runs = Vec::new();
+    let mut rest = text;
+    while let Some(first) = rest.chars().next() {
+        let digits = first.is_ascii_digit();
+        let end = rest.find(|c: char| c.is_ascii_digit() != digits).unwrap_or(rest.len());
+        let (run, after) = rest.split_at(end);
+        runs.push(run);
+        rest = after;
+    }
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_in_names_are_numbers() {
+        let mut names = ["v10.png", "v9.png", "v1_12.png", "v1_2.png", "v007.png", "a.png", "v1.png"];
+        names.sort_by(|a, b| natural_order(a, b));
+        assert_eq!(names, ["a.png", "v1.png", "v1_2.png", "v1_12.png", "v007.png", "v9.png", "v10.png"]);
+        let long = ["x99999999999999999999999", "x100000000000000000000000"];
+        assert_eq!(natural_order(long[0], long[1]), Ordering::Less);
+    }
+}

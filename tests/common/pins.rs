@@ -1,0 +1,33 @@
+//! A list of digests that must stay as they are: one line a thing, `digest  engine/name`.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+fn engine(name: &str) -> &str {
+    name.split_once('/').map_or(name, |(engine, _)| engine)
+}
+
+/// Fails if a digest of `found` is other than in the file `list`, is not in it, or if one is missing that the list has for
+/// an engine that ran. What `is_optional` depends on how the tests were built and may be missing.
+///
+/// With `HOLO_PIN` in the environment it writes the list instead and keeps the lines of engines that did not run.
+pub fn check(list: &Path, found: &BTreeMap<String, String>, is_optional: impl Fn(&str) -> bool) {
+    let ran: BTreeSet<&str> = found.keys().map(|name| engine(name)).collect();
+    let text = std::fs::read_to_string(list).unwrap_or_default();
+    let mut pinned: BTreeMap<&str, &str> =
+        text.lines().filter_map(|line| line.split_once("  ").map(|(digest, name)| (name, digest))).collect();
+    if std::env::var_os("HOLO_PIN").is_some() {
+        pinned.retain(|name, _| !ran.contains(engine(name)) || is_optional(name));
+        pinned.extend(found.iter().map(|(name, digest)| (name.as_str(), digest.as_str())));
+        let lines: String = pinned.iter().map(|(name, digest)| format!("{digest}  {name}\n")).collect();
+        std::fs::write(list, lines).expect("the list of digests");
+        return;
+    }
+    let is_pinned = |name: &str, digest: &str| pinned.get(name) == Some(&digest);
+    let changed: Vec<_> =
+        found.iter().filter(|(name, digest)| !is_pinned(name, digest)).map(|(name, _)| name).collect();
+    assert!(changed.is_empty(), "{} of {} are other than pinned: {changed:#?}", changed.len(), found.len());
+    let is_missing = |name: &str| ran.contains(engine(name)) && !found.contains_key(name) && !is_optional(name);
+    let missing: Vec<_> = pinned.keys().filter(|name| is_missing(name)).collect();
+    assert!(missing.is_empty(), "no longer made: {missing:#?}");
+}
