@@ -1,7 +1,7 @@
 //! From a raw holoscopic image to one viewpoint image.
 //!
-//! `cargo run --example extract_vpi -- scene_el.png VIEWS COLUMN ROW view.png`, or without arguments on a raw image that it
-//! makes itself.
+//! `cargo run --example extract_vpi -- scene_el.png VIEWS COLUMN ROW view.png`, or without arguments on a raw image
+//! that it makes itself.
 
 use holo_core::{DynImage, GridSize, LightField, LightFieldShape};
 use holo_io::{ColorEncoding, Compression, Limits, read_png, write_png};

@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Request { integrator: Integrator::Direct, samples: 4, sky: [0.1, 0.1, 0.12], ..Request::new(framed.rig(0.5)?) };
     let rendered = renderer.render(&request, &())?;
 
-    let color = rendered.color.ok_or("the integrator `Direct` makes a picture")?;
+    let color = rendered.color.ok_or("the integrator `Direct` makes an image")?;
     let raw = exposure::encode_8bit(&color, exposure::automatic_exposure(&color))?.to_elemental_grid()?;
     let out = std::env::temp_dir();
     write_png(out.join("holo_example_raw.png"), raw.view(), ColorEncoding::Srgb, Compression::Best)?;

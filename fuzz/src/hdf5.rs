@@ -1,7 +1,7 @@
 //! HDF5 files with sound structure and any attributes: the input says which, of what type, with which values.
 //!
-//! What the C library makes of damaged bytes is in its own hands (`holo_io`'s documents say so); what is put to the test here is
-//! what this project makes of everything that the library can hand it.
+//! What the C library makes of damaged bytes is in its own hands (`holo_io`'s documents say so); what is put to the
+//! test here is what this project makes of everything that the library can hand it.
 
 use hdf5::types::{VarLenAscii, VarLenUnicode};
 use hdf5::{Container, File, H5Type};

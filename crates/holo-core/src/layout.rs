@@ -1,4 +1,4 @@
-//! How a raw image divides into views and lenses: Eq. 1, Table I, Eq. 5. **May enter:** sizes and errors.
+//! The division of a raw image into views and microlenses: Eq. 1, Table I, Eq. 5. **May import:** sizes and errors.
 
 mod block;
 mod sensor;

@@ -5,13 +5,13 @@
 //!
 //! | term | meaning |
 //! |---|---|
-//! | microlens, short: lens | an element of the microlens array; V rows x U columns of them are the *spatial resolution* of a view |
-//! | view | the image of one viewpoint, T rows x S columns of them are the *angular resolution* |
+//! | microlens, short: lens | an element of the array; its V x U microlenses are the *spatial resolution* of a view |
+//! | view | the image of one viewpoint; the T x S views are the *angular resolution* |
 //! | viewpoint image (VPI) | one view, also *sub-aperture image*: V x U pixels, one from every microlens |
 //! | elemental image (EI) | the T x S pixels behind one microlens, also *micro-image* |
 //! | elemental grid | the raw image, also *elemental image array* or *lenslet image* |
 //! | viewpoint grid | all views side by side, also *sub-aperture image array* |
-//! | [`LightFieldShape`] | the numbers of views and of microlenses; the raw image has V*T rows and U*S columns (Eq. 1) |
+//! | [`LightFieldShape`] | views and microlenses; the raw image has V*T rows and U*S columns (Eq. 1) |
 //!
 //! # Index order
 //!
@@ -25,16 +25,17 @@
 //! | one view | `(v, u, c)` | `light_field.view(t, s)` |
 //! | one elemental image | `(t, s, c)` | `light_field.elemental_image(v, u)` |
 //!
-//! Both grids hold the same samples: they are one 5D array with two orders of strides. Wrapping either copies nothing. Only
-//! the `to_*_grid` methods (Eq. 4) move samples.
+//! Both grids hold the same samples: they are one 5D array with two orders of strides. Wrapping either copies nothing.
+//! Only the `to_*_grid` methods (Eq. 4) move samples.
 //!
 //! # Geometry
 //!
-//! All lengths are meters in `f64`. The frame is right-handed with +Y up, and a camera looks along its -Z; rows run downward.
-//! A [`Rig`] is a grid of T x S cameras with parallel axes in the XY plane of a camera, centered on that camera. All rays of
-//! one elemental image pass through one point of the focus plane. Depth is planar: the distance along the optical axis, not
-//! along the ray; a ray that hits nothing has depth `+infinity`. Disparity is in pixels between *adjacent* views, positive
-//! for points nearer than the focus plane (Eq. 3). The central view of T x S views is row `T/2`, column `S/2`, rounded down.
+//! All lengths are meters in `f64`. The frame is right-handed with +Y up, and a camera looks along its -Z; rows run
+//! downward. A [`Rig`] is a grid of T x S cameras with parallel axes in the XY plane of a camera, centered on that
+//! camera. All rays of one elemental image pass through one point of the focus plane. Depth is planar: the distance
+//! along the optical axis, not along the ray; a ray that hits nothing has depth `+infinity`. Disparity is in pixels
+//! between *adjacent* views, positive for points nearer than the focus plane (Eq. 3). The central view of T x S views
+//! is row `T/2`, column `S/2`, rounded down.
 //!
 //! # Equations
 //!
@@ -50,9 +51,9 @@
 //!
 //! # Tools
 //!
-//! [`plane_sweep`] estimates the disparity of the central view by multi-view stereo. [`refocus`] adds shifted views up to an
-//! image that is in focus in one plane or everywhere. [`metrics`] has error measures for disparity maps and for images.
-//! [`optics`] computes depth of field and depth resolution of a rig, and the rig for a range of disparities.
+//! [`plane_sweep`] estimates the disparity of the central view by multi-view stereo. [`refocus`] adds shifted views up
+//! to an image that is in focus in one plane or everywhere. [`metrics`] has error measures for disparity maps and for
+//! images. [`optics`] computes depth of field and depth resolution of a rig, and the rig for a range of disparities.
 //!
 //! # Limits
 //!

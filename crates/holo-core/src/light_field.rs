@@ -30,11 +30,12 @@ use ndarray::{
 use crate::layout::checked_product;
 use crate::{Error, GridSize, LightFieldShape};
 
-/// A light field `H(v, u, t, s, c)`: an ndarray with the axes microlens row, microlens column, view row, view column, channel.
+/// A light field `H(v, u, t, s, c)`: an ndarray with the axes microlens row, microlens column, view row, view column,
+/// channel.
 ///
-/// The array has five dimensions, **any strides** and any storage: owned, borrowed, mutably borrowed, shared. The elemental
-/// grid, the viewpoint grid and every crop of either are the same type with other strides. Wrapping one copies nothing. No
-/// axis is empty.
+/// The array has five dimensions, **any strides** and any storage: owned, borrowed, mutably borrowed, shared. The
+/// elemental grid, the viewpoint grid and every crop of either are the same type with other strides. Wrapping one
+/// copies nothing. No axis is empty.
 ///
 /// # Source
 ///
@@ -80,8 +81,8 @@ impl<S: RawData> LightField<S> {
     ///
     /// # Errors
     ///
-    /// [`Error::ZeroCount`] if an axis is empty; [`Error::TooLarge`] if a copy of the samples would not fit the address space.
-    /// Only an array with strides of 0 can be that large.
+    /// [`Error::ZeroCount`] if an axis is empty; [`Error::TooLarge`] if a copy of the samples would not fit the address
+    /// space. Only an array with strides of 0 can be that large.
     pub fn new(samples: ArrayBase<S, Ix5>) -> Result<Self, Error> {
         let (v, u, t, s, channels) = samples.dim();
         let shape = LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u))?;

@@ -23,8 +23,8 @@ pub(crate) fn reserved<T>(what: &'static str, length: usize) -> Result<Vec<T>, E
 ///
 /// As [`reserved`].
 pub(crate) fn filled<T: Clone>(what: &'static str, length: usize, value: T) -> Result<Vec<T>, Error> {
-    // The reservation is a test only: it returns an error where `vec!` would abort. `vec!` then asks the system for zeroed
-    // pages where `value` is zero, so that the thread that first writes to a page also creates it.
+    // The reservation is a test only: it returns an error where `vec!` would abort. `vec!` then asks the system for
+    // zeroed pages where `value` is zero, so that the thread that first writes to a page also creates it.
     drop(reserved::<T>(what, length)?);
     Ok(vec![value; length])
 }

@@ -43,37 +43,37 @@ impl RigBuilder {
         Self { intrinsics, ..self }
     }
 
-    /// Sets the focal length of every view's camera.
+    /// Sets the focal length of every view's camera, in meters.
     #[must_use]
     pub const fn focal_length_m(self, focal_length_m: f64) -> Self {
         Self { intrinsics: Intrinsics { focal_length_m, ..self.intrinsics }, ..self }
     }
 
-    /// Sets the length of the larger image side.
+    /// Sets the length of the larger image side, in meters.
     #[must_use]
     pub const fn sensor_size_m(self, sensor_size_m: f64) -> Self {
         Self { intrinsics: Intrinsics { sensor_size_m, ..self.intrinsics }, ..self }
     }
 
-    /// Sets the distance between adjacent views along both axes; 0 is allowed.
+    /// Sets the distance between adjacent views along both axes, in meters; 0 is allowed.
     #[must_use]
     pub const fn baseline_m(self, baseline_m: f64) -> Self {
         Self { baseline_x_m: baseline_m, baseline_y_m: baseline_m, ..self }
     }
 
-    /// Sets the distance between horizontally adjacent views; 0 is allowed.
+    /// Sets the distance between horizontally adjacent views, in meters; 0 is allowed.
     #[must_use]
     pub const fn baseline_x_m(self, baseline_x_m: f64) -> Self {
         Self { baseline_x_m, ..self }
     }
 
-    /// Sets the distance between vertically adjacent views; 0 is allowed.
+    /// Sets the distance between vertically adjacent views, in meters; 0 is allowed.
     #[must_use]
     pub const fn baseline_y_m(self, baseline_y_m: f64) -> Self {
         Self { baseline_y_m, ..self }
     }
 
-    /// Sets the depth of the plane in which a point has the same pixel in every view; may be `f64::INFINITY`.
+    /// Sets the depth of the focus plane, in meters; may be `f64::INFINITY`.
     #[must_use]
     pub const fn focus_distance_m(self, focus_distance_m: f64) -> Self {
         Self { focus_distance_m, ..self }
@@ -89,9 +89,9 @@ impl RigBuilder {
     ///
     /// # Errors
     ///
-    /// [`Error::BadNumber`] if a length is NaN, infinite or has the wrong sign (baselines may be 0, the focus distance may be
-    /// infinite), or if a number derived from them overflows or underflows; [`Error::OrthographicFocus`] if an orthographic rig has
-    /// an infinite focus distance.
+    /// [`Error::BadNumber`] if a length is NaN, infinite or has the wrong sign (baselines may be 0, the focus distance
+    /// may be infinite), or if a number derived from them overflows or underflows; [`Error::OrthographicFocus`] if an
+    /// orthographic rig has an infinite focus distance.
     pub fn build(self) -> Result<Rig, Error> {
         let Intrinsics { focal_length_m, sensor_size_m } = self.intrinsics;
         let focal_length_m = positive("focal length in meters", focal_length_m)?;

@@ -19,7 +19,8 @@ pub struct Intrinsics {
 }
 
 impl Intrinsics {
-    /// Returns the intrinsics for half the field of view across the larger image side: `f = sens / (2 tan(half angle))`.
+    /// Returns the intrinsics for half the field of view across the larger image side: `f = sens / (2 tan(half
+    /// angle))`.
     ///
     /// # Units
     ///
@@ -58,7 +59,8 @@ impl Intrinsics {
     }
 }
 
-/// Returns the baseline at which `views` sample the whole aperture of an f/`f_number` lens: `f / f_number / (max(S, T) - 1)`.
+/// Returns the baseline at which `views` sample the whole aperture of an f/`f_number` lens: `f / f_number / (max(S, T)
+/// - 1)`.
 ///
 /// The baseline is the same along both axes. It is 0 for a single view.
 ///
@@ -68,7 +70,8 @@ impl Intrinsics {
 ///
 /// # Errors
 ///
-/// [`Error::BadNumber`] if the focal length or the f-number is not finite and above 0; [`Error::ZeroCount`] without views.
+/// [`Error::BadNumber`] if the focal length or the f-number is not finite and above 0; [`Error::ZeroCount`] without
+/// views.
 ///
 /// # Source
 ///
@@ -103,7 +106,8 @@ mod tests {
     fn half_angle_round_trips() {
         for half_angle_rad in [1e-6, 0.1, 0.4, 1.0, 1.57] {
             let intrinsics = Intrinsics::from_half_angle(half_angle_rad, 0.036).unwrap();
-            // tan amplifies a relative error by at most angle/(sin*cos) < 1.57/(sin 1.57 cos 1.57) = 1972 here: allow 2000 eps.
+            // tan amplifies a relative error by at most angle/(sin*cos) < 1.57/(sin 1.57 cos 1.57) = 1972 here: allow
+            // 2000 eps.
             assert!((intrinsics.half_angle_rad() / half_angle_rad - 1.0).abs() < 2000.0 * f64::EPSILON);
         }
     }

@@ -1,11 +1,11 @@
-//! Eq. 2: two parallel cameras without a shift.
+//! Eq. 2: two parallel cameras without a sensor shift.
 
 use ndarray::{Array, ArrayRef, Dimension};
 
 use crate::error::{not_negative, positive};
 use crate::{Error, Real};
 
-/// Two parallel pinhole cameras: the relation between depth and displacement on the sensor.
+/// Two parallel pinhole cameras as a map between depth and displacement on the sensor.
 ///
 /// This is [`Disparity`](crate::Disparity) with the focus at infinity, in meters on the sensor instead of pixels.
 ///
@@ -28,7 +28,7 @@ pub struct StereoPair {
 }
 
 impl StereoPair {
-    /// Makes a pair from the distance between the cameras and their focal length, both in meters.
+    /// Returns the pair for a distance between the cameras and a focal length, both in meters.
     ///
     /// # Errors
     ///
@@ -65,7 +65,7 @@ impl StereoPair {
             return f64::NAN;
         }
         if displacement_m == 0.0 {
-            // Either zero: -0 must not turn into -infinity.
+            // For either sign of zero: -0 must not give -infinity.
             return f64::INFINITY;
         }
         self.scale_m2 / displacement_m

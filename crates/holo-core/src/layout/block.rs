@@ -1,11 +1,11 @@
-//! Eq. 5: which pixels of a grid belong to one lens or to one view.
+//! Eq. 5: the pixels of a grid that belong to one microlens or to one view.
 
 use std::ops::{Range, RangeInclusive};
 
 use crate::error::index_below;
 use crate::{Error, LightFieldShape};
 
-/// The pixels of one elemental image or of one view within a grid, 0-based and half-open as Rust counts.
+/// The pixels of one elemental image or of one view within a grid: 0-based, half-open ranges.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Block {
     /// The rows of the raw image.
@@ -14,7 +14,8 @@ pub struct Block {
     pub columns: Range<usize>,
 }
 
-/// The same pixels as the paper (and MATLAB) writes them: 1-based, both ends included.
+/// The pixels of one elemental image or of one view within a grid as in the paper and in MATLAB: 1-based, closed
+/// ranges.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct OneBasedBlock {
     /// The rows of the raw image.
@@ -24,11 +25,12 @@ pub struct OneBasedBlock {
 }
 
 impl LightFieldShape {
-    /// Returns where the elemental image of lens `(v, u)` lies in the elemental grid: T rows from `v*T`, S columns from `u*S`.
+    /// Returns the block of the elemental image of microlens `(v, u)` in the elemental grid: T rows from `v*T`, S
+    /// columns from `u*S`.
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] if there is no such lens.
+    /// [`Error::OutOfRange`] if there is no such microlens.
     ///
     /// # Source
     ///
@@ -40,7 +42,7 @@ impl LightFieldShape {
         Ok(Block { rows: v * rows..(v + 1) * rows, columns: u * columns..(u + 1) * columns })
     }
 
-    /// Returns where view `(t, s)` lies in the viewpoint grid: V rows from `t*V`, U columns from `s*U`.
+    /// Returns the block of view `(t, s)` in the viewpoint grid: V rows from `t*V`, U columns from `s*U`.
     ///
     /// # Errors
     ///
@@ -56,9 +58,10 @@ impl LightFieldShape {
         Ok(Block { rows: t * rows..(t + 1) * rows, columns: s * columns..(s + 1) * columns })
     }
 
-    /// Returns the rows `(v-1)*T+1 ..= v*T` and columns `(u-1)*S+1 ..= u*S` of lens `(v, u)`, everything counted from 1.
+    /// Returns the rows `(v-1)*T+1 ..= v*T` and columns `(u-1)*S+1 ..= u*S` of microlens `(v, u)`, with all indices
+    /// from 1.
     ///
-    /// This is the one place where the paper's own counting is written down; nothing else in the crate is 1-based.
+    /// The `_one_based` methods are the only 1-based ones of the crate.
     ///
     /// # Errors
     ///
@@ -85,7 +88,8 @@ impl LightFieldShape {
         Ok(OneBasedBlock { rows: (v - 1) * rows + 1..=v * rows, columns: (u - 1) * columns + 1..=u * columns })
     }
 
-    /// Returns the rows `(t-1)*V+1 ..= t*V` and columns `(s-1)*U+1 ..= s*U` of view `(t, s)`, everything counted from 1.
+    /// Returns the rows `(t-1)*V+1 ..= t*V` and columns `(s-1)*U+1 ..= s*U` of view `(t, s)`, with all indices
+    /// from 1.
     ///
     /// # Errors
     ///
@@ -111,7 +115,7 @@ mod tests {
     use super::*;
     use crate::GridSize;
 
-    /// A 1-based inclusive range names the same pixels as a 0-based half-open one.
+    /// Whether a 1-based closed range and a 0-based half-open range have the same pixels.
     fn same(paper: &RangeInclusive<usize>, ours: &Range<usize>) -> bool {
         paper.clone().map(|index| index - 1).eq(ours.clone())
     }

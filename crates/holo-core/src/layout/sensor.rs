@@ -1,17 +1,17 @@
-//! Sensors of the paper and how they divide into views and lenses (Table I).
+//! Sensors, and their division into views and microlenses (Table I).
 
 use crate::{Error, GridSize, LightFieldShape};
 
-/// A sensor by its size in pixels.
+/// A sensor size in pixels.
 ///
 /// # Source
 ///
-/// Table I of the paper divides "8K" by 20, 40, 60, 80 and 100 views per axis and finds 397x265, 198x132, 132x88, 99x66 and 79x53
-/// lenses (columns x rows), rounding down. Two errata of the paper follow from it:
+/// Table I of the paper divides "8K" by 20, 40, 60, 80 and 100 views per axis and finds 397x265, 198x132, 132x88, 99x66
+/// and 79x53 microlenses (columns x rows), rounded down. Two errata of the paper follow from it:
 ///
-/// - No UHD format gives this table; only a sensor of 7940..7959 x 5300..5319 pixels does. [`Sensor::Paper8k`] is therefore
-///   7952 x 5304 pixels, a 42-megapixel full-frame sensor, and [`Sensor::Uhd8k`] is the television format.
-/// - Fig. 8 prints "74x53" where 79x53 is meant.
+/// - No UHD format gives this table, only sensors of 7940..7959 x 5300..5319 pixels. [`Sensor::Paper8k`] is therefore
+///   7952 x 5304 pixels, a 42-megapixel full-frame sensor. [`Sensor::Uhd8k`] is the television format.
+/// - "74x53" in Fig. 8 is a misprint of 79x53.
 ///
 /// # Examples
 ///
@@ -38,19 +38,19 @@ pub enum Sensor {
     Other(GridSize),
 }
 
-/// What happens to rows and columns that do not fill a whole block of views.
+/// The treatment of sensor rows and columns that do not fill a block of views.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Remainder {
-    /// They are cropped at the bottom and at the right, and reported.
+    /// They are cropped at the bottom and at the right, and their number is returned.
     Crop,
-    /// There must be none.
+    /// They are an error.
     Exact,
 }
 
-/// A sensor divided: the shape of its light field, and what was cropped to make it possible.
+/// The division of a sensor: the shape of its light field and the cropped border.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct SensorDivision {
-    /// The views and lenses.
+    /// The numbers of views and of microlenses.
     pub shape: LightFieldShape,
     /// Rows cropped at the bottom and columns cropped at the right; zero when the sensor divides exactly.
     pub border: GridSize,
@@ -69,13 +69,13 @@ impl Sensor {
         }
     }
 
-    /// Divides the sensor into `views` (T rows x S columns): every lens covers T x S pixels.
+    /// Divides the sensor into `views` (T rows x S columns): every microlens covers T x S pixels.
     ///
     /// # Errors
     ///
-    /// [`Error::ZeroCount`] if there are no views or no pixels; [`Error::SensorTooSmall`] if there are more views than pixels along an axis;
-    /// [`Error::NotDivisible`] if pixels are left over and `remainder` is [`Remainder::Exact`]; [`Error::TooLarge`] for an
-    /// impossible sensor.
+    /// [`Error::ZeroCount`] if there are no views or no pixels; [`Error::SensorTooSmall`] if there are more views than
+    /// pixels along an axis; [`Error::NotDivisible`] if pixels are left over and `remainder` is [`Remainder::Exact`];
+    /// [`Error::TooLarge`] for a sensor that does not fit the address space.
     ///
     /// # Source
     ///
@@ -117,7 +117,7 @@ mod tests {
         for (views, columns, rows) in TABLE_I {
             let divided = Sensor::Paper8k.divide(GridSize::new(views, views), Remainder::Crop).unwrap();
             assert_eq!(divided.shape.lenses(), GridSize::new(rows, columns), "{views} views per axis");
-            // The crop is what is missing to the full sensor, and less than one block.
+            // Raw image and border add up to the sensor, and the border is narrower than a block.
             let raw = divided.shape.raw_size();
             assert_eq!((raw.rows + divided.border.rows, raw.columns + divided.border.columns), (5304, 7952));
             assert!(divided.border.rows < views && divided.border.columns < views);
@@ -153,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn remainder_is_an_error_when_exactness_is_asked() {
+    fn remainder_is_an_error_if_the_division_must_be_exact() {
         let views = GridSize::new(100, 100);
         assert_eq!(
             Sensor::Paper8k.divide(views, Remainder::Exact),

@@ -1,17 +1,17 @@
-//! Eq. 1: how a raw image divides into views and lenses.
+//! Eq. 1: the numbers of views and of microlenses of a raw image.
 
 use crate::{Error, GridSize};
 
-/// The division of a raw image into T x S views and V x U lenses.
+/// The shape of a light field: (rows, columns) of views, T x S, and of microlenses, V x U.
 ///
-/// The raw image has `V*T` rows and `U*S` columns in either layout. Every `LightFieldShape` that exists is possible: no count is zero
-/// and the number of samples fits the address space.
+/// The raw image has `V*T` rows and `U*S` columns in either layout. No count is zero, and the number of samples of one
+/// channel fits the address space.
 ///
 /// # Source
 ///
-/// Eq. 1 of the paper, with the meaning that makes its Table I true: the number of views per axis times the number of lenses per
-/// axis is the number of pixels per axis. The paper's text calls its `M` the number of micro-lenses, but the table only holds when `M` counts
-/// views; see [`Sensor`](crate::Sensor) for the table.
+/// Eq. 1: the number of views per axis times the number of microlenses per axis is the number of pixels per axis. The
+/// text of the paper calls its `M` the number of microlenses, but its Table I holds only if `M` is the number of views;
+/// see [`Sensor`](crate::Sensor) for the table.
 ///
 /// # Examples
 ///
@@ -30,12 +30,12 @@ pub struct LightFieldShape {
 }
 
 impl LightFieldShape {
-    /// Makes a shape of `views` (T rows x S columns) and `lenses` (V rows x U columns).
+    /// Returns the shape with `views` (T rows x S columns) and `lenses` (V rows x U columns of microlenses).
     ///
     /// # Errors
     ///
-    /// [`Error::ZeroCount`] if any of the four counts is zero; [`Error::TooLarge`] if `T*S*V*U` is more than `isize::MAX`, the most that
-    /// an array can hold.
+    /// [`Error::ZeroCount`] if any of the four counts is zero; [`Error::TooLarge`] if `T*S*V*U` is more than
+    /// `isize::MAX`, the largest length of an array.
     pub fn new(views: GridSize, lenses: GridSize) -> Result<Self, Error> {
         for (what, count) in [
             ("view rows", views.rows),
@@ -57,7 +57,7 @@ impl LightFieldShape {
         self.views
     }
 
-    /// Returns the number of lenses, which is the size of one view in pixels: V rows x U columns.
+    /// Returns the number of microlenses, which is the spatial resolution of a view: V rows x U columns.
     #[must_use]
     pub const fn lenses(&self) -> GridSize {
         self.lenses
@@ -66,7 +66,7 @@ impl LightFieldShape {
     /// Returns the size of the raw image in pixels: V*T rows x U*S columns, the same in both layouts.
     #[must_use]
     pub const fn raw_size(&self) -> GridSize {
-        // No overflow: `new` has checked the product of all four.
+        // No overflow: `new` checks the product of all four.
         GridSize::new(self.views.rows * self.lenses.rows, self.views.columns * self.lenses.columns)
     }
 
@@ -78,7 +78,7 @@ impl LightFieldShape {
 
     /// Returns the row and column `(t, s)` of the central view: `(T/2, S/2)`, rounded down.
     ///
-    /// With an even count no view lies in the middle of the rig; this is then the one just behind it.
+    /// With an even count no view is in the middle of the rig; this is then the next view to the right or below.
     #[must_use]
     pub const fn central_view(&self) -> (usize, usize) {
         (self.views.rows / 2, self.views.columns / 2)
@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(LightFieldShape::new(GridSize::new(2, 0), good), Err(Error::ZeroCount { what: "view columns" }));
         assert_eq!(LightFieldShape::new(good, GridSize::new(0, 3)), Err(Error::ZeroCount { what: "lens rows" }));
         assert_eq!(LightFieldShape::new(good, GridSize::new(2, 0)), Err(Error::ZeroCount { what: "lens columns" }));
-        // A zero wins over an overflow elsewhere: the product alone would be a harmless 0.
+        // The zero is reported, although the other product overflows.
         assert_eq!(
             LightFieldShape::new(GridSize::new(usize::MAX, usize::MAX), GridSize::new(usize::MAX, 0)),
             Err(Error::ZeroCount { what: "lens columns" })
@@ -118,13 +118,13 @@ mod tests {
     #[test]
     fn sizes_are_checked_and_not_wrapped() {
         let huge = GridSize::new(65_536, 65_536);
-        // 2^64 wraps to 0 in 64 bits: the product must not be taken for empty.
+        // 2^64 wraps to 0 in 64 bits.
         assert_eq!(LightFieldShape::new(huge, huge), Err(Error::TooLarge { what: "raw image" }));
         assert_eq!(
             LightFieldShape::new(GridSize::new(65_536, 65_536), GridSize::new(65_536, 1 << 15)),
             Err(Error::TooLarge { what: "raw image" })
         );
-        // isize::MAX = 2^63 - 1, so 2^62 is the largest power of two that may be split.
+        // isize::MAX = 2^63 - 1, so 2^62 is the largest power of two.
         let largest = LightFieldShape::new(huge, GridSize::new(1 << 15, 1 << 15)).unwrap();
         assert_eq!(largest.sample_count(), 1 << 62);
         assert!(LightFieldShape::new(GridSize::new(usize::MAX, 1), GridSize::new(1, 1)).is_err());

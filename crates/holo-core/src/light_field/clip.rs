@@ -1,4 +1,4 @@
-//! Clipping: fewer views, fewer lenses, or a piece of one image.
+//! Clipping to ranges of views, of microlenses, or of the pixels of one image.
 
 use std::ops::{Bound, Range, RangeBounds};
 
@@ -9,15 +9,15 @@ use crate::Error;
 use crate::error::range_within;
 
 impl<S: RawData> LightField<S> {
-    /// Keeps a rectangle of views and drops the others, without copying.
+    /// Keeps a rectangle of views, without copying.
     ///
     /// # Shape
     ///
-    /// View rows `rows` and view columns `columns`; all lenses stay.
+    /// View rows `rows` and view columns `columns`; all microlenses remain.
     ///
     /// # Errors
     ///
-    /// [`Error::BadRange`] if a range is empty or reaches beyond the views.
+    /// [`Error::BadRange`] if a range is empty or ends beyond the views.
     pub fn into_clip_views(
         self,
         rows: impl RangeBounds<usize>,
@@ -29,8 +29,8 @@ impl<S: RawData> LightField<S> {
         Ok(Self::trusted(samples.slice_axis_move(Axis(3), Slice::from(columns))))
     }
 
-    /// Keeps every `rows`-th view row and every `columns`-th view column from the first on, and drops the others, without
-    /// copying: the same scene with a baseline that is so much longer.
+    /// Keeps every `rows`-th view row and every `columns`-th view column from the first on, without copying. The
+    /// baselines of the result are longer by these factors.
     ///
     /// # Errors
     ///
@@ -42,15 +42,15 @@ impl<S: RawData> LightField<S> {
         Ok(Self::trusted(samples.slice_axis_move(Axis(3), columns)))
     }
 
-    /// Keeps a rectangle of lenses, that is a piece of every view, and drops the others, without copying.
+    /// Keeps a rectangle of microlenses, which is a part of every view, without copying.
     ///
     /// # Shape
     ///
-    /// Lens rows `rows` and lens columns `columns`; all views stay.
+    /// Microlens rows `rows` and microlens columns `columns`; all views remain.
     ///
     /// # Errors
     ///
-    /// [`Error::BadRange`] if a range is empty or reaches beyond the lenses.
+    /// [`Error::BadRange`] if a range is empty or ends beyond the microlenses.
     pub fn into_clip_lenses(
         self,
         rows: impl RangeBounds<usize>,
@@ -68,7 +68,7 @@ impl<S: Data> LightField<S> {
     ///
     /// # Errors
     ///
-    /// [`Error::BadRange`] if a range is empty or reaches beyond the views.
+    /// [`Error::BadRange`] if a range is empty or ends beyond the views.
     ///
     /// # Examples
     ///
@@ -92,8 +92,8 @@ impl<S: Data> LightField<S> {
         self.as_light_field_ref().into_clip_views(rows, columns)
     }
 
-    /// Returns every `rows`-th view row and every `columns`-th view column from the first on as a borrowed light field; see
-    /// [`LightField::into_stride_views`].
+    /// Returns every `rows`-th view row and every `columns`-th view column from the first on as a borrowed light field;
+    /// see [`LightField::into_stride_views`].
     ///
     /// # Errors
     ///
@@ -102,11 +102,11 @@ impl<S: Data> LightField<S> {
         self.as_light_field_ref().into_stride_views(rows, columns)
     }
 
-    /// Returns a rectangle of lenses, that is a piece of every view, as a borrowed light field.
+    /// Returns a rectangle of microlenses, which is a part of every view, as a borrowed light field.
     ///
     /// # Errors
     ///
-    /// [`Error::BadRange`] if a range is empty or reaches beyond the lenses.
+    /// [`Error::BadRange`] if a range is empty or ends beyond the microlenses.
     pub fn clip_lenses(
         &self,
         rows: impl RangeBounds<usize>,
@@ -115,7 +115,7 @@ impl<S: Data> LightField<S> {
         self.as_light_field_ref().into_clip_lenses(rows, columns)
     }
 
-    /// Returns a piece of view `(t, s)`.
+    /// Returns a part of view `(t, s)`.
     ///
     /// # Shape
     ///
@@ -123,7 +123,8 @@ impl<S: Data> LightField<S> {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] if there is no such view; [`Error::BadRange`] if a range is empty or reaches beyond the image.
+    /// [`Error::OutOfRange`] if there is no such view; [`Error::BadRange`] if a range is empty or ends beyond the
+    /// image.
     pub fn crop_view(
         &self,
         t: usize,
@@ -134,7 +135,7 @@ impl<S: Data> LightField<S> {
         crop(self.view(t, s)?, rows, columns)
     }
 
-    /// Returns a piece of the elemental image of lens `(v, u)`.
+    /// Returns a part of the elemental image of microlens `(v, u)`.
     ///
     /// # Shape
     ///
@@ -142,7 +143,8 @@ impl<S: Data> LightField<S> {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] if there is no such lens; [`Error::BadRange`] if a range is empty or reaches beyond the image.
+    /// [`Error::OutOfRange`] if there is no such microlens; [`Error::BadRange`] if a range is empty or ends beyond the
+    /// image.
     pub fn crop_elemental_image(
         &self,
         v: usize,
@@ -159,7 +161,7 @@ impl<S: DataMut> LightField<S> {
     ///
     /// # Errors
     ///
-    /// [`Error::BadRange`] if a range is empty or reaches beyond the views.
+    /// [`Error::BadRange`] if a range is empty or ends beyond the views.
     pub fn clip_views_mut(
         &mut self,
         rows: impl RangeBounds<usize>,
@@ -168,11 +170,11 @@ impl<S: DataMut> LightField<S> {
         self.as_light_field_mut().into_clip_views(rows, columns)
     }
 
-    /// Returns a rectangle of lenses as a mutably borrowed light field.
+    /// Returns a rectangle of microlenses as a mutably borrowed light field.
     ///
     /// # Errors
     ///
-    /// [`Error::BadRange`] if a range is empty or reaches beyond the lenses.
+    /// [`Error::BadRange`] if a range is empty or ends beyond the microlenses.
     pub fn clip_lenses_mut(
         &mut self,
         rows: impl RangeBounds<usize>,
@@ -193,9 +195,9 @@ fn crop<'a, T>(
     Ok(image.slice_axis_move(Axis(1), Slice::from(columns)))
 }
 
-/// The range that bounds mean among `count` indices.
+/// The range of indices from 0 to `count` within the given bounds.
 fn within(what: &'static str, bounds: &impl RangeBounds<usize>, count: usize) -> Result<Range<usize>, Error> {
-    // A bound that overflows lies beyond every count, and is refused as one.
+    // A bound that overflows is beyond every count.
     let start = match bounds.start_bound() {
         Bound::Included(&start) => start,
         Bound::Excluded(&start) => start.saturating_add(1),
@@ -215,7 +217,7 @@ fn every(what: &'static str, step: usize, count: usize) -> Result<Slice, Error> 
     match isize::try_from(step) {
         Ok(0) => Err(Error::ZeroCount { what }),
         Ok(step) => Ok(Slice { start: 0, end: None, step }),
-        // Beyond every count: the first alone.
+        // A step beyond every count: only the first index.
         Err(_) => Ok(Slice::from(0..1.min(count))),
     }
 }
@@ -232,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn any_kind_of_range_will_do() {
+    fn all_kinds_of_ranges_are_accepted() {
         let field = field();
         assert_eq!(field.clip_views(.., ..).unwrap(), field);
         assert_eq!(field.clip_views(1..=2, ..3).unwrap(), field.clip_views(1..3, 0..3).unwrap());
@@ -242,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn strides_keep_every_so_many_views() {
+    fn strides_keep_every_nth_view() {
         let field = field();
         let some = field.stride_views(2, 3).unwrap();
         assert_eq!(some.shape(), LightFieldShape::new(GridSize::new(3, 3), GridSize::new(3, 4)).unwrap());

@@ -8,7 +8,7 @@ use super::sample::sealed::Sealed;
 use super::{LightFieldOwned, LightFieldRef, Sample, SampleKind};
 use crate::{Error, GridSize, Layout, LightFieldShape};
 
-/// A light field of any of the element types.
+/// A light field whose element type is known at run time.
 ///
 /// # Examples
 ///
@@ -34,7 +34,7 @@ pub enum DynLightField {
     F64(LightFieldOwned<f64>),
 }
 
-/// A borrowed light field of any of the element types.
+/// A borrowed light field whose element type is known at run time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DynLightFieldRef<'a> {
     /// 8 bits a sample.
@@ -47,7 +47,7 @@ pub enum DynLightFieldRef<'a> {
     F64(LightFieldRef<'a, f64>),
 }
 
-/// An image `(row, column, channel)` of any of the element types.
+/// An image `(row, column, channel)` whose element type is known at run time.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DynImage {
     /// 8 bits a sample.
@@ -60,7 +60,7 @@ pub enum DynImage {
     F64(Array3<f64>),
 }
 
-/// A borrowed image `(row, column, channel)` of any of the element types.
+/// A borrowed image `(row, column, channel)` whose element type is known at run time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DynImageRef<'a> {
     /// 8 bits a sample.
@@ -73,9 +73,9 @@ pub enum DynImageRef<'a> {
     F64(ArrayView3<'a, f64>),
 }
 
-/// Runs the same code on whichever element type a [`DynLightField`], [`DynLightFieldRef`], [`DynImage`] or [`DynImageRef`]
-/// holds: `for_each_sample!(DynImage, value, image => expression)`. The value is matched as it is given: by reference or
-/// by value.
+/// Runs the same code for every element type of a [`DynLightField`], [`DynLightFieldRef`], [`DynImage`] or
+/// [`DynImageRef`]: `for_each_sample!(DynImage, value, image => expression)`. The value is matched as given: by
+/// reference or by value.
 #[macro_export]
 macro_rules! for_each_sample {
     ($type:ident, $value:expr, $name:ident => $body:expr) => {
@@ -218,7 +218,7 @@ impl DynLightField {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] if there is no such lens.
+    /// [`Error::OutOfRange`] if there is no such microlens.
     pub fn elemental_image(&self, v: usize, u: usize) -> Result<DynImageRef<'_>, Error> {
         for_each_sample!(DynLightField, self, field => field.elemental_image(v, u).map(Into::into))
     }
@@ -408,7 +408,7 @@ mod tests {
     }
 
     #[test]
-    fn every_type_has_the_same_pieces() {
+    fn every_type_has_the_same_views_and_elemental_images() {
         let kinds = [SampleKind::U8, SampleKind::U16, SampleKind::F32, SampleKind::F64];
         let expected = fields()[2].to_f32().unwrap();
         for (field, kind) in fields().into_iter().zip(kinds) {

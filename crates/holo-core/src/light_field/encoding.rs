@@ -8,8 +8,8 @@ use crate::memory::collected;
 use crate::{ColorEncoding, Error};
 
 impl DynLightField {
-    /// Converts every sample to linear light: 1 is the largest integer, floats keep their scale. Samples that are linear
-    /// `f32` are not copied.
+    /// Converts every sample to linear light: 1 is the largest integer, floats keep their scale. Samples that are
+    /// linear `f32` are not copied.
     ///
     /// Alpha is converted like color. [`DynLightField::without_alpha`] removes it.
     ///
@@ -49,8 +49,8 @@ impl DynLightField {
 }
 
 impl DynImage {
-    /// Converts linear light to samples of a type: integers on the sRGB curve, where 1 is the largest and values outside
-    /// 0 to 1 are clamped (NaN is 0); floats as they are.
+    /// Converts linear light to samples of a type: integers on the sRGB curve, where 1 is the largest and values
+    /// outside 0 to 1 are clamped (NaN is 0); floats as they are.
     ///
     /// # Shape
     ///

@@ -7,9 +7,10 @@ use crate::Error;
 use crate::error::index_below;
 
 impl<S: Data> LightField<S> {
-    /// Returns the horizontal epipolar-plane image of pixel row `v` in view row `t`: what that row looks like from left to right.
+    /// Returns the horizontal epipolar-plane image of pixel row `v` in view row `t`: that pixel row in all views from
+    /// left to right.
     ///
-    /// A point of disparity d runs along a line that moves `-d` columns per row.
+    /// A point of disparity d is a line that moves by `-d` columns per row.
     ///
     /// # Shape
     ///
@@ -39,11 +40,12 @@ impl<S: Data> LightField<S> {
         Ok(slice.permuted_axes([1, 0, 2]))
     }
 
-    /// Returns the vertical epipolar-plane image of pixel column `u` in view column `s`: what that column looks like from top to bottom.
+    /// Returns the vertical epipolar-plane image of pixel column `u` in view column `s`: that pixel column in all views
+    /// from top to bottom.
     ///
     /// # Shape
     ///
-    /// `(t, v, c)`: a row for each view row, a column for each pixel, so the picture column lies on its side.
+    /// `(t, v, c)`: a row for each view row, a column for each pixel, so the pixel column is horizontal.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! Eq. 5: the 2D layouts as light fields, and back, without moving a sample.
+//! Eq. 5: conversion between 2D layouts and light fields by strides alone.
 
 use ndarray::{Array5, ArrayBase, ArrayRef, ArrayView3, Axis, Data, Ix3, RawData};
 
@@ -7,18 +7,18 @@ use super::{LightField, LightFieldCow, LightFieldOwned, checked_length};
 use crate::memory::filled;
 use crate::{Error, LightFieldShape};
 
-/// The order in which a raw image holds its samples.
+/// The layout of the samples of a raw image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Layout {
-    /// Lens by lens: lens `(v, u)` owns the T x S block at row `v*T`, column `u*S`.
+    /// Elemental image array: microlens `(v, u)` owns the T x S block at row `v*T`, column `u*S`.
     ElementalGrid,
-    /// View by view: view `(t, s)` owns the V x U block at row `t*V`, column `s*U`.
+    /// Sub-aperture image array: view `(t, s)` owns the V x U block at row `t*V`, column `s*U`.
     ViewpointGrid,
 }
 
 impl Layout {
-    /// What the axes (row, row within, column, column within, channel) of an image split in this layout are, as axes of
-    /// `(v, u, t, s, c)`: entry n is where axis n of the light field is found among the five.
+    /// The permutation from the axes (outer row, inner row, outer column, inner column, channel) of an image in this
+    /// layout to `(v, u, t, s, c)`: entry n is the image axis of light field axis n.
     const fn axes(self) -> [usize; 5] {
         match self {
             // The image splits into (v, t, u, s, c).
@@ -46,18 +46,19 @@ impl Layout {
 }
 
 impl<S: RawData> LightField<S> {
-    /// Wraps an elemental grid (the raw image behind the lenses) without copying it.
+    /// Wraps an elemental grid, the raw image behind the microlenses, without copying it.
     ///
-    /// Any storage will do: an owned image gives an owned light field, a view a borrowed one, a mutable view a mutable one.
+    /// The storage is that of the image: owned, borrowed or mutably borrowed.
     ///
     /// # Shape
     ///
-    /// `(V*T, U*S, C)`: row, column, channel. The image must be dense in memory (no gaps), in any order of axes and with any of
-    /// them reversed; for one with gaps, such as a crop, borrow it with [`LightField::from_elemental_grid_view`].
+    /// `(V*T, U*S, C)`: row, column, channel. The image must have no gaps in memory. Its axes may have any order and
+    /// direction. [`LightField::from_elemental_grid_view`] borrows an image with gaps, such as a crop.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if the image is not of that size; [`Error::NotDense`] if it has gaps; [`Error::ZeroCount`] without channels.
+    /// [`Error::Shape`] if the image has another size; [`Error::NotDense`] if it has gaps; [`Error::ZeroCount`] without
+    /// channels.
     ///
     /// # Source
     ///
@@ -66,11 +67,11 @@ impl<S: RawData> LightField<S> {
         split_dense(image, &shape, Layout::ElementalGrid)
     }
 
-    /// Wraps a viewpoint grid (all views side by side) without copying it.
+    /// Wraps a viewpoint grid, all views side by side, without copying it.
     ///
     /// # Shape
     ///
-    /// `(T*V, S*U, C)`: row, column, channel; dense in memory as for [`LightField::from_elemental_grid`].
+    /// `(T*V, S*U, C)`: row, column, channel; without gaps in memory, as for [`LightField::from_elemental_grid`].
     ///
     /// # Errors
     ///
@@ -83,22 +84,20 @@ impl<S: RawData> LightField<S> {
         split_dense(image, &shape, Layout::ViewpointGrid)
     }
 
-    /// Returns the elemental grid without copying, if the samples lie in memory row by row in just that order; else gives
-    /// the light field back, and [`LightField::to_elemental_grid`] makes a copy.
+    /// Returns the elemental grid without copying, if the memory order of the samples is that of the grid, row by row.
     ///
     /// # Errors
     ///
-    /// The light field itself.
+    /// The light field itself, if its memory order differs. [`LightField::to_elemental_grid`] copies it.
     pub fn into_elemental_grid(self) -> Result<ArrayBase<S, Ix3>, Self> {
         self.into_grid(Layout::ElementalGrid)
     }
 
-    /// Returns the viewpoint grid without copying, if the samples lie in memory row by row in just that order; else gives
-    /// the light field back, and [`LightField::to_viewpoint_grid`] makes a copy.
+    /// Returns the viewpoint grid without copying, if the memory order of the samples is that of the grid, row by row.
     ///
     /// # Errors
     ///
-    /// The light field itself.
+    /// The light field itself, if its memory order differs. [`LightField::to_viewpoint_grid`] copies it.
     pub fn into_viewpoint_grid(self) -> Result<ArrayBase<S, Ix3>, Self> {
         self.into_grid(Layout::ViewpointGrid)
     }
@@ -116,13 +115,15 @@ impl<S: RawData> LightField<S> {
 }
 
 impl<S: Data> LightField<S> {
-    /// Returns the elemental grid as a borrowed image, if the samples lie in memory row by row in just that order.
+    /// Returns the elemental grid as a borrowed image, if the memory order of the samples is that of the grid, row by
+    /// row.
     #[must_use]
     pub fn as_elemental_grid(&self) -> Option<ArrayView3<'_, S::Elem>> {
         self.as_light_field_ref().into_elemental_grid().ok()
     }
 
-    /// Returns the viewpoint grid as a borrowed image, if the samples lie in memory row by row in just that order.
+    /// Returns the viewpoint grid as a borrowed image, if the memory order of the samples is that of the grid, row by
+    /// row.
     #[must_use]
     pub fn as_viewpoint_grid(&self) -> Option<ArrayView3<'_, S::Elem>> {
         self.as_light_field_ref().into_viewpoint_grid().ok()
@@ -130,10 +131,9 @@ impl<S: Data> LightField<S> {
 }
 
 impl<'a, T: Clone> LightFieldCow<'a, T> {
-    /// Borrows an elemental grid of any strides: a crop of a larger image, a flipped one, one with its channels apart.
+    /// Borrows an elemental grid of any strides, such as a crop of a larger image or planar channels.
     ///
-    /// Nothing is copied: splitting an axis into two never needs to. (The type is the copy-on-write one because that is
-    /// what ndarray's safe reshaping returns.)
+    /// Nothing is copied. (The copy-on-write type is the return type of ndarray's safe reshaping.)
     ///
     /// # Shape
     ///
@@ -141,8 +141,8 @@ impl<'a, T: Clone> LightFieldCow<'a, T> {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if the image is not of that size; [`Error::ZeroCount`] without channels; [`Error::TooLarge`] for an image that
-    /// repeats itself beyond the address space.
+    /// [`Error::Shape`] if the image has another size; [`Error::ZeroCount`] without channels; [`Error::TooLarge`] if a
+    /// copy would not fit the address space, which strides of 0 can cause.
     ///
     /// # Examples
     ///
@@ -177,14 +177,15 @@ impl<'a, T: Clone> LightFieldCow<'a, T> {
 }
 
 impl<T: Clone> LightFieldOwned<T> {
-    /// Makes a light field with every sample equal to `value`, in memory as `layout` says.
+    /// Returns a light field with every sample equal to `value`, in the memory order of `layout`.
     ///
-    /// [`LightField::into_elemental_grid`] or [`LightField::into_viewpoint_grid`] turns it into an image without copying.
+    /// [`LightField::into_elemental_grid`] or [`LightField::into_viewpoint_grid`] turns it into an image without
+    /// copying.
     ///
     /// # Errors
     ///
-    /// [`Error::ZeroCount`] without channels; [`Error::TooLarge`] if the size overflows; [`Error::OutOfMemory`] if there is no such amount of
-    /// memory.
+    /// [`Error::ZeroCount`] without channels; [`Error::TooLarge`] if the size overflows; [`Error::OutOfMemory`] if the
+    /// allocation fails.
     ///
     /// # Examples
     ///
@@ -207,7 +208,7 @@ impl<T: Clone> LightFieldOwned<T> {
     }
 }
 
-/// Checks that an image has the size that the shape calls for.
+/// Checks that an image has the raw size of a shape, and returns its number of channels.
 fn check_shape(found: &[usize], shape: &LightFieldShape, layout: Layout) -> Result<usize, Error> {
     let raw = shape.raw_size();
     let channels = found[2];
@@ -220,8 +221,8 @@ fn check_shape(found: &[usize], shape: &LightFieldShape, layout: Layout) -> Resu
 
 /// Splits the rows and columns of an image of any storage.
 ///
-/// ndarray splits axes in place only in standard layout. A dense image is in standard layout once its axes are sorted by
-/// stride and run forward; afterwards the order and the direction of the axes are restored. Only strides change.
+/// ndarray splits axes in place only in standard layout. A dense image is in standard layout once its axes are sorted
+/// by stride and run forward; afterwards the order and the direction of the axes are restored. Only strides change.
 fn split_dense<S: RawData>(
     image: ArrayBase<S, Ix3>,
     shape: &LightFieldShape,
@@ -237,7 +238,8 @@ fn split_dense<S: RawData>(
     }
 
     let [rows, inner_rows, columns, inner_columns] = layout.counts(shape);
-    // Per image axis: the counts that it splits into and where those go among (row, row within, column, column within, channel).
+    // Per image axis: the lengths of the axes that it splits into, and their positions among (outer row, inner row,
+    // outer column, inner column, channel).
     let parts: [&[(usize, usize)]; 3] =
         [&[(rows, 0), (inner_rows, 1)], &[(columns, 2), (inner_columns, 3)], &[(channels, 4)]];
     let split_axes: Vec<(usize, usize)> = order.iter().flat_map(|&axis| parts[axis].iter().copied()).collect();
@@ -264,7 +266,7 @@ fn split_any<'a, T: Clone>(
     let channels = check_shape(image.shape(), shape, layout)?;
     checked_length::<T>(shape, channels)?;
     let [rows, inner_rows, columns, inner_columns] = layout.counts(shape);
-    // `to_shape` copies only when axes must be merged; splitting one axis into two is always a matter of strides.
+    // `to_shape` copies only where axes are merged. Splitting an axis needs strides alone.
     let samples = image.to_shape((rows, inner_rows, columns, inner_columns, channels)).expect("same length");
     debug_assert!(samples.is_view());
     Ok(LightField::trusted(samples.permuted_axes(layout.axes())))

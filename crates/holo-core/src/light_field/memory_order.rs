@@ -42,7 +42,8 @@ pub(super) fn inverse<const N: usize>(axes: [usize; N]) -> [usize; N] {
     inverse
 }
 
-/// The results of a function of every sample: in the memory order of the samples if they have no gaps, else in index order.
+/// The results of a function of every sample: in the memory order of the samples if they have no gaps, else in index
+/// order.
 ///
 /// # Errors
 ///

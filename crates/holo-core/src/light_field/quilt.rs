@@ -1,4 +1,4 @@
-//! Quilts: some views side by side in one image, in the order of multi-view displays.
+//! Quilts: views side by side in one image, in the order of multi-view displays.
 
 use ndarray::{Array3, Axis, Data, Slice};
 
@@ -10,11 +10,11 @@ impl<S: Data> LightField<S>
 where
     S::Elem: Copy,
 {
-    /// Returns some views as one image in the order of multi-view displays: the first at the bottom left, then to the right, then
-    /// row by row **upward**.
+    /// Returns a list of views as one image in the order of multi-view displays: the first at the bottom left, then to
+    /// the right, then row by row **upward**.
     ///
-    /// Looking Glass displays read such quilts; their first view is the leftmost camera. Every view stays upright. The views of one
-    /// row of cameras, from left to right, are `ViewPath::Sweep { row }.views(..)`.
+    /// This is the quilt of Looking Glass displays, whose first view is the leftmost camera. Every view is upright. The
+    /// views of one row of cameras, from left to right, are `ViewPath::Sweep { row }.views(..)`.
     ///
     /// # Shape
     ///
@@ -22,8 +22,9 @@ where
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if the list has another length than the tiles; [`Error::OutOfRange`] if there is no such view; [`Error::ZeroCount`] without
-    /// tiles; [`Error::TooLarge`] and [`Error::OutOfMemory`] if the image is too large.
+    /// [`Error::Shape`] if the length of the list is not the number of tiles; [`Error::OutOfRange`] if there is no such
+    /// view; [`Error::ZeroCount`] without tiles; [`Error::TooLarge`] and [`Error::OutOfMemory`] if the image is too
+    /// large.
     ///
     /// # Examples
     ///
@@ -45,7 +46,7 @@ where
             return Err(Error::Shape { what: "list of views of the quilt", expected, found });
         }
         let (lenses, channels) = (self.shape().lenses(), self.channels());
-        // A quilt is a viewpoint grid of other counts: the same checks of its size.
+        // A quilt has the size of a viewpoint grid of `tiles` views.
         let shape = LightFieldShape::new(tiles, lenses)?;
         let memory = filled("a quilt", checked_length::<S::Elem>(&shape, channels)?, self.samples[[0, 0, 0, 0, 0]])?;
         let size = shape.raw_size();

@@ -1,9 +1,9 @@
 //! Eq. 4: elemental grid to viewpoint grid and back.
 //!
-//! For a fixed lens row `v` and view row `t`, row `v*T + t` of the elemental grid and row `t*V + v` of the viewpoint grid hold the
-//! same U*S pixels: the former as U groups of S, the latter as S groups of U. The rearrangement is V*T independent
-//! transpositions of a single row (24 KB for 8K RGB8). A row fits the cache, and rayon's threads share the rows of the
-//! destination.
+//! For a fixed lens row `v` and view row `t`, row `v*T + t` of the elemental grid and row `t*V + v` of the viewpoint
+//! grid hold the same U*S pixels: the former as U groups of S, the latter as S groups of U. The rearrangement is V*T
+//! independent transpositions of a single row (24 KB for 8K RGB8). A row fits the cache, and rayon's threads share the
+//! rows of the destination.
 
 pub mod naive;
 mod transpose;

@@ -1,14 +1,15 @@
-//! Rotations by 180 degrees. Nothing else in this crate turns an image.
+//! Rotations by 180 degrees, the only operations of this crate that rotate an image.
 
 use ndarray::{Axis, RawData};
 
 use super::LightField;
 
 impl<S: RawData> LightField<S> {
-    /// Rotates every elemental image by 180 degrees in its place, by strides alone: no sample moves.
+    /// Rotates every elemental image by 180 degrees about its center, by strides alone: no sample moves.
     ///
-    /// Integral *displays* need this: the lens in front of each elemental image turns it, and without the rotation the scene is seen
-    /// inside out. Rotating twice changes nothing. Use `light_field.as_light_field_ref().rotate_elemental_images()` to keep the original.
+    /// Integral *displays* need this: the microlens in front of an elemental image rotates it, so without this rotation
+    /// the displayed depth is inverted (pseudoscopic). Two rotations are the identity. Use
+    /// `light_field.as_light_field_ref().rotate_elemental_images()` to keep the original.
     ///
     /// # Examples
     ///
@@ -36,7 +37,7 @@ impl<S: RawData> LightField<S> {
 
     /// Rotates the whole raw image by 180 degrees, by strides alone: no sample moves.
     ///
-    /// A sensor behind a main lens records the raw image rotated as a whole. Rotating the raw image also rotates every elemental image
+    /// A sensor behind a main lens records the raw image rotated as a whole. This also rotates every elemental image
     /// and every view, and is the same in either layout.
     #[must_use]
     pub fn rotate_raw(mut self) -> Self {

@@ -1,4 +1,4 @@
-//! Surface normals of a disparity map, and the benchmark's median angle between those of an estimate and of the truth.
+//! Surface normals of a disparity map, and the median angle between the normals of an estimate and of the ground truth.
 
 use ndarray::{Array2, Array3, ArrayRef2};
 
@@ -6,37 +6,38 @@ use super::region::same_shape;
 use super::{Region, Score};
 use crate::{Error, Real, Rig};
 
-/// Where the points of a map are taken to lie.
+/// The geometry of the point cloud of a disparity map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum NormalGeometry {
-    /// Where they are: on the rays of the rig's central view, through the centers of its pixels.
+    /// Points on the rays of the rig's central view through the pixel centers.
     #[default]
     Pinhole,
-    /// Where the benchmark's toolkit takes them to be: at `x = u / (U-1) * 0.5 * sens/f * Z` and likewise down the rows.
+    /// The point cloud of the benchmark's toolkit: `x = u / (U-1) * 0.5 * sens/f * Z` and likewise down the rows.
     ///
-    /// Its code for point clouds has `- 0.5` (the image's middle is the axis) in the place of that `* 0.5`, which looks like a slip. The cloud is
-    /// then half as wide and high and leans to one side, and its angles differ from the true ones. Published scores are made
-    /// of it. The toolkit takes square maps only; here others follow the same formula.
+    /// The toolkit's separate code for point clouds has `- 0.5`, which centers the cloud on the axis, in the place of
+    /// `* 0.5`. This cloud is half as wide and high and is sheared, so its angles differ from the true ones. Published
+    /// scores use it. The toolkit requires square maps; other maps follow the same formula here.
     Toolkit,
 }
 
-/// Returns the unit normals of the surface that a disparity map shows, in the camera's frame: +X right, +Y up, towards the camera.
+/// Returns the unit normals of the surface of a disparity map in the camera's frame (+X right, +Y up), facing the
+/// camera.
 ///
-/// A pixel whose 3 x 3 neighbors are not all finite or do not all exist has the normal NaN. A disparity below that of infinity
-/// lies at a negative depth by the formula, which is followed; see [`Disparity::to_depth_m`](crate::Disparity::to_depth_m).
+/// The normal is NaN if one of the 3 x 3 neighbors is not finite or does not exist. Disparities below that of infinity
+/// have negative depths by the formula; see [`Disparity::to_depth_m`](crate::Disparity::to_depth_m).
 ///
 /// # Shape
 ///
-/// The map is (V, U) as the rig's views; the result is (V, U, 3).
+/// The map is (V, U), the size of the rig's views; the result is (V, U, 3).
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] if the map is not of the size of a view; [`Error::NoBaseline`] if the rig has no horizontal baseline.
+/// [`Error::Shape`] if the map has not the size of a view; [`Error::NoBaseline`] if the rig has no horizontal baseline.
 ///
 /// # Source
 ///
-/// The cross product of the two derivatives of the points along rows and columns, each by the weights (3, 10, 3) of Scharr, as
-/// in the toolkit's `get_depth_normals`.
+/// The cross product of the two derivatives of the points along rows and columns, each by the weights (3, 10, 3) of
+/// Scharr, as in the toolkit's `get_depth_normals`.
 ///
 /// # Examples
 ///
@@ -45,7 +46,12 @@ pub enum NormalGeometry {
 /// use holo_core::{GridSize, Rig, LightFieldShape};
 /// use ndarray::Array2;
 ///
-/// let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(16, 16))?).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
+/// let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(16, 16))?)
+///     .focal_length_m(0.1)
+///     .sensor_size_m(0.035)
+///     .baseline_m(0.025)
+///     .focus_distance_m(4.25)
+///     .build()?;
 /// // Disparity 0 everywhere is a wall that faces the camera.
 /// let normals = normals_from_disparity(&Array2::<f32>::zeros((16, 16)), &rig, NormalGeometry::Pinhole)?;
 /// assert!((normals[[8, 8, 2]] - 1.0).abs() < 1e-12);
@@ -76,10 +82,10 @@ pub fn normals_from_disparity<T: Real>(
     Ok(normals)
 }
 
-/// Returns the median angle between the normals of an estimated and of the true disparity map, in degrees.
+/// Returns the median angle between the normals of an estimated disparity map and of the ground truth, in degrees.
 ///
-/// A pixel is left out, and counted, if one of its two normals does not exist; see [`normals_from_disparity`]. The measure is meant for
-/// smooth or planar regions: give their mask with the [`Region`].
+/// A pixel is excluded if one of its two normals is NaN; see [`normals_from_disparity`]. The measure is for smooth or
+/// planar regions: pass their mask with the [`Region`].
 ///
 /// # Shape
 ///
@@ -87,18 +93,19 @@ pub fn normals_from_disparity<T: Real>(
 ///
 /// # Accuracy
 ///
-/// The angle is taken from sine and cosine. The arc cosine of the toolkit cannot tell angles below about 1e-6 degrees from 0.
+/// The angle is the arc tangent of sine and cosine. The arc cosine of the toolkit rounds angles below about 1e-6
+/// degrees to 0.
 ///
 /// # Errors
 ///
-/// As [`normals_from_disparity`]; [`Error::Shape`] if the mask differs in shape; [`Error::NothingToMeasure`] if border and mask leave no
-/// pixel at all.
+/// As [`normals_from_disparity`]; [`Error::Shape`] if the mask differs in shape; [`Error::NothingToMeasure`] if border
+/// and mask exclude all pixels.
 ///
 /// # Source
 ///
-/// Honauer et al. 2016, and `MAEPlanes` and `MAEContinSurf` of the toolkit, which differ in their mask only. For the toolkit's numbers
-/// ask for [`NormalGeometry::Toolkit`]. At the edge of the map the toolkit goes on at the opposite edge; with the border
-/// of 15 px that it ignores, no such pixel counts.
+/// Honauer et al. 2016, and `MAEPlanes` and `MAEContinSurf` of the toolkit, which differ only in their masks.
+/// [`NormalGeometry::Toolkit`] gives the scores of the toolkit. At the edge of the map the toolkit wraps around to the
+/// opposite edge; its border of 15 px excludes these pixels.
 pub fn median_angle_error_deg<A: Real, B: Real>(
     estimate: &ArrayRef2<A>,
     truth: &ArrayRef2<B>,
@@ -125,7 +132,7 @@ pub fn median_angle_error_deg<A: Real, B: Real>(
     Ok(Score { value: median(&mut angles).to_degrees(), pixels: angles.len(), excluded })
 }
 
-/// The points in the camera's frame that the pixels of a depth map show.
+/// The points of a depth map in the camera's frame.
 fn points_m(depth_m: &Array2<f64>, rig: &Rig, geometry: NormalGeometry) -> Array2<[f64; 3]> {
     let (rows, columns) = depth_m.dim();
     let (t, s) = rig.shape().central_view();
@@ -156,9 +163,9 @@ fn normal(point: impl Fn(usize, usize) -> [f64; 3]) -> [f64; 3] {
             right[axis] += weight * (right_of[axis] - left_of[axis]);
         }
     }
-    // The center has no weight in either derivative, but a pixel without a depth has no normal.
+    // The center has weight 0 in both derivatives, but its depth must be finite.
     let center = point(1, 1)[2] * 0.0;
-    // Down x right looks towards +Z, where the camera is.
+    // Down x right points along +Z, to the camera.
     let normal = cross(down, right);
     let length = normal[0].hypot(normal[1]).hypot(normal[2]);
     normal.map(|component| component / length + center)
@@ -174,7 +181,7 @@ fn angle_rad(a: [f64; 3], b: [f64; 3]) -> f64 {
     sine[0].hypot(sine[1]).hypot(sine[2]).atan2(cosine)
 }
 
-/// The median, which for an even count is the mean of the two in the middle; NaN of nothing.
+/// The median, for an even count the mean of the two middle values; NaN for an empty list.
 fn median(values: &mut [f64]) -> f64 {
     if values.is_empty() {
         return f64::NAN;
@@ -228,12 +235,12 @@ mod tests {
         let length = (0.3_f64 * 0.3 + 0.2 * 0.2 + 1.0).sqrt();
         let leaning = [0.3 / length, -0.2 / length, 1.0 / length];
         for projection in [Projection::Perspective, Projection::Orthographic] {
-            // Even counts: the central view is beside the rig's center.
+            // Even counts: the central view is not at the center of the rig.
             for rig in [rig(5, projection), rig(4, projection)] {
                 for normal in [[0.0, 0.0, 1.0], tilted(30.0), leaning] {
                     let normals = normals_from_disparity(&plane(&rig, normal), &rig, NormalGeometry::Pinhole).unwrap();
-                    // All points lie in the plane, so any difference of two does, up to the rounding of depths of 3 m against
-                    // steps of about 0.1 m: 30 * 2^-52 * a few.
+                    // All points lie in the plane, so any difference of two does, up to the rounding of depths of 3 m
+                    // against steps of about 0.1 m: 30 * 2^-52 * a few.
                     for row in 1..SIZE - 1 {
                         for column in 1..SIZE - 1 {
                             for axis in 0..3 {
@@ -258,15 +265,15 @@ mod tests {
         assert!((found.value - 25.0).abs() < 1e-9, "{}", found.value);
         assert_eq!((found.pixels, found.excluded), ((SIZE - 2) * (SIZE - 2), 0));
         assert_eq!(score(&flat, &flat, NormalGeometry::Toolkit).value, 0.0);
-        // The toolkit's cloud is an affine image of the true one: with x = (X + cZ)/2 and c = sens/(2f) up to (U-1)/U, a plane
-        // leaning by 25 degrees about Y has Z = -X tan(25) + const, and what comes out is no longer 25.
+        // The toolkit's cloud is an affine image of the true one: with x = (X + cZ)/2 and c = sens/(2f) up to (U-1)/U,
+        // a plane leaning by 25 degrees about Y has Z = -X tan(25) + const, and what comes out is no longer 25.
         let found = score(&tilted, &flat, NormalGeometry::Toolkit).value;
         assert!((found - 25.0).abs() > 5.0, "{found}");
     }
 
     #[test]
     fn toolkit_geometry_is_the_formula_of_the_toolkit() {
-        // By hand: where Z falls by g per column in relative terms. Z = 3 everywhere: x = u/23 * 0.5 * 0.72 * 3, and the cloud is flat.
+        // By hand: Z = 3 everywhere, x = u/23 * 0.5 * 0.72 * 3, and the cloud is flat.
         let rig = rig(5, Projection::Perspective);
         let normals =
             normals_from_disparity(&Array2::<f64>::zeros((SIZE, SIZE)), &rig, NormalGeometry::Toolkit).unwrap();
@@ -280,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn holes_are_left_out_and_counted() {
+    fn holes_are_excluded_and_counted() {
         let rig = rig(5, Projection::Perspective);
         let flat = Array2::<f32>::zeros((SIZE, SIZE));
         let mut holes = flat.clone();

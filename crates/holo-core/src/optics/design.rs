@@ -1,13 +1,12 @@
-//! A camera with a micro-lens array, and the rig that it is.
+//! A camera with a microlens array, and its equivalent rig.
 
 use crate::error::{positive, positive_or_infinite};
 use crate::{Error, GridSize, Remainder, Rig, Sensor, SensorDivision, automatic_baseline_m};
 
-/// How far a lens pitch may be from a whole number of pixels, as a share of a pixel, so that a pitch given in rounded meters is still read as
-/// meant.
+/// The tolerance of a lens pitch against a whole number of pixels, in pixels, for rounded input.
 const WHOLE_PIXEL: f64 = 1e-3;
 
-/// The numbers of a camera with a square grid of micro-lenses, unchecked.
+/// The parameters of a camera with a square grid of microlenses, not validated.
 ///
 /// # Examples
 ///
@@ -15,7 +14,7 @@ const WHOLE_PIXEL: f64 = 1e-3;
 /// use holo_core::optics::CameraDesign;
 /// use holo_core::{GridSize, Sensor};
 ///
-/// // The paper's sensor, full frame, behind lenses of 0.45 mm: 100 pixels each.
+/// // The full-frame sensor of the paper behind microlenses of 0.45 mm: 100 pixels each.
 /// let design = CameraDesign {
 ///     sensor: Sensor::Paper8k,
 ///     sensor_size_m: 0.0357_840,
@@ -37,22 +36,24 @@ pub struct CameraDesign {
     pub sensor: Sensor,
     /// Length of the larger side of the sensor, in meters.
     pub sensor_size_m: f64,
-    /// Distance between the centers of adjacent micro-lenses, in meters: a whole number of pixels.
+    /// Distance between the centers of adjacent microlenses, in meters: a whole number of pixels.
     pub lens_pitch_m: f64,
     /// Focal length of the main lens, in meters.
     pub focal_length_m: f64,
-    /// F-number of the main lens, and of the micro-lenses, which must match it to fill their images without overlap.
+    /// F-number of the main lens. That of the microlenses must match it, so that elemental images fill the sensor
+    /// without overlap.
     pub f_number: f64,
-    /// The depth that is in focus, in meters; may be infinite.
+    /// Focus distance, in meters; may be infinite.
     pub focus_distance_m: f64,
 }
 
 impl CameraDesign {
-    /// Returns the size of a pixel of the sensor, in meters.
+    /// Returns the pixel pitch of the sensor, in meters.
     ///
     /// # Errors
     ///
-    /// [`Error::BadNumber`] if the sensor size is not finite and above 0; [`Error::ZeroCount`] if the sensor has no pixels.
+    /// [`Error::BadNumber`] if the sensor size is not finite and above 0; [`Error::ZeroCount`] if the sensor has no
+    /// pixels.
     pub fn pixel_pitch_m(&self) -> Result<f64, Error> {
         match self.sensor.size().larger() {
             0 => Err(Error::ZeroCount { what: "sensor pixels" }),
@@ -60,12 +61,12 @@ impl CameraDesign {
         }
     }
 
-    /// Returns how many pixels lie behind a micro-lens along either axis, which is how many views there are.
+    /// Returns the number of pixels behind a microlens along either axis, which is the number of views.
     ///
     /// # Errors
     ///
-    /// As [`CameraDesign::pixel_pitch_m`]; [`Error::BadNumber`] if the lens pitch is not within 1/1000 of a whole number of pixels. (Pitches of a fraction
-    /// of a pixel are not modeled.)
+    /// As [`CameraDesign::pixel_pitch_m`]; [`Error::BadNumber`] if the lens pitch is not within 1/1000 of a whole
+    /// number of pixels. (Pitches of a fraction of a pixel are not modeled.)
     pub fn views_per_lens(&self) -> Result<usize, Error> {
         let pixels = positive("lens pitch in meters", self.lens_pitch_m)? / self.pixel_pitch_m()?;
         let whole = pixels.round();
@@ -78,7 +79,7 @@ impl CameraDesign {
         }
     }
 
-    /// Returns the views and lenses, and what of the sensor is left over.
+    /// Returns the numbers of views and of microlenses, and the cropped border of the sensor.
     ///
     /// # Errors
     ///
@@ -92,10 +93,10 @@ impl CameraDesign {
         self.sensor.divide(GridSize::new(views, views), Remainder::Crop)
     }
 
-    /// Returns the rig of cameras that sees what this camera sees.
+    /// Returns the equivalent rig of cameras.
     ///
-    /// The views share the aperture of the main lens: `baseline = f / f-number / (views - 1)`. The part of the sensor that
-    /// fills no lens is cropped, and with it the field of view.
+    /// The views share the aperture of the main lens: `baseline = f / f-number / (views - 1)`. The border of the sensor
+    /// that fills no microlens is cropped, which reduces the field of view.
     ///
     /// # Errors
     ///
@@ -149,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn pitches_that_are_no_whole_pixels_are_errors() {
+    fn pitches_of_fractional_pixels_are_errors() {
         for lens_pitch_m in [0.00075, 0.00004, 0.0, -0.0007, f64::NAN, f64::INFINITY, 1e300] {
             assert!(CameraDesign { lens_pitch_m, ..design() }.rig().is_err(), "{lens_pitch_m}");
         }

@@ -1,4 +1,4 @@
-//! The synthetic aperture: which views are added up, and with what weight.
+//! The synthetic aperture: a weight for every view.
 
 use ndarray::{Array2, ArrayView2};
 
@@ -7,10 +7,12 @@ use crate::light_field::checked_length;
 use crate::memory::filled;
 use crate::{Error, GridSize, LightFieldShape};
 
-/// A weight for every view of a light field.
+/// A synthetic aperture: a weight for every view of a light field.
 ///
-/// Sizes and places are in views: the distance between adjacent views is 1, and a place is a row and a column that may lie between views. The
-/// middle of the grid is `((T-1)/2, (S-1)/2)`.
+/// # Units
+///
+/// Sizes and positions are in views: the distance between adjacent views is 1. A position is a row and a column, which
+/// may be fractional. The middle of the grid is `((T-1)/2, (S-1)/2)`.
 ///
 /// # Examples
 ///
@@ -29,26 +31,28 @@ pub struct Aperture {
 }
 
 impl Aperture {
-    /// Makes the aperture of all views with equal weights.
+    /// Returns the aperture of all views with equal weights.
     ///
     /// # Errors
     ///
-    /// [`Error::ZeroCount`] if there are no views; [`Error::TooLarge`] and [`Error::OutOfMemory`] if there are too many.
+    /// [`Error::ZeroCount`] if there are no views; [`Error::TooLarge`] and [`Error::OutOfMemory`] if there are too
+    /// many.
     pub fn all(views: GridSize) -> Result<Self, Error> {
         Self::from_function(views, |_, _| 1.0)
     }
 
-    /// Makes a round aperture: the views not farther from `center` than half the diameter, with equal weights.
+    /// Returns a round aperture: the views within half the diameter of `center`, with equal weights.
     ///
     /// # Errors
     ///
-    /// As [`Aperture::all`]; [`Error::BadNumber`] if the diameter is not finite and above 0, or if no view lies within it.
+    /// As [`Aperture::all`]; [`Error::BadNumber`] if the diameter is not finite and above 0, or if no view lies within
+    /// it.
     pub fn disc(views: GridSize, center: (f64, f64), diameter_views: f64) -> Result<Self, Error> {
         let radius = positive("diameter of the aperture in views", diameter_views)? / 2.0;
         Self::cut_out(views, center, diameter_views, |down, right| down.hypot(right) <= radius + EDGE)
     }
 
-    /// Makes a square aperture: the views not farther from `center` along either axis than half the side, with equal weights.
+    /// Returns a square aperture: the views within half the side of `center` along both axes, with equal weights.
     ///
     /// # Errors
     ///
@@ -58,7 +62,7 @@ impl Aperture {
         Self::cut_out(views, center, side_views, |down, right| down.abs().max(right.abs()) <= half + EDGE)
     }
 
-    /// Makes an aperture without an edge: Gaussian weights around `center`.
+    /// Returns an aperture of Gaussian weights around `center`.
     ///
     /// # Units
     ///
@@ -76,12 +80,12 @@ impl Aperture {
         aperture.not_empty(deviation_views)
     }
 
-    /// Makes an aperture of any weights, one for each view `(t, s)`.
+    /// Returns the aperture of the given weights, one for each view `(t, s)`.
     ///
     /// # Errors
     ///
-    /// [`Error::ZeroCount`] if there are no views; [`Error::BadNumber`] if a weight is negative, infinite or NaN, or if their sum is not
-    /// finite and above 0.
+    /// [`Error::ZeroCount`] if there are no views; [`Error::BadNumber`] if a weight is negative, infinite or NaN, or if
+    /// their sum is not finite and above 0.
     pub fn from_weights(weights: Array2<f32>) -> Result<Self, Error> {
         LightFieldShape::new(GridSize::new(weights.nrows(), weights.ncols()), GridSize::new(1, 1))?;
         for &weight in &weights {
@@ -100,7 +104,7 @@ impl Aperture {
         self.weights.view()
     }
 
-    /// Returns how many views there are, those without weight included.
+    /// Returns the number of views, those of weight 0 included.
     #[must_use]
     pub fn views(&self) -> GridSize {
         GridSize::new(self.weights.nrows(), self.weights.ncols())
@@ -127,7 +131,7 @@ impl Aperture {
         Ok(Self { weights })
     }
 
-    /// Refuses an aperture that no view lies in; a center that is not a number has none.
+    /// Rejects an aperture without views, such as one whose center is NaN.
     fn not_empty(self, size_views: f64) -> Result<Self, Error> {
         if self.weights.iter().any(|&weight| weight > 0.0) {
             return Ok(self);
@@ -137,7 +141,7 @@ impl Aperture {
     }
 }
 
-/// What a view may lie beyond the edge, in views: centers such as 4.5 are exact, sizes computed elsewhere may not be.
+/// The tolerance of the edge, in views, for rounded sizes.
 const EDGE: f64 = 1e-9;
 
 #[cfg(test)]
@@ -146,10 +150,11 @@ mod tests {
     use ndarray::array;
 
     #[test]
-    fn shapes_hold_the_views_that_they_should() {
+    fn apertures_contain_the_views_within_them() {
         let views = GridSize::new(3, 4);
         assert_eq!(Aperture::all(views).unwrap().weights().sum(), 12.0);
-        // Around the middle of an even count: half a view away are two columns, and with a side of 2 no row but the middle one.
+        // Around the middle of an even count: half a view away are two columns, and with a side of 2 no row but the
+        // middle one.
         let square = Aperture::square(views, (1.0, 1.5), 1.0).unwrap();
         assert_eq!(square.weights(), array![[0.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 0.0, 0.0]]);
         // Around the corner view, one view away: not the diagonal one.

@@ -36,8 +36,8 @@ fn focus_and_depth() -> impl Strategy<Value = (f64, f64)> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(20_000))]
 
-    /// Four roundings and no cancellation after the first: at most 4 ulp, at any distance from the focus plane. (The difference
-    /// of reciprocals would be off by 1e15 ulp next to it.)
+    /// Four roundings and no cancellation after the first: at most 4 ulp, at any distance from the focus plane. (The
+    /// difference of reciprocals would be off by 1e15 ulp next to it.)
     #[test]
     fn disparity_is_within_4_ulp((focus_m, depth_m) in focus_and_depth(), scale in decades(-9.0, 6.0)) {
         for projection in BOTH {
@@ -90,7 +90,8 @@ proptest! {
         }
     }
 
-    /// From the rig's own numbers, with baselines from a nanometer to a meter: three more roundings make k = b f N / sensor.
+    /// From the rig's own numbers, with baselines from a nanometer to a meter: three more roundings make k = b f N /
+    /// sensor.
     #[test]
     fn rigs_have_the_disparity_of_their_numbers(
         (focus_m, depth_m) in focus_and_depth(), baseline_m in decades(-9.0, 0.0), focal_m in decades(-3.0, 0.0), columns in 1_usize..5000
@@ -128,14 +129,15 @@ proptest! {
         }
     }
 
-    /// There and back: the disparity carries 4 ulp of its own, which the inverse turns into `|F - Z|/F` (perspective: times Z/Z) of depth;
-    /// 8 eps of the larger of the two depths, over the smaller, covers both directions.
+    /// There and back: the disparity carries 4 ulp of its own, which the inverse turns into `|F - Z|/F` (perspective:
+    /// times Z/Z) of depth; 8 eps of the larger of the two depths, over the smaller, covers both directions.
     #[test]
     fn depth_survives_the_round_trip((focus_m, depth_m) in focus_and_depth(), scale in decades(-9.0, 6.0)) {
         for projection in BOTH {
             let map = Disparity::new(scale, focus_m, projection).unwrap();
             let again_m = map.to_depth_m(map.from_depth_m(depth_m));
-            // dZ/Z = (Z/F - 1) * dd/d (perspective), (F/Z - 1) * dd/d (orthographic), dd/d <= 4 eps; the inverse adds 3 * eps.
+            // dZ/Z = (Z/F - 1) * dd/d (perspective), (F/Z - 1) * dd/d (orthographic), dd/d <= 4 eps; the inverse adds 3
+            // * eps.
             let amplification = match projection {
                 Projection::Perspective => (depth_m / focus_m - 1.0).abs(),
                 Projection::Orthographic => (focus_m / depth_m - 1.0).abs(),
@@ -246,7 +248,8 @@ fn the_infinite_cases() {
     assert!(finite.from_depth_m(f64::NAN).is_nan() && finite.to_depth_m(f64::NAN).is_nan());
 }
 
-/// -k/F is rounded for most k and F; the depth must still come back as infinity and not as a huge number of either sign.
+/// -k/F is rounded for most k and F; the depth must still come back as infinity and not as a huge number of either
+/// sign.
 #[test]
 fn infinity_survives_rounding() {
     for numerator in 1..200 {
@@ -307,7 +310,8 @@ fn maps_are_the_scalar_form() {
         if depth_m.is_infinite() {
             assert_eq!(again_m, f32::INFINITY);
         } else {
-            // The f32 disparity is good to half an f32 eps, amplified by |Z/F - 1| < 5.3; rounding the depth adds another half.
+            // The f32 disparity is good to half an f32 eps, amplified by |Z/F - 1| < 5.3; rounding the depth adds
+            // another half.
             assert!((again_m - depth_m).abs() <= 4.0 * f32::EPSILON * depth_m, "{again_m} for {depth_m}");
         }
     }

@@ -1,7 +1,7 @@
 //! Arithmetic with twice the digits of f64, as the reference that accuracy is measured against.
 //!
-//! A number is the unevaluated sum of two f64, good to about 2^-100 of itself: exact enough to tell how many units in the
-//! last place an f64 result is off.
+//! A number is the unevaluated sum of two f64, good to about 2^-100 of itself: exact enough to tell how many units in
+//! the last place an f64 result is off.
 
 use std::ops::{Add, Div, Mul, Sub};
 

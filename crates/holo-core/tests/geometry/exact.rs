@@ -1,6 +1,8 @@
-//! Numbers without any rounding: an f64 is an integer times a power of two, and so are sums and products of such numbers.
+//! Numbers without any rounding: an f64 is an integer times a power of two, and so are sums and products of such
+//! numbers.
 //!
-//! A quotient is not, but how far a result is off can be asked without one: x is within n units of a/b if |x b - a| <= n unit b.
+//! A quotient is not, but how far a result is off can be asked without one: x is within n units of a/b if |x b - a| <=
+//! n unit b.
 
 use std::ops::{Mul, Sub};
 

@@ -114,7 +114,8 @@ fn lengths() -> impl Strategy<Value = f64> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
-    /// Eq. 3 says what the rays do: a point moves by `-d_x` columns per view to the right and `-d_y` rows per view down.
+    /// Eq. 3 says what the rays do: a point moves by `-d_x` columns per view to the right and `-d_y` rows per view
+    /// down.
     #[test]
     fn disparity_is_what_rays_show(
         focus_m in lengths(),
@@ -131,8 +132,8 @@ proptest! {
             for (t, s) in [(0, views.1 - 1), (views.0 - 1, 0), (views.0 - 1, views.1 - 1)] {
                 let (row_there, column_there) = rig.project(point_m, t, s).unwrap();
                 let (row_expected, column_expected) = (row - d_y * t as f64, column - d_x * s as f64);
-                // Both are sums of a few terms, each good to some eps of the largest: the pixel itself, and the terms of the
-                // disparity, k/Z and k/F (perspective) or those times Z/F (orthographic).
+                // Both are sums of a few terms, each good to some eps of the largest: the pixel itself, and the terms
+                // of the disparity, k/Z and k/F (perspective) or those times Z/F (orthographic).
                 let scale = rig.disparity_x().scale_m_px();
                 let largest = column.abs().max(row.abs()).max(40.0)
                     + 6.0 * scale * (1.0 / depth_m + 1.0 / focus_m) * (1.0 + depth_m / focus_m);
@@ -224,7 +225,8 @@ fn impossible_rigs_are_errors() {
     assert_eq!(still.disparity().from_depth_m(1.0), 0.0);
 }
 
-/// A baseline of 10 micrometers must not vanish: it is compared with lengths of its own size, never with world coordinates.
+/// A baseline of 10 micrometers must not vanish: it is compared with lengths of its own size, never with world
+/// coordinates.
 #[test]
 fn a_baseline_of_ten_micrometers_survives() {
     let rig = rig((1, 3), (4, 4), 1e6, Projection::Perspective).to_builder().baseline_x_m(1e-5).build().unwrap();

@@ -33,8 +33,8 @@ fn maps() -> (Array2<f32>, Array2<f32>) {
 fn measures_are_those_of_the_toolkit() {
     let (estimate, truth) = maps();
     let region = Region::with_border(3);
-    // Both sides in f64, some thousand roundings of numbers up to 100. The arc cosine loses half of the digits near 0: at 1 degree it
-    // is good to 2^-52/sin(1 degree), 1e-12 degrees.
+    // Both sides in f64, some thousand roundings of numbers up to 100. The arc cosine loses half of the digits near 0:
+    // at 1 degree it is good to 2^-52/sin(1 degree), 1e-12 degrees.
     let close = |value: f64, expected: f64| assert!((value - expected).abs() < 1e-9, "{value} for {expected}");
     let scores = disparity_scores(&estimate, &truth, &region).unwrap();
     for (percent, expected) in scores.bad_pixels_percent.into_iter().zip(BAD_PIXELS) {

@@ -1,4 +1,4 @@
-//! Pictures without texture, of one pixel, with NaN; and any number of threads.
+//! Images without texture, of one pixel, with NaN; and any number of threads.
 
 use holo_core::{Effort, Error, LightField, PlaneSweepOptions, plane_sweep};
 use ndarray::Array5;
@@ -9,7 +9,7 @@ use super::scenes::{Surface, plane};
 const EFFORTS: [Effort; 4] = [Effort::Draft, Effort::Fast, Effort::Balanced, Effort::Thorough];
 
 #[test]
-fn nothing_is_known_of_a_picture_of_one_color() {
+fn nothing_is_known_of_a_image_of_one_color() {
     for value in [0, 7, 255_u8] {
         let light_field = LightField::new(Array5::from_elem((20, 22, 5, 5, 3), value)).unwrap();
         for effort in EFFORTS {

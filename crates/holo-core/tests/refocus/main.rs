@@ -96,7 +96,7 @@ fn order_in_memory_changes_no_bit() {
     let turned = elemental.clone().rotate_raw().to_owned().unwrap().to_elemental_grid().unwrap();
     let turned = LightField::from_elemental_grid(turned, shape).unwrap().rotate_raw();
     let refocus = Refocus::new(shape.views()).unwrap();
-    let bits = |picture: Array3<f32>| picture.mapv(f32::to_bits);
+    let bits = |image: Array3<f32>| image.mapv(f32::to_bits);
     let expected = bits(refocus.at_disparity(&elemental, 0.6).unwrap());
     assert_eq!(bits(refocus.at_disparity(&viewpoint, 0.6).unwrap()), expected);
     assert_eq!(bits(refocus.at_disparity(&turned, 0.6).unwrap()), expected);
@@ -132,17 +132,18 @@ fn edges_are_as_bright_as_the_middle() {
             assert!((f64::from(sample) - 200.0).abs() < bound(shape, 200.0), "{sample} at {disparity}");
         }
     }
-    // Where the aperture does not see the picture there is nothing to show: one view, two columns to the right, at disparity 3.
+    // Where the aperture does not see the image there is nothing to show: one view, two columns to the right, at
+    // disparity 3.
     let one = Aperture::square(shape.views(), (2.0, 4.0), 0.5).unwrap();
-    let picture = Refocus::with_aperture(one).at_disparity(&light_field, 3.0).unwrap();
-    for ((_, u, _), sample) in picture.indexed_iter() {
+    let image = Refocus::with_aperture(one).at_disparity(&light_field, 3.0).unwrap();
+    for ((_, u, _), sample) in image.indexed_iter() {
         assert_eq!(sample.is_nan(), u < 6, "column {u}");
     }
     // The pixel without a disparity has no value, its neighbors have theirs.
     let mut map = Array2::from_elem((12, 10), 0.5_f32);
     map[[3, 4]] = f32::NAN;
-    let picture = refocus.all_in_focus(&light_field, &map).unwrap();
-    assert!(picture.indexed_iter().all(|((v, u, _), sample)| sample.is_nan() == ((v, u) == (3, 4))));
+    let image = refocus.all_in_focus(&light_field, &map).unwrap();
+    assert!(image.indexed_iter().all(|((v, u, _), sample)| sample.is_nan() == ((v, u) == (3, 4))));
 }
 
 #[test]
@@ -152,7 +153,8 @@ fn slopes_are_those_of_lftoolbox() {
             let slope = slope_from_disparity(disparity, views).unwrap();
             assert!((disparity_from_slope(slope, views).unwrap() - disparity).abs() < 1e-15);
             for view in 0..views {
-                // The toolbox's shift of that view, linspace(-1/2, 1/2, T) * slope * T, which it adds to the place of a sample.
+                // The toolbox's shift of that view, linspace(-1/2, 1/2, T) * slope * T, which it adds to the place of a
+                // sample.
                 let linspace = -0.5 + view as f64 / (views - 1) as f64;
                 let toolbox = linspace * slope * views as f64;
                 // Here: -d times the views between it and the middle. Four roundings of numbers below 25.
@@ -205,8 +207,8 @@ fn wrong_numbers_and_shapes_are_errors() {
     let map = Array2::<f32>::zeros((5, 4));
     assert!(matches!(refocus.all_in_focus(&light_field, &map), Err(Error::Shape { what: "disparity map", .. })));
     // A huge but finite disparity: only the reference view is left.
-    let picture = refocus.at_disparity(&light_field, 1e300).unwrap();
-    assert_eq!(picture, light_field.view(1, 1).unwrap().mapv(f32::from));
+    let image = refocus.at_disparity(&light_field, 1e300).unwrap();
+    assert_eq!(image, light_field.view(1, 1).unwrap().mapv(f32::from));
     let one_pixel = LightField::new(Array5::from_elem((1, 1, 3, 3, 1), 7_u8)).unwrap();
     assert_eq!(refocus.at_disparity(&one_pixel, 0.2).unwrap()[[0, 0, 0]], 7.0);
 }

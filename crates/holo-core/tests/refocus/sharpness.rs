@@ -38,9 +38,9 @@ fn wall(rig: &Rig, depth_m: f64) -> LightField<ndarray::OwnedRepr<u8>> {
 }
 
 /// The variance of the Laplacian, without the 12 px at the edges that not all views see.
-fn sharpness(picture: ArrayView3<'_, f32>) -> f64 {
-    let (rows, columns, _) = picture.dim();
-    let at = |row: usize, column: usize| f64::from(picture[[row, column, 0]]);
+fn sharpness(image: ArrayView3<'_, f32>) -> f64 {
+    let (rows, columns, _) = image.dim();
+    let at = |row: usize, column: usize| f64::from(image[[row, column, 0]]);
     let laplacians: Vec<f64> = (12..rows - 12)
         .flat_map(|row| (12..columns - 12).map(move |column| (row, column)))
         .map(|(row, column)| {
@@ -55,8 +55,8 @@ fn sharpness(picture: ArrayView3<'_, f32>) -> f64 {
 #[test]
 fn walls_are_sharpest_at_their_own_disparity() {
     const STEP: f64 = 0.1;
-    // The bilinear kernel blurs views that fall between pixels, which favors disparities that put many views on pixels: near -0.2 it
-    // prefers -0.25 or so. The cubic has next to none of that.
+    // The bilinear kernel blurs views that fall between pixels, which favors disparities that put many views on pixels:
+    // near -0.2 it prefers -0.25 or so. The cubic has next to none of that.
     for (views, baselines_m, kernel, bound) in [
         ((9, 9), (0.03, 0.03), Kernel::CatmullRom, 0.02),
         ((8, 8), (0.03, 0.03), Kernel::CatmullRom, 0.02),
@@ -72,7 +72,7 @@ fn walls_are_sharpest_at_their_own_disparity() {
             // Steps that do not meet the disparity itself.
             let disparities: Vec<f64> = (-10..=10).map(|step| expected + 0.037 + f64::from(step) * STEP).collect();
             let stack = refocus.focal_stack(&light_field, &disparities);
-            let sharp: Vec<f64> = stack.map(|picture| sharpness(picture.unwrap().view())).collect();
+            let sharp: Vec<f64> = stack.map(|image| sharpness(image.unwrap().view())).collect();
             let best = (1..sharp.len() - 1).max_by(|&a, &b| sharp[a].total_cmp(&sharp[b])).unwrap();
             let (before, top, behind) = (sharp[best - 1], sharp[best], sharp[best + 1]);
             let found = disparities[best] + STEP * 0.5 * (before - behind) / (before - 2.0 * top + behind);
@@ -96,18 +96,18 @@ fn a_wall_in_focus_is_what_the_reference_view_sees() {
             let plane = refocus.at_distance_m(&light_field, &rig, depth_m).unwrap();
             let map = Array2::from_elem((64, 80), rig.disparity().from_depth_m(depth_m));
             let everywhere = refocus.all_in_focus(&light_field, &map).unwrap();
-            for picture in [&plane, &everywhere] {
+            for image in [&plane, &everywhere] {
                 let mut largest: f32 = 0.0;
                 for v in 12..52 {
                     for u in 12..68 {
-                        largest = largest.max((picture[[v, u, 0]] - central[[v, u, 0]]).abs());
+                        largest = largest.max((image[[v, u, 0]] - central[[v, u, 0]]).abs());
                     }
                 }
-                // The cubic loses up to (2 pi/5)^3/16 * 255/12 = 2.6 codes of the shortest wave half-way between pixels, less of the others;
-                // the reference view itself was rounded to half a code.
+                // The cubic loses up to (2 pi/5)^3/16 * 255/12 = 2.6 codes of the shortest wave half-way between
+                // pixels, less of the others; the reference view itself was rounded to half a code.
                 assert!(largest < 4.0, "{views:?} {depth_m} m: {largest} codes off");
                 let flat = Array3::<f32>::from_elem((64, 80, 1), central.mean().unwrap());
-                assert!(sharpness(picture.view()) > 0.8 * sharpness(central.view()), "blurred");
+                assert!(sharpness(image.view()) > 0.8 * sharpness(central.view()), "blurred");
                 assert!(sharpness(flat.view()) < 1.0, "the measure does not see blur");
             }
         }

@@ -7,7 +7,8 @@ use ndarray::{Array3, ArrayView3};
 use crate::memory::collected;
 use crate::{Error, LightFieldShape};
 
-/// Rearranges an elemental grid into a viewpoint grid, sample by sample: `VPI(t*V + v, s*U + u) = EI(v*T + t, u*S + s)`.
+/// Rearranges an elemental grid into a viewpoint grid, sample by sample: `VPI(t*V + v, s*U + u) = EI(v*T + t, u*S +
+/// s)`.
 ///
 /// # Shape
 ///
@@ -28,7 +29,8 @@ pub fn to_viewpoint_grid<T: Copy>(elemental: ArrayView3<'_, T>, shape: LightFiel
     Ok(viewpoint)
 }
 
-/// Rearranges a viewpoint grid into an elemental grid, sample by sample: `EI(v*T + t, u*S + s) = VPI(t*V + v, s*U + u)`.
+/// Rearranges a viewpoint grid into an elemental grid, sample by sample: `EI(v*T + t, u*S + s) = VPI(t*V + v, s*U +
+/// u)`.
 ///
 /// # Shape
 ///
