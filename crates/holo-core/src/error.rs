@@ -131,13 +131,13 @@ impl fmt::Display for Error {
             }
             Self::NotDense { shape, strides } => write!(
                 f,
-                "an image of shape {shape:?} and strides {strides:?} has gaps in memory, so its axes cannot be split in \
-                 place; borrow it with from_elemental_grid_view or from_viewpoint_grid_view, or copy it first"
+                "an image of shape {shape:?} and strides {strides:?} has gaps in memory, so its axes cannot be split \
+                 in place; borrow it with from_elemental_grid_view or from_viewpoint_grid_view, or copy it first"
             ),
             Self::NotDivisible { sensor, views, border } => write!(
                 f,
-                "a sensor of {} rows x {} columns does not split exactly into {} x {} views: {} rows and {} columns are \
-                 left over; crop it or choose other counts",
+                "a sensor of {} rows x {} columns does not split exactly into {} x {} views: {} rows and {} columns \
+                 are left over; crop it or choose other counts",
                 sensor.rows, sensor.columns, views.rows, views.columns, border.rows, border.columns
             ),
             Self::SensorTooSmall { sensor, views } => write!(
@@ -148,16 +148,16 @@ impl fmt::Display for Error {
             Self::BadNumber { what, value, need } => write!(f, "the {what} is {value}; it must be {need}"),
             Self::OrthographicFocus { focus_distance_m } => write!(
                 f,
-                "an orthographic rig needs a finite focus distance, not {focus_distance_m} m: its rays aim at points of \
-                 the focus plane"
+                "an orthographic rig needs a finite focus distance, not {focus_distance_m} m: its rays aim at points \
+                 of the focus plane"
             ),
             Self::NoBaseline => {
                 write!(f, "the baseline is 0: all views coincide, so disparity does not determine depth")
             }
             Self::NothingToMeasure { what, shape: [rows, columns], border_px } => write!(
                 f,
-                "no pixel is left to measure the {what}: the map has {rows} rows x {columns} columns, {border_px} px of \
-                 border are excluded on every side, and the mask and missing values may exclude the rest; choose a \
+                "no pixel is left to measure the {what}: the map has {rows} rows x {columns} columns, {border_px} px \
+                 of border are excluded on every side, and the mask and missing values may exclude the rest; choose a \
                  narrower border or another mask"
             ),
             Self::ImpossibleRange { why } => write!(f, "no rig has these ranges: {why}"),

@@ -1,4 +1,4 @@
-//! Clipping and rotation: what stays, what is borrowed, and that a clip of a clip is a clip.
+//! Clipping and rotation.
 
 use std::ops::Range;
 
@@ -19,7 +19,7 @@ fn nested(count: usize) -> impl Strategy<Value = (Range<usize>, Range<usize>)> {
     range(count).prop_flat_map(move |outer| (Just(outer.clone()), range(outer.len())))
 }
 
-/// Where an inner range lies in the axis that the outer one was cut from.
+/// An inner range in the axis of the outer one.
 fn within(outer: &Range<usize>, inner: &Range<usize>) -> Range<usize> {
     outer.start + inner.start..outer.start + inner.end
 }
@@ -29,7 +29,7 @@ proptest! {
 
     #[test]
     fn a_clip_of_a_clip_is_a_clip(
-        (shape, t, s, v, u) in splits().prop_flat_map(|shape| (
+        (shape, t, s, v, u) in shapes().prop_flat_map(|shape| (
             Just(shape),
             nested(shape.views().rows),
             nested(shape.views().columns),
@@ -64,8 +64,8 @@ proptest! {
     }
 
     #[test]
-    fn a_crop_is_a_piece_of_the_image(
-        (shape, rows, columns) in splits().prop_flat_map(|shape| {
+    fn a_crop_is_a_part_of_the_image(
+        (shape, rows, columns) in shapes().prop_flat_map(|shape| {
             (Just(shape), nested(shape.lenses().rows), nested(shape.lenses().columns))
         })
     ) {
@@ -80,9 +80,10 @@ proptest! {
         prop_assert_eq!(whole, light_field.elemental_image(0, 0).unwrap());
     }
 
-    /// 180 degrees of the raw image are both of its axes reversed, in either layout; of each EI, both axes of each EI.
+    /// A rotation of the raw image reverses both of its axes, in either layout; one of each EI reverses both axes of
+    /// the EI.
     #[test]
-    fn rotations_are_what_they_say(shape in splits(), channels in channels()) {
+    fn rotations_reverse_both_axes(shape in shapes(), channels in channels()) {
         let raw = shape.raw_size();
         let image = image::<u16>(raw.rows, raw.columns, channels);
         let mut turned = image.view();
@@ -90,7 +91,8 @@ proptest! {
         turned.invert_axis(Axis(1));
         for by_view in [false, true] {
             let grid = |light_field: holo_core::LightFieldRef<'_, u16>| {
-                if by_view { light_field.to_viewpoint_grid().unwrap() } else { light_field.to_elemental_grid().unwrap() }
+                let grid = if by_view { light_field.to_viewpoint_grid() } else { light_field.to_elemental_grid() };
+                grid.unwrap()
             };
             let light_field = if by_view {
                 LightField::from_viewpoint_grid(image.view(), shape).unwrap()
@@ -113,7 +115,7 @@ proptest! {
 }
 
 #[test]
-#[allow(clippy::reversed_empty_ranges)] // a backwards range is what is being refused
+#[allow(clippy::reversed_empty_ranges)] // reversed ranges are under test
 fn bad_ranges_are_errors() {
     let shape = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
     let mut light_field = labeled(shape);

@@ -10,7 +10,7 @@ fn small() -> LightFieldShape {
     LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap()
 }
 
-/// A light field whose every sample says where it belongs.
+/// A light field whose samples are their indices.
 fn labeled(shape: LightFieldShape, channels: usize) -> LightField<ndarray::OwnedRepr<[usize; 5]>> {
     LightField::new(Array5::from_shape_fn(shape.array_shape(channels), |(v, u, t, s, c)| [v, u, t, s, c])).unwrap()
 }
@@ -18,9 +18,9 @@ fn labeled(shape: LightFieldShape, channels: usize) -> LightField<ndarray::Owned
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(192))]
 
-    /// Every sample of the 5D view *is* the pixel that Eq. 5 names: not an equal one, the same address.
+    /// Every sample of the 5D array has the address of the pixel of Eq. 5.
     #[test]
-    fn wrapping_copies_nothing(shape in splits(), channels in channels(), strides in any_strides()) {
+    fn wrapping_copies_nothing(shape in shapes(), channels in channels(), strides in any_strides()) {
         let raw = shape.raw_size();
         let memory = store(&image::<u16>(raw.rows, raw.columns, channels), strides);
         let source = arranged(&memory, strides);
@@ -38,9 +38,9 @@ proptest! {
         }
     }
 
-    /// Dense images of any axis order and direction are wrapped in place whatever the storage.
+    /// Dense images of any axis order, direction and storage are wrapped in place.
     #[test]
-    fn any_storage_is_wrapped_in_place(shape in splits(), channels in channels(), strides in dense_strides()) {
+    fn any_storage_is_wrapped_in_place(shape in shapes(), channels in channels(), strides in dense_strides()) {
         let raw = shape.raw_size();
         let plain = image::<u8>(raw.rows, raw.columns, channels);
         let mut memory = store(&plain, strides);
@@ -54,7 +54,7 @@ proptest! {
             let by_views = LightField::from_viewpoint_grid(view, shape).unwrap();
             prop_assert!(by_views == LightField::from_viewpoint_grid_view(&plain, shape).unwrap());
         }
-        // Mutable: what is written through the light field is in the image.
+        // Mutable: writes to the light field change the image.
         let mut back = [0; 3];
         for (position, &axis) in strides.order.iter().enumerate() {
             back[axis] = position;
@@ -68,7 +68,7 @@ proptest! {
             light_field.samples_mut().mapv_inplace(|sample| !sample);
         }
         prop_assert!(same(arranged(&memory, strides), plain.mapv(|sample| !sample).view()));
-        // Owned: the array moves in and its memory stays where it was.
+        // Owned: the memory of the array is reused.
         let address = memory.as_ptr();
         let mut owned = memory.permuted_axes(back);
         for axis in (0..3).filter(|&axis| strides.reversed[axis]) {
@@ -79,9 +79,9 @@ proptest! {
         prop_assert_eq!(samples.as_slice_memory_order().unwrap().as_ptr(), address);
     }
 
-    /// Both layouts of one light field are equal, and `as_*_grid` finds the image again without copying.
+    /// Both layouts of one light field are equal, and `as_*_grid` returns the image without copying.
     #[test]
-    fn layouts_share_one_view(shape in splits(), channels in channels()) {
+    fn layouts_share_one_view(shape in shapes(), channels in channels()) {
         let original = labeled(shape, channels);
         let by_lens = LightField::from_elemental_grid(original.to_elemental_grid().unwrap(), shape).unwrap();
         let by_view = LightField::from_viewpoint_grid(original.to_viewpoint_grid().unwrap(), shape).unwrap();
@@ -93,7 +93,7 @@ proptest! {
     }
 
     #[test]
-    fn images_and_slices_hold_what_their_indices_say(shape in splits(), channels in channels()) {
+    fn images_and_slices_have_the_samples_of_their_indices(shape in shapes(), channels in channels()) {
         let light_field = labeled(shape, channels);
         let (views, lenses) = (shape.views(), shape.lenses());
         for t in 0..views.rows {
@@ -122,9 +122,9 @@ proptest! {
         }
     }
 
-    /// Iterators visit every image once, in reading order, and give each its own index; so do their parallel twins.
+    /// Iterators, serial and parallel, visit every image once, row by row, with its index.
     #[test]
-    fn iterators_visit_everything_in_order(shape in splits(), channels in channels()) {
+    fn iterators_visit_everything_in_order(shape in shapes(), channels in channels()) {
         let mut light_field = labeled(shape, channels);
         let (views, lenses) = (shape.views(), shape.lenses());
         let view_indices: Vec<_> = (0..views.rows).flat_map(|t| (0..views.columns).map(move |s| (t, s))).collect();
@@ -137,7 +137,9 @@ proptest! {
         prop_assert!(light_field.views().all(|((t, s), image)| image.iter().all(|sample| is_view(t, s, sample))));
         prop_assert!(light_field.views().rev().map(|(index, _)| index).eq(view_indices.iter().rev().copied()));
         prop_assert!(light_field.elemental_images().map(|(index, _)| index).eq(lens_indices.iter().copied()));
-        prop_assert!(light_field.elemental_images().all(|((v, u), image)| image.iter().all(|sample| is_lens(v, u, sample))));
+        prop_assert!(light_field.elemental_images().all(|((v, u), image)| {
+            image.iter().all(|sample| is_lens(v, u, sample))
+        }));
         let parallel: Vec<_> = light_field.par_views().map(|(index, _)| index).collect();
         prop_assert_eq!(&parallel, &view_indices);
         prop_assert!(light_field.par_views().all(|((t, s), image)| image.iter().all(|sample| is_view(t, s, sample))));
@@ -145,7 +147,8 @@ proptest! {
         prop_assert_eq!(&parallel, &lens_indices);
 
         // Every mutable iterator adds one to every channel index; four of them make four.
-        let bump = |mut image: ndarray::ArrayViewMut3<'_, [usize; 5]>| image.iter_mut().for_each(|sample| sample[4] += 1);
+        type Image<'a> = ndarray::ArrayViewMut3<'a, [usize; 5]>;
+        let bump = |mut image: Image<'_>| image.iter_mut().for_each(|sample| sample[4] += 1);
         let mut seen = Vec::new();
         light_field.views_mut().for_each(|(index, image)| { seen.push(index); bump(image) });
         prop_assert_eq!(&seen, &view_indices);
@@ -203,9 +206,9 @@ fn impossible_shapes_are_errors() {
     }
 }
 
-/// An image with gaps cannot be shape in place by value; the error says what can be done instead.
+/// An image with gaps cannot be split in place; the error names the alternative.
 #[test]
-fn gaps_are_refused_by_value_and_borrowed_by_reference() {
+fn gaps_are_errors_by_value_and_allowed_by_reference() {
     let image = Array3::<u8>::zeros((8, 16, 3));
     let crop = image.slice(s![.., ..15, ..]);
     let error = LightField::from_elemental_grid(crop, small()).unwrap_err();
@@ -214,7 +217,7 @@ fn gaps_are_refused_by_value_and_borrowed_by_reference() {
     assert!(LightField::from_elemental_grid_view(&crop, small()).is_ok());
 }
 
-/// Sizes are refused before anything is allocated: this test would otherwise need an exabyte.
+/// Sizes are checked before memory is allocated.
 #[test]
 fn overflowing_sizes_are_errors_and_allocate_nothing() {
     let shape = |count: usize| LightFieldShape::new(GridSize::new(count, count), GridSize::new(count, count)).unwrap();
@@ -226,10 +229,10 @@ fn overflowing_sizes_are_errors_and_allocate_nothing() {
         LightField::filled(shape(1), 0, Layout::ElementalGrid, 0_u8).unwrap_err(),
         Error::ZeroCount { what: "channels" }
     );
-    // 2^60 bytes do not overflow, but no machine has them: an error, not an abort.
+    // 2^60 bytes do not overflow, but the allocation fails: an error, not an abort.
     let error = LightField::filled(shape(1 << 15), 1, Layout::ElementalGrid, 0_u8).unwrap_err();
     assert_eq!(error, Error::OutOfMemory { what: "a light field", bytes: 1 << 60 });
-    // An array that repeats one sample is as large as it claims to be when it is copied out.
+    // The copy of an array that repeats one sample has the full size.
     let sample = 1.0_f64;
     let endless: ArrayView5<'_, f64> = aview0(&sample).broadcast_with([1 << 15, 1 << 15, 1 << 15, 1 << 15, 1]);
     assert_eq!(LightField::new(endless).unwrap_err(), too_large());
@@ -252,7 +255,7 @@ fn filled_light_fields_become_images_without_copying() {
     let light_field = LightField::filled(small(), 3, Layout::ElementalGrid, 1_u8).unwrap();
     assert!(light_field.as_viewpoint_grid().is_none());
     let address = light_field.samples().as_ptr();
-    // The wrong layout gives the light field back unharmed.
+    // The other layout returns the light field unchanged.
     let light_field = light_field.into_viewpoint_grid().unwrap_err();
     let image = light_field.into_elemental_grid().unwrap();
     assert_eq!((image.dim(), image.as_ptr()), ((8, 15, 3), address));

@@ -1,10 +1,10 @@
-//! The benchmark's measures against numbers that Python made of the toolkit's formulas.
+//! The measures of the benchmark against the results of the toolkit's formulas in Python.
 
 use holo_core::metrics::{NormalGeometry, Region, bumpiness, disparity_scores, median_angle_error_deg};
 use holo_core::{GridSize, LightFieldShape, Rig};
 use ndarray::Array2;
 
-// What `toolkit_reference.py` prints with scikit-image 0.26.0.
+// The output of `toolkit_reference.py` with scikit-image 0.26.0.
 const BAD_PIXELS: [f64; 3] = [20.37037037037037, 12.962962962962962, 3.7037037037037033];
 const MEAN_SQUARE: f64 = 0.27030608904214554;
 const Q25: f64 = 0.048828125;
@@ -30,7 +30,7 @@ fn maps() -> (Array2<f32>, Array2<f32>) {
 }
 
 #[test]
-fn measures_are_those_of_the_toolkit() {
+fn measures_agree_with_the_toolkit() {
     let (estimate, truth) = maps();
     let region = Region::with_border(3);
     // Both sides in f64, some thousand roundings of numbers up to 100. The arc cosine loses half of the digits near 0:

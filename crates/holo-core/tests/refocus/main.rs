@@ -1,4 +1,4 @@
-//! Refocusing: against the sum to the letter, against LFToolbox's shifts, and against planes whose disparity is known.
+//! Refocusing against its reference implementation, the shifts of LFToolbox, and planes of known disparity.
 
 mod naive;
 mod sharpness;
@@ -37,7 +37,7 @@ fn bound(shape: LightFieldShape, largest: f64) -> f64 {
     (views.columns + 4 * views.rows + 16) as f64 * 2.0_f64.powi(-23) * largest
 }
 
-/// Compares both ways to refocus one light field with their naive twin, at many disparities.
+/// Compares both refocusing methods with their reference implementation at many disparities.
 fn check<T: Sample>(light_field: &LightFieldOwned<T>, largest: f64) {
     let shape = light_field.shape();
     let views = shape.views();
@@ -76,7 +76,7 @@ fn check<T: Sample>(light_field: &LightFieldOwned<T>, largest: f64) {
 }
 
 #[test]
-fn sums_are_those_of_the_definition() {
+fn sums_agree_with_the_reference_implementation() {
     for (views, lenses, channels) in
         [((3, 3), (6, 7), 3), ((2, 4), (5, 9), 1), ((1, 5), (1, 8), 2), ((4, 1), (7, 1), 4), ((5, 2), (3, 2), 5)]
     {
@@ -132,7 +132,7 @@ fn edges_are_as_bright_as_the_middle() {
             assert!((f64::from(sample) - 200.0).abs() < bound(shape, 200.0), "{sample} at {disparity}");
         }
     }
-    // Where the aperture does not see the image there is nothing to show: one view, two columns to the right, at
+    // Pixels that the aperture does not see are NaN: one view, two columns to the right, at
     // disparity 3.
     let one = Aperture::square(shape.views(), (2.0, 4.0), 0.5).unwrap();
     let image = Refocus::with_aperture(one).at_disparity(&light_field, 3.0).unwrap();
@@ -147,7 +147,7 @@ fn edges_are_as_bright_as_the_middle() {
 }
 
 #[test]
-fn slopes_are_those_of_lftoolbox() {
+fn slopes_agree_with_lftoolbox() {
     for views in [2_usize, 5, 9, 20] {
         for disparity in [1.0, -0.7, 2.15] {
             let slope = slope_from_disparity(disparity, views).unwrap();
@@ -167,7 +167,7 @@ fn slopes_are_those_of_lftoolbox() {
 }
 
 #[test]
-fn distances_go_through_the_rig_of_either_axis() {
+fn distances_use_the_baselines_of_both_axes() {
     let shape = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(16, 16)).unwrap();
     let rig = Rig::builder(shape)
         .focal_length_m(0.1)
@@ -182,7 +182,7 @@ fn distances_go_through_the_rig_of_either_axis() {
     for distance_m in [2.0, 4.0, f64::INFINITY] {
         let disparity_px = rig.disparity_x().from_depth_m(distance_m);
         let expected = refocus.at_disparity(&light_field, disparity_px).unwrap();
-        // The ratio is for disparities; a rig knows its own, and half of a double is exact.
+        // The ratio applies to disparities only, and half of a double is exact.
         let without_ratio = Refocus::new(shape.views()).unwrap();
         assert_eq!(without_ratio.at_distance_m(&light_field, &rig, distance_m), Ok(expected));
     }

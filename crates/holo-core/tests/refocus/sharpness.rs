@@ -1,4 +1,4 @@
-//! Planes of known depth: sharpest where they are.
+//! Planes of known depth are sharpest at their own disparity.
 
 use holo_core::refocus::{Kernel, Refocus};
 use holo_core::{GridSize, LightField, LightFieldShape, Rig};
@@ -27,7 +27,7 @@ fn rig(views: (usize, usize), baselines_m: (f64, f64)) -> Rig {
 
 /// A wall at a depth, painted with the texture in pixels of the rig's center, as 8-bit samples.
 ///
-/// It goes through the rig's rays and not through the shifts that are being tested.
+/// It uses the rays of the rig, not the shifts under test.
 fn wall(rig: &Rig, depth_m: f64) -> LightField<ndarray::OwnedRepr<u8>> {
     let samples = Array5::from_shape_fn(rig.shape().array_shape(1), |(v, u, t, s, _)| {
         let point = rig.ray(v, u, t, s, 0.5, 0.5).at_depth_m(depth_m);
@@ -85,7 +85,7 @@ fn walls_are_sharpest_at_their_own_disparity() {
 }
 
 #[test]
-fn a_wall_in_focus_is_what_the_reference_view_sees() {
+fn a_wall_in_focus_agrees_with_the_reference_view() {
     for views in [(9, 9), (8, 6)] {
         let rig = rig(views, (0.03, 0.03));
         let (t, s) = rig.shape().central_view();
