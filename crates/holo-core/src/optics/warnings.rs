@@ -34,7 +34,8 @@ impl fmt::Display for OpticsWarning {
             Self::DisparityBeyondLimit { range: DisparityRange { min_px, max_px }, limit_px } => write!(
                 f,
                 "disparities from {min_px:.3} to {max_px:.3} px leave -{limit_px} to {limit_px} px: use a smaller \
-                 baseline, more views on the same aperture, or a focus distance nearer to the harmonic mean of the depths"
+                 baseline, more views on the same aperture, or a focus distance nearer to the harmonic mean \
+                 of the depths"
             ),
             Self::DepthResolutionTooCoarse { resolution_m, depth_m, step_px } => {
                 if resolution_m.is_finite() {
