@@ -3,7 +3,7 @@
 //! `cargo run --example hci_to_mat -- FOLDER light_field.mat`, or without arguments on a folder that it makes. In MATLAB:
 //! `load('light_field.mat'); imshow(squeeze(LF(5, 5, :, :, :)))`.
 
-use holo_core::{DynLightField, GridSize, Layout, LightField, Rig, Split, for_each_sample};
+use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldShape, Rig, for_each_sample};
 use holo_io::{
     Compression, HciImage, HciTruth, MatOptions, MatOrder, ParametersCfg, ReadOptions, read_light_field,
     write_mat_light_field,
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// Nine views of one gray each, with the parameters of their rig.
 fn write_hci_folder(folder: &std::path::Path) -> Result<(), Box<dyn std::error::Error>> {
-    let shape = Split::new(GridSize::new(3, 3), GridSize::new(32, 48))?;
+    let shape = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(32, 48))?;
     let mut light_field = LightField::filled(shape, 3, Layout::ViewpointGrid, 0_u8)?;
     light_field.views_mut().for_each(|((t, s), mut view)| view.fill((25 * (t * 3 + s)) as u8));
     let rig = Rig::builder(shape)

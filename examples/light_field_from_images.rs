@@ -20,8 +20,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Natural order: view2.png comes before view10.png.
     let file = read_light_field(&folder, &ReadOptions::default().views(views))?;
     let light_field = file.light_field; // (v, u, t, s, c) in the type of the images
-    println!("{} views of {} px, {}", views, light_field.split().lenses(), light_field.kind().name());
-    write_image(&out, &light_field.into_grid(Layout::ElementalGrid))?;
+    println!("{} views of {} px, {}", views, light_field.shape().lenses(), light_field.kind().name());
+    write_image(&out, &light_field.into_grid(Layout::ElementalGrid)?)?;
     println!("raw image: {}", out.display());
     Ok(())
 }

@@ -18,11 +18,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         _ => (two_stripes()?, ColorEncoding::Srgb, 1.0, std::env::temp_dir().join("holo_example_refocused.png")),
     };
 
-    let views = light_field.split().views();
+    let views = light_field.shape().views();
     // Light adds up in linear values, so the sRGB curve is undone first and applied again at the end.
-    let linear = light_field.without_alpha().into_linear(encoding);
+    let linear = light_field.without_alpha()?.into_linear(encoding)?;
     let image = Refocus::new(views)?.at_disparity(&linear, disparity_px)?;
-    write_image(&out, &DynImage::from_linear(image.view(), SampleKind::U8))?;
+    write_image(&out, &DynImage::from_linear(image.view(), SampleKind::U8)?)?;
     println!("{views} views added up, sharp at {disparity_px} px: {}", out.display());
     Ok(())
 }

@@ -1,16 +1,16 @@
 //! Views to elemental images and back: the same samples in two orders, bit for bit.
 
-use holo_core::{GridSize, LightField, Split};
+use holo_core::{GridSize, LightField, LightFieldShape};
 use ndarray::Array3;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The paper's 8K sensor with 100 x 100 views: 79 x 53 px a view.
-    let split = Split::new(GridSize::new(100, 100), GridSize::new(53, 79))?;
-    let size = split.raw_size();
+    let shape = LightFieldShape::new(GridSize::new(100, 100), GridSize::new(53, 79))?;
+    let size = shape.raw_size();
     let views = Array3::from_shape_fn((size.rows, size.columns, 3), |(y, x, c)| (y * 7 + x * 3 + c * 85) as u8);
 
-    let elemental = LightField::from_viewpoint_grid(views.view(), split)?.to_elemental_grid();
-    let back = LightField::from_elemental_grid(elemental.view(), split)?.to_viewpoint_grid();
+    let elemental = LightField::from_viewpoint_grid(views.view(), shape)?.to_elemental_grid()?;
+    let back = LightField::from_elemental_grid(elemental.view(), shape)?.to_viewpoint_grid()?;
     assert_eq!(views, back);
 
     // Pixel (v, u) of view (t, s) is pixel (t, s) behind lens (v, u).

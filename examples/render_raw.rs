@@ -1,13 +1,13 @@
 //! A scene built in code, rendered straight into a raw holoscopic image. No file is read.
 
-use holo_core::{GridSize, Projection, Split};
+use holo_core::{GridSize, LightFieldShape, Projection};
 use holo_io::{ColorEncoding, Compression, write_pfm, write_png};
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer, Request, exposure};
 use holo_scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use ndarray::Axis;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // Three coloured squares at 0.4, 0.5 and 0.65 m.
+    // Three colored squares at 0.4, 0.5 and 0.65 m.
     let mut scene = Scene::default();
     for (k, (x, z, base_color)) in
         [(-0.08, -0.4, [0.8, 0.1, 0.1, 1.0]), (0.02, -0.5, [0.1, 0.6, 0.2, 1.0]), (0.1, -0.65, [0.15, 0.2, 0.8, 1.0])]
@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // 10 x 10 views behind 80 x 120 lenses, 2 mm apart, focused on the square in the middle.
     let framing = Framing {
-        split: Split::new(GridSize::new(10, 10), GridSize::new(80, 120))?,
+        shape: LightFieldShape::new(GridSize::new(10, 10), GridSize::new(80, 120))?,
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,
@@ -48,8 +48,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         Request { integrator: Integrator::Direct, samples: 4, sky: [0.1, 0.1, 0.12], ..Request::new(framed.rig(0.5)?) };
     let rendered = renderer.render(&request, &())?;
 
-    let color = rendered.color.ok_or("the integrator `Direct` makes a picture")?;
-    let raw = exposure::encode_8bit(&color, exposure::automatic_exposure(&color))?.to_elemental_grid();
+    let color = rendered.color.ok_or("the integrator `Direct` makes an image")?;
+    let raw = exposure::encode_8bit(&color, exposure::automatic_exposure(&color))?.to_elemental_grid()?;
     let out = std::env::temp_dir();
     write_png(out.join("holo_example_raw.png"), raw.view(), ColorEncoding::Srgb, Compression::Best)?;
     let depth_m = rendered.central.depth_m().ok_or("depth is asked for unless told otherwise")?;

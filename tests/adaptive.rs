@@ -7,8 +7,8 @@ use holo_core::Projection;
 use holo_render::{Backend, Integrator, Rendered, Request};
 use holo_scene::{Light, LightKind};
 
-/// Triangles in all colours under a small strong lamp and a sky: calm and noisy pixels side by side.
-fn picture(samples: u32, target_error: Option<f64>, seed: u64) -> Rendered {
+/// Triangles in all colors under a small strong lamp and a sky: calm and noisy pixels side by side.
+fn image(samples: u32, target_error: Option<f64>, seed: u64) -> Rendered {
     let mut scene = common::soup(60, 5);
     let kind = LightKind::Point { position: [1.0, 2.0, 0.5], range: None };
     scene.lights.push(Light { name: String::new(), intensity: [6.0; 3], kind });
@@ -25,25 +25,25 @@ fn picture(samples: u32, target_error: Option<f64>, seed: u64) -> Rendered {
 }
 
 fn mean(rendered: &Rendered) -> f64 {
-    let samples = rendered.color.as_ref().expect("a picture").samples();
+    let samples = rendered.color.as_ref().expect("an image").samples();
     samples.iter().map(|&x| f64::from(x)).sum::<f64>() / samples.len() as f64
 }
 
-/// The error that was asked for is kept on average, calm pixels take fewer samples, and the mean of 16 pictures stays
+/// The error that was asked for is kept on average, calm pixels take fewer samples, and the mean of 16 images stays
 /// within 0.2 % of what many samples give: the bias of stopping early.
 #[test]
 fn pixels_stop_when_they_are_good_enough() {
-    let exact = picture(4096, None, 99);
+    let exact = image(4096, None, 99);
     let reference = mean(&exact);
     let target = 0.05;
     let (mut sum, mut within, mut all) = (0.0, 0, 0);
     for seed in 0..16 {
-        let stopped = picture(1024, Some(target), seed);
+        let stopped = image(1024, Some(target), seed);
         let most = 36 * 160 * 1024;
         assert!(stopped.samples >= 36 * 160 * 16 && stopped.samples < most / 4, "{} of {most}", stopped.samples);
         sum += mean(&stopped) / 16.0;
-        let exact = exact.color.as_ref().expect("a picture").samples();
-        let got = stopped.color.as_ref().expect("a picture").samples();
+        let exact = exact.color.as_ref().expect("an image").samples();
+        let got = stopped.color.as_ref().expect("an image").samples();
         let luminance = |p: &[f32]| 0.2126 * p[0] + 0.7152 * p[1] + 0.0722 * p[2];
         for (a, b) in got.rows().into_iter().zip(exact.rows()) {
             let [a, b] = [a, b].map(|p| luminance(&[p[0], p[1], p[2]]));
@@ -58,13 +58,13 @@ fn pixels_stop_when_they_are_good_enough() {
 
 #[test]
 fn without_a_target_every_pixel_gets_its_samples() {
-    assert_eq!(picture(5, None, 0).samples, 36 * 160 * 5);
+    assert_eq!(image(5, None, 0).samples, 36 * 160 * 5);
     // Fewer samples than the first look needs: all of them.
-    assert_eq!(picture(8, Some(0.5), 0).samples, 36 * 160 * 8);
+    assert_eq!(image(8, Some(0.5), 0).samples, 36 * 160 * 8);
 }
 
-/// A glowing thread in the dark that covers 1.2 % of a row of pixels: most of their first samples are black, and yet the
-/// row must not go dark.
+/// A glowing thread in the dark that covers 1.2 % of a row of pixels: most of their first samples are black, and yet
+/// the row must not go dark.
 #[test]
 fn faint_edges_in_the_dark_are_not_cut_off() {
     let mut scene = holo_scene::Scene::default();
@@ -84,8 +84,8 @@ fn faint_edges_in_the_dark_are_not_cut_off() {
             target_error,
             ..Request::new(rig([1, 1], [16, 16], 0.0, 3.0, Projection::Perspective))
         };
-        let picture = common::render(&scene, &request, Backend::Bvh, 1).color.expect("a picture");
-        let view = picture.view(0, 0).expect("the only one");
+        let image = common::render(&scene, &request, Backend::Bvh, 1).color.expect("an image");
+        let view = image.view(0, 0).expect("the only one");
         (2..14).map(|u| f64::from(view[[8, u, 0]])).sum::<f64>() / 12.0
     };
     let (all, stopped) = (row(None), row(Some(0.05)));

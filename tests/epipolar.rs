@@ -1,4 +1,5 @@
-//! Renderer, light field and Eq. 3 together: the slopes of lines in rendered epipolar-plane images are the disparities that the depth map says.
+//! Renderer, light field and Eq. 3 together: the slopes of lines in rendered epipolar-plane images are the disparities
+//! that the depth map says.
 
 mod common;
 
@@ -12,11 +13,12 @@ use proptest::prelude::*;
 const PIXELS: [usize; 2] = [48, 64];
 const VIEWS: [usize; 2] = [5, 7];
 
-/// A wall at a depth, painted with grey noise that is smooth over some pixels, in even light.
+/// A wall at a depth, painted with gray noise that is smooth over some pixels, in even light.
 fn wall(rig: &Rig, depth_m: f64, seed: u64) -> Scene {
     let mut random = Random(seed);
     let side = 256;
-    // Waves of many directions, none shorter than eight pixels of a view: whatever lies between pixels can be interpolated.
+    // Waves of many directions, none shorter than eight pixels of a view: whatever lies between pixels can be
+    // interpolated.
     let pixel_m = depth_m * 0.036 / 0.05 / PIXELS[1] as f64;
     let half_m = 48.0 * pixel_m;
     let waves: Vec<[f64; 3]> = (0..24)
@@ -29,8 +31,8 @@ fn wall(rig: &Rig, depth_m: f64, seed: u64) -> Scene {
     let texel = |k: usize| {
         let (x, y) = ((k % side) as f64, (k / side) as f64);
         let sum: f64 = waves.iter().map(|[a, b, c]| (a * x + b * y + c).sin()).sum();
-        let grey = (128.0 + 18.0 * sum).clamp(0.0, 255.0) as u8;
-        [grey, grey, grey, 255]
+        let gray = (128.0 + 18.0 * sum).clamp(0.0, 255.0) as u8;
+        [gray, gray, gray, 255]
     };
     let texture = Texture {
         name: String::new(),
@@ -42,7 +44,7 @@ fn wall(rig: &Rig, depth_m: f64, seed: u64) -> Scene {
     };
     let texture_coordinates = vec![[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
     let kind = LightKind::Directional { direction: [0.0, 0.0, -1.0], angular_diameter_rad: 0.0 };
-    assert_eq!(rig.split().lenses().columns, PIXELS[1]);
+    assert_eq!(rig.shape().lenses().columns, PIXELS[1]);
     Scene {
         meshes: vec![holo_scene::Mesh { texture_coordinates, ..square(half_m as f32) }],
         instances: vec![Instance {
@@ -57,8 +59,9 @@ fn wall(rig: &Rig, depth_m: f64, seed: u64) -> Scene {
     }
 }
 
-/// The shift d, in px a view, of lines in an epipolar-plane image `lines[view][pixel]`: line k is the first moved by -d k. Found by
-/// Gauss-Newton on the squared differences of neighbouring lines, each moved half way with a cubic spline's interpolation.
+/// The shift d, in px a view, of lines in an epipolar-plane image `lines[view][pixel]`: line k is the first moved by -d
+/// k. Found by Gauss-Newton on the squared differences of neighboring lines, each moved half way with a cubic spline's
+/// interpolation.
 fn slope(lines: &[Vec<f64>]) -> f64 {
     let mut d = 0.0;
     for _ in 0..20 {
@@ -98,8 +101,9 @@ fn at(line: &[f64], x: f64) -> (f64, f64) {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
 
-    /// Along rows and along columns of views, with either projection: within 0.01 px of Eq. 3 of the depth map. (What is left: noise of
-    /// 16 samples within the pixel, and a box filter that neighbouring views lay over other places of the wall.)
+    /// Along rows and along columns of views, with either projection: within 0.01 px of Eq. 3 of the depth map. (What
+    /// is left: noise of 16 samples within the pixel, and a box filter that neighboring views lay over other places of
+    /// the wall.)
     #[test]
     fn lines_have_the_slope_of_their_disparity(
         nearness in 0.5_f64..2.5, step_px in 0.2_f64..1.5, seed in any::<u64>(), orthographic in any::<bool>()
@@ -121,7 +125,7 @@ proptest! {
             let disparity = f64::from(rendered.central[Layer::Disparity][[PIXELS[0] / 2, PIXELS[1] / 2, 0]]);
             let depth = f64::from(rendered.central[Layer::Depth][[PIXELS[0] / 2, PIXELS[1] / 2, 0]]);
             prop_assert!((rig.disparity().from_depth_m(depth) - disparity).abs() < 1e-6);
-            let color = rendered.color.expect("a picture");
+            let color = rendered.color.expect("an image");
             let samples = color.samples();
             for v in [14, 24, 33] {
                 let lines = |s: usize| (0..PIXELS[1]).map(|u| f64::from(samples[[v, u, 2, s, 1]])).collect();

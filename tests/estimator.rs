@@ -1,9 +1,9 @@
-//! What the integrators estimate: the mean over many seeds is the truth within its standard error, and the variance falls at
-//! least as fast as the number of samples grows.
+//! What the integrators estimate: the mean over many seeds is the truth within its standard error, and the variance
+//! falls at least as fast as the number of samples grows.
 //!
-//! Bounds: the mean luminance of a picture over 64 seeds lies within 3 standard errors of a reference of many more samples
-//! (its own error counted in). Seeds are fixed, so a test that passes passes always. What is tested is sums of independent
-//! pictures: normal to good approximation, and 3 standard errors are left by chance once in 370 cases.
+//! Bounds: the mean luminance of an image over 64 seeds lies within 3 standard errors of a reference of many more
+//! samples (its own error counted in). Seeds are fixed, so a test that passes passes always. What is tested is sums of
+//! independent images: normal to good approximation, and 3 standard errors are left by chance once in 370 cases.
 
 mod common;
 
@@ -30,8 +30,8 @@ struct Case {
 }
 
 impl Case {
-    /// The gallery, with every kind of light: glowing rooms and windows, punctual lights, a sky, glass and gloss between; and a
-    /// window with an environment map before it.
+    /// The gallery, with every kind of light: glowing rooms and windows, punctual lights, a sky, glass and gloss
+    /// between; and a window with an environment map before it.
     fn all() -> Vec<Self> {
         let mut cases: Vec<Self> = gallery::NAMES
             .iter()
@@ -54,17 +54,17 @@ impl Case {
         Self { name, renderer, rig: rig([2, 2], [4, 6], 1e-3, focus_m, Projection::Perspective), sky: [sky; 3] }
     }
 
-    /// The mean luminance of a picture.
+    /// The mean luminance of an image.
     fn mean(&self, integrator: Integrator, samples: u32, seed: u64) -> f64 {
         let request = Request { integrator, samples, seed, sky: self.sky, max_bounces: 4, ..Request::new(self.rig) };
-        let color = self.renderer.render(&request, &()).expect("a render").color.expect("a picture");
+        let color = self.renderer.render(&request, &()).expect("a render").color.expect("an image");
         let values = color.samples();
         let sum: f64 = values.iter().zip([0.2126, 0.7152, 0.0722].iter().cycle()).map(|(&x, w)| f64::from(x) * w).sum();
         assert!(sum.is_finite(), "{}", self.name);
         sum * 3.0 / values.len() as f64
     }
 
-    /// Mean and variance over seeds of pictures of `samples` each.
+    /// Mean and variance over seeds of images of `samples` each.
     fn statistics(&self, integrator: Integrator, samples: u32) -> (f64, f64) {
         let means: Vec<f64> = (0..SEEDS).map(|seed| self.mean(integrator, samples, 1000 + seed)).collect();
         let mean = means.iter().sum::<f64>() / SEEDS as f64;
@@ -80,7 +80,8 @@ fn the_mean_over_seeds_is_the_truth_and_the_variance_falls() {
         for integrator in [Integrator::Direct, Integrator::Path] {
             let (mean, variance) = case.statistics(integrator, 4);
             let (finer, finer_variance) = case.statistics(integrator, 16);
-            // Four times as many samples as all seeds of the finer pictures together, in four pictures: their spread is the error.
+            // Four times as many samples as all seeds of the finer images together, in four images: their spread is the
+            // error.
             let references: Vec<f64> = (0..4).map(|seed| case.mean(integrator, 1024, seed)).collect();
             let reference = references.iter().sum::<f64>() / 4.0;
             let spread = references.iter().map(|x| (x - reference).powi(2)).sum::<f64>() / 12.0;
@@ -101,8 +102,8 @@ fn the_mean_over_seeds_is_the_truth_and_the_variance_falls() {
             }
         }
     }
-    // Independent samples would make it a quarter. A scene with a few bright paths says little in 64 seeds (birdcage: 2.3, and 4.7 in
-    // 1024); all together know it to 5 %.
+    // Independent samples would make it a quarter. A scene with a few bright paths says little in 64 seeds (birdcage:
+    // 2.3, and 4.7 in 1024); all together know it to 5 %.
     let together = (falls.iter().map(|fall: &f64| fall.ln()).sum::<f64>() / falls.len() as f64).exp();
     println!("variance falls by {together:.2} from 4 to 16 samples, over {} cases", falls.len());
     assert!(together > 3.8 && falls.iter().all(|&fall| fall > 1.5), "{together}: {falls:?}");

@@ -1,8 +1,8 @@
 //! The white furnace: in a world that shines equally from everywhere, what neither absorbs nor emits cannot be seen.
 //!
-//! Whole renders, from camera ray to picture: a body of flat triangles under a sky of 1 must show 1 in every pixel. Smooth
-//! shading would not: an interpolated normal sends some light below the triangle. The scattering functions alone, at
-//! all roughnesses, are integrated in `holo-render`'s own tests.
+//! Whole renders, from camera ray to image: a body of flat triangles under a sky of 1 must show 1 in every pixel.
+//! Smooth shading would not: an interpolated normal sends some light below the triangle. The scattering functions
+//! alone, at all roughnesses, are integrated in `holo-render`'s own tests.
 
 mod common;
 
@@ -18,7 +18,7 @@ fn sphere(radius: f32) -> Mesh {
     for (a, b) in [(-1.0, t), (1.0, t), (-1.0, -t), (1.0, -t)] {
         positions.extend([[a, b, 0.0], [0.0, a, b], [b, 0.0, a]]);
     }
-    // The faces of the icosahedron: all triples of neighbours, turned outward.
+    // The faces of the icosahedron: all triples of neighbors, turned outward.
     let distance = |a: [f64; 3], b: [f64; 3]| (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>();
     let mut triangles: Vec<[usize; 3]> = Vec::new();
     for a in 0..12 {
@@ -76,7 +76,7 @@ fn furnace(material: Material, samples: u32, bounces: u32) -> (f64, f32, f32) {
         roulette: false,
         ..Request::new(rig([3, 3], [12, 18], 0.05, 2.0, Projection::Perspective))
     };
-    let color = renderer.render(&request, &()).expect("a render").color.expect("a picture");
+    let color = renderer.render(&request, &()).expect("a render").color.expect("an image");
     let values = color.samples();
     let mean = values.iter().map(|&x| f64::from(x)).sum::<f64>() / values.len() as f64;
     let low = values.iter().copied().fold(f32::INFINITY, f32::min);

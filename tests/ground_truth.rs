@@ -7,7 +7,7 @@ use holo_core::Projection;
 use holo_render::{Backend, Layer, Renderer};
 use holo_scene::{Scene, Transform};
 
-/// A slanted plane fills the picture: its depth is known for every pixel of every view, in either projection, with
+/// A slanted plane fills the image: its depth is known for every pixel of every view, in either projection, with
 /// either engine. f64 refinement leaves the rounding of the stored f32: 2^-24.
 #[test]
 fn depth_of_a_slanted_plane_is_exact() {
@@ -54,15 +54,15 @@ fn the_central_view_is_one_of_all() {
     }
 }
 
-/// The point that a pixel of the central view sees lies, in every other view, where Eq. 3 says; and where that view sees
-/// the same surface (a plane here, so everywhere), the depths agree.
+/// The point that a pixel of the central view sees lies, in every other view, where Eq. 3 says; and where that view
+/// sees the same surface (a plane here, so everywhere), the depths agree.
 #[test]
 fn points_move_by_their_disparity() {
     let mut scene = Scene::default();
     add(&mut scene, square(20.0), [1.0; 4], Transform::from_translation([0.0, 0.0, -4.0]));
     let rig = rig([5, 5], [21, 31], 0.03, 2.5, Projection::Perspective);
     let rendered = render(&scene, &truth(rig), Backend::Bvh, 1);
-    let (tc, sc) = rig.split().central_view();
+    let (tc, sc) = rig.shape().central_view();
     for ((v, u, _), &disparity) in rendered.central[Layer::Disparity].indexed_iter() {
         let depth = f64::from(rendered.central[Layer::Depth][[v, u, 0]]);
         let point = rig.ray(v, u, tc, sc, 0.5, 0.5).at_depth_m(depth);
@@ -97,7 +97,7 @@ fn rays_of_an_elemental_image_meet_on_the_focus_plane() {
     }
 }
 
-/// The three engines see the same picture. An f32 engine may judge a ray within rounding of an edge differently: at most
+/// The three engines see the same image. An f32 engine may judge a ray within rounding of an edge differently: at most
 /// one pixel in a thousand.
 #[test]
 fn engines_agree_on_depth() {

@@ -52,7 +52,8 @@ fn the_image_does_not_depend_on_threads() {
     }
 }
 
-/// A 10 um baseline at world coordinate 2^20 m: moved by powers of two, the scene gives the same bytes as at the origin.
+/// A 10 um baseline at world coordinate 2^20 m: moved by powers of two, the scene gives the same bytes as at the
+/// origin.
 #[test]
 fn a_far_away_scene_is_the_scene_at_the_origin() {
     let near = lit_soup(5);
@@ -74,11 +75,11 @@ fn a_far_away_scene_is_the_scene_at_the_origin() {
     }
 }
 
-/// 10,000 km from the origin, objects at places that f64 rounds to 2 nm there, through a camera that is turned. Depth is that at the
-/// origin to an f32's rounding and 10 nm of slope, disparity (up to 1.4e-4 px here) to its own rounding, but for one silhouette pixel in
-/// 1000; light to 1e-4 but for one pixel in 100, where shadows have their edges.
+/// 10,000 km from the origin, objects at places that f64 rounds to 2 nm there, through a camera that is turned. Depth
+/// is that at the origin to an f32's rounding and 10 nm of slope, disparity (up to 1.4e-4 px here) to its own rounding,
+/// but for one silhouette pixel in 1000; light to 1e-4 but for one pixel in 100, where shadows have their edges.
 #[test]
-fn ten_thousand_kilometres_away_nanometres_are_lost() {
+fn ten_thousand_kilometers_away_nanometers_are_lost() {
     let place = |shift: [f64; 3]| {
         let pose = Transform::from_parts(shift, [0.3, -0.5, 0.2, 0.7], [1.0; 3]);
         let mut scene = lit_soup(8);
@@ -119,9 +120,10 @@ fn ten_thousand_kilometres_away_nanometres_are_lost() {
     }
 }
 
-/// There, too, views 10 um apart are not one: a wall at 45 degrees is as far from each of them as its plane says, to an f32's rounding.
+/// There, too, views 10 um apart are not one: a wall at 45 degrees is as far from each of them as its plane says, to an
+/// f32's rounding.
 #[test]
-fn ten_micrometres_survive_ten_thousand_kilometres_away() {
+fn ten_micrometers_survive_ten_thousand_kilometers_away() {
     let shift = [1e7, -1e7, 1e7];
     let mut scene = Scene::default();
     // z = -3 + x
@@ -144,7 +146,8 @@ fn ten_micrometres_survive_ten_thousand_kilometres_away() {
     }
 }
 
-/// Everything a power of two as large, the lamp's intensity with its square: the same bytes, depths that factor as large.
+/// Everything a power of two as large, the lamp's intensity with its square: the same bytes, depths that factor as
+/// large.
 #[test]
 fn powers_of_two_change_nothing() {
     let scene = lit_soup(6);
@@ -173,8 +176,9 @@ fn powers_of_two_change_nothing() {
     }
 }
 
-/// A scene a thousand or a million times smaller or larger, rig and lights scaled with it, has the same disparities. The scale is no
-/// power of two, so f32 rounding differs: silhouettes may flip, one pixel in a thousand; the others agree to 1e-6 px of up to 0.6.
+/// A scene a thousand or a million times smaller or larger, rig and lights scaled with it, has the same disparities.
+/// The scale is no power of two, so f32 rounding differs: silhouettes may flip, one pixel in a thousand; the others
+/// agree to 1e-6 px of up to 0.6.
 #[test]
 fn scale_does_not_matter() {
     let scene = soup(300, 6);
@@ -218,8 +222,8 @@ fn any_shape_of_rig_works() {
     }
 }
 
-/// 65,535 and 65,537 views, a million lenses: no index is cut to 16 bits, no product to 32. Every pixel has the depth of its own ray to a
-/// slanted wall, to f32's rounding.
+/// 65,535 and 65,537 views, a million lenses: no index is cut to 16 bits, no product to 32. Every pixel has the depth
+/// of its own ray to a slanted wall, to f32's rounding.
 #[test]
 fn sizes_at_the_edges_of_index_types_work() {
     let (scene, plane) = slanted_wall();
@@ -277,7 +281,8 @@ fn degenerate_triangles_do_no_harm() {
     }
 }
 
-/// A focus plane before and behind everything, at infinity, on the surface: every pixel has the depth of its own ray to a slanted wall.
+/// A focus plane before and behind everything, at infinity, on the surface: every pixel has the depth of its own ray to
+/// a slanted wall.
 #[test]
 fn any_focus_sees_the_wall_at_its_depth() {
     let (scene, plane) = slanted_wall();
@@ -354,8 +359,8 @@ fn broken_scenes_are_named_errors() {
     let mut far = soup(4, 1);
     far.instances[0].transform.translation = [1e30, 0.0, 0.0];
     // Finite numbers that are none any more once they are multiplied.
-    let mut cancelling = soup(4, 1);
-    cancelling.instances[0].transform.columns = [[1e308, 0.0, 0.0], [-1e308, 1e-3, 0.0], [0.0, 0.0, 1.0]];
+    let mut canceling = soup(4, 1);
+    canceling.instances[0].transform.columns = [[1e308, 0.0, 0.0], [-1e308, 1e-3, 0.0], [0.0, 0.0, 1.0]];
     let mut glaring = soup(4, 1);
     let direction = [0.0, 0.0, -1.0];
     glaring.lights.push(Light {
@@ -364,7 +369,7 @@ fn broken_scenes_are_named_errors() {
         kind: LightKind::Directional { direction, angular_diameter_rad: 0.0 },
     });
     for (scene, word) in
-        [(nan, "meshes[0]"), (range, "meshes[1]"), (far, "mesh"), (cancelling, "mesh"), (glaring, "lights[0]")]
+        [(nan, "meshes[0]"), (range, "meshes[1]"), (far, "mesh"), (canceling, "mesh"), (glaring, "lights[0]")]
     {
         let Err(error) = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, 1) else { panic!("accepted") };
         assert!(error.to_string().contains(word), "{error}");

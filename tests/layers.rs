@@ -152,7 +152,7 @@ fn ball() -> Mesh {
     mesh
 }
 
-/// A textured wall that does not fill the picture, a ball seen from outside, the same ball mirrored and stretched, a
+/// A textured wall that does not fill the image, a ball seen from outside, the same ball mirrored and stretched, a
 /// square that shows its back, and a pane of glass before some of them. Materials are in another order than instances.
 fn scene() -> Scene {
     let mut random = Random(12);
@@ -211,8 +211,8 @@ fn request(rig: Rig) -> Request {
 
 /// How far a layer may be off. What f64 finds is rounded to f32 once: 2^-24 = 6.0e-8, relatively or of a unit vector.
 /// Shading normal and albedo follow the engine's f32 weights of the three corners, some 1e-6 off, over a ball whose
-/// corners lie 0.45 rad apart and is stretched, and a texture that changes by 1 over a seventh of the wall: 4e-6 and 2e-6
-/// measured, the double allowed.
+/// corners lie 0.45 rad apart and is stretched, and a texture that changes by 1 over a seventh of the wall: 4e-6 and
+/// 2e-6 measured, the double allowed.
 fn tolerance(layer: Layer, exact: f64, rig: &Rig) -> f64 {
     match layer {
         Layer::Depth | Layer::RayLength => 6.0e-8 * exact,
@@ -264,14 +264,14 @@ fn layers_are_what_a_naive_renderer_finds() {
     }
 }
 
-/// Colour may take one sample or many, light may be traced or not: the layers are the same bits, and so are those of the
+/// Color may take one sample or many, light may be traced or not: the layers are the same bits, and so are those of the
 /// central view alone.
 #[test]
 fn layers_do_not_depend_on_what_is_rendered_with_them() {
     let (scene, pose) = moved(&scene());
     let rig = rig([4, 5], [14, 19], 0.03, 3.0, Projection::Perspective);
     let alone = render_from(&scene, &pose, &request(rig), Backend::Bvh, 1);
-    let (t, s) = rig.split().central_view();
+    let (t, s) = rig.shape().central_view();
     let central = |all: &Layers<LightFieldOwned<f32>>| -> Layers<_> {
         all.iter().map(|(layer, field)| (layer, field.view(t, s).expect("a view").to_owned())).collect()
     };

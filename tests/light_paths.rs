@@ -3,7 +3,7 @@
 mod common;
 
 use common::{add, rig, square};
-use holo_core::{GridSize, Projection, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_render::{Backend, Integrator, Layer, Renderer, Request};
 use holo_scene::{Light, LightKind, Material, Mesh, Scene, Transform, Volume};
 
@@ -36,16 +36,16 @@ fn under_the_sky(scene: &Scene, pose: &Transform, samples: u32, bounces: u32) ->
         max_bounces: bounces,
         ..Request::new(rig([3, 3], [12, 18], 0.01, 2.0, Projection::Perspective))
     };
-    let color = renderer.render(&request, &()).expect("a render").color.expect("a picture");
+    let color = renderer.render(&request, &()).expect("a render").color.expect("an image");
     let values = color.samples();
     assert!(values.iter().all(|x| x.is_finite() && *x >= 0.0), "not a number, or less than nothing");
     let mean = values.iter().map(|&x| f64::from(x)).sum::<f64>() / values.len() as f64;
     (mean, values.iter().copied().fold(0.0, f32::max))
 }
 
-/// Under a sky of 1 radiance inside glass is at most n^2, where the camera is inside, and 1 outside, however bodies are nested or
-/// touch. (A body is taken to stand in air: where glass touches glass the light is refracted twice with air between, which
-/// changes directions and keeps the energy.) 2 % for the noise of 64 samples.
+/// Under a sky of 1 radiance inside glass is at most n^2, where the camera is inside, and 1 outside, however bodies are
+/// nested or touch. (A body is taken to stand in air: where glass touches glass the light is refracted twice with air
+/// between, which changes directions and keeps the energy.) 2 % for the noise of 64 samples.
 #[test]
 fn glass_in_glass_and_a_camera_in_glass_gain_nothing() {
     let away = Transform::from_translation([0.0, 0.0, -2.0]);
@@ -69,8 +69,9 @@ fn glass_in_glass_and_a_camera_in_glass_gain_nothing() {
     }
 }
 
-/// Two mirrors that face each other, and the camera between: a ray leaves after as many reflections as its slope says, and brings the
-/// sky, dimmed by each; one that has not left after 64 brings nothing. 1e-5 for up to 64 products of f32.
+/// Two mirrors that face each other, and the camera between: a ray leaves after as many reflections as its slope says,
+/// and brings the sky, dimmed by each; one that has not left after 64 brings nothing. 1e-5 for up to 64 products of
+/// f32.
 #[test]
 fn sixty_four_bounces_between_mirrors_lose_nothing_and_gain_nothing() {
     let mirror = |reflectance: f32| Material {
@@ -92,11 +93,11 @@ fn sixty_four_bounces_between_mirrors_lose_nothing_and_gain_nothing() {
             roulette: false,
             ..Request::new(rig)
         };
-        let color = renderer.render(&request, &()).expect("a render").color.expect("a picture");
+        let color = renderer.render(&request, &()).expect("a render").color.expect("an image");
         let (mut judged, mut most, mut trapped) = (0, 0, 0);
         for ((v, u, t, s, channel), &found) in color.samples().indexed_iter() {
             let ray = rig.ray(v, u, t, s, 0.5, 0.5);
-            // The mirror number k is met after 1 + 1.5 k metres of depth.
+            // The mirror number k is met after 1 + 1.5 k meters of depth.
             let reach = |k: i32| {
                 (0..2)
                     .map(|i| (ray.origin_m[i] + ray.direction[i] * (1.0 + 1.5 * f64::from(k))).abs())
@@ -123,7 +124,7 @@ fn sixty_four_bounces_between_mirrors_lose_nothing_and_gain_nothing() {
 
 /// A camera that sees a hundred-thousandth of a degree: with it rays meet a surface at the angle that is wanted.
 fn narrow_rig(half_angle: f64) -> Rig {
-    Rig::builder(Split::new(GridSize::new(2, 2), GridSize::new(8, 12)).expect("sizes"))
+    Rig::builder(LightFieldShape::new(GridSize::new(2, 2), GridSize::new(8, 12)).expect("sizes"))
         .focal_length_m(0.018 / half_angle)
         .sensor_size_m(0.036)
         .baseline_m(1e-9)
@@ -132,16 +133,17 @@ fn narrow_rig(half_angle: f64) -> Rig {
         .expect("a rig")
 }
 
-/// At the critical angle and at grazing incidence the equations of Fresnel divide by what is nearly nothing: a pane seen at
-/// angles down to 0.001 degrees, and a prism around the critical angle in steps of 1e-6 and 1e-5 of it, through cameras that see no more than
-/// that. Under a sky of 1 a pane shows 1, to 2 % for noise. In a block of glass a ray just short of the critical angle meets the face and
-/// the one opposite a little more than every second time (34 of 64 events, by its slope), passes T of Fresnel's equations each time,
-/// and is held by the other faces: n^2 (1 - (1 - T)^34), to 15 % for what 34 is worth; beyond the angle it never leaves. (At 1e-6 the
-/// rounding of f32 directions is a tenth of the step: never more than n^2.)
+/// At the critical angle and at grazing incidence the equations of Fresnel divide by what is nearly nothing: a pane
+/// seen at angles down to 0.001 degrees, and a prism around the critical angle in steps of 1e-6 and 1e-5 of it, through
+/// cameras that see no more than that. Under a sky of 1 a pane shows 1, to 2 % for noise. In a block of glass a ray
+/// just short of the critical angle meets the face and the one opposite a little more than every second time (34 of 64
+/// events, by its slope), passes T of Fresnel's equations each time, and is held by the other faces: n^2 (1 - (1 -
+/// T)^34), to 15 % for what 34 is worth; beyond the angle it never leaves. (At 1e-6 the rounding of f32 directions is a
+/// tenth of the step: never more than n^2.)
 #[test]
 fn grazing_and_critical_angles_are_numbers() {
     for degrees in [10.0_f64, 1.0, 0.1, 0.01, 0.001] {
-        // The plane of the pane holds the view's centre but for this angle: from (0, 0, 0) it is met after 2 m.
+        // The plane of the pane holds the view's center but for this angle: from (0, 0, 0) it is met after 2 m.
         let angle = degrees.to_radians();
         let (sin, cos) = (0.5 * (std::f64::consts::FRAC_PI_2 - angle)).sin_cos();
         let tilted = Transform::from_parts([0.0, 0.0, -2.0], [sin, 0.0, 0.0, cos], [1.0; 3]);
@@ -153,7 +155,7 @@ fn grazing_and_critical_angles_are_numbers() {
         let rendered = renderer.render(&request, &()).expect("a render");
         let hit = rendered.central[Layer::Depth].iter().filter(|z| z.is_finite()).count();
         assert_eq!(hit, 8 * 12, "{degrees}: every pixel sees the pane");
-        let color = rendered.color.expect("a picture");
+        let color = rendered.color.expect("an image");
         let off = color.samples().iter().map(|&x| (f64::from(x) - 1.0).abs()).fold(0.0, f64::max);
         println!("pane at {degrees} degrees: off by {off:.1e}");
         assert!(color.samples().iter().all(|x| (0.98..1.02).contains(x)), "{degrees}: {off}");
@@ -176,11 +178,11 @@ fn grazing_and_critical_angles_are_numbers() {
         let (rig, integrator) = (narrow_rig(critical * width), Integrator::Path);
         let (samples, roulette) = (256, false);
         let request = Request { integrator, samples, roulette, sky: [1.0; 3], max_bounces: 64, ..Request::new(rig) };
-        let color = renderer.render(&request, &()).expect("a render").color.expect("a picture");
+        let color = renderer.render(&request, &()).expect("a render").color.expect("an image");
         let values = color.samples();
         assert!(values.iter().all(|x| x.is_finite() && *x >= 0.0));
         let mean = values.iter().map(|&x| f64::from(x)).sum::<f64>() / values.len() as f64;
-        // Over the height of the picture, 2/3 of its width.
+        // Over the height of the image, 2/3 of its width.
         let angles = (0..64).map(|k| angle + critical * width * 2.0 / 3.0 * ((f64::from(k) + 0.5) / 32.0 - 1.0));
         let expected = 2.25 * angles.map(|angle| 1.0 - (1.0 - transmitted(angle)).powi(34)).sum::<f64>() / 64.0;
         println!("critical angle {step:+} x {width:e}: mean {mean:.4}, expected {expected:.4}");
@@ -191,10 +193,10 @@ fn grazing_and_critical_angles_are_numbers() {
     }
 }
 
-/// Light of 1e12 and of 1e-12: the picture is the same but for the factor, 24 bits of it.
+/// Light of 1e12 and of 1e-12: the image is the same but for the factor, 24 bits of it.
 #[test]
 fn very_strong_and_very_faint_light_is_light() {
-    let picture = |power: f64| {
+    let image = |power: f64| {
         let mut scene = common::soup(60, 3);
         let kind = LightKind::Point { position: [0.5, 1.0, 0.0], range: None };
         scene.lights.push(Light { name: "lamp".into(), intensity: [power; 3], kind });
@@ -206,11 +208,11 @@ fn very_strong_and_very_faint_light_is_light() {
             max_bounces: 3,
             ..Request::new(rig([2, 2], [8, 12], 0.01, 3.0, Projection::Perspective))
         };
-        renderer.render(&request, &()).expect("a render").color.expect("a picture")
+        renderer.render(&request, &()).expect("a render").color.expect("an image")
     };
-    let one = picture(1.0);
+    let one = image(1.0);
     for power in [1e12, 1e-12] {
-        let other = picture(power);
+        let other = image(power);
         assert!(other.samples().iter().filter(|x| **x > 0.0).count() > 100, "something must be lit");
         for (a, b) in one.samples().iter().zip(other.samples()) {
             let (a, b) = (f64::from(*a), f64::from(*b) / power);

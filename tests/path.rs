@@ -1,11 +1,11 @@
-//! Paths: the same bytes for any number of threads, the same picture from both engines.
+//! Paths: the same bytes for any number of threads, the same image from both engines.
 
 mod common;
 
 use std::path::Path;
 
 use common::engines;
-use holo_core::{GridSize, Projection, Split};
+use holo_core::{GridSize, LightFieldShape, Projection};
 use holo_io::Limits;
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Rendered, Renderer, Request};
 use holo_scene::{Environment, Scene};
@@ -23,7 +23,7 @@ fn scenes() -> [(Scene, [f32; 3]); 2] {
 /// 6 x 5 views: packets with lanes to spare.
 fn render(scene: &Scene, sky: [f32; 3], backend: Backend, threads: usize, change: fn(&mut Request)) -> Rendered {
     let framing = Framing {
-        split: Split::new(GridSize::new(5, 6), GridSize::new(22, 33)).unwrap(),
+        shape: LightFieldShape::new(GridSize::new(5, 6), GridSize::new(22, 33)).unwrap(),
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,
@@ -37,7 +37,7 @@ fn render(scene: &Scene, sky: [f32; 3], backend: Backend, threads: usize, change
 }
 
 #[test]
-fn the_picture_does_not_depend_on_threads() {
+fn the_image_does_not_depend_on_threads() {
     let changes: [fn(&mut Request); 3] = [
         |request| request.samples = 1,
         |request| (request.samples, request.seed) = (5, 7),
@@ -57,10 +57,10 @@ fn the_picture_does_not_depend_on_threads() {
     }
 }
 
-/// Both engines hit the same triangles, but their weights within a triangle differ in the last bits. Smooth surfaces and
-/// shadows hardly notice; a path that meets an edge, or chooses between two ways within those bits, goes elsewhere. The
-/// numbers are the same, so pixels whose paths stay together differ by rounding: half of them by less than 1e-6, all but
-/// 2 % by less than 1e-4 (measured: 2e-7 and 3e-6). What goes elsewhere is no bias: the mean agrees.
+/// Both engines hit the same triangles, but their weights within a triangle differ in the last bits. Smooth surfaces
+/// and shadows hardly notice; a path that meets an edge, or chooses between two ways within those bits, goes elsewhere.
+/// The numbers are the same, so pixels whose paths stay together differ by rounding: half of them by less than 1e-6,
+/// all but 2 % by less than 1e-4 (measured: 2e-7 and 3e-6). What goes elsewhere is no bias: the mean agrees.
 #[test]
 fn both_engines_see_the_same_light() {
     let [first, second] = engines()[..] else {
@@ -69,7 +69,7 @@ fn both_engines_see_the_same_light() {
     for (scene, sky) in scenes() {
         let [a, b] = [first, second].map(|backend| {
             let rendered = render(&scene, sky, backend, 2, |request| request.samples = 16);
-            rendered.color.expect("a picture").to_elemental_grid()
+            rendered.color.expect("an image").to_elemental_grid().unwrap()
         });
         let mut differences: Vec<f64> = a
             .iter()

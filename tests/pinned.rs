@@ -3,8 +3,9 @@
 //! What changes pixels on purpose writes the list anew (`HOLO_PIN=write cargo test --test pinned`) and says why in the
 //! changelog; nothing else may change a line of it.
 //!
-//! The arrays are the same for any number of threads and any instruction set. They are pinned on 64-bit Linux with glibc
-//! alone, because the gallery's shapes are computed with the system's sine and cosine; and for Embree 4.4.0 alone.
+//! The arrays are the same for any number of threads and any instruction set. They are pinned on 64-bit Linux with
+//! glibc alone, because the gallery's shapes are computed with the system's sine and cosine; and for Embree 4.4.0
+//! alone.
 
 mod common;
 #[path = "common/pins.rs"]

@@ -7,13 +7,13 @@ mod common;
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, Projection, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_io::Limits;
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Layer, LayerSet, Rendered, Renderer, Request};
 use holo_scene::Environment;
 use ndarray::Array3;
 
-/// One picture to compare.
+/// One image to compare.
 struct Case {
     scene: &'static str,
     map: Option<&'static str>,
@@ -21,8 +21,8 @@ struct Case {
     integrator: Integrator,
     reference: &'static str,
     samples: u32,
-    /// Bound on the root mean square of the difference. Both pictures are noisy: ours 0.002 to 0.006 at these samples, the
-    /// references 0.0007 to 0.0025, and up to 0.0055 behind frosted glass.
+    /// Bound on the root mean square of the difference. Both images are noisy: ours 0.002 to 0.006 at these samples,
+    /// the references 0.0007 to 0.0025, and up to 0.0055 behind frosted glass.
     rmse: f64,
     /// Bound on the mean of every object of at least 30 pixels, relatively, beside 4 standard errors of the difference.
     object: f64,
@@ -35,7 +35,7 @@ fn prepare(folder: &Path, case: &Case, size: GridSize, backend: Backend) -> (Ren
         scene.environment = Some(Environment { radiance });
     }
     let framing = Framing {
-        split: Split::new(GridSize::new(1, 1), size).unwrap(),
+        shape: LightFieldShape::new(GridSize::new(1, 1), size).unwrap(),
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,
@@ -59,7 +59,7 @@ fn compare(folder: &Path, case: &Case, backend: Backend) {
         ..Request::new(rig)
     };
     let Rendered { color, central, .. } = renderer.render(&request, &()).expect("a render");
-    let ours = color.expect("a picture").view(0, 0).unwrap().to_owned();
+    let ours = color.expect("an image").view(0, 0).unwrap().to_owned();
     let objects = &central[Layer::ObjectId];
     judge(case, &ours, &theirs, objects);
 }
@@ -100,7 +100,7 @@ fn own() -> PathBuf {
 
 const SKY: [f32; 3] = [0.2, 0.24, 0.32];
 
-/// Rough metal, rough and coloured glass, a thin pane, varnish, a texture; two punctual lights and a constant sky.
+/// Rough metal, rough and colored glass, a thin pane, varnish, a texture; two punctual lights and a constant sky.
 #[test]
 fn metal_and_glass_are_lit_as_in_mitsuba() {
     let case = |integrator, reference, rmse| Case {

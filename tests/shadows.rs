@@ -56,7 +56,7 @@ fn the_distance_of_a_lamp_does_not_lose_its_shadow() {
             });
             counts.push(dark_pixels(&scene, backend).0);
         }
-        assert!(counts[0] > 100, "the shadow must be in the picture: {counts:?}");
+        assert!(counts[0] > 100, "the shadow must be in the image: {counts:?}");
         // The nearest moves the edge by 2 mm: one column of pixels, an eighth of this narrow shadow.
         assert!(counts.iter().all(|&n| n.abs_diff(counts[2]) * 8 <= counts[2]), "{backend:?} {counts:?}");
     }
@@ -67,7 +67,7 @@ fn the_distance_of_a_lamp_does_not_lose_its_shadow() {
 fn a_lamp_in_the_ceiling_is_not_hidden_by_it() {
     let mut scene = Scene::default();
     add(&mut scene, square(5.0), [0.8, 0.8, 0.8, 1.0], Transform::from_translation([0.0, 0.0, -2.0]));
-    // A tilted sheet above, out of sight, with the lamp at its centre.
+    // A tilted sheet above, out of sight, with the lamp at its center.
     let center = [0.1, 1.3, -1.1];
     let sheet = Transform::from_parts(center, [0.7, 0.02, 0.01, 0.71], [1.0; 3]);
     add(&mut scene, square(0.3), [0.8, 0.8, 0.8, 1.0], sheet);
@@ -93,8 +93,8 @@ fn duplicates_do_not_shade_each_other() {
     }
 }
 
-/// A tilted wall that is a micrometre, a metre or a thousand kilometres wide does not shade itself: what keeps shadow rays off a surface grows
-/// with the scene.
+/// A tilted wall that is a micrometer, a meter or a thousand kilometers wide does not shade itself: what keeps shadow
+/// rays off a surface grows with the scene.
 #[test]
 fn no_scale_shades_itself() {
     for scale in [1e-6, 1e-3, 1.0, 1e3, 1e6] {
@@ -112,8 +112,8 @@ fn no_scale_shades_itself() {
     }
 }
 
-/// A tilted plain of 5000 triangles under a sun 0.01 degrees above it: every pixel has E sin(0.01 degrees), to the 1e-3 that f32 knows of
-/// so flat a cosine (1e-7 of 1.7e-4), and none is dark. With the sun as far below, all are black.
+/// A tilted plain of 5000 triangles under a sun 0.01 degrees above it: every pixel has E sin(0.01 degrees), to the 1e-3
+/// that f32 knows of so flat a cosine (1e-7 of 1.7e-4), and none is dark. With the sun as far below, all are black.
 #[test]
 fn grazing_light_is_even() {
     let elevation = 0.01_f64.to_radians();
@@ -163,7 +163,7 @@ fn no_light_leaks_into_a_closed_room() {
     }
     let lamp = LightKind::Point { position: [0.5, 3.0, -1.0], range: None };
     scene.lights.push(Light { intensity: [1e6; 3], ..light(lamp) });
-    // An edge, a corner and the walls between are in the picture.
+    // An edge, a corner and the walls between are in the image.
     let rig = rig([4, 4], [80, 120], 0.002, 1.0, Projection::Perspective);
     for backend in engines() {
         for integrator in [Integrator::Direct, Integrator::Path] {
@@ -176,8 +176,8 @@ fn no_light_leaks_into_a_closed_room() {
     }
 }
 
-/// A coarse ball with smooth normals under a sun: where the triangle itself is turned away it is dark, and where it faces the sun it is
-/// not darker than Lambert's law makes it; no light comes through from behind.
+/// A coarse ball with smooth normals under a sun: where the triangle itself is turned away it is dark, and where it
+/// faces the sun it is not darker than Lambert's law makes it; no light comes through from behind.
 #[test]
 fn the_terminator_of_a_coarse_ball_has_neither_acne_nor_leaks() {
     let mut mesh = Mesh::default();

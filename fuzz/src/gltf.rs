@@ -14,8 +14,8 @@ const LIMITS: Limits = Limits {
 /// One glTF file, binary or JSON.
 ///
 /// # Panics
-/// Where a property does not hold. A panic inside the loader becomes an error there; libFuzzer stops at it all the same,
-/// and here its message is recognised.
+/// Where a property does not hold. A panic inside the loader becomes an error there; libFuzzer stops at it all the
+/// same, and here its message is recognized.
 pub fn gltf(data: &[u8]) {
     let loaded = match load_slice(data, &LIMITS) {
         Ok(loaded) => loaded,

@@ -1,7 +1,7 @@
 //! HDF5 files with sound structure and any attributes: the input says which, of what type, with which values.
 //!
-//! What the C library makes of damaged bytes is in its own hands (`holo_io`'s documents say so); what is put to the test here is
-//! what this project makes of everything that the library can hand it.
+//! What the C library makes of damaged bytes is in its own hands (`holo_io`'s documents say so); what is put to the
+//! test here is what this project makes of everything that the library can hand it.
 
 use hdf5::types::{VarLenAscii, VarLenUnicode};
 use hdf5::{Container, File, H5Type};
@@ -87,7 +87,7 @@ pub fn hdf5(data: &[u8]) {
     all.into_iter().for_each(|map| drop(field.read_map(map)));
     central.into_iter().for_each(|map| drop(field.read_central_map(map)));
     if let Ok(read) = field.read() {
-        assert_eq!((read.split(), read.channels()), (field.split(), field.channels()));
+        assert_eq!((read.shape(), read.channels()), (field.shape(), field.channels()));
     }
 }
 

@@ -10,8 +10,8 @@ pub use gltf::gltf;
 #[cfg(feature = "hdf5")]
 pub use hdf5::hdf5;
 
-/// Lets panics that `holo-io` catches pass by: libFuzzer ends at any panic, and the readers promise an error for those of the
-/// decoders under their net.
+/// Lets panics that `holo-io` catches pass by: libFuzzer ends at any panic, and the readers promise an error for those
+/// of the decoders under their net.
 pub fn let_the_net_catch() {
     let end = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {

@@ -3,7 +3,7 @@
 
 mod peer;
 
-use holo_core::{GridSize, Projection, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_render::{Backend, GroundTruth, Integrator, Rendered, Renderer, Request};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
 
@@ -31,7 +31,7 @@ pub fn rig(
     focus_distance_m: f64,
     projection: Projection,
 ) -> Rig {
-    Rig::builder(Split::new(GridSize::new(t, s), GridSize::new(v, u)).expect("sizes"))
+    Rig::builder(LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u)).expect("sizes"))
         .focal_length_m(0.05)
         .sensor_size_m(0.036)
         .baseline_m(baseline_m)
@@ -58,7 +58,7 @@ pub fn square(half: f32) -> Mesh {
     }
 }
 
-/// Random triangles between 2 and 6 m in front of the camera, a few colours.
+/// Random triangles between 2 and 6 m in front of the camera, a few colors.
 pub fn soup(count: usize, seed: u64) -> Scene {
     let mut random = Random(seed);
     let mut scene = Scene::default();
@@ -86,7 +86,7 @@ pub fn render_from(scene: &Scene, pose: &Transform, request: &Request, backend: 
     renderer.render(request, &()).expect("a render")
 }
 
-/// A request for colour and the ground truth of all views.
+/// A request for color and the ground truth of all views.
 pub fn everything(rig: Rig, samples: u32, sky: [f32; 3]) -> Request {
     let ground_truth = GroundTruth::All;
     Request { integrator: Integrator::Direct, samples, seed: 1, sky, ground_truth, ..Request::new(rig) }

@@ -7,8 +7,8 @@ fn engine(name: &str) -> &str {
     name.split_once('/').map_or(name, |(engine, _)| engine)
 }
 
-/// Fails if a digest of `found` is other than in the file `list`, is not in it, or if one is missing that the list has for
-/// an engine that ran. What `is_optional` depends on how the tests were built and may be missing.
+/// Fails if a digest of `found` is other than in the file `list`, is not in it, or if one is missing that the list has
+/// for an engine that ran. What `is_optional` depends on how the tests were built and may be missing.
 ///
 /// With `HOLO_PIN` in the environment it writes the list instead and keeps the lines of engines that did not run.
 pub fn check(list: &Path, found: &BTreeMap<String, String>, is_optional: impl Fn(&str) -> bool) {

@@ -8,15 +8,15 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-use holo_core::{GridSize, LightField, Split};
+use holo_core::{GridSize, LightField, LightFieldShape};
 use holo_io::{MatOptions, MatOrder, MatVersion, write_mat_light_field};
 use ndarray::Array3;
 
 /// Turns of every entry; the best counts.
 const ROUNDS: usize = 3;
 
-fn split() -> Split {
-    Split::new(GridSize::new(100, 100), GridSize::new(53, 79)).expect("8K")
+fn split() -> LightFieldShape {
+    LightFieldShape::new(GridSize::new(100, 100), GridSize::new(53, 79)).expect("8K")
 }
 
 /// Something like a picture: smooth, with edges, and noise of a few samples a pixel. An elemental grid.

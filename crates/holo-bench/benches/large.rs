@@ -13,7 +13,7 @@ use std::process::Command;
 use std::time::Instant;
 
 use holo_bench::best_of;
-use holo_core::{GridSize, Projection, Split};
+use holo_core::{GridSize, LightFieldShape, Projection};
 use holo_render::bench::{Storage, Work, renderer, trace};
 use holo_render::{Baseline, CameraChoice, Framing, GroundTruth, Integrator, Request};
 use holo_scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
@@ -63,7 +63,7 @@ fn measure(case: &str, storage_name: &str, views: usize, rounds: usize) {
     let scene = scene(case);
     let scene_mib = peak_mib();
     let framing = Framing {
-        split: Split::new(GridSize::new(views, views), GridSize::new(53, 79)).expect("sizes"),
+        shape: LightFieldShape::new(GridSize::new(views, views), GridSize::new(53, 79)).expect("sizes"),
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,

@@ -65,7 +65,7 @@ fn main() {
     let results = best_of(setup.rounds, &mut entries);
     let base = results[0].1.0 / results[0].1.1 as f64;
     println!("{:<48} {:>9} {:>9} {:>12}", "", "seconds", "Mrays/s", "speed/bare");
-    let pixels = rig.split().sample_count() as f64;
+    let pixels = rig.shape().sample_count() as f64;
     for (name, (seconds, rays)) in results {
         let (mrays, ratio) = (rays as f64 / seconds / 1e6, base * pixels / seconds);
         println!("{name:<48} {seconds:>9.3} {mrays:>9.1} {ratio:>12.3}");

@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use holo_core::{GridSize, LightField, Remainder, Sensor, Split, rearrange::naive};
+use holo_core::{GridSize, LightField, LightFieldShape, Remainder, Sensor, rearrange::naive};
 use ndarray::{Array3, ArrayView3, ArrayViewMut3};
 use rayon::prelude::*;
 
@@ -16,7 +16,7 @@ const REPETITIONS: usize = 30;
 
 fn main() {
     let views = GridSize::new(100, 100);
-    let split = Sensor::Paper8k.split(views, Remainder::Crop).expect("the paper's own split").split;
+    let split = Sensor::Paper8k.divide(views, Remainder::Crop).expect("the paper's own split").shape;
     println!(
         "{} x {} views of {} x {} pixels, 3 channels, {} threads; milliseconds (times memcpy)",
         split.views().columns,
@@ -30,7 +30,12 @@ fn main() {
     measure("RGB f32", "float32", split, |index| index as f32);
 }
 
-fn measure<T: Copy + Send + Sync + PartialEq>(name: &str, dtype: &str, split: Split, sample: impl Fn(usize) -> T) {
+fn measure<T: Copy + Send + Sync + PartialEq>(
+    name: &str,
+    dtype: &str,
+    split: LightFieldShape,
+    sample: impl Fn(usize) -> T,
+) {
     let raw = split.raw_size();
     let shape = (raw.rows, raw.columns, 3);
     let elemental =
@@ -38,7 +43,7 @@ fn measure<T: Copy + Send + Sync + PartialEq>(name: &str, dtype: &str, split: Sp
     let mut result = elemental.clone();
 
     let lenses = LightField::from_elemental_grid(elemental.view(), split).expect("dense, right size");
-    let viewpoint = lenses.to_viewpoint_grid();
+    let viewpoint = lenses.to_viewpoint_grid().expect("memory for a copy");
     let by_views = LightField::from_viewpoint_grid(viewpoint.view(), split).expect("dense, right size");
     // In turns, so that a busy moment of the machine cannot hit one of the three alone.
     let [mut memcpy, mut forth, mut back] = [Duration::MAX; 3];
@@ -59,7 +64,7 @@ fn measure<T: Copy + Send + Sync + PartialEq>(name: &str, dtype: &str, split: Sp
     report(
         "elemental -> viewpoint, new image",
         best(3, || {
-            black_box(lenses.to_viewpoint_grid());
+            black_box(lenses.to_viewpoint_grid().expect("memory for a copy"));
         }),
     );
 
@@ -96,9 +101,9 @@ fn best(repetitions: usize, mut work: impl FnMut()) -> Duration {
 }
 
 /// numpy's own strided copy into an existing array, both ways, timed by itself.
-fn numpy(dtype: &str, split: Split) -> Result<[Duration; 2], String> {
+fn numpy(dtype: &str, split: LightFieldShape) -> Result<[Duration; 2], String> {
     let program = std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let [v, u, t, s, c] = split.shape(3);
+    let [v, u, t, s, c] = split.array_shape(3);
     let script = format!(
         "import numpy as n, time; e=n.ones(({v},{t},{u},{s},{c}),n.{dtype}); w=n.ones(({t},{v},{s},{u},{c}),n.{dtype}); \
          k=lambda d,a:(lambda b:(n.copyto(d,a),time.perf_counter()-b)[1])(time.perf_counter()); \

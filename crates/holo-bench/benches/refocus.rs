@@ -25,7 +25,7 @@ fn main() {
 
 fn measure(views: usize, range_px: f64) {
     let grid = GridSize::new(views, views);
-    let split = Sensor::Paper8k.split(grid, Remainder::Crop).expect("the paper's split").split;
+    let split = Sensor::Paper8k.divide(grid, Remainder::Crop).expect("the paper's split").shape;
     let raw = split.raw_size();
     // The same formula in Python.
     let sample = |index: usize| ((index * 7919 + index / 251 * 31) % 251) as u8;

@@ -1,7 +1,7 @@
 //! What the benchmarks share: a scene with a rig from the command line, and fair turns.
 #![forbid(unsafe_code)]
 
-use holo_core::{GridSize, Projection, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer};
 use holo_scene::{Scene, Transform};
 
@@ -22,7 +22,7 @@ impl Setup {
     /// One line about what is measured.
     #[must_use]
     pub fn describe(&self) -> String {
-        let split = self.rig.split();
+        let split = self.rig.shape();
         format!(
             "{}: {} triangles; {} x {} views of {} x {} px; best of {}",
             self.name,
@@ -65,7 +65,7 @@ pub fn scene_rig(arguments: impl Iterator<Item = String>) -> Setup {
         None => ("garden".into(), holo_scene::gallery::scene("garden").expect("a scene of the gallery")),
     };
     let framing = Framing {
-        split: Split::new(GridSize::new(views, views), GridSize::new(lenses.1, lenses.0)).expect("sizes"),
+        shape: LightFieldShape::new(GridSize::new(views, views), GridSize::new(lenses.1, lenses.0)).expect("sizes"),
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use holo_core::{Rig, Split};
+use holo_core::{LightFieldShape, Rig};
 use holo_dataset::options::integrator_name;
 use holo_dataset::{RenderReport, Seconds};
 use holo_io::meters_to_millimeters;
@@ -40,7 +40,7 @@ pub fn json(report: &RenderReport) -> Value {
         "peak_rss_bytes": peak_rss_bytes(),
         "integrator": {"name": integrator_name(report.integrator), "why": report.why},
         "rig": {
-            "views": size(rig.split().views()), "lenses": size(rig.split().lenses()),
+            "views": size(rig.shape().views()), "lenses": size(rig.shape().lenses()),
             "baseline_m": {"x": rig.baseline_x_m(), "y": rig.baseline_y_m()},
             "focal_length_mm": meters_to_millimeters(rig.focal_length_m()),
             "sensor_size_mm": meters_to_millimeters(rig.sensor_size_m()),
@@ -56,7 +56,7 @@ pub fn print(report: &RenderReport, out: &Path) {
     let s = &report.seconds;
     say!(
         "rendered {} in {:.2} s ({:.1} Mrays/s, {}, {} threads, {}: {})",
-        describe_split(report.rig.split()),
+        describe_shape(report.rig.shape()),
         s.render,
         mrays_per_second(report),
         report.backend,
@@ -85,7 +85,7 @@ fn seconds(s: &Seconds) -> Value {
 }
 
 /// Views, lenses and raw size in words.
-pub fn describe_split(split: &Split) -> String {
+pub fn describe_shape(split: &LightFieldShape) -> String {
     let (views, lenses, raw) = (split.views(), split.lenses(), split.raw_size());
     format!(
         "{} x {} views of {} x {} px (raw image {} x {})",

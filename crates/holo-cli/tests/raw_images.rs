@@ -7,7 +7,7 @@ use holo_core::{LightField, LightFieldOwned};
 use holo_io::{ColorEncoding, Compression, write_png};
 
 fn write_8(bench: &Bench, name: &str, field: &LightFieldOwned<u8>) {
-    let image = field.to_elemental_grid();
+    let image = field.to_elemental_grid().unwrap();
     write_png(bench.path(name), image.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
 }
 
@@ -35,21 +35,26 @@ fn there_and_back_is_the_identity_with_parameters_beside() {
 fn there_and_back_is_the_identity_with_views_given() {
     let bench = Bench::new();
     let fine = patterned(40_503);
-    let coarse = fine.map(|x| *x as u8);
+    let coarse = fine.map(|x| *x as u8).unwrap();
     write_8(&bench, "eight.png", &coarse);
-    write_png(bench.path("sixteen.png"), fine.to_elemental_grid().view(), ColorEncoding::Srgb, Compression::Fast)
-        .unwrap();
+    write_png(
+        bench.path("sixteen.png"),
+        fine.to_elemental_grid().unwrap().view(),
+        ColorEncoding::Srgb,
+        Compression::Fast,
+    )
+    .unwrap();
     for name in ["eight", "sixteen"] {
         ok(&bench, &format!("remap {name}.png {name}_a.png --from el --to vpi --views 5x4"));
         ok(&bench, &format!("remap {name}_a.png {name}_b.png --from vpi --views 5x4"));
         ok(&bench, &format!("remap {name}.png {name}_same.png --from el --to el --views 5x4"));
     }
-    assert_eq!(read_u8(bench.path("eight_a.png")), coarse.to_viewpoint_grid());
-    assert_eq!(read_u8(bench.path("eight_b.png")), coarse.to_elemental_grid());
-    assert_eq!(read_u8(bench.path("eight_same.png")), coarse.to_elemental_grid());
-    assert_eq!(read_u16(bench.path("sixteen_a.png")), fine.to_viewpoint_grid());
-    assert_eq!(read_u16(bench.path("sixteen_b.png")), fine.to_elemental_grid());
-    assert_eq!(read_u16(bench.path("sixteen_same.png")), fine.to_elemental_grid());
+    assert_eq!(read_u8(bench.path("eight_a.png")), coarse.to_viewpoint_grid().unwrap());
+    assert_eq!(read_u8(bench.path("eight_b.png")), coarse.to_elemental_grid().unwrap());
+    assert_eq!(read_u8(bench.path("eight_same.png")), coarse.to_elemental_grid().unwrap());
+    assert_eq!(read_u16(bench.path("sixteen_a.png")), fine.to_viewpoint_grid().unwrap());
+    assert_eq!(read_u16(bench.path("sixteen_b.png")), fine.to_elemental_grid().unwrap());
+    assert_eq!(read_u16(bench.path("sixteen_same.png")), fine.to_elemental_grid().unwrap());
 }
 
 #[test]
@@ -71,7 +76,7 @@ fn one_view_and_one_elemental_image() {
             ok(&bench, &format!("extract out/{raw} --lens {column},{row} --out lens.png"));
             let lens = read_u8(bench.path("lens.png"));
             assert_eq!(lens.dim(), (4, 5, 3));
-            assert_eq!(lens, field.elemental(row, column).unwrap(), "lens {column},{row} of {raw}");
+            assert_eq!(lens, field.elemental_image(row, column).unwrap(), "lens {column},{row} of {raw}");
         }
     }
 }
@@ -80,29 +85,30 @@ fn one_view_and_one_elemental_image() {
 fn extracting_with_views_given_and_in_16_bits() {
     let bench = Bench::new();
     let field = patterned(977);
-    write_png(bench.path("raw.png"), field.to_viewpoint_grid().view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
+    write_png(bench.path("raw.png"), field.to_viewpoint_grid().unwrap().view(), ColorEncoding::Srgb, Compression::Fast)
+        .unwrap();
     ok(&bench, "extract raw.png --from vpi --views 5x4 --view 4,1 --out view.png");
     assert_eq!(read_u16(bench.path("view.png")), field.view(1, 4).unwrap());
     ok(&bench, "extract raw.png --from vpi --views 5x4 --lens 11,2 --out lens.png");
-    assert_eq!(read_u16(bench.path("lens.png")), field.elemental(2, 11).unwrap());
+    assert_eq!(read_u16(bench.path("lens.png")), field.elemental_image(2, 11).unwrap());
 }
 
 #[test]
 fn grey_images_have_a_layout_too() {
     let bench = Bench::new();
-    let colour = patterned(31).map(|x| *x as u8);
+    let colour = patterned(31).map(|x| *x as u8).unwrap();
     let samples = colour.samples().slice(ndarray::s![.., .., .., .., ..1]).to_owned();
     let grey = LightField::new(samples).unwrap();
     write_8(&bench, "grey_el.png", &grey);
     ok(&bench, "remap grey_el.png grey_vpi.png --views 5x4");
-    assert_eq!(read_u8(bench.path("grey_vpi.png")), grey.to_viewpoint_grid());
+    assert_eq!(read_u8(bench.path("grey_vpi.png")), grey.to_viewpoint_grid().unwrap());
 }
 
 #[test]
 fn what_is_missing_or_does_not_fit_is_said() {
     let bench = Bench::new();
-    write_8(&bench, "raw_el.png", &patterned(3).map(|x| *x as u8));
-    write_8(&bench, "raw.png", &patterned(3).map(|x| *x as u8));
+    write_8(&bench, "raw_el.png", &patterned(3).map(|x| *x as u8).unwrap());
+    write_8(&bench, "raw.png", &patterned(3).map(|x| *x as u8).unwrap());
     let before = bench.list("");
     for (arguments, code, words) in [
         ("remap raw_el.png x.png", 2, &["--views", "parameters.cfg"][..]),

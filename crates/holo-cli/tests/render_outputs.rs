@@ -94,8 +94,12 @@ fn the_mat_file_is_the_raw_image() {
         let mat = holo_io::read_mat_light_field(bench.path(out).join("scene_5d.mat"), &Default::default()).unwrap();
         let raw = bench.path(out).join("scene_el.png");
         match mat.light_field {
-            holo_core::DynLightField::U8(field) => assert_eq!(field.to_elemental_grid(), read_u8(raw), "{out}"),
-            holo_core::DynLightField::U16(field) => assert_eq!(field.to_elemental_grid(), read_u16(raw), "{out}"),
+            holo_core::DynLightField::U8(field) => {
+                assert_eq!(field.to_elemental_grid().unwrap(), read_u8(raw), "{out}")
+            }
+            holo_core::DynLightField::U16(field) => {
+                assert_eq!(field.to_elemental_grid().unwrap(), read_u16(raw), "{out}")
+            }
             other => panic!("{out}: {other:?}"),
         }
         let manifest = holo_io::Manifest::read(bench.path(out).join("manifest.json")).unwrap();

@@ -93,7 +93,7 @@ fn equal_inputs_give_equal_pages() {
 fn other_kinds_become_eight_bits() {
     let bench = Bench::new();
     let field: LightFieldOwned<u16> = patterned(977);
-    let grid = field.to_elemental_grid();
+    let grid = field.to_elemental_grid().unwrap();
     holo_io::write_png(bench.path("raw_el.png"), grid.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
     ok(bench.run("view raw_el.png --views 5x4 -o page.html"));
     let page = std::fs::read_to_string(bench.path("page.html")).unwrap();

@@ -1,4 +1,4 @@
-//! Cameras: the rig of parallel pinhole cameras that stands for an ideal holoscopic camera. **May enter:** layouts, Eq. 3.
+//! The rig of parallel pinhole cameras that models an ideal holoscopic camera. **May import:** layouts, Eq. 3.
 
 mod builder;
 mod intrinsics;

@@ -1,7 +1,7 @@
 //! The sRGB transfer curve (IEC 61966-2-1) in both directions: display codes to linear light and back.
 //!
-//! Values are relative: 0 is black, 1 the brightest that a display shows. The functions in f64 are the definition; the table
-//! and [`Srgb8Encoder`] are the fast forms, equal to it for every input.
+//! Values are relative: 0 is black, 1 is the white of a display. The functions in `f64` follow the standard. The table
+//! and [`Srgb8Encoder`] are faster and have equal results for every input.
 
 use std::sync::OnceLock;
 
@@ -9,47 +9,61 @@ use std::sync::OnceLock;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum ColorEncoding {
-    /// Color or gray on the sRGB curve, as displays take it. A PNG says so in its `sRGB` chunk.
+    /// Color or gray on the sRGB curve, the usual input of displays. A PNG has an `sRGB` chunk.
     #[default]
     Srgb,
-    /// Values proportional to what they measure: radiance, or a quantity that is no light, such as disparity. A PNG claims
-    /// no color space.
+    /// Values proportional to a quantity: radiance, or a quantity other than light, such as disparity. A PNG names no
+    /// color space.
     Linear,
 }
 
-/// Linear light of an encoded value, both 0 to 1.
+/// Returns the linear light of an sRGB value, both from 0 to 1.
+///
+/// # Source
+///
+/// IEC 61966-2-1.
 #[must_use]
 pub fn srgb_to_linear(encoded: f64) -> f64 {
     if encoded <= 0.04045 { encoded / 12.92 } else { ((encoded + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Encoded value of linear light, both 0 to 1; what lies outside is clamped, NaN is 0.
+/// Returns the sRGB value of linear light, both from 0 to 1. Input outside that range is clamped; NaN gives 0.
+///
+/// # Source
+///
+/// IEC 61966-2-1.
 #[must_use]
 pub fn linear_to_srgb(linear: f64) -> f64 {
     let x = if linear.is_nan() { 0.0 } else { linear.clamp(0.0, 1.0) };
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// The linear light of every 8-bit code, rounded to f32 once.
+/// Returns the linear light of every 8-bit sRGB code.
+///
+/// # Accuracy
+///
+/// Computed in `f64` and rounded to `f32` once.
 #[must_use]
 pub fn srgb8_to_linear_table() -> &'static [f32; 256] {
     static TABLE: OnceLock<[f32; 256]> = OnceLock::new();
     TABLE.get_or_init(|| std::array::from_fn(|code| srgb_to_linear(code as f64 / 255.0) as f32))
 }
 
-/// 8-bit encoding by table. The reference implementation is [`linear_to_srgb8`]; the result is the same for every f32.
+/// An encoder from linear light to 8-bit sRGB codes that uses a table.
+///
+/// Its reference implementation is [`linear_to_srgb8`]; the results are equal for every `f32`.
 pub struct Srgb8Encoder {
-    /// The code of the smallest value of every bucket. A bucket is one exponent and the first 8 bits of the mantissa:
-    /// narrower than a code everywhere, so that it holds at most one threshold.
+    /// The code of the smallest value of every bucket. A bucket is one exponent with the first 8 bits of the mantissa.
+    /// Every bucket is narrower than a code, so it contains at most one threshold.
     first: Vec<u8>,
-    /// The smallest f32 that has code k, for k = 1..=255; then infinity.
+    /// The smallest `f32` of code k, for k = 1..=255; then infinity.
     threshold: Vec<f32>,
 }
 
 const DROPPED_BITS: u32 = 15;
 
 impl Srgb8Encoder {
-    /// The encoder; its table is computed once.
+    /// Returns the encoder. Its table is computed once per process.
     #[must_use]
     pub fn get() -> &'static Self {
         static ENCODER: OnceLock<Srgb8Encoder> = OnceLock::new();
@@ -59,7 +73,7 @@ impl Srgb8Encoder {
     fn build() -> Self {
         let threshold = (1..=255u32)
             .map(|code| {
-                // Positive floats are ordered like their bits: bisect for the first that rounds to `code`.
+                // Positive floats have the order of their bits: bisect for the first that rounds to `code`.
                 let (mut low, mut high) = (0u32, 1.0f32.to_bits());
                 while low < high {
                     let middle = low + (high - low) / 2;
@@ -78,24 +92,28 @@ impl Srgb8Encoder {
         Self { first, threshold }
     }
 
-    /// The code of linear light `x`.
+    /// Returns the 8-bit sRGB code of linear light. Input outside 0 to 1 is clamped; NaN gives 0.
     #[inline(always)]
     #[must_use]
     pub fn encode(&self, x: f32) -> u8 {
-        // NaN compares false and becomes 0, as in the naive form.
+        // NaN compares false and becomes 0, as in the reference implementation.
         let x = if x > 0.0 { x.min(1.0) } else { 0.0 };
         let code = self.first[(x.to_bits() >> DROPPED_BITS) as usize];
         code + u8::from(x >= self.threshold[code as usize])
     }
 }
 
-/// The 8-bit code of linear light.
+/// Returns the 8-bit sRGB code of linear light. Input outside 0 to 1 is clamped; NaN gives 0.
+///
+/// # Accuracy
+///
+/// Computed in `f64` and rounded to nearest once.
 #[must_use]
 pub fn linear_to_srgb8(x: f32) -> u8 {
     (linear_to_srgb(f64::from(x)) * 255.0).round() as u8
 }
 
-/// The 16-bit code of linear light.
+/// Returns the 16-bit sRGB code of linear light; as [`linear_to_srgb8`].
 #[must_use]
 pub fn linear_to_srgb16(x: f32) -> u16 {
     (linear_to_srgb(f64::from(x)) * 65535.0).round() as u16
@@ -122,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn codes_survive_the_round_trip() {
+    fn codes_round_trip() {
         for code in 0..=255u8 {
             assert_eq!(linear_to_srgb8(srgb8_to_linear_table()[code as usize]), code);
         }

@@ -8,28 +8,30 @@ pub use stereo::StereoPair;
 use crate::Error;
 use crate::error::{not_negative, positive_or_infinite};
 
-/// How the rays of one view run.
+/// The projection of one view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Projection {
-    /// All rays of a view start in one point: an ordinary camera.
+    /// All rays of a view start in one point, as in a pinhole camera.
     Perspective,
-    /// All rays of a view are parallel, as behind a telecentric lens: the paper's "VPIs are orthographic, EIs are perspective".
+    /// All rays of a view are parallel, as behind a telecentric lens: the paper's "VPIs are orthographic, EIs are
+    /// perspective".
     Orthographic,
 }
 
 /// The map between depth and disparity along one axis of a rig.
 ///
-/// Disparity is what a point moves between **adjacent** views, in pixels: positive when it lies nearer than the focus plane, 0 on it,
-/// negative beyond. A point at `(row, column)` of one view is at `(row - d_y*dt, column - d_x*ds)` in the view `dt` rows down and `ds`
-/// columns right.
+/// Disparity is the movement of a point between **adjacent** views: positive for points nearer than the focus plane, 0
+/// on it, negative behind it. A point at `(row, column)` of one view is at `(row - d_y*dt, column - d_x*ds)` in the
+/// view `dt` rows down and `ds` columns right.
 ///
 /// # Units
 ///
-/// Depth in metres along the optical axis, disparity in pixels. The scale k = baseline * f * N / sens is in metre-pixels.
+/// Depth in meters along the optical axis, disparity in pixels. The scale k = baseline * f * N / sens is in
+/// meter-pixels.
 ///
 /// # Source
 ///
-/// Eq. 3, written as `k * (F - Z) / (Z * F)`. The difference of reciprocals in which the paper prints it loses all digits at Z near F.
+/// Eq. 3 as `k * (F - Z) / (Z * F)`. The form of the paper, a difference of reciprocals, cancels for Z near F.
 ///
 /// # Examples
 ///
@@ -50,28 +52,28 @@ pub struct Disparity {
 }
 
 impl Disparity {
-    /// Makes the map from the scale k, the focus distance (may be infinite) and the projection.
+    /// Returns the map for a scale k in meter-pixels, a focus distance in meters (may be infinite) and a projection.
     ///
     /// # Errors
     ///
-    /// [`Error::BadNumber`] if the scale is NaN, infinite or negative or the focus distance is not above 0; [`Error::OrthographicFocus`] if
-    /// an orthographic map has an infinite focus distance.
+    /// [`Error::BadNumber`] if the scale is NaN, infinite or negative or the focus distance is not above 0;
+    /// [`Error::OrthographicFocus`] if an orthographic map has an infinite focus distance.
     pub fn new(scale_m_px: f64, focus_distance_m: f64, projection: Projection) -> Result<Self, Error> {
-        let scale_m_px = not_negative("disparity scale in metre-pixels", scale_m_px)?;
-        let focus_distance_m = positive_or_infinite("focus distance in metres", focus_distance_m)?;
+        let scale_m_px = not_negative("disparity scale in meter-pixels", scale_m_px)?;
+        let focus_distance_m = positive_or_infinite("focus distance in meters", focus_distance_m)?;
         if projection == Projection::Orthographic && focus_distance_m.is_infinite() {
             return Err(Error::OrthographicFocus { focus_distance_m });
         }
         Ok(Self { scale_m_px, focus_distance_m, projection })
     }
 
-    /// Returns the scale k = baseline * f * N / sens, in metre-pixels.
+    /// Returns the scale k = baseline * f * N / sens, in meter-pixels.
     #[must_use]
     pub const fn scale_m_px(&self) -> f64 {
         self.scale_m_px
     }
 
-    /// Returns the focus distance, in metres; may be infinite.
+    /// Returns the focus distance, in meters; may be infinite.
     #[must_use]
     pub const fn focus_distance_m(&self) -> f64 {
         self.focus_distance_m
@@ -83,7 +85,7 @@ impl Disparity {
         self.projection
     }
 
-    /// Returns the disparity of what was not hit or lies infinitely far away.
+    /// Returns the disparity of depth `+infinity`, which also stands for rays without a hit.
     ///
     /// Perspective: `-k/F`, or 0 with the focus at infinity. Orthographic: `-infinity`. 0 without a baseline.
     #[must_use]
@@ -93,32 +95,35 @@ impl Disparity {
 
     /// Returns the disparity, in pixels between adjacent views, of a point at planar depth `depth_m`.
     ///
-    /// A depth of `+infinity` is what it says, so a map that marks "no hit" by it needs no mask. NaN gives NaN. Depth 0 gives an
-    /// infinite disparity (perspective). Without a baseline the result is 0 everywhere.
+    /// A depth of `+infinity` gives the disparity of infinity, so a map with infinite depth for "no hit" needs no mask.
+    /// NaN gives NaN. Depth 0 gives an infinite disparity (perspective). Without a baseline the result is 0 for every
+    /// depth.
     ///
     /// # Accuracy
     ///
-    /// Within 4 ulp of the exact value for the stored k and F, at every depth, including Z = F * (1 +- 1e-15): the subtraction, two
-    /// divisions and one multiplication each round once, and nothing cancels after the first rounding. No intermediate result
-    /// overflows or underflows unless the answer does, as long as k is 0 or above 1e-280.
+    /// Within 4 ulp of the exact value for the stored k and F, at every depth, including Z = F * (1 +- 1e-15): the
+    /// subtraction, two divisions and one multiplication each round once, and no cancellation follows the first
+    /// rounding. For k = 0 or k above 1e-280, an intermediate result overflows or underflows only if the final result
+    /// does.
     ///
     /// # Source
     ///
     /// Eq. 3.
     #[must_use]
-    #[allow(clippy::wrong_self_convention)] // `from` names the unit of the argument, not a constructor
+    #[allow(clippy::wrong_self_convention)] // `from` names the quantity of the argument, this is not a constructor
     pub fn from_depth_m(self, depth_m: f64) -> f64 {
         let Self { scale_m_px: k, focus_distance_m: focus_m, projection } = self;
         if k == 0.0 {
-            // Coinciding views see the same image. Without this line 0 * infinity would be NaN.
+            // Views in one place see the same image. Otherwise 0 * infinity would give NaN.
             return if depth_m.is_nan() { f64::NAN } else { 0.0 };
         }
         match projection {
-            // F = infinity needs no branch of its own for Z = infinity: k/infinity = 0.
+            // This is right for Z = infinity too: k/infinity = 0.
             Projection::Perspective if focus_m.is_infinite() => k / depth_m,
             Projection::Perspective if depth_m == f64::INFINITY => -k / focus_m,
             Projection::Perspective => {
-                // (F-Z)/max(F,Z) lies in [-1, 1] for every positive Z, where Z*F or (F-Z)/F could leave the range of f64.
+                // (F-Z)/max(F,Z) lies in [-1, 1] for every positive Z, where Z*F or (F-Z)/F could leave the range of
+                // f64.
                 let (smaller, larger) = if depth_m < focus_m { (depth_m, focus_m) } else { (focus_m, depth_m) };
                 k * ((focus_m - depth_m) / larger) / smaller
             }
@@ -126,16 +131,16 @@ impl Disparity {
         }
     }
 
-    /// Returns the planar depth, in metres, at which a point has the disparity `disparity_px`.
+    /// Returns the planar depth, in meters, at which a point has the disparity `disparity_px`.
     ///
-    /// The disparity of infinity gives `+infinity` back, exactly. A disparity below it belongs to no point in front of a perspective
-    /// rig; the formula is followed all the same and yields a negative depth, so that the two maps stay inverses.
-    /// Without a baseline every depth has disparity 0, and the result is NaN.
+    /// The disparity of infinity gives exactly `+infinity`. No point in front of a perspective rig has a lower
+    /// disparity; the formula then gives a negative depth, so that the two maps remain inverses. Without a baseline the
+    /// result is NaN.
     ///
     /// # Accuracy
     ///
-    /// Within 3 ulp of the exact value for the given disparity, the stored k and F: a fused multiply-add, a division and a multiplication.
-    /// (A disparity that was itself rounded determines a far depth only to about Z/F * 2^-53 of itself.)
+    /// Within 3 ulp of the exact value for the given disparity, the stored k and F: a fused multiply-add, a division
+    /// and a multiplication. (The rounding of the disparity itself changes a far depth by about Z/F * 2^-53 of it.)
     ///
     /// # Source
     ///
@@ -151,7 +156,7 @@ impl Disparity {
             return f64::NAN;
         }
         if is_infinity {
-            // -k/F was rounded, so d*F + k would be a rounding error instead of 0, of either sign.
+            // -k/F is rounded, so d*F + k would be a rounding error of either sign instead of 0.
             return f64::INFINITY;
         }
         match projection {

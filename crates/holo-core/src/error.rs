@@ -1,54 +1,55 @@
-//! Everything that can go wrong in this crate.
+//! The error type of this crate.
 
 use std::fmt;
 
 use crate::GridSize;
 
-/// An error of `holo-core`: an impossible shape, an index out of range, or a number that no rig can have.
+/// An error of `holo-core`: an impossible shape, an index out of range, an invalid number or a failed allocation.
 ///
-/// Nothing in this crate panics on data; a function that cannot give a right answer returns one of these. No function
-/// allocates before the size of what it is about to make has been checked.
+/// No function panics on data, unless its documentation says so. Sizes are checked before memory is allocated.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Error {
     /// A count that must be at least one is zero.
     ZeroCount {
-        /// What was counted, such as `"view rows"`.
+        /// The counted objects, such as `"view rows"`.
         what: &'static str,
     },
     /// A size does not fit the address space.
     TooLarge {
-        /// What was to be made, such as `"light field"`.
+        /// The object of that size, such as `"light field"`.
         what: &'static str,
     },
-    /// The memory for an array could not be had.
+    /// An allocation failed.
     OutOfMemory {
-        /// How many bytes were asked for.
+        /// What the memory was for, with its article, such as `"a light field"`.
+        what: &'static str,
+        /// The requested size in bytes.
         bytes: usize,
     },
-    /// An array does not have the shape that the other arguments call for.
+    /// The shape of an array does not agree with the other arguments.
     Shape {
-        /// Which array.
+        /// The array.
         what: &'static str,
-        /// The shape it must have.
+        /// The required shape.
         expected: Vec<usize>,
-        /// The shape it has.
+        /// The shape of the array.
         found: Vec<usize>,
     },
     /// An index is not below its count.
     OutOfRange {
-        /// Which index, such as `"view row"`.
+        /// The kind of index, such as `"view row"`.
         what: &'static str,
         /// The index.
         index: usize,
-        /// How many there are.
+        /// The number of valid indices.
         count: usize,
-        /// The lowest legal index: 0, or 1 for the paper's own ranges.
+        /// The lowest valid index: 0, or 1 for ranges as in the paper.
         first: usize,
     },
-    /// A range is empty, runs backwards or ends behind its axis.
+    /// A range is empty, reversed or ends beyond its axis.
     BadRange {
-        /// Which range, such as `"view rows"`.
+        /// The kind of range, such as `"view rows"`.
         what: &'static str,
         /// Its start.
         start: usize,
@@ -57,7 +58,7 @@ pub enum Error {
         /// The length of the axis.
         count: usize,
     },
-    /// An image has gaps in memory, so that its axes cannot be split without copying or borrowing.
+    /// An image has gaps in memory, so its axes cannot be split in place.
     NotDense {
         /// The image's shape.
         shape: Vec<usize>,
@@ -70,7 +71,7 @@ pub enum Error {
         sensor: GridSize,
         /// The views per axis.
         views: GridSize,
-        /// The rows and columns left over.
+        /// The rows and columns that remain.
         border: GridSize,
     },
     /// A sensor has fewer pixels than views along an axis.
@@ -80,34 +81,34 @@ pub enum Error {
         /// The views per axis.
         views: GridSize,
     },
-    /// A number is NaN, infinite, of the wrong sign or otherwise outside what it may be.
+    /// A number is NaN, infinite, of the wrong sign or outside its range.
     BadNumber {
-        /// Which number, such as `"focal length in metres"`.
+        /// The name of the number, such as `"focal length in meters"`.
         what: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be, such as `"finite and above 0"`.
+        /// The requirement, such as `"finite and above 0"`.
         need: &'static str,
     },
     /// An orthographic rig was given no finite focus distance.
     OrthographicFocus {
-        /// The focus distance.
+        /// The focus distance in meters.
         focus_distance_m: f64,
     },
-    /// Depth was asked of a rig whose views coincide, which has no parallax.
+    /// Depth was requested for a rig with baseline 0, which has no parallax.
     NoBaseline,
-    /// Border, mask and missing values leave no pixel to measure.
+    /// No pixel remains after border, mask and missing values are excluded.
     NothingToMeasure {
-        /// What was to be measured, such as `"disparity error"`.
+        /// The measure, such as `"disparity error"`.
         what: &'static str,
         /// Rows and columns of the map.
         shape: [usize; 2],
-        /// The ignored border in pixels.
+        /// The excluded border in pixels.
         border_px: usize,
     },
-    /// A disparity range, a depth range or both together that no rig in front of its scene can have.
+    /// No rig has the disparity range, the depth range or the combination of both.
     ImpossibleRange {
-        /// Why, such as `"the nearest depth must have the largest disparity"`.
+        /// The reason, such as `"the nearest depth must have the largest disparity"`.
         why: &'static str,
     },
 }
@@ -117,12 +118,12 @@ impl fmt::Display for Error {
         match self {
             Self::ZeroCount { what } => write!(f, "the number of {what} is 0; it must be at least 1"),
             Self::TooLarge { what } => write!(f, "the {what} does not fit the address space"),
-            Self::OutOfMemory { bytes } => write!(f, "{bytes} bytes of memory could not be had"),
+            Self::OutOfMemory { what, bytes } => write!(f, "out of memory: allocating {bytes} bytes for {what} failed"),
             Self::Shape { what, expected, found } => {
                 write!(f, "the {what} has the shape {found:?}; it must be {expected:?}")
             }
             Self::OutOfRange { what, index, count, first } => {
-                // Written without `first + count - 1`, which could overflow on a hostile index.
+                // `first + count - 1` could overflow.
                 write!(f, "{what} {index} does not exist: there are {count}, counted from {first}")
             }
             Self::BadRange { what, start, end, count } => {
@@ -130,13 +131,13 @@ impl fmt::Display for Error {
             }
             Self::NotDense { shape, strides } => write!(
                 f,
-                "an image of shape {shape:?} and strides {strides:?} has gaps in memory, so its axes cannot be split in place; \
-                 borrow it with from_elemental_grid_view or from_viewpoint_grid_view, or copy it first"
+                "an image of shape {shape:?} and strides {strides:?} has gaps in memory, so its axes cannot be split \
+                 in place; borrow it with from_elemental_grid_view or from_viewpoint_grid_view, or copy it first"
             ),
             Self::NotDivisible { sensor, views, border } => write!(
                 f,
-                "a sensor of {} rows x {} columns does not split exactly into {} x {} views: {} rows and {} columns are left \
-                 over; crop it or choose other counts",
+                "a sensor of {} rows x {} columns does not split exactly into {} x {} views: {} rows and {} columns \
+                 are left over; crop it or choose other counts",
                 sensor.rows, sensor.columns, views.rows, views.columns, border.rows, border.columns
             ),
             Self::SensorTooSmall { sensor, views } => write!(
@@ -147,17 +148,17 @@ impl fmt::Display for Error {
             Self::BadNumber { what, value, need } => write!(f, "the {what} is {value}; it must be {need}"),
             Self::OrthographicFocus { focus_distance_m } => write!(
                 f,
-                "an orthographic rig needs a finite focus distance, not {focus_distance_m} m: its rays aim at points of the \
-                 focus plane"
+                "an orthographic rig needs a finite focus distance, not {focus_distance_m} m: its rays aim at points \
+                 of the focus plane"
             ),
             Self::NoBaseline => {
-                write!(f, "the baseline is 0: all views coincide, so disparity says nothing about depth")
+                write!(f, "the baseline is 0: all views coincide, so disparity does not determine depth")
             }
             Self::NothingToMeasure { what, shape: [rows, columns], border_px } => write!(
                 f,
-                "no pixel is left to measure the {what}: the map has {rows} rows x {columns} columns, {border_px} px of border \
-                 are ignored on every side, and the mask and missing values may take the rest; ask for a narrower border or \
-                 another mask"
+                "no pixel is left to measure the {what}: the map has {rows} rows x {columns} columns, {border_px} px \
+                 of border are excluded on every side, and the mask and missing values may exclude the rest; choose a \
+                 narrower border or another mask"
             ),
             Self::ImpossibleRange { why } => write!(f, "no rig has these ranges: {why}"),
         }
@@ -166,7 +167,7 @@ impl fmt::Display for Error {
 
 impl std::error::Error for Error {}
 
-/// Passes a finite number above zero.
+/// Returns the number if it is finite and above zero.
 pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, Error> {
     if value.is_finite() && value > 0.0 {
         Ok(value)
@@ -175,12 +176,12 @@ pub(crate) fn positive(what: &'static str, value: f64) -> Result<f64, Error> {
     }
 }
 
-/// Passes a number above zero that may be infinite.
+/// Returns the number if it is above zero; it may be infinite.
 pub(crate) fn positive_or_infinite(what: &'static str, value: f64) -> Result<f64, Error> {
     if value > 0.0 { Ok(value) } else { Err(Error::BadNumber { what, value, need: "above 0 (infinity is allowed)" }) }
 }
 
-/// Passes a finite number that is not negative, with -0 made 0.
+/// Returns the number if it is finite and not negative; -0 becomes 0.
 pub(crate) fn not_negative(what: &'static str, value: f64) -> Result<f64, Error> {
     if value.is_finite() && value >= 0.0 {
         Ok(value + 0.0)
@@ -189,12 +190,12 @@ pub(crate) fn not_negative(what: &'static str, value: f64) -> Result<f64, Error>
     }
 }
 
-/// Passes an index below its count.
+/// Accepts an index below its count.
 pub(crate) fn index_below(what: &'static str, index: usize, count: usize) -> Result<(), Error> {
     if index < count { Ok(()) } else { Err(Error::OutOfRange { what, index, count, first: 0 }) }
 }
 
-/// Passes a range that is not empty and ends within the axis.
+/// Accepts a range that is not empty and ends within the axis.
 pub(crate) fn range_within(what: &'static str, range: &std::ops::Range<usize>, count: usize) -> Result<(), Error> {
     if range.start < range.end && range.end <= count {
         Ok(())
@@ -208,9 +209,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn messages_name_the_culprit_and_its_value() {
-        let message = positive("focal length in metres", f64::NAN).unwrap_err().to_string();
-        assert_eq!(message, "the focal length in metres is NaN; it must be finite and above 0");
+    fn messages_name_the_argument_and_its_value() {
+        let message = positive("focal length in meters", f64::NAN).unwrap_err().to_string();
+        assert_eq!(message, "the focal length in meters is NaN; it must be finite and above 0");
         let message = index_below("view row", 7, 5).unwrap_err().to_string();
         assert_eq!(message, "view row 7 does not exist: there are 5, counted from 0");
         let message = range_within("view rows", &(3..9), 5).unwrap_err().to_string();
@@ -218,8 +219,8 @@ mod tests {
     }
 
     #[test]
-    #[allow(clippy::reversed_empty_ranges)] // a backwards range is what is being refused
-    fn guards_refuse_what_they_must() {
+    #[allow(clippy::reversed_empty_ranges)] // reversed ranges are under test
+    fn invalid_numbers_and_ranges_are_rejected() {
         for value in [f64::NAN, 0.0, -0.0, -1.0, f64::INFINITY, f64::NEG_INFINITY] {
             assert!(positive("x", value).is_err(), "{value}");
         }

@@ -1,41 +1,28 @@
-//! Depth from the views: multi-view stereo by plane sweep.
+//! Disparity estimation by multi-view stereo: a plane sweep with semi-global matching and refinement.
 //!
-//! 1. `views.rs` takes a star of views around the central one, as planes of `f32`.
-//! 2. `cost.rs` moves every view by every disparity and asks how much its colours differ from the centre's: truncated,
-//!    summed over 3 x 3 pixels, and over that half of the star which agrees best, because what hides a point does so from one
-//!    side. The step between two disparities is what moves the outermost view by half a pixel (`effort.rs`).
-//! 3. `scanline.rs` sums the costs along eight directions, so that textured places speak for those without texture, and
-//!    `sweep.rs` takes the lowest.
-//! 4. `measure.rs` makes one Gauss-Newton step at every pixel on its own, with the views that the map so far says can see it
-//!    and weights against those that differ; it knows how precise each step is.
-//! 5. `plane_fit.rs` fits a plane to the steps around every pixel, each weighted by its precision, by likeness of colour and
-//!    by whether it belongs to the same surface. 4 and 5 are repeated. The precision that a plane rests on is the confidence.
+//! 1. `views.rs` selects a star of views around the central one and copies them as planes of `f32`.
+//! 2. `cost.rs` shifts every view by every disparity and computes the color difference to the central view: truncated,
+//!    summed over 3 x 3 pixels, and over the half of the star with the lowest mean, because an occluder hides a point
+//!    from the views of one side. From one disparity to the next the outermost view moves by up to a pixel
+//!    (`effort.rs`).
+//! 3. `scanline.rs` aggregates the costs along eight directions, so that pixels without texture follow textured
+//!    neighbors. `sweep.rs` selects the disparity of the lowest cost.
+//! 4. `measure.rs` makes one Gauss-Newton step per pixel, with the views in which the pixel is visible according to the
+//!    current map and with robust weights. It also estimates the variance of the step.
+//! 5. `plane_fit.rs` fits a plane to the steps around every pixel, weighted by their precision, by similarity of color
+//!    and by membership in the same surface. Steps 4 and 5 are repeated. The precision of the fit gives the confidence.
 //!
-//! # Measured
+//! `cargo xtask report` measures error and time on scenes of the gallery.
 //!
-//! Pixels that are more than 0.07 px off ("bad"), 15 pixels of border left out; squared error x 100; wall time on 2 cores AMD EPYC
-//! that were shared with other work. Path tracing without light between surfaces, 16 to 32 samples a pixel, 8 bits. Beside
-//! it what the best constant and the best of 600 planes through the truth get.
+//! # Limits
 //!
-//! | light field | constant | plane | Draft | Fast | Balanced | Thorough |
-//! |---|---|---|---|---|---|---|
-//! | still life, 9 x 9 of 512 x 512, -1.5 to 2.2 px | 52.9 | 53.0 | 5.16 %, 0.53, 0.8 s | 4.20 %, 0.58, 1.9 s | 3.97 %, 0.50, 5.7 s | 4.12 %, 0.67, 11.5 s |
-//! | the same without the balls of glass and mirror (7 % of it) | | | 1.54 %, 0.28 | 0.94 %, 0.37 | 0.83 %, 0.26 | 0.90 %, 0.44 |
-//! | still life, 20 x 20 of 397 x 265, -0.6 to 0.2 px | 54.2 | 54.4 | 3.66 %, 0.13, 0.2 s | 3.31 %, 0.14, 0.6 s | 3.57 %, 0.14, 1.8 s | |
-//! | gallery `mountains`, 9 x 9 of 256 x 256, +-3 px | 82.0 | 75.1 | 21.8 %, 1.6, 0.4 s | 12.1 %, 1.4, 1.0 s | 9.0 %, 1.4, 2.5 s | 8.5 %, 1.4, 4.7 s |
-//!
-//! The constants were chosen on `mountains` and the 20 x 20 still life, so their rows are no test of new scenes; the balls were masked
-//! by discs drawn by hand, and Thorough was not run at 20 x 20.
-//!
-//! What is bad is mirrors and glass, in which one sees something at another distance; floors seen at a flat angle with hardly
-//! any texture; and a pixel along edges. Gallery `garden` stays at a seventh to a fifth at any effort: much of it is grass and leaves
-//! about a pixel wide.
+//! The estimate is wrong on mirrors and glass, which show objects at other distances; on surfaces at grazing angles
+//! with little texture; at pixels along depth edges; and where objects are about a pixel wide, as in grass.
 //!
 //! # Memory
 //!
-//! With n views of the star and C matched channels: `4 C (n + 1) V U` bytes for samples, `(20 + 12 C) V U` for maps, and 256 MiB or
-//! `512 planes U` bytes, whichever is more, for costs (less for small views). 9 x 9 views of 512 x 512 took 205 MB with the light
-//! field itself. By this formula an 8K image in colour stays below 3 GB at any split; that was not measured.
+//! With n views of the star and C matched channels: `4 C (n + 1) V U` bytes for samples, `(20 + 12 C) V U` for maps,
+//! and 256 MiB or `512 planes U` bytes, whichever is more, for costs (less for small views).
 
 mod cost;
 mod effort;
@@ -57,21 +44,21 @@ use effort::Settings;
 use plane_fit::Fit;
 use views::Views;
 
-/// Most planes of a sweep; a wider range gets a coarser step.
+/// The largest number of planes of a sweep. A wider range gets a coarser step.
 const MOST_PLANES: usize = 256;
-/// A standard error at which the confidence is one half.
+/// The standard error of confidence 1/2.
 const HALF_CONFIDENCE_PX: f32 = 0.02;
-/// The largest disparity that may be asked for; nothing moves so far within a picture.
+/// The largest absolute disparity of a range.
 const LARGEST_PX: f32 = 1e6;
 
-/// What to look for in a light field, and how hard.
+/// The options of [`plane_sweep`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaneSweepOptions {
-    /// The least disparity, in pixels between adjacent views: that of the farthest point.
+    /// The smallest disparity, in pixels between adjacent views: that of the farthest point.
     pub disparity_min_px: f32,
-    /// The greatest disparity, in pixels between adjacent views: that of the nearest point.
+    /// The largest disparity, in pixels between adjacent views: that of the nearest point.
     pub disparity_max_px: f32,
-    /// How much work the estimate is worth.
+    /// The trade-off between time and error.
     pub effort: Effort,
 }
 
@@ -82,46 +69,47 @@ impl Default for PlaneSweepOptions {
     }
 }
 
-/// What a plane sweep found out about the central view.
+/// The disparity of the central view, estimated by [`plane_sweep`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct DisparityEstimate {
     /// Disparity in pixels between adjacent views, positive nearer than the focus plane; `(v, u)`.
     pub disparity_px: Array2<f32>,
-    /// From 0, "nothing is known here", to 1; `(v, u)`.
+    /// The confidence from 0, no information, to 1; `(v, u)`.
     pub confidence: Array2<f32>,
 }
 
 /// Estimates the disparity of every pixel of the central view: multi-view stereo by plane sweep.
 ///
-/// A star of views around the central one is compared with it. Every pixel is tried on planes of equal disparity; where a
-/// view shows the same colour there, the plane is likely. Then every pixel's disparity is refined between the planes.
+/// A star of views is compared with the central one. Every pixel gets the plane of constant disparity in which the
+/// colors of the views agree best. The disparity of every pixel is then refined between the planes.
 ///
 /// # Shape
 ///
-/// `(v, u)` for both maps. The first three channels are matched, or the first one of one or two. Any number of views from two
-/// on will do, in a grid, a row or a column. Views in which a point leaves the picture do not count.
+/// `(v, u)` for both maps. The first three channels are matched, or the first one of one or two. The light field has at
+/// least two views, in a grid, a row or a column. Views in which a point is outside the image are excluded.
 ///
 /// # Units
 ///
-/// Disparity in pixels between adjacent views: a point at `(v, u)` of the central view is at `(v - d*dt, u - d*ds)` in the view
-/// `dt` rows down and `ds` columns right. Samples may be `u8`, `u16` or `f32` of any scale.
+/// Disparity in pixels between adjacent views: a point at `(v, u)` of the central view is at `(v - d*dt, u - d*ds)` in
+/// the view `dt` rows down and `ds` columns right. Samples may be `u8`, `u16` or `f32` of any scale.
 ///
 /// # Accuracy
 ///
-/// Slanted planes with a smooth texture and without noise: within 0.01 px for [`Effort::Balanced`] and up, outside a border of 7
-/// pixels. What the file's head says of rendered scenes is measured. Mirrors and glass get the disparity of what is seen in
-/// them, or anything; where nothing has texture, neighbours decide. The result is the same for any number of threads.
+/// Slanted planes with a smooth texture and without noise: within 0.01 px for [`Effort::Balanced`] and up, outside a
+/// border of 7 pixels. Mirrors and glass get the disparity of their reflections and refractions, or an arbitrary one.
+/// Regions without texture follow their neighbors. The result does not depend on the number of threads.
 ///
 /// # Errors
 ///
-/// [`Error::BadNumber`] if the range is empty or not within +-1e6 px, or a sample that is looked at is NaN or infinite;
-/// [`Error::ZeroCount`] if there is one view only; [`Error::OutOfMemory`] and [`Error::TooLarge`] if there is not enough memory.
+/// [`Error::BadNumber`] if the range is empty or not within +-1e6 px, or a sample of a selected view is NaN or
+/// infinite; [`Error::ZeroCount`] if there is only one view; [`Error::OutOfMemory`] and [`Error::TooLarge`] if there is
+/// not enough memory.
 ///
 /// # Source
 ///
-/// The sweep follows Collins 1996; the choice of the half of the views that agrees best Kang, Szeliski and Chai 2001; the sums
-/// along scanlines Hirschmueller 2008. The refinement is a Gauss-Newton step at every pixel (Lucas and Kanade 1981) and a
-/// weighted plane through the steps around it.
+/// Plane sweep: Collins 1996. Selection of half of the views: Kang, Szeliski and Chai 2001. Aggregation along
+/// scanlines: Hirschmueller 2008. Refinement: a Gauss-Newton step per pixel (Lucas and Kanade 1981) and a weighted
+/// plane fit to the steps around it.
 ///
 /// # Examples
 ///
@@ -153,16 +141,17 @@ where
     let planes = spread(&views, &settings, low, high);
     let mut map = sweep::sweep(&views, &planes, &views.guide()?, sweep::BAND_BYTES)?;
 
-    // The sweep is right to a step or to half a pixel of the outermost view; what is farther off is another surface.
+    // The sweep is accurate to one step or to half a pixel of the outermost view. A larger difference is another
+    // surface.
     let gate_px = planes.step_px.max(0.5 / views.reach());
     let fit = Fit { radius_px: settings.radius_px, gate_px, widest_px: 4.0 * gate_px };
-    let mut picture = views.centre.clone();
+    let mut image = views.center.clone();
     let mut information = Vec::new();
     for _ in 0..settings.refinements {
-        let found = measure::measure(&views, &map, &picture, high, planes.step_px)?;
+        let found = measure::measure(&views, &map, &image, high, planes.step_px)?;
         (map, information) = fit.smooth(views.size, &map, &found)?;
         map.iter_mut().for_each(|disparity_px| *disparity_px = disparity_px.clamp(low, high));
-        picture = found.picture;
+        image = found.image;
     }
     let confidence = information.into_iter().map(confidence).collect();
     let shape = (views.size.rows, views.size.columns);
@@ -173,8 +162,8 @@ where
 }
 
 fn check_range(low: f32, high: f32) -> Result<(), Error> {
-    for (what, value) in [("least disparity in pixels", low), ("greatest disparity in pixels", high)] {
-        // NaN is not within any range.
+    for (what, value) in [("smallest disparity in pixels", low), ("largest disparity in pixels", high)] {
+        // No range contains NaN.
         if !(-LARGEST_PX..=LARGEST_PX).contains(&value) {
             return Err(Error::BadNumber { what, value: f64::from(value), need: "within -1e6 to 1e6" });
         }
@@ -182,18 +171,18 @@ fn check_range(low: f32, high: f32) -> Result<(), Error> {
     if low < high {
         return Ok(());
     }
-    let need = "above the least disparity";
-    Err(Error::BadNumber { what: "greatest disparity in pixels", value: f64::from(high), need })
+    let need = "above the smallest disparity";
+    Err(Error::BadNumber { what: "largest disparity in pixels", value: f64::from(high), need })
 }
 
-/// The planes: from one to the next the outermost view moves by the settings' step.
+/// The planes of a sweep: from one to the next the outermost view moves by the step of the settings.
 fn spread(views: &Views, settings: &Settings, low: f32, high: f32) -> Planes {
     let step_px = settings.step_px / views.reach();
     let count = (((high - low) / step_px).ceil() as usize).saturating_add(1).clamp(5, MOST_PLANES);
     Planes { first_px: low, step_px: (high - low) / (count - 1) as f32, count }
 }
 
-/// From 0 without information towards 1 with much of it.
+/// The confidence of an amount of information: 0 for none, 1 in the limit.
 fn confidence(information: f32) -> f32 {
     let scaled = information * HALF_CONFIDENCE_PX * HALF_CONFIDENCE_PX;
     if scaled.is_finite() { scaled / (1.0 + scaled) } else { 1.0 }

@@ -1,12 +1,12 @@
-//! Sizes of grids and places in them, rows first.
+//! Sizes of grids and indices of their elements, rows first.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// Rows and columns of something laid out in a grid: views, lenses or pixels.
+/// The numbers of rows and columns of a grid of views, microlenses or pixels.
 ///
-/// In code rows come first, as in ndarray; as text columns come first, as in image tools: `"60x40"` is 60 columns and 40
-/// rows.
+/// In code, rows come first, as in ndarray. In text, columns come first, as in image tools: `"60x40"` is 60 columns and
+/// 40 rows.
 ///
 /// # Examples
 ///
@@ -22,17 +22,17 @@ use std::str::FromStr;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct GridSize {
-    /// Number of rows, the vertical count.
+    /// The number of rows.
     pub rows: usize,
-    /// Number of columns, the horizontal count.
+    /// The number of columns.
     pub columns: usize,
 }
 
-/// A text that is no [`GridSize`].
+/// The error for a text that is not a [`GridSize`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ParseGridSizeError;
 
-/// A view by its row and column, both from 0.
+/// The row and column of a view, both from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct ViewIndex {
     /// Row `t` of the view.
@@ -41,17 +41,17 @@ pub struct ViewIndex {
     pub column: usize,
 }
 
-/// A lens by its row and column, both from 0.
+/// The row and column of a microlens, both from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct LensIndex {
-    /// Row `v` of the lens.
+    /// Row `v` of the microlens.
     pub row: usize,
-    /// Column `u` of the lens.
+    /// Column `u` of the microlens.
     pub column: usize,
 }
 
 impl GridSize {
-    /// Puts a number of rows and a number of columns together, rows first.
+    /// Returns the size with the given numbers of rows and columns.
     #[must_use]
     pub const fn new(rows: usize, columns: usize) -> Self {
         Self { rows, columns }
@@ -59,7 +59,7 @@ impl GridSize {
 
     /// Returns `rows * columns`, or `usize::MAX` if the product is larger.
     ///
-    /// A [`Split`](crate::Split) only holds grids whose product fits, so the count of its views and lenses is always exact.
+    /// The product always fits for the grids of a [`LightFieldShape`](crate::LightFieldShape).
     #[must_use]
     pub const fn count(self) -> usize {
         self.rows.saturating_mul(self.columns)
@@ -110,11 +110,11 @@ impl fmt::Display for ParseGridSizeError {
 
 impl std::error::Error for ParseGridSizeError {}
 
-/// What view and lens indices have in common.
+/// Constructors and conversions of view and lens indices.
 macro_rules! index {
     ($name:ident) => {
         impl $name {
-            /// Puts a row and a column together, row first.
+            /// Returns the index with the given row and column.
             #[must_use]
             pub const fn new(row: usize, column: usize) -> Self {
                 Self { row, column }

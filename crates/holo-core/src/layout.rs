@@ -1,10 +1,10 @@
-//! How a raw image divides into views and lenses: Eq. 1, Table I, Eq. 5. **May enter:** sizes and errors.
+//! The division of a raw image into views and microlenses: Eq. 1, Table I, Eq. 5. **May import:** sizes and errors.
 
 mod block;
 mod sensor;
-mod split;
+mod shape;
 
 pub use block::{Block, OneBasedBlock};
-pub use sensor::{Remainder, Sensor, SensorSplit};
-pub use split::Split;
-pub(crate) use split::checked_product;
+pub use sensor::{Remainder, Sensor, SensorDivision};
+pub use shape::LightFieldShape;
+pub(crate) use shape::checked_product;

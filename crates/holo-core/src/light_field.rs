@@ -1,4 +1,4 @@
-//! The 5D light field: one array type over any strides.
+//! The 5D light field: one array type for any strides.
 
 mod clip;
 mod compose;
@@ -8,6 +8,7 @@ mod epi;
 mod grids;
 mod images;
 mod interpolate;
+mod memory_order;
 mod path;
 mod quilt;
 pub mod rearrange;
@@ -28,13 +29,14 @@ use ndarray::{
 };
 
 use crate::layout::checked_product;
-use crate::{Error, GridSize, Split};
+use crate::{Error, GridSize, LightFieldShape};
 
-/// A light field `H(v, u, t, s, c)`: lens row, lens column, view row, view column, channel.
+/// A light field `H(v, u, t, s, c)`: an ndarray with the axes microlens row, microlens column, view row, view column,
+/// channel.
 ///
-/// It wraps an ndarray of five dimensions with **any strides** and any storage: owned, borrowed, mutably borrowed, shared. The elemental
-/// grid, the viewpoint grid and every crop of either are the same type with other strides, so wrapping one copies nothing and
-/// every algorithm is written once. No axis is ever empty.
+/// The array has five dimensions, **any strides** and any storage: owned, borrowed, mutably borrowed, shared. The
+/// elemental grid, the viewpoint grid and every crop of either are the same type with other strides. Wrapping one
+/// copies nothing. No axis is empty.
 ///
 /// # Source
 ///
@@ -45,13 +47,13 @@ use crate::{Error, GridSize, Split};
 /// Both layouts of the same scene are equal light fields:
 ///
 /// ```
-/// use holo_core::{GridSize, LightField, Split};
+/// use holo_core::{GridSize, LightField, LightFieldShape};
 /// use ndarray::Array3;
 ///
-/// let split = Split::new(GridSize::new(2, 3), GridSize::new(4, 5))?;
+/// let shape = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5))?;
 /// let raw = Array3::from_shape_fn((8, 15, 1), |(row, column, _)| (row * 15 + column) as u8);
-/// let from_lenses = LightField::from_elemental_grid(raw, split)?;
-/// let from_views = LightField::from_viewpoint_grid(from_lenses.to_viewpoint_grid(), split)?;
+/// let from_lenses = LightField::from_elemental_grid(raw, shape)?;
+/// let from_views = LightField::from_viewpoint_grid(from_lenses.to_viewpoint_grid()?, shape)?;
 /// assert_eq!(from_lenses, from_views);
 /// # Ok::<(), holo_core::Error>(())
 /// ```
@@ -80,32 +82,34 @@ impl<S: RawData> LightField<S> {
     ///
     /// # Errors
     ///
-    /// [`Error::ZeroCount`] if an axis is empty; [`Error::TooLarge`] if the samples would not fit the address space when copied out, which only an
-    /// array that repeats itself by strides of 0 can reach.
+    /// [`Error::ZeroCount`] if an axis is empty; [`Error::TooLarge`] if a copy of the samples would not fit the address
+    /// space. Only an array with strides of 0 can be that large.
     pub fn new(samples: ArrayBase<S, Ix5>) -> Result<Self, Error> {
         let (v, u, t, s, channels) = samples.dim();
-        let split = Split::new(GridSize::new(t, s), GridSize::new(v, u))?;
-        checked_length::<S::Elem>(&split, channels)?;
+        let shape = LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u))?;
+        checked_length::<S::Elem>(&shape, channels)?;
         Ok(Self { samples })
     }
 
-    /// Wraps samples whose shape is known to be good.
+    /// Wraps samples of a shape that has been checked.
     fn trusted(samples: ArrayBase<S, Ix5>) -> Self {
         debug_assert!(samples.shape().iter().all(|&count| count > 0));
         Self { samples }
     }
 
-    /// Returns the array itself.
+    /// Returns the array, with the axes `(v, u, t, s, c)`.
     #[must_use]
     pub fn into_samples(self) -> ArrayBase<S, Ix5> {
         self.samples
     }
 
-    /// Returns the number of views and lenses.
+    /// Returns the (rows, columns) of views and of microlenses.
+    ///
+    /// The shape of the array, `[V, U, T, S, C]`, is `light_field.samples().shape()`.
     #[must_use]
-    pub fn split(&self) -> Split {
+    pub fn shape(&self) -> LightFieldShape {
         let (v, u, t, s, _) = self.samples.dim();
-        Split::new(GridSize::new(t, s), GridSize::new(v, u)).expect("checked when the light field was made")
+        LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u)).expect("checked when the light field was made")
     }
 
     /// Returns the number of channels.
@@ -122,36 +126,52 @@ impl<S: Data> LightField<S> {
         self.samples.view()
     }
 
-    /// Returns a light field that borrows this one.
+    /// Returns a light field that borrows the samples of this one, as ndarray's `view` does for arrays.
+    ///
+    /// The name `view` stands for one viewpoint here; see [`LightField::view`].
     #[must_use]
-    pub fn borrowed(&self) -> LightFieldRef<'_, S::Elem> {
+    pub fn as_light_field_ref(&self) -> LightFieldRef<'_, S::Elem> {
         LightField::trusted(self.samples.view())
     }
 
-    /// Copies the samples out into a light field of its own.
+    /// Returns a light field that owns a copy of the samples.
     ///
-    /// Samples without gaps keep their order in memory, others are put in the order `(v, u, t, s, c)`.
-    #[must_use]
-    pub fn to_owned(&self) -> LightFieldOwned<S::Elem>
+    /// Samples without gaps keep their order in memory. Others get the order `(v, u, t, s, c)`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfMemory`] if the allocation of the copy fails.
+    pub fn to_owned(&self) -> Result<LightFieldOwned<S::Elem>, Error>
     where
         S::Elem: Clone,
     {
-        LightField::trusted(self.samples.to_owned())
+        self.map(S::Elem::clone)
     }
 
-    /// Makes a light field that owns its samples, copying them only if this one borrows them.
-    #[must_use]
-    pub fn into_owned(self) -> LightFieldOwned<S::Elem>
+    /// Returns a light field that owns its samples. It copies them only if this one borrows or shares them.
+    ///
+    /// # Errors
+    ///
+    /// As [`LightField::to_owned`].
+    pub fn into_owned(self) -> Result<LightFieldOwned<S::Elem>, Error>
     where
         S::Elem: Clone,
     {
-        LightField::trusted(self.samples.into_owned())
+        match self.samples.try_into_owned_nocopy() {
+            Ok(samples) => Ok(LightField::trusted(samples)),
+            Err(samples) => LightField::trusted(samples).to_owned(),
+        }
     }
 
-    /// Applies a function to every sample and keeps the results.
-    #[must_use]
-    pub fn map<U>(&self, function: impl FnMut(&S::Elem) -> U) -> LightFieldOwned<U> {
-        LightField::trusted(self.samples.map(function))
+    /// Returns the light field of the results of a function of every sample.
+    ///
+    /// The order in memory is that of [`LightField::to_owned`]. The function is called in that order.
+    ///
+    /// # Errors
+    ///
+    /// As [`LightField::to_owned`].
+    pub fn map<U>(&self, function: impl FnMut(&S::Elem) -> U) -> Result<LightFieldOwned<U>, Error> {
+        memory_order::map(self.samples.view(), function).map(LightField::trusted)
     }
 }
 
@@ -164,7 +184,7 @@ impl<S: DataMut> LightField<S> {
 
     /// Returns a light field that mutably borrows this one.
     #[must_use]
-    pub fn borrowed_mut(&mut self) -> LightFieldRefMut<'_, S::Elem> {
+    pub fn as_light_field_mut(&mut self) -> LightFieldRefMut<'_, S::Elem> {
         LightField::trusted(self.samples.view_mut())
     }
 }
@@ -186,7 +206,7 @@ impl<S: RawDataClone> Clone for LightField<S> {
 
 impl<S: RawDataClone + Copy> Copy for LightField<S> {}
 
-/// Two light fields are equal when their counts and samples are, whatever their order in memory.
+/// Two light fields are equal if their shapes and samples are equal, in any order in memory.
 impl<S, S2> PartialEq<LightField<S2>> for LightField<S>
 where
     S: Data,
@@ -198,7 +218,7 @@ where
     }
 }
 
-/// Prints counts and strides, not 40 million samples.
+/// Prints shape and strides without the samples.
 impl<S: RawData> fmt::Debug for LightField<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("LightField")
@@ -209,22 +229,12 @@ impl<S: RawData> fmt::Debug for LightField<S> {
 }
 
 /// The number of samples of all channels, if there is at least one channel and their bytes fit the address space.
-pub(crate) fn checked_length<T>(split: &Split, channels: usize) -> Result<usize, Error> {
+pub(crate) fn checked_length<T>(shape: &LightFieldShape, channels: usize) -> Result<usize, Error> {
     if channels == 0 {
         return Err(Error::ZeroCount { what: "channels" });
     }
     let too_large = Error::TooLarge { what: "light field" };
     // A zero-sized element takes no bytes, but the length of the array is bounded all the same.
-    checked_product(&[split.sample_count(), channels, size_of::<T>().max(1)]).ok_or(too_large)?;
-    Ok(split.sample_count() * channels)
-}
-
-/// Memory for `length` samples, asked for without aborting the program when there is none.
-pub(crate) fn filled_memory<T: Clone>(length: usize, value: T) -> Result<Vec<T>, Error> {
-    // Asked for and given back: an error where there is no such memory. Then `vec!`, which leaves zeros to the system, so
-    // that pages are made by the threads that first write to them.
-    Vec::<T>::new()
-        .try_reserve_exact(length)
-        .map_err(|_| Error::OutOfMemory { bytes: length.saturating_mul(size_of::<T>()) })?;
-    Ok(vec![value; length])
+    checked_product(&[shape.sample_count(), channels, size_of::<T>().max(1)]).ok_or(too_large)?;
+    Ok(shape.sample_count() * channels)
 }

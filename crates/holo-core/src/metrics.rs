@@ -1,50 +1,50 @@
-//! How far a disparity map is from the truth, and a picture from another.
+//! Error measures of disparity maps and of images.
 //!
 //! # Disparity maps
 //!
-//! [`disparity_scores`], [`bumpiness`] and [`median_angle_error_deg`] follow the 4D Light Field Benchmark of Konstanz and Heidelberg
-//! (K. Honauer, O. Johannsen, D. Kondermann and B. Goldluecke, *A dataset and evaluation methodology for depth estimation on 4D light
-//! fields*, ACCV 2016) as its evaluation toolkit computes it, for maps of any size. What the toolkit does and the paper does not say, and
-//! the two places where this module differs on purpose, stand in the documentation of each function. In short:
+//! [`disparity_scores`], [`bumpiness`] and [`median_angle_error_deg`] follow the 4D Light Field Benchmark of Konstanz
+//! and Heidelberg (K. Honauer, O. Johannsen, D. Kondermann and B. Goldluecke, *A dataset and evaluation methodology for
+//! depth estimation on 4D light fields*, ACCV 2016) and its evaluation toolkit, for maps of any size. The documentation
+//! of each function states what only the toolkit specifies, and the two deliberate differences. In short:
 //!
-//! - A pixel whose **estimate** is NaN or infinite is *bad*, and is left out of means and percentiles, where it has no value. (The toolkit
+//! - A pixel whose **estimate** is NaN or infinite is *bad*, and is excluded from means and percentiles. (The toolkit
 //!   counts NaN as good, because a comparison with NaN is false, and infinity as bad.)
-//! - A pixel whose **truth** is NaN or infinite cannot be judged and is left out everywhere.
+//! - A pixel whose **ground truth** is NaN or infinite is excluded from all measures.
 //!
-//! Both are counted in [`PixelCounts`]: a score over few pixels cannot pass for a score over all.
+//! [`PixelCounts`] has the numbers of both.
 //!
-//! [`best_constant`] and [`best_plane`] score what needs no light field at all: the maps that an estimate has to beat.
-//! [`error_map`] is the error as a picture.
+//! [`trivial_constant`] and [`trivial_plane`] are trivial baselines: the scores of the best constant and of a good
+//! plane, which use the ground truth and no light field. [`error_map`] is the error as an image.
 //!
-//! # Pictures
+//! # Images
 //!
-//! [`psnr_db`] and [`ssim`] compare pictures of `u8`, `u16` and `f32`, whose range of values the caller states.
+//! [`psnr_db`] and [`ssim`] compare images of integers and floats; the caller specifies the range of values.
 
 mod disparity;
 mod error_map;
-mod fit;
 mod normals;
 mod psnr;
 mod region;
 mod smoothness;
 mod ssim;
+mod trivial;
 
 pub use disparity::{BAD_PIXEL_THRESHOLDS_PX, DisparityScores, bad_pixels_percent, disparity_scores};
-pub use error_map::{ErrorColours, error_map};
-pub use fit::{ConstantFit, PlaneFit, best_constant, best_plane};
+pub use error_map::{ErrorColors, error_map};
 pub use normals::{NormalGeometry, median_angle_error_deg, normals_from_disparity};
 pub use psnr::psnr_db;
 pub use region::{DEFAULT_BORDER_PX, PixelCounts, Region};
 pub use smoothness::{BUMPINESS_LIMIT, bumpiness};
 pub use ssim::{SSIM_WINDOW_PX, ssim};
+pub use trivial::{TrivialConstant, TrivialPlane, trivial_constant, trivial_plane};
 
-/// A score and the pixels that it is made of.
+/// A score and the numbers of its pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Score {
-    /// The score, in the unit that the function names; NaN if no pixel could be measured.
+    /// The score, in the unit of the function; NaN if no pixel could be measured.
     pub value: f64,
-    /// How many pixels could be measured.
+    /// The number of measured pixels.
     pub pixels: usize,
-    /// How many pixels of the region could not: a value that they need is missing, or lies outside the map.
-    pub left_out: usize,
+    /// The number of excluded pixels of the region: a required value is missing or outside the map.
+    pub excluded: usize,
 }

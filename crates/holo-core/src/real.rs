@@ -1,4 +1,4 @@
-//! The floating-point element types that geometry maps work on.
+//! The floating-point element types of geometry maps.
 
 mod sealed {
     pub trait Sealed {}
@@ -21,7 +21,7 @@ impl Real for f32 {
         f64::from(self)
     }
 
-    #[allow(clippy::cast_possible_truncation)] // rounding to nearest is what is wanted
+    #[allow(clippy::cast_possible_truncation)] // rounds to nearest, as intended
     fn from_f64(value: f64) -> Self {
         value as f32
     }

@@ -1,17 +1,21 @@
-//! Pictures with another focus: shifted views added up.
+//! Digital refocusing by shift-and-sum.
 //!
-//! A point at `(v, u)` of the reference view is at `(v - d*dt, u - d*ds)` in the view `dt` rows down and `ds` columns right, where d is its
-//! disparity. To focus on the plane of disparity d, every view is sampled there, and the samples are averaged: what lies in
-//! the plane falls on itself, what lies before or behind it spreads over as many pixels as the aperture has views times the
-//! difference of disparity. The views used, and with what weight, are the synthetic [`Aperture`].
+//! A point at `(v, u)` of the reference view is at `(v - d*dt, u - d*ds)` in the view `dt` rows down and `ds` columns
+//! right, where d is its disparity. To focus on the plane of disparity d, every view is sampled there, and the samples
+//! are averaged: points of the plane coincide, other points spread over as many pixels as the aperture has views times
+//! the difference of disparity. The weights of the views are the synthetic [`Aperture`].
 //!
-//! A view counts at a pixel only if the sample lies within its image, and the sum is divided by the weight of the views that
-//! count. The edges are therefore as bright as the middle, from fewer views.
+//! A view contributes to a pixel only if the sample is within its image, and the sum is divided by the weight of the
+//! contributing views. The image edges are therefore as bright as the middle, from fewer views.
 //!
 //! # Shift-and-sum of LFToolbox
 //!
-//! `LFFiltShiftSum` takes a slope instead of a disparity and centres the aperture between the views;
-//! [`slope_from_disparity`] and [`disparity_from_slope`] translate.
+//! `LFFiltShiftSum` takes a slope instead of a disparity and centers the aperture between the views;
+//! [`slope_from_disparity`] and [`disparity_from_slope`] convert between the two.
+//!
+//! # Source
+//!
+//! Shift-and-sum: Ng et al., *Light Field Photography with a Hand-Held Plenoptic Camera*, 2005.
 
 mod aperture;
 mod every_pixel;
@@ -25,23 +29,23 @@ use ndarray::{Array3, ArrayRef2, Data};
 
 use crate::{Error, GridSize, LightField, Real, Rig, Sample};
 
-/// How a light field is refocused: with which aperture, from which viewpoint, and how views are sampled between their pixels.
+/// The settings of refocusing: aperture, reference viewpoint and interpolation kernel.
 ///
 /// # Examples
 ///
 /// ```
 /// use holo_core::refocus::Refocus;
-/// use holo_core::{GridSize, LightField, Split};
+/// use holo_core::{GridSize, LightField, LightFieldShape};
 /// use ndarray::Array3;
 ///
 /// // Three views in a row of a dot that moves by one pixel to the left from view to view: its disparity is 1.
-/// let split = Split::new(GridSize::new(1, 3), GridSize::new(1, 5))?;
+/// let shape = LightFieldShape::new(GridSize::new(1, 3), GridSize::new(1, 5))?;
 /// let mut views = Array3::<u8>::zeros((1, 15, 1));
 /// for view in 0..3 {
 ///     views[[0, 5 * view + 3 - view, 0]] = 90;
 /// }
-/// let light_field = LightField::from_viewpoint_grid(views, split)?;
-/// let refocus = Refocus::new(split.views())?;
+/// let light_field = LightField::from_viewpoint_grid(views, shape)?;
+/// let refocus = Refocus::new(shape.views())?;
 /// let sharp = refocus.at_disparity(&light_field, 1.0)?;
 /// assert_eq!(sharp.into_raw_vec_and_offset().0, [0.0, 0.0, 90.0, 0.0, 0.0]);
 /// let blurred = refocus.at_disparity(&light_field, 0.0)?;
@@ -57,16 +61,18 @@ pub struct Refocus {
 }
 
 impl Refocus {
-    /// Uses all views alike, seen from the central view (row T/2, column S/2, rounded down), with the kernel of Catmull and Rom.
+    /// Returns settings with equal weights of all views, the central view (row T/2, column S/2, rounded down) as
+    /// reference, and the Catmull-Rom kernel.
     ///
     /// # Errors
     ///
-    /// [`Error::ZeroCount`] if there are no views; [`Error::TooLarge`] and [`Error::OutOfMemory`] if there are too many.
+    /// [`Error::ZeroCount`] if there are no views; [`Error::TooLarge`] and [`Error::OutOfMemory`] if there are too
+    /// many.
     pub fn new(views: GridSize) -> Result<Self, Error> {
         Ok(Self::with_aperture(Aperture::all(views)?))
     }
 
-    /// Uses an aperture, seen from the central view, with the kernel of Catmull and Rom.
+    /// Returns settings with the given aperture, the central view as reference, and the Catmull-Rom kernel.
     #[must_use]
     pub fn with_aperture(aperture: Aperture) -> Self {
         let views = aperture.views();
@@ -74,15 +80,15 @@ impl Refocus {
         Self { aperture, kernel: Kernel::default(), reference, vertical_ratio: 1.0 }
     }
 
-    /// Samples the views with another kernel.
+    /// Sets the kernel for samples between the pixels of a view.
     #[must_use]
     pub fn kernel(self, kernel: Kernel) -> Self {
         Self { kernel, ..self }
     }
 
-    /// Shows the scene from another place of the view grid, given as a row and a column of views that may lie between views or outside.
+    /// Sets the reference viewpoint, a row and column of the view grid. It may lie between views or outside the grid.
     ///
-    /// `((T-1)/2, (S-1)/2)` is the middle of the rig, for even counts half a view beside the central view.
+    /// `((T-1)/2, (S-1)/2)` is the middle of the rig. For even counts it is half a view from the central view.
     ///
     /// # Errors
     ///
@@ -94,9 +100,11 @@ impl Refocus {
         Ok(Self { reference: (t, s), ..self })
     }
 
-    /// States how much larger the vertical disparity of a point is than its horizontal one: the ratio of the baselines, 1 if not told.
+    /// Sets the ratio of the vertical to the horizontal disparity of a point, which is that of the baselines. The
+    /// default is 1.
     ///
-    /// [`Refocus::at_disparity`] and all others take the horizontal disparity, except for [`Refocus::at_distance_m`], which asks the rig.
+    /// All methods take the horizontal disparity, except for [`Refocus::at_distance_m`], which uses the baselines of
+    /// the rig.
     ///
     /// # Errors
     ///
@@ -105,7 +113,7 @@ impl Refocus {
         Ok(Self { vertical_ratio: finite("ratio of vertical to horizontal disparity", vertical_ratio)?, ..self })
     }
 
-    /// Returns the picture that is sharp where the disparity is `disparity_px`.
+    /// Returns the image that is in focus where the disparity is `disparity_px`.
     ///
     /// # Shape
     ///
@@ -113,18 +121,19 @@ impl Refocus {
     ///
     /// # Units
     ///
-    /// Disparity in pixels between adjacent views, positive nearer than the focus plane of the rig. Samples keep their scale.
+    /// Disparity in pixels between adjacent views, positive nearer than the focus plane of the rig. Samples keep their
+    /// scale.
     ///
     /// # Accuracy
     ///
-    /// Within `(S + 4 T + 16) * 2^-23` of the sum in exact arithmetic, times the largest sample: `f32` sums, over the views of each row
-    /// first. The same bits for any number of threads. A pixel that no view of the aperture sees is NaN; from a view of the aperture
-    /// there is none.
+    /// Within `(S + 4 T + 16) * 2^-23` of the sum in exact arithmetic, times the largest sample: `f32` sums, over the
+    /// views of each row first. The result does not depend on the number of threads. A pixel outside all views of the
+    /// aperture is NaN. If the reference is a view of the aperture, there are no such pixels.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if the aperture has another number of views; [`Error::BadNumber`] if the disparity is NaN or infinite;
-    /// [`Error::OutOfMemory`] if there is no memory for `V * U * (T + 1) * C` numbers.
+    /// [`Error::Shape`] if the aperture has another number of views; [`Error::BadNumber`] if the disparity is NaN or
+    /// infinite; [`Error::OutOfMemory`] if the allocation of `V * U * (T + 1) * C` numbers fails.
     pub fn at_disparity<S>(&self, light_field: &LightField<S>, disparity_px: f64) -> Result<Array3<f32>, Error>
     where
         S: Data,
@@ -134,16 +143,16 @@ impl Refocus {
         self.sum(light_field, disparity_px * self.vertical_ratio, disparity_px)
     }
 
-    /// Returns the picture that is sharp at a distance from the cameras.
+    /// Returns the image that is in focus at a distance from the cameras.
     ///
     /// # Units
     ///
-    /// Planar depth in metres; infinity is allowed.
+    /// Planar depth in meters; infinity is allowed.
     ///
     /// # Errors
     ///
-    /// As [`Refocus::at_disparity`]; [`Error::BadNumber`] if the distance is not above 0; [`Error::Shape`] if the rig has other
-    /// views or lenses than the light field.
+    /// As [`Refocus::at_disparity`]; [`Error::BadNumber`] if the distance is not above 0; [`Error::Shape`] if the
+    /// shapes of rig and light field differ.
     ///
     /// # Source
     ///
@@ -158,9 +167,10 @@ impl Refocus {
         S: Data,
         S::Elem: Sample,
     {
-        let distance_m = crate::error::positive_or_infinite("distance in metres", distance_m)?;
-        if *rig.split() != light_field.split() {
-            let (expected, found) = (rig.split().shape(light_field.channels()), light_field.samples().shape().to_vec());
+        let distance_m = crate::error::positive_or_infinite("distance in meters", distance_m)?;
+        if *rig.shape() != light_field.shape() {
+            let (expected, found) =
+                (rig.shape().array_shape(light_field.channels()), light_field.samples().shape().to_vec());
             return Err(Error::Shape { what: "light field", expected: expected.to_vec(), found });
         }
         let vertical_px = finite("disparity in pixels", rig.disparity_y().from_depth_m(distance_m))?;
@@ -168,11 +178,11 @@ impl Refocus {
         self.sum(light_field, vertical_px, horizontal_px)
     }
 
-    /// Returns one picture for each of some disparities, made when it is asked for.
+    /// Returns an iterator over the images for a list of disparities. Each image is computed on demand.
     ///
     /// # Errors
     ///
-    /// Each picture as [`Refocus::at_disparity`].
+    /// As [`Refocus::at_disparity`], for each image.
     pub fn focal_stack<'a, S>(
         &'a self,
         light_field: &'a LightField<S>,
@@ -185,14 +195,14 @@ impl Refocus {
         disparities_px.iter().map(move |&disparity_px| self.at_disparity(light_field, disparity_px))
     }
 
-    /// Returns the picture that is sharp everywhere: each pixel is refocused at its own disparity.
+    /// Returns the all-in-focus image: each pixel is refocused at its own disparity.
     ///
-    /// Nothing is known of what covers what: next to an edge the views that see the nearer surface in the place of the farther one are averaged
-    /// in with the others. A narrow aperture makes such seams narrow.
+    /// Occlusion is ignored: next to a depth edge, views that see the nearer surface contribute to pixels of the
+    /// farther one. A narrower aperture narrows these artifacts.
     ///
     /// # Shape
     ///
-    /// The map is (V, U) and belongs to the reference view; the result is `(v, u, c)`.
+    /// The map is (V, U), in the pixels of the reference view; the result is `(v, u, c)`.
     ///
     /// # Accuracy
     ///
@@ -200,8 +210,8 @@ impl Refocus {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if the map is not of the size of a view or the aperture has another number of views; [`Error::OutOfMemory`] if
-    /// there is no memory for the picture.
+    /// [`Error::Shape`] if the map has not the size of a view or the aperture has another number of views;
+    /// [`Error::OutOfMemory`] if an allocation fails.
     pub fn all_in_focus<S, D>(
         &self,
         light_field: &LightField<S>,
@@ -213,7 +223,7 @@ impl Refocus {
         D: Real,
     {
         self.check_views(light_field)?;
-        let lenses = light_field.split().lenses();
+        let lenses = light_field.shape().lenses();
         if disparity_px.dim() != (lenses.rows, lenses.columns) {
             let (expected, found) = (vec![lenses.rows, lenses.columns], disparity_px.shape().to_vec());
             return Err(Error::Shape { what: "disparity map", expected, found });
@@ -231,7 +241,7 @@ impl Refocus {
     }
 
     fn check_views<S: Data>(&self, light_field: &LightField<S>) -> Result<(), Error> {
-        let (views, aperture) = (light_field.split().views(), self.aperture.views());
+        let (views, aperture) = (light_field.shape().views(), self.aperture.views());
         if views == aperture {
             return Ok(());
         }
@@ -240,15 +250,17 @@ impl Refocus {
     }
 }
 
-/// Returns the slope at which LFToolbox's `LFFiltShiftSum` focuses on a disparity: `-d (T-1)/T` for T views along the axis.
+/// Returns the slope at which LFToolbox's `LFFiltShiftSum` focuses on a disparity: `-d (T-1)/T` for T views along the
+/// axis.
 ///
-/// The toolbox spreads shifts of `linspace(-1/2, 1/2, T) * slope * T` pixels over the views, so the step between two of them is
-/// `slope * T/(T-1)`, and it adds them to the place where it samples. The numbers agree for arrays whose views are in the order of
-/// this crate, without flips. The toolbox keeps the middle of the grid in place: `Refocus::reference((T-1)/2, (S-1)/2)`.
+/// The toolbox shifts the views by `linspace(-1/2, 1/2, T) * slope * T` pixels, with a step of `slope * T/(T-1)`
+/// between views, and adds the shift to the sample position. The results agree for arrays with the view order of this
+/// crate, without flips. The reference of the toolbox is the middle of the grid: `Refocus::reference((T-1)/2,
+/// (S-1)/2)`.
 ///
 /// # Errors
 ///
-/// [`Error::BadNumber`] if there are fewer than two views: they have no step.
+/// [`Error::BadNumber`] if there are fewer than two views.
 ///
 /// # Examples
 ///

@@ -29,7 +29,7 @@ pub(crate) fn write_central(folder: &mut OutputFolder, rendered: &Rendered) -> R
 ///
 /// Row of lenses by row of lenses, or row of views by row of views: no second picture is in memory.
 pub(crate) fn write_grid(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, layout: Layout) -> Result<(), Error> {
-    let split = color.split();
+    let split = color.shape();
     let (views, lenses, size) = (split.views(), split.lenses(), split.raw_size());
     let (name, bands) = match layout {
         Layout::ElementalGrid => (dataset::ELEMENTAL_EXR, lenses.rows),
@@ -42,8 +42,8 @@ pub(crate) fn write_grid(folder: &mut OutputFolder, color: &LightFieldOwned<f32>
     let mut exr = ExrWriter::create(path, size, &COMBINED.map(|name| (name, samples)), ExrCompression::Zip)?;
     for band in 0..bands {
         let rows: Array3<f32> = match layout {
-            Layout::ElementalGrid => color.clip_lenses(band..band + 1, 0..lenses.columns)?.to_elemental_grid(),
-            Layout::ViewpointGrid => color.clip_views(band..band + 1, 0..views.columns)?.to_viewpoint_grid(),
+            Layout::ElementalGrid => color.clip_lenses(band..band + 1, 0..lenses.columns)?.to_elemental_grid()?,
+            Layout::ViewpointGrid => color.clip_views(band..band + 1, 0..views.columns)?.to_viewpoint_grid()?,
         };
         exr.write_rows(&[0, 1, 2].map(|channel| rows.index_axis(Axis(2), channel)))?;
     }

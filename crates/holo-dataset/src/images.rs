@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use holo_core::{DynLightFieldRef, Layout, LightField, LightFieldOwned, Rig, Sample};
 use holo_io::{ColorEncoding, Compression, HciImage, HciTruth, MatOptions, ParametersCfg, dataset};
 use holo_render::{GroundTruth, Layer, Rendered, exposure};
-use ndarray::{ArrayView3, Axis};
+use ndarray::{Array3, ArrayView3, Axis};
 
 use crate::layers::{self, Wanted};
 use crate::output_folder::OutputFolder;
@@ -93,21 +93,23 @@ impl Images<'_> {
         let write_png = |path: PathBuf, image: ArrayView3<T>| {
             holo_io::write_png(path, image, ColorEncoding::Srgb, Compression::Best)
         };
+        let write_copy =
+            |path: PathBuf, image: Result<Array3<T>, holo_core::Error>| Ok(write_png(path, image?.view())?);
         let elemental = || {
             let path = self.wants(Output::El).then(|| folder.file(dataset::ELEMENTAL_PNG))?;
             Some(match coded.as_elemental_grid() {
-                Some(image) => write_png(path, image),
-                None => write_png(path, coded.to_elemental_grid().view()),
+                Some(image) => write_png(path, image).map_err(Error::from),
+                None => write_copy(path, coded.to_elemental_grid()),
             })
         };
         let viewpoint = || {
             let path = self.wants(Output::Vpi).then(|| folder.file(dataset::VIEWPOINT_PNG))?;
-            Some(write_png(path, coded.to_viewpoint_grid().view()))
+            Some(write_copy(path, coded.to_viewpoint_grid()))
         };
         let mat = || {
             let path = self.wants(Output::Mat).then(|| folder.file(dataset::LIGHT_FIELD_MAT))?;
             let (order, options) = (self.spec.mat_order, MatOptions::default());
-            Some(holo_io::write_mat_light_field(path, coded, Some(self.rig), order, &options))
+            Some(holo_io::write_mat_light_field(path, coded, Some(self.rig), order, &options).map_err(Error::from))
         };
         let ((elemental, viewpoint), mat) = rayon::join(|| rayon::join(elemental, viewpoint), mat);
         let names = [dataset::ELEMENTAL_PNG, dataset::VIEWPOINT_PNG, dataset::LIGHT_FIELD_MAT];
@@ -117,7 +119,7 @@ impl Images<'_> {
             }
         }
         if self.wants(Output::Hci) {
-            self.write_hci(folder, coded.borrowed().into(), rendered)?;
+            self.write_hci(folder, coded.as_light_field_ref().into(), rendered)?;
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, Remainder, Split};
+use holo_core::{GridSize, LightFieldShape, Remainder};
 use holo_io::{Manifest, Setting, dataset};
 use holo_render::{Progress, Renderer};
 use holo_scene::gallery;
@@ -33,7 +33,7 @@ pub struct DatasetPlan {
 #[derive(Clone, Debug)]
 pub struct DatasetJob {
     /// Views and lenses.
-    pub split: Split,
+    pub shape: LightFieldShape,
     /// What to do.
     pub render: RenderJob,
 }
@@ -51,7 +51,7 @@ impl DatasetJob {
     /// As in `garden 20x20`.
     #[must_use]
     pub fn name(&self) -> String {
-        format!("{} {}", self.render.source.name(), self.split.views())
+        format!("{} {}", self.render.source.name(), self.shape.views())
     }
 
     /// Its folder in the root of the dataset.
@@ -59,7 +59,7 @@ impl DatasetJob {
     /// # Errors
     /// A scene whose name can be no folder.
     pub fn folder(&self) -> Result<PathBuf, Error> {
-        Ok(dataset::folder(&self.render.source.name(), self.split.views())?)
+        Ok(dataset::folder(&self.render.source.name(), self.shape.views())?)
     }
 }
 
@@ -77,12 +77,12 @@ impl DatasetPlan {
     ) -> Result<Self, Error> {
         validate(&spec)?;
         check_names(sources)?;
-        let mut splits: Vec<Split> = Vec::new();
+        let mut splits: Vec<LightFieldShape> = Vec::new();
         for &views in views {
             if splits.iter().any(|split| split.views() == views) {
                 return Err(Error::BadRequest(format!("--views has {} twice", views)));
             }
-            splits.push(spec.rig.sensor.split(views, Remainder::Crop)?.split);
+            splits.push(spec.rig.sensor.divide(views, Remainder::Crop)?.shape);
         }
         let mut jobs = Vec::new();
         for source in sources {
@@ -93,7 +93,7 @@ impl DatasetPlan {
                 words.extend(options.clone());
                 words.insert("views".into(), split.views().to_string());
                 let render = RenderJob::new(source.clone(), spec).with_options(words).with_engine(engine);
-                jobs.push(DatasetJob { split, render });
+                jobs.push(DatasetJob { shape: split, render });
             }
         }
         let options = crate::options::without_paths(options, &spec);
@@ -118,7 +118,7 @@ impl DatasetPlan {
     /// Files that cannot be written.
     pub fn describe(&self, root: &Path, backend: &str, rollback: &Rollback) -> Result<(), Error> {
         let folder = OutputFolder::create_plain(root, rollback)?;
-        let jobs: Vec<_> = self.jobs.iter().map(|job| (&job.render.source, job.split)).collect();
+        let jobs: Vec<_> = self.jobs.iter().map(|job| (&job.render.source, job.shape)).collect();
         describe::write(root, &jobs, &self.options, backend)?;
         folder.keep();
         Ok(())

@@ -15,7 +15,7 @@ mod source;
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{ColorEncoding, DynLightField, GridSize, Layout, Rig, Split, ViewOrder};
+use holo_core::{ColorEncoding, DynLightField, GridSize, Layout, LightFieldShape, Rig, ViewOrder};
 use ndarray::Array2;
 
 use crate::names::PARAMETERS_CFG;
@@ -139,12 +139,12 @@ pub struct LightFieldFile {
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Layout, LightField, Split};
+/// use holo_core::{GridSize, Layout, LightField, LightFieldShape};
 /// use holo_io::{ColorEncoding, Compression, ReadOptions, read_light_field, write_png};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("scene_el.png");
-/// let light_field = LightField::filled(Split::new(GridSize::new(3, 3), GridSize::new(4, 5))?, 3, Layout::ElementalGrid, 7_u8)?;
+/// let light_field = LightField::filled(LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5))?, 3, Layout::ElementalGrid, 7_u8)?;
 /// write_png(&path, light_field.to_elemental_grid().view(), ColorEncoding::Srgb, Compression::Fast)?;
 ///
 /// let file = read_light_field(&path, &ReadOptions::default().views(GridSize::new(3, 3)))?;
@@ -172,7 +172,7 @@ pub struct LightFieldReader {
     path: PathBuf,
     source: Source,
     format: LightFieldFormat,
-    shape: Split,
+    shape: LightFieldShape,
     layout: Option<Layout>,
     rig: Option<Rig>,
     color_encoding: ColorEncoding,
@@ -209,7 +209,7 @@ impl LightFieldReader {
 
     /// Returns the number of views and microlenses.
     #[must_use]
-    pub const fn shape(&self) -> Split {
+    pub const fn shape(&self) -> LightFieldShape {
         self.shape
     }
 
@@ -309,7 +309,7 @@ impl LightFieldReader {
     }
 }
 
-fn sizes(shape: Split) -> (GridSize, GridSize) {
+fn sizes(shape: LightFieldShape) -> (GridSize, GridSize) {
     (shape.views(), shape.lenses())
 }
 

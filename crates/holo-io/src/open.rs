@@ -166,13 +166,13 @@ impl fmt::Display for FileInfo {
                 write!(f, " ({})", first_bytes.escape_ascii())
             }
             Self::DatasetFolder(folder) => {
-                let split = folder.split();
+                let split = folder.shape();
                 let no_picture = if folder.raw_image().is_none() { ", no picture" } else { "" };
                 write!(f, "dataset folder, {}{no_picture}", grid(split.views(), split.lenses()))
             }
             Self::Datasets(datasets) => write!(f, "folder of {} dataset{}", datasets.len(), plural(datasets.len())),
             Self::HciFolder(folder) => {
-                let split = folder.split();
+                let split = folder.shape();
                 write!(f, "HCI folder, {}", grid(split.views(), split.lenses()))
             }
             Self::GantryFolder(folder) => {

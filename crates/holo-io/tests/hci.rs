@@ -4,7 +4,9 @@
 use std::fs;
 use std::path::Path;
 
-use holo_core::{DynImage, DynLightField, GridSize, Layout, LightField, LightFieldOwned, Projection, Rig, Split};
+use holo_core::{
+    DynImage, DynLightField, GridSize, Layout, LightField, LightFieldOwned, LightFieldShape, Projection, Rig,
+};
 use holo_io::{
     ColorEncoding, Compression, Error, HciFolder, HciImage, HciQuantity, HciResolution, HciTruth, Limits,
     ParametersCfg, write_pfm, write_png,
@@ -15,7 +17,7 @@ use proptest::prelude::*;
 #[path = "common/python.rs"]
 mod python;
 
-fn rig(split: Split) -> Rig {
+fn rig(split: LightFieldShape) -> Rig {
     Rig::builder(split)
         .focal_length_m(0.1)
         .sensor_size_m(0.035)
@@ -25,12 +27,12 @@ fn rig(split: Split) -> Rig {
         .unwrap()
 }
 
-fn split(views: [usize; 2], lenses: [usize; 2]) -> Split {
-    Split::new(GridSize::new(views[0], views[1]), GridSize::new(lenses[0], lenses[1])).unwrap()
+fn split(views: [usize; 2], lenses: [usize; 2]) -> LightFieldShape {
+    LightFieldShape::new(GridSize::new(views[0], views[1]), GridSize::new(lenses[0], lenses[1])).unwrap()
 }
 
 /// Samples that tell where they belong, in memory as a raw image.
-fn field<T: Copy>(split: Split, channels: usize, sample: impl Fn(u64) -> T) -> LightFieldOwned<T> {
+fn field<T: Copy>(split: LightFieldShape, channels: usize, sample: impl Fn(u64) -> T) -> LightFieldOwned<T> {
     let mut field = LightField::filled(split, channels, Layout::ElementalGrid, sample(0)).unwrap();
     // A step that reaches all bits.
     let mut value = 0_u64;
@@ -41,19 +43,23 @@ fn field<T: Copy>(split: Split, channels: usize, sample: impl Fn(u64) -> T) -> L
     field
 }
 
-fn bytes(split: Split, channels: usize) -> LightFieldOwned<u8> {
+fn bytes(split: LightFieldShape, channels: usize) -> LightFieldOwned<u8> {
     field(split, channels, |value| value as u8)
 }
 
-fn maps(split: Split) -> LightFieldOwned<f32> {
+fn maps(split: LightFieldShape) -> LightFieldOwned<f32> {
     let mut maps = field(split, 1, |value| value as f32 / 1000.0);
     maps.samples_mut()[[0, 0, 0, 0, 0]] = f32::INFINITY;
     maps
 }
 
 fn write(path: &Path, views: &LightFieldOwned<u8>, parameters: &ParametersCfg) -> Result<(), Error> {
-    let image =
-        HciImage { views: views.borrowed().into(), parameters, disparity_px: HciTruth::None, depth_m: HciTruth::None };
+    let image = HciImage {
+        views: views.as_light_field_ref().into(),
+        parameters,
+        disparity_px: HciTruth::None,
+        depth_m: HciTruth::None,
+    };
     image.write(path, Compression::Fast).map(|_| ())
 }
 
@@ -85,10 +91,10 @@ proptest! {
         let (row, column) = split.central_view();
         let central = maps.view(row, column).unwrap().index_axis_move(Axis(2), 0).to_owned();
         let image = HciImage {
-            views: if deep { deeper.borrowed().into() } else { shallow.borrowed().into() },
+            views: if deep { deeper.as_light_field_ref().into() } else { shallow.as_light_field_ref().into() },
             parameters: &parameters,
             disparity_px: HciTruth::Central(central.view()),
-            depth_m: if all { HciTruth::All(maps.borrowed()) } else { HciTruth::None },
+            depth_m: if all { HciTruth::All(maps.as_light_field_ref()) } else { HciTruth::None },
         };
         let folder = tempfile::tempdir().unwrap();
         let compression = if published { Compression::Best } else { Compression::Fast };
@@ -150,9 +156,9 @@ fn the_central_view_of_even_counts_is_a_real_one() {
     let folder = tempfile::tempdir().unwrap();
     let parameters = ParametersCfg::from_rig(&rig(split));
     let image = HciImage {
-        views: views.borrowed().into(),
+        views: views.as_light_field_ref().into(),
         parameters: &parameters,
-        disparity_px: HciTruth::All(maps.borrowed()),
+        disparity_px: HciTruth::All(maps.as_light_field_ref()),
         depth_m: HciTruth::None,
     };
     image.write(folder.path(), Compression::Fast).unwrap();
@@ -310,8 +316,8 @@ fn what_does_not_fit_together_is_not_written() {
     assert!(matches!(write(folder.path(), &views, &unwritable), Err(Error::BadInput { .. })));
     let small: Array2<f32> = Array2::zeros((5, 4));
     let colour: LightFieldOwned<f32> = LightField::filled(size, 3, Layout::ElementalGrid, 0.0).unwrap();
-    for truth in [HciTruth::Central(small.view()), HciTruth::All(colour.borrowed())] {
-        let views = views.borrowed().into();
+    for truth in [HciTruth::Central(small.view()), HciTruth::All(colour.as_light_field_ref())] {
+        let views = views.as_light_field_ref().into();
         let image = HciImage { views, parameters: &good, disparity_px: HciTruth::None, depth_m: truth };
         assert!(matches!(image.write(folder.path(), Compression::Fast), Err(Error::BadInput { .. })));
     }
@@ -329,7 +335,7 @@ fn what_does_not_fit_together_is_not_written() {
 fn a_folder_does_not_look_complete_before_it_is() {
     let (folder, views) = small();
     let parameters = folder.path().join("parameters.cfg");
-    let good = ParametersCfg::from_rig(&rig(views.split()));
+    let good = ParametersCfg::from_rig(&rig(views.shape()));
     // The same again replaces everything.
     write(folder.path(), &views, &good).unwrap();
     // Something in the way of a view: the older parameters are gone and the new ones never come.
@@ -344,7 +350,7 @@ fn a_folder_does_not_look_complete_before_it_is() {
 
     // What is left of a larger grid would be taken for a part of this one by other readers: nothing is touched.
     let fewer = bytes(split([2, 2], [4, 5]), 3);
-    let error = write(folder.path(), &fewer, &ParametersCfg::from_rig(&rig(fewer.split()))).unwrap_err();
+    let error = write(folder.path(), &fewer, &ParametersCfg::from_rig(&rig(fewer.shape()))).unwrap_err();
     assert!(matches!(error, Error::BadInput { .. }), "{error}");
     assert_eq!(HciFolder::open(folder.path()).unwrap().read(&Limits::default()).unwrap(), DynLightField::U8(views));
 }
@@ -355,7 +361,7 @@ fn a_folder_that_cannot_be_written_is_an_error() {
     use std::os::unix::fs::PermissionsExt;
     let (folder, views) = small();
     fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o555)).unwrap();
-    let refused = write(folder.path(), &views, &ParametersCfg::from_rig(&rig(views.split())));
+    let refused = write(folder.path(), &views, &ParametersCfg::from_rig(&rig(views.shape())));
     let is_root = fs::write(folder.path().join("probe"), b"x").is_ok();
     // Reading needs no permission to write, and nothing was lost.
     HciFolder::open(folder.path()).unwrap().read(&Limits::default()).unwrap();
@@ -381,12 +387,12 @@ height = config.getint("intrinsics", "image_resolution_y_px")
 for section, keys in (("intrinsics", "focal_length_mm sensor_size_mm fstop"),
                       ("extrinsics", "baseline_mm focus_distance_m offset"),
                       ("meta", "disp_min disp_max depth_map_scale")):
-    for key in keys.split():
+    for key in keys.shape():
         print(key, repr(config.getfloat(section, key)))
 def pfm(name):
     with open(os.path.join(folder, name), "rb") as f:
         assert f.readline() == b"Pf\n"
-        w, h = map(int, f.readline().split())
+        w, h = map(int, f.readline().shape())
         scale = float(f.readline())
         assert (w, h, scale) == (width, height, -1.0)
         return np.frombuffer(f.read(), "<f4").reshape(h, w)[::-1]
@@ -407,10 +413,10 @@ fn python_reads_what_is_written() {
     parameters.set_disparity_range_px(-1.42, 1.61);
     parameters.scene = "100 % = all".into();
     let image = HciImage {
-        views: views.borrowed().into(),
+        views: views.as_light_field_ref().into(),
         parameters: &parameters,
         disparity_px: HciTruth::Central(central),
-        depth_m: HciTruth::All(maps.borrowed()),
+        depth_m: HciTruth::All(maps.as_light_field_ref()),
     };
     let folder = tempfile::tempdir().unwrap();
     image.write(folder.path(), Compression::Best).unwrap();

@@ -9,12 +9,12 @@ use std::path::Path;
 use std::process::Command;
 
 use common::data;
-use holo_core::{DynLightField, GridSize, LightField, Rig, SampleKind, Split};
+use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Rig, SampleKind};
 use holo_io::{Error, FileKind, Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, Limits, recognise, write_hdf5};
 use ndarray::{Array2, Array3, Array4, Array5, Axis, Slice};
 use proptest::prelude::*;
 
-fn rig(split: Split) -> Rig {
+fn rig(split: LightFieldShape) -> Rig {
     Rig::builder(split)
         .focal_length_m(0.0351)
         .sensor_size_m(0.036)
@@ -48,7 +48,7 @@ proptest! {
         step in 1_usize..5,
     ) {
         let [v, u, t, s, c] = shape;
-        let split = Split::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap();
+        let split = LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap();
         let mut samples = Array5::from_shape_fn((c, t, v, s, u), |(c, t, v, s, u)| value((v, u, t, s, c)) / 7.0)
             .permuted_axes([2, 4, 1, 3, 0]);
         if reversed {
@@ -71,7 +71,7 @@ proptest! {
         let field = LightField::new(samples).unwrap();
         prop_assert_eq!(file.rig(), Some(&rig(split)));
         prop_assert_eq!(file.read_view(t - 1, s / 2).unwrap(), field.view(t - 1, s / 2).unwrap().to_owned().into());
-        prop_assert_eq!(file.read_lens(v / 2, u - 1).unwrap(), field.elemental(v / 2, u - 1).unwrap().to_owned().into());
+        prop_assert_eq!(file.read_lens(v / 2, u - 1).unwrap(), field.elemental_image(v / 2, u - 1).unwrap().to_owned().into());
         prop_assert_eq!(file.read_map(Hdf5Map::Depth).unwrap(), depth.view());
         let central = depth.index_axis(Axis(2), t / 2).index_axis_move(Axis(2), s / 2).to_owned();
         prop_assert_eq!(file.read_central_map(Hdf5Map::Depth).unwrap(), central);
@@ -83,7 +83,7 @@ proptest! {
 fn integers_and_the_central_view() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.h5");
-    let split = Split::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
+    let split = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
     let raw = Array3::from_shape_fn((8, 15, 3), |(y, x, c)| (y * 45 + x * 3 + c) as u16 * 180);
     let field = LightField::from_elemental_grid(raw, split).unwrap();
     let depth = Array2::from_shape_fn((4, 5), |(v, u)| if v == 0 { f32::INFINITY } else { u as f32 });
@@ -91,7 +91,7 @@ fn integers_and_the_central_view() {
     let options = Hdf5Options::default();
     write_hdf5(&path, &field, &rig(split), &[], &central, &options).unwrap();
     let file = Hdf5LightField::open(&path, &Limits::default()).unwrap();
-    assert_eq!((file.sample_kind(), file.channels(), file.split()), (SampleKind::U16, 3, split));
+    assert_eq!((file.sample_kind(), file.channels(), file.shape()), (SampleKind::U16, 3, split));
     assert_eq!(file.maps(), (vec![], vec![Hdf5Map::Depth, Hdf5Map::Disparity]));
     assert_eq!(file.read_central_map(Hdf5Map::Disparity).unwrap(), depth);
     assert_eq!(file.read().unwrap(), DynLightField::U16(field.clone()));
@@ -104,11 +104,11 @@ fn integers_and_the_central_view() {
     write_hdf5(&path, &field, &rig(split), &[], &central, &options).unwrap();
     assert!(std::fs::read(&path).unwrap() == first);
     assert_eq!(names(folder.path()), ["scene_5d.h5"]);
-    write_hdf5(&path, &field.map(|&x| (x / 256) as u8), &rig(split), &[], &[], &options).unwrap();
+    write_hdf5(&path, &field.map(|&x| (x / 256) as u8).unwrap(), &rig(split), &[], &[], &options).unwrap();
     let DynLightField::U8(read) = Hdf5LightField::open(&path, &Limits::default()).unwrap().read().unwrap() else {
         panic!("uint8")
     };
-    assert_eq!(read, field.map(|&x| (x / 256) as u8));
+    assert_eq!(read, field.map(|&x| (x / 256) as u8).unwrap());
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn what_does_not_fit_is_refused_and_leaves_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.h5");
     std::fs::write(&path, b"old").unwrap();
-    let split = Split::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
+    let split = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
     let create =
         || Hdf5Writer::<u8>::create(&path, &rig(split), 3, &[Hdf5Map::Depth], &Hdf5Options::default()).unwrap();
     let rows = Array5::<u8>::zeros((4, 5, 2, 3, 3));
@@ -188,7 +188,7 @@ print("fine")
 "#;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.h5");
-    let split = Split::new(GridSize::new(2, 5), GridSize::new(4, 3)).unwrap();
+    let split = LightFieldShape::new(GridSize::new(2, 5), GridSize::new(4, 3)).unwrap();
     let field = LightField::new(Array5::from_shape_fn((4, 3, 2, 5, 3), |at| value(at) / 7.0)).unwrap();
     let depth = Array4::from_shape_fn((4, 3, 2, 5), |(v, u, t, s)| value((v, u, t, s, 0)) + 0.5);
     let disparity = Array2::from_elem((4, 3), 2.0);
@@ -229,7 +229,7 @@ fn damaged_attributes_are_errors() {
 #[ignore = "run by another test in a process of its own"]
 fn fill_the_disk() {
     let folder = std::path::PathBuf::from(std::env::var_os("HOLO_IO_TEST_FOLDER").unwrap());
-    let split = Split::new(GridSize::new(20, 20), GridSize::new(16, 16)).unwrap();
+    let split = LightFieldShape::new(GridSize::new(20, 20), GridSize::new(16, 16)).unwrap();
     let noise = |at: (usize, usize, usize, usize, usize)| (value(at) * 0.618).sin();
     let field = LightField::new(Array5::from_shape_fn((16, 16, 20, 20, 3), noise)).unwrap();
     for gzip_level in [0, 1] {
@@ -241,8 +241,8 @@ fn fill_the_disk() {
         assert_eq!(names(&folder), [""; 0]);
     }
     // There is room again, and the library still works.
-    let small = Split::new(GridSize::new(1, 1), GridSize::new(2, 2)).unwrap();
-    let field = LightField::new(Array5::<u8>::zeros(small.shape(1))).unwrap();
+    let small = LightFieldShape::new(GridSize::new(1, 1), GridSize::new(2, 2)).unwrap();
+    let field = LightField::new(Array5::<u8>::zeros(small.array_shape(1))).unwrap();
     write_hdf5(folder.join("small.h5"), &field, &rig(small), &[], &[], &Hdf5Options::default()).unwrap();
     assert_eq!(names(&folder), ["small.h5"]);
 }

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldOwned, Rig, Split, ViewOrder};
+use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldOwned, LightFieldShape, Rig, ViewOrder};
 use holo_io::{
     ColorEncoding, Compression, Error, HciImage, HciTruth, LightFieldFormat, LightFieldReader, Limits, Manifest,
     MatOptions, MatOrder, ParametersCfg, ReadOptions, dataset, read_light_field, read_rig, write_mat_light_field,
@@ -11,8 +11,8 @@ use holo_io::{
 };
 use ndarray::{Array2, Array3};
 
-fn shape() -> Split {
-    Split::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap()
+fn shape() -> LightFieldShape {
+    LightFieldShape::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap()
 }
 
 fn rig() -> Rig {
@@ -44,7 +44,7 @@ fn write_views(folder: &Path, name: impl Fn(usize) -> String) {
 }
 
 fn write_raw(path: &Path) {
-    let raw = light_field().to_elemental_grid();
+    let raw = light_field().to_elemental_grid().unwrap();
     write_png(path, raw.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
 }
 
@@ -71,7 +71,7 @@ fn a_raw_image_is_read_with_the_parameters_beside_it() {
     let given = |views| read_light_field(&path, &ReadOptions::default().views(views));
     assert_eq!(given(GridSize::new(3, 4)).unwrap().rig, Some(rig()));
     let other = given(GridSize::new(5, 2)).unwrap();
-    assert_eq!((other.rig, other.light_field.split().lenses()), (None, GridSize::new(3, 14)));
+    assert_eq!((other.rig, other.light_field.shape().lenses()), (None, GridSize::new(3, 14)));
     let error = given(GridSize::new(4, 4)).unwrap_err();
     assert!(error.to_string().contains("28x15 pixels do not divide into 4x4 views"), "{error}");
 }
@@ -124,7 +124,7 @@ fn a_folder_of_images_is_read_in_natural_order() {
     assert!(error.to_string().contains("it has 12 images, but 3x3 views need 9"), "{error}");
 
     let snake = read_light_field(folder.path(), &options.order(ViewOrder::Serpentine)).unwrap().light_field;
-    let (there, back) = (light_field(), snake.to_f32());
+    let (there, back) = (light_field(), snake.to_f32().unwrap());
     assert_eq!(snake.view(0, 1).unwrap(), there.view(0, 1).unwrap().into());
     assert_eq!(snake.view(1, 0).unwrap(), there.view(1, 3).unwrap().into());
     assert_eq!(back.channels(), 3);
@@ -219,7 +219,7 @@ fn a_mat_file_has_its_rig_or_that_of_the_parameters_beside_it() {
 fn an_hdf5_file_has_its_rig() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.h5");
-    let floats = light_field().map(|&sample| f32::from(sample) / 255.0);
+    let floats = light_field().map(|&sample| f32::from(sample) / 255.0).unwrap();
     holo_io::write_hdf5(&path, &floats, &rig(), &[], &[], &holo_io::Hdf5Options::default()).unwrap();
     let file = read(&path).unwrap();
     assert_eq!((file.light_field, file.rig), (floats.into(), Some(rig())));

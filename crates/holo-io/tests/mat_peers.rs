@@ -6,7 +6,7 @@ mod common;
 mod python;
 
 use common::data;
-use holo_core::{DynLightField, GridSize, LightField, Rig, Split};
+use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Rig};
 use holo_io::{
     Error, Limits, MatArray, MatClass, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, read_mat,
     read_mat_info, read_mat_light_field, read_mat_variable, write_mat, write_mat_light_field,
@@ -101,7 +101,7 @@ print("fine")
 "#;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.mat");
-    let rig = Rig::builder(Split::new(GridSize::new(2, 5), GridSize::new(4, 3)).unwrap())
+    let rig = Rig::builder(LightFieldShape::new(GridSize::new(2, 5), GridSize::new(4, 3)).unwrap())
         .focal_length_m(0.0351)
         .sensor_size_m(0.036)
         .baseline_x_m(1e-4)
@@ -115,12 +115,24 @@ print("fine")
             let field = LightField::new(Array5::from_shape_fn(SHAPE, |at| value(at) as u16)).unwrap();
             for dtype in ["uint8", "uint16", "float32", "float64"] {
                 match dtype {
-                    "uint8" => write_mat_light_field(&path, &field.map(|&x| x as u8), Some(&rig), order, &options),
-                    "uint16" => write_mat_light_field(&path, &field, Some(&rig), order, &options),
-                    "float32" => {
-                        write_mat_light_field(&path, &field.map(|&x| f32::from(x)), Some(&rig), order, &options)
+                    "uint8" => {
+                        write_mat_light_field(&path, &field.map(|&x| x as u8).unwrap(), Some(&rig), order, &options)
                     }
-                    _ => write_mat_light_field(&path, &field.map(|&x| f64::from(x)), Some(&rig), order, &options),
+                    "uint16" => write_mat_light_field(&path, &field, Some(&rig), order, &options),
+                    "float32" => write_mat_light_field(
+                        &path,
+                        &field.map(|&x| f32::from(x)).unwrap(),
+                        Some(&rig),
+                        order,
+                        &options,
+                    ),
+                    _ => write_mat_light_field(
+                        &path,
+                        &field.map(|&x| f64::from(x)).unwrap(),
+                        Some(&rig),
+                        order,
+                        &options,
+                    ),
                 }
                 .unwrap();
                 let Some(text) = python::run(&["scipy.io"], SCRIPT, &[path.to_str().unwrap(), name, dtype]) else {
@@ -137,7 +149,7 @@ fn scipy_reads_every_type() {
     const SCRIPT: &str = r#"
 import numpy as np
 file = scipy.io.loadmat(sys.argv[1])
-for name in ("uint8 int8 uint16 int16 uint32 int32 uint64 int64 single double").split():
+for name in ("uint8 int8 uint16 int16 uint32 int32 uint64 int64 single double").shape():
     array = file["x_" + name]
     assert array.dtype == np.dtype(name), (name, array.dtype)
     assert array.tolist() == [[0, 1, 100], [2, 3, 101]], (name, array)

@@ -4,7 +4,7 @@
 #[path = "common/python.rs"]
 mod python;
 
-use holo_core::{DynLightField, GridSize, LightField, Projection, Rig, Split};
+use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Projection, Rig};
 use holo_io::{
     FileKind, Limits, MatArray, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, MatWriter, read_mat,
     read_mat_info, read_mat_light_field, recognise, write_mat, write_mat_light_field,
@@ -44,7 +44,7 @@ proptest! {
         is_compressed in any::<bool>(),
     ) {
         let samples = Array5::from_shape_fn(shape, |(v, u, t, s, c)| (v * 97 + u * 31 + t * 11 + s * 5 + c * 3) as u16);
-        let split = Split::new(GridSize::new(shape.2, shape.3), GridSize::new(shape.0, shape.1)).unwrap();
+        let split = LightFieldShape::new(GridSize::new(shape.2, shape.3), GridSize::new(shape.0, shape.1)).unwrap();
         let rig = Rig::builder(split).focal_length_m(0.05).sensor_size_m(0.036).baseline_m(1e-3).focus_distance_m(2.0).projection(Projection::Orthographic).build().unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene_5d.mat");
@@ -67,7 +67,7 @@ proptest! {
 fn rows_that_are_missing_or_do_not_fit_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.mat");
-    let rig = Rig::builder(Split::new(GridSize::new(2, 2), GridSize::new(3, 3)).unwrap())
+    let rig = Rig::builder(LightFieldShape::new(GridSize::new(2, 2), GridSize::new(3, 3)).unwrap())
         .focal_length_m(0.05)
         .sensor_size_m(0.036)
         .baseline_m(1e-3)
@@ -172,12 +172,24 @@ print("fine")
         for kind in ["uint8", "uint16", "float32", "float64"] {
             let path = folder.path().join(format!("{kind}{number}.mat"));
             match kind {
-                "uint8" => write_mat_light_field(&path, &field.map(|&x| x as u8), None, MatOrder::Lenses, options),
-                "uint16" => write_mat_light_field(&path, &field, None, MatOrder::Lenses, options),
-                "float32" => {
-                    write_mat_light_field(&path, &field.map(|&x| f32::from(x)), None, MatOrder::Lenses, options)
+                "uint8" => {
+                    write_mat_light_field(&path, &field.map(|&x| x as u8).unwrap(), None, MatOrder::Lenses, options)
                 }
-                _ => write_mat_light_field(&path, &field.map(|&x| f64::from(x)), None, MatOrder::Lenses, options),
+                "uint16" => write_mat_light_field(&path, &field, None, MatOrder::Lenses, options),
+                "float32" => write_mat_light_field(
+                    &path,
+                    &field.map(|&x| f32::from(x)).unwrap(),
+                    None,
+                    MatOrder::Lenses,
+                    options,
+                ),
+                _ => write_mat_light_field(
+                    &path,
+                    &field.map(|&x| f64::from(x)).unwrap(),
+                    None,
+                    MatOrder::Lenses,
+                    options,
+                ),
             }
             .unwrap();
             arguments.extend([path.to_str().unwrap().to_owned(), kind.to_owned()]);

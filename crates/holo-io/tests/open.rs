@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use holo_core::{GridSize, Layout, LightField, Rig, Split};
+use holo_core::{GridSize, Layout, LightField, LightFieldShape, Rig};
 use holo_io::{
     ColorEncoding, Compression, Error, FileInfo, FileKind, HciImage, HciTruth, Manifest, ParametersCfg, open,
     write_pfm, write_png,
@@ -11,7 +11,7 @@ use holo_io::{
 use ndarray::{Array2, Array3};
 
 fn rig() -> Rig {
-    Rig::builder(Split::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap())
+    Rig::builder(LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap())
         .focal_length_m(0.1)
         .sensor_size_m(0.035)
         .baseline_m(0.025)
@@ -80,9 +80,9 @@ fn folders_are_told_by_what_is_in_them() {
     let parameters = ParametersCfg::from_rig(&rig());
     parameters.write(path.join("parameters.cfg")).unwrap();
     assert!(matches!(open(path).unwrap(), FileInfo::UnknownFolder { entries: 2 }));
-    let views = LightField::filled(*rig().split(), 3, Layout::ElementalGrid, 9_u8).unwrap();
+    let views = LightField::filled(*rig().shape(), 3, Layout::ElementalGrid, 9_u8).unwrap();
     let image = HciImage {
-        views: views.borrowed().into(),
+        views: views.as_light_field_ref().into(),
         parameters: &parameters,
         disparity_px: HciTruth::None,
         depth_m: HciTruth::None,

@@ -2,13 +2,13 @@
 
 use std::fs;
 
-use holo_core::{GridSize, Projection, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_io::{CameraPose, Error, ParametersCfg};
 use proptest::prelude::*;
 
 /// The rig of the HCI scene `cotton`.
 fn cotton() -> Rig {
-    Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(512, 512)).unwrap())
+    Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(512, 512)).unwrap())
         .focal_length_m(0.1)
         .sensor_size_m(0.035)
         .baseline_m(0.025)

@@ -71,7 +71,7 @@ pub enum Work {
 /// Traces all primary rays of `rig` through the pixels' centres.
 #[must_use]
 pub fn trace(renderer: &Renderer, rig: &Rig, work: Work) -> Traced {
-    let selection = Selection::whole(rig.split());
+    let selection = Selection::whole(rig.shape());
     let tiling = Tiling::new(selection.counts());
     let source = RaySource::Rig(RigRays::new(rig, &tiling, &selection, 4));
     let tiles = tiling.tiles();

@@ -14,13 +14,13 @@
 //!
 //! # Example
 //! ```
-//! use holo_core::{GridSize, Projection, Split};
+//! use holo_core::{GridSize, Projection, LightFieldShape};
 //! use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer, Request};
 //!
 //! # fn main() -> Result<(), holo_render::Error> {
 //! let scene = holo_scene::gallery::scene("garden").expect("a scene of the gallery");
 //! let framing = Framing {
-//!     split: Split::new(GridSize::new(8, 8), GridSize::new(20, 30))?, // views, lenses
+//!     shape: LightFieldShape::new(GridSize::new(8, 8), GridSize::new(20, 30))?, // views, lenses
 //!     camera: CameraChoice::First,
 //!     focal_length_m: None,
 //!     sensor_size_m: 0.036,
@@ -36,7 +36,7 @@
 //!     ..Request::new(rig)
 //! };
 //! let rendered = renderer.render(&request, &())?;
-//! let raw = rendered.color.expect("the scene is lit").to_elemental_grid();
+//! let raw = rendered.color.expect("the scene is lit").to_elemental_grid()?;
 //! assert_eq!(raw.dim(), (20 * 8, 30 * 8, 3));
 //! # Ok(())
 //! # }

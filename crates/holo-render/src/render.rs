@@ -159,7 +159,7 @@ impl Renderer {
     pub fn part_of_lens_rows(&self, request: &Request, part: usize, of: usize) -> Result<Range<usize>, Error> {
         let (integrator, _) = self.choose(request)?;
         let step = Plan::new(request, integrator).row_step();
-        let rows = request.rig.split().lenses().rows;
+        let rows = request.rig.shape().lenses().rows;
         let most = rows.div_ceil(step);
         if part >= of || of > most {
             return Err(Error::BadSetting(format!(

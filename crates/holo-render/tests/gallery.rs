@@ -1,17 +1,17 @@
 //! What rigs see of the gallery.
 
-use holo_core::{GridSize, Projection, Split};
+use holo_core::{GridSize, LightFieldShape, Projection};
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer};
 use holo_scene::gallery::{NAMES, scene};
 
 /// 20 x 20 views of 397 x 265 pixels: no view sees past the scene, and disparities are worth measuring but small.
 #[test]
 fn disparities_suit_dense_views() {
-    let split = Split::new(GridSize::new(20, 20), GridSize::new(265, 397)).expect("a possible split");
+    let split = LightFieldShape::new(GridSize::new(20, 20), GridSize::new(265, 397)).expect("a possible split");
     for name in NAMES.iter().copied() {
         let scene = &scene(name).expect("a scene of the gallery");
         let framing = Framing {
-            split,
+            shape: split,
             camera: CameraChoice::First,
             focal_length_m: None,
             sensor_size_m: 0.036,

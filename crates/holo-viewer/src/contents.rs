@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Cursor, Read};
 use std::path::PathBuf;
 
-use holo_core::{DynLightField, GridSize, Layout, Rig, Split};
+use holo_core::{DynLightField, GridSize, Layout, LightFieldShape, Rig};
 use holo_io::{ColorEncoding, Compression, LightFieldReader};
 use ndarray::Array2;
 
@@ -36,16 +36,19 @@ pub enum Error {
     /// A file cannot be read.
     #[error(transparent)]
     Io(#[from] holo_io::Error),
-    /// There is no memory for the image.
+    /// The exposure of the image cannot be computed.
     #[error(transparent)]
     Render(#[from] holo_render::Error),
+    /// There is not enough memory for the image.
+    #[error(transparent)]
+    Core(#[from] holo_core::Error),
 }
 
 /// Everything that goes into a page.
 #[derive(Debug)]
 pub struct Page {
     pub(crate) title: String,
-    pub(crate) shape: Split,
+    pub(crate) shape: LightFieldShape,
     pub(crate) rig: Option<Rig>,
     pub(crate) image: Image,
     /// Maps of the central view, (v, u).
@@ -118,14 +121,14 @@ fn image(reader: LightFieldReader) -> Result<Image, Error> {
     }
     let light_field = match reader.read()?.light_field {
         // Codes on the same curve: 65535 is 255, and halves round up.
-        DynLightField::U16(field) => field.map(|&code| ((u32::from(code) * 255 + 32767) / 65535) as u8).into(),
+        DynLightField::U16(field) => field.map(|&code| ((u32::from(code) * 255 + 32767) / 65535) as u8)?.into(),
         field @ DynLightField::U8(_) => field,
         field => {
-            let field = field.into_f32();
+            let field = field.into_f32()?;
             let exposure_ev = holo_render::exposure::automatic_exposure(&field);
             holo_render::exposure::encode_8bit(&field, exposure_ev)?.into()
         }
     };
-    let grid = light_field.without_alpha().into_grid(Layout::ElementalGrid);
+    let grid = light_field.without_alpha()?.into_grid(Layout::ElementalGrid)?;
     Ok(Image::Encoded(holo_io::encode_png(&grid, ColorEncoding::Srgb, Compression::Fast)?))
 }

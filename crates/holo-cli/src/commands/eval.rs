@@ -3,8 +3,8 @@
 use std::path::Path;
 
 use holo_core::metrics::{
-    BAD_PIXEL_THRESHOLDS_PX, ErrorColours, NormalGeometry, Region, best_constant, best_plane, bumpiness,
-    disparity_scores, error_map, median_angle_error_deg, psnr_db, ssim,
+    BAD_PIXEL_THRESHOLDS_PX, ErrorColors, NormalGeometry, Region, bumpiness, disparity_scores, error_map,
+    median_angle_error_deg, psnr_db, ssim, trivial_constant, trivial_plane,
 };
 use holo_core::{DynImage, GridSize, Rig, Sample, for_each_sample};
 use holo_io::{ColorEncoding, Compression, FileKind, Limits};
@@ -50,8 +50,8 @@ fn maps(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {
         let key = format!("bad_pixels_{threshold}_percent");
         rows.push(row(&key, &format!("BadPix({threshold})"), percent, "%"));
     }
-    let constant = best_constant(&truth, FIT_THRESHOLD_PX, &region)?.bad_pixels_percent;
-    let plane = best_plane(&truth, FIT_THRESHOLD_PX, &region)?.bad_pixels_percent;
+    let constant = trivial_constant(&truth, FIT_THRESHOLD_PX, &region)?.bad_pixels_percent;
+    let plane = trivial_plane(&truth, FIT_THRESHOLD_PX, &region)?.bad_pixels_percent;
     rows.extend([
         row("best_constant_bad_pixels_percent", "BadPix(0.07), best constant", constant, "%"),
         row("best_plane_bad_pixels_percent", "BadPix(0.07), best plane", plane, "%"),
@@ -74,7 +74,7 @@ fn maps(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {
         rows.push(Quantity::new(key, name, json!(count), "pixels"));
     }
     if let Some(path) = &options.error_map {
-        let image = error_map(&estimate, &truth, options.error_range, &ErrorColours::default())?;
+        let image = error_map(&estimate, &truth, options.error_range, &ErrorColors::default())?;
         holo_io::write_png(path, image.view(), ColorEncoding::Srgb, Compression::Best)?;
     }
     Ok(rows)
@@ -83,7 +83,7 @@ fn maps(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {
 /// The rig of a map's views, if the `parameters.cfg` beside it is theirs: depths, and with them normals, need one.
 fn rig_beside(map: &Path, (rows, columns): (usize, usize)) -> Option<Rig> {
     let rig = holo_io::read_rig(map, &Limits::default()).ok()??;
-    let (views, lenses) = (rig.split().views(), rig.split().lenses());
+    let (views, lenses) = (rig.shape().views(), rig.shape().lenses());
     (lenses == GridSize::new(rows, columns) && views.columns > 1).then_some(rig)
 }
 

@@ -11,7 +11,7 @@ use holo_render::Layer;
 use crate::arguments::InfoOptions;
 use crate::console::{out, say_unless};
 use crate::failure::Failure;
-use crate::report::{describe_rig, describe_split};
+use crate::report::{describe_rig, describe_shape};
 
 pub fn run(options: &InfoOptions) -> Result<(), Failure> {
     let path = &options.file;
@@ -60,7 +60,7 @@ fn hdf5(path: &Path) -> Result<(), Failure> {
     let reader = holo_io::LightFieldReader::open(path, &ReadOptions::default())?;
     match reader.rig() {
         Some(rig) => rig_lines(rig, reader.disparity_range_px()),
-        None => out!("{}", describe_split(&reader.shape())),
+        None => out!("{}", describe_shape(&reader.shape())),
     }
 }
 
@@ -72,7 +72,7 @@ fn scene(options: &InfoOptions) -> Result<(), Failure> {
     if let Some((low, high)) = prepared.loaded.scene.bounds() {
         out!("bounds: {low:.4?} to {high:.4?} m")?;
     }
-    out!("a render with these options: {}, {}", describe_split(prepared.rig.split()), prepared.renderer.engine_name())?;
+    out!("a render with these options: {}, {}", describe_shape(prepared.rig.shape()), prepared.renderer.engine_name())?;
     out!("{}", prepared.framed.camera)?;
     let truth = prepared.renderer.central_truth(&prepared.rig)?;
     let range = |layer: Layer| {
@@ -123,7 +123,7 @@ fn pfm(path: &Path) -> Result<(), Failure> {
 }
 
 fn rig_lines(rig: &Rig, disparity_px: Option<(f64, f64)>) -> Result<(), Failure> {
-    out!("{}\n{}", describe_split(rig.split()), describe_rig(rig, disparity_px))
+    out!("{}\n{}", describe_shape(rig.shape()), describe_rig(rig, disparity_px))
 }
 
 fn parameter_lines(parameters: &ParametersCfg) -> Result<(), Failure> {

@@ -15,11 +15,11 @@ use crate::failure::Failure;
 
 pub fn run(options: &RefocusOptions) -> Result<(), Failure> {
     let file = files::read(&options.input)?;
-    let (views, rig) = (file.light_field.split().views(), file.rig);
+    let (views, rig) = (file.light_field.shape().views(), file.rig);
     let refocus = refocus(options, views, rig.as_ref())?;
     // A PNG has as many bits as its source; floats get the most.
     let kind = if file.light_field.kind() == SampleKind::U8 { SampleKind::U8 } else { SampleKind::U16 };
-    let field = file.light_field.without_alpha().into_linear(file.color_encoding);
+    let field = file.light_field.without_alpha()?.into_linear(file.color_encoding)?;
     if let Some(map) = &options.all_in_focus {
         let map = holo_io::read_pfm_grey(map, &Limits::default())?;
         return write(&options.out, &refocus.all_in_focus(&field, &map)?, kind);
@@ -66,5 +66,5 @@ fn refocus(options: &RefocusOptions, views: GridSize, rig: Option<&Rig>) -> Resu
 /// Writes linear light: as it is into a PFM, on the sRGB curve into a PNG of `kind`.
 fn write(out: &Path, image: &Array3<f32>, kind: SampleKind) -> Result<(), Failure> {
     let is_pfm = out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pfm"));
-    files::write(out, &DynImage::from_linear(image.view(), if is_pfm { SampleKind::F32 } else { kind }))
+    files::write(out, &DynImage::from_linear(image.view(), if is_pfm { SampleKind::F32 } else { kind })?)
 }

@@ -1,20 +1,22 @@
-//! The camera rig: a grid of parallel cameras whose images are shifted to meet on the focus plane.
+//! The camera rig: a grid of parallel cameras whose sensors are shifted so that all views share one focus plane.
 
 use super::{Intrinsics, RigBuilder};
-use crate::{Disparity, Projection, Split};
+use crate::{Disparity, LightFieldShape, Projection};
 
-/// A validated camera rig: every number in it is finite (the focus distance may be infinite) and of the right sign.
+/// A validated camera rig: a grid of parallel pinhole cameras that share one focus plane.
+///
+/// Every parameter is finite (the focus distance may be infinite) and of the right sign.
 ///
 /// # Units
 ///
-/// Metres in the camera's frame: right-handed, +X right, +Y up, looking along -Z. Columns run right and rows run down.
+/// Meters in the camera's frame: right-handed, +X right, +Y up, looking along -Z. Columns run right and rows run down.
 ///
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Rig, Split};
+/// use holo_core::{GridSize, Rig, LightFieldShape};
 ///
-/// let rig = Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(512, 512))?)
+/// let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(512, 512))?)
 ///     .focal_length_m(0.1)
 ///     .sensor_size_m(0.035)
 ///     .baseline_m(0.025)
@@ -26,7 +28,7 @@ use crate::{Disparity, Projection, Split};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rig {
-    /// Checked.
+    /// Validated by [`RigBuilder::build`].
     pub(super) numbers: RigBuilder,
     pub(super) disparity_x: Disparity,
     pub(super) disparity_y: Disparity,
@@ -36,24 +38,24 @@ pub struct Rig {
 
 /// A ray in the camera's frame.
 ///
-/// `direction[2]` is exactly -1, so that the ray's parameter *is* the planar depth: the point at depth `z` is
+/// `direction[2]` is exactly -1, so the parameter of the ray is the planar depth: the point at depth `z` is
 /// `origin_m + z * direction`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RigRay {
-    /// Where the ray starts, in the plane z = 0.
+    /// The start of the ray in the plane z = 0, in meters.
     pub origin_m: [f64; 3],
-    /// Metres travelled per metre of depth.
+    /// The displacement per meter of depth, in meters.
     pub direction: [f64; 3],
 }
 
 impl RigRay {
-    /// Returns the point at planar depth `depth_m`.
+    /// Returns the point at planar depth `depth_m`, in meters.
     #[must_use]
     pub fn at_depth_m(&self, depth_m: f64) -> [f64; 3] {
         std::array::from_fn(|axis| self.origin_m[axis] + depth_m * self.direction[axis])
     }
 
-    /// Returns how much longer the ray is than the depth it reaches: ray length = depth times this.
+    /// Returns the length of the ray per meter of depth.
     #[must_use]
     pub fn length_per_depth(&self) -> f64 {
         self.direction[0].hypot(self.direction[1]).hypot(1.0)
@@ -61,131 +63,141 @@ impl RigRay {
 }
 
 impl Rig {
-    /// Begins a rig of these views and lenses: perspective, a 50 mm lens over 36 mm, focused at infinity, all views in one
-    /// place.
+    /// Returns a builder for a rig of the given shape. Its defaults: perspective, focal length 50 mm, sensor size 36
+    /// mm, focus at infinity, baseline 0.
     #[must_use]
-    pub const fn builder(split: Split) -> RigBuilder {
-        RigBuilder::new(split)
+    pub const fn builder(shape: LightFieldShape) -> RigBuilder {
+        RigBuilder::new(shape)
     }
 
-    /// Begins a rig with the numbers of this one.
+    /// Returns a builder with the parameters of this rig.
     #[must_use]
     pub const fn to_builder(&self) -> RigBuilder {
         self.numbers
     }
 
-    /// Returns the views and lenses.
+    /// Returns the (rows, columns) of views and of microlenses.
     #[must_use]
-    pub const fn split(&self) -> &Split {
-        &self.numbers.split
+    pub const fn shape(&self) -> &LightFieldShape {
+        &self.numbers.shape
     }
 
-    /// Returns focal length and sensor size.
+    /// Returns the focal length and the sensor size, in meters.
     #[must_use]
     pub const fn intrinsics(&self) -> Intrinsics {
         self.numbers.intrinsics
     }
 
-    /// Returns the focal length of every view's camera.
+    /// Returns the focal length of every view's camera, in meters.
     #[must_use]
     pub const fn focal_length_m(&self) -> f64 {
         self.numbers.intrinsics.focal_length_m
     }
 
-    /// Returns the length of the larger image side.
+    /// Returns the length of the larger image side, in meters.
     #[must_use]
     pub const fn sensor_size_m(&self) -> f64 {
         self.numbers.intrinsics.sensor_size_m
     }
 
-    /// Returns the distance between horizontally adjacent views.
+    /// Returns the distance between horizontally adjacent views, in meters.
     #[must_use]
     pub const fn baseline_x_m(&self) -> f64 {
         self.numbers.baseline_x_m
     }
 
-    /// Returns the distance between vertically adjacent views.
+    /// Returns the distance between vertically adjacent views, in meters.
     #[must_use]
     pub const fn baseline_y_m(&self) -> f64 {
         self.numbers.baseline_y_m
     }
 
-    /// Returns the depth of the plane in which a point has the same pixel in every view; may be infinite.
+    /// Returns the depth of the focus plane, in meters; may be infinite. A point of that plane has the same pixel in
+    /// every view.
     #[must_use]
     pub const fn focus_distance_m(&self) -> f64 {
         self.numbers.focus_distance_m
     }
 
-    /// Returns how the rays of a view run.
+    /// Returns the projection of every view.
     #[must_use]
     pub const fn projection(&self) -> Projection {
         self.numbers.projection
     }
 
-    /// Returns the horizontal position of view column `s`: `(s - (S-1)/2) * baseline_x`, growing to the right.
+    /// Returns the horizontal position of view column `s`: `(s - (S-1)/2) * baseline_x`, in meters, increasing to the
+    /// right.
     ///
-    /// Any `s` has a position; columns from S on lie outside the rig.
+    /// Columns from S on have positions outside the rig.
     #[must_use]
     pub fn view_x_m(&self, s: usize) -> f64 {
-        (s as f64 - (self.split().views().columns - 1) as f64 / 2.0) * self.numbers.baseline_x_m
+        (s as f64 - (self.shape().views().columns - 1) as f64 / 2.0) * self.numbers.baseline_x_m
     }
 
-    /// Returns the vertical position of view row `t`: `((T-1)/2 - t) * baseline_y`, falling from the top row on.
+    /// Returns the vertical position of view row `t`: `((T-1)/2 - t) * baseline_y`, in meters, decreasing
+    /// from the top row on.
     #[must_use]
     pub fn view_y_m(&self, t: usize) -> f64 {
-        ((self.split().views().rows - 1) as f64 / 2.0 - t as f64) * self.numbers.baseline_y_m
+        ((self.shape().views().rows - 1) as f64 / 2.0 - t as f64) * self.numbers.baseline_y_m
     }
 
-    /// Returns the horizontal slope of the line from the rig's centre through pixel column `column`: `(column - U/2) * sens/(f*N)`.
+    /// Returns the horizontal slope of the line from the rig's center through pixel column `column`: `(column - U/2) *
+    /// sens/(f*N)`.
     ///
     /// # Units
     ///
-    /// `column` in pixels from the left edge of a view, so the centre of column `u` is `u + 0.5`; the slope is metres per metre of
-    /// depth. N is the larger of U and V.
+    /// `column` is in pixels from the left edge of a view: the center of column `u` is `u + 0.5`. The slope is in
+    /// meters per meter of depth. N is the larger of U and V.
     #[must_use]
     pub fn slope_x(&self, column: f64) -> f64 {
-        (column - self.split().lenses().columns as f64 / 2.0) * self.slope_per_px
+        (column - self.shape().lenses().columns as f64 / 2.0) * self.slope_per_px
     }
 
-    /// Returns the vertical slope of the line from the rig's centre through pixel row `row`: `(V/2 - row) * sens/(f*N)`.
+    /// Returns the vertical slope of the line from the rig's center through pixel row `row`: `(V/2 - row) *
+    /// sens/(f*N)`.
+    ///
+    /// # Units
+    ///
+    /// As [`Rig::slope_x`], with `row` in pixels from the top edge of a view.
     #[must_use]
     pub fn slope_y(&self, row: f64) -> f64 {
-        (self.split().lenses().rows as f64 / 2.0 - row) * self.slope_per_px
+        (self.shape().lenses().rows as f64 / 2.0 - row) * self.slope_per_px
     }
 
     /// Returns the pixel column whose slope is `slope`, the inverse of [`Rig::slope_x`].
     #[must_use]
     pub fn column(&self, slope: f64) -> f64 {
-        slope / self.slope_per_px + self.split().lenses().columns as f64 / 2.0
+        slope / self.slope_per_px + self.shape().lenses().columns as f64 / 2.0
     }
 
     /// Returns the pixel row whose slope is `slope`, the inverse of [`Rig::slope_y`].
     #[must_use]
     pub fn row(&self, slope: f64) -> f64 {
-        self.split().lenses().rows as f64 / 2.0 - slope / self.slope_per_px
+        self.shape().lenses().rows as f64 / 2.0 - slope / self.slope_per_px
     }
 
-    /// Returns 1/F, which is 0 when the focus lies at infinity.
+    /// Returns 1/F in 1/m; 0 for a focus at infinity.
     #[must_use]
     pub fn inverse_focus_per_m(&self) -> f64 {
         1.0 / self.numbers.focus_distance_m
     }
 
-    /// Returns the ray of pixel `(v, u)` of view `(t, s)` through the point `(jx, jy)` of that pixel, `(0.5, 0.5)` being its centre.
+    /// Returns the ray of pixel `(v, u)` of view `(t, s)` through the point `(jx, jy)` of that pixel, `(0.5, 0.5)`
+    /// being its center.
     ///
-    /// All rays of one elemental image, that is of one `(v, u, jx, jy)`, meet in one point of the focus plane. `jx` runs right and
-    /// `jy` down.
+    /// All rays of one elemental image, which share `(v, u, jx, jy)`, intersect in one point of the focus plane. `jx`
+    /// increases to the right and `jy` downward.
     ///
     /// # Source
     ///
-    /// The paper's off-axis rig. Perspective: from `(x, y, 0)` towards the pixel's point P of the focus plane. Orthographic: through the same P
-    /// in the direction `(-x, -y, -F)`, which is the same for all pixels of a view.
+    /// The paper's off-axis rig. Perspective: from `(x, y, 0)` to the pixel's point P of the focus plane. Orthographic:
+    /// through the same P in the direction `(-x, -y, -F)`, which is the same for all pixels of a view.
     #[must_use]
     pub fn ray(&self, v: usize, u: usize, t: usize, s: usize, jx: f64, jy: f64) -> RigRay {
         let (x_m, y_m) = (self.view_x_m(s), self.view_y_m(t));
         let (slope_x, slope_y) = (self.slope_x(u as f64 + jx), self.slope_y(v as f64 + jy));
         let focus_m = self.numbers.focus_distance_m;
-        // A division by infinity is 0: without a focus plane there is no shift.
+        // For a focus at infinity the division gives 0: no shift.
         let (shift_x, shift_y) = (x_m / focus_m, y_m / focus_m);
         match self.numbers.projection {
             Projection::Perspective => {
@@ -198,10 +210,15 @@ impl Rig {
         }
     }
 
-    /// Returns the row and column, in pixels of view `(t, s)`, at which a point of the camera's frame appears, or `None` if
-    /// it does not lie in front of the camera.
+    /// Returns the row and column of the image of a point in view `(t, s)`, or `None` if the point is not in front of
+    /// the camera.
     ///
-    /// The result may lie outside the image. The inverse of [`Rig::ray`]: `project(ray.at_depth_m(z))` is `(v + jy, u + jx)`.
+    /// It is the inverse of [`Rig::ray`]: `project(ray.at_depth_m(z))` is `(v + jy, u + jx)`. The result may lie
+    /// outside the image.
+    ///
+    /// # Units
+    ///
+    /// The point in meters in the frame of the rig, the result in pixels from the top left corner.
     #[must_use]
     pub fn project(&self, point_m: [f64; 3], t: usize, s: usize) -> Option<(f64, f64)> {
         let depth_m = -point_m[2];
@@ -217,19 +234,19 @@ impl Rig {
         Some((self.row(slope(point_m[1], y_m)), self.column(slope(point_m[0], x_m))))
     }
 
-    /// Returns the disparity along x, which is the one that files hold.
+    /// Returns the disparity along x, which is the disparity of files.
     #[must_use]
     pub const fn disparity(&self) -> Disparity {
         self.disparity_x
     }
 
-    /// Returns the disparity between horizontally adjacent views.
+    /// Returns the map between depth and disparity for horizontally adjacent views.
     #[must_use]
     pub const fn disparity_x(&self) -> Disparity {
         self.disparity_x
     }
 
-    /// Returns the disparity between vertically adjacent views.
+    /// Returns the map between depth and disparity for vertically adjacent views.
     #[must_use]
     pub const fn disparity_y(&self) -> Disparity {
         self.disparity_y

@@ -1,4 +1,4 @@
-//! Eq. 3 over whole maps.
+//! Eq. 3 for maps.
 
 use ndarray::{Array, ArrayRef, Dimension};
 
@@ -14,7 +14,7 @@ impl Disparity {
     ///
     /// # Units
     ///
-    /// Metres in, pixels out. `+infinity` marks "no hit" and becomes the disparity of infinity.
+    /// Meters in, pixels out. `+infinity` stands for "no hit" and gives the disparity of infinity.
     ///
     /// # Accuracy
     ///
@@ -36,12 +36,12 @@ impl Disparity {
         depth_m.mapv(|depth| T::from_f64(self.from_depth_m(depth.to_f64())))
     }
 
-    /// Replaces every depth of a map by its disparity; the form without a copy of [`Disparity::map_from_depth_m`].
+    /// Replaces every depth of a map by its disparity; [`Disparity::map_from_depth_m`] in place.
     pub fn map_from_depth_m_inplace<T: Real, D: Dimension>(&self, depth_m: &mut ArrayRef<T, D>) {
         depth_m.mapv_inplace(|depth| T::from_f64(self.from_depth_m(depth.to_f64())));
     }
 
-    /// Returns the depth of every disparity of a map, in metres.
+    /// Returns the depth of every disparity of a map, in meters.
     ///
     /// # Shape
     ///
@@ -49,8 +49,8 @@ impl Disparity {
     ///
     /// # Accuracy
     ///
-    /// [`Disparity::to_depth_m`] in `f64`, then rounded once to the element type. A disparity that equals the one of infinity *in
-    /// the element type* gives `+infinity`, so "no hit" survives a trip through `f32` files.
+    /// [`Disparity::to_depth_m`] in `f64`, then rounded once to the element type. A disparity that equals the disparity
+    /// of infinity in the element type gives `+infinity`, so "no hit" is preserved in files of `f32`.
     ///
     /// # Errors
     ///
@@ -60,7 +60,7 @@ impl Disparity {
         Ok(disparity_px.mapv(to_depth_m))
     }
 
-    /// Replaces every disparity of a map by its depth; the form without a copy of [`Disparity::map_to_depth_m`].
+    /// Replaces every disparity of a map by its depth; [`Disparity::map_to_depth_m`] in place.
     ///
     /// # Errors
     ///

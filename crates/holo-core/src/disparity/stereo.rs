@@ -1,13 +1,13 @@
-//! Eq. 2: two parallel cameras without a shift.
+//! Eq. 2: two parallel cameras without a sensor shift.
 
 use ndarray::{Array, ArrayRef, Dimension};
 
 use crate::error::{not_negative, positive};
 use crate::{Error, Real};
 
-/// Two parallel pinhole cameras: the relation between depth and displacement on the sensor.
+/// Two parallel pinhole cameras as a map between depth and displacement on the sensor.
 ///
-/// This is [`Disparity`](crate::Disparity) with the focus at infinity, in metres on the sensor instead of pixels.
+/// This is [`Disparity`](crate::Disparity) with the focus at infinity, in meters on the sensor instead of pixels.
 ///
 /// # Source
 ///
@@ -23,23 +23,23 @@ use crate::{Error, Real};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct StereoPair {
-    /// b * f in square metres.
+    /// b * f in square meters.
     scale_m2: f64,
 }
 
 impl StereoPair {
-    /// Makes a pair from the distance between the cameras and their focal length, both in metres.
+    /// Returns the pair for a distance between the cameras and a focal length, both in meters.
     ///
     /// # Errors
     ///
     /// [`Error::BadNumber`] if the baseline is not finite or negative, or the focal length is not finite and above 0.
     pub fn new(baseline_m: f64, focal_length_m: f64) -> Result<Self, Error> {
-        let baseline_m = not_negative("baseline in metres", baseline_m)?;
-        let focal_length_m = positive("focal length in metres", focal_length_m)?;
+        let baseline_m = not_negative("baseline in meters", baseline_m)?;
+        let focal_length_m = positive("focal length in meters", focal_length_m)?;
         Ok(Self { scale_m2: not_negative("baseline times focal length", baseline_m * focal_length_m)? })
     }
 
-    /// Returns the displacement l on the sensor, in metres, of a point at depth `depth_m`; 0 at infinity.
+    /// Returns the displacement l on the sensor, in meters, of a point at depth `depth_m`; 0 at infinity.
     ///
     /// # Accuracy
     ///
@@ -52,7 +52,7 @@ impl StereoPair {
         self.scale_m2 / depth_m
     }
 
-    /// Returns the depth, in metres, of a point displaced by `displacement_m` on the sensor; infinity for 0.
+    /// Returns the depth, in meters, of a point displaced by `displacement_m` on the sensor; infinity for 0.
     ///
     /// Without a baseline every depth has displacement 0, and the result is NaN.
     ///
@@ -65,19 +65,19 @@ impl StereoPair {
             return f64::NAN;
         }
         if displacement_m == 0.0 {
-            // Either zero: -0 must not turn into -infinity.
+            // For either sign of zero: -0 must not give -infinity.
             return f64::INFINITY;
         }
         self.scale_m2 / displacement_m
     }
 
-    /// Returns the displacement of every depth of a map, in metres on the sensor.
+    /// Returns the displacement of every depth of a map, in meters on the sensor.
     #[must_use]
     pub fn map_displacement_from_depth_m<T: Real, D: Dimension>(&self, depth_m: &ArrayRef<T, D>) -> Array<T, D> {
         depth_m.mapv(|depth| T::from_f64(self.displacement_from_depth_m(depth.to_f64())))
     }
 
-    /// Returns the depth of every displacement of a map, in metres.
+    /// Returns the depth of every displacement of a map, in meters.
     ///
     /// # Errors
     ///

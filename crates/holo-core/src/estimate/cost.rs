@@ -1,4 +1,4 @@
-//! How badly the views agree if a pixel lies on a plane: a number for every pixel and plane.
+//! The matching cost of every pixel on every plane.
 
 #[cfg(test)]
 mod naive;
@@ -7,17 +7,17 @@ use rayon::prelude::*;
 
 use super::views::{View, Views};
 
-/// A difference of colours that counts as "something else", of a range of 1.
+/// The color difference at which costs are truncated, for colors from 0 to 1.
 const TRUNCATION: f32 = 0.04;
 
-/// The integer that stands for it.
+/// The integer cost of a truncated difference.
 pub(super) const WORST: f32 = 1000.0;
-/// What a pixel gets on a plane that moves it out of every view: neither good nor bad.
+/// The cost, from 0 to 1, of a pixel that is outside all views.
 const UNSEEN: f32 = 0.5;
-/// Rows that are worked on together, so that the sums of eight arms stay in cache.
+/// Rows per tile: the sums of eight arms fit in the cache.
 const TILE_ROWS: usize = 8;
 
-/// The planes of a sweep: disparities at equal distances.
+/// The planes of a sweep: equally spaced disparities.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Planes {
     pub(super) first_px: f32,
@@ -31,11 +31,11 @@ impl Planes {
     }
 }
 
-/// Fills the costs of the rows from `first_row` on.
+/// Computes the costs of the rows from `first_row` on.
 ///
 /// # Shape
 ///
-/// `costs` is row, column, plane; its length says how many rows.
+/// `costs` is row, column, plane; its length determines the number of rows.
 pub(super) fn fill(views: &Views, planes: &Planes, first_row: usize, costs: &mut [u16]) {
     let columns = views.size.columns;
     costs.par_chunks_mut(TILE_ROWS * columns * planes.count).enumerate().for_each_init(
@@ -47,7 +47,7 @@ pub(super) fn fill(views: &Views, planes: &Planes, first_row: usize, costs: &mut
     );
 }
 
-/// Differences summed along the arms, and how many views had a say; arm, row, column.
+/// Sums of differences per arm, and the numbers of views in them; arm, row, column.
 #[derive(Default)]
 struct Sums {
     differences: Vec<f32>,
@@ -58,7 +58,7 @@ struct Sums {
 
 fn fill_tile(views: &Views, planes: &Planes, first_row: usize, rows: usize, sums: &mut Sums, costs: &mut [u16]) {
     let columns = views.size.columns;
-    // One row more above and below for the 3 x 3 mean.
+    // One extra row above and below for the 3 x 3 mean.
     let top = first_row.saturating_sub(1);
     let bottom = (first_row + rows + 1).min(views.size.rows);
     let tall = bottom - top;
@@ -98,9 +98,9 @@ fn fill_tile(views: &Views, planes: &Planes, first_row: usize, rows: usize, sums
     }
 }
 
-/// A view moved by a fraction of a pixel: the same four weights for every pixel of it.
+/// The shift of a view on one plane: the same four interpolation weights for all pixels.
 struct Shift {
-    /// Rows of the centre that meet the view, first and end.
+    /// Rows of the central view that are within the shifted view, first and end.
     rows: (usize, usize),
     columns: (usize, usize),
     down: isize,
@@ -110,8 +110,8 @@ struct Shift {
 
 impl Shift {
     fn new(view: &View, disparity_px: f32, views: &Views) -> Self {
-        let (down, down_part) = split(-disparity_px * view.down);
-        let (right, right_part) = split(-disparity_px * view.right);
+        let (down, down_part) = whole_and_fraction(-disparity_px * view.down);
+        let (right, right_part) = whole_and_fraction(-disparity_px * view.right);
         let range = |shift: isize, part: f32, count: usize| {
             let needs_next = isize::from(part > 0.0);
             let first = (-shift).clamp(0, count as isize);
@@ -156,17 +156,17 @@ impl Shift {
         for channel in 0..views.channels {
             let plane = channel * views.pixels();
             let start = plane + source_row * columns + source_column;
-            // Where a weight is 0 the neighbour may not exist; then the pixel itself stands in for it.
+            // Where a weight is 0 the neighbor may not exist. The pixel itself then takes its place.
             let next_column = usize::from(w01 + w11 > 0.0);
             let next_row = if w10 + w11 > 0.0 { columns } else { 0 };
             let a = &view.samples[start..start + width];
             let b = &view.samples[start + next_column..start + next_column + width];
             let c = &view.samples[start + next_row..start + next_row + width];
             let d = &view.samples[start + next_row + next_column..start + next_row + next_column + width];
-            let centre = &views.centre[plane + row * columns + first..plane + row * columns + end];
+            let center = &views.center[plane + row * columns + first..plane + row * columns + end];
             for column in 0..width {
                 let value = w00 * a[column] + w01 * b[column] + w10 * c[column] + w11 * d[column];
-                shifted[column] += (value - centre[column]).abs();
+                shifted[column] += (value - center[column]).abs();
             }
         }
         let scale = 1.0 / (views.channels as f32 * TRUNCATION);
@@ -177,8 +177,8 @@ impl Shift {
     }
 }
 
-/// The whole and the fractional part, the latter exactly 0 where rounding left next to nothing.
-fn split(shift: f32) -> (isize, f32) {
+/// The whole and the fractional part of a shift. Fractions within 1e-4 of a whole number become exactly 0.
+fn whole_and_fraction(shift: f32) -> (isize, f32) {
     let whole = shift.floor();
     let part = shift - whole;
     if part < 1e-4 {
@@ -190,7 +190,7 @@ fn split(shift: f32) -> (isize, f32) {
     }
 }
 
-/// Sums of three neighbours along every row; the border counts twice.
+/// Sums of three neighbors along every row, with the border pixels repeated.
 fn box_sum_columns(values: &mut [f32], columns: usize) {
     for row in values.chunks_exact_mut(columns) {
         let mut left = row[0];
@@ -203,9 +203,9 @@ fn box_sum_columns(values: &mut [f32], columns: usize) {
     }
 }
 
-/// The mean difference over that half of the star which agrees best.
+/// The mean difference over the half of the star with the lowest mean.
 ///
-/// What hides a point hides it from one side: of five neighbouring arms out of eight, some five see it.
+/// An occluder hides a point from one side. The best run of five adjacent arms out of eight is taken to see the point.
 fn best_half(differences: &[f32], counts: &[f32], area: usize, columns: usize, rows: [usize; 3], best: &mut [f32]) {
     const BLOCK: usize = 16;
     for start in (0..columns).step_by(BLOCK) {
@@ -238,7 +238,7 @@ fn best_half(differences: &[f32], counts: &[f32], area: usize, columns: usize, r
                 }
             }
             for lane in 0..BLOCK {
-                // A half in which nearly all views are out of the picture has no say.
+                // A half in which nearly all views are outside the image is excluded.
                 let mean =
                     if number[lane] * 3.0 >= all[lane] { sum[lane] / number[lane].max(1e-6) } else { f32::INFINITY };
                 least[lane] = least[lane].min(mean);

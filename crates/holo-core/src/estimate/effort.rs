@@ -1,29 +1,29 @@
-//! How much work an estimate is worth.
+//! The trade-off between time and error.
 
-/// How much work an estimate is worth: from a look at a handful of views to all that helps.
+/// The trade-off between the time and the error of [`plane_sweep`](crate::plane_sweep).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Effort {
-    /// A cross of up to 8 views in grey, planes one pixel of the outermost view apart, refined once.
+    /// A cross of up to 8 views in gray, planes one pixel of the outermost view apart, refined once.
     Draft,
-    /// A cross of up to 16 views in colour, refined twice.
+    /// A cross of up to 16 views in color, refined twice.
     Fast,
-    /// A star of up to 32 views in colour, planes half a pixel apart, refined four times.
+    /// A star of up to 32 views in color, planes half a pixel apart, refined four times.
     #[default]
     Balanced,
-    /// A star of up to 64 views in colour, planes 0.35 pixels apart, refined six times.
+    /// A star of up to 64 views in color, planes 0.35 pixels apart, refined six times.
     Thorough,
 }
 
-/// What an effort stands for.
+/// The settings of an effort.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Settings {
     pub(super) is_grey: bool,
     pub(super) has_diagonals: bool,
     pub(super) views_per_arm: usize,
-    /// How far the outermost view moves from plane to plane.
+    /// The movement of the outermost view from plane to plane, in pixels.
     pub(super) step_px: f32,
     pub(super) refinements: usize,
-    /// Half the side of the square to which planes are fitted.
+    /// Half the side of the square for plane fits, in pixels.
     pub(super) radius_px: usize,
 }
 

@@ -1,4 +1,4 @@
-//! One Gauss-Newton step at every pixel on its own: what the views that see it say about its disparity.
+//! One Gauss-Newton step per pixel on the disparity, from the views in which the pixel is visible.
 
 #[cfg(test)]
 mod naive;
@@ -7,38 +7,38 @@ use rayon::prelude::*;
 
 use super::views::{ARMS, Views};
 use crate::Error;
-use crate::light_field::filled_memory;
+use crate::memory::filled;
 
-/// A difference of colours below which noise is not told from rounding, of a range of 1.
+/// The noise floor of color differences, for colors from 0 to 1.
 const FLOOR: f32 = 0.002;
-/// Views that are held at once; more are never chosen.
+/// The largest number of views of a star.
 const MOST_VIEWS: usize = 64;
 
-/// What the views say about every pixel.
+/// The result of one step at every pixel.
 pub(super) struct Measurements {
-    /// The disparity that fits best.
+    /// The disparity after the step.
     pub(super) disparity_px: Vec<f32>,
-    /// One over its variance, per square pixel.
+    /// The inverse of its variance, in 1/px^2.
     pub(super) information: Vec<f32>,
-    /// The mean of what the views show, channel by channel: the picture with less noise.
-    pub(super) picture: Vec<f32>,
+    /// The weighted mean color over the views, channel by channel: the central view with less noise.
+    pub(super) image: Vec<f32>,
 }
 
-/// Measures every pixel around the disparities of a map.
+/// Makes one step at every pixel from the disparities of a map.
 ///
-/// `picture` is where the gradients come from; `step_px` is the longest step.
+/// The gradients are those of `image`; `step_px` is the longest step.
 pub(super) fn measure(
     views: &Views,
     map: &[f32],
-    picture: &[f32],
+    image: &[f32],
     nearest_px: f32,
     step_px: f32,
 ) -> Result<Measurements, Error> {
     let (pixels, columns) = (views.pixels(), views.size.columns);
-    let mut disparity_px = filled_memory(pixels, 0.0)?;
-    let mut information = filled_memory(pixels, 0.0)?;
-    // Pixel by pixel while it is written, so that every thread has a piece of its own.
-    let mut mixed = filled_memory(pixels * views.channels, 0.0)?;
+    let mut disparity_px = filled("a disparity map", pixels, 0.0)?;
+    let mut information = filled("the information of a disparity map", pixels, 0.0)?;
+    // Interleaved while it is written, so that every thread has its own part.
+    let mut mixed = filled("an averaged view", pixels * views.channels, 0.0)?;
     (&mut disparity_px, &mut information)
         .into_par_iter()
         .zip(mixed.par_chunks_exact_mut(views.channels))
@@ -47,24 +47,23 @@ pub(super) fn measure(
         .for_each(|(pixel, ((disparity_px, information), mean))| {
             let (row, column) = (pixel / columns, pixel % columns);
             let limits = visible_steps(views, map, row, column, nearest_px);
-            let (delta, found) = measure_pixel(views, map[pixel], picture, row, column, &limits, mean);
+            let (delta, found) = measure_pixel(views, map[pixel], image, row, column, &limits, mean);
             *disparity_px = map[pixel] + delta.clamp(-step_px, step_px);
             *information = found;
         });
-    let mut picture = filled_memory(mixed.len(), 0.0)?;
+    let mut image = filled("an averaged view", mixed.len(), 0.0)?;
     for channel in 0..views.channels {
-        for (to, from) in picture[channel * pixels..].iter_mut().zip(mixed.iter().skip(channel).step_by(views.channels))
-        {
+        for (to, from) in image[channel * pixels..].iter_mut().zip(mixed.iter().skip(channel).step_by(views.channels)) {
             *to = *from;
         }
     }
-    Ok(Measurements { disparity_px, information, picture })
+    Ok(Measurements { disparity_px, information, image })
 }
 
-/// How many steps along every arm a pixel can be followed before something nearer hides it.
+/// The number of steps along every arm up to which no nearer point occludes a pixel.
 ///
-/// A point x pixels along the arm that is nearer by e pixels of disparity is in the same place of the view x/e steps on, and in
-/// front.
+/// A point x pixels along the arm whose disparity is larger by e pixels occludes the pixel from the view x/e steps
+/// along the arm on.
 fn visible_steps(views: &Views, map: &[f32], row: usize, column: usize, nearest_px: f32) -> [f32; 8] {
     let (rows, columns) = (views.size.rows, views.size.columns);
     let here = map[row * columns + column];
@@ -91,11 +90,11 @@ fn visible_steps(views: &Views, map: &[f32], row: usize, column: usize, nearest_
     })
 }
 
-/// The step and its information; `mean` gets the colour.
+/// The step and its information. `mean` receives the mean color.
 fn measure_pixel(
     views: &Views,
     disparity_px: f32,
-    picture: &[f32],
+    image: &[f32],
     row: usize,
     column: usize,
     limits: &[f32; 8],
@@ -105,13 +104,13 @@ fn measure_pixel(
     let (rows, columns) = (views.size.rows, views.size.columns);
     let pixel = row * columns + column;
     let mut gradients = [(0.0, 0.0); 3];
-    let mut centre = [0.0; 3];
+    let mut center = [0.0; 3];
     for channel in 0..channels {
-        gradients[channel] = gradient(&picture[channel * pixels..(channel + 1) * pixels], rows, columns, row, column);
-        centre[channel] = views.centre[channel * pixels + pixel];
+        gradients[channel] = gradient(&image[channel * pixels..(channel + 1) * pixels], rows, columns, row, column);
+        center[channel] = views.center[channel * pixels + pixel];
     }
 
-    // Differences to the centre of every view that sees the pixel.
+    // Differences to the central view, for every view in which the pixel is visible.
     let mut seen = [(0.0_f32, 0.0_f32, [0.0_f32; 3]); MOST_VIEWS];
     let mut squares = [0.0_f32; MOST_VIEWS];
     let mut count = 0;
@@ -126,21 +125,22 @@ fn measure_pixel(
         let mut difference = [0.0; 3];
         for channel in 0..channels {
             let plane = &view.samples[channel * pixels..(channel + 1) * pixels];
-            difference[channel] = cubic.sample(plane, columns) - centre[channel];
+            difference[channel] = cubic.sample(plane, columns) - center[channel];
         }
         squares[count] = difference.iter().map(|d| d * d).sum::<f32>() / channels as f32;
         seen[count] = (view.down, view.right, difference);
         count += 1;
     }
     if count == 0 {
-        mean.copy_from_slice(&centre[..channels]);
+        mean.copy_from_slice(&center[..channels]);
         return (0.0, 0.0);
     }
     let mut sorted = squares;
     let median = *sorted[..count].select_nth_unstable_by(count / 2, f32::total_cmp).1;
     let scale = 3.0 * median + FLOOR * FLOOR;
 
-    // A line through (h, difference) for every channel with one slope for all: what is constant is the centre's own noise.
+    // A linear fit to (h, difference) with one slope for all channels. The constant of a channel is the noise of the
+    // central view.
     let (mut hh, mut hr, mut rr, mut spread) = (0.0_f32, 0.0_f32, 0.0_f32, 0.0_f32);
     let mut total = 1.0;
     for index in 0..count {
@@ -163,19 +163,19 @@ fn measure_pixel(
             hr_sum += weight * h * r;
             rr_sum += weight * r * r;
         }
-        mean[channel] = centre[channel] + r_sum / total;
+        mean[channel] = center[channel] + r_sum / total;
         hh += hh_sum - h_sum * h_sum / total;
         hr += hr_sum - h_sum * r_sum / total;
         rr += rr_sum - r_sum * r_sum / total;
     }
     let delta = if hh > 1e-12 { hr / hh } else { 0.0 };
     let variance = ((rr - hr * delta) / (total * channels as f32)).max(0.0) + FLOOR * FLOOR;
-    // Noise alone has a gradient too; the mean of `total` views has so much less of it.
+    // The gradient of noise alone, which the mean over `total` views reduces.
     let of_noise = 0.5 * variance / total * spread * channels as f32 * 0.5;
     (delta, (hh - of_noise).max(0.0) / variance)
 }
 
-/// Differences of neighbours, one-sided at the border.
+/// Differences of neighbors, one-sided at the border.
 fn gradient(plane: &[f32], rows: usize, columns: usize, row: usize, column: usize) -> (f32, f32) {
     let slope = |low: usize, high: usize, first: usize, second: usize| {
         if high > low { (plane[second] - plane[first]) / (high - low) as f32 } else { 0.0 }
@@ -188,13 +188,13 @@ fn gradient(plane: &[f32], rows: usize, columns: usize, row: usize, column: usiz
     )
 }
 
-/// The 4 x 4 weights of a place in an image, by Keys' cubic convolution.
+/// The 4 x 4 weights of an image position in Keys' cubic convolution.
 struct Cubic {
     rows: [usize; 4],
     columns: [usize; 4],
     by_row: [f32; 4],
     by_column: [f32; 4],
-    /// Whether the four columns follow one another.
+    /// Whether the four columns are consecutive.
     is_inner: bool,
 }
 
@@ -264,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_visible_agrees_with_moving_every_pixel() {
+    fn visibility_agrees_with_moving_every_pixel() {
         let views = test_views(24, 24, 1);
         // A tilted ground with two boxes on it.
         let map: Vec<f32> = (0..576)
@@ -279,7 +279,8 @@ mod tests {
             let limits = visible_steps(&views, &map, row, column, 1.6);
             for (arm, &(down, right)) in ARMS.iter().enumerate() {
                 for steps in [1.0, 2.0, 3.0] {
-                    // In the view, another pixel of the same line comes from beyond this one to before it: it crossed.
+                    // Occluded if, in the view, another pixel of the line has passed from one side of this pixel to the
+                    // other.
                     let hidden = (1..24).any(|distance: isize| {
                         let (r, c) = (row as isize + down * distance, column as isize + right * distance);
                         (0..24).contains(&r) && (0..24).contains(&c) && {
@@ -294,12 +295,12 @@ mod tests {
     }
 
     #[test]
-    fn equal_samples_say_nothing() {
+    fn equal_samples_have_no_information() {
         let mut views = test_views(8, 8, 3);
-        views.centre.fill(0.5);
+        views.center.fill(0.5);
         views.others.iter_mut().for_each(|view| view.samples.fill(0.5));
         let map = vec![0.25; 64];
-        let found = measure(&views, &map, &views.centre, 1.0, 0.1).unwrap();
+        let found = measure(&views, &map, &views.center, 1.0, 0.1).unwrap();
         assert_eq!(found.information, [0.0; 64]);
         assert_eq!(found.disparity_px, map);
     }

@@ -1,47 +1,47 @@
-//! Edge-aware smoothing: at every pixel a plane through the measurements around it that belong to the same surface.
+//! Edge-preserving smoothing: at every pixel a plane fit to the measurements around it that belong to the same surface.
 
 use rayon::prelude::*;
 
 use super::measure::Measurements;
-use crate::light_field::filled_memory;
+use crate::memory::filled;
 use crate::{Error, GridSize};
 
-/// A difference of colours at which a neighbour counts a quarter, of a range of 1.
-const COLOUR: f32 = 0.1;
-/// What the disparity so far weighs against its measurement, per square pixel: enough to hold a pixel that says nothing.
+/// The color difference at which the weight of a neighbor is 1/4, for colors from 0 to 1.
+const COLOR: f32 = 0.1;
+/// The weight of the current disparity beside its measurement, in 1/px^2. It determines pixels without information.
 const PRIOR: f32 = 4.0;
-/// Information, per square pixel, at which no look beyond the nearest neighbours is taken: a standard error of 0.007 px.
+/// The information, in 1/px^2, from which on only the nearest neighbors are used: a standard error of 0.007 px.
 const ENOUGH: f32 = 20_000.0;
-/// How many standard errors of a pixel's own surroundings its neighbours may be off.
+/// The largest distance of a neighbor from the surface, in standard errors of the surroundings of the pixel.
 const ERRORS: f32 = 12.0;
-/// How much slopes are held back where the neighbours do not span a plane.
+/// The ridge regularization of the slopes, for neighbors that do not span a plane.
 const RIDGE: f32 = 1e-3;
 
-/// How planes are fitted.
+/// The settings of the plane fits.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Fit {
-    /// Half the side of the square of neighbours.
+    /// Half the side of the square of neighbors, in pixels.
     pub(super) radius_px: usize,
-    /// Neighbours farther than this from a surface that is well measured belong to another one.
+    /// The distance from a well measured surface beyond which a neighbor belongs to another surface.
     pub(super) gate_px: f32,
-    /// The same for a surface of which next to nothing is known.
+    /// The same for a surface without information.
     pub(super) widest_px: f32,
 }
 
 impl Fit {
-    /// Replaces a map by the planes' values; also returns the information that each rests on.
+    /// Returns the map of the fitted planes, and the information of every fit.
     pub(super) fn smooth(
         &self,
         size: GridSize,
         map: &[f32],
         found: &Measurements,
     ) -> Result<(Vec<f32>, Vec<f32>), Error> {
-        let mut smoothed = filled_memory(map.len(), 0.0)?;
-        let mut information = filled_memory(map.len(), 0.0)?;
-        let neighbours = Neighbours { fit: self, size, map, found, channels: found.picture.len() / map.len() };
+        let mut smoothed = filled("a disparity map", map.len(), 0.0)?;
+        let mut information = filled("the information of a disparity map", map.len(), 0.0)?;
+        let neighbors = Neighbors { fit: self, size, map, found, channels: found.image.len() / map.len() };
         (&mut smoothed, &mut information).into_par_iter().with_min_len(size.columns).enumerate().for_each(
             |(pixel, (smoothed, information))| {
-                let plane = neighbours.plane_at(pixel / size.columns, pixel % size.columns);
+                let plane = neighbors.plane_at(pixel / size.columns, pixel % size.columns);
                 (*smoothed, *information) = (plane.here, plane.information);
             },
         );
@@ -58,7 +58,7 @@ struct Plane {
     information: f32,
 }
 
-struct Neighbours<'a> {
+struct Neighbors<'a> {
     fit: &'a Fit,
     size: GridSize,
     map: &'a [f32],
@@ -66,11 +66,11 @@ struct Neighbours<'a> {
     channels: usize,
 }
 
-impl Neighbours<'_> {
+impl Neighbors<'_> {
     fn plane_at(&self, row: usize, column: usize) -> Plane {
         let here = self.map[row * self.size.columns + column];
         let gate_px = self.gate_px(row, column);
-        // The first gate is flat; the second follows the slope that the first has found.
+        // The first gate is flat. The second follows the slope of the first fit.
         let mut plane = Plane { here, by_row: 0.0, by_column: 0.0, information: 0.0 };
         for _ in 0..2 {
             plane = self.fitted(row, column, &plane, gate_px, 1);
@@ -83,7 +83,8 @@ impl Neighbours<'_> {
         plane
     }
 
-    /// How far from the surface a neighbour may be: wide where nothing is known yet, narrow at the edges of textured things.
+    /// The largest distance of a neighbor from the surface: wide without information, narrow at the edges of textured
+    /// objects.
     fn gate_px(&self, row: usize, column: usize) -> f32 {
         let mut information = 1e-6;
         for row in row.saturating_sub(2)..(row + 3).min(self.size.rows) {
@@ -95,17 +96,17 @@ impl Neighbours<'_> {
         (gate_px * gate_px + ERRORS * ERRORS / information).sqrt().min(widest_px)
     }
 
-    /// The plane of least squares through every `stride`-th neighbour.
+    /// The least-squares plane through every `stride`-th neighbor.
     fn fitted(&self, row: usize, column: usize, last: &Plane, gate_px: f32, stride: usize) -> Plane {
         let GridSize { rows, columns } = self.size;
         let radius = self.fit.radius_px * stride;
-        // Counted from the pixel itself outward, so that it is always among them.
+        // Counted from the pixel outward, so that the pixel is always included.
         let top = row - row.min(radius) / stride * stride;
         let left = column - column.min(radius) / stride * stride;
         let (bottom, right) = ((row + radius).min(rows - 1), (column + radius).min(columns - 1));
-        let centre = row * columns + column;
+        let center = row * columns + column;
         let per_square = 1.0 / ((radius * radius) as f32 * 0.75);
-        let per_colour = 1.0 / (self.channels as f32 * COLOUR * COLOUR);
+        let per_color = 1.0 / (self.channels as f32 * COLOR * COLOR);
         let mut moments = Moments::default();
         for other_row in (top..=bottom).step_by(stride) {
             let y = other_row as f32 - row as f32;
@@ -114,12 +115,12 @@ impl Neighbours<'_> {
                 let other = other_row * columns + other_column;
                 let so_far = self.map[other];
                 let off = (so_far - last.here - last.by_row * y - last.by_column * x) / gate_px;
-                // Tukey's biweight: beyond the gate a neighbour counts nothing.
+                // Tukey's biweight: the weight is 0 beyond the gate.
                 let same = 1.0 - off * off;
                 if same <= 0.0 {
                     continue;
                 }
-                let alike = 1.0 / (1.0 + self.colour_distance(centre, other) * per_colour);
+                let alike = 1.0 / (1.0 + self.color_distance(center, other) * per_color);
                 let near = 1.0 / (1.0 + (x * x + y * y) * per_square);
                 let weight = (same * alike * near) * (same * alike * near);
                 let information = self.found.information[other];
@@ -133,9 +134,9 @@ impl Neighbours<'_> {
         plane
     }
 
-    fn colour_distance(&self, one: usize, other: usize) -> f32 {
+    fn color_distance(&self, one: usize, other: usize) -> f32 {
         let mut squares = 0.0;
-        for channel in self.found.picture.chunks_exact(self.map.len()).take(self.channels) {
+        for channel in self.found.image.chunks_exact(self.map.len()).take(self.channels) {
             let difference = channel[one] - channel[other];
             squares += difference * difference;
         }
@@ -172,7 +173,7 @@ impl Moments {
         self.dy += wd * y;
     }
 
-    /// The plane of least squares; without a neighbour the flat one at 0.
+    /// The least-squares plane; without neighbors the plane 0.
     fn solve(&self, radius: usize) -> Plane {
         if self.one <= 0.0 {
             return Plane { here: 0.0, by_row: 0.0, by_column: 0.0, information: 0.0 };
@@ -184,7 +185,7 @@ impl Moments {
         let xy = self.xy - self.x * mean_y;
         let dx = self.dx - self.d * mean_x;
         let dy = self.dy - self.d * mean_y;
-        // Above 0: Cauchy and Schwarz leave at least the ridge squared.
+        // By the Cauchy-Schwarz inequality it is at least the ridge squared.
         let determinant = xx * yy - xy * xy;
         let by_column = (dx * yy - dy * xy) / determinant;
         let by_row = (dy * xx - dx * xy) / determinant;
@@ -197,7 +198,7 @@ impl Moments {
 mod tests {
     use super::*;
 
-    /// Cramer's rule on the full 3 x 3 equations in f64, the twin of `solve`.
+    /// The reference implementation of `solve`: Cramer's rule on the full 3 x 3 equations in f64.
     fn naive_solve(points: &[(f64, f64, f64, f64)], radius: usize) -> f64 {
         let sum = |f: &dyn Fn(f64, f64, f64) -> f64| points.iter().map(|&(w, x, y, d)| w * f(x, y, d)).sum::<f64>();
         let one = sum(&|_, _, _| 1.0);
@@ -234,13 +235,14 @@ mod tests {
                 moments.add(w as f32, x as f32, y as f32, d as f32);
             }
             let difference = f64::from(moments.solve(4).here) - naive_solve(&points, 4);
-            // Twenty terms of about 1, rounded to f32, over a determinant that points on one side of the pixel make small.
+            // Twenty terms of about 1, rounded to f32, over a determinant that points on one side of the pixel make
+            // small.
             assert!(difference.abs() < 1e-4, "{difference}");
         }
     }
 
     #[test]
-    fn a_step_is_kept_and_noise_is_not() {
+    fn smoothing_keeps_steps_and_reduces_noise() {
         // Two planes with a jump of 1 px between columns 9 and 10, measured with an error of 0.05 px of either sign.
         let size = GridSize::new(20, 20);
         let truth = |pixel: usize| {
@@ -249,12 +251,12 @@ mod tests {
         };
         let map: Vec<f32> = (0..400).map(truth).collect();
         let noisy = (0..400).map(|pixel| truth(pixel) + if pixel % 3 == 0 { 0.1 } else { -0.05 }).collect();
-        let found = Measurements { disparity_px: noisy, information: vec![400.0; 400], picture: vec![0.5; 400] };
+        let found = Measurements { disparity_px: noisy, information: vec![400.0; 400], image: vec![0.5; 400] };
         let fit = Fit { radius_px: 4, gate_px: 0.25, widest_px: 0.5 };
         let (smoothed, _) = fit.smooth(size, &map, &found).unwrap();
         for pixel in 0..400 {
             let error = (smoothed[pixel] - truth(pixel)).abs();
-            // A corner has 25 neighbours: an error of 0.071 root mean square becomes about 0.071 / 5 * 2 (the value at
+            // A corner has 25 neighbors: an error of 0.071 root mean square becomes about 0.071 / 5 * 2 (the value at
             // the end of a fitted line has twice the error of the mean). A plane across the step would be 0.5 off.
             assert!(error < 0.04, "pixel {pixel}: {error}");
         }

@@ -1,4 +1,4 @@
-//! Semi-global matching: costs summed along eight directions, so that textured places speak for their neighbours.
+//! Semi-global matching: costs aggregated along eight directions.
 
 #[cfg(test)]
 mod naive;
@@ -8,21 +8,21 @@ use rayon::prelude::*;
 use super::cost::WORST;
 use crate::GridSize;
 
-/// What one plane up or down costs.
+/// The penalty for a change by one plane.
 const SMALL: f32 = 0.06 * WORST;
-/// What a jump costs where the picture is even, and where it has an edge.
+/// The penalty for a larger change in a uniform region and at an edge of the image.
 const LARGE: (f32, f32) = (0.6 * WORST, 0.12 * WORST);
 
-/// A difference of grey values that is half an edge.
+/// The difference of gray values at which the penalty is halfway between the two.
 const EDGE: f32 = 0.06;
-/// Columns that one thread takes of a row.
+/// Columns per task.
 const CHUNK: usize = 64;
 
-/// Adds up the costs of the eight directions.
+/// Adds up the path costs of the eight directions.
 ///
 /// # Shape
 ///
-/// `costs` and the result are row, column, plane; `guide`, the grey picture, is row, column.
+/// `costs` and the result are row, column, plane; `guide`, the gray image, is row, column.
 ///
 /// # Source
 ///
@@ -54,7 +54,7 @@ fn along_row(costs: &[u16], columns: usize, planes: usize, guide: &[f32], sums: 
     }
 }
 
-/// The three directions that come from the row above (or below).
+/// The three directions from the row above (or below).
 fn down_rows(costs: &[u16], size: GridSize, planes: usize, guide: &[f32], sums: &mut [u16], backward: bool) {
     let GridSize { rows, columns } = size;
     let mut paths: Vec<[Path; 3]> = (0..columns).map(|_| std::array::from_fn(|_| Path::new(planes))).collect();
@@ -71,8 +71,8 @@ fn down_rows(costs: &[u16], size: GridSize, planes: usize, guide: &[f32], sums: 
                     let costs = &costs[pixel * planes..(pixel + 1) * planes];
                     for (direction, next) in next.iter_mut().enumerate() {
                         let from = last_row.and_then(|last: usize| {
-                            let neighbour = (column + direction).checked_sub(1).filter(|&column| column < columns)?;
-                            Some((&paths[neighbour][direction], jump(guide[last * columns + neighbour], guide[pixel])))
+                            let neighbor = (column + direction).checked_sub(1).filter(|&column| column < columns)?;
+                            Some((&paths[neighbor][direction], jump(guide[last * columns + neighbor], guide[pixel])))
                         });
                         advance(from, costs, next, sums);
                     }
@@ -84,20 +84,20 @@ fn down_rows(costs: &[u16], size: GridSize, planes: usize, guide: &[f32], sums: 
     }
 }
 
-/// What a jump costs between two pixels of these grey values.
+/// The penalty for a jump between two pixels of these gray values.
 fn jump(from: f32, to: f32) -> u16 {
     let edge = (from - to) / EDGE;
     (LARGE.1 + (LARGE.0 - LARGE.1) / (1.0 + edge * edge)) as u16
 }
 
-/// The costs of the best paths to one pixel, with a plane that is out of reach on either side.
+/// The costs of the best paths to one pixel, with an unreachable plane at either end.
 #[derive(Clone)]
 struct Path {
     costs: Vec<u16>,
     least: u16,
 }
 
-/// Above every cost, and far enough from the end of `u16` that a penalty may be added.
+/// The cost of an unreachable plane: above every cost, and below the end of `u16` by more than a penalty.
 const FAR: u16 = 60_000;
 
 impl Path {

@@ -1,4 +1,4 @@
-//! The sweep: a first map, from the costs of all planes at all pixels, in bands that fit in memory.
+//! The sweep: a first map from the costs of all planes at all pixels, in bands of limited memory.
 
 use rayon::prelude::*;
 
@@ -6,17 +6,17 @@ use super::cost::{self, Planes};
 use super::scanline;
 use super::views::Views;
 use crate::layout::checked_product;
-use crate::light_field::filled_memory;
+use crate::memory::filled;
 use crate::{Error, GridSize};
 
-/// What the costs and their sums may take together, unless four times the margin takes more.
+/// The memory of the costs and their sums together, unless four times the margin needs more.
 pub(super) const BAND_BYTES: usize = 256 << 20;
-/// Rows above and below a band from which paths come in; farther ones have next to no say.
+/// Rows above and below a band in which its paths start. Rows farther away have hardly any influence.
 const MARGIN_ROWS: usize = 32;
 
-/// Finds the plane of every pixel, with a fraction.
+/// Returns the disparity of lowest cost of every pixel, interpolated between planes.
 ///
-/// The bands depend on sizes alone, so the map does not depend on the number of threads.
+/// The bands depend on sizes only, so the map does not depend on the number of threads.
 pub(super) fn sweep(views: &Views, planes: &Planes, guide: &[f32], band_bytes: usize) -> Result<Vec<f32>, Error> {
     let GridSize { rows, columns } = views.size;
     let too_large = Error::TooLarge { what: "volume of costs" };
@@ -24,9 +24,9 @@ pub(super) fn sweep(views: &Views, planes: &Planes, guide: &[f32], band_bytes: u
     let tall = (band_bytes / 4 / row_cells).max(4 * MARGIN_ROWS).min(rows);
     let core = if tall == rows { rows } else { tall - 2 * MARGIN_ROWS };
     let cells = checked_product(&[tall, row_cells]).ok_or(too_large)?;
-    let mut costs = filled_memory(cells, 0_u16)?;
-    let mut sums = filled_memory(cells, 0_u16)?;
-    let mut map = filled_memory(rows * columns, 0.0)?;
+    let mut costs = filled("a cost volume", cells, 0_u16)?;
+    let mut sums = filled("an aggregated cost volume", cells, 0_u16)?;
+    let mut map = filled("a disparity map", rows * columns, 0.0)?;
     for first in (0..rows).step_by(core) {
         let end = (first + core).min(rows);
         let (top, bottom) = (first.saturating_sub(MARGIN_ROWS), (end + MARGIN_ROWS).min(rows));
@@ -46,15 +46,15 @@ pub(super) fn sweep(views: &Views, planes: &Planes, guide: &[f32], band_bytes: u
     Ok(map)
 }
 
-/// Where the lowest sum is; a parabola through it and its neighbours gives the fraction.
+/// The plane of the lowest sum, with the fraction of a parabola through it and its neighbors.
 fn lowest(sums: &[u16]) -> f32 {
     let best = (1..sums.len()).fold(0, |best, plane| if sums[plane] < sums[best] { plane } else { best });
     if best == 0 || best + 1 == sums.len() {
         return best as f32;
     }
     let [before, here, after] = [-1, 0, 1].map(|step| f32::from(sums[best.wrapping_add_signed(step)]));
-    let bend = before + after - 2.0 * here;
-    if bend > 0.0 { best as f32 + 0.5 * (before - after) / bend } else { best as f32 }
+    let curvature = before + after - 2.0 * here;
+    if curvature > 0.0 { best as f32 + 0.5 * (before - after) / curvature } else { best as f32 }
 }
 
 #[cfg(test)]
@@ -64,7 +64,7 @@ mod tests {
     #[test]
     fn the_lowest_point_of_a_parabola_is_found() {
         let sums: Vec<u16> = (0..9).map(|plane| ((plane as f32 - 3.25).powi(2) * 160.0) as u16).collect();
-        // The sums were cut to integers: 1 of a bend of 320.
+        // The sums are truncated to integers: 1 of a curvature of 320.
         assert!((lowest(&sums) - 3.25).abs() < 0.005, "{}", lowest(&sums));
         assert_eq!(lowest(&[3, 4, 5, 6, 7]), 0.0);
         assert_eq!(lowest(&[7, 6, 5, 4, 3]), 4.0);

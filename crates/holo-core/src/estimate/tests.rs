@@ -1,23 +1,23 @@
-//! What needs the insides: bands, ranges and steps.
+//! Tests of bands, ranges and steps, which are private.
 
 use super::*;
 use crate::GridSize;
 
 #[test]
-fn bands_change_next_to_nothing() {
+fn bands_change_at_most_one_pixel_in_a_hundred() {
     let mut views = views::test_views(300, 8, 1);
     // A wall at disparity 0, with noise of half its contrast.
-    let views::Views { centre, others, .. } = &mut views;
+    let views::Views { center, others, .. } = &mut views;
     for view in others {
-        view.samples.iter_mut().zip(&*centre).for_each(|(sample, centre)| *sample = 0.5 * *sample + 0.5 * centre);
+        view.samples.iter_mut().zip(&*center).for_each(|(sample, center)| *sample = 0.5 * *sample + 0.5 * center);
     }
     let planes = Planes { first_px: -1.0, step_px: 0.25, count: 9 };
     let guide = views.guide().unwrap();
     let whole = sweep::sweep(&views, &planes, &guide, sweep::BAND_BYTES).unwrap();
-    // No memory at all is the smallest band: 128 rows, of which 64 are kept.
+    // A budget of 0 gives the smallest band: 128 rows, of which 64 are used.
     let banded = sweep::sweep(&views, &planes, &guide, 0).unwrap();
     let different = whole.iter().zip(&banded).filter(|(one, other)| (**one - **other).abs() > 0.01).count();
-    // Paths from beyond the margin decide where nothing else does: one pixel in a hundred at most.
+    // Only pixels without other evidence depend on paths from beyond the margin: at most one in a hundred.
     assert!(different * 100 < whole.len(), "{different} of {}", whole.len());
 }
 
@@ -35,12 +35,12 @@ fn steps_follow_the_outermost_view() {
 }
 
 #[test]
-fn impossible_ranges_are_refused() {
+fn impossible_ranges_are_errors() {
     for (low, high) in [(f32::NAN, 1.0), (0.0, f32::INFINITY), (1.0, 1.0), (2.0, 1.0), (-2e6, 0.0)] {
         assert!(check_range(low, high).is_err(), "{low}..{high}");
     }
     let message = check_range(1.0, -1.0).unwrap_err().to_string();
-    assert_eq!(message, "the greatest disparity in pixels is -1; it must be above the least disparity");
+    assert_eq!(message, "the largest disparity in pixels is -1; it must be above the smallest disparity");
 }
 
 #[test]

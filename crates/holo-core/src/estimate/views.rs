@@ -1,17 +1,17 @@
-//! Which views are matched, and their samples as planes of `f32`.
+//! The selection of views, and their samples as planes of `f32`.
 
 use ndarray::{ArrayView3, Data};
 use rayon::prelude::*;
 
 use super::effort::Settings;
 use crate::layout::checked_product;
-use crate::light_field::filled_memory;
+use crate::memory::filled;
 use crate::{Error, GridSize, LightField, Sample};
 
-/// The arms of the star, turning from right over down: rows and columns of one step.
+/// The arms of the star, clockwise from the right: rows and columns of one step.
 pub(super) const ARMS: [(isize, isize); 8] = [(0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1)];
 
-/// One view: where it is seen from the central one, and its samples.
+/// One view: its position relative to the central view, and its samples.
 pub(super) struct View {
     /// Rows down from the central view.
     pub(super) down: f32,
@@ -25,34 +25,34 @@ pub(super) struct View {
     pub(super) samples: Vec<f32>,
 }
 
-/// The central view and those that it is compared with.
+/// The central view and the views that are matched with it.
 pub(super) struct Views {
     pub(super) size: GridSize,
     pub(super) channels: usize,
     /// Channel by channel, row by row.
-    pub(super) centre: Vec<f32>,
+    pub(super) center: Vec<f32>,
     pub(super) others: Vec<View>,
 }
 
 impl Views {
-    /// Copies the star of views that the settings ask for.
+    /// Copies the star of views of the settings.
     pub(super) fn gather<S>(light_field: &LightField<S>, settings: &Settings) -> Result<Self, Error>
     where
         S: Data,
         S::Elem: Sample,
     {
-        let (size, views) = (light_field.split().lenses(), light_field.split().views());
-        // Two channels are taken for grey and alpha, four for colour and alpha.
-        let colours = if light_field.channels() >= 3 { 3 } else { 1 };
-        let channels = if settings.is_grey { 1 } else { colours };
+        let (size, views) = (light_field.shape().lenses(), light_field.shape().views());
+        // Two channels are gray and alpha, four are color and alpha.
+        let colors = if light_field.channels() >= 3 { 3 } else { 1 };
+        let channels = if settings.is_grey { 1 } else { colors };
         let length =
             checked_product(&[size.rows, size.columns, channels]).ok_or(Error::TooLarge { what: "plane of a view" })?;
 
         let (middle_row, middle_column) = (views.rows / 2, views.columns / 2);
-        let mut centre = filled_memory(length, 0.0)?;
-        copy(&light_field.view(middle_row, middle_column)?, colours, channels, &mut centre)?;
-        let scale = if S::Elem::WHITE.is_none() { Scale::of(&centre) } else { Scale::IDENTITY };
-        scale.apply(&mut centre);
+        let mut center = filled("the central view", length, 0.0)?;
+        copy(&light_field.view(middle_row, middle_column)?, colors, channels, &mut center)?;
+        let scale = if S::Elem::WHITE.is_none() { Scale::of(&center) } else { Scale::IDENTITY };
+        scale.apply(&mut center);
 
         let mut others = Vec::new();
         for (row, column, arm) in star(views, settings) {
@@ -62,37 +62,37 @@ impl Views {
                 right: right as f32,
                 arm,
                 steps: down.abs().max(right.abs()) as f32,
-                samples: filled_memory(length, 0.0)?,
+                samples: filled("a view", length, 0.0)?,
             });
         }
         if others.is_empty() {
             return Err(Error::ZeroCount { what: "views beside the central one" });
         }
-        // The storage `S` need not be one that threads share; a borrowed view is.
-        let light_field = light_field.borrowed();
+        // The storage `S` need not be `Sync`; a borrowed array of samples is.
+        let light_field = light_field.as_light_field_ref();
         others.par_iter_mut().try_for_each(|view| {
             let row = middle_row.wrapping_add_signed(view.down as isize);
             let column = middle_column.wrapping_add_signed(view.right as isize);
-            copy(&light_field.view(row, column)?, colours, channels, &mut view.samples)?;
+            copy(&light_field.view(row, column)?, colors, channels, &mut view.samples)?;
             scale.apply(&mut view.samples);
             Ok(())
         })?;
-        Ok(Self { size, channels, centre, others })
+        Ok(Self { size, channels, center, others })
     }
 
-    /// How far the farthest view is from the centre, in steps between views; 0 without other views.
+    /// The distance of the farthest view from the central one, in steps between views; 0 without other views.
     pub(super) fn reach(&self) -> f32 {
         self.others.iter().map(|view| view.steps).fold(0.0, f32::max)
     }
 
-    /// The grey picture of the centre, each pixel the mean of 3 x 3: where the edges are, with less noise.
+    /// The central view in gray, filtered by the mean of 3 x 3 pixels to reduce noise: the guide for edges.
     pub(super) fn guide(&self) -> Result<Vec<f32>, Error> {
         let GridSize { rows, columns } = self.size;
-        let mut guide = filled_memory(self.pixels(), 0.0)?;
+        let mut guide = filled("a guide image", self.pixels(), 0.0)?;
         guide.par_chunks_exact_mut(columns).enumerate().for_each(|(row, guide)| {
             for (column, guide) in guide.iter_mut().enumerate() {
                 let (mut sum, mut count) = (0.0, 0.0);
-                for channel in self.centre.chunks_exact(rows * columns) {
+                for channel in self.center.chunks_exact(rows * columns) {
                     for row in row.saturating_sub(1)..(row + 2).min(rows) {
                         for column in column.saturating_sub(1)..(column + 2).min(columns) {
                             sum += channel[row * columns + column];
@@ -106,13 +106,13 @@ impl Views {
         Ok(guide)
     }
 
-    /// Number of pixels of one view.
+    /// The number of pixels of one view.
     pub(super) fn pixels(&self) -> usize {
         self.size.rows * self.size.columns
     }
 }
 
-/// The views of the star, `(row, column, arm)`: evenly spaced along every arm, the outermost always among them.
+/// The views of the star, `(row, column, arm)`: evenly spaced along every arm, the outermost included.
 fn star(views: GridSize, settings: &Settings) -> Vec<(usize, usize, usize)> {
     let (middle_row, middle_column) = (views.rows / 2, views.columns / 2);
     let mut chosen = Vec::new();
@@ -137,25 +137,25 @@ fn star(views: GridSize, settings: &Settings) -> Vec<(usize, usize, usize)> {
     chosen
 }
 
-/// Copies one view into planes; `channels` is 1 or `colours`, and 1 of 3 colours is their mean.
-fn copy<T: Sample>(view: &ArrayView3<'_, T>, colours: usize, channels: usize, planes: &mut [f32]) -> Result<(), Error> {
+/// Copies one view into planes. `channels` is `colors`, or 1 for the mean of the colors.
+fn copy<T: Sample>(view: &ArrayView3<'_, T>, colors: usize, channels: usize, planes: &mut [f32]) -> Result<(), Error> {
     let (rows, columns, _) = view.dim();
     let white = T::WHITE.unwrap_or(1.0);
     for row in 0..rows {
         for column in 0..columns {
             let mut mean = 0.0;
-            for channel in 0..colours {
+            for channel in 0..colors {
                 let value = view[[row, column, channel]].to_f32() / white;
                 if !value.is_finite() {
                     return Err(Error::BadNumber { what: "sample of a view", value: f64::from(value), need: "finite" });
                 }
-                if channels == colours {
+                if channels == colors {
                     planes[(channel * rows + row) * columns + column] = value;
                 } else {
-                    mean += value / colours as f32;
+                    mean += value / colors as f32;
                 }
             }
-            if channels != colours {
+            if channels != colors {
                 planes[row * columns + column] = mean;
             }
         }
@@ -163,7 +163,7 @@ fn copy<T: Sample>(view: &ArrayView3<'_, T>, colours: usize, channels: usize, pl
     Ok(())
 }
 
-/// A linear map to about 0 to 1.
+/// A linear map of sample values to about 0 to 1.
 #[derive(Clone, Copy)]
 struct Scale {
     offset: f32,
@@ -173,14 +173,14 @@ struct Scale {
 impl Scale {
     const IDENTITY: Self = Self { offset: 0.0, factor: 1.0 };
 
-    /// The map of the middle 98 % of the values to 0 to 1; beyond lie lamps and what sparkles.
+    /// The map of the middle 98 % of the values to 0 to 1. The rest are lights and highlights.
     fn of(values: &[f32]) -> Self {
         let mut sorted = values.to_vec();
         sorted.sort_unstable_by(f32::total_cmp);
         let low = sorted[sorted.len() / 100];
         let high = sorted[sorted.len() - 1 - sorted.len() / 100];
         let factor = 1.0 / (high - low);
-        // A picture of one value, or one whose span leaves the range of f32: nothing to match.
+        // An image of one value, or of a span beyond the range of f32, cannot be matched.
         if factor.is_finite() && factor > 0.0 {
             Self { offset: low, factor }
         } else {
@@ -193,25 +193,25 @@ impl Scale {
             return;
         }
         for value in values {
-            // Lamps are clamped: far above everything else, they would only overflow.
+            // Lights are clamped, because they could overflow.
             *value = ((*value - self.offset) * self.factor).clamp(-1.0, 4.0);
         }
     }
 }
 
-/// Views of pseudo-random samples: a star of two steps an arm, one arm of which is missing.
+/// Views of pseudo-random samples: a star with two views per arm, without one of the arms.
 #[cfg(test)]
 pub(super) fn test_views(rows: usize, columns: usize, channels: usize) -> Views {
     let mut state = 3_u32;
     let mut samples = || {
         let next = |_| {
             state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            // Around grey, so that not all differences are truncated.
+            // Near gray, so that not all differences are truncated.
             0.4 + 0.08 * (state >> 8) as f32 / (1 << 24) as f32
         };
         (0..rows * columns * channels).map(next).collect::<Vec<f32>>()
     };
-    let centre = samples();
+    let center = samples();
     let mut others = Vec::new();
     for (arm, &(down, right)) in ARMS.iter().enumerate().skip(1) {
         for steps in [1.0, 3.0] {
@@ -219,7 +219,7 @@ pub(super) fn test_views(rows: usize, columns: usize, channels: usize) -> Views 
             others.push(View { down, right, arm, steps, samples: samples() });
         }
     }
-    Views { size: GridSize::new(rows, columns), channels, centre, others }
+    Views { size: GridSize::new(rows, columns), channels, center, others }
 }
 
 #[cfg(test)]

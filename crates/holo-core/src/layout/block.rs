@@ -1,11 +1,11 @@
-//! Eq. 5: which pixels of a grid belong to one lens or to one view.
+//! Eq. 5: the pixels of a grid that belong to one microlens or to one view.
 
 use std::ops::{Range, RangeInclusive};
 
 use crate::error::index_below;
-use crate::{Error, Split};
+use crate::{Error, LightFieldShape};
 
-/// The pixels of one elemental image or of one view within a grid, 0-based and half-open as Rust counts.
+/// The pixels of one elemental image or of one view within a grid: 0-based, half-open ranges.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Block {
     /// The rows of the raw image.
@@ -14,7 +14,8 @@ pub struct Block {
     pub columns: Range<usize>,
 }
 
-/// The same pixels as the paper (and MATLAB) writes them: 1-based, both ends included.
+/// The pixels of one elemental image or of one view within a grid as in the paper and in MATLAB: 1-based, closed
+/// ranges.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct OneBasedBlock {
     /// The rows of the raw image.
@@ -23,24 +24,25 @@ pub struct OneBasedBlock {
     pub columns: RangeInclusive<usize>,
 }
 
-impl Split {
-    /// Returns where the elemental image of lens `(v, u)` lies in the elemental grid: T rows from `v*T`, S columns from `u*S`.
+impl LightFieldShape {
+    /// Returns the block of the elemental image of microlens `(v, u)` in the elemental grid: T rows from `v*T`, S
+    /// columns from `u*S`.
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] if there is no such lens.
+    /// [`Error::OutOfRange`] if there is no such microlens.
     ///
     /// # Source
     ///
     /// Eq. 5, 0-based.
-    pub fn elemental_block(&self, v: usize, u: usize) -> Result<Block, Error> {
+    pub fn elemental_image_block(&self, v: usize, u: usize) -> Result<Block, Error> {
         index_below("lens row", v, self.lenses().rows)?;
         index_below("lens column", u, self.lenses().columns)?;
         let (rows, columns) = (self.views().rows, self.views().columns);
         Ok(Block { rows: v * rows..(v + 1) * rows, columns: u * columns..(u + 1) * columns })
     }
 
-    /// Returns where view `(t, s)` lies in the viewpoint grid: V rows from `t*V`, U columns from `s*U`.
+    /// Returns the block of view `(t, s)` in the viewpoint grid: V rows from `t*V`, U columns from `s*U`.
     ///
     /// # Errors
     ///
@@ -56,9 +58,10 @@ impl Split {
         Ok(Block { rows: t * rows..(t + 1) * rows, columns: s * columns..(s + 1) * columns })
     }
 
-    /// Returns the rows `(v-1)*T+1 ..= v*T` and columns `(u-1)*S+1 ..= u*S` of lens `(v, u)`, everything counted from 1.
+    /// Returns the rows `(v-1)*T+1 ..= v*T` and columns `(u-1)*S+1 ..= u*S` of microlens `(v, u)`, with all indices
+    /// from 1.
     ///
-    /// This is the one place where the paper's own counting is written down; nothing else in the crate is 1-based.
+    /// The `_one_based` methods are the only 1-based ones of the crate.
     ///
     /// # Errors
     ///
@@ -71,21 +74,22 @@ impl Split {
     /// # Examples
     ///
     /// ```
-    /// use holo_core::{GridSize, Split};
+    /// use holo_core::{GridSize, LightFieldShape};
     ///
-    /// let split = Split::new(GridSize::new(20, 20), GridSize::new(265, 397))?;
-    /// assert_eq!(split.elemental_block_one_based(1, 1)?.rows, 1..=20);
-    /// assert_eq!(split.elemental_block_one_based(1, 2)?.columns, 21..=40);
+    /// let shape = LightFieldShape::new(GridSize::new(20, 20), GridSize::new(265, 397))?;
+    /// assert_eq!(shape.elemental_image_block_one_based(1, 1)?.rows, 1..=20);
+    /// assert_eq!(shape.elemental_image_block_one_based(1, 2)?.columns, 21..=40);
     /// # Ok::<(), holo_core::Error>(())
     /// ```
-    pub fn elemental_block_one_based(&self, v: usize, u: usize) -> Result<OneBasedBlock, Error> {
+    pub fn elemental_image_block_one_based(&self, v: usize, u: usize) -> Result<OneBasedBlock, Error> {
         index_from_one("lens row", v, self.lenses().rows)?;
         index_from_one("lens column", u, self.lenses().columns)?;
         let (rows, columns) = (self.views().rows, self.views().columns);
         Ok(OneBasedBlock { rows: (v - 1) * rows + 1..=v * rows, columns: (u - 1) * columns + 1..=u * columns })
     }
 
-    /// Returns the rows `(t-1)*V+1 ..= t*V` and columns `(s-1)*U+1 ..= s*U` of view `(t, s)`, everything counted from 1.
+    /// Returns the rows `(t-1)*V+1 ..= t*V` and columns `(s-1)*U+1 ..= s*U` of view `(t, s)`, with all indices
+    /// from 1.
     ///
     /// # Errors
     ///
@@ -111,7 +115,7 @@ mod tests {
     use super::*;
     use crate::GridSize;
 
-    /// A 1-based inclusive range names the same pixels as a 0-based half-open one.
+    /// Whether a 1-based closed range and a 0-based half-open range have the same pixels.
     fn same(paper: &RangeInclusive<usize>, ours: &Range<usize>) -> bool {
         paper.clone().map(|index| index - 1).eq(ours.clone())
     }
@@ -119,18 +123,18 @@ mod tests {
     #[test]
     fn the_papers_ranges_are_ours_shifted_by_one() {
         for (t, s, v, u) in [(3, 4, 5, 7), (1, 1, 1, 1), (1, 6, 2, 1), (20, 20, 3, 2)] {
-            let split = Split::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap();
+            let shape = LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap();
             for row in 0..v {
                 for column in 0..u {
-                    let ours = split.elemental_block(row, column).unwrap();
-                    let paper = split.elemental_block_one_based(row + 1, column + 1).unwrap();
+                    let ours = shape.elemental_image_block(row, column).unwrap();
+                    let paper = shape.elemental_image_block_one_based(row + 1, column + 1).unwrap();
                     assert!(same(&paper.rows, &ours.rows) && same(&paper.columns, &ours.columns));
                 }
             }
             for row in 0..t {
                 for column in 0..s {
-                    let ours = split.view_block(row, column).unwrap();
-                    let paper = split.view_block_one_based(row + 1, column + 1).unwrap();
+                    let ours = shape.view_block(row, column).unwrap();
+                    let paper = shape.view_block_one_based(row + 1, column + 1).unwrap();
                     assert!(same(&paper.rows, &ours.rows) && same(&paper.columns, &ours.columns));
                 }
             }
@@ -139,8 +143,8 @@ mod tests {
 
     #[test]
     fn blocks_tile_the_raw_image() {
-        let split = Split::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap();
-        let raw = split.raw_size();
+        let shape = LightFieldShape::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap();
+        let raw = shape.raw_size();
         let mut by_lens = vec![0; raw.count()];
         let mut by_view = vec![0; raw.count()];
         let count = |owners: &mut Vec<usize>, block: Block| {
@@ -152,12 +156,12 @@ mod tests {
         };
         for v in 0..5 {
             for u in 0..7 {
-                count(&mut by_lens, split.elemental_block(v, u).unwrap());
+                count(&mut by_lens, shape.elemental_image_block(v, u).unwrap());
             }
         }
         for t in 0..3 {
             for s in 0..4 {
-                count(&mut by_view, split.view_block(t, s).unwrap());
+                count(&mut by_view, shape.view_block(t, s).unwrap());
             }
         }
         assert!(by_lens.iter().chain(&by_view).all(|&owners| owners == 1));
@@ -165,21 +169,21 @@ mod tests {
 
     #[test]
     fn indices_out_of_range_are_errors() {
-        let split = Split::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap();
+        let shape = LightFieldShape::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap();
         assert_eq!(
-            split.elemental_block(5, 0),
+            shape.elemental_image_block(5, 0),
             Err(Error::OutOfRange { what: "lens row", index: 5, count: 5, first: 0 })
         );
         assert_eq!(
-            split.view_block(0, 4),
+            shape.view_block(0, 4),
             Err(Error::OutOfRange { what: "view column", index: 4, count: 4, first: 0 })
         );
         assert_eq!(
-            split.elemental_block_one_based(0, 1),
+            shape.elemental_image_block_one_based(0, 1),
             Err(Error::OutOfRange { what: "lens row", index: 0, count: 5, first: 1 })
         );
-        assert!(split.elemental_block_one_based(5, 7).is_ok());
-        assert!(split.view_block_one_based(4, 1).is_err());
-        assert!(split.view_block_one_based(usize::MAX, usize::MAX).is_err());
+        assert!(shape.elemental_image_block_one_based(5, 7).is_ok());
+        assert!(shape.view_block_one_based(4, 1).is_err());
+        assert!(shape.view_block_one_based(usize::MAX, usize::MAX).is_err());
     }
 }

@@ -1,25 +1,25 @@
-//! Sensors of the paper and how they divide into views and lenses (Table I).
+//! Sensors, and their division into views and microlenses (Table I).
 
-use crate::{Error, GridSize, Split};
+use crate::{Error, GridSize, LightFieldShape};
 
-/// A sensor by its size in pixels.
+/// A sensor size in pixels.
 ///
 /// # Source
 ///
-/// Table I of the paper divides "8K" by 20, 40, 60, 80 and 100 views per axis and finds 397x265, 198x132, 132x88, 99x66 and 79x53
-/// lenses (columns x rows), rounding down. Two errata of the paper follow from it:
+/// Table I of the paper divides "8K" by 20, 40, 60, 80 and 100 views per axis and finds 397x265, 198x132, 132x88, 99x66
+/// and 79x53 microlenses (columns x rows), rounded down. Two errata of the paper follow from it:
 ///
-/// - No UHD format gives this table; only a sensor of 7940..7959 x 5300..5319 pixels does. [`Sensor::Paper8k`] is therefore
-///   7952 x 5304 pixels, a 42-megapixel full-frame sensor, and [`Sensor::Uhd8k`] is the television format.
-/// - Fig. 8 prints "74x53" where 79x53 is meant.
+/// - No UHD format gives this table, only sensors of 7940..7959 x 5300..5319 pixels. [`Sensor::Paper8k`] is therefore
+///   7952 x 5304 pixels, a 42-megapixel full-frame sensor. [`Sensor::Uhd8k`] is the television format.
+/// - "74x53" in Fig. 8 is a misprint of 79x53.
 ///
 /// # Examples
 ///
 /// ```
 /// use holo_core::{GridSize, Remainder, Sensor};
 ///
-/// let table_row = Sensor::Paper8k.split(GridSize::new(100, 100), Remainder::Crop)?;
-/// assert_eq!(table_row.split.lenses(), GridSize::new(53, 79));
+/// let table_row = Sensor::Paper8k.divide(GridSize::new(100, 100), Remainder::Crop)?;
+/// assert_eq!(table_row.shape.lenses(), GridSize::new(53, 79));
 /// assert_eq!(table_row.border, GridSize::new(4, 52));
 /// # Ok::<(), holo_core::Error>(())
 /// ```
@@ -38,20 +38,20 @@ pub enum Sensor {
     Other(GridSize),
 }
 
-/// What happens to rows and columns that do not fill a whole block of views.
+/// The treatment of sensor rows and columns that do not fill a block of views.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Remainder {
-    /// They are cropped at the bottom and at the right, and reported.
+    /// They are cropped at the bottom and at the right, and their number is returned.
     Crop,
-    /// There must be none.
+    /// They are an error.
     Exact,
 }
 
-/// A sensor divided: the split, and what was cropped to make it possible.
+/// The division of a sensor: the shape of its light field and the cropped border.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct SensorSplit {
-    /// The views and lenses.
-    pub split: Split,
+pub struct SensorDivision {
+    /// The numbers of views and of microlenses.
+    pub shape: LightFieldShape,
     /// Rows cropped at the bottom and columns cropped at the right; zero when the sensor divides exactly.
     pub border: GridSize,
 }
@@ -69,18 +69,18 @@ impl Sensor {
         }
     }
 
-    /// Divides the sensor into `views` (T rows x S columns): every lens covers T x S pixels.
+    /// Divides the sensor into `views` (T rows x S columns): every microlens covers T x S pixels.
     ///
     /// # Errors
     ///
-    /// [`Error::ZeroCount`] if there are no views or no pixels; [`Error::SensorTooSmall`] if there are more views than pixels along an axis;
-    /// [`Error::NotDivisible`] if pixels are left over and `remainder` is [`Remainder::Exact`]; [`Error::TooLarge`] for an
-    /// impossible sensor.
+    /// [`Error::ZeroCount`] if there are no views or no pixels; [`Error::SensorTooSmall`] if there are more views than
+    /// pixels along an axis; [`Error::NotDivisible`] if pixels are left over and `remainder` is [`Remainder::Exact`];
+    /// [`Error::TooLarge`] for a sensor that does not fit the address space.
     ///
     /// # Source
     ///
     /// Eq. 1 and Table I.
-    pub fn split(self, views: GridSize, remainder: Remainder) -> Result<SensorSplit, Error> {
+    pub fn divide(self, views: GridSize, remainder: Remainder) -> Result<SensorDivision, Error> {
         let sensor = self.size();
         for (what, count) in [
             ("view rows", views.rows),
@@ -100,7 +100,7 @@ impl Sensor {
         if remainder == Remainder::Exact && border != GridSize::new(0, 0) {
             return Err(Error::NotDivisible { sensor, views, border });
         }
-        Ok(SensorSplit { split: Split::new(views, lenses)?, border })
+        Ok(SensorDivision { shape: LightFieldShape::new(views, lenses)?, border })
     }
 }
 
@@ -115,10 +115,10 @@ mod tests {
     #[test]
     fn table_one_holds_for_the_8k_sensor() {
         for (views, columns, rows) in TABLE_I {
-            let divided = Sensor::Paper8k.split(GridSize::new(views, views), Remainder::Crop).unwrap();
-            assert_eq!(divided.split.lenses(), GridSize::new(rows, columns), "{views} views per axis");
-            // The crop is what is missing to the full sensor, and less than one block.
-            let raw = divided.split.raw_size();
+            let divided = Sensor::Paper8k.divide(GridSize::new(views, views), Remainder::Crop).unwrap();
+            assert_eq!(divided.shape.lenses(), GridSize::new(rows, columns), "{views} views per axis");
+            // Raw image and border add up to the sensor, and the border is narrower than a block.
+            let raw = divided.shape.raw_size();
             assert_eq!((raw.rows + divided.border.rows, raw.columns + divided.border.columns), (5304, 7952));
             assert!(divided.border.rows < views && divided.border.columns < views);
         }
@@ -128,7 +128,7 @@ mod tests {
     fn table_one_holds_for_no_other_named_sensor() {
         let gives_table = |sensor: Sensor| {
             TABLE_I.iter().all(|&(views, columns, rows)| {
-                sensor.split(GridSize::new(views, views), Remainder::Crop).unwrap().split.lenses()
+                sensor.divide(GridSize::new(views, views), Remainder::Crop).unwrap().shape.lenses()
                     == GridSize::new(rows, columns)
             })
         };
@@ -153,32 +153,35 @@ mod tests {
     }
 
     #[test]
-    fn remainder_is_an_error_when_exactness_is_asked() {
+    fn remainder_is_an_error_if_the_division_must_be_exact() {
         let views = GridSize::new(100, 100);
         assert_eq!(
-            Sensor::Paper8k.split(views, Remainder::Exact),
+            Sensor::Paper8k.divide(views, Remainder::Exact),
             Err(Error::NotDivisible { sensor: GridSize::new(5304, 7952), views, border: GridSize::new(4, 52) })
         );
-        let exact = Sensor::Uhd4k.split(GridSize::new(9, 16), Remainder::Exact).unwrap();
+        let exact = Sensor::Uhd4k.divide(GridSize::new(9, 16), Remainder::Exact).unwrap();
         assert_eq!(exact.border, GridSize::new(0, 0));
-        assert_eq!(exact.split.raw_size(), Sensor::Uhd4k.size());
+        assert_eq!(exact.shape.raw_size(), Sensor::Uhd4k.size());
     }
 
     #[test]
     fn impossible_sensors_are_errors() {
         let one = GridSize::new(1, 1);
-        assert_eq!(Sensor::Hd.split(GridSize::new(0, 1), Remainder::Crop), Err(Error::ZeroCount { what: "view rows" }));
         assert_eq!(
-            Sensor::Other(GridSize::new(1, 0)).split(one, Remainder::Crop),
+            Sensor::Hd.divide(GridSize::new(0, 1), Remainder::Crop),
+            Err(Error::ZeroCount { what: "view rows" })
+        );
+        assert_eq!(
+            Sensor::Other(GridSize::new(1, 0)).divide(one, Remainder::Crop),
             Err(Error::ZeroCount { what: "sensor columns" })
         );
         let views = GridSize::new(1, 1921);
         assert_eq!(
-            Sensor::Hd.split(views, Remainder::Crop),
+            Sensor::Hd.divide(views, Remainder::Crop),
             Err(Error::SensorTooSmall { sensor: Sensor::Hd.size(), views })
         );
         assert!(matches!(
-            Sensor::Other(GridSize::new(usize::MAX, usize::MAX)).split(one, Remainder::Crop),
+            Sensor::Other(GridSize::new(usize::MAX, usize::MAX)).divide(one, Remainder::Crop),
             Err(Error::TooLarge { .. })
         ));
     }

@@ -1,4 +1,4 @@
-//! Clipping: fewer views, fewer lenses, or a piece of one image.
+//! Clipping to ranges of views, of microlenses, or of the pixels of one image.
 
 use std::ops::{Bound, Range, RangeBounds};
 
@@ -9,15 +9,15 @@ use crate::Error;
 use crate::error::range_within;
 
 impl<S: RawData> LightField<S> {
-    /// Keeps a rectangle of views and drops the others, without copying.
+    /// Keeps a rectangle of views, without copying.
     ///
     /// # Shape
     ///
-    /// View rows `rows` and view columns `columns`; all lenses stay.
+    /// View rows `rows` and view columns `columns`; all microlenses remain.
     ///
     /// # Errors
     ///
-    /// [`Error::BadRange`] if a range is empty or reaches beyond the views.
+    /// [`Error::BadRange`] if a range is empty or ends beyond the views.
     pub fn into_clip_views(
         self,
         rows: impl RangeBounds<usize>,
@@ -29,8 +29,8 @@ impl<S: RawData> LightField<S> {
         Ok(Self::trusted(samples.slice_axis_move(Axis(3), Slice::from(columns))))
     }
 
-    /// Keeps every `rows`-th view row and every `columns`-th view column from the first on, and drops the others, without
-    /// copying: the same scene with a baseline that is so much longer.
+    /// Keeps every `rows`-th view row and every `columns`-th view column from the first on, without copying. The
+    /// baselines of the result are longer by these factors.
     ///
     /// # Errors
     ///
@@ -42,15 +42,15 @@ impl<S: RawData> LightField<S> {
         Ok(Self::trusted(samples.slice_axis_move(Axis(3), columns)))
     }
 
-    /// Keeps a rectangle of lenses, that is a piece of every view, and drops the others, without copying.
+    /// Keeps a rectangle of microlenses, which is a part of every view, without copying.
     ///
     /// # Shape
     ///
-    /// Lens rows `rows` and lens columns `columns`; all views stay.
+    /// Microlens rows `rows` and microlens columns `columns`; all views remain.
     ///
     /// # Errors
     ///
-    /// [`Error::BadRange`] if a range is empty or reaches beyond the lenses.
+    /// [`Error::BadRange`] if a range is empty or ends beyond the microlenses.
     pub fn into_clip_lenses(
         self,
         rows: impl RangeBounds<usize>,
@@ -68,19 +68,19 @@ impl<S: Data> LightField<S> {
     ///
     /// # Errors
     ///
-    /// [`Error::BadRange`] if a range is empty or reaches beyond the views.
+    /// [`Error::BadRange`] if a range is empty or ends beyond the views.
     ///
     /// # Examples
     ///
     /// ```
-    /// use holo_core::{GridSize, LightField, Split};
+    /// use holo_core::{GridSize, LightField, LightFieldShape};
     /// use ndarray::Array3;
     ///
-    /// let split = Split::new(GridSize::new(9, 9), GridSize::new(4, 5))?;
-    /// let light_field = LightField::from_elemental_grid(Array3::<u8>::zeros((36, 45, 3)), split)?;
+    /// let shape = LightFieldShape::new(GridSize::new(9, 9), GridSize::new(4, 5))?;
+    /// let light_field = LightField::from_elemental_grid(Array3::<u8>::zeros((36, 45, 3)), shape)?;
     /// let middle = light_field.clip_views(3..6, 3..6)?;
-    /// assert_eq!(middle.split().views(), GridSize::new(3, 3));
-    /// let copy = middle.to_owned();
+    /// assert_eq!(middle.shape().views(), GridSize::new(3, 3));
+    /// let copy = middle.to_owned()?;
     /// assert_eq!(copy, middle);
     /// # Ok::<(), holo_core::Error>(())
     /// ```
@@ -89,33 +89,33 @@ impl<S: Data> LightField<S> {
         rows: impl RangeBounds<usize>,
         columns: impl RangeBounds<usize>,
     ) -> Result<LightFieldRef<'_, S::Elem>, Error> {
-        self.borrowed().into_clip_views(rows, columns)
+        self.as_light_field_ref().into_clip_views(rows, columns)
     }
 
-    /// Returns every `rows`-th view row and every `columns`-th view column from the first on as a borrowed light field; see
-    /// [`LightField::into_stride_views`].
+    /// Returns every `rows`-th view row and every `columns`-th view column from the first on as a borrowed light field;
+    /// see [`LightField::into_stride_views`].
     ///
     /// # Errors
     ///
     /// [`Error::ZeroCount`] if a step is 0.
     pub fn stride_views(&self, rows: usize, columns: usize) -> Result<LightFieldRef<'_, S::Elem>, Error> {
-        self.borrowed().into_stride_views(rows, columns)
+        self.as_light_field_ref().into_stride_views(rows, columns)
     }
 
-    /// Returns a rectangle of lenses, that is a piece of every view, as a borrowed light field.
+    /// Returns a rectangle of microlenses, which is a part of every view, as a borrowed light field.
     ///
     /// # Errors
     ///
-    /// [`Error::BadRange`] if a range is empty or reaches beyond the lenses.
+    /// [`Error::BadRange`] if a range is empty or ends beyond the microlenses.
     pub fn clip_lenses(
         &self,
         rows: impl RangeBounds<usize>,
         columns: impl RangeBounds<usize>,
     ) -> Result<LightFieldRef<'_, S::Elem>, Error> {
-        self.borrowed().into_clip_lenses(rows, columns)
+        self.as_light_field_ref().into_clip_lenses(rows, columns)
     }
 
-    /// Returns a piece of view `(t, s)`.
+    /// Returns a part of view `(t, s)`.
     ///
     /// # Shape
     ///
@@ -123,7 +123,8 @@ impl<S: Data> LightField<S> {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] if there is no such view; [`Error::BadRange`] if a range is empty or reaches beyond the image.
+    /// [`Error::OutOfRange`] if there is no such view; [`Error::BadRange`] if a range is empty or ends beyond the
+    /// image.
     pub fn crop_view(
         &self,
         t: usize,
@@ -134,7 +135,7 @@ impl<S: Data> LightField<S> {
         crop(self.view(t, s)?, rows, columns)
     }
 
-    /// Returns a piece of the elemental image of lens `(v, u)`.
+    /// Returns a part of the elemental image of microlens `(v, u)`.
     ///
     /// # Shape
     ///
@@ -142,15 +143,16 @@ impl<S: Data> LightField<S> {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] if there is no such lens; [`Error::BadRange`] if a range is empty or reaches beyond the image.
-    pub fn crop_elemental(
+    /// [`Error::OutOfRange`] if there is no such microlens; [`Error::BadRange`] if a range is empty or ends beyond the
+    /// image.
+    pub fn crop_elemental_image(
         &self,
         v: usize,
         u: usize,
         rows: impl RangeBounds<usize>,
         columns: impl RangeBounds<usize>,
     ) -> Result<ArrayView3<'_, S::Elem>, Error> {
-        crop(self.elemental(v, u)?, rows, columns)
+        crop(self.elemental_image(v, u)?, rows, columns)
     }
 }
 
@@ -159,26 +161,26 @@ impl<S: DataMut> LightField<S> {
     ///
     /// # Errors
     ///
-    /// [`Error::BadRange`] if a range is empty or reaches beyond the views.
+    /// [`Error::BadRange`] if a range is empty or ends beyond the views.
     pub fn clip_views_mut(
         &mut self,
         rows: impl RangeBounds<usize>,
         columns: impl RangeBounds<usize>,
     ) -> Result<LightFieldRefMut<'_, S::Elem>, Error> {
-        self.borrowed_mut().into_clip_views(rows, columns)
+        self.as_light_field_mut().into_clip_views(rows, columns)
     }
 
-    /// Returns a rectangle of lenses as a mutably borrowed light field.
+    /// Returns a rectangle of microlenses as a mutably borrowed light field.
     ///
     /// # Errors
     ///
-    /// [`Error::BadRange`] if a range is empty or reaches beyond the lenses.
+    /// [`Error::BadRange`] if a range is empty or ends beyond the microlenses.
     pub fn clip_lenses_mut(
         &mut self,
         rows: impl RangeBounds<usize>,
         columns: impl RangeBounds<usize>,
     ) -> Result<LightFieldRefMut<'_, S::Elem>, Error> {
-        self.borrowed_mut().into_clip_lenses(rows, columns)
+        self.as_light_field_mut().into_clip_lenses(rows, columns)
     }
 }
 
@@ -193,9 +195,9 @@ fn crop<'a, T>(
     Ok(image.slice_axis_move(Axis(1), Slice::from(columns)))
 }
 
-/// The range that bounds mean among `count` indices.
+/// The range of indices from 0 to `count` within the given bounds.
 fn within(what: &'static str, bounds: &impl RangeBounds<usize>, count: usize) -> Result<Range<usize>, Error> {
-    // A bound that overflows lies beyond every count, and is refused as one.
+    // A bound that overflows is beyond every count.
     let start = match bounds.start_bound() {
         Bound::Included(&start) => start,
         Bound::Excluded(&start) => start.saturating_add(1),
@@ -215,7 +217,7 @@ fn every(what: &'static str, step: usize, count: usize) -> Result<Slice, Error> 
     match isize::try_from(step) {
         Ok(0) => Err(Error::ZeroCount { what }),
         Ok(step) => Ok(Slice { start: 0, end: None, step }),
-        // Beyond every count: the first alone.
+        // A step beyond every count: only the first index.
         Err(_) => Ok(Slice::from(0..1.min(count))),
     }
 }
@@ -223,7 +225,7 @@ fn every(what: &'static str, step: usize, count: usize) -> Result<Slice, Error> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{GridSize, LightFieldOwned, Split};
+    use crate::{GridSize, LightFieldOwned, LightFieldShape};
     use ndarray::Array5;
 
     fn field() -> LightFieldOwned<usize> {
@@ -232,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn any_kind_of_range_will_do() {
+    fn all_kinds_of_ranges_are_accepted() {
         let field = field();
         assert_eq!(field.clip_views(.., ..).unwrap(), field);
         assert_eq!(field.clip_views(1..=2, ..3).unwrap(), field.clip_views(1..3, 0..3).unwrap());
@@ -242,14 +244,14 @@ mod tests {
     }
 
     #[test]
-    fn strides_keep_every_so_many_views() {
+    fn strides_keep_every_nth_view() {
         let field = field();
         let some = field.stride_views(2, 3).unwrap();
-        assert_eq!(some.split(), Split::new(GridSize::new(3, 3), GridSize::new(3, 4)).unwrap());
+        assert_eq!(some.shape(), LightFieldShape::new(GridSize::new(3, 3), GridSize::new(3, 4)).unwrap());
         for (t, s) in [(0, 0), (1, 2), (2, 1)] {
             assert_eq!(some.view(t, s).unwrap(), field.view(2 * t, 3 * s).unwrap());
         }
-        assert_eq!(field.stride_views(usize::MAX, 100).unwrap().split().views(), GridSize::new(1, 1));
+        assert_eq!(field.stride_views(usize::MAX, 100).unwrap().shape().views(), GridSize::new(1, 1));
         assert!(matches!(field.stride_views(0, 1), Err(Error::ZeroCount { .. })));
     }
 }

@@ -1,9 +1,9 @@
-//! A light field out of single views, in the order in which a camera took them.
+//! Light fields from single views.
 
 use ndarray::ArrayView3;
 
 use super::{Layout, LightField, LightFieldOwned};
-use crate::{Error, GridSize, Split};
+use crate::{Error, GridSize, LightFieldShape};
 
 /// The order in which a list holds the views of a light field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -11,15 +11,15 @@ pub enum ViewOrder {
     /// Row by row, every row from left to right: the numbering `t*S + s` of the HCI benchmark.
     #[default]
     RowMajor,
-    /// Row by row, the first row from left to right, the next from right to left, and so on: how a gantry moves that does not
-    /// travel back empty ("lawnmower", "snake").
+    /// Row by row, in alternating directions, the first row from left to right: the usual path of a gantry, also called
+    /// "lawnmower" or "snake".
     Serpentine,
 }
 
 impl ViewOrder {
-    /// Returns the row and column `(t, s)` of the view at place `index` of the list.
+    /// Returns the row and column `(t, s)` of the view at `index` of the list.
     ///
-    /// Any index has a view; those from `views.count()` on lie below the grid.
+    /// Indices from `views.count()` on have rows below the grid.
     ///
     /// # Errors
     ///
@@ -46,7 +46,7 @@ impl ViewOrder {
 }
 
 impl<T: Copy> LightFieldOwned<T> {
-    /// Copies a list of views into a light field, in memory as `layout` says.
+    /// Copies a list of views into a light field with the memory order of `layout`.
     ///
     /// # Shape
     ///
@@ -54,8 +54,9 @@ impl<T: Copy> LightFieldOwned<T> {
     ///
     /// # Errors
     ///
-    /// [`Error::ZeroCount`] if a count is zero; [`Error::Shape`] if an image has another shape than the first, or if there are more or fewer
-    /// images than views; [`Error::TooLarge`] and [`Error::OutOfMemory`] as [`LightField::filled`].
+    /// [`Error::ZeroCount`] if a count is zero; [`Error::Shape`] if an image has another shape than the first, or if
+    /// there are more or fewer images than views; [`Error::TooLarge`] and [`Error::OutOfMemory`] as
+    /// [`LightField::filled`].
     ///
     /// # Examples
     ///
@@ -63,12 +64,12 @@ impl<T: Copy> LightFieldOwned<T> {
     /// use holo_core::{GridSize, Layout, LightField, ViewOrder};
     /// use ndarray::Array3;
     ///
-    /// // Four pictures from a gantry that goes right, down, left.
-    /// let pictures: Vec<_> = (0..4).map(|number| Array3::from_elem((5, 7, 3), number as u8)).collect();
-    /// let images = pictures.iter().map(|picture| picture.view());
+    /// // Four images from a gantry that goes right, down, left.
+    /// let images: Vec<_> = (0..4).map(|number| Array3::from_elem((5, 7, 3), number as u8)).collect();
     /// let (views, order) = (GridSize::new(2, 2), ViewOrder::Serpentine);
-    /// let light_field = LightField::from_views(views, order, Layout::ViewpointGrid, images)?;
-    /// assert_eq!(light_field.view(1, 1)?, pictures[2]);
+    /// let borrowed = images.iter().map(|image| image.view());
+    /// let light_field = LightField::from_views(views, order, Layout::ViewpointGrid, borrowed)?;
+    /// assert_eq!(light_field.view(1, 1)?, images[2]);
     /// # Ok::<(), holo_core::Error>(())
     /// ```
     pub fn from_views<'a>(
@@ -86,9 +87,9 @@ impl<T: Copy> LightFieldOwned<T> {
         };
         let Some(first) = images.next() else { return miscounted(0) };
         let (rows, columns, channels) = first.dim();
-        let split = Split::new(views, GridSize::new(rows, columns))?;
+        let shape = LightFieldShape::new(views, GridSize::new(rows, columns))?;
         let Some(&sample) = first.first() else { return Err(Error::ZeroCount { what: "channels" }) };
-        let mut light_field = LightField::filled(split, channels, layout, sample)?;
+        let mut light_field = LightField::filled(shape, channels, layout, sample)?;
         let mut count = 0;
         for image in std::iter::once(first).chain(images) {
             if count == views.count() {
@@ -111,12 +112,12 @@ mod tests {
     use super::*;
     use ndarray::{Array3, Axis};
 
-    fn picture(number: usize) -> Array3<usize> {
+    fn image(number: usize) -> Array3<usize> {
         Array3::from_shape_fn((3, 4, 2), |(row, column, channel)| ((number * 3 + row) * 4 + column) * 2 + channel)
     }
 
     #[test]
-    fn serpentine_turns_every_other_row() {
+    fn serpentine_reverses_every_other_row() {
         let order: Vec<_> =
             (0..9).map(|index| ViewOrder::Serpentine.view(index, GridSize::new(3, 3)).unwrap()).collect();
         assert_eq!(order, [(0, 0), (0, 1), (0, 2), (1, 2), (1, 1), (1, 0), (2, 0), (2, 1), (2, 2)]);
@@ -124,18 +125,18 @@ mod tests {
     }
 
     #[test]
-    fn composing_undoes_taking_apart_in_both_layouts_and_orders() {
+    fn composed_light_fields_have_the_given_views_in_both_layouts_and_orders() {
         let views = GridSize::new(3, 2);
-        let pictures: Vec<_> = (0..6).map(picture).collect();
+        let images: Vec<_> = (0..6).map(image).collect();
         for layout in [Layout::ElementalGrid, Layout::ViewpointGrid] {
             for order in [ViewOrder::RowMajor, ViewOrder::Serpentine] {
-                let images = pictures.iter().map(|picture| picture.view());
-                let light_field = LightField::from_views(views, order, layout, images).unwrap();
-                for (index, picture) in pictures.iter().enumerate() {
+                let borrowed = images.iter().map(|image| image.view());
+                let light_field = LightField::from_views(views, order, layout, borrowed).unwrap();
+                for (index, image) in images.iter().enumerate() {
                     let (t, s) = order.view(index, views).unwrap();
-                    assert_eq!(light_field.view(t, s).unwrap(), picture, "{layout:?} {order:?} {index}");
+                    assert_eq!(light_field.view(t, s).unwrap(), image, "{layout:?} {order:?} {index}");
                 }
-                // In memory as asked: the grid comes out without a copy.
+                // The requested layout in memory: no copy is needed for the grid.
                 assert_eq!(light_field.as_viewpoint_grid().is_some(), layout == Layout::ViewpointGrid);
             }
         }
@@ -143,10 +144,10 @@ mod tests {
 
     #[test]
     fn wrong_lists_are_errors() {
-        let pictures: Vec<_> = (0..5).map(picture).collect();
+        let images: Vec<_> = (0..5).map(image).collect();
         let compose = |rows, columns, count: usize| {
-            let images = pictures[..count].iter().map(|picture| picture.view());
-            LightField::from_views(GridSize::new(rows, columns), ViewOrder::RowMajor, Layout::ViewpointGrid, images)
+            let borrowed = images[..count].iter().map(|image| image.view());
+            LightField::from_views(GridSize::new(rows, columns), ViewOrder::RowMajor, Layout::ViewpointGrid, borrowed)
         };
         assert!(compose(2, 2, 4).is_ok());
         for count in [0, 3, 5] {
@@ -154,8 +155,8 @@ mod tests {
             assert_eq!(error, Error::Shape { what: "list of views", expected: vec![4], found: vec![count] });
         }
         assert_eq!(compose(0, 2, 4).unwrap_err(), Error::ZeroCount { what: "view rows" });
-        let images = [pictures[0].view(), pictures[1].slice_axis(Axis(0), (..2).into())];
-        let found = LightField::from_views(GridSize::new(1, 2), ViewOrder::RowMajor, Layout::ViewpointGrid, images);
+        let borrowed = [images[0].view(), images[1].slice_axis(Axis(0), (..2).into())];
+        let found = LightField::from_views(GridSize::new(1, 2), ViewOrder::RowMajor, Layout::ViewpointGrid, borrowed);
         assert!(matches!(found, Err(Error::Shape { what: "view", .. })));
     }
 }

@@ -1,4 +1,4 @@
-//! Light fields and images whose element type is known only when the program runs: what files hold.
+//! Light fields and images whose element type is known only at run time, as in files.
 
 use std::ops::Range;
 
@@ -6,9 +6,9 @@ use ndarray::{Array3, ArrayView3, Axis, Slice};
 
 use super::sample::sealed::Sealed;
 use super::{LightFieldOwned, LightFieldRef, Sample, SampleKind};
-use crate::{Error, GridSize, Layout, Split};
+use crate::{Error, GridSize, Layout, LightFieldShape};
 
-/// A light field of any of the element types.
+/// A light field whose element type is known at run time.
 ///
 /// # Examples
 ///
@@ -34,7 +34,7 @@ pub enum DynLightField {
     F64(LightFieldOwned<f64>),
 }
 
-/// A borrowed light field of any of the element types.
+/// A borrowed light field whose element type is known at run time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DynLightFieldRef<'a> {
     /// 8 bits a sample.
@@ -47,7 +47,7 @@ pub enum DynLightFieldRef<'a> {
     F64(LightFieldRef<'a, f64>),
 }
 
-/// An image `(row, column, channel)` of any of the element types.
+/// An image `(row, column, channel)` whose element type is known at run time.
 #[derive(Debug, Clone, PartialEq)]
 pub enum DynImage {
     /// 8 bits a sample.
@@ -60,7 +60,7 @@ pub enum DynImage {
     F64(Array3<f64>),
 }
 
-/// A borrowed image `(row, column, channel)` of any of the element types.
+/// A borrowed image `(row, column, channel)` whose element type is known at run time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum DynImageRef<'a> {
     /// 8 bits a sample.
@@ -73,9 +73,9 @@ pub enum DynImageRef<'a> {
     F64(ArrayView3<'a, f64>),
 }
 
-/// Runs the same code on whichever element type a [`DynLightField`], [`DynLightFieldRef`], [`DynImage`] or [`DynImageRef`]
-/// holds: `for_each_sample!(DynImage, value, image => expression)`. The value is matched as it is given: by reference or
-/// by value.
+/// Runs the same code for every element type of a [`DynLightField`], [`DynLightFieldRef`], [`DynImage`] or
+/// [`DynImageRef`]: `for_each_sample!(DynImage, value, image => expression)`. The value is matched as given: by
+/// reference or by value.
 #[macro_export]
 macro_rules! for_each_sample {
     ($type:ident, $value:expr, $name:ident => $body:expr) => {
@@ -89,95 +89,119 @@ macro_rules! for_each_sample {
 }
 
 impl DynLightField {
-    /// Wraps a raw image without copying it; see [`LightField::from_elemental_grid`](crate::LightField::from_elemental_grid).
-    ///
-    /// # Errors
-    ///
-    /// As there.
-    pub fn from_grid(image: DynImage, layout: Layout, split: Split) -> Result<Self, Error> {
-        fn wrap<T: Sample>(image: Array3<T>, layout: Layout, split: Split) -> Result<DynLightField, Error> {
-            Ok(match layout {
-                Layout::ElementalGrid => LightFieldOwned::from_elemental_grid(image, split)?,
-                Layout::ViewpointGrid => LightFieldOwned::from_viewpoint_grid(image, split)?,
-            }
-            .into())
-        }
-        for_each_sample!(DynImage, image, image => wrap(image, layout, split))
-    }
-
-    /// Returns the raw image in a layout: without a copy where the samples already lie in memory that way.
+    /// Wraps a raw image in the given layout without copying it.
     ///
     /// # Shape
     ///
-    /// `(V*T, U*S, C)`.
-    #[must_use]
-    pub fn into_grid(self, layout: Layout) -> DynImage {
-        fn grid<T: Sample>(field: LightFieldOwned<T>, layout: Layout) -> DynImage {
-            match layout {
-                Layout::ElementalGrid => field.into_elemental_grid().unwrap_or_else(|field| field.to_elemental_grid()),
-                Layout::ViewpointGrid => field.into_viewpoint_grid().unwrap_or_else(|field| field.to_viewpoint_grid()),
+    /// `(V*T, U*S, C)`: row, column, channel.
+    ///
+    /// # Errors
+    ///
+    /// As [`LightField::from_elemental_grid`](crate::LightField::from_elemental_grid).
+    pub fn from_grid(image: DynImage, layout: Layout, shape: LightFieldShape) -> Result<Self, Error> {
+        fn wrap<T: Sample>(image: Array3<T>, layout: Layout, shape: LightFieldShape) -> Result<DynLightField, Error> {
+            Ok(match layout {
+                Layout::ElementalGrid => LightFieldOwned::from_elemental_grid(image, shape)?,
+                Layout::ViewpointGrid => LightFieldOwned::from_viewpoint_grid(image, shape)?,
             }
-            .into()
+            .into())
+        }
+        for_each_sample!(DynImage, image, image => wrap(image, layout, shape))
+    }
+
+    /// Returns the raw image in the given layout. Samples that already lie in memory in that order are not copied.
+    ///
+    /// # Shape
+    ///
+    /// `(V*T, U*S, C)`: row, column, channel.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfMemory`] if the allocation of a copy fails.
+    pub fn into_grid(self, layout: Layout) -> Result<DynImage, Error> {
+        fn grid<T: Sample>(field: LightFieldOwned<T>, layout: Layout) -> Result<DynImage, Error> {
+            Ok(match layout {
+                Layout::ElementalGrid => field.into_elemental_grid().or_else(|field| field.to_elemental_grid())?,
+                Layout::ViewpointGrid => field.into_viewpoint_grid().or_else(|field| field.to_viewpoint_grid())?,
+            }
+            .into())
         }
         for_each_sample!(DynLightField, self, field => grid(field, layout))
     }
 
     /// Returns the light field without its alpha channel: the first of one or two channels, the first three of more.
-    /// Colors stay as they are stored, also where they are transparent.
-    #[must_use]
-    pub fn without_alpha(self) -> Self {
-        fn colors<T: Sample>(field: LightFieldOwned<T>) -> DynLightField {
+    ///
+    /// The colors of transparent pixels do not change. Without an alpha channel nothing is copied.
+    ///
+    /// # Errors
+    ///
+    /// As [`DynLightField::into_grid`].
+    pub fn without_alpha(self) -> Result<Self, Error> {
+        fn colors<T: Sample>(field: LightFieldOwned<T>) -> Result<DynLightField, Error> {
             let channels = if field.channels() >= 3 { 3 } else { 1 };
             if field.channels() == channels {
-                return field.into();
+                return Ok(field.into());
             }
-            let samples = field.into_samples();
-            LightFieldOwned::trusted(samples.slice_axis(Axis(4), Slice::from(..channels)).to_owned()).into()
+            let samples = field.samples().slice_axis_move(Axis(4), Slice::from(..channels));
+            Ok(LightFieldRef::trusted(samples).to_owned()?.into())
         }
         for_each_sample!(DynLightField, self, field => colors(field))
     }
 
-    /// Borrows it.
+    /// Returns a light field that borrows the samples of this one.
     #[must_use]
-    pub fn by_ref(&self) -> DynLightFieldRef<'_> {
-        for_each_sample!(DynLightField, self, field => field.borrowed().into())
+    pub fn as_light_field_ref(&self) -> DynLightFieldRef<'_> {
+        for_each_sample!(DynLightField, self, field => field.as_light_field_ref().into())
     }
 
     /// Returns the element type.
     #[must_use]
     pub fn kind(&self) -> SampleKind {
-        self.by_ref().kind()
+        self.as_light_field_ref().kind()
     }
 
-    /// Returns the number of views and lenses.
+    /// Returns the (rows, columns) of views and of microlenses.
     #[must_use]
-    pub fn split(&self) -> Split {
-        self.by_ref().split()
+    pub fn shape(&self) -> LightFieldShape {
+        self.as_light_field_ref().shape()
     }
 
     /// Returns the number of channels.
     #[must_use]
     pub fn channels(&self) -> usize {
-        self.by_ref().channels()
+        self.as_light_field_ref().channels()
     }
 
-    /// Converts every sample to `f32`, without any scale: integers keep their values, `f64` is rounded to nearest. Samples
-    /// that are `f32` are not copied.
-    #[must_use]
-    pub fn into_f32(self) -> LightFieldOwned<f32> {
+    /// Converts every sample to `f32` without a scale. Samples that are `f32` are not copied.
+    ///
+    /// # Accuracy
+    ///
+    /// Exact for integers and `f32`; `f64` is rounded to nearest.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfMemory`] if the allocation of the copy fails.
+    pub fn into_f32(self) -> Result<LightFieldOwned<f32>, Error> {
         match self {
-            Self::F32(field) => field,
+            Self::F32(field) => Ok(field),
             other => other.to_f32(),
         }
     }
 
     /// Copies every sample as `f32`; see [`DynLightField::into_f32`].
-    #[must_use]
-    pub fn to_f32(&self) -> LightFieldOwned<f32> {
+    ///
+    /// # Errors
+    ///
+    /// As [`DynLightField::into_f32`].
+    pub fn to_f32(&self) -> Result<LightFieldOwned<f32>, Error> {
         for_each_sample!(DynLightField, self, field => field.map(|&sample| sample.to_f32()))
     }
 
     /// Returns view `(t, s)`.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u, c)`.
     ///
     /// # Errors
     ///
@@ -186,16 +210,24 @@ impl DynLightField {
         for_each_sample!(DynLightField, self, field => field.view(t, s).map(Into::into))
     }
 
-    /// Returns the elemental image of lens `(v, u)`.
+    /// Returns the elemental image (micro-image) of microlens `(v, u)`.
+    ///
+    /// # Shape
+    ///
+    /// `(t, s, c)`.
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] if there is no such lens.
-    pub fn elemental(&self, v: usize, u: usize) -> Result<DynImageRef<'_>, Error> {
-        for_each_sample!(DynLightField, self, field => field.elemental(v, u).map(Into::into))
+    /// [`Error::OutOfRange`] if there is no such microlens.
+    pub fn elemental_image(&self, v: usize, u: usize) -> Result<DynImageRef<'_>, Error> {
+        for_each_sample!(DynLightField, self, field => field.elemental_image(v, u).map(Into::into))
     }
 
-    /// Returns the epipolar-plane image of lens row `v` in view row `t`.
+    /// Returns the epipolar-plane image of microlens row `v` in view row `t`.
+    ///
+    /// # Shape
+    ///
+    /// `(s, u, c)`.
     ///
     /// # Errors
     ///
@@ -204,7 +236,11 @@ impl DynLightField {
         for_each_sample!(DynLightField, self, field => field.epi_row(v, t).map(Into::into))
     }
 
-    /// Returns the epipolar-plane image of lens column `u` in view column `s`.
+    /// Returns the epipolar-plane image of microlens column `u` in view column `s`.
+    ///
+    /// # Shape
+    ///
+    /// `(t, v, c)`.
     ///
     /// # Errors
     ///
@@ -221,10 +257,10 @@ impl DynLightFieldRef<'_> {
         for_each_sample!(DynLightFieldRef, self, field => kind_of(&field.samples()))
     }
 
-    /// Returns the number of views and lenses.
+    /// Returns the (rows, columns) of views and of microlenses.
     #[must_use]
-    pub fn split(&self) -> Split {
-        for_each_sample!(DynLightFieldRef, self, field => field.split())
+    pub fn shape(&self) -> LightFieldShape {
+        for_each_sample!(DynLightFieldRef, self, field => field.shape())
     }
 
     /// Returns the number of channels.
@@ -235,34 +271,34 @@ impl DynLightFieldRef<'_> {
 }
 
 impl DynImage {
-    /// Borrows it.
+    /// Returns an image that borrows the samples of this one.
     #[must_use]
-    pub fn by_ref(&self) -> DynImageRef<'_> {
+    pub fn as_image_ref(&self) -> DynImageRef<'_> {
         for_each_sample!(DynImage, self, image => image.view().into())
     }
 
     /// Returns the element type.
     #[must_use]
     pub fn kind(&self) -> SampleKind {
-        self.by_ref().kind()
+        self.as_image_ref().kind()
     }
 
     /// Returns rows, columns and channels.
     #[must_use]
     pub fn dim(&self) -> (usize, usize, usize) {
-        self.by_ref().dim()
+        self.as_image_ref().dim()
     }
 
     /// Returns the number of rows and columns.
     #[must_use]
     pub fn size(&self) -> GridSize {
-        self.by_ref().size()
+        self.as_image_ref().size()
     }
 
     /// Returns the number of channels.
     #[must_use]
     pub fn channels(&self) -> usize {
-        self.by_ref().channels()
+        self.as_image_ref().channels()
     }
 }
 
@@ -329,7 +365,7 @@ impl<'a, T: Sample> From<LightFieldRef<'a, T>> for DynLightFieldRef<'a> {
 
 impl<'a> From<&'a DynLightField> for DynLightFieldRef<'a> {
     fn from(field: &'a DynLightField) -> Self {
-        field.by_ref()
+        field.as_light_field_ref()
     }
 }
 
@@ -347,7 +383,7 @@ impl<'a, T: Sample> From<ArrayView3<'a, T>> for DynImageRef<'a> {
 
 impl<'a> From<&'a DynImage> for DynImageRef<'a> {
     fn from(image: &'a DynImage) -> Self {
-        image.by_ref()
+        image.as_image_ref()
     }
 }
 
@@ -363,37 +399,37 @@ mod tests {
         let field = LightField::new(samples).unwrap();
         [
             field.clone().into(),
-            field.map(|&x| u16::from(x)).into(),
-            field.map(|&x| f32::from(x)).into(),
-            field.map(|&x| f64::from(x)).into(),
+            field.map(|&x| u16::from(x)).unwrap().into(),
+            field.map(|&x| f32::from(x)).unwrap().into(),
+            field.map(|&x| f64::from(x)).unwrap().into(),
         ]
     }
 
     #[test]
-    fn every_type_has_the_same_pieces() {
+    fn every_type_has_the_same_views_and_elemental_images() {
         let kinds = [SampleKind::U8, SampleKind::U16, SampleKind::F32, SampleKind::F64];
-        let expected = fields()[2].to_f32();
+        let expected = fields()[2].to_f32().unwrap();
         for (field, kind) in fields().into_iter().zip(kinds) {
             assert_eq!((field.kind(), field.channels()), (kind, 3));
-            assert_eq!(field.split(), Split::new(GridSize::new(4, 5), GridSize::new(2, 3)).unwrap());
+            assert_eq!(field.shape(), LightFieldShape::new(GridSize::new(4, 5), GridSize::new(2, 3)).unwrap());
             let view = field.view(3, 2).unwrap();
             assert_eq!((view.kind(), view.size(), view.channels()), (kind, GridSize::new(2, 3), 3));
-            assert_eq!(field.elemental(1, 2).unwrap().size(), GridSize::new(4, 5));
+            assert_eq!(field.elemental_image(1, 2).unwrap().size(), GridSize::new(4, 5));
             assert_eq!(field.epi_row(1, 2).unwrap().channels(), 3);
             assert!(field.view(4, 0).is_err() && field.epi_column(3, 0).is_err());
-            assert_eq!(field.into_f32(), expected);
+            assert_eq!(field.into_f32().unwrap(), expected);
         }
     }
 
     #[test]
     fn alpha_is_dropped_and_colors_are_kept() {
         for field in fields() {
-            assert_eq!(field.clone().without_alpha(), field);
+            assert_eq!(field.clone().without_alpha().unwrap(), field);
             let narrow: DynLightField = for_each_sample!(DynLightField, &field, f => {
                 LightField::new(f.samples().slice_axis(Axis(4), Slice::from(..2)).to_owned()).unwrap().into()
             });
-            assert_eq!((narrow.channels(), narrow.clone().without_alpha().channels()), (2, 1));
-            assert_eq!(narrow.without_alpha().view(1, 2).unwrap(), {
+            assert_eq!((narrow.channels(), narrow.clone().without_alpha().unwrap().channels()), (2, 1));
+            assert_eq!(narrow.without_alpha().unwrap().view(1, 2).unwrap(), {
                 let view = field.view(1, 2).unwrap();
                 for_each_sample!(DynImageRef, view, v => v.slice_axis_move(Axis(2), Slice::from(..1)).into())
             });
@@ -403,7 +439,7 @@ mod tests {
     #[test]
     fn a_part_of_an_image_has_its_pixels_and_stays_inside() {
         for field in fields() {
-            let view = field.elemental(1, 1).unwrap();
+            let view = field.elemental_image(1, 1).unwrap();
             let part = view.crop(1..3, 2..5).unwrap();
             assert_eq!((part.size(), part.kind()), (GridSize::new(2, 3), field.kind()));
             let same = for_each_sample!(DynImageRef, view, v => {
@@ -420,23 +456,23 @@ mod tests {
     #[test]
     fn grids_of_either_layout_are_the_same_light_field() {
         for field in fields() {
-            let split = field.split();
+            let shape = field.shape();
             for layout in [Layout::ElementalGrid, Layout::ViewpointGrid] {
-                let grid = field.clone().into_grid(layout);
-                assert_eq!(grid.size(), split.raw_size());
-                assert_eq!(DynLightField::from_grid(grid, layout, split).unwrap(), field);
+                let grid = field.clone().into_grid(layout).unwrap();
+                assert_eq!(grid.size(), shape.raw_size());
+                assert_eq!(DynLightField::from_grid(grid, layout, shape).unwrap(), field);
             }
         }
     }
 
     #[test]
     fn raw_images_are_wrapped_in_their_type() {
-        let split = Split::new(GridSize::new(4, 5), GridSize::new(2, 3)).unwrap();
+        let shape = LightFieldShape::new(GridSize::new(4, 5), GridSize::new(2, 3)).unwrap();
         for field in fields() {
-            let grid: DynImage = for_each_sample!(DynLightField, &field, f => f.to_viewpoint_grid().into());
-            assert_eq!(DynLightField::from_grid(grid, Layout::ViewpointGrid, split).unwrap(), field);
+            let grid: DynImage = for_each_sample!(DynLightField, &field, f => f.to_viewpoint_grid().unwrap().into());
+            assert_eq!(DynLightField::from_grid(grid, Layout::ViewpointGrid, shape).unwrap(), field);
         }
         let wrong: DynImage = Array3::<u8>::zeros((3, 3, 1)).into();
-        assert!(DynLightField::from_grid(wrong, Layout::ElementalGrid, split).is_err());
+        assert!(DynLightField::from_grid(wrong, Layout::ElementalGrid, shape).is_err());
     }
 }

@@ -7,9 +7,10 @@ use crate::Error;
 use crate::error::index_below;
 
 impl<S: Data> LightField<S> {
-    /// Returns the horizontal epipolar-plane image of pixel row `v` in view row `t`: what that row looks like from left to right.
+    /// Returns the horizontal epipolar-plane image of pixel row `v` in view row `t`: that pixel row in all views from
+    /// left to right.
     ///
-    /// A point of disparity d runs along a line that moves `-d` columns per row.
+    /// A point of disparity d is a line that moves by `-d` columns per row.
     ///
     /// # Shape
     ///
@@ -22,11 +23,11 @@ impl<S: Data> LightField<S> {
     /// # Examples
     ///
     /// ```
-    /// use holo_core::{GridSize, LightField, Split};
+    /// use holo_core::{GridSize, LightField, LightFieldShape};
     /// use ndarray::Array3;
     ///
-    /// let split = Split::new(GridSize::new(3, 4), GridSize::new(5, 7))?;
-    /// let light_field = LightField::from_elemental_grid(Array3::<u8>::zeros((15, 28, 1)), split)?;
+    /// let shape = LightFieldShape::new(GridSize::new(3, 4), GridSize::new(5, 7))?;
+    /// let light_field = LightField::from_elemental_grid(Array3::<u8>::zeros((15, 28, 1)), shape)?;
     /// assert_eq!(light_field.epi_row(4, 2)?.dim(), (4, 7, 1));
     /// assert_eq!(light_field.epi_column(6, 3)?.dim(), (3, 5, 1));
     /// # Ok::<(), holo_core::Error>(())
@@ -39,11 +40,12 @@ impl<S: Data> LightField<S> {
         Ok(slice.permuted_axes([1, 0, 2]))
     }
 
-    /// Returns the vertical epipolar-plane image of pixel column `u` in view column `s`: what that column looks like from top to bottom.
+    /// Returns the vertical epipolar-plane image of pixel column `u` in view column `s`: that pixel column in all views
+    /// from top to bottom.
     ///
     /// # Shape
     ///
-    /// `(t, v, c)`: a row for each view row, a column for each pixel, so the picture column lies on its side.
+    /// `(t, v, c)`: a row for each view row, a column for each pixel, so the pixel column is horizontal.
     ///
     /// # Errors
     ///

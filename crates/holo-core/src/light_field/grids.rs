@@ -1,22 +1,24 @@
-//! Eq. 5: the 2D layouts as light fields, and back, without moving a sample.
+//! Eq. 5: conversion between 2D layouts and light fields by strides alone.
 
 use ndarray::{Array5, ArrayBase, ArrayRef, ArrayView3, Axis, Data, Ix3, RawData};
 
-use super::{LightField, LightFieldCow, LightFieldOwned, checked_length, filled_memory};
-use crate::{Error, Split};
+use super::memory_order::{self, MemoryOrder, inverse};
+use super::{LightField, LightFieldCow, LightFieldOwned, checked_length};
+use crate::memory::filled;
+use crate::{Error, LightFieldShape};
 
-/// The order in which a raw image holds its samples.
+/// The layout of the samples of a raw image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Layout {
-    /// Lens by lens: lens `(v, u)` owns the T x S block at row `v*T`, column `u*S`.
+    /// Elemental image array: microlens `(v, u)` owns the T x S block at row `v*T`, column `u*S`.
     ElementalGrid,
-    /// View by view: view `(t, s)` owns the V x U block at row `t*V`, column `s*U`.
+    /// Sub-aperture image array: view `(t, s)` owns the V x U block at row `t*V`, column `s*U`.
     ViewpointGrid,
 }
 
 impl Layout {
-    /// What the axes (row, row within, column, column within, channel) of an image split in this layout are, as axes of
-    /// `(v, u, t, s, c)`: entry n is where axis n of the light field is found among the five.
+    /// The permutation from the axes (outer row, inner row, outer column, inner column, channel) of an image in this
+    /// layout to `(v, u, t, s, c)`: entry n is the image axis of light field axis n.
     const fn axes(self) -> [usize; 5] {
         match self {
             // The image splits into (v, t, u, s, c).
@@ -27,8 +29,8 @@ impl Layout {
     }
 
     /// The outer and inner counts of rows and columns.
-    const fn counts(self, split: &Split) -> [usize; 4] {
-        let (views, lenses) = (split.views(), split.lenses());
+    const fn counts(self, shape: &LightFieldShape) -> [usize; 4] {
+        let (views, lenses) = (shape.views(), shape.lenses());
         match self {
             Self::ElementalGrid => [lenses.rows, views.rows, lenses.columns, views.columns],
             Self::ViewpointGrid => [views.rows, lenses.rows, views.columns, lenses.columns],
@@ -44,31 +46,32 @@ impl Layout {
 }
 
 impl<S: RawData> LightField<S> {
-    /// Wraps an elemental grid (the raw image behind the lenses) without copying it.
+    /// Wraps an elemental grid, the raw image behind the microlenses, without copying it.
     ///
-    /// Any storage will do: an owned image gives an owned light field, a view a borrowed one, a mutable view a mutable one.
+    /// The storage is that of the image: owned, borrowed or mutably borrowed.
     ///
     /// # Shape
     ///
-    /// `(V*T, U*S, C)`: row, column, channel. The image must be dense in memory (no gaps), in any order of axes and with any of
-    /// them reversed; for one with gaps, such as a crop, borrow it with [`LightField::from_elemental_grid_view`].
+    /// `(V*T, U*S, C)`: row, column, channel. The image must have no gaps in memory. Its axes may have any order and
+    /// direction. [`LightField::from_elemental_grid_view`] borrows an image with gaps, such as a crop.
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if the image is not of that size; [`Error::NotDense`] if it has gaps; [`Error::ZeroCount`] without channels.
+    /// [`Error::Shape`] if the image has another size; [`Error::NotDense`] if it has gaps; [`Error::ZeroCount`] without
+    /// channels.
     ///
     /// # Source
     ///
     /// Eq. 5.
-    pub fn from_elemental_grid(image: ArrayBase<S, Ix3>, split: Split) -> Result<Self, Error> {
-        split_dense(image, &split, Layout::ElementalGrid)
+    pub fn from_elemental_grid(image: ArrayBase<S, Ix3>, shape: LightFieldShape) -> Result<Self, Error> {
+        split_dense(image, &shape, Layout::ElementalGrid)
     }
 
-    /// Wraps a viewpoint grid (all views side by side) without copying it.
+    /// Wraps a viewpoint grid, all views side by side, without copying it.
     ///
     /// # Shape
     ///
-    /// `(T*V, S*U, C)`: row, column, channel; dense in memory as for [`LightField::from_elemental_grid`].
+    /// `(T*V, S*U, C)`: row, column, channel; without gaps in memory, as for [`LightField::from_elemental_grid`].
     ///
     /// # Errors
     ///
@@ -77,35 +80,33 @@ impl<S: RawData> LightField<S> {
     /// # Source
     ///
     /// Eq. 5.
-    pub fn from_viewpoint_grid(image: ArrayBase<S, Ix3>, split: Split) -> Result<Self, Error> {
-        split_dense(image, &split, Layout::ViewpointGrid)
+    pub fn from_viewpoint_grid(image: ArrayBase<S, Ix3>, shape: LightFieldShape) -> Result<Self, Error> {
+        split_dense(image, &shape, Layout::ViewpointGrid)
     }
 
-    /// Returns the elemental grid without copying, if the samples lie in memory row by row in just that order; else gives
-    /// the light field back, and [`LightField::to_elemental_grid`] makes a copy.
+    /// Returns the elemental grid without copying, if the memory order of the samples is that of the grid, row by row.
     ///
     /// # Errors
     ///
-    /// The light field itself.
+    /// The light field itself, if its memory order differs. [`LightField::to_elemental_grid`] copies it.
     pub fn into_elemental_grid(self) -> Result<ArrayBase<S, Ix3>, Self> {
         self.into_grid(Layout::ElementalGrid)
     }
 
-    /// Returns the viewpoint grid without copying, if the samples lie in memory row by row in just that order; else gives
-    /// the light field back, and [`LightField::to_viewpoint_grid`] makes a copy.
+    /// Returns the viewpoint grid without copying, if the memory order of the samples is that of the grid, row by row.
     ///
     /// # Errors
     ///
-    /// The light field itself.
+    /// The light field itself, if its memory order differs. [`LightField::to_viewpoint_grid`] copies it.
     pub fn into_viewpoint_grid(self) -> Result<ArrayBase<S, Ix3>, Self> {
         self.into_grid(Layout::ViewpointGrid)
     }
 
     fn into_grid(self, layout: Layout) -> Result<ArrayBase<S, Ix3>, Self> {
-        let (split, channels) = (self.split(), self.channels());
+        let (shape, channels) = (self.shape(), self.channels());
         let ordered = self.samples.permuted_axes(inverse(layout.axes()));
         if ordered.is_standard_layout() {
-            let raw = split.raw_size();
+            let raw = shape.raw_size();
             Ok(ordered.into_shape_with_order((raw.rows, raw.columns, channels)).expect("standard layout, same length"))
         } else {
             Err(Self::trusted(ordered.permuted_axes(layout.axes())))
@@ -114,24 +115,25 @@ impl<S: RawData> LightField<S> {
 }
 
 impl<S: Data> LightField<S> {
-    /// Returns the elemental grid as a borrowed image, if the samples lie in memory row by row in just that order.
+    /// Returns the elemental grid as a borrowed image, if the memory order of the samples is that of the grid, row by
+    /// row.
     #[must_use]
     pub fn as_elemental_grid(&self) -> Option<ArrayView3<'_, S::Elem>> {
-        self.borrowed().into_elemental_grid().ok()
+        self.as_light_field_ref().into_elemental_grid().ok()
     }
 
-    /// Returns the viewpoint grid as a borrowed image, if the samples lie in memory row by row in just that order.
+    /// Returns the viewpoint grid as a borrowed image, if the memory order of the samples is that of the grid, row by
+    /// row.
     #[must_use]
     pub fn as_viewpoint_grid(&self) -> Option<ArrayView3<'_, S::Elem>> {
-        self.borrowed().into_viewpoint_grid().ok()
+        self.as_light_field_ref().into_viewpoint_grid().ok()
     }
 }
 
 impl<'a, T: Clone> LightFieldCow<'a, T> {
-    /// Borrows an elemental grid of any strides: a crop of a larger image, a flipped one, one with its channels apart.
+    /// Borrows an elemental grid of any strides, such as a crop of a larger image or planar channels.
     ///
-    /// Nothing is copied: splitting an axis into two never needs to. (The type is the copy-on-write one because that is
-    /// what ndarray's safe reshaping returns.)
+    /// Nothing is copied. (The copy-on-write type is the return type of ndarray's safe reshaping.)
     ///
     /// # Shape
     ///
@@ -139,8 +141,8 @@ impl<'a, T: Clone> LightFieldCow<'a, T> {
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if the image is not of that size; [`Error::ZeroCount`] without channels; [`Error::TooLarge`] for an image that
-    /// repeats itself beyond the address space.
+    /// [`Error::Shape`] if the image has another size; [`Error::ZeroCount`] without channels; [`Error::TooLarge`] if a
+    /// copy would not fit the address space, which strides of 0 can cause.
     ///
     /// # Examples
     ///
@@ -149,15 +151,15 @@ impl<'a, T: Clone> LightFieldCow<'a, T> {
     /// use ndarray::{Array3, s};
     ///
     /// // A sensor of 7 x 11 pixels holds 2 x 3 views of 3 x 3 pixels; one row and two columns are left over.
-    /// let sensor = Sensor::Other(GridSize::new(7, 11)).split(GridSize::new(2, 3), Remainder::Crop)?;
+    /// let sensor = Sensor::Other(GridSize::new(7, 11)).divide(GridSize::new(2, 3), Remainder::Crop)?;
     /// let image = Array3::from_shape_fn((7, 11, 1), |(row, column, _)| row * 100 + column);
     /// let used = image.slice(s![..6, ..9, ..]);
-    /// let light_field = LightField::from_elemental_grid_view(&used, sensor.split)?;
+    /// let light_field = LightField::from_elemental_grid_view(&used, sensor.shape)?;
     /// assert_eq!(light_field.samples()[[2, 1, 1, 2, 0]], (2 * 2 + 1) * 100 + 1 * 3 + 2);
     /// # Ok::<(), holo_core::Error>(())
     /// ```
-    pub fn from_elemental_grid_view(image: &'a ArrayRef<T, Ix3>, split: Split) -> Result<Self, Error> {
-        split_any(image, &split, Layout::ElementalGrid)
+    pub fn from_elemental_grid_view(image: &'a ArrayRef<T, Ix3>, shape: LightFieldShape) -> Result<Self, Error> {
+        split_any(image, &shape, Layout::ElementalGrid)
     }
 
     /// Borrows a viewpoint grid of any strides; see [`LightField::from_elemental_grid_view`].
@@ -169,87 +171,81 @@ impl<'a, T: Clone> LightFieldCow<'a, T> {
     /// # Errors
     ///
     /// As [`LightField::from_elemental_grid_view`].
-    pub fn from_viewpoint_grid_view(image: &'a ArrayRef<T, Ix3>, split: Split) -> Result<Self, Error> {
-        split_any(image, &split, Layout::ViewpointGrid)
+    pub fn from_viewpoint_grid_view(image: &'a ArrayRef<T, Ix3>, shape: LightFieldShape) -> Result<Self, Error> {
+        split_any(image, &shape, Layout::ViewpointGrid)
     }
 }
 
 impl<T: Clone> LightFieldOwned<T> {
-    /// Makes a light field with every sample equal to `value`, in memory as `layout` says.
+    /// Returns a light field with every sample equal to `value`, in the memory order of `layout`.
     ///
-    /// [`LightField::into_elemental_grid`] or [`LightField::into_viewpoint_grid`] turns it into an image without copying.
+    /// [`LightField::into_elemental_grid`] or [`LightField::into_viewpoint_grid`] turns it into an image without
+    /// copying.
     ///
     /// # Errors
     ///
-    /// [`Error::ZeroCount`] without channels; [`Error::TooLarge`] if the size overflows; [`Error::OutOfMemory`] if there is no such amount of
-    /// memory.
+    /// [`Error::ZeroCount`] without channels; [`Error::TooLarge`] if the size overflows; [`Error::OutOfMemory`] if the
+    /// allocation fails.
     ///
     /// # Examples
     ///
     /// ```
-    /// use holo_core::{GridSize, Layout, LightField, Split};
+    /// use holo_core::{GridSize, Layout, LightField, LightFieldShape};
     ///
-    /// let split = Split::new(GridSize::new(2, 2), GridSize::new(3, 4))?;
-    /// let mut light_field = LightField::filled(split, 3, Layout::ElementalGrid, 0_u8)?;
+    /// let shape = LightFieldShape::new(GridSize::new(2, 2), GridSize::new(3, 4))?;
+    /// let mut light_field = LightField::filled(shape, 3, Layout::ElementalGrid, 0_u8)?;
     /// light_field.view_mut(1, 0)?.fill(255);
     /// let raw = light_field.into_elemental_grid().unwrap();
     /// assert_eq!((raw[[1, 0, 0]], raw[[0, 0, 0]], raw[[1, 1, 0]]), (255, 0, 0));
     /// # Ok::<(), holo_core::Error>(())
     /// ```
-    pub fn filled(split: Split, channels: usize, layout: Layout, value: T) -> Result<Self, Error> {
-        let memory = filled_memory(checked_length::<T>(&split, channels)?, value)?;
-        let [rows, inner_rows, columns, inner_columns] = layout.counts(&split);
+    pub fn filled(shape: LightFieldShape, channels: usize, layout: Layout, value: T) -> Result<Self, Error> {
+        let memory = filled("a light field", checked_length::<T>(&shape, channels)?, value)?;
+        let [rows, inner_rows, columns, inner_columns] = layout.counts(&shape);
         let samples = Array5::from_shape_vec((rows, inner_rows, columns, inner_columns, channels), memory)
             .expect("the length is the product of the shape");
         Ok(Self::trusted(samples.permuted_axes(layout.axes())))
     }
 }
 
-/// Checks that an image has the size that the split calls for.
-fn check_shape(shape: &[usize], split: &Split, layout: Layout) -> Result<usize, Error> {
-    let raw = split.raw_size();
-    let channels = shape[2];
-    if shape[..2] != [raw.rows, raw.columns] {
+/// Checks that an image has the raw size of a shape, and returns its number of channels.
+fn check_shape(found: &[usize], shape: &LightFieldShape, layout: Layout) -> Result<usize, Error> {
+    let raw = shape.raw_size();
+    let channels = found[2];
+    if found[..2] != [raw.rows, raw.columns] {
         let expected = vec![raw.rows, raw.columns, channels];
-        return Err(Error::Shape { what: layout.name(), expected, found: shape.to_vec() });
+        return Err(Error::Shape { what: layout.name(), expected, found: found.to_vec() });
     }
     Ok(channels)
 }
 
 /// Splits the rows and columns of an image of any storage.
 ///
-/// ndarray splits axes in place only in standard layout, so the image is first seen through axes sorted by stride and
-/// turned forward, which makes any dense image standard, and afterwards turned back. All of it is bookkeeping on
-/// strides.
+/// ndarray splits axes in place only in standard layout. A dense image is in standard layout once its axes are sorted
+/// by stride and run forward; afterwards the order and the direction of the axes are restored. Only strides change.
 fn split_dense<S: RawData>(
-    mut image: ArrayBase<S, Ix3>,
-    split: &Split,
+    image: ArrayBase<S, Ix3>,
+    shape: &LightFieldShape,
     layout: Layout,
 ) -> Result<LightField<S>, Error> {
-    let channels = check_shape(image.shape(), split, layout)?;
-    checked_length::<S::Elem>(split, channels)?;
+    let channels = check_shape(image.shape(), shape, layout)?;
+    checked_length::<S::Elem>(shape, channels)?;
     let not_dense = Error::NotDense { shape: image.shape().to_vec(), strides: image.strides().to_vec() };
 
-    let reversed: [bool; 3] = std::array::from_fn(|axis| image.strides()[axis] < 0);
-    for axis in (0..3).filter(|&axis| reversed[axis]) {
-        image.invert_axis(Axis(axis));
-    }
-    let mut order = [0, 1, 2];
-    // An axis of length 1 may have any stride; it must not come between the others, but any place among equals is right.
-    order.sort_by_key(|&axis| std::cmp::Reverse((image.strides()[axis], image.shape()[axis])));
-    let image = image.permuted_axes(order);
+    let (image, MemoryOrder { axes: order, reversed }) = memory_order::sorted(image);
     if !image.is_standard_layout() {
         return Err(not_dense);
     }
 
-    let [rows, inner_rows, columns, inner_columns] = layout.counts(split);
-    // Per image axis: the counts that it splits into and where those go among (row, row within, column, column within, channel).
+    let [rows, inner_rows, columns, inner_columns] = layout.counts(shape);
+    // Per image axis: the lengths of the axes that it splits into, and their positions among (outer row, inner row,
+    // outer column, inner column, channel).
     let parts: [&[(usize, usize)]; 3] =
         [&[(rows, 0), (inner_rows, 1)], &[(columns, 2), (inner_columns, 3)], &[(channels, 4)]];
     let split_axes: Vec<(usize, usize)> = order.iter().flat_map(|&axis| parts[axis].iter().copied()).collect();
-    let shape: [usize; 5] = std::array::from_fn(|axis| split_axes[axis].0);
+    let counts: [usize; 5] = std::array::from_fn(|axis| split_axes[axis].0);
     let places: [usize; 5] = std::array::from_fn(|axis| split_axes[axis].1);
-    let samples = image.into_shape_with_order(shape).expect("standard layout, same length");
+    let samples = image.into_shape_with_order(counts).expect("standard layout, same length");
     let mut samples = samples.permuted_axes(inverse(places));
 
     // A reversed axis splits into two reversed axes.
@@ -264,23 +260,14 @@ fn split_dense<S: RawData>(
 /// Splits the rows and columns of a borrowed image of any strides.
 fn split_any<'a, T: Clone>(
     image: &'a ArrayRef<T, Ix3>,
-    split: &Split,
+    shape: &LightFieldShape,
     layout: Layout,
 ) -> Result<LightFieldCow<'a, T>, Error> {
-    let channels = check_shape(image.shape(), split, layout)?;
-    checked_length::<T>(split, channels)?;
-    let [rows, inner_rows, columns, inner_columns] = layout.counts(split);
-    // `to_shape` copies only when axes must be merged; splitting one axis into two is always a matter of strides.
+    let channels = check_shape(image.shape(), shape, layout)?;
+    checked_length::<T>(shape, channels)?;
+    let [rows, inner_rows, columns, inner_columns] = layout.counts(shape);
+    // `to_shape` copies only where axes are merged. Splitting an axis needs strides alone.
     let samples = image.to_shape((rows, inner_rows, columns, inner_columns, channels)).expect("same length");
     debug_assert!(samples.is_view());
     Ok(LightField::trusted(samples.permuted_axes(layout.axes())))
-}
-
-/// The permutation that undoes another.
-fn inverse(axes: [usize; 5]) -> [usize; 5] {
-    let mut inverse = [0; 5];
-    for (position, &axis) in axes.iter().enumerate() {
-        inverse[axis] = position;
-    }
-    inverse
 }

@@ -1,4 +1,4 @@
-//! Single views and elemental images, and iterators over all of them.
+//! Single views and elemental images, and iterators over them.
 
 use ndarray::parallel::prelude::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use ndarray::{ArrayView3, ArrayView5, ArrayViewMut3, ArrayViewMut5, Axis, Data, DataMut};
@@ -8,7 +8,7 @@ use crate::Error;
 use crate::error::index_below;
 
 impl<S: Data> LightField<S> {
-    /// Returns view `(t, s)`, the viewpoint image, as a borrowed image.
+    /// Returns view `(t, s)`, the viewpoint image or sub-aperture image, as a borrowed image.
     ///
     /// # Shape
     ///
@@ -21,11 +21,11 @@ impl<S: Data> LightField<S> {
     /// # Examples
     ///
     /// ```
-    /// use holo_core::{GridSize, LightField, Split};
+    /// use holo_core::{GridSize, LightField, LightFieldShape};
     /// use ndarray::Array3;
     ///
-    /// let split = Split::new(GridSize::new(2, 2), GridSize::new(3, 3))?;
-    /// let light_field = LightField::from_elemental_grid(Array3::<u8>::zeros((6, 6, 3)), split)?;
+    /// let shape = LightFieldShape::new(GridSize::new(2, 2), GridSize::new(3, 3))?;
+    /// let light_field = LightField::from_elemental_grid(Array3::<u8>::zeros((6, 6, 3)), shape)?;
     /// assert_eq!(light_field.view(1, 1)?.dim(), (3, 3, 3));
     /// assert!(light_field.view(2, 0).is_err());
     /// # Ok::<(), holo_core::Error>(())
@@ -35,7 +35,7 @@ impl<S: Data> LightField<S> {
         Ok(view_at(&self.samples.view(), t, s).1)
     }
 
-    /// Returns the elemental image of lens `(v, u)` as a borrowed image.
+    /// Returns the elemental image (micro-image) of microlens `(v, u)` as a borrowed image.
     ///
     /// # Shape
     ///
@@ -43,13 +43,13 @@ impl<S: Data> LightField<S> {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] if there is no such lens.
-    pub fn elemental(&self, v: usize, u: usize) -> Result<ArrayView3<'_, S::Elem>, Error> {
+    /// [`Error::OutOfRange`] if there is no such microlens.
+    pub fn elemental_image(&self, v: usize, u: usize) -> Result<ArrayView3<'_, S::Elem>, Error> {
         self.check_lens(v, u)?;
         Ok(elemental_at(&self.samples.view(), v, u).1)
     }
 
-    /// Returns all views in reading order with their `(t, s)`.
+    /// Returns all views row by row with their `(t, s)`.
     pub fn views(
         &self,
     ) -> impl ExactSizeIterator<Item = ((usize, usize), ArrayView3<'_, S::Elem>)> + DoubleEndedIterator {
@@ -58,8 +58,8 @@ impl<S: Data> LightField<S> {
         (0..samples.dim().2 * columns).map(move |index| view_at(&samples, index / columns, index % columns))
     }
 
-    /// Returns all elemental images in reading order with their `(v, u)`.
-    pub fn elementals(
+    /// Returns all elemental images row by row with their `(v, u)`.
+    pub fn elemental_images(
         &self,
     ) -> impl ExactSizeIterator<Item = ((usize, usize), ArrayView3<'_, S::Elem>)> + DoubleEndedIterator {
         let samples = self.samples.view();
@@ -67,7 +67,7 @@ impl<S: Data> LightField<S> {
         (0..samples.dim().0 * columns).map(move |index| elemental_at(&samples, index / columns, index % columns))
     }
 
-    /// Returns all views for rayon's threads, with their `(t, s)`.
+    /// Returns all views with their `(t, s)` as a parallel iterator.
     pub fn par_views(&self) -> impl IndexedParallelIterator<Item = ((usize, usize), ArrayView3<'_, S::Elem>)>
     where
         S::Elem: Sync,
@@ -79,8 +79,8 @@ impl<S: Data> LightField<S> {
             .map(move |index| view_at(&samples, index / columns, index % columns))
     }
 
-    /// Returns all elemental images for rayon's threads, with their `(v, u)`.
-    pub fn par_elementals(&self) -> impl IndexedParallelIterator<Item = ((usize, usize), ArrayView3<'_, S::Elem>)>
+    /// Returns all elemental images with their `(v, u)` as a parallel iterator.
+    pub fn par_elemental_images(&self) -> impl IndexedParallelIterator<Item = ((usize, usize), ArrayView3<'_, S::Elem>)>
     where
         S::Elem: Sync,
     {
@@ -103,40 +103,41 @@ impl<S: Data> LightField<S> {
 }
 
 impl<S: DataMut> LightField<S> {
-    /// Returns view `(t, s)` as a mutable image; the twin of [`LightField::view`].
+    /// Returns view `(t, s)` as a mutable image; the mutable form of [`LightField::view`].
     ///
     /// # Errors
     ///
     /// [`Error::OutOfRange`] if there is no such view.
     pub fn view_mut(&mut self, t: usize, s: usize) -> Result<ArrayViewMut3<'_, S::Elem>, Error> {
         self.check_view(t, s)?;
-        // The later axis first: taking one away renumbers those behind it.
+        // The later axis first: removing an axis renumbers those behind it.
         Ok(self.samples.view_mut().index_axis_move(Axis(3), s).index_axis_move(Axis(2), t))
     }
 
-    /// Returns the elemental image of lens `(v, u)` as a mutable image; the twin of [`LightField::elemental`].
+    /// Returns the elemental image of microlens `(v, u)` as a mutable image; the mutable form of
+    /// [`LightField::elemental_image`].
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] if there is no such lens.
-    pub fn elemental_mut(&mut self, v: usize, u: usize) -> Result<ArrayViewMut3<'_, S::Elem>, Error> {
+    /// [`Error::OutOfRange`] if there is no such microlens.
+    pub fn elemental_image_mut(&mut self, v: usize, u: usize) -> Result<ArrayViewMut3<'_, S::Elem>, Error> {
         self.check_lens(v, u)?;
         Ok(self.samples.view_mut().index_axis_move(Axis(1), u).index_axis_move(Axis(0), v))
     }
 
-    /// Returns all views in reading order, mutable, with their `(t, s)`.
+    /// Returns all views row by row, mutable, with their `(t, s)`.
     pub fn views_mut(&mut self) -> impl Iterator<Item = ((usize, usize), ArrayViewMut3<'_, S::Elem>)> {
         tiles_mut(self.samples.view_mut().permuted_axes([2, 3, 0, 1, 4]))
     }
 
-    /// Returns all elemental images in reading order, mutable, with their `(v, u)`.
-    pub fn elementals_mut(&mut self) -> impl Iterator<Item = ((usize, usize), ArrayViewMut3<'_, S::Elem>)> {
+    /// Returns all elemental images row by row, mutable, with their `(v, u)`.
+    pub fn elemental_images_mut(&mut self) -> impl Iterator<Item = ((usize, usize), ArrayViewMut3<'_, S::Elem>)> {
         tiles_mut(self.samples.view_mut())
     }
 
-    /// Returns all views for rayon's threads, mutable, with their `(t, s)`.
+    /// Returns all views, mutable, with their `(t, s)` as a parallel iterator.
     ///
-    /// This makes a list of the views first, about a hundred bytes each.
+    /// It allocates a list of the views, about a hundred bytes each.
     pub fn par_views_mut(&mut self) -> impl IndexedParallelIterator<Item = ((usize, usize), ArrayViewMut3<'_, S::Elem>)>
     where
         S::Elem: Send,
@@ -144,21 +145,22 @@ impl<S: DataMut> LightField<S> {
         self.views_mut().collect::<Vec<_>>().into_par_iter()
     }
 
-    /// Returns all elemental images for rayon's threads, mutable, with their `(v, u)`.
+    /// Returns all elemental images, mutable, with their `(v, u)` as a parallel iterator.
     ///
-    /// This makes a list of the images first, about a hundred bytes each.
-    pub fn par_elementals_mut(
+    /// It allocates a list of the images, about a hundred bytes each.
+    pub fn par_elemental_images_mut(
         &mut self,
     ) -> impl IndexedParallelIterator<Item = ((usize, usize), ArrayViewMut3<'_, S::Elem>)>
     where
         S::Elem: Send,
     {
-        self.elementals_mut().collect::<Vec<_>>().into_par_iter()
+        self.elemental_images_mut().collect::<Vec<_>>().into_par_iter()
     }
 }
 
 fn view_at<'a, T>(samples: &ArrayView5<'a, T>, t: usize, s: usize) -> ((usize, usize), ArrayView3<'a, T>) {
-    // The copy of the view keeps the lifetime of the data. The later axis first: taking one away renumbers those behind it.
+    // The copy of the view has the lifetime of the data. The later axis first: removing an axis renumbers those behind
+    // it.
     ((t, s), samples.index_axis_move(Axis(3), s).index_axis_move(Axis(2), t))
 }
 
@@ -166,7 +168,7 @@ fn elemental_at<'a, T>(samples: &ArrayView5<'a, T>, v: usize, u: usize) -> ((usi
     ((v, u), samples.index_axis_move(Axis(1), u).index_axis_move(Axis(0), v))
 }
 
-/// Takes an array apart along its first two axes, in reading order.
+/// Splits an array along its first two axes, row by row.
 fn tiles_mut<'a, T>(samples: ArrayViewMut5<'a, T>) -> impl Iterator<Item = ((usize, usize), ArrayViewMut3<'a, T>)> {
     let mut rows_left = Some(samples);
     let rows = std::iter::from_fn(move || {

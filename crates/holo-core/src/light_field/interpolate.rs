@@ -1,4 +1,4 @@
-//! The light field between its samples.
+//! Interpolation between the samples of a light field.
 
 use ndarray::Data;
 
@@ -9,16 +9,16 @@ impl<S: Data> LightField<S>
 where
     S::Elem: Sample,
 {
-    /// Returns the value of channel `channel` at a place between lenses and views: linear along all four axes.
+    /// Returns the value of channel `channel` at fractional indices, by linear interpolation along all four axes.
     ///
     /// # Units
     ///
-    /// Indices along `(v, u, t, s)`: whole numbers are samples. Places outside the grid get the value at its rim; NaN gets
+    /// Indices along `(v, u, t, s)`: whole numbers are samples. Indices outside the grid are clamped to it; NaN gives
     /// NaN.
     ///
     /// # Accuracy
     ///
-    /// At samples the sample itself; between them 16 products in `f64`.
+    /// Exact at samples; between them a sum of 16 products in `f64`.
     ///
     /// # Panics
     ///
@@ -34,7 +34,8 @@ where
     /// use holo_core::LightField;
     /// use ndarray::Array5;
     ///
-    /// let samples = Array5::from_shape_fn((3, 4, 2, 2, 1), |(v, u, t, s, _)| (v + 10 * u + 100 * t + 1000 * s) as f32);
+    /// let sample = |(v, u, t, s, _)| (v + 10 * u + 100 * t + 1000 * s) as f32;
+    /// let samples = Array5::from_shape_fn((3, 4, 2, 2, 1), sample);
     /// let light_field = LightField::new(samples)?;
     /// assert_eq!(light_field.sample(1.5, 2.25, 0.5, 1.0, 0), 1.5 + 22.5 + 50.0 + 1000.0);
     /// # Ok::<(), holo_core::Error>(())
@@ -49,7 +50,7 @@ where
                 for (t, t_weight) in t.0 {
                     for (s, s_weight) in s.0 {
                         let weight = v_weight * u_weight * t_weight * s_weight;
-                        // What does not count may be infinite.
+                        // A sample of weight 0 may be infinite.
                         if weight != 0.0 {
                             sum += weight * self.samples[[v, u, t, s, channel]].to_f64();
                         }
@@ -61,7 +62,7 @@ where
     }
 }
 
-/// The two samples that a place lies between, with their weights.
+/// The two samples around a fractional index, with their weights.
 struct Taps([(usize, f64); 2]);
 
 impl Taps {
@@ -88,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_are_samples_and_the_rim_goes_on() {
+    fn samples_are_exact_and_indices_outside_are_clamped() {
         let field = field();
         for ((v, u, t, s, c), &value) in field.samples().indexed_iter() {
             assert_eq!(field.sample(v as f64, u as f64, t as f64, s as f64, c), f64::from(value));
@@ -97,15 +98,19 @@ mod tests {
         assert!(field.sample(f64::NAN, 0.0, 0.0, 0.0, 0).is_nan());
     }
 
-    /// Against the definition: the mean of the sixteen corners, weighted by how near they are.
+    /// Against the definition: the mean of the sixteen corners with triangle weights.
     #[test]
     fn between_samples_it_is_the_weighted_mean_of_sixteen() {
         let field = field();
         for at in [[0.25, 1.5, 0.75, 2.125], [1.9, 0.1, 0.5, 3.3]] {
             let mut expected = 0.0;
             for ((v, u, t, s, c), &value) in field.samples().indexed_iter() {
-                let near = |index: usize, at: f64| (1.0 - (index as f64 - at).abs()).max(0.0);
-                let weight = near(v, at[0]) * near(u, at[1]) * near(t, at[2]) * near(s, at[3]) * near(c, 1.0);
+                let weight_of = |index: usize, at: f64| (1.0 - (index as f64 - at).abs()).max(0.0);
+                let weight = weight_of(v, at[0])
+                    * weight_of(u, at[1])
+                    * weight_of(t, at[2])
+                    * weight_of(s, at[3])
+                    * weight_of(c, 1.0);
                 expected += weight * f64::from(value);
             }
             let found = field.sample(at[0], at[1], at[2], at[3], 1);
@@ -114,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn one_sample_is_everywhere() {
+    fn a_single_sample_is_constant() {
         let field = LightField::new(Array5::from_elem((1, 1, 1, 1, 1), 7.5_f32)).unwrap();
         assert_eq!(field.sample(0.3, -2.0, 5.0, 0.0, 0), 7.5);
     }

@@ -1,39 +1,40 @@
-//! Ways through the views of a light field, for animations and displays.
+//! Camera paths through the views of a light field, for animations and displays.
 
 use super::ViewOrder;
 use crate::error::index_below;
 use crate::{Error, GridSize};
 
-/// A way from view to view. Every view on it is a real one; nothing is interpolated.
+/// A camera path: a sequence of views of the light field, without interpolated views.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ViewPath {
-    /// One turn around the middle of the grid, on the largest ellipse that fits, from the rightmost view downward (clockwise as
-    /// seen from behind the cameras). It is closed: the last view is beside the first, so that it can be played in a loop.
+    /// One turn around the middle of the grid on the largest inscribed ellipse, from the rightmost view downward
+    /// (clockwise as seen from behind the cameras). The path is closed, for loops: the last view is adjacent to the
+    /// first.
     Circle,
     /// One row of views from left to right.
     Sweep {
-        /// The row, counted from 0 at the top.
+        /// The row, from 0 at the top.
         row: usize,
     },
-    /// One row of views from left to right and back, the two ends once each: closed, so that it can be played in a loop.
-    Swing {
-        /// The row, counted from 0 at the top.
+    /// One row of views from left to right and back, the two ends once each. The path is closed, for loops.
+    PingPong {
+        /// The row, from 0 at the top.
         row: usize,
     },
-    /// All views, row by row from the top, every other row from right to left: each view is beside the one before.
+    /// All views row by row from the top, every other row from right to left: consecutive views are adjacent.
     Serpentine,
 }
 
 impl ViewPath {
-    /// Returns the rows and columns `(t, s)` of the views on the way, in its order.
+    /// Returns the rows and columns `(t, s)` of the views of the path, in its order.
     ///
-    /// No view comes twice in a row, and that of a circle also not at its end and its start.
+    /// Consecutive views differ. The last view of a circle differs from its first.
     ///
     /// # Errors
     ///
-    /// [`Error::ZeroCount`] if there are no views; [`Error::OutOfRange`] if there is no such row; [`Error::TooLarge`] if there are more
-    /// views than an array can list.
+    /// [`Error::ZeroCount`] if there are no views; [`Error::OutOfRange`] if there is no such row; [`Error::TooLarge`]
+    /// if there are more views than an array can list.
     ///
     /// # Examples
     ///
@@ -41,21 +42,21 @@ impl ViewPath {
     /// use holo_core::{GridSize, ViewPath};
     ///
     /// let views = GridSize::new(3, 3);
-    /// assert_eq!(ViewPath::Swing { row: 1 }.views(views)?, [(1, 0), (1, 1), (1, 2), (1, 1)]);
+    /// assert_eq!(ViewPath::PingPong { row: 1 }.views(views)?, [(1, 0), (1, 1), (1, 2), (1, 1)]);
     /// let circle = ViewPath::Circle.views(views)?;
     /// assert_eq!(circle[..3], [(1, 2), (2, 2), (2, 1)]);
     /// # Ok::<(), holo_core::Error>(())
     /// ```
     pub fn views(self, views: GridSize) -> Result<Vec<(usize, usize)>, Error> {
-        // Also refuses grids without rows or columns, or with more views than can be listed.
-        crate::Split::new(views, GridSize::new(1, 1))?;
+        // An error for grids without rows or columns, or with more views than a list can hold.
+        crate::LightFieldShape::new(views, GridSize::new(1, 1))?;
         match self {
             Self::Circle => Ok(circle(views)),
             Self::Sweep { row } => {
                 index_below("view row", row, views.rows)?;
                 Ok((0..views.columns).map(|s| (row, s)).collect())
             }
-            Self::Swing { row } => {
+            Self::PingPong { row } => {
                 index_below("view row", row, views.rows)?;
                 let back = (1..views.columns.saturating_sub(1)).rev();
                 Ok((0..views.columns).chain(back).map(|s| (row, s)).collect())
@@ -65,15 +66,16 @@ impl ViewPath {
     }
 }
 
-/// The views nearest to the points of an ellipse around the middle, without repetitions.
+/// The views nearest to the points of an ellipse around the middle, without consecutive duplicates.
 fn circle(views: GridSize) -> Vec<(usize, usize)> {
     let (radius_t, radius_s) = ((views.rows - 1) as f64 / 2.0, (views.columns - 1) as f64 / 2.0);
-    // Eight points for every view along the way, so that none is stepped over.
+    // Eight points for every view along the path, so that no view is skipped.
     let points = 8 * 4 * views.larger();
     let mut path: Vec<(usize, usize)> = Vec::new();
     for point in 0..points {
         let angle = std::f64::consts::TAU * point as f64 / points as f64;
-        // Rows run down, so a growing angle goes clockwise. Between 0 and the count - 1 before rounding, and so after it.
+        // Rows run down, so increasing angles go clockwise. Both values are between 0 and count - 1 before and after
+        // rounding.
         let t = (radius_t + radius_t * angle.sin()).round() as usize;
         let s = (radius_s + radius_s * angle.cos()).round() as usize;
         if path.last() != Some(&(t, s)) {
@@ -90,13 +92,13 @@ fn circle(views: GridSize) -> Vec<(usize, usize)> {
 mod tests {
     use super::*;
 
-    /// Neighbours touch at least at a corner.
+    /// Whether two views are neighbors, diagonals included.
     fn adjacent(a: (usize, usize), b: (usize, usize)) -> bool {
         a != b && a.0.abs_diff(b.0) <= 1 && a.1.abs_diff(b.1) <= 1
     }
 
     #[test]
-    fn circles_are_closed_and_step_to_neighbours() {
+    fn circles_are_closed_and_step_to_neighbors() {
         for (rows, columns) in [(2, 2), (3, 3), (9, 9), (10, 4), (1, 7), (5, 1), (100, 100)] {
             let views = GridSize::new(rows, columns);
             let path = ViewPath::Circle.views(views).unwrap();
@@ -129,11 +131,11 @@ mod tests {
     }
 
     #[test]
-    fn swings_do_not_rest_at_their_ends() {
-        let swing = |columns| ViewPath::Swing { row: 0 }.views(GridSize::new(1, columns)).unwrap();
-        assert_eq!(swing(1), [(0, 0)]);
-        assert_eq!(swing(2), [(0, 0), (0, 1)]);
-        assert_eq!(swing(4), [(0, 0), (0, 1), (0, 2), (0, 3), (0, 2), (0, 1)]);
+    fn ping_pong_repeats_no_end() {
+        let ping_pong = |columns| ViewPath::PingPong { row: 0 }.views(GridSize::new(1, columns)).unwrap();
+        assert_eq!(ping_pong(1), [(0, 0)]);
+        assert_eq!(ping_pong(2), [(0, 0), (0, 1)]);
+        assert_eq!(ping_pong(4), [(0, 0), (0, 1), (0, 2), (0, 3), (0, 2), (0, 1)]);
     }
 
     #[test]

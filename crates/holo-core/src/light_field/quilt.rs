@@ -1,9 +1,10 @@
-//! Quilts: some views side by side in one image, in the order of multi-view displays.
+//! Quilts: views side by side in one image, in the order of multi-view displays.
 
 use ndarray::{Array3, Axis, Data, Slice};
 
-use super::{LightField, checked_length, filled_memory};
-use crate::{Error, GridSize, Split};
+use super::{LightField, checked_length};
+use crate::memory::filled;
+use crate::{Error, GridSize, LightFieldShape};
 
 /// Returns `count` views of a row at even distances, the first and the last of the row among them; of one alone the middle.
 ///
@@ -38,11 +39,11 @@ impl<S: Data> LightField<S>
 where
     S::Elem: Copy,
 {
-    /// Returns some views as one image in the order of multi-view displays: the first at the bottom left, then to the right, then
-    /// row by row **upward**.
+    /// Returns a list of views as one image in the order of multi-view displays: the first at the bottom left, then to
+    /// the right, then row by row **upward**.
     ///
-    /// Looking Glass displays read such quilts; their first view is the leftmost camera. Every view stays upright. The views of one
-    /// row of cameras, from left to right, are `ViewPath::Sweep { row }.views(..)`.
+    /// This is the quilt of Looking Glass displays, whose first view is the leftmost camera. Every view is upright. The
+    /// views of one row of cameras, from left to right, are `ViewPath::Sweep { row }.views(..)`.
     ///
     /// # Shape
     ///
@@ -50,19 +51,20 @@ where
     ///
     /// # Errors
     ///
-    /// [`Error::Shape`] if the list has another length than the tiles; [`Error::OutOfRange`] if there is no such view; [`Error::ZeroCount`] without
-    /// tiles; [`Error::TooLarge`] and [`Error::OutOfMemory`] if the image is too large.
+    /// [`Error::Shape`] if the length of the list is not the number of tiles; [`Error::OutOfRange`] if there is no such
+    /// view; [`Error::ZeroCount`] without tiles; [`Error::TooLarge`] and [`Error::OutOfMemory`] if the image is too
+    /// large.
     ///
     /// # Examples
     ///
     /// ```
-    /// use holo_core::{GridSize, LightField, Split, ViewPath};
+    /// use holo_core::{GridSize, LightField, LightFieldShape, ViewPath};
     /// use ndarray::array;
     ///
     /// // Four views of one pixel each, in a row.
-    /// let split = Split::new(GridSize::new(1, 4), GridSize::new(1, 1))?;
-    /// let light_field = LightField::from_elemental_grid(array![[['a'], ['b'], ['c'], ['d']]], split)?;
-    /// let views = ViewPath::Sweep { row: 0 }.views(split.views())?;
+    /// let shape = LightFieldShape::new(GridSize::new(1, 4), GridSize::new(1, 1))?;
+    /// let light_field = LightField::from_elemental_grid(array![[['a'], ['b'], ['c'], ['d']]], shape)?;
+    /// let views = ViewPath::Sweep { row: 0 }.views(shape.views())?;
     /// let quilt = light_field.to_quilt(GridSize::new(2, 2), &views)?;
     /// assert_eq!(quilt, array![[['c'], ['d']], [['a'], ['b']]]);
     /// # Ok::<(), holo_core::Error>(())
@@ -72,11 +74,11 @@ where
             let (expected, found) = (vec![tiles.count()], vec![views.len()]);
             return Err(Error::Shape { what: "list of views of the quilt", expected, found });
         }
-        let (lenses, channels) = (self.split().lenses(), self.channels());
-        // A quilt is a viewpoint grid of other counts: the same checks of its size.
-        let split = Split::new(tiles, lenses)?;
-        let memory = filled_memory(checked_length::<S::Elem>(&split, channels)?, self.samples[[0, 0, 0, 0, 0]])?;
-        let size = split.raw_size();
+        let (lenses, channels) = (self.shape().lenses(), self.channels());
+        // A quilt has the size of a viewpoint grid of `tiles` views.
+        let shape = LightFieldShape::new(tiles, lenses)?;
+        let memory = filled("a quilt", checked_length::<S::Elem>(&shape, channels)?, self.samples[[0, 0, 0, 0, 0]])?;
+        let size = shape.raw_size();
         let mut quilt =
             Array3::from_shape_vec((size.rows, size.columns, channels), memory).expect("the length is the product");
         for (index, &(t, s)) in views.iter().enumerate() {
@@ -96,8 +98,8 @@ mod tests {
     use crate::{Layout, ViewPath};
 
     fn numbered() -> LightField<ndarray::OwnedRepr<u32>> {
-        let split = Split::new(GridSize::new(2, 6), GridSize::new(3, 4)).unwrap();
-        let mut light_field = LightField::filled(split, 2, Layout::ElementalGrid, 0).unwrap();
+        let shape = LightFieldShape::new(GridSize::new(2, 6), GridSize::new(3, 4)).unwrap();
+        let mut light_field = LightField::filled(shape, 2, Layout::ElementalGrid, 0).unwrap();
         for ((v, u, t, s, c), sample) in light_field.samples_mut().indexed_iter_mut() {
             *sample = (t * 10_000 + s * 1000 + v * 100 + u * 10 + c) as u32;
         }
@@ -125,7 +127,7 @@ mod tests {
     #[test]
     fn first_view_is_bottom_left_and_upright() {
         let light_field = numbered();
-        let views = ViewPath::Sweep { row: 1 }.views(light_field.split().views()).unwrap();
+        let views = ViewPath::Sweep { row: 1 }.views(light_field.shape().views()).unwrap();
         // Two columns and three rows of tiles of 4 x 3 pixels.
         let quilt = light_field.to_quilt(GridSize::new(3, 2), &views).unwrap();
         assert_eq!(quilt.dim(), (9, 8, 2));

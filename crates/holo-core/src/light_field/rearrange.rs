@@ -1,8 +1,9 @@
-//! Eq. 4: from one layout to the other, the only place where one grid becomes the other.
+//! Eq. 4: elemental grid to viewpoint grid and back.
 //!
-//! For a fixed lens row `v` and view row `t`, row `v*T + t` of the elemental grid and row `t*V + v` of the viewpoint grid hold the
-//! same U*S pixels: the one as U groups of S, the other as S groups of U. The whole job is therefore V*T independent
-//! transpositions of a single row each (24 KB in 8K RGB8), which fit the cache, and rows of the destination go to rayon's threads.
+//! For a fixed lens row `v` and view row `t`, row `v*T + t` of the elemental grid and row `t*V + v` of the viewpoint
+//! grid hold the same U*S pixels: the former as U groups of S, the latter as S groups of U. The rearrangement is V*T
+//! independent transpositions of a single row (24 KB for 8K RGB8). A row fits the cache, and rayon's threads share the
+//! rows of the destination.
 
 pub mod naive;
 mod transpose;
@@ -11,13 +12,14 @@ use ndarray::{Array3, ArrayView3, ArrayViewMut2, ArrayViewMut3, Axis, Data, Slic
 use rayon::prelude::*;
 
 use crate::light_field::checked_length;
+use crate::memory::{filled, reserved};
 use crate::{Error, LightField};
 pub(crate) use transpose::Scratch;
 
-/// Bytes below which a rearrangement stays on the calling thread: waking the others costs more than it saves.
+/// Bytes below which a rearrangement stays on the calling thread, because waking others would take longer.
 const PARALLEL_BYTES: usize = 1 << 17;
 
-/// Bytes of destination rows that one task of a parallel rearrangement moves at least.
+/// The least number of bytes of destination rows that one task of a parallel rearrangement moves.
 const TASK_BYTES: usize = 1 << 18;
 
 impl<S> LightField<S>
@@ -25,59 +27,64 @@ where
     S: Data,
     S::Elem: Copy + Send + Sync,
 {
-    /// Returns the elemental grid (the raw image behind the lenses) as a new image.
+    /// Returns a copy of the elemental grid: the elemental image array, the raw image behind the microlenses.
     ///
     /// # Shape
     ///
     /// `(V*T, U*S, C)`: row, column, channel.
     ///
-    /// # Panics
+    /// # Accuracy
     ///
-    /// As any `Vec` does, when there is no memory for a copy of the samples. Their size never overflows: it was checked when the
-    /// light field was made.
+    /// Exact: samples are only moved.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfMemory`] if the allocation of the image fails.
     ///
     /// # Source
     ///
-    /// Eq. 4, the way back. [`naive::to_elemental_grid`] is the equation to the letter.
+    /// Eq. 4, inverted. [`naive::to_elemental_grid`] is its reference implementation.
     ///
     /// # Examples
     ///
     /// ```
-    /// use holo_core::{GridSize, LightField, Split};
+    /// use holo_core::{GridSize, LightField, LightFieldShape};
     /// use ndarray::array;
     ///
     /// // Two views of one row of three pixels, a and b.
-    /// let split = Split::new(GridSize::new(1, 2), GridSize::new(1, 3))?;
+    /// let shape = LightFieldShape::new(GridSize::new(1, 2), GridSize::new(1, 3))?;
     /// let views = array![[['a'], ['b'], ['c'], ['A'], ['B'], ['C']]];
-    /// let light_field = LightField::from_viewpoint_grid(views, split)?;
-    /// assert_eq!(light_field.to_elemental_grid(), array![[['a'], ['A'], ['b'], ['B'], ['c'], ['C']]]);
+    /// let light_field = LightField::from_viewpoint_grid(views, shape)?;
+    /// assert_eq!(light_field.to_elemental_grid()?, array![[['a'], ['A'], ['b'], ['B'], ['c'], ['C']]]);
     /// # Ok::<(), holo_core::Error>(())
     /// ```
-    #[must_use]
-    pub fn to_elemental_grid(&self) -> Array3<S::Elem> {
-        let mut image = self.blank_grid();
-        self.to_elemental_grid_into(image.view_mut()).expect("the image was made to measure");
-        image
+    pub fn to_elemental_grid(&self) -> Result<Array3<S::Elem>, Error> {
+        let mut image = self.grid_memory("an elemental grid")?;
+        self.to_elemental_grid_into(image.view_mut())?;
+        Ok(image)
     }
 
-    /// Returns the viewpoint grid (all views side by side) as a new image.
+    /// Returns a copy of the viewpoint grid: the sub-aperture image array, all views side by side.
     ///
     /// # Shape
     ///
     /// `(T*V, S*U, C)`: row, column, channel.
     ///
-    /// # Panics
+    /// # Accuracy
+    ///
+    /// Exact: samples are only moved.
+    ///
+    /// # Errors
     ///
     /// As [`LightField::to_elemental_grid`].
     ///
     /// # Source
     ///
-    /// Eq. 4. [`naive::to_viewpoint_grid`] is the equation to the letter.
-    #[must_use]
-    pub fn to_viewpoint_grid(&self) -> Array3<S::Elem> {
-        let mut image = self.blank_grid();
-        self.to_viewpoint_grid_into(image.view_mut()).expect("the image was made to measure");
-        image
+    /// Eq. 4. [`naive::to_viewpoint_grid`] is its reference implementation.
+    pub fn to_viewpoint_grid(&self) -> Result<Array3<S::Elem>, Error> {
+        let mut image = self.grid_memory("a viewpoint grid")?;
+        self.to_viewpoint_grid_into(image.view_mut())?;
+        Ok(image)
     }
 
     /// Writes the elemental grid into an existing image of any strides.
@@ -108,17 +115,19 @@ where
         self.fill_rows("viewpoint grid", image, |row| (row % v, row / v), fill_viewpoint_row)
     }
 
-    /// An image of the raw size. There is no safe way to leave it uninitialised, so it is filled with a sample.
-    fn blank_grid(&self) -> Array3<S::Elem> {
-        let (raw, samples) = (self.split().raw_size(), self.samples());
+    /// An image of the raw size that is filled with the first sample, because safe code cannot leave it uninitialized.
+    fn grid_memory(&self, what: &'static str) -> Result<Array3<S::Elem>, Error> {
+        let (raw, samples) = (self.shape().raw_size(), self.samples());
         let (sample, length) = (samples[[0, 0, 0, 0, 0]], samples.len());
         let memory = if length * size_of::<S::Elem>() < PARALLEL_BYTES {
-            vec![sample; length]
+            filled(what, length, sample)?
         } else {
-            // Most of the time goes into the first touch of each page, which the threads can share.
-            rayon::iter::repeat_n(sample, length).collect()
+            // The first write to a page takes longer than the copies. Here all threads share those writes.
+            let mut memory = reserved(what, length)?;
+            memory.par_extend(rayon::iter::repeat_n(sample, length));
+            memory
         };
-        Array3::from_shape_vec((raw.rows, raw.columns, self.channels()), memory).expect("the length is the product")
+        Ok(Array3::from_shape_vec((raw.rows, raw.columns, self.channels()), memory).expect("the length is the product"))
     }
 
     /// Fills every row of `image` from the samples `(u, s, c)` of the lens row and view row that `source` names for it.
@@ -129,8 +138,8 @@ where
         source: impl Fn(usize) -> (usize, usize) + Sync,
         fill: impl Fn(ArrayView3<'_, S::Elem>, ArrayViewMut2<'_, S::Elem>, &mut Scratch<S::Elem>) + Sync,
     ) -> Result<(), Error> {
-        let (split, channels) = (self.split(), self.channels());
-        let raw = split.raw_size();
+        let (shape, channels) = (self.shape(), self.channels());
+        let raw = shape.raw_size();
         let expected = [raw.rows, raw.columns, channels];
         if image.shape() != expected {
             return Err(Error::Shape { what, expected: expected.to_vec(), found: image.shape().to_vec() });
@@ -141,7 +150,7 @@ where
             // (v, u, t, s, c) without t and v is (u, s, c).
             fill(samples.index_axis(Axis(2), t).index_axis_move(Axis(0), v), destination, scratch);
         };
-        let bytes = checked_length::<S::Elem>(&split, channels)? * size_of::<S::Elem>();
+        let bytes = checked_length::<S::Elem>(&shape, channels)? * size_of::<S::Elem>();
         let rows = image.axis_iter_mut(Axis(0));
         if bytes < PARALLEL_BYTES {
             let mut scratch = Scratch::new();
@@ -168,10 +177,10 @@ pub(crate) fn fill_viewpoint_row<T: Copy>(
     fill_row(samples.permuted_axes([1, 0, 2]), row, scratch);
 }
 
-/// Writes samples `(group, member, c)` one group after the other.
+/// Writes samples `(group, member, c)` group by group.
 ///
-/// The destination is usually a slice, and the source is then one of three things: already in this order, in the other
-/// order, or neither.
+/// If the destination is a slice, a source in this order is copied and a source in the other order is transposed in the
+/// cache. All other cases take the general loop.
 fn fill_row<T: Copy>(samples: ArrayView3<'_, T>, mut row: ArrayViewMut2<'_, T>, scratch: &mut Scratch<T>) {
     let (groups, members, channels) = samples.dim();
     if let Some(destination) = row.as_slice_mut() {
@@ -183,11 +192,11 @@ fn fill_row<T: Copy>(samples: ArrayView3<'_, T>, mut row: ArrayViewMut2<'_, T>, 
             return scratch.transpose(source, destination, [members, groups, channels]);
         }
         if transposed.outer_iter().all(|line| line.is_standard_layout()) {
-            // A clip: lines without gaps, with gaps between them.
+            // A clip of the views or microlenses: lines without gaps, with gaps between them.
             return scratch.transpose_lines(transposed, destination);
         }
     }
-    // The way that is right for any strides and fast for none.
+    // Correct for any strides.
     for (group, samples) in samples.outer_iter().enumerate() {
         row.slice_axis_mut(Axis(0), Slice::from(group * members..(group + 1) * members)).assign(&samples);
     }

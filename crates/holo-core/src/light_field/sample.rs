@@ -5,7 +5,7 @@ use ndarray::{Array3, ArrayView3};
 use super::dynamic::{DynImage, DynImageRef, DynLightField, DynLightFieldRef};
 use super::{LightFieldOwned, LightFieldRef};
 
-/// One of the element types, as a value.
+/// An element type as a value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum SampleKind {
     /// `u8`.
@@ -19,7 +19,7 @@ pub enum SampleKind {
 }
 
 impl SampleKind {
-    /// The name that numpy and HDF5 have for it, such as `uint8`.
+    /// Returns the name of the type in numpy and HDF5, such as `uint8`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -30,7 +30,7 @@ impl SampleKind {
         }
     }
 
-    /// Whether it is one of the two floating-point types.
+    /// Returns whether it is one of the two floating-point types.
     #[must_use]
     pub const fn is_float(self) -> bool {
         matches!(self, Self::F32 | Self::F64)
@@ -39,12 +39,12 @@ impl SampleKind {
 
 /// `u8`, `u16`, `f32` or `f64`: an element of an image or of a light field.
 ///
-/// Values are taken as they are: no tone curve is undone.
+/// Conversions apply no transfer curve.
 pub trait Sample: sealed::Sealed + Copy + Default + PartialEq + std::fmt::Debug + Send + Sync + 'static {
-    /// Which of them it is.
+    /// The element type as a value.
     const KIND: SampleKind;
 
-    /// The largest value of an integer; floats have no scale of their own.
+    /// The largest value of an integer type; `None` for floats, which have no fixed scale.
     const WHITE: Option<f32>;
 
     /// Converts to `f32`: exact for all but `f64`, which is rounded to nearest.
@@ -54,7 +54,7 @@ pub trait Sample: sealed::Sealed + Copy + Default + PartialEq + std::fmt::Debug 
     fn to_f64(self) -> f64;
 }
 
-/// How a type becomes one of many: not for callers, who have `From`.
+/// The conversions into the dynamic types; public as `From`.
 pub(super) mod sealed {
     use super::{Array3, ArrayView3, DynImage, DynImageRef, DynLightField, DynLightFieldRef};
     use super::{LightFieldOwned, LightFieldRef};

@@ -1,4 +1,4 @@
-//! The benchmark's general measures of a disparity map: BadPix, MSE, Q25, and beside them MAE and RMSE.
+//! The general measures of the benchmark for disparity maps, BadPix, MSE and Q25, and also MAE and RMSE.
 
 use ndarray::ArrayRef2;
 
@@ -13,7 +13,7 @@ pub const BAD_PIXEL_THRESHOLDS_PX: [f64; 3] = [0.01, 0.03, 0.07];
 /// The general measures of one disparity map.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisparityScores {
-    /// How many pixels were judged, and how many could not be.
+    /// The numbers of compared and of excluded pixels.
     pub counts: PixelCounts,
     /// BadPix for each of [`BAD_PIXEL_THRESHOLDS_PX`], in percent.
     pub bad_pixels_percent: [f64; 3],
@@ -27,10 +27,12 @@ pub struct DisparityScores {
     pub root_mean_squared_error_px: f64,
 }
 
-/// Returns BadPix for 0.01, 0.03 and 0.07 px, MSE and Q25 of a disparity map, with the mean absolute error and the root of the MSE.
+/// Returns BadPix for 0.01, 0.03 and 0.07 px, MSE and Q25 of a disparity map, with the mean absolute error and the root
+/// of the MSE.
 ///
-/// BadPix counts a pixel without a finite estimate as bad. The other measures leave it out and are NaN if no pixel is left; look at
-/// [`PixelCounts::estimate_not_finite`] before you compare them. Pixels without a finite truth are left out everywhere.
+/// BadPix counts a pixel without a finite estimate as bad. The other measures exclude it and are NaN if no pixel
+/// remains; compare them only if [`PixelCounts::estimate_not_finite`] agrees. Pixels without a finite ground truth are
+/// excluded.
 ///
 /// # Shape
 ///
@@ -42,17 +44,19 @@ pub struct DisparityScores {
 ///
 /// # Accuracy
 ///
-/// In `f64`, summed in reading order. The toolkit subtracts in the type of the maps, `f32`, and compares with the threshold in that type:
-/// a pixel whose error lies within 1e-7 px of a threshold may be judged differently.
+/// In `f64`, summed row by row. The toolkit subtracts and compares in `f32`, the type of the maps: a pixel whose error
+/// is within 1e-7 px of a threshold may be classified differently.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] if the maps or the mask differ in shape; [`Error::NothingToMeasure`] if no pixel has a finite truth.
+/// [`Error::Shape`] if the maps or the mask differ in shape; [`Error::NothingToMeasure`] if no pixel has a finite
+/// truth.
 ///
 /// # Source
 ///
-/// Honauer et al. 2016, and `BadPix`, `MSE(factor=100)` and `Quantile(25)` of the toolkit. Q25 is, as there, the element floor(n/4)
-/// of the n sorted errors, without interpolation. One difference: the toolkit takes NaN for good, since a comparison with NaN is false.
+/// Honauer et al. 2016, and `BadPix`, `MSE(factor=100)` and `Quantile(25)` of the toolkit. Q25 is, as there, the
+/// element floor(n/4) of the n sorted errors, without interpolation. One difference: the toolkit counts NaN as good,
+/// because a comparison with NaN is false.
 ///
 /// # Examples
 ///
@@ -63,7 +67,7 @@ pub struct DisparityScores {
 /// let truth = array![[1.0_f32, 1.0], [2.0, f32::INFINITY]];
 /// let estimate = array![[1.0_f32, 1.5], [f32::NAN, 0.0]];
 /// let scores = disparity_scores(&estimate, &truth, &Region::with_border(0))?;
-/// // Of the three pixels that have a truth, one is off by half a pixel and one has no estimate.
+/// // Of the three pixels with ground truth, one is off by half a pixel and one has no estimate.
 /// assert_eq!(scores.bad_pixels_percent, [200.0 / 3.0; 3]);
 /// assert_eq!(scores.mean_squared_error_x100, 12.5);
 /// assert_eq!(scores.counts.estimate_not_finite, 1);
@@ -92,7 +96,7 @@ pub fn disparity_scores<A: Real, B: Real>(
     })
 }
 
-/// Returns BadPix: how many pixels of a map are off by *more* than a threshold, in percent of those that have a finite truth.
+/// Returns BadPix: the percentage of pixels with an error *above* a threshold, among those with a finite ground truth.
 ///
 /// A pixel without a finite estimate is bad.
 ///
@@ -118,7 +122,7 @@ pub fn bad_pixels_percent<A: Real, B: Real>(
     Ok(percent_above(&errors, counts, threshold_px))
 }
 
-/// BadPix of errors and the counts that came with them.
+/// BadPix of a list of errors and its counts.
 fn percent_above(errors: &[f64], counts: PixelCounts, threshold_px: f64) -> f64 {
     let bad = errors.iter().filter(|error| error.abs() > threshold_px).count() + counts.estimate_not_finite;
     100.0 * bad as f64 / (counts.region - counts.truth_not_finite) as f64
@@ -133,7 +137,7 @@ mod tests {
 
     #[test]
     fn every_general_measure_of_eight_pixels_by_hand() {
-        // Binary fractions, so that every error is what it seems: absolute errors 0, 0, 1/128, 1/64, 1/16, 1/8, 1/4, 1/2.
+        // Binary fractions, so that every error is exact: absolute errors 0, 0, 1/128, 1/64, 1/16, 1/8, 1/4, 1/2.
         let truth = Array2::from_elem((2, 4), 1.0_f32);
         let estimate =
             array![[1.0_f32, 1.0 + 1.0 / 128.0, 1.0 - 1.0 / 16.0, 1.25], [1.0, 1.0 - 1.0 / 64.0, 1.125, 0.5]];
@@ -149,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_of_just_the_threshold_is_good() {
+    fn an_error_equal_to_the_threshold_is_good() {
         let truth = array![[0.0, 0.0, 0.0, 0.0]];
         let estimate = array![[0.07, -0.07, 0.07_f64.next_up(), -0.07_f64.next_up()]];
         assert_eq!(bad_pixels_percent(&estimate, &truth, 0.07, &ALL), Ok(50.0));
@@ -163,7 +167,7 @@ mod tests {
     fn a_quarter_of_few_pixels_is_the_best_one() {
         for (count, expected) in [(1, 0.0), (3, 0.0), (4, 100.0), (7, 100.0), (8, 200.0), (100, 2500.0)] {
             let truth = Array2::<f64>::zeros((1, count));
-            // Largest first: the measure must sort.
+            // In descending order: the measure must sort.
             let estimate = Array2::from_shape_fn((1, count), |(_, column)| (count - 1 - column) as f64);
             let scores = disparity_scores(&estimate, &truth, &ALL).unwrap();
             assert_eq!(scores.q25_x100, expected, "{count} pixels");
@@ -171,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn missing_estimates_are_bad_and_missing_truth_is_nothing() {
+    fn missing_estimates_are_bad_and_missing_truth_is_excluded() {
         let truth = array![[0.0, 0.0, 0.0, f64::NAN, f64::NEG_INFINITY]];
         let estimate = array![[0.5, f64::NAN, f64::INFINITY, 0.0, 0.0]];
         let scores = disparity_scores(&estimate, &truth, &ALL).unwrap();
@@ -179,7 +183,7 @@ mod tests {
         assert_eq!(scores.mean_squared_error_x100, 25.0);
         assert_eq!(scores.q25_x100, 50.0);
         assert_eq!(scores.counts, PixelCounts { region: 5, truth_not_finite: 2, estimate_not_finite: 2, compared: 1 });
-        // Nothing estimated: all bad, and no mean to speak of.
+        // No estimate: all pixels are bad, and the means are NaN.
         let scores = disparity_scores(&Array2::from_elem((1, 5), f32::NAN), &truth, &ALL).unwrap();
         assert_eq!(scores.bad_pixels_percent, [100.0; 3]);
         assert!(scores.mean_squared_error_x100.is_nan() && scores.q25_x100.is_nan());

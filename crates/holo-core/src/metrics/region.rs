@@ -1,13 +1,13 @@
-//! Which pixels of a map are judged, and how many could be.
+//! The evaluated region of a map, and the numbers of its pixels.
 
 use ndarray::{ArrayRef2, ArrayView2};
 
 use crate::{Error, Real};
 
-/// The border that the benchmark ignores on every side, in pixels.
+/// The border that the benchmark excludes on every side, in pixels.
 pub const DEFAULT_BORDER_PX: usize = 15;
 
-/// The pixels of a map that are judged: those inside a border and, if there is one, inside a mask.
+/// The evaluated pixels of a map: those inside a border and, if there is one, inside a mask.
 ///
 /// # Examples
 ///
@@ -19,9 +19,9 @@ pub const DEFAULT_BORDER_PX: usize = 15;
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Region<'a> {
-    /// Pixels ignored on every side.
+    /// The excluded border on every side, in pixels.
     pub border_px: usize,
-    /// Where `true`, a pixel counts; of the shape of the map.
+    /// `true` for evaluated pixels; of the shape of the map.
     pub mask: Option<ArrayView2<'a, bool>>,
 }
 
@@ -32,7 +32,7 @@ impl Default for Region<'_> {
 }
 
 impl<'a> Region<'a> {
-    /// Makes the region of all pixels that are not within `border_px` of an edge.
+    /// Returns the region of all pixels at least `border_px` from every edge.
     #[must_use]
     pub const fn with_border(border_px: usize) -> Self {
         Self { border_px, mask: None }
@@ -44,7 +44,7 @@ impl<'a> Region<'a> {
         Self { border_px: self.border_px, mask: Some(mask) }
     }
 
-    /// The pixels of the region in reading order.
+    /// The pixels of the region, row by row.
     pub(super) fn pixels(&self, shape: [usize; 2]) -> Result<impl Iterator<Item = [usize; 2]>, Error> {
         let mask = self.mask;
         if let Some(mask) = mask
@@ -61,20 +61,21 @@ impl<'a> Region<'a> {
     }
 }
 
-/// How many pixels a score rests on, and how many it could not judge.
+/// The numbers of compared and of excluded pixels of a score.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct PixelCounts {
     /// Pixels of the region: inside the border and the mask.
     pub region: usize,
-    /// Pixels of the region whose truth is NaN or infinite: left out of every score.
+    /// Pixels of the region whose ground truth is NaN or infinite: excluded from every score.
     pub truth_not_finite: usize,
-    /// Pixels of the region with a finite truth whose estimate is NaN or infinite: bad pixels, and left out of means and percentiles.
+    /// Pixels of the region with a finite ground truth whose estimate is NaN or infinite: bad pixels, excluded from
+    /// means and percentiles.
     pub estimate_not_finite: usize,
     /// Pixels of the region in which both are finite.
     pub compared: usize,
 }
 
-/// Checks that an estimate has the shape of the truth, and returns it.
+/// Checks that an estimate has the shape of the ground truth, and returns that shape.
 pub(super) fn same_shape<A, B>(estimate: &ArrayRef2<A>, truth: &ArrayRef2<B>) -> Result<[usize; 2], Error> {
     if estimate.dim() == truth.dim() {
         Ok(truth.dim().into())
@@ -84,7 +85,7 @@ pub(super) fn same_shape<A, B>(estimate: &ArrayRef2<A>, truth: &ArrayRef2<B>) ->
     }
 }
 
-/// The errors estimate - truth of all pixels in which both are finite, in reading order, and the counts of all pixels.
+/// The errors, estimate - truth, of all pixels in which both are finite, row by row, and the counts of all pixels.
 ///
 /// The subtraction is done in `f64`, which is exact for two `f32` of similar size.
 pub(super) fn errors<A: Real, B: Real>(
@@ -119,7 +120,7 @@ mod tests {
     use ndarray::{Array2, array};
 
     #[test]
-    fn border_and_mask_leave_what_they_should() {
+    fn border_and_mask_exclude_pixels() {
         let region = Region::with_border(1);
         let pixels: Vec<_> = region.pixels([3, 4]).unwrap().collect();
         assert_eq!(pixels, [[1, 1], [1, 2]]);
@@ -127,7 +128,7 @@ mod tests {
         (mask[[0, 0]], mask[[1, 2]]) = (true, true);
         let pixels: Vec<_> = region.masked(mask.view()).pixels([3, 4]).unwrap().collect();
         assert_eq!(pixels, [[1, 2]]);
-        // A border wider than the map leaves nothing and does not wrap.
+        // A border wider than the map excludes all pixels without an underflow.
         assert_eq!(Region::default().pixels([3, 40]).unwrap().count(), 0);
         assert_eq!(Region::with_border(usize::MAX).pixels([3, 4]).unwrap().count(), 0);
     }
@@ -144,12 +145,12 @@ mod tests {
     }
 
     #[test]
-    fn missing_values_are_counted_by_whose_they_are() {
+    fn missing_estimates_and_missing_truth_are_counted_separately() {
         let truth = array![[f64::NAN, 1.0, 1.0, f64::INFINITY, 1.0]];
         let estimate = array![[f32::NAN, f32::NAN, f32::NEG_INFINITY, 1.0, 1.5]];
         let (errors, counts) = errors(&estimate, &truth, &Region::with_border(0), "x").unwrap();
         assert_eq!(errors, [0.5]);
-        // Where both are missing it is the truth that rules: such a pixel cannot be judged.
+        // A pixel without both counts as one without ground truth.
         assert_eq!(counts, PixelCounts { region: 5, truth_not_finite: 2, estimate_not_finite: 2, compared: 1 });
     }
 }

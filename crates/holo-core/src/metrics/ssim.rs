@@ -1,55 +1,56 @@
-//! Structural similarity of two pictures.
+//! Structural similarity of two images.
 
 use std::ops::Range;
 
 use ndarray::{ArrayRef3, ArrayView3};
 use rayon::prelude::*;
 
-use super::psnr::check_pictures;
+use super::psnr::check_images;
 use crate::{Error, Sample};
 
-/// Rows and columns of the window, in pixels: pictures must have at least as many.
+/// The rows and columns of the window, in pixels, and the smallest size of an image.
 pub const SSIM_WINDOW_PX: usize = 2 * RADIUS + 1;
 
-/// scikit-image cuts the Gaussian off at 3.5 deviations: floor(3.5 * 1.5 + 0.5).
+/// The radius of scikit-image, which truncates the Gaussian at 3.5 deviations: floor(3.5 * 1.5 + 0.5).
 const RADIUS: usize = 5;
 
 /// The deviation of the Gaussian window, in pixels.
 const SIGMA_PX: f64 = 1.5;
 
-/// Rows of windows that one task measures: the 10 rows above and below that it filters for its neighbours cost 16 %.
+/// Rows of windows per task. Each task filters 10 extra rows.
 const BAND: usize = 64;
 
-/// The five pictures that a window averages: x, y, x^2, y^2, x*y.
+/// The five means of a window: x, y, x^2, y^2, x*y.
 type Moments = [f64; 5];
 
-/// Returns the mean structural similarity of two pictures: 1 if they are equal, about 0 if they have nothing in common.
+/// Returns the mean structural similarity (SSIM) of two images: 1 for equal images, about 0 for unrelated ones.
 ///
-/// The mean is taken over all windows that lie within the picture, then over the channels.
+/// The mean is over all windows within the image, then over the channels.
 ///
 /// # Shape
 ///
-/// Two pictures `(row, column, channel)` of equal shape, at least 11 x 11 pixels.
+/// Two images `(row, column, channel)` of equal shape, at least 11 x 11 pixels.
 ///
 /// # Units
 ///
-/// `data_range` is the difference between the largest and the smallest value that a sample can have: 255 for `u8`, 65535 for `u16`; for `f32`
-/// it is for the caller to say, often 1.
+/// `data_range` is the difference between the largest and the smallest value that a sample can have: 255 for `u8`,
+/// 65535 for `u16`; for `f32` the caller specifies it, often 1.
 ///
 /// # Accuracy
 ///
-/// In `f64`; the same bits for any number of threads. A NaN in a picture makes the result NaN.
+/// In `f64`; the result does not depend on the number of threads. A NaN in an image makes the result NaN.
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] if the pictures differ in shape; [`Error::ZeroCount`] if they are empty; [`Error::NothingToMeasure`] if they are
-/// smaller than a window; [`Error::BadNumber`] if the range is not finite and above 0.
+/// [`Error::Shape`] if the images differ in shape; [`Error::ZeroCount`] if they are empty; [`Error::NothingToMeasure`]
+/// if they are smaller than a window; [`Error::BadNumber`] if the range is not finite and above 0.
 ///
 /// # Source
 ///
-/// Z. Wang, A. C. Bovik, H. R. Sheikh and E. P. Simoncelli, *Image quality assessment: from error visibility to structural similarity*,
-/// 2004: a Gaussian window of 11 x 11 pixels and deviation 1.5, K1 = 0.01, K2 = 0.03, moments of the population. These
-/// are the settings `gaussian_weights=True, sigma=1.5, use_sample_covariance=False` of scikit-image's `structural_similarity`.
+/// Z. Wang, A. C. Bovik, H. R. Sheikh and E. P. Simoncelli, *Image quality assessment: from error visibility to
+/// structural similarity*, 2004: a Gaussian window of 11 x 11 pixels and deviation 1.5, K1 = 0.01, K2 = 0.03, moments
+/// of the population. These are the settings `gaussian_weights=True, sigma=1.5, use_sample_covariance=False` of
+/// scikit-image's `structural_similarity`.
 ///
 /// # Examples
 ///
@@ -57,18 +58,18 @@ type Moments = [f64; 5];
 /// use holo_core::metrics::ssim;
 /// use ndarray::Array3;
 ///
-/// let picture = Array3::from_shape_fn((16, 16, 3), |(row, column, _)| (row * column) as u8);
-/// assert!((ssim(&picture, &picture, 255.0)? - 1.0).abs() < 1e-12);
+/// let image = Array3::from_shape_fn((16, 16, 3), |(row, column, _)| (row * column) as u8);
+/// assert!((ssim(&image, &image, 255.0)? - 1.0).abs() < 1e-12);
 /// # Ok::<(), holo_core::Error>(())
 /// ```
-pub fn ssim<T: Sample>(picture: &ArrayRef3<T>, reference: &ArrayRef3<T>, data_range: f64) -> Result<f64, Error> {
-    let data_range = check_pictures(picture, reference, data_range)?;
-    let (rows, columns, channels) = picture.dim();
+pub fn ssim<T: Sample>(image: &ArrayRef3<T>, reference: &ArrayRef3<T>, data_range: f64) -> Result<f64, Error> {
+    let data_range = check_images(image, reference, data_range)?;
+    let (rows, columns, channels) = image.dim();
     if rows < SSIM_WINDOW_PX || columns < SSIM_WINDOW_PX {
         let shape = [rows, columns];
         return Err(Error::NothingToMeasure { what: "structural similarity", shape, border_px: RADIUS });
     }
-    let (picture, reference) = (picture.view(), reference.view());
+    let (image, reference) = (image.view(), reference.view());
     let (windows_down, windows_along) = (rows - 2 * RADIUS, columns - 2 * RADIUS);
     let weights = window();
     let mut sum = 0.0;
@@ -78,10 +79,10 @@ pub fn ssim<T: Sample>(picture: &ArrayRef3<T>, reference: &ArrayRef3<T>, data_ra
             .map(|band| {
                 let first = band * BAND;
                 let windows = first..(first + BAND).min(windows_down);
-                band_sum(picture, reference, channel, windows, &weights, data_range)
+                band_sum(image, reference, channel, windows, &weights, data_range)
             })
             .collect();
-        // Added up in their order, whoever made them.
+        // In a fixed order, for any number of threads.
         sum += bands.iter().sum::<f64>() / (windows_down * windows_along) as f64;
     }
     Ok(sum / channels as f64)
@@ -97,20 +98,20 @@ fn window() -> [f64; SSIM_WINDOW_PX] {
 
 /// The sum of the similarity over some rows of windows of one channel.
 fn band_sum<T: Sample>(
-    picture: ArrayView3<'_, T>,
+    image: ArrayView3<'_, T>,
     reference: ArrayView3<'_, T>,
     channel: usize,
     windows: Range<usize>,
     weights: &[f64; SSIM_WINDOW_PX],
     data_range: f64,
 ) -> f64 {
-    // Along the rows first: every row of the band once, as moments of each window's columns.
-    let columns = picture.dim().1;
+    // Along the rows first: every row of the band once.
+    let columns = image.dim().1;
     let mut products: Vec<Moments> = vec![[0.0; 5]; columns];
     let rows: Vec<Vec<Moments>> = (windows.start..windows.end + 2 * RADIUS)
         .map(|row| {
             for (column, product) in products.iter_mut().enumerate() {
-                let x = picture[[row, column, channel]].to_f64();
+                let x = image[[row, column, channel]].to_f64();
                 let y = reference[[row, column, channel]].to_f64();
                 *product = [x, y, x * x, y * y, x * y];
             }
@@ -151,7 +152,7 @@ mod tests {
     use crate::metrics::psnr_db;
     use ndarray::Array3;
 
-    // What `ssim_reference.py` prints with scikit-image 0.26.0.
+    // The output of `ssim_reference.py` with scikit-image 0.26.0.
     const SSIM_U8: f64 = 0.9711817414895046;
     const PSNR_U8: f64 = 25.17464397889864;
     const SSIM_U16: f64 = 0.8928973611495303;
@@ -159,9 +160,9 @@ mod tests {
     const SSIM_F32: f64 = 0.9721351741364946;
     const PSNR_F32: f64 = 31.229239589736153;
 
-    /// The definition: for every window, the weighted means, variances and covariance about the means.
-    fn naive(picture: &Array3<f64>, reference: &Array3<f64>, range: f64) -> f64 {
-        let (rows, columns, channels) = picture.dim();
+    /// The reference implementation: for every window, the weighted means, variances and covariance about the means.
+    fn naive(image: &Array3<f64>, reference: &Array3<f64>, range: f64) -> f64 {
+        let (rows, columns, channels) = image.dim();
         let weights = window();
         let (mut sum, mut count) = (0.0, 0.0);
         for channel in 0..channels {
@@ -172,7 +173,7 @@ mod tests {
                         for i in 0..11 {
                             for j in 0..11 {
                                 let at = [row + i, column + j, channel];
-                                mean += weights[i] * weights[j] * value(picture[at], reference[at]);
+                                mean += weights[i] * weights[j] * value(image[at], reference[at]);
                             }
                         }
                         mean
@@ -189,8 +190,8 @@ mod tests {
         sum / count
     }
 
-    /// The pictures of `ssim_reference.py`, which made the numbers below.
-    fn pictures() -> (Array3<u16>, Array3<u16>) {
+    /// The images of `ssim_reference.py`.
+    fn images() -> (Array3<u16>, Array3<u16>) {
         let first = Array3::from_shape_fn((20, 24, 3), |(r, c, k)| ((r * 7 + c * 13 + k * 29 + r * c) % 251) as u16);
         let second = Array3::from_shape_fn((20, 24, 3), |(r, c, k)| {
             let noise = (r * 31 + c * 17 + k * 5 + r * r * c) % 37;
@@ -201,8 +202,8 @@ mod tests {
 
     #[test]
     fn numbers_are_those_of_scikit_image() {
-        let (first, second) = pictures();
-        // Both sides compute in f64: 1e-9 is some 1e6 roundings of values of about 1.
+        let (first, second) = images();
+        // Both compute in f64: 1e-9 is about 1e6 roundings of values of about 1.
         let close = |value: f64, expected: f64| assert!((value - expected).abs() < 1e-9, "{value} for {expected}");
         let (a, b) = (first.mapv(|value| value as u8), second.mapv(|value| value as u8));
         close(ssim(&a, &b, 255.0).unwrap(), SSIM_U8);
@@ -217,29 +218,29 @@ mod tests {
     }
 
     #[test]
-    fn bands_and_separate_filters_change_nothing() {
-        // Taller than one band, so that its seams are crossed.
-        let picture = Array3::from_shape_fn((150, 17, 2), |(r, c, k)| ((r * r + 3 * c * r + k * 11) % 97) as f32);
+    fn bands_and_separable_filters_agree_with_the_reference_implementation() {
+        // Taller than one band.
+        let image = Array3::from_shape_fn((150, 17, 2), |(r, c, k)| ((r * r + 3 * c * r + k * 11) % 97) as f32);
         let reference = Array3::from_shape_fn((150, 17, 2), |(r, c, k)| ((r * r + 2 * c * r + k * 7) % 89) as f32);
-        let found = ssim(&picture, &reference, 96.0).unwrap();
-        let expected = naive(&picture.mapv(f64::from), &reference.mapv(f64::from), 96.0);
+        let found = ssim(&image, &reference, 96.0).unwrap();
+        let expected = naive(&image.mapv(f64::from), &reference.mapv(f64::from), 96.0);
         // E[x^2] - E[x]^2 against E[(x - E[x])^2]: 96^2 * 2^-52 * some ten roundings against c2 = 8.
         assert!((found - expected).abs() < 1e-11, "{found} for {expected}");
     }
 
     #[test]
     fn threads_change_no_bit() {
-        let picture = Array3::from_shape_fn((300, 40, 1), |(r, c, _)| ((r * c) % 255) as u8);
-        let reference = picture.mapv(|value| value / 2 + 9);
+        let image = Array3::from_shape_fn((300, 40, 1), |(r, c, _)| ((r * c) % 255) as u8);
+        let reference = image.mapv(|value| value / 2 + 9);
         let in_pool = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| ssim(&picture, &reference, 255.0).unwrap()).to_bits()
+            pool.install(|| ssim(&image, &reference, 255.0).unwrap()).to_bits()
         };
         assert_eq!(in_pool(1), in_pool(3));
     }
 
     #[test]
-    fn flat_pictures_by_hand_and_small_ones_not_at_all() {
+    fn constant_images_by_hand_and_small_images_are_errors() {
         // Without structure only the means are left: (2ab + c1)/(a^2 + b^2 + c1).
         let (a, b) = (Array3::from_elem((11, 11, 1), 100_u8), Array3::from_elem((11, 11, 1), 50_u8));
         let c1 = 2.55_f64.powi(2);

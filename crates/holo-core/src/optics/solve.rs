@@ -1,38 +1,39 @@
-//! From the disparities that are wanted to the rig that has them.
+//! The rig for a given range of disparities.
 
 use super::{DepthRange, DisparityRange};
 use crate::error::positive;
 use crate::{Disparity, Error, GridSize, Intrinsics, Projection};
 
-/// Focus distance and baseline for wanted disparities.
+/// The focus distance and the baseline for a range of disparities.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisparitySolution {
-    /// The focus distance, in metres; may be infinite.
+    /// The focus distance, in meters; may be infinite.
     pub focus_distance_m: f64,
-    /// The distance between adjacent views, in metres.
+    /// The distance between adjacent views, in meters.
     pub baseline_m: f64,
     /// Eq. 3 with these numbers.
     pub disparity: Disparity,
 }
 
-/// Returns the focus distance and the baseline with which the nearest depth has the largest disparity and the farthest depth the
-/// smallest.
+/// Returns the focus distance and the baseline for which the nearest depth has the largest disparity and the farthest
+/// depth the smallest.
 ///
 /// For disparities of equal size at both ends, the focus distance is the harmonic mean of the two depths.
 ///
 /// # Units
 ///
-/// Depths in metres, the farthest may be infinite; disparities in pixels between adjacent views; `lenses` is the size of a
-/// view in pixels.
+/// Depths in meters, the farthest may be infinite; disparities in pixels between adjacent views; `lenses` is the
+/// spatial resolution of a view.
 ///
 /// # Errors
 ///
-/// [`Error::ImpossibleRange`] if the largest disparity is not above the smallest, or if the focus plane would have to lie beyond infinity;
-/// [`Error::BadNumber`] if a number is NaN, infinite or of the wrong sign.
+/// [`Error::ImpossibleRange`] if the largest disparity is not above the smallest, or if the focus plane would be beyond
+/// infinity; [`Error::BadNumber`] if a number is NaN, infinite or of the wrong sign.
 ///
 /// # Source
 ///
-/// Eq. 3 for both ends, solved: `k = (d1 - d2) / (1/Z1 - 1/Z2)`, `F = (d1 - d2) Z1 / (d1 Z1/Z2 - d2)`, `baseline = k sens / (f N)`.
+/// Eq. 3 for both ends, solved: `k = (d1 - d2) / (1/Z1 - 1/Z2)`, `F = (d1 - d2) Z1 / (d1 Z1/Z2 - d2)`, `baseline = k
+/// sens / (f N)`.
 ///
 /// # Examples
 ///
@@ -64,22 +65,22 @@ pub fn rig_for_disparities(
     if min_px >= max_px {
         return Err(Error::ImpossibleRange { why: "the largest disparity must be above the smallest" });
     }
-    let focal_length_m = positive("focal length in metres", intrinsics.focal_length_m)?;
-    let sensor_size_m = positive("sensor size in metres", intrinsics.sensor_size_m)?;
+    let focal_length_m = positive("focal length in meters", intrinsics.focal_length_m)?;
+    let sensor_size_m = positive("sensor size in meters", intrinsics.sensor_size_m)?;
     let pixels = positive("pixels along the larger side of a view", lenses.larger() as f64)?;
-    // Z1/Z2, which is 0 for an infinite Z2: nothing here divides infinity by infinity.
+    // Z1/Z2, which is 0 for an infinite Z2.
     let ratio = near_m / far_m;
     let span_px = max_px - min_px;
-    let scale_m_px = positive("disparity scale in metre-pixels", span_px * near_m / (1.0 - ratio))?;
+    let scale_m_px = positive("disparity scale in meter-pixels", span_px * near_m / (1.0 - ratio))?;
     let beyond_px = max_px * ratio - min_px;
     if beyond_px < 0.0 {
         let why = "the farthest depth would lie nearer than the focus plane, and that beyond infinity; \
-                   ask for a smaller least disparity, or for a larger ratio of the disparities";
+                   choose a lower smallest disparity, or a larger ratio of the disparities";
         return Err(Error::ImpossibleRange { why });
     }
-    // +0, which becomes +infinity: a focus at infinity.
+    // + 0.0 turns -0 into +0, whose quotient is +infinity: a focus at infinity.
     let focus_distance_m = span_px * near_m / (beyond_px + 0.0);
-    let baseline_m = positive("baseline in metres", scale_m_px * sensor_size_m / (focal_length_m * pixels))?;
+    let baseline_m = positive("baseline in meters", scale_m_px * sensor_size_m / (focal_length_m * pixels))?;
     let disparity = Disparity::new(scale_m_px, focus_distance_m, Projection::Perspective)?;
     Ok(DisparitySolution { focus_distance_m, baseline_m, disparity })
 }
@@ -87,7 +88,7 @@ pub fn rig_for_disparities(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Rig, Split};
+    use crate::{LightFieldShape, Rig};
 
     const INTRINSICS: Intrinsics = Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 };
     const LENSES: GridSize = GridSize::new(240, 360);
@@ -97,18 +98,19 @@ mod tests {
     }
 
     #[test]
-    fn solutions_have_the_disparities_that_were_asked_for() {
+    fn solutions_have_the_requested_disparities() {
         for (near_m, far_m) in [(2.0, 6.0), (0.01, 0.011), (1.0, f64::INFINITY), (3.0, 1e9)] {
             for (min_px, max_px) in [(-2.0, 2.0), (-0.5, 3.0), (-4.0, -1.0), (-1e-3, 1e-3), (0.0, 2.0), (-3.0, 0.0)] {
                 // Disparities of one sign need a focus in front of or behind all; in front there is always room.
                 let found = solve(near_m, far_m, min_px, max_px).unwrap();
-                let rig = Rig::builder(Split::new(GridSize::new(5, 5), LENSES).unwrap())
+                let rig = Rig::builder(LightFieldShape::new(GridSize::new(5, 5), LENSES).unwrap())
                     .intrinsics(INTRINSICS)
                     .baseline_m(found.baseline_m)
                     .focus_distance_m(found.focus_distance_m)
                     .build()
                     .unwrap();
-                // k and F are good to some ulp; what that is in disparity grows with how near together the depths are: by k/Z over the span.
+                // k and F are good to some ulp; what that is in disparity grows with how near together the depths are:
+                // by k/Z over the span.
                 let bound = 1e-14 * rig.disparity().scale_m_px() / near_m;
                 assert!(
                     (rig.disparity().from_depth_m(near_m) - max_px).abs() < bound,
@@ -136,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn impossible_wishes_are_errors() {
+    fn impossible_requests_are_errors() {
         // 1/F = 1/6 - 1/12 > 0 for 1 px at 6 m with k = 12; 3 px there would need 1/F = 1/6 - 3/12 < 0.
         assert!(solve(2.0, 6.0, 1.0, 5.0).is_ok());
         assert!(matches!(solve(2.0, 6.0, 3.0, 7.0), Err(Error::ImpossibleRange { .. })));

@@ -1,4 +1,4 @@
-//! What speaks against a rig.
+//! Warnings about rigs.
 
 use std::fmt;
 
@@ -6,24 +6,24 @@ use super::{DepthRange, DisparityRange, Optics};
 use crate::Error;
 use crate::error::positive;
 
-/// A reason why a rig does not suit a range of depths. It works all the same.
+/// A warning that a rig does not suit a range of depths. The rig is valid all the same.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum OpticsWarning {
-    /// Some depths move farther from view to view than is welcome.
+    /// Some depths have disparities beyond the limit.
     DisparityBeyondLimit {
         /// The disparities of the depths.
         range: DisparityRange,
-        /// The largest that is welcome, of either sign, in pixels.
+        /// The largest acceptable disparity, of either sign, in pixels.
         limit_px: f64,
     },
-    /// One step of disparity is deeper than the whole range: the baseline is too small to tell its depths apart.
+    /// The depth resolution is coarser than the range: the baseline is too small.
     DepthResolutionTooCoarse {
-        /// How thick the slab of one step is in the middle of the range, in metres; may be infinite.
+        /// The depth resolution in the middle of the range, in meters; may be infinite.
         resolution_m: f64,
-        /// How deep the range is, in metres.
+        /// The length of the range, in meters.
         depth_m: f64,
-        /// The step, in pixels.
+        /// The disparity resolution, in pixels.
         step_px: f64,
     },
 }
@@ -33,8 +33,9 @@ impl fmt::Display for OpticsWarning {
         match self {
             Self::DisparityBeyondLimit { range: DisparityRange { min_px, max_px }, limit_px } => write!(
                 f,
-                "disparities from {min_px:.3} to {max_px:.3} px leave -{limit_px} to {limit_px} px: use a smaller baseline, more views on \
-                 the same aperture, or a focus distance nearer to the harmonic mean of the depths"
+                "disparities from {min_px:.3} to {max_px:.3} px leave -{limit_px} to {limit_px} px: use a smaller \
+                 baseline, more views on the same aperture, or a focus distance nearer to the harmonic mean \
+                 of the depths"
             ),
             Self::DepthResolutionTooCoarse { resolution_m, depth_m, step_px } => {
                 if resolution_m.is_finite() {
@@ -61,7 +62,8 @@ pub(super) fn of(
     if range.max_px > limit_px || range.min_px < -limit_px {
         warnings.push(OpticsWarning::DisparityBeyondLimit { range, limit_px });
     }
-    // A range that fits into one step has a slab around its middle, in disparity, that is deeper than it.
+    // If the disparities of the range span less than one step, the depth interval of a step around their middle is
+    // longer.
     if range.max_px - range.min_px < step_px {
         let middle_px = f64::midpoint(range.min_px, range.max_px);
         let middle_m = optics.rig().disparity_x().to_depth_m(middle_px);
@@ -75,11 +77,11 @@ pub(super) fn of(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{GridSize, Rig, Split};
+    use crate::{GridSize, LightFieldShape, Rig};
 
     /// k = 500 times the baseline.
     fn optics(baseline_m: f64) -> Optics {
-        let rig = Rig::builder(Split::new(GridSize::new(5, 5), GridSize::new(360, 360)).unwrap())
+        let rig = Rig::builder(LightFieldShape::new(GridSize::new(5, 5), GridSize::new(360, 360)).unwrap())
             .focal_length_m(0.05)
             .sensor_size_m(0.036)
             .baseline_m(baseline_m)
@@ -112,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slab_is_deeper_than_a_range_that_it_holds() {
+    fn the_resolution_is_coarser_than_a_range_within_one_step() {
         // 1/Z from 1/6 to 1/2: 0.04 px, in a step of 0.05 px around 1/3.
         let warnings = optics(0.00024).warnings(DepthRange::new(2.0, 6.0).unwrap(), 2.0, 0.05).unwrap();
         let [OpticsWarning::DepthResolutionTooCoarse { resolution_m, .. }] = warnings[..] else {

@@ -1,15 +1,18 @@
-//! The synthetic aperture: which views are added up, and with what weight.
+//! The synthetic aperture: a weight for every view.
 
 use ndarray::{Array2, ArrayView2};
 
 use crate::error::positive;
-use crate::light_field::{checked_length, filled_memory};
-use crate::{Error, GridSize, Split};
+use crate::light_field::checked_length;
+use crate::memory::filled;
+use crate::{Error, GridSize, LightFieldShape};
 
-/// A weight for every view of a light field.
+/// A synthetic aperture: a weight for every view of a light field.
 ///
-/// Sizes and places are in views: the distance between adjacent views is 1, and a place is a row and a column that may lie between views. The
-/// middle of the grid is `((T-1)/2, (S-1)/2)`.
+/// # Units
+///
+/// Sizes and positions are in views: the distance between adjacent views is 1. A position is a row and a column, which
+/// may be fractional. The middle of the grid is `((T-1)/2, (S-1)/2)`.
 ///
 /// # Examples
 ///
@@ -17,7 +20,7 @@ use crate::{Error, GridSize, Split};
 /// use holo_core::GridSize;
 /// use holo_core::refocus::Aperture;
 ///
-/// // A disc three views wide around the middle of 5 x 5 views: the middle and its four neighbours.
+/// // A disc three views wide around the middle of 5 x 5 views: the middle and its four neighbors.
 /// let disc = Aperture::disc(GridSize::new(5, 5), (2.0, 2.0), 2.0)?;
 /// assert_eq!(disc.weights().sum(), 5.0);
 /// # Ok::<(), holo_core::Error>(())
@@ -28,36 +31,38 @@ pub struct Aperture {
 }
 
 impl Aperture {
-    /// Makes the aperture of all views with equal weights.
+    /// Returns the aperture of all views with equal weights.
     ///
     /// # Errors
     ///
-    /// [`Error::ZeroCount`] if there are no views; [`Error::TooLarge`] and [`Error::OutOfMemory`] if there are too many.
+    /// [`Error::ZeroCount`] if there are no views; [`Error::TooLarge`] and [`Error::OutOfMemory`] if there are too
+    /// many.
     pub fn all(views: GridSize) -> Result<Self, Error> {
         Self::from_function(views, |_, _| 1.0)
     }
 
-    /// Makes a round aperture: the views not farther from `centre` than half the diameter, with equal weights.
+    /// Returns a round aperture: the views within half the diameter of `center`, with equal weights.
     ///
     /// # Errors
     ///
-    /// As [`Aperture::all`]; [`Error::BadNumber`] if the diameter is not finite and above 0, or if no view lies within it.
-    pub fn disc(views: GridSize, centre: (f64, f64), diameter_views: f64) -> Result<Self, Error> {
+    /// As [`Aperture::all`]; [`Error::BadNumber`] if the diameter is not finite and above 0, or if no view lies within
+    /// it.
+    pub fn disc(views: GridSize, center: (f64, f64), diameter_views: f64) -> Result<Self, Error> {
         let radius = positive("diameter of the aperture in views", diameter_views)? / 2.0;
-        Self::cut_out(views, centre, diameter_views, |down, right| down.hypot(right) <= radius + EDGE)
+        Self::cut_out(views, center, diameter_views, |down, right| down.hypot(right) <= radius + EDGE)
     }
 
-    /// Makes a square aperture: the views not farther from `centre` along either axis than half the side, with equal weights.
+    /// Returns a square aperture: the views within half the side of `center` along both axes, with equal weights.
     ///
     /// # Errors
     ///
     /// As [`Aperture::disc`].
-    pub fn square(views: GridSize, centre: (f64, f64), side_views: f64) -> Result<Self, Error> {
+    pub fn square(views: GridSize, center: (f64, f64), side_views: f64) -> Result<Self, Error> {
         let half = positive("side of the aperture in views", side_views)? / 2.0;
-        Self::cut_out(views, centre, side_views, |down, right| down.abs().max(right.abs()) <= half + EDGE)
+        Self::cut_out(views, center, side_views, |down, right| down.abs().max(right.abs()) <= half + EDGE)
     }
 
-    /// Makes an aperture without an edge: Gaussian weights around `centre`.
+    /// Returns an aperture of Gaussian weights around `center`.
     ///
     /// # Units
     ///
@@ -66,23 +71,23 @@ impl Aperture {
     /// # Errors
     ///
     /// As [`Aperture::disc`].
-    pub fn gaussian(views: GridSize, centre: (f64, f64), deviation_views: f64) -> Result<Self, Error> {
+    pub fn gaussian(views: GridSize, center: (f64, f64), deviation_views: f64) -> Result<Self, Error> {
         let deviation = positive("deviation of the aperture in views", deviation_views)?;
         let aperture = Self::from_function(views, |t, s| {
-            let (down, right) = (t as f64 - centre.0, s as f64 - centre.1);
+            let (down, right) = (t as f64 - center.0, s as f64 - center.1);
             (-0.5 * ((down / deviation).powi(2) + (right / deviation).powi(2))).exp() as f32
         })?;
         aperture.not_empty(deviation_views)
     }
 
-    /// Makes an aperture of any weights, one for each view `(t, s)`.
+    /// Returns the aperture of the given weights, one for each view `(t, s)`.
     ///
     /// # Errors
     ///
-    /// [`Error::ZeroCount`] if there are no views; [`Error::BadNumber`] if a weight is negative, infinite or NaN, or if their sum is not
-    /// finite and above 0.
+    /// [`Error::ZeroCount`] if there are no views; [`Error::BadNumber`] if a weight is negative, infinite or NaN, or if
+    /// their sum is not finite and above 0.
     pub fn from_weights(weights: Array2<f32>) -> Result<Self, Error> {
-        Split::new(GridSize::new(weights.nrows(), weights.ncols()), GridSize::new(1, 1))?;
+        LightFieldShape::new(GridSize::new(weights.nrows(), weights.ncols()), GridSize::new(1, 1))?;
         for &weight in &weights {
             if !(weight.is_finite() && weight >= 0.0) {
                 let what = "weight of a view in the aperture";
@@ -99,7 +104,7 @@ impl Aperture {
         self.weights.view()
     }
 
-    /// Returns how many views there are, those without weight included.
+    /// Returns the number of views, those of weight 0 included.
     #[must_use]
     pub fn views(&self) -> GridSize {
         GridSize::new(self.weights.nrows(), self.weights.ncols())
@@ -107,17 +112,17 @@ impl Aperture {
 
     fn cut_out(
         views: GridSize,
-        centre: (f64, f64),
+        center: (f64, f64),
         size_views: f64,
         inside: impl Fn(f64, f64) -> bool,
     ) -> Result<Self, Error> {
-        let weight = |t: usize, s: usize| f32::from(u8::from(inside(t as f64 - centre.0, s as f64 - centre.1)));
+        let weight = |t: usize, s: usize| f32::from(u8::from(inside(t as f64 - center.0, s as f64 - center.1)));
         Self::from_function(views, weight)?.not_empty(size_views)
     }
 
     fn from_function(views: GridSize, weight: impl Fn(usize, usize) -> f32) -> Result<Self, Error> {
-        let split = Split::new(views, GridSize::new(1, 1))?;
-        let memory = filled_memory(checked_length::<f32>(&split, 1)?, 0.0)?;
+        let shape = LightFieldShape::new(views, GridSize::new(1, 1))?;
+        let memory = filled("the weights of an aperture", checked_length::<f32>(&shape, 1)?, 0.0)?;
         let mut weights =
             Array2::from_shape_vec((views.rows, views.columns), memory).expect("the length is the product");
         for ((t, s), value) in weights.indexed_iter_mut() {
@@ -126,17 +131,17 @@ impl Aperture {
         Ok(Self { weights })
     }
 
-    /// Refuses an aperture that no view lies in; a centre that is not a number has none.
+    /// Rejects an aperture without views, such as one whose center is NaN.
     fn not_empty(self, size_views: f64) -> Result<Self, Error> {
         if self.weights.iter().any(|&weight| weight > 0.0) {
             return Ok(self);
         }
         let what = "size of the aperture in views";
-        Err(Error::BadNumber { what, value: size_views, need: "large enough to reach a view from its centre" })
+        Err(Error::BadNumber { what, value: size_views, need: "large enough to reach a view from its center" })
     }
 }
 
-/// What a view may lie beyond the edge, in views: centres such as 4.5 are exact, sizes computed elsewhere may not be.
+/// The tolerance of the edge, in views, for rounded sizes.
 const EDGE: f64 = 1e-9;
 
 #[cfg(test)]
@@ -145,10 +150,11 @@ mod tests {
     use ndarray::array;
 
     #[test]
-    fn shapes_hold_the_views_that_they_should() {
+    fn apertures_contain_the_views_within_them() {
         let views = GridSize::new(3, 4);
         assert_eq!(Aperture::all(views).unwrap().weights().sum(), 12.0);
-        // Around the middle of an even count: half a view away are two columns, and with a side of 2 no row but the middle one.
+        // Around the middle of an even count: half a view away are two columns, and with a side of 2 no row but the
+        // middle one.
         let square = Aperture::square(views, (1.0, 1.5), 1.0).unwrap();
         assert_eq!(square.weights(), array![[0.0, 0.0, 0.0, 0.0], [0.0, 1.0, 1.0, 0.0], [0.0, 0.0, 0.0, 0.0]]);
         // Around the corner view, one view away: not the diagonal one.

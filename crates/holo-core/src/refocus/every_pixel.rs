@@ -1,13 +1,13 @@
 //! Shift-and-sum with a disparity for each pixel.
 //!
-//! Nothing is shared between pixels here: every one takes sixteen samples of every view.
+//! Pixels share no work: each takes sixteen samples of every view.
 
 use ndarray::{Array3, ArrayView2, ArrayView5};
 use rayon::prelude::*;
 
 use super::Refocus;
 use super::kernel::Shift;
-use crate::light_field::filled_memory;
+use crate::memory::{collected, filled};
 use crate::{Error, Real, Sample};
 
 pub(super) fn all_in_focus<T: Sample, D: Real>(
@@ -17,23 +17,21 @@ pub(super) fn all_in_focus<T: Sample, D: Real>(
 ) -> Result<Array3<f32>, Error> {
     let shape: [usize; 5] = samples.dim().into();
     let [rows, columns, _, _, channels] = shape;
-    let mut picture = filled_memory(rows * columns * channels, f32::NAN)?;
+    let mut image = filled("a refocused image", rows * columns * channels, f32::NAN)?;
 
-    // Samples by one sum of strides each. A light field with gaps or reversed axes is copied for that.
+    // Samples are addressed by a sum of strides. A light field with gaps or reversed axes is copied first.
     let forward = samples.strides().iter().all(|&stride| stride >= 0);
     let copy: Vec<T>;
     let (memory, strides) = match samples.as_slice_memory_order() {
         Some(memory) if forward => (memory, std::array::from_fn(|axis| samples.strides()[axis] as usize)),
         _ => {
-            let mut memory = filled_memory(samples.len(), samples[[0, 0, 0, 0, 0]])?;
-            memory.iter_mut().zip(&samples).for_each(|(copy, &sample)| *copy = sample);
-            copy = memory;
+            copy = collected("a copy of a light field", samples.iter().copied())?;
             (&copy[..], std::array::from_fn(|axis| shape[axis + 1..].iter().product()))
         }
     };
     let source = Source { memory, strides, shape };
 
-    picture.par_chunks_mut(columns * channels).enumerate().for_each_init(Vec::new, |along, (v, line)| {
+    image.par_chunks_mut(columns * channels).enumerate().for_each_init(Vec::new, |along, (v, line)| {
         for (u, pixel) in line.chunks_exact_mut(channels).enumerate() {
             let disparity_px = disparity_px[[v, u]].to_f64();
             if disparity_px.is_finite() {
@@ -41,24 +39,24 @@ pub(super) fn all_in_focus<T: Sample, D: Real>(
             }
         }
     });
-    Ok(Array3::from_shape_vec((rows, columns, channels), picture).expect("the length is the product"))
+    Ok(Array3::from_shape_vec((rows, columns, channels), image).expect("the length is the product"))
 }
 
-/// A light field without gaps, seen as memory and strides.
+/// A light field without gaps as memory and strides.
 struct Source<'a, T> {
     memory: &'a [T],
     strides: [usize; 5],
     shape: [usize; 5],
 }
 
-/// Where four samples of a line lie, and their weights.
+/// The offsets of four samples of a line, and their weights.
 struct Taps {
     offsets: [usize; 4],
     weights: [f32; 4],
 }
 
 impl<T: Sample> Source<'_, T> {
-    /// Sums up one pixel over all views. `along` is memory that is used again.
+    /// Sums one pixel over all views. `along` is scratch memory.
     fn refocus_pixel(
         &self,
         refocus: &Refocus,
@@ -98,7 +96,7 @@ impl<T: Sample> Source<'_, T> {
         }
     }
 
-    /// Sums up `N` channels of one pixel, from channel `first` on.
+    /// Sums `N` channels of one pixel, from channel `first` on.
     fn sum<const N: usize>(
         &self,
         refocus: &Refocus,
@@ -111,7 +109,7 @@ impl<T: Sample> Source<'_, T> {
         let (mut total, mut sum) = (0.0, [0.0_f32; N]);
         for (down, weights) in down.iter().zip(weights.outer_iter()) {
             let Some(down) = down else { continue };
-            // The row of views first, as the sum over whole images does, so that the error grows no faster.
+            // The views of a row first, as in the sum of whole images, with the same bound of the rounding error.
             let mut row_sum = [0.0_f32; N];
             for (along, &weight) in along.iter().zip(weights) {
                 let Some(along) = along else { continue };

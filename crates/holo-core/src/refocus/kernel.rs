@@ -1,25 +1,25 @@
-//! How a view is sampled between its pixels, and where a shifted view covers the picture.
+//! Interpolation kernels, and the pixels that a shifted view covers.
 
 use std::ops::Range;
 
-/// The interpolation between pixels, along rows and columns alike.
+/// The interpolation kernel between pixels, along rows and columns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Kernel {
-    /// Two pixels an axis, weighted by how near they are. It blurs, most of all half-way between pixels, so that a search
-    /// for the sharpest plane is drawn towards disparities that put many views on whole pixels, by some hundredths of a pixel.
+    /// Linear: two pixels per axis. It blurs, most at half pixels. A search for the sharpest plane is therefore biased,
+    /// by some hundredths of a pixel, to disparities that shift many views by whole pixels.
     Bilinear,
-    /// Four pixels an axis: the cubic of Catmull and Rom, which is that of Keys with a = -1/2. It keeps more detail, reproduces parabolas,
-    /// and may overshoot next to edges by up to an eighth of their height an axis.
+    /// Cubic, four pixels per axis: Catmull-Rom, which is the kernel of Keys with a = -1/2. It preserves more detail,
+    /// reproduces parabolas, and may overshoot at edges by up to an eighth of their height per axis.
     #[default]
     CatmullRom,
 }
 
-/// Pixels that a kernel reaches to either side of the two that a place lies between, with one more for places beyond the outermost.
+/// The padding in pixels: one for the width of the kernel and one for positions beyond the outermost pixel.
 pub(super) const PAD: usize = 2;
 
 impl Kernel {
-    /// The weights of the four pixels before, at, behind and two behind a place that lies `fraction` behind a pixel.
+    /// The weights of the pixels at -1, 0, 1 and 2 for the position `fraction`.
     pub(super) fn weights(self, fraction: f64) -> [f64; 4] {
         let f = fraction;
         match self {
@@ -34,21 +34,22 @@ impl Kernel {
     }
 }
 
-/// What a shift of a whole image along one axis comes to: the same four weights everywhere.
+/// The shift of a whole image along one axis, with the same four weights for all pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Shift {
-    /// The pixels of the picture whose samples lie within the image: between its outer edges, half a pixel beyond the outermost centres.
+    /// The pixels of the result whose samples are within the view: between its outer edges, half a pixel beyond the
+    /// outermost pixel centers.
     pub covered: Range<usize>,
-    /// The first of the four pixels for the pixel 0 of the picture.
+    /// The first of the four view pixels for pixel 0 of the result.
     pub first: isize,
     /// Their weights.
     pub weights: [f32; 4],
 }
 
 impl Shift {
-    /// The shift that samples an image of `count` pixels at `pixel + position`.
+    /// The shift that samples a view of `count` pixels at `pixel + position`.
     pub fn new(position: f64, count: usize, kernel: Kernel) -> Self {
-        // Conversions saturate: a position beyond all pixels covers none, infinity included.
+        // Conversions saturate: positions beyond all pixels, infinity included, cover none.
         let from = (-0.5 - position).ceil().max(0.0) as usize;
         let to = (count as f64 - 0.5 - position).ceil().max(0.0) as usize;
         let covered = from.min(count)..to.min(count);
@@ -60,7 +61,7 @@ impl Shift {
         Self { covered, first: whole as isize - 1, weights }
     }
 
-    /// The pixel of the image that has weight `tap` at a pixel of the picture; beyond an edge, the pixel on it.
+    /// The view pixel with weight `tap` for a pixel of the result, clamped to the view.
     pub fn source(&self, pixel: usize, tap: usize, count: usize) -> usize {
         (pixel as isize + self.first + tap as isize).clamp(0, count as isize - 1) as usize
     }
@@ -71,7 +72,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn kernels_reproduce_what_they_should() {
+    fn kernels_reproduce_polynomials_of_their_degree() {
         for step in 0..=64 {
             let f = f64::from(step) / 64.0;
             for (kernel, degree) in [(Kernel::Bilinear, 1), (Kernel::CatmullRom, 2)] {
@@ -92,7 +93,8 @@ mod tests {
         let covered = |position| Shift::new(position, 10, Kernel::CatmullRom).covered;
         assert_eq!(covered(0.0), 0..10);
         assert_eq!(covered(0.49), 0..10);
-        // Pixel 9 + 0.5 is on the right edge, which belongs to the next pixel; pixel 0 - 0.5 on the left edge, which belongs to this one.
+        // Pixel 9 + 0.5 is on the right edge, which belongs to the next pixel. Pixel 0 - 0.5 is on the left edge, which
+        // is inside.
         assert_eq!(covered(0.5), 0..9);
         assert_eq!(covered(-0.5), 0..10);
         assert_eq!(covered(-0.51), 1..10);

@@ -1,8 +1,8 @@
-//! Eq. 2 and Eq. 3 against a reference of twice the precision, at the ends of their ranges and at infinity.
+//! Eq. 2 and Eq. 3 against references of higher precision, at the ends of their ranges and at infinity.
 
 use crate::double_double::{DoubleDouble, exact, ulps};
 use crate::exact::{Exact, is_within};
-use holo_core::{Disparity, Error, GridSize, Projection, Rig, Split, StereoPair};
+use holo_core::{Disparity, Error, GridSize, LightFieldShape, Projection, Rig, StereoPair};
 use ndarray::{Array2, array};
 use proptest::prelude::*;
 
@@ -17,12 +17,12 @@ fn reference(scale: f64, focus_m: f64, depth_m: f64, projection: Projection) -> 
     }
 }
 
-/// Numbers spread evenly over powers of ten.
+/// Log-uniform numbers between two powers of ten.
 fn decades(from: f64, to: f64) -> impl Strategy<Value = f64> {
     (from..to).prop_map(|exponent| 10_f64.powf(exponent))
 }
 
-/// Depths from near to far, and depths a hair's breadth from the focus plane, down to the next f64.
+/// Depths from near to far, and depths next to the focus plane, down to the next f64.
 fn focus_and_depth() -> impl Strategy<Value = (f64, f64)> {
     (decades(-3.0, 9.0), decades(-3.0, 9.0), decades(-16.0, 0.0), any::<bool>(), 0..4_u8).prop_map(
         |(focus_m, depth_m, hair, nearer, kind)| match kind {
@@ -36,8 +36,8 @@ fn focus_and_depth() -> impl Strategy<Value = (f64, f64)> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(20_000))]
 
-    /// Four roundings and no cancellation after the first: at most 4 ulp, at any distance from the focus plane. (The difference
-    /// of reciprocals would be off by 1e15 ulp next to it.)
+    /// Four roundings and no cancellation after the first: at most 4 ulp, at any distance from the focus plane. (The
+    /// difference of reciprocals would be off by 1e15 ulp next to it.)
     #[test]
     fn disparity_is_within_4_ulp((focus_m, depth_m) in focus_and_depth(), scale in decades(-9.0, 6.0)) {
         for projection in BOTH {
@@ -53,7 +53,10 @@ proptest! {
 
     /// The same without any rounding in the reference: integers of as many bits as it takes (up to 290 here).
     #[test]
-    fn disparity_is_within_4_ulp_of_the_exact_quotient((focus_m, depth_m) in focus_and_depth(), scale in decades(-9.0, 6.0)) {
+    fn disparity_is_within_4_ulp_of_the_exact_quotient(
+        (focus_m, depth_m) in focus_and_depth(),
+        scale in decades(-9.0, 6.0),
+    ) {
         let [k, f, z] = [scale, focus_m, depth_m].map(Exact::new);
         for projection in BOTH {
             let disparity = Disparity::new(scale, focus_m, projection).unwrap().from_depth_m(depth_m);
@@ -69,14 +72,15 @@ proptest! {
         }
     }
 
-    /// Without a focus plane, and without anything in the way: k/Z and -k/F, one rounding each.
+    /// A focus at infinity and a depth of infinity: k/Z and -k/F, one rounding each.
     #[test]
     fn infinite_distances_are_limits((focus_m, depth_m) in focus_and_depth(), scale in decades(-9.0, 6.0)) {
         let [k, f, z] = [scale, focus_m, depth_m].map(Exact::new);
         let unfocused = Disparity::new(scale, f64::INFINITY, Projection::Perspective).unwrap();
         prop_assert!(is_within(unfocused.from_depth_m(depth_m), 1.0, k.clone(), z));
-        let nothing_there = Disparity::new(scale, focus_m, Projection::Perspective).unwrap().from_depth_m(f64::INFINITY);
-        prop_assert!(is_within(-nothing_there, 1.0, k, f));
+        let focused = Disparity::new(scale, focus_m, Projection::Perspective).unwrap();
+        let no_hit = focused.from_depth_m(f64::INFINITY);
+        prop_assert!(is_within(-no_hit, 1.0, k, f));
     }
 
     /// In f32 maps, too, near and far from the focus plane: the f64 result, rounded once.
@@ -90,19 +94,30 @@ proptest! {
         }
     }
 
-    /// From the rig's own numbers, with baselines from a nanometre to a metre: three more roundings make k = b f N / sensor.
+    /// From the parameters of a rig, with baselines from a nanometer to a meter: k = b f N / sensor has three more
+    /// roundings.
     #[test]
-    fn rigs_have_the_disparity_of_their_numbers(
-        (focus_m, depth_m) in focus_and_depth(), baseline_m in decades(-9.0, 0.0), focal_m in decades(-3.0, 0.0), columns in 1_usize..5000
+    fn rigs_have_the_disparity_of_their_parameters(
+        (focus_m, depth_m) in focus_and_depth(),
+        baseline_m in decades(-9.0, 0.0),
+        focal_m in decades(-3.0, 0.0),
+        columns in 1_usize..5000,
     ) {
-        let rig = Rig::builder(Split::new(GridSize::new(1, 2), GridSize::new(1, columns)).unwrap()).focal_length_m(focal_m).sensor_size_m(0.036).baseline_m(baseline_m).focus_distance_m(focus_m).build()
+        let shape = LightFieldShape::new(GridSize::new(1, 2), GridSize::new(1, columns)).unwrap();
+        let rig = Rig::builder(shape)
+            .focal_length_m(focal_m)
+            .sensor_size_m(0.036)
+            .baseline_m(baseline_m)
+            .focus_distance_m(focus_m)
+            .build()
         .unwrap();
         if depth_m != focus_m {
             let [b, f, n, sensor] = [baseline_m, focal_m, columns as f64, 0.036].map(Exact::new);
             let [focus, z] = [focus_m, depth_m].map(Exact::new);
             let numerator = b * f * n * (focus.clone() - z.clone());
             let disparity = rig.disparity().from_depth_m(depth_m);
-            prop_assert!(is_within(disparity, 7.0, numerator, sensor * z * focus), "{disparity:e} at b = {baseline_m:e}");
+            let is_exact = is_within(disparity, 7.0, numerator, sensor * z * focus);
+            prop_assert!(is_exact, "{disparity:e} at b = {baseline_m:e}");
         }
     }
 
@@ -118,7 +133,7 @@ proptest! {
                 Projection::Perspective => k * f / (d * f + k),
                 Projection::Orthographic => f * (k - d * f) / k,
             };
-            // Where the rounded disparity equals the one of infinity, depth cannot be told from it.
+            // The rounded disparity may equal the disparity of infinity.
             if depth_again_m.is_finite() {
                 let off = ulps(depth_again_m, expected);
                 prop_assert!(off <= 3.0, "{off} ulp at F = {focus_m:e}, Z = {depth_m:e}, k = {scale:e}");
@@ -128,14 +143,15 @@ proptest! {
         }
     }
 
-    /// There and back: the disparity carries 4 ulp of its own, which the inverse turns into `|F - Z|/F` (perspective: times Z/Z) of depth;
-    /// 8 eps of the larger of the two depths, over the smaller, covers both directions.
+    /// The round trip: the disparity has an error of 4 ulp, which the inverse turns into `|F - Z|/F` (perspective:
+    /// times Z/Z) of depth; 8 eps of the larger of the two depths, over the smaller, covers both directions.
     #[test]
     fn depth_survives_the_round_trip((focus_m, depth_m) in focus_and_depth(), scale in decades(-9.0, 6.0)) {
         for projection in BOTH {
             let map = Disparity::new(scale, focus_m, projection).unwrap();
             let again_m = map.to_depth_m(map.from_depth_m(depth_m));
-            // dZ/Z = (Z/F - 1) * dd/d (perspective), (F/Z - 1) * dd/d (orthographic), dd/d <= 4 eps; the inverse adds 3 * eps.
+            // dZ/Z = (Z/F - 1) * dd/d (perspective), (F/Z - 1) * dd/d (orthographic), dd/d <= 4 eps; the inverse adds 3
+            // * eps.
             let amplification = match projection {
                 Projection::Perspective => (depth_m / focus_m - 1.0).abs(),
                 Projection::Orthographic => (focus_m / depth_m - 1.0).abs(),
@@ -149,7 +165,11 @@ proptest! {
     }
 
     #[test]
-    fn eq_2_is_within_2_ulp(baseline_m in decades(-9.0, 1.0), focal_m in decades(-4.0, 1.0), depth_m in decades(-3.0, 9.0)) {
+    fn eq_2_is_within_2_ulp(
+        baseline_m in decades(-9.0, 1.0),
+        focal_m in decades(-4.0, 1.0),
+        depth_m in decades(-3.0, 9.0),
+    ) {
         let pair = StereoPair::new(baseline_m, focal_m).unwrap();
         let displacement_m = pair.displacement_from_depth_m(depth_m);
         let scale = exact(baseline_m) * exact(focal_m);
@@ -159,13 +179,13 @@ proptest! {
     }
 }
 
-/// The reference must be better than what it judges: 1/3 to 100 bits, and the textbook cancellation.
+/// The reference has more digits than f64: 1/3 to 100 bits, and a cancellation.
 #[test]
 fn the_reference_has_twice_the_digits() {
     let third = exact(1.0) / exact(3.0);
     let one = third * exact(3.0);
     assert!(ulps(1.0, one) < 2_f64.powi(-45));
-    // The naive form is off by far more than 4 ulp where the test above is strict: the test can fail.
+    // The difference of reciprocals is off by far more than 4 ulp there, so the test above can fail.
     let (k, focus_m) = (40.0, 4.25);
     let depth_m: f64 = focus_m * (1.0 + 1e-13);
     let naive = k * (1.0 / depth_m - 1.0 / focus_m);
@@ -189,9 +209,9 @@ fn a_femto_away_from_the_focus_plane() {
     }
 }
 
-/// Z*F, F^2 and (F-Z)/F leave the range of f64 here, the answers do not.
+/// Z*F, F^2 and (F-Z)/F leave the range of f64 here, the results do not.
 #[test]
-fn nothing_overflows_that_need_not() {
+fn intermediate_results_do_not_overflow() {
     let perspective =
         |focus_m, depth_m| Disparity::new(2.0, focus_m, Projection::Perspective).unwrap().from_depth_m(depth_m);
     // F tiny, Z huge: -k/F. Z tiny, F huge: k/Z. Both tiny, both huge.
@@ -205,7 +225,7 @@ fn nothing_overflows_that_need_not() {
     assert_eq!(orthographic.from_depth_m(0.5e-160), 2.0 * 0.5 / 1e-160);
 }
 
-/// A scale of 2^-930 = 1.1e-280 loses nothing: every result is the one for scale 1, shifted.
+/// A scale of 2^-930 = 1.1e-280 loses no digit: every result is that of scale 1 times a power of two.
 #[test]
 fn tiny_scales_keep_all_digits() {
     let tiny = 2_f64.powi(-930);
@@ -246,9 +266,10 @@ fn the_infinite_cases() {
     assert!(finite.from_depth_m(f64::NAN).is_nan() && finite.to_depth_m(f64::NAN).is_nan());
 }
 
-/// -k/F is rounded for most k and F; the depth must still come back as infinity and not as a huge number of either sign.
+/// -k/F is rounded for most k and F; the depth must be infinity and not a huge number of either
+/// sign.
 #[test]
-fn infinity_survives_rounding() {
+fn infinity_round_trips_in_spite_of_rounding() {
     for numerator in 1..200 {
         for denominator in 1..50 {
             let map = Disparity::new(f64::from(numerator) / 7.0, f64::from(denominator) / 3.0, Projection::Perspective)
@@ -307,7 +328,8 @@ fn maps_are_the_scalar_form() {
         if depth_m.is_infinite() {
             assert_eq!(again_m, f32::INFINITY);
         } else {
-            // The f32 disparity is good to half an f32 eps, amplified by |Z/F - 1| < 5.3; rounding the depth adds another half.
+            // The f32 disparity is good to half an f32 eps, amplified by |Z/F - 1| < 5.3; rounding the depth adds
+            // another half.
             assert!((again_m - depth_m).abs() <= 4.0 * f32::EPSILON * depth_m, "{again_m} for {depth_m}");
         }
     }
@@ -340,7 +362,7 @@ fn eq_2_at_its_ends() {
     }
 }
 
-/// Eq. 2 is Eq. 3 with the focus at infinity: metres on the sensor instead of pixels.
+/// Eq. 2 is Eq. 3 with the focus at infinity: meters on the sensor instead of pixels.
 #[test]
 fn eq_2_is_eq_3_focused_at_infinity() {
     let (baseline_m, focal_m, sensor_m, pixels) = (0.025, 0.1, 0.035, 512.0);

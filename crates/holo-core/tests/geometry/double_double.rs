@@ -1,7 +1,7 @@
-//! Arithmetic with twice the digits of f64, as the reference that accuracy is measured against.
+//! Double-double arithmetic, the reference for accuracy.
 //!
-//! A number is the unevaluated sum of two f64, good to about 2^-100 of itself: exact enough to tell how many units in the
-//! last place an f64 result is off.
+//! A number is the unevaluated sum of two f64, good to about 2^-100 of itself: exact enough for the error of an f64 in
+//! units in the last place.
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -66,7 +66,7 @@ impl Div for DoubleDouble {
     }
 }
 
-/// How far `value` lies from `reference`, in units of the last place of the reference.
+/// The distance of `value` from `reference`, in units in the last place of the reference.
 pub fn ulps(value: f64, reference: DoubleDouble) -> f64 {
     let nearest = reference.high.abs();
     let unit = nearest.next_up() - nearest;

@@ -1,6 +1,7 @@
-//! Numbers without any rounding: an f64 is an integer times a power of two, and so are sums and products of such numbers.
+//! Exact arithmetic: an f64 is an integer times a power of two, and so are sums and products of such numbers.
 //!
-//! A quotient is not, but how far a result is off can be asked without one: x is within n units of a/b if |x b - a| <= n unit b.
+//! A quotient is not, but the error of one can be computed without division: x is within n units of a/b if |x b - a| <=
+//! n unit b.
 
 use std::ops::{Mul, Sub};
 
@@ -56,14 +57,14 @@ impl Sub for Exact {
 
 /// Whether `value` is within `units` units in the last place of the quotient; both are above 0 in magnitude.
 pub fn is_within(value: f64, units: f64, numerator: Exact, denominator: Exact) -> bool {
-    // Of the two neighbours the nearer one: below a power of two units are half as large.
+    // Of the two neighbors the nearer one: below a power of two units are half as large.
     let unit = value.abs() - value.abs().next_down();
     let off = Exact::new(value) * denominator.clone() - numerator;
     off.abs().is_at_most(&(Exact::new(units * unit) * denominator.abs()))
 }
 
 #[test]
-fn thirds_are_known_to_half_a_unit() {
+fn thirds_are_within_half_a_unit() {
     let third: f64 = 1.0 / 3.0;
     let within = |value, units| is_within(value, units, Exact::new(1.0), Exact::new(3.0));
     assert!(within(third, 0.5) && within(-third, 0.5) == within(third, -0.5));

@@ -1,12 +1,12 @@
-//! The rig: rays, pixels and disparity must tell one story.
+//! The rig: rays, pixels and disparity agree.
 
-use holo_core::{Error, GridSize, Intrinsics, Projection, Rig, Split};
+use holo_core::{Error, GridSize, Intrinsics, LightFieldShape, Projection, Rig};
 use proptest::prelude::*;
 
 const BOTH: [Projection; 2] = [Projection::Perspective, Projection::Orthographic];
 
 fn rig(views: (usize, usize), lenses: (usize, usize), focus_distance_m: f64, projection: Projection) -> Rig {
-    Rig::builder(Split::new(GridSize::new(views.0, views.1), GridSize::new(lenses.0, lenses.1)).unwrap())
+    Rig::builder(LightFieldShape::new(GridSize::new(views.0, views.1), GridSize::new(lenses.0, lenses.1)).unwrap())
         .focal_length_m(0.1)
         .sensor_size_m(0.035)
         .baseline_x_m(0.025)
@@ -17,7 +17,7 @@ fn rig(views: (usize, usize), lenses: (usize, usize), focus_distance_m: f64, pro
         .unwrap()
 }
 
-/// Where the line through the rig's centre and a pixel meets the focus plane: point P of the design.
+/// The intersection of the focus plane with the line through the rig's center and a pixel: the point P.
 fn focus_point_m(rig: &Rig, row: f64, column: f64) -> [f64; 3] {
     let focus_m = rig.focus_distance_m();
     [rig.slope_x(column) * focus_m, rig.slope_y(row) * focus_m, -focus_m]
@@ -41,12 +41,12 @@ fn the_published_numbers_of_a_known_rig() {
 }
 
 #[test]
-fn views_are_centred_for_odd_and_even_counts() {
+fn views_are_centered_for_odd_and_even_counts() {
     let rig = rig((2, 5), (3, 4), 2.0, Projection::Perspective);
     assert_eq!((0..5).map(|s| rig.view_x_m(s)).collect::<Vec<_>>(), [-0.05, -0.025, 0.0, 0.025, 0.05]);
     // Row 0 is the top one: +Y.
     assert_eq!((0..2).map(|t| rig.view_y_m(t)).collect::<Vec<_>>(), [0.006_25, -0.006_25]);
-    // Pixels: slopes grow to the right and fall downward, and vanish in the middle of the image.
+    // Pixels: slopes increase to the right, decrease downward, and are 0 in the middle of the image.
     assert_eq!((rig.slope_x(2.0), rig.slope_y(1.5)), (0.0, 0.0));
     assert!(rig.slope_x(3.0) > 0.0 && rig.slope_y(3.0) < 0.0);
     // The larger side, 4 px, spans the sensor: its edges have the slope sens/(2f).
@@ -54,7 +54,7 @@ fn views_are_centred_for_odd_and_even_counts() {
     assert_eq!(rig.slope_x(0.0), -rig.slope_x(4.0));
 }
 
-/// All rays of one elemental image pass through one point of the focus plane, whatever the projection.
+/// All rays of one elemental image pass through one point of the focus plane, for either projection.
 #[test]
 fn rays_of_an_elemental_image_meet_in_one_point() {
     for projection in BOTH {
@@ -114,9 +114,10 @@ fn lengths() -> impl Strategy<Value = f64> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
-    /// Eq. 3 says what the rays do: a point moves by `-d_x` columns per view to the right and `-d_y` rows per view down.
+    /// The rays agree with Eq. 3: a point moves by `-d_x` columns per view to the right and `-d_y` rows per view
+    /// down.
     #[test]
-    fn disparity_is_what_rays_show(
+    fn disparity_agrees_with_rays(
         focus_m in lengths(),
         depth_m in lengths(),
         (views, lenses) in ((1..7_usize, 1..7_usize), (1..40_usize, 1..40_usize)),
@@ -131,8 +132,8 @@ proptest! {
             for (t, s) in [(0, views.1 - 1), (views.0 - 1, 0), (views.0 - 1, views.1 - 1)] {
                 let (row_there, column_there) = rig.project(point_m, t, s).unwrap();
                 let (row_expected, column_expected) = (row - d_y * t as f64, column - d_x * s as f64);
-                // Both are sums of a few terms, each good to some eps of the largest: the pixel itself, and the terms of the
-                // disparity, k/Z and k/F (perspective) or those times Z/F (orthographic).
+                // Both are sums of a few terms, each good to some eps of the largest: the pixel itself, and the terms
+                // of the disparity, k/Z and k/F (perspective) or those times Z/F (orthographic).
                 let scale = rig.disparity_x().scale_m_px();
                 let largest = column.abs().max(row.abs()).max(40.0)
                     + 6.0 * scale * (1.0 / depth_m + 1.0 / focus_m) * (1.0 + depth_m / focus_m);
@@ -143,9 +144,9 @@ proptest! {
         }
     }
 
-    /// A ray of a pixel, followed to any depth, is seen by that pixel.
+    /// The points of the ray of a pixel project to that pixel.
     #[test]
-    fn project_undoes_ray(
+    fn project_is_the_inverse_of_ray(
         focus_m in lengths(),
         depth_m in lengths(),
         (v, u, t, s) in (0..30_usize, 0..40_usize, 0..5_usize, 0..6_usize),
@@ -173,7 +174,7 @@ fn what_lies_behind_the_camera_is_not_seen() {
 }
 
 #[test]
-fn rows_and_columns_turn_into_slopes_and_back() {
+fn rows_and_columns_round_trip_through_slopes() {
     let rig = rig((3, 3), (31, 47), 4.0, Projection::Perspective);
     for pixel in [0.0, 0.5, 11.25, 30.0, 47.0, -3.0] {
         // Differences of at most 47 px from the middle, two roundings each way.
@@ -213,20 +214,20 @@ fn impossible_rigs_are_errors() {
         good.to_builder().focus_distance_m(f64::INFINITY).projection(Projection::Orthographic).build(),
         Err(Error::OrthographicFocus { .. })
     ));
-    // Numbers that are fine alone and overflow together.
+    // Numbers that are valid alone and overflow together.
     let tiny_focal = Intrinsics { focal_length_m: 1e-300, sensor_size_m: 1e300 };
     assert!(good.to_builder().intrinsics(tiny_focal).build().is_err());
     assert!(good.to_builder().baseline_x_m(f64::MAX).build().is_err());
     assert!(good.to_builder().baseline_x_m(1e10).focus_distance_m(f64::MIN_POSITIVE).build().is_err());
     assert!(good.to_builder().baseline_y_m(1e-310).build().is_err());
-    // Zero baselines are a rig: all views are the same.
+    // A baseline of 0 is valid: all views are equal.
     let still = good.to_builder().baseline_x_m(0.0).baseline_y_m(-0.0).build().unwrap();
     assert_eq!(still.disparity().from_depth_m(1.0), 0.0);
 }
 
-/// A baseline of 10 micrometres must not vanish: it is compared with lengths of its own size, never with world coordinates.
+/// A baseline of 10 micrometers is not rounded to 0.
 #[test]
-fn a_baseline_of_ten_micrometres_survives() {
+fn a_baseline_of_ten_micrometers_survives() {
     let rig = rig((1, 3), (4, 4), 1e6, Projection::Perspective).to_builder().baseline_x_m(1e-5).build().unwrap();
     assert_eq!([rig.view_x_m(0), rig.view_x_m(1), rig.view_x_m(2)], [-1e-5, 0.0, 1e-5]);
     assert!(rig.disparity().from_depth_m(1.0) > 0.0);

@@ -1,14 +1,14 @@
-//! Clipping and rotation: what stays, what is borrowed, and that a clip of a clip is a clip.
+//! Clipping and rotation.
 
 use std::ops::Range;
 
 use crate::samples::*;
-use holo_core::{Error, GridSize, LightField, Split};
+use holo_core::{Error, GridSize, LightField, LightFieldShape};
 use ndarray::{Array5, Axis};
 use proptest::prelude::*;
 
-fn labelled(split: Split) -> LightField<ndarray::OwnedRepr<[usize; 5]>> {
-    LightField::new(Array5::from_shape_fn(split.shape(2), |(v, u, t, s, c)| [v, u, t, s, c])).unwrap()
+fn labeled(shape: LightFieldShape) -> LightField<ndarray::OwnedRepr<[usize; 5]>> {
+    LightField::new(Array5::from_shape_fn(shape.array_shape(2), |(v, u, t, s, c)| [v, u, t, s, c])).unwrap()
 }
 
 /// A range within `0..count`, and one within that range.
@@ -19,7 +19,7 @@ fn nested(count: usize) -> impl Strategy<Value = (Range<usize>, Range<usize>)> {
     range(count).prop_flat_map(move |outer| (Just(outer.clone()), range(outer.len())))
 }
 
-/// Where an inner range lies in the axis that the outer one was cut from.
+/// An inner range in the axis of the outer one.
 fn within(outer: &Range<usize>, inner: &Range<usize>) -> Range<usize> {
     outer.start + inner.start..outer.start + inner.end
 }
@@ -29,15 +29,15 @@ proptest! {
 
     #[test]
     fn a_clip_of_a_clip_is_a_clip(
-        (split, t, s, v, u) in splits().prop_flat_map(|split| (
-            Just(split),
-            nested(split.views().rows),
-            nested(split.views().columns),
-            nested(split.lenses().rows),
-            nested(split.lenses().columns),
+        (shape, t, s, v, u) in shapes().prop_flat_map(|shape| (
+            Just(shape),
+            nested(shape.views().rows),
+            nested(shape.views().columns),
+            nested(shape.lenses().rows),
+            nested(shape.lenses().columns),
         ))
     ) {
-        let light_field = labelled(split);
+        let light_field = labeled(shape);
         let first = light_field.clip_views(t.0.clone(), s.0.clone()).unwrap();
         let second = first.clip_views(t.1.clone(), s.1.clone()).unwrap();
         let at_once = light_field.clip_views(within(&t.0, &t.1), within(&s.0, &s.1)).unwrap();
@@ -60,63 +60,65 @@ proptest! {
         for ((dv, du, dt, ds, c), sample) in views_first.samples().indexed_iter() {
             prop_assert_eq!(*sample, [v.0.start + dv, u.0.start + du, t.0.start + dt, s.0.start + ds, c]);
         }
-        prop_assert!(views_first.to_owned() == views_first);
+        prop_assert!(views_first.to_owned().unwrap() == views_first);
     }
 
     #[test]
-    fn a_crop_is_a_piece_of_the_image(
-        (split, rows, columns) in splits().prop_flat_map(|split| {
-            (Just(split), nested(split.lenses().rows), nested(split.lenses().columns))
+    fn a_crop_is_a_part_of_the_image(
+        (shape, rows, columns) in shapes().prop_flat_map(|shape| {
+            (Just(shape), nested(shape.lenses().rows), nested(shape.lenses().columns))
         })
     ) {
-        let light_field = labelled(split);
-        let (t, s) = split.central_view();
+        let light_field = labeled(shape);
+        let (t, s) = shape.central_view();
         let crop = light_field.crop_view(t, s, rows.0.clone(), columns.0.clone()).unwrap();
         prop_assert_eq!(crop.dim(), (rows.0.len(), columns.0.len(), 2));
         for ((row, column, c), sample) in crop.indexed_iter() {
             prop_assert_eq!(*sample, [rows.0.start + row, columns.0.start + column, t, s, c]);
         }
-        let whole = light_field.crop_elemental(0, 0, 0..split.views().rows, 0..split.views().columns).unwrap();
-        prop_assert_eq!(whole, light_field.elemental(0, 0).unwrap());
+        let whole = light_field.crop_elemental_image(0, 0, 0..shape.views().rows, 0..shape.views().columns).unwrap();
+        prop_assert_eq!(whole, light_field.elemental_image(0, 0).unwrap());
     }
 
-    /// 180 degrees of the raw image are both of its axes reversed, in either layout; of each EI, both axes of each EI.
+    /// A rotation of the raw image reverses both of its axes, in either layout; one of each EI reverses both axes of
+    /// the EI.
     #[test]
-    fn rotations_are_what_they_say(split in splits(), channels in channels()) {
-        let raw = split.raw_size();
+    fn rotations_reverse_both_axes(shape in shapes(), channels in channels()) {
+        let raw = shape.raw_size();
         let image = image::<u16>(raw.rows, raw.columns, channels);
         let mut turned = image.view();
         turned.invert_axis(Axis(0));
         turned.invert_axis(Axis(1));
         for by_view in [false, true] {
             let grid = |light_field: holo_core::LightFieldRef<'_, u16>| {
-                if by_view { light_field.to_viewpoint_grid() } else { light_field.to_elemental_grid() }
+                let grid = if by_view { light_field.to_viewpoint_grid() } else { light_field.to_elemental_grid() };
+                grid.unwrap()
             };
             let light_field = if by_view {
-                LightField::from_viewpoint_grid(image.view(), split).unwrap()
+                LightField::from_viewpoint_grid(image.view(), shape).unwrap()
             } else {
-                LightField::from_elemental_grid(image.view(), split).unwrap()
+                LightField::from_elemental_grid(image.view(), shape).unwrap()
             };
             prop_assert_eq!(grid(light_field.rotate_raw()), turned);
             prop_assert!(light_field.rotate_raw().rotate_raw() == light_field);
 
-            let display = light_field.rotate_elementals();
-            for ((v, u), elemental) in light_field.elementals() {
+            let display = light_field.rotate_elemental_images();
+            for ((v, u), elemental) in light_field.elemental_images() {
                 let mut expected = elemental;
                 expected.invert_axis(Axis(0));
                 expected.invert_axis(Axis(1));
-                prop_assert_eq!(display.elemental(v, u).unwrap(), expected);
+                prop_assert_eq!(display.elemental_image(v, u).unwrap(), expected);
             }
-            prop_assert!(display.rotate_elementals() == light_field);
+            prop_assert!(display.rotate_elemental_images() == light_field);
         }
     }
 }
 
 #[test]
-#[allow(clippy::reversed_empty_ranges)] // a backwards range is what is being refused
+#[allow(clippy::reversed_empty_ranges)] // reversed ranges are under test
 fn bad_ranges_are_errors() {
-    let split = Split::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
-    let mut light_field = labelled(split);
+    let shape = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
+    let mut light_field = labeled(shape);
     for range in [0..0, 2..1, 0..6, 5..6, usize::MAX..usize::MAX, 1..usize::MAX] {
         assert!(light_field.clip_views(range.clone(), 0..1).is_err(), "{range:?}");
         assert!(light_field.clip_views(0..1, range.clone()).is_err(), "{range:?}");
@@ -125,7 +127,7 @@ fn bad_ranges_are_errors() {
         assert!(light_field.clip_views_mut(range.clone(), 0..1).is_err(), "{range:?}");
         assert!(light_field.clip_lenses_mut(range.clone(), 0..1).is_err(), "{range:?}");
         assert!(light_field.crop_view(0, 0, range.clone(), 0..1).is_err(), "{range:?}");
-        assert!(light_field.crop_elemental(0, 0, 0..1, range.clone()).is_err(), "{range:?}");
+        assert!(light_field.crop_elemental_image(0, 0, 0..1, range.clone()).is_err(), "{range:?}");
     }
     assert_eq!(
         light_field.clip_views(0..3, 0..3).unwrap_err(),
@@ -136,8 +138,8 @@ fn bad_ranges_are_errors() {
 
 #[test]
 fn mutable_clips_write_only_inside() {
-    let split = Split::new(GridSize::new(3, 3), GridSize::new(4, 5)).unwrap();
-    let mut light_field = labelled(split);
+    let shape = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5)).unwrap();
+    let mut light_field = labeled(shape);
     light_field.clip_views_mut(1..2, 0..2).unwrap().samples_mut().fill([9; 5]);
     light_field.clip_lenses_mut(3..4, 4..5).unwrap().samples_mut().fill([8; 5]);
     for ((v, u, t, s, c), sample) in light_field.samples().indexed_iter() {

@@ -1,35 +1,36 @@
-//! Eq. 4: there and back is the identity, and the fast way moves the same bits as the paper's loops.
+//! Eq. 4: the round trip is the identity, and the fast implementation agrees with the reference implementation bit by
+//! bit.
 
 use crate::samples::*;
 use holo_core::rearrange::naive;
-use holo_core::{Error, GridSize, Layout, LightField, Split};
+use holo_core::{Error, GridSize, Layout, LightField, LightFieldShape};
 use ndarray::{Array3, ArrayView3, s};
 use proptest::prelude::*;
 
-/// There and back, both ways, through the fast path; each half checked against the paper's loops.
-fn round_trips<T: Sample>(split: Split, channels: usize, strides: Strides) -> Result<(), TestCaseError> {
-    let raw = split.raw_size();
+/// Both round trips with the fast implementation; each half is compared with the reference implementation.
+fn round_trips<T: Sample>(shape: LightFieldShape, channels: usize, strides: Strides) -> Result<(), TestCaseError> {
+    let raw = shape.raw_size();
     let plain = image::<T>(raw.rows, raw.columns, channels);
     let memory = store(&plain, strides);
     let source = arranged(&memory, strides);
     prop_assert!(same(source, plain.view()), "the helpers of this test agree");
 
     // The image as an elemental grid: EI -> VPI -> EI.
-    let viewpoint = LightField::from_elemental_grid_view(&source, split).unwrap().to_viewpoint_grid();
-    prop_assert!(same(viewpoint.view(), naive::to_viewpoint_grid(source, split).unwrap().view()));
-    let back = LightField::from_viewpoint_grid(viewpoint, split).unwrap().to_elemental_grid();
+    let viewpoint = LightField::from_elemental_grid_view(&source, shape).unwrap().to_viewpoint_grid().unwrap();
+    prop_assert!(same(viewpoint.view(), naive::to_viewpoint_grid(source, shape).unwrap().view()));
+    let back = LightField::from_viewpoint_grid(viewpoint, shape).unwrap().to_elemental_grid().unwrap();
     prop_assert!(same(back.view(), plain.view()));
 
     // The same image as a viewpoint grid: VPI -> EI -> VPI.
-    let elemental = LightField::from_viewpoint_grid_view(&source, split).unwrap().to_elemental_grid();
-    prop_assert!(same(elemental.view(), naive::to_elemental_grid(source, split).unwrap().view()));
-    let back = LightField::from_elemental_grid(elemental, split).unwrap().to_viewpoint_grid();
+    let elemental = LightField::from_viewpoint_grid_view(&source, shape).unwrap().to_elemental_grid().unwrap();
+    prop_assert!(same(elemental.view(), naive::to_elemental_grid(source, shape).unwrap().view()));
+    let back = LightField::from_elemental_grid(elemental, shape).unwrap().to_viewpoint_grid().unwrap();
     prop_assert!(same(back.view(), plain.view()));
 
     // From a layout to itself: a copy.
-    let copy = LightField::from_elemental_grid_view(&source, split).unwrap().to_elemental_grid();
+    let copy = LightField::from_elemental_grid_view(&source, shape).unwrap().to_elemental_grid().unwrap();
     prop_assert!(same(copy.view(), plain.view()));
-    let copy = LightField::from_viewpoint_grid_view(&source, split).unwrap().to_viewpoint_grid();
+    let copy = LightField::from_viewpoint_grid_view(&source, shape).unwrap().to_viewpoint_grid().unwrap();
     prop_assert!(same(copy.view(), plain.view()));
     Ok(())
 }
@@ -39,9 +40,9 @@ macro_rules! for_every_element_type {
         proptest! {
             #![proptest_config(ProptestConfig::with_cases(96))]
             #[test]
-            fn $name(split in splits(), channels in channels(), strides in any_strides()) {
-                round_trips::<$type>(split, channels, strides)?;
-                round_trips::<$type>(split, channels, Strides::PLAIN)?;
+            fn $name(shape in shapes(), channels in channels(), strides in any_strides()) {
+                round_trips::<$type>(shape, channels, strides)?;
+                round_trips::<$type>(shape, channels, Strides::PLAIN)?;
             }
         }
     )*};
@@ -58,15 +59,16 @@ for_every_element_type! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
 
-    /// A destination of any strides gets the same samples, and nothing between them is touched.
+    /// A destination of any strides gets the same samples, and its gaps do not change.
     #[test]
-    fn destinations_may_have_any_strides(split in splits(), channels in channels(), strides in any_strides()) {
-        let raw = split.raw_size();
-        let light_field = LightField::from_elemental_grid(image::<u16>(raw.rows, raw.columns, channels), split).unwrap();
-        let expected = light_field.to_viewpoint_grid();
+    fn destinations_may_have_any_strides(shape in shapes(), channels in channels(), strides in any_strides()) {
+        let raw = shape.raw_size();
+        let grid = image::<u16>(raw.rows, raw.columns, channels);
+        let light_field = LightField::from_elemental_grid(grid, shape).unwrap();
+        let expected = light_field.to_viewpoint_grid().unwrap();
         let untouched = 0xabcd;
         let marked = Array3::from_elem(expected.dim(), untouched);
-        // Gaps hold the filler of `store`, which must survive.
+        // Gaps have the filler of `store`, which must not change.
         let before = store(&marked, strides);
         let mut memory = before.clone();
         {
@@ -89,28 +91,28 @@ proptest! {
         prop_assert!(same(memory.view(), store(&expected, strides).view()));
     }
 
-    /// Clips have gaps between their lines; they go another way through the code and must come out the same.
+    /// Clips have gaps between their lines and take another code path.
     #[test]
     fn clips_rearrange_like_copies(
-        (split, rows, columns) in splits().prop_flat_map(|split| {
+        (shape, rows, columns) in shapes().prop_flat_map(|shape| {
             let range = |count: usize| (0..count).prop_flat_map(move |start| (Just(start), start + 1..=count));
-            (Just(split), range(split.views().rows), range(split.views().columns))
+            (Just(shape), range(shape.views().rows), range(shape.views().columns))
         }),
         channels in channels(),
         by_view in any::<bool>(),
     ) {
-        let raw = split.raw_size();
+        let raw = shape.raw_size();
         let image = image::<f32>(raw.rows, raw.columns, channels);
         let light_field = if by_view {
-            LightField::from_viewpoint_grid(image, split).unwrap()
+            LightField::from_viewpoint_grid(image, shape).unwrap()
         } else {
-            LightField::from_elemental_grid(image, split).unwrap()
+            LightField::from_elemental_grid(image, shape).unwrap()
         };
         let clip = light_field.clip_views(rows.0..rows.1, columns.0..columns.1).unwrap();
-        let elemental = clip.to_elemental_grid();
-        let viewpoint = clip.to_viewpoint_grid();
+        let elemental = clip.to_elemental_grid().unwrap();
+        let viewpoint = clip.to_viewpoint_grid().unwrap();
         for ((v, u, t, s, c), value) in clip.samples().indexed_iter() {
-            let (views, lenses) = (clip.split().views(), clip.split().lenses());
+            let (views, lenses) = (clip.shape().views(), clip.shape().lenses());
             let in_elemental = elemental[[v * views.rows + t, u * views.columns + s, c]];
             let in_viewpoint = viewpoint[[t * lenses.rows + v, s * lenses.columns + u, c]];
             prop_assert_eq!(in_elemental.to_bits(), value.to_bits());
@@ -121,15 +123,15 @@ proptest! {
 
 /// Sizes at which the threads share the work, and rows above and below the size of the scratch memory.
 #[test]
-fn large_images_agree_with_the_papers_loops() {
+fn large_images_agree_with_the_reference_implementation() {
     fn check<T: Sample>(views: (usize, usize), lenses: (usize, usize), channels: usize) {
-        let split = Split::new(GridSize::new(views.0, views.1), GridSize::new(lenses.0, lenses.1)).unwrap();
-        let raw = split.raw_size();
+        let shape = LightFieldShape::new(GridSize::new(views.0, views.1), GridSize::new(lenses.0, lenses.1)).unwrap();
+        let raw = shape.raw_size();
         let image = image::<T>(raw.rows, raw.columns, channels);
-        let light_field = LightField::from_elemental_grid(image.view(), split).unwrap();
-        let viewpoint = light_field.to_viewpoint_grid();
-        assert!(same(viewpoint.view(), naive::to_viewpoint_grid(image.view(), split).unwrap().view()));
-        let back = LightField::from_viewpoint_grid(viewpoint, split).unwrap().to_elemental_grid();
+        let light_field = LightField::from_elemental_grid(image.view(), shape).unwrap();
+        let viewpoint = light_field.to_viewpoint_grid().unwrap();
+        assert!(same(viewpoint.view(), naive::to_viewpoint_grid(image.view(), shape).unwrap().view()));
+        let back = LightField::from_viewpoint_grid(viewpoint, shape).unwrap().to_elemental_grid().unwrap();
         assert!(same(back.view(), image.view()));
     }
     // 200 KB: just above the parallel threshold; 53 and 79 leave remainders in blocks of any power of two.
@@ -145,18 +147,18 @@ fn large_images_agree_with_the_papers_loops() {
     check::<u8>((3, 401), (300, 1), 4);
 }
 
-/// Elements of no size move too: there is nothing to get wrong but division by their size.
+/// Zero-sized elements: no division by their size.
 #[test]
 fn zero_sized_elements_do_not_divide_by_zero() {
-    let split = Split::new(GridSize::new(3, 4), GridSize::new(5, 6)).unwrap();
-    let light_field = LightField::filled(split, 3, Layout::ElementalGrid, ()).unwrap();
-    assert_eq!(light_field.to_viewpoint_grid().dim(), (15, 24, 3));
+    let shape = LightFieldShape::new(GridSize::new(3, 4), GridSize::new(5, 6)).unwrap();
+    let light_field = LightField::filled(shape, 3, Layout::ElementalGrid, ()).unwrap();
+    assert_eq!(light_field.to_viewpoint_grid().unwrap().dim(), (15, 24, 3));
 }
 
 #[test]
-fn wrong_destinations_are_errors_and_stay_as_they_are() {
-    let split = Split::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
-    let light_field = LightField::filled(split, 3, Layout::ElementalGrid, 7_u8).unwrap();
+fn wrong_destinations_are_errors_and_do_not_change() {
+    let shape = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
+    let light_field = LightField::filled(shape, 3, Layout::ElementalGrid, 7_u8).unwrap();
     for shape in [(8, 15, 4), (8, 14, 3), (9, 15, 3), (15, 8, 3), (0, 15, 3)] {
         let mut image = Array3::zeros(shape);
         let error = light_field.to_viewpoint_grid_into(image.view_mut()).unwrap_err();
@@ -164,7 +166,7 @@ fn wrong_destinations_are_errors_and_stay_as_they_are() {
         assert!(light_field.to_elemental_grid_into(image.view_mut()).is_err());
         assert!(image.iter().all(|&sample| sample == 0));
     }
-    // A part of a larger image is a destination like any other.
+    // A part of a larger image is a valid destination.
     let mut canvas = Array3::zeros((10, 20, 3));
     light_field.to_viewpoint_grid_into(canvas.slice_mut(s![1..9, 2..17, ..])).unwrap();
     assert_eq!(canvas.iter().filter(|&&sample| sample == 7).count(), 8 * 15 * 3);
@@ -172,21 +174,24 @@ fn wrong_destinations_are_errors_and_stay_as_they_are() {
 }
 
 #[test]
-fn the_oracle_checks_its_image_too() {
-    let split = Split::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
+fn the_reference_implementation_checks_the_size_of_its_image() {
+    let shape = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
     let wrong: ArrayView3<'_, u8> = ArrayView3::from_shape((1, 2, 3), &[0; 6]).unwrap();
-    assert!(naive::to_viewpoint_grid(wrong, split).is_err());
-    assert!(naive::to_elemental_grid(wrong, split).is_err());
+    assert!(naive::to_viewpoint_grid(wrong, shape).is_err());
+    assert!(naive::to_elemental_grid(wrong, shape).is_err());
 }
 
-/// One light field written out by hand: if both paths shared a mistake, this would still notice.
+/// One light field written by hand, to find an error that both implementations share.
 #[test]
-fn a_raw_image_small_enough_to_check_by_eye() {
-    // 1 x 2 views, 2 x 2 lenses; letters are lenses, digits are views.
+fn a_small_raw_image_by_hand() {
+    // 1 x 2 views, 2 x 2 microlenses; letters are microlenses, digits are views.
     let elemental = ndarray::array![[["a0"], ["a1"], ["b0"], ["b1"]], [["c0"], ["c1"], ["d0"], ["d1"]]];
     let viewpoint = ndarray::array![[["a0"], ["b0"], ["a1"], ["b1"]], [["c0"], ["d0"], ["c1"], ["d1"]]];
-    let split = Split::new(GridSize::new(1, 2), GridSize::new(2, 2)).unwrap();
-    assert_eq!(LightField::from_elemental_grid(elemental.clone(), split).unwrap().to_viewpoint_grid(), viewpoint);
-    assert_eq!(naive::to_viewpoint_grid(elemental.view(), split).unwrap(), viewpoint);
-    assert_eq!(LightField::from_viewpoint_grid(viewpoint, split).unwrap().to_elemental_grid(), elemental);
+    let shape = LightFieldShape::new(GridSize::new(1, 2), GridSize::new(2, 2)).unwrap();
+    assert_eq!(
+        LightField::from_elemental_grid(elemental.clone(), shape).unwrap().to_viewpoint_grid().unwrap(),
+        viewpoint
+    );
+    assert_eq!(naive::to_viewpoint_grid(elemental.view(), shape).unwrap(), viewpoint);
+    assert_eq!(LightField::from_viewpoint_grid(viewpoint, shape).unwrap().to_elemental_grid().unwrap(), elemental);
 }

@@ -1,10 +1,10 @@
-//! What the property tests share: element types, awkward shapes, awkward strides.
+//! Element types, shapes and strides for the property tests.
 
-use holo_core::{GridSize, Split};
+use holo_core::{GridSize, LightFieldShape};
 use ndarray::{Array3, ArrayView3, Axis, Slice};
 use proptest::prelude::*;
 
-/// An element type that can be numbered and compared bit by bit, so that NaN payloads and negative zeros count too.
+/// An element type with a bitwise comparison, which distinguishes NaN payloads and negative zeros.
 pub trait Sample: Copy + Send + Sync + std::fmt::Debug + 'static {
     fn from_hash(hash: u64) -> Self;
     fn bits(self) -> u64;
@@ -31,9 +31,9 @@ sample! {
     f64: f64::from_bits, f64::to_bits;
 }
 
-/// A different value for every index (as far as the type goes), the same in every run.
+/// A pseudo-random value for every index, the same in every run.
 pub fn sample_at<T: Sample>(index: usize) -> T {
-    // The finaliser of splitmix64: neighbours differ in all bits.
+    // The finalizer of splitmix64: neighbors differ in all bits.
     let mut hash = (index as u64).wrapping_add(0x9e37_79b9_7f4a_7c15).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     hash = (hash ^ (hash >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     T::from_hash(hash ^ (hash >> 31))
@@ -50,28 +50,28 @@ pub fn same<T: Sample>(left: ArrayView3<'_, T>, right: ArrayView3<'_, T>) -> boo
     left.dim() == right.dim() && left.iter().zip(right.iter()).all(|(left, right)| left.bits() == right.bits())
 }
 
-/// Counts that provoke: one, primes, and pairs that differ.
+/// Counts for edge cases: one, primes, and pairs that differ.
 fn count() -> impl Strategy<Value = usize> {
     prop_oneof![2 => Just(1_usize), 3 => 2..=6_usize, 1 => Just(7), 1 => Just(11), 1 => Just(13)]
 }
 
-pub fn splits() -> impl Strategy<Value = Split> {
+pub fn shapes() -> impl Strategy<Value = LightFieldShape> {
     (count(), count(), count(), count())
-        .prop_map(|(t, s, v, u)| Split::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap())
+        .prop_map(|(t, s, v, u)| LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap())
 }
 
 pub fn channels() -> impl Strategy<Value = usize> {
     prop_oneof![Just(1_usize), Just(2), Just(3), Just(4), Just(5)]
 }
 
-/// A way in which an image may lie in memory.
+/// The memory layout of an image.
 #[derive(Debug, Clone, Copy)]
 pub struct Strides {
-    /// Which axes run backwards.
+    /// The axes that run backward.
     pub reversed: [bool; 3],
     /// The order of the axes in memory, slowest first.
     pub order: [usize; 3],
-    /// Samples skipped after each sample of an axis: a gap.
+    /// The gap after each sample of an axis.
     pub step: usize,
 }
 

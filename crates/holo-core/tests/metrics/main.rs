@@ -1,10 +1,10 @@
-//! The benchmark's measures against numbers that Python made of the toolkit's formulas.
+//! The measures of the benchmark against the results of the toolkit's formulas in Python.
 
 use holo_core::metrics::{NormalGeometry, Region, bumpiness, disparity_scores, median_angle_error_deg};
-use holo_core::{GridSize, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Rig};
 use ndarray::Array2;
 
-// What `toolkit_reference.py` prints with scikit-image 0.26.0.
+// The output of `toolkit_reference.py` with scikit-image 0.26.0.
 const BAD_PIXELS: [f64; 3] = [20.37037037037037, 12.962962962962962, 3.7037037037037033];
 const MEAN_SQUARE: f64 = 0.27030608904214554;
 const Q25: f64 = 0.048828125;
@@ -30,11 +30,11 @@ fn maps() -> (Array2<f32>, Array2<f32>) {
 }
 
 #[test]
-fn measures_are_those_of_the_toolkit() {
+fn measures_agree_with_the_toolkit() {
     let (estimate, truth) = maps();
     let region = Region::with_border(3);
-    // Both sides in f64, some thousand roundings of numbers up to 100. The arc cosine loses half of the digits near 0: at 1 degree it
-    // is good to 2^-52/sin(1 degree), 1e-12 degrees.
+    // Both sides in f64, some thousand roundings of numbers up to 100. The arc cosine loses half of the digits near 0:
+    // at 1 degree it is good to 2^-52/sin(1 degree), 1e-12 degrees.
     let close = |value: f64, expected: f64| assert!((value - expected).abs() < 1e-9, "{value} for {expected}");
     let scores = disparity_scores(&estimate, &truth, &region).unwrap();
     for (percent, expected) in scores.bad_pixels_percent.into_iter().zip(BAD_PIXELS) {
@@ -44,7 +44,7 @@ fn measures_are_those_of_the_toolkit() {
     close(scores.q25_x100, Q25);
     close(bumpiness(&estimate, &truth, &region).unwrap().value, BUMPINESS);
 
-    let rig = Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(SIZE, SIZE)).unwrap())
+    let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(SIZE, SIZE)).unwrap())
         .focal_length_m(0.05)
         .sensor_size_m(0.036)
         .baseline_m(0.02)

@@ -1,4 +1,4 @@
-//! Pictures without texture, of one pixel, with NaN; and any number of threads.
+//! Images without texture, of one pixel, with NaN; and any number of threads.
 
 use holo_core::{Effort, Error, LightField, PlaneSweepOptions, plane_sweep};
 use ndarray::Array5;
@@ -9,7 +9,7 @@ use super::scenes::{Surface, plane};
 const EFFORTS: [Effort; 4] = [Effort::Draft, Effort::Fast, Effort::Balanced, Effort::Thorough];
 
 #[test]
-fn nothing_is_known_of_a_picture_of_one_colour() {
+fn an_image_of_one_color_has_confidence_zero() {
     for value in [0, 7, 255_u8] {
         let light_field = LightField::new(Array5::from_elem((20, 22, 5, 5, 3), value)).unwrap();
         for effort in EFFORTS {
@@ -30,13 +30,13 @@ fn threads_and_strides_change_no_bit() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         assert_eq!(pool.install(|| plane_sweep(&light_field, &options)).unwrap(), expected, "{threads} threads");
     }
-    let split = light_field.split();
-    let views = LightField::from_viewpoint_grid(light_field.to_viewpoint_grid(), split).unwrap();
+    let shape = light_field.shape();
+    let views = LightField::from_viewpoint_grid(light_field.to_viewpoint_grid().unwrap(), shape).unwrap();
     assert_eq!(plane_sweep(&views, &options).unwrap(), expected);
 }
 
 #[test]
-fn what_cannot_be_estimated_is_refused() {
+fn impossible_inputs_are_errors() {
     let options = PlaneSweepOptions::default();
     let single = LightField::new(Array5::<u8>::zeros((8, 8, 1, 1, 3))).unwrap();
     let error = plane_sweep(&single, &options).unwrap_err();
@@ -50,9 +50,9 @@ fn what_cannot_be_estimated_is_refused() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// Whatever the counts and samples: an answer within the range and no panic.
+    /// For all counts and samples the estimate is within the range, without a panic.
     #[test]
-    fn any_light_field_has_an_answer(
+    fn any_light_field_has_an_estimate(
         counts in (1..12_usize, 1..12_usize, 1..5_usize, 1..5_usize, 1..5_usize),
         low in -20.0..20.0_f32,
         width in 0.001..30.0_f32,

@@ -1,4 +1,4 @@
-//! Depth from views whose every sample follows from a formula.
+//! The plane sweep on views that a formula defines.
 
 mod hostile;
 mod occlusion;

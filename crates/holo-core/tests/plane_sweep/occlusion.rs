@@ -1,4 +1,5 @@
-//! A bar before a wall: what is hidden in half of the views is still found, and the edge stays where it is.
+//! A bar in front of a wall: pixels that are occluded in half of the views have the right disparity, and the depth edge
+//! is sharp.
 
 use holo_core::{Effort, LightField, PlaneSweepOptions, plane_sweep};
 use ndarray::Array5;
@@ -16,7 +17,7 @@ fn edges_of_a_bar_stay_where_they_are() {
         let at = |disparity_px: f64| (v as f64 + disparity_px * down, u as f64 + disparity_px * right);
         let (bar_v, bar_u) = at(BAR_PX);
         if COLUMNS.contains(&bar_u) {
-            // Another piece of the same cloth: colours alone do not tell the two apart.
+            // The texture of the wall at an offset: colors alone do not distinguish the two.
             texture(bar_v * 1.1 + 100.0, bar_u * 1.1 + 40.0, channel) as f32
         } else {
             let (wall_v, wall_u) = at(WALL_PX);

@@ -1,4 +1,4 @@
-//! Light fields of textured planes, sampled without noise and without error.
+//! Light fields of textured planes, without noise.
 
 use holo_core::{LightField, LightFieldOwned};
 use ndarray::{Array2, Array5};
@@ -16,7 +16,7 @@ impl Surface {
         self.here + self.by_row * v + self.by_column * u
     }
 
-    /// Which pixel of the central view is seen at `(v, u)` of the view `down` and `right` of it.
+    /// The pixel of the central view that is seen at `(v, u)` of the view `down` and `right` of it.
     ///
     /// There is `v' = v - d down`, `u' = u - d right`, and d is linear in `(v, u)`; solved for `(v, u)`.
     pub fn source(&self, v: f64, u: f64, down: f64, right: f64) -> (f64, f64) {
@@ -46,7 +46,7 @@ pub fn plane(shape: [usize; 5], surface: Surface) -> (LightFieldOwned<f32>, Arra
     (LightField::new(samples).unwrap(), truth)
 }
 
-/// The largest difference farther than `border` from the rim.
+/// The largest difference farther than `border` from the image edges.
 pub fn worst(estimate: &Array2<f32>, truth: &Array2<f32>, border: usize) -> f32 {
     let (rows, columns) = truth.dim();
     let mut worst = 0.0_f32;

@@ -1,25 +1,25 @@
-//! Refocusing: against the sum to the letter, against LFToolbox's shifts, and against planes whose disparity is known.
+//! Refocusing against its reference implementation, the shifts of LFToolbox, and planes of known disparity.
 
 mod naive;
 mod sharpness;
 
 use holo_core::refocus::{Aperture, Kernel, Refocus, disparity_from_slope, slope_from_disparity};
-use holo_core::{Error, GridSize, LightField, LightFieldOwned, Rig, Sample, Split};
+use holo_core::{Error, GridSize, LightField, LightFieldOwned, LightFieldShape, Rig, Sample};
 use ndarray::{Array2, Array3, Array5, ArrayView3};
 
-/// Numbers that look random, in 0..256.
+/// Pseudo-random numbers from 0 to 255.
 fn byte(index: usize) -> u8 {
     let mut hash = (index as u64).wrapping_add(0x9e37_79b9_7f4a_7c15).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     hash = (hash ^ (hash >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     (hash >> 56) as u8
 }
 
-fn noise<T>(split: Split, channels: usize, sample: impl Fn(u8) -> T) -> LightFieldOwned<T> {
-    let raw = split.raw_size();
-    let shape = (raw.rows, raw.columns, channels);
+fn noise<T>(shape: LightFieldShape, channels: usize, sample: impl Fn(u8) -> T) -> LightFieldOwned<T> {
+    let raw = shape.raw_size();
+    let size = (raw.rows, raw.columns, channels);
     let image =
-        Array3::from_shape_fn(shape, |(row, column, c)| sample(byte((row * raw.columns + column) * channels + c)));
-    LightField::from_elemental_grid(image, split).unwrap()
+        Array3::from_shape_fn(size, |(row, column, c)| sample(byte((row * raw.columns + column) * channels + c)));
+    LightField::from_elemental_grid(image, shape).unwrap()
 }
 
 /// Compares with the sum in f64, pixel by pixel and NaN by NaN.
@@ -32,15 +32,15 @@ fn assert_close(found: ArrayView3<'_, f32>, expected: ArrayView3<'_, f64>, bound
 }
 
 /// The documented bound.
-fn bound(split: Split, largest: f64) -> f64 {
-    let views = split.views();
+fn bound(shape: LightFieldShape, largest: f64) -> f64 {
+    let views = shape.views();
     (views.columns + 4 * views.rows + 16) as f64 * 2.0_f64.powi(-23) * largest
 }
 
-/// Compares both ways to refocus one light field with their naive twin, at many disparities.
+/// Compares both refocusing methods with their reference implementation at many disparities.
 fn check<T: Sample>(light_field: &LightFieldOwned<T>, largest: f64) {
-    let split = light_field.split();
-    let views = split.views();
+    let shape = light_field.shape();
+    let views = shape.views();
     let middle = ((views.rows - 1) as f64 / 2.0, (views.columns - 1) as f64 / 2.0);
     let apertures = [
         Aperture::all(views).unwrap(),
@@ -50,7 +50,7 @@ fn check<T: Sample>(light_field: &LightFieldOwned<T>, largest: f64) {
     for aperture in apertures {
         for kernel in [Kernel::Bilinear, Kernel::CatmullRom] {
             let refocus = Refocus::with_aperture(aperture.clone()).kernel(kernel).vertical_ratio(0.75).unwrap();
-            let central = split.central_view();
+            let central = shape.central_view();
             let central = (central.0 as f64, central.1 as f64);
             for (refocus, reference) in
                 [(refocus.clone(), central), (refocus.reference(middle.0, -0.25).unwrap(), (middle.0, -0.25))]
@@ -59,16 +59,16 @@ fn check<T: Sample>(light_field: &LightFieldOwned<T>, largest: f64) {
                     let twin = |disparity: &dyn Fn(usize, usize) -> f64| {
                         naive::refocused(light_field, &aperture, kernel, reference, 0.75, disparity)
                     };
-                    let what = format!("{split:?} {kernel:?} {disparity}");
+                    let what = format!("{shape:?} {kernel:?} {disparity}");
                     let found = refocus.at_disparity(light_field, disparity).unwrap();
-                    assert_close(found.view(), twin(&|_, _| disparity).view(), bound(split, largest), &what);
-                    let lenses = split.lenses();
+                    assert_close(found.view(), twin(&|_, _| disparity).view(), bound(shape, largest), &what);
+                    let lenses = shape.lenses();
                     let map = Array2::from_shape_fn((lenses.rows, lenses.columns), |(v, u)| {
                         disparity + 0.1 * v as f64 - 0.05 * u as f64
                     });
                     let found = refocus.all_in_focus(light_field, &map).unwrap();
                     let expected = twin(&|v, u| map[[v, u]]);
-                    assert_close(found.view(), expected.view(), bound(split, largest), &what);
+                    assert_close(found.view(), expected.view(), bound(shape, largest), &what);
                 }
             }
         }
@@ -76,41 +76,41 @@ fn check<T: Sample>(light_field: &LightFieldOwned<T>, largest: f64) {
 }
 
 #[test]
-fn sums_are_those_of_the_definition() {
+fn sums_agree_with_the_reference_implementation() {
     for (views, lenses, channels) in
         [((3, 3), (6, 7), 3), ((2, 4), (5, 9), 1), ((1, 5), (1, 8), 2), ((4, 1), (7, 1), 4), ((5, 2), (3, 2), 5)]
     {
-        let split = Split::new(GridSize::new(views.0, views.1), GridSize::new(lenses.0, lenses.1)).unwrap();
-        check(&noise(split, channels, |byte| byte), 255.0);
-        check(&noise(split, channels, |byte| u16::from(byte) * 257), 65535.0);
-        check(&noise(split, channels, |byte| f32::from(byte) / 128.0 - 1.0), 1.0);
+        let shape = LightFieldShape::new(GridSize::new(views.0, views.1), GridSize::new(lenses.0, lenses.1)).unwrap();
+        check(&noise(shape, channels, |byte| byte), 255.0);
+        check(&noise(shape, channels, |byte| u16::from(byte) * 257), 65535.0);
+        check(&noise(shape, channels, |byte| f32::from(byte) / 128.0 - 1.0), 1.0);
     }
 }
 
 #[test]
 fn order_in_memory_changes_no_bit() {
-    let split = Split::new(GridSize::new(3, 4), GridSize::new(8, 9)).unwrap();
-    let elemental = noise(split, 3, |byte| byte);
-    let viewpoint = LightField::from_viewpoint_grid(elemental.to_viewpoint_grid(), split).unwrap();
+    let shape = LightFieldShape::new(GridSize::new(3, 4), GridSize::new(8, 9)).unwrap();
+    let elemental = noise(shape, 3, |byte| byte);
+    let viewpoint = LightField::from_viewpoint_grid(elemental.to_viewpoint_grid().unwrap(), shape).unwrap();
     // Neither: turned by 180 degrees, stored, and seen turned back.
-    let turned = elemental.clone().rotate_raw().to_owned().to_elemental_grid();
-    let turned = LightField::from_elemental_grid(turned, split).unwrap().rotate_raw();
-    let refocus = Refocus::new(split.views()).unwrap();
-    let bits = |picture: Array3<f32>| picture.mapv(f32::to_bits);
+    let turned = elemental.clone().rotate_raw().to_owned().unwrap().to_elemental_grid().unwrap();
+    let turned = LightField::from_elemental_grid(turned, shape).unwrap().rotate_raw();
+    let refocus = Refocus::new(shape.views()).unwrap();
+    let bits = |image: Array3<f32>| image.mapv(f32::to_bits);
     let expected = bits(refocus.at_disparity(&elemental, 0.6).unwrap());
     assert_eq!(bits(refocus.at_disparity(&viewpoint, 0.6).unwrap()), expected);
     assert_eq!(bits(refocus.at_disparity(&turned, 0.6).unwrap()), expected);
     let part = elemental.clip_lenses(1..6, 2..8).unwrap();
-    let copy = LightField::from_elemental_grid(part.to_elemental_grid(), part.split()).unwrap();
+    let copy = LightField::from_elemental_grid(part.to_elemental_grid().unwrap(), part.shape()).unwrap();
     let part = refocus.at_disparity(&part, 0.6).unwrap();
     assert_eq!(bits(part), bits(refocus.at_disparity(&copy, 0.6).unwrap()));
 }
 
 #[test]
 fn threads_change_no_bit() {
-    let split = Split::new(GridSize::new(4, 5), GridSize::new(31, 17)).unwrap();
-    let light_field = noise(split, 3, |byte| byte);
-    let refocus = Refocus::new(split.views()).unwrap();
+    let shape = LightFieldShape::new(GridSize::new(4, 5), GridSize::new(31, 17)).unwrap();
+    let light_field = noise(shape, 3, |byte| byte);
+    let refocus = Refocus::new(shape.views()).unwrap();
     let map = Array2::from_elem((31, 17), 0.37_f32);
     let in_pool = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -124,35 +124,37 @@ fn threads_change_no_bit() {
 
 #[test]
 fn edges_are_as_bright_as_the_middle() {
-    let split = Split::new(GridSize::new(5, 5), GridSize::new(12, 10)).unwrap();
-    let light_field = noise(split, 1, |_| 200_u8);
-    let refocus = Refocus::new(split.views()).unwrap();
+    let shape = LightFieldShape::new(GridSize::new(5, 5), GridSize::new(12, 10)).unwrap();
+    let light_field = noise(shape, 1, |_| 200_u8);
+    let refocus = Refocus::new(shape.views()).unwrap();
     for disparity in [0.0, 0.5, -2.3, 3.9, -40.0] {
         for &sample in &refocus.at_disparity(&light_field, disparity).unwrap() {
-            assert!((f64::from(sample) - 200.0).abs() < bound(split, 200.0), "{sample} at {disparity}");
+            assert!((f64::from(sample) - 200.0).abs() < bound(shape, 200.0), "{sample} at {disparity}");
         }
     }
-    // Where the aperture does not see the picture there is nothing to show: one view, two columns to the right, at disparity 3.
-    let one = Aperture::square(split.views(), (2.0, 4.0), 0.5).unwrap();
-    let picture = Refocus::with_aperture(one).at_disparity(&light_field, 3.0).unwrap();
-    for ((_, u, _), sample) in picture.indexed_iter() {
+    // Pixels that the aperture does not see are NaN: one view, two columns to the right, at
+    // disparity 3.
+    let one = Aperture::square(shape.views(), (2.0, 4.0), 0.5).unwrap();
+    let image = Refocus::with_aperture(one).at_disparity(&light_field, 3.0).unwrap();
+    for ((_, u, _), sample) in image.indexed_iter() {
         assert_eq!(sample.is_nan(), u < 6, "column {u}");
     }
-    // The pixel without a disparity has no value, its neighbours have theirs.
+    // The pixel without a disparity has no value, its neighbors have theirs.
     let mut map = Array2::from_elem((12, 10), 0.5_f32);
     map[[3, 4]] = f32::NAN;
-    let picture = refocus.all_in_focus(&light_field, &map).unwrap();
-    assert!(picture.indexed_iter().all(|((v, u, _), sample)| sample.is_nan() == ((v, u) == (3, 4))));
+    let image = refocus.all_in_focus(&light_field, &map).unwrap();
+    assert!(image.indexed_iter().all(|((v, u, _), sample)| sample.is_nan() == ((v, u) == (3, 4))));
 }
 
 #[test]
-fn slopes_are_those_of_lftoolbox() {
+fn slopes_agree_with_lftoolbox() {
     for views in [2_usize, 5, 9, 20] {
         for disparity in [1.0, -0.7, 2.15] {
             let slope = slope_from_disparity(disparity, views).unwrap();
             assert!((disparity_from_slope(slope, views).unwrap() - disparity).abs() < 1e-15);
             for view in 0..views {
-                // The toolbox's shift of that view, linspace(-1/2, 1/2, T) * slope * T, which it adds to the place of a sample.
+                // The toolbox's shift of that view, linspace(-1/2, 1/2, T) * slope * T, which it adds to the place of a
+                // sample.
                 let linspace = -0.5 + view as f64 / (views - 1) as f64;
                 let toolbox = linspace * slope * views as f64;
                 // Here: -d times the views between it and the middle. Four roundings of numbers below 25.
@@ -165,9 +167,9 @@ fn slopes_are_those_of_lftoolbox() {
 }
 
 #[test]
-fn distances_go_through_the_rig_of_either_axis() {
-    let split = Split::new(GridSize::new(3, 3), GridSize::new(16, 16)).unwrap();
-    let rig = Rig::builder(split)
+fn distances_use_the_baselines_of_both_axes() {
+    let shape = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(16, 16)).unwrap();
+    let rig = Rig::builder(shape)
         .focal_length_m(0.1)
         .sensor_size_m(0.035)
         .baseline_x_m(0.04)
@@ -175,13 +177,13 @@ fn distances_go_through_the_rig_of_either_axis() {
         .focus_distance_m(4.0)
         .build()
         .unwrap();
-    let light_field = noise(split, 1, |byte| byte);
-    let refocus = Refocus::new(split.views()).unwrap().vertical_ratio(0.5).unwrap();
+    let light_field = noise(shape, 1, |byte| byte);
+    let refocus = Refocus::new(shape.views()).unwrap().vertical_ratio(0.5).unwrap();
     for distance_m in [2.0, 4.0, f64::INFINITY] {
         let disparity_px = rig.disparity_x().from_depth_m(distance_m);
         let expected = refocus.at_disparity(&light_field, disparity_px).unwrap();
-        // The ratio is for disparities; a rig knows its own, and half of a double is exact.
-        let without_ratio = Refocus::new(split.views()).unwrap();
+        // The ratio applies to disparities only, and half of a double is exact.
+        let without_ratio = Refocus::new(shape.views()).unwrap();
         assert_eq!(without_ratio.at_distance_m(&light_field, &rig, distance_m), Ok(expected));
     }
     for distance_m in [0.0, -1.0, f64::NAN] {
@@ -193,9 +195,9 @@ fn distances_go_through_the_rig_of_either_axis() {
 
 #[test]
 fn wrong_numbers_and_shapes_are_errors() {
-    let split = Split::new(GridSize::new(3, 3), GridSize::new(4, 5)).unwrap();
-    let light_field = noise(split, 1, |byte| byte);
-    let refocus = Refocus::new(split.views()).unwrap();
+    let shape = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5)).unwrap();
+    let light_field = noise(shape, 1, |byte| byte);
+    let refocus = Refocus::new(shape.views()).unwrap();
     for value in [f64::NAN, f64::INFINITY] {
         assert!(refocus.at_disparity(&light_field, value).is_err());
         assert!(refocus.clone().reference(0.0, value).is_err() && refocus.clone().vertical_ratio(value).is_err());
@@ -205,8 +207,8 @@ fn wrong_numbers_and_shapes_are_errors() {
     let map = Array2::<f32>::zeros((5, 4));
     assert!(matches!(refocus.all_in_focus(&light_field, &map), Err(Error::Shape { what: "disparity map", .. })));
     // A huge but finite disparity: only the reference view is left.
-    let picture = refocus.at_disparity(&light_field, 1e300).unwrap();
-    assert_eq!(picture, light_field.view(1, 1).unwrap().mapv(f32::from));
+    let image = refocus.at_disparity(&light_field, 1e300).unwrap();
+    assert_eq!(image, light_field.view(1, 1).unwrap().mapv(f32::from));
     let one_pixel = LightField::new(Array5::from_elem((1, 1, 3, 3, 1), 7_u8)).unwrap();
     assert_eq!(refocus.at_disparity(&one_pixel, 0.2).unwrap()[[0, 0, 0]], 7.0);
 }

@@ -1,10 +1,10 @@
-//! Shift-and-sum as it is defined: every pixel, every view, every tap, in f64.
+//! The reference implementation of shift-and-sum: every pixel, every view, every tap, in f64.
 
 use holo_core::refocus::{Aperture, Kernel};
 use holo_core::{LightFieldOwned, Sample};
 use ndarray::Array3;
 
-/// The weight of a pixel at a distance from the place that is sampled.
+/// The weight of a pixel at a distance from the sample position.
 fn kernel_weight(kernel: Kernel, distance: f64) -> f64 {
     let x = distance.abs();
     match kernel {

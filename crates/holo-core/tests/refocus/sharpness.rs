@@ -1,7 +1,7 @@
-//! Planes of known depth: sharpest where they are.
+//! Planes of known depth are sharpest at their own disparity.
 
 use holo_core::refocus::{Kernel, Refocus};
-use holo_core::{GridSize, LightField, Rig, Split};
+use holo_core::{GridSize, LightField, LightFieldShape, Rig};
 use ndarray::{Array2, Array3, Array5, ArrayView3};
 
 /// A texture of waves of 5 to 12 pixels in all directions, within 0..1: every kernel can follow it between pixels.
@@ -15,7 +15,7 @@ fn texture(row: f64, column: f64) -> f64 {
 }
 
 fn rig(views: (usize, usize), baselines_m: (f64, f64)) -> Rig {
-    Rig::builder(Split::new(GridSize::new(views.0, views.1), GridSize::new(64, 80)).unwrap())
+    Rig::builder(LightFieldShape::new(GridSize::new(views.0, views.1), GridSize::new(64, 80)).unwrap())
         .focal_length_m(0.05)
         .sensor_size_m(0.036)
         .baseline_x_m(baselines_m.1)
@@ -25,11 +25,11 @@ fn rig(views: (usize, usize), baselines_m: (f64, f64)) -> Rig {
         .unwrap()
 }
 
-/// A wall at a depth, painted with the texture in pixels of the rig's centre, as 8-bit samples.
+/// A wall at a depth, painted with the texture in pixels of the rig's center, as 8-bit samples.
 ///
-/// It goes through the rig's rays and not through the shifts that are being tested.
+/// It uses the rays of the rig, not the shifts under test.
 fn wall(rig: &Rig, depth_m: f64) -> LightField<ndarray::OwnedRepr<u8>> {
-    let samples = Array5::from_shape_fn(rig.split().shape(1), |(v, u, t, s, _)| {
+    let samples = Array5::from_shape_fn(rig.shape().array_shape(1), |(v, u, t, s, _)| {
         let point = rig.ray(v, u, t, s, 0.5, 0.5).at_depth_m(depth_m);
         let (row, column) = (rig.row(point[1] / depth_m), rig.column(point[0] / depth_m));
         (255.0 * texture(row, column)).round() as u8
@@ -38,9 +38,9 @@ fn wall(rig: &Rig, depth_m: f64) -> LightField<ndarray::OwnedRepr<u8>> {
 }
 
 /// The variance of the Laplacian, without the 12 px at the edges that not all views see.
-fn sharpness(picture: ArrayView3<'_, f32>) -> f64 {
-    let (rows, columns, _) = picture.dim();
-    let at = |row: usize, column: usize| f64::from(picture[[row, column, 0]]);
+fn sharpness(image: ArrayView3<'_, f32>) -> f64 {
+    let (rows, columns, _) = image.dim();
+    let at = |row: usize, column: usize| f64::from(image[[row, column, 0]]);
     let laplacians: Vec<f64> = (12..rows - 12)
         .flat_map(|row| (12..columns - 12).map(move |column| (row, column)))
         .map(|(row, column)| {
@@ -55,8 +55,8 @@ fn sharpness(picture: ArrayView3<'_, f32>) -> f64 {
 #[test]
 fn walls_are_sharpest_at_their_own_disparity() {
     const STEP: f64 = 0.1;
-    // The bilinear kernel blurs views that fall between pixels, which favours disparities that put many views on pixels: near -0.2 it
-    // prefers -0.25 or so. The cubic has next to none of that.
+    // The bilinear kernel blurs views that fall between pixels, which favors disparities that put many views on pixels:
+    // near -0.2 it prefers -0.25 or so. The cubic has next to none of that.
     for (views, baselines_m, kernel, bound) in [
         ((9, 9), (0.03, 0.03), Kernel::CatmullRom, 0.02),
         ((8, 8), (0.03, 0.03), Kernel::CatmullRom, 0.02),
@@ -67,12 +67,12 @@ fn walls_are_sharpest_at_their_own_disparity() {
         for depth_m in [2.9, 4.0, 5.3] {
             let light_field = wall(&rig, depth_m);
             let expected = rig.disparity().from_depth_m(depth_m);
-            let refocus = Refocus::new(rig.split().views()).unwrap().kernel(kernel);
+            let refocus = Refocus::new(rig.shape().views()).unwrap().kernel(kernel);
             let refocus = refocus.vertical_ratio(baselines_m.0 / baselines_m.1).unwrap();
             // Steps that do not meet the disparity itself.
             let disparities: Vec<f64> = (-10..=10).map(|step| expected + 0.037 + f64::from(step) * STEP).collect();
             let stack = refocus.focal_stack(&light_field, &disparities);
-            let sharp: Vec<f64> = stack.map(|picture| sharpness(picture.unwrap().view())).collect();
+            let sharp: Vec<f64> = stack.map(|image| sharpness(image.unwrap().view())).collect();
             let best = (1..sharp.len() - 1).max_by(|&a, &b| sharp[a].total_cmp(&sharp[b])).unwrap();
             let (before, top, behind) = (sharp[best - 1], sharp[best], sharp[best + 1]);
             let found = disparities[best] + STEP * 0.5 * (before - behind) / (before - 2.0 * top + behind);
@@ -85,29 +85,29 @@ fn walls_are_sharpest_at_their_own_disparity() {
 }
 
 #[test]
-fn a_wall_in_focus_is_what_the_reference_view_sees() {
+fn a_wall_in_focus_agrees_with_the_reference_view() {
     for views in [(9, 9), (8, 6)] {
         let rig = rig(views, (0.03, 0.03));
-        let (t, s) = rig.split().central_view();
+        let (t, s) = rig.shape().central_view();
         for depth_m in [2.9, 5.3] {
             let light_field = wall(&rig, depth_m);
             let central = light_field.view(t, s).unwrap().mapv(f32::from);
-            let refocus = Refocus::new(rig.split().views()).unwrap();
+            let refocus = Refocus::new(rig.shape().views()).unwrap();
             let plane = refocus.at_distance_m(&light_field, &rig, depth_m).unwrap();
             let map = Array2::from_elem((64, 80), rig.disparity().from_depth_m(depth_m));
             let everywhere = refocus.all_in_focus(&light_field, &map).unwrap();
-            for picture in [&plane, &everywhere] {
+            for image in [&plane, &everywhere] {
                 let mut largest: f32 = 0.0;
                 for v in 12..52 {
                     for u in 12..68 {
-                        largest = largest.max((picture[[v, u, 0]] - central[[v, u, 0]]).abs());
+                        largest = largest.max((image[[v, u, 0]] - central[[v, u, 0]]).abs());
                     }
                 }
-                // The cubic loses up to (2 pi/5)^3/16 * 255/12 = 2.6 codes of the shortest wave half-way between pixels, less of the others;
-                // the reference view itself was rounded to half a code.
+                // The cubic loses up to (2 pi/5)^3/16 * 255/12 = 2.6 codes of the shortest wave half-way between
+                // pixels, less of the others; the reference view itself was rounded to half a code.
                 assert!(largest < 4.0, "{views:?} {depth_m} m: {largest} codes off");
                 let flat = Array3::<f32>::from_elem((64, 80, 1), central.mean().unwrap());
-                assert!(sharpness(picture.view()) > 0.8 * sharpness(central.view()), "blurred");
+                assert!(sharpness(image.view()) > 0.8 * sharpness(central.view()), "blurred");
                 assert!(sharpness(flat.view()) < 1.0, "the measure does not see blur");
             }
         }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, Split};
+use holo_core::{GridSize, LightFieldShape};
 use serde::{Deserialize, Serialize};
 
 use super::{DATASET_JSON, folder};
@@ -25,12 +25,12 @@ const MAX_BYTES: u64 = 16 << 20;
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Split};
+/// use holo_core::{GridSize, LightFieldShape};
 /// use holo_io::dataset::{Description, SceneEntry};
 ///
 /// let description = Description {
 ///     scenes: vec![SceneEntry { name: "garden".into(), purpose: "foliage".into(), sha256: "00".repeat(32) }],
-///     splits: vec![Split::new(GridSize::new(20, 20), GridSize::new(265, 397))?],
+///     splits: vec![LightFieldShape::new(GridSize::new(20, 20), GridSize::new(265, 397))?],
 ///     ..Description::default()
 /// };
 /// assert_eq!(description.folders()?, [std::path::Path::new("garden/20x20")]);
@@ -46,7 +46,7 @@ pub struct Description {
     /// The scenes.
     pub scenes: Vec<SceneEntry>,
     /// The splits.
-    pub splits: Vec<Split>,
+    pub splits: Vec<LightFieldShape>,
     /// How the files are to be read, a sentence a topic.
     pub conventions: BTreeMap<String, String>,
     /// The licence of the images.
@@ -175,8 +175,8 @@ fn parse(bytes: &[u8], path: &Path) -> Result<Description, Error> {
     if let Some(scene) = document.scenes.iter().find(|scene| !stays_inside(&scene.name) || scene.name.contains('/')) {
         return Err(broken(format!("a scene called '{}' has no folder", scene.name)));
     }
-    let split = |entry: &SplitEntry| Split::new((&entry.views).into(), (&entry.lenses).into());
-    let splits: Result<Vec<Split>, _> = document.splits.iter().map(split).collect();
+    let split = |entry: &SplitEntry| LightFieldShape::new((&entry.views).into(), (&entry.lenses).into());
+    let splits: Result<Vec<LightFieldShape>, _> = document.splits.iter().map(split).collect();
     Ok(Description {
         versions: document.versions,
         options: document.options,
@@ -195,7 +195,7 @@ mod tests {
     fn damaged_descriptions_are_errors() {
         let good = Description {
             scenes: vec![SceneEntry { name: "a".into(), purpose: String::new(), sha256: String::new() }],
-            splits: vec![Split::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap()],
+            splits: vec![LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap()],
             ..Description::default()
         };
         let text = good.to_json().unwrap();

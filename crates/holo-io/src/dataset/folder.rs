@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{DynLightField, GridSize, Layout, Rig, Split};
+use holo_core::{DynLightField, GridSize, Layout, LightFieldShape, Rig};
 use ndarray::Array2;
 
 use super::{DEPTH_PFM, DISPARITY_PFM, ELEMENTAL_PNG, MANIFEST_JSON, PARAMETERS_CFG, VIEWPOINT_PNG};
@@ -47,7 +47,7 @@ impl DatasetFolder {
                 return Err(Error::broken(path, FORMAT, what));
             }
         };
-        let sizes = (rig.split().views(), rig.split().lenses());
+        let sizes = (rig.shape().views(), rig.shape().lenses());
         if let Some(other) = parameters.as_ref().map(|p| (p.num_cams, p.image_resolution_px)).filter(|p| *p != sizes) {
             let what = format!("it speaks of {}, but {MANIFEST_JSON} of {}", in_words(other), in_words(sizes));
             return Err(Error::broken(&parameters_path, FORMAT, what));
@@ -75,8 +75,8 @@ impl DatasetFolder {
 
     /// Returns the number of views and lenses.
     #[must_use]
-    pub const fn split(&self) -> Split {
-        *self.rig.split()
+    pub const fn shape(&self) -> LightFieldShape {
+        *self.rig.shape()
     }
 
     /// Returns the rig.
@@ -109,8 +109,8 @@ impl DatasetFolder {
                 format!("the dataset has no picture: {MANIFEST_JSON} lists no {ELEMENTAL_PNG} or {VIEWPOINT_PNG}");
             return Err(Error::unsupported(&self.path, what));
         };
-        self.check_size(&file, read_png_info(&file)?.size, self.split().raw_size())?;
-        DynLightField::from_grid(read_png(&file, limits)?, layout, self.split())
+        self.check_size(&file, read_png_info(&file)?.size, self.shape().raw_size())?;
+        DynLightField::from_grid(read_png(&file, limits)?, layout, self.shape())
             .map_err(|error| Error::core(&file, error))
     }
 
@@ -147,7 +147,7 @@ impl DatasetFolder {
         }
         let file = self.path.join(name);
         let map = read_pfm_grey(&file, limits)?;
-        self.check_size(&file, GridSize::new(map.nrows(), map.ncols()), self.split().lenses())?;
+        self.check_size(&file, GridSize::new(map.nrows(), map.ncols()), self.shape().lenses())?;
         Ok(Some(map))
     }
 
@@ -155,7 +155,7 @@ impl DatasetFolder {
         if found == expected {
             return Ok(());
         }
-        let sizes = (self.split().views(), self.split().lenses());
+        let sizes = (self.shape().views(), self.shape().lenses());
         let what = format!(
             "it has {} x {} pixels, but the rig of {} needs {} x {}",
             found.columns,

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use holo_core::{DynImage, DynLightField, GridSize, Layout, LightFieldOwned, Rig, Split};
+use holo_core::{DynImage, DynLightField, GridSize, Layout, LightFieldOwned, LightFieldShape, Rig};
 use ndarray::{Array2, Axis};
 use rayon::prelude::*;
 
@@ -21,16 +21,16 @@ use crate::{Error, Limits, ParametersCfg, read_pfm_grey, read_pfm_info};
 /// # Examples
 ///
 /// ```
-/// use holo_core::{DynLightField, GridSize, Layout, LightField, Rig, Split};
+/// use holo_core::{DynLightField, GridSize, Layout, LightField, Rig, LightFieldShape};
 /// use holo_io::{Compression, HciFolder, HciImage, HciTruth, Limits, ParametersCfg};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// # let path = folder.path();
-/// let split = Split::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
+/// let split = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
 /// let rig = Rig::builder(split).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
 /// let light_field = LightField::filled(split, 3, Layout::ElementalGrid, 7_u8)?;
 /// let image = HciImage {
-///     views: light_field.borrowed().into(),
+///     views: light_field.as_light_field_ref().into(),
 ///     parameters: &ParametersCfg::from_rig(&rig),
 ///     disparity_px: HciTruth::None,
 ///     depth_m: HciTruth::None,
@@ -46,7 +46,7 @@ use crate::{Error, Limits, ParametersCfg, read_pfm_grey, read_pfm_info};
 pub struct HciFolder {
     path: PathBuf,
     parameters: ParametersCfg,
-    split: Split,
+    split: LightFieldShape,
     /// One file a view, in reading order.
     views: Vec<PathBuf>,
     truth: BTreeMap<Name, PathBuf>,
@@ -67,7 +67,7 @@ impl HciFolder {
         // First, because a folder without it is unfinished, whatever else is there.
         let parameters_path = path.join(PARAMETERS_CFG);
         let parameters = ParametersCfg::read(&parameters_path)?;
-        let split = Split::new(parameters.num_cams, parameters.image_resolution_px)
+        let split = LightFieldShape::new(parameters.num_cams, parameters.image_resolution_px)
             .map_err(|error| Error::core(&parameters_path, error))?;
         let mut files = files(path)?;
         let count = split.views().count();
@@ -120,7 +120,7 @@ impl HciFolder {
 
     /// Returns the number of views and lenses.
     #[must_use]
-    pub const fn split(&self) -> Split {
+    pub const fn shape(&self) -> LightFieldShape {
         self.split
     }
 
@@ -228,7 +228,7 @@ impl HciFolder {
     ) -> Result<Option<LightFieldOwned<f32>>, Error> {
         let file = |index| self.truth.get(&Name::truth(quantity, HciResolution::Low, Some(index)));
         let Some(files) = (0..self.views.len()).map(file).collect::<Option<Vec<&PathBuf>>>() else { return Ok(None) };
-        limits.elements(&self.path, "ground truth", &self.split.shape(1), size_of::<f32>())?;
+        limits.elements(&self.path, "ground truth", &self.split.array_shape(1), size_of::<f32>())?;
         let mut maps = LightFieldOwned::filled(self.split, 1, Layout::ViewpointGrid, 0.0)
             .map_err(|error| Error::core(&self.path, error))?;
         let failure = maps

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use holo_core::{DynImageRef, DynLightFieldRef, GridSize, LightFieldRef, Split, for_each_sample};
+use holo_core::{DynImageRef, DynLightFieldRef, GridSize, LightFieldRef, LightFieldShape, for_each_sample};
 use ndarray::{ArrayView2, Axis};
 use rayon::prelude::*;
 
@@ -86,8 +86,8 @@ impl<'a> HciImage<'a> {
         Ok(written)
     }
 
-    fn split(&self) -> Split {
-        self.views.split()
+    fn shape(&self) -> LightFieldShape {
+        self.views.shape()
     }
 
     fn maps(&self) -> [(HciQuantity, HciTruth<'a>); 2] {
@@ -96,7 +96,7 @@ impl<'a> HciImage<'a> {
 
     /// All names but that of the parameters.
     fn names(&self) -> Vec<Name> {
-        let count = self.split().views().count();
+        let count = self.shape().views().count();
         let mut names: Vec<Name> = (0..count).map(Name::View).collect();
         for (quantity, truth) in self.maps() {
             let name = |view| Name::truth(quantity, HciResolution::Low, view);
@@ -110,7 +110,7 @@ impl<'a> HciImage<'a> {
     }
 
     fn check(&self, folder: &Path) -> Result<(), Error> {
-        let split = self.split();
+        let split = self.shape();
         let (views, lenses) = (split.views(), split.lenses());
         let bad = |what: String| Err(Error::bad_input(folder, what));
         let ParametersCfg { num_cams, image_resolution_px, .. } = *self.parameters;
@@ -131,10 +131,10 @@ impl<'a> HciImage<'a> {
                         lenses.columns, lenses.rows
                     ));
                 }
-                HciTruth::All(maps) if maps.split() != split || maps.channels() != 1 => {
+                HciTruth::All(maps) if maps.shape() != split || maps.channels() != 1 => {
                     return bad(format!(
                         "the {quantity} is {} with {} channels, the pictures are {}; a map has 1 channel",
-                        in_words(maps.split().views(), maps.split().lenses()),
+                        in_words(maps.shape().views(), maps.shape().lenses()),
                         maps.channels(),
                         in_words(views, lenses)
                     ));
@@ -160,7 +160,7 @@ impl<'a> HciImage<'a> {
     }
 
     fn write_one(&self, name: Name, path: &Path, compression: Compression) -> Result<FileDigest, Error> {
-        let GridSize { columns, .. } = self.split().views();
+        let GridSize { columns, .. } = self.shape().views();
         let fault = |error| Error::core(path, error);
         match name {
             Name::View(index) => {
@@ -170,7 +170,7 @@ impl<'a> HciImage<'a> {
                 write_png(path, view, ColorEncoding::Srgb, compression)
             }
             Name::Truth { depth, view, .. } => {
-                let (t, s) = view.map_or(self.split().central_view(), |index| (index / columns, index % columns));
+                let (t, s) = view.map_or(self.shape().central_view(), |index| (index / columns, index % columns));
                 match if depth { self.depth_m } else { self.disparity_px } {
                     HciTruth::Central(map) => write_pfm(path, map),
                     HciTruth::All(maps) => write_pfm(path, maps.view(t, s).map_err(fault)?.index_axis_move(Axis(2), 0)),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use ::hdf5::types::{FloatSize, IntSize, TypeDescriptor};
 use ::hdf5::{Dataset, File, H5Type, Hyperslab, SliceOrIndex};
-use holo_core::{DynImage, DynLightField, GridSize, LightField, Rig, SampleKind, Split};
+use holo_core::{DynImage, DynLightField, GridSize, LightField, LightFieldShape, Rig, SampleKind};
 use ndarray::{Array2, Array4, Array5, ArrayD, Dimension};
 
 use super::library::{Failure, open};
@@ -22,7 +22,7 @@ pub struct Hdf5LightField {
     path: PathBuf,
     limits: Limits,
     shape: [usize; 5],
-    split: Split,
+    split: LightFieldShape,
     sample: SampleKind,
     rig: FoundRig,
 }
@@ -57,7 +57,7 @@ impl Hdf5LightField {
             .map_err(|shape: Vec<usize>| broken(format!("/H has {} axes instead of five", shape.len())))?;
         let [v, u, t, s, channels] = shape;
         let (views, lenses) = (GridSize::new(t, s), GridSize::new(v, u));
-        let split = Split::new(views, lenses).map_err(|error| Error::core(path, error))?;
+        let split = LightFieldShape::new(views, lenses).map_err(|error| Error::core(path, error))?;
         if channels == 0 {
             return Err(broken("/H has no channels".into()));
         }
@@ -86,7 +86,7 @@ impl Hdf5LightField {
 
     /// Returns the number of views and lenses.
     #[must_use]
-    pub const fn split(&self) -> Split {
+    pub const fn shape(&self) -> LightFieldShape {
         self.split
     }
 

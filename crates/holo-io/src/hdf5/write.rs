@@ -87,7 +87,7 @@ impl<T: Sample> Hdf5Writer<T> {
         let failed = |error| Failure { path, is_writing: true }.error(error);
         let file = create(place.temporary_path(), 0, false).map_err(failed)?;
         attributes::write_rig(&file, rig).map_err(failed)?;
-        let shape = rig.split().shape(channels);
+        let shape = rig.shape().array_shape(channels);
         // Linear radiance has no unit here: 1 is what exposure 0 shows as white.
         let unit = if T::KIND.is_float() { "linear radiance" } else { "sRGB" };
         let (name, axes) = ("H", "vutsc");
@@ -163,7 +163,7 @@ impl<T: Sample> Hdf5Writer<T> {
             // Without a clock, like everything here.
             self.file.create_group_builder().obj_track_times(false).create("central").map_err(failed)?;
         }
-        let lenses = self.rig.split().lenses();
+        let lenses = self.rig.shape().lenses();
         let name = format!("central/{}", map.name());
         let whole = Hdf5Options { chunk: Some([lenses.rows, lenses.columns, 1, 1]), ..self.options };
         let shape = [lenses.rows, lenses.columns];

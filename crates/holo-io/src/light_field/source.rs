@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{ColorEncoding, DynLightField, Rig, Split};
+use holo_core::{ColorEncoding, DynLightField, LightFieldShape, Rig};
 use ndarray::Array2;
 
 use super::{LightFieldFormat, LightFieldReader, ReadOptions, parameters_path};
@@ -89,7 +89,7 @@ impl Source {
     }
 
     #[allow(unused_variables, reason = "with one feature alone not everything is used")]
-    pub(super) fn read(self, path: &Path, shape: Split, limits: &Limits) -> Result<DynLightField, Error> {
+    pub(super) fn read(self, path: &Path, shape: LightFieldShape, limits: &Limits) -> Result<DynLightField, Error> {
         match self {
             #[cfg(feature = "png")]
             Self::Dataset(folder) => folder.read(limits),
@@ -115,7 +115,7 @@ fn reader(
     path: &Path,
     options: &ReadOptions,
     format: LightFieldFormat,
-    shape: Split,
+    shape: LightFieldShape,
     source: Source,
 ) -> LightFieldReader {
     LightFieldReader {
@@ -157,7 +157,7 @@ fn open_folder(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, E
             let (rig, range) = (*folder.rig(), folder.manifest().disparity_px);
             let layout = folder.raw_image().map(|(_, layout)| layout);
             let mut reader =
-                reader(path, options, LightFieldFormat::DatasetFolder, folder.split(), Source::Dataset(folder));
+                reader(path, options, LightFieldFormat::DatasetFolder, folder.shape(), Source::Dataset(folder));
             (reader.rig, reader.layout) = (Some(rig), layout);
             if let Some(told) = told {
                 reader = reader.complete(&told, &parameters);
@@ -167,7 +167,7 @@ fn open_folder(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, E
         }
         FileInfo::HciFolder(folder) => {
             let told = folder.parameters().clone();
-            reader(path, options, LightFieldFormat::HciFolder, folder.split(), Source::Hci(folder))
+            reader(path, options, LightFieldFormat::HciFolder, folder.shape(), Source::Hci(folder))
                 .complete(&told, &parameters)
         }
         FileInfo::GantryFolder(folder) => {
@@ -208,8 +208,8 @@ fn open_images(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, E
 
 /// The shape of a light field whose views are like one of them.
 #[cfg(feature = "png")]
-fn shape_of_views(path: &Path, views: GridSize, file: &Path) -> Result<Split, Error> {
-    Split::new(views, read_png_info(file)?.size).map_err(|error| Error::core(path, error))
+fn shape_of_views(path: &Path, views: GridSize, file: &Path) -> Result<LightFieldShape, Error> {
+    LightFieldShape::new(views, read_png_info(file)?.size).map_err(|error| Error::core(path, error))
 }
 
 #[cfg(feature = "png")]
@@ -236,7 +236,7 @@ fn open_raw_image(path: &Path, options: &ReadOptions) -> Result<LightFieldReader
         return Err(missing("views", format!("{size} pixels do not divide into {views} views")));
     }
     let lenses = GridSize::new(size.rows / views.rows, size.columns / views.columns);
-    let shape = Split::new(views, lenses).map_err(|error| Error::core(path, error))?;
+    let shape = LightFieldShape::new(views, lenses).map_err(|error| Error::core(path, error))?;
     let source = Source::RawImage { file: path.to_owned(), layout };
     let mut reader = reader(path, options, LightFieldFormat::RawImage, shape, source);
     reader.layout = Some(layout);
@@ -277,7 +277,7 @@ fn open_hdf5(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, Err
     let file = Hdf5LightField::open(path, &options.limits)?;
     let (rig, error) = (file.rig().copied(), file.rig_error().map(|error| format!("{}: {error}", path.display())));
     let is_float = file.sample_kind().is_float();
-    let mut reader = reader(path, options, LightFieldFormat::Hdf5, file.split(), Source::Hdf5(Box::new(file)));
+    let mut reader = reader(path, options, LightFieldFormat::Hdf5, file.shape(), Source::Hdf5(Box::new(file)));
     reader.color_encoding = encoding(is_float);
     reader.rig = rig;
     reader.warnings.extend(error);

@@ -3,7 +3,7 @@
 //! A glTF camera says where it stands and how wide it sees; sensor size, baseline and focus distance come from the user
 //! or from rules stated here.
 
-use holo_core::{GridSize, Intrinsics, Projection, Rig, Split, automatic_baseline_m};
+use holo_core::{GridSize, Intrinsics, LightFieldShape, Projection, Rig, automatic_baseline_m};
 
 use crate::error::Error;
 use holo_scene::{Camera, CameraLens, Scene, Transform};
@@ -12,7 +12,7 @@ use holo_scene::{Camera, CameraLens, Scene, Transform};
 #[derive(Clone, Debug)]
 pub struct Framing {
     /// Views and lenses.
-    pub split: Split,
+    pub shape: LightFieldShape,
     /// Which camera of the scene.
     pub camera: CameraChoice,
     /// Focal length, m; `None`: from the camera's angle of view.
@@ -57,7 +57,7 @@ pub struct Framed {
     pub baseline_m: f64,
     /// Which camera this is, for people.
     pub camera: String,
-    split: Split,
+    shape: LightFieldShape,
     pub(crate) projection: Projection,
 }
 
@@ -70,7 +70,7 @@ impl Framing {
     /// # Errors
     /// No such camera, an orthographic camera, numbers that no rig can have.
     pub fn frame(&self, scene: &Scene) -> Result<Framed, Error> {
-        let lenses = self.split.lenses();
+        let lenses = self.shape.lenses();
         let (pose, camera, half_slope) = match choose(scene, &self.camera)? {
             Some(camera) => (camera.pose, format!("camera '{}'", camera.name), half_slope(camera, lenses)?),
             None => frame_bounds(scene, lenses)?,
@@ -78,10 +78,10 @@ impl Framing {
         let focal_length_m = self.focal_length_m.unwrap_or(self.sensor_size_m / (2.0 * half_slope));
         let baseline_m = match self.baseline {
             Baseline::Metres(baseline) => baseline,
-            Baseline::FNumber(f_number) => automatic_baseline_m(focal_length_m, f_number, self.split.views())?,
+            Baseline::FNumber(f_number) => automatic_baseline_m(focal_length_m, f_number, self.shape.views())?,
         };
         let intrinsics = Intrinsics { focal_length_m, sensor_size_m: self.sensor_size_m };
-        let framed = Framed { pose, intrinsics, baseline_m, camera, split: self.split, projection: self.projection };
+        let framed = Framed { pose, intrinsics, baseline_m, camera, shape: self.shape, projection: self.projection };
         // Everything but the focus is known: let the rig judge it now, before a scene is built.
         framed.rig_with(Projection::Perspective, f64::INFINITY)?;
         Ok(framed)
@@ -98,7 +98,7 @@ impl Framed {
     }
 
     pub(crate) fn rig_with(&self, projection: Projection, focus_distance_m: f64) -> Result<Rig, Error> {
-        Ok(Rig::builder(self.split)
+        Ok(Rig::builder(self.shape)
             .intrinsics(self.intrinsics)
             .baseline_m(self.baseline_m)
             .focus_distance_m(focus_distance_m)
@@ -175,7 +175,7 @@ mod tests {
 
     fn framing(lenses: GridSize, camera: CameraChoice) -> Framing {
         Framing {
-            split: Split::new(GridSize::new(4, 5), lenses).unwrap(),
+            shape: LightFieldShape::new(GridSize::new(4, 5), lenses).unwrap(),
             camera,
             focal_length_m: None,
             sensor_size_m: 0.036,

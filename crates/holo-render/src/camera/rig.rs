@@ -66,7 +66,7 @@ impl RigRays {
             let along = if axis == 2 && selection.is_list() { 3 } else { axis };
             tiling.blocks(along).map(lanes).collect()
         };
-        let split = rig.split();
+        let split = rig.shape();
         let orthographic = rig.projection() == Projection::Orthographic;
         Self {
             axes: [
@@ -157,13 +157,13 @@ impl RigRays {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use holo_core::{GridSize, Split};
+    use holo_core::{GridSize, LightFieldShape};
 
     /// The tabulated rays are the rig's rays, to the rounding of a handful of f64 operations.
     #[test]
     fn tables_and_rig_give_the_same_rays() {
         for projection in [Projection::Perspective, Projection::Orthographic] {
-            let split = Split::new(GridSize::new(5, 6), GridSize::new(7, 9)).unwrap();
+            let split = LightFieldShape::new(GridSize::new(5, 6), GridSize::new(7, 9)).unwrap();
             let rig = Rig::builder(split)
                 .focal_length_m(0.05)
                 .sensor_size_m(0.036)

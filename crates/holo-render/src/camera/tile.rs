@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use holo_core::Split;
+use holo_core::LightFieldShape;
 use ndarray::{ArrayViewMut5, Axis};
 
 use crate::simd::LANES;
@@ -76,7 +76,7 @@ pub(crate) enum SelectedViews {
 
 impl Selection {
     /// Every pixel.
-    pub fn whole(split: &Split) -> Self {
+    pub fn whole(split: &LightFieldShape) -> Self {
         let (lenses, views) = (split.lenses(), split.views());
         let views = SelectedViews::Grid([views.rows, views.columns]);
         Self { lens_rows: 0..lenses.rows, lens_columns: lenses.columns, views }

@@ -84,7 +84,7 @@ fn encode<T: Copy + Default + Send + Sync>(
     exposure_ev: f64,
     code: impl Fn(f32) -> T + Sync,
 ) -> Result<LightFieldOwned<T>, Error> {
-    let split = color.split();
+    let split = color.shape();
     let factor = exposure_ev.exp2() as f32;
     let mut coded = LightField::filled(split, color.channels(), Layout::ElementalGrid, T::default())?;
     Zip::from(coded.samples_mut()).and(color.samples()).par_for_each(|coded, &x| *coded = code(x * factor));
@@ -94,10 +94,10 @@ fn encode<T: Copy + Default + Send + Sync>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use holo_core::{GridSize, Split};
+    use holo_core::{GridSize, LightFieldShape};
 
     fn field(values: impl Fn(usize) -> f32) -> LightFieldOwned<f32> {
-        let split = Split::new(GridSize::new(4, 5), GridSize::new(6, 7)).unwrap();
+        let split = LightFieldShape::new(GridSize::new(4, 5), GridSize::new(6, 7)).unwrap();
         let mut field = LightField::filled(split, 3, Layout::ElementalGrid, 0.0).unwrap();
         for (k, x) in field.samples_mut().iter_mut().enumerate() {
             *x = values(k / 3);

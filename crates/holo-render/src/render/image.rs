@@ -1,6 +1,6 @@
 //! One render: every array of it, in turn.
 
-use holo_core::{Layout, LightField, LightFieldOwned, Split};
+use holo_core::{Layout, LightField, LightFieldOwned, LightFieldShape};
 use ndarray::Array3;
 
 use super::Renderer;
@@ -30,8 +30,8 @@ impl Renderer {
         let with_central = with_layers && !(with_all && request.views == Views::All);
 
         // The large arrays first: a size that does not fit is refused before anything else is made for it.
-        let mut color = if with_color { Some(zeros(plan.color.split()?, 3)?) } else { None };
-        let mut all = if with_all { Some(light_fields(plan.all.split()?, request.layers)?) } else { None };
+        let mut color = if with_color { Some(zeros(plan.color.shape()?, 3)?) } else { None };
+        let mut all = if with_all { Some(light_fields(plan.all.shape()?, request.layers)?) } else { None };
         let tile_count = |wanted: bool, region: &Region| if wanted { region.tiling.tiles().len() as u64 } else { 0 };
         let total = tile_count(with_color, &plan.color)
             + tile_count(with_all, &plan.all)
@@ -60,14 +60,14 @@ impl Renderer {
         }
         let central = match &all {
             Some(all) if !with_central => {
-                let (t, s) = request.rig.split().central_view();
+                let (t, s) = request.rig.shape().central_view();
                 let images = all.iter().map(|(layer, field)| Ok((layer, field.view(t, s)?.to_owned())));
                 images.collect::<Result<_, Error>>()?
             }
             _ if with_central => {
-                let mut fields = light_fields(plan.central.split()?, request.layers)?;
+                let mut fields = light_fields(plan.central.shape()?, request.layers)?;
                 rays = rays + truth(&plan.central, &mut fields)?;
-                fields.into_iter().map(|(layer, field)| (layer, only_view(field))).collect()
+                fields.into_iter().map(|(layer, field)| Ok((layer, only_view(field)?))).collect::<Result<_, Error>>()?
             }
             _ => Layers::default(),
         };
@@ -79,12 +79,12 @@ impl Renderer {
 }
 
 /// Light fields for `layers`.
-pub(super) fn light_fields(split: Split, layers: LayerSet) -> Result<Layers<LightFieldOwned<f32>>, Error> {
+pub(super) fn light_fields(split: LightFieldShape, layers: LayerSet) -> Result<Layers<LightFieldOwned<f32>>, Error> {
     layers.iter().map(|layer| Ok((layer, zeros(split, layer.channels())?))).collect()
 }
 
 /// A light field of zeros whose memory is an elemental grid.
-pub(super) fn zeros(split: Split, channels: usize) -> Result<LightFieldOwned<f32>, Error> {
+pub(super) fn zeros(split: LightFieldShape, channels: usize) -> Result<LightFieldOwned<f32>, Error> {
     Ok(LightField::filled(split, channels, Layout::ElementalGrid, 0.0)?)
 }
 
@@ -110,6 +110,6 @@ pub(super) fn tiles<'a>(fields: &'a mut Layers<LightFieldOwned<f32>>, tiling: &T
 }
 
 /// The image of a light field of one view.
-fn only_view(field: LightFieldOwned<f32>) -> Array3<f32> {
-    field.into_elemental_grid().unwrap_or_else(|field| field.to_elemental_grid())
+fn only_view(field: LightFieldOwned<f32>) -> Result<Array3<f32>, Error> {
+    Ok(field.into_elemental_grid().or_else(|field| field.to_elemental_grid())?)
 }

@@ -1,6 +1,6 @@
 //! Meshes that are kept once against the same meshes copied to every place. Needs Embree; without it nothing is tested.
 
-use holo_core::{GridSize, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Rig};
 
 use super::*;
 use crate::accel::refine;
@@ -81,7 +81,7 @@ fn scene() -> Scene {
 }
 
 fn rig() -> Rig {
-    Rig::builder(Split::new(GridSize::new(4, 4), GridSize::new(60, 90)).expect("sizes"))
+    Rig::builder(LightFieldShape::new(GridSize::new(4, 4), GridSize::new(60, 90)).expect("sizes"))
         .focal_length_m(0.05)
         .sensor_size_m(0.036)
         .baseline_m(0.01)
@@ -130,7 +130,7 @@ struct Found {
 
 /// What every ray of the rig hits.
 fn trace(renderer: &Renderer) -> Vec<Found> {
-    let selection = Selection::whole(rig().split());
+    let selection = Selection::whole(rig().shape());
     let tiling = Tiling::new(selection.counts());
     let camera = RaySource::Rig(RigRays::new(&rig(), &tiling, &selection, 4));
     let mut out = Vec::new();

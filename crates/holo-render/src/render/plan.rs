@@ -1,6 +1,6 @@
 //! Which pixels a render makes, and how they are cut into tiles.
 
-use holo_core::{GridSize, Split};
+use holo_core::{GridSize, LightFieldShape};
 
 use super::request::{Request, Views};
 use crate::camera::tile::{SelectedViews, Selection, Tiling};
@@ -23,22 +23,22 @@ pub(super) struct Plan {
 impl Region {
     /// Tiles are cut as if all rows of lenses were wanted; then the wanted ones are taken.
     fn new(request: &Request, views: SelectedViews, tile: impl Fn([usize; 4]) -> Tiling) -> Self {
-        let whole = Selection { views, ..Selection::whole(request.rig.split()) };
+        let whole = Selection { views, ..Selection::whole(request.rig.shape()) };
         let tiling = tile(whole.counts());
         let lens_rows = request.lens_rows();
         Self { tiling: tiling.lens_rows(lens_rows.len()), selection: Selection { lens_rows, ..whole } }
     }
 
     /// Views and lenses of its light field.
-    pub fn split(&self) -> Result<Split, Error> {
+    pub fn shape(&self) -> Result<LightFieldShape, Error> {
         let [v, u, t, s] = self.selection.counts();
-        Ok(Split::new(GridSize::new(t, s), GridSize::new(v, u))?)
+        Ok(LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u))?)
     }
 }
 
 impl Plan {
     pub fn new(request: &Request, integrator: Integrator) -> Self {
-        let split = request.rig.split();
+        let split = request.rig.shape();
         let views = match &request.views {
             Views::All => SelectedViews::Grid([split.views().rows, split.views().columns]),
             Views::List(list) => {

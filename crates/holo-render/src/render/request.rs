@@ -122,7 +122,7 @@ pub struct Rendered {
 impl Request {
     /// Refuses what cannot be rendered of a scene of so many instances and materials.
     pub(super) fn check(&self, [instances, materials]: [usize; 2]) -> Result<(), Error> {
-        let split = self.rig.split();
+        let split = self.rig.shape();
         if !(1..=MOST_SAMPLES).contains(&self.samples) {
             return Err(Error::BadSetting(format!(
                 "{} samples per pixel; 1 to {MOST_SAMPLES} can be drawn",
@@ -186,7 +186,7 @@ impl Request {
 
     /// The rows of lenses that are wanted.
     pub(super) fn lens_rows(&self) -> Range<usize> {
-        self.lens_rows.clone().unwrap_or(0..self.rig.split().lenses().rows)
+        self.lens_rows.clone().unwrap_or(0..self.rig.shape().lenses().rows)
     }
 
     /// Scattering events that the integrator follows.

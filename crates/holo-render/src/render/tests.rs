@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use holo_core::{GridSize, Rig, Split, ViewIndex};
+use holo_core::{GridSize, LightFieldShape, Rig, ViewIndex};
 use ndarray::Array5;
 
 use super::image::{light_fields, tiles, zeros};
@@ -20,7 +20,7 @@ use holo_scene::{Alpha, Environment, Material};
 fn garden() -> (Renderer, Request) {
     let scene = gallery::scene("garden").expect("a scene of the gallery");
     let renderer = Renderer::new(&scene, &scene.cameras[0].pose, Backend::Bvh, 1).expect("a renderer");
-    let rig = Rig::builder(Split::new(GridSize::new(5, 6), GridSize::new(1, 60)).expect("sizes"))
+    let rig = Rig::builder(LightFieldShape::new(GridSize::new(5, 6), GridSize::new(1, 60)).expect("sizes"))
         .focal_length_m(0.04)
         .sensor_size_m(0.036)
         .baseline_m(0.002)
@@ -32,7 +32,7 @@ fn garden() -> (Renderer, Request) {
     (renderer, Request { integrator: Integrator::Direct, samples: 2, seed: 3, sky, ground_truth, ..Request::new(rig) })
 }
 
-fn region(split: &Split, pixels: usize) -> Region {
+fn region(split: &LightFieldShape, pixels: usize) -> Region {
     let selection = Selection::whole(split);
     Region { tiling: Tiling::with_tiles_of(selection.counts(), pixels), selection }
 }
@@ -62,7 +62,7 @@ fn every_instruction_set_gives_the_same_picture() {
     scene.environment = Some(Environment { radiance });
     let renderer = Renderer::new(&scene, &pose, Backend::Bvh, 1).expect("a renderer");
     let stop = Stop::new(&());
-    let region = region(request.rig.split(), 10_000);
+    let region = region(request.rig.shape(), 10_000);
     let context = renderer.context(&request, Integrator::Path, &region, &stop);
     let tiling = &region.tiling;
     let [tile] = tiling.tiles()[..] else { panic!("one tile is enough for this rig") };
@@ -81,7 +81,7 @@ fn every_instruction_set_gives_the_same_picture() {
         assert!(pictures[set].iter().zip(&pictures[0]).all(|(a, b)| a.to_bits() == b.to_bits()), "set {set}");
     }
 
-    let mut truths: Vec<_> = (0..3).map(|_| light_fields(*request.rig.split(), LayerSet::ALL).expect("room")).collect();
+    let mut truths: Vec<_> = (0..3).map(|_| light_fields(*request.rig.shape(), LayerSet::ALL).expect("room")).collect();
     let mut parts = truths.iter_mut();
     let mut truth_memory: [Truth; 3] = Default::default();
     let mut truths_of = truth_memory.iter_mut();
@@ -103,8 +103,8 @@ fn the_size_of_tiles_changes_nothing() {
     let scene = gallery::scene("garden").expect("a scene of the gallery");
     let renderer = Renderer::new(&scene, &scene.cameras[0].pose, Backend::Bvh, 1).expect("a renderer");
     let (_, request) = garden();
-    let split = Split::new(GridSize::new(5, 6), GridSize::new(7, 30)).expect("sizes");
-    let rig = request.rig.to_builder().split(split).build().expect("a rig");
+    let split = LightFieldShape::new(GridSize::new(5, 6), GridSize::new(7, 30)).expect("sizes");
+    let rig = request.rig.to_builder().shape(split).build().expect("a rig");
     let picture = |integrator: Integrator, pixels: usize| {
         let request = Request { rig, integrator, samples: 4, ..request.clone() };
         let (stop, region) = (Stop::new(&()), region(&split, pixels));
@@ -200,8 +200,8 @@ fn poses_that_are_no_camera_are_errors() {
 fn the_views_of_a_block_share_the_points_of_the_pixel() {
     let (renderer, request) = garden();
     let stop = Stop::new(&());
-    let split = Split::new(GridSize::new(8, 8), GridSize::new(1, 60)).expect("sizes");
-    let rig = request.rig.to_builder().split(split).build().expect("a rig");
+    let split = LightFieldShape::new(GridSize::new(8, 8), GridSize::new(1, 60)).expect("sizes");
+    let rig = request.rig.to_builder().shape(split).build().expect("a rig");
     let region = region(&split, 8192);
     let context = renderer.context(&Request { rig, ..request.clone() }, request.integrator, &region, &stop);
     let tiles = region.tiling.tiles();

@@ -13,7 +13,7 @@ use crate::{Section, Wish};
 pub fn section(wish: &Wish) -> Section {
     let mut sheet = Sheet::new(&["what", "seconds", "GB/s", "size, of the pixels'", "samples that differ"]);
     let sensor = if wish.quick { Sensor::Uhd4k } else { Sensor::Paper8k };
-    let split = sensor.split(GridSize::new(100, 100), Remainder::Crop).expect("the paper's split").split;
+    let split = sensor.divide(GridSize::new(100, 100), Remainder::Crop).expect("the paper's split").shape;
     let raw = split.raw_size();
     // Slow changes, edges, and noise of a hundredth, as in a render.
     let mut state = 1_u32;
@@ -41,12 +41,12 @@ pub fn section(wish: &Wish) -> Section {
     push("copy (one thread)", copied, None, differing(&copy, &image));
     drop(copy);
     let field = LightField::from_elemental_grid(image.view(), split).expect("its own split");
-    let (seconds, grid) = timed(wish.rounds, || field.to_viewpoint_grid());
+    let (seconds, grid) = timed(wish.rounds, || field.to_viewpoint_grid().expect("memory for a copy"));
     let oracle = naive::to_viewpoint_grid(image.view(), split).expect("its own split");
     push("elemental images to views (Eq. 4)", seconds, None, differing(&grid, &oracle));
     drop(oracle);
     let back = LightField::from_viewpoint_grid(grid.view(), split).expect("its own split");
-    let (seconds, returned) = timed(wish.rounds, || back.to_elemental_grid());
+    let (seconds, returned) = timed(wish.rounds, || back.to_elemental_grid().expect("memory for a copy"));
     push("views to elemental images", seconds, None, differing(&returned, &image));
     drop((grid, returned));
 

@@ -6,7 +6,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use holo_core::{GridSize, Projection, Split};
+use holo_core::{GridSize, LightFieldShape, Projection};
 use holo_io::Limits;
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer, Request};
 use holo_scene::Scene;
@@ -166,7 +166,7 @@ fn ours(wish: &Wish, engine: Backend, integrator: Integrator, side: usize, sampl
     let scene: Scene =
         holo_scene::gltf::load(&folder().join("metal_and_glass.glb"), &Default::default()).expect("a scene").scene;
     let framing = Framing {
-        split: Split::new(GridSize::new(side, side), GridSize::new(66, 99)).expect("sizes"),
+        shape: LightFieldShape::new(GridSize::new(side, side), GridSize::new(66, 99)).expect("sizes"),
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,

@@ -67,7 +67,7 @@ fn views(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> Vec<(f64, f64)> {
 /// The rows of the paper's Table I: few large views or many small ones of the same sensor.
 fn divisions(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> Vec<(f64, f64)> {
     let row = |views| {
-        let split = Sensor::Paper8k.split(GridSize::new(views, views), Remainder::Crop).expect("a split").split;
+        let split = Sensor::Paper8k.divide(GridSize::new(views, views), Remainder::Crop).expect("a split").shape;
         garden("views of 8K", views, split.lenses(), wish.rounds.min(3), engine, sheet)
     };
     [20, 40, 60, 80, 100].into_iter().map(row).collect()

@@ -1,6 +1,6 @@
 //! Scenes in front of rigs, and the machine they are rendered on.
 
-use holo_core::{GridSize, Projection, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer};
 use holo_scene::gallery;
 use holo_scene::{Scene, Transform};
@@ -17,7 +17,7 @@ impl Ready {
     pub fn new(name: &str, views: usize, lenses: GridSize, baseline_m: Option<f64>) -> Self {
         let scene = gallery::scene(name).expect("a scene of the gallery");
         let framing = Framing {
-            split: Split::new(GridSize::new(views, views), lenses).expect("sizes"),
+            shape: LightFieldShape::new(GridSize::new(views, views), lenses).expect("sizes"),
             camera: CameraChoice::First,
             focal_length_m: None,
             sensor_size_m: 0.036,

@@ -1,6 +1,6 @@
 //! Depth from the views alone, for four efforts.
 
-use holo_core::metrics::{Region, best_constant, best_plane, disparity_scores};
+use holo_core::metrics::{Region, disparity_scores, trivial_constant, trivial_plane};
 use holo_core::{Effort, GridSize, PlaneSweepOptions, plane_sweep};
 use holo_render::{Integrator, Layer, Request, Sampling, exposure};
 
@@ -51,8 +51,8 @@ pub fn section(wish: &Wish) -> Section {
         let finite = truth.iter().copied().filter(|d| d.is_finite());
         let (low, high) = finite.fold((f32::MAX, f32::MIN), |(low, high), d| (low.min(d), high.max(d)));
         let region = Region::with_border(15);
-        let constant = best_constant(&truth, 0.07, &region).expect("a map").bad_pixels_percent;
-        let plane = best_plane(&truth, 0.07, &region).expect("a map").bad_pixels_percent;
+        let constant = trivial_constant(&truth, 0.07, &region).expect("a map").bad_pixels_percent;
+        let plane = trivial_plane(&truth, 0.07, &region).expect("a map").bad_pixels_percent;
         let mut points = Vec::new();
         for (effort, sampler, name, sampling) in TRIED {
             let options = PlaneSweepOptions { effort, disparity_min_px: low - 0.1, disparity_max_px: high + 0.1 };

@@ -1,6 +1,6 @@
 //! Depth and disparity against a closed form and against every triangle in f64.
 
-use holo_core::{GridSize, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Rig};
 use holo_render::{Backend, GroundTruth, Integrator, Layer, Renderer, Request};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
 
@@ -63,7 +63,7 @@ fn slanted_plane(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> [String; 3]
         ..Scene::default()
     };
     let views = if wish.quick { 30 } else { 100 };
-    let rig = Rig::builder(Split::new(GridSize::new(views, views), GridSize::new(53, 79)).expect("sizes"))
+    let rig = Rig::builder(LightFieldShape::new(GridSize::new(views, views), GridSize::new(53, 79)).expect("sizes"))
         .focal_length_m(0.05)
         .sensor_size_m(0.036)
         .baseline_m(1e-4)

@@ -1,9 +1,9 @@
-//! The cost of one pixel on one plane, as it is defined: the oracle of the tiles.
+//! The reference implementation of the cost of one pixel on one plane.
 
 use super::super::views::{ARMS, View, Views, test_views};
 use super::{Planes, TRUNCATION, UNSEEN, WORST, fill};
 
-/// The truncated difference of one view, or nothing if the place is outside of it.
+/// The truncated difference of one view, or `None` outside of it.
 fn difference(views: &Views, view: &View, disparity_px: f64, row: usize, column: usize) -> Option<f64> {
     let (rows, columns) = (views.size.rows, views.size.columns);
     let y = row as f64 - disparity_px * f64::from(view.down);
@@ -19,7 +19,7 @@ fn difference(views: &Views, view: &View, disparity_px: f64, row: usize, column:
         let (down, across) = (y - y.floor(), x - x.floor());
         let value = (1.0 - down) * ((1.0 - across) * at(top, left) + across * at(top, right))
             + down * ((1.0 - across) * at(bottom, left) + across * at(bottom, right));
-        sum += (value - f64::from(views.centre[channel * rows * columns + row * columns + column])).abs();
+        sum += (value - f64::from(views.center[channel * rows * columns + row * columns + column])).abs();
     }
     Some((sum / views.channels as f64 / f64::from(TRUNCATION)).min(1.0))
 }
@@ -55,7 +55,7 @@ fn cost(views: &Views, disparity_px: f64, row: usize, column: usize) -> f64 {
 fn tiles_agree_with_the_definition() {
     for (rows, columns, channels) in [(21, 19, 3), (9, 34, 1), (1, 17, 1), (11, 1, 3), (2, 2, 1)] {
         let views = test_views(rows, columns, channels);
-        // Quarters, halves and whole pixels, some of which leave the picture in every view.
+        // Quarters, halves and whole pixels, some of them outside the image in every view.
         let planes = Planes { first_px: -3.0, step_px: 0.375, count: 17 };
         let mut costs = vec![0; rows * columns * planes.count];
         fill(&views, &planes, 0, &mut costs);

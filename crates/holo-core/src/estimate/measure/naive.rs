@@ -1,4 +1,5 @@
-//! The step as it is defined, in f64: a line with one slope through what all channels show, by the full normal equations.
+//! The reference implementation of the step in f64: a linear fit with one slope for all channels by the full normal
+//! equations.
 
 use super::super::views::{ARMS, View, Views, test_views};
 use super::{FLOOR, measure};
@@ -15,7 +16,7 @@ fn kernel(distance: f64) -> f64 {
     }
 }
 
-/// A plane at a place between its pixels; beyond the border the last pixel goes on.
+/// A plane of samples at a position between its pixels, with the border pixels extended.
 fn sample(plane: &[f32], (rows, columns): (usize, usize), y: f64, x: f64) -> f64 {
     let mut sum = 0.0;
     for row in -2..=rows as isize + 1 {
@@ -28,7 +29,7 @@ fn sample(plane: &[f32], (rows, columns): (usize, usize), y: f64, x: f64) -> f64
     sum
 }
 
-/// Whether, seen from a view, another pixel of the same line has come before this one.
+/// Whether, in a view, another pixel of the same line occludes this one.
 fn is_hidden(map: &[f32], (rows, columns): (usize, usize), row: usize, column: usize, view: &View) -> bool {
     let (down, right) = ARMS[view.arm];
     (1..rows.max(columns) as isize).any(|distance| {
@@ -41,13 +42,13 @@ fn is_hidden(map: &[f32], (rows, columns): (usize, usize), row: usize, column: u
     })
 }
 
-/// The difference of the two neighbours over how far they are apart.
+/// The difference of two neighbors over their distance.
 fn slope(plane: &[f32], columns: usize, ends: [(usize, usize); 2], distance: usize) -> f64 {
     let at = |(row, column): (usize, usize)| f64::from(plane[row * columns + column]);
     if distance == 0 { 0.0 } else { (at(ends[1]) - at(ends[0])) / distance as f64 }
 }
 
-/// Gauss and Jordan: the inverse of a small matrix.
+/// The inverse of a small matrix by Gauss-Jordan elimination.
 fn inverse(mut matrix: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let size = matrix.len();
     let mut inverse: Vec<Vec<f64>> =
@@ -72,15 +73,15 @@ fn inverse(mut matrix: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     inverse
 }
 
-/// The step, its information and the mean colour of one pixel.
-fn measure_pixel(views: &Views, map: &[f32], picture: &[f32], row: usize, column: usize) -> (f64, f64, Vec<f64>) {
+/// The step, its information and the mean color of one pixel.
+fn measure_pixel(views: &Views, map: &[f32], image: &[f32], row: usize, column: usize) -> (f64, f64, Vec<f64>) {
     let (rows, columns) = (views.size.rows, views.size.columns);
     let (pixels, channels) = (views.pixels(), views.channels);
     let pixel = row * columns + column;
     let disparity_px = f64::from(map[pixel]);
-    let centre: Vec<f64> = (0..channels).map(|channel| f64::from(views.centre[channel * pixels + pixel])).collect();
+    let center: Vec<f64> = (0..channels).map(|channel| f64::from(views.center[channel * pixels + pixel])).collect();
 
-    // (down, right, differences to the centre) of every view that sees the pixel.
+    // (down, right, differences to the central view) of every view in which the pixel is visible.
     let mut seen = Vec::new();
     for view in &views.others {
         let (y, x) =
@@ -89,12 +90,12 @@ fn measure_pixel(views: &Views, map: &[f32], picture: &[f32], row: usize, column
         if is_inside && !is_hidden(map, (rows, columns), row, column, view) {
             let plane = |channel: usize| &view.samples[channel * pixels..(channel + 1) * pixels];
             let differences: Vec<f64> =
-                (0..channels).map(|channel| sample(plane(channel), (rows, columns), y, x) - centre[channel]).collect();
+                (0..channels).map(|channel| sample(plane(channel), (rows, columns), y, x) - center[channel]).collect();
             seen.push((f64::from(view.down), f64::from(view.right), differences));
         }
     }
     if seen.is_empty() {
-        return (0.0, 0.0, centre);
+        return (0.0, 0.0, center);
     }
     let squares: Vec<f64> = seen
         .iter()
@@ -105,10 +106,10 @@ fn measure_pixel(views: &Views, map: &[f32], picture: &[f32], row: usize, column
     let scale = 3.0 * sorted[sorted.len() / 2] + f64::from(FLOOR).powi(2);
     let weights: Vec<f64> = squares.iter().map(|square| 1.0 / (1.0 + square / scale)).collect();
 
-    // Observations (channel, h, difference, weight): the centre is one of them, where h and the difference are 0.
+    // Observations (channel, h, difference, weight), including the central view with h = 0 and difference 0.
     let mut observations = Vec::new();
     for channel in 0..channels {
-        let plane = &picture[channel * pixels..(channel + 1) * pixels];
+        let plane = &image[channel * pixels..(channel + 1) * pixels];
         let (above, below) = (row.saturating_sub(1), (row + 1).min(rows - 1));
         let (left, right) = (column.saturating_sub(1), (column + 1).min(columns - 1));
         let by_row = slope(plane, columns, [(above, column), (below, column)], below - above);
@@ -118,7 +119,7 @@ fn measure_pixel(views: &Views, map: &[f32], picture: &[f32], row: usize, column
             observations.push((channel, down * by_row + right * by_column, differences[channel], *weight));
         }
     }
-    // Unknowns: the slope, then a constant a channel.
+    // Unknowns: the slope, then one constant per channel.
     let mut normal = vec![vec![0.0; channels + 1]; channels + 1];
     let mut right_side = vec![0.0; channels + 1];
     for &(channel, h, difference, weight) in &observations {
@@ -148,7 +149,7 @@ fn measure_pixel(views: &Views, map: &[f32], picture: &[f32], row: usize, column
     let mean = (0..channels)
         .map(|channel| {
             let sum: f64 = seen.iter().zip(&weights).map(|((_, _, d), weight)| weight * d[channel]).sum();
-            centre[channel] + sum / total
+            center[channel] + sum / total
         })
         .collect();
     (solution[0], (1.0 / covariance[0][0] - of_noise).max(0.0) / variance, mean)
@@ -160,20 +161,20 @@ fn steps_agree_with_the_normal_equations() {
     for (rows, columns, channels) in [(16, 17, 3), (14, 9, 1), (3, 2, 3)] {
         let views = test_views(rows, columns, channels);
         let pixels = rows * columns;
-        // A tilted ground with a box on it, so that some views are hidden, and some pixels beyond the picture.
+        // A tilted ground with a box on it: some views are occluded, and some pixels are outside the image.
         let map: Vec<f32> = (0..pixels)
             .map(|pixel| match (pixel / columns, pixel % columns) {
                 (5..=9, 4..=7) => 1.55,
                 (row, column) => -0.31 + 0.013 * row as f32 + 0.021 * column as f32,
             })
             .collect();
-        let found = measure(&views, &map, &views.centre, 1.55, f32::INFINITY).unwrap();
+        let found = measure(&views, &map, &views.center, 1.55, f32::INFINITY).unwrap();
         for pixel in 0..pixels {
             let (delta, information, mean) =
-                measure_pixel(&views, &map, &views.centre, pixel / columns, pixel % columns);
+                measure_pixel(&views, &map, &views.center, pixel / columns, pixel % columns);
             let at = format!("{rows}x{columns}x{channels} pixel {pixel}");
-            // Sums of at most 43 products in f32 are good to 43 half ulps, 2.6e-6; what is left of their differences (`hh` less its
-            // mean, squares less what the line explains) has a tenth of them here: 2.6e-5. Measured: 1.1e-5 of both.
+            // Sums of at most 43 products in f32 have errors of at most 43 half ulps, 2.6e-6. Their differences (`hh`
+            // less its mean, squares less the fitted part) are a tenth of the sums here: 2.6e-5.
             let step = f64::from(found.disparity_px[pixel] - map[pixel]);
             assert!((step - delta).abs() < 2.6e-5 * (delta.abs() + 0.05), "{at}: {step}, {delta}");
             let found_information = f64::from(found.information[pixel]);
@@ -183,11 +184,11 @@ fn steps_agree_with_the_normal_equations() {
             );
             known += usize::from(information > 0.0);
             for (channel, mean) in mean.iter().enumerate() {
-                let found = f64::from(found.picture[channel * pixels + pixel]);
-                // Nothing cancels: a mean of numbers below 1.
+                let found = f64::from(found.image[channel * pixels + pixel]);
+                // A mean of numbers below 1, without cancellation.
                 assert!((found - mean).abs() < 1e-6, "{at}: {found}, {mean}");
             }
         }
     }
-    assert!(known > 100, "only {known} pixels that say anything");
+    assert!(known > 100, "only {known} pixels with information");
 }

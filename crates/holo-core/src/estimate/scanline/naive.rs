@@ -1,4 +1,5 @@
-//! Hirschmueller's recursion pixel by pixel and direction by direction: the oracle of the sweeps over rows.
+//! The reference implementation of the aggregation: Hirschmueller's recursion pixel by pixel and direction by
+//! direction.
 
 use super::{EDGE, LARGE, SMALL, aggregate};
 use crate::GridSize;
@@ -7,7 +8,7 @@ use crate::GridSize;
 fn along(costs: &[u16], size: GridSize, planes: usize, guide: &[f32], direction: (isize, isize)) -> Vec<i64> {
     let (rows, columns) = (size.rows, size.columns);
     let mut paths = vec![0_i64; costs.len()];
-    // An order in which the pixel before is always done first.
+    // An order in which the previous pixel of the path always comes first.
     let mut pixels: Vec<(usize, usize)> = (0..rows * columns).map(|pixel| (pixel / columns, pixel % columns)).collect();
     pixels.sort_by_key(|&(row, column)| row as isize * direction.0 * columns as isize + column as isize * direction.1);
     for (row, column) in pixels {

@@ -1,20 +1,20 @@
-//! The transposition of one row of pixels, in cache.
+//! The transposition of one row of pixels in the cache.
 
 use ndarray::ArrayView3;
 
-/// Bytes of a row up to which it goes through scratch memory: two such rows take half of a usual second-level cache.
+/// The largest row in bytes that goes through scratch memory: two such rows take half of a usual second-level cache.
 const SCRATCH_BYTES: usize = 1 << 18;
 
-/// Columns of a longer row that are done at a time, so that the lines of the destination in use stay in the cache.
+/// Columns of a longer row per block, so that the destination lines in use remain in the cache.
 const BLOCK: usize = 16;
 
-/// Source rows that are read side by side: their pixels are neighbours in the destination.
+/// Source rows that are read in parallel: their pixels are neighbors in the destination.
 const LANES: usize = 4;
 
 /// Scratch memory of one task.
 ///
-/// A transposition jumps through its source and its destination, which the processor's prefetcher cannot follow. Copying the row in and out
-/// of the cache in one piece, and jumping only there, takes half the time of jumping through main memory.
+/// The strided accesses of a transposition defeat the prefetcher of the processor. Contiguous copies of the row into
+/// and out of this memory leave strided accesses only within the cache.
 pub(crate) struct Scratch<T> {
     source: Vec<T>,
     destination: Vec<T>,
@@ -42,7 +42,7 @@ impl<T: Copy> Scratch<T> {
         }
     }
 
-    /// Transposes a matrix of pixels `(row, column, channel)` whose rows are slices but lie apart.
+    /// Transposes a matrix of pixels `(row, column, channel)` whose rows are slices with gaps between them.
     pub(super) fn transpose_lines(&mut self, source: ArrayView3<'_, T>, destination: &mut [T]) {
         self.source.clear();
         for line in source.outer_iter() {
@@ -52,7 +52,7 @@ impl<T: Copy> Scratch<T> {
     }
 
     fn transpose_scratch(&mut self, destination: &mut [T], shape: [usize; 3]) {
-        // Old contents do for a start: every pixel is written.
+        // Old contents may remain: every pixel is overwritten.
         self.destination.resize(self.source.len(), self.source[0]);
         transpose(&self.source, &mut self.destination, shape, shape[1]);
         destination.copy_from_slice(&self.destination);
@@ -76,7 +76,7 @@ fn transpose<T: Copy>(source: &[T], destination: &mut [T], [rows, columns, chann
     }
 }
 
-/// The transposition for pixels of a size that the compiler knows, `block` columns at a time.
+/// The transposition for pixels of constant size, `block` columns at a time.
 fn transpose_pixels<P: Copy>(source: &[P], destination: &mut [P], rows: usize, columns: usize, block: usize) {
     for (index, destination) in destination.chunks_mut(block * rows).enumerate() {
         let first = index * block;
@@ -86,7 +86,8 @@ fn transpose_pixels<P: Copy>(source: &[P], destination: &mut [P], rows: usize, c
         while row + LANES <= rows {
             let lanes = lane(row).iter().zip(lane(row + 1)).zip(lane(row + 2)).zip(lane(row + 3));
             for (line, (((a, b), c), d)) in destination.chunks_exact_mut(rows).zip(lanes) {
-                // Written one by one: a temporary array of four would be stored in pieces and loaded as a whole, which stalls.
+                // One by one: a temporary array of four would be stored in parts and loaded as a whole, which stalls
+                // the processor.
                 let [to_a, to_b, to_c, to_d] = &mut line[row..row + LANES] else { unreachable!("LANES is 4") };
                 *to_a = *a;
                 *to_b = *b;
@@ -103,16 +104,17 @@ fn transpose_pixels<P: Copy>(source: &[P], destination: &mut [P], rows: usize, c
     }
 }
 
-/// The transposition for three samples a pixel, the usual case.
+/// The transposition for three samples per pixel.
 ///
-/// Three bytes take two loads and two stores. Four take one each, so every pixel is moved together with the sample behind it, and the next
-/// pixel to be written puts right what that spoils. The last pixel of a line has no next one: it is moved alone, afterwards.
+/// Three bytes take two loads and two stores, four bytes take one each. Every pixel is therefore moved together with
+/// the sample behind it, and the next pixel overwrites that sample. The last pixels of a line have no next one and are
+/// moved alone.
 fn transpose_triples<T: Copy>(source: &[T], destination: &mut [T], rows: usize, columns: usize, block: usize) {
     for (index, destination) in destination.chunks_mut(block * rows * 3).enumerate() {
         let first = index * block;
         let count = destination.len() / (rows * 3);
         let mut row = 0;
-        // Strictly less: the last row is not among these, so there always is a sample behind.
+        // Strictly less excludes the last row, so that there is always a sample behind.
         while row + LANES < rows {
             let lane = |row: usize| source[(row * columns + first) * 3..][..count * 3 + 1].windows(4).step_by(3);
             let lanes = lane(row).zip(lane(row + 1)).zip(lane(row + 2)).zip(lane(row + 3));

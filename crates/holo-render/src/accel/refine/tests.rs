@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use holo_core::{GridSize, Projection, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 
 use super::*;
 use crate::accel::tests::{cube, geometry, soup};
@@ -20,7 +20,7 @@ const BOUND: f64 = 1e-10;
 type Found = ([f64; 3], [f64; 3], f64, f32);
 
 fn rig() -> Rig {
-    Rig::builder(Split::new(GridSize::new(3, 5), GridSize::new(40, 60)).expect("sizes"))
+    Rig::builder(LightFieldShape::new(GridSize::new(3, 5), GridSize::new(40, 60)).expect("sizes"))
         .focal_length_m(0.05)
         .sensor_size_m(0.036)
         .baseline_x_m(0.013)
@@ -32,7 +32,7 @@ fn rig() -> Rig {
 
 /// Every ray of the rig with its depth, infinite without a hit.
 fn trace(geometry: &Geometry, engine: &dyn Engine) -> Vec<Found> {
-    let selection = Selection::whole(rig().split());
+    let selection = Selection::whole(rig().shape());
     let tiling = Tiling::new(selection.counts());
     let camera = RaySource::Rig(RigRays::new(&rig(), &tiling, &selection, 4));
     let mut found = Vec::new();
@@ -182,7 +182,7 @@ fn points_are_in_other_views_where_eq_3_says() {
     let triangles: Vec<[[f64; 3]; 3]> = triangles.collect();
     for projection in [Projection::Perspective, Projection::Orthographic] {
         let rig = rig().to_builder().projection(projection).build().expect("a rig");
-        let (center_t, center_s) = rig.split().central_view();
+        let (center_t, center_s) = rig.shape().central_view();
         for backend in [Backend::Embree, Backend::Bvh] {
             let Ok((engine, _)) = build(backend, &geometry, 1) else {
                 crate::peer::missing(&format!("{backend:?}"));
