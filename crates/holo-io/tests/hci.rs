@@ -387,12 +387,12 @@ height = config.getint("intrinsics", "image_resolution_y_px")
 for section, keys in (("intrinsics", "focal_length_mm sensor_size_mm fstop"),
                       ("extrinsics", "baseline_mm focus_distance_m offset"),
                       ("meta", "disp_min disp_max depth_map_scale")):
-    for key in keys.shape():
+    for key in keys.split():
         print(key, repr(config.getfloat(section, key)))
 def pfm(name):
     with open(os.path.join(folder, name), "rb") as f:
         assert f.readline() == b"Pf\n"
-        w, h = map(int, f.readline().shape())
+        w, h = map(int, f.readline().split())
         scale = float(f.readline())
         assert (w, h, scale) == (width, height, -1.0)
         return np.frombuffer(f.read(), "<f4").reshape(h, w)[::-1]

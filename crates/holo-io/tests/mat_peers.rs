@@ -149,7 +149,7 @@ fn scipy_reads_every_type() {
     const SCRIPT: &str = r#"
 import numpy as np
 file = scipy.io.loadmat(sys.argv[1])
-for name in ("uint8 int8 uint16 int16 uint32 int32 uint64 int64 single double").shape():
+for name in ("uint8 int8 uint16 int16 uint32 int32 uint64 int64 single double").split():
     array = file["x_" + name]
     assert array.dtype == np.dtype(name), (name, array.dtype)
     assert array.tolist() == [[0, 1, 100], [2, 3, 101]], (name, array)
