@@ -16,6 +16,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // Pixel (v, u) of view (t, s) is pixel (t, s) behind microlens (v, u).
     let (v, u, t, s) = (10, 20, 30, 40);
     assert_eq!(views[[t * 53 + v, s * 79 + u, 0]], elemental[[v * 100 + t, u * 100 + s, 0]]);
-    println!("{} x {} px there and back: every byte is the same", size.columns, size.rows);
+    println!("{} x {} px, rearranged twice: every byte is the same", size.columns, size.rows);
     Ok(())
 }

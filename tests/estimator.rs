@@ -94,7 +94,8 @@ fn estimators_are_unbiased_and_their_variance_decreases() {
             println!("{} {integrator:?}: variance falls by {:.1}", case.name, variance / finer_variance);
             println!("{} {integrator:?}: variance falls by {:.1}", case.name, variance / finer_variance);
             falls.push(variance / finer_variance);
-            // Independent samples would make it a sixteenth; Sobol points do better. 64 seeds know a ratio to 25 %.
+            // Independent samples would make it a sixteenth; Sobol points do better. 64 seeds determine a ratio to 25
+            // %.
             if STEEP.contains(&case.name) {
                 let (_, finest_variance) = case.statistics(integrator, 64);
                 println!("{} {integrator:?}: by {:.1} to 64 samples", case.name, variance / finest_variance);
@@ -102,8 +103,8 @@ fn estimators_are_unbiased_and_their_variance_decreases() {
             }
         }
     }
-    // Independent samples would make it a quarter. A scene with a few bright paths says little in 64 seeds (birdcage:
-    // 2.3, and 4.7 in 1024); all together know it to 5 %.
+    // Independent samples would make it a quarter. 64 seeds determine little for a scene with a few bright paths
+    // (birdcage: 2.3, and 4.7 with 1024 seeds); all scenes together determine it to 5 %.
     let together = (falls.iter().map(|fall: &f64| fall.ln()).sum::<f64>() / falls.len() as f64).exp();
     println!("variance falls by {together:.2} from 4 to 16 samples, over {} cases", falls.len());
     assert!(together > 3.8 && falls.iter().all(|&fall| fall > 1.5), "{together}: {falls:?}");

@@ -20,7 +20,7 @@ fn depth_of_a_slanted_plane_is_exact() {
         for backend in engines() {
             let rig = rig([3, 4], [7, 9], 0.05, 2.5, projection);
             let rendered = render(&scene, &truth(rig), backend, 1);
-            let all = rendered.all.expect("asked for");
+            let all = rendered.all.expect("requested");
             for ((v, u, t, s, _), &depth) in all[Layer::Depth].samples().indexed_iter() {
                 let ray = rig.ray(v, u, t, s, 0.5, 0.5);
                 let [x, y] = [0, 1].map(|k| (ray.origin_m[k], ray.direction[k]));
@@ -102,10 +102,10 @@ fn rays_of_an_elemental_image_meet_on_the_focus_plane() {
 fn engines_agree_on_depth() {
     let rig = rig([4, 4], [24, 36], 0.01, 4.0, Projection::Perspective);
     let scene = soup(600, 9);
-    let oracle = render(&scene, &truth(rig), Backend::BruteForce, 2).all.expect("asked for");
+    let reference = render(&scene, &truth(rig), Backend::BruteForce, 2).all.expect("requested");
     for backend in engines() {
-        let found = render(&scene, &truth(rig), backend, 2).all.expect("asked for");
-        let (a, b) = (oracle[Layer::Depth].samples(), found[Layer::Depth].samples());
+        let found = render(&scene, &truth(rig), backend, 2).all.expect("requested");
+        let (a, b) = (reference[Layer::Depth].samples(), found[Layer::Depth].samples());
         let same = |a: f32, b: f32| a == b || ((a - b) / a).abs() < 1e-6;
         let (differ, all) = (a.iter().zip(b).filter(|(a, b)| !same(**a, **b)).count(), a.len());
         println!("{backend:?}: {differ} of {all}");

@@ -282,8 +282,8 @@ fn degenerate_triangles_do_no_harm() {
     }
 }
 
-/// A focus plane before and behind everything, at infinity, on the surface: every pixel has the depth of its own ray to
-/// a slanted wall.
+/// A focus plane in front of and behind all surfaces, at infinity, on the surface: every pixel has the depth of its own
+/// ray to a slanted wall.
 #[test]
 fn any_focus_sees_the_wall_at_its_depth() {
     let (scene, plane) = slanted_wall();

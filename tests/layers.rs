@@ -223,7 +223,7 @@ fn layers_agree_with_the_reference_implementation() {
         let mut backends = engines();
         backends.push(Backend::BruteForce);
         for backend in backends {
-            let all = render_from(&scene, &pose, &request(rig), backend, 2).all.expect("asked for");
+            let all = render_from(&scene, &pose, &request(rig), backend, 2).all.expect("requested");
             assert_eq!(all.set(), LayerSet::ALL);
             let mut differ = 0;
             let mut seen = [0; 6];
@@ -262,7 +262,7 @@ fn layers_do_not_depend_on_what_is_rendered_with_them() {
     let central = |all: &Layers<LightFieldOwned<f32>>| -> Layers<_> {
         all.iter().map(|(layer, field)| (layer, field.view(t, s).expect("a view").to_owned())).collect()
     };
-    assert_eq!(alone.central, central(alone.all.as_ref().expect("asked for")));
+    assert_eq!(alone.central, central(alone.all.as_ref().expect("requested")));
     for samples in [1, 3] {
         let request = Request { integrator: Integrator::Path, samples, sky: [1.0; 3], ..request(rig) };
         let with_color = render_from(&scene, &pose, &request, Backend::Bvh, 2);
@@ -279,12 +279,12 @@ fn layers_do_not_depend_on_what_is_rendered_with_them() {
 fn any_subset_of_the_layers_can_be_requested() {
     let (scene, pose) = moved(&scene());
     let rig = rig([2, 2], [9, 12], 0.03, 3.0, Projection::Perspective);
-    let all = render_from(&scene, &pose, &request(rig), Backend::Bvh, 1).all.expect("asked for");
+    let all = render_from(&scene, &pose, &request(rig), Backend::Bvh, 1).all.expect("requested");
     let [first, second] = [[Layer::Albedo, Layer::HitMask], [Layer::Depth, Layer::GeometricNormal]].map(LayerSet::from);
     let single = Layer::ALL.map(|layer| LayerSet::from([layer]));
     for layers in single.into_iter().chain([first, second, first.union(second)]) {
         let rendered = render_from(&scene, &pose, &Request { layers, ..request(rig) }, Backend::Bvh, 1);
-        let some = rendered.all.expect("asked for");
+        let some = rendered.all.expect("requested");
         assert_eq!((some.set(), rendered.central.set()), (layers, layers));
         assert!(some.iter().all(|(layer, field)| *field == all[layer]), "{layers:?}");
     }

@@ -216,7 +216,7 @@ fn images_scale_with_very_strong_and_very_faint_light() {
         assert!(other.samples().iter().filter(|x| **x > 0.0).count() > 100, "something must be lit");
         for (a, b) in one.samples().iter().zip(other.samples()) {
             let (a, b) = (f64::from(*a), f64::from(*b) / power);
-            // Which light is asked, and where, is the same; sums of some ten f32.
+            // The choices of light sampling are the same; sums of about ten f32.
             assert!((a - b).abs() <= 1e-5 * a.abs(), "{power}: {a} {b}");
         }
     }

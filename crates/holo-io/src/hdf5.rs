@@ -88,7 +88,7 @@ impl Number for f64 {}
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, LightField, Rig, LightFieldShape};
+/// use holo_core::{GridSize, LightField, LightFieldShape, Rig};
 /// use holo_io::{Hdf5LightField, Hdf5Map, Hdf5Options, Limits, write_hdf5};
 /// use ndarray::{Array2, Array5};
 ///

@@ -30,7 +30,7 @@ const MAX_BYTES: u64 = 1 << 20;
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Rig, LightFieldShape};
+/// use holo_core::{GridSize, LightFieldShape, Rig};
 /// use holo_io::ParametersCfg;
 ///
 /// let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(512, 512))?).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;

@@ -21,7 +21,7 @@ use crate::{Error, Limits, ParametersCfg, read_pfm_grey, read_pfm_info};
 /// # Examples
 ///
 /// ```
-/// use holo_core::{DynLightField, GridSize, Layout, LightField, Rig, LightFieldShape};
+/// use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldShape, Rig};
 /// use holo_io::{Compression, HciFolder, HciImage, HciTruth, Limits, ParametersCfg};
 ///
 /// # let folder = tempfile::tempdir()?;
