@@ -1,6 +1,8 @@
 //! Scenes, rigs and vectors for several tests.
 #![allow(dead_code)] // every test file uses a part of it
 
+mod peer;
+
 use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_render::{Backend, GroundTruth, Integrator, Rendered, Renderer, Request};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
@@ -100,7 +102,7 @@ pub fn engines() -> Vec<Backend> {
     match Renderer::new(&soup(4, 1), &Transform::IDENTITY, Backend::Embree, 1) {
         Ok(_) => vec![Backend::Embree, Backend::Bvh],
         Err(why) => {
-            eprintln!("not run for Embree: {why}");
+            peer::missing(&format!("Embree: {why}"));
             vec![Backend::Bvh]
         }
     }

@@ -1,8 +1,10 @@
-//! The command line. On it x comes first everywhere: sizes are columns x rows, positions column, row.
+//! The command line. x comes first in all of it: sizes are columns x rows, positions column,row.
 
+mod choices;
 mod dataset;
+mod images;
 mod optics;
-mod pictures;
+
 mod spec;
 mod tools;
 mod values;
@@ -10,23 +12,23 @@ mod values;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use holo_core::{GridSize, Sensor};
+use clap::{Args, Parser, Subcommand};
+use holo_core::{GridSize, Layout, Projection, Sensor};
 use holo_dataset::options::{parse_bit_depth, parse_not_negative, parse_positive, parse_sensor};
-use holo_dataset::{Exposure, Focus, Shard, Sky};
+use holo_dataset::{Exposure, Focus, LayerChoice, Output, Shard, Sky};
+use holo_io::MatOrder;
+use holo_render::{Backend, GroundTruth, Integrator};
+
+use choices::{BACKENDS, GROUND_TRUTHS, INTEGRATORS, LAYERS, LAYOUTS, MAT_ORDERS, OUTPUTS, PROJECTIONS, choice};
 
 pub use dataset::DatasetOptions;
+pub use images::{AnimateOptions, ComposeOptions, ExtractOptions, PathArgument, QuiltOptions, RotateOptions};
 pub use optics::OpticsOptions;
-pub use pictures::{
-    AnimateOptions, ComposeOptions, ExtractOptions, OrderArgument, PathArgument, QuiltOptions, RotateOptions,
-};
-pub use tools::{
-    ApertureArgument, DepthOptions, EffortArgument, EpiOptions, EvalOptions, InputOptions, KernelArgument,
-    RefocusOptions,
-};
+pub use tools::{ApertureArgument, DepthOptions, EpiOptions, EvalOptions, InputOptions, RefocusOptions};
 pub use values::{Crop, Pair, Places};
 
-/// Holoscopic (integral, plenoptic 1.0) images from glTF scenes, with exact depth and disparity.
+/// Light-field images of holoscopic (integral, plenoptic) cameras: render them from glTF scenes with exact depth and
+/// disparity, convert, refocus, estimate and score.
 ///
 /// Everywhere x comes before y: sizes are columns x rows, positions are column,row and count from 0.
 #[derive(Parser, Debug)]
@@ -38,41 +40,41 @@ pub struct Arguments {
 
 #[derive(Subcommand, Debug)]
 pub enum Command {
-    /// Render a scene (.glb, .gltf) into a raw holoscopic image with ground truth.
+    /// Render a scene (.glb, .gltf) to the raw image of a holoscopic camera, with ground truth.
     Render(Box<RenderOptions>),
-    /// Make a dataset: scenes of the gallery and your own, each with several numbers of views; or go on with one.
+    /// Render a dataset: built-in scenes and your own, each with several numbers of views. Resumes where it was stopped.
     Dataset(Box<DatasetOptions>),
-    /// Put the parts of `holo render --shard` together.
+    /// Merge the parts that `holo render --shard` wrote.
     Merge(MergeOptions),
-    /// Say what a file holds; for a scene also which rig and disparity range a render would get.
+    /// Describe a file or folder; for a scene also the cameras and the disparity range that a render would get.
     Info(InfoOptions),
-    /// Turn a grid of views into a grid of elemental images, or back.
+    /// Convert a grid of views (sub-aperture images) to a grid of elemental images (micro-images), or back.
     Remap(RemapOptions),
-    /// Cut views or elemental images out of a raw image: one, some or all of them.
+    /// Extract views or elemental images from a light field: one, some or all of them.
     Extract(ExtractOptions),
-    /// Put pictures of single views together into a raw image.
+    /// Compose a raw image from one image per view.
     Compose(ComposeOptions),
-    /// Turn every elemental image by 180 degrees, as integral displays need it.
+    /// Rotate every elemental image by 180 degrees, as integral displays need it.
     RotateElements(RotateOptions),
-    /// Put the views of one row side by side as multi-view displays read them.
+    /// Write a quilt: the views of one row side by side, as multi-view displays read them.
     Quilt(QuiltOptions),
-    /// Make a moving picture of a way through the views.
+    /// Write an animation along a camera path through the views.
     Animate(AnimateOptions),
-    /// Write a scene of the built-in gallery as .glb; without a name, list them.
+    /// Write a built-in scene as .glb; without a name, list them.
     Scene(SceneOptions),
-    /// Add all views up to one picture that is sharp at a distance, or everywhere.
+    /// Refocus: add all views up to one image that is sharp at a distance, or everywhere.
     Refocus(RefocusOptions),
-    /// Estimate the disparity of the central view from the others.
+    /// Estimate a disparity map of the central view (not meters: disparity in pixels) from all views.
     Depth(DepthOptions),
-    /// Score a disparity map against the truth (BadPix, MSE ...), or a picture against another (PSNR, SSIM).
+    /// Score a disparity map against ground truth (BadPix, MSE ...), or an image against another (PSNR, SSIM).
     Eval(EvalOptions),
-    /// Cut an epipolar-plane image out of a light field.
+    /// Extract an epipolar-plane image (EPI).
     Epi(EpiOptions),
-    /// Make one HTML page in which a light field is moved through, refocused and measured.
+    /// Write one HTML page to look at a light field in a browser: move, refocus, measure.
     View(ViewOptions),
-    /// Work out what a camera will see before it is built: disparities, depth of field, resolution; and the reverse.
+    /// Compute what a camera will resolve before it is built: disparities, depth of field, depth resolution; or the reverse.
     Optics(OpticsOptions),
-    /// Check a dataset, or one folder of it, against the digests in its manifest.json: hashes, sizes, what is missing.
+    /// Check a dataset, or one folder of it, against the sizes and hashes in its manifest.json.
     Verify(VerifyOptions),
 }
 
@@ -80,73 +82,73 @@ pub enum Command {
 pub struct RenderOptions {
     /// The scene: .glb, or .gltf with the files it refers to.
     pub scene: PathBuf,
-    /// Folder for the results; made if missing.
+    /// Folder for the results; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     #[command(flatten)]
     pub rig: RigOptions,
     #[command(flatten)]
     pub job: JobOptions,
-    /// Part K of N of the picture alone, cut between rows of lenses: DIR is then for `holo merge`.
+    /// Render part K of N only (a range of microlens rows); `holo merge` joins the parts.
     #[arg(long, value_name = "K/N", value_parser = Shard::from_str)]
     pub shard: Option<Shard>,
     #[command(flatten)]
     pub engine: EngineOptions,
-    /// No progress and no summary.
+    /// Print no progress and no summary.
     #[arg(long)]
     pub quiet: bool,
-    /// One JSON object about the run on standard output.
+    /// Print one JSON object about the run on standard output.
     #[arg(long)]
     pub json: bool,
 }
 
-/// What decides, with the scene and the rig, every file that is written.
+/// The options that, with the scene and the rig, determine every file.
 #[derive(Args, Clone, Debug)]
 pub struct JobOptions {
-    /// How light is modelled.
-    #[arg(long, value_enum, default_value_t = IntegratorArgument::Auto)]
-    pub integrator: IntegratorArgument,
-    /// Rays through every pixel [default: 16, with the integrator depth 1].
+    /// Light transport: what light is simulated.
+    #[arg(long, value_parser = choice(INTEGRATORS), default_value = "auto")]
+    pub integrator: Integrator,
+    /// Samples per pixel [default: 16, with the integrator depth 1].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub spp: Option<u32>,
-    /// Relative standard error at which a pixel needs no more samples; --spp is then the most it gets [default: 1024].
+    /// Adaptive sampling: stop at this relative standard error of a pixel; --spp is then the maximum [default: 1024].
     #[arg(long, value_name = "E", allow_negative_numbers = true, value_parser = parse_positive)]
     pub target_error: Option<f64>,
-    /// How often light is scattered at most on its way to a pixel.
+    /// Maximum number of bounces of a light path.
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub max_bounces: u32,
-    /// Follow every path to its last bounce, however little it carries.
+    /// Disable Russian roulette: follow every path to its last bounce.
     #[arg(long)]
     pub no_roulette: bool,
-    /// Let `--integrator auto` leave out light that comes from other surfaces, except in mirrors and glass.
+    /// Without light that diffuse surfaces reflect to each other (with `--integrator auto`); mirrors and glass still reflect.
     #[arg(long)]
     pub no_indirect: bool,
-    /// Radiance of a constant sky, linear, or an equirectangular map around the scene (.hdr, .exr).
+    /// Environment light: linear radiance of a constant sky, or an equirectangular map (.hdr, .exr).
     #[arg(long, value_name = "R,G,B|FILE", allow_hyphen_values = true, default_value = "0,0,0")]
     pub sky: Sky,
-    /// Stops by which 8- and 16-bit images are brightened, or `auto`.
+    /// Exposure compensation of 8- and 16-bit images in EV, or `auto`.
     #[arg(long, value_name = "auto|EV", default_value = "auto", allow_hyphen_values = true)]
     pub exposure: Exposure,
-    /// Layers for the central view or for all views.
-    #[arg(long, value_enum, default_value_t = GroundTruthArgument::Central)]
-    pub ground_truth: GroundTruthArgument,
-    /// Layers to write as float maps (PFM), separated by commas [default: those of --write].
+    /// Views for which ground truth is written.
+    #[arg(long, value_parser = choice(GROUND_TRUTHS), default_value = "central")]
+    pub ground_truth: GroundTruth,
+    /// Layers (AOVs) to write as float maps (PFM), separated by commas [default: those of --write].
     ///
-    /// Each tells what the ray through a pixel's centre meets first, glass included. scene_LAYER.pfm is the central
-    /// view's; with `--ground-truth all` the folder LAYER has one of every view.
-    #[arg(long, value_name = "NAME,..", value_enum, value_delimiter = ',')]
-    pub layers: Vec<LayerArgument>,
-    /// What to write, separated by commas [default: vpi,el,mat, and disparity,depth unless --layers names others; without
-    /// colour no vpi, el and mat].
-    #[arg(long, value_name = "WHAT,..", value_enum, value_delimiter = ',')]
-    pub write: Vec<OutputArgument>,
+    /// Each describes the first surface, glass included, that the ray through the center of a pixel hits. scene_LAYER.pfm
+    /// is of the central view; with `--ground-truth all` the folder LAYER has one of every view.
+    #[arg(long, value_name = "NAME,..", value_parser = choice(LAYERS), value_delimiter = ',')]
+    pub layers: Vec<LayerChoice>,
+    /// Files to write, separated by commas [default: vpi,el,mat, and disparity,depth unless --layers names others; without
+    /// color no vpi, el and mat].
+    #[arg(long, value_name = "WHAT,..", value_parser = choice(OUTPUTS), value_delimiter = ',')]
+    pub write: Vec<Output>,
     /// Order of the array in scene_5d.mat: H(v,u,t,s,c), or LF(t,s,v,u,c) as in the Light Field Toolbox.
-    #[arg(long, value_name = "ORDER", value_enum, default_value_t = MatOrderArgument::Lenses)]
-    pub mat_order: MatOrderArgument,
-    /// Bits a channel of the raw PNGs and of scene_5d.mat.
+    #[arg(long, value_name = "ORDER", value_parser = choice(MAT_ORDERS), default_value = "lenses")]
+    pub mat_order: MatOrder,
+    /// Bits per channel of the raw PNGs and of scene_5d.mat.
     #[arg(long, value_name = "8|16", default_value_t = 8, value_parser = parse_bit_depth)]
     pub bit_depth: u8,
-    /// Chooses the random numbers.
+    /// Random seed.
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 0)]
     pub seed: u64,
 }
@@ -154,18 +156,18 @@ pub struct JobOptions {
 /// The sensor and the main lens.
 #[derive(Args, Clone, Debug)]
 pub struct MainLensOptions {
-    /// The sensor behind the lenses: hd, 4k, 8k (the paper's 7952x5304), uhd8k or WIDTHxHEIGHT.
+    /// Sensor resolution in pixels: hd, 4k, 8k (7952x5304), uhd8k or WIDTHxHEIGHT.
     #[arg(long, value_name = "NAME|WxH", default_value = "8k", value_parser = parse_sensor)]
     pub sensor: Sensor,
-    /// The views sample the aperture of an f/N lens [default: 5].
+    /// f-number of the main lens, whose aperture the views sample [default: 5].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = parse_positive)]
     pub f_number: Option<f64>,
-    /// Distance of the focus plane, m, `inf`, or `auto` (harmonic mean of nearest and farthest depth).
+    /// Focus distance, m, `inf`, or `auto` (harmonic mean of nearest and farthest depth). Disparity is 0 there.
     #[arg(long, value_name = "Z|inf|auto", allow_negative_numbers = true, default_value = "auto")]
     pub focus_m: Focus,
 }
 
-/// What decides the rig.
+/// The options that determine the rig.
 #[derive(Args, Clone, Debug)]
 pub struct RigOptions {
     #[command(flatten)]
@@ -173,21 +175,21 @@ pub struct RigOptions {
     /// Views, columns x rows, or one number for both.
     #[arg(long, value_name = "SxT|N", allow_negative_numbers = true, default_value = "100x100", value_parser = GridSize::from_str)]
     pub views: GridSize,
-    /// Lenses, columns x rows (the pixels of one view), instead of a sensor.
+    /// Lenses, columns x rows: the microlenses, which are the pixels of one view; instead of a sensor.
     #[arg(long, value_name = "UxV", conflicts_with = "sensor", value_parser = GridSize::from_str)]
     pub lenses: Option<GridSize>,
-    /// Distance between neighbouring views, m.
+    /// Baseline: distance between adjacent views, m.
     #[arg(long, value_name = "B", allow_negative_numbers = true, conflicts_with = "f_number", value_parser = parse_not_negative)]
     pub baseline_m: Option<f64>,
-    /// Focal length, mm [default: from the camera's angle of view].
+    /// Focal length, mm [default: from the angle of view of the scene's camera].
     #[arg(long, value_name = "F", allow_negative_numbers = true, value_parser = parse_positive)]
     pub focal_mm: Option<f64>,
-    /// Length of the larger image side on the sensor, mm.
+    /// Sensor size: length of the larger image side, mm.
     #[arg(long, value_name = "S", allow_negative_numbers = true, default_value_t = 36.0, value_parser = parse_positive)]
     pub sensor_mm: f64,
-    /// How views are projected.
-    #[arg(long, value_enum, default_value_t = ProjectionArgument::Perspective)]
-    pub projection: ProjectionArgument,
+    /// Projection of the views.
+    #[arg(long, value_parser = choice(PROJECTIONS), default_value = "perspective")]
+    pub projection: Projection,
     /// Name or number of the scene's camera [default: the first].
     #[arg(long, value_name = "NAME|INDEX")]
     pub camera: Option<String>,
@@ -198,9 +200,9 @@ pub struct EngineOptions {
     /// Threads [default: one per core].
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// What finds the hits: Embree, the built-in BVH, or Embree where there is one.
-    #[arg(long, value_enum, default_value_t = BackendArgument::Auto)]
-    pub backend: BackendArgument,
+    /// Ray tracing backend.
+    #[arg(long, value_parser = choice(BACKENDS), default_value = "auto")]
+    pub backend: Backend,
 }
 
 #[derive(Args, Debug)]
@@ -217,31 +219,31 @@ pub struct InfoOptions {
 pub struct RemapOptions {
     #[command(flatten)]
     pub input: InputOptions,
-    /// The PNG to write.
+    /// PNG to write.
     #[arg(value_parser = values::png)]
     pub output: PathBuf,
-    /// What the output shall be [default: by `_el` or `_vpi` in its name, else the other one].
-    #[arg(long, value_enum)]
-    pub to: Option<LayoutArgument>,
+    /// Layout of the output [default: by `_el` or `_vpi` in its name, else the other one].
+    #[arg(long, value_parser = choice(LAYOUTS))]
+    pub to: Option<Layout>,
 }
 
 #[derive(Args, Debug)]
 pub struct ViewOptions {
     #[command(flatten)]
     pub input: InputOptions,
-    /// The page to write; it needs no other file and no network.
+    /// HTML page to write; it needs no other file and no network.
     #[arg(short, long, value_name = "FILE", value_parser = values::html)]
     pub out: PathBuf,
-    /// An estimate of the central view's disparity in px, to be shown beside the truth.
+    /// Estimated disparity map of the central view, px, to compare with the ground truth.
     #[arg(long, value_name = "FILE.pfm")]
     pub estimate: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]
 pub struct SceneOptions {
-    /// Which scene of the gallery.
+    /// Name of the scene.
     pub name: Option<String>,
-    /// The .glb to write.
+    /// File to write [default: NAME.glb].
     #[arg(long, value_name = "FILE", requires = "name")]
     pub out: Option<PathBuf>,
 }
@@ -254,108 +256,14 @@ pub struct VerifyOptions {
 
 #[derive(Args, Debug)]
 pub struct MergeOptions {
-    /// Folder for the results; made if missing.
+    /// Folder for the results; created if missing.
     pub out: PathBuf,
     /// The folders that `holo render --shard` wrote, all of them, in any order.
     #[arg(required = true)]
     pub parts: Vec<PathBuf>,
-    /// No summary.
+    /// Print no summary.
     #[arg(long)]
     pub quiet: bool,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum IntegratorArgument {
-    /// The cheapest that is exact for the scene.
-    Auto,
-    /// Ground truth alone.
-    Depth,
-    /// Direct light.
-    Direct,
-    /// Light that surfaces hand on to each other.
-    Path,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum GroundTruthArgument {
-    Central,
-    All,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ProjectionArgument {
-    Perspective,
-    Orthographic,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BackendArgument {
-    Auto,
-    Embree,
-    Bvh,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LayoutArgument {
-    /// A grid of viewpoint images.
-    Vpi,
-    /// A grid of elemental images.
-    El,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LayerArgument {
-    /// The picture in linear light, without exposure.
-    #[value(alias = "colour")]
-    Color,
-    /// Along the optical axis, m; nothing hit: infinity.
-    Depth,
-    /// Along the ray, m; nothing hit: infinity.
-    RayLength,
-    /// Between neighbouring views, px; also as a PNG.
-    Disparity,
-    /// Of the triangle, in the world, on the side that is seen.
-    GeometricNormal,
-    /// Interpolated between the vertices, likewise.
-    ShadingNormal,
-    /// Base colour, linear.
-    Albedo,
-    /// Number of the instance, from 1; nothing hit: 0.
-    ObjectId,
-    /// Number of the material, from 1; nothing hit: 0.
-    MaterialId,
-    /// 1 where something is hit, else 0.
-    HitMask,
-    /// All of these.
-    All,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MatOrderArgument {
-    /// `H` of size [V U T S C]: lenses first.
-    Lenses,
-    /// `LF` of size [T S V U C]: views first.
-    Lftoolbox,
-}
-
-#[derive(ValueEnum, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum OutputArgument {
-    /// scene_vpi.png: all views side by side.
-    Vpi,
-    /// scene_el.png: the raw image behind the lenses.
-    El,
-    /// scene_disparity.pfm and .png of the central view.
-    Disparity,
-    /// scene_depth.pfm of the central view.
-    Depth,
-    /// scene_central.exr: colour and all layers of the central view, linear. With el or vpi also scene_el.exr, scene_vpi.exr.
-    Exr,
-    /// scene_5d.mat: the raw image's integers as a 5D array for MATLAB.
-    Mat,
-    /// scene_5d.h5: linear radiance and the layers of depth and disparity as 5D arrays.
-    H5,
-    /// hci/: a PNG a view with depth and disparity, in the layout of the HCI benchmark.
-    Hci,
 }
 
 #[cfg(test)]

@@ -19,6 +19,5 @@ pub mod scene;
 pub mod verify;
 pub mod view;
 
-mod diagnostics;
 mod files;
 mod requested;

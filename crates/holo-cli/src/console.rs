@@ -3,6 +3,8 @@
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write};
 
+use holo_dataset::About;
+
 use crate::failure::Failure;
 
 /// A line on standard output, for `out!`. A reader that has seen enough (`holo info x | head`) is no failure.
@@ -19,6 +21,15 @@ pub fn print(line: Arguments) -> Result<(), Failure> {
 /// A line on standard error, for `say!`. There is nowhere left to complain if it cannot be written.
 pub fn tell(line: Arguments) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// Puts the diagnostics of a render on standard error, or nowhere.
+pub fn say_unless(quiet: bool) -> impl Fn(About, &str) {
+    move |_, line| {
+        if !quiet {
+            tell(format_args!("{line}"));
+        }
+    }
 }
 
 /// `println!` with an error instead of a panic.

@@ -10,6 +10,7 @@ mod console;
 mod failure;
 mod interrupt;
 mod progress;
+mod quantities;
 mod report;
 
 use std::process::ExitCode;
@@ -65,7 +66,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The readers of scenes and images turn a panic inside a decoder into an error; nobody wants to read about it twice.
+/// The readers of scenes and images turn a panic inside a decoder into an error, which is printed: the panic need not be.
 fn stay_silent_while_a_guard_watches() {
     let print = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |info| {

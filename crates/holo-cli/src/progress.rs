@@ -15,7 +15,7 @@ impl Bar {
     pub fn new(name: &'static str, quiet: bool) -> Self {
         let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
         let bar = ProgressBar::with_draw_target(None, target);
-        let style = ProgressStyle::with_template("{msg:10} [{bar:40}] {percent:>3} %  {elapsed} gone, {eta} left");
+        let style = ProgressStyle::with_template("{msg:12} [{bar:36}] {percent:>3} %  {elapsed} elapsed, {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
         bar.set_message(name);
         Self(bar)
@@ -53,10 +53,7 @@ const STEPS: u64 = 1000;
 impl Overall {
     /// Hidden if `quiet` or if standard error is no terminal.
     pub fn new(quiet: bool) -> Self {
-        let Bar(bar) = Bar::new("", quiet);
-        let style = ProgressStyle::with_template("{msg:22} [{bar:30}] {percent:>3} %  {elapsed} gone, {eta} left");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()).progress_chars("=> "));
-        Self { bar, done: AtomicU64::new(0) }
+        Self { bar: Bar::new("", quiet).0, done: AtomicU64::new(0) }
     }
 
     /// There are so many renders to come.

@@ -1,8 +1,8 @@
-//! What a render tells when it is done: a summary for people, one JSON object for programs.
+//! The report of a render: a summary for people, one JSON object for programs.
 
 use std::path::Path;
 
-use holo_core::Rig;
+use holo_core::{LightFieldShape, Rig};
 use holo_dataset::options::integrator_name;
 use holo_dataset::{RenderReport, Seconds};
 use holo_io::meters_to_millimeters;
@@ -10,13 +10,14 @@ use holo_render::RayCounts;
 use serde_json::{Value, json};
 
 use crate::console::say;
+use crate::quantities::finite;
 
 /// Rays of all kinds a second of rendering, in millions.
 pub fn mrays_per_second(report: &RenderReport) -> f64 {
     report.rays.total() as f64 / report.seconds.render.max(1e-9) / 1e6
 }
 
-/// What one of many renders tells.
+/// The report of one of many renders.
 pub fn run_json(report: &RenderReport) -> Value {
     json!({
         "seconds": seconds(&report.seconds),
@@ -43,7 +44,7 @@ pub fn json(report: &RenderReport) -> Value {
             "baseline_m": {"x": rig.baseline_x_m(), "y": rig.baseline_y_m()},
             "focal_length_mm": meters_to_millimeters(rig.focal_length_m()),
             "sensor_size_mm": meters_to_millimeters(rig.sensor_size_m()),
-            "focus_distance_m": number(rig.focus_distance_m()),
+            "focus_distance_m": finite(rig.focus_distance_m()),
         },
         "disparity_px": report.disparity_px.map(|(min, max)| json!({"min": min, "max": max})),
         "files": report.files,
@@ -55,7 +56,7 @@ pub fn print(report: &RenderReport, out: &Path) {
     let s = &report.seconds;
     say!(
         "rendered {} in {:.2} s ({:.1} Mrays/s, {}, {} threads, {}: {})",
-        describe_split(&report.rig),
+        describe_shape(report.rig.shape()),
         s.render,
         mrays_per_second(report),
         report.backend,
@@ -84,9 +85,8 @@ fn seconds(s: &Seconds) -> Value {
 }
 
 /// Views, lenses and raw size in words.
-pub fn describe_split(rig: &Rig) -> String {
-    let (split, raw) = (rig.shape(), rig.shape().raw_size());
-    let (views, lenses) = (split.views(), split.lenses());
+pub fn describe_shape(split: &LightFieldShape) -> String {
+    let (views, lenses, raw) = (split.views(), split.lenses(), split.raw_size());
     format!(
         "{} x {} views of {} x {} px (raw image {} x {})",
         views.columns, views.rows, lenses.columns, lenses.rows, raw.columns, raw.rows
@@ -96,8 +96,8 @@ pub fn describe_split(rig: &Rig) -> String {
 /// The rig's lengths in words.
 pub fn describe_rig(rig: &Rig, disparity_px: Option<(f64, f64)>) -> String {
     let range = match disparity_px {
-        Some((min, max)) => format!("disparity {} to {} px between neighbouring views", short(min), short(max)),
-        None => "no disparity known".into(),
+        Some((min, max)) => format!("disparity {} to {} px between adjacent views", short(min), short(max)),
+        None => "disparity range unknown".into(),
     };
     let focus = match rig.focus_distance_m() {
         distance if distance.is_finite() => format!("{} m", short(distance)),
@@ -124,12 +124,7 @@ pub fn short(x: f64) -> String {
     }
 }
 
-/// JSON has no infinity.
-fn number(x: f64) -> Value {
-    if x.is_finite() { json!(x) } else { json!("inf") }
-}
-
-/// The most memory that this process ever held, where the system tells (Linux).
+/// Peak resident memory of this process, where the system reports it (Linux).
 pub fn peak_rss_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

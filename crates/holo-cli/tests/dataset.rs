@@ -8,8 +8,8 @@ use std::time::Duration;
 use common::{Bench, Outcome, SCENE};
 use serde_json::Value;
 
-/// Four jobs of a moment each: one scene, four splits.
-const SMALL: &str = "dataset --scenes none --glb tiny.glb --splits 2,3,4x2,5 --sensor 60x40 --spp 2 --sky 0.2,0.3,0.4";
+/// Four jobs of a moment each: one scene, four view counts.
+const SMALL: &str = "dataset --scenes none --glb tiny.glb --views 2,3,4x2,5 --sensor 60x40 --spp 2 --sky 0.2,0.3,0.4";
 
 fn made(bench: &Bench, out: &str, more: &str) -> Outcome {
     let outcome = bench.run(&format!("{SMALL} --out {out} {more}"));
@@ -88,7 +88,7 @@ fn what_is_to_be_known_is_said_once() {
         outcome
     };
     let outcome = run("set", "");
-    // Eight jobs: two scenes, of which one has no camera; four splits, of which 3 x 3 leaves a row of 40.
+    // Eight jobs: two scenes, of which one has no camera; four view counts, of which 3 x 3 leaves a row of 40.
     for once in ["built-in BVH", "blind: warning: ", "note: 3 x 3 views leave 0 columns and 1 rows"] {
         assert_eq!(outcome.stderr.matches(once).count(), 1, "'{once}' in {outcome:?}");
     }
@@ -184,11 +184,11 @@ fn wrong_use_is_said_before_anything_is_made() {
         ("dataset --out set --scenes teapot", "no scene 'teapot'"),
         ("dataset --out set --scenes garden,garden", "two scenes are called 'garden'"),
         ("dataset --out set --scenes none", "--glb"),
-        ("dataset --out set --splits 20,20x20", "twice"),
+        ("dataset --out set --views 20,20x20", "twice"),
         ("dataset --out set --splits 0", "COLUMNSxROWS"),
         ("dataset --out set --sensor 10x10 --scenes garden", "too small"),
         ("dataset --out set --shard 4/3", "part 2 of 3"),
-        ("dataset --out set --config bad.toml", "did you mean `scenes`?"),
+        ("dataset --out set --config bad.toml", "'--scenes'"),
         ("dataset --out set --integrator depth --write el", "--integrator depth makes no picture"),
     ] {
         let outcome = bench.run(arguments);

@@ -153,7 +153,7 @@ fn a_full_disk() {
     let at = bench.path("disk");
     std::fs::create_dir(&at).unwrap();
     let Some(disk) = TinyDisk::mount(&at) else {
-        eprintln!("skipped: mounting a small file system is not permitted here");
+        eprintln!("not run: needs the right to mount a small file system (root)");
         return;
     };
     let outcome = bench.run(&format!("render {SCENE} --out disk/out {LARGE}"));

@@ -52,23 +52,26 @@ fn images_and_maps() {
     bench.render("out", "");
     bench.render("fine", "--bit-depth 16 --write el");
     let beside = "5 x 4 views of 12 x 8 px";
-    has(&info(&bench, "out/scene_el.png"), &["PNG, 60 x 32 px, 3 channels of 8 bits", "elemental images", beside]);
-    has(&info(&bench, "out/scene_vpi.png"), &["PNG, 60 x 32 px", "a grid of views", beside]);
+    has(
+        &info(&bench, "out/scene_el.png"),
+        &["PNG image, 60 x 32 pixels, 3 channels of 8 bits", "elemental images", beside],
+    );
+    has(&info(&bench, "out/scene_vpi.png"), &["PNG image, 60 x 32 pixels", "a grid of views", beside]);
     has(&info(&bench, "fine/scene_el.png"), &["3 channels of 16 bits"]);
-    has(&info(&bench, "out/scene_disparity.png"), &["PNG, 12 x 8 px, 1 channel of 8 bits"]);
+    has(&info(&bench, "out/scene_disparity.png"), &["PNG image, 12 x 8 pixels, 1 channel of 8 bits"]);
     has(
         &info(&bench, "out/scene_depth.pfm"),
-        &["PFM, 12 x 8 px, 1 channel\n", "finite values from", "infinite, 0 NaN"],
+        &["PFM float image, 12 x 8 pixels", "finite values from", "infinite, 0 NaN"],
     );
     std::fs::copy(bench.path("out/scene_el.png"), bench.path("alone.png")).unwrap();
-    assert_eq!(info(&bench, "alone.png"), "PNG, 60 x 32 px, 3 channels of 8 bits\n");
+    assert_eq!(info(&bench, "alone.png"), "PNG image, 60 x 32 pixels, 3 channels of 8 bits\n");
 }
 
 #[test]
 fn parameters_and_manifest() {
     let bench = Bench::new();
     bench.render("out", "");
-    let rig = ["5 x 4 views of 12 x 8 px (raw image 60 x 32)", "sensor 36 mm", "px between neighbouring views"];
+    let rig = ["5 x 4 views of 12 x 8 px (raw image 60 x 32)", "sensor 36 mm", "px between adjacent views"];
     has(&info(&bench, "out/parameters.cfg"), &[&["camera parameters of 'tiny'"][..], &rig].concat());
     let text = info(&bench, "out/manifest.json");
     has(&text, &[&["holo ", "engine ", "exposure ", "scene_el.png", "parameters.cfg"][..], &rig].concat());

@@ -143,8 +143,10 @@ fn no_byte_of_a_file_changes() {
     let mut found = BTreeMap::new();
     for backend in ["bvh", "auto"] {
         let (engine, files) = made(backend);
-        if engine == "other" || (backend == "auto" && engine == "bvh") {
-            println!("not run for Embree: the files are pinned for version 4.4.0");
+        if engine == "other" {
+            println!("not run for this Embree: the files are pinned for version 4.4.0");
+        } else if backend == "auto" && engine == "bvh" {
+            common::peer::missing("Embree 4.4.0");
         }
         if engine != "other" {
             found.extend(files);

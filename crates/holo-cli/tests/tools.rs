@@ -1,5 +1,7 @@
 //! `holo refocus`, `depth`, `eval` and `epi`: what they write is what the libraries say.
 
+#![allow(clippy::duplicate_mod, reason = "two modules of tests say alike what a machine lacks")]
+
 mod common;
 #[path = "../../holo-io/tests/common/python.rs"]
 mod python;
@@ -192,7 +194,7 @@ fn wrong_use_is_said() {
         ("refocus out --disparity 0 --aperture round --out x.png", "disc:D"),
         ("refocus out --stack 1,2 --out x.png", "A,B,N"),
         ("refocus out --distance-m -1 --out x.png", "above 0"),
-        ("refocus alone/scene_el.png --views 5x4 --distance-m 1 --out x.png", "no rig is known"),
+        ("refocus alone/scene_el.png --views 5x4 --distance-m 1 --out x.png", "camera parameters are unknown"),
         ("depth out --out x.pfm --range 2,1", "MIN,MAX"),
         ("eval out/scene_el.png out/scene_depth.pfm", "two disparity maps"),
         ("eval out/scene_el.png out/scene_el.png --mask out/scene_el.png", "are for disparity maps"),

@@ -6,7 +6,7 @@ mod common;
 use std::fmt::Write as _;
 use std::process::Command;
 
-use common::{Bench, Outcome, patterned, read_u8};
+use common::{Bench, Outcome, patterned, peer, read_u8};
 use holo_core::LightFieldOwned;
 use holo_io::{ColorEncoding, Compression, Limits};
 use ndarray::{Array2, Array3, s};
@@ -134,7 +134,7 @@ fn what_cannot_be_shown_is_refused_and_nothing_is_made() {
     }
 }
 
-/// Runs `viewer/check.py`; says so and returns `false` where there is no browser.
+/// Runs `viewer/check.py`; reports it and returns `false` where there is no browser.
 fn browse(bench: &Bench, arguments: &[&str]) -> bool {
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/viewer/check.py");
     let python = std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
@@ -150,7 +150,7 @@ fn browse(bench: &Bench, arguments: &[&str]) -> bool {
             return true;
         }
     };
-    eprintln!("not run: needs {missing}");
+    peer::missing(&missing);
     false
 }
 

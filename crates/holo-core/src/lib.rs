@@ -110,6 +110,6 @@ pub use layout::{Block, LightFieldShape, OneBasedBlock, Remainder, Sensor, Senso
 pub use light_field::rearrange;
 pub use light_field::{
     DynImage, DynImageRef, DynLightField, DynLightFieldRef, Layout, LightField, LightFieldCow, LightFieldOwned,
-    LightFieldRef, LightFieldRefMut, Sample, SampleKind, ViewOrder, ViewPath,
+    LightFieldRef, LightFieldRefMut, Sample, SampleKind, ViewOrder, ViewPath, evenly_spaced_views,
 };
 pub use real::Real;

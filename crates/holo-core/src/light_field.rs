@@ -19,6 +19,7 @@ pub use compose::ViewOrder;
 pub use dynamic::{DynImage, DynImageRef, DynLightField, DynLightFieldRef};
 pub use grids::Layout;
 pub use path::ViewPath;
+pub use quilt::evenly_spaced_views;
 pub use sample::{Sample, SampleKind};
 
 use std::fmt;

@@ -1,6 +1,9 @@
 //! Warnings and notes on the way to an image: what a scene has that is left out, which ray tracing backend stands in for
 //! another.
 
+use std::cell::RefCell;
+use std::collections::BTreeSet;
+
 /// What a diagnostic is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum About {
@@ -10,7 +13,7 @@ pub enum About {
     Setup,
 }
 
-/// Receives warnings and notes. `()` drops them.
+/// Receives warnings and notes. A function is one; `()` drops them.
 pub trait Diagnostics {
     /// Takes one line, which begins with `warning:` or `note:`.
     fn report(&self, about: About, line: &str);
@@ -18,4 +21,74 @@ pub trait Diagnostics {
 
 impl Diagnostics for () {
     fn report(&self, _: About, _: &str) {}
+}
+
+impl<F: Fn(About, &str)> Diagnostics for F {
+    fn report(&self, about: About, line: &str) {
+        self(about, line);
+    }
+}
+
+/// The diagnostics of many renders, each line once: what was reported of a scene is not repeated for its other view
+/// counts, nor is a note on the set-up repeated for other scenes.
+pub struct Deduplicated<F> {
+    print: F,
+    reported: RefCell<BTreeSet<String>>,
+}
+
+impl<F: Fn(&str)> Deduplicated<F> {
+    /// Hands every new line to `print`.
+    pub fn new(print: F) -> Self {
+        Self { print, reported: RefCell::default() }
+    }
+
+    /// Receives the diagnostics of one scene, whose lines get its name.
+    pub fn of_scene<'a>(&'a self, scene: &'a str) -> impl Diagnostics + 'a {
+        OfScene { all: self, scene }
+    }
+
+    fn line(&self, line: String) {
+        if !self.reported.borrow().contains(&line) {
+            (self.print)(&line);
+            self.reported.borrow_mut().insert(line);
+        }
+    }
+}
+
+impl<F: Fn(&str)> Diagnostics for Deduplicated<F> {
+    fn report(&self, _: About, line: &str) {
+        self.line(line.to_owned());
+    }
+}
+
+struct OfScene<'a, F> {
+    all: &'a Deduplicated<F>,
+    scene: &'a str,
+}
+
+impl<F: Fn(&str)> Diagnostics for OfScene<'_, F> {
+    fn report(&self, about: About, line: &str) {
+        self.all.line(match about {
+            About::Scene => format!("{}: {line}", self.scene),
+            About::Setup => line.to_owned(),
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_line_is_reported_once_and_those_of_scenes_by_their_name() {
+        let lines = RefCell::new(Vec::new());
+        let all = Deduplicated::new(|line: &str| lines.borrow_mut().push(line.to_owned()));
+        for scene in ["a", "b", "a"] {
+            let of_scene = all.of_scene(scene);
+            of_scene.report(About::Scene, "warning: dark");
+            of_scene.report(About::Setup, "note: no Embree");
+        }
+        all.report(About::Setup, "note: no Embree");
+        assert_eq!(*lines.borrow(), ["a: warning: dark", "note: no Embree", "b: warning: dark"]);
+    }
 }

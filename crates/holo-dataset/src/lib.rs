@@ -46,7 +46,7 @@ mod source;
 mod spec;
 mod verify;
 
-pub use diagnostics::{About, Diagnostics};
+pub use diagnostics::{About, Deduplicated, Diagnostics};
 pub use error::Error;
 pub use files::validate;
 pub use job::{RenderJob, RenderReport, Seconds};

@@ -80,7 +80,7 @@ impl DatasetPlan {
         let mut splits: Vec<LightFieldShape> = Vec::new();
         for &views in views {
             if splits.iter().any(|split| split.views() == views) {
-                return Err(Error::BadRequest(format!("--splits has {} twice", views)));
+                return Err(Error::BadRequest(format!("--views has {} twice", views)));
             }
             splits.push(spec.rig.sensor.divide(views, Remainder::Crop)?.shape);
         }

@@ -7,11 +7,13 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::process::Command;
 
 use holo_core::{DynImage, DynLightField};
 use holo_io::{Limits, read_exr, read_mat_light_field, read_png};
 use ndarray::{Array3, Array5};
+
+#[path = "common/python.rs"]
+mod python;
 
 /// The numbers of `image` in the script.
 fn image(size: &str, channels: usize, top: usize) -> Array3<usize> {
@@ -61,22 +63,7 @@ fn assert_light_field(path: &Path, read: DynLightField, size: &str, kind: &str) 
 #[test]
 fn what_others_write_is_read_exactly() {
     let folder = tempfile::tempdir().unwrap();
-    let program = std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/peers/write_files.py");
-    let output = match Command::new(&program).arg(script).arg(folder.path()).output() {
-        Ok(output) if output.status.success() => output,
-        Ok(output) => {
-            let text = String::from_utf8_lossy(&output.stderr).into_owned();
-            assert!(text.contains("ModuleNotFoundError"), "{text}");
-            println!("not run: {program} lacks numpy; `cargo xtask test` fetches it, or set HOLO_PYTHON");
-            return;
-        }
-        Err(error) => {
-            println!("not run: {program}: {error}");
-            return;
-        }
-    };
-    let text = String::from_utf8(output.stdout).unwrap();
+    let Some(text) = python::run_file("write_files.py", [folder.path()]) else { return };
     let mut table = BTreeMap::<(String, String, String), usize>::new();
     for line in text.lines() {
         let (name, program) = line.split_once('\t').unwrap();

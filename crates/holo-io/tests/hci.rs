@@ -3,7 +3,6 @@
 
 use std::fs;
 use std::path::Path;
-use std::process::Command;
 
 use holo_core::{
     DynImage, DynLightField, GridSize, Layout, LightField, LightFieldOwned, LightFieldShape, Projection, Rig,
@@ -14,6 +13,9 @@ use holo_io::{
 };
 use ndarray::{Array2, Array3, Axis, s};
 use proptest::prelude::*;
+
+#[path = "common/python.rs"]
+mod python;
 
 fn rig(split: LightFieldShape) -> Rig {
     Rig::builder(split)
@@ -403,12 +405,6 @@ print("depth", b"".join(pfm("gt_depth_lowres_Cam%03d.pfm" % i).astype("<f4").tob
 
 #[test]
 fn python_reads_what_is_written() {
-    let python = std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let probe = Command::new(&python).args(["-c", "import numpy, PIL"]).output();
-    if !probe.is_ok_and(|probe| probe.status.success()) {
-        eprintln!("not run: needs a Python with numpy and pillow (HOLO_PYTHON names it)");
-        return;
-    }
     let size = split([4, 3], [5, 6]);
     let (views, maps) = (bytes(size, 3), maps(size));
     let (t, s) = size.central_view();
@@ -424,9 +420,8 @@ fn python_reads_what_is_written() {
     };
     let folder = tempfile::tempdir().unwrap();
     image.write(folder.path(), Compression::Best).unwrap();
-    let output = Command::new(&python).args(["-c", READER]).arg(folder.path()).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let text = String::from_utf8(output.stdout).unwrap();
+    let arguments = [folder.path().to_str().unwrap()];
+    let Some(text) = python::run(&["numpy", "PIL"], READER, &arguments) else { return };
 
     let hex = |bytes: Vec<u8>| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     let floats = |map: ndarray::ArrayView2<f32>| map.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();

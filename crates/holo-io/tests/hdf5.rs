@@ -242,7 +242,7 @@ fn fill_the_disk() {
     }
     // There is room again, and the library still works.
     let small = LightFieldShape::new(GridSize::new(1, 1), GridSize::new(2, 2)).unwrap();
-    let field = LightField::new(Array5::<u8>::zeros(small.shape(1))).unwrap();
+    let field = LightField::new(Array5::<u8>::zeros(small.array_shape(1))).unwrap();
     write_hdf5(folder.join("small.h5"), &field, &rig(small), &[], &[], &Hdf5Options::default()).unwrap();
     assert_eq!(names(&folder), ["small.h5"]);
 }

@@ -219,7 +219,7 @@ fn a_mat_file_has_its_rig_or_that_of_the_parameters_beside_it() {
 fn an_hdf5_file_has_its_rig() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.h5");
-    let floats = light_field().map(|&sample| f32::from(sample) / 255.0);
+    let floats = light_field().map(|&sample| f32::from(sample) / 255.0).unwrap();
     holo_io::write_hdf5(&path, &floats, &rig(), &[], &[], &holo_io::Hdf5Options::default()).unwrap();
     let file = read(&path).unwrap();
     assert_eq!((file.light_field, file.rig), (floats.into(), Some(rig())));

@@ -1,6 +1,6 @@
 //! GNU Octave reads our `.mat` files as MATLAB would, and we read Octave's.
 //!
-//! Needs `octave-cli`; without it the test says so and passes.
+//! Needs `octave-cli`; without it the test says so and passes, or fails with `HOLO_REQUIRE_PEERS=1`.
 #![cfg(feature = "mat")]
 
 use std::process::Command;
@@ -8,6 +8,9 @@ use std::process::Command;
 use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Rig, Sample};
 use holo_io::{Limits, MatOptions, MatOrder, MatVersion, read_mat_light_field, write_mat_light_field};
 use ndarray::Array5;
+
+#[path = "../../../tests/common/peer.rs"]
+mod peer;
 
 /// (v, u, t, s, c): all different, none square.
 const SHAPE: (usize, usize, usize, usize, usize) = (4, 6, 2, 5, 3);
@@ -73,7 +76,7 @@ fn through_octave<T: Sample>(class: &str, convert: fn(u8) -> T, is_compressed: b
 #[test]
 fn octave_shows_elemental_images_and_views_and_its_own_files_are_read() {
     if Command::new("octave-cli").arg("--version").output().is_err() {
-        println!("not run: needs octave-cli (Debian's package octave)");
+        peer::missing("octave-cli (Debian's package octave)");
         return;
     }
     macro_rules! round {

@@ -1,13 +1,14 @@
 //! What is written is what others read, bit for bit: Pillow or OpenCV for PNG, OpenEXR's own library for EXR.
 //!
-//! Needs a Python that has them: `HOLO_PYTHON`, or `python3`. Without, it says so and passes.
+//! Needs a Python that has them: `HOLO_PYTHON`, or `python3`. Without one, it says so and passes, or fails with
+//! `HOLO_REQUIRE_PEERS=1`.
 #![cfg(all(feature = "png", feature = "exr"))]
-
-use std::path::Path;
-use std::process::Command;
 
 use holo_io::{ColorEncoding, Compression, ExrChannel, ExrCompression, write_exr_with, write_png};
 use ndarray::{Array2, Array3};
+
+#[path = "common/python.rs"]
+mod python;
 
 #[test]
 fn other_programs_read_the_same_bits() {
@@ -58,29 +59,13 @@ fn other_programs_read_the_same_bits() {
         expected.extend(floats.iter().map(|value| format!("{:08x}", value.to_bits())));
         files.push((path, expected));
     }
-    let program = std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/peers/read_images.py");
-    let mut command = Command::new(&program);
-    command.arg(script).args(files.iter().map(|(path, _)| path));
-    let output = match command.output() {
-        Ok(output) if output.status.success() => output,
-        Ok(output) => {
-            let text = String::from_utf8_lossy(&output.stderr).into_owned();
-            assert!(text.contains("ModuleNotFoundError"), "{text}");
-            println!("not run: {program} lacks a module; set HOLO_PYTHON to a Python with numpy, Pillow and OpenEXR");
-            return;
-        }
-        Err(error) => {
-            println!("not run: {program}: {error}");
-            return;
-        }
-    };
-    let text = String::from_utf8(output.stdout).unwrap();
+    let paths = files.iter().map(|(path, _)| path.as_path());
+    let Some(text) = python::run_file("read_images.py", paths) else { return };
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines.len(), files.len());
     for ((path, expected), line) in files.iter().zip(lines) {
         match line {
-            "-" => println!("{}: no program here reads it", path.display()),
+            "-" => python::missing(&format!("a program that reads {}", path.display())),
             line => assert!(line == expected, "{}", path.display()),
         }
     }

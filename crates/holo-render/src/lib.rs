@@ -56,6 +56,9 @@ mod geometry;
 mod integrator;
 mod light;
 mod material;
+#[cfg(test)]
+#[path = "../../../tests/common/peer.rs"]
+mod peer;
 mod progress;
 mod render;
 mod sampling;

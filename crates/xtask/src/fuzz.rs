@@ -5,13 +5,13 @@ use std::process::Command;
 
 use crate::{Result, cmake, process, root};
 
-/// What needs Rust alone.
+/// The targets that need Rust alone.
 const TARGETS: &[&str] = &["gltf", "png", "pfm", "hdr", "exr", "mat", "parameters_cfg", "manifest"];
 
-/// What needs CMake, for the HDF5 library.
+/// The target that needs CMake, for the HDF5 library.
 const HDF5: &str = "hdf5";
 
-/// `cargo xtask fuzz [SECONDS [TARGET..]]`: 10 seconds a target and all of them unless told.
+/// `cargo xtask fuzz [SECONDS [TARGET..]]`: 10 seconds a target and all targets by default.
 pub fn run(arguments: &[String]) -> Result {
     let (seconds, named) = match arguments.split_first() {
         None => (10, arguments),
@@ -20,17 +20,17 @@ pub fn run(arguments: &[String]) -> Result {
         }
     };
     let mut targets = TARGETS.to_vec();
-    if cmake::is_there() {
+    if cmake::is_present() {
         targets.push(HDF5);
     } else {
         println!("not run: {HDF5}: needs CMake (cargo xtask setup)");
     }
     if let Some(unknown) = named.iter().find(|name| !targets.contains(&name.as_str())) {
-        return Err(format!("there is no target '{unknown}'; there are {}", targets.join(", ")));
+        return Err(format!("unknown target '{unknown}'; the targets are {}", targets.join(", ")));
     }
     targets.retain(|target| named.is_empty() || named.iter().any(|name| name == target));
     let folder = crate::target().join("fuzz");
-    // With a target named, the flags below do not reach build scripts, which have no fuzzer to link with.
+    // With an explicit `--target` the flags below do not apply to build scripts, which have no fuzzer to link with.
     let host = process::host()?;
     build(&targets, &folder, &host)?;
     for name in targets {
@@ -51,18 +51,17 @@ pub fn run(arguments: &[String]) -> Result {
     Ok(())
 }
 
-/// Builds all of them at once: they share everything but their main loop.
+/// Builds all targets at once: they share everything but their main function.
 fn build(targets: &[&str], folder: &Path, host: &str) -> Result {
     let flags = "--cfg fuzzing -Cpasses=sancov-module -Cllvm-args=-sanitizer-coverage-level=4 \
                  -Cllvm-args=-sanitizer-coverage-inline-8bit-counters -Cllvm-args=-sanitizer-coverage-pc-table \
                  -Cllvm-args=-sanitizer-coverage-trace-compares -Cdebug-assertions -Ccodegen-units=1";
     let features = if targets.contains(&HDF5) { "libfuzzer,hdf5" } else { "libfuzzer" };
     process::run(
-        Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
-            .current_dir(root())
+        process::cargo_command()
             .env("RUSTFLAGS", flags)
             .env("CARGO_TARGET_DIR", folder)
-            // Every program would be optimised as a whole, a minute each.
+            // Link-time optimization takes a minute a program.
             .env("CARGO_PROFILE_RELEASE_LTO", "off")
             .envs(cmake::environment())
             .args(["build", "--quiet", "--release", "-p", "holo-fuzz", "--features", features, "--target", host])

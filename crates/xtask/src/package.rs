@@ -1,41 +1,53 @@
-//! What `cargo add` would give: each library packed, unpacked and built from its package alone.
+//! Packages as `cargo add` gets them: each library is packed, unpacked and built from its package alone.
 
+use crate::{Result, process};
 use std::path::PathBuf;
-use std::process::Command;
 
-use crate::{Result, process, root};
-
+/// Every package that is published and builds alone.
 const LIBRARIES: &[&str] = &["holo-core", "holo-scene", "holo-render", "holo-io", "holo-dataset", "holo-viewer"];
 
-/// What a user of `holo-core` pulls in directly.
+/// The direct dependencies of `holo-core`.
 const CORE_NEEDS: &[&str] = &["ndarray", "rayon"];
 
-/// Packs and builds the libraries and counts what `holo-core` depends on.
+/// Packs and builds the libraries; checks the licenses in all packages and the dependencies of `holo-core`.
 pub fn run() -> Result {
     forget_unpacked()?;
     let mut arguments = vec!["package", "--quiet", "--allow-dirty"];
     arguments.extend(LIBRARIES.iter().flat_map(|name| ["-p", name]));
     process::cargo(&arguments)?;
+    for name in LIBRARIES.iter().chain(&[PROGRAM]) {
+        has_licenses(name)?;
+    }
     let tree = ["tree", "-p", "holo-core", "--edges", "normal", "--depth", "1", "--prefix", "none", "--format", "{p}"];
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output =
-        Command::new(cargo).args(tree).current_dir(root()).output().map_err(|why| format!("cargo tree: {why}"))?;
-    let listed = String::from_utf8_lossy(&output.stdout);
+    let listed = process::output(process::cargo_command().args(tree))?;
     let needs: Vec<&str> = listed.lines().skip(1).filter_map(|line| line.split_whitespace().next()).collect();
     if needs != CORE_NEEDS {
-        return Err(format!("holo-core needs {needs:?}, and may need {CORE_NEEDS:?} alone"));
+        return Err(format!("holo-core depends on {needs:?}; it may depend on {CORE_NEEDS:?} alone"));
     }
     println!(
-        "{} packages build from what they contain; holo-core needs {} alone",
+        "{} packages build from what they contain; holo-core depends on {} alone",
         LIBRARIES.len(),
         needs.join(" and ")
     );
     Ok(())
 }
 
-/// Removes the libraries that an earlier run unpacked into cargo's home and built: `cargo package` takes both as fresh
-/// for as long as the version is the same, whatever has changed since. Their registries are the nameless ones that cargo
-/// makes within a target folder, so nothing that was downloaded is touched.
+/// The package of the program; published, too.
+const PROGRAM: &str = "holo-cli";
+
+/// Whether a package contains its readme and both licenses.
+fn has_licenses(name: &str) -> Result {
+    let listed = process::output(process::cargo_command().args(["package", "--list", "--allow-dirty", "-p", name]))?;
+    let missing: Vec<&str> = ["LICENSE-APACHE", "LICENSE-MIT", "README.md"]
+        .into_iter()
+        .filter(|file| !listed.lines().any(|line| line == *file))
+        .collect();
+    if missing.is_empty() { Ok(()) } else { Err(format!("the package of {name} lacks {}", missing.join(", "))) }
+}
+
+/// Removes the libraries that an earlier run unpacked into cargo's home and built: `cargo package` takes both as
+/// current as long as the version is the same. Their registries are the nameless ones that cargo makes within a target
+/// folder, so nothing that was downloaded is touched.
 fn forget_unpacked() -> Result {
     let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
     let home = home.or_else(|| std::env::home_dir().map(|home| home.join(".cargo")));

@@ -1,55 +1,36 @@
-//! Other programs' own readers under `target/python`: what the formats are tested against.
+//! Readers and writers of other projects under `target/python`, which the tests of the file formats compare with.
 //!
-//! A file format is right when those who use it can read it. SciPy, h5py, OpenCV and others come from PyPI, into a folder of
-//! the build that is named to Python by `PYTHONPATH`: a bare Debian has no venv.
+//! SciPy, h5py, OpenCV, OpenEXR and others come from PyPI. Python finds them by `PYTHONPATH`.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use crate::{Result, pip, process, target};
+use crate::pip::{self, Availability, Requirements};
+use crate::{Result, target};
 
-/// What reads and writes our formats elsewhere.
-const PACKAGES: [&str; 9] = [
-    "numpy>=1.26",
-    "scipy>=1.11",
-    "h5py>=3.10",
-    "hdf5storage>=0.1.19",
-    "mat73>=0.63",
-    "OpenEXR>=3.3",
-    "opencv-python-headless>=4.8",
-    "Pillow>=10",
-    "scikit-image>=0.22",
-];
+const REQUIREMENTS: Requirements = Requirements { name: "peers", pythons: 10..=14, platforms: pip::COMMON_PLATFORMS };
 
-/// Fetches them if they are not there.
-pub fn ensure() -> Result {
-    if fetched() {
-        return Ok(());
+/// Fetches them (about 170 MB) unless they are there or the user named a Python that has them in `HOLO_PYTHON`.
+///
+/// # Errors
+///
+/// If pip fails.
+pub fn ensure() -> Result<Availability> {
+    if std::env::var_os("HOLO_PYTHON").is_some() {
+        return Ok(Availability::Present);
     }
-    let python = process::python()?;
-    eprintln!("xtask: fetching SciPy, h5py, OpenCV and others from PyPI, to test against (about 170 MB)");
-    pip::install(python, &PACKAGES, &folder())
+    pip::install(&REQUIREMENTS, &folder())
 }
 
 /// The environment in which the tests find Python with these packages.
 pub fn environment() -> Vec<(&'static str, OsString)> {
-    if std::env::var_os("HOLO_PYTHON").is_some() || !fetched() {
+    if std::env::var_os("HOLO_PYTHON").is_some() {
         return Vec::new();
     }
-    let Ok(python) = process::python() else { return Vec::new() };
+    let Some(python) = pip::installed(&REQUIREMENTS, &folder()) else { return Vec::new() };
     vec![("HOLO_PYTHON", python.into()), ("PYTHONPATH", folder().into_os_string())]
-}
-
-/// Whether the tests have them: fetched here, or by a Python that the user named.
-pub fn is_there() -> bool {
-    std::env::var_os("HOLO_PYTHON").is_some() || fetched()
 }
 
 fn folder() -> PathBuf {
     target().join("python")
-}
-
-fn fetched() -> bool {
-    // The last of the list, in the order in which pip puts them in place.
-    folder().join("skimage").is_dir() && folder().join("mat73").is_dir()
 }

@@ -1,7 +1,6 @@
-//! Running other programs, and saying what was run when they fail.
+//! Running other programs; an error contains the command.
 
 use std::ffi::OsString;
-use std::path::Path;
 use std::process::Command;
 
 use crate::Result;
@@ -11,15 +10,20 @@ pub fn cargo(arguments: &[&str]) -> Result {
     cargo_with(arguments, Vec::new())
 }
 
-/// Runs cargo with some more variables set.
+/// Runs cargo with additional environment variables.
 pub fn cargo_with(arguments: &[&str], environment: Vec<(&'static str, OsString)>) -> Result {
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    run(Command::new(cargo)
+    run(cargo_command()
         .args(arguments)
-        .current_dir(crate::root())
         .envs(crate::cmake::environment())
         .envs(crate::peers::environment())
         .envs(environment))
+}
+
+/// Cargo in the workspace.
+pub fn cargo_command() -> Command {
+    let mut cargo = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo.current_dir(crate::root());
+    cargo
 }
 
 /// Runs a command to its end.
@@ -32,22 +36,29 @@ pub fn run(command: &mut Command) -> Result {
     }
 }
 
+/// Runs a command to its end and returns what it writes to its standard output.
+pub fn output(command: &mut Command) -> Result<String> {
+    let shown = describe(command);
+    let output = command.output().map_err(|why| format!("`{shown}` cannot be run: {why}"))?;
+    if !output.status.success() {
+        return Err(format!("`{shown}` ended with {}: {}", output.status, String::from_utf8_lossy(&output.stderr)));
+    }
+    String::from_utf8(output.stdout).map_err(|_| format!("`{shown}` printed bytes that are no UTF-8"))
+}
+
 /// The name of this machine's target, such as `x86_64-unknown-linux-gnu`.
 pub fn host() -> Result<String> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let output = Command::new(rustc).arg("-vV").output().map_err(|why| format!("`rustc -vV` cannot be run: {why}"))?;
-    let text = String::from_utf8_lossy(&output.stdout);
+    let text = output(Command::new(rustc).arg("-vV"))?;
     let host = text.lines().find_map(|line| line.strip_prefix("host: "));
     host.map(str::to_owned).ok_or_else(|| "`rustc -vV` names no host".into())
 }
 
-/// Whether a program is there to be run.
+/// Whether a program is on `PATH`.
 pub fn exists(program: &str) -> bool {
     let Some(path) = std::env::var_os("PATH") else { return false };
-    std::env::split_paths(&path).any(|folder| {
-        let candidate = folder.join(program);
-        candidate.is_file() || Path::new(&candidate).with_extension("exe").is_file()
-    })
+    let exe = format!("{program}.exe");
+    std::env::split_paths(&path).any(|folder| folder.join(program).is_file() || folder.join(&exe).is_file())
 }
 
 /// The name of Python 3.

@@ -1,8 +1,9 @@
-//! The renderer's tests under AddressSanitizer and ThreadSanitizer, and what is pure Rust under Miri: `cargo xtask sanitize [WHAT..]`.
+//! The renderer's tests under AddressSanitizer and ThreadSanitizer, and pure Rust code under Miri: `cargo xtask
+//! sanitize [WHAT..]`.
 //!
-//! Needs Linux on x86-64, rustup with a nightly toolchain and its components rust-src and miri, and takes some twenty minutes: not
-//! part of the tests. Embree itself is not instrumented. What is watched is the seam: our packets and buffers, their lifetimes,
-//! threads that share them.
+//! Needs Linux on x86-64, rustup with a nightly toolchain and its components rust-src and miri, and takes some twenty
+//! minutes: not part of the tests. Embree itself is not instrumented. The sanitizers check the calls of Embree: packets
+//! and buffers, their lifetimes, threads that share them.
 
 use std::path::PathBuf;
 use std::process::Command;
@@ -11,10 +12,10 @@ use crate::{Result, embree, process, root, target};
 
 const TARGET: &str = "x86_64-unknown-linux-gnu";
 
-/// Tests of the workspace that go through both engines, and through all threads.
-const SEAM: [&str; 5] = ["hard_cases", "ground_truth", "path", "shadows", "layers"];
+/// Tests of the workspace that use both ray tracing backends and several threads.
+const BACKEND_TESTS: [&str; 5] = ["hard_cases", "ground_truth", "path", "shadows", "layers"];
 
-/// Runs what is named, or all three.
+/// Runs the named sanitizers, or all three.
 pub fn run(arguments: &[String]) -> Result {
     let all = ["address", "thread", "miri"].map(String::from);
     for what in if arguments.is_empty() { &all[..] } else { arguments } {
@@ -24,11 +25,11 @@ pub fn run(arguments: &[String]) -> Result {
                 let known = root().join("crates/xtask/thread_sanitizer.supp");
                 let options = "allocator_may_return_null=1 ignore_noninstrumented_modules=1";
                 let options = format!("suppressions={} {options}", known.display());
-                // The standard library, too: its locks are what orders things.
+                // The standard library, too: the sanitizer must see its locks.
                 instrumented(what, &["-Zbuild-std"], "TSAN_OPTIONS", options)?;
             }
             "miri" => miri()?,
-            other => return Err(format!("there is no sanitizer '{other}': address, thread and miri are")),
+            other => return Err(format!("unknown sanitizer '{other}'; the sanitizers are address, thread and miri")),
         }
     }
     Ok(())
@@ -41,8 +42,8 @@ fn nightly(folder: &str) -> Command {
 }
 
 fn instrumented(sanitizer: &str, arguments: &[&str], variable: &str, options: String) -> Result {
-    let seam = SEAM.iter().flat_map(|test| ["--test", test]).collect::<Vec<_>>();
-    for of in [vec!["-p", "holo-render", "--lib"], [vec!["-p", "holo-workspace"], seam].concat()] {
+    let tests = BACKEND_TESTS.iter().flat_map(|test| ["--test", test]).collect::<Vec<_>>();
+    for of in [vec!["-p", "holo-render", "--lib"], [vec!["-p", "holo-workspace"], tests].concat()] {
         let mut cargo = nightly(sanitizer);
         cargo.args(["test", "--release", "--target", TARGET]).args(arguments).args(of);
         cargo.env("RUSTFLAGS", format!("-Zsanitizer={sanitizer}")).env(variable, &options);
@@ -54,17 +55,26 @@ fn instrumented(sanitizer: &str, arguments: &[&str], variable: &str, options: St
     Ok(())
 }
 
-/// Miri cannot load Embree: shapes of packets, rays, points, and the light field's blocks and lists of `holo-core`. It is a thousand
-/// times slower than the processor: pictures are out of reach.
+/// Layouts of packets, rays, points, and the light field's blocks and lists of `holo-core`. Miri cannot load Embree and
+/// is a thousand times slower than the processor: too slow for images.
 fn miri() -> Result {
-    let parts: [&[&str]; 2] = [
-        &["-p", "holo-render", "--lib", "--", "primary::", "every_run_of_points"],
-        &["-p", "holo-core", "--lib", "--", "block", "shape", "light_field"],
+    let parts: [(&str, &[&str]); 2] = [
+        ("holo-render", &["camera::rig::", "camera::tile::", "every_run_of_points"]),
+        ("holo-core", &["layout::", "light_field::"]),
     ];
-    for part in parts {
-        let mut cargo = nightly("miri");
-        cargo.args(["miri", "test"]).args(part);
-        process::run(cargo.env("MIRIFLAGS", "-Zmiri-disable-isolation"))?;
+    for (package, filters) in parts {
+        let miri = || {
+            let mut cargo = nightly("miri");
+            cargo.args(["miri", "test", "-p", package, "--lib", "--"]).args(filters);
+            cargo.env("MIRIFLAGS", "-Zmiri-disable-isolation");
+            cargo
+        };
+        // A filter that matches nothing would pass unnoticed.
+        let listed = process::output(miri().arg("--list"))?;
+        if let Some(filter) = filters.iter().find(|filter| !listed.contains(**filter)) {
+            return Err(format!("no test of {package} is named like '{filter}'"));
+        }
+        process::run(&mut miri())?;
     }
     Ok(())
 }

@@ -1,59 +1,91 @@
-//! Every test, and a plain word about those that this machine cannot run.
+//! Every test, and a list of those that this machine cannot run.
 
+use std::path::PathBuf;
+
+use crate::pip::Availability;
 use crate::{Result, cmake, embree, peers, process};
 
-/// `cargo test` over the workspace. Tests that compare engines take the BVH always and Embree where there is one.
+/// A program that tests compare with.
+struct Peer {
+    /// The tests that need it.
+    tests: &'static str,
+    /// What is missing, unless it is here.
+    missing: Option<String>,
+}
+
+/// Runs `cargo test` over the workspace. Tests that compare ray tracing backends run the BVH always and Embree where
+/// there is one.
+///
+/// # Errors
+///
+/// If a test fails, and if a peer is missing while `HOLO_REQUIRE_PEERS` is 1.
 pub fn run(arguments: &[String]) -> Result {
     let extra = crate::strs(arguments);
-    let embree = match std::env::var_os("HOLO_EMBREE_LIB") {
-        Some(library) => std::path::Path::new(&library).is_file(),
-        None => embree::ensure().is_ok(),
-    };
-    let hdf5 = cmake::is_there();
-    if let Err(why) = peers::ensure() {
-        eprintln!("xtask: no programs to test against: {why}");
+    let missing: Vec<Peer> = all_peers()?.into_iter().filter(|peer| peer.missing.is_some()).collect();
+    let lines: Vec<String> = missing
+        .iter()
+        .map(|peer| format!("not run: {}: {}", peer.tests, peer.missing.as_deref().unwrap_or_default()))
+        .collect();
+    if std::env::var_os("HOLO_REQUIRE_PEERS").is_some_and(|value| value == "1") && !lines.is_empty() {
+        return Err(format!("HOLO_REQUIRE_PEERS is 1, and there is something missing:\n{}", lines.join("\n")));
     }
-    let features: &[&str] = if hdf5 { &["--features", "holo-io/hdf5,holo-cli/hdf5,holo-workspace/hdf5"] } else { &[] };
+    let features: &[&str] =
+        if cmake::is_present() { &["--features", "holo-io/hdf5,holo-cli/hdf5,holo-workspace/hdf5"] } else { &[] };
     process::cargo(&[&["test", "--workspace", "--quiet"], features, extra.as_slice()].concat())?;
     println!();
-    if !embree {
-        println!("not run: comparisons with Embree: needs libembree4 (no wheel of it could be fetched)");
+    for line in lines {
+        println!("{line}");
     }
-    if !hdf5 {
-        println!("not run: HDF5 and MATLAB's level 7.3: needs cmake (no wheel of it could be fetched)");
-    }
-    if !peers::is_there() {
-        println!(
-            "not run: files read and written by SciPy, h5py, OpenCV, OpenEXR: needs those (pip could not fetch them)"
-        );
-    }
-    if !process::exists("octave-cli") {
-        println!("not run: MAT files read and written by GNU Octave: needs octave-cli (Debian's package octave)");
-    }
-    if !["chromium", "chromium-browser", "google-chrome"].iter().any(|name| process::exists(name))
-        && std::env::var_os("HOLO_CHROMIUM").is_none()
-    {
-        println!("not run: the viewer's page in a browser: needs chromium (HOLO_CHROMIUM names it)");
-    }
+    // What follows needs rights or data, which no package brings.
     if cfg!(target_os = "linux") && !is_root() {
         println!("not run: full and read-only disks: needs root, to mount a small file system");
     }
-    if !process::exists("c++") {
-        println!("not run: libFuzzer builds of the fuzz targets: needs a C++ compiler (their corpora were run)");
-    }
     let reference = std::env::var_os("HOLO_REFERENCE")
-        .map_or_else(|| crate::root().join("..").join("shared").join("reference"), std::path::PathBuf::from);
+        .map_or_else(|| crate::root().join("..").join("shared").join("reference"), PathBuf::from);
     if !reference.join("still_life.glb").is_file() {
         println!(
-            "not run: depth against Blender's, the still life against Mitsuba's: needs their scene (HOLO_REFERENCE names its folder)"
+            "not run: depth against Blender's, the still life against Mitsuba's: needs their scene \
+             (HOLO_REFERENCE names its folder)"
         );
     }
     println!("all tests passed");
     Ok(())
 }
 
-/// Whether this user may mount file systems, as far as the user's number tells.
-pub fn is_root() -> bool {
+/// All peers, fetched where that is possible.
+fn all_peers() -> Result<Vec<Peer>> {
+    let fetched = |tests, availability| {
+        let missing = if let Availability::Missing(why) = availability { Some(why) } else { None };
+        Peer { tests, missing }
+    };
+    let program = |tests, names: &[&str], missing: &str| {
+        let is_there = names.iter().any(|name| process::exists(name));
+        Peer { tests, missing: (!is_there).then(|| missing.to_owned()) }
+    };
+    let mut list = vec![
+        fetched("comparisons with Embree", embree::ensure()?),
+        fetched("HDF5 and MATLAB's version 7.3", cmake::ensure()?),
+        fetched("files read and written by SciPy, h5py, OpenCV, OpenEXR", peers::ensure()?),
+        program(
+            "MAT files read and written by GNU Octave",
+            &["octave-cli"],
+            "needs octave-cli (Debian's package octave)",
+        ),
+        program(
+            "libFuzzer builds of the fuzz targets",
+            &["c++"],
+            "needs a C++ compiler (the tests run the corpora without it)",
+        ),
+    ];
+    if std::env::var_os("HOLO_CHROMIUM").is_none() {
+        let names = ["chromium", "chromium-browser", "google-chrome"];
+        list.push(program("the viewer's page in a browser", &names, "needs chromium (HOLO_CHROMIUM names it)"));
+    }
+    Ok(list)
+}
+
+/// Whether the effective user is root, as far as `/proc` says.
+fn is_root() -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("Uid:"));
     line.is_some_and(|ids| ids.split_whitespace().nth(1) == Some("0"))

@@ -1,4 +1,4 @@
-//! Values that are more than a number: sizes, positions, colours, and words that stand for a number.
+//! Values that are more than a number: sizes, positions, ranges, and words that stand for a number.
 
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -42,33 +42,28 @@ pub struct Crop {
     pub size: GridSize,
 }
 
-/// The name of a PNG. Another ending would lie about what is written; no ending, as of `/dev/null`, says nothing.
-pub fn png(text: &str) -> Result<PathBuf, String> {
+/// A path whose ending is one of these. Another ending would contradict what is written; none, as of `/dev/null`, does not.
+fn ending_in(text: &str, endings: &[&str], advice: &str) -> Result<PathBuf, String> {
     let path = PathBuf::from(text);
     match path.extension() {
-        Some(ending) if !ending.eq_ignore_ascii_case("png") => {
-            Err("only PNG is written here; end the name in .png".into())
-        }
+        Some(ending) if !endings.iter().any(|known| ending.eq_ignore_ascii_case(known)) => Err(advice.into()),
         _ => Ok(path),
     }
+}
+
+/// The name of a PNG.
+pub fn png(text: &str) -> Result<PathBuf, String> {
+    ending_in(text, &["png"], "only PNG is written here; end the name in .png")
 }
 
 /// The name of a PNG or a PFM.
 pub fn png_or_pfm(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    let is_pfm = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pfm"));
-    if is_pfm { Ok(path) } else { png(text).map_err(|_| "end the name in .png, or .pfm for floats".into()) }
+    ending_in(text, &["png", "pfm"], "end the name in .png, or .pfm for floats")
 }
 
 /// The name of a page.
 pub fn html(text: &str) -> Result<PathBuf, String> {
-    let path = PathBuf::from(text);
-    match path.extension() {
-        Some(ending) if !["html", "htm"].iter().any(|known| ending.eq_ignore_ascii_case(known)) => {
-            Err("a page is written; end the name in .html".into())
-        }
-        _ => Ok(path),
-    }
+    ending_in(text, &["html", "htm"], "a page is written; end the name in .html")
 }
 
 /// Any finite number.
@@ -79,11 +74,11 @@ pub fn finite(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A distance in metres, or `inf`.
+/// A distance in meters, or `inf`.
 pub fn distance(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(number) if number > 0.0 => Ok(number),
-        _ => Err("write a distance above 0 in metres, or inf".into()),
+        _ => Err("give a distance above 0 in meters, or inf".into()),
     }
 }
 
@@ -102,7 +97,7 @@ pub fn stack(text: &str) -> Result<(f64, f64, usize), String> {
     };
     match parsed {
         Some(((first, last), count @ 1..=100_000)) => Ok((first, last, count)),
-        _ => Err("write A,B,N, such as -1,1,21: 21 pictures from -1 to 1 px".into()),
+        _ => Err("write A,B,N, such as -1,1,21: 21 images from -1 to 1 px".into()),
     }
 }
 
@@ -136,28 +131,16 @@ pub fn crop(text: &str) -> Result<Crop, String> {
     Ok(Crop { left, top, size })
 }
 
-/// `NEAR,FAR` in metres.
+/// `NEAR,FAR` in meters.
 pub fn depths(text: &str) -> Result<(f64, f64), String> {
     let ends = text.split_once(',').and_then(|(near, far)| Some((positive(near).ok()?, distance(far).ok()?)));
     ends.filter(|(near, far)| near < far)
-        .ok_or_else(|| "write NEAR,FAR in metres, such as 2,6 or 0.5,inf, the smaller first".into())
+        .ok_or_else(|| "give NEAR,FAR in meters, such as 2,6 or 0.5,inf, the smaller first".into())
 }
 
-/// Pictures a second, as an animated PNG can tell them.
+/// Frames per second, as an animated PNG stores them.
 pub fn frame_rate(text: &str) -> Result<f64, String> {
     positive(text).ok().filter(|rate| (0.01..=600.0).contains(rate)).ok_or_else(|| "give 0.01 to 600".into())
-}
-
-impl FromStr for Pair {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let number = |part: &str| part.trim().parse::<usize>().map_err(|_| format!("'{part}' is not an index from 0"));
-        match text.split_once(',') {
-            Some((column, row)) => Ok(Self { column: number(column)?, row: number(row)? }),
-            None => Err("give COLUMN,ROW, both from 0".into()),
-        }
-    }
 }
 
 impl Places {
@@ -223,7 +206,7 @@ mod tests {
 
     #[test]
     fn words_and_numbers() {
-        assert_eq!("3,4".parse(), Ok(Pair { column: 3, row: 4 }));
+        assert_eq!(row_of_pixels("3,4"), Ok(Pair { column: 3, row: 4 }));
         assert_eq!(depths("2,inf"), Ok((2.0, f64::INFINITY)));
         assert!(depths("6,2").is_err() && depths("0,2").is_err() && depths("2").is_err());
         assert_eq!(crop("1,2,30x20"), Ok(Crop { left: 1, top: 2, size: GridSize::new(20, 30) }));

@@ -1,4 +1,4 @@
-//! `holo animate`: a way through the views as a moving picture, or as one picture a view.
+//! `holo animate`: a camera path through the views as an animation, or as one image per frame.
 
 use holo_core::{DynLightField, LightFieldOwned, Sample, ViewPath};
 use holo_io::ColorEncoding;
@@ -14,11 +14,11 @@ pub fn run(options: &AnimateOptions) -> Result<(), Failure> {
     let path = match options.path {
         PathArgument::Circle => ViewPath::Circle,
         PathArgument::Sweep => ViewPath::Sweep { row },
-        PathArgument::Swing => ViewPath::PingPong { row },
+        PathArgument::PingPong => ViewPath::PingPong { row },
         PathArgument::Serpentine => ViewPath::Serpentine,
     };
     if options.row.is_some() && matches!(options.path, PathArgument::Circle | PathArgument::Serpentine) {
-        return Err(Failure::Usage("--row is for the paths sweep and swing".into()));
+        return Err(Failure::Usage("--row is for the paths sweep and ping-pong".into()));
     }
     let shown = path.views(views)?;
     if options.frames {
@@ -44,7 +44,7 @@ fn write<T: Sample>(
     options: &AnimateOptions,
 ) -> Result<(), Failure> {
     if options.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pfm")) {
-        return Err(Failure::Usage("a moving picture is a PNG; end the name of --out in .png".into()));
+        return Err(Failure::Usage("an animation is a PNG; end the name of --out in .png".into()));
     }
     let frames: Vec<_> = shown.iter().map(|&(t, s)| field.view(t, s)).collect::<Result<_, _>>()?;
     holo_io::write_png_animation(&options.out, &frames, options.fps, ColorEncoding::Srgb)?;

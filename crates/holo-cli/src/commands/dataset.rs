@@ -1,4 +1,4 @@
-//! `holo dataset`: scenes times splits, each a folder of its own; what is done stays done.
+//! `holo dataset`: scenes times numbers of views, each a folder of its own; complete folders are kept.
 
 mod config;
 mod table;
@@ -6,11 +6,10 @@ mod table;
 use std::time::Instant;
 
 use clap::ArgMatches;
-use holo_dataset::{DatasetJob, DatasetPlan, JobOutcome, sources, validate};
+use holo_dataset::{DatasetJob, DatasetPlan, Deduplicated, JobOutcome, sources, validate};
 use serde_json::json;
 
 use self::table::{Line, Table};
-use super::diagnostics::OnceEach;
 use super::requested::requested;
 use crate::arguments::DatasetOptions;
 use crate::console::{out, say};
@@ -30,7 +29,11 @@ pub fn run(options: DatasetOptions, matches: ArgMatches) -> Result<(), Failure> 
     })?;
     let plan = plan(&options, &matches)?;
     let bar = Overall::new(options.quiet);
-    let diagnostics = OnceEach::above(&bar, options.quiet);
+    let diagnostics = Deduplicated::new(|line: &str| {
+        if !options.quiet {
+            bar.above(|| say!("{line}"));
+        }
+    });
     let backend = plan.backend(&diagnostics)?;
     plan.describe(&root, &backend, interrupt::rollback())?;
 
@@ -77,7 +80,7 @@ pub fn run(options: DatasetOptions, matches: ArgMatches) -> Result<(), Failure> 
     match table.counts() {
         (_, _, 0) => Ok(()),
         (made, kept, failed) => Err(Failure::Failed(format!(
-            "{failed} of {} jobs failed; mend what they say and run the same command again, which does these alone",
+            "{failed} of {} jobs failed; correct what they report and run the same command again, which renders only these",
             made + kept + failed
         ))),
     }
@@ -93,5 +96,5 @@ fn plan(options: &DatasetOptions, matches: &ArgMatches) -> Result<DatasetPlan, F
         _ => Some(&options.scenes[..]),
     };
     let sources = sources(names, &options.glb)?;
-    Ok(DatasetPlan::new(&sources, &options.splits, spec, requested(matches), options.engine.spec())?)
+    Ok(DatasetPlan::new(&sources, &options.view_counts, spec, requested(matches), options.engine.spec())?)
 }

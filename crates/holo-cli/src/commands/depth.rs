@@ -2,28 +2,20 @@
 
 use std::time::Instant;
 
-use holo_core::{Effort, PlaneSweepOptions, for_each_sample, plane_sweep};
+use holo_core::{PlaneSweepOptions, for_each_sample, plane_sweep};
 
 use super::files;
-use crate::arguments::{DepthOptions, EffortArgument};
+use crate::arguments::DepthOptions;
 use crate::console::say;
 use crate::failure::Failure;
 
 pub fn run(options: &DepthOptions) -> Result<(), Failure> {
     let file = files::read(&options.input)?;
-    let mut sweep = PlaneSweepOptions {
-        effort: match options.effort {
-            EffortArgument::Draft => Effort::Draft,
-            EffortArgument::Fast => Effort::Fast,
-            EffortArgument::Balanced => Effort::Balanced,
-            EffortArgument::Thorough => Effort::Thorough,
-        },
-        ..PlaneSweepOptions::default()
-    };
+    let mut sweep = PlaneSweepOptions { effort: options.effort, ..PlaneSweepOptions::default() };
     if let Some((min, max)) = options.range.or(file.disparity_range_px) {
         (sweep.disparity_min_px, sweep.disparity_max_px) = (min as f32, max as f32);
     } else if !options.quiet {
-        say!("note: no range of disparities is known; looking from -4 to 4 px; --range MIN,MAX says better");
+        say!("note: the disparity range is unknown; searching -4 to 4 px; set it with --range MIN,MAX");
     }
     let start = Instant::now();
     let estimate = for_each_sample!(DynLightField, &file.light_field, field => plane_sweep(field, &sweep))?;

@@ -1,4 +1,4 @@
-//! `holo eval`: an estimate against the truth, a picture against another.
+//! `holo eval`: an estimate against ground truth, an image against another.
 
 use std::path::Path;
 
@@ -9,11 +9,11 @@ use holo_core::metrics::{
 use holo_core::{DynImage, GridSize, Rig, Sample, for_each_sample};
 use holo_io::{ColorEncoding, Compression, FileKind, Limits};
 use ndarray::{Array2, Axis};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::arguments::EvalOptions;
-use crate::console::out;
 use crate::failure::Failure;
+use crate::quantities::{self, Quantity, finite};
 
 /// The threshold at which the best constant and plane are found: the benchmark's widest.
 const FIT_THRESHOLD_PX: f64 = 0.07;
@@ -22,45 +22,23 @@ pub fn run(options: &EvalOptions) -> Result<(), Failure> {
     let kinds = [holo_io::recognise(&options.estimate)?, holo_io::recognise(&options.truth)?];
     let rows = match kinds {
         [FileKind::Pfm, FileKind::Pfm] => maps(options)?,
-        [FileKind::Png, FileKind::Png] => pictures(options)?,
+        [FileKind::Png, FileKind::Png] => images(options)?,
         _ => {
             return Err(Failure::Usage(format!(
-                "{} and {}: two disparity maps (.pfm) or two pictures (.png) can be compared",
+                "{} and {}: two disparity maps (.pfm) or two images (.png) can be compared",
                 options.estimate.display(),
                 options.truth.display()
             )));
         }
     };
-    if options.json {
-        let object: serde_json::Map<String, Value> = rows.into_iter().map(|row| (row.key, row.value)).collect();
-        return out!("{}", Value::Object(object));
-    }
-    for row in rows {
-        match row.value {
-            Value::Number(number) if row.unit != "pixels" => {
-                out!("{:<28} {:>12.4} {}", row.name, number.as_f64().unwrap_or(f64::NAN), row.unit)?;
-            }
-            value => out!("{:<28} {:>12} {}", row.name, value.to_string().trim_matches('"'), row.unit)?,
-        }
-    }
-    Ok(())
+    quantities::print(rows, options.json)
 }
 
-/// One number.
-struct Row {
-    key: String,
-    name: String,
-    value: Value,
-    unit: &'static str,
+fn row(key: &str, name: &str, value: f64, unit: &'static str) -> Quantity {
+    Quantity::new(key, name, finite(value), unit)
 }
 
-fn row(key: &str, name: &str, value: f64, unit: &'static str) -> Row {
-    // JSON has neither infinity nor NaN.
-    let value = if value.is_finite() { json!(value) } else { json!(value.to_string()) };
-    Row { key: key.into(), name: name.into(), value, unit }
-}
-
-fn maps(options: &EvalOptions) -> Result<Vec<Row>, Failure> {
+fn maps(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {
     let limits = Limits::default();
     let estimate = holo_io::read_pfm_grey(&options.estimate, &limits)?;
     let truth = holo_io::read_pfm_grey(&options.truth, &limits)?;
@@ -93,11 +71,11 @@ fn maps(options: &EvalOptions) -> Result<Vec<Row>, Failure> {
         ("estimate_not_finite", "without a finite estimate", counts.estimate_not_finite),
         ("truth_not_finite", "without a finite truth", counts.truth_not_finite),
     ] {
-        rows.push(Row { key: key.into(), name: name.into(), value: json!(count), unit: "pixels" });
+        rows.push(Quantity::new(key, name, json!(count), "pixels"));
     }
     if let Some(path) = &options.error_map {
-        let picture = error_map(&estimate, &truth, options.error_range, &ErrorColors::default())?;
-        holo_io::write_png(path, picture.view(), ColorEncoding::Srgb, Compression::Best)?;
+        let image = error_map(&estimate, &truth, options.error_range, &ErrorColors::default())?;
+        holo_io::write_png(path, image.view(), ColorEncoding::Srgb, Compression::Best)?;
     }
     Ok(rows)
 }
@@ -116,7 +94,7 @@ fn read_mask(path: &Path) -> Result<Array2<bool>, Failure> {
     )
 }
 
-fn pictures(options: &EvalOptions) -> Result<Vec<Row>, Failure> {
+fn images(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {
     if options.mask.is_some() || options.error_map.is_some() {
         return Err(Failure::Usage("--mask and --error-map are for disparity maps".into()));
     }
@@ -128,7 +106,7 @@ fn pictures(options: &EvalOptions) -> Result<Vec<Row>, Failure> {
                 (psnr_db(&one, &other, 65_535.0)?, ssim(&one, &other, 65_535.0)?)
             }
             _ => {
-                let what = "one has 8 bits and the other 16; compare pictures of the same depth";
+                let what = "one has 8 bits and the other 16; compare images of the same bit depth";
                 return Err(Failure::Usage(format!("{}: {what}", options.estimate.display())));
             }
         };

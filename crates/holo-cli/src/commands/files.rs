@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{DynImageRef, Layout};
+use holo_core::DynImageRef;
 use holo_io::{LightFieldFile, LightFieldReader, ReadOptions};
 
 use crate::arguments::InputOptions;
@@ -16,8 +16,7 @@ pub fn read(input: &InputOptions) -> Result<LightFieldFile, Failure> {
 
 /// The same without its samples; `path` instead of the input's own.
 pub fn open(path: &Path, input: &InputOptions) -> Result<LightFieldReader, Failure> {
-    let options =
-        ReadOptions::default().views(input.views).layout(input.from.map(Layout::from)).order(input.order.into());
+    let options = ReadOptions::default().views(input.views).layout(input.from).order(input.order);
     let reader = LightFieldReader::open(path, &options)?;
     for warning in reader.warnings() {
         say!("warning: {warning}");

@@ -1,59 +1,49 @@
-//! `holo info`: what a file holds, in a few lines.
+//! `holo info`: a file or folder in a few lines.
 
 use std::path::Path;
 
-use holo_core::Layout;
+use holo_core::{Layout, Rig};
 use holo_dataset::SceneSource;
 use holo_io::dataset::{MANIFEST_JSON, PARAMETERS_CFG};
-use holo_io::{FileInfo, FileKind, Limits, Manifest, ParametersCfg, Pfm};
+use holo_io::{FileInfo, FileKind, Limits, Manifest, ParametersCfg, ReadOptions};
 use holo_render::Layer;
 
-use super::diagnostics::Plain;
 use crate::arguments::InfoOptions;
-use crate::console::out;
+use crate::console::{out, say_unless};
 use crate::failure::Failure;
-use crate::report::{describe_rig, describe_split};
+use crate::report::{describe_rig, describe_shape};
 
 pub fn run(options: &InfoOptions) -> Result<(), Failure> {
     let path = &options.file;
-    if path.is_dir() {
-        return folder(path);
-    }
-    match holo_io::recognise(path)? {
-        FileKind::GltfBinary | FileKind::GltfJson => scene(options),
-        FileKind::Png => png(path),
-        FileKind::Pfm => pfm(path),
-        FileKind::ParametersCfg => parameters(path),
-        FileKind::Manifest => manifest(path),
-        FileKind::Exr => exr(path),
-        FileKind::Hdr => hdr(path),
-        FileKind::Mat5 | FileKind::Mat73 => mat(path),
-        _ => Err(Failure::Failed(format!(
-            "{}: not a file that holo knows (.glb, .gltf, .png, .pfm, .exr, .hdr, .mat, parameters.cfg, manifest.json)",
-            path.display()
-        ))),
-    }
-}
-
-/// What kind of folder, and the rig of a light field in it.
-fn folder(path: &Path) -> Result<(), Failure> {
-    let opened = holo_io::open(path)?;
-    if matches!(opened, FileInfo::UnknownFolder { .. }) {
-        let at = path.display();
-        return Err(Failure::Failed(format!(
-            "{at} is a folder without a {MANIFEST_JSON} or a light field; name a file in it"
-        )));
-    }
-    out!("{opened}")?;
-    match opened {
-        FileInfo::DatasetFolder(_) => manifest(&path.join(MANIFEST_JSON)),
-        FileInfo::HciFolder(_) => parameters(&path.join(PARAMETERS_CFG)),
-        FileInfo::Datasets(entries) => {
-            for entry in entries {
-                out!("{}", entry.path.display())?;
-            }
-            Ok(())
+    let info = holo_io::open(path)?;
+    match &info {
+        FileInfo::Other(FileKind::GltfBinary | FileKind::GltfJson) => return scene(options),
+        FileInfo::Unknown { .. } => {
+            return Err(Failure::Failed(format!(
+                "{}: not a file that holo knows (.glb, .gltf, .png, .pfm, .exr, .hdr, .mat, .h5, {PARAMETERS_CFG}, \
+                 {MANIFEST_JSON}) but an {info}",
+                path.display()
+            )));
         }
+        FileInfo::UnknownFolder { .. } => {
+            return Err(Failure::Failed(format!(
+                "{} is a folder without a {MANIFEST_JSON} or a light field; name a file in it",
+                path.display()
+            )));
+        }
+        _ => out!("{info}")?,
+    }
+    match info {
+        FileInfo::Png(_) => png(path),
+        FileInfo::Pfm(_) => pfm(path),
+        FileInfo::Exr { channels, .. } => channels.iter().try_for_each(|name| out!("  {name}")),
+        FileInfo::ParametersCfg(parameters) => parameter_lines(&parameters),
+        FileInfo::HciFolder(folder) => parameter_lines(folder.parameters()),
+        FileInfo::Manifest(manifest) => manifest_lines(&manifest),
+        FileInfo::DatasetFolder(folder) => manifest_lines(folder.manifest()),
+        FileInfo::Datasets(entries) => entries.iter().try_for_each(|entry| out!("{}", entry.path.display())),
+        FileInfo::Other(FileKind::Mat5 | FileKind::Mat73) => mat(path),
+        FileInfo::Other(FileKind::Hdf5) => hdf5(path),
         _ => Ok(()),
     }
 }
@@ -66,15 +56,23 @@ fn mat(path: &Path) -> Result<(), Failure> {
     Ok(())
 }
 
+fn hdf5(path: &Path) -> Result<(), Failure> {
+    let reader = holo_io::LightFieldReader::open(path, &ReadOptions::default())?;
+    match reader.rig() {
+        Some(rig) => rig_lines(rig, reader.disparity_range_px()),
+        None => out!("{}", describe_shape(&reader.shape())),
+    }
+}
+
 /// The scene, and the rig that a render with the same options would get.
 fn scene(options: &InfoOptions) -> Result<(), Failure> {
     let source = SceneSource::File(options.file.clone());
-    let prepared = source.prepare(&options.rig.spec(), &options.engine.spec(), &Plain { quiet: false })?;
+    let prepared = source.prepare(&options.rig.spec(), &options.engine.spec(), &say_unless(false))?;
     out!("{}", prepared.loaded.summary.to_string().trim_end())?;
     if let Some((low, high)) = prepared.loaded.scene.bounds() {
         out!("bounds: {low:.4?} to {high:.4?} m")?;
     }
-    out!("a render with these options: {}, {}", describe_split(&prepared.rig), prepared.renderer.engine_name())?;
+    out!("a render with these options: {}, {}", describe_shape(prepared.rig.shape()), prepared.renderer.engine_name())?;
     out!("{}", prepared.framed.camera)?;
     let truth = prepared.renderer.central_truth(&prepared.rig)?;
     let range = |layer: Layer| {
@@ -99,86 +97,49 @@ fn scene(options: &InfoOptions) -> Result<(), Failure> {
 }
 
 fn png(path: &Path) -> Result<(), Failure> {
-    let info = holo_io::read_png_info(path)?;
-    out!(
-        "PNG, {} x {} px, {} {} of {} bits",
-        info.size.columns,
-        info.size.rows,
-        info.channels,
-        plural(info.channels, "channel"),
-        info.bits
-    )?;
     match holo_io::layout_of_file_name(path) {
         Some(Layout::ElementalGrid) => out!("by its name: a grid of elemental images")?,
         Some(Layout::ViewpointGrid) => out!("by its name: a grid of views")?,
         None => {}
     }
-    let beside = path.with_file_name(PARAMETERS_CFG);
-    if beside.is_file() {
+    let parameters = path.with_file_name(PARAMETERS_CFG);
+    if parameters.is_file() {
         out!("beside it:")?;
-        parameters(&beside)?;
+        parameter_lines(&ParametersCfg::read(&parameters)?)?;
     }
     Ok(())
 }
 
-/// `word` with an s unless there is one of it.
-fn plural(count: usize, word: &str) -> String {
-    format!("{word}{}", if count == 1 { "" } else { "s" })
-}
-
+/// The range of the samples, which the header does not contain.
 fn pfm(path: &Path) -> Result<(), Failure> {
-    let Pfm { values: samples, .. } = holo_io::read_pfm(path, &Limits::default())?;
-    let (rows, columns, channels) = samples.dim();
-    out!("PFM, {columns} x {rows} px, {channels} {}", plural(channels, "channel"))?;
+    let samples = holo_io::read_pfm(path, &Limits::default())?.values;
     let finite = samples.iter().filter(|x| x.is_finite());
     let (low, high) = finite.fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), &x| (l.min(x), h.max(x)));
     let count = |test: fn(f32) -> bool| samples.iter().filter(|&&x| test(x)).count();
     if low <= high {
         out!("finite values from {low} to {high}")?;
     }
-    out!("{} infinite, {} NaN", count(f32::is_infinite), count(f32::is_nan))?;
-    Ok(())
+    out!("{} infinite, {} NaN", count(f32::is_infinite), count(f32::is_nan))
 }
 
-fn exr(path: &Path) -> Result<(), Failure> {
-    let info = holo_io::read_exr_info(path)?;
-    let (columns, rows) = (info.size.columns, info.size.rows);
-    let count = info.channels.len();
-    out!("EXR, {columns} x {rows} px, {}, {count} {}", info.compression, plural(count, "channel"))?;
-    for name in &info.channels {
-        out!("  {name}")?;
-    }
-    Ok(())
+fn rig_lines(rig: &Rig, disparity_px: Option<(f64, f64)>) -> Result<(), Failure> {
+    out!("{}\n{}", describe_shape(rig.shape()), describe_rig(rig, disparity_px))
 }
 
-fn hdr(path: &Path) -> Result<(), Failure> {
-    let info = holo_io::read_hdr_info(path)?;
-    out!("Radiance HDR, {} x {} px", info.size.columns, info.size.rows)?;
-    Ok(())
+fn parameter_lines(parameters: &ParametersCfg) -> Result<(), Failure> {
+    out!("camera parameters of '{}'", parameters.scene)?;
+    rig_lines(&parameters.rig()?, parameters.disp_min.zip(parameters.disp_max))
 }
 
-fn parameters(path: &Path) -> Result<(), Failure> {
-    let parameters = ParametersCfg::read(path)?;
-    let rig = parameters.rig()?;
-    out!("camera parameters of '{}': {}", parameters.scene, describe_split(&rig))?;
-    let range = parameters.disp_min.zip(parameters.disp_max);
-    out!("{}", describe_rig(&rig, range))?;
-    Ok(())
-}
-
-fn manifest(path: &Path) -> Result<(), Failure> {
-    let manifest = Manifest::read(path)?;
+fn manifest_lines(manifest: &Manifest) -> Result<(), Failure> {
     for (name, version) in &manifest.versions {
         out!("{name} {version}")?;
     }
     if let Some(rig) = &manifest.rig {
-        out!("{}\n{}", describe_split(rig), describe_rig(rig, manifest.disparity_px))?;
+        rig_lines(rig, manifest.disparity_px)?;
     }
     if let Some(stops) = manifest.exposure_ev {
         out!("exposure {stops} EV")?;
     }
-    for (name, file) in &manifest.files {
-        out!("{:>12} bytes  {name}", file.bytes)?;
-    }
-    Ok(())
+    manifest.files.iter().try_for_each(|(name, file)| out!("{:>12} bytes  {name}", file.bytes))
 }

@@ -1,34 +1,30 @@
 //! `holo optics`: what a camera will see, before it is built or rendered; and the camera that sees what is wanted.
 
 use holo_core::optics::{CameraDesign, DepthRange, DisparityRange, Optics, rig_for_disparities};
-use holo_core::{GridSize, Intrinsics, LightFieldShape, Remainder, Rig, Sensor, automatic_baseline_m};
-use holo_dataset::Focus;
+use holo_core::{GridSize, Intrinsics, LightFieldShape, Remainder, Rig, automatic_baseline_m};
+use holo_dataset::{Focus, RigSpec};
 use holo_io::Limits;
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
 use crate::arguments::OpticsOptions;
-use crate::console::{out, say};
+use crate::console::say;
 use crate::failure::Failure;
-
-/// Views of the paper's camera.
-const VIEWS: GridSize = GridSize::new(100, 100);
+use crate::quantities::{self, Quantity, finite};
 
 pub fn run(options: &OpticsOptions) -> Result<(), Failure> {
     let depths = options.depths_m.map(|(near_m, far_m)| DepthRange::new(near_m, far_m)).transpose()?;
     let rig = match &options.input {
         Some(input) => holo_io::read_rig(input, &Limits::default())?.ok_or_else(|| {
-            Failure::Usage(format!("{}: no rig is known; is there a parameters.cfg beside it?", input.display()))
+            Failure::Usage(format!(
+                "{}: the camera parameters are unknown; is there a parameters.cfg beside it?",
+                input.display()
+            ))
         })?,
         None => rig(options, depths)?,
     };
     let optics = Optics::new(rig)?;
     let rows = rows(options, &optics, depths)?;
-    if options.json {
-        let object: Map<String, Value> = rows.into_iter().map(|row| (row.key.into(), row.value)).collect();
-        out!("{}", Value::Object(object))?;
-    } else {
-        rows.iter().try_for_each(|row| out!("{:<44} {}", row.name, row.text()))?;
-    }
+    quantities::print(rows, options.json)?;
     if let Some(depths) = depths {
         for warning in optics.warnings(depths, options.limit_px, options.step_px)? {
             say!("warning: {warning}");
@@ -57,10 +53,10 @@ fn rig(options: &OpticsOptions, depths: Option<DepthRange>) -> Result<Rig, Failu
             None => Ok(CameraDesign { focus_distance_m: focus_m(options, depths)?, ..design }.rig()?),
         };
     }
-    let views = options.views.unwrap_or(VIEWS);
+    let views = options.views.unwrap_or(RigSpec::default().views);
     let split = match options.lenses {
         Some(lenses) => LightFieldShape::new(views, lenses)?,
-        None => sensor_split(options.main_lens.sensor, views)?,
+        None => options.main_lens.sensor.divide(views, Remainder::Crop)?.shape,
     };
     if let Some(rig) = wanted(options, depths, intrinsics, split)? {
         return Ok(rig);
@@ -72,10 +68,6 @@ fn rig(options: &OpticsOptions, depths: Option<DepthRange>) -> Result<Rig, Failu
     with(split, intrinsics, baseline_m, focus_m(options, depths)?)
 }
 
-fn sensor_split(sensor: Sensor, views: GridSize) -> Result<LightFieldShape, Failure> {
-    Ok(sensor.divide(views, Remainder::Crop)?.shape)
-}
-
 fn with(
     split: LightFieldShape,
     intrinsics: Intrinsics,
@@ -85,7 +77,7 @@ fn with(
     Ok(Rig::builder(split).intrinsics(intrinsics).baseline_m(baseline_m).focus_distance_m(focus_distance_m).build()?)
 }
 
-/// The rig with the disparities that were asked for, if any were.
+/// The rig with the requested disparities, if there are any.
 fn wanted(
     options: &OpticsOptions,
     depths: Option<DepthRange>,
@@ -108,49 +100,13 @@ fn focus_m(options: &OpticsOptions, depths: Option<DepthRange>) -> Result<f64, F
     }
 }
 
-/// One line of the table.
-struct Row {
-    key: &'static str,
-    name: &'static str,
-    value: Value,
-    unit: &'static str,
-}
-
-impl Row {
-    /// Of a range both ends.
-    fn text(&self) -> String {
-        let number = |value: &Value| match value.as_f64() {
-            Some(number) => five_digits(number),
-            None => value.as_str().unwrap_or_default().to_owned(),
-        };
-        let text = match &self.value {
-            Value::Array(ends) => ends.iter().map(number).collect::<Vec<_>>().join(" to "),
-            Value::Object(size) => format!("{} x {}", size["columns"], size["rows"]),
-            other => number(other),
-        };
-        format!("{text} {}", self.unit).trim_end().to_owned()
-    }
-}
-
-/// A number with five significant digits, or all before the point if they are more.
-fn five_digits(number: f64) -> String {
-    let before_point = if number == 0.0 { 0 } else { number.abs().log10().floor() as i32 };
-    let text = format!("{number:.*}", (4 - before_point).clamp(0, 300) as usize);
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
-}
-
-/// A number; JSON has no infinity.
-fn finite(number: f64) -> Value {
-    if number.is_finite() { json!(number) } else { json!("inf") }
-}
-
 fn size(size: GridSize) -> Value {
     json!({ "columns": size.columns, "rows": size.rows })
 }
 
-fn rows(options: &OpticsOptions, optics: &Optics, depths: Option<DepthRange>) -> Result<Vec<Row>, Failure> {
+fn rows(options: &OpticsOptions, optics: &Optics, depths: Option<DepthRange>) -> Result<Vec<Quantity>, Failure> {
     let mut rows = Vec::new();
-    let mut row = |key, name, value, unit| rows.push(Row { key, name, value, unit });
+    let mut row = |key: &str, name: &str, value, unit| rows.push(Quantity::new(key, name, value, unit));
     let rig = optics.rig();
     let split = rig.shape();
     let range = |range: DepthRange| json!([finite(range.near_m), finite(range.far_m)]);
@@ -159,7 +115,7 @@ fn rows(options: &OpticsOptions, optics: &Optics, depths: Option<DepthRange>) ->
     row("focal_length_mm", "focal length", finite(rig.focal_length_m() * 1e3), "mm");
     row("sensor_size_mm", "larger image side on the sensor", finite(rig.sensor_size_m() * 1e3), "mm");
     row("focus_distance_m", "focus distance", finite(rig.focus_distance_m()), "m");
-    row("baseline_mm", "baseline (between neighbouring views)", finite(rig.baseline_x_m() * 1e3), "mm");
+    row("baseline_mm", "baseline (between adjacent views)", finite(rig.baseline_x_m() * 1e3), "mm");
     row("aperture_mm", "synthetic aperture (first to last view)", finite(optics.aperture_m() * 1e3), "mm");
     let f_number = rig.focal_length_m() / optics.aperture_m();
     row("f_number", "f-number of that aperture", finite(f_number), "");

@@ -1,16 +1,16 @@
-//! `holo refocus`: one picture out of all views, sharp where it is wanted.
+//! `holo refocus`: one image from all views, sharp at one disparity or everywhere.
 //!
 //! Light is added up, not codes: the sRGB curve of integers is undone first and put back at the end.
 
 use std::path::Path;
 
-use holo_core::refocus::{Aperture, Kernel, Refocus, disparity_from_slope};
+use holo_core::refocus::{Aperture, Refocus, disparity_from_slope};
 use holo_core::{DynImage, GridSize, Rig, SampleKind};
 use holo_io::Limits;
 use ndarray::Array3;
 
 use super::files::{self, numbered};
-use crate::arguments::{ApertureArgument, KernelArgument, RefocusOptions};
+use crate::arguments::{ApertureArgument, RefocusOptions};
 use crate::failure::Failure;
 
 pub fn run(options: &RefocusOptions) -> Result<(), Failure> {
@@ -37,7 +37,7 @@ pub fn run(options: &RefocusOptions) -> Result<(), Failure> {
         (_, Some(slope), _) => disparity_from_slope(slope, views.columns)?,
         (_, _, Some(distance_m)) => {
             let rig = rig.ok_or_else(|| {
-                let what = "no rig is known, so metres mean nothing; give --disparity, or put parameters.cfg beside it";
+                let what = "the camera parameters are unknown, so a distance in meters has no meaning; give --disparity, or put parameters.cfg beside it";
                 Failure::Usage(format!("{}: {what}", options.input.input.display()))
             })?;
             rig.disparity().from_depth_m(distance_m)
@@ -48,17 +48,14 @@ pub fn run(options: &RefocusOptions) -> Result<(), Failure> {
 }
 
 fn refocus(options: &RefocusOptions, views: GridSize, rig: Option<&Rig>) -> Result<Refocus, Failure> {
-    let centre = ((views.rows / 2) as f64, (views.columns / 2) as f64);
+    let center = ((views.rows / 2) as f64, (views.columns / 2) as f64);
     let aperture = match options.aperture {
         ApertureArgument::All => Aperture::all(views)?,
-        ApertureArgument::Disc(diameter) => Aperture::disc(views, centre, diameter)?,
-        ApertureArgument::Square(side) => Aperture::square(views, centre, side)?,
-        ApertureArgument::Gaussian(deviation) => Aperture::gaussian(views, centre, deviation)?,
+        ApertureArgument::Disc(diameter) => Aperture::disc(views, center, diameter)?,
+        ApertureArgument::Square(side) => Aperture::square(views, center, side)?,
+        ApertureArgument::Gaussian(deviation) => Aperture::gaussian(views, center, deviation)?,
     };
-    let refocus = Refocus::with_aperture(aperture).kernel(match options.kernel {
-        KernelArgument::Cubic => Kernel::CatmullRom,
-        KernelArgument::Bilinear => Kernel::Bilinear,
-    });
+    let refocus = Refocus::with_aperture(aperture).kernel(options.kernel);
     let baselines = rig.map(|rig| (rig.baseline_x_m(), rig.baseline_y_m()));
     Ok(match baselines {
         Some((x, y)) if x > 0.0 && y > 0.0 => refocus.vertical_ratio(y / x)?,

@@ -5,7 +5,7 @@ use std::path::Path;
 use holo_core::{DynLightField, Layout};
 
 use super::files;
-use crate::arguments::{LayoutArgument, RemapOptions};
+use crate::arguments::RemapOptions;
 use crate::console::say;
 use crate::failure::Failure;
 
@@ -20,9 +20,9 @@ pub fn run(options: &RemapOptions) -> Result<(), Failure> {
 }
 
 /// The grid to write: what `--to` says, or else the name of the file, or else `default`.
-pub fn output_layout(to: Option<LayoutArgument>, out: &Path, default: Option<Layout>) -> Result<Layout, Failure> {
+pub fn output_layout(to: Option<Layout>, out: &Path, default: Option<Layout>) -> Result<Layout, Failure> {
     let named = holo_io::layout_of_file_name(out);
-    let to = to.map(Layout::from).or(named).or(default).ok_or_else(|| {
+    let to = to.or(named).or(default).ok_or_else(|| {
         Failure::Usage(format!("{}: neither --to nor the name (_el, _vpi) says which grid to write", out.display()))
     })?;
     if named.is_some_and(|named| named != to) {

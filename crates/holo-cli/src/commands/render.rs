@@ -3,10 +3,9 @@
 use clap::ArgMatches;
 use holo_dataset::{RenderJob, SceneSource};
 
-use super::diagnostics::Plain;
 use super::requested::requested;
 use crate::arguments::RenderOptions;
-use crate::console::out;
+use crate::console::{out, say_unless};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::progress::Bar;
@@ -17,8 +16,7 @@ pub fn run(options: &RenderOptions, matches: &ArgMatches) -> Result<(), Failure>
         .with_options(requested(matches))
         .with_engine(options.engine.spec());
     let bar = Bar::new("rendering", options.quiet);
-    let diagnostics = Plain { quiet: options.quiet };
-    let report = job.run(&options.out, options.shard, &bar, &diagnostics, interrupt::rollback());
+    let report = job.run(&options.out, options.shard, &bar, &say_unless(options.quiet), interrupt::rollback());
     bar.finish();
     let report = report?;
     if !options.quiet {

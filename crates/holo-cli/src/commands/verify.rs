@@ -15,7 +15,7 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
         return match found.mismatches.len() {
             0 => out!("{} files are as their manifest says", found.files),
             wrong => Err(Failure::Failed(format!(
-                "{wrong} of {} files are not as their manifest says; render them again",
+                "{wrong} of {} files differ from their manifest; render them again",
                 found.files
             ))),
         };

@@ -12,6 +12,9 @@ use holo_io::Limits;
 use holo_scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use ndarray::Array3;
 
+#[path = "../../../../tests/common/peer.rs"]
+pub mod peer;
+
 /// The scene in every [`Bench`].
 pub const SCENE: &str = "tiny.glb";
 

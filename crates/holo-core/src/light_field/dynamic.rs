@@ -6,6 +6,7 @@ use ndarray::{Array3, ArrayView3, Axis, Slice};
 
 use super::sample::sealed::Sealed;
 use super::{LightFieldOwned, LightFieldRef, Sample, SampleKind};
+use crate::error::range_within;
 use crate::{Error, GridSize, Layout, LightFieldShape};
 
 /// A light field whose element type is known at run time.
@@ -307,15 +308,11 @@ impl<'a> DynImageRef<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::OutOfRange`] if the part leaves the image or has no pixels.
+    /// [`Error::BadRange`] if a range is empty or ends beyond the image.
     pub fn crop(self, rows: Range<usize>, columns: Range<usize>) -> Result<Self, Error> {
         let size = self.size();
-        for (what, range, count) in
-            [("row of the part", &rows, size.rows), ("column of the part", &columns, size.columns)]
-        {
-            if range.is_empty() || range.end > count {
-                return Err(Error::OutOfRange { what, index: range.end.max(range.start), count, first: 0 });
-            }
+        for (what, range, count) in [("image rows", &rows, size.rows), ("image columns", &columns, size.columns)] {
+            range_within(what, range, count)?;
         }
         fn cut<T: Sample>(image: ArrayView3<'_, T>, rows: Range<usize>, columns: Range<usize>) -> DynImageRef<'_> {
             image.slice_axis_move(Axis(0), rows.into()).slice_axis_move(Axis(1), columns.into()).into()
@@ -450,7 +447,7 @@ mod tests {
             });
             assert_eq!(part, same);
             for (rows, columns) in [(0..5, 0..1), (0..1, 4..6), (2..2, 0..1)] {
-                assert!(matches!(view.crop(rows, columns), Err(Error::OutOfRange { .. })));
+                assert!(matches!(view.crop(rows, columns), Err(Error::BadRange { .. })));
             }
         }
     }

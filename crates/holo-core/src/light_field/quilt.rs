@@ -6,6 +6,36 @@ use super::{LightField, checked_length};
 use crate::memory::filled;
 use crate::{Error, GridSize, LightFieldShape};
 
+/// Returns `count` evenly spaced views `(t, s)` of a row, the first and the last of the row included; for a count of 1,
+/// the middle view.
+///
+/// # Errors
+///
+/// [`Error::OutOfRange`] if there is no such row; [`Error::BadRange`] if the row has fewer views or `count` is 0.
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::{GridSize, evenly_spaced_views};
+///
+/// assert_eq!(evenly_spaced_views(GridSize::new(3, 9), 1, 3)?, [(1, 0), (1, 4), (1, 8)]);
+/// # Ok::<(), holo_core::Error>(())
+/// ```
+pub fn evenly_spaced_views(views: GridSize, row: usize, count: usize) -> Result<Vec<(usize, usize)>, Error> {
+    if row >= views.rows {
+        return Err(Error::OutOfRange { what: "view row", index: row, count: views.rows, first: 0 });
+    }
+    match count {
+        1 => Ok(vec![(row, views.columns / 2)]),
+        2.. if count <= views.columns => {
+            let last = count - 1;
+            // Rounded to the nearest view.
+            Ok((0..count).map(|index| (row, (2 * index * (views.columns - 1) + last) / (2 * last))).collect())
+        }
+        _ => Err(Error::BadRange { what: "views of a row", start: 0, end: count, count: views.columns }),
+    }
+}
+
 impl<S: Data> LightField<S>
 where
     S::Elem: Copy,
@@ -75,6 +105,24 @@ mod tests {
             *sample = (t * 10_000 + s * 1000 + v * 100 + u * 10 + c) as u32;
         }
         light_field
+    }
+
+    #[test]
+    fn views_are_spread_from_end_to_end() {
+        let columns = |count, all| -> Vec<usize> {
+            let views = evenly_spaced_views(GridSize::new(2, all), 1, count).unwrap();
+            views.into_iter().map(|(row, column)| column + 1000 * (row - 1)).collect()
+        };
+        assert_eq!(columns(5, 5), [0, 1, 2, 3, 4]);
+        assert_eq!(columns(2, 9), [0, 8]);
+        assert_eq!(columns(1, 9), [4]);
+        let many = columns(48, 100);
+        assert!(many.windows(2).all(|pair| (2..=3).contains(&(pair[1] - pair[0]))), "{many:?}");
+        let views = GridSize::new(2, 5);
+        assert!(matches!(evenly_spaced_views(views, 2, 5), Err(Error::OutOfRange { .. })));
+        assert!(
+            [0, 6].iter().all(|&count| matches!(evenly_spaced_views(views, 0, count), Err(Error::BadRange { .. })))
+        );
     }
 
     #[test]

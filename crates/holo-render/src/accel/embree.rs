@@ -463,7 +463,7 @@ mod tests {
         let engine = match Embree::build(geometry, 1) {
             Ok(engine) => engine,
             Err(why) => {
-                eprintln!("not run: needs Embree 4: {why}");
+                crate::peer::missing(&format!("Embree 4: {why}"));
                 return;
             }
         };

@@ -72,7 +72,7 @@ fn engines(geometry: &Arc<Geometry>) -> Vec<Box<dyn Engine>> {
     let mut list = vec![build(Backend::Bvh, geometry, 1).unwrap().0];
     match build(Backend::Embree, geometry, 1) {
         Ok((engine, _)) => list.push(engine),
-        Err(why) => eprintln!("not run for Embree: {why}"),
+        Err(why) => crate::peer::missing(&format!("Embree: {why}")),
     }
     list
 }

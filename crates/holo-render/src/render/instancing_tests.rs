@@ -93,7 +93,7 @@ fn rig() -> Rig {
 /// Flattened and instanced, or `None` without Embree.
 fn both(scene: &Scene) -> Option<[Renderer; 2]> {
     if let Err(why) = accel::embree::Embree::available() {
-        eprintln!("not run: needs Embree 4: {why}");
+        crate::peer::missing(&format!("Embree 4: {why}"));
         return None;
     }
     Some([Instancing::Never, Instancing::WherePossible].map(|instancing| {

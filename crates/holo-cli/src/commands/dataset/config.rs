@@ -37,25 +37,26 @@ fn parse(
     let wrong = |what: String| Failure::Usage(format!("{}: {what}", path.display()));
     let table: toml::Table = text.parse().map_err(|why: toml::de::Error| wrong(why.to_string()))?;
     let command = DatasetOptions::augment_args(Command::new("holo dataset").no_binary_name(true));
-    let known: Vec<(&str, &str)> = command
-        .get_arguments()
-        .filter_map(|argument| Some((argument.get_long()?, argument.get_id().as_str())))
-        .filter(|(name, _)| *name != "config")
-        .collect();
     let mut line: Vec<OsString> = Vec::new();
     for (key, value) in &table {
+        // A key that no option has is left to the parser of the command line, which suggests one.
         let name = key.replace('_', "-");
-        let Some((name, id)) = known.iter().find(|(known, _)| *known == name) else {
-            return Err(wrong(unknown(key, known.iter().map(|(name, _)| *name))));
+        let is_called = |argument: &&clap::Arg| {
+            let mut names = argument.get_long().into_iter().chain(argument.get_all_aliases().into_iter().flatten());
+            names.any(|known| known == name)
         };
-        if said.value_source(id) == Some(ValueSource::CommandLine) {
+        let option = command.get_arguments().find(is_called);
+        if name == "config" {
+            return Err(wrong("a file of options cannot name another".into()));
+        }
+        if option.is_some_and(|option| said.value_source(option.get_id().as_str()) == Some(ValueSource::CommandLine)) {
             continue;
         }
         let words = words(value)
             .ok_or_else(|| wrong(format!("`{key}` is neither a number, a text, yes or no, nor a list of these")))?;
-        let words = if PATHS.contains(name) { beside(path, words) } else { words };
+        let words = if PATHS.contains(&name.as_str()) { beside(path, words) } else { words };
         match words.join(",").as_str() {
-            "false" => {}
+            "false" if option.is_some() => {}
             "true" => line.push(format!("--{name}").into()),
             value => line.push(format!("--{name}={value}").into()),
         }
@@ -64,15 +65,6 @@ fn parse(
     let matches = command.try_get_matches_from(line);
     let parsed = matches.and_then(|matches| Ok((DatasetOptions::from_arg_matches(&matches)?, matches)));
     parsed.map_err(|error| wrong(error.to_string()))
-}
-
-/// What an unknown key is answered with.
-fn unknown<'a>(key: &str, known: impl Iterator<Item = &'a str>) -> String {
-    let near = known.map(|name| (strsim::jaro_winkler(key, name), name));
-    match near.max_by(|a, b| a.0.total_cmp(&b.0)) {
-        Some((likeness, name)) if likeness > 0.75 => format!("unknown key `{key}`; did you mean `{name}`?"),
-        _ => format!("unknown key `{key}`; the keys are the long options of `holo dataset --help`"),
-    }
 }
 
 /// A value as it would stand on the command line, in pieces.
@@ -107,24 +99,33 @@ mod tests {
     #[test]
     fn a_file_says_what_the_command_line_could() {
         let options = read(
-            "out = \"data\"\nscenes = [\"garden\", \"chess\"]\nsplits = [20, \"4x3\"]\nspp = 3\nno-indirect = true\nquiet = false\nf_number = 2.8\nglb = [\"own/a.glb\"]\n",
+            "out = \"data\"\nscenes = [\"garden\", \"chess\"]\nviews = [20, \"4x3\"]\nspp = 3\nno-indirect = true\nquiet = false\nf_number = 2.8\nglb = [\"own/a.glb\"]\n",
             "--spp 5",
         )
         .unwrap();
         assert_eq!(options.out.as_deref(), Some(Path::new("some/data")));
         assert_eq!(options.scenes, ["garden", "chess"]);
-        assert_eq!(options.splits, [holo_core::GridSize::new(20, 20), holo_core::GridSize::new(3, 4)]);
+        assert_eq!(options.view_counts, [holo_core::GridSize::new(20, 20), holo_core::GridSize::new(3, 4)]);
         assert_eq!((options.job.spp, options.job.no_indirect, options.quiet), (Some(5), true, false));
         assert_eq!((options.main_lens.f_number, options.glb), (Some(2.8), vec!["some/own/a.glb".into()]));
     }
 
     #[test]
+    fn the_key_of_version_0_1_0_is_the_same_option() {
+        let views = |text: &str, own: &str| read(text, own).unwrap().view_counts;
+        assert_eq!(views("splits = 3", ""), [holo_core::GridSize::new(3, 3)]);
+        assert_eq!(views("splits = 3", "--views 5"), [holo_core::GridSize::new(5, 5)]);
+        assert_eq!(views("views = 3", "--splits 5"), [holo_core::GridSize::new(5, 5)]);
+    }
+
+    #[test]
     fn unknown_keys_and_values_are_errors_with_a_suggestion() {
         for (text, part) in [
-            ("scens = [\"garden\"]", "did you mean `scenes`?"),
-            ("splitss = 20", "did you mean `splits`?"),
-            ("zzz = 1", "the keys are the long options"),
-            ("config = \"x\"", "unknown key"),
+            ("scens = [\"garden\"]", "'--scenes'"),
+            ("viewss = 20", "'--views'"),
+            ("zzz = 1", "'--zzz'"),
+            ("zzz = false", "'--zzz'"),
+            ("config = \"x\"", "cannot name another"),
             ("spp = 0", "--spp"),
             ("spp = \"many\"", "--spp"),
             ("spp = {a = 1}", "`spp` is neither"),

@@ -59,7 +59,7 @@ fn judge(geometry: Geometry, exact: impl Fn(&[f64; 3], &[f64; 3]) -> f64, name: 
     let mut strays = Vec::new();
     for backend in [Backend::Embree, Backend::Bvh] {
         let Ok((engine, _)) = build(backend, &geometry, 1) else {
-            eprintln!("not run for {backend:?}: it is not there");
+            crate::peer::missing(&format!("{backend:?}"));
             continue;
         };
         let (mut hits, mut stray, mut largest, mut unrefined) = (0, 0, 0.0_f64, 0.0_f64);
@@ -185,7 +185,7 @@ fn points_are_in_other_views_where_eq_3_says() {
         let (center_t, center_s) = rig.shape().central_view();
         for backend in [Backend::Embree, Backend::Bvh] {
             let Ok((engine, _)) = build(backend, &geometry, 1) else {
-                eprintln!("not run for {backend:?}: it is not there");
+                crate::peer::missing(&format!("{backend:?}"));
                 continue;
             };
             let depth_from = |view, place| depth_through(&geometry, engine.as_ref(), &rig, view, place);

@@ -132,7 +132,7 @@ fn wrong_use_is_said() {
         ("compose out --views 3 --out x.png", "neither --to nor the name"),
         ("quilt out --tiles 3x2 --out x.png", "need 6 views, but a row has 5"),
         ("quilt out --tiles 2x2 --row 4 --out x.png", "view row"),
-        ("animate out --path circle --row 1 --out x.png", "sweep and swing"),
+        ("animate out --path circle --row 1 --out x.png", "sweep and ping-pong"),
         ("animate out --path sweep --row 4 --out x.png", "view row"),
         ("animate out --fps 0 --out x.png", "0.01 to 600"),
         ("rotate-elements out x.jpg", ".png"),
@@ -141,7 +141,7 @@ fn wrong_use_is_said() {
         ("optics --depths-m 6,2", "NEAR,FAR"),
         ("optics --disparity -2,2", "--depths-m"),
         ("optics --depths-m 1,2 --disparity 2,3 --focus-m 1", "cannot be used with"),
-        ("optics tiny.glb", "no rig"),
+        ("optics tiny.glb", "camera parameters are unknown"),
     ] {
         let outcome = bench.run(arguments);
         assert_eq!(outcome.code, Some(2), "{arguments}: {outcome:?}");

@@ -1,0 +1,118 @@
+//! The words that options take, with what they mean: values of the libraries.
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use holo_core::refocus::Kernel;
+use holo_core::{Effort, Layout, Projection, ViewOrder};
+use holo_dataset::{LayerChoice, Output};
+use holo_io::MatOrder;
+use holo_render::{Backend, GroundTruth, Integrator, Layer};
+
+/// A value, its word, and its line of `--help`; one without a line has none.
+type Choices<T> = [(T, &'static str, &'static str)];
+
+pub const INTEGRATORS: &Choices<Integrator> = &[
+    (Integrator::Auto, "auto", "The cheapest that is exact for the scene"),
+    (Integrator::Depth, "depth", "Ground truth alone, without color"),
+    (Integrator::Direct, "direct", "Direct light"),
+    (Integrator::Path, "path", "Path tracing: global illumination"),
+];
+
+pub const GROUND_TRUTHS: &Choices<GroundTruth> =
+    &[(GroundTruth::Central, "central", "Of the central view"), (GroundTruth::All, "all", "Of every view")];
+
+pub const PROJECTIONS: &Choices<Projection> = &[
+    (Projection::Perspective, "perspective", "Every view is a pinhole camera"),
+    (Projection::Orthographic, "orthographic", "The rays of a view are parallel"),
+];
+
+pub const BACKENDS: &Choices<Backend> = &[
+    (Backend::Auto, "auto", "Embree if it is installed, else the built-in BVH"),
+    (Backend::Embree, "embree", "Intel Embree 4"),
+    (Backend::Bvh, "bvh", "The built-in bounding volume hierarchy"),
+];
+
+pub const LAYOUTS: &Choices<Layout> = &[
+    (Layout::ViewpointGrid, "vpi", "A grid of viewpoint images (sub-aperture images)"),
+    (Layout::ElementalGrid, "el", "A grid of elemental images (micro-images): the raw image of the sensor"),
+];
+
+pub const LAYERS: &Choices<LayerChoice> = &[
+    (LayerChoice::Color, "color", "The image in linear light, without exposure"),
+    (LayerChoice::One(Layer::Depth), "depth", "Along the optical axis, m; infinity where nothing was hit"),
+    (LayerChoice::One(Layer::RayLength), "ray-length", "Along the ray, m; infinity where nothing was hit"),
+    (LayerChoice::One(Layer::Disparity), "disparity", "Between adjacent views, px; also as a PNG"),
+    (
+        LayerChoice::One(Layer::GeometricNormal),
+        "geometric-normal",
+        "Of the triangle, in world space, on the visible side",
+    ),
+    (LayerChoice::One(Layer::ShadingNormal), "shading-normal", "Interpolated between the vertices, likewise"),
+    (LayerChoice::One(Layer::Albedo), "albedo", "Base color, linear"),
+    (LayerChoice::One(Layer::ObjectId), "object-id", "Number of the instance, from 1; 0 where nothing was hit"),
+    (LayerChoice::One(Layer::MaterialId), "material-id", "Number of the material, from 1; 0 where nothing was hit"),
+    (LayerChoice::One(Layer::HitMask), "hit-mask", "1 where something was hit, else 0"),
+    (LayerChoice::All, "all", "All of these"),
+];
+
+pub const MAT_ORDERS: &Choices<MatOrder> = &[
+    (MatOrder::Lenses, "lenses", "`H` of size [V U T S C]: microlenses first"),
+    (MatOrder::LightFieldToolbox, "lftoolbox", "`LF` of size [T S V U C]: views first, as in the Light Field Toolbox"),
+];
+
+pub const OUTPUTS: &Choices<Output> = &[
+    (Output::Vpi, "vpi", "scene_vpi.png: all views side by side"),
+    (Output::El, "el", "scene_el.png: the raw image of the sensor behind the microlenses"),
+    (Output::Disparity, "disparity", "scene_disparity.pfm and .png of the central view"),
+    (Output::Depth, "depth", "scene_depth.pfm of the central view"),
+    (
+        Output::Exr,
+        "exr",
+        "scene_central.exr: color and all layers of the central view, linear. With el or vpi also scene_el.exr, scene_vpi.exr",
+    ),
+    (Output::Mat, "mat", "scene_5d.mat: the raw image's integers as a 5D array for MATLAB"),
+    (Output::H5, "h5", "scene_5d.h5: linear radiance and the layers of depth and disparity as 5D arrays"),
+    (Output::Hci, "hci", "hci/: a PNG a view with depth and disparity, in the layout of the HCI benchmark"),
+];
+
+pub const ORDERS: &Choices<ViewOrder> = &[
+    (ViewOrder::RowMajor, "row-major", "Every row from left to right, as the HCI benchmark counts"),
+    (ViewOrder::Serpentine, "serpentine", "Every second row from right to left, as a gantry moves"),
+];
+
+pub const KERNELS: &Choices<Kernel> = &[
+    (Kernel::CatmullRom, "cubic", "Catmull-Rom cubic: sharper"),
+    (Kernel::Bilinear, "bilinear", "The two or four nearest pixels"),
+];
+
+pub const EFFORTS: &Choices<Effort> = &[
+    (Effort::Draft, "draft", "A handful of views"),
+    (Effort::Fast, "fast", "More views, no refinement of the whole image"),
+    (Effort::Balanced, "balanced", "A good map in reasonable time"),
+    (Effort::Thorough, "thorough", "All views and every refinement"),
+];
+
+/// A parser of these words.
+pub fn choice<T: Copy + Send + Sync + 'static>(choices: &'static Choices<T>) -> impl TypedValueParser<Value = T> {
+    let values = choices.iter().map(|&(_, name, help)| {
+        // The British spelling of version 0.1.0.
+        let value = PossibleValue::new(name).help(help);
+        if name == "color" { value.alias("colour") } else { value }
+    });
+    PossibleValuesParser::new(values).try_map(move |word| {
+        let word = if word == "colour" { "color" } else { &word };
+        choices.iter().find(|choice| choice.1 == word).map(|choice| choice.0).ok_or("not one of the words")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_the_command_line_are_names_of_the_library() {
+        assert!(LAYERS.iter().all(|&(layer, name, _)| layer.name() == name));
+        assert_eq!(LAYERS.len(), Layer::COUNT + 2);
+        assert!(OUTPUTS.iter().all(|&(output, name, _)| output.name() == name));
+        assert!(INTEGRATORS.iter().all(|&(value, name, _)| holo_dataset::options::integrator_name(value) == name));
+    }
+}
