@@ -1,7 +1,7 @@
-//! The disparity of the central view is estimated from all views and compared with the ground truth.
+//! Estimates the disparity of the central view by multi-view stereo and compares it with the ground truth.
 //!
-//! `cargo run --example estimate_disparity -- FOLDER estimate.pfm` on a folder with ground truth (of `holo render` or of the
-//! HCI benchmark), or without arguments on a light field that it makes.
+//! `cargo run --example estimate_disparity -- FOLDER estimate.pfm` on a folder with ground truth (of `holo render` or
+//! of the HCI benchmark), or without arguments on a synthetic light field.
 
 use holo_core::metrics::{Region, disparity_scores};
 use holo_core::{DynLightField, GridSize, LightField, PlaneSweepOptions, for_each_sample, plane_sweep};
@@ -47,7 +47,7 @@ fn textured_planes() -> Result<(DynLightField, Array2<f32>), holo_core::Error> {
     let samples = Array5::from_shape_fn((size.rows, size.columns, views.rows, views.columns, 1), |(v, u, t, s, _)| {
         let (shift_t, shift_s) = (t as f32 - 3.0, s as f32 - 3.0);
         let (row, column) = (v as f32 + disparity_px(v) * shift_t, u as f32 + disparity_px(v) * shift_s);
-        // Several sine waves: a texture that is nowhere flat and nowhere repeats.
+        // Several sine waves: a texture without flat regions and without repetitions.
         0.5 + 0.2 * (0.7 * row + 1.1 * column).sin()
             + 0.2 * (1.7 * column - 0.3 * row).sin()
             + 0.1 * (0.4 * row * 1.3).sin()

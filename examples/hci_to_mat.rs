@@ -1,6 +1,6 @@
-//! A folder of the HCI 4D light field benchmark becomes one MAT file, with its rig.
+//! Converts a folder of the HCI 4D light field benchmark to one MAT file, with its rig.
 //!
-//! `cargo run --example hci_to_mat -- FOLDER light_field.mat`, or without arguments on a folder that it makes. In MATLAB:
+//! `cargo run --example hci_to_mat -- FOLDER light_field.mat`, or without arguments on a synthetic folder. In MATLAB:
 //! `load('light_field.mat'); imshow(squeeze(LF(5, 5, :, :, :)))`.
 
 use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldShape, Rig, for_each_sample};
@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
 
     let file = read_light_field(&folder, &ReadOptions::default())?;
-    // LF(t, s, v, u, c), as the Light Field Toolbox has it.
+    // LF(t, s, v, u, c), the order of the Light Field Toolbox.
     let (order, options) = (MatOrder::LightFieldToolbox, MatOptions::default());
     let digest = for_each_sample!(DynLightField, &file.light_field, field => {
         write_mat_light_field(&out, field, file.rig.as_ref(), order, &options)

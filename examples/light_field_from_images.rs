@@ -1,6 +1,6 @@
-//! A folder of PNGs, one a view, becomes one light field and its raw image.
+//! Converts a folder of PNGs, one per view, to one light field and its raw image.
 //!
-//! `cargo run --example light_field_from_images -- FOLDER 9x9 raw_el.png`, or without arguments on images that it makes.
+//! `cargo run --example light_field_from_images -- FOLDER 9x9 raw_el.png`, or without arguments on synthetic images.
 
 use holo_core::{GridSize, Layout};
 use holo_io::{ColorEncoding, Compression, ReadOptions, read_light_field, write_image, write_png};

@@ -1,7 +1,7 @@
-//! A light field is refocused: one image, sharp where points move by a given disparity between adjacent views.
+//! Refocuses a light field: one image in focus where the disparity between adjacent views has a given value.
 //!
-//! `cargo run --example refocus -- FOLDER_OR_FILE DISPARITY_PX out.png`, or without arguments on a light field that it
-//! makes: two stripes at two depths.
+//! `cargo run --example refocus -- FOLDER_OR_FILE DISPARITY_PX out.png`, or without arguments on a synthetic light
+//! field: two stripes at two depths.
 
 use holo_core::refocus::Refocus;
 use holo_core::{DynImage, DynLightField, GridSize, LightField, SampleKind};
@@ -19,11 +19,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
 
     let views = light_field.shape().views();
-    // Light adds up in linear values, so the sRGB curve is undone first and applied again at the end.
+    // Samples are added in linear light: the sRGB curve is removed before and applied after.
     let linear = light_field.without_alpha()?.into_linear(encoding)?;
     let image = Refocus::new(views)?.at_disparity(&linear, disparity_px)?;
     write_image(&out, &DynImage::from_linear(image.view(), SampleKind::U8)?)?;
-    println!("{views} views added up, sharp at {disparity_px} px: {}", out.display());
+    println!("{views} views, in focus at {disparity_px} px: {}", out.display());
     Ok(())
 }
 

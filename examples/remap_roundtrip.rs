@@ -1,4 +1,4 @@
-//! Views to elemental images and back: the same samples in two orders, bit for bit.
+//! Rearranges views to elemental images and back: the same samples in two orders, bit for bit.
 
 use holo_core::{GridSize, LightField, LightFieldShape};
 use ndarray::Array3;
@@ -13,9 +13,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let back = LightField::from_elemental_grid(elemental.view(), shape)?.to_viewpoint_grid()?;
     assert_eq!(views, back);
 
-    // Pixel (v, u) of view (t, s) is pixel (t, s) behind lens (v, u).
+    // Pixel (v, u) of view (t, s) is pixel (t, s) behind microlens (v, u).
     let (v, u, t, s) = (10, 20, 30, 40);
     assert_eq!(views[[t * 53 + v, s * 79 + u, 0]], elemental[[v * 100 + t, u * 100 + s, 0]]);
-    println!("{} x {} px there and back: every byte the same", size.columns, size.rows);
+    println!("{} x {} px, rearranged twice: every byte is the same", size.columns, size.rows);
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! A scene built in code, rendered straight into a raw holoscopic image. No file is read.
+//! Renders a scene that is built in code into a raw holoscopic image. It reads no file.
 
 use holo_core::{GridSize, LightFieldShape, Projection};
 use holo_io::{ColorEncoding, Compression, write_pfm, write_png};
@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let lens = CameraLens::Perspective { vertical_angle_rad: 0.6, aspect_ratio: Some(1.5) };
     scene.cameras.push(Camera { name: "main".into(), pose: Transform::IDENTITY, lens });
 
-    // 10 x 10 views behind 80 x 120 lenses, 2 mm apart, focused on the square in the middle.
+    // 10 x 10 views behind 80 x 120 microlenses, 2 mm apart, with the focus on the middle square.
     let framing = Framing {
         shape: LightFieldShape::new(GridSize::new(10, 10), GridSize::new(80, 120))?,
         camera: CameraChoice::First,
@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let raw = exposure::encode_8bit(&color, exposure::automatic_exposure(&color))?.to_elemental_grid()?;
     let out = std::env::temp_dir();
     write_png(out.join("holo_example_raw.png"), raw.view(), ColorEncoding::Srgb, Compression::Best)?;
-    let depth_m = rendered.central.depth_m().ok_or("depth is asked for unless told otherwise")?;
+    let depth_m = rendered.central.depth_m().ok_or("depth is a default layer")?;
     write_pfm(out.join("holo_example_depth.pfm"), depth_m.index_axis(Axis(2), 0))?;
     println!(
         "{} x {} px with {}: holo_example_raw.png in {}",

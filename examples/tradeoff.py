@@ -1,11 +1,11 @@
-"""The paper's trade-off (section V) as a table: more views of one sensor are smaller views, closer together.
+"""Prints the trade-off of the paper (section V) as a table: more views of one sensor have fewer pixels and a smaller baseline.
 
 Usage: tradeoff.py HOLO DATASET SCENE [SCENE ..]
 
-HOLO is the program, DATASET a folder that `holo dataset` wrote with the splits 20 to 100. Needs numpy and pillow. For every scene
-and split: baseline, disparity range and depth of field (a blur of one pixel of the 20 x 20 split) of all views together; PSNR and
-SSIM of the central view, enlarged to the size that it has at 20 x 20, against that one; multi-view stereo from the raw image:
-BadPix(0.07) beside that of the best constant, and the median error of depth.
+HOLO is the program, DATASET a folder that `holo dataset` wrote with 20 to 100 views per axis. Needs numpy and pillow. For every
+scene and view count: baseline, disparity range and depth of field of all views together (a blur of one pixel at 20 x 20 views);
+PSNR and SSIM of the central view, enlarged to its size at 20 x 20 views, against that one; multi-view stereo from the raw image:
+BadPix(0.07) beside that of the trivial baseline of a constant, and the median error of depth.
 """
 import json
 import subprocess
@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-SPLITS = [20, 40, 60, 80, 100]
+VIEW_COUNTS = [20, 40, 60, 80, 100]
 LARGE = (397, 265)
 
 
@@ -42,20 +42,20 @@ def inverse_depth(disparity_px, parameters):
     return disparity_px / k + 1 / outside.getfloat("focus_distance_m")
 
 
-def row(holo, job, split, reference, folder):
+def row(holo, job, views, reference, folder):
     depth = read_pfm(job / "scene_depth.pfm")
     near, far = depth[np.isfinite(depth)].min(), depth[np.isfinite(depth)].max()
-    # One pixel of the 20 x 20 split is so much of one here.
-    circle = 20 / split
+    # One pixel at 20 x 20 views, in pixels of this view count.
+    circle = 20 / views
     optics = json.loads(run(holo, "optics", job, "--depths-m", f"{near},{far * 1.000001}", "--circle-px", circle, "--json"))
-    view = folder / f"view{split}.png"
-    run(holo, "extract", job, "--view", f"{split // 2},{split // 2}", "--out", view)
+    view = folder / f"view{views}.png"
+    run(holo, "extract", job, "--view", f"{views // 2},{views // 2}", "--out", view)
     Image.open(view).resize(LARGE, Image.Resampling.BICUBIC).save(view)
     likeness = json.loads(run(holo, "eval", view, reference or view, "--json"))
-    estimate, truth = folder / f"estimate{split}.pfm", job / "scene_disparity.pfm"
+    estimate, truth = folder / f"estimate{views}.pfm", job / "scene_disparity.pfm"
     # The raw image alone, with the parameters beside it.
     run(holo, "depth", job / "scene_el.png", "--out", estimate, "--quiet")
-    scores = json.loads(run(holo, "eval", estimate, truth, "--border", max(2, 15 * 20 // split), "--json"))
+    scores = json.loads(run(holo, "eval", estimate, truth, "--border", max(2, 15 * 20 // views), "--json"))
     parameters = ConfigParser()
     parameters.read(job / "parameters.cfg")
     estimated, true = (inverse_depth(read_pfm(path).astype(float), parameters) for path in (estimate, truth))
@@ -66,7 +66,7 @@ def row(holo, job, split, reference, folder):
     stereo = f"{scores['bad_pixels_0.07_percent']:.1f} % ({scores['best_constant_bad_pixels_percent']:.1f} %)"
     lenses = optics["lenses"]
     print(
-        f"| {job.parent.name} | {split}x{split} | {lenses['columns']}x{lenses['rows']} | {optics['baseline_mm']:.3f} mm "
+        f"| {job.parent.name} | {views}x{views} | {lenses['columns']}x{lenses['rows']} | {optics['baseline_mm']:.3f} mm "
         f"| {low:.3f} to {high:.3f} px | {sharp} m | {like} | {stereo} | {100 * error:.2f} % |",
         flush=True,
     )
@@ -82,8 +82,8 @@ def main():
     for scene in scenes:
         with tempfile.TemporaryDirectory() as folder:
             reference = None
-            for split in SPLITS:
-                view = row(holo, dataset / scene / f"{split}x{split}", split, reference, Path(folder))
+            for views in VIEW_COUNTS:
+                view = row(holo, dataset / scene / f"{views}x{views}", views, reference, Path(folder))
                 reference = reference or view
 
 

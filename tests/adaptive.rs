@@ -1,4 +1,4 @@
-//! A target error instead of a number of samples.
+//! Adaptive sampling: a target error instead of a number of samples.
 
 mod common;
 
@@ -7,7 +7,7 @@ use holo_core::Projection;
 use holo_render::{Backend, Integrator, Rendered, Request};
 use holo_scene::{Light, LightKind};
 
-/// Triangles in all colors under a small strong lamp and a sky: calm and noisy pixels side by side.
+/// Colored triangles under a small bright light and a sky: pixels of low and of high variance.
 fn image(samples: u32, target_error: Option<f64>, seed: u64) -> Rendered {
     let mut scene = common::soup(60, 5);
     let kind = LightKind::Point { position: [1.0, 2.0, 0.5], range: None };
@@ -29,10 +29,10 @@ fn mean(rendered: &Rendered) -> f64 {
     samples.iter().map(|&x| f64::from(x)).sum::<f64>() / samples.len() as f64
 }
 
-/// The error that was asked for is kept on average, calm pixels take fewer samples, and the mean of 16 images stays
-/// within 0.2 % of what many samples give: the bias of stopping early.
+/// The average error is the requested one, pixels of low variance take fewer samples, and the bias of early stopping is
+/// below 0.2 %: the mean of 16 images against a reference of many samples.
 #[test]
-fn pixels_stop_when_they_are_good_enough() {
+fn pixels_stop_at_the_target_error() {
     let exact = image(4096, None, 99);
     let reference = mean(&exact);
     let target = 0.05;
@@ -52,19 +52,19 @@ fn pixels_stop_when_they_are_good_enough() {
         }
     }
     assert!((sum / reference - 1.0).abs() < 2e-3, "{sum} {reference}");
-    // One standard error holds 68 % of a normal distribution; ours is overestimated.
+    // 68 % of a normal distribution is within one standard error; the estimate here is an upper bound.
     assert!(within as f64 > 0.75 * all as f64, "{within} of {all}");
 }
 
 #[test]
 fn without_a_target_every_pixel_gets_its_samples() {
     assert_eq!(image(5, None, 0).samples, 36 * 160 * 5);
-    // Fewer samples than the first look needs: all of them.
+    // Fewer samples than the first estimate needs: all of them are taken.
     assert_eq!(image(8, Some(0.5), 0).samples, 36 * 160 * 8);
 }
 
-/// A glowing thread in the dark that covers 1.2 % of a row of pixels: most of their first samples are black, and yet
-/// the row must not go dark.
+/// An emissive thread covers 1.2 % of a row of pixels in the dark. Most of the first samples are black, but the mean of
+/// the row is right.
 #[test]
 fn faint_edges_in_the_dark_are_not_cut_off() {
     let mut scene = holo_scene::Scene::default();

@@ -1,4 +1,4 @@
-//! Depth against Blender's, where the reference data are at hand: set HOLO_REFERENCE to the folder with still_life.glb.
+//! Depth against Blender, if there are reference data: HOLO_REFERENCE is the folder with still_life.glb.
 
 mod common;
 
@@ -15,7 +15,7 @@ fn reference() -> Option<PathBuf> {
 
 /// Median relative error at most 1e-6; at most 0.1 % of the pixels (silhouettes) off by more than 1e-3.
 #[test]
-fn five_views_have_the_depth_that_blender_finds() {
+fn five_views_have_the_depth_of_blender() {
     let Some(folder) = reference() else {
         eprintln!("not run: needs the reference scene (HOLO_REFERENCE)");
         return;
@@ -33,7 +33,7 @@ fn five_views_have_the_depth_that_blender_finds() {
     let rig = framed.rig(6.0).unwrap();
     for backend in common::engines() {
         let renderer = Renderer::new(&loaded.scene, &framed.pose, backend, 0).unwrap();
-        let all = renderer.render(&common::truth(rig), &()).unwrap().all.expect("asked for");
+        let all = renderer.render(&common::truth(rig), &()).unwrap().all.expect("requested");
         for (t, s) in [(0, 0), (0, 40), (13, 29), (20, 20), (40, 40)] {
             let file = folder.join(format!("still_life_depth_t{t}_s{s}.pfm"));
             let theirs = holo_io::read_pfm_grey(file, &holo_io::Limits::default()).unwrap();

@@ -1,8 +1,8 @@
-//! The integrator `direct` against closed forms and against a naive renderer in f64.
+//! The integrator `direct` against closed forms and against a reference implementation in f64.
 
 mod common;
 
-use common::{Random, add, engines, everything, render, rig, soup, square};
+use common::{Random, add, cross, dot, engines, everything, render, rig, soup, square, sub};
 use holo_core::Projection;
 use holo_render::Backend;
 use holo_scene::{Light, LightKind, Scene, Transform};
@@ -17,7 +17,7 @@ fn wall(albedo: f32) -> Scene {
     scene
 }
 
-/// 1 lux on white gives 1/pi; the cosine and the albedo multiply it. f32 arithmetic: a few 1e-7.
+/// An irradiance of 1 lux on white gives the radiance 1/pi, times cosine and albedo. f32 arithmetic: a few 1e-7.
 #[test]
 fn a_directional_light_obeys_lambert() {
     for (albedo, degrees) in [(1.0, 0.0f64), (0.5, 60.0), (0.25, 89.0)] {
@@ -38,7 +38,7 @@ fn a_directional_light_obeys_lambert() {
     }
 }
 
-/// A sky that nothing hides lights a white wall to exactly its own radiance, with any sample.
+/// Under an unoccluded sky a white wall has exactly the radiance of the sky, for every sample.
 #[test]
 fn an_open_sky_lights_white_to_its_own_radiance() {
     for backend in engines() {
@@ -50,16 +50,16 @@ fn an_open_sky_lights_white_to_its_own_radiance() {
     }
 }
 
-/// A wide wall at a right angle hides half of the sky from the points at its foot. With n Owen-scrambled samples the
-/// error of the mean over 16 x 25 pixels of 64 samples is far below 1 %.
+/// A wide wall at a right angle occludes half of the sky at its base. With Owen-scrambled samples the error of the mean
+/// over 16 x 25 pixels of 64 samples is far below 1 %.
 #[test]
 fn a_wall_hides_half_of_the_sky() {
     let mut scene = wall(1.0);
-    // A plane x = 0.02 that reaches from the wall far towards the camera and beyond it.
+    // The plane x = 0.02, from the wall to far behind the camera.
     let edge =
         Transform { columns: [[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]], translation: [0.12, 0.0, 45.0] };
     add(&mut scene, square(50.0), [0.0, 0.0, 0.0, 1.0], edge);
-    // A long lens: it sees only the foot of the wall, 2 to 10 cm from it.
+    // A long lens: it sees only the base of the wall, 2 to 10 cm from it.
     let rig = rig([4, 4], [5, 5], 1e-4, 2.0, Projection::Perspective).to_builder().focal_length_m(2.0).build();
     let request = everything(rig.expect("a rig"), 64, [1.0; 3]);
     let color = render(&scene, &request, Backend::Bvh, 2).color.expect("lit");
@@ -69,25 +69,13 @@ fn a_wall_hides_half_of_the_sky() {
     assert!((mean - 0.5).abs() < 0.005, "{mean}");
 }
 
-/// Ray against all triangles in f64; what a renderer is, without any cleverness.
-struct Naive<'a> {
+/// The reference implementation: every ray against all triangles in f64.
+struct Reference<'a> {
     scene: &'a Scene,
     triangles: Vec<([[f64; 3]; 3], usize)>,
 }
 
-fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-impl<'a> Naive<'a> {
+impl<'a> Reference<'a> {
     fn new(scene: &'a Scene) -> Self {
         let mut triangles = Vec::new();
         for instance in &scene.instances {
@@ -148,17 +136,18 @@ impl<'a> Naive<'a> {
     }
 }
 
-/// Random triangles under a sun and a lamp: every pixel of every view is what the naive renderer says. Its shadow rays
-/// start elsewhere by rounding, so a pixel at the edge of a shadow may differ: at most two in a thousand.
+/// Random triangles under a directional and a point light agree with the reference implementation in every pixel of
+/// every view. Its shadow rays have other origins by rounding, so pixels at shadow edges may differ: at most two in a
+/// thousand.
 #[test]
-fn the_fast_renderer_is_the_naive_one() {
+fn the_renderer_agrees_with_the_reference_implementation() {
     let mut random = Random(12);
     let mut scene = soup(160, 21);
     let direction = [0.0, -0.6, -0.8];
     scene.lights.push(light([2.0, 1.5, 1.0], LightKind::Directional { direction, angular_diameter_rad: 0.0 }));
     let position = [random.between(-1.0, 1.0), random.between(0.5, 1.0), -1.0];
     scene.lights.push(light([0.5, 1.0, 1.5], LightKind::Point { position, range: None }));
-    let naive = Naive::new(&scene);
+    let naive = Reference::new(&scene);
     for projection in [Projection::Perspective, Projection::Orthographic] {
         let rig = rig([4, 5], [14, 18], 0.02, 3.5, projection);
         for backend in engines() {

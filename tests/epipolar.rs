@@ -1,5 +1,5 @@
 //! Renderer, light field and Eq. 3 together: the slopes of lines in rendered epipolar-plane images are the disparities
-//! that the depth map says.
+//! of the depth map.
 
 mod common;
 
@@ -13,12 +13,11 @@ use proptest::prelude::*;
 const PIXELS: [usize; 2] = [48, 64];
 const VIEWS: [usize; 2] = [5, 7];
 
-/// A wall at a depth, painted with gray noise that is smooth over some pixels, in even light.
+/// A wall at a depth with a smooth gray noise texture under uniform light.
 fn wall(rig: &Rig, depth_m: f64, seed: u64) -> Scene {
     let mut random = Random(seed);
     let side = 256;
-    // Waves of many directions, none shorter than eight pixels of a view: whatever lies between pixels can be
-    // interpolated.
+    // Waves in many directions, none shorter than eight pixels of a view, so that interpolation is accurate.
     let pixel_m = depth_m * 0.036 / 0.05 / PIXELS[1] as f64;
     let half_m = 48.0 * pixel_m;
     let waves: Vec<[f64; 3]> = (0..24)
@@ -59,9 +58,8 @@ fn wall(rig: &Rig, depth_m: f64, seed: u64) -> Scene {
     }
 }
 
-/// The shift d, in px a view, of lines in an epipolar-plane image `lines[view][pixel]`: line k is the first moved by -d
-/// k. Found by Gauss-Newton on the squared differences of neighboring lines, each moved half way with a cubic spline's
-/// interpolation.
+/// The shift d, in px per view, of lines in an epipolar-plane image `lines[view][pixel]`: line k is the first one moved
+/// by -d k. Gauss-Newton on the squared differences of neighboring lines, each moved halfway by spline interpolation.
 fn slope(lines: &[Vec<f64>]) -> f64 {
     let mut d = 0.0;
     for _ in 0..20 {
@@ -84,7 +82,7 @@ fn slope(lines: &[Vec<f64>]) -> f64 {
     d
 }
 
-/// Value and slope between samples, by a polynomial through six of them.
+/// Value and slope between samples, by a polynomial through six samples.
 fn at(line: &[f64], x: f64) -> (f64, f64) {
     let value = |x: f64| {
         let first = x.floor() as usize - 2;

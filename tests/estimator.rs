@@ -1,9 +1,9 @@
-//! What the integrators estimate: the mean over many seeds is the truth within its standard error, and the variance
-//! falls at least as fast as the number of samples grows.
+//! The estimators of the integrators: the mean over many seeds is unbiased within its standard error, and the variance
+//! decreases at least as fast as the number of samples increases.
 //!
-//! Bounds: the mean luminance of an image over 64 seeds lies within 3 standard errors of a reference of many more
-//! samples (its own error counted in). Seeds are fixed, so a test that passes passes always. What is tested is sums of
-//! independent images: normal to good approximation, and 3 standard errors are left by chance once in 370 cases.
+//! Bounds: the mean luminance of an image over 64 seeds is within 3 standard errors of a reference with many more
+//! samples (its own error included). Seeds are fixed, so the result is deterministic. Sums of independent images are
+//! normal to good approximation; by chance one in 370 exceeds 3 standard errors.
 
 mod common;
 
@@ -18,10 +18,10 @@ use holo_scene::{gallery, gltf};
 
 const SEEDS: u64 = 64;
 
-/// Scenes whose variance is followed up to 64 samples.
+/// Scenes for which the variance is measured up to 64 samples.
 const STEEP: [&str; 3] = ["plaster", "garden", "window"];
 
-/// A scene as its camera sees it in few pixels.
+/// A scene at low resolution.
 struct Case {
     name: &'static str,
     renderer: Renderer,
@@ -30,8 +30,8 @@ struct Case {
 }
 
 impl Case {
-    /// The gallery, with every kind of light: glowing rooms and windows, punctual lights, a sky, glass and gloss
-    /// between; and a window with an environment map before it.
+    /// The gallery, with every kind of light: emissive surfaces, punctual lights, a sky, glass and glossy surfaces; and
+    /// a window with an environment map.
     fn all() -> Vec<Self> {
         let mut cases: Vec<Self> = gallery::NAMES
             .iter()
@@ -74,7 +74,7 @@ impl Case {
 }
 
 #[test]
-fn the_mean_over_seeds_is_the_truth_and_the_variance_falls() {
+fn estimators_are_unbiased_and_their_variance_decreases() {
     let mut falls = Vec::new();
     for case in Case::all() {
         for integrator in [Integrator::Direct, Integrator::Path] {
@@ -94,7 +94,8 @@ fn the_mean_over_seeds_is_the_truth_and_the_variance_falls() {
             println!("{} {integrator:?}: variance falls by {:.1}", case.name, variance / finer_variance);
             println!("{} {integrator:?}: variance falls by {:.1}", case.name, variance / finer_variance);
             falls.push(variance / finer_variance);
-            // Independent samples would make it a sixteenth; Sobol points do better. 64 seeds know a ratio to 25 %.
+            // Independent samples would make it a sixteenth; Sobol points do better. 64 seeds determine a ratio to 25
+            // %.
             if STEEP.contains(&case.name) {
                 let (_, finest_variance) = case.statistics(integrator, 64);
                 println!("{} {integrator:?}: by {:.1} to 64 samples", case.name, variance / finest_variance);
@@ -102,8 +103,8 @@ fn the_mean_over_seeds_is_the_truth_and_the_variance_falls() {
             }
         }
     }
-    // Independent samples would make it a quarter. A scene with a few bright paths says little in 64 seeds (birdcage:
-    // 2.3, and 4.7 in 1024); all together know it to 5 %.
+    // Independent samples would make it a quarter. 64 seeds determine little for a scene with a few bright paths
+    // (birdcage: 2.3, and 4.7 with 1024 seeds); all scenes together determine it to 5 %.
     let together = (falls.iter().map(|fall: &f64| fall.ln()).sum::<f64>() / falls.len() as f64).exp();
     println!("variance falls by {together:.2} from 4 to 16 samples, over {} cases", falls.len());
     assert!(together > 3.8 && falls.iter().all(|&fall| fall > 1.5), "{together}: {falls:?}");

@@ -1,8 +1,8 @@
-//! The white furnace: in a world that shines equally from everywhere, what neither absorbs nor emits cannot be seen.
+//! The white furnace test: under uniform environment light, a body that neither absorbs nor emits is invisible.
 //!
-//! Whole renders, from camera ray to image: a body of flat triangles under a sky of 1 must show 1 in every pixel.
-//! Smooth shading would not: an interpolated normal sends some light below the triangle. The scattering functions
-//! alone, at all roughnesses, are integrated in `holo-render`'s own tests.
+//! Whole renders: a body of flat triangles under a sky of 1 has radiance 1 in every pixel. With smooth shading it has
+//! not, because an interpolated normal scatters some light below the triangle. The tests of `holo-render` integrate the
+//! BSDFs alone at all roughnesses.
 
 mod common;
 
@@ -62,7 +62,7 @@ fn sphere(radius: f32) -> Mesh {
     }
 }
 
-/// The mean and the extremes of what a rig of 3 x 3 views sees of `material` in a world of radiance 1.
+/// The mean and the extremes of the radiance of `material` under a sky of 1, over 3 x 3 views.
 fn furnace(material: Material, samples: u32, bounces: u32) -> (f64, f32, f32) {
     let mut scene = Scene::default();
     common::add(&mut scene, sphere(0.6), [1.0; 4], Transform::from_translation([0.0, 0.0, -2.0]));
@@ -83,7 +83,7 @@ fn furnace(material: Material, samples: u32, bounces: u32) -> (f64, f32, f32) {
     (mean, low, values.iter().copied().fold(0.0, f32::max))
 }
 
-/// Every path ends in the sky with all that it started with: not even noise is left.
+/// Every path reaches the sky with throughput 1, so there is no noise.
 #[test]
 fn lambert_and_mirror_are_invisible() {
     let mirror = Material { metallic: 1.0, roughness: 0.0, ..Material::default() };
@@ -93,8 +93,8 @@ fn lambert_and_mirror_are_invisible() {
     }
 }
 
-/// Radiance grows by n^2 on its way in and shrinks as much on its way out; what is left out is the
-/// light that is still inside: a body of flat faces holds some for long (0.4 % after 64 bounces).
+/// Radiance increases by n^2 on entry and decreases by as much on exit. The missing energy is that of paths still
+/// inside: 0.4 % after 64 bounces in a body of flat faces.
 #[test]
 fn smooth_glass_is_invisible() {
     let clear = Some(Volume { attenuation_distance_m: f32::INFINITY, attenuation_color: [1.0; 3] });
@@ -105,10 +105,10 @@ fn smooth_glass_is_invisible() {
     }
 }
 
-/// The mixtures may lose what their facets throw at each other, and nothing more (the table in `bsdf.rs` has how much);
-/// they never gain.
+/// Mixtures may lose the energy of multiple scattering between microfacets, and no more (see the table in `bsdf.rs`).
+/// They gain none.
 #[test]
-fn nothing_shines_more_than_its_surroundings() {
+fn no_material_gains_energy() {
     let clear = Some(Volume { attenuation_distance_m: f32::INFINITY, attenuation_color: [1.0; 3] });
     for roughness in [0.1, 0.4, 1.0] {
         let rough = Material { roughness, specular: 1.0, ..Material::default() };

@@ -1,4 +1,4 @@
-//! The fuzz targets over their corpora, on the stable toolchain: what libFuzzer once found stays fixed.
+//! The fuzz targets on their corpora, on the stable toolchain: regression tests for the findings of libFuzzer.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ fn run(target: &str, function: fn(&[u8])) {
     for entry in std::fs::read_dir(&folder).expect("the corpus is part of the project") {
         let path = entry.expect("a readable folder").path();
         let bytes = std::fs::read(&path).expect("a readable file");
-        // Whole, and cut off at a few places.
+        // Whole, and truncated at several lengths.
         for length in [bytes.len(), bytes.len() / 2, bytes.len().saturating_sub(1), bytes.len().min(13)] {
             function(&bytes[..length]);
         }

@@ -1,4 +1,4 @@
-//! Depth and disparity against closed forms, against each other, and against what other views see.
+//! Depth and disparity against closed forms, against each other, and against other views.
 
 mod common;
 
@@ -8,10 +8,10 @@ use holo_render::{Backend, Layer, Renderer};
 use holo_scene::{Scene, Transform};
 
 /// A slanted plane fills the image: its depth is known for every pixel of every view, in either projection, with
-/// either engine. f64 refinement leaves the rounding of the stored f32: 2^-24.
+/// either backend. After refinement in f64 the error is the rounding to f32: 2^-24.
 #[test]
 fn depth_of_a_slanted_plane_is_exact() {
-    // z = -3 + 0.2 x - 0.3 y, as a square carried there.
+    // z = -3 + 0.2 x - 0.3 y, as a transformed square.
     let mut scene = Scene::default();
     let plane =
         Transform { columns: [[1.0, 0.0, 0.2], [0.0, 1.0, -0.3], [0.0, 0.0, 1.0]], translation: [0.0, 0.0, -3.0] };
@@ -20,7 +20,7 @@ fn depth_of_a_slanted_plane_is_exact() {
         for backend in engines() {
             let rig = rig([3, 4], [7, 9], 0.05, 2.5, projection);
             let rendered = render(&scene, &truth(rig), backend, 1);
-            let all = rendered.all.expect("asked for");
+            let all = rendered.all.expect("requested");
             for ((v, u, t, s, _), &depth) in all[Layer::Depth].samples().indexed_iter() {
                 let ray = rig.ray(v, u, t, s, 0.5, 0.5);
                 let [x, y] = [0, 1].map(|k| (ray.origin_m[k], ray.direction[k]));
@@ -39,8 +39,7 @@ fn depth_of_a_slanted_plane_is_exact() {
     }
 }
 
-/// What the central ground truth says is what the ground truth of all views says of the central view, for even counts
-/// too.
+/// The ground truth of the central view equals that of all views at the central view, also for even counts.
 #[test]
 fn the_central_view_is_one_of_all() {
     for views in [[5, 5], [4, 6], [1, 1], [1, 7]] {
@@ -54,8 +53,8 @@ fn the_central_view_is_one_of_all() {
     }
 }
 
-/// The point that a pixel of the central view sees lies, in every other view, where Eq. 3 says; and where that view
-/// sees the same surface (a plane here, so everywhere), the depths agree.
+/// The point of a pixel of the central view is at the position of Eq. 3 in every other view. The surface is a plane, so
+/// the depths agree everywhere.
 #[test]
 fn points_move_by_their_disparity() {
     let mut scene = Scene::default();
@@ -80,7 +79,7 @@ fn points_move_by_their_disparity() {
     }
 }
 
-/// All rays of an elemental image meet in one point of the focus plane.
+/// All rays of an elemental image intersect in one point of the focus plane.
 #[test]
 fn rays_of_an_elemental_image_meet_on_the_focus_plane() {
     for projection in [Projection::Perspective, Projection::Orthographic] {
@@ -97,16 +96,16 @@ fn rays_of_an_elemental_image_meet_on_the_focus_plane() {
     }
 }
 
-/// The three engines see the same image. An f32 engine may judge a ray within rounding of an edge differently: at most
-/// one pixel in a thousand.
+/// The three backends agree. A backend in f32 may classify a ray within rounding of an edge differently: at most one
+/// pixel in a thousand.
 #[test]
 fn engines_agree_on_depth() {
     let rig = rig([4, 4], [24, 36], 0.01, 4.0, Projection::Perspective);
     let scene = soup(600, 9);
-    let oracle = render(&scene, &truth(rig), Backend::BruteForce, 2).all.expect("asked for");
+    let reference = render(&scene, &truth(rig), Backend::BruteForce, 2).all.expect("requested");
     for backend in engines() {
-        let found = render(&scene, &truth(rig), backend, 2).all.expect("asked for");
-        let (a, b) = (oracle[Layer::Depth].samples(), found[Layer::Depth].samples());
+        let found = render(&scene, &truth(rig), backend, 2).all.expect("requested");
+        let (a, b) = (reference[Layer::Depth].samples(), found[Layer::Depth].samples());
         let same = |a: f32, b: f32| a == b || ((a - b) / a).abs() < 1e-6;
         let (differ, all) = (a.iter().zip(b).filter(|(a, b)| !same(**a, **b)).count(), a.len());
         println!("{backend:?}: {differ} of {all}");

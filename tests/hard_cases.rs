@@ -1,4 +1,4 @@
-//! Where renderers usually lose precision or fall over.
+//! Hard cases of precision and robustness.
 
 mod common;
 
@@ -16,18 +16,18 @@ fn lit_soup(seed: u64) -> Scene {
     scene
 }
 
-/// Whether two numbers, which may be infinite but must be numbers, are further apart than that.
+/// Whether the distance of two numbers, which may be infinite but not NaN, exceeds a bound.
 fn differ(a: f32, b: f32, bound: f32) -> bool {
     a != b && ((a - b).is_nan() || (a - b).abs() > bound)
 }
 
-/// Where a ray meets the plane of depth `c + a x + b y`.
+/// The depth of the intersection of a ray with the plane of depth `c + a x + b y`.
 fn depth_of_plane([a, b, c]: [f64; 3], ray: &RigRay) -> f64 {
     let (o, d) = (ray.origin_m, ray.direction);
     (c + a * o[0] + b * o[1]) / (1.0 - a * d[0] - b * d[1])
 }
 
-/// A wall of depth 3 + 0.2 x - 0.3 y, and the numbers of its plane.
+/// A wall of depth 3 + 0.2 x - 0.3 y, and the coefficients of its plane.
 fn slanted_wall() -> (Scene, [f64; 3]) {
     let mut scene = Scene::default();
     let columns = [[1.0, 0.0, -0.2], [0.0, 1.0, 0.3], [0.0, 0.0, 1.0]];
@@ -35,7 +35,7 @@ fn slanted_wall() -> (Scene, [f64; 3]) {
     (scene, [0.2, -0.3, 3.0])
 }
 
-/// The same bytes for any number of threads, and again.
+/// The same bytes for any number of threads and for a repeated render.
 #[test]
 fn the_image_does_not_depend_on_threads() {
     let scene = lit_soup(4);
@@ -75,9 +75,10 @@ fn a_far_away_scene_is_the_scene_at_the_origin() {
     }
 }
 
-/// 10,000 km from the origin, objects at places that f64 rounds to 2 nm there, through a camera that is turned. Depth
-/// is that at the origin to an f32's rounding and 10 nm of slope, disparity (up to 1.4e-4 px here) to its own rounding,
-/// but for one silhouette pixel in 1000; light to 1e-4 but for one pixel in 100, where shadows have their edges.
+/// A scene 10,000 km from the origin, where f64 rounds positions to 2 nm, with a rotated camera. Depth agrees with that
+/// at the origin to f32 rounding and 10 nm of slope, disparity (up to 1.4e-4 px here) to its rounding, except at one
+/// silhouette pixel in
+/// 1000. Radiance agrees to 1e-4, except at one pixel in 100, at shadow edges.
 #[test]
 fn ten_thousand_kilometers_away_nanometers_are_lost() {
     let place = |shift: [f64; 3]| {
@@ -109,7 +110,7 @@ fn ten_thousand_kilometers_away_nanometers_are_lost() {
             println!("{backend:?} {what}: {count} of {}", a.len());
             count as f64 / a.len() as f64
         };
-        let [all_a, all_b] = [&a, &b].map(|rendered| rendered.all.as_ref().expect("asked for"));
+        let [all_a, all_b] = [&a, &b].map(|rendered| rendered.all.as_ref().expect("requested"));
         let [depth_a, depth_b] = [all_a, all_b].map(|all| all[Layer::Depth].samples());
         assert!(off("depth", depth_a, depth_b, 1.2e-7, 1e-8) <= 1e-3);
         let [disparity_a, disparity_b] = [all_a, all_b].map(|all| all[Layer::Disparity].samples());
@@ -120,8 +121,8 @@ fn ten_thousand_kilometers_away_nanometers_are_lost() {
     }
 }
 
-/// There, too, views 10 um apart are not one: a wall at 45 degrees is as far from each of them as its plane says, to an
-/// f32's rounding.
+/// At that distance, views 10 um apart remain distinct: the depth of a wall at 45 degrees agrees with its plane in each
+/// view, to f32 rounding.
 #[test]
 fn ten_micrometers_survive_ten_thousand_kilometers_away() {
     let shift = [1e7, -1e7, 1e7];
@@ -135,7 +136,7 @@ fn ten_micrometers_survive_ten_thousand_kilometers_away() {
     let rig = rig([4, 4], [9, 12], 1e-5, 1.0, Projection::Perspective);
     for backend in engines() {
         let all =
-            render_from(&scene, &Transform::from_translation(shift), &truth(rig), backend, 1).all.expect("asked for");
+            render_from(&scene, &Transform::from_translation(shift), &truth(rig), backend, 1).all.expect("requested");
         let depth = all[Layer::Depth].samples();
         for ((v, u, t, s, _), &found) in depth.indexed_iter() {
             let exact = depth_of_plane([-1.0, 0.0, 3.0], &rig.ray(v, u, t, s, 0.5, 0.5));
@@ -146,8 +147,8 @@ fn ten_micrometers_survive_ten_thousand_kilometers_away() {
     }
 }
 
-/// Everything a power of two as large, the lamp's intensity with its square: the same bytes, depths that factor as
-/// large.
+/// The scene scaled by a power of two, light intensities by its square: the same bytes, with depths scaled by the
+/// factor.
 #[test]
 fn powers_of_two_change_nothing() {
     let scene = lit_soup(6);
@@ -168,7 +169,7 @@ fn powers_of_two_change_nothing() {
             let a = render(&scene, &everything(base, 2, [0.1; 3]), backend, 1);
             let b = render(&scaled, &everything(rig, 2, [0.1; 3]), backend, 1);
             assert_eq!(a.color, b.color, "{backend:?} x 2^{exponent}");
-            let (a, b) = (a.all.expect("asked for"), b.all.expect("asked for"));
+            let (a, b) = (a.all.expect("requested"), b.all.expect("requested"));
             assert_eq!(a[Layer::Disparity], b[Layer::Disparity], "{backend:?} x 2^{exponent}");
             let times = a[Layer::Depth].samples().mapv(|z| z * scale as f32);
             assert_eq!(times, b[Layer::Depth].samples(), "{backend:?} x 2^{exponent}");
@@ -176,9 +177,9 @@ fn powers_of_two_change_nothing() {
     }
 }
 
-/// A scene a thousand or a million times smaller or larger, rig and lights scaled with it, has the same disparities.
-/// The scale is no power of two, so f32 rounding differs: silhouettes may flip, one pixel in a thousand; the others
-/// agree to 1e-6 px of up to 0.6.
+/// A scene scaled by a thousand or a million, with rig and lights, has the same disparities. The scale is not a power
+/// of two, so f32 rounding differs: one silhouette pixel in a thousand may change, the others agree to 1e-6 px of up to
+/// 0.6.
 #[test]
 fn scale_does_not_matter() {
     let scene = soup(300, 6);
@@ -191,8 +192,8 @@ fn scale_does_not_matter() {
             .for_each(|i| i.transform.columns = [[scale, 0.0, 0.0], [0.0, scale, 0.0], [0.0, 0.0, scale]]);
         let rig = rig([4, 4], [20, 30], 0.01 * scale, 3.0 * scale, Projection::Perspective);
         for backend in engines() {
-            let a = render(&scene, &truth(base), backend, 1).all.expect("asked for");
-            let b = render(&scaled, &truth(rig), backend, 1).all.expect("asked for");
+            let a = render(&scene, &truth(base), backend, 1).all.expect("requested");
+            let b = render(&scaled, &truth(rig), backend, 1).all.expect("requested");
             let (a, b) = (a[Layer::Disparity].samples(), b[Layer::Disparity].samples());
             let count = a.iter().zip(b).filter(|(a, b)| differ(**a, **b, 1e-6)).count();
             println!("{backend:?} x {scale}: {count} of {}", a.len());
@@ -222,8 +223,8 @@ fn any_shape_of_rig_works() {
     }
 }
 
-/// 65,535 and 65,537 views, a million lenses: no index is cut to 16 bits, no product to 32. Every pixel has the depth
-/// of its own ray to a slanted wall, to f32's rounding.
+/// 65,535 and 65,537 views, a million microlenses: no index is truncated to 16 bits, no product to 32. Every pixel has
+/// the depth of its own ray to a slanted wall, to f32 rounding.
 #[test]
 fn sizes_at_the_edges_of_index_types_work() {
     let (scene, plane) = slanted_wall();
@@ -236,7 +237,7 @@ fn sizes_at_the_edges_of_index_types_work() {
     ] {
         let rig = rig(views, lenses, 1e-5, 3.0, Projection::Perspective);
         for backend in engines() {
-            let all = render(&scene, &truth(rig), backend, 2).all.expect("asked for");
+            let all = render(&scene, &truth(rig), backend, 2).all.expect("requested");
             let depth = all[Layer::Depth].samples();
             assert_eq!(depth.dim(), (lenses[0], lenses[1], views[0], views[1], 1));
             for ((v, u, t, s, _), &found) in depth.indexed_iter() {
@@ -250,7 +251,7 @@ fn sizes_at_the_edges_of_index_types_work() {
     }
 }
 
-/// Sizes beyond memory are refused, not tried.
+/// Sizes beyond memory are errors without an allocation.
 #[test]
 fn absurd_sizes_are_errors() {
     let renderer = Renderer::new(&soup(4, 1), &Transform::IDENTITY, Backend::Bvh, 1).unwrap();
@@ -260,7 +261,7 @@ fn absurd_sizes_are_errors() {
     }
 }
 
-/// Triangles without area, and duplicates of triangles, change nothing and break nothing.
+/// Triangles without area and duplicates of triangles change nothing.
 #[test]
 fn degenerate_triangles_do_no_harm() {
     let mut scene = Scene::default();
@@ -281,15 +282,15 @@ fn degenerate_triangles_do_no_harm() {
     }
 }
 
-/// A focus plane before and behind everything, at infinity, on the surface: every pixel has the depth of its own ray to
-/// a slanted wall.
+/// A focus plane in front of and behind all surfaces, at infinity, on the surface: every pixel has the depth of its own
+/// ray to a slanted wall.
 #[test]
 fn any_focus_sees_the_wall_at_its_depth() {
     let (scene, plane) = slanted_wall();
     for focus in [1e-3, 3.0, 1e9, f64::INFINITY] {
         let rig = rig([2, 2], [5, 5], 1e-4, focus, Projection::Perspective);
         for backend in engines() {
-            let all = render(&scene, &truth(rig), backend, 1).all.expect("asked for");
+            let all = render(&scene, &truth(rig), backend, 1).all.expect("requested");
             for ((v, u, t, s, _), &found) in all[Layer::Depth].samples().indexed_iter() {
                 let exact = depth_of_plane(plane, &rig.ray(v, u, t, s, 0.5, 0.5));
                 assert!((f64::from(found) / exact - 1.0).abs() <= 6.0e-8, "focus {focus}: {found} {exact}");
@@ -302,7 +303,8 @@ fn any_focus_sees_the_wall_at_its_depth() {
     }
 }
 
-/// A camera in the middle of a solid block sees its inner walls, one that touches a wall what lies before it.
+/// A camera in the middle of a solid block sees its inner walls; a camera in the plane of a wall sees what is in front
+/// of it.
 #[test]
 fn a_camera_in_a_wall_sees_what_is_before_it() {
     let rig = rig([2, 2], [9, 12], 1e-6, 3.0, Projection::Perspective);
@@ -324,7 +326,7 @@ fn a_camera_in_a_wall_sees_what_is_before_it() {
     }
 }
 
-/// Nothing at all, meshes without triangles, no light: the sky, infinite depth, and black that is exactly 0.
+/// Empty scenes, meshes without triangles, no light: the sky, infinite depth, and black that is exactly 0.
 #[test]
 fn empty_and_black_scenes_are_the_sky_and_black() {
     let rig = rig([3, 3], [7, 9], 0.01, 3.0, Projection::Perspective);
@@ -336,7 +338,7 @@ fn empty_and_black_scenes_are_the_sky_and_black() {
     for backend in engines() {
         for scene in [&Scene::default(), &hollow, &points] {
             let rendered = render(scene, &everything(rig, 2, sky), backend, 1);
-            let color = rendered.color.expect("asked for");
+            let color = rendered.color.expect("requested");
             assert!(color.samples().indexed_iter().all(|(at, &x)| x == sky[at.4]), "{backend:?}");
             assert!(rendered.central[Layer::Depth].iter().all(|z| *z == f32::INFINITY));
             let far = rig.disparity().from_depth_m(f64::INFINITY) as f32;
@@ -344,7 +346,7 @@ fn empty_and_black_scenes_are_the_sky_and_black() {
         }
         for integrator in [Integrator::Direct, Integrator::Path] {
             let request = Request { integrator, ..everything(rig, 2, [0.0; 3]) };
-            let color = render(&soup(40, 2), &request, backend, 1).color.expect("asked for");
+            let color = render(&soup(40, 2), &request, backend, 1).color.expect("requested");
             assert!(color.samples().iter().all(|x| x.to_bits() == 0), "{backend:?} {integrator:?}");
         }
     }
@@ -358,7 +360,7 @@ fn broken_scenes_are_named_errors() {
     range.meshes[1].triangles[0][2] = 99;
     let mut far = soup(4, 1);
     far.instances[0].transform.translation = [1e30, 0.0, 0.0];
-    // Finite numbers that are none any more once they are multiplied.
+    // Finite numbers whose products are not finite.
     let mut canceling = soup(4, 1);
     canceling.instances[0].transform.columns = [[1e308, 0.0, 0.0], [-1e308, 1e-3, 0.0], [0.0, 0.0, 1.0]];
     let mut glaring = soup(4, 1);
@@ -376,7 +378,7 @@ fn broken_scenes_are_named_errors() {
     }
 }
 
-/// A rig beyond the range of f32 is refused.
+/// A rig beyond the range of f32 is an error.
 #[test]
 fn a_rig_of_absurd_size_is_an_error() {
     let renderer = Renderer::new(&soup(4, 1), &Transform::IDENTITY, Backend::Bvh, 1).unwrap();

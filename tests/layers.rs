@@ -1,35 +1,24 @@
-//! Every layer against a naive renderer in f64 that knows nothing of packets, engines or camera coordinates.
+//! Every layer (AOV) against a reference implementation in f64 without packets, ray tracing backends or camera
+//! coordinates.
 
 mod common;
 
-use common::{Random, engines, render_from, rig, square};
+use common::{Random, cross, dot, engines, render_from, rig, square, sub};
 use holo_core::{LightFieldOwned, Projection, Rig};
 use holo_render::{Backend, GroundTruth, Integrator, Layer, LayerSet, Layers, Renderer, Request};
 use holo_scene::{Instance, Material, Mesh, Scene, Texture, TextureTransform, TextureUse, Transform, Wrap};
 
-/// What the naive renderer finds for one ray; the layers of a miss where it hits nothing.
+/// The layers of one ray by the reference implementation.
 struct Found {
     distance: f64,
     layers: Layers<[f64; 3]>,
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn minus(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 fn unit(a: [f64; 3]) -> [f64; 3] {
     a.map(|x| x / dot(a, a).sqrt())
 }
 
-/// Normals go with the transposed inverse; by the columns c of the map that is (c1 x c2, c2 x c0, c0 x c1) / det.
+/// Normals transform by the inverse transpose: (c1 x c2, c2 x c0, c0 x c1) / det with the columns c of the map.
 fn world_normal(transform: &Transform, n: [f32; 3]) -> [f64; 3] {
     let [a, b, c] = transform.columns;
     let cofactors = [cross(b, c), cross(c, a), cross(a, b)];
@@ -53,7 +42,7 @@ fn texel(scene: &Scene, used: TextureUse, [u, v]: [f64; 2]) -> [f64; 3] {
         (x.floor(), y.floor() + 1.0, (1.0 - x + x.floor()) * (y - y.floor())),
         (x.floor() + 1.0, y.floor() + 1.0, (x - x.floor()) * (y - y.floor())),
     ] {
-        // The one texture here repeats across and is clamped down.
+        // The texture repeats horizontally and is clamped vertically.
         let column = column.rem_euclid(texture.width as f64) as usize;
         let row = row.clamp(0.0, texture.height as f64 - 1.0) as usize;
         for c in 0..3 {
@@ -65,7 +54,7 @@ fn texel(scene: &Scene, used: TextureUse, [u, v]: [f64; 2]) -> [f64; 3] {
     sum
 }
 
-/// Every triangle in the world against a ray that is given in camera coordinates.
+/// Every triangle of the scene against a ray in camera coordinates.
 fn look(scene: &Scene, pose: &Transform, rig: &Rig, [v, u, t, s]: [usize; 4]) -> Found {
     let ray = rig.ray(v, u, t, s, 0.5, 0.5);
     let (origin, direction) = (pose.point(ray.origin_m), pose.vector(ray.direction));
@@ -78,12 +67,12 @@ fn look(scene: &Scene, pose: &Transform, rig: &Rig, [v, u, t, s]: [usize; 4]) ->
         let (mesh, transform) = (&scene.meshes[instance.mesh], &instance.transform);
         for triangle in &mesh.triangles {
             let corner = triangle.map(|k| transform.point(mesh.positions[k as usize].map(f64::from)));
-            let (ab, ac) = (minus(corner[1], corner[0]), minus(corner[2], corner[0]));
+            let (ab, ac) = (sub(corner[1], corner[0]), sub(corner[2], corner[0]));
             let normal = cross(ab, ac);
             let away = dot(normal, direction);
-            let distance = dot(normal, minus(corner[0], origin)) / away;
+            let distance = dot(normal, sub(corner[0], origin)) / away;
             let point = [0, 1, 2].map(|k| origin[k] + distance * direction[k]);
-            let from_a = minus(point, corner[0]);
+            let from_a = sub(point, corner[0]);
             let share = |a, b| dot(cross(a, b), normal) / dot(normal, normal);
             let (second, third) = (share(from_a, ac), share(ab, from_a));
             let weights = [1.0 - second - third, second, third];
@@ -91,7 +80,7 @@ fn look(scene: &Scene, pose: &Transform, rig: &Rig, [v, u, t, s]: [usize; 4]) ->
                 continue;
             }
             found.distance = distance;
-            // The back is where the corners run clockwise in the mesh's own coordinates.
+            // The back face: the corners are clockwise in the coordinates of the mesh.
             let mirrored = dot(transform.columns[0], cross(transform.columns[1], transform.columns[2])) < 0.0;
             let behind = if (away > 0.0) != mirrored { -1.0 } else { 1.0 };
             let towards_viewer = unit(normal.map(|n| -n * away.signum()));
@@ -116,7 +105,7 @@ fn look(scene: &Scene, pose: &Transform, rig: &Rig, [v, u, t, s]: [usize; 4]) ->
             }
             found.layers = [
                 (Layer::Depth, one(distance)),
-                (Layer::RayLength, one(dot(minus(point, origin), minus(point, origin)).sqrt())),
+                (Layer::RayLength, one(dot(sub(point, origin), sub(point, origin)).sqrt())),
                 (Layer::Disparity, one(rig.disparity().from_depth_m(distance))),
                 (Layer::GeometricNormal, towards_viewer),
                 (Layer::ShadingNormal, shading),
@@ -152,8 +141,8 @@ fn ball() -> Mesh {
     mesh
 }
 
-/// A textured wall that does not fill the image, a ball seen from outside, the same ball mirrored and stretched, a
-/// square that shows its back, and a pane of glass before some of them. Materials are in another order than instances.
+/// A textured wall that does not fill the image, a ball, the same ball mirrored and stretched, a square that shows its
+/// back face, and a pane of glass in front of some of them. Materials are in another order than instances.
 fn scene() -> Scene {
     let mut random = Random(12);
     let mut scene = Scene::default();
@@ -197,7 +186,7 @@ fn scene() -> Scene {
 }
 
 fn moved(scene: &Scene) -> (Scene, Transform) {
-    // Off the origin and turned every way: world and camera coordinates differ.
+    // Translated and rotated: world and camera coordinates differ.
     let pose = Transform::from_parts([3.0, -2.0, 5.0], [0.3, -0.5, 0.2, 0.7], [1.0; 3]);
     let mut scene = scene.clone();
     scene.instances.iter_mut().for_each(|instance| instance.transform = pose.after(&instance.transform));
@@ -209,10 +198,9 @@ fn request(rig: Rig) -> Request {
     Request { integrator: Integrator::Depth, layers: LayerSet::ALL, ground_truth, ..Request::new(rig) }
 }
 
-/// How far a layer may be off. What f64 finds is rounded to f32 once: 2^-24 = 6.0e-8, relatively or of a unit vector.
-/// Shading normal and albedo follow the engine's f32 weights of the three corners, some 1e-6 off, over a ball whose
-/// corners lie 0.45 rad apart and is stretched, and a texture that changes by 1 over a seventh of the wall: 4e-6 and
-/// 2e-6 measured, the double allowed.
+/// The tolerance of a layer. Results in f64 are rounded to f32 once: 2^-24 = 6.0e-8, relative or of a unit vector.
+/// Shading normal and albedo use the f32 barycentrics of the backend, which are off by about 1e-6, on a stretched ball
+/// whose corners are 0.45 rad apart and on a texture that changes by 1 over a seventh of the wall.
 fn tolerance(layer: Layer, exact: f64, rig: &Rig) -> f64 {
     match layer {
         Layer::Depth | Layer::RayLength => 6.0e-8 * exact,
@@ -225,17 +213,17 @@ fn tolerance(layer: Layer, exact: f64, rig: &Rig) -> f64 {
     }
 }
 
-/// All nine layers of all pixels of all views. At most one pixel in a thousand may show another triangle: an f32 engine
-/// judges rays within rounding of an edge differently, and a ball has many edges.
+/// All nine layers of all pixels of all views. At most one pixel in a thousand may hit another triangle: backends in
+/// f32 classify rays within rounding of an edge differently, and a ball has many edges.
 #[test]
-fn layers_are_what_a_naive_renderer_finds() {
+fn layers_agree_with_the_reference_implementation() {
     let (scene, pose) = moved(&scene());
     for projection in [Projection::Perspective, Projection::Orthographic] {
         let rig = rig([3, 4], [17, 26], 0.06, 3.0, projection);
         let mut backends = engines();
         backends.push(Backend::BruteForce);
         for backend in backends {
-            let all = render_from(&scene, &pose, &request(rig), backend, 2).all.expect("asked for");
+            let all = render_from(&scene, &pose, &request(rig), backend, 2).all.expect("requested");
             assert_eq!(all.set(), LayerSet::ALL);
             let mut differ = 0;
             let mut seen = [0; 6];
@@ -258,14 +246,13 @@ fn layers_are_what_a_naive_renderer_finds() {
                 }
             }
             assert!(differ * 1000 <= 17 * 26 * 12, "{backend:?} {projection:?}: {differ}");
-            // Nothing (0), and every instance, the pane of glass included.
+            // No instance (0), and every instance, the pane of glass included.
             assert!(seen.iter().all(|&n| n > 100), "{seen:?}");
         }
     }
 }
 
-/// Color may take one sample or many, light may be traced or not: the layers are the same bits, and so are those of the
-/// central view alone.
+/// The bits of the layers do not depend on the number of samples or the integrator, also for the central view alone.
 #[test]
 fn layers_do_not_depend_on_what_is_rendered_with_them() {
     let (scene, pose) = moved(&scene());
@@ -275,7 +262,7 @@ fn layers_do_not_depend_on_what_is_rendered_with_them() {
     let central = |all: &Layers<LightFieldOwned<f32>>| -> Layers<_> {
         all.iter().map(|(layer, field)| (layer, field.view(t, s).expect("a view").to_owned())).collect()
     };
-    assert_eq!(alone.central, central(alone.all.as_ref().expect("asked for")));
+    assert_eq!(alone.central, central(alone.all.as_ref().expect("requested")));
     for samples in [1, 3] {
         let request = Request { integrator: Integrator::Path, samples, sky: [1.0; 3], ..request(rig) };
         let with_color = render_from(&scene, &pose, &request, Backend::Bvh, 2);
@@ -287,17 +274,17 @@ fn layers_do_not_depend_on_what_is_rendered_with_them() {
     }
 }
 
-/// Any subset: what is asked for is there, as it is among all of them, and nothing else.
+/// Any subset of the layers: the requested ones, equal to those of all layers, and no others.
 #[test]
-fn any_subset_of_the_layers_can_be_had() {
+fn any_subset_of_the_layers_can_be_requested() {
     let (scene, pose) = moved(&scene());
     let rig = rig([2, 2], [9, 12], 0.03, 3.0, Projection::Perspective);
-    let all = render_from(&scene, &pose, &request(rig), Backend::Bvh, 1).all.expect("asked for");
+    let all = render_from(&scene, &pose, &request(rig), Backend::Bvh, 1).all.expect("requested");
     let [first, second] = [[Layer::Albedo, Layer::HitMask], [Layer::Depth, Layer::GeometricNormal]].map(LayerSet::from);
     let single = Layer::ALL.map(|layer| LayerSet::from([layer]));
     for layers in single.into_iter().chain([first, second, first.union(second)]) {
         let rendered = render_from(&scene, &pose, &Request { layers, ..request(rig) }, Backend::Bvh, 1);
-        let some = rendered.all.expect("asked for");
+        let some = rendered.all.expect("requested");
         assert_eq!((some.set(), rendered.central.set()), (layers, layers));
         assert!(some.iter().all(|(layer, field)| *field == all[layer]), "{layers:?}");
     }

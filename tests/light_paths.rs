@@ -1,4 +1,4 @@
-//! Glass and mirrors where they usually go wrong: the energy stays bounded, and nothing is no number.
+//! Hard cases of glass and mirrors: energy is bounded, and no radiance is NaN.
 
 mod common;
 
@@ -20,7 +20,7 @@ fn glass(ior: f32) -> Material {
     Material { roughness: 0.0, specular: 1.0, transmission: 1.0, ior, volume, ..Material::default() }
 }
 
-/// Adds a mesh of a material.
+/// Adds a mesh with a material.
 fn place(scene: &mut Scene, mesh: Mesh, material: Material, transform: Transform) {
     add(scene, mesh, [1.0; 4], transform);
     *scene.materials.last_mut().expect("just added") = material;
@@ -38,14 +38,14 @@ fn under_the_sky(scene: &Scene, pose: &Transform, samples: u32, bounces: u32) ->
     };
     let color = renderer.render(&request, &()).expect("a render").color.expect("an image");
     let values = color.samples();
-    assert!(values.iter().all(|x| x.is_finite() && *x >= 0.0), "not a number, or less than nothing");
+    assert!(values.iter().all(|x| x.is_finite() && *x >= 0.0), "NaN, infinite or negative");
     let mean = values.iter().map(|&x| f64::from(x)).sum::<f64>() / values.len() as f64;
     (mean, values.iter().copied().fold(0.0, f32::max))
 }
 
-/// Under a sky of 1 radiance inside glass is at most n^2, where the camera is inside, and 1 outside, however bodies are
-/// nested or touch. (A body is taken to stand in air: where glass touches glass the light is refracted twice with air
-/// between, which changes directions and keeps the energy.) 2 % for the noise of 64 samples.
+/// Under a sky of 1 the radiance is at most n^2 inside glass and 1 outside, for nested and for touching bodies. (Every
+/// body is modeled in air: where glass touches glass, light is refracted twice with air between, which changes
+/// directions and preserves energy.) 2 % for the noise of 64 samples.
 #[test]
 fn glass_in_glass_and_a_camera_in_glass_gain_nothing() {
     let away = Transform::from_translation([0.0, 0.0, -2.0]);
@@ -69,9 +69,9 @@ fn glass_in_glass_and_a_camera_in_glass_gain_nothing() {
     }
 }
 
-/// Two mirrors that face each other, and the camera between: a ray leaves after as many reflections as its slope says,
-/// and brings the sky, dimmed by each; one that has not left after 64 brings nothing. 1e-5 for up to 64 products of
-/// f32.
+/// A camera between two parallel mirrors: a ray leaves after a number of reflections that follows from its slope, and
+/// returns the sky times the reflectance of each. A ray with more than 64 reflections returns 0. 1e-5 for up to 64
+/// products of f32.
 #[test]
 fn sixty_four_bounces_between_mirrors_lose_nothing_and_gain_nothing() {
     let mirror = |reflectance: f32| Material {
@@ -97,14 +97,14 @@ fn sixty_four_bounces_between_mirrors_lose_nothing_and_gain_nothing() {
         let (mut judged, mut most, mut trapped) = (0, 0, 0);
         for ((v, u, t, s, channel), &found) in color.samples().indexed_iter() {
             let ray = rig.ray(v, u, t, s, 0.5, 0.5);
-            // The mirror number k is met after 1 + 1.5 k meters of depth.
+            // Mirror number k is hit at a depth of 1 + 1.5 k meters.
             let reach = |k: i32| {
                 (0..2)
                     .map(|i| (ray.origin_m[i] + ray.direction[i] * (1.0 + 1.5 * f64::from(k))).abs())
                     .fold(0.0, f64::max)
             };
             let reflections = (0..).find(|&k| reach(k) > 1.0 || k > 80).expect("a number");
-            // Too close to a mirror's border to say, or to the last bounce.
+            // Too close to the edge of a mirror, or to the last bounce.
             if (0..=reflections).any(|k| (reach(k) - 1.0).abs() < 1e-5) || (63..66).contains(&reflections) {
                 continue;
             }
@@ -133,17 +133,17 @@ fn narrow_rig(half_angle: f64) -> Rig {
         .expect("a rig")
 }
 
-/// At the critical angle and at grazing incidence the equations of Fresnel divide by what is nearly nothing: a pane
-/// seen at angles down to 0.001 degrees, and a prism around the critical angle in steps of 1e-6 and 1e-5 of it, through
-/// cameras that see no more than that. Under a sky of 1 a pane shows 1, to 2 % for noise. In a block of glass a ray
-/// just short of the critical angle meets the face and the one opposite a little more than every second time (34 of 64
-/// events, by its slope), passes T of Fresnel's equations each time, and is held by the other faces: n^2 (1 - (1 -
-/// T)^34), to 15 % for what 34 is worth; beyond the angle it never leaves. (At 1e-6 the rounding of f32 directions is a
-/// tenth of the step: never more than n^2.)
+/// Near the critical angle and at grazing incidence Fresnel's equations divide by numbers near 0. The test views a pane
+/// at angles down to 0.001 degrees, and a block of glass around the critical angle in steps of 1e-6 and 1e-5 of it,
+/// with cameras of that field of view. Under a sky of 1 the pane has radiance 1, to 2 % for noise. In the block, a ray
+/// just below the critical angle hits the face or the opposite one at 34 of 64 path vertices, by its slope. A share T
+/// is transmitted each time, and the other faces reflect totally: n^2 (1 - (1 - T)^34), to 15 % for the uncertainty of
+/// 34. Beyond the angle the ray never leaves. (At 1e-6 the rounding of f32 directions is a tenth of the step: at most
+/// n^2.)
 #[test]
-fn grazing_and_critical_angles_are_numbers() {
+fn radiance_at_grazing_and_critical_angles_is_finite() {
     for degrees in [10.0_f64, 1.0, 0.1, 0.01, 0.001] {
-        // The plane of the pane holds the view's center but for this angle: from (0, 0, 0) it is met after 2 m.
+        // The center of the view is in the plane of the pane up to this angle; a ray from (0, 0, 0) hits it after 2 m.
         let angle = degrees.to_radians();
         let (sin, cos) = (0.5 * (std::f64::consts::FRAC_PI_2 - angle)).sin_cos();
         let tilted = Transform::from_parts([0.0, 0.0, -2.0], [sin, 0.0, 0.0, cos], [1.0; 3]);
@@ -193,9 +193,9 @@ fn grazing_and_critical_angles_are_numbers() {
     }
 }
 
-/// Light of 1e12 and of 1e-12: the image is the same but for the factor, 24 bits of it.
+/// Light of 1e12 and of 1e-12: the image is the same up to the factor, to 24 bits.
 #[test]
-fn very_strong_and_very_faint_light_is_light() {
+fn images_scale_with_very_strong_and_very_faint_light() {
     let image = |power: f64| {
         let mut scene = common::soup(60, 3);
         let kind = LightKind::Point { position: [0.5, 1.0, 0.0], range: None };
@@ -216,7 +216,7 @@ fn very_strong_and_very_faint_light_is_light() {
         assert!(other.samples().iter().filter(|x| **x > 0.0).count() > 100, "something must be lit");
         for (a, b) in one.samples().iter().zip(other.samples()) {
             let (a, b) = (f64::from(*a), f64::from(*b) / power);
-            // Which light is asked, and where, is the same; sums of some ten f32.
+            // The choices of light sampling are the same; sums of about ten f32.
             assert!((a - b).abs() <= 1e-5 * a.abs(), "{power}: {a} {b}");
         }
     }

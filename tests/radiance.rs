@@ -13,7 +13,7 @@ use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Layer, L
 use holo_scene::Environment;
 use ndarray::Array3;
 
-/// One image to compare.
+/// One image comparison.
 struct Case {
     scene: &'static str,
     map: Option<&'static str>,
@@ -100,7 +100,8 @@ fn own() -> PathBuf {
 
 const SKY: [f32; 3] = [0.2, 0.24, 0.32];
 
-/// Rough metal, rough and colored glass, a thin pane, varnish, a texture; two punctual lights and a constant sky.
+/// Rough metal, rough and colored glass, a thin pane, a dielectric coat, a texture; two punctual lights and a constant
+/// sky.
 #[test]
 fn metal_and_glass_are_lit_as_in_mitsuba() {
     let case = |integrator, reference, rmse| Case {
@@ -115,14 +116,14 @@ fn metal_and_glass_are_lit_as_in_mitsuba() {
     };
     compare(&own(), &case(Integrator::Path, "metal_and_glass_path.pfm", 0.0095), Backend::Auto);
     compare(&own(), &case(Integrator::Direct, "metal_and_glass_direct.pfm", 0.003), Backend::Auto);
-    // The built-in tree sees the same light.
+    // The built-in BVH agrees.
     let short = Case { samples: 64, rmse: 0.035, ..case(Integrator::Path, "metal_and_glass_path.pfm", 0.0) };
     compare(&own(), &short, Backend::Bvh);
 }
 
-/// An environment map through a window frame, a panel that glows, varnish and rough metal.
+/// An environment map through a window frame, an emissive panel, a dielectric coat and rough metal.
 #[test]
-fn surroundings_and_emitters_light_as_in_mitsuba() {
+fn environment_and_emitters_light_as_in_mitsuba() {
     for (integrator, reference) in [(Integrator::Path, "window_path.pfm"), (Integrator::Direct, "window_direct.pfm")] {
         let case = Case {
             scene: "window.glb",
@@ -147,7 +148,7 @@ fn the_still_life_is_lit_as_in_mitsuba() {
         eprintln!("not run: needs the reference scene (HOLO_REFERENCE)");
         return;
     }
-    // HOLO_SAMPLES=4096 for the whole truth.
+    // HOLO_SAMPLES=4096 gives a converged image.
     let samples = std::env::var("HOLO_SAMPLES").ok().and_then(|text| text.parse().ok()).unwrap_or(144);
     let references =
         [(Integrator::Path, "still_life_radiance_path.pfm"), (Integrator::Direct, "still_life_radiance_direct.pfm")];

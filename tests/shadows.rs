@@ -1,4 +1,4 @@
-//! Shadows where they usually go wrong: no light through surfaces, no surface in its own shadow.
+//! Hard cases of shadows: no light leaks, no self-shadowing.
 
 mod common;
 
@@ -11,11 +11,11 @@ fn light(kind: LightKind) -> Light {
     Light { name: String::new(), intensity: [1.0; 3], kind }
 }
 
-/// Pixels without any light, of all views.
+/// The black pixels of all views, and the number of all pixels.
 fn dark_pixels(scene: &Scene, backend: holo_render::Backend) -> (usize, usize) {
     let rig = rig([4, 4], [40, 60], 0.002, 2.0, Projection::Perspective);
     let color = render(scene, &everything(rig, 1, [0.0; 3]), backend, 2).color.expect("lit");
-    // What is no number is dark, too.
+    // NaN counts as black.
     let dark = color.samples().iter().step_by(3).filter(|x| x.is_nan() || **x <= 0.0).count();
     (dark, color.samples().len() / 3)
 }
@@ -40,7 +40,7 @@ fn slivers_do_not_shade_themselves() {
     }
 }
 
-/// A sheet 30 cm before a wall casts the same shadow whether the lamp is 100 m or 1000 km away behind the camera.
+/// A sheet 30 cm in front of a wall casts the same shadow for a light 100 m or 1000 km behind the camera.
 #[test]
 fn the_distance_of_a_lamp_does_not_lose_its_shadow() {
     for backend in engines() {
@@ -62,7 +62,7 @@ fn the_distance_of_a_lamp_does_not_lose_its_shadow() {
     }
 }
 
-/// A lamp that lies in the ceiling lights the room below.
+/// A point light within the ceiling lights the room below.
 #[test]
 fn a_lamp_in_the_ceiling_is_not_hidden_by_it() {
     let mut scene = Scene::default();
@@ -93,8 +93,8 @@ fn duplicates_do_not_shade_each_other() {
     }
 }
 
-/// A tilted wall that is a micrometer, a meter or a thousand kilometers wide does not shade itself: what keeps shadow
-/// rays off a surface grows with the scene.
+/// A tilted wall that is a micrometer, a meter or a thousand kilometers wide does not shadow itself: the offset of
+/// shadow rays scales with the scene.
 #[test]
 fn no_scale_shades_itself() {
     for scale in [1e-6, 1e-3, 1.0, 1e3, 1e6] {
@@ -112,8 +112,9 @@ fn no_scale_shades_itself() {
     }
 }
 
-/// A tilted plain of 5000 triangles under a sun 0.01 degrees above it: every pixel has E sin(0.01 degrees), to the 1e-3
-/// that f32 knows of so flat a cosine (1e-7 of 1.7e-4), and none is dark. With the sun as far below, all are black.
+/// A tilted plane of 5000 triangles under a sun 0.01 degrees above it: every pixel has E sin(0.01 degrees), to 1e-3,
+/// the rounding of this cosine in f32 (1e-7 of 1.7e-4), and none is black. With the sun 0.01 degrees below, all are
+/// black.
 #[test]
 fn grazing_light_is_even() {
     let elevation = 0.01_f64.to_radians();
@@ -148,7 +149,7 @@ fn grazing_light_is_even() {
     }
 }
 
-/// A closed room is black whatever shines outside: no light comes through its walls, edges and corners.
+/// A closed room is black with any light outside: no light leaks through its walls, edges and corners.
 #[test]
 fn no_light_leaks_into_a_closed_room() {
     let positions = (0..8).map(|k| [0, 1, 2].map(|axis| if k >> axis & 1 == 1 { 1.0 } else { -1.0 })).collect();
@@ -170,14 +171,14 @@ fn no_light_leaks_into_a_closed_room() {
             let request = Request { integrator, ..everything(rig, 4, [1.0; 3]) };
             let rendered = render(&scene, &request, backend, 2);
             assert!(rendered.central[Layer::Depth].iter().all(|z| z.is_finite()));
-            let lit = rendered.color.expect("asked for").samples().iter().filter(|x| **x != 0.0).count();
+            let lit = rendered.color.expect("requested").samples().iter().filter(|x| **x != 0.0).count();
             assert_eq!(lit, 0, "{backend:?} {integrator:?}");
         }
     }
 }
 
-/// A coarse ball with smooth normals under a sun: where the triangle itself is turned away it is dark, and where it
-/// faces the sun it is not darker than Lambert's law makes it; no light comes through from behind.
+/// A coarse ball with smooth normals under a sun: triangles that face away are black, and triangles that face the sun
+/// are not darker than by Lambert's law; no light leaks from behind.
 #[test]
 fn the_terminator_of_a_coarse_ball_has_neither_acne_nor_leaks() {
     let mut mesh = Mesh::default();
@@ -206,7 +207,7 @@ fn the_terminator_of_a_coarse_ball_has_neither_acne_nor_leaks() {
         let layers = LayerSet::of(&[Layer::GeometricNormal, Layer::ShadingNormal, Layer::HitMask]);
         let request = Request { layers, ..everything(rig, 1, [0.0; 3]) };
         let rendered = render(&scene, &request, backend, 2);
-        let (color, all) = (rendered.color.expect("lit"), rendered.all.expect("asked for"));
+        let (color, all) = (rendered.color.expect("lit"), rendered.all.expect("requested"));
         let (geometric, shading) = (all[Layer::GeometricNormal].samples(), all[Layer::ShadingNormal].samples());
         let [mut leaks, mut acne, mut lit] = [0; 3];
         for ((v, u, t, s, c), value) in color.samples().indexed_iter() {

@@ -1,4 +1,4 @@
 //! libFuzzer's main loop around [`holo_fuzz`]'s target `mat`.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(init: holo_fuzz::let_the_net_catch(), |data: &[u8]| holo_fuzz::io::mat(data));
+libfuzzer_sys::fuzz_target!(init: holo_fuzz::ignore_guarded_panics(), |data: &[u8]| holo_fuzz::io::mat(data));

@@ -1,4 +1,4 @@
-//! glTF from strangers: loads or is refused; what loads validates, and survives being written and loaded again.
+//! glTF of any bytes: it loads or is an error; what loads is valid, and can be written and loaded again.
 
 use holo_scene::gltf::{Limits, load_slice, to_glb};
 
@@ -14,8 +14,8 @@ const LIMITS: Limits = Limits {
 /// One glTF file, binary or JSON.
 ///
 /// # Panics
-/// Where a property does not hold. A panic inside the loader becomes an error there; libFuzzer stops at it all the
-/// same, and here its message is recognized.
+/// If a property does not hold. The loader converts a panic to an error; libFuzzer stops at it all the same, and this
+/// function recognizes its message.
 pub fn gltf(data: &[u8]) {
     let loaded = match load_slice(data, &LIMITS) {
         Ok(loaded) => loaded,

@@ -1,7 +1,7 @@
-//! HDF5 files with sound structure and any attributes: the input says which, of what type, with which values.
+//! HDF5 files with valid structure and arbitrary attributes: the input determines their names, types and values.
 //!
-//! What the C library makes of damaged bytes is in its own hands (`holo_io`'s documents say so); what is put to the
-//! test here is what this project makes of everything that the library can hand it.
+//! The C library is responsible for damaged bytes, as the documentation of `holo_io` states. This target tests how the
+//! reader handles everything that the library can return.
 
 use hdf5::types::{VarLenAscii, VarLenUnicode};
 use hdf5::{Container, File, H5Type};
@@ -24,7 +24,7 @@ const NAMES: [&str; 10] = [
 const WORDS: [&str; 8] =
     ["vutsc", "tsvuc", "perspective", "orthographic", "", "vuts", "uint8", "holo light field 1, with a longer text"];
 
-/// Takes the input apart byte by byte; zeros follow its end.
+/// The input byte by byte; zeros follow its end.
 struct Bytes<'a>(&'a [u8]);
 
 impl Bytes<'_> {
@@ -50,7 +50,7 @@ impl Bytes<'_> {
     }
 }
 
-/// HDF5: a file is written as the input says, and read or refused.
+/// HDF5: writes a file from the input, and reads it or returns an error.
 ///
 /// # Panics
 ///
@@ -116,7 +116,7 @@ fn attribute(file: &File, name: &str, bytes: &mut Bytes<'_>) {
     let count = bytes.below(4);
     let numbers: Array1<f64> = (0..count).map(|_| bytes.number()).collect();
     let word = WORDS[bytes.below(WORDS.len())];
-    // Of the file, or of the samples, where some look for them.
+    // Of the file, or of the samples.
     macro_rules! create {
         ($data:expr) => {
             if bytes.next() > 60 {

@@ -1,4 +1,4 @@
-//! The readers of `holo-io`: any bytes are read or refused, and what was read can be written and reads back equal.
+//! The readers of `holo-io`: any bytes are read or are an error, and what was read can be written and read back equal.
 
 use holo_core::SampleKind;
 use holo_io::{
@@ -6,10 +6,10 @@ use holo_io::{
     decode_exr_rgb, decode_hdr, decode_mat, decode_pfm, decode_png, encode_exr, encode_mat, encode_png,
 };
 
-/// Small, so that a few bytes that announce much are refused quickly.
+/// Small, so that large sizes in small files are errors quickly.
 const LIMITS: Limits = Limits { max_bytes: 1 << 20 };
 
-/// PNG: read, written at both strengths, read again.
+/// PNG: read, written at both compressions, read again.
 ///
 /// # Panics
 ///
@@ -23,7 +23,7 @@ pub fn png(data: &[u8]) {
     }
 }
 
-/// PFM: read, written, read again; compared as bytes, so that NaN counts.
+/// PFM: read, written, read again; compared as bytes, so that NaN is equal.
 ///
 /// # Panics
 ///
@@ -36,9 +36,9 @@ pub fn pfm(data: &[u8]) {
     assert_eq!(again.to_bytes().expect("what was read can be written"), bytes);
 }
 
-/// OpenEXR: read both ways, written where the format's writer can, read again; compared as bits, so that NaN counts.
+/// OpenEXR: read both ways, written where the format's writer can, read again; compared as bits, so that NaN is equal.
 ///
-/// A panic in the decoder becomes an error, which is what the reader promises.
+/// The reader converts a panic of the decoder to an error.
 ///
 /// # Panics
 ///
@@ -47,7 +47,7 @@ pub fn exr(data: &[u8]) {
     let _ = decode_exr_rgb(data, &LIMITS);
     let Ok(image) = decode_exr(data, &LIMITS) else { return };
     let channels: Vec<_> = image.channels.iter().map(|(name, plane)| ExrChannel::float(name, plane.view())).collect();
-    // Names that repeat and parts of several sizes can be read, but not written.
+    // Duplicate names and parts of several sizes can be read but not written.
     let Ok(bytes) = encode_exr(&channels) else { return };
     let again = decode_exr(&bytes, &Limits::default()).expect("what was written can be read");
     assert_eq!(again.channels.len(), image.channels.len());
@@ -57,7 +57,7 @@ pub fn exr(data: &[u8]) {
     }
 }
 
-/// Radiance HDR: read or refused; what was read is neither negative nor NaN.
+/// Radiance HDR: read or an error; samples are neither negative nor NaN.
 ///
 /// # Panics
 ///
@@ -67,9 +67,9 @@ pub fn hdr(data: &[u8]) {
     assert!(image.dim().2 == 3 && image.iter().all(|&value| value >= 0.0));
 }
 
-/// MAT files of level 5: read, written both ways, read again; compared as bytes, so that NaN counts.
+/// MAT files of version 5: read, written both ways, read again; compared as bytes, so that NaN is equal.
 ///
-/// A panic in the decoder becomes an error, which is what the reader promises.
+/// The reader converts a panic of the decoder to an error.
 ///
 /// # Panics
 ///
@@ -78,7 +78,7 @@ pub fn mat(data: &[u8]) {
     let Ok(read) = decode_mat(data, &LIMITS) else { return };
     let variables: Vec<_> = read.iter().map(|(name, value)| MatVariable { name, value: value.view() }).collect();
     let plain = MatOptions::default();
-    // Names that repeat, or that MATLAB has not, can be read but not written.
+    // Duplicate names, and names that are invalid in MATLAB, can be read but not written.
     let Ok(bytes) = encode_mat(&variables, &plain) else { return };
     let compressed = encode_mat(&variables, &MatOptions { is_compressed: true, ..plain });
     for again in [&bytes, &compressed.expect("what can be written plain can be compressed")] {
@@ -88,7 +88,7 @@ pub fn mat(data: &[u8]) {
     }
 }
 
-/// `parameters.cfg`: read, written, read again; compared as text, so that NaN counts.
+/// `parameters.cfg`: read, written, read again; compared as text, so that NaN is equal.
 ///
 /// # Panics
 ///
@@ -98,11 +98,11 @@ pub fn parameters_cfg(data: &[u8]) {
     let text = parameters.to_text().expect("what was read can be written");
     let again = ParametersCfg::from_text(&text).expect("what was written can be read");
     assert_eq!(again.to_text().expect("what was read can be written"), text);
-    // Numbers out of a file may make an impossible rig; that must be an error and nothing else.
+    // The numbers of a file may be an impossible rig; that is an error.
     let _ = parameters.rig();
 }
 
-/// `manifest.json`: read, written, read again; compared as text, so that NaN counts.
+/// `manifest.json`: read, written, read again; compared as text, so that NaN is equal.
 ///
 /// # Panics
 ///

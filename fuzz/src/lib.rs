@@ -10,9 +10,8 @@ pub use gltf::gltf;
 #[cfg(feature = "hdf5")]
 pub use hdf5::hdf5;
 
-/// Lets panics that `holo-io` catches pass by: libFuzzer ends at any panic, and the readers promise an error for those
-/// of the decoders under their net.
-pub fn let_the_net_catch() {
+/// Makes libFuzzer ignore panics inside the panic guard of `holo-io`, which the readers convert to errors.
+pub fn ignore_guarded_panics() {
     let end = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
         if !holo_io::is_guarding() {

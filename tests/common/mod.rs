@@ -1,5 +1,5 @@
-//! Scenes and rigs that several tests use.
-#![allow(dead_code)] // every test file uses its own part
+//! Scenes, rigs and vectors for several tests.
+#![allow(dead_code)] // every test file uses a part of it
 
 mod peer;
 
@@ -7,7 +7,7 @@ use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_render::{Backend, GroundTruth, Integrator, Rendered, Renderer, Request};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
 
-/// SplitMix64: the same numbers everywhere.
+/// SplitMix64, a deterministic pseudo-random generator.
 pub struct Random(pub u64);
 
 impl Random {
@@ -58,7 +58,7 @@ pub fn square(half: f32) -> Mesh {
     }
 }
 
-/// Random triangles between 2 and 6 m in front of the camera, a few colors.
+/// Random triangles of a few colors, 2 to 6 m in front of the camera.
 pub fn soup(count: usize, seed: u64) -> Scene {
     let mut random = Random(seed);
     let mut scene = Scene::default();
@@ -97,7 +97,7 @@ pub fn truth(rig: Rig) -> Request {
     Request { integrator: Integrator::Depth, ..everything(rig, 1, [0.0; 3]) }
 }
 
-/// The engines that this machine has; reports when Embree is missing.
+/// The ray tracing backends of this machine. Prints a line if Embree is missing.
 pub fn engines() -> Vec<Backend> {
     match Renderer::new(&soup(4, 1), &Transform::IDENTITY, Backend::Embree, 1) {
         Ok(_) => vec![Backend::Embree, Backend::Bvh],
@@ -106,4 +106,19 @@ pub fn engines() -> Vec<Backend> {
             vec![Backend::Bvh]
         }
     }
+}
+
+/// The difference of two vectors.
+pub fn sub(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// The dot product of two vectors.
+pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The cross product of two vectors.
+pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

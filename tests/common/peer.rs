@@ -1,6 +1,6 @@
-//! What a test does where a program or a library that it compares with is missing.
+//! The treatment of tests whose peer, a program or a library for comparison, is missing.
 
-/// Reports that a check is not run because this machine lacks `needs`.
+/// Reports that a check does not run because `needs` is missing on this machine.
 ///
 /// # Panics
 ///

@@ -1,4 +1,4 @@
-//! A list of digests that must stay as they are: one line a thing, `digest  engine/name`.
+//! A list of pinned digests, one per line: `digest  engine/name`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -7,8 +7,8 @@ fn engine(name: &str) -> &str {
     name.split_once('/').map_or(name, |(engine, _)| engine)
 }
 
-/// Fails if a digest of `found` is other than in the file `list`, is not in it, or if one is missing that the list has
-/// for an engine that ran. What `is_optional` depends on how the tests were built and may be missing.
+/// Fails if a digest of `found` differs from the file `list` or is not in it, or if a digest of the list is missing for
+/// an engine that ran. Digests that `is_optional` accepts depend on the build and may be missing.
 ///
 /// With `HOLO_PIN` in the environment it writes the list instead and keeps the lines of engines that did not run.
 pub fn check(list: &Path, found: &BTreeMap<String, String>, is_optional: impl Fn(&str) -> bool) {

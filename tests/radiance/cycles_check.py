@@ -2,7 +2,7 @@
 
     cycles_check.py SCENE.glb REFERENCE.pfm [--environment FILE.hdr] [--spp 1024] [--bounces 7]
 
-Prints for every object the mean radiance of its inner pixels (their eight neighbours show the same object) here and there. `--bounces` is
+Prints for every object the mean radiance of its inner pixels (their eight neighbors show the same object) here and there. `--bounces` is
 Cycles': scattering events - 1. Blender's importer reads the file; what it understands otherwise than glTF says is set right, see `repair`.
 Needs bpy 5.0, OpenEXR and numpy.
 """
@@ -81,7 +81,7 @@ def surround(scene, environment):
     scene.world, world.use_nodes = world, True
     background = world.node_tree.nodes["Background"]
     if environment:
-        # Blender's longitude is ours: the picture needs no turn.
+        # Blender's longitude is ours: the image needs no turn.
         texture = world.node_tree.nodes.new("ShaderNodeTexEnvironment")
         texture.image = bpy.data.images.load(os.path.abspath(environment))
         world.node_tree.links.new(texture.outputs[0], background.inputs[0])
@@ -138,7 +138,7 @@ def render_once(scene, path):
 
 
 def render(path, environment, spp, bounces):
-    """Radiance and the index of the object seen at the centre of every pixel, rows from the top."""
+    """Radiance and the index of the object seen at the center of every pixel, rows from the top."""
     scene, names = prepare(path, environment, bounces)
     folder = tempfile.mkdtemp()
     scene.cycles.samples = spp
@@ -149,7 +149,7 @@ def render(path, environment, spp, bounces):
 
 
 def inner(index):
-    """Pixels whose neighbours show the same object."""
+    """Pixels whose neighbors show the same object."""
     edge = np.pad(index, 1, constant_values=-1)
     same = [edge[1 + dy : 1 + dy + HEIGHT, 1 + dx : 1 + dx + WIDTH] == index for dy in (-1, 0, 1) for dx in (-1, 0, 1)]
     return np.all(same, axis=0)
@@ -162,7 +162,7 @@ def main():
     parser.add_argument("--environment")
     parser.add_argument("--spp", type=int, default=1024)
     parser.add_argument("--bounces", type=int, default=7)
-    parser.add_argument("--save", help="keep Cycles' picture and the objects' indices (.npz)")
+    parser.add_argument("--save", help="keep Cycles' image and the objects' indices (.npz)")
     a = parser.parse_args()
     ours = read_pfm(a.reference).astype(np.float64)
     theirs, index, names = render(a.scene, a.environment, a.spp, a.bounces)

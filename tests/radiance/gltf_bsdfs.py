@@ -158,7 +158,7 @@ class Lambert(Surface):
 
 
 class Metal(Surface):
-    """GGX with Schlick's Fresnel between the base colour and white."""
+    """GGX with Schlick's Fresnel between the base color and white."""
 
     def __init__(self, props):
         super().__init__(props, mi.BSDFFlags.GlossyReflection)

@@ -9,10 +9,10 @@ import numpy as np
 
 from files import GlbWriter, png, write_hdr
 
-SENSOR_TO_FOCAL = 36.0 / 45.0  # width of the picture over its distance
+SENSOR_TO_FOCAL = 36.0 / 45.0  # width of the image over its distance
 
 
-# Shapes: (positions, normals or None, texture coordinates or None, triangles), metres, counter-clockwise from outside.
+# Shapes: (positions, normals or None, texture coordinates or None, triangles), meters, counter-clockwise from outside.
 
 
 def lathe(profile, segments):
@@ -48,12 +48,12 @@ def torus(radius, thickness, segments, rings):
     """Lies in the plane y = 0."""
     a, b = np.meshgrid(np.arange(segments) * 2 * math.pi / segments, np.arange(rings) * 2 * math.pi / rings, indexing="ij")
     normals = np.stack([np.cos(a) * np.cos(b), np.sin(b), -np.sin(a) * np.cos(b)], axis=-1)
-    centres = radius * np.stack([np.cos(a), 0 * a, -np.sin(a)], axis=-1)
+    centers = radius * np.stack([np.cos(a), 0 * a, -np.sin(a)], axis=-1)
     i, j = np.meshgrid(np.arange(segments), np.arange(rings), indexing="ij")
     index = lambda i, j: (i % segments) * rings + j % rings
     corners = [index(i, j), index(i + 1, j), index(i + 1, j + 1), index(i, j + 1)]
     triangles = np.stack([np.stack([corners[p] for p in t], axis=-1) for t in ([0, 1, 2], [0, 2, 3])], axis=2)
-    return (centres + thickness * normals).reshape(-1, 3), normals.reshape(-1, 3), None, triangles.reshape(-1, 3)
+    return (centers + thickness * normals).reshape(-1, 3), normals.reshape(-1, 3), None, triangles.reshape(-1, 3)
 
 
 def geodesic(radius, divisions):
@@ -126,7 +126,7 @@ def turned_y(shape, degrees):
 
 
 def tiles(size, count, light, dark):
-    """A board of soft-edged fields, each of a slightly different colour."""
+    """A board of soft-edged fields, each of a slightly different color."""
     y, x = (np.mgrid[0:size, 0:size] + 0.5) / size * count
     wave = np.clip(0.5 + 2.5 * np.sin(math.pi * x) * np.sin(math.pi * y), 0, 1)[..., None]
     shade = 1 - 0.25 * ((np.floor(x) * 3 + np.floor(y) * 5) % 7 / 7)[..., None]
@@ -134,7 +134,7 @@ def tiles(size, count, light, dark):
 
 
 def stripes(size, count, colors):
-    """Diagonal bands of several colours, darker towards the bottom."""
+    """Diagonal bands of several colors, darker towards the bottom."""
     y, x = (np.mgrid[0:size, 0:size] + 0.5) / size
     place = ((x + y) * count) % len(colors)
     lower = np.floor(place).astype(int)
@@ -218,7 +218,7 @@ def looking(direction):
 
 
 def rounded(points, steps):
-    """A smooth curve through the points (Catmull-Rom), `steps` pieces between neighbours."""
+    """A smooth curve through the points (Catmull-Rom), `steps` pieces between neighbors."""
     p = np.array([points[0], *points, points[-1]], float)
     out = []
     for k in range(1, len(p) - 2):

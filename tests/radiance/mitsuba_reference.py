@@ -5,7 +5,7 @@
     mitsuba_reference.py --check                                                           conventions against closed forms
 
 `--environment FILE.hdr` or `--sky R,G,B` (default 0.2,0.24,0.32) says what surrounds the scene. `--depth` is Mitsuba's max_depth:
-scattering events + 1. `--plugins mitsuba` takes Mitsuba's own nearest surfaces in place of glTF's: slightly other pictures, the same work.
+scattering events + 1. `--plugins mitsuba` takes Mitsuba's own nearest surfaces in place of glTF's: slightly other images, the same work.
 Needs mitsuba 3.9, numpy, pillow, and an LLVM that Dr.Jit finds (`DRJIT_LIBLLVM_PATH`).
 """
 import argparse
@@ -29,7 +29,7 @@ from files import Glb, read_hdr, rotation, write_pfm
 
 FOCUS_M, BASELINE_M = 0.8, 0.002
 
-# Mitsuba's rays start 9e-5 (1 + |p|) off a surface at p: in centimetres the 1 does not matter.
+# Mitsuba's rays start 9e-5 (1 + |p|) off a surface at p: in centimeters the 1 does not matter.
 UNITS = 100.0
 
 
@@ -146,9 +146,9 @@ def punctual(glb):
 
 
 def environment(radiance):
-    """An emitter for a map by our convention: u = 1/2 + atan2(z, x) / (2 pi), v = acos(y) / pi, texels at their centres.
+    """An emitter for a map by our convention: u = 1/2 + atan2(z, x) / (2 pi), v = acos(y) / pi, texels at their centers.
 
-    Mitsuba has its first and last row *at* the poles. With twice the rows plus one, its knots fall on the borders and centres of ours,
+    Mitsuba has its first and last row *at* the poles. With twice the rows plus one, its knots fall on the borders and centers of ours,
     and bilinear interpolation is the same function. Its u is atan2(x', -z') / (2 pi): ours with x' = -z, z' = x.
     """
     rows = len(radiance)
@@ -168,7 +168,7 @@ def camera(glb):
 
 
 def sensor(pose, width, height, offset=(0.0, 0.0)):
-    """A view of the off-axis rig, `offset` metres to the right and up of the centre."""
+    """A view of the off-axis rig, `offset` meters to the right and up of the center."""
     position, axes, tangent = pose
     origin = (position + axes @ [*offset, 0]) * UNITS
     shift = 1 / (2 * tangent * FOCUS_M)

@@ -85,8 +85,8 @@ fn seconds(s: &Seconds) -> Value {
 }
 
 /// Views, lenses and raw size in words.
-pub fn describe_shape(split: &LightFieldShape) -> String {
-    let (views, lenses, raw) = (split.views(), split.lenses(), split.raw_size());
+pub fn describe_shape(shape: &LightFieldShape) -> String {
+    let (views, lenses, raw) = (shape.views(), shape.lenses(), shape.raw_size());
     format!(
         "{} x {} views of {} x {} px (raw image {} x {})",
         views.columns, views.rows, lenses.columns, lenses.rows, raw.columns, raw.rows

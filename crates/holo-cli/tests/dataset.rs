@@ -53,7 +53,7 @@ fn what_is_done_is_kept_and_a_changed_setting_redoes_what_it_touches() {
     let first = bench.bytes("set");
     assert_eq!(states(&made(&bench, "set", "--json --quiet --threads 1")), ["kept"; 4], "threads decide nothing");
     assert!(bench.bytes("set") == first);
-    // One split more.
+    // One view count more.
     let more = SMALL.replace("2,3,4x2,5", "2,3,6,4x2,5");
     let outcome = bench.run(&format!("{more} --out set --json --quiet"));
     assert_eq!(states(&outcome), ["kept", "kept", "made", "kept", "kept"], "{outcome:?}");

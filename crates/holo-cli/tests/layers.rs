@@ -168,8 +168,8 @@ fn grids_in_linear_light_hold_the_same_radiance() {
     bench.render("out", "--write exr,el,vpi --layers color --ground-truth all");
     let read = |name: &str| read_exr(bench.path("out").join(name), &Limits::default()).unwrap();
     let (elemental, viewpoint) = (read("scene_el.exr"), read("scene_vpi.exr"));
-    let split = small_split();
-    let (views, lenses) = (split.views(), split.lenses());
+    let shape = small_split();
+    let (views, lenses) = (shape.views(), shape.lenses());
     for (channel, component) in ["R", "G", "B"].into_iter().enumerate() {
         let name = format!("ViewLayer.Combined.{component}");
         let (elemental, viewpoint) = (elemental.channel(&name).unwrap(), viewpoint.channel(&name).unwrap());

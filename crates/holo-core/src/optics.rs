@@ -61,7 +61,7 @@ pub struct DisparityRange {
 ///
 /// ```
 /// use holo_core::optics::{DepthRange, Optics};
-/// use holo_core::{GridSize, Rig, LightFieldShape};
+/// use holo_core::{GridSize, LightFieldShape, Rig};
 ///
 /// // The camera of the benchmark's scene "cotton".
 /// let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(512, 512))?)

@@ -50,14 +50,14 @@ pub(crate) fn write(root: &Path, jobs: &[Job], options: &Options, backend: &str)
 fn describe(jobs: &[Job], options: &Options, backend: &str) -> Result<Description, Error> {
     let mut scenes: Vec<SceneEntry> = Vec::new();
     let mut splits: Vec<LightFieldShape> = Vec::new();
-    for (source, split) in jobs {
+    for (source, shape) in jobs {
         let name = source.name();
         if scenes.iter().all(|scene| scene.name != name) {
             let purpose = gallery::purpose(&name).unwrap_or("a scene from a file").to_owned();
             scenes.push(SceneEntry { name, purpose, sha256: source.sha256()?.to_string() });
         }
-        if !splits.contains(split) {
-            splits.push(*split);
+        if !splits.contains(shape) {
+            splits.push(*shape);
         }
     }
     let pairs = |pairs: &[(&str, &str)]| pairs.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
@@ -97,9 +97,9 @@ fn write_document(description: &Description, text: &mut String) -> std::fmt::Res
     scenes.iter().try_for_each(|scene| writeln!(text, "| `{}` | {} |", scene.name, scene.purpose))?;
     writeln!(text, "\n## Splits\n\nEvery scene has a folder a split, named by its views, columns x rows.\n")?;
     writeln!(text, "| folder | views | lenses (pixels of a view) | raw image, px |\n|---|---|---|---|")?;
-    for split in splits {
+    for shape in splits {
         let (views, lenses, raw) =
-            (split.views().to_string(), split.lenses().to_string(), split.raw_size().to_string());
+            (shape.views().to_string(), shape.lenses().to_string(), shape.raw_size().to_string());
         writeln!(text, "| `{views}` | {views} | {lenses} | {raw} |")?;
     }
     writeln!(text, "\n## Files\n\n| file | what |\n|---|---|")?;
@@ -118,7 +118,7 @@ fn write_document(description: &Description, text: &mut String) -> std::fmt::Res
     )?;
     writeln!(text, "```\nholo dataset --out DIR \\")?;
     writeln!(text, "    --scenes {} \\", join(scenes.iter().map(|scene| scene.name.clone())))?;
-    write!(text, "    --splits {}", join(splits.iter().map(|split| split.views().to_string())))?;
+    write!(text, "    --splits {}", join(splits.iter().map(|shape| shape.views().to_string())))?;
     for argument in arguments(&description.options).filter(|argument| !argument.ends_with('=')) {
         write!(text, " \\\n    {argument}")?;
     }

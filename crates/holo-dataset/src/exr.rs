@@ -29,8 +29,8 @@ pub(crate) fn write_central(folder: &mut OutputFolder, rendered: &Rendered) -> R
 ///
 /// Row of lenses by row of lenses, or row of views by row of views: no second picture is in memory.
 pub(crate) fn write_grid(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, layout: Layout) -> Result<(), Error> {
-    let split = color.shape();
-    let (views, lenses, size) = (split.views(), split.lenses(), split.raw_size());
+    let shape = color.shape();
+    let (views, lenses, size) = (shape.views(), shape.lenses(), shape.raw_size());
     let (name, bands) = match layout {
         Layout::ElementalGrid => (dataset::ELEMENTAL_EXR, lenses.rows),
         Layout::ViewpointGrid => (dataset::VIEWPOINT_EXR, views.rows),

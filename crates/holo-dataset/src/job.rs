@@ -125,7 +125,7 @@ impl RenderJob {
             Some(shard) => shard::write(traced, shard, folder),
             None => write(&self.spec, traced, exposure_ev, folder),
         })?;
-        let split = prepared.rig.shape();
+        let shape = prepared.rig.shape();
         Ok(RenderReport {
             seconds: Seconds {
                 load: prepared.load_seconds,
@@ -136,7 +136,7 @@ impl RenderJob {
             },
             rays,
             samples: match integrator {
-                Integrator::Depth => split.views().count() as u64 * split.lenses().count() as u64,
+                Integrator::Depth => shape.views().count() as u64 * shape.lenses().count() as u64,
                 _ => samples,
             },
             backend: renderer.engine_name().to_owned(),

@@ -79,21 +79,21 @@ impl DatasetPlan {
         check_names(sources)?;
         let mut splits: Vec<LightFieldShape> = Vec::new();
         for &views in views {
-            if splits.iter().any(|split| split.views() == views) {
+            if splits.iter().any(|shape| shape.views() == views) {
                 return Err(Error::BadRequest(format!("--views has {} twice", views)));
             }
             splits.push(spec.rig.sensor.divide(views, Remainder::Crop)?.shape);
         }
         let mut jobs = Vec::new();
         for source in sources {
-            for &split in &splits {
+            for &shape in &splits {
                 let mut spec = spec.clone();
-                spec.rig.views = split.views();
+                spec.rig.views = shape.views();
                 let mut words = spec.to_options();
                 words.extend(options.clone());
-                words.insert("views".into(), split.views().to_string());
+                words.insert("views".into(), shape.views().to_string());
                 let render = RenderJob::new(source.clone(), spec).with_options(words).with_engine(engine);
-                jobs.push(DatasetJob { shape: split, render });
+                jobs.push(DatasetJob { shape, render });
             }
         }
         let options = crate::options::without_paths(options, &spec);

@@ -51,8 +51,8 @@ pub(crate) fn prepare(
     purpose: Purpose,
     diagnostics: &dyn Diagnostics,
 ) -> Result<Prepared, Error> {
-    let split = split(rig, diagnostics)?;
-    validate_memory(&split, purpose)?;
+    let shape = shape(rig, diagnostics)?;
+    validate_memory(&shape, purpose)?;
     let start = Instant::now();
     let scene = source.path();
     let mut loaded = source.load().map_err(|e| match e {
@@ -65,7 +65,7 @@ pub(crate) fn prepare(
     let load_seconds = start.elapsed().as_secs_f64();
     loaded.warnings.iter().for_each(|warning| diagnostics.report(About::Scene, &format!("warning: {warning}")));
     let framing = Framing {
-        shape: split,
+        shape,
         camera: camera(rig.camera.as_ref(), &loaded),
         // Divided, because 1e-3 is not exact: 36 mm times it is not 0.036 m.
         focal_length_m: rig.focal_mm.map(|mm| mm / 1e3),
@@ -155,13 +155,13 @@ fn named(scene: &Path, message: &str) -> String {
 
 /// Asks for the memory that a render will need and gives it back untouched, so that impossible sizes are refused before
 /// any time is spent on them.
-fn validate_memory(split: &LightFieldShape, purpose: Purpose) -> Result<(), Error> {
+fn validate_memory(shape: &LightFieldShape, purpose: Purpose) -> Result<(), Error> {
     /// Room for tables over the rows and columns of lenses and views.
     const LINE_BYTES: usize = 64;
-    let (views, lenses, raw) = (split.views(), split.lenses(), split.raw_size());
+    let (views, lenses, raw) = (shape.views(), shape.lenses(), shape.raw_size());
     let lines = [views.rows, views.columns, lenses.rows, lenses.columns];
     let bytes = lines.iter().map(|count| count.saturating_mul(LINE_BYTES)).fold(
-        split
+        shape
             .sample_count()
             .saturating_mul(purpose.sample_bytes)
             .saturating_add(lenses.count().saturating_mul(purpose.lens_bytes)),
@@ -187,7 +187,7 @@ fn validate_memory(split: &LightFieldShape, purpose: Purpose) -> Result<(), Erro
     Ok(())
 }
 
-fn split(rig: &RigSpec, diagnostics: &dyn Diagnostics) -> Result<LightFieldShape, Error> {
+fn shape(rig: &RigSpec, diagnostics: &dyn Diagnostics) -> Result<LightFieldShape, Error> {
     if let Some(lenses) = rig.lenses {
         return Ok(LightFieldShape::new(rig.views, lenses)?);
     }

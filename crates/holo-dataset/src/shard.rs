@@ -145,12 +145,12 @@ pub(crate) fn read(folders: &[PathBuf]) -> Result<(Traced, RenderSpec), Error> {
     let parameters = ParametersCfg::read(parts[0].folder.join(dataset::PARAMETERS_CFG))?;
     let broken = |what: String| Error::Failed(format!("{}: {what}", parts[0].folder.display()));
     let rig = manifest.rig.ok_or_else(|| broken("the manifest has no rig".into()))?;
-    let split = *rig.shape();
+    let shape = *rig.shape();
     let wanted = Wanted::new(&spec);
 
     let has = |name: &str| parts[0].manifest.files.contains_key(name);
-    let color = has(COLOR).then(|| gather(&parts, COLOR, split, 3)).transpose()?;
-    let one = LightFieldShape::new(GridSize::new(1, 1), split.lenses())?;
+    let color = has(COLOR).then(|| gather(&parts, COLOR, shape, 3)).transpose()?;
+    let one = LightFieldShape::new(GridSize::new(1, 1), shape.lenses())?;
     let mut central: Layers<Array3<f32>> = Layers::default();
     let mut all: Layers<LightFieldOwned<f32>> = Layers::default();
     for layer in Layer::ALL {
@@ -161,7 +161,7 @@ pub(crate) fn read(folders: &[PathBuf]) -> Result<(Traced, RenderSpec), Error> {
         }
         let name = all_file(layer);
         if has(&name) {
-            all.extend([(layer, gather(&parts, &name, split, layer.channels())?)]);
+            all.extend([(layer, gather(&parts, &name, shape, layer.channels())?)]);
         }
     }
     let integrator = manifest.settings.get("integrator").and_then(Setting::as_text).and_then(integrator_from_name);
@@ -232,11 +232,11 @@ fn same(parts: &[Part<'_>]) -> Result<Manifest, Error> {
 fn gather(
     parts: &[Part<'_>],
     name: &str,
-    split: LightFieldShape,
+    shape: LightFieldShape,
     channels: usize,
 ) -> Result<LightFieldOwned<f32>, Error> {
-    let (views, lenses) = (split.views(), split.lenses());
-    let size = split.raw_size();
+    let (views, lenses) = (shape.views(), shape.lenses());
+    let size = shape.raw_size();
     let mut grid = Array3::<f32>::zeros((size.rows, size.columns, channels));
     let mut first = 0;
     for part in parts {
@@ -255,5 +255,5 @@ fn gather(
     if first != lenses.rows {
         return Err(Error::Failed(format!("{name}: the parts have {first} of {} rows of lenses", lenses.rows)));
     }
-    Ok(LightField::from_elemental_grid(grid, split)?)
+    Ok(LightField::from_elemental_grid(grid, shape)?)
 }

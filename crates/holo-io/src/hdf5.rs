@@ -88,15 +88,15 @@ impl Number for f64 {}
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, LightField, Rig, LightFieldShape};
+/// use holo_core::{GridSize, LightField, LightFieldShape, Rig};
 /// use holo_io::{Hdf5LightField, Hdf5Map, Hdf5Options, Limits, write_hdf5};
 /// use ndarray::{Array2, Array5};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("scene_5d.h5");
-/// let split = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5))?;
-/// let rig = Rig::builder(split).focal_length_m(0.05).sensor_size_m(0.036).baseline_m(1e-3).focus_distance_m(2.0).build()?;
-/// let light_field = LightField::new(Array5::<f32>::ones(split.array_shape(3)))?;
+/// let shape = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5))?;
+/// let rig = Rig::builder(shape).focal_length_m(0.05).sensor_size_m(0.036).baseline_m(1e-3).focus_distance_m(2.0).build()?;
+/// let light_field = LightField::new(Array5::<f32>::ones(shape.array_shape(3)))?;
 /// let depth_m = Array2::from_elem((4, 5), 2.5);
 /// write_hdf5(&path, &light_field, &rig, &[], &[(Hdf5Map::Depth, depth_m.view())], &Hdf5Options::default())?;
 /// let file = Hdf5LightField::open(&path, &Limits::default())?;

@@ -166,14 +166,14 @@ impl fmt::Display for FileInfo {
                 write!(f, " ({})", first_bytes.escape_ascii())
             }
             Self::DatasetFolder(folder) => {
-                let split = folder.shape();
+                let shape = folder.shape();
                 let no_picture = if folder.raw_image().is_none() { ", no picture" } else { "" };
-                write!(f, "dataset folder, {}{no_picture}", grid(split.views(), split.lenses()))
+                write!(f, "dataset folder, {}{no_picture}", grid(shape.views(), shape.lenses()))
             }
             Self::Datasets(datasets) => write!(f, "folder of {} dataset{}", datasets.len(), plural(datasets.len())),
             Self::HciFolder(folder) => {
-                let split = folder.shape();
-                write!(f, "HCI folder, {}", grid(split.views(), split.lenses()))
+                let shape = folder.shape();
+                write!(f, "HCI folder, {}", grid(shape.views(), shape.lenses()))
             }
             Self::GantryFolder(folder) => {
                 let views = folder.views();

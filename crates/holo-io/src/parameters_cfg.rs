@@ -30,7 +30,7 @@ const MAX_BYTES: u64 = 1 << 20;
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Rig, LightFieldShape};
+/// use holo_core::{GridSize, LightFieldShape, Rig};
 /// use holo_io::ParametersCfg;
 ///
 /// let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(512, 512))?).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
@@ -146,10 +146,10 @@ impl ParametersCfg {
     ///
     /// [`Error::Core`] if the numbers make no rig.
     pub fn rig(&self) -> Result<Rig, Error> {
-        let split = LightFieldShape::new(self.num_cams, self.image_resolution_px);
+        let shape = LightFieldShape::new(self.num_cams, self.image_resolution_px);
         let baseline_x_m = millimeters_to_meters(self.baseline_mm);
         let core = |error| Error::core(Path::new(MEMORY), error);
-        Rig::builder(split.map_err(core)?)
+        Rig::builder(shape.map_err(core)?)
             .focal_length_m(millimeters_to_meters(self.focal_length_mm))
             .sensor_size_m(millimeters_to_meters(self.sensor_size_mm))
             .baseline_x_m(baseline_x_m)

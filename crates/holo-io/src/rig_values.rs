@@ -32,10 +32,10 @@ impl From<&Rig> for RigValues {
 }
 
 /// Checks that a rig is for these views and lenses.
-pub(crate) fn check_split(path: &Path, rig: Option<&Rig>, split: &LightFieldShape) -> Result<(), Error> {
+pub(crate) fn check_split(path: &Path, rig: Option<&Rig>, shape: &LightFieldShape) -> Result<(), Error> {
     match rig {
-        Some(rig) if rig.shape() != split => {
-            Err(Error::bad_input(path, format!("the rig is for {:?}, but the light field has {split:?}", rig.shape())))
+        Some(rig) if rig.shape() != shape => {
+            Err(Error::bad_input(path, format!("the rig is for {:?}, but the light field has {shape:?}", rig.shape())))
         }
         _ => Ok(()),
     }
@@ -50,7 +50,7 @@ pub(crate) type FoundRig = Option<Result<Rig, holo_core::Error>>;
 /// is a perspective one; a single baseline is for both axes.
 pub(crate) fn rig(
     path: &Path,
-    split: LightFieldShape,
+    shape: LightFieldShape,
     baseline_m: Option<Vec<f64>>,
     lengths: [Option<Vec<f64>>; 3],
     projection: Option<&str>,
@@ -72,7 +72,7 @@ pub(crate) fn rig(
         Some("orthographic") => Projection::Orthographic,
         Some(other) => return Err(broken(format!("`projection` is '{other}'"))),
     };
-    let rig = Rig::builder(split)
+    let rig = Rig::builder(shape)
         .focal_length_m(millimeters_to_meters(one("focal_length_mm", focal)?))
         .sensor_size_m(millimeters_to_meters(one("sensor_size_mm", sensor)?))
         .baseline_x_m(baseline_x_m)

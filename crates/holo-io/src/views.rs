@@ -56,9 +56,9 @@ impl Views<'_> {
         let first = &self.files[0];
         let info = self.info(first)?;
         let channels = colours(info.channels);
-        let split = LightFieldShape::new(self.views, info.size).map_err(|error| Error::core(first, error))?;
+        let shape = LightFieldShape::new(self.views, info.size).map_err(|error| Error::core(first, error))?;
         let bytes = usize::from(info.bits / 8);
-        limits.elements(first.parent().unwrap_or(first), "light field", &split.array_shape(channels), bytes)?;
+        limits.elements(first.parent().unwrap_or(first), "light field", &shape.array_shape(channels), bytes)?;
         let as_first = |file: &Path| {
             let found = self.info(file)?;
             let same = found.size == info.size && found.bits == info.bits && colours(found.channels) == channels;
@@ -69,10 +69,10 @@ impl Views<'_> {
         };
         if bytes == 1 {
             let pick = |samples| if let DynImage::U8(samples) = samples { Some(samples) } else { None };
-            self.fill(split, channels, limits, as_first, pick).map(DynLightField::U8)
+            self.fill(shape, channels, limits, as_first, pick).map(DynLightField::U8)
         } else {
             let pick = |samples| if let DynImage::U16(samples) = samples { Some(samples) } else { None };
-            self.fill(split, channels, limits, as_first, pick).map(DynLightField::U16)
+            self.fill(shape, channels, limits, as_first, pick).map(DynLightField::U16)
         }
     }
 
@@ -95,13 +95,13 @@ impl Views<'_> {
 
     fn fill<T: Copy + Default + Send + Sync>(
         &self,
-        split: LightFieldShape,
+        shape: LightFieldShape,
         channels: usize,
         limits: &Limits,
         check: impl Fn(&Path) -> Result<(), Error> + Sync,
         pick: impl Fn(DynImage) -> Option<Array3<T>> + Sync,
     ) -> Result<LightFieldOwned<T>, Error> {
-        let mut light_field = LightFieldOwned::filled(split, channels, Layout::ViewpointGrid, T::default())
+        let mut light_field = LightFieldOwned::filled(shape, channels, Layout::ViewpointGrid, T::default())
             .map_err(|error| Error::core(&self.files[0], error))?;
         let read = |file: &PathBuf, mut view: ArrayViewMut3<'_, T>| {
             check(file)?;

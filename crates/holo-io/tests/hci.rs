@@ -17,8 +17,8 @@ use proptest::prelude::*;
 #[path = "common/python.rs"]
 mod python;
 
-fn rig(split: LightFieldShape) -> Rig {
-    Rig::builder(split)
+fn rig(shape: LightFieldShape) -> Rig {
+    Rig::builder(shape)
         .focal_length_m(0.1)
         .sensor_size_m(0.035)
         .baseline_m(0.025)
@@ -27,13 +27,13 @@ fn rig(split: LightFieldShape) -> Rig {
         .unwrap()
 }
 
-fn split(views: [usize; 2], lenses: [usize; 2]) -> LightFieldShape {
+fn shape(views: [usize; 2], lenses: [usize; 2]) -> LightFieldShape {
     LightFieldShape::new(GridSize::new(views[0], views[1]), GridSize::new(lenses[0], lenses[1])).unwrap()
 }
 
 /// Samples that tell where they belong, in memory as a raw image.
-fn field<T: Copy>(split: LightFieldShape, channels: usize, sample: impl Fn(u64) -> T) -> LightFieldOwned<T> {
-    let mut field = LightField::filled(split, channels, Layout::ElementalGrid, sample(0)).unwrap();
+fn field<T: Copy>(shape: LightFieldShape, channels: usize, sample: impl Fn(u64) -> T) -> LightFieldOwned<T> {
+    let mut field = LightField::filled(shape, channels, Layout::ElementalGrid, sample(0)).unwrap();
     // A step that reaches all bits.
     let mut value = 0_u64;
     field.samples_mut().map_inplace(|place| {
@@ -43,12 +43,12 @@ fn field<T: Copy>(split: LightFieldShape, channels: usize, sample: impl Fn(u64) 
     field
 }
 
-fn bytes(split: LightFieldShape, channels: usize) -> LightFieldOwned<u8> {
-    field(split, channels, |value| value as u8)
+fn bytes(shape: LightFieldShape, channels: usize) -> LightFieldOwned<u8> {
+    field(shape, channels, |value| value as u8)
 }
 
-fn maps(split: LightFieldShape) -> LightFieldOwned<f32> {
-    let mut maps = field(split, 1, |value| value as f32 / 1000.0);
+fn maps(shape: LightFieldShape) -> LightFieldOwned<f32> {
+    let mut maps = field(shape, 1, |value| value as f32 / 1000.0);
     maps.samples_mut()[[0, 0, 0, 0, 0]] = f32::INFINITY;
     maps
 }
@@ -65,10 +65,10 @@ fn write(path: &Path, views: &LightFieldOwned<u8>, parameters: &ParametersCfg) -
 
 /// A folder with 2 x 3 views of 4 x 5 pixels and no ground truth.
 fn small() -> (tempfile::TempDir, LightFieldOwned<u8>) {
-    let split = split([2, 3], [4, 5]);
+    let shape = shape([2, 3], [4, 5]);
     let folder = tempfile::tempdir().unwrap();
-    let views = bytes(split, 3);
-    write(folder.path(), &views, &ParametersCfg::from_rig(&rig(split))).unwrap();
+    let views = bytes(shape, 3);
+    write(folder.path(), &views, &ParametersCfg::from_rig(&rig(shape))).unwrap();
     (folder, views)
 }
 
@@ -79,16 +79,16 @@ proptest! {
         t in 1_usize..5, s in 1_usize..5, v in 1_usize..6, u in 1_usize..6, rgb: bool, deep: bool, all: bool,
         infinite: bool, published: bool,
     ) {
-        let split = split([t, s], [v, u]);
-        let mut rig = rig(split);
+        let shape = shape([t, s], [v, u]);
+        let mut rig = rig(shape);
         if infinite {
             rig = rig.to_builder().focus_distance_m(f64::INFINITY).build().unwrap();
         }
         let parameters = ParametersCfg::from_rig(&rig);
         let channels = if rgb { 3 } else { 1 };
-        let (shallow, deeper) = (bytes(split, channels), field(split, channels, |value| value as u16));
-        let maps = maps(split);
-        let (row, column) = split.central_view();
+        let (shallow, deeper) = (bytes(shape, channels), field(shape, channels, |value| value as u16));
+        let maps = maps(shape);
+        let (row, column) = shape.central_view();
         let central = maps.view(row, column).unwrap().index_axis_move(Axis(2), 0).to_owned();
         let image = HciImage {
             views: if deep { deeper.as_light_field_ref().into() } else { shallow.as_light_field_ref().into() },
@@ -129,10 +129,10 @@ proptest! {
 
 #[test]
 fn more_than_999_views_have_the_numbers_of_the_hci_tools() {
-    let split = split([26, 40], [2, 3]);
+    let shape = shape([26, 40], [2, 3]);
     let folder = tempfile::tempdir().unwrap();
-    let views = bytes(split, 3);
-    write(folder.path(), &views, &ParametersCfg::from_rig(&rig(split))).unwrap();
+    let views = bytes(shape, 3);
+    write(folder.path(), &views, &ParametersCfg::from_rig(&rig(shape))).unwrap();
     for name in ["input_Cam000.png", "input_Cam999.png", "input_Cam1000.png", "input_Cam1039.png"] {
         assert!(folder.path().join(name).is_file(), "{name}");
     }
@@ -150,11 +150,11 @@ fn more_than_999_views_have_the_numbers_of_the_hci_tools() {
 
 #[test]
 fn the_central_view_of_even_counts_is_a_real_one() {
-    let split = split([2, 4], [3, 3]);
-    let maps = maps(split);
-    let views = bytes(split, 1);
+    let shape = shape([2, 4], [3, 3]);
+    let maps = maps(shape);
+    let views = bytes(shape, 1);
     let folder = tempfile::tempdir().unwrap();
-    let parameters = ParametersCfg::from_rig(&rig(split));
+    let parameters = ParametersCfg::from_rig(&rig(shape));
     let image = HciImage {
         views: views.as_light_field_ref().into(),
         parameters: &parameters,
@@ -177,10 +177,10 @@ fn the_central_view_of_even_counts_is_a_real_one() {
 
 #[test]
 fn unequal_baselines_and_parallel_views_keep_their_rig() {
-    let split = split([3, 3], [2, 2]);
-    let rig = rig(split).to_builder().baseline_y_m(0.5).projection(Projection::Orthographic).build().unwrap();
+    let shape = shape([3, 3], [2, 2]);
+    let rig = rig(shape).to_builder().baseline_y_m(0.5).projection(Projection::Orthographic).build().unwrap();
     let folder = tempfile::tempdir().unwrap();
-    write(folder.path(), &bytes(split, 3), &ParametersCfg::from_rig(&rig)).unwrap();
+    write(folder.path(), &bytes(shape, 3), &ParametersCfg::from_rig(&rig)).unwrap();
     assert_eq!(HciFolder::open(folder.path()).unwrap().rig().unwrap(), rig);
     // What the HCI tools read is the horizontal one.
     let text = fs::read_to_string(folder.path().join("parameters.cfg")).unwrap();
@@ -301,10 +301,10 @@ fn ground_truth_of_other_sizes_is_refused_unless_it_is_finer() {
 #[test]
 fn what_does_not_fit_together_is_not_written() {
     let folder = tempfile::tempdir().unwrap();
-    let size = split([2, 3], [4, 5]);
+    let size = shape([2, 3], [4, 5]);
     let views = bytes(size, 3);
     let good = ParametersCfg::from_rig(&rig(size));
-    let other = ParametersCfg::from_rig(&rig(split([3, 2], [4, 5])));
+    let other = ParametersCfg::from_rig(&rig(shape([3, 2], [4, 5])));
     let error = write(folder.path(), &views, &other).unwrap_err().to_string();
     assert!(
         error.ends_with(
@@ -349,7 +349,7 @@ fn a_folder_does_not_look_complete_before_it_is() {
     write(folder.path(), &views, &good).unwrap();
 
     // What is left of a larger grid would be taken for a part of this one by other readers: nothing is touched.
-    let fewer = bytes(split([2, 2], [4, 5]), 3);
+    let fewer = bytes(shape([2, 2], [4, 5]), 3);
     let error = write(folder.path(), &fewer, &ParametersCfg::from_rig(&rig(fewer.shape()))).unwrap_err();
     assert!(matches!(error, Error::BadInput { .. }), "{error}");
     assert_eq!(HciFolder::open(folder.path()).unwrap().read(&Limits::default()).unwrap(), DynLightField::U8(views));
@@ -405,7 +405,7 @@ print("depth", b"".join(pfm("gt_depth_lowres_Cam%03d.pfm" % i).astype("<f4").tob
 
 #[test]
 fn python_reads_what_is_written() {
-    let size = split([4, 3], [5, 6]);
+    let size = shape([4, 3], [5, 6]);
     let (views, maps) = (bytes(size, 3), maps(size));
     let (t, s) = size.central_view();
     let central = maps.view(t, s).unwrap().index_axis_move(Axis(2), 0);

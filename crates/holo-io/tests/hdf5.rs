@@ -14,8 +14,8 @@ use holo_io::{Error, FileKind, Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer,
 use ndarray::{Array2, Array3, Array4, Array5, Axis, Slice};
 use proptest::prelude::*;
 
-fn rig(split: LightFieldShape) -> Rig {
-    Rig::builder(split)
+fn rig(shape: LightFieldShape) -> Rig {
+    Rig::builder(shape)
         .focal_length_m(0.0351)
         .sensor_size_m(0.036)
         .baseline_x_m(1e-4)
@@ -48,7 +48,7 @@ proptest! {
         step in 1_usize..5,
     ) {
         let [v, u, t, s, c] = shape;
-        let split = LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap();
+        let shape = LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap();
         let mut samples = Array5::from_shape_fn((c, t, v, s, u), |(c, t, v, s, u)| value((v, u, t, s, c)) / 7.0)
             .permuted_axes([2, 4, 1, 3, 0]);
         if reversed {
@@ -58,7 +58,7 @@ proptest! {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene_5d.h5");
         let options = Hdf5Options { gzip_level, chunk };
-        let mut writer = Hdf5Writer::<f32>::create(&path, &rig(split), c, &[Hdf5Map::Depth], &options).unwrap();
+        let mut writer = Hdf5Writer::<f32>::create(&path, &rig(shape), c, &[Hdf5Map::Depth], &options).unwrap();
         // Any number of rows at a time.
         for start in (0..v).step_by(step) {
             let range = Slice::from(start..v.min(start + step));
@@ -69,7 +69,7 @@ proptest! {
         prop_assert_eq!(written, holo_io::hash_file(&path).unwrap());
         let file = Hdf5LightField::open(&path, &Limits::default()).unwrap();
         let field = LightField::new(samples).unwrap();
-        prop_assert_eq!(file.rig(), Some(&rig(split)));
+        prop_assert_eq!(file.rig(), Some(&rig(shape)));
         prop_assert_eq!(file.read_view(t - 1, s / 2).unwrap(), field.view(t - 1, s / 2).unwrap().to_owned().into());
         prop_assert_eq!(file.read_lens(v / 2, u - 1).unwrap(), field.elemental_image(v / 2, u - 1).unwrap().to_owned().into());
         prop_assert_eq!(file.read_map(Hdf5Map::Depth).unwrap(), depth.view());
@@ -83,15 +83,15 @@ proptest! {
 fn integers_and_the_central_view() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.h5");
-    let split = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
+    let shape = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
     let raw = Array3::from_shape_fn((8, 15, 3), |(y, x, c)| (y * 45 + x * 3 + c) as u16 * 180);
-    let field = LightField::from_elemental_grid(raw, split).unwrap();
+    let field = LightField::from_elemental_grid(raw, shape).unwrap();
     let depth = Array2::from_shape_fn((4, 5), |(v, u)| if v == 0 { f32::INFINITY } else { u as f32 });
     let central = [(Hdf5Map::Depth, depth.view()), (Hdf5Map::Disparity, depth.view())];
     let options = Hdf5Options::default();
-    write_hdf5(&path, &field, &rig(split), &[], &central, &options).unwrap();
+    write_hdf5(&path, &field, &rig(shape), &[], &central, &options).unwrap();
     let file = Hdf5LightField::open(&path, &Limits::default()).unwrap();
-    assert_eq!((file.sample_kind(), file.channels(), file.shape()), (SampleKind::U16, 3, split));
+    assert_eq!((file.sample_kind(), file.channels(), file.shape()), (SampleKind::U16, 3, shape));
     assert_eq!(file.maps(), (vec![], vec![Hdf5Map::Depth, Hdf5Map::Disparity]));
     assert_eq!(file.read_central_map(Hdf5Map::Disparity).unwrap(), depth);
     assert_eq!(file.read().unwrap(), DynLightField::U16(field.clone()));
@@ -101,10 +101,10 @@ fn integers_and_the_central_view() {
     // The same again, and at another time: the same bytes.
     let first = std::fs::read(&path).unwrap();
     std::thread::sleep(std::time::Duration::from_millis(1100));
-    write_hdf5(&path, &field, &rig(split), &[], &central, &options).unwrap();
+    write_hdf5(&path, &field, &rig(shape), &[], &central, &options).unwrap();
     assert!(std::fs::read(&path).unwrap() == first);
     assert_eq!(names(folder.path()), ["scene_5d.h5"]);
-    write_hdf5(&path, &field.map(|&x| (x / 256) as u8).unwrap(), &rig(split), &[], &[], &options).unwrap();
+    write_hdf5(&path, &field.map(|&x| (x / 256) as u8).unwrap(), &rig(shape), &[], &[], &options).unwrap();
     let DynLightField::U8(read) = Hdf5LightField::open(&path, &Limits::default()).unwrap().read().unwrap() else {
         panic!("uint8")
     };
@@ -116,9 +116,9 @@ fn what_does_not_fit_is_refused_and_leaves_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.h5");
     std::fs::write(&path, b"old").unwrap();
-    let split = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
+    let shape = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
     let create =
-        || Hdf5Writer::<u8>::create(&path, &rig(split), 3, &[Hdf5Map::Depth], &Hdf5Options::default()).unwrap();
+        || Hdf5Writer::<u8>::create(&path, &rig(shape), 3, &[Hdf5Map::Depth], &Hdf5Options::default()).unwrap();
     let rows = Array5::<u8>::zeros((4, 5, 2, 3, 3));
     let bad = |error: Error| assert!(matches!(error, Error::BadInput { .. }), "{error}");
     let mut writer = create();
@@ -135,8 +135,8 @@ fn what_does_not_fit_is_refused_and_leaves_the_old_file() {
     assert!(matches!(error, Error::Broken { .. }), "{error}");
     assert!(matches!(Hdf5LightField::open("/missing", &Limits::default()), Err(Error::Io { .. })));
     let bad_options = Hdf5Options { gzip_level: 10, chunk: None };
-    assert!(Hdf5Writer::<u8>::create(&path, &rig(split), 3, &[], &bad_options).is_err());
-    assert!(Hdf5Writer::<u8>::create("/dev/null", &rig(split), 3, &[], &Hdf5Options::default()).is_err());
+    assert!(Hdf5Writer::<u8>::create(&path, &rig(shape), 3, &[], &bad_options).is_err());
+    assert!(Hdf5Writer::<u8>::create("/dev/null", &rig(shape), 3, &[], &Hdf5Options::default()).is_err());
 }
 
 #[test]
@@ -188,13 +188,13 @@ print("fine")
 "#;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.h5");
-    let split = LightFieldShape::new(GridSize::new(2, 5), GridSize::new(4, 3)).unwrap();
+    let shape = LightFieldShape::new(GridSize::new(2, 5), GridSize::new(4, 3)).unwrap();
     let field = LightField::new(Array5::from_shape_fn((4, 3, 2, 5, 3), |at| value(at) / 7.0)).unwrap();
     let depth = Array4::from_shape_fn((4, 3, 2, 5), |(v, u, t, s)| value((v, u, t, s, 0)) + 0.5);
     let disparity = Array2::from_elem((4, 3), 2.0);
     let maps = [(Hdf5Map::Depth, depth.view())];
     let central = [(Hdf5Map::Disparity, disparity.view())];
-    write_hdf5(&path, &field, &rig(split), &maps, &central, &Hdf5Options::default()).unwrap();
+    write_hdf5(&path, &field, &rig(shape), &maps, &central, &Hdf5Options::default()).unwrap();
     if let Some(text) = python::run(&["h5py"], SCRIPT, &[path.to_str().unwrap()]) {
         assert_eq!(text.trim(), "fine");
     }
@@ -229,13 +229,13 @@ fn damaged_attributes_are_errors() {
 #[ignore = "run by another test in a process of its own"]
 fn fill_the_disk() {
     let folder = std::path::PathBuf::from(std::env::var_os("HOLO_IO_TEST_FOLDER").unwrap());
-    let split = LightFieldShape::new(GridSize::new(20, 20), GridSize::new(16, 16)).unwrap();
+    let shape = LightFieldShape::new(GridSize::new(20, 20), GridSize::new(16, 16)).unwrap();
     let noise = |at: (usize, usize, usize, usize, usize)| (value(at) * 0.618).sin();
     let field = LightField::new(Array5::from_shape_fn((16, 16, 20, 20, 3), noise)).unwrap();
     for gzip_level in [0, 1] {
         let path = folder.join("big.h5");
         let options = Hdf5Options { gzip_level, chunk: None };
-        let error = write_hdf5(&path, &field, &rig(split), &[], &[], &options).unwrap_err();
+        let error = write_hdf5(&path, &field, &rig(shape), &[], &[], &options).unwrap_err();
         let Error::Io { source, .. } = &error else { panic!("{error}") };
         assert_eq!(source.kind(), std::io::ErrorKind::StorageFull, "{error}");
         assert_eq!(names(&folder), [""; 0]);

@@ -14,7 +14,7 @@
 //!
 //! # Example
 //! ```
-//! use holo_core::{GridSize, Projection, LightFieldShape};
+//! use holo_core::{GridSize, LightFieldShape, Projection};
 //! use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer, Request};
 //!
 //! # fn main() -> Result<(), holo_render::Error> {

@@ -15,7 +15,7 @@
 //! let path = folder.path().join("scene_el.png");
 //! let shape = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
 //! let light_field = LightField::filled(shape, 3, Layout::ElementalGrid, 7_u8)?;
-//! write_png(&path, light_field.to_elemental_grid().view(), ColorEncoding::Srgb, Compression::Fast)?;
+//! write_png(&path, light_field.to_elemental_grid()?.view(), ColorEncoding::Srgb, Compression::Fast)?;
 //!
 //! let reader = LightFieldReader::open(&path, &ReadOptions::default().views(GridSize::new(3, 3)))?;
 //! let mut html = Vec::new();

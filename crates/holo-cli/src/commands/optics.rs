@@ -47,34 +47,34 @@ fn rig(options: &OpticsOptions, depths: Option<DepthRange>) -> Result<Rig, Failu
             f_number,
             focus_distance_m: 1.0,
         };
-        let split = design.sensor_division()?.shape;
-        return match wanted(options, depths, intrinsics, split)? {
+        let shape = design.sensor_division()?.shape;
+        return match wanted(options, depths, intrinsics, shape)? {
             Some(rig) => Ok(rig),
             None => Ok(CameraDesign { focus_distance_m: focus_m(options, depths)?, ..design }.rig()?),
         };
     }
     let views = options.views.unwrap_or(RigSpec::default().views);
-    let split = match options.lenses {
+    let shape = match options.lenses {
         Some(lenses) => LightFieldShape::new(views, lenses)?,
         None => options.main_lens.sensor.divide(views, Remainder::Crop)?.shape,
     };
-    if let Some(rig) = wanted(options, depths, intrinsics, split)? {
+    if let Some(rig) = wanted(options, depths, intrinsics, shape)? {
         return Ok(rig);
     }
     let baseline_m = match options.baseline_m {
         Some(baseline_m) => baseline_m,
         None => automatic_baseline_m(intrinsics.focal_length_m, f_number, views)?,
     };
-    with(split, intrinsics, baseline_m, focus_m(options, depths)?)
+    with(shape, intrinsics, baseline_m, focus_m(options, depths)?)
 }
 
 fn with(
-    split: LightFieldShape,
+    shape: LightFieldShape,
     intrinsics: Intrinsics,
     baseline_m: f64,
     focus_distance_m: f64,
 ) -> Result<Rig, Failure> {
-    Ok(Rig::builder(split).intrinsics(intrinsics).baseline_m(baseline_m).focus_distance_m(focus_distance_m).build()?)
+    Ok(Rig::builder(shape).intrinsics(intrinsics).baseline_m(baseline_m).focus_distance_m(focus_distance_m).build()?)
 }
 
 /// The rig with the requested disparities, if there are any.
@@ -82,11 +82,11 @@ fn wanted(
     options: &OpticsOptions,
     depths: Option<DepthRange>,
     intrinsics: Intrinsics,
-    split: LightFieldShape,
+    shape: LightFieldShape,
 ) -> Result<Option<Rig>, Failure> {
     let (Some((min_px, max_px)), Some(depths)) = (options.disparity, depths) else { return Ok(None) };
-    let found = rig_for_disparities(depths, DisparityRange { min_px, max_px }, intrinsics, split.lenses())?;
-    with(split, intrinsics, found.baseline_m, found.focus_distance_m).map(Some)
+    let found = rig_for_disparities(depths, DisparityRange { min_px, max_px }, intrinsics, shape.lenses())?;
+    with(shape, intrinsics, found.baseline_m, found.focus_distance_m).map(Some)
 }
 
 fn focus_m(options: &OpticsOptions, depths: Option<DepthRange>) -> Result<f64, Failure> {
@@ -108,10 +108,10 @@ fn rows(options: &OpticsOptions, optics: &Optics, depths: Option<DepthRange>) ->
     let mut rows = Vec::new();
     let mut row = |key: &str, name: &str, value, unit| rows.push(Quantity::new(key, name, value, unit));
     let rig = optics.rig();
-    let split = rig.shape();
+    let shape = rig.shape();
     let range = |range: DepthRange| json!([finite(range.near_m), finite(range.far_m)]);
-    row("views", "views", size(split.views()), "");
-    row("lenses", "lenses (pixels of a view)", size(split.lenses()), "");
+    row("views", "views", size(shape.views()), "");
+    row("lenses", "lenses (pixels of a view)", size(shape.lenses()), "");
     row("focal_length_mm", "focal length", finite(rig.focal_length_m() * 1e3), "mm");
     row("sensor_size_mm", "larger image side on the sensor", finite(rig.sensor_size_m() * 1e3), "mm");
     row("focus_distance_m", "focus distance", finite(rig.focus_distance_m()), "m");

@@ -21,7 +21,7 @@ pub const SCENE: &str = "tiny.glb";
 /// The rig of most tests: 12 x 8 lenses and 5 x 4 views, columns x rows.
 pub const SMALL: &str = "--lenses 12x8 --views 5x4";
 
-/// The split of [`SMALL`].
+/// The light field shape of [`SMALL`].
 pub fn small_split() -> LightFieldShape {
     LightFieldShape::new(GridSize::new(4, 5), GridSize::new(8, 12)).unwrap()
 }

@@ -14,7 +14,7 @@ use crate::{Disparity, LightFieldShape, Projection};
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Rig, LightFieldShape};
+/// use holo_core::{GridSize, LightFieldShape, Rig};
 ///
 /// let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(512, 512))?)
 ///     .focal_length_m(0.1)

@@ -6,6 +6,7 @@ use ndarray::{Array3, ArrayView3, Axis, Slice};
 
 use super::sample::sealed::Sealed;
 use super::{LightFieldOwned, LightFieldRef, Sample, SampleKind};
+use crate::error::range_within;
 use crate::{Error, GridSize, Layout, LightFieldShape};
 
 /// A light field whose element type is known at run time.
@@ -307,13 +308,11 @@ impl<'a> DynImageRef<'a> {
     ///
     /// # Errors
     ///
-    /// [`Error::BadRange`] if the part leaves the image or has no pixels.
+    /// [`Error::BadRange`] if a range is empty or ends beyond the image.
     pub fn crop(self, rows: Range<usize>, columns: Range<usize>) -> Result<Self, Error> {
         let size = self.size();
         for (what, range, count) in [("image rows", &rows, size.rows), ("image columns", &columns, size.columns)] {
-            if range.is_empty() || range.end > count {
-                return Err(Error::BadRange { what, start: range.start, end: range.end, count });
-            }
+            range_within(what, range, count)?;
         }
         fn cut<T: Sample>(image: ArrayView3<'_, T>, rows: Range<usize>, columns: Range<usize>) -> DynImageRef<'_> {
             image.slice_axis_move(Axis(0), rows.into()).slice_axis_move(Axis(1), columns.into()).into()

@@ -6,11 +6,12 @@ use super::{LightField, checked_length};
 use crate::memory::filled;
 use crate::{Error, GridSize, LightFieldShape};
 
-/// Returns `count` views of a row at even distances, the first and the last of the row among them; of one alone the middle.
+/// Returns `count` evenly spaced views `(t, s)` of a row, the first and the last of the row included; for a count of 1,
+/// the middle view.
 ///
 /// # Errors
 ///
-/// [`Error::OutOfRange`] if there is no such row; [`Error::BadRange`] if the row has fewer views, or if `count` is 0.
+/// [`Error::OutOfRange`] if there is no such row; [`Error::BadRange`] if the row has fewer views or `count` is 0.
 ///
 /// # Examples
 ///

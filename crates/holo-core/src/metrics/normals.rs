@@ -43,7 +43,7 @@ pub enum NormalGeometry {
 ///
 /// ```
 /// use holo_core::metrics::{NormalGeometry, normals_from_disparity};
-/// use holo_core::{GridSize, Rig, LightFieldShape};
+/// use holo_core::{GridSize, LightFieldShape, Rig};
 /// use ndarray::Array2;
 ///
 /// let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(16, 16))?)

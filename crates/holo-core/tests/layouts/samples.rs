@@ -91,7 +91,7 @@ pub fn any_strides() -> impl Strategy<Value = Strides> {
     (dense_strides(), 1..=3_usize).prop_map(|(strides, step)| Strides { step, ..strides })
 }
 
-/// Stores an image in memory as `strides` says. Read it back through [`arranged`].
+/// Stores an image in memory with the given strides. [`arranged`] reads it back.
 pub fn store<T: Sample>(image: &Array3<T>, strides: Strides) -> Array3<T> {
     let shape: [usize; 3] = image.dim().into();
     let stored = strides.order.map(|axis| shape[axis] * strides.step);

@@ -56,18 +56,18 @@ fn check<T: Sample>(light_field: &LightFieldOwned<T>, largest: f64) {
                 [(refocus.clone(), central), (refocus.reference(middle.0, -0.25).unwrap(), (middle.0, -0.25))]
             {
                 for disparity in [0.0, 1.0, -2.0, 0.3, -1.7, 4.1, 1000.0] {
-                    let twin = |disparity: &dyn Fn(usize, usize) -> f64| {
+                    let expected_for = |disparity: &dyn Fn(usize, usize) -> f64| {
                         naive::refocused(light_field, &aperture, kernel, reference, 0.75, disparity)
                     };
                     let what = format!("{shape:?} {kernel:?} {disparity}");
                     let found = refocus.at_disparity(light_field, disparity).unwrap();
-                    assert_close(found.view(), twin(&|_, _| disparity).view(), bound(shape, largest), &what);
+                    assert_close(found.view(), expected_for(&|_, _| disparity).view(), bound(shape, largest), &what);
                     let lenses = shape.lenses();
                     let map = Array2::from_shape_fn((lenses.rows, lenses.columns), |(v, u)| {
                         disparity + 0.1 * v as f64 - 0.05 * u as f64
                     });
                     let found = refocus.all_in_focus(light_field, &map).unwrap();
-                    let expected = twin(&|v, u| map[[v, u]]);
+                    let expected = expected_for(&|v, u| map[[v, u]]);
                     assert_close(found.view(), expected.view(), bound(shape, largest), &what);
                 }
             }

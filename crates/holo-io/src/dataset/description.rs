@@ -18,7 +18,7 @@ const FORMAT: &str = "holo dataset 1";
 /// A description is at most this long.
 const MAX_BYTES: u64 = 16 << 20;
 
-/// What a dataset consists of: every scene with every split, each in `<scene>/<S>x<T>/`.
+/// What a dataset consists of: every scene with every light field shape, each in `<scene>/<S>x<T>/`.
 ///
 /// It depends on the settings only, not on which of the folders are there already, and holds no time and no path.
 ///
@@ -110,7 +110,7 @@ impl Description {
     ///
     /// [`Error::BadInput`] if a scene's name is not the name of one folder.
     pub fn folders(&self) -> Result<Vec<PathBuf>, Error> {
-        let splits = |scene: &str| self.splits.iter().map(|split| folder(scene, split.views())).collect::<Vec<_>>();
+        let splits = |scene: &str| self.splits.iter().map(|shape| folder(scene, shape.views())).collect::<Vec<_>>();
         self.scenes.iter().flat_map(|scene| splits(&scene.name)).collect()
     }
 
@@ -139,7 +139,7 @@ impl Description {
     ///
     /// # Errors
     ///
-    /// [`Error::Broken`] if it is not JSON, a value has the wrong type, a split is none or a name leads outside the folder;
+    /// [`Error::Broken`] if it is not JSON, a value has the wrong type, a shape is invalid or a name leads outside the folder;
     /// [`Error::Unsupported`] if it is of another version.
     pub fn from_json(text: &str) -> Result<Self, Error> {
         parse(text.as_bytes(), Path::new(MEMORY))
@@ -175,8 +175,8 @@ fn parse(bytes: &[u8], path: &Path) -> Result<Description, Error> {
     if let Some(scene) = document.scenes.iter().find(|scene| !stays_inside(&scene.name) || scene.name.contains('/')) {
         return Err(broken(format!("a scene called '{}' has no folder", scene.name)));
     }
-    let split = |entry: &SplitEntry| LightFieldShape::new((&entry.views).into(), (&entry.lenses).into());
-    let splits: Result<Vec<LightFieldShape>, _> = document.splits.iter().map(split).collect();
+    let shape = |entry: &SplitEntry| LightFieldShape::new((&entry.views).into(), (&entry.lenses).into());
+    let splits: Result<Vec<LightFieldShape>, _> = document.splits.iter().map(shape).collect();
     Ok(Description {
         versions: document.versions,
         options: document.options,

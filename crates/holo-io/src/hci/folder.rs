@@ -21,14 +21,14 @@ use crate::{Error, Limits, ParametersCfg, read_pfm_grey, read_pfm_info};
 /// # Examples
 ///
 /// ```
-/// use holo_core::{DynLightField, GridSize, Layout, LightField, Rig, LightFieldShape};
+/// use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldShape, Rig};
 /// use holo_io::{Compression, HciFolder, HciImage, HciTruth, Limits, ParametersCfg};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// # let path = folder.path();
-/// let split = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
-/// let rig = Rig::builder(split).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
-/// let light_field = LightField::filled(split, 3, Layout::ElementalGrid, 7_u8)?;
+/// let shape = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
+/// let rig = Rig::builder(shape).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
+/// let light_field = LightField::filled(shape, 3, Layout::ElementalGrid, 7_u8)?;
 /// let image = HciImage {
 ///     views: light_field.as_light_field_ref().into(),
 ///     parameters: &ParametersCfg::from_rig(&rig),
@@ -46,7 +46,7 @@ use crate::{Error, Limits, ParametersCfg, read_pfm_grey, read_pfm_info};
 pub struct HciFolder {
     path: PathBuf,
     parameters: ParametersCfg,
-    split: LightFieldShape,
+    shape: LightFieldShape,
     /// One file a view, in reading order.
     views: Vec<PathBuf>,
     truth: BTreeMap<Name, PathBuf>,
@@ -67,14 +67,14 @@ impl HciFolder {
         // First, because a folder without it is unfinished, whatever else is there.
         let parameters_path = path.join(PARAMETERS_CFG);
         let parameters = ParametersCfg::read(&parameters_path)?;
-        let split = LightFieldShape::new(parameters.num_cams, parameters.image_resolution_px)
+        let shape = LightFieldShape::new(parameters.num_cams, parameters.image_resolution_px)
             .map_err(|error| Error::core(&parameters_path, error))?;
         let mut files = files(path)?;
-        let count = split.views().count();
+        let count = shape.views().count();
         let mut views = Vec::with_capacity(count.min(files.len()));
         for index in 0..count {
             let Some(file) = files.remove(&Name::View(index)) else {
-                let columns = split.views().columns;
+                let columns = shape.views().columns;
                 return Err(Error::broken(
                     path,
                     FORMAT,
@@ -83,7 +83,7 @@ impl HciFolder {
                         Name::View(index),
                         index / columns,
                         index % columns,
-                        split.views().rows,
+                        shape.views().rows,
                         PARAMETERS_CFG
                     ),
                 ));
@@ -91,7 +91,7 @@ impl HciFolder {
             views.push(file);
         }
         files.retain(|name, _| matches!(name, Name::Truth { .. }));
-        Ok(Self { path: path.to_owned(), parameters, split, views, truth: files })
+        Ok(Self { path: path.to_owned(), parameters, shape, views, truth: files })
     }
 
     /// Whether there is at least one file whose name is that of a view.
@@ -121,7 +121,7 @@ impl HciFolder {
     /// Returns the number of views and lenses.
     #[must_use]
     pub const fn shape(&self) -> LightFieldShape {
-        self.split
+        self.shape
     }
 
     /// Returns the rig, as far as the file knows it: see [what the HCI tools do not know](super).
@@ -182,7 +182,7 @@ impl HciFolder {
         resolution: HciResolution,
         limits: &Limits,
     ) -> Result<Option<Array2<f32>>, Error> {
-        let (t, s) = self.split.central_view();
+        let (t, s) = self.shape.central_view();
         match self.truth.get(&Name::truth(quantity, resolution, None)) {
             Some(file) => self.read_truth(file, resolution, limits).map(Some),
             None => self.truth_of_view(quantity, resolution, t, s, limits),
@@ -228,8 +228,8 @@ impl HciFolder {
     ) -> Result<Option<LightFieldOwned<f32>>, Error> {
         let file = |index| self.truth.get(&Name::truth(quantity, HciResolution::Low, Some(index)));
         let Some(files) = (0..self.views.len()).map(file).collect::<Option<Vec<&PathBuf>>>() else { return Ok(None) };
-        limits.elements(&self.path, "ground truth", &self.split.array_shape(1), size_of::<f32>())?;
-        let mut maps = LightFieldOwned::filled(self.split, 1, Layout::ViewpointGrid, 0.0)
+        limits.elements(&self.path, "ground truth", &self.shape.array_shape(1), size_of::<f32>())?;
+        let mut maps = LightFieldOwned::filled(self.shape, 1, Layout::ViewpointGrid, 0.0)
             .map_err(|error| Error::core(&self.path, error))?;
         let failure = maps
             .par_views_mut()
@@ -244,7 +244,7 @@ impl HciFolder {
     }
 
     fn read_truth(&self, file: &Path, resolution: HciResolution, limits: &Limits) -> Result<Array2<f32>, Error> {
-        let (found, view) = (read_pfm_info(file)?.size, self.split.lenses());
+        let (found, view) = (read_pfm_info(file)?.size, self.shape.lenses());
         if resolution == HciResolution::Low && found != view {
             return Err(Error::broken(
                 file,
@@ -269,9 +269,9 @@ impl HciFolder {
     fn files(&self) -> Views<'_> {
         Views {
             format: FORMAT,
-            views: self.split.views(),
+            views: self.shape.views(),
             files: &self.views,
-            expected: Some((self.split.lenses(), PARAMETERS_CFG)),
+            expected: Some((self.shape.lenses(), PARAMETERS_CFG)),
         }
     }
 }

@@ -110,8 +110,8 @@ impl<'a> HciImage<'a> {
     }
 
     fn check(&self, folder: &Path) -> Result<(), Error> {
-        let split = self.shape();
-        let (views, lenses) = (split.views(), split.lenses());
+        let shape = self.shape();
+        let (views, lenses) = (shape.views(), shape.lenses());
         let bad = |what: String| Err(Error::bad_input(folder, what));
         let ParametersCfg { num_cams, image_resolution_px, .. } = *self.parameters;
         if (num_cams, image_resolution_px) != (views, lenses) {
@@ -131,7 +131,7 @@ impl<'a> HciImage<'a> {
                         lenses.columns, lenses.rows
                     ));
                 }
-                HciTruth::All(maps) if maps.shape() != split || maps.channels() != 1 => {
+                HciTruth::All(maps) if maps.shape() != shape || maps.channels() != 1 => {
                     return bad(format!(
                         "the {quantity} is {} with {} channels, the pictures are {}; a map has 1 channel",
                         in_words(maps.shape().views(), maps.shape().lenses()),

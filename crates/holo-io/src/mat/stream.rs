@@ -35,7 +35,7 @@ const CHUNKS_AT_A_TIME: usize = 4;
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Rig, LightFieldShape};
+/// use holo_core::{GridSize, LightFieldShape, Rig};
 /// use holo_io::{Limits, MatWriter, read_mat_light_field};
 ///
 /// # let folder = tempfile::tempdir()?;
