@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,
-        baseline: Baseline::Metres(0.002),
+        baseline: Baseline::Meters(0.002),
         projection: Projection::Perspective,
     };
     let framed = framing.frame(&scene)?;

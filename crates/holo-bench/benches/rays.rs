@@ -3,7 +3,7 @@
 //! `cargo bench -p holo-bench --bench rays -- [SCENE.glb] [--views N] [--lenses UxV] [--rounds N]`
 //!
 //! Without a scene it takes the gallery's garden. Best of several rounds; the entries take turns within a round, so that
-//! a noisy neighbour meets all of them.
+//! a noisy neighbor meets all of them.
 
 use std::time::Instant;
 

@@ -4,7 +4,7 @@
 //! leaves nothing out: what fills the shadows is a room that glows, not an environment map (`garden` has a sun and a lamp
 //! alone). All are at table-top scale (0.2 to 1 m but for lamps and the room they stand in) and seen through a lens of 50 mm
 //! (39 mm: `garden`). The last
-//! column has the largest disparity between neighbours of 20 x 20 views of 397 x 265 pixels at f/5 with automatic focus;
+//! column has the largest disparity between neighbors of 20 x 20 views of 397 x 265 pixels at f/5 with automatic focus;
 //! the least is its negative. No view sees past the scene. Every scene has one camera, for pictures of 3:2.
 //!
 //! | name | what it is there for | largest disparity, px |
@@ -13,7 +13,7 @@
 //! | `mirror` | a mirror, metal and glaze before a papered wall | 0.12 |
 //! | `clockwork` | rough metals in many thin layers | 0.12 |
 //! | `glasses` | clear glass: refraction, total internal reflection | 0.17 |
-//! | `bottles` | coloured thick glass before the light | 0.18 |
+//! | `bottles` | colored thick glass before the light | 0.18 |
 //! | `birdcage` | thin structures and their shadows | 0.14 |
 //! | `chess` | soft and hard shadows over a pattern | 0.20 |
 //! | `mountains` | slanted and layered planes | 0.14 |

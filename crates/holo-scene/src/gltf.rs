@@ -1,7 +1,7 @@
 //! glTF 2.0: `.glb`, and `.gltf` with files beside it or data URIs inside.
 //!
 //! **What is read.** The default scene's node hierarchy, composed in f64; triangles, strips and fans, indexed or not, with
-//! normals, vertex colours and two sets of texture coordinates (`TEXCOORD_0` and `_1`; where a material's textures read
+//! normals, vertex colors and two sets of texture coordinates (`TEXCOORD_0` and `_1`; where a material's textures read
 //! others, those); sparse and normalized accessors; textures (PNG, JPEG; 16-bit images are rounded to 8) with their wrap
 //! modes; cameras; the lights of `KHR_lights_punctual`. Instances, lights and cameras come in the order of their nodes in
 //! the file.

@@ -1,6 +1,6 @@
 //! What a renderer needs to know of the world: meshes, materials, textures, lights, cameras.
 //!
-//! A [`Scene`] is plain data in world coordinates (right-handed, +Y up, metres). Build it in code, load it from glTF
+//! A [`Scene`] is plain data in world coordinates (right-handed, +Y up, meters). Build it in code, load it from glTF
 //! ([`gltf`]), or take one of the fifteen of the gallery (`gallery`, behind the feature of that name). Nothing is checked
 //! while a scene is being filled; [`Scene::validate`] checks everything at once, so that an index out of range or a NaN
 //! vertex is an error and never a panic.

@@ -11,7 +11,7 @@ pub struct Material {
     pub name: String,
     /// Linear RGB of what is reflected (transmitted by glass), and alpha.
     pub base_color: [f32; 4],
-    /// sRGB colour and linear alpha.
+    /// sRGB color and linear alpha.
     pub base_color_texture: Option<TextureUse>,
     /// Share of metal, 0 to 1.
     pub metallic: f32,
@@ -25,7 +25,7 @@ pub struct Material {
     pub emission: [f32; 3],
     /// sRGB.
     pub emission_texture: Option<TextureUse>,
-    /// What the alpha of the base colour means.
+    /// What the alpha of the base color means.
     pub alpha: Alpha,
     /// Whether emission leaves the back as well. Everything else is alike on both sides, whatever this says.
     pub double_sided: bool,
@@ -46,7 +46,7 @@ pub struct Material {
     pub transmission_texture: Option<TextureUse>,
     /// What glass encloses; without it glass is a thin pane that bends no ray.
     pub volume: Option<Volume>,
-    /// Shows its base colour as it is, as radiance to whatever looks at it: the camera, mirrors, and other surfaces,
+    /// Shows its base color as it is, as radiance to whatever looks at it: the camera, mirrors, and other surfaces,
     /// which it so lights.
     pub unlit: bool,
 }
@@ -54,13 +54,13 @@ pub struct Material {
 /// What fills a body of glass. The body must be closed and stand in air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Volume {
-    /// White light has `attenuation_color` left after this many metres (in world units); infinity: clear.
+    /// White light has `attenuation_color` left after this many meters (in world units); infinity: clear.
     pub attenuation_distance_m: f32,
     /// Linear RGB, each above 0 and at most 1.
     pub attenuation_color: [f32; 3],
 }
 
-/// What the alpha of the base colour means.
+/// What the alpha of the base color means.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Alpha {
     /// Nothing.

@@ -1,6 +1,6 @@
 //! What a renderer needs to know of the world: meshes, materials, textures, lights, cameras.
 //!
-//! A [`Scene`] is plain data in world coordinates (right-handed, +Y up, metres): build it in code, or load it from glTF
+//! A [`Scene`] is plain data in world coordinates (right-handed, +Y up, meters): build it in code, or load it from glTF
 //! with [`crate::gltf`]. Nothing here is checked while it is being filled; [`Scene::validate`] checks everything at once
 //! and the renderer calls it first, so an index out of range or a NaN vertex is an error and never a panic.
 
@@ -30,7 +30,7 @@ pub struct Scene {
 pub struct Mesh {
     /// A name for messages.
     pub name: String,
-    /// Vertex positions in mesh coordinates, metres.
+    /// Vertex positions in mesh coordinates, meters.
     pub positions: Vec<[f32; 3]>,
     /// One unit normal a vertex, or empty: then every triangle is flat.
     pub normals: Vec<[f32; 3]>,
@@ -39,7 +39,7 @@ pub struct Mesh {
     pub texture_coordinates: Vec<[f32; 2]>,
     /// The second set ([`TextureUse::set`](crate::TextureUse::set) 1), likewise.
     pub second_coordinates: Vec<[f32; 2]>,
-    /// One linear RGBA factor a vertex, multiplied into the base colour, or empty.
+    /// One linear RGBA factor a vertex, multiplied into the base color, or empty.
     pub colors: Vec<[f32; 4]>,
     /// Vertex indices, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
@@ -58,7 +58,7 @@ pub struct Instance {
     pub transform: Transform,
 }
 
-/// An image with its way of repeating. Looked up bilinearly, colours in linear light.
+/// An image with its way of repeating. Looked up bilinearly, colors in linear light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// A name for messages.
@@ -67,7 +67,7 @@ pub struct Texture {
     pub width: usize,
     /// Rows.
     pub height: usize,
-    /// 8-bit codes, rows from the top, `width * height` of them. Whether the colours are sRGB or plain numbers is up to
+    /// 8-bit codes, rows from the top, `width * height` of them. Whether the colors are sRGB or plain numbers is up to
     /// what a material uses them for; alpha is always a plain number.
     pub texels: Vec<[u8; 4]>,
     /// How the image goes on left and right of itself.
@@ -179,7 +179,7 @@ impl Scene {
         self.instances.iter().filter_map(|i| self.meshes.get(i.mesh)).map(|m| m.triangles.len()).sum()
     }
 
-    /// The smallest axis-parallel box (lowest, highest corner) around all triangles in world coordinates, metres;
+    /// The smallest axis-parallel box (lowest, highest corner) around all triangles in world coordinates, meters;
     /// `None` for a scene without any.
     #[must_use]
     pub fn bounds(&self) -> Option<([f64; 3], [f64; 3])> {

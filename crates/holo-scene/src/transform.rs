@@ -20,13 +20,13 @@ impl Transform {
     pub const IDENTITY: Self =
         Self { columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
 
-    /// A shift by metres along x, y and z.
+    /// A shift by meters along x, y and z.
     #[must_use]
     pub const fn from_translation(translation: [f64; 3]) -> Self {
         Self { translation, ..Self::IDENTITY }
     }
 
-    /// From translation, unit quaternion (x, y, z, w; normalised here, identity if it is zero) and scale, in glTF's
+    /// From translation, unit quaternion (x, y, z, w; normalized here, identity if it is zero) and scale, in glTF's
     /// order: scale first, then rotation, then translation.
     #[must_use]
     pub fn from_parts(translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3]) -> Self {

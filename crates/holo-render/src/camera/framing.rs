@@ -19,7 +19,7 @@ pub struct Framing {
     pub focal_length_m: Option<f64>,
     /// Length of the larger image side, m.
     pub sensor_size_m: f64,
-    /// Distance between neighbouring views.
+    /// Distance between neighboring views.
     pub baseline: Baseline,
     /// Projection of the views.
     pub projection: Projection,
@@ -37,13 +37,13 @@ pub enum CameraChoice {
     Name(String),
 }
 
-/// The distance between neighbouring views.
+/// The distance between neighboring views.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Baseline {
     /// The views sample the aperture of an f/N lens: focal length / N / (views - 1), the longer side of the grid deciding.
     FNumber(f64),
-    /// Metres, the same along both axes.
-    Metres(f64),
+    /// Meters, the same along both axes.
+    Meters(f64),
 }
 
 /// A camera position with intrinsics; focus is still open.
@@ -53,7 +53,7 @@ pub struct Framed {
     pub pose: Transform,
     /// Focal length and sensor size.
     pub intrinsics: Intrinsics,
-    /// Distance between neighbouring views, m.
+    /// Distance between neighboring views, m.
     pub baseline_m: f64,
     /// Which camera this is, for people.
     pub camera: String,
@@ -77,7 +77,7 @@ impl Framing {
         };
         let focal_length_m = self.focal_length_m.unwrap_or(self.sensor_size_m / (2.0 * half_slope));
         let baseline_m = match self.baseline {
-            Baseline::Metres(baseline) => baseline,
+            Baseline::Meters(baseline) => baseline,
             Baseline::FNumber(f_number) => automatic_baseline_m(focal_length_m, f_number, self.split.views())?,
         };
         let intrinsics = Intrinsics { focal_length_m, sensor_size_m: self.sensor_size_m };

@@ -1,7 +1,7 @@
-//! Old bottles of thick coloured glass on a window sill, the light behind them.
+//! Old bottles of thick colored glass on a window sill, the light behind them.
 //!
-//! There for: coloured thick glass, whose colour deepens with the way through it. Hard about it: a pixel shows up to
-//! four surfaces and what lies behind them; coloured light falls through the bottles onto the sill.
+//! There for: colored thick glass, whose color deepens with the way through it. Hard about it: a pixel shows up to
+//! four surfaces and what lies behind them; colored light falls through the bottles onto the sill.
 
 use super::papers::{self, grained};
 use super::solids::{lathe, rounded_box};

@@ -1,7 +1,7 @@
 //! The train of an old clock: wheels of brass, copper, iron and steel before a brushed plate.
 //!
-//! There for: rough metal, in layers. Hard about it: metal has no colour of its own but what it mirrors, blurred; teeth
-//! repeat; wheels overlap with gaps of some millimetres.
+//! There for: rough metal, in layers. Hard about it: metal has no color of its own but what it mirrors, blurred; teeth
+//! repeat; wheels overlap with gaps of some millimeters.
 
 use std::f64::consts::TAU;
 
@@ -55,7 +55,7 @@ pub(super) fn scene() -> Scene {
         );
     }
 
-    // (x, y, z, teeth, radius, spokes, turn in teeth, metal): neighbours in one plane mesh.
+    // (x, y, z, teeth, radius, spokes, turn in teeth, metal): neighbors in one plane mesh.
     let wheels = [
         (-0.088, 0.010, -0.075, 72, 0.090, 6, 0.0, brass),
         (0.0145, 0.0595, -0.075, 18, 0.0225, 0, 0.36, steel),

@@ -1,7 +1,7 @@
 //! A row of dominoes that winds from right before the lens to the far end of the table.
 //!
 //! There for: a large range of depths, the largest of the gallery. Hard about it: the same stone is seen from 30 cm and
-//! from a metre, at disparities of both signs; the row hides itself.
+//! from a meter, at disparities of both signs; the row hides itself.
 
 use std::f64::consts::TAU;
 
@@ -59,7 +59,7 @@ pub(super) fn scene() -> Scene {
         };
         let ahead = path(s + 1e-3) - path(s - 1e-3);
         let heading = ahead.x.atan2(ahead.z).to_degrees() + random.between(-2.5, 2.5);
-        // Colours come in runs, like the rings of a snake.
+        // Colors come in runs, like the rings of a snake.
         let color = [0, 0, 0, 1, 2, 2, 3, 3, 3, 4, 1][k as usize % 11];
         let place = path(s);
         let pose = upright([place.x, 0.5 * STONE[1], place.z], heading);

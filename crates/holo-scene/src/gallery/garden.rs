@@ -1,7 +1,7 @@
 //! A walled garden on a table: brickwork and a mosaic behind, stones, a knotted sculpture, grass and a small tree.
 //!
 //! There for: dense foliage of many instances before a textured background, and hard shadows on rough and smooth
-//! things. Hard about it: blades and leaves are narrower than a pixel and hide each other; hardly two neighbours share
+//! things. Hard about it: blades and leaves are narrower than a pixel and hide each other; hardly two neighbors share
 //! a depth.
 
 use glam::DVec3;
@@ -33,7 +33,7 @@ pub(super) fn scene() -> Scene {
     place(&mut scene, "ground", ground, earth, Transform::IDENTITY);
     place(&mut scene, "wall", wall(), brick, Transform::IDENTITY);
     let disc = shapes::sheet(96, 1, |s, t| {
-        // A pinhole in the middle: a disc has no parametrisation there.
+        // A pinhole in the middle: a disc has no parametrization there.
         let (angle, radius) = (-s * std::f64::consts::TAU, 0.19 * (0.002 + 0.998 * t));
         DVec3::new(radius * angle.cos(), 0.36 + radius * angle.sin(), -0.492)
     });
@@ -47,7 +47,7 @@ pub(super) fn scene() -> Scene {
     halved(scene)
 }
 
-/// All above is in units of half a metre, so that it reads well; on the table it is 0.9 m wide. A power of two rounds
+/// All above is in units of half a meter, so that it reads well; on the table it is 0.9 m wide. A power of two rounds
 /// nothing.
 fn halved(mut scene: Scene) -> Scene {
     let half = |p: [f64; 3]| p.map(|x| 0.5 * x);
@@ -99,7 +99,7 @@ fn wall() -> Mesh {
     wall
 }
 
-/// Texture coordinates of a disc parametrised by angle and radius: the disc as it lies in the square image.
+/// Texture coordinates of a disc parametrized by angle and radius: the disc as it lies in the square image.
 fn round_coordinates(mut disc: Mesh) -> Mesh {
     for coordinate in &mut disc.texture_coordinates {
         let (angle, radius) = (-coordinate[0] * std::f32::consts::TAU, 0.5 * coordinate[1]);

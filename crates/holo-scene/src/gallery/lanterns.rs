@@ -1,7 +1,7 @@
 //! Paper lanterns over a pond of pebbles at dusk; candles in cups.
 //!
-//! There for: emissive light, many coloured lamps of the scene itself. Hard about it: what shines has hardly any
-//! shading; light comes from within the scene and falls off fast; the shadows are many, soft and coloured.
+//! There for: emissive light, many colored lamps of the scene itself. Hard about it: what shines has hardly any
+//! shading; light comes from within the scene and falls off fast; the shadows are many, soft and colored.
 
 use std::f64::consts::TAU;
 
@@ -59,7 +59,7 @@ pub(super) fn scene() -> Scene {
     }
     studio.add("deck", rounded_box([0.98, 0.024, 0.72], 0.004), deck, at(0.0, -0.012, -0.04));
 
-    // (place, size, colour): from far to near.
+    // (place, size, color): from far to near.
     let lamps = [
         ([-0.235, 0.235, -0.27], 0.040, [0.95, 0.40, 0.11]),
         ([-0.085, 0.275, -0.215], 0.044, [0.98, 0.60, 0.24]),
@@ -143,7 +143,7 @@ pub(super) fn scene() -> Scene {
     studio.photographed([0.025, 0.185, 0.610], [-0.002, 0.125, -0.08])
 }
 
-/// A lantern of every colour.
+/// A lantern of every color.
 fn studio_bodies(studio: &mut Studio, body: crate::Mesh, lamps: &[([f64; 3], f64, [f32; 3])]) -> Vec<usize> {
     let glows = lamps.iter().map(|&(_, _, color)| {
         let glow = Material {
@@ -158,14 +158,14 @@ fn studio_bodies(studio: &mut Studio, body: crate::Mesh, lamps: &[([f64; 3], f64
     glows.collect()
 }
 
-/// Ribs of bamboo and fibres of paper, brighter in the middle, where the flame is.
+/// Ribs of bamboo and fibers of paper, brighter in the middle, where the flame is.
 fn lantern_paper() -> Texture {
     paint("lantern", 256, Wrap::Repeat, |x, y| {
         let rib = (y * 13.0).fract();
         let rib = if rib < 0.10 { 0.45 } else { 0.88 + 0.12 * (rib * TAU).cos() };
         let middle = 1.0 - 0.62 * (2.0 * y - 0.9).abs().powf(1.7);
-        let fibre = 1.0 + 0.10 * fractal([(x * TAU).cos() * 9.0, y * 30.0, (x * TAU).sin() * 9.0], 3);
-        [1.0, 0.92 - 0.14 * (1.0 - middle), 0.85 - 0.25 * (1.0 - middle)].map(|c| c * rib * middle * fibre)
+        let fiber = 1.0 + 0.10 * fractal([(x * TAU).cos() * 9.0, y * 30.0, (x * TAU).sin() * 9.0], 3);
+        [1.0, 0.92 - 0.14 * (1.0 - middle), 0.85 - 0.25 * (1.0 - middle)].map(|c| c * rib * middle * fiber)
     })
 }
 

@@ -1,6 +1,6 @@
 //! A paper theatre: ranges of mountains cut from card, one behind the other, and a leporello of pictures in front.
 //!
-//! There for: slanted and layered planes. Hard about it: the layers are some centimetres apart and throw shadows on
+//! There for: slanted and layered planes. Hard about it: the layers are some centimeters apart and throw shadows on
 //! each other; the pages of the leporello meet in sharp folds and slant both ways.
 
 use glam::DVec3;
@@ -128,7 +128,7 @@ fn pictures() -> Texture {
         let (u, v) = (x * f64::from(PAGES) - page, y);
         let (ivory, ink, red, sea, sand) =
             ([0.80, 0.76, 0.66], [0.035, 0.06, 0.09], [0.62, 0.12, 0.07], [0.10, 0.32, 0.38], [0.68, 0.50, 0.27]);
-        let fibre = 1.0 + 0.05 * fractal([x * 300.0, y * 60.0, 2.0], 2);
+        let fiber = 1.0 + 0.05 * fractal([x * 300.0, y * 60.0, 2.0], 2);
         let frame = u.min(1.0 - u) < 0.08 || v.min(1.0 - v) < 0.07;
         let wave = |rows: f64| {
             ((v * rows + 0.5 * (u * 9.0 + (v * rows).floor() * 1.9).sin() * 0.55) * std::f64::consts::TAU).sin()
@@ -190,6 +190,6 @@ fn pictures() -> Texture {
                 if (a.hypot(b) * 2.0).fract() < 0.3 { ink } else { sand }
             }
         };
-        if frame { ivory } else { picture }.map(|c| c * fibre)
+        if frame { ivory } else { picture }.map(|c| c * fiber)
     })
 }

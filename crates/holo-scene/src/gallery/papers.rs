@@ -23,7 +23,7 @@ pub(super) fn wood(name: &str, dark: [f64; 3], light: [f64; 3], planks: f64, see
     })
 }
 
-/// Linen of the given stripes (colour, width as a share) across x, woven; repeats.
+/// Linen of the given stripes (color, width as a share) across x, woven; repeats.
 pub(super) fn striped_linen(stripes: &[([f64; 3], f64)]) -> Texture {
     paint("striped linen", 512, Wrap::Repeat, |x, y| {
         let mut rest = x;
@@ -52,7 +52,7 @@ pub(super) fn checked_linen(ground: [f64; 3], band: [f64; 3]) -> Texture {
     })
 }
 
-/// Felt, card or plaster: one colour with a fine grain and faint clouds. Clamped.
+/// Felt, card or plaster: one color with a fine grain and faint clouds. Clamped.
 pub(super) fn grained(name: &str, color: [f64; 3], grain: f64) -> Texture {
     paint(name, 512, Wrap::Clamp, |x, y| {
         let fine = fractal([x * 110.0, y * 110.0, 2.0], 2);
@@ -170,7 +170,7 @@ pub(super) fn peel() -> Texture {
     })
 }
 
-/// RGBA of plain numbers 0 to 1, not colours.
+/// RGBA of plain numbers 0 to 1, not colors.
 pub(super) fn numbers(name: &str, size: usize, value: impl Fn(f64, f64) -> [f64; 4]) -> Texture {
     let texels = (0..size * size)
         .map(|k| {
@@ -181,7 +181,7 @@ pub(super) fn numbers(name: &str, size: usize, value: impl Fn(f64, f64) -> [f64;
     Texture { name: name.into(), width: size, height: size, texels, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat }
 }
 
-/// A colour texture that is given an alpha.
+/// A color texture that is given an alpha.
 pub(super) fn with_alpha(mut texture: Texture, alpha: impl Fn(f64, f64) -> f64) -> Texture {
     let (width, height) = (texture.width, texture.height);
     for (k, texel) in texture.texels.iter_mut().enumerate() {

@@ -3,7 +3,7 @@
 use super::noise::{Random, fractal, smooth};
 use crate::{Texture, Wrap};
 
-/// A texture from linear colour at (x, y) in 0..1.
+/// A texture from linear color at (x, y) in 0..1.
 pub(super) fn paint(name: &str, size: usize, wrap: Wrap, color: impl Fn(f64, f64) -> [f64; 3]) -> Texture {
     let texels = (0..size * size)
         .map(|k| {

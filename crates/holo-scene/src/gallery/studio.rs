@@ -1,7 +1,7 @@
 //! What a photographer brings along: a room that fills shadows, softboxes, a camera with a 50 mm lens.
 //!
 //! Everything here is geometry that glows, so that a scene leaves as .glb whole. Lamps and the room may stand farther
-//! away than a metre; what is photographed does not.
+//! away than a meter; what is photographed does not.
 
 use super::shapes;
 use crate::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Texture, Transform};

@@ -7,12 +7,12 @@ pub(super) fn matt([r, g, b]: [f32; 3]) -> Material {
     Material { base_color: [r, g, b, 1.0], ..Material::default() }
 }
 
-/// Lacquer, glaze, polished stone: a diffuser under a colourless gloss.
+/// Lacquer, glaze, polished stone: a diffuser under a colorless gloss.
 pub(super) fn glossy(color: [f32; 3], roughness: f32) -> Material {
     Material { roughness, specular: 1.0, ..matt(color) }
 }
 
-/// A metal, by its colour at normal incidence.
+/// A metal, by its color at normal incidence.
 pub(super) fn metal(color: [f32; 3], roughness: f32) -> Material {
     Material { metallic: 1.0, roughness, specular: 1.0, ..matt(color) }
 }
@@ -27,7 +27,7 @@ pub(super) fn clear_glass() -> Material {
     body_of_glass(f32::INFINITY, [1.0; 3])
 }
 
-/// A body of glass that leaves `color` of white light after `distance` metres.
+/// A body of glass that leaves `color` of white light after `distance` meters.
 pub(super) fn body_of_glass(distance: f32, color: [f32; 3]) -> Material {
     let volume = Some(Volume { attenuation_distance_m: distance, attenuation_color: color });
     Material { transmission: 1.0, roughness: 0.0, specular: 1.0, ior: 1.5, volume, ..matt([1.0; 3]) }

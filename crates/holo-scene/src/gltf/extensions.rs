@@ -64,7 +64,7 @@ pub(super) fn check(file: &Value, root: &Object<'_>, warnings: &mut Warnings) ->
             warnings.note(&format!("{}: {text}", names.join(", ")), String::new);
         }
     };
-    warn(materials, "used but not modelled: surfaces are drawn without");
+    warn(materials, "used but not modeled: surfaces are drawn without");
     warn(others, "used but not handled: ignored");
     Ok(Extensions { used: used.into_iter().collect(), required: required.into_iter().collect() })
 }

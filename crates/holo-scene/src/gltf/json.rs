@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 
 use crate::Error;
 
-/// Above 2^53 an f64 no longer tells neighbouring integers apart.
+/// Above 2^53 an f64 no longer tells neighboring integers apart.
 const LARGEST_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
 
 /// The error of a file that breaks glTF's rules.

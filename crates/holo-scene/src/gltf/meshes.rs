@@ -13,7 +13,7 @@ use super::warnings::Warnings;
 use crate::Error;
 use crate::Mesh;
 
-/// Squared lengths this close to 1 count as unit normals and keep their bits; others are normalised.
+/// Squared lengths this close to 1 count as unit normals and keep their bits; others are normalized.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
 /// The meshes of the scene, and for each mesh of the file the range of those that came from its primitives.
@@ -242,9 +242,9 @@ impl Plan {
                 }
             }
             Mode::Fan => {
-                if let (Some(centre), Some(mut b)) = (next(), next()) {
+                if let (Some(center), Some(mut b)) = (next(), next()) {
                     while let Some(c) = next() {
-                        triangles.push([b, c, centre]);
+                        triangles.push([b, c, center]);
                         b = c;
                     }
                 }
@@ -277,7 +277,7 @@ fn normalize(normals: &mut [[f32; 3]], positions: &[[f32; 3]], triangles: &[[u32
     for triangle in triangles {
         let [a, b, c] = triangle.map(|k| positions[k as usize].map(f64::from));
         let (ab, ac) = (minus(b, a), minus(c, a));
-        // Not normalised: larger faces count more.
+        // Not normalized: larger faces count more.
         let face = [ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]];
         for &k in triangle {
             sums[k as usize].iter_mut().zip(face).for_each(|(sum, x)| *sum += x);

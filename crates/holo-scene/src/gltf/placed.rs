@@ -127,7 +127,7 @@ fn lights(root: &Object<'_>) -> Result<Vec<LightSource>, Error> {
         let factor = light.number("intensity")?.unwrap_or(1.0);
         let intensity = color.map(|c| c * factor);
         if intensity.iter().any(|c| !c.is_finite() || *c < 0.0) {
-            return Err(bad(light.path(), "its colour times its intensity must be finite and not negative"));
+            return Err(bad(light.path(), "its color times its intensity must be finite and not negative"));
         }
         let range = match light.number("range")? {
             Some(range) if range <= 0.0 => {

@@ -1,6 +1,6 @@
 //! Images and samplers: PNG and JPEG, embedded or in files, decoded to 8 bits a channel.
 //!
-//! 16-bit sources are rounded to 8 bits, because [`Texture`] keeps bytes. Colour profiles and gamma chunks are ignored, as
+//! 16-bit sources are rounded to 8 bits, because [`Texture`] keeps bytes. Color profiles and gamma chunks are ignored, as
 //! glTF asks.
 
 use std::borrow::Cow;

@@ -39,7 +39,7 @@ impl<'f> Values<'f> {
         })
     }
 
-    /// Colours as floats, alpha 1 where there is none.
+    /// Colors as floats, alpha 1 where there is none.
     pub(super) fn colors(&self, handle: Handle) -> Result<Vec<[f32; 4]>, Error> {
         self.collect(handle, |accessor| {
             let rgb = accessor.dimensions() == Type::Vec3;

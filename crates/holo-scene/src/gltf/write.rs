@@ -29,7 +29,7 @@ const FAR_PLANE_M: f64 = 1e6;
 ///
 /// # Accuracy
 /// `load_slice(to_glb(scene))` gives an equal scene, but for the environment. Light directions and camera axes come back
-/// bit by bit where their squared lengths and products are within 1e-12 of what they should be, else normalised (a change
+/// bit by bit where their squared lengths and products are within 1e-12 of what they should be, else normalized (a change
 /// below 2e-6).
 ///
 /// # Errors
@@ -266,7 +266,7 @@ fn light(light: &Light) -> Value {
     named(&light.name, value)
 }
 
-/// Splits an intensity into a colour within 0..1, as glTF wants it, and a factor, so that their product is exact.
+/// Splits an intensity into a color within 0..1, as glTF wants it, and a factor, so that their product is exact.
 fn split_intensity(intensity: [f64; 3]) -> ([f64; 3], f64) {
     let largest = intensity.iter().fold(0.0_f64, |largest, &c| largest.max(c));
     // The largest channel itself reads best (white lights, most of all); powers of two divide without rounding.

@@ -52,10 +52,10 @@ fn hierarchies_compose_in_f64() {
     let (turn, quaternion) = rotation([1.0, 2.0, -0.5], 0.7);
     let (tilt, tilted) = rotation([0.0, 0.3, 1.0], -2.1);
     let mut file = triangle();
-    // Far away: in f32 the millimetres would be lost. Mirrored and non-uniform scale below it, then a matrix.
+    // Far away: in f32 the millimeters would be lost. Mirrored and non-uniform scale below it, then a matrix.
     let matrix = times(translation([0.001, 0.002, 0.003]), times(tilt, scale([1.0, 1.0, -3.0])));
     let columns: Vec<f64> = (0..16).map(|k| matrix[k % 4][k / 4]).collect();
-    // The quaternion is three times too long: it must be normalised.
+    // The quaternion is three times too long: it must be normalized.
     let longer = quaternion.map(|q| 3.0 * q);
     file.json["nodes"] = json!([
         { "mesh": 0, "matrix": columns },
@@ -138,7 +138,7 @@ fn broken_hierarchies_are_named() {
 }
 
 #[test]
-fn huge_and_tiny_quaternions_are_normalised() {
+fn huge_and_tiny_quaternions_are_normalized() {
     for factor in [1e200, 1e-200] {
         let mut file = triangle();
         file.json["nodes"] = json!([{ "mesh": 0, "rotation": [0.0, 0.0, factor, factor] }]);

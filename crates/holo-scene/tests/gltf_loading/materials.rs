@@ -9,7 +9,7 @@ use super::support::{File, base64, png, says, triangle};
 const TEXELS: [[u8; 4]; 6] =
     [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [9, 8, 7, 6], [128, 127, 126, 0], [1, 2, 3, 200]];
 
-/// A triangle whose material's base colour is an embedded image.
+/// A triangle whose material's base color is an embedded image.
 fn textured(image: &[u8]) -> File {
     let mut file = triangle();
     let view = file.view(image);
@@ -80,8 +80,8 @@ fn deeper_and_shallower_images_become_eight_bits() {
     let deep = image::ImageBuffer::<image::Rgb<u16>, _>::from_raw(1, 1, vec![65535_u16, 0x80_80, 0]).unwrap();
     let texture = only_texture(&textured(&bytes(deep.into(), image::ImageFormat::Png)));
     assert_eq!(texture.texels, [[255, 128, 0, 255]]);
-    let grey = image::GrayImage::from_raw(1, 1, vec![77]).unwrap();
-    let texture = only_texture(&textured(&bytes(grey.into(), image::ImageFormat::Png)));
+    let gray = image::GrayImage::from_raw(1, 1, vec![77]).unwrap();
+    let texture = only_texture(&textured(&bytes(gray.into(), image::ImageFormat::Png)));
     assert_eq!(texture.texels, [[77, 77, 77, 255]]);
     // JPEG, although the file calls it PNG.
     let flat = image::RgbImage::from_pixel(16, 8, image::Rgb([200, 100, 50]));
@@ -136,7 +136,7 @@ fn textures_choose_their_coordinates() {
         let coordinates = file.floats(&[[set as f32, 0.5]; 3]);
         file.json["meshes"][0]["primitives"][0]["attributes"][format!("TEXCOORD_{set}")] = json!(coordinates);
     }
-    // The sets that base colour, metallic-roughness and emission read; what the mesh then has, and which of it they read.
+    // The sets that base color, metallic-roughness and emission read; what the mesh then has, and which of it they read.
     let mut check = |sets: [u64; 3], mesh: [f32; 2], read: [Option<usize>; 3]| {
         file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] =
             json!({ "index": 0, "texCoord": sets[0] });

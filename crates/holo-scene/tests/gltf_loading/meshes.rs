@@ -112,7 +112,7 @@ fn interleaved_attributes_and_offsets() {
 }
 
 #[test]
-fn colours_of_every_type() {
+fn colors_of_every_type() {
     let shorts: Vec<u8> = [0_u16, 65535, 13107].repeat(3).iter().flat_map(|x| x.to_le_bytes()).collect();
     let cases: [(Vec<u8>, u32, &str, [f32; 4]); 4] = [
         ([0_u8, 255, 51].repeat(3), 5121, "VEC3", [0.0, 1.0, 0.2, 1.0]),

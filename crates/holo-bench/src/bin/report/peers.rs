@@ -17,7 +17,7 @@ use crate::scenes::{light, name, word};
 use crate::sheet::{Seconds, Sheet, peak_of_process, reset_peak, short, timed};
 use crate::{Section, Wish};
 
-/// Distances of the scripts: of neighbouring views, and of the plane where all views meet.
+/// Distances of the scripts: of neighboring views, and of the plane where all views meet.
 const BASELINE_M: f64 = 0.002;
 const FOCUS_M: f64 = 0.8;
 const SKY: [f32; 3] = [0.2, 0.24, 0.32];
@@ -170,7 +170,7 @@ fn ours(wish: &Wish, engine: Backend, integrator: Integrator, side: usize, sampl
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,
-        baseline: Baseline::Metres(BASELINE_M),
+        baseline: Baseline::Meters(BASELINE_M),
         projection: Projection::Perspective,
     };
     let framed = framing.frame(&scene).expect("a camera");

@@ -15,7 +15,7 @@ const DASHES: [&str; 3] = ["none", "6 4", "2 3"];
 /// Points joined by a line.
 pub struct Series {
     pub name: String,
-    /// Which of the colours.
+    /// Which of the colors.
     pub color: usize,
     /// How broken the line is.
     pub dashes: usize,

@@ -21,7 +21,7 @@ impl Ready {
             camera: CameraChoice::First,
             focal_length_m: None,
             sensor_size_m: 0.036,
-            baseline: baseline_m.map_or(Baseline::FNumber(5.0), Baseline::Metres),
+            baseline: baseline_m.map_or(Baseline::FNumber(5.0), Baseline::Meters),
             projection: Projection::Perspective,
         };
         let framed = framing.frame(&scene).expect("a camera");

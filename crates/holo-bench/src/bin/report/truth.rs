@@ -76,7 +76,7 @@ fn slanted_plane(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> [String; 3]
     let (depth, disparity) = (all[Layer::Depth].samples(), all[Layer::Disparity].samples());
     let (mut errors, mut errors_px) = (Vec::new(), Vec::new());
     for ((v, u, t, s, _), &found) in depth.indexed_iter() {
-        // The ray through the pixel's centre meets the plane where z is linear in what the ray has gone.
+        // The ray through the pixel's center meets the plane where z is linear in what the ray has gone.
         let ray = rig.ray(v, u, t, s, 0.5, 0.5);
         let [near, far] = [1.0, 2.0].map(|z| ray.at_depth_m(z));
         let height = |p: [f64; 3]| p[2] + 2.0 + 0.5 * p[0] + 0.25 * p[1];
