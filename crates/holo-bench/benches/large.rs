@@ -16,7 +16,7 @@ use holo_bench::best_of;
 use holo_core::{GridSize, Projection, Split};
 use holo_render::bench::{Storage, Work, renderer, trace};
 use holo_render::{Baseline, CameraChoice, Framing, GroundTruth, Integrator, Request};
-use holo_scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
+use holo_scene::{Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 
 const CASES: [&str; 5] = ["unique", "r1000x10000", "r100x100000", "g2500x4000", "garden"];
 
@@ -163,8 +163,8 @@ fn scene(case: &str) -> Scene {
 /// Adds a camera that looks down on the field at a slant, and a sun.
 fn lit(mut scene: Scene) -> Scene {
     let pose = Transform::look_at([0.1, 1.2, 1.9], [0.0, 0.0, 0.1], [0.0, 1.0, 0.0]);
-    let lens = CameraLens::Perspective { vertical_angle_rad: 0.9, aspect_ratio: Some(1.5) };
-    scene.cameras.push(Camera { name: "main".into(), pose, lens });
+    let projection = CameraProjection::Perspective { vertical_angle_rad: 0.9, aspect_ratio: Some(1.5) };
+    scene.cameras.push(Camera { name: "main".into(), pose, projection });
     let kind = LightKind::Directional { direction: [0.48, -0.8, -0.36], angular_diameter_rad: 0.0 };
     scene.lights.push(Light { name: "sun".into(), intensity: [3.0; 3], kind });
     scene

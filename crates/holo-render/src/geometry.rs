@@ -133,7 +133,7 @@ impl Geometry {
         let per_vertex = |wanted: bool| if wanted { vertex_count } else { 0 };
         let with_normals = any(|m| !m.normals.is_empty());
         let with_coordinates = any(|m| !m.texture_coordinates.is_empty());
-        let with_second = any(|m| !m.second_coordinates.is_empty());
+        let with_second = any(|m| !m.second_texture_coordinates.is_empty());
         let with_colors = any(|m| !m.colors.is_empty());
         let with = [with_normals, with_coordinates, with_second, with_colors];
         let mut geometry = Self {
@@ -203,7 +203,7 @@ impl Geometry {
                 self.normals.par_extend(mesh.normals.par_iter().map(turn));
             }
         }
-        let sets = [(with_coordinates, &mesh.texture_coordinates), (with_second, &mesh.second_coordinates)];
+        let sets = [(with_coordinates, &mesh.texture_coordinates), (with_second, &mesh.second_texture_coordinates)];
         for (all, (_, own)) in self.texture_coordinates.iter_mut().zip(sets).filter(|(_, (with, _))| *with) {
             all.extend_from_slice(own);
             all.resize(self.positions.len(), [0.0; 2]);
@@ -316,7 +316,7 @@ impl InstanceData {
             material: mesh.material as u32,
             object: object as u32,
             smooth: !mesh.normals.is_empty(),
-            textured: [!mesh.texture_coordinates.is_empty(), !mesh.second_coordinates.is_empty()],
+            textured: [!mesh.texture_coordinates.is_empty(), !mesh.second_texture_coordinates.is_empty()],
             colored: !mesh.colors.is_empty(),
             extent,
         }

@@ -36,18 +36,18 @@ mod fruit;
 mod garden;
 mod glasses;
 mod lanterns;
+mod materials;
 mod mirror;
 mod mountains;
 mod noise;
-mod papers;
 mod patterns;
 mod plaster;
 mod shapes;
 mod solids;
 mod studio;
-mod surfaces;
 #[cfg(test)]
 mod tests;
+mod textures;
 mod tiles;
 
 use crate::Scene;

@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 use holo_scene::gltf::{Limits, is_guarding, load_slice, to_glb};
 use holo_scene::{
-    Alpha, Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene, Texture, TextureTransform,
-    TextureUse, Transform, Volume, Wrap,
+    Alpha, Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene, Texture,
+    TextureInfo, TextureTransform, Transform, Volume, Wrap,
 };
 use serde_json::{Value, json};
 
@@ -130,7 +130,7 @@ fn written() -> Vec<u8> {
         positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
         normals: vec![[0.0, 0.0, 1.0]; 4],
         texture_coordinates: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
-        second_coordinates: vec![[0.5, 0.0], [0.0, 0.5], [1.0, 1.0], [0.0, 1.0]],
+        second_texture_coordinates: vec![[0.5, 0.0], [0.0, 0.5], [1.0, 1.0], [0.0, 1.0]],
         colors: vec![[1.0, 0.5, 0.25, 1.0]; 4],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..Mesh::default()
@@ -138,9 +138,9 @@ fn written() -> Vec<u8> {
     let texels = (0..16).map(|k| [k * 16, 255 - k, 7, 255]).collect();
     let texture = Texture { name: "t".into(), width: 4, height: 4, texels, wrap_u: Wrap::Mirror, wrap_v: Wrap::Clamp };
     let transform = TextureTransform { offset: [0.1, 0.2], rotation_rad: 0.3, scale: [4.0, 5.0] };
-    let moved = TextureUse { texture: 0, set: 1, transform };
+    let moved = TextureInfo { texture: 0, set: 1, transform };
     let material = Material {
-        base_color_texture: Some(TextureUse::new(0)),
+        base_color_texture: Some(TextureInfo::new(0)),
         metallic: 0.25,
         roughness: 0.5,
         normal_map: Some(NormalMap { texture: moved, scale: 0.7 }),
@@ -167,7 +167,7 @@ fn written() -> Vec<u8> {
         cameras: vec![Camera {
             name: "c".into(),
             pose,
-            lens: CameraLens::Perspective { vertical_angle_rad: 0.8, aspect_ratio: Some(1.5) },
+            projection: CameraProjection::Perspective { vertical_angle_rad: 0.8, aspect_ratio: Some(1.5) },
         }],
         environment: None,
     };

@@ -2,8 +2,8 @@
 
 use holo_scene::gltf::{Limits, load_slice, to_glb};
 use holo_scene::{
-    Alpha, Camera, CameraLens, Environment, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene, Texture,
-    TextureTransform, TextureUse, Transform, Volume, Wrap,
+    Alpha, Camera, CameraProjection, Environment, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene,
+    Texture, TextureInfo, TextureTransform, Transform, Volume, Wrap,
 };
 use proptest::collection::vec;
 use proptest::option;
@@ -73,7 +73,7 @@ fn mesh(materials: usize) -> impl Strategy<Value = Mesh> {
                 positions,
                 normals,
                 texture_coordinates: coordinates[0].clone(),
-                second_coordinates: coordinates[1].clone(),
+                second_texture_coordinates: coordinates[1].clone(),
                 colors,
                 triangles,
                 material,
@@ -102,7 +102,7 @@ fn strength() -> impl Strategy<Value = f32> {
     prop_oneof![share(), 0.0_f32..1e4, Just(1e30_f32), Just(683.1_f32), Just(f32::MIN_POSITIVE)]
 }
 
-fn texture_use(textures: usize) -> impl Strategy<Value = Option<TextureUse>> + Clone {
+fn texture_use(textures: usize) -> impl Strategy<Value = Option<TextureInfo>> + Clone {
     if textures == 0 {
         return Just(None).boxed();
     }
@@ -110,7 +110,7 @@ fn texture_use(textures: usize) -> impl Strategy<Value = Option<TextureUse>> + C
         .prop_map(|(offset, rotation_rad, scale)| TextureTransform { offset, rotation_rad, scale });
     let transform = prop_oneof![Just(TextureTransform::IDENTITY), transform];
     let used = (0..textures, 0..2_usize, transform);
-    option::of(used.prop_map(|(texture, set, transform)| TextureUse { texture, set, transform })).boxed()
+    option::of(used.prop_map(|(texture, set, transform)| TextureInfo { texture, set, transform })).boxed()
 }
 
 fn material(textures: usize) -> impl Strategy<Value = Material> {
@@ -187,17 +187,17 @@ fn light() -> impl Strategy<Value = Light> {
 }
 
 fn camera() -> impl Strategy<Value = Camera> {
-    let lens = prop_oneof![
+    let projection = prop_oneof![
         (0.01..3.1_f64, option::of(0.1..10.0_f64)).prop_map(|(vertical_angle_rad, aspect_ratio)| {
-            CameraLens::Perspective { vertical_angle_rad, aspect_ratio }
+            CameraProjection::Perspective { vertical_angle_rad, aspect_ratio }
         }),
         (0.01..100.0_f64, 0.01..100.0_f64)
-            .prop_map(|(half_width_m, half_height_m)| CameraLens::Orthographic { half_width_m, half_height_m }),
+            .prop_map(|(half_width_m, half_height_m)| CameraProjection::Orthographic { half_width_m, half_height_m }),
     ];
     let turned = (vector(), [-1.0..1.0, -1.0..1.0, -1.0..1.0, 0.1..1.0_f64])
         .prop_map(|(translation, rotation)| Transform::from_parts(translation, rotation, [1.0; 3]));
     let pose = prop_oneof![turned, Just(Transform::look_at([4.0, 1.6, 6.5], [0.1, 0.2, -3.0], [0.0, 1.0, 0.0]))];
-    (name(), pose, lens).prop_map(|(name, pose, lens)| Camera { name, pose, lens })
+    (name(), pose, projection).prop_map(|(name, pose, projection)| Camera { name, pose, projection })
 }
 
 fn scene() -> impl Strategy<Value = Scene> {
@@ -329,7 +329,7 @@ fn directions_and_axes_that_are_a_little_off_come_back_within_the_bound() {
         cameras: vec![Camera {
             name: String::new(),
             pose: Transform { columns: [[off, 0.0, 0.0], [0.0, 1.0, 5e-7], [0.0, 0.0, off]], translation: [0.0; 3] },
-            lens: CameraLens::Orthographic { half_width_m: 1.0, half_height_m: 1.0 },
+            projection: CameraProjection::Orthographic { half_width_m: 1.0, half_height_m: 1.0 },
         }],
         ..Scene::default()
     };

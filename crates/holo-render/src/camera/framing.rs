@@ -6,7 +6,7 @@
 use holo_core::{GridSize, Intrinsics, Projection, Rig, Split, automatic_baseline_m};
 
 use crate::error::Error;
-use holo_scene::{Camera, CameraLens, Scene, Transform};
+use holo_scene::{Camera, CameraProjection, Scene, Transform};
 
 /// How a rig is wanted.
 #[derive(Clone, Debug)]
@@ -128,8 +128,8 @@ fn choose<'a>(scene: &'a Scene, choice: &CameraChoice) -> Result<Option<&'a Came
 /// The tangent of half the angle of view along the larger image side. A camera with more columns than rows keeps its
 /// horizontal angle, else its vertical one.
 fn half_slope(camera: &Camera, lenses: GridSize) -> Result<f64, Error> {
-    match camera.lens {
-        CameraLens::Perspective { vertical_angle_rad, aspect_ratio } => {
+    match camera.projection {
+        CameraProjection::Perspective { vertical_angle_rad, aspect_ratio } => {
             let vertical = (vertical_angle_rad / 2.0).tan();
             if lenses.columns < lenses.rows {
                 return Ok(vertical);
@@ -137,7 +137,7 @@ fn half_slope(camera: &Camera, lenses: GridSize) -> Result<f64, Error> {
             let aspect = aspect_ratio.unwrap_or(lenses.columns as f64 / lenses.rows as f64);
             Ok(vertical * aspect)
         }
-        CameraLens::Orthographic { .. } => Err(Error::BadSetting(format!(
+        CameraProjection::Orthographic { .. } => Err(Error::BadSetting(format!(
             "camera '{}' is orthographic; choose a perspective camera, and --projection orthographic if the views shall \
              be parallel projections",
             camera.name
@@ -169,8 +169,8 @@ mod tests {
     use super::*;
 
     fn camera(aspect_ratio: Option<f64>) -> Camera {
-        let lens = CameraLens::Perspective { vertical_angle_rad: 0.8, aspect_ratio };
-        Camera { name: "a".into(), pose: Transform::IDENTITY, lens }
+        let projection = CameraProjection::Perspective { vertical_angle_rad: 0.8, aspect_ratio };
+        Camera { name: "a".into(), pose: Transform::IDENTITY, projection }
     }
 
     fn framing(lenses: GridSize, camera: CameraChoice) -> Framing {

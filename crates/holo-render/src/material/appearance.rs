@@ -12,7 +12,7 @@ use crate::geometry::{Geometry, Hit, InstanceData};
 use crate::material::SurfaceInteraction;
 use crate::material::texture;
 use holo_core::color::srgb8_to_linear_table;
-use holo_scene::{Alpha, NormalMap, Texture, TextureTransform, TextureUse};
+use holo_scene::{Alpha, NormalMap, Texture, TextureInfo, TextureTransform};
 
 /// Materials and textures, prepared for evaluation.
 pub(crate) struct Appearance {
@@ -72,7 +72,7 @@ struct TextureLookup {
 }
 
 impl TextureLookup {
-    fn new(used: TextureUse) -> Self {
+    fn new(used: TextureInfo) -> Self {
         let TextureTransform { offset: [x, y], rotation_rad, scale: [width, height] } = used.transform;
         let (sin, cos) = f64::from(rotation_rad).sin_cos();
         let (width, height) = (f64::from(width), f64::from(height));

@@ -8,7 +8,7 @@ use crate::accel::{Coherence, RayHits};
 use crate::camera::tile::{Selection, Tiling};
 use crate::geometry::{FLATTENED, Hit};
 use crate::simd::LANES;
-use holo_scene::{Instance, Light, LightKind, Material, Mesh, Texture, TextureUse, Wrap};
+use holo_scene::{Instance, Light, LightKind, Material, Mesh, Texture, TextureInfo, Wrap};
 
 /// A bumpy ball of radius about 1 around `center`: `2 * side * side` triangles with normals, texture coordinates and
 /// colors.
@@ -59,7 +59,7 @@ fn scene() -> Scene {
     let texels = (0..64u8).map(|k| [k.wrapping_mul(37), 255 - k, 128 + k, 255]).collect();
     let texture =
         Texture { name: String::new(), width: 8, height: 8, texels, wrap_u: Wrap::Repeat, wrap_v: Wrap::Clamp };
-    let textured = Material { base_color_texture: Some(TextureUse::new(0)), ..Material::default() };
+    let textured = Material { base_color_texture: Some(TextureInfo::new(0)), ..Material::default() };
     let emissive = Material { emission: [0.5; 3], ..Material::default() };
     let wall = Mesh {
         positions: vec![[-9.0, -9.0, -12.0], [9.0, -9.0, -12.0], [9.0, 9.0, -12.0], [-9.0, 9.0, -12.0]],

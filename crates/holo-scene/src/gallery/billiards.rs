@@ -5,13 +5,13 @@
 
 use glam::DVec3;
 
+use super::materials::{diffuse, glossy, textured};
 use super::noise::Random;
-use super::papers::{grained, wood};
 use super::patterns::{mix, paint};
 use super::shapes;
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, turned};
-use super::surfaces::{glossy, matt, textured};
+use super::textures::{grained, wood};
 use crate::{Scene, Texture, Transform, Wrap};
 
 /// Of a ball, m.
@@ -24,14 +24,14 @@ pub(super) fn scene() -> Scene {
     ];
     textures.extend((0..16).map(ball));
     let mut studio = Studio::new(textures);
-    let cloth = studio.surface("cloth", textured(0, matt([1.0; 3])));
-    let rail = studio.surface("rail", textured(1, glossy([1.0; 3], 0.18)));
+    let cloth = studio.material("cloth", textured(0, diffuse([1.0; 3])));
+    let rail = studio.material("rail", textured(1, glossy([1.0; 3], 0.18)));
     let phenolic: Vec<usize> =
-        (0..16).map(|k| studio.surface("phenolic", textured(2 + k, glossy([1.0; 3], 0.06)))).collect();
-    let ivory = studio.surface("ferrule", glossy([0.82, 0.78, 0.66], 0.2));
-    let leather = studio.surface("leather", matt([0.10, 0.16, 0.28]));
-    let maple = studio.surface("maple", glossy([0.66, 0.44, 0.22], 0.2));
-    let brass = studio.surface("sight", glossy([0.85, 0.80, 0.68], 0.15));
+        (0..16).map(|k| studio.material("phenolic", textured(2 + k, glossy([1.0; 3], 0.06)))).collect();
+    let ivory = studio.material("ferrule", glossy([0.82, 0.78, 0.66], 0.2));
+    let leather = studio.material("leather", diffuse([0.10, 0.16, 0.28]));
+    let maple = studio.material("maple", glossy([0.66, 0.44, 0.22], 0.2));
+    let brass = studio.material("sight", glossy([0.85, 0.80, 0.68], 0.15));
 
     studio.add(
         "bed",
@@ -58,7 +58,7 @@ pub(super) fn scene() -> Scene {
             Transform::from_parts([x, 0.0455, -0.47], [0.0, 0.0, 0.0, 1.0], [0.006, 0.002, 0.006]),
         );
     }
-    let backdrop = studio.surface("panelling", textured(1, glossy([0.55; 3], 0.5)));
+    let backdrop = studio.material("panelling", textured(1, glossy([0.55; 3], 0.5)));
     studio.add(
         "panelling",
         shapes::sheet(1, 1, |s, t| DVec3::new(s - 0.5, 0.45 - 0.5 * t, -0.57)),
@@ -106,7 +106,7 @@ pub(super) fn scene() -> Scene {
         studio.softbox("lamp", [x, 0.85, -0.12], [x, 0.0, -0.12], [0.26, 0.26], [7.4, 6.5, 5.0]);
     }
     studio.softbox("window", [-1.1, 0.6, 0.75], [0.0, 0.0, -0.1], [0.5, 0.8], [0.8, 1.0, 1.35]);
-    studio.photographed([0.03, 0.275, 0.585], [0.0, -0.002, -0.070])
+    studio.with_camera([0.03, 0.275, 0.585], [0.0, -0.002, -0.070])
 }
 
 /// The equirectangular texture of a ball: plain up to 8, striped from 9, the cue ball with a dot.

@@ -7,11 +7,11 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::papers::{grained, wood};
+use super::materials::{BRASS, diffuse, glossy, metal, textured};
 use super::shapes;
 use super::solids::lathe;
 use super::studio::{Studio, at, turned};
-use super::surfaces::{BRASS, glossy, matt, metal, textured};
+use super::textures::{grained, wood};
 use crate::{Mesh, Scene, Transform};
 
 /// Where the cage stands.
@@ -25,13 +25,13 @@ pub(super) fn scene() -> Scene {
         grained("wall", [0.60, 0.42, 0.345], 0.10),
         wood("table", [0.16, 0.085, 0.045], [0.36, 0.215, 0.125], 3.0, 51.0),
     ]);
-    let wall = studio.surface("wall", textured(0, matt([1.0; 3])));
-    let table = studio.surface("table", textured(1, glossy([1.0; 3], 0.4)));
-    let wire = studio.surface("wire", metal(BRASS, 0.3));
-    let lacquer = studio.surface("lacquer", glossy([0.045, 0.10, 0.105], 0.18));
-    let papers = [[0.80, 0.78, 0.73], [0.72, 0.16, 0.10], [0.10, 0.27, 0.34], [0.80, 0.55, 0.16]]
-        .map(|c| studio.surface("paper", matt(c)));
-    let thread = studio.surface("thread", matt([0.75, 0.72, 0.66]));
+    let wall = studio.material("wall", textured(0, diffuse([1.0; 3])));
+    let table = studio.material("table", textured(1, glossy([1.0; 3], 0.4)));
+    let wire = studio.material("wire", metal(BRASS, 0.3));
+    let lacquer = studio.material("lacquer", glossy([0.045, 0.10, 0.105], 0.18));
+    let textures = [[0.80, 0.78, 0.73], [0.72, 0.16, 0.10], [0.10, 0.27, 0.34], [0.80, 0.55, 0.16]]
+        .map(|c| studio.material("paper", diffuse(c)));
+    let thread = studio.material("thread", diffuse([0.75, 0.72, 0.66]));
 
     studio.add(
         "wall",
@@ -140,7 +140,7 @@ pub(super) fn scene() -> Scene {
     ];
     for (place, heading, pitch, size, paper) in birds {
         let pose = turned(place, [0.0, 1.0, 0.0], heading, size).after(&turned([0.0; 3], [0.0, 0.0, 1.0], pitch, 1.0));
-        studio.add("bird", bird(), papers[paper], pose);
+        studio.add("bird", bird(), textures[paper], pose);
     }
     for (x, y, z) in [(0.140, 0.165, -0.095), (0.205, 0.235, -0.215)] {
         studio.add(
@@ -155,7 +155,7 @@ pub(super) fn scene() -> Scene {
     studio.spot("lamp", [-0.62, 0.50, 0.85], [0.0, 0.1, -0.1], 32.0, [3.4, 3.1, 2.6]);
     studio.softbox("window", [-0.95, 0.80, 0.50], [0.0, 0.1, -0.1], [0.4, 0.5], [2.4, 2.3, 2.2]);
     studio.softbox("reflector", [1.0, 0.4, 0.6], [0.0, 0.1, -0.1], [0.5, 0.9], [0.7, 0.75, 0.85]);
-    studio.photographed([0.045, 0.165, 0.60], [0.005, 0.118, -0.06])
+    studio.with_camera([0.045, 0.165, 0.60], [0.005, 0.118, -0.06])
 }
 
 /// An origami crane of length about 2 that flies along +X: flat faces of folded paper.

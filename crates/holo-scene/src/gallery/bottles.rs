@@ -3,26 +3,26 @@
 //! There for: colored thick glass, whose color deepens with the way through it. Hard about it: a pixel shows up to
 //! four surfaces and what lies behind them; colored light falls through the bottles onto the sill.
 
-use super::papers::{self, grained};
+use super::materials::{body_of_glass, diffuse, glossy, textured};
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, rectangle, turned, upright};
-use super::surfaces::{body_of_glass, glossy, matt, textured};
-use crate::{Material, Scene, TextureUse, Transform};
+use super::textures::{self, grained};
+use crate::{Material, Scene, TextureInfo, Transform};
 
 pub(super) fn scene() -> Scene {
-    let mut studio = Studio::new(vec![papers::landscape(), grained("sill", [0.70, 0.63, 0.52], 0.12)]);
-    let sill = studio.surface("sill", textured(1, glossy([1.0; 3], 0.5)));
-    let frame = studio.surface("frame", glossy([0.66, 0.66, 0.63], 0.4));
-    let outside = studio.surface(
+    let mut studio = Studio::new(vec![textures::landscape(), grained("sill", [0.70, 0.63, 0.52], 0.12)]);
+    let sill = studio.material("sill", textured(1, glossy([1.0; 3], 0.5)));
+    let frame = studio.material("frame", glossy([0.66, 0.66, 0.63], 0.4));
+    let outside = studio.material(
         "outside",
         Material {
             emission: [0.95; 3],
-            emission_texture: Some(TextureUse::new(0)),
+            emission_texture: Some(TextureInfo::new(0)),
             double_sided: false,
-            ..matt([0.0; 3])
+            ..diffuse([0.0; 3])
         },
     );
-    let cork = studio.surface("cork", matt([0.42, 0.27, 0.15]));
+    let cork = studio.material("cork", diffuse([0.42, 0.27, 0.15]));
     let colors = [
         ("cobalt", body_of_glass(0.0065, [0.10, 0.22, 0.72])),
         ("amber", body_of_glass(0.008, [0.80, 0.34, 0.045])),
@@ -30,7 +30,7 @@ pub(super) fn scene() -> Scene {
         ("ruby", body_of_glass(0.008, [0.72, 0.06, 0.075])),
         ("aqua", body_of_glass(0.016, [0.40, 0.80, 0.76])),
     ]
-    .map(|(name, glass)| studio.surface(name, glass));
+    .map(|(name, glass)| studio.material(name, glass));
 
     studio.add("sill", rounded_box([0.98, 0.03, 0.42], 0.006), sill, at(0.0, -0.015, 0.0));
     let [width, height] = [0.99, 0.62];
@@ -143,5 +143,5 @@ pub(super) fn scene() -> Scene {
 
     studio.room([0.27, 0.26, 0.245]);
     studio.softbox("sky", [0.15, 0.95, -0.75], [0.0, 0.0, 0.05], [1.1, 0.6], [5.5, 5.6, 5.7]);
-    studio.photographed([-0.015, 0.155, 0.60], [-0.004, 0.082, -0.05])
+    studio.with_camera([-0.015, 0.155, 0.60], [-0.004, 0.082, -0.05])
 }

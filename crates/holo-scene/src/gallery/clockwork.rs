@@ -7,23 +7,23 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::papers::{brushed, grained};
+use super::materials::{BRASS, COPPER, STEEL, diffuse, metal, roughness_mapped, textured};
 use super::shapes;
 use super::solids::{join, lathe, plate, rounded_box};
 use super::studio::{Studio, at, turned};
-use super::surfaces::{BRASS, COPPER, STEEL, matt, metal, textured, worn};
+use super::textures::{brushed, grained};
 use crate::{Mesh, Scene, Transform};
 
 pub(super) fn scene() -> Scene {
     let mut studio =
         Studio::new(vec![brushed(0.42, 0.16), brushed(0.62, 0.22), grained("leather", [0.028, 0.040, 0.058], 0.5)]);
-    let backing = studio.surface("backing", textured(2, matt([1.0; 3])));
-    let iron = studio.surface("plate", worn(1, [3.0, 3.0], metal([0.30, 0.31, 0.33], 1.0)));
-    let brass = studio.surface("brass", worn(0, [1.0, 1.0], metal(BRASS, 0.85)));
-    let old_brass = studio.surface("old brass", worn(1, [1.0, 1.0], metal([0.72, 0.50, 0.24], 0.8)));
-    let copper = studio.surface("copper", worn(0, [1.0, 1.0], metal(COPPER, 0.8)));
-    let steel = studio.surface("steel", worn(0, [1.0, 1.0], metal(STEEL, 0.7)));
-    let blued = studio.surface("blued steel", metal([0.10, 0.16, 0.36], 0.24));
+    let backing = studio.material("backing", textured(2, diffuse([1.0; 3])));
+    let iron = studio.material("plate", roughness_mapped(1, [3.0, 3.0], metal([0.30, 0.31, 0.33], 1.0)));
+    let brass = studio.material("brass", roughness_mapped(0, [1.0, 1.0], metal(BRASS, 0.85)));
+    let old_brass = studio.material("old brass", roughness_mapped(1, [1.0, 1.0], metal([0.72, 0.50, 0.24], 0.8)));
+    let copper = studio.material("copper", roughness_mapped(0, [1.0, 1.0], metal(COPPER, 0.8)));
+    let steel = studio.material("steel", roughness_mapped(0, [1.0, 1.0], metal(STEEL, 0.7)));
+    let blued = studio.material("blued steel", metal([0.10, 0.16, 0.36], 0.24));
 
     studio.add(
         "backing",
@@ -110,7 +110,7 @@ pub(super) fn scene() -> Scene {
     studio.room([0.23, 0.25, 0.28]);
     studio.softbox("softbox", [-0.8, 0.75, 0.8], [0.0, 0.0, -0.05], [0.7, 0.5], [4.6, 4.3, 3.8]);
     studio.softbox("strip", [0.95, 0.1, 0.45], [0.0, 0.0, -0.05], [0.18, 0.9], [3.6, 4.0, 4.8]);
-    studio.photographed([0.110, -0.055, 0.475], [0.002, -0.003, -0.055])
+    studio.with_camera([0.110, -0.055, 0.475], [0.002, -0.003, -0.055])
 }
 
 /// A toothed wheel around +Z with a rim, spokes and a hub; without spokes it is solid.

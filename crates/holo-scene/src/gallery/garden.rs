@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::noise::{Random, fractal};
 use super::{patterns, shapes};
-use crate::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, TextureUse, Transform};
+use crate::{Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, Scene, TextureInfo, Transform};
 
 pub(super) fn scene() -> Scene {
     let mut scene = Scene {
@@ -83,8 +83,8 @@ fn lamp() -> Light {
 
 fn camera() -> Camera {
     let pose = Transform::look_at([0.06, 0.34, 1.02], [0.0, 0.2, -0.1], [0.0, 1.0, 0.0]);
-    let lens = CameraLens::Perspective { vertical_angle_rad: 0.60, aspect_ratio: Some(1.5) };
-    Camera { name: "main".into(), pose, lens }
+    let projection = CameraProjection::Perspective { vertical_angle_rad: 0.60, aspect_ratio: Some(1.5) };
+    Camera { name: "main".into(), pose, projection }
 }
 
 fn ground_height(x: f64, z: f64) -> f64 {
@@ -217,7 +217,7 @@ fn tree(scene: &mut Scene, bark: usize, leaf: usize) {
 }
 
 fn textured(scene: &mut Scene, name: &str, texture: usize) -> usize {
-    let base_color_texture = Some(TextureUse::new(texture));
+    let base_color_texture = Some(TextureInfo::new(texture));
     scene.materials.push(Material { name: name.into(), base_color_texture, ..Material::default() });
     scene.materials.len() - 1
 }

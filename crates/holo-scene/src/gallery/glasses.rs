@@ -6,11 +6,11 @@
 
 use glam::DVec3;
 
-use super::papers::{grained, striped_linen};
+use super::materials::{clear_glass, diffuse, glossy, repeated, textured};
 use super::shapes;
 use super::solids::lathe;
 use super::studio::{Studio, at, turned, upright};
-use super::surfaces::{clear_glass, glossy, matt, repeated, textured};
+use super::textures::{grained, striped_linen};
 use crate::{Mesh, Scene, Transform};
 
 pub(super) fn scene() -> Scene {
@@ -27,11 +27,11 @@ pub(super) fn scene() -> Scene {
         ]),
         grained("wall", [0.30, 0.335, 0.34], 0.22),
     ]);
-    let cloth = studio.surface("linen", repeated(0, [11.0, 11.0], matt([1.0; 3])));
-    let wall = studio.surface("wall", textured(1, matt([1.0; 3])));
-    let glass = studio.surface("glass", clear_glass());
-    let peel = studio.surface("lemon", glossy([0.80, 0.52, 0.045], 0.38));
-    let wood = studio.surface("frame", glossy([0.18, 0.085, 0.04], 0.35));
+    let cloth = studio.material("linen", repeated(0, [11.0, 11.0], diffuse([1.0; 3])));
+    let wall = studio.material("wall", textured(1, diffuse([1.0; 3])));
+    let glass = studio.material("glass", clear_glass());
+    let peel = studio.material("lemon", glossy([0.80, 0.52, 0.045], 0.38));
+    let wood = studio.material("frame", glossy([0.18, 0.085, 0.04], 0.35));
 
     let folds = |x: f64, z: f64| 0.0035 * ((x * 9.0 + 2.2 * z).sin() * (z * 5.0 + 0.4).cos()) - 0.0035;
     let sheet = shapes::sheet(120, 100, |s, t| {
@@ -129,7 +129,7 @@ pub(super) fn scene() -> Scene {
     studio.room([0.24, 0.25, 0.26]);
     studio.softbox("window", [-0.95, 0.7, 0.05], [0.0, 0.05, -0.05], [0.6, 0.9], [4.4, 4.3, 4.1]);
     studio.softbox("strip", [0.95, 0.45, 0.35], [0.0, 0.08, -0.05], [0.2, 0.8], [3.2, 3.3, 3.6]);
-    studio.photographed([0.02, 0.215, 0.590], [0.012, 0.062, -0.045])
+    studio.with_camera([0.02, 0.215, 0.590], [0.012, 0.062, -0.045])
 }
 
 /// A right-angled prism that lies on its long face: side `leg`, length `length` along x.

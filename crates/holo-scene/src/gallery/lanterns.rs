@@ -7,14 +7,14 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use super::materials::{BRASS, diffuse, glossy, metal, textured};
 use super::noise::{Random, fractal};
-use super::papers::{grained, wood};
 use super::patterns::paint;
 use super::shapes;
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, turned};
-use super::surfaces::{BRASS, glossy, matt, metal, textured};
-use crate::{Material, Scene, Texture, TextureUse, Transform, Wrap};
+use super::textures::{grained, wood};
+use crate::{Material, Scene, Texture, TextureInfo, Transform, Wrap};
 
 pub(super) fn scene() -> Scene {
     let mut studio = Studio::new(vec![
@@ -22,17 +22,17 @@ pub(super) fn scene() -> Scene {
         grained("screen", [0.17, 0.235, 0.34], 0.15),
         wood("deck", [0.22, 0.14, 0.095], [0.50, 0.34, 0.23], 9.0, 71.0),
     ]);
-    let screen = studio.surface("screen", textured(1, matt([1.0; 3])));
-    let deck = studio.surface("deck", textured(2, glossy([1.0; 3], 0.35)));
-    let lacquer = studio.surface("lacquer", glossy([0.018, 0.016, 0.018], 0.15));
-    let gold = studio.surface("gold", metal(BRASS, 0.25));
-    let flame = studio.surface("flame", Material { emission: [3.2, 1.7, 0.55], ..matt([0.0; 3]) });
-    let wax = studio.surface("wax", Material { emission: [0.26, 0.12, 0.035], ..matt([0.72, 0.62, 0.46]) });
-    let cup = studio.surface("cup", glossy([0.10, 0.20, 0.19], 0.15));
+    let screen = studio.material("screen", textured(1, diffuse([1.0; 3])));
+    let deck = studio.material("deck", textured(2, glossy([1.0; 3], 0.35)));
+    let lacquer = studio.material("lacquer", glossy([0.018, 0.016, 0.018], 0.15));
+    let gold = studio.material("gold", metal(BRASS, 0.25));
+    let flame = studio.material("flame", Material { emission: [3.2, 1.7, 0.55], ..diffuse([0.0; 3]) });
+    let wax = studio.material("wax", Material { emission: [0.26, 0.12, 0.035], ..diffuse([0.72, 0.62, 0.46]) });
+    let cup = studio.material("cup", glossy([0.10, 0.20, 0.19], 0.15));
     let stones = [[0.30, 0.30, 0.31], [0.17, 0.18, 0.195], [0.42, 0.39, 0.35], [0.10, 0.105, 0.115]]
-        .map(|c| studio.surface("stone", glossy(c, 0.32)));
-    let branch = studio.surface("branch", matt([0.17, 0.11, 0.075]));
-    let blossom = studio.surface("blossom", matt([0.76, 0.50, 0.52]));
+        .map(|c| studio.material("stone", glossy(c, 0.32)));
+    let branch = studio.material("branch", diffuse([0.17, 0.11, 0.075]));
+    let blossom = studio.material("blossom", diffuse([0.76, 0.50, 0.52]));
 
     studio.add(
         "screen",
@@ -70,12 +70,12 @@ pub(super) fn scene() -> Scene {
     ];
     let body = lathe(96, 8, &[[0.34, 0.80], [0.72, 0.62], [0.98, 0.20], [0.98, -0.20], [0.72, -0.62], [0.34, -0.80]]);
     let body = studio_bodies(&mut studio, body, &lamps);
-    let cap = studio.share(
+    let cap = studio.add_mesh(
         "cap",
         lathe(48, 4, &[[0.0, 0.90], [0.30, 0.90], [0.37, 0.885], [0.37, 0.79], [0.0, 0.79]]),
         lacquer,
     );
-    let tassel = studio.share(
+    let tassel = studio.add_mesh(
         "tassel",
         lathe(
             24,
@@ -96,9 +96,9 @@ pub(super) fn scene() -> Scene {
     );
     for ((place, size, _), mesh) in lamps.into_iter().zip(body) {
         let pose = turned(place, [0.0, 1.0, 0.0], 900.0 * size, size);
-        studio.set("lantern", mesh, pose);
-        studio.set("cap", cap, pose);
-        studio.set("tassel", tassel, pose);
+        studio.add_instance("lantern", mesh, pose);
+        studio.add_instance("cap", cap, pose);
+        studio.add_instance("tassel", tassel, pose);
         let top = 0.46 - place[1] - 0.9 * size;
         studio.add(
             "cord",
@@ -140,20 +140,20 @@ pub(super) fn scene() -> Scene {
 
     studio.room([0.040, 0.058, 0.095]);
     studio.softbox("dusk", [-0.9, 0.85, 0.55], [0.0, 0.1, -0.1], [0.7, 0.7], [1.3, 1.8, 2.7]);
-    studio.photographed([0.025, 0.185, 0.610], [-0.002, 0.125, -0.08])
+    studio.with_camera([0.025, 0.185, 0.610], [-0.002, 0.125, -0.08])
 }
 
 /// A lantern of every color.
 fn studio_bodies(studio: &mut Studio, body: crate::Mesh, lamps: &[([f64; 3], f64, [f32; 3])]) -> Vec<usize> {
     let glows = lamps.iter().map(|&(_, _, color)| {
-        let glow = Material {
+        let emissive = Material {
             emission: color.map(|c| 0.92 * c),
-            emission_texture: Some(TextureUse::new(0)),
+            emission_texture: Some(TextureInfo::new(0)),
             double_sided: false,
-            ..matt(color.map(|c| 0.5 * c))
+            ..diffuse(color.map(|c| 0.5 * c))
         };
-        let glow = studio.surface("lantern", glow);
-        studio.share("lantern", body.clone(), glow)
+        let emissive = studio.material("lantern", emissive);
+        studio.add_mesh("lantern", body.clone(), emissive)
     });
     glows.collect()
 }
@@ -175,7 +175,7 @@ fn pebbles(studio: &mut Studio, stones: &[usize; 4]) {
         .map(|k| {
             let offset = 4.0 * k as f64;
             let mesh = shapes::ball(40, 20, |d| 0.16 * fractal((d * 0.9 + offset).to_array(), 2));
-            studio.share("pebble", mesh, stones[k % 4])
+            studio.add_mesh("pebble", mesh, stones[k % 4])
         })
         .collect();
     let mut random = Random::new(29);
@@ -188,14 +188,14 @@ fn pebbles(studio: &mut Studio, stones: &[usize; 4]) {
         let turn =
             turned([x, 0.85 * flat * size + 0.008 * (1.0 - out), z], [0.1, 1.0, 0.1], random.between(0.0, 360.0), size);
         let squash = Transform { columns: [[1.0, 0.0, 0.0], [0.0, flat, 0.0], [0.0, 0.0, 0.8]], ..Transform::IDENTITY };
-        studio.set("pebble", kinds[(random.unit() * 8.0) as usize % 8], turn.after(&squash));
+        studio.add_instance("pebble", kinds[(random.unit() * 8.0) as usize % 8], turn.after(&squash));
     }
 }
 
 /// A branch of cherry comes in from above on the left.
 fn twig(studio: &mut Studio, branch: usize, blossom: usize) {
     let mut random = Random::new(31);
-    let flower = studio.share(
+    let flower = studio.add_mesh(
         "blossom",
         shapes::sheet(40, 6, |s, t| {
             let angle = -s * TAU;
@@ -224,7 +224,7 @@ fn twig(studio: &mut Studio, branch: usize, blossom: usize) {
                     random.between(-0.004, 0.008),
                 );
             let axis = [random.between(-1.0, 1.0), 0.2, random.between(-1.0, 1.0)];
-            studio.set(
+            studio.add_instance(
                 "blossom",
                 flower,
                 turned(place.to_array(), axis, random.between(20.0, 140.0), random.between(0.006, 0.0095)),

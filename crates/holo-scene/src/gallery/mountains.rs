@@ -5,12 +5,12 @@
 
 use glam::DVec3;
 
+use super::materials::{diffuse, glossy, textured};
 use super::noise::fractal;
-use super::papers::{grained, wood};
 use super::patterns::{mix, paint};
 use super::shapes;
 use super::studio::{Studio, at, turned, upright};
-use super::surfaces::{glossy, matt, textured};
+use super::textures::{grained, wood};
 use crate::{Mesh, Scene, Texture, Transform, Wrap};
 
 /// Pages of the leporello.
@@ -31,11 +31,11 @@ pub(super) fn scene() -> Scene {
     ];
     textures.extend(layers.iter().map(|(color, _, _)| grained("card", *color, 0.26)));
     let mut studio = Studio::new(textures);
-    let sky = studio.surface("sky", textured(0, matt([1.0; 3])));
-    let table = studio.surface("table", textured(1, glossy([1.0; 3], 0.35)));
-    let pages = studio.surface("pictures", textured(2, matt([1.0; 3])));
-    let sun = studio.surface("sun", matt([0.86, 0.30, 0.13]));
-    let white = studio.surface("paper", matt([0.82, 0.80, 0.75]));
+    let sky = studio.material("sky", textured(0, diffuse([1.0; 3])));
+    let table = studio.material("table", textured(1, glossy([1.0; 3], 0.35)));
+    let pages = studio.material("pictures", textured(2, diffuse([1.0; 3])));
+    let sun = studio.material("sun", diffuse([0.86, 0.30, 0.13]));
+    let white = studio.material("paper", diffuse([0.82, 0.80, 0.75]));
 
     studio.add(
         "table",
@@ -56,7 +56,7 @@ pub(super) fn scene() -> Scene {
     studio.add("sun", disc, sun, at(0.105, 0.232, -0.415));
     for (k, (_, height, relief)) in layers.into_iter().enumerate() {
         let seed = 3.7 * k as f64;
-        let card = studio.surface("card", textured(3 + k, matt([1.0; 3])));
+        let card = studio.material("card", textured(3 + k, diffuse([1.0; 3])));
         let ridge = move |x: f64| {
             let peaks = 1.0 - 1.7 * fractal([x * (5.0 + 0.8 * k as f64) + seed, 0.5, seed], 2).abs();
             height + relief * (peaks - 0.35) + 0.10 * relief * fractal([x * 70.0, 1.5, seed], 2)
@@ -84,7 +84,7 @@ pub(super) fn scene() -> Scene {
 
     studio.room([0.15, 0.16, 0.18]);
     studio.softbox("key", [-0.90, 0.85, 0.35], [0.0, 0.08, -0.15], [0.20, 0.22], [30.0, 27.0, 22.5]);
-    studio.photographed([-0.075, 0.215, 0.575], [-0.002, 0.104, -0.12])
+    studio.with_camera([-0.075, 0.215, 0.575], [-0.002, 0.104, -0.12])
 }
 
 fn gull() -> Mesh {

@@ -5,16 +5,16 @@
 
 use glam::DVec3;
 
+use super::materials::diffuse;
 use super::shapes;
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, turned, upright};
-use super::surfaces::matt;
 use crate::{Scene, Transform};
 
 pub(super) fn scene() -> Scene {
     let mut studio = Studio::new(Vec::new());
-    let plaster = studio.surface("plaster", matt([0.76, 0.745, 0.715]));
-    let paper = studio.surface("paper", matt([0.60, 0.595, 0.585]));
+    let plaster = studio.material("plaster", diffuse([0.76, 0.745, 0.715]));
+    let paper = studio.material("paper", diffuse([0.60, 0.595, 0.585]));
 
     // One sheet that lies, rises and stands.
     let sweep = shapes::sheet(1, 96, |s, t| {
@@ -69,7 +69,7 @@ pub(super) fn scene() -> Scene {
 
     studio.room([0.055, 0.06, 0.07]);
     studio.softbox("window", [-0.95, 0.70, 0.20], [0.0, 0.03, -0.05], [0.42, 0.5], [9.0, 8.4, 7.5]);
-    studio.photographed([-0.02, 0.255, 0.66], [-0.010, 0.070, -0.05])
+    studio.with_camera([-0.02, 0.255, 0.66], [-0.010, 0.070, -0.05])
 }
 
 /// Without smooth normals.

@@ -4,7 +4,7 @@
 //! away than a meter; what is photographed does not.
 
 use super::shapes;
-use crate::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Texture, Transform};
+use crate::{Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, Scene, Texture, Transform};
 
 /// Half the height of a 36 mm x 24 mm picture over the focal length: 12 mm / 50 mm.
 const HALF_SLOPE: f64 = 0.24;
@@ -18,36 +18,36 @@ impl Studio {
     }
 
     /// A material under a name; its number.
-    pub fn surface(&mut self, name: &str, material: Material) -> usize {
+    pub fn material(&mut self, name: &str, material: Material) -> usize {
         self.0.materials.push(Material { name: name.into(), ..material });
         self.0.materials.len() - 1
     }
 
     /// A mesh placed once.
     pub fn add(&mut self, name: &str, mesh: Mesh, material: usize, transform: Transform) {
-        let mesh = self.share(name, mesh, material);
-        self.set(name, mesh, transform);
+        let mesh = self.add_mesh(name, mesh, material);
+        self.add_instance(name, mesh, transform);
     }
 
-    /// A mesh to be placed with [`Self::set`]; its number.
-    pub fn share(&mut self, name: &str, mesh: Mesh, material: usize) -> usize {
+    /// A mesh to be placed with [`Self::add_instance`]; its number.
+    pub fn add_mesh(&mut self, name: &str, mesh: Mesh, material: usize) -> usize {
         self.0.meshes.push(Mesh { name: name.into(), material, ..mesh });
         self.0.meshes.len() - 1
     }
 
-    pub fn set(&mut self, name: &str, mesh: usize, transform: Transform) {
+    pub fn add_instance(&mut self, name: &str, mesh: usize, transform: Transform) {
         self.0.instances.push(Instance { name: name.into(), mesh, transform });
     }
 
     /// A rectangle of width and height `size` at `center` that shines towards `target`.
     pub fn softbox(&mut self, name: &str, center: [f64; 3], target: [f64; 3], size: [f64; 2], radiance: [f32; 3]) {
-        let glow = self.surface(name, glow(radiance));
+        let emissive = self.material(name, emissive(radiance));
         let up = if center[0] == target[0] && center[2] == target[2] { [0.0, 0.0, -1.0] } else { [0.0, 1.0, 0.0] };
         let pose = Transform::look_at(center, target, up);
         let [right, up, back] = pose.columns;
         // A rectangle faces its own +Z, a camera looks along its -Z.
         let columns = [right.map(|x| -x * size[0]), up.map(|x| x * size[1]), back.map(|x| -x)];
-        self.add(name, rectangle(), glow, Transform { columns, ..pose });
+        self.add(name, rectangle(), emissive, Transform { columns, ..pose });
     }
 
     /// A room of 2.6 m whose walls glow faintly: it fills the shadows, and it is what mirrors see. The floor is darker.
@@ -79,16 +79,17 @@ impl Studio {
     }
 
     /// The scene, with a camera at `eye` that looks at `target`.
-    pub fn photographed(mut self, eye: [f64; 3], target: [f64; 3]) -> Scene {
+    pub fn with_camera(mut self, eye: [f64; 3], target: [f64; 3]) -> Scene {
         let pose = Transform::look_at(eye, target, [0.0, 1.0, 0.0]);
-        let lens = CameraLens::Perspective { vertical_angle_rad: 2.0 * HALF_SLOPE.atan(), aspect_ratio: Some(1.5) };
-        self.0.cameras.push(Camera { name: "main".into(), pose, lens });
+        let projection =
+            CameraProjection::Perspective { vertical_angle_rad: 2.0 * HALF_SLOPE.atan(), aspect_ratio: Some(1.5) };
+        self.0.cameras.push(Camera { name: "main".into(), pose, projection });
         self.0
     }
 }
 
 /// Black but for what it emits, to its front.
-fn glow(radiance: [f32; 3]) -> Material {
+fn emissive(radiance: [f32; 3]) -> Material {
     Material { base_color: [0.0, 0.0, 0.0, 1.0], emission: radiance, double_sided: false, ..Material::default() }
 }
 

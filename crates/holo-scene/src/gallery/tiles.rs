@@ -5,12 +5,12 @@
 
 use glam::DVec3;
 
+use super::materials::{glossy, normal_mapped, repeated};
 use super::noise::fractal;
-use super::papers::{azulejo, peel};
 use super::shapes;
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, turned};
-use super::surfaces::{embossed, glossy, repeated};
+use super::textures::{azulejo, peel};
 use crate::{Mesh, Scene, Transform};
 
 /// Side of a tile, m.
@@ -18,12 +18,12 @@ const TILE: f64 = 0.07;
 
 pub(super) fn scene() -> Scene {
     let mut studio = Studio::new(vec![azulejo(), peel()]);
-    let tile = studio.surface("tile", repeated(0, [1.0, 1.0], glossy([1.0; 3], 0.14)));
-    let terracotta = studio.surface("terracotta", glossy([0.47, 0.20, 0.115], 0.55));
-    let white = studio.surface("white glaze", glossy([0.76, 0.75, 0.71], 0.10));
-    let blue = studio.surface("blue glaze", glossy([0.035, 0.095, 0.29], 0.10));
-    let lemon = studio.surface("lemon", embossed(1, [1.6, 1.0], 1.2, glossy([0.82, 0.53, 0.03], 0.34)));
-    let leaf = studio.surface("leaf", glossy([0.055, 0.155, 0.04], 0.35));
+    let tile = studio.material("tile", repeated(0, [1.0, 1.0], glossy([1.0; 3], 0.14)));
+    let terracotta = studio.material("terracotta", glossy([0.47, 0.20, 0.115], 0.55));
+    let white = studio.material("white glaze", glossy([0.76, 0.75, 0.71], 0.10));
+    let blue = studio.material("blue glaze", glossy([0.035, 0.095, 0.29], 0.10));
+    let lemon = studio.material("lemon", normal_mapped(1, [1.6, 1.0], 1.2, glossy([0.82, 0.53, 0.03], 0.34)));
+    let leaf = studio.material("leaf", glossy([0.055, 0.155, 0.04], 0.35));
 
     // Whole tiles from the corner on.
     studio.add(
@@ -128,7 +128,7 @@ pub(super) fn scene() -> Scene {
 
     studio.room([0.20, 0.21, 0.225]);
     studio.softbox("window", [0.95, 0.75, 0.45], [0.0, 0.05, -0.1], [0.45, 0.60], [6.6, 6.2, 5.5]);
-    studio.photographed([0.060, 0.250, 0.600], [0.000, 0.097, -0.085])
+    studio.with_camera([0.060, 0.250, 0.600], [0.000, 0.097, -0.085])
 }
 
 /// A rectangle from `corner` along `across` and `down`; a texture coordinate is a tile.

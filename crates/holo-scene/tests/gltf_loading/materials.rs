@@ -147,7 +147,11 @@ fn textures_choose_their_coordinates() {
         let scene = &loaded.scene;
         // The second vertex of TEXCOORD_0 is (1, 0), those of the others are (set, 0.5).
         let [u, v] = scene.meshes[0].texture_coordinates[1];
-        assert_eq!([if v == 0.0 { 0.0 } else { u }, scene.meshes[0].second_coordinates[1][0]], mesh, "{sets:?}");
+        assert_eq!(
+            [if v == 0.0 { 0.0 } else { u }, scene.meshes[0].second_texture_coordinates[1][0]],
+            mesh,
+            "{sets:?}"
+        );
         let material = &scene.materials[0];
         let uses = [material.base_color_texture, material.metallic_roughness_texture, material.emission_texture];
         assert_eq!(uses.map(|used| used.map(|used| used.set)), read, "{sets:?}");
@@ -168,7 +172,7 @@ fn missing_coordinates_are_said() {
     let mut file = textured(&png(3, 2, &TEXELS));
     file.json["materials"][0]["emissiveTexture"] = json!({ "index": 0, "texCoord": 1 });
     let loaded = file.load().unwrap();
-    assert!(loaded.scene.meshes[0].second_coordinates.is_empty());
+    assert!(loaded.scene.meshes[0].second_texture_coordinates.is_empty());
     says(&loaded.warnings.join("\n"), &["meshes[0].primitives[0]", "no coordinates"]);
     file.json["materials"][0]["emissiveTexture"]["texCoord"] = json!(u64::MAX);
     says(&file.load().unwrap().warnings.join("\n"), &["no coordinates"]);

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2};
 
-use holo_scene::{CameraLens, LightKind, Scene};
+use holo_scene::{CameraProjection, LightKind, Scene};
 use serde_json::{Value, json};
 
 use super::support::{File, says};
@@ -35,11 +35,11 @@ fn near(a: [f64; 3], b: [f64; 3]) -> bool {
 fn perspective_cameras() {
     let lens =
         |perspective: Value| with_camera(json!({ "type": "perspective", "perspective": perspective }), json!({}));
-    let only = |scene: Scene| scene.cameras[0].lens;
+    let only = |scene: Scene| scene.cameras[0].projection;
     let scene = lens(json!({ "yfov": 0.7, "znear": 0.1, "aspectRatio": 1.5 })).load().unwrap().scene;
-    assert_eq!(only(scene), CameraLens::Perspective { vertical_angle_rad: 0.7, aspect_ratio: Some(1.5) });
+    assert_eq!(only(scene), CameraProjection::Perspective { vertical_angle_rad: 0.7, aspect_ratio: Some(1.5) });
     let scene = lens(json!({ "yfov": 0.7, "znear": 0.1, "zfar": 100 })).load().unwrap().scene;
-    assert_eq!(only(scene), CameraLens::Perspective { vertical_angle_rad: 0.7, aspect_ratio: None });
+    assert_eq!(only(scene), CameraProjection::Perspective { vertical_angle_rad: 0.7, aspect_ratio: None });
     for yfov in [json!(0), json!(-1), json!(3.2), json!("wide")] {
         says(&lens(json!({ "yfov": yfov })).error(), &["cameras[0].perspective.yfov"]);
     }
@@ -54,7 +54,7 @@ fn orthographic_cameras() {
     let camera =
         json!({ "type": "orthographic", "orthographic": { "xmag": 2.0, "ymag": 1.5, "znear": 0, "zfar": 10 } });
     let scene = with_camera(camera, json!({})).load().unwrap().scene;
-    assert_eq!(scene.cameras[0].lens, CameraLens::Orthographic { half_width_m: 2.0, half_height_m: 1.5 });
+    assert_eq!(scene.cameras[0].projection, CameraProjection::Orthographic { half_width_m: 2.0, half_height_m: 1.5 });
     let camera =
         json!({ "type": "orthographic", "orthographic": { "xmag": 0.0, "ymag": 1.5, "znear": 0, "zfar": 10 } });
     says(&with_camera(camera, json!({})).error(), &["cameras[0].orthographic.xmag"]);

@@ -1,6 +1,6 @@
 //! What materials say of a surface: defaults, values and refusals of metallic-roughness and of every extension.
 
-use holo_scene::{Alpha, Material, NormalMap, TextureTransform, TextureUse, Volume};
+use holo_scene::{Alpha, Material, NormalMap, TextureInfo, TextureTransform, Volume};
 use serde_json::{Value, json};
 
 use super::support::{File, png, says, triangle};
@@ -73,10 +73,10 @@ fn metallic_roughness() {
         name: "m".into(),
         base_color: [0.1, 0.2, 0.3, 0.4],
         // Two more are there, and nothing refers to them: all four are kept.
-        base_color_texture: Some(TextureUse::new(1)),
+        base_color_texture: Some(TextureInfo::new(1)),
         metallic: 0.25,
         roughness: 0.75,
-        metallic_roughness_texture: Some(TextureUse::new(2)),
+        metallic_roughness_texture: Some(TextureInfo::new(2)),
         double_sided: true,
         ..standard()
     };
@@ -96,7 +96,7 @@ fn metallic_roughness() {
 
 #[test]
 fn normal_maps_and_occlusion() {
-    let map = |scale: f32| Some(NormalMap { texture: TextureUse::new(3), scale });
+    let map = |scale: f32| Some(NormalMap { texture: TextureInfo::new(3), scale });
     assert_eq!(quiet(json!({ "normalTexture": { "index": 3 } })).normal_map, map(1.0));
     assert_eq!(quiet(json!({ "normalTexture": { "index": 3, "scale": -2.5 } })).normal_map, map(-2.5));
     refused(json!({ "normalTexture": { "index": 3, "scale": 1e39 } }), &["materials[0].normalTexture.scale"]);
@@ -117,7 +117,7 @@ fn emission() {
     let mut material = json!({ "emissiveFactor": [0.3, 0.5, 1], "emissiveTexture": { "index": 2 } });
     let loaded = quiet(material.clone());
     assert_eq!(loaded.emission, [0.3, 0.5, 1.0]);
-    assert_eq!(loaded.emission_texture, Some(TextureUse::new(2)));
+    assert_eq!(loaded.emission_texture, Some(TextureInfo::new(2)));
     material["extensions"] = strong(json!(50))["extensions"].clone();
     // Rounded once, after the product: 50 * 0.3 in single precision is one bit more than 15.
     assert_eq!(quiet(material.clone()).emission, [15.0, 25.0, 50.0]);
@@ -150,8 +150,8 @@ fn specular() {
     let expected = Material {
         specular: 0.25,
         specular_color: [0.0, 0.5, 2.5],
-        specular_texture: Some(TextureUse::new(1)),
-        specular_color_texture: Some(TextureUse::new(3)),
+        specular_texture: Some(TextureInfo::new(1)),
+        specular_color_texture: Some(TextureInfo::new(3)),
         ..standard()
     };
     assert_eq!(material, expected);
@@ -182,7 +182,7 @@ fn index_of_refraction() {
 fn transmission_and_unlit() {
     let transmission = |value: Value| extension("KHR_materials_transmission", value);
     let glass = quiet(transmission(json!({ "transmissionFactor": 0.75, "transmissionTexture": { "index": 1 } })));
-    let transmission_texture = Some(TextureUse::new(1));
+    let transmission_texture = Some(TextureInfo::new(1));
     assert_eq!(glass, Material { transmission: 0.75, transmission_texture, ..standard() });
     refused(
         transmission(json!({ "transmissionFactor": 1.01 })),
@@ -228,12 +228,12 @@ fn texture_transforms() {
     };
     let transform = quiet(moved(json!({ "offset": [0.5, -1], "rotation": 0.75, "scale": [2, -3] })));
     let expected = TextureTransform { offset: [0.5, -1.0], rotation_rad: 0.75, scale: [2.0, -3.0] };
-    let expected = TextureUse { texture: 2, set: 0, transform: expected };
+    let expected = TextureInfo { texture: 2, set: 0, transform: expected };
     assert_eq!(transform.emission_texture, Some(expected));
-    assert_eq!(quiet(moved(json!({}))).emission_texture, Some(TextureUse::new(2)));
+    assert_eq!(quiet(moved(json!({}))).emission_texture, Some(TextureInfo::new(2)));
     // The extension's coordinates come before those of the texture.
     let (material, warnings) = load(moved(json!({ "texCoord": 1 })));
-    assert_eq!(material.emission_texture, Some(TextureUse { set: 1, ..TextureUse::new(2) }));
+    assert_eq!(material.emission_texture, Some(TextureInfo { set: 1, ..TextureInfo::new(2) }));
     says(&warnings, &["no coordinates"]);
     let at = |key: &str| format!("materials[0].emissiveTexture.extensions.KHR_texture_transform.{key}");
     refused(moved(json!({ "offset": [0, 1e39] })), &[&at("offset")]);

@@ -1,7 +1,8 @@
 //! `Scene::validate`: one scene that passes, and every way to break it.
 
 use holo_scene::{
-    Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Texture, TextureUse, Transform, Volume, Wrap,
+    Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, Scene, Texture, TextureInfo, Transform,
+    Volume, Wrap,
 };
 
 use super::support::says;
@@ -18,7 +19,7 @@ fn scene() -> Scene {
             ..Mesh::default()
         }],
         instances: vec![Instance { name: String::new(), mesh: 0, transform: Transform::IDENTITY }],
-        materials: vec![Material { base_color_texture: Some(TextureUse::new(0)), ..Material::default() }],
+        materials: vec![Material { base_color_texture: Some(TextureInfo::new(0)), ..Material::default() }],
         textures: vec![Texture {
             name: String::new(),
             width: 2,
@@ -41,7 +42,7 @@ fn scene() -> Scene {
         cameras: vec![Camera {
             name: String::new(),
             pose: Transform::IDENTITY,
-            lens: CameraLens::Perspective { vertical_angle_rad: 1.0, aspect_ratio: None },
+            projection: CameraProjection::Perspective { vertical_angle_rad: 1.0, aspect_ratio: None },
         }],
         environment: None,
     }
@@ -128,13 +129,19 @@ fn lights() {
 
 #[test]
 fn cameras() {
-    let lens = |lens: CameraLens| broken(|s| s.cameras[0].lens = lens);
+    let error_of = |projection: CameraProjection| broken(|s| s.cameras[0].projection = projection);
     for angle in [0.0, -1.0, std::f64::consts::PI, f64::NAN] {
-        let lens = lens(CameraLens::Perspective { vertical_angle_rad: angle, aspect_ratio: None });
-        says(&lens, &["cameras[0].lens"]);
+        let error = error_of(CameraProjection::Perspective { vertical_angle_rad: angle, aspect_ratio: None });
+        says(&error, &["cameras[0].projection"]);
     }
-    says(&lens(CameraLens::Perspective { vertical_angle_rad: 1.0, aspect_ratio: Some(0.0) }), &["cameras[0].lens"]);
-    says(&lens(CameraLens::Orthographic { half_width_m: 1.0, half_height_m: f64::INFINITY }), &["cameras[0].lens"]);
+    says(
+        &error_of(CameraProjection::Perspective { vertical_angle_rad: 1.0, aspect_ratio: Some(0.0) }),
+        &["cameras[0].projection"],
+    );
+    says(
+        &error_of(CameraProjection::Orthographic { half_width_m: 1.0, half_height_m: f64::INFINITY }),
+        &["cameras[0].projection"],
+    );
     says(&broken(|s| s.cameras[0].pose.columns[0] = [2.0, 0.0, 0.0]), &["cameras[0].pose", "rotation"]);
     says(&broken(|s| s.cameras[0].pose.columns[0] = [-1.0, 0.0, 0.0]), &["cameras[0].pose", "mirroring"]);
     says(&broken(|s| s.cameras[0].pose.translation[0] = f64::NAN), &["cameras[0].pose"]);

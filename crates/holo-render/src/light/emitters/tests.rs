@@ -3,7 +3,7 @@
 use super::*;
 use crate::sampling::{Purpose, points, sequences};
 use crate::simd::{Kernel, run_on_all};
-use holo_scene::{Instance, Mesh, Scene, TextureUse, Transform, Wrap};
+use holo_scene::{Instance, Mesh, Scene, TextureInfo, Transform, Wrap};
 
 fn emissive(emission: [f32; 3], double_sided: bool) -> Material {
     Material { emission, double_sided, ..Material::default() }
@@ -238,7 +238,7 @@ fn textures_count_with_their_mean_in_linear_light() {
         wrap_v: Wrap::Repeat,
     };
     let textures = [texture(vec![[255, 255, 255, 0], [0, 0, 0, 255]]), texture(vec![[0, 0, 0, 255]])];
-    let lit = |k| Material { emission_texture: Some(TextureUse::new(k)), ..emissive([4.0; 3], false) };
+    let lit = |k| Material { emission_texture: Some(TextureInfo::new(k)), ..emissive([4.0; 3], false) };
     let geometry = geometry(vec![rectangle(1.0, false), rectangle(2.0, false), rectangle(3.0, false)]);
     let materials = [lit(0), lit(1), emissive([2.0; 3], false)];
     let emitters = Emitters::build(&geometry, &materials, &textures).expect("two emit");

@@ -1,20 +1,20 @@
 //! Materials of the studio, by what they are in the world.
 
-use crate::{Alpha, Material, NormalMap, TextureTransform, TextureUse, Volume};
+use crate::{Alpha, Material, NormalMap, TextureInfo, TextureTransform, Volume};
 
 /// Paper, plaster, felt: Lambert's law alone.
-pub(super) fn matt([r, g, b]: [f32; 3]) -> Material {
+pub(super) fn diffuse([r, g, b]: [f32; 3]) -> Material {
     Material { base_color: [r, g, b, 1.0], ..Material::default() }
 }
 
 /// Lacquer, glaze, polished stone: a diffuser under a colorless gloss.
 pub(super) fn glossy(color: [f32; 3], roughness: f32) -> Material {
-    Material { roughness, specular: 1.0, ..matt(color) }
+    Material { roughness, specular: 1.0, ..diffuse(color) }
 }
 
 /// A metal, by its color at normal incidence.
 pub(super) fn metal(color: [f32; 3], roughness: f32) -> Material {
-    Material { metallic: 1.0, roughness, specular: 1.0, ..matt(color) }
+    Material { metallic: 1.0, roughness, specular: 1.0, ..diffuse(color) }
 }
 
 pub(super) const SILVER: [f32; 3] = [0.95, 0.93, 0.89];
@@ -30,12 +30,12 @@ pub(super) fn clear_glass() -> Material {
 /// A body of glass that leaves `color` of white light after `distance` meters.
 pub(super) fn body_of_glass(distance: f32, color: [f32; 3]) -> Material {
     let volume = Some(Volume { attenuation_distance_m: distance, attenuation_color: color });
-    Material { transmission: 1.0, roughness: 0.0, specular: 1.0, ior: 1.5, volume, ..matt([1.0; 3]) }
+    Material { transmission: 1.0, roughness: 0.0, specular: 1.0, ior: 1.5, volume, ..diffuse([1.0; 3]) }
 }
 
 /// The same with the picture of a texture.
 pub(super) fn textured(texture: usize, material: Material) -> Material {
-    Material { base_color_texture: Some(TextureUse::new(texture)), ..material }
+    Material { base_color_texture: Some(TextureInfo::new(texture)), ..material }
 }
 
 /// The same with the picture of a texture, so many times across and down.
@@ -44,20 +44,20 @@ pub(super) fn repeated(texture: usize, scale: [f32; 2], material: Material) -> M
 }
 
 /// The same with a relief, so many times across and down.
-pub(super) fn embossed(texture: usize, times_across: [f32; 2], strength: f32, material: Material) -> Material {
+pub(super) fn normal_mapped(texture: usize, times_across: [f32; 2], strength: f32, material: Material) -> Material {
     Material { normal_map: Some(NormalMap { texture: times(texture, times_across), scale: strength }), ..material }
 }
 
 /// The same with roughness (and metal) from a texture.
-pub(super) fn worn(texture: usize, scale: [f32; 2], material: Material) -> Material {
+pub(super) fn roughness_mapped(texture: usize, scale: [f32; 2], material: Material) -> Material {
     Material { metallic_roughness_texture: Some(times(texture, scale)), ..material }
 }
 
 /// The same with holes where the texture's alpha is below a half.
-pub(super) fn cut_out(texture: usize, scale: [f32; 2], material: Material) -> Material {
+pub(super) fn alpha_masked(texture: usize, scale: [f32; 2], material: Material) -> Material {
     Material { alpha: Alpha::Mask(0.5), ..repeated(texture, scale, material) }
 }
 
-fn times(texture: usize, scale: [f32; 2]) -> TextureUse {
-    TextureUse { transform: TextureTransform { scale, ..TextureTransform::IDENTITY }, ..TextureUse::new(texture) }
+fn times(texture: usize, scale: [f32; 2]) -> TextureInfo {
+    TextureInfo { transform: TextureTransform { scale, ..TextureTransform::IDENTITY }, ..TextureInfo::new(texture) }
 }
