@@ -7,7 +7,7 @@ use super::materials::{body_of_glass, diffuse, glossy, textured};
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, rectangle, turned, upright};
 use super::textures::{self, grained};
-use crate::{Material, Scene, TextureInfo, Transform};
+use crate::{Material, Mesh, Scene, TextureInfo, Transform};
 
 pub(super) fn scene() -> Scene {
     let mut studio = Studio::new(vec![textures::landscape(), grained("sill", [0.70, 0.63, 0.52], 0.12)]);
@@ -33,90 +33,12 @@ pub(super) fn scene() -> Scene {
     .map(|(name, glass)| studio.material(name, glass));
 
     studio.add("sill", rounded_box([0.98, 0.03, 0.42], 0.006), sill, at(0.0, -0.015, 0.0));
-    let [width, height] = [0.99, 0.62];
-    let pane = Transform {
-        columns: [[width, 0.0, 0.0], [0.0, height, 0.0], [0.0, 0.0, 1.0]],
-        translation: [0.0, 0.27, -0.36],
-    };
-    studio.add("outside", rectangle(), outside, pane);
-    // The frame: two posts, a crossbar, a lower rail.
-    for (x, thick) in [(-0.29, 0.014), (0.118, 0.010), (0.42, 0.014)] {
-        studio.add("post", rounded_box([2.0 * thick, 0.56, 0.03], 0.003), frame, at(x, 0.25, -0.20));
-    }
-    studio.add("rail", rounded_box([0.98, 0.035, 0.036], 0.004), frame, at(0.0, 0.0165, -0.20));
-    studio.add("crossbar", rounded_box([0.98, 0.018, 0.026], 0.003), frame, at(0.0, 0.262, -0.20));
+    window(&mut studio, outside, frame);
 
-    // Walls of 3 to 5 mm. Profiles: up the inside, down the outside.
-    let apothecary = lathe(
-        128,
-        7,
-        &[
-            [0.0, 0.0075],
-            [0.023, 0.009],
-            [0.0275, 0.014],
-            [0.0275, 0.084],
-            [0.023, 0.097],
-            [0.0095, 0.106],
-            [0.0085, 0.128],
-            [0.0105, 0.1295],
-            [0.0145, 0.1285],
-            [0.0150, 0.1240],
-            [0.0128, 0.1215],
-            [0.0128, 0.111],
-            [0.0265, 0.101],
-            [0.0315, 0.086],
-            [0.0315, 0.005],
-            [0.0285, 0.0008],
-            [0.0, 0.0008],
-        ],
-    );
-    let flask = lathe(
-        128,
-        7,
-        &[
-            [0.0, 0.006],
-            [0.027, 0.008],
-            [0.039, 0.028],
-            [0.037, 0.045],
-            [0.0185, 0.072],
-            [0.0085, 0.092],
-            [0.0080, 0.136],
-            [0.0105, 0.139],
-            [0.0140, 0.138],
-            [0.0138, 0.133],
-            [0.0115, 0.130],
-            [0.0118, 0.094],
-            [0.0215, 0.0745],
-            [0.0408, 0.047],
-            [0.0430, 0.028],
-            [0.031, 0.0035],
-            [0.028, 0.0008],
-            [0.0, 0.0008],
-        ],
-    );
-    let tall = lathe(
-        128,
-        7,
-        &[
-            [0.0, 0.012],
-            [0.016, 0.009],
-            [0.0212, 0.013],
-            [0.0215, 0.118],
-            [0.0165, 0.140],
-            [0.0082, 0.158],
-            [0.0078, 0.196],
-            [0.0098, 0.1985],
-            [0.0128, 0.1978],
-            [0.0130, 0.1925],
-            [0.0108, 0.190],
-            [0.0112, 0.160],
-            [0.0200, 0.142],
-            [0.0252, 0.119],
-            [0.0252, 0.004],
-            [0.0225, 0.0008],
-            [0.0, 0.0008],
-        ],
-    );
+    // Walls of 3 to 5 mm; the profiles go up the inside and down the outside.
+    let apothecary = apothecary();
+    let flask = flask();
+    let tall = tall_bottle();
     let stopper = lathe(
         96,
         6,
@@ -144,4 +66,102 @@ pub(super) fn scene() -> Scene {
     studio.room([0.27, 0.26, 0.245]);
     studio.softbox("sky", [0.15, 0.95, -0.75], [0.0, 0.0, 0.05], [1.1, 0.6], [5.5, 5.6, 5.7]);
     studio.with_camera([-0.015, 0.155, 0.60], [-0.004, 0.082, -0.05])
+}
+
+/// The view and the frame of the window: posts, a lower rail, a crossbar.
+fn window(studio: &mut Studio, outside: usize, frame: usize) {
+    let [width, height] = [0.99, 0.62];
+    let pane = Transform {
+        columns: [[width, 0.0, 0.0], [0.0, height, 0.0], [0.0, 0.0, 1.0]],
+        translation: [0.0, 0.27, -0.36],
+    };
+    studio.add("outside", rectangle(), outside, pane);
+    // The frame: two posts, a crossbar, a lower rail.
+    for (x, thick) in [(-0.29, 0.014), (0.118, 0.010), (0.42, 0.014)] {
+        studio.add("post", rounded_box([2.0 * thick, 0.56, 0.03], 0.003), frame, at(x, 0.25, -0.20));
+    }
+    studio.add("rail", rounded_box([0.98, 0.035, 0.036], 0.004), frame, at(0.0, 0.0165, -0.20));
+    studio.add("crossbar", rounded_box([0.98, 0.018, 0.026], 0.003), frame, at(0.0, 0.262, -0.20));
+}
+
+/// A bottle with round shoulders.
+fn apothecary() -> Mesh {
+    lathe(
+        128,
+        7,
+        &[
+            [0.0, 0.0075],
+            [0.023, 0.009],
+            [0.0275, 0.014],
+            [0.0275, 0.084],
+            [0.023, 0.097],
+            [0.0095, 0.106],
+            [0.0085, 0.128],
+            [0.0105, 0.1295],
+            [0.0145, 0.1285],
+            [0.0150, 0.1240],
+            [0.0128, 0.1215],
+            [0.0128, 0.111],
+            [0.0265, 0.101],
+            [0.0315, 0.086],
+            [0.0315, 0.005],
+            [0.0285, 0.0008],
+            [0.0, 0.0008],
+        ],
+    )
+}
+
+/// A conical flask.
+fn flask() -> Mesh {
+    lathe(
+        128,
+        7,
+        &[
+            [0.0, 0.006],
+            [0.027, 0.008],
+            [0.039, 0.028],
+            [0.037, 0.045],
+            [0.0185, 0.072],
+            [0.0085, 0.092],
+            [0.0080, 0.136],
+            [0.0105, 0.139],
+            [0.0140, 0.138],
+            [0.0138, 0.133],
+            [0.0115, 0.130],
+            [0.0118, 0.094],
+            [0.0215, 0.0745],
+            [0.0408, 0.047],
+            [0.0430, 0.028],
+            [0.031, 0.0035],
+            [0.028, 0.0008],
+            [0.0, 0.0008],
+        ],
+    )
+}
+
+/// A slender bottle.
+fn tall_bottle() -> Mesh {
+    lathe(
+        128,
+        7,
+        &[
+            [0.0, 0.012],
+            [0.016, 0.009],
+            [0.0212, 0.013],
+            [0.0215, 0.118],
+            [0.0165, 0.140],
+            [0.0082, 0.158],
+            [0.0078, 0.196],
+            [0.0098, 0.1985],
+            [0.0128, 0.1978],
+            [0.0130, 0.1925],
+            [0.0108, 0.190],
+            [0.0112, 0.160],
+            [0.0200, 0.142],
+            [0.0252, 0.119],
+            [0.0252, 0.004],
+            [0.0225, 0.0008],
+            [0.0, 0.0008],
+        ],
+    )
 }

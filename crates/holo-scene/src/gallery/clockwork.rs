@@ -25,6 +25,44 @@ pub(super) fn scene() -> Scene {
     let steel = studio.material("steel", roughness_mapped(0, [1.0, 1.0], metal(STEEL, 0.7)));
     let blued = studio.material("blued steel", metal([0.10, 0.16, 0.36], 0.24));
 
+    plate_with_pillars(&mut studio, backing, iron, brass);
+
+    // (x, y, z, teeth, radius, spokes, turn in teeth, metal): neighbors in one plane mesh.
+    let wheels = [
+        (-0.088, 0.010, -0.075, 72, 0.090, 6, 0.0, brass),
+        (0.0145, 0.0595, -0.075, 18, 0.0225, 0, 0.36, steel),
+        (0.0145, 0.0595, -0.048, 60, 0.068, 5, 0.1, copper),
+        (0.094, 0.003, -0.048, 24, 0.0275, 0, 0.3, steel),
+        (0.094, 0.003, -0.022, 64, 0.074, 6, 0.4, old_brass),
+        (0.0085, -0.0555, -0.022, 24, 0.0265, 0, 0.62, steel),
+        (0.0085, -0.0555, 0.004, 48, 0.052, 4, 0.2, brass),
+        (-0.066, -0.0800, 0.004, 24, 0.0255, 0, 0.5, copper),
+        (-0.066, -0.0800, 0.024, 15, 0.0165, 0, 0.2, steel),
+        (0.172, 0.080, -0.075, 30, 0.036, 5, 0.2, old_brass),
+    ];
+    for (k, (x, y, z, teeth, radius, spokes, turn, metal)) in wheels.into_iter().enumerate() {
+        let turn = turn * 360.0 / f64::from(teeth);
+        studio.add(
+            &format!("wheel {k}"),
+            wheel(teeth, radius, spokes),
+            metal,
+            turned([x, y, z], [0.0, 0.0, 1.0], turn, 1.0),
+        );
+    }
+    arbors(&mut studio, steel);
+    spring(&mut studio, blued);
+    for (x, y) in [(-0.19, 0.06), (-0.19, -0.06), (0.13, -0.125), (0.02, 0.135), (0.19, 0.01)] {
+        screw(&mut studio, [x, y, -0.106], 40.0 * (x * 90.0 + y * 50.0), blued);
+    }
+
+    studio.room([0.23, 0.25, 0.28]);
+    studio.softbox("softbox", [-0.8, 0.75, 0.8], [0.0, 0.0, -0.05], [0.7, 0.5], [4.6, 4.3, 3.8]);
+    studio.softbox("strip", [0.95, 0.1, 0.45], [0.0, 0.0, -0.05], [0.18, 0.9], [3.6, 4.0, 4.8]);
+    studio.with_camera([0.110, -0.055, 0.475], [0.002, -0.003, -0.055])
+}
+
+/// The backing, the plate and its pillars.
+fn plate_with_pillars(studio: &mut Studio, backing: usize, iron: usize, brass: usize) {
     studio.add(
         "backing",
         shapes::sheet(1, 1, |s, t| DVec3::new(s - 0.5, 0.48 - 0.72 * t, -0.16)),
@@ -54,29 +92,10 @@ pub(super) fn scene() -> Scene {
             turned([x, y, -0.108], [1.0, 0.0, 0.0], 90.0, 1.0),
         );
     }
+}
 
-    // (x, y, z, teeth, radius, spokes, turn in teeth, metal): neighbors in one plane mesh.
-    let wheels = [
-        (-0.088, 0.010, -0.075, 72, 0.090, 6, 0.0, brass),
-        (0.0145, 0.0595, -0.075, 18, 0.0225, 0, 0.36, steel),
-        (0.0145, 0.0595, -0.048, 60, 0.068, 5, 0.1, copper),
-        (0.094, 0.003, -0.048, 24, 0.0275, 0, 0.3, steel),
-        (0.094, 0.003, -0.022, 64, 0.074, 6, 0.4, old_brass),
-        (0.0085, -0.0555, -0.022, 24, 0.0265, 0, 0.62, steel),
-        (0.0085, -0.0555, 0.004, 48, 0.052, 4, 0.2, brass),
-        (-0.066, -0.0800, 0.004, 24, 0.0255, 0, 0.5, copper),
-        (-0.066, -0.0800, 0.024, 15, 0.0165, 0, 0.2, steel),
-        (0.172, 0.080, -0.075, 30, 0.036, 5, 0.2, old_brass),
-    ];
-    for (k, (x, y, z, teeth, radius, spokes, turn, metal)) in wheels.into_iter().enumerate() {
-        let turn = turn * 360.0 / f64::from(teeth);
-        studio.add(
-            &format!("wheel {k}"),
-            wheel(teeth, radius, spokes),
-            metal,
-            turned([x, y, z], [0.0, 0.0, 1.0], turn, 1.0),
-        );
-    }
+/// The arbors of the wheels.
+fn arbors(studio: &mut Studio, steel: usize) {
     for (x, y, near) in [
         (-0.088, 0.010, -0.055),
         (0.0145, 0.0595, -0.030),
@@ -102,15 +121,6 @@ pub(super) fn scene() -> Scene {
         );
         studio.add("arbor", arbor, steel, turned([x, y, -0.108], [1.0, 0.0, 0.0], 90.0, 1.0));
     }
-    spring(&mut studio, blued);
-    for (x, y) in [(-0.19, 0.06), (-0.19, -0.06), (0.13, -0.125), (0.02, 0.135), (0.19, 0.01)] {
-        screw(&mut studio, [x, y, -0.106], 40.0 * (x * 90.0 + y * 50.0), blued);
-    }
-
-    studio.room([0.23, 0.25, 0.28]);
-    studio.softbox("softbox", [-0.8, 0.75, 0.8], [0.0, 0.0, -0.05], [0.7, 0.5], [4.6, 4.3, 3.8]);
-    studio.softbox("strip", [0.95, 0.1, 0.45], [0.0, 0.0, -0.05], [0.18, 0.9], [3.6, 4.0, 4.8]);
-    studio.with_camera([0.110, -0.055, 0.475], [0.002, -0.003, -0.055])
 }
 
 /// A toothed wheel around +Z with a rim, spokes and a hub; without spokes it is solid.

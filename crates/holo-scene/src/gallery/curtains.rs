@@ -36,65 +36,11 @@ pub(super) fn scene() -> Scene {
     );
     studio.add("sill", rounded_box([0.98, 0.028, 0.62], 0.005), sill, at(0.0, -0.014, -0.10));
 
-    // Two curtains of lace, drawn aside, and the veil behind the flowers.
-    for (side, open) in [(-1.0, 0.030), (1.0, 0.085)] {
-        let curtain = shapes::sheet(240, 60, |s, t| {
-            // Gathered above, bound aside below.
-            let gather = 0.70 + 0.30 * (1.0 - ((t - 0.72) / 0.5).powi(2)).clamp(0.0, 1.0);
-            let x = open + 0.36 * s * (1.0 - 0.30 * gather * t) + 0.10 * t * t * (1.0 - s);
-            let fold = (s * TAU * 6.5 + 0.7 * t).sin() * (0.012 + 0.004 * t) + 0.004 * (s * TAU * 2.0).sin();
-            DVec3::new(side * x, 0.405 - 0.40 * t, 0.035 + fold)
-        });
-        studio.add("lace", curtain, lace, Transform::IDENTITY);
-    }
-    let drape = shapes::sheet(200, 16, |s, t| {
-        let fold = (s * TAU * 9.0 + 0.5 * t).sin() * 0.011 + 0.005 * (s * TAU * 3.3).sin();
-        DVec3::new(-0.46 + 0.92 * s, 0.41 - 0.408 * t, -0.23 + fold)
-    });
-    studio.add("veil", drape, veil, Transform::IDENTITY);
-    for (z, y) in [(0.035, 0.40), (-0.23, 0.405)] {
-        studio.add(
-            "rod",
-            shapes::tube(2, 24, |_| 0.005, |s| DVec3::new(-0.49 + 0.98 * s, y, z)),
-            rod,
-            Transform::IDENTITY,
-        );
-    }
-    // Frames on the wall, seen through everything.
-    for (x, y, wide, high) in [(-0.17, 0.225, 0.13, 0.17), (0.09, 0.26, 0.17, 0.12), (0.31, 0.20, 0.10, 0.14)] {
-        studio.add("frame", rounded_box([wide, high, 0.014], 0.003), rod, at(x, y, -0.391));
-        let card = studio.material("print", diffuse([0.74, 0.70, 0.61]));
-        studio.add("print", rounded_box([wide - 0.022, high - 0.022, 0.004], 0.001), card, at(x, y, -0.384));
-        let ink = studio.material("ink", diffuse([0.50, 0.16, 0.10]));
-        studio.add(
-            "print",
-            shapes::ball(48, 24, |_| 0.0),
-            ink,
-            Transform::from_parts([x, y, -0.382], [0.0, 0.0, 0.0, 1.0], [0.25 * wide, 0.25 * wide, 0.001]),
-        );
-    }
+    drapes(&mut studio, lace, veil, rod);
+    frames(&mut studio, rod);
 
     let vase_at = DVec3::new(0.030, 0.0, -0.075);
-    let vase = lathe(
-        96,
-        7,
-        &[
-            [0.0, 0.008],
-            [0.020, 0.010],
-            [0.034, 0.045],
-            [0.031, 0.072],
-            [0.016, 0.112],
-            [0.0205, 0.138],
-            [0.0222, 0.1392],
-            [0.0240, 0.138],
-            [0.0195, 0.112],
-            [0.0350, 0.072],
-            [0.0382, 0.045],
-            [0.0250, 0.003],
-            [0.0235, 0.0],
-            [0.0, 0.0],
-        ],
-    );
+    let vase = vase();
     studio.add("vase", vase, porcelain, Transform::from_translation(vase_at.to_array()));
     let corolla = studio.add_mesh("petals", corolla(), petal);
     let disc = studio.add_mesh("heart", shapes::ball(24, 12, |_| 0.0), heart);
@@ -123,6 +69,73 @@ pub(super) fn scene() -> Scene {
     studio.softbox("window", [0.80, 0.75, 0.70], [0.0, 0.12, -0.1], [0.35, 0.42], [10.0, 9.3, 8.2]);
     studio.softbox("behind", [-0.80, 0.75, -0.10], [0.0, 0.1, -0.25], [0.30, 0.4], [8.0, 8.0, 8.2]);
     studio.with_camera([-0.045, 0.175, 0.640], [0.008, 0.155, -0.06])
+}
+
+/// Two lace curtains, drawn aside, the veil behind the flowers, and their rods.
+fn drapes(studio: &mut Studio, lace: usize, veil: usize, rod: usize) {
+    for (side, open) in [(-1.0, 0.030), (1.0, 0.085)] {
+        let curtain = shapes::sheet(240, 60, |s, t| {
+            // Gathered above, bound aside below.
+            let gather = 0.70 + 0.30 * (1.0 - ((t - 0.72) / 0.5).powi(2)).clamp(0.0, 1.0);
+            let x = open + 0.36 * s * (1.0 - 0.30 * gather * t) + 0.10 * t * t * (1.0 - s);
+            let fold = (s * TAU * 6.5 + 0.7 * t).sin() * (0.012 + 0.004 * t) + 0.004 * (s * TAU * 2.0).sin();
+            DVec3::new(side * x, 0.405 - 0.40 * t, 0.035 + fold)
+        });
+        studio.add("lace", curtain, lace, Transform::IDENTITY);
+    }
+    let drape = shapes::sheet(200, 16, |s, t| {
+        let fold = (s * TAU * 9.0 + 0.5 * t).sin() * 0.011 + 0.005 * (s * TAU * 3.3).sin();
+        DVec3::new(-0.46 + 0.92 * s, 0.41 - 0.408 * t, -0.23 + fold)
+    });
+    studio.add("veil", drape, veil, Transform::IDENTITY);
+    for (z, y) in [(0.035, 0.40), (-0.23, 0.405)] {
+        studio.add(
+            "rod",
+            shapes::tube(2, 24, |_| 0.005, |s| DVec3::new(-0.49 + 0.98 * s, y, z)),
+            rod,
+            Transform::IDENTITY,
+        );
+    }
+}
+
+/// Frames on the wall, visible through everything.
+fn frames(studio: &mut Studio, rod: usize) {
+    for (x, y, wide, high) in [(-0.17, 0.225, 0.13, 0.17), (0.09, 0.26, 0.17, 0.12), (0.31, 0.20, 0.10, 0.14)] {
+        studio.add("frame", rounded_box([wide, high, 0.014], 0.003), rod, at(x, y, -0.391));
+        let card = studio.material("print", diffuse([0.74, 0.70, 0.61]));
+        studio.add("print", rounded_box([wide - 0.022, high - 0.022, 0.004], 0.001), card, at(x, y, -0.384));
+        let ink = studio.material("ink", diffuse([0.50, 0.16, 0.10]));
+        studio.add(
+            "print",
+            shapes::ball(48, 24, |_| 0.0),
+            ink,
+            Transform::from_parts([x, y, -0.382], [0.0, 0.0, 0.0, 1.0], [0.25 * wide, 0.25 * wide, 0.001]),
+        );
+    }
+}
+
+/// The vase.
+fn vase() -> Mesh {
+    lathe(
+        96,
+        7,
+        &[
+            [0.0, 0.008],
+            [0.020, 0.010],
+            [0.034, 0.045],
+            [0.031, 0.072],
+            [0.016, 0.112],
+            [0.0205, 0.138],
+            [0.0222, 0.1392],
+            [0.0240, 0.138],
+            [0.0195, 0.112],
+            [0.0350, 0.072],
+            [0.0382, 0.045],
+            [0.0250, 0.003],
+            [0.0235, 0.0],
+            [0.0, 0.0],
+        ],
+    )
 }
 
 /// Nets of threads with flowers worked in; alpha says where there is thread. Repeats.

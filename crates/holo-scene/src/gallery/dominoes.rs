@@ -44,11 +44,29 @@ pub(super) fn scene() -> Scene {
     );
     studio.add("skirting", rounded_box([1.0, 0.042, 0.010], 0.003), lacquers[0], at(0.0, 0.021, -0.594));
 
+    stones(&mut studio, lacquers, [dark_pip, light_pip]);
+    bell(&mut studio, brass, lacquers[4]);
+    for (x, z, size) in [(-0.19, -0.43, 0.034), (0.245, -0.29, 0.024), (-0.255, -0.20, 0.020)] {
+        studio.add(
+            "ball",
+            shapes::ball(96, 48, |_| 0.0),
+            lacquers[if size > 0.03 { 1 } else { 2 }],
+            Transform::from_parts([x, size, z], [0.0, 0.0, 0.0, 1.0], [size; 3]),
+        );
+    }
+
+    studio.room([0.17, 0.175, 0.18]);
+    studio.softbox("window", [-0.95, 0.70, -0.15], [0.0, 0.0, -0.15], [0.30, 0.55], [11.0, 10.0, 8.4]);
+    studio.softbox("fill", [0.8, 0.9, 0.9], [0.0, 0.0, 0.0], [0.6, 0.6], [1.2, 1.35, 1.6]);
+    studio.with_camera([0.035, 0.160, 0.555], [0.0, 0.010, -0.02])
+}
+
+/// The row of stones with their pips.
+fn stones(studio: &mut Studio, lacquers: [usize; 5], inks: [usize; 2]) {
     let bodies = lacquers.map(|lacquer| studio.add_mesh("stone", rounded_box(STONE, 0.0016), lacquer));
     let pip = shapes::ball(20, 10, |_| 0.0);
-    let pips = [dark_pip, light_pip].map(|material| studio.add_mesh("pip", pip.clone(), material));
-    let bar = [dark_pip, light_pip]
-        .map(|material| studio.add_mesh("bar", rounded_box([0.017, 0.0008, 0.0004], 0.00015), material));
+    let pips = inks.map(|material| studio.add_mesh("pip", pip.clone(), material));
+    let bar = inks.map(|material| studio.add_mesh("bar", rounded_box([0.017, 0.0008, 0.0004], 0.00015), material));
     let mut random = Random::new(13);
     let count = 58;
     for k in 0_u32..count {
@@ -85,7 +103,10 @@ pub(super) fn scene() -> Scene {
             }
         }
     }
-    // At the far end waits a bell.
+}
+
+/// The bell at the far end.
+fn bell(studio: &mut Studio, brass: usize, lacquer: usize) {
     let bell = lathe(
         96,
         7,
@@ -107,22 +128,9 @@ pub(super) fn scene() -> Scene {
     studio.add(
         "foot",
         lathe(64, 4, &[[0.0, 0.009], [0.040, 0.009], [0.042, 0.006], [0.042, 0.0], [0.0, 0.0]]),
-        lacquers[4],
+        lacquer,
         at(0.145, 0.0, -0.535),
     );
-    for (x, z, size) in [(-0.19, -0.43, 0.034), (0.245, -0.29, 0.024), (-0.255, -0.20, 0.020)] {
-        studio.add(
-            "ball",
-            shapes::ball(96, 48, |_| 0.0),
-            lacquers[if size > 0.03 { 1 } else { 2 }],
-            Transform::from_parts([x, size, z], [0.0, 0.0, 0.0, 1.0], [size; 3]),
-        );
-    }
-
-    studio.room([0.17, 0.175, 0.18]);
-    studio.softbox("window", [-0.95, 0.70, -0.15], [0.0, 0.0, -0.15], [0.30, 0.55], [11.0, 10.0, 8.4]);
-    studio.softbox("fill", [0.8, 0.9, 0.9], [0.0, 0.0, 0.0], [0.6, 0.6], [1.2, 1.35, 1.6]);
-    studio.with_camera([0.035, 0.160, 0.555], [0.0, 0.010, -0.02])
 }
 
 /// Where the pips of a value sit on a grid of three by three.

@@ -34,6 +34,21 @@ pub(super) fn scene() -> Scene {
     let branch = studio.material("branch", diffuse([0.17, 0.11, 0.075]));
     let blossom = studio.material("blossom", diffuse([0.76, 0.50, 0.52]));
 
+    backdrop(&mut studio, screen, lacquer, deck);
+
+    hang_lanterns(&mut studio, lacquer, gold);
+
+    candles(&mut studio, cup, wax, flame);
+    pebbles(&mut studio, &stones);
+    twig(&mut studio, branch, blossom);
+
+    studio.room([0.040, 0.058, 0.095]);
+    studio.softbox("dusk", [-0.9, 0.85, 0.55], [0.0, 0.1, -0.1], [0.7, 0.7], [1.3, 1.8, 2.7]);
+    studio.with_camera([0.025, 0.185, 0.610], [-0.002, 0.125, -0.08])
+}
+
+/// The screen with its posts and bars, and the deck.
+fn backdrop(studio: &mut Studio, screen: usize, lacquer: usize, deck: usize) {
     studio.add(
         "screen",
         shapes::sheet(1, 1, |s, t| DVec3::new(s - 0.5, 0.50 - 0.52 * t, -0.38)),
@@ -58,7 +73,10 @@ pub(super) fn scene() -> Scene {
         );
     }
     studio.add("deck", rounded_box([0.98, 0.024, 0.72], 0.004), deck, at(0.0, -0.012, -0.04));
+}
 
+/// The lanterns on their cords.
+fn hang_lanterns(studio: &mut Studio, lacquer: usize, gold: usize) {
     // (place, size, color): from far to near.
     let lamps = [
         ([-0.235, 0.235, -0.27], 0.040, [0.95, 0.40, 0.11]),
@@ -69,7 +87,7 @@ pub(super) fn scene() -> Scene {
         ([0.130, 0.170, -0.065], 0.044, [1.0, 0.62, 0.26]),
     ];
     let body = lathe(96, 8, &[[0.34, 0.80], [0.72, 0.62], [0.98, 0.20], [0.98, -0.20], [0.72, -0.62], [0.34, -0.80]]);
-    let body = studio_bodies(&mut studio, body, &lamps);
+    let body = lantern_bodies(studio, body, &lamps);
     let cap = studio.add_mesh(
         "cap",
         lathe(48, 4, &[[0.0, 0.90], [0.30, 0.90], [0.37, 0.885], [0.37, 0.79], [0.0, 0.79]]),
@@ -107,8 +125,10 @@ pub(super) fn scene() -> Scene {
             Transform::from_translation(place),
         );
     }
+}
 
-    // Candles in cups on the deck.
+/// Candles in cups on the deck.
+fn candles(studio: &mut Studio, cup: usize, wax: usize, flame: usize) {
     let saucer = lathe(
         64,
         6,
@@ -135,16 +155,10 @@ pub(super) fn scene() -> Scene {
         studio.add("candle", candle.clone(), wax, at(x, 0.0, z));
         studio.add("flame", fire.clone(), flame, turned([x, 0.0305, z], [0.3, 1.0, 0.1], turn, 1.0));
     }
-    pebbles(&mut studio, &stones);
-    twig(&mut studio, branch, blossom);
-
-    studio.room([0.040, 0.058, 0.095]);
-    studio.softbox("dusk", [-0.9, 0.85, 0.55], [0.0, 0.1, -0.1], [0.7, 0.7], [1.3, 1.8, 2.7]);
-    studio.with_camera([0.025, 0.185, 0.610], [-0.002, 0.125, -0.08])
 }
 
 /// A lantern of every color.
-fn studio_bodies(studio: &mut Studio, body: crate::Mesh, lamps: &[([f64; 3], f64, [f32; 3])]) -> Vec<usize> {
+fn lantern_bodies(studio: &mut Studio, body: crate::Mesh, lamps: &[([f64; 3], f64, [f32; 3])]) -> Vec<usize> {
     let glows = lamps.iter().map(|&(_, _, color)| {
         let emissive = Material {
             emission: color.map(|c| 0.92 * c),

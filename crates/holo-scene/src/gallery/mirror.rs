@@ -11,7 +11,7 @@ use super::shapes;
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, rectangle, turned, upright};
 use super::textures::{landscape, wallpaper, wood};
-use crate::{Material, Scene, TextureInfo, Transform};
+use crate::{Material, Mesh, Scene, TextureInfo, Transform};
 
 pub(super) fn scene() -> Scene {
     let mut studio = Studio::new(vec![
@@ -38,7 +38,30 @@ pub(super) fn scene() -> Scene {
     );
     studio.add("table", rounded_box([0.99, 0.03, 0.64], 0.004), table, at(0.0, -0.015, -0.02));
 
-    // The mirror leans back a little and looks to the right.
+    mirror_on_stand(&mut studio, mirror, brass);
+
+    let vase = vase();
+    let vase_at = [0.155, 0.0, -0.075];
+    studio.add("vase", vase, glaze, Transform::from_translation(vase_at));
+    twigs(&mut studio, vase_at, twig, cotton);
+
+    candlestick(&mut studio, brass, wax, twig);
+
+    pearls(&mut studio, pearl);
+    // A small box in front: the mirror shows its other side.
+    let casket = turned([-0.115, 0.019, 0.065], [0.0, 1.0, 0.0], 24.0, 1.0);
+    studio.add("casket", rounded_box([0.082, 0.034, 0.056], 0.004), card, casket);
+    studio.add("lid", rounded_box([0.086, 0.006, 0.060], 0.0025), brass, casket.after(&at(0.0, 0.019, 0.0)));
+
+    window(&mut studio, 2);
+    studio.room([0.26, 0.245, 0.22]);
+    studio.softbox("window", [-0.95, 0.75, 0.70], [0.0, 0.1, -0.1], [0.55, 0.75], [4.6, 4.5, 4.3]);
+    studio.softbox("lamp", [0.9, 0.95, 0.1], [0.1, 0.1, -0.1], [0.3, 0.3], [5.0, 3.7, 2.3]);
+    studio.with_camera([0.050, 0.245, 0.625], [-0.006, 0.112, -0.075])
+}
+
+/// The mirror, which leans back a little and faces to the right, with its frame and foot.
+fn mirror_on_stand(studio: &mut Studio, mirror: usize, brass: usize) {
     let stand = upright([-0.045, 0.0, -0.20], 10.0);
     let lean = turned([0.0, 0.165, 0.0], [1.0, 0.0, 0.0], 2.5, 1.0);
     let glass = shapes::sheet(128, 1, |s, t| {
@@ -72,8 +95,11 @@ pub(super) fn scene() -> Scene {
         ],
     );
     studio.add("foot", foot, brass, stand);
+}
 
-    let vase = lathe(
+/// The vase.
+fn vase() -> Mesh {
+    lathe(
         96,
         6,
         &[
@@ -92,11 +118,11 @@ pub(super) fn scene() -> Scene {
             [0.024, 0.0],
             [0.0, 0.0],
         ],
-    );
-    let vase_at = [0.155, 0.0, -0.075];
-    studio.add("vase", vase, glaze, Transform::from_translation(vase_at));
-    twigs(&mut studio, vase_at, twig, cotton);
+    )
+}
 
+/// The candlestick with a candle.
+fn candlestick(studio: &mut Studio, brass: usize, wax: usize, wick: usize) {
     let candlestick = lathe(
         72,
         5,
@@ -123,9 +149,12 @@ pub(super) fn scene() -> Scene {
         &[[0.0, 0.2015], [0.004, 0.2025], [0.0088, 0.204], [0.0095, 0.2025], [0.0095, 0.098], [0.0, 0.098]],
     );
     studio.add("candle", candle, wax, at(-0.215, 0.0, -0.065));
-    let wick = shapes::tube(8, 8, |_| 0.0006, |s| DVec3::new(0.002 * s * s, 0.2 + 0.012 * s, 0.0));
-    studio.add("wick", wick, twig, at(-0.215, 0.0, -0.065));
+    let wick_mesh = shapes::tube(8, 8, |_| 0.0006, |s| DVec3::new(0.002 * s * s, 0.2 + 0.012 * s, 0.0));
+    studio.add("wick", wick_mesh, wick, at(-0.215, 0.0, -0.065));
+}
 
+/// The string of pearls.
+fn pearls(studio: &mut Studio, pearl: usize) {
     let bead = studio.add_mesh("pearl", shapes::ball(32, 16, |_| 0.0), pearl);
     for k in 0..46 {
         let angle = f64::from(k) / 46.0 * std::f64::consts::TAU;
@@ -134,16 +163,6 @@ pub(super) fn scene() -> Scene {
         let place = [0.008 + 1.25 * radius * angle.cos(), size, 0.072 + 0.75 * radius * angle.sin()];
         studio.add_instance("pearl", bead, Transform::from_parts(place, [0.0, 0.0, 0.0, 1.0], [size; 3]));
     }
-    // A small box in front: the mirror shows its other side.
-    let casket = turned([-0.115, 0.019, 0.065], [0.0, 1.0, 0.0], 24.0, 1.0);
-    studio.add("casket", rounded_box([0.082, 0.034, 0.056], 0.004), card, casket);
-    studio.add("lid", rounded_box([0.086, 0.006, 0.060], 0.0025), brass, casket.after(&at(0.0, 0.019, 0.0)));
-
-    window(&mut studio, 2);
-    studio.room([0.26, 0.245, 0.22]);
-    studio.softbox("window", [-0.95, 0.75, 0.70], [0.0, 0.1, -0.1], [0.55, 0.75], [4.6, 4.5, 4.3]);
-    studio.softbox("lamp", [0.9, 0.95, 0.1], [0.1, 0.1, -0.1], [0.3, 0.3], [5.0, 3.7, 2.3]);
-    studio.with_camera([0.050, 0.245, 0.625], [-0.006, 0.112, -0.075])
 }
 
 /// A window behind the camera, for the mirror to show: a view, with bars before it.
