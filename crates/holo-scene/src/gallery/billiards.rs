@@ -1,6 +1,6 @@
 //! Pool balls, just broken, on a green cloth.
 //!
-//! There for: specular highlights. Hard about it: every ball is an almost textureless sphere that mirrors the lamps
+//! **Purpose**: specular highlights. **Difficulty**: every ball is an almost textureless sphere that mirrors the lamps
 //! above the table; the highlights lie at depths of their own, behind the surface, and move from view to view.
 
 use glam::DVec3;
@@ -14,7 +14,7 @@ use super::studio::{Studio, at, turned};
 use super::textures::{grained, wood};
 use crate::{Scene, Texture, Transform, Wrap};
 
-/// Of a ball, m.
+/// Radius of a ball, m.
 const RADIUS: f64 = 0.0286;
 
 pub(super) fn scene() -> Scene {
@@ -153,7 +153,7 @@ fn ball(number: usize) -> Texture {
     })
 }
 
-/// Whether (x, y) in the unit square lies on the number, in a font of 3 by 5 squares.
+/// Whether (x, y) in the unit square lies on the digits of the number, in a font of 3 by 5 squares.
 fn digits(number: usize, x: f64, y: f64) -> bool {
     const FONT: [u16; 10] = [0o75557, 0o26227, 0o71747, 0o71717, 0o55711, 0o74717, 0o74757, 0o71111, 0o75757, 0o75717];
     let shown: &[usize] = if number > 9 { &[number / 10, number % 10] } else { &[number] };

@@ -1,7 +1,7 @@
 //! A wire birdcage with paper birds, some in it and some gone.
 //!
-//! There for: thin structures. Hard about it: the wires are about as wide as a pixel of a view and stand before each
-//! other, before the birds and before a plain wall; their shadows look like wires.
+//! **Purpose**: thin structures. **Difficulty**: the wires are about as wide as a pixel of a view and stand in front of
+//! each other, of the birds and of a plain wall; their shadows look like wires.
 
 use std::f64::consts::TAU;
 
@@ -14,10 +14,10 @@ use super::studio::{Studio, at, turned};
 use super::textures::{grained, wood};
 use crate::{Mesh, Scene, Transform};
 
-/// Where the cage stands.
+/// Position of the cage, m.
 const CAGE: [f64; 3] = [-0.055, 0.0, -0.06];
 const CAGE_RADIUS: f64 = 0.092;
-/// Where the wires bend into the dome.
+/// Height at which the wires bend into the dome, m.
 const SHOULDER: f64 = 0.145;
 
 pub(super) fn scene() -> Scene {

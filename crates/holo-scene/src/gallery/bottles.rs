@@ -1,7 +1,7 @@
 //! Old bottles of thick colored glass on a window sill, the light behind them.
 //!
-//! There for: colored thick glass, whose color deepens with the way through it. Hard about it: a pixel shows up to
-//! four surfaces and what lies behind them; colored light falls through the bottles onto the sill.
+//! **Purpose**: colored thick glass, whose color depends on the path length in it. **Difficulty**: a pixel shows up to
+//! four surfaces and their background; colored light falls through the bottles onto the sill.
 
 use super::materials::{body_of_glass, diffuse, glossy, textured};
 use super::solids::{lathe, rounded_box};

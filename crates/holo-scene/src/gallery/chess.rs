@@ -1,7 +1,8 @@
 //! An endgame of chess under a lamp and a window: wooden pieces of the Staunton pattern on an inlaid board.
 //!
-//! There for: soft and hard shadows side by side, and across each other. Hard about it: shadows move over a regular
-//! pattern and must not be taken for edges of depth; pieces of one kind look alike; their gloss is view dependent.
+//! **Purpose**: soft and hard shadows side by side, and across each other. **Difficulty**: shadows move over a regular
+//! pattern and must not be mistaken for depth edges; pieces of one kind look alike; their reflections are view
+//! dependent.
 
 use super::materials::{diffuse, glossy, textured};
 use super::solids::{lathe, rounded_box};
@@ -65,7 +66,7 @@ pub(super) fn scene() -> Scene {
     let mut random = Random::new(77);
     for (kind, side, file, rank) in game {
         let (x, z) = ((f64::from(file) - 3.5) * FIELD, (3.5 - f64::from(rank)) * FIELD);
-        // Nobody sets a piece quite in the middle.
+        // Pieces are not placed exactly in the center.
         let (dx, dz, turn) = (random.between(-0.003, 0.003), random.between(-0.003, 0.003), random.between(0.0, 360.0));
         studio.add_instance("piece", meshes[kind][side], turned_board().after(&upright([x + dx, 0.0, z + dz], turn)));
     }
@@ -80,7 +81,7 @@ pub(super) fn scene() -> Scene {
     studio.with_camera([0.105, 0.265, 0.575], [-0.002, 0.006, -0.012])
 }
 
-/// The board stands a little askew.
+/// The rotated frame of the board.
 fn turned_board() -> Transform {
     upright([0.0; 3], -24.0)
 }
@@ -88,7 +89,7 @@ fn turned_board() -> Transform {
 fn board(studio: &mut Studio, walnut: usize, maple: usize) {
     let rim = rounded_box([8.8 * FIELD, 0.02, 8.8 * FIELD], 0.003);
     studio.add("rim", rim, walnut, turned_board().after(&at(0.0, -0.0115, 0.0)));
-    // One mesh a wood; every field shows its own piece of the grain.
+    // One mesh per wood; every field has its own part of the grain.
     for (name, parity, material) in [("dark fields", 0, walnut), ("light fields", 1, maple)] {
         let mut fields = Mesh::default();
         for k in (0..64_u32).filter(|k| (k % 8 + k / 8) % 2 == parity) {

@@ -1,7 +1,7 @@
 //! The train of an old clock: wheels of brass, copper, iron and steel before a brushed plate.
 //!
-//! There for: rough metal, in layers. Hard about it: metal has no color of its own but what it mirrors, blurred; teeth
-//! repeat; wheels overlap with gaps of some millimeters.
+//! **Purpose**: rough metal, in layers. **Difficulty**: rough metal shows only blurred reflections; teeth repeat;
+//! wheels overlap with gaps of some millimeters.
 
 use std::f64::consts::TAU;
 
@@ -27,7 +27,7 @@ pub(super) fn scene() -> Scene {
 
     plate_with_pillars(&mut studio, backing, iron, brass);
 
-    // (x, y, z, teeth, radius, spokes, turn in teeth, metal): neighbors in one plane mesh.
+    // (x, y, z, teeth, radius, spokes, rotation in teeth, metal); wheels in one plane mesh.
     let wheels = [
         (-0.088, 0.010, -0.075, 72, 0.090, 6, 0.0, brass),
         (0.0145, 0.0595, -0.075, 18, 0.0225, 0, 0.36, steel),
@@ -164,7 +164,7 @@ fn spring(studio: &mut Studio, material: usize) {
     studio.add("spring", coil, material, Transform::IDENTITY);
 }
 
-/// A slotted screw whose head looks towards +Z.
+/// A slotted screw whose head faces +Z.
 fn screw(studio: &mut Studio, place: [f64; 3], turn: f64, material: usize) {
     let half = |side: f64| {
         let mut mesh = Mesh::default();

@@ -1,7 +1,7 @@
 //! Lace curtains before a window, a veil behind them, a vase on the sill between the two.
 //!
-//! There for: transparency by alpha, as holes (lace) and as a share (veil). Hard about it: a pixel shows up to four
-//! layers at once; the holes repeat and are about as wide as a pixel; what is behind is seen in pieces.
+//! **Purpose**: transparency by alpha, as holes (lace) and as opacity (veil). **Difficulty**: a pixel shows up to four
+//! layers at once; the holes repeat and are about as wide as a pixel; what is behind is visible in pieces.
 
 use std::f64::consts::TAU;
 
@@ -55,7 +55,7 @@ pub(super) fn scene() -> Scene {
         studio.add("stem", shapes::tube(24, 8, |_| 0.0013, path), stem, Transform::IDENTITY);
         let top = path(1.0).to_array();
         let size = random.between(0.026, 0.034);
-        // Flowers look to the light and outward.
+        // Flowers face the light and outward.
         let pose = turned(top, [0.75, 0.0, -heading.cos()], random.between(38.0, 66.0), size);
         studio.add_instance("petals", corolla, pose);
         studio.add_instance(
@@ -138,7 +138,7 @@ fn vase() -> Mesh {
     )
 }
 
-/// Nets of threads with flowers worked in; alpha says where there is thread. Repeats.
+/// Nets of threads with flowers; alpha is 1 on threads. Periodic.
 fn lace() -> Texture {
     let flower = |x: f64, y: f64| {
         let wrap = |t: f64| t - t.round();
@@ -165,7 +165,7 @@ fn lace() -> Texture {
     with_alpha(paint("lace", 512, Wrap::Repeat, |_, _| [0.80, 0.77, 0.70]), thread)
 }
 
-/// A row of threads, thinner and thicker: how much of the light the veil holds back. Repeats.
+/// A row of threads of varying thickness: the opacity of the veil. Periodic.
 fn veil_stripes() -> Texture {
     let plain = paint("veil", 128, Wrap::Repeat, |_, _| [0.72, 0.74, 0.76]);
     with_alpha(plain, |x, _| if x < 0.12 { 0.75 } else { 0.34 + 0.06 * (x * 6.0 * TAU).sin() })

@@ -1,7 +1,7 @@
 //! A row of dominoes that winds from right before the lens to the far end of the table.
 //!
-//! There for: a large range of depths, the largest of the gallery. Hard about it: the same stone is seen from 30 cm and
-//! from a meter, at disparities of both signs; the row hides itself.
+//! **Purpose**: a large range of depths, the largest of the gallery. **Difficulty**: the same stone is seen from 30 cm
+//! and from a meter, at disparities of both signs; the row occludes itself.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ use super::studio::{Studio, at, upright};
 use super::textures::grained;
 use crate::{Scene, Texture, Transform, Wrap};
 
-/// Of a stone, m: width, height, thickness.
+/// Size of a stone, m: width, height, thickness.
 const STONE: [f64; 3] = [0.0235, 0.047, 0.0085];
 
 pub(super) fn scene() -> Scene {
@@ -77,7 +77,7 @@ fn stones(studio: &mut Studio, lacquers: [usize; 5], inks: [usize; 2]) {
         };
         let ahead = path(s + 1e-3) - path(s - 1e-3);
         let heading = ahead.x.atan2(ahead.z).to_degrees() + random.between(-2.5, 2.5);
-        // Colors come in runs, like the rings of a snake.
+        // Stones of one color form runs.
         let color = [0, 0, 0, 1, 2, 2, 3, 3, 3, 4, 1][k as usize % 11];
         let place = path(s);
         let pose = upright([place.x, 0.5 * STONE[1], place.z], heading);
@@ -133,7 +133,7 @@ fn bell(studio: &mut Studio, brass: usize, lacquer: usize) {
     );
 }
 
-/// Where the pips of a value sit on a grid of three by three.
+/// The positions of the pips of a value on a grid of three by three.
 fn spots(value: usize) -> &'static [(f64, f64)] {
     const SIX: [(f64, f64); 6] = [(-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, 0.0), (1.0, 0.0)];
     const FIVE: [(f64, f64); 5] = [(0.0, 0.0), (-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, -1.0)];
@@ -144,7 +144,7 @@ fn spots(value: usize) -> &'static [(f64, f64)] {
     }
 }
 
-/// Herringbone blocks of oak; repeats.
+/// A parquet of oak blocks; periodic.
 fn parquet() -> Texture {
     let mut random = Random::new(83);
     let tones: Vec<f64> = (0..16).map(|_| random.between(0.72, 1.18)).collect();

@@ -1,8 +1,8 @@
 //! A still life after the Dutch: oranges in a pewter bowl, pears, a carafe, a knife, a cloth that hangs in folds.
 //!
-//! There for: everything at once, as a check of methods tuned on one thing: gloss, metal, glass, fine relief, cloth,
-//! soft shadow, a dark background. Hard about it: the carafe is before the bowl; the cloth has few features on its
-//! folds.
+//! **Purpose**: all materials together, as a check of methods that are tuned on one of them: gloss, metal, glass, fine
+//! relief, cloth, soft shadow, a dark background. **Difficulty**: the carafe is in front of the bowl; the cloth has few
+//! features on its folds.
 
 use std::f64::consts::TAU;
 

@@ -1,8 +1,8 @@
 //! A walled garden on a table: brickwork and a mosaic behind, stones, a knotted sculpture, grass and a small tree.
 //!
-//! There for: dense foliage of many instances before a textured background, and hard shadows on rough and smooth
-//! things. Hard about it: blades and leaves are narrower than a pixel and hide each other; hardly two neighbors share
-//! a depth.
+//! **Purpose**: dense foliage of many instances before a textured background, and hard shadows on rough and smooth
+//! things. **Difficulty**: blades and leaves are narrower than a pixel and occlude each other; neighboring pixels
+//! rarely have the same depth.
 
 use glam::DVec3;
 
@@ -33,7 +33,7 @@ pub(super) fn scene() -> Scene {
     place(&mut scene, "ground", ground, earth, Transform::IDENTITY);
     place(&mut scene, "wall", wall(), brick, Transform::IDENTITY);
     let disc = shapes::sheet(96, 1, |s, t| {
-        // A pinhole in the middle: a disc has no parametrization there.
+        // With a small hole in the middle, where the parametrization is singular.
         let (angle, radius) = (-s * std::f64::consts::TAU, 0.19 * (0.002 + 0.998 * t));
         DVec3::new(radius * angle.cos(), 0.36 + radius * angle.sin(), -0.492)
     });
@@ -47,8 +47,7 @@ pub(super) fn scene() -> Scene {
     halved(scene)
 }
 
-/// All above is in units of half a meter, so that it reads well; on the table it is 0.9 m wide. A power of two rounds
-/// nothing.
+/// Scales the scene by one half: the numbers above are in units of half a meter. A power of two causes no rounding.
 fn halved(mut scene: Scene) -> Scene {
     let half = |p: [f64; 3]| p.map(|x| 0.5 * x);
     for Instance { transform, .. } in &mut scene.instances {
@@ -59,7 +58,7 @@ fn halved(mut scene: Scene) -> Scene {
     }
     for light in &mut scene.lights {
         if let LightKind::Point { position, .. } = &mut light.kind {
-            // Half the way to everything: a quarter of the intensity does the same.
+            // Half the distances: a quarter of the intensity gives the same irradiance.
             *position = half(*position);
             light.intensity = light.intensity.map(|x| 0.25 * x);
         }
@@ -150,7 +149,7 @@ fn sculpture(scene: &mut Scene, bronze: usize, marble: usize) {
 
 fn grass(scene: &mut Scene, material: usize) {
     let mut random = Random::new(3);
-    // Four different tufts, set many times: the geometry repeats, the eye does not see it.
+    // Four different tufts with many instances.
     let tufts: Vec<usize> = (0..4)
         .map(|_| {
             let mut tuft = Mesh { name: "tuft".into(), material, ..Mesh::default() };

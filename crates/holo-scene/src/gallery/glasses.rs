@@ -1,8 +1,8 @@
 //! A wine glass, a tumbler, a prism and a crystal ball on striped linen.
 //!
-//! There for: clear glass, refraction and total internal reflection. Hard about it: the stripes are seen through glass
-//! bent, upside down, mirrored and twice; the surface itself shows only in reflections; the prism turns the picture
-//! aside without a mirror.
+//! **Purpose**: clear glass, refraction and total internal reflection. **Difficulty**: the stripes are seen through
+//! glass bent, upside down, mirrored and twice; the surface itself shows only in reflections; the prism deflects the
+//! image without a mirror.
 
 use glam::DVec3;
 

@@ -1,6 +1,6 @@
 //! Paper lanterns over a pond of pebbles at dusk; candles in cups.
 //!
-//! There for: emissive light, many colored lamps of the scene itself. Hard about it: what shines has hardly any
+//! **Purpose**: emissive light, from many colored lamps in the scene. **Difficulty**: emissive surfaces have hardly any
 //! shading; light comes from within the scene and falls off fast; the shadows are many, soft and colored.
 
 use std::f64::consts::TAU;
@@ -157,7 +157,7 @@ fn candles(studio: &mut Studio, cup: usize, wax: usize, flame: usize) {
     }
 }
 
-/// A lantern of every color.
+/// A lantern mesh with a material for every color.
 fn lantern_bodies(studio: &mut Studio, body: crate::Mesh, lamps: &[([f64; 3], f64, [f32; 3])]) -> Vec<usize> {
     let glows = lamps.iter().map(|&(_, _, color)| {
         let emissive = Material {
@@ -206,7 +206,7 @@ fn pebbles(studio: &mut Studio, stones: &[usize; 4]) {
     }
 }
 
-/// A branch of cherry comes in from above on the left.
+/// A cherry branch that enters from above on the left.
 fn twig(studio: &mut Studio, branch: usize, blossom: usize) {
     let mut random = Random::new(31);
     let flower = studio.add_mesh(

@@ -1,18 +1,18 @@
-//! Materials of the studio, by what they are in the world.
+//! Materials of the gallery.
 
 use crate::{Alpha, Material, NormalMap, TextureInfo, TextureTransform, Volume};
 
-/// Paper, plaster, felt: Lambert's law alone.
+/// A Lambertian material: paper, plaster, felt.
 pub(super) fn diffuse([r, g, b]: [f32; 3]) -> Material {
     Material { base_color: [r, g, b, 1.0], ..Material::default() }
 }
 
-/// Lacquer, glaze, polished stone: a diffuser under a colorless gloss.
+/// A dielectric coat over diffuse: lacquer, glaze, polished stone.
 pub(super) fn glossy(color: [f32; 3], roughness: f32) -> Material {
     Material { roughness, specular: 1.0, ..diffuse(color) }
 }
 
-/// A metal, by its color at normal incidence.
+/// A metal with its color at normal incidence.
 pub(super) fn metal(color: [f32; 3], roughness: f32) -> Material {
     Material { metallic: 1.0, roughness, specular: 1.0, ..diffuse(color) }
 }
@@ -27,33 +27,33 @@ pub(super) fn clear_glass() -> Material {
     body_of_glass(f32::INFINITY, [1.0; 3])
 }
 
-/// A body of glass that leaves `color` of white light after `distance` meters.
+/// A body of glass whose transmittance is `color` after `distance` meters.
 pub(super) fn body_of_glass(distance: f32, color: [f32; 3]) -> Material {
     let volume = Some(Volume { attenuation_distance_m: distance, attenuation_color: color });
     Material { transmission: 1.0, roughness: 0.0, specular: 1.0, ior: 1.5, volume, ..diffuse([1.0; 3]) }
 }
 
-/// The same with the picture of a texture.
+/// Adds a base color texture.
 pub(super) fn textured(texture: usize, material: Material) -> Material {
     Material { base_color_texture: Some(TextureInfo::new(texture)), ..material }
 }
 
-/// The same with the picture of a texture, so many times across and down.
+/// Adds a base color texture, scaled by `scale` repetitions.
 pub(super) fn repeated(texture: usize, scale: [f32; 2], material: Material) -> Material {
     Material { base_color_texture: Some(times(texture, scale)), ..material }
 }
 
-/// The same with a relief, so many times across and down.
+/// Adds a normal map, scaled by repetitions.
 pub(super) fn normal_mapped(texture: usize, times_across: [f32; 2], strength: f32, material: Material) -> Material {
     Material { normal_map: Some(NormalMap { texture: times(texture, times_across), scale: strength }), ..material }
 }
 
-/// The same with roughness (and metal) from a texture.
+/// Adds a metallic-roughness texture.
 pub(super) fn roughness_mapped(texture: usize, scale: [f32; 2], material: Material) -> Material {
     Material { metallic_roughness_texture: Some(times(texture, scale)), ..material }
 }
 
-/// The same with holes where the texture's alpha is below a half.
+/// Adds a base color texture with holes where its alpha is below one half.
 pub(super) fn alpha_masked(texture: usize, scale: [f32; 2], material: Material) -> Material {
     Material { alpha: Alpha::Mask(0.5), ..repeated(texture, scale, material) }
 }

@@ -1,7 +1,7 @@
 //! A dressing table: a round mirror in a brass frame, a vase with twigs of cotton, a candlestick, a string of pearls.
 //!
-//! There for: a mirror. Hard about it: what is seen in it lies behind its surface and moves as if it were there, while
-//! the ground truth is the surface itself; the wallpaper repeats.
+//! **Purpose**: a mirror. **Difficulty**: the mirror image lies behind the surface and has the disparity of that depth,
+//! while the ground truth is the surface itself; the wallpaper repeats.
 
 use glam::DVec3;
 

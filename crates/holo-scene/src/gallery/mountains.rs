@@ -1,6 +1,6 @@
 //! A paper theatre: ranges of mountains cut from card, one behind the other, and a leporello of pictures in front.
 //!
-//! There for: slanted and layered planes. Hard about it: the layers are some centimeters apart and throw shadows on
+//! **Purpose**: slanted and layered planes. **Difficulty**: the layers are some centimeters apart and cast shadows on
 //! each other; the pages of the leporello meet in sharp folds and slant both ways.
 
 use glam::DVec3;
@@ -54,12 +54,12 @@ pub(super) fn scene() -> Scene {
         DVec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
     });
     studio.add("sun", disc, sun, at(0.105, 0.232, -0.415));
-    for (k, (_, height, relief)) in layers.into_iter().enumerate() {
+    for (k, (_, height, normal_map_of)) in layers.into_iter().enumerate() {
         let seed = 3.7 * k as f64;
         let card = studio.material("card", textured(3 + k, diffuse([1.0; 3])));
         let ridge = move |x: f64| {
             let peaks = 1.0 - 1.7 * fractal([x * (5.0 + 0.8 * k as f64) + seed, 0.5, seed], 2).abs();
-            height + relief * (peaks - 0.35) + 0.10 * relief * fractal([x * 70.0, 1.5, seed], 2)
+            height + normal_map_of * (peaks - 0.35) + 0.10 * normal_map_of * fractal([x * 70.0, 1.5, seed], 2)
         };
         let depth = -0.385 + 0.068 * k as f64;
         let mesh = shapes::sheet(500, 4, |s, t| DVec3::new(s - 0.5, ridge(s - 0.5) * (1.0 - t), 0.0));

@@ -1,7 +1,7 @@
 //! The plaster solids of a drawing class on a sheet of paper: a cone, a ball, a cylinder, a block, an egg.
 //!
-//! There for: surfaces without any texture. Hard about it: nothing but shading, soft shadow and outline tells depth;
-//! the seamless background has no feature at all.
+//! **Purpose**: surfaces without any texture. **Difficulty**: depth follows only from shading, soft shadows and
+//! outlines; the seamless background has no feature at all.
 
 use glam::DVec3;
 
@@ -16,7 +16,7 @@ pub(super) fn scene() -> Scene {
     let plaster = studio.material("plaster", diffuse([0.76, 0.745, 0.715]));
     let paper = studio.material("paper", diffuse([0.60, 0.595, 0.585]));
 
-    // One sheet that lies, rises and stands.
+    // A sheet with a horizontal, a curved and a vertical part.
     let sweep = shapes::sheet(1, 96, |s, t| {
         let way = 1.25 * (1.0 - t);
         let (flat, radius) = (0.55, 0.2);

@@ -1,6 +1,6 @@
 //! A tiled corner: the same painted tile everywhere, with bowls and lemons on the ledge.
 //!
-//! There for: repetitive texture. Hard about it: every tile equals its neighbors exactly, on the wall, the ledge and
+//! **Purpose**: repetitive texture. **Difficulty**: every tile equals its neighbors exactly, on the wall, the ledge and
 //! the floor, so that a match is right only up to a whole tile; the glaze mirrors the window.
 
 use glam::DVec3;
