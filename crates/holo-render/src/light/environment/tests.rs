@@ -317,7 +317,7 @@ fn the_sun_in_one_texel_is_found() {
 }
 
 #[test]
-fn black_surroundings_have_no_density() {
+fn a_black_environment_has_no_pdf() {
     let black = EnvironmentLight::new(&image(5, 9, |_, _| [0.0; 3]), &TURNED());
     assert!(black.is_black());
     for numbers in independent_points(20) {

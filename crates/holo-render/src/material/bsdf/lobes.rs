@@ -38,11 +38,11 @@ pub(super) struct Lobes {
     pub any_glass: bool,
 }
 
-impl Bsdf {
-    #[inline(always)]
-    pub(super) fn lobes(&self, out: &Directions) -> Lobes {
+impl Lobes {
+    /// The lobes of Lambertian lanes.
+    const LAMBERTIAN: Self = {
         let zero = [0.0; LANES];
-        let mut lobes = Lobes {
+        Self {
             metal: zero,
             glass: zero,
             coat: zero,
@@ -60,7 +60,25 @@ impl Bsdf {
             any_rough: false,
             any_delta: false,
             any_glass: false,
-        };
+        }
+    };
+}
+
+impl Bsdf {
+    /// The lobes for directions `out` to the viewer.
+    #[inline(always)]
+    pub(super) fn lobes(&self, out: &Directions) -> Lobes {
+        let mut lobes = Lobes::LAMBERTIAN;
+        let rough_coat = self.set_weights(&mut lobes);
+        if lobes.any_specular {
+            self.set_probabilities(out, rough_coat, &mut lobes);
+        }
+        lobes
+    }
+
+    /// Sets the weights of the mixture and the kinds of lobes; returns whether any lane has a rough coat.
+    #[inline(always)]
+    fn set_weights(&self, lobes: &mut Lobes) -> bool {
         let [mut specular, mut microfacets, mut rough_glass, mut rough_coat, mut delta] = [0; 5];
         for lane in 0..LANES {
             let rest = 1.0 - self.metallic[lane];
@@ -89,12 +107,15 @@ impl Bsdf {
         lobes.any_specular = specular != 0;
         lobes.any_rough = microfacets | rough_glass != 0;
         lobes.any_delta = delta != 0;
-        if !lobes.any_specular {
-            return lobes;
-        }
+        rough_coat != 0
+    }
 
+    /// Sets the transmittances of the coat and the sampling probabilities, which are proportional to the approximate
+    /// albedos of the lobes.
+    #[inline(always)]
+    fn set_probabilities(&self, out: &Directions, rough_coat: bool, lobes: &mut Lobes) {
         let (mut here, mut mean) = (Albedo::SMOOTH, Average::SMOOTH);
-        if rough_coat != 0 {
+        if rough_coat {
             let (table, rows) = (albedo::table(), albedo::rows(&self.alpha));
             here = table.albedo(&rows, &out[2], &self.alpha, &lobes.smooth);
             mean = table.average(&rows, &lobes.smooth);
@@ -127,6 +148,5 @@ impl Bsdf {
             let diffuse = diffuse / sum;
             lobes.pick_diffuse[lane] = if some { diffuse } else { 1.0 };
         }
-        lobes
     }
 }
