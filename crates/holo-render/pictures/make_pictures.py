@@ -73,7 +73,7 @@ def soft_box(direction, towards, half_width, half_height, edge=0.04):
 
 
 def studio(lamps=1.0):
-    """Two lamps before grey walls, as an environment map; returns its path."""
+    """Two lamps before gray walls, as an environment map; returns its path."""
     d = directions(128, 256)
     walls = np.array([0.30, 0.31, 0.33]) * (0.75 + 0.45 * d[..., 1:2])
     shine = 5.5 * soft_box(d, (-1.0, 1.1, 1.0), 0.45, 0.45) + 2.5 * soft_box(d, (1.0, 0.45, 0.55), 0.18, 0.6)
@@ -146,10 +146,10 @@ def metal():
     ])
 
 
-def varnish():
+def coat():
     numbers = [0, 0.2, 0.4, 0.6, 0.8, 1]
     row = [lambda scene, r=r: scene.material((0.5, 0.04, 0.03), 0.0, r) for r in numbers]
-    compose("varnish", [[(ball_row(row), "metallicFactor 0; roughnessFactor " + ", ".join(map(str, numbers)))]])
+    compose("coat", [[(ball_row(row), "metallicFactor 0; roughnessFactor " + ", ".join(map(str, numbers)))]])
 
 
 def specular():
@@ -298,7 +298,7 @@ def environment():
 
 
 def leaf():
-    """RGBA: a leaf with veins whose alpha fades towards its edge; green outside too, so that no other colour bleeds in."""
+    """RGBA: a leaf with veins whose alpha fades towards its edge; green outside too, so that no other color bleeds in."""
     size = 256
     y, x = (np.mgrid[0:size, 0:size] + 0.5) / size
     along, across = 1 - y, np.abs(x - 0.5)
@@ -365,7 +365,7 @@ def normal_map():
 
 
 def card():
-    """A test card: letters on four coloured fields."""
+    """A test card: letters on four colored fields."""
     picture = Image.new("RGB", (256, 256))
     draw = ImageDraw.Draw(picture)
     font = ImageFont.load_default(100)
@@ -465,7 +465,7 @@ def layers():
     layer = {name: read_pfm(folder / f"scene_{name.replace('-', '_')}.pfm") for name in names.split(",")}
     seen = layer["hit-mask"][..., 0] > 0
 
-    def grey(values, near_bright):
+    def gray(values, near_bright):
         low, high = values[seen].min(), values[seen].max()
         part = (values - low) / (high - low)
         part = np.where(seen[..., None], 0.1 + 0.9 * (1 - part if near_bright else part), 0.0)
@@ -479,8 +479,8 @@ def layers():
         return Image.fromarray(np.rint(np.where(seen[..., None], values * 0.5 + 0.5, 0.0) * 255).astype(np.uint8))
 
     compose("layers", [
-        [(encode(layer["color"]), "color"), (grey(layer["depth"], True), "depth"), (grey(layer["ray-length"], True), "ray-length"),
-         (grey(layer["disparity"], False), "disparity"), (encode(layer["albedo"]), "albedo")],
+        [(encode(layer["color"]), "color"), (gray(layer["depth"], True), "depth"), (gray(layer["ray-length"], True), "ray-length"),
+         (gray(layer["disparity"], False), "disparity"), (encode(layer["albedo"]), "albedo")],
         [(normal(layer["geometric-normal"]), "geometric-normal"), (normal(layer["shading-normal"]), "shading-normal"),
          (numbers(layer["object-id"]), "object-id"), (numbers(layer["material-id"]), "material-id"),
          (Image.fromarray((seen[..., None] * np.full(3, 255)).astype(np.uint8)), "hit-mask")],
@@ -574,7 +574,7 @@ def instances():
     compose("instances", [[(render(scene, size, 64, "--integrator", "direct", "--sky", "0.36,0.45,0.58", "--exposure", 0.4), caption)]])
 
 
-PICTURES = [lights, sun, metal, varnish, specular, glass, absorption, emission, environment, alpha, normal_map, coordinates, indirect, unlit, layers, projection, instances]
+PICTURES = [lights, sun, metal, coat, specular, glass, absorption, emission, environment, alpha, normal_map, coordinates, indirect, unlit, layers, projection, instances]
 
 
 def main():

@@ -32,7 +32,7 @@ class Scene:
         return self.glb.append("textures", {"source": image, "sampler": 0})
 
     def material(self, color=(1, 1, 1), metallic=0.0, roughness=1.0, texture=None, extensions=None, **entry):
-        """`texture`: of the base colour, an index or a texture info. `extensions`: without KHR_materials_."""
+        """`texture`: of the base color, an index or a texture info. `extensions`: without KHR_materials_."""
         color = [*color, 1.0] if len(color) == 3 else list(color)
         pbr = {"baseColorFactor": color, "metallicFactor": metallic, "roughnessFactor": roughness}
         if texture is not None:
