@@ -72,8 +72,8 @@ pub(crate) fn instancing(backend: Backend) -> Instancing {
     }
 }
 
-/// Builds an engine over `geometry`, which must follow the policy of [`instancing`] for `backend`. The second value is a note
-/// if `Auto` fell back to the BVH.
+/// Builds an engine over `geometry`, which must follow the policy of [`instancing`] for `backend`. The second value is
+/// a note if `Auto` fell back to the BVH.
 pub(crate) fn build(
     backend: Backend,
     geometry: &Arc<Geometry>,

@@ -13,7 +13,7 @@ pub enum Error {
     /// The requested ray tracing backend is not available.
     #[error("Embree: {0}")]
     Embree(String),
-    /// The caller asked the renderer to stop.
+    /// The caller canceled the render.
     #[error("stopped")]
     Cancelled,
     /// The light field or the rig is impossible.

@@ -9,7 +9,8 @@ pub trait Progress: Sync {
         let _ = (done, total);
     }
 
-    /// Returns whether to cancel. Called often; once it returns `true` the render ends with [`Error::Cancelled`](crate::Error::Cancelled).
+    /// Returns whether to cancel. Called often; once it returns `true` the render ends with
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
     fn cancelled(&self) -> bool {
         false
     }

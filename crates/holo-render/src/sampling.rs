@@ -1,19 +1,20 @@
 //! Random numbers: Owen-scrambled Sobol points, one sequence per pixel.
 //!
-//! The numbers are a function of (seed, microlens, view, sample, dimension) and of nothing else, so an image does not depend
-//! on the number of threads, the size of tiles or the part of it that is rendered.
+//! The numbers are a function of (seed, microlens, view, sample, dimension) and of nothing else, so an image does not
+//! depend on the number of threads, the size of tiles or the part of it that is rendered.
 //!
 //! A sample has pairs of numbers (the position in the pixel, a scattered direction, ...). Each pair is a point of the
-//! two-dimensional Sobol sequence, which is a (0, 2)-sequence: of every 2^k points that begin at a multiple of 2^k, each
-//! box of area 2^-k with sides of powers of two holds one. The pairs of a pixel are padded: the order of the points is
-//! scrambled separately for each pair (Burley, "Practical Hash-based Owen Scrambling", JCGT 9, 2020). All operations are
-//! branch-free arithmetic on 32-bit lanes, so that the points of 16 pixels are computed together. **May import:** SIMD.
+//! two-dimensional Sobol sequence, which is a (0, 2)-sequence: of every 2^k points that begin at a multiple of 2^k,
+//! each box of area 2^-k with sides of powers of two holds one. The pairs of a pixel are padded: the order of the
+//! points is scrambled separately for each pair (Burley, "Practical Hash-based Owen Scrambling", JCGT 9, 2020). All
+//! operations are branch-free arithmetic on 32-bit lanes, so that the points of 16 pixels are computed together. **May
+//! import:** SIMD.
 
 use crate::simd::LANES;
 use crate::simd::angles::sin_cos_quarter;
 
-/// The maximum number of samples per pixel. The sequence is longer, but a sum of so many f32 has a relative error of up to
-/// 2^-9 if all roundings have the same sign.
+/// The maximum number of samples per pixel. The sequence is longer, but a sum of so many f32 has a relative error of up
+/// to 2^-9 if all roundings have the same sign.
 pub(crate) const MAX_SAMPLES: u32 = 1 << 16;
 
 /// The padded dimension of a pair of random numbers: what the pair is used for.
@@ -56,9 +57,9 @@ pub(crate) type Points = [[f32; LANES]; 2];
 /// The sample sequence of a pixel. All variants are unbiased.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sampling {
-    /// Owen-scrambled Sobol points. Groups of 4 x 4 views share their pixel sample positions, so that the rays of a packet
-    /// stay coherent. The error of a single view is the same as with positions of its own; the error of a mean over many
-    /// views is larger, because the noise of neighboring views is correlated.
+    /// Owen-scrambled Sobol points. Groups of 4 x 4 views share their pixel sample positions, so that the rays of a
+    /// packet stay coherent. The error of a single view is the same as with positions of its own; the error of a mean
+    /// over many views is larger, because the noise of neighboring views is correlated.
     #[default]
     SharedPositions,
     /// Owen-scrambled Sobol points; every view has pixel sample positions of its own. Slower, because packets are less
@@ -102,8 +103,8 @@ impl Sampler {
         sequences(self.seed, &pixels.lens, &pixels.view)
     }
 
-    /// The position of sample `sample` within each pixel, 0 to 1 from the upper left corner: the same for the views of a
-    /// group, different for every group and every microlens.
+    /// The position of sample `sample` within each pixel, 0 to 1 from the upper left corner: the same for the views of
+    /// a group, different for every group and every microlens.
     #[inline(always)]
     pub fn pixel_positions(&self, pixels: &PixelIds, sample: u32) -> Points {
         let mut view_group = pixels.view_group;
@@ -183,8 +184,8 @@ pub(crate) fn hash(mut x: u32) -> u32 {
 }
 
 /// The second dimension of the Sobol sequence as a 32-bit fraction: Pascal's triangle modulo 2 times the bits of the
-/// index, in five steps of halves (Ahmed, "An Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and Compact",
-/// 2024), then reversed like the first.
+/// index, in five steps of halves (Ahmed, "An Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and
+/// Compact", 2024), then reversed like the first.
 #[inline(always)]
 fn sobol_second(index: u32) -> u32 {
     let mut x = index;
@@ -259,8 +260,8 @@ mod tests {
         }
     }
 
-    /// Scrambling keeps the net property: of 2^k points every elementary box of area 2^-k holds exactly one; the same holds
-    /// for every later run of 2^k points.
+    /// Scrambling keeps the net property: of 2^k points every elementary box of area 2^-k holds exactly one; the same
+    /// holds for every later run of 2^k points.
     #[test]
     fn every_run_of_points_is_a_net() {
         for purpose in [Purpose::PIXEL, SKY] {
@@ -285,8 +286,8 @@ mod tests {
         }
     }
 
-    /// Neighboring pixels, and the pairs of one pixel, are uncorrelated: over 4096 views within four standard errors (1/64
-    /// each) of independent numbers.
+    /// Neighboring pixels, and the pairs of one pixel, are uncorrelated: over 4096 views within four standard errors
+    /// (1/64 each) of independent numbers.
     #[test]
     fn pixels_and_pairs_are_decorrelated() {
         let draw = |k: u32, purpose| points(&sequence(k), 0, purpose);

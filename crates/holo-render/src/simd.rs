@@ -1,7 +1,7 @@
 //! SIMD by arrays of sixteen lanes, compiled for several instruction sets.
 //!
-//! Hot code is written as loops over the lanes of plain arrays, which the compiler vectorizes for the instruction set of its
-//! kernel ([`Kernel`]). **May import:** nothing.
+//! Hot code is written as loops over the lanes of plain arrays, which the compiler vectorizes for the instruction set
+//! of its kernel ([`Kernel`]). **May import:** nothing.
 
 pub(crate) mod angles;
 #[allow(unsafe_code, reason = "calls functions compiled for AVX2 and AVX-512 after a check of the processor")]
@@ -19,8 +19,8 @@ pub(crate) const LANES: usize = 16;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lanes<T>(pub [T; LANES]);
 
-/// One lane of an array of vectors. (Closures such as those of `array::map` are not compiled for the instruction set of the
-/// kernel, so hot code uses loops and this function.)
+/// One lane of an array of vectors. (Closures such as those of `array::map` are not compiled for the instruction set of
+/// the kernel, so hot code uses loops and this function.)
 #[inline(always)]
 pub(crate) fn at(field: &[[f32; LANES]; 3], lane: usize) -> [f32; 3] {
     [field[0][lane], field[1][lane], field[2][lane]]

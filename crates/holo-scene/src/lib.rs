@@ -21,7 +21,11 @@
 //! let scene = Scene {
 //!     materials: vec![Material::default()],
 //!     meshes: vec![triangle],
-//!     instances: vec![Instance { name: "boat".into(), mesh: 0, transform: Transform::from_translation([0.0, 1.0, -3.0]) }],
+//!     instances: vec![Instance {
+//!         name: "boat".into(),
+//!         mesh: 0,
+//!         transform: Transform::from_translation([0.0, 1.0, -3.0]),
+//!     }],
 //!     ..Scene::default()
 //! };
 //! scene.validate()?;
@@ -49,6 +53,6 @@ pub use material::{Alpha, Material, NormalMap, TextureInfo, TextureTransform, Vo
 pub use scene::{Camera, CameraProjection, Environment, Instance, Light, LightKind, Mesh, Scene, Texture, Wrap};
 pub use transform::Transform;
 
-/// The maximum of radiance, intensity (candela) and illuminance (lux) in a scene: far above that of any light, and small
-/// enough that products with path throughputs are finite in f32.
+/// The maximum of radiance, intensity (candela) and illuminance (lux) in a scene: far above that of any light, and
+/// small enough that products with path throughputs are finite in f32.
 pub const MAX_RADIANCE: f32 = 1e30;

@@ -3,9 +3,10 @@
 //!
 //! The tree only proposes triangles. Three measures keep the rounding of its arithmetic out of the result:
 //! - Bounding boxes are enlarged by more than the rounding error.
-//! - The scene is scaled to about 2^40 (by a power of two, which is exact), because the tree ignores hits nearer than 1e-4.
-//! - The distance of a hit is computed from the plane of the triangle in f64. On sliver triangles the distance of an f32 test
-//!   has an error that is much larger than the offset of shadow rays from their surface.
+//! - The scene is scaled to about 2^40 (by a power of two, which is exact), because the tree ignores hits nearer than
+//!   1e-4.
+//! - The distance of a hit is computed from the plane of the triangle in f64. On sliver triangles the distance of an
+//!   f32 test has an error that is much larger than the offset of shadow rays from their surface.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -36,8 +37,8 @@ pub(crate) struct Bvh {
 /// The enlargement of bounding boxes, relative to the largest coordinate: 16 units of f32 rounding.
 const BOX_MARGIN: f32 = 16.0 / 16_777_216.0;
 
-/// The largest coordinate in the tree lies below two to this power: far above the threshold of the tree, and small enough that
-/// products of two coordinates do not overflow f32.
+/// The largest coordinate in the tree lies below two to this power: far above the threshold of the tree, and small
+/// enough that products of two coordinates do not overflow f32.
 const TREE_EXPONENT: i32 = 40;
 
 impl Bvh {
@@ -48,7 +49,8 @@ impl Bvh {
         }
         let largest = geometry.positions().iter().flatten().fold(0.0f32, |m, x| m.max(x.abs()));
         let scale = power_of_two((TREE_EXPONENT - exponent(largest)).clamp(-126, 126));
-        // Errors also grow with the coordinates of the ray, so the largest coordinate of the scene determines the margin.
+        // Errors also grow with the coordinates of the ray, so the largest coordinate of the scene determines the
+        // margin.
         let margin = Vec3A::splat(largest * scale * BOX_MARGIN);
         let boxes: Vec<Aabb> = (0..count)
             .map(|k| {

@@ -2,14 +2,15 @@
 //!
 //! This is one of the two files of the project that contain `unsafe`. Its soundness rests on the following:
 //!
-//! - The functions are those of the public C header `embree4/rtcore.h`; their signatures are in [`Api`]. The ABI of a major
-//!   version does not change, and [`Api::load`] rejects any library whose version is not 4.x.
-//! - The library has one level of instances, as every packaged build has (`RTC_MAX_INSTANCE_LEVEL_COUNT` = 1). Scenes here
-//!   use at most one: triangles, and placements of prototypes that contain only triangles.
-//! - Queries pass no context; the library then creates one with an empty instance stack (Embree manual, "rtcIntersect16").
+//! - The functions are those of the public C header `embree4/rtcore.h`; their signatures are in [`Api`]. The ABI of a
+//!   major version does not change, and [`Api::load`] rejects any library whose version is not 4.x.
+//! - The library has one level of instances, as every packaged build has (`RTC_MAX_INSTANCE_LEVEL_COUNT` = 1). Scenes
+//!   here use at most one: triangles, and placements of prototypes that contain only triangles.
+//! - Queries pass no context; the library then creates one with an empty instance stack (Embree manual,
+//!   "rtcIntersect16").
 //! - A packet is [`RayHits`], whose size and alignment are asserted at compile time and equal those of `RTCRayHit16` of
-//!   Embree 4.3 and later. Versions 4.0 to 4.2 lack the last field (`instPrimID`) and write less. A test surrounds packets
-//!   with canaries and verifies that the installed version writes nothing else.
+//!   Embree 4.3 and later. Versions 4.0 to 4.2 lack the last field (`instPrimID`) and write less. A test surrounds
+//!   packets with canaries and verifies that the installed version writes nothing else.
 //! - Vertex and index buffers are shared, not copied: the engine holds the immutable [`Geometry`] that owns them, and
 //!   releases the scenes first. Vertices are padded by one entry, because Embree reads 16 bytes for each.
 //! - A committed scene may be queried from any thread (Embree manual, "rtcCommitScene").
@@ -62,7 +63,8 @@ const BUFFER_TYPE_VERTEX: c_int = 1;
 const FORMAT_UINT3: c_int = 0x5003;
 const FORMAT_FLOAT3: c_int = 0x9003;
 const FORMAT_FLOAT3X4_COLUMN_MAJOR: c_int = 0x9234;
-/// `RTC_SCENE_FLAG_ROBUST`: a ray through an edge hits one of its triangles (for vertices see the tests of watertightness).
+/// `RTC_SCENE_FLAG_ROBUST`: a ray through an edge hits one of its triangles (for vertices see the tests of
+/// watertightness).
 const SCENE_FLAG_ROBUST: c_int = 1 << 2;
 const BUILD_QUALITY_MEDIUM: c_int = 1;
 
@@ -83,8 +85,8 @@ macro_rules! api {
                         $(#[$attribute])*
                         $name: {
                             let symbol = concat!(stringify!($name), "\0").as_bytes();
-                            // SAFETY: the signature is that of the public header (see the module documentation), and the
-                            // pointer does not outlive `_library`, which is stored beside it.
+                            // SAFETY: the signature is that of the public header (see the module documentation), and
+                            // the pointer does not outlive `_library`, which is stored beside it.
                             unsafe { *library.get(symbol)? }
                         },
                     )*
@@ -177,8 +179,9 @@ impl Api {
     }
 }
 
-/// The candidate paths of the library, in order of preference: only HOLO_EMBREE_LIB if it is set; otherwise the library of
-/// the system, a folder `embree` beside the running program or in the cargo target folder around it, the cache of the user.
+/// The candidate paths of the library, in order of preference: only HOLO_EMBREE_LIB if it is set; otherwise the library
+/// of the system, a folder `embree` beside the running program or in the cargo target folder around it, the cache of
+/// the user.
 fn candidates() -> Vec<PathBuf> {
     if let Some(path) = std::env::var_os("HOLO_EMBREE_LIB") {
         return vec![path.into()];
@@ -214,8 +217,8 @@ fn candidates() -> Vec<PathBuf> {
     found
 }
 
-/// The Embree engine: a device and a committed scene, which contains the flattened triangles as one mesh and the placements
-/// of prototype scenes with one mesh each.
+/// The Embree engine: a device and a committed scene, which contains the flattened triangles as one mesh and the
+/// placements of prototype scenes with one mesh each.
 pub(crate) struct Embree {
     api: Arc<Api>,
     device: NonNull<c_void>,
@@ -275,8 +278,9 @@ impl Embree {
         for (id, place) in placements.iter().enumerate() {
             let matrix = place.matrix();
             let instance = self.new_geometry(GEOMETRY_TYPE_INSTANCE)?;
-            // SAFETY: all handles are alive; `matrix` is twelve floats in column-major order, which the call copies. The scene
-            // holds a reference to the geometry, so that ours can be released. Each placement has an id of its own.
+            // SAFETY: all handles are alive; `matrix` is twelve floats in column-major order, which the call copies.
+            // The scene holds a reference to the geometry, so that ours can be released. Each placement has an id of
+            // its own.
             unsafe {
                 let instance = instance.as_ptr();
                 let prototype = self.prototypes[place.prototype as usize].as_ptr();
@@ -304,8 +308,8 @@ impl Embree {
         let (api, geometry) = (&self.api, &self.geometry);
         let mesh = self.new_geometry(GEOMETRY_TYPE_TRIANGLE)?.as_ptr();
         let share = |kind, format, data: *const c_void, count| {
-            // SAFETY: the mesh is alive; the buffers belong to the immutable geometry, which `self` keeps alive; counts and
-            // strides are those of the slices, and the vertices have one more entry than is passed.
+            // SAFETY: the mesh is alive; the buffers belong to the immutable geometry, which `self` keeps alive; counts
+            // and strides are those of the slices, and the vertices have one more entry than is passed.
             unsafe { (api.rtcSetSharedGeometryBuffer)(mesh, kind, 0, format, data, 0, 12, count) };
         };
         let vertices = geometry.padded_positions();
@@ -351,8 +355,8 @@ impl Embree {
 
 impl Drop for Embree {
     fn drop(&mut self) {
-        // SAFETY: all handles were created by `build` and are released once. The scenes are released first (the top scene
-        // before the prototypes that it refers to); the buffers outlive them.
+        // SAFETY: all handles were created by `build` and are released once. The scenes are released first (the top
+        // scene before the prototypes that it refers to); the buffers outlive them.
         unsafe {
             (self.api.rtcReleaseScene)(self.scene.as_ptr());
             for prototype in &self.prototypes {

@@ -1,14 +1,14 @@
 //! Refinement of depth to f64: the intersection of the exact ray with the plane of the hit triangle.
 //!
-//! An engine decides in f32 *which* triangle is hit. The intersection of the exact ray with the plane of that triangle is
-//! then computed in f64 from f64 positions. Rays have a z component of -1, so the ray parameter is planar depth.
+//! An engine decides in f32 *which* triangle is hit. The intersection of the exact ray with the plane of that triangle
+//! is then computed in f64 from f64 positions. Rays have a z component of -1, so the ray parameter is planar depth.
 
 use crate::accel::{ExactRays, NO_TRIANGLE, RayHits};
 use crate::geometry::Geometry;
 use crate::simd::LANES;
 
-/// The maximum relative difference between the refined depth and that of the engine. If it is larger, the ray grazes the
-/// plane, its intersection with the plane is ill-conditioned, and the depth of the engine is kept.
+/// The maximum relative difference between the refined depth and that of the engine. If it is larger, the ray grazes
+/// the plane, its intersection with the plane is ill-conditioned, and the depth of the engine is kept.
 const MAX_RELATIVE_CORRECTION: f64 = 1e-3;
 
 /// The refined hits of sixteen rays.
@@ -22,7 +22,8 @@ pub(crate) struct Refined {
 /// Refines the hits of `packet`, whose exact rays are `rays`.
 ///
 /// # Accuracy
-/// A relative error of about 1e-15 * (distance of the triangle / distance along its normal): 1e-12 unless the ray is grazing.
+/// A relative error of about 1e-15 * (distance of the triangle / distance along its normal): 1e-12 unless the ray is
+/// grazing.
 #[inline(always)]
 pub(crate) fn refine(geometry: &Geometry, packet: &RayHits, rays: &ExactRays) -> Refined {
     let triangles = &packet.hits.triangle;

@@ -96,7 +96,7 @@ fn random_packet(state: &mut u64) -> RayHits {
 #[test]
 fn engines_agree_on_random_triangles() {
     let geometry = Arc::new(soup(400, 7));
-    let oracle = brute_force::BruteForce::build(&geometry);
+    let reference = brute_force::BruteForce::build(&geometry);
     let valid = Lanes(std::array::from_fn(|lane| if lane == 5 { 0 } else { -1 }));
     for engine in engines(&geometry) {
         let mut state = 99;
@@ -105,10 +105,10 @@ fn engines_agree_on_random_triangles() {
             let coherence = if round % 2 == 0 { Coherence::Coherent } else { Coherence::Incoherent };
             let rays = random_packet(&mut state);
             let (mut expected, mut got) = (rays, rays);
-            oracle.intersect(&valid, &mut expected, Coherence::Coherent);
+            reference.intersect(&valid, &mut expected, Coherence::Coherent);
             engine.intersect(&valid, &mut got, Coherence::Coherent);
             let (mut dark, mut also_dark) = (rays.rays, rays.rays);
-            oracle.occluded(&valid, &mut dark, Coherence::Incoherent);
+            reference.occluded(&valid, &mut dark, Coherence::Incoherent);
             engine.occluded(&valid, &mut also_dark, coherence);
             for lane in 0..LANES {
                 if lane == 5 {
@@ -167,8 +167,8 @@ fn no_ray_leaves_a_closed_box() {
 #[test]
 fn an_empty_scene_is_hit_by_nothing() {
     let geometry = Arc::new(geometry(vec![], vec![]));
-    let oracle: Box<dyn Engine> = Box::new(brute_force::BruteForce::build(&geometry));
-    for engine in engines(&geometry).into_iter().chain([oracle]) {
+    let reference: Box<dyn Engine> = Box::new(brute_force::BruteForce::build(&geometry));
+    for engine in engines(&geometry).into_iter().chain([reference]) {
         let mut packet = RayHits::EMPTY;
         engine.intersect(&Lanes([-1; LANES]), &mut packet, Coherence::Coherent);
         assert_eq!(packet.hits.triangle, [NO_TRIANGLE; LANES]);

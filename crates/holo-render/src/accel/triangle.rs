@@ -13,8 +13,8 @@ pub(crate) struct ShearedRay {
     shear: [f32; 3],
 }
 
-/// The intersection of a ray with a triangle: the ray parameter `t` and the barycentrics `u` and `v` of the second and third
-/// corner.
+/// The intersection of a ray with a triangle: the ray parameter `t` and the barycentrics `u` and `v` of the second and
+/// third corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TriangleHit {
     pub t: f32,
@@ -30,8 +30,8 @@ impl ShearedRay {
         Self { origin, longest, shear: [x / z, y / z, 1.0 / z] }
     }
 
-    /// The intersection of the line of the ray with the triangle, from either side. The barycentrics are accurate; the ray
-    /// parameter on a sliver triangle is not, so the caller recomputes it.
+    /// The intersection of the line of the ray with the triangle, from either side. The barycentrics are accurate; the
+    /// ray parameter on a sliver triangle is not, so the caller recomputes it.
     #[inline(always)]
     pub fn intersect(&self, corners: &[[f32; 3]; 3]) -> Option<TriangleHit> {
         // Three copies with constant indices: run-time indices would go through memory for every corner.

@@ -230,8 +230,8 @@ impl TilePaths<'_> {
         Traced { paths, sequences, points: HitPoints::primary(&exact, &refined), coherence }
     }
 
-    /// Packet number `k` of the rays that were scattered at the previous vertex. With `occlusion_only` they are only tested
-    /// for occlusion.
+    /// Packet number `k` of the rays that were scattered at the previous vertex. With `occlusion_only` they are only
+    /// tested for occlusion.
     #[inline(always)]
     fn scattered_rays(&mut self, k: usize, coherence: Coherence, occlusion_only: bool, packet: &mut RayHits) -> Traced {
         let context = self.context;

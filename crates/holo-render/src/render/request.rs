@@ -156,7 +156,8 @@ impl Request {
                 let ray = self.rig.ray(v, u, t, s, 0.5, 0.5);
                 if !ray.origin_m.iter().chain(&ray.direction).all(|x| x.abs() < MAX_COORDINATE_M) {
                     return Err(Error::BadSetting(format!(
-                        "the rig is too large: a ray starts at {:?} m and runs along {:?}; choose a smaller baseline or sensor",
+                        "the rig is too large: a ray starts at {:?} m and runs along {:?}; \
+                         choose a smaller baseline or sensor",
                         ray.origin_m, ray.direction
                     )));
                 }
@@ -167,7 +168,8 @@ impl Request {
         {
             if self.layers.contains(layer) && count > MAX_EXACT_ID {
                 return Err(Error::BadSetting(format!(
-                    "the layer '{layer}' has exact ids of at most {MAX_EXACT_ID} {what}, but the scene has {count}: omit the layer"
+                    "the layer '{layer}' has exact ids of at most {MAX_EXACT_ID} {what}, but the scene has \
+                     {count}: omit the layer"
                 )));
             }
         }

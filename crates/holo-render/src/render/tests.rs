@@ -142,12 +142,12 @@ fn the_size_of_tiles_changes_nothing() {
 fn more_instances_than_f32_can_number_are_refused() {
     let (mut renderer, request) = garden();
     renderer.counts = [MAX_EXACT_ID, MAX_EXACT_ID];
-    let ask = |layers| Request { layers, ..request.clone() };
-    assert!(renderer.choose(&ask(LayerSet::ALL)).is_ok());
+    let with_layers = |layers| Request { layers, ..request.clone() };
+    assert!(renderer.choose(&with_layers(LayerSet::ALL)).is_ok());
     renderer.counts = [MAX_EXACT_ID + 1, MAX_EXACT_ID];
-    let refused = renderer.choose(&ask(LayerSet::ALL)).unwrap_err().to_string();
+    let refused = renderer.choose(&with_layers(LayerSet::ALL)).unwrap_err().to_string();
     assert!(refused.contains("object-id") && refused.contains("16777217"), "{refused}");
-    assert!(renderer.choose(&ask(LayerSet::ALL.without([Layer::ObjectId].into()))).is_ok());
+    assert!(renderer.choose(&with_layers(LayerSet::ALL.without([Layer::ObjectId].into()))).is_ok());
 }
 
 /// A single `true` of `cancelled` cancels the render.

@@ -1,5 +1,5 @@
-//! Trigonometric functions of a single lane, for loops over lanes: branch-free polynomials that are bitwise identical on all
-//! machines (those of the C library are not).
+//! Trigonometric functions of a single lane, for loops over lanes: branch-free polynomials that are bitwise identical
+//! on all machines (those of the C library are not).
 //!
 //! All angles are in rad. Errors are absolute and hold for every input of the stated range; the tests assert them.
 

@@ -172,7 +172,10 @@ impl<'f> Checker<'f> {
         let range = end.filter(|&end| end <= view.bytes.len() as u64).map(|end| offset as usize..end as usize);
         range.and_then(|range| view.bytes.get(range)).ok_or_else(|| {
             let have = view.bytes.len();
-            let what = format!("needs {count} elements of {size} bytes (stride {stride}) from byte {offset} on, but bufferViews[{number}] has {have} bytes");
+            let what = format!(
+                "needs {count} elements of {size} bytes (stride {stride}) from byte {offset} on, \
+                but bufferViews[{number}] has {have} bytes"
+            );
             bad(user.path(), what)
         })
     }

@@ -20,7 +20,7 @@ const FAR_PLANE_M: f64 = 1e6;
 /// Writes a scene as binary glTF 2.0.
 ///
 /// The same scene gives the same bytes, and loading them gives the same scene. Instances, lights and cameras become
-/// nodes; a node that is not only translated has a `matrix` (also for shear, although glTF asks for matrices without).
+/// nodes; a node that is not only translated has a `matrix` (also for shear, although glTF requires matrices without).
 /// Numbers keep all their digits; textures are PNG. Materials use the extensions that they need: a Lambertian surface
 /// has a `specularFactor` of 0, so that other renderers agree; a body of glass has a `thicknessFactor` of 1, because
 /// only whether it is above 0 matters; emission is split into a factor and a power of two. The angular diameter of a

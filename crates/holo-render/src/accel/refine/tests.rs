@@ -77,7 +77,8 @@ fn count_outliers(geometry: Geometry, exact: impl Fn(&[f64; 3], &[f64; 3]) -> f6
             }
         }
         println!(
-            "{name}, {}: {hits} hits, largest error {largest:.2e} (of the engine's own depth {unrefined:.2e}), {outliers} beyond {BOUND:e}",
+            "{name}, {}: {hits} hits, largest error {largest:.2e} (of the engine's own depth {unrefined:.2e}), \
+             {outliers} beyond {BOUND:e}",
             engine.name()
         );
         assert!(hits > 1000, "{name}: the rays must hit something");
