@@ -1,4 +1,4 @@
-//! Measurements for `holo-bench`: the parts of a render, beside the bare ray tracing engine with the same rays.
+//! Measurements for `holo-bench`: the stages of a render, and the ray tracing backend alone on the same rays.
 //!
 //! Behind the feature `bench` and not part of the stable interface. Every function processes all rays of a rig, tile by
 //! tile on the threads of the renderer, and returns the time.

@@ -92,7 +92,7 @@ fn texture() -> impl Strategy<Value = Texture> {
     })
 }
 
-/// Both ends, and all that lies between.
+/// From 0 to 1, including both ends.
 fn share() -> impl Strategy<Value = f32> {
     prop_oneof![Just(0.0_f32), Just(1.0_f32), 0.0_f32..=1.0, Just(1e-45_f32), Just(0.1_f32)]
 }
