@@ -2,10 +2,10 @@
 
 Usage: make_pictures.py HOLO [--draft] [NAME ...]
 
-HOLO is the program (target/release/holo). Every image has a function of its name below; without names all are rendered,
-in about twenty minutes on one idle core. `--draft` renders with an eighth of the samples. Scenes are built in a temporary
-folder with scene.py and arranged by sheet.py; more shapes and file formats are in tests/radiance. The same program gives
-the same pixels on every run; another version of pillow may choose other palettes.
+HOLO is the program (target/release/holo). Every image has a function of its name below; without names all are
+rendered, in about twenty minutes on one idle core. `--draft` renders with an eighth of the samples. Scenes are built
+in a temporary folder with scene.py and arranged by sheet.py; more shapes and file formats are in tests/radiance. The
+same program gives the same pixels on every run; another version of pillow may choose other palettes.
 """
 import math
 import subprocess
@@ -45,7 +45,7 @@ def run(scene, *flags):
 
 
 def render(scene, size, samples, *flags, error=0.015):
-    """Renders one view to an image with at most `samples` per pixel, fewer where the relative standard error falls below
+    """Renders one view to an image with at most `samples` per pixel, fewer where the relative standard error is below
     `error`. By default the exposure is 0 (radiance 1 is white)."""
     samples = max(16, samples // 8) if DRAFT else samples
     flags = flags if "--exposure" in flags else (*flags, "--exposure", 0)
