@@ -3,7 +3,7 @@
 use holo_core::{GridSize, LightFieldShape, Projection};
 use holo_io::{ColorEncoding, Compression, write_pfm, write_png};
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer, Request, exposure};
-use holo_scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
+use holo_scene::{Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use ndarray::Axis;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -30,8 +30,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         intensity: [3.0; 3],
         kind: LightKind::Directional { direction, angular_diameter_rad: 0.0 },
     });
-    let lens = CameraLens::Perspective { vertical_angle_rad: 0.6, aspect_ratio: Some(1.5) };
-    scene.cameras.push(Camera { name: "main".into(), pose: Transform::IDENTITY, lens });
+    let projection = CameraProjection::Perspective { vertical_angle_rad: 0.6, aspect_ratio: Some(1.5) };
+    scene.cameras.push(Camera { name: "main".into(), pose: Transform::IDENTITY, projection });
 
     // 10 x 10 views behind 80 x 120 microlenses, 2 mm apart, with the focus on the middle square.
     let framing = Framing {
@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,
-        baseline: Baseline::Metres(0.002),
+        baseline: Baseline::Meters(0.002),
         projection: Projection::Perspective,
     };
     let framed = framing.frame(&scene)?;

@@ -26,7 +26,7 @@ fn five_views_have_the_depth_of_blender() {
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,
-        baseline: Baseline::Metres(0.01),
+        baseline: Baseline::Meters(0.01),
         projection: Projection::Perspective,
     };
     let framed = framing.frame(&loaded.scene).unwrap();

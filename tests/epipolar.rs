@@ -6,7 +6,7 @@ mod common;
 use common::{Random, engines, render, rig, square};
 use holo_core::{Projection, Rig};
 use holo_render::{Integrator, Layer, Request};
-use holo_scene::{Instance, Light, LightKind, Material, Scene, Texture, TextureUse, Transform, Wrap};
+use holo_scene::{Instance, Light, LightKind, Material, Scene, Texture, TextureInfo, Transform, Wrap};
 use proptest::prelude::*;
 
 /// Pixels of a view, and views.
@@ -51,7 +51,7 @@ fn wall(rig: &Rig, depth_m: f64, seed: u64) -> Scene {
             mesh: 0,
             transform: Transform::from_translation([0.0, 0.0, -depth_m]),
         }],
-        materials: vec![Material { base_color_texture: Some(TextureUse::new(0)), ..Material::default() }],
+        materials: vec![Material { base_color_texture: Some(TextureInfo::new(0)), ..Material::default() }],
         textures: vec![texture],
         lights: vec![Light { name: String::new(), intensity: [3.0; 3], kind }],
         ..Scene::default()

@@ -6,7 +6,7 @@ mod common;
 use common::{Random, cross, dot, engines, render_from, rig, square, sub};
 use holo_core::{LightFieldOwned, Projection, Rig};
 use holo_render::{Backend, GroundTruth, Integrator, Layer, LayerSet, Layers, Renderer, Request};
-use holo_scene::{Instance, Material, Mesh, Scene, Texture, TextureTransform, TextureUse, Transform, Wrap};
+use holo_scene::{Instance, Material, Mesh, Scene, Texture, TextureInfo, TextureTransform, Transform, Wrap};
 
 /// The layers of one ray by the reference implementation.
 struct Found {
@@ -27,7 +27,7 @@ fn world_normal(transform: &Transform, n: [f32; 3]) -> [f64; 3] {
 }
 
 /// Bilinear, in linear light, by the formulas in the documentation of the scene.
-fn texel(scene: &Scene, used: TextureUse, [u, v]: [f64; 2]) -> [f64; 3] {
+fn texel(scene: &Scene, used: TextureInfo, [u, v]: [f64; 2]) -> [f64; 3] {
     let TextureTransform { offset, rotation_rad, scale } = used.transform;
     let (sin, cos) = f64::from(rotation_rad).sin_cos();
     let (w, h) = (f64::from(scale[0]), f64::from(scale[1]));
@@ -156,7 +156,7 @@ fn scene() -> Scene {
         wrap_v: Wrap::Clamp,
     });
     let transform = TextureTransform { offset: [0.1, -0.2], rotation_rad: 0.4, scale: [1.7, 0.8] };
-    let base_color_texture = Some(TextureUse { transform, ..TextureUse::new(0) });
+    let base_color_texture = Some(TextureInfo { transform, ..TextureInfo::new(0) });
     let glass = Material { transmission: 1.0, base_color: [0.9, 0.95, 1.0, 1.0], ..Material::default() };
     let painted = |base_color| Material { base_color, ..Material::default() };
     scene.materials = vec![

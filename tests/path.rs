@@ -27,7 +27,7 @@ fn render(scene: &Scene, sky: [f32; 3], backend: Backend, threads: usize, change
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,
-        baseline: Baseline::Metres(0.005),
+        baseline: Baseline::Meters(0.005),
         projection: Projection::Perspective,
     };
     let framed = framing.frame(scene).unwrap();

@@ -39,7 +39,7 @@ fn prepare(folder: &Path, case: &Case, size: GridSize, backend: Backend) -> (Ren
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,
-        baseline: Baseline::Metres(0.0),
+        baseline: Baseline::Meters(0.0),
         projection: Projection::Perspective,
     };
     let framed = framing.frame(&scene).unwrap();

@@ -1,8 +1,9 @@
-//! An 8K light field into MAT and HDF5, against SciPy and h5py, and the shape of HDF5's chunks.
+//! Writing an 8K light field as MAT and HDF5, compared with SciPy and h5py, and the choice of HDF5 chunk shapes.
 //!
-//! Run with `cargo bench -p holo-bench --bench files --features hdf5 [-- --chunks]`. The peers take part if `HOLO_PYTHON` (or
-//! `python3`) has them. Ours sync the file and work out its digest within the time that is told; theirs do neither. Every
-//! entry runs in a process of its own, which tells the most memory that it had, the light field included.
+//! Run with `cargo bench -p holo-bench --bench files --features hdf5 [-- --chunks]`. The peers are measured if
+//! `HOLO_PYTHON` (or `python3`) has them. Times of `holo-io` include syncing the file and its SHA-256; those of the
+//! peers include neither. Every entry runs in its own process; its memory is the peak of the process, with the light
+//! field.
 
 use std::path::Path;
 use std::process::Command;
@@ -12,14 +13,14 @@ use holo_core::{GridSize, LightField, LightFieldShape};
 use holo_io::{MatOptions, MatOrder, MatVersion, write_mat_light_field};
 use ndarray::Array3;
 
-/// Turns of every entry; the best counts.
+/// Runs of every entry; the fastest counts.
 const ROUNDS: usize = 3;
 
 fn split() -> LightFieldShape {
     LightFieldShape::new(GridSize::new(100, 100), GridSize::new(53, 79)).expect("8K")
 }
 
-/// Something like a picture: smooth, with edges, and noise of a few samples a pixel. An elemental grid.
+/// A sample of an elemental grid with the statistics of a render: smooth gradients, edges and noise.
 fn raw(index: usize) -> f32 {
     let (x, y, c) = (index / 3 % 7900, index / 23_700, index % 3);
     let (lens, view) = ((x / 100 + y / 100) as f32, (x % 100 + y % 100) as f32);
@@ -37,7 +38,7 @@ fn main() {
     }
 }
 
-/// Writes one file and prints seconds, bytes and the most memory.
+/// Writes one file and prints seconds, bytes of the file and peak memory.
 fn one(what: &str, folder: &Path) {
     let raw_size = split().raw_size();
     let shape = (raw_size.rows, raw_size.columns, 3);
@@ -69,7 +70,7 @@ fn one(what: &str, folder: &Path) {
 fn compare() {
     let folder = Folder::new();
     println!(
-        "100 x 100 views of 79 x 53 pixels, 3 channels; best of {ROUNDS}; seconds, MB of file, MB of memory at most"
+        "100 x 100 views of 79 x 53 pixels, 3 channels; best of {ROUNDS}; seconds, MB of the file, MB of peak memory"
     );
     report("MAT 5, uint8", "mat", "savemat(out, {'H': a})", "uint8", &folder.0);
     report(
@@ -87,9 +88,9 @@ fn compare() {
 const H5PY: &str = "h5py.File(out, 'w').create_dataset('H', data=a, chunks=(4,4,10,10,3), compression=1, shuffle=True)\
                     .file.close()";
 
-/// Runs an entry and its peer in turns.
+/// Runs an entry and its peer alternately and prints the fastest run of each.
 fn report(name: &str, what: &str, script: &str, dtype: &str, folder: &Path) {
-    // The same samples, as the array of five axes that a user of Python has.
+    // The same samples; Python reshapes them to an array with five axes.
     let samples = folder.join("samples");
     let count = split().raw_size().count() * 3;
     let bytes: Vec<u8> = match dtype {
@@ -101,7 +102,8 @@ fn report(name: &str, what: &str, script: &str, dtype: &str, folder: &Path) {
     let script = format!(
         "import sys, os, time, resource, numpy as n\nfrom scipy.io import savemat\nimport h5py\nout=sys.argv[2]\n\
          a=n.fromfile(sys.argv[1], n.{dtype}).reshape(53,100,79,100,3).transpose(0,2,1,3,4)\nb=time.perf_counter()\n\
-         {script}\nprint(time.perf_counter()-b, os.path.getsize(out), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss*1024)"
+         {script}\nprint(time.perf_counter()-b, os.path.getsize(out), \
+         resource.getrusage(resource.RUSAGE_SELF).ru_maxrss*1024)"
     );
     let mut ours = [f64::INFINITY; 3];
     let mut theirs = [f64::INFINITY; 3];
@@ -168,7 +170,8 @@ fn chunks() {
         let bytes = write_hdf5(&path, &field, Some(chunk));
         let write = start.elapsed().as_secs_f64();
         let best = |read: &dyn Fn(&holo_io::Hdf5LightField)| {
-            // Opened anew, so that no chunk is in the library's cache; the system has the file in its own.
+            // Opened again for each run, so that the cache of the library is empty; the file is in the cache of the
+            // system.
             let times = (0..3).map(|_| {
                 let file = holo_io::Hdf5LightField::open(&path, &holo_io::Limits::default()).expect("ours");
                 let start = Instant::now();
@@ -188,7 +191,7 @@ fn chunks() {
     println!("not measured: needs the feature `hdf5`");
 }
 
-/// A folder that goes when it is dropped.
+/// A folder that is removed when dropped.
 struct Folder(std::path::PathBuf);
 
 impl Folder {

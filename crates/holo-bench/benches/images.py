@@ -20,7 +20,7 @@ def status(name):
 
 
 def prepare():
-    """Returns what is measured and the file that it writes or reads."""
+    """Returns the function to time and the file that it writes or reads."""
     if entry == "cv2":
         import cv2
 

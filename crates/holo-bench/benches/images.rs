@@ -1,12 +1,12 @@
-//! An 8K raw image as PNG and EXR: time, size and memory, beside OpenCV, Pillow and OpenEXR's own library.
+//! An 8K raw image as PNG and EXR: time, size and memory, compared with OpenCV, Pillow and the OpenEXR library.
 //!
-//! Run with `cargo bench -p holo-bench --bench images -- [--folder DIR] [--rounds N]`. The others take part if
-//! `HOLO_PYTHON` (or `python3`) has them: `images.py` beside this file. Every row is a process of its own, because the
-//! peak of memory is one of the process; what counts is what the codec takes beyond the image that it is given.
+//! Run with `cargo bench -p holo-bench --bench images -- [--folder DIR] [--rounds N]`. The other libraries are measured
+//! if `HOLO_PYTHON` (or `python3`) has them (`images.py` beside this file). Every row runs in its own process, because
+//! peak memory is measured per process; the memory given is that beyond the image itself.
 //!
-//! The image is what a render is: surfaces that change slowly, edges, and noise of about one part in a hundred. Files go to
-//! a file system in memory (`/dev/shm`) unless told, for `holo-io` syncs its files to the disk and the others do not; its
-//! times include the SHA-256 that the others have not either.
+//! The image has the statistics of a render: smooth gradients, edges, and noise of about 1 %. By default files are
+//! written to a file system in memory (`/dev/shm`), because `holo-io` syncs its files to the disk and the other
+//! libraries do not; its times include a SHA-256 of the file, which theirs do not.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -18,7 +18,7 @@ use ndarray::{Array3, Axis};
 const ROWS: usize = 5300;
 const COLUMNS: usize = 7900;
 
-/// What is measured side by side; the first row of a table is what the others are compared with.
+/// Titles and rows of the tables. Times are relative to the first row.
 const TABLES: [(&str, &[&str]); 4] = [
     ("PNG, RGB of 8 bits, write", &["py cv2", "py pillow", "png scratch", "png published"]),
     ("EXR, RGB of half, ZIP, write", &["py openexr-write-zip", "exr write-zip"]),
@@ -30,7 +30,7 @@ fn main() {
     let (mut folder, mut rounds, mut entry) = (None, 3, None);
     let mut arguments = std::env::args().skip(1).filter(|argument| argument != "--bench");
     while let Some(argument) = arguments.next() {
-        let mut value = || arguments.next().expect("a value behind the option");
+        let mut value = || arguments.next().expect("a value after the option");
         match argument.as_str() {
             "--folder" => folder = Some(PathBuf::from(value())),
             "--rounds" => rounds = value().parse().expect("a count"),
@@ -60,10 +60,10 @@ fn main() {
             }
         }
     }
-    std::fs::remove_dir_all(&folder).expect("the folder goes again");
+    std::fs::remove_dir_all(&folder).expect("the folder is removed");
 }
 
-/// Measures one row in a process of its own: seconds, bytes of the file, bytes of memory.
+/// Measures one row in its own process: seconds, bytes of the file, bytes of memory.
 fn run(folder: &Path, entry: &str, rounds: usize) -> Result<[f64; 3], String> {
     let rounds = rounds.to_string();
     let mut command = match entry.strip_prefix("py ") {
@@ -84,7 +84,7 @@ fn run(folder: &Path, entry: &str, rounds: usize) -> Result<[f64; 3], String> {
     let numbers: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();
     <[f64; 3]>::try_from(numbers).map_err(|_| {
         let message = String::from_utf8_lossy(&output.stderr);
-        message.lines().last().unwrap_or("it said nothing").to_owned()
+        message.lines().last().unwrap_or("no message").to_owned()
     })
 }
 
@@ -102,13 +102,13 @@ fn measure(folder: &Path, entry: &str, rounds: usize) {
         });
     } else if what == "read" {
         drop(bytes);
-        report(rounds, &file, || drop(read_exr(&file, &Limits::default()).expect("the file of the row before")));
+        report(rounds, &file, || drop(read_exr(&file, &Limits::default()).expect("the file of an earlier row")));
     } else {
         let image = shaped(samples.map(|sample| (f32::from(sample) / 65535.0) * (f32::from(sample) / 65535.0)));
         drop(bytes);
         let planes: Vec<_> = (0..3).map(|channel| image.index_axis(Axis(2), channel)).collect();
         let channels: Vec<_> = ["R", "G", "B"].into_iter().zip(planes).map(|(n, p)| ExrChannel::half(n, p)).collect();
-        // The reader of the last table reads the ZIP.
+        // The last table reads the ZIP file.
         let (file, compression) = match what {
             "write-zip" => (file, ExrCompression::Zip),
             _ => (folder.join("holo-piz.exr"), ExrCompression::Piz),
@@ -123,9 +123,9 @@ fn shaped<T>(samples: impl Iterator<Item = T>) -> Array3<T> {
     Array3::from_shape_vec((ROWS, COLUMNS, 3), samples.collect()).expect("as many as the shape has")
 }
 
-/// Prints the three numbers of a row.
+/// Prints the three numbers of a row: seconds, bytes of the file, bytes of memory.
 fn report(rounds: usize, file: &Path, mut work: impl FnMut()) {
-    // Makes the peak that of what comes.
+    // Resets the peak memory of this process.
     let _ = std::fs::write("/proc/self/clear_refs", "5");
     let before = status("VmRSS:");
     let mut best = f64::INFINITY;
@@ -138,18 +138,18 @@ fn report(rounds: usize, file: &Path, mut work: impl FnMut()) {
     println!("{best} {bytes} {}", status("VmHWM:").saturating_sub(before));
 }
 
-/// A number of this process, in bytes; 0 where the system does not tell.
+/// An entry of `/proc/self/status`, in bytes; 0 if there is none.
 fn status(name: &str) -> u64 {
     let text = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = text.lines().find_map(|line| line.strip_prefix(name));
     line.and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok()).unwrap_or(0) * 1024
 }
 
-/// 16-bit samples, little-endian: all other formats are made of them, here and in `images.py`.
+/// Writes the image as 16-bit little-endian samples, which this file and `images.py` convert to the other formats.
 fn write_samples(path: &Path) {
     let mut state = 1_u64;
     let mut noise = || {
-        // The sum of four is bell-shaped enough.
+        // The sum of four uniform numbers is approximately Gaussian.
         (0..4)
             .map(|_| {
                 state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

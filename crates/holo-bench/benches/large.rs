@@ -1,12 +1,12 @@
-//! Large scenes: build time, peak memory and rays per second, with repeated meshes copied to every place (flattened) and
-//! kept once (instanced). This is what the rule in `holo-render/src/geometry/instancing.rs` was chosen by.
+//! Large scenes: build time, peak memory and rays per second, with repeated meshes copied to every instance (flattened)
+//! or stored once (instanced). The criterion in `holo-render/src/geometry/instancing.rs` is based on it.
 //!
 //! `cargo bench -p holo-bench --bench large -- [CASE] [--storage flattened|instanced|chosen] [--views N] [--rounds N]`
 //!
-//! Cases are `unique` (5 million triangles without repetition), `garden` (the gallery's), and PLACESxTRIANGLES with a
-//! letter for the mesh: `r1000x10000` rocks that hardly touch each other, `g2500x4000` tufts of grass that grow through
-//! each other. Needs Embree. Every row is a process of its own, because the peak of memory is one of the process: it is
-//! that after building (scene, geometry and tree), and includes the scene, which is given as well.
+//! Cases are `unique` (5 million triangles without repetition), `garden` (of the gallery), and INSTANCESxTRIANGLES with
+//! a letter for the mesh: `r1000x10000` is rocks whose bounding boxes hardly overlap, `g2500x4000` tufts of grass whose
+//! bounding boxes overlap. Needs Embree. Every row runs in its own process, because peak memory is measured per
+//! process. The peak is taken after the build (scene, geometry and BVH); that of the scene alone is printed, too.
 
 use std::f64::consts::TAU;
 use std::process::Command;
@@ -16,7 +16,7 @@ use holo_bench::best_of;
 use holo_core::{GridSize, LightFieldShape, Projection};
 use holo_render::bench::{Storage, Work, renderer, trace};
 use holo_render::{Baseline, CameraChoice, Framing, GroundTruth, Integrator, Request};
-use holo_scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
+use holo_scene::{Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 
 const CASES: [&str; 5] = ["unique", "r1000x10000", "r100x100000", "g2500x4000", "garden"];
 
@@ -24,7 +24,7 @@ fn main() {
     let (mut case, mut storage, mut views, mut rounds) = (None, None, "100".to_owned(), "3".to_owned());
     let mut arguments = std::env::args().skip(1).filter(|a| a != "--bench");
     while let Some(argument) = arguments.next() {
-        let mut value = || arguments.next().expect("a value behind the option");
+        let mut value = || arguments.next().expect("a value after the option");
         match argument.as_str() {
             "--storage" => storage = Some(value()),
             "--views" => views = value(),
@@ -36,7 +36,9 @@ fn main() {
         measure(case, storage, views.parse().expect("a count"), rounds.parse().expect("a count"));
         return;
     }
-    println!("{views} x {views} views of 79 x 53 px, best of {rounds}; MiB: scene alone, peak once built; Mrays/s:");
+    println!(
+        "{views} x {views} views of 79 x 53 px, best of {rounds}; MiB: scene alone, peak after the build; Mrays/s:"
+    );
     println!(
         "{:<14} {:<10} {:>10} {:>8} {:>7} {:>7} {:>8} {:>8} {:>8}",
         "", "", "triangles", "build s", "scene", "peak", "bare", "depth", "direct"
@@ -123,66 +125,67 @@ fn scene(case: &str) -> Scene {
         "garden" => return holo_scene::gallery::scene("garden").expect("a scene of the gallery"),
         "unique" => {
             let mut scene = Scene::default();
-            let land = sheet(1600, 1562, |s, t| {
+            let land = grid_mesh(1600, 1562, |s, t| {
                 let (x, z) = (3.4 * (s - 0.5), 3.4 * (t - 0.5));
                 [x, bumps(x * 4.0, z * 4.0) * 0.12 + bumps(x * 90.0, z * 90.0) * 0.002, z]
             });
-            place(&mut scene, land, [0.4, 0.35, 0.3], vec![Transform::IDENTITY]);
+            add_instances(&mut scene, land, [0.4, 0.35, 0.3], vec![Transform::IDENTITY]);
             return lit(scene);
         }
         _ => {}
     }
-    let (places, triangles) = case[1..].split_once('x').expect("PLACESxTRIANGLES");
-    let (places, triangles) = (places.parse::<usize>().expect("a count"), triangles.parse::<u32>().expect("a count"));
+    let (instances, triangles) = case[1..].split_once('x').expect("INSTANCESxTRIANGLES");
+    let (instances, triangles) =
+        (instances.parse::<usize>().expect("a count"), triangles.parse::<u32>().expect("a count"));
     let mut scene = Scene::default();
-    let ground = sheet(200, 200, |s, t| [3.4 * (s - 0.5), 0.0, 3.4 * (t - 0.5)]);
-    place(&mut scene, ground, [0.4, 0.35, 0.3], vec![Transform::IDENTITY]);
-    // One in every field of a square of 3 x 3 m, somewhere in it, turned and scaled.
+    let ground = grid_mesh(200, 200, |s, t| [3.4 * (s - 0.5), 0.0, 3.4 * (t - 0.5)]);
+    add_instances(&mut scene, ground, [0.4, 0.35, 0.3], vec![Transform::IDENTITY]);
+    // A square of 3 x 3 m is divided into cells; each has one instance at a random position, rotated and scaled.
     let mut random = Random(7);
-    let side = (places as f64).sqrt().ceil() as usize;
+    let side = (instances as f64).sqrt().ceil() as usize;
     let pitch = 3.0 / side as f64;
     let grass = case.starts_with('g');
-    let mut stands = Vec::with_capacity(places);
-    for k in 0..places {
+    let mut transforms = Vec::with_capacity(instances);
+    for k in 0..instances {
         let [x, z] = [k % side, k / side].map(|i| (i as f64 + 0.5) * pitch - 1.5);
         let [dx, dz, turn, size] = [(); 4].map(|()| random.unit());
         let size = pitch * (0.35 + 0.2 * size);
         let turn = TAU / 2.0 * turn;
         let position =
             [x + pitch * 0.3 * (dx - 0.5), if grass { 0.0 } else { 0.3 * size }, z + pitch * 0.3 * (dz - 0.5)];
-        stands.push(Transform::from_parts(position, [0.0, turn.sin(), 0.0, turn.cos()], [size; 3]));
+        transforms.push(Transform::from_parts(position, [0.0, turn.sin(), 0.0, turn.cos()], [size; 3]));
     }
     if grass {
-        place(&mut scene, tuft(triangles), [0.2, 0.4, 0.1], stands);
+        add_instances(&mut scene, tuft(triangles), [0.2, 0.4, 0.1], transforms);
     } else {
-        place(&mut scene, rock(triangles), [0.5, 0.5, 0.55], stands);
+        add_instances(&mut scene, rock(triangles), [0.5, 0.5, 0.55], transforms);
     }
     lit(scene)
 }
 
-/// Adds a camera that looks down on the field at a slant, and a sun.
+/// Adds a camera that looks down on the square obliquely, and a directional light.
 fn lit(mut scene: Scene) -> Scene {
     let pose = Transform::look_at([0.1, 1.2, 1.9], [0.0, 0.0, 0.1], [0.0, 1.0, 0.0]);
-    let lens = CameraLens::Perspective { vertical_angle_rad: 0.9, aspect_ratio: Some(1.5) };
-    scene.cameras.push(Camera { name: "main".into(), pose, lens });
+    let projection = CameraProjection::Perspective { vertical_angle_rad: 0.9, aspect_ratio: Some(1.5) };
+    scene.cameras.push(Camera { name: "main".into(), pose, projection });
     let kind = LightKind::Directional { direction: [0.48, -0.8, -0.36], angular_diameter_rad: 0.0 };
     scene.lights.push(Light { name: "sun".into(), intensity: [3.0; 3], kind });
     scene
 }
 
-fn place(scene: &mut Scene, mut mesh: Mesh, [r, g, b]: [f32; 3], stands: Vec<Transform>) {
+fn add_instances(scene: &mut Scene, mut mesh: Mesh, [r, g, b]: [f32; 3], transforms: Vec<Transform>) {
     mesh.material = scene.materials.len();
     scene.materials.push(Material { base_color: [r, g, b, 1.0], ..Material::default() });
     let mesh_index = scene.meshes.len();
     scene.meshes.push(mesh);
     let instance = |transform| Instance { name: String::new(), mesh: mesh_index, transform };
-    scene.instances.extend(stands.into_iter().map(instance));
+    scene.instances.extend(transforms.into_iter().map(instance));
 }
 
-/// A displaced ball of radius about 1 with about this many triangles.
+/// A displaced sphere of radius about 1 with about this many triangles.
 fn rock(triangles: u32) -> Mesh {
     let rows = (f64::from(triangles) / 4.0).sqrt().round() as u32;
-    sheet(triangles / 2 / rows, rows, |s, t| {
+    grid_mesh(triangles / 2 / rows, rows, |s, t| {
         let (longitude, latitude) = (s * TAU, (1e-3 + (1.0 - 2e-3) * t) * TAU / 2.0);
         let d = [latitude.sin() * longitude.cos(), latitude.cos(), -latitude.sin() * longitude.sin()];
         let radius = 0.9 + 0.15 * bumps(3.0 * d[0] + d[1], 3.0 * d[2] - d[1]) + 0.01 * bumps(40.0 * d[0], 40.0 * d[2]);
@@ -190,7 +193,7 @@ fn rock(triangles: u32) -> Mesh {
     })
 }
 
-/// Bent blades around the origin, seven triangles each, wider at the top than the field they stand in.
+/// Bent blades of grass around the origin, seven triangles each, wider at the top than their cell.
 fn tuft(triangles: u32) -> Mesh {
     let mut random = Random(11);
     let mut mesh = Mesh::default();
@@ -224,7 +227,7 @@ fn tuft(triangles: u32) -> Mesh {
 }
 
 /// A grid of `columns` x `rows` quads over `surface(s, t)`, s and t in 0..1, with smooth normals.
-fn sheet(columns: u32, rows: u32, surface: impl Fn(f64, f64) -> [f64; 3]) -> Mesh {
+fn grid_mesh(columns: u32, rows: u32, surface: impl Fn(f64, f64) -> [f64; 3]) -> Mesh {
     let mut mesh = Mesh::default();
     let step = 1e-5;
     for j in 0..=rows {
@@ -249,12 +252,12 @@ fn sheet(columns: u32, rows: u32, surface: impl Fn(f64, f64) -> [f64; 3]) -> Mes
     mesh
 }
 
-/// Something between -1 and 1 that goes up and down.
+/// A smooth function with values between -1 and 1.
 fn bumps(x: f64, y: f64) -> f64 {
     ((1.3 * x + 0.7 * y).sin() + (2.1 * y - 0.4 * x).sin() + (3.7 * x + 2.9 * y).cos()) / 3.0
 }
 
-/// SplitMix64: the same numbers everywhere.
+/// SplitMix64: the same random numbers on all machines.
 struct Random(u64);
 
 impl Random {

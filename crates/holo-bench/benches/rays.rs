@@ -1,9 +1,9 @@
-//! Rays per second of the parts of a render, as ratios to the bare engine on the same rays in the same run.
+//! Rays per second of the stages of a render, as ratios to the ray tracing backend alone on the same rays.
 //!
 //! `cargo bench -p holo-bench --bench rays -- [SCENE.glb] [--views N] [--lenses UxV] [--rounds N]`
 //!
-//! Without a scene it takes the gallery's garden. Best of several rounds; the entries take turns within a round, so that
-//! a noisy neighbour meets all of them.
+//! Without a scene it renders `garden`. Best of several rounds; every round runs all entries, so that other load of the
+//! machine affects all of them.
 
 use std::time::Instant;
 
@@ -57,7 +57,7 @@ fn main() {
             Box::new(move || render(renderer, Integrator::Direct, sky, GroundTruth::Central)),
         );
         add(
-            "paths of 8 events, lights and sky",
+            "paths of 8 vertices, lights and sky",
             Box::new(move || render(renderer, Integrator::Path, sky, GroundTruth::Central)),
         );
     }

@@ -1,7 +1,7 @@
-//! Eq. 4 against memcpy: how near to memory bandwidth the two layouts turn into each other.
+//! Eq. 4 compared with memcpy: time to rearrange elemental images to views and back.
 //!
-//! Run with `cargo bench -p holo-bench --bench rearrange`. All times are the best of several in this one run, so that only
-//! their ratios matter. numpy takes part if `HOLO_PYTHON` (or `python3`) has it.
+//! Run with `cargo bench -p holo-bench --bench rearrange`. All times are the best of several in one run; only their
+//! ratios are reliable. numpy is measured if `HOLO_PYTHON` (or `python3`) has it.
 
 use std::hint::black_box;
 use std::process::Command;
@@ -11,7 +11,7 @@ use holo_core::{GridSize, LightField, LightFieldShape, Remainder, Sensor, rearra
 use ndarray::{Array3, ArrayView3, ArrayViewMut3};
 use rayon::prelude::*;
 
-/// Repetitions of what takes milliseconds; the best one counts.
+/// Repetitions of the fast entries; the minimum counts.
 const REPETITIONS: usize = 30;
 
 fn main() {
@@ -44,15 +44,15 @@ fn measure<T: Copy + Send + Sync + PartialEq>(
 
     let lenses = LightField::from_elemental_grid(elemental.view(), split).expect("dense, right size");
     let viewpoint = lenses.to_viewpoint_grid().expect("memory for a copy");
-    let by_views = LightField::from_viewpoint_grid(viewpoint.view(), split).expect("dense, right size");
-    // In turns, so that a busy moment of the machine cannot hit one of the three alone.
+    let from_views = LightField::from_viewpoint_grid(viewpoint.view(), split).expect("dense, right size");
+    // Interleaved, so that other load of the machine affects all three.
     let [mut memcpy, mut forth, mut back] = [Duration::MAX; 3];
     for _ in 0..REPETITIONS {
         memcpy = memcpy.min(time(|| copy(elemental.view(), result.view_mut())));
         forth = forth.min(time(|| lenses.to_viewpoint_grid_into(result.view_mut()).expect("right size")));
-        back = back.min(time(|| by_views.to_elemental_grid_into(result.view_mut()).expect("right size")));
+        back = back.min(time(|| from_views.to_elemental_grid_into(result.view_mut()).expect("right size")));
     }
-    assert!(result == elemental, "there and back is the identity");
+    assert!(result == elemental, "the round trip is the identity");
 
     println!("{name} ({} MB)", elemental.len() * size_of::<T>() / 1_000_000);
     let report = |what: &str, time: Duration| {
@@ -68,10 +68,10 @@ fn measure<T: Copy + Send + Sync + PartialEq>(
         }),
     );
 
-    let mut oracle = None;
-    let naive = best(2, || oracle = Some(naive::to_viewpoint_grid(elemental.view(), split).expect("right size")));
+    let mut reference = None;
+    let naive = best(2, || reference = Some(naive::to_viewpoint_grid(elemental.view(), split).expect("right size")));
     report("the paper's loops (naive)", naive);
-    assert!(oracle.as_ref() == Some(&viewpoint), "fast and naive agree");
+    assert!(reference.as_ref() == Some(&viewpoint), "fast and naive agree");
 
     match numpy(dtype, split) {
         Ok([forth, back]) => {
@@ -82,12 +82,12 @@ fn measure<T: Copy + Send + Sync + PartialEq>(
     }
 }
 
-/// The time to beat: the same bytes, unchanged, in as many pieces as there are threads.
+/// The baseline: copies the same bytes in one chunk per thread.
 fn copy<T: Copy + Send + Sync>(source: ArrayView3<'_, T>, mut destination: ArrayViewMut3<'_, T>) {
     let source = source.as_slice().expect("standard layout");
     let destination = destination.as_slice_mut().expect("standard layout");
-    let piece = source.len().div_ceil(rayon::current_num_threads());
-    destination.par_chunks_mut(piece).zip(source.par_chunks(piece)).for_each(|(to, from)| to.copy_from_slice(from));
+    let chunk = source.len().div_ceil(rayon::current_num_threads());
+    destination.par_chunks_mut(chunk).zip(source.par_chunks(chunk)).for_each(|(to, from)| to.copy_from_slice(from));
 }
 
 fn time(work: impl FnOnce()) -> Duration {
@@ -100,20 +100,22 @@ fn best(repetitions: usize, mut work: impl FnMut()) -> Duration {
     (0..repetitions).map(|_| time(&mut work)).min().expect("at least one repetition")
 }
 
-/// numpy's own strided copy into an existing array, both ways, timed by itself.
+/// The times of numpy's strided copy into an existing array, in both directions, measured in Python.
 fn numpy(dtype: &str, split: LightFieldShape) -> Result<[Duration; 2], String> {
     let program = std::env::var("HOLO_PYTHON").unwrap_or_else(|_| "python3".to_owned());
     let [v, u, t, s, c] = split.array_shape(3);
     let script = format!(
-        "import numpy as n, time; e=n.ones(({v},{t},{u},{s},{c}),n.{dtype}); w=n.ones(({t},{v},{s},{u},{c}),n.{dtype}); \
+        "import numpy as n, time; e=n.ones(({v},{t},{u},{s},{c}),n.{dtype}); \
+         w=n.ones(({t},{v},{s},{u},{c}),n.{dtype}); \
          k=lambda d,a:(lambda b:(n.copyto(d,a),time.perf_counter()-b)[1])(time.perf_counter()); \
-         print(min(k(w,e.transpose(1,0,3,2,4)) for _ in range(4)), min(k(e,w.transpose(1,0,3,2,4)) for _ in range(4)))"
+         print(min(k(w,e.transpose(1,0,3,2,4)) for _ in range(4)), \
+         min(k(e,w.transpose(1,0,3,2,4)) for _ in range(4)))"
     );
     let output =
         Command::new(&program).args(["-c", &script]).output().map_err(|error| format!("{program}: {error}"))?;
     if !output.status.success() {
         let message = String::from_utf8_lossy(&output.stderr);
-        return Err(format!("not measured: {}", message.lines().last().unwrap_or("it failed without a word")));
+        return Err(format!("not measured: {}", message.lines().last().unwrap_or("no message")));
     }
     let text = String::from_utf8_lossy(&output.stdout);
     let seconds: Vec<f64> = text.split_whitespace().filter_map(|word| word.parse().ok()).collect();

@@ -1,4 +1,4 @@
-"""Shift-and-sum in numpy, as a researcher writes it: VIEWS DISPARITY FILE. Prints seconds; the picture goes to FILE as float32."""
+"""Shift-and-sum in numpy: `refocus.py VIEWS DISPARITY FILE`. Prints seconds, writes the image to FILE in float32."""
 import sys
 import time
 

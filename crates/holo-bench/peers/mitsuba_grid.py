@@ -1,10 +1,11 @@
-"""Times Mitsuba 3 over a grid of views in one `batch`, and keeps the central one.
+"""Times Mitsuba 3 on a grid of views in one `batch` sensor, and keeps the central view.
 
-    mitsuba_grid.py SCENE.glb --out FOLDER [--side 11] [--samples 1,4,16] [--depth 9] [--sampler multijitter] [--rounds 3]
+    mitsuba_grid.py SCENE.glb --out FOLDER [--side 11] [--samples 1,4,16] [--depth 9]
+                    [--sampler multijitter] [--rounds 3]
 
-What `cargo xtask report --peers` runs; what is printed is told in `peer.py`, seconds of all views. The scene, its materials and its
-cameras are those of `tests/radiance/mitsuba_reference.py`; kernels are compiled before the clock starts, as a user who renders
-twice has them.
+Run by `cargo xtask report --peers`. The output is described in `peer.py`; seconds are those of all views. Scene,
+materials and cameras are those of `tests/radiance/mitsuba_reference.py`. Kernels are compiled before timing, as in a
+second render.
 """
 import os
 import time
@@ -13,7 +14,7 @@ import numpy as np
 
 import peer
 
-import mitsuba_reference as reference  # (peer says where it is)
+import mitsuba_reference as reference  # (peer extends the import path)
 from files import write_pfm
 
 WIDTH, HEIGHT = 99, 66
@@ -30,16 +31,16 @@ def main():
     scene, pose = reference.describe(a.scene, surround, a.depth)
     loaded, _ = reference.grid(scene, pose, a.side**2, WIDTH, HEIGHT, a.sampler)
     for samples in a.samples:
-        seconds, pictures = [], []
+        seconds, images = [], []
         for k in range(a.rounds + 1):
             start = time.time()
             image = np.array(mi.render(loaded, spp=samples, seed=1 + k))
             if k > 0:
                 seconds.append(time.time() - start)
                 center = WIDTH * (a.side**2 // 2)
-                pictures.append(os.path.join(a.out, f"mitsuba_{a.sampler}_{a.depth}_{samples}_{k}.pfm"))
-                write_pfm(pictures[-1], image[:, center : center + WIDTH, :3])
-        peer.tell(samples, seconds, pictures)
+                images.append(os.path.join(a.out, f"mitsuba_{a.sampler}_{a.depth}_{samples}_{k}.pfm"))
+                write_pfm(images[-1], image[:, center : center + WIDTH, :3])
+        peer.print_measurement(samples, seconds, images)
 
 
 if __name__ == "__main__":

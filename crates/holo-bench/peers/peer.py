@@ -1,7 +1,8 @@
-"""What the scripts of other renderers share: where the scenes' readers are, the common arguments, the line that tells what was measured.
+"""Shared by the scripts of other renderers: import path, command line arguments, output of measurements.
 
-A line has fields separated by tabs: samples a pixel; seconds, with commas between; peak memory of the process in bytes; pictures of the
-central view (PFM, linear RGB, one a seed) with commas between. `cargo xtask report --peers` reads them.
+A line of output has fields separated by tabs: samples per pixel; seconds, separated by commas; peak memory of the
+process in bytes; images of the central view (PFM, linear RGB, one per seed), separated by commas. `cargo xtask report
+--peers` reads them.
 """
 import argparse
 import os
@@ -11,23 +12,23 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "tests", "radiance"))
 
 
-def parser(words, side, views):
-    """Arguments that all have; `side` is the usual number of views an axis, `views` says what they are for."""
-    arguments = argparse.ArgumentParser(description=words, formatter_class=argparse.RawDescriptionHelpFormatter)
+def parser(description, side, views):
+    """The common arguments; `side` is the default number of views per axis, `views` their description."""
+    arguments = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("scene")
-    arguments.add_argument("--out", required=True, help="a folder for the pictures")
-    arguments.add_argument("--side", type=int, default=side, help=f"views an axis, {views}; odd")
+    arguments.add_argument("--out", required=True, help="a folder for the images")
+    arguments.add_argument("--side", type=int, default=side, help=f"views per axis, {views}; odd")
     arguments.add_argument("--samples", type=lambda text: [int(n) for n in text.split(",")], default=[1, 4, 16])
     return arguments
 
 
-def tell(samples, seconds, pictures):
-    """Prints the line."""
-    print(samples, ",".join(f"{s:.6f}" for s in seconds), peak_bytes(), ",".join(pictures), sep="\t", flush=True)
+def print_measurement(samples, seconds, images):
+    """Prints one line."""
+    print(samples, ",".join(f"{s:.6f}" for s in seconds), peak_bytes(), ",".join(images), sep="\t", flush=True)
 
 
 def peak_bytes():
-    """From the kernel's books of this program; what `getrusage` says begins with the peak of the process that started it."""
+    """Peak memory of this program. The value of `getrusage` is at least the peak of its parent process: a fallback."""
     try:
         with open("/proc/self/status") as status:
             return next(int(line.split()[1]) for line in status if line.startswith("VmHWM:")) * 1024

@@ -1,25 +1,25 @@
-//! What the benchmarks share: a scene with a rig from the command line, and fair turns.
+//! Shared by the benchmarks: a scene with a rig from the command line, and interleaved timing.
 #![forbid(unsafe_code)]
 
 use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer};
 use holo_scene::{Scene, Transform};
 
-/// A scene in front of a rig.
+/// A scene with a rig, and the number of rounds.
 pub struct Setup {
     /// The scene.
     pub scene: Scene,
-    /// Where the camera stands.
+    /// The pose of the rig.
     pub pose: Transform,
     /// The rig.
     pub rig: Rig,
-    /// How often each entry is measured.
+    /// How many times each entry is measured.
     pub rounds: usize,
     name: String,
 }
 
 impl Setup {
-    /// One line about what is measured.
+    /// One line with scene, view count, resolution and rounds.
     #[must_use]
     pub fn describe(&self) -> String {
         let split = self.rig.shape();
@@ -36,15 +36,16 @@ impl Setup {
     }
 }
 
-/// Reads `[SCENE.glb] [--views N] [--lenses UxV] [--rounds N]`; 100 x 100 views of 79 x 53 px unless told.
+/// Reads `[SCENE.glb] [--views N] [--lenses UxV] [--rounds N]`; by default the scene `garden`, 100 x 100 views of
+/// 79 x 53 px, 3 rounds.
 ///
 /// # Panics
-/// On arguments that make no sense: this is a benchmark.
+/// On invalid arguments.
 pub fn scene_rig(arguments: impl Iterator<Item = String>) -> Setup {
     let (mut file, mut views, mut lenses, mut rounds) = (None, 100, (79, 53), 3);
     let mut arguments = arguments.filter(|a| a != "--bench");
     while let Some(argument) = arguments.next() {
-        let mut value = || arguments.next().expect("a value behind the option");
+        let mut value = || arguments.next().expect("a value after the option");
         match argument.as_str() {
             "--views" => views = value().parse().expect("a count"),
             "--rounds" => rounds = value().parse().expect("a count"),
@@ -79,10 +80,10 @@ pub fn scene_rig(arguments: impl Iterator<Item = String>) -> Setup {
     Setup { scene, pose: framed.pose, rig, rounds, name }
 }
 
-/// Something to measure: its name and a function that returns seconds and a count.
+/// A benchmark entry: its name, and a function that returns seconds and a count (of rays).
 pub type Entry<'a> = (String, Box<dyn FnMut() -> (f64, u64) + 'a>);
 
-/// Runs every entry once a round and keeps the fastest of each.
+/// Runs every entry once per round; returns name, seconds and count of the fastest run of each.
 pub fn best_of(rounds: usize, entries: &mut [Entry]) -> Vec<(String, (f64, u64))> {
     let mut best: Vec<(String, (f64, u64))> =
         entries.iter().map(|(name, _)| (name.clone(), (f64::INFINITY, 0))).collect();

@@ -77,7 +77,7 @@ pub fn print(report: &RenderReport, out: &Path) {
 }
 
 fn rays(rays: RayCounts) -> Value {
-    json!({"primary": rays.primary, "shadow": rays.shadow, "other": rays.other})
+    json!({"primary": rays.primary, "shadow": rays.shadow, "other": rays.secondary})
 }
 
 fn seconds(s: &Seconds) -> Value {

@@ -9,7 +9,7 @@ use std::process::Stdio;
 use std::time::Duration;
 
 use common::{Bench, Outcome, SMALL};
-use holo_scene::{Texture, TextureUse, Wrap};
+use holo_scene::{Texture, TextureInfo, Wrap};
 
 /// A small generator with a stable sequence (splitmix64).
 struct Random(u64);
@@ -40,7 +40,7 @@ fn original() -> Vec<u8> {
         wrap_u: Wrap::Mirror,
         wrap_v: Wrap::Clamp,
     });
-    scene.materials[0].base_color_texture = Some(TextureUse::new(0));
+    scene.materials[0].base_color_texture = Some(TextureInfo::new(0));
     holo_scene::gltf::to_glb(&scene).unwrap()
 }
 

@@ -189,7 +189,7 @@ impl RenderJob {
         let wanted = Wanted::new(spec);
         let mut request = request(spec, &wanted, prepared);
         if let Some(shard) = shard {
-            request.lens_rows = Some(prepared.renderer.part_of_lens_rows(&request, shard.part - 1, shard.of)?);
+            request.lens_rows = Some(prepared.renderer.shard_lens_rows(&request, shard.part - 1, shard.of)?);
         }
         let mut rendered = prepared.renderer.render(&request, progress)?;
         // Of all views fewer layers may be wanted than of the central one.

@@ -71,7 +71,7 @@ pub(crate) fn prepare(
         focal_length_m: rig.focal_mm.map(|mm| mm / 1e3),
         sensor_size_m: rig.sensor_mm / 1e3,
         baseline: match rig.baseline_m {
-            Some(baseline) => Baseline::Metres(baseline),
+            Some(baseline) => Baseline::Meters(baseline),
             None => Baseline::FNumber(rig.f_number_or_default()),
         },
         projection: rig.projection,

@@ -82,8 +82,8 @@ struct Label {
 
 impl Label {
     fn new(shard: Shard, rendered: &Rendered) -> Self {
-        let RayCounts { primary, shadow, other } = rendered.rays;
-        Self { shard, rays: [primary, shadow, other], samples: rendered.samples, why: rendered.why.clone() }
+        let RayCounts { primary, shadow, secondary } = rendered.rays;
+        Self { shard, rays: [primary, shadow, secondary], samples: rendered.samples, why: rendered.why.clone() }
     }
 
     fn setting(&self) -> Setting {
@@ -167,7 +167,7 @@ pub(crate) fn read(folders: &[PathBuf]) -> Result<(Traced, RenderSpec), Error> {
     let integrator = manifest.settings.get("integrator").and_then(Setting::as_text).and_then(integrator_from_name);
     let integrator = integrator.unwrap_or(Integrator::Depth);
     let sum = |of: fn(&Label) -> u64| parts.iter().map(|part| of(&part.label)).sum();
-    let rays = RayCounts { primary: sum(|l| l.rays[0]), shadow: sum(|l| l.rays[1]), other: sum(|l| l.rays[2]) };
+    let rays = RayCounts { primary: sum(|l| l.rays[0]), shadow: sum(|l| l.rays[1]), secondary: sum(|l| l.rays[2]) };
     let all = (!all.set().is_empty()).then_some(all);
     let why = parts[0].label.why.clone();
     let rendered = Rendered { color, central, all, integrator, why, rays, samples: sum(|l| l.samples) };

@@ -1,10 +1,10 @@
-"""Makes gallery.png: every scene of the gallery, and below each a crop of its raw image. Needs Python 3.9 with numpy and
-pillow (10.1 or newer).
+"""Renders gallery.png: every scene of the gallery, and below each a crop of its raw image. Needs Python 3.9 with numpy
+and pillow (10.1 or newer).
 
 Usage: make_gallery.py HOLO [--draft] [--keep FOLDER]
 
-HOLO is the program (target/release/holo); its gallery is what is shown, in its order. `--draft` takes an eighth of the
-samples. `--keep` leaves every picture as it was rendered in a folder. Some ten minutes on two cores.
+HOLO is the program (target/release/holo), which lists the scenes. `--draft` renders with an eighth of the samples.
+`--keep` copies the rendered images to a folder. Takes about ten minutes on two cores.
 """
 import json
 import math
@@ -23,10 +23,10 @@ sys.dont_write_bytecode = True
 from sheet import GAP, STRIP, coarser  # noqa: E402
 
 COLUMNS = 5
-# Rendered larger and reduced: more samples a pixel, and smooth edges.
+# Rendered larger and reduced: more samples per pixel, and smooth edges.
 TILE = (240, 160)
 RENDERED = (360, 240)
-# The raw image of 20 x 20 views at 8K, of which four rows of lenses in the middle are rendered.
+# The raw image of 20 x 20 views at 8K, of which the four middle rows of microlenses are rendered.
 RAW = ["--sensor", "8k", "--views", 20, "--shard", "34/67"]
 CROP = (240, 40)
 LARGE = 700_000

@@ -1,11 +1,11 @@
-"""Makes the pictures of ../README.md. Needs Python 3.9 with numpy and pillow (10.1 or newer), and the `holo` program.
+"""Renders the images of ../README.md. Needs Python 3.9 with numpy and pillow (10.1 or newer), and the `holo` program.
 
 Usage: make_pictures.py HOLO [--draft] [NAME ...]
 
-HOLO is the program (target/release/holo). Every picture has a function of its name below; without names all are made, in
-some twenty minutes on one idle core. `--draft` takes an eighth of the samples. Scenes are built in a temporary folder with scene.py
-and put onto sheets by sheet.py; more shapes and file formats come from tests/radiance. The same program gives the same pixels on every run; another version of pillow
-may choose other palettes.
+HOLO is the program (target/release/holo). Every image has a function of its name below; without names all are
+rendered, in about twenty minutes on one idle core. `--draft` renders with an eighth of the samples. Scenes are built
+in a temporary folder with scene.py and arranged by sheet.py; more shapes and file formats are in tests/radiance. The
+same program gives the same pixels on every run; another version of pillow may choose other palettes.
 """
 import math
 import subprocess
@@ -31,7 +31,7 @@ FOLDER = Path()
 
 
 def run(scene, *flags):
-    """Renders a scene into a folder of its own; returns the folder."""
+    """Renders a scene into a new folder; returns the folder."""
     folder = Path(tempfile.mkdtemp(dir=FOLDER))
     scene.write(folder / "scene.glb")
     command = [HOLO, "render", folder / "scene.glb", "--out", folder, "--threads", "1", "--quiet", *flags]
@@ -45,8 +45,8 @@ def run(scene, *flags):
 
 
 def render(scene, size, samples, *flags, error=0.015):
-    """One view as a picture, of `samples` at most, fewer where its relative standard error is below `error` before. The
-    exposure is 0 (radiance 1 is white) unless the flags say otherwise."""
+    """Renders one view to an image with at most `samples` per pixel, fewer where the relative standard error is below
+    `error`. By default the exposure is 0 (radiance 1 is white)."""
     samples = max(16, samples // 8) if DRAFT else samples
     flags = flags if "--exposure" in flags else (*flags, "--exposure", 0)
     flags = flags if error is None else (*flags, "--target-error", error)
@@ -55,7 +55,7 @@ def render(scene, size, samples, *flags, error=0.015):
 
 
 def directions(height, width):
-    """The directions of an environment map's texels."""
+    """The directions of the texels of an environment map."""
     v, u = (np.arange(height) + 0.5) / height, (np.arange(width) + 0.5) / width
     polar, azimuth = (v * math.pi)[:, None], ((u - 0.5) * 2 * math.pi)[None, :]
     return np.stack(np.broadcast_arrays(np.sin(polar) * np.cos(azimuth), np.cos(polar), np.sin(polar) * np.sin(azimuth)), axis=-1)
@@ -73,7 +73,7 @@ def soft_box(direction, towards, half_width, half_height, edge=0.04):
 
 
 def studio(lamps=1.0):
-    """Two lamps before grey walls, as an environment map; returns its path."""
+    """Two lamps before gray walls, as an environment map; returns its path."""
     d = directions(128, 256)
     walls = np.array([0.30, 0.31, 0.33]) * (0.75 + 0.45 * d[..., 1:2])
     shine = 5.5 * soft_box(d, (-1.0, 1.1, 1.0), 0.45, 0.45) + 2.5 * soft_box(d, (1.0, 0.45, 0.55), 0.18, 0.6)
@@ -127,7 +127,7 @@ def sun():
 
 
 def ball_row(materials, spread=1.12, size=(732, 132), samples=384):
-    """Balls side by side on a board before the lamps of the studio."""
+    """A row of balls on a board in front of the lamps of the studio."""
     scene = Scene()
     board(scene, 8.0, 8.0, y=-0.5)
     for k, material in enumerate(materials):
@@ -146,10 +146,10 @@ def metal():
     ])
 
 
-def varnish():
+def coat():
     numbers = [0, 0.2, 0.4, 0.6, 0.8, 1]
     row = [lambda scene, r=r: scene.material((0.5, 0.04, 0.03), 0.0, r) for r in numbers]
-    compose("varnish", [[(ball_row(row), "metallicFactor 0; roughnessFactor " + ", ".join(map(str, numbers)))]])
+    compose("coat", [[(ball_row(row), "metallicFactor 0; roughnessFactor " + ", ".join(map(str, numbers)))]])
 
 
 def specular():
@@ -168,7 +168,7 @@ def specular():
 
 
 def glass_stage(fill, size, samples, camera=([0, 0.75, 5.2], [0, 0.62, 0], 19.5)):
-    """Letters on a wall behind whatever `fill` puts on the board."""
+    """Letters on a wall behind the objects that `fill` adds to the board."""
     scene = Scene()
     board(scene, 4.0, 4.0)
     wall = Image.new("RGB", (512, 256), (236, 228, 208))
@@ -298,7 +298,7 @@ def environment():
 
 
 def leaf():
-    """RGBA: a leaf with veins whose alpha fades towards its edge; green outside too, so that no other colour bleeds in."""
+    """RGBA: a leaf with veins whose alpha fades towards its edge; also green outside, so that no other color bleeds in."""
     size = 256
     y, x = (np.mgrid[0:size, 0:size] + 0.5) / size
     along, across = 1 - y, np.abs(x - 0.5)
@@ -332,11 +332,11 @@ def alpha():
 
 
 def studs(count, size=512):
-    """A normal map of round studs on a plate; and the height it stands for is that of half-balls, flattened."""
+    """A normal map of round studs on a plate: flattened half-balls."""
     y, x = (np.mgrid[0:size, 0:size] + 0.5) / size * count % 1 - 0.5
     r = np.hypot(x, y)
     slope = np.where(r < 0.36, 1.4 * (r / 0.36) * np.clip((0.36 - r) / 0.05, 0, 1), 0.0)
-    # Right and up in the picture; the surface falls away from the middle of a stud.
+    # Right and up in the image; the surface falls away from the middle of a stud.
     normal = np.stack([slope * x / np.maximum(r, 1e-9), -slope * y / np.maximum(r, 1e-9), np.ones_like(x)], axis=-1)
     normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
     return np.rint((normal * 0.5 + 0.5) * 255).astype(np.uint8)
@@ -365,7 +365,7 @@ def normal_map():
 
 
 def card():
-    """A test card: letters on four coloured fields."""
+    """A test card: letters on four colored fields."""
     picture = Image.new("RGB", (256, 256))
     draw = ImageDraw.Draw(picture)
     font = ImageFont.load_default(100)
@@ -408,7 +408,7 @@ def coordinates():
 def indirect():
     size = (240, 200)
     row = []
-    # A target error takes pixels that are black at first for black: not where a lamp borders on a black ceiling.
+    # No target error: it would treat pixels as black whose first samples are, at the border of lamp and ceiling.
     for flags, samples, error, caption in [
         (["--integrator", "direct"], 128, None, "--integrator direct"),
         (["--no-indirect"], 128, None, "--no-indirect"),
@@ -441,7 +441,7 @@ def unlit():
 
 
 def toys(size):
-    """A few things of several materials under an open sky."""
+    """Objects of several materials under a constant sky."""
     scene = Scene()
     floor = scene.matt(texture=scene.texture(tiles(192, 6, (226, 214, 190), (120, 128, 148))))
     scene.add(rectangle([-2.2, 0, 1.6], [4.4, 0, 0], [0, 0, -3.6], 1.2), floor)
@@ -460,12 +460,12 @@ def layers():
     size = (180, 130)
     names = "color,depth,ray-length,disparity,geometric-normal,shading-normal,albedo,object-id,material-id,hit-mask"
     samples = 64 if DRAFT else 512
-    # Of two views, 20 mm apart, the second is the central one.
+    # The second of two views at a baseline of 20 mm is the central one.
     folder = run(toys(size), "--views", 2, "--lenses", f"{size[0]}x{size[1]}", "--spp", samples, "--baseline-m", 0.02, "--layers", names, "--sky", "0.5,0.6,0.75", "--no-indirect")
     layer = {name: read_pfm(folder / f"scene_{name.replace('-', '_')}.pfm") for name in names.split(",")}
     seen = layer["hit-mask"][..., 0] > 0
 
-    def grey(values, near_bright):
+    def gray(values, near_bright):
         low, high = values[seen].min(), values[seen].max()
         part = (values - low) / (high - low)
         part = np.where(seen[..., None], 0.1 + 0.9 * (1 - part if near_bright else part), 0.0)
@@ -479,8 +479,8 @@ def layers():
         return Image.fromarray(np.rint(np.where(seen[..., None], values * 0.5 + 0.5, 0.0) * 255).astype(np.uint8))
 
     compose("layers", [
-        [(encode(layer["color"]), "color"), (grey(layer["depth"], True), "depth"), (grey(layer["ray-length"], True), "ray-length"),
-         (grey(layer["disparity"], False), "disparity"), (encode(layer["albedo"]), "albedo")],
+        [(encode(layer["color"]), "color"), (gray(layer["depth"], True), "depth"), (gray(layer["ray-length"], True), "ray-length"),
+         (gray(layer["disparity"], False), "disparity"), (encode(layer["albedo"]), "albedo")],
         [(normal(layer["geometric-normal"]), "geometric-normal"), (normal(layer["shading-normal"]), "shading-normal"),
          (numbers(layer["object-id"]), "object-id"), (numbers(layer["material-id"]), "material-id"),
          (Image.fromarray((seen[..., None] * np.full(3, 255)).astype(np.uint8)), "hit-mask")],
@@ -503,7 +503,7 @@ def projection():
         flags = ["--sky", "0.35,0.4,0.5", "--projection", kind, "--focus-m", 4.6, "--integrator", "direct"]
         size = (363, 257)
         rows[0].append((render(scene, size, 128, *flags), f"one view, {kind}"))
-        # Nearest samples, magnified: the pixels of the raw image are to be seen.
+        # Magnified by nearest neighbor, so that the pixels of the raw image are visible.
         folder = run(scene, "--views", 15, "--lenses", f"{lenses[0]}x{lenses[1]}", "--spp", 16, "--baseline-m", 0.03, "--write", "el", "--exposure", 0, *flags)
         raw = Image.open(folder / "scene_el.png").convert("RGB")
         column, row = (27, 13) if kind == "perspective" else (31, 18)
@@ -561,7 +561,7 @@ def instances():
 
     count = 40_000
     places = np.stack([rng.uniform(-21, 21, count), rng.uniform(-35, 3.2, count)], axis=1)
-    # Sorts grow in patches.
+    # Each kind of flower grows in patches.
     patch = np.sin(0.7 * places[:, 0] + 1.3 * np.sin(0.5 * places[:, 1])) + 0.8 * np.sin(0.9 * places[:, 1] + 1.0) + rng.normal(0, 0.35, count)
     kinds = np.digitize(patch, [-0.7, 0.1, 0.9])
     for (x, z), kind in zip(places, kinds):
@@ -574,7 +574,7 @@ def instances():
     compose("instances", [[(render(scene, size, 64, "--integrator", "direct", "--sky", "0.36,0.45,0.58", "--exposure", 0.4), caption)]])
 
 
-PICTURES = [lights, sun, metal, varnish, specular, glass, absorption, emission, environment, alpha, normal_map, coordinates, indirect, unlit, layers, projection, instances]
+PICTURES = [lights, sun, metal, coat, specular, glass, absorption, emission, environment, alpha, normal_map, coordinates, indirect, unlit, layers, projection, instances]
 
 
 def main():

@@ -1,4 +1,4 @@
-"""A scene of glTF in the making, and shapes for it."""
+"""A builder of glTF scenes, and shapes for it."""
 import math
 import sys
 from io import BytesIO
@@ -15,7 +15,7 @@ from make_scenes import looking  # noqa: E402
 
 
 class Scene:
-    """A .glb in the making. Materials are written as in glTF, in short: see `material`."""
+    """A builder of .glb files. Materials have the names of glTF: see `material`."""
 
     def __init__(self):
         self.glb = GlbWriter()
@@ -23,7 +23,7 @@ class Scene:
         self.used = set()
 
     def texture(self, pixels):
-        """An 8-bit RGB or RGBA image (an array or a picture) as a texture that repeats; returns its index."""
+        """An 8-bit RGB or RGBA image (an array or a PIL image) as a texture that repeats; returns its index."""
         data = BytesIO()
         (pixels if isinstance(pixels, Image.Image) else Image.fromarray(pixels)).save(data, "PNG")
         image = self.glb.append("images", {"bufferView": self.glb.view(data.getvalue()), "mimeType": "image/png"})
@@ -32,7 +32,7 @@ class Scene:
         return self.glb.append("textures", {"source": image, "sampler": 0})
 
     def material(self, color=(1, 1, 1), metallic=0.0, roughness=1.0, texture=None, extensions=None, **entry):
-        """`texture`: of the base colour, an index or a texture info. `extensions`: without KHR_materials_."""
+        """`texture`: of the base color, an index or a texture info. `extensions`: without KHR_materials_."""
         color = [*color, 1.0] if len(color) == 3 else list(color)
         pbr = {"baseColorFactor": color, "metallicFactor": metallic, "roughnessFactor": roughness}
         if texture is not None:
@@ -44,7 +44,7 @@ class Scene:
         return self.glb.append("materials", entry)
 
     def matt(self, color=(1, 1, 1), texture=None, **entry):
-        """Lambert's law and nothing else."""
+        """A Lambertian material."""
         return self.material(color, texture=texture, extensions={"specular": {"specularFactor": 0.0}}, **entry)
 
     def glass(self, color=(1, 1, 1), roughness=0.0, ior=1.5, volume=None):
@@ -85,7 +85,7 @@ class Scene:
         self.light({"type": "directional", "color": list(color), "intensity": intensity, **extras}, rotation=looking(direction))
 
     def camera(self, position, target, degrees, size):
-        """`degrees`: angle of view from top to bottom; `size`: of the picture, columns and rows."""
+        """`degrees`: vertical field of view; `size`: columns and rows of the image."""
         lens = {"yfov": math.radians(degrees), "aspectRatio": size[0] / size[1], "znear": 0.01}
         camera = self.glb.append("cameras", {"type": "perspective", "perspective": lens})
         self.glb.append("nodes", {"camera": camera, "translation": list(position), "rotation": looking(np.subtract(target, position))})

@@ -1,4 +1,4 @@
-"""Sheets of pictures with captions, and what goes onto them."""
+"""Contact sheets: images with captions, and conversions of images."""
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +11,7 @@ LARGE = 80_000
 
 
 def read_pfm(path):
-    """One or three channels, top row first."""
+    """Reads a PFM image of one or three channels, top row first."""
     kind, size, scale, data = path.read_bytes().split(b"\n", 3)
     width, height = map(int, size.split())
     values = np.frombuffer(data, "<f4" if float(scale) < 0 else ">f4")
@@ -19,7 +19,7 @@ def read_pfm(path):
 
 
 def compose(name, rows):
-    """Writes the PNG of rows of (picture, caption)."""
+    """Writes rows of (image, caption) to a PNG file."""
     width = max(sum(picture.width + GAP for picture, _ in row) - GAP for row in rows)
     height = sum(max(picture.height for picture, _ in row) + STRIP + GAP for row in rows) - GAP
     page = Image.new("RGB", (width, height), "white")
@@ -39,7 +39,7 @@ def compose(name, rows):
 
 
 def save(name, page):
-    """Writes a PNG; if that is large, with fewer bits a channel, else with a palette."""
+    """Writes a PNG; if it is large, with fewer bits per channel or with a palette."""
     path = HERE / f"{name}.png"
     tries = [lambda: page, lambda: coarser(page, 7), lambda: coarser(page, 6)]
     tries += [lambda n=n: page.quantize(n, method=Image.Quantize.MEDIANCUT, kmeans=2) for n in (256, 128)]
@@ -51,21 +51,21 @@ def save(name, page):
 
 
 def coarser(page, bits):
-    """With all channels rounded to so many bits."""
+    """Rounds all channels to a number of bits."""
     step = 1 << (8 - bits)
     values = (np.asarray(page).astype(int) + step // 2) // step * step
     return Image.fromarray(np.minimum(values, 255).astype(np.uint8))
 
 
 def encode(linear):
-    """Linear values as a picture with sRGB's curve."""
+    """Encodes linear values as an sRGB image."""
     linear = np.clip(linear, 0, 1)
     curve = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * np.maximum(linear, 0.0031308) ** (1 / 2.4) - 0.055)
     return Image.fromarray(np.rint(curve * 255).astype(np.uint8))
 
 
 def letters(text, size, ink, paper, height):
-    """A picture with large letters."""
+    """An image of large letters."""
     picture = Image.new("RGB", size, paper)
     ImageDraw.Draw(picture).text((size[0] / 2, size[1] / 2), text, fill=ink, font=ImageFont.load_default(height), anchor="mm")
     return picture

@@ -1,15 +1,14 @@
-//! Ray acceleration: one seam, three engines.
+//! Ray tracing backends: the trait [`Engine`] and its three implementations.
 //!
-//! The integrators fill packets of 16 rays and ask an engine for the nearest hit or for any hit. [`embree`] is the fast
-//! one and is looked for at run time; [`bvh`] is pure Rust and always there; [`brute_force`] tests every triangle in
-//! f64 and is what the other two are held against.
+//! The integrators fill packets of 16 rays and query an engine for the nearest hit (intersection) or for any hit
+//! (occlusion). [`embree`] is the fast engine; its library is loaded at run time. [`bvh`] is pure Rust and always
+//! available. [`brute_force`] tests every triangle in f64 and is the reference implementation for the other two.
 //!
-//! Packets are arrays of structures of arrays in the layout of Embree's `RTCRayHit16`, so that the fast engine reads
-//! them in place.
+//! Packets are structures of arrays in the layout of Embree's `RTCRayHit16`, so that Embree uses them in place.
 
 pub(crate) mod brute_force;
 pub(crate) mod bvh;
-#[allow(unsafe_code)]
+#[allow(unsafe_code, reason = "calls the C interface of Embree")]
 pub(crate) mod embree;
 mod packet;
 pub(crate) mod refine;
@@ -23,38 +22,38 @@ use crate::error::Error;
 use crate::geometry::{Geometry, Instancing};
 use crate::simd::Lanes;
 
-/// Which engine finds the hits.
+/// The ray tracing backend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Backend {
-    /// Embree where it can be loaded, else the BVH.
+    /// Embree if it can be loaded, otherwise the BVH.
     #[default]
     Auto,
-    /// Embree 4, or an error that says where it was looked for.
+    /// Embree 4. An error if no library is found; the message lists the locations that were searched.
     Embree,
-    /// The pure-Rust BVH.
+    /// The BVH in pure Rust.
     Bvh,
-    /// Every triangle against every ray in f64: for tests.
+    /// Tests every triangle against every ray in f64: a reference implementation for tests.
     BruteForce,
 }
 
-/// How the rays of a packet run.
+/// The coherence of the rays of a packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Coherence {
-    /// Close together: worth walking the tree as one.
+    /// Similar origins and directions: traverse the tree as one packet.
     Coherent,
-    /// All over the place: better one at a time.
+    /// Unrelated rays: traverse the tree one ray at a time.
     Incoherent,
 }
 
-/// What finds hits. Rays and hits are in camera coordinates.
+/// A ray tracing engine over a scene. Rays and hits are in camera coordinates.
 pub(crate) trait Engine: Send + Sync {
-    /// Fills the hits and shortens `far` of every valid lane whose ray hits something in (near, far).
+    /// Finds the nearest hit in (near, far) of every valid lane: fills the hits and sets `far` to its ray parameter.
     fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits, coherence: Coherence);
 
-    /// Sets `far` of every valid lane whose ray hits anything in (near, far) to minus infinity.
+    /// Finds any hit in (near, far) of every valid lane: sets `far` to minus infinity if there is one.
     fn occluded(&self, valid: &Lanes<i32>, rays: &mut Rays, coherence: Coherence);
 
-    /// As `intersect`, asking for one ray after the other: what packets are measured against.
+    /// As `intersect`, with one query per ray: the baseline for measurements of packets.
     #[cfg(feature = "bench")]
     fn intersect_singly(&self, valid: &Lanes<i32>, packet: &mut RayHits) {
         self.intersect(valid, packet, Coherence::Coherent);
@@ -64,16 +63,17 @@ pub(crate) trait Engine: Send + Sync {
     fn name(&self) -> &str;
 }
 
-/// How the geometry for this engine may be stored, if it is up to the renderer.
+/// The instancing policy for the engine of `backend`.
 pub(crate) fn instancing(backend: Backend) -> Instancing {
     match backend {
-        Backend::Embree => Instancing::WhereItPays,
-        Backend::Auto if embree::Embree::available().is_ok() => Instancing::WhereItPays,
+        Backend::Embree => Instancing::Automatic,
+        Backend::Auto if embree::Embree::available().is_ok() => Instancing::Automatic,
         Backend::Auto | Backend::Bvh | Backend::BruteForce => Instancing::Never,
     }
 }
 
-/// An engine over `geometry` (as [`instancing`] says for `backend`), with a note where `Auto` had to fall back.
+/// Builds an engine over `geometry`, which must follow the policy of [`instancing`] for `backend`. The second value is
+/// a note if `Auto` fell back to the BVH.
 pub(crate) fn build(
     backend: Backend,
     geometry: &Arc<Geometry>,
@@ -83,7 +83,7 @@ pub(crate) fn build(
         Backend::Embree => (Box::new(embree::Embree::build(geometry, threads)?), None),
         Backend::Bvh => (Box::new(bvh::Bvh::build(geometry)), None),
         Backend::BruteForce => (Box::new(brute_force::BruteForce::build(geometry)), None),
-        // Only a library that is not there is no error: one that fails over this scene is.
+        // A missing library is no error here; a library that fails to build this scene is.
         Backend::Auto => match embree::Embree::available() {
             Ok(()) => (Box::new(embree::Embree::build(geometry, threads)?), None),
             Err(why) => {

@@ -1,7 +1,7 @@
-//! Measurements for `holo-bench`: the parts of a render one by one, next to the bare engine on the same rays.
+//! Measurements for `holo-bench`: the stages of a render, and the ray tracing backend alone on the same rays.
 //!
-//! Behind the feature `bench` and not part of the stable interface. Every function works through all rays of a rig, tile
-//! by tile on the renderer's threads, and says how long that took.
+//! Behind the feature `bench` and not part of the stable interface. Every function processes all rays of a rig, tile by
+//! tile on the threads of the renderer, and returns the time.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -22,60 +22,60 @@ use crate::simd::{LANES, Lanes};
 
 use holo_scene::{Scene, Transform};
 
-/// How meshes that stand in many places are stored.
+/// The storage of repeated meshes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Storage {
-    /// Copied to every place.
+    /// Copied for every instance.
     Flattened,
-    /// Kept once wherever that is possible.
+    /// Stored once where possible.
     Instanced,
-    /// As a render chooses.
+    /// As in a render.
     Chosen,
 }
 
-/// A renderer with Embree that stores repeated meshes as told.
+/// A renderer with Embree and this storage of repeated meshes.
 ///
 /// # Errors
 /// As [`Renderer::new`].
 pub fn renderer(scene: &Scene, pose: &Transform, storage: Storage) -> Result<Renderer, Error> {
     let instancing = match storage {
         Storage::Flattened => Instancing::Never,
-        Storage::Instanced => Instancing::WherePossible,
-        Storage::Chosen => Instancing::WhereItPays,
+        Storage::Instanced => Instancing::Always,
+        Storage::Chosen => Instancing::Automatic,
     };
     Renderer::with_instancing(scene, pose, Backend::Embree, 0, instancing)
 }
 
-/// Rays, how many of them hit, and the time they took.
+/// The result of a measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Traced {
-    /// Valid rays.
+    /// The number of valid rays.
     pub rays: u64,
-    /// Those that hit something.
+    /// The number of rays that hit something.
     pub hits: u64,
-    /// Wall-clock seconds; for the bare measurements the engine's own time, averaged over the threads.
+    /// Wall-clock seconds; for the bare measurements the time inside the engine, averaged over the threads.
     pub seconds: f64,
 }
 
-/// What is done with the rays.
+/// The measured work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Work {
-    /// Packets of 16 are made first; only the engine's calls are timed.
+    /// Packets of 16 rays are generated first; only the queries of the engine are timed.
     BarePackets,
-    /// The same rays in the same order one at a time; only the engine's calls are timed.
+    /// The same rays in the same order with one query per ray; only the queries are timed.
     BareSingle,
-    /// Rays are made, traced, and triangle and weights of every one are kept.
+    /// Rays are generated and traced, and triangle and barycentrics of each are stored.
     Visibility,
 }
 
-/// Traces all primary rays of `rig` through the pixels' centres.
+/// Traces all primary rays of `rig` through the centers of the pixels.
 #[must_use]
 pub fn trace(renderer: &Renderer, rig: &Rig, work: Work) -> Traced {
     let selection = Selection::whole(rig.shape());
     let tiling = Tiling::new(selection.counts());
     let source = RaySource::Rig(RigRays::new(rig, &tiling, &selection, 4));
     let tiles = tiling.tiles();
-    // Made and touched beforehand, as a caller who renders again and again would have it: what is measured is rays.
+    // Allocated and touched in advance, so that only rays are measured.
     let mut kept: Vec<Vec<Kept>> = renderer.install(|| {
         let count = |tile: &Tile| if work == Work::Visibility { tile.packet_count() } else { 0 };
         tiles.par_iter().map(|tile| vec![Kept::EMPTY; count(tile)]).collect()
@@ -96,7 +96,7 @@ pub fn trace(renderer: &Renderer, rig: &Rig, work: Work) -> Traced {
     Traced { rays, hits, seconds }
 }
 
-/// Triangle and weights of a packet.
+/// Triangle and barycentrics of a packet.
 #[derive(Clone, Copy)]
 struct Kept {
     triangle: [u32; LANES],
@@ -105,7 +105,7 @@ struct Kept {
 }
 
 impl Kept {
-    /// Not zeros, which the system would only promise.
+    /// Not zeros, so that the memory is really allocated.
     const EMPTY: Self = Self { triangle: [NO_TRIANGLE; LANES], u: [0.0; LANES], v: [0.0; LANES] };
 }
 
@@ -118,7 +118,7 @@ struct TraceTile<'a> {
 }
 
 impl Kernel for TraceTile<'_> {
-    /// Rays, hits, seconds inside the engine (bare work alone).
+    /// Rays, hits, and seconds inside the engine (for bare work only).
     type Output = (u64, u64, f64);
 
     #[inline(always)]

@@ -1,6 +1,6 @@
-//! Everything that can go wrong in this crate, grouped by cause.
+//! The error type of this crate, grouped by cause.
 
-/// An error of `holo-render`. Every message says what is wrong and where, and what to do where that is not plain.
+/// An error of `holo-render`. The message says what is wrong, where, and what to do about it if that is not obvious.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -10,10 +10,10 @@ pub enum Error {
     /// A setting does not fit the scene or the other settings.
     #[error("{0}")]
     BadSetting(String),
-    /// The engine that was asked for cannot be had.
+    /// The requested ray tracing backend is not available.
     #[error("Embree: {0}")]
     Embree(String),
-    /// The caller asked the renderer to stop.
+    /// The caller canceled the render.
     #[error("stopped")]
     Cancelled,
     /// The light field or the rig is impossible.

@@ -1,5 +1,5 @@
-//! What becomes of the values of pixels: how many samples they need, which layers there are beside color, and how linear
-//! radiance becomes the integers of an image. **May enter:** nothing that traces rays.
+//! The film: adaptive sampling, layers (AOVs) beside color, and the conversion of linear radiance to integers. **May
+//! import:** nothing that traces rays.
 
 pub(crate) mod adaptive;
 pub mod exposure;

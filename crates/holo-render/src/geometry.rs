@@ -1,83 +1,83 @@
-//! The scene as rays see it: one list of triangles in camera coordinates.
+//! The geometry of the scene for ray tracing: one list of triangles in camera coordinates.
 //!
-//! Where an engine knows instances and a mesh stands in many places ([`instancing`]), the mesh is kept once, in its own
-//! coordinates, behind the flattened triangles of the same list, and every place is a map into camera coordinates
-//! ([`placed`]). A hit then names its triangle and its place ([`Hit`]).
+//! If the engine supports instances and a mesh is repeated often enough ([`instancing`]), the mesh is a prototype: it
+//! is stored once, in mesh coordinates, after the flattened triangles in the same list. Each placement of it is an
+//! affine map to camera coordinates ([`placement`]). A [`Hit`] identifies a triangle and a placement.
 //!
-//! The rig's centre is subtracted in f64 before anything is rounded to f32, and the world is turned into the camera's
-//! frame, so that a ray starts near the origin and its parameter is planar depth. A rig of 10 um baseline at world
-//! coordinate 1e6 m therefore sees the same scene as one at the origin.
+//! The center of the rig is subtracted in f64 before positions are rounded to f32, and the world is rotated into the
+//! frame of the camera. Rays therefore start near the origin, and the ray parameter is planar depth. A rig with a
+//! baseline of 10 um at the world coordinate 1e6 m sees the same scene as one at the origin.
 
 mod instancing;
-mod placed;
+mod placement;
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 
 pub(crate) use instancing::Instancing;
-pub(crate) use placed::Placed;
+pub(crate) use placement::Placement;
 
 use crate::error::Error;
 use holo_scene::{Mesh, Scene, Transform};
 
-/// Coordinates stay below this, m.
-pub(crate) const LARGEST_COORDINATE: f64 = 1e18;
+/// The upper bound of coordinates, m.
+pub(crate) const MAX_COORDINATE_M: f64 = 1e18;
 
-/// The place of triangles that are flattened.
+/// The placement of flattened triangles.
 pub(crate) const FLATTENED: u32 = u32::MAX;
 
-/// Which triangle, and for a mesh that is kept once: in which place.
+/// A triangle, and its placement if it belongs to a prototype.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Hit {
     pub triangle: u32,
-    /// Index into [`Geometry::placed`], or [`FLATTENED`].
-    pub instance: u32,
+    /// Index into [`Geometry::placements`], or [`FLATTENED`].
+    pub placement: u32,
 }
 
 impl Hit {
     pub fn flattened(triangle: usize) -> Self {
-        Self { triangle: triangle as u32, instance: FLATTENED }
+        Self { triangle: triangle as u32, placement: FLATTENED }
     }
 }
 
-/// Triangles of all instances in camera coordinates (right-handed, +Y up, the camera looks along -Z), metres; behind them
-/// those of meshes that are kept once, in mesh coordinates.
+/// The triangles of all instances in camera coordinates (right-handed, +Y up, the camera looks along -Z), m, followed
+/// by the triangles of the prototypes in mesh coordinates.
 pub(crate) struct Geometry {
-    /// f32 positions for the ray engines. The last entry is padding: Embree reads 16 bytes of every vertex.
+    /// Positions for the ray tracing engines. The last entry is padding: Embree reads 16 bytes of every vertex.
     positions: Vec<[f32; 3]>,
     /// Indices into the vertex arrays.
     triangles: Vec<[u32; 3]>,
-    /// What every triangle is looked up for, in the order of `triangles`.
-    facets: Vec<Facet>,
+    /// The data that hits need, in the order of `triangles`.
+    records: Vec<TriangleRecord>,
     /// Unit vertex normals; zero where the mesh has none.
     normals: Vec<[f32; 3]>,
-    /// Both sets.
+    /// The two sets of texture coordinates.
     texture_coordinates: [Vec<[f32; 2]>; 2],
     colors: Vec<[f32; 4]>,
-    /// What belongs together: the flattened instances, then those of `placed`.
-    parts: Vec<Part>,
-    /// How many triangles are flattened.
+    /// The flattened instances, then those of `placements`.
+    instances: Vec<InstanceData>,
+    /// The number of flattened triangles.
     flattened: usize,
-    /// The triangles of every mesh that is kept once.
+    /// The range of triangles of every prototype.
     prototypes: Vec<Range<usize>>,
-    /// Where those meshes stand.
-    placed: Vec<Placed>,
+    /// The placements of the prototypes.
+    placements: Vec<Placement>,
 }
 
-/// A triangle as hits look it up: one line of the cache.
+/// The triangle record that hits read: one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
-struct Facet {
+struct TriangleRecord {
     plane: Plane,
     /// Indices into the vertex arrays.
     corners: [u32; 3],
-    /// Index into the parts; of prototypes no meaning.
-    part: u32,
+    /// Index into the instances; without meaning for prototypes.
+    instance: u32,
 }
 
-/// `normal . x = offset`, from f64 positions. The normal has length 1, or 0 for a triangle without area; it points to
-/// the side from which the triangle is counter-clockwise.
+/// A plane `normal . x = offset`, from f64 positions. The normal has length 1, or 0 for a triangle without area; it
+/// points to the side from which the triangle is counter-clockwise.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Plane {
     pub normal: [f64; 3],
@@ -86,16 +86,16 @@ pub(crate) struct Plane {
 
 /// What the triangles of one instance have in common.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Part {
+pub(crate) struct InstanceData {
     pub material: u32,
     /// Index into [`Scene::instances`].
     pub object: u32,
     pub smooth: bool,
-    /// Which of the two sets of texture coordinates it has.
+    /// Which of the two sets of texture coordinates the mesh has.
     pub textured: [bool; 2],
     pub colored: bool,
-    /// The largest coordinate of any vertex: what an f32 position of this instance can be off by, over 2^-24. For a mesh
-    /// that is kept once [`Placed::extent`], which stands for the same.
+    /// The largest coordinate of any vertex: the error bound of an f32 position of this instance is this times 2^-24.
+    /// For a prototype the equivalent [`Placement::extent`].
     pub extent: f32,
 }
 
@@ -104,17 +104,17 @@ fn bad_scene(at: String, what: String) -> Error {
 }
 
 impl Geometry {
-    /// Moves `scene` into the frame of a camera at `pose`.
+    /// Transforms `scene` to the frame of a camera at `pose`.
     pub fn build(scene: &Scene, pose: &Transform, instancing: Instancing) -> Result<Self, Error> {
         let too_many = |what: &str, count: usize| {
             bad_scene("scene".into(), format!("{count} {what} in the world; at most {} fit", u32::MAX - 1))
         };
         let plan = instancing::plan(scene, pose, instancing);
-        let is_placed = |object: &usize| plan.placed[*object].is_some();
+        let has_placement = |object: &usize| plan.placements[*object].is_some();
         let objects = || 0..scene.instances.len();
         let mesh_of = |object: usize| &scene.meshes[scene.instances[object].mesh];
-        let flattened: Vec<usize> = objects().filter(|object| !is_placed(object)).collect();
-        let placed: Vec<usize> = objects().filter(is_placed).collect();
+        let flattened: Vec<usize> = objects().filter(|object| !has_placement(object)).collect();
+        let placed: Vec<usize> = objects().filter(has_placement).collect();
         let prototypes: Vec<&Mesh> = plan.prototypes.iter().map(|&mesh| &scene.meshes[mesh]).collect();
         let meshes = || flattened.iter().map(|&object| mesh_of(object)).chain(prototypes.iter().copied());
         let vertex_count = meshes().map(|m| m.positions.len()).fold(0usize, usize::saturating_add);
@@ -133,25 +133,25 @@ impl Geometry {
         let per_vertex = |wanted: bool| if wanted { vertex_count } else { 0 };
         let with_normals = any(|m| !m.normals.is_empty());
         let with_coordinates = any(|m| !m.texture_coordinates.is_empty());
-        let with_second = any(|m| !m.second_coordinates.is_empty());
+        let with_second = any(|m| !m.second_texture_coordinates.is_empty());
         let with_colors = any(|m| !m.colors.is_empty());
         let with = [with_normals, with_coordinates, with_second, with_colors];
         let mut geometry = Self {
             positions: Vec::with_capacity(vertex_count + 1),
             triangles: Vec::with_capacity(triangle_count),
-            facets: Vec::with_capacity(triangle_count),
+            records: Vec::with_capacity(triangle_count),
             normals: Vec::with_capacity(per_vertex(with_normals)),
             texture_coordinates: [with_coordinates, with_second].map(|wanted| Vec::with_capacity(per_vertex(wanted))),
             colors: Vec::with_capacity(per_vertex(with_colors)),
-            parts: Vec::with_capacity(scene.instances.len()),
+            instances: Vec::with_capacity(scene.instances.len()),
             flattened: flattened_count,
             prototypes: Vec::with_capacity(prototypes.len()),
-            placed: Vec::new(),
+            placements: Vec::new(),
         };
         for object in flattened {
             let transform = &scene.instances[object].transform;
             let extent = geometry.append(mesh_of(object), &to_camera(transform, pose), with)?;
-            geometry.parts.push(Part::new(mesh_of(object), object, extent));
+            geometry.instances.push(InstanceData::new(mesh_of(object), object, extent));
         }
         for &mesh in &prototypes {
             let first = geometry.triangles.len();
@@ -159,38 +159,38 @@ impl Geometry {
             geometry.prototypes.push(first..geometry.triangles.len());
         }
         geometry.positions.push([0.0; 3]);
-        geometry.placed = plan.placed.into_iter().flatten().collect();
-        for (placed, object) in geometry.placed.iter().zip(placed) {
-            geometry.parts.push(Part::new(mesh_of(object), object, placed.extent));
+        geometry.placements = plan.placements.into_iter().flatten().collect();
+        for (placement, object) in geometry.placements.iter().zip(placed) {
+            geometry.instances.push(InstanceData::new(mesh_of(object), object, placement.extent));
         }
         Ok(geometry)
     }
 
-    /// Adds the vertices and triangles of a mesh; returns its largest coordinate.
+    /// Appends the vertices and triangles of a mesh; returns its largest coordinate.
     fn append(&mut self, mesh: &Mesh, to_camera: &Transform, with: [bool; 4]) -> Result<f32, Error> {
         let first_vertex = self.positions.len() as u32;
         let exact: Vec<[f64; 3]> = mesh.positions.par_iter().map(|p| to_camera.point(p.map(f64::from))).collect();
-        // Beyond this the squares and products inside a ray engine overflow f32.
-        if let Some(bad) = exact.par_iter().flatten().find_any(|x| x.is_nan() || x.abs() >= LARGEST_COORDINATE) {
+        // Larger squares and products would overflow f32 inside a ray tracing engine.
+        if let Some(bad) = exact.par_iter().flatten().find_any(|x| x.is_nan() || x.abs() >= MAX_COORDINATE_M) {
             let what = format!("a vertex is {bad:e} m from the camera; coordinates must stay below 1e18 m");
             return Err(bad_scene(format!("mesh '{}'", mesh.name), what));
         }
         let extent = exact.par_iter().flatten().map(|x| x.abs()).reduce(|| 0.0, f64::max);
         self.positions.par_extend(exact.par_iter().map(|p| p.map(|x| x as f32)));
-        // A map that mirrors turns every triangle over; swapping two corners keeps its front in front.
+        // A mirroring map reverses the orientation of triangles; swapping two corners restores it.
         let mirrored = to_camera.determinant() < 0.0;
         let order = if mirrored { [0, 2, 1] } else { [0, 1, 2] };
         self.triangles.par_extend(mesh.triangles.par_iter().map(|t| order.map(|k| t[k] + first_vertex)));
-        let part = self.parts.len() as u32;
-        self.facets.par_extend(mesh.triangles.par_iter().map(|t| Facet {
+        let instance = self.instances.len() as u32;
+        self.records.par_extend(mesh.triangles.par_iter().map(|t| TriangleRecord {
             plane: Plane::through(order.map(|k| exact[t[k] as usize])),
             corners: order.map(|k| t[k] + first_vertex),
-            part,
+            instance,
         }));
         let [with_normals, with_coordinates, with_second, with_colors] = with;
         if with_normals {
             let columns = to_camera.normal_columns();
-            // The cofactor matrix of a mirroring map also turns normals over; undo it so that they stay outward.
+            // The cofactor matrix of a mirroring map also reverses normals; the sign restores them.
             let sign = if mirrored { -1.0 } else { 1.0 };
             let normal_map = Transform { columns, translation: [0.0; 3] };
             let turn = |n: &[f32; 3]| {
@@ -203,7 +203,7 @@ impl Geometry {
                 self.normals.par_extend(mesh.normals.par_iter().map(turn));
             }
         }
-        let sets = [(with_coordinates, &mesh.texture_coordinates), (with_second, &mesh.second_coordinates)];
+        let sets = [(with_coordinates, &mesh.texture_coordinates), (with_second, &mesh.second_texture_coordinates)];
         for (all, (_, own)) in self.texture_coordinates.iter_mut().zip(sets).filter(|(_, (with, _))| *with) {
             all.extend_from_slice(own);
             all.resize(self.positions.len(), [0.0; 2]);
@@ -220,7 +220,7 @@ impl Geometry {
         &self.positions[..self.positions.len() - 1]
     }
 
-    /// Vertex positions with one more entry at the end, for engines that read 16 bytes a vertex.
+    /// Vertex positions with one entry of padding at the end, for engines that read 16 bytes per vertex.
     pub fn padded_positions(&self) -> &[[f32; 3]] {
         &self.positions
     }
@@ -230,93 +230,93 @@ impl Geometry {
         &self.triangles
     }
 
-    /// How many triangles are flattened; they come first.
+    /// The number of flattened triangles, which come first.
     pub fn flattened_count(&self) -> usize {
         self.flattened
     }
 
-    /// The triangles of every mesh that is kept once, in its own coordinates.
+    /// The range of triangles of every prototype; they are in mesh coordinates.
     pub fn prototypes(&self) -> &[Range<usize>] {
         &self.prototypes
     }
 
-    /// Where meshes that are kept once stand.
-    pub fn placed(&self) -> &[Placed] {
-        &self.placed
+    /// The placements of the prototypes.
+    pub fn placements(&self) -> &[Placement] {
+        &self.placements
     }
 
-    /// Whether hits may lie on meshes that are kept once.
+    /// Whether there are placements of prototypes.
     #[inline(always)]
     pub fn is_instanced(&self) -> bool {
-        !self.placed.is_empty()
+        !self.placements.is_empty()
     }
 
-    /// The corners of a triangle in camera coordinates, in the order that the weights of a hit refer to: clockwise seen
-    /// from the front on a mesh that is kept once and placed by a map that mirrors.
+    /// The corners of a triangle in camera coordinates, in the order of the barycentrics of a hit: clockwise seen from
+    /// the front for a prototype under a mirroring placement.
     pub fn corners(&self, hit: Hit) -> [[f32; 3]; 3] {
         let corners = self.triangles[hit.triangle as usize].map(|k| self.positions[k as usize]);
-        if hit.instance == FLATTENED {
+        if hit.placement == FLATTENED {
             return corners;
         }
-        let placed = &self.placed[hit.instance as usize];
-        corners.map(|p| placed.point(p))
+        let placement = &self.placements[hit.placement as usize];
+        corners.map(|p| placement.point(p))
     }
 
     /// The plane of a triangle in camera coordinates.
     #[inline(always)]
     pub fn plane(&self, hit: Hit) -> Plane {
-        let plane = self.facets[hit.triangle as usize].plane;
-        if hit.instance == FLATTENED { plane } else { self.placed[hit.instance as usize].plane(&plane) }
+        let plane = self.records[hit.triangle as usize].plane;
+        if hit.placement == FLATTENED { plane } else { self.placements[hit.placement as usize].plane(&plane) }
     }
 
     #[inline(always)]
-    pub fn part_index(&self, hit: Hit) -> u32 {
-        if hit.instance == FLATTENED {
-            self.facets[hit.triangle as usize].part
+    pub fn instance_index(&self, hit: Hit) -> u32 {
+        if hit.placement == FLATTENED {
+            self.records[hit.triangle as usize].instance
         } else {
-            (self.parts.len() - self.placed.len()) as u32 + hit.instance
+            (self.instances.len() - self.placements.len()) as u32 + hit.placement
         }
     }
 
     #[inline(always)]
-    pub fn part(&self, index: u32) -> &Part {
-        &self.parts[index as usize]
+    pub fn instance(&self, index: u32) -> &InstanceData {
+        &self.instances[index as usize]
     }
 
     /// Unit normals of the corners in camera coordinates; zero where the mesh has none.
     #[inline(always)]
     pub fn normals_of(&self, hit: Hit) -> [[f32; 3]; 3] {
-        let [a, b, c] = self.facets[hit.triangle as usize].corners;
+        let [a, b, c] = self.records[hit.triangle as usize].corners;
         let [a, b, c] = [self.normals[a as usize], self.normals[b as usize], self.normals[c as usize]];
-        if hit.instance == FLATTENED {
+        if hit.placement == FLATTENED {
             return [a, b, c];
         }
-        let placed = &self.placed[hit.instance as usize];
-        [placed.normal(a), placed.normal(b), placed.normal(c)]
+        let placement = &self.placements[hit.placement as usize];
+        [placement.normal(a), placement.normal(b), placement.normal(c)]
     }
 
-    /// Of the set 0 or 1.
+    /// The texture coordinates of the corners; `set` is 0 or 1.
     #[inline(always)]
     pub fn texture_coordinates_of(&self, hit: Hit, set: usize) -> [[f32; 2]; 3] {
-        let [a, b, c] = self.facets[hit.triangle as usize].corners;
+        let [a, b, c] = self.records[hit.triangle as usize].corners;
         let all = &self.texture_coordinates[set];
         [all[a as usize], all[b as usize], all[c as usize]]
     }
 
     #[inline(always)]
     pub fn colors_of(&self, hit: Hit) -> [[f32; 4]; 3] {
-        let [a, b, c] = self.facets[hit.triangle as usize].corners;
+        let [a, b, c] = self.records[hit.triangle as usize].corners;
         [self.colors[a as usize], self.colors[b as usize], self.colors[c as usize]]
     }
 }
 
-impl Part {
+impl InstanceData {
     fn new(mesh: &Mesh, object: usize, extent: f32) -> Self {
         Self {
             material: mesh.material as u32,
             object: object as u32,
             smooth: !mesh.normals.is_empty(),
-            textured: [!mesh.texture_coordinates.is_empty(), !mesh.second_coordinates.is_empty()],
+            textured: [!mesh.texture_coordinates.is_empty(), !mesh.second_texture_coordinates.is_empty()],
             colored: !mesh.colors.is_empty(),
             extent,
         }
@@ -331,8 +331,8 @@ impl Plane {
     }
 }
 
-/// Object to camera coordinates. The camera's position is subtracted from the object's first: both may be large, and
-/// their difference is exact where it matters.
+/// Object to camera coordinates. The position of the camera is subtracted first: both positions may be large, and their
+/// difference is exact for nearby objects.
 fn to_camera(object: &Transform, pose: &Transform) -> Transform {
     let shifted = Transform {
         columns: object.columns,
@@ -341,7 +341,7 @@ fn to_camera(object: &Transform, pose: &Transform) -> Transform {
     world_to_camera_rotation(pose).after(&shifted)
 }
 
-/// The inverse of the pose's rotation (its transpose), without the translation.
+/// The inverse of the rotation of the pose (its transpose), without the translation.
 pub(crate) fn world_to_camera_rotation(pose: &Transform) -> Transform {
     let c = pose.columns;
     Transform { columns: std::array::from_fn(|k| [c[0][k], c[1][k], c[2][k]]), translation: [0.0; 3] }
@@ -377,7 +377,7 @@ mod tests {
 
     #[test]
     fn a_far_world_is_the_near_world() {
-        // Powers of two: the difference of the translations is exact, so nothing may change at all.
+        // Powers of two: the difference of the translations is exact, so the results must be equal.
         let far = [f64::from(1 << 20), -f64::from(1 << 21), f64::from(1 << 22)];
         let small = Transform { columns: [[1e-3, 0.0, 0.0], [0.0, 1e-3, 0.0], [0.0, 0.0, 1e-3]], translation: far };
         let near = Transform { translation: [0.0; 3], ..small };
@@ -390,7 +390,7 @@ mod tests {
     #[test]
     fn positions_beyond_f32_are_an_error() {
         let far = Transform::from_translation([1e30, 0.0, 0.0]);
-        for instancing in [Instancing::Never, Instancing::WherePossible] {
+        for instancing in [Instancing::Never, Instancing::Always] {
             let built = Geometry::build(&one_triangle(far), &Transform::IDENTITY, instancing);
             assert!(matches!(built, Err(Error::Scene(holo_scene::Error::BadScene { .. }))));
         }

@@ -1,5 +1,6 @@
-//! From rays to values: one integrator a file.
+//! Integrators: from rays to pixel values. One integrator per file.
 
+pub(crate) mod aov;
 pub(crate) mod auto;
 pub(crate) mod depth;
 pub(crate) mod direct;
@@ -11,7 +12,6 @@ mod paths;
 mod resampling;
 mod scatterer;
 mod shade;
-pub(crate) mod truth;
 
 use crate::accel::Engine;
 use crate::camera::RaySource;
@@ -23,32 +23,32 @@ use crate::material::Appearance;
 use crate::progress::Stop;
 use crate::sampling::Sampler;
 
-/// What the pixels of a light field hold.
+/// The integrator of a render.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Integrator {
-    /// The cheapest one that is exact for the scene, up to [`crate::Request::indirect`].
+    /// The cheapest integrator that is exact for the scene, up to the choice of [`crate::Request::indirect`].
     #[default]
     Auto,
-    /// Ground truth alone, no colour.
+    /// Ground truth only, without color.
     Depth,
-    /// One bounce: what lights, emitters and the sky send to the first surface. What mirrors and glass show is black
-    /// except for sky and emitters.
+    /// Direct light, a single bounce: light that the first hit receives from punctual lights, emissive surfaces and the
+    /// environment. Mirrors and glass show only emission and the environment; everything else in them is black.
     Direct,
-    /// Light that is scattered up to [`crate::Request::max_bounces`] times.
+    /// Path tracing: light with up to [`crate::Request::max_bounces`] bounces.
     Path,
 }
 
-/// What every integrator reads while it works.
+/// The inputs of an integrator.
 pub(crate) struct Context<'a> {
     pub scene: SceneData<'a>,
     pub camera: RaySource,
     pub sampler: Sampler,
     pub policy: Policy,
-    /// Asked between samples.
+    /// Checked between samples.
     pub stop: &'a Stop<'a>,
 }
 
-/// What rays meet.
+/// The scene as the integrators use it.
 #[derive(Clone, Copy)]
 pub(crate) struct SceneData<'a> {
     pub engine: &'a dyn Engine,
@@ -56,47 +56,47 @@ pub(crate) struct SceneData<'a> {
     pub appearance: &'a Appearance,
     pub lights: &'a [PreparedLight],
     pub emitters: Option<&'a Emitters>,
-    pub surroundings: Option<&'a EnvironmentLight>,
+    pub environment: Option<&'a EnvironmentLight>,
     pub sky: [f32; 3],
-    /// The camera's axes (right, up, back) in the world.
+    /// The axes of the camera (right, up, back) in world coordinates.
     pub to_world: [[f64; 3]; 3],
-    /// Whether any light has an extent on the sky.
+    /// Whether any directional light has an angular diameter.
     pub has_discs: bool,
-    /// Whether surfaces that glow may have holes.
-    pub has_holes: bool,
-    /// Whether rays must know what they hit even if nothing more is scattered there.
-    pub has_glow: bool,
+    /// Whether materials use alpha, so that emissive surfaces may have an opacity below 1.
+    pub has_alpha: bool,
+    /// Whether surfaces emit, so that rays must be intersected even after the last bounce.
+    pub has_emission: bool,
 }
 
-/// How far paths are followed, and when a pixel has enough of them.
+/// The termination of paths and of sampling.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Policy {
-    /// Scattering events at most.
+    /// The maximum number of bounces.
     pub max_bounces: u32,
-    /// Whether weak paths may end at random.
+    /// Whether paths are subject to Russian roulette.
     pub roulette: bool,
-    /// Relative standard error after which a pixel needs no more samples.
+    /// The target of the relative standard error of a pixel, for adaptive sampling.
     pub target_error: Option<f64>,
-    /// Whether light is followed from surfaces other than metal and glass.
+    /// Whether paths continue from surfaces other than metal and glass.
     pub indirect: bool,
 }
 
-/// Rays traced, by what they were for.
+/// The number of traced rays by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayCounts {
-    /// From a pixel into the scene.
+    /// Camera rays, from a pixel into the scene.
     pub primary: u64,
-    /// From a surface towards a light.
+    /// Shadow rays, from a surface towards a light.
     pub shadow: u64,
-    /// Scattered by a surface.
-    pub other: u64,
+    /// Secondary rays, which a surface has scattered.
+    pub secondary: u64,
 }
 
 impl RayCounts {
-    /// All of them.
+    /// The number of all rays.
     #[must_use]
     pub fn total(&self) -> u64 {
-        self.primary + self.shadow + self.other
+        self.primary + self.shadow + self.secondary
     }
 }
 
@@ -106,29 +106,29 @@ impl std::ops::Add for RayCounts {
         Self {
             primary: self.primary + other.primary,
             shadow: self.shadow + other.shadow,
-            other: self.other + other.other,
+            secondary: self.secondary + other.secondary,
         }
     }
 }
 
 impl SceneData<'_> {
-    /// Whether rays that leave the scene find anything.
+    /// Whether rays that miss the scene receive light: from the environment, or from the disc of a directional light.
     #[inline(always)]
-    pub fn shines_from_beyond(&self) -> bool {
-        self.sky[0] + self.sky[1] + self.sky[2] > 0.0 || self.surroundings.is_some() || self.has_discs
+    pub fn has_light_at_infinity(&self) -> bool {
+        self.sky[0] + self.sky[1] + self.sky[2] > 0.0 || self.environment.is_some() || self.has_discs
     }
 
-    /// Whether scattered rays must remember how likely their direction was.
+    /// Whether scattered rays need the pdf of their direction for multiple importance sampling.
     #[inline(always)]
-    pub fn needs_density(&self) -> bool {
-        self.emitters.is_some() || self.surroundings.is_some()
+    pub fn needs_bsdf_pdf(&self) -> bool {
+        self.emitters.is_some() || self.environment.is_some()
     }
 }
 
 impl Context<'_> {
-    /// Whether rays that the event number `event` (from 0) scatters can bring anything.
+    /// Whether rays that are scattered at path vertex number `vertex` (from 0) can contribute.
     #[inline(always)]
-    pub fn scatters_on(&self, event: u32) -> bool {
-        event + 1 < self.policy.max_bounces || self.scene.has_glow || self.scene.shines_from_beyond()
+    pub fn continues_after(&self, vertex: u32) -> bool {
+        vertex + 1 < self.policy.max_bounces || self.scene.has_emission || self.scene.has_light_at_infinity()
     }
 }

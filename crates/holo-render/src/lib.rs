@@ -1,16 +1,22 @@
-//! From a 3D scene straight to a raw holoscopic image, with exact depth, disparity and other layers of ground truth.
+//! Renders a 3D scene into a raw holoscopic image (a light field), with exact depth, disparity and other ground truth.
+//!
+//! The renderer traces the rays of all views microlens by microlens, so that the rays of a packet stay coherent. It is
+//! a path tracer with next-event estimation; a single bounce gives direct light. Rays are traced by Embree 4 if it can
+//! be loaded at run time, otherwise by a BVH in pure Rust.
 //!
 //! ```text
 //! scene (glTF or code) -> geometry in camera coordinates -> rays lens by lens -> light field
 //! ```
 //!
 //! # Conventions
-//! - World: right-handed, +Y up, metres (glTF's frame). A camera looks along its -Z. See [`holo_scene`].
-//! - Rays, rigs and the order of indices are those of [`holo_core`]: axes (v, u, t, s, c), lens first, view second.
-//! - Depth is planar z along the optical axis; a miss is +infinity. Disparity is Eq. 3 between adjacent views. All outputs
-//!   beside colour, by name: [`layers`].
-//! - Colour is linear RGB radiance in the units of KHR_lights_punctual; only [`exposure`] makes display values of it.
-//! - The result depends on the scene and the settings, never on threads or their timing.
+//! - **World**: right-handed, +Y up, meters (the frame of glTF). A camera looks along its -Z. See [`holo_scene`].
+//! - **Light fields**: axes (v, u, t, s, c): microlens row and column, view row and column, channel, as in
+//!   [`holo_core`].
+//! - **Depth** is planar z along the optical axis, m; +infinity where a ray misses. Disparity is Eq. 3 between adjacent
+//!   views, px. [`layers`] lists all outputs beside color (arbitrary output variables, AOVs).
+//! - **Color** is linear RGB radiance in the units of KHR_lights_punctual. [`exposure`] converts it to display values.
+//! - **Determinism**: the result depends on the scene and the [`Request`], not on the number of threads or their
+//!   timing.
 //!
 //! # Example
 //! ```
@@ -42,7 +48,7 @@
 //! # }
 //! ```
 
-// Allowed in two files: the Embree seam and the SIMD dispatch.
+// Allowed in two modules: the binding to Embree and the SIMD dispatch.
 #![deny(unsafe_code)]
 
 mod accel;

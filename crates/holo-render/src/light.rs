@@ -1,7 +1,8 @@
-//! Where light comes from: punctual lights and suns, emissive triangles, the environment around the scene.
+//! Light sources: punctual lights, directional lights with an angular diameter, emissive triangles, the environment
+//! map.
 //!
-//! Each is sampled by its own pdf and says that pdf for rays that meet it by chance; what its light does to a surface is the
-//! integrator's business. **May enter:** geometry, random numbers, scenes.
+//! Each light source can be sampled, and provides the pdf of its samples for multiple importance sampling. **May
+//! import:** geometry, random numbers, scenes.
 
 mod emitters;
 mod environment;

@@ -1,8 +1,9 @@
-//! What surfaces are where rays meet them: where the hit lies, what is there, how it scatters light.
+//! Materials: surface interactions at ray hits, and their BSDFs.
 //!
-//! [`Surfaces`] are sixteen points on surfaces, [`Appearance`] looks up what textures and materials say about them,
-//! [`bsdf`] evaluates and samples what they do with light, [`Holes`] lets rays through where a surface is transparent by its
-//! alpha. **May enter:** geometry, hits ([`crate::accel`]), random numbers, scenes.
+//! A [`SurfaceInteraction`] is a packet of sixteen hit points with normals and base colors. [`Appearance`] evaluates
+//! textures and material parameters. [`bsdf`] evaluates and samples the scattering. [`AlphaTested`] lets rays pass
+//! through surfaces according to their alpha. **May import:** geometry, hits ([`crate::accel`]), random numbers,
+//! scenes.
 
 mod alpha;
 mod appearance;
@@ -10,6 +11,6 @@ pub(crate) mod bsdf;
 mod surface;
 mod texture;
 
-pub(crate) use alpha::{Cover, Holes};
-pub(crate) use appearance::{Appearance, Kinds};
-pub(crate) use surface::{HitPoints, Surfaces};
+pub(crate) use alpha::{AlphaTest, AlphaTested};
+pub(crate) use appearance::{Appearance, MaterialFlags};
+pub(crate) use surface::{HitPoints, SurfaceInteraction};

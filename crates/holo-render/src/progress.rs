@@ -1,15 +1,16 @@
-//! How a caller follows a render and stops it. **May enter:** nothing.
+//! Progress reports and cancellation. **May import:** nothing.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Follows a render, and stops it.
+/// Receives progress reports and can cancel a render. `()` ignores the reports and never cancels.
 pub trait Progress: Sync {
-    /// `done` of `total` units of work are finished. Called from any thread.
+    /// Reports that `done` of `total` units of work (tiles) are finished. Called from any thread.
     fn advance(&self, done: u64, total: u64) {
         let _ = (done, total);
     }
 
-    /// Asked often; once it says yes the render ends with [`Error::Cancelled`](crate::Error::Cancelled).
+    /// Returns whether to cancel. Called often; once it returns `true` the render ends with
+    /// [`Error::Cancelled`](crate::Error::Cancelled).
     fn cancelled(&self) -> bool {
         false
     }
@@ -17,7 +18,7 @@ pub trait Progress: Sync {
 
 impl Progress for () {}
 
-/// Asks the caller whether to stop, and remembers a yes: what was skipped once is missing for good.
+/// Whether the caller has canceled. Remembers a `true`, because tiles that were skipped stay missing.
 pub(crate) struct Stop<'a> {
     progress: &'a dyn Progress,
     seen: AtomicBool,

@@ -1,4 +1,4 @@
-//! The renderer: a scene in front of a camera, ready to be looked at through any rig.
+//! The renderer: a scene in front of a camera, which any rig at that camera pose can render.
 
 mod image;
 mod plan;
@@ -28,41 +28,45 @@ use crate::integrator::{Context, Integrator, Policy, SceneData};
 use crate::light::Emitters;
 use crate::light::EnvironmentLight;
 use crate::light::{self, PreparedLight};
-use crate::material::{Appearance, Kinds};
-use crate::material::{Cover, Holes};
+use crate::material::{AlphaTest, AlphaTested};
+use crate::material::{Appearance, MaterialFlags};
 use crate::progress::{Progress, Stop};
 use crate::sampling::Sampler;
 
 /// A scene with its acceleration structure, in the frame of one camera.
+///
+/// One renderer renders any number of [`Request`]s: rigs with different views, resolutions and focus distances at the
+/// same camera pose.
 pub struct Renderer {
-    /// What light meets.
+    /// The engine for light transport.
     engine: Arc<dyn Engine>,
-    /// What the ground truth meets: the same unless surfaces have holes.
-    truth_engine: Arc<dyn Engine>,
+    /// The engine for ground truth (AOVs): the same unless materials use alpha.
+    aov_engine: Arc<dyn Engine>,
     note: Option<String>,
     geometry: Arc<Geometry>,
     appearance: Arc<Appearance>,
     lights: Vec<PreparedLight>,
     emitters: Option<Emitters>,
-    surroundings: Option<EnvironmentLight>,
-    /// The camera's axes (right, up, back) in the world.
+    environment: Option<EnvironmentLight>,
+    /// The axes of the camera (right, up, back) in world coordinates.
     to_world: [[f64; 3]; 3],
-    /// Instances and materials of the scene.
+    /// The number of instances and materials of the scene.
     counts: [usize; 2],
     pool: rayon::ThreadPool,
 }
 
 impl Renderer {
-    /// Checks `scene`, moves it into the frame of a camera at `pose` and builds the acceleration structure, on `threads`
-    /// threads (0: as many as rayon chooses, one per core).
+    /// Validates `scene`, transforms it to the frame of a camera at `pose` (camera to world) and builds the
+    /// acceleration structure, with `threads` threads (0: the default of rayon, one per core).
     ///
     /// # Errors
-    /// A broken scene, an engine that cannot be had, threads that cannot be started.
+    /// [`Error::Scene`] for an invalid scene, [`Error::Embree`] if the backend is not available or runs out of memory,
+    /// [`Error::BadSetting`] for a pose that is not a rotation and translation or if the threads cannot be started.
     pub fn new(scene: &Scene, pose: &Transform, backend: Backend, threads: usize) -> Result<Self, Error> {
         Self::with_instancing(scene, pose, backend, threads, accel::instancing(backend))
     }
 
-    /// As `new`; `instancing` must be something that the engine knows.
+    /// As `new`; the engine must support `instancing`.
     pub(crate) fn with_instancing(
         scene: &Scene,
         pose: &Transform,
@@ -86,47 +90,47 @@ impl Renderer {
         let (engine, note) = built;
         let appearance = Arc::new(Appearance::new(&scene.materials, &scene.textures));
         let engine: Arc<dyn Engine> = Arc::from(engine);
-        let [engine, truth_engine] = [Cover::Random, Cover::Half].map(|cover| {
+        let [engine, aov_engine] = [AlphaTest::Stochastic, AlphaTest::Threshold].map(|test| {
             let inner = Arc::clone(&engine);
-            if !appearance.kinds().has(Kinds::HOLES) {
+            if !appearance.flags().has(MaterialFlags::ALPHA) {
                 return inner;
             }
-            Arc::new(Holes { inner, geometry: Arc::clone(&geometry), appearance: Arc::clone(&appearance), cover })
+            Arc::new(AlphaTested { inner, geometry: Arc::clone(&geometry), appearance: Arc::clone(&appearance), test })
         });
         let lights = light::prepare(&scene.lights, pose);
         let emitters = Emitters::build(&geometry, &scene.materials, &scene.textures);
-        let surroundings = scene.environment.as_ref().map(|environment| EnvironmentLight::new(environment, pose));
-        let surroundings = surroundings.filter(|surroundings| !surroundings.is_black());
+        let environment = scene.environment.as_ref().map(|environment| EnvironmentLight::new(environment, pose));
+        let environment = environment.filter(|environment| !environment.is_black());
         let counts = [scene.instances.len(), scene.materials.len()];
         let to_world = pose.columns;
         Ok(Self {
             engine,
-            truth_engine,
+            aov_engine,
             note,
             geometry,
             appearance,
             lights,
             emitters,
-            surroundings,
+            environment,
             to_world,
             counts,
             pool,
         })
     }
 
-    /// The engine and its version, such as "embree 4.4.0" or "bvh".
+    /// The name and version of the ray tracing backend, such as "embree 4.4.0" or "bvh".
     #[must_use]
     pub fn engine_name(&self) -> &str {
         self.engine.name()
     }
 
-    /// Why the engine is not the one that is usually best.
+    /// Why [`Backend::Auto`] did not select Embree; `None` if it did, or if the backend was requested explicitly.
     #[must_use]
     pub fn engine_note(&self) -> Option<&str> {
         self.note.as_deref()
     }
 
-    /// Threads that this renderer uses.
+    /// The number of threads of this renderer.
     #[must_use]
     pub fn threads(&self) -> usize {
         self.pool.current_num_threads()
@@ -137,41 +141,44 @@ impl Renderer {
         &*self.engine
     }
 
-    /// Runs `work` on this renderer's threads.
+    /// Runs `work` in the thread pool of this renderer.
     pub fn install<R: Send>(&self, work: impl FnOnce() -> R + Send) -> R {
         self.pool.install(work)
     }
 
-    /// Renders. The result depends on nothing but the scene, the pose and `request`: not on threads or their timing.
+    /// Renders `request`. The result depends only on the scene, the pose and `request`, not on the number of threads or
+    /// their timing.
     ///
     /// # Errors
-    /// Impossible settings, memory that cannot be had, [`Error::Cancelled`].
+    /// [`Error::BadSetting`] for settings that are out of range or do not fit the scene, [`Error::Core`] if a light
+    /// field does not fit into memory, [`Error::Cancelled`] if `progress` cancels.
     pub fn render(&self, request: &Request, progress: &dyn Progress) -> Result<Rendered, Error> {
         self.pool.install(|| self.render_here(request, progress))
     }
 
-    /// The lens rows of part `part` (from 0) of `of`, such that the parts of a request come out byte for byte as the whole.
+    /// The lens rows of shard `shard` (from 0) of `count` shards. Each shard renders exactly the bytes that these rows
+    /// have in the whole image.
     ///
-    /// Parts are about equally high; the cuts lie between tiles. What the request says of lens rows does not matter.
+    /// Shards have about the same height; their boundaries lie between tiles. [`Request::lens_rows`] is ignored.
     ///
     /// # Errors
-    /// Impossible settings; more parts than there are rows of tiles.
-    pub fn part_of_lens_rows(&self, request: &Request, part: usize, of: usize) -> Result<Range<usize>, Error> {
+    /// [`Error::BadSetting`] as in [`Renderer::render`], and for more shards than rows of tiles.
+    pub fn shard_lens_rows(&self, request: &Request, shard: usize, count: usize) -> Result<Range<usize>, Error> {
         let (integrator, _) = self.choose(request)?;
         let step = Plan::new(request, integrator).row_step();
         let rows = request.rig.shape().lenses().rows;
-        let most = rows.div_ceil(step);
-        if part >= of || of > most {
+        let max_count = rows.div_ceil(step);
+        if shard >= count || count > max_count {
             return Err(Error::BadSetting(format!(
-                "part {} of {of}: this picture of {rows} rows of lenses can be cut into 1 to {most} parts",
-                part + 1
+                "shard {} of {count}: this image of {rows} lens rows can be cut into 1 to {max_count} shards",
+                shard + 1
             )));
         }
-        let cut = |part: usize| (most * part / of * step).min(rows);
-        Ok(cut(part)..cut(part + 1))
+        let start = |shard: usize| (max_count * shard / count * step).min(rows);
+        Ok(start(shard)..start(shard + 1))
     }
 
-    /// Layers of the central view alone, axes (v, u, c).
+    /// Renders layers of the central view of `rig` only; each image has the axes (v, u, c).
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -180,7 +187,7 @@ impl Renderer {
         Ok(self.render(&request, &())?.central)
     }
 
-    /// Depth and disparity of the central view alone.
+    /// Renders the depth (m) and disparity (px) of the central view of `rig` only; each image has the axes (v, u, c).
     ///
     /// # Errors
     /// As [`Renderer::render`].
@@ -188,11 +195,12 @@ impl Renderer {
         self.central_layers(rig, DEPTH_AND_DISPARITY)
     }
 
-    /// The focus distance that halves the range of disparities: the harmonic mean of the nearest and the farthest depth
-    /// in the central view (of the perspective rig focused at infinity). Infinite where that view sees nothing.
+    /// The focus distance, m, at which the largest positive and the largest negative disparity are equal: the harmonic
+    /// mean of the nearest and the farthest depth in the central view (of the perspective rig focused at infinity).
+    /// Infinite if no ray of that view hits anything.
     ///
     /// # Errors
-    /// As [`Renderer::render`]; an orthographic rig that sees nothing.
+    /// As [`Renderer::render`]; [`Error::BadSetting`] for an orthographic rig if no ray hits anything.
     pub fn automatic_focus_m(&self, framed: &Framed) -> Result<f64, Error> {
         let truth = self.central_truth(&framed.rig_with(Projection::Perspective, f64::INFINITY)?)?;
         let hits = truth.depth_m().into_iter().flatten().filter(|z| z.is_finite()).map(|&z| f64::from(z));
@@ -208,7 +216,7 @@ impl Renderer {
         }
     }
 
-    /// What the integrators read over the packets of `region`.
+    /// The context of the integrators for the packets of `region`.
     fn context<'a>(
         &'a self,
         request: &Request,
@@ -219,17 +227,17 @@ impl Renderer {
         let (seed, samples, sampling) = (request.seed, request.samples, request.sampling);
         let rig = RigRays::new(&request.rig, &region.tiling, &region.selection, sampling.shared_views());
         let scene = SceneData {
-            engine: if integrator == Integrator::Depth { &*self.truth_engine } else { &*self.engine },
+            engine: if integrator == Integrator::Depth { &*self.aov_engine } else { &*self.engine },
             geometry: &self.geometry,
             appearance: &self.appearance,
             lights: &self.lights,
             emitters: self.emitters.as_ref(),
-            surroundings: self.surroundings.as_ref(),
+            environment: self.environment.as_ref(),
             sky: request.sky,
             to_world: self.to_world,
             has_discs: self.lights.iter().any(PreparedLight::is_disc),
-            has_holes: self.appearance.kinds().has(Kinds::HOLES),
-            has_glow: self.appearance.kinds().has(Kinds::GLOWS.and(Kinds::UNLIT)),
+            has_alpha: self.appearance.flags().has(MaterialFlags::ALPHA),
+            has_emission: self.appearance.flags().has(MaterialFlags::EMISSIVE.union(MaterialFlags::UNLIT)),
         };
         let policy = Policy {
             max_bounces: request.bounces(integrator),
@@ -240,7 +248,7 @@ impl Renderer {
         Context { scene, camera: RaySource::Rig(rig), sampler: Sampler { seed, samples, sampling }, policy, stop }
     }
 
-    /// The integrator for a request that can be rendered, and why it is this one.
+    /// Validates the request; returns the integrator and the reason for it.
     fn choose(&self, request: &Request) -> Result<(Integrator, String), Error> {
         request.check(self.counts)?;
         Ok(match request.integrator {
@@ -249,18 +257,18 @@ impl Renderer {
         })
     }
 
-    /// What decides which integrator the scene needs.
+    /// The properties of the scene that determine the integrator.
     fn contents(&self, request: &Request) -> Contents {
-        let kinds = self.appearance.kinds();
+        let flags = self.appearance.flags();
         let discs = self.lights.iter().filter(|light| light.is_disc()).count();
         Contents {
             punctual_lights: self.lights.len() - discs,
             discs,
             emitters: self.emitters.is_some(),
             sky: request.sky.iter().any(|&c| c > 0.0),
-            surroundings: self.surroundings.is_some(),
-            glossy: kinds.has(Kinds::GLOSSY),
-            unlit: kinds.has(Kinds::UNLIT),
+            environment: self.environment.is_some(),
+            glossy: flags.has(MaterialFlags::GLOSSY),
+            unlit: flags.has(MaterialFlags::UNLIT),
             all_unlit: self.appearance.is_all_unlit(),
         }
     }

@@ -1,94 +1,96 @@
-//! Random numbers as a function of (seed, lens, view, sample): Owen-scrambled Sobol points, one sequence a pixel.
+//! Random numbers: Owen-scrambled Sobol points, one sequence per pixel.
 //!
-//! Nothing else goes in, so an image is the same for any number of threads, any tiles and any part of it rendered alone.
+//! The numbers are a function of (seed, microlens, view, sample, dimension) and of nothing else, so an image does not
+//! depend on the number of threads, the size of tiles or the part of it that is rendered.
 //!
-//! A sample has pairs of numbers (a place in the pixel, a direction of the sky). Each pair is a point of the
-//! two-dimensional Sobol sequence, which is a (0, 2)-sequence: of every 2^k points that begin at a multiple of 2^k, each
-//! box of area 2^-k with sides of powers of two holds one. Pairs of one pixel are padded: the order of the points is
-//! scrambled anew for each (Burley, "Practical Hash-based Owen Scrambling", JCGT 9, 2020). Everything is arithmetic on
-//! 32-bit lanes without branches, so that 16 pixels are drawn at once: 49 ns for two pairs of 16 pixels where the
-//! crate `sobol_burley` takes 406 ns (one core of an AMD EPYC with AVX-512).
+//! A sample has pairs of numbers (the position in the pixel, a scattered direction, ...). Each pair is a point of the
+//! two-dimensional Sobol sequence, which is a (0, 2)-sequence: of every 2^k points that begin at a multiple of 2^k,
+//! each box of area 2^-k with sides of powers of two holds one. The pairs of a pixel are padded: the order of the
+//! points is scrambled separately for each pair (Burley, "Practical Hash-based Owen Scrambling", JCGT 9, 2020). All
+//! operations are branch-free arithmetic on 32-bit lanes, so that the points of 16 pixels are computed together. **May
+//! import:** SIMD.
 
 use crate::simd::LANES;
 use crate::simd::angles::sin_cos_quarter;
 
-/// Samples a pixel at most. The sequence is longer, but a sum of so many f32 is off by up to 2^-9 if all roundings fall
-/// to one side.
-pub(crate) const MOST_SAMPLES: u32 = 1 << 16;
+/// The maximum number of samples per pixel. The sequence is longer, but a sum of so many f32 has a relative error of up
+/// to 2^-9 if all roundings have the same sign.
+pub(crate) const MAX_SAMPLES: u32 = 1 << 16;
 
-/// What a pair of numbers is for.
+/// The padded dimension of a pair of random numbers: what the pair is used for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Purpose(u32);
 
-/// What a scattering event draws.
+/// The pairs of random numbers of one path vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Draw {
-    /// Where light goes on to.
+    /// The scattered direction.
     Direction = 1,
-    /// Which way it does so, and whether it goes on at all.
+    /// The lobe of the BSDF, and Russian roulette.
     Choice = 2,
-    /// Which punctual light, which of the points on emitters.
+    /// The RIS choice among punctual lights, and among points on emitters.
     Light = 3,
-    /// Where on an emitter.
+    /// The point on an emissive triangle.
     Emitter = 4,
-    /// Which direction of the surroundings.
+    /// The direction of the environment map.
     EnvironmentLight = 5,
-    /// Where on the disc of a distant light.
+    /// The point on the disc of a distant light.
     Disc = 6,
-    /// Which emitter.
+    /// The emissive triangle.
     EmitterChoice = 7,
 }
 
 impl Purpose {
-    /// Where in the pixel.
+    /// The position in the pixel.
     pub const PIXEL: Self = Self(0);
 
-    /// Something that the event number `event` of a path needs, counted from 0.
+    /// The pair `draw` of path vertex number `vertex`, counted from 0.
     #[inline(always)]
-    pub const fn event(event: u32, draw: Draw) -> Self {
-        Self(event * 8 + draw as u32)
+    pub const fn at_vertex(vertex: u32, draw: Draw) -> Self {
+        Self(vertex * 8 + draw as u32)
     }
 }
 
 /// Sixteen points of the unit square.
 pub(crate) type Points = [[f32; LANES]; 2];
 
-/// How the samples of a pixel are chosen. All of them are unbiased.
+/// The sample sequence of a pixel. All variants are unbiased.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sampling {
-    /// Owen-scrambled Sobol points. Blocks of 4 x 4 views share the positions of their samples within the pixel, so that a
-    /// packet's rays stay a narrow bundle; each view's error is the same as with positions of its own, the error of a mean
-    /// over many views is larger.
+    /// Owen-scrambled Sobol points. Groups of 4 x 4 views share their pixel sample positions, so that the rays of a
+    /// packet stay coherent. The error of a single view is the same as with positions of its own; the error of a mean
+    /// over many views is larger, because the noise of neighboring views is correlated.
     #[default]
     SharedPositions,
-    /// The same points, every view with positions of its own: slower.
+    /// Owen-scrambled Sobol points; every view has pixel sample positions of its own. Slower, because packets are less
+    /// coherent.
     OwnPositions,
-    /// Independent random numbers, to measure what the points are worth.
+    /// Independent random numbers: a baseline for measurements.
     Independent,
 }
 
-/// Numbers of sixteen pixels, by which random numbers are drawn.
+/// The identifiers of sixteen pixels that their random numbers depend on.
 #[derive(Clone, Copy)]
-pub(crate) struct PixelNumbers {
-    /// The lens.
+pub(crate) struct PixelIds {
+    /// The microlens.
     pub lens: [u32; LANES],
-    /// The pixel behind the lens: the view.
+    /// The view, which is the pixel behind the microlens.
     pub view: [u32; LANES],
-    /// The views that share the positions of their samples within the pixel; below 2^31.
-    pub block: [u32; LANES],
+    /// The group of views that share their pixel sample positions; below 2^31.
+    pub view_group: [u32; LANES],
 }
 
-/// Draws random numbers.
+/// Generates the random numbers of a render.
 #[derive(Clone, Copy)]
 pub(crate) struct Sampler {
     pub seed: u64,
-    /// Samples of a pixel at most.
+    /// The maximum number of samples per pixel.
     pub samples: u32,
     pub sampling: Sampling,
 }
 
 impl Sampling {
-    /// How wide the blocks of views are that share the positions of their samples within the pixel.
+    /// The width, in views, of the groups that share their pixel sample positions.
     pub(crate) fn shared_views(self) -> u32 {
         if self == Self::SharedPositions { 4 } else { 1 }
     }
@@ -97,20 +99,20 @@ impl Sampling {
 impl Sampler {
     /// The random sequences of sixteen pixels.
     #[inline(always)]
-    pub fn sequences(&self, pixels: &PixelNumbers) -> [u32; LANES] {
+    pub fn sequences(&self, pixels: &PixelIds) -> [u32; LANES] {
         sequences(self.seed, &pixels.lens, &pixels.view)
     }
 
-    /// Where sample `sample` of every pixel lies within its pixel: at the same place for the views of a block, at places of
-    /// its own for every block and every lens.
+    /// The position of sample `sample` within each pixel, 0 to 1 from the upper left corner: the same for the views of
+    /// a group, different for every group and every microlens.
     #[inline(always)]
-    pub fn pixel_positions(&self, pixels: &PixelNumbers, sample: u32) -> Points {
-        let mut block = pixels.block;
+    pub fn pixel_positions(&self, pixels: &PixelIds, sample: u32) -> Points {
+        let mut view_group = pixels.view_group;
         for lane in 0..LANES {
-            // Set apart from the views themselves by the highest bit.
-            block[lane] |= 1 << 31;
+            // The highest bit distinguishes groups from views.
+            view_group[lane] |= 1 << 31;
         }
-        self.points(&sequences(self.seed, &pixels.lens, &block), &[sample; LANES], Purpose::PIXEL)
+        self.points(&sequences(self.seed, &pixels.lens, &view_group), &[sample; LANES], Purpose::PIXEL)
     }
 
     /// A sample of its own number of each of sixteen sequences, in [0, 1).
@@ -123,12 +125,12 @@ impl Sampler {
     }
 }
 
-/// The sequences of sixteen pixels; lenses and views are counted row by row.
+/// The sequences of sixteen pixels; microlenses and views are numbered row by row.
 #[inline(always)]
 pub(crate) fn sequences(seed: u64, lens: &[u32; LANES], view: &[u32; LANES]) -> [u32; LANES] {
     let mut out = [0; LANES];
     for lane in 0..LANES {
-        // Hashed before the seed comes in: otherwise two seeds would use the same sequences in another order.
+        // Hashed before the seed is added: otherwise two seeds would use the same sequences in another order.
         let a = hash(hash(lens[lane]) ^ seed as u32);
         out[lane] = hash(view[lane].wrapping_add(a) ^ hash((seed >> 32) as u32 ^ 0x9E37_79B9));
     }
@@ -157,7 +159,7 @@ pub(crate) fn points_at(sequences: &[u32; LANES], indices: &[u32; LANES], purpos
     out
 }
 
-/// In place of [`points_at`]: numbers that know nothing of each other, to measure what the sequence is worth.
+/// Independent random numbers with the interface of [`points_at`].
 #[inline(never)]
 fn independent(sequences: &[u32; LANES], indices: &[u32; LANES], purpose: Purpose) -> Points {
     let mut out = [[0.0; LANES]; 2];
@@ -182,8 +184,8 @@ pub(crate) fn hash(mut x: u32) -> u32 {
 }
 
 /// The second dimension of the Sobol sequence as a 32-bit fraction: Pascal's triangle modulo 2 times the bits of the
-/// index, in five steps of halves (Ahmed, "An Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and Compact",
-/// 2024), then reversed like the first.
+/// index, in five steps of halves (Ahmed, "An Implementation Algorithm of 2D Sobol Sequence Fast, Elegant, and
+/// Compact", 2024), then reversed like the first.
 #[inline(always)]
 fn sobol_second(index: u32) -> u32 {
     let mut x = index;
@@ -208,8 +210,7 @@ fn owen(fraction: u32, seed: u32) -> u32 {
     x.reverse_bits()
 }
 
-/// Directions around +Z, distributed as their cosine with it (Malley's method over the concentric disk of Shirley and
-/// Chiu, 1997).
+/// Cosine-distributed directions about +Z (Malley's method over the concentric disk of Shirley and Chiu, 1997).
 #[inline(always)]
 pub(crate) fn cosine_hemisphere([u, v]: &Points) -> [[f32; LANES]; 3] {
     let mut out = [[0.0; LANES]; 3];
@@ -242,7 +243,7 @@ pub(crate) fn frame(n: [f32; 3]) -> [[f32; 3]; 2] {
 mod tests {
     use super::*;
 
-    const SKY: Purpose = Purpose::event(0, Draw::Direction);
+    const SKY: Purpose = Purpose::at_vertex(0, Draw::Direction);
 
     fn sequence(k: u32) -> [u32; LANES] {
         sequences(7, &std::array::from_fn(|lane| lane as u32), &[k; LANES])
@@ -259,8 +260,8 @@ mod tests {
         }
     }
 
-    /// The net property survives scrambling: of 2^k points every elementary box of area 2^-k holds exactly one, and so
-    /// does every later run of 2^k.
+    /// Scrambling keeps the net property: of 2^k points every elementary box of area 2^-k holds exactly one; the same
+    /// holds for every later run of 2^k points.
     #[test]
     fn every_run_of_points_is_a_net() {
         for purpose in [Purpose::PIXEL, SKY] {
@@ -285,27 +286,27 @@ mod tests {
         }
     }
 
-    /// Neighbouring pixels, and the two pairs of one pixel, have nothing to do with each other: their correlation over
-    /// 4096 views is that of independent numbers (standard error 1/64; four of them).
+    /// Neighboring pixels, and the pairs of one pixel, are uncorrelated: over 4096 views within four standard errors
+    /// (1/64 each) of independent numbers.
     #[test]
     fn pixels_and_pairs_are_decorrelated() {
         let draw = |k: u32, purpose| points(&sequence(k), 0, purpose);
         let mut sums = [0.0f64; 4];
         for k in 0..4096 {
             let (here, next, sky) = (draw(k, Purpose::PIXEL), draw(k + 1, Purpose::PIXEL), draw(k, SKY));
-            let centred = |x: f32| (f64::from(x) - 0.5) * 12f64.sqrt();
+            let centered = |x: f32| (f64::from(x) - 0.5) * 12f64.sqrt();
             let pairs =
                 [(here[0][0], here[0][1]), (here[0][2], next[0][2]), (here[0][3], sky[0][3]), (here[0][4], here[1][4])];
             for (sum, (a, b)) in sums.iter_mut().zip(pairs) {
-                *sum += centred(a) * centred(b) / 4096.0;
+                *sum += centered(a) * centered(b) / 4096.0;
             }
         }
         assert!(sums.iter().all(|c| c.abs() < 4.0 / 64.0), "{sums:?}");
     }
 
-    /// Two seeds share no sequence, whatever the lens.
+    /// Two seeds share no sequence, for any microlens.
     #[test]
-    fn seeds_are_different_pictures() {
+    fn seeds_share_no_sequence() {
         let all = |seed: u64| -> std::collections::BTreeSet<u32> {
             (0..256)
                 .flat_map(|k| sequences(seed, &std::array::from_fn(|lane| k * 16 + lane as u32), &[5; LANES]))

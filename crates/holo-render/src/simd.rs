@@ -1,32 +1,32 @@
-//! Sixteen values side by side, and code that is compiled for several instruction sets.
+//! SIMD by arrays of sixteen lanes, compiled for several instruction sets.
 //!
-//! Hot code is written as loops over the lanes of plain arrays, which the compiler vectorizes for the instruction set of its
-//! kernel ([`Kernel`]). **May enter:** nothing.
+//! Hot code is written as loops over the lanes of plain arrays, which the compiler vectorizes for the instruction set
+//! of its kernel ([`Kernel`]). **May import:** nothing.
 
 pub(crate) mod angles;
-#[allow(unsafe_code)]
+#[allow(unsafe_code, reason = "calls functions compiled for AVX2 and AVX-512 after a check of the processor")]
 mod dispatch;
 
 #[cfg(test)]
 pub(crate) use dispatch::run_on_all;
 pub(crate) use dispatch::{Kernel, run};
 
-/// Rays in a packet.
+/// Lanes of a packet: the number of rays that are traced together.
 pub(crate) const LANES: usize = 16;
 
-/// One value a ray, aligned as Embree wants it.
+/// One value per lane, with the alignment that Embree requires.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Lanes<T>(pub [T; LANES]);
 
-/// One lane of a vector field. (Closures such as those of `array::map` are not compiled for the kernel's instruction set;
-/// hot code is written with loops and with this.)
+/// One lane of an array of vectors. (Closures such as those of `array::map` are not compiled for the instruction set of
+/// the kernel, so hot code uses loops and this function.)
 #[inline(always)]
 pub(crate) fn at(field: &[[f32; LANES]; 3], lane: usize) -> [f32; 3] {
     [field[0][lane], field[1][lane], field[2][lane]]
 }
 
-/// Valid lanes.
+/// The number of valid lanes.
 #[inline(always)]
 pub(crate) fn count(valid: &Lanes<i32>) -> u64 {
     let mut count = 0;

@@ -1,10 +1,11 @@
-//! What rigs see of the gallery.
+//! Framing and disparities of the gallery.
 
 use holo_core::{GridSize, LightFieldShape, Projection};
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer};
 use holo_scene::gallery::{NAMES, scene};
 
-/// 20 x 20 views of 397 x 265 pixels: no view sees past the scene, and disparities are worth measuring but small.
+/// 20 x 20 views of 397 x 265 pixels: no view sees past the scene, and disparities are within the range that the
+/// gallery is designed for.
 #[test]
 fn disparities_suit_dense_views() {
     let split = LightFieldShape::new(GridSize::new(20, 20), GridSize::new(265, 397)).expect("a possible split");

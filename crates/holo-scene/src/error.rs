@@ -1,39 +1,39 @@
-//! Everything that can go wrong in this crate, grouped by cause.
+//! The error type of this crate, grouped by cause.
 
-/// An error of `holo-scene`. Every message says what is wrong and where, and what to do where that is not plain.
+/// An error of `holo-scene`. The message says what is wrong, where, and what to do about it if that is not obvious.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A file could not be read.
     #[error("cannot read {path}: {source}")]
     Read {
-        /// The file.
+        /// The path of the file.
         path: String,
-        /// The operating system's word.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// A scene file breaks its format's rules.
+    /// A scene file violates the rules of its format.
     #[error("{at}: {what}")]
     BadFile {
-        /// Where in the file, such as `accessors[3].count`.
+        /// The JSON path in the file, such as `accessors[3].count`.
         at: String,
         /// What is wrong there.
         what: String,
     },
-    /// A scene file asks for something that this version does not model.
+    /// A scene file uses a feature that this version does not support.
     #[error("{at}: {what} is not supported")]
     Unsupported {
-        /// Where in the file.
+        /// The JSON path in the file.
         at: String,
-        /// What it asks for.
+        /// The unsupported feature.
         what: String,
     },
-    /// A scene is inconsistent: an index out of range, a NaN.
+    /// A scene is inconsistent, such as an index out of range or a NaN.
     #[error("scene: {at}: {what}")]
     BadScene {
-        /// Which part, such as `meshes[2].triangles[7]`.
+        /// The path in the scene, such as `meshes[2].triangles[7]`.
         at: String,
-        /// What is wrong with it.
+        /// What is wrong there.
         what: String,
     },
 }

@@ -1,19 +1,21 @@
-//! Scenes built in code: nothing to download, the same bytes everywhere.
+//! The gallery: fifteen scenes built in code, identical on all machines.
 //!
-//! A scene of the gallery is an ordinary [`Scene`]: render it, change it, or export it with [`crate::gltf::to_glb`], which
-//! leaves nothing out: what fills the shadows is a room that glows, not an environment map (`garden` has a sun and a lamp
-//! alone). All are at table-top scale (0.2 to 1 m but for lamps and the room they stand in) and seen through a lens of 50 mm
-//! (39 mm: `garden`). The last
-//! column has the largest disparity between neighbours of 20 x 20 views of 397 x 265 pixels at f/5 with automatic focus;
-//! the least is its negative. No view sees past the scene. Every scene has one camera, for pictures of 3:2.
+//! A scene of the gallery is an ordinary [`Scene`]. It can be rendered, changed, or written with
+//! [`crate::gltf::to_glb`] without loss: the indirect light comes from an emissive room, not from an environment map
+//! (`garden` has only a sun and a lamp). All scenes have table-top scale (0.2 to 1 m, except for lamps and the room
+//! around them). Every scene has one camera with an aspect ratio of 3:2 and a focal length of 50 mm (39 mm: `garden`)
+//! on a 36 mm sensor, and no view sees past the scene.
 //!
-//! | name | what it is there for | largest disparity, px |
+//! The last column is the largest disparity between adjacent views for 20 x 20 views of 397 x 265 pixels at f/5 with
+//! automatic focus; the smallest is its negative.
+//!
+//! | name | purpose | largest disparity, px |
 //! |---|---|---|
 //! | `garden` | dense foliage of many instances, textured background, hard shadows | 0.16 |
 //! | `mirror` | a mirror, metal and glaze before a papered wall | 0.12 |
 //! | `clockwork` | rough metals in many thin layers | 0.12 |
 //! | `glasses` | clear glass: refraction, total internal reflection | 0.17 |
-//! | `bottles` | coloured thick glass before the light | 0.18 |
+//! | `bottles` | colored thick glass before the light | 0.18 |
 //! | `birdcage` | thin structures and their shadows | 0.14 |
 //! | `chess` | soft and hard shadows over a pattern | 0.20 |
 //! | `mountains` | slanted and layered planes | 0.14 |
@@ -36,24 +38,24 @@ mod fruit;
 mod garden;
 mod glasses;
 mod lanterns;
+mod materials;
 mod mirror;
 mod mountains;
 mod noise;
-mod papers;
 mod patterns;
 mod plaster;
 mod shapes;
 mod solids;
 mod studio;
-mod surfaces;
 #[cfg(test)]
 mod tests;
+mod textures;
 mod tiles;
 
 use crate::Scene;
 
-/// The names that [`scene`] knows, in the order of the table above: the oldest first, then by what is hard about them,
-/// from mirrors and glass over shapes and light to all at once.
+/// The names of all scenes, in the order of the table above: first the oldest, then by difficulty (mirrors and glass,
+/// shapes, light, all together).
 pub const NAMES: &[&str] = &[
     "garden",
     "mirror",
@@ -72,7 +74,7 @@ pub const NAMES: &[&str] = &[
     "fruit",
 ];
 
-/// The scene of this name, or `None`.
+/// Builds the scene with this name; `None` for an unknown name.
 #[must_use]
 pub fn scene(name: &str) -> Option<Scene> {
     let build = match name {
@@ -96,7 +98,7 @@ pub fn scene(name: &str) -> Option<Scene> {
     Some(build())
 }
 
-/// What the scene of this name is there for, or `None`.
+/// The purpose of the scene with this name; `None` for an unknown name.
 #[must_use]
 pub fn purpose(name: &str) -> Option<&'static str> {
     Some(match name {

@@ -1,87 +1,93 @@
-//! glTF 2.0: `.glb`, and `.gltf` with files beside it or data URIs inside.
+//! glTF 2.0: `.glb`, and `.gltf` with external files or data URIs.
 //!
-//! **What is read.** The default scene's node hierarchy, composed in f64; triangles, strips and fans, indexed or not, with
-//! normals, vertex colours and two sets of texture coordinates (`TEXCOORD_0` and `_1`; where a material's textures read
-//! others, those); sparse and normalized accessors; textures (PNG, JPEG; 16-bit images are rounded to 8) with their wrap
-//! modes; cameras; the lights of `KHR_lights_punctual`. Instances, lights and cameras come in the order of their nodes in
-//! the file.
+//! # Geometry
+//! The loader reads the node hierarchy of the default scene, composed in f64; triangles, strips and fans, indexed or
+//! not, with normals, vertex colors and two sets of texture coordinates (`TEXCOORD_0` and `_1`; if the textures of a
+//! material use other sets, those); sparse and normalized accessors; textures (PNG, JPEG; 16-bit images are rounded to
+//! 8) with their wrap modes; cameras; and the lights of `KHR_lights_punctual`. Instances, lights and cameras are in the
+//! order of their nodes in the file.
 //!
-//! **Materials** are read whole, with the specification's defaults (a file that says nothing means rough white metal, a
-//! non-metal without `KHR_materials_specular` the gloss of index 1.5): metallic-roughness, normal maps, emission, alpha,
-//! `doubleSided`, and the extensions `KHR_materials_emissive_strength`, `_ior`, `_specular`, `_transmission`, `_unlit`,
-//! `_volume` and `KHR_texture_transform`. Occlusion textures are passed over without a word, since light is really
-//! occluded. Of the thickness of a volume only counts whether it is above 0 (0: a thin pane); distances of attenuation are
-//! in world units. An index of refraction of 0, the specification's infinity, becomes 1000 (99.6 % reflected at normal
-//! incidence), with a warning. Black attenuation is kept a hair above 0.
+//! # Materials
+//! Materials are read completely, with the defaults of the specification (the default material is a rough white metal;
+//! a dielectric without `KHR_materials_specular` has the reflection of index 1.5): metallic-roughness, normal maps,
+//! emission, alpha, `doubleSided`, and the extensions `KHR_materials_emissive_strength`, `_ior`, `_specular`,
+//! `_transmission`, `_unlit`, `_volume` and `KHR_texture_transform`. Occlusion textures are ignored without a warning,
+//! because renderers compute occlusion. Of the thickness of a volume only matters whether it is above 0 (0: a thin
+//! pane); attenuation distances are in world units. An index of refraction of 0, which means infinity in the
+//! specification, becomes 1000 (99.6 % reflectance at normal incidence), with a warning. Black attenuation is clamped
+//! slightly above 0.
 //!
-//! **Our own addition.** A directional light whose `extras` hold the number `angular_diameter_rad` is a disc of that
-//! apparent diameter, rad: 0.0093 for the sun. Without it, its light is parallel.
+//! # Angular diameter of directional lights
+//! A directional light whose `extras` contain the number `angular_diameter_rad` is a disc of that angular diameter,
+//! rad: 0.0093 for the sun. Without it, its light is parallel. This is an addition of this crate.
 //!
-//! **What is not.** Vertex tangents are passed over: normal maps follow the texture coordinates. Morph targets, skins and
-//! animations are ignored, with a warning. Compressed and quantized meshes (Draco, meshopt, `KHR_mesh_quantization`) are
-//! errors. An extension we do not handle (clearcoat, sheen, iridescence, anisotropy, dispersion, variants, ...) is named
-//! in a warning when it is used, in an error when it is required.
+//! # Not supported
+//! Vertex tangents are ignored: normal maps follow the texture coordinates. Morph targets, skins and animations are
+//! ignored, with a warning. Compressed and quantized meshes (Draco, meshopt, `KHR_mesh_quantization`) are errors. Other
+//! extensions (clearcoat, sheen, iridescence, anisotropy, dispersion, variants, ...) cause a warning if they are used,
+//! and an error if they are required.
 //!
-//! **What a file may do.** Nothing but be loaded or be refused with an [`Error`] that says where: all sizes are checked
-//! against [`Limits`] before memory is taken, files are read only below the folder of the scene file, and nothing a file
-//! says reaches another crate unchecked. Should a decoder panic all the same, that is caught and becomes an error; a
-//! program whose panic hook prints should ask [`is_guarding`] first.
+//! # Untrusted files
+//! A file is either loaded or rejected with an [`Error`] that says where. All sizes are checked against [`Limits`]
+//! before memory is allocated, files are read only below the folder of the scene file, and all values are validated
+//! before they reach another crate. Should a decoder panic all the same, the panic is caught and becomes an error; a
+//! program whose panic hook prints should check [`is_guarding`] first.
 
 mod accessors;
+mod buffer_views;
 mod container;
 mod extensions;
 mod json;
 mod materials;
 mod meshes;
-mod net;
 mod nodes;
-mod placed;
+mod panic_guard;
+mod placements;
 mod summary;
 mod textures;
 mod uri;
 mod values;
-mod views;
 mod warnings;
 mod write;
 
 use std::path::Path;
 
 use self::accessors::Checker;
+use self::buffer_views::BufferViews;
 use self::container::Files;
 use self::json::Object;
-use self::views::Views;
 use self::warnings::Warnings;
 use crate::Error;
 use crate::Scene;
 
-pub use self::net::is_guarding;
+pub use self::panic_guard::is_guarding;
 pub use self::summary::Summary;
 pub use self::write::to_glb;
 
-/// A scene with what its file said about itself.
+/// A loaded scene with warnings and a summary of its file.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Loaded {
     /// The scene; it passes [`Scene::validate`].
     pub scene: Scene,
-    /// What was left out or is drawn otherwise than the file asks, one line a kind.
+    /// What was ignored or changed during loading, one line per kind of warning.
     pub warnings: Vec<String>,
-    /// Counts and names.
+    /// Counts and names of the contents of the file.
     pub summary: Summary,
 }
 
-/// How much a file may ask for. All of it is checked before memory is taken.
+/// Limits of the size of a file. All are checked before memory is allocated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Limits {
-    /// Triangles of all meshes together, and triangles in the world with every instance counted.
+    /// Triangles of all meshes together, and triangles of all instances together.
     pub max_triangles: u64,
     /// Vertices of all meshes together.
     pub max_vertices: u64,
-    /// Placements of meshes in the world.
+    /// Instances of meshes in the world.
     pub max_instances: usize,
     /// Pixels of all textures together.
     pub max_texture_pixels: u64,
-    /// Bytes of the scene file and the files it refers to together.
+    /// Bytes of the scene file and all files that it refers to together.
     pub max_bytes: u64,
 }
 
@@ -98,14 +104,15 @@ impl Default for Limits {
     }
 }
 
-/// Loads a scene file, `.glb` or `.gltf`, told apart by content.
+/// Loads a scene file, `.glb` or `.gltf`; the format is detected by content.
 ///
 /// # Errors
-/// Files that cannot be read, break the rules of glTF, exceed `limits` or require what is not handled.
+/// [`Error::Read`] for files that cannot be read, [`Error::BadFile`] for files that violate the rules of glTF or exceed
+/// `limits`, [`Error::Unsupported`] for required features that are not supported.
 pub fn load(path: &Path, limits: &Limits) -> Result<Loaded, Error> {
     let files = Files::new(path.parent(), limits.max_bytes);
     let bytes = files.read(path)?;
-    net::catch(|| assemble(&bytes, &files, limits))
+    panic_guard::catch(|| assemble(&bytes, &files, limits))
 }
 
 /// Loads a scene from memory: `.glb`, or `.gltf` JSON whose buffers and images are data URIs.
@@ -118,7 +125,7 @@ pub fn load_slice(bytes: &[u8], limits: &Limits) -> Result<Loaded, Error> {
         return Err(json::bad("file", what));
     }
     let files = Files::new(None, limits.max_bytes);
-    net::catch(|| assemble(bytes, &files, limits))
+    panic_guard::catch(|| assemble(bytes, &files, limits))
 }
 
 fn assemble(bytes: &[u8], files: &Files, limits: &Limits) -> Result<Loaded, Error> {
@@ -127,24 +134,24 @@ fn assemble(bytes: &[u8], files: &Files, limits: &Limits) -> Result<Loaded, Erro
     let file = container::parse(parts.json)?;
     let root = Object::root(&file)?;
     let extensions = extensions::check(&file, &root, &mut warnings)?;
-    let views = Views::new(&root, container::buffers(&root, parts.binary, files)?)?;
+    let buffer_views = BufferViews::new(&root, container::buffers(&root, parts.binary, files)?)?;
 
     let nodes = nodes::load(&root, &mut warnings)?;
     let mut materials = materials::load(&root, &mut warnings)?;
-    let meshes = meshes::load(&root, Checker::new(&root, &views)?, &mut materials, limits, &mut warnings)?;
-    let placed = placed::load(&root, &nodes, &meshes, limits, &mut warnings)?;
-    let textures = textures::load(&root, &views, files, &materials.needed_textures, limits, &mut warnings)?;
+    let meshes = meshes::load(&root, Checker::new(&root, &buffer_views)?, &mut materials, limits, &mut warnings)?;
+    let placements = placements::load(&root, &nodes, &meshes, limits, &mut warnings)?;
+    let textures = textures::load(&root, &buffer_views, files, &materials.needed_textures, limits, &mut warnings)?;
     if !root.list("animations")?.is_empty() {
         warnings.note("animations are ignored: the scene is drawn as it stands in the file", String::new);
     }
     let scene = Scene {
         meshes: meshes.meshes,
-        instances: placed.instances,
+        instances: placements.instances,
         materials: materials.finish(&textures.index),
         textures: textures.textures,
-        lights: placed.lights,
+        lights: placements.lights,
         environment: None,
-        cameras: placed.cameras,
+        cameras: placements.cameras,
     };
     scene.validate()?;
     let summary = Summary::new(&root, extensions, &scene)?;

@@ -1,9 +1,11 @@
-//! What a renderer needs to know of the world: meshes, materials, textures, lights, cameras.
+//! Scene descriptions for renderers: meshes, materials, textures, lights and cameras.
 //!
-//! A [`Scene`] is plain data in world coordinates (right-handed, +Y up, metres). Build it in code, load it from glTF
-//! ([`gltf`]), or take one of the fifteen of the gallery (`gallery`, behind the feature of that name). Nothing is checked
-//! while a scene is being filled; [`Scene::validate`] checks everything at once, so that an index out of range or a NaN
-//! vertex is an error and never a panic.
+//! A [`Scene`] is plain data in world coordinates (right-handed, +Y up, meters). It can be built in code, loaded from
+//! glTF ([`gltf`]), or taken from the gallery of fifteen scenes (module `gallery`, behind the feature of that name).
+//! [`Scene::validate`] checks a whole scene at once, so that an index out of range or a NaN vertex is an error and
+//! never a panic. [`gltf::to_glb`] writes a scene as binary glTF.
+//!
+//! This crate does not render; `holo-render` does.
 //!
 //! # Example
 //! ```
@@ -19,7 +21,11 @@
 //! let scene = Scene {
 //!     materials: vec![Material::default()],
 //!     meshes: vec![triangle],
-//!     instances: vec![Instance { name: "boat".into(), mesh: 0, transform: Transform::from_translation([0.0, 1.0, -3.0]) }],
+//!     instances: vec![Instance {
+//!         name: "boat".into(),
+//!         mesh: 0,
+//!         transform: Transform::from_translation([0.0, 1.0, -3.0]),
+//!     }],
 //!     ..Scene::default()
 //! };
 //! scene.validate()?;
@@ -43,10 +49,10 @@ mod transform;
 mod validate;
 
 pub use error::Error;
-pub use material::{Alpha, Material, NormalMap, TextureTransform, TextureUse, Volume};
-pub use scene::{Camera, CameraLens, Environment, Instance, Light, LightKind, Mesh, Scene, Texture, Wrap};
+pub use material::{Alpha, Material, NormalMap, TextureInfo, TextureTransform, Volume};
+pub use scene::{Camera, CameraProjection, Environment, Instance, Light, LightKind, Mesh, Scene, Texture, Wrap};
 pub use transform::Transform;
 
-/// The largest radiance, radiant intensity or illuminance that a scene may hold: far beyond any light, and its products
-/// with what a path carries stay finite in f32.
+/// The maximum of radiance, intensity (candela) and illuminance (lux) in a scene: far above that of any light, and
+/// small enough that products with path throughputs are finite in f32.
 pub const MAX_RADIANCE: f32 = 1e30;

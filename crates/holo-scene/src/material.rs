@@ -1,120 +1,123 @@
-//! What surfaces do with light: the metallic-roughness model of glTF 2.0 with its extensions for gloss, glass and glow.
+//! Materials: the metallic-roughness model of glTF 2.0 with its extensions for specular reflection, transmission,
+//! volumes and emission.
 //!
-//! A surface is a mixture of three: a *metal* (share `metallic`), a *glass* (share `transmission` of the rest) and a
-//! *varnished diffuser* (what remains). Sources: the glTF 2.0 specification, appendix B; KHR_materials_specular, _ior,
-//! _transmission, _volume, _emissive_strength, _unlit; KHR_texture_transform.
+//! A surface is a mixture of three parts: *metal* with the weight `metallic`, *glass* with the weight `transmission` of
+//! the rest, and a *dielectric coat over diffuse* with the remaining weight. Sources: the glTF 2.0 specification,
+//! appendix B; KHR_materials_specular, _ior, _transmission, _volume, _emissive_strength, _unlit; KHR_texture_transform.
 
-/// A surface. Every texture multiplies the number beside it.
+/// A material. Every texture multiplies the factor beside it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// A name for messages.
     pub name: String,
-    /// Linear RGB of what is reflected (transmitted by glass), and alpha.
+    /// Base color, linear RGB, and alpha, all 0 to 1: the reflectance of diffuse and metal, the transmittance of glass.
     pub base_color: [f32; 4],
-    /// sRGB colour and linear alpha.
-    pub base_color_texture: Option<TextureUse>,
-    /// Share of metal, 0 to 1.
+    /// RGB: sRGB color. Alpha: linear.
+    pub base_color_texture: Option<TextureInfo>,
+    /// Weight of metal, 0 to 1.
     pub metallic: f32,
-    /// 0: polished (exactly smooth below 0.03), 1: dull. The square is the width of the GGX distribution.
+    /// Roughness, 0 (smooth) to 1. The alpha of the GGX distribution is its square; below 0.03 the renderer treats it
+    /// as perfectly smooth.
     pub roughness: f32,
     /// Green: roughness, blue: metallic, both linear.
-    pub metallic_roughness_texture: Option<TextureUse>,
-    /// Bends the interpolated normal.
+    pub metallic_roughness_texture: Option<TextureInfo>,
+    /// A tangent-space normal map that modifies the interpolated normal.
     pub normal_map: Option<NormalMap>,
-    /// Radiance that the surface emits, linear RGB; to its front, or to both sides if it is double-sided.
+    /// Emitted radiance, linear RGB, on the front; on both sides if `double_sided`.
     pub emission: [f32; 3],
-    /// sRGB.
-    pub emission_texture: Option<TextureUse>,
-    /// What the alpha of the base colour means.
+    /// sRGB color.
+    pub emission_texture: Option<TextureInfo>,
+    /// The interpretation of the alpha of the base color.
     pub alpha: Alpha,
-    /// Whether emission leaves the back as well. Everything else is alike on both sides, whatever this says.
+    /// Whether the back emits, too. Everything else is the same on both sides for any value.
     pub double_sided: bool,
-    /// Strength of the reflection of what is no metal: 1 as the index of refraction has it, 0 none. With 0 a surface
-    /// that is neither metal nor glass is exactly Lambert's.
+    /// `specularFactor` of KHR_materials_specular, 0 to 1: strength of the dielectric reflection; 1 is that of the
+    /// index of refraction. With 0 a material that is neither metal nor glass is exactly Lambertian.
     pub specular: f32,
-    /// Alpha channel.
-    pub specular_texture: Option<TextureUse>,
-    /// Tints that reflection at normal incidence, linear RGB.
+    /// Alpha channel, linear.
+    pub specular_texture: Option<TextureInfo>,
+    /// `specularColorFactor`: color of the dielectric reflection at normal incidence, linear RGB.
     pub specular_color: [f32; 3],
-    /// sRGB.
-    pub specular_color_texture: Option<TextureUse>,
-    /// Index of refraction, at least 1.
+    /// sRGB color.
+    pub specular_color_texture: Option<TextureInfo>,
+    /// Index of refraction, 1 to 1000.
     pub ior: f32,
-    /// Share of glass in what is no metal, 0 to 1.
+    /// Weight of glass in the rest, 0 to 1.
     pub transmission: f32,
     /// Red channel, linear.
-    pub transmission_texture: Option<TextureUse>,
-    /// What glass encloses; without it glass is a thin pane that bends no ray.
+    pub transmission_texture: Option<TextureInfo>,
+    /// The volume that the surface encloses; without it glass is a thin pane without refraction.
     pub volume: Option<Volume>,
-    /// Shows its base colour as it is, as radiance to whatever looks at it: the camera, mirrors, and other surfaces,
-    /// which it so lights.
+    /// Whether the base color is shown without lighting, as emitted radiance. It is visible to the camera and in
+    /// mirrors, and illuminates other surfaces.
     pub unlit: bool,
 }
 
-/// What fills a body of glass. The body must be closed and stand in air.
+/// The absorbing volume inside a body of glass. The surface must be closed and surrounded by air.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Volume {
-    /// White light has `attenuation_color` left after this many metres (in world units); infinity: clear.
+    /// The distance, m (in world units), after which white light has the color `attenuation_color`; infinity: no
+    /// absorption.
     pub attenuation_distance_m: f32,
-    /// Linear RGB, each above 0 and at most 1.
+    /// Transmittance at that distance, linear RGB, each above 0 and at most 1.
     pub attenuation_color: [f32; 3],
 }
 
-/// What the alpha of the base colour means.
+/// The interpretation of the alpha of the base color.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Alpha {
-    /// Nothing.
+    /// Alpha is ignored.
     #[default]
     Opaque,
-    /// A hole where alpha is below this.
+    /// A cutoff: the surface is a hole where alpha is smaller.
     Mask(f32),
-    /// The share of rays that meet the surface; the others pass.
+    /// Alpha is the opacity: the share of rays that the surface stops.
     Blend,
 }
 
-/// A tangent-space normal map: (2 r - 1, 2 g - 1) times `scale` along the directions in which the texture coordinates
-/// u and -v grow.
+/// A tangent-space normal map. The texels (r, g, b) give the normal ((2 r - 1) scale, (2 g - 1) scale, 2 b - 1) along
+/// the directions in which the texture coordinates u and -v increase, and the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalMap {
     /// Linear RGB.
-    pub texture: TextureUse,
-    /// Strength of the relief.
+    pub texture: TextureInfo,
+    /// Factor of the x and y components.
     pub scale: f32,
 }
 
-/// A texture as a material uses it.
+/// A reference of a material to a texture (`textureInfo` of glTF).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct TextureUse {
+pub struct TextureInfo {
     /// Index into [`crate::Scene::textures`].
     pub texture: usize,
-    /// Which texture coordinates of the mesh: 0 or 1.
+    /// The texture coordinate set of the mesh: 0 or 1.
     pub set: usize,
-    /// Applied to the coordinates.
+    /// The transform of the texture coordinates.
     pub transform: TextureTransform,
 }
 
-impl TextureUse {
-    /// The texture with the first coordinates as they are.
+impl TextureInfo {
+    /// A reference to `texture` with the first texture coordinate set and no transform.
     #[must_use]
     pub fn new(texture: usize) -> Self {
         Self { texture, ..Self::default() }
     }
 }
 
-/// KHR_texture_transform: scale (w, h) first, then a turn by the angle r, then the offset (x, y):
-/// u' = w u cos r + h v sin r + x, v' = h v cos r - w u sin r + y.
+/// A transform of texture coordinates: scale (w, h), then rotation by the angle r, then offset (x, y):
+/// u' = w u cos r + h v sin r + x, v' = h v cos r - w u sin r + y. Source: KHR_texture_transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureTransform {
-    /// Added last.
+    /// Offset, applied last.
     pub offset: [f32; 2],
-    /// Turns the coordinates counter-clockwise as one sees them (v runs downward), rad.
+    /// Rotation of the coordinates, rad, counter-clockwise in an image (v runs down).
     pub rotation_rad: f32,
-    /// Multiplies first.
+    /// Scale, applied first.
     pub scale: [f32; 2],
 }
 
 impl TextureTransform {
-    /// Changes nothing.
+    /// The identity.
     pub const IDENTITY: Self = Self { offset: [0.0; 2], rotation_rad: 0.0, scale: [1.0; 2] };
 }
 
@@ -125,7 +128,7 @@ impl Default for TextureTransform {
 }
 
 impl Default for Material {
-    /// White Lambert: no metal, no gloss, no glass, no glow. (The defaults of a glTF *file* are others.)
+    /// A white Lambertian material. (The defaults of a glTF *file* differ.)
     fn default() -> Self {
         Self {
             name: String::new(),
@@ -153,8 +156,8 @@ impl Default for Material {
 }
 
 impl Material {
-    /// All textures that the material uses.
-    pub(crate) fn textures(&self) -> impl Iterator<Item = (&'static str, TextureUse)> {
+    /// All texture references of the material, with the names of their fields.
+    pub(crate) fn textures(&self) -> impl Iterator<Item = (&'static str, TextureInfo)> {
         [
             ("base_color_texture", self.base_color_texture),
             ("metallic_roughness_texture", self.metallic_roughness_texture),

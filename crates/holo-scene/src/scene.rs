@@ -1,53 +1,52 @@
-//! What a renderer needs to know of the world: meshes, materials, textures, lights, cameras.
+//! The scene: meshes, instances, textures, lights, an environment map and cameras.
 //!
-//! A [`Scene`] is plain data in world coordinates (right-handed, +Y up, metres): build it in code, or load it from glTF
-//! with [`crate::gltf`]. Nothing here is checked while it is being filled; [`Scene::validate`] checks everything at once
-//! and the renderer calls it first, so an index out of range or a NaN vertex is an error and never a panic.
+//! Nothing is checked while a [`Scene`] is built. [`Scene::validate`] checks everything at once; the renderer and the
+//! glTF writer call it first.
 
 use crate::{Material, Transform};
 
-/// A whole scene.
+/// A whole scene in world coordinates (right-handed, +Y up, meters).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// Geometry in its own (mesh) coordinates; drawn only where an [`Instance`] places it.
+    /// Meshes in mesh coordinates; visible only where an [`Instance`] places them.
     pub meshes: Vec<Mesh>,
-    /// Placements of meshes in the world.
+    /// Instances: placements of meshes in the world.
     pub instances: Vec<Instance>,
-    /// Surface descriptions, referred to by [`Mesh::material`].
+    /// Materials, referred to by [`Mesh::material`].
     pub materials: Vec<Material>,
-    /// Images, referred to by [`TextureUse::texture`](crate::TextureUse::texture).
+    /// Textures, referred to by [`TextureInfo::texture`](crate::TextureInfo::texture).
     pub textures: Vec<Texture>,
-    /// Punctual lights, already in world coordinates.
+    /// Punctual lights in world coordinates.
     pub lights: Vec<Light>,
-    /// What surrounds the scene, beside the constant sky of a request.
+    /// The environment map. The renderer adds a constant environment of its own.
     pub environment: Option<Environment>,
-    /// Cameras in the order in which they were found.
+    /// Cameras, in the order of the file.
     pub cameras: Vec<Camera>,
 }
 
-/// Triangles of one material.
+/// A triangle mesh with one material.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
     /// A name for messages.
     pub name: String,
-    /// Vertex positions in mesh coordinates, metres.
+    /// Vertex positions in mesh coordinates, m.
     pub positions: Vec<[f32; 3]>,
-    /// One unit normal a vertex, or empty: then every triangle is flat.
+    /// One unit normal per vertex, or empty for flat shading.
     pub normals: Vec<[f32; 3]>,
-    /// One texture coordinate a vertex, or empty: then textures are read at (0, 0). (0, 0) is the corner of the first
-    /// (top left) texel, as in glTF.
+    /// One texture coordinate per vertex (set 0), or empty: textures are then sampled at (0, 0). (0, 0) is the upper
+    /// left corner of the image, as in glTF.
     pub texture_coordinates: Vec<[f32; 2]>,
-    /// The second set ([`TextureUse::set`](crate::TextureUse::set) 1), likewise.
-    pub second_coordinates: Vec<[f32; 2]>,
-    /// One linear RGBA factor a vertex, multiplied into the base colour, or empty.
+    /// The second texture coordinate set ([`TextureInfo::set`](crate::TextureInfo::set) 1), likewise.
+    pub second_texture_coordinates: Vec<[f32; 2]>,
+    /// One linear RGBA factor per vertex, 0 to 1, which multiplies the base color; or empty.
     pub colors: Vec<[f32; 4]>,
-    /// Vertex indices, counter-clockwise seen from the front.
+    /// Vertex indices of the triangles, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
     /// Index into [`Scene::materials`].
     pub material: usize,
 }
 
-/// A mesh placed in the world.
+/// An instance: a mesh placed in the world.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instance {
     /// A name for messages.
@@ -58,129 +57,131 @@ pub struct Instance {
     pub transform: Transform,
 }
 
-/// An image with its way of repeating. Looked up bilinearly, colours in linear light.
+/// A texture: an image with its wrap modes. Sampled bilinearly; colors are interpolated in linear light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// A name for messages.
     pub name: String,
-    /// Texels per row.
+    /// Width in texels.
     pub width: usize,
-    /// Rows.
+    /// Height in texels.
     pub height: usize,
-    /// 8-bit codes, rows from the top, `width * height` of them. Whether the colours are sRGB or plain numbers is up to
-    /// what a material uses them for; alpha is always a plain number.
+    /// 8-bit RGBA codes, rows from the top, `width * height` of them. Whether the colors are sRGB or linear values
+    /// depends on the use by a material; alpha is always linear.
     pub texels: Vec<[u8; 4]>,
-    /// How the image goes on left and right of itself.
+    /// Horizontal wrap mode.
     pub wrap_u: Wrap,
-    /// How the image goes on above and below itself.
+    /// Vertical wrap mode.
     pub wrap_v: Wrap,
 }
 
-/// Radiance from infinitely far away as an equirectangular map: the direction (x, y, z) of the world lies at
-/// u = 1/2 + atan2(z, x) / (2 pi) of the width from the left and v = acos(y) / pi of the height from the top. Looked up
-/// bilinearly, around horizontally.
+/// An environment map: radiance from infinitely far away in equirectangular projection. The world direction (x, y, z)
+/// lies at u = 1/2 + atan2(z, x) / (2 pi) of the width from the left and at v = acos(y) / pi of the height from the
+/// top. Sampled bilinearly, periodic horizontally.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Environment {
-    /// Linear RGB, axes (row, column, channel), at least one row and column, finite and not negative.
+    /// Linear RGB, shape (rows, columns, 3) with at least one row and column, 0 to
+    /// [`MAX_RADIANCE`](crate::MAX_RADIANCE).
     pub radiance: ndarray::Array3<f32>,
 }
 
-/// What lies beyond the edge of a texture.
+/// The wrap mode of a texture: its values outside the image.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
-    /// The image again.
+    /// The image is repeated.
     #[default]
     Repeat,
-    /// Its outermost texels.
+    /// The texels at the edge are extended.
     Clamp,
-    /// The image mirrored.
+    /// The image is repeated, mirrored every other time.
     Mirror,
 }
 
-/// A light without extent.
+/// A punctual light (KHR_lights_punctual). A directional light may have an angular diameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     /// A name for messages.
     pub name: String,
-    /// Linear RGB. Directional: irradiance on a surface that faces it, lux. Point and spot: intensity, candela.
-    /// A white Lambertian surface under 1 lux has radiance 1/pi; no other factor is applied.
+    /// Linear RGB. Directional: irradiance on a surface that faces the light, lux. Point and spot: intensity, candela.
+    /// A white Lambertian surface under 1 lux has a radiance of 1/pi; no other factor is applied.
     pub intensity: [f64; 3],
-    /// Where it is and where it shines.
+    /// The kind of the light, with its position and direction.
     pub kind: LightKind,
 }
 
 /// The kinds of punctual lights, in world coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightKind {
-    /// Light from far away that travels along `direction` (unit length).
+    /// Light from infinitely far away.
     Directional {
-        /// The way the light travels.
+        /// The direction in which the light travels (unit length).
         direction: [f64; 3],
-        /// Apparent diameter of its disc, rad: 0 for parallel light with hard shadows, 0.0093 for the sun. A disc is
-        /// seen by the camera and in mirrors.
+        /// The angular diameter of the light, rad: 0 for parallel light with hard shadows, 0.0093 for the sun. A light
+        /// with an angular diameter is a disc that is visible to the camera and in mirrors.
         angular_diameter_rad: f64,
     },
-    /// Shines equally to all sides.
+    /// A point light, which shines equally in all directions.
     Point {
-        /// World coordinates, m.
+        /// Position, m.
         position: [f64; 3],
-        /// Beyond this distance (m) it does not shine; the falloff towards it is that of KHR_lights_punctual.
+        /// The distance, m, beyond which there is no light; the falloff is that of KHR_lights_punctual. `None`:
+        /// unlimited.
         range: Option<f64>,
     },
-    /// Shines into a cone.
+    /// A spot light, which shines into a cone.
     Spot {
-        /// World coordinates, m.
+        /// Position, m.
         position: [f64; 3],
         /// The axis of the cone, away from the light (unit length).
         direction: [f64; 3],
         /// As for a point light.
         range: Option<f64>,
-        /// Up to this angle from the axis the light is at its full intensity, rad.
+        /// The angle from the axis up to which the light has its full intensity, rad.
         inner_angle_rad: f64,
-        /// From this angle on it is zero, rad.
+        /// The angle from the axis from which on the intensity is 0, rad; at most pi/2.
         outer_angle_rad: f64,
     },
 }
 
-/// A camera of the scene file. It looks along its -Z with +Y up.
+/// A camera. It looks along its -Z with +Y up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// Its name (of the camera node, else of the camera), for `--camera`.
+    /// The name of the camera (of its node, else of the camera object in a glTF file).
     pub name: String,
-    /// Camera to world coordinates: a rotation and a translation, scale removed.
+    /// Camera to world coordinates: a rotation and a translation.
     pub pose: Transform,
-    /// What it sees.
-    pub lens: CameraLens,
+    /// The projection and the field of view.
+    pub projection: CameraProjection,
 }
 
-/// How a camera of the scene file maps the world.
+/// The projection of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CameraLens {
-    /// A pinhole.
+pub enum CameraProjection {
+    /// Perspective projection (pinhole).
     Perspective {
         /// Full vertical angle of view, rad.
         vertical_angle_rad: f64,
-        /// Width over height; the image's own where missing.
+        /// Width / height; `None`: that of the rendered image.
         aspect_ratio: Option<f64>,
     },
-    /// Parallel rays; half the width and height of what it sees, m.
+    /// Orthographic projection.
     Orthographic {
-        /// Half width, m.
+        /// Half of the visible width, m.
         half_width_m: f64,
-        /// Half height, m.
+        /// Half of the visible height, m.
         half_height_m: f64,
     },
 }
 
 impl Scene {
-    /// Triangles in the world, every instance counted.
+    /// The number of triangles of all instances.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
         self.instances.iter().filter_map(|i| self.meshes.get(i.mesh)).map(|m| m.triangles.len()).sum()
     }
 
-    /// The smallest axis-parallel box (lowest, highest corner) around all triangles in world coordinates, metres;
-    /// `None` for a scene without any.
+    /// The axis-aligned bounding box (lowest, highest corner) of all triangles in world coordinates, m; `None` for a
+    /// scene without triangles.
     #[must_use]
     pub fn bounds(&self) -> Option<([f64; 3], [f64; 3])> {
         let mut bounds: Option<([f64; 3], [f64; 3])> = None;

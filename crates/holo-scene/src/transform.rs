@@ -1,11 +1,12 @@
-//! An affine map in f64: three columns of a matrix and a translation.
+//! Affine transforms in f64.
 
-/// `x -> matrix * x + translation`, in f64 so that far-away scenes and tiny baselines survive.
+/// An affine transform `x -> matrix * x + translation`, in f64, so that small baselines at large world coordinates keep
+/// their precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Transform {
-    /// The columns of the 3 x 3 matrix: where the x, y and z axes go.
+    /// The columns of the 3 x 3 matrix: the images of the x, y and z axes.
     pub columns: [[f64; 3]; 3],
-    /// Where the origin goes, m.
+    /// The image of the origin, m.
     pub translation: [f64; 3],
 }
 
@@ -16,18 +17,18 @@ impl Default for Transform {
 }
 
 impl Transform {
-    /// Changes nothing.
+    /// The identity.
     pub const IDENTITY: Self =
         Self { columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], translation: [0.0; 3] };
 
-    /// A shift by metres along x, y and z.
+    /// A translation by meters along x, y and z.
     #[must_use]
     pub const fn from_translation(translation: [f64; 3]) -> Self {
         Self { translation, ..Self::IDENTITY }
     }
 
-    /// From translation, unit quaternion (x, y, z, w; normalised here, identity if it is zero) and scale, in glTF's
-    /// order: scale first, then rotation, then translation.
+    /// A transform from translation (m), unit quaternion (x, y, z, w; normalized here, the identity if it is zero) and
+    /// scale, in the order of glTF: scale first, then rotation, then translation.
     #[must_use]
     pub fn from_parts(translation: [f64; 3], rotation: [f64; 4], scale: [f64; 3]) -> Self {
         let length = rotation.iter().map(|q| q * q).sum::<f64>().sqrt();
@@ -41,7 +42,8 @@ impl Transform {
         Self { columns, translation }
     }
 
-    /// A camera pose at `eye` that looks at `target`, with `up` upward in the picture.
+    /// A camera pose (camera to world coordinates) at `eye` that looks at `target`, with `up` upward in the image. `up`
+    /// must not be parallel to the viewing direction.
     #[must_use]
     pub fn look_at(eye: [f64; 3], target: [f64; 3], up: [f64; 3]) -> Self {
         let back = normalize(std::array::from_fn(|k| eye[k] - target[k]));
@@ -49,33 +51,33 @@ impl Transform {
         Self { columns: [right, cross(back, right), back], translation: eye }
     }
 
-    /// Where a point goes.
+    /// Transforms a point.
     #[must_use]
     pub fn point(&self, p: [f64; 3]) -> [f64; 3] {
         let v = self.vector(p);
         std::array::from_fn(|k| v[k] + self.translation[k])
     }
 
-    /// Where a direction goes (no translation).
+    /// Transforms a direction (without translation).
     #[must_use]
     pub fn vector(&self, v: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|k| self.columns[0][k] * v[0] + self.columns[1][k] * v[1] + self.columns[2][k] * v[2])
     }
 
-    /// `self` after `first`.
+    /// The composition: first `first`, then `self`.
     #[must_use]
     pub fn after(&self, first: &Self) -> Self {
         Self { columns: first.columns.map(|c| self.vector(c)), translation: self.point(first.translation) }
     }
 
-    /// The determinant of the matrix: negative where the map mirrors.
+    /// The determinant of the matrix; negative for mirroring transforms.
     #[must_use]
     pub fn determinant(&self) -> f64 {
         let c = cross(self.columns[0], self.columns[1]);
         (0..3).map(|k| c[k] * self.columns[2][k]).sum()
     }
 
-    /// The cofactor matrix as columns: it maps normals (up to their length) also where the matrix is not invertible.
+    /// The cofactor matrix, as columns. It transforms normals (up to their length), also if the matrix is singular.
     #[must_use]
     pub fn normal_columns(&self) -> [[f64; 3]; 3] {
         let [a, b, c] = self.columns;

@@ -1,25 +1,25 @@
-//! One look over a whole scene before it is rendered.
+//! Validation of scenes.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use rayon::prelude::*;
 
 use crate::{
-    Alpha, Camera, CameraLens, Environment, Error, Light, LightKind, Material, Mesh, Scene, Texture, TextureTransform,
-    Transform,
+    Alpha, Camera, CameraProjection, Environment, Error, Light, LightKind, Material, Mesh, Scene, Texture,
+    TextureTransform, Transform,
 };
 
-/// Largest deviation of the squared length of a normal from 1; single-precision exporters come close to it.
+/// Maximum deviation of the squared length of a normal from 1; single-precision exporters come close to it.
 const NORMAL_TOLERANCE: f64 = 1e-3;
-/// Largest deviation of light directions and camera axes from unit length and right angles.
+/// Maximum deviation of light directions and camera axes from unit length and right angles.
 const DIRECTION_TOLERANCE: f64 = 1e-6;
 
 impl Scene {
-    /// Checks everything that the renderer relies on: indices in range, lists of equal length, finite numbers, textures
-    /// that have as many texels as they say, angles and directions in their ranges.
+    /// Checks everything that a renderer relies on: indices in range, lists of equal length, finite numbers, textures
+    /// with the declared number of texels, angles and directions in their ranges.
     ///
     /// # Errors
-    /// The first thing that is wrong, and where.
+    /// [`Error::BadScene`] for the first inconsistency, with its path.
     pub fn validate(&self) -> Result<(), Error> {
         let counts = [
             ("meshes", self.meshes.len()),
@@ -56,7 +56,7 @@ impl Scene {
         let lengths = [
             ("normals", mesh.normals.len()),
             ("texture_coordinates", mesh.texture_coordinates.len()),
-            ("second_coordinates", mesh.second_coordinates.len()),
+            ("second_texture_coordinates", mesh.second_texture_coordinates.len()),
             ("colors", mesh.colors.len()),
         ];
         for (list, length) in lengths {
@@ -70,7 +70,7 @@ impl Scene {
         check_all(k, "normals", &mesh.normals, unit, "must have length 1")?;
         let finite = |p: &[f32; 2]| p.iter().all(|x| x.is_finite());
         check_all(k, "texture_coordinates", &mesh.texture_coordinates, finite, "must be finite")?;
-        check_all(k, "second_coordinates", &mesh.second_coordinates, finite, "must be finite")?;
+        check_all(k, "second_texture_coordinates", &mesh.second_texture_coordinates, finite, "must be finite")?;
         let share = |c: &[f32; 4]| c.iter().all(|x| (0.0..=1.0).contains(x));
         check_all(k, "colors", &mesh.colors, share, "must lie between 0 and 1")?;
         let inside = |t: &[u32; 3]| t.iter().all(|&v| (v as usize) < vertices);
@@ -105,11 +105,11 @@ impl Scene {
             return Err(bad(at("ior"), format!("is {}; it must lie between 1 and 1000", material.ior)));
         }
         if let Some(volume) = &material.volume {
-            // Infinity is clear glass.
+            // Infinity means no absorption.
             if volume.attenuation_distance_m.is_nan() || volume.attenuation_distance_m <= 0.0 {
                 return Err(bad(at("volume.attenuation_distance_m"), "must be above 0"));
             }
-            // The renderer takes the logarithm.
+            // The renderer computes the logarithm.
             if !volume.attenuation_color.iter().all(|&c| c >= f32::MIN_POSITIVE) {
                 let what = format!("is {:?}; it must be at least {:e}", volume.attenuation_color, f32::MIN_POSITIVE);
                 return Err(bad(at("volume.attenuation_color"), what));
@@ -159,7 +159,7 @@ fn bad(at: String, what: impl Into<String>) -> Error {
 }
 
 fn check_count(list: &str, count: usize) -> Result<(), Error> {
-    // The highest number is kept free: engines use it for "nothing".
+    // The largest index is reserved: ray tracing engines use it for "no hit".
     if count < u32::MAX as usize {
         Ok(())
     } else {
@@ -174,7 +174,7 @@ fn check_index(at: impl Fn() -> String, field: &str, index: usize, list: &str, l
     Err(bad(format!("{}.{field}", at()), format!("is {index}, but there are {length} {list}")))
 }
 
-/// Checks every entry of a list on all cores; names the first one that fails.
+/// Checks every entry of a list in parallel; reports the first one that fails.
 fn check_all<T: Sync + std::fmt::Debug>(
     mesh: usize,
     list: &str,
@@ -182,7 +182,7 @@ fn check_all<T: Sync + std::fmt::Debug>(
     good: impl Fn(&T) -> bool + Sync,
     what: &str,
 ) -> Result<(), Error> {
-    // Chunks keep the inner loop a plain one; 16 Ki entries are far more work than handing them to a thread.
+    // Chunks of 16 Ki entries: large enough for one task of a thread.
     let wrong = entries.par_chunks(1 << 14).enumerate().find_map_first(|(chunk, entries)| {
         let wrong = entries.iter().position(|entry| !good(entry))?;
         Some((chunk << 14) + wrong)
@@ -236,7 +236,7 @@ fn check_light(k: usize, light: &Light) -> Result<(), Error> {
     if position.is_some_and(|position| position.iter().any(|x| !x.is_finite())) {
         return Err(bad(at("position"), "must be finite"));
     }
-    // Written so that NaN fails.
+    // NaN fails this comparison.
     if direction.is_some_and(|direction| !is_near(squared_length(direction).sqrt(), 1.0)) {
         return Err(bad(at("direction"), "must have length 1"));
     }
@@ -247,7 +247,7 @@ fn check_light(k: usize, light: &Light) -> Result<(), Error> {
 }
 
 impl Transform {
-    /// Whether the map is a pose: finite, a rotation and a translation, without scale or mirroring (to 1e-6).
+    /// Whether the transform is a pose: finite, a rotation and a translation without scale or mirroring (to 1e-6).
     #[must_use]
     pub fn is_pose(&self) -> bool {
         let [x, y, z] = self.columns;
@@ -265,16 +265,18 @@ fn check_camera(k: usize, camera: &Camera) -> Result<(), Error> {
         return Err(bad(at("pose"), "must be a rotation and a translation, without scale or mirroring"));
     }
     let positive = |x: f64| x > 0.0 && x.is_finite();
-    let good = match camera.lens {
-        CameraLens::Perspective { vertical_angle_rad, aspect_ratio } => {
+    let good = match camera.projection {
+        CameraProjection::Perspective { vertical_angle_rad, aspect_ratio } => {
             positive(vertical_angle_rad) && vertical_angle_rad < PI && aspect_ratio.is_none_or(positive)
         }
-        CameraLens::Orthographic { half_width_m, half_height_m } => positive(half_width_m) && positive(half_height_m),
+        CameraProjection::Orthographic { half_width_m, half_height_m } => {
+            positive(half_width_m) && positive(half_height_m)
+        }
     };
     if good {
         return Ok(());
     }
-    Err(bad(at("lens"), format!("is {:?}; need 0 < angle < pi and sizes above 0", camera.lens)))
+    Err(bad(at("projection"), format!("is {:?}; need 0 < angle < pi and sizes above 0", camera.projection)))
 }
 
 fn is_near(x: f64, wanted: f64) -> bool {

@@ -1,5 +1,7 @@
-//! Loading glTF: every feature from a file built by hand, every refusal from a file broken by hand.
+//! Loading glTF: a file for every feature, an invalid file for every error.
 
+#[path = "gltf_loading/cameras_and_lights.rs"]
+mod cameras_and_lights;
 #[path = "gltf_loading/files.rs"]
 mod files;
 #[path = "gltf_loading/hierarchy.rs"]
@@ -8,8 +10,6 @@ mod hierarchy;
 mod materials;
 #[path = "gltf_loading/meshes.rs"]
 mod meshes;
-#[path = "gltf_loading/placed.rs"]
-mod placed;
 #[path = "gltf_loading/support.rs"]
 mod support;
 #[path = "gltf_loading/surfaces.rs"]

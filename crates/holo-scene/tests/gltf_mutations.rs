@@ -1,16 +1,16 @@
-//! Damaged files: bit flips, truncations, splices and edited JSON. Nothing may panic, not even inside the loader's last
-//! net, nothing may hang, and whatever loads must validate.
+//! Mutated files: bit flips, truncations, splices and edited JSON. Nothing may panic, not even inside the panic guard
+//! of the loader; nothing may hang; and whatever loads must validate.
 //!
-//! The one test has a process of its own, because it counts panics in a hook. `HOLO_MUTATIONS` sets how many files it
-//! tries (2,000 unless told).
+//! The test runs in its own process, because it counts panics in a hook. `HOLO_MUTATIONS` sets the number of files
+//! (default: 2,000).
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use holo_scene::gltf::{Limits, is_guarding, load_slice, to_glb};
 use holo_scene::{
-    Alpha, Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene, Texture, TextureTransform,
-    TextureUse, Transform, Volume, Wrap,
+    Alpha, Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene, Texture,
+    TextureInfo, TextureTransform, Transform, Volume, Wrap,
 };
 use serde_json::{Value, json};
 
@@ -18,11 +18,11 @@ use serde_json::{Value, json};
 #[allow(dead_code, reason = "shared with the tests of loading")]
 mod support;
 
-/// Panics that the last net caught, and panics elsewhere.
+/// The numbers of panics that the panic guard caught, and of other panics.
 static CAUGHT: AtomicU64 = AtomicU64::new(0);
 static ESCAPED: AtomicU64 = AtomicU64::new(0);
 
-/// A small generator with a stable sequence (splitmix64).
+/// A random number generator with a stable sequence (SplitMix64).
 struct Random(u64);
 
 impl Random {
@@ -39,10 +39,11 @@ impl Random {
     }
 }
 
-/// Materials that use every feature the loader has.
+/// Materials that use every feature of the loader.
 fn surfaces() -> Value {
     json!([
-        { "name": "a", "pbrMetallicRoughness": { "metallicFactor": 0, "baseColorTexture": { "index": 0, "texCoord": 0 } } },
+        { "name": "a", "pbrMetallicRoughness": {
+            "metallicFactor": 0, "baseColorTexture": { "index": 0, "texCoord": 0 } } },
         { "name": "b", "alphaMode": "MASK", "alphaCutoff": 0.25, "doubleSided": true,
           "pbrMetallicRoughness": { "baseColorFactor": [0.1, 0.2, 0.3, 1], "baseColorTexture": { "index": 1 },
             "roughnessFactor": 0.5, "metallicRoughnessTexture": { "index": 0, "texCoord": 3 } },
@@ -62,7 +63,7 @@ fn surfaces() -> Value {
     ])
 }
 
-/// A file that uses every feature the loader has.
+/// A file that uses every feature of the loader.
 fn everything() -> support::File {
     let mut file = support::File::new();
     let positions = file.floats(&[[0.0_f32, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.5]]);
@@ -78,7 +79,8 @@ fn everything() -> support::File {
     let values: Vec<u8> = [0.5_f32; 6].iter().flat_map(|x| x.to_le_bytes()).collect();
     let sparse_values = file.view(&values);
     let sparse = json!({ "componentType": 5126, "count": 4, "type": "VEC3", "bufferView": 0, "sparse": { "count": 2,
-        "indices": { "bufferView": sparse_indices, "componentType": 5121 }, "values": { "bufferView": sparse_values } } });
+        "indices": { "bufferView": sparse_indices, "componentType": 5121 },
+        "values": { "bufferView": sparse_values } } });
     let sparse = file.push("accessors", sparse);
     let interleaved: Vec<u8> = [0.25_f32; 20].iter().flat_map(|x| x.to_le_bytes()).collect();
     let interleaved = file.view(&interleaved);
@@ -96,7 +98,8 @@ fn everything() -> support::File {
     file.json["materials"] = surfaces();
     file.json["meshes"] = json!([
         { "name": "m", "primitives": [
-            { "attributes": { "POSITION": positions, "NORMAL": normals, "TEXCOORD_0": coordinates, "TEXCOORD_1": second, "COLOR_0": colors },
+            { "attributes": { "POSITION": positions, "NORMAL": normals, "TEXCOORD_0": coordinates, "TEXCOORD_1": second,
+                "COLOR_0": colors },
               "indices": indices, "material": 0 },
             { "attributes": { "POSITION": sparse, "TEXCOORD_3": coordinates }, "mode": 5, "material": 1 },
             { "attributes": { "POSITION": positions, "TEXCOORD_1": second }, "material": 2, "indices": indices } ] },
@@ -105,7 +108,8 @@ fn everything() -> support::File {
     file.json["extensionsUsed"] = json!(["KHR_lights_punctual", "KHR_materials_specular"]);
     file.json["extensionsRequired"] = json!(["KHR_lights_punctual", "KHR_materials_volume", "KHR_texture_transform"]);
     file.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
-        { "type": "directional", "color": [1, 0.5, 0.25], "intensity": 3, "extras": { "angular_diameter_rad": 0.0093 } },
+        { "type": "directional", "color": [1, 0.5, 0.25], "intensity": 3,
+          "extras": { "angular_diameter_rad": 0.0093 } },
         { "type": "spot", "range": 5, "spot": { "innerConeAngle": 0.1, "outerConeAngle": 0.4 } } ] } });
     file.json["cameras"] = json!([
         { "type": "perspective", "perspective": { "yfov": 0.6, "aspectRatio": 1.5, "znear": 0.1, "zfar": 100 } },
@@ -123,14 +127,14 @@ fn everything() -> support::File {
     file
 }
 
-/// What `to_glb` makes of a small scene.
+/// A small scene written by `to_glb`.
 fn written() -> Vec<u8> {
     let mesh = Mesh {
         name: "quad".into(),
         positions: vec![[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]],
         normals: vec![[0.0, 0.0, 1.0]; 4],
         texture_coordinates: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
-        second_coordinates: vec![[0.5, 0.0], [0.0, 0.5], [1.0, 1.0], [0.0, 1.0]],
+        second_texture_coordinates: vec![[0.5, 0.0], [0.0, 0.5], [1.0, 1.0], [0.0, 1.0]],
         colors: vec![[1.0, 0.5, 0.25, 1.0]; 4],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..Mesh::default()
@@ -138,9 +142,9 @@ fn written() -> Vec<u8> {
     let texels = (0..16).map(|k| [k * 16, 255 - k, 7, 255]).collect();
     let texture = Texture { name: "t".into(), width: 4, height: 4, texels, wrap_u: Wrap::Mirror, wrap_v: Wrap::Clamp };
     let transform = TextureTransform { offset: [0.1, 0.2], rotation_rad: 0.3, scale: [4.0, 5.0] };
-    let moved = TextureUse { texture: 0, set: 1, transform };
+    let moved = TextureInfo { texture: 0, set: 1, transform };
     let material = Material {
-        base_color_texture: Some(TextureUse::new(0)),
+        base_color_texture: Some(TextureInfo::new(0)),
         metallic: 0.25,
         roughness: 0.5,
         normal_map: Some(NormalMap { texture: moved, scale: 0.7 }),
@@ -167,14 +171,14 @@ fn written() -> Vec<u8> {
         cameras: vec![Camera {
             name: "c".into(),
             pose,
-            lens: CameraLens::Perspective { vertical_angle_rad: 0.8, aspect_ratio: Some(1.5) },
+            projection: CameraProjection::Perspective { vertical_angle_rad: 0.8, aspect_ratio: Some(1.5) },
         }],
         environment: None,
     };
     to_glb(&scene).unwrap()
 }
 
-/// The files that are damaged. The last one is JSON with a data URI.
+/// The files to be mutated. The last one is JSON with a data URI.
 fn originals() -> Vec<Vec<u8>> {
     let file = everything();
     let mut text = file.json.clone();
@@ -183,7 +187,7 @@ fn originals() -> Vec<Vec<u8>> {
     vec![file.glb(), written(), text.to_string().into_bytes()]
 }
 
-/// Values that have broken readers before.
+/// Values that are common causes of errors in readers.
 fn awkward(random: &mut Random) -> Value {
     let values = [
         json!(null),
@@ -230,7 +234,7 @@ fn awkward(random: &mut Random) -> Value {
     values[random.below(values.len())].clone()
 }
 
-/// How many places there are in a piece of JSON, itself included.
+/// The number of nodes of a JSON value, including itself.
 fn places(value: &Value) -> usize {
     1 + match value {
         Value::Object(map) => map.values().map(places).sum(),
@@ -239,7 +243,7 @@ fn places(value: &Value) -> usize {
     }
 }
 
-/// Place number `k`; all places are equally likely, so that most edits go deep.
+/// Node number `k`. All nodes are equally likely to be edited, so that most edits are deep in the tree.
 fn place(value: &mut Value, k: usize) -> &mut Value {
     if k == 0 {
         return value;
@@ -267,7 +271,7 @@ fn any_place<'v>(value: &'v mut Value, random: &mut Random) -> &'v mut Value {
 
 fn edit_json(json: &mut Value, random: &mut Random) {
     let replacement = match random.below(3) {
-        // A piece of the same file in a place where it does not belong.
+        // A value from elsewhere in the same file.
         0 => any_place(&mut json.clone(), random).clone(),
         _ => awkward(random),
     };
@@ -280,12 +284,12 @@ fn edit_json(json: &mut Value, random: &mut Random) {
         }
         (1, Value::Array(list)) => list.insert(random.below(list.len() + 1), replacement),
         (2, Value::Array(list)) if !list.is_empty() => drop(list.swap_remove(random.below(list.len()))),
-        // Numbers near the right one are the ones that slip through.
+        // Off-by-one numbers.
         (3, Value::Number(number)) if number.is_u64() => {
             let near = number.as_u64().unwrap().wrapping_add(random.below(5) as u64).wrapping_sub(2);
             *number = near.into();
         }
-        // Numbers for numbers get past the checks of types.
+        // A number for a number passes the checks of types.
         (4 | 5, place @ Value::Number(_)) => {
             let numbers = std::iter::repeat_with(|| awkward(random));
             *place = numbers.take(100).find(Value::is_number).unwrap_or(replacement);
@@ -294,7 +298,7 @@ fn edit_json(json: &mut Value, random: &mut Random) {
     }
 }
 
-/// Takes a binary container apart, if it is one.
+/// Splits a binary container into chunks; `None` for other files.
 fn parts(bytes: &[u8]) -> Option<(Value, Vec<u8>)> {
     let word = |at: usize| bytes.get(at..at + 4).map(|b| u32::from_le_bytes(b.try_into().unwrap()) as usize);
     bytes.starts_with(b"glTF").then_some(())?;
@@ -331,7 +335,7 @@ fn mutate(original: &[u8], random: &mut Random) -> Vec<u8> {
                 Some(parts) => parts,
                 None => (serde_json::from_slice(original).unwrap(), Vec::new()),
             };
-            // One edit reaches furthest; more than one hits what a single one cannot.
+            // Mostly one edit, which passes the most checks; sometimes more.
             for _ in 0..[1, 1, 1, 0, 2, 4][random.below(6)] {
                 edit_json(&mut json, random);
             }
@@ -362,7 +366,7 @@ fn damaged_files_neither_panic_nor_hang() {
     for original in &originals {
         assert!(load_slice(original, &Limits::default()).is_ok(), "the files are sound before they are damaged");
     }
-    // Small limits, as for files from strangers; the default ones allow gigabytes.
+    // Small limits, as for untrusted files; the default ones allow gigabytes.
     let limits =
         Limits { max_triangles: 1 << 16, max_vertices: 1 << 16, max_texture_pixels: 1 << 20, ..Limits::default() };
     let (mut loaded, mut rewritten, mut slowest) = (0_u64, 0_u64, Duration::ZERO);
@@ -379,7 +383,7 @@ fn damaged_files_neither_panic_nor_hang() {
             Ok(Ok(file)) => {
                 loaded += 1;
                 file.scene.validate().unwrap_or_else(|error| panic!("file {seed} loaded, but {error}"));
-                // What is loaded can be written, but for meshes without triangles, and comes back the same.
+                // A loaded scene can be written, except for meshes without triangles, and the round trip is exact.
                 if let Ok(bytes) = to_glb(&file.scene) {
                     let again = load_slice(&bytes, &Limits::default()).unwrap();
                     assert_eq!(again.scene, file.scene, "file {seed}");
@@ -389,15 +393,15 @@ fn damaged_files_neither_panic_nor_hang() {
         }
         assert_eq!(CAUGHT.load(Ordering::Relaxed), 0, "file {seed} needed the last net");
     }
-    let refused = count - loaded;
-    println!("{count} damaged files: {refused} refused, {loaded} loaded, {rewritten} of them written again");
+    let assert_rejected = count - loaded;
+    println!("{count} damaged files: {assert_rejected} refused, {loaded} loaded, {rewritten} of them written again");
     println!("panics caught by the last net: 0, slowest file: {slowest:?}");
     assert_eq!((CAUGHT.load(Ordering::Relaxed), ESCAPED.load(Ordering::Relaxed)), (0, 0));
     assert!(loaded > count / 50 && loaded < count, "the damage is neither nothing nor everything");
     assert!(slowest < Duration::from_secs(10), "a file took {slowest:?}");
 }
 
-/// The limits of a program that trusts its files, less the memory that a test should not take.
+/// Limits as for trusted files, but with less memory.
 const LARGE: Limits = Limits {
     max_triangles: 1 << 24,
     max_vertices: 1 << 24,
@@ -406,7 +410,7 @@ const LARGE: Limits = Limits {
     max_bytes: 16 << 30,
 };
 
-/// Renews the seeds of the fuzzer: `cargo test -p holo-render --test gltf_mutations -- --ignored`.
+/// Renews the seeds of the fuzzer: `cargo test -p holo-scene --test gltf_mutations -- --ignored`.
 #[test]
 #[ignore = "writes fuzz/corpus/gltf"]
 fn write_the_corpus() {

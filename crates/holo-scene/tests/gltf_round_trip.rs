@@ -1,9 +1,9 @@
-//! `to_glb` and back: every scene that validates and that glTF can hold comes back equal.
+//! The round trip through `to_glb` and `load_slice` is exact for every valid scene that glTF can represent.
 
 use holo_scene::gltf::{Limits, load_slice, to_glb};
 use holo_scene::{
-    Alpha, Camera, CameraLens, Environment, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene, Texture,
-    TextureTransform, TextureUse, Transform, Volume, Wrap,
+    Alpha, Camera, CameraProjection, Environment, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene,
+    Texture, TextureInfo, TextureTransform, Transform, Volume, Wrap,
 };
 use proptest::collection::vec;
 use proptest::option;
@@ -13,7 +13,7 @@ fn name() -> impl Strategy<Value = String> {
     prop_oneof![Just(String::new()), "[a-z]{1,4}", Just("\"\\\u{0}\u{e9} \u{1f600}".to_owned())]
 }
 
-/// All sorts of finite numbers, the awkward ones included.
+/// Finite numbers, including extreme ones.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         -10.0..10.0,
@@ -48,7 +48,7 @@ fn unit() -> impl Strategy<Value = [f64; 3]> {
     prop_oneof![axes, any]
 }
 
-/// Any affine map: mirrored, sheared, singular.
+/// Affine maps, including mirrored, sheared and singular ones.
 fn transform() -> impl Strategy<Value = Transform> {
     let general = ([vector(), vector(), vector()], vector())
         .prop_map(|(columns, translation)| Transform { columns, translation });
@@ -73,7 +73,7 @@ fn mesh(materials: usize) -> impl Strategy<Value = Mesh> {
                 positions,
                 normals,
                 texture_coordinates: coordinates[0].clone(),
-                second_coordinates: coordinates[1].clone(),
+                second_texture_coordinates: coordinates[1].clone(),
                 colors,
                 triangles,
                 material,
@@ -92,17 +92,17 @@ fn texture() -> impl Strategy<Value = Texture> {
     })
 }
 
-/// Both ends, and all that lies between.
+/// From 0 to 1, including both ends.
 fn share() -> impl Strategy<Value = f32> {
     prop_oneof![Just(0.0_f32), Just(1.0_f32), 0.0_f32..=1.0, Just(1e-45_f32), Just(0.1_f32)]
 }
 
-/// Anything from 0 to the strongest light.
+/// From 0 to [`holo_scene::MAX_RADIANCE`].
 fn strength() -> impl Strategy<Value = f32> {
     prop_oneof![share(), 0.0_f32..1e4, Just(1e30_f32), Just(683.1_f32), Just(f32::MIN_POSITIVE)]
 }
 
-fn texture_use(textures: usize) -> impl Strategy<Value = Option<TextureUse>> + Clone {
+fn texture_use(textures: usize) -> impl Strategy<Value = Option<TextureInfo>> + Clone {
     if textures == 0 {
         return Just(None).boxed();
     }
@@ -110,7 +110,7 @@ fn texture_use(textures: usize) -> impl Strategy<Value = Option<TextureUse>> + C
         .prop_map(|(offset, rotation_rad, scale)| TextureTransform { offset, rotation_rad, scale });
     let transform = prop_oneof![Just(TextureTransform::IDENTITY), transform];
     let used = (0..textures, 0..2_usize, transform);
-    option::of(used.prop_map(|(texture, set, transform)| TextureUse { texture, set, transform })).boxed()
+    option::of(used.prop_map(|(texture, set, transform)| TextureInfo { texture, set, transform })).boxed()
 }
 
 fn material(textures: usize) -> impl Strategy<Value = Material> {
@@ -187,17 +187,17 @@ fn light() -> impl Strategy<Value = Light> {
 }
 
 fn camera() -> impl Strategy<Value = Camera> {
-    let lens = prop_oneof![
+    let projection = prop_oneof![
         (0.01..3.1_f64, option::of(0.1..10.0_f64)).prop_map(|(vertical_angle_rad, aspect_ratio)| {
-            CameraLens::Perspective { vertical_angle_rad, aspect_ratio }
+            CameraProjection::Perspective { vertical_angle_rad, aspect_ratio }
         }),
         (0.01..100.0_f64, 0.01..100.0_f64)
-            .prop_map(|(half_width_m, half_height_m)| CameraLens::Orthographic { half_width_m, half_height_m }),
+            .prop_map(|(half_width_m, half_height_m)| CameraProjection::Orthographic { half_width_m, half_height_m }),
     ];
     let turned = (vector(), [-1.0..1.0, -1.0..1.0, -1.0..1.0, 0.1..1.0_f64])
         .prop_map(|(translation, rotation)| Transform::from_parts(translation, rotation, [1.0; 3]));
     let pose = prop_oneof![turned, Just(Transform::look_at([4.0, 1.6, 6.5], [0.1, 0.2, -3.0], [0.0, 1.0, 0.0]))];
-    (name(), pose, lens).prop_map(|(name, pose, lens)| Camera { name, pose, lens })
+    (name(), pose, projection).prop_map(|(name, pose, projection)| Camera { name, pose, projection })
 }
 
 fn scene() -> impl Strategy<Value = Scene> {
@@ -236,7 +236,7 @@ proptest! {
         let bytes = to_glb(&scene).unwrap();
         let loaded = load_slice(&bytes, &Limits::default()).unwrap();
         prop_assert_eq!(&loaded.scene, &scene);
-        // What we write ourselves is exactly what we model. (A texture without coordinates is worth a word.)
+        // Files of the writer load without warnings, except for textures on meshes without coordinates.
         prop_assert!(loaded.warnings.iter().all(|line| line.contains("its first texel")), "{:?}", loaded.warnings);
         prop_assert_eq!(to_glb(&loaded.scene).unwrap(), bytes);
     }
@@ -251,9 +251,9 @@ fn quad() -> Mesh {
     }
 }
 
-/// Guards a setting in Cargo.toml: by default serde_json may miss the nearest f64 by one bit.
+/// Tests a feature in Cargo.toml: by default serde_json may be off by one bit from the nearest f64.
 #[test]
-fn json_numbers_are_read_to_the_last_bit() {
+fn json_numbers_are_read_exactly() {
     for x in [0.1 + 0.2, 1.0 / 3.0, 5e-324, f64::MAX, std::f64::consts::PI * 1e-200, 123_456_789.123_456_79] {
         let read: f64 = serde_json::from_str(&serde_json::to_string(&x).unwrap()).unwrap();
         assert_eq!(read.to_bits(), x.to_bits(), "{x}: the feature float_roundtrip of serde_json is missing");
@@ -269,7 +269,7 @@ fn json_numbers_are_read_to_the_last_bit() {
 }
 
 #[test]
-fn an_empty_scene_comes_back() {
+fn an_empty_scene_round_trips() {
     let bytes = to_glb(&Scene::default()).unwrap();
     let loaded = load_slice(&bytes, &Limits::default()).unwrap();
     assert_eq!(loaded.scene, Scene::default());
@@ -278,9 +278,9 @@ fn an_empty_scene_comes_back() {
     assert_eq!(loaded.summary.generator.as_deref(), Some("holo"));
 }
 
-/// What other readers see of a plain surface: no extension beyond the one that says "no gloss".
+/// A Lambertian surface has only the extension that sets `specularFactor` to 0.
 #[test]
-fn plain_materials_are_written_plainly() {
+fn lambertian_materials_need_one_extension() {
     let json = |material: Material| {
         let bytes = to_glb(&Scene { materials: vec![material], ..Scene::default() }).unwrap();
         let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
@@ -295,10 +295,10 @@ fn plain_materials_are_written_plainly() {
         "extensions": { "KHR_materials_specular": { "specularFactor": 0.0 } },
     });
     assert_eq!(file["materials"][0], expected);
-    // Gloss as the specification has it by default needs no extension at all.
+    // The default specular reflection of glTF needs no extension.
     let file = json(Material { specular: 1.0, emission: [1.0, 0.5, 0.0], ..Material::default() });
     assert_eq!(file.get("extensionsUsed"), None);
-    // Factors stay within 0..1; the strength is a power of two, so that nothing is rounded.
+    // Factors are within 0..1; the strength is a power of two, so that nothing is rounded.
     let file = json(Material { emission: [5.1, 0.1, 0.0], ..Material::default() });
     assert_eq!(file["materials"][0]["extensions"]["KHR_materials_emissive_strength"]["emissiveStrength"], 8.0);
     assert_eq!(file["materials"][0]["emissiveFactor"][0], f64::from(5.1_f32) / 8.0);
@@ -308,9 +308,9 @@ fn plain_materials_are_written_plainly() {
     );
 }
 
-/// glTF has no word for what surrounds a scene.
+/// glTF cannot represent an environment map.
 #[test]
-fn the_environment_is_left_out() {
+fn the_environment_is_omitted() {
     let environment = Some(Environment { radiance: ndarray::Array3::ones((1, 2, 3)) });
     let bytes = to_glb(&Scene { environment, ..Scene::default() }).unwrap();
     assert_eq!(bytes, to_glb(&Scene::default()).unwrap());
@@ -318,7 +318,7 @@ fn the_environment_is_left_out() {
 
 #[test]
 fn directions_and_axes_that_are_a_little_off_come_back_within_the_bound() {
-    // As single precision leaves them: valid, but not exactly of length one.
+    // Rounded to f32: valid, but not exactly unit vectors.
     let off = 1.0 + 9e-7;
     let scene = Scene {
         lights: vec![Light {
@@ -329,7 +329,7 @@ fn directions_and_axes_that_are_a_little_off_come_back_within_the_bound() {
         cameras: vec![Camera {
             name: String::new(),
             pose: Transform { columns: [[off, 0.0, 0.0], [0.0, 1.0, 5e-7], [0.0, 0.0, off]], translation: [0.0; 3] },
-            lens: CameraLens::Orthographic { half_width_m: 1.0, half_height_m: 1.0 },
+            projection: CameraProjection::Orthographic { half_width_m: 1.0, half_height_m: 1.0 },
         }],
         ..Scene::default()
     };
@@ -343,7 +343,7 @@ fn directions_and_axes_that_are_a_little_off_come_back_within_the_bound() {
 }
 
 #[test]
-fn scenes_that_cannot_be_written_are_refused() {
+fn scenes_that_cannot_be_written_are_rejected() {
     let with = |mesh: Mesh| Scene { meshes: vec![mesh], materials: vec![Material::default()], ..Scene::default() };
     assert!(to_glb(&with(quad())).is_ok());
     let empty = to_glb(&with(Mesh { triangles: Vec::new(), ..quad() })).unwrap_err().to_string();
@@ -367,7 +367,7 @@ fn a_blender_export_loads() {
     assert!(summary.triangles > 300_000, "{summary}");
     assert_eq!((summary.lights, summary.cameras.len(), summary.textures), (2, 1, 2));
     assert!(loaded.warnings.len() < 8, "{:#?}", loaded.warnings);
-    // Everything survives our own writer.
+    // The round trip through the writer is exact.
     let again = load_slice(&to_glb(&loaded.scene).unwrap(), &Limits::default()).unwrap();
     assert_eq!(again.scene, loaded.scene);
 }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use holo_core::{DynImage, GridSize, LightFieldOwned, LightFieldShape};
 use holo_io::Limits;
-use holo_scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
+use holo_scene::{Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use ndarray::Array3;
 
 #[path = "../../../../tests/common/peer.rs"]
@@ -203,7 +203,7 @@ pub fn tiny_scene() -> Scene {
         cameras: vec![Camera {
             name: "front".into(),
             pose: Transform::IDENTITY,
-            lens: CameraLens::Perspective { vertical_angle_rad: 0.6, aspect_ratio: Some(1.5) },
+            projection: CameraProjection::Perspective { vertical_angle_rad: 0.6, aspect_ratio: Some(1.5) },
         }],
         ..Scene::default()
     }

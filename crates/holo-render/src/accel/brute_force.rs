@@ -1,4 +1,4 @@
-//! Every ray against every triangle in f64: slow, plain, and what the fast engines are held against.
+//! The reference engine: tests every ray against every triangle in f64.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use super::{Coherence, Engine, NO_TRIANGLE, RayHits, Rays};
 use crate::geometry::{self, Geometry};
 use crate::simd::{LANES, Lanes};
 
-/// The engine of tests.
+/// The reference engine, for tests.
 pub(crate) struct BruteForce {
     geometry: Arc<Geometry>,
 }
@@ -25,7 +25,7 @@ impl BruteForce {
         Self { geometry: Arc::clone(geometry) }
     }
 
-    /// The nearest hit of one ray; of two at the same distance the one that comes first in the list.
+    /// The nearest hit of one ray; of two hits at the same distance, the triangle with the lower index.
     fn nearest(&self, rays: &Rays, lane: usize) -> Option<Hit> {
         let [origin, direction] =
             [&rays.origin, &rays.direction].map(|x| DVec3::from(x.map(|axis| f64::from(axis[lane]))));

@@ -1,10 +1,12 @@
-//! The engine that is always there: an eight-wide compressed BVH in pure Rust (obvhs) with the watertight triangle test
-//! of [`super::triangle`] and distances in f64.
+//! The built-in engine: an eight-wide compressed BVH in pure Rust (obvhs) with the watertight triangle test of
+//! [`super::triangle`] and distances in f64.
 //!
-//! The tree decides which triangles a ray may hit; its own arithmetic is kept away from the result in three ways. Boxes
-//! are grown by more than its rounding. The scene is scaled to about 2^40 (by a power of two, which is exact), because
-//! the tree drops everything nearer than 1e-4. And a hit's distance comes from the triangle's plane in f64, because the
-//! distance that an f32 test yields on a sliver is off by far more than what keeps a shadow ray clear of its own surface.
+//! The tree only proposes triangles. Three measures keep the rounding of its arithmetic out of the result:
+//! - Bounding boxes are enlarged by more than the rounding error.
+//! - The scene is scaled to about 2^40 (by a power of two, which is exact), because the tree ignores hits nearer than
+//!   1e-4.
+//! - The distance of a hit is computed from the plane of the triangle in f64. On sliver triangles the distance of an
+//!   f32 test has an error that is much larger than the offset of shadow rays from their surface.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -21,22 +23,22 @@ use super::{Coherence, Engine, NO_TRIANGLE, RayHits, Rays};
 use crate::geometry::{Geometry, Hit};
 use crate::simd::{LANES, Lanes, at};
 
-/// The pure-Rust engine.
+/// The BVH engine.
 pub(crate) struct Bvh {
     /// `None` for a scene without triangles: obvhs has no empty tree.
     tree: Option<CwBvh>,
-    /// Corners in the order of the tree's leaves, so that a leaf reads neighbours.
+    /// Corners in the order of the leaves, so that a leaf reads contiguous memory.
     corners: Vec<[[f32; 3]; 3]>,
     geometry: Arc<Geometry>,
     /// Positions in the tree are positions in the scene times this power of two.
     scale: f32,
 }
 
-/// How much boxes grow, over the largest coordinate: 16 roundings of f32.
+/// The enlargement of bounding boxes, relative to the largest coordinate: 16 units of f32 rounding.
 const BOX_MARGIN: f32 = 16.0 / 16_777_216.0;
 
-/// The largest coordinate in the tree lies below two to this power: far above the tree's own threshold, and products of
-/// two coordinates stay far below the range of f32.
+/// The largest coordinate in the tree lies below two to this power: far above the threshold of the tree, and small
+/// enough that products of two coordinates do not overflow f32.
 const TREE_EXPONENT: i32 = 40;
 
 impl Bvh {
@@ -47,7 +49,8 @@ impl Bvh {
         }
         let largest = geometry.positions().iter().flatten().fold(0.0f32, |m, x| m.max(x.abs()));
         let scale = power_of_two((TREE_EXPONENT - exponent(largest)).clamp(-126, 126));
-        // Errors grow with the coordinates of the ray as well, so the whole scene sets the margin.
+        // Errors also grow with the coordinates of the ray, so the largest coordinate of the scene determines the
+        // margin.
         let margin = Vec3A::splat(largest * scale * BOX_MARGIN);
         let boxes: Vec<Aabb> = (0..count)
             .map(|k| {
@@ -60,11 +63,10 @@ impl Bvh {
         Self { tree: Some(tree), corners, geometry: Arc::clone(geometry), scale }
     }
 
-    /// A ray of the scene and the same ray in the tree.
+    /// A ray in scene coordinates and in tree coordinates.
     fn prepare(&self, rays: &Rays, lane: usize) -> TreeRay {
         let origin = at(&rays.origin, lane);
-        // `+ 0.0` turns -0 into 0, which the tree's box test would take for a negative number in one place and for a
-        // positive one in another.
+        // `+ 0.0` turns -0 into 0. The box test of the tree treats -0 inconsistently.
         let direction = at(&rays.direction, lane).map(|x| x + 0.0);
         let largest = direction.iter().fold(0.0f32, |m, x| m.max(x.abs()));
         let stretch = power_of_two(-exponent(largest).clamp(-126, 126));
@@ -85,7 +87,7 @@ impl Bvh {
         }
     }
 
-    /// Where the ray meets the triangle of a leaf, if within its bounds.
+    /// The hit of the ray on the triangle of a leaf, if within (near, far).
     #[inline(always)]
     fn intersect_leaf(&self, ray: &TreeRay, leaf: usize, triangle: u32) -> Option<TriangleHit> {
         let hit = ray.sheared.intersect(&self.corners[leaf])?;
@@ -94,13 +96,13 @@ impl Bvh {
         let n = &plane.normal;
         let exact =
             (plane.offset - (n[0] * o[0] + n[1] * o[1] + n[2] * o[2])) / (n[0] * d[0] + n[1] * d[1] + n[2] * d[2]);
-        // An edge-on plane says nothing; the triangle's own distance is all there is then.
+        // The plane of an edge-on triangle gives no distance; the f32 distance is used then.
         let t = if exact.is_finite() { exact as f32 } else { hit.t };
         (t > ray.near && t < ray.far).then_some(TriangleHit { t, ..hit })
     }
 }
 
-/// A ray in both worlds.
+/// A ray in scene coordinates and in tree coordinates.
 struct TreeRay {
     sheared: ShearedRay,
     /// Origin and direction.
@@ -122,11 +124,11 @@ impl Engine for Bvh {
             tree.ray_traverse(ray.ray, &mut RayHit::none(), |_, leaf| {
                 let triangle = tree.primitive_indices[leaf];
                 let Some(hit) = self.intersect_leaf(&ray, leaf, triangle) else { return f32::INFINITY };
-                // Of two triangles at the same distance the one that comes first in the scene wins, in any tree.
+                // Of two triangles at the same distance the one with the lower index wins, for any tree.
                 if nearest.is_none_or(|(best, k)| hit.t < best.t || (hit.t == best.t && triangle < k)) {
                     nearest = Some((hit, triangle));
                 }
-                // A little beyond, so that the tree does not skip another triangle at the same distance.
+                // The next larger value, so that the tree does not skip another triangle at the same distance.
                 (hit.t * ray.to_tree).next_up()
             });
             if let Some((hit, triangle)) = nearest {

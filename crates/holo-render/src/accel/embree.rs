@@ -1,18 +1,18 @@
-//! The fast engine: Intel Embree 4, loaded at run time through our own small binding.
+//! The Embree engine: Intel Embree 4, loaded at run time through a small binding of its C interface.
 //!
-//! This is one of the two files of the project that contain `unsafe`. What makes it sound is said once, here:
+//! This is one of the two files of the project that contain `unsafe`. Its soundness rests on the following:
 //!
-//! - The functions are those of Embree's public C header `embree4/rtcore.h`; their signatures are in [`Api`]. The ABI of
-//!   a major version does not change, and [`Api::load`] refuses any library that does not call itself 4.
-//! - The library has one level of instances, as every packaged build has (`RTC_MAX_INSTANCE_LEVEL_COUNT` = 1), and scenes
-//!   here use no more: triangles, and placements of prototypes that hold nothing but triangles.
-//! - Queries carry no context; the library then makes one of its own with an empty stack of instances (Embree manual,
+//! - The functions are those of the public C header `embree4/rtcore.h`; their signatures are in [`Api`]. The ABI of a
+//!   major version does not change, and [`Api::load`] rejects any library whose version is not 4.x.
+//! - The library has one level of instances, as every packaged build has (`RTC_MAX_INSTANCE_LEVEL_COUNT` = 1). Scenes
+//!   here use at most one: triangles, and placements of prototypes that contain only triangles.
+//! - Queries pass no context; the library then creates one with an empty instance stack (Embree manual,
 //!   "rtcIntersect16").
-//! - A packet is our [`RayHits`], whose size and alignment are asserted at compile time and equal those of
-//!   `RTCRayHit16` of 4.3 and later. 4.0 to 4.2 lack the last field (`instPrimID`) and write less. A test surrounds
-//!   packets with canaries and shows that the installed version writes nothing else.
-//! - Vertex and index buffers are shared, not copied: the engine holds the [`Geometry`] that owns them, which nobody can
-//!   change any more, and releases the scenes first. Vertices are padded by one entry since Embree reads 16 bytes each.
+//! - A packet is [`RayHits`], whose size and alignment are asserted at compile time and equal those of `RTCRayHit16` of
+//!   Embree 4.3 and later. Versions 4.0 to 4.2 lack the last field (`instPrimID`) and write less. A test surrounds
+//!   packets with canaries and verifies that the installed version writes nothing else.
+//! - Vertex and index buffers are shared, not copied: the engine holds the immutable [`Geometry`] that owns them, and
+//!   releases the scenes first. Vertices are padded by one entry, because Embree reads 16 bytes for each.
 //! - A committed scene may be queried from any thread (Embree manual, "rtcCommitScene").
 
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
@@ -28,7 +28,7 @@ use crate::error::Error;
 use crate::geometry::{FLATTENED, Geometry};
 use crate::simd::{LANES, Lanes};
 
-/// An opaque object of Embree.
+/// An opaque handle of Embree.
 type Handle = *mut c_void;
 
 /// `RTCIntersectArguments` and `RTCOccludedArguments`, which have the same layout.
@@ -63,15 +63,16 @@ const BUFFER_TYPE_VERTEX: c_int = 1;
 const FORMAT_UINT3: c_int = 0x5003;
 const FORMAT_FLOAT3: c_int = 0x9003;
 const FORMAT_FLOAT3X4_COLUMN_MAJOR: c_int = 0x9234;
-/// Rays that touch an edge hit one of its triangles (vertices: see the tests of watertightness); it costs about 6 % of the speed.
+/// `RTC_SCENE_FLAG_ROBUST`: a ray through an edge hits one of its triangles (for vertices see the tests of
+/// watertightness).
 const SCENE_FLAG_ROBUST: c_int = 1 << 2;
 const BUILD_QUALITY_MEDIUM: c_int = 1;
 
-/// Declares the table of functions and its loader from one list.
+/// Declares the function table and its loader from one list.
 macro_rules! api {
     ($($(#[$attribute:meta])* $name:ident: fn($($argument:ty),*) $(-> $result:ty)?;)*) => {
-        /// The functions of one loaded library, which stays loaded as long as they are in use.
-        #[allow(non_snake_case)] // the names of the C header
+        /// The functions of a loaded library, which stays loaded as long as the table exists.
+        #[allow(non_snake_case, reason = "the names of the C header")]
         struct Api {
             $($(#[$attribute])* $name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
             _library: Library,
@@ -84,8 +85,8 @@ macro_rules! api {
                         $(#[$attribute])*
                         $name: {
                             let symbol = concat!(stringify!($name), "\0").as_bytes();
-                            // SAFETY: the signature is that of the public header (see the head of this file), and the
-                            // pointer lives no longer than `_library` beside it.
+                            // SAFETY: the signature is that of the public header (see the module documentation), and
+                            // the pointer does not outlive `_library`, which is stored beside it.
                             unsafe { *library.get(symbol)? }
                         },
                     )*
@@ -120,7 +121,7 @@ api! {
 }
 
 impl Api {
-    /// The library, looked for once a process.
+    /// The library. It is searched for once per process.
     fn get() -> Result<Arc<Self>, Error> {
         static API: OnceLock<Result<Arc<Api>, String>> = OnceLock::new();
         API.get_or_init(|| Self::load().map(Arc::new)).clone().map_err(Error::Embree)
@@ -129,14 +130,14 @@ impl Api {
     fn load() -> Result<Self, String> {
         let mut tried = Vec::new();
         for candidate in candidates() {
-            // SAFETY: loading runs the initialisers of the library, which is Embree (and TBB) by its name.
+            // SAFETY: loading runs the initializers of the library, which by its name is Embree (with TBB).
             let loaded = unsafe { Library::new(&candidate) }.map_err(|why| why.to_string());
             match loaded.and_then(|library| Self::from_library(library).map_err(|why| why.to_string())) {
                 Ok(api) => match api.check() {
                     Ok(()) => return Ok(api),
                     Err(why) => tried.push(format!("{}: {why}", candidate.display())),
                 },
-                // A name without a folder that is not there needs no explanation.
+                // A bare file name that is not found needs no explanation.
                 Err(_) if candidate.parent().is_none_or(|p| p.as_os_str().is_empty()) => {
                     tried.push(candidate.display().to_string());
                 }
@@ -149,19 +150,19 @@ impl Api {
         ))
     }
 
-    /// Whether this library is one that the rest of this file can rely on.
+    /// Checks the version and the features that this file relies on.
     fn check(&self) -> Result<(), String> {
-        // SAFETY: a null configuration means defaults; the device is checked, asked and released here.
+        // SAFETY: a null configuration selects the defaults; the device is checked, queried and released here.
         unsafe {
             let device = (self.rtcNewDevice)(ptr::null());
             if device.is_null() {
-                return Err(format!("no device can be made (error {})", (self.rtcGetDeviceError)(ptr::null_mut())));
+                return Err(format!("cannot create a device (error {})", (self.rtcGetDeviceError)(ptr::null_mut())));
             }
             let property = |which| (self.rtcGetDeviceProperty)(device, which);
             let version = property(DEVICE_PROPERTY_VERSION);
             let triangles = property(DEVICE_PROPERTY_TRIANGLE_GEOMETRY_SUPPORTED) != 0;
             let one_sided = property(DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED) != 0;
-            // No property says whether instances were built in; the library refuses to make one if not.
+            // No property reports support for instances; without it the library cannot create one.
             let instance = (self.rtcNewGeometry)(device, GEOMETRY_TYPE_INSTANCE);
             if !instance.is_null() {
                 (self.rtcReleaseGeometry)(instance);
@@ -178,8 +179,9 @@ impl Api {
     }
 }
 
-/// Where the library may be, best first: HOLO_EMBREE_LIB alone if it is set, else the system's, a folder `embree` beside
-/// the running program or in the cargo target folder that it lies in, the user's cache.
+/// The candidate paths of the library, in order of preference: only HOLO_EMBREE_LIB if it is set; otherwise the library
+/// of the system, a folder `embree` beside the running program or in the cargo target folder around it, the cache of
+/// the user.
 fn candidates() -> Vec<PathBuf> {
     if let Some(path) = std::env::var_os("HOLO_EMBREE_LIB") {
         return vec![path.into()];
@@ -194,7 +196,7 @@ fn candidates() -> Vec<PathBuf> {
     let mut found: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
     let mut folders: Vec<PathBuf> = Vec::new();
     if let Ok(program) = std::env::current_exe() {
-        // Beside the program; above it only inside a folder that cargo builds in.
+        // Folders above that of the program count only if they are cargo target folders.
         let above = program.ancestors().skip(1).take(4).enumerate();
         let trusted = above.filter(|(up, folder)| *up == 0 || folder.join("CACHEDIR.TAG").is_file());
         folders.extend(trusted.map(|(_, folder)| folder.join("embree")));
@@ -215,21 +217,22 @@ fn candidates() -> Vec<PathBuf> {
     found
 }
 
-/// A device and a committed scene: the flattened triangles as one mesh, and placements of scenes of one mesh each.
+/// The Embree engine: a device and a committed scene, which contains the flattened triangles as one mesh and the
+/// placements of prototype scenes with one mesh each.
 pub(crate) struct Embree {
     api: Arc<Api>,
     device: NonNull<c_void>,
     scene: NonNull<c_void>,
-    /// One scene for every mesh that is kept once.
+    /// One scene for every prototype mesh.
     prototypes: Vec<NonNull<c_void>>,
     name: String,
-    /// Owns the buffers that the scenes read.
+    /// Owns the buffers that the scenes share.
     geometry: Arc<Geometry>,
 }
 
 // SAFETY: Embree's device and scene handles are reference-counted objects without thread affinity.
 unsafe impl Send for Embree {}
-// SAFETY: the scene is committed and never changed again; queries on it are thread-safe (head of this file).
+// SAFETY: the scene is committed and never changes; queries on it are thread-safe (module documentation).
 unsafe impl Sync for Embree {}
 
 impl Embree {
@@ -242,25 +245,25 @@ impl Embree {
     pub fn build(geometry: &Arc<Geometry>, threads: usize) -> Result<Self, Error> {
         let api = Api::get()?;
         let config = CString::new(format!("threads={threads}")).map_err(|e| Error::Embree(e.to_string()))?;
-        // SAFETY: `config` is a string with its NUL that outlives the call.
+        // SAFETY: `config` is a NUL-terminated string that outlives the call.
         let device = NonNull::new(unsafe { (api.rtcNewDevice)(config.as_ptr()) })
-            .ok_or_else(|| Error::Embree("no device could be made".into()))?;
-        // SAFETY: the device was just made.
+            .ok_or_else(|| Error::Embree("cannot create a device".into()))?;
+        // SAFETY: the device was just created.
         let version = unsafe { (api.rtcGetDeviceProperty)(device.as_ptr(), DEVICE_PROPERTY_VERSION) };
         let name = format!("embree {}.{}.{}", version / 10_000, version / 100 % 100, version % 100);
         // SAFETY: the device is alive.
         let Some(scene) = NonNull::new(unsafe { (api.rtcNewScene)(device.as_ptr()) }) else {
             // SAFETY: as above.
             unsafe { (api.rtcReleaseDevice)(device.as_ptr()) };
-            return Err(Error::Embree("no scene could be made".into()));
+            return Err(Error::Embree("cannot create a scene".into()));
         };
-        // From here on `Drop` releases what was made.
+        // From here on `Drop` releases the device and the scenes.
         let mut engine = Self { api, device, scene, prototypes: Vec::new(), name, geometry: Arc::clone(geometry) };
         engine.fill()?;
         Ok(engine)
     }
 
-    /// Gives the scene its geometry and builds it.
+    /// Attaches the geometry to the scene and builds it.
     fn fill(&mut self) -> Result<(), Error> {
         let geometry = Arc::clone(&self.geometry);
         for triangles in geometry.prototypes() {
@@ -271,12 +274,13 @@ impl Embree {
             self.attach_triangles(scene, triangles.clone(), 0)?;
             self.commit(scene)?;
         }
-        let placed = geometry.placed();
-        for (id, place) in placed.iter().enumerate() {
+        let placements = geometry.placements();
+        for (id, place) in placements.iter().enumerate() {
             let matrix = place.matrix();
             let instance = self.new_geometry(GEOMETRY_TYPE_INSTANCE)?;
-            // SAFETY: all handles are alive; `matrix` is twelve floats, columns first, which the call copies. The scene takes
-            // its share in the geometry, so that ours can be given back. Its number is free: places are counted once.
+            // SAFETY: all handles are alive; `matrix` is twelve floats in column-major order, which the call copies.
+            // The scene holds a reference to the geometry, so that ours can be released. Each placement has an id of
+            // its own.
             unsafe {
                 let instance = instance.as_ptr();
                 let prototype = self.prototypes[place.prototype as usize].as_ptr();
@@ -289,7 +293,7 @@ impl Embree {
             }
         }
         if geometry.flattened_count() > 0 {
-            self.attach_triangles(self.scene, 0..geometry.flattened_count(), placed.len() as c_uint)?;
+            self.attach_triangles(self.scene, 0..geometry.flattened_count(), placements.len() as c_uint)?;
         }
         self.commit(self.scene)
     }
@@ -299,20 +303,20 @@ impl Embree {
         NonNull::new(unsafe { (self.api.rtcNewGeometry)(self.device.as_ptr(), kind) }).ok_or_else(|| self.failure())
     }
 
-    /// Adds a range of the triangles to a scene, under the number `id`.
+    /// Attaches a range of the triangles to a scene, with the geometry id `id`.
     fn attach_triangles(&self, scene: NonNull<c_void>, range: Range<usize>, id: c_uint) -> Result<(), Error> {
         let (api, geometry) = (&self.api, &self.geometry);
         let mesh = self.new_geometry(GEOMETRY_TYPE_TRIANGLE)?.as_ptr();
         let share = |kind, format, data: *const c_void, count| {
-            // SAFETY: the mesh is alive; the buffers belong to the geometry, which `self` keeps alive and nobody can change;
-            // counts and strides are those of the slices, vertices have one entry more than is announced.
+            // SAFETY: the mesh is alive; the buffers belong to the immutable geometry, which `self` keeps alive; counts
+            // and strides are those of the slices, and the vertices have one more entry than is passed.
             unsafe { (api.rtcSetSharedGeometryBuffer)(mesh, kind, 0, format, data, 0, 12, count) };
         };
         let vertices = geometry.padded_positions();
         share(BUFFER_TYPE_VERTEX, FORMAT_FLOAT3, vertices.as_ptr().cast(), vertices.len() - 1);
         let triangles = &geometry.triangles()[range];
         share(BUFFER_TYPE_INDEX, FORMAT_UINT3, triangles.as_ptr().cast(), triangles.len());
-        // SAFETY: mesh and scene are alive; the scene takes its share in the mesh, so that ours can be given back.
+        // SAFETY: mesh and scene are alive; the scene holds a reference to the mesh, so that ours can be released.
         unsafe {
             (api.rtcCommitGeometry)(mesh);
             (api.rtcAttachGeometryByID)(scene.as_ptr(), mesh, id);
@@ -321,9 +325,9 @@ impl Embree {
         Ok(())
     }
 
-    /// Builds the tree over a scene to which everything is attached.
+    /// Builds the acceleration structure of a scene with all geometries attached.
     fn commit(&self, scene: NonNull<c_void>) -> Result<(), Error> {
-        // SAFETY: device and scene are alive; what the scene refers to is, too (above).
+        // SAFETY: device and scene are alive, and so are the buffers of the scene (see `attach_triangles`).
         let code = unsafe {
             (self.api.rtcSetSceneFlags)(scene.as_ptr(), SCENE_FLAG_ROBUST);
             (self.api.rtcSetSceneBuildQuality)(scene.as_ptr(), BUILD_QUALITY_MEDIUM);
@@ -333,14 +337,14 @@ impl Embree {
         if code == 0 { Ok(()) } else { Err(self.error(code)) }
     }
 
-    /// The error that the library has just met.
+    /// The last error of the library.
     fn failure(&self) -> Error {
         // SAFETY: the device is alive.
         self.error(unsafe { (self.api.rtcGetDeviceError)(self.device.as_ptr()) })
     }
 
     fn error(&self, code: c_int) -> Error {
-        let (triangles, places) = (self.geometry.triangles().len(), self.geometry.placed().len());
+        let (triangles, places) = (self.geometry.triangles().len(), self.geometry.placements().len());
         Error::Embree(match code {
             4 if places > 0 => format!("out of memory over {triangles} triangles and {places} instances"),
             4 => format!("out of memory over {triangles} triangles"),
@@ -351,8 +355,8 @@ impl Embree {
 
 impl Drop for Embree {
     fn drop(&mut self) {
-        // SAFETY: all were made by `build` and are released once; the scenes go first (the one that refers to the others
-        // before those), then the buffers may go.
+        // SAFETY: all handles were created by `build` and are released once. The scenes are released first (the top
+        // scene before the prototypes that it refers to); the buffers outlive them.
         unsafe {
             (self.api.rtcReleaseScene)(self.scene.as_ptr());
             for prototype in &self.prototypes {
@@ -363,16 +367,16 @@ impl Drop for Embree {
     }
 }
 
-/// Turns the triangles' numbers within their prototypes into those of the whole list.
+/// Converts triangle indices within a prototype into indices into all triangles.
 ///
-/// Kept out of the way of scenes without instances.
+/// Not inlined, because scenes without placements do not need it.
 #[inline(never)]
 fn number_triangles(geometry: &Geometry, valid: &Lanes<i32>, packet: &mut RayHits) {
     let hits = &mut packet.hits;
     for lane in 0..LANES {
         let instance = hits.instance[lane];
         if valid.0[lane] != 0 && hits.triangle[lane] != NO_TRIANGLE && instance != FLATTENED {
-            let prototype = geometry.placed()[instance as usize].prototype;
+            let prototype = geometry.placements()[instance as usize].prototype;
             hits.triangle[lane] += geometry.prototypes()[prototype as usize].start as u32;
         }
     }
@@ -404,7 +408,7 @@ impl Engine for Embree {
 
     #[cfg(feature = "bench")]
     fn intersect_singly(&self, valid: &Lanes<i32>, packet: &mut RayHits) {
-        /// `RTCRayHit`: 96 bytes, one word a field.
+        /// `RTCRayHit`: 96 bytes, one word per field.
         #[repr(C, align(16))]
         struct One([f32; 24]);
         let arguments = QueryArguments::new(Coherence::Coherent);
@@ -441,20 +445,20 @@ impl Engine for Embree {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::tests::{placed_soup, soup};
+    use crate::accel::tests::{instanced_soup, soup};
 
-    /// A packet between two fences of known bytes.
+    /// A packet between two canaries of known bytes.
     #[repr(C, align(64))]
-    struct Fenced<T> {
+    struct WithCanaries<T> {
         before: [u8; 256],
         inner: T,
         after: [u8; 256],
     }
 
-    /// Holds for whichever version is installed: it writes into our structs and nowhere else.
+    /// The installed version writes into the packet and nowhere else.
     #[test]
     fn embree_writes_nothing_outside_our_packets() {
-        for geometry in [soup(500, 1), placed_soup(500, 1)] {
+        for geometry in [soup(500, 1), instanced_soup(500, 1)] {
             nothing_outside_is_written(&Arc::new(geometry));
         }
     }
@@ -469,8 +473,8 @@ mod tests {
         };
         for coherence in [Coherence::Coherent, Coherence::Incoherent] {
             let valid = Lanes([-1; LANES]);
-            let mut packet = Fenced { before: [0xA5; 256], inner: RayHits::EMPTY, after: [0x5A; 256] };
-            let mut shadow = Fenced { before: [0xA5; 256], inner: Rays::EMPTY, after: [0x5A; 256] };
+            let mut packet = WithCanaries { before: [0xA5; 256], inner: RayHits::EMPTY, after: [0x5A; 256] };
+            let mut shadow = WithCanaries { before: [0xA5; 256], inner: Rays::EMPTY, after: [0x5A; 256] };
             for lane in 0..LANES {
                 packet.inner.rays.direction[0][lane] = lane as f32 * 0.02 - 0.15;
             }
@@ -479,9 +483,9 @@ mod tests {
             engine.occluded(&valid, &mut shadow.inner, coherence);
             assert!(packet.inner.hits.triangle.iter().any(|&k| k != NO_TRIANGLE), "the rays must hit something");
             assert!(shadow.inner.far.contains(&f32::NEG_INFINITY), "the shadow rays must hit something");
-            for fences in [[&packet.before, &packet.after], [&shadow.before, &shadow.after]] {
-                assert!(fences[0].iter().all(|&b| b == 0xA5), "wrote before the packet");
-                assert!(fences[1].iter().all(|&b| b == 0x5A), "wrote behind the packet");
+            for canaries in [[&packet.before, &packet.after], [&shadow.before, &shadow.after]] {
+                assert!(canaries[0].iter().all(|&b| b == 0xA5), "wrote before the packet");
+                assert!(canaries[1].iter().all(|&b| b == 0x5A), "wrote behind the packet");
             }
         }
     }

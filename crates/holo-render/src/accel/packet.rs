@@ -1,4 +1,4 @@
-//! Sixteen rays and their hits, laid out as Embree's `RTCRayHit16`.
+//! Packets of sixteen rays and their hits, in the layout of Embree's `RTCRayHit16`.
 
 use crate::geometry::{FLATTENED, Hit};
 use crate::simd::{LANES, Lanes};
@@ -6,10 +6,10 @@ use crate::simd::{LANES, Lanes};
 /// The triangle of a ray that hit nothing (Embree's `RTC_INVALID_GEOMETRY_ID`).
 pub(crate) const NO_TRIANGLE: u32 = u32::MAX;
 
-/// Where rays begin: a camera that lies exactly on a surface does not see it.
+/// The start of rays: a camera that lies exactly on a surface does not hit it.
 const NEAREST: f32 = f32::MIN_POSITIVE;
 
-/// `RTCRay16`: 12 words a ray.
+/// Sixteen rays: `RTCRay16`, 12 words per ray.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rays {
@@ -31,7 +31,7 @@ pub(crate) struct ExactRays {
     pub direction_y: [f64; LANES],
 }
 
-/// `RTCHit16` of Embree 4.3 and later: 9 words a ray. Older 4.x lack the last and write less.
+/// Sixteen hits: `RTCHit16` of Embree 4.3 and later, 9 words per ray. Versions 4.0 to 4.2 lack the last word.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Hits {
@@ -41,12 +41,13 @@ pub(crate) struct Hits {
     /// Index into all triangles of the geometry.
     pub triangle: [u32; LANES],
     pub geometry: [u32; LANES],
-    /// Where the mesh stands that was hit, or [`FLATTENED`] (Embree's `RTC_INVALID_GEOMETRY_ID`).
+    /// Index into [`Geometry::placements`](crate::geometry::Geometry::placements), or [`FLATTENED`] (Embree's
+    /// `RTC_INVALID_GEOMETRY_ID`).
     pub instance: [u32; LANES],
     pub instance_primitive: [u32; LANES],
 }
 
-/// `RTCRayHit16`: 1344 bytes.
+/// Sixteen rays with their hits: `RTCRayHit16`, 1344 bytes.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RayHits {
@@ -55,7 +56,7 @@ pub(crate) struct RayHits {
 }
 
 impl Rays {
-    /// No ray yet: from the origin along -Z, of any length.
+    /// Default rays: from the origin along -Z, of unlimited length.
     pub const EMPTY: Self = Self {
         origin: [[0.0; LANES]; 3],
         near: [NEAREST; LANES],
@@ -69,7 +70,7 @@ impl Rays {
 }
 
 impl Hits {
-    /// Nothing hit.
+    /// No hits.
     pub const EMPTY: Self = Self {
         normal: [[0.0; LANES]; 3],
         u: [0.0; LANES],
@@ -82,10 +83,10 @@ impl Hits {
 }
 
 impl RayHits {
-    /// No ray and no hit.
+    /// Default rays without hits.
     pub const EMPTY: Self = Self { rays: Rays::EMPTY, hits: Hits::EMPTY };
 
-    /// Makes the packet ready for another query with the rays that are written into it next.
+    /// Prepares the packet for another query; the caller then writes origins and directions.
     #[inline(always)]
     pub fn reset(&mut self) {
         self.rays.near = [NEAREST; LANES];
@@ -95,14 +96,14 @@ impl RayHits {
         self.hits.instance = [FLATTENED; LANES];
     }
 
-    /// What lane `lane` hit.
+    /// The triangle that lane `lane` hit.
     #[inline(always)]
     pub fn hit(&self, lane: usize) -> Hit {
-        Hit { triangle: self.hits.triangle[lane], instance: self.hits.instance[lane] }
+        Hit { triangle: self.hits.triangle[lane], placement: self.hits.instance[lane] }
     }
 }
 
-// The layout that the Embree seam relies on.
+// The layout that the binding to Embree relies on.
 const _: () = {
     assert!(size_of::<Rays>() == 12 * 64 && align_of::<Rays>() == 64);
     assert!(size_of::<Hits>() == 9 * 64);

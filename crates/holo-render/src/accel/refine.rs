@@ -1,37 +1,38 @@
-//! Depth to f64: the ray of a hit against the plane of the triangle that it hit.
+//! Refinement of depth to f64: the intersection of the exact ray with the plane of the hit triangle.
 //!
-//! An engine decides in f32 *which* triangle is hit; where the exact ray meets that triangle's plane is computed anew in
-//! f64 from f64 positions. With rays whose z component is -1 the ray parameter is planar depth.
+//! An engine decides in f32 *which* triangle is hit. The intersection of the exact ray with the plane of that triangle
+//! is then computed in f64 from f64 positions. Rays have a z component of -1, so the ray parameter is planar depth.
 
 use crate::accel::{ExactRays, NO_TRIANGLE, RayHits};
 use crate::geometry::Geometry;
 use crate::simd::LANES;
 
-/// A refined depth may leave the engine's by this much, relatively; beyond it the ray grazes the plane, the plane says
-/// nothing about the triangle any more, and the engine's depth stays.
-const LARGEST_CORRECTION: f64 = 1e-3;
+/// The maximum relative difference between the refined depth and that of the engine. If it is larger, the ray grazes
+/// the plane, its intersection with the plane is ill-conditioned, and the depth of the engine is kept.
+const MAX_RELATIVE_CORRECTION: f64 = 1e-3;
 
-/// Where sixteen rays end.
+/// The refined hits of sixteen rays.
 pub(crate) struct Refined {
     /// Planar depth, m; +infinity where nothing is hit.
     pub depth: [f64; LANES],
-    /// The unit normals of the triangles; 0 where nothing is hit.
+    /// The unit normals of the triangles in camera coordinates; 0 where nothing is hit.
     pub normal: [[f64; LANES]; 3],
 }
 
 /// Refines the hits of `packet`, whose exact rays are `rays`.
 ///
 /// # Accuracy
-/// About 1e-15 * (distance of the triangle / distance along the normal), so 1e-12 unless the ray grazes.
+/// A relative error of about 1e-15 * (distance of the triangle / distance along its normal): 1e-12 unless the ray is
+/// grazing.
 #[inline(always)]
 pub(crate) fn refine(geometry: &Geometry, packet: &RayHits, rays: &ExactRays) -> Refined {
     let triangles = &packet.hits.triangle;
     let mut normal = [[0.0; LANES]; 3];
     let mut offset = [0.0; LANES];
     let first = packet.hit(0);
-    let one_place = !geometry.is_instanced() || packet.hits.instance.iter().all(|&k| k == first.instance);
-    if triangles.iter().all(|&k| k == first.triangle) && one_place {
-        // Most packets hit one triangle: its plane is read once.
+    let one_placement = !geometry.is_instanced() || packet.hits.instance.iter().all(|&k| k == first.placement);
+    if triangles.iter().all(|&k| k == first.triangle) && one_placement {
+        // Most packets hit a single triangle, whose plane is read once.
         if first.triangle != NO_TRIANGLE {
             let plane = geometry.plane(first);
             for axis in 0..3 {
@@ -58,7 +59,7 @@ pub(crate) fn refine(geometry: &Geometry, packet: &RayHits, rays: &ExactRays) ->
         let exact = away / towards;
         // Infinite without a hit; the comparison fails for it, and for a plane that gives NaN.
         let found = f64::from(packet.rays.far[lane]);
-        depth[lane] = if (exact - found).abs() <= LARGEST_CORRECTION * found { exact } else { found };
+        depth[lane] = if (exact - found).abs() <= MAX_RELATIVE_CORRECTION * found { exact } else { found };
     }
     Refined { depth, normal }
 }

@@ -9,7 +9,7 @@ use crate::geometry::Instancing;
 use crate::simd::{LANES, Lanes};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
 
-/// A small generator with a stated formula (SplitMix64), so that tests mean the same everywhere.
+/// A random number generator (SplitMix64), so that tests are the same on all machines.
 pub(crate) fn random(state: &mut u64) -> f64 {
     *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
     let mut z = *state;
@@ -24,14 +24,14 @@ pub(crate) fn soup(count: usize, seed: u64) -> Geometry {
     geometry(positions, triangles)
 }
 
-/// The same as one mesh that is kept once and placed twice.
-pub(crate) fn placed_soup(count: usize, seed: u64) -> Geometry {
+/// The same triangles as a prototype with two placements.
+pub(crate) fn instanced_soup(count: usize, seed: u64) -> Geometry {
     let (positions, triangles) = soup_mesh(count, seed);
     let mut scene = scene(positions, triangles);
     let aside = Transform::from_translation([0.5, 0.25, -1.0]);
     scene.instances.push(Instance { transform: aside, ..scene.instances[0].clone() });
-    let geometry = Geometry::build(&scene, &Transform::IDENTITY, Instancing::WherePossible).expect("a valid scene");
-    assert_eq!(geometry.placed().len(), 2);
+    let geometry = Geometry::build(&scene, &Transform::IDENTITY, Instancing::Always).expect("a valid scene");
+    assert_eq!(geometry.placements().len(), 2);
     geometry
 }
 
@@ -82,7 +82,7 @@ fn random_packet(state: &mut u64) -> RayHits {
     for lane in 0..LANES {
         for axis in 0..2 {
             packet.rays.origin[axis][lane] = (random(state) * 0.2 - 0.1) as f32;
-            // Rays along the axes too, with a zero of either sign.
+            // Also rays along the axes, with zeros of both signs.
             let tilt = random(state) - 0.5;
             packet.rays.direction[axis][lane] =
                 if tilt.abs() < 0.05 { 0.0f32.copysign(tilt as f32) } else { tilt as f32 };
@@ -91,12 +91,12 @@ fn random_packet(state: &mut u64) -> RayHits {
     packet
 }
 
-/// On random triangles all engines see the same: hit or miss, triangle, distance, weights, occlusion. A ray within
-/// rounding of an edge may be judged differently by an f32 test, which is why one lane in a thousand may differ.
+/// On random triangles all engines agree: hit or miss, triangle, distance, barycentrics, occlusion. An f32 test may
+/// decide a ray within rounding of an edge differently, so one lane in a thousand may differ.
 #[test]
 fn engines_agree_on_random_triangles() {
     let geometry = Arc::new(soup(400, 7));
-    let oracle = brute_force::BruteForce::build(&geometry);
+    let reference = brute_force::BruteForce::build(&geometry);
     let valid = Lanes(std::array::from_fn(|lane| if lane == 5 { 0 } else { -1 }));
     for engine in engines(&geometry) {
         let mut state = 99;
@@ -105,10 +105,10 @@ fn engines_agree_on_random_triangles() {
             let coherence = if round % 2 == 0 { Coherence::Coherent } else { Coherence::Incoherent };
             let rays = random_packet(&mut state);
             let (mut expected, mut got) = (rays, rays);
-            oracle.intersect(&valid, &mut expected, Coherence::Coherent);
+            reference.intersect(&valid, &mut expected, Coherence::Coherent);
             engine.intersect(&valid, &mut got, Coherence::Coherent);
             let (mut dark, mut also_dark) = (rays.rays, rays.rays);
-            oracle.occluded(&valid, &mut dark, Coherence::Incoherent);
+            reference.occluded(&valid, &mut dark, Coherence::Incoherent);
             engine.occluded(&valid, &mut also_dark, coherence);
             for lane in 0..LANES {
                 if lane == 5 {
@@ -123,10 +123,11 @@ fn engines_agree_on_random_triangles() {
                 } else if expected.hits.triangle[lane] != NO_TRIANGLE {
                     hits += 1;
                     let (a, b) = (got.rays.far[lane], expected.rays.far[lane]);
-                    // Distances of 2 to 10 through products of three f32: some tens of ulp at worst.
+                    // Distances of 2 to 10 from products of three f32: an error of at most some tens of ulp.
                     assert!((a - b).abs() <= 2e-5 * b, "{}: {a} against {b}", engine.name());
                     for (a, b) in [(&got.hits.u, &expected.hits.u), (&got.hits.v, &expected.hits.v)] {
-                        // Slivers magnify rounding in the weights; they are only used to mix vertex attributes.
+                        // Slivers magnify rounding errors of barycentrics, which are only used to interpolate vertex
+                        // attributes.
                         assert!((a[lane] - b[lane]).abs() < 2e-3, "{}: {} {}", engine.name(), a[lane], b[lane]);
                     }
                 }
@@ -137,7 +138,7 @@ fn engines_agree_on_random_triangles() {
     }
 }
 
-/// From inside a closed box every ray hits, also those aimed exactly at its edges and corners.
+/// From inside a closed box every ray hits, including those aimed exactly at edges and corners.
 #[test]
 fn no_ray_leaves_a_closed_box() {
     let geometry = Arc::new(cube(1.0));
@@ -166,8 +167,8 @@ fn no_ray_leaves_a_closed_box() {
 #[test]
 fn an_empty_scene_is_hit_by_nothing() {
     let geometry = Arc::new(geometry(vec![], vec![]));
-    let oracle: Box<dyn Engine> = Box::new(brute_force::BruteForce::build(&geometry));
-    for engine in engines(&geometry).into_iter().chain([oracle]) {
+    let reference: Box<dyn Engine> = Box::new(brute_force::BruteForce::build(&geometry));
+    for engine in engines(&geometry).into_iter().chain([reference]) {
         let mut packet = RayHits::EMPTY;
         engine.intersect(&Lanes([-1; LANES]), &mut packet, Coherence::Coherent);
         assert_eq!(packet.hits.triangle, [NO_TRIANGLE; LANES]);

@@ -1,19 +1,20 @@
 //! The watertight ray-triangle test of the BVH engine.
 //!
 //! Source: Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2 (2013). The ray is sheared so that it
-//! runs along +Z; two triangles that share an edge then compute the same edge function with opposite signs, so no ray
-//! falls between them. Edge functions that come out as zero in f32 are recomputed in f64, where they are exact products.
+//! runs along +Z. Two triangles that share an edge then compute the same edge function with opposite signs, so no ray
+//! passes between them. Edge functions that are zero in f32 are recomputed in f64, where the products are exact.
 
 /// A ray prepared for the test.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ShearedRay {
     origin: [f32; 3],
-    /// The axis along which the direction is longest; it plays the part of Z.
+    /// The axis of the largest component of the direction, which is permuted to Z.
     longest: usize,
     shear: [f32; 3],
 }
 
-/// Where a ray meets a triangle: parameter and the weights of the second and third corner.
+/// The intersection of a ray with a triangle: the ray parameter `t` and the barycentrics `u` and `v` of the second and
+/// third corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TriangleHit {
     pub t: f32,
@@ -29,11 +30,11 @@ impl ShearedRay {
         Self { origin, longest, shear: [x / z, y / z, 1.0 / z] }
     }
 
-    /// Where the line of the ray meets the triangle, if it does; both sides count. The weights are good; the parameter of a
-    /// sliver is not, which is why the caller computes it anew.
+    /// The intersection of the line of the ray with the triangle, from either side. The barycentrics are accurate; the
+    /// ray parameter on a sliver triangle is not, so the caller recomputes it.
     #[inline(always)]
     pub fn intersect(&self, corners: &[[f32; 3]; 3]) -> Option<TriangleHit> {
-        // Three copies with constant indices: picking axes at run time would go through memory for every corner.
+        // Three copies with constant indices: run-time indices would go through memory for every corner.
         match self.longest {
             0 => self.intersect_along::<1, 2, 0>(corners),
             1 => self.intersect_along::<2, 0, 1>(corners),

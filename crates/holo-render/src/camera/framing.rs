@@ -1,74 +1,76 @@
-//! From a scene's camera and a few numbers to a rig.
+//! Framing: derives a rig from a camera of the scene.
 //!
-//! A glTF camera says where it stands and how wide it sees; sensor size, baseline and focus distance come from the user
-//! or from rules stated here.
+//! A glTF camera has a pose and a field of view. Sensor size, baseline and focus distance come from the caller or from
+//! the rules stated here.
 
 use holo_core::{GridSize, Intrinsics, LightFieldShape, Projection, Rig, automatic_baseline_m};
 
 use crate::error::Error;
-use holo_scene::{Camera, CameraLens, Scene, Transform};
+use holo_scene::{Camera, CameraProjection, Scene, Transform};
 
-/// How a rig is wanted.
+/// The parameters of a rig apart from its focus distance.
 #[derive(Clone, Debug)]
 pub struct Framing {
-    /// Views and lenses.
+    /// View counts and spatial resolution (views and lenses).
     pub shape: LightFieldShape,
-    /// Which camera of the scene.
+    /// The camera of the scene.
     pub camera: CameraChoice,
-    /// Focal length, m; `None`: from the camera's angle of view.
+    /// Focal length, m; `None`: from the field of view of the camera.
     pub focal_length_m: Option<f64>,
-    /// Length of the larger image side, m.
+    /// Length of the larger image side on the sensor, m.
     pub sensor_size_m: f64,
-    /// Distance between neighbouring views.
+    /// Distance between adjacent views.
     pub baseline: Baseline,
     /// Projection of the views.
     pub projection: Projection,
 }
 
-/// Which camera of a scene.
+/// The choice of a camera of the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum CameraChoice {
-    /// The first in node order; without any, one that sees the whole scene from +Z.
+    /// The first camera in node order; for a scene without cameras, one on +Z that sees the whole scene.
     #[default]
     First,
-    /// By position in [`Scene::cameras`].
+    /// By index in [`Scene::cameras`].
     Index(usize),
     /// By name.
     Name(String),
 }
 
-/// The distance between neighbouring views.
+/// The distance between adjacent views.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Baseline {
-    /// The views sample the aperture of an f/N lens: focal length / N / (views - 1), the longer side of the grid deciding.
+    /// The views sample the aperture of an f/N lens: focal length / N / (views - 1), with the larger of the two view
+    /// counts.
     FNumber(f64),
-    /// Metres, the same along both axes.
-    Metres(f64),
+    /// In meters, the same along both axes.
+    Meters(f64),
 }
 
-/// A camera position with intrinsics; focus is still open.
+/// A camera pose with intrinsics and baseline; the focus distance is still open.
 #[derive(Clone, Debug)]
 pub struct Framed {
-    /// Camera to world.
+    /// Camera to world coordinates.
     pub pose: Transform,
     /// Focal length and sensor size.
     pub intrinsics: Intrinsics,
-    /// Distance between neighbouring views, m.
+    /// Distance between adjacent views, m.
     pub baseline_m: f64,
-    /// Which camera this is, for people.
+    /// A description of the camera for messages.
     pub camera: String,
     shape: LightFieldShape,
     pub(crate) projection: Projection,
 }
 
-/// Vertical angle of view of the camera that is made up for a scene without one, rad (40 degrees).
+/// Vertical field of view of the default camera for scenes without one, rad (40 degrees).
 const DEFAULT_ANGLE_RAD: f64 = 40.0 * std::f64::consts::PI / 180.0;
 
 impl Framing {
-    /// Finds the camera and the numbers that do not depend on what it sees.
+    /// Selects the camera and computes focal length and baseline.
     ///
     /// # Errors
-    /// No such camera, an orthographic camera, numbers that no rig can have.
+    /// [`Error::BadSetting`] if there is no such camera, if it is orthographic, or if the scene is empty;
+    /// [`Error::Core`] for parameters that are invalid for a rig.
     pub fn frame(&self, scene: &Scene) -> Result<Framed, Error> {
         let lenses = self.shape.lenses();
         let (pose, camera, half_slope) = match choose(scene, &self.camera)? {
@@ -77,22 +79,22 @@ impl Framing {
         };
         let focal_length_m = self.focal_length_m.unwrap_or(self.sensor_size_m / (2.0 * half_slope));
         let baseline_m = match self.baseline {
-            Baseline::Metres(baseline) => baseline,
+            Baseline::Meters(baseline) => baseline,
             Baseline::FNumber(f_number) => automatic_baseline_m(focal_length_m, f_number, self.shape.views())?,
         };
         let intrinsics = Intrinsics { focal_length_m, sensor_size_m: self.sensor_size_m };
         let framed = Framed { pose, intrinsics, baseline_m, camera, shape: self.shape, projection: self.projection };
-        // Everything but the focus is known: let the rig judge it now, before a scene is built.
+        // Validates everything but the focus distance now, before the scene is built.
         framed.rig_with(Projection::Perspective, f64::INFINITY)?;
         Ok(framed)
     }
 }
 
 impl Framed {
-    /// The rig focused at a distance (m, may be infinite).
+    /// The rig focused at a distance, m (may be infinite).
     ///
     /// # Errors
-    /// Numbers that no rig can have; an orthographic rig needs a finite distance.
+    /// [`Error::Core`] for parameters that are invalid for a rig; an orthographic rig needs a finite distance.
     pub fn rig(&self, focus_distance_m: f64) -> Result<Rig, Error> {
         self.rig_with(self.projection, focus_distance_m)
     }
@@ -125,11 +127,11 @@ fn choose<'a>(scene: &'a Scene, choice: &CameraChoice) -> Result<Option<&'a Came
     }
 }
 
-/// The tangent of half the angle of view along the larger image side. A camera with more columns than rows keeps its
-/// horizontal angle, else its vertical one.
+/// The tangent of half the field of view along the larger image side. An image with at least as many columns as rows
+/// keeps the horizontal field of view of the camera, otherwise the vertical one.
 fn half_slope(camera: &Camera, lenses: GridSize) -> Result<f64, Error> {
-    match camera.lens {
-        CameraLens::Perspective { vertical_angle_rad, aspect_ratio } => {
+    match camera.projection {
+        CameraProjection::Perspective { vertical_angle_rad, aspect_ratio } => {
             let vertical = (vertical_angle_rad / 2.0).tan();
             if lenses.columns < lenses.rows {
                 return Ok(vertical);
@@ -137,15 +139,16 @@ fn half_slope(camera: &Camera, lenses: GridSize) -> Result<f64, Error> {
             let aspect = aspect_ratio.unwrap_or(lenses.columns as f64 / lenses.rows as f64);
             Ok(vertical * aspect)
         }
-        CameraLens::Orthographic { .. } => Err(Error::BadSetting(format!(
-            "camera '{}' is orthographic; choose a perspective camera, and --projection orthographic if the views shall \
-             be parallel projections",
+        CameraProjection::Orthographic { .. } => Err(Error::BadSetting(format!(
+            "camera '{}' is orthographic; choose a perspective camera, and --projection orthographic if the views \
+             shall be parallel projections",
             camera.name
         ))),
     }
 }
 
-/// A camera in front of the scene's bounding box (on +Z) that just sees all of it with its own angle of view.
+/// A camera on +Z in front of the bounding box of the scene, at the smallest distance from which it sees all of it,
+/// plus 5 %.
 fn frame_bounds(scene: &Scene, lenses: GridSize) -> Result<(Transform, String, f64), Error> {
     let Some((low, high)) = scene.bounds() else {
         return Err(Error::BadSetting(
@@ -157,7 +160,7 @@ fn frame_bounds(scene: &Scene, lenses: GridSize) -> Result<(Transform, String, f
     let slope_y = (DEFAULT_ANGLE_RAD / 2.0).tan();
     let slope_x = slope_y * lenses.columns as f64 / lenses.rows as f64;
     let distance = (half[1] / slope_y).max(half[0] / slope_x);
-    // A scene that is a point is still looked at from somewhere.
+    // A scene of a single point gets a distance of 1 m.
     let distance = half[2] + if distance > 0.0 { 1.05 * distance } else { 1.0 };
     let pose = Transform::from_translation([center[0], center[1], center[2] + distance]);
     let along_larger = if lenses.columns < lenses.rows { slope_y } else { slope_x };
@@ -169,8 +172,8 @@ mod tests {
     use super::*;
 
     fn camera(aspect_ratio: Option<f64>) -> Camera {
-        let lens = CameraLens::Perspective { vertical_angle_rad: 0.8, aspect_ratio };
-        Camera { name: "a".into(), pose: Transform::IDENTITY, lens }
+        let projection = CameraProjection::Perspective { vertical_angle_rad: 0.8, aspect_ratio };
+        Camera { name: "a".into(), pose: Transform::IDENTITY, projection }
     }
 
     fn framing(lenses: GridSize, camera: CameraChoice) -> Framing {
@@ -191,11 +194,11 @@ mod tests {
             let lenses = GridSize::new(rows, columns);
             framing(lenses, CameraChoice::First).frame(scene).unwrap().intrinsics.focal_length_m
         };
-        // Landscape: tan(half horizontal) = aspect * tan(half vertical); sensor 36 mm is the width.
+        // Landscape: tan(half horizontal) = aspect * tan(half vertical); the sensor of 36 mm is the width.
         let tan = 0.4f64.tan();
         assert!((focal(&scene(Some(1.5)), 10, 20) - 0.018 / (1.5 * tan)).abs() < 1e-12);
         assert!((focal(&scene(None), 10, 20) - 0.018 / (2.0 * tan)).abs() < 1e-12, "aspect of the image");
-        // Portrait: the vertical angle, over the height.
+        // Portrait: the vertical field of view, over the height.
         assert!((focal(&scene(Some(1.5)), 20, 10) - 0.018 / tan).abs() < 1e-12);
     }
 

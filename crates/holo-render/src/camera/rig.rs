@@ -1,28 +1,31 @@
-//! The rays of the rig in packets: 4 x 4 neighbouring views under one lens.
+//! The rays of the rig: packets of 4 x 4 neighboring views under one microlens.
 //!
-//! All rays of one elemental image pass through one point of the focus plane, so a packet of neighbouring views under
-//! one lens is a narrow, coherent bundle. Rigs with few views fill the packet with neighbouring lenses instead.
+//! All rays of one elemental image pass through one point of the focus plane, so a packet of neighboring views under
+//! one microlens is a narrow, coherent bundle. For rigs with few views a packet contains neighboring microlenses
+//! instead.
+//!
+//! Source: the rig of [`holo_core::Rig`], tabulated along each axis in f64.
 
 use holo_core::{Disparity, Projection, Rig};
 
 use super::tile::{Selection, Tiling};
 use crate::accel::{ExactRays, RayHits};
-use crate::sampling::PixelNumbers;
+use crate::sampling::PixelIds;
 use crate::simd::{LANES, Lanes};
 
-/// The lanes of a packet along one axis of the light field: which index each has, and what the rig makes of it.
+/// The lanes of a packet along one axis of the light field: their indices and the tabulated values of the rig.
 pub(crate) struct AxisLanes {
-    /// Indices along the axis. Lanes beyond its end repeat the last one.
+    /// Indices along the axis. Lanes beyond the end repeat the last index.
     pub index: [u32; LANES],
     /// -1 for lanes within the axis, else 0.
     pub valid: [i32; LANES],
-    /// Lenses: slope through the pixel's centre. Views: position, m.
+    /// Lens axes: slope through the center of the pixel. View axes: position, m.
     value: [f64; LANES],
-    /// Views: what the position takes from the slope, position / focus distance.
+    /// View axes: the shift of the slope, position / focus distance.
     shift: [f64; LANES],
 }
 
-/// Which pixels of the light field a packet holds: one entry of the tables for each of the axes (v, u, t, s).
+/// The pixels of a packet: one entry of the tables for each of the axes (v, u, t, s).
 #[derive(Clone, Copy)]
 pub(crate) struct RigPixels<'a> {
     axes: [&'a AxisLanes; 4],
@@ -36,25 +39,25 @@ impl RigPixels<'_> {
     }
 }
 
-/// The rig's numbers, tabulated packet by packet along every axis.
+/// The rays of a rig, tabulated per packet along every axis.
 pub(crate) struct RigRays {
     axes: [Vec<AxisLanes>; 4],
-    /// Whether the views are a list, along which the tables of both view axes run.
+    /// Whether the views are a list; the tables of both view axes then have an entry per list position.
     is_list: bool,
     disparity: Disparity,
-    /// Lens columns and view columns of the whole light field, for the numbers of lenses and views.
+    /// Lens columns and view columns of the whole light field, which determine the ids of lenses and views.
     columns: [u32; 2],
-    /// The binary logarithm of the width of blocks of views that share their positions in the pixel.
+    /// The binary logarithm of the width of groups of views that share their pixel sample positions.
     shared_bits: u32,
     slope_step: f64,
-    /// Perspective: 0 and 1. Orthographic: the focus distance and 0.
+    /// For perspective 0 and 1; for orthographic projection the focus distance and 0.
     slope_to_origin: f64,
     slope_to_direction: f64,
 }
 
 impl RigRays {
-    /// The tables for the packets of `tiling`, which cut the pixels of `selection`. Blocks of `shared_views` x `shared_views`
-    /// views (a power of two) share their sample positions in the pixel.
+    /// The tables for the packets of `tiling`, which divides the pixels of `selection`. Groups of `shared_views` x
+    /// `shared_views` views (a power of two) share their pixel sample positions.
     pub fn new(rig: &Rig, tiling: &Tiling, selection: &Selection, shared_views: u32) -> Self {
         let inverse_focus = rig.inverse_focus_per_m();
         let axis = |axis: usize, value: &dyn Fn(usize) -> f64, inverse_focus: f64| -> Vec<AxisLanes> {
@@ -64,7 +67,7 @@ impl RigRays {
                 AxisLanes { index, valid, value, shift: value.map(|x| x * inverse_focus) }
             };
             let along = if axis == 2 && selection.is_list() { 3 } else { axis };
-            tiling.blocks(along).map(lanes).collect()
+            tiling.axis_lanes(along).map(lanes).collect()
         };
         let split = rig.shape();
         let orthographic = rig.projection() == Projection::Orthographic;
@@ -85,10 +88,10 @@ impl RigRays {
         }
     }
 
-    /// The pixels of the packet that is `block[axis]`-th along every axis.
+    /// The pixels of the packet at this position along (v, u, t, s).
     #[inline(always)]
-    pub fn pixels(&self, block: [usize; 4]) -> RigPixels<'_> {
-        let [v, u, t, s] = block;
+    pub fn pixels(&self, packet: [usize; 4]) -> RigPixels<'_> {
+        let [v, u, t, s] = packet;
         let t = if self.is_list { s } else { t };
         let axes = [&self.axes[0][v], &self.axes[1][u], &self.axes[2][t], &self.axes[3][s]];
         let mut valid = Lanes([0; LANES]);
@@ -98,17 +101,18 @@ impl RigRays {
         RigPixels { axes, valid }
     }
 
-    /// The numbers of the pixels' lenses and views in the whole light field.
+    /// The ids of the pixels in the whole light field.
     #[inline(always)]
-    pub fn numbers(&self, pixels: &RigPixels) -> PixelNumbers {
+    pub fn pixel_ids(&self, pixels: &RigPixels) -> PixelIds {
         let [v, u, t, s] = pixels.axes;
-        let (mut lens, mut view, mut block) = ([0; LANES], [0; LANES], [0; LANES]);
+        let (mut lens, mut view, mut view_group) = ([0; LANES], [0; LANES], [0; LANES]);
         for lane in 0..LANES {
             lens[lane] = v.index[lane] * self.columns[0] + u.index[lane];
             view[lane] = t.index[lane] * self.columns[1] + s.index[lane];
-            block[lane] = (t.index[lane] >> self.shared_bits) * self.columns[1] + (s.index[lane] >> self.shared_bits);
+            view_group[lane] =
+                (t.index[lane] >> self.shared_bits) * self.columns[1] + (s.index[lane] >> self.shared_bits);
         }
-        PixelNumbers { lens, view, block }
+        PixelIds { lens, view, view_group }
     }
 
     #[inline(always)]
@@ -116,8 +120,8 @@ impl RigRays {
         &self.disparity
     }
 
-    /// The rays through the pixels, exact and as f32 in `packet`: through the centres, or through the points `within` the
-    /// pixels (x and y from the upper left corner, 0 to 1).
+    /// The rays through the pixels, exact and as f32 in `packet`: through the centers, or through the positions
+    /// `within` the pixels (x and y from the upper left corner, 0 to 1).
     #[inline(always)]
     pub fn fill(&self, pixels: &RigPixels, within: Option<&[[f32; LANES]; 2]>, packet: &mut RayHits) -> ExactRays {
         let [v, u, t, s] = pixels.axes;
@@ -159,7 +163,7 @@ mod tests {
     use super::*;
     use holo_core::{GridSize, LightFieldShape};
 
-    /// The tabulated rays are the rig's rays, to the rounding of a handful of f64 operations.
+    /// The tabulated rays equal those of the rig, up to the rounding of a few f64 operations.
     #[test]
     fn tables_and_rig_give_the_same_rays() {
         for projection in [Projection::Perspective, Projection::Orthographic] {
@@ -177,22 +181,22 @@ mod tests {
             let tiling = Tiling::new(selection.counts());
             let tables = RigRays::new(&rig, &tiling, &selection, 4);
             let mut packet = RayHits::EMPTY;
-            // Two packets: within the grid, and at its end where some lanes are beyond it.
-            for block in [[6, 8, 0, 0], [3, 4, 1, 1]] {
-                let pixels = tables.pixels(block);
+            // Two packets: inside the grid, and at its end, where some lanes have no pixel.
+            for position in [[6, 8, 0, 0], [3, 4, 1, 1]] {
+                let pixels = tables.pixels(position);
                 let rays = tables.fill(&pixels, Some(&[[0.25; LANES], [0.75; LANES]]), &mut packet);
-                let centres = tables.fill(&pixels, None, &mut packet);
+                let centers = tables.fill(&pixels, None, &mut packet);
                 for k in 0..LANES {
                     let [v, u, t, s] = pixels.axes.map(|axis| axis.index[k] as usize);
                     let ray = rig.ray(v, u, t, s, 0.25, 0.75);
-                    let centre = rig.ray(v, u, t, s, 0.5, 0.5);
+                    let center = rig.ray(v, u, t, s, 0.5, 0.5);
                     for (a, b) in [
                         (rays.origin_x[k], ray.origin_m[0]),
                         (rays.origin_y[k], ray.origin_m[1]),
                         (rays.direction_x[k], ray.direction[0]),
                         (rays.direction_y[k], ray.direction[1]),
-                        (centres.direction_x[k], centre.direction[0]),
-                        (centres.direction_y[k], centre.direction[1]),
+                        (centers.direction_x[k], center.direction[0]),
+                        (centers.direction_y[k], center.direction[1]),
                     ] {
                         assert!((a - b).abs() < 1e-15, "{projection:?} lane {k}: {a} {b}");
                     }

@@ -1,7 +1,7 @@
-//! The light field in tiles: boxes of lenses and view rows that one thread renders at a time.
+//! Tiles of a light field: boxes of microlenses and view rows that one thread renders at a time.
 //!
-//! A tile is a whole elemental image where views are many, a row of lenses where they are few. Its pixels are held packet
-//! by packet while they are worked on and scattered into the light field's memory once at the end.
+//! A tile is a whole elemental image if there are many views, or a row of microlenses if there are few. Its pixels are
+//! stored packet by packet during rendering and written to the memory of the light field once at the end.
 
 use std::ops::Range;
 
@@ -10,21 +10,21 @@ use ndarray::{ArrayViewMut5, Axis};
 
 use crate::simd::LANES;
 
-/// About this many pixels make a tile: few enough to stay in the cache.
+/// The approximate number of pixels of a tile, chosen to fit into the cache.
 const PIXELS: usize = 8192;
 
-/// How the 16 lanes of a packet are spread over lens rows, lens columns, view rows and view columns.
+/// The distribution of the 16 lanes of a packet over lens rows, lens columns, view rows and view columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PacketShape {
     /// Lanes along (v, u, t, s); their product is 16.
     pub size: [usize; 4],
-    /// Every lane's offsets along (v, u, t, s) from the packet's first pixel.
+    /// The offsets of every lane along (v, u, t, s) from the first pixel of the packet.
     pub offsets: [[u32; LANES]; 4],
 }
 
 impl PacketShape {
-    /// The shape for counts of lens rows and columns, view rows and columns: as square as the counts allow, views first,
-    /// then lenses; lanes that remain have no pixel.
+    /// The shape for these pixel counts along (v, u, t, s): as square as the counts allow, first along the views, then
+    /// along the lenses. Remaining lanes have no pixel.
     pub fn fitting(counts: [usize; 4]) -> Self {
         let mut size = [1; 4];
         while size.iter().product::<usize>() < LANES {
@@ -48,16 +48,16 @@ impl PacketShape {
     }
 }
 
-/// Pixel counts along the four axes (v, u, t, s) and how tiles divide them.
+/// The division of a light field, with its pixel counts along the axes (v, u, t, s), into tiles.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tiling {
     counts: [usize; 4],
     shape: PacketShape,
-    /// Lens rows, lens columns and view rows of a tile; always all view columns.
+    /// Lens rows, lens columns and view rows of a tile. A tile always has all view columns.
     size: [usize; 3],
 }
 
-/// The pixels of a light field that are wanted: some rows of lenses, all lens columns, some views.
+/// The rendered pixels of a light field: a range of lens rows, all lens columns, some views.
 #[derive(Clone, Debug)]
 pub(crate) struct Selection {
     pub lens_rows: Range<usize>,
@@ -65,12 +65,12 @@ pub(crate) struct Selection {
     pub views: SelectedViews,
 }
 
-/// The views that are wanted.
+/// The rendered views.
 #[derive(Clone, Debug)]
 pub(crate) enum SelectedViews {
-    /// All of so many rows and columns.
+    /// A whole grid of this many rows and columns.
     Grid([usize; 2]),
-    /// These, as (row, column), side by side in one row.
+    /// A list of views as (row, column), side by side in one row.
     List(Vec<[u32; 2]>),
 }
 
@@ -82,7 +82,7 @@ impl Selection {
         Self { lens_rows: 0..lenses.rows, lens_columns: lenses.columns, views }
     }
 
-    /// Pixels along (v, u, t, s). A list is a row of views.
+    /// Pixel counts along (v, u, t, s). A list counts as one row of views.
     pub fn counts(&self) -> [usize; 4] {
         let [t, s] = match &self.views {
             SelectedViews::Grid(counts) => *counts,
@@ -91,13 +91,13 @@ impl Selection {
         [self.lens_rows.len(), self.lens_columns, t, s]
     }
 
-    /// Whether the row of a view changes along the axis of columns: the views are a list.
+    /// Whether the views are a list. Both view indices then depend on the position along the s axis.
     pub fn is_list(&self) -> bool {
         matches!(self.views, SelectedViews::List(_))
     }
 
-    /// Index `k` along one of the axes (v, u, t, s) as an index of the whole light field. In a list both view axes are
-    /// indexed by the place in the list.
+    /// The index in the whole light field of position `k` along one of the axes (v, u, t, s). For a list of views, `k`
+    /// is the position in the list for both view axes.
     pub fn index(&self, axis: usize, k: usize) -> u32 {
         match (axis, &self.views) {
             (0, _) => (self.lens_rows.start + k) as u32,
@@ -110,20 +110,20 @@ impl Selection {
 /// One tile, in packets along (v, u, t, s).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Tile {
-    /// Its first packet among those of the whole light field.
+    /// Its first packet among the packets of the whole light field.
     first: [usize; 4],
     packets: [usize; 4],
-    /// Lanes of a packet along every axis.
+    /// Lanes of a packet along the four axes.
     lanes: [usize; 4],
 }
 
-/// Iterates over the packets of a tile.
-pub(crate) struct Blocks {
+/// Iterator over the positions of the packets of a tile.
+pub(crate) struct PacketPositions {
     tile: Tile,
     next: [usize; 4],
 }
 
-impl Iterator for Blocks {
+impl Iterator for PacketPositions {
     type Item = [usize; 4];
 
     #[inline(always)]
@@ -133,7 +133,7 @@ impl Iterator for Blocks {
         if v == packets[0] {
             return None;
         }
-        // Counts up like an odometer.
+        // Counts up, the last axis fastest.
         self.next[3] += 1;
         for axis in (1..4).rev() {
             if self.next[axis] == packets[axis] {
@@ -150,7 +150,7 @@ impl Tiling {
         Self::with_tiles_of(counts, PIXELS)
     }
 
-    /// Tiles of about `pixels` pixels.
+    /// A division into tiles of about `pixels` pixels.
     pub fn with_tiles_of(counts: [usize; 4], pixels: usize) -> Self {
         let shape = PacketShape::fitting(counts);
         let along = shape.size;
@@ -159,14 +159,15 @@ impl Tiling {
         let along_t = if t * s <= 2 * pixels { round_up(t, along[2]) } else { round_up((pixels / s).max(1), along[2]) };
         let lenses = (pixels / (along_t.min(t) * s)).max(1);
         let along_v = round_up((lenses as f64).sqrt() as usize, along[0]).clamp(1, round_up(v, along[0]));
-        // Wide tiles: memory runs along lens columns.
+        // Wide tiles: lens columns are contiguous in memory.
         let along_v = if along[0] == 1 { 1 } else { along_v };
         let along_u = round_up((lenses / along_v).max(1), along[1]).clamp(1, round_up(u, along[1]));
         Self { counts, shape, size: [along_v, along_u, along_t] }
     }
 
-    /// So many rows of lenses of it alone. If they begin at a multiple of [`tile_rows`](Self::tile_rows) they are the same tiles as
-    /// in the whole, and at one of [`packet_rows`](Self::packet_rows) the same packets.
+    /// The same division, restricted to this many lens rows. If the rows begin at a multiple of
+    /// [`tile_rows`](Self::tile_rows) the tiles are those of the whole light field; at a multiple of
+    /// [`packet_rows`](Self::packet_rows) the packets are.
     pub fn lens_rows(self, rows: usize) -> Self {
         let counts = [rows, self.counts[1], self.counts[2], self.counts[3]];
         Self { counts, ..self }
@@ -182,8 +183,9 @@ impl Tiling {
         self.shape.size[0]
     }
 
-    /// The packets along one of the axes (v, u, t, s): every lane's place along the axis, and whether it lies within it.
-    pub fn blocks(&self, axis: usize) -> impl Iterator<Item = ([usize; LANES], [i32; LANES])> {
+    /// The packets along one of the axes (v, u, t, s): the position of every lane along the axis, and -1 for lanes
+    /// within it, else 0.
+    pub fn axis_lanes(&self, axis: usize) -> impl Iterator<Item = ([usize; LANES], [i32; LANES])> {
         let (count, size, offsets) = (self.counts[axis], self.shape.size[axis], self.shape.offsets[axis]);
         (0..count).step_by(size).map(move |start| {
             let wanted = offsets.map(|offset| start + offset as usize);
@@ -200,9 +202,9 @@ impl Tiling {
             for u in (0..count_u).step_by(size_u) {
                 for t in (0..count_t).step_by(size_t) {
                     let extent = [size_v.min(count_v - v), size_u.min(count_u - u), size_t.min(count_t - t), count_s];
-                    // Tiles end where packets end.
-                    let block = |axis: usize, start: usize| start / self.shape.size[axis];
-                    let first = [block(0, v), block(1, u), block(2, t), 0];
+                    // Tiles end at packet boundaries.
+                    let packet = |axis: usize, start: usize| start / self.shape.size[axis];
+                    let first = [packet(0, v), packet(1, u), packet(2, t), 0];
                     let packets = std::array::from_fn(|axis| extent[axis].div_ceil(self.shape.size[axis]));
                     tiles.push(Tile { first, packets, lanes: self.shape.size });
                 }
@@ -211,24 +213,24 @@ impl Tiling {
         tiles
     }
 
-    /// `field` cut into the same tiles in the same order.
+    /// Splits `field` into the same tiles in the same order.
     pub fn cut<'a, T>(&self, field: ArrayViewMut5<'a, T>) -> Vec<ArrayViewMut5<'a, T>> {
         let [size_v, size_u, size_t] = self.size;
-        let chunks = |part: ArrayViewMut5<'a, T>, axis: usize, size: usize| {
-            let mut rest = Some(part);
+        let chunks = |output: ArrayViewMut5<'a, T>, axis: usize, size: usize| {
+            let mut rest = Some(output);
             std::iter::from_fn(move || {
-                let part = rest.take()?;
-                if part.len_of(Axis(axis)) <= size {
-                    return Some(part);
+                let output = rest.take()?;
+                if output.len_of(Axis(axis)) <= size {
+                    return Some(output);
                 }
-                let (head, tail) = part.split_at(Axis(axis), size);
+                let (head, tail) = output.split_at(Axis(axis), size);
                 rest = Some(tail);
                 Some(head)
             })
         };
         chunks(field, 0, size_v)
-            .flat_map(|part| chunks(part, 1, size_u).collect::<Vec<_>>())
-            .flat_map(|part| chunks(part, 2, size_t).collect::<Vec<_>>())
+            .flat_map(|output| chunks(output, 1, size_u).collect::<Vec<_>>())
+            .flat_map(|output| chunks(output, 2, size_t).collect::<Vec<_>>())
             .collect()
     }
 }
@@ -238,13 +240,14 @@ impl Tile {
         self.packets.iter().product()
     }
 
-    /// The places of all packets along the four axes, in the order in which a tile is held.
+    /// The positions of all packets along the four axes, in the order of the values of the tile.
     #[inline(always)]
-    pub fn blocks(&self) -> Blocks {
-        Blocks { tile: *self, next: [0; 4] }
+    pub fn packet_positions(&self) -> PacketPositions {
+        PacketPositions { tile: *self, next: [0; 4] }
     }
 
-    /// Writes packet-ordered values (`packets[packet][channel][lane]`, scaled) into the tile's part of the light field.
+    /// Writes values in packet order (`packets[packet][channel][lane]`), multiplied by `scale`, to the output of the
+    /// tile.
     #[inline(always)]
     pub fn write<const C: usize>(&self, packets: &[[[f32; LANES]; C]], scale: f32, field: &mut ArrayViewMut5<f32>) {
         let grid = self.packets;
@@ -294,7 +297,7 @@ mod tests {
         assert_eq!(PacketShape::fitting([2000, 1, 1, 1]).size, [16, 1, 1, 1]);
     }
 
-    /// Every pixel lies in one tile, in one packet, in one lane, and is scattered to its own place.
+    /// Every pixel lies in one tile, one packet and one lane, and is written to its own position.
     #[test]
     fn tiles_cover_every_pixel_once() {
         for counts in [[3, 5, 10, 11], [53, 7, 4, 4], [1, 1, 1, 70], [1, 1, 300, 90], [33, 65, 1, 1], [2, 3, 1, 2]] {
@@ -302,22 +305,22 @@ mod tests {
             let tiling = Tiling::new(counts);
             let mut field = Array5::<f32>::from_elem((v, u, t, s, 1), -1.0);
             let tiles = tiling.tiles();
-            let parts = tiling.cut(field.view_mut());
-            assert_eq!(tiles.len(), parts.len(), "{counts:?}");
-            for (tile, mut part) in tiles.iter().zip(parts) {
+            let outputs = tiling.cut(field.view_mut());
+            assert_eq!(tiles.len(), outputs.len(), "{counts:?}");
+            for (tile, mut output) in tiles.iter().zip(outputs) {
                 let mut buffer = vec![[[0.0f32; LANES]; 1]; tile.packet_count()];
                 let mut valid = 0;
-                assert_eq!(tile.blocks().count(), buffer.len());
-                for (packet, block) in buffer.iter_mut().zip(tile.blocks()) {
-                    let axes = [0, 1, 2, 3].map(|axis| tiling.blocks(axis).nth(block[axis]).expect("a block"));
+                assert_eq!(tile.packet_positions().count(), buffer.len());
+                for (values, packet) in buffer.iter_mut().zip(tile.packet_positions()) {
+                    let axes = [0, 1, 2, 3].map(|axis| tiling.axis_lanes(axis).nth(packet[axis]).expect("a packet"));
                     for lane in (0..LANES).filter(|&lane| axes.iter().all(|(_, valid)| valid[lane] != 0)) {
                         let [pv, pu, pt, ps] = axes.map(|(index, _)| index[lane]);
-                        packet[0][lane] = (((pv * u + pu) * t + pt) * s + ps) as f32;
+                        values[0][lane] = (((pv * u + pu) * t + pt) * s + ps) as f32;
                         valid += 1;
                     }
                 }
-                assert_eq!(valid, part.len(), "valid lanes are the tile's pixels");
-                tile.write(&buffer, 1.0, &mut part);
+                assert_eq!(valid, output.len(), "valid lanes are the tile's pixels");
+                tile.write(&buffer, 1.0, &mut output);
             }
             assert!(field.iter().enumerate().all(|(k, &x)| x == k as f32), "{counts:?}");
         }

@@ -1,26 +1,28 @@
-//! How many samples a pixel gets: all that were asked for, or as many as its error needs.
+//! Adaptive sampling: the number of samples of each pixel, either fixed or controlled by a target error.
 //!
-//! With a target error the samples come in groups. After 16, 32, 64, ... samples the spread of the groups' means tells
-//! the standard error of the pixel's luminance; once it is below the target, relative to the mean, for all pixels of a
-//! packet, the packet is done. Sixteen neighbours decide together: one of them alone stops too early now and then.
+//! With a target error the samples are taken in groups. After 16, 32, 64, ... samples the variance of the means of the
+//! groups estimates the standard error of the luminance of each pixel. A packet is complete when the standard error of
+//! all its pixels, relative to their means, is below the target. The 16 pixels of a packet are decided together,
+//! because a single pixel terminates too early now and then.
 //!
-//! The error is overestimated, by design: points of one sequence spread better over the groups than independent ones,
-//! which is what the formula assumes. A pixel that is black so far has no error that could be told; it is done after
+//! The error is overestimated: the points of one sequence are better distributed over the groups than independent
+//! points, which the formula assumes. The relative error of a black pixel is undefined; such a pixel is complete after
 //! 256 samples.
 //!
-//! Bias: a pixel that happens to look calm stops sooner, so that what its samples missed is missing a little more often
-//! than it should; something bright that covers less than 1/256 of a black pixel may be lost. The tests in
-//! `tests/adaptive.rs` hold the means of pictures to the unbiased ones.
+//! # Bias
+//! A pixel whose first samples happen to agree terminates earlier, so rare bright samples are missed slightly too
+//! often. A bright feature that covers less than 1/256 of an otherwise black pixel may be lost. The tests in
+//! `tests/adaptive.rs` compare the means of images with the unbiased ones.
 
 use crate::simd::{LANES, Lanes};
 
-/// Samples after which the error is looked at for the first time.
-const FIRST_LOOK: u32 = 16;
+/// The number of samples before the first check of the error.
+const FIRST_CHECK: u32 = 16;
 
-/// Samples after which a pixel that is still black is taken for black.
-const BLACK_ENOUGH: u32 = 256;
+/// The number of samples after which a pixel that is still black is complete.
+const BLACK_AFTER: u32 = 256;
 
-/// The samples of a tile's packets.
+/// The sampling state of the packets of a tile.
 #[derive(Default)]
 pub(crate) struct Samples {
     target: Option<f64>,
@@ -28,29 +30,29 @@ pub(crate) struct Samples {
     active: usize,
 }
 
-/// What a packet's samples gave so far.
+/// The statistics of a packet.
 #[derive(Clone, Copy)]
 struct Packet {
     samples: u32,
     groups: u32,
     done: bool,
-    /// Lanes that have a pixel.
+    /// Lanes with a pixel.
     valid: [bool; LANES],
-    /// Sum of all samples' luminances when the last group was complete.
+    /// The sum of the luminances of all samples at the end of the last group.
     sum: [f64; LANES],
-    /// Sum of the squares of the groups' sums.
+    /// The sum of the squares of the sums of the groups.
     squares: [f64; LANES],
 }
 
 impl Samples {
-    /// Makes it ready for another tile, no packet of which is noted yet.
+    /// Resets the state for another tile, without packets.
     pub fn begin(&mut self, target: Option<f64>) {
         self.target = target;
         self.active = 0;
         self.packets.clear();
     }
 
-    /// Notes the next packet, which has pixels in its valid lanes.
+    /// Adds the next packet, which has pixels in its valid lanes.
     #[inline(always)]
     pub fn push(&mut self, valid: &Lanes<i32>) {
         let zero = [0.0; LANES];
@@ -62,18 +64,18 @@ impl Samples {
         self.active += 1;
     }
 
-    /// Whether a packet needs more.
+    /// Whether a packet needs more samples.
     #[inline(always)]
     pub fn wanted(&self, packet: usize) -> bool {
         !self.packets[packet].done
     }
 
-    /// Whether any packet does.
+    /// Whether any packet needs more samples.
     pub fn any_wanted(&self) -> bool {
         self.active > 0
     }
 
-    /// Notes `count` more samples of all packets that wanted them; `color` has the sums of all samples so far.
+    /// Records `count` more samples of all incomplete packets; `color` holds the sums of all samples so far.
     #[inline(always)]
     pub fn add(&mut self, count: u32, color: &[[[f32; LANES]; 3]]) {
         for (packet, color) in self.packets.iter_mut().zip(color) {
@@ -85,20 +87,20 @@ impl Samples {
             packet.groups += 1;
             for lane in 0..LANES {
                 let [r, g, b] = [color[0][lane], color[1][lane], color[2][lane]];
-                // Rec. 709.
+                // Luminance, Rec. 709.
                 let sum = 0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b);
                 let group = sum - packet.sum[lane];
                 packet.sum[lane] = sum;
                 packet.squares[lane] += group * group;
             }
-            if packet.samples >= FIRST_LOOK && packet.samples.is_power_of_two() && packet.is_within(target) {
+            if packet.samples >= FIRST_CHECK && packet.samples.is_power_of_two() && packet.is_within(target) {
                 packet.done = true;
                 self.active -= 1;
             }
         }
     }
 
-    /// Makes means of the sums; returns what is left to multiply them with.
+    /// Converts the sums to means, up to a common factor, which is returned.
     #[inline(always)]
     pub fn average(&self, color: &mut [[[f32; LANES]; 3]], all: u32) -> f32 {
         if self.target.is_none() {
@@ -125,8 +127,7 @@ impl Packet {
         for lane in 0..LANES {
             let mean = self.sum[lane] / groups;
             let variance = (self.squares[lane] / groups - mean * mean) / (groups - 1.0);
-            let calm =
-                if mean > 0.0 { variance <= target * target * mean * mean } else { self.samples >= BLACK_ENOUGH };
+            let calm = if mean > 0.0 { variance <= target * target * mean * mean } else { self.samples >= BLACK_AFTER };
             within &= calm | !self.valid[lane];
         }
         within

@@ -1,4 +1,7 @@
-//! From linear radiance to the integers of an image file: one exposure for all views, then the sRGB curve.
+//! Conversion of linear radiance to the integers of an image file: one exposure for all views, then the sRGB transfer
+//! curve.
+//!
+//! Exposure is exposure compensation in EV (stops): linear values are multiplied by 2^EV.
 
 use holo_core::{Layout, LightField, LightFieldOwned};
 use ndarray::{Axis, Zip};
@@ -7,21 +10,21 @@ use rayon::prelude::*;
 use crate::error::Error;
 use holo_core::color::{Srgb8Encoder, linear_to_srgb16};
 
-/// This share of all pixels lies below [`BRIGHT`] of the display's range.
+/// The share of pixels that lie below [`PERCENTILE_TARGET`] of the range of the display.
 const PERCENTILE: f64 = 0.99;
-/// Linear display value that the percentile is brought to.
-const BRIGHT: f64 = 0.8;
-/// Histogram steps a stop, and the stops from the darkest bucket up.
+/// The linear display value of the percentile.
+const PERCENTILE_TARGET: f64 = 0.8;
+/// Buckets of the histogram per stop, its lowest stop, and its number of stops.
 const STEPS_PER_STOP: f64 = 16.0;
 const DARKEST_STOP: f64 = -64.0;
 const STOPS: usize = 128;
 
-/// An exposure (EV; linear values are multiplied by 2^EV) at which 99 % of the pixels that are not black lie below 80 %
-/// of the display's linear range. It comes from the whole light field, so that it is the same for all views; 0 if all is
+/// Returns the exposure, EV, at which 99 % of the pixels that are not black lie below 80 % of the linear range of the
+/// display. It is computed from the whole light field, so that all views have the same exposure; 0 if all pixels are
 /// black.
 ///
 /// # Accuracy
-/// A multiple of 1/16 EV. A histogram of integers decides, so the value does not depend on threads.
+/// A multiple of 1/16 EV. It is computed from an integer histogram, so it does not depend on the number of threads.
 #[must_use]
 pub fn automatic_exposure(color: &LightFieldOwned<f32>) -> f64 {
     let buckets = (STOPS as f64 * STEPS_PER_STOP) as usize;
@@ -32,7 +35,7 @@ pub fn automatic_exposure(color: &LightFieldOwned<f32>) -> f64 {
         .map(|row| {
             let mut histogram = vec![0u64; buckets];
             for pixel in row.rows() {
-                // Rec. 709 luminance; grey images have one channel.
+                // Luminance, Rec. 709; gray images have one channel.
                 let luminance = match pixel.as_slice() {
                     Some([r, g, b, ..]) => 0.2126 * r + 0.7152 * g + 0.0722 * b,
                     _ => pixel[0],
@@ -54,24 +57,25 @@ pub fn automatic_exposure(color: &LightFieldOwned<f32>) -> f64 {
         seen += count;
         if count > 0 && seen as f64 >= PERCENTILE * total as f64 {
             let stop = (bucket + 1) as f64 / STEPS_PER_STOP + DARKEST_STOP;
-            // Undo the linear interpolation of the logarithm above.
+            // Inverts the linear interpolation of the logarithm above.
             let radiance = stop.floor().exp2() * (1.0 + stop.fract().rem_euclid(1.0));
-            return ((BRIGHT / radiance).log2() * STEPS_PER_STOP).round() / STEPS_PER_STOP;
+            return ((PERCENTILE_TARGET / radiance).log2() * STEPS_PER_STOP).round() / STEPS_PER_STOP;
         }
     }
     0.0
 }
 
-/// The light field as an elemental grid of 8-bit sRGB: exposure, clamping, curve, rounding to nearest.
+/// Encodes linear radiance as 8-bit sRGB: exposure (EV), clamping, transfer curve, rounding to nearest. The axes stay
+/// (v, u, t, s, c); the memory layout is the elemental image array.
 ///
 /// # Errors
-/// If the image does not fit into memory.
+/// [`Error::Core`] if the image does not fit into memory.
 pub fn encode_8bit(color: &LightFieldOwned<f32>, exposure_ev: f64) -> Result<LightFieldOwned<u8>, Error> {
     let encoder = Srgb8Encoder::get();
     encode(color, exposure_ev, |x| encoder.encode(x))
 }
 
-/// The same with 16 bits.
+/// Encodes linear radiance as 16-bit sRGB, as [`encode_8bit`] with 16 bits.
 ///
 /// # Errors
 /// As [`encode_8bit`].
@@ -109,7 +113,7 @@ mod tests {
     fn twice_the_light_is_one_stop_less() {
         let base = automatic_exposure(&field(|k| 1e-3 * (k + 1) as f32));
         assert_eq!(automatic_exposure(&field(|k| 2e-3 * (k + 1) as f32)), base - 1.0);
-        // The brightest but one percent of a ramp up to 0.84: 0.83, brought to 0.8.
+        // The 99th percentile of a ramp up to 0.84 is 0.83; it is mapped to 0.8.
         assert!((base - (0.8f64 / 0.83).log2()).abs() < 2.0 / STEPS_PER_STOP, "{base}");
     }
 

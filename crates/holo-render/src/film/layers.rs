@@ -1,14 +1,14 @@
-//! Outputs by name: what else than colour the pixels of a light field can tell about the first surface that they see.
+//! Layers: named outputs beside color (arbitrary output variables, AOVs; the passes of Blender, the layers of OpenEXR).
 //!
-//! **The first surface** is the nearest one along the exact ray through the pixel's centre, whatever it is made of: glass
-//! and mirrors are surfaces like any other, and what stands behind or in them is not looked at. That ray is the same for
-//! any number of colour samples, so layers have no noise and no mixed pixels.
+//! A layer describes the **first hit** of the exact ray through the center of the pixel, for any material: glass and
+//! mirrors count as surfaces, and what is visible through or in them does not matter. The ray is the same for any
+//! number of color samples, so layers have no noise and no mixed pixels.
 //!
-//! | layer | channels | unit | nothing hit |
+//! | layer | channels | unit | value of a miss |
 //! |---|---|---|---|
 //! | `depth` | 1 | m along the optical axis (planar z) | +infinity |
-//! | `ray-length` | 1 | m along the ray, from where it leaves the plane z = 0 of the rig | +infinity |
-//! | `disparity` | 1 | px between horizontally adjacent views (Eq. 3), nearer is larger | that of infinity |
+//! | `ray-length` | 1 | m along the ray, from the plane z = 0 of the rig | +infinity |
+//! | `disparity` | 1 | px between horizontally adjacent views (Eq. 3), positive nearer than the focus plane | disparity of infinity |
 //! | `geometric-normal` | 3 | unit vector, world | 0 |
 //! | `shading-normal` | 3 | unit vector, world | 0 |
 //! | `albedo` | 3 | linear RGB, 0 to 1 | 0 |
@@ -16,50 +16,52 @@
 //! | `material-id` | 1 | index in [`Scene::materials`](holo_scene::Scene::materials) + 1 | 0 |
 //! | `hit-mask` | 1 | 1 | 0 |
 //!
-//! - **Rays.** A perspective ray leaves the view's centre, so its length is the distance from the view; an orthographic one
-//!   leaves the plane z = 0 beside it.
-//! - **Normals** are those of Blender's Normal pass: in world coordinates (here glTF's, +Y up), turned over where the ray
-//!   comes to the back of a triangle. The geometric normal so always looks towards the view; the shading normal, which is
-//!   interpolated between the vertices and turned over with it, may look away at silhouettes.
-//! - **Albedo** is the base colour - factor, texture and vertex colour - at that point, for any kind of material.
-//! - **Numbers** of objects and materials are exact, because more than 2^24 of them are refused.
+//! - **Ray length.** A perspective ray starts at the center of the view, so its length is the distance from the view;
+//!   an orthographic ray starts in the plane z = 0.
+//! - **Normals** follow the Normal pass of Blender: in world coordinates (here those of glTF, +Y up), flipped where the
+//!   ray hits the back of a triangle. The geometric normal therefore always faces the view. The shading normal, which
+//!   is interpolated between the vertices and flipped with the geometric normal, may face away from the view at
+//!   silhouettes.
+//! - **Albedo** is the base color (factor, texture and vertex color) for any kind of material.
+//! - **Ids** of objects and materials are exact; scenes with more than 2^24 of them are rejected.
 //!
 //! # Accuracy
-//! Depth, ray length, disparity and the geometric normal are computed in f64 (`refine.rs`) and rounded to f32 once:
-//! 2^-24. The shading normal and the albedo depend on where in the triangle the engine's f32 hit lies: some 1e-6 of the
-//! triangle.
+//! Depth, ray length, disparity and the geometric normal are computed in f64 and rounded to f32 once: a relative error
+//! of 2^-24. The shading normal and the albedo depend on the f32 barycentrics of the hit, which have an error of about
+//! 1e-6.
 
 use std::fmt;
 
-/// A kind of output beside colour. See the [module](self) for units and for what is where nothing is hit.
+/// A layer: a kind of output beside color. See the [module](self) for definitions, units and the values of misses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Layer {
-    /// Planar depth along the optical axis, m; +infinity where nothing is hit.
+    /// Planar depth along the optical axis, m; +infinity for a miss.
     Depth,
-    /// Distance along the ray from the plane z = 0 of the rig, m; +infinity where nothing is hit.
+    /// Distance along the ray from the plane z = 0 of the rig, m; +infinity for a miss.
     RayLength,
-    /// Disparity between horizontally adjacent views (Eq. 3), px; nearer is larger. Where the baselines differ, the one
-    /// between vertically adjacent views is [`disparity_y`](holo_core::Rig::disparity_y) of the depth.
+    /// Disparity between horizontally adjacent views (Eq. 3), px; positive nearer than the focus plane. If the
+    /// baselines differ, [`Rig::disparity_y`](holo_core::Rig::disparity_y) converts depth to the disparity between
+    /// vertically adjacent views.
     Disparity,
-    /// Unit normal of the triangle in world coordinates, on the side that is seen; 0 where nothing is hit.
+    /// Unit normal of the triangle in world coordinates, facing the view; 0 for a miss.
     GeometricNormal,
-    /// Unit normal that light is reflected with, in world coordinates; 0 where nothing is hit.
+    /// Unit normal for shading in world coordinates (interpolated, with normal map); 0 for a miss.
     ShadingNormal,
-    /// Base colour, linear RGB; 0 where nothing is hit.
+    /// Base color, linear RGB; 0 for a miss.
     Albedo,
-    /// Number of the instance, from 1; 0 where nothing is hit.
+    /// Index of the instance + 1; 0 for a miss.
     ObjectId,
-    /// Number of the material, from 1; 0 where nothing is hit.
+    /// Index of the material + 1; 0 for a miss.
     MaterialId,
-    /// 1 where something is hit, else 0.
+    /// 1 for a hit, 0 for a miss.
     HitMask,
 }
 
 impl Layer {
-    /// How many there are.
+    /// The number of layers.
     pub const COUNT: usize = 9;
 
-    /// All of them.
+    /// All layers.
     pub const ALL: [Self; Self::COUNT] = [
         Self::Depth,
         Self::RayLength,
@@ -88,13 +90,13 @@ impl Layer {
         }
     }
 
-    /// The layer of that [name](Self::name).
+    /// The layer with this [name](Self::name), if there is one.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|layer| layer.name() == name)
     }
 
-    /// Values a pixel: 1 or 3.
+    /// Channels of the layer: 1 or 3.
     #[must_use]
     pub const fn channels(self) -> usize {
         match self {
@@ -110,18 +112,18 @@ impl fmt::Display for Layer {
     }
 }
 
-/// Some of the layers.
+/// A set of layers.
 #[derive(Clone, Copy, Default, PartialEq, Eq)]
 pub struct LayerSet(u16);
 
 impl LayerSet {
-    /// None of them.
+    /// The empty set.
     pub const EMPTY: Self = Self(0);
 
-    /// All of them.
+    /// The set of all layers.
     pub const ALL: Self = Self::of(&Layer::ALL);
 
-    /// These.
+    /// The set of the given layers.
     #[must_use]
     pub const fn of(layers: &[Layer]) -> Self {
         let (mut bits, mut k) = (0, 0);
@@ -132,42 +134,42 @@ impl LayerSet {
         Self(bits)
     }
 
-    /// Whether `layer` is one of them.
+    /// Whether the set contains `layer`.
     #[must_use]
     pub const fn contains(self, layer: Layer) -> bool {
         self.0 & (1 << layer as u16) != 0
     }
 
-    /// Whether there is none.
+    /// Whether the set is empty.
     #[must_use]
     pub const fn is_empty(self) -> bool {
         self.0 == 0
     }
 
-    /// What is in either set.
+    /// The union of two sets.
     #[must_use]
     pub const fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 
-    /// What is in both sets.
+    /// The intersection of two sets.
     #[must_use]
     pub const fn intersection(self, other: Self) -> Self {
         Self(self.0 & other.0)
     }
 
-    /// What is not in the other set.
+    /// The difference: the layers of this set that are not in `other`.
     #[must_use]
     pub const fn without(self, other: Self) -> Self {
         Self(self.0 & !other.0)
     }
 
-    /// One after the other, in the order of [`Layer::ALL`].
+    /// Iterates over the layers in the order of [`Layer::ALL`].
     pub fn iter(self) -> impl Iterator<Item = Layer> {
         Layer::ALL.into_iter().filter(move |layer| self.contains(*layer))
     }
 
-    /// Values a pixel, all of them together.
+    /// The number of channels of all layers together.
     #[must_use]
     pub fn channels(self) -> usize {
         self.iter().map(Layer::channels).sum()
@@ -192,55 +194,55 @@ impl fmt::Debug for LayerSet {
     }
 }
 
-/// One `T` - an image, a light field - for each of some layers.
+/// A map from layers to values, such as images or light fields.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layers<T>([Option<T>; Layer::COUNT]);
 
 impl<T> Layers<T> {
-    /// The one of `layer`, if there is one.
+    /// The value of `layer`, if there is one.
     #[must_use]
     pub const fn get(&self, layer: Layer) -> Option<&T> {
         self.0[layer as usize].as_ref()
     }
 
-    /// The same, to be changed.
+    /// Mutable access to the value of `layer`, if there is one.
     pub const fn get_mut(&mut self, layer: Layer) -> Option<&mut T> {
         self.0[layer as usize].as_mut()
     }
 
-    /// Puts one in; returns what was there before.
+    /// Sets the value of `layer`; returns the previous one.
     pub const fn insert(&mut self, layer: Layer, value: T) -> Option<T> {
         self.0[layer as usize].replace(value)
     }
 
-    /// Takes one out.
+    /// Removes and returns the value of `layer`.
     pub const fn take(&mut self, layer: Layer) -> Option<T> {
         self.0[layer as usize].take()
     }
 
-    /// Which there are.
+    /// The set of layers that have a value.
     #[must_use]
     pub fn set(&self) -> LayerSet {
         self.iter().map(|(layer, _)| layer).collect()
     }
 
-    /// One after the other, in the order of [`Layer::ALL`].
+    /// Iterates over layers and values in the order of [`Layer::ALL`].
     pub fn iter(&self) -> impl Iterator<Item = (Layer, &T)> {
         Layer::ALL.into_iter().zip(&self.0).filter_map(|(layer, value)| Some((layer, value.as_ref()?)))
     }
 
-    /// The same, to be changed.
+    /// Iterates mutably over layers and values in the order of [`Layer::ALL`].
     pub fn iter_mut(&mut self) -> impl Iterator<Item = (Layer, &mut T)> {
         Layer::ALL.into_iter().zip(&mut self.0).filter_map(|(layer, value)| Some((layer, value.as_mut()?)))
     }
 
-    /// Planar depth, m.
+    /// The value of [`Layer::Depth`]: planar depth, m.
     #[must_use]
     pub const fn depth_m(&self) -> Option<&T> {
         self.get(Layer::Depth)
     }
 
-    /// Disparity between horizontally adjacent views, px.
+    /// The value of [`Layer::Disparity`]: disparity between horizontally adjacent views, px.
     #[must_use]
     pub const fn disparity_px(&self) -> Option<&T> {
         self.get(Layer::Disparity)
@@ -248,7 +250,7 @@ impl<T> Layers<T> {
 }
 
 impl<T> Default for Layers<T> {
-    /// None.
+    /// No values.
     fn default() -> Self {
         Self([const { None }; Layer::COUNT])
     }
@@ -288,14 +290,14 @@ impl<T> IntoIterator for Layers<T> {
 impl<T> std::ops::Index<Layer> for Layers<T> {
     type Output = T;
 
-    /// The one of `layer`.
+    /// The value of `layer`.
     ///
     /// # Panics
-    /// If it was not asked for; [`Layers::get`] does not.
+    /// If the layer was not rendered; [`Layers::get`] returns `None` then.
     fn index(&self, layer: Layer) -> &T {
         match self.get(layer) {
             Some(value) => value,
-            None => panic!("the layer '{layer}' was not asked for"),
+            None => panic!("the layer '{layer}' was not rendered"),
         }
     }
 }

@@ -1,39 +1,40 @@
-//! Which integrator a scene needs: the cheapest one that is exact for it, up to one choice of the caller's.
+//! The automatic choice of the integrator: the cheapest one that is exact for the scene, given one choice of the
+//! caller.
 //!
-//! The choice is whether light is followed from surface to surface ([`crate::Request::indirect`]). With it anything lit
-//! needs [`super::path`]. Without it a scene of Lambertian surfaces needs [`super::direct`] alone; metal, glass and
-//! varnish need paths that go on from them and end where they meet a matt surface. Where nothing shines there is no
-//! picture, only ground truth ([`super::depth`]).
+//! The choice is whether indirect illumination is included ([`crate::Request::indirect`]). With it, any scene with
+//! light needs [`super::path`]. Without it, a scene of Lambertian surfaces needs only [`super::direct`]; metal, glass
+//! and dielectric coats need paths that continue from them and end at the first diffuse surface. A scene without light
+//! sources gets ground truth only ([`super::depth`]).
 //!
-//! What a scene lacks it does not pay for. This is decided packet by packet, inside the integrators: textures, gloss,
-//! glass, glow, holes and surroundings are looked up where a packet meets them and nowhere else.
+//! Features that a scene does not use cost nothing: the integrators evaluate textures, glossy lobes, transmission,
+//! emission, alpha and the environment only for packets that need them.
 
 use super::Integrator;
 
-/// What a scene holds that decides.
+/// The properties of a scene that determine the integrator.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Contents {
     pub punctual_lights: usize,
     pub discs: usize,
     pub emitters: bool,
-    /// A constant sky that is not black.
+    /// A constant environment that is not black.
     pub sky: bool,
-    /// Surroundings with a map that is not black.
-    pub surroundings: bool,
-    /// Any material with metal, glass or varnish.
+    /// An environment map that is not black.
+    pub environment: bool,
+    /// Any material with metal, transmission or a specular coat.
     pub glossy: bool,
-    /// Any material that shows its colour without light.
+    /// Any unlit material.
     pub unlit: bool,
-    /// Nothing but such materials.
+    /// Only unlit materials.
     pub all_unlit: bool,
 }
 
 impl Contents {
-    fn shines(&self) -> bool {
-        self.punctual_lights + self.discs > 0 || self.emitters || self.sky || self.surroundings || self.unlit
+    fn has_light(&self) -> bool {
+        self.punctual_lights + self.discs > 0 || self.emitters || self.sky || self.environment || self.unlit
     }
 
-    /// What shines, in words.
+    /// The light sources in words.
     fn lights(&self) -> String {
         let count = |n: usize, one: &str| match n {
             0 => None,
@@ -46,18 +47,18 @@ impl Contents {
             count(self.discs, "sun"),
             some(self.emitters, "emissive surfaces"),
             some(self.sky, "a constant sky"),
-            some(self.surroundings, "an environment map"),
+            some(self.environment, "an environment map"),
             some(self.unlit, "unlit surfaces"),
         ];
         list.into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 }
 
-/// The integrator for a scene, and why.
+/// The integrator for a scene, and the reason.
 pub(crate) fn choose(contents: &Contents, indirect: bool) -> (Integrator, String) {
     let lights = contents.lights();
     let surfaces = if contents.glossy { "metal, glass or varnish" } else { "Lambertian surfaces" };
-    if !contents.shines() {
+    if !contents.has_light() {
         (Integrator::Depth, "nothing in the scene shines".into())
     } else if contents.all_unlit {
         (Integrator::Direct, "every surface shows its own colour".into())
@@ -89,7 +90,7 @@ mod tests {
             (unlit, true, Integrator::Direct, "own colour"),
             (Contents { emitters: true, ..Contents::default() }, false, Integrator::Direct, "emissive"),
             (
-                Contents { discs: 1, surroundings: true, ..Contents::default() },
+                Contents { discs: 1, environment: true, ..Contents::default() },
                 false,
                 Integrator::Direct,
                 "1 sun, an env",

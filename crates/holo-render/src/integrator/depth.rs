@@ -1,19 +1,19 @@
-//! Ground truth alone: layers of the first surface, one exact ray through every pixel's centre.
+//! Ground truth only: layers (AOVs) of the first hits of one exact ray through the center of every pixel.
 
-use super::truth::{self, Seen, Truth, TruthTile};
+use super::aov::{self, AovTile, PrimaryHits, TileAovs};
 use super::{Context, RayCounts};
 use crate::accel::refine;
 use crate::accel::{Coherence, RayHits};
 use crate::camera::tile::Tile;
-use crate::material::{HitPoints, Surfaces};
+use crate::material::{HitPoints, SurfaceInteraction};
 use crate::simd::{Kernel, count};
 
 /// The integrator over one tile.
 pub(crate) struct DepthTile<'a, 'b> {
     pub context: &'a Context<'a>,
     pub tile: &'a Tile,
-    pub out: TruthTile<'b>,
-    pub truth: &'a mut Truth,
+    pub out: AovTile<'b>,
+    pub aov: &'a mut TileAovs,
 }
 
 impl Kernel for DepthTile<'_, '_> {
@@ -22,16 +22,16 @@ impl Kernel for DepthTile<'_, '_> {
     #[inline(always)]
     fn run(mut self) -> RayCounts {
         let layers = self.out.set();
-        self.truth.begin(layers);
-        let primary = if truth::needs_surfaces(layers) { self.trace::<true>() } else { self.trace::<false>() };
-        self.truth.write(self.tile, &mut self.out);
+        self.aov.begin(layers);
+        let primary = if aov::needs_interaction(layers) { self.trace::<true>() } else { self.trace::<false>() };
+        self.aov.write(self.tile, &mut self.out);
         RayCounts { primary, ..RayCounts::default() }
     }
 }
 
 impl DepthTile<'_, '_> {
-    /// Traces the tile; returns the rays. Two loops, because the compiler lets even those who need no surfaces pay a
-    /// tenth for having them in theirs.
+    /// Traces the tile; returns the number of rays. Specialized at compile time, because the loop without surface
+    /// interactions is faster if the other is not compiled into it.
     #[inline(always)]
     fn trace<const WITH_SURFACES: bool>(&mut self) -> u64 {
         let context = self.context;
@@ -42,8 +42,8 @@ impl DepthTile<'_, '_> {
             context.scene.engine.intersect(&pixels.valid, &mut packet, Coherence::Coherent);
             primary += count(&pixels.valid);
             let refined = refine::refine(context.scene.geometry, &packet, &rays);
-            let surfaces = if WITH_SURFACES {
-                Surfaces::new(
+            let interaction = if WITH_SURFACES {
+                SurfaceInteraction::new(
                     context.scene.appearance,
                     context.scene.geometry,
                     &packet,
@@ -52,8 +52,9 @@ impl DepthTile<'_, '_> {
             } else {
                 None
             };
-            let seen = Seen { packet: &packet, rays: &rays, refined: &refined, surfaces: surfaces.as_ref() };
-            self.truth.push(context, &seen);
+            let hits =
+                PrimaryHits { packet: &packet, rays: &rays, refined: &refined, interaction: interaction.as_ref() };
+            self.aov.push(context, &hits);
         }
         primary
     }

@@ -1,12 +1,12 @@
-//! One bounce: what lights, emitters and the sky send to the first surface, which sends it to the pixel.
+//! Direct light: a single bounce.
 //!
-//! On a Lambertian surface that is base colour/pi * sum over lights of (irradiance * cosine * visibility) + base colour *
-//! (share of the sky, weighted by the cosine, that is seen) * sky; where nothing is hit, the sky. The shadows of
-//! punctual lights are hard. Mirrors and glass show only the sky or the emitter that their one scattered ray meets;
-//! everything else in them is black.
+//! For a Lambertian surface the radiance is base color / pi * sum over lights of (irradiance * cosine * visibility) +
+//! base color * (cosine-weighted share of the sky that is visible) * sky; for a miss it is the radiance of the
+//! environment. Punctual lights have hard shadows. Mirrors and glass show only the environment or the emissive surface
+//! that their one scattered ray meets; everything else in them is black.
 //!
-//! The sky's share is estimated with one ray a sample (unbiased); what punctual lights give to Lambertian surfaces is
-//! exact for each camera ray. The work is done by [`super::path`], of which this is the shortest case.
+//! The visible share of the sky is estimated with one ray per sample (unbiased). The contribution of punctual lights to
+//! Lambertian surfaces is exact for each camera ray. The implementation is [`super::path`] with one bounce.
 
-/// Scattering events on the way to the pixel.
+/// The number of bounces.
 pub(crate) const BOUNCES: u32 = 1;

@@ -1,8 +1,9 @@
 //! Direct light at a path vertex (next-event estimation).
 //!
-//! Punctual lights can only be sampled. Emissive surfaces and the environment map are sampled as well as hit by scattered rays,
-//! weighted by the balance heuristic ([`super::mis`]). The constant sky is only hit. The discs of distant lights are sampled by
-//! everything that is not perfectly smooth, and hit by what is.
+//! Punctual lights can only be sampled. Emissive surfaces and the environment map are found both by light sampling and
+//! by BSDF sampling, weighted by the balance heuristic ([`super::mis`]). The constant sky is only found by BSDF
+//! sampling. The discs of distant lights are found by light sampling from surfaces that are not perfectly smooth, and
+//! by BSDF sampling from those that are.
 
 use holo_scene::MAX_RADIANCE;
 
@@ -14,7 +15,7 @@ use super::shade::Shading;
 use crate::accel::Rays;
 use crate::simd::{LANES, Lanes, count};
 
-/// What light adds to the pixels if nothing stands in its way.
+/// The unoccluded contribution of a light sample to sixteen pixels, with its shadow ray.
 #[derive(Clone, Copy)]
 pub(super) struct Contribution {
     pub value: [[f32; LANES]; 3],
@@ -23,9 +24,9 @@ pub(super) struct Contribution {
     pub far: [f32; LANES],
 }
 
-/// Adds the direct light from everything that emits to `radiance`; returns the shadow rays traced.
+/// Adds the direct light at a path vertex to `radiance`; returns the number of shadow rays.
 ///
-/// One loop over all light samples: what it calls is large, and compiled into the kernel once.
+/// A single loop over all light samples: the called functions are large and are compiled into the kernel once.
 #[inline(always)]
 pub(super) fn add(context: &Context, here: &Shading, scatterer: &Scatterer, radiance: &mut [[f32; LANES]; 3]) -> u64 {
     let mut shadow_rays = 0;
@@ -43,14 +44,14 @@ pub(super) fn add(context: &Context, here: &Shading, scatterer: &Scatterer, radi
             if !last {
                 continue;
             }
-            contribution = reservoir.chosen();
+            contribution = reservoir.selected();
         }
         shadow_rays += add_visible(context, here, &contribution, radiance);
     }
     shadow_rays
 }
 
-/// What a light sample contributes without its shadow: throughput x BSDF x cosine x light, over the pdf.
+/// The unoccluded contribution of a light sample: throughput x BSDF x cosine x light / pdf.
 #[inline(always)]
 fn unoccluded(here: &Shading, scatterer: &Scatterer, light: &LightSample) -> Contribution {
     let response = scatterer.respond(&light.to_light, &light.inverse_length);
@@ -58,7 +59,7 @@ fn unoccluded(here: &Shading, scatterer: &Scatterer, light: &LightSample) -> Con
     for lane in 0..LANES {
         let pdf = light.pdf[lane];
         // The balance heuristic over the light-sampling pdf: 1 / (light pdf + BSDF pdf).
-        let balanced = 1.0 / (pdf + response.density[lane]);
+        let balanced = 1.0 / (pdf + response.bsdf_pdf[lane]);
         let factor = if pdf == f32::INFINITY { 1.0 } else { balanced };
         let factor = if pdf > 0.0 { factor } else { 0.0 };
         for c in 0..3 {
@@ -69,7 +70,7 @@ fn unoccluded(here: &Shading, scatterer: &Scatterer, light: &LightSample) -> Con
     Contribution { value, start: response.start, to_light: light.to_light, far: light.far }
 }
 
-/// Adds the contribution to the lanes whose shadow ray is free; returns the rays traced.
+/// Adds the contribution to the lanes whose shadow ray is not occluded; returns the number of shadow rays.
 #[inline(always)]
 fn add_visible(
     context: &Context,

@@ -1,7 +1,7 @@
-//! Light sampling: which lights a path vertex asks for light, and a sample of each.
+//! Light sampling: the selection of lights at a path vertex, and a sample of each.
 //!
-//! Every punctual light, or all of them as candidates for one; some points on emissive surfaces, candidates for one as well;
-//! a direction of the environment map.
+//! The samples are all punctual lights, or one of them by resampling; points on emissive surfaces, of which one is kept
+//! by resampling; and a direction of the environment map.
 
 use super::Context;
 use super::shade::Shading;
@@ -10,47 +10,46 @@ use crate::light::{PreparedLight, SHADOW_REACH};
 use crate::sampling::{Draw, Points, Purpose};
 use crate::simd::LANES;
 
-/// Up to this many punctual lights the first vertex samples every one.
+/// The maximum number of punctual lights that are all sampled at the first vertex.
 const ALL_LIGHTS: usize = 8;
 
-/// Points on emissive surfaces that are RIS candidates at the first vertex, and at later ones. Measured on six scenes of the gallery,
-/// lit by rooms, windows and lanterns, 4 samples a pixel: against one point the squared error falls to 0.43 (plaster) to 0.72
-/// (lanterns), and the time grows by 12 to 29 %. Eight points cost another 4 to 32 % and gain 2 to 17 %.
+/// The number of points on emissive surfaces that are RIS candidates at the first vertex, and at later ones. More
+/// candidates reduce the error but cost time; the optimum is flat.
 const CANDIDATES: [u32; 2] = [4, 1];
 
-/// How many samples all candidates of a vertex together count as against the one direction that the BSDF samples (the factor of
-/// light sampling in the balance heuristic; any value is unbiased). With 1 the scattered ray, which matters most for mirrors, keeps
-/// its weight; with as many as there are candidates everything depends on the one shadow ray.
-const CANDIDATES_COUNT_AS: [f32; 2] = [2.0, 1.0];
+/// The weight of all candidates of a vertex together in the balance heuristic, in samples, against the one BSDF sample.
+/// Any value is unbiased. The value 1 gives the most weight to scattered rays, which is best for mirrors; the number of
+/// candidates gives almost all of it to the single shadow ray.
+const CANDIDATES_WEIGHT: [f32; 2] = [2.0, 1.0];
 
-/// Light on its way to sixteen points.
+/// A light sample for sixteen surface points.
 pub(super) struct LightSample {
     pub to_light: [[f32; LANES]; 3],
     pub inverse_length: [f32; LANES],
-    /// How far to look, in multiples of `to_light`.
+    /// The end of the shadow ray, in multiples of `to_light`.
     pub far: [f32; LANES],
-    /// Irradiance of a surface that faces the light; radiance where the light was sampled by a pdf.
+    /// For punctual lights the irradiance on a surface that faces the light; for lights with a pdf the radiance.
     pub strength: [[f32; LANES]; 3],
-    /// The light-sampling pdf per solid angle, if scattered rays may hit the light as well; else infinite.
+    /// The light-sampling pdf per solid angle if BSDF sampling can find the light too; otherwise infinite.
     pub pdf: [f32; LANES],
 }
 
-/// The light samples of one vertex.
+/// The selection of light samples at one path vertex.
 pub(super) struct LightSelection {
     punctual: usize,
-    /// Points on emissive surfaces.
+    /// Candidate points on emissive surfaces.
     points: usize,
     environment: bool,
-    /// Whether one punctual light stands for all.
+    /// Whether one punctual light is selected by resampling.
     one_punctual: bool,
 }
 
-/// What becomes of a light sample.
+/// The role of a light sample.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Role {
-    /// It counts for itself.
-    Counts,
-    /// It is one of the candidates of a group for a single shadow ray.
+    /// An independent sample with a shadow ray of its own.
+    Independent,
+    /// A RIS candidate of a group that shares one shadow ray.
     Candidate { group: usize, first: bool, last: bool },
 }
 
@@ -60,38 +59,38 @@ impl LightSelection {
         let punctual = context.scene.lights.len();
         Self {
             punctual,
-            points: if context.scene.emitters.is_some() { candidates(here.event).0 as usize } else { 0 },
-            environment: context.scene.surroundings.is_some(),
-            one_punctual: punctual > ALL_LIGHTS || (here.event > 0 && punctual > 1),
+            points: if context.scene.emitters.is_some() { candidates(here.vertex).0 as usize } else { 0 },
+            environment: context.scene.environment.is_some(),
+            one_punctual: punctual > ALL_LIGHTS || (here.vertex > 0 && punctual > 1),
         }
     }
 
-    /// How many samples there are.
+    /// The number of light samples.
     #[inline(always)]
     pub fn count(&self) -> usize {
         self.punctual + self.points + usize::from(self.environment)
     }
 
-    /// The random numbers that choose among candidates, one for each group.
+    /// The random numbers for the choice among RIS candidates, one per group.
     #[inline(always)]
     pub fn numbers(&self, context: &Context, here: &Shading) -> Points {
         if self.one_punctual | (self.points > 0) { draw(context, here, Draw::Light) } else { [[0.0; LANES]; 2] }
     }
 
-    /// What becomes of sample number `k`.
+    /// The role of sample number `k`.
     #[inline(always)]
     pub fn role(&self, k: usize) -> Role {
-        let behind = self.punctual + self.points;
+        let end = self.punctual + self.points;
         if self.one_punctual && k < self.punctual {
             Role::Candidate { group: 0, first: k == 0, last: k + 1 == self.punctual }
-        } else if k >= self.punctual && k < behind {
-            Role::Candidate { group: 1, first: k == self.punctual, last: k + 1 == behind }
+        } else if k >= self.punctual && k < end {
+            Role::Candidate { group: 1, first: k == self.punctual, last: k + 1 == end }
         } else {
-            Role::Counts
+            Role::Independent
         }
     }
 
-    /// Sample number `k`.
+    /// Light sample number `k`.
     #[inline(always)]
     pub fn sample(&self, context: &Context, here: &Shading, k: usize) -> LightSample {
         if k < self.punctual {
@@ -104,39 +103,39 @@ impl LightSelection {
     }
 }
 
-/// How many points on emissive surfaces are candidates at the vertex number `event`, and as how many samples they count.
+/// The number of RIS candidates on emissive surfaces at path vertex number `vertex`, and their weight in samples.
 #[inline(always)]
-pub(super) fn candidates(event: u32) -> (u32, f32) {
-    let later = usize::from(event > 0);
-    (CANDIDATES[later], CANDIDATES_COUNT_AS[later])
+pub(super) fn candidates(vertex: u32) -> (u32, f32) {
+    let later = usize::from(vertex > 0);
+    (CANDIDATES[later], CANDIDATES_WEIGHT[later])
 }
 
 #[inline(always)]
 fn draw(context: &Context, here: &Shading, draw: Draw) -> Points {
-    context.sampler.points(here.sequences, &here.paths.sample, Purpose::event(here.event, draw))
+    context.sampler.points(here.sequences, &here.paths.sample, Purpose::at_vertex(here.vertex, draw))
 }
 
 #[inline(always)]
 fn punctual(context: &Context, here: &Shading, light: &PreparedLight) -> LightSample {
     let position = if context.scene.has_discs { draw(context, here, Draw::Disc) } else { [[0.5; LANES]; 2] };
-    let arrivals = light.arrivals(&here.surfaces.start, &position);
+    let incident = light.incident(&here.interaction.start, &position);
     let power = light.power();
     let mut strength = [[0.0; LANES]; 3];
     for c in 0..3 {
         for lane in 0..LANES {
-            strength[c][lane] = power[c] * arrivals.attenuation[lane];
+            strength[c][lane] = power[c] * incident.attenuation[lane];
         }
     }
     LightSample {
-        to_light: arrivals.to_light,
-        inverse_length: arrivals.inverse_length,
+        to_light: incident.to_light,
+        inverse_length: incident.inverse_length,
         far: [light.shadow_reach(); LANES],
         strength,
         pdf: [f32::INFINITY; LANES],
     }
 }
 
-/// Candidate number `k` on emissive surfaces: together with those of the other samples they are one sequence, spread over all
+/// RIS candidate number `k` on emissive surfaces. The candidates of all samples of a pixel are one sequence over all
 /// emissive triangles.
 #[inline(always)]
 fn emitter(context: &Context, here: &Shading, k: u32) -> LightSample {
@@ -149,14 +148,14 @@ fn emitter(context: &Context, here: &Shading, k: u32) -> LightSample {
         pdf: zero,
     };
     let Some(emitters) = context.scene.emitters else { return out };
-    let (count, weight) = candidates(here.event);
+    let (count, weight) = candidates(here.vertex);
     let mut indices = [0; LANES];
     for lane in 0..LANES {
         indices[lane] = here.paths.sample[lane] * count + k;
     }
-    let draw = |draw| context.sampler.points(here.sequences, &indices, Purpose::event(here.event, draw));
+    let draw = |draw| context.sampler.points(here.sequences, &indices, Purpose::at_vertex(here.vertex, draw));
     let [choice, _] = draw(Draw::EmitterChoice);
-    let sample = emitters.sample(&here.surfaces.start, &choice, &draw(Draw::Emitter));
+    let sample = emitters.sample(&here.interaction.start, &choice, &draw(Draw::Emitter));
     let mut wanted = [false; LANES];
     for lane in 0..LANES {
         let mut squared = 0.0;
@@ -166,7 +165,7 @@ fn emitter(context: &Context, here: &Shading, k: u32) -> LightSample {
         out.inverse_length[lane] = if squared > 0.0 { 1.0 / squared.sqrt() } else { 0.0 };
         wanted[lane] = here.hit[lane] & (sample.pdf[lane] > 0.0);
     }
-    // A pdf above 0 means that the point shows a side that emits; if both do, they emit alike.
+    // A pdf above 0 implies an emissive side; if both sides emit, they emit alike.
     let side = [1.0; LANES];
     let barycentrics = [&sample.u, &sample.v];
     let mut triangles = [Hit::flattened(0); LANES];
@@ -174,7 +173,7 @@ fn emitter(context: &Context, here: &Shading, k: u32) -> LightSample {
         triangles[lane] = Hit::flattened(sample.triangle[lane] as usize);
     }
     out.strength = context.scene.appearance.emission(context.scene.geometry, &triangles, barycentrics, &side, &wanted);
-    if context.scene.has_holes {
+    if context.scene.has_alpha {
         for lane in (0..LANES).filter(|&lane| wanted[lane]) {
             let barycentrics = [sample.u[lane], sample.v[lane]];
             let opacity = context.scene.appearance.opacity(context.scene.geometry, triangles[lane], barycentrics);
@@ -186,7 +185,7 @@ fn emitter(context: &Context, here: &Shading, k: u32) -> LightSample {
     out.to_light = sample.to_light;
     for lane in 0..LANES {
         out.pdf[lane] = sample.pdf[lane] * weight;
-        // Each candidate stands for its share of all.
+        // Each candidate contributes its share of all.
         for c in 0..3 {
             out.strength[c][lane] *= weight / count as f32;
         }
@@ -194,13 +193,13 @@ fn emitter(context: &Context, here: &Shading, k: u32) -> LightSample {
     out
 }
 
-/// A direction of the environment map.
+/// A sample of the environment map.
 #[inline(always)]
 fn environment(context: &Context, here: &Shading) -> LightSample {
     let zero = [0.0; LANES];
-    let (to_light, strength, pdf) = match context.scene.surroundings {
-        Some(surroundings) => {
-            let sample = surroundings.sample(&draw(context, here, Draw::EnvironmentLight));
+    let (to_light, strength, pdf) = match context.scene.environment {
+        Some(environment) => {
+            let sample = environment.sample(&draw(context, here, Draw::EnvironmentLight));
             (sample.direction, sample.radiance, sample.pdf)
         }
         None => ([zero; 3], [zero; 3], zero),

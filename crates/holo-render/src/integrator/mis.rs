@@ -1,5 +1,5 @@
-//! Multiple importance sampling: what light counts for where both light sampling and BSDF sampling can find it (balance heuristic;
-//! Veach and Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", 1995).
+//! Multiple importance sampling: the weights of light that both light sampling and BSDF sampling can find, by the
+//! balance heuristic (Veach and Guibas, "Optimally Combining Sampling Techniques for Monte Carlo Rendering", 1995).
 
 use super::Context;
 use super::light_sampling::candidates;
@@ -7,8 +7,8 @@ use super::shade::Shading;
 use crate::accel::{NO_TRIANGLE, RayHits};
 use crate::simd::{LANES, Lanes};
 
-/// What escaping rays find: the constant sky, the environment map, the discs of distant lights. `pdf` is the BSDF-sampling pdf of
-/// their directions.
+/// The weighted radiance that rays receive if they miss the scene: of the constant sky, the environment map and the
+/// discs of directional lights. `pdf` is the BSDF-sampling pdf of their directions.
 #[inline(always)]
 pub(super) fn environment_radiance(
     context: &Context,
@@ -19,9 +19,9 @@ pub(super) fn environment_radiance(
     for c in 0..3 {
         out[c] = [context.scene.sky[c]; LANES];
     }
-    if let Some(surroundings) = context.scene.surroundings {
-        let radiance = surroundings.radiance(direction);
-        let light_pdf = surroundings.pdf(direction);
+    if let Some(environment) = context.scene.environment {
+        let radiance = environment.radiance(direction);
+        let light_pdf = environment.pdf(direction);
         for lane in 0..LANES {
             let weight = balance(pdf[lane], light_pdf[lane]);
             for c in 0..3 {
@@ -43,45 +43,45 @@ pub(super) fn environment_radiance(
     out
 }
 
-/// What emission counts for where rays hit it by BSDF sampling.
+/// The weight of emission that rays find by BSDF sampling.
 #[inline(always)]
 pub(super) fn emission_weight(context: &Context, here: &Shading) -> [f32; LANES] {
     let mut out = [1.0; LANES];
     let Some(emitters) = context.scene.emitters else { return out };
-    let mut part = [0; LANES];
+    let mut instance = [0; LANES];
     let [mut squared, mut cosine] = [[0.0; LANES]; 2];
     for lane in 0..LANES {
-        part[lane] = context.scene.geometry.part_index(here.surfaces.triangle[lane]);
+        instance[lane] = context.scene.geometry.instance_index(here.interaction.triangle[lane]);
         let mut along = 0.0;
         for axis in 0..3 {
-            let way = here.packet.rays.origin[axis][lane] - here.surfaces.position[axis][lane];
-            squared[lane] += way * way;
-            along += way * here.surfaces.geometric_normal[axis][lane];
+            let back = here.packet.rays.origin[axis][lane] - here.interaction.position[axis][lane];
+            squared[lane] += back * back;
+            along += back * here.interaction.geometric_normal[axis][lane];
         }
-        cosine[lane] = here.surfaces.side[lane] * along / squared[lane].sqrt();
+        cosine[lane] = here.interaction.side[lane] * along / squared[lane].sqrt();
     }
-    let light_pdf = emitters.pdf(&part, &squared, &cosine);
-    // By the vertex that scattered the ray hither. Camera rays have an infinite pdf: nothing else sampled for them.
-    let (_, weight) = candidates(here.event.saturating_sub(1));
+    let light_pdf = emitters.pdf(&instance, &squared, &cosine);
+    // The weight of the vertex that scattered the ray. Camera rays have an infinite pdf, so their weight is 1.
+    let (_, weight) = candidates(here.vertex.saturating_sub(1));
     for lane in 0..LANES {
-        out[lane] = balance(here.paths.density[lane], light_pdf[lane] * weight);
+        out[lane] = balance(here.paths.bsdf_pdf[lane], light_pdf[lane] * weight);
     }
     out
 }
 
-/// The weight of a technique with the pdf `own` where the other has `other`.
+/// The weight of a technique with the pdf `own` if the other technique has the pdf `other`.
 #[inline(always)]
 fn balance(own: f32, other: f32) -> f32 {
-    // An infinite pdf of its own gives 1.
+    // An infinite `own` gives 1.
     if other > 0.0 { 1.0 / (1.0 + other / own) } else { 1.0 }
 }
 
-/// Valid lanes whose rays leave the scene; `sky_alone` if they were only asked whether they do.
+/// Valid lanes whose rays miss the scene; `occlusion_only` if the rays were traced for occlusion only.
 #[inline(always)]
-pub(super) fn missed(packet: &RayHits, valid: &Lanes<i32>, sky_alone: bool) -> [bool; LANES] {
+pub(super) fn misses(packet: &RayHits, valid: &Lanes<i32>, occlusion_only: bool) -> [bool; LANES] {
     let mut out = [false; LANES];
     for lane in 0..LANES {
-        let hit = if sky_alone { packet.rays.far[lane] < 0.0 } else { packet.hits.triangle[lane] != NO_TRIANGLE };
+        let hit = if occlusion_only { packet.rays.far[lane] < 0.0 } else { packet.hits.triangle[lane] != NO_TRIANGLE };
         out[lane] = (valid.0[lane] != 0) & !hit;
     }
     out

@@ -1,24 +1,26 @@
-//! Paths: light that is scattered up to `max_bounces` times on its way to the pixel.
+//! Path tracing with next-event estimation.
 //!
-//! **What it computes.** The radiance along every camera ray, by the rendering equation with at most `max_bounces`
-//! scattering events (Mitsuba's `max_depth` - 1, Cycles' `max_bounces` + 1). One event is direct light; [`super::direct`]
-//! is this integrator with one.
+//! **Estimator.** The radiance along every camera ray by the rendering equation (Kajiya, 1986) with at most
+//! `max_bounces` bounces (Mitsuba's `max_depth` - 1, Cycles' `max_bounces` + 1). A path vertex is a hit of the path on
+//! a surface; a bounce is a scattering at a vertex. One bounce is direct light: [`super::direct`] is this integrator
+//! with `max_bounces` = 1.
 //!
-//! **How.** Every event asks for the light that arrives straight from a light (next-event estimation), then draws one
-//! direction in which the path goes on. Punctual lights can only be found the first way. The constant sky is only found
-//! the second way, which draws it perfectly. Surroundings with a map and emissive surfaces are found both ways, weighted
-//! by the balance heuristic (Veach and Guibas, 1995). The first event asks every punctual light if there
-//! are eight at most; of more, and later, one is asked, drawn by what it would give without its shadow.
+//! **Sampling.** Every path vertex samples the lights (next-event estimation) and the BSDF, which gives the direction
+//! of the next path segment. Punctual lights are only found by light sampling. The constant sky is only found by BSDF
+//! sampling. The environment map and emissive surfaces are found by both, weighted by the balance heuristic (Veach and
+//! Guibas, 1995). The first vertex samples all punctual lights if there are at most eight; otherwise, and at later
+//! vertices, one is selected by resampled importance sampling.
 //!
-//! **Roulette.** From the third event on a path that carries less than an eighth survives with 8 times its throughput as
-//! the probability (5 % at least) and counts for as much more; unbiased, and it can be switched off.
+//! **Russian roulette.** From the third vertex on, a path with a throughput below 1/8 survives with a probability of 8
+//! times its throughput (at least 5 %), and its throughput is divided by that probability. This is unbiased and can be
+//! switched off.
 //!
-//! **In which order.** A tile's paths advance together, one event at a time: its camera rays first, in packets of
-//! neighbouring views, then all rays that the first event scattered, sorted by direction ([`super::paths`]), and so on.
-//! Rays after the last event only need to know whether they reach the sky, unless something in the scene glows.
+//! **Order.** The paths of a tile advance together, one vertex at a time: first the camera rays in packets of
+//! neighboring views, then all rays that were scattered at the first vertex, sorted by direction ([`super::paths`]),
+//! and so on. Rays after the last bounce are only tested for occlusion, unless surfaces emit.
 //!
-//! **Samples.** One sample goes through the pixel's centre; more are spread over the pixel (a box filter), see
-//! [`crate::Sampling`].
+//! **Samples.** A single sample goes through the center of the pixel; more are distributed over the pixel (box filter),
+//! see [`crate::Sampling`].
 
 use ndarray::ArrayViewMut5;
 
@@ -30,29 +32,30 @@ use crate::accel::{Coherence, RayHits, Rays};
 use crate::camera::tile::Tile;
 use crate::camera::{CameraRays, PixelPacket};
 use crate::film::adaptive::Samples;
-use crate::material::{HitPoints, Surfaces};
+use crate::material::{HitPoints, SurfaceInteraction};
 use crate::simd::Kernel;
 use crate::simd::LANES;
 use crate::simd::count;
 use holo_scene::MAX_RADIANCE;
 
-/// Neighbouring lanes on different triangles, of 15, from which on rays are taken for incoherent (measured).
-const MANY_CHANGES: u32 = 11;
+/// The number of neighboring lanes (of 15) on different triangles above which rays are traced as incoherent (tuned for
+/// speed).
+const INCOHERENT_CHANGES: u32 = 11;
 
-/// Samples of a tile whose scattered rays are sorted together.
-const TOGETHER: u32 = 4;
+/// The number of samples per pixel whose scattered rays are sorted together.
+const SAMPLES_PER_PASS: u32 = 4;
 
-/// About so many samples are sorted together, for one event and for more: the more, the closer neighbours are, until they
-/// leave the cache (measured). Rays that only look for the sky gain less by it.
-const SORTED: [usize; 2] = [8192, 32_768];
+/// The approximate number of rays that are sorted together, for one bounce and for more (tuned for speed): more rays
+/// are more coherent after sorting, until they do not fit into the cache.
+const SORTED_RAYS: [usize; 2] = [8192, 32_768];
 
-/// The size of tiles that suits so many samples a pixel and bounces.
+/// The size of a tile, in pixels, for this many samples per pixel and bounces.
 pub(crate) fn tile_pixels(samples: u32, bounces: u32) -> usize {
-    SORTED[usize::from(bounces > 1)] / samples.clamp(1, TOGETHER) as usize
+    SORTED_RAYS[usize::from(bounces > 1)] / samples.clamp(1, SAMPLES_PER_PASS) as usize
 }
 
-/// From so many rays on, those of the first event are taken for coherent (measured).
-const DENSE: usize = 16_384;
+/// The number of rays from which on those of the first bounce are traced as coherent (tuned for speed).
+const COHERENT_RAYS: usize = 16_384;
 
 /// The integrator over one tile.
 pub(crate) struct PathTile<'a, 'b> {
@@ -62,17 +65,17 @@ pub(crate) struct PathTile<'a, 'b> {
     pub scratch: &'a mut Scratch,
 }
 
-/// What a tile's paths are held in while they are followed. A thread keeps its memory from tile to tile.
+/// The state of the paths of a tile. Reused from tile to tile.
 #[derive(Default)]
 pub(crate) struct Scratch {
-    /// Sums over the samples.
+    /// The sums over the samples, in packet order.
     color: Vec<[[f32; LANES]; 3]>,
-    /// The pixels' random sequences.
+    /// The random sequences of the pixels.
     sequences: Vec<[u32; LANES]>,
     samples: Samples,
-    /// Rays that the last event scattered.
+    /// Rays that were scattered at the previous vertex.
     now: Paths,
-    /// Rays that this event scatters.
+    /// Rays that are scattered at the current vertex.
     next: Paths,
 }
 
@@ -83,35 +86,35 @@ impl Kernel for PathTile<'_, '_> {
     fn run(mut self) -> RayCounts {
         let context = self.context;
         self.scratch.begin(context, self.tile);
-        let mut work = Work { context, counts: RayCounts::default(), scratch: self.scratch };
-        for first in (0..context.sampler.samples).step_by(TOGETHER as usize) {
-            let end = context.sampler.samples.min(first + TOGETHER);
+        let mut tile_paths = TilePaths { context, counts: RayCounts::default(), scratch: self.scratch };
+        for first in (0..context.sampler.samples).step_by(SAMPLES_PER_PASS as usize) {
+            let end = context.sampler.samples.min(first + SAMPLES_PER_PASS);
             if context.stop.requested() {
-                return work.counts;
+                return tile_paths.counts;
             }
-            for event in 0..=context.policy.max_bounces {
-                work.trace(self.tile, event, [first, end]);
-                let scratch = &mut *work.scratch;
+            for vertex in 0..=context.policy.max_bounces {
+                tile_paths.trace(self.tile, vertex, [first, end]);
+                let scratch = &mut *tile_paths.scratch;
                 scratch.now.clear();
                 std::mem::swap(&mut scratch.now, &mut scratch.next);
                 if scratch.now.len() == 0 {
                     break;
                 }
             }
-            work.scratch.samples.add(end - first, &work.scratch.color);
-            if !work.scratch.samples.any_wanted() {
+            tile_paths.scratch.samples.add(end - first, &tile_paths.scratch.color);
+            if !tile_paths.scratch.samples.any_wanted() {
                 break;
             }
         }
-        let scratch = work.scratch;
+        let scratch = tile_paths.scratch;
         let scale = scratch.samples.average(&mut scratch.color, context.sampler.samples);
         self.tile.write(&scratch.color, scale, &mut self.color);
-        work.counts
+        tile_paths.counts
     }
 }
 
 impl Scratch {
-    /// Makes it ready for another tile.
+    /// Resets the state for another tile.
     #[inline(always)]
     fn begin(&mut self, context: &Context, tile: &Tile) {
         self.color.clear();
@@ -122,19 +125,19 @@ impl Scratch {
         self.next.clear();
         for pixels in context.camera.packets(tile) {
             self.samples.push(&pixels.valid);
-            self.sequences.push(context.sampler.sequences(&pixels.numbers));
+            self.sequences.push(context.sampler.sequences(&pixels.ids));
         }
     }
 }
 
-/// A tile at work.
-struct Work<'a> {
+/// A tile during path tracing.
+struct TilePaths<'a> {
     context: &'a Context<'a>,
     counts: RayCounts,
     scratch: &'a mut Scratch,
 }
 
-/// Sixteen rays that were traced.
+/// Sixteen traced rays.
 struct Traced {
     paths: PathPacket,
     sequences: [u32; LANES],
@@ -142,67 +145,68 @@ struct Traced {
     coherence: Coherence,
 }
 
-impl Work<'_> {
-    /// All rays of one event: those of the camera for the samples from `first` to `end`, or those that the event before
-    /// scattered; and the next event where they end.
+impl TilePaths<'_> {
+    /// Traces all rays to path vertex number `vertex` - the camera rays of the samples from `first` to `end`, or the
+    /// rays that were scattered at the previous vertex - and shades their hits.
     ///
-    /// One loop for both: what it calls is large, and compiled into the kernel once.
+    /// A single loop for both: the called functions are large and are compiled into the kernel once.
     #[inline(always)]
-    fn trace(&mut self, tile: &Tile, event: u32, [first, end]: [u32; 2]) {
+    fn trace(&mut self, tile: &Tile, vertex: u32, [first, end]: [u32; 2]) {
         let context = self.context;
         self.scratch.now.sort_by_direction();
-        // What scattered rays hit after the last event does not matter any more unless it glows.
-        let sky_alone = event == context.policy.max_bounces && !context.scene.has_glow;
-        // The first event's rays start close together, and if there are many, neighbours in direction are close as well.
-        // Later ones start all over the scene.
-        let dense = !sky_alone && event == 1 && self.scratch.now.len() >= DENSE;
+        // After the last bounce only emission and the environment contribute.
+        let occlusion_only = vertex == context.policy.max_bounces && !context.scene.has_emission;
+        // Rays scattered at the first vertex start close together, and if there are many of them, neighbors in
+        // direction are coherent too. Later ones start anywhere in the scene.
+        let dense = !occlusion_only && vertex == 1 && self.scratch.now.len() >= COHERENT_RAYS;
         let coherence = if dense { Coherence::Coherent } else { Coherence::Incoherent };
         let per_sample = self.scratch.color.len();
         let packets =
-            if event == 0 { per_sample * (end - first) as usize } else { self.scratch.now.len().div_ceil(LANES) };
-        let mut blocks = context.camera.packets(tile);
+            if vertex == 0 { per_sample * (end - first) as usize } else { self.scratch.now.len().div_ceil(LANES) };
+        let mut pixel_packets = context.camera.packets(tile);
         let mut packet = RayHits::EMPTY;
         for k in 0..packets {
             packet.reset();
-            let mut traced = if event == 0 {
+            let mut traced = if vertex == 0 {
                 let index = k % per_sample;
                 if index == 0 {
-                    blocks = context.camera.packets(tile);
+                    pixel_packets = context.camera.packets(tile);
                 }
-                let Some(pixels) = blocks.next() else { return };
+                let Some(pixels) = pixel_packets.next() else { return };
                 if !self.scratch.samples.wanted(index) {
                     continue;
                 }
                 let sample = first + (k / per_sample) as u32;
                 self.camera_rays(&pixels, index, sample, &mut packet)
             } else {
-                self.scattered_rays(k, coherence, sky_alone, &mut packet)
+                self.scattered_rays(k, coherence, occlusion_only, &mut packet)
             };
-            let mut gain = [[0.0; LANES]; 3];
-            let missed = mis::missed(&packet, &traced.paths.valid, sky_alone);
-            add_escaping(context, &packet.rays, &missed, &traced.paths, &mut gain);
-            let found = Surfaces::new(context.scene.appearance, context.scene.geometry, &packet, &traced.points);
-            if let Some(surfaces) = &found {
-                let mut hit = surfaces.hit;
+            let mut contribution = [[0.0; LANES]; 3];
+            let misses = mis::misses(&packet, &traced.paths.valid, occlusion_only);
+            add_environment(context, &packet.rays, &misses, &traced.paths, &mut contribution);
+            let found =
+                SurfaceInteraction::new(context.scene.appearance, context.scene.geometry, &packet, &traced.points);
+            if let Some(interaction) = &found {
+                let mut hit = interaction.hit;
                 for lane in 0..LANES {
                     hit[lane] &= traced.paths.valid.0[lane] != 0;
                 }
                 let mut shading = Shading {
                     packet: &packet,
-                    surfaces,
+                    interaction,
                     hit,
                     sequences: &traced.sequences,
-                    event,
+                    vertex,
                     paths: &mut traced.paths,
                     coherence: traced.coherence,
                 };
-                self.counts.shadow += shade::shade(context, &mut shading, &mut gain, &mut self.scratch.next);
+                self.counts.shadow += shade::shade(context, &mut shading, &mut contribution, &mut self.scratch.next);
             }
-            self.add(event, &traced.paths, &gain);
+            self.add(vertex, &traced.paths, &contribution);
         }
     }
 
-    /// One ray through every pixel of a packet.
+    /// One camera ray through every pixel of a packet.
     #[inline(always)]
     fn camera_rays(&mut self, pixels: &PixelPacket, index: usize, sample: u32, packet: &mut RayHits) -> Traced {
         let context = self.context;
@@ -213,11 +217,11 @@ impl Work<'_> {
         let refined = refine::refine(context.scene.geometry, packet, &exact);
         let mut paths = PathPacket {
             valid: pixels.valid,
-            density: [f32::INFINITY; LANES],
+            bsdf_pdf: [f32::INFINITY; LANES],
             pixel: [0; LANES],
             throughput: [weight; 3],
             sample: [sample; LANES],
-            goes_on: [true; LANES],
+            may_scatter: [true; LANES],
         };
         for lane in 0..LANES {
             paths.pixel[lane] = (index * LANES + lane) as u32;
@@ -226,14 +230,14 @@ impl Work<'_> {
         Traced { paths, sequences, points: HitPoints::primary(&exact, &refined), coherence }
     }
 
-    /// The packet number `k` of the rays that the event before scattered. `sky_alone`: all that counts is which leave the
-    /// scene.
+    /// Packet number `k` of the rays that were scattered at the previous vertex. With `occlusion_only` they are only
+    /// tested for occlusion.
     #[inline(always)]
-    fn scattered_rays(&mut self, k: usize, coherence: Coherence, sky_alone: bool, packet: &mut RayHits) -> Traced {
+    fn scattered_rays(&mut self, k: usize, coherence: Coherence, occlusion_only: bool, packet: &mut RayHits) -> Traced {
         let context = self.context;
         let paths = self.scratch.now.packet(k, &mut packet.rays);
-        self.counts.other += count(&paths.valid);
-        if sky_alone {
+        self.counts.secondary += count(&paths.valid);
+        if occlusion_only {
             context.scene.engine.occluded(&paths.valid, &mut packet.rays, coherence);
         } else {
             context.scene.engine.intersect(&paths.valid, packet, coherence);
@@ -243,18 +247,19 @@ impl Work<'_> {
             let pixel = paths.pixel[lane] as usize;
             sequences[lane] = self.scratch.sequences[pixel / LANES][pixel % LANES];
         }
-        let points = if sky_alone { HitPoints::NONE } else { HitPoints::secondary(context.scene.geometry, packet) };
+        let points =
+            if occlusion_only { HitPoints::NONE } else { HitPoints::secondary(context.scene.geometry, packet) };
         Traced { paths, sequences, points, coherence: Coherence::Incoherent }
     }
 
-    /// Adds what a packet found to its pixels.
+    /// Adds the contributions of a packet to its pixels.
     #[inline(always)]
-    fn add(&mut self, event: u32, paths: &PathPacket, gain: &[[f32; LANES]; 3]) {
-        if event == 0 {
+    fn add(&mut self, vertex: u32, paths: &PathPacket, contribution: &[[f32; LANES]; 3]) {
+        if vertex == 0 {
             let sum = &mut self.scratch.color[paths.pixel[0] as usize / LANES];
             for c in 0..3 {
                 for lane in 0..LANES {
-                    sum[c][lane] += gain[c][lane];
+                    sum[c][lane] += contribution[c][lane];
                 }
             }
             return;
@@ -264,36 +269,36 @@ impl Work<'_> {
                 let pixel = paths.pixel[lane] as usize;
                 let sum = &mut self.scratch.color[pixel / LANES];
                 for c in 0..3 {
-                    sum[c][pixel % LANES] += gain[c][lane];
+                    sum[c][pixel % LANES] += contribution[c][lane];
                 }
             }
         }
     }
 }
 
-/// Adds what rays that leave the scene find there.
+/// Adds the radiance that rays receive if they miss the scene.
 #[inline(always)]
-fn add_escaping(
+fn add_environment(
     context: &Context,
     rays: &Rays,
-    missed: &[bool; LANES],
+    misses: &[bool; LANES],
     paths: &PathPacket,
-    gain: &mut [[f32; LANES]; 3],
+    contribution: &mut [[f32; LANES]; 3],
 ) {
-    if !missed.contains(&true) || !context.scene.shines_from_beyond() {
+    if !misses.contains(&true) || !context.scene.has_light_at_infinity() {
         return;
     }
-    let radiance = mis::environment_radiance(context, &rays.direction, &paths.density);
+    let radiance = mis::environment_radiance(context, &rays.direction, &paths.bsdf_pdf);
     for lane in 0..LANES {
         for c in 0..3 {
             let found = (paths.throughput[c][lane] * radiance[c][lane]).min(MAX_RADIANCE);
-            gain[c][lane] += if missed[lane] { found } else { 0.0 };
+            contribution[c][lane] += if misses[lane] { found } else { 0.0 };
         }
     }
 }
 
-/// Rays from points on many different triangles (grass, leaves) go separate ways through the tree even towards one
-/// light: walking it together then costs more than one ray after the other.
+/// The coherence of shadow rays. Rays from many different triangles (grass, leaves) traverse different parts of the
+/// tree, even towards one light; tracing them as a packet is then slower than one ray at a time.
 #[inline(always)]
 fn coherence(packet: &RayHits) -> Coherence {
     let (triangle, instance) = (&packet.hits.triangle, &packet.hits.instance);
@@ -301,5 +306,5 @@ fn coherence(packet: &RayHits) -> Coherence {
     for lane in 1..LANES {
         changes += u32::from((triangle[lane] != triangle[lane - 1]) | (instance[lane] != instance[lane - 1]));
     }
-    if changes > MANY_CHANGES { Coherence::Incoherent } else { Coherence::Coherent }
+    if changes > INCOHERENT_CHANGES { Coherence::Incoherent } else { Coherence::Coherent }
 }

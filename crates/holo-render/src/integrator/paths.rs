@@ -1,38 +1,38 @@
-//! Rays that surfaces scattered, of one tile, waiting to be traced together.
+//! The scattered rays of one tile, sorted by direction.
 //!
-//! Taken pixel by pixel scattered rays run all over the place; but the pixels of one tile start close together, so the
-//! rays are collected, ordered by direction and traced in packets of neighbouring directions. The order of a
-//! pixel's own rays depends on nothing but those rays.
+//! Scattered rays are incoherent in pixel order. But the pixels of one tile start close together, so the rays are
+//! collected, sorted by direction and traced in packets of similar directions. The order of the rays of a pixel depends
+//! only on those rays.
 
 use crate::accel::Rays;
 use crate::simd::{LANES, Lanes};
 
-/// Directions are ordered by their cell in a square octahedral map of this many cells a side.
+/// The number of cells per side of the square octahedral map by which directions are sorted.
 const CELLS: usize = 64;
 
-/// A ray that carries what its pixel gains per radiance that it finds.
+/// A scattered ray with the state of its path.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(16))]
 pub(crate) struct Path {
     pub origin: [f32; 3],
-    /// Density with which the direction was drawn, per solid angle; infinite where it was the only one.
-    pub density: f32,
+    /// The BSDF-sampling pdf of the direction, per solid angle; infinite for a delta lobe.
+    pub bsdf_pdf: f32,
     pub direction: [f32; 3],
-    /// Which pixel of the tile.
+    /// Index of the pixel in the tile.
     pub pixel: u32,
     pub throughput: [f32; 3],
-    /// Which sample of the pixel.
-    pub sample: Sample,
+    /// Number of the sample of the pixel, with a flag.
+    pub sample: SampleState,
 }
 
-/// Number of a sample, and whether the surface that the ray finds may scatter light on to it.
+/// The number of a sample, and whether the path may be scattered again at the next vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Sample(u32);
+pub(crate) struct SampleState(u32);
 
-impl Sample {
+impl SampleState {
     #[inline(always)]
-    pub fn new(number: u32, goes_on: bool) -> Self {
-        Self(number << 1 | u32::from(goes_on))
+    pub fn new(number: u32, may_scatter: bool) -> Self {
+        Self(number << 1 | u32::from(may_scatter))
     }
 
     #[inline(always)]
@@ -41,12 +41,12 @@ impl Sample {
     }
 
     #[inline(always)]
-    pub fn goes_on(self) -> bool {
+    pub fn may_scatter(self) -> bool {
         self.0 & 1 != 0
     }
 }
 
-/// Scattered rays of one tile, one per sample at most.
+/// The scattered rays of one tile: at most one per sample.
 #[derive(Default)]
 pub(crate) struct Paths {
     paths: Vec<Path>,
@@ -55,14 +55,14 @@ pub(crate) struct Paths {
     starts: Vec<u32>,
 }
 
-/// Up to sixteen paths side by side.
+/// Up to sixteen paths.
 pub(crate) struct PathPacket {
     pub valid: Lanes<i32>,
-    pub density: [f32; LANES],
+    pub bsdf_pdf: [f32; LANES],
     pub pixel: [u32; LANES],
     pub throughput: [[f32; LANES]; 3],
     pub sample: [u32; LANES],
-    pub goes_on: [bool; LANES],
+    pub may_scatter: [bool; LANES],
 }
 
 impl Paths {
@@ -82,20 +82,20 @@ impl Paths {
         self.cells.clear();
     }
 
-    /// The packet number `index` of the sorted rays; the rays themselves go to `rays`.
+    /// Packet number `index` of the sorted rays; writes the rays themselves to `rays`.
     #[inline(always)]
     pub fn packet(&self, index: usize, rays: &mut Rays) -> PathPacket {
         let mut packet = PathPacket {
             valid: Lanes([0; LANES]),
-            density: [0.0; LANES],
+            bsdf_pdf: [0.0; LANES],
             pixel: [0; LANES],
             throughput: [[0.0; LANES]; 3],
             sample: [0; LANES],
-            goes_on: [false; LANES],
+            may_scatter: [false; LANES],
         };
         let first = index * LANES;
         for lane in 0..LANES {
-            // Lanes beyond the end repeat the last path and are not valid.
+            // Lanes beyond the end repeat the last path and are invalid.
             let k = (first + lane).min(self.order.len() - 1);
             let path = &self.paths[self.order[k] as usize];
             for axis in 0..3 {
@@ -103,10 +103,10 @@ impl Paths {
                 rays.direction[axis][lane] = path.direction[axis];
                 packet.throughput[axis][lane] = path.throughput[axis];
             }
-            packet.density[lane] = path.density;
+            packet.bsdf_pdf[lane] = path.bsdf_pdf;
             packet.pixel[lane] = path.pixel;
             packet.sample[lane] = path.sample.number();
-            packet.goes_on[lane] = path.sample.goes_on();
+            packet.may_scatter[lane] = path.sample.may_scatter();
             packet.valid.0[lane] = -i32::from(first + lane < self.order.len());
         }
         rays.near = [0.0; LANES];
@@ -114,7 +114,7 @@ impl Paths {
         packet
     }
 
-    /// A counting sort: stable, and linear in the number of rays.
+    /// Sorts the rays by direction: a counting sort, stable and linear in the number of rays.
     #[inline(always)]
     pub fn sort_by_direction(&mut self) {
         self.starts.clear();
@@ -130,15 +130,15 @@ impl Paths {
         self.order.clear();
         self.order.resize(self.cells.len(), 0);
         for (k, &c) in self.cells.iter().enumerate() {
-            let place = &mut self.starts[c as usize];
-            self.order[*place as usize] = k as u32;
-            *place += 1;
+            let slot = &mut self.starts[c as usize];
+            self.order[*slot as usize] = k as u32;
+            *slot += 1;
         }
     }
 }
 
-/// The cell of a unit direction: octahedral map, cells counted along a Z curve so that neighbours in the order are
-/// neighbours on the sphere.
+/// The cell of a unit direction: octahedral map, cells numbered along a Z-order curve, so that neighbors in the order
+/// are neighbors on the sphere.
 #[inline(always)]
 pub(crate) fn cell(d: [f32; 3]) -> u32 {
     let inverse = 1.0 / (d[0].abs() + d[1].abs() + d[2].abs());
@@ -148,7 +148,7 @@ pub(crate) fn cell(d: [f32; 3]) -> u32 {
     spread(index(x)) | spread(index(y)) << 1
 }
 
-/// The bits of `x` (up to 8) with gaps between them.
+/// The bits of `x` (up to 8), interleaved with zeros.
 #[inline(always)]
 fn spread(x: u32) -> u32 {
     let x = (x | x << 4) & 0x0F0F;
@@ -162,7 +162,7 @@ mod tests {
     use crate::sampling;
 
     #[test]
-    fn the_order_is_a_permutation_of_neighbours() {
+    fn the_order_is_a_permutation_of_neighbors() {
         let mut paths = Paths::default();
         for index in 0..256 {
             let sequences = std::array::from_fn(|lane| index * 16 + lane as u32);
@@ -171,7 +171,8 @@ mod tests {
                 let direction = crate::simd::at(&directions, lane);
                 let pixel = index * 16 + lane as u32;
                 let (origin, throughput) = ([0.0; 3], [1.0; 3]);
-                let path = Path { origin, density: 1.0, direction, pixel, throughput, sample: Sample::new(0, true) };
+                let path =
+                    Path { origin, bsdf_pdf: 1.0, direction, pixel, throughput, sample: SampleState::new(0, true) };
                 paths.push(path, cell(direction));
             }
         }

@@ -1,66 +1,68 @@
-//! Sixteen surfaces as they scatter light: Lambert's law where that is all, [`crate::material::bsdf`] where a packet meets more.
+//! The BSDFs of sixteen surface interactions: Lambert's law for diffuse materials, [`crate::material::bsdf`] for
+//! packets with glossy ones.
 //!
-//! A lane's result does not depend on its neighbours: Lambertian lanes are computed by the same few operations whether
-//! the packet meets glossy surfaces or not.
+//! The result of a lane does not depend on its neighbors: Lambertian lanes use the same operations whether or not the
+//! packet contains glossy surfaces.
 
 use std::f32::consts::FRAC_1_PI;
 
 use super::Context;
 use super::shade::Shading;
-use crate::material::Kinds;
-use crate::material::Surfaces;
+use crate::material::MaterialFlags;
+use crate::material::SurfaceInteraction;
 use crate::material::bsdf::Bsdf;
 use crate::sampling::{self, Points};
 use crate::simd::{LANES, at};
 
-/// Viewers look at a glossy surface from at least this cosine above its shading normal's plane; a normal that is turned
-/// away further (at the rim of smooth-shaded meshes) is bent towards them.
-const SMALLEST_COSINE: f32 = 1e-3;
+/// The minimum cosine between the direction to the viewer and the shading normal of a glossy surface. Normals that face
+/// away (at the silhouette of smooth-shaded meshes) are rotated towards the viewer.
+const MIN_COSINE: f32 = 1e-3;
 
-/// Sixteen surfaces and what they do with light.
+/// The BSDFs of sixteen surface interactions.
 pub(crate) struct Scatterer<'a> {
-    surfaces: &'a Surfaces,
+    interaction: &'a SurfaceInteraction,
     glossy: Option<Glossy>,
 }
 
-/// What glossy lanes need beyond Lambert's law.
+/// The state of glossy lanes.
 struct Glossy {
     bsdf: Bsdf,
     lanes: [bool; LANES],
-    /// Axes of the shading frame: x, y, and z on the viewer's side.
+    /// The axes of the shading frame: x, y, and z on the side of the viewer.
     axes: [[[f32; LANES]; 3]; 3],
-    /// Towards the viewer, in that frame.
+    /// The direction to the viewer in the shading frame.
     out: [[f32; LANES]; 3],
 }
 
-/// What sixteen surfaces send to the viewer of light from given directions.
+/// The BSDFs evaluated for given directions to the light.
 pub(crate) struct Response {
-    /// f * |cosine|.
+    /// BSDF * |cosine|.
     pub value: [[f32; LANES]; 3],
-    /// Density with which [`Scatterer::scatter`] draws the direction.
-    pub density: [f32; LANES],
-    /// Where a shadow ray in that direction starts.
+    /// The pdf with which [`Scatterer::scatter`] samples the direction.
+    pub bsdf_pdf: [f32; LANES],
+    /// The start of a shadow ray in that direction.
     pub start: [[f32; LANES]; 3],
 }
 
-/// Directions in which sixteen paths go on.
+/// Sampled directions of sixteen paths.
 pub(crate) struct Scattered {
     pub start: [[f32; LANES]; 3],
     pub direction: [[f32; LANES]; 3],
-    /// f * |cosine| / density; 0 where the path ends.
+    /// BSDF * |cosine| / pdf; 0 if the path ends.
     pub weight: [[f32; LANES]; 3],
-    /// Infinite where there was no choice.
-    pub density: [f32; LANES],
-    /// Scattered by metal, glass or a polished surface.
-    pub sharp: [bool; LANES],
+    /// Infinite for a delta lobe.
+    pub bsdf_pdf: [f32; LANES],
+    /// Whether the scattering is specular: by metal, glass or a smooth coat.
+    pub is_specular: [bool; LANES],
 }
 
 impl<'a> Scatterer<'a> {
     #[inline(always)]
     pub fn new(context: &Context, here: &'a Shading) -> Self {
-        let surfaces = here.surfaces;
-        let glossy = if surfaces.any.has(Kinds::GLOSSY) { Some(Glossy::new(context, here)) } else { None };
-        Self { surfaces, glossy }
+        let interaction = here.interaction;
+        let glossy =
+            if interaction.any_flags.has(MaterialFlags::GLOSSY) { Some(Glossy::new(context, here)) } else { None };
+        Self { interaction, glossy }
     }
 
     #[inline(always)]
@@ -68,24 +70,24 @@ impl<'a> Scatterer<'a> {
         self.glossy.is_some()
     }
 
-    /// The response to light from directions `to_light`, whose lengths are 1/`inverse_length`.
+    /// Evaluates the BSDFs for the directions `to_light`, whose lengths are 1/`inverse_length`.
     #[inline(always)]
     pub fn respond(&self, to_light: &[[f32; LANES]; 3], inverse_length: &[f32; LANES]) -> Response {
-        let surfaces = self.surfaces;
+        let interaction = self.interaction;
         let mut above = [0.0; LANES];
-        let mut out = Response { value: [[0.0; LANES]; 3], density: [0.0; LANES], start: surfaces.start };
+        let mut out = Response { value: [[0.0; LANES]; 3], bsdf_pdf: [0.0; LANES], start: interaction.start };
         for lane in 0..LANES {
             let mut cosine = 0.0;
             for axis in 0..3 {
-                cosine += surfaces.shading_normal[axis][lane] * to_light[axis][lane];
-                above[lane] += surfaces.geometric_normal[axis][lane] * to_light[axis][lane];
+                cosine += interaction.shading_normal[axis][lane] * to_light[axis][lane];
+                above[lane] += interaction.geometric_normal[axis][lane] * to_light[axis][lane];
             }
             cosine *= inverse_length[lane];
             let reaches = (above[lane] > 0.0) & (cosine > 0.0);
             let share = if reaches { cosine * FRAC_1_PI } else { 0.0 };
-            out.density[lane] = share;
+            out.bsdf_pdf[lane] = share;
             for c in 0..3 {
-                out.value[c][lane] = surfaces.base_color[c][lane] * share;
+                out.value[c][lane] = interaction.base_color[c][lane] * share;
             }
         }
         let Some(glossy) = &self.glossy else { return out };
@@ -93,51 +95,51 @@ impl<'a> Scatterer<'a> {
         let evaluated = glossy.bsdf.evaluate(&glossy.out, &into);
         for lane in 0..LANES {
             let chosen = glossy.lanes[lane];
-            // Light from one side of the triangle and the other side of the interpolated normal would leak.
+            // Light from opposite sides of the triangle and of the interpolated normal would leak.
             let agrees = above[lane] * into[2][lane] > 0.0;
             for c in 0..3 {
                 let value = if agrees { evaluated.value[c][lane] } else { 0.0 };
                 out.value[c][lane] = if chosen { value } else { out.value[c][lane] };
             }
-            out.density[lane] = if chosen { evaluated.pdf[lane] } else { out.density[lane] };
+            out.bsdf_pdf[lane] = if chosen { evaluated.pdf[lane] } else { out.bsdf_pdf[lane] };
             let behind = chosen & (above[lane] < 0.0);
             for axis in 0..3 {
-                out.start[axis][lane] = start(surfaces, axis, lane, behind);
+                out.start[axis][lane] = start(interaction, axis, lane, behind);
             }
         }
         out
     }
 
-    /// Draws directions by `numbers`, and by `choice` which part of a glossy surface scatters.
+    /// Samples directions: `choice` selects the lobe of a glossy surface, `numbers` the direction.
     #[inline(always)]
-    pub fn scatter(&self, here: &Shading, with_density: bool, numbers: &Points, choice: &[f32; LANES]) -> Scattered {
-        let surfaces = self.surfaces;
+    pub fn scatter(&self, here: &Shading, with_pdf: bool, numbers: &Points, choice: &[f32; LANES]) -> Scattered {
+        let interaction = self.interaction;
         let local = sampling::cosine_hemisphere(numbers);
         let mut out = Scattered {
-            start: surfaces.start,
+            start: interaction.start,
             direction: [[0.0; LANES]; 3],
             weight: [[0.0; LANES]; 3],
-            density: [0.0; LANES],
-            sharp: [false; LANES],
+            bsdf_pdf: [0.0; LANES],
+            is_specular: [false; LANES],
         };
         for lane in 0..LANES {
-            let normal = at(&surfaces.shading_normal, lane);
+            let normal = at(&interaction.shading_normal, lane);
             let [x, y] = sampling::frame(normal);
             let mut above = 0.0;
             for axis in 0..3 {
                 let d = x[axis] * local[0][lane] + y[axis] * local[1][lane] + normal[axis] * local[2][lane];
                 out.direction[axis][lane] = d;
-                above += d * surfaces.geometric_normal[axis][lane];
+                above += d * interaction.geometric_normal[axis][lane];
             }
-            // Under the triangle itself there is nothing to see, whatever the interpolated normal says.
+            // Directions below the triangle itself are rejected, whatever the interpolated normal.
             let leaves = here.hit[lane] & (above > 0.0);
             for c in 0..3 {
-                out.weight[c][lane] = if leaves { surfaces.base_color[c][lane] } else { 0.0 };
+                out.weight[c][lane] = if leaves { interaction.base_color[c][lane] } else { 0.0 };
             }
         }
-        if with_density {
+        if with_pdf {
             for lane in 0..LANES {
-                out.density[lane] = local[2][lane] * FRAC_1_PI;
+                out.bsdf_pdf[lane] = local[2][lane] * FRAC_1_PI;
             }
         }
         let Some(glossy) = &self.glossy else { return out };
@@ -147,7 +149,7 @@ impl<'a> Scatterer<'a> {
             let chosen = glossy.lanes[lane];
             let mut above = 0.0;
             for axis in 0..3 {
-                above += direction[axis][lane] * surfaces.geometric_normal[axis][lane];
+                above += direction[axis][lane] * interaction.geometric_normal[axis][lane];
             }
             let agrees = here.hit[lane] & if sampled.transmitted[lane] { above < 0.0 } else { above > 0.0 };
             for c in 0..3 {
@@ -156,44 +158,44 @@ impl<'a> Scatterer<'a> {
             }
             for axis in 0..3 {
                 out.direction[axis][lane] = if chosen { direction[axis][lane] } else { out.direction[axis][lane] };
-                out.start[axis][lane] = start(surfaces, axis, lane, chosen & sampled.transmitted[lane]);
+                out.start[axis][lane] = start(interaction, axis, lane, chosen & sampled.transmitted[lane]);
             }
-            out.density[lane] = if chosen { sampled.pdf[lane] } else { out.density[lane] };
+            out.bsdf_pdf[lane] = if chosen { sampled.pdf[lane] } else { out.bsdf_pdf[lane] };
             let polished = sampled.pdf[lane] == f32::INFINITY;
             let solid = glossy.bsdf.metallic[lane].max(glossy.bsdf.transmission[lane]) >= 0.5;
-            out.sharp[lane] = chosen & (polished | solid);
+            out.is_specular[lane] = chosen & (polished | solid);
         }
         out
     }
 }
 
-/// Where a ray starts that leaves to the viewer's side or behind.
+/// The start of a ray on the side of the viewer, or behind the surface.
 #[inline(always)]
-fn start(surfaces: &Surfaces, axis: usize, lane: usize, behind: bool) -> f32 {
-    let (position, start) = (surfaces.position[axis][lane], surfaces.start[axis][lane]);
+fn start(interaction: &SurfaceInteraction, axis: usize, lane: usize, behind: bool) -> f32 {
+    let (position, start) = (interaction.position[axis][lane], interaction.start[axis][lane]);
     if behind { position + (position - start) } else { start }
 }
 
 impl Glossy {
     #[inline(always)]
     fn new(context: &Context, here: &Shading) -> Self {
-        let surfaces = here.surfaces;
+        let interaction = here.interaction;
         let zero = [[0.0; LANES]; 3];
         let mut out = Self {
-            bsdf: context.scene.appearance.scattering(context.scene.geometry, here.packet, surfaces),
+            bsdf: context.scene.appearance.scattering(context.scene.geometry, here.packet, interaction),
             lanes: [false; LANES],
             axes: [zero; 3],
             out: zero,
         };
         let direction = &here.packet.rays.direction;
         for lane in 0..LANES {
-            out.lanes[lane] = surfaces.kinds[lane].has(Kinds::GLOSSY);
+            out.lanes[lane] = interaction.flags[lane].has(MaterialFlags::GLOSSY);
             let [x, y, z] = at(direction, lane);
             let inverse = -1.0 / (x * x + y * y + z * z).sqrt();
             let viewer = [x * inverse, y * inverse, z * inverse];
-            let mut normal = at(&surfaces.shading_normal, lane);
+            let mut normal = at(&interaction.shading_normal, lane);
             let cosine = normal[0] * viewer[0] + normal[1] * viewer[1] + normal[2] * viewer[2];
-            let lift = (SMALLEST_COSINE - cosine).max(0.0);
+            let lift = (MIN_COSINE - cosine).max(0.0);
             let mut squared = 0.0;
             for axis in 0..3 {
                 normal[axis] += viewer[axis] * lift;
@@ -212,7 +214,7 @@ impl Glossy {
                 out.out[1][lane] += y[axis] * viewer[axis];
                 out.out[2][lane] += normal[axis] * viewer[axis];
             }
-            out.out[2][lane] = out.out[2][lane].max(0.5 * SMALLEST_COSINE);
+            out.out[2][lane] = out.out[2][lane].max(0.5 * MIN_COSINE);
         }
         out
     }

@@ -1,54 +1,59 @@
-//! What happens where sixteen rays end: what glows there, what arrives there straight from the lights, and rays that go
-//! on.
+//! Shading of a path vertex: absorption, emission, direct light, and the scattered rays.
 
 use super::Context;
-use super::paths::{self, Path, PathPacket, Paths, Sample};
+use super::paths::{self, Path, PathPacket, Paths, SampleState};
 use super::scatterer::Scatterer;
 use super::{direct_light, mis};
 use crate::accel::{Coherence, RayHits};
-use crate::material::Kinds;
-use crate::material::Surfaces;
+use crate::material::MaterialFlags;
+use crate::material::SurfaceInteraction;
 use crate::sampling::{Draw, Purpose};
 use crate::simd::{LANES, at};
 use holo_scene::MAX_RADIANCE;
 
-/// From this event on (counted from 0) paths are subject to roulette.
-const ROULETTE_FROM: u32 = 2;
+/// The first path vertex (counted from 0) with Russian roulette.
+const ROULETTE_FIRST_VERTEX: u32 = 2;
 
-/// Paths that carry more than one over this go on for certain. Measured on a still life of 8 bounces: with 8 the squared
-/// error grows by 1 % and the speed by 24 %; with 1, the usual choice, by 46 % and 35 %.
-const ROULETTE_SPARES: f32 = 8.0;
+/// The survival probability is the throughput times this factor, so that paths with a throughput above 1/8 always
+/// survive. The factor trades speed for error; 1 would be the usual choice.
+const ROULETTE_SCALE: f32 = 8.0;
 
-/// No path is less likely to survive than this.
-const ROULETTE_LEAST: f32 = 0.05;
+/// The minimum survival probability.
+const ROULETTE_MIN_SURVIVAL: f32 = 0.05;
 
-/// Sixteen points where rays ended, and what they carry.
+/// Sixteen path vertices.
 pub(crate) struct Shading<'a> {
     pub packet: &'a RayHits,
-    pub surfaces: &'a Surfaces,
-    /// Lanes that hit something.
+    pub interaction: &'a SurfaceInteraction,
+    /// Lanes with a hit.
     pub hit: [bool; LANES],
     pub sequences: &'a [u32; LANES],
-    /// Which scattering event this is, from 0.
-    pub event: u32,
-    /// What the rays carry.
+    /// The number of the path vertex, from 0.
+    pub vertex: u32,
+    /// The state of the paths.
     pub paths: &'a mut PathPacket,
-    /// Of rays that leave here for a light.
+    /// The coherence of shadow rays from here.
     pub coherence: Coherence,
 }
 
-/// Adds what is seen to `gain`, and the rays that go on to `next`. Returns the shadow rays traced.
+/// Adds the light of the vertices to `contribution`, and the scattered rays to `next`. Returns the number of shadow
+/// rays.
 #[inline(always)]
-pub(crate) fn shade(context: &Context, here: &mut Shading, gain: &mut [[f32; LANES]; 3], next: &mut Paths) -> u64 {
-    if here.surfaces.any.has(Kinds::FILLED) {
+pub(crate) fn shade(
+    context: &Context,
+    here: &mut Shading,
+    contribution: &mut [[f32; LANES]; 3],
+    next: &mut Paths,
+) -> u64 {
+    if here.interaction.any_flags.has(MaterialFlags::VOLUME) {
         attenuate(context, here);
     }
-    if here.surfaces.any.has(Kinds::GLOWS.and(Kinds::UNLIT)) {
-        add_glow(context, here, gain);
+    if here.interaction.any_flags.has(MaterialFlags::EMISSIVE.union(MaterialFlags::UNLIT)) {
+        add_emission(context, here, contribution);
     }
     let mut any = false;
     for lane in 0..LANES {
-        here.hit[lane] &= here.paths.goes_on[lane];
+        here.hit[lane] &= here.paths.may_scatter[lane];
         any |= here.hit[lane];
     }
     for c in 0..3 {
@@ -57,30 +62,30 @@ pub(crate) fn shade(context: &Context, here: &mut Shading, gain: &mut [[f32; LAN
             here.paths.throughput[c][lane] = if here.hit[lane] { carried } else { 0.0 };
         }
     }
-    if here.event >= context.policy.max_bounces || !any {
+    if here.vertex >= context.policy.max_bounces || !any {
         return 0;
     }
     let scatterer = Scatterer::new(context, here);
-    let shadow_rays = direct_light::add(context, here, &scatterer, gain);
-    if context.scatters_on(here.event) {
+    let shadow_rays = direct_light::add(context, here, &scatterer, contribution);
+    if context.continues_after(here.vertex) {
         scatter(context, here, &scatterer, next);
     }
     shadow_rays
 }
 
-/// What the way through filled glass leaves of the light.
+/// Attenuates the throughput by absorption inside a body of glass.
 #[inline(always)]
 fn attenuate(context: &Context, here: &mut Shading) {
     let mut length = [0.0; LANES];
     for lane in 0..LANES {
         let mut squared = 0.0;
         for axis in 0..3 {
-            let way = here.surfaces.position[axis][lane] - here.packet.rays.origin[axis][lane];
-            squared += way * way;
+            let step = here.interaction.position[axis][lane] - here.packet.rays.origin[axis][lane];
+            squared += step * step;
         }
         length[lane] = squared.sqrt();
     }
-    let left = context.scene.appearance.attenuation(context.scene.geometry, here.surfaces, &length);
+    let left = context.scene.appearance.attenuation(context.scene.geometry, here.interaction, &length);
     for c in 0..3 {
         for lane in 0..LANES {
             here.paths.throughput[c][lane] *= left[c][lane];
@@ -88,48 +93,48 @@ fn attenuate(context: &Context, here: &mut Shading) {
     }
 }
 
-/// What the surfaces give out by themselves. Unlit ones do nothing else.
+/// Adds the emission of the surfaces. Paths end at unlit surfaces.
 #[inline(always)]
-fn add_glow(context: &Context, here: &mut Shading, gain: &mut [[f32; LANES]; 3]) {
-    let surfaces = here.surfaces;
+fn add_emission(context: &Context, here: &mut Shading, contribution: &mut [[f32; LANES]; 3]) {
+    let interaction = here.interaction;
     let hits = &here.packet.hits;
-    let glow = context.scene.appearance.emission(
+    let emitted = context.scene.appearance.emission(
         context.scene.geometry,
-        &surfaces.triangle,
+        &interaction.triangle,
         [&hits.u, &hits.v],
-        &surfaces.side,
+        &interaction.side,
         &here.hit,
     );
     let weight = mis::emission_weight(context, here);
     for lane in 0..LANES {
-        let unlit = here.hit[lane] & surfaces.kinds[lane].has(Kinds::UNLIT);
+        let unlit = here.hit[lane] & interaction.flags[lane].has(MaterialFlags::UNLIT);
         for c in 0..3 {
-            let shown = if unlit { surfaces.base_color[c][lane] } else { glow[c][lane] * weight[lane] };
-            gain[c][lane] += (shown * here.paths.throughput[c][lane]).min(MAX_RADIANCE);
+            let shown = if unlit { interaction.base_color[c][lane] } else { emitted[c][lane] * weight[lane] };
+            contribution[c][lane] += (shown * here.paths.throughput[c][lane]).min(MAX_RADIANCE);
         }
         here.hit[lane] &= !unlit;
     }
 }
 
-/// Draws a direction for every lane and lets the path go on that way.
+/// Samples the BSDF of every lane and adds the scattered rays to `next`.
 #[inline(always)]
 fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut Paths) {
-    let purpose = |draw| Purpose::event(here.event, draw);
+    let purpose = |draw| Purpose::at_vertex(here.vertex, draw);
     let numbers = context.sampler.points(here.sequences, &here.paths.sample, purpose(Draw::Direction));
-    let rolls = context.policy.roulette && here.event >= ROULETTE_FROM;
-    let [choice, survival] = if rolls || scatterer.is_glossy() {
+    let uses_roulette = context.policy.roulette && here.vertex >= ROULETTE_FIRST_VERTEX;
+    let [choice, survival] = if uses_roulette || scatterer.is_glossy() {
         context.sampler.points(here.sequences, &here.paths.sample, purpose(Draw::Choice))
     } else {
         [[0.0; LANES]; 2]
     };
-    let scattered = scatterer.scatter(here, context.scene.needs_density(), &numbers, &choice);
+    let scattered = scatterer.scatter(here, context.scene.needs_bsdf_pdf(), &numbers, &choice);
     let mut throughput = [[0.0; LANES]; 3];
     for c in 0..3 {
         for lane in 0..LANES {
             throughput[c][lane] = (here.paths.throughput[c][lane] * scattered.weight[c][lane]).min(MAX_RADIANCE);
         }
     }
-    if rolls {
+    if uses_roulette {
         roulette(&survival, &mut throughput);
     }
     let mut cells = [0; LANES];
@@ -141,23 +146,27 @@ fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut 
         if throughput[0] + throughput[1] + throughput[2] > 0.0 {
             let path = Path {
                 origin: at(&scattered.start, lane),
-                density: scattered.density[lane],
+                bsdf_pdf: scattered.bsdf_pdf[lane],
                 direction: at(&scattered.direction, lane),
                 pixel: here.paths.pixel[lane],
                 throughput,
-                sample: Sample::new(here.paths.sample[lane], context.policy.indirect | scattered.sharp[lane]),
+                sample: SampleState::new(
+                    here.paths.sample[lane],
+                    context.policy.indirect | scattered.is_specular[lane],
+                ),
             };
             next.push(path, cells[lane]);
         }
     }
 }
 
-/// Ends weak paths at random and makes up for them in those that survive.
+/// Russian roulette: terminates paths of low throughput at random, and divides the throughput of the others by their
+/// survival probability.
 #[inline(always)]
 fn roulette(number: &[f32; LANES], throughput: &mut [[f32; LANES]; 3]) {
     for lane in 0..LANES {
         let strongest = throughput[0][lane].max(throughput[1][lane]).max(throughput[2][lane]);
-        let survival = (strongest * ROULETTE_SPARES).clamp(ROULETTE_LEAST, 1.0);
+        let survival = (strongest * ROULETTE_SCALE).clamp(ROULETTE_MIN_SURVIVAL, 1.0);
         let factor = if number[lane] < survival { 1.0 / survival } else { 0.0 };
         for c in 0..3 {
             throughput[c][lane] *= factor;

@@ -1,15 +1,16 @@
-//! Light from infinitely far away: the image around the scene, looked up and drawn from.
+//! The environment map: radiance from infinitely far away.
 //!
-//! A direction (x, y, z) of the world lies at u = 1/2 + atan2(z, x) / (2 pi) of the image's width and at v = acos(y) / pi
-//! of its height; Blender 5.0 shows the same (tests/peers/environment_orientation.py). Between the centres of texels
-//! the radiance is bilinear, around horizontally, clamped at the poles. All directions here are in camera coordinates.
+//! A world direction (x, y, z) lies at u = 1/2 + atan2(z, x) / (2 pi) of the width of the image and at v = acos(y) / pi
+//! of its height, as in Blender (`tests/peers/environment_orientation.py`). Radiance is interpolated bilinearly between
+//! the centers of texels, periodic horizontally, clamped at the poles. All directions here are in camera coordinates.
 //!
-//! Directions are drawn from a density that is constant in each of the [`cells`] of a grid and proportional to the
-//! luminance there (Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th ed., 12.5, with cells of equal solid angle
-//! in a row). The density that is stated is the one that is drawn from, exactly: see there.
+//! Directions are sampled from a pdf that is constant in each of the [`cells`] of a grid and proportional to the
+//! luminance there (Pharr, Jakob, Humphreys, "Physically Based Rendering", 4th ed., 12.5, with cells of equal solid
+//! angle in a row). The returned pdf is exactly that of the sampling.
 //!
-//! Accuracy: u and v are within 2e-7, so within 4e-3 texels in an image of 16384 columns; that of a direction rounded to
-//! f32 is worse towards the poles, where meridians meet.
+//! # Accuracy
+//! u and v have an error below 2e-7, which is 4e-3 texels in an image of 16384 columns. The rounding of directions to
+//! f32 adds a larger error near the poles.
 
 mod cells;
 #[cfg(test)]
@@ -23,25 +24,25 @@ use crate::simd::{LANES, at};
 use cells::Cells;
 use holo_scene::{Environment, Transform};
 
-/// An environment in the frame of a camera. It holds a copy of the image.
+/// An environment map in the frame of a camera. It owns a copy of the image.
 pub(crate) struct EnvironmentLight {
     columns: i32,
     rows: i32,
-    /// Row by row from the top.
+    /// Row by row from the top, linear RGB.
     texels: Vec<[f32; 3]>,
     /// The axes of the camera in world coordinates.
     camera_axes: [[f32; 3]; 3],
     cells: Cells,
 }
 
-/// Sixteen directions drawn from the surroundings.
+/// Sixteen sampled directions.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EnvironmentSample {
     /// In camera coordinates, of unit length.
     pub direction: [[f32; LANES]; 3],
-    /// What arrives from there.
+    /// The radiance from there, linear RGB.
     pub radiance: [[f32; LANES]; 3],
-    /// The density with which it was drawn, per steradian: above 0 unless the surroundings are black.
+    /// The pdf per steradian: above 0 unless the environment is black.
     pub pdf: [f32; LANES],
 }
 
@@ -56,42 +57,42 @@ impl EnvironmentLight {
         Self { columns: columns as i32, rows: rows as i32, texels, camera_axes, cells }
     }
 
-    /// Whether nothing shines; then every density is 0.
+    /// Whether all radiance is 0; then every pdf is 0.
     pub fn is_black(&self) -> bool {
         self.cells.is_black()
     }
 
-    /// What arrives from directions of any length (between 1e-18 and 1e18).
+    /// The radiance from directions of any length (between 1e-18 and 1e18).
     #[inline(always)]
     pub fn radiance(&self, direction: &[[f32; LANES]; 3]) -> [[f32; LANES]; 3] {
-        self.bilinear(&self.place(direction))
+        self.bilinear(&self.uv(direction))
     }
 
-    /// The density, per steradian, with which [`Self::sample`] draws directions of any length.
+    /// The pdf, per steradian, with which [`Self::sample`] samples directions (of any length).
     ///
-    /// It agrees with what `sample` states up to the rounding of the direction: within about 3e-7 rad of the border of a
-    /// cell it may be that of the neighbour.
+    /// It equals the pdf of `sample` up to the rounding of the direction: within about 3e-7 rad of the border of a cell
+    /// it may be that of the neighboring cell.
     #[inline(always)]
     pub fn pdf(&self, direction: &[[f32; LANES]; 3]) -> [f32; LANES] {
-        self.cells.pdf(&self.place(direction))
+        self.cells.pdf(&self.uv(direction))
     }
 
-    /// Draws a direction a lane.
+    /// Samples one direction per lane.
     #[inline(always)]
     pub fn sample(&self, point: &Points) -> EnvironmentSample {
-        let drawn = self.cells.sample(point);
+        let cell = self.cells.sample(point);
         let mut world = [[0.0; LANES]; 3];
-        let mut place = [drawn.u, [0.0; LANES]];
+        let mut uv = [cell.u, [0.0; LANES]];
         for lane in 0..LANES {
-            let height = drawn.versine[lane];
-            // From the distance to the pole, not from the cosine, which has no digits left next to it.
+            let height = cell.versine[lane];
+            // From the distance to the pole, because the cosine has no precision next to it.
             let level = (height * (2.0 - height)).max(0.0).sqrt();
-            let (sin, cos) = sin_cos((drawn.u[lane] - 0.5) * TAU);
-            let up = drawn.pole[lane] * (1.0 - height);
+            let (sin, cos) = sin_cos((cell.u[lane] - 0.5) * TAU);
+            let up = cell.pole[lane] * (1.0 - height);
             world[0][lane] = level * cos;
             world[1][lane] = up;
             world[2][lane] = level * sin;
-            place[1][lane] = atan2(level, up) * FRAC_1_PI;
+            uv[1][lane] = atan2(level, up) * FRAC_1_PI;
         }
         let mut direction = [[0.0; LANES]; 3];
         for axis in 0..3 {
@@ -100,25 +101,25 @@ impl EnvironmentLight {
                 direction[axis][lane] = x * world[0][lane] + y * world[1][lane] + z * world[2][lane];
             }
         }
-        EnvironmentSample { direction, radiance: self.bilinear(&place), pdf: drawn.pdf }
+        EnvironmentSample { direction, radiance: self.bilinear(&uv), pdf: cell.pdf }
     }
 
-    /// Where in the image directions lie: u and v, both from 0 to 1.
+    /// The texture coordinates (u, v) of directions, both from 0 to 1.
     #[inline(always)]
-    fn place(&self, direction: &[[f32; LANES]; 3]) -> Points {
+    fn uv(&self, direction: &[[f32; LANES]; 3]) -> Points {
         let [right, up, back] = self.camera_axes;
-        let mut place = [[0.0; LANES]; 2];
+        let mut uv = [[0.0; LANES]; 2];
         for lane in 0..LANES {
             let [a, b, c] = at(direction, lane);
             let x = a * right[0] + b * up[0] + c * back[0];
             let y = a * right[1] + b * up[1] + c * back[1];
             let z = a * right[2] + b * up[2] + c * back[2];
             let level = (x * x + z * z).sqrt();
-            place[0][lane] = 0.5 + atan2(z, x) * (0.5 * FRAC_1_PI);
-            // acos(y) as an angle of both legs: good next to the poles too, and for any length.
-            place[1][lane] = atan2(level, y) * FRAC_1_PI;
+            uv[0][lane] = 0.5 + atan2(z, x) * (0.5 * FRAC_1_PI);
+            // acos(y) from both legs of the angle: accurate next to the poles, and for any length.
+            uv[1][lane] = atan2(level, y) * FRAC_1_PI;
         }
-        place
+        uv
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Punctual lights in camera coordinates.
 //!
-//! Source: KHR_lights_punctual. Radiometry: 1 lux on a white Lambertian surface gives radiance 1/pi; I candela at r
-//! metres give I/r^2 lux. No factor of 683 or of 4 pi appears anywhere.
+//! Source: KHR_lights_punctual. Radiometry: 1 lux on a white Lambertian surface gives a radiance of 1/pi; I candela at
+//! a distance of r meters give I/r^2 lux. There is no factor of 683 or 4 pi.
 
 use crate::geometry::world_to_camera_rotation;
 use crate::sampling::{self, Points};
@@ -9,32 +9,33 @@ use crate::simd::angles::sin_cos;
 use crate::simd::{LANES, at};
 use holo_scene::{Light, LightKind, Transform};
 
-/// Shadow rays stop this far towards a light, so that a surface in which the light lies does not hide it.
+/// The end of shadow rays towards point lights, relative to the distance: a surface that contains the light does not
+/// occlude it.
 pub(crate) const SHADOW_REACH: f32 = 1.0 - 1e-4;
 
-/// No light is stronger than this anywhere, so that sums and products stay within f32.
+/// The maximum of attenuation and radiance, so that sums and products fit into f32.
 pub(crate) const MAX_RADIANCE: f32 = 1e30;
 
-/// A light as the integrators use it.
+/// A light, prepared for the integrators.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum PreparedLight {
-    /// Light from everywhere along one direction; the unit vector points *to* the light.
+    /// Parallel light; the unit vector points *to* the light.
     Directional { to_light: [f32; 3], irradiance: [f32; 3] },
-    /// The same from all over a disc: `axis` points to its middle.
+    /// Light from a disc of constant radiance at infinity; `axis` points to its center.
     Disc { axis: [f32; 3], irradiance: [f32; 3], disc: Disc },
-    /// Light from a point, perhaps into a cone only.
+    /// Light from a point, with a cone for spot lights.
     Point { position: [f32; 3], intensity: [f32; 3], inverse_range: f32, cone: Option<Cone> },
 }
 
-/// The disc of a distant light of the half-angle a.
+/// The disc of a directional light with the half-angle a.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Disc {
-    /// 1 - cos a, which a small angle leaves its digits.
+    /// 1 - cos a, which is accurate for small angles.
     versine: f32,
-    /// Irradiance on a surface that faces the disc, over its radiance: pi sin^2 a.
-    projected: f32,
-    /// Solid angle over `projected`: 2 / (1 + cos a).
-    spread: f32,
+    /// Projected solid angle: irradiance on a surface that faces the disc / radiance = pi sin^2 a.
+    projected_solid_angle: f32,
+    /// Solid angle / projected solid angle: 2 / (1 + cos a).
+    solid_angle_ratio: f32,
 }
 
 /// The cone of a spot light: intensity times `clamp(cosine * scale + offset, 0, 1)^2`.
@@ -45,14 +46,14 @@ pub(crate) struct Cone {
     offset: f32,
 }
 
-/// Light that arrives at sixteen points from one light, before the cosine and the shadow.
+/// The incident light from one light at sixteen points, without cosine and shadow.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Arrivals {
-    /// Towards the light: unit length for directional lights, up to the light for the others.
+pub(crate) struct IncidentLight {
+    /// Towards the light: unit length for directional lights, the vector to the light for the others.
     pub to_light: [[f32; LANES]; 3],
-    /// Over the length of `to_light`.
+    /// 1 / length of `to_light`.
     pub inverse_length: [f32; LANES],
-    /// How much of `PreparedLight::power` arrives on a surface that faces the light.
+    /// The share of [`PreparedLight::power`] that arrives on a surface that faces the light.
     pub attenuation: [f32; LANES],
 }
 
@@ -61,16 +62,21 @@ impl Disc {
         let half = 0.5 * diameter_rad;
         let (sin, cos) = half.sin_cos();
         let versine = 2.0 * (0.5 * half).sin().powi(2);
-        let projected = std::f64::consts::PI * sin * sin;
-        Self { versine: versine as f32, projected: projected as f32, spread: (2.0 / (1.0 + cos)) as f32 }
+        let projected_solid_angle = std::f64::consts::PI * sin * sin;
+        Self {
+            versine: versine as f32,
+            projected_solid_angle: projected_solid_angle as f32,
+            solid_angle_ratio: (2.0 / (1.0 + cos)) as f32,
+        }
     }
 }
 
-/// The lights that shine at all, in the frame of a camera at `pose`.
+/// The lights with an intensity above 0, in the frame of a camera at `pose`.
 pub(crate) fn prepare(lights: &[Light], pose: &Transform) -> Vec<PreparedLight> {
     let rotation = world_to_camera_rotation(pose);
-    let place = |p: [f64; 3]| rotation.vector(std::array::from_fn(|k| p[k] - pose.translation[k])).map(|x| x as f32);
-    let turn = |d: [f64; 3]| rotation.vector(d).map(|x| x as f32);
+    let to_camera_point =
+        |p: [f64; 3]| rotation.vector(std::array::from_fn(|k| p[k] - pose.translation[k])).map(|x| x as f32);
+    let to_camera_direction = |d: [f64; 3]| rotation.vector(d).map(|x| x as f32);
     let inverse = |range: Option<f64>| range.map_or(0.0, |r| 1.0 / r) as f32;
     lights
         .iter()
@@ -79,7 +85,7 @@ pub(crate) fn prepare(lights: &[Light], pose: &Transform) -> Vec<PreparedLight> 
             let intensity = light.intensity.map(|x| x as f32);
             match light.kind {
                 LightKind::Directional { direction, angular_diameter_rad } => {
-                    let to_light = turn(direction.map(|x| -x));
+                    let to_light = to_camera_direction(direction.map(|x| -x));
                     if angular_diameter_rad > 0.0 {
                         let disc = Disc::new(angular_diameter_rad);
                         PreparedLight::Disc { axis: to_light, irradiance: intensity, disc }
@@ -89,14 +95,18 @@ pub(crate) fn prepare(lights: &[Light], pose: &Transform) -> Vec<PreparedLight> 
                 }
                 LightKind::Point { position, range } => {
                     let inverse_range = inverse(range);
-                    PreparedLight::Point { position: place(position), intensity, inverse_range, cone: None }
+                    PreparedLight::Point { position: to_camera_point(position), intensity, inverse_range, cone: None }
                 }
                 LightKind::Spot { position, direction, range, inner_angle_rad, outer_angle_rad } => {
                     let (inner, outer) = (inner_angle_rad.cos(), outer_angle_rad.cos());
-                    // The floor under the difference is the specification's own.
+                    // The specification defines this minimum of the difference.
                     let scale = 1.0 / (inner - outer).max(0.001);
-                    let cone = Cone { axis: turn(direction), scale: scale as f32, offset: (-outer * scale) as f32 };
-                    let (position, inverse_range) = (place(position), inverse(range));
+                    let cone = Cone {
+                        axis: to_camera_direction(direction),
+                        scale: scale as f32,
+                        offset: (-outer * scale) as f32,
+                    };
+                    let (position, inverse_range) = (to_camera_point(position), inverse(range));
                     PreparedLight::Point { position, intensity, inverse_range, cone: Some(cone) }
                 }
             }
@@ -114,13 +124,13 @@ impl PreparedLight {
         }
     }
 
-    /// What arrives at sixteen points; of discs from the place `place` on them.
+    /// The incident light at sixteen points; of discs from the sample `disc_point`.
     #[inline(always)]
-    pub fn arrivals(&self, points: &[[f32; LANES]; 3], place: &Points) -> Arrivals {
+    pub fn incident(&self, points: &[[f32; LANES]; 3], disc_point: &Points) -> IncidentLight {
         match self {
             Self::Directional { to_light, .. } => {
                 let [x, y, z] = *to_light;
-                Arrivals {
+                IncidentLight {
                     to_light: [[x; LANES], [y; LANES], [z; LANES]],
                     inverse_length: [1.0; LANES],
                     attenuation: [1.0; LANES],
@@ -129,12 +139,16 @@ impl PreparedLight {
             Self::Disc { axis, disc, .. } => {
                 let [x, y] = sampling::frame(*axis);
                 let one = [1.0; LANES];
-                let mut out = Arrivals { to_light: [one; 3], inverse_length: one, attenuation: [disc.spread; LANES] };
+                let mut out = IncidentLight {
+                    to_light: [one; 3],
+                    inverse_length: one,
+                    attenuation: [disc.solid_angle_ratio; LANES],
+                };
                 for lane in 0..LANES {
-                    // Uniform over the solid angle: the versine is uniform.
-                    let versine = place[0][lane] * disc.versine;
+                    // Uniform over the solid angle, because the versine is uniform.
+                    let versine = disc_point[0][lane] * disc.versine;
                     let across = (versine * (2.0 - versine)).max(0.0).sqrt();
-                    let (sin, cos) = sin_cos((place[1][lane] - 0.5) * std::f32::consts::TAU);
+                    let (sin, cos) = sin_cos((disc_point[1][lane] - 0.5) * std::f32::consts::TAU);
                     for k in 0..3 {
                         let sideways = x[k] * cos + y[k] * sin;
                         out.to_light[k][lane] = axis[k] * (1.0 - versine) + sideways * across;
@@ -144,7 +158,7 @@ impl PreparedLight {
             }
             Self::Point { position, inverse_range, cone, .. } => {
                 let zero = [0.0; LANES];
-                let mut out = Arrivals { to_light: [zero; 3], inverse_length: zero, attenuation: zero };
+                let mut out = IncidentLight { to_light: [zero; 3], inverse_length: zero, attenuation: zero };
                 for lane in 0..LANES {
                     let to_light =
                         [position[0] - points[0][lane], position[1] - points[1][lane], position[2] - points[2][lane]];
@@ -171,16 +185,16 @@ impl PreparedLight {
         }
     }
 
-    /// Whether the light has an extent on the sky.
+    /// Whether the light has an angular diameter.
     pub fn is_disc(&self) -> bool {
         matches!(self, Self::Disc { .. })
     }
 
-    /// Whether the light is a disc that a ray in direction `direction` meets.
+    /// Whether the light is a disc that the ray with this direction hits.
     #[inline(always)]
     pub fn disc_shows(&self, direction: &[[f32; LANES]; 3], lane: usize) -> bool {
         let Self::Disc { axis, disc, .. } = self else { return false };
-        // The squared chord is twice the versine, and keeps its digits.
+        // The squared chord is twice the versine, without cancellation.
         let unit = 1.0 / dot(at(direction, lane), at(direction, lane)).sqrt();
         let mut chord = 0.0;
         for k in 0..3 {
@@ -190,18 +204,18 @@ impl PreparedLight {
         chord <= 2.0 * disc.versine
     }
 
-    /// Radiance of the disc; 0 for other lights.
+    /// The radiance of the disc; 0 for other lights.
     #[inline(always)]
     pub fn disc_radiance(&self) -> [f32; 3] {
         let Self::Disc { irradiance: [r, g, b], disc, .. } = self else { return [0.0; 3] };
         [
-            (r / disc.projected).min(MAX_RADIANCE),
-            (g / disc.projected).min(MAX_RADIANCE),
-            (b / disc.projected).min(MAX_RADIANCE),
+            (r / disc.projected_solid_angle).min(MAX_RADIANCE),
+            (g / disc.projected_solid_angle).min(MAX_RADIANCE),
+            (b / disc.projected_solid_angle).min(MAX_RADIANCE),
         ]
     }
 
-    /// How far a shadow ray along `Arrival::to_light` has to look, in multiples of it.
+    /// The end of a shadow ray along [`IncidentLight::to_light`], in multiples of it.
     #[inline(always)]
     pub fn shadow_reach(&self) -> f32 {
         match self {
@@ -224,20 +238,20 @@ mod tests {
         prepare(&[Light { name: String::new(), intensity: [2.0; 3], kind }], &Transform::IDENTITY)[0]
     }
 
-    /// Attenuation at one point, per square metre.
-    fn arriving(light: &PreparedLight, point: [f32; 3]) -> f32 {
-        let arrivals = light.arrivals(&point.map(|x| [x; LANES]), &[[0.5; LANES]; 2]);
-        arrivals.attenuation[3]
+    /// Attenuation at one point, 1/m^2.
+    fn attenuation_at(light: &PreparedLight, point: [f32; 3]) -> f32 {
+        let incident = light.incident(&point.map(|x| [x; LANES]), &[[0.5; LANES]; 2]);
+        incident.attenuation[3]
     }
 
     #[test]
     fn a_point_light_falls_off_with_the_square_and_ends_at_its_range() {
         let light = one(LightKind::Point { position: [0.0; 3], range: None });
-        assert!((arriving(&light, [3.0, 0.0, 4.0]) - 0.04).abs() < 1e-7);
+        assert!((attenuation_at(&light, [3.0, 0.0, 4.0]) - 0.04).abs() < 1e-7);
         let light = one(LightKind::Point { position: [0.0; 3], range: Some(10.0) });
         let expected = (1.0 - 0.5f32.powi(4)) / 25.0;
-        assert!((arriving(&light, [3.0, 0.0, 4.0]) - expected).abs() < 1e-7);
-        assert_eq!(arriving(&light, [0.0, 10.5, 0.0]), 0.0);
+        assert!((attenuation_at(&light, [3.0, 0.0, 4.0]) - expected).abs() < 1e-7);
+        assert_eq!(attenuation_at(&light, [0.0, 10.5, 0.0]), 0.0);
     }
 
     #[test]
@@ -249,7 +263,7 @@ mod tests {
             inner_angle_rad: 0.3,
             outer_angle_rad: 0.6,
         });
-        let under = |angle: f32| arriving(&light, [angle.sin(), 0.0, -angle.cos()]);
+        let under = |angle: f32| attenuation_at(&light, [angle.sin(), 0.0, -angle.cos()]);
         assert!((under(0.0) - 1.0).abs() < 1e-6 && (under(0.29) - 1.0).abs() < 1e-4);
         assert_eq!(under(0.61), 0.0);
         let half = ((0.45f32.cos() - 0.6f32.cos()) / (0.3f32.cos() - 0.6f32.cos())).powi(2);
@@ -257,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn lights_that_do_not_shine_cost_no_shadow_rays() {
+    fn lights_without_intensity_cost_no_shadow_rays() {
         let dark = Light {
             name: String::new(),
             intensity: [0.0; 3],

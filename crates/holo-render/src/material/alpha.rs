@@ -1,11 +1,13 @@
-//! Surfaces with holes: an engine around another one that lets rays pass where the alpha of a material says so.
+//! Alpha: an engine that wraps another one and lets rays pass through surfaces according to the alpha of their
+//! material.
 //!
-//! A ray that meets a triangle where it does not count is sent on from there. Engines need to know nothing of it, and a
-//! scene without alpha never comes here. Surfaces that are nearer to each other than 5e-7 of their distance count as one.
+//! A ray that passes a triangle is traced again from behind it. The other engines need no support for alpha, and scenes
+//! without alpha do not use this wrapper. Surfaces that are closer to each other than 5e-7 of their distance count as
+//! one.
 //!
-//! A share of rays ([`holo_scene::Alpha::Blend`]) is drawn by a hash of the ray and the triangle: every sample of a
-//! pixel has its own ray. The ground truth, which has one ray, takes a surface from a share of one half on, as Blender's
-//! depth pass does.
+//! For [`holo_scene::Alpha::Blend`] the decision is random, by a hash of the ray and the triangle: every sample of a
+//! pixel has its own ray. Ground truth has a single ray per pixel, for which an opacity of at least one half is opaque,
+//! as in the depth pass of Blender.
 
 use std::sync::Arc;
 
@@ -15,27 +17,27 @@ use crate::material::Appearance;
 use crate::sampling::hash;
 use crate::simd::{LANES, Lanes};
 
-/// Which rays a surface that covers a share of them stops.
+/// The test of opacities between 0 and 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Cover {
-    /// That share.
-    Random,
-    /// All from one half on.
-    Half,
+pub(crate) enum AlphaTest {
+    /// Stochastic: the ray is stopped with a probability equal to the opacity.
+    Stochastic,
+    /// Deterministic: the ray is stopped from an opacity of one half on.
+    Threshold,
 }
 
-/// An engine that respects alpha.
-pub(crate) struct Holes {
+/// An engine with alpha testing.
+pub(crate) struct AlphaTested {
     pub inner: Arc<dyn Engine>,
     pub geometry: Arc<Geometry>,
     pub appearance: Arc<Appearance>,
-    pub cover: Cover,
+    pub test: AlphaTest,
 }
 
-/// Layers that a ray can pass; what lies behind so many is not seen.
-const MOST_LAYERS: usize = 1 << 16;
+/// The maximum number of surfaces that a ray can pass.
+const MAX_ALPHA_LAYERS: usize = 1 << 16;
 
-impl Holes {
+impl AlphaTested {
     /// The valid lanes whose ray passes the triangle that it hit.
     fn passing(&self, valid: &Lanes<i32>, packet: &RayHits) -> Lanes<i32> {
         let mut passes = Lanes([0; LANES]);
@@ -44,13 +46,13 @@ impl Holes {
             if valid.0[lane] == 0 || hit.triangle == NO_TRIANGLE {
                 continue;
             }
-            let place = [packet.hits.u[lane], packet.hits.v[lane]];
-            let opacity = self.appearance.opacity(&self.geometry, hit, place);
-            let threshold = match self.cover {
-                Cover::Half => 0.5,
-                // Never 0: what is not there stops nothing.
-                Cover::Random if opacity < 1.0 => number(&packet.rays, lane, hit.triangle),
-                Cover::Random => 0.5,
+            let barycentrics = [packet.hits.u[lane], packet.hits.v[lane]];
+            let opacity = self.appearance.opacity(&self.geometry, hit, barycentrics);
+            let threshold = match self.test {
+                AlphaTest::Threshold => 0.5,
+                // Above 0, so that an opacity of 0 stops no ray.
+                AlphaTest::Stochastic if opacity < 1.0 => number(&packet.rays, lane, hit.triangle),
+                AlphaTest::Stochastic => 0.5,
             };
             passes.0[lane] = -i32::from(opacity < threshold);
         }
@@ -58,12 +60,12 @@ impl Holes {
     }
 }
 
-impl Engine for Holes {
+impl Engine for AlphaTested {
     fn intersect(&self, valid: &Lanes<i32>, packet: &mut RayHits, coherence: Coherence) {
         let far = packet.rays.far;
         self.inner.intersect(valid, packet, coherence);
         let mut going = *valid;
-        for _ in 0..MOST_LAYERS {
+        for _ in 0..MAX_ALPHA_LAYERS {
             going = self.passing(&going, packet);
             if going.0 == [0; LANES] {
                 return;
@@ -94,12 +96,12 @@ impl Engine for Holes {
     }
 }
 
-/// Just behind the place at `distance`: further than the engine's rounding of it.
+/// A distance slightly larger than `distance`: by more than the rounding error of the engine.
 fn beyond(distance: f32) -> f32 {
     (distance * (1.0 + 5e-7)).max(f32::MIN_POSITIVE)
 }
 
-/// A random number above 0, up to 1, of a ray and a triangle.
+/// A random number in (0, 1] for a ray and a triangle.
 fn number(rays: &Rays, lane: usize, triangle: u32) -> f32 {
     let mut state = triangle.wrapping_mul(0x9E37_79B9);
     for axis in 0..3 {
@@ -116,7 +118,7 @@ mod tests {
     use crate::geometry::Instancing;
     use holo_scene::{Alpha, Instance, Material, Mesh, Scene, Transform};
 
-    /// Ten squares one behind the other at 1, 2, .. m, all but the last of them with `alpha`.
+    /// Ten squares behind each other at 1, 2, .. m, all but the last with `alpha`.
     fn stack(alpha: Alpha, share: f32) -> (Arc<Geometry>, Arc<Appearance>) {
         let paned = Material { base_color: [1.0, 1.0, 1.0, share], alpha, ..Material::default() };
         let mut scene = Scene { materials: vec![paned, Material::default()], ..Scene::default() };
@@ -134,11 +136,11 @@ mod tests {
         (Arc::new(geometry), Arc::new(Appearance::new(&scene.materials, &scene.textures)))
     }
 
-    /// Depths of 4096 rays.
-    fn depths(alpha: Alpha, share: f32, cover: Cover) -> Vec<f32> {
+    /// The depths of 4096 rays.
+    fn depths(alpha: Alpha, share: f32, test: AlphaTest) -> Vec<f32> {
         let (geometry, appearance) = stack(alpha, share);
         let inner: Arc<dyn Engine> = Arc::from(build(Backend::Bvh, &geometry, 1).unwrap().0);
-        let holes = Holes { inner, geometry, appearance, cover };
+        let holes = AlphaTested { inner, geometry, appearance, test };
         let mut out = Vec::new();
         for k in 0..256 {
             let mut packet = RayHits::EMPTY;
@@ -149,7 +151,7 @@ mod tests {
             let valid = Lanes([-1; LANES]);
             let mut shadow = packet.rays;
             holes.intersect(&valid, &mut packet, Coherence::Coherent);
-            // Up to just before the hit nothing is in the way; up to just behind it something is.
+            // A shadow ray to just before the hit is free; one to just behind it is occluded.
             shadow.far = packet.rays.far.map(|far| far * 0.999);
             holes.occluded(&valid, &mut shadow, Coherence::Coherent);
             assert!(shadow.far.iter().all(|far| *far > 0.0));
@@ -164,15 +166,15 @@ mod tests {
     #[test]
     fn masks_and_shares_stop_the_rays_that_they_should() {
         let all = |depths: Vec<f32>, expected: f32| assert!(depths.iter().all(|d| (d - expected).abs() < 1e-5));
-        all(depths(Alpha::Mask(0.5), 0.5, Cover::Random), 1.0);
-        all(depths(Alpha::Mask(0.5), 0.49, Cover::Random), 10.0);
-        all(depths(Alpha::Opaque, 0.0, Cover::Random), 1.0);
-        all(depths(Alpha::Blend, 1.0, Cover::Random), 1.0);
-        all(depths(Alpha::Blend, 0.0, Cover::Random), 10.0);
-        all(depths(Alpha::Blend, 0.5, Cover::Half), 1.0);
-        all(depths(Alpha::Blend, 0.499, Cover::Half), 10.0);
-        // Of 4096 rays a quarter stops at each layer: within four standard errors of 0.0068.
-        let some = depths(Alpha::Blend, 0.25, Cover::Random);
+        all(depths(Alpha::Mask(0.5), 0.5, AlphaTest::Stochastic), 1.0);
+        all(depths(Alpha::Mask(0.5), 0.49, AlphaTest::Stochastic), 10.0);
+        all(depths(Alpha::Opaque, 0.0, AlphaTest::Stochastic), 1.0);
+        all(depths(Alpha::Blend, 1.0, AlphaTest::Stochastic), 1.0);
+        all(depths(Alpha::Blend, 0.0, AlphaTest::Stochastic), 10.0);
+        all(depths(Alpha::Blend, 0.5, AlphaTest::Threshold), 1.0);
+        all(depths(Alpha::Blend, 0.499, AlphaTest::Threshold), 10.0);
+        // Of 4096 rays a quarter stops at each layer: within four standard errors, each at most 0.0078.
+        let some = depths(Alpha::Blend, 0.25, AlphaTest::Stochastic);
         let share = |from: f32| some.iter().filter(|d| **d > from).count() as f64 / some.len() as f64;
         for layers in 1..9 {
             let expected = 0.75f64.powi(layers);

@@ -1,78 +1,78 @@
-//! What surfaces look like where they are hit: normals and colours from the vertices and textures of a mesh.
+//! Appearance: material parameters, textures and vertex attributes at hit points.
 //!
-//! Every surface is asked for its base colour and its normal. What only some materials have - gloss, glass, glow - is
-//! looked up where a packet meets such a material ([`Kinds`]), so that scenes without it do not pay for it.
+//! Base color and normal are evaluated for every hit. Features that only some materials have (glossy lobes,
+//! transmission, emission) are evaluated only for packets that contain such a material ([`MaterialFlags`]).
 
 mod emission;
-mod look_up;
+mod lookup;
 mod scattering;
 
 use crate::accel::RayHits;
-use crate::geometry::{Geometry, Hit, Part};
-use crate::material::Surfaces;
+use crate::geometry::{Geometry, Hit, InstanceData};
+use crate::material::SurfaceInteraction;
 use crate::material::texture;
 use holo_core::color::srgb8_to_linear_table;
-use holo_scene::{Alpha, NormalMap, Texture, TextureTransform, TextureUse};
+use holo_scene::{Alpha, NormalMap, Texture, TextureInfo, TextureTransform};
 
-/// Materials with their textures, prepared for looking up.
+/// Materials and textures, prepared for evaluation.
 pub(crate) struct Appearance {
     materials: Vec<Material>,
     textures: Vec<Texture>,
     srgb: &'static [f32; 256],
-    /// Codes as shares of 1: what textures hold that are no colours.
+    /// The values of 8-bit codes of textures without color, 0 to 1.
     linear: [f32; 256],
 }
 
-/// What a material has beyond a base colour.
+/// The features of a material beyond a base color.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Kinds(u8);
+pub(crate) struct MaterialFlags(u8);
 
-impl Kinds {
-    /// Metal, glass or varnish.
+impl MaterialFlags {
+    /// Metal, transmission or a specular coat.
     pub const GLOSSY: Self = Self(1);
     /// Emission.
-    pub const GLOWS: Self = Self(2);
-    /// The base colour as it is.
+    pub const EMISSIVE: Self = Self(2);
+    /// The base color is shown without lighting.
     pub const UNLIT: Self = Self(4);
     /// A normal map.
-    pub const RELIEF: Self = Self(8);
-    /// A volume of glass.
-    pub const FILLED: Self = Self(16);
-    /// Alpha that says something.
-    pub const HOLES: Self = Self(32);
+    pub const NORMAL_MAP: Self = Self(8);
+    /// A volume with absorption inside glass.
+    pub const VOLUME: Self = Self(16);
+    /// Alpha other than opaque.
+    pub const ALPHA: Self = Self(32);
 
     #[inline(always)]
-    pub const fn has(self, kind: Self) -> bool {
-        self.0 & kind.0 != 0
+    pub const fn has(self, flag: Self) -> bool {
+        self.0 & flag.0 != 0
     }
 
     #[inline(always)]
-    pub const fn and(self, other: Self) -> Self {
+    pub const fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
     }
 }
 
-/// A material as surfaces look it up.
+/// A material, prepared for evaluation.
 struct Material {
-    kinds: Kinds,
+    flags: MaterialFlags,
     base_color: [f32; 4],
-    base_color_texture: Option<Lookup>,
-    relief: Option<(Lookup, f32)>,
+    base_color_texture: Option<TextureLookup>,
+    normal_map: Option<(TextureLookup, f32)>,
     alpha: Alpha,
     emission: emission::Emission,
     scattering: scattering::Scattering,
 }
 
-/// A texture with the map of its coordinates: u' = a u + b v + c, v' = d u + e v + f.
+/// A texture with its coordinate transform: u' = a u + b v + c, v' = d u + e v + f.
 #[derive(Clone, Copy)]
-struct Lookup {
+struct TextureLookup {
     texture: usize,
     set: usize,
     map: Option<[f32; 6]>,
 }
 
-impl Lookup {
-    fn new(used: TextureUse) -> Self {
+impl TextureLookup {
+    fn new(used: TextureInfo) -> Self {
         let TextureTransform { offset: [x, y], rotation_rad, scale: [width, height] } = used.transform;
         let (sin, cos) = f64::from(rotation_rad).sin_cos();
         let (width, height) = (f64::from(width), f64::from(height));
@@ -90,34 +90,34 @@ impl Lookup {
     }
 }
 
-/// A place on a triangle of some part.
+/// A point on a triangle.
 #[derive(Clone, Copy)]
-struct Place<'a> {
+struct SurfacePoint<'a> {
     geometry: &'a Geometry,
-    part: &'a Part,
+    instance: &'a InstanceData,
     triangle: Hit,
-    /// How much of each corner there is.
-    weights: [f32; 3],
+    /// The barycentrics of the three corners.
+    barycentrics: [f32; 3],
 }
 
-impl<'a> Place<'a> {
+impl<'a> SurfacePoint<'a> {
     #[inline(always)]
     fn new(geometry: &'a Geometry, triangle: Hit, [v, w]: [f32; 2]) -> Self {
-        let part = geometry.part(geometry.part_index(triangle));
-        Self { geometry, part, triangle, weights: [1.0 - v - w, v, w] }
+        let instance = geometry.instance(geometry.instance_index(triangle));
+        Self { geometry, instance, triangle, barycentrics: [1.0 - v - w, v, w] }
     }
 
     #[inline(always)]
-    fn coordinates(&self, lookup: &Lookup) -> [f32; 2] {
-        if !self.part.textured[lookup.set] {
+    fn coordinates(&self, lookup: &TextureLookup) -> [f32; 2] {
+        if !self.instance.textured[lookup.set] {
             return lookup.apply([0.0; 2]);
         }
-        lookup.apply(mix(&self.geometry.texture_coordinates_of(self.triangle, lookup.set), self.weights))
+        lookup.apply(mix(&self.geometry.texture_coordinates_of(self.triangle, lookup.set), self.barycentrics))
     }
 
     #[inline(always)]
     fn vertex_color(&self) -> [f32; 4] {
-        mix(&self.geometry.colors_of(self.triangle), self.weights)
+        mix(&self.geometry.colors_of(self.triangle), self.barycentrics)
     }
 }
 
@@ -133,46 +133,46 @@ impl Appearance {
         }
     }
 
-    /// What any of the materials has.
-    pub fn kinds(&self) -> Kinds {
-        self.materials.iter().fold(Kinds::default(), |all, material| all.and(material.kinds))
+    /// The features of all materials together.
+    pub fn flags(&self) -> MaterialFlags {
+        self.materials.iter().fold(MaterialFlags::default(), |all, material| all.union(material.flags))
     }
 
-    /// Whether no surface needs light to be seen.
+    /// Whether all materials are unlit.
     pub fn is_all_unlit(&self) -> bool {
-        self.materials.iter().all(|material| material.kinds.has(Kinds::UNLIT))
+        self.materials.iter().all(|material| material.flags.has(MaterialFlags::UNLIT))
     }
 
     #[inline(always)]
-    fn base_color(&self, material: &Material, place: &Place) -> [f32; 3] {
+    fn base_color(&self, material: &Material, point: &SurfacePoint) -> [f32; 3] {
         let [mut r, mut g, mut b, _] = material.base_color;
         if let Some(lookup) = &material.base_color_texture {
-            let [x, y, z] = self.color(lookup, place);
+            let [x, y, z] = self.color(lookup, point);
             (r, g, b) = (r * x, g * y, b * z);
         }
-        if place.part.colored {
-            let [x, y, z, _] = place.vertex_color();
+        if point.instance.colored {
+            let [x, y, z, _] = point.vertex_color();
             (r, g, b) = (r * x, g * y, b * z);
         }
         [r, g, b]
     }
 
-    /// The share of rays that meet the surface of a triangle where they cross it at the weights `place`; 0 in the holes
-    /// of a mask.
+    /// The opacity of a triangle at the barycentrics `point`: the probability that it stops a ray; 0 in the holes of a
+    /// mask.
     #[inline(always)]
-    pub fn opacity(&self, geometry: &Geometry, triangle: Hit, place: [f32; 2]) -> f32 {
-        let part = geometry.part(geometry.part_index(triangle));
-        let material = &self.materials[part.material as usize];
-        if !material.kinds.has(Kinds::HOLES) {
+    pub fn opacity(&self, geometry: &Geometry, triangle: Hit, point: [f32; 2]) -> f32 {
+        let instance = geometry.instance(geometry.instance_index(triangle));
+        let material = &self.materials[instance.material as usize];
+        if !material.flags.has(MaterialFlags::ALPHA) {
             return 1.0;
         }
-        let place = Place::new(geometry, triangle, place);
+        let point = SurfacePoint::new(geometry, triangle, point);
         let mut alpha = material.base_color[3];
         if let Some(lookup) = &material.base_color_texture {
-            alpha *= texture::sample_alpha(&self.textures[lookup.texture], place.coordinates(lookup));
+            alpha *= texture::sample_alpha(&self.textures[lookup.texture], point.coordinates(lookup));
         }
-        if place.part.colored {
-            alpha *= place.vertex_color()[3];
+        if point.instance.colored {
+            alpha *= point.vertex_color()[3];
         }
         match material.alpha {
             Alpha::Opaque => 1.0,
@@ -181,38 +181,38 @@ impl Appearance {
         }
     }
 
-    /// A texture as a colour, linear RGB.
+    /// Samples a color texture, linear RGB.
     #[inline(always)]
-    fn color(&self, lookup: &Lookup, place: &Place) -> [f32; 3] {
-        texture::sample(&self.textures[lookup.texture], self.srgb, place.coordinates(lookup))
+    fn color(&self, lookup: &TextureLookup, point: &SurfacePoint) -> [f32; 3] {
+        texture::sample(&self.textures[lookup.texture], self.srgb, point.coordinates(lookup))
     }
 
-    /// A texture as numbers.
+    /// Samples a texture without color: linear values, 0 to 1.
     #[inline(always)]
-    fn numbers(&self, lookup: &Lookup, place: &Place) -> [f32; 3] {
-        texture::sample(&self.textures[lookup.texture], &self.linear, place.coordinates(lookup))
+    fn linear_texel(&self, lookup: &TextureLookup, point: &SurfacePoint) -> [f32; 3] {
+        texture::sample(&self.textures[lookup.texture], &self.linear, point.coordinates(lookup))
     }
 
-    /// Turns the shading normal of one lane as its normal map says.
+    /// Applies the normal map to the shading normal of one lane.
     ///
-    /// The map's axes are the directions on the triangle in which u and -v grow, made perpendicular to the normal; they
-    /// are the triangle's own and not smoothed over its neighbours (a mesh's tangents are not read).
+    /// The axes of the map are the directions on the triangle in which u and -v increase, orthogonalized to the normal.
+    /// They are computed per triangle and not interpolated (tangents of a mesh are not read).
     #[inline(always)]
-    fn bend(&self, geometry: &Geometry, packet: &RayHits, lane: usize, out: &mut Surfaces) {
-        let place = Place::new(geometry, out.triangle[lane], [packet.hits.u[lane], packet.hits.v[lane]]);
-        let material = &self.materials[place.part.material as usize];
-        let Some((lookup, scale)) = &material.relief else { return };
-        if !place.part.textured[lookup.set] {
+    fn apply_normal_map(&self, geometry: &Geometry, packet: &RayHits, lane: usize, out: &mut SurfaceInteraction) {
+        let point = SurfacePoint::new(geometry, out.triangle[lane], [packet.hits.u[lane], packet.hits.v[lane]]);
+        let material = &self.materials[point.instance.material as usize];
+        let Some((lookup, scale)) = &material.normal_map else { return };
+        if !point.instance.textured[lookup.set] {
             return;
         }
-        let [a, b, c] = geometry.texture_coordinates_of(place.triangle, lookup.set);
+        let [a, b, c] = geometry.texture_coordinates_of(point.triangle, lookup.set);
         let [(u1, v1), (u2, v2)] = [(b[0] - a[0], b[1] - a[1]), (c[0] - a[0], c[1] - a[1])];
         let area = u1 * v2 - u2 * v1;
         if area == 0.0 {
             return;
         }
-        let corners = geometry.corners(place.triangle);
-        // The map lies on its front; the shading normal may be turned to the back.
+        let corners = geometry.corners(point.triangle);
+        // The map applies to the front; the shading normal may face the back.
         let side = out.side[lane];
         let mut normal = [0.0; 3];
         let mut tangent = [0.0; 3];
@@ -235,25 +235,25 @@ impl Appearance {
         for axis in 0..3 {
             tangent[axis] *= unit;
         }
-        // Upward in the image, against v: on the left of u unless the coordinates are mirrored.
+        // Upward in the image, against v: to the left of u unless the coordinates are mirrored.
         let turn = -area.signum();
         let bitangent = [
             (normal[1] * tangent[2] - normal[2] * tangent[1]) * turn,
             (normal[2] * tangent[0] - normal[0] * tangent[2]) * turn,
             (normal[0] * tangent[1] - normal[1] * tangent[0]) * turn,
         ];
-        let [r, g, b] = self.numbers(lookup, &place);
+        let [r, g, b] = self.linear_texel(lookup, &point);
         let (x, y, z) = ((2.0 * r - 1.0) * scale, (2.0 * g - 1.0) * scale, 2.0 * b - 1.0);
-        let mut bent = [0.0; 3];
+        let mut mapped = [0.0; 3];
         let mut squared = 0.0f32;
         for axis in 0..3 {
-            bent[axis] = tangent[axis] * x + bitangent[axis] * y + normal[axis] * z;
-            squared += bent[axis] * bent[axis];
+            mapped[axis] = tangent[axis] * x + bitangent[axis] * y + normal[axis] * z;
+            squared += mapped[axis] * mapped[axis];
         }
         let unit = side / squared.sqrt();
         if unit.is_finite() {
             for axis in 0..3 {
-                out.shading_normal[axis][lane] = bent[axis] * unit;
+                out.shading_normal[axis][lane] = mapped[axis] * unit;
             }
         }
     }
@@ -261,22 +261,25 @@ impl Appearance {
 
 impl Material {
     fn new(material: &holo_scene::Material) -> Self {
-        let relief = material.normal_map.map(|NormalMap { texture, scale }| (Lookup::new(texture), scale));
+        let normal_map = material.normal_map.map(|NormalMap { texture, scale }| (TextureLookup::new(texture), scale));
         let emission = emission::Emission::new(material);
         let scattering = scattering::Scattering::new(material);
-        let kinds = [
-            (Kinds::GLOSSY, scattering.is_glossy() && !material.unlit),
-            (Kinds::GLOWS, emission.glows() && !material.unlit),
-            (Kinds::UNLIT, material.unlit),
-            (Kinds::RELIEF, relief.is_some()),
-            (Kinds::FILLED, scattering.is_filled() && !material.unlit),
-            (Kinds::HOLES, material.alpha != Alpha::Opaque),
+        let flags = [
+            (MaterialFlags::GLOSSY, scattering.is_glossy() && !material.unlit),
+            (MaterialFlags::EMISSIVE, emission.is_emissive() && !material.unlit),
+            (MaterialFlags::UNLIT, material.unlit),
+            (MaterialFlags::NORMAL_MAP, normal_map.is_some()),
+            (MaterialFlags::VOLUME, scattering.has_volume() && !material.unlit),
+            (MaterialFlags::ALPHA, material.alpha != Alpha::Opaque),
         ];
         Self {
-            kinds: kinds.iter().filter(|(_, has)| *has).fold(Kinds::default(), |all, (kind, _)| all.and(*kind)),
+            flags: flags
+                .iter()
+                .filter(|(_, has)| *has)
+                .fold(MaterialFlags::default(), |all, (flag, _)| all.union(*flag)),
             base_color: material.base_color,
-            base_color_texture: material.base_color_texture.map(Lookup::new),
-            relief,
+            base_color_texture: material.base_color_texture.map(TextureLookup::new),
+            normal_map,
             alpha: material.alpha,
             emission,
             scattering,

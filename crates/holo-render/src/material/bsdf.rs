@@ -1,33 +1,34 @@
-//! What a surface does with light that reaches it: the materials of [`holo_scene::Material`], sixteen at a time.
+//! The BSDF of [`holo_scene::Material`], for sixteen lanes at a time.
 //!
-//! Directions are unit vectors in the frame of the shading normal: z is the normal on the viewer's side, `out` points
-//! back to the viewer (`out.z` > 0), `into` to where the light comes from. A surface is a mixture of three, each of
-//! which gives back no more than it gets and (but for glass seen from two sides, where n^2 comes in) the same in both
-//! directions:
+//! Directions are unit vectors in the frame of the shading normal: z is the normal on the side of the viewer, `out`
+//! points to the viewer (`out.z` > 0), `into` to the light. The BSDF is a mixture of three parts. Each part conserves
+//! energy and is reciprocal (for transmission up to the factor eta^2):
 //!
-//! - **metal**, share `metallic`: GGX facets ([`microfacet`]) with Schlick's reflectance, from the base colour at normal
-//!   to `metal_f90` at grazing incidence. 1 is what glTF says; the base colour itself makes a mirror that is alike at
-//!   all angles.
-//! - **glass**, share `transmission` of the rest: the same facets with the reflectance of Fresnel's equations
-//!   ([`fresnel`]) between the two ends that KHR_materials_specular gives. What is not reflected is let through and
-//!   multiplied by the base colour: bent by `eta` (Walter et al., 2007), or, in a thin pane, scattered as the reflection
-//!   is, only to the other side. Radiance is divided by eta^2 where rays are bent. Reflections to and fro between the
-//!   two faces of a pane are not modelled: it reflects as one face does, as KHR_materials_transmission says.
-//! - **varnished diffuser**, what remains: GGX facets with Schlick's reflectance over Lambert's law. With E the albedo of
-//!   the facets ([`albedo`]) and `<E>` its mean weighted by the cosine, the diffuser is
-//!   `base / pi (1 - E(out)) (1 - E(into)) / (1 - <E>)` (Kelemen and Szirmay-Kalos, 2001): reciprocal, and together with
-//!   the facets exactly as bright as the base colour allows. Without specular reflection it is Lambert's to the bit.
+//! - **metal**, with the weight `metallic`: a GGX microfacet lobe ([`microfacet`]) with Schlick's Fresnel term, from
+//!   the base color at normal incidence to `metal_f90` at grazing incidence. glTF specifies 1; the base color itself
+//!   gives a mirror with the same color at all angles.
+//! - **glass**, with the weight `transmission` of the rest: GGX microfacets with Fresnel's equations ([`fresnel`])
+//!   between the two ends of KHR_materials_specular. The transmitted part is multiplied by the base color. It is
+//!   refracted by `eta` (Walter et al., 2007), with the radiance divided by eta^2; in a thin pane it is scattered as
+//!   the reflection is, to the other side. Interreflection between the two faces of a pane is not modeled, as specified
+//!   by KHR_materials_transmission.
+//! - **dielectric coat over diffuse**, with the remaining weight: a GGX microfacet lobe with Schlick's Fresnel term
+//!   over Lambert's law (`specular` in glTF). With E the directional albedo of the coat ([`albedo`]) and `<E>` its
+//!   cosine-weighted mean, the diffuse lobe is `base / pi (1 - E(out)) (1 - E(into)) / (1 - <E>)` (Kelemen and
+//!   Szirmay-Kalos, 2001): it is reciprocal, and with a white base color the two lobes together have an albedo of
+//!   exactly 1. Without specular reflection it is bitwise equal to Lambert's law.
 //!
-//! Where the specular colour is not grey, what lies below the reflection gets 1 - the strongest channel, in all three
-//! (KHR_materials_specular does so too): nothing is gained, and a red varnish does not make the diffuser cyan.
+//! If the specular color is not gray, all channels of the layer below are multiplied by 1 - the strongest channel of
+//! the reflectance, as in KHR_materials_specular: energy is conserved, and a red coat does not tint the diffuse lobe
+//! cyan.
 //!
-//! A width (the square of the roughness) below 1e-3 is perfectly smooth: reflection and refraction have one direction
-//! each. [`Bsdf::evaluate`] knows nothing of these; [`Bsdf::sample`] marks them.
+//! Below an alpha (roughness squared) of 1e-3 a lobe is a delta lobe: perfect reflection or refraction.
+//! [`Bsdf::evaluate`] excludes delta lobes; [`Bsdf::sample`] marks them.
 //!
-//! # What is lost
-//! Light that facets throw at one another is lost, as in Cycles' GGX and Mitsuba's rough conductor and dielectric (which
-//! lose more: their facets shadow and mask independently). White metal and clear glass lose these shares (a test holds
-//! the numbers):
+//! # Energy loss
+//! Multiple scattering between microfacets is not modeled, as in Cycles' GGX and in Mitsuba's rough conductor and
+//! dielectric (which lose more energy, because their shadowing and masking are uncorrelated). White metal and clear
+//! glass lose the following shares, in per cent (verified by a test):
 //!
 //! ```text
 //! per cent      cosine of the angle of view
@@ -51,11 +52,6 @@
 //!       0.7     26.3   30.6   34.1   32.3   26.4   23.8
 //!       1.0     43.9   48.9   50.2   48.6   55.4   58.3
 //! ```
-//!
-//! # Speed
-//! Sixteen lanes on one core of an AMD EPYC with AVX-512, `sample` / `evaluate`, ns: Lambert 60 / 20, mirror 110 / 30,
-//! rough metal 170 / 60, smooth glass 140 / 30, rough glass 230 / 95, smooth varnish 120 / 30, rough varnish 310 / 190,
-//! random mixtures 370 / 220.
 
 mod albedo;
 mod evaluate;
@@ -71,50 +67,50 @@ use crate::simd::LANES;
 /// Sixteen directions, axis by axis.
 pub(crate) type Directions = [[f32; LANES]; 3];
 
-/// Sixteen surfaces.
+/// The BSDF parameters of sixteen lanes.
 #[derive(Clone, Debug)]
 pub(crate) struct Bsdf {
-    /// Linear RGB, 0 to 1.
+    /// Base color, linear RGB, 0 to 1.
     pub base_color: [[f32; LANES]; 3],
-    /// Share of metal, 0 to 1.
+    /// Weight of metal, 0 to 1.
     pub metallic: [f32; LANES],
-    /// Share of glass in what is no metal, 0 to 1.
+    /// Weight of glass in the rest, 0 to 1.
     pub transmission: [f32; LANES],
-    /// Width of the GGX distribution (its alpha), the square of the roughness; 0: smooth.
-    pub width: [f32; LANES],
-    /// What metal reflects at grazing incidence, linear RGB; 1 in glTF.
+    /// Alpha of the GGX distribution, the square of the roughness; 0 is smooth.
+    pub alpha: [f32; LANES],
+    /// Reflectance of metal at grazing incidence, linear RGB; 1 in glTF.
     pub metal_f90: [[f32; LANES]; 3],
-    /// What varnish and glass reflect at normal incidence: min(((n - 1)/(n + 1))^2 * specular colour, 1) * specular.
+    /// Reflectance of coat and glass at normal incidence: min(((n - 1)/(n + 1))^2 * specular color, 1) * specular.
     pub specular_f0: [[f32; LANES]; 3],
-    /// What varnish and glass reflect at grazing incidence: specular. No less than `specular_f0`.
+    /// Reflectance of coat and glass at grazing incidence: `specular` of glTF. At least `specular_f0`.
     pub specular_f90: [f32; LANES],
-    /// Index of refraction behind the surface over that on the viewer's side, 1e-3 to 1e3; for a pane that of its glass
-    /// over that of the air, from either side.
+    /// Index of refraction behind the surface relative to that on the side of the viewer, 1e-3 to 1e3; for a thin pane
+    /// the index of its glass relative to air, from either side.
     pub eta: [f32; LANES],
-    /// Glass is a pane that bends no ray.
+    /// Whether glass is a thin pane without refraction.
     pub thin: [bool; LANES],
 }
 
-/// Sixteen directions drawn.
+/// Sixteen sampled directions.
 #[derive(Clone, Debug)]
 pub(crate) struct Sampled {
-    /// Where the light comes from.
+    /// The direction to the light.
     pub into: Directions,
-    /// What the radiance from there is multiplied by: f |into.z| / pdf of the whole mixture, but for the parts with a
-    /// single direction; of those, if one was drawn, reflectance over probability. 0 where no direction was found.
+    /// The weight of the radiance from there: BSDF * |into.z| / pdf without the delta lobes; for a delta lobe
+    /// reflectance / probability. 0 if the sample is invalid.
     pub weight: [[f32; LANES]; 3],
-    /// Per solid angle, of everything but the parts with a single direction; infinite if one of those was drawn.
+    /// The pdf per solid angle without the delta lobes; infinite for a delta lobe.
     pub pdf: [f32; LANES],
-    /// The light comes through the surface.
+    /// Whether the direction is transmitted through the surface.
     pub transmitted: [bool; LANES],
 }
 
-/// The mixture towards sixteen given directions, without the parts that have a single direction.
+/// The BSDF evaluated for sixteen given directions, without the delta lobes.
 #[derive(Clone, Debug)]
 pub(crate) struct Evaluated {
-    /// f |into.z|.
+    /// BSDF * |into.z|.
     pub value: [[f32; LANES]; 3],
-    /// The density with which [`Bsdf::sample`] draws the direction.
+    /// The pdf with which [`Bsdf::sample`] samples the direction.
     pub pdf: [f32; LANES],
 }
 
@@ -126,7 +122,7 @@ impl Bsdf {
             base_color,
             metallic: [0.0; LANES],
             transmission: [0.0; LANES],
-            width: [1.0; LANES],
+            alpha: [1.0; LANES],
             metal_f90: [[1.0; LANES]; 3],
             specular_f0: [[0.0; LANES]; 3],
             specular_f90: [0.0; LANES],

@@ -1,59 +1,61 @@
-//! Where rays meet the scene: sixteen points with their normals and base colours.
+//! Surface interactions: sixteen hit points with their normals and base colors.
 //!
-//! The engine says which triangle a ray hits. Where the ray meets that triangle's plane is computed in f64, for camera
-//! rays ([`crate::accel::refine`]) and for scattered ones alike, so that a new ray starts on the surface and not beside it.
+//! The engine determines which triangle a ray hits. The intersection with the plane of that triangle is computed in
+//! f64, both for camera rays ([`crate::accel::refine`]) and for scattered rays, so that new rays start on the surface.
 
 use crate::accel::refine::Refined;
 use crate::accel::{ExactRays, NO_TRIANGLE, RayHits};
 use crate::geometry::{Geometry, Hit};
-use crate::material::{Appearance, Kinds};
+use crate::material::{Appearance, MaterialFlags};
 use crate::simd::{LANES, at};
 
-/// Sixteen surface points in camera coordinates. What lanes without a hit hold means nothing.
-pub(crate) struct Surfaces {
+/// Sixteen surface interactions in camera coordinates. The values of lanes without a hit are unspecified.
+pub(crate) struct SurfaceInteraction {
     pub hit: [bool; LANES],
     pub position: [[f32; LANES]; 3],
-    /// Where rays on the side of the arriving one start: the hit, moved off the surface so that they do not meet it again, and back
-    /// along the arriving ray so that they do not start behind another one.
+    /// The start of new rays on the side of the incident ray: the hit point, offset from the surface to avoid
+    /// self-intersection, and back along the incident ray so that it is not behind another surface.
     pub start: [[f32; LANES]; 3],
-    /// Unit normal of the triangle on the side that the ray came from.
+    /// The unit normal of the triangle on the side of the incident ray.
     pub geometric_normal: [[f32; LANES]; 3],
-    /// Interpolated unit normal, turned to the same side together with the geometric one.
+    /// The shading normal: interpolated, unit length, flipped together with the geometric normal.
     pub shading_normal: [[f32; LANES]; 3],
-    /// 1 where the ray came to the front, -1 where to the back.
+    /// 1 if the ray hit the front, -1 if it hit the back.
     pub side: [f32; LANES],
-    /// The triangles; of lanes without a hit that of another lane.
+    /// The triangles; lanes without a hit repeat the triangle of another lane.
     pub triangle: [Hit; LANES],
-    /// What their materials have.
-    pub kinds: [Kinds; LANES],
-    /// What any of them has.
-    pub any: Kinds,
-    /// Base colour: factor, texture and vertex colours, linear RGB.
+    /// The features of the materials.
+    pub flags: [MaterialFlags; LANES],
+    /// The features of all lanes together.
+    pub any_flags: MaterialFlags,
+    /// Base color: factor, texture and vertex colors, linear RGB.
     pub base_color: [[f32; LANES]; 3],
 }
 
-/// Sixteen points where rays end, and the triangles' unit normals there.
+/// The hit points of sixteen rays, and the unit normals of the triangles.
 pub(crate) struct HitPoints {
     position: [[f32; LANES]; 3],
     normal: [[f64; LANES]; 3],
-    /// Normal times direction: below 0 on the front.
+    /// Normal times direction: negative if the ray hit the front.
     towards: [f64; LANES],
 }
 
-/// An f32 position is off by at most 2^-24 of the largest coordinate involved; a few such errors add up between the
-/// refined point, the engine's rounded vertices and its own arithmetic. Eight of them keep clear of the surface. Where two walls
-/// meet that is not enough: a hit on the one within rounding of the other could start behind that, and see what lies outside (of ten
-/// million samples of a closed room one to five did). Where the ray came from lies before both, so as much is gone back along it.
+/// The offset of new rays, relative to the largest coordinate. An f32 position has an error of at most 2^-24 of the
+/// largest coordinate, and a few such errors add up between the refined point, the rounded vertices and the arithmetic
+/// of the engine; eight of them avoid self-intersection. Where two walls meet this is not enough: the offset of a hit
+/// on one wall may place the start behind the other. The start is therefore also moved back along the incident ray by
+/// the same distance.
 const OFFSET_PER_COORDINATE: f32 = 8.0 / 16_777_216.0;
 
-/// A scattered ray's refined length may leave the engine's by this much, relatively; as for camera rays.
-const LARGEST_CORRECTION: f64 = 1e-3;
+/// The maximum relative difference between the refined length of a scattered ray and that of the engine; as for camera
+/// rays.
+const MAX_RELATIVE_CORRECTION: f64 = 1e-3;
 
 impl HitPoints {
-    /// Nowhere.
+    /// No hits.
     pub const NONE: Self = Self { position: [[0.0; LANES]; 3], normal: [[0.0; LANES]; 3], towards: [0.0; LANES] };
 
-    /// Where the camera's rays end.
+    /// The hit points of camera rays.
     #[inline(always)]
     pub fn primary(rays: &ExactRays, refined: &Refined) -> Self {
         let mut points = Self { normal: refined.normal, ..Self::NONE };
@@ -68,7 +70,7 @@ impl HitPoints {
         points
     }
 
-    /// Where rays from anywhere end.
+    /// The hit points of scattered rays.
     #[inline(always)]
     pub fn secondary(geometry: &Geometry, packet: &RayHits) -> Self {
         let mut points = Self::NONE;
@@ -90,7 +92,7 @@ impl HitPoints {
                 away -= points.normal[axis][lane] * f64::from(origin[axis][lane]);
             }
             let (exact, found) = (away / towards, f64::from(packet.rays.far[lane]));
-            let length = if (exact - found).abs() <= LARGEST_CORRECTION * found { exact } else { found };
+            let length = if (exact - found).abs() <= MAX_RELATIVE_CORRECTION * found { exact } else { found };
             for axis in 0..3 {
                 let position = f64::from(origin[axis][lane]) + length * f64::from(direction[axis][lane]);
                 points.position[axis][lane] = position as f32;
@@ -101,8 +103,8 @@ impl HitPoints {
     }
 }
 
-impl Surfaces {
-    /// The surfaces that `packet` hit, or `None` if it hit nothing. (Lanes that are not valid have no hit.)
+impl SurfaceInteraction {
+    /// The surface interactions of the hits of `packet`, or `None` without any hit. (Invalid lanes have no hit.)
     #[inline(always)]
     pub fn new(appearance: &Appearance, geometry: &Geometry, packet: &RayHits, points: &HitPoints) -> Option<Self> {
         let some = packet.hit(packet.hits.triangle.iter().position(|&k| k != NO_TRIANGLE)?);
@@ -115,11 +117,11 @@ impl Surfaces {
             shading_normal: zero,
             side: [1.0; LANES],
             triangle: [some; LANES],
-            kinds: [Kinds::default(); LANES],
-            any: Kinds::default(),
+            flags: [MaterialFlags::default(); LANES],
+            any_flags: MaterialFlags::default(),
             base_color: zero,
         };
-        // Lanes without a hit look at a triangle of another lane: loops without branches, results that nobody reads.
+        // Lanes without a hit read the triangle of another lane: branch-free loops with unused results.
         let mut triangles = [some; LANES];
         for lane in 0..LANES {
             out.hit[lane] = packet.hits.triangle[lane] != NO_TRIANGLE;
@@ -131,7 +133,7 @@ impl Surfaces {
                 out.geometric_normal[axis][lane] = points.normal[axis][lane] as f32 * out.side[lane];
             }
         }
-        let extent = appearance.look_up(geometry, packet, &triangles, &mut out);
+        let extent = appearance.fill_interaction(geometry, packet, &triangles, &mut out);
         for lane in 0..LANES {
             let [x, y, z] = at(&out.position, lane);
             let offset = extent[lane].max(x.abs()).max(y.abs()).max(z.abs()) * OFFSET_PER_COORDINATE;

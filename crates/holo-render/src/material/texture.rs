@@ -1,15 +1,16 @@
-//! Texture look-up: bilinear, in linear light.
+//! Texture lookup: bilinear, in linear light.
 //!
-//! The texel (i, j) has its centre at ((i + 0.5) / width, (j + 0.5) / height). sRGB is decoded before the four
-//! neighbours are mixed (as Mitsuba does; Cycles mixes first, which is darker where neighbours differ).
+//! The texel (i, j) has its center at ((i + 0.5) / width, (j + 0.5) / height). sRGB is decoded before the four texels
+//! are interpolated (as in Mitsuba; Cycles interpolates first, which is darker where they differ).
 
 use crate::simd::LANES;
 use holo_scene::{Texture, Wrap};
 
-/// RGB at texture coordinates (0, 0) = upper left corner of the image; `table` says what a code means.
+/// Samples RGB at texture coordinates, (0, 0) being the upper left corner of the image; `table` decodes the 8-bit
+/// codes.
 #[inline(always)]
 pub(crate) fn sample(texture: &Texture, table: &[f32; 256], coordinates: [f32; 2]) -> [f32; 3] {
-    let ([upper_left, upper_right, lower_left, lower_right], fraction) = neighbours(texture, coordinates);
+    let ([upper_left, upper_right, lower_left, lower_right], fraction) = neighbors(texture, coordinates);
     let mut out = [0.0; 3];
     for c in 0..3 {
         let value = |texel: [u8; 4]| table[texel[c] as usize];
@@ -18,15 +19,15 @@ pub(crate) fn sample(texture: &Texture, table: &[f32; 256], coordinates: [f32; 2
     out
 }
 
-/// Alpha, 0 to 1.
+/// Samples alpha, 0 to 1.
 #[inline(always)]
 pub(crate) fn sample_alpha(texture: &Texture, coordinates: [f32; 2]) -> f32 {
-    let ([a, b, c, d], fraction) = neighbours(texture, coordinates);
+    let ([a, b, c, d], fraction) = neighbors(texture, coordinates);
     let value = |texel: [u8; 4]| f32::from(texel[3]);
     mix([value(a), value(b), value(c), value(d)], fraction) / 255.0
 }
 
-/// [`sample`] at sixteen places: the same values, bit for bit.
+/// [`sample`] at sixteen points, with bitwise identical results.
 #[inline(always)]
 pub(crate) fn sample_sixteen(texture: &Texture, table: &[f32; 256], [u, v]: &[[f32; LANES]; 2]) -> [[f32; LANES]; 3] {
     let columns = taps_of_sixteen(u, texture.width, texture.wrap_u);
@@ -47,10 +48,10 @@ pub(crate) fn sample_sixteen(texture: &Texture, table: &[f32; 256], [u, v]: &[[f
     out
 }
 
-/// The four texels around a place (upper left, upper right, lower left, lower right), and how far it is to the right and
-/// downward from the first.
+/// The four texels around a point (upper left, upper right, lower left, lower right), and the interpolation weights to
+/// the right and down.
 #[inline(always)]
-fn neighbours(texture: &Texture, [u, v]: [f32; 2]) -> ([[u8; 4]; 4], [f32; 2]) {
+fn neighbors(texture: &Texture, [u, v]: [f32; 2]) -> ([[u8; 4]; 4], [f32; 2]) {
     let (columns, fraction_x) = taps(u, texture.width, texture.wrap_u);
     let (rows, fraction_y) = taps(v, texture.height, texture.wrap_v);
     let texel = |j: usize, i: usize| texture.texels[rows[j] as usize * texture.width + columns[i] as usize];
@@ -63,14 +64,14 @@ fn mix([a, b, c, d]: [f32; 4], [x, y]: [f32; 2]) -> f32 {
     upper + (lower - upper) * y
 }
 
-/// Two neighbouring texels along one axis, and how far it is from the first to the second, sixteen times.
+/// Two adjacent texels along one axis and the interpolation weight of the second, for sixteen points.
 struct Taps {
     first: [u32; LANES],
     second: [u32; LANES],
     fraction: [f32; LANES],
 }
 
-/// One loop a mode: without branches in it, so that the lanes stay side by side.
+/// One branch-free loop per wrap mode, so that the lanes are vectorized.
 #[inline(always)]
 fn taps_of_sixteen(coordinates: &[f32; LANES], size: usize, mode: Wrap) -> Taps {
     let mut out = Taps { first: [0; LANES], second: [0; LANES], fraction: [0.0; LANES] };
@@ -109,24 +110,24 @@ fn taps(coordinate: f32, size: usize, mode: Wrap) -> ([u32; 2], f32) {
     (indices, fraction)
 }
 
-/// The texel left of (above) a coordinate, before the image is repeated, and how far it is towards the next.
+/// The texel to the left of (above) a coordinate, before wrapping, and the interpolation weight of the next.
 #[inline(always)]
 fn cell(coordinate: f32, size: usize) -> (f32, f32) {
     let position = coordinate * size as f32 - 0.5;
     let whole = position.floor();
-    // So far outside f32 has no fraction any more, and any texel will do.
+    // So far outside f32 has no fraction any more, and any texel is equally valid.
     let near = whole.abs() < WHOLE_NUMBERS;
     (if near { whole } else { 0.0 }, if near { position - whole } else { 0.0 })
 }
 
-/// Up to here f32 holds all whole numbers; textures are smaller.
+/// The limit up to which f32 represents all integers; textures are smaller.
 const WHOLE_NUMBERS: f32 = 16_777_216.0;
 
-/// `whole` modulo `period`, both whole numbers below 2^24.
+/// `whole` modulo `period`, both integers below 2^24.
 #[inline(always)]
 fn modulo(whole: f32, period: f32) -> u32 {
     let rest = whole - (whole / period).floor() * period;
-    // The quotient is rounded: it may have reached the next whole number.
+    // The quotient is rounded and may have reached the next integer.
     let rest = if rest < 0.0 { rest + period } else { rest };
     (if rest >= period { rest - period } else { rest }) as u32
 }
@@ -168,13 +169,13 @@ mod tests {
     }
 
     #[test]
-    fn texel_centres_return_their_texel_in_linear_light() {
+    fn texel_centers_return_their_texel_in_linear_light() {
         let t = ramp(Wrap::Clamp);
         for k in 0..4 {
             let expected = srgb_to_linear(f64::from(k * 60) / 255.0) as f32;
             assert!((red(&t, (k as f32 + 0.5) / 4.0) - expected).abs() < 1e-7);
         }
-        // Halfway between two centres: the mean of the two linear values, not of the codes.
+        // Halfway between two centers: the mean of the linear values, not of the codes.
         let mean = (srgb_to_linear(60.0 / 255.0) + srgb_to_linear(120.0 / 255.0)) / 2.0;
         assert!((f64::from(red(&t, 0.5)) - mean).abs() < 1e-7);
     }
@@ -196,9 +197,9 @@ mod tests {
         }
     }
 
-    /// Sixteen places together see what each sees alone, in every mode, near and far.
+    /// Sixteen points together give the same values as each alone, in every mode, near and far.
     #[test]
-    fn sixteen_places_are_sixteen_times_one() {
+    fn sixteen_points_equal_sixteen_single_points() {
         let (width, height) = (7, 3);
         let texels = (0..width * height).map(|k| [k as u8 * 11, 255 - k as u8, k as u8, 255]).collect();
         let mut texture =
@@ -219,9 +220,9 @@ mod tests {
         }
     }
 
-    /// Whole-number arithmetic says which texel an index beyond the image stands for.
+    /// Integer arithmetic gives the same wrapped indices.
     #[test]
-    fn indices_wrap_as_whole_numbers_do() {
+    fn indices_wrap_as_integers_do() {
         for size in [1usize, 2, 3, 7, 4096, 12_345] {
             for k in (-40_000i64..40_000).step_by(37).chain(-20..20).chain([-16_777_215, 16_777_215]) {
                 let count = size as i64;

@@ -1,4 +1,4 @@
-//! Meshes that are kept once against the same meshes copied to every place. Needs Embree; without it nothing is tested.
+//! Instanced scenes, compared with the same scenes flattened. These tests need Embree and are skipped without it.
 
 use holo_core::{GridSize, LightFieldShape, Rig};
 
@@ -8,9 +8,10 @@ use crate::accel::{Coherence, RayHits};
 use crate::camera::tile::{Selection, Tiling};
 use crate::geometry::{FLATTENED, Hit};
 use crate::simd::LANES;
-use holo_scene::{Instance, Light, LightKind, Material, Mesh, Texture, TextureUse, Wrap};
+use holo_scene::{Instance, Light, LightKind, Material, Mesh, Texture, TextureInfo, Wrap};
 
-/// A bumpy ball of radius about 1 around `center`: `2 * side * side` triangles with normals, coordinates and colours.
+/// A bumpy ball of radius about 1 around `center`: `2 * side * side` triangles with normals, texture coordinates and
+/// colors.
 fn ball(side: u32, center: f64) -> Mesh {
     let mut mesh = Mesh::default();
     for j in 0..=side {
@@ -34,8 +35,8 @@ fn ball(side: u32, center: f64) -> Mesh {
     mesh
 }
 
-/// Turned, stretched, mirrored, sheared, small and large places.
-fn places() -> Vec<Transform> {
+/// Rotated, stretched, mirrored, sheared, small and large transforms.
+fn transforms() -> Vec<Transform> {
     let parts =
         |x: f64, y: f64, z: f64, scale: [f64; 3]| Transform::from_parts([x, y, z], [0.3 + x, 0.4 - y, 0.2, 0.7], scale);
     let mut sheared = parts(0.5, 0.35, -2.6, [0.25; 3]);
@@ -53,13 +54,13 @@ fn places() -> Vec<Transform> {
     ]
 }
 
-/// The balls before a wall that glows (and is therefore flattened), under a sun.
+/// The balls in front of an emissive (and therefore flattened) wall, under a sun.
 fn scene() -> Scene {
     let texels = (0..64u8).map(|k| [k.wrapping_mul(37), 255 - k, 128 + k, 255]).collect();
     let texture =
         Texture { name: String::new(), width: 8, height: 8, texels, wrap_u: Wrap::Repeat, wrap_v: Wrap::Clamp };
-    let textured = Material { base_color_texture: Some(TextureUse::new(0)), ..Material::default() };
-    let glowing = Material { emission: [0.5; 3], ..Material::default() };
+    let textured = Material { base_color_texture: Some(TextureInfo::new(0)), ..Material::default() };
+    let emissive = Material { emission: [0.5; 3], ..Material::default() };
     let wall = Mesh {
         positions: vec![[-9.0, -9.0, -12.0], [9.0, -9.0, -12.0], [9.0, 9.0, -12.0], [-9.0, 9.0, -12.0]],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
@@ -67,13 +68,13 @@ fn scene() -> Scene {
         ..Mesh::default()
     };
     let place = |mesh, transform| Instance { name: String::new(), mesh, transform };
-    let mut instances: Vec<Instance> = places().into_iter().map(|transform| place(0, transform)).collect();
+    let mut instances: Vec<Instance> = transforms().into_iter().map(|transform| place(0, transform)).collect();
     instances.insert(3, place(1, Transform::IDENTITY));
     let kind = LightKind::Directional { direction: [0.48, -0.6, -0.64], angular_diameter_rad: 0.0 };
     Scene {
         meshes: vec![ball(24, 0.0), wall],
         instances,
-        materials: vec![textured, glowing],
+        materials: vec![textured, emissive],
         textures: vec![texture],
         lights: vec![Light { name: String::new(), intensity: [2.0; 3], kind }],
         ..Scene::default()
@@ -96,12 +97,12 @@ fn both(scene: &Scene) -> Option<[Renderer; 2]> {
         crate::peer::missing(&format!("Embree 4: {why}"));
         return None;
     }
-    Some([Instancing::Never, Instancing::WherePossible].map(|instancing| {
+    Some([Instancing::Never, Instancing::Always].map(|instancing| {
         Renderer::with_instancing(scene, &Transform::IDENTITY, Backend::Embree, 2, instancing).expect("a renderer")
     }))
 }
 
-/// For every hit of an instanced geometry the number of the same triangle in the flattened one: instance by instance.
+/// For every hit on an instanced geometry the index of the same triangle in the flattened one.
 fn flattened_numbers(scene: &Scene, geometry: &Geometry) -> impl Fn(Hit) -> u32 {
     let mut firsts = Vec::new();
     let mut first = 0;
@@ -110,13 +111,13 @@ fn flattened_numbers(scene: &Scene, geometry: &Geometry) -> impl Fn(Hit) -> u32 
         first += scene.meshes[instance.mesh].triangles.len() as u32;
     }
     let of = |mesh: usize| firsts.iter().filter(move |(m, _)| *m == mesh).map(|(_, f)| *f).collect::<Vec<u32>>();
-    let (placed, flat) = (of(0), of(1));
+    let (placements, flat) = (of(0), of(1));
     let start = geometry.prototypes()[0].start as u32;
     move |hit| {
-        if hit.instance == FLATTENED {
+        if hit.placement == FLATTENED {
             flat[0] + hit.triangle
         } else {
-            placed[hit.instance as usize] + hit.triangle - start
+            placements[hit.placement as usize] + hit.triangle - start
         }
     }
 }
@@ -125,10 +126,10 @@ struct Found {
     hit: Hit,
     depth: f64,
     normal: [f64; 3],
-    weights: [f32; 2],
+    barycentrics: [f32; 2],
 }
 
-/// What every ray of the rig hits.
+/// The hits of all rays of the rig.
 fn trace(renderer: &Renderer) -> Vec<Found> {
     let selection = Selection::whole(rig().shape());
     let tiling = Tiling::new(selection.counts());
@@ -145,7 +146,7 @@ fn trace(renderer: &Renderer) -> Vec<Found> {
                     hit: packet.hit(lane),
                     depth: refined.depth[lane],
                     normal: std::array::from_fn(|axis| refined.normal[axis][lane]),
-                    weights: [packet.hits.u[lane], packet.hits.v[lane]],
+                    barycentrics: [packet.hits.u[lane], packet.hits.v[lane]],
                 });
             }
         }
@@ -153,43 +154,44 @@ fn trace(renderer: &Renderer) -> Vec<Found> {
     out
 }
 
-/// Every triangle of every place: corners, normals, plane, part.
+/// Every triangle of every placement: corners, normals, plane, instance data.
 #[test]
-fn a_placed_triangle_is_its_flattened_self() {
+fn an_instanced_triangle_equals_its_flattened_copy() {
     let scene = scene();
     let pose = Transform::look_at([0.3, 0.2, 0.5], [0.0, 0.0, -3.0], [0.1, 1.0, 0.0]);
     let flat = Geometry::build(&scene, &pose, Instancing::Never).expect("a scene");
-    let geometry = Geometry::build(&scene, &pose, Instancing::WherePossible).expect("a scene");
-    assert_eq!((geometry.placed().len(), geometry.flattened_count()), (places().len(), 2));
+    let geometry = Geometry::build(&scene, &pose, Instancing::Always).expect("a scene");
+    assert_eq!((geometry.placements().len(), geometry.flattened_count()), (transforms().len(), 2));
     let number = flattened_numbers(&scene, &geometry);
     let triangles = geometry.prototypes()[0].clone();
-    for instance in 0..geometry.placed().len() as u32 {
-        let mirrored = places()[instance as usize].determinant() < 0.0;
-        // Flattening swaps two corners of what is mirrored.
+    for placement in 0..geometry.placements().len() as u32 {
+        let mirrored = transforms()[placement as usize].determinant() < 0.0;
+        // Flattening swaps two corners of mirrored triangles.
         let order = if mirrored { [0, 2, 1] } else { [0, 1, 2] };
         for triangle in triangles.clone() {
-            let hit = Hit { triangle: triangle as u32, instance };
+            let hit = Hit { triangle: triangle as u32, placement };
             let same = Hit::flattened(number(hit) as usize);
             assert_eq!(geometry.corners(hit), order.map(|k| flat.corners(same)[k]), "the same f64 sums");
             let (a, b) = (geometry.normals_of(hit), order.map(|k| flat.normals_of(same)[k]));
-            // A handful of f32 roundings on numbers up to 1, magnified up to the ratio of the scales (6) squared.
+            // A few f32 roundings of numbers up to 1, magnified up to the ratio of the scales (6) squared.
             assert!(a.iter().flatten().zip(b.iter().flatten()).all(|(a, b)| (a - b).abs() < 2e-5), "{a:?} {b:?}");
             let (a, b) = (geometry.plane(hit), flat.plane(same));
             let length = b.normal.iter().map(|x| x * x).sum::<f64>().sqrt();
-            // f64 corners 10 m away are off by 1e-15, edges are 1e-3 m at least: 1e-12 of a length, here a hundredfold.
+            // f64 corners 10 m away have an error of 1e-15, edges are at least 1e-3 m: 1e-12 relative, here a hundred
+            // times that.
             for (a, b) in a.normal.iter().chain([&a.offset]).zip(b.normal.iter().chain([&b.offset])) {
                 assert!((a - b).abs() < 1e-10 * length, "{a} {b} of {length}");
             }
             assert_eq!(geometry.colors_of(hit), order.map(|k| flat.colors_of(same)[k]));
             assert_eq!(geometry.texture_coordinates_of(hit, 0), order.map(|k| flat.texture_coordinates_of(same, 0)[k]));
-            let [a, b] = [geometry.part(geometry.part_index(hit)), flat.part(flat.part_index(same))];
+            let [a, b] = [geometry.instance(geometry.instance_index(hit)), flat.instance(flat.instance_index(same))];
             assert_eq!((a.material, a.smooth, a.textured, a.colored), (b.material, b.smooth, b.textured, b.colored));
             assert!(a.extent >= b.extent && a.extent < 16.1 * b.extent, "{} {}", a.extent, b.extent);
         }
     }
 }
 
-/// All rays of a rig: the same triangle, depth to 1e-10, the same normal and weights.
+/// All rays of a rig: the same triangle, depth to 1e-10, the same normal and barycentrics.
 #[test]
 fn instanced_and_flattened_scenes_are_hit_alike() {
     let scene = scene();
@@ -198,31 +200,35 @@ fn instanced_and_flattened_scenes_are_hit_alike() {
     let number = flattened_numbers(&scene, &instanced.geometry);
     let (expected, found) = (trace(&flat), trace(&instanced));
     let mut differ = 0;
-    let mut places = std::collections::BTreeSet::new();
+    let mut transforms = std::collections::BTreeSet::new();
     for (a, b) in expected.iter().zip(&found) {
         let same = number(b.hit);
         if same != a.hit.triangle {
-            // An edge: the neighbour is hit, or what lies behind a silhouette.
+            // An edge: the ray hits the neighbor, or what lies behind a silhouette.
             differ += 1;
             continue;
         }
-        places.insert(b.hit.instance);
+        transforms.insert(b.hit.placement);
         assert!((a.depth - b.depth).abs() <= 1e-10 * a.depth, "{} {}", a.depth, b.depth);
         let length = a.normal.iter().map(|x| x * x).sum::<f64>().sqrt();
         assert!((0..3).all(|k| (a.normal[k] - b.normal[k]).abs() < 1e-10 * length), "{:?} {:?}", a.normal, b.normal);
-        let mirrored = b.hit.instance != FLATTENED && self::places()[b.hit.instance as usize].determinant() < 0.0;
-        let weights = if mirrored { [a.weights[1], a.weights[0]] } else { a.weights };
-        // f32 positions (1e-6 m) over edges of some millimetres, seen at a slant.
-        assert!((0..2).all(|k| (weights[k] - b.weights[k]).abs() < 2e-2), "{weights:?} {:?}", b.weights);
+        let mirrored = b.hit.placement != FLATTENED && self::transforms()[b.hit.placement as usize].determinant() < 0.0;
+        let barycentrics = if mirrored { [a.barycentrics[1], a.barycentrics[0]] } else { a.barycentrics };
+        // f32 positions (1e-6 m) over edges of some millimeters, seen at a slant.
+        assert!(
+            (0..2).all(|k| (barycentrics[k] - b.barycentrics[k]).abs() < 2e-2),
+            "{barycentrics:?} {:?}",
+            b.barycentrics
+        );
     }
-    assert_eq!(places.len(), self::places().len() + 1, "every place and the wall must be seen: {places:?}");
-    // f32 decides edges to about 1e-6 m, triangles are 1 to 10 mm wide: below one ray in a thousand.
+    assert_eq!(transforms.len(), self::transforms().len() + 1, "every place and the wall must be seen: {transforms:?}");
+    // f32 decides edges to about 1e-6 m, triangles are 1 to 10 mm wide: fewer than one ray in a thousand.
     assert!(differ * 1000 <= found.len(), "{differ} of {}", found.len());
 }
 
-/// Colours of direct light and of paths, and ground truth.
+/// The color of direct light and of paths.
 #[test]
-fn instanced_and_flattened_pictures_agree() {
+fn instanced_and_flattened_images_agree() {
     let scene = scene();
     let Some(renderers) = both(&scene) else { return };
     for integrator in [Integrator::Direct, Integrator::Path] {
@@ -237,7 +243,7 @@ fn instanced_and_flattened_pictures_agree() {
             renderers.each_ref().map(|renderer| renderer.render(&request, &()).expect("a render").color.expect("lit"));
         let (flat, instanced) = (flat.samples(), instanced.samples());
         let different = flat.iter().zip(instanced).filter(|(a, b)| (*a - *b).abs() > 1e-3 * a.abs().max(0.1)).count();
-        // Silhouettes, edges of shadows, and paths that part at either: 0.3 % of the values.
+        // Silhouettes, edges of shadows, and paths that diverge there: 0.3 % of the values.
         assert!(different * 300 < flat.len(), "{integrator:?}: {different} of {}", flat.len());
         let mean = |x: &ndarray::ArrayView5<f32>| x.iter().map(|x| f64::from(*x)).sum::<f64>() / x.len() as f64;
         let (a, b) = (mean(&flat.view()), mean(&instanced.view()));
@@ -245,7 +251,7 @@ fn instanced_and_flattened_pictures_agree() {
     }
 }
 
-/// The other engines get everything flattened, and see what Embree sees.
+/// The other engines get flattened geometry and agree with Embree.
 #[test]
 fn the_bvh_renders_what_is_instanced_elsewhere() {
     let scene = scene();
@@ -254,24 +260,24 @@ fn the_bvh_renders_what_is_instanced_elsewhere() {
     let Some([_, instanced]) = both(&scene) else { return };
     let [a, b] = [&bvh, &instanced].map(|renderer| renderer.central_truth(&rig()).expect("a render"));
     let [a, b] = [&a, &b].map(|truth| truth.depth_m().expect("depth"));
-    // Where both see the same triangle depth is the same f64, rounded to f32.
+    // If both hit the same triangle, depth is the same f64, rounded to f32.
     let different = a.iter().zip(b).filter(|(a, b)| (*a - *b).abs() > 2e-7 * **a).count();
     assert!(different * 200 < a.len(), "{different} of {}", a.len());
 }
 
-/// Small scenes are stored as they always were.
+/// Small scenes are flattened.
 #[test]
 fn small_scenes_stay_flattened() {
     for scene in [scene(), holo_scene::gallery::scene("garden").expect("a scene of the gallery")] {
-        let geometry = Geometry::build(&scene, &Transform::IDENTITY, Instancing::WhereItPays).expect("a scene");
+        let geometry = Geometry::build(&scene, &Transform::IDENTITY, Instancing::Automatic).expect("a scene");
         assert!(!geometry.is_instanced());
     }
 }
 
-/// What f32 in mesh coordinates would spoil is flattened: a mesh far from its own origin, a flat place, extreme shear,
-/// extreme units.
+/// Instances that would lose precision in mesh coordinates are flattened: a mesh far from its own origin, a singular
+/// transform, extreme shear, extreme units.
 #[test]
-fn places_that_would_lose_digits_are_flattened() {
+fn instances_that_would_lose_precision_are_flattened() {
     let mut flat = Transform::from_translation([0.0, 0.0, -3.0]);
     flat.columns[2] = [0.0; 3];
     let mut sheared = Transform::from_translation([0.0, 0.0, -3.0]);
@@ -285,14 +291,14 @@ fn places_that_would_lose_digits_are_flattened() {
             materials: vec![Material::default()],
             ..Scene::default()
         };
-        let geometry = Geometry::build(&scene, &Transform::IDENTITY, Instancing::WherePossible).expect("a scene");
+        let geometry = Geometry::build(&scene, &Transform::IDENTITY, Instancing::Always).expect("a scene");
         assert!(!geometry.is_instanced() && geometry.prototypes().is_empty(), "{transform:?}");
         assert_eq!(geometry.triangles().len(), 72);
     }
 }
 
-/// A wall of slivers, tilted, under a slanting sun, does not shade itself: built in metres, in millimetres, mirrored,
-/// stretched, sheared, and around a point away from its own origin (close to the largest loss that is let through).
+/// A tilted wall of slivers under a slanting sun does not shadow itself: in meters, in millimeters, mirrored,
+/// stretched, sheared, and around a point away from its own origin (close to the maximum loss).
 #[test]
 fn instanced_slivers_do_not_shade_themselves() {
     let tilt = |scale: [f64; 3]| Transform::from_parts([0.01, -0.02, -2.0], [0.21, 0.13, 0.08, 0.96], scale);
@@ -302,8 +308,8 @@ fn instanced_slivers_do_not_shade_themselves() {
     let mut shifted = tilt([1.0; 3]);
     shifted.translation = shifted.point([-away; 3]);
     for (what, transform, unit, center) in [
-        ("metres", tilt([1.0; 3]), 1.0, 0.0),
-        ("millimetres", tilt([1e-3; 3]), 1e3, 0.0),
+        ("meters", tilt([1.0; 3]), 1.0, 0.0),
+        ("millimeters", tilt([1e-3; 3]), 1e3, 0.0),
         ("mirrored", tilt([1.0, -1.0, 1.0]), 1.0, 0.0),
         ("stretched", tilt([1.7, 1.1, 0.01]), 1.0, 0.0),
         ("sheared", sheared, 1.0, 0.0),

@@ -1,4 +1,4 @@
-//! Which pixels a render makes, and how they are cut into tiles.
+//! The pixels of a render, and their division into tiles.
 
 use holo_core::{GridSize, LightFieldShape};
 
@@ -7,13 +7,13 @@ use crate::camera::tile::{SelectedViews, Selection, Tiling};
 use crate::error::Error;
 use crate::integrator::{Integrator, path};
 
-/// Some pixels of a light field, cut into tiles.
+/// A selection of pixels of a light field, divided into tiles.
 pub(super) struct Region {
     pub selection: Selection,
     pub tiling: Tiling,
 }
 
-/// The pixels of color, of layers of all views, and of those of the central one.
+/// The pixels of color, of the layers of all views, and of the layers of the central view.
 pub(super) struct Plan {
     pub color: Region,
     pub all: Region,
@@ -21,7 +21,7 @@ pub(super) struct Plan {
 }
 
 impl Region {
-    /// Tiles are cut as if all rows of lenses were wanted; then the wanted ones are taken.
+    /// Divides all lens rows into tiles, then selects the requested rows.
     fn new(request: &Request, views: SelectedViews, tile: impl Fn([usize; 4]) -> Tiling) -> Self {
         let whole = Selection { views, ..Selection::whole(request.rig.shape()) };
         let tiling = tile(whole.counts());
@@ -29,7 +29,7 @@ impl Region {
         Self { tiling: tiling.lens_rows(lens_rows.len()), selection: Selection { lens_rows, ..whole } }
     }
 
-    /// Views and lenses of its light field.
+    /// The views and lenses of the output light field.
     pub fn shape(&self) -> Result<LightFieldShape, Error> {
         let [v, u, t, s] = self.selection.counts();
         Ok(LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u))?)
@@ -54,8 +54,8 @@ impl Plan {
         }
     }
 
-    /// Lens rows between which nothing changes if the rest is rendered elsewhere: scattered rays are sorted and traced tile
-    /// by tile, ground truth packet by packet.
+    /// The step of lens rows at which a render can be divided without any change of the result: scattered rays are
+    /// sorted and traced per tile, ground truth per packet.
     pub fn row_step(&self) -> usize {
         let steps = [self.color.tiling.tile_rows(), self.all.tiling.packet_rows(), self.central.tiling.packet_rows()];
         steps.into_iter().fold(1, least_common_multiple)

@@ -1,4 +1,4 @@
-//! What to render, and what comes of it.
+//! The render request, its validation, and the result of a render.
 
 use std::ops::Range;
 
@@ -7,54 +7,61 @@ use ndarray::Array3;
 
 use crate::error::Error;
 use crate::film::layers::{Layer, LayerSet, Layers};
-use crate::geometry::LARGEST_COORDINATE;
+use crate::geometry::MAX_COORDINATE_M;
 use crate::integrator::{Integrator, RayCounts, direct};
-use crate::sampling::{MOST_SAMPLES, Sampling};
+use crate::sampling::{MAX_SAMPLES, Sampling};
 use holo_scene::MAX_RADIANCE;
 
-/// Scattering events at most: far more than any scene needs, far less than the purposes of random numbers.
-const MOST_BOUNCES: u32 = 65_536;
+/// The maximum of `max_bounces`: far more than any scene needs, and few enough for the dimensions of the random
+/// numbers.
+const MAX_BOUNCES: u32 = 65_536;
 
-/// The largest number up to which f32 holds all whole ones: 2^24.
-pub(super) const MOST_NUMBERED: usize = 1 << 24;
+/// The largest id that f32 represents exactly together with all smaller ones: 2^24.
+pub(super) const MAX_EXACT_ID: usize = 1 << 24;
 
-/// What to render.
+/// A render request: the rig, the integrator with its settings, and the outputs.
+///
+/// The fields have the defaults of [`Request::new`]; they are validated by
+/// [`Renderer::render`](super::Renderer::render).
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// The cameras.
+    /// The rig: views, microlenses, intrinsics, baseline, focus distance and projection.
     pub rig: Rig,
-    /// How light is modelled.
+    /// The integrator.
     pub integrator: Integrator,
-    /// Rays through every pixel: 1 goes through its centre, more are spread over it (a box filter).
+    /// Samples per pixel, 1 to 65,536. A single sample goes through the center of the pixel; more are distributed over
+    /// the pixel (box filter).
     pub samples: u32,
-    /// Chooses the random numbers.
+    /// The random seed. The same seed gives the same image.
     pub seed: u64,
-    /// Radiance of the constant sky, linear RGB.
+    /// Radiance of the constant environment, linear RGB, 0 to [`MAX_RADIANCE`].
     pub sky: [f32; 3],
-    /// Scattering events at most, for the integrator `Path` and for `Auto` when it chooses that.
+    /// The maximum number of bounces (scatterings), 1 to 65,536, of the integrator `Path`, also if `Auto` selects it.
     pub max_bounces: u32,
-    /// Whether paths that carry little may end at random, those that survive counting for more (unbiased).
+    /// Whether paths with low throughput may be terminated by Russian roulette (unbiased).
     pub roulette: bool,
-    /// Relative standard error per pixel at which it needs no more samples; `samples` are the most it gets then.
+    /// The target of the relative standard error of each pixel for adaptive sampling; `samples` is then the maximum per
+    /// pixel. `None`: all pixels get `samples`.
     pub target_error: Option<f64>,
-    /// Whether `Auto` follows light from surface to surface; without, only to mirrors and glass.
+    /// Whether `Auto` includes indirect illumination between diffuse surfaces. Otherwise paths continue only from metal
+    /// and glass.
     pub indirect: bool,
-    /// Which layers are wanted beside colour; always of what the ray through the pixel's centre meets first, whatever
-    /// `samples` is.
+    /// The layers (AOVs) beside color. They describe the first hit of the ray through the center of the pixel, for any
+    /// number of samples.
     pub layers: LayerSet,
-    /// For which views they are wanted.
+    /// The views for which the layers are rendered.
     pub ground_truth: GroundTruth,
-    /// Which views are rendered.
+    /// The rendered views.
     pub views: Views,
-    /// How the samples of a pixel are chosen.
+    /// The sample sequence of the pixels.
     pub sampling: Sampling,
-    /// The rows of lenses that are wanted; `None`: all. They come out as they would within the whole if they are such as
-    /// [`Renderer::part_of_lens_rows`](super::Renderer::part_of_lens_rows) gives.
+    /// The range of lens rows to render; `None` renders all. A range of
+    /// [`Renderer::shard_lens_rows`](super::Renderer::shard_lens_rows) has the same values as in the whole image.
     pub lens_rows: Option<Range<usize>>,
 }
 
 impl Request {
-    /// Everything as the command line has it by default, with one sample and without a sky.
+    /// A request with the defaults of the command line, one sample per pixel and a black environment.
     #[must_use]
     pub fn new(rig: Rig) -> Self {
         Self {
@@ -76,80 +83,81 @@ impl Request {
     }
 }
 
-/// What nearly everybody wants.
+/// The default layers.
 pub(super) const DEPTH_AND_DISPARITY: LayerSet = LayerSet::of(&[Layer::Depth, Layer::Disparity]);
 
-/// Which views of a rig are rendered.
+/// The rendered views of a rig.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Views {
-    /// Every one, at its place.
+    /// All views, in their grid.
     #[default]
     All,
-    /// These, side by side in one row: the light fields of [`Rendered`] have 1 x N views. Every pixel has the random numbers
-    /// that it has in the whole image.
+    /// A list of views, side by side in one row: the light fields of [`Rendered`] have 1 x N views. Every pixel has the
+    /// same random numbers as in the whole image.
     List(Vec<ViewIndex>),
 }
 
-/// For which views ground truth is made.
+/// The views for which ground truth is rendered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum GroundTruth {
-    /// The central view of the rig, whether it is among [`Request::views`] or not.
+    /// The central view of the rig, whether or not it is one of [`Request::views`].
     #[default]
     Central,
-    /// Every view of [`Request::views`] (the central one as well).
+    /// All views of [`Request::views`], and the central view.
     All,
 }
 
-/// What was rendered. Light fields lie in memory as elemental grids; all arrays have the lens rows that were asked for.
+/// The result of a render.
+///
+/// The memory layout of light fields is the elemental image array. All arrays have the lens rows of
+/// [`Request::lens_rows`].
 #[derive(Debug)]
 pub struct Rendered {
-    /// Linear RGB radiance; `None` from the integrator `Depth`.
+    /// Linear RGB radiance, axes (v, u, t, s, c); `None` for the integrator `Depth`.
     pub color: Option<LightFieldOwned<f32>>,
-    /// The layers of the central view, axes (v, u, c).
+    /// The layers of the central view, axes (v, u, c). Units: [`layers`](crate::layers).
     pub central: Layers<Array3<f32>>,
-    /// The layers of all views, if they were asked for.
+    /// The layers of all views, axes (v, u, t, s, c), if [`Request::ground_truth`] is [`GroundTruth::All`].
     pub all: Option<Layers<LightFieldOwned<f32>>>,
-    /// The integrator used.
+    /// The integrator that was used.
     pub integrator: Integrator,
-    /// Why it was.
+    /// The reason for the choice of the integrator.
     pub why: String,
-    /// How many rays it took, ground truth included.
+    /// The number of rays, including those for ground truth.
     pub rays: RayCounts,
-    /// How many samples the picture took: views x lenses x samples unless there was a target error.
+    /// The number of color samples: views x lenses x samples per pixel, or fewer with a target error.
     pub samples: u64,
 }
 
 impl Request {
-    /// Refuses what cannot be rendered of a scene of so many instances and materials.
+    /// Validates the request for a scene with this many instances and materials.
     pub(super) fn check(&self, [instances, materials]: [usize; 2]) -> Result<(), Error> {
         let split = self.rig.shape();
-        if !(1..=MOST_SAMPLES).contains(&self.samples) {
-            return Err(Error::BadSetting(format!(
-                "{} samples per pixel; 1 to {MOST_SAMPLES} can be drawn",
-                self.samples
-            )));
+        if !(1..=MAX_SAMPLES).contains(&self.samples) {
+            return Err(Error::BadSetting(format!("{} samples per pixel; give 1 to {MAX_SAMPLES}", self.samples)));
         }
         if self.target_error.is_some_and(|target| !(target > 0.0 && target.is_finite())) {
             return Err(Error::BadSetting("the target error must be finite and above 0".into()));
         }
-        if !(1..=MOST_BOUNCES).contains(&self.max_bounces) {
-            let asked = self.max_bounces;
-            return Err(Error::BadSetting(format!("{asked} bounces; 1 to {MOST_BOUNCES} can be followed")));
+        if !(1..=MAX_BOUNCES).contains(&self.max_bounces) {
+            let count = self.max_bounces;
+            return Err(Error::BadSetting(format!("{count} bounces; give 1 to {MAX_BOUNCES}")));
         }
         if split.lenses().count() > u32::MAX as usize || split.views().count() > u32::MAX as usize {
-            return Err(Error::BadSetting("2^32 or more lenses or views".into()));
+            return Err(Error::BadSetting("2^32 or more lenses or views; choose fewer".into()));
         }
         if self.sky.iter().any(|c| !(0.0..=MAX_RADIANCE).contains(c)) {
             return Err(Error::BadSetting(format!("the sky {:?} must lie between 0 and {MAX_RADIANCE:e}", self.sky)));
         }
-        // Rays are linear in all indices: what the corners are, no ray between them exceeds.
+        // Rays are linear in all indices, so the largest coordinates occur at the corners.
         let (lenses, views) = (split.lenses(), split.views());
         for (v, u) in [(0, 0), (lenses.rows - 1, lenses.columns - 1)] {
             for (t, s) in [(0, 0), (views.rows - 1, views.columns - 1)] {
                 let ray = self.rig.ray(v, u, t, s, 0.5, 0.5);
-                if !ray.origin_m.iter().chain(&ray.direction).all(|x| x.abs() < LARGEST_COORDINATE) {
+                if !ray.origin_m.iter().chain(&ray.direction).all(|x| x.abs() < MAX_COORDINATE_M) {
                     return Err(Error::BadSetting(format!(
-                        "the rig is too large: a ray starts at {:?} m and runs along {:?}; choose a smaller baseline or sensor",
+                        "the rig is too large: a ray starts at {:?} m and runs along {:?}; \
+                         choose a smaller baseline or sensor",
                         ray.origin_m, ray.direction
                     )));
                 }
@@ -158,9 +166,10 @@ impl Request {
         for (layer, what, count) in
             [(Layer::ObjectId, "instances", instances), (Layer::MaterialId, "materials", materials)]
         {
-            if self.layers.contains(layer) && count > MOST_NUMBERED {
+            if self.layers.contains(layer) && count > MAX_EXACT_ID {
                 return Err(Error::BadSetting(format!(
-                    "the layer '{layer}' numbers at most {MOST_NUMBERED} {what}; the scene has {count}: leave it out"
+                    "the layer '{layer}' has exact ids of at most {MAX_EXACT_ID} {what}, but the scene has \
+                     {count}: omit the layer"
                 )));
             }
         }
@@ -168,7 +177,7 @@ impl Request {
             let outside = list.iter().find(|view| view.row >= views.rows || view.column >= views.columns);
             if let Some(ViewIndex { row, column }) = outside {
                 return Err(Error::BadSetting(format!(
-                    "view row {row}, column {column} is none of the {} rows and {} columns of views",
+                    "view row {row}, column {column} is outside the {} rows and {} columns of views",
                     views.rows, views.columns
                 )));
             }
@@ -179,17 +188,17 @@ impl Request {
         let rows = self.lens_rows();
         if rows.is_empty() || rows.end > lenses.rows {
             let count = lenses.rows;
-            return Err(Error::BadSetting(format!("lens rows {rows:?} are not some of the {count} that there are")));
+            return Err(Error::BadSetting(format!("lens rows {rows:?} are not a range of the {count} lens rows")));
         }
         Ok(())
     }
 
-    /// The rows of lenses that are wanted.
+    /// The range of lens rows to render.
     pub(super) fn lens_rows(&self) -> Range<usize> {
         self.lens_rows.clone().unwrap_or(0..self.rig.shape().lenses().rows)
     }
 
-    /// Scattering events that the integrator follows.
+    /// The maximum number of bounces of `integrator`.
     pub(super) fn bounces(&self, integrator: Integrator) -> u32 {
         if integrator == Integrator::Direct { direct::BOUNCES } else { self.max_bounces }
     }

@@ -1,4 +1,4 @@
-//! The kernels under every instruction set, and stopping.
+//! The kernels on every instruction set, tiles, cancellation, and lists of views.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -6,13 +6,13 @@ use holo_core::{GridSize, LightFieldShape, Rig, ViewIndex};
 use ndarray::Array5;
 
 use super::image::{light_fields, tiles, zeros};
-use super::request::MOST_NUMBERED;
+use super::request::MAX_EXACT_ID;
 use super::*;
 use crate::camera::tile::{Selection, Tiling};
 use crate::film::layers::Layer;
+use crate::integrator::aov::TileAovs;
 use crate::integrator::depth::DepthTile;
 use crate::integrator::path::{PathTile, Scratch};
-use crate::integrator::truth::Truth;
 use crate::simd;
 use holo_scene::gallery;
 use holo_scene::{Alpha, Environment, Material};
@@ -37,14 +37,14 @@ fn region(split: &LightFieldShape, pixels: usize) -> Region {
     Region { tiling: Tiling::with_tiles_of(selection.counts(), pixels), selection }
 }
 
-/// The whole chain - rays, refinement, shading, random numbers, sky, layers - gives the same bits without vectors, with
-/// AVX2 and with AVX-512, wherever the machine has them.
+/// The whole pipeline (rays, refinement, shading, random numbers, sky, layers) is bitwise identical without vector
+/// instructions, with AVX2 and with AVX-512, as far as the machine supports them.
 #[test]
-fn every_instruction_set_gives_the_same_picture() {
+fn every_instruction_set_gives_the_same_image() {
     let (_, request) = garden();
     let mut scene = gallery::scene("garden").expect("a scene of the gallery");
     let pose = scene.cameras[0].pose;
-    // A little of everything.
+    // Materials with all features.
     for (k, material) in scene.materials.iter_mut().enumerate() {
         let some = (k % 3) as f32 * 0.4;
         *material = Material {
@@ -66,38 +66,40 @@ fn every_instruction_set_gives_the_same_picture() {
     let context = renderer.context(&request, Integrator::Path, &region, &stop);
     let tiling = &region.tiling;
     let [tile] = tiling.tiles()[..] else { panic!("one tile is enough for this rig") };
-    // Every kernel writes into a picture of its own.
-    let mut pictures: Vec<Array5<f32>> = vec![Array5::zeros((1, 60, 5, 6, 3)); 3];
-    let mut parts = pictures.iter_mut();
+    // Every kernel writes into an image of its own.
+    let mut images: Vec<Array5<f32>> = vec![Array5::zeros((1, 60, 5, 6, 3)); 3];
+    let mut outputs = images.iter_mut();
     let mut memory: [Scratch; 3] = Default::default();
     let mut scratches = memory.iter_mut();
     let counts = simd::run_on_all(|| {
-        let color = parts.next().expect("three sets at most").view_mut();
+        let color = outputs.next().expect("three sets at most").view_mut();
         PathTile { context: &context, tile: &tile, color, scratch: scratches.next().expect("three sets at most") }
     });
-    assert!(pictures[0].iter().any(|x| *x > 0.0) && counts[0].other > 0);
+    assert!(images[0].iter().any(|x| *x > 0.0) && counts[0].secondary > 0);
     for set in 0..counts.len() {
         assert_eq!(counts[set], counts[0]);
-        assert!(pictures[set].iter().zip(&pictures[0]).all(|(a, b)| a.to_bits() == b.to_bits()), "set {set}");
+        assert!(images[set].iter().zip(&images[0]).all(|(a, b)| a.to_bits() == b.to_bits()), "set {set}");
     }
 
-    let mut truths: Vec<_> = (0..3).map(|_| light_fields(*request.rig.shape(), LayerSet::ALL).expect("room")).collect();
-    let mut parts = truths.iter_mut();
-    let mut truth_memory: [Truth; 3] = Default::default();
-    let mut truths_of = truth_memory.iter_mut();
+    let mut layers_of_sets: Vec<_> =
+        (0..3).map(|_| light_fields(*request.rig.shape(), LayerSet::ALL).expect("room")).collect();
+    let mut outputs = layers_of_sets.iter_mut();
+    let mut aov_memory: [TileAovs; 3] = Default::default();
+    let mut aov_buffers = aov_memory.iter_mut();
     let sets = simd::run_on_all(|| {
-        let out = tiles(parts.next().expect("three sets at most"), tiling).pop().expect("a tile");
-        DepthTile { context: &context, tile: &tile, out, truth: truths_of.next().expect("three sets at most") }
+        let out = tiles(outputs.next().expect("three sets at most"), tiling).pop().expect("a tile");
+        DepthTile { context: &context, tile: &tile, out, aov: aov_buffers.next().expect("three sets at most") }
     });
     for set in 0..sets.len() {
-        for (layer, field) in truths[set].iter() {
-            let same = field.samples().iter().zip(truths[0][layer].samples()).all(|(a, b)| a.to_bits() == b.to_bits());
+        for (layer, field) in layers_of_sets[set].iter() {
+            let same =
+                field.samples().iter().zip(layers_of_sets[0][layer].samples()).all(|(a, b)| a.to_bits() == b.to_bits());
             assert!(same && field.samples().iter().any(|x| *x != 0.0), "{layer} of set {set}");
         }
     }
 }
 
-/// How the picture is cut into tiles is nobody's business: the same bytes, though paths are sorted within a tile.
+/// The size of tiles does not change the image, although paths are sorted within a tile.
 #[test]
 fn the_size_of_tiles_changes_nothing() {
     let scene = gallery::scene("garden").expect("a scene of the gallery");
@@ -105,30 +107,29 @@ fn the_size_of_tiles_changes_nothing() {
     let (_, request) = garden();
     let split = LightFieldShape::new(GridSize::new(5, 6), GridSize::new(7, 30)).expect("sizes");
     let rig = request.rig.to_builder().shape(split).build().expect("a rig");
-    let picture = |integrator: Integrator, pixels: usize| {
+    let render_with = |integrator: Integrator, pixels: usize| {
         let request = Request { rig, integrator, samples: 4, ..request.clone() };
         let (stop, region) = (Stop::new(&()), region(&split, pixels));
         let context = renderer.context(&request, integrator, &region, &stop);
         let tiling = &region.tiling;
-        let (mut color, mut truth) =
-            (zeros(split, 3).expect("room"), light_fields(split, LayerSet::ALL).expect("room"));
-        let (mut scratch, mut buffer) = (Scratch::default(), Truth::default());
+        let (mut color, mut aov) = (zeros(split, 3).expect("room"), light_fields(split, LayerSet::ALL).expect("room"));
+        let (mut scratch, mut buffer) = (Scratch::default(), TileAovs::default());
         for (tile, color) in tiling.tiles().iter().zip(tiling.cut(color.samples_mut())) {
             simd::run(PathTile { context: &context, tile, color, scratch: &mut scratch });
         }
-        for (tile, out) in tiling.tiles().iter().zip(tiles(&mut truth, tiling)) {
-            simd::run(DepthTile { context: &context, tile, out, truth: &mut buffer });
+        for (tile, out) in tiling.tiles().iter().zip(tiles(&mut aov, tiling)) {
+            simd::run(DepthTile { context: &context, tile, out, aov: &mut buffer });
         }
-        (color, truth, tiling.tiles().len())
+        (color, aov, tiling.tiles().len())
     };
     for integrator in [Integrator::Direct, Integrator::Path] {
-        let (color, truth, _) = picture(integrator, 100_000);
+        let (color, aov, _) = render_with(integrator, 100_000);
         assert!(color.samples().iter().any(|x| *x > 0.0));
         let mut counts = Vec::new();
         for pixels in [40, 300, 2048] {
-            let (other, other_truth, count) = picture(integrator, pixels);
+            let (other, other_layers, count) = render_with(integrator, pixels);
             counts.push(count);
-            assert_eq!(truth, other_truth, "{pixels}");
+            assert_eq!(aov, other_layers, "{pixels}");
             let bits = color.samples().iter().zip(other.samples()).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
             assert_eq!(bits, 0, "{integrator:?}, tiles of {pixels}");
         }
@@ -136,22 +137,22 @@ fn the_size_of_tiles_changes_nothing() {
     }
 }
 
-/// Numbers that f32 cannot hold are refused for the layers that hold them, and only for those.
+/// Ids that f32 cannot represent are rejected, only for the layers that contain them.
 #[test]
 fn more_instances_than_f32_can_number_are_refused() {
     let (mut renderer, request) = garden();
-    renderer.counts = [MOST_NUMBERED, MOST_NUMBERED];
-    let ask = |layers| Request { layers, ..request.clone() };
-    assert!(renderer.choose(&ask(LayerSet::ALL)).is_ok());
-    renderer.counts = [MOST_NUMBERED + 1, MOST_NUMBERED];
-    let refused = renderer.choose(&ask(LayerSet::ALL)).unwrap_err().to_string();
+    renderer.counts = [MAX_EXACT_ID, MAX_EXACT_ID];
+    let with_layers = |layers| Request { layers, ..request.clone() };
+    assert!(renderer.choose(&with_layers(LayerSet::ALL)).is_ok());
+    renderer.counts = [MAX_EXACT_ID + 1, MAX_EXACT_ID];
+    let refused = renderer.choose(&with_layers(LayerSet::ALL)).unwrap_err().to_string();
     assert!(refused.contains("object-id") && refused.contains("16777217"), "{refused}");
-    assert!(renderer.choose(&ask(LayerSet::ALL.without([Layer::ObjectId].into()))).is_ok());
+    assert!(renderer.choose(&with_layers(LayerSet::ALL.without([Layer::ObjectId].into()))).is_ok());
 }
 
-/// A caller that says stop once and then forgets it does not get a picture with holes.
+/// A single `true` of `cancelled` cancels the render.
 #[test]
-fn a_stop_is_remembered() {
+fn a_cancellation_is_remembered() {
     struct Once(AtomicU32);
     impl Progress for Once {
         fn cancelled(&self) -> bool {
@@ -194,8 +195,8 @@ fn poses_that_are_no_camera_are_errors() {
     }
 }
 
-/// Sixteen samples of a pixel visit each sixteenth of it once, at the same points in all views of a block; other lenses
-/// and other blocks have points of their own.
+/// Sixteen samples of a pixel are stratified over its sixteenths, at the same positions in all views of a group; other
+/// microlenses and other groups have positions of their own.
 #[test]
 fn the_views_of_a_block_share_the_points_of_the_pixel() {
     let (renderer, request) = garden();
@@ -207,7 +208,7 @@ fn the_views_of_a_block_share_the_points_of_the_pixel() {
     let tiles = region.tiling.tiles();
     let packets: Vec<_> = tiles.iter().flat_map(|tile| context.camera.packets(tile)).collect();
     let points = |[_, u, t, s]: [usize; 4], sample| {
-        let [x, y] = context.sampler.pixel_positions(&packets[(u * 2 + t) * 2 + s].numbers, sample);
+        let [x, y] = context.sampler.pixel_positions(&packets[(u * 2 + t) * 2 + s].ids, sample);
         assert!(x.iter().all(|a| *a == x[0]) && y.iter().all(|a| *a == y[0]), "{x:?} {y:?}");
         [x[0], y[0]]
     };
@@ -222,7 +223,8 @@ fn the_views_of_a_block_share_the_points_of_the_pixel() {
     assert_eq!(visited.len(), 16, "{visited:?}");
 }
 
-/// Some views alone are what they are among all of them: one, the corners, more than a packet holds, one twice.
+/// A list of views has the same pixels as all views: a single view, the corners, more views than lanes of a packet, one
+/// view twice.
 #[test]
 fn a_list_of_views_gives_the_pixels_of_the_whole() {
     let (renderer, request) = garden();
@@ -245,7 +247,7 @@ fn a_list_of_views_gives_the_pixels_of_the_whole() {
                 }
                 if let (Some(some), Some(all)) = (&some.color, &all.color) {
                     let expected = all.view(view.row, view.column).expect("a view");
-                    // Without a target error nothing of a pixel depends on its neighbors.
+                    // Without a target error pixels do not depend on their neighbors.
                     assert_eq!(some.view(0, k).expect("a view"), expected, "{integrator:?}, {view:?}");
                 }
             }

@@ -1,4 +1,4 @@
-//! Tiles on all threads.
+//! Parallel execution of tiles.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -10,7 +10,7 @@ use crate::error::Error;
 use crate::integrator::RayCounts;
 use crate::progress::{Progress, Stop};
 
-/// Tiles on all threads, with progress and a way to stop.
+/// Parallel execution of tiles, with progress reports and cancellation.
 pub(super) struct Work<'a> {
     progress: &'a dyn Progress,
     stop: &'a Stop<'a>,
@@ -23,27 +23,27 @@ impl<'a> Work<'a> {
         Self { progress, stop, total, done: AtomicU64::new(0) }
     }
 
-    /// Traces every tile into its part; each thread hands its scratch memory from tile to tile.
+    /// Calls `trace` with every tile and its output. Scratch memory is reused from tile to tile.
     pub fn run<P: Send, S: Default + Send>(
         &self,
         tiling: &Tiling,
-        parts: Vec<P>,
+        outputs: Vec<P>,
         trace: impl Fn(&Tile, P, &mut S) -> RayCounts + Sync,
     ) -> Result<RayCounts, Error> {
         let tiles = tiling.tiles();
-        // As many as tiles were ever worked on at the same time.
+        // At most as many entries as tiles that were traced at the same time.
         let idle = Mutex::new(Vec::<S>::new());
-        debug_assert_eq!(tiles.len(), parts.len());
+        debug_assert_eq!(tiles.len(), outputs.len());
         tiles
             .par_iter()
-            .zip(parts)
-            .map(|(tile, part)| {
+            .zip(outputs)
+            .map(|(tile, output)| {
                 if self.stop.requested() {
                     return Err(Error::Cancelled);
                 }
                 let taken = idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
                 let mut scratch = taken.unwrap_or_default();
-                let rays = trace(tile, part, &mut scratch);
+                let rays = trace(tile, output, &mut scratch);
                 idle.lock().unwrap_or_else(PoisonError::into_inner).push(scratch);
                 let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
                 self.progress.advance(done, self.total);

@@ -1,11 +1,11 @@
-//! Sines and angles of a single lane, for loops over lanes: polynomials without branches, the same bits on every
-//! machine (the C library's functions are not).
+//! Trigonometric functions of a single lane, for loops over lanes: branch-free polynomials that are bitwise identical
+//! on all machines (those of the C library are not).
 //!
 //! All angles are in rad. Errors are absolute and hold for every input of the stated range; the tests assert them.
 
 use std::f32::consts::{FRAC_2_PI, FRAC_PI_2, FRAC_PI_4, PI};
 
-/// tan(pi/8): up to here the arc tangent is a short polynomial.
+/// tan(pi/8), the end of the range of the arc tangent polynomial.
 const TAN_PI_8: f32 = 0.414_213_57;
 
 /// Sine and cosine up to a quarter of pi, within 1.2e-7 (Taylor).
@@ -33,10 +33,10 @@ pub(crate) fn sin_cos(x: f32) -> (f32, f32) {
     (s, c)
 }
 
-/// The angle of the point (x, y), from -pi to pi, within 2e-7.
+/// The angle of the point (x, y) in rad, from -pi to pi, within 2e-7.
 ///
 /// Zeros have the signs of IEEE 754: (y, x) = (+-0, 1) gives +-0, (+-0, -1) gives +-pi, (+-0, -0) gives +-pi; the axes
-/// give exactly +-pi/2. The coordinates must be finite and below 1e38; whether they are tiny does not matter.
+/// give exactly +-pi/2. The coordinates must be finite and below 1e38; they may be arbitrarily small.
 #[inline(always)]
 pub(crate) fn atan2(y: f32, x: f32) -> f32 {
     let (a, b) = (y.abs(), x.abs());
@@ -50,7 +50,7 @@ pub(crate) fn atan2(y: f32, x: f32) -> f32 {
     // Minimax over |t| <= tan(pi/8), off by 5.3e-9.
     let series = s * (-0.333_327_56 + s * (0.199_718_79 + s * (-0.138_244_54 + s * 0.079_025_98)));
     let octant = (t + t * series) + if steep { FRAC_PI_4 } else { 0.0 };
-    // The nearest axis that the octant is counted from, with the digits that its f32 lacks.
+    // The nearest axis, from which the octant is counted, plus the rounding error of its f32 value.
     let (upright, leftward) = (a > b, x.is_sign_negative());
     let axis = if leftward { PI } else { 0.0 };
     let axis = if upright { FRAC_PI_2 } else { axis };
@@ -59,7 +59,7 @@ pub(crate) fn atan2(y: f32, x: f32) -> f32 {
     (axis + (rest + counted)).copysign(y)
 }
 
-/// `1 - cos(angle)` in f64 for angles from 0 to pi/2, within 1e-15 relative: exact where the cosine is next to 1.
+/// `1 - cos(angle)` in f64 for angles from 0 to pi/2, within a relative 1e-15, also where the cosine is close to 1.
 pub(crate) fn versine(angle: f64) -> f64 {
     // 2 sin^2(angle / 2), the sine by its Taylor series to x^19: the rest is below 1e-20 at pi/4.
     let x = 0.5 * angle;

@@ -1,12 +1,12 @@
-//! The same code compiled for several instruction sets, chosen at run time.
+//! Run-time dispatch: the same code compiled for several instruction sets.
 //!
-//! This is one of the two files of the project that contain `unsafe`: all it does is call a safe function that is
-//! compiled for AVX2 or AVX-512 after asking the processor whether it has them. The kernels are ordinary loops over 16
-//! lanes; the compiler vectorises them for each set. No set fuses multiplications with additions by itself, so the
-//! results are the same bits everywhere.
+//! This is one of the two files of the project that contain `unsafe`. It calls a safe function that is compiled for
+//! AVX2 or AVX-512 after it has checked that the processor supports that instruction set. The kernels are ordinary
+//! loops over 16 lanes, which the compiler vectorizes for each set. The compiler does not contract multiplications and
+//! additions into fused operations, so the results are bitwise identical on all sets.
 
-/// Work that is compiled once per instruction set. Implementations mark `run` `#[inline(always)]`, and everything hot
-/// beneath it too: only what is inlined into the entry is compiled for its instruction set.
+/// Work that is compiled once per instruction set. Implementations mark `run`, and all hot functions that it calls,
+/// `#[inline(always)]`: only code that is inlined into the entry point is compiled for its instruction set.
 pub(crate) trait Kernel {
     type Output;
     fn run(self) -> Self::Output;
@@ -45,7 +45,7 @@ fn avx2<K: Kernel>(kernel: K) -> K::Output {
     kernel.run()
 }
 
-/// What the processor has, slowest first, for tests that hold the sets against each other.
+/// Runs the kernel on every instruction set of this processor, slowest first: for tests that compare them.
 #[cfg(test)]
 pub(crate) fn run_on_all<K: Kernel>(mut kernel: impl FnMut() -> K) -> Vec<K::Output> {
     let mut results = vec![kernel().run()];

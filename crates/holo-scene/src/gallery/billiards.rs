@@ -1,20 +1,20 @@
 //! Pool balls, just broken, on a green cloth.
 //!
-//! There for: specular highlights. Hard about it: every ball is an almost textureless sphere that mirrors the lamps
+//! **Purpose**: specular highlights. **Difficulty**: every ball is an almost textureless sphere that mirrors the lamps
 //! above the table; the highlights lie at depths of their own, behind the surface, and move from view to view.
 
 use glam::DVec3;
 
+use super::materials::{diffuse, glossy, textured};
 use super::noise::Random;
-use super::papers::{grained, wood};
 use super::patterns::{mix, paint};
 use super::shapes;
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, turned};
-use super::surfaces::{glossy, matt, textured};
+use super::textures::{grained, wood};
 use crate::{Scene, Texture, Transform, Wrap};
 
-/// Of a ball, m.
+/// Radius of a ball, m.
 const RADIUS: f64 = 0.0286;
 
 pub(super) fn scene() -> Scene {
@@ -24,15 +24,55 @@ pub(super) fn scene() -> Scene {
     ];
     textures.extend((0..16).map(ball));
     let mut studio = Studio::new(textures);
-    let cloth = studio.surface("cloth", textured(0, matt([1.0; 3])));
-    let rail = studio.surface("rail", textured(1, glossy([1.0; 3], 0.18)));
+    let cloth = studio.material("cloth", textured(0, diffuse([1.0; 3])));
+    let rail = studio.material("rail", textured(1, glossy([1.0; 3], 0.18)));
     let phenolic: Vec<usize> =
-        (0..16).map(|k| studio.surface("phenolic", textured(2 + k, glossy([1.0; 3], 0.06)))).collect();
-    let ivory = studio.surface("ferrule", glossy([0.82, 0.78, 0.66], 0.2));
-    let leather = studio.surface("leather", matt([0.10, 0.16, 0.28]));
-    let maple = studio.surface("maple", glossy([0.66, 0.44, 0.22], 0.2));
-    let brass = studio.surface("sight", glossy([0.85, 0.80, 0.68], 0.15));
+        (0..16).map(|k| studio.material("phenolic", textured(2 + k, glossy([1.0; 3], 0.06)))).collect();
+    let ivory = studio.material("ferrule", glossy([0.82, 0.78, 0.66], 0.2));
+    let leather = studio.material("leather", diffuse([0.10, 0.16, 0.28]));
+    let maple = studio.material("maple", glossy([0.66, 0.44, 0.22], 0.2));
+    let brass = studio.material("sight", glossy([0.85, 0.80, 0.68], 0.15));
 
+    table(&mut studio, cloth, rail, brass);
+
+    let mut random = Random::new(9);
+    let places = [
+        (0, -0.060, 0.125),
+        (1, 0.050, 0.020),
+        (2, -0.160, -0.020),
+        (3, 0.150, 0.085),
+        (4, 0.005, -0.095),
+        (5, -0.105, -0.130),
+        (6, 0.215, -0.055),
+        (7, -0.255, -0.165),
+        (8, 0.105, -0.150),
+        (9, -0.035, 0.028),
+        (10, 0.285, -0.205),
+        (11, -0.020, -0.240),
+        (12, -0.215, 0.062),
+        (13, 0.170, -0.270),
+        (14, -0.165, -0.290),
+        (15, 0.045, -0.325),
+    ];
+    for (number, x, z) in places {
+        let axis = [random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0)];
+        // The numbers face the camera, more or less.
+        let turn = turned([x, RADIUS, z], axis, random.between(-55.0, 55.0), RADIUS);
+        let facing = turned([0.0; 3], [-1.0, 0.25, 0.0], -28.0, 1.0);
+        studio.add(&format!("ball {number}"), shapes::ball(96, 48, |_| 0.0), phenolic[number], turn.after(&facing));
+    }
+    cue(&mut studio, leather, ivory, maple);
+
+    studio.room([0.075, 0.065, 0.055]);
+    for x in [-0.42, 0.0, 0.42] {
+        studio.softbox("lamp", [x, 0.85, -0.12], [x, 0.0, -0.12], [0.26, 0.26], [7.4, 6.5, 5.0]);
+    }
+    studio.softbox("window", [-1.1, 0.6, 0.75], [0.0, 0.0, -0.1], [0.5, 0.8], [0.8, 1.0, 1.35]);
+    studio.with_camera([0.03, 0.275, 0.585], [0.0, -0.002, -0.070])
+}
+
+/// The bed, a cushion and the rail of the table, and the panelling behind it.
+fn table(studio: &mut Studio, cloth: usize, rail: usize, brass: usize) {
     studio.add(
         "bed",
         shapes::sheet(1, 1, |s, t| DVec3::new(s - 0.5, 0.0, 0.95 * t - 0.58)),
@@ -58,41 +98,17 @@ pub(super) fn scene() -> Scene {
             Transform::from_parts([x, 0.0455, -0.47], [0.0, 0.0, 0.0, 1.0], [0.006, 0.002, 0.006]),
         );
     }
-    let backdrop = studio.surface("panelling", textured(1, glossy([0.55; 3], 0.5)));
+    let backdrop = studio.material("panelling", textured(1, glossy([0.55; 3], 0.5)));
     studio.add(
         "panelling",
         shapes::sheet(1, 1, |s, t| DVec3::new(s - 0.5, 0.45 - 0.5 * t, -0.57)),
         backdrop,
         Transform::IDENTITY,
     );
+}
 
-    let mut random = Random::new(9);
-    let places = [
-        (0, -0.060, 0.125),
-        (1, 0.050, 0.020),
-        (2, -0.160, -0.020),
-        (3, 0.150, 0.085),
-        (4, 0.005, -0.095),
-        (5, -0.105, -0.130),
-        (6, 0.215, -0.055),
-        (7, -0.255, -0.165),
-        (8, 0.105, -0.150),
-        (9, -0.035, 0.028),
-        (10, 0.285, -0.205),
-        (11, -0.020, -0.240),
-        (12, -0.215, 0.062),
-        (13, 0.170, -0.270),
-        (14, -0.165, -0.290),
-        (15, 0.045, -0.325),
-    ];
-    for (number, x, z) in places {
-        let axis = [random.between(-1.0, 1.0), random.between(-1.0, 1.0), random.between(-1.0, 1.0)];
-        // The numbers that matter to the picture look out of it, somewhat.
-        let turn = turned([x, RADIUS, z], axis, random.between(-55.0, 55.0), RADIUS);
-        let facing = turned([0.0; 3], [-1.0, 0.25, 0.0], -28.0, 1.0);
-        studio.add(&format!("ball {number}"), shapes::ball(96, 48, |_| 0.0), phenolic[number], turn.after(&facing));
-    }
-    // The cue comes in from the lower right.
+/// The cue, which comes in from the lower right.
+fn cue(studio: &mut Studio, leather: usize, ivory: usize, maple: usize) {
     let cue = |low: f64, high: f64, thick: [f64; 2]| {
         lathe(48, 3, &[[0.0, high], [thick[1], high], [thick[0], low], [0.0, low]])
     };
@@ -100,13 +116,6 @@ pub(super) fn scene() -> Scene {
     studio.add("tip", cue(0.0, 0.006, [0.0058, 0.0062]), leather, pose);
     studio.add("ferrule", cue(0.006, 0.028, [0.0063, 0.0064]), ivory, pose);
     studio.add("shaft", cue(0.028, 0.33, [0.0064, 0.0075]), maple, pose);
-
-    studio.room([0.075, 0.065, 0.055]);
-    for x in [-0.42, 0.0, 0.42] {
-        studio.softbox("lamp", [x, 0.85, -0.12], [x, 0.0, -0.12], [0.26, 0.26], [7.4, 6.5, 5.0]);
-    }
-    studio.softbox("window", [-1.1, 0.6, 0.75], [0.0, 0.0, -0.1], [0.5, 0.8], [0.8, 1.0, 1.35]);
-    studio.photographed([0.03, 0.275, 0.585], [0.0, -0.002, -0.070])
 }
 
 /// The equirectangular texture of a ball: plain up to 8, striped from 9, the cue ball with a dot.
@@ -144,7 +153,7 @@ fn ball(number: usize) -> Texture {
     })
 }
 
-/// Whether (x, y) in the unit square lies on the number, in a font of 3 by 5 squares.
+/// Whether (x, y) in the unit square lies on the digits of the number, in a font of 3 by 5 squares.
 fn digits(number: usize, x: f64, y: f64) -> bool {
     const FONT: [u16; 10] = [0o75557, 0o26227, 0o71747, 0o71717, 0o55711, 0o74717, 0o74757, 0o71111, 0o75757, 0o75717];
     let shown: &[usize] = if number > 9 { &[number / 10, number % 10] } else { &[number] };

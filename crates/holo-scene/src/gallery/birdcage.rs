@@ -1,23 +1,23 @@
 //! A wire birdcage with paper birds, some in it and some gone.
 //!
-//! There for: thin structures. Hard about it: the wires are about as wide as a pixel of a view and stand before each
-//! other, before the birds and before a plain wall; their shadows look like wires.
+//! **Purpose**: thin structures. **Difficulty**: the wires are about as wide as a pixel of a view and stand in front of
+//! each other, of the birds and of a plain wall; their shadows look like wires.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::papers::{grained, wood};
+use super::materials::{BRASS, diffuse, glossy, metal, textured};
 use super::shapes;
 use super::solids::lathe;
 use super::studio::{Studio, at, turned};
-use super::surfaces::{BRASS, glossy, matt, metal, textured};
+use super::textures::{grained, wood};
 use crate::{Mesh, Scene, Transform};
 
-/// Where the cage stands.
+/// Position of the cage, m.
 const CAGE: [f64; 3] = [-0.055, 0.0, -0.06];
 const CAGE_RADIUS: f64 = 0.092;
-/// Where the wires bend into the dome.
+/// Height at which the wires bend into the dome, m.
 const SHOULDER: f64 = 0.145;
 
 pub(super) fn scene() -> Scene {
@@ -25,13 +25,13 @@ pub(super) fn scene() -> Scene {
         grained("wall", [0.60, 0.42, 0.345], 0.10),
         wood("table", [0.16, 0.085, 0.045], [0.36, 0.215, 0.125], 3.0, 51.0),
     ]);
-    let wall = studio.surface("wall", textured(0, matt([1.0; 3])));
-    let table = studio.surface("table", textured(1, glossy([1.0; 3], 0.4)));
-    let wire = studio.surface("wire", metal(BRASS, 0.3));
-    let lacquer = studio.surface("lacquer", glossy([0.045, 0.10, 0.105], 0.18));
+    let wall = studio.material("wall", textured(0, diffuse([1.0; 3])));
+    let table = studio.material("table", textured(1, glossy([1.0; 3], 0.4)));
+    let wire = studio.material("wire", metal(BRASS, 0.3));
+    let lacquer = studio.material("lacquer", glossy([0.045, 0.10, 0.105], 0.18));
     let papers = [[0.80, 0.78, 0.73], [0.72, 0.16, 0.10], [0.10, 0.27, 0.34], [0.80, 0.55, 0.16]]
-        .map(|c| studio.surface("paper", matt(c)));
-    let thread = studio.surface("thread", matt([0.75, 0.72, 0.66]));
+        .map(|c| studio.material("paper", diffuse(c)));
+    let thread = studio.material("thread", diffuse([0.75, 0.72, 0.66]));
 
     studio.add(
         "wall",
@@ -46,6 +46,19 @@ pub(super) fn scene() -> Scene {
         Transform::IDENTITY,
     );
 
+    cage(&mut studio, wire, lacquer, thread);
+
+    birds(&mut studio, papers, thread);
+
+    studio.room([0.125, 0.12, 0.12]);
+    studio.spot("lamp", [-0.62, 0.50, 0.85], [0.0, 0.1, -0.1], 32.0, [3.4, 3.1, 2.6]);
+    studio.softbox("window", [-0.95, 0.80, 0.50], [0.0, 0.1, -0.1], [0.4, 0.5], [2.4, 2.3, 2.2]);
+    studio.softbox("reflector", [1.0, 0.4, 0.6], [0.0, 0.1, -0.1], [0.5, 0.9], [0.7, 0.75, 0.85]);
+    studio.with_camera([0.045, 0.165, 0.60], [0.005, 0.118, -0.06])
+}
+
+/// The cage with its door and a perch.
+fn cage(studio: &mut Studio, wire: usize, lacquer: usize, thread: usize) {
     let cage = Transform::from_translation(CAGE);
     let base = lathe(
         128,
@@ -62,23 +75,6 @@ pub(super) fn scene() -> Scene {
         ],
     );
     studio.add("base", base, lacquer, cage);
-    let rib = |angle: f64| {
-        shapes::tube(
-            40,
-            10,
-            |_| 0.00085,
-            move |s| {
-                // Straight up, then a quarter of an ellipse to the crown.
-                let (radius, height) = if s < 0.5 {
-                    (CAGE_RADIUS, 0.018 + (SHOULDER - 0.018) * 2.0 * s)
-                } else {
-                    let turn = (s - 0.5) * std::f64::consts::PI * 0.97;
-                    (CAGE_RADIUS * turn.cos(), SHOULDER + 0.085 * turn.sin())
-                };
-                DVec3::new(radius * angle.cos(), height, radius * angle.sin())
-            },
-        )
-    };
     for k in 0..32 {
         // The door is open: three wires are missing.
         if !(6..9).contains(&k) {
@@ -114,10 +110,10 @@ pub(super) fn scene() -> Scene {
         |s| DVec3::new(0.011 * (s * TAU).cos(), 0.2565 + 0.011 * (s * TAU).sin(), 0.0),
     );
     studio.add("ring", ring, wire, cage.after(&turned([0.0; 3], [0.0, 1.0, 0.0], 35.0, 1.0)));
-    // The door, ajar.
+    // The open door.
     let hinge = TAU * 6.1 / 32.0;
     let door_at = DVec3::from(CAGE) + DVec3::new(CAGE_RADIUS * hinge.cos(), 0.0, CAGE_RADIUS * hinge.sin());
-    door(&mut studio, turned(door_at.to_array(), [0.0, 1.0, 0.0], -38.0, 1.0), wire);
+    door(studio, turned(door_at.to_array(), [0.0, 1.0, 0.0], -38.0, 1.0), wire);
     // A perch on two threads.
     studio.add("perch", shapes::tube(2, 12, |_| 0.0022, |s| DVec3::new(-0.048 + 0.096 * s, 0.098, 0.0)), lacquer, cage);
     for x in [-0.044, 0.044] {
@@ -128,7 +124,28 @@ pub(super) fn scene() -> Scene {
             cage,
         );
     }
+}
 
+/// A wire of the cage at an angle around it: straight up, then a quarter of an ellipse to the crown.
+fn rib(angle: f64) -> Mesh {
+    shapes::tube(
+        40,
+        10,
+        |_| 0.00085,
+        move |s| {
+            let (radius, height) = if s < 0.5 {
+                (CAGE_RADIUS, 0.018 + (SHOULDER - 0.018) * 2.0 * s)
+            } else {
+                let turn = (s - 0.5) * std::f64::consts::PI * 0.97;
+                (CAGE_RADIUS * turn.cos(), SHOULDER + 0.085 * turn.sin())
+            };
+            DVec3::new(radius * angle.cos(), height, radius * angle.sin())
+        },
+    )
+}
+
+/// Paper birds; those in the air hang on threads.
+fn birds(studio: &mut Studio, papers: [usize; 4], thread: usize) {
     // (place, heading, pitch, size, paper)
     let birds = [
         ([-0.067, 0.124, -0.060], 28.0, 8.0, 0.050, 0),
@@ -150,12 +167,6 @@ pub(super) fn scene() -> Scene {
             at(x, y, z),
         );
     }
-
-    studio.room([0.125, 0.12, 0.12]);
-    studio.spot("lamp", [-0.62, 0.50, 0.85], [0.0, 0.1, -0.1], 32.0, [3.4, 3.1, 2.6]);
-    studio.softbox("window", [-0.95, 0.80, 0.50], [0.0, 0.1, -0.1], [0.4, 0.5], [2.4, 2.3, 2.2]);
-    studio.softbox("reflector", [1.0, 0.4, 0.6], [0.0, 0.1, -0.1], [0.5, 0.9], [0.7, 0.75, 0.85]);
-    studio.photographed([0.045, 0.165, 0.60], [0.005, 0.118, -0.06])
 }
 
 /// An origami crane of length about 2 that flies along +X: flat faces of folded paper.

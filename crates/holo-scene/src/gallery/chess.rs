@@ -1,12 +1,13 @@
 //! An endgame of chess under a lamp and a window: wooden pieces of the Staunton pattern on an inlaid board.
 //!
-//! There for: soft and hard shadows side by side, and across each other. Hard about it: shadows move over a regular
-//! pattern and must not be taken for edges of depth; pieces of one kind look alike; their gloss is view dependent.
+//! **Purpose**: soft and hard shadows side by side, and across each other. **Difficulty**: shadows move over a regular
+//! pattern and must not be mistaken for depth edges; pieces of one kind look alike; their reflections are view
+//! dependent.
 
-use super::papers::wood;
+use super::materials::{diffuse, glossy, textured};
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, upright};
-use super::surfaces::{glossy, matt, textured};
+use super::textures::wood;
 use super::{noise::Random, shapes};
 use crate::{Mesh, Scene, Transform};
 
@@ -19,12 +20,12 @@ pub(super) fn scene() -> Scene {
         wood("maple", [0.50, 0.30, 0.14], [0.72, 0.50, 0.28], 8.0, 11.0),
         wood("table", [0.045, 0.028, 0.020], [0.115, 0.070, 0.045], 6.0, 21.0),
     ]);
-    let walnut = studio.surface("walnut", textured(0, glossy([1.0; 3], 0.35)));
-    let maple = studio.surface("maple", textured(1, glossy([1.0; 3], 0.35)));
-    let table = studio.surface("table", textured(2, glossy([1.0; 3], 0.4)));
-    let boxwood = studio.surface("boxwood", glossy([0.70, 0.46, 0.20], 0.22));
-    let rosewood = studio.surface("rosewood", glossy([0.085, 0.022, 0.012], 0.2));
-    let felt = studio.surface("felt", matt([0.055, 0.105, 0.115]));
+    let walnut = studio.material("walnut", textured(0, glossy([1.0; 3], 0.35)));
+    let maple = studio.material("maple", textured(1, glossy([1.0; 3], 0.35)));
+    let table = studio.material("table", textured(2, glossy([1.0; 3], 0.4)));
+    let boxwood = studio.material("boxwood", glossy([0.70, 0.46, 0.20], 0.22));
+    let rosewood = studio.material("rosewood", glossy([0.085, 0.022, 0.012], 0.2));
+    let felt = studio.material("felt", diffuse([0.055, 0.105, 0.115]));
 
     studio.add("table", rounded_box([0.99, 0.02, 0.74], 0.004), table, at(0.0, -0.032, 0.0));
     studio.add(
@@ -38,7 +39,9 @@ pub(super) fn scene() -> Scene {
     let kinds = [pawn(), rook(), bishop(), queen(), king()];
     let meshes: Vec<[usize; 2]> = kinds
         .iter()
-        .map(|mesh| [("light", boxwood), ("dark", rosewood)].map(|(name, wood)| studio.share(name, mesh.clone(), wood)))
+        .map(|mesh| {
+            [("light", boxwood), ("dark", rosewood)].map(|(name, wood)| studio.add_mesh(name, mesh.clone(), wood))
+        })
         .collect();
     // (kind, side, file, rank): white has the open file, black the passed pawn.
     let game = [
@@ -63,22 +66,22 @@ pub(super) fn scene() -> Scene {
     let mut random = Random::new(77);
     for (kind, side, file, rank) in game {
         let (x, z) = ((f64::from(file) - 3.5) * FIELD, (3.5 - f64::from(rank)) * FIELD);
-        // Nobody sets a piece quite in the middle.
+        // Pieces are not placed exactly in the center.
         let (dx, dz, turn) = (random.between(-0.003, 0.003), random.between(-0.003, 0.003), random.between(0.0, 360.0));
-        studio.set("piece", meshes[kind][side], turned_board().after(&upright([x + dx, 0.0, z + dz], turn)));
+        studio.add_instance("piece", meshes[kind][side], turned_board().after(&upright([x + dx, 0.0, z + dz], turn)));
     }
     // Taken pieces beside the board.
     for (k, (x, z)) in [(-0.235, -0.215), (-0.205, -0.245), (-0.255, -0.255)].into_iter().enumerate() {
-        studio.set("taken", meshes[[0, 0, 2][k]][1], at(x, -0.022, z));
+        studio.add_instance("taken", meshes[[0, 0, 2][k]][1], at(x, -0.022, z));
     }
 
     studio.room([0.16, 0.18, 0.22]);
     studio.softbox("window", [-0.95, 0.75, 0.25], [0.0, 0.0, 0.0], [0.7, 0.9], [1.5, 1.7, 2.0]);
     studio.spot("lamp", [0.62, 0.85, -0.35], [0.0, 0.0, 0.02], 34.0, [2.9, 2.2, 1.4]);
-    studio.photographed([0.105, 0.265, 0.575], [-0.002, 0.006, -0.012])
+    studio.with_camera([0.105, 0.265, 0.575], [-0.002, 0.006, -0.012])
 }
 
-/// The board stands a little askew.
+/// The rotated frame of the board.
 fn turned_board() -> Transform {
     upright([0.0; 3], -24.0)
 }
@@ -86,7 +89,7 @@ fn turned_board() -> Transform {
 fn board(studio: &mut Studio, walnut: usize, maple: usize) {
     let rim = rounded_box([8.8 * FIELD, 0.02, 8.8 * FIELD], 0.003);
     studio.add("rim", rim, walnut, turned_board().after(&at(0.0, -0.0115, 0.0)));
-    // One mesh a wood; every field shows its own piece of the grain.
+    // One mesh per wood; every field has its own part of the grain.
     for (name, parity, material) in [("dark fields", 0, walnut), ("light fields", 1, maple)] {
         let mut fields = Mesh::default();
         for k in (0..64_u32).filter(|k| (k % 8 + k / 8) % 2 == parity) {

@@ -1,30 +1,68 @@
 //! The train of an old clock: wheels of brass, copper, iron and steel before a brushed plate.
 //!
-//! There for: rough metal, in layers. Hard about it: metal has no colour of its own but what it mirrors, blurred; teeth
-//! repeat; wheels overlap with gaps of some millimetres.
+//! **Purpose**: rough metal, in layers. **Difficulty**: rough metal shows only blurred reflections; teeth repeat;
+//! wheels overlap with gaps of some millimeters.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::papers::{brushed, grained};
+use super::materials::{BRASS, COPPER, STEEL, diffuse, metal, roughness_mapped, textured};
 use super::shapes;
 use super::solids::{join, lathe, plate, rounded_box};
 use super::studio::{Studio, at, turned};
-use super::surfaces::{BRASS, COPPER, STEEL, matt, metal, textured, worn};
+use super::textures::{brushed, grained};
 use crate::{Mesh, Scene, Transform};
 
 pub(super) fn scene() -> Scene {
     let mut studio =
         Studio::new(vec![brushed(0.42, 0.16), brushed(0.62, 0.22), grained("leather", [0.028, 0.040, 0.058], 0.5)]);
-    let backing = studio.surface("backing", textured(2, matt([1.0; 3])));
-    let iron = studio.surface("plate", worn(1, [3.0, 3.0], metal([0.30, 0.31, 0.33], 1.0)));
-    let brass = studio.surface("brass", worn(0, [1.0, 1.0], metal(BRASS, 0.85)));
-    let old_brass = studio.surface("old brass", worn(1, [1.0, 1.0], metal([0.72, 0.50, 0.24], 0.8)));
-    let copper = studio.surface("copper", worn(0, [1.0, 1.0], metal(COPPER, 0.8)));
-    let steel = studio.surface("steel", worn(0, [1.0, 1.0], metal(STEEL, 0.7)));
-    let blued = studio.surface("blued steel", metal([0.10, 0.16, 0.36], 0.24));
+    let backing = studio.material("backing", textured(2, diffuse([1.0; 3])));
+    let iron = studio.material("plate", roughness_mapped(1, [3.0, 3.0], metal([0.30, 0.31, 0.33], 1.0)));
+    let brass = studio.material("brass", roughness_mapped(0, [1.0, 1.0], metal(BRASS, 0.85)));
+    let old_brass = studio.material("old brass", roughness_mapped(1, [1.0, 1.0], metal([0.72, 0.50, 0.24], 0.8)));
+    let copper = studio.material("copper", roughness_mapped(0, [1.0, 1.0], metal(COPPER, 0.8)));
+    let steel = studio.material("steel", roughness_mapped(0, [1.0, 1.0], metal(STEEL, 0.7)));
+    let blued = studio.material("blued steel", metal([0.10, 0.16, 0.36], 0.24));
 
+    plate_with_pillars(&mut studio, backing, iron, brass);
+
+    // (x, y, z, teeth, radius, spokes, rotation in teeth, metal); wheels in one plane mesh.
+    let wheels = [
+        (-0.088, 0.010, -0.075, 72, 0.090, 6, 0.0, brass),
+        (0.0145, 0.0595, -0.075, 18, 0.0225, 0, 0.36, steel),
+        (0.0145, 0.0595, -0.048, 60, 0.068, 5, 0.1, copper),
+        (0.094, 0.003, -0.048, 24, 0.0275, 0, 0.3, steel),
+        (0.094, 0.003, -0.022, 64, 0.074, 6, 0.4, old_brass),
+        (0.0085, -0.0555, -0.022, 24, 0.0265, 0, 0.62, steel),
+        (0.0085, -0.0555, 0.004, 48, 0.052, 4, 0.2, brass),
+        (-0.066, -0.0800, 0.004, 24, 0.0255, 0, 0.5, copper),
+        (-0.066, -0.0800, 0.024, 15, 0.0165, 0, 0.2, steel),
+        (0.172, 0.080, -0.075, 30, 0.036, 5, 0.2, old_brass),
+    ];
+    for (k, (x, y, z, teeth, radius, spokes, turn, metal)) in wheels.into_iter().enumerate() {
+        let turn = turn * 360.0 / f64::from(teeth);
+        studio.add(
+            &format!("wheel {k}"),
+            wheel(teeth, radius, spokes),
+            metal,
+            turned([x, y, z], [0.0, 0.0, 1.0], turn, 1.0),
+        );
+    }
+    arbors(&mut studio, steel);
+    spring(&mut studio, blued);
+    for (x, y) in [(-0.19, 0.06), (-0.19, -0.06), (0.13, -0.125), (0.02, 0.135), (0.19, 0.01)] {
+        screw(&mut studio, [x, y, -0.106], 40.0 * (x * 90.0 + y * 50.0), blued);
+    }
+
+    studio.room([0.23, 0.25, 0.28]);
+    studio.softbox("softbox", [-0.8, 0.75, 0.8], [0.0, 0.0, -0.05], [0.7, 0.5], [4.6, 4.3, 3.8]);
+    studio.softbox("strip", [0.95, 0.1, 0.45], [0.0, 0.0, -0.05], [0.18, 0.9], [3.6, 4.0, 4.8]);
+    studio.with_camera([0.110, -0.055, 0.475], [0.002, -0.003, -0.055])
+}
+
+/// The backing, the plate and its pillars.
+fn plate_with_pillars(studio: &mut Studio, backing: usize, iron: usize, brass: usize) {
     studio.add(
         "backing",
         shapes::sheet(1, 1, |s, t| DVec3::new(s - 0.5, 0.48 - 0.72 * t, -0.16)),
@@ -54,29 +92,10 @@ pub(super) fn scene() -> Scene {
             turned([x, y, -0.108], [1.0, 0.0, 0.0], 90.0, 1.0),
         );
     }
+}
 
-    // (x, y, z, teeth, radius, spokes, turn in teeth, metal): neighbours in one plane mesh.
-    let wheels = [
-        (-0.088, 0.010, -0.075, 72, 0.090, 6, 0.0, brass),
-        (0.0145, 0.0595, -0.075, 18, 0.0225, 0, 0.36, steel),
-        (0.0145, 0.0595, -0.048, 60, 0.068, 5, 0.1, copper),
-        (0.094, 0.003, -0.048, 24, 0.0275, 0, 0.3, steel),
-        (0.094, 0.003, -0.022, 64, 0.074, 6, 0.4, old_brass),
-        (0.0085, -0.0555, -0.022, 24, 0.0265, 0, 0.62, steel),
-        (0.0085, -0.0555, 0.004, 48, 0.052, 4, 0.2, brass),
-        (-0.066, -0.0800, 0.004, 24, 0.0255, 0, 0.5, copper),
-        (-0.066, -0.0800, 0.024, 15, 0.0165, 0, 0.2, steel),
-        (0.172, 0.080, -0.075, 30, 0.036, 5, 0.2, old_brass),
-    ];
-    for (k, (x, y, z, teeth, radius, spokes, turn, metal)) in wheels.into_iter().enumerate() {
-        let turn = turn * 360.0 / f64::from(teeth);
-        studio.add(
-            &format!("wheel {k}"),
-            wheel(teeth, radius, spokes),
-            metal,
-            turned([x, y, z], [0.0, 0.0, 1.0], turn, 1.0),
-        );
-    }
+/// The arbors of the wheels.
+fn arbors(studio: &mut Studio, steel: usize) {
     for (x, y, near) in [
         (-0.088, 0.010, -0.055),
         (0.0145, 0.0595, -0.030),
@@ -102,15 +121,6 @@ pub(super) fn scene() -> Scene {
         );
         studio.add("arbor", arbor, steel, turned([x, y, -0.108], [1.0, 0.0, 0.0], 90.0, 1.0));
     }
-    spring(&mut studio, blued);
-    for (x, y) in [(-0.19, 0.06), (-0.19, -0.06), (0.13, -0.125), (0.02, 0.135), (0.19, 0.01)] {
-        screw(&mut studio, [x, y, -0.106], 40.0 * (x * 90.0 + y * 50.0), blued);
-    }
-
-    studio.room([0.23, 0.25, 0.28]);
-    studio.softbox("softbox", [-0.8, 0.75, 0.8], [0.0, 0.0, -0.05], [0.7, 0.5], [4.6, 4.3, 3.8]);
-    studio.softbox("strip", [0.95, 0.1, 0.45], [0.0, 0.0, -0.05], [0.18, 0.9], [3.6, 4.0, 4.8]);
-    studio.photographed([0.110, -0.055, 0.475], [0.002, -0.003, -0.055])
 }
 
 /// A toothed wheel around +Z with a rim, spokes and a hub; without spokes it is solid.
@@ -154,7 +164,7 @@ fn spring(studio: &mut Studio, material: usize) {
     studio.add("spring", coil, material, Transform::IDENTITY);
 }
 
-/// A slotted screw whose head looks towards +Z.
+/// A slotted screw whose head faces +Z.
 fn screw(studio: &mut Studio, place: [f64; 3], turn: f64, material: usize) {
     let half = |side: f64| {
         let mut mesh = Mesh::default();

@@ -1,32 +1,32 @@
 //! Lace curtains before a window, a veil behind them, a vase on the sill between the two.
 //!
-//! There for: transparency by alpha, as holes (lace) and as a share (veil). Hard about it: a pixel shows up to four
-//! layers at once; the holes repeat and are about as wide as a pixel; what is behind is seen in pieces.
+//! **Purpose**: transparency by alpha, as holes (lace) and as opacity (veil). **Difficulty**: a pixel shows up to four
+//! layers at once; the holes repeat and are about as wide as a pixel; what is behind is visible in pieces.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use super::materials::{BRASS, alpha_masked, diffuse, glossy, metal, repeated, textured};
 use super::noise::Random;
-use super::papers::{grained, with_alpha};
 use super::patterns::paint;
 use super::shapes;
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, turned};
-use super::surfaces::{BRASS, cut_out, glossy, matt, metal, repeated, textured};
+use super::textures::{grained, with_alpha};
 use crate::{Alpha, Material, Mesh, Scene, Texture, Transform, Wrap};
 
 pub(super) fn scene() -> Scene {
     let mut studio = Studio::new(vec![lace(), petals(), grained("wall", [0.060, 0.150, 0.140], 0.12), veil_stripes()]);
-    let lace = studio.surface("lace", cut_out(0, [7.0, 5.0], matt([1.0; 3])));
-    let veil = studio.surface("veil", Material { alpha: Alpha::Blend, ..repeated(3, [26.0, 1.0], matt([1.0; 3])) });
-    let wall = studio.surface("wall", textured(2, matt([1.0; 3])));
-    let sill = studio.surface("sill", glossy([0.42, 0.255, 0.14], 0.3));
-    let rod = studio.surface("rod", metal(BRASS, 0.25));
-    let porcelain = studio.surface("porcelain", glossy([0.66, 0.33, 0.06], 0.08));
-    let stem = studio.surface("stem", matt([0.10, 0.21, 0.06]));
-    let petal = studio.surface("petal", cut_out(1, [1.0, 1.0], matt([1.0; 3])));
-    let heart = studio.surface("heart", matt([0.70, 0.42, 0.04]));
+    let lace = studio.material("lace", alpha_masked(0, [7.0, 5.0], diffuse([1.0; 3])));
+    let veil = studio.material("veil", Material { alpha: Alpha::Blend, ..repeated(3, [26.0, 1.0], diffuse([1.0; 3])) });
+    let wall = studio.material("wall", textured(2, diffuse([1.0; 3])));
+    let sill = studio.material("sill", glossy([0.42, 0.255, 0.14], 0.3));
+    let rod = studio.material("rod", metal(BRASS, 0.25));
+    let porcelain = studio.material("porcelain", glossy([0.66, 0.33, 0.06], 0.08));
+    let stem = studio.material("stem", diffuse([0.10, 0.21, 0.06]));
+    let petal = studio.material("petal", alpha_masked(1, [1.0, 1.0], diffuse([1.0; 3])));
+    let heart = studio.material("heart", diffuse([0.70, 0.42, 0.04]));
 
     studio.add(
         "wall",
@@ -36,7 +36,43 @@ pub(super) fn scene() -> Scene {
     );
     studio.add("sill", rounded_box([0.98, 0.028, 0.62], 0.005), sill, at(0.0, -0.014, -0.10));
 
-    // Two curtains of lace, drawn aside, and the veil behind the flowers.
+    drapes(&mut studio, lace, veil, rod);
+    frames(&mut studio, rod);
+
+    let vase_at = DVec3::new(0.030, 0.0, -0.075);
+    let vase = vase();
+    studio.add("vase", vase, porcelain, Transform::from_translation(vase_at.to_array()));
+    let corolla = studio.add_mesh("petals", corolla(), petal);
+    let disc = studio.add_mesh("heart", shapes::ball(24, 12, |_| 0.0), heart);
+    let mut random = Random::new(19);
+    for k in 0..9 {
+        let heading = 2.4 * f64::from(k) + 0.3;
+        let (lean, height) = (random.between(0.02, 0.085), random.between(0.13, 0.215));
+        let path = move |s: f64| {
+            let out = lean * s * s;
+            vase_at + DVec3::new(heading.cos() * out, 0.05 + height * s, heading.sin() * out * 0.7)
+        };
+        studio.add("stem", shapes::tube(24, 8, |_| 0.0013, path), stem, Transform::IDENTITY);
+        let top = path(1.0).to_array();
+        let size = random.between(0.026, 0.034);
+        // Flowers face the light and outward.
+        let pose = turned(top, [0.75, 0.0, -heading.cos()], random.between(38.0, 66.0), size);
+        studio.add_instance("petals", corolla, pose);
+        studio.add_instance(
+            "heart",
+            disc,
+            pose.after(&Transform::from_parts([0.0, 0.03, 0.0], [0.0, 0.0, 0.0, 1.0], [0.22, 0.12, 0.22])),
+        );
+    }
+
+    studio.room([0.17, 0.175, 0.185]);
+    studio.softbox("window", [0.80, 0.75, 0.70], [0.0, 0.12, -0.1], [0.35, 0.42], [10.0, 9.3, 8.2]);
+    studio.softbox("behind", [-0.80, 0.75, -0.10], [0.0, 0.1, -0.25], [0.30, 0.4], [8.0, 8.0, 8.2]);
+    studio.with_camera([-0.045, 0.175, 0.640], [0.008, 0.155, -0.06])
+}
+
+/// Two lace curtains, drawn aside, the veil behind the flowers, and their rods.
+fn drapes(studio: &mut Studio, lace: usize, veil: usize, rod: usize) {
     for (side, open) in [(-1.0, 0.030), (1.0, 0.085)] {
         let curtain = shapes::sheet(240, 60, |s, t| {
             // Gathered above, bound aside below.
@@ -60,12 +96,15 @@ pub(super) fn scene() -> Scene {
             Transform::IDENTITY,
         );
     }
-    // Frames on the wall, seen through everything.
+}
+
+/// Frames on the wall, visible through everything.
+fn frames(studio: &mut Studio, rod: usize) {
     for (x, y, wide, high) in [(-0.17, 0.225, 0.13, 0.17), (0.09, 0.26, 0.17, 0.12), (0.31, 0.20, 0.10, 0.14)] {
         studio.add("frame", rounded_box([wide, high, 0.014], 0.003), rod, at(x, y, -0.391));
-        let card = studio.surface("print", matt([0.74, 0.70, 0.61]));
+        let card = studio.material("print", diffuse([0.74, 0.70, 0.61]));
         studio.add("print", rounded_box([wide - 0.022, high - 0.022, 0.004], 0.001), card, at(x, y, -0.384));
-        let ink = studio.surface("ink", matt([0.50, 0.16, 0.10]));
+        let ink = studio.material("ink", diffuse([0.50, 0.16, 0.10]));
         studio.add(
             "print",
             shapes::ball(48, 24, |_| 0.0),
@@ -73,9 +112,11 @@ pub(super) fn scene() -> Scene {
             Transform::from_parts([x, y, -0.382], [0.0, 0.0, 0.0, 1.0], [0.25 * wide, 0.25 * wide, 0.001]),
         );
     }
+}
 
-    let vase_at = DVec3::new(0.030, 0.0, -0.075);
-    let vase = lathe(
+/// The vase.
+fn vase() -> Mesh {
+    lathe(
         96,
         7,
         &[
@@ -94,38 +135,10 @@ pub(super) fn scene() -> Scene {
             [0.0235, 0.0],
             [0.0, 0.0],
         ],
-    );
-    studio.add("vase", vase, porcelain, Transform::from_translation(vase_at.to_array()));
-    let corolla = studio.share("petals", corolla(), petal);
-    let disc = studio.share("heart", shapes::ball(24, 12, |_| 0.0), heart);
-    let mut random = Random::new(19);
-    for k in 0..9 {
-        let heading = 2.4 * f64::from(k) + 0.3;
-        let (lean, height) = (random.between(0.02, 0.085), random.between(0.13, 0.215));
-        let path = move |s: f64| {
-            let out = lean * s * s;
-            vase_at + DVec3::new(heading.cos() * out, 0.05 + height * s, heading.sin() * out * 0.7)
-        };
-        studio.add("stem", shapes::tube(24, 8, |_| 0.0013, path), stem, Transform::IDENTITY);
-        let top = path(1.0).to_array();
-        let size = random.between(0.026, 0.034);
-        // Flowers look to the light and outward.
-        let pose = turned(top, [0.75, 0.0, -heading.cos()], random.between(38.0, 66.0), size);
-        studio.set("petals", corolla, pose);
-        studio.set(
-            "heart",
-            disc,
-            pose.after(&Transform::from_parts([0.0, 0.03, 0.0], [0.0, 0.0, 0.0, 1.0], [0.22, 0.12, 0.22])),
-        );
-    }
-
-    studio.room([0.17, 0.175, 0.185]);
-    studio.softbox("window", [0.80, 0.75, 0.70], [0.0, 0.12, -0.1], [0.35, 0.42], [10.0, 9.3, 8.2]);
-    studio.softbox("behind", [-0.80, 0.75, -0.10], [0.0, 0.1, -0.25], [0.30, 0.4], [8.0, 8.0, 8.2]);
-    studio.photographed([-0.045, 0.175, 0.640], [0.008, 0.155, -0.06])
+    )
 }
 
-/// Nets of threads with flowers worked in; alpha says where there is thread. Repeats.
+/// Nets of threads with flowers; alpha is 1 on threads. Periodic.
 fn lace() -> Texture {
     let flower = |x: f64, y: f64| {
         let wrap = |t: f64| t - t.round();
@@ -152,7 +165,7 @@ fn lace() -> Texture {
     with_alpha(paint("lace", 512, Wrap::Repeat, |_, _| [0.80, 0.77, 0.70]), thread)
 }
 
-/// A row of threads, thinner and thicker: how much of the light the veil holds back. Repeats.
+/// A row of threads of varying thickness: the opacity of the veil. Periodic.
 fn veil_stripes() -> Texture {
     let plain = paint("veil", 128, Wrap::Repeat, |_, _| [0.72, 0.74, 0.76]);
     with_alpha(plain, |x, _| if x < 0.12 { 0.75 } else { 0.34 + 0.06 * (x * 6.0 * TAU).sin() })

@@ -1,34 +1,34 @@
 //! A row of dominoes that winds from right before the lens to the far end of the table.
 //!
-//! There for: a large range of depths, the largest of the gallery. Hard about it: the same stone is seen from 30 cm and
-//! from a metre, at disparities of both signs; the row hides itself.
+//! **Purpose**: a large range of depths, the largest of the gallery. **Difficulty**: the same stone is seen from 30 cm
+//! and from a meter, at disparities of both signs; the row occludes itself.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use super::materials::{BRASS, diffuse, glossy, metal, repeated, textured};
 use super::noise::Random;
-use super::papers::grained;
 use super::patterns::{mix, paint};
 use super::shapes;
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, upright};
-use super::surfaces::{BRASS, glossy, matt, metal, repeated, textured};
+use super::textures::grained;
 use crate::{Scene, Texture, Transform, Wrap};
 
-/// Of a stone, m: width, height, thickness.
+/// Size of a stone, m: width, height, thickness.
 const STONE: [f64; 3] = [0.0235, 0.047, 0.0085];
 
 pub(super) fn scene() -> Scene {
     let mut studio = Studio::new(vec![parquet(), grained("wall", [0.26, 0.30, 0.275], 0.2)]);
-    let floor = studio.surface("parquet", repeated(0, [4.0, 4.0], glossy([1.0; 3], 0.28)));
-    let wall = studio.surface("wall", textured(1, matt([1.0; 3])));
+    let floor = studio.material("parquet", repeated(0, [4.0, 4.0], glossy([1.0; 3], 0.28)));
+    let wall = studio.material("wall", textured(1, diffuse([1.0; 3])));
     let colors: [[f32; 3]; 5] =
         [[0.70, 0.66, 0.56], [0.66, 0.13, 0.07], [0.78, 0.50, 0.11], [0.07, 0.25, 0.29], [0.045, 0.052, 0.065]];
-    let lacquers = colors.map(|color| studio.surface("lacquer", glossy(color, 0.16)));
-    let light_pip = studio.surface("pip", glossy([0.76, 0.73, 0.66], 0.3));
-    let dark_pip = studio.surface("dark pip", glossy([0.03, 0.03, 0.035], 0.3));
-    let brass = studio.surface("brass", metal(BRASS, 0.2));
+    let lacquers = colors.map(|color| studio.material("lacquer", glossy(color, 0.16)));
+    let light_pip = studio.material("pip", glossy([0.76, 0.73, 0.66], 0.3));
+    let dark_pip = studio.material("dark pip", glossy([0.03, 0.03, 0.035], 0.3));
+    let brass = studio.material("brass", metal(BRASS, 0.2));
 
     studio.add(
         "floor",
@@ -44,11 +44,29 @@ pub(super) fn scene() -> Scene {
     );
     studio.add("skirting", rounded_box([1.0, 0.042, 0.010], 0.003), lacquers[0], at(0.0, 0.021, -0.594));
 
-    let bodies = lacquers.map(|lacquer| studio.share("stone", rounded_box(STONE, 0.0016), lacquer));
+    stones(&mut studio, lacquers, [dark_pip, light_pip]);
+    bell(&mut studio, brass, lacquers[4]);
+    for (x, z, size) in [(-0.19, -0.43, 0.034), (0.245, -0.29, 0.024), (-0.255, -0.20, 0.020)] {
+        studio.add(
+            "ball",
+            shapes::ball(96, 48, |_| 0.0),
+            lacquers[if size > 0.03 { 1 } else { 2 }],
+            Transform::from_parts([x, size, z], [0.0, 0.0, 0.0, 1.0], [size; 3]),
+        );
+    }
+
+    studio.room([0.17, 0.175, 0.18]);
+    studio.softbox("window", [-0.95, 0.70, -0.15], [0.0, 0.0, -0.15], [0.30, 0.55], [11.0, 10.0, 8.4]);
+    studio.softbox("fill", [0.8, 0.9, 0.9], [0.0, 0.0, 0.0], [0.6, 0.6], [1.2, 1.35, 1.6]);
+    studio.with_camera([0.035, 0.160, 0.555], [0.0, 0.010, -0.02])
+}
+
+/// The row of stones with their pips.
+fn stones(studio: &mut Studio, lacquers: [usize; 5], inks: [usize; 2]) {
+    let bodies = lacquers.map(|lacquer| studio.add_mesh("stone", rounded_box(STONE, 0.0016), lacquer));
     let pip = shapes::ball(20, 10, |_| 0.0);
-    let pips = [dark_pip, light_pip].map(|material| studio.share("pip", pip.clone(), material));
-    let bar = [dark_pip, light_pip]
-        .map(|material| studio.share("bar", rounded_box([0.017, 0.0008, 0.0004], 0.00015), material));
+    let pips = inks.map(|material| studio.add_mesh("pip", pip.clone(), material));
+    let bar = inks.map(|material| studio.add_mesh("bar", rounded_box([0.017, 0.0008, 0.0004], 0.00015), material));
     let mut random = Random::new(13);
     let count = 58;
     for k in 0_u32..count {
@@ -59,11 +77,11 @@ pub(super) fn scene() -> Scene {
         };
         let ahead = path(s + 1e-3) - path(s - 1e-3);
         let heading = ahead.x.atan2(ahead.z).to_degrees() + random.between(-2.5, 2.5);
-        // Colours come in runs, like the rings of a snake.
+        // Stones of one color form runs.
         let color = [0, 0, 0, 1, 2, 2, 3, 3, 3, 4, 1][k as usize % 11];
         let place = path(s);
         let pose = upright([place.x, 0.5 * STONE[1], place.z], heading);
-        studio.set("stone", bodies[color], pose);
+        studio.add_instance("stone", bodies[color], pose);
         let ink = usize::from(matches!(color, 1 | 3 | 4));
         for face in [-1.0, 1.0] {
             let side = pose.after(&upright([0.0; 3], if face > 0.0 { 0.0 } else { 180.0 })).after(&at(
@@ -71,12 +89,12 @@ pub(super) fn scene() -> Scene {
                 0.0,
                 0.5 * STONE[2],
             ));
-            studio.set("bar", bar[ink], side);
+            studio.add_instance("bar", bar[ink], side);
             for half in [-1.0, 1.0] {
                 let value = (random.unit() * 7.0) as usize % 7;
                 for &(x, y) in spots(value) {
                     let place = [x * 0.0062, half * 0.0118 + y * 0.0062, 0.0];
-                    studio.set(
+                    studio.add_instance(
                         "pip",
                         pips[ink],
                         side.after(&Transform::from_parts(place, [0.0, 0.0, 0.0, 1.0], [0.0019, 0.0019, 0.0003])),
@@ -85,7 +103,10 @@ pub(super) fn scene() -> Scene {
             }
         }
     }
-    // At the far end waits a bell.
+}
+
+/// The bell at the far end.
+fn bell(studio: &mut Studio, brass: usize, lacquer: usize) {
     let bell = lathe(
         96,
         7,
@@ -107,25 +128,12 @@ pub(super) fn scene() -> Scene {
     studio.add(
         "foot",
         lathe(64, 4, &[[0.0, 0.009], [0.040, 0.009], [0.042, 0.006], [0.042, 0.0], [0.0, 0.0]]),
-        lacquers[4],
+        lacquer,
         at(0.145, 0.0, -0.535),
     );
-    for (x, z, size) in [(-0.19, -0.43, 0.034), (0.245, -0.29, 0.024), (-0.255, -0.20, 0.020)] {
-        studio.add(
-            "ball",
-            shapes::ball(96, 48, |_| 0.0),
-            lacquers[if size > 0.03 { 1 } else { 2 }],
-            Transform::from_parts([x, size, z], [0.0, 0.0, 0.0, 1.0], [size; 3]),
-        );
-    }
-
-    studio.room([0.17, 0.175, 0.18]);
-    studio.softbox("window", [-0.95, 0.70, -0.15], [0.0, 0.0, -0.15], [0.30, 0.55], [11.0, 10.0, 8.4]);
-    studio.softbox("fill", [0.8, 0.9, 0.9], [0.0, 0.0, 0.0], [0.6, 0.6], [1.2, 1.35, 1.6]);
-    studio.photographed([0.035, 0.160, 0.555], [0.0, 0.010, -0.02])
 }
 
-/// Where the pips of a value sit on a grid of three by three.
+/// The positions of the pips of a value on a grid of three by three.
 fn spots(value: usize) -> &'static [(f64, f64)] {
     const SIX: [(f64, f64); 6] = [(-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, -1.0), (-1.0, 0.0), (1.0, 0.0)];
     const FIVE: [(f64, f64); 5] = [(0.0, 0.0), (-1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (1.0, -1.0)];
@@ -136,7 +144,7 @@ fn spots(value: usize) -> &'static [(f64, f64)] {
     }
 }
 
-/// Herringbone blocks of oak; repeats.
+/// A parquet of oak blocks; periodic.
 fn parquet() -> Texture {
     let mut random = Random::new(83);
     let tones: Vec<f64> = (0..16).map(|_| random.between(0.72, 1.18)).collect();

@@ -1,19 +1,21 @@
 //! A still life after the Dutch: oranges in a pewter bowl, pears, a carafe, a knife, a cloth that hangs in folds.
 //!
-//! There for: everything at once, as a check of methods tuned on one thing: gloss, metal, glass, fine relief, cloth,
-//! soft shadow, a dark background. Hard about it: the carafe is before the bowl; the cloth has few features on its
-//! folds.
+//! **Purpose**: all materials together, as a check of methods that are tuned on one of them: gloss, metal, glass, fine
+//! relief, cloth, soft shadow, a dark background. **Difficulty**: the carafe is in front of the bowl; the cloth has few
+//! features on its folds.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use super::materials::{
+    STEEL, body_of_glass, diffuse, glossy, metal, normal_mapped, repeated, roughness_mapped, textured,
+};
 use super::noise::{Random, fractal};
-use super::papers::{brushed, checked_linen, grained, peel, wood};
 use super::shapes;
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, turned};
-use super::surfaces::{STEEL, body_of_glass, embossed, glossy, matt, metal, repeated, textured, worn};
+use super::textures::{brushed, checked_linen, grained, peel, wood};
 use crate::{Mesh, Scene, Transform};
 
 pub(super) fn scene() -> Scene {
@@ -24,18 +26,18 @@ pub(super) fn scene() -> Scene {
         brushed(0.45, 0.18),
         grained("wall", [0.085, 0.072, 0.058], 0.18),
     ]);
-    let linen = studio.surface("linen", repeated(0, [9.0, 9.0], matt([1.0; 3])));
-    let table = studio.surface("table", textured(1, glossy([1.0; 3], 0.3)));
-    let orange = studio.surface("orange", embossed(2, [2.0, 1.0], 1.0, glossy([0.86, 0.30, 0.015], 0.36)));
-    let pear = studio.surface("pear", glossy([1.0; 3], 0.4));
-    let pewter = studio.surface("pewter", worn(3, [4.0, 1.0], metal([0.60, 0.58, 0.55], 0.75)));
-    let wall = studio.surface("wall", textured(4, matt([1.0; 3])));
-    let glass = studio.surface("glass", body_of_glass(0.05, [0.80, 0.93, 0.88]));
-    let steel = studio.surface("blade", metal(STEEL, 0.14));
-    let horn = studio.surface("horn", glossy([0.075, 0.038, 0.020], 0.15));
-    let walnut = studio.surface("walnut", matt([0.40, 0.245, 0.125]));
-    let leaf = studio.surface("leaf", glossy([0.060, 0.150, 0.040], 0.35));
-    let stalk = studio.surface("stalk", matt([0.12, 0.075, 0.04]));
+    let linen = studio.material("linen", repeated(0, [9.0, 9.0], diffuse([1.0; 3])));
+    let table = studio.material("table", textured(1, glossy([1.0; 3], 0.3)));
+    let orange = studio.material("orange", normal_mapped(2, [2.0, 1.0], 1.0, glossy([0.86, 0.30, 0.015], 0.36)));
+    let pear = studio.material("pear", glossy([1.0; 3], 0.4));
+    let pewter = studio.material("pewter", roughness_mapped(3, [4.0, 1.0], metal([0.60, 0.58, 0.55], 0.75)));
+    let wall = studio.material("wall", textured(4, diffuse([1.0; 3])));
+    let glass = studio.material("glass", body_of_glass(0.05, [0.80, 0.93, 0.88]));
+    let steel = studio.material("blade", metal(STEEL, 0.14));
+    let horn = studio.material("horn", glossy([0.075, 0.038, 0.020], 0.15));
+    let walnut = studio.material("walnut", diffuse([0.40, 0.245, 0.125]));
+    let leaf = studio.material("leaf", glossy([0.060, 0.150, 0.040], 0.35));
+    let stalk = studio.material("stalk", diffuse([0.12, 0.075, 0.04]));
 
     studio.add(
         "wall",
@@ -46,7 +48,34 @@ pub(super) fn scene() -> Scene {
     studio.add("table", rounded_box([0.98, 0.028, 0.62], 0.006), table, at(0.0, -0.0145, -0.10));
     studio.add("cloth", cloth(), linen, Transform::IDENTITY);
 
-    let bowl = lathe(
+    let bowl = bowl();
+    let bowl_at = [0.060, 0.0045, -0.105];
+    studio.add("bowl", bowl, pewter, Transform::from_translation(bowl_at));
+    oranges(&mut studio, orange, stalk);
+    pears(&mut studio, pear, stalk, leaf);
+    let carafe = carafe();
+    studio.add("carafe", carafe, glass, at(-0.075, 0.0050, -0.150));
+    let walnut_shape = shapes::ball(64, 32, |d| {
+        0.10 * fractal((d * 3.4).to_array(), 3).abs() + 0.05 * (1.0 - d.z.abs() * 12.0).max(0.0) + 0.10 * d.y.powi(8)
+    });
+    let nut = studio.add_mesh("walnut", walnut_shape, walnut);
+    for (x, z, turn) in [(0.085, 0.065, 40.0), (0.060, 0.088, 130.0), (-0.195, 0.055, 250.0)] {
+        studio.add_instance("walnut", nut, turned([x, 0.0185, z], [0.5, 1.0, 0.7], turn, 0.0155));
+    }
+    // The knife lies over the edge of the cloth.
+    let knife = turned([-0.040, 0.0105, 0.112], [0.0, 1.0, 0.0], 24.0, 1.0);
+    studio.add("blade", blade(), steel, knife);
+    studio.add("handle", rounded_box([0.088, 0.0115, 0.0155], 0.005), horn, knife.after(&at(-0.052, 0.0, 0.0)));
+
+    studio.room([0.105, 0.105, 0.11]);
+    studio.softbox("window", [-0.95, 0.65, 0.30], [0.0, 0.05, -0.08], [0.42, 0.62], [8.4, 7.8, 6.8]);
+    studio.softbox("strip", [0.95, 0.5, -0.2], [0.0, 0.08, -0.1], [0.14, 0.7], [2.2, 2.5, 3.0]);
+    studio.with_camera([-0.015, 0.235, 0.615], [-0.004, 0.078, -0.06])
+}
+
+/// The bowl.
+fn bowl() -> Mesh {
+    lathe(
         160,
         7,
         &[
@@ -64,10 +93,12 @@ pub(super) fn scene() -> Scene {
             [0.045, 0.0],
             [0.0, 0.0],
         ],
-    );
-    let bowl_at = [0.060, 0.0045, -0.105];
-    studio.add("bowl", bowl, pewter, Transform::from_translation(bowl_at));
-    let ball = studio.share(
+    )
+}
+
+/// Oranges in the bowl and on the cloth.
+fn oranges(studio: &mut Studio, orange: usize, stalk: usize) {
+    let ball = studio.add_mesh(
         "orange",
         shapes::ball(128, 64, |d| 0.03 * fractal((d * 1.3).to_array(), 2) - 0.05 * d.y.abs().powi(8)),
         orange,
@@ -79,7 +110,7 @@ pub(super) fn scene() -> Scene {
         (0.058, 0.112, -0.105, 0.0370, 300.0),
         (-0.062, 0.041, 0.020, 0.0365, 60.0),
     ] {
-        studio.set("orange", ball, turned([x, y, z], [0.4, 1.0, 0.3], turn, size));
+        studio.add_instance("orange", ball, turned([x, y, z], [0.4, 1.0, 0.3], turn, size));
         let navel = turned([x, y, z], [0.4, 1.0, 0.3], turn, size).point([0.0, 0.965, 0.0]);
         studio.add(
             "navel",
@@ -88,6 +119,10 @@ pub(super) fn scene() -> Scene {
             Transform::from_parts(navel, [0.0, 0.0, 0.0, 1.0], [0.0022; 3]),
         );
     }
+}
+
+/// Pears with stalks, and leaves of the oranges.
+fn pears(studio: &mut Studio, pear: usize, stalk: usize, leaf: usize) {
     let pears = pear_body();
     for (place, axis, turn) in
         [([-0.145, 0.0055, -0.045], [0.1, 1.0, 0.05], 20.0), ([0.155, 0.0365, 0.050], [0.55, 0.2, 1.0], 84.0)]
@@ -104,7 +139,11 @@ pub(super) fn scene() -> Scene {
     for (x, y, z, turn) in [(0.092, 0.132, -0.090, 30.0), (0.020, 0.098, -0.062, 200.0)] {
         studio.add("leaf", leaf_shape(), leaf, turned([x, y - 0.006, z], [0.15, 1.0, 0.2], turn, 0.052));
     }
-    let carafe = lathe(
+}
+
+/// The carafe.
+fn carafe() -> Mesh {
+    lathe(
         144,
         8,
         &[
@@ -127,24 +166,7 @@ pub(super) fn scene() -> Scene {
             [0.031, 0.0008],
             [0.0, 0.0008],
         ],
-    );
-    studio.add("carafe", carafe, glass, at(-0.075, 0.0050, -0.150));
-    let walnut_shape = shapes::ball(64, 32, |d| {
-        0.10 * fractal((d * 3.4).to_array(), 3).abs() + 0.05 * (1.0 - d.z.abs() * 12.0).max(0.0) + 0.10 * d.y.powi(8)
-    });
-    let nut = studio.share("walnut", walnut_shape, walnut);
-    for (x, z, turn) in [(0.085, 0.065, 40.0), (0.060, 0.088, 130.0), (-0.195, 0.055, 250.0)] {
-        studio.set("walnut", nut, turned([x, 0.0185, z], [0.5, 1.0, 0.7], turn, 0.0155));
-    }
-    // The knife lies over the edge of the cloth.
-    let knife = turned([-0.040, 0.0105, 0.112], [0.0, 1.0, 0.0], 24.0, 1.0);
-    studio.add("blade", blade(), steel, knife);
-    studio.add("handle", rounded_box([0.088, 0.0115, 0.0155], 0.005), horn, knife.after(&at(-0.052, 0.0, 0.0)));
-
-    studio.room([0.105, 0.105, 0.11]);
-    studio.softbox("window", [-0.95, 0.65, 0.30], [0.0, 0.05, -0.08], [0.42, 0.62], [8.4, 7.8, 6.8]);
-    studio.softbox("strip", [0.95, 0.5, -0.2], [0.0, 0.08, -0.1], [0.14, 0.7], [2.2, 2.5, 3.0]);
-    studio.photographed([-0.015, 0.235, 0.615], [-0.004, 0.078, -0.06])
+    )
 }
 
 /// A cloth over half of the table, its near edge hanging down.

@@ -1,14 +1,14 @@
 //! A walled garden on a table: brickwork and a mosaic behind, stones, a knotted sculpture, grass and a small tree.
 //!
-//! There for: dense foliage of many instances before a textured background, and hard shadows on rough and smooth
-//! things. Hard about it: blades and leaves are narrower than a pixel and hide each other; hardly two neighbours share
-//! a depth.
+//! **Purpose**: dense foliage of many instances before a textured background, and hard shadows on rough and smooth
+//! things. **Difficulty**: blades and leaves are narrower than a pixel and occlude each other; neighboring pixels
+//! rarely have the same depth.
 
 use glam::DVec3;
 
 use super::noise::{Random, fractal};
 use super::{patterns, shapes};
-use crate::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, TextureUse, Transform};
+use crate::{Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, Scene, TextureInfo, Transform};
 
 pub(super) fn scene() -> Scene {
     let mut scene = Scene {
@@ -33,7 +33,7 @@ pub(super) fn scene() -> Scene {
     place(&mut scene, "ground", ground, earth, Transform::IDENTITY);
     place(&mut scene, "wall", wall(), brick, Transform::IDENTITY);
     let disc = shapes::sheet(96, 1, |s, t| {
-        // A pinhole in the middle: a disc has no parametrisation there.
+        // With a small hole in the middle, where the parametrization is singular.
         let (angle, radius) = (-s * std::f64::consts::TAU, 0.19 * (0.002 + 0.998 * t));
         DVec3::new(radius * angle.cos(), 0.36 + radius * angle.sin(), -0.492)
     });
@@ -47,8 +47,7 @@ pub(super) fn scene() -> Scene {
     halved(scene)
 }
 
-/// All above is in units of half a metre, so that it reads well; on the table it is 0.9 m wide. A power of two rounds
-/// nothing.
+/// Scales the scene by one half: the numbers above are in units of half a meter. A power of two causes no rounding.
 fn halved(mut scene: Scene) -> Scene {
     let half = |p: [f64; 3]| p.map(|x| 0.5 * x);
     for Instance { transform, .. } in &mut scene.instances {
@@ -59,7 +58,7 @@ fn halved(mut scene: Scene) -> Scene {
     }
     for light in &mut scene.lights {
         if let LightKind::Point { position, .. } = &mut light.kind {
-            // Half the way to everything: a quarter of the intensity does the same.
+            // Half the distances: a quarter of the intensity gives the same irradiance.
             *position = half(*position);
             light.intensity = light.intensity.map(|x| 0.25 * x);
         }
@@ -83,8 +82,8 @@ fn lamp() -> Light {
 
 fn camera() -> Camera {
     let pose = Transform::look_at([0.06, 0.34, 1.02], [0.0, 0.2, -0.1], [0.0, 1.0, 0.0]);
-    let lens = CameraLens::Perspective { vertical_angle_rad: 0.60, aspect_ratio: Some(1.5) };
-    Camera { name: "main".into(), pose, lens }
+    let projection = CameraProjection::Perspective { vertical_angle_rad: 0.60, aspect_ratio: Some(1.5) };
+    Camera { name: "main".into(), pose, projection }
 }
 
 fn ground_height(x: f64, z: f64) -> f64 {
@@ -99,7 +98,7 @@ fn wall() -> Mesh {
     wall
 }
 
-/// Texture coordinates of a disc parametrised by angle and radius: the disc as it lies in the square image.
+/// Texture coordinates of a disc parametrized by angle and radius: the disc as it lies in the square image.
 fn round_coordinates(mut disc: Mesh) -> Mesh {
     for coordinate in &mut disc.texture_coordinates {
         let (angle, radius) = (-coordinate[0] * std::f32::consts::TAU, 0.5 * coordinate[1]);
@@ -150,7 +149,7 @@ fn sculpture(scene: &mut Scene, bronze: usize, marble: usize) {
 
 fn grass(scene: &mut Scene, material: usize) {
     let mut random = Random::new(3);
-    // Four different tufts, set many times: the geometry repeats, the eye does not see it.
+    // Four different tufts with many instances.
     let tufts: Vec<usize> = (0..4)
         .map(|_| {
             let mut tuft = Mesh { name: "tuft".into(), material, ..Mesh::default() };
@@ -217,7 +216,7 @@ fn tree(scene: &mut Scene, bark: usize, leaf: usize) {
 }
 
 fn textured(scene: &mut Scene, name: &str, texture: usize) -> usize {
-    let base_color_texture = Some(TextureUse::new(texture));
+    let base_color_texture = Some(TextureInfo::new(texture));
     scene.materials.push(Material { name: name.into(), base_color_texture, ..Material::default() });
     scene.materials.len() - 1
 }

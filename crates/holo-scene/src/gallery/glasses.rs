@@ -1,16 +1,16 @@
 //! A wine glass, a tumbler, a prism and a crystal ball on striped linen.
 //!
-//! There for: clear glass, refraction and total internal reflection. Hard about it: the stripes are seen through glass
-//! bent, upside down, mirrored and twice; the surface itself shows only in reflections; the prism turns the picture
-//! aside without a mirror.
+//! **Purpose**: clear glass, refraction and total internal reflection. **Difficulty**: the stripes are seen through
+//! glass bent, upside down, mirrored and twice; the surface itself shows only in reflections; the prism deflects the
+//! image without a mirror.
 
 use glam::DVec3;
 
-use super::papers::{grained, striped_linen};
+use super::materials::{clear_glass, diffuse, glossy, repeated, textured};
 use super::shapes;
 use super::solids::lathe;
 use super::studio::{Studio, at, turned, upright};
-use super::surfaces::{clear_glass, glossy, matt, repeated, textured};
+use super::textures::{grained, striped_linen};
 use crate::{Mesh, Scene, Transform};
 
 pub(super) fn scene() -> Scene {
@@ -27,11 +27,11 @@ pub(super) fn scene() -> Scene {
         ]),
         grained("wall", [0.30, 0.335, 0.34], 0.22),
     ]);
-    let cloth = studio.surface("linen", repeated(0, [11.0, 11.0], matt([1.0; 3])));
-    let wall = studio.surface("wall", textured(1, matt([1.0; 3])));
-    let glass = studio.surface("glass", clear_glass());
-    let peel = studio.surface("lemon", glossy([0.80, 0.52, 0.045], 0.38));
-    let wood = studio.surface("frame", glossy([0.18, 0.085, 0.04], 0.35));
+    let cloth = studio.material("linen", repeated(0, [11.0, 11.0], diffuse([1.0; 3])));
+    let wall = studio.material("wall", textured(1, diffuse([1.0; 3])));
+    let glass = studio.material("glass", clear_glass());
+    let peel = studio.material("lemon", glossy([0.80, 0.52, 0.045], 0.38));
+    let wood = studio.material("frame", glossy([0.18, 0.085, 0.04], 0.35));
 
     let folds = |x: f64, z: f64| 0.0035 * ((x * 9.0 + 2.2 * z).sin() * (z * 5.0 + 0.4).cos()) - 0.0035;
     let sheet = shapes::sheet(120, 100, |s, t| {
@@ -56,7 +56,30 @@ pub(super) fn scene() -> Scene {
         );
     }
 
-    let wine = lathe(
+    let wine = wine_glass();
+    studio.add("wine glass", wine, glass, at(-0.100, 0.0, -0.070));
+    let tumbler = tumbler();
+    studio.add("tumbler", tumbler, glass, at(0.128, 0.0, -0.085));
+    studio.add(
+        "ball",
+        shapes::ball(256, 128, |_| 0.0),
+        glass,
+        Transform::from_parts([0.030, 0.0402, 0.012], [0.0, 0.0, 0.0, 1.0], [0.040; 3]),
+    );
+    studio.add("prism", prism(0.052, 0.098), glass, upright([-0.058, 0.0008, 0.078], 24.0));
+    let lemon = lemon();
+    studio.add("lemon", lemon.clone(), peel, turned([0.052, 0.0255, -0.165], [0.7, 0.0, 1.0], 82.0, 1.0));
+    studio.add("lemon", lemon, peel, turned([-0.012, 0.0255, -0.215], [1.0, 0.3, 0.25], 97.0, 1.0));
+
+    studio.room([0.24, 0.25, 0.26]);
+    studio.softbox("window", [-0.95, 0.7, 0.05], [0.0, 0.05, -0.05], [0.6, 0.9], [4.4, 4.3, 4.1]);
+    studio.softbox("strip", [0.95, 0.45, 0.35], [0.0, 0.08, -0.05], [0.2, 0.8], [3.2, 3.3, 3.6]);
+    studio.with_camera([0.02, 0.215, 0.590], [0.012, 0.062, -0.045])
+}
+
+/// A wine glass.
+fn wine_glass() -> Mesh {
+    lathe(
         160,
         8,
         &[
@@ -82,10 +105,12 @@ pub(super) fn scene() -> Scene {
             [0.0335, 0.0005],
             [0.0, 0.0005],
         ],
-    );
-    studio.add("wine glass", wine, glass, at(-0.100, 0.0, -0.070));
-    // A tumbler with a thick base.
-    let tumbler = lathe(
+    )
+}
+
+/// A tumbler with a thick base.
+fn tumbler() -> Mesh {
+    lathe(
         160,
         8,
         &[
@@ -100,16 +125,12 @@ pub(super) fn scene() -> Scene {
             [0.0265, 0.0006],
             [0.0, 0.0006],
         ],
-    );
-    studio.add("tumbler", tumbler, glass, at(0.128, 0.0, -0.085));
-    studio.add(
-        "ball",
-        shapes::ball(256, 128, |_| 0.0),
-        glass,
-        Transform::from_parts([0.030, 0.0402, 0.012], [0.0, 0.0, 0.0, 1.0], [0.040; 3]),
-    );
-    studio.add("prism", prism(0.052, 0.098), glass, upright([-0.058, 0.0008, 0.078], 24.0));
-    let lemon = lathe(
+    )
+}
+
+/// A lemon.
+fn lemon() -> Mesh {
+    lathe(
         96,
         6,
         &[
@@ -122,14 +143,7 @@ pub(super) fn scene() -> Scene {
             [0.0058, -0.0365],
             [0.0, -0.0385],
         ],
-    );
-    studio.add("lemon", lemon.clone(), peel, turned([0.052, 0.0255, -0.165], [0.7, 0.0, 1.0], 82.0, 1.0));
-    studio.add("lemon", lemon, peel, turned([-0.012, 0.0255, -0.215], [1.0, 0.3, 0.25], 97.0, 1.0));
-
-    studio.room([0.24, 0.25, 0.26]);
-    studio.softbox("window", [-0.95, 0.7, 0.05], [0.0, 0.05, -0.05], [0.6, 0.9], [4.4, 4.3, 4.1]);
-    studio.softbox("strip", [0.95, 0.45, 0.35], [0.0, 0.08, -0.05], [0.2, 0.8], [3.2, 3.3, 3.6]);
-    studio.photographed([0.02, 0.215, 0.590], [0.012, 0.062, -0.045])
+    )
 }
 
 /// A right-angled prism that lies on its long face: side `leg`, length `length` along x.

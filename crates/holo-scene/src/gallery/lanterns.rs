@@ -1,20 +1,20 @@
 //! Paper lanterns over a pond of pebbles at dusk; candles in cups.
 //!
-//! There for: emissive light, many coloured lamps of the scene itself. Hard about it: what shines has hardly any
-//! shading; light comes from within the scene and falls off fast; the shadows are many, soft and coloured.
+//! **Purpose**: emissive light, from many colored lamps in the scene. **Difficulty**: emissive surfaces have hardly any
+//! shading; light comes from within the scene and falls off fast; the shadows are many, soft and colored.
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use super::materials::{BRASS, diffuse, glossy, metal, textured};
 use super::noise::{Random, fractal};
-use super::papers::{grained, wood};
 use super::patterns::paint;
 use super::shapes;
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, turned};
-use super::surfaces::{BRASS, glossy, matt, metal, textured};
-use crate::{Material, Scene, Texture, TextureUse, Transform, Wrap};
+use super::textures::{grained, wood};
+use crate::{Material, Scene, Texture, TextureInfo, Transform, Wrap};
 
 pub(super) fn scene() -> Scene {
     let mut studio = Studio::new(vec![
@@ -22,18 +22,33 @@ pub(super) fn scene() -> Scene {
         grained("screen", [0.17, 0.235, 0.34], 0.15),
         wood("deck", [0.22, 0.14, 0.095], [0.50, 0.34, 0.23], 9.0, 71.0),
     ]);
-    let screen = studio.surface("screen", textured(1, matt([1.0; 3])));
-    let deck = studio.surface("deck", textured(2, glossy([1.0; 3], 0.35)));
-    let lacquer = studio.surface("lacquer", glossy([0.018, 0.016, 0.018], 0.15));
-    let gold = studio.surface("gold", metal(BRASS, 0.25));
-    let flame = studio.surface("flame", Material { emission: [3.2, 1.7, 0.55], ..matt([0.0; 3]) });
-    let wax = studio.surface("wax", Material { emission: [0.26, 0.12, 0.035], ..matt([0.72, 0.62, 0.46]) });
-    let cup = studio.surface("cup", glossy([0.10, 0.20, 0.19], 0.15));
+    let screen = studio.material("screen", textured(1, diffuse([1.0; 3])));
+    let deck = studio.material("deck", textured(2, glossy([1.0; 3], 0.35)));
+    let lacquer = studio.material("lacquer", glossy([0.018, 0.016, 0.018], 0.15));
+    let gold = studio.material("gold", metal(BRASS, 0.25));
+    let flame = studio.material("flame", Material { emission: [3.2, 1.7, 0.55], ..diffuse([0.0; 3]) });
+    let wax = studio.material("wax", Material { emission: [0.26, 0.12, 0.035], ..diffuse([0.72, 0.62, 0.46]) });
+    let cup = studio.material("cup", glossy([0.10, 0.20, 0.19], 0.15));
     let stones = [[0.30, 0.30, 0.31], [0.17, 0.18, 0.195], [0.42, 0.39, 0.35], [0.10, 0.105, 0.115]]
-        .map(|c| studio.surface("stone", glossy(c, 0.32)));
-    let branch = studio.surface("branch", matt([0.17, 0.11, 0.075]));
-    let blossom = studio.surface("blossom", matt([0.76, 0.50, 0.52]));
+        .map(|c| studio.material("stone", glossy(c, 0.32)));
+    let branch = studio.material("branch", diffuse([0.17, 0.11, 0.075]));
+    let blossom = studio.material("blossom", diffuse([0.76, 0.50, 0.52]));
 
+    backdrop(&mut studio, screen, lacquer, deck);
+
+    hang_lanterns(&mut studio, lacquer, gold);
+
+    candles(&mut studio, cup, wax, flame);
+    pebbles(&mut studio, &stones);
+    twig(&mut studio, branch, blossom);
+
+    studio.room([0.040, 0.058, 0.095]);
+    studio.softbox("dusk", [-0.9, 0.85, 0.55], [0.0, 0.1, -0.1], [0.7, 0.7], [1.3, 1.8, 2.7]);
+    studio.with_camera([0.025, 0.185, 0.610], [-0.002, 0.125, -0.08])
+}
+
+/// The screen with its posts and bars, and the deck.
+fn backdrop(studio: &mut Studio, screen: usize, lacquer: usize, deck: usize) {
     studio.add(
         "screen",
         shapes::sheet(1, 1, |s, t| DVec3::new(s - 0.5, 0.50 - 0.52 * t, -0.38)),
@@ -58,8 +73,11 @@ pub(super) fn scene() -> Scene {
         );
     }
     studio.add("deck", rounded_box([0.98, 0.024, 0.72], 0.004), deck, at(0.0, -0.012, -0.04));
+}
 
-    // (place, size, colour): from far to near.
+/// The lanterns on their cords.
+fn hang_lanterns(studio: &mut Studio, lacquer: usize, gold: usize) {
+    // (place, size, color): from far to near.
     let lamps = [
         ([-0.235, 0.235, -0.27], 0.040, [0.95, 0.40, 0.11]),
         ([-0.085, 0.275, -0.215], 0.044, [0.98, 0.60, 0.24]),
@@ -69,13 +87,13 @@ pub(super) fn scene() -> Scene {
         ([0.130, 0.170, -0.065], 0.044, [1.0, 0.62, 0.26]),
     ];
     let body = lathe(96, 8, &[[0.34, 0.80], [0.72, 0.62], [0.98, 0.20], [0.98, -0.20], [0.72, -0.62], [0.34, -0.80]]);
-    let body = studio_bodies(&mut studio, body, &lamps);
-    let cap = studio.share(
+    let body = lantern_bodies(studio, body, &lamps);
+    let cap = studio.add_mesh(
         "cap",
         lathe(48, 4, &[[0.0, 0.90], [0.30, 0.90], [0.37, 0.885], [0.37, 0.79], [0.0, 0.79]]),
         lacquer,
     );
-    let tassel = studio.share(
+    let tassel = studio.add_mesh(
         "tassel",
         lathe(
             24,
@@ -96,9 +114,9 @@ pub(super) fn scene() -> Scene {
     );
     for ((place, size, _), mesh) in lamps.into_iter().zip(body) {
         let pose = turned(place, [0.0, 1.0, 0.0], 900.0 * size, size);
-        studio.set("lantern", mesh, pose);
-        studio.set("cap", cap, pose);
-        studio.set("tassel", tassel, pose);
+        studio.add_instance("lantern", mesh, pose);
+        studio.add_instance("cap", cap, pose);
+        studio.add_instance("tassel", tassel, pose);
         let top = 0.46 - place[1] - 0.9 * size;
         studio.add(
             "cord",
@@ -107,8 +125,10 @@ pub(super) fn scene() -> Scene {
             Transform::from_translation(place),
         );
     }
+}
 
-    // Candles in cups on the deck.
+/// Candles in cups on the deck.
+fn candles(studio: &mut Studio, cup: usize, wax: usize, flame: usize) {
     let saucer = lathe(
         64,
         6,
@@ -135,37 +155,31 @@ pub(super) fn scene() -> Scene {
         studio.add("candle", candle.clone(), wax, at(x, 0.0, z));
         studio.add("flame", fire.clone(), flame, turned([x, 0.0305, z], [0.3, 1.0, 0.1], turn, 1.0));
     }
-    pebbles(&mut studio, &stones);
-    twig(&mut studio, branch, blossom);
-
-    studio.room([0.040, 0.058, 0.095]);
-    studio.softbox("dusk", [-0.9, 0.85, 0.55], [0.0, 0.1, -0.1], [0.7, 0.7], [1.3, 1.8, 2.7]);
-    studio.photographed([0.025, 0.185, 0.610], [-0.002, 0.125, -0.08])
 }
 
-/// A lantern of every colour.
-fn studio_bodies(studio: &mut Studio, body: crate::Mesh, lamps: &[([f64; 3], f64, [f32; 3])]) -> Vec<usize> {
+/// A lantern mesh with a material for every color.
+fn lantern_bodies(studio: &mut Studio, body: crate::Mesh, lamps: &[([f64; 3], f64, [f32; 3])]) -> Vec<usize> {
     let glows = lamps.iter().map(|&(_, _, color)| {
-        let glow = Material {
+        let emissive = Material {
             emission: color.map(|c| 0.92 * c),
-            emission_texture: Some(TextureUse::new(0)),
+            emission_texture: Some(TextureInfo::new(0)),
             double_sided: false,
-            ..matt(color.map(|c| 0.5 * c))
+            ..diffuse(color.map(|c| 0.5 * c))
         };
-        let glow = studio.surface("lantern", glow);
-        studio.share("lantern", body.clone(), glow)
+        let emissive = studio.material("lantern", emissive);
+        studio.add_mesh("lantern", body.clone(), emissive)
     });
     glows.collect()
 }
 
-/// Ribs of bamboo and fibres of paper, brighter in the middle, where the flame is.
+/// Ribs of bamboo and fibers of paper, brighter in the middle, where the flame is.
 fn lantern_paper() -> Texture {
     paint("lantern", 256, Wrap::Repeat, |x, y| {
         let rib = (y * 13.0).fract();
         let rib = if rib < 0.10 { 0.45 } else { 0.88 + 0.12 * (rib * TAU).cos() };
         let middle = 1.0 - 0.62 * (2.0 * y - 0.9).abs().powf(1.7);
-        let fibre = 1.0 + 0.10 * fractal([(x * TAU).cos() * 9.0, y * 30.0, (x * TAU).sin() * 9.0], 3);
-        [1.0, 0.92 - 0.14 * (1.0 - middle), 0.85 - 0.25 * (1.0 - middle)].map(|c| c * rib * middle * fibre)
+        let fiber = 1.0 + 0.10 * fractal([(x * TAU).cos() * 9.0, y * 30.0, (x * TAU).sin() * 9.0], 3);
+        [1.0, 0.92 - 0.14 * (1.0 - middle), 0.85 - 0.25 * (1.0 - middle)].map(|c| c * rib * middle * fiber)
     })
 }
 
@@ -175,7 +189,7 @@ fn pebbles(studio: &mut Studio, stones: &[usize; 4]) {
         .map(|k| {
             let offset = 4.0 * k as f64;
             let mesh = shapes::ball(40, 20, |d| 0.16 * fractal((d * 0.9 + offset).to_array(), 2));
-            studio.share("pebble", mesh, stones[k % 4])
+            studio.add_mesh("pebble", mesh, stones[k % 4])
         })
         .collect();
     let mut random = Random::new(29);
@@ -188,14 +202,14 @@ fn pebbles(studio: &mut Studio, stones: &[usize; 4]) {
         let turn =
             turned([x, 0.85 * flat * size + 0.008 * (1.0 - out), z], [0.1, 1.0, 0.1], random.between(0.0, 360.0), size);
         let squash = Transform { columns: [[1.0, 0.0, 0.0], [0.0, flat, 0.0], [0.0, 0.0, 0.8]], ..Transform::IDENTITY };
-        studio.set("pebble", kinds[(random.unit() * 8.0) as usize % 8], turn.after(&squash));
+        studio.add_instance("pebble", kinds[(random.unit() * 8.0) as usize % 8], turn.after(&squash));
     }
 }
 
-/// A branch of cherry comes in from above on the left.
+/// A cherry branch that enters from above on the left.
 fn twig(studio: &mut Studio, branch: usize, blossom: usize) {
     let mut random = Random::new(31);
-    let flower = studio.share(
+    let flower = studio.add_mesh(
         "blossom",
         shapes::sheet(40, 6, |s, t| {
             let angle = -s * TAU;
@@ -224,7 +238,7 @@ fn twig(studio: &mut Studio, branch: usize, blossom: usize) {
                     random.between(-0.004, 0.008),
                 );
             let axis = [random.between(-1.0, 1.0), 0.2, random.between(-1.0, 1.0)];
-            studio.set(
+            studio.add_instance(
                 "blossom",
                 flower,
                 turned(place.to_array(), axis, random.between(20.0, 140.0), random.between(0.006, 0.0095)),

@@ -1,17 +1,17 @@
 //! A dressing table: a round mirror in a brass frame, a vase with twigs of cotton, a candlestick, a string of pearls.
 //!
-//! There for: a mirror. Hard about it: what is seen in it lies behind its surface and moves as if it were there, while
-//! the ground truth is the surface itself; the wallpaper repeats.
+//! **Purpose**: a mirror. **Difficulty**: the mirror image lies behind the surface and has the disparity of that depth,
+//! while the ground truth is the surface itself; the wallpaper repeats.
 
 use glam::DVec3;
 
+use super::materials::{BRASS, SILVER, diffuse, glossy, metal, repeated, textured};
 use super::noise::{Random, fractal};
-use super::papers::{landscape, wallpaper, wood};
 use super::shapes;
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, rectangle, turned, upright};
-use super::surfaces::{BRASS, SILVER, glossy, matt, metal, repeated, textured};
-use crate::{Material, Scene, TextureUse, Transform};
+use super::textures::{landscape, wallpaper, wood};
+use crate::{Material, Mesh, Scene, TextureInfo, Transform};
 
 pub(super) fn scene() -> Scene {
     let mut studio = Studio::new(vec![
@@ -19,16 +19,16 @@ pub(super) fn scene() -> Scene {
         wood("table", [0.10, 0.045, 0.02], [0.30, 0.155, 0.075], 4.0, 31.0),
         landscape(),
     ]);
-    let wall = studio.surface("wallpaper", repeated(0, [9.0, 5.0], matt([1.0; 3])));
-    let table = studio.surface("table", textured(1, glossy([1.0; 3], 0.25)));
-    let mirror = studio.surface("mirror", metal(SILVER, 0.0));
-    let brass = studio.surface("brass", metal(BRASS, 0.22));
-    let glaze = studio.surface("glaze", glossy([0.035, 0.13, 0.19], 0.07));
-    let wax = studio.surface("wax", glossy([0.80, 0.73, 0.60], 0.35));
-    let twig = studio.surface("twig", matt([0.13, 0.08, 0.045]));
-    let cotton = studio.surface("cotton", matt([0.84, 0.80, 0.74]));
-    let pearl = studio.surface("pearl", glossy([0.80, 0.72, 0.66], 0.12));
-    let card = studio.surface("card", matt([0.72, 0.30, 0.20]));
+    let wall = studio.material("wallpaper", repeated(0, [9.0, 5.0], diffuse([1.0; 3])));
+    let table = studio.material("table", textured(1, glossy([1.0; 3], 0.25)));
+    let mirror = studio.material("mirror", metal(SILVER, 0.0));
+    let brass = studio.material("brass", metal(BRASS, 0.22));
+    let glaze = studio.material("glaze", glossy([0.035, 0.13, 0.19], 0.07));
+    let wax = studio.material("wax", glossy([0.80, 0.73, 0.60], 0.35));
+    let twig = studio.material("twig", diffuse([0.13, 0.08, 0.045]));
+    let cotton = studio.material("cotton", diffuse([0.84, 0.80, 0.74]));
+    let pearl = studio.material("pearl", glossy([0.80, 0.72, 0.66], 0.12));
+    let card = studio.material("card", diffuse([0.72, 0.30, 0.20]));
 
     studio.add(
         "wall",
@@ -38,7 +38,30 @@ pub(super) fn scene() -> Scene {
     );
     studio.add("table", rounded_box([0.99, 0.03, 0.64], 0.004), table, at(0.0, -0.015, -0.02));
 
-    // The mirror leans back a little and looks to the right.
+    mirror_on_stand(&mut studio, mirror, brass);
+
+    let vase = vase();
+    let vase_at = [0.155, 0.0, -0.075];
+    studio.add("vase", vase, glaze, Transform::from_translation(vase_at));
+    twigs(&mut studio, vase_at, twig, cotton);
+
+    candlestick(&mut studio, brass, wax, twig);
+
+    pearls(&mut studio, pearl);
+    // A small box in front: the mirror shows its other side.
+    let casket = turned([-0.115, 0.019, 0.065], [0.0, 1.0, 0.0], 24.0, 1.0);
+    studio.add("casket", rounded_box([0.082, 0.034, 0.056], 0.004), card, casket);
+    studio.add("lid", rounded_box([0.086, 0.006, 0.060], 0.0025), brass, casket.after(&at(0.0, 0.019, 0.0)));
+
+    window(&mut studio, 2);
+    studio.room([0.26, 0.245, 0.22]);
+    studio.softbox("window", [-0.95, 0.75, 0.70], [0.0, 0.1, -0.1], [0.55, 0.75], [4.6, 4.5, 4.3]);
+    studio.softbox("lamp", [0.9, 0.95, 0.1], [0.1, 0.1, -0.1], [0.3, 0.3], [5.0, 3.7, 2.3]);
+    studio.with_camera([0.050, 0.245, 0.625], [-0.006, 0.112, -0.075])
+}
+
+/// The mirror, which leans back a little and faces to the right, with its frame and foot.
+fn mirror_on_stand(studio: &mut Studio, mirror: usize, brass: usize) {
     let stand = upright([-0.045, 0.0, -0.20], 10.0);
     let lean = turned([0.0, 0.165, 0.0], [1.0, 0.0, 0.0], 2.5, 1.0);
     let glass = shapes::sheet(128, 1, |s, t| {
@@ -72,8 +95,11 @@ pub(super) fn scene() -> Scene {
         ],
     );
     studio.add("foot", foot, brass, stand);
+}
 
-    let vase = lathe(
+/// The vase.
+fn vase() -> Mesh {
+    lathe(
         96,
         6,
         &[
@@ -92,11 +118,11 @@ pub(super) fn scene() -> Scene {
             [0.024, 0.0],
             [0.0, 0.0],
         ],
-    );
-    let vase_at = [0.155, 0.0, -0.075];
-    studio.add("vase", vase, glaze, Transform::from_translation(vase_at));
-    twigs(&mut studio, vase_at, twig, cotton);
+    )
+}
 
+/// The candlestick with a candle.
+fn candlestick(studio: &mut Studio, brass: usize, wax: usize, wick: usize) {
     let candlestick = lathe(
         72,
         5,
@@ -123,41 +149,35 @@ pub(super) fn scene() -> Scene {
         &[[0.0, 0.2015], [0.004, 0.2025], [0.0088, 0.204], [0.0095, 0.2025], [0.0095, 0.098], [0.0, 0.098]],
     );
     studio.add("candle", candle, wax, at(-0.215, 0.0, -0.065));
-    let wick = shapes::tube(8, 8, |_| 0.0006, |s| DVec3::new(0.002 * s * s, 0.2 + 0.012 * s, 0.0));
-    studio.add("wick", wick, twig, at(-0.215, 0.0, -0.065));
+    let wick_mesh = shapes::tube(8, 8, |_| 0.0006, |s| DVec3::new(0.002 * s * s, 0.2 + 0.012 * s, 0.0));
+    studio.add("wick", wick_mesh, wick, at(-0.215, 0.0, -0.065));
+}
 
-    let bead = studio.share("pearl", shapes::ball(32, 16, |_| 0.0), pearl);
+/// The string of pearls.
+fn pearls(studio: &mut Studio, pearl: usize) {
+    let bead = studio.add_mesh("pearl", shapes::ball(32, 16, |_| 0.0), pearl);
     for k in 0..46 {
         let angle = f64::from(k) / 46.0 * std::f64::consts::TAU;
         let radius = 0.056 + 0.012 * (2.0 * angle + 0.6).sin() + 0.007 * (3.0 * angle).cos();
         let size = 0.0043;
         let place = [0.008 + 1.25 * radius * angle.cos(), size, 0.072 + 0.75 * radius * angle.sin()];
-        studio.set("pearl", bead, Transform::from_parts(place, [0.0, 0.0, 0.0, 1.0], [size; 3]));
+        studio.add_instance("pearl", bead, Transform::from_parts(place, [0.0, 0.0, 0.0, 1.0], [size; 3]));
     }
-    // A small box in front: the mirror shows its other side.
-    let casket = turned([-0.115, 0.019, 0.065], [0.0, 1.0, 0.0], 24.0, 1.0);
-    studio.add("casket", rounded_box([0.082, 0.034, 0.056], 0.004), card, casket);
-    studio.add("lid", rounded_box([0.086, 0.006, 0.060], 0.0025), brass, casket.after(&at(0.0, 0.019, 0.0)));
-
-    window(&mut studio, 2);
-    studio.room([0.26, 0.245, 0.22]);
-    studio.softbox("window", [-0.95, 0.75, 0.70], [0.0, 0.1, -0.1], [0.55, 0.75], [4.6, 4.5, 4.3]);
-    studio.softbox("lamp", [0.9, 0.95, 0.1], [0.1, 0.1, -0.1], [0.3, 0.3], [5.0, 3.7, 2.3]);
-    studio.photographed([0.050, 0.245, 0.625], [-0.006, 0.112, -0.075])
 }
 
 /// A window behind the camera, for the mirror to show: a view, with bars before it.
 fn window(studio: &mut Studio, view: usize) {
-    let outside = studio.surface(
+    let outside = studio.material(
         "view",
         Material {
             emission: [1.15; 3],
-            emission_texture: Some(TextureUse::new(view)),
+            emission_texture: Some(TextureInfo::new(view)),
             double_sided: false,
-            ..matt([0.0; 3])
+            ..diffuse([0.0; 3])
         },
     );
-    let bar = studio.surface("bar", Material { emission: [0.055, 0.05, 0.045], double_sided: false, ..matt([0.0; 3]) });
+    let bar =
+        studio.material("bar", Material { emission: [0.055, 0.05, 0.045], double_sided: false, ..diffuse([0.0; 3]) });
     // Faces -Z, so that x runs the other way.
     let pose = |center: [f64; 3], [wide, high]: [f64; 2]| Transform {
         columns: [[-wide, 0.0, 0.0], [0.0, high, 0.0], [0.0, 0.0, -1.0]],
@@ -176,7 +196,7 @@ fn window(studio: &mut Studio, view: usize) {
 /// Five twigs of cotton out of the vase.
 fn twigs(studio: &mut Studio, vase: [f64; 3], twig: usize, cotton: usize) {
     let mut random = Random::new(41);
-    let boll = studio.share("boll", shapes::ball(48, 24, |d| 0.22 * fractal((d * 2.1).to_array(), 4)), cotton);
+    let boll = studio.add_mesh("boll", shapes::ball(48, 24, |d| 0.22 * fractal((d * 2.1).to_array(), 4)), cotton);
     for k in 0..5 {
         let heading = 1.25 * f64::from(k) + 0.5;
         let (lean, height) = (random.between(0.035, 0.085), random.between(0.15, 0.235));
@@ -190,7 +210,11 @@ fn twigs(studio: &mut Studio, vase: [f64; 3], twig: usize, cotton: usize) {
             let s = 0.62 + 0.125 * f64::from(step);
             let place = path(s) + DVec3::new(random.between(-0.008, 0.008), 0.004, random.between(-0.008, 0.008));
             let size = random.between(0.0085, 0.0125);
-            studio.set("boll", boll, turned(place.to_array(), [0.3, 1.0, 0.2], random.between(0.0, 360.0), size));
+            studio.add_instance(
+                "boll",
+                boll,
+                turned(place.to_array(), [0.3, 1.0, 0.2], random.between(0.0, 360.0), size),
+            );
         }
     }
 }

@@ -1,16 +1,16 @@
 //! A paper theatre: ranges of mountains cut from card, one behind the other, and a leporello of pictures in front.
 //!
-//! There for: slanted and layered planes. Hard about it: the layers are some centimetres apart and throw shadows on
+//! **Purpose**: slanted and layered planes. **Difficulty**: the layers are some centimeters apart and cast shadows on
 //! each other; the pages of the leporello meet in sharp folds and slant both ways.
 
 use glam::DVec3;
 
+use super::materials::{diffuse, glossy, textured};
 use super::noise::fractal;
-use super::papers::{grained, wood};
 use super::patterns::{mix, paint};
 use super::shapes;
 use super::studio::{Studio, at, turned, upright};
-use super::surfaces::{glossy, matt, textured};
+use super::textures::{grained, wood};
 use crate::{Mesh, Scene, Texture, Transform, Wrap};
 
 /// Pages of the leporello.
@@ -31,11 +31,11 @@ pub(super) fn scene() -> Scene {
     ];
     textures.extend(layers.iter().map(|(color, _, _)| grained("card", *color, 0.26)));
     let mut studio = Studio::new(textures);
-    let sky = studio.surface("sky", textured(0, matt([1.0; 3])));
-    let table = studio.surface("table", textured(1, glossy([1.0; 3], 0.35)));
-    let pages = studio.surface("pictures", textured(2, matt([1.0; 3])));
-    let sun = studio.surface("sun", matt([0.86, 0.30, 0.13]));
-    let white = studio.surface("paper", matt([0.82, 0.80, 0.75]));
+    let sky = studio.material("sky", textured(0, diffuse([1.0; 3])));
+    let table = studio.material("table", textured(1, glossy([1.0; 3], 0.35)));
+    let pages = studio.material("pictures", textured(2, diffuse([1.0; 3])));
+    let sun = studio.material("sun", diffuse([0.86, 0.30, 0.13]));
+    let white = studio.material("paper", diffuse([0.82, 0.80, 0.75]));
 
     studio.add(
         "table",
@@ -54,12 +54,12 @@ pub(super) fn scene() -> Scene {
         DVec3::new(radius * angle.cos(), radius * angle.sin(), 0.0)
     });
     studio.add("sun", disc, sun, at(0.105, 0.232, -0.415));
-    for (k, (_, height, relief)) in layers.into_iter().enumerate() {
+    for (k, (_, height, normal_map_of)) in layers.into_iter().enumerate() {
         let seed = 3.7 * k as f64;
-        let card = studio.surface("card", textured(3 + k, matt([1.0; 3])));
+        let card = studio.material("card", textured(3 + k, diffuse([1.0; 3])));
         let ridge = move |x: f64| {
             let peaks = 1.0 - 1.7 * fractal([x * (5.0 + 0.8 * k as f64) + seed, 0.5, seed], 2).abs();
-            height + relief * (peaks - 0.35) + 0.10 * relief * fractal([x * 70.0, 1.5, seed], 2)
+            height + normal_map_of * (peaks - 0.35) + 0.10 * normal_map_of * fractal([x * 70.0, 1.5, seed], 2)
         };
         let depth = -0.385 + 0.068 * k as f64;
         let mesh = shapes::sheet(500, 4, |s, t| DVec3::new(s - 0.5, ridge(s - 0.5) * (1.0 - t), 0.0));
@@ -84,7 +84,7 @@ pub(super) fn scene() -> Scene {
 
     studio.room([0.15, 0.16, 0.18]);
     studio.softbox("key", [-0.90, 0.85, 0.35], [0.0, 0.08, -0.15], [0.20, 0.22], [30.0, 27.0, 22.5]);
-    studio.photographed([-0.075, 0.215, 0.575], [-0.002, 0.104, -0.12])
+    studio.with_camera([-0.075, 0.215, 0.575], [-0.002, 0.104, -0.12])
 }
 
 fn gull() -> Mesh {
@@ -128,7 +128,7 @@ fn pictures() -> Texture {
         let (u, v) = (x * f64::from(PAGES) - page, y);
         let (ivory, ink, red, sea, sand) =
             ([0.80, 0.76, 0.66], [0.035, 0.06, 0.09], [0.62, 0.12, 0.07], [0.10, 0.32, 0.38], [0.68, 0.50, 0.27]);
-        let fibre = 1.0 + 0.05 * fractal([x * 300.0, y * 60.0, 2.0], 2);
+        let fiber = 1.0 + 0.05 * fractal([x * 300.0, y * 60.0, 2.0], 2);
         let frame = u.min(1.0 - u) < 0.08 || v.min(1.0 - v) < 0.07;
         let wave = |rows: f64| {
             ((v * rows + 0.5 * (u * 9.0 + (v * rows).floor() * 1.9).sin() * 0.55) * std::f64::consts::TAU).sin()
@@ -190,6 +190,6 @@ fn pictures() -> Texture {
                 if (a.hypot(b) * 2.0).fract() < 0.3 { ink } else { sand }
             }
         };
-        if frame { ivory } else { picture }.map(|c| c * fibre)
+        if frame { ivory } else { picture }.map(|c| c * fiber)
     })
 }

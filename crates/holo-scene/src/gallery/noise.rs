@@ -1,6 +1,6 @@
-//! Deterministic randomness for the gallery: a small generator and smooth noise over it.
+//! Deterministic random numbers and smooth noise for the gallery.
 
-/// SplitMix64: a stated formula, so that a scene is the same everywhere and for ever.
+/// SplitMix64, so that a scene is identical on all machines.
 pub(super) struct Random(u64);
 
 impl Random {

@@ -1,9 +1,9 @@
-//! Procedural textures.
+//! Procedural textures of the garden, and the functions that all procedural textures use.
 
 use super::noise::{Random, fractal, smooth};
 use crate::{Texture, Wrap};
 
-/// A texture from linear colour at (x, y) in 0..1.
+/// A texture from a function of linear color at (x, y) in 0..1.
 pub(super) fn paint(name: &str, size: usize, wrap: Wrap, color: impl Fn(f64, f64) -> [f64; 3]) -> Texture {
     let texels = (0..size * size)
         .map(|k| {
@@ -15,12 +15,12 @@ pub(super) fn paint(name: &str, size: usize, wrap: Wrap, color: impl Fn(f64, f64
     Texture { name: name.into(), width: size, height: size, texels, wrap_u: wrap, wrap_v: wrap }
 }
 
-/// From `a` at 0 to `b` at 1.
+/// Linear interpolation from `a` at 0 to `b` at 1.
 pub(super) fn mix(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
     std::array::from_fn(|c| a[c] + (b[c] - a[c]) * share)
 }
 
-/// Old brickwork, 8 courses high; repeats.
+/// Old brickwork, 8 courses high; periodic.
 pub(super) fn bricks() -> Texture {
     let mut random = Random::new(11);
     let tones: Vec<f64> = (0..64).map(|_| random.between(0.65, 1.25)).collect();
@@ -38,7 +38,7 @@ pub(super) fn bricks() -> Texture {
     })
 }
 
-/// Moss and gravel; repeats only roughly, so it is clamped.
+/// Moss and gravel; not periodic.
 pub(super) fn ground() -> Texture {
     paint("ground", 1024, Wrap::Clamp, |x, y| {
         let broad = fractal([x * 6.0, y * 6.0, 3.0], 4);
@@ -51,7 +51,7 @@ pub(super) fn ground() -> Texture {
     })
 }
 
-/// Glazed tiles in rings and rays: fine detail at every scale, for the eye and for stereo.
+/// Glazed tiles in rings and rays, with fine detail at every scale.
 pub(super) fn mosaic() -> Texture {
     paint("mosaic", 1024, Wrap::Clamp, |x, y| {
         let (dx, dy) = (x - 0.5, y - 0.5);

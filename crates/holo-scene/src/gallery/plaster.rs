@@ -1,22 +1,22 @@
 //! The plaster solids of a drawing class on a sheet of paper: a cone, a ball, a cylinder, a block, an egg.
 //!
-//! There for: surfaces without any texture. Hard about it: nothing but shading, soft shadow and outline tells depth;
-//! the seamless background has no feature at all.
+//! **Purpose**: surfaces without any texture. **Difficulty**: depth follows only from shading, soft shadows and
+//! outlines; the seamless background has no feature at all.
 
 use glam::DVec3;
 
+use super::materials::diffuse;
 use super::shapes;
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, turned, upright};
-use super::surfaces::matt;
 use crate::{Scene, Transform};
 
 pub(super) fn scene() -> Scene {
     let mut studio = Studio::new(Vec::new());
-    let plaster = studio.surface("plaster", matt([0.76, 0.745, 0.715]));
-    let paper = studio.surface("paper", matt([0.60, 0.595, 0.585]));
+    let plaster = studio.material("plaster", diffuse([0.76, 0.745, 0.715]));
+    let paper = studio.material("paper", diffuse([0.60, 0.595, 0.585]));
 
-    // One sheet that lies, rises and stands.
+    // A sheet with a horizontal, a curved and a vertical part.
     let sweep = shapes::sheet(1, 96, |s, t| {
         let way = 1.25 * (1.0 - t);
         let (flat, radius) = (0.55, 0.2);
@@ -69,7 +69,7 @@ pub(super) fn scene() -> Scene {
 
     studio.room([0.055, 0.06, 0.07]);
     studio.softbox("window", [-0.95, 0.70, 0.20], [0.0, 0.03, -0.05], [0.42, 0.5], [9.0, 8.4, 7.5]);
-    studio.photographed([-0.02, 0.255, 0.66], [-0.010, 0.070, -0.05])
+    studio.with_camera([-0.02, 0.255, 0.66], [-0.010, 0.070, -0.05])
 }
 
 /// Without smooth normals.

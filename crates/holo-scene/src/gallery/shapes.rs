@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::Mesh;
 
 /// A grid of `columns x rows` quads over `surface(s, t)`, s and t in 0..1, with smooth normals and (s, t) as texture
-/// coordinates. Counter-clockwise where s runs right and t runs down.
+/// coordinates. Counter-clockwise where s increases to the right and t downwards.
 pub(super) fn sheet(columns: u32, rows: u32, surface: impl Fn(f64, f64) -> DVec3) -> Mesh {
     let mut mesh = Mesh::default();
     let step = 1e-4;
@@ -29,8 +29,8 @@ pub(super) fn sheet(columns: u32, rows: u32, surface: impl Fn(f64, f64) -> DVec3
     mesh
 }
 
-/// A ball of radius 1 around the origin, moved along its normal by `displacement(direction)`. It ends a hair before its
-/// poles, where a sheet has no normal.
+/// A ball of radius 1 around the origin, displaced along its normal by `displacement(direction)`. It ends slightly
+/// before its poles, where the parametrization is singular.
 pub(super) fn ball(columns: u32, rows: u32, displacement: impl Fn(DVec3) -> f64) -> Mesh {
     sheet(columns, rows, |s, t| {
         let (longitude, latitude) = (s * std::f64::consts::TAU, (1e-3 + (1.0 - 2e-3) * t) * std::f64::consts::PI);
@@ -50,7 +50,7 @@ pub(super) fn tube(columns: u32, rows: u32, radius: impl Fn(f64) -> f64, path: i
     })
 }
 
-/// An axis-parallel box with flat sides, from its lowest to its highest corner.
+/// An axis-aligned box with flat sides, from its lowest to its highest corner.
 pub(super) fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
     let mut mesh = Mesh::default();
     for axis in 0..3 {
@@ -70,7 +70,7 @@ pub(super) fn cuboid(low: [f64; 3], high: [f64; 3]) -> Mesh {
     mesh
 }
 
-/// A blade of grass: a strip of `segments` quads that narrows to a point and bends over. Flat normals: it is thin.
+/// Adds a blade of grass: a strip of `segments` quads that narrows to a point and bends over, with flat normals.
 pub(super) fn add_blade(mesh: &mut Mesh, root: DVec3, heading_rad: f64, height: f64, bend: f64, color: [f32; 3]) {
     let segments = 4;
     let ahead = DVec3::new(heading_rad.cos(), 0.0, heading_rad.sin());

@@ -1,4 +1,4 @@
-//! Procedural bodies: closed, with their triangles counter-clockwise from outside, as glass needs them.
+//! Procedural bodies: closed meshes with their triangles counter-clockwise from outside, as required for glass.
 
 use glam::DVec3;
 
@@ -6,9 +6,9 @@ use crate::Mesh;
 
 /// A body of revolution about +Y through the points (radius, height) of `profile`, as a smooth curve.
 ///
-/// The outside lies to the left of the way: a solid goes from its top to its bottom, a vessel from the middle of the
-/// bowl up the inner wall, over the rim and down the outer one. Points next to each other make an edge. Texture
-/// coordinates are (angle, way), 0 to 1.
+/// The outside is to the left of the profile: a solid goes from its top to its bottom, a vessel from the middle of the
+/// bowl up the inner wall, over the rim and down the outer wall. Points close to each other form an edge. Texture
+/// coordinates are (angle, position along the profile), 0 to 1.
 pub(super) fn lathe(columns: u32, steps: u32, profile: &[[f64; 2]]) -> Mesh {
     let mut mesh = Mesh::default();
     let rows = steps * (profile.len() as u32 - 1);
@@ -19,7 +19,7 @@ pub(super) fn lathe(columns: u32, steps: u32, profile: &[[f64; 2]]) -> Mesh {
         let radius = if radius < 1e-7 { 0.0 } else { radius };
         radii.push(radius);
         for i in 0..=columns {
-            // The last column is the first: no crack.
+            // The last column equals the first, without a crack.
             let (sin, cos) = (f64::from(i % columns) / f64::from(columns) * std::f64::consts::TAU).sin_cos();
             mesh.positions.push([(radius * sin) as f32, height as f32, (radius * cos) as f32]);
             let normal = DVec3::new(-upward * sin, outward, -upward * cos).normalize_or(DVec3::Y);
@@ -43,7 +43,7 @@ pub(super) fn lathe(columns: u32, steps: u32, profile: &[[f64; 2]]) -> Mesh {
     mesh
 }
 
-/// Place and direction of a Catmull-Rom spline at `x` = 0 to the last point's number.
+/// Position and direction of a Catmull-Rom spline at `x`, from 0 to the index of the last point.
 fn spline(points: &[[f64; 2]], x: f64) -> ([f64; 2], [f64; 2]) {
     let last = points.len() - 1;
     let k = (x.floor() as usize).min(last - 1);
@@ -52,7 +52,7 @@ fn spline(points: &[[f64; 2]], x: f64) -> ([f64; 2], [f64; 2]) {
     let slope = |k: usize| -> [f64; 2] {
         let (before, after) = (points[k.saturating_sub(1)], points[(k + 1).min(last)]);
         let here = points[k];
-        // Monotone along the radius and the height each: no curve beyond its points.
+        // Monotone along radius and height, so that the curve does not overshoot its points.
         std::array::from_fn(|axis| {
             let (left, right) = (here[axis] - before[axis], after[axis] - here[axis]);
             match (k == 0, k == last) {
@@ -84,13 +84,13 @@ fn spline(points: &[[f64; 2]], x: f64) -> ([f64; 2], [f64; 2]) {
     ([place(0).max(0.0), place(1)], ahead)
 }
 
-/// A box around the origin with rounded edges. Texture coordinates 0 to 1 on every side.
+/// A box around the origin with rounded edges. Texture coordinates are 0 to 1 on every side.
 pub(super) fn rounded_box(size: [f64; 3], radius: f64) -> Mesh {
     let mut mesh = Mesh::default();
     let steps = 4;
     let half = size.map(|x| 0.5 * x);
     let quarter = |k: u32| f64::from(k) / f64::from(steps) * std::f64::consts::FRAC_PI_2;
-    // Longitudes and latitudes of a ball, those on the borders of the octants twice: between the two lies a flat side.
+    // Longitudes and latitudes of a ball, those on the borders of the octants twice, with a flat side between the two.
     for row in 0..2 * (steps + 1) {
         let (lower, latitude) = (row > steps, quarter(row % (steps + 1)));
         let latitude = if lower { latitude + std::f64::consts::FRAC_PI_2 } else { latitude };
@@ -133,8 +133,8 @@ pub(super) fn rounded_box(size: [f64; 3], radius: f64) -> Mesh {
     mesh
 }
 
-/// A flat ring of the given thickness around +Z: from the circle of radius `inner` to the outline `outer(turn)`, turn
-/// from 0 to 1. Flat sides.
+/// A flat ring of the given thickness around +Z: from the circle of radius `inner` to the outline `outer(turn)`, with
+/// turn from 0 to 1. Flat sides.
 pub(super) fn plate(columns: u32, thickness: f64, inner: f64, outer: impl Fn(f64) -> f64) -> Mesh {
     let mut mesh = Mesh::default();
     let z = 0.5 * thickness as f32;
@@ -166,7 +166,7 @@ pub(super) fn plate(columns: u32, thickness: f64, inner: f64, outer: impl Fn(f64
     mesh
 }
 
-/// The same mesh moved, as part of a larger one.
+/// Appends a transformed mesh to a larger one.
 pub(super) fn join(all: &mut Mesh, part: &Mesh, place: &crate::Transform) {
     let first = all.positions.len() as u32;
     all.positions.extend(part.positions.iter().map(|p| place.point(p.map(f64::from)).map(|x| x as f32)));

@@ -1,15 +1,15 @@
-//! What a photographer brings along: a room that fills shadows, softboxes, a camera with a 50 mm lens.
+//! A builder for studio scenes: a room for indirect light, softboxes, and a camera with a 50 mm lens.
 //!
-//! Everything here is geometry that glows, so that a scene leaves as .glb whole. Lamps and the room may stand farther
-//! away than a metre; what is photographed does not.
+//! All light comes from emissive geometry and punctual lights, so that a scene can be written as .glb without loss.
+//! Lamps and the room may be farther away than a meter.
 
 use super::shapes;
-use crate::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Texture, Transform};
+use crate::{Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, Scene, Texture, Transform};
 
-/// Half the height of a 36 mm x 24 mm picture over the focal length: 12 mm / 50 mm.
+/// Half the height of a 36 mm x 24 mm sensor over the focal length: 12 mm / 50 mm.
 const HALF_SLOPE: f64 = 0.24;
 
-/// A scene in the making.
+/// A scene under construction.
 pub(super) struct Studio(Scene);
 
 impl Studio {
@@ -17,40 +17,42 @@ impl Studio {
         Self(Scene { textures, ..Scene::default() })
     }
 
-    /// A material under a name; its number.
-    pub fn surface(&mut self, name: &str, material: Material) -> usize {
+    /// Adds a material; returns its index.
+    pub fn material(&mut self, name: &str, material: Material) -> usize {
         self.0.materials.push(Material { name: name.into(), ..material });
         self.0.materials.len() - 1
     }
 
-    /// A mesh placed once.
+    /// Adds a mesh with a single instance.
     pub fn add(&mut self, name: &str, mesh: Mesh, material: usize, transform: Transform) {
-        let mesh = self.share(name, mesh, material);
-        self.set(name, mesh, transform);
+        let mesh = self.add_mesh(name, mesh, material);
+        self.add_instance(name, mesh, transform);
     }
 
-    /// A mesh to be placed with [`Self::set`]; its number.
-    pub fn share(&mut self, name: &str, mesh: Mesh, material: usize) -> usize {
+    /// Adds a mesh without instances, for [`Self::add_instance`]; returns its index.
+    pub fn add_mesh(&mut self, name: &str, mesh: Mesh, material: usize) -> usize {
         self.0.meshes.push(Mesh { name: name.into(), material, ..mesh });
         self.0.meshes.len() - 1
     }
 
-    pub fn set(&mut self, name: &str, mesh: usize, transform: Transform) {
+    pub fn add_instance(&mut self, name: &str, mesh: usize, transform: Transform) {
         self.0.instances.push(Instance { name: name.into(), mesh, transform });
     }
 
-    /// A rectangle of width and height `size` at `center` that shines towards `target`.
+    /// Adds an emissive rectangle of width and height `size`, m, at `center` that faces `target`. `radiance` is linear
+    /// RGB.
     pub fn softbox(&mut self, name: &str, center: [f64; 3], target: [f64; 3], size: [f64; 2], radiance: [f32; 3]) {
-        let glow = self.surface(name, glow(radiance));
+        let emissive = self.material(name, emissive(radiance));
         let up = if center[0] == target[0] && center[2] == target[2] { [0.0, 0.0, -1.0] } else { [0.0, 1.0, 0.0] };
         let pose = Transform::look_at(center, target, up);
         let [right, up, back] = pose.columns;
-        // A rectangle faces its own +Z, a camera looks along its -Z.
+        // A rectangle faces its +Z, a camera looks along its -Z.
         let columns = [right.map(|x| -x * size[0]), up.map(|x| x * size[1]), back.map(|x| -x)];
-        self.add(name, rectangle(), glow, Transform { columns, ..pose });
+        self.add(name, rectangle(), emissive, Transform { columns, ..pose });
     }
 
-    /// A room of 2.6 m whose walls glow faintly: it fills the shadows, and it is what mirrors see. The floor is darker.
+    /// Adds a room of 2.6 m with emissive walls, which provides indirect light and is visible in reflections. The floor
+    /// is darker.
     pub fn room(&mut self, radiance: [f32; 3]) {
         let half = 1.3;
         let middle = [0.0, 0.4, 0.0];
@@ -64,7 +66,7 @@ impl Studio {
         }
     }
 
-    /// A small lamp with a cone of light and hard shadows. `intensity` in candela.
+    /// Adds a spot light with hard shadows. `intensity` in candela.
     pub fn spot(&mut self, name: &str, position: [f64; 3], target: [f64; 3], outer_deg: f64, intensity: [f64; 3]) {
         let [_, _, back] = Transform::look_at(position, target, [0.0, 1.0, 0.0]).columns;
         let outer_angle_rad = outer_deg.to_radians();
@@ -78,17 +80,18 @@ impl Studio {
         self.0.lights.push(Light { name: name.into(), intensity, kind });
     }
 
-    /// The scene, with a camera at `eye` that looks at `target`.
-    pub fn photographed(mut self, eye: [f64; 3], target: [f64; 3]) -> Scene {
+    /// Adds a camera at `eye` that looks at `target`; returns the scene.
+    pub fn with_camera(mut self, eye: [f64; 3], target: [f64; 3]) -> Scene {
         let pose = Transform::look_at(eye, target, [0.0, 1.0, 0.0]);
-        let lens = CameraLens::Perspective { vertical_angle_rad: 2.0 * HALF_SLOPE.atan(), aspect_ratio: Some(1.5) };
-        self.0.cameras.push(Camera { name: "main".into(), pose, lens });
+        let projection =
+            CameraProjection::Perspective { vertical_angle_rad: 2.0 * HALF_SLOPE.atan(), aspect_ratio: Some(1.5) };
+        self.0.cameras.push(Camera { name: "main".into(), pose, projection });
         self.0
     }
 }
 
-/// Black but for what it emits, to its front.
-fn glow(radiance: [f32; 3]) -> Material {
+/// A black material with one-sided emission.
+fn emissive(radiance: [f32; 3]) -> Material {
     Material { base_color: [0.0, 0.0, 0.0, 1.0], emission: radiance, double_sided: false, ..Material::default() }
 }
 
@@ -97,19 +100,19 @@ pub(super) fn rectangle() -> Mesh {
     shapes::sheet(1, 1, |s, t| glam::DVec3::new(s - 0.5, 0.5 - t, 0.0))
 }
 
-/// A shift.
+/// A translation.
 pub(super) fn at(x: f64, y: f64, z: f64) -> Transform {
     Transform::from_translation([x, y, z])
 }
 
-/// A turn about an axis through the origin, after a uniform scale and before a shift.
+/// A rotation about an axis through the origin, after a uniform scale and before a translation.
 pub(super) fn turned(translation: [f64; 3], axis: [f64; 3], degrees: f64, scale: f64) -> Transform {
     let (sin, cos) = (0.5 * degrees.to_radians()).sin_cos();
     let [x, y, z] = glam::DVec3::from(axis).normalize().to_array().map(|c| c * sin);
     Transform::from_parts(translation, [x, y, z, cos], [scale; 3])
 }
 
-/// A turn about the vertical.
+/// A rotation about the vertical axis.
 pub(super) fn upright(translation: [f64; 3], degrees: f64) -> Transform {
     turned(translation, [0.0, 1.0, 0.0], degrees, 1.0)
 }

@@ -1,4 +1,4 @@
-//! What every scene of the gallery keeps.
+//! Properties of all scenes of the gallery.
 
 use std::sync::LazyLock;
 
@@ -30,14 +30,14 @@ fn names_are_listed_once() {
     assert_eq!((NAMES.len(), once.len()), (15, 15));
 }
 
-/// What does not glow, that is all but lamps and the studio, is 0.2 to 1 m in size.
+/// Everything except emissive objects (lamps and the room) is 0.2 to 1 m in size.
 #[test]
 fn every_scene_fits_a_table() {
     for (name, scene) in all() {
         let mut scene = scene.clone();
-        let glows: Vec<bool> =
+        let emissive: Vec<bool> =
             scene.meshes.iter().map(|mesh| scene.materials[mesh.material].emission != [0.0; 3]).collect();
-        scene.instances.retain(|instance| !glows[instance.mesh]);
+        scene.instances.retain(|instance| !emissive[instance.mesh]);
         let (low, high) = scene.bounds().expect(name);
         let longest = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
         // Positions are f32.
@@ -46,7 +46,7 @@ fn every_scene_fits_a_table() {
 }
 
 #[test]
-fn every_scene_leaves_as_glb_whole_and_comes_back_equal() {
+fn every_scene_round_trips_through_glb() {
     for (name, scene) in all() {
         assert!(scene.environment.is_none(), "{name}: glTF has no place for an environment");
         let loaded = load_slice(&to_glb(scene).expect(name), &Limits::default()).expect(name);
@@ -63,7 +63,7 @@ fn every_scene_is_the_same_each_time() {
 }
 
 #[test]
-fn every_scene_says_what_it_is_for() {
+fn every_scene_has_a_purpose() {
     for name in NAMES {
         assert!(purpose(name).is_some_and(|purpose| !purpose.is_empty()), "{name}");
     }

@@ -1,16 +1,16 @@
 //! A tiled corner: the same painted tile everywhere, with bowls and lemons on the ledge.
 //!
-//! There for: repetitive texture. Hard about it: every tile equals its neighbours exactly, on the wall, the ledge and
+//! **Purpose**: repetitive texture. **Difficulty**: every tile equals its neighbors exactly, on the wall, the ledge and
 //! the floor, so that a match is right only up to a whole tile; the glaze mirrors the window.
 
 use glam::DVec3;
 
+use super::materials::{glossy, normal_mapped, repeated};
 use super::noise::fractal;
-use super::papers::{azulejo, peel};
 use super::shapes;
 use super::solids::{lathe, rounded_box};
 use super::studio::{Studio, at, turned};
-use super::surfaces::{embossed, glossy, repeated};
+use super::textures::{azulejo, peel};
 use crate::{Mesh, Scene, Transform};
 
 /// Side of a tile, m.
@@ -18,84 +18,17 @@ const TILE: f64 = 0.07;
 
 pub(super) fn scene() -> Scene {
     let mut studio = Studio::new(vec![azulejo(), peel()]);
-    let tile = studio.surface("tile", repeated(0, [1.0, 1.0], glossy([1.0; 3], 0.14)));
-    let terracotta = studio.surface("terracotta", glossy([0.47, 0.20, 0.115], 0.55));
-    let white = studio.surface("white glaze", glossy([0.76, 0.75, 0.71], 0.10));
-    let blue = studio.surface("blue glaze", glossy([0.035, 0.095, 0.29], 0.10));
-    let lemon = studio.surface("lemon", embossed(1, [1.6, 1.0], 1.2, glossy([0.82, 0.53, 0.03], 0.34)));
-    let leaf = studio.surface("leaf", glossy([0.055, 0.155, 0.04], 0.35));
+    let tile = studio.material("tile", repeated(0, [1.0, 1.0], glossy([1.0; 3], 0.14)));
+    let terracotta = studio.material("terracotta", glossy([0.47, 0.20, 0.115], 0.55));
+    let white = studio.material("white glaze", glossy([0.76, 0.75, 0.71], 0.10));
+    let blue = studio.material("blue glaze", glossy([0.035, 0.095, 0.29], 0.10));
+    let lemon = studio.material("lemon", normal_mapped(1, [1.6, 1.0], 1.2, glossy([0.82, 0.53, 0.03], 0.34)));
+    let leaf = studio.material("leaf", glossy([0.055, 0.155, 0.04], 0.35));
 
-    // Whole tiles from the corner on.
-    studio.add(
-        "back wall",
-        tiled([-0.42, 0.56, -0.28], [0.0, 0.0], [0.91, 0.0, 0.0], [0.0, -0.56, 0.0]),
-        tile,
-        Transform::IDENTITY,
-    );
-    studio.add(
-        "side wall",
-        tiled([-0.42, 0.56, 0.35], [9.0, 0.0], [0.0, 0.0, -0.63], [0.0, -0.56, 0.0]),
-        tile,
-        Transform::IDENTITY,
-    );
-    studio.add(
-        "ledge",
-        tiled([-0.42, 0.105, -0.28], [0.0, 0.0], [0.91, 0.0, 0.0], [0.0, 0.0, 0.14]),
-        tile,
-        Transform::IDENTITY,
-    );
-    studio.add(
-        "ledge front",
-        tiled([-0.42, 0.105, -0.14], [0.0, 0.5], [0.91, 0.0, 0.0], [0.0, -0.105, 0.0]),
-        tile,
-        Transform::IDENTITY,
-    );
-    studio.add("nosing", rounded_box([0.91, 0.012, 0.014], 0.005), terracotta, at(0.035, 0.1010, -0.139));
-    studio.add(
-        "floor",
-        tiled([-0.42, 0.0, -0.14], [0.0, 0.0], [0.91, 0.0, 0.0], [0.0, 0.0, 0.49]),
-        tile,
-        Transform::IDENTITY,
-    );
+    corner(&mut studio, tile, terracotta);
 
-    let bowl = lathe(
-        128,
-        7,
-        &[
-            [0.0, 0.010],
-            [0.022, 0.0125],
-            [0.050, 0.034],
-            [0.0610, 0.0600],
-            [0.0625, 0.0612],
-            [0.0640, 0.0600],
-            [0.0535, 0.032],
-            [0.0250, 0.0085],
-            [0.0235, 0.0],
-            [0.0205, 0.0],
-            [0.019, 0.003],
-            [0.0, 0.003],
-        ],
-    );
-    let jug = lathe(
-        128,
-        7,
-        &[
-            [0.0, 0.006],
-            [0.028, 0.008],
-            [0.043, 0.045],
-            [0.036, 0.085],
-            [0.0225, 0.112],
-            [0.0265, 0.136],
-            [0.0282, 0.1372],
-            [0.0298, 0.136],
-            [0.0258, 0.112],
-            [0.0395, 0.085],
-            [0.0465, 0.045],
-            [0.0335, 0.003],
-            [0.031, 0.0],
-            [0.0, 0.0],
-        ],
-    );
+    let bowl = bowl();
+    let jug = jug();
     studio.add("bowl", bowl.clone(), white, at(-0.005, 0.0, 0.025));
     studio.add("bowl", bowl, blue, at(-0.155, 0.105, -0.205));
     studio.add("jug", jug, white, at(0.145, 0.105, -0.205));
@@ -128,7 +61,88 @@ pub(super) fn scene() -> Scene {
 
     studio.room([0.20, 0.21, 0.225]);
     studio.softbox("window", [0.95, 0.75, 0.45], [0.0, 0.05, -0.1], [0.45, 0.60], [6.6, 6.2, 5.5]);
-    studio.photographed([0.060, 0.250, 0.600], [0.000, 0.097, -0.085])
+    studio.with_camera([0.060, 0.250, 0.600], [0.000, 0.097, -0.085])
+}
+
+/// The walls, the ledge and the floor, with whole tiles from the corner on.
+fn corner(studio: &mut Studio, tile: usize, terracotta: usize) {
+    studio.add(
+        "back wall",
+        tiled([-0.42, 0.56, -0.28], [0.0, 0.0], [0.91, 0.0, 0.0], [0.0, -0.56, 0.0]),
+        tile,
+        Transform::IDENTITY,
+    );
+    studio.add(
+        "side wall",
+        tiled([-0.42, 0.56, 0.35], [9.0, 0.0], [0.0, 0.0, -0.63], [0.0, -0.56, 0.0]),
+        tile,
+        Transform::IDENTITY,
+    );
+    studio.add(
+        "ledge",
+        tiled([-0.42, 0.105, -0.28], [0.0, 0.0], [0.91, 0.0, 0.0], [0.0, 0.0, 0.14]),
+        tile,
+        Transform::IDENTITY,
+    );
+    studio.add(
+        "ledge front",
+        tiled([-0.42, 0.105, -0.14], [0.0, 0.5], [0.91, 0.0, 0.0], [0.0, -0.105, 0.0]),
+        tile,
+        Transform::IDENTITY,
+    );
+    studio.add("nosing", rounded_box([0.91, 0.012, 0.014], 0.005), terracotta, at(0.035, 0.1010, -0.139));
+    studio.add(
+        "floor",
+        tiled([-0.42, 0.0, -0.14], [0.0, 0.0], [0.91, 0.0, 0.0], [0.0, 0.0, 0.49]),
+        tile,
+        Transform::IDENTITY,
+    );
+}
+
+/// The bowls.
+fn bowl() -> Mesh {
+    lathe(
+        128,
+        7,
+        &[
+            [0.0, 0.010],
+            [0.022, 0.0125],
+            [0.050, 0.034],
+            [0.0610, 0.0600],
+            [0.0625, 0.0612],
+            [0.0640, 0.0600],
+            [0.0535, 0.032],
+            [0.0250, 0.0085],
+            [0.0235, 0.0],
+            [0.0205, 0.0],
+            [0.019, 0.003],
+            [0.0, 0.003],
+        ],
+    )
+}
+
+/// The body of the jug.
+fn jug() -> Mesh {
+    lathe(
+        128,
+        7,
+        &[
+            [0.0, 0.006],
+            [0.028, 0.008],
+            [0.043, 0.045],
+            [0.036, 0.085],
+            [0.0225, 0.112],
+            [0.0265, 0.136],
+            [0.0282, 0.1372],
+            [0.0298, 0.136],
+            [0.0258, 0.112],
+            [0.0395, 0.085],
+            [0.0465, 0.045],
+            [0.0335, 0.003],
+            [0.031, 0.0],
+            [0.0, 0.0],
+        ],
+    )
 }
 
 /// A rectangle from `corner` along `across` and `down`; a texture coordinate is a tile.

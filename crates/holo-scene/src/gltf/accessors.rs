@@ -1,8 +1,8 @@
-//! Pre-validation of accessors, before the `gltf` crate reads them.
+//! Validation of accessors before the `gltf` crate reads them.
 //!
 //! The `gltf` crate panics on indices out of range, wrong component types, counts of zero, short sparse lists and
-//! overflowing sizes. It therefore never sees the file: it gets a document made here, of nothing but those accessors that
-//! are read, each of them checked against its buffer to the last byte.
+//! overflowing sizes. It therefore gets a document that contains only the accessors that are read, each of them checked
+//! against its buffer to the last byte.
 
 use std::collections::BTreeMap;
 
@@ -10,12 +10,12 @@ use ::gltf::json;
 use ::gltf::json::accessor::{ComponentType, Type};
 use ::gltf::json::validation::{Checked, USize64};
 
+use super::buffer_views::BufferViews;
 use super::json::{Object, bad, unsupported};
 use super::values::Values;
-use super::views::Views;
 use crate::Error;
 
-/// What an accessor is wanted for; decides which types it may have.
+/// The use of an accessor, which determines the allowed types.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Use {
     /// Positions and normals.
@@ -25,29 +25,29 @@ pub(super) enum Use {
     Indices,
 }
 
-/// A checked accessor.
+/// A validated accessor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Handle {
-    /// Its number in the file, for messages.
+    /// Its index in the file, for messages.
     pub(super) number: usize,
     pub(super) count: usize,
-    /// Its number in the document given to the `gltf` crate.
+    /// Its index in the document for the `gltf` crate.
     pub(super) checked: usize,
 }
 
-/// Checks accessors one by one, as they are asked for.
+/// Validates accessors one by one.
 pub(super) struct Checker<'f> {
     accessors: Vec<Object<'f>>,
-    views: &'f Views<'f>,
+    buffer_views: &'f BufferViews<'f>,
     known: BTreeMap<usize, Handle>,
     known_views: BTreeMap<usize, usize>,
     root: json::Root,
 }
 
 impl<'f> Checker<'f> {
-    pub(super) fn new(root: &Object<'f>, views: &'f Views<'f>) -> Result<Self, Error> {
+    pub(super) fn new(root: &Object<'f>, buffer_views: &'f BufferViews<'f>) -> Result<Self, Error> {
         let mut document = json::Root::default();
-        for buffer in views.buffers() {
+        for buffer in buffer_views.buffers() {
             document.buffers.push(json::Buffer {
                 byte_length: USize64::from(buffer.len()),
                 name: None,
@@ -58,24 +58,24 @@ impl<'f> Checker<'f> {
         }
         Ok(Self {
             accessors: root.objects("accessors")?,
-            views,
+            buffer_views,
             known: BTreeMap::new(),
             known_views: BTreeMap::new(),
             root: document,
         })
     }
 
-    /// How many accessors the file has.
+    /// The number of accessors of the file.
     pub(super) fn len(&self) -> usize {
         self.accessors.len()
     }
 
-    /// Whether the accessor has values of its own, rather than the zeros of one without a buffer view.
+    /// Whether the accessor has data, rather than the zeros of one without a buffer view.
     pub(super) fn has_data(&self, number: usize) -> bool {
         self.accessors.get(number).is_some_and(|a| a.has("bufferView") || a.has("sparse"))
     }
 
-    /// Checks accessor `number` (in range) for a use; `user` is the JSON path of what refers to it.
+    /// Validates accessor `number` (in range) for a use; `user` is the JSON path of the reference to it.
     pub(super) fn check(&mut self, number: usize, wanted: Use, user: &str) -> Result<Handle, Error> {
         let Some(accessor) = self.accessors.get(number).cloned() else {
             return Err(bad(user, format!("refers to accessors[{number}], which is not there")));
@@ -90,7 +90,7 @@ impl<'f> Checker<'f> {
         let count = count(&accessor)?;
         let size = component.size() * shape.multiplicity();
         let offset = accessor.unsigned("byteOffset")?.unwrap_or(0);
-        let view = match accessor.index("bufferView", "bufferViews", self.views.len())? {
+        let view = match accessor.index("bufferView", "bufferViews", self.buffer_views.len())? {
             Some(view) => {
                 self.check_range(&accessor, view, (offset, count, size), true)?;
                 Some(json::Index::new(self.view(view)?))
@@ -121,16 +121,16 @@ impl<'f> Checker<'f> {
     }
 
     pub(super) fn finish(self) -> Values<'f> {
-        // Nothing is left to validate, and the crate's own validation asks for optional things (min, max).
-        Values::new(::gltf::Document::from_json_without_validation(self.root), self.views.buffers())
+        // Nothing is left to validate, and the validation of the crate requires optional fields (min, max).
+        Values::new(::gltf::Document::from_json_without_validation(self.root), self.buffer_views.buffers())
     }
 
-    /// Copies a buffer view into the crate's document, once.
+    /// Copies a buffer view to the document for the `gltf` crate, once.
     fn view(&mut self, number: usize) -> Result<u32, Error> {
         if let Some(&known) = self.known_views.get(&number) {
             return Ok(known as u32);
         }
-        let view = self.views.get(number)?;
+        let view = self.buffer_views.get(number)?;
         let known = self.root.buffer_views.len();
         self.root.buffer_views.push(json::buffer::View {
             buffer: json::Index::new(view.buffer as u32),
@@ -146,7 +146,8 @@ impl<'f> Checker<'f> {
         Ok(known as u32)
     }
 
-    /// Checks that `count` elements of `size` bytes from `offset` on lie inside the buffer view, and returns their bytes.
+    /// Checks that `count` elements of `size` bytes from `offset` on lie inside the buffer view, and returns their
+    /// bytes.
     fn check_range(
         &self,
         user: &Object<'_>,
@@ -154,7 +155,7 @@ impl<'f> Checker<'f> {
         (offset, count, size): (u64, usize, usize),
         strided: bool,
     ) -> Result<&'f [u8], Error> {
-        let view = self.views.get(number)?;
+        let view = self.buffer_views.get(number)?;
         let stride = match view.stride {
             Some(_) if !strided => {
                 return Err(bad(format!("bufferViews[{number}].byteStride"), "is not allowed for sparse accessors"));
@@ -171,7 +172,10 @@ impl<'f> Checker<'f> {
         let range = end.filter(|&end| end <= view.bytes.len() as u64).map(|end| offset as usize..end as usize);
         range.and_then(|range| view.bytes.get(range)).ok_or_else(|| {
             let have = view.bytes.len();
-            let what = format!("needs {count} elements of {size} bytes (stride {stride}) from byte {offset} on, but bufferViews[{number}] has {have} bytes");
+            let what = format!(
+                "needs {count} elements of {size} bytes (stride {stride}) from byte {offset} on, \
+                but bufferViews[{number}] has {have} bytes"
+            );
             bad(user.path(), what)
         })
     }
@@ -188,7 +192,7 @@ impl<'f> Checker<'f> {
         }
         let part = |key: &str| sparse.object(key)?.ok_or_else(|| sparse.missing(key));
         let view_of = |part: &Object<'_>| {
-            let view = part.index("bufferView", "bufferViews", self.views.len())?;
+            let view = part.index("bufferView", "bufferViews", self.buffer_views.len())?;
             view.ok_or_else(|| part.missing("bufferView"))
         };
         let (indices, values) = (part("indices")?, part("values")?);
@@ -202,7 +206,7 @@ impl<'f> Checker<'f> {
         let range = (index_offset, count, component.size());
         let bytes = self.check_range(&indices, index_view, range, false)?;
         self.check_range(&values, value_view, (value_offset, count, size), false)?;
-        // The crate takes the values in order of the indices and panics, or drops some, where those do not increase.
+        // The `gltf` crate requires increasing indices; otherwise it panics or skips values.
         let mut previous = None;
         for (k, bytes) in bytes.chunks_exact(component.size()).enumerate() {
             let index = bytes.iter().rev().fold(0_usize, |index, &byte| index << 8 | usize::from(byte));
@@ -261,7 +265,7 @@ fn shape(accessor: &Object<'_>) -> Result<Type, Error> {
 
 fn count(object: &Object<'_>) -> Result<usize, Error> {
     let count = object.unsigned("count")?.ok_or_else(|| object.missing("count"))?;
-    // Vertex indices are 32 bits, and the highest one is kept free as glTF asks.
+    // Vertex indices have 32 bits, and glTF reserves the largest one.
     if count == 0 || count >= u64::from(u32::MAX) {
         return Err(bad(object.at("count"), format!("is {count}; it must be 1..{}", u32::MAX - 1)));
     }

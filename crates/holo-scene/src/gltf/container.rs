@@ -1,4 +1,4 @@
-//! The outside of a glTF file: binary container or JSON, and the bytes of its buffers and images.
+//! The container of a glTF file: binary or JSON, and the bytes of its buffers and images.
 
 use std::borrow::Cow;
 use std::cell::Cell;
@@ -22,10 +22,10 @@ pub(super) struct Parts<'a> {
     pub(super) binary: Option<&'a [u8]>,
 }
 
-/// Tells a binary glTF from a JSON one by its first bytes and takes it apart.
+/// Splits a file into JSON and binary chunk. Binary glTF is detected by its first bytes.
 pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, Error> {
     if !bytes.starts_with(MAGIC) {
-        // The standard forbids a byte order mark, editors add one nevertheless.
+        // The specification forbids a byte order mark; editors add one nevertheless.
         let json = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         return match json.iter().find(|b| !b.is_ascii_whitespace()) {
             Some(b'{') => Ok(Parts { json, binary: None }),
@@ -47,20 +47,20 @@ pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, Error> {
     };
     let mut parts = Parts { json: &[], binary: None };
     let (mut offset, mut number) = (12_usize, 0_usize);
-    // Up to three bytes can remain where a writer padded the file but not its last chunk.
+    // Up to three bytes may remain if a writer padded the file but not its last chunk.
     while offset + 8 <= bytes.len() {
         let (Some(length), Some(kind)) = (word(bytes, offset), word(bytes, offset + 4)) else { break };
         let chunk = bytes[offset + 8..].get(..length as usize);
         let chunk = chunk.ok_or_else(|| bad(format!("glb chunk {number}"), "reaches beyond the end of the file"))?;
         match (number, kind) {
-            // Padding is made of spaces; writers that use zeros exist.
+            // Padding consists of spaces; some writers use zeros.
             (0, CHUNK_JSON) => parts.json = trim_zeros(chunk),
             (0, _) => return Err(bad("glb chunk 0", "is not JSON")),
             (1, CHUNK_BINARY) => parts.binary = Some(chunk),
-            // Other chunks are for extensions and must be skipped.
+            // Other chunks belong to extensions and must be ignored.
             _ => {}
         }
-        // Chunks start at multiples of four; writers that forget to pad say so by their length.
+        // Chunks start at multiples of four, also if a writer did not pad the previous one.
         offset += 8 + chunk.len().next_multiple_of(4);
         number += 1;
     }
@@ -78,7 +78,7 @@ fn word(bytes: &[u8], offset: usize) -> Option<u32> {
     bytes.get(offset..)?.first_chunk().copied().map(u32::from_le_bytes)
 }
 
-/// Parses the JSON and checks that it is glTF 2.
+/// Parses the JSON and checks the glTF version.
 pub(super) fn parse(json: &[u8]) -> Result<Value, Error> {
     let value: Value = serde_json::from_slice(json).map_err(|e| bad("glTF JSON", e.to_string()))?;
     let root = Object::root(&value)?;
@@ -93,7 +93,7 @@ pub(super) fn parse(json: &[u8]) -> Result<Value, Error> {
     }
 }
 
-/// Where the parts of a file that are not in the file itself come from, and how many bytes may still be read.
+/// Access to external files, with the remaining number of bytes that may be read.
 pub(super) struct Files {
     folder: Option<PathBuf>,
     bytes_left: Cell<u64>,
@@ -105,10 +105,10 @@ impl Files {
         Self { folder: folder.map(Path::to_path_buf), bytes_left: Cell::new(max_bytes), max_bytes }
     }
 
-    /// Reads a whole file, if it is not larger than what may still be read.
+    /// Reads a whole file, unless it is larger than the remaining limit.
     pub(super) fn read(&self, path: &Path) -> Result<Vec<u8>, Error> {
         let fail = |source| Error::Read { path: path.display().to_string(), source };
-        // Opening a pipe waits for its writer, so ask first; a scene itself is seekable too.
+        // Opening a pipe would block, so the type of the file is checked first.
         let size = path.metadata().map_err(fail)?;
         if !size.is_file() {
             return Err(bad(path.display().to_string(), "is not a file"));
@@ -157,7 +157,7 @@ pub(super) fn buffers<'a>(
         let bytes: Cow<'a, [u8]> = match (buffer.string("uri")?, binary) {
             (Some(uri), _) => Cow::Owned(files.fetch(uri, &buffer.at("uri"))?),
             (None, Some(binary)) if k == 0 => Cow::Borrowed(binary),
-            // The fallback buffer of a compressed file has no bytes; whoever uses it is told so.
+            // The fallback buffer of a compressed file has no bytes; its buffer views are rejected when they are used.
             (None, _) if buffer.extension("EXT_meshopt_compression")?.is_some() => Cow::Borrowed(&[]),
             (None, _) if k == 0 => return Err(bad(buffer.path(), "has no uri, and the file no binary chunk")),
             (None, _) => return Err(buffer.missing("uri")),

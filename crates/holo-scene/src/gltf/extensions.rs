@@ -1,4 +1,4 @@
-//! Which glTF extensions a file uses, and what becomes of those we do not handle.
+//! The glTF extensions of a file, and the warnings and errors for those that are not supported.
 
 use std::collections::BTreeSet;
 
@@ -20,7 +20,7 @@ pub(super) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 pub(super) const MESHOPT: &str = "EXT_meshopt_compression";
 
-/// The extensions that a file may require.
+/// The supported extensions.
 pub(super) const HANDLED: &[&str] =
     &[LIGHTS, EMISSIVE_STRENGTH, IOR, SPECULAR, TRANSMISSION, UNLIT, VOLUME, TEXTURE_TRANSFORM];
 
@@ -30,10 +30,10 @@ pub(super) struct Extensions {
     pub(super) required: Vec<String>,
 }
 
-/// Lists the extensions; warns about those that are used and not handled.
+/// Lists the extensions; adds warnings for used extensions that are not supported.
 ///
 /// # Errors
-/// A required extension that is not handled.
+/// A required extension that is not supported.
 pub(super) fn check(file: &Value, root: &Object<'_>, warnings: &mut Warnings) -> Result<Extensions, Error> {
     let names = |key: &str| -> Result<BTreeSet<String>, Error> {
         let list = root.list(key)?.iter().enumerate();
@@ -46,7 +46,7 @@ pub(super) fn check(file: &Value, root: &Object<'_>, warnings: &mut Warnings) ->
     let required = names("extensionsRequired")?;
     let mut used = names("extensionsUsed")?;
     used.extend(required.iter().cloned());
-    // Files forget to declare what they use; what matters is what is there.
+    // Some files do not declare the extensions that they use.
     find(file, &mut used);
 
     let unhandled = |names: &BTreeSet<String>| -> Vec<String> {
@@ -64,12 +64,12 @@ pub(super) fn check(file: &Value, root: &Object<'_>, warnings: &mut Warnings) ->
             warnings.note(&format!("{}: {text}", names.join(", ")), String::new);
         }
     };
-    warn(materials, "used but not modelled: surfaces are drawn without");
+    warn(materials, "used but not modeled: surfaces are drawn without");
     warn(others, "used but not handled: ignored");
     Ok(Extensions { used: used.into_iter().collect(), required: required.into_iter().collect() })
 }
 
-/// Gathers the keys of every `extensions` object. The parser limits the depth, so recursion is safe.
+/// Collects the keys of every `extensions` object. The JSON parser limits the depth, so recursion is safe.
 pub(super) fn find(value: &Value, names: &mut BTreeSet<String>) {
     match value {
         Value::Array(list) => list.iter().for_each(|value| find(value, names)),

@@ -1,4 +1,4 @@
-//! Typed access to untrusted JSON: every wrong type, range or index becomes an error that names its JSON path.
+//! Typed access to untrusted JSON: every wrong type, range or index is an error with its JSON path.
 
 use std::ops::RangeInclusive;
 
@@ -6,20 +6,20 @@ use serde_json::{Map, Value};
 
 use crate::Error;
 
-/// Above 2^53 an f64 no longer tells neighbouring integers apart.
+/// 2^53: f64 does not represent all larger integers.
 const LARGEST_EXACT_INTEGER: f64 = 9_007_199_254_740_992.0;
 
-/// The error of a file that breaks glTF's rules.
+/// The error for a violation of the rules of glTF.
 pub(super) fn bad(at: impl Into<String>, what: impl Into<String>) -> Error {
     Error::BadFile { at: at.into(), what: what.into() }
 }
 
-/// The error of a file that asks for something we do not model.
+/// The error for an unsupported feature.
 pub(super) fn unsupported(at: impl Into<String>, what: impl Into<String>) -> Error {
     Error::Unsupported { at: at.into(), what: what.into() }
 }
 
-/// A JSON object that knows where it lies in the file.
+/// A JSON object with its path in the file.
 #[derive(Clone, Debug)]
 pub(super) struct Object<'a> {
     map: &'a Map<String, Value>,
@@ -45,7 +45,7 @@ impl<'a> Object<'a> {
         &self.at
     }
 
-    /// The path of one of its fields.
+    /// The path of a field.
     pub(super) fn at(&self, key: &str) -> String {
         if self.at.is_empty() { key.to_owned() } else { format!("{}.{key}", self.at) }
     }
@@ -59,7 +59,7 @@ impl<'a> Object<'a> {
         self.map.iter().for_each(|(key, value)| visit(key, value));
     }
 
-    /// The error for a field that should be there.
+    /// The error for a missing field.
     pub(super) fn missing(&self, key: &str) -> Error {
         bad(self.at(key), "is missing")
     }
@@ -68,7 +68,7 @@ impl<'a> Object<'a> {
         self.map.get(key).map(|value| Self::new(value, self.at(key))).transpose()
     }
 
-    /// What the extension of this name says here.
+    /// The object of an extension.
     pub(super) fn extension(&self, name: &str) -> Result<Option<Object<'a>>, Error> {
         Ok(match self.object("extensions")? {
             Some(extensions) => extensions.object(name)?,
@@ -99,7 +99,7 @@ impl<'a> Object<'a> {
         }
     }
 
-    /// The object's name; empty where it has none.
+    /// The name of the object; empty if it has none.
     pub(super) fn name(&self) -> Result<&'a str, Error> {
         Ok(self.string("name")?.unwrap_or_default())
     }
@@ -112,7 +112,7 @@ impl<'a> Object<'a> {
         }
     }
 
-    /// A non-negative integer; `3.0` counts as one, since some exporters write it.
+    /// A non-negative integer; `3.0` is accepted, because some exporters write it.
     pub(super) fn unsigned(&self, key: &str) -> Result<Option<u64>, Error> {
         let Some(value) = self.map.get(key) else { return Ok(None) };
         unsigned(value).map(Some).ok_or_else(|| bad(self.at(key), "must be a non-negative integer"))
@@ -135,13 +135,13 @@ impl<'a> Object<'a> {
         value.as_f64().map(Some).ok_or_else(|| bad(self.at(key), "must be a number"))
     }
 
-    /// A number within a range, in single precision.
+    /// A number within a range, as f32.
     pub(super) fn within(&self, key: &str, range: RangeInclusive<f32>) -> Result<Option<f32>, Error> {
         let Some(x) = self.number(key)? else { return Ok(None) };
         single(x, &range).map(Some).ok_or_else(|| bad(self.at(key), outside(&x, &range)))
     }
 
-    /// Exactly `N` numbers within a range, in single precision.
+    /// Exactly `N` numbers within a range, as f32.
     pub(super) fn all_within<const N: usize>(
         &self,
         key: &str,
@@ -155,7 +155,7 @@ impl<'a> Object<'a> {
         Ok(Some(singles))
     }
 
-    /// What the program that wrote the file added for itself. It may be anything; what is no object is passed over.
+    /// The application-specific `extras`; `None` if they are not an object.
     pub(super) fn extras(&self) -> Result<Option<Object<'a>>, Error> {
         if matches!(self.map.get("extras"), Some(Value::Object(_))) { self.object("extras") } else { Ok(None) }
     }
@@ -177,7 +177,7 @@ impl<'a> Object<'a> {
     }
 }
 
-/// Rounding keeps the order of numbers, so what lies within the range still does when it is single.
+/// Rounding is monotonic, so a number within the range stays within it as f32.
 fn single(x: f64, range: &RangeInclusive<f32>) -> Option<f32> {
     (f64::from(*range.start())..=f64::from(*range.end())).contains(&x).then_some(x as f32)
 }

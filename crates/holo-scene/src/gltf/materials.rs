@@ -1,4 +1,4 @@
-//! The materials of the scene: what the file says of each, which textures and texture coordinates they need.
+//! The materials of the file, with the textures and texture coordinate sets that they need.
 
 mod surface;
 
@@ -8,15 +8,15 @@ use super::json::Object;
 use super::uri::shorten;
 use super::warnings::Warnings;
 use crate::Error;
-use crate::{Material, NormalMap, TextureUse};
+use crate::{Material, NormalMap, TextureInfo};
 
 /// Materials before their textures are loaded.
 pub(super) struct Materials {
-    /// Their textures are numbered as in the *file* until [`Materials::finish`].
+    /// Texture indices refer to the *file* until [`Materials::finish`].
     pub(super) materials: Vec<Material>,
-    /// For each material what its primitives have to bring.
+    /// For each material the texture coordinate sets that its primitives must have.
     pub(super) coordinate_sets: Vec<CoordinateSets>,
-    /// For each texture of the file whether it has to be decoded.
+    /// For each texture of the file whether it must be decoded.
     pub(super) needed_textures: Vec<bool>,
 }
 
@@ -30,7 +30,7 @@ pub(super) struct CoordinateSets {
 }
 
 impl CoordinateSets {
-    /// Those of a material without textures.
+    /// The sets of a material without textures.
     const UNUSED: Self = Self { numbers: [0, 1], wanted: [false; 2] };
 }
 
@@ -49,35 +49,34 @@ pub(super) fn load(root: &Object<'_>, warnings: &mut Warnings) -> Result<Materia
         note_textures(material, &mut mentioned);
         all.materials.push(loaded);
     }
-    // Not needed are those that only serve what we do not model; textures that nothing refers to are kept as they are
-    // in the file.
+    // Textures that only unsupported features use are not decoded; textures without any reference are.
     all.needed_textures = read.iter().zip(&mentioned).map(|(&read, &mentioned)| read || !mentioned).collect();
     Ok(all)
 }
 
 impl Materials {
-    /// The index of the material of primitives that have none.
+    /// Adds the default material for primitives without a material; returns its index.
     pub(super) fn default_material(&mut self) -> usize {
         self.materials.push(surface::standard("default"));
         self.coordinate_sets.push(CoordinateSets::UNUSED);
         self.materials.len() - 1
     }
 
-    /// Puts the textures of the scene in place of those of the file.
+    /// Replaces texture indices of the file by those of the scene.
     pub(super) fn finish(self, index: &[Option<usize>]) -> Vec<Material> {
         let mut materials = self.materials;
         for material in &mut materials {
             change_textures(material, |used| {
                 let texture = index.get(used.texture).copied().flatten()?;
-                Some(TextureUse { texture, ..used })
+                Some(TextureInfo { texture, ..used })
             });
         }
         materials
     }
 }
 
-/// Decides which sets of the file become the two of a mesh, and numbers the textures' sets by that. Sets 0 and 1 stay
-/// what they are; others take the places that the material leaves free.
+/// Selects the two texture coordinate sets of a mesh, and renumbers the sets of the textures. Sets 0 and 1 keep their
+/// numbers; other sets get the numbers that are free.
 fn choose_sets(material: &mut Material, place: impl Fn() -> String, warnings: &mut Warnings) -> CoordinateSets {
     let mut wanted: Vec<usize> = material.textures().map(|(_, used)| used.set).collect();
     wanted.sort_unstable();
@@ -91,14 +90,14 @@ fn choose_sets(material: &mut Material, place: impl Fn() -> String, warnings: &m
     }
     change_textures(material, |used| {
         let set = sets.iter().position(|&set| set == Some(used.set))?;
-        Some(TextureUse { set, ..used })
+        Some(TextureInfo { set, ..used })
     });
     let [first, second] = sets;
     CoordinateSets { numbers: [first.unwrap_or(0), second.unwrap_or(1)], wanted: [first.is_some(), second.is_some()] }
 }
 
-/// Replaces every texture of a material, or removes it.
-fn change_textures(material: &mut Material, change: impl Fn(TextureUse) -> Option<TextureUse>) {
+/// Replaces or removes every texture reference of a material.
+fn change_textures(material: &mut Material, change: impl Fn(TextureInfo) -> Option<TextureInfo>) {
     for used in [
         &mut material.base_color_texture,
         &mut material.metallic_roughness_texture,
@@ -113,7 +112,7 @@ fn change_textures(material: &mut Material, change: impl Fn(TextureUse) -> Optio
     material.normal_map = map.and_then(|map| Some(NormalMap { texture: change(map.texture)?, ..map }));
 }
 
-/// Marks the textures that a material refers to for anything.
+/// Marks all textures that a material refers to.
 fn note_textures(material: &Object<'_>, mentioned: &mut [bool]) {
     fn mark(value: &Value, is_texture: bool, mentioned: &mut [bool]) {
         let Value::Object(map) = value else { return };

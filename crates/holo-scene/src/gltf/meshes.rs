@@ -7,16 +7,16 @@ use super::accessors::{Checker, Handle, Use};
 use super::extensions::DRACO;
 use super::json::{Object, bad, unsupported};
 use super::materials::{CoordinateSets, Materials};
-use super::net;
+use super::panic_guard;
 use super::values::Values;
 use super::warnings::Warnings;
 use crate::Error;
 use crate::Mesh;
 
-/// Squared lengths this close to 1 count as unit normals and keep their bits; others are normalised.
+/// Normals with a squared length this close to 1 are kept unchanged; others are normalized.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
-/// The meshes of the scene, and for each mesh of the file the range of those that came from its primitives.
+/// The meshes of the scene, and for each mesh of the file the range of meshes of its primitives.
 pub(super) struct Meshes {
     pub(super) meshes: Vec<Mesh>,
     pub(super) ranges: Vec<std::ops::Range<usize>>,
@@ -30,7 +30,7 @@ enum Mode {
 }
 
 impl Mode {
-    /// How many triangles `count` corners make. What remains of an incomplete triangle is ignored, as by a GPU.
+    /// The number of triangles of `count` vertices. An incomplete triangle is ignored, as by a GPU.
     fn triangles(self, count: usize) -> usize {
         match self {
             Self::Triangles => count / 3,
@@ -39,7 +39,7 @@ impl Mode {
     }
 }
 
-/// A primitive whose accessors are checked, before its values are read.
+/// A primitive with validated accessors, before its values are read.
 struct Plan {
     at: String,
     name: String,
@@ -79,7 +79,7 @@ pub(super) fn load(
             let Some(plan) = plan(primitive, &mut accessors, (name, mode, material), sets, warnings)? else { continue };
             vertices += plan.positions.count as u64;
             triangles += plan.mode.triangles(plan.indices.unwrap_or(plan.positions).count) as u64;
-            // Many primitives may share one accessor, so a small file can ask for more memory than it has bytes.
+            // Many primitives may share one accessor, so a small file can require more memory than it has bytes.
             if vertices > limits.max_vertices || triangles > limits.max_triangles {
                 let (v, t) = (limits.max_vertices, limits.max_triangles);
                 return Err(bad(&plan.at, format!("the meshes exceed the limit of {t} triangles or {v} vertices")));
@@ -90,7 +90,7 @@ pub(super) fn load(
     }
     let values = accessors.finish();
     let read: Vec<(Mesh, Warnings)> =
-        plans.par_iter().map(|plan| net::guarded(|| plan.read(&values))).collect::<Result<_, Error>>()?;
+        plans.par_iter().map(|plan| panic_guard::guarded(|| plan.read(&values))).collect::<Result<_, Error>>()?;
     let mut meshes = Vec::with_capacity(read.len());
     for (mesh, its_warnings) in read {
         meshes.push(mesh);
@@ -180,16 +180,25 @@ impl Plan {
             *coordinates = values.texture_coordinates(handle)?;
             self.check_finite(coordinates, handle, "TEXCOORD")?;
         }
-        let [texture_coordinates, second_coordinates] = coordinates;
+        let [texture_coordinates, second_texture_coordinates] = coordinates;
         let mut colors = self.colors.map(|handle| values.colors(handle)).transpose()?.unwrap_or_default();
         if let Some(handle) = self.colors {
             self.check_finite(&colors, handle, "COLOR_0")?;
-            // The standard asks for it: a surface cannot reflect more than it receives, or less than nothing.
+            // Required by the specification, and for energy conservation.
             colors.iter_mut().flatten().for_each(|c| *c = c.clamp(0.0, 1.0));
         }
         let (name, material) = (self.name.clone(), self.material);
         Ok((
-            Mesh { name, positions, normals, texture_coordinates, second_coordinates, colors, triangles, material },
+            Mesh {
+                name,
+                positions,
+                normals,
+                texture_coordinates,
+                second_texture_coordinates,
+                colors,
+                triangles,
+                material,
+            },
             warnings,
         ))
     }
@@ -209,7 +218,7 @@ impl Plan {
             return self.assemble(&mut (0..vertices as u32), vertices);
         };
         let triangles = values.with_indices(indices, |corners| self.assemble(corners, indices.count))??;
-        // One pass to look for the largest index, a second one to name it only where it is too large.
+        // The first pass finds the largest index; it is reported only if it is out of range.
         let largest = triangles.iter().flatten().copied().max().unwrap_or(0);
         if largest as usize >= vertices {
             let what = format!("refers to vertex {largest}, but {} has {vertices} vertices", self.at);
@@ -218,7 +227,7 @@ impl Plan {
         Ok(triangles)
     }
 
-    /// Puts corners together to triangles in the order that glTF prescribes.
+    /// Assembles vertices to triangles in the order of the specification.
     fn assemble(&self, corners: &mut dyn Iterator<Item = u32>, count: usize) -> Result<Vec<[u32; 3]>, Error> {
         let mut triangles = Vec::new();
         let number = self.mode.triangles(count);
@@ -235,16 +244,16 @@ impl Plan {
             Mode::Strip => {
                 if let (Some(mut a), Some(mut b)) = (next(), next()) {
                     while let Some(c) = next() {
-                        // Every second triangle of a strip runs the other way round.
+                        // Every second triangle of a strip has the opposite orientation.
                         triangles.push(if triangles.len() % 2 == 0 { [a, b, c] } else { [a, c, b] });
                         (a, b) = (b, c);
                     }
                 }
             }
             Mode::Fan => {
-                if let (Some(centre), Some(mut b)) = (next(), next()) {
+                if let (Some(center), Some(mut b)) = (next(), next()) {
                     while let Some(c) = next() {
-                        triangles.push([b, c, centre]);
+                        triangles.push([b, c, center]);
                         b = c;
                     }
                 }
@@ -254,8 +263,8 @@ impl Plan {
     }
 }
 
-/// Makes normals unit vectors; those of length zero become the mean of the faces around their vertex, and then the
-/// answer is `false`.
+/// Normalizes normals. Normals of length zero are replaced by the mean of the faces around their vertex; the result is
+/// then `false`.
 fn normalize(normals: &mut [[f32; 3]], positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> bool {
     let mut zeros = false;
     for normal in normals.iter_mut() {
@@ -277,14 +286,14 @@ fn normalize(normals: &mut [[f32; 3]], positions: &[[f32; 3]], triangles: &[[u32
     for triangle in triangles {
         let [a, b, c] = triangle.map(|k| positions[k as usize].map(f64::from));
         let (ab, ac) = (minus(b, a), minus(c, a));
-        // Not normalised: larger faces count more.
+        // Not normalized: weighted by area.
         let face = [ab[1] * ac[2] - ab[2] * ac[1], ab[2] * ac[0] - ab[0] * ac[2], ab[0] * ac[1] - ab[1] * ac[0]];
         for &k in triangle {
             sums[k as usize].iter_mut().zip(face).for_each(|(sum, x)| *sum += x);
         }
     }
     for (normal, sum) in normals.iter_mut().zip(sums).filter(|(normal, _)| **normal == [0.0; 3]) {
-        // A vertex of no face, or of faces without area, is never seen.
+        // A vertex without faces, or with degenerate ones, is never visible.
         *normal = unit(sum).unwrap_or([0.0, 0.0, 1.0]);
     }
     false

@@ -1,21 +1,21 @@
-//! The node hierarchy: a forest, walked without recursion, composed in f64.
+//! The node hierarchy: a forest, traversed without recursion, composed in f64.
 
 use super::json::{Object, bad};
 use super::warnings::Warnings;
 use crate::Error;
 use crate::Transform;
 
-/// The last row of a matrix may differ from 0 0 0 1 by what a single-precision exporter leaves.
+/// Maximum deviation of the last row of a matrix from 0 0 0 1, which allows for single-precision exporters.
 const AFFINE_TOLERANCE: f64 = 1e-6;
 
-/// The nodes of the file with what the scene that is shown makes of them.
+/// The nodes of the file and their transforms in the loaded scene.
 pub(super) struct Nodes<'f> {
     pub(super) nodes: Vec<Object<'f>>,
     /// Node to world; `None` for nodes that are not in the scene.
     pub(super) world: Vec<Option<Transform>>,
 }
 
-/// Reads the hierarchy and the scene that the file shows.
+/// Reads the hierarchy of the default scene.
 ///
 /// # Errors
 /// Cycles, nodes with two parents, transforms that are not affine or overflow.
@@ -61,7 +61,7 @@ fn parents(children: &[Vec<usize>]) -> Result<Vec<Option<usize>>, Error> {
     Ok(parents)
 }
 
-/// With one parent each, the nodes that cannot be reached from a node without a parent are those in or behind a cycle.
+/// Every node has at most one parent, so nodes that cannot be reached from a root are in a cycle or behind one.
 fn check_cycles(children: &[Vec<usize>], parents: &[Option<usize>]) -> Result<(), Error> {
     let mut reached = vec![false; children.len()];
     let mut open: Vec<usize> = (0..children.len()).filter(|&k| parents[k].is_none()).collect();
@@ -75,7 +75,7 @@ fn check_cycles(children: &[Vec<usize>], parents: &[Option<usize>]) -> Result<()
     }
 }
 
-/// The roots of the scene to show: the default scene, else the first, else all nodes without a parent.
+/// The roots of the loaded scene: of the default scene, else of the first, else all nodes without a parent.
 fn roots(root: &Object<'_>, parents: &[Option<usize>], warnings: &mut Warnings) -> Result<Vec<usize>, Error> {
     let scenes = root.objects("scenes")?;
     let shown = root.index("scene", "scenes", scenes.len())?;
@@ -101,7 +101,7 @@ fn roots(root: &Object<'_>, parents: &[Option<usize>], warnings: &mut Warnings) 
     Ok(roots)
 }
 
-/// The node's own transform.
+/// The local transform of a node.
 fn local(node: &Object<'_>, warnings: &mut Warnings) -> Result<Transform, Error> {
     let translation = node.numbers::<3>("translation")?;
     let rotation = node.numbers::<4>("rotation")?;
@@ -116,7 +116,7 @@ fn local(node: &Object<'_>, warnings: &mut Warnings) -> Result<Transform, Error>
         None => {
             let rotation = rotation.map_or(Ok([0.0, 0.0, 0.0, 1.0]), |rotation| {
                 let largest = rotation.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
-                // Scaled first: squares of huge or tiny numbers overflow or vanish.
+                // Scaled first: squares of very large or small numbers overflow or underflow.
                 if largest > 0.0 { Ok(rotation.map(|q| q / largest)) } else { Err(bad(node.at("rotation"), "is zero")) }
             })?;
             Transform::from_parts(translation.unwrap_or([0.0; 3]), rotation, scale.unwrap_or([1.0; 3]))

@@ -1,4 +1,4 @@
-//! What a file is made of, for people.
+//! A summary of the contents of a file.
 
 use std::fmt;
 
@@ -8,23 +8,23 @@ use super::uri::shorten;
 use crate::Error;
 use crate::Scene;
 
-/// What `holo info` prints of a scene file. Its [`Display`](fmt::Display) is a few lines of text.
+/// A summary of a scene file, as printed by `holo info`. [`Display`](fmt::Display) gives a few lines of text.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Summary {
-    /// The program that wrote the file, as it calls itself.
+    /// The program that wrote the file (`asset.generator`).
     pub generator: Option<String>,
     /// Extensions the file uses, sorted.
     pub extensions_used: Vec<String>,
-    /// Extensions without which the file does not want to be loaded, sorted.
+    /// Extensions the file requires, sorted.
     pub extensions_required: Vec<String>,
-    /// Nodes in the file, shown or not.
+    /// Nodes of the file, in the loaded scene or not.
     pub nodes: usize,
-    /// Meshes of the scene: one for each primitive of triangles in the file.
+    /// Meshes of the scene: one for each primitive of the file.
     pub meshes: usize,
-    /// Placements of meshes in the world.
+    /// Instances of meshes in the world.
     pub instances: usize,
-    /// Triangles in the world, every instance counted.
+    /// Triangles of all instances.
     pub triangles: usize,
     /// Materials of the scene.
     pub materials: usize,
@@ -32,7 +32,7 @@ pub struct Summary {
     pub textures: usize,
     /// Lights in the world.
     pub lights: usize,
-    /// The names of the cameras, in the order of their indices; empty where one has no name.
+    /// The names of the cameras, in the order of their indices; empty for cameras without a name.
     pub cameras: Vec<String>,
 }
 

@@ -1,7 +1,7 @@
-//! Images and samplers: PNG and JPEG, embedded or in files, decoded to 8 bits a channel.
+//! Images and samplers: PNG and JPEG, embedded or external, decoded to 8 bits per channel.
 //!
-//! 16-bit sources are rounded to 8 bits, because [`Texture`] keeps bytes. Colour profiles and gamma chunks are ignored, as
-//! glTF asks.
+//! 16-bit images are rounded to 8 bits, because [`Texture`] has 8-bit codes. Color profiles and gamma chunks are
+//! ignored, as required by glTF.
 
 use std::borrow::Cow;
 use std::io::Cursor;
@@ -10,15 +10,15 @@ use image::{ImageFormat, ImageReader};
 use rayon::prelude::*;
 
 use super::Limits;
+use super::buffer_views::BufferViews;
 use super::container::Files;
 use super::json::{Object, bad, unsupported};
-use super::net;
-use super::views::Views;
+use super::panic_guard;
 use super::warnings::Warnings;
 use crate::Error;
 use crate::{Texture, Wrap};
 
-/// The textures of the scene, and where each texture of the file went (`None`: it was not needed or has no image).
+/// The textures of the scene, and for each texture of the file its index (`None`: not needed, or without an image).
 pub(super) struct Textures {
     pub(super) textures: Vec<Texture>,
     pub(super) index: Vec<Option<usize>>,
@@ -39,7 +39,7 @@ struct Decoded {
 /// Decodes those textures for which `needed` is true.
 pub(super) fn load(
     root: &Object<'_>,
-    views: &Views<'_>,
+    buffer_views: &BufferViews<'_>,
     files: &Files,
     needed: &[bool],
     limits: &Limits,
@@ -51,7 +51,8 @@ pub(super) fn load(
     let mut index = vec![None; needed.len()];
     for (k, texture) in root.objects("textures")?.iter().enumerate().filter(|&(k, _)| needed.get(k) == Some(&true)) {
         let Some(image) = texture.index("source", "images", images.len())? else {
-            // An extension holds the image (KTX2, WebP) or there is none; the standard allows drawing without.
+            // The image is in an extension (KTX2, WebP), or there is none; the specification allows rendering without
+            // it.
             warnings.note("the texture has no PNG or JPEG image: drawn without it", || texture.path().to_owned());
             continue;
         };
@@ -66,24 +67,24 @@ pub(super) fn load(
         index[k] = Some(plans.len());
         plans.push(Plan { name: name.to_owned(), image, wrap });
     }
-    let textures = decode_all(&plans, &images, views, files, limits)?;
+    let textures = decode_all(&plans, &images, buffer_views, files, limits)?;
     Ok(Textures { textures, index })
 }
 
 fn decode_all(
     plans: &[Plan],
     images: &[Object<'_>],
-    views: &Views<'_>,
+    buffer_views: &BufferViews<'_>,
     files: &Files,
     limits: &Limits,
 ) -> Result<Vec<Texture>, Error> {
-    // Textures that share an image read and decode it once; each keeps its own copy.
+    // Textures that share an image decode it once; each has its own copy.
     let mut uses = vec![0_usize; images.len()];
     plans.iter().for_each(|plan| uses[plan.image] += 1);
     let mut sources = Vec::new();
     let mut pixels_left = limits.max_texture_pixels;
     for (image, &count) in images.iter().zip(&uses).filter(|&(_, &count)| count > 0) {
-        let source = Source::new(image, views, files)?;
+        let source = Source::new(image, buffer_views, files)?;
         let pixels = (source.width as u64).saturating_mul(source.height as u64).saturating_mul(count as u64);
         pixels_left = pixels_left.checked_sub(pixels).ok_or_else(|| {
             let what = format!(
@@ -95,7 +96,7 @@ fn decode_all(
         sources.push(source);
     }
     let decoded: Vec<Decoded> =
-        sources.into_par_iter().map(|source| net::guarded(|| source.decode())).collect::<Result<_, Error>>()?;
+        sources.into_par_iter().map(|source| panic_guard::guarded(|| source.decode())).collect::<Result<_, Error>>()?;
 
     let mut by_image = vec![None; images.len()];
     let used = uses.iter().enumerate().filter(|&(_, &count)| count > 0).map(|(image, _)| image);
@@ -103,7 +104,7 @@ fn decode_all(
     let mut textures = Vec::with_capacity(plans.len());
     for plan in plans {
         uses[plan.image] -= 1;
-        // The last one that uses an image takes it.
+        // The last use of an image takes it without copying.
         let decoded = if uses[plan.image] == 0 { by_image[plan.image].take() } else { by_image[plan.image].clone() };
         let Some(Decoded { width, height, texels }) = decoded else {
             return Err(bad(images[plan.image].path(), "was not decoded"));
@@ -120,7 +121,7 @@ impl Clone for Decoded {
     }
 }
 
-/// An image before it is decoded; its size is known.
+/// An encoded image of known size.
 struct Source<'v> {
     at: String,
     bytes: Cow<'v, [u8]>,
@@ -130,13 +131,13 @@ struct Source<'v> {
 }
 
 impl<'v> Source<'v> {
-    fn new(image: &Object<'_>, views: &'v Views<'_>, files: &Files) -> Result<Self, Error> {
-        let bytes = match (image.index("bufferView", "bufferViews", views.len())?, image.string("uri")?) {
-            (Some(view), _) => Cow::Borrowed(views.get(view)?.bytes),
+    fn new(image: &Object<'_>, buffer_views: &'v BufferViews<'_>, files: &Files) -> Result<Self, Error> {
+        let bytes = match (image.index("bufferView", "bufferViews", buffer_views.len())?, image.string("uri")?) {
+            (Some(view), _) => Cow::Borrowed(buffer_views.get(view)?.bytes),
             (None, Some(uri)) => Cow::Owned(files.fetch(uri, &image.at("uri"))?),
             (None, None) => return Err(bad(image.path(), "has neither bufferView nor uri")),
         };
-        // What the file says about the type is often wrong, the first bytes are not.
+        // Declared MIME types are often wrong; the first bytes decide.
         let format = match image::guess_format(&bytes) {
             Ok(format @ (ImageFormat::Png | ImageFormat::Jpeg)) => format,
             Ok(other) => {
@@ -162,13 +163,13 @@ impl<'v> Source<'v> {
         let mut limits = image::Limits::default();
         limits.max_image_width = Some(self.width);
         limits.max_image_height = Some(self.height);
-        // 16-bit RGBA, once for the decoder and once for the picture, and room for tables.
+        // 16-bit RGBA, once for the decoder and once for the image, and some memory for tables.
         let pixels = u64::from(self.width) * u64::from(self.height);
         limits.max_alloc = Some(pixels.saturating_mul(16).saturating_add(64 << 20));
         reader.limits(limits);
-        let picture = reader.decode().map_err(fail)?.into_rgba8();
-        let (width, height) = (picture.width() as usize, picture.height() as usize);
-        let texels = picture.as_raw().as_chunks::<4>().0.to_vec();
+        let image = reader.decode().map_err(fail)?.into_rgba8();
+        let (width, height) = (image.width() as usize, image.height() as usize);
+        let texels = image.as_raw().as_chunks::<4>().0.to_vec();
         if (width, height) != (self.width as usize, self.height as usize) || texels.len() != width * height {
             return Err(bad(&self.at, "changed its size while it was decoded"));
         }

@@ -1,11 +1,11 @@
-//! URIs inside a glTF file: data URIs, and relative paths that stay below the file's own folder.
+//! URIs in a glTF file: data URIs, and relative paths below the folder of the file.
 
 use std::path::PathBuf;
 
 use super::json::{bad, unsupported};
 use crate::Error;
 
-/// Where a URI points.
+/// The target of a URI.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Target {
     /// The bytes of a data URI.
@@ -29,7 +29,7 @@ pub(super) fn resolve(uri: &str, at: &str) -> Result<Target, Error> {
     }
 }
 
-/// The scheme of an absolute URI. `C:` counts as one too, so drive letters are refused with it.
+/// The scheme of an absolute URI. `C:` counts as one, too, so drive letters are rejected with it.
 fn scheme(uri: &str) -> Option<&str> {
     let (scheme, _) = uri.split_once(':')?;
     let mut letters = scheme.bytes();
@@ -44,7 +44,8 @@ fn relative_path(uri: &str, at: &str) -> Result<PathBuf, Error> {
     if path.contains('\0') {
         return refuse("contains a NUL");
     }
-    // Backslashes separate folders on Windows; taking them so everywhere keeps one file equally safe on all systems.
+    // Backslashes separate folders on Windows; they are treated so on all systems, so that a file is equally safe
+    // everywhere.
     if path.starts_with(['/', '\\']) || scheme(&path).is_some() {
         return refuse("is absolute; only files below the folder of the glTF file are read");
     }
@@ -76,7 +77,7 @@ fn data(uri: &str, at: &str) -> Result<Vec<u8>, Error> {
     }
 }
 
-/// Replaces `%20` and its like; a `%` that no two hexadecimal digits follow stays as it is (exporters forget to escape).
+/// Decodes percent escapes; a `%` without two hexadecimal digits is kept (exporters forget to escape it).
 pub(super) fn percent_decode(text: &str) -> Vec<u8> {
     let bytes = text.as_bytes();
     let mut decoded = Vec::with_capacity(bytes.len());
@@ -94,7 +95,7 @@ fn hexadecimal(digit: u8) -> Option<u8> {
     char::from(digit).to_digit(16).and_then(|d| u8::try_from(d).ok())
 }
 
-/// Decodes base64 of either alphabet, padded or not; `None` for anything else.
+/// Decodes base64 of either alphabet, with or without padding; `None` for anything else.
 pub(super) fn base64(text: &str) -> Option<Vec<u8>> {
     let text = text.trim_end_matches('=').as_bytes();
     if text.len() % 4 == 1 {
@@ -124,7 +125,7 @@ fn sextet(letter: u8) -> Option<u8> {
     })
 }
 
-/// Text of a file as a message may show it: short, and without characters that steer a terminal.
+/// Text of a file for use in messages: shortened, and without control characters.
 pub(super) fn shorten(text: &str) -> String {
     let mut characters = text.chars();
     let visible = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };

@@ -1,4 +1,4 @@
-//! The values of checked accessors, through the `gltf` crate: strides, sparse lists, conversions to floats.
+//! The values of validated accessors, read through the `gltf` crate: strides, sparse lists, conversions to floats.
 
 use std::borrow::Cow;
 
@@ -10,14 +10,14 @@ use super::accessors::Handle;
 use super::json::bad;
 use crate::Error;
 
-/// Reads accessors that [`super::accessors::Checker`] has let through.
+/// Reads accessors that [`super::accessors::Checker`] has validated.
 pub(super) struct Values<'f> {
     document: ::gltf::Document,
     buffers: &'f [Cow<'f, [u8]>],
 }
 
 impl<'f> Values<'f> {
-    /// `document` holds nothing but what was checked.
+    /// `document` contains only validated accessors.
     pub(super) fn new(document: ::gltf::Document, buffers: &'f [Cow<'f, [u8]>]) -> Self {
         Self { document, buffers }
     }
@@ -39,7 +39,7 @@ impl<'f> Values<'f> {
         })
     }
 
-    /// Colours as floats, alpha 1 where there is none.
+    /// Colors as floats; alpha is 1 if there is none.
     pub(super) fn colors(&self, handle: Handle) -> Result<Vec<[f32; 4]>, Error> {
         self.collect(handle, |accessor| {
             let rgb = accessor.dimensions() == Type::Vec3;
@@ -80,7 +80,7 @@ impl<'f> Values<'f> {
     }
 
     fn iterate<'a, T: Item>(&'a self, accessor: ::gltf::Accessor<'a>) -> Option<::gltf::accessor::Iter<'a, T>> {
-        // An accessor without data is zeros; the crate has no iterator for it.
+        // An accessor without data consists of zeros; the crate has no iterator for it.
         if accessor.view().is_none() && accessor.sparse().is_none() {
             return None;
         }
@@ -110,7 +110,7 @@ impl<'f> Values<'f> {
     }
 }
 
-/// Memory for `count` elements, or an error where there is not enough.
+/// Allocates memory for `count` elements, or returns an error.
 fn reserve<T>(count: usize, handle: Handle) -> Result<Vec<T>, Error> {
     let mut values = Vec::new();
     let at = || bad(format!("accessors[{}].count", handle.number), format!("{count} elements do not fit into memory"));
@@ -118,7 +118,7 @@ fn reserve<T>(count: usize, handle: Handle) -> Result<Vec<T>, Error> {
     Ok(values)
 }
 
-/// Should not happen after the checks above; an error all the same.
+/// Should not occur after validation.
 fn unreadable(handle: Handle) -> Error {
     bad(format!("accessors[{}]", handle.number), "cannot be read")
 }

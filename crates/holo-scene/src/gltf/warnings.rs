@@ -1,6 +1,6 @@
-//! Warnings, one line a kind however often it occurs: a file of a thousand materials still gives a handful of lines.
+//! Warnings, one line per kind of warning.
 
-/// Collects what was left out or changed while loading.
+/// Collects warnings during loading.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Warnings {
     kinds: Vec<Kind>,
@@ -14,7 +14,7 @@ struct Kind {
 }
 
 impl Warnings {
-    /// Notes one occurrence of the kind `text`; the place of the first one is named.
+    /// Adds an occurrence of the warning `text`; the location of the first one is kept.
     pub(super) fn note(&mut self, text: &str, place: impl FnOnce() -> String) {
         match self.kinds.iter_mut().find(|kind| kind.text == text) {
             Some(kind) => kind.count += 1,
@@ -22,7 +22,7 @@ impl Warnings {
         }
     }
 
-    /// Appends what another part of the file gave.
+    /// Appends the warnings of another part of the file.
     pub(super) fn append(&mut self, other: Self) {
         for kind in other.kinds {
             match self.kinds.iter_mut().find(|mine| mine.text == kind.text) {
@@ -32,7 +32,7 @@ impl Warnings {
         }
     }
 
-    /// The lines to show, in the order in which the kinds first occurred.
+    /// The lines, in the order in which the warnings first occurred.
     pub(super) fn into_lines(self) -> Vec<String> {
         let line = |kind: Kind| match (kind.count, kind.first.is_empty()) {
             (_, true) => kind.text,

@@ -1,4 +1,4 @@
-//! Scenes built in code as `.glb` files.
+//! The writer of `.glb` files.
 
 mod materials;
 
@@ -9,36 +9,38 @@ use image::{ExtendedColorType, ImageEncoder};
 use serde_json::{Map, Value, json};
 
 use super::extensions::{self, LIGHTS};
-use super::placed::ANGULAR_DIAMETER;
+use super::placements::ANGULAR_DIAMETER;
 use crate::Error;
-use crate::{Camera, CameraLens, Light, LightKind, Mesh, Scene, Texture, Transform, Wrap};
+use crate::{Camera, CameraProjection, Light, LightKind, Mesh, Scene, Texture, Transform, Wrap};
 
-/// glTF wants a near plane; nothing is clipped when a scene is loaded here.
+/// The near plane of cameras, m, which glTF requires; the loader ignores it.
 const NEAR_PLANE_M: f64 = 0.01;
 const FAR_PLANE_M: f64 = 1e6;
 
-/// Writes a scene as binary glTF 2.0: the same scene gives the same bytes, and loading them gives the same scene.
+/// Writes a scene as binary glTF 2.0.
 ///
-/// Instances, lights and cameras become nodes; a node that is not merely shifted has a `matrix` (a transform that shears
-/// is written all the same, although glTF asks for matrices without shear). Numbers keep all their digits, textures are
-/// PNG. Materials take whatever extensions they need: a Lambertian surface has a `specularFactor` of 0, so that other
-/// renderers see it as one; a body of glass has a `thicknessFactor` of 1, which says that it is no thin pane and is
-/// otherwise not ours to know; emission is split into a factor and a power of two. The apparent diameter of a directional
-/// light goes into `extras.angular_diameter_rad` of the light. glTF has no place for [`Scene::environment`]: it is left
-/// out.
+/// The same scene gives the same bytes, and loading them gives the same scene. Instances, lights and cameras become
+/// nodes; a node that is not only translated has a `matrix` (also for shear, although glTF requires matrices without).
+/// Numbers keep all their digits; textures are PNG. Materials use the extensions that they need: a Lambertian surface
+/// has a `specularFactor` of 0, so that other renderers agree; a body of glass has a `thicknessFactor` of 1, because
+/// only whether it is above 0 matters; emission is split into a factor and a power of two. The angular diameter of a
+/// directional light is written to `extras.angular_diameter_rad` of the light.
+///
+/// [`Scene::environment`] is not written, because glTF has no place for it.
 ///
 /// # Accuracy
-/// `load_slice(to_glb(scene))` gives an equal scene, but for the environment. Light directions and camera axes come back
-/// bit by bit where their squared lengths and products are within 1e-12 of what they should be, else normalised (a change
-/// below 2e-6).
+/// `load_slice(to_glb(scene))` gives an equal scene, except for the environment map. Light directions and camera axes
+/// are bitwise equal if their squared lengths and products are within 1e-12 of the exact values; otherwise they are
+/// normalized (a change below 2e-6).
 ///
 /// # Errors
-/// A scene that does not pass [`Scene::validate`]; a mesh without triangles, which glTF cannot hold; more than 4 GiB.
+/// [`Error::BadScene`] for a scene that does not pass [`Scene::validate`], a mesh without triangles (which glTF does
+/// not allow), or more than 4 GiB.
 pub fn to_glb(scene: &Scene) -> Result<Vec<u8>, Error> {
     scene.validate()?;
     let mut body = Body::default();
     let mut root = Map::new();
-    // Without a version of ours: a scene's digest is part of what a dataset's folders are known by.
+    // Without a version: datasets identify scenes by their digest.
     root.insert("asset".into(), json!({ "version": "2.0", "generator": "holo" }));
 
     let meshes =
@@ -79,7 +81,7 @@ pub fn to_glb(scene: &Scene) -> Result<Vec<u8>, Error> {
         ("samplers", samplers),
         ("cameras", scene.cameras.iter().map(camera).collect()),
         ("accessors", std::mem::take(&mut body.accessors)),
-        ("bufferViews", std::mem::take(&mut body.views)),
+        ("bufferViews", std::mem::take(&mut body.buffer_views)),
         ("buffers", buffers),
     ];
     for (key, list) in lists {
@@ -109,7 +111,7 @@ fn bad(at: String, what: impl Into<String>) -> Error {
 fn container(root: &Value, binary: &[u8]) -> Result<Vec<u8>, Error> {
     let mut text = serde_json::to_vec(root).map_err(|e| bad("glb".into(), format!("cannot be written: {e}")))?;
     text.resize(text.len().next_multiple_of(4), b' ');
-    // The bodies are multiples of four bytes already, see `Body::view`.
+    // The binary chunk is padded to a multiple of four bytes already, see `Body::view`.
     let binary_chunk = if binary.is_empty() { 0 } else { 8 + binary.len() };
     let total = u32::try_from(12 + 8 + text.len() + binary_chunk).map_err(|_| too_large())?;
     let mut bytes = Vec::with_capacity(total as usize);
@@ -118,7 +120,7 @@ fn container(root: &Value, binary: &[u8]) -> Result<Vec<u8>, Error> {
     bytes.extend_from_slice(&total.to_le_bytes());
     for (kind, chunk) in [(b"JSON", text.as_slice()), (b"BIN\0", binary)] {
         if !chunk.is_empty() {
-            // Fits, since the total does.
+            // Fits, because the total does.
             bytes.extend_from_slice(&(chunk.len() as u32).to_le_bytes());
             bytes.extend_from_slice(kind);
             bytes.extend_from_slice(chunk);
@@ -131,11 +133,11 @@ fn too_large() -> Error {
     bad("glb".into(), "the scene needs more than the 4 GiB that a .glb file can hold; split it")
 }
 
-/// The binary chunk and what describes it.
+/// The binary chunk with its buffer views and accessors.
 #[derive(Default)]
 struct Body {
     bytes: Vec<u8>,
-    views: Vec<Value>,
+    buffer_views: Vec<Value>,
     accessors: Vec<Value>,
 }
 
@@ -159,7 +161,8 @@ impl Body {
         if !mesh.normals.is_empty() {
             attributes.insert("NORMAL".into(), self.floats(&mesh.normals, "VEC3")?);
         }
-        for (key, set) in [("TEXCOORD_0", &mesh.texture_coordinates), ("TEXCOORD_1", &mesh.second_coordinates)] {
+        for (key, set) in [("TEXCOORD_0", &mesh.texture_coordinates), ("TEXCOORD_1", &mesh.second_texture_coordinates)]
+        {
             if !set.is_empty() {
                 attributes.insert(key.into(), self.floats(set, "VEC2")?);
             }
@@ -187,7 +190,7 @@ impl Body {
         (self.accessors.len() - 1).into()
     }
 
-    /// Appends bytes and the zeros that align the next ones.
+    /// Appends bytes and zeros for the alignment of the next ones.
     fn view(&mut self, bytes: impl Iterator<Item = u8>, length: usize, target: Option<u32>) -> Result<usize, Error> {
         let offset = self.bytes.len();
         let end = offset.checked_add(length).filter(|&end| end < u32::MAX as usize - 3).ok_or_else(too_large)?;
@@ -198,8 +201,8 @@ impl Body {
         if let (Some(target), Value::Object(map)) = (target, &mut view) {
             map.insert("target".into(), target.into());
         }
-        self.views.push(view);
-        Ok(self.views.len() - 1)
+        self.buffer_views.push(view);
+        Ok(self.buffer_views.len() - 1)
     }
 
     fn image(&mut self, k: usize, texture: &Texture) -> Result<Value, Error> {
@@ -222,22 +225,22 @@ fn sampler(texture: &Texture) -> Value {
         Wrap::Clamp => 33071,
         Wrap::Mirror => 33648,
     };
-    // Linear, without mipmaps: how the renderer looks textures up.
+    // Linear, without mipmaps, as the renderer samples textures.
     json!({ "magFilter": 9729, "minFilter": 9729, "wrapS": code(texture.wrap_u), "wrapT": code(texture.wrap_v) })
 }
 
 fn camera(camera: &Camera) -> Value {
-    match camera.lens {
-        CameraLens::Perspective { vertical_angle_rad, aspect_ratio } => {
-            let mut lens = json!({ "yfov": vertical_angle_rad, "znear": NEAR_PLANE_M });
-            if let (Some(ratio), Value::Object(map)) = (aspect_ratio, &mut lens) {
+    match camera.projection {
+        CameraProjection::Perspective { vertical_angle_rad, aspect_ratio } => {
+            let mut projection = json!({ "yfov": vertical_angle_rad, "znear": NEAR_PLANE_M });
+            if let (Some(ratio), Value::Object(map)) = (aspect_ratio, &mut projection) {
                 map.insert("aspectRatio".into(), ratio.into());
             }
-            json!({ "type": "perspective", "perspective": lens })
+            json!({ "type": "perspective", "perspective": projection })
         }
-        CameraLens::Orthographic { half_width_m, half_height_m } => {
-            let lens = json!({ "xmag": half_width_m, "ymag": half_height_m, "znear": 0.0, "zfar": FAR_PLANE_M });
-            json!({ "type": "orthographic", "orthographic": lens })
+        CameraProjection::Orthographic { half_width_m, half_height_m } => {
+            let projection = json!({ "xmag": half_width_m, "ymag": half_height_m, "znear": 0.0, "zfar": FAR_PLANE_M });
+            json!({ "type": "orthographic", "orthographic": projection })
         }
     }
 }
@@ -266,10 +269,10 @@ fn light(light: &Light) -> Value {
     named(&light.name, value)
 }
 
-/// Splits an intensity into a colour within 0..1, as glTF wants it, and a factor, so that their product is exact.
+/// Splits an intensity into a color within 0..1, as required by glTF, and a factor, so that their product is exact.
 fn split_intensity(intensity: [f64; 3]) -> ([f64; 3], f64) {
     let largest = intensity.iter().fold(0.0_f64, |largest, &c| largest.max(c));
-    // The largest channel itself reads best (white lights, most of all); powers of two divide without rounding.
+    // The largest channel is preferred; powers of two divide without rounding.
     let mut power = 1.0_f64;
     while power < largest && power < f64::MAX / 2.0 {
         power *= 2.0;
@@ -286,21 +289,21 @@ fn split_intensity(intensity: [f64; 3]) -> ([f64; 3], f64) {
 fn nodes(scene: &Scene) -> Vec<Value> {
     let instances = scene.instances.iter().map(|instance| {
         let node = named(&instance.name, json!({ "mesh": instance.mesh }));
-        placed(node, &instance.transform)
+        with_transform(node, &instance.transform)
     });
     let lights = scene.lights.iter().enumerate().map(|(k, light)| {
         let node = json!({ "extensions": { LIGHTS: { "light": k } } });
-        placed(node, &light_frame(&light.kind))
+        with_transform(node, &light_frame(&light.kind))
     });
     let cameras = scene.cameras.iter().enumerate().map(|(k, camera)| {
         let node = named(&camera.name, json!({ "camera": k }));
-        placed(node, &camera.pose)
+        with_transform(node, &camera.pose)
     });
     instances.chain(lights).chain(cameras).collect()
 }
 
-/// Gives a node its transform, in the shortest of glTF's ways that is exact.
-fn placed(mut node: Value, transform: &Transform) -> Value {
+/// Adds the transform to a node, in the shortest exact form.
+fn with_transform(mut node: Value, transform: &Transform) -> Value {
     let Value::Object(map) = &mut node else { return node };
     if transform.columns != Transform::IDENTITY.columns {
         let [x, y, z] = transform.columns;
@@ -325,7 +328,7 @@ fn light_frame(kind: &LightKind) -> Transform {
     if z == [0.0, 0.0, 1.0] {
         return Transform::from_translation(translation);
     }
-    // Any axis across will do; away from the axis of the largest component it is never close to parallel.
+    // Any axis across is valid; one different from the largest component is never nearly parallel.
     let largest = (0..3).fold(0, |best, k| if z[k].abs() > z[best].abs() { k } else { best });
     let mut across = [0.0; 3];
     across[(largest + 1) % 3] = 1.0;

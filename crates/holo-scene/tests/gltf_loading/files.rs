@@ -1,11 +1,11 @@
-//! Containers, external files and what they may refer to.
+//! Containers, and which external files a file may refer to.
 
 use std::fs;
 
 use holo_scene::gltf::{Limits, load, load_slice};
 use serde_json::{Value, json};
 
-use super::support::{File, TRIANGLE, base64, glb, png, says, triangle};
+use super::support::{File, TRIANGLE, assert_contains, base64, glb, png, triangle};
 
 /// A `.gltf` whose buffer is at `uri`.
 fn external(uri: &str) -> Value {
@@ -28,15 +28,18 @@ fn json_with_data_uris() {
         let loaded = load_slice(external(&uri).to_string().as_bytes(), &Limits::default()).unwrap();
         assert_eq!(loaded.scene.meshes[0].positions, TRIANGLE);
     }
-    says(&error_of(external("data:;base64,****").to_string().as_bytes()), &["buffers[0].uri", "base64"]);
-    says(&error_of(external("data:;base64,AAAA").to_string().as_bytes()), &["buffers[0].byteLength", "36", "3"]);
+    assert_contains(&error_of(external("data:;base64,****").to_string().as_bytes()), &["buffers[0].uri", "base64"]);
+    assert_contains(
+        &error_of(external("data:;base64,AAAA").to_string().as_bytes()),
+        &["buffers[0].byteLength", "36", "3"],
+    );
     // With the byte order mark that some editors write.
     let text = format!("\u{feff}{}", external(&format!("data:;base64,{}", base64(&binary))));
     assert!(load_slice(text.as_bytes(), &Limits::default()).is_ok());
 }
 
 #[test]
-fn files_beside_the_scene() {
+fn external_files() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
     fs::create_dir(at("sub dir")).unwrap();
@@ -50,17 +53,20 @@ fn files_beside_the_scene() {
     assert_eq!(loaded.scene.meshes[0].positions, TRIANGLE);
     assert_eq!(loaded.scene.textures[0].texels, [[1, 2, 3, 4]]);
 
-    // Bytes of all files together count.
+    // The limit applies to the bytes of all files together.
     let size = json.to_string().len() as u64;
     let small = Limits { max_bytes: size + 30, ..Limits::default() };
-    says(&load(&at("scene.gltf"), &small).unwrap_err().to_string(), &["a b.bin", "limit"]);
+    assert_contains(&load(&at("scene.gltf"), &small).unwrap_err().to_string(), &["a b.bin", "limit"]);
     // A short file.
     fs::write(at("sub dir/a b.bin"), &triangle().binary[..35]).unwrap();
-    says(&load(&at("scene.gltf"), &Limits::default()).unwrap_err().to_string(), &["buffers[0].byteLength", "35"]);
+    assert_contains(
+        &load(&at("scene.gltf"), &Limits::default()).unwrap_err().to_string(),
+        &["buffers[0].byteLength", "35"],
+    );
     fs::remove_file(at("sub dir/a b.bin")).unwrap();
-    says(&load(&at("scene.gltf"), &Limits::default()).unwrap_err().to_string(), &["cannot read", "a b.bin"]);
-    says(&load(&at("none.glb"), &Limits::default()).unwrap_err().to_string(), &["cannot read", "none.glb"]);
-    says(&load(folder.path(), &Limits::default()).unwrap_err().to_string(), &["not a file"]);
+    assert_contains(&load(&at("scene.gltf"), &Limits::default()).unwrap_err().to_string(), &["cannot read", "a b.bin"]);
+    assert_contains(&load(&at("none.glb"), &Limits::default()).unwrap_err().to_string(), &["cannot read", "none.glb"]);
+    assert_contains(&load(folder.path(), &Limits::default()).unwrap_err().to_string(), &["not a file"]);
 }
 
 #[test]
@@ -74,45 +80,48 @@ fn nothing_outside_the_folder_is_read() {
     for uri in upward.into_iter().chain([absolute.as_str()]) {
         fs::write(inner.join("scene.gltf"), external(uri).to_string()).unwrap();
         let message = load(&inner.join("scene.gltf"), &Limits::default()).unwrap_err().to_string();
-        says(&message, &["buffers[0].uri", "folder of the glTF file"]);
+        assert_contains(&message, &["buffers[0].uri", "folder of the glTF file"]);
     }
     for uri in ["http://example.org/x.bin", "file:///etc/passwd", "C:\\x.bin"] {
         fs::write(inner.join("scene.gltf"), external(uri).to_string()).unwrap();
         let message = load(&inner.join("scene.gltf"), &Limits::default()).unwrap_err().to_string();
-        says(&message, &["buffers[0].uri", "not supported"]);
+        assert_contains(&message, &["buffers[0].uri", "not supported"]);
     }
-    // From memory there is no folder at all.
-    says(&error_of(external("x.bin").to_string().as_bytes()), &["buffers[0].uri", "x.bin", "path"]);
+    // A scene loaded from memory has no folder.
+    assert_contains(&error_of(external("x.bin").to_string().as_bytes()), &["buffers[0].uri", "x.bin", "path"]);
 }
 
 #[test]
-fn broken_containers_are_named() {
+fn invalid_containers_are_errors() {
     let whole = triangle().glb();
     for length in 0..whole.len() {
         error_of(&whole[..length]);
     }
-    says(&error_of(b""), &["empty"]);
-    says(&error_of(b"PK\x03\x04"), &["neither"]);
-    says(&error_of(b"{ \"asset\": "), &["glTF JSON"]);
-    says(&error_of(b"{}"), &["asset", "missing"]);
-    says(&error_of(&whole[..whole.len() - 1]), &["cut short"]);
+    assert_contains(&error_of(b""), &["empty"]);
+    assert_contains(&error_of(b"PK\x03\x04"), &["neither"]);
+    assert_contains(&error_of(b"{ \"asset\": "), &["glTF JSON"]);
+    assert_contains(&error_of(b"{}"), &["asset", "missing"]);
+    assert_contains(&error_of(&whole[..whole.len() - 1]), &["cut short"]);
     let mut version = whole.clone();
     version[4] = 1;
-    says(&error_of(&version), &["version 1"]);
+    assert_contains(&error_of(&version), &["version 1"]);
     let mut chunk = whole.clone();
     chunk[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
-    says(&error_of(&chunk), &["chunk 0", "beyond"]);
+    assert_contains(&error_of(&chunk), &["chunk 0", "beyond"]);
     let mut kind = whole.clone();
     kind[16] = b'X';
-    says(&error_of(&kind), &["chunk 0", "not JSON"]);
-    says(&error_of(&glb(b"\xff\xfe", &[])), &["glTF JSON"]);
-    says(&error_of(&glb(b"[1]", &[])), &["not an object"]);
-    says(&error_of(&glb("[".repeat(100_000).as_bytes(), &[])), &["glTF JSON", "recursion"]);
-    says(&error_of(&glb(br#"{"asset":{"version":"1.0"}}"#, &[])), &["asset.version", "1.0"]);
-    says(&error_of(&glb(br#"{"asset":{"version":"2.1","minVersion":"2.1"}}"#, &[])), &["asset.minVersion"]);
-    says(&error_of(&glb(br#"{"asset":{"version":"2.0"},"nodes":{}}"#, &[])), &["nodes", "array"]);
-    says(&error_of(&glb(br#"{"asset":{"version":"2.0"},"nodes":[{"translation":[1e999,0,0]}]}"#, &[])), &["JSON"]);
-    // Bytes behind the end and chunks of other kinds are not our business.
+    assert_contains(&error_of(&kind), &["chunk 0", "not JSON"]);
+    assert_contains(&error_of(&glb(b"\xff\xfe", &[])), &["glTF JSON"]);
+    assert_contains(&error_of(&glb(b"[1]", &[])), &["not an object"]);
+    assert_contains(&error_of(&glb("[".repeat(100_000).as_bytes(), &[])), &["glTF JSON", "recursion"]);
+    assert_contains(&error_of(&glb(br#"{"asset":{"version":"1.0"}}"#, &[])), &["asset.version", "1.0"]);
+    assert_contains(&error_of(&glb(br#"{"asset":{"version":"2.1","minVersion":"2.1"}}"#, &[])), &["asset.minVersion"]);
+    assert_contains(&error_of(&glb(br#"{"asset":{"version":"2.0"},"nodes":{}}"#, &[])), &["nodes", "array"]);
+    assert_contains(
+        &error_of(&glb(br#"{"asset":{"version":"2.0"},"nodes":[{"translation":[1e999,0,0]}]}"#, &[])),
+        &["JSON"],
+    );
+    // Bytes after the end and chunks of other types are ignored.
     let mut longer = whole.clone();
     longer.extend_from_slice(b"garbage");
     assert!(load_slice(&longer, &Limits::default()).is_ok());
@@ -122,7 +131,7 @@ fn broken_containers_are_named() {
     chunks[8..12].copy_from_slice(&total);
     assert!(load_slice(&chunks, &Limits::default()).is_ok());
     // A buffer without uri in a file without binary chunk.
-    says(&error_of(triangle().json.to_string().as_bytes()), &["buffers[0]", "binary chunk"]);
+    assert_contains(&error_of(triangle().json.to_string().as_bytes()), &["buffers[0]", "binary chunk"]);
 }
 
 #[test]
@@ -131,5 +140,5 @@ fn an_empty_scene_loads() {
     assert_eq!(loaded.scene, holo_scene::Scene::default());
     assert!(loaded.warnings.is_empty());
     assert_eq!(loaded.summary.triangles, 0);
-    says(&loaded.summary.to_string(), &["generator:           unknown", "cameras:             none"]);
+    assert_contains(&loaded.summary.to_string(), &["generator:           unknown", "cameras:             none"]);
 }

@@ -1,11 +1,11 @@
-//! Nodes: composition in f64, and every way in which a hierarchy can be broken.
+//! Nodes: composition in f64, and invalid hierarchies.
 
 use serde_json::json;
 
-use super::support::{File, says, triangle};
+use super::support::{File, assert_contains, triangle};
 use holo_scene::Transform;
 
-/// A 4 x 4 matrix in rows, multiplied in the plainest way: the oracle.
+/// The reference implementation: the product of 4 x 4 matrices, row-major.
 type Matrix = [[f64; 4]; 4];
 
 fn times(a: Matrix, b: Matrix) -> Matrix {
@@ -20,7 +20,7 @@ fn scale([x, y, z]: [f64; 3]) -> Matrix {
     [[x, 0.0, 0.0, 0.0], [0.0, y, 0.0, 0.0], [0.0, 0.0, z, 0.0], [0.0, 0.0, 0.0, 1.0]]
 }
 
-/// Rotation about an axis by Rodrigues' formula, with the quaternion that says the same.
+/// Rotation about an axis by Rodrigues' formula, and the same rotation as a quaternion.
 fn rotation(axis: [f64; 3], angle: f64) -> (Matrix, [f64; 4]) {
     let length = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
     let [x, y, z] = axis.map(|a| a / length);
@@ -52,10 +52,10 @@ fn hierarchies_compose_in_f64() {
     let (turn, quaternion) = rotation([1.0, 2.0, -0.5], 0.7);
     let (tilt, tilted) = rotation([0.0, 0.3, 1.0], -2.1);
     let mut file = triangle();
-    // Far away: in f32 the millimetres would be lost. Mirrored and non-uniform scale below it, then a matrix.
+    // Far away: in f32 the millimeters would be lost. Mirrored and non-uniform scale below it, then a matrix.
     let matrix = times(translation([0.001, 0.002, 0.003]), times(tilt, scale([1.0, 1.0, -3.0])));
     let columns: Vec<f64> = (0..16).map(|k| matrix[k % 4][k / 4]).collect();
-    // The quaternion is three times too long: it must be normalised.
+    // The quaternion is three times too long: it must be normalized.
     let longer = quaternion.map(|q| 3.0 * q);
     file.json["nodes"] = json!([
         { "mesh": 0, "matrix": columns },
@@ -69,7 +69,7 @@ fn hierarchies_compose_in_f64() {
     let outer = times(translation([1e6, -2e6, 3e6]), turn);
     let middle = times(outer, times(translation([0.1, 0.2, 0.3]), scale([-2.0, 0.5, 7.0])));
     assert_eq!(scene.instances.len(), 2);
-    // Instances come in the order of the nodes in the file, not of the walk.
+    // Instances are in the order of the nodes in the file, not of the traversal.
     assert_close(&scene.instances[0].transform, times(middle, matrix), 1e-14);
     assert_close(&scene.instances[1].transform, times(middle, times(tilt, scale([1e-3; 3]))), 1e-14);
     assert!(scene.instances[0].transform.determinant() > 0.0, "mirrored twice");
@@ -99,46 +99,49 @@ fn deep_chains_do_not_overflow_the_stack() {
 }
 
 #[test]
-fn broken_hierarchies_are_named() {
+fn invalid_hierarchies_are_errors() {
     let with_nodes = |nodes: serde_json::Value| {
         let mut file = triangle();
         file.json["nodes"] = nodes;
         file
     };
     let error = |nodes| with_nodes(nodes).error();
-    says(&error(json!([{ "children": [0] }])), &["nodes[0]", "cycle"]);
-    says(&error(json!([{ "children": [1] }, { "children": [2] }, { "children": [0] }])), &["nodes[", "cycle"]);
-    says(&error(json!([{}, { "children": [2] }, { "children": [1] }])), &["cycle"]);
-    says(
+    assert_contains(&error(json!([{ "children": [0] }])), &["nodes[0]", "cycle"]);
+    assert_contains(
+        &error(json!([{ "children": [1] }, { "children": [2] }, { "children": [0] }])),
+        &["nodes[", "cycle"],
+    );
+    assert_contains(&error(json!([{}, { "children": [2] }, { "children": [1] }])), &["cycle"]);
+    assert_contains(
         &error(json!([{ "children": [2] }, { "children": [2] }, {}])),
         &["nodes[2]", "nodes[0]", "nodes[1]", "parent"],
     );
-    says(&error(json!([{ "children": [1, 1] }, {}])), &["nodes[1]", "parent"]);
-    says(&error(json!([{ "children": [7] }])), &["nodes[0].children[0]", "nodes[7]"]);
-    says(&error(json!([{ "children": [-1] }])), &["nodes[0].children[0]"]);
-    says(&error(json!([{ "children": {} }])), &["nodes[0].children", "array"]);
-    says(&error(json!([{ "mesh": 3 }])), &["nodes[0].mesh", "meshes[3]"]);
-    says(&error(json!([{ "rotation": [0, 0, 0, 0] }])), &["nodes[0].rotation"]);
-    says(&error(json!([{ "rotation": [0, 0, 1] }])), &["nodes[0].rotation", "3 numbers instead of 4"]);
-    says(&error(json!([{ "scale": [1, "x", 1] }])), &["nodes[0].scale[1]", "number"]);
-    says(&error(json!([{ "matrix": vec![1.0; 16] }])), &["nodes[0].matrix", "last row"]);
-    says(
+    assert_contains(&error(json!([{ "children": [1, 1] }, {}])), &["nodes[1]", "parent"]);
+    assert_contains(&error(json!([{ "children": [7] }])), &["nodes[0].children[0]", "nodes[7]"]);
+    assert_contains(&error(json!([{ "children": [-1] }])), &["nodes[0].children[0]"]);
+    assert_contains(&error(json!([{ "children": {} }])), &["nodes[0].children", "array"]);
+    assert_contains(&error(json!([{ "mesh": 3 }])), &["nodes[0].mesh", "meshes[3]"]);
+    assert_contains(&error(json!([{ "rotation": [0, 0, 0, 0] }])), &["nodes[0].rotation"]);
+    assert_contains(&error(json!([{ "rotation": [0, 0, 1] }])), &["nodes[0].rotation", "3 numbers instead of 4"]);
+    assert_contains(&error(json!([{ "scale": [1, "x", 1] }])), &["nodes[0].scale[1]", "number"]);
+    assert_contains(&error(json!([{ "matrix": vec![1.0; 16] }])), &["nodes[0].matrix", "last row"]);
+    assert_contains(
         &error(json!([{ "translation": [1e200, 0, 0], "scale": [1e200, 1, 1], "children": [1] },
         { "scale": [1e200, 1, 1] }])),
         &["nodes[1]", "overflow"],
     );
-    says(&error(json!([3])), &["nodes[0]", "object"]);
+    assert_contains(&error(json!([3])), &["nodes[0]", "object"]);
     let mut file = with_nodes(json!([{ "children": [1] }, {}]));
     file.json["scenes"] = json!([{ "nodes": [1] }]);
-    says(&file.error(), &["scenes[0].nodes[0]", "nodes[1]", "nodes[0]"]);
+    assert_contains(&file.error(), &["scenes[0].nodes[0]", "nodes[1]", "nodes[0]"]);
     file.json["scenes"] = json!([{ "nodes": [0, 0] }]);
-    says(&file.error(), &["scenes[0].nodes[1]", "again"]);
+    assert_contains(&file.error(), &["scenes[0].nodes[1]", "again"]);
     file.json["scene"] = json!(1);
-    says(&file.error(), &["scene", "scenes[1]"]);
+    assert_contains(&file.error(), &["scene", "scenes[1]"]);
 }
 
 #[test]
-fn huge_and_tiny_quaternions_are_normalised() {
+fn huge_and_tiny_quaternions_are_normalized() {
     for factor in [1e200, 1e-200] {
         let mut file = triangle();
         file.json["nodes"] = json!([{ "mesh": 0, "rotation": [0.0, 0.0, factor, factor] }]);
@@ -148,7 +151,7 @@ fn huge_and_tiny_quaternions_are_normalised() {
 }
 
 #[test]
-fn the_default_scene_is_shown() {
+fn the_default_scene_is_loaded() {
     let mut file = triangle();
     file.json["nodes"] = json!([{ "mesh": 0, "name": "a" }, { "mesh": 0, "name": "b" }]);
     let names = |file: &File| -> Vec<String> {
@@ -159,18 +162,18 @@ fn the_default_scene_is_shown() {
     assert_eq!(names(&file), ["a"]);
     file.json["scene"] = json!(1);
     assert_eq!(names(&file), ["b"]);
-    says(&file.load().unwrap().warnings.join("\n"), &["scenes[1]", "left out"]);
+    assert_contains(&file.load().unwrap().warnings.join("\n"), &["scenes[1]", "left out"]);
     file.json["scenes"] = json!([{}]);
     file.json["scene"] = json!(0);
     assert!(names(&file).is_empty());
 }
 
 #[test]
-fn a_matrix_wins_over_parts_and_is_warned_about() {
+fn a_matrix_overrides_trs_with_a_warning() {
     let mut file = triangle();
     file.json["nodes"] =
         json!([{ "mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 5, 0, 0, 1], "translation": [1, 1, 1] }]);
     let loaded = file.load().unwrap();
     assert_eq!(loaded.scene.instances[0].transform.translation, [5.0, 0.0, 0.0]);
-    says(&loaded.warnings.join("\n"), &["nodes[0]", "matrix"]);
+    assert_contains(&loaded.warnings.join("\n"), &["nodes[0]", "matrix"]);
 }

@@ -4,12 +4,12 @@ use holo_scene::gltf::{Limits, load_slice};
 use holo_scene::{Texture, Wrap};
 use serde_json::{Value, json};
 
-use super::support::{File, base64, png, says, triangle};
+use super::support::{File, assert_contains, base64, png, triangle};
 
 const TEXELS: [[u8; 4]; 6] =
     [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [9, 8, 7, 6], [128, 127, 126, 0], [1, 2, 3, 200]];
 
-/// A triangle whose material's base colour is an embedded image.
+/// A triangle whose material's base color is an embedded image.
 fn textured(image: &[u8]) -> File {
     let mut file = triangle();
     let view = file.view(image);
@@ -65,25 +65,25 @@ fn wrap_modes() {
         }
     }
     file.json["samplers"] = json!([{ "wrapT": 10496 }]);
-    says(&file.error(), &["samplers[0].wrapT", "10496"]);
+    assert_contains(&file.error(), &["samplers[0].wrapT", "10496"]);
     file.json["samplers"] = json!([{ "magFilter": 9728 }]);
-    says(&file.load().unwrap().warnings.join("\n"), &["samplers[0]", "nearest"]);
+    assert_contains(&file.load().unwrap().warnings.join("\n"), &["samplers[0]", "nearest"]);
 }
 
 #[test]
-fn deeper_and_shallower_images_become_eight_bits() {
-    let bytes = |picture: image::DynamicImage, format| {
+fn images_of_other_bit_depths_become_8_bit() {
+    let bytes = |image: image::DynamicImage, format| {
         let mut bytes = std::io::Cursor::new(Vec::new());
-        picture.write_to(&mut bytes, format).unwrap();
+        image.write_to(&mut bytes, format).unwrap();
         bytes.into_inner()
     };
     let deep = image::ImageBuffer::<image::Rgb<u16>, _>::from_raw(1, 1, vec![65535_u16, 0x80_80, 0]).unwrap();
     let texture = only_texture(&textured(&bytes(deep.into(), image::ImageFormat::Png)));
     assert_eq!(texture.texels, [[255, 128, 0, 255]]);
-    let grey = image::GrayImage::from_raw(1, 1, vec![77]).unwrap();
-    let texture = only_texture(&textured(&bytes(grey.into(), image::ImageFormat::Png)));
+    let gray = image::GrayImage::from_raw(1, 1, vec![77]).unwrap();
+    let texture = only_texture(&textured(&bytes(gray.into(), image::ImageFormat::Png)));
     assert_eq!(texture.texels, [[77, 77, 77, 255]]);
-    // JPEG, although the file calls it PNG.
+    // JPEG, although its MIME type is PNG.
     let flat = image::RgbImage::from_pixel(16, 8, image::Rgb([200, 100, 50]));
     let texture = only_texture(&textured(&bytes(flat.into(), image::ImageFormat::Jpeg)));
     assert_eq!((texture.width, texture.height), (16, 8));
@@ -102,41 +102,42 @@ fn textures_that_share_an_image() {
 }
 
 #[test]
-fn broken_images_are_named() {
+fn invalid_images_are_errors() {
     let whole = png(3, 2, &TEXELS);
-    says(&textured(&whole[..whole.len() - 30]).error(), &["images[0]", "decoded"]);
-    says(&textured(b"GIF89a").error(), &["images[0]", "Gif", "not supported"]);
-    says(&textured(b"nothing at all").error(), &["images[0]", "neither PNG nor JPEG"]);
+    assert_contains(&textured(&whole[..whole.len() - 30]).error(), &["images[0]", "decoded"]);
+    assert_contains(&textured(b"GIF89a").error(), &["images[0]", "Gif", "not supported"]);
+    assert_contains(&textured(b"nothing at all").error(), &["images[0]", "neither PNG nor JPEG"]);
     let mut file = textured(&whole);
     file.json["images"][0] = json!({});
-    says(&file.error(), &["images[0]", "neither bufferView nor uri"]);
+    assert_contains(&file.error(), &["images[0]", "neither bufferView nor uri"]);
     file.json["textures"][0]["source"] = json!(4);
-    says(&file.error(), &["textures[0].source", "images[4]"]);
+    assert_contains(&file.error(), &["textures[0].source", "images[4]"]);
     file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = json!(1);
-    says(&file.error(), &["materials[0].pbrMetallicRoughness.baseColorTexture.index", "textures[1]"]);
+    assert_contains(&file.error(), &["materials[0].pbrMetallicRoughness.baseColorTexture.index", "textures[1]"]);
 }
 
 #[test]
-fn huge_images_are_refused_before_they_are_decoded() {
+fn huge_images_are_rejected_before_decoding() {
     let file = textured(&png(3, 2, &TEXELS));
     let limits = |max_texture_pixels| Limits { max_texture_pixels, ..Limits::default() };
     assert!(load_slice(&file.glb(), &limits(6)).is_ok());
-    says(&load_slice(&file.glb(), &limits(5)).unwrap_err().to_string(), &["images[0]", "limit of 5 pixels"]);
-    // The header alone says 2^31 - 1 pixels square.
+    assert_contains(&load_slice(&file.glb(), &limits(5)).unwrap_err().to_string(), &["images[0]", "limit of 5 pixels"]);
+    // Only the header has 2^31 - 1 x 2^31 - 1 pixels.
     let mut bytes = png(3, 2, &TEXELS);
     bytes[16..24].copy_from_slice(&[0x7F, 0xFF, 0xFF, 0xFF, 0x7F, 0xFF, 0xFF, 0xFF]);
-    says(&textured(&bytes).error(), &["images[0]"]);
+    assert_contains(&textured(&bytes).error(), &["images[0]"]);
 }
 
 /// A mesh has two sets of coordinates; a file may have more.
 #[test]
-fn textures_choose_their_coordinates() {
+fn textures_select_their_coordinates() {
     let mut file = textured(&png(3, 2, &TEXELS));
     for set in 1..4 {
         let coordinates = file.floats(&[[set as f32, 0.5]; 3]);
         file.json["meshes"][0]["primitives"][0]["attributes"][format!("TEXCOORD_{set}")] = json!(coordinates);
     }
-    // The sets that base colour, metallic-roughness and emission read; what the mesh then has, and which of it they read.
+    // The sets of base color, metallic-roughness and emission in the file; u of both loaded sets; the loaded set of
+    // each use.
     let mut check = |sets: [u64; 3], mesh: [f32; 2], read: [Option<usize>; 3]| {
         file.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] =
             json!({ "index": 0, "texCoord": sets[0] });
@@ -147,7 +148,11 @@ fn textures_choose_their_coordinates() {
         let scene = &loaded.scene;
         // The second vertex of TEXCOORD_0 is (1, 0), those of the others are (set, 0.5).
         let [u, v] = scene.meshes[0].texture_coordinates[1];
-        assert_eq!([if v == 0.0 { 0.0 } else { u }, scene.meshes[0].second_coordinates[1][0]], mesh, "{sets:?}");
+        assert_eq!(
+            [if v == 0.0 { 0.0 } else { u }, scene.meshes[0].second_texture_coordinates[1][0]],
+            mesh,
+            "{sets:?}"
+        );
         let material = &scene.materials[0];
         let uses = [material.base_color_texture, material.metallic_roughness_texture, material.emission_texture];
         assert_eq!(uses.map(|used| used.map(|used| used.set)), read, "{sets:?}");
@@ -160,45 +165,45 @@ fn textures_choose_their_coordinates() {
     assert_eq!(check([3, 1, 1], [3.0, 1.0], [Some(0), Some(1), Some(1)]), "");
     assert_eq!(check([3, 2, 3], [2.0, 3.0], [Some(1), Some(0), Some(1)]), "");
     let warnings = check([2, 0, 1], [0.0, 1.0], [None, Some(0), Some(1)]);
-    says(&warnings, &["materials[0]", "more than two sets of coordinates"]);
+    assert_contains(&warnings, &["materials[0]", "more than two sets of coordinates"]);
 }
 
 #[test]
-fn missing_coordinates_are_said() {
+fn missing_coordinates_cause_a_warning() {
     let mut file = textured(&png(3, 2, &TEXELS));
     file.json["materials"][0]["emissiveTexture"] = json!({ "index": 0, "texCoord": 1 });
     let loaded = file.load().unwrap();
-    assert!(loaded.scene.meshes[0].second_coordinates.is_empty());
-    says(&loaded.warnings.join("\n"), &["meshes[0].primitives[0]", "no coordinates"]);
+    assert!(loaded.scene.meshes[0].second_texture_coordinates.is_empty());
+    assert_contains(&loaded.warnings.join("\n"), &["meshes[0].primitives[0]", "no coordinates"]);
     file.json["materials"][0]["emissiveTexture"]["texCoord"] = json!(u64::MAX);
-    says(&file.load().unwrap().warnings.join("\n"), &["no coordinates"]);
+    assert_contains(&file.load().unwrap().warnings.join("\n"), &["no coordinates"]);
     // As many as there are vertices, or none.
     let two = file.floats(&[[0.0_f32, 0.0]; 2]);
     file.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = json!(two);
     file.json["materials"][0]["emissiveTexture"]["texCoord"] = json!(1);
-    says(&file.error(), &["meshes[0].primitives[0].attributes", "TEXCOORD has 2 elements"]);
+    assert_contains(&file.error(), &["meshes[0].primitives[0].attributes", "TEXCOORD has 2 elements"]);
 }
 
 #[test]
-fn textures_that_nothing_here_reads_are_not_decoded() {
+fn unused_textures_are_not_decoded() {
     let mut file = textured(&png(3, 2, &TEXELS));
     file.push("images", json!({ "uri": "missing.png" }));
     file.push("textures", json!({ "source": 1 }));
     file.json["materials"][0]["extensions"]["KHR_materials_clearcoat"] = json!({ "clearcoatTexture": { "index": 1 } });
     let loaded = file.load().unwrap();
     assert_eq!(loaded.scene.textures.len(), 1);
-    says(&loaded.warnings.join("\n"), &["KHR_materials_clearcoat"]);
-    // One that a normal map reads is.
+    assert_contains(&loaded.warnings.join("\n"), &["KHR_materials_clearcoat"]);
+    // A texture that a normal map uses is decoded.
     file.json["materials"][0]["normalTexture"] = json!({ "index": 1 });
-    says(&file.error(), &["images[1].uri"]);
-    // A texture without an image that we can read: left out wherever it is used, and said.
+    assert_contains(&file.error(), &["images[1].uri"]);
+    // A texture without a supported image is omitted wherever it is used, with a warning.
     let mut file = textured(&png(3, 2, &TEXELS));
     file.json["textures"][0] = json!({ "extensions": { "KHR_texture_basisu": { "source": 0 } } });
     file.json["materials"][0]["normalTexture"] = json!({ "index": 0 });
     let loaded = file.load().unwrap();
     assert!(loaded.scene.textures.is_empty() && loaded.scene.materials[0].base_color_texture.is_none());
     assert_eq!(loaded.scene.materials[0].normal_map, None);
-    says(&loaded.warnings.join("\n"), &["KHR_texture_basisu", "drawn without it"]);
+    assert_contains(&loaded.warnings.join("\n"), &["KHR_texture_basisu", "drawn without it"]);
 }
 
 #[test]
@@ -210,7 +215,7 @@ fn images_as_data_uris() {
 }
 
 #[test]
-fn what_is_changed_is_named_once_a_kind() {
+fn changes_cause_one_warning_per_kind() {
     let mut file = triangle();
     for _ in 0..500 {
         file.push("materials", json!({ "name": "mirror", "extensions": { "KHR_materials_ior": { "ior": 0 } } }));
@@ -219,15 +224,15 @@ fn what_is_changed_is_named_once_a_kind() {
     }
     let lines = file.load().unwrap().warnings;
     assert_eq!(lines.len(), 2, "{lines:#?}");
-    says(&lines[0], &["materials[0] 'mirror' and 499 more: an index of refraction"]);
-    says(&lines[1], &["materials[1] '' and 499 more: thickness"]);
+    assert_contains(&lines[0], &["materials[0] 'mirror' and 499 more: an index of refraction"]);
+    assert_contains(&lines[1], &["materials[1] '' and 499 more: thickness"]);
     let mut file = triangle();
     file.push("materials", json!({ "pbrMetallicRoughness": { "baseColorFactor": [1.5, 0, 0, 1] } }));
-    says(&file.error(), &["materials[0].pbrMetallicRoughness.baseColorFactor"]);
+    assert_contains(&file.error(), &["materials[0].pbrMetallicRoughness.baseColorFactor"]);
 }
 
 #[test]
-fn extensions_are_handled_named_or_refused() {
+fn extensions_are_supported_warned_about_or_rejected() {
     let mut file = triangle();
     file.json["extensionsUsed"] = json!(["KHR_lights_punctual", "KHR_materials_specular"]);
     file.json["extensionsRequired"] = json!(["KHR_lights_punctual", "KHR_materials_specular", "KHR_lights_punctual"]);
@@ -238,21 +243,21 @@ fn extensions_are_handled_named_or_refused() {
     file.json["extensionsUsed"] = json!(["KHR_materials_sheen", "KHR_texture_basisu", "ACME_x", "ACME_x"]);
     let lines = file.load().unwrap().warnings;
     assert_eq!(lines.len(), 2, "{lines:?}");
-    says(&lines[0], &["KHR_materials_sheen, KHR_texture_basisu", "drawn without"]);
-    says(&lines[1], &["ACME_x: used but not handled"]);
+    assert_contains(&lines[0], &["KHR_materials_sheen, KHR_texture_basisu", "drawn without"]);
+    assert_contains(&lines[1], &["ACME_x: used but not handled"]);
 
     file.json["extensionsRequired"] = json!(["KHR_lights_punctual", "ACME_x"]);
     let message = file.error();
-    says(&message, &["extensionsRequired", "ACME_x", "not supported"]);
+    assert_contains(&message, &["extensionsRequired", "ACME_x", "not supported"]);
     assert!(!message.contains("KHR_lights_punctual"));
     file.json["extensionsRequired"] = json!([7]);
-    says(&file.error(), &["extensionsRequired[0]", "string"]);
+    assert_contains(&file.error(), &["extensionsRequired[0]", "string"]);
 
     // Used without being declared.
     let mut file = triangle();
     file.json["nodes"][0]["extensions"] = json!({ "ACME_undeclared": {} });
     file.json["nodes"][0]["extras"] = json!({ "extensions": { "ACME_not_one": {} } });
     let lines = file.load().unwrap().warnings.join("\n");
-    says(&lines, &["ACME_undeclared"]);
+    assert_contains(&lines, &["ACME_undeclared"]);
     assert!(!lines.contains("ACME_not_one"));
 }

@@ -35,7 +35,7 @@ impl File {
         self.push("bufferViews", json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len() }))
     }
 
-    /// An accessor over bytes of its own.
+    /// An accessor with its own buffer view.
     pub fn accessor(&mut self, bytes: &[u8], component: u32, shape: &str, count: usize) -> usize {
         let view = self.view(bytes);
         let accessor = json!({ "bufferView": view, "componentType": component, "count": count, "type": shape });
@@ -52,7 +52,7 @@ impl File {
         self.accessor(&bytes, 5123, "SCALAR", values.len())
     }
 
-    /// A mesh of one primitive and a node that shows it.
+    /// A mesh of one primitive, and a node with it.
     pub fn show(&mut self, primitive: Value) -> usize {
         let mesh = self.push("meshes", json!({ "primitives": [primitive] }));
         self.push("nodes", json!({ "mesh": mesh }))
@@ -66,7 +66,7 @@ impl File {
         load_slice(&self.glb(), &Limits::default())
     }
 
-    /// The message of the error that loading gives.
+    /// The message of the error of loading.
     pub fn error(&self) -> String {
         match self.load() {
             Ok(_) => panic!("loaded, although it should not: {}", self.json),
@@ -97,7 +97,7 @@ pub fn glb(text: &[u8], binary: &[u8]) -> Vec<u8> {
 
 pub const TRIANGLE: [[f32; 3]; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
 
-/// One triangle, shown.
+/// One triangle with a node.
 pub fn triangle() -> File {
     let mut file = File::new();
     let positions = file.floats(&TRIANGLE);
@@ -121,14 +121,14 @@ pub fn base64(bytes: &[u8]) -> String {
 /// A PNG of 8-bit RGBA texels.
 pub fn png(width: u32, height: u32, texels: &[[u8; 4]]) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
-    let picture = image::RgbaImage::from_raw(width, height, texels.as_flattened().to_vec()).unwrap();
-    picture.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
+    let texture = image::RgbaImage::from_raw(width, height, texels.as_flattened().to_vec()).unwrap();
+    texture.write_to(&mut bytes, image::ImageFormat::Png).unwrap();
     bytes.into_inner()
 }
 
 /// Asserts that a message contains all of some words.
 #[track_caller]
-pub fn says(message: &str, words: &[&str]) {
+pub fn assert_contains(message: &str, words: &[&str]) {
     for word in words {
         assert!(message.contains(word), "'{message}' does not contain '{word}'");
     }

@@ -1,11 +1,11 @@
-//! What materials say of a surface: defaults, values and refusals of metallic-roughness and of every extension.
+//! Material parameters: defaults, values and errors of metallic-roughness and of every extension.
 
-use holo_scene::{Alpha, Material, NormalMap, TextureTransform, TextureUse, Volume};
+use holo_scene::{Alpha, Material, NormalMap, TextureInfo, TextureTransform, Volume};
 use serde_json::{Value, json};
 
-use super::support::{File, png, says, triangle};
+use super::support::{File, assert_contains, png, triangle};
 
-/// A triangle with a material; four textures of one texel to choose from.
+/// A triangle with a material, and four textures of one texel.
 fn with(material: Value) -> File {
     let mut file = triangle();
     let view = file.view(&png(1, 1, &[[1, 2, 3, 4]]));
@@ -29,35 +29,35 @@ fn load(material: Value) -> (Material, String) {
 
 /// The material as it is loaded, without a warning.
 #[track_caller]
-fn quiet(material: Value) -> Material {
+fn load_without_warnings(material: Value) -> Material {
     let (material, warnings) = load(material);
     assert_eq!(warnings, "");
     material
 }
 
 #[track_caller]
-fn refused(material: Value, words: &[&str]) {
-    says(&with(material).error(), words);
+fn assert_rejected(material: Value, words: &[&str]) {
+    assert_contains(&with(material).error(), words);
 }
 
 fn extension(name: &str, value: Value) -> Value {
     json!({ "extensions": { name: value } })
 }
 
-/// The specification's material for a file that says nothing.
+/// The default material of the specification.
 fn standard() -> Material {
     Material { metallic: 1.0, roughness: 1.0, specular: 1.0, double_sided: false, ..Material::default() }
 }
 
 #[test]
-fn a_file_that_says_nothing_means_rough_white_metal() {
-    assert_eq!(quiet(json!({})), standard());
-    // Empty objects say nothing either, but for the one that is a flag.
+fn the_default_material_is_rough_white_metal() {
+    assert_eq!(load_without_warnings(json!({})), standard());
+    // Empty objects have the same defaults, except for the one that is a flag.
     let names = ["emissive_strength", "ior", "specular", "transmission", "volume"];
     for name in names {
-        assert_eq!(quiet(extension(&format!("KHR_materials_{name}"), json!({}))), standard(), "{name}");
+        assert_eq!(load_without_warnings(extension(&format!("KHR_materials_{name}"), json!({}))), standard(), "{name}");
     }
-    assert_eq!(quiet(json!({ "pbrMetallicRoughness": {} })), standard());
+    assert_eq!(load_without_warnings(json!({ "pbrMetallicRoughness": {} })), standard());
     // A primitive without a material gets the same.
     let loaded = triangle().load().unwrap();
     assert_eq!(loaded.scene.materials, [Material { name: "default".into(), ..standard() }]);
@@ -66,42 +66,51 @@ fn a_file_that_says_nothing_means_rough_white_metal() {
 
 #[test]
 fn metallic_roughness() {
-    let material = quiet(json!({ "name": "m", "doubleSided": true, "pbrMetallicRoughness": {
+    let material = load_without_warnings(json!({ "name": "m", "doubleSided": true, "pbrMetallicRoughness": {
         "baseColorFactor": [0.1, 0.2, 0.3, 0.4], "baseColorTexture": { "index": 1 }, "metallicFactor": 0.25,
         "roughnessFactor": 0.75, "metallicRoughnessTexture": { "index": 2 } } }));
     let expected = Material {
         name: "m".into(),
         base_color: [0.1, 0.2, 0.3, 0.4],
-        // Two more are there, and nothing refers to them: all four are kept.
-        base_color_texture: Some(TextureUse::new(1)),
+        // Two more are not referenced: all four are kept.
+        base_color_texture: Some(TextureInfo::new(1)),
         metallic: 0.25,
         roughness: 0.75,
-        metallic_roughness_texture: Some(TextureUse::new(2)),
+        metallic_roughness_texture: Some(TextureInfo::new(2)),
         double_sided: true,
         ..standard()
     };
     assert_eq!(material, expected);
     let surface = |key: &str, value: Value| json!({ "pbrMetallicRoughness": { key: value } });
-    refused(
+    assert_rejected(
         surface("roughnessFactor", json!(2)),
         &["materials[0].pbrMetallicRoughness.roughnessFactor", "2", "0 and 1"],
     );
-    refused(surface("metallicFactor", json!(-0.1)), &["materials[0].pbrMetallicRoughness.metallicFactor", "-0.1"]);
-    refused(surface("metallicFactor", json!("1")), &["materials[0].pbrMetallicRoughness.metallicFactor", "number"]);
-    refused(surface("baseColorFactor", json!([0, 0, 1])), &["baseColorFactor", "3 numbers instead of 4"]);
-    refused(surface("metallicRoughnessTexture", json!({})), &["metallicRoughnessTexture.index", "missing"]);
-    refused(surface("metallicRoughnessTexture", json!({ "index": 4 })), &["metallicRoughnessTexture.index", "[4]"]);
-    refused(json!({ "doubleSided": 1 }), &["materials[0].doubleSided"]);
+    assert_rejected(
+        surface("metallicFactor", json!(-0.1)),
+        &["materials[0].pbrMetallicRoughness.metallicFactor", "-0.1"],
+    );
+    assert_rejected(
+        surface("metallicFactor", json!("1")),
+        &["materials[0].pbrMetallicRoughness.metallicFactor", "number"],
+    );
+    assert_rejected(surface("baseColorFactor", json!([0, 0, 1])), &["baseColorFactor", "3 numbers instead of 4"]);
+    assert_rejected(surface("metallicRoughnessTexture", json!({})), &["metallicRoughnessTexture.index", "missing"]);
+    assert_rejected(
+        surface("metallicRoughnessTexture", json!({ "index": 4 })),
+        &["metallicRoughnessTexture.index", "[4]"],
+    );
+    assert_rejected(json!({ "doubleSided": 1 }), &["materials[0].doubleSided"]);
 }
 
 #[test]
 fn normal_maps_and_occlusion() {
-    let map = |scale: f32| Some(NormalMap { texture: TextureUse::new(3), scale });
-    assert_eq!(quiet(json!({ "normalTexture": { "index": 3 } })).normal_map, map(1.0));
-    assert_eq!(quiet(json!({ "normalTexture": { "index": 3, "scale": -2.5 } })).normal_map, map(-2.5));
-    refused(json!({ "normalTexture": { "index": 3, "scale": 1e39 } }), &["materials[0].normalTexture.scale"]);
-    refused(json!({ "normalTexture": {} }), &["materials[0].normalTexture.index", "missing"]);
-    // Light is really occluded: the texture is neither read nor worth a word. Its image may as well be missing.
+    let map = |scale: f32| Some(NormalMap { texture: TextureInfo::new(3), scale });
+    assert_eq!(load_without_warnings(json!({ "normalTexture": { "index": 3 } })).normal_map, map(1.0));
+    assert_eq!(load_without_warnings(json!({ "normalTexture": { "index": 3, "scale": -2.5 } })).normal_map, map(-2.5));
+    assert_rejected(json!({ "normalTexture": { "index": 3, "scale": 1e39 } }), &["materials[0].normalTexture.scale"]);
+    assert_rejected(json!({ "normalTexture": {} }), &["materials[0].normalTexture.index", "missing"]);
+    // Occlusion textures are ignored without a warning; the image may be missing.
     let mut file = with(json!({ "occlusionTexture": { "index": 0 } }));
     file.push("images", json!({ "uri": "missing.png" }));
     file.json["textures"][0]["source"] = json!(1);
@@ -115,109 +124,115 @@ fn emission() {
     let strong =
         |strength: Value| extension("KHR_materials_emissive_strength", json!({ "emissiveStrength": strength }));
     let mut material = json!({ "emissiveFactor": [0.3, 0.5, 1], "emissiveTexture": { "index": 2 } });
-    let loaded = quiet(material.clone());
+    let loaded = load_without_warnings(material.clone());
     assert_eq!(loaded.emission, [0.3, 0.5, 1.0]);
-    assert_eq!(loaded.emission_texture, Some(TextureUse::new(2)));
+    assert_eq!(loaded.emission_texture, Some(TextureInfo::new(2)));
     material["extensions"] = strong(json!(50))["extensions"].clone();
     // Rounded once, after the product: 50 * 0.3 in single precision is one bit more than 15.
-    assert_eq!(quiet(material.clone()).emission, [15.0, 25.0, 50.0]);
-    assert_eq!(quiet(strong(json!(30))).emission, [0.0; 3]);
-    refused(json!({ "emissiveFactor": [0, 2, 0] }), &["materials[0].emissiveFactor", "2"]);
+    assert_eq!(load_without_warnings(material.clone()).emission, [15.0, 25.0, 50.0]);
+    assert_eq!(load_without_warnings(strong(json!(30))).emission, [0.0; 3]);
+    assert_rejected(json!({ "emissiveFactor": [0, 2, 0] }), &["materials[0].emissiveFactor", "2"]);
     let at = "materials[0].extensions.KHR_materials_emissive_strength.emissiveStrength";
-    refused(strong(json!(-1)), &[at, "-1"]);
-    refused(strong(json!(1e39)), &[at]);
+    assert_rejected(strong(json!(-1)), &[at, "-1"]);
+    assert_rejected(strong(json!(1e39)), &[at]);
     material["extensions"] = strong(json!(2e30))["extensions"].clone();
-    refused(material, &[at, "emissiveFactor", "1e30"]);
+    assert_rejected(material, &[at, "emissiveFactor", "1e30"]);
 }
 
 #[test]
 fn alpha() {
-    let alpha = |material: Value| quiet(material).alpha;
+    let alpha = |material: Value| load_without_warnings(material).alpha;
     assert_eq!(alpha(json!({ "alphaMode": "OPAQUE", "alphaCutoff": 0.1 })), Alpha::Opaque);
     assert_eq!(alpha(json!({ "alphaMode": "BLEND" })), Alpha::Blend);
     assert_eq!(alpha(json!({ "alphaMode": "MASK" })), Alpha::Mask(0.5));
     assert_eq!(alpha(json!({ "alphaMode": "MASK", "alphaCutoff": 1.25 })), Alpha::Mask(1.25));
-    refused(json!({ "alphaMode": "MASK", "alphaCutoff": -0.5 }), &["materials[0].alphaCutoff", "-0.5"]);
-    refused(json!({ "alphaMode": "MASK", "alphaCutoff": 1e300 }), &["materials[0].alphaCutoff"]);
-    refused(json!({ "alphaMode": "mask" }), &["materials[0].alphaMode", "MASK"]);
+    assert_rejected(json!({ "alphaMode": "MASK", "alphaCutoff": -0.5 }), &["materials[0].alphaCutoff", "-0.5"]);
+    assert_rejected(json!({ "alphaMode": "MASK", "alphaCutoff": 1e300 }), &["materials[0].alphaCutoff"]);
+    assert_rejected(json!({ "alphaMode": "mask" }), &["materials[0].alphaMode", "MASK"]);
 }
 
 #[test]
 fn specular() {
     let specular = |value: Value| extension("KHR_materials_specular", value);
-    let material = quiet(specular(json!({ "specularFactor": 0.25, "specularColorFactor": [0, 0.5, 2.5],
+    let material =
+        load_without_warnings(specular(json!({ "specularFactor": 0.25, "specularColorFactor": [0, 0.5, 2.5],
         "specularTexture": { "index": 1 }, "specularColorTexture": { "index": 3 } })));
     let expected = Material {
         specular: 0.25,
         specular_color: [0.0, 0.5, 2.5],
-        specular_texture: Some(TextureUse::new(1)),
-        specular_color_texture: Some(TextureUse::new(3)),
+        specular_texture: Some(TextureInfo::new(1)),
+        specular_color_texture: Some(TextureInfo::new(3)),
         ..standard()
     };
     assert_eq!(material, expected);
     let at = |key: &str| format!("materials[0].extensions.KHR_materials_specular.{key}");
-    refused(specular(json!({ "specularFactor": 1.5 })), &[&at("specularFactor"), "1.5"]);
-    refused(specular(json!({ "specularColorFactor": [1, -1, 1] })), &[&at("specularColorFactor"), "-1"]);
-    refused(specular(json!({ "specularColorTexture": { "index": 9 } })), &[&at("specularColorTexture.index")]);
-    refused(specular(json!(1)), &["materials[0].extensions.KHR_materials_specular", "object"]);
+    assert_rejected(specular(json!({ "specularFactor": 1.5 })), &[&at("specularFactor"), "1.5"]);
+    assert_rejected(specular(json!({ "specularColorFactor": [1, -1, 1] })), &[&at("specularColorFactor"), "-1"]);
+    assert_rejected(specular(json!({ "specularColorTexture": { "index": 9 } })), &[&at("specularColorTexture.index")]);
+    assert_rejected(specular(json!(1)), &["materials[0].extensions.KHR_materials_specular", "object"]);
 }
 
 #[test]
 fn index_of_refraction() {
     let ior = |value: Value| extension("KHR_materials_ior", json!({ "ior": value }));
-    assert_eq!(quiet(ior(json!(1.33))).ior, 1.33);
-    assert_eq!(quiet(ior(json!(1))).ior, 1.0);
-    // 0 is the specification's infinity.
+    assert_eq!(load_without_warnings(ior(json!(1.33))).ior, 1.33);
+    assert_eq!(load_without_warnings(ior(json!(1))).ior, 1.0);
+    // 0 means infinity in the specification.
     for value in [json!(0), json!(0.0), json!(1001), json!(1e300)] {
         let (material, warnings) = load(ior(value));
         assert_eq!(material.ior, 1000.0);
-        says(&warnings, &["materials[0]", "index of refraction", "1000"]);
+        assert_contains(&warnings, &["materials[0]", "index of refraction", "1000"]);
     }
     for value in [json!(0.99), json!(-1), json!("glass")] {
-        refused(ior(value), &["materials[0].extensions.KHR_materials_ior.ior"]);
+        assert_rejected(ior(value), &["materials[0].extensions.KHR_materials_ior.ior"]);
     }
 }
 
 #[test]
 fn transmission_and_unlit() {
     let transmission = |value: Value| extension("KHR_materials_transmission", value);
-    let glass = quiet(transmission(json!({ "transmissionFactor": 0.75, "transmissionTexture": { "index": 1 } })));
-    let transmission_texture = Some(TextureUse::new(1));
+    let glass = load_without_warnings(transmission(
+        json!({ "transmissionFactor": 0.75, "transmissionTexture": { "index": 1 } }),
+    ));
+    let transmission_texture = Some(TextureInfo::new(1));
     assert_eq!(glass, Material { transmission: 0.75, transmission_texture, ..standard() });
-    refused(
+    assert_rejected(
         transmission(json!({ "transmissionFactor": 1.01 })),
         &["materials[0].extensions.KHR_materials_transmission.transmissionFactor", "1.01"],
     );
-    assert_eq!(quiet(extension("KHR_materials_unlit", json!({}))), Material { unlit: true, ..standard() });
-    refused(extension("KHR_materials_unlit", json!(true)), &["materials[0].extensions.KHR_materials_unlit"]);
+    assert_eq!(
+        load_without_warnings(extension("KHR_materials_unlit", json!({}))),
+        Material { unlit: true, ..standard() }
+    );
+    assert_rejected(extension("KHR_materials_unlit", json!(true)), &["materials[0].extensions.KHR_materials_unlit"]);
 }
 
 #[test]
 fn volume() {
     let volume = |value: Value| extension("KHR_materials_volume", value);
     let clear = Volume { attenuation_distance_m: f32::INFINITY, attenuation_color: [1.0; 3] };
-    assert_eq!(quiet(volume(json!({ "thicknessFactor": 0.01 }))).volume, Some(clear));
-    // Thin walls, whatever else is said.
+    assert_eq!(load_without_warnings(volume(json!({ "thicknessFactor": 0.01 }))).volume, Some(clear));
+    // A thickness of 0 is a thin wall, whatever the other values.
     let thin = json!({ "thicknessFactor": 0, "attenuationDistance": 2, "thicknessTexture": { "index": 0 } });
-    assert_eq!(quiet(volume(thin)).volume, None);
-    assert_eq!(quiet(volume(json!({ "attenuationColor": [1, 0.5, 0.5] }))).volume, None);
+    assert_eq!(load_without_warnings(volume(thin)).volume, None);
+    assert_eq!(load_without_warnings(volume(json!({ "attenuationColor": [1, 0.5, 0.5] }))).volume, None);
     let tinted = json!({ "thicknessFactor": 3, "attenuationDistance": 0.25, "attenuationColor": [1, 0.5, 0] });
     let attenuation_color = [1.0, 0.5, f32::MIN_POSITIVE];
     let expected = Volume { attenuation_distance_m: 0.25, attenuation_color };
-    assert_eq!(quiet(volume(tinted)).volume, Some(expected));
-    // Beyond single precision, and the 0 of those who mean "none".
+    assert_eq!(load_without_warnings(volume(tinted)).volume, Some(expected));
+    // Above the range of f32, and 0 in the meaning of "no absorption".
     for distance in [json!(1e300), json!(0)] {
         let far = volume(json!({ "thicknessFactor": 1, "attenuationDistance": distance }));
-        assert_eq!(quiet(far).volume, Some(clear));
+        assert_eq!(load_without_warnings(far).volume, Some(clear));
     }
     let (material, warnings) = load(volume(json!({ "thicknessFactor": 1, "thicknessTexture": { "index": 0 } })));
     assert_eq!(material.volume, Some(clear));
-    says(&warnings, &["materials[0]", "thickness textures are ignored"]);
+    assert_contains(&warnings, &["materials[0]", "thickness textures are ignored"]);
     let at = |key: &str| format!("materials[0].extensions.KHR_materials_volume.{key}");
-    refused(volume(json!({ "thicknessFactor": -1 })), &[&at("thicknessFactor")]);
-    refused(volume(json!({ "attenuationDistance": -1 })), &[&at("attenuationDistance"), "above 0"]);
-    refused(volume(json!({ "attenuationDistance": 1e-60 })), &[&at("attenuationDistance"), "above 0"]);
-    refused(volume(json!({ "attenuationColor": [1, 1, 1.1] })), &[&at("attenuationColor"), "1.1"]);
+    assert_rejected(volume(json!({ "thicknessFactor": -1 })), &[&at("thicknessFactor")]);
+    assert_rejected(volume(json!({ "attenuationDistance": -1 })), &[&at("attenuationDistance"), "above 0"]);
+    assert_rejected(volume(json!({ "attenuationDistance": 1e-60 })), &[&at("attenuationDistance"), "above 0"]);
+    assert_rejected(volume(json!({ "attenuationColor": [1, 1, 1.1] })), &[&at("attenuationColor"), "1.1"]);
 }
 
 #[test]
@@ -226,25 +241,25 @@ fn texture_transforms() {
         let texture = json!({ "index": 2, "texCoord": 0, "extensions": { "KHR_texture_transform": value } });
         json!({ "emissiveTexture": texture })
     };
-    let transform = quiet(moved(json!({ "offset": [0.5, -1], "rotation": 0.75, "scale": [2, -3] })));
+    let transform = load_without_warnings(moved(json!({ "offset": [0.5, -1], "rotation": 0.75, "scale": [2, -3] })));
     let expected = TextureTransform { offset: [0.5, -1.0], rotation_rad: 0.75, scale: [2.0, -3.0] };
-    let expected = TextureUse { texture: 2, set: 0, transform: expected };
+    let expected = TextureInfo { texture: 2, set: 0, transform: expected };
     assert_eq!(transform.emission_texture, Some(expected));
-    assert_eq!(quiet(moved(json!({}))).emission_texture, Some(TextureUse::new(2)));
-    // The extension's coordinates come before those of the texture.
+    assert_eq!(load_without_warnings(moved(json!({}))).emission_texture, Some(TextureInfo::new(2)));
+    // `texCoord` of the extension overrides that of the texture info.
     let (material, warnings) = load(moved(json!({ "texCoord": 1 })));
-    assert_eq!(material.emission_texture, Some(TextureUse { set: 1, ..TextureUse::new(2) }));
-    says(&warnings, &["no coordinates"]);
+    assert_eq!(material.emission_texture, Some(TextureInfo { set: 1, ..TextureInfo::new(2) }));
+    assert_contains(&warnings, &["no coordinates"]);
     let at = |key: &str| format!("materials[0].emissiveTexture.extensions.KHR_texture_transform.{key}");
-    refused(moved(json!({ "offset": [0, 1e39] })), &[&at("offset")]);
-    refused(moved(json!({ "rotation": "left" })), &[&at("rotation")]);
-    refused(moved(json!({ "scale": [1] })), &[&at("scale"), "1 numbers instead of 2"]);
-    refused(moved(json!({ "texCoord": -1 })), &[&at("texCoord")]);
+    assert_rejected(moved(json!({ "offset": [0, 1e39] })), &[&at("offset")]);
+    assert_rejected(moved(json!({ "rotation": "left" })), &[&at("rotation")]);
+    assert_rejected(moved(json!({ "scale": [1] })), &[&at("scale"), "1 numbers instead of 2"]);
+    assert_rejected(moved(json!({ "texCoord": -1 })), &[&at("texCoord")]);
 }
 
-/// Blender marks what changes the picture as required; all of it is handled.
+/// Blender marks extensions that change the image as required; all of them are supported.
 #[test]
-fn what_is_handled_may_be_required() {
+fn supported_extensions_may_be_required() {
     let names = ["emissive_strength", "ior", "specular", "transmission", "unlit", "volume"];
     let mut names: Vec<String> = names.iter().map(|name| format!("KHR_materials_{name}")).collect();
     names.push("KHR_texture_transform".into());
@@ -260,8 +275,8 @@ fn what_is_handled_may_be_required() {
         file.json["extensionsUsed"] = json!([name]);
         let loaded = file.load().unwrap();
         assert_eq!(loaded.warnings.len(), 1);
-        says(&loaded.warnings[0], &[&name, "drawn without"]);
+        assert_contains(&loaded.warnings[0], &[&name, "drawn without"]);
         file.json["extensionsRequired"] = json!([name]);
-        says(&file.error(), &["extensionsRequired", &name]);
+        assert_contains(&file.error(), &["extensionsRequired", &name]);
     }
 }

@@ -1,10 +1,11 @@
-//! `Scene::validate`: one scene that passes, and every way to break it.
+//! `Scene::validate`: a valid scene, and one invalid scene for every error.
 
 use holo_scene::{
-    Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Texture, TextureUse, Transform, Volume, Wrap,
+    Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, Scene, Texture, TextureInfo, Transform,
+    Volume, Wrap,
 };
 
-use super::support::says;
+use super::support::assert_contains;
 
 fn scene() -> Scene {
     Scene {
@@ -18,7 +19,7 @@ fn scene() -> Scene {
             ..Mesh::default()
         }],
         instances: vec![Instance { name: String::new(), mesh: 0, transform: Transform::IDENTITY }],
-        materials: vec![Material { base_color_texture: Some(TextureUse::new(0)), ..Material::default() }],
+        materials: vec![Material { base_color_texture: Some(TextureInfo::new(0)), ..Material::default() }],
         textures: vec![Texture {
             name: String::new(),
             width: 2,
@@ -41,13 +42,13 @@ fn scene() -> Scene {
         cameras: vec![Camera {
             name: String::new(),
             pose: Transform::IDENTITY,
-            lens: CameraLens::Perspective { vertical_angle_rad: 1.0, aspect_ratio: None },
+            projection: CameraProjection::Perspective { vertical_angle_rad: 1.0, aspect_ratio: None },
         }],
         environment: None,
     }
 }
 
-/// Breaks the scene; returns the message.
+/// Makes the scene invalid; returns the error message.
 fn broken(change: impl FnOnce(&mut Scene)) -> String {
     let mut scene = scene();
     change(&mut scene);
@@ -55,56 +56,56 @@ fn broken(change: impl FnOnce(&mut Scene)) -> String {
 }
 
 #[test]
-fn a_sound_scene_passes() {
+fn a_valid_scene_passes() {
     scene().validate().unwrap();
     Scene::default().validate().unwrap();
 }
 
 #[test]
 fn meshes() {
-    says(&broken(|s| s.meshes[0].triangles[0][1] = 3), &["meshes[0].triangles[0]", "3 vertices"]);
-    says(&broken(|s| s.meshes[0].positions[2][0] = f32::NAN), &["meshes[0].positions[2]", "finite"]);
-    says(&broken(|s| s.meshes[0].normals[1] = [0.0; 3]), &["meshes[0].normals[1]", "length 1"]);
-    says(&broken(|s| s.meshes[0].normals[1][0] = f32::NAN), &["meshes[0].normals[1]"]);
-    says(&broken(|s| s.meshes[0].texture_coordinates[0][1] = f32::INFINITY), &["texture_coordinates[0]"]);
-    says(&broken(|s| s.meshes[0].colors[0][3] = 1.5), &["meshes[0].colors[0]"]);
-    says(&broken(|s| s.meshes[0].colors[0][3] = f32::NAN), &["meshes[0].colors[0]"]);
-    says(&broken(|s| s.meshes[0].normals.truncate(2)), &["meshes[0].normals", "2 entries for 3 vertices"]);
-    says(&broken(|s| s.meshes[0].colors.truncate(2)), &["meshes[0].colors"]);
-    says(&broken(|s| s.meshes[0].texture_coordinates.truncate(2)), &["meshes[0].texture_coordinates"]);
-    says(&broken(|s| s.meshes[0].material = 1), &["meshes[0].material", "1"]);
-    says(&broken(|s| s.instances[0].mesh = 9), &["instances[0].mesh"]);
-    says(&broken(|s| s.instances[0].transform.columns[1][1] = f64::NAN), &["instances[0].transform"]);
+    assert_contains(&broken(|s| s.meshes[0].triangles[0][1] = 3), &["meshes[0].triangles[0]", "3 vertices"]);
+    assert_contains(&broken(|s| s.meshes[0].positions[2][0] = f32::NAN), &["meshes[0].positions[2]", "finite"]);
+    assert_contains(&broken(|s| s.meshes[0].normals[1] = [0.0; 3]), &["meshes[0].normals[1]", "length 1"]);
+    assert_contains(&broken(|s| s.meshes[0].normals[1][0] = f32::NAN), &["meshes[0].normals[1]"]);
+    assert_contains(&broken(|s| s.meshes[0].texture_coordinates[0][1] = f32::INFINITY), &["texture_coordinates[0]"]);
+    assert_contains(&broken(|s| s.meshes[0].colors[0][3] = 1.5), &["meshes[0].colors[0]"]);
+    assert_contains(&broken(|s| s.meshes[0].colors[0][3] = f32::NAN), &["meshes[0].colors[0]"]);
+    assert_contains(&broken(|s| s.meshes[0].normals.truncate(2)), &["meshes[0].normals", "2 entries for 3 vertices"]);
+    assert_contains(&broken(|s| s.meshes[0].colors.truncate(2)), &["meshes[0].colors"]);
+    assert_contains(&broken(|s| s.meshes[0].texture_coordinates.truncate(2)), &["meshes[0].texture_coordinates"]);
+    assert_contains(&broken(|s| s.meshes[0].material = 1), &["meshes[0].material", "1"]);
+    assert_contains(&broken(|s| s.instances[0].mesh = 9), &["instances[0].mesh"]);
+    assert_contains(&broken(|s| s.instances[0].transform.columns[1][1] = f64::NAN), &["instances[0].transform"]);
 }
 
 #[test]
-fn the_first_of_many_is_named() {
+fn the_first_error_is_reported() {
     let message = broken(|s| {
         s.meshes[0].triangles = vec![[0, 1, 2]; 100_000];
         s.meshes[0].triangles[70_001][2] = 7;
         s.meshes[0].triangles[90_001][2] = 7;
     });
-    says(&message, &["triangles[70001]"]);
+    assert_contains(&message, &["triangles[70001]"]);
 }
 
 #[test]
 fn materials_and_textures() {
-    says(&broken(|s| s.materials[0].base_color[0] = -0.1), &["materials[0].base_color"]);
-    says(&broken(|s| s.materials[0].base_color[0] = f32::NAN), &["materials[0].base_color"]);
-    says(&broken(|s| s.textures.clear()), &["materials[0].base_color_texture"]);
+    assert_contains(&broken(|s| s.materials[0].base_color[0] = -0.1), &["materials[0].base_color"]);
+    assert_contains(&broken(|s| s.materials[0].base_color[0] = f32::NAN), &["materials[0].base_color"]);
+    assert_contains(&broken(|s| s.textures.clear()), &["materials[0].base_color_texture"]);
     let volume = |attenuation_distance_m: f32, blue: f32| {
         let volume = Volume { attenuation_distance_m, attenuation_color: [1.0, 1.0, blue] };
         broken(|s| s.materials[0].volume = Some(volume))
     };
     for blue in [0.0, f32::MIN_POSITIVE / 2.0, 1.1, f32::NAN] {
-        says(&volume(1.0, blue), &["materials[0].volume.attenuation_color"]);
+        assert_contains(&volume(1.0, blue), &["materials[0].volume.attenuation_color"]);
     }
     for distance in [0.0, -1.0, f32::NAN] {
-        says(&volume(distance, 1.0), &["materials[0].volume.attenuation_distance_m"]);
+        assert_contains(&volume(distance, 1.0), &["materials[0].volume.attenuation_distance_m"]);
     }
-    says(&broken(|s| s.textures[0].width = 3), &["textures[0]", "3 x 1", "2"]);
-    says(&broken(|s| s.textures[0].height = 0), &["textures[0]"]);
-    says(&broken(|s| (s.textures[0].width, s.textures[0].height) = (1 << 31, usize::MAX)), &["textures[0]"]);
+    assert_contains(&broken(|s| s.textures[0].width = 3), &["textures[0]", "3 x 1", "2"]);
+    assert_contains(&broken(|s| s.textures[0].height = 0), &["textures[0]"]);
+    assert_contains(&broken(|s| (s.textures[0].width, s.textures[0].height) = (1 << 31, usize::MAX)), &["textures[0]"]);
 }
 
 #[test]
@@ -114,28 +115,34 @@ fn lights() {
         broken(|s| s.lights[0].kind = kind)
     };
     let (at, along) = ([0.0; 3], [0.0, 0.6, 0.8]);
-    says(&spot([f64::NAN, 0.0, 0.0], along, None, 0.1, 0.2), &["lights[0].position"]);
-    says(&spot(at, [f64::NAN, 0.6, 0.8], None, 0.1, 0.2), &["lights[0].direction"]);
-    says(&spot(at, [0.0, 0.61, 0.8], None, 0.1, 0.2), &["lights[0].direction", "length 1"]);
-    says(&spot(at, along, Some(0.0), 0.1, 0.2), &["lights[0].range"]);
-    says(&spot(at, along, Some(f64::INFINITY), 0.1, 0.2), &["lights[0].range"]);
-    says(&spot(at, along, None, 0.3, 0.2), &["lights[0].angles"]);
-    says(&spot(at, along, None, 0.1, 1.6), &["lights[0].angles"]);
-    says(&spot(at, along, None, 0.1, f64::NAN), &["lights[0].angles"]);
-    says(&broken(|s| s.lights[0].intensity[1] = -1.0), &["lights[0].intensity"]);
-    says(&broken(|s| s.lights[0].intensity[1] = f64::NAN), &["lights[0].intensity"]);
+    assert_contains(&spot([f64::NAN, 0.0, 0.0], along, None, 0.1, 0.2), &["lights[0].position"]);
+    assert_contains(&spot(at, [f64::NAN, 0.6, 0.8], None, 0.1, 0.2), &["lights[0].direction"]);
+    assert_contains(&spot(at, [0.0, 0.61, 0.8], None, 0.1, 0.2), &["lights[0].direction", "length 1"]);
+    assert_contains(&spot(at, along, Some(0.0), 0.1, 0.2), &["lights[0].range"]);
+    assert_contains(&spot(at, along, Some(f64::INFINITY), 0.1, 0.2), &["lights[0].range"]);
+    assert_contains(&spot(at, along, None, 0.3, 0.2), &["lights[0].angles"]);
+    assert_contains(&spot(at, along, None, 0.1, 1.6), &["lights[0].angles"]);
+    assert_contains(&spot(at, along, None, 0.1, f64::NAN), &["lights[0].angles"]);
+    assert_contains(&broken(|s| s.lights[0].intensity[1] = -1.0), &["lights[0].intensity"]);
+    assert_contains(&broken(|s| s.lights[0].intensity[1] = f64::NAN), &["lights[0].intensity"]);
 }
 
 #[test]
 fn cameras() {
-    let lens = |lens: CameraLens| broken(|s| s.cameras[0].lens = lens);
+    let error_of = |projection: CameraProjection| broken(|s| s.cameras[0].projection = projection);
     for angle in [0.0, -1.0, std::f64::consts::PI, f64::NAN] {
-        let lens = lens(CameraLens::Perspective { vertical_angle_rad: angle, aspect_ratio: None });
-        says(&lens, &["cameras[0].lens"]);
+        let error = error_of(CameraProjection::Perspective { vertical_angle_rad: angle, aspect_ratio: None });
+        assert_contains(&error, &["cameras[0].projection"]);
     }
-    says(&lens(CameraLens::Perspective { vertical_angle_rad: 1.0, aspect_ratio: Some(0.0) }), &["cameras[0].lens"]);
-    says(&lens(CameraLens::Orthographic { half_width_m: 1.0, half_height_m: f64::INFINITY }), &["cameras[0].lens"]);
-    says(&broken(|s| s.cameras[0].pose.columns[0] = [2.0, 0.0, 0.0]), &["cameras[0].pose", "rotation"]);
-    says(&broken(|s| s.cameras[0].pose.columns[0] = [-1.0, 0.0, 0.0]), &["cameras[0].pose", "mirroring"]);
-    says(&broken(|s| s.cameras[0].pose.translation[0] = f64::NAN), &["cameras[0].pose"]);
+    assert_contains(
+        &error_of(CameraProjection::Perspective { vertical_angle_rad: 1.0, aspect_ratio: Some(0.0) }),
+        &["cameras[0].projection"],
+    );
+    assert_contains(
+        &error_of(CameraProjection::Orthographic { half_width_m: 1.0, half_height_m: f64::INFINITY }),
+        &["cameras[0].projection"],
+    );
+    assert_contains(&broken(|s| s.cameras[0].pose.columns[0] = [2.0, 0.0, 0.0]), &["cameras[0].pose", "rotation"]);
+    assert_contains(&broken(|s| s.cameras[0].pose.columns[0] = [-1.0, 0.0, 0.0]), &["cameras[0].pose", "mirroring"]);
+    assert_contains(&broken(|s| s.cameras[0].pose.translation[0] = f64::NAN), &["cameras[0].pose"]);
 }

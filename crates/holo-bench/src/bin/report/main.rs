@@ -1,52 +1,53 @@
-//! Speed against error, measured anew: `cargo xtask report [--quick] [--peers] [--out DIR]`.
+//! Measures speed and error: `cargo xtask report [--quick] [--peers] [--out DIR]`.
 //!
-//! Writes `REPORT.md`, a CSV file a table and SVG plots. Every time is the median of several runs of this one process, with how far the
-//! runs are apart (building a tree: one run), and is told as a ratio wherever there is something to hold it against; every error is against
-//! many samples, a closed form, every triangle tried in f64, the same bits, or Mitsuba's picture in `tests/radiance`.
+//! Writes `REPORT.md`, one CSV file per table, and SVG plots. Every time is the median of several runs of this process
+//! with their spread (BVH builds: one run), as a ratio to a comparable time if there is one. Every error is against a
+//! reference: a render with many samples, a closed form, brute-force intersection in f64, the original bits, or
+//! Mitsuba's images in `tests/radiance`.
 #![forbid(unsafe_code)]
 
+mod files;
+mod ground_truth;
 mod light;
-mod moves;
 mod peers;
 mod plot;
 mod scaling;
 mod scenes;
-mod sheet;
 mod stereo;
-mod truth;
+mod table;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use holo_render::Backend;
-use sheet::Sheet;
+use table::Table;
 
-/// What the sections are asked for.
-pub struct Wish {
-    /// Less of everything: a report of some two minutes.
+/// The options of a report.
+pub struct RunOptions {
+    /// Fewer samples and smaller images.
     pub quick: bool,
-    /// Runs of everything that is timed.
+    /// Runs per measured time.
     pub rounds: usize,
-    /// The engines of this machine.
+    /// The available backends, the fastest one first.
     pub engines: Vec<Backend>,
 }
 
-/// What a section found.
+/// The results of a section.
 pub struct Section {
     /// The heading.
     pub title: &'static str,
-    /// What was measured and how, and what is to be seen.
+    /// What was measured, and how.
     pub text: String,
-    /// What the summary says of it: what, how fast, how wrong.
+    /// Rows of the summary: what, speed, error.
     pub highlights: Vec<[String; 3]>,
     /// Its table.
-    pub sheet: Sheet,
-    /// Names and contents of its plots.
+    pub table: Table,
+    /// Names and SVG of its plots.
     pub plots: Vec<(&'static str, String)>,
 }
 
-/// Makes a section.
-type Maker = fn(&Wish) -> Section;
+/// Measures a section.
+type SectionFn = fn(&RunOptions) -> Section;
 
 fn main() {
     let (mut quick, mut with_peers, mut out) = (false, false, PathBuf::from("report"));
@@ -58,32 +59,32 @@ fn main() {
             "--out" => match arguments.next() {
                 Some(folder) => out = folder.into(),
                 None => {
-                    eprintln!("report: --out needs a folder behind it");
+                    eprintln!("report: --out needs a folder");
                     std::process::exit(2);
                 }
             },
             other => {
-                eprintln!("report: unknown argument '{other}'; there are --quick, --peers and --out DIR");
+                eprintln!("report: unknown argument '{other}'; the options are --quick, --peers and --out DIR");
                 std::process::exit(2);
             }
         }
     }
     let start = Instant::now();
-    let wish = Wish { quick, rounds: if quick { 3 } else { 5 }, engines: scenes::engines() };
+    let options = RunOptions { quick, rounds: if quick { 3 } else { 5 }, engines: scenes::engines() };
     let mut sections = Vec::new();
-    let mut makers: Vec<(&str, Maker)> = vec![
+    let mut section_fns: Vec<(&str, SectionFn)> = vec![
         ("light", light::section),
-        ("ground truth", truth::section),
+        ("ground truth", ground_truth::section),
         ("scaling", scaling::section),
-        ("pixels and files", moves::section),
-        ("depth from stereo", stereo::section),
+        ("pixels and files", files::section),
+        ("disparity from stereo", stereo::section),
     ];
     if with_peers {
-        makers.insert(0, ("beside other renderers", peers::section));
+        section_fns.insert(0, ("other renderers", peers::section));
     }
-    for (name, make) in makers {
+    for (name, make) in section_fns {
         eprintln!("{:5.0} s  {name}", start.elapsed().as_secs_f64());
-        sections.push(make(&wish));
+        sections.push(make(&options));
     }
     if let Err(why) = write(&out, &sections, quick) {
         eprintln!("report: {}: {why}", out.display());
@@ -96,16 +97,17 @@ fn write(out: &Path, sections: &[Section], quick: bool) -> std::io::Result<()> {
     std::fs::create_dir_all(out)?;
     let mut text = format!("# Speed against error\n\n{}\n", scenes::machine());
     if quick {
-        text += "\nA quick report: few samples, small pictures; the numbers scatter more than those of a whole one.\n";
+        text +=
+            "\nA quick report: few samples, small images; its numbers have more scatter than those of a full report.\n";
     }
-    let mut summary = Sheet::new(&["what", "speed", "error"]);
+    let mut summary = Table::new(&["what", "speed", "error"]);
     sections.iter().flat_map(|section| &section.highlights).for_each(|row| summary.push(row.clone()));
-    text += &format!("\n## In short\n\n{}", summary.markdown());
+    text += &format!("\n## Summary\n\n{}", summary.markdown());
     std::fs::write(out.join("in_short.csv"), summary.csv())?;
     for section in sections {
-        text += &format!("\n## {}\n\n{}\n\n{}", section.title, section.text, section.sheet.markdown());
+        text += &format!("\n## {}\n\n{}\n\n{}", section.title, section.text, section.table.markdown());
         let stem = section.title.to_lowercase().replace(' ', "_");
-        std::fs::write(out.join(format!("{stem}.csv")), section.sheet.csv())?;
+        std::fs::write(out.join(format!("{stem}.csv")), section.table.csv())?;
         for (name, svg) in &section.plots {
             text += &format!("\n![{name}]({name}.svg)\n");
             std::fs::write(out.join(format!("{name}.svg")), svg)?;

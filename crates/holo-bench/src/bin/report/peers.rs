@@ -1,7 +1,8 @@
-//! Mitsuba 3 and Blender's Cycles beside ours: the same scene, views, samples and reference, measured in the same run.
+//! This renderer, Mitsuba 3 and Blender's Cycles on the same scene, views, samples and reference, in the same run.
 //!
-//! `cargo xtask report --peers` installs both under `target/peers` and names that folder in `HOLO_PEERS`; the scripts that drive them
-//! are in `crates/holo-bench/peers`. The scene and the reference, many thousand samples of Mitsuba's, are those of `tests/radiance`.
+//! `cargo xtask report --peers` installs both under `target/peers` and names that folder in `HOLO_PEERS`; the scripts
+//! that drive them are in `crates/holo-bench/peers`. The scene and the reference, many thousand samples of Mitsuba's,
+//! are those of `tests/radiance`.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -13,11 +14,11 @@ use holo_scene::Scene;
 use ndarray::Array3;
 
 use crate::plot::{Plot, Series};
-use crate::scenes::{light, name, word};
-use crate::sheet::{Seconds, Sheet, peak_of_process, reset_peak, short, timed};
-use crate::{Section, Wish};
+use crate::scenes::{backend_name, integrator_label, integrator_name};
+use crate::table::{Seconds, Table, peak_of_process, reset_peak, short, timed};
+use crate::{RunOptions, Section};
 
-/// Distances of the scripts: of neighbouring views, and of the plane where all views meet.
+/// The baseline between adjacent views and the focus distance of the scripts.
 const BASELINE_M: f64 = 0.002;
 const FOCUS_M: f64 = 0.8;
 const SKY: [f32; 3] = [0.2, 0.24, 0.32];
@@ -25,54 +26,55 @@ const SKY: [f32; 3] = [0.2, 0.24, 0.32];
 /// Added to the square of the reference in the relative squared error.
 const EPSILON: f64 = 1e-2;
 
-/// Of a picture's squared errors the largest of this share are left out: a few bright dots ("fireflies") decide the plain mean.
+/// The fraction of the largest squared errors that the trimmed mean excludes, because a few fireflies dominate the
+/// mean.
 const FIREFLIES: f64 = 0.01;
 
-/// What one program needs for one number of samples.
-struct Line {
+/// Time, memory and images of one program for one number of samples.
+struct Measurement {
     program: String,
     samples: u32,
     /// Of one view.
     seconds: Seconds,
     peak_bytes: Option<u64>,
-    /// The central view, once a seed.
-    pictures: Vec<Array3<f32>>,
+    /// The central view, one image per seed.
+    images: Vec<Array3<f32>>,
 }
 
-pub fn section(wish: &Wish) -> Section {
-    let mut sheet = Sheet::new(&[
+pub fn section(options: &RunOptions) -> Section {
+    let mut table = Table::new(&[
         "integrator",
         "program",
         "samples",
-        "ms a view",
+        "ms per view",
         "Msamples/s",
         "RMSE",
         "relative MSE",
         "without the worst 1 %",
-        "time, of ours",
-        "time x error, of ours",
+        "time / own time",
+        "time x error / own",
         "peak memory, MB",
     ]);
-    let samples: &[u32] = if wish.quick { &[1, 4] } else { &[1, 4, 16, 64] };
-    let side = if wish.quick { 5 } else { 11 };
+    let samples: &[u32] = if options.quick { &[1, 4] } else { &[1, 4, 16, 64] };
+    let side = if options.quick { 5 } else { 11 };
     let mut plots = Vec::new();
     let mut missing = Vec::new();
     let mut highlights = Vec::new();
     for (integrator, plot_name) in [(Integrator::Direct, "peers_direct"), (Integrator::Path, "peers_path")] {
-        let reference = folder().join(format!("metal_and_glass_{}.pfm", word(integrator)));
+        let reference = folder().join(format!("metal_and_glass_{}.pfm", integrator_name(integrator)));
         let reference = holo_io::read_pfm(reference, &Limits::default());
         let reference = reference.expect("the reference of tests/radiance").values;
         let mut lines = Vec::new();
-        for &engine in &wish.engines {
-            lines.extend(ours(wish, engine, integrator, side, samples));
+        for &engine in &options.engines {
+            lines.extend(measure_own(options, engine, integrator, side, samples));
         }
-        if !wish.quick {
-            lines.extend(ours(wish, wish.engines[0], integrator, 101, &samples[..1]));
+        if !options.quick {
+            lines.extend(measure_own(options, options.engines[0], integrator, 101, &samples[..1]));
         }
-        let (theirs, failures) = others(wish, integrator, side, samples);
+        let (theirs, failures) = measure_peers(options, integrator, side, samples);
         lines.extend(theirs);
         missing.extend(failures);
-        plots.push((plot_name, judge(integrator, &lines, &reference, &mut sheet, &mut highlights)));
+        plots.push((plot_name, add_rows(integrator, &lines, &reference, &mut table, &mut highlights)));
     }
     missing.sort();
     missing.dedup();
@@ -80,42 +82,45 @@ pub fn section(wish: &Wish) -> Section {
     Section {
         title: "Beside other renderers",
         text: format!(
-            "`tests/radiance/metal_and_glass.glb` (rough metal, glass, varnish; two lights and a sky), views of 99 x 66 px 2 mm apart, focus \
-             at 0.8 m, paths of up to 8 bounces without roulette, all threads. Ours and Mitsuba 3 (`llvm_ad_rgb`, one `batch`, kernels compiled \
-             before) render {side} x {side} views; Blender's Cycles a view at a time from a scene that stays in memory. Error: of the central \
-             view against a reference of thousands of samples, mean over seeds; the reference is Mitsuba's, and Cycles has another \
-             varnish, up to 3 % off on one small ball. Time times error counts without the worst 1 % of pixels: bright dots of a few paths decide \
-             the plain mean. Memory is the peak of the whole process.{missing}"
+            "`tests/radiance/metal_and_glass.glb` (rough metal, glass, dielectric coat; two lights and a sky), views \
+             of 99 x 66 px at a baseline of 2 mm, focus distance 0.8 m, paths of up to 8 bounces without Russian \
+             roulette, all threads. `holo` and Mitsuba 3 (`llvm_ad_rgb`, one `batch`, kernels compiled before) render \
+             {side} x {side} views at once; Blender's Cycles renders one view at a time with the scene kept in memory. \
+             Errors are those of the central view against a reference of thousands of samples, averaged over seeds. \
+             The reference was rendered by Mitsuba; Cycles models the coat differently, with a difference of up to 3 % \
+             on one small ball. Time x error excludes the 1 % of pixels with the largest errors, because a few \
+             fireflies dominate the plain mean. Memory is the peak of the whole process.{missing}"
         ),
         highlights,
-        sheet,
+        table,
         plots,
     }
 }
 
-/// Adds all lines of one integrator to the table, and those of the most samples to the summary; their plot. Ours comes first.
-fn judge(
+/// Adds the measurements of one integrator to the table, and those of the most samples to the summary; returns their
+/// plot. The measurements of this renderer come first: the others are relative to them.
+fn add_rows(
     integrator: Integrator,
-    lines: &[Line],
+    lines: &[Measurement],
     reference: &Array3<f32>,
-    sheet: &mut Sheet,
+    table: &mut Table,
     highlights: &mut Vec<[String; 3]>,
 ) -> String {
-    let word = word(integrator);
+    let label = integrator_name(integrator);
     let most = lines.iter().map(|line| line.samples).max().unwrap_or(0);
-    let ours = lines[0].program.replace("holo, ", "`holo` with ");
-    let mut usual = Vec::new();
+    let own_program = lines[0].program.replace("holo, ", "`holo` with ");
+    let mut own = Vec::new();
     let mut series: Vec<Series> = Vec::new();
     for line in lines {
-        let [rmse, relative, trimmed] = errors(&line.pictures, reference);
+        let [rmse, relative, trimmed] = errors(&line.images, reference);
         let cost = Seconds { median: line.seconds.median * trimmed, ..line.seconds };
         if line.program == lines[0].program {
-            usual.push((line.samples, line.seconds, cost));
+            own.push((line.samples, line.seconds, cost));
         }
-        let (_, usual, usual_cost) = *usual.iter().find(|usual| usual.0 == line.samples).expect("ours is first");
+        let (_, own_seconds, own_cost) = *own.iter().find(|own| own.0 == line.samples).expect("this renderer is first");
         let pixels = (reference.len() / 3) as f64;
-        sheet.push([
-            word.into(),
+        table.push([
+            label.into(),
             line.program.clone(),
             line.samples.to_string(),
             Seconds { median: 1e3 * line.seconds.median, ..line.seconds }.text(),
@@ -123,19 +128,19 @@ fn judge(
             short(rmse),
             short(relative),
             short(trimmed),
-            line.seconds.ratio(usual),
-            cost.ratio(usual_cost),
+            line.seconds.ratio(own_seconds),
+            cost.ratio(own_cost),
             line.peak_bytes.map_or("?".into(), |bytes| short(bytes as f64 / 1e6)),
         ]);
         let other = !line.program.starts_with("holo") && !line.program.ends_with("independent");
         if line.samples == most && other {
             let error = short(trimmed);
             highlights.push([
-                format!("{}: {}, {most} samples a pixel", line.program, light(integrator)),
-                format!("{} times as long as {ours}", line.seconds.ratio(usual)),
+                format!("{}: {}, {most} samples per pixel", line.program, integrator_label(integrator)),
+                format!("{} times as long as {own_program}", line.seconds.ratio(own_seconds)),
                 format!(
-                    "relative MSE {error} (worst 1 % left out); {} times as long for the same",
-                    cost.ratio(usual_cost)
+                    "relative MSE {error} (worst 1 % excluded); {} times as long for the same error",
+                    cost.ratio(own_cost)
                 ),
             ]);
         }
@@ -149,20 +154,26 @@ fn judge(
         }
     }
     let mut plot = Plot::new(
-        &format!("{word}: time against noise, beside other renderers"),
-        "seconds a view of 99 x 66 px",
+        &format!("{label}: time against noise, other renderers"),
+        "seconds per view of 99 x 66 px",
         "relative squared error, without the worst 1 %",
     );
     series.into_iter().for_each(|series| plot.add(series));
     plot.svg()
 }
 
-/// Where the scene and its references are.
+/// The folder of the scene and its references.
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/radiance")
 }
 
-fn ours(wish: &Wish, engine: Backend, integrator: Integrator, side: usize, samples: &[u32]) -> Vec<Line> {
+fn measure_own(
+    options: &RunOptions,
+    engine: Backend,
+    integrator: Integrator,
+    side: usize,
+    samples: &[u32],
+) -> Vec<Measurement> {
     let scene: Scene =
         holo_scene::gltf::load(&folder().join("metal_and_glass.glb"), &Default::default()).expect("a scene").scene;
     let framing = Framing {
@@ -170,42 +181,50 @@ fn ours(wish: &Wish, engine: Backend, integrator: Integrator, side: usize, sampl
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,
-        baseline: Baseline::Metres(BASELINE_M),
+        baseline: Baseline::Meters(BASELINE_M),
         projection: Projection::Perspective,
     };
     let framed = framing.frame(&scene).expect("a camera");
     let rig = framed.rig(FOCUS_M).expect("a rig");
     let renderer = Renderer::new(&scene, &framed.pose, engine, 0).expect("a renderer");
-    let program =
-        if side > 11 { format!("holo, {}, {side} x {side}", name(engine)) } else { format!("holo, {}", name(engine)) };
+    let program = if side > 11 {
+        format!("holo, {}, {side} x {side}", backend_name(engine))
+    } else {
+        format!("holo, {}", backend_name(engine))
+    };
     reset_peak();
     samples
         .iter()
         .map(|&samples| {
             let request = Request { integrator, samples, sky: SKY, roulette: false, ..Request::new(rig) };
-            let mut pictures = Vec::new();
-            let (seconds, ()) = timed(wish.rounds.min(3), || {
-                let request = Request { seed: pictures.len() as u64, ..request.clone() };
-                let color = renderer.render(&request, &()).expect("a render").color.expect("a picture");
-                pictures.push(color.view(side / 2, side / 2).expect("the central view").to_owned());
+            let mut images = Vec::new();
+            let (seconds, ()) = timed(options.rounds.min(3), || {
+                let request = Request { seed: images.len() as u64, ..request.clone() };
+                let color = renderer.render(&request, &()).expect("a render").color.expect("the scene is lit");
+                images.push(color.view(side / 2, side / 2).expect("the central view").to_owned());
             });
             let seconds = Seconds { median: seconds.median / (side * side) as f64, ..seconds };
-            Line { program: program.clone(), samples, seconds, peak_bytes: peak_of_process(), pictures }
+            Measurement { program: program.clone(), samples, seconds, peak_bytes: peak_of_process(), images }
         })
         .collect()
 }
 
-/// Mitsuba with two samplers, and Blender; and in words what is not there, or what went wrong.
-fn others(wish: &Wish, integrator: Integrator, side: usize, samples: &[u32]) -> (Vec<Line>, Vec<String>) {
+/// Measures Mitsuba with two samplers, and Blender; also returns a message for each that could not be run.
+fn measure_peers(
+    options: &RunOptions,
+    integrator: Integrator,
+    side: usize,
+    samples: &[u32],
+) -> (Vec<Measurement>, Vec<String>) {
     let bounces = if integrator == Integrator::Direct { 1 } else { 8 };
-    let rounds = wish.rounds.min(3).to_string();
+    let rounds = options.rounds.min(3).to_string();
     let (side, depth, cycles) = (side.to_string(), (bounces + 1).to_string(), (bounces - 1).to_string());
     let mut lines = Vec::new();
     let mut failures = Vec::new();
     for sampler in ["multijitter", "independent"] {
         let arguments =
             ["--side", side.as_str(), "--depth", &depth, "--rounds", &rounds, "--sampler", sampler].map(str::to_owned);
-        // A round is all views.
+        // A round renders all views.
         let views = side.parse::<f64>().map_or(1.0, |side| side * side);
         match run("mitsuba", "mitsuba_grid.py", &arguments, samples, &format!("Mitsuba 3, {sampler}"), views) {
             Ok(found) => lines.extend(found),
@@ -227,10 +246,10 @@ fn run(
     samples: &[u32],
     program: &str,
     views: f64,
-) -> Result<Vec<Line>, String> {
+) -> Result<Vec<Measurement>, String> {
     let peers = std::env::var_os("HOLO_PEERS").ok_or("the peers are not installed (cargo xtask report --peers)")?;
     let home = Path::new(&peers).join(peer);
-    // Written last by whoever installed it: the Python that it was installed for.
+    // Contains the path of the Python that the peer was installed for; written last during installation.
     let python = std::fs::read_to_string(home.with_extension("python"))
         .map_err(|_| format!("{program}: could not be installed"))?;
     let out = std::env::temp_dir().join(format!("holo-peers-{}", std::process::id()));
@@ -246,42 +265,42 @@ fn run(
         .env("PYTHONPATH", &home)
         .stderr(Stdio::piped())
         .output();
-    // The pictures are read before their folder goes.
-    let lines: Vec<Line> = output.iter().flat_map(|output| parse_all(&output.stdout, program, views)).collect();
+    // The images are read before their folder is removed.
+    let lines: Vec<Measurement> = output.iter().flat_map(|output| parse_all(&output.stdout, program, views)).collect();
     let _ = std::fs::remove_dir_all(&out);
     let output = output.map_err(|why| format!("{program}: {}: {why}", python.trim()))?;
     if output.status.success() && lines.len() == samples.len() {
         return Ok(lines);
     }
-    let words = String::from_utf8_lossy(&output.stderr);
-    Err(format!("{program}: {}", words.lines().last().unwrap_or("it ended without a word")))
+    let message = String::from_utf8_lossy(&output.stderr);
+    Err(format!("{program}: {}", message.lines().last().unwrap_or("no message")))
 }
 
-fn parse_all(text: &[u8], program: &str, views: f64) -> Vec<Line> {
+fn parse_all(text: &[u8], program: &str, views: f64) -> Vec<Measurement> {
     String::from_utf8_lossy(text).lines().filter_map(|line| parse(line, program, views)).collect()
 }
 
-/// A line of a script: samples, seconds, peak, pictures. Other lines are talk.
-fn parse(line: &str, program: &str, views: f64) -> Option<Line> {
+/// Parses a line of a script (see `peers/peer.py`): samples, seconds, peak memory, images; `None` for other lines.
+fn parse(line: &str, program: &str, views: f64) -> Option<Measurement> {
     let fields: Vec<&str> = line.split('\t').collect();
-    let [samples, seconds, peak, pictures] = fields[..] else { return None };
+    let [samples, seconds, peak, images] = fields[..] else { return None };
     let seconds: Option<Vec<f64>> = seconds.split(',').map(|s| Some(s.parse::<f64>().ok()? / views)).collect();
     let read = |path: &str| Some(holo_io::read_pfm(path, &Limits::default()).ok()?.values);
-    Some(Line {
+    Some(Measurement {
         program: program.into(),
         samples: samples.parse().ok()?,
         seconds: Seconds::of(seconds?)?,
         peak_bytes: peak.parse().ok(),
-        pictures: pictures.split(',').map(read).collect::<Option<_>>()?,
+        images: images.split(',').map(read).collect::<Option<_>>()?,
     })
 }
 
-/// RMSE, relative MSE, and that without the worst pixels, over all pictures.
-fn errors(pictures: &[Array3<f32>], reference: &Array3<f32>) -> [f64; 3] {
+/// RMSE, relative MSE, and relative MSE without the worst pixels ([`FIREFLIES`]), over all images.
+fn errors(images: &[Array3<f32>], reference: &Array3<f32>) -> [f64; 3] {
     let mut squares = 0.0;
     let mut relative = Vec::new();
-    for picture in pictures {
-        for (&x, &r) in picture.iter().zip(reference) {
+    for image in images {
+        for (&x, &r) in image.iter().zip(reference) {
             let (x, r) = (f64::from(x), f64::from(r));
             squares += (x - r).powi(2);
             relative.push((x - r).powi(2) / (r * r + EPSILON));

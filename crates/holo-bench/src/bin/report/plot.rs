@@ -12,18 +12,18 @@ const BOTTOM: f64 = 46.0;
 const COLORS: [&str; 6] = ["#1b6ca8", "#c1531b", "#2d8659", "#7d4fa3", "#8a6d1f", "#333333"];
 const DASHES: [&str; 3] = ["none", "6 4", "2 3"];
 
-/// Points joined by a line.
+/// A polyline with a marker at each point.
 pub struct Series {
     pub name: String,
-    /// Which of the colours.
+    /// Index into [`COLORS`], modulo their number.
     pub color: usize,
-    /// How broken the line is.
+    /// Index into [`DASHES`], modulo their number.
     pub dashes: usize,
-    /// Both above 0; others are left out.
+    /// Points whose coordinates are not both above 0 are not drawn.
     pub points: Vec<(f64, f64)>,
 }
 
-/// A sheet with series on it.
+/// A plot of several series.
 pub struct Plot {
     title: String,
     axes: [String; 2],
@@ -43,11 +43,12 @@ impl Plot {
         let all = || self.series.iter().flat_map(|series| &series.points).filter(|(x, y)| *x > 0.0 && *y > 0.0);
         let [x_axis, y_axis] = [Axis::over(all().map(|p| p.0)), Axis::over(all().map(|p| p.1))];
         let (right, bottom) = (WIDTH - RIGHT, HEIGHT - BOTTOM);
-        let x_at = |x: f64| LEFT + x_axis.share(x) * (right - LEFT);
-        let y_at = |y: f64| bottom - y_axis.share(y) * (bottom - TOP);
+        let x_at = |x: f64| LEFT + x_axis.fraction(x) * (right - LEFT);
+        let y_at = |y: f64| bottom - y_axis.fraction(y) * (bottom - TOP);
         let mut svg = format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" width=\"{WIDTH}\" height=\"{HEIGHT}\" \
-             font-family=\"sans-serif\" font-size=\"12\"><rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" width=\"{WIDTH}\" \
+             height=\"{HEIGHT}\" font-family=\"sans-serif\" font-size=\"12\"><rect width=\"100%\" height=\"100%\" \
+             fill=\"white\"/>\n"
         );
         let mut text = |x: f64, y: f64, anchor: &str, size: u32, words: &str| {
             // Writing into a string cannot fail.
@@ -83,10 +84,10 @@ impl Plot {
                 DASHES[series.dashes % DASHES.len()]
             );
             let points = series.points.iter().filter(|(x, y)| *x > 0.0 && *y > 0.0);
-            let places: Vec<String> = points.map(|&(x, y)| format!("{:.1} {:.1}", x_at(x), y_at(y))).collect();
-            let _ = writeln!(svg, "<path d=\"M{}\" fill=\"none\" {style}/>", places.join("L"));
-            for place in &places {
-                let (x, y) = place.split_once(' ').unwrap_or_default();
+            let points_px: Vec<String> = points.map(|&(x, y)| format!("{:.1} {:.1}", x_at(x), y_at(y))).collect();
+            let _ = writeln!(svg, "<path d=\"M{}\" fill=\"none\" {style}/>", points_px.join("L"));
+            for point_px in &points_px {
+                let (x, y) = point_px.split_once(' ').unwrap_or_default();
                 let fill = COLORS[series.color % COLORS.len()];
                 let _ = writeln!(svg, "<circle cx=\"{x}\" cy=\"{y}\" r=\"3\" fill=\"{fill}\"/>");
             }
@@ -105,7 +106,7 @@ struct Axis {
 }
 
 impl Axis {
-    /// With a little room beyond all values.
+    /// An axis that contains all values, with a margin of a tenth of a decade.
     fn over(values: impl Iterator<Item = f64>) -> Self {
         let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
             (low.min(value.log10()), high.max(value.log10()))
@@ -116,11 +117,11 @@ impl Axis {
         Self { low: low - 0.1, high: high + 0.1 }
     }
 
-    fn share(&self, value: f64) -> f64 {
+    fn fraction(&self, value: f64) -> f64 {
         (value.log10() - self.low) / (self.high - self.low)
     }
 
-    /// Powers of ten; where there are few, also 2 and 5 times them.
+    /// Tick marks: powers of ten; on short axes also 2 and 5 times them.
     fn marks(&self) -> Vec<f64> {
         let few = self.high - self.low < 2.5;
         let mut marks = Vec::new();
@@ -136,9 +137,9 @@ impl Axis {
     }
 }
 
-/// One, two or five times a power of ten, without zeros behind the point.
+/// The label of a tick mark, without trailing zeros.
 fn plain(mark: f64) -> String {
-    let text = crate::sheet::short(mark);
+    let text = crate::table::short(mark);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
 }
 

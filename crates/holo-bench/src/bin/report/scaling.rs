@@ -5,29 +5,29 @@ use holo_render::{Backend, Integrator, Renderer, Request};
 use holo_scene::{Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 
 use crate::plot::{Plot, Series};
-use crate::scenes::{Ready, sky};
-use crate::sheet::{Sheet, peak_bytes, short, timed};
-use crate::{Section, Wish};
+use crate::scenes::{FramedScene, sky};
+use crate::table::{Table, peak_bytes, short, timed};
+use crate::{RunOptions, Section};
 
-pub fn section(wish: &Wish) -> Section {
-    let mut sheet = Sheet::new(&["what", "how many", "build, s", "render, s", "Mrays/s", "memory, MB"]);
-    let mut plot = Plot::new("How time grows (direct light, a sample a pixel)", "how many", "seconds");
-    let engine = wish.engines[0];
+pub fn section(options: &RunOptions) -> Section {
+    let mut table = Table::new(&["what", "count", "build, s", "render, s", "Mrays/s", "memory, MB"]);
+    let mut plot = Plot::new("Render time (direct light, 1 sample per pixel)", "count", "seconds");
+    let engine = options.engines[0];
     plot.add(Series {
         name: "views of 79 x 53 px".into(),
         color: 0,
         dashes: 0,
-        points: views(wish, engine, &mut sheet),
+        points: views(options, engine, &mut table),
     });
-    let mut largest = vec![sheet.last()];
-    if !wish.quick {
-        let points = divisions(wish, engine, &mut sheet);
+    let mut largest = vec![table.last()];
+    if !options.quick {
+        let points = divisions(options, engine, &mut table);
         plot.add(Series { name: "views of an 8K sensor".into(), color: 3, dashes: 0, points });
     }
-    let points = triangles(wish, engine, &mut sheet);
-    largest.push(sheet.last());
+    let points = triangles(options, engine, &mut table);
+    largest.push(table.last());
     plot.add(Series { name: "triangles, 10,000 pixels".into(), color: 1, dashes: 0, points });
-    plot.add(Series { name: "threads".into(), color: 2, dashes: 0, points: threads(wish, engine, &mut sheet) });
+    plot.add(Series { name: "threads".into(), color: 2, dashes: 0, points: threads(options, engine, &mut table) });
     let highlights = largest
         .into_iter()
         .map(|row| {
@@ -42,15 +42,16 @@ pub fn section(wish: &Wish) -> Section {
     Section {
         title: "Scaling",
         text: format!(
-            "Direct light of `garden`, a sample a pixel, for 1 to {} views of 79 x 53 px at the baseline of an f/5 lens{}, and for 1 to all \
-             threads; a bumpy ball of 10^3 to 10^{} triangles under a sun, 10,000 pixels. Memory is what the peak rises by while it is \
-             rendered; of triangles, also while the tree is built.",
-            if wish.quick { "1024" } else { "10,000" },
-            if wish.quick { "" } else { ", for an 8K sensor divided into 20 to 100 views an axis" },
-            if wish.quick { 5 } else { 7 }
+            "Direct light of `garden`, 1 sample per pixel, for 1 to {} views of 79 x 53 px at the baseline of an f/5 \
+             lens{}, and for 1 to all threads; a displaced sphere of 10^3 to 10^{} triangles under a directional \
+             light, 10,000 pixels. Memory is the increase of the peak during rendering; for triangles, during the BVH \
+             build, too.",
+            if options.quick { "1024" } else { "10,000" },
+            if options.quick { "" } else { ", for an 8K sensor divided into 20 to 100 views per axis" },
+            if options.quick { 5 } else { 7 }
         ),
         highlights,
-        sheet,
+        table,
         plots: vec![("scaling", plot.svg())],
     }
 }
@@ -59,29 +60,39 @@ fn direct(rig: holo_core::Rig, sky: [f32; 3]) -> Request {
     Request { integrator: Integrator::Direct, sky, ..Request::new(rig) }
 }
 
-fn views(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> Vec<(f64, f64)> {
-    let counts: &[usize] = if wish.quick { &[1, 3, 10, 32] } else { &[1, 3, 10, 32, 56, 100] };
-    counts.iter().map(|&views| garden("views", views, GridSize::new(53, 79), wish.rounds, engine, sheet)).collect()
+fn views(options: &RunOptions, engine: Backend, table: &mut Table) -> Vec<(f64, f64)> {
+    let counts: &[usize] = if options.quick { &[1, 3, 10, 32] } else { &[1, 3, 10, 32, 56, 100] };
+    counts
+        .iter()
+        .map(|&views| add_garden_row("views", views, GridSize::new(53, 79), options.rounds, engine, table))
+        .collect()
 }
 
-/// The rows of the paper's Table I: few large views or many small ones of the same sensor.
-fn divisions(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> Vec<(f64, f64)> {
+/// The rows of the paper's Table I: one sensor divided into different numbers of views.
+fn divisions(options: &RunOptions, engine: Backend, table: &mut Table) -> Vec<(f64, f64)> {
     let row = |views| {
         let split = Sensor::Paper8k.divide(GridSize::new(views, views), Remainder::Crop).expect("a split").shape;
-        garden("views of 8K", views, split.lenses(), wish.rounds.min(3), engine, sheet)
+        add_garden_row("views of 8K", views, split.lenses(), options.rounds.min(3), engine, table)
     };
     [20, 40, 60, 80, 100].into_iter().map(row).collect()
 }
 
-/// A row of the table, and its point on the plot.
-fn garden(what: &str, views: usize, lenses: GridSize, rounds: usize, engine: Backend, sheet: &mut Sheet) -> (f64, f64) {
-    let ready = Ready::new("garden", views, lenses, None);
-    let request = direct(ready.rig, sky("garden"));
-    let (build, renderer) = timed(1, || ready.renderer(engine, 0));
+/// Adds a row for the scene `garden` to the table; returns its point in the plot.
+fn add_garden_row(
+    what: &str,
+    views: usize,
+    lenses: GridSize,
+    rounds: usize,
+    engine: Backend,
+    table: &mut Table,
+) -> (f64, f64) {
+    let framed = FramedScene::new("garden", views, lenses, None);
+    let request = direct(framed.rig, sky("garden"));
+    let (build, renderer) = timed(1, || framed.renderer(engine, 0));
     let (bytes, (seconds, rendered)) =
         peak_bytes(|| timed(rounds, || renderer.render(&request, &()).expect("a render")));
     let count = views * views;
-    sheet.push([
+    table.push([
         what.into(),
         count.to_string(),
         short(build.median),
@@ -92,18 +103,18 @@ fn garden(what: &str, views: usize, lenses: GridSize, rounds: usize, engine: Bac
     (count as f64, seconds.median)
 }
 
-fn threads(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> Vec<(f64, f64)> {
-    let ready = Ready::new("garden", if wish.quick { 10 } else { 32 }, GridSize::new(53, 79), None);
-    let request = direct(ready.rig, sky("garden"));
+fn threads(options: &RunOptions, engine: Backend, table: &mut Table) -> Vec<(f64, f64)> {
+    let framed = FramedScene::new("garden", if options.quick { 10 } else { 32 }, GridSize::new(53, 79), None);
+    let request = direct(framed.rig, sky("garden"));
     let all = std::thread::available_parallelism().map_or(1, usize::from);
     let mut points = Vec::new();
     let mut count = 1;
     loop {
-        let renderer = ready.renderer(engine, count);
-        let (seconds, rendered) = timed(wish.rounds, || renderer.render(&request, &()).expect("a render"));
+        let renderer = framed.renderer(engine, count);
+        let (seconds, rendered) = timed(options.rounds, || renderer.render(&request, &()).expect("a render"));
         points.push((count as f64, seconds.median));
         let rays = short(rendered.rays.total() as f64 / seconds.median / 1e6);
-        sheet.push(["threads".into(), count.to_string(), String::new(), seconds.text(), rays, String::new()]);
+        table.push(["threads".into(), count.to_string(), String::new(), seconds.text(), rays, String::new()]);
         if count == all {
             return points;
         }
@@ -111,23 +122,23 @@ fn threads(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> Vec<(f64, f64)> {
     }
 }
 
-fn triangles(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> Vec<(f64, f64)> {
+fn triangles(options: &RunOptions, engine: Backend, table: &mut Table) -> Vec<(f64, f64)> {
     let counts: &[usize] =
-        if wish.quick { &[1000, 10_000, 100_000] } else { &[1000, 10_000, 100_000, 1_000_000, 10_000_000] };
-    // Any rig of 10,000 pixels will do.
-    let rig = Ready::new("garden", 10, GridSize::new(10, 10), None).rig;
+        if options.quick { &[1000, 10_000, 100_000] } else { &[1000, 10_000, 100_000, 1_000_000, 10_000_000] };
+    // A rig of 10,000 pixels.
+    let rig = FramedScene::new("garden", 10, GridSize::new(10, 10), None).rig;
     let mut points = Vec::new();
-    for &wanted in counts {
-        let scene = bumpy_ball(wanted);
+    for &target in counts {
+        let scene = displaced_sphere(target);
         let (bytes, (build, seconds, rendered)) = peak_bytes(|| {
             let renderer = || Renderer::new(&scene, &Transform::from_translation([0.0, 0.0, 3.0]), engine, 0);
             let (build, renderer) = timed(1, || renderer().expect("a scene"));
             let request = direct(rig, [0.0; 3]);
-            let (seconds, rendered) = timed(wish.rounds, || renderer.render(&request, &()).expect("a render"));
+            let (seconds, rendered) = timed(options.rounds, || renderer.render(&request, &()).expect("a render"));
             (build, seconds, rendered)
         });
         points.push((scene.triangle_count() as f64, seconds.median));
-        sheet.push([
+        table.push([
             "triangles".into(),
             scene.triangle_count().to_string(),
             short(build.median),
@@ -139,8 +150,8 @@ fn triangles(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> Vec<(f64, f64)>
     points
 }
 
-/// A ball of about so many triangles with bumps on it, under a sun.
-fn bumpy_ball(triangles: usize) -> Scene {
+/// A displaced sphere of about this many triangles under a directional light.
+fn displaced_sphere(triangles: usize) -> Scene {
     let rows = ((triangles as f64 / 4.0).sqrt() as u32).max(2);
     let columns = 2 * rows;
     let mut mesh = Mesh::default();

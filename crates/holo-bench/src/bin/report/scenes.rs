@@ -1,19 +1,19 @@
-//! Scenes in front of rigs, and the machine they are rendered on.
+//! Gallery scenes with their rigs, and a description of the machine.
 
 use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer};
 use holo_scene::gallery;
 use holo_scene::{Scene, Transform};
 
-/// A scene of the gallery, ready to be rendered.
-pub struct Ready {
+/// A scene of the gallery with a camera pose and a rig.
+pub struct FramedScene {
     pub scene: Scene,
     pub pose: Transform,
     pub rig: Rig,
 }
 
-impl Ready {
-    /// With `views` an axis and the baseline of an f/5 lens, or with `baseline_m`.
+impl FramedScene {
+    /// Frames a scene for `views` x `views` views, with `baseline_m` or, without it, the baseline of an f/5 lens.
     pub fn new(name: &str, views: usize, lenses: GridSize, baseline_m: Option<f64>) -> Self {
         let scene = gallery::scene(name).expect("a scene of the gallery");
         let framing = Framing {
@@ -21,7 +21,7 @@ impl Ready {
             camera: CameraChoice::First,
             focal_length_m: None,
             sensor_size_m: 0.036,
-            baseline: baseline_m.map_or(Baseline::FNumber(5.0), Baseline::Metres),
+            baseline: baseline_m.map_or(Baseline::FNumber(5.0), Baseline::Meters),
             projection: Projection::Perspective,
         };
         let framed = framing.frame(&scene).expect("a camera");
@@ -35,20 +35,21 @@ impl Ready {
     }
 }
 
-/// Radiance of the sky that a scene of the gallery is measured under: `garden` has black shadows without one.
+/// The constant environment radiance that a scene is measured with: 0 except for `garden`, whose shadows are black
+/// without one.
 pub fn sky(name: &str) -> [f32; 3] {
     if name == "garden" { [0.35, 0.45, 0.6] } else { [0.0; 3] }
 }
 
-/// The engines that are here, the fast one first.
+/// The available backends, the fastest one first.
 pub fn engines() -> Vec<Backend> {
     let empty = Scene::default();
     let all = [Backend::Embree, Backend::Bvh];
     all.into_iter().filter(|&backend| Renderer::new(&empty, &Transform::IDENTITY, backend, 1).is_ok()).collect()
 }
 
-/// A word for tables.
-pub fn name(backend: Backend) -> &'static str {
+/// The name of a backend in tables.
+pub fn backend_name(backend: Backend) -> &'static str {
     match backend {
         Backend::Embree => "Embree",
         Backend::Bvh => "BVH",
@@ -56,7 +57,7 @@ pub fn name(backend: Backend) -> &'static str {
     }
 }
 
-/// What this machine is.
+/// Processor, threads and backend of this machine, and how times are given.
 pub fn machine() -> String {
     let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = cpu.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or(": an unknown processor");
@@ -64,19 +65,19 @@ pub fn machine() -> String {
     let engine = Renderer::new(&Scene::default(), &Transform::IDENTITY, Backend::Auto, 1);
     let engine = engine.map_or_else(|error| error.to_string(), |renderer| renderer.engine_name().to_owned());
     format!(
-        "Machine: {}, {threads} threads; {engine}; holo {}. Times are medians; ± is half of what lies between the fastest and the \
-         slowest run. Machines are shared: trust ratios.",
+        "Machine: {}, {threads} threads; {engine}; holo {}. Times are medians; ± is half the difference between the \
+         slowest and the fastest run. On shared machines only ratios are reliable.",
         model.trim_start_matches([' ', '\t', ':']),
         env!("CARGO_PKG_VERSION")
     )
 }
 
-/// A word for tables and names of files.
-pub fn word(integrator: Integrator) -> &'static str {
+/// The name of an integrator in tables and file names.
+pub fn integrator_name(integrator: Integrator) -> &'static str {
     if integrator == Integrator::Direct { "direct" } else { "path" }
 }
 
-/// What an integrator makes, in words for the summary.
-pub fn light(integrator: Integrator) -> &'static str {
+/// The name of an integrator in the summary.
+pub fn integrator_label(integrator: Integrator) -> &'static str {
     if integrator == Integrator::Direct { "direct light" } else { "paths" }
 }

@@ -1,27 +1,27 @@
-//! Depth from the views alone, for four efforts.
+//! Disparity estimated from the views by a plane sweep, for four efforts.
 
 use holo_core::metrics::{Region, disparity_scores, trivial_constant, trivial_plane};
 use holo_core::{Effort, GridSize, PlaneSweepOptions, plane_sweep};
 use holo_render::{Integrator, Layer, Request, Sampling, exposure};
 
 use crate::plot::{Plot, Series};
-use crate::scenes::{Ready, sky};
-use crate::sheet::{Sheet, short, timed};
-use crate::{Section, Wish};
+use crate::scenes::{FramedScene, sky};
+use crate::table::{Table, short, timed};
+use crate::{RunOptions, Section};
 
-/// Efforts and the samplers of the pictures that they are tried on: all of them on pictures as they are usually made.
-const TRIED: [(Effort, Sampling, &str, &str); 5] = [
-    (Effort::Draft, Sampling::SharedPositions, "draft", "as usual"),
-    (Effort::Fast, Sampling::SharedPositions, "fast", "as usual"),
-    (Effort::Balanced, Sampling::SharedPositions, "balanced", "as usual"),
-    (Effort::Thorough, Sampling::SharedPositions, "thorough", "as usual"),
-    (Effort::Balanced, Sampling::OwnPositions, "balanced", "places of its own in every view"),
+/// Effort and sampler of each run, with their names in the table. Every effort runs on images of the default sampler.
+const RUNS: [(Effort, Sampling, &str, &str); 5] = [
+    (Effort::Draft, Sampling::SharedPositions, "draft", "default"),
+    (Effort::Fast, Sampling::SharedPositions, "fast", "default"),
+    (Effort::Balanced, Sampling::SharedPositions, "balanced", "default"),
+    (Effort::Thorough, Sampling::SharedPositions, "thorough", "default"),
+    (Effort::Balanced, Sampling::OwnPositions, "balanced", "own sample positions per view"),
 ];
 
-pub fn section(wish: &Wish) -> Section {
-    let lenses = if wish.quick { GridSize::new(120, 180) } else { GridSize::new(300, 450) };
-    let samples = if wish.quick { 4 } else { 16 };
-    let mut sheet = Sheet::new(&[
+pub fn section(options: &RunOptions) -> Section {
+    let lenses = if options.quick { GridSize::new(120, 180) } else { GridSize::new(300, 450) };
+    let samples = if options.quick { 4 } else { 16 };
+    let mut table = Table::new(&[
         "scene",
         "sampling",
         "effort",
@@ -29,48 +29,48 @@ pub fn section(wish: &Wish) -> Section {
         "BadPix(0.07), %",
         "MSE x 100",
         "Q25 x 100",
-        "BadPix of the best constant",
-        "of the best plane",
+        "BadPix of the best constant disparity",
+        "BadPix of the best plane",
     ]);
     let mut highlights = Vec::new();
     let mut plot = Plot::new("Stereo: time against bad pixels", "seconds", "BadPix(0.07), %");
     for (color, scene_name) in ["mountains", "dominoes", "garden"].into_iter().enumerate() {
-        let ready = Ready::new(scene_name, 9, lenses, Some(0.003 * 300.0 / lenses.rows as f64));
-        let renderer = ready.renderer(wish.engines[0], 0);
+        let framed = FramedScene::new(scene_name, 9, lenses, Some(0.003 * 300.0 / lenses.rows as f64));
+        let renderer = framed.renderer(options.engines[0], 0);
         let integrator = Integrator::Direct;
-        let request = Request { integrator, samples, sky: sky(scene_name), ..Request::new(ready.rig) };
+        let request = Request { integrator, samples, sky: sky(scene_name), ..Request::new(framed.rig) };
         let render = |sampling| {
             let request = Request { sampling, ..request.clone() };
             let rendered = renderer.render(&request, &()).expect("a render");
-            let color = rendered.color.expect("a picture");
+            let color = rendered.color.expect("the scene is lit");
             let stops = exposure::automatic_exposure(&color);
-            let coded = exposure::encode_8bit(&color, stops).expect("a picture");
+            let coded = exposure::encode_8bit(&color, stops).expect("an image");
             (coded, rendered.central[Layer::Disparity].index_axis(ndarray::Axis(2), 0).to_owned())
         };
-        let ((usual, truth), (own, _)) = (render(Sampling::SharedPositions), render(Sampling::OwnPositions));
-        let finite = truth.iter().copied().filter(|d| d.is_finite());
+        let ((shared, ground_truth), (own, _)) = (render(Sampling::SharedPositions), render(Sampling::OwnPositions));
+        let finite = ground_truth.iter().copied().filter(|d| d.is_finite());
         let (low, high) = finite.fold((f32::MAX, f32::MIN), |(low, high), d| (low.min(d), high.max(d)));
         let region = Region::with_border(15);
-        let constant = trivial_constant(&truth, 0.07, &region).expect("a map").bad_pixels_percent;
-        let plane = trivial_plane(&truth, 0.07, &region).expect("a map").bad_pixels_percent;
+        let constant = trivial_constant(&ground_truth, 0.07, &region).expect("a map").bad_pixels_percent;
+        let plane = trivial_plane(&ground_truth, 0.07, &region).expect("a map").bad_pixels_percent;
         let mut points = Vec::new();
-        for (effort, sampler, name, sampling) in TRIED {
-            let options = PlaneSweepOptions { effort, disparity_min_px: low - 0.1, disparity_max_px: high + 0.1 };
-            let coded = if sampler == Sampling::SharedPositions { &usual } else { &own };
+        for (effort, sampler, name, sampling) in RUNS {
+            let sweep = PlaneSweepOptions { effort, disparity_min_px: low - 0.1, disparity_max_px: high + 0.1 };
+            let coded = if sampler == Sampling::SharedPositions { &shared } else { &own };
             let (seconds, estimate) =
-                timed(wish.rounds.min(3), || plane_sweep(coded, &options).expect("an estimate").disparity_px);
-            let scores = disparity_scores(&estimate, &truth, &region).expect("maps of one size");
+                timed(options.rounds.min(3), || plane_sweep(coded, &sweep).expect("an estimate").disparity_px);
+            let scores = disparity_scores(&estimate, &ground_truth, &region).expect("maps of one size");
             if sampler == Sampling::SharedPositions {
                 points.push((seconds.median, scores.bad_pixels_percent[2]));
             }
             if (effort, sampler) == (Effort::Balanced, Sampling::SharedPositions) {
                 highlights.push([
-                    format!("depth from stereo: `{scene_name}`, {name}"),
+                    format!("disparity from stereo: `{scene_name}`, {name}"),
                     format!("{} s", seconds.text()),
                     format!("{} % of pixels off by more than 0.07 px", short(scores.bad_pixels_percent[2])),
                 ]);
             }
-            sheet.push([
+            table.push([
                 scene_name.into(),
                 sampling.into(),
                 name.into(),
@@ -87,12 +87,13 @@ pub fn section(wish: &Wish) -> Section {
     Section {
         title: "Depth from stereo",
         text: format!(
-            "Plane sweep over 9 x 9 views of {} x {} px in 8 bits, {samples} samples a pixel, direct light; held against exact disparity of \
-             the central view, 15 px of border left out. Sampling: usually 4 x 4 views share the places within their pixels.",
+            "Plane sweep over 9 x 9 views of {} x {} px in 8 bits, {samples} samples per pixel, direct light. Errors \
+             are against the exact disparity of the central view without a border of 15 px. With default sampling, \
+             blocks of 4 x 4 views share their pixel sample positions.",
             lenses.columns, lenses.rows
         ),
         highlights,
-        sheet,
+        table,
         plots: vec![("stereo", plot.svg())],
     }
 }

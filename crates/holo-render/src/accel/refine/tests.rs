@@ -1,7 +1,8 @@
-//! Depth after refinement, in f64: relative 1e-10 of closed forms, and of every triangle tried in f64.
+//! Refined depth in f64: within a relative 1e-10 of closed forms, and of a test of every triangle in f64.
 //!
-//! A refined depth has the rounding of a dozen f64 operations, 1e-15, times how flat the ray meets the plane: 1e-12 at a
-//! thousandth. What an engine decides in f32 is only *which* triangle: rays within rounding of an edge may take its neighbour.
+//! A refined depth has the rounding error of a dozen f64 operations, 1e-15, divided by the cosine to the plane: 1e-12
+//! at a cosine of 1e-3. The engine decides in f32 only *which* triangle is hit: rays within rounding of an edge may hit
+//! its neighbor.
 
 use std::sync::Arc;
 
@@ -16,7 +17,7 @@ use crate::camera::tile::{Selection, Tiling};
 
 const BOUND: f64 = 1e-10;
 
-/// Origin and direction (z = -1) of a ray, its refined depth, and the one that the engine found in f32.
+/// Origin and direction (z = -1) of a ray, its refined depth, and the f32 depth of the engine.
 type Found = ([f64; 3], [f64; 3], f64, f32);
 
 fn rig() -> Rig {
@@ -30,7 +31,7 @@ fn rig() -> Rig {
         .expect("a rig")
 }
 
-/// Every ray of the rig with its depth, infinite without a hit.
+/// Every ray of the rig with its depth, infinite for a miss.
 fn trace(geometry: &Geometry, engine: &dyn Engine) -> Vec<Found> {
     let selection = Selection::whole(rig().shape());
     let tiling = Tiling::new(selection.counts());
@@ -53,16 +54,16 @@ fn trace(geometry: &Geometry, engine: &dyn Engine) -> Vec<Found> {
     found
 }
 
-/// Relative errors above the bound, and the largest below it; `exact` says where a ray ends.
-fn judge(geometry: Geometry, exact: impl Fn(&[f64; 3], &[f64; 3]) -> f64, name: &str) -> Vec<usize> {
+/// The number of rays per engine whose relative error exceeds the bound; `exact` is the depth of a ray.
+fn count_outliers(geometry: Geometry, exact: impl Fn(&[f64; 3], &[f64; 3]) -> f64, name: &str) -> Vec<usize> {
     let geometry = Arc::new(geometry);
-    let mut strays = Vec::new();
+    let mut counts = Vec::new();
     for backend in [Backend::Embree, Backend::Bvh] {
         let Ok((engine, _)) = build(backend, &geometry, 1) else {
             crate::peer::missing(&format!("{backend:?}"));
             continue;
         };
-        let (mut hits, mut stray, mut largest, mut unrefined) = (0, 0, 0.0_f64, 0.0_f64);
+        let (mut hits, mut outliers, mut largest, mut unrefined) = (0, 0, 0.0_f64, 0.0_f64);
         for (origin, direction, depth, engines) in trace(&geometry, engine.as_ref()) {
             let exact = exact(&origin, &direction);
             let error = if depth == exact { 0.0 } else { (depth / exact - 1.0).abs() };
@@ -72,28 +73,29 @@ fn judge(geometry: Geometry, exact: impl Fn(&[f64; 3], &[f64; 3]) -> f64, name: 
                 let error = (f64::from(engines) / exact - 1.0).abs();
                 unrefined = if exact.is_finite() { unrefined.max(error) } else { unrefined };
             } else {
-                stray += 1;
+                outliers += 1;
             }
         }
         println!(
-            "{name}, {}: {hits} hits, largest error {largest:.2e} (of the engine's own depth {unrefined:.2e}), {stray} beyond {BOUND:e}",
+            "{name}, {}: {hits} hits, largest error {largest:.2e} (of the engine's own depth {unrefined:.2e}), \
+             {outliers} beyond {BOUND:e}",
             engine.name()
         );
         assert!(hits > 1000, "{name}: the rays must hit something");
-        strays.push(stray);
+        counts.push(outliers);
     }
-    strays
+    counts
 }
 
 #[test]
 fn planes_have_their_depth() {
-    // z = -3 + x/4 - y/2: corners that f32 holds exactly.
+    // z = -3 + x/4 - y/2: corners that are exact in f32.
     let corner = |x: f32, y: f32| [x, y, -3.0 + x / 4.0 - y / 2.0];
     let square = [corner(-8.0, -8.0), corner(8.0, -8.0), corner(8.0, 8.0), corner(-8.0, 8.0)];
     let plane = geometry(square.into(), vec![[0, 1, 2], [0, 2, 3]]);
     // -Z = -3 + (x + Z dx)/4 - (y + Z dy)/2
     let exact = |o: &[f64; 3], d: &[f64; 3]| (3.0 - o[0] / 4.0 + o[1] / 2.0) / (1.0 + d[0] / 4.0 - d[1] / 2.0);
-    assert!(judge(plane, exact, "plane").iter().all(|&strays| strays == 0));
+    assert!(count_outliers(plane, exact, "plane").iter().all(|&outliers| outliers == 0));
 }
 
 #[test]
@@ -103,11 +105,12 @@ fn boxes_have_their_depth() {
         let wall = |axis: usize| (half * d[axis].signum() - o[axis]) / d[axis];
         (0..3).map(wall).fold(f64::INFINITY, f64::min)
     };
-    // A room around the camera: the depth is continuous where walls meet, so that no ray may stray.
-    assert!(judge(cube(half as f32), exact, "box").iter().all(|&strays| strays == 0));
+    // A room around the camera: the depth is continuous where walls meet, so no ray may exceed the bound.
+    assert!(count_outliers(cube(half as f32), exact, "box").iter().all(|&outliers| outliers == 0));
 }
 
-/// A ball of 4000 triangles: held against each of them in f64, so that what the mesh lacks of a sphere does not count.
+/// A ball of 4000 triangles, compared with each of them in f64, so that the difference between mesh and sphere does not
+/// count.
 #[test]
 fn balls_have_the_depth_of_their_triangles() {
     let (rows, columns) = (32_u32, 64_u32);
@@ -129,12 +132,12 @@ fn balls_have_the_depth_of_their_triangles() {
     let corners: Vec<[[f64; 3]; 3]> =
         triangles.iter().map(|t| t.map(|k| positions[k as usize].map(f64::from))).collect();
     let exact = |o: &[f64; 3], d: &[f64; 3]| corners.iter().map(|t| meet(o, d, t)).fold(f64::INFINITY, f64::min);
-    let strays = judge(geometry(positions, triangles), exact, "ball");
+    let outliers = count_outliers(geometry(positions, triangles), exact, "ball");
     // Rays within f32 rounding of an edge: a few in a hundred thousand.
-    assert!(strays.iter().all(|&strays| strays <= 36), "{strays:?} of 36,000");
+    assert!(outliers.iter().all(|&outliers| outliers <= 36), "{outliers:?} of 36,000");
 }
 
-/// Möller and Trumbore's test in f64; infinite without a hit.
+/// The test of Möller and Trumbore in f64; infinite for a miss.
 fn meet(o: &[f64; 3], d: &[f64; 3], [a, b, c]: &[[f64; 3]; 3]) -> f64 {
     let minus = |p: &[f64; 3], q: &[f64; 3]| [p[0] - q[0], p[1] - q[1], p[2] - q[2]];
     let cross =
@@ -147,7 +150,7 @@ fn meet(o: &[f64; 3], d: &[f64; 3], [a, b, c]: &[[f64; 3]; 3]) -> f64 {
     if u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 { t } else { f64::INFINITY }
 }
 
-/// A ray of a view through a place between its pixels' centres, traced alone; its refined depth.
+/// The refined depth of a single ray of a view, through any point of its image.
 fn depth_through(
     geometry: &Geometry,
     engine: &dyn Engine,
@@ -173,8 +176,9 @@ fn depth_through(
     refine(geometry, &packet, &rays).depth[0]
 }
 
-/// Ray, depth, Eq. 3 and projection fit together: what a pixel of the central view sees lies in every other view where Eq. 3 says, to
-/// 1e-9 px, and a ray from there ends at the same depth, to 1e-9, or on something in between that every triangle tried in f64 confirms.
+/// Rays, depth, Eq. 3 and projection are consistent: a point of the central view lies in every other view where Eq. 3
+/// places it, to 1e-9 px. A ray from there ends at the same depth, to 1e-9, or at an occluder that a test of every
+/// triangle in f64 confirms.
 #[test]
 fn points_are_in_other_views_where_eq_3_says() {
     let geometry = Arc::new(soup(400, 5));
@@ -188,21 +192,21 @@ fn points_are_in_other_views_where_eq_3_says() {
                 crate::peer::missing(&format!("{backend:?}"));
                 continue;
             };
-            let depth_from = |view, place| depth_through(&geometry, engine.as_ref(), &rig, view, place);
-            let (mut same, mut hidden, mut stray) = (0, 0, 0);
+            let depth_from = |view, position| depth_through(&geometry, engine.as_ref(), &rig, view, position);
+            let (mut same, mut hidden, mut outliers) = (0, 0, 0);
             for (v, u) in (0..40).flat_map(|v| (0..60).map(move |u| (v, u))) {
-                let place = [v as f64 + 0.5, u as f64 + 0.5];
-                let depth = depth_from([center_t, center_s], place);
+                let position = [v as f64 + 0.5, u as f64 + 0.5];
+                let depth = depth_from([center_t, center_s], position);
                 if depth.is_infinite() {
                     continue;
                 }
                 let point = rig.ray(v, u, center_t, center_s, 0.5, 0.5).at_depth_m(depth);
-                // Eq. 3 counts along a row of views; along a column it is in proportion to the baseline.
+                // Eq. 3 is the disparity along a row of views; along a column it is proportional to the baseline.
                 let d = rig.disparity().from_depth_m(depth);
                 let d_rows = d * rig.baseline_y_m() / rig.baseline_x_m();
                 for (t, s) in [(0, 0), (0, 3), (1, 4), (2, 1), (2, 4)] {
                     let [rows, columns] = [t as f64 - center_t as f64, s as f64 - center_s as f64];
-                    let expected = [place[0] - d_rows * rows, place[1] - d * columns];
+                    let expected = [position[0] - d_rows * rows, position[1] - d * columns];
                     let (row, column) = rig.project(point, t, s).expect("in front of the camera");
                     let off = (row - expected[0]).abs().max((column - expected[1]).abs());
                     assert!(off < 1e-9, "{row} {column} {expected:?}");
@@ -217,14 +221,14 @@ fn points_are_in_other_views_where_eq_3_says() {
                     if nearest < depth && (there / nearest - 1.0).abs() < 1e-9 {
                         hidden += 1;
                     } else {
-                        stray += 1;
+                        outliers += 1;
                     }
                 }
             }
-            println!("{projection:?}, {}: {same} agree, {hidden} are hidden, {stray} stray", engine.name());
+            println!("{projection:?}, {}: {same} agree, {hidden} are hidden, {outliers} stray", engine.name());
             assert!(same > 3000 && hidden > 50, "{same} {hidden}");
-            // Rays within f32 rounding of an edge may pass it: the same bound as among engines.
-            assert!(stray * 1000 <= same, "{stray} of {same}");
+            // Rays within f32 rounding of an edge may pass it: the same bound as between engines.
+            assert!(outliers * 1000 <= same, "{outliers} of {same}");
         }
     }
 }

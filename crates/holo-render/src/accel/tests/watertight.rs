@@ -1,46 +1,48 @@
-//! Closed meshes have no holes: rays from inside that are aimed exactly at edges and vertices.
+//! Watertightness: rays from inside a closed mesh, aimed exactly at edges and vertices, do not leak.
 //!
-//! A ray through an edge meets both of its triangles within rounding; a triangle test that rounds one edge in two ways lets it
-//! slip between them. The BVH has the watertight test of [`super::super::triangle`] (Woop, Benthin, Wald, 2013), and none leaks.
+//! A ray through an edge meets both of its triangles within rounding. A triangle test that rounds the edge differently
+//! for the two lets the ray pass between them. The BVH has the watertight test of [`super::super::triangle`] (Woop,
+//! Benthin, Wald, 2013) and does not leak.
 //!
-//! Embree 4.4 with its ROBUST flag is tight along edges and leaks in *vertices*, up to 7 in a thousand of rays that are aimed exactly
-//! at one: a known limit. It computes on which side of the ray an edge passes in three dimensions (Plücker coordinates), alike for
-//! both triangles of an edge, but with a rounding error in proportion to distance times length. Where a ray passes a vertex within
-//! that error the signs of the spokes are chance, and may put it outside every triangle of the fan; Embree's tolerance, an ulp of
-//! the three sides' sum, is too small where triangles are small for their distance. (The test of the BVH first projects the corners
-//! along the ray and takes exact signs of what it has projected: a fan in a plane has no such holes.) A ray must come within some
-//! 1e-7 of its length of a vertex for that: of 10 million that are aimed anywhere none leaks.
+//! Embree 4.4 with its ROBUST flag is watertight along edges but leaks at *vertices*: a known limitation for up to 7 in
+//! a thousand of the rays that are aimed exactly at one. It determines on which side of the ray an edge passes in three
+//! dimensions (Plücker coordinates), equally for both triangles of an edge, but with a rounding error in proportion to
+//! distance times length. Where a ray passes a vertex within that error, the signs of the edges at the vertex are
+//! arbitrary and may exclude all its triangles; the tolerance of Embree, an ulp of the sum of the three edge functions,
+//! is too small for triangles that are small in relation to their distance. (The test of the BVH first projects the
+//! corners along the ray and takes exact signs of the projected values, so a fan has no such holes.) Only rays within
+//! about 1e-7 of their length of a vertex are affected: of 10 million random rays none leaks.
 //!
-//! Its flag for coherent rays is a promise, not a hint: sixteen rays from all around the torus under that flag leaked through
-//! edges, too (196 of 2.56 million). Coherent packets here are such as the renderer sends: from neighbouring points, towards one
-//! point (cameras, lamps) or anywhere (shadow rays of the first event, which choose their directions).
+//! The flag for coherent rays requires coherence: under that flag sixteen rays from all around the torus leak through
+//! edges, too. Coherent packets here are like those of the renderer: from neighboring points, towards one point
+//! (cameras, lights) or in any direction (shadow rays of the first vertex).
 
 use std::f64::consts::TAU;
 
 use super::*;
 use crate::simd::{LANES, Lanes};
 
-/// A closed mesh and points inside.
+/// A closed mesh with points inside.
 struct Closed {
     name: &'static str,
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
-    /// A point inside that sees the vertex number `k`.
+    /// A random point inside from which the given vertex is visible.
     inside: fn([f32; 3], &mut u64) -> [f32; 3],
 }
 
-/// Anywhere near the origin.
+/// A random point near the origin.
 fn near_origin(_: [f32; 3], state: &mut u64) -> [f32; 3] {
     std::array::from_fn(|_| (random(state) * 0.4 - 0.2) as f32)
 }
 
-/// On the circle in the middle of the tube, at the vertex's place.
+/// A point on the center line of the tube, at the position of the vertex.
 fn in_the_tube([x, _, z]: [f32; 3], state: &mut u64) -> [f32; 3] {
     let length = x.hypot(z);
     [x / length, (random(state) * 0.1 - 0.05) as f32, z / length]
 }
 
-/// A parametric surface, closed in its first coordinate and, if it is a torus, in the second.
+/// A torus with this many vertices around and across.
 fn torus(around: u32, across: u32) -> Closed {
     let mut positions = Vec::new();
     for i in 0..around {
@@ -61,7 +63,7 @@ fn torus(around: u32, across: u32) -> Closed {
     Closed { name: "torus", positions, triangles, inside: in_the_tube }
 }
 
-/// A sphere from an octahedron whose triangles are split into four, `times` times over.
+/// A sphere: an octahedron whose triangles are subdivided into four, `times` times.
 fn sphere(times: usize) -> Closed {
     let mut positions: Vec<[f64; 3]> =
         vec![[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, -1.0]];
@@ -92,7 +94,7 @@ fn sphere(times: usize) -> Closed {
     Closed { name: "sphere", positions, triangles, inside: near_origin }
 }
 
-/// A box whose six faces are grids with these lines: without T-junctions, for neighbours share their lines.
+/// A box whose six faces are grids with these lines, without T-junctions.
 fn box_of_grids(name: &'static str, lines: &[f32]) -> Closed {
     let n = lines.len();
     let mut numbers = std::collections::BTreeMap::new();
@@ -124,26 +126,26 @@ fn box_of_grids(name: &'static str, lines: &[f32]) -> Closed {
 
 fn meshes() -> Vec<Closed> {
     let even: Vec<f32> = (0..=24).map(|k| k as f32 / 12.0 - 1.0).collect();
-    // Every second strip is 1e-6 wide: the triangles in them are a million times longer than wide.
+    // Every second strip is 1e-6 wide: its triangles are a million times longer than wide.
     let mut thin: Vec<f32> = (0..12).flat_map(|k| [k as f32 / 6.0 - 1.0, k as f32 / 6.0 - 1.0 + 1e-6]).collect();
     thin.push(1.0);
     vec![sphere(5), torus(96, 48), box_of_grids("grids", &even), box_of_grids("slivers", &thin)]
 }
 
-/// What rays are aimed at.
+/// The target of rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Target {
-    /// A vertex, or a place that f32 cannot tell from one.
+    /// A vertex, or a point that f32 does not distinguish from one.
     Vertex,
-    /// A place on an edge: halves and quarters are exact where its ends have few digits; others are an f32 off.
+    /// A point on an edge: halves and quarters are exact if the ends have few digits; others are rounded to f32.
     Edge,
     /// Any direction.
     Anywhere,
 }
 
-/// How many rays, of `packets` times 16, leave the mesh.
+/// The number of rays, of `packets` times 16, that leave the mesh.
 ///
-/// Every second packet is coherent as those of a camera are: sixteen points close together, all aimed at one.
+/// Every second packet is coherent like that of a camera: sixteen neighboring origins, all aimed at one point.
 fn leaks(mesh: &Closed, engine: &dyn Engine, target: Target, packets: usize) -> usize {
     let mut state = 11;
     let mut leaks = 0;
@@ -154,7 +156,7 @@ fn leaks(mesh: &Closed, engine: &dyn Engine, target: Target, packets: usize) -> 
         for lane in 0..LANES {
             let aimed = match (coherence, target) {
                 (Coherence::Incoherent, _) => aim(mesh, target, &mut state),
-                // Steps of a baseline: up to 1 mm.
+                // Baseline steps of up to 1 mm.
                 (Coherence::Coherent, Target::Anywhere) => {
                     let from = first[0].map(|x| x + (random(&mut state) * 1e-3) as f32);
                     [from, from.map(|x| x + random(&mut state) as f32 - 0.5)]
@@ -169,7 +171,7 @@ fn leaks(mesh: &Closed, engine: &dyn Engine, target: Target, packets: usize) -> 
         let mut shadows = packet.rays;
         engine.intersect(&Lanes([-1; LANES]), &mut packet, coherence);
         for lane in 0..LANES {
-            // What a ray is aimed at is at 1; a wall behind it, across the hole of the torus, is a leak, too.
+            // The target is at 1; a hit on a wall behind it, across the hole of the torus, is a leak, too.
             let beyond = target != Target::Anywhere && packet.rays.far[lane] > 1.001;
             leaks += usize::from(beyond || packet.hits.triangle[lane] == NO_TRIANGLE);
         }
@@ -181,13 +183,13 @@ fn leaks(mesh: &Closed, engine: &dyn Engine, target: Target, packets: usize) -> 
     leaks
 }
 
-/// A point inside, and where a ray from there goes: through an edge, its end, or anywhere.
+/// A point inside, and the target of a ray from there.
 fn aim(mesh: &Closed, target: Target, state: &mut u64) -> [[f32; 3]; 2] {
     loop {
         let triangle = mesh.triangles[(random(state) * mesh.triangles.len() as f64) as usize];
         let corner = (random(state) * 3.0) as usize;
         let [a, b] = [corner, (corner + 1) % 3].map(|corner| mesh.positions[triangle[corner] as usize]);
-        // The short edges of the slivers are as good as a vertex.
+        // The short edges of the slivers are equivalent to a vertex.
         let is_long = (0..3).any(|axis| (a[axis] - b[axis]).abs() > 1e-5);
         let from = (mesh.inside)(a, state);
         let share = match target {
@@ -209,7 +211,7 @@ fn rays_at_edges_and_vertices_stay_inside_closed_meshes() {
         for engine in engines(&geometry) {
             let tight = engine.name() == "bvh";
             for target in [Target::Vertex, Target::Edge, Target::Anywhere] {
-                // 2.56 million rays of each kind a mesh, 10 million in all; the BVH, ten times slower in a test, gets a third.
+                // 2.56 million rays per mesh and target; the BVH, which is slower here, gets a third.
                 let packets = if tight { 53_000 } else { 160_000 };
                 let leaks = leaks(&mesh, engine.as_ref(), target, packets);
                 println!("{} of {}, {target:?}: {leaks} leaks of {} rays", mesh.name, engine.name(), packets * LANES);

@@ -1,15 +1,15 @@
-//! The density from which directions of the surroundings are drawn: constant in each cell of a grid over the image.
+//! The pdf of environment map sampling: constant in each cell of a grid over the image.
 //!
-//! A cell weighs the mean luminance of the bilinear image over it, times its solid angle; the mean is the integral, so
-//! that a cell weighs nothing only where the image is black. A direction takes a row by its share of the whole, then a
-//! cell by its share of the row, then a place in the cell that is uniform in u and in the height above the equator, so
-//! in solid angle.
+//! The weight of a cell is the mean luminance of the bilinear image over it, times its solid angle. The mean is the
+//! exact integral, so a cell has weight 0 only if the image is black there. Sampling selects a row by its share of the
+//! whole, then a cell by its share of the row, then a point in the cell that is uniform in u and in the height above
+//! the equator, hence in solid angle.
 //!
-//! Random numbers have 24 bits, so all probabilities are made whole multiples of 2^-24: what weighs anything gets one
-//! step at least (taken from the widest cell), the others are rounded, and the density is computed from the steps. Hence
-//! no direction that shines is ever left out, and the stated density is exact for maps of any size and contrast, where
-//! sums in f32 would lose what is dark beside the sun. The price: rows next to the poles take few steps, so that
-//! their density is off proportionality by up to half a step (5 % in the outermost of 2048 rows, 1 % in the fourth).
+//! Random numbers have 24 bits, so all probabilities are integer multiples (steps) of 2^-24. Every cell with a weight
+//! above 0 gets at least one step (taken from the most probable cell), the others are rounded, and the pdf is computed
+//! from the steps. No direction with radiance is ever excluded, and the pdf is exact for maps of any size and contrast;
+//! prefix sums in f32 would lose dark regions beside the sun. Rows next to the poles get few steps, so their pdf
+//! deviates from proportionality by up to half a step (5 % in the outermost of 2048 rows, 1 % in the fourth).
 
 use rayon::prelude::*;
 
@@ -17,54 +17,54 @@ use crate::sampling::Points;
 use crate::simd::LANES;
 use crate::simd::angles::versine;
 
-/// Two cells a texel and axis follow the bilinear image well; more than these would only miss the cache.
-const MOST_COLUMNS: usize = 4096;
-/// Even, so that no row of cells lies across the equator.
-const MOST_ROWS: usize = 2048;
+/// The maximum number of cells. Two cells per texel and axis approximate the bilinear image well; more would not fit
+/// into the cache.
+const MAX_COLUMNS: usize = 4096;
+/// Even, so that no row of cells crosses the equator.
+const MAX_ROWS: usize = 2048;
 
-/// All probability, in steps; a random number is a whole count of them.
+/// The total probability in steps; a random number is an integer number of steps.
 const STEPS: u32 = 1 << 24;
 
 pub(super) struct Cells {
     columns: usize,
     rows: usize,
-    bands: Vec<Band>,
-    /// Where every row begins on the scale of steps, and the end of the last.
+    cell_rows: Vec<CellRow>,
+    /// The start of the probability interval of every row, in steps, and the end of the last.
     row_starts: Vec<u32>,
-    /// The same for the cells of every row: `columns + 1` entries each.
+    /// The same for the cells of every row: `columns + 1` entries per row.
     column_starts: Vec<u32>,
     black: bool,
 }
 
-/// A row of cells. Heights are versines, 1 - cos(angle from the nearer pole): they have all digits where a cosine is
-/// next to 1.
+/// A row of cells. Heights are versines, 1 - cos(angle from the nearer pole), which are accurate near the poles.
 #[derive(Clone, Copy)]
-struct Band {
-    /// Of its upper edge.
+struct CellRow {
+    /// The versine of its upper edge.
     upper: f32,
-    /// Of its lower edge.
+    /// The versine of its lower edge.
     lower: f32,
     /// 1 if the upper pole is nearer, -1 otherwise.
     pole: f32,
-    /// Density, per steradian, of a cell that is one step wide.
-    density: f32,
+    /// The pdf, per steradian, of a cell with a probability of one step within the row.
+    unit_pdf: f32,
 }
 
-/// Sixteen places in the image.
-pub(super) struct Drawn {
-    /// From the left edge of the image, 0 to 1.
+/// Sixteen sampled points of the image.
+pub(super) struct CellSample {
+    /// Distance from the left edge of the image, 0 to 1.
     pub u: [f32; LANES],
-    /// 1 - cos(angle from the pole that `pole` names).
+    /// 1 - cos(angle from the pole `pole`).
     pub versine: [f32; LANES],
-    /// 1: the upper pole, -1: the lower.
+    /// 1 for the upper pole, -1 for the lower.
     pub pole: [f32; LANES],
-    /// Per steradian.
+    /// The pdf per steradian.
     pub pdf: [f32; LANES],
 }
 
 impl Cells {
     pub fn build(texel_columns: usize, texel_rows: usize, texels: &[[f32; 3]]) -> Self {
-        let (columns, rows) = ((2 * texel_columns).min(MOST_COLUMNS), (2 * texel_rows).min(MOST_ROWS));
+        let (columns, rows) = ((2 * texel_columns).min(MAX_COLUMNS), (2 * texel_rows).min(MAX_ROWS));
         let across: Vec<Footprint> = (0..columns).map(|k| Footprint::of(k, columns, texel_columns)).collect();
         let mut column_starts = vec![0; rows * (columns + 1)];
         let means: Vec<f64> = column_starts
@@ -79,7 +79,7 @@ impl Cells {
                         *sum += weight * luminance(*texel);
                     }
                 }
-                let weights: Vec<f64> = across.iter().map(|footprint| footprint.around(&line)).collect();
+                let weights: Vec<f64> = across.iter().map(|footprint| footprint.periodic_sum(&line)).collect();
                 share_out(&weights, starts);
                 weights.iter().sum::<f64>() / columns as f64
             })
@@ -104,24 +104,24 @@ impl Cells {
         let mut row_starts = vec![0; rows + 1];
         share_out(&weights, &mut row_starts);
         let black = !weights.iter().any(|&w| w > 0.0);
-        let bands = (0..rows)
+        let cell_rows = (0..rows)
             .map(|row| {
                 let (upper, lower, pole) = heights(row);
                 let steps = if black { 0 } else { row_starts[row + 1] - row_starts[row] };
                 let probability = f64::from(steps) / f64::from(STEPS) / f64::from(STEPS);
                 let solid_angle = std::f64::consts::TAU * (upper - lower).abs() / columns as f64;
-                let density = (probability / solid_angle) as f32;
-                Band { upper: upper as f32, lower: lower as f32, pole, density }
+                let unit_pdf = (probability / solid_angle) as f32;
+                CellRow { upper: upper as f32, lower: lower as f32, pole, unit_pdf }
             })
             .collect();
-        Self { columns, rows, bands, row_starts, column_starts, black }
+        Self { columns, rows, cell_rows, row_starts, column_starts, black }
     }
 
     pub fn is_black(&self) -> bool {
         self.black
     }
 
-    /// The density at places (u, v) of the image, per steradian.
+    /// The pdf at points (u, v) of the image, per steradian.
     #[inline(always)]
     pub fn pdf(&self, [u, v]: &Points) -> [f32; LANES] {
         let mut cell = [0; LANES];
@@ -131,12 +131,12 @@ impl Cells {
             row[lane] = ((v[lane] * self.rows as f32) as u32).min(self.rows as u32 - 1);
             cell[lane] = row[lane] * (self.columns as u32 + 1) + column;
         }
-        self.densities(&row, &cell)
+        self.pdfs(&row, &cell)
     }
 
-    /// Draws a place a lane.
+    /// Samples one point per lane.
     #[inline(always)]
-    pub fn sample(&self, [across, down]: &Points) -> Drawn {
+    pub fn sample(&self, [across, down]: &Points) -> CellSample {
         let (wanted_row, wanted_column) = (steps(down), steps(across));
         let row = search(&self.row_starts, &[0; LANES], self.rows, &wanted_row);
         let mut first = [0; LANES];
@@ -147,13 +147,13 @@ impl Cells {
         let within_row = within(&self.row_starts, &row, &wanted_row);
         let within_cell = within(&self.column_starts, &cell, &wanted_column);
         let mut out =
-            Drawn { u: [0.0; LANES], versine: [0.0; LANES], pole: [0.0; LANES], pdf: self.densities(&row, &cell) };
+            CellSample { u: [0.0; LANES], versine: [0.0; LANES], pole: [0.0; LANES], pdf: self.pdfs(&row, &cell) };
         let mut edges = [[0.0; LANES]; 2];
         for lane in 0..LANES {
-            let band = &self.bands[row[lane] as usize];
-            edges[0][lane] = band.upper;
-            edges[1][lane] = band.lower;
-            out.pole[lane] = band.pole;
+            let cell_row = &self.cell_rows[row[lane] as usize];
+            edges[0][lane] = cell_row.upper;
+            edges[1][lane] = cell_row.lower;
+            out.pole[lane] = cell_row.pole;
         }
         let inverse = 1.0 / self.columns as f32;
         for lane in 0..LANES {
@@ -164,18 +164,18 @@ impl Cells {
     }
 
     #[inline(always)]
-    fn densities(&self, row: &[u32; LANES], cell: &[u32; LANES]) -> [f32; LANES] {
+    fn pdfs(&self, row: &[u32; LANES], cell: &[u32; LANES]) -> [f32; LANES] {
         let mut out = [0.0; LANES];
         for lane in 0..LANES {
             let k = cell[lane] as usize;
             let width = self.column_starts[k + 1] - self.column_starts[k];
-            out[lane] = width as f32 * self.bands[row[lane] as usize].density;
+            out[lane] = width as f32 * self.cell_rows[row[lane] as usize].unit_pdf;
         }
         out
     }
 }
 
-/// Random numbers as whole steps.
+/// Random numbers in integer steps.
 #[inline(always)]
 fn steps(numbers: &[f32; LANES]) -> [u32; LANES] {
     let mut out = [0; LANES];
@@ -185,7 +185,7 @@ fn steps(numbers: &[f32; LANES]) -> [u32; LANES] {
     out
 }
 
-/// Per lane the last of the `count` entries from `first` on that is not beyond `wanted`.
+/// Per lane the last of the `count` entries from `first` on that is at most `wanted`.
 #[inline(always)]
 fn search(starts: &[u32], first: &[u32; LANES], count: usize, wanted: &[u32; LANES]) -> [u32; LANES] {
     let mut found = *first;
@@ -193,7 +193,7 @@ fn search(starts: &[u32], first: &[u32; LANES], count: usize, wanted: &[u32; LAN
     while size > 1 {
         let half = size / 2;
         for lane in 0..LANES {
-            // As a product: a branch would be mispredicted every other time.
+            // As a product: a branch would be mispredicted half of the time.
             let beyond = starts[found[lane] as usize + half] <= wanted[lane];
             found[lane] += half as u32 * u32::from(beyond);
         }
@@ -202,7 +202,7 @@ fn search(starts: &[u32], first: &[u32; LANES], count: usize, wanted: &[u32; LAN
     found
 }
 
-/// How far into their intervals the steps lie, strictly between 0 and 1: the middle of a step stands for it.
+/// The relative position of the steps in their intervals, strictly between 0 and 1, at the middle of the step.
 #[inline(always)]
 fn within(starts: &[u32], interval: &[u32; LANES], wanted: &[u32; LANES]) -> [f32; LANES] {
     let mut out = [0.0; LANES];
@@ -211,38 +211,38 @@ fn within(starts: &[u32], interval: &[u32; LANES], wanted: &[u32; LANES]) -> [f3
         let (start, end) = (starts[k], starts[k + 1]);
         out[lane] = ((wanted[lane] - start) as f32 + 0.5) / (end - start) as f32;
     }
-    // 2^24 - 1/2 is rounded up.
+    // (2^24 - 1/2) / 2^24 is rounded up to 1.
     for lane in 0..LANES {
         out[lane] = out[lane].min(1.0 - f32::EPSILON / 2.0);
     }
     out
 }
 
-/// Rec. 709. Every weight is above 0: light of any colour is found.
+/// Luminance, Rec. 709. Every coefficient is above 0, so that light of any color is sampled.
 fn luminance([r, g, b]: [f32; 3]) -> f64 {
     0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
 }
 
-/// Divides all steps in proportion to `weights`; every weight above 0 gets one at least. `starts` has one entry more
-/// than `weights`. Where all weights are 0 the last one gets everything.
+/// Distributes all steps in proportion to `weights`; every weight above 0 gets at least one step. `starts` has one more
+/// entry than `weights`. If all weights are 0 the last one gets all steps.
 fn share_out(weights: &[f64], starts: &mut [u32]) {
     let total: f64 = weights.iter().sum();
-    let (mut sum, mut before, mut owed, mut widest) = (0.0, 0, 0, 0);
+    let (mut sum, mut before, mut lacking, mut widest) = (0.0, 0, 0, 0);
     for (k, &weight) in weights.iter().enumerate() {
         sum += weight;
-        // The same sum in the same order: the last one ends at STEPS exactly.
+        // The same sum in the same order as `total`, so that the last interval ends exactly at STEPS.
         let end = if total > 0.0 { (sum / total * f64::from(STEPS)).round() as u32 } else { 0 };
         let missing = u32::from(weight > 0.0 && end == before);
         starts[k + 1] = end - before + missing;
-        owed += missing;
+        lacking += missing;
         before = end;
         if starts[k + 1] > starts[widest + 1] {
             widest = k;
         }
     }
-    // n weights, of which m are owed a step: the widest has 2^24 / (n - m) steps or more, and m (n - m) <= n^2 / 4 is at
-    // most 2^22 for the 4096 cells of a row.
-    starts[widest + 1] -= owed;
+    // Of n weights, m lack a step. The largest has at least 2^24 / (n - m) steps, and m (n - m) <= n^2 / 4 is at most
+    // 2^22 for the 4096 cells of a row.
+    starts[widest + 1] -= lacking;
     starts[0] = 0;
     for k in 1..starts.len() {
         starts[k] += starts[k - 1];
@@ -252,32 +252,32 @@ fn share_out(weights: &[f64], starts: &mut [u32]) {
     }
 }
 
-/// What the mean of the bilinear image over a cell takes from the texels along one axis.
+/// The weights of the texels along one axis in the mean of the bilinear image over a cell.
 struct Footprint {
-    /// The first texel, perhaps outside the image.
+    /// The first texel, possibly outside the image.
     first: i64,
-    /// Of this and the following texels; their sum is 1.
+    /// The weights of this and the following texels; their sum is 1.
     weights: Vec<f64>,
 }
 
 impl Footprint {
-    /// Of cell `k` of `cells` over `texels`.
+    /// The footprint of cell `k` of `cells` over `texels`.
     fn of(k: usize, cells: usize, texels: usize) -> Self {
         let size = texels as f64 / cells as f64;
         let (low, high) = (k as f64 * size, (k + 1) as f64 * size);
-        // Texel i has its centre at i + 1/2, and a tent of width 2 stands on it.
+        // Texel i has its center at i + 1/2 and a tent filter of width 2.
         let (first, last) = ((low - 0.5).floor(), (high + 0.5).floor());
         let weight = |i: i64| {
-            let centre = i as f64 + 0.5;
-            let share = (tent_integral(high - centre) - tent_integral(low - centre)) / size;
-            // Rounding is no light.
+            let center = i as f64 + 0.5;
+            let share = (tent_integral(high - center) - tent_integral(low - center)) / size;
+            // Rounding errors are set to 0.
             if share > 1e-12 { share } else { 0.0 }
         };
         Self { first: first as i64, weights: (first as i64..=last as i64).map(weight).collect() }
     }
 
-    /// The weighted sum over a line that goes around.
-    fn around(&self, line: &[f64]) -> f64 {
+    /// The weighted sum over a periodic line.
+    fn periodic_sum(&self, line: &[f64]) -> f64 {
         let texel = |offset: usize| line[(self.first + offset as i64).rem_euclid(line.len() as i64) as usize];
         self.weights.iter().enumerate().map(|(offset, weight)| weight * texel(offset)).sum()
     }
@@ -312,21 +312,21 @@ mod tests {
     }
 
     #[test]
-    fn the_sun_leaves_a_step_to_everything_that_shines() {
-        let mut weights = vec![1e-30; MOST_COLUMNS];
+    fn every_positive_weight_gets_a_step() {
+        let mut weights = vec![1e-30; MAX_COLUMNS];
         weights[1234] = 1e30;
         weights[7] = 0.0;
         let widths = widths(&weights);
-        assert_eq!(widths[1234], STEPS - MOST_COLUMNS as u32 + 2);
-        assert_eq!(widths.iter().filter(|&&w| w == 1).count(), MOST_COLUMNS - 2);
+        assert_eq!(widths[1234], STEPS - MAX_COLUMNS as u32 + 2);
+        assert_eq!(widths.iter().filter(|&&w| w == 1).count(), MAX_COLUMNS - 2);
         assert_eq!(widths[7], 0);
-        // The worst case for the widest: half of the cells are owed a step, the others are alike.
-        let half: Vec<f64> = (0..MOST_COLUMNS).map(|k| if k % 2 == 0 { 1.0 } else { 1e-20 }).collect();
+        // The worst case: half of the cells lack a step, the others are equal.
+        let half: Vec<f64> = (0..MAX_COLUMNS).map(|k| if k % 2 == 0 { 1.0 } else { 1e-20 }).collect();
         assert!(self::widths(&half).iter().all(|&w| w >= 1));
     }
 
-    /// Against the bilinear function itself, added up over a thousand points a cell: the midpoint rule is off by the
-    /// kinks in the function, below 1e-6 here.
+    /// Compared with the bilinear function, summed over a thousand points per cell: the midpoint rule has an error
+    /// below 1e-6 here, at the kinks of the function.
     #[test]
     fn footprints_are_means_of_the_bilinear_function() {
         let line = [3.0, 0.0, 1.0, 7.0, 2.0];
@@ -340,7 +340,7 @@ mod tests {
                         (texel(whole) * (1.0 - fraction) + texel(whole + 1.0) * fraction) / 1000.0
                     })
                     .sum();
-                let mean = Footprint::of(k, cells, 5).around(&line);
+                let mean = Footprint::of(k, cells, 5).periodic_sum(&line);
                 assert!((mean - expected).abs() < 1e-5, "cell {k} of {cells}: {mean} {expected}");
             }
         }

@@ -1,31 +1,32 @@
-//! What surfaces give out by themselves.
+//! Emission of surfaces.
 
-use super::{Appearance, Kinds, Lookup, Place};
+use super::{Appearance, MaterialFlags, SurfacePoint, TextureLookup};
 use crate::geometry::{Geometry, Hit};
 use crate::simd::LANES;
 
-/// Emission of a material.
+/// The emission of a material.
 pub(super) struct Emission {
     /// Radiance, linear RGB.
     factor: [f32; 3],
-    texture: Option<Lookup>,
-    /// Whether the back glows like the front.
+    texture: Option<TextureLookup>,
+    /// Whether the back emits as well as the front.
     both_sides: bool,
 }
 
 impl Emission {
     pub fn new(material: &holo_scene::Material) -> Self {
-        let texture = material.emission_texture.map(Lookup::new);
+        let texture = material.emission_texture.map(TextureLookup::new);
         Self { factor: material.emission, texture, both_sides: material.double_sided }
     }
 
-    pub fn glows(&self) -> bool {
+    pub fn is_emissive(&self) -> bool {
         self.factor.iter().any(|&x| x > 0.0)
     }
 }
 
 impl Appearance {
-    /// Radiance that sixteen places give out towards the side `side` (1 front, -1 back); 0 where they do not glow.
+    /// The radiance that sixteen points emit towards the side `side` (1 front, -1 back), linear RGB; 0 without
+    /// emission.
     #[inline(always)]
     pub fn emission(
         &self,
@@ -40,15 +41,15 @@ impl Appearance {
             if !wanted[lane] {
                 continue;
             }
-            let place = Place::new(geometry, triangles[lane], [u[lane], v[lane]]);
-            let material = &self.materials[place.part.material as usize];
+            let point = SurfacePoint::new(geometry, triangles[lane], [u[lane], v[lane]]);
+            let material = &self.materials[point.instance.material as usize];
             let emission = &material.emission;
-            if !material.kinds.has(Kinds::GLOWS) | ((side[lane] < 0.0) & !emission.both_sides) {
+            if !material.flags.has(MaterialFlags::EMISSIVE) | ((side[lane] < 0.0) & !emission.both_sides) {
                 continue;
             }
             let mut radiance = emission.factor;
             if let Some(lookup) = &emission.texture {
-                let texel = self.color(lookup, &place);
+                let texel = self.color(lookup, &point);
                 for c in 0..3 {
                     radiance[c] *= texel[c];
                 }

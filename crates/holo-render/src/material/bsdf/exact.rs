@@ -1,21 +1,22 @@
-//! Fresnel's equations and refraction in f64, one at a time: what the lanes are held against.
+//! Fresnel's equations and refraction in scalar f64: a reference implementation for tests.
 //!
-//! Accuracy: shares within 1e-15 of those of the cosine and the index as they are given, at any angle, the critical one
-//! included; the transmitted share keeps its relative accuracy towards grazing incidence, where it goes to 0.
+//! # Accuracy
+//! Reflectance and transmittance have an error of 1e-15 for the given cosine and index, at any angle including the
+//! critical one. The transmittance keeps its relative accuracy towards grazing incidence, where it approaches 0.
 
 /// Fresnel's equations at one angle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interface {
     pub reflected: f64,
-    /// 1 - `reflected`, but exact where that is small.
+    /// 1 - `reflected`, accurate where it is small.
     pub transmitted: f64,
-    /// Cosine of the refracted ray with the normal, times n; 0 under total reflection.
+    /// The cosine of the refracted ray with the normal, times n; 0 for total internal reflection.
     pub scaled_cosine: f64,
 }
 
-/// What happens under the cosine `c` where the index of refraction behind over that in front is `n`.
+/// Fresnel's equations at the cosine `c`; `n` is the index of refraction behind the surface relative to that in front.
 pub(super) fn interface(c: f64, n: f64) -> Interface {
-    // n^2 - 1 + c^2 cancels near the critical angle: the squares with their rounding errors, summed with theirs.
+    // n^2 - 1 + c^2 cancels near the critical angle: squares and sums are computed with their rounding errors.
     let (c_square, c_error) = square(c);
     let (n_square, n_error) = square(n);
     let (difference, first_error) = sum(n_square, -1.0);
@@ -31,8 +32,8 @@ pub(super) fn interface(c: f64, n: f64) -> Interface {
     Interface { reflected: 0.5 * (s * s + p * p), transmitted, scaled_cosine: g }
 }
 
-/// Where a ray towards `out` comes from through a surface of normal `normal`, whose cosine with `out` is `c`: nowhere
-/// under total reflection.
+/// The direction from which a ray towards `out` is refracted by a surface with the normal `normal`, whose cosine with
+/// `out` is `c`; `None` for total internal reflection.
 pub(super) fn refract(out: [f64; 3], normal: [f64; 3], c: f64, n: f64) -> Option<[f64; 3]> {
     let g = interface(c, n).scaled_cosine;
     let into: [f64; 3] = std::array::from_fn(|k| ((c * normal[k] - out[k]) - g * normal[k]) / n);
@@ -40,13 +41,13 @@ pub(super) fn refract(out: [f64; 3], normal: [f64; 3], c: f64, n: f64) -> Option
     (g > 0.0).then(|| into.map(|x| x / length))
 }
 
-/// A square and what its rounding left out.
+/// The square of a number and its rounding error.
 fn square(x: f64) -> (f64, f64) {
     let product = x * x;
     (product, x.mul_add(x, -product))
 }
 
-/// A sum and what its rounding left out (Knuth).
+/// The sum of two numbers and its rounding error (Knuth, TwoSum).
 fn sum(a: f64, b: f64) -> (f64, f64) {
     let total = a + b;
     let part = total - a;

@@ -1,40 +1,40 @@
-//! How much a surface reflects at an angle, and where it bends what it lets through.
+//! Fresnel reflectance and refraction.
 //!
-//! Metals and varnish follow Schlick's approximation (1994), as glTF 2.0 asks (appendix B). Glass follows Fresnel's
-//! equations for unpolarised light. With c the cosine on the viewer's side, n the index of refraction behind the
-//! surface over that in front of it, and g = sqrt(n^2 - 1 + c^2), which is n times the cosine behind it:
+//! Metals and coats use Schlick's approximation (1994), as specified by glTF 2.0 (appendix B). Glass uses Fresnel's
+//! equations for unpolarized light. With c the cosine on the side of the viewer, n the index of refraction behind the
+//! surface relative to that in front of it, and g = sqrt(n^2 - 1 + c^2), which is n times the cosine behind it:
 //!
 //! ```text
 //! F = ((c - g)^2 / (c + g)^2 + (n^2 c - g)^2 / (n^2 c + g)^2) / 2,    1 where n^2 - 1 + c^2 <= 0 (total reflection)
 //! ```
 //!
 //! # Accuracy
-//! g^2 is a difference that cancels at the critical angle, and g is its root: an error of e in g^2 may be one of
-//! sqrt(e) in F. It is therefore taken in f64, where the squares of f32 are exact. F is within 1e-6 for every f32 cosine
-//! down to 1e-8 and every n from 1e-3 to 1e3, and refracted directions are for the indices of real matter. That is for
-//! the cosine as it is given: one that is itself rounded by half a unit in the last place moves F at the critical angle
-//! by 2^-11 (1 + n^-2), which no formula can help.
+//! g^2 is a difference that cancels at the critical angle, and g is its root, so an error of e in g^2 may cause an
+//! error of sqrt(e) in F. It is therefore computed in f64, where the squares of f32 are exact. F has an error below
+//! 1e-6 for every f32 cosine down to 1e-8 and every n from 1e-3 to 1e3; refracted directions have this accuracy for the
+//! indices of real materials. These bounds hold for the cosine as given: rounding the cosine itself by half a unit in
+//! the last place changes F at the critical angle by 2^-11 (1 + n^-2).
 
 use crate::simd::LANES;
 
-/// Cosines below this are raised to it: its square stays within f32.
-const SMALLEST_COSINE: f32 = 1e-12;
+/// Cosines are clamped to this minimum, whose square fits into f32.
+const MIN_COSINE: f32 = 1e-12;
 
 /// Fresnel's equations at one angle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Interface {
-    /// Share that is reflected.
+    /// The reflectance.
     pub reflected: f32,
-    /// Cosine of the refracted ray with the normal, times n; 0 under total reflection.
+    /// The cosine of the refracted ray with the normal, times n; 0 for total internal reflection.
     pub scaled_cosine: f32,
-    /// Nothing gets through.
+    /// Total internal reflection.
     pub total: bool,
 }
 
-/// What happens at an interface under `cosine` (the incident one), `eta` being n.
+/// Fresnel's equations at `cosine` on the side of the viewer; `eta` is n.
 #[inline(always)]
 pub(super) fn interface(cosine: f32, eta: f32) -> Interface {
-    let c = cosine.max(SMALLEST_COSINE);
+    let c = cosine.max(MIN_COSINE);
     let (wide_c, wide_eta) = (f64::from(c), f64::from(eta));
     let square = ((wide_eta * wide_eta - 1.0) + wide_c * wide_c) as f32;
     let total = square <= 0.0;
@@ -46,9 +46,9 @@ pub(super) fn interface(cosine: f32, eta: f32) -> Interface {
     Interface { reflected: if total { 1.0 } else { reflected }, scaled_cosine: g, total }
 }
 
-/// Where rays of direction `out` (towards the viewer) come from through facets of normal `normal`, with the cosines of
-/// `out` with the normals and what [`interface`] says of them. Unit vectors; what it gives under total reflection means
-/// nothing.
+/// The directions from which rays towards `out` (to the viewer) are refracted by microfacets with the normals `normal`,
+/// given the cosines of `out` with the normals and `scaled_cosine` of [`interface`]. All are unit vectors. The result
+/// is unspecified for total internal reflection.
 #[inline(always)]
 pub(super) fn refract(
     out: &[[f32; LANES]; 3],
@@ -58,7 +58,7 @@ pub(super) fn refract(
 ) -> [[f32; LANES]; 3] {
     let mut into = [[0.0; LANES]; 3];
     for lane in 0..LANES {
-        // The part of `out` along the facet keeps its length times n, whatever n: only directions matter here.
+        // The component of `out` along the microfacet, times n; only the direction of the result matters.
         let x = cosine[lane] * normal[0][lane] - out[0][lane] - scaled_cosine[lane] * normal[0][lane];
         let y = cosine[lane] * normal[1][lane] - out[1][lane] - scaled_cosine[lane] * normal[1][lane];
         let z = cosine[lane] * normal[2][lane] - out[2][lane] - scaled_cosine[lane] * normal[2][lane];
@@ -70,22 +70,23 @@ pub(super) fn refract(
     into
 }
 
-/// The reflectance at normal incidence that belongs to an index of refraction (or its inverse).
+/// The reflectance at normal incidence for an index of refraction (or its inverse).
 #[inline(always)]
 pub(crate) fn normal_incidence(eta: f32) -> f32 {
     let root = (eta - 1.0) / (eta + 1.0);
     root * root
 }
 
-/// How far on the way from normal (0) to grazing incidence (1) a reflectance of glass is: KHR_materials_specular gives
-/// the two ends, Fresnel's equations what lies between. A little below 0 around Brewster's angle.
+/// The interpolation weight of a Fresnel reflectance of glass between normal (0) and grazing incidence (1).
+/// KHR_materials_specular specifies the two ends, Fresnel's equations the weight. Slightly below 0 around Brewster's
+/// angle.
 #[inline(always)]
-pub(super) fn towards_grazing(reflected: f32, eta: f32) -> f32 {
+pub(super) fn grazing_weight(reflected: f32, eta: f32) -> f32 {
     let sum = eta + 1.0;
     (reflected - normal_incidence(eta)) * (sum * sum / (4.0 * eta))
 }
 
-/// The same by Schlick: the fifth power of 1 - cosine.
+/// Schlick's interpolation weight: (1 - cosine)^5.
 #[inline(always)]
 pub(super) fn schlick(cosine: f32) -> f32 {
     let x = (1.0 - cosine).clamp(0.0, 1.0);
@@ -93,8 +94,8 @@ pub(super) fn schlick(cosine: f32) -> f32 {
     square * square * x
 }
 
-/// A reflectance of `f0` at normal and `f90` at grazing incidence; a share, whatever `way`.
+/// Interpolates between the reflectances `f0` at normal and `f90` at grazing incidence; clamped to 0..1.
 #[inline(always)]
-pub(super) fn between(f0: f32, f90: f32, way: f32) -> f32 {
-    (f0 + (f90 - f0) * way).clamp(0.0, 1.0)
+pub(super) fn interpolate(f0: f32, f90: f32, schlick_weight: f32) -> f32 {
+    (f0 + (f90 - f0) * schlick_weight).clamp(0.0, 1.0)
 }

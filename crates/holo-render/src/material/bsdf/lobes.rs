@@ -1,132 +1,152 @@
-//! What depends on the viewer's direction alone: the shares of the parts, and how often each is drawn.
+//! The lobe weights of the mixture and their sampling probabilities, which depend only on the direction to the viewer.
 
 use super::albedo::{self, Albedo, Average, Rows};
 use super::fresnel;
-use super::microfacet::{CLEAR_BELOW, SMOOTH_BELOW};
+use super::microfacet::{INDEX_MATCHED_BELOW, SMOOTH_BELOW};
 use super::{Bsdf, Directions};
 use crate::simd::LANES;
 
-/// Metal that reflects less than this is drawn as if it did not: its facets may reflect more than the mean one.
-const LEAST_ENERGY: f32 = 0.05;
+/// The minimum reflectance of metal for the sampling probability: microfacets may reflect more than the mean direction.
+const MIN_METAL_REFLECTANCE: f32 = 0.05;
 
-/// The parts of sixteen mixtures under one viewer's direction each.
+/// The lobes of sixteen BSDFs for given directions to the viewer.
 pub(super) struct Lobes {
-    /// Shares of the mixture.
+    /// Weights of the mixture: metal, glass, and diffuse with coat.
     pub metal: [f32; LANES],
     pub glass: [f32; LANES],
-    pub varnish: [f32; LANES],
-    /// Probabilities of metal, glass (reflection and transmission), the varnish's facets, the diffuser.
+    pub coat: [f32; LANES],
+    /// Sampling probabilities of metal, glass (reflection and transmission), the coat, and the diffuse lobe.
     pub pick_metal: [f32; LANES],
     pub pick_glass: [f32; LANES],
-    pub pick_varnish: [f32; LANES],
+    pub pick_coat: [f32; LANES],
     pub pick_diffuse: [f32; LANES],
-    /// Metal and varnish have one direction only; glass has.
+    /// Whether metal and coat are delta lobes; whether glass is (delta reflection and transmission).
     pub smooth: [bool; LANES],
-    pub clear: [bool; LANES],
+    pub delta_transmission: [bool; LANES],
     /// The strongest channel of `specular_f0`.
     pub strongest_f0: [f32; LANES],
     /// 1 - E(out), and 1 - `<E>`.
-    pub below_out: [f32; LANES],
-    pub below_average: [f32; LANES],
-    /// If some lane has varnish that is not smooth.
+    pub coat_transmittance_out: [f32; LANES],
+    pub coat_transmittance_mean: [f32; LANES],
+    /// The table rows, if any lane has a rough coat.
     pub rows: Option<Rows>,
-    /// Some lane is more than Lambert's; has facets; single directions; glass. Parts that no lane has are left out,
-    /// which changes no other lane: there they add 0.
+    /// Whether any lane is not purely Lambertian; has rough lobes; has delta lobes; has glass. Lobes that no lane has
+    /// are skipped, which does not change the results: they would add 0.
     pub any_specular: bool,
-    pub any_facets: bool,
-    pub any_single: bool,
+    pub any_rough: bool,
+    pub any_delta: bool,
     pub any_glass: bool,
 }
 
-impl Bsdf {
-    #[inline(always)]
-    pub(super) fn lobes(&self, out: &Directions) -> Lobes {
+impl Lobes {
+    /// The lobes of Lambertian lanes.
+    const LAMBERTIAN: Self = {
         let zero = [0.0; LANES];
-        let mut lobes = Lobes {
+        Self {
             metal: zero,
             glass: zero,
-            varnish: zero,
+            coat: zero,
             pick_metal: zero,
             pick_glass: zero,
-            pick_varnish: zero,
+            pick_coat: zero,
             pick_diffuse: [1.0; LANES],
             smooth: [false; LANES],
-            clear: [false; LANES],
+            delta_transmission: [false; LANES],
             strongest_f0: zero,
-            below_out: [1.0; LANES],
-            below_average: [1.0; LANES],
+            coat_transmittance_out: [1.0; LANES],
+            coat_transmittance_mean: [1.0; LANES],
             rows: None,
             any_specular: false,
-            any_facets: false,
-            any_single: false,
+            any_rough: false,
+            any_delta: false,
             any_glass: false,
-        };
-        let [mut specular, mut facets, mut glass_facets, mut rough_varnish, mut single] = [0; 5];
+        }
+    };
+}
+
+impl Bsdf {
+    /// The lobes for directions `out` to the viewer.
+    #[inline(always)]
+    pub(super) fn lobes(&self, out: &Directions) -> Lobes {
+        let mut lobes = Lobes::LAMBERTIAN;
+        let rough_coat = self.set_weights(&mut lobes);
+        if lobes.any_specular {
+            self.set_probabilities(out, rough_coat, &mut lobes);
+        }
+        lobes
+    }
+
+    /// Sets the weights of the mixture and the kinds of lobes; returns whether any lane has a rough coat.
+    #[inline(always)]
+    fn set_weights(&self, lobes: &mut Lobes) -> bool {
+        let [mut specular, mut microfacets, mut rough_glass, mut rough_coat, mut delta] = [0; 5];
         for lane in 0..LANES {
             let rest = 1.0 - self.metallic[lane];
             let (metal, glass) = (self.metallic[lane], rest * self.transmission[lane]);
-            let varnish = rest * (1.0 - self.transmission[lane]);
+            let coat = rest * (1.0 - self.transmission[lane]);
             lobes.metal[lane] = metal;
             lobes.glass[lane] = glass;
-            lobes.varnish[lane] = varnish;
-            let smooth = self.width[lane] < SMOOTH_BELOW;
-            let straight = !self.thin[lane] & ((self.eta[lane] - 1.0).abs() < CLEAR_BELOW);
+            lobes.coat[lane] = coat;
+            let smooth = self.alpha[lane] < SMOOTH_BELOW;
+            let index_matched = !self.thin[lane] & ((self.eta[lane] - 1.0).abs() < INDEX_MATCHED_BELOW);
             lobes.smooth[lane] = smooth;
-            lobes.clear[lane] = smooth | straight;
+            lobes.delta_transmission[lane] = smooth | index_matched;
             lobes.strongest_f0[lane] =
                 self.specular_f0[0][lane].max(self.specular_f0[1][lane]).max(self.specular_f0[2][lane]);
 
-            let varnish = varnish * self.specular_f90[lane];
-            specular |= u32::from(metal + glass + varnish > 0.0);
-            facets |= u32::from((metal + varnish > 0.0) & !smooth);
-            glass_facets |= u32::from((glass > 0.0) & !(smooth | straight));
-            rough_varnish |= u32::from((varnish > 0.0) & !smooth);
-            single |= u32::from(smooth | straight);
+            let coat = coat * self.specular_f90[lane];
+            specular |= u32::from(metal + glass + coat > 0.0);
+            microfacets |= u32::from((metal + coat > 0.0) & !smooth);
+            rough_glass |= u32::from((glass > 0.0) & !(smooth | index_matched));
+            rough_coat |= u32::from((coat > 0.0) & !smooth);
+            delta |= u32::from(smooth | index_matched);
         }
         for lane in 0..LANES {
             lobes.any_glass |= lobes.glass[lane] > 0.0;
         }
         lobes.any_specular = specular != 0;
-        lobes.any_facets = facets | glass_facets != 0;
-        lobes.any_single = single != 0;
-        if !lobes.any_specular {
-            return lobes;
-        }
+        lobes.any_rough = microfacets | rough_glass != 0;
+        lobes.any_delta = delta != 0;
+        rough_coat != 0
+    }
 
+    /// Sets the transmittances of the coat and the sampling probabilities, which are proportional to the approximate
+    /// albedos of the lobes.
+    #[inline(always)]
+    fn set_probabilities(&self, out: &Directions, rough_coat: bool, lobes: &mut Lobes) {
         let (mut here, mut mean) = (Albedo::SMOOTH, Average::SMOOTH);
-        if rough_varnish != 0 {
-            let (table, rows) = (albedo::table(), albedo::rows(&self.width));
-            here = table.albedo(&rows, &out[2], &self.width, &lobes.smooth);
+        if rough_coat {
+            let (table, rows) = (albedo::table(), albedo::rows(&self.alpha));
+            here = table.albedo(&rows, &out[2], &self.alpha, &lobes.smooth);
             mean = table.average(&rows, &lobes.smooth);
             lobes.rows = Some(rows);
         }
         for lane in 0..LANES {
             let (f0, f90) = (lobes.strongest_f0[lane], self.specular_f90[lane]);
-            let way = fresnel::schlick(out[2][lane]);
-            let albedo = here.of(lane, f0, f90, way);
-            lobes.below_out[lane] = 1.0 - albedo;
-            lobes.below_average[lane] = 1.0 - mean.of(lane, f0, f90);
+            let schlick_weight = fresnel::schlick(out[2][lane]);
+            let albedo = here.of(lane, f0, f90, schlick_weight);
+            lobes.coat_transmittance_out[lane] = 1.0 - albedo;
+            lobes.coat_transmittance_mean[lane] = 1.0 - mean.of(lane, f0, f90);
 
             let mut metal = 0.0;
             let mut diffuse = 0.0;
             for c in 0..3 {
-                metal += fresnel::between(self.base_color[c][lane], self.metal_f90[c][lane], way);
+                metal += fresnel::interpolate(self.base_color[c][lane], self.metal_f90[c][lane], schlick_weight);
                 diffuse += self.base_color[c][lane];
             }
-            let metal = lobes.metal[lane] * (metal * (1.0 / 3.0)).max(LEAST_ENERGY);
+            let metal = lobes.metal[lane] * (metal * (1.0 / 3.0)).max(MIN_METAL_REFLECTANCE);
             let glass = lobes.glass[lane];
-            let varnish = lobes.varnish[lane] * albedo;
-            let diffuse = lobes.varnish[lane] * (1.0 - albedo) * (diffuse * (1.0 / 3.0));
-            // Divided, not multiplied by an inverse: a part that is alone gets exactly 1.
-            let sum = metal + glass + varnish + diffuse;
+            let coat = lobes.coat[lane] * albedo;
+            let diffuse = lobes.coat[lane] * (1.0 - albedo) * (diffuse * (1.0 / 3.0));
+            // Divided, not multiplied by an inverse: a single lobe gets a probability of exactly 1.
+            let sum = metal + glass + coat + diffuse;
             let some = sum > 0.0;
             let sum = if some { sum } else { 1.0 };
             lobes.pick_metal[lane] = metal / sum;
             lobes.pick_glass[lane] = glass / sum;
-            lobes.pick_varnish[lane] = varnish / sum;
+            lobes.pick_coat[lane] = coat / sum;
             let diffuse = diffuse / sum;
             lobes.pick_diffuse[lane] = if some { diffuse } else { 1.0 };
         }
-        lobes
     }
 }

@@ -1,25 +1,25 @@
-//! Drawing directions from the mixture.
+//! Sampling of the BSDF.
 
 use super::lobes::Lobes;
 use super::{Bsdf, Directions, Sampled, fresnel, microfacet};
 use crate::sampling::{self, Points};
 use crate::simd::LANES;
 
-/// Densities below this say that the direction was never drawn.
-const LEAST_DENSITY: f32 = 1e-30;
+/// Directions with a smaller pdf count as not sampled.
+const MIN_PDF: f32 = 1e-30;
 
-/// What was picked, lane by lane.
+/// The selected lobes.
 struct Picked {
     glass: [bool; LANES],
     diffuse: [bool; LANES],
-    /// It has a single direction: nothing is left to the facets.
-    single: [bool; LANES],
-    /// The choice between reflection and transmission of glass that is left in the number.
+    /// Whether the selected lobe is a delta lobe.
+    delta: [bool; LANES],
+    /// The rescaled random number for the choice between reflection and transmission of glass.
     choice: [f32; LANES],
 }
 
 impl Bsdf {
-    /// Draws where the light comes from: `choice` picks the part, `point` the direction; all in [0, 1).
+    /// Samples the direction to the light: `choice` selects the lobe, `point` the direction; all in [0, 1).
     #[inline(always)]
     pub fn sample(&self, out: &Directions, choice: &[f32; LANES], point: &Points) -> Sampled {
         let lobes = self.lobes(out);
@@ -30,31 +30,31 @@ impl Bsdf {
             transmitted: [false; LANES],
         };
         let mut valid = [true; LANES];
-        let mut single = [false; LANES];
+        let mut delta = [false; LANES];
         if lobes.any_specular {
             let picked = pick(&lobes, choice);
             valid = self.sample_specular(&lobes, &picked, out, &mut sampled);
-            single = picked.single;
+            delta = picked.delta;
         }
         let terms = self.terms(&lobes, out, &sampled.into);
         for lane in 0..LANES {
-            let (pdf, one_way) = (terms.pdf[lane], single[lane]);
-            let drawn = valid[lane] & (one_way | (pdf > LEAST_DENSITY));
-            // Divided: Lambert's law alone gives exactly 1.
+            let (pdf, is_delta) = (terms.pdf[lane], delta[lane]);
+            let drawn = valid[lane] & (is_delta | (pdf > MIN_PDF));
+            // Divided: a purely Lambertian lane gets exactly its base color.
             let (tinted, inverse) = (terms.tinted[lane] / pdf, 1.0 / pdf);
             for c in 0..3 {
                 let weight = self.base_color[c][lane] * tinted + terms.plain[c][lane] * inverse;
-                let weight = if one_way { sampled.weight[c][lane] } else { weight };
+                let weight = if is_delta { sampled.weight[c][lane] } else { weight };
                 sampled.weight[c][lane] = if drawn { weight } else { 0.0 };
             }
-            sampled.pdf[lane] = if one_way { f32::INFINITY } else { pdf };
+            sampled.pdf[lane] = if is_delta { f32::INFINITY } else { pdf };
             sampled.transmitted[lane] &= valid[lane];
         }
         sampled
     }
 
-    /// Replaces the diffuse directions in `sampled` where something else was picked, and sets the weights where that has
-    /// a single direction. Returns whether a direction was found.
+    /// Replaces the diffuse directions of `sampled` where another lobe was selected, and sets the weights of delta
+    /// lobes. Returns whether the direction is valid.
     #[inline(always)]
     fn sample_specular(
         &self,
@@ -64,8 +64,8 @@ impl Bsdf {
         sampled: &mut Sampled,
     ) -> [bool; LANES] {
         let mut normal = [[0.0; LANES], [0.0; LANES], [1.0; LANES]];
-        if lobes.any_facets {
-            normal = microfacet::visible_normals(out, &self.width, &picked.single, &sampled.into);
+        if lobes.any_rough {
+            normal = microfacet::visible_normals(out, &self.alpha, &picked.delta, &sampled.into);
         }
         let mut cosine = [0.0; LANES];
         for lane in 0..LANES {
@@ -97,7 +97,7 @@ impl Bsdf {
             through[lane] = passes;
         }
         for axis in 0..3 {
-            // A pane scatters to the other side as it does to this.
+            // A thin pane transmits as it reflects, to the other side.
             let sign = if axis == 2 { -1.0 } else { 1.0 };
             for lane in 0..LANES {
                 let (here, there) = (mirrored[axis][lane], refracted[axis][lane]);
@@ -107,17 +107,17 @@ impl Bsdf {
                 sampled.into[axis][lane] = if picked.diffuse[lane] { diffuse } else { specular };
             }
         }
-        if lobes.any_single {
-            self.weigh_singles(lobes, &cosine, &strongest, &reflected, &through, &mut sampled.weight);
+        if lobes.any_delta {
+            self.weigh_delta_lobes(lobes, &cosine, &strongest, &reflected, &through, &mut sampled.weight);
         }
         sampled.transmitted = through;
         valid
     }
 
-    /// The weights of single directions, mirrored or let through; of use where one was picked. All parts that have the
-    /// direction count, whichever of them it was.
+    /// The weights of delta lobes, reflected or transmitted. All delta lobes with the same direction contribute,
+    /// whichever was selected.
     #[inline(always)]
-    fn weigh_singles(
+    fn weigh_delta_lobes(
         &self,
         lobes: &Lobes,
         cosine: &[f32; LANES],
@@ -127,29 +127,30 @@ impl Bsdf {
         weight: &mut [[f32; LANES]; 3],
     ) {
         let zero = [0.0; LANES];
-        let (mut metal, mut varnish, mut glass, mut window, mut way) = (zero, zero, zero, zero, zero);
+        let (mut metal, mut coat, mut glass, mut window, mut schlick_weight) = (zero, zero, zero, zero, zero);
         for lane in 0..LANES {
             let smooth = if lobes.smooth[lane] { 1.0 } else { 0.0 };
-            let clear = if lobes.clear[lane] { 1.0 } else { 0.0 };
+            let delta_transmission = if lobes.delta_transmission[lane] { 1.0 } else { 0.0 };
             let (reflects, passes) = (strongest[lane], 1.0 - strongest[lane]);
-            let pick = smooth * (lobes.pick_metal[lane] + lobes.pick_varnish[lane]);
-            let pick = (pick + clear * lobes.pick_glass[lane] * reflects).max(LEAST_DENSITY);
+            let pick = smooth * (lobes.pick_metal[lane] + lobes.pick_coat[lane]);
+            let pick = (pick + delta_transmission * lobes.pick_glass[lane] * reflects).max(MIN_PDF);
             let inverse = 1.0 / pick;
             metal[lane] = smooth * lobes.metal[lane] * inverse;
-            varnish[lane] = smooth * lobes.varnish[lane] * inverse;
-            glass[lane] = clear * lobes.glass[lane] * inverse;
-            let pick = (lobes.pick_glass[lane] * passes).max(LEAST_DENSITY);
+            coat[lane] = smooth * lobes.coat[lane] * inverse;
+            glass[lane] = delta_transmission * lobes.glass[lane] * inverse;
+            let pick = (lobes.pick_glass[lane] * passes).max(MIN_PDF);
             let square = self.eta[lane] * self.eta[lane];
             let spread = if self.thin[lane] { 1.0 } else { square };
             window[lane] = lobes.glass[lane] * passes / (pick * spread);
-            way[lane] = fresnel::schlick(cosine[lane]);
+            schlick_weight[lane] = fresnel::schlick(cosine[lane]);
         }
         for c in 0..3 {
             for lane in 0..LANES {
                 let base = self.base_color[c][lane];
-                let conductor = fresnel::between(base, self.metal_f90[c][lane], way[lane]);
-                let coat = fresnel::between(self.specular_f0[c][lane], self.specular_f90[lane], way[lane]);
-                let mirror = metal[lane] * conductor + varnish[lane] * coat + glass[lane] * reflected[c][lane];
+                let conductor = fresnel::interpolate(base, self.metal_f90[c][lane], schlick_weight[lane]);
+                let dielectric =
+                    fresnel::interpolate(self.specular_f0[c][lane], self.specular_f90[lane], schlick_weight[lane]);
+                let mirror = metal[lane] * conductor + coat[lane] * dielectric + glass[lane] * reflected[c][lane];
                 weight[c][lane] = if through[lane] { base * window[lane] } else { mirror };
             }
         }
@@ -159,16 +160,16 @@ impl Bsdf {
 #[inline(always)]
 fn pick(lobes: &Lobes, choice: &[f32; LANES]) -> Picked {
     let mut picked =
-        Picked { glass: [false; LANES], diffuse: [false; LANES], single: [false; LANES], choice: [0.0; LANES] };
+        Picked { glass: [false; LANES], diffuse: [false; LANES], delta: [false; LANES], choice: [0.0; LANES] };
     for lane in 0..LANES {
         let metal = lobes.pick_metal[lane];
         let glass = metal + lobes.pick_glass[lane];
-        let varnish = glass + lobes.pick_varnish[lane];
+        let coat = glass + lobes.pick_coat[lane];
         let is_glass = (choice[lane] >= metal) & (choice[lane] < glass);
         picked.glass[lane] = is_glass;
-        picked.diffuse[lane] = choice[lane] >= varnish;
-        let single = if is_glass { lobes.clear[lane] } else { lobes.smooth[lane] };
-        picked.single[lane] = single & (choice[lane] < varnish);
+        picked.diffuse[lane] = choice[lane] >= coat;
+        let delta = if is_glass { lobes.delta_transmission[lane] } else { lobes.smooth[lane] };
+        picked.delta[lane] = delta & (choice[lane] < coat);
         picked.choice[lane] = (choice[lane] - metal) / lobes.pick_glass[lane].max(1e-30);
     }
     picked

@@ -1,15 +1,15 @@
-//! What all tests of the scattering model share, and those that need no integral.
+//! Shared parts of the BSDF tests, and the tests without integrals.
 
 mod fresnel;
 mod furnace;
 mod quadrature;
-mod twin;
+mod reference;
 
 use super::*;
 use crate::sampling::Points;
 use crate::simd::{self, Kernel};
 
-/// A small generator of its own, so that no test hangs on the renderer's numbers.
+/// A random number generator that is independent of the renderer.
 pub(super) struct Random(u64);
 
 impl Random {
@@ -34,7 +34,7 @@ impl Random {
         [self.lanes(), self.lanes()]
     }
 
-    /// Even over the sphere.
+    /// Uniform over the sphere.
     pub fn direction(&mut self) -> [f64; 3] {
         let z = 2.0 * self.next() - 1.0;
         let (sin, cos) = (std::f64::consts::TAU * self.next()).sin_cos();
@@ -47,7 +47,7 @@ impl Random {
     }
 }
 
-/// One surface, as a test describes it.
+/// The BSDF parameters of one lane.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct One {
     pub base_color: [f32; 3],
@@ -60,9 +60,9 @@ pub(super) struct One {
     pub thin: bool,
 }
 
-pub(super) const WHITE_METAL: One = One { metallic: 1.0, ..WHITE_VARNISH };
-pub(super) const CLEAR_GLASS: One = One { transmission: 1.0, ..WHITE_VARNISH };
-pub(super) const WHITE_VARNISH: One = One {
+pub(super) const WHITE_METAL: One = One { metallic: 1.0, ..WHITE_COATED };
+pub(super) const CLEAR_GLASS: One = One { transmission: 1.0, ..WHITE_COATED };
+pub(super) const WHITE_COATED: One = One {
     base_color: [1.0; 3],
     metallic: 0.0,
     transmission: 0.0,
@@ -88,7 +88,7 @@ impl One {
         }
     }
 
-    pub fn width(&self) -> f32 {
+    pub fn alpha(&self) -> f32 {
         self.roughness * self.roughness
     }
 
@@ -107,7 +107,7 @@ pub(super) fn bsdf(ones: &[One; LANES]) -> Bsdf {
         base_color: color(|one| one.base_color),
         metallic: number(|one| one.metallic),
         transmission: number(|one| one.transmission),
-        width: number(One::width),
+        alpha: number(One::alpha),
         metal_f90: [[1.0; LANES]; 3],
         specular_f0: color(One::f0),
         specular_f90: number(|one| one.specular),
@@ -124,11 +124,11 @@ pub(super) fn lanes_of(directions: &[[f64; 3]; LANES]) -> Directions {
     std::array::from_fn(|axis| std::array::from_fn(|lane| directions[lane][axis] as f32))
 }
 
-pub(super) fn single(direction: [f64; 3]) -> Directions {
+pub(super) fn same_in_all_lanes(direction: [f64; 3]) -> Directions {
     lanes_of(&[direction; LANES])
 }
 
-/// Towards the viewer under the cosine `mu`, at some azimuth.
+/// The direction to a viewer at the cosine `mu`, at some azimuth.
 pub(super) fn viewer(mu: f64) -> [f64; 3] {
     let r = (1.0 - mu * mu).sqrt();
     [0.6 * r, -0.8 * r, mu]
@@ -166,7 +166,7 @@ fn viewers(random: &mut Random) -> [[f64; 3]; LANES] {
     })
 }
 
-/// Without vectors, with AVX2 and with AVX-512: the same bits, for mixtures of everything.
+/// Bitwise identical without vector instructions, with AVX2 and with AVX-512, for random mixtures.
 #[test]
 fn every_instruction_set_gives_the_same_bits() {
     let mut random = Random::new(1);
@@ -182,7 +182,7 @@ fn every_instruction_set_gives_the_same_bits() {
     }
 }
 
-/// What a lane gives does not depend on the company it is in: parts that a packet leaves out add nothing elsewhere.
+/// The result of a lane does not depend on the other lanes: lobes that a packet skips would add nothing.
 #[test]
 fn lanes_do_not_see_each_other() {
     let mut random = Random::new(2);
@@ -202,8 +202,8 @@ fn lanes_do_not_see_each_other() {
     }
 }
 
-/// Whatever comes in, within its range, no NaN and no infinity comes out (but the mark of a single direction), weights
-/// are not negative, directions are unit vectors on the side that they claim.
+/// For all inputs within their ranges the results are finite (except the infinite pdf of delta lobes), weights are not
+/// negative, and directions are unit vectors on the reported side.
 #[test]
 fn everything_is_finite() {
     let mut random = Random::new(3);
@@ -224,7 +224,7 @@ fn everything_is_finite() {
             [x / length, y / length, z / length]
         };
         let mut into = lanes_of(&std::array::from_fn(|_| random_into()));
-        // Straight on, where half vectors vanish, and straight back.
+        // Straight through, where half vectors vanish, and straight back.
         for axis in 0..3 {
             into[axis][0] = -out[axis][0];
             into[axis][1] = out[axis][1];
@@ -253,7 +253,7 @@ fn everything_is_finite() {
     assert!(drawn > 100_000, "most draws find a direction: {drawn}");
 }
 
-/// What `sample` says of the directions it draws is what `evaluate` says of them, to the bit.
+/// `sample` returns the pdf of `evaluate`, bitwise.
 #[test]
 fn densities_agree() {
     let mut random = Random::new(4);
@@ -268,17 +268,17 @@ fn densities_agree() {
     }
 }
 
-/// Without specular reflection: base colour / pi times the cosine, drawn by the cosine, and weighted by the base colour;
-/// all to the bit, whatever the roughness.
+/// Without specular reflection: base color / pi times the cosine, cosine-distributed samples, weighted by the base
+/// color; bitwise, for any roughness.
 #[test]
 fn a_surface_without_specular_reflection_is_lamberts() {
     let mut random = Random::new(5);
     for _ in 0..100 {
         let base_color: [[f32; LANES]; 3] = std::array::from_fn(|_| random.lanes());
         let mut bsdf = Bsdf::lambertian(base_color);
-        bsdf.width = random.lanes();
-        bsdf.width[0] = 0.0;
-        // Company that is not left out.
+        bsdf.alpha = random.lanes();
+        bsdf.alpha[0] = 0.0;
+        // Other lanes with lobes that are not skipped.
         bsdf.metallic[LANES - 1] = 0.5;
         bsdf.transmission[LANES - 2] = 0.5;
         bsdf.specular_f90[LANES - 3] = 1.0;
@@ -299,12 +299,12 @@ fn a_surface_without_specular_reflection_is_lamberts() {
     }
 }
 
-/// Smooth white metal reflects everything in one direction, exactly; a smooth coloured one whose `metal_f90` is its base
-/// colour reflects that at all angles.
+/// Smooth white metal reflects everything in one direction, exactly; a smooth colored metal with `metal_f90` equal to
+/// its base color has that reflectance at all angles.
 #[test]
 fn smooth_metal_is_a_mirror() {
     for mu in [1e-4, 0.02, 0.5, 1.0] {
-        let out = single(viewer(mu));
+        let out = same_in_all_lanes(viewer(mu));
         let mut bsdf = all(WHITE_METAL);
         let sampled = bsdf.sample(&out, &[0.7; LANES], &[[0.3; LANES]; 2]);
         for axis in 0..3 {

@@ -1,20 +1,21 @@
-//! One material of a file: metallic-roughness, and the extensions for gloss, glass and glow.
+//! One material of a file: metallic-roughness, and the extensions for specular reflection, transmission, volumes and
+//! emission.
 //!
 //! Sources: the glTF 2.0 specification, sections 3.9 and 5.19; KHR_materials_emissive_strength, _ior, _specular,
-//! _transmission, _unlit, _volume; KHR_texture_transform. A number outside its range is an error, but for what files are
-//! known to write: see [`index_of_refraction`] and [`volume`].
+//! _transmission, _unlit, _volume; KHR_texture_transform. A number out of range is an error, except for values that
+//! exporters are known to write: see [`index_of_refraction`] and [`volume`].
 
 use super::super::extensions::{EMISSIVE_STRENGTH, IOR, SPECULAR, TEXTURE_TRANSFORM, TRANSMISSION, UNLIT, VOLUME};
 use super::super::json::{Object, bad};
 use super::super::warnings::Warnings;
 use crate::Error;
 use crate::MAX_RADIANCE;
-use crate::{Alpha, Material, NormalMap, TextureTransform, TextureUse, Volume};
+use crate::{Alpha, Material, NormalMap, TextureInfo, TextureTransform, Volume};
 
-/// The highest index of refraction of a scene: 99.6 % are reflected at normal incidence.
-const HIGHEST_IOR: f32 = 1000.0;
+/// The maximum index of refraction: a reflectance of 99.6 % at normal incidence.
+const MAX_IOR: f32 = 1000.0;
 
-/// The material of the specification for whoever says nothing: rough white metal with a dark back.
+/// The default material of the specification: rough white metal that does not emit on the back.
 pub(super) fn standard(name: &str) -> Material {
     Material {
         name: name.to_owned(),
@@ -26,7 +27,7 @@ pub(super) fn standard(name: &str) -> Material {
     }
 }
 
-/// Reads a material; its textures are numbered as in the file, and so are their sets of coordinates.
+/// Reads a material; textures and texture coordinate sets have the numbers of the file.
 pub(super) fn read(
     material: &Object<'_>,
     name: &str,
@@ -73,14 +74,14 @@ pub(super) fn read(
     Ok(read)
 }
 
-/// Leaves the default where the file says nothing.
+/// Sets a field if the file has a value for it.
 fn set<T>(field: &mut T, said: Option<T>) {
     if let Some(said) = said {
         *field = said;
     }
 }
 
-/// Factor times strength, multiplied in double precision.
+/// Emissive factor times strength, multiplied in f64.
 fn emission(material: &Object<'_>) -> Result<[f32; 3], Error> {
     material.all_within::<3>("emissiveFactor", 0.0..=1.0)?;
     let factor = material.numbers::<3>("emissiveFactor")?.unwrap_or_default();
@@ -95,7 +96,7 @@ fn emission(material: &Object<'_>) -> Result<[f32; 3], Error> {
     Ok(emission.map(|c| c as f32))
 }
 
-/// 0 stands for infinity in a file; that and anything beyond [`HIGHEST_IOR`] is cut there, with a warning.
+/// 0 means infinity in a file; that and anything above [`MAX_IOR`] is clamped, with a warning.
 fn index_of_refraction(
     material: &Object<'_>,
     place: impl Fn() -> String,
@@ -110,28 +111,28 @@ fn index_of_refraction(
         Some(ior) => ior,
         None => return Ok(None),
     };
-    if ior > f64::from(HIGHEST_IOR) {
+    if ior > f64::from(MAX_IOR) {
         warnings.note("an index of refraction of 0 (infinity) or above 1000 is drawn as 1000", place);
     }
-    Ok(Some((ior as f32).min(HIGHEST_IOR)))
+    Ok(Some((ior as f32).min(MAX_IOR)))
 }
 
-/// What the surface encloses; nothing where the walls are thin.
+/// The volume that the surface encloses; `None` for thin walls.
 fn volume(material: &Object<'_>, place: impl Fn() -> String, warnings: &mut Warnings) -> Result<Option<Volume>, Error> {
     let Some(extension) = material.extension(VOLUME)? else { return Ok(None) };
     let distance = match extension.number("attenuationDistance")? {
-        // 0 is not allowed, but written by some for "none".
+        // 0 is not allowed, but some exporters write it for "none".
         None | Some(0.0) => f32::INFINITY,
-        // The smallest and the largest single numbers; beyond the latter lies infinity, which is allowed here.
+        // From the smallest f32 on; values above the largest become infinity, which is allowed here.
         Some(distance) if distance >= f64::from(f32::from_bits(1)) => distance as f32,
         Some(distance) => {
             return Err(bad(extension.at("attenuationDistance"), format!("is {distance}; it must be above 0")));
         }
     };
-    // Black swallows at once; the smallest number that a logarithm takes is as good.
+    // Black is clamped to the smallest normal f32, whose logarithm is finite.
     let color = extension.all_within::<3>("attenuationColor", 0.0..=1.0)?.unwrap_or([1.0; 3]);
     let attenuation_color = color.map(|c| c.max(f32::MIN_POSITIVE));
-    // How thick is for those who do not follow rays through the body; we only need to know whether it is one.
+    // The renderer traces rays through the body, so only matters whether the thickness is above 0.
     if extension.within("thicknessFactor", 0.0..=f32::MAX)?.unwrap_or(0.0) == 0.0 {
         return Ok(None);
     }
@@ -141,8 +142,8 @@ fn volume(material: &Object<'_>, place: impl Fn() -> String, warnings: &mut Warn
     Ok(Some(Volume { attenuation_distance_m: distance, attenuation_color }))
 }
 
-/// What a material says of one of its textures.
-fn texture_use(object: &Object<'_>, key: &str, texture_count: usize) -> Result<Option<TextureUse>, Error> {
+/// A texture reference of a material.
+fn texture_use(object: &Object<'_>, key: &str, texture_count: usize) -> Result<Option<TextureInfo>, Error> {
     let Some(info) = object.object(key)? else { return Ok(None) };
     let texture = info.index("index", "textures", texture_count)?.ok_or_else(|| info.missing("index"))?;
     let mut set = info.unsigned("texCoord")?;
@@ -154,9 +155,9 @@ fn texture_use(object: &Object<'_>, key: &str, texture_count: usize) -> Result<O
             rotation_rad: extension.within("rotation", finite.clone())?.unwrap_or(transform.rotation_rad),
             scale: extension.all_within("scale", finite)?.unwrap_or(transform.scale),
         };
-        // The extension may name other coordinates for those who understand it.
+        // The extension may override the texture coordinate set.
         set = extension.unsigned("texCoord")?.or(set);
     }
     let set = usize::try_from(set.unwrap_or(0)).unwrap_or(usize::MAX);
-    Ok(Some(TextureUse { texture, set, transform }))
+    Ok(Some(TextureInfo { texture, set, transform }))
 }

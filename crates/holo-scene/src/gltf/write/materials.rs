@@ -1,15 +1,15 @@
-//! Materials as glTF has them. What equals the specification's default is left out, so files stay short.
+//! Materials in glTF. Values equal to the defaults of the specification are omitted.
 
 use serde_json::{Map, Value, json};
 
 use super::super::extensions::{EMISSIVE_STRENGTH, IOR, SPECULAR, TEXTURE_TRANSFORM, TRANSMISSION, UNLIT, VOLUME};
 use super::named;
-use crate::{Alpha, Material, TextureTransform, TextureUse};
+use crate::{Alpha, Material, TextureInfo, TextureTransform};
 
-/// glTF wants to know how thick a body is, for those who do not follow rays through it; we do not.
+/// The thickness of volumes, m. glTF requires a value for renderers that do not trace rays through the body.
 const SOME_THICKNESS_M: f64 = 1.0;
 
-/// A material; what comes back from the loader is equal to it.
+/// A material; the loader gives an equal one.
 pub(super) fn material(material: &Material) -> Value {
     let mut surface = json!({
         "baseColorFactor": material.base_color.map(f64::from),
@@ -47,7 +47,7 @@ pub(super) fn material(material: &Material) -> Value {
     named(&material.name, value)
 }
 
-/// The extensions that hold what the core of glTF does not.
+/// The extensions of a material.
 fn extensions(material: &Material, strength: f64) -> Map<String, Value> {
     let mut all = Map::new();
     let mut extension = |name: &str, value: Value| {
@@ -93,8 +93,8 @@ fn extensions(material: &Material, strength: f64) -> Map<String, Value> {
     all
 }
 
-/// Splits an emission into a factor within 0..1, as glTF wants it, and a power of two: dividing by it and multiplying
-/// with it are exact.
+/// Splits an emission into a factor within 0..1, as required by glTF, and a power of two, by which division and
+/// multiplication are exact.
 fn split_emission(emission: [f32; 3]) -> ([f64; 3], f64) {
     let emission = emission.map(f64::from);
     let largest = emission.iter().fold(0.0_f64, |largest, &c| largest.max(c));
@@ -105,7 +105,7 @@ fn split_emission(emission: [f32; 3]) -> ([f64; 3], f64) {
     (emission.map(|c| c / strength), strength)
 }
 
-fn texture_use(used: TextureUse) -> Value {
+fn texture_use(used: TextureInfo) -> Value {
     let mut info = json!({ "index": used.texture });
     if used.set != 0 {
         add(&mut info, "texCoord", used.set);
@@ -119,7 +119,7 @@ fn texture_use(used: TextureUse) -> Value {
     info
 }
 
-fn add_texture(object: &mut Value, key: &str, used: Option<TextureUse>) {
+fn add_texture(object: &mut Value, key: &str, used: Option<TextureInfo>) {
     if let Some(used) = used {
         add(object, key, texture_use(used));
     }

@@ -1,14 +1,14 @@
-//! Fresnel's equations and refraction against closed forms and twice the digits of f64.
+//! Fresnel's equations and refraction, compared with closed forms and with double-double arithmetic.
 
 use super::super::{exact, fresnel};
 use super::{Random, lanes_of};
 use crate::simd::LANES;
 
-/// Indices with their inverses.
+/// Indices of refraction and inverses.
 const INDICES: [f64; 12] =
     [1.000_01, 1.003, 1.1, 1.333, 1.5, 2.4, 1000.0, 1.0 / 1.003, 1.0 / 1.333, 1.0 / 1.5, 1.0 / 2.4, 1e-3];
 
-/// A sum of two f64, about 106 bits.
+/// A double-double number: the sum of two f64, about 106 bits.
 #[derive(Clone, Copy, Debug)]
 struct Double(f64, f64);
 
@@ -53,7 +53,7 @@ impl Double {
     }
 }
 
-/// Reflectance, transmittance, and the cosine behind: straight from Snell's law and the textbook.
+/// Reflectance, transmittance and the cosine behind the surface, by Snell's law and the textbook formulas.
 fn reference(c: f64, n: f64) -> [f64; 3] {
     let one = Double(1.0, 0.0);
     let (c, n) = (Double(c, 0.0), Double(n, 0.0));
@@ -69,7 +69,7 @@ fn reference(c: f64, n: f64) -> [f64; 3] {
     [reflected.0, one.add(reflected.negative()).0, t.0]
 }
 
-/// From the normal to 1e-8 rad above grazing, and to the last place around the critical angle.
+/// From normal incidence to 1e-8 rad above grazing, and within ulps of the critical angle.
 fn cosines(n: f64) -> Vec<f64> {
     let mut all: Vec<f64> = (0..=200).map(|k| (f64::from(k) * std::f64::consts::FRAC_PI_2 / 200.0).cos()).collect();
     all.extend((1..=80).map(|k| 10f64.powf(-f64::from(k) / 10.0)));
@@ -83,15 +83,15 @@ fn cosines(n: f64) -> Vec<f64> {
     all
 }
 
-/// The reference itself, where closed forms are known: normal incidence, Brewster's angle, the critical angle; and a
-/// few values computed with 50 digits.
+/// The reference itself, at closed forms: normal incidence, Brewster's angle, the critical angle; and at values
+/// computed with 50 digits.
 #[test]
 fn the_reference_is_right() {
     for n in INDICES {
         let normal = ((n - 1.0) / (n + 1.0)).powi(2);
         assert!((reference(1.0, n)[0] - normal).abs() < 1e-15);
         if n > 0.4 {
-            // Further down it is too close to the critical angle for an f64.
+            // Lower indices are too close to the critical angle for f64.
             let brewster = ((n * n - 1.0) / (n * n + 1.0)).powi(2) / 2.0;
             assert!((reference(1.0 / (1.0 + n * n).sqrt(), n)[0] - brewster).abs() < 1e-15);
         }
@@ -106,7 +106,7 @@ fn the_reference_is_right() {
     }
 }
 
-/// Within 1e-14 of shares and of cosines, where 1e-12 was asked for; the transmitted share within 1e-13 of itself.
+/// Reflectance and cosine within 1e-14; the transmittance within a relative 1e-13.
 #[test]
 fn the_exact_form_is_exact() {
     for n in INDICES {
@@ -120,7 +120,7 @@ fn the_exact_form_is_exact() {
     }
 }
 
-/// Shares within 1e-6 of those of the f32 cosine and index, the critical angle included.
+/// Reflectance within 1e-6 for the f32 cosine and index, including the critical angle.
 #[test]
 fn the_lanes_are_within_a_millionth() {
     let mut worst = [0.0f64; 2];
@@ -140,8 +140,7 @@ fn the_lanes_are_within_a_millionth() {
     assert!(worst[0] < 1e-6 && worst[1] < 1e-6, "{worst:?}");
 }
 
-/// What the module says of cosines that are rounded themselves: half a unit in the last place moves F at the critical
-/// angle by 2^-11 (1 + n^-2), and by no more.
+/// Rounded cosines: half a unit in the last place changes F at the critical angle by 2^-11 (1 + n^-2), and by no more.
 #[test]
 fn the_critical_angle_is_as_steep_as_the_documents_say() {
     for n in [1.0 / 1.1, 1.0 / 1.5, 1.0 / 2.4] {
@@ -152,8 +151,8 @@ fn the_critical_angle_is_as_steep_as_the_documents_say() {
     }
 }
 
-/// Refracted directions within 1e-6, by lanes and exactly, through level and through tilted facets. The index is that of
-/// real glass: seen from inside at 1e3, f32 directions are not fine enough to say where they lead.
+/// Refracted directions within 1e-6, compared with the reference, for level and tilted microfacets. The indices are
+/// those of real glass: from inside at 1e3, f32 directions are not precise enough.
 #[test]
 fn rays_are_bent_to_a_millionth() {
     let mut random = Random::new(11);
@@ -176,7 +175,7 @@ fn rays_are_bent_to_a_millionth() {
             };
             let error = (0..3).map(|k| (into[k] - exact[k]).abs()).fold(0.0, f64::max);
             worst = worst.max(error);
-            // Snell: the parts along the surface are as n to 1.
+            // Snell's law: the components along the surface have the ratio n.
             let along = (0..3).map(|k| {
                 (at(&out)[k] + f64::from(n) * exact[k]) - {
                     let dot: f64 = (0..3).map(|j| (at(&out)[j] + f64::from(n) * exact[j]) * at(&normal)[j]).sum();

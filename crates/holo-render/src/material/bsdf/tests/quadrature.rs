@@ -1,9 +1,9 @@
-//! Integrals over all directions, by rules that know nothing of the code under test.
+//! Quadrature over all directions, independent of the code under test.
 //!
-//! Points of Fibonacci's lattice are led to where the integrand is: over the cosine, over mirror facets and over windows,
-//! with the visible normals of Heitz ("Sampling the GGX Distribution of Visible Normals", JCGT 7, 2018; another
-//! construction than the one in microfacet.rs), in f64. A direction counts by the inverse of the sum of the three
-//! densities (Veach's balance heuristic).
+//! Points of a Fibonacci lattice are mapped to where the integrand is large: by the cosine, by reflection and by
+//! refraction at microfacets, with the visible normals of Heitz ("Sampling the GGX Distribution of Visible Normals",
+//! JCGT 7, 2018; another construction than that of microfacet.rs), in f64. The weight of a direction is the inverse of
+//! the sum of the three pdfs (the balance heuristic of Veach).
 
 use std::f64::consts::{PI, TAU};
 
@@ -26,32 +26,32 @@ fn cross(a: Vector, b: Vector) -> Vector {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// GGX by the textbook: distribution of a unit normal.
-pub(super) fn distribution(h: Vector, width: f64) -> f64 {
-    let square = width * width;
+/// The GGX distribution of a unit normal, textbook form.
+pub(super) fn distribution(h: Vector, alpha: f64) -> f64 {
+    let square = alpha * alpha;
     square / (PI * (h[2] * h[2] * (square - 1.0) + 1.0).powi(2))
 }
 
-/// Smith's auxiliary function of the cosine `z`.
-pub(super) fn lambda(z: f64, width: f64) -> f64 {
+/// Smith's Lambda function of the cosine `z`.
+pub(super) fn lambda(z: f64, alpha: f64) -> f64 {
     let tangent = (1.0 - z * z).max(0.0) / (z * z);
-    ((1.0 + width * width * tangent).sqrt() - 1.0) / 2.0
+    ((1.0 + alpha * alpha * tangent).sqrt() - 1.0) / 2.0
 }
 
-/// Density of visible normals.
-pub(super) fn visible(out: Vector, h: Vector, width: f64) -> f64 {
-    dot(out, h).max(0.0) * distribution(h, width) / (out[2] * (1.0 + lambda(out[2], width)))
+/// The pdf of visible normals.
+pub(super) fn visible(out: Vector, h: Vector, alpha: f64) -> f64 {
+    dot(out, h).max(0.0) * distribution(h, alpha) / (out[2] * (1.0 + lambda(out[2], alpha)))
 }
 
-/// The unit facet normal between two directions, on the viewer's side; `eta` is 1 for mirrors.
+/// The unit microfacet normal between two directions, on the side of the viewer; `eta` is 1 for reflection.
 pub(super) fn half_vector(out: Vector, into: Vector, eta: f64) -> Vector {
     let h = unit([out[0] + eta * into[0], out[1] + eta * into[1], out[2] + eta * into[2]]);
     h.map(|x| x * h[2].signum())
 }
 
-/// A visible normal, by Heitz' method of 2018.
-pub(super) fn draw_normal(out: Vector, width: f64, [u, v]: [f64; 2]) -> Vector {
-    let view = unit([width * out[0], width * out[1], out[2]]);
+/// Samples a visible normal by the method of Heitz (2018).
+pub(super) fn draw_normal(out: Vector, alpha: f64, [u, v]: [f64; 2]) -> Vector {
+    let view = unit([alpha * out[0], alpha * out[1], out[2]]);
     let flat = view[0].hypot(view[1]);
     let first = if flat > 0.0 { [-view[1] / flat, view[0] / flat, 0.0] } else { [1.0, 0.0, 0.0] };
     let second = cross(view, first);
@@ -61,7 +61,7 @@ pub(super) fn draw_normal(out: Vector, width: f64, [u, v]: [f64; 2]) -> Vector {
     let b = (1.0 - share) * (1.0 - a * a).sqrt() + share * u.sqrt() * sin;
     let c = (1.0 - a * a - b * b).max(0.0).sqrt();
     let normal: Vector = std::array::from_fn(|k| a * first[k] + b * second[k] + c * view[k]);
-    unit([width * normal[0], width * normal[1], normal[2].max(1e-12)])
+    unit([alpha * normal[0], alpha * normal[1], normal[2].max(1e-12)])
 }
 
 /// Sixteen directions with their weights.
@@ -70,37 +70,37 @@ pub(super) struct Nodes {
     pub weight: [f64; LANES],
 }
 
-/// Consecutive numbers of Fibonacci. Results are within 2e-4 of those of 46368 points.
+/// Consecutive Fibonacci numbers. Results are within 2e-4 of those of 46368 points.
 pub(super) const LATTICE: [usize; 2] = [4181, 2584];
 
-/// Integrates over the sphere what `one` does with light for a viewer at `out`.
+/// The nodes of the quadrature over the sphere for the BSDF `one` and a viewer at `out`.
 pub(super) fn nodes(one: &One, out: Vector) -> Vec<Nodes> {
     let [count, step] = LATTICE;
-    let width = f64::from(one.width()).max(1e-3);
+    let alpha = f64::from(one.alpha()).max(1e-3);
     let eta = if one.thin { 1.0 } else { f64::from(one.eta) };
     let windows = one.thin || (eta - 1.0).abs() >= 1e-3;
     let density = |into: Vector| {
         if into[2] >= 0.0 {
             let h = half_vector(out, into, 1.0);
-            return into[2] / PI + visible(out, h, width) / (4.0 * dot(out, h));
+            return into[2] / PI + visible(out, h, alpha) / (4.0 * dot(out, h));
         }
         if one.thin {
             let h = half_vector(out, [into[0], into[1], -into[2]], 1.0);
-            return visible(out, h, width) / (4.0 * dot(out, h));
+            return visible(out, h, alpha) / (4.0 * dot(out, h));
         }
         let h = half_vector(out, into, eta);
         let (o, i) = (dot(out, h), -dot(into, h));
         if o <= 0.0 || i <= 0.0 {
             return f64::INFINITY;
         }
-        visible(out, h, width) * eta * eta * i / (o - eta * i).powi(2)
+        visible(out, h, alpha) * eta * eta * i / (o - eta * i).powi(2)
     };
     let mut directions = Vec::new();
     for k in 0..count {
         let point = [(k as f64 + 0.5) / count as f64, (k * step % count) as f64 / count as f64];
         let (sin, cos) = (TAU * point[1]).sin_cos();
         directions.push([point[0].sqrt() * cos, point[0].sqrt() * sin, (1.0 - point[0]).sqrt()]);
-        let h = draw_normal(out, width, point);
+        let h = draw_normal(out, alpha, point);
         let c = dot(out, h);
         let mirrored: Vector = std::array::from_fn(|axis| 2.0 * c * h[axis] - out[axis]);
         if mirrored[2] > 0.0 {
@@ -113,7 +113,7 @@ pub(super) fn nodes(one: &One, out: Vector) -> Vec<Nodes> {
             directions.extend(crate::material::bsdf::exact::refract(out, h, c, eta).filter(|into| into[2] < 0.0));
         }
     }
-    // Padded with what weighs nothing.
+    // Padded with nodes of weight 0.
     directions.resize(directions.len().next_multiple_of(LANES), [0.0; 3]);
     directions
         .chunks_exact(LANES)
@@ -134,12 +134,12 @@ pub(super) fn nodes(one: &One, out: Vector) -> Vec<Nodes> {
         .collect()
 }
 
-/// What comes back of light from everywhere.
+/// The reflected and transmitted light under constant illumination.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Total {
     /// Reflected.
     pub above: Vector,
-    /// Let through, as radiance is (without eta^2).
+    /// Transmitted radiance (without eta^2).
     pub below: Vector,
     pub pdf: f64,
 }
@@ -147,7 +147,7 @@ pub(super) struct Total {
 /// The integral of `evaluate`.
 pub(super) fn integrate(one: &One, out: Vector) -> Total {
     let surfaces = bsdf(&[*one; LANES]);
-    let viewer = super::single(out);
+    let viewer = super::same_in_all_lanes(out);
     let mut total = Total::default();
     for nodes in nodes(one, out) {
         let evaluated = surfaces.evaluate(&viewer, &nodes.into);
@@ -162,14 +162,13 @@ pub(super) fn integrate(one: &One, out: Vector) -> Total {
     total
 }
 
-/// The rule itself: it gives the solid angle under the cosine, and what a plain grid gives, without leading points
-/// anywhere, for lobes wide enough for one.
+/// The quadrature itself: it gives the cosine-weighted solid angle, and for wide lobes the result of a plain grid.
 #[test]
 fn the_rule_agrees_with_a_plain_grid() {
     for (roughness, mu, eta, thin) in
         [(0.5f32, 0.6, 1.5f32, false), (0.7, 0.3, 1.5, true), (1.0, 0.1, 1.0 / 1.5, false), (0.7, 1.0, 2.4, false)]
     {
-        let one = One { metallic: 0.2, transmission: 0.5, roughness, eta, thin, ..super::WHITE_VARNISH };
+        let one = One { metallic: 0.2, transmission: 0.5, roughness, eta, thin, ..super::WHITE_COATED };
         let out = super::viewer(mu);
         let mut cosine = 0.0;
         for nodes in nodes(&one, out) {
@@ -178,13 +177,13 @@ fn the_rule_agrees_with_a_plain_grid() {
         assert!((cosine / PI - 1.0).abs() < 1e-3, "{cosine}");
 
         let led = integrate(&one, out);
-        let (surfaces, viewer) = (super::all(one), super::single(out));
+        let (surfaces, viewer) = (super::all(one), super::same_in_all_lanes(out));
         let (rows, columns) = (768, 256);
         let mut plain = Total::default();
         for row in 0..rows {
             for first in (0..columns).step_by(LANES) {
                 let into = super::lanes_of(&std::array::from_fn(|lane| {
-                    // Even in the cube root of the cosine: finer towards the surface.
+                    // Finer towards grazing incidence.
                     let t = 2.0 * (f64::from(row) + 0.5) / f64::from(rows) - 1.0;
                     let z = t.abs() * t;
                     let (sin, cos) = (TAU * (first + lane) as f64 / columns as f64).sin_cos();

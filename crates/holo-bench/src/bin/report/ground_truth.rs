@@ -1,18 +1,18 @@
-//! Depth and disparity against a closed form and against every triangle in f64.
+//! Errors of depth and disparity against a closed form, and against brute-force intersection in f64.
 
 use holo_core::{GridSize, LightFieldShape, Rig};
 use holo_render::{Backend, GroundTruth, Integrator, Layer, Renderer, Request};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
 
-use crate::scenes::{Ready, name};
-use crate::sheet::{Sheet, short, timed};
-use crate::{Section, Wish};
+use crate::scenes::{FramedScene, backend_name};
+use crate::table::{Table, short, timed};
+use crate::{RunOptions, Section};
 
-/// Relative difference of depth beyond which two engines saw different triangles.
-const ANOTHER_SURFACE: f64 = 1e-5;
+/// The relative difference of depth above which two rays are taken to have hit different surfaces.
+const DIFFERENT_SURFACE: f64 = 1e-5;
 
-pub fn section(wish: &Wish) -> Section {
-    let mut sheet = Sheet::new(&[
+pub fn section(options: &RunOptions) -> Section {
+    let mut table = Table::new(&[
         "what",
         "engine",
         "Mrays/s",
@@ -23,34 +23,35 @@ pub fn section(wish: &Wish) -> Section {
         "pixels on another surface",
     ]);
     let mut highlights = Vec::new();
-    for &engine in &wish.engines {
-        highlights.push(slanted_plane(wish, engine, &mut sheet));
+    for &engine in &options.engines {
+        highlights.push(slanted_plane(options, engine, &mut table));
     }
     for scene in ["plaster", "garden"] {
-        for &engine in &wish.engines {
-            highlights.push(every_triangle(wish, scene, engine, &mut sheet));
+        for &engine in &options.engines {
+            highlights.push(brute_force(options, scene, engine, &mut table));
         }
     }
-    // The fast engine's alone.
-    let highlights = highlights.into_iter().step_by(wish.engines.len()).collect();
+    // Only the fastest backend is in the summary.
+    let highlights = highlights.into_iter().step_by(options.engines.len()).collect();
     Section {
         title: "Ground truth",
-        text: "A slanted plane against its closed form, in f64; scenes of the gallery against every triangle tried in f64 (few rays, \
-               for that takes long). Layers are stored in f32, which rounds by up to 6e-8. Pixels on another surface are rays within \
-               rounding of a silhouette, and not counted among the errors."
+        text: "A slanted plane against its closed form in f64; scenes of the gallery against brute-force intersection \
+               of every triangle in f64 (with fewer rays, because it is slow). Layers are stored in f32, with a \
+               relative rounding error of up to 6e-8. Pixels on another surface are rays within rounding of a \
+               silhouette; they are excluded from the errors."
             .into(),
         highlights,
-        sheet,
+        table,
         plots: Vec::new(),
     }
 }
 
-fn truth_request(rig: Rig) -> Request {
+fn ground_truth_request(rig: Rig) -> Request {
     Request { integrator: Integrator::Depth, ground_truth: GroundTruth::All, ..Request::new(rig) }
 }
 
 /// The plane z = -2 - 0.5 x - 0.25 y.
-fn slanted_plane(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> [String; 3] {
+fn slanted_plane(options: &RunOptions, engine: Backend, table: &mut Table) -> [String; 3] {
     let corner = |x: f32, y: f32| [x, y, -2.0 - 0.5 * x - 0.25 * y];
     let scene = Scene {
         meshes: vec![Mesh {
@@ -62,7 +63,7 @@ fn slanted_plane(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> [String; 3]
         materials: vec![Material::default()],
         ..Scene::default()
     };
-    let views = if wish.quick { 30 } else { 100 };
+    let views = if options.quick { 30 } else { 100 };
     let rig = Rig::builder(LightFieldShape::new(GridSize::new(views, views), GridSize::new(53, 79)).expect("sizes"))
         .focal_length_m(0.05)
         .sensor_size_m(0.036)
@@ -71,12 +72,13 @@ fn slanted_plane(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> [String; 3]
         .build()
         .expect("a rig");
     let renderer = Renderer::new(&scene, &Transform::IDENTITY, engine, 0).expect("a scene");
-    let (seconds, rendered) = timed(wish.rounds, || renderer.render(&truth_request(rig), &()).expect("a render"));
-    let all = rendered.all.expect("asked for");
+    let (seconds, rendered) =
+        timed(options.rounds, || renderer.render(&ground_truth_request(rig), &()).expect("a render"));
+    let all = rendered.all.expect("requested");
     let (depth, disparity) = (all[Layer::Depth].samples(), all[Layer::Disparity].samples());
     let (mut errors, mut errors_px) = (Vec::new(), Vec::new());
     for ((v, u, t, s, _), &found) in depth.indexed_iter() {
-        // The ray through the pixel's centre meets the plane where z is linear in what the ray has gone.
+        // The signed height above the plane is linear along the ray through the pixel center; depth 1 has a, depth 2 b.
         let ray = rig.ray(v, u, t, s, 0.5, 0.5);
         let [near, far] = [1.0, 2.0].map(|z| ray.at_depth_m(z));
         let height = |p: [f64; 3]| p[2] + 2.0 + 0.5 * p[0] + 0.25 * p[1];
@@ -86,39 +88,39 @@ fn slanted_plane(wish: &Wish, engine: Backend, sheet: &mut Sheet) -> [String; 3]
         let exact_px = rig.disparity().from_depth_m(exact);
         errors_px.push((f64::from(disparity[[v, u, t, s, 0]]) - exact_px).abs());
     }
-    row(sheet, "slanted plane, closed form", engine, rendered.rays.total() as f64 / seconds.median, errors, errors_px)
+    row(table, "slanted plane, closed form", engine, rendered.rays.total() as f64 / seconds.median, errors, errors_px)
 }
 
-fn every_triangle(wish: &Wish, scene: &str, engine: Backend, sheet: &mut Sheet) -> [String; 3] {
-    let lenses = if wish.quick { GridSize::new(6, 9) } else { GridSize::new(20, 30) };
-    let ready = Ready::new(scene, 2, lenses, Some(1e-3));
-    let request = truth_request(ready.rig);
-    let render = |backend| ready.renderer(backend, 0).render(&request, &()).expect("a render");
+fn brute_force(options: &RunOptions, scene: &str, engine: Backend, table: &mut Table) -> [String; 3] {
+    let lenses = if options.quick { GridSize::new(6, 9) } else { GridSize::new(20, 30) };
+    let framed = FramedScene::new(scene, 2, lenses, Some(1e-3));
+    let request = ground_truth_request(framed.rig);
+    let render = |backend| framed.renderer(backend, 0).render(&request, &()).expect("a render");
     let (exact, found) = (render(Backend::BruteForce), render(engine));
     let speed = {
-        let many = Ready::new(scene, if wish.quick { 20 } else { 100 }, GridSize::new(53, 79), None);
+        let many = FramedScene::new(scene, if options.quick { 20 } else { 100 }, GridSize::new(53, 79), None);
         let renderer = many.renderer(engine, 0);
-        let request = truth_request(many.rig);
-        let (seconds, rendered) = timed(wish.rounds, || renderer.render(&request, &()).expect("a render"));
+        let request = ground_truth_request(many.rig);
+        let (seconds, rendered) = timed(options.rounds, || renderer.render(&request, &()).expect("a render"));
         rendered.rays.total() as f64 / seconds.median
     };
-    let (exact, found) = (exact.all.expect("asked for"), found.all.expect("asked for"));
+    let (exact, found) = (exact.all.expect("requested"), found.all.expect("requested"));
     let (mut errors, mut errors_px) = (Vec::new(), Vec::new());
     let pairs = exact[Layer::Depth].samples().into_iter().zip(found[Layer::Depth].samples());
     let disparities = exact[Layer::Disparity].samples().into_iter().zip(found[Layer::Disparity].samples());
     for ((&exact, &found), (&exact_px, &found_px)) in pairs.zip(disparities) {
         let error = if exact == found { 0.0 } else { (f64::from(found) / f64::from(exact) - 1.0).abs() };
         errors.push(if error.is_nan() { f64::INFINITY } else { error });
-        if error < ANOTHER_SURFACE {
+        if error < DIFFERENT_SURFACE {
             errors_px.push((f64::from(found_px) - f64::from(exact_px)).abs());
         }
     }
-    row(sheet, &format!("{scene}, every triangle"), engine, speed, errors, errors_px)
+    row(table, &format!("{scene}, brute force"), engine, speed, errors, errors_px)
 }
 
-/// A row of the table, and of the summary.
+/// Adds a row to the table; returns the row of the summary.
 fn row(
-    sheet: &mut Sheet,
+    table: &mut Table,
     what: &str,
     engine: Backend,
     rays_per_second: f64,
@@ -126,14 +128,14 @@ fn row(
     mut errors_px: Vec<f64>,
 ) -> [String; 3] {
     let all = errors.len();
-    errors.retain(|error| *error < ANOTHER_SURFACE);
+    errors.retain(|error| *error < DIFFERENT_SURFACE);
     errors.sort_by(f64::total_cmp);
     errors_px.sort_by(f64::total_cmp);
     let largest_px = short(errors_px[errors_px.len() - 1]);
     let largest = short(errors[errors.len() - 1]);
-    sheet.push([
+    table.push([
         what.into(),
-        name(engine).into(),
+        backend_name(engine).into(),
         short(rays_per_second / 1e6),
         short(errors[errors.len() / 2]),
         largest.clone(),

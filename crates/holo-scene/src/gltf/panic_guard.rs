@@ -1,8 +1,8 @@
-//! The last net under the loader: a panic in a decoder we call becomes an error.
+//! The panic guard of the loader: a panic in a decoder becomes an error.
 //!
-//! Everything a file says is checked before it reaches another crate, so the net should never be needed; the mutation
-//! tests assert that it is not. A library must not install a panic hook; a program that has one asks [`is_guarding`]
-//! and stays silent.
+//! All values of a file are validated before they reach another crate, so no panic should occur; the mutation tests
+//! assert that. A library must not install a panic hook; a program that has one checks [`is_guarding`] and prints
+//! nothing.
 
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -13,14 +13,14 @@ thread_local! {
     static GUARDING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Whether this thread is inside the loader's last net: a panic now becomes an [`Error`], so a panic hook should print
-/// nothing.
+/// Whether this thread is inside the panic guard of the loader: a panic then becomes an [`Error`], so a panic hook
+/// should print nothing.
 #[must_use]
 pub fn is_guarding() -> bool {
     GUARDING.get()
 }
 
-/// Restores the flag also when a panic passes by.
+/// Restores the flag, also on unwinding.
 struct Restore(bool);
 
 impl Drop for Restore {
@@ -37,7 +37,7 @@ pub(super) fn guarded<T>(work: impl FnOnce() -> T) -> T {
 
 /// Runs `work`; a panic in it becomes an error.
 pub(super) fn catch<T>(work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
-    // Unwind safety: `work` owns or only reads what it uses, and all of it is thrown away on a panic.
+    // Unwind safety: `work` owns its data or only reads it, and everything is discarded on a panic.
     let outcome = catch_unwind(AssertUnwindSafe(|| guarded(work)));
     outcome.unwrap_or_else(|payload| {
         let text = payload.downcast_ref::<String>().map(String::as_str);
@@ -56,7 +56,7 @@ mod tests {
         assert!(!is_guarding());
         let seen = catch(|| Ok(is_guarding()));
         assert!(matches!(seen, Ok(true)));
-        // `resume_unwind` runs no panic hook, so the test's output stays clean.
+        // `resume_unwind` calls no panic hook.
         let caught = catch::<()>(|| std::panic::resume_unwind(Box::new("boom")));
         assert!(matches!(caught, Err(Error::BadFile { what, .. }) if what.contains("boom")));
         assert!(!is_guarding());

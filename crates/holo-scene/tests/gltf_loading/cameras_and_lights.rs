@@ -2,10 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, SQRT_2};
 
-use holo_scene::{CameraLens, LightKind, Scene};
+use holo_scene::{CameraProjection, LightKind, Scene};
 use serde_json::{Value, json};
 
-use super::support::{File, says};
+use super::support::{File, assert_contains};
 
 fn with_light(light: Value, node: Value) -> File {
     let mut file = File::new();
@@ -35,18 +35,21 @@ fn near(a: [f64; 3], b: [f64; 3]) -> bool {
 fn perspective_cameras() {
     let lens =
         |perspective: Value| with_camera(json!({ "type": "perspective", "perspective": perspective }), json!({}));
-    let only = |scene: Scene| scene.cameras[0].lens;
+    let only = |scene: Scene| scene.cameras[0].projection;
     let scene = lens(json!({ "yfov": 0.7, "znear": 0.1, "aspectRatio": 1.5 })).load().unwrap().scene;
-    assert_eq!(only(scene), CameraLens::Perspective { vertical_angle_rad: 0.7, aspect_ratio: Some(1.5) });
+    assert_eq!(only(scene), CameraProjection::Perspective { vertical_angle_rad: 0.7, aspect_ratio: Some(1.5) });
     let scene = lens(json!({ "yfov": 0.7, "znear": 0.1, "zfar": 100 })).load().unwrap().scene;
-    assert_eq!(only(scene), CameraLens::Perspective { vertical_angle_rad: 0.7, aspect_ratio: None });
+    assert_eq!(only(scene), CameraProjection::Perspective { vertical_angle_rad: 0.7, aspect_ratio: None });
     for yfov in [json!(0), json!(-1), json!(3.2), json!("wide")] {
-        says(&lens(json!({ "yfov": yfov })).error(), &["cameras[0].perspective.yfov"]);
+        assert_contains(&lens(json!({ "yfov": yfov })).error(), &["cameras[0].perspective.yfov"]);
     }
-    says(&lens(json!({})).error(), &["cameras[0].perspective.yfov", "missing"]);
-    says(&lens(json!({ "yfov": 1, "aspectRatio": 0 })).error(), &["aspectRatio"]);
-    says(&with_camera(json!({ "type": "fisheye" }), json!({})).error(), &["cameras[0].type"]);
-    says(&with_camera(json!({ "type": "perspective" }), json!({})).error(), &["cameras[0].perspective", "missing"]);
+    assert_contains(&lens(json!({})).error(), &["cameras[0].perspective.yfov", "missing"]);
+    assert_contains(&lens(json!({ "yfov": 1, "aspectRatio": 0 })).error(), &["aspectRatio"]);
+    assert_contains(&with_camera(json!({ "type": "fisheye" }), json!({})).error(), &["cameras[0].type"]);
+    assert_contains(
+        &with_camera(json!({ "type": "perspective" }), json!({})).error(),
+        &["cameras[0].perspective", "missing"],
+    );
 }
 
 #[test]
@@ -54,10 +57,10 @@ fn orthographic_cameras() {
     let camera =
         json!({ "type": "orthographic", "orthographic": { "xmag": 2.0, "ymag": 1.5, "znear": 0, "zfar": 10 } });
     let scene = with_camera(camera, json!({})).load().unwrap().scene;
-    assert_eq!(scene.cameras[0].lens, CameraLens::Orthographic { half_width_m: 2.0, half_height_m: 1.5 });
+    assert_eq!(scene.cameras[0].projection, CameraProjection::Orthographic { half_width_m: 2.0, half_height_m: 1.5 });
     let camera =
         json!({ "type": "orthographic", "orthographic": { "xmag": 0.0, "ymag": 1.5, "znear": 0, "zfar": 10 } });
-    says(&with_camera(camera, json!({})).error(), &["cameras[0].orthographic.xmag"]);
+    assert_contains(&with_camera(camera, json!({})).error(), &["cameras[0].orthographic.xmag"]);
 }
 
 #[test]
@@ -73,19 +76,19 @@ fn camera_poses_lose_scale_shear_and_mirroring() {
     );
     assert_eq!(pose.translation, [1.0, 2.0, 3.0]);
     assert_eq!(scene.cameras[0].name, "own");
-    // Mirrored left to right: it still looks the same way, and the picture is not mirrored.
+    // Mirrored left to right: the viewing direction is the same, and the image is not mirrored.
     let file = with_camera(camera.clone(), json!({ "name": "node", "rotation": turn, "scale": [-1, 1, 1] }));
     let scene = file.load().unwrap().scene;
     let pose = scene.cameras[0].pose;
     assert!(near(pose.vector([0.0, 0.0, -1.0]), [-1.0, 0.0, 0.0]) && pose.determinant() > 0.0);
     assert_eq!(scene.cameras[0].name, "node");
-    // Sheared: the viewing direction stays, up is made square to it.
+    // Sheared: the viewing direction is kept, up is made orthogonal to it.
     let sheared = json!({ "matrix": [1, 0, 0, 0, 0, 1, 1, 0, 0, 0, 1, 0, 0, 0, 0, 1] });
     let pose = with_camera(camera.clone(), sheared).load().unwrap().scene.cameras[0].pose;
     assert!(near(pose.columns[1], [0.0, 1.0, 0.0]) && near(pose.columns[2], [0.0, 0.0, 1.0]));
     let loaded = with_camera(camera, json!({ "scale": [0, 0, 0] })).load().unwrap();
     assert!(loaded.scene.cameras.is_empty());
-    says(&loaded.warnings.join("\n"), &["nodes[0]", "camera"]);
+    assert_contains(&loaded.warnings.join("\n"), &["nodes[0]", "camera"]);
 }
 
 #[test]
@@ -100,11 +103,11 @@ fn cameras_come_in_node_order() {
     file.json["nodes"] = json!([{ "camera": 1 }, { "children": [0], "camera": 0 }]);
     let loaded = file.load().unwrap();
     assert_eq!(loaded.summary.cameras, ["b", "a"]);
-    says(&loaded.summary.to_string(), &["0 'b', 1 'a'"]);
+    assert_contains(&loaded.summary.to_string(), &["0 'b', 1 'a'"]);
 }
 
 #[test]
-fn lights_shine_where_their_nodes_point() {
+fn light_directions_follow_their_nodes() {
     let sun = json!({ "type": "directional", "color": [1.0, 0.5, 0.25], "intensity": 4.0, "name": "sun" });
     // A quarter turn about x: -z becomes ... y; scale must not change it.
     let turn = [SQRT_2 / 2.0, 0.0, 0.0, SQRT_2 / 2.0];
@@ -128,7 +131,7 @@ fn lights_shine_where_their_nodes_point() {
         outer_angle_rad: 0.5,
     };
     assert_eq!(scene.lights[0].kind, expected);
-    // Defaults, and a right angle as single precision writes it.
+    // Defaults, and a right angle rounded to f32.
     let scene = with_light(json!({ "type": "spot", "spot": {} }), json!({})).load().unwrap().scene;
     assert!(matches!(scene.lights[0].kind, LightKind::Spot { inner_angle_rad: 0.0, outer_angle_rad: FRAC_PI_4, .. }));
     let wide = json!({ "type": "spot", "spot": { "outerConeAngle": 1.570_796_370_506_286_6 } });
@@ -137,43 +140,46 @@ fn lights_shine_where_their_nodes_point() {
 }
 
 #[test]
-fn a_directional_light_may_be_a_disc() {
+fn directional_lights_with_an_angular_diameter() {
     let angle = |light: Value| match with_light(light, json!({})).load().unwrap().scene.lights[0].kind {
         LightKind::Directional { angular_diameter_rad, .. } => angular_diameter_rad,
         other => panic!("{other:?}"),
     };
     let sun = |extras: Value| json!({ "type": "directional", "extras": extras });
     assert_eq!(angle(sun(json!({ "angular_diameter_rad": 0.0093, "other": "x" }))), 0.0093);
-    // Extras may be anything.
+    // Extras may have any type.
     for extras in [json!({}), json!("x"), json!(null), json!([0.1])] {
         assert_eq!(angle(sun(extras)), 0.0);
     }
     let at = "extensions.KHR_lights_punctual.lights[0].extras.angular_diameter_rad";
     for wrong in [json!(-0.1), json!(3.15), json!("wide"), json!(null)] {
-        says(&with_light(sun(json!({ "angular_diameter_rad": wrong })), json!({})).error(), &[at]);
+        assert_contains(&with_light(sun(json!({ "angular_diameter_rad": wrong })), json!({})).error(), &[at]);
     }
-    // Other lights have no disc, whatever they say.
+    // Other lights have no angular diameter.
     let bulb = json!({ "type": "point", "extras": { "angular_diameter_rad": 9 } });
     assert!(with_light(bulb, json!({})).load().is_ok());
 }
 
 #[test]
-fn broken_lights_are_named() {
+fn invalid_lights_are_errors() {
     let error = |light: Value| with_light(light, json!({})).error();
-    says(&error(json!({ "type": "area" })), &["lights[0].type", "area"]);
-    says(&error(json!({})), &["extensions.KHR_lights_punctual.lights[0].type", "missing"]);
-    says(&error(json!({ "type": "point", "range": 0 })), &["lights[0].range"]);
-    says(&error(json!({ "type": "point", "intensity": -1 })), &["lights[0]", "negative"]);
-    says(&error(json!({ "type": "point", "intensity": 1e308, "color": [1e10, 1, 1] })), &["lights[0]", "finite"]);
-    says(&error(json!({ "type": "point", "color": [1, 1] })), &["lights[0].color"]);
+    assert_contains(&error(json!({ "type": "area" })), &["lights[0].type", "area"]);
+    assert_contains(&error(json!({})), &["extensions.KHR_lights_punctual.lights[0].type", "missing"]);
+    assert_contains(&error(json!({ "type": "point", "range": 0 })), &["lights[0].range"]);
+    assert_contains(&error(json!({ "type": "point", "intensity": -1 })), &["lights[0]", "negative"]);
+    assert_contains(
+        &error(json!({ "type": "point", "intensity": 1e308, "color": [1e10, 1, 1] })),
+        &["lights[0]", "finite"],
+    );
+    assert_contains(&error(json!({ "type": "point", "color": [1, 1] })), &["lights[0].color"]);
     for (inner, outer) in [(0.5, 0.4), (-0.1, 0.4), (0.0, 2.0), (0.0, 0.0)] {
         let spot = json!({ "innerConeAngle": inner, "outerConeAngle": outer });
-        says(&error(json!({ "type": "spot", "spot": spot })), &["lights[0].spot", "angles"]);
+        assert_contains(&error(json!({ "type": "spot", "spot": spot })), &["lights[0].spot", "angles"]);
     }
     let mut file = with_light(json!({ "type": "point" }), json!({}));
     file.json["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = json!(1);
-    says(&file.error(), &["nodes[0].extensions.KHR_lights_punctual.light"]);
+    assert_contains(&file.error(), &["nodes[0].extensions.KHR_lights_punctual.light"]);
     let squashed = with_light(json!({ "type": "directional" }), json!({ "scale": [1, 1, 0] })).load().unwrap();
     assert!(squashed.scene.lights.is_empty());
-    says(&squashed.warnings.join("\n"), &["nodes[0]", "light"]);
+    assert_contains(&squashed.warnings.join("\n"), &["nodes[0]", "light"]);
 }

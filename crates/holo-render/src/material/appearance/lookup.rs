@@ -1,13 +1,13 @@
-//! Normals and base colours of the sixteen places that a packet hit.
+//! Evaluation of normals and base colors at the sixteen hits of a packet.
 //!
-//! Camera rays mostly meet one mesh together: its material is read once, and its texture by all lanes side by side. Rays
-//! that were scattered, and those among leaves, hit a mesh of their own each and are looked up lane by lane. Both ways
-//! give the same bits.
+//! The camera rays of a packet mostly hit a single instance: its material is then read once, and its texture is sampled
+//! by all lanes together. Otherwise (scattered rays, foliage) the lanes are evaluated one by one. Both ways give
+//! bitwise identical results.
 
-use super::{Appearance, Kinds, Lookup, Place};
+use super::{Appearance, MaterialFlags, SurfacePoint, TextureLookup};
 use crate::accel::RayHits;
-use crate::geometry::{Geometry, Hit, Part};
-use crate::material::Surfaces;
+use crate::geometry::{Geometry, Hit, InstanceData};
+use crate::material::SurfaceInteraction;
 use crate::material::texture;
 use crate::simd::LANES;
 
@@ -30,9 +30,9 @@ impl Normals {
         self.any = true;
     }
 
-    /// The shading normals, on the side from which the rays came.
+    /// Interpolates the shading normals, on the side from which the rays came.
     #[inline(always)]
-    fn interpolate(&self, packet: &RayHits, out: &mut Surfaces) {
+    fn interpolate(&self, packet: &RayHits, out: &mut SurfaceInteraction) {
         for lane in 0..LANES {
             let (b, c) = (packet.hits.u[lane], packet.hits.v[lane]);
             let a = 1.0 - b - c;
@@ -43,7 +43,7 @@ impl Normals {
             }
             let squared = normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2];
             let unit = out.side[lane] / squared.sqrt();
-            // Where the three cancel out the triangle's own normal stays.
+            // If the interpolated normal vanishes, the normal of the triangle is used.
             let usable = self.smooth[lane] & (squared > 1e-12);
             for axis in 0..3 {
                 let flat = out.geometric_normal[axis][lane];
@@ -54,56 +54,57 @@ impl Normals {
 }
 
 impl Appearance {
-    /// Fills in triangle, kinds, base colour and shading normal; returns the largest coordinates of the meshes hit.
+    /// Sets triangles, flags, base colors and shading normals of `out`; returns the largest coordinates of the
+    /// instances.
     #[inline(always)]
-    pub fn look_up(
+    pub fn fill_interaction(
         &self,
         geometry: &Geometry,
         packet: &RayHits,
         triangles: &[Hit; LANES],
-        out: &mut Surfaces,
+        out: &mut SurfaceInteraction,
     ) -> [f32; LANES] {
         let mut normals = Normals { smooth: [false; LANES], any: false, corners: [[[0.0f32; LANES]; 3]; 3] };
         out.triangle = *triangles;
-        let extent = match together(geometry, triangles) {
-            Some((part, one_triangle)) => {
-                let part = geometry.part(part);
-                self.look_up_together(geometry, packet, part, one_triangle, out, &mut normals);
-                [part.extent; LANES]
+        let extent = match common_instance(geometry, triangles) {
+            Some((instance, one_triangle)) => {
+                let instance = geometry.instance(instance);
+                self.fill_from_one_instance(geometry, packet, instance, one_triangle, out, &mut normals);
+                [instance.extent; LANES]
             }
-            None => self.look_up_each(geometry, packet, out, &mut normals),
+            None => self.fill_lane_by_lane(geometry, packet, out, &mut normals),
         };
         out.shading_normal = out.geometric_normal;
         if normals.any {
             normals.interpolate(packet, out);
         }
-        if out.any.has(Kinds::RELIEF) {
+        if out.any_flags.has(MaterialFlags::NORMAL_MAP) {
             for lane in 0..LANES {
-                self.bend(geometry, packet, lane, out);
+                self.apply_normal_map(geometry, packet, lane, out);
             }
         }
         extent
     }
 
-    /// All lanes on one mesh, or even one triangle.
+    /// The packet hits a single instance, and possibly a single triangle.
     #[inline(always)]
-    fn look_up_together(
+    fn fill_from_one_instance(
         &self,
         geometry: &Geometry,
         packet: &RayHits,
-        part: &Part,
+        instance: &InstanceData,
         one_triangle: bool,
-        out: &mut Surfaces,
+        out: &mut SurfaceInteraction,
         normals: &mut Normals,
     ) {
-        let material = &self.materials[part.material as usize];
-        out.kinds = [material.kinds; LANES];
-        out.any = material.kinds;
+        let material = &self.materials[instance.material as usize];
+        out.flags = [material.flags; LANES];
+        out.any_flags = material.flags;
         for c in 0..3 {
             out.base_color[c] = [material.base_color[c]; LANES];
         }
         if let Some(lookup) = &material.base_color_texture {
-            let coordinates = coordinates(geometry, packet, part, lookup, one_triangle, &out.triangle);
+            let coordinates = coordinates(geometry, packet, instance, lookup, one_triangle, &out.triangle);
             let texels = texture::sample_sixteen(&self.textures[lookup.texture], self.srgb, &coordinates);
             for c in 0..3 {
                 for lane in 0..LANES {
@@ -111,16 +112,16 @@ impl Appearance {
                 }
             }
         }
-        if part.colored {
+        if instance.colored {
             for lane in 0..LANES {
-                let place = Place::new(geometry, out.triangle[lane], [packet.hits.u[lane], packet.hits.v[lane]]);
-                let color = place.vertex_color();
+                let point = SurfacePoint::new(geometry, out.triangle[lane], [packet.hits.u[lane], packet.hits.v[lane]]);
+                let color = point.vertex_color();
                 for c in 0..3 {
                     out.base_color[c][lane] *= color[c];
                 }
             }
         }
-        if part.smooth {
+        if instance.smooth {
             if one_triangle {
                 let of_all = geometry.normals_of(out.triangle[0]);
                 for lane in 0..LANES {
@@ -135,64 +136,64 @@ impl Appearance {
     }
 
     #[inline(always)]
-    fn look_up_each(
+    fn fill_lane_by_lane(
         &self,
         geometry: &Geometry,
         packet: &RayHits,
-        out: &mut Surfaces,
+        out: &mut SurfaceInteraction,
         normals: &mut Normals,
     ) -> [f32; LANES] {
         let mut extent = [0.0; LANES];
         for lane in 0..LANES {
-            let place = Place::new(geometry, out.triangle[lane], [packet.hits.u[lane], packet.hits.v[lane]]);
-            let material = &self.materials[place.part.material as usize];
-            extent[lane] = place.part.extent;
-            out.kinds[lane] = material.kinds;
-            out.any = out.any.and(material.kinds);
-            let color = self.base_color(material, &place);
+            let point = SurfacePoint::new(geometry, out.triangle[lane], [packet.hits.u[lane], packet.hits.v[lane]]);
+            let material = &self.materials[point.instance.material as usize];
+            extent[lane] = point.instance.extent;
+            out.flags[lane] = material.flags;
+            out.any_flags = out.any_flags.union(material.flags);
+            let color = self.base_color(material, &point);
             for c in 0..3 {
                 out.base_color[c][lane] = color[c];
             }
-            if place.part.smooth {
-                normals.set(lane, &geometry.normals_of(place.triangle));
+            if point.instance.smooth {
+                normals.set(lane, &geometry.normals_of(point.triangle));
             }
         }
         extent
     }
 }
 
-/// The part that all triangles belong to, if it is one, and whether they are even one triangle.
+/// The common instance of all triangles, if there is one, and whether they are a single triangle.
 #[inline(always)]
-fn together(geometry: &Geometry, triangles: &[Hit; LANES]) -> Option<(u32, bool)> {
+fn common_instance(geometry: &Geometry, triangles: &[Hit; LANES]) -> Option<(u32, bool)> {
     let first = triangles[0];
-    let part = geometry.part_index(first);
+    let instance = geometry.instance_index(first);
     let mut differ = false;
     for lane in 1..LANES {
-        differ |= (triangles[lane].triangle != first.triangle) | (triangles[lane].instance != first.instance);
+        differ |= (triangles[lane].triangle != first.triangle) | (triangles[lane].placement != first.placement);
     }
     if !differ {
-        return Some((part, true));
+        return Some((instance, true));
     }
     for lane in 1..LANES {
-        if geometry.part_index(triangles[lane]) != part {
+        if geometry.instance_index(triangles[lane]) != instance {
             return None;
         }
     }
-    Some((part, false))
+    Some((instance, false))
 }
 
-/// Texture coordinates of sixteen places on one part.
+/// Texture coordinates of sixteen points on one instance.
 #[inline(always)]
 fn coordinates(
     geometry: &Geometry,
     packet: &RayHits,
-    part: &Part,
-    lookup: &Lookup,
+    instance: &InstanceData,
+    lookup: &TextureLookup,
     one_triangle: bool,
     triangles: &[Hit; LANES],
 ) -> [[f32; LANES]; 2] {
     let mut corners = [[[0.0; LANES]; 2]; 3];
-    if part.textured[lookup.set] {
+    if instance.textured[lookup.set] {
         let mut of_lane = geometry.texture_coordinates_of(triangles[0], lookup.set);
         for lane in 0..LANES {
             if !one_triangle {

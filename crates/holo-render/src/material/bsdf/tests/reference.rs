@@ -1,14 +1,14 @@
-//! The mixture by the textbook, in f64 and one direction at a time, against the lanes; and reciprocity.
+//! A scalar f64 reference implementation of the BSDF, compared with the lanes; and reciprocity.
 
 use std::f64::consts::PI;
 
 use super::quadrature::{Vector, distribution, dot, half_vector, lambda, visible};
 use super::{CLEAR_GLASS, One, Random, all, bsdf, lanes_of, viewers};
-use crate::material::bsdf::microfacet::{CLEAR_BELOW, SMOOTH_BELOW};
+use crate::material::bsdf::microfacet::{INDEX_MATCHED_BELOW, SMOOTH_BELOW};
 use crate::material::bsdf::{Bsdf, albedo, exact};
 use crate::simd::LANES;
 
-/// f |into.z| and the density.
+/// BSDF * |into.z| and its pdf.
 #[derive(Clone, Copy, Debug, Default)]
 struct Scattered {
     value: Vector,
@@ -19,7 +19,7 @@ fn schlick(f0: f64, f90: f64, c: f64) -> f64 {
     f0 + (f90 - f0) * (1.0 - c).powi(5)
 }
 
-/// Reflectance of glass, channel by channel and the strongest.
+/// The reflectance of glass, per channel and of the strongest channel.
 fn glass(one: &One, c: f64, eta: f64) -> [f64; 4] {
     let exact = exact::interface(c.max(1e-12), eta);
     let normal = ((eta - 1.0) / (eta + 1.0)).powi(2);
@@ -28,68 +28,68 @@ fn glass(one: &One, c: f64, eta: f64) -> [f64; 4] {
         if exact.transmitted == 0.0 {
             return 1.0;
         }
-        // Written from the transmitted side: 1 - normal is 0 for no index.
+        // From the transmittance: 1 - normal is 0 for no index.
         (f90 - (f90 - f0) * exact.transmitted / (1.0 - normal)).clamp(0.0, 1.0)
     };
     let [r, g, b] = one.f0().map(f64::from);
     [channel(r), channel(g), channel(b), channel(r.max(g).max(b))]
 }
 
-/// The albedo of the varnish and its mean: the table's own, which has a test to itself.
-fn coat(one: &One, z: f64) -> [f64; 2] {
-    let width = [one.width(); LANES];
-    let smooth = [one.width() < SMOOTH_BELOW; LANES];
-    let rows = albedo::rows(&width);
+/// The albedo of the coat and its mean, from the table, which has a test of its own.
+fn coat_albedo(one: &One, z: f64) -> [f64; 2] {
+    let alpha = [one.alpha(); LANES];
+    let smooth = [one.alpha() < SMOOTH_BELOW; LANES];
+    let rows = albedo::rows(&alpha);
     let z = z as f32;
     let f0 = one.f0().into_iter().fold(0.0, f32::max);
-    let here = albedo::table().albedo(&rows, &[z; LANES], &width, &smooth);
+    let here = albedo::table().albedo(&rows, &[z; LANES], &alpha, &smooth);
     let mean = albedo::table().average(&rows, &smooth);
-    let way = (1.0 - z).powi(5);
-    [f64::from(here.of(0, f0, one.specular, way)), f64::from(mean.of(0, f0, one.specular))]
+    let schlick_weight = (1.0 - z).powi(5);
+    [f64::from(here.of(0, f0, one.specular, schlick_weight)), f64::from(mean.of(0, f0, one.specular))]
 }
 
-/// The textbook; the cosines at facets are off by `shift`.
+/// The textbook BSDF; `shift` is added to the cosines at microfacets.
 fn textbook(one: &One, out: Vector, into: Vector, shift: f64) -> Scattered {
-    let width = f64::from(one.width());
-    let (smooth, eta) = (one.width() < SMOOTH_BELOW, f64::from(one.eta));
-    let clear = smooth || (!one.thin && (one.eta - 1.0).abs() < CLEAR_BELOW);
+    let alpha = f64::from(one.alpha());
+    let (smooth, eta) = (one.alpha() < SMOOTH_BELOW, f64::from(one.eta));
+    let clear = smooth || (!one.thin && (one.eta - 1.0).abs() < INDEX_MATCHED_BELOW);
     let base = one.base_color.map(f64::from);
     let f0 = one.f0().map(f64::from);
     let metal = f64::from(one.metallic);
     let glassy = (1.0 - metal) * f64::from(one.transmission);
-    let varnished = (1.0 - metal) * (1.0 - f64::from(one.transmission));
+    let coated = (1.0 - metal) * (1.0 - f64::from(one.transmission));
 
-    let [albedo_out, mean] = coat(one, out[2]);
+    let [albedo_out, mean] = coat_albedo(one, out[2]);
     let mean_of = |of: &dyn Fn(usize) -> f64| (of(0) + of(1) + of(2)) / 3.0;
     let energies = [
         metal * mean_of(&|c| schlick(base[c], 1.0, out[2])).max(0.05),
         glassy,
-        varnished * albedo_out,
-        varnished * (1.0 - albedo_out) * mean_of(&|c| base[c]),
+        coated * albedo_out,
+        coated * (1.0 - albedo_out) * mean_of(&|c| base[c]),
     ];
     let sum: f64 = energies.iter().sum();
     let pick = if sum > 0.0 { energies.map(|e| e / sum) } else { [0.0, 0.0, 0.0, 1.0] };
 
     let mut scattered = Scattered::default();
-    let lambda_sum = 1.0 + lambda(out[2], width) + lambda(into[2].abs(), width);
+    let lambda_sum = 1.0 + lambda(out[2], alpha) + lambda(into[2].abs(), alpha);
     if into[2] > 0.0 {
-        let [albedo_into, _] = coat(one, into[2]);
+        let [albedo_into, _] = coat_albedo(one, into[2]);
         let coupling = (1.0 - albedo_out) * (1.0 - albedo_into) / (1.0 - mean).max(1e-7);
         for c in 0..3 {
-            scattered.value[c] += varnished * base[c] / PI * coupling * into[2];
+            scattered.value[c] += coated * base[c] / PI * coupling * into[2];
         }
         scattered.pdf += pick[3] * into[2] / PI;
 
         let h = half_vector(out, into, 1.0);
         let c = (dot(out, h) + shift).clamp(0.0, 1.0);
-        let mirror = distribution(h, width) / lambda_sum / (4.0 * out[2] * into[2]);
-        let density = visible(out, h, width) / (4.0 * dot(out, h));
+        let mirror = distribution(h, alpha) / lambda_sum / (4.0 * out[2] * into[2]);
+        let density = visible(out, h, alpha) / (4.0 * dot(out, h));
         let reflected = glass(one, c, eta);
         for channel in 0..3 {
             let specular = f64::from(one.specular);
             let mut f = 0.0;
             if !smooth {
-                f += metal * schlick(base[channel], 1.0, c) + varnished * schlick(f0[channel], specular, c);
+                f += metal * schlick(base[channel], 1.0, c) + coated * schlick(f0[channel], specular, c);
             }
             if !clear {
                 f += glassy * reflected[channel];
@@ -102,20 +102,20 @@ fn textbook(one: &One, out: Vector, into: Vector, shift: f64) -> Scattered {
         let (value, density, through) = if one.thin {
             let there = [into[0], into[1], -into[2]];
             let h = half_vector(out, there, 1.0);
-            let value = distribution(h, width) / lambda_sum / (4.0 * out[2] * there[2]);
+            let value = distribution(h, alpha) / lambda_sum / (4.0 * out[2] * there[2]);
             let through = 1.0 - glass(one, dot(out, h) + shift, eta)[3];
-            (value, visible(out, h, width) / (4.0 * dot(out, h)), through)
+            (value, visible(out, h, alpha) / (4.0 * dot(out, h)), through)
         } else {
             let h = half_vector(out, into, eta);
             let (o, i) = (dot(out, h), -dot(into, h));
             if o <= 0.0 || i <= 0.0 {
                 return scattered;
             }
-            // Walter et al., equation 21, with the light on the far side, divided by eta^2: radiance.
+            // Walter et al., equation 21, with the light on the far side, divided by eta^2 for radiance.
             let square = (o - eta * i).powi(2);
-            let value = o * i / (out[2] * -into[2]) * distribution(h, width) / lambda_sum / square;
+            let value = o * i / (out[2] * -into[2]) * distribution(h, alpha) / lambda_sum / square;
             let through = if eta < 1.0 { glass(one, i + shift, 1.0 / eta) } else { glass(one, o + shift, eta) };
-            (value, visible(out, h, width) * eta * eta * i / square, 1.0 - through[3])
+            (value, visible(out, h, alpha) * eta * eta * i / square, 1.0 - through[3])
         };
         for c in 0..3 {
             scattered.value[c] += glassy * base[c] * through * value * -into[2];
@@ -125,23 +125,23 @@ fn textbook(one: &One, out: Vector, into: Vector, shift: f64) -> Scattered {
     scattered
 }
 
-/// How far f32 may be off, as a share: the half vector is known to 1e-7 of the directions that make it, so its slope to
-/// that over its length, and D hangs on the slope over the width.
+/// The relative error bound of f32 and that of the slope: the half vector has an error of 1e-7 of the directions that
+/// it is made of, so its slope has that error over its length, and D depends on the slope over alpha.
 fn bound(one: &One, out: Vector, into: Vector) -> (f64, f64) {
     let bends = into[2] < 0.0 && !one.thin;
     let scale = if bends { f64::from(one.eta) } else { 1.0 };
     let z = if into[2] < 0.0 && one.thin { -into[2] } else { into[2] };
     let half = [out[0] + scale * into[0], out[1] + scale * into[1], out[2] + scale * z];
     let slope = 2e-7 * (1.0 + scale) / dot(half, half).sqrt();
-    (1e-5 + 4.0 * slope / f64::from(one.width()).max(1e-3), slope)
+    (1e-5 + 4.0 * slope / f64::from(one.alpha()).max(1e-3), slope)
 }
 
 fn at(directions: &[[f32; LANES]; 3], lane: usize) -> Vector {
     std::array::from_fn(|axis| f64::from(directions[axis][lane]))
 }
 
-/// Values and densities of random mixtures, towards random directions and towards those that are drawn, within the bound
-/// above plus what such an error of the cosine does to the reflectance.
+/// Values and pdfs of random mixtures, for random directions and for sampled ones, within the bound above plus the
+/// effect of the error of the cosine on the reflectance.
 #[test]
 fn the_lanes_agree_with_the_textbook() {
     let mut random = Random::new(21);
@@ -184,7 +184,7 @@ fn the_lanes_agree_with_the_textbook() {
     assert!(seen > 20_000 && sharp > seen * 3 / 4, "most are held to a thousandth: {sharp} of {seen}");
 }
 
-/// f is the same with viewer and light exchanged; through a surface that bends, radiance makes it eta^2 times as much.
+/// The BSDF is reciprocal; for refraction up to the factor eta^2 of radiance.
 #[test]
 fn mixtures_are_reciprocal() {
     let mut random = Random::new(22);
@@ -201,13 +201,13 @@ fn mixtures_are_reciprocal() {
         } else {
             surfaces.sample(&out, &random.lanes(), &random.points()).into
         };
-        // Seen from the other side where the light comes from there.
+        // Seen from the other side if the light is transmitted.
         let (mut back, mut back_out, mut back_into) = (ones, into, out);
         for lane in 0..LANES {
             if into[2][lane] < 0.0 {
                 back_out[2][lane] *= -1.0;
                 back_into[2][lane] *= -1.0;
-                // A pane is glass in air from either side.
+                // A thin pane is glass in air from either side.
                 back[lane].eta = if ones[lane].thin { ones[lane].eta } else { 1.0 / ones[lane].eta };
             }
         }
@@ -238,7 +238,7 @@ fn mixtures_are_reciprocal() {
     assert!(reflected > 3000 && passed > 3000, "{reflected} {passed}");
 }
 
-/// What has a single direction weighs, over all choices, what closed forms say.
+/// The weights of delta lobes, over all choices, equal closed forms.
 #[test]
 fn single_directions_weigh_what_they_reflect() {
     const STEPS: usize = 16_384;
@@ -249,7 +249,7 @@ fn single_directions_weigh_what_they_reflect() {
         let mut means = [[0.0; 3]; 2];
         for first in (0..STEPS).step_by(LANES) {
             let choice = std::array::from_fn(|lane| ((first + lane) as f32 + 0.5) / STEPS as f32);
-            let sampled = surfaces.sample(&super::single(out), &choice, &[[0.4; LANES], [0.3; LANES]]);
+            let sampled = surfaces.sample(&super::same_in_all_lanes(out), &choice, &[[0.4; LANES], [0.3; LANES]]);
             for lane in 0..LANES {
                 if sampled.pdf[lane] == f32::INFINITY {
                     for c in 0..3 {
@@ -261,14 +261,14 @@ fn single_directions_weigh_what_they_reflect() {
         }
         let metal = f64::from(one.metallic);
         let glassy = (1.0 - metal) * f64::from(one.transmission);
-        let varnished = (1.0 - metal) * (1.0 - f64::from(one.transmission));
+        let coated = (1.0 - metal) * (1.0 - f64::from(one.transmission));
         let (mu, eta) = (f64::from(out[2] as f32), f64::from(one.eta));
         let reflected = glass(&one, mu, eta);
         let spread = if one.thin { 1.0 } else { eta * eta };
         for c in 0..3 {
             let base = f64::from(one.base_color[c]);
             let mirror = metal * schlick(base, 1.0, mu)
-                + varnished * schlick(f64::from(one.f0()[c]), f64::from(one.specular), mu)
+                + coated * schlick(f64::from(one.f0()[c]), f64::from(one.specular), mu)
                 + glassy * reflected[c];
             let window = glassy * (1.0 - reflected[3]) * base / spread;
             // The choices are a grid: one more or less may fall on either side of a threshold.

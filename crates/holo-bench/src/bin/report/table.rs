@@ -1,14 +1,14 @@
-//! A table that is written as Markdown and as CSV.
+//! Tables in Markdown and CSV, and measuring time and memory.
 
 use std::time::Instant;
 
 /// Rows of cells under headings.
-pub struct Sheet {
+pub struct Table {
     headings: Vec<&'static str>,
     rows: Vec<Vec<String>>,
 }
 
-impl Sheet {
+impl Table {
     pub fn new(headings: &[&'static str]) -> Self {
         Self { headings: headings.to_vec(), rows: Vec::new() }
     }
@@ -19,7 +19,7 @@ impl Sheet {
         self.rows.push(cells.into());
     }
 
-    /// The row that was added last.
+    /// The last row; panics if it has not `N` cells.
     pub fn last<const N: usize>(&self) -> [String; N] {
         let row = self.rows.last().cloned().unwrap_or_default();
         row.try_into().expect("as many cells as there are headings")
@@ -34,7 +34,7 @@ impl Sheet {
     }
 
     pub fn csv(&self) -> String {
-        // Commas are only within words, and as good as semicolons there.
+        // Commas occur only in text, where semicolons can replace them.
         let line = |cells: &mut dyn Iterator<Item = &str>| {
             cells.map(|cell| cell.replace(',', ";")).collect::<Vec<_>>().join(",") + "\n"
         };
@@ -43,47 +43,47 @@ impl Sheet {
     }
 }
 
-/// Seconds of several runs.
+/// The times of several runs, s.
 #[derive(Clone, Copy, Debug)]
 pub struct Seconds {
     pub median: f64,
-    /// The slowest less the fastest, of the median.
+    /// The difference between the slowest and the fastest run, relative to the median.
     pub spread: f64,
 }
 
 impl Seconds {
-    /// Of times that another program measured.
+    /// Median and spread of measured times; `None` without any.
     pub fn of(mut seconds: Vec<f64>) -> Option<Self> {
         seconds.sort_by(f64::total_cmp);
         let median = *seconds.get(seconds.len() / 2)?;
         Some(Self { median, spread: (seconds[seconds.len() - 1] - seconds[0]) / median })
     }
 
-    /// This over another, with both spreads: `3.1 +-6 %`.
+    /// The ratio to another time with the sum of both spreads: `3.1 ±6 %`.
     pub fn ratio(self, other: Self) -> String {
         format!("{} ±{:.0} %", short(self.median / other.median), 50.0 * (self.spread + other.spread))
     }
 
-    /// `0.123 +-4 %`.
+    /// Median and half the spread: `0.123 ±4 %`.
     pub fn text(self) -> String {
         format!("{} ±{:.0} %", short(self.median), 50.0 * self.spread)
     }
 }
 
-/// Runs of fewer seconds are warmed up.
+/// Work whose first run takes less time than this, s, is warmed up by that run.
 const WARM_UP: f64 = 0.5;
 
-/// Runs something several times; also returns what the last run made.
+/// Runs `work` several times; also returns the result of the last run.
 pub fn timed<T>(rounds: usize, mut work: impl FnMut() -> T) -> (Seconds, T) {
     let mut last = None;
     let mut seconds = Vec::new();
     for round in 0..=rounds.max(1) {
-        // Not two of them at once in memory.
+        // Only one result is in memory at a time.
         drop(last.take());
         let start = Instant::now();
         last = Some(work());
         seconds.push(start.elapsed().as_secs_f64());
-        // What is quick is warmed up by its first run, which does not count; of what takes long that makes no difference.
+        // A short first run only warms up caches and is not counted.
         if round == 0 && seconds[0] < WARM_UP {
             seconds.clear();
         } else if seconds.len() == rounds.max(1) {
@@ -93,7 +93,7 @@ pub fn timed<T>(rounds: usize, mut work: impl FnMut() -> T) -> (Seconds, T) {
     (Seconds::of(seconds).expect("at least one run"), last.expect("at least one run"))
 }
 
-/// Runs something and tells by how many bytes the peak of memory rose; `None` where the system does not tell.
+/// Runs `work` and returns by how many bytes the peak memory rose (`None` where the system cannot measure it).
 pub fn peak_bytes<T>(work: impl FnOnce() -> T) -> (Option<u64>, T) {
     let reset = reset_peak();
     let before = status("VmRSS:");
@@ -102,12 +102,12 @@ pub fn peak_bytes<T>(work: impl FnOnce() -> T) -> (Option<u64>, T) {
     (peak.filter(|_| reset), made)
 }
 
-/// Makes the peak of memory that of what comes; whether the system can do that.
+/// Resets the peak memory of this process; returns whether the system supports it.
 pub fn reset_peak() -> bool {
     std::fs::write("/proc/self/clear_refs", "5").is_ok()
 }
 
-/// The peak of this process's memory since it began or was last reset.
+/// The peak memory of this process since its start or the last reset, bytes.
 pub fn peak_of_process() -> Option<u64> {
     status("VmHWM:")
 }
@@ -118,7 +118,7 @@ fn status(key: &str) -> Option<u64> {
     Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
 }
 
-/// Three significant digits, in the short way.
+/// A number with three significant digits, in scientific notation below 1e-3.
 pub fn short(number: f64) -> String {
     if number == 0.0 || !number.is_finite() {
         return format!("{number}");

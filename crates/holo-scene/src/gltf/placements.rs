@@ -1,4 +1,4 @@
-//! What nodes place in the world: instances of meshes, cameras, and the lights of `KHR_lights_punctual`.
+//! The contents of nodes, placed in the world: instances of meshes, cameras, and the lights of `KHR_lights_punctual`.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -9,25 +9,25 @@ use super::meshes::Meshes;
 use super::nodes::Nodes;
 use super::warnings::Warnings;
 use crate::Error;
-use crate::{Camera, CameraLens, Instance, Light, LightKind, Transform};
+use crate::{Camera, CameraProjection, Instance, Light, LightKind, Transform};
 
-/// Axes this close to a right-handed orthonormal frame keep their bits, so that what `to_glb` writes comes back exactly.
+/// Axes this close to a right-handed orthonormal frame are kept unchanged, so that `to_glb` round-trips exactly.
 const EXACT_FRAME: f64 = 1e-12;
-/// Single-precision exporters write a right angle a little too large.
+/// Tolerance for right angles of single-precision exporters.
 const ANGLE_SLACK: f64 = 1e-6;
 
-/// In the extras of a directional light: the apparent diameter of its disc, rad.
+/// The key of the angular diameter, rad, in the extras of a directional light.
 pub(super) const ANGULAR_DIAMETER: &str = "angular_diameter_rad";
 
-/// Everything that nodes place, in the order of the nodes in the file.
+/// The contents of all nodes, in the order of the nodes in the file.
 #[derive(Default)]
-pub(super) struct Placed {
+pub(super) struct Placements {
     pub(super) instances: Vec<Instance>,
     pub(super) lights: Vec<Light>,
     pub(super) cameras: Vec<Camera>,
 }
 
-/// A light before a node gives it a place.
+/// A light without position and direction.
 struct LightSource {
     name: String,
     intensity: [f64; 3],
@@ -41,17 +41,17 @@ enum Shape {
     Spot { range: Option<f64>, inner: f64, outer: f64 },
 }
 
-/// Goes through the nodes of the scene.
+/// Places the contents of all nodes of the scene.
 pub(super) fn load(
     root: &Object<'_>,
     nodes: &Nodes<'_>,
     meshes: &Meshes,
     limits: &Limits,
     warnings: &mut Warnings,
-) -> Result<Placed, Error> {
+) -> Result<Placements, Error> {
     let cameras = cameras(root)?;
     let lights = lights(root)?;
-    let mut placed = Placed::default();
+    let mut placements = Placements::default();
     let mut triangles = 0_u64;
     let shown = nodes.nodes.iter().zip(&nodes.world).filter_map(|(node, world)| Some((node, world.as_ref()?)));
     for (node, world) in shown {
@@ -59,23 +59,23 @@ pub(super) fn load(
         if let Some(mesh) = node.index("mesh", "meshes", meshes.ranges.len())? {
             for mesh in meshes.ranges[mesh].clone() {
                 triangles = triangles.saturating_add(meshes.meshes[mesh].triangles.len() as u64);
-                if placed.instances.len() >= limits.max_instances || triangles > limits.max_triangles {
+                if placements.instances.len() >= limits.max_instances || triangles > limits.max_triangles {
                     let (i, t) = (limits.max_instances, limits.max_triangles);
                     let what = format!("the scene exceeds the limit of {i} mesh instances or {t} triangles");
                     return Err(bad(node.path(), what));
                 }
-                placed.instances.push(Instance { name: name.to_owned(), mesh, transform: *world });
+                placements.instances.push(Instance { name: name.to_owned(), mesh, transform: *world });
             }
             if node.has("skin") {
                 warnings.note("skins are ignored: drawn in the pose of the mesh", || node.path().to_owned());
             }
         }
         if let Some(camera) = node.index("camera", "cameras", cameras.len())? {
-            let (own_name, lens) = &cameras[camera];
+            let (own_name, projection) = &cameras[camera];
             match frame(world) {
                 Some(pose) => {
                     let name = if name.is_empty() { own_name } else { name };
-                    placed.cameras.push(Camera { name: name.to_owned(), pose, lens: *lens });
+                    placements.cameras.push(Camera { name: name.to_owned(), pose, projection: *projection });
                 }
                 None => warnings.note("a camera whose scale is zero is left out", || node.path().to_owned()),
             }
@@ -83,39 +83,39 @@ pub(super) fn load(
         if let Some(reference) = node.extension(LIGHTS)? {
             let light = reference.index("light", "lights", lights.len())?.ok_or_else(|| reference.missing("light"))?;
             match place(&lights[light], name, world) {
-                Some(light) => placed.lights.push(light),
+                Some(light) => placements.lights.push(light),
                 None => {
                     warnings.note("a light whose scale is zero has no direction: left out", || node.path().to_owned())
                 }
             }
         }
     }
-    Ok(placed)
+    Ok(placements)
 }
 
-fn cameras<'f>(root: &Object<'f>) -> Result<Vec<(&'f str, CameraLens)>, Error> {
+fn cameras<'f>(root: &Object<'f>) -> Result<Vec<(&'f str, CameraProjection)>, Error> {
     let read = |camera: Object<'f>| {
         let kind = camera.string("type")?.ok_or_else(|| camera.missing("type"))?;
         if !matches!(kind, "perspective" | "orthographic") {
             return Err(bad(camera.at("type"), "must be perspective or orthographic"));
         }
-        let lens = camera.object(kind)?.ok_or_else(|| camera.missing(kind))?;
-        let positive = |key: &str| match lens.number(key)? {
+        let projection = camera.object(kind)?.ok_or_else(|| camera.missing(kind))?;
+        let positive = |key: &str| match projection.number(key)? {
             Some(x) if x > 0.0 => Ok(Some(x)),
-            Some(x) => Err(bad(lens.at(key), format!("is {x}; it must be above 0"))),
+            Some(x) => Err(bad(projection.at(key), format!("is {x}; it must be above 0"))),
             None => Ok(None),
         };
-        let required = |key: &str| positive(key)?.ok_or_else(|| lens.missing(key));
-        let lens = if kind == "perspective" {
+        let required = |key: &str| positive(key)?.ok_or_else(|| projection.missing(key));
+        let projection = if kind == "perspective" {
             let angle = required("yfov")?;
             if angle >= PI {
-                return Err(bad(lens.at("yfov"), format!("is {angle}; it must be below pi")));
+                return Err(bad(projection.at("yfov"), format!("is {angle}; it must be below pi")));
             }
-            CameraLens::Perspective { vertical_angle_rad: angle, aspect_ratio: positive("aspectRatio")? }
+            CameraProjection::Perspective { vertical_angle_rad: angle, aspect_ratio: positive("aspectRatio")? }
         } else {
-            CameraLens::Orthographic { half_width_m: required("xmag")?, half_height_m: required("ymag")? }
+            CameraProjection::Orthographic { half_width_m: required("xmag")?, half_height_m: required("ymag")? }
         };
-        Ok((camera.name()?, lens))
+        Ok((camera.name()?, projection))
     };
     root.objects("cameras")?.into_iter().map(read).collect()
 }
@@ -127,7 +127,7 @@ fn lights(root: &Object<'_>) -> Result<Vec<LightSource>, Error> {
         let factor = light.number("intensity")?.unwrap_or(1.0);
         let intensity = color.map(|c| c * factor);
         if intensity.iter().any(|c| !c.is_finite() || *c < 0.0) {
-            return Err(bad(light.path(), "its colour times its intensity must be finite and not negative"));
+            return Err(bad(light.path(), "its color times its intensity must be finite and not negative"));
         }
         let range = match light.number("range")? {
             Some(range) if range <= 0.0 => {
@@ -161,7 +161,7 @@ fn lights(root: &Object<'_>) -> Result<Vec<LightSource>, Error> {
     extension.objects("lights")?.into_iter().map(read).collect()
 }
 
-/// How large the disc of a directional light appears. glTF has no word for it, so it lies in the extras of the light.
+/// The angular diameter of a directional light, rad. glTF has no field for it, so it is in the extras of the light.
 fn angular_diameter(light: &Object<'_>) -> Result<f64, Error> {
     let Some(extras) = light.extras()? else { return Ok(0.0) };
     match extras.number(ANGULAR_DIAMETER)? {
@@ -172,7 +172,7 @@ fn angular_diameter(light: &Object<'_>) -> Result<f64, Error> {
     }
 }
 
-/// A light in the world; `None` where its node leaves it no direction.
+/// A light in the world; `None` if the transform of its node is singular.
 fn place(source: &LightSource, node_name: &str, world: &Transform) -> Option<Light> {
     let direction = || {
         let direction = world.vector([0.0, 0.0, -1.0]);
@@ -193,8 +193,8 @@ fn place(source: &LightSource, node_name: &str, world: &Transform) -> Option<Lig
     Some(Light { name: name.to_owned(), intensity: source.intensity, kind })
 }
 
-/// The rotation and translation of a transform. Viewing and upward direction stay where scale, shear and mirroring put
-/// them; the picture itself is never mirrored.
+/// The rotation and translation of a transform. Scale and shear are removed such that the viewing and up directions
+/// stay; images are never mirrored.
 fn frame(world: &Transform) -> Option<Transform> {
     let [x, y, z] = world.columns;
     let exact =
@@ -215,9 +215,9 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// The vector with length 1; `None` for zero.
+/// The normalized vector; `None` for zero.
 fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
-    // Scaled first: squares of huge or tiny numbers overflow or vanish.
+    // Scaled first: squares of very large or small numbers overflow or underflow.
     let largest = v.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
     if !(largest > 0.0 && largest.is_finite()) {
         return None;

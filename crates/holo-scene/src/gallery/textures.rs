@@ -1,4 +1,4 @@
-//! Procedural textures of the studio scenes: wood, cloth, stone, paper, and numbers for reliefs and roughness.
+//! Procedural textures of the studio scenes: wood, cloth, stone, paper, normal maps and roughness maps.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -6,7 +6,7 @@ use super::noise::{Random, fractal, smooth};
 use super::patterns::{mix, paint};
 use crate::{Texture, Wrap};
 
-/// Planks along y, so many side by side, oiled. Clamped: one piece of furniture each.
+/// Oiled planks along y, `planks` of them side by side. Not periodic: one per piece of furniture.
 pub(super) fn wood(name: &str, dark: [f64; 3], light: [f64; 3], planks: f64, seed: f64) -> Texture {
     paint(name, 768, Wrap::Clamp, |x, y| {
         let plank = (x * planks).floor();
@@ -23,7 +23,7 @@ pub(super) fn wood(name: &str, dark: [f64; 3], light: [f64; 3], planks: f64, see
     })
 }
 
-/// Linen of the given stripes (colour, width as a share) across x, woven; repeats.
+/// Woven linen with stripes (color, relative width) across x; periodic.
 pub(super) fn striped_linen(stripes: &[([f64; 3], f64)]) -> Texture {
     paint("striped linen", 512, Wrap::Repeat, |x, y| {
         let mut rest = x;
@@ -40,7 +40,7 @@ pub(super) fn striped_linen(stripes: &[([f64; 3], f64)]) -> Texture {
     })
 }
 
-/// A cloth of crossing bands, like a kitchen towel; repeats.
+/// A cloth of crossing bands, like a kitchen towel; periodic.
 pub(super) fn checked_linen(ground: [f64; 3], band: [f64; 3]) -> Texture {
     paint("checked linen", 512, Wrap::Repeat, |x, y| {
         let on = |t: f64| {
@@ -52,7 +52,7 @@ pub(super) fn checked_linen(ground: [f64; 3], band: [f64; 3]) -> Texture {
     })
 }
 
-/// Felt, card or plaster: one colour with a fine grain and faint clouds. Clamped.
+/// Felt, card or plaster: one color with fine grain and faint clouds. Not periodic.
 pub(super) fn grained(name: &str, color: [f64; 3], grain: f64) -> Texture {
     paint(name, 512, Wrap::Clamp, |x, y| {
         let fine = fractal([x * 110.0, y * 110.0, 2.0], 2);
@@ -61,7 +61,7 @@ pub(super) fn grained(name: &str, color: [f64; 3], grain: f64) -> Texture {
     })
 }
 
-/// A painted tile: a rosette in a ring with quarter flowers in the corners. Repeats exactly, like what it shows.
+/// A painted tile: a rosette in a ring with quarter flowers in the corners. Exactly periodic.
 pub(super) fn azulejo() -> Texture {
     paint("azulejo", 512, Wrap::Repeat, |x, y| {
         let (white, blue, pale, ochre) =
@@ -96,7 +96,7 @@ pub(super) fn azulejo() -> Texture {
     })
 }
 
-/// Leaves and dots on a wall, half drop; repeats.
+/// Wallpaper with leaves and dots in a half-drop pattern; periodic.
 pub(super) fn wallpaper(ground: [f64; 3], leaf: [f64; 3], dot: [f64; 3]) -> Texture {
     paint("wallpaper", 512, Wrap::Repeat, |x, y| {
         let drawn = |cx: f64, cy: f64| {
@@ -128,18 +128,19 @@ pub(super) fn wallpaper(ground: [f64; 3], leaf: [f64; 3], dot: [f64; 3]) -> Text
     })
 }
 
-/// Numbers for a roughness map (green; metal in blue is 1): streaks along y around `mean`. Repeats roughly.
+/// A metallic-roughness map (green: roughness, blue: metallic, 1): streaks along y around `mean`. Approximately
+/// periodic.
 pub(super) fn brushed(mean: f64, spread: f64) -> Texture {
-    numbers("brushed", 512, |x, y| {
+    linear_texture("brushed", 512, |x, y| {
         let streak = 0.7 * smooth([x * 70.0, y * 3.0, 4.0]) + 0.5 * fractal([x * 8.0, y * 5.0, 9.0], 3);
         [1.0, (mean + spread * streak).clamp(0.05, 1.0), 1.0, 1.0]
     })
 }
 
-/// A normal map of the height field `height(x, y)` (periodic), heights in widths of the image.
-pub(super) fn relief(name: &str, height: impl Fn(f64, f64) -> f64) -> Texture {
+/// A normal map of the periodic height field `height(x, y)`, with heights in widths of the image.
+pub(super) fn normal_map_of(name: &str, height: impl Fn(f64, f64) -> f64) -> Texture {
     let step = 1.0 / 512.0;
-    numbers(name, 512, |x, y| {
+    linear_texture(name, 512, |x, y| {
         let slope_x = (height(x + step, y) - height(x - step, y)) / (2.0 * step);
         let slope_y = (height(x, y + step) - height(x, y - step)) / (2.0 * step);
         let normal = glam::DVec3::new(-slope_x, slope_y, 1.0).normalize();
@@ -147,7 +148,7 @@ pub(super) fn relief(name: &str, height: impl Fn(f64, f64) -> f64) -> Texture {
     })
 }
 
-/// Pores of a fruit's peel, periodic.
+/// A normal map of the pores of a fruit peel, periodic.
 pub(super) fn peel() -> Texture {
     let mut random = Random::new(23);
     let pores: Vec<[f64; 3]> = (0..900).map(|_| [random.unit(), random.unit(), random.between(0.006, 0.013)]).collect();
@@ -155,7 +156,7 @@ pub(super) fn peel() -> Texture {
     for pore in &pores {
         cells[(pore[1] * 32.0) as usize * 32 + (pore[0] * 32.0) as usize].push(*pore);
     }
-    relief("peel", move |x, y| {
+    normal_map_of("peel", move |x, y| {
         let wrap = |t: f64| t - t.round();
         let (column, row) = ((x * 32.0).floor() as i64, (y * 32.0).floor() as i64);
         let mut depth = 0.0;
@@ -170,8 +171,8 @@ pub(super) fn peel() -> Texture {
     })
 }
 
-/// RGBA of plain numbers 0 to 1, not colours.
-pub(super) fn numbers(name: &str, size: usize, value: impl Fn(f64, f64) -> [f64; 4]) -> Texture {
+/// A texture of linear RGBA values, 0 to 1.
+pub(super) fn linear_texture(name: &str, size: usize, value: impl Fn(f64, f64) -> [f64; 4]) -> Texture {
     let texels = (0..size * size)
         .map(|k| {
             let (x, y) = (((k % size) as f64 + 0.5) / size as f64, ((k / size) as f64 + 0.5) / size as f64);
@@ -181,7 +182,7 @@ pub(super) fn numbers(name: &str, size: usize, value: impl Fn(f64, f64) -> [f64;
     Texture { name: name.into(), width: size, height: size, texels, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat }
 }
 
-/// A colour texture that is given an alpha.
+/// Adds alpha to a color texture.
 pub(super) fn with_alpha(mut texture: Texture, alpha: impl Fn(f64, f64) -> f64) -> Texture {
     let (width, height) = (texture.width, texture.height);
     for (k, texel) in texture.texels.iter_mut().enumerate() {

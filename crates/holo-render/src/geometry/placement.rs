@@ -1,53 +1,57 @@
-//! A mesh that is kept once and placed many times: one placement of it.
+//! The placement of a prototype: an affine map from mesh to camera coordinates.
 //!
-//! Rays are turned into the coordinates of the mesh by the engine, in f32. What the rest of the renderer wants to know of
-//! a hit (plane, normals, corners) is turned into camera coordinates here, in f64 where depth comes from.
+//! The engine transforms rays to mesh coordinates in f32. The data of a hit (plane, normals, corners) are transformed
+//! to camera coordinates here; planes, which determine depth, in f64.
 //!
-//! **Error of the engine.** Its map from camera to mesh coordinates is W = L^-1 in f32, with L the matrix and t the
-//! translation of the placement. For a point x of the mesh, seen from a ray that starts at o, every step of
-//! `W o - W t`, of the inversion and of the test against the triangle x errs by a few 2^-24 of `|W| (|o| + |t| + |L| |x|)`
-//! (absolute values entry by entry). Back in camera coordinates that is multiplied by |L|: the largest entry of
-//! `|L| |W| (|o| + |t| + |L| |x|)` over 2^-24 takes the place that the largest coordinate has for flattened triangles.
-//! `|L| |W|` does not see how columns of L are scaled (Bauer, 1966; Skeel, 1979): stretched meshes lose nothing, sheared
-//! ones do, and so do meshes far from their own origin. Where the loss is too large the placement is flattened.
+//! # Error of the engine
+//! The engine maps camera to mesh coordinates by W = L^-1 in f32, where L is the matrix and t the translation of the
+//! placement. For a point x of the mesh and a ray that starts at o, every step of `W o - W t`, of the inversion, and of
+//! the test against the triangle at x has an error of a few 2^-24 times `|W| (|o| + |t| + |L| |x|)` (absolute values
+//! entry by entry). Transformed back to camera coordinates the error is multiplied by |L|. The largest entry of `|L|
+//! |W| (|o| + |t| + |L| |x|)` therefore corresponds to the largest coordinate of flattened triangles.
+//!
+//! `|L| |W|` is invariant to the scaling of columns of L (Bauer, 1966; Skeel, 1979): stretched meshes lose no
+//! precision, but sheared meshes and meshes far from their own origin do. If the loss is too large the instance is
+//! flattened.
 
 use super::Plane;
 use holo_scene::Transform;
 
-/// The error bound of a placement over that of its flattened triangles must stay below this. Rotated and stretched
-/// meshes around their own origin reach 2 to 9.
-const LARGEST_LOSS: f64 = 16.0;
+/// The maximum ratio of the error bound of a placement to that of its flattened triangles. Rotated and stretched meshes
+/// around their own origin reach 2 to 9.
+const MAX_PRECISION_LOSS: f64 = 16.0;
 
-/// Mesh units are between 1e-6 and 1e6 m and placements stay within 1e10 m: products of four such numbers fit in f32.
-const LARGEST_SCALE: f64 = 1e6;
-const LARGEST_REACH: f64 = 1e10;
+/// Mesh units must be between 1e-6 and 1e6 m, and placements within 1e10 m: products of four such numbers fit into f32.
+const MAX_SCALE: f64 = 1e6;
+const MAX_REACH_M: f64 = 1e10;
 
-/// A placement of a mesh that is kept in its own coordinates.
+/// A placement of a prototype.
 #[derive(Clone, Debug)]
-pub(crate) struct Placed {
+pub(crate) struct Placement {
     /// Mesh to camera coordinates.
     to_camera: Transform,
-    /// The absolute value of the map's determinant.
+    /// The absolute value of the determinant of the map.
     stretch: f64,
-    /// The cofactor matrix, with its sign turned for maps that mirror: where unnormalised normals go.
+    /// The cofactor matrix, negated for mirroring maps: maps unnormalized normals.
     normal_columns: [[f64; 3]; 3],
-    /// The same up to its length, for normals that are made unit length again.
+    /// The cofactor matrix up to its scale, for normals that are normalized afterwards.
     small_normal_columns: [[f32; 3]; 3],
-    /// Which mesh of [`super::Geometry::prototypes`].
+    /// Index into [`super::Geometry::prototypes`].
     pub prototype: u32,
-    /// The error bound of the head of this file, in the place of [`super::Part::extent`].
+    /// The error bound of the module documentation, equivalent to [`super::InstanceData::extent`].
     pub extent: f32,
 }
 
-impl Placed {
-    /// The mesh with the corners `low` and `high` of its bounding box, placed by `to_camera`; `None` where a ray engine that
-    /// works in mesh coordinates would see it much less exactly than its flattened triangles, or not at all.
+impl Placement {
+    /// The placement by `to_camera` of a mesh with the corners `low` and `high` of its bounding box. `None` if a ray
+    /// tracing engine that works in mesh coordinates would lose too much precision in comparison to flattened
+    /// triangles.
     pub fn new(to_camera: &Transform, [low, high]: [[f64; 3]; 2], prototype: u32) -> Option<Self> {
         let columns = &to_camera.columns;
         let determinant = to_camera.determinant();
         let cofactors = to_camera.normal_columns();
         let length = |v: &[f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let usable = |v: &[f64; 3]| (1.0 / LARGEST_SCALE..=LARGEST_SCALE).contains(&length(v));
+        let usable = |v: &[f64; 3]| (1.0 / MAX_SCALE..=MAX_SCALE).contains(&length(v));
         if !columns.iter().all(usable) || determinant == 0.0 {
             return None;
         }
@@ -66,8 +70,8 @@ impl Placed {
         };
         let bound = (0..3).map(|i| (0..3).map(|j| amplified(i, j) * terms[j]).sum()).fold(0.0, f64::max);
         let largest = seen.iter().fold(0.0, |m: f64, x| m.max(*x));
-        // Written so that NaN fails.
-        if !(bound <= LARGEST_LOSS * largest && bound <= LARGEST_REACH) {
+        // NaN fails this comparison.
+        if !(bound <= MAX_PRECISION_LOSS * largest && bound <= MAX_REACH_M) {
             return None;
         }
         let sign = determinant.signum();
@@ -83,7 +87,7 @@ impl Placed {
         })
     }
 
-    /// Mesh to camera coordinates as a ray engine takes it: columns, the translation last.
+    /// Mesh to camera coordinates in the layout of ray tracing engines: columns, the translation last.
     pub fn matrix(&self) -> [f32; 12] {
         let [x, y, z] = self.to_camera.columns;
         let mut out = [0.0; 12];
@@ -93,11 +97,11 @@ impl Placed {
         out
     }
 
-    /// A plane of the mesh in camera coordinates.
+    /// Transforms a plane of the mesh to camera coordinates.
     ///
-    /// With n' = s C n, C the cofactor matrix of L and s the sign of its determinant: n' . (L x + t) = |det L| n . x + n' . t;
-    /// both sides are then divided by the length of n'.
-    /// The sign keeps the front in front where the map mirrors.
+    /// With n' = s C n, where C is the cofactor matrix of L and s the sign of its determinant: n' . (L x + t) = |det L|
+    /// n . x + n' . t. Both sides are then divided by the length of n'. The sign preserves the front side under
+    /// mirroring maps.
     #[inline(always)]
     pub fn plane(&self, plane: &Plane) -> Plane {
         let [x, y, z] = plane.normal;
@@ -110,7 +114,7 @@ impl Placed {
         Plane { normal: [normal[0] * inverse, normal[1] * inverse, normal[2] * inverse], offset: offset * inverse }
     }
 
-    /// A vertex normal of the mesh in camera coordinates, unit length; zero stays zero.
+    /// Transforms a vertex normal of the mesh to camera coordinates, with unit length; zero stays zero.
     #[inline(always)]
     pub fn normal(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let [a, b, c] = &self.small_normal_columns;
@@ -120,7 +124,7 @@ impl Placed {
         [n[0] * inverse, n[1] * inverse, n[2] * inverse]
     }
 
-    /// A vertex of the mesh in camera coordinates.
+    /// Transforms a vertex of the mesh to camera coordinates.
     #[inline(always)]
     pub fn point(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let [x, y, z] = [f64::from(x), f64::from(y), f64::from(z)];
