@@ -10,6 +10,7 @@ use crate::error::{not_negative, positive_or_infinite};
 
 /// The projection of one view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Projection {
     /// All rays of a view start in one point, as in a pinhole camera.
     Perspective,

@@ -93,9 +93,13 @@ mod layout;
 mod light_field;
 mod memory;
 pub mod metrics;
+mod millimeters;
 pub mod optics;
+mod parallel;
 mod real;
 pub mod refocus;
+#[cfg(feature = "serde")]
+mod serialize;
 
 /// The crate `ndarray` in the version of the public signatures.
 pub use ndarray;
@@ -112,4 +116,5 @@ pub use light_field::{
     DynImage, DynImageRef, DynLightField, DynLightFieldRef, Layout, LightField, LightFieldCow, LightFieldOwned,
     LightFieldRef, LightFieldRefMut, Sample, SampleKind, ViewOrder, ViewPath, evenly_spaced_views,
 };
+pub use millimeters::{meters_to_millimeters, millimeters_to_meters};
 pub use real::Real;

@@ -93,7 +93,6 @@ mod limits;
 mod manifest;
 #[cfg(feature = "mat")]
 mod mat;
-mod millimeters;
 mod names;
 mod net;
 #[cfg(feature = "png")]
@@ -128,7 +127,7 @@ pub use hci::{HciFolder, HciImage, HciQuantity, HciResolution, HciTruth};
 pub use hdf5::{Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_hdf5, write_hdf5};
 #[cfg(feature = "hdr")]
 pub use hdr::{HdrInfo, decode_hdr, read_hdr, read_hdr_info};
-pub use holo_core::ColorEncoding;
+pub use holo_core::{ColorEncoding, meters_to_millimeters, millimeters_to_meters};
 #[cfg(feature = "png")]
 pub use image_file::write_image;
 #[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
@@ -144,7 +143,6 @@ pub use mat::{
     MatArray, MatClass, MatInfo, MatLightField, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, decode_mat,
     encode_mat, read_mat, read_mat_info, read_mat_light_field, read_mat_variable, write_mat, write_mat_light_field,
 };
-pub use millimeters::{meters_to_millimeters, millimeters_to_meters};
 pub use net::is_guarding;
 #[cfg(feature = "png")]
 pub use open::{FileInfo, open};

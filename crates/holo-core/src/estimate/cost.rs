@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod naive;
 
-use rayon::prelude::*;
+use crate::parallel::*;
 
 use super::views::{View, Views};
 

@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod naive;
 
-use rayon::prelude::*;
+use crate::parallel::*;
 
 use super::views::{ARMS, Views};
 use crate::Error;
@@ -39,8 +39,9 @@ pub(super) fn measure(
     let mut information = filled("the information of a disparity map", pixels, 0.0)?;
     // Interleaved while it is written, so that every thread has its own part.
     let mut mixed = filled("an averaged view", pixels * views.channels, 0.0)?;
-    (&mut disparity_px, &mut information)
-        .into_par_iter()
+    disparity_px
+        .par_iter_mut()
+        .zip(information.par_iter_mut())
         .zip(mixed.par_chunks_exact_mut(views.channels))
         .with_min_len(columns)
         .enumerate()

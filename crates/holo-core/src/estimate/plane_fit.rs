@@ -1,6 +1,6 @@
 //! Edge-preserving smoothing: at every pixel a plane fit to the measurements around it that belong to the same surface.
 
-use rayon::prelude::*;
+use crate::parallel::*;
 
 use super::measure::Measurements;
 use crate::memory::filled;
@@ -39,7 +39,7 @@ impl Fit {
         let mut smoothed = filled("a disparity map", map.len(), 0.0)?;
         let mut information = filled("the information of a disparity map", map.len(), 0.0)?;
         let neighbors = Neighbors { fit: self, size, map, found, channels: found.image.len() / map.len() };
-        (&mut smoothed, &mut information).into_par_iter().with_min_len(size.columns).enumerate().for_each(
+        smoothed.par_iter_mut().zip(information.par_iter_mut()).with_min_len(size.columns).enumerate().for_each(
             |(pixel, (smoothed, information))| {
                 let plane = neighbors.plane_at(pixel / size.columns, pixel % size.columns);
                 (*smoothed, *information) = (plane.here, plane.information);

@@ -1,6 +1,6 @@
 //! The sweep: a first map from the costs of all planes at all pixels, in bands of limited memory.
 
-use rayon::prelude::*;
+use crate::parallel::*;
 
 use super::cost::{self, Planes};
 use super::scanline;

@@ -1,7 +1,7 @@
 //! The selection of views, and their samples as planes of `f32`.
 
+use crate::parallel::*;
 use ndarray::{ArrayView3, Data};
-use rayon::prelude::*;
 
 use super::effort::Settings;
 use crate::layout::checked_product;

@@ -1,7 +1,8 @@
 //! Single views and elemental images, and iterators over them.
 
-use ndarray::parallel::prelude::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use ndarray::{ArrayView3, ArrayView5, ArrayViewMut3, ArrayViewMut5, Axis, Data, DataMut};
+#[cfg(feature = "rayon")]
+use rayon::prelude::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 
 use super::LightField;
 use crate::Error;
@@ -68,6 +69,7 @@ impl<S: Data> LightField<S> {
     }
 
     /// Returns all views with their `(t, s)` as a parallel iterator.
+    #[cfg(feature = "rayon")]
     pub fn par_views(&self) -> impl IndexedParallelIterator<Item = ((usize, usize), ArrayView3<'_, S::Elem>)>
     where
         S::Elem: Sync,
@@ -80,6 +82,7 @@ impl<S: Data> LightField<S> {
     }
 
     /// Returns all elemental images with their `(v, u)` as a parallel iterator.
+    #[cfg(feature = "rayon")]
     pub fn par_elemental_images(&self) -> impl IndexedParallelIterator<Item = ((usize, usize), ArrayView3<'_, S::Elem>)>
     where
         S::Elem: Sync,
@@ -138,6 +141,7 @@ impl<S: DataMut> LightField<S> {
     /// Returns all views, mutable, with their `(t, s)` as a parallel iterator.
     ///
     /// It allocates a list of the views, about a hundred bytes each.
+    #[cfg(feature = "rayon")]
     pub fn par_views_mut(&mut self) -> impl IndexedParallelIterator<Item = ((usize, usize), ArrayViewMut3<'_, S::Elem>)>
     where
         S::Elem: Send,
@@ -148,6 +152,7 @@ impl<S: DataMut> LightField<S> {
     /// Returns all elemental images, mutable, with their `(v, u)` as a parallel iterator.
     ///
     /// It allocates a list of the images, about a hundred bytes each.
+    #[cfg(feature = "rayon")]
     pub fn par_elemental_images_mut(
         &mut self,
     ) -> impl IndexedParallelIterator<Item = ((usize, usize), ArrayViewMut3<'_, S::Elem>)>

@@ -8,8 +8,8 @@
 pub mod naive;
 mod transpose;
 
+use crate::parallel::*;
 use ndarray::{Array3, ArrayView3, ArrayViewMut2, ArrayViewMut3, Axis, Data, Slice};
-use rayon::prelude::*;
 
 use crate::light_field::checked_length;
 use crate::memory::{filled, reserved};
@@ -124,7 +124,10 @@ where
         } else {
             // The first write to a page takes longer than the copies. Here all threads share those writes.
             let mut memory = reserved(what, length)?;
+            #[cfg(feature = "rayon")]
             memory.par_extend(rayon::iter::repeat_n(sample, length));
+            #[cfg(not(feature = "rayon"))]
+            memory.resize(length, sample);
             memory
         };
         Ok(Array3::from_shape_vec((raw.rows, raw.columns, self.channels()), memory).expect("the length is the product"))

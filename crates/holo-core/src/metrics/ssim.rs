@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
+use crate::parallel::*;
 use ndarray::{ArrayRef3, ArrayView3};
-use rayon::prelude::*;
 
 use super::psnr::check_images;
 use crate::{Error, Sample};
@@ -228,6 +228,7 @@ mod tests {
         assert!((found - expected).abs() < 1e-11, "{found} for {expected}");
     }
 
+    #[cfg(feature = "rayon")]
     #[test]
     fn threads_change_no_bit() {
         let image = Array3::from_shape_fn((300, 40, 1), |(r, c, _)| ((r * c) % 255) as u8);

@@ -2,8 +2,8 @@
 //!
 //! Pixels share no work: each takes sixteen samples of every view.
 
+use crate::parallel::*;
 use ndarray::{Array3, ArrayView2, ArrayView5};
-use rayon::prelude::*;
 
 use super::Refocus;
 use super::kernel::Shift;

@@ -5,8 +5,8 @@
 //! multiplications per sample instead of sixteen, with constant weights along a line. The aperture need not be
 //! separable.
 
+use crate::parallel::*;
 use ndarray::{Array3, ArrayView5, ArrayViewMut2, Axis};
-use rayon::prelude::*;
 
 use super::Refocus;
 use super::kernel::{PAD, Shift};
