@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let mut options = PlaneSweepOptions::default();
     if let Some((min, max)) = range_px {
-        (options.disparity_min_px, options.disparity_max_px) = (min as f32, max as f32);
+        options = options.range_px(min as f32, max as f32);
     }
     let estimate = for_each_sample!(DynLightField, &light_field, field => plane_sweep(field, &options))?;
     write_pfm(&out, estimate.disparity_px.view())?;

@@ -1,8 +1,8 @@
 //! Renders a scene that is built in code into a raw holoscopic image. It reads no file.
 
-use holo_core::{GridSize, LightFieldShape, Projection};
+use holo_core::{GridSize, LightFieldShape};
 use holo_io::{ColorEncoding, Compression, write_pfm, write_png};
-use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer, Request, exposure};
+use holo_render::{Backend, Baseline, Framing, Integrator, Renderer, Request, exposure};
 use holo_scene::{Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use ndarray::Axis;
 
@@ -34,18 +34,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     scene.cameras.push(Camera { name: "main".into(), pose: Transform::IDENTITY, projection });
 
     // 10 x 10 views behind 80 x 120 microlenses, 2 mm apart, with the focus on the middle square.
-    let framing = Framing {
-        shape: LightFieldShape::new(GridSize::new(10, 10), GridSize::new(80, 120))?,
-        camera: CameraChoice::First,
-        focal_length_m: None,
-        sensor_size_m: 0.036,
-        baseline: Baseline::Meters(0.002),
-        projection: Projection::Perspective,
-    };
+    let framing = Framing::new(LightFieldShape::new(GridSize::new(10, 10), GridSize::new(80, 120))?)
+        .baseline(Baseline::Meters(0.002));
     let framed = framing.frame(&scene)?;
     let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0)?;
-    let request =
-        Request { integrator: Integrator::Direct, samples: 4, sky: [0.1, 0.1, 0.12], ..Request::new(framed.rig(0.5)?) };
+    let request = Request::new(framed.rig(0.5)?).integrator(Integrator::Direct).samples(4).sky([0.1, 0.1, 0.12]);
     let rendered = renderer.render(&request, &())?;
 
     let color = rendered.color.ok_or("the integrator `Direct` makes an image")?;

@@ -12,15 +12,13 @@ fn image(samples: u32, target_error: Option<f64>, seed: u64) -> Rendered {
     let mut scene = common::soup(60, 5);
     let kind = LightKind::Point { position: [1.0, 2.0, 0.5], range: None };
     scene.lights.push(Light { name: String::new(), intensity: [6.0; 3], kind });
-    let request = Request {
-        integrator: Integrator::Path,
-        samples,
-        target_error,
-        seed,
-        sky: [0.3, 0.4, 0.5],
-        max_bounces: 3,
-        ..Request::new(rig([6, 6], [10, 16], 0.02, 3.0, Projection::Perspective))
-    };
+    let request = Request::new(rig([6, 6], [10, 16], 0.02, 3.0, Projection::Perspective))
+        .integrator(Integrator::Path)
+        .samples(samples)
+        .target_error(target_error)
+        .seed(seed)
+        .sky([0.3, 0.4, 0.5])
+        .max_bounces(3);
     common::render(&scene, &request, Backend::Auto, 0)
 }
 
@@ -78,12 +76,10 @@ fn faint_edges_in_the_dark_are_not_cut_off() {
     let material = scene.materials.last_mut().expect("that of the thread");
     (material.emission, material.double_sided) = ([1.0; 3], true);
     let row = |target_error| {
-        let request = Request {
-            integrator: Integrator::Direct,
-            samples: 2048,
-            target_error,
-            ..Request::new(rig([1, 1], [16, 16], 0.0, 3.0, Projection::Perspective))
-        };
+        let request = Request::new(rig([1, 1], [16, 16], 0.0, 3.0, Projection::Perspective))
+            .integrator(Integrator::Direct)
+            .samples(2048)
+            .target_error(target_error);
         let image = common::render(&scene, &request, Backend::Bvh, 1).color.expect("an image");
         let view = image.view(0, 0).expect("the only one");
         (2..14).map(|u| f64::from(view[[8, u, 0]])).sum::<f64>() / 12.0

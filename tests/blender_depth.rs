@@ -4,8 +4,8 @@ mod common;
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, LightFieldShape, Projection};
-use holo_render::{Baseline, CameraChoice, Framing, Layer, Renderer};
+use holo_core::{GridSize, LightFieldShape};
+use holo_render::{Baseline, Framing, Layer, Renderer};
 
 fn reference() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join("shared").join("reference");
@@ -21,14 +21,8 @@ fn five_views_have_the_depth_of_blender() {
         return;
     };
     let loaded = holo_scene::gltf::load(&folder.join("still_life.glb"), &Default::default()).expect("a scene");
-    let framing = Framing {
-        shape: LightFieldShape::new(GridSize::new(41, 41), GridSize::new(132, 198)).unwrap(),
-        camera: CameraChoice::First,
-        focal_length_m: None,
-        sensor_size_m: 0.036,
-        baseline: Baseline::Meters(0.01),
-        projection: Projection::Perspective,
-    };
+    let framing = Framing::new(LightFieldShape::new(GridSize::new(41, 41), GridSize::new(132, 198)).unwrap())
+        .baseline(Baseline::Meters(0.01));
     let framed = framing.frame(&loaded.scene).unwrap();
     let rig = framed.rig(6.0).unwrap();
     for backend in common::engines() {

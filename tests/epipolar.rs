@@ -117,7 +117,7 @@ proptest! {
         let painted_at_m = if orthographic { focus_m } else { depth_m };
         let mut scene = wall(&rig, painted_at_m, seed);
         scene.instances[0].transform = Transform::from_translation([0.0, 0.0, -depth_m]);
-        let request = Request { integrator: Integrator::Direct, samples: 16, seed, ..Request::new(rig) };
+        let request = Request::new(rig).integrator(Integrator::Direct).samples(16).seed(seed);
         for backend in engines() {
             let rendered = render(&scene, &request, backend, 2);
             let disparity = f64::from(rendered.central[Layer::Disparity][[PIXELS[0] / 2, PIXELS[1] / 2, 0]]);

@@ -56,7 +56,8 @@ impl Case {
 
     /// The mean luminance of an image.
     fn mean(&self, integrator: Integrator, samples: u32, seed: u64) -> f64 {
-        let request = Request { integrator, samples, seed, sky: self.sky, max_bounces: 4, ..Request::new(self.rig) };
+        let request =
+            Request::new(self.rig).integrator(integrator).samples(samples).seed(seed).sky(self.sky).max_bounces(4);
         let color = self.renderer.render(&request, &()).expect("a render").color.expect("an image");
         let values = color.samples();
         let sum: f64 = values.iter().zip([0.2126, 0.7152, 0.0722].iter().cycle()).map(|(&x, w)| f64::from(x) * w).sum();

@@ -68,14 +68,12 @@ fn furnace(material: Material, samples: u32, bounces: u32) -> (f64, f32, f32) {
     common::add(&mut scene, sphere(0.6), [1.0; 4], Transform::from_translation([0.0, 0.0, -2.0]));
     scene.materials[0] = material;
     let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
-    let request = Request {
-        integrator: Integrator::Path,
-        samples,
-        sky: [1.0; 3],
-        max_bounces: bounces,
-        roulette: false,
-        ..Request::new(rig([3, 3], [12, 18], 0.05, 2.0, Projection::Perspective))
-    };
+    let request = Request::new(rig([3, 3], [12, 18], 0.05, 2.0, Projection::Perspective))
+        .integrator(Integrator::Path)
+        .samples(samples)
+        .sky([1.0; 3])
+        .max_bounces(bounces)
+        .roulette(false);
     let color = renderer.render(&request, &()).expect("a render").color.expect("an image");
     let values = color.samples();
     let mean = values.iter().map(|&x| f64::from(x)).sum::<f64>() / values.len() as f64;

@@ -4,7 +4,7 @@ mod common;
 
 use common::{add, engines, everything, render, render_from, rig, soup, square, truth};
 use holo_core::{Projection, RigRay};
-use holo_render::{Backend, Error, Integrator, Layer, Renderer, Request};
+use holo_render::{Backend, Error, Integrator, Layer, Renderer};
 use holo_scene::{Light, LightKind, Mesh, Scene, Transform};
 
 fn lit_soup(seed: u64) -> Scene {
@@ -345,7 +345,7 @@ fn empty_and_black_scenes_are_the_sky_and_black() {
             assert!(rendered.central[Layer::Disparity].iter().all(|d| *d == far));
         }
         for integrator in [Integrator::Direct, Integrator::Path] {
-            let request = Request { integrator, ..everything(rig, 2, [0.0; 3]) };
+            let request = everything(rig, 2, [0.0; 3]).integrator(integrator);
             let color = render(&soup(40, 2), &request, backend, 1).color.expect("requested");
             assert!(color.samples().iter().all(|x| x.to_bits() == 0), "{backend:?} {integrator:?}");
         }

@@ -195,7 +195,7 @@ fn moved(scene: &Scene) -> (Scene, Transform) {
 
 fn request(rig: Rig) -> Request {
     let ground_truth = GroundTruth::All;
-    Request { integrator: Integrator::Depth, layers: LayerSet::ALL, ground_truth, ..Request::new(rig) }
+    Request::new(rig).integrator(Integrator::Depth).layers(LayerSet::ALL).ground_truth(ground_truth)
 }
 
 /// The tolerance of a layer. Results in f64 are rounded to f32 once: 2^-24 = 6.0e-8, relative or of a unit vector.
@@ -264,11 +264,11 @@ fn layers_do_not_depend_on_what_is_rendered_with_them() {
     };
     assert_eq!(alone.central, central(alone.all.as_ref().expect("requested")));
     for samples in [1, 3] {
-        let request = Request { integrator: Integrator::Path, samples, sky: [1.0; 3], ..request(rig) };
+        let request = request(rig).integrator(Integrator::Path).samples(samples).sky([1.0; 3]);
         let with_color = render_from(&scene, &pose, &request, Backend::Bvh, 2);
         assert_eq!(with_color.all, alone.all, "{samples}");
         assert!(with_color.color.is_some());
-        let central = Request { ground_truth: GroundTruth::Central, ..request };
+        let central = request.ground_truth(GroundTruth::Central);
         let rendered = render_from(&scene, &pose, &central, Backend::Bvh, 1);
         assert_eq!((rendered.central, rendered.all), (alone.central.clone(), None), "{samples}");
     }
@@ -283,12 +283,12 @@ fn any_subset_of_the_layers_can_be_requested() {
     let [first, second] = [[Layer::Albedo, Layer::HitMask], [Layer::Depth, Layer::GeometricNormal]].map(LayerSet::from);
     let single = Layer::ALL.map(|layer| LayerSet::from([layer]));
     for layers in single.into_iter().chain([first, second, first.union(second)]) {
-        let rendered = render_from(&scene, &pose, &Request { layers, ..request(rig) }, Backend::Bvh, 1);
+        let rendered = render_from(&scene, &pose, &request(rig).layers(layers), Backend::Bvh, 1);
         let some = rendered.all.expect("requested");
         assert_eq!((some.set(), rendered.central.set()), (layers, layers));
         assert!(some.iter().all(|(layer, field)| *field == all[layer]), "{layers:?}");
     }
-    let nothing = Request { layers: LayerSet::EMPTY, ..request(rig) };
+    let nothing = request(rig).layers(LayerSet::EMPTY);
     let rendered = render_from(&scene, &pose, &nothing, Backend::Bvh, 1);
     assert_eq!((rendered.central, rendered.all, rendered.rays.total()), (Layers::default(), None, 0));
     let renderer = Renderer::new(&scene, &pose, Backend::Bvh, 1).expect("a renderer");

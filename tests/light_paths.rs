@@ -29,13 +29,11 @@ fn place(scene: &mut Scene, mesh: Mesh, material: Material, transform: Transform
 /// Mean and largest radiance under a sky of 1, by paths of many bounces.
 fn under_the_sky(scene: &Scene, pose: &Transform, samples: u32, bounces: u32) -> (f64, f32) {
     let renderer = Renderer::new(scene, pose, Backend::Auto, 0).expect("a scene");
-    let request = Request {
-        integrator: Integrator::Path,
-        samples,
-        sky: [1.0; 3],
-        max_bounces: bounces,
-        ..Request::new(rig([3, 3], [12, 18], 0.01, 2.0, Projection::Perspective))
-    };
+    let request = Request::new(rig([3, 3], [12, 18], 0.01, 2.0, Projection::Perspective))
+        .integrator(Integrator::Path)
+        .samples(samples)
+        .sky([1.0; 3])
+        .max_bounces(bounces);
     let color = renderer.render(&request, &()).expect("a render").color.expect("an image");
     let values = color.samples();
     assert!(values.iter().all(|x| x.is_finite() && *x >= 0.0), "NaN, infinite or negative");
@@ -86,13 +84,7 @@ fn sixty_four_bounces_between_mirrors_lose_nothing_and_gain_nothing() {
         place(&mut scene, square(1.0), mirror(reflectance), Transform::from_translation([0.0, 0.0, -1.0]));
         place(&mut scene, square(1.0), mirror(reflectance), Transform::from_translation([0.0, 0.0, 0.5]));
         let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
-        let request = Request {
-            integrator: Integrator::Path,
-            sky: [1.0; 3],
-            max_bounces: 64,
-            roulette: false,
-            ..Request::new(rig)
-        };
+        let request = Request::new(rig).integrator(Integrator::Path).sky([1.0; 3]).max_bounces(64).roulette(false);
         let color = renderer.render(&request, &()).expect("a render").color.expect("an image");
         let (mut judged, mut most, mut trapped) = (0, 0, 0);
         for ((v, u, t, s, channel), &found) in color.samples().indexed_iter() {
@@ -151,7 +143,7 @@ fn radiance_at_grazing_and_critical_angles_is_finite() {
         place(&mut scene, square(3.0), Material { volume: None, ..glass(1.5) }, tilted);
         let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
         let (rig, integrator) = (narrow_rig(angle / 8.0), Integrator::Path);
-        let request = Request { integrator, samples: 16, sky: [1.0; 3], max_bounces: 16, ..Request::new(rig) };
+        let request = Request::new(rig).integrator(integrator).samples(16).sky([1.0; 3]).max_bounces(16);
         let rendered = renderer.render(&request, &()).expect("a render");
         let hit = rendered.central[Layer::Depth].iter().filter(|z| z.is_finite()).count();
         assert_eq!(hit, 8 * 12, "{degrees}: every pixel sees the pane");
@@ -177,7 +169,8 @@ fn radiance_at_grazing_and_critical_angles_is_finite() {
         let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
         let (rig, integrator) = (narrow_rig(critical * width), Integrator::Path);
         let (samples, roulette) = (256, false);
-        let request = Request { integrator, samples, roulette, sky: [1.0; 3], max_bounces: 64, ..Request::new(rig) };
+        let request =
+            Request::new(rig).integrator(integrator).samples(samples).roulette(roulette).sky([1.0; 3]).max_bounces(64);
         let color = renderer.render(&request, &()).expect("a render").color.expect("an image");
         let values = color.samples();
         assert!(values.iter().all(|x| x.is_finite() && *x >= 0.0));
@@ -201,13 +194,11 @@ fn images_scale_with_very_strong_and_very_faint_light() {
         let kind = LightKind::Point { position: [0.5, 1.0, 0.0], range: None };
         scene.lights.push(Light { name: "lamp".into(), intensity: [power; 3], kind });
         let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 1).expect("a scene");
-        let request = Request {
-            integrator: Integrator::Path,
-            samples: 4,
-            roulette: false,
-            max_bounces: 3,
-            ..Request::new(rig([2, 2], [8, 12], 0.01, 3.0, Projection::Perspective))
-        };
+        let request = Request::new(rig([2, 2], [8, 12], 0.01, 3.0, Projection::Perspective))
+            .integrator(Integrator::Path)
+            .samples(4)
+            .roulette(false)
+            .max_bounces(3);
         renderer.render(&request, &()).expect("a render").color.expect("an image")
     };
     let one = image(1.0);

@@ -5,9 +5,9 @@ mod common;
 use std::path::Path;
 
 use common::engines;
-use holo_core::{GridSize, LightFieldShape, Projection};
+use holo_core::{GridSize, LightFieldShape};
 use holo_io::Limits;
-use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Rendered, Renderer, Request};
+use holo_render::{Backend, Baseline, Framing, Integrator, Rendered, Renderer, Request};
 use holo_scene::{Environment, Scene};
 
 /// The two scenes of `tests/radiance`: all materials, all lights.
@@ -22,16 +22,10 @@ fn scenes() -> [(Scene, [f32; 3]); 2] {
 
 /// 6 x 5 views: packets with lanes to spare.
 fn render(scene: &Scene, sky: [f32; 3], backend: Backend, threads: usize, change: fn(&mut Request)) -> Rendered {
-    let framing = Framing {
-        shape: LightFieldShape::new(GridSize::new(5, 6), GridSize::new(22, 33)).unwrap(),
-        camera: CameraChoice::First,
-        focal_length_m: None,
-        sensor_size_m: 0.036,
-        baseline: Baseline::Meters(0.005),
-        projection: Projection::Perspective,
-    };
+    let framing = Framing::new(LightFieldShape::new(GridSize::new(5, 6), GridSize::new(22, 33)).unwrap())
+        .baseline(Baseline::Meters(0.005));
     let framed = framing.frame(scene).unwrap();
-    let mut request = Request { integrator: Integrator::Path, sky, ..Request::new(framed.rig(3.0).unwrap()) };
+    let mut request = Request::new(framed.rig(3.0).unwrap()).integrator(Integrator::Path).sky(sky);
     change(&mut request);
     Renderer::new(scene, &framed.pose, backend, threads).unwrap().render(&request, &()).expect("a render")
 }

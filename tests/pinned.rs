@@ -61,20 +61,20 @@ fn arrays(backend: Backend, engine: &str) -> BTreeMap<String, String> {
         let sky = if name == "garden" { [0.3, 0.4, 0.5] } else { [0.0; 3] };
         let focused = |views, lenses, projection| rig(views, lenses, 1e-3, 0.6, projection);
         let dense = focused([5, 6], [12, 17], Projection::Perspective);
-        let path = Request { samples: 3, seed: 5, sky, max_bounces: 5, ..Request::new(dense) };
+        let path = Request::new(dense).samples(3).seed(5).sky(sky).max_bounces(5);
         let mut put = |what: &str, request: Request| {
             let rendered = renderer.render(&request, &()).expect("a render");
             lines(&format!("{engine}/{name}/{what}"), &rendered, &mut found);
         };
-        put("path", Request { integrator: Integrator::Path, ..path.clone() });
-        put("direct", Request { integrator: Integrator::Direct, layers: LayerSet::ALL, ..path.clone() });
-        put("no_indirect", Request { indirect: false, samples: 1, ..path.clone() });
+        put("path", path.clone().integrator(Integrator::Path));
+        put("direct", path.clone().integrator(Integrator::Direct).layers(LayerSet::ALL));
+        put("no_indirect", path.clone().indirect(false).samples(1));
         let sparse = focused([1, 2], [19, 23], Projection::Perspective);
-        put("adaptive", Request { target_error: Some(0.2), samples: 64, rig: sparse, ..path.clone() });
+        put("adaptive", path.clone().target_error(Some(0.2)).samples(64).rig(sparse));
         let parallel = focused([9, 4], [7, 5], Projection::Orthographic);
-        let truth = Request { integrator: Integrator::Depth, layers: LayerSet::ALL, ..Request::new(parallel) };
-        put("parallel", Request { ground_truth: GroundTruth::All, ..truth.clone() });
-        put("rows", Request { rig: dense, lens_rows: Some(4..9), ..truth });
+        let truth = Request::new(parallel).integrator(Integrator::Depth).layers(LayerSet::ALL);
+        put("parallel", truth.clone().ground_truth(GroundTruth::All));
+        put("rows", truth.rig(dense).lens_rows(Some(4..9)));
     }
     found
 }

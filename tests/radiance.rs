@@ -7,9 +7,9 @@ mod common;
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, LightFieldShape, Projection, Rig};
+use holo_core::{GridSize, LightFieldShape, Rig};
 use holo_io::Limits;
-use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Layer, LayerSet, Rendered, Renderer, Request};
+use holo_render::{Backend, Baseline, Framing, Integrator, Layer, LayerSet, Rendered, Renderer, Request};
 use holo_scene::Environment;
 use ndarray::Array3;
 
@@ -34,14 +34,8 @@ fn prepare(folder: &Path, case: &Case, size: GridSize, backend: Backend) -> (Ren
         let radiance = holo_io::read_hdr(folder.join(map), &Limits::default()).expect("a map");
         scene.environment = Some(Environment { radiance });
     }
-    let framing = Framing {
-        shape: LightFieldShape::new(GridSize::new(1, 1), size).unwrap(),
-        camera: CameraChoice::First,
-        focal_length_m: None,
-        sensor_size_m: 0.036,
-        baseline: Baseline::Meters(0.0),
-        projection: Projection::Perspective,
-    };
+    let framing =
+        Framing::new(LightFieldShape::new(GridSize::new(1, 1), size).unwrap()).baseline(Baseline::Meters(0.0));
     let framed = framing.frame(&scene).unwrap();
     (Renderer::new(&scene, &framed.pose, backend, 0).unwrap(), framed.rig(6.0).unwrap())
 }
@@ -50,14 +44,12 @@ fn compare(folder: &Path, case: &Case, backend: Backend) {
     let theirs = holo_io::read_pfm(folder.join(case.reference), &Limits::default()).expect("a reference").values;
     let (rows, columns, _) = theirs.dim();
     let (renderer, rig) = prepare(folder, case, GridSize::new(rows, columns), backend);
-    let request = Request {
-        integrator: case.integrator,
-        samples: case.samples,
-        sky: case.sky,
-        roulette: false,
-        layers: LayerSet::of(&[Layer::ObjectId]),
-        ..Request::new(rig)
-    };
+    let request = Request::new(rig)
+        .integrator(case.integrator)
+        .samples(case.samples)
+        .sky(case.sky)
+        .roulette(false)
+        .layers(LayerSet::of(&[Layer::ObjectId]));
     let Rendered { color, central, .. } = renderer.render(&request, &()).expect("a render");
     let ours = color.expect("an image").view(0, 0).unwrap().to_owned();
     let objects = &central[Layer::ObjectId];

@@ -4,7 +4,7 @@ mod common;
 
 use common::{add, engines, everything, render, rig, square};
 use holo_core::Projection;
-use holo_render::{Integrator, Layer, LayerSet, Request};
+use holo_render::{Integrator, Layer, LayerSet};
 use holo_scene::{Light, LightKind, Mesh, Scene, Transform};
 
 fn light(kind: LightKind) -> Light {
@@ -168,7 +168,7 @@ fn no_light_leaks_into_a_closed_room() {
     let rig = rig([4, 4], [80, 120], 0.002, 1.0, Projection::Perspective);
     for backend in engines() {
         for integrator in [Integrator::Direct, Integrator::Path] {
-            let request = Request { integrator, ..everything(rig, 4, [1.0; 3]) };
+            let request = everything(rig, 4, [1.0; 3]).integrator(integrator);
             let rendered = render(&scene, &request, backend, 2);
             assert!(rendered.central[Layer::Depth].iter().all(|z| z.is_finite()));
             let lit = rendered.color.expect("requested").samples().iter().filter(|x| **x != 0.0).count();
@@ -205,7 +205,7 @@ fn the_terminator_of_a_coarse_ball_has_neither_acne_nor_leaks() {
     for backend in engines() {
         let rig = rig([2, 2], [80, 120], 0.002, 4.0, Projection::Perspective);
         let layers = LayerSet::of(&[Layer::GeometricNormal, Layer::ShadingNormal, Layer::HitMask]);
-        let request = Request { layers, ..everything(rig, 1, [0.0; 3]) };
+        let request = everything(rig, 1, [0.0; 3]).layers(layers);
         let rendered = render(&scene, &request, backend, 2);
         let (color, all) = (rendered.color.expect("lit"), rendered.all.expect("requested"));
         let (geometric, shading) = (all[Layer::GeometricNormal].samples(), all[Layer::ShadingNormal].samples());

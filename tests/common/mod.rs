@@ -89,12 +89,12 @@ pub fn render_from(scene: &Scene, pose: &Transform, request: &Request, backend: 
 /// A request for color and the ground truth of all views.
 pub fn everything(rig: Rig, samples: u32, sky: [f32; 3]) -> Request {
     let ground_truth = GroundTruth::All;
-    Request { integrator: Integrator::Direct, samples, seed: 1, sky, ground_truth, ..Request::new(rig) }
+    Request::new(rig).integrator(Integrator::Direct).samples(samples).seed(1).sky(sky).ground_truth(ground_truth)
 }
 
 /// A request for the ground truth of all views alone.
 pub fn truth(rig: Rig) -> Request {
-    Request { integrator: Integrator::Depth, ..everything(rig, 1, [0.0; 3]) }
+    everything(rig, 1, [0.0; 3]).integrator(Integrator::Depth)
 }
 
 /// The ray tracing backends of this machine. Prints a line if Embree is missing.

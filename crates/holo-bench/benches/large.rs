@@ -13,9 +13,9 @@ use std::process::Command;
 use std::time::Instant;
 
 use holo_bench::best_of;
-use holo_core::{GridSize, LightFieldShape, Projection};
+use holo_core::{GridSize, LightFieldShape};
 use holo_render::bench::{Storage, Work, renderer, trace};
-use holo_render::{Baseline, CameraChoice, Framing, GroundTruth, Integrator, Request};
+use holo_render::{Baseline, Framing, GroundTruth, Integrator, Request};
 use holo_scene::{Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 
 const CASES: [&str; 5] = ["unique", "r1000x10000", "r100x100000", "g2500x4000", "garden"];
@@ -64,14 +64,9 @@ fn measure(case: &str, storage_name: &str, views: usize, rounds: usize) {
     };
     let scene = scene(case);
     let scene_mib = peak_mib();
-    let framing = Framing {
-        shape: LightFieldShape::new(GridSize::new(views, views), GridSize::new(53, 79)).expect("sizes"),
-        camera: CameraChoice::First,
-        focal_length_m: None,
-        sensor_size_m: 0.036,
-        baseline: Baseline::FNumber(5.0),
-        projection: Projection::Perspective,
-    };
+    let framing =
+        Framing::new(LightFieldShape::new(GridSize::new(views, views), GridSize::new(53, 79)).expect("sizes"))
+            .baseline(Baseline::FNumber(5.0));
     let framed = framing.frame(&scene).expect("a camera");
     let build = || {
         let start = Instant::now();
@@ -82,7 +77,7 @@ fn measure(case: &str, storage_name: &str, views: usize, rounds: usize) {
     let peak = peak_mib();
     let rig = framed.rig(built.automatic_focus_m(&framed).expect("a focus")).expect("a rig");
     let render = |integrator, ground_truth| {
-        let request = Request { integrator, ground_truth, ..Request::new(rig) };
+        let request = Request::new(rig).integrator(integrator).ground_truth(ground_truth);
         let start = Instant::now();
         let rendered = built.render(&request, &()).expect("the scene renders");
         (start.elapsed().as_secs_f64(), rendered.rays.total())

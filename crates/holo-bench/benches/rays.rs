@@ -20,7 +20,7 @@ fn main() {
         (start.elapsed().as_secs_f64(), rendered.rays.total())
     };
     let render = move |renderer: &Renderer, integrator, sky, ground_truth| {
-        run(renderer, &Request { integrator, sky, ground_truth, ..Request::new(rig) })
+        run(renderer, &Request::new(rig).integrator(integrator).sky(sky).ground_truth(ground_truth))
     };
     let sky = [0.2, 0.24, 0.32];
     let engines = [Backend::Embree, Backend::Bvh].map(|b| Renderer::new(&setup.scene, &setup.pose, b, 0));
@@ -42,12 +42,10 @@ fn main() {
         add(
             "all layers of all views",
             Box::new(move || {
-                let request = Request {
-                    integrator: Integrator::Depth,
-                    layers: LayerSet::ALL,
-                    ground_truth: GroundTruth::All,
-                    ..Request::new(rig)
-                };
+                let request = Request::new(rig)
+                    .integrator(Integrator::Depth)
+                    .layers(LayerSet::ALL)
+                    .ground_truth(GroundTruth::All);
                 run(renderer, &request)
             }),
         );

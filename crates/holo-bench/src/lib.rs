@@ -1,8 +1,8 @@
 //! Shared by the benchmarks: a scene with a rig from the command line, and interleaved timing.
 #![forbid(unsafe_code)]
 
-use holo_core::{GridSize, LightFieldShape, Projection, Rig};
-use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer};
+use holo_core::{GridSize, LightFieldShape, Rig};
+use holo_render::{Backend, Baseline, Framing, Renderer};
 use holo_scene::{Scene, Transform};
 
 /// A scene with a rig, and the number of rounds.
@@ -65,14 +65,10 @@ pub fn scene_rig(arguments: impl Iterator<Item = String>) -> Setup {
         }
         None => ("garden".into(), holo_scene::gallery::scene("garden").expect("a scene of the gallery")),
     };
-    let framing = Framing {
-        shape: LightFieldShape::new(GridSize::new(views, views), GridSize::new(lenses.1, lenses.0)).expect("sizes"),
-        camera: CameraChoice::First,
-        focal_length_m: None,
-        sensor_size_m: 0.036,
-        baseline: Baseline::FNumber(5.0),
-        projection: Projection::Perspective,
-    };
+    let framing = Framing::new(
+        LightFieldShape::new(GridSize::new(views, views), GridSize::new(lenses.1, lenses.0)).expect("sizes"),
+    )
+    .baseline(Baseline::FNumber(5.0));
     let framed = framing.frame(&scene).expect("a camera");
     let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
     let focus = renderer.automatic_focus_m(&framed).expect("a focus");

@@ -53,6 +53,7 @@ const LARGEST_PX: f32 = 1e6;
 
 /// The options of [`plane_sweep`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct PlaneSweepOptions {
     /// The smallest disparity, in pixels between adjacent views: that of the farthest point.
     pub disparity_min_px: f32,
@@ -66,6 +67,22 @@ impl Default for PlaneSweepOptions {
     /// From -4 to 4 pixels, with balanced effort.
     fn default() -> Self {
         Self { disparity_min_px: -4.0, disparity_max_px: 4.0, effort: Effort::default() }
+    }
+}
+
+impl PlaneSweepOptions {
+    /// Sets the smallest and the largest disparity, in pixels between adjacent views.
+    #[must_use]
+    pub const fn range_px(mut self, min_px: f32, max_px: f32) -> Self {
+        (self.disparity_min_px, self.disparity_max_px) = (min_px, max_px);
+        self
+    }
+
+    /// Sets the trade-off between time and error.
+    #[must_use]
+    pub const fn effort(mut self, effort: Effort) -> Self {
+        self.effort = effort;
+        self
     }
 }
 
@@ -123,7 +140,7 @@ pub struct DisparityEstimate {
 ///     wall(v as f32 + 0.5 * (t as f32 - 1.0), u as f32 + 0.5 * (s as f32 - 1.0))
 /// });
 /// let light_field = LightField::new(samples)?;
-/// let options = PlaneSweepOptions { disparity_min_px: -1.0, disparity_max_px: 1.0, effort: Effort::Balanced };
+/// let options = PlaneSweepOptions::default().range_px(-1.0, 1.0).effort(Effort::Balanced);
 /// let estimate = plane_sweep(&light_field, &options)?;
 /// assert!((estimate.disparity_px[[12, 12]] - 0.5).abs() < 0.01);
 /// assert!(estimate.confidence[[12, 12]] > 0.9);

@@ -195,7 +195,7 @@ impl RenderJob {
         // Of all views fewer layers may be wanted than of the central one.
         let missing = wanted.central.without(rendered.central.set());
         if !missing.is_empty() {
-            let mut more = Request { integrator: Integrator::Depth, layers: missing, ..Request::new(prepared.rig) };
+            let mut more = Request::new(prepared.rig).integrator(Integrator::Depth).layers(missing);
             more.lens_rows.clone_from(&request.lens_rows);
             rendered.central.extend(prepared.renderer.render(&more, &())?.central);
         }
@@ -276,22 +276,20 @@ fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
         (_, Some(_)) => 1024,
         (_, None) => 16,
     });
-    Request {
-        integrator,
-        samples,
-        seed: spec.seed,
-        sky: sky::constant(&spec.sky),
-        max_bounces: spec.max_bounces,
-        roulette: spec.roulette,
-        target_error: spec.target_error,
-        indirect: spec.indirect,
-        layers: match spec.ground_truth {
+    Request::new(prepared.rig)
+        .integrator(integrator)
+        .samples(samples)
+        .seed(spec.seed)
+        .sky(sky::constant(&spec.sky))
+        .max_bounces(spec.max_bounces)
+        .roulette(spec.roulette)
+        .target_error(spec.target_error)
+        .indirect(spec.indirect)
+        .layers(match spec.ground_truth {
             GroundTruth::Central => wanted.central,
             GroundTruth::All => wanted.all,
-        },
-        ground_truth: spec.ground_truth,
-        ..Request::new(prepared.rig)
-    }
+        })
+        .ground_truth(spec.ground_truth)
 }
 
 fn wants_no_image(spec: &RenderSpec, wanted: &Wanted) -> bool {

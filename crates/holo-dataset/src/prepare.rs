@@ -64,18 +64,17 @@ pub(crate) fn prepare(
     }
     let load_seconds = start.elapsed().as_secs_f64();
     loaded.warnings.iter().for_each(|warning| diagnostics.report(About::Scene, &format!("warning: {warning}")));
-    let framing = Framing {
-        shape,
-        camera: camera(rig.camera.as_ref(), &loaded),
-        // Divided, because 1e-3 is not exact: 36 mm times it is not 0.036 m.
-        focal_length_m: rig.focal_mm.map(|mm| mm / 1e3),
-        sensor_size_m: rig.sensor_mm / 1e3,
-        baseline: match rig.baseline_m {
-            Some(baseline) => Baseline::Meters(baseline),
-            None => Baseline::FNumber(rig.f_number_or_default()),
-        },
-        projection: rig.projection,
+    let baseline = match rig.baseline_m {
+        Some(baseline) => Baseline::Meters(baseline),
+        None => Baseline::FNumber(rig.f_number_or_default()),
     };
+    let framing = Framing::new(shape)
+        .camera(camera(rig.camera.as_ref(), &loaded))
+        // Divided, because 1e-3 is not exact: 36 mm times it is not 0.036 m.
+        .focal_length_m(rig.focal_mm.map(|mm| mm / 1e3))
+        .sensor_size_m(rig.sensor_mm / 1e3)
+        .baseline(baseline)
+        .projection(rig.projection);
     let framed = framing.frame(&loaded.scene).map_err(|e| match e {
         // Nobody chose this camera: it is the file that has none that will do.
         holo_render::Error::BadSetting(why) if rig.camera.is_none() => Error::Failed(named(scene, &why)),

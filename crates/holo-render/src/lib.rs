@@ -20,27 +20,16 @@
 //!
 //! # Example
 //! ```
-//! use holo_core::{GridSize, LightFieldShape, Projection};
-//! use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer, Request};
+//! use holo_core::{GridSize, LightFieldShape};
+//! use holo_render::{Backend, Framing, Renderer, Request};
 //!
 //! # fn main() -> Result<(), holo_render::Error> {
 //! let scene = holo_scene::gallery::scene("garden").expect("a scene of the gallery");
-//! let framing = Framing {
-//!     shape: LightFieldShape::new(GridSize::new(8, 8), GridSize::new(20, 30))?, // views, lenses
-//!     camera: CameraChoice::First,
-//!     focal_length_m: None,
-//!     sensor_size_m: 0.036,
-//!     baseline: Baseline::FNumber(5.0),
-//!     projection: Projection::Perspective,
-//! };
-//! let framed = framing.frame(&scene)?;
+//! let shape = LightFieldShape::new(GridSize::new(8, 8), GridSize::new(20, 30))?; // views, lenses
+//! let framed = Framing::new(shape).frame(&scene)?;
 //! let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0)?;
 //! let rig = framed.rig(renderer.automatic_focus_m(&framed)?)?;
-//! let request = Request {
-//!     sky: [0.2, 0.24, 0.32],
-//!     max_bounces: 3,
-//!     ..Request::new(rig)
-//! };
+//! let request = Request::new(rig).sky([0.2, 0.24, 0.32]).max_bounces(3);
 //! let rendered = renderer.render(&request, &())?;
 //! let raw = rendered.color.expect("the scene is lit").to_elemental_grid()?;
 //! assert_eq!(raw.dim(), (20 * 8, 30 * 8, 3));
@@ -68,6 +57,7 @@ mod peer;
 mod progress;
 mod render;
 mod sampling;
+mod setters;
 mod simd;
 
 pub use accel::Backend;

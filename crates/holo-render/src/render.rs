@@ -183,7 +183,7 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::render`].
     pub fn central_layers(&self, rig: &Rig, layers: LayerSet) -> Result<Layers<Array3<f32>>, Error> {
-        let request = Request { integrator: Integrator::Depth, layers, ..Request::new(*rig) };
+        let request = Request::new(*rig).integrator(Integrator::Depth).layers(layers);
         Ok(self.render(&request, &())?.central)
     }
 

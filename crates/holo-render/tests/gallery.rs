@@ -1,7 +1,7 @@
 //! Framing and disparities of the gallery.
 
-use holo_core::{GridSize, LightFieldShape, Projection};
-use holo_render::{Backend, Baseline, CameraChoice, Framing, Renderer};
+use holo_core::{GridSize, LightFieldShape};
+use holo_render::{Backend, Baseline, Framing, Renderer};
 use holo_scene::gallery::{NAMES, scene};
 
 /// 20 x 20 views of 397 x 265 pixels: no view sees past the scene, and disparities are within the range that the
@@ -11,14 +11,7 @@ fn disparities_suit_dense_views() {
     let split = LightFieldShape::new(GridSize::new(20, 20), GridSize::new(265, 397)).expect("a possible split");
     for name in NAMES.iter().copied() {
         let scene = &scene(name).expect("a scene of the gallery");
-        let framing = Framing {
-            shape: split,
-            camera: CameraChoice::First,
-            focal_length_m: None,
-            sensor_size_m: 0.036,
-            baseline: Baseline::FNumber(5.0),
-            projection: Projection::Perspective,
-        };
+        let framing = Framing::new(split).baseline(Baseline::FNumber(5.0));
         let framed = framing.frame(scene).expect(name);
         let renderer = Renderer::new(scene, &framed.pose, Backend::Auto, 0).expect(name);
         let rig = framed.rig(renderer.automatic_focus_m(&framed).expect(name)).expect(name);

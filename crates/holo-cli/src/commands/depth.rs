@@ -11,9 +11,9 @@ use crate::failure::Failure;
 
 pub fn run(options: &DepthOptions) -> Result<(), Failure> {
     let file = files::read(&options.input)?;
-    let mut sweep = PlaneSweepOptions { effort: options.effort, ..PlaneSweepOptions::default() };
+    let mut sweep = PlaneSweepOptions::default().effort(options.effort);
     if let Some((min, max)) = options.range.or(file.disparity_range_px) {
-        (sweep.disparity_min_px, sweep.disparity_max_px) = (min as f32, max as f32);
+        sweep = sweep.range_px(min as f32, max as f32);
     } else if !options.quiet {
         say!("note: the disparity range is unknown; searching -4 to 4 px; set it with --range MIN,MAX");
     }

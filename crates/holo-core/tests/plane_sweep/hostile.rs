@@ -13,7 +13,7 @@ fn an_image_of_one_color_has_confidence_zero() {
     for value in [0, 7, 255_u8] {
         let light_field = LightField::new(Array5::from_elem((20, 22, 5, 5, 3), value)).unwrap();
         for effort in EFFORTS {
-            let options = PlaneSweepOptions { effort, ..PlaneSweepOptions::default() };
+            let options = PlaneSweepOptions::default().effort(effort);
             let found = plane_sweep(&light_field, &options).unwrap();
             assert!(found.confidence.iter().all(|&confidence| confidence == 0.0), "{value} {effort:?}");
             assert!(found.disparity_px.iter().all(|disparity_px| (-4.0..=4.0).contains(disparity_px)));
@@ -67,7 +67,7 @@ proptest! {
         });
         let light_field = LightField::new(samples).unwrap();
         let high = low + width;
-        let options = PlaneSweepOptions { disparity_min_px: low, disparity_max_px: high, effort };
+        let options = PlaneSweepOptions::default().range_px(low, high).effort(effort);
         match plane_sweep(&light_field, &options) {
             Ok(found) => {
                 prop_assert_eq!(found.disparity_px.dim(), (counts.0, counts.1));

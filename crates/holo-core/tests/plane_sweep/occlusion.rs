@@ -25,7 +25,7 @@ fn edges_of_a_bar_stay_where_they_are() {
         }
     });
     let light_field = LightField::new(samples).unwrap();
-    let options = PlaneSweepOptions { disparity_min_px: -1.0, disparity_max_px: 2.0, effort: Effort::Balanced };
+    let options = PlaneSweepOptions::default().range_px(-1.0, 2.0).effort(Effort::Balanced);
     let found = plane_sweep(&light_field, &options).unwrap();
     let (mut near, mut wrong_near, mut wrong_far) = (0, 0, 0);
     for v in 6..58 {

@@ -7,7 +7,7 @@ use super::scenes::{Surface, plane, worst};
 const SLANTED: Surface = Surface { here: -0.9, by_row: 0.021, by_column: 0.008 };
 
 fn options(effort: Effort) -> PlaneSweepOptions {
-    PlaneSweepOptions { disparity_min_px: -1.5, disparity_max_px: 2.0, effort }
+    PlaneSweepOptions::default().range_px(-1.5, 2.0).effort(effort)
 }
 
 /// The border: half a window of the last fit, within which a plane has neighbors on one side only.
@@ -53,7 +53,7 @@ fn rows_columns_pairs_and_even_counts_of_views_are_accepted() {
 fn many_views_with_a_tiny_baseline_are_accurate() {
     let surface = Surface { here: -0.03, by_row: 0.0008, by_column: 0.0004 };
     let (light_field, truth) = plane([40, 44, 41, 41, 1], surface);
-    let options = PlaneSweepOptions { disparity_min_px: -0.06, disparity_max_px: 0.06, effort: Effort::Balanced };
+    let options = PlaneSweepOptions::default().range_px(-0.06, 0.06).effort(Effort::Balanced);
     let found = plane_sweep(&light_field, &options).unwrap();
     let worst = worst(&found.disparity_px, &truth, BORDER);
     // 0.01 px over the 20 steps to the rim.

@@ -6,10 +6,12 @@
 use holo_core::{GridSize, Intrinsics, LightFieldShape, Projection, Rig, automatic_baseline_m};
 
 use crate::error::Error;
+use crate::setters::setters;
 use holo_scene::{Camera, CameraProjection, Scene, Transform};
 
-/// The parameters of a rig apart from its focus distance.
+/// The parameters of a rig apart from its focus distance; see [`Framing::new`] for the defaults.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Framing {
     /// View counts and spatial resolution (views and lenses).
     pub shape: LightFieldShape,
@@ -66,6 +68,29 @@ pub struct Framed {
 const DEFAULT_ANGLE_RAD: f64 = 40.0 * std::f64::consts::PI / 180.0;
 
 impl Framing {
+    /// The first camera of the scene with its field of view on a sensor of 36 mm; perspective views that sample the
+    /// aperture of an f/5 lens.
+    #[must_use]
+    pub const fn new(shape: LightFieldShape) -> Self {
+        Self {
+            shape,
+            camera: CameraChoice::First,
+            focal_length_m: None,
+            sensor_size_m: 0.036,
+            baseline: Baseline::FNumber(5.0),
+            projection: Projection::Perspective,
+        }
+    }
+
+    setters! {
+        shape: LightFieldShape,
+        camera: CameraChoice,
+        focal_length_m: Option<f64>,
+        sensor_size_m: f64,
+        baseline: Baseline,
+        projection: Projection,
+    }
+
     /// Selects the camera and computes focal length and baseline.
     ///
     /// # Errors

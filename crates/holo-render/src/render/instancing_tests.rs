@@ -232,13 +232,11 @@ fn instanced_and_flattened_images_agree() {
     let scene = scene();
     let Some(renderers) = both(&scene) else { return };
     for integrator in [Integrator::Direct, Integrator::Path] {
-        let request = Request {
-            integrator,
-            sky: [0.3, 0.4, 0.5],
-            max_bounces: 3,
-            ground_truth: GroundTruth::All,
-            ..Request::new(rig())
-        };
+        let request = Request::new(rig())
+            .integrator(integrator)
+            .sky([0.3, 0.4, 0.5])
+            .max_bounces(3)
+            .ground_truth(GroundTruth::All);
         let [flat, instanced] =
             renderers.each_ref().map(|renderer| renderer.render(&request, &()).expect("a render").color.expect("lit"));
         let (flat, instanced) = (flat.samples(), instanced.samples());
@@ -333,7 +331,7 @@ fn instanced_slivers_do_not_shade_themselves() {
         };
         let Some([_, instanced]) = both(&scene) else { return };
         assert!(instanced.geometry.is_instanced(), "{what}");
-        let request = Request { integrator: Integrator::Direct, ..Request::new(rig()) };
+        let request = Request::new(rig()).integrator(Integrator::Direct);
         let color = instanced.render(&request, &()).expect("a render").color.expect("lit");
         let dark = color.samples().iter().filter(|x| **x == 0.0).count();
         assert_eq!(dark, 0, "{what}: of {}", color.samples().len());

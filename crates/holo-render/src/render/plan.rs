@@ -25,7 +25,7 @@ impl Region {
     fn new(request: &Request, views: SelectedViews, tile: impl Fn([usize; 4]) -> Tiling) -> Self {
         let whole = Selection { views, ..Selection::whole(request.rig.shape()) };
         let tiling = tile(whole.counts());
-        let lens_rows = request.lens_rows();
+        let lens_rows = request.lens_row_range();
         Self { tiling: tiling.lens_rows(lens_rows.len()), selection: Selection { lens_rows, ..whole } }
     }
 

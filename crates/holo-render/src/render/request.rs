@@ -10,6 +10,7 @@ use crate::film::layers::{Layer, LayerSet, Layers};
 use crate::geometry::MAX_COORDINATE_M;
 use crate::integrator::{Integrator, RayCounts, direct};
 use crate::sampling::{MAX_SAMPLES, Sampling};
+use crate::setters::setters;
 use holo_scene::MAX_RADIANCE;
 
 /// The maximum of `max_bounces`: far more than any scene needs, and few enough for the dimensions of the random
@@ -23,7 +24,20 @@ pub(super) const MAX_EXACT_ID: usize = 1 << 24;
 ///
 /// The fields have the defaults of [`Request::new`]; they are validated by
 /// [`Renderer::render`](super::Renderer::render).
+///
+/// # Examples
+///
+/// ```
+/// use holo_core::{GridSize, LightFieldShape, Rig};
+/// use holo_render::{Integrator, Request};
+///
+/// let rig = Rig::builder(LightFieldShape::new(GridSize::new(3, 3), GridSize::new(40, 60))?).build()?;
+/// let request = Request::new(rig).integrator(Integrator::Path).samples(16).sky([0.2, 0.3, 0.4]);
+/// assert_eq!(request.samples, 16);
+/// # Ok::<(), holo_core::Error>(())
+/// ```
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Request {
     /// The rig: views, microlenses, intrinsics, baseline, focus distance and projection.
     pub rig: Rig,
@@ -80,6 +94,23 @@ impl Request {
             sampling: Sampling::default(),
             lens_rows: None,
         }
+    }
+
+    setters! {
+        rig: Rig,
+        integrator: Integrator,
+        samples: u32,
+        seed: u64,
+        sky: [f32; 3],
+        max_bounces: u32,
+        roulette: bool,
+        target_error: Option<f64>,
+        indirect: bool,
+        layers: LayerSet,
+        ground_truth: GroundTruth,
+        views: Views,
+        sampling: Sampling,
+        lens_rows: Option<Range<usize>>,
     }
 }
 
@@ -185,7 +216,7 @@ impl Request {
                 return Err(Error::BadSetting("the list of views is empty; name one or more".into()));
             }
         }
-        let rows = self.lens_rows();
+        let rows = self.lens_row_range();
         if rows.is_empty() || rows.end > lenses.rows {
             let count = lenses.rows;
             return Err(Error::BadSetting(format!("lens rows {rows:?} are not a range of the {count} lens rows")));
@@ -194,7 +225,7 @@ impl Request {
     }
 
     /// The range of lens rows to render.
-    pub(super) fn lens_rows(&self) -> Range<usize> {
+    pub(super) fn lens_row_range(&self) -> Range<usize> {
         self.lens_rows.clone().unwrap_or(0..self.rig.shape().lenses().rows)
     }
 

@@ -29,7 +29,7 @@ fn garden() -> (Renderer, Request) {
         .expect("a rig");
     let sky = [0.3, 0.4, 0.5];
     let ground_truth = GroundTruth::Central;
-    (renderer, Request { integrator: Integrator::Direct, samples: 2, seed: 3, sky, ground_truth, ..Request::new(rig) })
+    (renderer, Request::new(rig).integrator(Integrator::Direct).samples(2).seed(3).sky(sky).ground_truth(ground_truth))
 }
 
 fn region(split: &LightFieldShape, pixels: usize) -> Region {
@@ -108,7 +108,7 @@ fn the_size_of_tiles_changes_nothing() {
     let split = LightFieldShape::new(GridSize::new(5, 6), GridSize::new(7, 30)).expect("sizes");
     let rig = request.rig.to_builder().shape(split).build().expect("a rig");
     let render_with = |integrator: Integrator, pixels: usize| {
-        let request = Request { rig, integrator, samples: 4, ..request.clone() };
+        let request = request.clone().rig(rig).integrator(integrator).samples(4);
         let (stop, region) = (Stop::new(&()), region(&split, pixels));
         let context = renderer.context(&request, integrator, &region, &stop);
         let tiling = &region.tiling;
@@ -142,7 +142,7 @@ fn the_size_of_tiles_changes_nothing() {
 fn more_instances_than_f32_can_number_are_refused() {
     let (mut renderer, request) = garden();
     renderer.counts = [MAX_EXACT_ID, MAX_EXACT_ID];
-    let with_layers = |layers| Request { layers, ..request.clone() };
+    let with_layers = |layers| request.clone().layers(layers);
     assert!(renderer.choose(&with_layers(LayerSet::ALL)).is_ok());
     renderer.counts = [MAX_EXACT_ID + 1, MAX_EXACT_ID];
     let refused = renderer.choose(&with_layers(LayerSet::ALL)).unwrap_err().to_string();
@@ -178,7 +178,7 @@ fn progress_reaches_its_total() {
         (Integrator::Depth, GroundTruth::All),
     ] {
         let seen = Last(Vec::new().into());
-        renderer.render(&Request { integrator, ground_truth, ..request.clone() }, &seen).expect("a render");
+        renderer.render(&request.clone().integrator(integrator).ground_truth(ground_truth), &seen).expect("a render");
         let steps = seen.0.into_inner().expect("no other test");
         let last = *steps.last().expect("some progress");
         assert_eq!(last.0, last.1, "{integrator:?} {ground_truth:?}");
@@ -204,7 +204,7 @@ fn the_views_of_a_block_share_the_points_of_the_pixel() {
     let split = LightFieldShape::new(GridSize::new(8, 8), GridSize::new(1, 60)).expect("sizes");
     let rig = request.rig.to_builder().shape(split).build().expect("a rig");
     let region = region(&split, 8192);
-    let context = renderer.context(&Request { rig, ..request.clone() }, request.integrator, &region, &stop);
+    let context = renderer.context(&request.clone().rig(rig), request.integrator, &region, &stop);
     let tiles = region.tiling.tiles();
     let packets: Vec<_> = tiles.iter().flat_map(|tile| context.camera.packets(tile)).collect();
     let points = |[_, u, t, s]: [usize; 4], sample| {
@@ -229,14 +229,14 @@ fn the_views_of_a_block_share_the_points_of_the_pixel() {
 fn a_list_of_views_gives_the_pixels_of_the_whole() {
     let (renderer, request) = garden();
     let ground_truth = GroundTruth::All;
-    let whole = Request { ground_truth, layers: LayerSet::ALL, max_bounces: 3, ..request };
+    let whole = request.ground_truth(ground_truth).layers(LayerSet::ALL).max_bounces(3);
     for integrator in [Integrator::Depth, Integrator::Path] {
-        let whole = Request { integrator, ..whole.clone() };
+        let whole = whole.clone().integrator(integrator);
         let all = renderer.render(&whole, &()).expect("a render");
         let corners = [[0, 0], [0, 5], [4, 0], [4, 5]].map(|[row, column]| ViewIndex::new(row, column));
         let many = (0..23).map(|k| ViewIndex::new(k % 5, (k * 7) % 6)).collect();
         for list in [vec![ViewIndex::new(3, 1)], corners.to_vec(), many, vec![ViewIndex::new(2, 2); 2]] {
-            let some = renderer.render(&Request { views: Views::List(list.clone()), ..whole.clone() }, &());
+            let some = renderer.render(&whole.clone().views(Views::List(list.clone())), &());
             let some = some.expect("a render");
             assert_eq!(some.central, all.central, "the central view is not of the list");
             let (some_all, all_all) = (some.all.expect("layers"), all.all.as_ref().expect("layers"));
@@ -254,7 +254,7 @@ fn a_list_of_views_gives_the_pixels_of_the_whole() {
         }
     }
     for bad in [vec![], vec![ViewIndex::new(5, 0)], vec![ViewIndex::new(0, 6)]] {
-        let refused = renderer.render(&Request { views: Views::List(bad), ..whole.clone() }, &());
+        let refused = renderer.render(&whole.clone().views(Views::List(bad)), &());
         assert!(matches!(refused, Err(Error::BadSetting(_))));
     }
 }

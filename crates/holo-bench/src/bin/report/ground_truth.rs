@@ -47,7 +47,7 @@ pub fn section(options: &RunOptions) -> Section {
 }
 
 fn ground_truth_request(rig: Rig) -> Request {
-    Request { integrator: Integrator::Depth, ground_truth: GroundTruth::All, ..Request::new(rig) }
+    Request::new(rig).integrator(Integrator::Depth).ground_truth(GroundTruth::All)
 }
 
 /// The plane z = -2 - 0.5 x - 0.25 y.

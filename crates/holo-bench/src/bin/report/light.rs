@@ -155,9 +155,9 @@ impl LightSection<'_> {
     /// default setting.
     fn scene(&mut self, scene: &str, integrator: Integrator) -> Vec<(String, Vec<(f64, f64)>)> {
         let framed = FramedScene::new(scene, self.views, self.lenses, None);
-        let request = Request { integrator, sky: sky(scene), ..Request::new(framed.rig) };
+        let request = Request::new(framed.rig).integrator(integrator).sky(sky(scene));
         let renderer = framed.renderer(self.options.engines[0], 0);
-        let reference = Request { samples: self.reference_samples, seed: 0xBEEF, ..request.clone() };
+        let reference = request.clone().samples(self.reference_samples).seed(0xBEEF);
         let reference = renderer.render(&reference, &()).expect("a render").color.expect("the scene is lit");
         drop(renderer);
         let mut plotted = Vec::new();
@@ -170,7 +170,7 @@ impl LightSection<'_> {
                 // Long renders have little relative scatter.
                 let rounds = if samples > 4 { self.options.rounds.min(3) } else { self.options.rounds };
                 let (roulette, sampling) = (setting != Setting::NoRoulette, setting.sampling());
-                let request = Request { samples, roulette, sampling, ..request.clone() };
+                let request = request.clone().samples(samples).roulette(roulette).sampling(sampling);
                 let measured = Measurement::new(rounds, &renderer, &request, &reference);
                 points.push((measured.seconds.median, measured.relative));
                 if default_cost.len() == k {

@@ -7,9 +7,9 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use holo_core::{GridSize, LightFieldShape, Projection};
+use holo_core::{GridSize, LightFieldShape};
 use holo_io::Limits;
-use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer, Request};
+use holo_render::{Backend, Baseline, Framing, Integrator, Renderer, Request};
 use holo_scene::Scene;
 use ndarray::Array3;
 
@@ -176,14 +176,8 @@ fn measure_own(
 ) -> Vec<Measurement> {
     let scene: Scene =
         holo_scene::gltf::load(&folder().join("metal_and_glass.glb"), &Default::default()).expect("a scene").scene;
-    let framing = Framing {
-        shape: LightFieldShape::new(GridSize::new(side, side), GridSize::new(66, 99)).expect("sizes"),
-        camera: CameraChoice::First,
-        focal_length_m: None,
-        sensor_size_m: 0.036,
-        baseline: Baseline::Meters(BASELINE_M),
-        projection: Projection::Perspective,
-    };
+    let framing = Framing::new(LightFieldShape::new(GridSize::new(side, side), GridSize::new(66, 99)).expect("sizes"))
+        .baseline(Baseline::Meters(BASELINE_M));
     let framed = framing.frame(&scene).expect("a camera");
     let rig = framed.rig(FOCUS_M).expect("a rig");
     let renderer = Renderer::new(&scene, &framed.pose, engine, 0).expect("a renderer");
@@ -196,10 +190,10 @@ fn measure_own(
     samples
         .iter()
         .map(|&samples| {
-            let request = Request { integrator, samples, sky: SKY, roulette: false, ..Request::new(rig) };
+            let request = Request::new(rig).integrator(integrator).samples(samples).sky(SKY).roulette(false);
             let mut images = Vec::new();
             let (seconds, ()) = timed(options.rounds.min(3), || {
-                let request = Request { seed: images.len() as u64, ..request.clone() };
+                let request = request.clone().seed(images.len() as u64);
                 let color = renderer.render(&request, &()).expect("a render").color.expect("the scene is lit");
                 images.push(color.view(side / 2, side / 2).expect("the central view").to_owned());
             });

@@ -57,7 +57,7 @@ pub fn section(options: &RunOptions) -> Section {
 }
 
 fn direct(rig: holo_core::Rig, sky: [f32; 3]) -> Request {
-    Request { integrator: Integrator::Direct, sky, ..Request::new(rig) }
+    Request::new(rig).integrator(Integrator::Direct).sky(sky)
 }
 
 fn views(options: &RunOptions, engine: Backend, table: &mut Table) -> Vec<(f64, f64)> {

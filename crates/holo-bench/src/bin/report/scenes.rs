@@ -1,7 +1,7 @@
 //! Gallery scenes with their rigs, and a description of the machine.
 
-use holo_core::{GridSize, LightFieldShape, Projection, Rig};
-use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer};
+use holo_core::{GridSize, LightFieldShape, Rig};
+use holo_render::{Backend, Baseline, Framing, Integrator, Renderer};
 use holo_scene::gallery;
 use holo_scene::{Scene, Transform};
 
@@ -16,14 +16,8 @@ impl FramedScene {
     /// Frames a scene for `views` x `views` views, with `baseline_m` or, without it, the baseline of an f/5 lens.
     pub fn new(name: &str, views: usize, lenses: GridSize, baseline_m: Option<f64>) -> Self {
         let scene = gallery::scene(name).expect("a scene of the gallery");
-        let framing = Framing {
-            shape: LightFieldShape::new(GridSize::new(views, views), lenses).expect("sizes"),
-            camera: CameraChoice::First,
-            focal_length_m: None,
-            sensor_size_m: 0.036,
-            baseline: baseline_m.map_or(Baseline::FNumber(5.0), Baseline::Meters),
-            projection: Projection::Perspective,
-        };
+        let framing = Framing::new(LightFieldShape::new(GridSize::new(views, views), lenses).expect("sizes"))
+            .baseline(baseline_m.map_or(Baseline::FNumber(5.0), Baseline::Meters));
         let framed = framing.frame(&scene).expect("a camera");
         let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
         let focus = renderer.automatic_focus_m(&framed).expect("a focus");

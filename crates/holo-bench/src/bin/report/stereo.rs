@@ -38,9 +38,9 @@ pub fn section(options: &RunOptions) -> Section {
         let framed = FramedScene::new(scene_name, 9, lenses, Some(0.003 * 300.0 / lenses.rows as f64));
         let renderer = framed.renderer(options.engines[0], 0);
         let integrator = Integrator::Direct;
-        let request = Request { integrator, samples, sky: sky(scene_name), ..Request::new(framed.rig) };
+        let request = Request::new(framed.rig).integrator(integrator).samples(samples).sky(sky(scene_name));
         let render = |sampling| {
-            let request = Request { sampling, ..request.clone() };
+            let request = request.clone().sampling(sampling);
             let rendered = renderer.render(&request, &()).expect("a render");
             let color = rendered.color.expect("the scene is lit");
             let stops = exposure::automatic_exposure(&color);
@@ -55,7 +55,7 @@ pub fn section(options: &RunOptions) -> Section {
         let plane = trivial_plane(&ground_truth, 0.07, &region).expect("a map").bad_pixels_percent;
         let mut points = Vec::new();
         for (effort, sampler, name, sampling) in RUNS {
-            let sweep = PlaneSweepOptions { effort, disparity_min_px: low - 0.1, disparity_max_px: high + 0.1 };
+            let sweep = PlaneSweepOptions::default().range_px(low - 0.1, high + 0.1).effort(effort);
             let coded = if sampler == Sampling::SharedPositions { &shared } else { &own };
             let (seconds, estimate) =
                 timed(options.rounds.min(3), || plane_sweep(coded, &sweep).expect("an estimate").disparity_px);
