@@ -1,9 +1,9 @@
 //! Meters to the millimeters of files and back, by moving the decimal point.
 //!
 //! A multiplication by 1000 rounds in binary: 0.0351 m would be written as 35.099999999999994 mm. Moving the point of
-//! the shortest decimal text gives the number that a person would write, and moving it back gives the metres again.
+//! the shortest decimal text gives 35.1, and moving it back gives the number of meters again.
 
-/// Returns a length in millimeters.
+/// Converts a length from meters to millimeters.
 ///
 /// # Accuracy
 ///
@@ -14,11 +14,16 @@ pub fn meters_to_millimeters(length_m: f64) -> f64 {
     move_point(length_m, 3).unwrap_or(length_m * 1e3)
 }
 
-/// Returns a length in meters; the inverse of [`meters_to_millimeters`].
+/// Converts a length from millimeters to meters: the inverse of [`meters_to_millimeters`].
+///
+/// # Accuracy
+///
+/// The decimal point of the shortest text of the number is moved. Where one of the nearest three numbers gives
+/// `length_mm` again under [`meters_to_millimeters`], it is that number.
 #[must_use]
 pub fn millimeters_to_meters(length_mm: f64) -> f64 {
     let length_m = move_point(length_mm, -3).unwrap_or(length_mm / 1e3);
-    // Moving the point rounds once. Of the numbers nearby, the one that gives the millimeters again is meant.
+    // Moving the point rounds once, so the inverse may be an adjacent number.
     let nearby = [length_m, length_m.next_up(), length_m.next_down()];
     nearby.into_iter().find(|&length_m| meters_to_millimeters(length_m) == length_mm).unwrap_or(length_m)
 }
@@ -37,12 +42,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_are_those_that_a_person_would_write() {
-        for (metres, millimetres) in
+    fn decimal_digits_stay_the_same() {
+        for (meters, millimeters) in
             [(0.035, 35.0), (0.0351, 35.1), (0.1, 100.0), (0.025, 25.0), (1e-5, 0.01), (0.0, 0.0), (1.0, 1000.0)]
         {
-            assert_eq!(meters_to_millimeters(metres), millimetres);
-            assert_eq!(millimeters_to_meters(millimetres), metres);
+            assert_eq!(meters_to_millimeters(meters), millimeters);
+            assert_eq!(millimeters_to_meters(millimeters), meters);
         }
         assert_eq!(meters_to_millimeters(f64::INFINITY), f64::INFINITY);
         assert!(millimeters_to_meters(f64::NAN).is_nan());
@@ -51,23 +56,23 @@ mod tests {
 
     proptest! {
         #[test]
-        fn there_and_back_is_the_same_number(micrometres in 0_i64..10_000_000_000) {
-            let metres: f64 = format!("{micrometres}e-6").parse().unwrap();
-            prop_assert_eq!(millimeters_to_meters(meters_to_millimeters(metres)), metres);
+        fn meters_come_back(micrometers in 0_i64..10_000_000_000) {
+            let meters: f64 = format!("{micrometers}e-6").parse().unwrap();
+            prop_assert_eq!(millimeters_to_meters(meters_to_millimeters(meters)), meters);
         }
 
         #[test]
-        fn what_was_written_is_written_again(metres in prop::num::f64::POSITIVE | prop::num::f64::NORMAL) {
-            let millimetres = meters_to_millimeters(metres);
-            prop_assume!(millimetres.is_finite() && metres.abs() > 1e-300);
-            prop_assert_eq!(meters_to_millimeters(millimeters_to_meters(millimetres)), millimetres);
+        fn millimeters_come_back(meters in prop::num::f64::POSITIVE | prop::num::f64::NORMAL) {
+            let millimeters = meters_to_millimeters(meters);
+            prop_assume!(millimeters.is_finite() && meters.abs() > 1e-300);
+            prop_assert_eq!(meters_to_millimeters(millimeters_to_meters(millimeters)), millimeters);
         }
 
         #[test]
-        fn every_number_stays_within_one_rounding(metres in prop::num::f64::NORMAL) {
-            let millimetres = meters_to_millimeters(metres);
-            prop_assume!(millimetres.is_finite() && metres.abs() > 1e-300);
-            prop_assert!((millimetres / 1e3 - metres).abs() <= metres.abs() * 4.0 * f64::EPSILON);
+        fn every_number_stays_within_one_rounding(meters in prop::num::f64::NORMAL) {
+            let millimeters = meters_to_millimeters(meters);
+            prop_assume!(millimeters.is_finite() && meters.abs() > 1e-300);
+            prop_assert!((millimeters / 1e3 - meters).abs() <= meters.abs() * 4.0 * f64::EPSILON);
         }
     }
 }

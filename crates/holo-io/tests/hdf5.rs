@@ -1,29 +1,21 @@
-//! HDF5 light fields: bit for bit there and back, in parts, streamed, beside h5py, and on a full disk.
+//! HDF5 light fields: exact round trips, parts, writing row by row, exchange with h5py, and a full disk.
 #![cfg(feature = "hdf5")]
 
 mod common;
 #[path = "common/python.rs"]
 mod python;
+#[path = "common/rig.rs"]
+mod rigs;
 
 use std::path::Path;
 use std::process::Command;
 
 use common::data;
-use holo_core::{DynLightField, GridSize, LightField, Rig, SampleKind, Split};
-use holo_io::{Error, FileKind, Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, Limits, recognise, write_hdf5};
+use holo_core::{DynLightField, GridSize, LightField, SampleKind, Split};
+use holo_io::{Error, FileFormat, Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, Limits, detect_format, write_hdf5};
 use ndarray::{Array2, Array3, Array4, Array5, Axis, Slice};
 use proptest::prelude::*;
-
-fn rig(split: Split) -> Rig {
-    Rig::builder(split)
-        .focal_length_m(0.0351)
-        .sensor_size_m(0.036)
-        .baseline_x_m(1e-4)
-        .baseline_y_m(2e-4)
-        .focus_distance_m(f64::INFINITY)
-        .build()
-        .unwrap()
-}
+use rigs::unequal_baselines as rig;
 
 fn value((v, u, t, s, c): (usize, usize, usize, usize, usize)) -> f32 {
     (v * 97 + u * 31 + t * 11 + s * 5 + c * 3) as f32
@@ -91,14 +83,14 @@ fn integers_and_the_central_view() {
     let options = Hdf5Options::default();
     write_hdf5(&path, &field, &rig(split), &[], &central, &options).unwrap();
     let file = Hdf5LightField::open(&path, &Limits::default()).unwrap();
-    assert_eq!((file.sample_kind(), file.channels(), file.split()), (SampleKind::U16, 3, split));
+    assert_eq!((file.sample_kind(), file.channels(), file.shape()), (SampleKind::U16, 3, split));
     assert_eq!(file.maps(), (vec![], vec![Hdf5Map::Depth, Hdf5Map::Disparity]));
     assert_eq!(file.read_central_map(Hdf5Map::Disparity).unwrap(), depth);
     assert_eq!(file.read().unwrap(), DynLightField::U16(field.clone()));
     assert!(file.read_view(0, 0).is_ok() && file.read_view(2, 0).is_err());
     assert!(file.read_lens(0, 5).is_err() && file.read_map(Hdf5Map::Depth).is_err());
-    assert_eq!(recognise(&path).unwrap(), FileKind::Hdf5);
-    // The same again, and at another time: the same bytes.
+    assert_eq!(detect_format(&path).unwrap(), FileFormat::Hdf5);
+    // Written again at another time, the file has the same bytes.
     let first = std::fs::read(&path).unwrap();
     std::thread::sleep(std::time::Duration::from_millis(1100));
     write_hdf5(&path, &field, &rig(split), &[], &central, &options).unwrap();
@@ -112,7 +104,7 @@ fn integers_and_the_central_view() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused_and_leaves_the_old_file() {
+fn wrong_shapes_are_refused_and_leave_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.h5");
     std::fs::write(&path, b"old").unwrap();
@@ -155,7 +147,7 @@ fn files_of_h5py_read_bit_for_bit() {
     let file = Hdf5LightField::open(data("h5py_lf.h5"), &Limits::default()).unwrap();
     let expected = Array5::from_shape_fn((4, 3, 2, 5, 3), |at| value(at) / 7.0);
     assert_eq!(file.read().unwrap(), DynLightField::F32(LightField::new(expected).unwrap()));
-    // Parallel projection with a focus at infinity: its pixels are read all the same.
+    // An orthographic rig with its focus at infinity is invalid; the pixels are read nevertheless.
     assert_eq!(file.rig(), None);
     assert!(matches!(file.rig_error(), Some(holo_core::Error::OrthographicFocus { .. })));
     let depth = file.read_map(Hdf5Map::Depth).unwrap();
@@ -167,7 +159,7 @@ fn files_of_h5py_read_bit_for_bit() {
 }
 
 #[test]
-fn h5py_reads_ours() {
+fn h5py_reads_files_of_this_crate() {
     const SCRIPT: &str = r#"
 import numpy as np
 file = h5py.File(sys.argv[1])
@@ -202,7 +194,7 @@ print("fine")
 
 #[test]
 fn damaged_attributes_are_errors() {
-    // Only what this crate makes of them: the C library's own parsing is not put to the test.
+    // Only the checks of this crate: the parsing of the C library is not tested.
     let whole = std::fs::read(data("h5py_lf.h5")).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("x.h5");
@@ -224,7 +216,7 @@ fn damaged_attributes_are_errors() {
     }
 }
 
-/// What the test below does in a process of its own, so that its standard error can be looked at.
+/// Runs in a process of its own, so that the test below can read its standard error.
 #[test]
 #[ignore = "run by another test in a process of its own"]
 fn fill_the_disk() {
@@ -240,7 +232,7 @@ fn fill_the_disk() {
         assert_eq!(source.kind(), std::io::ErrorKind::StorageFull, "{error}");
         assert_eq!(names(&folder), [""; 0]);
     }
-    // There is room again, and the library still works.
+    // With free space again, the library still works.
     let small = Split::new(GridSize::new(1, 1), GridSize::new(2, 2)).unwrap();
     let field = LightField::new(Array5::<u8>::zeros(small.shape(1))).unwrap();
     write_hdf5(folder.join("small.h5"), &field, &rig(small), &[], &[], &Hdf5Options::default()).unwrap();
@@ -249,7 +241,7 @@ fn fill_the_disk() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_an_error_and_nothing_is_left_of_it() {
+fn a_full_disk_is_an_error_and_leaves_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let mounted = Command::new("mount").args(["-t", "tmpfs", "-o", "size=64k", "tmpfs"]).arg(folder.path()).output();
     if !mounted.is_ok_and(|output| output.status.success()) {
@@ -265,6 +257,6 @@ fn a_full_disk_is_an_error_and_nothing_is_left_of_it() {
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{stderr}");
     assert!(unmounted.success());
-    // The library prints its stack of errors unless it is told not to.
+    // The library prints its error stack by default.
     assert!(!stderr.contains("HDF5"), "{stderr}");
 }

@@ -1,6 +1,6 @@
-//! GNU Octave reads our `.mat` files as MATLAB would, and we read Octave's.
+//! `.mat` files exchanged with GNU Octave in both directions.
 //!
-//! Needs `octave-cli`; without it the test says so and passes.
+//! Needs `octave-cli`; without it the test prints that it did not run.
 #![cfg(feature = "mat")]
 
 use std::process::Command;
@@ -9,14 +9,14 @@ use holo_core::{DynLightField, GridSize, LightField, Rig, Sample, Split};
 use holo_io::{Limits, MatOptions, MatOrder, MatVersion, read_mat_light_field, write_mat_light_field};
 use ndarray::Array5;
 
-/// (v, u, t, s, c): all different, none square.
+/// (v, u, t, s, c), all different.
 const SHAPE: (usize, usize, usize, usize, usize) = (4, 6, 2, 5, 3);
 
 fn value((v, u, t, s, c): (usize, usize, usize, usize, usize)) -> u8 {
     ((v * 97 + u * 31 + t * 11 + s * 5 + c * 3) % 256) as u8
 }
 
-/// What `load` gives, in words; then the same numbers in Octave's own files. Indices of MATLAB count from 1.
+/// Prints what `load` returns, and saves the same numbers. Indices of MATLAB count from 1.
 const SCRIPT: &str = r#"
 args = argv();
 load(args{1});
@@ -45,7 +45,7 @@ fn rig() -> Rig {
         .unwrap()
 }
 
-/// Writes, lets Octave read and write, and returns what it wrote at levels 6 and 7.
+/// Writes a light field, lets Octave read and write it, and returns what it wrote with `-v6` and `-v7`.
 fn through_octave<T: Sample>(class: &str, convert: fn(u8) -> T, is_compressed: bool) -> [DynLightField; 2] {
     let folder = tempfile::tempdir().unwrap();
     let names = ["ours.mat", "v6.mat", "v7.mat"].map(|name| folder.path().join(name));

@@ -1,4 +1,4 @@
-//! MAT files of level 7.3: the same variables as in level 5, for MATLAB's own reader and for h5py.
+//! MAT files of version 7.3: the same variables as in version 5, and the structure that MATLAB and h5py read.
 #![cfg(all(feature = "hdf5", feature = "mat"))]
 
 #[path = "common/python.rs"]
@@ -6,8 +6,8 @@ mod python;
 
 use holo_core::{DynLightField, GridSize, LightField, Projection, Rig, Split};
 use holo_io::{
-    FileKind, Limits, MatArray, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, MatWriter, read_mat,
-    read_mat_info, read_mat_light_field, recognise, write_mat, write_mat_light_field,
+    FileFormat, Limits, MatArray, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, MatWriter, detect_format,
+    read_mat, read_mat_info, read_mat_light_field, write_mat, write_mat_light_field,
 };
 use ndarray::{Array5, ArrayD, Axis, Slice};
 use proptest::prelude::*;
@@ -21,7 +21,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
-    fn light_fields_get_their_axes_back(
+    fn light_fields_keep_five_axes(
         shape in prop::array::uniform5(1_usize..5),
         views_first in any::<bool>(),
         compressed in 0..2_usize,
@@ -38,7 +38,7 @@ proptest! {
     }
 
     #[test]
-    fn rows_one_after_another_are_the_whole(
+    fn rows_in_groups_of_any_size_make_the_light_field(
         shape in (1_usize..11, 1_usize..22, 1_usize..4, 1_usize..13, 1_usize..4),
         steps in prop::collection::vec(1_usize..7, 11),
         is_compressed in any::<bool>(),
@@ -64,7 +64,7 @@ proptest! {
 }
 
 #[test]
-fn rows_that_are_missing_or_do_not_fit_leave_no_file() {
+fn missing_or_wrong_rows_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.mat");
     let rig = Rig::builder(Split::new(GridSize::new(2, 2), GridSize::new(3, 3)).unwrap())
@@ -85,7 +85,7 @@ fn rows_that_are_missing_or_do_not_fit_leave_no_file() {
 }
 
 #[test]
-fn both_levels_hold_the_same() {
+fn both_versions_have_the_same_variables() {
     let folder = tempfile::tempdir().unwrap();
     let cube = ArrayD::from_shape_fn(vec![70, 200, 90], |at| (at[0] as f32).sin() + at[1] as f32 - at[2] as f32);
     let signed = ArrayD::from_shape_fn(vec![3, 1, 4], |at| at[0] as i32 - 70_000 * at[2] as i32);
@@ -105,7 +105,7 @@ fn both_levels_hold_the_same() {
         let path = folder.path().join("seven.mat");
         let written = write_mat(&path, &variables, &options).unwrap();
         assert_eq!(written, holo_io::hash_file(&path).unwrap());
-        assert_eq!(recognise(&path).unwrap(), FileKind::Mat73);
+        assert_eq!(detect_format(&path).unwrap(), FileFormat::Mat73);
         assert_eq!(read_mat(&path, &Limits::default()).unwrap(), read_mat(&five, &Limits::default()).unwrap());
         assert_eq!(read_mat_info(&path).unwrap(), read_mat_info(&five).unwrap());
         let bytes = std::fs::read(&path).unwrap();
@@ -119,7 +119,7 @@ fn both_levels_hold_the_same() {
 }
 
 #[test]
-fn h5py_finds_what_matlab_writes() {
+fn h5py_finds_the_structure_of_matlab() {
     const SCRIPT: &str = r#"
 import numpy as np
 file = h5py.File(sys.argv[1])
@@ -150,9 +150,9 @@ print("fine")
     }
 }
 
-/// Two readers of level 7.3 besides MATLAB's: one for every class, one for numbers.
+/// Two other readers of version 7.3: one for every class, one for numbers.
 #[test]
-fn hdf5storage_and_mat73_read_ours() {
+fn hdf5storage_and_mat73_read_files_of_this_crate() {
     const SCRIPT: &str = r#"
 import numpy as np
 v, u, t, s, c = np.ogrid[:4, :3, :2, :5, :3]

@@ -5,7 +5,7 @@ use std::path::Path;
 use holo_core::Layout;
 use holo_dataset::SceneSource;
 use holo_io::dataset::{MANIFEST_JSON, PARAMETERS_CFG};
-use holo_io::{FileInfo, FileKind, Limits, Manifest, ParametersCfg, Pfm};
+use holo_io::{FileFormat, FileInfo, Limits, Manifest, ParametersCfg, Pfm};
 use holo_render::Layer;
 
 use super::diagnostics::Plain;
@@ -19,15 +19,15 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
     if path.is_dir() {
         return folder(path);
     }
-    match holo_io::recognise(path)? {
-        FileKind::GltfBinary | FileKind::GltfJson => scene(options),
-        FileKind::Png => png(path),
-        FileKind::Pfm => pfm(path),
-        FileKind::ParametersCfg => parameters(path),
-        FileKind::Manifest => manifest(path),
-        FileKind::Exr => exr(path),
-        FileKind::Hdr => hdr(path),
-        FileKind::Mat5 | FileKind::Mat73 => mat(path),
+    match holo_io::detect_format(path)? {
+        FileFormat::GltfBinary | FileFormat::GltfJson => scene(options),
+        FileFormat::Png => png(path),
+        FileFormat::Pfm => pfm(path),
+        FileFormat::ParametersCfg => parameters(path),
+        FileFormat::Manifest => manifest(path),
+        FileFormat::Exr => exr(path),
+        FileFormat::Hdr => hdr(path),
+        FileFormat::Mat5 | FileFormat::Mat73 => mat(path),
         _ => Err(Failure::Failed(format!(
             "{}: not a file that holo knows (.glb, .gltf, .png, .pfm, .exr, .hdr, .mat, parameters.cfg, manifest.json)",
             path.display()
@@ -37,7 +37,7 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
 
 /// What kind of folder, and the rig of a light field in it.
 fn folder(path: &Path) -> Result<(), Failure> {
-    let opened = holo_io::open(path)?;
+    let opened = holo_io::probe(path)?;
     if matches!(opened, FileInfo::UnknownFolder { .. }) {
         let at = path.display();
         return Err(Failure::Failed(format!(

@@ -1,4 +1,4 @@
-//! One scanline of RGBE pixels: flat, or in one of two run-length codings.
+//! The decoder of one scanline of RGBE pixels: flat, or in one of two run-length codings.
 //!
 //! New coding, of scanlines of 8 to 32767 pixels: the bytes 2, 2 and the length (most significant byte first), then the
 //! four components one after the other, each as runs: a byte n above 128 repeats the next byte n - 128 times, a byte n up
@@ -11,7 +11,7 @@ use std::path::Path;
 use super::FORMAT;
 use crate::Error;
 
-/// The lengths that the new coding may have; its marker would be ambiguous otherwise.
+/// The lengths of scanlines for which the new coding is defined; its marker would be ambiguous otherwise.
 const NEW_CODING: std::ops::RangeInclusive<usize> = 8..=0x7fff;
 
 /// Why a scanline cannot be read.
@@ -28,13 +28,13 @@ impl From<io::Error> for Fault {
 }
 
 impl Fault {
-    /// The error of this crate, with the place.
+    /// Converts to an error of this crate; `at` is the position in the file.
     pub fn error(self, path: &Path, at: &str) -> Error {
         match self {
             Self::Io(error) if error.kind() == io::ErrorKind::UnexpectedEof => Error::broken(
                 path,
                 FORMAT,
-                format!("{at}: the file ends early; it was cut off while it was written or copied"),
+                format!("{at}: the file ends early; it was truncated while it was written or copied"),
             ),
             Self::Io(error) => Error::io("read", path, error),
             Self::Broken(what) => Error::broken(path, FORMAT, format!("{at}: {what}")),
@@ -67,7 +67,7 @@ fn pixel(source: &mut impl BufRead) -> io::Result<[u8; 4]> {
     Ok(pixel)
 }
 
-/// One component of the new coding.
+/// Reads one component of a scanline in the new coding.
 fn read_component(source: &mut impl BufRead, pixels: &mut [[u8; 4]], component: usize) -> Result<(), Fault> {
     let mut rest = pixels;
     let mut bytes = [0; 128];
@@ -94,7 +94,7 @@ fn read_component(source: &mut impl BufRead, pixels: &mut [[u8; 4]], component: 
     Ok(())
 }
 
-/// Flat pixels and the old coding.
+/// Reads a flat scanline or one in the old coding; `first` is its first pixel.
 fn read_pixels(
     source: &mut impl BufRead,
     first: [u8; 4],
@@ -110,7 +110,7 @@ fn read_pixels(
                 return Err(Fault::Broken("a run begins before the first pixel".into()));
             };
             let left = length - pixels.len();
-            // A length has 32 bits, so behind four bytes of the count only zeros can fit.
+            // A length has 32 bits, so after four bytes of the count only zeros are valid.
             let count = if shift < 32 { u64::from(count) << shift } else { u64::from(count) << 32 };
             if count > left as u64 {
                 return Err(Fault::Broken(format!("a run of at least {count} where {left} pixels are left")));

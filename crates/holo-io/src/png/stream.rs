@@ -1,4 +1,4 @@
-//! A PNG that is written band by band, so that it never is in memory as a whole.
+//! A writer of PNG band by band, for images that do not fit into memory.
 
 use std::path::{Path, PathBuf};
 
@@ -8,13 +8,12 @@ use super::Compression;
 use super::encode::{Encoder, Layout};
 use crate::{AtomicFile, Error, FileDigest};
 
-/// Writes a PNG of 8 or 16 bits a channel from top to bottom, a band of rows at a time.
+/// A writer of a PNG of 8 or 16 bits a channel, from top to bottom, a band of rows at a time.
 ///
-/// Memory holds a few times 64 MiB (or a few rows, if those are more), whatever the size; with [`Compression::Fast`]
-/// only one row. How the rows are cut into bands makes no difference to the bytes of the file, nor does the number of
-/// threads.
+/// It needs a few times 64 MiB of memory (or a few rows, if those are more), whatever the size of the image; with
+/// [`Compression::Fast`] only one row. The bytes of the file depend neither on the bands nor on the number of threads.
 ///
-/// The file appears with [`finish`](Self::finish), whole; a writer that is dropped leaves nothing behind.
+/// The file appears when [`finish`](Self::finish) succeeds; a writer that is dropped leaves no file.
 ///
 /// # Examples
 ///
@@ -49,12 +48,12 @@ impl std::fmt::Debug for PngWriter {
 }
 
 impl PngWriter {
-    /// Starts a file of `size` with 1 (grey), 2 (grey, alpha), 3 (RGB) or 4 (RGB, alpha) channels of 8 or 16 bits.
+    /// Starts an image of `size` with 1 (gray), 2 (gray, alpha), 3 (RGB) or 4 (RGB, alpha) channels of 8 or 16 bits.
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if the samples are to be floats, if the image is empty, has another number of channels or more than 2^31 - 1 rows or columns;
-    /// [`Error::Io`] if the file cannot be written.
+    /// [`Error::BadInput`] if the samples are floats, if the image is empty, has another number of channels or more than
+    /// 2^31 - 1 rows or columns; [`Error::Io`] if the file cannot be written.
     pub fn create(
         path: impl AsRef<Path>,
         size: GridSize,
@@ -78,8 +77,8 @@ impl PngWriter {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if columns, channels or type are not those of the image or if it has fewer rows; [`Error::Io`] if the
-    /// file cannot be written. After an error the file cannot be finished.
+    /// [`Error::BadInput`] if columns, channels or sample type are not those of the image, or if there are more rows than the
+    /// image has left; [`Error::Io`] if the file cannot be written. After an error the file cannot be finished.
     pub fn write_rows<'a>(&mut self, rows: impl Into<DynImageRef<'a>>) -> Result<(), Error> {
         let rows = rows.into();
         let bad = |what: String| Err(Error::bad_input(&self.path, what));
@@ -111,7 +110,7 @@ impl PngWriter {
         self.encoder.write_rows(rows).inspect_err(|_| self.has_failed = true)
     }
 
-    /// Completes the file, and gives it its name.
+    /// Completes the file and renames it to its path.
     ///
     /// # Errors
     ///

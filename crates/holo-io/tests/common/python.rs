@@ -1,8 +1,9 @@
-//! The other side's own readers, where this machine has them.
+//! Readers of other programs in Python, where they are installed.
 
 use std::process::Command;
 
-/// Runs a script with `HOLO_PYTHON` or `python3` and returns what it prints, or says what is missing and returns `None`.
+/// Runs a script with `HOLO_PYTHON` or `python3` and returns its output; prints what is missing and returns `None` without the
+/// modules.
 ///
 /// # Panics
 ///

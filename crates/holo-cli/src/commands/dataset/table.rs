@@ -43,7 +43,7 @@ impl Line {
     }
 
     fn new(job: &DatasetJob, outcome: Outcome, disparity_px: Option<(f64, f64)>, bytes: u64) -> Self {
-        let views = job.split.views().to_string();
+        let views = job.shape.views().to_string();
         Self { scene: job.render.source.name(), views, outcome, disparity_px, bytes }
     }
 
