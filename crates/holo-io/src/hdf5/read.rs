@@ -22,7 +22,7 @@ pub struct Hdf5LightField {
     path: PathBuf,
     limits: Limits,
     /// Lengths of the axes (v, u, t, s, c).
-    lengths: [usize; 5],
+    dimensions: [usize; 5],
     shape: Split,
     kind: SampleKind,
     rig: FoundRig,
@@ -52,12 +52,11 @@ impl Hdf5LightField {
         let broken = |what: String| Error::broken(path, FORMAT, what);
         let file = open(path)?;
         let samples = file.dataset("H").map_err(|_| broken("there is no dataset /H".into()))?;
-        let lengths: [usize; 5] = samples
-            .get_shape()
-            .map_err(failed)?
-            .try_into()
-            .map_err(|lengths: Vec<usize>| broken(format!("/H has {} axes instead of five", lengths.len())))?;
-        let [v, u, t, s, channels] = lengths;
+        let dimensions: [usize; 5] =
+            samples.get_shape().map_err(failed)?.try_into().map_err(|dimensions: Vec<usize>| {
+                broken(format!("/H has {} axes instead of five", dimensions.len()))
+            })?;
+        let [v, u, t, s, channels] = dimensions;
         let (views, lenses) = (GridSize::new(t, s), GridSize::new(v, u));
         let shape = Split::new(views, lenses).map_err(|error| Error::core(path, error))?;
         if channels == 0 {
@@ -83,7 +82,7 @@ impl Hdf5LightField {
         let lengths = [numbers("focal_length_mm")?, numbers("sensor_size_mm")?, numbers("focus_distance_m")?];
         let projection = attributes::read_word(&file, "projection").map_err(failed)?;
         let rig = rig_values::rig(path, shape, numbers("baseline_m")?, lengths, projection.as_deref())?;
-        Ok(Self { samples, file, path: path.to_owned(), limits: *limits, lengths, shape, kind, rig })
+        Ok(Self { samples, file, path: path.to_owned(), limits: *limits, dimensions, shape, kind, rig })
     }
 
     /// Returns the numbers of views and microlenses.
@@ -95,7 +94,7 @@ impl Hdf5LightField {
     /// Returns the number of channels.
     #[must_use]
     pub const fn channels(&self) -> usize {
-        self.lengths[4]
+        self.dimensions[4]
     }
 
     /// Returns the type of the samples.
@@ -138,7 +137,7 @@ impl Hdf5LightField {
     }
 
     fn light_field<T: Number>(&self) -> Result<DynLightField, Error> {
-        let whole = self.lengths.map(|count| SliceOrIndex::from(0..count));
+        let whole = self.dimensions.map(|count| SliceOrIndex::from(0..count));
         let samples: Array5<T> = self.part(&self.samples, whole.to_vec())?;
         LightField::new(samples).map(DynLightField::from).map_err(|error| Error::core(&self.path, error))
     }
@@ -157,7 +156,7 @@ impl Hdf5LightField {
     ///
     /// Those of [`read`](Self::read); [`Error::BadInput`] if there is no such view.
     pub fn read_view(&self, t: usize, s: usize) -> Result<DynImage, Error> {
-        let [v, u, .., c] = self.lengths;
+        let [v, u, .., c] = self.dimensions;
         self.check_index("view", (t, s), self.shape.views())?;
         self.image(vec![(0..v).into(), (0..u).into(), t.into(), s.into(), (0..c).into()])
     }
@@ -172,7 +171,7 @@ impl Hdf5LightField {
     ///
     /// Those of [`read`](Self::read); [`Error::BadInput`] if there is no such microlens.
     pub fn read_lens(&self, v: usize, u: usize) -> Result<DynImage, Error> {
-        let [_, _, t, s, c] = self.lengths;
+        let [_, _, t, s, c] = self.dimensions;
         self.check_index("lens", (v, u), self.shape.lenses())?;
         self.image(vec![v.into(), u.into(), (0..t).into(), (0..s).into(), (0..c).into()])
     }
@@ -188,8 +187,8 @@ impl Hdf5LightField {
     /// Those of [`read`](Self::read); [`Error::BadInput`] if the file has no such map; [`Error::Broken`] if it has another
     /// shape than the samples.
     pub fn read_map(&self, map: Hdf5Map) -> Result<Array4<f32>, Error> {
-        let dataset = self.map_dataset(map.name(), &self.lengths[..4])?;
-        self.part(&dataset, self.lengths[..4].iter().map(|&count| (0..count).into()).collect())
+        let dataset = self.map_dataset(map.name(), &self.dimensions[..4])?;
+        self.part(&dataset, self.dimensions[..4].iter().map(|&count| (0..count).into()).collect())
     }
 
     /// Reads the part of a ground truth map of all views for the view `(t, s)`, in the unit of [`Hdf5Map::unit`].
@@ -203,8 +202,8 @@ impl Hdf5LightField {
     /// Those of [`read_map`](Self::read_map), and [`Error::BadInput`] if there is no such view.
     pub fn read_map_of_view(&self, map: Hdf5Map, t: usize, s: usize) -> Result<Array2<f32>, Error> {
         self.check_index("view", (t, s), self.shape.views())?;
-        let dataset = self.map_dataset(map.name(), &self.lengths[..4])?;
-        let [v, u, ..] = self.lengths;
+        let dataset = self.map_dataset(map.name(), &self.dimensions[..4])?;
+        let [v, u, ..] = self.dimensions;
         self.part(&dataset, vec![(0..v).into(), (0..u).into(), t.into(), s.into()])
     }
 
@@ -224,8 +223,8 @@ impl Hdf5LightField {
             let (t, s) = self.shape.central_view();
             return self.read_map_of_view(map, t, s);
         }
-        let dataset = self.map_dataset(&name, &self.lengths[..2])?;
-        self.part(&dataset, self.lengths[..2].iter().map(|&count| (0..count).into()).collect())
+        let dataset = self.map_dataset(&name, &self.dimensions[..2])?;
+        self.part(&dataset, self.dimensions[..2].iter().map(|&count| (0..count).into()).collect())
     }
 
     fn map_dataset(&self, name: &str, shape: &[usize]) -> Result<Dataset, Error> {

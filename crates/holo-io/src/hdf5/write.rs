@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 use std::ops::Range;
 use std::path::Path;
 
-use holo_core::{DynLightFieldRef, LightField, Rig, Sample, SampleKind};
+use holo_core::{DynLightFieldRef, LightField, Rig, Sample};
 
 use ::hdf5::{Dataset, File, Hyperslab, SliceOrIndex};
 use ndarray::{ArrayView2, ArrayView4, ArrayView5, ArrayViewD};
