@@ -110,9 +110,9 @@ fn decode(source: &mut impl BufRead, path: &Path, limits: Limits) -> Result<Arra
     let divisor = header.color_correction.map(|correction| (correction * header.exposure) as f32);
     let plain = divisor == [1.0; 3];
     for index in 0..scanlines {
-        scanline::read(source, &mut codes, length).map_err(|fault| {
+        scanline::read(source, &mut codes, length).map_err(|error| {
             let at = format!("scanline {} of {scanlines}", index + 1);
-            fault.error(path, &at)
+            error.into_error(path, &at)
         })?;
         for &[red, green, blue, exponent] in &codes {
             let scale = scale[usize::from(exponent)];

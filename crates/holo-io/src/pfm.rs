@@ -211,7 +211,7 @@ fn decode(source: &mut impl BufRead, length: u64, path: &Path, limits: Limits) -
     for row in values.chunks_exact_mut(size.columns * channels).rev() {
         for part in row.chunks_mut(BLOCK_BYTES / 4) {
             let bytes = &mut block[..part.len() * 4];
-            source.read_exact(bytes).map_err(|source| header::fault(source, path))?;
+            source.read_exact(bytes).map_err(|source| header::read_error(source, path))?;
             for (value, bytes) in part.iter_mut().zip(bytes.chunks_exact(4)) {
                 *value = from_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
             }

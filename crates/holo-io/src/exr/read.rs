@@ -32,7 +32,7 @@ fn safely<T>(path: &Path, work: impl FnOnce() -> Result<T, Error>) -> Result<T, 
 }
 
 /// Converts an error of the crate `exr`. `at` is the position in the file, with a colon and a space at its end.
-fn fault(error: exr::error::Error, path: &Path, at: &str) -> Error {
+fn read_error(error: exr::error::Error, path: &Path, at: &str) -> Error {
     match error {
         exr::error::Error::Io(error) => Error::io("read", path, error),
         exr::error::Error::NotSupported(what) => {
@@ -50,7 +50,7 @@ fn fault(error: exr::error::Error, path: &Path, at: &str) -> Error {
 
 /// Reads the header and checks the sizes in it.
 fn start<R: Read + Seek>(source: R, path: &Path, limits: Limits) -> Result<Reader<R>, Error> {
-    let reader = exr::block::read(source, false).map_err(|error| fault(error, path, "header: "))?;
+    let reader = exr::block::read(source, false).map_err(|error| read_error(error, path, "header: "))?;
     for header in reader.headers() {
         let (rows, columns) = display_size(header);
         if rows == 0 || columns == 0 || header.layer_size.area() == 0 {
@@ -178,7 +178,7 @@ fn fill<R: Read + Seek>(
         parts.push(if here.is_empty() { None } else { Some(Part::new(header, here, path, limits)?) });
     }
     let at_once = (BATCH_BYTES / largest).clamp(1, 4 * rayon::current_num_threads());
-    let mut chunks = reader.all_chunks(false).map_err(|error| fault(error, path, "table of blocks: "))?;
+    let mut chunks = reader.all_chunks(false).map_err(|error| read_error(error, path, "table of blocks: "))?;
     let total = chunks.expected_chunk_count();
     let mut number = 0;
     while parts.iter().flatten().any(|part| !part.is_complete()) {
@@ -186,10 +186,10 @@ fn fill<R: Read + Seek>(
         while batch.len() < at_once {
             let Some(chunk) = chunks.next() else { break };
             number += 1;
-            let chunk = chunk.map_err(|error| fault(error, path, &format!("block {number} of {total}: ")))?;
+            let chunk = chunk.map_err(|error| read_error(error, path, &format!("block {number} of {total}: ")))?;
             let header = &meta.headers[chunk.layer_index];
             let at = || format!("block {number} of {total}: ");
-            if !dwa::is_plausible(header, &chunk.compressed_block).map_err(|error| fault(error, path, &at()))? {
+            if !dwa::is_plausible(header, &chunk.compressed_block).map_err(|error| read_error(error, path, &at()))? {
                 return Err(Error::broken(path, FORMAT, format!("{}it announces more than it can contain", at())));
             }
             if parts[chunk.layer_index].is_some() && is_largest_level(header, &chunk) {
@@ -206,7 +206,7 @@ fn fill<R: Read + Seek>(
             .map(|(number, chunk)| guarded(|| (number, UncompressedBlock::decompress_chunk(chunk, &meta, false))))
             .collect();
         for (number, block) in blocks {
-            let block = block.map_err(|error| fault(error, path, &format!("block {number} of {total}: ")))?;
+            let block = block.map_err(|error| read_error(error, path, &format!("block {number} of {total}: ")))?;
             if let Some(part) = &mut parts[block.index.layer] {
                 part.place(&block, buffers, path)?;
             }

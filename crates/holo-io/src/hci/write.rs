@@ -161,19 +161,21 @@ impl<'a> HciImage<'a> {
 
     fn write_one(&self, name: Name, path: &Path, compression: Compression) -> Result<FileDigest, Error> {
         let GridSize { columns, .. } = self.shape().views();
-        let fault = |error| Error::core(path, error);
+        let failed = |error| Error::core(path, error);
         match name {
             Name::View(index) => {
                 let (t, s) = (index / columns, index % columns);
                 let view: DynImageRef<'_> =
-                    for_each_sample!(DynLightFieldRef, &self.views, views => views.view(t, s).map_err(fault)?.into());
+                    for_each_sample!(DynLightFieldRef, &self.views, views => views.view(t, s).map_err(failed)?.into());
                 write_png(path, view, ColorEncoding::Srgb, compression)
             }
             Name::Truth { depth, view, .. } => {
                 let (t, s) = view.map_or(self.shape().central_view(), |index| (index / columns, index % columns));
                 match if depth { self.depth_m } else { self.disparity_px } {
                     HciTruth::Central(map) => write_pfm(path, map),
-                    HciTruth::All(maps) => write_pfm(path, maps.view(t, s).map_err(fault)?.index_axis_move(Axis(2), 0)),
+                    HciTruth::All(maps) => {
+                        write_pfm(path, maps.view(t, s).map_err(failed)?.index_axis_move(Axis(2), 0))
+                    }
                     HciTruth::None => Err(Error::bad_input(path, "there is no ground truth to write")),
                 }
             }

@@ -16,20 +16,20 @@ const NEW_CODING: std::ops::RangeInclusive<usize> = 8..=0x7fff;
 
 /// Why a scanline cannot be read.
 #[derive(Debug)]
-pub(super) enum Fault {
+pub(super) enum ScanlineError {
     Io(io::Error),
     Broken(String),
 }
 
-impl From<io::Error> for Fault {
+impl From<io::Error> for ScanlineError {
     fn from(error: io::Error) -> Self {
         Self::Io(error)
     }
 }
 
-impl Fault {
+impl ScanlineError {
     /// Converts to an error of this crate; `at` is the position in the file.
-    pub fn error(self, path: &Path, at: &str) -> Error {
+    pub fn into_error(self, path: &Path, at: &str) -> Error {
         match self {
             Self::Io(error) if error.kind() == io::ErrorKind::UnexpectedEof => Error::broken(
                 path,
@@ -43,13 +43,13 @@ impl Fault {
 }
 
 /// Reads one scanline of `length` pixels into `pixels`.
-pub(super) fn read(source: &mut impl BufRead, pixels: &mut Vec<[u8; 4]>, length: usize) -> Result<(), Fault> {
+pub(super) fn read(source: &mut impl BufRead, pixels: &mut Vec<[u8; 4]>, length: usize) -> Result<(), ScanlineError> {
     let first = pixel(source)?;
     match first {
         [2, 2, high @ 0..0x80, low] if NEW_CODING.contains(&length) => {
             let announced = usize::from(high) << 8 | usize::from(low);
             if announced != length {
-                return Err(Fault::Broken(format!("it announces {announced} pixels, the header {length}")));
+                return Err(ScanlineError::Broken(format!("it announces {announced} pixels, the header {length}")));
             }
             pixels.resize(length, [0; 4]);
             (0..4).try_for_each(|component| read_component(source, pixels, component))
@@ -68,7 +68,7 @@ fn pixel(source: &mut impl BufRead) -> io::Result<[u8; 4]> {
 }
 
 /// Reads one component of a scanline in the new coding.
-fn read_component(source: &mut impl BufRead, pixels: &mut [[u8; 4]], component: usize) -> Result<(), Fault> {
+fn read_component(source: &mut impl BufRead, pixels: &mut [[u8; 4]], component: usize) -> Result<(), ScanlineError> {
     let mut rest = pixels;
     let mut bytes = [0; 128];
     while !rest.is_empty() {
@@ -76,7 +76,7 @@ fn read_component(source: &mut impl BufRead, pixels: &mut [[u8; 4]], component: 
         source.read_exact(&mut code)?;
         let count = usize::from(if code[0] > 128 { code[0] - 128 } else { code[0] });
         if count == 0 || count > rest.len() {
-            return Err(Fault::Broken(format!("a run of {count} where {} pixels are left", rest.len())));
+            return Err(ScanlineError::Broken(format!("a run of {count} where {} pixels are left", rest.len())));
         }
         if code[0] > 128 {
             source.read_exact(&mut bytes[..1])?;
@@ -100,20 +100,20 @@ fn read_pixels(
     first: [u8; 4],
     pixels: &mut Vec<[u8; 4]>,
     length: usize,
-) -> Result<(), Fault> {
+) -> Result<(), ScanlineError> {
     let mut next = first;
     // Bits by which the next marker's count is shifted.
     let mut shift = 0;
     loop {
         if let [1, 1, 1, count] = next {
             let Some(&previous) = pixels.last() else {
-                return Err(Fault::Broken("a run begins before the first pixel".into()));
+                return Err(ScanlineError::Broken("a run begins before the first pixel".into()));
             };
             let left = length - pixels.len();
             // A length has 32 bits, so after four bytes of the count only zeros are valid.
             let count = if shift < 32 { u64::from(count) << shift } else { u64::from(count) << 32 };
             if count > left as u64 {
-                return Err(Fault::Broken(format!("a run of at least {count} where {left} pixels are left")));
+                return Err(ScanlineError::Broken(format!("a run of at least {count} where {left} pixels are left")));
             }
             pixels.resize(pixels.len() + count as usize, previous);
             shift = 32.min(shift + 8);

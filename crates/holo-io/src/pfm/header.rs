@@ -49,7 +49,7 @@ impl Header {
         // A float may begin with the byte 10, so only the length distinguishes a line feed from data.
         if self.carriage_return && needed.is_some_and(|needed| needed.checked_add(1) == Some(found)) {
             let mut line_feed = [0];
-            source.read_exact(&mut line_feed).map_err(|source| fault(source, path))?;
+            source.read_exact(&mut line_feed).map_err(|source| read_error(source, path))?;
             if line_feed == *b"\n" {
                 return Ok(());
             }
@@ -79,7 +79,7 @@ struct Tokens<'a, R> {
 impl<R: BufRead> Tokens<'_, R> {
     fn byte(&mut self) -> Result<u8, Error> {
         let mut byte = [0];
-        self.source.read_exact(&mut byte).map_err(|source| fault(source, self.path))?;
+        self.source.read_exact(&mut byte).map_err(|source| read_error(source, self.path))?;
         self.bytes += 1;
         if self.bytes > MAX_BYTES {
             return Err(Error::broken(self.path, "PFM", format!("the header is longer than {MAX_BYTES} bytes")));
@@ -122,7 +122,7 @@ impl<R: BufRead> Tokens<'_, R> {
 }
 
 /// Converts an error of reading: the end of the file means a broken file.
-pub(super) fn fault(source: io::Error, path: &Path) -> Error {
+pub(super) fn read_error(source: io::Error, path: &Path) -> Error {
     if source.kind() == io::ErrorKind::UnexpectedEof {
         Error::broken(path, "PFM", "the file ends early")
     } else {

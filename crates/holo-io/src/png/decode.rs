@@ -62,7 +62,7 @@ fn start<R: BufRead + Seek>(source: R, path: &Path, limits: Limits) -> Result<(p
     // Text and color profiles are ignored, so that they take no memory and cause no errors.
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);
-    let reader = decoder.read_info().map_err(|error| fault(error, path, limits))?;
+    let reader = decoder.read_info().map_err(|error| decode_error(error, path, limits))?;
     check_palette(reader.info(), path)?;
     let (color, depth) = reader.output_color_type();
     let size = reader.info();
@@ -101,7 +101,7 @@ fn decode<R: BufRead + Seek>(source: R, path: &Path, limits: Limits) -> Result<D
         Array3::from_shape_vec(shape, samples).ok().map(DynImage::U16)
     };
     // The pixels may be complete in a file that is truncated after them.
-    reader.finish().map_err(|error| fault(error, path, limits))?;
+    reader.finish().map_err(|error| decode_error(error, path, limits))?;
     samples.ok_or_else(|| Error::broken(path, "PNG", "the image data are shorter than the header announces"))
 }
 
@@ -113,7 +113,7 @@ fn read_rows<R: BufRead + Seek>(
     bytes: usize,
     mut take: impl FnMut(&[u8]),
 ) -> Result<(), Error> {
-    let failed = |error| fault(error, path, limits);
+    let failed = |error| decode_error(error, path, limits);
     if reader.info().interlaced {
         // Interlaced rows arrive out of order, so the whole image is needed at once.
         let mut image = Limits::room(path, "image", bytes)?;
@@ -132,7 +132,7 @@ fn read_rows<R: BufRead + Seek>(
 }
 
 /// Converts an error of the decoder: to a broken file, an error of the operating system, or a limit.
-fn fault(error: png::DecodingError, path: &Path, limits: Limits) -> Error {
+fn decode_error(error: png::DecodingError, path: &Path, limits: Limits) -> Error {
     match error {
         png::DecodingError::IoError(source) if source.kind() == std::io::ErrorKind::UnexpectedEof => {
             Error::broken(path, "PNG", "the file ends early; it was truncated while it was written or copied")

@@ -119,17 +119,17 @@ impl Layout {
 /// The destination of the bytes, which converts errors of the encoder.
 pub(super) trait Sink: Write + 'static {
     /// Converts an error of the `png` crate, which may hide an error of the destination.
-    fn fault(&mut self, error: png::EncodingError) -> Error;
+    fn write_error(&mut self, error: png::EncodingError) -> Error;
 }
 
 impl Sink for AtomicFile {
-    fn fault(&mut self, error: png::EncodingError) -> Error {
+    fn write_error(&mut self, error: png::EncodingError) -> Error {
         self.error(error)
     }
 }
 
 impl Sink for Vec<u8> {
-    fn fault(&mut self, error: png::EncodingError) -> Error {
+    fn write_error(&mut self, error: png::EncodingError) -> Error {
         Error::io("write", Path::new(MEMORY), std::io::Error::other(error.to_string()))
     }
 }
@@ -169,7 +169,7 @@ impl<W: Sink> Encoder<W> {
         let rows = Rows::new(Shared(Arc::clone(&out)), layout, encoding, compression);
         match rows {
             Ok(rows) => Ok(Self { rows, row_bytes: layout.row_bytes, out }),
-            Err(error) => Err(fault(&out, error)),
+            Err(error) => Err(write_error(&out, error)),
         }
     }
 
@@ -199,7 +199,7 @@ impl<W: Sink> Encoder<W> {
                 |data| writer.write_chunk(png::chunk::IDAT, data),
             ),
         };
-        outcome.map_err(|error| fault(&self.out, error))
+        outcome.map_err(|error| write_error(&self.out, error))
     }
 
     /// Completes the PNG and returns the destination.
@@ -209,16 +209,16 @@ impl<W: Sink> Encoder<W> {
             Rows::Fast(writer) => writer.finish(),
             Rows::Best(writer, _) => writer.finish(),
         };
-        outcome.map_err(|error| fault(&self.out, error))?;
+        outcome.map_err(|error| write_error(&self.out, error))?;
         match Arc::try_unwrap(self.out) {
             Ok(out) => Ok(out.into_inner().unwrap_or_else(PoisonError::into_inner)),
-            Err(out) => Err(fault(&out, std::io::Error::other("the encoder still holds its output").into())),
+            Err(out) => Err(write_error(&out, std::io::Error::other("the encoder still holds its output").into())),
         }
     }
 }
 
-fn fault<W: Sink>(out: &Mutex<W>, error: png::EncodingError) -> Error {
-    out.lock().unwrap_or_else(PoisonError::into_inner).fault(error)
+fn write_error<W: Sink>(out: &Mutex<W>, error: png::EncodingError) -> Error {
+    out.lock().unwrap_or_else(PoisonError::into_inner).write_error(error)
 }
 
 impl<W: Sink> Rows<W> {

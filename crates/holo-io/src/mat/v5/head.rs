@@ -84,7 +84,7 @@ impl<'a> Matrix<'a> {
     }
 
     /// Converts an error of reading: early ends and invalid data mean a broken file.
-    fn fault(&self, error: io::Error) -> Error {
+    fn read_error(&self, error: io::Error) -> Error {
         match error.kind() {
             io::ErrorKind::UnexpectedEof => {
                 self.broken("it ends early; the file was truncated while it was written or copied")
@@ -100,7 +100,7 @@ impl<'a> Matrix<'a> {
         if length > self.left {
             return Err(self.broken("its parts are longer than itself"));
         }
-        self.source.read_exact(bytes).map_err(|error| self.fault(error))?;
+        self.source.read_exact(bytes).map_err(|error| self.read_error(error))?;
         self.left -= length;
         Ok(())
     }
@@ -219,7 +219,7 @@ impl<'a> Matrix<'a> {
         match self.source.read(&mut padding[..1]) {
             Ok(0) => Ok(()),
             Ok(_) => Err(self.broken("its compressed data continue after its end")),
-            Err(error) => Err(self.fault(error)),
+            Err(error) => Err(self.read_error(error)),
         }
     }
 
