@@ -1,4 +1,5 @@
-//! Warnings and notes about a render, such as unsupported parts of a scene, or another ray tracing backend than requested.
+//! Warnings and notes about a render, such as unsupported parts of a scene, or another ray tracing backend than
+//! requested.
 
 /// The subject of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -25,8 +25,8 @@ pub(crate) fn write_central(folder: &mut OutputFolder, rendered: &Rendered) -> R
     Ok(())
 }
 
-/// Writes the color of the light field as elemental image array or sub-aperture image array, as 16-bit floats if all values
-/// are in their range, else as 32-bit floats.
+/// Writes the color of the light field as elemental image array or sub-aperture image array, as 16-bit floats if all
+/// values are in their range, else as 32-bit floats.
 ///
 /// It is written lens row by lens row, or view row by view row, without a second copy in memory.
 pub(crate) fn write_grid(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, layout: Layout) -> Result<(), Error> {

@@ -86,7 +86,7 @@ pub(crate) fn write(
 pub(crate) fn outputs(spec: &RenderSpec, has_color: bool) -> Result<Vec<Output>, Error> {
     if !has_color && layers::names_color(spec) {
         return Err(Error::BadRequest(
-            "the scene has no light sources, so there is no color to write; remove color from --layers, or light the scene \
+            "the scene has no light sources, so there is no color to write; remove color from --layers, or light it \
              with --sky 1,1,1"
                 .into(),
         ));
@@ -96,14 +96,15 @@ pub(crate) fn outputs(spec: &RenderSpec, has_color: bool) -> Result<Vec<Output>,
     }
     if let Some(names) = images::needing_color(&spec.outputs).filter(|_| !has_color) {
         return Err(Error::BadRequest(format!(
-            "the scene has no light sources, so there is no color to write; remove {names} from --write, or light it with \
-             --sky 1,1,1"
+            "the scene has no light sources, so there is no color to write; remove {names} from --write, or light it \
+             with --sky 1,1,1"
         )));
     }
     Ok(spec.outputs.clone())
 }
 
-/// The range of the finite disparities of the central view, in pixels. Pixels at infinite depth have a finite disparity too.
+/// The range of the finite disparities of the central view, in pixels. Pixels at infinite depth have a finite disparity
+/// too.
 fn finite_range(central: &Layers<Array3<f32>>) -> Option<(f64, f64)> {
     let disparities = central.disparity_px().into_iter().flatten();
     let finite = disparities.filter(|d| d.is_finite()).map(|&d| f64::from(d));

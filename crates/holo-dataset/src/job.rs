@@ -80,8 +80,8 @@ impl RenderJob {
         Self { source, spec, engine: EngineSpec::default(), options }
     }
 
-    /// Replaces the text of the specification in the manifest, for example by the options as they were typed. The path of an
-    /// environment map is removed from it.
+    /// Replaces the text of the specification in the manifest, for example by the options as they were typed. The path
+    /// of an environment map is removed from it.
     #[must_use]
     pub fn with_options(self, options: Options) -> Self {
         let options = options::without_paths(options, &self.spec);
@@ -97,9 +97,9 @@ impl RenderJob {
     /// Renders into the folder `out`: the complete light field, or one shard of it.
     ///
     /// # Errors
-    /// [`Error::BadRequest`] if the specification contradicts itself; [`Error::Scene`] and [`Error::Failed`] if the scene or the
-    /// environment map cannot be read; [`Error::Render`] for errors and cancellation of the renderer; [`Error::Io`] if files
-    /// cannot be written. Files and folders that the run created are removed then.
+    /// [`Error::BadRequest`] if the specification contradicts itself; [`Error::Scene`] and [`Error::Failed`] if the
+    /// scene or the environment map cannot be read; [`Error::Render`] for errors and cancellation of the renderer;
+    /// [`Error::Io`] if files cannot be written. Files and folders that the run created are removed then.
     pub fn run(
         &self,
         out: &Path,
@@ -151,18 +151,20 @@ impl RenderJob {
         })
     }
 
-    /// Loads the scene, builds the acceleration structure and determines the focus: the first steps of [`run`](Self::run).
+    /// Loads the scene, builds the acceleration structure and determines the focus: the first steps of
+    /// [`run`](Self::run).
     ///
     /// # Errors
-    /// As [`run`](Self::run), except for rendering and writing; [`Error::BadRequest`] also if the light field does not fit into
-    /// memory, [`Error::Core`] if the rig is invalid.
+    /// As [`run`](Self::run), except for rendering and writing; [`Error::BadRequest`] also if the light field does not
+    /// fit into memory, [`Error::Core`] if the rig is invalid.
     pub fn prepare(&self, diagnostics: &dyn Diagnostics) -> Result<Prepared, Error> {
         let wanted = Wanted::new(&self.spec);
         prepare(&self.source, &self.spec.rig, &self.engine, purpose(&self.spec, &wanted), diagnostics)
     }
 
-    /// Returns what identifies the job in a manifest: digests of scene and sky, options, versions. Two manifests with the same
-    /// identity are of the same job. `backend` is [`Renderer::engine_name`](holo_render::Renderer::engine_name).
+    /// Returns what identifies the job in a manifest: digests of scene and sky, options, versions. Two manifests with
+    /// the same identity are of the same job. `backend` is
+    /// [`Renderer::engine_name`](holo_render::Renderer::engine_name).
     ///
     /// # Errors
     /// [`Error::Io`] if the scene or the environment map cannot be read.

@@ -1,8 +1,8 @@
 //! Layers of a render: which are requested, and the names of their files.
 //!
-//! Every layer is written as a float map: `scene_<layer>.pfm` for the central view, and for all views a folder `<layer>` with
-//! one map a view (`-` in the name of a layer is `_` in a file name). `scene_central.exr` contains all layers of the central
-//! view.
+//! Every layer is written as a float map: `scene_<layer>.pfm` for the central view, and for all views a folder
+//! `<layer>` with one map a view (`-` in the name of a layer is `_` in a file name). `scene_central.exr` contains all
+//! layers of the central view.
 
 use std::path::PathBuf;
 

@@ -5,9 +5,9 @@
 //! scenes x view counts     -> DatasetPlan -> <scene>/<S>x<T>/ each, dataset.json, DATASET.md
 //! ```
 //!
-//! A folder is complete when it has its manifest, which is written last and contains the digest of every file. A dataset job
-//! whose folder is up to date is skipped, so that an interrupted dataset can be continued. The work for one image can be
-//! distributed ([`Shard`]) and combined by [`merge`]. [`verify`] compares files with their digests.
+//! A folder is complete when it has its manifest, which is written last and contains the digest of every file. A
+//! dataset job whose folder is up to date is skipped, so that an interrupted dataset can be continued. The work for one
+//! image can be distributed ([`Shard`]) and combined by [`merge`]. [`verify`] compares files with their digests.
 //!
 //! # Example
 //! ```

@@ -1,7 +1,7 @@
 //! Specifications as text: the long options of the command line and their values, as manifests contain them.
 //!
-//! A later run compares them with its own to decide whether a folder is up to date, and `merge` takes the outputs to write from
-//! them. Threads, backend and output folder are not among them, because the files do not depend on them.
+//! A later run compares them with its own to decide whether a folder is up to date, and `merge` takes the outputs to
+//! write from them. Threads, backend and output folder are not among them, because the files do not depend on them.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -273,8 +273,8 @@ impl RenderSpec {
         options
     }
 
-    /// Parses a specification from text; missing options have their defaults. The sky `map` becomes black, because its path is
-    /// unknown.
+    /// Parses a specification from text; missing options have their defaults. The sky `map` becomes black, because its
+    /// path is unknown.
     ///
     /// # Errors
     /// [`Error::BadRequest`] for an unknown option or an invalid value.

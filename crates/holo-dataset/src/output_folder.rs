@@ -11,12 +11,13 @@ use crate::Error;
 /// The name of an older manifest while its folder is written again.
 const OLD_MANIFEST: &str = ".manifest.old.json";
 
-/// The files and folders that unfinished runs created: removed by an [`OutputFolder`] that is dropped unfinished, or by a
-/// program that is about to end ([`Rollback::stop`]). Clones share the list.
+/// The files and folders that unfinished runs created: removed by an [`OutputFolder`] that is dropped unfinished, or by
+/// a program that is about to end ([`Rollback::stop`]). Clones share the list.
 #[derive(Clone, Debug, Default)]
 pub struct Rollback(Arc<Mutex<Created>>);
 
-/// Created folders, and files that were or will be created in them, outer before inner, each with the number of its run.
+/// Created folders, and files that were or will be created in them, outer before inner, each with the number of its
+/// run.
 #[derive(Debug, Default)]
 struct Created {
     paths: Vec<(u64, PathBuf)>,
@@ -46,8 +47,8 @@ impl Rollback {
 }
 
 impl Created {
-    /// Removes what the runs of these numbers created. Files that existed before, replaced or not, stay, and so do folders with
-    /// such files.
+    /// Removes what the runs of these numbers created. Files that existed before, replaced or not, stay, and so do
+    /// folders with such files.
     fn remove(&mut self, of: impl Fn(u64) -> bool) {
         for (_, path) in self.paths.extract_if(.., |(run, _)| of(*run)).collect::<Vec<_>>().into_iter().rev() {
             // A file that was never written, or a folder with other files in it, is no error.
@@ -149,8 +150,8 @@ impl OutputFolder {
         self.files.push((name.into(), written));
     }
 
-    /// Writes the manifest with all files that were added, and removes files of an older manifest that it does not list. Returns
-    /// the names of the files and of the manifest.
+    /// Writes the manifest with all files that were added, and removes files of an older manifest that it does not
+    /// list. Returns the names of the files and of the manifest.
     ///
     /// # Errors
     /// [`Error::Io`] if the manifest cannot be written.
@@ -188,8 +189,8 @@ impl Drop for OutputFolder {
     }
 }
 
-/// Removes the files of an older manifest that the new one does not list, and the older manifest. Files that no manifest lists
-/// stay.
+/// Removes the files of an older manifest that the new one does not list, and the older manifest. Files that no
+/// manifest lists stay.
 pub(crate) fn clear_older(folder: &Path, manifest: &Manifest) {
     let aside = folder.join(OLD_MANIFEST);
     if let Ok(older) = Manifest::read(&aside) {

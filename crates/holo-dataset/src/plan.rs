@@ -67,8 +67,9 @@ impl DatasetPlan {
     /// Plans a job for every source and every number of views. `options` are the options of `spec` that were requested.
     ///
     /// # Errors
-    /// [`Error::BadRequest`] if the specification contradicts itself, there is no scene, or views or scene names repeat;
-    /// [`Error::Core`] if the sensor has fewer pixels than views; [`Error::Io`] if the name of a scene cannot be a folder name.
+    /// [`Error::BadRequest`] if the specification contradicts itself, there is no scene, or views or scene names
+    /// repeat; [`Error::Core`] if the sensor has fewer pixels than views; [`Error::Io`] if the name of a scene cannot
+    /// be a folder name.
     pub fn new(
         sources: &[SceneSource],
         views: &[GridSize],
@@ -112,8 +113,8 @@ impl DatasetPlan {
         Ok(renderer.engine_name().to_owned())
     }
 
-    /// Creates the root folder and writes `dataset.json` and `DATASET.md` into it: before the jobs, so that an unfinished dataset
-    /// can be verified too.
+    /// Creates the root folder and writes `dataset.json` and `DATASET.md` into it: before the jobs, so that an
+    /// unfinished dataset can be verified too.
     ///
     /// # Errors
     /// [`Error::Failed`] or [`Error::Io`] if folder or files cannot be written.
@@ -185,8 +186,8 @@ fn check_names(sources: &[SceneSource]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Returns the manifest of a job that is done: with the same scene, options and versions, and with every file as its digest.
-/// The error is why an older result is not up to date, if there is one.
+/// Returns the manifest of a job that is done: with the same scene, options and versions, and with every file as its
+/// digest. The error is why an older result is not up to date, if there is one.
 fn done(folder: &Path, identity: &Manifest) -> Result<Manifest, Option<String>> {
     let path = folder.join(dataset::MANIFEST_JSON);
     let manifest = match Manifest::read(&path) {

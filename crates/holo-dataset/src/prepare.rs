@@ -106,12 +106,12 @@ pub(crate) fn prepare(
 }
 
 impl SceneSource {
-    /// Loads the scene, chooses its camera, builds the acceleration structure and determines the focus, for rendering depth and
-    /// disparity of the central view.
+    /// Loads the scene, chooses its camera, builds the acceleration structure and determines the focus, for rendering
+    /// depth and disparity of the central view.
     ///
     /// # Errors
-    /// [`Error::Failed`] if the scene cannot be read or its camera is unsuitable; [`Error::BadRequest`] and [`Error::Core`] if
-    /// the rig is invalid; [`Error::Render`] if the backend is not available.
+    /// [`Error::Failed`] if the scene cannot be read or its camera is unsuitable; [`Error::BadRequest`] and
+    /// [`Error::Core`] if the rig is invalid; [`Error::Render`] if the backend is not available.
     pub fn prepare(
         &self,
         rig: &RigSpec,
@@ -173,8 +173,8 @@ fn validate_memory(split: &Split, purpose: Purpose) -> Result<(), Error> {
     std::hint::black_box(&room);
     if refused {
         return Err(Error::BadRequest(format!(
-            "a light field of {} x {} views of {} x {} px ({} x {} in all) needs {:.0} GB of memory, more than there is; \
-             use fewer views or lenses",
+            "a light field of {} x {} views of {} x {} px ({} x {} in all) needs {:.0} GB of memory, more than there \
+             is; use fewer views or lenses",
             views.columns,
             views.rows,
             lenses.columns,

@@ -120,12 +120,12 @@ struct Part<'a> {
     label: Label,
 }
 
-/// Merges the shards of an image into the folder `out`. `parts` are the folders of the shards, in any order. Returns the names
-/// of the files in `out`.
+/// Merges the shards of an image into the folder `out`. `parts` are the folders of the shards, in any order. Returns
+/// the names of the files in `out`.
 ///
 /// # Errors
-/// [`Error::BadRequest`] if a folder is no shard, or if a shard is missing or given twice; [`Error::Failed`] if shards are
-/// damaged or of different images; [`Error::Io`] if files cannot be read or written.
+/// [`Error::BadRequest`] if a folder is no shard, or if a shard is missing or given twice; [`Error::Failed`] if shards
+/// are damaged or of different images; [`Error::Io`] if files cannot be read or written.
 pub fn merge(out: &Path, parts: &[PathBuf], rollback: &Rollback) -> Result<Vec<String>, Error> {
     let folder = OutputFolder::create(out, rollback)?;
     let (traced, spec) = read(parts)?;

@@ -6,7 +6,8 @@ use holo_core::{GridSize, Projection, Sensor};
 use holo_io::MatOrder;
 use holo_render::{GroundTruth, Integrator, Layer};
 
-/// The specification of a render and its output. The defaults are those of the command line: 8K sensor, 100 x 100 views.
+/// The specification of a render and its output. The defaults are those of the command line: 8K sensor, 100 x 100
+/// views.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSpec {
     /// Specification of the rig.
@@ -66,8 +67,8 @@ pub struct RigSpec {
     pub camera: Option<String>,
 }
 
-/// The ray tracing backend and the number of threads. Of the files, only the name of the backend in the manifest depends on
-/// them.
+/// The ray tracing backend and the number of threads. Of the files, only the name of the backend in the manifest
+/// depends on them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EngineSpec {
     /// The ray tracing backend.

@@ -72,10 +72,10 @@ pub struct FileDigest {
 
 /// A file that is written under a temporary name and renamed when it is complete.
 ///
-/// The temporary name is in the same folder: `.NAME.<process>-<number>.part`. [`commit`](Self::commit) syncs the
-/// file, renames it and syncs the folder, so a reader sees the old file, the new file or no file, but never a partial
-/// file, even after a power failure. A file that is dropped without `commit` is removed. A killed process leaves at most
-/// the `.part`, which [`remove_stale_temporary_files`] removes.
+/// The temporary name is in the same folder: `.NAME.<process>-<number>.part`. [`commit`](Self::commit) syncs the file,
+/// renames it and syncs the folder, so a reader sees the old file, the new file or no file, but never a partial file,
+/// even after a power failure. A file that is dropped without `commit` is removed. A killed process leaves at most the
+/// `.part`, which [`remove_stale_temporary_files`] removes.
 ///
 /// Where the name is a symbolic link to a file, that file is replaced and the link stays. Where it is a device or a
 /// pipe (`/dev/null`, `/dev/stdout`), the bytes are written into it directly.
@@ -152,8 +152,8 @@ impl AtomicFile {
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] if any write since `create` failed, even where an encoder ignored its error, or if the file cannot be
-    /// synced or renamed. The temporary file is removed then, and an older file of that name stays as it was.
+    /// [`Error::Io`] if any write since `create` failed, even where an encoder ignored its error, or if the file cannot
+    /// be synced or renamed. The temporary file is removed then, and an older file of that name stays as it was.
     pub fn commit(mut self) -> Result<FileDigest, Error> {
         let finished = self.finish();
         finished.map_err(|source| Error::io("write", &self.path, source))
@@ -176,7 +176,8 @@ impl AtomicFile {
         Ok(written)
     }
 
-    /// Whether there is a temporary file, in which bytes can be overwritten until `commit`; false for a device or a pipe.
+    /// Whether there is a temporary file, in which bytes can be overwritten until `commit`; false for a device or a
+    /// pipe.
     #[cfg_attr(not(all(feature = "exr", feature = "mat")), allow(dead_code, reason = "for formats that are off"))]
     pub(crate) fn is_temporary(&self) -> bool {
         self.temporary.is_some()

@@ -47,8 +47,8 @@ const MAX_JSON_BYTES: u64 = 1 << 30;
 
 /// Detects the format of a file from its contents; the name of the file does not matter.
 ///
-/// A file of a known format may still be damaged: only what distinguishes the formats is read, up to 64 KiB, and of JSON
-/// the keys of the top level.
+/// A file of a known format may still be damaged: only what distinguishes the formats is read, up to 64 KiB, and of
+/// JSON the keys of the top level.
 ///
 /// # Errors
 ///

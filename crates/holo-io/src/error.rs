@@ -39,7 +39,8 @@ pub enum Error {
     },
     /// Reading would take more memory than the caller's [`Limits`](crate::Limits) allow.
     #[error(
-        "{}: the {what} needs {needed} bytes, but only {allowed} are allowed; raise the limit if the file can be trusted",
+        "{}: the {what} needs {needed} bytes, but only {allowed} are allowed; raise the limit if the file can be \
+         trusted",
         .path.display()
     )]
     TooLarge {

@@ -1,23 +1,23 @@
 //! OpenEXR: images of many float channels, and environment maps.
 //!
-//! Through the crate `exr`, one block at a time: what a header announces is compared with the memory limit first, blocks are
-//! decompressed in parallel on the threads of rayon, and samples are written directly into the planes that are returned. A
-//! panic of the crate on a damaged file becomes an error; see [`is_guarding`](crate::is_guarding).
+//! Through the crate `exr`, one block at a time: what a header announces is compared with the memory limit first,
+//! blocks are decompressed in parallel on the threads of rayon, and samples are written directly into the planes that
+//! are returned. A panic of the crate on a damaged file becomes an error; see [`is_guarding`](crate::is_guarding).
 //!
 //! # Model
 //!
 //! - **Size**: an image is the *display window* of its file. Outside the data window samples are 0; samples outside the
 //!   display window (overscan) are dropped.
-//! - **Names**: channels have their full names with layers, such as `ViewLayer.Combined.R`. In a file of several parts the
-//!   name of the part comes first.
-//! - **Samples**: half and float samples are exact, `NaN` and infinity included; 32-bit integers are rounded to the nearest
-//!   `f32`, so identifiers above 2^24 are not exact.
+//! - **Names**: channels have their full names with layers, such as `ViewLayer.Combined.R`. In a file of several parts
+//!   the name of the part comes first.
+//! - **Samples**: half and float samples are exact, `NaN` and infinity included; 32-bit integers are rounded to the
+//!   nearest `f32`, so identifiers above 2^24 are not exact.
 //! - **Resolution levels**: only the largest is read.
 //! - **Not read**: deep data, subsampled channels, and the codings HTJ2K, ZSTD and later ones. Chromaticities are
 //!   ignored.
 //! - **Written**: one part, scanlines, floats of 32 or 16 bits, one of four codings, display window = data window = the
-//!   planes. The same planes give the same bytes for any number of threads and any bands; the file contains neither date nor
-//!   program name.
+//!   planes. The same planes give the same bytes for any number of threads and any bands; the file contains neither
+//!   date nor program name.
 //!
 //! # Source
 //!
@@ -88,8 +88,8 @@ impl ExrImage {
         self.channels.iter().find_map(|(own, plane)| (own == name).then_some(plane))
     }
 
-    /// Returns the plane of a component of a Blender pass, such as `pass("IndexOB", "X")`, from the first view layer that has
-    /// it.
+    /// Returns the plane of a component of a Blender pass, such as `pass("IndexOB", "X")`, from the first view layer
+    /// that has it.
     ///
     /// Blender 5 renamed some passes, such as `IndexOB` to `Object Index`; either name finds both.
     #[must_use]
@@ -120,8 +120,8 @@ pub struct ExrInfo {
 /// # Errors
 ///
 /// [`Error::BadInput`] if there is no channel or no pixel, if planes differ in size, if names repeat, are empty, longer
-/// than 255 bytes or contain a NUL, or if a channel of 16-bit floats cannot represent its values ([`ExrSamples::Half`]);
-/// [`Error::Io`] if the file cannot be written. No file of that name appears then.
+/// than 255 bytes or contain a NUL, or if a channel of 16-bit floats cannot represent its values
+/// ([`ExrSamples::Half`]); [`Error::Io`] if the file cannot be written. No file of that name appears then.
 ///
 /// # Examples
 ///
@@ -233,8 +233,8 @@ pub fn decode_exr(bytes: &[u8], limits: &Limits) -> Result<ExrImage, Error> {
 /// Reads the color channels of an EXR, such as an environment map, as linear RGB.
 ///
 /// They are R, G and B without a layer; else those of a layer called `Combined`; else those of the first layer that has
-/// them. Without any, a luminance channel Y (in a layer without X, Z and RY) becomes gray. Alpha is ignored, because EXR
-/// stores premultiplied color. Other channels take no memory.
+/// them. Without any, a luminance channel Y (in a layer without X, Z and RY) becomes gray. Alpha is ignored, because
+/// EXR stores premultiplied color. Other channels take no memory.
 ///
 /// # Shape
 ///

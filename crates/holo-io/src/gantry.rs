@@ -12,18 +12,18 @@
 //! - *Y comes before X*: the archive states it (see the source below), and the names agree: from `out_00_00` to
 //!   `out_00_10` of the knights the third number changes by 1.3 and the fourth by 86.
 //! - *ROW comes before COLUMN*: by the same names, the second index runs along X.
-//! - *The unit is unknown*: the archive calls the positions "computed parallax", which is the position of the camera up to
-//!   an unknown scale and an unknown origin. They are not millimeters; only the archive's older gantry gives those.
-//! - *The direction differs between sets*: X decreases by 8.6 a column in the knights and increases by 10 in the amethyst,
-//!   and some readers of these sets count rows from below. The reader flips nothing: rows and columns are in the order of
-//!   their indices, and the positions are returned as they are written. All of `holo-core` expects view columns to run
-//!   right and view rows to run down: check a pair of views before you use it.
+//! - *The unit is unknown*: the archive calls the positions "computed parallax", which is the position of the camera up
+//!   to an unknown scale and an unknown origin. They are not millimeters; only the archive's older gantry gives those.
+//! - *The direction differs between sets*: X decreases by 8.6 a column in the knights and increases by 10 in the
+//!   amethyst, and some readers of these sets count rows from below. The reader flips nothing: rows and columns are in
+//!   the order of their indices, and the positions are returned as they are written. All of `holo-core` expects view
+//!   columns to run right and view rows to run down: check a pair of views before you use it.
 //!
 //! # Source
 //!
-//! "Geometric Calibration" of the archive (`lightfield.stanford.edu`, `calib.html`): the parallax "is included as part of
-//! the file name of each rectified image, in the order (Y, X)". The order of the indices and the directions are derived from
-//! published file names; no set was available for a test.
+//! "Geometric Calibration" of the archive (`lightfield.stanford.edu`, `calib.html`): the parallax "is included as part
+//! of the file name of each rectified image, in the order (Y, X)". The order of the indices and the directions are
+//! derived from published file names; no set was available for a test.
 
 mod name;
 
@@ -63,13 +63,13 @@ pub struct GantryFolder {
 impl GantryFolder {
     /// Opens a folder: parses the names of its files and checks that they form a grid.
     ///
-    /// Rows and columns are sorted by their indices. These need not begin at 0 and may have an equal step above 1, so that a
-    /// subset, such as every second row, is a grid too. Files of other names are ignored.
+    /// Rows and columns are sorted by their indices. These need not begin at 0 and may have an equal step above 1, so
+    /// that a subset, such as every second row, is a grid too. Files of other names are ignored.
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] if the folder cannot be listed; [`Error::Broken`] if it has no such file, if two files have the same
-    /// indices, if a view of the grid is missing, or if rows or columns are not evenly spaced.
+    /// [`Error::Io`] if the folder cannot be listed; [`Error::Broken`] if it has no such file, if two files have the
+    /// same indices, if a view of the grid is missing, or if rows or columns are not evenly spaced.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let found = files(path)?;
@@ -133,13 +133,14 @@ impl GantryFolder {
     ///
     /// # Shape
     ///
-    /// `(v, u, t, s, c)` with 1 or 3 channels; `t` and `s` count the sorted rows and columns. An alpha channel is dropped;
-    /// the color values stay as they are stored, also where alpha is 0.
+    /// `(v, u, t, s, c)` with 1 or 3 channels; `t` and `s` count the sorted rows and columns. An alpha channel is
+    /// dropped; the color values stay as they are stored, also where alpha is 0.
     ///
     /// # Errors
     ///
     /// Those of [`read_png`](crate::read_png); [`Error::Broken`] if size, channels or bits of a view differ from the
-    /// first one; [`Error::TooLarge`] if the samples of all views exceed the limits, before memory is allocated for them.
+    /// first one; [`Error::TooLarge`] if the samples of all views exceed the limits, before memory is allocated for
+    /// them.
     pub fn read(&self, limits: &Limits) -> Result<DynLightField, Error> {
         self.files().read(limits)
     }
@@ -167,7 +168,10 @@ impl GantryFolder {
 }
 
 /// Files and positions by row and column.
-fn files(folder: &Path) -> Result<BTreeMap<(usize, usize), (PathBuf, GantryPosition)>, Error> {
+type Files = BTreeMap<(usize, usize), (PathBuf, GantryPosition)>;
+
+/// The files of a folder with names of this form.
+fn files(folder: &Path) -> Result<Files, Error> {
     let parse = |name: &str| Name::parse(name).map(|name| ((name.row, name.column), name.position));
     files_by_key(folder, FORMAT, "is the same view", parse)
 }

@@ -11,13 +11,13 @@
 //! # Names
 //!
 //! A number has three digits, and more from 1000 on: `input_Cam999.png` is followed by `input_Cam1000.png`. That is the
-//! format `%03d` of the HCI tools: programs that construct the names find every view of any grid; programs that sort names
-//! as text do not. The reader accepts any number of leading zeros.
+//! format `%03d` of the HCI tools: programs that construct the names find every view of any grid; programs that sort
+//! names as text do not. The reader accepts any number of leading zeros.
 //!
 //! # A folder is complete when it has a `parameters.cfg`
 //!
-//! The writer removes an older `parameters.cfg` before it writes anything else, and writes the new one last. A reader that
-//! opens it first therefore never reads a partial folder.
+//! The writer removes an older `parameters.cfg` before it writes anything else, and writes the new one last. A reader
+//! that opens it first therefore never reads a partial folder.
 //!
 //! # Extensions of the HCI format
 //!
@@ -29,8 +29,8 @@
 //!
 //! # Source
 //!
-//! K. Honauer, O. Johannsen, D. Kondermann, B. Goldluecke: *A Dataset and Evaluation Methodology for Depth Estimation on
-//! 4D Light Fields*, ACCV 2016, and the add-on for Blender that goes with it.
+//! K. Honauer, O. Johannsen, D. Kondermann, B. Goldluecke: *A Dataset and Evaluation Methodology for Depth Estimation
+//! on 4D Light Fields*, ACCV 2016, and the add-on for Blender that goes with it.
 
 mod folder;
 mod names;

@@ -1,7 +1,7 @@
 //! HDF5 light fields with ground truth, of which one view or one elemental image can be read alone.
 //!
-//! Through `hdf5-metno`, with the C library built in. Light fields are written lens row by lens row, so they need not fit into
-//! memory.
+//! Through `hdf5-metno`, with the C library built in. Light fields are written lens row by lens row, so they need not
+//! fit into memory.
 //!
 //! # Layout
 //!
@@ -11,17 +11,18 @@
 //! | `/depth_m`, `/ray_length_m`, `/disparity_px` | (v, u, t, s) | float32, of all views |
 //! | `/central/depth_m`, `/central/ray_length_m`, `/central/disparity_px` | (v, u) | float32, of the central view |
 //!
-//! Attributes of the file: `format`, `axes` (`vutsc`), `views` = \[T S\], `lenses` = \[V U\], and of the rig `baseline_m` =
-//! \[y x\], `focal_length_mm`, `sensor_size_mm`, `focus_distance_m`, `projection`. Every dataset has `axes` and `units`,
-//! and labels of its dimensions as HDF5 dimension scales define them (`dims[0].label` in h5py). Compression is shuffle and
-//! gzip, which every reader supports.
+//! Attributes of the file: `format`, `axes` (`vutsc`), `views` = \[T S\], `lenses` = \[V U\], and of the rig
+//! `baseline_m` = \[y x\], `focal_length_mm`, `sensor_size_mm`, `focus_distance_m`, `projection`. Every dataset has
+//! `axes` and `units`, and labels of its dimensions as HDF5 dimension scales define them (`dims[0].label` in h5py).
+//! Compression is shuffle and gzip, which every reader supports.
 //!
 //! # Chunks
 //!
-//! Chunks of one elemental image make reading a view slow, and chunks of one view make reading an elemental image slow. The
-//! default is a compromise: 4 x 4 microlenses, 10 x 10 views and all channels. Reading one elemental image then inflates 16
-//! times its size, reading one view 100 times. `cargo bench -p holo-bench --bench files --features hdf5 -- --chunks` measures
-//! alternatives. On 2 cores of an AMD EPYC, with 100 x 100 views of 79 x 53 px, float32, gzip level 1:
+//! Chunks of one elemental image make reading a view slow, and chunks of one view make reading an elemental image slow.
+//! The default is a compromise: 4 x 4 microlenses, 10 x 10 views and all channels. Reading one elemental image then
+//! inflates 16 times its size, reading one view 100 times. `cargo bench -p holo-bench --bench files --features hdf5 --
+//! --chunks` measures alternatives. On 2 cores of an AMD EPYC, with 100 x 100 views of 79 x 53 px, float32, gzip level
+//! 1:
 //!
 //! | lens rows, columns, view rows, columns | write, s | MB | one view, ms | one elemental image, ms |
 //! |---|---|---|---|---|
@@ -32,14 +33,14 @@
 //! | 4, 4, 20, 20 | 3.1 | 317 | 52 | 4 |
 //! | 8, 8, 10, 10 | 3.3 | 335 | 14 | 18 |
 //!
-//! The library deflates with zlib-ng, through the feature of `libz-sys`: twice as fast as zlib, for 6 % more bytes at level 1.
-//! The bytes do not depend on the processor: the portable code of zlib-ng and that for AVX-512 give the same.
+//! The library deflates with zlib-ng, through the feature of `libz-sys`: twice as fast as zlib, for 6 % more bytes at
+//! level 1. The bytes do not depend on the processor: the portable code of zlib-ng and that for AVX-512 give the same.
 //!
 //! # Safety
 //!
 //! The C library does not check all that it reads: a malicious file may crash the process. Shapes, types and chunks are
-//! compared with the memory limit before samples are read, but not what the library allocates while it parses the structure
-//! of the file. Read files from sources you trust only.
+//! compared with the memory limit before samples are read, but not what the library allocates while it parses the
+//! structure of the file. Read files from sources you trust only.
 
 mod attributes;
 mod library;
@@ -107,8 +108,8 @@ pub(crate) use with_sample_type;
 ///
 /// # Shape
 ///
-/// Samples `(v, u, t, s, c)`; maps of all views `(v, u, t, s)`; maps of the central view `(v, u)`. Any strides; a few lens
-/// rows are copied at a time.
+/// Samples `(v, u, t, s, c)`; maps of all views `(v, u, t, s)`; maps of the central view `(v, u)`. Any strides; a few
+/// lens rows are copied at a time.
 ///
 /// # Errors
 ///
@@ -124,7 +125,12 @@ pub(crate) use with_sample_type;
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("scene_5d.h5");
 /// let split = Split::new(GridSize::new(2, 3), GridSize::new(4, 5))?;
-/// let rig = Rig::builder(split).focal_length_m(0.05).sensor_size_m(0.036).baseline_m(1e-3).focus_distance_m(2.0).build()?;
+/// let rig = Rig::builder(split)
+///     .focal_length_m(0.05)
+///     .sensor_size_m(0.036)
+///     .baseline_m(1e-3)
+///     .focus_distance_m(2.0)
+///     .build()?;
 /// let light_field = LightField::new(Array5::<f32>::ones(split.shape(3)))?;
 /// let depth_m = Array2::from_elem((4, 5), 2.5);
 /// write_hdf5(&path, &light_field, &rig, &[], &[(Hdf5Map::Depth, depth_m.view())], &Hdf5Options::default())?;

@@ -1,15 +1,16 @@
 //! Radiance HDR (`.hdr`, `.pic`): linear RGB with an 8-bit mantissa a channel and a shared exponent.
 //!
 //! Own code, because the one maintained crate (`image` 0.25) reads one of the eight orientations and one of the two
-//! signatures, leaves exposure to its caller and multiplies run lengths without a check. This module reads the signatures
-//! `#?RADIANCE` and `#?RGBE`, all orientations, flat scanlines and both run-length codings.
+//! signatures, leaves exposure to its caller and multiplies run lengths without a check. This module reads the
+//! signatures `#?RADIANCE` and `#?RGBE`, all orientations, flat scanlines and both run-length codings.
 //!
 //! # Model
 //!
-//! A pixel (r, g, b, e) is `(r, g, b) * 2^(e - 136)`, black where e = 0, divided by the product of the header's `EXPOSURE`
-//! and `COLORCORR` lines, so that the result is the original radiance. The power of two is exact; the
-//! division, where there is one, is rounded once. The tools of Radiance add half a step to the mantissas; this module does
-//! not, as most other programs, so that black stays black. Primaries are assumed to be those of sRGB; `PRIMARIES` is ignored.
+//! A pixel (r, g, b, e) is `(r, g, b) * 2^(e - 136)`, black where e = 0, divided by the product of the header's
+//! `EXPOSURE` and `COLORCORR` lines, so that the result is the original radiance. The power of two is exact; the
+//! division, where there is one, is rounded once. The tools of Radiance add half a step to the mantissas; this module
+//! does not, as most other programs, so that black stays black. Primaries are assumed to be those of sRGB; `PRIMARIES`
+//! is ignored.
 //!
 //! # Source
 //!
@@ -102,8 +103,8 @@ fn decode(source: &mut impl BufRead, path: &Path, limits: Limits) -> Result<Arra
     // An image of another orientation is copied once.
     let copies = if upright { 1 } else { 2 };
     limits.elements(path, "image", &[copies, scanlines, length, 3], size_of::<f32>())?;
-    // The memory is only reserved: pages are touched as data arrive, so a short file that announces a large image uses little
-    // memory.
+    // The memory is only reserved: pages are touched as data arrive, so a short file that announces a large image uses
+    // little memory.
     let mut values = Limits::room(path, "image", scanlines * length * 3)?;
     let mut codes = Limits::room(path, "image", length)?;
     let scale = scales();

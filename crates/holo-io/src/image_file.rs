@@ -7,7 +7,8 @@ use ndarray::{ArrayView3, Axis};
 
 use crate::{Compression, Error, FileDigest, write_pfm, write_pfm_rgb, write_png};
 
-/// Writes an image as `.png` or `.pfm`: integers, which follow the sRGB curve, as PNG; floats, which are linear, as PFM.
+/// Writes an image as `.png` or `.pfm`: integers, which follow the sRGB curve, as PNG; floats, which are linear, as
+/// PFM.
 ///
 /// # Accuracy
 ///

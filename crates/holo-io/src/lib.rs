@@ -2,10 +2,10 @@
 //!
 //! # Conventions
 //!
-//! - Arrays are `(rows, columns)` or `(rows, columns, channels)`, the top row first, with any strides: writers take views
-//!   of any memory order and never copy the image as a whole. What does not fit into memory is written band by band
-//!   ([`PngWriter`], [`ExrWriter`], `MatWriter`, `Hdf5Writer`). Nothing is flipped: PFM stores the bottom row first, and
-//!   only inside its file.
+//! - Arrays are `(rows, columns)` or `(rows, columns, channels)`, the top row first, with any strides: writers take
+//!   views of any memory order and never copy the image as a whole. What does not fit into memory is written band by
+//!   band ([`PngWriter`], [`ExrWriter`], `MatWriter`, `Hdf5Writer`). Nothing is flipped: PFM stores the bottom row
+//!   first, and only inside its file.
 //! - In files and in text a size is columns x rows; in code rows come first ([`GridSize`](holo_core::GridSize)).
 //! - Depth is planar and in meters, `+infinity` where nothing was hit. Disparity is in pixels between adjacent views,
 //!   positive nearer than the focus plane. Millimeters occur only in fields whose name says so, because their files do.
@@ -26,9 +26,11 @@
 //! | PNG in memory | [`encode_png`] | [`decode_png`] |
 //! | PFM | [`write_pfm`], [`write_pfm_rgb`] | [`read_pfm`], [`read_pfm_gray`], [`read_pfm_info`] |
 //! | PFM in memory | [`Pfm::to_bytes`] | [`decode_pfm`] |
-//! | EXR, 32-bit or 16-bit float | [`write_exr`], [`write_exr_with`], [`ExrWriter`] | [`read_exr`], [`read_exr_rgb`], [`read_exr_info`] |
+//! | EXR, 32- or 16-bit float | [`write_exr`], [`write_exr_with`], [`ExrWriter`] | [`read_exr`], [`read_exr_rgb`] |
+//! | header of an EXR | | [`read_exr_info`] |
 //! | EXR in memory | [`encode_exr`], [`encode_exr_with`] | [`decode_exr`], [`decode_exr_rgb`] |
-//! | MAT, versions 5 and 7.3 | [`write_mat`], [`write_mat_light_field`]; `MatWriter` lens row by lens row | [`read_mat`], [`read_mat_variable`], [`read_mat_light_field`], [`read_mat_info`] |
+//! | MAT, versions 5 and 7.3 | [`write_mat`] | [`read_mat`], [`read_mat_variable`], [`read_mat_info`] |
+//! | light field as MAT | [`write_mat_light_field`]; `MatWriter` lens row by lens row | [`read_mat_light_field`] |
 //! | MAT in memory | [`encode_mat`] | [`decode_mat`] |
 //! | HDF5 | `write_hdf5`; `Hdf5Writer` lens row by lens row | `Hdf5LightField`: all, one view, one lens |
 //! | Radiance HDR | | [`read_hdr`], [`decode_hdr`], [`read_hdr_info`] |
@@ -44,26 +46,27 @@
 //! | the format of any of these files | | [`detect_format`] |
 //! | what any of these files and folders contains, without its pixels | | [`probe`] |
 //!
-//! The names of the files in a dataset folder are in [`dataset`]. [`layout_of_file_name`] distinguishes its two raw images.
+//! The names of the files in a dataset folder are in [`dataset`]. [`layout_of_file_name`] distinguishes its two raw
+//! images.
 //!
 //! # Features
 //!
-//! On by default: `png`, everything that needs a PNG codec; `exr`, OpenEXR, through the crate `exr`; `hdr`, Radiance HDR, which
-//! needs no other crate; `mat`, MAT files of version 5, whose numbers the crate `matfile` decodes. On request: `hdf5`, HDF5, and
-//! with `mat` MAT files of version 7.3; it builds the HDF5 library from its C source, which needs CMake. PFM, `parameters.cfg`
-//! and the manifest are always there, and so is [`detect_format`] for every format.
+//! On by default: `png`, everything that needs a PNG codec; `exr`, OpenEXR, through the crate `exr`; `hdr`, Radiance
+//! HDR, which needs no other crate; `mat`, MAT files of version 5, whose numbers the crate `matfile` decodes. On
+//! request: `hdf5`, HDF5, and with `mat` MAT files of version 7.3; it builds the HDF5 library from its C source, which
+//! needs CMake. PFM, `parameters.cfg` and the manifest are always there, and so is [`detect_format`] for every format.
 //!
 //! # Panics in decoders
 //!
-//! The crates `exr` and `matfile` may panic on a damaged file. A panic guard turns such a panic into an [`Error`]. A program whose
-//! panic hook prints should call [`is_guarding`] first and print nothing where it is true. The HDF5 library is C code: read `.h5`
-//! and version 7.3 files only from sources you trust.
+//! The crates `exr` and `matfile` may panic on a damaged file. A panic guard turns such a panic into an [`Error`]. A
+//! program whose panic hook prints should call [`is_guarding`] first and print nothing where it is true. The HDF5
+//! library is C code: read `.h5` and version 7.3 files only from sources you trust.
 //!
 //! # What is not here
 //!
-//! The writers leave the pixels as they are: exposure, the sRGB curve and the change of layout are the caller's. The crate prints
-//! nothing, ends no process and creates no folders. The `lf.h5` of the first HCI benchmark (2013) is not read: no file was
-//! available to verify its conventions.
+//! The writers leave the pixels as they are: exposure, the sRGB curve and the change of layout are the caller's. The
+//! crate prints nothing, ends no process and creates no folders. The `lf.h5` of the first HCI benchmark (2013) is not
+//! read: no file was available to verify its conventions.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 // The table above names what the features add.

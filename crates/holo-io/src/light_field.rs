@@ -14,8 +14,8 @@ use source::Source;
 
 pub use natural_order::list_images;
 
-/// Options of reading a light field: limits, and what the files may not specify. By default everything is taken from the
-/// files.
+/// Options of reading a light field: limits, and what the files may not specify. By default everything is taken from
+/// the files.
 ///
 /// # Examples
 ///
@@ -107,8 +107,8 @@ pub struct LightFieldFile {
     /// Smallest and largest disparity of the scene in pixels between horizontally adjacent views, if the files contain
     /// them.
     pub disparity_range_px: Option<(f64, f64)>,
-    /// Problems of the files that do not affect the samples, such as numbers that make no rig: one message each, with its
-    /// path.
+    /// Problems of the files that do not affect the samples, such as numbers that make no rig: one message each, with
+    /// its path.
     pub warnings: Vec<String>,
 }
 
@@ -124,7 +124,7 @@ pub struct LightFieldFile {
 /// | MAT file, version 5 or 7.3 | its header | its variables, else the sidecar `parameters.cfg` ¹ |
 /// | HDF5 file | its signature | its attributes, else the sidecar `parameters.cfg` ¹ |
 ///
-/// A sidecar is a file in the same folder. ¹ If it specifies the same numbers of views and pixels. Of a raw PNG without
+/// A sidecar is a file of the same folder. ¹ If it specifies the same numbers of views and pixels. Of a raw PNG without
 /// [`ReadOptions::views`] it specifies the number of views and must agree with the size of the image.
 ///
 /// # Shape
@@ -133,10 +133,10 @@ pub struct LightFieldFile {
 ///
 /// # Errors
 ///
-/// [`Error::MissingOption`] if neither the files nor the options specify the number of views or the layout, or if files and
-/// options contradict each other; [`Error::NoLightField`] if the path leads to something else;
-/// [`Error::Unsupported`] if the format needs a feature that is off; otherwise those of the readers of the formats, such as
-/// [`Error::Io`], [`Error::Broken`] and [`Error::TooLarge`].
+/// [`Error::MissingOption`] if neither the files nor the options specify the number of views or the layout, or if files
+/// and options contradict each other; [`Error::NoLightField`] if the path leads to something else;
+/// [`Error::Unsupported`] if the format needs a feature that is off; otherwise those of the readers of the formats,
+/// such as [`Error::Io`], [`Error::Broken`] and [`Error::TooLarge`].
 ///
 /// # Examples
 ///
@@ -146,7 +146,8 @@ pub struct LightFieldFile {
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("scene_el.png");
-/// let light_field = LightField::filled(Split::new(GridSize::new(3, 3), GridSize::new(4, 5))?, 3, Layout::ElementalGrid, 7_u8)?;
+/// let shape = Split::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
+/// let light_field = LightField::filled(shape, 3, Layout::ElementalGrid, 7_u8)?;
 /// write_png(&path, light_field.to_elemental_grid().view(), ColorEncoding::Srgb, Compression::Fast)?;
 ///
 /// let file = read_light_field(&path, &ReadOptions::default().views(GridSize::new(3, 3)))?;
@@ -158,8 +159,8 @@ pub fn read_light_field(path: impl AsRef<Path>, options: &ReadOptions) -> Result
     LightFieldReader::open(path, options)?.read()
 }
 
-/// Reads the rig of a file or folder without its samples: that of a light field, a `manifest.json` or a `parameters.cfg`;
-/// for any other file that of the `parameters.cfg` in the same folder. `None` if there is none.
+/// Reads the rig of a file or folder without its samples: that of a light field, a `manifest.json` or a
+/// `parameters.cfg`; for any other file that of the `parameters.cfg` in the same folder. `None` if there is none.
 ///
 /// # Errors
 ///

@@ -8,8 +8,8 @@ use crate::Error;
 
 /// Maximum memory that reading one file may take.
 ///
-/// A few bytes of a damaged or hostile file can announce an image of many gigabytes. Every reader of this crate computes
-/// the size of its result and compares it with this limit before it allocates.
+/// A few bytes of a damaged or hostile file can announce an image of many gigabytes. Every reader of this crate
+/// computes the size of its result and compares it with this limit before it allocates.
 ///
 /// # Examples
 ///

@@ -109,7 +109,8 @@ impl Manifest {
         json::read(&read_small_file(path, MAX_BYTES)?, path)
     }
 
-    /// Reads every listed file in parallel and returns those that differ from the manifest, in the order of their names.
+    /// Reads every listed file in parallel and returns those that differ from the manifest, in the order of their
+    /// names.
     ///
     /// Files that the manifest does not list are ignored.
     #[must_use]

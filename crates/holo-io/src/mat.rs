@@ -1,31 +1,33 @@
 //! MAT files: the arrays of MATLAB, Octave and SciPy.
 //!
-//! Version 5 (written by `save -v6` and `-v7`) is written and parsed by code of this crate; the crate `matfile` decodes its
-//! numbers. Version 7.3 is an HDF5 file with a MATLAB header in front, and needs the feature `hdf5`. [`write_mat`] uses
-//! version 5 as long as every variable is smaller than 2 GiB, the limit of MATLAB.
+//! Version 5 (written by `save -v6` and `-v7`) is written and parsed by code of this crate; the crate `matfile` decodes
+//! its numbers. Version 7.3 is an HDF5 file with a MATLAB header in front, and needs the feature `hdf5`. [`write_mat`]
+//! uses version 5 as long as every variable is smaller than 2 GiB, the limit of MATLAB.
 //!
 //! # Model
 //!
-//! - **Shape**: indices are those of MATLAB minus one. Trailing dimensions of length 1 are lost in files, as in MATLAB; a
-//!   light field that is read has five axes again.
+//! - **Shape**: indices are those of MATLAB minus one. Trailing dimensions of length 1 are lost in files, as in MATLAB;
+//!   a light field that is read has five axes again.
 //! - **Order**: the first index runs fastest in the file. Nothing is transposed in memory: arrays are written from any
 //!   strides slab by slab, and those that are read have the strides of the file.
-//! - **Read**: all integer and float classes, `logical` (as `uint8`), one row of `char`; either byte order, compressed or
-//!   not. Structures, cells, sparse and complex arrays and objects are listed; reading one is an error.
-//! - **Checked first**: lengths against the file, dimensions against lengths, sizes against the memory limit. The size that a
-//!   compressed variable announces is checked before it is inflated, and no more is inflated.
+//! - **Read**: all integer and float classes, `logical` (as `uint8`), one row of `char`; either byte order, compressed
+//!   or not. Structures, cells, sparse and complex arrays and objects are listed; reading one is an error.
+//! - **Checked first**: lengths against the file, dimensions against lengths, sizes against the memory limit. The size
+//!   that a compressed variable announces is checked before it is inflated, and no more is inflated.
 //!
 //! # A light field
 //!
 //! | variable | class | value |
 //! |---|---|---|
-//! | `H` | `uint8`, `uint16`, `single` or `double` | `[V U T S C]`: `squeeze(H(i,j,:,:,:))` is an elemental image and `squeeze(H(:,:,k,l,:))` a viewpoint image, both upright |
+//! | `H` | `uint8`, `uint16`, `single` or `double` | `[V U T S C]` |
 //! | or `LF` | the same | `[T S V U C]`, the order of the Light Field Toolbox |
 //! | `axes` | `char` | `vutsc` or `tsvuc`, a letter a dimension |
 //! | `views`, `lenses` | `double` | `[T S]` and `[V U]`, rows first |
 //! | `baseline_m` | `double` | `[y x]` |
 //! | `focal_length_mm`, `sensor_size_mm`, `focus_distance_m` | `double` | numbers; the focus may be `Inf` |
 //! | `projection` | `char` | `perspective` or `orthographic` |
+//!
+//! `squeeze(H(i,j,:,:,:))` is an elemental image and `squeeze(H(:,:,k,l,:))` a viewpoint image, both upright.
 //!
 //! # Source
 //!
@@ -105,9 +107,9 @@ pub struct MatOptions {
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if a name is not a valid MATLAB name or occurs twice, if a variable is too large for the version, or
-/// if version 7.3 is needed and the feature `hdf5` is off; [`Error::Io`] if the file cannot be written. No file of that name
-/// appears then.
+/// [`Error::BadInput`] if a name is not a valid MATLAB name or occurs twice, if a variable is too large for the
+/// version, or if version 7.3 is needed and the feature `hdf5` is off; [`Error::Io`] if the file cannot be written. No
+/// file of that name appears then.
 ///
 /// # Examples
 ///
@@ -161,8 +163,8 @@ pub fn read_mat_info(path: impl AsRef<Path>) -> Result<Vec<MatInfo>, Error> {
 ///
 /// # Errors
 ///
-/// Those of [`read_mat_info`]; [`Error::BadInput`] if there is no such variable; [`Error::Unsupported`] if it is of a class
-/// that is not read; [`Error::TooLarge`] if it exceeds the limits, before memory is allocated for it.
+/// Those of [`read_mat_info`]; [`Error::BadInput`] if there is no such variable; [`Error::Unsupported`] if it is of a
+/// class that is not read; [`Error::TooLarge`] if it exceeds the limits, before memory is allocated for it.
 pub fn read_mat_variable(path: impl AsRef<Path>, name: &str, limits: &Limits) -> Result<MatArray, Error> {
     let path = path.as_ref();
     let mut reader = file::MatReader::open(path, *limits)?;
@@ -176,8 +178,8 @@ pub fn read_mat_variable(path: impl AsRef<Path>, name: &str, limits: &Limits) ->
 ///
 /// # Errors
 ///
-/// Those of [`read_mat_variable`]. A single variable of a class that is not read is an error; [`read_mat_variable`] reads the
-/// others of such a file. The limits are for all variables together.
+/// Those of [`read_mat_variable`]. A single variable of a class that is not read is an error; [`read_mat_variable`]
+/// reads the others of such a file. The limits are for all variables together.
 pub fn read_mat(path: impl AsRef<Path>, limits: &Limits) -> Result<Vec<(String, MatArray)>, Error> {
     file::MatReader::open(path.as_ref(), *limits)?.all()
 }

@@ -7,8 +7,8 @@
 ///
 /// # Accuracy
 ///
-/// The decimal point of the shortest text of the number is moved: 0.0351 m is 35.1 mm, where a multiplication would give
-/// 35.099999999999994. [`millimeters_to_meters`] gives the number of meters again.
+/// The decimal point of the shortest text of the number is moved: 0.0351 m is 35.1 mm, where a multiplication would
+/// give 35.099999999999994. [`millimeters_to_meters`] gives the number of meters again.
 #[must_use]
 pub fn meters_to_millimeters(length_m: f64) -> f64 {
     move_point(length_m, 3).unwrap_or(length_m * 1e3)

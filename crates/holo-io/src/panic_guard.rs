@@ -1,8 +1,8 @@
 //! The panic guard around decoders of other crates: a panic in them becomes an error.
 //!
 //! What a file announces is checked before the decoder reads it, but the decoder's own arithmetic on damaged data may
-//! still panic. A library must not install a panic hook; a program that has one checks [`is_guarding`] and prints nothing
-//! where it is true.
+//! still panic. A library must not install a panic hook; a program that has one checks [`is_guarding`] and prints
+//! nothing where it is true.
 
 use std::cell::Cell;
 #[cfg(any(feature = "exr", feature = "mat"))]
@@ -12,8 +12,8 @@ thread_local! {
     static GUARDING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Whether this thread is inside this crate's panic guard: a panic now becomes an [`Error`](crate::Error), so a panic hook
-/// should print nothing.
+/// Whether this thread is inside this crate's panic guard: a panic now becomes an [`Error`](crate::Error), so a panic
+/// hook should print nothing.
 ///
 /// Only the decoders of the features `exr` and `mat` need the guard; without these features this is always false.
 #[must_use]

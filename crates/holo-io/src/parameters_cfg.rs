@@ -1,7 +1,7 @@
 //! `parameters.cfg`: the camera parameters of a light field, with the keys of the HCI benchmark.
 //!
-//! The file is an INI file in the dialect of Python's `configparser`: `key = value`, `=` as the only delimiter, `%%` for a
-//! percent sign.
+//! The file is an INI file in the dialect of Python's `configparser`: `key = value`, `=` as the only delimiter, `%%`
+//! for a percent sign.
 
 mod ini;
 mod keys;
@@ -23,8 +23,8 @@ const MAX_BYTES: u64 = 1 << 20;
 
 /// The contents of a `parameters.cfg`, in the units of the file.
 ///
-/// Fields that are `None` or empty may be missing from a file that is read. The writer omits a number that is `None`, and
-/// writes an empty text as an empty value. Unknown keys are kept in [`other`](Self::other) and written again.
+/// Fields that are `None` or empty may be missing from a file that is read. The writer omits a number that is `None`,
+/// and writes an empty text as an empty value. Unknown keys are kept in [`other`](Self::other) and written again.
 ///
 /// # Examples
 ///
@@ -32,7 +32,12 @@ const MAX_BYTES: u64 = 1 << 20;
 /// use holo_core::{GridSize, Rig, Split};
 /// use holo_io::ParametersCfg;
 ///
-/// let rig = Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(512, 512))?).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
+/// let rig = Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(512, 512))?)
+///     .focal_length_m(0.1)
+///     .sensor_size_m(0.035)
+///     .baseline_m(0.025)
+///     .focus_distance_m(4.25)
+///     .build()?;
 /// let mut parameters = ParametersCfg::from_rig(&rig);
 /// parameters.scene = "cotton".into();
 /// let text = parameters.to_text()?;
@@ -46,7 +51,8 @@ const MAX_BYTES: u64 = 1 << 20;
 pub struct ParametersCfg {
     /// Focal length of the camera of every view, mm.
     pub focal_length_mm: f64,
-    /// Pixels of one view: `image_resolution_y_px` rows (V microlenses) and `image_resolution_x_px` columns (U microlenses).
+    /// Pixels of one view: `image_resolution_y_px` rows (V microlenses) and `image_resolution_x_px` columns (U
+    /// microlenses).
     pub image_resolution_px: GridSize,
     /// Size of the sensor along the larger side of a view, mm.
     pub sensor_size_mm: f64,
@@ -56,13 +62,13 @@ pub struct ParametersCfg {
     pub num_cams: GridSize,
     /// Distance between horizontally adjacent views, mm.
     pub baseline_mm: f64,
-    /// Distance between vertically adjacent views, mm, where it differs. The key `baseline_y_mm` is an extension of the HCI
-    /// format.
+    /// Distance between vertically adjacent views, mm, where it differs. The key `baseline_y_mm` is an extension of the
+    /// HCI format.
     pub baseline_y_mm: Option<f64>,
     /// Distance of the focus plane, m; infinity is 0 in the file.
     pub focus_distance_m: f64,
-    /// Projection of the views; perspective if the file has no such key. The key `projection` is an extension of the HCI
-    /// format, written only for orthographic views.
+    /// Projection of the views; perspective if the file has no such key. The key `projection` is an extension of the
+    /// HCI format, written only for orthographic views.
     pub projection: Projection,
     /// Position `center_cam_{x,y,z}_m` and rotation `center_cam_r{x,y,z}_rad` of the rig in Blender's world space.
     pub center_cam: Option<CameraPose>,
@@ -157,8 +163,8 @@ impl ParametersCfg {
             .map_err(core)
     }
 
-    /// Sets `disp_min` and `disp_max` to a disparity range in pixels, rounded as the HCI tools do: `floor(10 min)/10 - 0.1`
-    /// and `ceil(10 max)/10 + 0.1`.
+    /// Sets `disp_min` and `disp_max` to a disparity range in pixels, rounded as the HCI tools do: `floor(10 min)/10 -
+    /// 0.1` and `ceil(10 max)/10 + 0.1`.
     pub fn set_disparity_range_px(&mut self, min_px: f64, max_px: f64) {
         // In whole tenths until the one division, so that -2.0 does not come out as -2.0000000000000004.
         self.disp_min = Some(((10.0 * min_px).floor() - 1.0) / 10.0);
@@ -179,9 +185,9 @@ impl ParametersCfg {
     ///
     /// # Errors
     ///
-    /// [`Error::Broken`] if a line is neither a section, a comment nor `key = value`, if a key occurs twice, if the value of
-    /// a number does not parse, or if a number of the rig is missing: focal length, resolution, sensor size, number of
-    /// cameras, baseline, focus distance. [`Error::Unsupported`] if the projection is unknown.
+    /// [`Error::Broken`] if a line is neither a section, a comment nor `key = value`, if a key occurs twice, if the
+    /// value of a number does not parse, or if a number of the rig is missing: focal length, resolution, sensor size,
+    /// number of cameras, baseline, focus distance. [`Error::Unsupported`] if the projection is unknown.
     pub fn from_text(text: &str) -> Result<Self, Error> {
         keys::read(text, Path::new(MEMORY))
     }
@@ -211,11 +217,11 @@ impl ParametersCfg {
     }
 }
 
-/// Formats a number of seconds since 1970, such as `SOURCE_DATE_EPOCH`, as a date `YYYY-MM-DD` (UTC): the form of the HCI
-/// tools.
+/// Formats a number of seconds since 1970, such as `SOURCE_DATE_EPOCH`, as a date `YYYY-MM-DD` (UTC): the form of the
+/// HCI tools.
 ///
-/// No function of this crate reads a clock, so equal inputs give equal files. A caller that wants a date in a file passes a
-/// fixed one.
+/// No function of this crate reads a clock, so equal inputs give equal files. A caller that wants a date in a file
+/// passes a fixed one.
 #[must_use]
 pub fn date_from_epoch(seconds: i64) -> String {
     // Days to civil date in the proleptic Gregorian calendar. Years begin in March, so that leap days come last.

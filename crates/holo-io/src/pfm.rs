@@ -22,8 +22,8 @@ const BLOCK_BYTES: usize = 1 << 16;
 /// The contents of a PFM file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pfm {
-    /// The values, `(rows, columns, channels)` with 1 or 3 channels, top row first, as in the file: not multiplied by the
-    /// scale.
+    /// The values, `(rows, columns, channels)` with 1 or 3 channels, top row first, as in the file: not multiplied by
+    /// the scale.
     pub values: Array3<f32>,
     /// The magnitude of the scale in the header, usually 1. The format does not define its unit.
     pub scale: f64,
@@ -34,8 +34,8 @@ impl Pfm {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if there are no pixels, if there are neither 1 nor 3 channels, or if the scale is not finite and
-    /// above 0.
+    /// [`Error::BadInput`] if there are no pixels, if there are neither 1 nor 3 channels, or if the scale is not finite
+    /// and above 0.
     pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
         let path = Path::new(MEMORY);
         if !(self.scale.is_finite() && self.scale > 0.0) {
@@ -98,8 +98,8 @@ pub fn write_pfm(path: impl AsRef<Path>, image: ArrayView2<'_, f32>) -> Result<F
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if the image is empty or does not have three channels; [`Error::Io`] if the file cannot be written.
-/// No file of that name appears then.
+/// [`Error::BadInput`] if the image is empty or does not have three channels; [`Error::Io`] if the file cannot be
+/// written. No file of that name appears then.
 pub fn write_pfm_rgb(path: impl AsRef<Path>, image: ArrayView3<'_, f32>) -> Result<FileDigest, Error> {
     let path = path.as_ref();
     if image.dim().2 != 3 {

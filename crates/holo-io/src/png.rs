@@ -53,8 +53,8 @@ pub struct PngInfo {
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if the image holds floats, is empty, has another number of channels or more than 2^31 - 1 rows or
-/// columns; [`Error::Io`] if the file cannot be written. No file of that name appears then.
+/// [`Error::BadInput`] if the image holds floats, is empty, has another number of channels or more than 2^31 - 1 rows
+/// or columns; [`Error::Io`] if the file cannot be written. No file of that name appears then.
 ///
 /// # Examples
 ///

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use holo_core::Layout;
 
-/// Returns the layout of a raw image from its file name: that of the last word `el` or `vpi` that follows `_`, `-`, `.` or a
-/// space. `None` if there is no such word.
+/// Returns the layout of a raw image from its file name: that of the last word `el` or `vpi` that follows `_`, `-`, `.`
+/// or a space. `None` if there is no such word.
 ///
 /// # Examples
 ///

@@ -46,8 +46,8 @@ pub(crate) type FoundRig = Option<Result<Rig, holo_core::Error>>;
 
 /// Builds a rig from the numbers of a file.
 ///
-/// `lengths` are focal length and sensor size in millimeters and the focus distance in meters. Without a projection the rig
-/// is perspective; a single baseline applies to both axes.
+/// `lengths` are focal length and sensor size in millimeters and the focus distance in meters. Without a projection the
+/// rig is perspective; a single baseline applies to both axes.
 pub(crate) fn rig(
     path: &Path,
     split: Split,

@@ -14,8 +14,8 @@ use crate::{Error, Limits, PngInfo, read_png, read_png_info};
 
 /// Reads a list of PNGs, one a view, as one light field.
 ///
-/// `order` specifies which view each file of the list is. Alpha is dropped. All views must have the same size, the same bit
-/// depth, and either gray or RGB.
+/// `order` specifies which view each file of the list is. Alpha is dropped. All views must have the same size, the same
+/// bit depth, and either gray or RGB.
 ///
 /// # Shape
 ///
@@ -173,13 +173,13 @@ pub(crate) fn has_file(folder: &Path, is_wanted: impl Fn(&str) -> bool) -> Resul
     Ok(false)
 }
 
-/// The files of a folder by a key from their names, each with a value from its name; `parse` returns `None` for files to
-/// ignore.
+/// The files of a folder by a key from their names, each with a value from its name; `parse` returns `None` for files
+/// to ignore.
 ///
 /// # Errors
 ///
-/// [`Error::Io`] if the folder cannot be listed; [`Error::Broken`] if two files have the same key. `conflict` completes that
-/// message: "FILE `conflict`; remove ...".
+/// [`Error::Io`] if the folder cannot be listed; [`Error::Broken`] if two files have the same key. `conflict` completes
+/// that message: "FILE `conflict`; remove ...".
 pub(crate) fn files_by_key<K: Ord, V>(
     folder: &Path,
     format: &'static str,

@@ -1,9 +1,9 @@
-//! zlib streams for PNG, OpenEXR and MAT: compression in parallel, with the better of two strategies, and decompression piece
-//! by piece.
+//! zlib streams for PNG, OpenEXR and MAT: compression in parallel, with the better of two strategies, and decompression
+//! piece by piece.
 //!
-//! Every band but the last ends in an empty stored block (deflate's "sync flush"), so it ends on a whole byte and bands can
-//! be concatenated. No band refers back to an earlier one: that costs a few hundred bytes a band, and makes the result the
-//! same for any number of threads.
+//! Every band but the last ends in an empty stored block (deflate's "sync flush"), so it ends on a whole byte and bands
+//! can be concatenated. No band refers back to an earlier one: that costs a few hundred bytes a band, and makes the
+//! result the same for any number of threads.
 
 #[cfg(feature = "mat")]
 mod inflate;
@@ -34,9 +34,9 @@ const WITH_HEADER: i32 = 15;
 
 /// Strategies and levels of deflate to choose from.
 ///
-/// In noise, the search for repetitions finds only short accidental matches, which cost more bits than they save: run lengths
-/// with a Huffman code are smaller and faster. Where rows repeat, the search gives much smaller data. A sample of the data
-/// decides.
+/// In noise, the search for repetitions finds only short accidental matches, which cost more bits than they save: run
+/// lengths with a Huffman code are smaller and faster. Where rows repeat, the search gives much smaller data. A sample
+/// of the data decides.
 const CHOICES: [(Strategy, i32); 2] = [(Strategy::Rle, 6), (Strategy::Default, 6)];
 
 /// Compresses a band with the better strategy to raw deflate data, which another band may follow unless it is the last.

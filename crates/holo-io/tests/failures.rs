@@ -1,5 +1,5 @@
-//! Failures of writers: a full disk, a read-only folder, two writers of one name, a killed process. In each case the name is a
-//! complete file or the old one, and no other file is left.
+//! Failures of writers: a full disk, a read-only folder, two writers of one name, a killed process. In each case the
+//! name is a complete file or the old one, and no other file is left.
 #![cfg(all(unix, feature = "png", feature = "exr", feature = "mat"))]
 
 use std::fs;

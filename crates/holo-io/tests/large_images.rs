@@ -1,8 +1,8 @@
-//! Raw images of 65,536 x 43,000 pixels, written in less than 500 MB of memory. Each test takes minutes, and gigabytes in the
-//! temporary folder:
+//! Raw images of 65,536 x 43,000 pixels, written in less than 500 MB of memory. Each test takes minutes, and gigabytes
+//! in the temporary folder:
 //!
-//! `cargo test --release -p holo-io --features hdf5 --test large_images NAME -- --ignored --nocapture`, one NAME at a time:
-//! peak memory is measured for the process.
+//! `cargo test --release -p holo-io --features hdf5 --test large_images NAME -- --ignored --nocapture`, one NAME at a
+//! time: peak memory is measured for the process.
 #![cfg(all(target_os = "linux", feature = "png", feature = "exr", feature = "mat"))]
 
 use std::time::Instant;

@@ -17,6 +17,16 @@ const OPTIONS: [MatOptions; 2] = [
     MatOptions { version: MatVersion::V73, is_compressed: true },
 ];
 
+fn rig(shape: Split) -> Rig {
+    Rig::builder(shape)
+        .focal_length_m(0.05)
+        .sensor_size_m(0.036)
+        .baseline_m(1e-3)
+        .focus_distance_m(2.0)
+        .build()
+        .unwrap()
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
@@ -26,7 +36,8 @@ proptest! {
         views_first in any::<bool>(),
         compressed in 0..2_usize,
     ) {
-        let mut samples = Array5::from_shape_fn(shape, |(v, u, t, s, c)| (v * 97 + u * 31 + t * 11 + s * 5 + c * 3) as u16);
+        let value = |(v, u, t, s, c)| (v * 97 + u * 31 + t * 11 + s * 5 + c * 3) as u16;
+        let mut samples = Array5::from_shape_fn(shape, value);
         samples.invert_axis(Axis(2));
         let field = LightField::new(samples).unwrap();
         let order = if views_first { MatOrder::LightFieldToolbox } else { MatOrder::Lenses };
@@ -45,7 +56,7 @@ proptest! {
     ) {
         let samples = Array5::from_shape_fn(shape, |(v, u, t, s, c)| (v * 97 + u * 31 + t * 11 + s * 5 + c * 3) as u16);
         let split = Split::new(GridSize::new(shape.2, shape.3), GridSize::new(shape.0, shape.1)).unwrap();
-        let rig = Rig::builder(split).focal_length_m(0.05).sensor_size_m(0.036).baseline_m(1e-3).focus_distance_m(2.0).projection(Projection::Orthographic).build().unwrap();
+        let rig = rig(split).to_builder().projection(Projection::Orthographic).build().unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene_5d.mat");
         let mut writer = MatWriter::create(&path, &rig, shape.4, is_compressed).unwrap();
@@ -67,13 +78,7 @@ proptest! {
 fn missing_or_wrong_rows_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.mat");
-    let rig = Rig::builder(Split::new(GridSize::new(2, 2), GridSize::new(3, 3)).unwrap())
-        .focal_length_m(0.05)
-        .sensor_size_m(0.036)
-        .baseline_m(1e-3)
-        .focus_distance_m(2.0)
-        .build()
-        .unwrap();
+    let rig = rig(Split::new(GridSize::new(2, 2), GridSize::new(3, 3)).unwrap());
     let mut writer = MatWriter::<u8>::create(&path, &rig, 3, true).unwrap();
     let error = writer.write_lens_rows(Array5::zeros((1, 4, 2, 2, 3)).view()).unwrap_err();
     assert!(error.to_string().contains("do not fit"), "{error}");

@@ -49,7 +49,8 @@ proptest! {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("raw.exr");
         let coding = CODINGS[coding];
-        // A channel of arbitrary 32-bit floats and one of arbitrary 16-bit floats; the names are not in the order of the file.
+        // A channel of arbitrary 32-bit floats and one of arbitrary 16-bit floats; the names are not in the order of
+        // the file.
         let floats = Array2::from_shape_fn((rows, columns), |(row, column)| {
             f32::from_bits(pattern[(row * columns + column) % pattern.len()])
         });
@@ -97,17 +98,20 @@ proptest! {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let size = GridSize::new(rows, columns);
         let written = pool.install(|| {
-            let mut writer = PngWriter::create(&path, size, channels, SampleKind::U16, ColorEncoding::Linear, compression).unwrap();
+            let mut writer =
+                PngWriter::create(&path, size, channels, SampleKind::U16, ColorEncoding::Linear, compression).unwrap();
             for cut in cuts(rows, &seeds).windows(2) {
                 writer.write_rows(image.slice(s![cut[0]..cut[1], .., ..])).unwrap();
             }
             writer.finish().unwrap()
         });
-        prop_assert_eq!(fs::read(&path).unwrap(), encode_png(image.view(), ColorEncoding::Linear, compression).unwrap());
+        let encoded = encode_png(image.view(), ColorEncoding::Linear, compression).unwrap();
+        prop_assert_eq!(fs::read(&path).unwrap(), encoded);
         prop_assert_eq!(written, hash_file(&path).unwrap());
         prop_assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U16(image));
         pool.install(|| {
-            let mut writer = PngWriter::create(&path, size, channels, SampleKind::U8, ColorEncoding::Srgb, compression).unwrap();
+            let mut writer =
+                PngWriter::create(&path, size, channels, SampleKind::U8, ColorEncoding::Srgb, compression).unwrap();
             for cut in cuts(rows, &seeds).windows(2) {
                 writer.write_rows(small.slice(s![cut[0]..cut[1], .., ..])).unwrap();
             }

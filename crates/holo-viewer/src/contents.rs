@@ -8,8 +8,8 @@ use holo_core::{DynLightField, GridSize, Layout, Rig, Split};
 use holo_io::{ColorEncoding, Compression, LightFieldReader};
 use ndarray::Array2;
 
-/// Maximum number of pixels of a raw image: a browser needs four bytes of graphics memory for each, and during loading as much
-/// main memory.
+/// Maximum number of pixels of a raw image: a browser needs four bytes of graphics memory for each, and during loading
+/// as much main memory.
 const MAX_PIXELS: usize = 1 << 27;
 
 /// An error of creating a page.
@@ -74,8 +74,8 @@ impl Image {
 }
 
 impl Page {
-    /// Reads the contents of a page: the light field, its rig, and its maps of depth and disparity of the central view. `title`
-    /// is the title of the window.
+    /// Reads the contents of a page: the light field, its rig, and its maps of depth and disparity of the central view.
+    /// `title` is the title of the window.
     ///
     /// Floats are shown at automatic exposure, 16-bit samples rounded to 8 bits; alpha is dropped.
     ///
@@ -94,8 +94,8 @@ impl Page {
         Ok(Self { title: title.into(), shape, rig, image, depth_m, disparity_px, estimate_px: None })
     }
 
-    /// Adds an estimate of the disparity of the central view in pixels between horizontally adjacent views, `(v, u)`, which the
-    /// page compares with the ground truth.
+    /// Adds an estimate of the disparity of the central view in pixels between horizontally adjacent views, `(v, u)`,
+    /// which the page compares with the ground truth.
     ///
     /// # Errors
     ///

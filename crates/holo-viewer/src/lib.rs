@@ -1,7 +1,8 @@
 //! A light field as one HTML page that needs no other file and no network.
 //!
-//! The page contains the raw image as a PNG and the maps of the central view as floats. Its scripts (`page/`) compute views,
-//! refocused images and error maps from them. This crate only converts samples that a browser cannot show to 8 bits.
+//! The page contains the raw image as a PNG and the maps of the central view as floats. Its scripts (`page/`) compute
+//! views, refocused images and error maps from them. This crate only converts samples that a browser cannot show to 8
+//! bits.
 //!
 //! # Examples
 //!

@@ -1,8 +1,8 @@
 //! The HTML of the page: style and scripts from `page/`, and the data.
 //!
-//! The order is style, body, data, scripts, so that a browser shows the page before it parses the data. The data are text
-//! elements that are not executed. The image is divided into blocks, an element each, which the scripts remove as soon as they
-//! are decoded.
+//! The order is style, body, data, scripts, so that a browser shows the page before it parses the data. The data are
+//! text elements that are not executed. The image is divided into blocks, an element each, which the scripts remove as
+//! soon as they are decoded.
 
 use std::io::{self, Read, Write};
 

@@ -7,8 +7,8 @@ use super::temporary::Temporary;
 use super::{FileDigest, hash_file, target_of};
 use crate::Error;
 
-/// An atomic file like [`AtomicFile`](super::AtomicFile), for writers that seek or open it by name. `commit` reads it once
-/// for its digest.
+/// An atomic file like [`AtomicFile`](super::AtomicFile), for writers that seek or open it by name. `commit` reads it
+/// once for its digest.
 #[derive(Debug)]
 pub(crate) struct AtomicPath {
     path: PathBuf,

@@ -11,8 +11,8 @@ use crate::Error;
 
 const SUFFIX: &str = ".part";
 
-/// Maximum length of the part of a name that is kept. Most file systems allow 255 bytes; process number and suffix need the
-/// rest.
+/// Maximum length of the part of a name that is kept. Most file systems allow 255 bytes; process number and suffix need
+/// the rest.
 const MAX_NAME_BYTES: usize = 200;
 
 /// The temporary files of this process.
@@ -48,7 +48,8 @@ impl Temporary {
         loop {
             let number = NEXT.fetch_add(1, Ordering::Relaxed);
             let path = folder.join(format!(".{name}.{}-{number}{SUFFIX}", std::process::id()));
-            // Held while the file is created, so that `remove_temporary_files` never runs between creation and registration.
+            // Held while the file is created, so that `remove_temporary_files` never runs between creation and
+            // registration.
             let mut live = live();
             if live.stopped {
                 return Err(io::Error::new(io::ErrorKind::Interrupted, "the program is stopping"));
@@ -56,8 +57,8 @@ impl Temporary {
             // For reading too: a digest at `commit` reads the file.
             match OpenOptions::new().read(true).write(true).create_new(true).open(&path) {
                 Ok(file) => {
-                    // By the lock other processes see that the writer of this file runs. The system releases it when the
-                    // process ends. Where the file system has no locks, `is_alive` is the only check.
+                    // By the lock other processes see that the writer of this file runs. The system releases it when
+                    // the process ends. Where the file system has no locks, `is_alive` is the only check.
                     let _ = file.try_lock();
                     live.paths.insert(path.clone());
                     return Ok((file, Self { path, target: target.to_owned(), renamed: false }));
@@ -113,8 +114,8 @@ fn sync_folder(folder: Option<&Path>) -> io::Result<()> {
 
 /// Removes the temporary files of this process, lets it create no more, and returns how many were removed.
 ///
-/// For a process that is about to end, such as after Ctrl-C: an [`AtomicFile`](crate::AtomicFile) that is still open can no
-/// longer be committed, and creating another is an error from now on.
+/// For a process that is about to end, such as after Ctrl-C: an [`AtomicFile`](crate::AtomicFile) that is still open
+/// can no longer be committed, and creating another is an error from now on.
 pub fn remove_temporary_files() -> usize {
     let mut live = live();
     live.stopped = true;
@@ -125,8 +126,8 @@ pub fn remove_temporary_files() -> usize {
 /// Removes the temporary files that ended processes left in `folder`, and returns their paths, sorted.
 ///
 /// A file is removed only if its name is one that [`AtomicFile`](crate::AtomicFile) creates, if no process holds its
-/// lock, and if no process of its number runs on this machine (checked where there is a `/proc`). The lock also protects
-/// the files of other machines and containers that share the folder. Subfolders are not searched.
+/// lock, and if no process of its number runs on this machine (checked where there is a `/proc`). The lock also
+/// protects the files of other machines and containers that share the folder. Subfolders are not searched.
 ///
 /// # Errors
 ///

@@ -13,9 +13,9 @@ const FORMAT: &str = "dataset folder";
 
 /// A folder that `holo render` wrote, opened for reading.
 ///
-/// [`open`](Self::open) reads `manifest.json` and `parameters.cfg`; the other methods read images. The manifest is written
-/// last, so a folder without one is not finished. Files that the manifest does not list are ignored. Contents are not
-/// compared with their digests; [`Manifest::verify`] does that.
+/// [`open`](Self::open) reads `manifest.json` and `parameters.cfg`; the other methods read images. The manifest is
+/// written last, so a folder without one is not finished. Files that the manifest does not list are ignored. Contents
+/// are not compared with their digests; [`Manifest::verify`] does that.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DatasetFolder {
     path: PathBuf,
@@ -32,8 +32,8 @@ impl DatasetFolder {
     /// # Errors
     ///
     /// Those of [`Manifest::read`], such as [`Error::Io`] if there is no manifest. Those of [`ParametersCfg::read`] if
-    /// the manifest lists one. [`Error::Broken`] if neither contains a rig, or if the two differ in the numbers of views or
-    /// pixels.
+    /// the manifest lists one. [`Error::Broken`] if neither contains a rig, or if the two differ in the numbers of
+    /// views or pixels.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let manifest = Manifest::read(path.join(MANIFEST_JSON))?;
@@ -86,8 +86,8 @@ impl DatasetFolder {
         &self.rig
     }
 
-    /// Returns the raw image that [`DatasetFolder::read`] reads, and its layout: `scene_el.png`, else `scene_vpi.png`, else
-    /// `None`.
+    /// Returns the raw image that [`DatasetFolder::read`] reads, and its layout: `scene_el.png`, else `scene_vpi.png`,
+    /// else `None`.
     #[must_use]
     pub fn raw_image(&self) -> Option<(PathBuf, Layout)> {
         let grids = [(ELEMENTAL_PNG, Layout::ElementalGrid), (VIEWPOINT_PNG, Layout::ViewpointGrid)];
@@ -95,7 +95,8 @@ impl DatasetFolder {
         listed.map(|(name, layout)| (self.path.join(name), layout))
     }
 
-    /// Reads the light field from the raw image that [`raw_image`](Self::raw_image) names; both contain the same samples.
+    /// Reads the light field from the raw image that [`raw_image`](Self::raw_image) names; both contain the same
+    /// samples.
     ///
     /// # Shape
     ///
@@ -103,8 +104,8 @@ impl DatasetFolder {
     ///
     /// # Errors
     ///
-    /// [`Error::Unsupported`] if the dataset has no raw image, only ground truth; those of [`read_png`]; [`Error::Broken`]
-    /// if the size of the image is not that of the rig, before memory is allocated for it.
+    /// [`Error::Unsupported`] if the dataset has no raw image, only ground truth; those of [`read_png`];
+    /// [`Error::Broken`] if the size of the image is not that of the rig, before memory is allocated for it.
     pub fn read(&self, limits: &Limits) -> Result<DynLightField, Error> {
         let Some((file, layout)) = self.raw_image() else {
             let what =

@@ -141,8 +141,8 @@ impl DatasetIndex {
     ///
     /// # Errors
     ///
-    /// [`Error::Broken`] if it is not JSON, a value has the wrong type, a number of views or microlenses is 0, or a name
-    /// leads outside the folder; [`Error::Unsupported`] if it is of another version.
+    /// [`Error::Broken`] if it is not JSON, a value has the wrong type, a number of views or microlenses is 0, or a
+    /// name leads outside the folder; [`Error::Unsupported`] if it is of another version.
     pub fn from_json(text: &str) -> Result<Self, Error> {
         parse(text.as_bytes(), Path::new(MEMORY))
     }
@@ -160,8 +160,8 @@ impl DatasetIndex {
     ///
     /// # Errors
     ///
-    /// Those of [`from_json`](Self::from_json); [`Error::Io`] if the file cannot be read; [`Error::TooLarge`] if it has more
-    /// than 16 MiB.
+    /// Those of [`from_json`](Self::from_json); [`Error::Io`] if the file cannot be read; [`Error::TooLarge`] if it has
+    /// more than 16 MiB.
     pub fn read(root: impl AsRef<Path>) -> Result<Self, Error> {
         let path = root.as_ref().join(DATASET_JSON);
         parse(&read_small_file(&path, MAX_BYTES)?, &path)

@@ -21,8 +21,8 @@ pub struct DatasetEntry {
 
 /// Lists the dataset folders `<scene>/<S>x<T>/` in a folder, sorted by scene, then by view columns, then by view rows.
 ///
-/// Only folders with a manifest are listed, because unfinished ones have none; the manifest is not read. Other files and
-/// folders are ignored: a folder without datasets gives an empty list.
+/// Only folders with a manifest are listed, because unfinished ones have none; the manifest is not read. Other files
+/// and folders are ignored: a folder without datasets gives an empty list.
 ///
 /// # Errors
 ///

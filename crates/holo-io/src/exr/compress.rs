@@ -72,8 +72,8 @@ impl ExrCompression {
     }
 }
 
-/// The predictor of the format: the bytes at even positions, then those at odd positions, each as its difference from the
-/// previous one, plus 128.
+/// The predictor of the format: the bytes at even positions, then those at odd positions, each as its difference from
+/// the previous one, plus 128.
 fn differences(samples: &[u8]) -> Vec<u8> {
     let half = samples.len().div_ceil(2);
     let mut apart = vec![0; samples.len()];

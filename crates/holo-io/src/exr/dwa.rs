@@ -1,8 +1,8 @@
 //! The check of the sizes that a DWA block announces.
 //!
-//! A DWA block begins with eleven 64-bit counters. The crate `exr` 1.74 allocates by them without a check, and an allocation
-//! that fails ends the process, which no panic guard prevents. So they are compared with the maximum for a block of that
-//! size.
+//! A DWA block begins with eleven 64-bit counters. The crate `exr` 1.74 allocates by them without a check, and an
+//! allocation that fails ends the process, which no panic guard prevents. So they are compared with the maximum for a
+//! block of that size.
 
 use exr::block::chunk::CompressedBlock;
 use exr::meta::attribute::Compression;

@@ -1,7 +1,7 @@
 //! Reads a file block by block and decompresses blocks in parallel.
 //!
-//! The parallel reader of the crate `exr` is not used: it runs on threads of its own, in which a panic ends the process.
-//! Blocks are read in the order of the file, without its offset table, which some programs leave empty.
+//! The parallel reader of the crate `exr` is not used: it runs on threads of its own, in which a panic ends the
+//! process. Blocks are read in the order of the file, without its offset table, which some programs leave empty.
 
 use std::io::{Read, Seek};
 use std::path::Path;

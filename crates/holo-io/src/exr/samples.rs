@@ -17,15 +17,15 @@ pub enum ExrSamples {
     /// 16-bit floats: half the size, 11 significant bits, magnitudes from 6e-8 to 65,504.
     ///
     /// Values are rounded to the nearest, ties to even; values nearer to 0 than 3e-8 become 0. Infinities and NaN stay.
-    /// A *finite* value from 65,520 on would become infinite: it is an error, and not clamped, because a clamped value could
-    /// not be distinguished from a correct one. Integers are exact up to 2048 only, so channels of identifiers
+    /// A *finite* value from 65,520 on would become infinite: it is an error, and not clamped, because a clamped value
+    /// could not be distinguished from a correct one. Integers are exact up to 2048 only, so channels of identifiers
     /// ([`is_identifier`](Self::is_identifier)) are an error too.
     Half,
 }
 
 impl ExrSamples {
-    /// Returns the format that Blender chooses for a channel of a file of 16-bit floats: `Half` for color (the components R,
-    /// G, B and A), `Float` for everything else, such as depth, normals, identifiers and Cryptomatte.
+    /// Returns the format that Blender chooses for a channel of a file of 16-bit floats: `Half` for color (the
+    /// components R, G, B and A), `Float` for everything else, such as depth, normals, identifiers and Cryptomatte.
     #[must_use]
     pub fn half_for_color(channel: &str) -> Self {
         let (_, component) = names::split(channel);
@@ -74,7 +74,8 @@ pub(super) struct Scratch {
     halves: Vec<f16>,
 }
 
-/// Converts and appends a line of samples. The error is the column and the value of a sample that does not fit the format.
+/// Converts and appends a line of samples. The error is the column and the value of a sample that does not fit the
+/// format.
 pub(super) fn append(
     line: ArrayView1<'_, f32>,
     samples: ExrSamples,

@@ -11,8 +11,8 @@ use crate::{AtomicFile, Error, FileDigest};
 
 /// A writer of an EXR, from top to bottom, a band of rows at a time.
 ///
-/// It needs a few times 64 MiB of memory (or a few blocks of lines, if those are more), whatever the size of the image. The
-/// bytes of the file depend neither on the bands nor on the number of threads.
+/// It needs a few times 64 MiB of memory (or a few blocks of lines, if those are more), whatever the size of the image.
+/// The bytes of the file depend neither on the bands nor on the number of threads.
 ///
 /// The file appears when [`finish`](Self::finish) succeeds; a writer that is dropped leaves no file. Where `path` is a
 /// device or a pipe, in which the offset table cannot be written last, the compressed file stays in memory until then.
@@ -51,14 +51,14 @@ impl std::fmt::Debug for ExrWriter {
 }
 
 impl ExrWriter {
-    /// Starts an image of `size` with the given channels: full names, such as `ViewLayer.Combined.R`, and sample formats.
-    /// The file contains them sorted by name, as the format requires.
+    /// Starts an image of `size` with the given channels: full names, such as `ViewLayer.Combined.R`, and sample
+    /// formats. The file contains them sorted by name, as the format requires.
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if there is no channel or no pixel, if names repeat, are empty, longer than 255 bytes or contain
-    /// a NUL, if a channel of identifiers is [`Half`](ExrSamples::Half), or if one block of lines would exceed 2 GiB;
-    /// [`Error::Io`] if the file cannot be written.
+    /// [`Error::BadInput`] if there is no channel or no pixel, if names repeat, are empty, longer than 255 bytes or
+    /// contain a NUL, if a channel of identifiers is [`Half`](ExrSamples::Half), or if one block of lines would exceed
+    /// 2 GiB; [`Error::Io`] if the file cannot be written.
     pub fn create(
         path: impl AsRef<Path>,
         size: GridSize,
@@ -89,9 +89,9 @@ impl ExrWriter {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if number or size of the planes are wrong, if there are more rows than the image has left, or if a
-    /// finite value is too large for [`ExrSamples::Half`]; [`Error::Io`] if the file cannot be written. After an error the file cannot be
-    /// finished.
+    /// [`Error::BadInput`] if number or size of the planes are wrong, if there are more rows than the image has left,
+    /// or if a finite value is too large for [`ExrSamples::Half`]; [`Error::Io`] if the file cannot be written. After
+    /// an error the file cannot be finished.
     pub fn write_rows(&mut self, planes: &[ArrayView2<'_, f32>]) -> Result<(), Error> {
         let path = self.file.path().to_owned();
         match &mut self.whole {
@@ -104,8 +104,8 @@ impl ExrWriter {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if rows are missing; [`Error::Io`] if the file cannot be written. No file of that name appears
-    /// then, and an older one stays.
+    /// [`Error::BadInput`] if rows are missing; [`Error::Io`] if the file cannot be written. No file of that name
+    /// appears then, and an older one stays.
     pub fn finish(self) -> Result<FileDigest, Error> {
         let Self { mut file, whole, encoder } = self;
         let path = file.path().to_owned();

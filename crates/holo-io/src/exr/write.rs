@@ -1,7 +1,7 @@
 //! The encoder of one part of scanlines, top to bottom: blocks are compressed in parallel and written in order.
 //!
-//! The offset table of the blocks comes before them in the file, but is known after the last one. So the file begins with an
-//! empty table, and the caller overwrites it at the end.
+//! The offset table of the blocks comes before them in the file, but is known after the last one. So the file begins
+//! with an empty table, and the caller overwrites it at the end.
 
 use std::io::{Cursor, Write};
 use std::ops::Range;

@@ -26,7 +26,12 @@ use crate::{Error, Limits, ParametersCfg, read_pfm_gray, read_pfm_info};
 /// # let folder = tempfile::tempdir()?;
 /// # let path = folder.path();
 /// let split = Split::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
-/// let rig = Rig::builder(split).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
+/// let rig = Rig::builder(split)
+///     .focal_length_m(0.1)
+///     .sensor_size_m(0.035)
+///     .baseline_m(0.025)
+///     .focus_distance_m(4.25)
+///     .build()?;
 /// let light_field = LightField::filled(split, 3, Layout::ElementalGrid, 7_u8)?;
 /// let image = HciImage {
 ///     views: light_field.borrowed().into(),
@@ -58,9 +63,9 @@ impl HciFolder {
     ///
     /// # Errors
     ///
-    /// Those of [`ParametersCfg::read`]; [`Error::Io`] if the folder cannot be listed; [`Error::Core`] if the numbers of
-    /// views or pixels are invalid; [`Error::Broken`] if a view is missing or has two files, such as `input_Cam007.png` and
-    /// `input_Cam0007.png`.
+    /// Those of [`ParametersCfg::read`]; [`Error::Io`] if the folder cannot be listed; [`Error::Core`] if the numbers
+    /// of views or pixels are invalid; [`Error::Broken`] if a view is missing or has two files, such as
+    /// `input_Cam007.png` and `input_Cam0007.png`.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         // First, because a folder without it is unfinished.
@@ -127,8 +132,8 @@ impl HciFolder {
 
     /// Reads all views.
     ///
-    /// Views may be gray or RGB, of 8 or 16 bits, but all the same. An alpha channel is dropped; the color values stay as
-    /// they are stored, also where alpha is 0.
+    /// Views may be gray or RGB, of 8 or 16 bits, but all the same. An alpha channel is dropped; the color values stay
+    /// as they are stored, also where alpha is 0.
     ///
     /// # Shape
     ///
@@ -136,9 +141,9 @@ impl HciFolder {
     ///
     /// # Errors
     ///
-    /// Those of [`read_png`](crate::read_png); [`Error::Broken`] if the size of a view is not that of the
-    /// parameters, or if its channels or bits differ from the first view; [`Error::TooLarge`] if the samples of all views
-    /// exceed the limits, before memory is allocated for them.
+    /// Those of [`read_png`](crate::read_png); [`Error::Broken`] if the size of a view is not that of the parameters,
+    /// or if its channels or bits differ from the first view; [`Error::TooLarge`] if the samples of all views exceed
+    /// the limits, before memory is allocated for them.
     pub fn read(&self, limits: &Limits) -> Result<DynLightField, Error> {
         self.files().read(limits)
     }

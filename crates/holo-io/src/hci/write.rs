@@ -27,8 +27,8 @@ pub enum HciTruth<'a> {
 /// The contents of an [HCI folder](super) that is to be written.
 #[derive(Debug, Clone, Copy)]
 pub struct HciImage<'a> {
-    /// The images of all views, `(v, u, t, s, c)` with 1 to 4 channels of 8 or 16 bits; any strides. The HCI tools expect 3
-    /// channels of 8 bits.
+    /// The images of all views, `(v, u, t, s, c)` with 1 to 4 channels of 8 or 16 bits; any strides. The HCI tools
+    /// expect 3 channels of 8 bits.
     pub views: DynLightFieldRef<'a>,
     /// The contents of `parameters.cfg`.
     pub parameters: &'a ParametersCfg,
@@ -46,18 +46,18 @@ impl<'a> HciImage<'a> {
         names.chain([PARAMETERS_CFG.to_owned()]).collect()
     }
 
-    /// Writes the files into an existing folder, in parallel, and returns their names with size and digest, in the order of
-    /// [`HciImage::file_names`].
+    /// Writes the files into an existing folder, in parallel, and returns their names with size and digest, in the
+    /// order of [`HciImage::file_names`].
     ///
-    /// An older `parameters.cfg` is removed first and the new one is written last, so that the folder is not read before it
-    /// is complete. Files of the same names are replaced; all others stay.
+    /// An older `parameters.cfg` is removed first and the new one is written last, so that the folder is not read
+    /// before it is complete. Files of the same names are replaced; all others stay.
     ///
     /// # Errors
     ///
     /// [`Error::BadInput`] if the numbers of views or pixels of the parameters or the ground truth are not those of the
-    /// views, or if the folder contains views or ground truth of another image that would stay; then nothing is written.
-    /// Those of [`write_png`], [`write_pfm`] and [`ParametersCfg::write`]; then there is no `parameters.cfg`, and files that
-    /// were finished before stay.
+    /// views, or if the folder contains views or ground truth of another image that would stay; then nothing is
+    /// written. Those of [`write_png`], [`write_pfm`] and [`ParametersCfg::write`]; then there is no `parameters.cfg`,
+    /// and files that were finished before stay.
     pub fn write(
         &self,
         folder: impl AsRef<Path>,

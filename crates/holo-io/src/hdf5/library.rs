@@ -46,7 +46,8 @@ fn system_error(text: &str) -> Option<i32> {
 
 /// Creates a file at a path that exists already; the library truncates it.
 ///
-/// The file begins with a user block of `user_block` bytes; with `oldest` it has the oldest structures, which MATLAB reads.
+/// The file begins with a user block of `user_block` bytes; with `oldest` it has the oldest structures, which MATLAB
+/// reads.
 pub(crate) fn create(path: &Path, user_block: u64, oldest: bool) -> ::hdf5::Result<File> {
     File::with_options()
         // The temporary file is locked by this process already.

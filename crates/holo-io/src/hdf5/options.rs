@@ -40,8 +40,8 @@ impl Hdf5Map {
 pub struct Hdf5Options {
     /// Level of gzip after shuffle, 1 to 9; 0 stores samples uncompressed.
     pub gzip_level: u8,
-    /// Lens rows, lens columns, view rows and view columns of a chunk; `None` for 4, 4, 10 and 10, or fewer lens rows and more
-    /// lens columns where lens rows are large. Each chunk contains all channels.
+    /// Lens rows, lens columns, view rows and view columns of a chunk; `None` for 4, 4, 10 and 10, or fewer lens rows
+    /// and more lens columns where lens rows are large. Each chunk contains all channels.
     pub chunk: Option<[usize; 4]>,
 }
 
@@ -52,8 +52,8 @@ impl Default for Hdf5Options {
     }
 }
 
-/// Lens rows, lens columns, view rows and view columns of the default chunk: a compromise between reading views and elemental
-/// images.
+/// Lens rows, lens columns, view rows and view columns of the default chunk: a compromise between reading views and
+/// elemental images.
 const CHUNK: [usize; 4] = [4, 4, 10, 10];
 
 /// Maximum size of the lens rows of a default chunk in bytes, where reducing its rows can reach it.
@@ -62,8 +62,8 @@ const MAX_BAND_BYTES: usize = 256 << 20;
 impl Hdf5Options {
     /// Returns the chunk for a dataset of this shape, not larger than the dataset.
     ///
-    /// All lens rows of a chunk are in memory when it is written. Where they exceed `MAX_BAND_BYTES`, the default chunk gets
-    /// fewer lens rows and more lens columns.
+    /// All lens rows of a chunk are in memory when it is written. Where they exceed `MAX_BAND_BYTES`, the default chunk
+    /// gets fewer lens rows and more lens columns.
     pub(crate) fn chunk_of(&self, shape: &[usize], element_bytes: usize) -> Vec<usize> {
         let mut wanted = self.chunk.unwrap_or(CHUNK);
         let row_bytes = shape[1..].iter().product::<usize>().saturating_mul(element_bytes);

@@ -44,8 +44,8 @@ impl Hdf5LightField {
     /// # Errors
     ///
     /// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not an HDF5 file, has no `/H` of five axes,
-    /// or contradicts itself; [`Error::Unsupported`] if its samples are not uint8, uint16, float32 or float64, or its axes are
-    /// in another order.
+    /// or contradicts itself; [`Error::Unsupported`] if its samples are not uint8, uint16, float32 or float64, or its
+    /// axes are in another order.
     pub fn open(path: impl AsRef<Path>, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
         let failed = |error| Failure { path, is_writing: false }.error(error);
@@ -184,8 +184,8 @@ impl Hdf5LightField {
     ///
     /// # Errors
     ///
-    /// Those of [`read`](Self::read); [`Error::BadInput`] if the file has no such map; [`Error::Broken`] if it has another
-    /// shape than the samples.
+    /// Those of [`read`](Self::read); [`Error::BadInput`] if the file has no such map; [`Error::Broken`] if it has
+    /// another shape than the samples.
     pub fn read_map(&self, map: Hdf5Map) -> Result<Array4<f32>, Error> {
         let dataset = self.map_dataset(map.name(), &self.dimensions[..4])?;
         self.part(&dataset, self.dimensions[..4].iter().map(|&count| (0..count).into()).collect())
@@ -207,8 +207,8 @@ impl Hdf5LightField {
         self.part(&dataset, vec![(0..v).into(), (0..u).into(), t.into(), s.into()])
     }
 
-    /// Reads a ground truth map of the central view, in the unit of [`Hdf5Map::unit`]: the map of the central view alone, else
-    /// the part of the map of all views.
+    /// Reads a ground truth map of the central view, in the unit of [`Hdf5Map::unit`]: the map of the central view
+    /// alone, else the part of the map of all views.
     ///
     /// # Shape
     ///

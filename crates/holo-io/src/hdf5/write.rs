@@ -17,14 +17,14 @@ use crate::{Error, FileDigest};
 
 /// A writer of an HDF5 light field with ground truth, lens row by lens row.
 ///
-/// It needs the memory of the lens rows of one chunk, of the samples and of each map, whatever the size of the light field:
-/// at most 256 MiB for float32 samples of three channels and 100 x 100 views, up to a raw image of 109K pixels across. The
-/// file appears when [`finish`](Self::finish) succeeds.
+/// It needs the memory of the lens rows of one chunk, of the samples and of each map, whatever the size of the light
+/// field: at most 256 MiB for float32 samples of three channels and 100 x 100 views, up to a raw image of 109K pixels
+/// across. The file appears when [`finish`](Self::finish) succeeds.
 ///
 /// # Errors
 ///
-/// Every method: [`Error::Io`] if the file cannot be written, for example on a full disk; [`Error::BadInput`] if an argument
-/// contradicts the rig. After an error the writer can only be dropped, which leaves no file.
+/// Every method: [`Error::Io`] if the file cannot be written, for example on a full disk; [`Error::BadInput`] if an
+/// argument contradicts the rig. After an error the writer can only be dropped, which leaves no file.
 #[derive(Debug)]
 pub struct Hdf5Writer<T> {
     // Fields are dropped in order: datasets and file are closed before the temporary file is removed.
@@ -56,8 +56,8 @@ impl<T: Sample> Hdf5Writer<T> {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if `channels` is 0, the level of gzip is above 9, or a map occurs twice; [`Error::Io`] if the file
-    /// cannot be written.
+    /// [`Error::BadInput`] if `channels` is 0, the level of gzip is above 9, or a map occurs twice; [`Error::Io`] if
+    /// the file cannot be written.
     pub fn create(
         path: impl AsRef<Path>,
         rig: &Rig,
@@ -97,8 +97,8 @@ impl<T: Sample> Hdf5Writer<T> {
         Ok(Self { samples, maps: rows, file, target, options: *options, rig: *rig, sample: PhantomData })
     }
 
-    /// Returns the number of lens rows of a chunk. Rows that are written in such groups are not copied into a buffer, if they
-    /// are contiguous in row-major order.
+    /// Returns the number of lens rows of a chunk. Rows that are written in such groups are not copied into a buffer,
+    /// if they are contiguous in row-major order.
     #[must_use]
     pub fn lens_rows_at_a_time(&self) -> usize {
         self.samples.chunk_rows()
@@ -112,7 +112,8 @@ impl<T: Sample> Hdf5Writer<T> {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if the shape is wrong or there are too many rows; [`Error::Io`] if the file cannot be written.
+    /// [`Error::BadInput`] if the shape is wrong or there are too many rows; [`Error::Io`] if the file cannot be
+    /// written.
     pub fn write_lens_rows(&mut self, rows: ArrayView5<'_, T>) -> Result<(), Error> {
         if rows.is_empty() {
             return Ok(());
@@ -148,7 +149,8 @@ impl<T: Sample> Hdf5Writer<T> {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if the shape is wrong or the map was written before; [`Error::Io`] if the file cannot be written.
+    /// [`Error::BadInput`] if the shape is wrong or the map was written before; [`Error::Io`] if the file cannot be
+    /// written.
     pub fn write_central_map(&mut self, map: Hdf5Map, values: ArrayView2<'_, f32>) -> Result<(), Error> {
         let path = self.target.path();
         let failed = |error| Failure { path, is_writing: true }.error(error);

@@ -121,8 +121,8 @@ fn factors<const N: usize>(text: &str) -> Option<[f64; N]> {
     words.next().is_none().then_some(factors)
 }
 
-/// Parses the resolution line, `-Y 512 +X 1024` or one of the other seven orientations: for scanlines and for pixels, whether
-/// they are flipped, and their number.
+/// Parses the resolution line, `-Y 512 +X 1024` or one of the other seven orientations: for scanlines and for pixels,
+/// whether they are flipped, and their number.
 fn parse_resolution(text: &str) -> Option<(Major, [(bool, usize); 2])> {
     let mut words = text.split_whitespace();
     let mut axis = || Some((words.next()?, words.next()?));

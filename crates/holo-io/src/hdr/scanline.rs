@@ -1,9 +1,10 @@
 //! The decoder of one scanline of RGBE pixels: flat, or in one of two run-length codings.
 //!
 //! New coding, of scanlines of 8 to 32767 pixels: the bytes 2, 2 and the length (most significant byte first), then the
-//! four components one after the other, each as runs: a byte n above 128 repeats the next byte n - 128 times, a byte n up
-//! to 128 is followed by n bytes. Old coding: pixels, of which (1, 1, 1, n) repeats the one before n times; such markers
-//! in succession are the bytes of one number, the least significant first. Without markers that is a flat scanline.
+//! four components one after the other, each as runs: a byte n above 128 repeats the next byte n - 128 times, a byte n
+//! up to 128 is followed by n bytes. Old coding: pixels, of which (1, 1, 1, n) repeats the one before n times; such
+//! markers in succession are the bytes of one number, the least significant first. Without markers that is a flat
+//! scanline.
 
 use std::io::{self, BufRead};
 use std::path::Path;

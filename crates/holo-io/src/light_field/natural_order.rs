@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 
-/// Lists the PNGs of a folder, by file extension, in natural order: digits in their names compare as numbers, so `view9.png`
-/// is before `view10.png`.
+/// Lists the PNGs of a folder, by file extension, in natural order: digits in their names compare as numbers, so
+/// `view9.png` is before `view10.png`.
 ///
 /// # Errors
 ///

@@ -51,14 +51,15 @@ fn check(variables: &[MatVariable<'_>], version: MatVersion, path: &Path) -> Res
         MatVersion::V5 if !fits => Err(Error::bad_input(
             path,
             format!(
-                "'{name}' has {bytes} bytes, but variables of a MAT file of version 5 are smaller than 2 GiB; use version 7.3"
+                "'{name}' has {bytes} bytes, but variables of a MAT file of version 5 are smaller than 2 GiB; use \
+                 version 7.3"
             ),
         )),
         MatVersion::Auto if !fits && cfg!(not(feature = "hdf5")) => Err(Error::bad_input(
             path,
             format!(
-                "'{name}' has {bytes} bytes, and from 2 GiB on a MAT file must be of version 7.3, which this build cannot \
-                 write; build with the feature `hdf5`"
+                "'{name}' has {bytes} bytes, and from 2 GiB on a MAT file must be of version 7.3, which this build \
+                 cannot write; build with the feature `hdf5`"
             ),
         )),
         _ => Ok(!fits),
@@ -152,8 +153,8 @@ impl<'a> MatReader<'a> {
     fn open_v73(path: &'a Path, _: Limits) -> Result<Self, Error> {
         Err(Error::unsupported(
             path,
-            "a MAT file of version 7.3, which is an HDF5 file; this build does not have the feature `hdf5`: save the file \
-             with -v7, or use a build that has the feature",
+            "a MAT file of version 7.3, which is an HDF5 file; this build does not have the feature `hdf5`: save the \
+             file with -v7, or use a build that has the feature",
         ))
     }
 

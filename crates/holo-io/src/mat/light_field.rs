@@ -134,7 +134,8 @@ pub(super) fn metadata<'a>(
     variables
 }
 
-/// Reads a light field, and its rig if there is one, from a MAT file; the variables are those of [`write_mat_light_field`].
+/// Reads a light field, and its rig if there is one, from a MAT file; the variables are those of
+/// [`write_mat_light_field`].
 ///
 /// Without `axes`, the name `H` or `LF` specifies the order. Trailing dimensions of length 1, which MATLAB drops, are
 /// restored. Nothing is copied to change the order: the strides differ.
@@ -142,8 +143,8 @@ pub(super) fn metadata<'a>(
 /// # Errors
 ///
 /// Those of [`read_mat_variable`](super::read_mat_variable); [`Error::BadInput`] if there is neither `H` nor `LF`;
-/// [`Error::Broken`] if the variables contradict each other; [`Error::Unsupported`] if the samples are of another class than
-/// `uint8`, `logical`, `uint16`, `single` or `double`.
+/// [`Error::Broken`] if the variables contradict each other; [`Error::Unsupported`] if the samples are of another class
+/// than `uint8`, `logical`, `uint16`, `single` or `double`.
 pub fn read_mat_light_field(path: impl AsRef<Path>, limits: &Limits) -> Result<MatLightField, Error> {
     let path = path.as_ref();
     let mut reader = MatReader::open(path, *limits)?;

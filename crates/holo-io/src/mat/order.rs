@@ -1,9 +1,9 @@
 //! Arrays of any strides in column-major order, without a second copy of the whole array.
 //!
-//! The first index runs fastest in MATLAB, the last in ndarray, and a raw image has yet another order. A copy in the order of
-//! the file, one element at a time, would access a new cache line for each element. So the array is divided into slabs of a
-//! few megabytes that are contiguous in the file, and each slab is copied in square tiles, which use whole cache lines in
-//! both orders. Slabs are copied in parallel.
+//! The first index runs fastest in MATLAB, the last in ndarray, and a raw image has yet another order. A copy in the
+//! order of the file, one element at a time, would access a new cache line for each element. So the array is divided
+//! into slabs of a few megabytes that are contiguous in the file, and each slab is copied in square tiles, which use
+//! whole cache lines in both orders. Slabs are copied in parallel.
 
 use ndarray::{ArrayViewD, ArrayViewMutD, Axis, Dimension, Ix2, IxDyn, Slice};
 use rayon::prelude::*;
@@ -17,8 +17,8 @@ const MAX_SLAB_BYTES: usize = 32 << 20;
 /// Side of a tile; also the minimum run in the order of the array that is wanted.
 const TILE: usize = 32;
 
-/// A slab of the reversed array: the first `outer.len()` axes have these indices, the next runs from `start` to `end`, and the
-/// others are complete.
+/// A slab of the reversed array: the first `outer.len()` axes have these indices, the next runs from `start` to `end`,
+/// and the others are complete.
 #[derive(Debug)]
 pub(crate) struct Slab {
     pub(crate) outer: Vec<usize>,
@@ -26,7 +26,8 @@ pub(crate) struct Slab {
     pub(crate) end: usize,
 }
 
-/// The division of an array into slabs. Axes are those of the reversed array, the last of which runs fastest in the file.
+/// The division of an array into slabs. Axes are those of the reversed array, the last of which runs fastest in the
+/// file.
 pub(crate) struct Plan {
     /// The axis along which slabs divide the array.
     pub(crate) axis: usize,
@@ -205,7 +206,8 @@ mod tests {
     #[test]
     fn arrays_of_many_slabs() {
         for (shape, order) in [
-            // Lens rows, lens columns, view rows, view columns, channels of an elemental grid, a viewpoint grid, and neither.
+            // Lens rows, lens columns, view rows, view columns, channels of an elemental grid, a viewpoint grid, and
+            // neither.
             ([31, 40, 33, 35, 3], [0, 2, 1, 3, 4]),
             ([31, 40, 33, 35, 3], [2, 0, 3, 1, 4]),
             ([31, 40, 33, 35, 3], [4, 3, 2, 1, 0]),

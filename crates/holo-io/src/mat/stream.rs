@@ -1,8 +1,8 @@
 //! A writer of light fields of version 7.3 lens row by lens row, for those that do not fit into memory.
 //!
 //! In the file the index of the lens row runs fastest, so consecutive lens rows are far apart in a contiguous dataset.
-//! Therefore the dataset has the chunks of this crate's HDF5 files, a few microlenses and views, and the lens rows of a chunk
-//! are collected before they are written.
+//! Therefore the dataset has the chunks of this crate's HDF5 files, a few microlenses and views, and the lens rows of a
+//! chunk are collected before they are written.
 
 use std::convert::Infallible;
 use std::marker::PhantomData;
@@ -25,16 +25,16 @@ use crate::{Error, FileDigest};
 /// Lens columns that are reversed at a time, in chunks.
 const CHUNKS_AT_A_TIME: usize = 4;
 
-/// A writer of a light field into a MAT file of version 7.3, lens row by lens row; the variables are `H` and those of the rig as
-/// in [`write_mat_light_field`](crate::write_mat_light_field).
+/// A writer of a light field into a MAT file of version 7.3, lens row by lens row; the variables are `H` and those of
+/// the rig as in [`write_mat_light_field`](crate::write_mat_light_field).
 ///
-/// It needs the memory of four lens rows, fewer where they are large, and of a small part of them, whatever the size of the
-/// light field. The file appears when [`finish`](Self::finish) succeeds. Version 5 cannot be written in this order.
+/// It needs the memory of four lens rows, fewer where they are large, and of a small part of them, whatever the size of
+/// the light field. The file appears when [`finish`](Self::finish) succeeds. Version 5 cannot be written in this order.
 ///
 /// # Errors
 ///
-/// Every method: [`Error::Io`] if the file cannot be written, for example on a full disk; [`Error::BadInput`] if an argument
-/// contradicts the rig. After an error the writer can only be dropped, which leaves no file.
+/// Every method: [`Error::Io`] if the file cannot be written, for example on a full disk; [`Error::BadInput`] if an
+/// argument contradicts the rig. After an error the writer can only be dropped, which leaves no file.
 ///
 /// # Examples
 ///
@@ -44,7 +44,12 @@ const CHUNKS_AT_A_TIME: usize = 4;
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("scene_5d.mat");
-/// let rig = Rig::builder(Split::new(GridSize::new(2, 3), GridSize::new(6, 5))?).focal_length_m(0.05).sensor_size_m(0.036).baseline_m(1e-3).focus_distance_m(1.0).build()?;
+/// let rig = Rig::builder(Split::new(GridSize::new(2, 3), GridSize::new(6, 5))?)
+///     .focal_length_m(0.05)
+///     .sensor_size_m(0.036)
+///     .baseline_m(1e-3)
+///     .focus_distance_m(1.0)
+///     .build()?;
 /// let mut mat = MatWriter::<u8>::create(&path, &rig, 3, true)?;
 /// for row in 0..6 {
 ///     mat.write_lens_rows(ndarray::Array5::from_elem((1, 5, 2, 3, 3), row).view())?;
@@ -135,7 +140,8 @@ impl<T: Sample> MatWriter<T> {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if the shape is wrong or there are too many rows; [`Error::Io`] if the file cannot be written.
+    /// [`Error::BadInput`] if the shape is wrong or there are too many rows; [`Error::Io`] if the file cannot be
+    /// written.
     pub fn write_lens_rows(&mut self, rows: ArrayView5<'_, T>) -> Result<(), Error> {
         if rows.is_empty() {
             return Ok(());
@@ -158,7 +164,8 @@ impl<T: Sample> MatWriter<T> {
     }
 }
 
-/// Creates the dataset of the samples, and returns it with the number of lens rows of a chunk. `shape` is (v, u, t, s, c).
+/// Creates the dataset of the samples, and returns it with the number of lens rows of a chunk. `shape` is (v, u, t, s,
+/// c).
 fn create_dataset<T: Number>(
     file: &File,
     shape: &[usize; 5],

@@ -88,8 +88,8 @@ impl Storage {
         }
     }
 
-    /// The storage type that a class is written as: that of its numbers; for text UTF-8, because SciPy does not read `uint16`
-    /// beyond ASCII.
+    /// The storage type that a class is written as: that of its numbers; for text UTF-8, because SciPy does not read
+    /// `uint16` beyond ASCII.
     const fn of(class: MatClass) -> Option<Self> {
         Some(match class {
             MatClass::U8 | MatClass::Logical => Self::U8,

@@ -1,8 +1,8 @@
 //! MAT files of version 7.3: HDF5 files with a user block of 512 bytes that contains the header of MATLAB.
 //!
-//! A variable is a dataset in the root group, with its dimensions in reverse order and its class in an attribute. Structures
-//! and cells are groups and references; they are listed, but not read. Files are written with the oldest structures of HDF5,
-//! because the library in MATLAB is old.
+//! A variable is a dataset in the root group, with its dimensions in reverse order and its class in an attribute.
+//! Structures and cells are groups and references; they are listed, but not read. Files are written with the oldest
+//! structures of HDF5, because the library in MATLAB is old.
 
 use std::io::Write;
 use std::path::Path;

@@ -120,8 +120,8 @@ macro_rules! define_values {
     ($($name:ident $type:ident $matlab:literal $number:ident $from:ident;)*) => {
         /// The value of a variable that is to be written: an array of any strides, or text.
         ///
-        /// In MATLAB the indices are the same, counted from 1: `array[[2, 0]]` is `array(3, 1)`. An array of one dimension
-        /// becomes a row, one without dimensions a single number.
+        /// In MATLAB the indices are the same, counted from 1: `array[[2, 0]]` is `array(3, 1)`. An array of one
+        /// dimension becomes a row, one without dimensions a single number.
         #[derive(Debug, Clone)]
         #[non_exhaustive]
         pub enum MatValue<'a> {
@@ -134,8 +134,8 @@ macro_rules! define_values {
         ///
         /// # Shape
         ///
-        /// As in MATLAB: at least two dimensions, without trailing dimensions of length 1 after the second. In memory the
-        /// first index runs fastest, as in the file.
+        /// As in MATLAB: at least two dimensions, without trailing dimensions of length 1 after the second. In memory
+        /// the first index runs fastest, as in the file.
         #[derive(Debug, Clone, PartialEq)]
         #[non_exhaustive]
         pub enum MatArray {
@@ -178,8 +178,8 @@ impl MatValue<'_> {
         for_each_array!(Self, self, array => class_of(array), _ => MatClass::Text)
     }
 
-    /// Returns the size of the variable in MATLAB: at least two dimensions, without trailing dimensions of length 1 after the
-    /// second.
+    /// Returns the size of the variable in MATLAB: at least two dimensions, without trailing dimensions of length 1
+    /// after the second.
     #[must_use]
     pub fn size(&self) -> Vec<usize> {
         let mut size = for_each_array!(Self, self, array => array.shape().to_vec(), text => match text.is_empty() {

@@ -4,8 +4,8 @@
 ///
 /// # Units
 ///
-/// Meters and radians in Blender's world space: right-handed with Z up. The rotation is Euler XYZ: first about X, then Y, then Z. A camera without
-/// rotation looks along -Z with +Y up.
+/// Meters and radians in Blender's world space: right-handed with Z up. The rotation is Euler XYZ: first about X, then
+/// Y, then Z. A camera without rotation looks along -Z with +Y up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraPose {
     /// Position: `center_cam_{x,y,z}_m`.

@@ -15,7 +15,8 @@ const TICKS: f64 = 100.0;
 ///
 /// # Shape
 ///
-/// Every frame is `(rows, columns, channels)` as in [`write_png`](crate::write_png), all of the same shape; any strides.
+/// Every frame is `(rows, columns, channels)` as in [`write_png`](crate::write_png), all of the same shape; any
+/// strides.
 ///
 /// # Units
 ///
@@ -23,9 +24,9 @@ const TICKS: f64 = 100.0;
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if there are no frames or more than 2^31 - 1, if their shapes differ, if the samples are floats or the
-/// shape is not one of [`write_png`](crate::write_png), or if `frames_per_second` is not 0.01 to 600; [`Error::Io`] if the
-/// file cannot be written. No file of that name appears then.
+/// [`Error::BadInput`] if there are no frames or more than 2^31 - 1, if their shapes differ, if the samples are floats
+/// or the shape is not one of [`write_png`](crate::write_png), or if `frames_per_second` is not 0.01 to 600;
+/// [`Error::Io`] if the file cannot be written. No file of that name appears then.
 ///
 /// # Source
 ///

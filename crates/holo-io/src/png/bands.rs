@@ -1,8 +1,8 @@
 //! One zlib stream of bands of rows that are compressed in parallel.
 //!
-//! Every band but the last ends in an empty stored block (deflate's "sync flush"), so it ends on a whole byte and bands can
-//! be concatenated. No band refers back to an earlier one: that costs a few hundred bytes a band, and makes the result the
-//! same for any number of threads.
+//! Every band but the last ends in an empty stored block (deflate's "sync flush"), so it ends on a whole byte and bands
+//! can be concatenated. No band refers back to an earlier one: that costs a few hundred bytes a band, and makes the
+//! result the same for any number of threads.
 
 use rayon::prelude::*;
 

@@ -18,8 +18,8 @@ const WORKING_BYTES: std::ops::RangeInclusive<u64> = 1 << 20..=256 << 20;
 ///
 /// # Shape
 ///
-/// `(rows, columns, channels)` with 1 (gray), 2 (gray, alpha), 3 (RGB) or 4 (RGB, alpha) channels. Palettes become RGB, fewer
-/// than 8 bits become 8.
+/// `(rows, columns, channels)` with 1 (gray), 2 (gray, alpha), 3 (RGB) or 4 (RGB, alpha) channels. Palettes become RGB,
+/// fewer than 8 bits become 8.
 ///
 /// # Errors
 ///
@@ -74,8 +74,8 @@ fn start<R: BufRead + Seek>(source: R, path: &Path, limits: Limits) -> Result<(p
     Ok((reader, info))
 }
 
-/// Refuses palettes that are not 1 to 256 complete RGB entries: `png` 0.18.1 panics on an incomplete one (image-png issue
-/// 694).
+/// Refuses palettes that are not 1 to 256 complete RGB entries: `png` 0.18.1 panics on an incomplete one (image-png
+/// issue 694).
 fn check_palette(info: &png::Info<'_>, path: &Path) -> Result<(), Error> {
     let bytes = info.palette.as_ref().map_or(0, |palette| palette.len());
     if info.color_type == png::ColorType::Indexed && (!bytes.is_multiple_of(3) || !(3..=768).contains(&bytes)) {

@@ -173,8 +173,8 @@ impl<W: Sink> Encoder<W> {
         }
     }
 
-    /// Writes the next rows. The caller guarantees that there are not too many, and that columns, channels and sample type are
-    /// those of the image.
+    /// Writes the next rows. The caller guarantees that there are not too many, and that columns, channels and sample
+    /// type are those of the image.
     pub fn write_rows(&mut self, rows: DynImageRef<'_>) -> Result<(), Error> {
         match rows {
             DynImageRef::U8(rows) => self.push(rows),

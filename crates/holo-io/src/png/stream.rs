@@ -24,7 +24,8 @@ use crate::{AtomicFile, Error, FileDigest};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("raw.png");
-/// let mut png = PngWriter::create(&path, GridSize::new(40, 30), 3, SampleKind::U8, ColorEncoding::Srgb, Compression::Best)?;
+/// let size = GridSize::new(40, 30);
+/// let mut png = PngWriter::create(&path, size, 3, SampleKind::U8, ColorEncoding::Srgb, Compression::Best)?;
 /// for band in 0..4 {
 ///     png.write_rows(Array3::<u8>::from_elem((10, 30, 3), band * 60).view())?;
 /// }
@@ -52,8 +53,8 @@ impl PngWriter {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if the samples are floats, if the image is empty, has another number of channels or more than
-    /// 2^31 - 1 rows or columns; [`Error::Io`] if the file cannot be written.
+    /// [`Error::BadInput`] if the samples are floats, if the image is empty, has another number of channels or more
+    /// than 2^31 - 1 rows or columns; [`Error::Io`] if the file cannot be written.
     pub fn create(
         path: impl AsRef<Path>,
         size: GridSize,
@@ -77,8 +78,9 @@ impl PngWriter {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if columns, channels or sample type are not those of the image, or if there are more rows than the
-    /// image has left; [`Error::Io`] if the file cannot be written. After an error the file cannot be finished.
+    /// [`Error::BadInput`] if columns, channels or sample type are not those of the image, or if there are more rows
+    /// than the image has left; [`Error::Io`] if the file cannot be written. After an error the file cannot be
+    /// finished.
     pub fn write_rows<'a>(&mut self, rows: impl Into<DynImageRef<'a>>) -> Result<(), Error> {
         let rows = rows.into();
         let bad = |what: String| Err(Error::bad_input(&self.path, what));
@@ -114,8 +116,8 @@ impl PngWriter {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if rows are missing; [`Error::Io`] if the file cannot be written. No file of that name appears
-    /// then, and an older one stays.
+    /// [`Error::BadInput`] if rows are missing; [`Error::Io`] if the file cannot be written. No file of that name
+    /// appears then, and an older one stays.
     pub fn finish(self) -> Result<FileDigest, Error> {
         let path = &self.path;
         if self.has_failed || self.rows != self.layout.size.rows {

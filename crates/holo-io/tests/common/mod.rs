@@ -1,7 +1,8 @@
 //! Files of other programs in `data/`, so that the tests need no other program.
 //!
 //! OpenEXR 3.5.3 (`openexr_*`), Blender 5.0.1 and Mitsuba 3.9.1 wrote them; `blender_*.pfm` is what OpenEXR reads of
-//! `blender_multilayer.exr`, a render of Blender's first scene. All others contain [`ramp`], unless their test states otherwise.
+//! `blender_multilayer.exr`, a render of Blender's first scene. All others contain [`ramp`], unless their test states
+//! otherwise.
 
 use std::path::PathBuf;
 

@@ -2,8 +2,8 @@
 
 use std::process::Command;
 
-/// Runs a script with `HOLO_PYTHON` or `python3` and returns its output; prints what is missing and returns `None` without the
-/// modules.
+/// Runs a script with `HOLO_PYTHON` or `python3` and returns its output; prints what is missing and returns `None`
+/// without the modules.
 ///
 /// # Panics
 ///

@@ -1,14 +1,14 @@
 //! The numbers of a variable, decoded by the crate `matfile` in pieces.
 //!
-//! `matfile` 0.5 reads whole files, with errors: it accepts truncated files, multiplies dimensions without a check, refuses
-//! `int32` (its table has `uint32` in that place) and ignores text. `tests/mat_matfile.rs` tests each of these, so that a
-//! change in a later version is noticed. By its source it also inflates without a limit, prints to the terminal, and refuses
-//! doubles that are stored as `int8`.
+//! `matfile` 0.5 reads whole files, with errors: it accepts truncated files, multiplies dimensions without a check,
+//! refuses `int32` (its table has `uint32` in that place) and ignores text. `tests/mat_matfile.rs` tests each of these,
+//! so that a change in a later version is noticed. By its source it also inflates without a limit, prints to the
+//! terminal, and refuses doubles that are stored as `int8`.
 //!
-//! Its decoding of numbers is correct. So it decodes small files that this module creates: one array each, of the storage
-//! type of the numbers, in the byte order of the file; only the data are those of the file. `int32` is passed as `uint32`,
-//! which has the same bits. This module converts the numbers to the type of the variable. The variable and a few such pieces
-//! are in memory.
+//! Its decoding of numbers is correct. So it decodes small files that this module creates: one array each, of the
+//! storage type of the numbers, in the byte order of the file; only the data are those of the file. `int32` is passed
+//! as `uint32`, which has the same bits. This module converts the numbers to the type of the variable. The variable and
+//! a few such pieces are in memory.
 
 use std::any::Any;
 

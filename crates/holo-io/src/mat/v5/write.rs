@@ -9,8 +9,8 @@ use crate::mat::order::column_major;
 use crate::mat::value::{Element, MatValue, for_each_array};
 use crate::zlib::{Piece, Stream};
 
-/// The descriptive text at the beginning of the file. MATLAB requires the first words. No clock, so that equal inputs give
-/// equal bytes.
+/// The descriptive text at the beginning of the file. MATLAB requires the first words. No clock, so that equal inputs
+/// give equal bytes.
 const TEXT: &str = "MATLAB 5.0 MAT-file, written by holo";
 
 /// The header of the file.
