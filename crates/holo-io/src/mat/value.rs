@@ -169,15 +169,6 @@ macro_rules! for_each_array {
 pub(super) use for_each_array;
 
 impl MatValue<'_> {
-    /// Returns the class of the variable.
-    #[must_use]
-    pub fn class(&self) -> MatClass {
-        fn class_of<T: Element>(_: &ArrayViewD<'_, T>) -> MatClass {
-            T::CLASS
-        }
-        for_each_array!(Self, self, array => class_of(array), _ => MatClass::Text)
-    }
-
     /// Returns the size of the variable in MATLAB: at least two dimensions, without trailing dimensions of length 1
     /// after the second.
     #[must_use]
@@ -201,6 +192,17 @@ impl MatValue<'_> {
 /// Implements what depends on the variant of a number type.
 macro_rules! implement_elements {
     ($($name:ident $type:ident $matlab:literal $number:ident $from:ident;)*) => {
+        impl MatValue<'_> {
+            /// Returns the class of the variable.
+            #[must_use]
+            pub const fn class(&self) -> MatClass {
+                match self {
+                    $(Self::$name(_) => MatClass::$name,)*
+                    Self::Text(_) => MatClass::Text,
+                }
+            }
+        }
+
         impl MatArray {
             /// Returns a view of the value, which can be written.
             #[must_use]
