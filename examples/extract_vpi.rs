@@ -3,7 +3,7 @@
 //! `cargo run --example extract_vpi -- scene_el.png VIEWS COLUMN ROW view.png`, or without arguments on a raw image that it
 //! makes itself.
 
-use holo_core::{DynImage, GridSize, LightField, Split};
+use holo_core::{DynImage, GridSize, LightField, LightFieldShape};
 use holo_io::{ColorEncoding, Compression, Limits, read_png, write_png};
 use ndarray::Array3;
 
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
 
     let (rows, columns, _) = raw.dim();
-    let split = Split::new(GridSize::new(views, views), GridSize::new(rows / views, columns / views))?;
+    let split = LightFieldShape::new(GridSize::new(views, views), GridSize::new(rows / views, columns / views))?;
     let light_field = LightField::from_elemental_grid(raw, split)?; // copies nothing
     let view = light_field.view(t, s)?; // one pixel from under every lens, as a borrowed image
     write_png(&out, view, ColorEncoding::Srgb, Compression::Best)?;

@@ -1,11 +1,11 @@
 //! Views to elemental images and back: the same samples in two orders, bit for bit.
 
-use holo_core::{GridSize, LightField, Split};
+use holo_core::{GridSize, LightField, LightFieldShape};
 use ndarray::Array3;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The paper's 8K sensor with 100 x 100 views: 79 x 53 px a view.
-    let split = Split::new(GridSize::new(100, 100), GridSize::new(53, 79))?;
+    let split = LightFieldShape::new(GridSize::new(100, 100), GridSize::new(53, 79))?;
     let size = split.raw_size();
     let views = Array3::from_shape_fn((size.rows, size.columns, 3), |(y, x, c)| (y * 7 + x * 3 + c * 85) as u8);
 

@@ -1,6 +1,6 @@
 //! A scene built in code, rendered straight into a raw holoscopic image. No file is read.
 
-use holo_core::{GridSize, Projection, Split};
+use holo_core::{GridSize, LightFieldShape, Projection};
 use holo_io::{ColorEncoding, Compression, write_pfm, write_png};
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Renderer, Request, exposure};
 use holo_scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // 10 x 10 views behind 80 x 120 lenses, 2 mm apart, focused on the square in the middle.
     let framing = Framing {
-        split: Split::new(GridSize::new(10, 10), GridSize::new(80, 120))?,
+        shape: LightFieldShape::new(GridSize::new(10, 10), GridSize::new(80, 120))?,
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,

@@ -4,7 +4,7 @@ mod common;
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, Projection, Split};
+use holo_core::{GridSize, LightFieldShape, Projection};
 use holo_render::{Baseline, CameraChoice, Framing, Layer, Renderer};
 
 fn reference() -> Option<PathBuf> {
@@ -22,7 +22,7 @@ fn five_views_have_the_depth_that_blender_finds() {
     };
     let loaded = holo_scene::gltf::load(&folder.join("still_life.glb"), &Default::default()).expect("a scene");
     let framing = Framing {
-        split: Split::new(GridSize::new(41, 41), GridSize::new(132, 198)).unwrap(),
+        shape: LightFieldShape::new(GridSize::new(41, 41), GridSize::new(132, 198)).unwrap(),
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,

@@ -42,7 +42,7 @@ fn wall(rig: &Rig, depth_m: f64, seed: u64) -> Scene {
     };
     let texture_coordinates = vec![[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
     let kind = LightKind::Directional { direction: [0.0, 0.0, -1.0], angular_diameter_rad: 0.0 };
-    assert_eq!(rig.split().lenses().columns, PIXELS[1]);
+    assert_eq!(rig.shape().lenses().columns, PIXELS[1]);
     Scene {
         meshes: vec![holo_scene::Mesh { texture_coordinates, ..square(half_m as f32) }],
         instances: vec![Instance {

@@ -62,7 +62,7 @@ fn points_move_by_their_disparity() {
     add(&mut scene, square(20.0), [1.0; 4], Transform::from_translation([0.0, 0.0, -4.0]));
     let rig = rig([5, 5], [21, 31], 0.03, 2.5, Projection::Perspective);
     let rendered = render(&scene, &truth(rig), Backend::Bvh, 1);
-    let (tc, sc) = rig.split().central_view();
+    let (tc, sc) = rig.shape().central_view();
     for ((v, u, _), &disparity) in rendered.central[Layer::Disparity].indexed_iter() {
         let depth = f64::from(rendered.central[Layer::Depth][[v, u, 0]]);
         let point = rig.ray(v, u, tc, sc, 0.5, 0.5).at_depth_m(depth);

@@ -271,7 +271,7 @@ fn layers_do_not_depend_on_what_is_rendered_with_them() {
     let (scene, pose) = moved(&scene());
     let rig = rig([4, 5], [14, 19], 0.03, 3.0, Projection::Perspective);
     let alone = render_from(&scene, &pose, &request(rig), Backend::Bvh, 1);
-    let (t, s) = rig.split().central_view();
+    let (t, s) = rig.shape().central_view();
     let central = |all: &Layers<LightFieldOwned<f32>>| -> Layers<_> {
         all.iter().map(|(layer, field)| (layer, field.view(t, s).expect("a view").to_owned())).collect()
     };

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{add, rig, square};
-use holo_core::{GridSize, Projection, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_render::{Backend, Integrator, Layer, Renderer, Request};
 use holo_scene::{Light, LightKind, Material, Mesh, Scene, Transform, Volume};
 
@@ -123,7 +123,7 @@ fn sixty_four_bounces_between_mirrors_lose_nothing_and_gain_nothing() {
 
 /// A camera that sees a hundred-thousandth of a degree: with it rays meet a surface at the angle that is wanted.
 fn narrow_rig(half_angle: f64) -> Rig {
-    Rig::builder(Split::new(GridSize::new(2, 2), GridSize::new(8, 12)).expect("sizes"))
+    Rig::builder(LightFieldShape::new(GridSize::new(2, 2), GridSize::new(8, 12)).expect("sizes"))
         .focal_length_m(0.018 / half_angle)
         .sensor_size_m(0.036)
         .baseline_m(1e-9)

@@ -5,7 +5,7 @@ mod common;
 use std::path::Path;
 
 use common::engines;
-use holo_core::{GridSize, Projection, Split};
+use holo_core::{GridSize, LightFieldShape, Projection};
 use holo_io::Limits;
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Rendered, Renderer, Request};
 use holo_scene::{Environment, Scene};
@@ -23,7 +23,7 @@ fn scenes() -> [(Scene, [f32; 3]); 2] {
 /// 6 x 5 views: packets with lanes to spare.
 fn render(scene: &Scene, sky: [f32; 3], backend: Backend, threads: usize, change: fn(&mut Request)) -> Rendered {
     let framing = Framing {
-        split: Split::new(GridSize::new(5, 6), GridSize::new(22, 33)).unwrap(),
+        shape: LightFieldShape::new(GridSize::new(5, 6), GridSize::new(22, 33)).unwrap(),
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,

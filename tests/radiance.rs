@@ -7,7 +7,7 @@ mod common;
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, Projection, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_io::Limits;
 use holo_render::{Backend, Baseline, CameraChoice, Framing, Integrator, Layer, LayerSet, Rendered, Renderer, Request};
 use holo_scene::Environment;
@@ -35,7 +35,7 @@ fn prepare(folder: &Path, case: &Case, size: GridSize, backend: Backend) -> (Ren
         scene.environment = Some(Environment { radiance });
     }
     let framing = Framing {
-        split: Split::new(GridSize::new(1, 1), size).unwrap(),
+        shape: LightFieldShape::new(GridSize::new(1, 1), size).unwrap(),
         camera: CameraChoice::First,
         focal_length_m: None,
         sensor_size_m: 0.036,

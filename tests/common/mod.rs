@@ -1,7 +1,7 @@
 //! Scenes and rigs that several tests use.
 #![allow(dead_code)] // every test file uses its own part
 
-use holo_core::{GridSize, Projection, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_render::{Backend, GroundTruth, Integrator, Rendered, Renderer, Request};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
 
@@ -29,7 +29,7 @@ pub fn rig(
     focus_distance_m: f64,
     projection: Projection,
 ) -> Rig {
-    Rig::builder(Split::new(GridSize::new(t, s), GridSize::new(v, u)).expect("sizes"))
+    Rig::builder(LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u)).expect("sizes"))
         .focal_length_m(0.05)
         .sensor_size_m(0.036)
         .baseline_m(baseline_m)

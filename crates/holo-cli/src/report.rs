@@ -39,7 +39,7 @@ pub fn json(report: &RenderReport) -> Value {
         "peak_rss_bytes": peak_rss_bytes(),
         "integrator": {"name": integrator_name(report.integrator), "why": report.why},
         "rig": {
-            "views": size(rig.split().views()), "lenses": size(rig.split().lenses()),
+            "views": size(rig.shape().views()), "lenses": size(rig.shape().lenses()),
             "baseline_m": {"x": rig.baseline_x_m(), "y": rig.baseline_y_m()},
             "focal_length_mm": meters_to_millimeters(rig.focal_length_m()),
             "sensor_size_mm": meters_to_millimeters(rig.sensor_size_m()),
@@ -85,7 +85,7 @@ fn seconds(s: &Seconds) -> Value {
 
 /// Views, lenses and raw size in words.
 pub fn describe_split(rig: &Rig) -> String {
-    let (split, raw) = (rig.split(), rig.split().raw_size());
+    let (split, raw) = (rig.shape(), rig.shape().raw_size());
     let (views, lenses) = (split.views(), split.lenses());
     format!(
         "{} x {} views of {} x {} px (raw image {} x {})",

@@ -66,7 +66,7 @@ fn layers_agree_with_each_other() {
     bench.render("out", "--layers all");
     let map = |layer: &str| map(&bench, &format!("out/scene_{layer}.pfm"));
     let rig = Manifest::read(bench.path("out/manifest.json")).unwrap().rig.unwrap();
-    let (t, s) = rig.split().central_view();
+    let (t, s) = rig.shape().central_view();
     let (depth, length, mask) = (map("depth"), map("ray_length"), map("hit_mask"));
     let [geometric, shading] = ["geometric_normal", "shading_normal"].map(map);
     let [object, material] = ["object_id", "material_id"].map(map);

@@ -49,7 +49,7 @@ fn some_images_and_parts_of_them() {
     std::fs::create_dir(bench.path("some")).unwrap();
     ok(bench.run("extract out --lens 1-11:5,7 --out some/lens.png"));
     assert_eq!(bench.list("some"), ["lens_r07_c01.png", "lens_r07_c06.png", "lens_r07_c11.png"]);
-    assert_eq!(read_u8(bench.path("some/lens_r07_c06.png")), field.elemental(7, 6).unwrap());
+    assert_eq!(read_u8(bench.path("some/lens_r07_c06.png")), field.elemental_image(7, 6).unwrap());
     ok(bench.run("extract out --view 2,3 --crop 4,1,6x2 --out crop.png"));
     assert_eq!(read_u8(bench.path("crop.png")), field.view(3, 2).unwrap().slice(s![1..3, 4..10, ..]));
 }
@@ -60,7 +60,7 @@ fn a_display_gets_its_elements_turned() {
     let field = rendered(&bench);
     ok(bench.run("rotate-elements out display_el.png"));
     let turned = read_u8(bench.path("display_el.png"));
-    assert_eq!(turned, field.borrowed().rotate_elementals().to_elemental_grid());
+    assert_eq!(turned, field.as_light_field_ref().rotate_elemental_images().to_elemental_grid());
     assert_ne!(turned, read_u8(bench.path("out/scene_el.png")));
     // A raw image without a rig keeps its layout.
     ok(bench.run("rotate-elements out/scene_vpi.png whole.png --whole"));

@@ -71,7 +71,7 @@ fn one_view_and_one_elemental_image() {
             ok(&bench, &format!("extract out/{raw} --lens {column},{row} --out lens.png"));
             let lens = read_u8(bench.path("lens.png"));
             assert_eq!(lens.dim(), (4, 5, 3));
-            assert_eq!(lens, field.elemental(row, column).unwrap(), "lens {column},{row} of {raw}");
+            assert_eq!(lens, field.elemental_image(row, column).unwrap(), "lens {column},{row} of {raw}");
         }
     }
 }
@@ -84,7 +84,7 @@ fn extracting_with_views_given_and_in_16_bits() {
     ok(&bench, "extract raw.png --from vpi --views 5x4 --view 4,1 --out view.png");
     assert_eq!(read_u16(bench.path("view.png")), field.view(1, 4).unwrap());
     ok(&bench, "extract raw.png --from vpi --views 5x4 --lens 11,2 --out lens.png");
-    assert_eq!(read_u16(bench.path("lens.png")), field.elemental(2, 11).unwrap());
+    assert_eq!(read_u16(bench.path("lens.png")), field.elemental_image(2, 11).unwrap());
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
-use holo_core::Split;
+use holo_core::LightFieldShape;
 use holo_io::dataset::{self as names, DatasetIndex, SceneEntry};
 use holo_scene::gallery;
 
@@ -37,7 +37,7 @@ const CONVENTIONS: [(&str, &str); 8] = [
 ];
 
 /// A scene and the shape of its light field.
-type Job<'a> = (&'a SceneSource, Split);
+type Job<'a> = (&'a SceneSource, LightFieldShape);
 
 /// Writes both files for a dataset of these jobs.
 pub(crate) fn write(root: &Path, jobs: &[Job], options: &Options, backend: &str) -> Result<(), Error> {
@@ -49,7 +49,7 @@ pub(crate) fn write(root: &Path, jobs: &[Job], options: &Options, backend: &str)
 
 fn index(jobs: &[Job], options: &Options, backend: &str) -> Result<DatasetIndex, Error> {
     let mut scenes: Vec<SceneEntry> = Vec::new();
-    let mut shapes: Vec<Split> = Vec::new();
+    let mut shapes: Vec<LightFieldShape> = Vec::new();
     for (source, shape) in jobs {
         let name = source.name();
         if scenes.iter().all(|scene| scene.name != name) {

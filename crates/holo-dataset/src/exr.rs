@@ -30,7 +30,7 @@ pub(crate) fn write_central(folder: &mut OutputFolder, rendered: &Rendered) -> R
 ///
 /// It is written lens row by lens row, or view row by view row, without a second copy in memory.
 pub(crate) fn write_grid(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, layout: Layout) -> Result<(), Error> {
-    let split = color.split();
+    let split = color.shape();
     let (views, lenses, size) = (split.views(), split.lenses(), split.raw_size());
     let (name, bands) = match layout {
         Layout::ElementalGrid => (dataset::ELEMENTAL_EXR, lenses.rows),

@@ -117,7 +117,7 @@ impl Images<'_> {
             }
         }
         if self.wants(Output::Hci) {
-            self.write_hci(folder, coded.borrowed().into(), rendered)?;
+            self.write_hci(folder, coded.as_light_field_ref().into(), rendered)?;
         }
         Ok(())
     }

@@ -127,7 +127,7 @@ impl RenderJob {
             Some(shard) => shard::write(traced, shard, folder),
             None => write(&self.spec, traced, exposure_ev, folder),
         })?;
-        let split = prepared.rig.split();
+        let split = prepared.rig.shape();
         Ok(RenderReport {
             seconds: Seconds {
                 load: prepared.load_seconds,

@@ -113,7 +113,7 @@ pub(crate) fn write_color(folder: &mut OutputFolder, color: &LightFieldOwned<f32
 }
 
 pub(crate) fn central_view(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_, f32>, Error> {
-    let (t, s) = field.split().central_view();
+    let (t, s) = field.shape().central_view();
     Ok(field.view(t, s)?)
 }
 
@@ -133,7 +133,7 @@ fn write_central(folder: &mut OutputFolder, name: &str, image: ArrayView3<f32>) 
 fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwned<f32>) -> Result<(), Error> {
     let name = file_part(name);
     folder.subfolder(&name)?;
-    let views = field.split().views();
+    let views = field.shape().views();
     let digits = 3.max((views.count() - 1).to_string().len());
     let written: Vec<(String, FileDigest)> = (0..views.count())
         .into_par_iter()

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, Remainder, Split};
+use holo_core::{GridSize, LightFieldShape, Remainder};
 use holo_io::{Manifest, ManifestValue, dataset};
 use holo_render::{Progress, Renderer};
 use holo_scene::gallery;
@@ -33,7 +33,7 @@ pub struct DatasetPlan {
 #[derive(Clone, Debug)]
 pub struct DatasetJob {
     /// Numbers of views and microlenses.
-    pub shape: Split,
+    pub shape: LightFieldShape,
     /// The render.
     pub render: RenderJob,
 }
@@ -79,12 +79,12 @@ impl DatasetPlan {
     ) -> Result<Self, Error> {
         validate(&spec)?;
         check_names(sources)?;
-        let mut shapes: Vec<Split> = Vec::new();
+        let mut shapes: Vec<LightFieldShape> = Vec::new();
         for &views in views {
             if shapes.iter().any(|shape| shape.views() == views) {
                 return Err(Error::BadRequest(format!("--splits has {} twice", views)));
             }
-            shapes.push(spec.rig.sensor.split(views, Remainder::Crop)?.split);
+            shapes.push(spec.rig.sensor.divide(views, Remainder::Crop)?.shape);
         }
         let mut jobs = Vec::new();
         for source in sources {

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use holo_core::{Remainder, Rig, Split};
+use holo_core::{LightFieldShape, Remainder, Rig};
 use holo_render::{Baseline, CameraChoice, Framed, Framing, Renderer};
 use holo_scene::Environment;
 use holo_scene::gltf::Loaded;
@@ -155,7 +155,7 @@ fn named(scene: &Path, message: &str) -> String {
 }
 
 /// Allocates the memory that a render needs and frees it untouched, so that impossible sizes are refused first.
-fn validate_memory(split: &Split, purpose: Purpose) -> Result<(), Error> {
+fn validate_memory(split: &LightFieldShape, purpose: Purpose) -> Result<(), Error> {
     /// Room for tables over the rows and columns of lenses and views.
     const LINE_BYTES: usize = 64;
     let (views, lenses, raw) = (split.views(), split.lenses(), split.raw_size());
@@ -187,11 +187,11 @@ fn validate_memory(split: &Split, purpose: Purpose) -> Result<(), Error> {
     Ok(())
 }
 
-fn split(rig: &RigSpec, diagnostics: &dyn Diagnostics) -> Result<Split, Error> {
+fn split(rig: &RigSpec, diagnostics: &dyn Diagnostics) -> Result<LightFieldShape, Error> {
     if let Some(lenses) = rig.lenses {
-        return Ok(Split::new(rig.views, lenses)?);
+        return Ok(LightFieldShape::new(rig.views, lenses)?);
     }
-    let divided = rig.sensor.split(rig.views, Remainder::Crop)?;
+    let divided = rig.sensor.divide(rig.views, Remainder::Crop)?;
     let border = divided.border;
     if (border.rows, border.columns) != (0, 0) {
         let size = rig.sensor.size();
@@ -201,5 +201,5 @@ fn split(rig: &RigSpec, diagnostics: &dyn Diagnostics) -> Result<Split, Error> {
         );
         diagnostics.report(About::Setup, &note);
     }
-    Ok(divided.split)
+    Ok(divided.shape)
 }

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, LightField, LightFieldOwned, Split};
+use holo_core::{GridSize, LightField, LightFieldOwned, LightFieldShape};
 use holo_io::{FileDigest, Limits, Manifest, ManifestValue, ParametersCfg, dataset};
 use holo_render::{Integrator, Layer, Layers, RayCounts, Rendered};
 use ndarray::{Array3, ArrayView3, Axis, Slice};
@@ -142,12 +142,12 @@ pub(crate) fn read(folders: &[PathBuf]) -> Result<(Traced, RenderSpec), Error> {
     let parameters = ParametersCfg::read(parts[0].folder.join(dataset::PARAMETERS_CFG))?;
     let broken = |what: String| Error::Failed(format!("{}: {what}", parts[0].folder.display()));
     let rig = manifest.rig.ok_or_else(|| broken("the manifest has no rig".into()))?;
-    let split = *rig.split();
+    let split = *rig.shape();
     let wanted = Wanted::new(&spec);
 
     let has = |name: &str| parts[0].manifest.files.contains_key(name);
     let color = has(COLOR).then(|| gather(&parts, COLOR, split, 3)).transpose()?;
-    let one = Split::new(GridSize::new(1, 1), split.lenses())?;
+    let one = LightFieldShape::new(GridSize::new(1, 1), split.lenses())?;
     let mut central: Layers<Array3<f32>> = Layers::default();
     let mut all: Layers<LightFieldOwned<f32>> = Layers::default();
     for layer in Layer::ALL {
@@ -227,7 +227,12 @@ fn same(parts: &[Part<'_>]) -> Result<Manifest, Error> {
 }
 
 /// Reads one array of all shards as a light field.
-fn gather(parts: &[Part<'_>], name: &str, split: Split, channels: usize) -> Result<LightFieldOwned<f32>, Error> {
+fn gather(
+    parts: &[Part<'_>],
+    name: &str,
+    split: LightFieldShape,
+    channels: usize,
+) -> Result<LightFieldOwned<f32>, Error> {
     let (views, lenses) = (split.views(), split.lenses());
     let size = split.raw_size();
     let mut grid = Array3::<f32>::zeros((size.rows, size.columns, channels));

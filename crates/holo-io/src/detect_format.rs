@@ -62,7 +62,7 @@ pub fn detect_format(path: impl AsRef<Path>) -> Result<FileFormat, Error> {
     }
     let mut source = BufReader::with_capacity(HEAD_BYTES as usize, file);
     let mut head = Vec::new();
-    source.by_ref().take(HEAD_BYTES).read_to_end(&mut head).map_err(failed)?;
+    source.as_light_field_ref().take(HEAD_BYTES).read_to_end(&mut head).map_err(failed)?;
     let format = match head.as_slice() {
         [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => FileFormat::Png,
         [b'P', b'f' | b'F', space, ..] if space.is_ascii_whitespace() => FileFormat::Pfm,

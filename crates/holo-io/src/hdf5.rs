@@ -118,20 +118,20 @@ pub(crate) use with_sample_type;
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, LightField, Rig, Split};
+/// use holo_core::{GridSize, LightField, Rig, LightFieldShape};
 /// use holo_io::{Hdf5LightField, Hdf5Map, Hdf5Options, Limits, write_hdf5};
 /// use ndarray::{Array2, Array5};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("scene_5d.h5");
-/// let split = Split::new(GridSize::new(2, 3), GridSize::new(4, 5))?;
+/// let split = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5))?;
 /// let rig = Rig::builder(split)
 ///     .focal_length_m(0.05)
 ///     .sensor_size_m(0.036)
 ///     .baseline_m(1e-3)
 ///     .focus_distance_m(2.0)
 ///     .build()?;
-/// let light_field = LightField::new(Array5::<f32>::ones(split.shape(3)))?;
+/// let light_field = LightField::new(Array5::<f32>::ones(split.array_shape(3)))?;
 /// let depth_m = Array2::from_elem((4, 5), 2.5);
 /// write_hdf5(&path, &light_field, &rig, &[], &[(Hdf5Map::Depth, depth_m.view())], &Hdf5Options::default())?;
 /// let file = Hdf5LightField::open(&path, &Limits::default())?;
@@ -154,15 +154,15 @@ where
 {
     let path = path.as_ref();
     let names: Vec<Hdf5Map> = maps.iter().map(|&(name, _)| name).collect();
-    crate::rig_values::check_split(path, Some(rig), &light_field.split())?;
+    crate::rig_values::check_split(path, Some(rig), &light_field.shape())?;
     let mut writer = Hdf5Writer::<S::Elem>::create(path, rig, light_field.channels(), &names, options)?;
     let rows = writer.lens_rows_at_a_time();
     let samples = light_field.samples();
-    for start in (0..rig.split().lenses().rows).step_by(rows) {
-        let range = Slice::from(start..rig.split().lenses().rows.min(start + rows));
+    for start in (0..rig.shape().lenses().rows).step_by(rows) {
+        let range = Slice::from(start..rig.shape().lenses().rows.min(start + rows));
         writer.write_lens_rows(samples.slice_axis(Axis(0), range))?;
         for (kind, map) in maps {
-            if map.len_of(Axis(0)) != rig.split().lenses().rows {
+            if map.len_of(Axis(0)) != rig.shape().lenses().rows {
                 return Err(Error::bad_input(path, format!("the map {} has shape {:?}", kind.name(), map.shape())));
             }
             writer.write_map_lens_rows(*kind, map.slice_axis(Axis(0), range))?;

@@ -5,7 +5,7 @@ mod source;
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{ColorEncoding, DynLightField, GridSize, Layout, Rig, Split, ViewOrder};
+use holo_core::{ColorEncoding, DynLightField, GridSize, Layout, LightFieldShape, Rig, ViewOrder};
 use ndarray::Array2;
 
 use crate::names::PARAMETERS_CFG;
@@ -141,12 +141,12 @@ pub struct LightFieldFile {
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Layout, LightField, Split};
+/// use holo_core::{GridSize, Layout, LightField, LightFieldShape};
 /// use holo_io::{ColorEncoding, Compression, ReadOptions, read_light_field, write_png};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("scene_el.png");
-/// let shape = Split::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
+/// let shape = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
 /// let light_field = LightField::filled(shape, 3, Layout::ElementalGrid, 7_u8)?;
 /// write_png(&path, light_field.to_elemental_grid().view(), ColorEncoding::Srgb, Compression::Fast)?;
 ///
@@ -175,7 +175,7 @@ pub struct LightFieldReader {
     path: PathBuf,
     source: Source,
     format: LightFieldFormat,
-    shape: Split,
+    shape: LightFieldShape,
     layout: Option<Layout>,
     rig: Option<Rig>,
     color_encoding: ColorEncoding,
@@ -212,7 +212,7 @@ impl LightFieldReader {
 
     /// Returns the numbers of views and microlenses.
     #[must_use]
-    pub const fn shape(&self) -> Split {
+    pub const fn shape(&self) -> LightFieldShape {
         self.shape
     }
 
@@ -321,7 +321,7 @@ impl LightFieldReader {
     }
 }
 
-fn sizes(shape: Split) -> (GridSize, GridSize) {
+fn sizes(shape: LightFieldShape) -> (GridSize, GridSize) {
     (shape.views(), shape.lenses())
 }
 

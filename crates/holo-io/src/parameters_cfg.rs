@@ -10,7 +10,7 @@ mod pose;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use holo_core::{GridSize, Projection, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 
 use crate::error::MEMORY;
 use crate::limits::read_small_file;
@@ -29,10 +29,10 @@ const MAX_BYTES: u64 = 1 << 20;
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Rig, Split};
+/// use holo_core::{GridSize, Rig, LightFieldShape};
 /// use holo_io::ParametersCfg;
 ///
-/// let rig = Rig::builder(Split::new(GridSize::new(9, 9), GridSize::new(512, 512))?)
+/// let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(512, 512))?)
 ///     .focal_length_m(0.1)
 ///     .sensor_size_m(0.035)
 ///     .baseline_m(0.025)
@@ -110,7 +110,7 @@ impl ParametersCfg {
         let focal_length_mm = meters_to_millimeters(rig.focal_length_m());
         let sensor_size_mm = meters_to_millimeters(rig.sensor_size_m());
         let baseline_mm = meters_to_millimeters(rig.baseline_x_m());
-        let lenses = rig.split().lenses();
+        let lenses = rig.shape().lenses();
         // The formula of the HCI tools; an infinite focus distance gives 0.
         let offset =
             baseline_mm * focal_length_mm / rig.focus_distance_m() / 1000.0 / sensor_size_mm * lenses.larger() as f64;
@@ -119,7 +119,7 @@ impl ParametersCfg {
             image_resolution_px: lenses,
             sensor_size_mm,
             fstop: Some(100.0),
-            num_cams: rig.split().views(),
+            num_cams: rig.shape().views(),
             baseline_mm,
             baseline_y_mm: (rig.baseline_y_m() != rig.baseline_x_m())
                 .then(|| meters_to_millimeters(rig.baseline_y_m())),
@@ -149,7 +149,7 @@ impl ParametersCfg {
     ///
     /// [`Error::Core`] if the numbers make no rig.
     pub fn rig(&self) -> Result<Rig, Error> {
-        let split = Split::new(self.num_cams, self.image_resolution_px);
+        let split = LightFieldShape::new(self.num_cams, self.image_resolution_px);
         let baseline_x_m = millimeters_to_meters(self.baseline_mm);
         let core = |error| Error::core(Path::new(MEMORY), error);
         Rig::builder(split.map_err(core)?)

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use holo_core::{Projection, Rig, Split};
+use holo_core::{LightFieldShape, Projection, Rig};
 
 use crate::{Error, meters_to_millimeters, millimeters_to_meters};
 
@@ -32,10 +32,10 @@ impl From<&Rig> for RigValues {
 }
 
 /// Checks that a rig has these numbers of views and microlenses.
-pub(crate) fn check_split(path: &Path, rig: Option<&Rig>, split: &Split) -> Result<(), Error> {
+pub(crate) fn check_split(path: &Path, rig: Option<&Rig>, split: &LightFieldShape) -> Result<(), Error> {
     match rig {
-        Some(rig) if rig.split() != split => {
-            Err(Error::bad_input(path, format!("the rig is for {:?}, but the light field has {split:?}", rig.split())))
+        Some(rig) if rig.shape() != split => {
+            Err(Error::bad_input(path, format!("the rig is for {:?}, but the light field has {split:?}", rig.shape())))
         }
         _ => Ok(()),
     }
@@ -50,7 +50,7 @@ pub(crate) type FoundRig = Option<Result<Rig, holo_core::Error>>;
 /// rig is perspective; a single baseline applies to both axes.
 pub(crate) fn rig(
     path: &Path,
-    split: Split,
+    split: LightFieldShape,
     baseline_m: Option<Vec<f64>>,
     lengths: [Option<Vec<f64>>; 3],
     projection: Option<&str>,

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use holo_core::{
-    DynImage, DynLightField, GridSize, Layout, LightFieldOwned, Sample, Split, ViewOrder, for_each_sample,
+    DynImage, DynLightField, GridSize, Layout, LightFieldOwned, LightFieldShape, Sample, ViewOrder, for_each_sample,
 };
 use ndarray::{Array3, ArrayViewMut3, Axis, Slice};
 use rayon::prelude::*;
@@ -62,9 +62,9 @@ impl Views<'_> {
         let first = &self.files[0];
         let info = self.info(first)?;
         let channels = without_alpha_count(info.channels);
-        let split = Split::new(self.views, info.size).map_err(|error| Error::core(first, error))?;
+        let split = LightFieldShape::new(self.views, info.size).map_err(|error| Error::core(first, error))?;
         let bytes = usize::from(info.bits / 8);
-        limits.elements(first.parent().unwrap_or(first), "light field", &split.shape(channels), bytes)?;
+        limits.elements(first.parent().unwrap_or(first), "light field", &split.array_shape(channels), bytes)?;
         let check_like_first = |file: &Path| {
             let found = self.info(file)?;
             let same =
@@ -102,7 +102,7 @@ impl Views<'_> {
 
     fn fill<T: Copy + Default + Send + Sync>(
         &self,
-        split: Split,
+        split: LightFieldShape,
         channels: usize,
         limits: &Limits,
         check: impl Fn(&Path) -> Result<(), Error> + Sync,

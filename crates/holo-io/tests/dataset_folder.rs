@@ -4,13 +4,13 @@
 use std::fs;
 use std::path::Path;
 
-use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldOwned, Rig, Split};
+use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldOwned, LightFieldShape, Rig};
 use holo_io::dataset::{self, DatasetEntry, DatasetFolder};
 use holo_io::{ColorEncoding, Compression, Error, Limits, Manifest, ParametersCfg, write_pfm, write_png};
 use ndarray::Array2;
 
 fn rig() -> Rig {
-    Rig::builder(Split::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap())
+    Rig::builder(LightFieldShape::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap())
         .focal_length_m(0.05)
         .sensor_size_m(0.036)
         .baseline_x_m(0.01)
@@ -21,7 +21,7 @@ fn rig() -> Rig {
 }
 
 fn light_field() -> LightFieldOwned<u8> {
-    let mut light_field = LightField::filled(*rig().split(), 3, Layout::ElementalGrid, 0_u8).unwrap();
+    let mut light_field = LightField::filled(*rig().shape(), 3, Layout::ElementalGrid, 0_u8).unwrap();
     let mut value = 0_u8;
     light_field.samples_mut().map_inplace(|place| {
         value = value.wrapping_mul(13).wrapping_add(41);
@@ -74,7 +74,7 @@ fn a_dataset_reads_back() {
         let opened = DatasetFolder::open(folder.path()).unwrap();
         assert_eq!((opened.manifest(), opened.path()), (&manifest, folder.path()));
         assert_eq!(opened.rig(), &rig());
-        assert_eq!(opened.shape(), *rig().split());
+        assert_eq!(opened.shape(), *rig().shape());
         let listed = names.contains(&dataset::PARAMETERS_CFG);
         assert_eq!(opened.parameters(), listed.then(|| ParametersCfg::from_rig(&rig())).as_ref());
         assert_eq!(opened.raw_image().unwrap().0, folder.path().join(names[0]));

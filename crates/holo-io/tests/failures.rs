@@ -75,7 +75,7 @@ fn light_field(seed: u64) -> LightFieldOwned<u16> {
 
 #[cfg(feature = "hdf5")]
 fn rig() -> holo_core::Rig {
-    holo_core::Rig::builder(light_field(0).split())
+    holo_core::Rig::builder(light_field(0).shape())
         .intrinsics(holo_core::Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 })
         .baseline_m(1e-3)
         .focus_distance_m(1.0)

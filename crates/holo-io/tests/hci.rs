@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use holo_core::{DynImage, DynLightField, GridSize, Layout, LightField, LightFieldOwned, Projection, Split};
+use holo_core::{DynImage, DynLightField, GridSize, Layout, LightField, LightFieldOwned, LightFieldShape, Projection};
 use holo_io::{
     ColorEncoding, Compression, Error, HciFolder, HciImage, HciQuantity, HciResolution, HciTruth, Limits,
     ParametersCfg, write_pfm, write_png,
@@ -17,12 +17,12 @@ use ndarray::{Array2, Array3, Axis, s};
 use proptest::prelude::*;
 use rigs::cotton as rig;
 
-fn split(views: [usize; 2], lenses: [usize; 2]) -> Split {
-    Split::new(GridSize::new(views[0], views[1]), GridSize::new(lenses[0], lenses[1])).unwrap()
+fn split(views: [usize; 2], lenses: [usize; 2]) -> LightFieldShape {
+    LightFieldShape::new(GridSize::new(views[0], views[1]), GridSize::new(lenses[0], lenses[1])).unwrap()
 }
 
 /// Samples that are different at every position, in memory as a raw image.
-fn field<T: Copy>(split: Split, channels: usize, sample: impl Fn(u64) -> T) -> LightFieldOwned<T> {
+fn field<T: Copy>(split: LightFieldShape, channels: usize, sample: impl Fn(u64) -> T) -> LightFieldOwned<T> {
     let mut field = LightField::filled(split, channels, Layout::ElementalGrid, sample(0)).unwrap();
     // A step that changes all bits.
     let mut value = 0_u64;
@@ -33,19 +33,23 @@ fn field<T: Copy>(split: Split, channels: usize, sample: impl Fn(u64) -> T) -> L
     field
 }
 
-fn bytes(split: Split, channels: usize) -> LightFieldOwned<u8> {
+fn bytes(split: LightFieldShape, channels: usize) -> LightFieldOwned<u8> {
     field(split, channels, |value| value as u8)
 }
 
-fn maps(split: Split) -> LightFieldOwned<f32> {
+fn maps(split: LightFieldShape) -> LightFieldOwned<f32> {
     let mut maps = field(split, 1, |value| value as f32 / 1000.0);
     maps.samples_mut()[[0, 0, 0, 0, 0]] = f32::INFINITY;
     maps
 }
 
 fn write(path: &Path, views: &LightFieldOwned<u8>, parameters: &ParametersCfg) -> Result<(), Error> {
-    let image =
-        HciImage { views: views.borrowed().into(), parameters, disparity_px: HciTruth::None, depth_m: HciTruth::None };
+    let image = HciImage {
+        views: views.as_light_field_ref().into(),
+        parameters,
+        disparity_px: HciTruth::None,
+        depth_m: HciTruth::None,
+    };
     image.write(path, Compression::Fast).map(|_| ())
 }
 
@@ -77,10 +81,10 @@ proptest! {
         let (row, column) = split.central_view();
         let central = maps.view(row, column).unwrap().index_axis_move(Axis(2), 0).to_owned();
         let image = HciImage {
-            views: if deep { deeper.borrowed().into() } else { shallow.borrowed().into() },
+            views: if deep { deeper.as_light_field_ref().into() } else { shallow.as_light_field_ref().into() },
             parameters: &parameters,
             disparity_px: HciTruth::Central(central.view()),
-            depth_m: if all { HciTruth::All(maps.borrowed()) } else { HciTruth::None },
+            depth_m: if all { HciTruth::All(maps.as_light_field_ref()) } else { HciTruth::None },
         };
         let folder = tempfile::tempdir().unwrap();
         let compression = if published { Compression::Best } else { Compression::Fast };
@@ -142,9 +146,9 @@ fn the_central_view_of_even_counts_is_a_real_one() {
     let folder = tempfile::tempdir().unwrap();
     let parameters = ParametersCfg::from_rig(&rig(split));
     let image = HciImage {
-        views: views.borrowed().into(),
+        views: views.as_light_field_ref().into(),
         parameters: &parameters,
-        disparity_px: HciTruth::All(maps.borrowed()),
+        disparity_px: HciTruth::All(maps.as_light_field_ref()),
         depth_m: HciTruth::None,
     };
     image.write(folder.path(), Compression::Fast).unwrap();
@@ -302,8 +306,8 @@ fn contradicting_arguments_are_refused() {
     assert!(matches!(write(folder.path(), &views, &unwritable), Err(Error::BadInput { .. })));
     let small: Array2<f32> = Array2::zeros((5, 4));
     let color: LightFieldOwned<f32> = LightField::filled(size, 3, Layout::ElementalGrid, 0.0).unwrap();
-    for truth in [HciTruth::Central(small.view()), HciTruth::All(color.borrowed())] {
-        let views = views.borrowed().into();
+    for truth in [HciTruth::Central(small.view()), HciTruth::All(color.as_light_field_ref())] {
+        let views = views.as_light_field_ref().into();
         let image = HciImage { views, parameters: &good, disparity_px: HciTruth::None, depth_m: truth };
         assert!(matches!(image.write(folder.path(), Compression::Fast), Err(Error::BadInput { .. })));
     }
@@ -321,7 +325,7 @@ fn contradicting_arguments_are_refused() {
 fn a_folder_does_not_look_complete_before_it_is() {
     let (folder, views) = small();
     let parameters = folder.path().join("parameters.cfg");
-    let good = ParametersCfg::from_rig(&rig(views.split()));
+    let good = ParametersCfg::from_rig(&rig(views.shape()));
     // Writing again replaces all files.
     write(folder.path(), &views, &good).unwrap();
     // A view cannot be written: the older parameters are removed and the new ones are not written.
@@ -336,7 +340,7 @@ fn a_folder_does_not_look_complete_before_it_is() {
 
     // Other readers would read leftover views of a larger grid as part of this one: nothing is written.
     let fewer = bytes(split([2, 2], [4, 5]), 3);
-    let error = write(folder.path(), &fewer, &ParametersCfg::from_rig(&rig(fewer.split()))).unwrap_err();
+    let error = write(folder.path(), &fewer, &ParametersCfg::from_rig(&rig(fewer.shape()))).unwrap_err();
     assert!(matches!(error, Error::BadInput { .. }), "{error}");
     assert_eq!(HciFolder::open(folder.path()).unwrap().read(&Limits::default()).unwrap(), DynLightField::U8(views));
 }
@@ -347,7 +351,7 @@ fn a_folder_that_cannot_be_written_is_an_error() {
     use std::os::unix::fs::PermissionsExt;
     let (folder, views) = small();
     fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o555)).unwrap();
-    let refused = write(folder.path(), &views, &ParametersCfg::from_rig(&rig(views.split())));
+    let refused = write(folder.path(), &views, &ParametersCfg::from_rig(&rig(views.shape())));
     let is_root = fs::write(folder.path().join("probe"), b"x").is_ok();
     // Reading needs no permission to write, and the old files are complete.
     HciFolder::open(folder.path()).unwrap().read(&Limits::default()).unwrap();
@@ -405,10 +409,10 @@ fn python_reads_what_is_written() {
     parameters.set_disparity_range_px(-1.42, 1.61);
     parameters.scene = "100 % = all".into();
     let image = HciImage {
-        views: views.borrowed().into(),
+        views: views.as_light_field_ref().into(),
         parameters: &parameters,
         disparity_px: HciTruth::Central(central),
-        depth_m: HciTruth::All(maps.borrowed()),
+        depth_m: HciTruth::All(maps.as_light_field_ref()),
     };
     let folder = tempfile::tempdir().unwrap();
     image.write(folder.path(), Compression::Best).unwrap();

@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::Command;
 
 use common::data;
-use holo_core::{DynLightField, GridSize, LightField, SampleKind, Split};
+use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, SampleKind};
 use holo_io::{Error, FileFormat, Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, Limits, detect_format, write_hdf5};
 use ndarray::{Array2, Array3, Array4, Array5, Axis, Slice};
 use proptest::prelude::*;
@@ -40,7 +40,7 @@ proptest! {
         step in 1_usize..5,
     ) {
         let [v, u, t, s, c] = shape;
-        let split = Split::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap();
+        let split = LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap();
         let mut samples = Array5::from_shape_fn((c, t, v, s, u), |(c, t, v, s, u)| value((v, u, t, s, c)) / 7.0)
             .permuted_axes([2, 4, 1, 3, 0]);
         if reversed {
@@ -63,7 +63,7 @@ proptest! {
         let field = LightField::new(samples).unwrap();
         prop_assert_eq!(file.rig(), Some(&rig(split)));
         prop_assert_eq!(file.read_view(t - 1, s / 2).unwrap(), field.view(t - 1, s / 2).unwrap().to_owned().into());
-        let elemental = field.elemental(v / 2, u - 1).unwrap().to_owned();
+        let elemental = field.elemental_image(v / 2, u - 1).unwrap().to_owned();
         prop_assert_eq!(file.read_lens(v / 2, u - 1).unwrap(), elemental.into());
         prop_assert_eq!(file.read_map(Hdf5Map::Depth).unwrap(), depth.view());
         let central = depth.index_axis(Axis(2), t / 2).index_axis_move(Axis(2), s / 2).to_owned();
@@ -76,7 +76,7 @@ proptest! {
 fn integers_and_the_central_view() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.h5");
-    let split = Split::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
+    let split = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
     let raw = Array3::from_shape_fn((8, 15, 3), |(y, x, c)| (y * 45 + x * 3 + c) as u16 * 180);
     let field = LightField::from_elemental_grid(raw, split).unwrap();
     let depth = Array2::from_shape_fn((4, 5), |(v, u)| if v == 0 { f32::INFINITY } else { u as f32 });
@@ -109,7 +109,7 @@ fn wrong_shapes_are_refused_and_leave_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.h5");
     std::fs::write(&path, b"old").unwrap();
-    let split = Split::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
+    let split = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
     let create =
         || Hdf5Writer::<u8>::create(&path, &rig(split), 3, &[Hdf5Map::Depth], &Hdf5Options::default()).unwrap();
     let rows = Array5::<u8>::zeros((4, 5, 2, 3, 3));
@@ -181,7 +181,7 @@ print("fine")
 "#;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.h5");
-    let split = Split::new(GridSize::new(2, 5), GridSize::new(4, 3)).unwrap();
+    let split = LightFieldShape::new(GridSize::new(2, 5), GridSize::new(4, 3)).unwrap();
     let field = LightField::new(Array5::from_shape_fn((4, 3, 2, 5, 3), |at| value(at) / 7.0)).unwrap();
     let depth = Array4::from_shape_fn((4, 3, 2, 5), |(v, u, t, s)| value((v, u, t, s, 0)) + 0.5);
     let disparity = Array2::from_elem((4, 3), 2.0);
@@ -222,7 +222,7 @@ fn damaged_attributes_are_errors() {
 #[ignore = "run by another test in a process of its own"]
 fn fill_the_disk() {
     let folder = std::path::PathBuf::from(std::env::var_os("HOLO_IO_TEST_FOLDER").unwrap());
-    let split = Split::new(GridSize::new(20, 20), GridSize::new(16, 16)).unwrap();
+    let split = LightFieldShape::new(GridSize::new(20, 20), GridSize::new(16, 16)).unwrap();
     let noise = |at: (usize, usize, usize, usize, usize)| (value(at) * 0.618).sin();
     let field = LightField::new(Array5::from_shape_fn((16, 16, 20, 20, 3), noise)).unwrap();
     for gzip_level in [0, 1] {
@@ -234,7 +234,7 @@ fn fill_the_disk() {
         assert_eq!(names(&folder), [""; 0]);
     }
     // With free space again, the library still works.
-    let small = Split::new(GridSize::new(1, 1), GridSize::new(2, 2)).unwrap();
+    let small = LightFieldShape::new(GridSize::new(1, 1), GridSize::new(2, 2)).unwrap();
     let field = LightField::new(Array5::<u8>::zeros(small.shape(1))).unwrap();
     write_hdf5(folder.join("small.h5"), &field, &rig(small), &[], &[], &Hdf5Options::default()).unwrap();
     assert_eq!(names(&folder), ["small.h5"]);

@@ -84,7 +84,7 @@ fn exr_of_64k_is_written_in_bounded_memory() {
 /// 65,500 x 43,000 pixels: 655 x 430 microlenses, 100 x 100 views.
 #[cfg(feature = "hdf5")]
 fn rig() -> holo_core::Rig {
-    holo_core::Rig::builder(holo_core::Split::new(GridSize::new(100, 100), GridSize::new(430, 655)).unwrap())
+    holo_core::Rig::builder(holo_core::LightFieldShape::new(GridSize::new(100, 100), GridSize::new(430, 655)).unwrap())
         .intrinsics(holo_core::Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 })
         .baseline_m(1e-4)
         .focus_distance_m(1.0)
@@ -120,7 +120,7 @@ fn hdf5_of_64k_is_written_in_bounded_memory() {
     lens_rows(|v, u, at| ((v + u) % 64 + at / 3000) as f32 / 256.0, |row| writer.write_lens_rows(row).unwrap());
     report("HDF5, RGB of float32, gzip 1", start, writer.finish().unwrap());
     let file = holo_io::Hdf5LightField::open(&path, &holo_io::Limits::default()).unwrap();
-    assert_eq!(file.shape(), *rig().split());
+    assert_eq!(file.shape(), *rig().shape());
 }
 
 #[cfg(feature = "hdf5")]

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldOwned, Rig, Split, ViewOrder};
+use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldOwned, LightFieldShape, Rig, ViewOrder};
 use holo_io::{
     ColorEncoding, Compression, Error, HciImage, HciTruth, LightFieldFormat, LightFieldReader, Limits, Manifest,
     MatOptions, MatOrder, ParametersCfg, ReadOptions, dataset, read_light_field, read_rig, write_mat_light_field,
@@ -11,8 +11,8 @@ use holo_io::{
 };
 use ndarray::{Array2, Array3};
 
-fn shape() -> Split {
-    Split::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap()
+fn shape() -> LightFieldShape {
+    LightFieldShape::new(GridSize::new(3, 4), GridSize::new(5, 7)).unwrap()
 }
 
 fn rig() -> Rig {
@@ -71,7 +71,7 @@ fn a_raw_image_is_read_with_its_sidecar_parameters() {
     let given = |views| read_light_field(&path, &ReadOptions::default().views(views));
     assert_eq!(given(GridSize::new(3, 4)).unwrap().rig, Some(rig()));
     let other = given(GridSize::new(5, 2)).unwrap();
-    assert_eq!((other.rig, other.light_field.split().lenses()), (None, GridSize::new(3, 14)));
+    assert_eq!((other.rig, other.light_field.shape().lenses()), (None, GridSize::new(3, 14)));
     let error = given(GridSize::new(4, 4)).unwrap_err();
     assert!(error.to_string().contains("28x15 pixels do not divide into 4x4 views"), "{error}");
 }

@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use holo_core::{GridSize, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Rig};
 use holo_io::{Error, FileDigest, Manifest, ManifestValue, MismatchKind, Sha256, write_file};
 use proptest::prelude::*;
 
 fn rig() -> Rig {
-    Rig::builder(Split::new(GridSize::new(100, 80), GridSize::new(53, 79)).unwrap())
+    Rig::builder(LightFieldShape::new(GridSize::new(100, 80), GridSize::new(53, 79)).unwrap())
         .focal_length_m(0.0351)
         .sensor_size_m(0.036)
         .baseline_x_m(0.001)
@@ -225,7 +225,7 @@ proptest! {
             settings,
             rig: rig()
                 .to_builder()
-                .split(Split::new(GridSize::new(views.0, views.1), GridSize::new(3, 2)).unwrap())
+                .split(LightFieldShape::new(GridSize::new(views.0, views.1), GridSize::new(3, 2)).unwrap())
                 .focal_length_m(focal_length_m)
                 .build()
                 .ok(),

@@ -4,7 +4,7 @@
 #[path = "common/rig.rs"]
 mod rigs;
 
-use holo_core::{DynLightField, GridSize, LightField, Projection, Split};
+use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Projection};
 use holo_io::{
     Error, FileFormat, Limits, MatArray, MatClass, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, decode_mat,
     detect_format, encode_mat, read_mat, read_mat_info, read_mat_light_field, read_mat_variable, write_mat,
@@ -123,7 +123,7 @@ proptest! {
         kind in 0..4,
     ) {
         let [v, u, t, s, c] = shape;
-        let split = Split::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap();
+        let split = LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u)).unwrap();
         let raw = ndarray::Array3::from_shape_fn((v * t, u * s, c), |(y, x, k)| (y * 40 + x * 3 + k) as u8);
         let field = LightField::from_elemental_grid(raw, split).unwrap();
         let order = if views_first { MatOrder::LightFieldToolbox } else { MatOrder::Lenses };
@@ -152,7 +152,7 @@ proptest! {
             }
         };
         let read = read_mat_light_field(&path, &Limits::default()).unwrap();
-        prop_assert_eq!(read.light_field.split(), split);
+        prop_assert_eq!(read.light_field.shape(), split);
         prop_assert_eq!(read.light_field.channels(), c);
         prop_assert_eq!(read.light_field, stored);
         prop_assert_eq!(read.rig, None);
@@ -163,15 +163,15 @@ proptest! {
 fn the_rig_reads_back() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.mat");
-    let split = Split::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
-    let field = LightField::new(Array5::<u8>::zeros(split.shape(3))).unwrap();
+    let split = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
+    let field = LightField::new(Array5::<u8>::zeros(split.array_shape(3))).unwrap();
     for projection in [Projection::Perspective, Projection::Orthographic] {
         let focus_distance_m = if projection == Projection::Perspective { f64::INFINITY } else { 4.25 };
         let rig = rig(split).to_builder().focus_distance_m(focus_distance_m).projection(projection).build().unwrap();
         write_mat_light_field(&path, &field, Some(&rig), MatOrder::Lenses, &PLAIN).unwrap();
         assert_eq!(read_mat_light_field(&path, &Limits::default()).unwrap().rig, Some(rig));
     }
-    let other = Split::new(GridSize::new(2, 3), GridSize::new(5, 4)).unwrap();
+    let other = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(5, 4)).unwrap();
     let error = write_mat_light_field(&path, &field, Some(&rig(other)), MatOrder::Lenses, &PLAIN).unwrap_err();
     assert!(matches!(error, Error::BadInput { .. }), "{error}");
     let names: Vec<String> = read_mat_info(&path).unwrap().into_iter().map(|info| info.name).collect();

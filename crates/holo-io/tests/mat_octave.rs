@@ -5,7 +5,7 @@
 
 use std::process::Command;
 
-use holo_core::{DynLightField, GridSize, LightField, Rig, Sample, Split};
+use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Rig, Sample};
 use holo_io::{Limits, MatOptions, MatOrder, MatVersion, read_mat_light_field, write_mat_light_field};
 use ndarray::Array5;
 
@@ -35,7 +35,7 @@ save("-v7", args{3}, "H");
 "#;
 
 fn rig() -> Rig {
-    Rig::builder(Split::new(GridSize::new(SHAPE.2, SHAPE.3), GridSize::new(SHAPE.0, SHAPE.1)).unwrap())
+    Rig::builder(LightFieldShape::new(GridSize::new(SHAPE.2, SHAPE.3), GridSize::new(SHAPE.0, SHAPE.1)).unwrap())
         .focal_length_m(0.05)
         .sensor_size_m(0.036)
         .baseline_x_m(1e-3)

@@ -8,7 +8,7 @@ mod python;
 mod rigs;
 
 use common::data;
-use holo_core::{DynLightField, GridSize, LightField, Split};
+use holo_core::{DynLightField, GridSize, LightField, LightFieldShape};
 use holo_io::{
     Error, Limits, MatArray, MatClass, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, read_mat,
     read_mat_info, read_mat_light_field, read_mat_variable, write_mat, write_mat_light_field,
@@ -103,7 +103,7 @@ print("fine")
 "#;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.mat");
-    let rig = rigs::unequal_baselines(Split::new(GridSize::new(2, 5), GridSize::new(4, 3)).unwrap());
+    let rig = rigs::unequal_baselines(LightFieldShape::new(GridSize::new(2, 5), GridSize::new(4, 3)).unwrap());
     for is_compressed in [false, true] {
         let options = MatOptions { version: MatVersion::V5, is_compressed };
         for (order, name) in [(MatOrder::Lenses, "H"), (MatOrder::LightFieldToolbox, "LF")] {

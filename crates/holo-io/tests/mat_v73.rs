@@ -4,7 +4,7 @@
 #[path = "common/python.rs"]
 mod python;
 
-use holo_core::{DynLightField, GridSize, LightField, Projection, Rig, Split};
+use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Projection, Rig};
 use holo_io::{
     FileFormat, Limits, MatArray, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, MatWriter, detect_format,
     read_mat, read_mat_info, read_mat_light_field, write_mat, write_mat_light_field,
@@ -17,7 +17,7 @@ const OPTIONS: [MatOptions; 2] = [
     MatOptions { version: MatVersion::V73, is_compressed: true },
 ];
 
-fn rig(shape: Split) -> Rig {
+fn rig(shape: LightFieldShape) -> Rig {
     Rig::builder(shape)
         .focal_length_m(0.05)
         .sensor_size_m(0.036)
@@ -55,7 +55,7 @@ proptest! {
         is_compressed in any::<bool>(),
     ) {
         let samples = Array5::from_shape_fn(shape, |(v, u, t, s, c)| (v * 97 + u * 31 + t * 11 + s * 5 + c * 3) as u16);
-        let split = Split::new(GridSize::new(shape.2, shape.3), GridSize::new(shape.0, shape.1)).unwrap();
+        let split = LightFieldShape::new(GridSize::new(shape.2, shape.3), GridSize::new(shape.0, shape.1)).unwrap();
         let rig = rig(split).to_builder().projection(Projection::Orthographic).build().unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene_5d.mat");
@@ -78,7 +78,7 @@ proptest! {
 fn missing_or_wrong_rows_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.mat");
-    let rig = rig(Split::new(GridSize::new(2, 2), GridSize::new(3, 3)).unwrap());
+    let rig = rig(LightFieldShape::new(GridSize::new(2, 2), GridSize::new(3, 3)).unwrap());
     let mut writer = MatWriter::<u8>::create(&path, &rig, 3, true).unwrap();
     let error = writer.write_lens_rows(Array5::zeros((1, 4, 2, 2, 3)).view()).unwrap_err();
     assert!(error.to_string().contains("do not fit"), "{error}");

@@ -5,13 +5,13 @@ mod rigs;
 
 use std::fs;
 
-use holo_core::{GridSize, Projection, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_io::{CameraPose, Error, ParametersCfg};
 use proptest::prelude::*;
 
 /// The rig of the HCI scene `cotton`.
 fn cotton() -> Rig {
-    rigs::cotton(Split::new(GridSize::new(9, 9), GridSize::new(512, 512)).unwrap())
+    rigs::cotton(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(512, 512)).unwrap())
 }
 
 fn full() -> ParametersCfg {

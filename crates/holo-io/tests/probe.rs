@@ -6,7 +6,7 @@ mod rigs;
 
 use std::fs;
 
-use holo_core::{GridSize, Layout, LightField, Rig, Split};
+use holo_core::{GridSize, Layout, LightField, LightFieldShape, Rig};
 use holo_io::{
     ColorEncoding, Compression, Error, FileFormat, FileInfo, HciImage, HciTruth, Manifest, ParametersCfg, probe,
     write_pfm, write_png,
@@ -14,7 +14,7 @@ use holo_io::{
 use ndarray::{Array2, Array3};
 
 fn rig() -> Rig {
-    rigs::cotton(Split::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap())
+    rigs::cotton(LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap())
 }
 
 #[test]
@@ -77,9 +77,9 @@ fn folders_are_detected_by_their_files() {
     let parameters = ParametersCfg::from_rig(&rig());
     parameters.write(path.join("parameters.cfg")).unwrap();
     assert!(matches!(probe(path).unwrap(), FileInfo::UnknownFolder { entries: 2 }));
-    let views = LightField::filled(*rig().split(), 3, Layout::ElementalGrid, 9_u8).unwrap();
+    let views = LightField::filled(*rig().shape(), 3, Layout::ElementalGrid, 9_u8).unwrap();
     let image = HciImage {
-        views: views.borrowed().into(),
+        views: views.as_light_field_ref().into(),
         parameters: &parameters,
         disparity_px: HciTruth::None,
         depth_m: HciTruth::None,

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, Cursor, Read};
 use std::path::PathBuf;
 
-use holo_core::{DynLightField, GridSize, Layout, Rig, Split};
+use holo_core::{DynLightField, GridSize, Layout, LightFieldShape, Rig};
 use holo_io::{ColorEncoding, Compression, LightFieldReader};
 use ndarray::Array2;
 
@@ -45,7 +45,7 @@ pub enum Error {
 #[derive(Debug)]
 pub struct Page {
     pub(crate) title: String,
-    pub(crate) shape: Split,
+    pub(crate) shape: LightFieldShape,
     pub(crate) rig: Option<Rig>,
     pub(crate) image: Image,
     /// Maps of the central view, (v, u).

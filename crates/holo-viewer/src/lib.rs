@@ -7,13 +7,13 @@
 //! # Examples
 //!
 //! ```
-//! use holo_core::{GridSize, Layout, LightField, Split};
+//! use holo_core::{GridSize, Layout, LightField, LightFieldShape};
 //! use holo_io::{ColorEncoding, Compression, LightFieldReader, ReadOptions, write_png};
 //! use holo_viewer::Page;
 //!
 //! # let folder = tempfile::tempdir()?;
 //! let path = folder.path().join("scene_el.png");
-//! let shape = Split::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
+//! let shape = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
 //! let light_field = LightField::filled(shape, 3, Layout::ElementalGrid, 7_u8)?;
 //! write_png(&path, light_field.to_elemental_grid().view(), ColorEncoding::Srgb, Compression::Fast)?;
 //!

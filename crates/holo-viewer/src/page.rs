@@ -90,7 +90,7 @@ fn write_blocks(out: &mut impl Write, name: &str, source: &mut impl Read) -> io:
     let mut block = Vec::with_capacity(BLOCK_BYTES);
     loop {
         block.clear();
-        if source.by_ref().take(BLOCK_BYTES as u64).read_to_end(&mut block)? == 0 {
+        if source.as_light_field_ref().take(BLOCK_BYTES as u64).read_to_end(&mut block)? == 0 {
             return Ok(());
         }
         write!(out, "<script type=\"text/plain\" data-block=\"{name}\">")?;

@@ -9,12 +9,12 @@ use crate::failure::Failure;
 
 pub fn run(options: &AnimateOptions) -> Result<(), Failure> {
     let light_field = files::read(&options.input)?.light_field;
-    let views = light_field.split().views();
+    let views = light_field.shape().views();
     let row = options.row.unwrap_or(views.rows / 2);
     let path = match options.path {
         PathArgument::Circle => ViewPath::Circle,
         PathArgument::Sweep => ViewPath::Sweep { row },
-        PathArgument::Swing => ViewPath::Swing { row },
+        PathArgument::Swing => ViewPath::PingPong { row },
         PathArgument::Serpentine => ViewPath::Serpentine,
     };
     if options.row.is_some() && matches!(options.path, PathArgument::Circle | PathArgument::Serpentine) {

@@ -33,7 +33,7 @@ pub fn run(options: &DepthOptions) -> Result<(), Failure> {
         holo_io::write_pfm(path, estimate.confidence.view())?;
     }
     if !options.quiet {
-        let views = file.light_field.split().views();
+        let views = file.light_field.shape().views();
         let (min, max) = (sweep.disparity_min_px, sweep.disparity_max_px);
         say!(
             "estimated the central one of {} x {} views between {min} and {max} px in {seconds:.1} s: {}",

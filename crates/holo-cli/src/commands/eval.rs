@@ -105,7 +105,7 @@ fn maps(options: &EvalOptions) -> Result<Vec<Row>, Failure> {
 /// The rig of a map's views, if the `parameters.cfg` beside it is theirs: depths, and with them normals, need one.
 fn rig_beside(map: &Path, (rows, columns): (usize, usize)) -> Option<Rig> {
     let rig = holo_io::read_rig(map, &Limits::default()).ok()??;
-    let (views, lenses) = (rig.split().views(), rig.split().lenses());
+    let (views, lenses) = (rig.shape().views(), rig.shape().lenses());
     (lenses == GridSize::new(rows, columns) && views.columns > 1).then_some(rig)
 }
 

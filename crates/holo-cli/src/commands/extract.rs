@@ -8,11 +8,11 @@ use crate::failure::Failure;
 
 pub fn run(options: &ExtractOptions) -> Result<(), Failure> {
     let light_field = files::read(&options.input)?.light_field;
-    let split = light_field.split();
+    let split = light_field.shape();
     match (options.view, options.lens) {
         (Some(places), _) => write(options, places, split.views(), |row, column| light_field.view(row, column)),
         (None, Some(places)) => {
-            write(options, places, split.lenses(), |row, column| light_field.elemental(row, column))
+            write(options, places, split.lenses(), |row, column| light_field.elemental_image(row, column))
         }
         (None, None) => Err(Failure::Usage("give --view S,T or --lens U,V".into())),
     }

@@ -1,7 +1,7 @@
 //! `holo optics`: what a camera will see, before it is built or rendered; and the camera that sees what is wanted.
 
 use holo_core::optics::{CameraDesign, DepthRange, DisparityRange, Optics, rig_for_disparities};
-use holo_core::{GridSize, Intrinsics, Remainder, Rig, Sensor, Split, automatic_baseline_m};
+use holo_core::{GridSize, Intrinsics, LightFieldShape, Remainder, Rig, Sensor, automatic_baseline_m};
 use holo_dataset::Focus;
 use holo_io::Limits;
 use serde_json::{Map, Value, json};
@@ -51,7 +51,7 @@ fn rig(options: &OpticsOptions, depths: Option<DepthRange>) -> Result<Rig, Failu
             f_number,
             focus_distance_m: 1.0,
         };
-        let split = design.split()?.split;
+        let split = design.shape()?.shape;
         return match wanted(options, depths, intrinsics, split)? {
             Some(rig) => Ok(rig),
             None => Ok(CameraDesign { focus_distance_m: focus_m(options, depths)?, ..design }.rig()?),
@@ -59,7 +59,7 @@ fn rig(options: &OpticsOptions, depths: Option<DepthRange>) -> Result<Rig, Failu
     }
     let views = options.views.unwrap_or(VIEWS);
     let split = match options.lenses {
-        Some(lenses) => Split::new(views, lenses)?,
+        Some(lenses) => LightFieldShape::new(views, lenses)?,
         None => sensor_split(options.main_lens.sensor, views)?,
     };
     if let Some(rig) = wanted(options, depths, intrinsics, split)? {
@@ -72,11 +72,16 @@ fn rig(options: &OpticsOptions, depths: Option<DepthRange>) -> Result<Rig, Failu
     with(split, intrinsics, baseline_m, focus_m(options, depths)?)
 }
 
-fn sensor_split(sensor: Sensor, views: GridSize) -> Result<Split, Failure> {
-    Ok(sensor.split(views, Remainder::Crop)?.split)
+fn sensor_split(sensor: Sensor, views: GridSize) -> Result<LightFieldShape, Failure> {
+    Ok(sensor.divide(views, Remainder::Crop)?.shape)
 }
 
-fn with(split: Split, intrinsics: Intrinsics, baseline_m: f64, focus_distance_m: f64) -> Result<Rig, Failure> {
+fn with(
+    split: LightFieldShape,
+    intrinsics: Intrinsics,
+    baseline_m: f64,
+    focus_distance_m: f64,
+) -> Result<Rig, Failure> {
     Ok(Rig::builder(split).intrinsics(intrinsics).baseline_m(baseline_m).focus_distance_m(focus_distance_m).build()?)
 }
 
@@ -85,7 +90,7 @@ fn wanted(
     options: &OpticsOptions,
     depths: Option<DepthRange>,
     intrinsics: Intrinsics,
-    split: Split,
+    split: LightFieldShape,
 ) -> Result<Option<Rig>, Failure> {
     let (Some((min_px, max_px)), Some(depths)) = (options.disparity, depths) else { return Ok(None) };
     let found = rig_for_disparities(depths, DisparityRange { min_px, max_px }, intrinsics, split.lenses())?;
@@ -147,7 +152,7 @@ fn rows(options: &OpticsOptions, optics: &Optics, depths: Option<DepthRange>) ->
     let mut rows = Vec::new();
     let mut row = |key, name, value, unit| rows.push(Row { key, name, value, unit });
     let rig = optics.rig();
-    let split = rig.split();
+    let split = rig.shape();
     let range = |range: DepthRange| json!([finite(range.near_m), finite(range.far_m)]);
     row("views", "views", size(split.views()), "");
     row("lenses", "lenses (pixels of a view)", size(split.lenses()), "");

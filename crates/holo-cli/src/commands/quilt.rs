@@ -13,7 +13,7 @@ pub fn run(options: &QuiltOptions) -> Result<(), Failure> {
 }
 
 fn quilt<T: Sample>(field: &LightFieldOwned<T>, options: &QuiltOptions) -> Result<DynImage, Failure> {
-    let (views, tiles) = (field.split().views(), options.tiles.count());
+    let (views, tiles) = (field.shape().views(), options.tiles.count());
     if tiles > views.columns {
         return Err(Failure::Usage(format!(
             "{} x {} tiles need {tiles} views, but a row has {}",

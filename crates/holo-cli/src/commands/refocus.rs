@@ -15,7 +15,7 @@ use crate::failure::Failure;
 
 pub fn run(options: &RefocusOptions) -> Result<(), Failure> {
     let file = files::read(&options.input)?;
-    let (views, rig) = (file.light_field.split().views(), file.rig);
+    let (views, rig) = (file.light_field.shape().views(), file.rig);
     let refocus = refocus(options, views, rig.as_ref())?;
     // A PNG has as many bits as its source; floats get the most.
     let kind = if file.light_field.kind() == SampleKind::U8 { SampleKind::U8 } else { SampleKind::U16 };

@@ -14,5 +14,5 @@ pub fn run(options: &RotateOptions) -> Result<(), Failure> {
 }
 
 fn rotate<T: Sample>(field: LightFieldOwned<T>, whole: bool) -> DynLightField {
-    if whole { field.rotate_raw() } else { field.rotate_elementals() }.into()
+    if whole { field.rotate_raw() } else { field.rotate_elemental_images() }.into()
 }

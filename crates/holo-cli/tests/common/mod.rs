@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-use holo_core::{DynImage, GridSize, LightFieldOwned, Split};
+use holo_core::{DynImage, GridSize, LightFieldOwned, LightFieldShape};
 use holo_io::Limits;
 use holo_scene::{Camera, CameraLens, Instance, Light, LightKind, Material, Mesh, Scene, Transform};
 use ndarray::Array3;
@@ -19,8 +19,8 @@ pub const SCENE: &str = "tiny.glb";
 pub const SMALL: &str = "--lenses 12x8 --views 5x4";
 
 /// The split of [`SMALL`].
-pub fn small_split() -> Split {
-    Split::new(GridSize::new(4, 5), GridSize::new(8, 12)).unwrap()
+pub fn small_split() -> LightFieldShape {
+    LightFieldShape::new(GridSize::new(4, 5), GridSize::new(8, 12)).unwrap()
 }
 
 /// The files that a render with colour writes unless told otherwise, in alphabetical order.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{DynLightField, GridSize, Layout, Rig, Split};
+use holo_core::{DynLightField, GridSize, Layout, LightFieldShape, Rig};
 use ndarray::Array2;
 
 use super::{DEPTH_PFM, DISPARITY_PFM, ELEMENTAL_PNG, MANIFEST_JSON, PARAMETERS_CFG, VIEWPOINT_PNG};
@@ -48,7 +48,7 @@ impl DatasetFolder {
                 return Err(Error::broken(path, FORMAT, what));
             }
         };
-        let sizes = (rig.split().views(), rig.split().lenses());
+        let sizes = (rig.shape().views(), rig.shape().lenses());
         if let Some(other) = parameters.as_ref().map(|p| (p.num_cams, p.image_resolution_px)).filter(|p| *p != sizes) {
             let what = format!("it specifies {}, but {MANIFEST_JSON} specifies {}", in_words(other), in_words(sizes));
             return Err(Error::broken(&parameters_path, FORMAT, what));
@@ -76,8 +76,8 @@ impl DatasetFolder {
 
     /// Returns the numbers of views and microlenses.
     #[must_use]
-    pub const fn shape(&self) -> Split {
-        *self.rig.split()
+    pub const fn shape(&self) -> LightFieldShape {
+        *self.rig.shape()
     }
 
     /// Returns the rig.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, Split};
+use holo_core::{GridSize, LightFieldShape};
 use serde::{Deserialize, Serialize};
 
 use super::{DATASET_JSON, folder};
@@ -25,12 +25,12 @@ const MAX_BYTES: u64 = 16 << 20;
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Split};
+/// use holo_core::{GridSize, LightFieldShape};
 /// use holo_io::dataset::{DatasetIndex, SceneEntry};
 ///
 /// let index = DatasetIndex {
 ///     scenes: vec![SceneEntry { name: "garden".into(), purpose: "foliage".into(), sha256: "00".repeat(32) }],
-///     shapes: vec![Split::new(GridSize::new(20, 20), GridSize::new(265, 397))?],
+///     shapes: vec![LightFieldShape::new(GridSize::new(20, 20), GridSize::new(265, 397))?],
 ///     ..DatasetIndex::default()
 /// };
 /// assert_eq!(index.folders()?, [std::path::Path::new("garden/20x20")]);
@@ -46,7 +46,7 @@ pub struct DatasetIndex {
     /// The scenes.
     pub scenes: Vec<SceneEntry>,
     /// Numbers of views and microlenses, one folder of every scene each.
-    pub shapes: Vec<Split>,
+    pub shapes: Vec<LightFieldShape>,
     /// How to read the files, one sentence a topic.
     pub conventions: BTreeMap<String, String>,
     /// SPDX identifier of the license of the images.
@@ -177,8 +177,8 @@ fn parse(bytes: &[u8], path: &Path) -> Result<DatasetIndex, Error> {
     if let Some(scene) = document.scenes.iter().find(|scene| !stays_inside(&scene.name) || scene.name.contains('/')) {
         return Err(broken(format!("a scene called '{}' has no folder", scene.name)));
     }
-    let shape = |entry: &ShapeEntry| Split::new((&entry.views).into(), (&entry.lenses).into());
-    let shapes: Result<Vec<Split>, _> = document.shapes.iter().map(shape).collect();
+    let shape = |entry: &ShapeEntry| LightFieldShape::new((&entry.views).into(), (&entry.lenses).into());
+    let shapes: Result<Vec<LightFieldShape>, _> = document.shapes.iter().map(shape).collect();
     Ok(DatasetIndex {
         versions: document.versions,
         options: document.options,
@@ -197,7 +197,7 @@ mod tests {
     fn damaged_indices_are_errors() {
         let good = DatasetIndex {
             scenes: vec![SceneEntry { name: "a".into(), purpose: String::new(), sha256: String::new() }],
-            shapes: vec![Split::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap()],
+            shapes: vec![LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap()],
             ..DatasetIndex::default()
         };
         let text = good.to_json().unwrap();

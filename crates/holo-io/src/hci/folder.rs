@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use holo_core::{DynImage, DynLightField, GridSize, Layout, LightFieldOwned, Rig, Split};
+use holo_core::{DynImage, DynLightField, GridSize, Layout, LightFieldOwned, LightFieldShape, Rig};
 use ndarray::{Array2, Axis};
 use rayon::prelude::*;
 
@@ -20,12 +20,12 @@ use crate::{Error, Limits, ParametersCfg, read_pfm_gray, read_pfm_info};
 /// # Examples
 ///
 /// ```
-/// use holo_core::{DynLightField, GridSize, Layout, LightField, Rig, Split};
+/// use holo_core::{DynLightField, GridSize, Layout, LightField, Rig, LightFieldShape};
 /// use holo_io::{Compression, HciFolder, HciImage, HciTruth, Limits, ParametersCfg};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// # let path = folder.path();
-/// let split = Split::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
+/// let split = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
 /// let rig = Rig::builder(split)
 ///     .focal_length_m(0.1)
 ///     .sensor_size_m(0.035)
@@ -34,7 +34,7 @@ use crate::{Error, Limits, ParametersCfg, read_pfm_gray, read_pfm_info};
 ///     .build()?;
 /// let light_field = LightField::filled(split, 3, Layout::ElementalGrid, 7_u8)?;
 /// let image = HciImage {
-///     views: light_field.borrowed().into(),
+///     views: light_field.as_light_field_ref().into(),
 ///     parameters: &ParametersCfg::from_rig(&rig),
 ///     disparity_px: HciTruth::None,
 ///     depth_m: HciTruth::None,
@@ -50,7 +50,7 @@ use crate::{Error, Limits, ParametersCfg, read_pfm_gray, read_pfm_info};
 pub struct HciFolder {
     path: PathBuf,
     parameters: ParametersCfg,
-    shape: Split,
+    shape: LightFieldShape,
     /// One file a view, view row by view row.
     views: Vec<PathBuf>,
     truth: BTreeMap<Name, PathBuf>,
@@ -71,7 +71,7 @@ impl HciFolder {
         // First, because a folder without it is unfinished.
         let parameters_path = path.join(PARAMETERS_CFG);
         let parameters = ParametersCfg::read(&parameters_path)?;
-        let shape = Split::new(parameters.num_cams, parameters.image_resolution_px)
+        let shape = LightFieldShape::new(parameters.num_cams, parameters.image_resolution_px)
             .map_err(|error| Error::core(&parameters_path, error))?;
         let mut files = files(path)?;
         let count = shape.views().count();
@@ -117,7 +117,7 @@ impl HciFolder {
 
     /// Returns the numbers of views and microlenses.
     #[must_use]
-    pub const fn shape(&self) -> Split {
+    pub const fn shape(&self) -> LightFieldShape {
         self.shape
     }
 

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use holo_core::{DynImageRef, DynLightFieldRef, GridSize, LightFieldRef, Split, for_each_sample};
+use holo_core::{DynImageRef, DynLightFieldRef, GridSize, LightFieldRef, LightFieldShape, for_each_sample};
 use ndarray::{ArrayView2, Axis};
 use rayon::prelude::*;
 
@@ -86,8 +86,8 @@ impl<'a> HciImage<'a> {
         Ok(written)
     }
 
-    fn shape(&self) -> Split {
-        self.views.split()
+    fn shape(&self) -> LightFieldShape {
+        self.views.shape()
     }
 
     fn maps(&self) -> [(HciQuantity, HciTruth<'a>); 2] {
@@ -131,10 +131,10 @@ impl<'a> HciImage<'a> {
                         lenses.columns, lenses.rows
                     ));
                 }
-                HciTruth::All(maps) if maps.split() != shape || maps.channels() != 1 => {
+                HciTruth::All(maps) if maps.shape() != shape || maps.channels() != 1 => {
                     return bad(format!(
                         "the {quantity} is {} with {} channels, the images are {}; a map has 1 channel",
-                        in_words(maps.split().views(), maps.split().lenses()),
+                        in_words(maps.shape().views(), maps.shape().lenses()),
                         maps.channels(),
                         in_words(views, lenses)
                     ));

@@ -29,7 +29,7 @@ fn number(at: &Location, name: &str, value: f64) -> ::hdf5::Result<()> {
 /// Writes the attributes of the file: layout, counts and rig.
 pub(super) fn write_rig(file: &Location, rig: &holo_core::Rig) -> ::hdf5::Result<()> {
     let values = RigValues::from(rig);
-    let (views, lenses) = (rig.split().views(), rig.split().lenses());
+    let (views, lenses) = (rig.shape().views(), rig.shape().lenses());
     text(file, "format", LAYOUT)?;
     text(file, "axes", "vutsc")?;
     numbers(file, "views", &[views.rows as u64, views.columns as u64])?;

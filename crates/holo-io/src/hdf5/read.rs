@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use ::hdf5::types::{FloatSize, IntSize, TypeDescriptor};
 use ::hdf5::{Dataset, File, H5Type, Hyperslab, SliceOrIndex};
-use holo_core::{DynImage, DynLightField, GridSize, LightField, Rig, SampleKind, Split};
+use holo_core::{DynImage, DynLightField, GridSize, LightField, LightFieldShape, Rig, SampleKind};
 use ndarray::{Array2, Array4, Array5, ArrayD, Dimension, Ix3};
 
 use super::library::{Failure, open};
@@ -23,7 +23,7 @@ pub struct Hdf5LightField {
     limits: Limits,
     /// Lengths of the axes (v, u, t, s, c).
     dimensions: [usize; 5],
-    shape: Split,
+    shape: LightFieldShape,
     kind: SampleKind,
     rig: FoundRig,
 }
@@ -58,7 +58,7 @@ impl Hdf5LightField {
             })?;
         let [v, u, t, s, channels] = dimensions;
         let (views, lenses) = (GridSize::new(t, s), GridSize::new(v, u));
-        let shape = Split::new(views, lenses).map_err(|error| Error::core(path, error))?;
+        let shape = LightFieldShape::new(views, lenses).map_err(|error| Error::core(path, error))?;
         if channels == 0 {
             return Err(broken("/H has no channels".into()));
         }
@@ -87,7 +87,7 @@ impl Hdf5LightField {
 
     /// Returns the numbers of views and microlenses.
     #[must_use]
-    pub const fn shape(&self) -> Split {
+    pub const fn shape(&self) -> LightFieldShape {
         self.shape
     }
 

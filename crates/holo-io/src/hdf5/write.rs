@@ -76,7 +76,7 @@ impl<T: Sample> Hdf5Writer<T> {
         let failed = |error| Failure { path, is_writing: true }.error(error);
         let file = create(target.temporary_path(), 0, false).map_err(failed)?;
         attributes::write_rig(&file, rig).map_err(failed)?;
-        let shape = rig.split().shape(channels);
+        let shape = rig.shape().array_shape(channels);
         // Radiance has no unit: 1 is white at exposure 0.
         let unit = if T::KIND.is_float() { "linear radiance" } else { "sRGB" };
         let (dataset, chunk_rows) = with_sample_type!(T::KIND, S => {
@@ -163,7 +163,7 @@ impl<T: Sample> Hdf5Writer<T> {
             // No clock in the file.
             self.file.create_group_builder().obj_track_times(false).create("central").map_err(failed)?;
         }
-        let lenses = self.rig.split().lenses();
+        let lenses = self.rig.shape().lenses();
         let name = format!("central/{}", map.name());
         let whole = Hdf5Options { chunk: Some([lenses.rows, lenses.columns, 1, 1]), ..self.options };
         let shape = [lenses.rows, lenses.columns];

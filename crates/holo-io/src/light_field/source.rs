@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{ColorEncoding, DynLightField, Rig, Split};
+use holo_core::{ColorEncoding, DynLightField, LightFieldShape, Rig};
 use ndarray::Array2;
 
 use super::{LightFieldFormat, LightFieldReader, ReadOptions, parameters_path};
@@ -89,7 +89,7 @@ impl Source {
     }
 
     #[allow(unused_variables, reason = "with one feature alone some are unused")]
-    pub(super) fn read(self, path: &Path, shape: Split, limits: &Limits) -> Result<DynLightField, Error> {
+    pub(super) fn read(self, path: &Path, shape: LightFieldShape, limits: &Limits) -> Result<DynLightField, Error> {
         match self {
             #[cfg(feature = "png")]
             Self::Dataset(folder) => folder.read(limits),
@@ -115,7 +115,7 @@ fn reader(
     path: &Path,
     options: &ReadOptions,
     format: LightFieldFormat,
-    shape: Split,
+    shape: LightFieldShape,
     source: Source,
 ) -> LightFieldReader {
     LightFieldReader {
@@ -209,8 +209,8 @@ fn open_images(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, E
 
 /// The shape of a light field whose views have the size of `file`.
 #[cfg(feature = "png")]
-fn shape_of_views(path: &Path, views: GridSize, file: &Path) -> Result<Split, Error> {
-    Split::new(views, read_png_info(file)?.size).map_err(|error| Error::core(path, error))
+fn shape_of_views(path: &Path, views: GridSize, file: &Path) -> Result<LightFieldShape, Error> {
+    LightFieldShape::new(views, read_png_info(file)?.size).map_err(|error| Error::core(path, error))
 }
 
 #[cfg(feature = "png")]
@@ -237,7 +237,7 @@ fn open_raw_image(path: &Path, options: &ReadOptions) -> Result<LightFieldReader
         return Err(missing("views", format!("{size} pixels do not divide into {views} views")));
     }
     let lenses = GridSize::new(size.rows / views.rows, size.columns / views.columns);
-    let shape = Split::new(views, lenses).map_err(|error| Error::core(path, error))?;
+    let shape = LightFieldShape::new(views, lenses).map_err(|error| Error::core(path, error))?;
     let source = Source::RawImage { file: path.to_owned(), layout };
     let mut reader = reader(path, options, LightFieldFormat::RawImage, shape, source);
     reader.layout = Some(layout);

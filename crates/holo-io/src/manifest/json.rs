@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use holo_core::{GridSize, Projection, Rig, Split};
+use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -148,8 +148,8 @@ impl From<Size> for GridSize {
 impl From<&Rig> for RigDocument {
     fn from(rig: &Rig) -> Self {
         Self {
-            views: rig.split().views().into(),
-            lenses: rig.split().lenses().into(),
+            views: rig.shape().views().into(),
+            lenses: rig.shape().lenses().into(),
             baseline_m: Baseline { x: rig.baseline_x_m().into(), y: rig.baseline_y_m().into() },
             focal_length_mm: meters_to_millimeters(rig.focal_length_m()).into(),
             sensor_size_mm: meters_to_millimeters(rig.sensor_size_m()).into(),
@@ -166,7 +166,7 @@ impl TryFrom<RigDocument> for Rig {
     type Error = holo_core::Error;
 
     fn try_from(rig: RigDocument) -> Result<Self, holo_core::Error> {
-        Self::builder(Split::new(rig.views.into(), rig.lenses.into())?)
+        Self::builder(LightFieldShape::new(rig.views.into(), rig.lenses.into())?)
             .focal_length_m(millimeters_to_meters(rig.focal_length_mm.into()))
             .sensor_size_m(millimeters_to_meters(rig.sensor_size_mm.into()))
             .baseline_x_m(rig.baseline_m.x.into())

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use holo_core::{DynLightField, DynLightFieldRef, GridSize, LightField, Rig, Sample, Split};
+use holo_core::{DynLightField, DynLightFieldRef, GridSize, LightField, LightFieldShape, Rig, Sample};
 use ndarray::{Array5, ArrayD, ArrayView5, ArrayViewD, Data, Ix5, IxDyn, aview0, aview1};
 
 use super::file::{MatReader, missing};
@@ -101,11 +101,11 @@ where
     S::Elem: Sample,
 {
     let path = path.as_ref();
-    let split = light_field.split();
+    let split = light_field.shape();
     rig_values::check_split(path, rig, &split)?;
     let counts = [split.views(), split.lenses()].map(|size| [size.rows as f64, size.columns as f64]);
     let values = rig.map(RigValues::from);
-    let samples = value(light_field.borrowed().into(), &order.axes());
+    let samples = value(light_field.as_light_field_ref().into(), &order.axes());
     let mut variables = vec![MatVariable { name: order.name(), value: samples }];
     variables.extend(metadata(order, &counts, values.as_ref()));
     write_mat(path, &variables, options)
@@ -156,13 +156,13 @@ pub fn read_mat_light_field(path: impl AsRef<Path>, limits: &Limits) -> Result<M
         MatArray::F64(array) => ordered(path, array, &header.letters),
         _ => Err(unreadable(path, &header.info)),
     }?;
-    let (rig, rig_error) = header.numbers.check(path, light_field.split())?;
+    let (rig, rig_error) = header.numbers.check(path, light_field.shape())?;
     Ok(MatLightField { light_field, rig, rig_error })
 }
 
 /// The contents of a light field file without the samples.
 pub(crate) struct MatHeader {
-    pub(crate) shape: Split,
+    pub(crate) shape: LightFieldShape,
     pub(crate) is_float: bool,
     pub(crate) rig: Option<Rig>,
     pub(crate) rig_error: Option<holo_core::Error>,
@@ -182,7 +182,8 @@ pub(crate) fn read_light_field_header(path: &Path, limits: &Limits) -> Result<Ma
     }
     size.resize(5, 1);
     let [v, u, t, s, _] = axes_of(path, &header.letters)?.map(|axis| size[axis]);
-    let shape = Split::new(GridSize::new(t, s), GridSize::new(v, u)).map_err(|error| Error::core(path, error))?;
+    let shape =
+        LightFieldShape::new(GridSize::new(t, s), GridSize::new(v, u)).map_err(|error| Error::core(path, error))?;
     let (rig, rig_error) = header.numbers.check(path, shape)?;
     Ok(MatHeader { shape, is_float, rig, rig_error })
 }
@@ -206,7 +207,7 @@ struct Numbers {
 
 impl Numbers {
     /// Compares them with the shape of the samples and builds the rig.
-    fn check(self, path: &Path, shape: Split) -> Result<(Option<Rig>, Option<holo_core::Error>), Error> {
+    fn check(self, path: &Path, shape: LightFieldShape) -> Result<(Option<Rig>, Option<holo_core::Error>), Error> {
         check_counts(path, "views", self.views, shape.views())?;
         check_counts(path, "lenses", self.lenses, shape.lenses())?;
         Ok(match rig_values::rig(path, shape, self.baseline_m, self.lengths, self.projection.as_deref())? {

@@ -39,12 +39,12 @@ const CHUNKS_AT_A_TIME: usize = 4;
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, Rig, Split};
+/// use holo_core::{GridSize, Rig, LightFieldShape};
 /// use holo_io::{Limits, MatWriter, read_mat_light_field};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("scene_5d.mat");
-/// let rig = Rig::builder(Split::new(GridSize::new(2, 3), GridSize::new(6, 5))?)
+/// let rig = Rig::builder(LightFieldShape::new(GridSize::new(2, 3), GridSize::new(6, 5))?)
 ///     .focal_length_m(0.05)
 ///     .sensor_size_m(0.036)
 ///     .baseline_m(1e-3)
@@ -113,11 +113,11 @@ impl<T: Sample> MatWriter<T> {
         let values = RigValues::from(rig);
         let (target, file) = v73::begin(path)?;
         let failed = |error| Failure { path, is_writing: true }.error(error);
-        let counts = [rig.split().views(), rig.split().lenses()].map(|size| [size.rows as f64, size.columns as f64]);
+        let counts = [rig.shape().views(), rig.shape().lenses()].map(|size| [size.rows as f64, size.columns as f64]);
         for variable in metadata(MatOrder::Lenses, &counts, Some(&values)) {
             v73::variable(&file, &variable, false).map_err(failed)?;
         }
-        let shape = rig.split().shape(channels);
+        let shape = rig.shape().array_shape(channels);
         let class = match T::KIND {
             SampleKind::U8 => MatClass::U8,
             SampleKind::U16 => MatClass::U16,

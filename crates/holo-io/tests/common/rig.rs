@@ -2,10 +2,10 @@
 
 #![allow(dead_code, reason = "each test uses some of them")]
 
-use holo_core::{Rig, Split};
+use holo_core::{LightFieldShape, Rig};
 
 /// The rig of the HCI scene `cotton`, with these numbers of views and pixels.
-pub fn cotton(shape: Split) -> Rig {
+pub fn cotton(shape: LightFieldShape) -> Rig {
     Rig::builder(shape)
         .focal_length_m(0.1)
         .sensor_size_m(0.035)
@@ -16,7 +16,7 @@ pub fn cotton(shape: Split) -> Rig {
 }
 
 /// A rig with unequal baselines, a focus at infinity, and lengths that are not exact in binary.
-pub fn unequal_baselines(shape: Split) -> Rig {
+pub fn unequal_baselines(shape: LightFieldShape) -> Rig {
     Rig::builder(shape)
         .focal_length_m(0.0351)
         .sensor_size_m(0.036)

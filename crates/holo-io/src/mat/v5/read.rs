@@ -89,7 +89,7 @@ impl<'a, R: Read + Seek> Reader<'a, R> {
         work: impl FnOnce(&mut Matrix<'_>) -> Result<T, Error>,
     ) -> Result<T, Error> {
         self.seek(start)?;
-        let mut element = self.source.by_ref().take(bytes);
+        let mut element = self.source.as_light_field_ref().take(bytes);
         if compressed {
             let mut inflated = Inflated::new(element);
             work(&mut Matrix::new(&mut inflated, self.order, self.path, start - 8, None)?)
