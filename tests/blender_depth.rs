@@ -30,7 +30,7 @@ fn five_views_have_the_depth_of_blender() {
         let all = renderer.render(&common::truth(rig), &()).unwrap().all.expect("requested");
         for (t, s) in [(0, 0), (0, 40), (13, 29), (20, 20), (40, 40)] {
             let file = folder.join(format!("still_life_depth_t{t}_s{s}.pfm"));
-            let theirs = holo_io::read_pfm_grey(file, &holo_io::Limits::default()).unwrap();
+            let theirs = holo_io::read_pfm_gray(file, &holo_io::Limits::default()).unwrap();
             let ours = all[Layer::Depth].view(t, s).unwrap();
             let mut errors: Vec<f64> = theirs
                 .indexed_iter()

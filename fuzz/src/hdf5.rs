@@ -79,7 +79,7 @@ pub fn hdf5(data: &[u8]) {
     file.close().expect("it was written");
 
     let limits = Limits { max_bytes: 1 << 16 };
-    let _ = holo_io::recognise(&path);
+    let _ = holo_io::detect_format(&path);
     let _ = holo_io::is_light_field_hdf5(&path);
     let Ok(field) = Hdf5LightField::open(&path, &limits) else { return };
     let _ = field.rig().copied();

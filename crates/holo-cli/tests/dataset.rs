@@ -34,9 +34,9 @@ fn a_dataset_has_the_folders_of_the_paper_and_tells_what_it_is() {
     for file in common::DEFAULT_FILES {
         assert!(list.contains(&format!("tiny/4x2/{file}")), "{file}");
     }
-    let description = holo_io::dataset::Description::read(bench.path("set")).unwrap();
-    assert_eq!(description.splits.len(), 4);
-    assert_eq!(description.options["spp"], "2");
+    let index = holo_io::dataset::DatasetIndex::read(bench.path("set")).unwrap();
+    assert_eq!(index.shapes.len(), 4);
+    assert_eq!(index.options["spp"], "2");
     let page = std::fs::read_to_string(bench.path("set/DATASET.md")).unwrap();
     for part in ["| `tiny` |", "| `4x2` | 4x2 | 15x20 | 60x40 |", "CC0", "--spp=2"] {
         assert!(page.contains(part), "no '{part}' in {page}");

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use common::{Bench, Outcome, SCENE, SMALL, read_u8};
-use holo_io::{Limits, Manifest, read_pfm_grey};
+use holo_io::{Limits, Manifest, read_pfm_gray};
 
 fn failed(outcome: &Outcome, words: &[&str]) {
     assert_eq!((outcome.code, outcome.stdout.as_str()), (Some(1), ""), "{outcome:?}");
@@ -54,7 +54,7 @@ fn folders_that_cannot_be_made() {
     let bench = Bench::new();
     std::fs::write(bench.path("file"), "mine").unwrap();
     for out in ["file", "file/out", "file/a/b"] {
-        failed(&bench.run(&format!("render {SCENE} --out {out} {SMALL}")), &["cannot make the folder file", "--out"]);
+        failed(&bench.run(&format!("render {SCENE} --out {out} {SMALL}")), &["cannot create the folder file", "--out"]);
     }
     assert_eq!(bench.list(""), ["file", SCENE]);
     assert_eq!(std::fs::read(bench.path("file")).unwrap(), b"mine");
@@ -128,7 +128,7 @@ fn a_write_that_fails_over_older_results_leaves_whole_files() {
     assert!(!bench.list("out").contains(&"manifest.json".into()), "no manifest vouches for a mixture");
     assert!(bench.list("out").iter().all(|name| !name.ends_with(".part")), "{:?}", bench.list("out"));
     assert_eq!(read_u8(bench.path("out/scene_el.png")).dim(), (32, 60, 3), "the older image, whole");
-    assert_eq!(read_pfm_grey(bench.path("out/scene_depth.pfm"), &Limits::default()).unwrap().dim(), (32, 48));
+    assert_eq!(read_pfm_gray(bench.path("out/scene_depth.pfm"), &Limits::default()).unwrap().dim(), (32, 48));
 }
 
 /// A file system of 64 KiB at a path, for as long as this lives.

@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Bench, DEFAULT_FILES, SCENE, SMALL, small_split};
-use holo_io::{Limits, Manifest, Setting, read_exr, read_pfm};
+use holo_io::{Limits, Manifest, ManifestValue, read_exr, read_pfm};
 use ndarray::{Array3, s};
 
 /// The files of one layer each, in alphabetical order.
@@ -26,7 +26,7 @@ fn map(bench: &Bench, name: &str) -> Array3<f32> {
 
 fn layers_of(bench: &Bench, out: &str) -> Vec<String> {
     let manifest = Manifest::read(bench.path(out).join("manifest.json")).unwrap();
-    let Some(Setting::List(names)) = manifest.settings.get("layers") else { panic!("no list of layers") };
+    let Some(ManifestValue::List(names)) = manifest.settings.get("layers") else { panic!("no list of layers") };
     names.iter().map(|name| name.as_text().unwrap().to_owned()).collect()
 }
 
@@ -203,7 +203,7 @@ fn a_sky_can_be_a_file() {
     let manifest = Manifest::read(bench.path("out/manifest.json")).unwrap();
     let digest = holo_io::hash_file(bench.path("sky.hdr")).unwrap().sha256.to_string();
     assert_eq!(manifest.settings["sky_sha256"].as_text(), Some(digest.as_str()));
-    assert_eq!(manifest.settings["sky"], Setting::List(vec![Setting::Float(0.0); 3]));
+    assert_eq!(manifest.settings["sky"], ManifestValue::List(vec![ManifestValue::Float(0.0); 3]));
     bench.render("plain", "");
     let manifest = Manifest::read(bench.path("plain/manifest.json")).unwrap();
     assert!(!manifest.settings.contains_key("sky_sha256"));

@@ -58,8 +58,8 @@ fn parts_that_do_not_belong_together_are_refused() {
     for (parts, code, message) in [
         ("one", 2, "2/2 missing"),
         ("one one two", 2, "part 1 of 2 is given twice"),
-        ("one three", 1, "parts of different pictures"),
-        ("one seed", 1, "parts of different pictures"),
+        ("one three", 1, "parts of different images"),
+        ("one seed", 1, "parts of different images"),
         ("one whole", 2, "not a part"),
         ("one nowhere", 1, "nowhere"),
     ] {

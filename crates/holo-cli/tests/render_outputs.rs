@@ -4,7 +4,7 @@ mod common;
 
 use common::{Bench, DEFAULT_FILES, SCENE, read_u8, read_u16, small_split};
 use holo_core::LightField;
-use holo_io::{Limits, Manifest, read_pfm_grey};
+use holo_io::{Limits, Manifest, read_pfm_gray};
 
 #[test]
 fn the_default_outputs_are_there_in_their_sizes() {
@@ -30,7 +30,7 @@ fn depth_and_disparity_agree_by_equation_3() {
     bench.render("out", "--baseline-m 0.05");
     let manifest = Manifest::read(bench.path("out/manifest.json")).unwrap();
     let rig = manifest.rig.unwrap();
-    let read = |name: &str| read_pfm_grey(bench.path("out").join(name), &Limits::default()).unwrap();
+    let read = |name: &str| read_pfm_gray(bench.path("out").join(name), &Limits::default()).unwrap();
     let (depth_m, disparity_px) = (read("scene_depth.pfm"), read("scene_disparity.pfm"));
     assert_eq!((depth_m.dim(), disparity_px.dim()), ((8, 12), (8, 12)));
     assert!(depth_m.iter().any(|z| z.is_infinite()) && depth_m.iter().any(|z| z.is_finite()));
@@ -111,7 +111,7 @@ fn the_mat_file_is_the_raw_image() {
 #[cfg(feature = "hdf5")]
 #[test]
 fn the_hdf5_file_holds_radiance_and_ground_truth() {
-    use holo_io::{Hdf5LightField, Hdf5Map, Limits, read_pfm, read_pfm_grey};
+    use holo_io::{Hdf5LightField, Hdf5Map, Limits, read_pfm, read_pfm_gray};
     let bench = Bench::new();
     for (out, more) in [("central", ""), ("all", "--ground-truth all")] {
         bench.render(out, &format!("--write h5,depth,disparity --layers color {more}"));
@@ -121,7 +121,7 @@ fn the_hdf5_file_holds_radiance_and_ground_truth() {
         let picture = read_pfm(path("scene_color.pfm"), &Limits::default()).unwrap().values;
         assert_eq!(file.read_view(2, 2).unwrap(), picture.into(), "{out}");
         for (map, name) in [(Hdf5Map::Depth, "scene_depth.pfm"), (Hdf5Map::Disparity, "scene_disparity.pfm")] {
-            let central = read_pfm_grey(path(name), &Limits::default()).unwrap();
+            let central = read_pfm_gray(path(name), &Limits::default()).unwrap();
             let stored = if out == "all" { file.read_map_of_view(map, 2, 2) } else { file.read_central_map(map) };
             assert_eq!(stored.unwrap(), central, "{out} {name}");
         }

@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use common::{Bench, DEFAULT_FILES, SCENE, read_u8};
-use holo_io::{Limits, read_pfm_grey};
+use holo_io::{Limits, read_pfm_gray};
 
 /// Many seconds of work for any machine.
 const LONG: &str = "--lenses 200x150 --views 60x60 --spp 400 --sky 1,1,1";
@@ -111,7 +111,7 @@ fn a_killed_render_leaves_only_whole_files_and_the_next_one_cleans_up() {
         let path = bench.path("out").join(name);
         match name.rsplit_once('.').unwrap().1 {
             "png" => assert!(read_u8(path).dim().0 > 0),
-            "pfm" => assert_eq!(read_pfm_grey(path, &Limits::default()).unwrap().dim(), (120, 160)),
+            "pfm" => assert_eq!(read_pfm_gray(path, &Limits::default()).unwrap().dim(), (120, 160)),
             _ => assert_eq!(bench.run(&format!("info out/{name}")).code, Some(0), "{name}"),
         }
     }

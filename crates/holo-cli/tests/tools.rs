@@ -8,7 +8,7 @@ mod python;
 
 use common::{Bench, Outcome, SCENE, read_u8, read_u16, small_split};
 use holo_core::metrics::{NormalGeometry, Region, disparity_scores, median_angle_error_deg};
-use holo_io::{ColorEncoding, Compression, Limits, read_pfm_grey, write_pfm, write_png};
+use holo_io::{ColorEncoding, Compression, Limits, read_pfm_gray, write_pfm, write_png};
 use ndarray::{Array2, s};
 use serde_json::Value;
 
@@ -83,8 +83,8 @@ fn an_estimate_is_written_and_judged() {
     // The raw image alone, with the parameters beside it, says the same.
     ok(bench.run("depth out/scene_el.png --out raw.pfm --effort draft --quiet"));
     assert_eq!(std::fs::read(bench.path("raw.pfm")).unwrap(), std::fs::read(bench.path("estimate.pfm")).unwrap());
-    let estimate = read_pfm_grey(bench.path("estimate.pfm"), &Limits::default()).unwrap();
-    let truth = read_pfm_grey(bench.path("out/scene_disparity.pfm"), &Limits::default()).unwrap();
+    let estimate = read_pfm_gray(bench.path("estimate.pfm"), &Limits::default()).unwrap();
+    let truth = read_pfm_gray(bench.path("out/scene_disparity.pfm"), &Limits::default()).unwrap();
     let scores = disparity_scores(&estimate, &truth, &Region::with_border(5)).unwrap();
     let json =
         ok(bench.run("eval estimate.pfm out/scene_disparity.pfm --border 5 --json --error-map error.png")).stdout;

@@ -56,9 +56,9 @@ fn the_page_holds_the_files_as_they_are() {
     bench.render("out", "");
     ok(bench.run("view out -o page.html"));
     let page = std::fs::read_to_string(bench.path("page.html")).unwrap();
-    assert!(embedded(&page, "picture") == bench.bytes("out")["scene_el.png"]);
+    assert!(embedded(&page, "image") == bench.bytes("out")["scene_el.png"]);
     for (name, file) in [("depth", "out/scene_depth.pfm"), ("disparity", "out/scene_disparity.pfm")] {
-        let map = holo_io::read_pfm_grey(bench.path(file), &Limits::default()).unwrap();
+        let map = holo_io::read_pfm_gray(bench.path(file), &Limits::default()).unwrap();
         assert!(
             floats(&embedded(&page, name)).iter().map(|x| x.to_bits()).eq(map.iter().map(|x| x.to_bits())),
             "{name}"
@@ -72,11 +72,11 @@ fn the_page_holds_the_files_as_they_are() {
     // The raw image alone, or the other grid, lead to the same light field.
     ok(bench.run("view out/scene_el.png -o again.html"));
     let again = std::fs::read_to_string(bench.path("again.html")).unwrap();
-    assert!(embedded(&again, "picture") == embedded(&page, "picture"));
+    assert!(embedded(&again, "image") == embedded(&page, "image"));
     assert!(embedded(&again, "depth") == embedded(&page, "depth"));
     ok(bench.run("view out/scene_vpi.png --from vpi -o other.html"));
     let other = std::fs::read_to_string(bench.path("other.html")).unwrap();
-    std::fs::write(bench.path("other.png"), embedded(&other, "picture")).unwrap();
+    std::fs::write(bench.path("other.png"), embedded(&other, "image")).unwrap();
     assert_eq!(read_u8(bench.path("other.png")), read_u8(bench.path("out/scene_el.png")));
 }
 
@@ -97,7 +97,7 @@ fn other_kinds_become_eight_bits() {
     holo_io::write_png(bench.path("raw_el.png"), grid.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
     ok(bench.run("view raw_el.png --views 5x4 -o page.html"));
     let page = std::fs::read_to_string(bench.path("page.html")).unwrap();
-    std::fs::write(bench.path("shown.png"), embedded(&page, "picture")).unwrap();
+    std::fs::write(bench.path("shown.png"), embedded(&page, "image")).unwrap();
     // 65535 = 257 * 255: the nearest code, without a tie.
     let expected = grid.mapv(|code| (f64::from(code) / 257.0).round() as u8);
     assert_eq!(read_u8(bench.path("shown.png")), expected);
@@ -108,7 +108,7 @@ fn other_kinds_become_eight_bits() {
     holo_io::write_png(bench.path("a_el.png"), with_alpha.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
     ok(bench.run("view a_el.png --views 5x4 -o page.html"));
     let page = std::fs::read_to_string(bench.path("page.html")).unwrap();
-    std::fs::write(bench.path("shown.png"), embedded(&page, "picture")).unwrap();
+    std::fs::write(bench.path("shown.png"), embedded(&page, "image")).unwrap();
     assert_eq!(read_u8(bench.path("shown.png")), with_alpha.slice(s![.., .., ..3]));
 }
 
@@ -159,7 +159,7 @@ fn browse(bench: &Bench, arguments: &[&str]) -> bool {
 fn a_browser_shows_what_the_files_say() {
     let bench = Bench::new();
     bench.render("out", "--baseline-m 0.03");
-    let truth = holo_io::read_pfm_grey(bench.path("out/scene_disparity.pfm"), &Limits::default()).unwrap();
+    let truth = holo_io::read_pfm_gray(bench.path("out/scene_disparity.pfm"), &Limits::default()).unwrap();
     let mut estimate = truth;
     estimate.indexed_iter_mut().for_each(|((row, column), value)| *value += 0.01 * (row as f32 - column as f32));
     holo_io::write_pfm(bench.path("estimate.pfm"), estimate.view()).unwrap();

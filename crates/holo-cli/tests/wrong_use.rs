@@ -61,9 +61,9 @@ fn options_that_contradict_each_other_or_the_scene() {
     let bench = Bench::new();
     refused(&bench, "--sensor hd --lenses 12x8", &["--sensor", "--lenses", "cannot be used with"]);
     refused(&bench, "--baseline-m 0.1 --f-number 5", &["--baseline-m", "--f-number", "cannot be used with"]);
-    refused(&bench, "--integrator depth --write el", &["--integrator depth", "leave el out"]);
-    refused(&bench, "--integrator depth --write depth,vpi", &["leave vpi out"]);
-    refused(&bench, "--integrator depth --layers color,depth", &["--integrator depth", "leave color out"]);
+    refused(&bench, "--integrator depth --write el", &["--integrator depth", "remove el"]);
+    refused(&bench, "--integrator depth --write depth,vpi", &["remove vpi"]);
+    refused(&bench, "--integrator depth --layers color,depth", &["--integrator depth", "remove color"]);
     refused(&bench, &format!("--camera side {SMALL}"), &["'side'", "'front'"]);
     refused(&bench, &format!("--camera 1 {SMALL}"), &["number 1", "'front'"]);
     refused(&bench, "--sensor 100x80 --views 101x4", &["100 x 80 pixels", "101 x 4 views", "at least one pixel"]);
@@ -88,7 +88,7 @@ fn pictures_of_a_scene_without_light() {
     assert!(outcome.stderr.contains("no light") && outcome.stderr.contains("--sky 1,1,1"), "{outcome:?}");
     let outcome = bench.run(&format!("render dark.glb --out out --layers colour {SMALL}"));
     assert_eq!(outcome.code, Some(2), "{outcome:?}");
-    assert!(outcome.stderr.contains("leave color out") && outcome.stderr.contains("--sky 1,1,1"), "{outcome:?}");
+    assert!(outcome.stderr.contains("remove color") && outcome.stderr.contains("--sky 1,1,1"), "{outcome:?}");
     assert_eq!(bench.list(""), ["dark.glb", SCENE]);
 }
 

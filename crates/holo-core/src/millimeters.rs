@@ -3,22 +3,27 @@
 //! A multiplication by 1000 rounds in binary: 0.0351 m would be written as 35.099999999999994 mm. Moving the point of
 //! the shortest decimal text gives the number that a person would write, and moving it back gives the meters again.
 
-/// Returns a length in millimeters.
+/// Converts a length from meters to millimeters.
 ///
 /// # Accuracy
 ///
-/// The decimal point of the shortest text of the number is moved: 0.0351 m is 35.1 mm, where a multiplication would give
-/// 35.099999999999994. [`millimeters_to_meters`] gives the number of meters again.
+/// The decimal point of the shortest text of the number is moved: 0.0351 m is 35.1 mm, where a multiplication would
+/// give 35.099999999999994. [`millimeters_to_meters`] gives the number of meters again.
 #[must_use]
 pub fn meters_to_millimeters(length_m: f64) -> f64 {
     move_point(length_m, 3).unwrap_or(length_m * 1e3)
 }
 
-/// Returns a length in meters; the inverse of [`meters_to_millimeters`].
+/// Converts a length from millimeters to meters: the inverse of [`meters_to_millimeters`].
+///
+/// # Accuracy
+///
+/// The decimal point of the shortest text of the number is moved. Where one of the nearest three numbers gives
+/// `length_mm` again under [`meters_to_millimeters`], it is that number.
 #[must_use]
 pub fn millimeters_to_meters(length_mm: f64) -> f64 {
     let length_m = move_point(length_mm, -3).unwrap_or(length_mm / 1e3);
-    // Moving the point rounds once. Of the numbers nearby, the one that gives the millimeters again is meant.
+    // Moving the point rounds once, so the inverse may be an adjacent number.
     let nearby = [length_m, length_m.next_up(), length_m.next_down()];
     nearby.into_iter().find(|&length_m| meters_to_millimeters(length_m) == length_mm).unwrap_or(length_m)
 }

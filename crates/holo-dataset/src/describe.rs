@@ -1,21 +1,21 @@
-//! The two files in the root: `dataset.json` for programs, `DATASET.md` for people.
+//! The two files in the root of a dataset: `dataset.json` for programs, `DATASET.md` for human readers.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
 use holo_core::LightFieldShape;
-use holo_io::dataset::{self as names};
-use holo_io::dataset::{Description, SceneEntry};
+use holo_io::dataset::{self as names, DatasetIndex, SceneEntry};
 use holo_scene::gallery;
 
 use crate::Error;
 use crate::options::{Options, arguments};
 use crate::source::SceneSource;
 
-/// Where the licence can be read.
-const LICENCE: &str = "CC0-1.0";
+/// SPDX identifier of the license of the images.
+const LICENSE: &str = "CC0-1.0";
 
+/// The conventions in `dataset.json` and `DATASET.md`. Their text is part of the files, so it must not change.
 const CONVENTIONS: [(&str, &str); 8] = [
     ("axes", "Light fields have the axes (v, u, t, s, c): lens row, lens column, view row, view column, channel."),
     ("scene_el.png", "Elemental grid, the raw image: lens (v, u) owns the T x S block at row v*T, column u*S."),
@@ -36,54 +36,60 @@ const CONVENTIONS: [(&str, &str); 8] = [
     ),
 ];
 
-/// A scene and how it is divided.
+/// A scene and the shape of its light field.
 type Job<'a> = (&'a SceneSource, LightFieldShape);
 
-/// Writes both, for a dataset of these jobs.
+/// Writes both files for a dataset of these jobs.
 pub(crate) fn write(root: &Path, jobs: &[Job], options: &Options, backend: &str) -> Result<(), Error> {
-    let description = describe(jobs, options, backend)?;
-    description.write(root)?;
-    holo_io::write_file(root.join(names::DATASET_MD), document(&description).as_bytes())?;
+    let index = index(jobs, options, backend)?;
+    index.write(root)?;
+    holo_io::write_file(root.join(names::DATASET_MD), document(&index).as_bytes())?;
     Ok(())
 }
 
-fn describe(jobs: &[Job], options: &Options, backend: &str) -> Result<Description, Error> {
+fn index(jobs: &[Job], options: &Options, backend: &str) -> Result<DatasetIndex, Error> {
     let mut scenes: Vec<SceneEntry> = Vec::new();
-    let mut splits: Vec<LightFieldShape> = Vec::new();
+    let mut shapes: Vec<LightFieldShape> = Vec::new();
     for (source, shape) in jobs {
         let name = source.name();
         if scenes.iter().all(|scene| scene.name != name) {
             let purpose = gallery::purpose(&name).unwrap_or("a scene from a file").to_owned();
             scenes.push(SceneEntry { name, purpose, sha256: source.sha256()?.to_string() });
         }
-        if !splits.contains(shape) {
-            splits.push(*shape);
+        if !shapes.contains(shape) {
+            shapes.push(*shape);
         }
     }
     let pairs = |pairs: &[(&str, &str)]| pairs.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
-    Ok(Description {
+    Ok(DatasetIndex {
         versions: BTreeMap::from([
             ("holo".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
             ("engine".to_owned(), backend.to_owned()),
         ]),
         options: options.clone(),
         scenes,
-        splits,
+        shapes,
         conventions: pairs(&CONVENTIONS),
-        licence: LICENCE.to_owned(),
+        license: LICENSE.to_owned(),
     })
 }
 
-/// The page for people.
-fn document(description: &Description) -> String {
+/// The text of `DATASET.md`.
+fn document(index: &DatasetIndex) -> String {
     let mut text = String::new();
-    // Writing into a text cannot fail.
-    let _ = write_document(description, &mut text);
+    // Writing into a `String` cannot fail.
+    let _ = write_document(index, &mut text);
     text
 }
 
-fn write_document(description: &Description, text: &mut String) -> std::fmt::Result {
-    let (scenes, splits) = (&description.scenes, &description.splits);
+fn write_document(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
+    write_contents(index, text)?;
+    write_origin(index, text)
+}
+
+/// Scenes, view counts, files and conventions.
+fn write_contents(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
+    let (scenes, shapes) = (&index.scenes, &index.shapes);
     writeln!(text, "# A dataset of raw holoscopic images\n")?;
     writeln!(
         text,
@@ -91,13 +97,13 @@ fn write_document(description: &Description, text: &mut String) -> std::fmt::Res
          would take them, the same light fields as grids of views and as 5D arrays, and exact depth and disparity. Everything is\n\
          synthetic; the ground truth comes from the geometry itself.\n",
         scenes.len(),
-        splits.len()
+        shapes.len()
     )?;
     writeln!(text, "## Scenes\n\n| folder | what it is there for |\n|---|---|")?;
     scenes.iter().try_for_each(|scene| writeln!(text, "| `{}` | {} |", scene.name, scene.purpose))?;
     writeln!(text, "\n## Splits\n\nEvery scene has a folder a split, named by its views, columns x rows.\n")?;
     writeln!(text, "| folder | views | lenses (pixels of a view) | raw image, px |\n|---|---|---|---|")?;
-    for shape in splits {
+    for shape in shapes {
         let (views, lenses, raw) =
             (shape.views().to_string(), shape.lenses().to_string(), shape.raw_size().to_string());
         writeln!(text, "| `{views}` | {views} | {lenses} | {raw} |")?;
@@ -107,10 +113,14 @@ fn write_document(description: &Description, text: &mut String) -> std::fmt::Res
         writeln!(text, "| `{file}` | {what} |")?;
     }
     writeln!(text, "\n## Conventions\n")?;
-    description.conventions.iter().try_for_each(|(topic, what)| writeln!(text, "- **{topic}**: {what}"))?;
+    index.conventions.iter().try_for_each(|(topic, what)| writeln!(text, "- **{topic}**: {what}"))
+}
+
+/// The command that makes the dataset, and how to cite it.
+fn write_origin(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
+    let (scenes, shapes) = (&index.scenes, &index.shapes);
     writeln!(text, "\n## How it was made\n")?;
-    let versions: Vec<String> =
-        description.versions.iter().map(|(what, version)| format!("{what} {version}")).collect();
+    let versions: Vec<String> = index.versions.iter().map(|(what, version)| format!("{what} {version}")).collect();
     writeln!(
         text,
         "With `holo dataset`: {}. The same command makes the same bytes, on any number of machines:\n",
@@ -118,8 +128,8 @@ fn write_document(description: &Description, text: &mut String) -> std::fmt::Res
     )?;
     writeln!(text, "```\nholo dataset --out DIR \\")?;
     writeln!(text, "    --scenes {} \\", join(scenes.iter().map(|scene| scene.name.clone())))?;
-    write!(text, "    --splits {}", join(splits.iter().map(|shape| shape.views().to_string())))?;
-    for argument in arguments(&description.options).filter(|argument| !argument.ends_with('=')) {
+    write!(text, "    --splits {}", join(shapes.iter().map(|shape| shape.views().to_string())))?;
+    for argument in arguments(&index.options).filter(|argument| !argument.ends_with('=')) {
         write!(text, " \\\n    {argument}")?;
     }
     writeln!(
@@ -134,11 +144,11 @@ fn write_document(description: &Description, text: &mut String) -> std::fmt::Res
          ```\n@software{{holo,\n  title = {{holo: raw holoscopic images with exact ground truth}},\n  version = {{{}}},\n}}\n```\n\n\
          Folders, file names and splits are those of section IV and Table I of the paper whose method the program follows;\n\
          its README names the equations.",
-        description.versions.get("holo").map_or("", String::as_str)
+        index.versions.get("holo").map_or("", String::as_str)
     )
 }
 
-/// What a folder may hold.
+/// Files of a folder, as `DATASET.md` lists them. The text must not change.
 const FILES: [(&str, &str); 9] = [
     (names::ELEMENTAL_PNG, "the raw image behind the lenses"),
     (names::VIEWPOINT_PNG, "all views side by side"),

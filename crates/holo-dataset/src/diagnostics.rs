@@ -1,21 +1,21 @@
-//! Warnings and notes on the way to an image: what a scene has that is left out, which ray tracing backend stands in for
-//! another.
+//! Warnings and notes about a render, such as unsupported parts of a scene, or another ray tracing backend than
+//! requested.
 
 use std::cell::RefCell;
 use std::collections::BTreeSet;
 
-/// What a diagnostic is about.
+/// The subject of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum About {
-    /// The scene, or the image of it.
+    /// The scene or its image.
     Scene,
-    /// The backend or the sensor, whatever the scene.
+    /// The backend or the sensor, independent of the scene.
     Setup,
 }
 
-/// Receives warnings and notes. A function is one; `()` drops them.
+/// A receiver of warnings and notes. `()` ignores them.
 pub trait Diagnostics {
-    /// Takes one line, which begins with `warning:` or `note:`.
+    /// Receives one line, which begins with `warning:` or `note:`.
     fn report(&self, about: About, line: &str);
 }
 

@@ -9,13 +9,13 @@ use crate::Error;
 use crate::layers::central_view;
 use crate::output_folder::OutputFolder;
 
-/// The largest number that 16 bits hold.
+/// The largest finite 16-bit float.
 const MAX_HALF: f32 = 65_504.0;
 
-/// What Blender calls the picture.
+/// The channel names of the color image in Blender.
 const COMBINED: [&str; 3] = ["ViewLayer.Combined.R", "ViewLayer.Combined.G", "ViewLayer.Combined.B"];
 
-/// Writes all layers of the central view, and its picture, into one file of 32-bit floats.
+/// Writes all layers and the color of the central view into one file of 32-bit floats.
 pub(crate) fn write_central(folder: &mut OutputFolder, rendered: &Rendered) -> Result<(), Error> {
     let color = rendered.color.as_ref().map(central_view).transpose()?;
     let channels = channels(&rendered.central, color);
@@ -25,9 +25,10 @@ pub(crate) fn write_central(folder: &mut OutputFolder, rendered: &Rendered) -> R
     Ok(())
 }
 
-/// Writes the whole picture as one of its grids: 16-bit floats where they can hold it, else 32-bit ones.
+/// Writes the color of the light field as elemental image array or sub-aperture image array, as 16-bit floats if all
+/// values are in their range, else as 32-bit floats.
 ///
-/// Row of lenses by row of lenses, or row of views by row of views: no second picture is in memory.
+/// It is written lens row by lens row, or view row by view row, without a second copy in memory.
 pub(crate) fn write_grid(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, layout: Layout) -> Result<(), Error> {
     let shape = color.shape();
     let (views, lenses, size) = (shape.views(), shape.lenses(), shape.raw_size());
@@ -51,7 +52,7 @@ pub(crate) fn write_grid(folder: &mut OutputFolder, color: &LightFieldOwned<f32>
     Ok(())
 }
 
-/// What the channels of a layer are called in an EXR: as in Blender's where it has the layer.
+/// The channel names of a layer in an EXR: those of Blender where it has the layer.
 fn exr_name(layer: Layer) -> (&'static str, &'static [&'static str]) {
     match layer {
         Layer::Depth => ("Depth", &["Z"]),
@@ -87,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_channel_of_an_exr_has_a_name_of_its_own() {
+    fn every_channel_of_an_exr_has_a_unique_name() {
         let central: Layers<Array3<f32>> =
             Layer::ALL.into_iter().map(|layer| (layer, Array3::zeros((2, 3, layer.channels())))).collect();
         let color = Array3::zeros((2, 3, 3));

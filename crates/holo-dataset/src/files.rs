@@ -1,4 +1,4 @@
-//! Writing the files of a whole render, and what a specification promises of them.
+//! Validation of a specification, and writing the files of a complete render.
 
 use holo_core::Rig;
 use holo_io::{Manifest, ParametersCfg, dataset};
@@ -11,27 +11,28 @@ use crate::layers::{self, Wanted};
 use crate::output_folder::OutputFolder;
 use crate::spec::{Exposure, Output, RenderSpec};
 
-/// What was rendered, with all that its files need to know.
+/// A render before its files are written.
 pub(crate) struct Traced {
     pub rendered: Rendered,
     pub wanted: Wanted,
     pub rig: Rig,
-    /// Without what only the whole image tells: exposure, disparities, files.
+    /// Without exposure, disparities and files, which depend on the complete image.
     pub manifest: Manifest,
-    /// Without the range of disparities.
+    /// Without the disparity range.
     pub parameters: ParametersCfg,
 }
 
-/// What was found out while the files were written.
+/// The result of writing the files.
 pub(crate) struct Finished {
     pub disparity_px: Option<(f64, f64)>,
     pub files: Vec<String>,
 }
 
-/// Refuses what the specification alone shows to be impossible, before anything is touched.
+/// Checks whether a specification is possible for any scene, before anything is loaded or written.
 ///
 /// # Errors
-/// [`Error::BadRequest`].
+/// [`Error::BadRequest`] if outputs or layers need color and the integrator computes none, or if they need HDF5 and the
+/// feature `hdf5` is off.
 pub fn validate(spec: &RenderSpec) -> Result<(), Error> {
     #[cfg(not(feature = "hdf5"))]
     if spec.outputs.contains(&Output::H5) {
@@ -39,18 +40,18 @@ pub fn validate(spec: &RenderSpec) -> Result<(), Error> {
     }
     if let Some(names) = images::needing_color(&spec.outputs).filter(|_| spec.integrator == Integrator::Depth) {
         return Err(Error::BadRequest(format!(
-            "--integrator depth makes no picture; leave {names} out of --write, or choose --integrator direct"
+            "--integrator depth renders no color; remove {names} from --write, or choose --integrator direct"
         )));
     }
     if spec.integrator == Integrator::Depth && layers::names_color(spec) {
         return Err(Error::BadRequest(
-            "--integrator depth makes no picture; leave color out of --layers, or choose --integrator direct".into(),
+            "--integrator depth renders no color; remove color from --layers, or choose --integrator direct".into(),
         ));
     }
     Ok(())
 }
 
-/// The exposure for the whole picture, if there is one.
+/// The exposure compensation of the complete image in EV, if it has color.
 pub(crate) fn exposure_ev(spec: &RenderSpec, rendered: &Rendered) -> Option<f64> {
     rendered.color.as_ref().map(|color| match spec.exposure {
         Exposure::Ev(ev) => ev,
@@ -58,7 +59,7 @@ pub(crate) fn exposure_ev(spec: &RenderSpec, rendered: &Rendered) -> Option<f64>
     })
 }
 
-/// Writes every file and seals the folder.
+/// Writes all files and last the manifest.
 pub(crate) fn write(
     spec: &RenderSpec,
     mut traced: Traced,
@@ -81,28 +82,29 @@ pub(crate) fn write(
     Ok(Finished { disparity_px, files })
 }
 
-/// What to write beside layers: what was asked for, or the pictures if there are any.
-pub(crate) fn outputs(spec: &RenderSpec, has_picture: bool) -> Result<Vec<Output>, Error> {
-    if !has_picture && layers::names_color(spec) {
+/// The outputs to write: the requested ones, or without a request the default ones if there is color.
+pub(crate) fn outputs(spec: &RenderSpec, has_color: bool) -> Result<Vec<Output>, Error> {
+    if !has_color && layers::names_color(spec) {
         return Err(Error::BadRequest(
-            "the scene has no light, so there is no picture to write; leave color out of --layers, or light the scene \
+            "the scene has no light sources, so there is no color to write; remove color from --layers, or light it \
              with --sky 1,1,1"
                 .into(),
         ));
     }
     if spec.outputs.is_empty() {
-        return Ok(if has_picture { images::USUAL.to_vec() } else { Vec::new() });
+        return Ok(if has_color { images::DEFAULT_OUTPUTS.to_vec() } else { Vec::new() });
     }
-    if let Some(names) = images::needing_color(&spec.outputs).filter(|_| !has_picture) {
+    if let Some(names) = images::needing_color(&spec.outputs).filter(|_| !has_color) {
         return Err(Error::BadRequest(format!(
-            "the scene has no light, so there is no picture to write; leave {names} out of --write, or light it with \
-             --sky 1,1,1"
+            "the scene has no light sources, so there is no color to write; remove {names} from --write, or light it \
+             with --sky 1,1,1"
         )));
     }
     Ok(spec.outputs.clone())
 }
 
-/// The range of the finite disparities of the central view; also infinitely far pixels have a finite disparity.
+/// The range of the finite disparities of the central view, in pixels. Pixels at infinite depth have a finite disparity
+/// too.
 fn finite_range(central: &Layers<Array3<f32>>) -> Option<(f64, f64)> {
     let disparities = central.disparity_px().into_iter().flatten();
     let finite = disparities.filter(|d| d.is_finite()).map(|&d| f64::from(d));

@@ -1,6 +1,6 @@
-//! What shows the picture of a render: raw PNGs and 5D arrays.
+//! Writes the color of a render: raw PNGs, 5D arrays, EXR and HCI folders.
 //!
-//! Linear radiance goes into HDF5 and EXR as it is; exposure and the sRGB curve come between it and all integers.
+//! HDF5, EXR and PFM contain linear radiance. Exposure and the sRGB curve are applied for all integers.
 
 use std::path::PathBuf;
 
@@ -14,17 +14,17 @@ use crate::output_folder::OutputFolder;
 use crate::spec::{Output, RenderSpec};
 use crate::{Error, exr};
 
-/// The folder of HCI's layout within that of a dataset.
+/// The HCI folder in a dataset folder.
 const HCI_FOLDER: &str = "hci";
 
-/// Outputs that need a picture, with what they are called.
+/// Outputs that need color, with their names.
 const NEED_COLOR: [(Output, &str); 5] =
     [(Output::Vpi, "vpi"), (Output::El, "el"), (Output::Mat, "mat"), (Output::H5, "h5"), (Output::Hci, "hci")];
 
-/// What is written when nothing is named.
-pub(crate) const USUAL: [Output; 3] = [Output::Vpi, Output::El, Output::Mat];
+/// The outputs without a request.
+pub(crate) const DEFAULT_OUTPUTS: [Output; 3] = [Output::Vpi, Output::El, Output::Mat];
 
-/// The names of those outputs among `write` that need a picture, as in "vpi and el".
+/// The names of those outputs in `write` that need color, such as "vpi and el"; `None` if there are none.
 pub(crate) fn needing_color(write: &[Output]) -> Option<String> {
     let names: Vec<&str> =
         NEED_COLOR.iter().filter(|(output, _)| write.contains(output)).map(|(_, name)| *name).collect();
@@ -32,7 +32,7 @@ pub(crate) fn needing_color(write: &[Output]) -> Option<String> {
     Some(if others.is_empty() { (*last).to_owned() } else { format!("{} and {last}", others.join(", ")) })
 }
 
-/// What decides how the picture is written.
+/// What determines how color is written.
 pub(crate) struct Images<'a> {
     pub spec: &'a RenderSpec,
     pub outputs: &'a [Output],
@@ -41,7 +41,7 @@ pub(crate) struct Images<'a> {
 }
 
 impl Images<'_> {
-    /// Writes all that shows the picture.
+    /// Writes all outputs that contain color.
     pub fn write(
         &self,
         folder: &mut OutputFolder,
@@ -64,7 +64,7 @@ impl Images<'_> {
         if self.wants(Output::H5) {
             self.write_hdf5(folder, rendered)?;
         }
-        // The radiance is four times the size of what is written: it goes as soon as it is encoded.
+        // Radiance takes four times the memory of 8-bit codes, so it is dropped as soon as it is encoded.
         if let (Some(color), Some(ev)) = (rendered.color.take(), exposure_ev) {
             if self.spec.bit_depth == 16 {
                 let coded = exposure::encode_16bit(&color, ev)?;
@@ -83,7 +83,7 @@ impl Images<'_> {
         self.outputs.contains(&output)
     }
 
-    /// The files of integers, side by side on the threads.
+    /// Writes the files of integers, in parallel.
     fn write_coded<T: Sample>(
         &self,
         folder: &mut OutputFolder,
@@ -124,7 +124,7 @@ impl Images<'_> {
         Ok(())
     }
 
-    /// A PNG a view, and the truth of all views if it is known, else of the central one.
+    /// Writes an HCI folder, with ground truth of all views if it was rendered, else of the central view.
     fn write_hci<'a>(
         &'a self,
         folder: &mut OutputFolder,
@@ -145,14 +145,14 @@ impl Images<'_> {
         };
         folder.subfolder(HCI_FOLDER)?;
         let name = |file: &str| format!("{HCI_FOLDER}/{file}");
-        // Noted beforehand, so that an interrupted run takes them back.
+        // Registered before they are written, so that an interrupted run removes them.
         image.file_names().iter().for_each(|file| drop(folder.file(&name(file))));
         let written = image.write(folder.file(HCI_FOLDER), Compression::Best)?;
         written.into_iter().for_each(|(file, written)| folder.add(name(&file), written));
         Ok(())
     }
 
-    /// Linear radiance and the maps that were rendered: of all views if there are any, else of the central one.
+    /// Writes linear radiance and the rendered maps: of all views if there are any, else of the central view.
     #[cfg(feature = "hdf5")]
     fn write_hdf5(&self, folder: &mut OutputFolder, rendered: &Rendered) -> Result<(), Error> {
         use holo_io::{Hdf5Map, Hdf5Options};
@@ -183,10 +183,10 @@ impl Images<'_> {
     }
 }
 
-/// Why a build without HDF5 cannot.
+/// The error of a build without HDF5.
 #[cfg(not(feature = "hdf5"))]
 pub(crate) fn without_hdf5() -> Error {
     Error::BadRequest(
-        "this build of holo has no HDF5; `cargo xtask build` makes one that has, or cargo build --features hdf5".into(),
+        "this build of holo has no HDF5; build it with `cargo xtask build`, or with cargo build --features hdf5".into(),
     )
 }

@@ -1,10 +1,10 @@
-//! One render from scene to folder: prepare, trace, write.
+//! One render from scene to folder: prepare, render, write.
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use holo_core::Rig;
-use holo_io::{CameraPose, Manifest, ParametersCfg, Setting};
+use holo_io::{CameraPose, Manifest, ManifestValue, ParametersCfg};
 use holo_render::{GroundTruth, Integrator, Progress, RayCounts, Rendered, Request};
 
 use crate::diagnostics::{About, Diagnostics};
@@ -18,46 +18,46 @@ use crate::source::SceneSource;
 use crate::spec::{EngineSpec, Output, RenderSpec, Shard};
 use crate::{Error, shard, sky};
 
-/// One render: a scene, what to make of it, and how that was put in words.
+/// One render: a scene, a specification and a ray tracing backend.
 #[derive(Clone, Debug)]
 pub struct RenderJob {
     /// The scene.
     pub source: SceneSource,
     /// What to render.
     pub spec: RenderSpec,
-    /// With which backend, on how many threads.
+    /// The ray tracing backend and the number of threads.
     pub engine: EngineSpec,
-    /// What the manifest keeps of the specification.
+    /// The specification as text, for the manifest.
     options: Options,
 }
 
-/// What is worth telling about a finished render.
+/// Statistics of a finished render.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct RenderReport {
-    /// Where the time went.
+    /// Wall-clock times.
     pub seconds: Seconds,
-    /// Rays traced.
+    /// Number of rays by kind.
     pub rays: RayCounts,
-    /// Samples of the image: views x lenses x samples a pixel unless there was a target error.
+    /// Number of samples of the light field: views x microlenses x samples a pixel, unless there was a target error.
     pub samples: u64,
     /// The ray tracing backend and its version.
     pub backend: String,
-    /// Threads used.
+    /// Number of threads.
     pub threads: usize,
-    /// The integrator used.
+    /// The integrator that rendered.
     pub integrator: Integrator,
-    /// Why it was.
+    /// Why it was chosen.
     pub why: String,
-    /// The cameras.
+    /// The rig.
     pub rig: Rig,
-    /// Smallest and largest finite disparity of the central view.
+    /// Smallest and largest finite disparity of the central view, in pixels between horizontally adjacent views.
     pub disparity_px: Option<(f64, f64)>,
     /// Names of the files, relative to the folder.
     pub files: Vec<String>,
 }
 
-/// Wall-clock time by what it was spent on, s.
+/// Wall-clock time by stage, s.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Seconds {
     /// Reading the scene.
@@ -68,36 +68,38 @@ pub struct Seconds {
     pub render: f64,
     /// Encoding and writing files.
     pub write: f64,
-    /// Everything.
+    /// All stages.
     pub total: f64,
 }
 
 impl RenderJob {
-    /// A job; its manifest will hold the specification as [`RenderSpec::to_options`] puts it.
+    /// Creates a job whose manifest contains the specification as [`RenderSpec::to_options`] writes it.
     #[must_use]
     pub fn new(source: SceneSource, spec: RenderSpec) -> Self {
         let options = spec.to_options();
         Self { source, spec, engine: EngineSpec::default(), options }
     }
 
-    /// The same job with the words of its specification as they were typed.
+    /// Replaces the text of the specification in the manifest, for example by the options as they were typed. The path
+    /// of an environment map is removed from it.
     #[must_use]
     pub fn with_options(self, options: Options) -> Self {
         let options = options::without_paths(options, &self.spec);
         Self { options, ..self }
     }
 
-    /// The same job with this backend and these threads.
+    /// Sets the ray tracing backend and the number of threads.
     #[must_use]
     pub fn with_engine(self, engine: EngineSpec) -> Self {
         Self { engine, ..self }
     }
 
-    /// Renders into the folder `out`, all of it or one shard.
+    /// Renders into the folder `out`: the complete light field, or one shard of it.
     ///
     /// # Errors
-    /// A specification that contradicts itself, a scene that cannot be read, files that cannot be written. Nothing is left
-    /// of what the run began.
+    /// [`Error::BadRequest`] if the specification contradicts itself; [`Error::Scene`] and [`Error::Failed`] if the
+    /// scene or the environment map cannot be read; [`Error::Render`] for errors and cancellation of the renderer;
+    /// [`Error::Io`] if files cannot be written. Files and folders that the run created are removed then.
     pub fn run(
         &self,
         out: &Path,
@@ -116,7 +118,7 @@ impl RenderJob {
         let why = traced.rendered.why.clone();
         let renderer = &prepared.renderer;
         let exposure_ev = match shard {
-            // Only the whole image tells.
+            // The exposure depends on the complete image.
             Some(_) => None,
             None => renderer.install(|| exposure_ev(&self.spec, &traced.rendered)),
         };
@@ -149,20 +151,23 @@ impl RenderJob {
         })
     }
 
-    /// Loads the scene, builds the acceleration structure and settles the focus, as [`run`](Self::run) does first.
+    /// Loads the scene, builds the acceleration structure and determines the focus: the first steps of
+    /// [`run`](Self::run).
     ///
     /// # Errors
-    /// A scene that cannot be read, numbers that no rig can have, a light field that does not fit into memory.
+    /// As [`run`](Self::run), except for rendering and writing; [`Error::BadRequest`] also if the light field does not
+    /// fit into memory, [`Error::Core`] if the rig is invalid.
     pub fn prepare(&self, diagnostics: &dyn Diagnostics) -> Result<Prepared, Error> {
         let wanted = Wanted::new(&self.spec);
         prepare(&self.source, &self.spec.rig, &self.engine, purpose(&self.spec, &wanted), diagnostics)
     }
 
-    /// What decides the job's files beside the options: scene, sky, versions. A manifest that says the same is of the same
-    /// job. `backend` is what [`Renderer::engine_name`](holo_render::Renderer::engine_name) says.
+    /// Returns what identifies the job in a manifest: digests of scene and sky, options, versions. Two manifests with
+    /// the same identity are of the same job. `backend` is
+    /// [`Renderer::engine_name`](holo_render::Renderer::engine_name).
     ///
     /// # Errors
-    /// A scene or a map that cannot be read.
+    /// [`Error::Io`] if the scene or the environment map cannot be read.
     pub fn identity(&self, backend: &str) -> Result<Manifest, Error> {
         let mut manifest = Manifest { seed: self.spec.seed, ..Manifest::default() };
         manifest.versions.insert("holo".into(), env!("CARGO_PKG_VERSION").into());
@@ -173,11 +178,11 @@ impl RenderJob {
             settings.insert("sky_sha256".into(), holo_io::hash_file(path)?.sha256.to_string().into());
         }
         let options = self.options.iter().map(|(name, value)| (name.clone(), value.as_str().into()));
-        settings.insert("options".into(), Setting::Table(options.collect()));
+        settings.insert("options".into(), ManifestValue::Table(options.collect()));
         Ok(manifest)
     }
 
-    /// Renders, all of it or a part.
+    /// Renders the complete light field or a shard.
     fn trace(
         &self,
         prepared: &Prepared,
@@ -192,17 +197,17 @@ impl RenderJob {
             request.lens_rows = Some(prepared.renderer.shard_lens_rows(&request, shard.part - 1, shard.of)?);
         }
         let mut rendered = prepared.renderer.render(&request, progress)?;
-        // Of all views fewer layers may be wanted than of the central one.
+        // The layers of all views may be fewer than those of the central view.
         let missing = wanted.central.without(rendered.central.set());
         if !missing.is_empty() {
             let mut more = Request::new(prepared.rig).integrator(Integrator::Depth).layers(missing);
             more.lens_rows.clone_from(&request.lens_rows);
             rendered.central.extend(prepared.renderer.render(&more, &())?.central);
         }
-        // What cannot be written is said before the rest is made.
+        // Before files are written.
         outputs(spec, rendered.color.is_some())?;
         if rendered.integrator == Integrator::Depth && request.integrator == Integrator::Auto {
-            let note = "note: the scene has no light, so there is no picture, only ground truth; try --sky 1,1,1";
+            let note = "note: the scene has no light sources, so there is no color, only ground truth; try --sky 1,1,1";
             diagnostics.report(About::Scene, note);
         }
         let manifest = self.manifest(&wanted, prepared, &rendered, &request)?;
@@ -217,7 +222,7 @@ impl RenderJob {
         parameters.center_cam = Some(CameraPose::from_gltf(pose.translation, right, up, back));
         parameters.scene = self.source.name();
         parameters.cycles_seed = i64::try_from(self.spec.seed).ok();
-        // Reproducible builds set this; without it files carry no date.
+        // Reproducible builds set this variable; without it files contain no date.
         if let Some(seconds) = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.parse::<i64>().ok()) {
             parameters.date = holo_io::date_from_epoch(seconds);
         }
@@ -238,15 +243,15 @@ impl RenderJob {
         settings.insert("integrator".into(), integrator_name(rendered.integrator).into());
         settings.insert("spp".into(), request.samples.into());
         if let Some(target) = request.target_error {
-            settings.insert("target-error".into(), Setting::Float(target));
+            settings.insert("target-error".into(), ManifestValue::Float(target));
         }
         if rendered.integrator == Integrator::Path {
             settings.insert("max-bounces".into(), request.max_bounces.into());
             settings.insert("roulette".into(), if request.roulette { "on" } else { "off" }.into());
             settings.insert("indirect".into(), if request.indirect { "on" } else { "off" }.into());
         }
-        let sky = request.sky.map(|c| Setting::Float(f64::from(c)));
-        settings.insert("sky".into(), Setting::List(sky.to_vec()));
+        let sky = request.sky.map(|c| ManifestValue::Float(f64::from(c)));
+        settings.insert("sky".into(), ManifestValue::List(sky.to_vec()));
         settings.insert("bit-depth".into(), u32::from(self.spec.bit_depth).into());
         settings.insert("layers".into(), wanted.names(rendered).into());
         let all = request.ground_truth == GroundTruth::All;
@@ -255,7 +260,7 @@ impl RenderJob {
     }
 }
 
-/// What the renderer keeps.
+/// The memory that the render needs.
 fn purpose<'a>(spec: &'a RenderSpec, wanted: &Wanted) -> Purpose<'a> {
     let color = if spec.integrator == Integrator::Depth { 0 } else { 3 };
     Purpose {
@@ -267,8 +272,8 @@ fn purpose<'a>(spec: &'a RenderSpec, wanted: &Wanted) -> Purpose<'a> {
 
 fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
     let integrator = match spec.integrator {
-        // Nobody asked for an image: no light needs to be traced.
-        Integrator::Auto if wants_no_image(spec, wanted) => Integrator::Depth,
+        // No requested output has color: no light needs to be traced.
+        Integrator::Auto if needs_no_color(spec, wanted) => Integrator::Depth,
         chosen => chosen,
     };
     let samples = spec.samples.unwrap_or(match (integrator, spec.target_error) {
@@ -292,7 +297,7 @@ fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
         .ground_truth(spec.ground_truth)
 }
 
-fn wants_no_image(spec: &RenderSpec, wanted: &Wanted) -> bool {
-    let shows = spec.outputs.contains(&Output::Exr) || images::needing_color(&spec.outputs).is_some();
-    !wanted.color && !spec.outputs.is_empty() && !shows
+fn needs_no_color(spec: &RenderSpec, wanted: &Wanted) -> bool {
+    let has_color = spec.outputs.contains(&Output::Exr) || images::needing_color(&spec.outputs).is_some();
+    !wanted.color && !spec.outputs.is_empty() && !has_color
 }

@@ -1,7 +1,8 @@
-//! Layers of a render: which are wanted, under which names they are written.
+//! Layers of a render: which are requested, and the names of their files.
 //!
-//! Every layer is a float map: `scene_<layer>.pfm` for the central view, a folder `<layer>` with one map a view for all
-//! views (`-` in a layer's name is `_` in a file's). `scene_central.exr` holds all of the central view at once.
+//! Every layer is written as a float map: `scene_<layer>.pfm` for the central view, and for all views a folder
+//! `<layer>` with one map a view (`-` in the name of a layer is `_` in a file name). `scene_central.exr` contains all
+//! layers of the central view.
 
 use std::path::PathBuf;
 
@@ -15,19 +16,19 @@ use crate::Error;
 use crate::output_folder::OutputFolder;
 use crate::spec::{LayerChoice, Output, RenderSpec};
 
-/// The name of the picture among the layers, in linear light.
+/// The name of linear color among the layers.
 const COLOR: &str = "color";
 
-/// Which layers are wanted.
+/// The layers that are requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Wanted {
-    /// To be written as float maps.
+    /// Layers to write as float maps.
     pub written: LayerSet,
-    /// To be known of the central view, whether they are written or not.
+    /// Layers to render of the central view.
     pub central: LayerSet,
-    /// To be known of all views.
+    /// Layers to render of all views.
     pub all: LayerSet,
-    /// Whether the picture is written as a float map too, where there is one.
+    /// Whether color is written as a float map too, where there is color.
     pub color: bool,
 }
 
@@ -43,7 +44,7 @@ impl Wanted {
                 written = written.union([layer].into());
             }
         }
-        // What the files of several layers hold.
+        // Files of several layers need more than those.
         let mut held = written;
         if spec.outputs.contains(&Output::H5) {
             held = held.union([Layer::Depth, Layer::RayLength, Layer::Disparity].into());
@@ -54,21 +55,21 @@ impl Wanted {
         let exr = spec.outputs.contains(&Output::Exr);
         Self {
             written,
-            // The range of disparities belongs to every dataset.
+            // The manifest of every render contains the disparity range.
             central: if exr { LayerSet::ALL } else { held.union([Layer::Disparity].into()) },
             all: if spec.ground_truth == GroundTruth::All { held } else { LayerSet::EMPTY },
             color: names_color(spec) || named.contains(&LayerChoice::All),
         }
     }
 
-    /// Their names, for the manifest.
+    /// The names of the written layers, for the manifest.
     pub(crate) fn names(&self, rendered: &Rendered) -> Vec<&'static str> {
         let color = (self.color && rendered.color.is_some()).then_some(COLOR);
         color.into_iter().chain(self.written.iter().map(Layer::name)).collect()
     }
 }
 
-/// Whether the picture is asked for by name, so that it cannot be left out.
+/// Whether color is requested by name, so that its absence is an error.
 pub(crate) fn names_color(spec: &RenderSpec) -> bool {
     spec.layers.contains(&LayerChoice::Color)
 }
@@ -81,7 +82,7 @@ fn layers(choice: LayerChoice) -> LayerSet {
     }
 }
 
-/// Writes all that `wanted` names, and the disparity's picture over the range `disparity_px`.
+/// Writes the layers of `wanted`, and disparity also as PNG over the range `disparity_px`.
 pub(crate) fn write(
     folder: &mut OutputFolder,
     wanted: &Wanted,
@@ -105,7 +106,7 @@ pub(crate) fn write(
     Ok(())
 }
 
-/// Writes the picture as float maps, of the central view and, if they are wanted, of all views.
+/// Writes color as float maps: of the central view, and with `all` of all views.
 pub(crate) fn write_color(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, all: bool) -> Result<(), Error> {
     write_central(folder, COLOR, central_view(color)?)?;
     if all { write_all_views(folder, COLOR, color) } else { Ok(()) }
@@ -116,7 +117,7 @@ pub(crate) fn central_view(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_
     Ok(field.view(t, s)?)
 }
 
-/// What the files of a layer have in their names.
+/// The part of a file name for a layer.
 fn file_part(name: &str) -> String {
     name.replace('-', "_")
 }
@@ -128,7 +129,7 @@ fn write_central(folder: &mut OutputFolder, name: &str, image: ArrayView3<f32>) 
     Ok(())
 }
 
-/// One PFM a view in a folder of its own, numbered as in the HCI layout: view row * columns + view column.
+/// Writes one PFM a view into a folder, numbered as in HCI folders: view row * columns + view column.
 fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwned<f32>) -> Result<(), Error> {
     let name = file_part(name);
     folder.subfolder(&name)?;
@@ -147,11 +148,11 @@ fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwne
     Ok(())
 }
 
-/// Grey or colour by the number of channels.
+/// Writes a PFM, gray or RGB by the number of channels.
 fn write_pfm(path: PathBuf, image: ArrayView3<f32>) -> Result<FileDigest, holo_io::Error> {
     match image.dim().2 {
         1 => holo_io::write_pfm(path, image.index_axis_move(Axis(2), 0)),
-        _ => holo_io::write_pfm_colour(path, image),
+        _ => holo_io::write_pfm_rgb(path, image),
     }
 }
 
@@ -159,7 +160,7 @@ fn write_pfm(path: PathBuf, image: ArrayView3<f32>) -> Result<FileDigest, holo_i
 mod tests {
     use super::*;
 
-    /// The two oldest files are called what everybody calls them.
+    /// Depth and disparity have the file names of [`dataset`].
     #[test]
     fn files_are_named_by_their_layer() {
         let file = |layer: Layer| format!("scene_{}.pfm", file_part(layer.name()));

@@ -5,9 +5,9 @@
 //! scenes x view counts     -> DatasetPlan -> <scene>/<S>x<T>/ each, dataset.json, DATASET.md
 //! ```
 //!
-//! A folder appears whole or not at all: its manifest, written last, has the digest of every file. A job that finds a
-//! folder that is what it would make leaves it alone, so that an interrupted dataset goes on where it was. One image may be
-//! split between machines ([`Shard`]) and put together by [`merge`]. [`verify`] checks what is on disk.
+//! A folder is complete when it has its manifest, which is written last and contains the digest of every file. A
+//! dataset job whose folder is up to date is skipped, so that an interrupted dataset can be continued. The work for one
+//! image can be distributed ([`Shard`]) and combined by [`merge`]. [`verify`] compares files with their digests.
 //!
 //! # Example
 //! ```

@@ -1,7 +1,7 @@
-//! Options as text: the words of the command line, in which manifests keep what a folder was made with.
+//! Specifications as text: the long options of the command line and their values, as manifests contain them.
 //!
-//! A later run compares them with its own to tell whether a folder is what it would make, and `merge` writes what its parts
-//! were asked for. Threads, the backend and the folder are not among them, for they decide no file.
+//! A later run compares them with its own to decide whether a folder is up to date, and `merge` takes the outputs to
+//! write from them. Threads, backend and output folder are not among them, because the files do not depend on them.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -14,10 +14,10 @@ use holo_render::{GroundTruth, Integrator, Layer};
 use crate::Error;
 use crate::spec::{Exposure, Focus, LayerChoice, Output, RenderSpec, Shard, Sky};
 
-/// Long names of the command line and their values.
+/// Long options of the command line, without `--`, and their values.
 pub type Options = BTreeMap<String, String>;
 
-/// What an environment map is called: its path is nobody's business, its digest stands elsewhere.
+/// The value of `sky` for an environment map: its path is private, and the manifest contains its digest.
 const MAP: &str = "map";
 
 /// Outputs and their names.
@@ -45,22 +45,22 @@ const SENSORS: [(Sensor, &str); 4] =
 
 const SKY_FORMS: &str = "give three numbers from 0 up, R,G,B, or an environment map: a file that ends in .hdr or .exr";
 
-/// The name of an integrator on the command line and in files.
+/// Returns the name of an integrator on the command line and in files.
 #[must_use]
 pub fn integrator_name(integrator: Integrator) -> &'static str {
     name_of(&INTEGRATORS, &integrator)
 }
 
-/// The integrator of that name.
+/// Returns the integrator of a name; `None` for an unknown name.
 #[must_use]
 pub fn integrator_from_name(name: &str) -> Option<Integrator> {
     named(&INTEGRATORS, name)
 }
 
-/// A sensor by name or size.
+/// Parses a sensor: a name such as `8k`, or a size `WIDTHxHEIGHT` in pixels.
 ///
 /// # Errors
-/// Neither a known name nor a size.
+/// A message with the accepted values, if the text is neither a known name nor a size.
 pub fn parse_sensor(text: &str) -> Result<Sensor, String> {
     let name = text.to_ascii_lowercase();
     match named(&SENSORS, &name) {
@@ -72,10 +72,10 @@ pub fn parse_sensor(text: &str) -> Result<Sensor, String> {
     }
 }
 
-/// A finite number above zero.
+/// Parses a finite number above 0.
 ///
 /// # Errors
-/// Anything else.
+/// A message with the accepted values, for any other text.
 pub fn parse_positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x > 0.0 && x.is_finite() => Ok(x),
@@ -83,10 +83,10 @@ pub fn parse_positive(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A finite number from zero up.
+/// Parses a finite number that is not negative.
 ///
 /// # Errors
-/// Anything else.
+/// A message with the accepted values, for any other text.
 pub fn parse_not_negative(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(x) if x >= 0.0 && x.is_finite() => Ok(x),
@@ -94,10 +94,10 @@ pub fn parse_not_negative(text: &str) -> Result<f64, String> {
     }
 }
 
-/// 8 or 16.
+/// Parses a bit depth, 8 or 16.
 ///
 /// # Errors
-/// Anything else.
+/// A message with the accepted values, for any other text.
 pub fn parse_bit_depth(text: &str) -> Result<u8, String> {
     match text {
         "8" => Ok(8),
@@ -109,7 +109,7 @@ pub fn parse_bit_depth(text: &str) -> Result<u8, String> {
 impl FromStr for Shard {
     type Err = String;
 
-    /// `K/N`.
+    /// Parses `K/N`, part K of N, counted from 1.
     fn from_str(text: &str) -> Result<Self, String> {
         let parsed = text.split_once('/').and_then(|(part, of)| Some((part.parse().ok()?, of.parse().ok()?)));
         match parsed {
@@ -122,7 +122,7 @@ impl FromStr for Shard {
 impl FromStr for Sky {
     type Err = String;
 
-    /// `R,G,B` or a file.
+    /// Parses `R,G,B`, or the path of a file that ends in `.hdr` or `.exr`.
     fn from_str(text: &str) -> Result<Self, String> {
         let lower = text.to_ascii_lowercase();
         if lower.ends_with(".hdr") || lower.ends_with(".exr") {
@@ -140,12 +140,12 @@ impl FromStr for Sky {
 impl FromStr for Focus {
     type Err = String;
 
-    /// `auto`, `inf` or meters.
+    /// Parses `auto`, `inf` or a distance in meters.
     fn from_str(text: &str) -> Result<Self, String> {
         match text {
             "auto" => Ok(Self::Automatic),
             "inf" => Ok(Self::Meters(f64::INFINITY)),
-            other => parse_positive(other).map(Self::Meters).map_err(|_| "give metres above 0, inf or auto".into()),
+            other => parse_positive(other).map(Self::Meters).map_err(|_| "give meters above 0, inf or auto".into()),
         }
     }
 }
@@ -153,20 +153,20 @@ impl FromStr for Focus {
 impl FromStr for Exposure {
     type Err = String;
 
-    /// `auto` or EV.
+    /// Parses `auto` or an exposure compensation in EV.
     fn from_str(text: &str) -> Result<Self, String> {
         match text {
             "auto" => Ok(Self::Automatic),
             other => match other.parse::<f64>() {
                 Ok(ev) if ev.abs() <= 100.0 => Ok(Self::Ev(ev)),
-                _ => Err("give stops between -100 and 100, or auto".into()),
+                _ => Err("give an EV between -100 and 100, or auto".into()),
             },
         }
     }
 }
 
 impl LayerChoice {
-    /// `color`, `all` or the name of a layer.
+    /// Parses `color`, `all` or the name of a layer; `None` for an unknown name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         match name {
@@ -176,7 +176,7 @@ impl LayerChoice {
         }
     }
 
-    /// Its name.
+    /// Returns the name on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -188,13 +188,13 @@ impl LayerChoice {
 }
 
 impl Output {
-    /// The output of that name.
+    /// Returns the output of a name; `None` for an unknown name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         named(&OUTPUTS, name)
     }
 
-    /// Its name on the command line.
+    /// Returns the name on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
         name_of(&OUTPUTS, &self)
@@ -202,7 +202,7 @@ impl Output {
 }
 
 impl RenderSpec {
-    /// The specification as text. An environment map is called `map`, whatever its path.
+    /// Returns the specification as text. The value of `sky` for an environment map is `map`, without its path.
     #[must_use]
     pub fn to_options(&self) -> Options {
         let rig = &self.rig;
@@ -210,7 +210,7 @@ impl RenderSpec {
         let mut set = |name: &str, value: String| drop(options.insert(name.to_owned(), value));
         let list = |names: Vec<&str>| names.join(",");
         match rig.lenses {
-            // Lenses stand instead of a sensor.
+            // The number of microlenses replaces a sensor.
             Some(lenses) => set("lenses", lenses.to_string()),
             None => set("sensor", sensor_text(rig.sensor)),
         }
@@ -273,11 +273,11 @@ impl RenderSpec {
         options
     }
 
-    /// The specification that such text describes; what it does not name has its default. A sky that is called `map` is
-    /// black: only its digest is known.
+    /// Parses a specification from text; missing options have their defaults. The sky `map` becomes black, because its
+    /// path is unknown.
     ///
     /// # Errors
-    /// [`Error::BadRequest`]: an unknown name, a value that does not read.
+    /// [`Error::BadRequest`] for an unknown option or an invalid value.
     pub fn from_options(options: &Options) -> Result<Self, Error> {
         let mut spec = Self::default();
         for (name, value) in options {
@@ -289,7 +289,7 @@ impl RenderSpec {
     fn set(&mut self, name: &str, value: &str) -> Result<(), String> {
         let size = |text: &str| text.parse().map_err(|why: ParseGridSizeError| why.to_string());
         fn number<T: FromStr>(text: &str) -> Result<T, String> {
-            text.parse().map_err(|_| "not such a number".to_owned())
+            text.parse().map_err(|_| "not a valid number".to_owned())
         }
         let rig = &mut self.rig;
         match name {
@@ -328,12 +328,12 @@ impl RenderSpec {
             }
             "bit-depth" => self.bit_depth = parse_bit_depth(value)?,
             "seed" => self.seed = number(value)?,
-            _ => return Err("no such option".into()),
+            _ => return Err("unknown option".into()),
         }
         Ok(())
     }
 
-    /// The file of the environment map, if there is one.
+    /// Returns the path of the environment map, if there is one.
     #[must_use]
     pub fn sky_map(&self) -> Option<&PathBuf> {
         match &self.sky {
@@ -343,7 +343,7 @@ impl RenderSpec {
     }
 }
 
-/// The same as pieces of a command line.
+/// Returns options as arguments of a command line. Options with the value `false` are omitted.
 pub fn arguments(options: &Options) -> impl Iterator<Item = String> {
     options.iter().filter(|(_, value)| *value != "false").map(|(name, value)| match value.as_str() {
         "true" => format!("--{name}"),
@@ -351,7 +351,7 @@ pub fn arguments(options: &Options) -> impl Iterator<Item = String> {
     })
 }
 
-/// Removes what is nobody's business from text as it was typed: the path of an environment map.
+/// Removes the path of an environment map from options, as [`RenderSpec::to_options`] does.
 #[must_use]
 pub fn without_paths(mut options: Options, spec: &RenderSpec) -> Options {
     if spec.sky_map().is_some() {
@@ -391,7 +391,7 @@ mod tests {
     use holo_core::GridSize;
 
     #[test]
-    fn a_specification_comes_back_from_its_text() {
+    fn a_specification_reads_back_from_its_text() {
         let rig = RigSpec {
             views: GridSize::new(2, 3),
             lenses: Some(GridSize::new(4, 5)),
@@ -432,8 +432,8 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_read_is_named() {
-        for (name, value, part) in [("spp", "x", "--spp=x"), ("zzz", "1", "no such option"), ("write", "el,x", "'x'")] {
+    fn invalid_options_are_named() {
+        for (name, value, part) in [("spp", "x", "--spp=x"), ("zzz", "1", "unknown option"), ("write", "el,x", "'x'")] {
             let error = RenderSpec::from_options(&Options::from([(name.to_owned(), value.to_owned())])).unwrap_err();
             assert!(error.to_string().contains(part), "{error}");
             assert!(error.is_bad_request());
@@ -441,7 +441,7 @@ mod tests {
     }
 
     #[test]
-    fn words_and_numbers() {
+    fn values_are_parsed() {
         assert_eq!("inf".parse(), Ok(Focus::Meters(f64::INFINITY)));
         assert!("0".parse::<Focus>().is_err() && "nan".parse::<Focus>().is_err());
         assert_eq!("-1.5".parse(), Ok(Exposure::Ev(-1.5)));

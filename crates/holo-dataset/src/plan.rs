@@ -1,9 +1,9 @@
-//! A dataset: scenes times view counts, a job each; which jobs there are, in which order, and which of them are done.
+//! The plan of a dataset: a job for every scene and every number of views, their order, and which of them are done.
 
 use std::path::{Path, PathBuf};
 
 use holo_core::{GridSize, LightFieldShape, Remainder};
-use holo_io::{Manifest, Setting, dataset};
+use holo_io::{Manifest, ManifestValue, dataset};
 use holo_render::{Progress, Renderer};
 use holo_scene::gallery;
 
@@ -16,58 +16,60 @@ use crate::source::SceneSource;
 use crate::spec::{EngineSpec, RenderSpec};
 use crate::{Error, describe, prepare};
 
-/// A dataset as it is planned.
+/// The plan of a dataset: its jobs in order.
 #[derive(Clone, Debug)]
 pub struct DatasetPlan {
-    /// What all jobs have in common; its views are replaced by those of each job.
+    /// The specification of all jobs, except for the number of views.
     pub spec: RenderSpec,
-    /// The words of `spec` that were typed, for manifests and the description.
+    /// The options of `spec` that were requested, for manifests and `dataset.json`.
     pub options: Options,
-    /// With which backend, on how many threads.
+    /// The ray tracing backend and the number of threads.
     pub engine: EngineSpec,
-    /// The jobs, scene by scene: the same list on every machine.
+    /// The jobs, scene by scene; the same list on every machine.
     pub jobs: Vec<DatasetJob>,
 }
 
-/// One scene with one number of views.
+/// A job of a dataset: one scene with one number of views.
 #[derive(Clone, Debug)]
 pub struct DatasetJob {
-    /// Views and lenses.
+    /// Numbers of views and microlenses.
     pub shape: LightFieldShape,
-    /// What to do.
+    /// The render.
     pub render: RenderJob,
 }
 
-/// What became of a job.
+/// The outcome of a job.
 #[derive(Clone, Debug)]
 pub enum JobOutcome {
-    /// It was rendered, for the reason given, if its folder held an older result.
+    /// It was rendered; the reason if its folder contained an older result.
     Made(Box<RenderReport>, Option<String>),
-    /// Its folder held what it would make.
+    /// Its folder is up to date.
     Kept(Box<Manifest>),
 }
 
 impl DatasetJob {
-    /// As in `garden 20x20`.
+    /// Returns the name of the job, such as `garden 20x20` with views as columns x rows.
     #[must_use]
     pub fn name(&self) -> String {
         format!("{} {}", self.render.source.name(), self.shape.views())
     }
 
-    /// Its folder in the root of the dataset.
+    /// Returns the folder of the job, relative to the root of the dataset.
     ///
     /// # Errors
-    /// A scene whose name can be no folder.
+    /// [`Error::Io`] if the name of the scene cannot be a folder name.
     pub fn folder(&self) -> Result<PathBuf, Error> {
         Ok(dataset::folder(&self.render.source.name(), self.shape.views())?)
     }
 }
 
 impl DatasetPlan {
-    /// Plans a job for every source and every number of views. `options` are the words of `spec` that were typed.
+    /// Plans a job for every source and every number of views. `options` are the options of `spec` that were requested.
     ///
     /// # Errors
-    /// A specification that contradicts itself; the same views or two scenes of one name; a sensor too small.
+    /// [`Error::BadRequest`] if the specification contradicts itself, there is no scene, or views or scene names
+    /// repeat; [`Error::Core`] if the sensor has fewer pixels than views; [`Error::Io`] if the name of a scene cannot
+    /// be a folder name.
     pub fn new(
         sources: &[SceneSource],
         views: &[GridSize],
@@ -77,22 +79,22 @@ impl DatasetPlan {
     ) -> Result<Self, Error> {
         validate(&spec)?;
         check_names(sources)?;
-        let mut splits: Vec<LightFieldShape> = Vec::new();
+        let mut shapes: Vec<LightFieldShape> = Vec::new();
         for &views in views {
-            if splits.iter().any(|shape| shape.views() == views) {
-                return Err(Error::BadRequest(format!("--views has {} twice", views)));
+            if shapes.iter().any(|shape| shape.views() == views) {
+                return Err(Error::BadRequest(format!("--splits has {} twice", views)));
             }
-            splits.push(spec.rig.sensor.divide(views, Remainder::Crop)?.shape);
+            shapes.push(spec.rig.sensor.divide(views, Remainder::Crop)?.shape);
         }
         let mut jobs = Vec::new();
         for source in sources {
-            for &shape in &splits {
+            for &shape in &shapes {
                 let mut spec = spec.clone();
                 spec.rig.views = shape.views();
-                let mut words = spec.to_options();
-                words.extend(options.clone());
-                words.insert("views".into(), shape.views().to_string());
-                let render = RenderJob::new(source.clone(), spec).with_options(words).with_engine(engine);
+                let mut texts = spec.to_options();
+                texts.extend(options.clone());
+                texts.insert("views".into(), shape.views().to_string());
+                let render = RenderJob::new(source.clone(), spec).with_options(texts).with_engine(engine);
                 jobs.push(DatasetJob { shape, render });
             }
         }
@@ -100,10 +102,10 @@ impl DatasetPlan {
         Ok(Self { spec, options, engine, jobs })
     }
 
-    /// The ray tracing backend of all jobs and its version, as manifests name it.
+    /// Returns the ray tracing backend of all jobs with its version, as manifests contain it.
     ///
     /// # Errors
-    /// A backend that cannot be had.
+    /// [`Error::Render`] if the requested backend is not available.
     pub fn backend(&self, diagnostics: &dyn Diagnostics) -> Result<String, Error> {
         let empty = holo_scene::Scene::default();
         let renderer = Renderer::new(&empty, &holo_scene::Transform::IDENTITY, self.engine.backend, 1)?;
@@ -111,11 +113,11 @@ impl DatasetPlan {
         Ok(renderer.engine_name().to_owned())
     }
 
-    /// Makes the root and writes `dataset.json` and `DATASET.md` into it, so that a dataset that is half done can be checked
-    /// too.
+    /// Creates the root folder and writes `dataset.json` and `DATASET.md` into it: before the jobs, so that an
+    /// unfinished dataset can be verified too.
     ///
     /// # Errors
-    /// Files that cannot be written.
+    /// [`Error::Failed`] or [`Error::Io`] if folder or files cannot be written.
     pub fn describe(&self, root: &Path, backend: &str, rollback: &Rollback) -> Result<(), Error> {
         let folder = OutputFolder::create_plain(root, rollback)?;
         let jobs: Vec<_> = self.jobs.iter().map(|job| (&job.render.source, job.shape)).collect();
@@ -124,7 +126,7 @@ impl DatasetPlan {
         Ok(())
     }
 
-    /// Does one job below `root`, or finds that it is done.
+    /// Runs one job in its folder below `root`, unless the folder is up to date.
     ///
     /// # Errors
     /// As [`RenderJob::run`].
@@ -147,10 +149,10 @@ impl DatasetPlan {
     }
 }
 
-/// The scenes of a dataset: those of the gallery by name (`None`: all), then files.
+/// Returns the scenes of a dataset: scenes of the gallery by name (`None`: all), then files.
 ///
 /// # Errors
-/// No such scene, no such file.
+/// [`Error::BadRequest`] if the gallery has no scene of a name; [`Error::Failed`] if a file does not exist.
 pub fn sources(names: Option<&[String]>, files: &[PathBuf]) -> Result<Vec<SceneSource>, Error> {
     let names: Vec<&str> = match names {
         None => gallery::NAMES.to_vec(),
@@ -159,33 +161,33 @@ pub fn sources(names: Option<&[String]>, files: &[PathBuf]) -> Result<Vec<SceneS
     let mut sources = names.into_iter().map(SceneSource::gallery).collect::<Result<Vec<_>, _>>()?;
     for path in files {
         if !path.is_file() {
-            return Err(Error::Failed(format!("{}: there is no such scene; see --glb", path.display())));
+            return Err(Error::Failed(format!("{}: there is no such scene file; see --glb", path.display())));
         }
         sources.push(SceneSource::File(path.clone()));
     }
     Ok(sources)
 }
 
-/// Every scene needs a folder of its own.
+/// Checks that every scene has a unique folder.
 fn check_names(sources: &[SceneSource]) -> Result<(), Error> {
     for (index, source) in sources.iter().enumerate() {
         let name = source.name();
         if sources[..index].iter().any(|other| other.name() == name) {
             return Err(Error::BadRequest(format!(
-                "two scenes are called '{name}', and would share a folder; rename one"
+                "two scenes have the name '{name}' and would share a folder; rename one"
             )));
         }
-        // A name that can be no folder is said before anything is made.
+        // Before anything is rendered.
         dataset::folder(&name, GridSize::new(1, 1))?;
     }
     if sources.is_empty() {
-        return Err(Error::BadRequest("no scene: leave --scenes away for all of the gallery, or give --glb".into()));
+        return Err(Error::BadRequest("no scene: omit --scenes for all scenes of the gallery, or give --glb".into()));
     }
     Ok(())
 }
 
-/// The manifest of a job that is done: the same scene, options and versions, and every file as its digest says. Else why
-/// an older result does not count, if there is one.
+/// Returns the manifest of a job that is done: with the same scene, options and versions, and with every file as its
+/// digest. The error is why an older result is not up to date, if there is one.
 fn done(folder: &Path, identity: &Manifest) -> Result<Manifest, Option<String>> {
     let path = folder.join(dataset::MANIFEST_JSON);
     let manifest = match Manifest::read(&path) {
@@ -199,12 +201,12 @@ fn done(folder: &Path, identity: &Manifest) -> Result<Manifest, Option<String>> 
     if let Some(mismatch) = manifest.verify(folder).first() {
         return Err(Some(mismatch.to_string()));
     }
-    // A run may have been killed when it had only this left to do.
+    // A run may have been killed before this last step.
     clear_older(folder, &manifest);
     Ok(manifest)
 }
 
-/// What an older result was made with that this job is not.
+/// The first difference between the manifest of an older result and the identity of a job.
 fn difference(manifest: &Manifest, identity: &Manifest) -> Option<String> {
     let text = |value: Option<&String>| value.map_or_else(|| "unknown".to_owned(), Clone::clone);
     for (name, version) in &identity.versions {
@@ -224,7 +226,7 @@ fn difference(manifest: &Manifest, identity: &Manifest) -> Option<String> {
         return Some(match (name.as_str(), own, value) {
             ("scene_sha256", ..) => "the scene has changed".into(),
             ("sky_sha256", ..) => "the environment map has changed".into(),
-            (_, Some(Setting::Table(own)), Setting::Table(value)) => {
+            (_, Some(ManifestValue::Table(own)), ManifestValue::Table(value)) => {
                 let keys = value.keys().chain(own.keys());
                 let changed = keys.into_iter().find(|key| own.get(*key) != value.get(*key));
                 changed.map_or_else(|| "its options differ".into(), |key| format!("--{key} has changed"))

@@ -1,4 +1,4 @@
-//! From a specification to a renderer and a rig.
+//! The preparation of a render: scene, camera, renderer and rig.
 
 use std::path::Path;
 use std::time::Instant;
@@ -13,37 +13,37 @@ use crate::source::SceneSource;
 use crate::spec::{EngineSpec, Focus, RigSpec};
 use crate::{Error, sky};
 
-/// A scene ready to be rendered.
+/// A scene that is ready to be rendered.
 pub struct Prepared {
-    /// The scene and what its file says.
+    /// The scene, and warnings about its file.
     pub loaded: Loaded,
-    /// The camera.
+    /// The camera and its position.
     pub framed: Framed,
-    /// The scene with its acceleration structure.
+    /// The renderer with the acceleration structure of the scene.
     pub renderer: Renderer,
-    /// The cameras of all views.
+    /// The rig.
     pub rig: Rig,
-    /// Wall-clock time that reading the scene took.
+    /// Wall-clock time of reading the scene, s.
     pub load_seconds: f64,
-    /// Wall-clock time that building the acceleration structure took.
+    /// Wall-clock time of building the acceleration structure, s.
     pub build_seconds: f64,
 }
 
-/// What a command is going to do with the scene.
+/// The environment and the memory of a render.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Purpose<'a> {
-    /// An environment map to put around it.
+    /// The file of an environment map.
     pub sky: Option<&'a Path>,
-    /// What will be kept of every sample of the light field, bytes.
+    /// Memory of every sample of the light field, bytes.
     pub sample_bytes: usize,
-    /// What will be kept of every pixel of the central view, bytes.
+    /// Memory of every pixel of the central view, bytes.
     pub lens_bytes: usize,
 }
 
-/// Loads and frames the scene, builds the acceleration structure and settles the focus.
+/// Loads the scene, chooses its camera, builds the acceleration structure and determines the focus.
 ///
 /// # Errors
-/// A scene that cannot be read, numbers that no rig can have, a light field that does not fit into memory.
+/// A scene that cannot be read, an invalid rig, a light field that does not fit into memory.
 pub(crate) fn prepare(
     source: &SceneSource,
     rig: &RigSpec,
@@ -76,7 +76,7 @@ pub(crate) fn prepare(
         .baseline(baseline)
         .projection(rig.projection);
     let framed = framing.frame(&loaded.scene).map_err(|e| match e {
-        // Nobody chose this camera: it is the file that has none that will do.
+        // No camera was requested: the file has no suitable one.
         holo_render::Error::BadSetting(why) if rig.camera.is_none() => Error::Failed(named(scene, &why)),
         other => blame(scene, other),
     })?;
@@ -105,11 +105,12 @@ pub(crate) fn prepare(
 }
 
 impl SceneSource {
-    /// Loads and frames the scene, builds the acceleration structure and settles the focus, ready for depth and disparity of
-    /// the central view.
+    /// Loads the scene, chooses its camera, builds the acceleration structure and determines the focus, for rendering
+    /// depth and disparity of the central view.
     ///
     /// # Errors
-    /// A scene that cannot be read, numbers that no rig can have.
+    /// [`Error::Failed`] if the scene cannot be read or its camera is unsuitable; [`Error::BadRequest`] and
+    /// [`Error::Core`] if the rig is invalid; [`Error::Render`] if the backend is not available.
     pub fn prepare(
         &self,
         rig: &RigSpec,
@@ -121,14 +122,14 @@ impl SceneSource {
     }
 }
 
-/// Reports which backend stands in for the one that was requested.
+/// Reports if another backend is used than the requested one.
 pub(crate) fn report_backend(renderer: &Renderer, diagnostics: &dyn Diagnostics) {
     if let Some(note) = renderer.engine_note() {
         diagnostics.report(About::Setup, &format!("warning: {note}"));
     }
 }
 
-/// A number chooses by index unless a camera has that very name.
+/// The choice of the camera: a number is an index, unless a camera has that name.
 fn camera(requested: Option<&String>, loaded: &Loaded) -> CameraChoice {
     let Some(text) = requested else { return CameraChoice::First };
     match text.parse::<usize>() {
@@ -137,7 +138,7 @@ fn camera(requested: Option<&String>, loaded: &Loaded) -> CameraChoice {
     }
 }
 
-/// The failure behind an error; numbers that come from the scene file, alone or with the options, name it.
+/// Converts an error of the renderer. If it may be caused by numbers of the scene file, its message names the file.
 fn blame(scene: &Path, error: holo_render::Error) -> Error {
     let numbers = matches!(error, holo_render::Error::Scene(_) | holo_render::Error::Core(_));
     match Error::from(error) {
@@ -146,14 +147,13 @@ fn blame(scene: &Path, error: holo_render::Error) -> Error {
     }
 }
 
-/// A message that begins with the name of the scene file, once.
+/// A message with the path of a file in front, unless it begins with that already.
 fn named(scene: &Path, message: &str) -> String {
     let name = scene.display().to_string();
     if message.starts_with(&format!("{name}: ")) { message.into() } else { format!("{name}: {message}") }
 }
 
-/// Asks for the memory that a render will need and gives it back untouched, so that impossible sizes are refused before
-/// any time is spent on them.
+/// Allocates the memory that a render needs and frees it untouched, so that impossible sizes are refused first.
 fn validate_memory(shape: &LightFieldShape, purpose: Purpose) -> Result<(), Error> {
     /// Room for tables over the rows and columns of lenses and views.
     const LINE_BYTES: usize = 64;
@@ -168,12 +168,12 @@ fn validate_memory(shape: &LightFieldShape, purpose: Purpose) -> Result<(), Erro
     );
     let mut room = Vec::<u8>::new();
     let refused = room.try_reserve_exact(bytes).is_err();
-    // Unseen, a compiler may leave out the request.
+    // Otherwise the compiler may remove the allocation.
     std::hint::black_box(&room);
     if refused {
         return Err(Error::BadRequest(format!(
-            "a light field of {} x {} views of {} x {} px ({} x {} in all) needs {:.0} GB of memory, more than there is; \
-             use fewer views or lenses",
+            "a light field of {} x {} views of {} x {} px ({} x {} in all) needs {:.0} GB of memory, more than there \
+             is; use fewer views or lenses",
             views.columns,
             views.rows,
             lenses.columns,

@@ -1,17 +1,17 @@
-//! A part of a picture: some rows of its lenses, as float maps that lose nothing, in a folder for `holo merge`.
+//! Shards of an image: some of its lens rows as exact float maps, in a folder that `holo merge` reads.
 //!
-//! | file | what |
+//! | file | contents |
 //! |---|---|
-//! | `color.pfm` | linear radiance, the lens rows of the elemental grid |
-//! | `central_LAYER.pfm`, `all_LAYER.pfm` | layers of the central view, and of all views as an elemental grid |
-//! | `parameters.cfg`, `manifest.json` | as in the whole, and in the manifest which part it is |
+//! | `color.pfm` | linear radiance: lens rows of the elemental image array |
+//! | `central_LAYER.pfm`, `all_LAYER.pfm` | layers of the central view, and of all views as an elemental image array |
+//! | `parameters.cfg`, `manifest.json` | as of the complete image; the manifest also contains the number of the shard |
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use holo_core::{GridSize, LightField, LightFieldOwned, LightFieldShape};
-use holo_io::{FileDigest, Limits, Manifest, ParametersCfg, Setting, dataset};
+use holo_io::{FileDigest, Limits, Manifest, ManifestValue, ParametersCfg, dataset};
 use holo_render::{Integrator, Layer, Layers, RayCounts, Rendered};
 use ndarray::{Array3, ArrayView3, Axis, Slice};
 
@@ -24,7 +24,7 @@ use crate::spec::{RenderSpec, Shard};
 
 const COLOR: &str = "color.pfm";
 
-/// The key in a manifest's settings that makes it one of a part.
+/// The key in the settings of a manifest that identifies a shard.
 const PART: &str = "part";
 
 fn central_file(layer: Layer) -> String {
@@ -35,7 +35,7 @@ fn all_file(layer: Layer) -> String {
     format!("all_{}.pfm", layer.name())
 }
 
-/// Writes a part.
+/// Writes a shard.
 pub(crate) fn write(traced: Traced, shard: Shard, mut folder: OutputFolder) -> Result<Finished, Error> {
     let Traced { rendered, mut manifest, parameters, .. } = traced;
     folder.unseal()?;
@@ -61,18 +61,18 @@ pub(crate) fn write(traced: Traced, shard: Shard, mut folder: OutputFolder) -> R
 fn write_pfm(path: &Path, image: ArrayView3<f32>) -> Result<FileDigest, Error> {
     Ok(match image.dim().2 {
         1 => holo_io::write_pfm(path, image.index_axis(Axis(2), 0))?,
-        _ => holo_io::write_pfm_colour(path, image)?,
+        _ => holo_io::write_pfm_rgb(path, image)?,
     })
 }
 
-/// The elemental grid, which is the memory as it lies.
+/// The elemental image array, which has the memory order of the render.
 fn grid(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_, f32>, Error> {
-    field
-        .as_elemental_grid()
-        .ok_or_else(|| Error::Failed("the picture does not lie in memory as it is rendered".into()))
+    field.as_elemental_grid().ok_or_else(|| {
+        Error::Failed("the light field does not have the memory order of an elemental image array".into())
+    })
 }
 
-/// Which part it is, and what only its render knew.
+/// The number of a shard, and the statistics of its render.
 struct Label {
     shard: Shard,
     rays: [u64; 3],
@@ -86,26 +86,26 @@ impl Label {
         Self { shard, rays: [primary, shadow, secondary], samples: rendered.samples, why: rendered.why.clone() }
     }
 
-    fn setting(&self) -> Setting {
-        let count = |count: u64| Setting::Integer(i64::try_from(count).unwrap_or(i64::MAX));
-        Setting::Table(BTreeMap::from([
+    fn setting(&self) -> ManifestValue {
+        let count = |count: u64| ManifestValue::Integer(i64::try_from(count).unwrap_or(i64::MAX));
+        ManifestValue::Table(BTreeMap::from([
             ("number".to_owned(), self.shard.part.into()),
             ("of".to_owned(), self.shard.of.into()),
-            ("rays".to_owned(), Setting::List(self.rays.map(count).to_vec())),
+            ("rays".to_owned(), ManifestValue::List(self.rays.map(count).to_vec())),
             ("samples".to_owned(), count(self.samples)),
             ("why".to_owned(), self.why.clone().into()),
         ]))
     }
 
-    fn read(setting: &Setting) -> Option<Self> {
-        let Setting::Table(table) = setting else { return None };
-        let count = |setting: &Setting| match setting {
-            Setting::Integer(count) => u64::try_from(*count).ok(),
+    fn read(setting: &ManifestValue) -> Option<Self> {
+        let ManifestValue::Table(table) = setting else { return None };
+        let count = |setting: &ManifestValue| match setting {
+            ManifestValue::Integer(count) => u64::try_from(*count).ok(),
             _ => None,
         };
         let number = |name: &str| usize::try_from(count(table.get(name)?)?).ok();
         let shard = Shard { part: number("number")?, of: number("of")? };
-        let Setting::List(rays) = table.get("rays")? else { return None };
+        let ManifestValue::List(rays) = table.get("rays")? else { return None };
         let rays: Vec<u64> = rays.iter().map(count).collect::<Option<_>>()?;
         let why = table.get("why")?.as_text()?.to_owned();
         let is_one = (1..=shard.of).contains(&shard.part);
@@ -113,18 +113,19 @@ impl Label {
     }
 }
 
-/// A part's manifest and label, without its pixels.
+/// An open shard: its manifest and label, without its pixels.
 struct Part<'a> {
     folder: &'a Path,
     manifest: Manifest,
     label: Label,
 }
 
-/// Puts the shards of an image together: `parts` are the folders that they were rendered into, in any order. Returns the
-/// names of the files in `out`.
+/// Merges the shards of an image into the folder `out`. `parts` are the folders of the shards, in any order. Returns
+/// the names of the files in `out`.
 ///
 /// # Errors
-/// Parts that are damaged, missing, given twice, or of different images; files that cannot be written.
+/// [`Error::BadRequest`] if a folder is no shard, or if a shard is missing or given twice; [`Error::Failed`] if shards
+/// are damaged or of different images; [`Error::Io`] if files cannot be read or written.
 pub fn merge(out: &Path, parts: &[PathBuf], rollback: &Rollback) -> Result<Vec<String>, Error> {
     let folder = OutputFolder::create(out, rollback)?;
     let (traced, spec) = read(parts)?;
@@ -132,11 +133,7 @@ pub fn merge(out: &Path, parts: &[PathBuf], rollback: &Rollback) -> Result<Vec<S
     Ok(files::write(&spec, traced, exposure_ev, folder)?.files)
 }
 
-/// Reads parts and puts them together.
-///
-/// # Errors
-///
-/// Parts that are damaged, missing, there twice, or of different pictures.
+/// Reads and merges shards; errors as [`merge`].
 pub(crate) fn read(folders: &[PathBuf]) -> Result<(Traced, RenderSpec), Error> {
     let mut parts = folders.iter().map(|folder| open(folder)).collect::<Result<Vec<_>, _>>()?;
     parts.sort_by_key(|part| part.label.shard.part);
@@ -164,7 +161,8 @@ pub(crate) fn read(folders: &[PathBuf]) -> Result<(Traced, RenderSpec), Error> {
             all.extend([(layer, gather(&parts, &name, shape, layer.channels())?)]);
         }
     }
-    let integrator = manifest.settings.get("integrator").and_then(Setting::as_text).and_then(integrator_from_name);
+    let integrator =
+        manifest.settings.get("integrator").and_then(ManifestValue::as_text).and_then(integrator_from_name);
     let integrator = integrator.unwrap_or(Integrator::Depth);
     let sum = |of: fn(&Label) -> u64| parts.iter().map(|part| of(&part.label)).sum();
     let rays = RayCounts { primary: sum(|l| l.rays[0]), shadow: sum(|l| l.rays[1]), secondary: sum(|l| l.rays[2]) };
@@ -174,11 +172,11 @@ pub(crate) fn read(folders: &[PathBuf]) -> Result<(Traced, RenderSpec), Error> {
     Ok((Traced { rendered, wanted, rig, manifest, parameters }, spec))
 }
 
-/// What the parts were asked to write. The light is in them already, so the sky may be unknown.
+/// The specification of the shards. Their color is rendered already, so the sky need not be known.
 fn spec(manifest: &Manifest) -> Result<RenderSpec, Error> {
-    let unknown = || Error::Failed("the parts do not say what they were rendered with".into());
-    let Some(Setting::Table(options)) = manifest.settings.get("options") else { return Err(unknown()) };
-    let text = |(name, value): (&String, &Setting)| Some((name.clone(), value.as_text()?.to_owned()));
+    let unknown = || Error::Failed("the manifests of the parts do not contain their options".into());
+    let Some(ManifestValue::Table(options)) = manifest.settings.get("options") else { return Err(unknown()) };
+    let text = |(name, value): (&String, &ManifestValue)| Some((name.clone(), value.as_text()?.to_owned()));
     let options: Option<_> = options.iter().map(text).collect();
     RenderSpec::from_options(&options.ok_or_else(unknown)?)
 }
@@ -188,17 +186,17 @@ fn open(folder: &Path) -> Result<Part<'_>, Error> {
     let label = manifest.settings.get(PART).and_then(Label::read).ok_or_else(|| {
         Error::BadRequest(format!("{}: not a part; `holo render --shard K/N` makes parts", folder.display()))
     })?;
-    let problems = manifest.verify(folder);
-    match problems.first() {
-        Some(problem) => {
+    let mismatches = manifest.verify(folder);
+    match mismatches.first() {
+        Some(mismatch) => {
             let Shard { part, of } = label.shard;
-            Err(Error::Failed(format!("{}: {problem}; render it again with --shard {part}/{of}", folder.display())))
+            Err(Error::Failed(format!("{}: {mismatch}; render it again with --shard {part}/{of}", folder.display())))
         }
         None => Ok(Part { folder, manifest, label }),
     }
 }
 
-/// What the manifests of all parts say alike.
+/// The manifest that all shards have in common.
 fn same(parts: &[Part<'_>]) -> Result<Manifest, Error> {
     let plain = |part: &Part<'_>| {
         let mut manifest = Manifest { files: BTreeMap::new(), ..part.manifest.clone() };
@@ -210,7 +208,7 @@ fn same(parts: &[Part<'_>]) -> Result<Manifest, Error> {
     for part in &parts[1..] {
         if part.label.shard.of != of || plain(part) != first {
             return Err(Error::Failed(format!(
-                "{} and {} are parts of different pictures: scene, options, versions and N must be the same",
+                "{} and {} are parts of different images: scene, options, versions and N must be the same",
                 parts[0].folder.display(),
                 part.folder.display()
             )));
@@ -228,7 +226,7 @@ fn same(parts: &[Part<'_>]) -> Result<Manifest, Error> {
     Ok(first)
 }
 
-/// One array of all parts.
+/// Reads one array of all shards as a light field.
 fn gather(
     parts: &[Part<'_>],
     name: &str,
@@ -243,17 +241,17 @@ fn gather(
         let path = part.folder.join(name);
         let image = holo_io::read_pfm(&path, &Limits::default())?.values;
         let (rows, columns, found) = image.dim();
-        let rows_of_lenses: Range<usize> = first..first + rows / views.rows;
-        if rows % views.rows != 0 || rows_of_lenses.end > lenses.rows || (columns, found) != (size.columns, channels) {
-            let what = format!("{}: {columns} x {rows} pixels are no rows of this picture", path.display());
+        let lens_rows: Range<usize> = first..first + rows / views.rows;
+        if rows % views.rows != 0 || lens_rows.end > lenses.rows || (columns, found) != (size.columns, channels) {
+            let what = format!("{}: {columns} x {rows} pixels are not lens rows of this image", path.display());
             return Err(Error::Failed(what));
         }
         let place = Slice::from(first * views.rows..first * views.rows + rows);
         grid.slice_axis_mut(Axis(0), place).assign(&image);
-        first = rows_of_lenses.end;
+        first = lens_rows.end;
     }
     if first != lenses.rows {
-        return Err(Error::Failed(format!("{name}: the parts have {first} of {} rows of lenses", lenses.rows)));
+        return Err(Error::Failed(format!("{name}: the parts have {first} of {} lens rows", lenses.rows)));
     }
     Ok(LightField::from_elemental_grid(grid, shape)?)
 }

@@ -1,4 +1,4 @@
-//! Where a scene comes from: a file, or the gallery.
+//! The sources of scenes: files and the gallery.
 
 use std::path::{Path, PathBuf};
 
@@ -8,20 +8,20 @@ use holo_scene::gltf::{self, Limits, Loaded};
 
 use crate::Error;
 
-/// A scene that can be loaded.
+/// The source of a scene.
 #[derive(Clone, Debug)]
 pub enum SceneSource {
-    /// A `.glb` or `.gltf`.
+    /// A `.glb` or `.gltf` file.
     File(PathBuf),
-    /// One of the gallery, as the `.glb` that `holo scene` writes: whoever renders that gets the same picture.
+    /// A scene of the gallery: its name, and the `.glb` that `holo scene` writes, so that both give the same image.
     Gallery(&'static str, Vec<u8>),
 }
 
 impl SceneSource {
-    /// The scene of the gallery that has this name.
+    /// Creates a scene of the gallery by its name.
     ///
     /// # Errors
-    /// [`Error::BadRequest`]: no such scene.
+    /// [`Error::BadRequest`] if there is no such scene.
     pub fn gallery(name: &str) -> Result<Self, Error> {
         let known = gallery::NAMES.iter().find(|known| **known == name);
         let (name, scene) = known.and_then(|known| Some((*known, gallery::scene(known)?))).ok_or_else(|| {
@@ -31,7 +31,7 @@ impl SceneSource {
         Ok(Self::Gallery(name, gltf::to_glb(&scene)?))
     }
 
-    /// What to call it in messages: the file's path, or the scene's name.
+    /// Returns the path of the file, or the name of the gallery scene, for messages.
     #[must_use]
     pub fn path(&self) -> &Path {
         match self {
@@ -40,16 +40,16 @@ impl SceneSource {
         }
     }
 
-    /// Its name: that of the file without its ending.
+    /// Returns the name of the scene: the file name without its extension, or the name in the gallery.
     #[must_use]
     pub fn name(&self) -> String {
         self.path().file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
     }
 
-    /// The digest of the file.
+    /// Computes the digest of the file, or of the `.glb` of the gallery scene.
     ///
     /// # Errors
-    /// A file that cannot be read.
+    /// [`Error::Io`] if the file cannot be read.
     pub fn sha256(&self) -> Result<Sha256, Error> {
         Ok(match self {
             Self::File(path) => holo_io::hash_file(path)?.sha256,
@@ -57,10 +57,10 @@ impl SceneSource {
         })
     }
 
-    /// Reads the scene.
+    /// Loads the scene.
     ///
     /// # Errors
-    /// A file that cannot be read or breaks the rules of glTF.
+    /// An error of `holo-scene` if the file cannot be read or is not valid glTF.
     pub fn load(&self) -> Result<Loaded, holo_scene::Error> {
         match self {
             Self::File(path) => gltf::load(path, &Limits::default()),

@@ -1,4 +1,4 @@
-//! What to render: everything that decides, with the scene, the files of one render.
+//! Specifications: everything that determines the files of a render, together with the scene.
 
 use std::path::PathBuf;
 
@@ -6,33 +6,33 @@ use holo_core::{GridSize, Projection, Sensor};
 use holo_io::MatOrder;
 use holo_render::{GroundTruth, Integrator, Layer};
 
-/// What to render and what to write. The defaults are those of the command line: the paper's 8K sensor, 100 x 100 views.
+/// The specification of a render and its output. The defaults are those of the command line: 8K sensor, 100 x 100
+/// views.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderSpec {
-    /// The cameras.
+    /// Specification of the rig.
     pub rig: RigSpec,
-    /// How light is modelled.
+    /// The integrator.
     pub integrator: Integrator,
-    /// Rays through every pixel; `None`: 16, with the integrator `Depth` 1, with a target error 1024.
+    /// Samples a pixel; `None`: 16, with the integrator `Depth` 1, with a target error at most 1024.
     pub samples: Option<u32>,
-    /// Relative standard error at which a pixel needs no more samples.
+    /// Target relative standard error of adaptive sampling; `None`: all pixels get all samples.
     pub target_error: Option<f64>,
     /// Maximum number of bounces of a path.
     pub max_bounces: u32,
-    /// Whether paths that carry little may end at random (unbiased).
+    /// Whether paths of low throughput end by Russian roulette (unbiased).
     pub roulette: bool,
-    /// Whether `Integrator::Auto` includes light between diffuse surfaces.
+    /// Whether `Integrator::Auto` includes indirect light between diffuse surfaces.
     pub indirect: bool,
-    /// The light from everywhere.
+    /// Environment light.
     pub sky: Sky,
     /// Exposure compensation of 8- and 16-bit images.
     pub exposure: Exposure,
-    /// The views of which layers are made.
+    /// The views of which ground truth layers are rendered.
     pub ground_truth: GroundTruth,
-    /// Layers to write as float maps; empty: those that `outputs` names.
+    /// Layers to write as float maps; empty: those of `outputs`.
     pub layers: Vec<LayerChoice>,
-    /// What to write; empty: `Vpi`, `El` and `Mat` where there is color, and disparity and depth unless `layers` names
-    /// others.
+    /// Outputs; empty: `Vpi`, `El` and `Mat` if there is color, and disparity and depth if `layers` is empty.
     pub outputs: Vec<Output>,
     /// Axis order of the array in the MAT file.
     pub mat_order: MatOrder,
@@ -42,77 +42,78 @@ pub struct RenderSpec {
     pub seed: u64,
 }
 
-/// The cameras of a render.
+/// The specification of a rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigSpec {
-    /// The sensor that views and lenses share. Not used where `lenses` is given.
+    /// The sensor, which is divided into views and microlenses. Ignored if `lenses` is given.
     pub sensor: Sensor,
-    /// The f-number of the aperture that the views sample; `None`: 5. Not used where `baseline_m` is given.
+    /// The f-number of the aperture that the views sample; `None`: 5. Ignored if `baseline_m` is given.
     pub f_number: Option<f64>,
-    /// Where the focus plane lies.
+    /// Distance of the focus plane.
     pub focus: Focus,
-    /// Views.
+    /// Number of views, T rows and S columns.
     pub views: GridSize,
-    /// Lenses, which are the pixels of a view, instead of a sensor.
+    /// Number of microlenses, V rows and U columns, which are the pixels of a view; `None`: from the sensor.
     pub lenses: Option<GridSize>,
-    /// Distance between adjacent views, m.
+    /// Distance between adjacent views, m; `None`: from the f-number.
     pub baseline_m: Option<f64>,
-    /// Focal length, mm; `None`: from the scene camera's angle of view.
+    /// Focal length, mm; `None`: from the angle of view of the scene camera.
     pub focal_mm: Option<f64>,
-    /// Length of the larger image side, mm.
+    /// Sensor size along the larger image side, mm.
     pub sensor_mm: f64,
     /// Projection of the views.
     pub projection: Projection,
-    /// Name or number of the scene's camera; `None`: the first.
+    /// Name or index of the scene camera; `None`: the first.
     pub camera: Option<String>,
 }
 
-/// Which backend traces rays, on how many threads. It decides no file but the backend's name in the manifest.
+/// The ray tracing backend and the number of threads. Of the files, only the name of the backend in the manifest
+/// depends on them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EngineSpec {
     /// The ray tracing backend.
     pub backend: holo_render::Backend,
-    /// Threads; 0: one per core.
+    /// Number of threads; 0: one per core.
     pub threads: usize,
 }
 
-/// The light from everywhere.
+/// Environment light.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sky {
     /// The same linear RGB radiance from all directions.
     Constant([f32; 3]),
-    /// An equirectangular map in a file, OpenEXR or Radiance HDR.
+    /// An equirectangular environment map: an OpenEXR or Radiance HDR file.
     Map(PathBuf),
 }
 
-/// Where the focus plane lies.
+/// The distance of the focus plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Focus {
-    /// At the harmonic mean of the nearest and farthest depth of the central view.
+    /// The harmonic mean of the nearest and farthest depth of the central view.
     Automatic,
-    /// At a distance, m; may be infinite.
+    /// A distance in meters, which may be infinite.
     Meters(f64),
 }
 
 /// Exposure compensation of 8- and 16-bit images.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exposure {
-    /// From the image: 99 % of the pixels that are not black stay below 80 % of the range.
+    /// From the image: 99 % of the pixels that are not black are below 80 % of the range.
     Automatic,
-    /// In EV.
+    /// A value in EV.
     Ev(f64),
 }
 
-/// Part `part` (from 1) of `of` parts.
+/// A shard of an image or a dataset: part `part` (from 1) of `of` parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shard {
-    /// Which part, from 1.
+    /// Number of the part, from 1.
     pub part: usize,
-    /// How many there are.
+    /// Number of parts.
     pub of: usize,
 }
 
-/// A layer by name, or what stands for several.
+/// A choice of layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LayerChoice {
     /// Linear radiance, without exposure.
@@ -123,12 +124,12 @@ pub enum LayerChoice {
     All,
 }
 
-/// A kind of file, or a set of files, that a render writes.
+/// A file, or a set of files, that a render writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Output {
-    /// `scene_vpi.png`: all viewpoint images side by side.
+    /// `scene_vpi.png`: the sub-aperture image array.
     Vpi,
-    /// `scene_el.png`: the raw image behind the lenses.
+    /// `scene_el.png`: the raw image, an elemental image array.
     El,
     /// `scene_disparity.pfm` and `.png` of the central view.
     Disparity,
@@ -141,7 +142,7 @@ pub enum Output {
     Mat,
     /// `scene_5d.h5`: linear radiance and the layers of depth and disparity as 5D arrays.
     H5,
-    /// `hci/`: a PNG a view with depth and disparity, in the layout of the HCI benchmark.
+    /// `hci/`: an HCI folder, with one PNG a view, depth and disparity.
     Hci,
 }
 
@@ -185,7 +186,7 @@ impl Default for RigSpec {
 }
 
 impl RigSpec {
-    /// The f-number, or the paper's.
+    /// Returns the f-number, or 5, that of the paper.
     #[must_use]
     pub fn f_number_or_default(&self) -> f64 {
         self.f_number.unwrap_or(5.0)

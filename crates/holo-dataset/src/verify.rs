@@ -1,40 +1,41 @@
-//! A dataset, or one folder of it, against what its files say of one another.
+//! Verification of a dataset, or of one of its folders, against the digests in its files.
 
 use std::path::{Path, PathBuf};
 
-use holo_io::dataset::{self, Description};
-use holo_io::{Manifest, Setting};
+use holo_io::dataset::{self, DatasetIndex};
+use holo_io::{Manifest, ManifestValue};
 
 use crate::Error;
 
-/// What [`verify`] found.
+/// The result of [`verify`].
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Verification {
-    /// Folders that were looked at, and those of them with a mismatch.
+    /// Number of folders that were checked.
     pub folders: usize,
-    /// Folders that are missing or not as they should be.
+    /// Number of folders that are missing or have a mismatch.
     pub bad_folders: usize,
-    /// Files in all manifests.
+    /// Number of files in all manifests.
     pub files: usize,
-    /// Their bytes.
+    /// Total size of these files by the manifests, bytes.
     pub bytes: u64,
-    /// What is wrong, a line each; of a dataset with the folder relative to its root in front.
+    /// Mismatches, a line each; of a dataset with the folder relative to its root in front.
     pub mismatches: Vec<String>,
-    /// What is worth knowing and no error, a line each.
+    /// Observations that are no errors, a line each.
     pub notes: Vec<String>,
 }
 
-/// Whether a folder is a dataset: whether it has a `dataset.json`.
+/// Returns whether a folder is a dataset: whether it has a `dataset.json`.
 #[must_use]
 pub fn is_dataset(folder: &Path) -> bool {
     folder.join(dataset::DATASET_JSON).is_file()
 }
 
-/// Checks every file of a folder that `holo render` wrote, or of all folders of a dataset, by its digest.
+/// Compares every file of a folder of `holo render`, or of all folders of a dataset, with its digest.
 ///
 /// # Errors
-/// A manifest or description that cannot be read; of a dataset, a folder's manifest that cannot be read is a mismatch.
+/// [`Error::Io`] if `manifest.json` or `dataset.json` cannot be read. In a dataset, a manifest that cannot be read is a
+/// mismatch.
 pub fn verify(folder: &Path) -> Result<Verification, Error> {
     if is_dataset(folder) {
         return verify_all(folder);
@@ -51,10 +52,10 @@ pub fn verify(folder: &Path) -> Result<Verification, Error> {
     })
 }
 
-/// Every folder that the description names, and nothing else.
+/// Checks every folder that `dataset.json` contains.
 fn verify_all(root: &Path) -> Result<Verification, Error> {
-    let description = Description::read(root)?;
-    let folders = description.folders()?;
+    let index = DatasetIndex::read(root)?;
+    let folders = index.folders()?;
     let mut found = Verification { folders: folders.len(), ..Verification::default() };
     for name in &folders {
         let mismatches = match Manifest::read(root.join(name).join(dataset::MANIFEST_JSON)) {
@@ -63,7 +64,7 @@ fn verify_all(root: &Path) -> Result<Verification, Error> {
                 found.bytes += bytes(&manifest);
                 let mut mismatches: Vec<String> =
                     manifest.verify(root.join(name)).iter().map(ToString::to_string).collect();
-                mismatches.extend(other_than(&description, &manifest, name));
+                mismatches.extend(differences(&index, &manifest, name));
                 mismatches
             }
             Err(error) => vec![error.to_string()],
@@ -85,24 +86,24 @@ fn bytes(manifest: &Manifest) -> u64 {
     manifest.files.values().map(|written| written.bytes).sum()
 }
 
-/// What a manifest says otherwise than the description of the whole.
-fn other_than(description: &Description, manifest: &Manifest, folder: &Path) -> Vec<String> {
-    let mut problems = Vec::new();
-    if manifest.versions != description.versions {
-        problems.push(format!("made by {:?}, the dataset by {:?}", manifest.versions, description.versions));
+/// The differences between a manifest and `dataset.json`.
+fn differences(index: &DatasetIndex, manifest: &Manifest, folder: &Path) -> Vec<String> {
+    let mut differences = Vec::new();
+    if manifest.versions != index.versions {
+        differences.push(format!("made by {:?}, the dataset by {:?}", manifest.versions, index.versions));
     }
-    let scene = description.scenes.iter().find(|scene| folder.starts_with(&scene.name));
-    let digest = manifest.settings.get("scene_sha256").and_then(Setting::as_text);
+    let scene = index.scenes.iter().find(|scene| folder.starts_with(&scene.name));
+    let digest = manifest.settings.get("scene_sha256").and_then(ManifestValue::as_text);
     if scene.is_some_and(|scene| digest != Some(&scene.sha256)) {
-        problems.push("made from another scene of this name".into());
+        differences.push("made from another scene of this name".into());
     }
-    if let Some(Setting::Table(options)) = manifest.settings.get("options") {
-        for (name, value) in &description.options {
-            let own = options.get(name).and_then(Setting::as_text);
+    if let Some(ManifestValue::Table(options)) = manifest.settings.get("options") {
+        for (name, value) in &index.options {
+            let own = options.get(name).and_then(ManifestValue::as_text);
             if own != Some(value) {
-                problems.push(format!("made with --{name}={}, the dataset with {value}", own.unwrap_or("?")));
+                differences.push(format!("made with --{name}={}, the dataset with {value}", own.unwrap_or("?")));
             }
         }
     }
-    problems
+    differences
 }

@@ -1,4 +1,4 @@
-//! Files that appear whole or not at all.
+//! Atomic files: they appear whole or not at all.
 
 #[cfg(any(feature = "mat", feature = "hdf5"))]
 mod path;
@@ -17,7 +17,7 @@ pub(crate) use path::AtomicPath;
 use temporary::Temporary;
 pub use temporary::{remove_stale_temporary_files, remove_temporary_files};
 
-/// Bytes gathered before they are hashed and handed to the operating system.
+/// Bytes that are collected before they are hashed and written.
 const BUFFER_BYTES: usize = 256 * 1024;
 
 /// The SHA-256 digest of a file; prints as 64 lower-case hexadecimal digits.
@@ -25,7 +25,7 @@ const BUFFER_BYTES: usize = 256 * 1024;
 pub struct Sha256(pub [u8; 32]);
 
 impl Sha256 {
-    /// The digest of bytes in memory.
+    /// Computes the digest of bytes in memory.
     #[must_use]
     pub fn of(bytes: &[u8]) -> Self {
         Self(Hasher::digest(bytes).into())
@@ -45,7 +45,7 @@ impl fmt::Debug for Sha256 {
 }
 
 impl Sha256 {
-    /// Reads 64 hexadecimal digits of either case; anything else is `None`.
+    /// Parses 64 hexadecimal digits of either case; `None` for any other text.
     #[must_use]
     pub fn from_hex(text: &str) -> Option<Self> {
         let digits = text.as_bytes();
@@ -61,26 +61,26 @@ impl Sha256 {
     }
 }
 
-/// What was written: enough to check the file later, and all that a manifest keeps of it.
+/// Size and digest of a file: what a manifest contains of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct FileDigest {
-    /// The size of the file.
+    /// Size of the file in bytes.
     pub bytes: u64,
-    /// The digest of its contents.
+    /// Digest of its contents.
     pub sha256: Sha256,
 }
 
-/// A file that is written under a temporary name and takes its own name only when it is complete.
+/// A file that is written under a temporary name and renamed when it is complete.
 ///
-/// The temporary name lies in the same folder: `.NAME.<process>-<number>.part`. [`commit`](Self::commit) syncs the
-/// file, renames it and syncs the folder, so a reader sees the old file, the new file or no file, but never half a
-/// file, even across a power cut. A file that is dropped without `commit` is removed. A killed process leaves at most
-/// the `.part`, which [`remove_stale_temporary_files`] clears away.
+/// The temporary name is in the same folder: `.NAME.<process>-<number>.part`. [`commit`](Self::commit) syncs the file,
+/// renames it and syncs the folder, so a reader sees the old file, the new file or no file, but never a partial file,
+/// even after a power failure. A file that is dropped without `commit` is removed. A killed process leaves at most the
+/// `.part`, which [`remove_stale_temporary_files`] removes.
 ///
 /// Where the name is a symbolic link to a file, that file is replaced and the link stays. Where it is a device or a
-/// pipe (`/dev/null`, `/dev/stdout`), the bytes go straight into it.
+/// pipe (`/dev/null`, `/dev/stdout`), the bytes are written into it directly.
 ///
-/// The size and the SHA-256 of the contents are worked out on the way, so no file needs to be read again for its
+/// The size and the SHA-256 of the contents are computed during writing, so the file need not be read again for its
 /// manifest.
 ///
 /// # Examples
@@ -102,19 +102,19 @@ pub struct AtomicFile {
     /// The name as the caller gave it, for messages.
     path: PathBuf,
     file: File,
-    /// `None` where the bytes go straight into a device.
+    /// `None` where the bytes are written directly into a device or pipe.
     temporary: Option<Temporary>,
     buffer: Vec<u8>,
     hasher: Hasher,
     bytes: u64,
-    /// Set where bytes in the middle change after they are written, so that the digest is that of the end.
+    /// Whether bytes may change after they are written, so that the digest is computed at `commit`.
     hash_at_commit: bool,
-    /// The first error of a write. Encoders swallow errors in their destructors; `commit` must not.
+    /// The first error of a write. Encoders ignore errors in their destructors; `commit` returns this one.
     failure: Option<io::Error>,
 }
 
 impl AtomicFile {
-    /// Starts a file that will be called `path`.
+    /// Creates the temporary file of a file that `commit` will name `path`.
     ///
     /// # Errors
     ///
@@ -142,18 +142,18 @@ impl AtomicFile {
         })
     }
 
-    /// Returns the name that the file will have.
+    /// Returns the path that the file will have.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Completes the file: writes what is left, syncs, renames, and returns the size and the digest.
+    /// Completes the file: writes the buffer, syncs, renames, and returns the size and the digest.
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] if any write since `create` failed, even where the code between swallowed its error, or if the
-    /// file cannot be synced or renamed. The temporary file is gone then, and an older file of that name is untouched.
+    /// [`Error::Io`] if any write since `create` failed, even where an encoder ignored its error, or if the file cannot
+    /// be synced or renamed. The temporary file is removed then, and an older file of that name stays as it was.
     pub fn commit(mut self) -> Result<FileDigest, Error> {
         let finished = self.finish();
         finished.map_err(|source| Error::io("write", &self.path, source))
@@ -176,19 +176,20 @@ impl AtomicFile {
         Ok(written)
     }
 
-    /// Whether there is a temporary file, which can be changed until `commit`: not so for a device or a pipe.
+    /// Whether there is a temporary file, in which bytes can be overwritten until `commit`; false for a device or a
+    /// pipe.
     #[cfg_attr(not(all(feature = "exr", feature = "mat")), allow(dead_code, reason = "for formats that are off"))]
     pub(crate) fn is_temporary(&self) -> bool {
         self.temporary.is_some()
     }
 
-    /// Announces an [`overwrite`](Self::overwrite): `commit` reads the file once more for its digest.
+    /// Allows [`overwrite`](Self::overwrite): `commit` reads the file once more for its digest.
     #[cfg_attr(not(all(feature = "exr", feature = "mat")), allow(dead_code, reason = "for formats that are off"))]
     pub(crate) fn hash_at_commit(&mut self) {
         self.hash_at_commit = true;
     }
 
-    /// Changes bytes that were written before; only after [`hash_at_commit`](Self::hash_at_commit).
+    /// Overwrites bytes that were written before. Requires [`hash_at_commit`](Self::hash_at_commit).
     #[cfg_attr(not(all(feature = "exr", feature = "mat")), allow(dead_code, reason = "for formats that are off"))]
     pub(crate) fn overwrite(&mut self, position: u64, data: &[u8]) -> io::Result<()> {
         self.write_buffer()?;
@@ -200,7 +201,7 @@ impl AtomicFile {
         outcome.inspect_err(|failure| self.failure = Some(copy_of(failure)))
     }
 
-    /// Turns an error that came through an encoder into this crate's, preferring the operating system's own words.
+    /// Converts an error of an encoder. If a write failed before, the result is the error of that write.
     pub(crate) fn error(&mut self, other: impl fmt::Display) -> Error {
         let source = self.failure.take().unwrap_or_else(|| io::Error::other(other.to_string()));
         Error::io("write", &self.path, source)
@@ -214,7 +215,7 @@ impl AtomicFile {
         outcome
     }
 
-    /// Hashes and writes; after one failure nothing is written any more.
+    /// Hashes and writes. After one failure nothing more is written.
     fn write_through(&mut self, data: &[u8]) -> io::Result<()> {
         if let Some(failure) = &self.failure {
             return Err(copy_of(failure));
@@ -250,7 +251,7 @@ impl Write for AtomicFile {
     }
 }
 
-/// Returns the absolute path of the file that `path` means, or `None` where it is a device or a pipe.
+/// Returns the absolute path of the file that `path` refers to, or `None` where it is a device or a pipe.
 fn target_of(path: &Path) -> Result<Option<PathBuf>, Error> {
     let failed = |source| Error::io("write", path, source);
     match fs::metadata(path) {
@@ -259,12 +260,12 @@ fn target_of(path: &Path) -> Result<Option<PathBuf>, Error> {
         Ok(found) if !found.is_file() => Ok(None),
         Ok(_) => fs::canonicalize(path).map(Some).map_err(failed),
         Err(_) if path.file_name().is_none() => Err(Error::bad_input(path, "the path has no file name")),
-        // A name relative to today's working folder must still mean the same file at `commit`.
+        // The working folder may change before `commit`.
         Err(_) => std::path::absolute(path).map(Some).map_err(failed),
     }
 }
 
-/// A second error that says the same: `io::Error` is not `Clone`.
+/// Copies an error: `io::Error` is not `Clone`.
 fn copy_of(error: &io::Error) -> io::Error {
     match error.raw_os_error() {
         Some(code) => io::Error::from_raw_os_error(code),
@@ -272,7 +273,7 @@ fn copy_of(error: &io::Error) -> io::Error {
     }
 }
 
-/// Writes a whole file at once, so that it appears complete or not at all.
+/// Writes a file from bytes in memory as an [`AtomicFile`].
 ///
 /// # Errors
 ///
@@ -285,7 +286,7 @@ pub fn write_file(path: impl AsRef<Path>, contents: &[u8]) -> Result<FileDigest,
     }
 }
 
-/// Reads a file and returns its size and digest.
+/// Computes the size and digest of a file.
 ///
 /// # Errors
 ///
@@ -297,7 +298,7 @@ pub fn hash_file(path: impl AsRef<Path>) -> Result<FileDigest, Error> {
     hash(&mut file).map_err(failed)
 }
 
-/// The size and digest of what is read up to the end.
+/// Computes the size and digest of everything up to the end of `source`.
 fn hash(source: &mut impl Read) -> io::Result<FileDigest> {
     let mut hasher = Hasher::new();
     let mut buffer = vec![0; BUFFER_BYTES];

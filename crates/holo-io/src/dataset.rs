@@ -1,12 +1,12 @@
-//! Dataset folders: the names in them, reading one, and finding many.
+//! Dataset folders: names of their files, a reader of one folder, the index and the list of many.
 //!
 //! # Source
 //!
 //! Section IV of the paper names the folders and the raw images; the other files are this project's.
 
-mod description;
 #[cfg(feature = "png")]
 mod folder;
+mod index;
 mod list;
 
 use std::path::{Path, PathBuf};
@@ -16,9 +16,9 @@ use holo_core::GridSize;
 use crate::Error;
 use crate::names::stays_inside;
 
-pub use description::{Description, SceneEntry};
 #[cfg(feature = "png")]
 pub use folder::DatasetFolder;
+pub use index::{DatasetIndex, SceneEntry};
 pub use list::{DatasetEntry, list};
 
 pub use crate::names::{
@@ -26,11 +26,11 @@ pub use crate::names::{
     LIGHT_FIELD_HDF5, LIGHT_FIELD_MAT, MANIFEST_JSON, PARAMETERS_CFG, VIEWPOINT_EXR, VIEWPOINT_PNG,
 };
 
-/// Returns the folder of one dataset: `<scene>/<S>x<T>`, views as columns x rows.
+/// Returns the relative path of the folder of one scene: `<scene>/<S>x<T>`, views as columns x rows.
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if the scene's name is not the name of one folder: empty, `..`, or with a separator in it.
+/// [`Error::BadInput`] if the scene's name cannot be a folder name: empty, `..`, or with a separator in it.
 ///
 /// # Source
 ///

@@ -1,45 +1,46 @@
-//! Everything that can go wrong in this crate, sorted by who can mend it.
+//! The error type, grouped by cause.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// An error of `holo-io`. Every message says what went wrong and where, and what to do where that is not plain.
+/// An error of `holo-io`. Every message states what went wrong and where, and what to do where that is not obvious.
 ///
-/// The variants are sorted by who can mend them: the file, the machine, the limits, the caller.
+/// The variants are grouped by cause: the file, the operating system, the memory limits, the caller.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The file breaks its format's rules: truncated, damaged, or made by a faulty program.
+    /// The file violates its format: it is truncated, damaged, or made by a faulty program.
     #[error("{}: broken {format}{}: {what}", .path.display(), if format.ends_with("folder") { "" } else { " file" })]
     Broken {
         /// The file, or `(memory)`.
         path: PathBuf,
-        /// The format that it was read as, such as `"PFM"` or `"HCI folder"`.
+        /// The format as which it was read, such as `"PFM"` or `"HCI folder"`.
         format: &'static str,
         /// What is wrong, and where in the file.
         what: String,
     },
-    /// The file may be sound, but it holds something that this version cannot read.
+    /// The file may be valid, but it contains something that this version cannot read.
     #[error("{}: {what}", .path.display())]
     Unsupported {
         /// The file, or `(memory)`.
         path: PathBuf,
-        /// What it holds, and what can be read instead.
+        /// What it contains, and what can be read instead.
         what: String,
     },
-    /// The operating system refused to read or write.
+    /// The operating system reported an error of reading or writing.
     #[error("cannot {action} {}: {source}{}", .path.display(), advice(.source, .action))]
     Io {
-        /// What was being done, such as `"write"`.
+        /// The operation, such as `"write"`.
         action: &'static str,
         /// The file or folder.
         path: PathBuf,
-        /// The operating system's word.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// Reading would take more memory than the caller's [`Limits`](crate::Limits) or the machine allow.
+    /// Reading would take more memory than the caller's [`Limits`](crate::Limits) allow.
     #[error(
-        "{}: the {what} needs {needed} bytes, but only {allowed} are allowed; raise the limit if the file can be trusted",
+        "{}: the {what} needs {needed} bytes, but only {allowed} are allowed; raise the limit if the file can be \
+         trusted",
         .path.display()
     )]
     TooLarge {
@@ -47,30 +48,40 @@ pub enum Error {
         path: PathBuf,
         /// What needs the memory, such as `"image"`.
         what: &'static str,
-        /// How many bytes it needs; `u64::MAX` stands for a number too large to count.
+        /// Number of bytes that it needs; `u64::MAX` if the number overflows.
         needed: u64,
-        /// How many bytes are allowed.
+        /// Number of bytes that are allowed.
         allowed: u64,
     },
-    /// The caller asked for something that cannot be written.
+    /// The operating system has not enough memory, although the [`Limits`](crate::Limits) would allow it.
+    #[error("{}: out of memory: allocating {bytes} bytes for the {what} failed", .path.display())]
+    OutOfMemory {
+        /// The file, or `(memory)`.
+        path: PathBuf,
+        /// What needs the memory, such as `"image"`.
+        what: &'static str,
+        /// Number of bytes of the allocation that failed.
+        bytes: u64,
+    },
+    /// The arguments contradict each other or describe something that cannot be read or written.
     #[error("{}: {what}", .path.display())]
     BadInput {
-        /// The file that was to be written or made use of.
+        /// The file that was to be written or read.
         path: PathBuf,
         /// What is wrong with the arguments.
         what: String,
     },
-    /// The files do not tell how the samples of a light field are arranged, or they contradict what the caller said.
+    /// The files do not specify the arrangement of the samples of a light field, or they contradict the options.
     #[error("{}: {what}; set `{option}`", .path.display())]
     MissingOption {
         /// The file or folder.
         path: PathBuf,
-        /// The field of [`ReadOptions`](crate::ReadOptions) that decides.
+        /// The field of [`ReadOptions`](crate::ReadOptions) that specifies it.
         option: &'static str,
-        /// What is not known or does not fit.
+        /// What is unknown or contradicts the files.
         what: String,
     },
-    /// The file or folder is not one that a light field can be read from.
+    /// The file or folder contains no light field that can be read.
     #[error("{}: no light field: {what}", .path.display())]
     NoLightField {
         /// The file or folder.
@@ -78,21 +89,21 @@ pub enum Error {
         /// What it is instead.
         what: String,
     },
-    /// Numbers read from a file describe an impossible light field or rig.
+    /// Numbers in a file describe an impossible light field or rig.
     #[error("{}: {source}", .path.display())]
     Core {
         /// The file, or `(memory)`.
         path: PathBuf,
-        /// What `holo-core` says about the numbers.
+        /// The error of `holo-core` about the numbers.
         source: holo_core::Error,
     },
 }
 
-/// What stands for the path of data that did not come from a file.
+/// Stands for the path of data that did not come from a file.
 pub(crate) const MEMORY: &str = "(memory)";
 
 impl Error {
-    /// Returns the file that the error is about; `(memory)` stands for data that did not come from a file.
+    /// Returns the file or folder that the error is about; `(memory)` for data that did not come from a file.
     #[must_use]
     pub fn path(&self) -> &Path {
         match self {
@@ -100,6 +111,7 @@ impl Error {
             | Self::Unsupported { path, .. }
             | Self::Io { path, .. }
             | Self::TooLarge { path, .. }
+            | Self::OutOfMemory { path, .. }
             | Self::BadInput { path, .. }
             | Self::MissingOption { path, .. }
             | Self::NoLightField { path, .. }
@@ -123,7 +135,7 @@ impl Error {
         Self::Io { action, path: path.to_owned(), source }
     }
 
-    /// The same error of the library `holo-core`, about another file.
+    /// The same error with another path, if it is one of `holo-core`.
     #[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
     pub(crate) fn about(self, path: &Path) -> Self {
         match self {
@@ -137,7 +149,7 @@ impl Error {
     }
 }
 
-/// What to do about an error of the operating system, where that is not plain from its own words.
+/// What to do about an error of the operating system, where its own message does not state it.
 fn advice(source: &io::Error, action: &str) -> &'static str {
     match source.kind() {
         io::ErrorKind::NotFound if action == "write" => "; create the folder first",
@@ -155,7 +167,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn messages_say_what_where_and_what_to_do() {
+    fn messages_state_what_where_and_what_to_do() {
         let path = Path::new("out/scene_el.png");
         let full = Error::io("write", path, io::ErrorKind::StorageFull.into());
         assert_eq!(

@@ -1,23 +1,23 @@
-//! OpenEXR: many channels of floats in one file, and environment maps.
+//! OpenEXR: images of many float channels, and environment maps.
 //!
-//! Through the crate `exr`, one block at a time: what a header announces is compared with the budget first, blocks are
-//! decompressed side by side on rayon's threads, and samples go straight into the planes that are returned. Nothing that
-//! the crate does on a damaged file ends the process: [`is_guarding`](crate::is_guarding).
+//! Through the crate `exr`, one block at a time: what a header announces is compared with the memory limit first,
+//! blocks are decompressed in parallel on the threads of rayon, and samples are written directly into the planes that
+//! are returned. A panic of the crate on a damaged file becomes an error; see [`is_guarding`](crate::is_guarding).
 //!
 //! # Model
 //!
-//! - **Frame**: an image is the *display window* of its file. Where the data window does not reach, samples are 0; what
-//!   lies outside the display window (overscan) is dropped.
-//! - **Names**: channels keep their full names, layers and all, such as `ViewLayer.Combined.R`. In a file of several parts
+//! - **Size**: an image is the *display window* of its file. Outside the data window samples are 0; samples outside the
+//!   display window (overscan) are dropped.
+//! - **Names**: channels have their full names with layers, such as `ViewLayer.Combined.R`. In a file of several parts
 //!   the name of the part comes first.
-//! - **Samples**: half and float samples arrive with their value, `NaN` and infinity included; 32-bit integers are rounded
-//!   to the nearest `f32`, so identifiers above 2^24 are not exact.
+//! - **Samples**: half and float samples are exact, `NaN` and infinity included; 32-bit integers are rounded to the
+//!   nearest `f32`, so identifiers above 2^24 are not exact.
 //! - **Resolution levels**: only the largest is read.
-//! - **Not read**: deep data, subsampled channels, and the codings HTJ2K, ZSTD and later ones. Chromaticities are not
-//!   looked at.
+//! - **Not read**: deep data, subsampled channels, and the codings HTJ2K, ZSTD and later ones. Chromaticities are
+//!   ignored.
 //! - **Written**: one part, scanlines, floats of 32 or 16 bits, one of four codings, display window = data window = the
-//!   planes. The same planes give the same bytes, whatever the number of threads and however they are cut into bands;
-//!   there is neither date nor name of a program.
+//!   planes. The same planes give the same bytes for any number of threads and any bands; the file contains neither
+//!   date nor program name.
 //!
 //! # Source
 //!
@@ -49,25 +49,25 @@ pub use stream::ExrWriter;
 /// The format's name in messages.
 const FORMAT: &str = "EXR";
 
-/// One channel to be written.
+/// A channel to be written.
 #[derive(Debug, Clone, Copy)]
 pub struct ExrChannel<'a> {
     /// The full name, such as `ViewLayer.Combined.R`: layers, dots, and the component last.
     pub name: &'a str,
     /// The samples, `(rows, columns)`, top row first; any strides.
     pub plane: ArrayView2<'a, f32>,
-    /// What the samples are in the file.
+    /// The format of the samples in the file.
     pub samples: ExrSamples,
 }
 
 impl<'a> ExrChannel<'a> {
-    /// A channel of 32-bit floats: every value as it is.
+    /// Creates a channel of 32-bit floats, which are exact.
     #[must_use]
     pub fn float(name: &'a str, plane: ArrayView2<'a, f32>) -> Self {
         Self { name, plane, samples: ExrSamples::Float }
     }
 
-    /// A channel of 16-bit floats: half the size; see [`ExrSamples::Half`] for what it cannot hold.
+    /// Creates a channel of 16-bit floats; see [`ExrSamples::Half`] for their range and accuracy.
     #[must_use]
     pub fn half(name: &'a str, plane: ArrayView2<'a, f32>) -> Self {
         Self { name, plane, samples: ExrSamples::Half }
@@ -82,46 +82,46 @@ pub struct ExrImage {
 }
 
 impl ExrImage {
-    /// Returns the plane of a channel by its full name; the first, should a faulty file have several.
+    /// Returns the plane of a channel by its full name; of several with the same name in a faulty file, the first.
     #[must_use]
     pub fn channel(&self, name: &str) -> Option<&Array2<f32>> {
         self.channels.iter().find_map(|(own, plane)| (own == name).then_some(plane))
     }
 
-    /// Returns a component of a pass of Blender's, of the first view layer that has it: `pass("IndexOB", "X")`.
+    /// Returns the plane of a component of a Blender pass, such as `pass("IndexOB", "X")`, from the first view layer
+    /// that has it.
     ///
-    /// Blender 5 has other names for some passes than Blender before it, such as `Object Index` for `IndexOB`; either name
-    /// finds both.
+    /// Blender 5 renamed some passes, such as `IndexOB` to `Object Index`; either name finds both.
     #[must_use]
     pub fn pass(&self, pass: &str, component: &str) -> Option<&Array2<f32>> {
         self.channels.iter().find_map(|(own, plane)| names::is_of_pass(own, pass, component).then_some(plane))
     }
 }
 
-/// What the header of an EXR file says.
+/// The header of an EXR file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExrInfo {
     /// Rows and columns of the display window.
     pub size: GridSize,
     /// The full names of all channels.
     pub channels: Vec<String>,
-    /// The coding of the first part, such as `"zip block"`.
+    /// The compression of the first part, such as `"zip block"`.
     pub compression: String,
     /// Number of parts; 1 in most files.
     pub parts: usize,
-    /// Whether [`read_exr_rgb`] finds colour (or one luminance) in it.
-    pub has_colour: bool,
+    /// Whether [`read_exr_rgb`] finds RGB or luminance in it.
+    pub has_color: bool,
 }
 
-/// Writes an EXR, ZIP-compressed over 16 lines.
+/// Writes an EXR with [`ExrCompression::Zip`].
 ///
-/// [`write_exr_with`] has the choice of the compression, [`ExrWriter`] writes what does not fit into memory.
+/// [`write_exr_with`] takes the compression as an argument; [`ExrWriter`] writes images that do not fit into memory.
 ///
 /// # Errors
 ///
 /// [`Error::BadInput`] if there is no channel or no pixel, if planes differ in size, if names repeat, are empty, longer
-/// than 255 bytes or contain a NUL, or if 16-bit floats are asked for what they cannot hold ([`ExrSamples::Half`]);
-/// [`Error::Io`] if the file cannot be written. No file of that name appears then.
+/// than 255 bytes or contain a NUL, or if a channel of 16-bit floats cannot represent its values
+/// ([`ExrSamples::Half`]); [`Error::Io`] if the file cannot be written. No file of that name appears then.
 ///
 /// # Examples
 ///
@@ -140,7 +140,7 @@ pub fn write_exr(path: impl AsRef<Path>, channels: &[ExrChannel<'_>]) -> Result<
     write_exr_with(path, channels, ExrCompression::Zip)
 }
 
-/// Writes an EXR, compressed as one likes.
+/// Writes an EXR with the given compression.
 ///
 /// # Errors
 ///
@@ -157,20 +157,20 @@ pub fn write_exr_with(
     writer.finish()
 }
 
-/// Returns the bytes that [`write_exr`] would write.
+/// Encodes an EXR in memory: the bytes that [`write_exr`] writes.
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] as there.
+/// [`Error::BadInput`] as in [`write_exr`].
 pub fn encode_exr(channels: &[ExrChannel<'_>]) -> Result<Vec<u8>, Error> {
     encode_exr_with(channels, ExrCompression::Zip)
 }
 
-/// Returns the bytes that [`write_exr_with`] would write.
+/// Encodes an EXR in memory: the bytes that [`write_exr_with`] writes.
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] as there.
+/// [`Error::BadInput`] as in [`write_exr`].
 pub fn encode_exr_with(channels: &[ExrChannel<'_>], compression: ExrCompression) -> Result<Vec<u8>, Error> {
     let path = Path::new(MEMORY);
     let size = common_size(channels, path)?;
@@ -182,7 +182,7 @@ pub fn encode_exr_with(channels: &[ExrChannel<'_>], compression: ExrCompression)
     Ok(bytes)
 }
 
-/// The size of all planes; without any, one that is refused later.
+/// The size of all planes; without planes any size, because the encoder refuses to write no channels.
 fn common_size(channels: &[ExrChannel<'_>], path: &Path) -> Result<GridSize, Error> {
     let Some(first) = channels.first() else { return Ok(GridSize::new(1, 1)) };
     let (rows, columns) = first.plane.dim();
@@ -209,19 +209,19 @@ fn planes<'a>(channels: &[ExrChannel<'a>]) -> Vec<ArrayView2<'a, f32>> {
 
 /// Reads all channels of an EXR: every part, any sample type, scanlines or tiles.
 ///
-/// The budget is for the planes that are returned; blocks on their way take up to 64 MiB more, or one block.
+/// The limit is for the planes that are returned; decompressed blocks take up to 64 MiB more, or one block.
 ///
 /// # Errors
 ///
 /// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not an EXR, is truncated or damaged;
-/// [`Error::Unsupported`] for what the module's introduction lists; [`Error::TooLarge`] if the planes, or one block,
-/// exceed the limits, before memory is taken for them.
+/// [`Error::Unsupported`] for deep data, subsampled channels and the codings HTJ2K, ZSTD and later ones;
+/// [`Error::TooLarge`] if the planes, or one block, exceed the limits, before memory is allocated for them.
 pub fn read_exr(path: impl AsRef<Path>, limits: &Limits) -> Result<ExrImage, Error> {
     let path = path.as_ref();
     read::all(open(path)?, path, *limits)
 }
 
-/// Reads an EXR that is in memory, like [`read_exr`].
+/// Decodes an EXR in memory, like [`read_exr`].
 ///
 /// # Errors
 ///
@@ -230,21 +230,25 @@ pub fn decode_exr(bytes: &[u8], limits: &Limits) -> Result<ExrImage, Error> {
     read::all(Cursor::new(bytes), Path::new(MEMORY), *limits)
 }
 
-/// Reads the colour of an EXR, such as an environment map, as linear RGB `(rows, columns, 3)`, top row first.
+/// Reads the color channels of an EXR, such as an environment map, as linear RGB.
 ///
-/// The colour is R, G and B without a layer; else those of a layer called `Combined`; else those of the first layer that
-/// has them. Without any, a channel Y that stands for luminance (not one beside X or Z) becomes grey. Alpha is ignored:
-/// colour is premultiplied in EXR, so it already is the light that arrives. Other channels take no memory.
+/// They are R, G and B without a layer; else those of a layer called `Combined`; else those of the first layer that has
+/// them. Without any, a luminance channel Y (in a layer without X, Z and RY) becomes gray. Alpha is ignored, because
+/// EXR stores premultiplied color. Other channels take no memory.
+///
+/// # Shape
+///
+/// `(rows, columns, 3)`, top row first.
 ///
 /// # Errors
 ///
-/// Those of [`read_exr`], and [`Error::Unsupported`] if there is no such colour.
+/// Those of [`read_exr`], and [`Error::Unsupported`] if there are no such channels.
 pub fn read_exr_rgb(path: impl AsRef<Path>, limits: &Limits) -> Result<Array3<f32>, Error> {
     let path = path.as_ref();
     read::rgb(open(path)?, path, *limits)
 }
 
-/// Reads the colour of an EXR that is in memory, like [`read_exr_rgb`].
+/// Decodes the color channels of an EXR in memory, like [`read_exr_rgb`].
 ///
 /// # Errors
 ///
@@ -257,7 +261,8 @@ pub fn decode_exr_rgb(bytes: &[u8], limits: &Limits) -> Result<Array3<f32>, Erro
 ///
 /// # Errors
 ///
-/// [`Error::Io`] if the file cannot be read; [`Error::Broken`] or [`Error::Unsupported`] if its header cannot be.
+/// [`Error::Io`] if the file cannot be read; [`Error::Broken`] or [`Error::Unsupported`] if its header cannot be
+/// read.
 pub fn read_exr_info(path: impl AsRef<Path>) -> Result<ExrInfo, Error> {
     let path = path.as_ref();
     read::info(open(path)?, path)

@@ -1,46 +1,45 @@
-//! Folders of the Stanford Light Field Archive's Lego gantry: one PNG a view, its place in its name.
+//! Folders of the Lego gantry of the Stanford Light Field Archive: one PNG a view, with its position in its name.
 //!
 //! The rectified sets (chess, Lego knights, amethyst, ...) hold 17 x 17 files named
 //!
 //! ```text
 //! out_00_00_-381.909271_1103.376221.png     out_ROW_COLUMN_Y_X.png
-//! out_00_00_-399.772888_671.237122_.png     the same with an underscore behind it
+//! out_00_00_-399.772888_671.237122_.png     the same with an underscore at the end
 //! ```
 //!
-//! # What the numbers mean, and how sure that is
+//! # Meaning of the numbers, and its evidence
 //!
-//! - *Y comes before X*: the archive says so (see the source below), and so do the names. From `out_00_00` to `out_00_10`
-//!   of the knights the third number changes by 1.3 and the fourth by 86.
-//! - *ROW comes before COLUMN*: by the same names. The second index runs along X.
-//! - *The unit is unknown*: the archive calls the positions "computed parallax", which is the camera's place up to an
-//!   unknown scale and an unknown origin. They are not millimetres; only the archive's older gantry gives those.
-//! - *The direction is not the same for all sets*: X falls by 8.6 a column in the knights and rises by 10 in the amethyst,
-//!   and some readers of these sets count rows from below. So nothing is turned round here: rows and columns are in the
-//!   order of their indices, and the positions, which are returned as they are written, tell which way a set runs.
-//!   Before methods that expect view columns to run right and rows down (all of `holo-core`), look at a pair of views.
+//! - *Y comes before X*: the archive states it (see the source below), and the names agree: from `out_00_00` to
+//!   `out_00_10` of the knights the third number changes by 1.3 and the fourth by 86.
+//! - *ROW comes before COLUMN*: by the same names, the second index runs along X.
+//! - *The unit is unknown*: the archive calls the positions "computed parallax", which is the position of the camera up
+//!   to an unknown scale and an unknown origin. They are not millimeters; only the archive's older gantry gives those.
+//! - *The direction differs between sets*: X decreases by 8.6 a column in the knights and increases by 10 in the
+//!   amethyst, and some readers of these sets count rows from below. The reader flips nothing: rows and columns are in
+//!   the order of their indices, and the positions are returned as they are written. All of `holo-core` expects view
+//!   columns to run right and view rows to run down: check a pair of views before you use it.
 //!
 //! # Source
 //!
-//! "Geometric Calibration" of the archive (`lightfield.stanford.edu`, `calib.html`): the parallax "is included as part of
-//! the file name of each rectified image, in the order (Y, X)". No set was at hand when this was written: the order of the
-//! indices and the directions are from names that others published.
+//! "Geometric Calibration" of the archive (`lightfield.stanford.edu`, `calib.html`): the parallax "is included as part
+//! of the file name of each rectified image, in the order (Y, X)". The order of the indices and the directions are
+//! derived from published file names; no set was available for a test.
 
 mod name;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use holo_core::{DynImage, DynLightField, GridSize};
 
-use crate::views::Views;
+use crate::views::{Views, files_by_key, has_file};
 use crate::{Error, Limits};
 use name::Name;
 
-/// What errors call the folder.
+/// The name of the format in messages.
 const FORMAT: &str = "gantry folder";
 
-/// Where a camera was, as the file's name says: in an unknown unit, from an unknown origin.
+/// Position of a camera from a file name, in an unknown unit and from an unknown origin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GantryPosition {
     /// The third number of the name.
@@ -49,28 +48,28 @@ pub struct GantryPosition {
     pub x: f64,
 }
 
-/// A folder of the Lego gantry; see [the module](self) for the convention.
+/// A folder of the Lego gantry, opened for reading; see [the module](self) for the convention.
 ///
-/// Opening reads the names of the files; pixels are read when they are asked for.
+/// [`open`](Self::open) reads the names of the files; the other methods read pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GantryFolder {
     path: PathBuf,
     views: GridSize,
-    /// One file a view, in the order of their indices.
+    /// One file a view, view row by view row, in the order of their indices.
     files: Vec<PathBuf>,
     positions: Vec<GantryPosition>,
 }
 
 impl GantryFolder {
-    /// Opens a folder.
+    /// Opens a folder: parses the names of its files and checks that they form a grid.
     ///
-    /// Rows and columns are sorted by their indices. These need not begin at 0 and may skip evenly, so a part of a set,
-    /// such as every second row, is a grid too. Files of other names do not matter.
+    /// Rows and columns are sorted by their indices. These need not begin at 0 and may have an equal step above 1, so
+    /// that a subset, such as every second row, is a grid too. Files of other names are ignored.
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] if the folder cannot be listed; [`Error::Broken`] if it has no such file, if two files have the same
-    /// indices, if a view of the grid is missing, or if rows or columns are not evenly spaced.
+    /// [`Error::Io`] if the folder cannot be listed; [`Error::Broken`] if it has no such file, if two files have the
+    /// same indices, if a view of the grid is missing, or if rows or columns are not evenly spaced.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let found = files(path)?;
@@ -85,7 +84,6 @@ impl GantryFolder {
         let columns = evenly_spaced(path, "column", found.keys().map(|&(_, column)| column).collect())?;
         let views = GridSize::new(rows.len(), columns.len());
         let (mut files, mut positions) = (Vec::with_capacity(found.len()), Vec::with_capacity(found.len()));
-        // At most one more look-up than there are files.
         for (row, column) in rows.iter().flat_map(|&row| columns.iter().map(move |&column| (row, column))) {
             let Some((file, position)) = found.get(&(row, column)) else {
                 return Err(Error::broken(
@@ -103,30 +101,24 @@ impl GantryFolder {
         Ok(Self { path: path.to_owned(), views, files, positions })
     }
 
-    /// Whether there is at least one file whose name is of this kind.
+    /// Whether the folder has at least one file with a name of this form.
     pub(crate) fn has_views(path: &Path) -> Result<bool, Error> {
-        let failed = |source| Error::io("list", path, source);
-        for entry in fs::read_dir(path).map_err(failed)? {
-            if entry.map_err(failed)?.file_name().to_str().and_then(Name::parse).is_some() {
-                return Ok(true);
-            }
-        }
-        Ok(false)
+        has_file(path, |name| Name::parse(name).is_some())
     }
 
-    /// Returns the folder's own path.
+    /// Returns the path of the folder.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Returns the number of views, rows and columns.
+    /// Returns the number of views, T rows and S columns.
     #[must_use]
     pub const fn views(&self) -> GridSize {
         self.views
     }
 
-    /// Returns the position of view `(t, s)` as it is written, or `None` if there is no such view.
+    /// Returns the position of the view `(t, s)` as it is written, or `None` if there is no such view.
     #[must_use]
     pub fn position(&self, t: usize, s: usize) -> Option<GantryPosition> {
         self.index(t, s).ok().map(|index| self.positions[index])
@@ -141,18 +133,19 @@ impl GantryFolder {
     ///
     /// # Shape
     ///
-    /// `(v, u, t, s, c)` with 1 or 3 channels; `t` and `s` count the sorted rows and columns. An alpha channel is dropped:
-    /// colours stay as they are stored, also where they are transparent.
+    /// `(v, u, t, s, c)` with 1 or 3 channels; `t` and `s` count the sorted rows and columns. An alpha channel is
+    /// dropped; the color values stay as they are stored, also where alpha is 0.
     ///
     /// # Errors
     ///
-    /// Those of [`read_png`](crate::read_png); [`Error::Broken`] if a view has another size than the first one or is of
-    /// another kind; [`Error::TooLarge`] if the samples of all views exceed the limits, before memory is taken for them.
+    /// Those of [`read_png`](crate::read_png); [`Error::Broken`] if size, channels or bits of a view differ from the
+    /// first one; [`Error::TooLarge`] if the samples of all views exceed the limits, before memory is allocated for
+    /// them.
     pub fn read(&self, limits: &Limits) -> Result<DynLightField, Error> {
         self.files().read(limits)
     }
 
-    /// Reads view `(t, s)` alone.
+    /// Reads the view `(t, s)`.
     ///
     /// # Shape
     ///
@@ -177,26 +170,13 @@ impl GantryFolder {
 /// Files and positions by row and column.
 type Files = BTreeMap<(usize, usize), (PathBuf, GantryPosition)>;
 
+/// The files of a folder with names of this form.
 fn files(folder: &Path) -> Result<Files, Error> {
-    let failed = |source| Error::io("list", folder, source);
-    let mut files = Files::new();
-    for entry in fs::read_dir(folder).map_err(failed)? {
-        let path = entry.map_err(failed)?.path();
-        let Some(name) = path.file_name().and_then(|name| name.to_str()).and_then(Name::parse) else { continue };
-        if let Some((other, _)) = files.insert((name.row, name.column), (path.clone(), name.position)) {
-            // Which comes first is up to the file system; the message is not.
-            let (first, second) = if other < path { (other, path) } else { (path, other) };
-            return Err(Error::broken(
-                &second,
-                FORMAT,
-                format!("{} is the same view; remove the one that does not belong here", first.display()),
-            ));
-        }
-    }
-    Ok(files)
+    let parse = |name: &str| Name::parse(name).map(|name| ((name.row, name.column), name.position));
+    files_by_key(folder, FORMAT, "is the same view", parse)
 }
 
-/// Passes indices with the same step between all neighbours.
+/// Returns the indices in order, if the steps between them are equal.
 fn evenly_spaced(folder: &Path, what: &str, indices: BTreeSet<usize>) -> Result<Vec<usize>, Error> {
     let indices: Vec<usize> = indices.into_iter().collect();
     let steps = || indices.windows(2).map(|pair| pair[1] - pair[0]);

@@ -1,7 +1,7 @@
-//! HDF5: the light field with its ground truth, in pieces that can be read alone.
+//! HDF5 light fields with ground truth, of which one view or one elemental image can be read alone.
 //!
-//! Through `hdf5-metno`, with the C library built in. Light fields are written lens row by lens row, so that one that does
-//! not fit the memory can be written, and a view or a lens is read without the rest.
+//! Through `hdf5-metno`, with the C library built in. Light fields are written lens row by lens row, so they need not
+//! fit into memory.
 //!
 //! # Layout
 //!
@@ -11,19 +11,20 @@
 //! | `/depth_m`, `/ray_length_m`, `/disparity_px` | (v, u, t, s) | float32, of all views |
 //! | `/central/depth_m`, `/central/ray_length_m`, `/central/disparity_px` | (v, u) | float32, of the central view |
 //!
-//! Attributes of the file: `format`, `axes` (`vutsc`), `views` = \[T S\], `lenses` = \[V U\], and of the rig `baseline_m` =
-//! \[y x\], `focal_length_mm`, `sensor_size_mm`, `focus_distance_m`, `projection`. Every dataset has `axes` and `units`, and
-//! labels its dimensions the way of HDF5's dimension scales (`dims[0].label` in h5py). Compression is shuffle and gzip, the
-//! filters that every reader has.
+//! Attributes of the file: `format`, `axes` (`vutsc`), `views` = \[T S\], `lenses` = \[V U\], and of the rig
+//! `baseline_m` = \[y x\], `focal_length_mm`, `sensor_size_mm`, `focus_distance_m`, `projection`. Every dataset has
+//! `axes` and `units`, and labels of its dimensions as HDF5 dimension scales define them (`dims[0].label` in h5py).
+//! Compression is shuffle and gzip, which every reader supports.
 //!
 //! # Chunks
 //!
-//! A file is read by lens and by view, and each wants other neighbours side by side. A chunk of 4 x 4 lenses, 10 x 10 views
-//! and all channels lies between: one lens inflates 16 times what it returns, one view 100 times. Measured with 100 x 100
-//! views of 79 x 53 px, float32, gzip 1, on 2 cores of an AMD EPYC (`cargo bench -p holo-bench --bench files --features hdf5
-//! -- --chunks` makes such a table):
+//! Chunks of one elemental image make reading a view slow, and chunks of one view make reading an elemental image slow.
+//! The default is a compromise: 4 x 4 microlenses, 10 x 10 views and all channels. Reading one elemental image then
+//! inflates 16 times its size, reading one view 100 times. `cargo bench -p holo-bench --bench files --features hdf5 --
+//! --chunks` measures alternatives. On 2 cores of an AMD EPYC, with 100 x 100 views of 79 x 53 px, float32, gzip level
+//! 1:
 //!
-//! | lens rows, columns, view rows, columns | write, s | MB | one view, ms | one lens, ms |
+//! | lens rows, columns, view rows, columns | write, s | MB | one view, ms | one elemental image, ms |
 //! |---|---|---|---|---|
 //! | 1, 1, 100, 100: an elemental image | 3.7 | 266 | 1061 | 0.3 |
 //! | 53, 79, 1, 1: a view | 4.2 | 420 | 0.8 | 1345 |
@@ -32,20 +33,20 @@
 //! | 4, 4, 20, 20 | 3.1 | 317 | 52 | 4 |
 //! | 8, 8, 10, 10 | 3.3 | 335 | 14 | 18 |
 //!
-//! The library deflates with zlib-ng, through the feature of `libz-sys`: 3.1 s where h5py with zlib takes 7.0 s, for 6 % more
-//! bytes at level 1 (342 MB against 322 MB). Its bytes do not depend on the processor: its plain code and that for AVX-512 gave
-//! the same for 189 streams at levels 1 to 9.
+//! The library deflates with zlib-ng, through the feature of `libz-sys`: twice as fast as zlib, for 6 % more bytes at
+//! level 1. The bytes do not depend on the processor: the portable code of zlib-ng and that for AVX-512 give the same.
 //!
-//! # What is not safe here
+//! # Safety
 //!
-//! The C library checks much of what it reads, but not all: a file made to do harm may end the process inside it. Before
-//! the library allocates for this crate, shapes, types and chunks are compared with the budget; what happens while it parses
-//! the file's structure is in its hands. Read only files that come from somebody you trust.
+//! The C library does not check all that it reads: a malicious file may crash the process. Shapes, types and chunks are
+//! compared with the memory limit before samples are read, but not what the library allocates while it parses the
+//! structure of the file. Read files from sources you trust only.
 
 mod attributes;
 mod library;
 mod options;
 mod read;
+mod rows;
 mod write;
 
 use std::path::Path;
@@ -61,12 +62,14 @@ pub use options::{Hdf5Map, Hdf5Options};
 #[cfg(feature = "mat")]
 pub(crate) use read::check_chunk;
 pub use read::{Hdf5LightField, is_light_field_hdf5};
+#[cfg(feature = "mat")]
+pub(crate) use rows::{RowDataset, SampleRows};
 pub use write::Hdf5Writer;
 
-/// The format's name in messages.
+/// The name of the format in messages.
 const FORMAT: &str = "HDF5";
 
-/// A sample as the HDF5 library knows it.
+/// A sample type that the HDF5 library supports.
 pub(crate) trait Number: Sample + ::hdf5::H5Type {}
 
 impl Number for u8 {}
@@ -74,12 +77,39 @@ impl Number for u16 {}
 impl Number for f32 {}
 impl Number for f64 {}
 
-/// Writes a light field that is in memory, the ground truth of all views, and that of the central view.
+/// Evaluates an expression with the type of a [`SampleKind`](holo_core::SampleKind).
+macro_rules! with_sample_type {
+    ($kind:expr, $type:ident => $body:expr) => {
+        match $kind {
+            holo_core::SampleKind::U8 => {
+                type $type = u8;
+                $body
+            }
+            holo_core::SampleKind::U16 => {
+                type $type = u16;
+                $body
+            }
+            holo_core::SampleKind::F32 => {
+                type $type = f32;
+                $body
+            }
+            holo_core::SampleKind::F64 => {
+                type $type = f64;
+                $body
+            }
+        }
+    };
+}
+pub(crate) use with_sample_type;
+
+/// Writes a light field, ground truth maps of all views, and ground truth maps of the central view.
+///
+/// Chunks and compression are those of `options`; [`Hdf5Writer`] writes light fields that do not fit into memory.
 ///
 /// # Shape
 ///
-/// Samples `(v, u, t, s, c)`; maps of all views `(v, u, t, s)`; maps of the central view `(v, u)`. Any strides; a few lens
-/// rows are copied at a time.
+/// Samples `(v, u, t, s, c)`; maps of all views `(v, u, t, s)`; maps of the central view `(v, u)`. Any strides; a few
+/// lens rows are copied at a time.
 ///
 /// # Errors
 ///
@@ -88,15 +118,20 @@ impl Number for f64 {}
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, LightField, LightFieldShape, Rig};
+/// use holo_core::{GridSize, LightField, Rig, LightFieldShape};
 /// use holo_io::{Hdf5LightField, Hdf5Map, Hdf5Options, Limits, write_hdf5};
 /// use ndarray::{Array2, Array5};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("scene_5d.h5");
-/// let shape = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5))?;
-/// let rig = Rig::builder(shape).focal_length_m(0.05).sensor_size_m(0.036).baseline_m(1e-3).focus_distance_m(2.0).build()?;
-/// let light_field = LightField::new(Array5::<f32>::ones(shape.array_shape(3)))?;
+/// let split = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5))?;
+/// let rig = Rig::builder(split)
+///     .focal_length_m(0.05)
+///     .sensor_size_m(0.036)
+///     .baseline_m(1e-3)
+///     .focus_distance_m(2.0)
+///     .build()?;
+/// let light_field = LightField::new(Array5::<f32>::ones(split.array_shape(3)))?;
 /// let depth_m = Array2::from_elem((4, 5), 2.5);
 /// write_hdf5(&path, &light_field, &rig, &[], &[(Hdf5Map::Depth, depth_m.view())], &Hdf5Options::default())?;
 /// let file = Hdf5LightField::open(&path, &Limits::default())?;
@@ -118,9 +153,9 @@ where
     S::Elem: Sample,
 {
     let path = path.as_ref();
-    let kinds: Vec<Hdf5Map> = maps.iter().map(|&(kind, _)| kind).collect();
+    let names: Vec<Hdf5Map> = maps.iter().map(|&(name, _)| name).collect();
     crate::rig_values::check_split(path, Some(rig), &light_field.shape())?;
-    let mut writer = Hdf5Writer::<S::Elem>::create(path, rig, light_field.channels(), &kinds, options)?;
+    let mut writer = Hdf5Writer::<S::Elem>::create(path, rig, light_field.channels(), &names, options)?;
     let rows = writer.lens_rows_at_a_time();
     let samples = light_field.samples();
     for start in (0..rig.shape().lenses().rows).step_by(rows) {

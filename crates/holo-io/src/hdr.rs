@@ -1,15 +1,16 @@
-//! Radiance HDR (`.hdr`, `.pic`): linear RGB with 8 bits a channel and one exponent for the three.
+//! Radiance HDR (`.hdr`, `.pic`): linear RGB with an 8-bit mantissa a channel and a shared exponent.
 //!
 //! Own code, because the one maintained crate (`image` 0.25) reads one of the eight orientations and one of the two
-//! signatures, leaves exposure to its caller and multiplies run lengths without a check. Read are the signatures
-//! `#?RADIANCE` and `#?RGBE`, all orientations, flat scanlines and both run-length codings.
+//! signatures, leaves exposure to its caller and multiplies run lengths without a check. This module reads the
+//! signatures `#?RADIANCE` and `#?RGBE`, all orientations, flat scanlines and both run-length codings.
 //!
 //! # Model
 //!
-//! A pixel (r, g, b, e) is `(r, g, b) * 2^(e - 136)`, black where e = 0, divided by the product of the header's `EXPOSURE`
-//! and `COLORCORR` lines: what the camera saw, not what was done to the picture later. The power of two is exact; the
-//! division, where there is one, is rounded once. Half a step is not added to the mantissas: Radiance's own tools do,
-//! most others do not, and black would not stay black. Primaries are taken to be those of sRGB; `PRIMARIES` is ignored.
+//! A pixel (r, g, b, e) is `(r, g, b) * 2^(e - 136)`, black where e = 0, divided by the product of the header's
+//! `EXPOSURE` and `COLORCORR` lines, so that the result is the original radiance. The power of two is exact; the
+//! division, where there is one, is rounded once. The tools of Radiance add half a step to the mantissas; this module
+//! does not, as most other programs, so that black stays black. Primaries are assumed to be those of sRGB; `PRIMARIES`
+//! is ignored.
 //!
 //! # Source
 //!
@@ -32,32 +33,36 @@ use header::{Header, Major};
 /// The format's name in messages.
 const FORMAT: &str = "HDR";
 
-/// What the header of a Radiance HDR file says.
+/// The header of a Radiance HDR file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HdrInfo {
     /// Rows and columns of the upright image.
     pub size: GridSize,
-    /// The product of all `EXPOSURE` lines, 1 without any: the reader divides by it.
+    /// Product of all `EXPOSURE` lines, 1 without any. The reader divides by it.
     pub exposure: f64,
-    /// The product of all `COLORCORR` lines, for red, green and blue: the reader divides by it.
-    pub colour_correction: [f64; 3],
+    /// Product of all `COLORCORR` lines for red, green and blue, 1 without any. The reader divides by it.
+    pub color_correction: [f64; 3],
 }
 
-/// Reads a Radiance HDR image as linear RGB, `(rows, columns, 3)`, top row first, whatever its orientation in the file.
+/// Reads a Radiance HDR image as linear RGB.
 ///
-/// Exposure and colour correction of the header are divided out. Bytes behind the last scanline are not looked at.
+/// Values are divided by exposure and color correction of the header. Bytes after the last scanline are ignored.
+///
+/// # Shape
+///
+/// `(rows, columns, 3)`, top row first, whatever the orientation in the file.
 ///
 /// # Errors
 ///
 /// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not a Radiance HDR file, is truncated or
 /// damaged; [`Error::Unsupported`] if its pixels are XYZE; [`Error::TooLarge`] if the image exceeds the limits, before
-/// memory is taken for it.
+/// memory is allocated for it.
 pub fn read_hdr(path: impl AsRef<Path>, limits: &Limits) -> Result<Array3<f32>, Error> {
     let path = path.as_ref();
     decode(&mut open(path)?, path, *limits)
 }
 
-/// Reads a Radiance HDR image that is in memory, like [`read_hdr`].
+/// Decodes a Radiance HDR image in memory, like [`read_hdr`].
 ///
 /// # Errors
 ///
@@ -79,7 +84,8 @@ pub fn decode_hdr(bytes: &[u8], limits: &Limits) -> Result<Array3<f32>, Error> {
 ///
 /// # Errors
 ///
-/// [`Error::Io`] if the file cannot be read; [`Error::Broken`] or [`Error::Unsupported`] if its header cannot be.
+/// [`Error::Io`] if the file cannot be read; [`Error::Broken`] or [`Error::Unsupported`] if its header cannot be
+/// read.
 pub fn read_hdr_info(path: impl AsRef<Path>) -> Result<HdrInfo, Error> {
     let path = path.as_ref();
     Ok(Header::read(&mut open(path)?, path)?.info())
@@ -94,27 +100,28 @@ fn decode(source: &mut impl BufRead, path: &Path, limits: Limits) -> Result<Arra
     let header = Header::read(source, path)?;
     let (scanlines, length) = (header.scanlines, header.length);
     let upright = header.major == Major::Rows && !header.flip_scanlines && !header.flip_pixels;
-    // An image that lies otherwise is copied once.
+    // An image of another orientation is copied once.
     let copies = if upright { 1 } else { 2 };
     limits.elements(path, "image", &[copies, scanlines, length, 3], size_of::<f32>())?;
-    // The room is only reserved: pages are touched as data really arrive, so a short file that announces much is cheap.
-    let mut values = limits.room(path, "image", scanlines * length * 3)?;
-    let mut codes = limits.room(path, "image", length)?;
+    // The memory is only reserved: pages are touched as data arrive, so a short file that announces a large image uses
+    // little memory.
+    let mut values = Limits::room(path, "image", scanlines * length * 3)?;
+    let mut codes = Limits::room(path, "image", length)?;
     let scale = scales();
-    let divisor = header.colour_correction.map(|correction| (correction * header.exposure) as f32);
+    let divisor = header.color_correction.map(|correction| (correction * header.exposure) as f32);
     let plain = divisor == [1.0; 3];
     for index in 0..scanlines {
-        scanline::read(source, &mut codes, length).map_err(|fault| {
+        scanline::read(source, &mut codes, length).map_err(|error| {
             let at = format!("scanline {} of {scanlines}", index + 1);
-            fault.error(path, &at)
+            error.into_error(path, &at)
         })?;
         for &[red, green, blue, exponent] in &codes {
             let scale = scale[usize::from(exponent)];
-            let colour = [f32::from(red) * scale, f32::from(green) * scale, f32::from(blue) * scale];
+            let color = [f32::from(red) * scale, f32::from(green) * scale, f32::from(blue) * scale];
             if plain {
-                values.extend(colour);
+                values.extend(color);
             } else {
-                values.extend([colour[0] / divisor[0], colour[1] / divisor[1], colour[2] / divisor[2]]);
+                values.extend([color[0] / divisor[0], color[1] / divisor[1], color[2] / divisor[2]]);
             }
         }
     }
@@ -132,7 +139,7 @@ fn decode(source: &mut impl BufRead, path: &Path, limits: Limits) -> Result<Arra
     Ok(if upright { image } else { image.as_standard_layout().into_owned() })
 }
 
-/// 2^(e - 136) for every exponent, and 0 for e = 0. The smallest, 2^-135, is a subnormal number and exact.
+/// 2^(e - 136) for every exponent e, and 0 for e = 0. The smallest, 2^-135, is a subnormal number and exact.
 fn scales() -> [f32; 256] {
     let mut scales = [0.0; 256];
     for (exponent, scale) in scales.iter_mut().enumerate().skip(1) {

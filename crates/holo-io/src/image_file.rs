@@ -1,14 +1,18 @@
-//! An image in the format that the ending of its name says.
+//! Writes an image in the format of its file extension.
 
 use std::path::Path;
 
 use holo_core::{ColorEncoding, DynImageRef, SampleKind};
 use ndarray::{ArrayView3, Axis};
 
-use crate::{Compression, Error, FileDigest, write_pfm, write_pfm_colour, write_png};
+use crate::{Compression, Error, FileDigest, write_pfm, write_pfm_rgb, write_png};
 
-/// Writes an image in the format of its samples: integers, on the sRGB curve, as `.png`; floats, linear, as `.pfm`. Nothing
-/// is converted but `f64`, which is rounded to `f32`.
+/// Writes an image as `.png` or `.pfm`: integers, which follow the sRGB curve, as PNG; floats, which are linear, as
+/// PFM.
+///
+/// # Accuracy
+///
+/// `f64` is rounded to `f32`; all other values are written as they are.
 ///
 /// # Shape
 ///
@@ -16,7 +20,8 @@ use crate::{Compression, Error, FileDigest, write_pfm, write_pfm_colour, write_p
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if the ending is another, or not that of the samples; otherwise as [`write_png`] and [`write_pfm`].
+/// [`Error::BadInput`] if the extension is another one, or not the one for these samples; those of [`write_png`] and
+/// [`write_pfm`].
 ///
 /// # Examples
 ///
@@ -49,6 +54,6 @@ pub fn write_image<'a>(path: impl AsRef<Path>, image: impl Into<DynImageRef<'a>>
 fn write_floats(path: &Path, image: ArrayView3<'_, f32>) -> Result<FileDigest, Error> {
     match image.dim().2 {
         1 => write_pfm(path, image.index_axis_move(Axis(2), 0)),
-        _ => write_pfm_colour(path, image),
+        _ => write_pfm_rgb(path, image),
     }
 }

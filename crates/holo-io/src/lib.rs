@@ -2,68 +2,71 @@
 //!
 //! # Conventions
 //!
-//! - Arrays are `(rows, columns)` or `(rows, columns, channels)`, the top row first, with any strides: writers take views
-//!   of any memory order and never copy the image as a whole. What does not fit into memory is written band by band
-//!   ([`PngWriter`], [`ExrWriter`], `MatWriter`, `Hdf5Writer`). Nothing is ever flipped; where a format stores the bottom row
-//!   first (PFM), that stays inside its file.
+//! - Arrays are `(rows, columns)` or `(rows, columns, channels)`, the top row first, with any strides: writers take
+//!   views of any memory order and never copy the image as a whole. What does not fit into memory is written band by
+//!   band ([`PngWriter`], [`ExrWriter`], `MatWriter`, `Hdf5Writer`). Nothing is flipped: PFM stores the bottom row
+//!   first, and only inside its file.
 //! - In files and in text a size is columns x rows; in code rows come first ([`GridSize`](holo_core::GridSize)).
-//! - Depth is planar and in metres, `+infinity` where nothing was hit. Disparity is in pixels between adjacent views,
-//!   positive nearer than the focus plane. Millimetres occur only in fields whose name says so, because their files do.
+//! - Depth is planar and in meters, `+infinity` where nothing was hit. Disparity is in pixels between adjacent views,
+//!   positive nearer than the focus plane. Millimeters occur only in fields whose name says so, because their files do.
 //! - A file appears whole or not at all: it is written under a temporary name in its folder, synced, and renamed
 //!   ([`AtomicFile`]).
 //! - Writers return the size and SHA-256 of what they wrote ([`FileDigest`]), which is what a [`Manifest`] lists.
 //! - Equal inputs give equal bytes: no clock, no path and no random number gets into a file.
-//! - Readers take a budget ([`Limits`]) and compare it with what a file announces before they ask for memory. A damaged
-//!   file is an [`Error::Broken`], never a panic.
+//! - Readers take a budget ([`Limits`]) and compare it with what a file announces before they allocate. A damaged file
+//!   is an [`Error::Broken`], never a panic.
 //!
 //! # Formats
 //!
 //! | format | write | read |
 //! |---|---|---|
 //! | PNG, 8 and 16 bit | [`write_png`], [`write_disparity_png`], [`PngWriter`] | [`read_png`], [`read_png_info`] |
-//! | PNG that moves | [`write_png_animation`] | |
-//! | PNGs of one view each | | [`read_views`] |
+//! | animated PNG | [`write_png_animation`] | |
+//! | PNGs, one a view | | [`read_views`] |
 //! | PNG in memory | [`encode_png`] | [`decode_png`] |
-//! | PFM | [`write_pfm`], [`write_pfm_colour`] | [`read_pfm`], [`read_pfm_grey`], [`read_pfm_info`] |
+//! | PFM | [`write_pfm`], [`write_pfm_rgb`] | [`read_pfm`], [`read_pfm_gray`], [`read_pfm_info`] |
 //! | PFM in memory | [`Pfm::to_bytes`] | [`decode_pfm`] |
-//! | EXR, 32-bit or 16-bit float | [`write_exr`], [`write_exr_with`], [`ExrWriter`] | [`read_exr`], [`read_exr_rgb`], [`read_exr_info`] |
+//! | EXR, 32- or 16-bit float | [`write_exr`], [`write_exr_with`], [`ExrWriter`] | [`read_exr`], [`read_exr_rgb`] |
+//! | header of an EXR | | [`read_exr_info`] |
 //! | EXR in memory | [`encode_exr`], [`encode_exr_with`] | [`decode_exr`], [`decode_exr_rgb`] |
-//! | MAT, levels 5 and 7.3 | [`write_mat`], [`write_mat_light_field`]; `MatWriter` lens row by lens row | [`read_mat`], [`read_mat_variable`], [`read_mat_light_field`], [`read_mat_info`] |
+//! | MAT, versions 5 and 7.3 | [`write_mat`] | [`read_mat`], [`read_mat_variable`], [`read_mat_info`] |
+//! | light field as MAT | [`write_mat_light_field`]; `MatWriter` lens row by lens row | [`read_mat_light_field`] |
 //! | MAT in memory | [`encode_mat`] | [`decode_mat`] |
 //! | HDF5 | `write_hdf5`; `Hdf5Writer` lens row by lens row | `Hdf5LightField`: all, one view, one lens |
 //! | Radiance HDR | | [`read_hdr`], [`decode_hdr`], [`read_hdr_info`] |
 //! | `parameters.cfg` | [`ParametersCfg::write`] | [`ParametersCfg::read`] |
 //! | `manifest.json` | [`Manifest::write`] | [`Manifest::read`], [`Manifest::verify`] |
-//! | PNG or PFM, by the ending of the name | [`write_image`] | |
+//! | PNG or PFM, by the file extension | [`write_image`] | |
 //! | any light field: folder, raw PNG, MAT, HDF5 | | [`read_light_field`], [`LightFieldReader`] |
 //! | the rig of any of them | | [`read_rig`] |
 //! | dataset folder | file by file | [`dataset::DatasetFolder`] |
-//! | dataset of many folders | [`dataset::Description::write`] | [`dataset::Description::read`], [`dataset::list`] |
+//! | dataset of many folders | [`dataset::DatasetIndex::write`] | [`dataset::DatasetIndex::read`], [`dataset::list`] |
 //! | HCI folder | [`HciImage::write`] | [`HciFolder::open`] |
 //! | folder of the Stanford Lego gantry | | [`GantryFolder::open`] |
-//! | any of these files | | [`recognise`] |
-//! | any of these files and folders | | [`open`] |
+//! | the format of any of these files | | [`detect_format`] |
+//! | what any of these files and folders contains, without its pixels | | [`probe`] |
 //!
-//! The names of the files in a dataset folder are in [`dataset`]; [`layout_of_file_name`] tells its two raw images apart.
+//! The names of the files in a dataset folder are in [`dataset`]. [`layout_of_file_name`] distinguishes its two raw
+//! images.
 //!
 //! # Features
 //!
-//! On by default: `png`, everything that needs a PNG codec; `exr`, OpenEXR, through the crate `exr`; `hdr`, Radiance HDR, which
-//! needs no other crate; `mat`, MATLAB's arrays of level 5, numbers decoded by the crate `matfile`. On request: `hdf5`, and with
-//! `mat` MATLAB's level 7.3; it builds the HDF5 library from its C source, which takes CMake. PFM, `parameters.cfg` and the
-//! manifest are always there, and so is [`recognise`] for every kind.
+//! On by default: `png`, everything that needs a PNG codec; `exr`, OpenEXR, through the crate `exr`; `hdr`, Radiance
+//! HDR, which needs no other crate; `mat`, MAT files of version 5, whose numbers the crate `matfile` decodes. On
+//! request: `hdf5`, HDF5, and with `mat` MAT files of version 7.3; it builds the HDF5 library from its C source, which
+//! needs CMake. PFM, `parameters.cfg` and the manifest are always there, and so is [`detect_format`] for every format.
 //!
 //! # Panics in decoders
 //!
-//! The crate `exr` may panic on a damaged file (and `matfile` is watched as well). Such a panic becomes an [`Error`]; a program
-//! whose panic hook prints should ask [`is_guarding`] first and stay silent. The HDF5 library is C: read only `.h5` and level 7.3
-//! files from somebody you trust.
+//! The crates `exr` and `matfile` may panic on a damaged file. A panic guard turns such a panic into an [`Error`]. A
+//! program whose panic hook prints should call [`is_guarding`] first and print nothing where it is true. The HDF5
+//! library is C code: read `.h5` and version 7.3 files only from sources you trust.
 //!
 //! # What is not here
 //!
-//! No pixel is computed: exposure, the sRGB curve and the change of layout happen before. Nothing is printed and no
-//! process is ended. Folders are not created. The `lf.h5` of the first HCI benchmark (2013) is not read: its conventions are known
-//! only from hearsay, and no file was at hand to prove them on.
+//! The writers leave the pixels as they are: exposure, the sRGB curve and the change of layout are the caller's. The
+//! crate prints nothing, ends no process and creates no folders. The `lf.h5` of the first HCI benchmark (2013) is not
+//! read: no file was available to verify its conventions.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 // The table above names what the features add.
@@ -74,6 +77,7 @@
 
 mod atomic;
 pub mod dataset;
+mod detect_format;
 mod error;
 #[cfg(feature = "exr")]
 mod exr;
@@ -94,15 +98,14 @@ mod manifest;
 #[cfg(feature = "mat")]
 mod mat;
 mod names;
-mod net;
-#[cfg(feature = "png")]
-mod open;
+mod panic_guard;
 mod parameters_cfg;
 mod pfm;
 #[cfg(feature = "png")]
 mod png;
+#[cfg(feature = "png")]
+mod probe;
 mod raw_image;
-mod recognise;
 #[cfg(any(feature = "mat", feature = "hdf5"))]
 mod rig_values;
 #[cfg(feature = "png")]
@@ -113,6 +116,7 @@ mod zlib;
 pub use atomic::{
     AtomicFile, FileDigest, Sha256, hash_file, remove_stale_temporary_files, remove_temporary_files, write_file,
 };
+pub use detect_format::{FileFormat, detect_format};
 pub use error::Error;
 #[cfg(feature = "exr")]
 pub use exr::{
@@ -135,7 +139,7 @@ pub use light_field::{
     LightFieldFile, LightFieldFormat, LightFieldReader, ReadOptions, list_images, read_light_field, read_rig,
 };
 pub use limits::Limits;
-pub use manifest::{Manifest, Mismatch, MismatchKind, Setting};
+pub use manifest::{Manifest, ManifestValue, Mismatch, MismatchKind};
 #[cfg(all(feature = "mat", feature = "hdf5"))]
 pub use mat::MatWriter;
 #[cfg(feature = "mat")]
@@ -143,17 +147,16 @@ pub use mat::{
     MatArray, MatClass, MatInfo, MatLightField, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, decode_mat,
     encode_mat, read_mat, read_mat_info, read_mat_light_field, read_mat_variable, write_mat, write_mat_light_field,
 };
-pub use net::is_guarding;
-#[cfg(feature = "png")]
-pub use open::{FileInfo, open};
+pub use panic_guard::is_guarding;
 pub use parameters_cfg::{CameraPose, ParametersCfg, date_from_epoch};
-pub use pfm::{Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_grey, read_pfm_info, write_pfm, write_pfm_colour};
+pub use pfm::{Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_gray, read_pfm_info, write_pfm, write_pfm_rgb};
 #[cfg(feature = "png")]
 pub use png::{
     Compression, PngInfo, PngWriter, decode_png, encode_png, read_png, read_png_info, write_disparity_png, write_png,
     write_png_animation,
 };
+#[cfg(feature = "png")]
+pub use probe::{FileInfo, probe};
 pub use raw_image::layout_of_file_name;
-pub use recognise::{FileKind, recognise};
 #[cfg(feature = "png")]
 pub use views::read_views;

@@ -1,14 +1,4 @@
-//! A light field out of whatever holds one: one call for every folder and file of this crate.
-//!
-//! | what | how it is recognized | what tells the rig |
-//! |---|---|---|
-//! | dataset folder | its `manifest.json` | the manifest |
-//! | HCI folder | `parameters.cfg` and `input_Cam*.png` | `parameters.cfg` |
-//! | Stanford gantry folder | `out_ROW_COLUMN_Y_X.png` | nothing: its unit is unknown |
-//! | folder of images | PNGs of any name, and [`ReadOptions::views`] | `parameters.cfg` in it, if it fits |
-//! | raw PNG | its signature | `parameters.cfg` beside it |
-//! | MAT file, versions 5 and 7.3 | its header | its variables, else `parameters.cfg` beside it, if it fits |
-//! | HDF5 file | its signature | its attributes, else `parameters.cfg` beside it, if it fits |
+//! Readers of a light field from any folder or file that contains one; see [`read_light_field`].
 
 mod natural_order;
 mod source;
@@ -24,7 +14,8 @@ use source::Source;
 
 pub use natural_order::list_images;
 
-/// How to read a light field: what the caller knows and the files may not tell. The default knows nothing.
+/// Options of reading a light field: limits, and what the files may not specify. By default everything is taken from
+/// the files.
 ///
 /// # Examples
 ///
@@ -38,39 +29,40 @@ pub use natural_order::list_images;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct ReadOptions {
-    /// The memory that reading may take.
+    /// Maximum memory that reading may take.
     pub limits: Limits,
-    /// The number of views. Without it, the files must tell; with it, they must not contradict.
+    /// The number of views, T rows and S columns. `None`: the files must specify it. The files must not contradict it.
     pub views: Option<GridSize>,
-    /// How a raw PNG is laid out. Without it, the file's name must tell; see [`layout_of_file_name`](crate::layout_of_file_name).
+    /// The layout of a raw PNG. `None`: the file name must specify it, as in
+    /// [`layout_of_file_name`](crate::layout_of_file_name).
     pub layout: Option<Layout>,
-    /// The order of the images of a folder of images.
+    /// Which view each image of a folder of images is. Not used for other formats.
     pub order: ViewOrder,
 }
 
 impl ReadOptions {
-    /// Sets the memory that reading may take.
+    /// Sets [`limits`](Self::limits).
     #[must_use]
     pub const fn limits(mut self, limits: Limits) -> Self {
         self.limits = limits;
         self
     }
 
-    /// Sets the number of views.
+    /// Sets [`views`](Self::views).
     #[must_use]
     pub fn views(mut self, views: impl Into<Option<GridSize>>) -> Self {
         self.views = views.into();
         self
     }
 
-    /// Sets the layout of a raw PNG.
+    /// Sets [`layout`](Self::layout).
     #[must_use]
     pub fn layout(mut self, layout: impl Into<Option<Layout>>) -> Self {
         self.layout = layout.into();
         self
     }
 
-    /// Sets the order of the images of a folder of images.
+    /// Sets [`order`](Self::order).
     #[must_use]
     pub const fn order(mut self, order: ViewOrder) -> Self {
         self.order = order;
@@ -78,7 +70,7 @@ impl ReadOptions {
     }
 }
 
-/// What holds a light field.
+/// The format of a folder or file that contains a light field.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum LightFieldFormat {
@@ -90,51 +82,61 @@ pub enum LightFieldFormat {
     GantryFolder,
     /// A folder of PNGs, one a view.
     ImageFolder,
-    /// A PNG of an elemental image array or of a grid of views.
+    /// A PNG of an elemental image array or a sub-aperture image array.
     RawImage,
-    /// A MAT file.
+    /// A MAT file of version 5 or 7.3.
     Mat,
     /// An HDF5 file.
     Hdf5,
 }
 
-/// A light field and what its files tell about it.
+/// A light field that was read, and what its files contain about it.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct LightFieldFile {
-    /// The samples `(v, u, t, s, c)` in the type of the files, with the strides of the files: nothing is converted.
+    /// The samples `(v, u, t, s, c)` in the sample type of the files and with the strides of the files.
     pub light_field: DynLightField,
-    /// The rig, if the files contain one that is for these views and pixels.
+    /// The rig, if the files contain one with these numbers of views and pixels.
     pub rig: Option<Rig>,
-    /// What the samples mean: integers are on the sRGB curve, floats are linear. No file of these formats says otherwise.
+    /// The encoding of the samples: sRGB for integers, linear for floats. No file of these formats specifies another.
     pub color_encoding: ColorEncoding,
-    /// What the files are.
+    /// The format of the folder or file.
     pub format: LightFieldFormat,
     /// The layout of the raw image, if the samples come from one.
     pub layout: Option<Layout>,
-    /// Smallest and largest disparity of the scene in pixels between adjacent views, if the files contain them.
+    /// Smallest and largest disparity of the scene in pixels between horizontally adjacent views, if the files contain
+    /// them.
     pub disparity_range_px: Option<(f64, f64)>,
-    /// What is wrong with the files beside the samples, such as numbers that make no rig; in words, each with its path.
+    /// Problems of the files that do not affect the samples, such as numbers that make no rig: one message each, with
+    /// its path.
     pub warnings: Vec<String>,
 }
 
-/// Reads a light field from a folder or a file of any kind that this crate knows; see the table below.
+/// Reads a light field from a folder or a file.
 ///
-/// | what | how it is recognized | what tells the rig |
+/// | format | recognized by | source of the rig |
 /// |---|---|---|
 /// | dataset folder | its `manifest.json` | the manifest |
 /// | HCI folder | `parameters.cfg` and `input_Cam*.png` | `parameters.cfg` |
-/// | Stanford gantry folder | `out_ROW_COLUMN_Y_X.png` | nothing: its unit is unknown |
-/// | folder of images | PNGs of any name in natural order, and [`ReadOptions::views`] | `parameters.cfg` in it, if it fits |
-/// | raw PNG | its signature | `parameters.cfg` beside it |
-/// | MAT file | its header | its variables, else `parameters.cfg` beside it, if it fits |
-/// | HDF5 file | its signature | its attributes, else `parameters.cfg` beside it, if it fits |
+/// | Stanford gantry folder | `out_ROW_COLUMN_Y_X.png` | none: the unit of its positions is unknown |
+/// | folder of images | PNGs of any name in natural order, and [`ReadOptions::views`] | `parameters.cfg` in it ¹ |
+/// | raw PNG | its signature | sidecar `parameters.cfg` ¹ |
+/// | MAT file, version 5 or 7.3 | its header | its variables, else the sidecar `parameters.cfg` ¹ |
+/// | HDF5 file | its signature | its attributes, else the sidecar `parameters.cfg` ¹ |
+///
+/// A sidecar is a file of the same folder. ¹ If it specifies the same numbers of views and pixels. Of a raw PNG without
+/// [`ReadOptions::views`] it specifies the number of views and must agree with the size of the image.
+///
+/// # Shape
+///
+/// `(v, u, t, s, c)`; see [`LightFieldFile::light_field`].
 ///
 /// # Errors
 ///
-/// [`Error::MissingOption`] if the files do not tell the number of views or the layout and the options do not either, or
-/// if they contradict each other; [`Error::NoLightField`] if the path leads to something else; otherwise those of the
-/// readers of the formats, such as [`Error::Broken`] and [`Error::TooLarge`].
+/// [`Error::MissingOption`] if neither the files nor the options specify the number of views or the layout, or if files
+/// and options contradict each other; [`Error::NoLightField`] if the path leads to something else;
+/// [`Error::Unsupported`] if the format needs a feature that is off; otherwise those of the readers of the formats,
+/// such as [`Error::Io`], [`Error::Broken`] and [`Error::TooLarge`].
 ///
 /// # Examples
 ///
@@ -144,8 +146,9 @@ pub struct LightFieldFile {
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("scene_el.png");
-/// let light_field = LightField::filled(LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5))?, 3, Layout::ElementalGrid, 7_u8)?;
-/// write_png(&path, light_field.to_elemental_grid()?.view(), ColorEncoding::Srgb, Compression::Fast)?;
+/// let shape = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
+/// let light_field = LightField::filled(shape, 3, Layout::ElementalGrid, 7_u8)?;
+/// write_png(&path, light_field.to_elemental_grid().view(), ColorEncoding::Srgb, Compression::Fast)?;
 ///
 /// let file = read_light_field(&path, &ReadOptions::default().views(GridSize::new(3, 3)))?;
 /// assert_eq!(file.light_field, light_field.into());
@@ -156,17 +159,17 @@ pub fn read_light_field(path: impl AsRef<Path>, options: &ReadOptions) -> Result
     LightFieldReader::open(path, options)?.read()
 }
 
-/// Reads the rig that belongs to a file or folder, and no samples: that of a light field, of a `manifest.json`, of a
-/// `parameters.cfg`, and of any other file that of the `parameters.cfg` in its folder. `None` if there is none.
+/// Reads the rig of a file or folder without its samples: that of a light field, a `manifest.json` or a
+/// `parameters.cfg`; for any other file that of the `parameters.cfg` in the same folder. `None` if there is none.
 ///
 /// # Errors
 ///
-/// Those of the readers; [`Error::Core`] if the numbers make no rig.
+/// Those of the readers of the formats; [`Error::Core`] if the numbers of a `parameters.cfg` make no rig.
 pub fn read_rig(path: impl AsRef<Path>, limits: &Limits) -> Result<Option<Rig>, Error> {
     source::rig_of(path.as_ref(), limits)
 }
 
-/// A light field whose headers have been read and whose samples have not.
+/// A light field whose headers have been read, but not its samples.
 #[derive(Debug)]
 pub struct LightFieldReader {
     path: PathBuf,
@@ -182,11 +185,11 @@ pub struct LightFieldReader {
 }
 
 impl LightFieldReader {
-    /// Finds out what a path leads to and reads everything but the samples.
+    /// Detects the format of a folder or file and reads everything but the samples.
     ///
     /// # Errors
     ///
-    /// As [`read_light_field`], but for errors in the samples.
+    /// Those of [`read_light_field`], except for errors in the samples.
     pub fn open(path: impl AsRef<Path>, options: &ReadOptions) -> Result<Self, Error> {
         let path = path.as_ref();
         let reader = source::open(path, options)?;
@@ -201,13 +204,13 @@ impl LightFieldReader {
         }
     }
 
-    /// Returns what the files are.
+    /// Returns the format of the folder or file.
     #[must_use]
     pub const fn format(&self) -> LightFieldFormat {
         self.format
     }
 
-    /// Returns the number of views and microlenses.
+    /// Returns the numbers of views and microlenses.
     #[must_use]
     pub const fn shape(&self) -> LightFieldShape {
         self.shape
@@ -219,7 +222,7 @@ impl LightFieldReader {
         self.layout
     }
 
-    /// Returns the raw image that holds all samples, if there is one.
+    /// Returns the path of the raw image that contains all samples, if they come from one.
     #[must_use]
     pub fn raw_image(&self) -> Option<PathBuf> {
         self.source.raw_image()
@@ -231,19 +234,23 @@ impl LightFieldReader {
         self.rig.as_ref()
     }
 
-    /// Returns the smallest and the largest disparity of the scene; see [`LightFieldFile::disparity_range_px`].
+    /// Returns the smallest and largest disparity of the scene; see [`LightFieldFile::disparity_range_px`].
     #[must_use]
     pub const fn disparity_range_px(&self) -> Option<(f64, f64)> {
         self.disparity_range_px
     }
 
-    /// Returns what is wrong beside the samples; see [`LightFieldFile::warnings`].
+    /// Returns the problems of the files that do not affect the samples; see [`LightFieldFile::warnings`].
     #[must_use]
     pub fn warnings(&self) -> &[String] {
         &self.warnings
     }
 
-    /// Reads the planar depth of the central view in meters, `(v, u)`, or returns `None` if the files have none.
+    /// Reads the planar depth of the central view in meters, or returns `None` if the files have none.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u)`; `+infinity` where nothing was hit.
     ///
     /// # Errors
     ///
@@ -252,8 +259,12 @@ impl LightFieldReader {
         self.source.central_map(source::Map::Depth, &self.limits)
     }
 
-    /// Reads the disparity of the central view in pixels between horizontally adjacent views, `(v, u)`, or returns `None`
-    /// if the files have none.
+    /// Reads the disparity of the central view in pixels between horizontally adjacent views, or returns `None` if the
+    /// files have none.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u)`; positive nearer than the focus plane.
     ///
     /// # Errors
     ///
@@ -280,7 +291,7 @@ impl LightFieldReader {
         })
     }
 
-    /// Takes what a `parameters.cfg` tells, if it is for these views and pixels, and if nothing has told it before.
+    /// Completes rig and disparity range from a `parameters.cfg`, if it specifies the same numbers of views and pixels.
     fn complete_from(mut self, parameters_path: &Path) -> Self {
         if !parameters_path.is_file() {
             return self;
@@ -297,6 +308,7 @@ impl LightFieldReader {
         }
     }
 
+    /// Takes rig and disparity range from the parameters where they are not known yet.
     fn complete(mut self, parameters: &ParametersCfg, parameters_path: &Path) -> Self {
         if self.rig.is_none() {
             match parameters.rig().map_err(|error| error.about(parameters_path)) {
@@ -313,7 +325,7 @@ fn sizes(shape: LightFieldShape) -> (GridSize, GridSize) {
     (shape.views(), shape.lenses())
 }
 
-/// The `parameters.cfg` that belongs to a path: in the folder, or beside the file.
+/// The `parameters.cfg` of a path: in the folder, or the sidecar of a file.
 fn parameters_path(path: &Path) -> PathBuf {
     if path.is_dir() { path.join(PARAMETERS_CFG) } else { path.with_file_name(PARAMETERS_CFG) }
 }

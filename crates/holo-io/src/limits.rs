@@ -1,4 +1,4 @@
-//! How much memory a reader may take, checked before it is taken.
+//! Memory limits of the readers, checked before memory is allocated.
 
 use std::fs::File;
 use std::io::Read;
@@ -6,26 +6,26 @@ use std::path::Path;
 
 use crate::Error;
 
-/// The most memory that reading one file may take.
+/// Maximum memory that reading one file may take.
 ///
-/// A few bytes of a damaged or hostile file can announce an image of many gigabytes. Every reader of this crate works
-/// out what it is about to hold and compares it with this budget before it asks for memory.
+/// A few bytes of a damaged or hostile file can announce an image of many gigabytes. Every reader of this crate
+/// computes the size of its result and compares it with this limit before it allocates.
 ///
 /// # Examples
 ///
 /// ```
-/// // An 8K raw image of 8-bit RGB is 127 MB; a caller who expects no more can say so.
+/// // An 8K raw image of 8-bit RGB is 127 MB; a caller that expects no more can set a lower limit.
 /// let limits = holo_io::Limits { max_bytes: 200_000_000 };
 /// assert!(limits.max_bytes < holo_io::Limits::default().max_bytes);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
-    /// The budget for the data of one file once it is in memory, in bytes.
+    /// Maximum size of the data of one file in memory, in bytes.
     pub max_bytes: u64,
 }
 
 impl Limits {
-    /// No limit but the machine's own memory: for files that can be trusted.
+    /// No limit but the memory of the machine: for files from sources you trust.
     pub const NONE: Self = Self { max_bytes: u64::MAX };
 }
 
@@ -37,9 +37,12 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Passes a product of sizes that is within the budget and the address space, as an element count.
+    /// Returns the product of `counts`, a number of elements, if that many elements fit into the limit and the address
+    /// space.
     ///
-    /// The last factor is the size of one element in bytes and is not part of the returned count.
+    /// # Errors
+    ///
+    /// [`Error::TooLarge`] otherwise.
     pub(crate) fn elements(
         self,
         path: &Path,
@@ -60,14 +63,17 @@ impl Limits {
         Ok(elements)
     }
 
-    /// Returns an empty vector with room for `elements` elements, or an error where the machine has no such memory.
-    pub(crate) fn room<T>(self, path: &Path, what: &'static str, elements: usize) -> Result<Vec<T>, Error> {
+    /// Allocates an empty vector with room for `elements` elements.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfMemory`] if the allocation fails.
+    pub(crate) fn room<T>(path: &Path, what: &'static str, elements: usize) -> Result<Vec<T>, Error> {
         let mut vector = Vec::new();
-        vector.try_reserve_exact(elements).map_err(|_| Error::TooLarge {
+        vector.try_reserve_exact(elements).map_err(|_| Error::OutOfMemory {
             path: path.to_owned(),
             what,
-            needed: (elements as u64).saturating_mul(size_of::<T>() as u64),
-            allowed: self.max_bytes,
+            bytes: (elements as u64).saturating_mul(size_of::<T>() as u64),
         })?;
         Ok(vector)
     }
@@ -80,7 +86,7 @@ pub(crate) fn read_small_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Er
     let announced = file.metadata().map_err(failed)?.len();
     Limits { max_bytes }.elements(path, "file", &[usize::try_from(announced).unwrap_or(usize::MAX)], 1)?;
     let mut bytes = Vec::new();
-    // A pipe announces nothing, so the length is checked again.
+    // A pipe announces no length, so the length is checked again.
     file.take(max_bytes + 1).read_to_end(&mut bytes).map_err(failed)?;
     Limits { max_bytes }.elements(path, "file", &[bytes.len()], 1)?;
     Ok(bytes)
@@ -91,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_budget_is_exact() {
+    fn the_limit_is_exact() {
         let path = Path::new("x.png");
         let limits = Limits { max_bytes: 24 };
         assert_eq!(limits.elements(path, "image", &[2, 3], 4).unwrap(), 6);
@@ -105,6 +111,10 @@ mod tests {
         for counts in [&[usize::MAX, usize::MAX][..], &[usize::MAX], &[1 << 40, 1 << 40, 0]] {
             assert!(Limits::NONE.elements(path, "image", counts, 8).is_err(), "{counts:?}");
         }
-        assert!(Limits::NONE.room::<u64>(path, "image", usize::MAX / 16).is_err());
+        let error = Limits::room::<u64>(path, "image", 1 << 58).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            format!("x.png: out of memory: allocating {} bytes for the image failed", 1_u64 << 61)
+        );
     }
 }

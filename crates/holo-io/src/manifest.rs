@@ -1,7 +1,7 @@
-//! `manifest.json`: what a dataset folder was made with, and the digest of every file in it.
+//! `manifest.json`: the settings of a render, and the digest of every file in its folder.
 
 mod json;
-mod setting;
+mod value;
 mod verify;
 
 use std::collections::BTreeMap;
@@ -13,35 +13,34 @@ use crate::error::MEMORY;
 use crate::limits::read_small_file;
 use crate::{Error, FileDigest, write_file};
 
-pub use setting::Setting;
+pub use value::ManifestValue;
 pub use verify::{Mismatch, MismatchKind};
 
-/// The value of the key `format`, by which the file is known.
+/// The value of the key `format`.
 pub(crate) const FORMAT: &str = "holo manifest 1";
 
-/// What the value begins with in any version.
+/// The prefix of that value in all versions.
 pub(crate) const FORMAT_FAMILY: &str = "holo manifest ";
 
-/// A whole manifest is at most this long: room for the digests of some 100,000 files, and little enough that no crafted
-/// one fills the memory.
+/// Maximum size of a manifest in bytes: enough for the digests of some 100,000 files.
 const MAX_BYTES: u64 = 16 << 20;
 
-/// What a dataset folder was made with.
+/// The settings of a render and the digests of its files.
 ///
-/// It holds no time and no path outside its folder, and its keys always come in the same order, so equal inputs give
+/// It contains no time and no path outside its folder, and its keys are always in the same order, so equal inputs give
 /// equal bytes. In JSON a size is `{"columns": .., "rows": ..}`, and a number that is not finite is the text `"inf"`,
 /// `"-inf"` or `"nan"`.
 ///
 /// # Examples
 ///
 /// ```
-/// use holo_io::{Manifest, Setting, write_file};
+/// use holo_io::{Manifest, ManifestValue, write_file};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let written = write_file(folder.path().join("scene_el.png"), b"pixels")?;
 /// let mut manifest = Manifest { seed: 7, exposure_ev: Some(-0.5), ..Manifest::default() };
 /// manifest.versions.insert("holo".into(), "0.1.0".into());
-/// manifest.settings.insert("integrator".into(), Setting::from("path"));
+/// manifest.settings.insert("integrator".into(), ManifestValue::from("path"));
 /// manifest.files.insert("scene_el.png".into(), written);
 /// manifest.write(folder.path().join("manifest.json"))?;
 ///
@@ -52,20 +51,20 @@ const MAX_BYTES: u64 = 16 << 20;
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Manifest {
-    /// What made the files: `holo` and its engines, each with its version.
+    /// Versions of `holo` and of the ray tracing backend that made the files.
     pub versions: BTreeMap<String, String>,
-    /// The seed of all random numbers.
+    /// Random seed.
     pub seed: u64,
-    /// Every other setting, by its name on the command line.
-    pub settings: BTreeMap<String, Setting>,
-    /// The views, the lenses and the cameras, in the units of the files.
+    /// The other settings, by their names on the command line.
+    pub settings: BTreeMap<String, ManifestValue>,
+    /// The rig. The JSON contains it in millimeters and meters, as its keys state.
     pub rig: Option<Rig>,
-    /// The smallest and largest finite disparity of the central view, which are black and white in
+    /// Smallest and largest finite disparity of the central view in pixels between adjacent views: black and white in
     /// `scene_disparity.png`.
     pub disparity_px: Option<(f64, f64)>,
-    /// The exposure of the 8- and 16-bit images, in steps of a factor of two.
+    /// Exposure compensation of the 8- and 16-bit images in EV.
     pub exposure_ev: Option<f64>,
-    /// The files by their name relative to the folder, with `/` between folders.
+    /// The files by their names relative to the folder, with `/` between folders.
     pub files: BTreeMap<String, FileDigest>,
 }
 
@@ -74,12 +73,12 @@ impl Manifest {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if a file name is not one inside the folder.
+    /// [`Error::BadInput`] if a file name leads outside the folder.
     pub fn to_json(&self) -> Result<String, Error> {
         json::write(self, Path::new(MEMORY))
     }
 
-    /// Reads a manifest from JSON. Keys that this version does not know are passed over.
+    /// Reads a manifest from JSON. Unknown keys are ignored.
     ///
     /// # Errors
     ///
@@ -110,9 +109,10 @@ impl Manifest {
         json::read(&read_small_file(path, MAX_BYTES)?, path)
     }
 
-    /// Reads every listed file and returns what is wrong, in the order of their names; nothing if all is well.
+    /// Reads every listed file in parallel and returns those that differ from the manifest, in the order of their
+    /// names.
     ///
-    /// Files that the manifest does not list are not looked at.
+    /// Files that the manifest does not list are ignored.
     #[must_use]
     pub fn verify(&self, folder: impl AsRef<Path>) -> Vec<Mismatch> {
         verify::verify(self, folder.as_ref())

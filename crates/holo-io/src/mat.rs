@@ -1,31 +1,33 @@
 //! MAT files: the arrays of MATLAB, Octave and SciPy.
 //!
-//! Level 5 (what `save -v6` and `-v7` write) is written and found in files by code of this crate; the numbers in it are
-//! decoded by the crate `matfile`. Level 7.3 is an HDF5 file with a MATLAB header in front, and needs the feature `hdf5`.
-//! [`write_mat`] takes level 5 as long as every variable stays below 2 GiB, where MATLAB itself changes over.
+//! Version 5 (written by `save -v6` and `-v7`) is written and parsed by code of this crate; the crate `matfile` decodes
+//! its numbers. Version 7.3 is an HDF5 file with a MATLAB header in front, and needs the feature `hdf5`. [`write_mat`]
+//! uses version 5 as long as every variable is smaller than 2 GiB, the limit of MATLAB.
 //!
 //! # Model
 //!
-//! - **Shape**: indices are those of MATLAB, less one. Dimensions of length 1 at the end are lost in files, as in MATLAB;
-//!   a light field gets its five axes back.
+//! - **Shape**: indices are those of MATLAB minus one. Trailing dimensions of length 1 are lost in files, as in MATLAB;
+//!   a light field that is read has five axes again.
 //! - **Order**: the first index runs fastest in the file. Nothing is transposed in memory: arrays are written from any
-//!   strides slab by slab, and those that are read come with the strides of the file.
-//! - **Read**: all integer and float classes, `logical` (as `uint8`), one row of `char`; either byte order, compressed or
-//!   not. Structures, cells, sparse and complex arrays and objects are listed, and refused by name when asked for.
-//! - **Checked first**: lengths against the file, dimensions against lengths, sizes against the budget. What a compressed
-//!   variable announces is compared before it is inflated, and no more is inflated.
+//!   strides slab by slab, and those that are read have the strides of the file.
+//! - **Read**: all integer and float classes, `logical` (as `uint8`), one row of `char`; either byte order, compressed
+//!   or not. Structures, cells, sparse and complex arrays and objects are listed; reading one is an error.
+//! - **Checked first**: lengths against the file, dimensions against lengths, sizes against the memory limit. The size
+//!   that a compressed variable announces is checked before it is inflated, and no more is inflated.
 //!
 //! # A light field
 //!
 //! | variable | class | value |
 //! |---|---|---|
-//! | `H` | `uint8`, `uint16`, `single` or `double` | `[V U T S C]`: `squeeze(H(i,j,:,:,:))` is an elemental image and `squeeze(H(:,:,k,l,:))` a viewpoint image, both upright |
+//! | `H` | `uint8`, `uint16`, `single` or `double` | `[V U T S C]` |
 //! | or `LF` | the same | `[T S V U C]`, the order of the Light Field Toolbox |
 //! | `axes` | `char` | `vutsc` or `tsvuc`, a letter a dimension |
 //! | `views`, `lenses` | `double` | `[T S]` and `[V U]`, rows first |
 //! | `baseline_m` | `double` | `[y x]` |
 //! | `focal_length_mm`, `sensor_size_mm`, `focus_distance_m` | `double` | numbers; the focus may be `Inf` |
 //! | `projection` | `char` | `perspective` or `orthographic` |
+//!
+//! `squeeze(H(i,j,:,:,:))` is an elemental image and `squeeze(H(:,:,k,l,:))` a viewpoint image, both upright.
 //!
 //! # Source
 //!
@@ -51,62 +53,63 @@ pub use light_field::{MatLightField, MatOrder, read_mat_light_field, write_mat_l
 pub use stream::MatWriter;
 pub use value::{MatArray, MatClass, MatValue};
 
-/// The format's name in messages.
+/// The name of the format in messages.
 const FORMAT_V5: &str = "MAT";
 
-/// A variable to be written.
+/// A variable that is to be written.
 #[derive(Debug, Clone)]
 pub struct MatVariable<'a> {
-    /// A letter, and up to 62 letters, digits and `_`.
+    /// Its name: a letter, and up to 62 letters, digits and `_`.
     pub name: &'a str,
-    /// What it holds.
+    /// Its value.
     pub value: MatValue<'a>,
 }
 
-/// What is known of a variable before its numbers are read.
+/// Name, class and size of a variable, without its numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MatInfo {
     /// Its name.
     pub name: String,
     /// Its class.
     pub class: MatClass,
-    /// Whether its numbers are complex: such are not read.
+    /// Whether its numbers are complex; complex variables are not read.
     pub is_complex: bool,
-    /// The size that MATLAB shows, at least two dimensions; empty for objects that have none.
+    /// Its size as MATLAB shows it, at least two dimensions; empty for objects without a size.
     pub size: Vec<usize>,
 }
 
-/// The level of a MAT file.
+/// The version of a MAT file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum MatVersion {
-    /// Level 5 where every variable stays below 2 GiB, else 7.3.
+    /// Version 5 if every variable is smaller than 2 GiB, else 7.3.
     #[default]
     Auto,
-    /// Level 5: every program reads it.
+    /// Version 5, which every program reads.
     V5,
-    /// Level 7.3, an HDF5 file; needs the feature `hdf5`.
+    /// Version 7.3, an HDF5 file; needs the feature `hdf5`.
     V73,
 }
 
-/// How a MAT file is written.
+/// Options of writing a MAT file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct MatOptions {
-    /// The level.
+    /// The version of the file.
     pub version: MatVersion,
-    /// Whether variables are compressed (zlib): smaller, and slower to write and to read.
+    /// Whether variables are compressed (zlib): smaller, but slower to write and to read.
     pub is_compressed: bool,
 }
 
 /// Writes variables into a MAT file.
 ///
-/// Arrays go slab by slab: a few megabytes a thread are in memory beside them, whatever their strides, compressed or not.
+/// Arrays are written slab by slab: a few megabytes a thread are needed in addition to them, whatever their strides,
+/// compressed or not.
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if a name is none that MATLAB has or comes twice, if a variable is too large for the level, or if
-/// level 7.3 is needed and the feature `hdf5` is off; [`Error::Io`] if the file cannot be written. No file of that name
-/// appears then.
+/// [`Error::BadInput`] if a name is not a valid MATLAB name or occurs twice, if a variable is too large for the
+/// version, or if version 7.3 is needed and the feature `hdf5` is off; [`Error::Io`] if the file cannot be written. No
+/// file of that name appears then.
 ///
 /// # Examples
 ///
@@ -137,51 +140,51 @@ pub fn write_mat(
     file::write(path.as_ref(), variables, *options)
 }
 
-/// Returns the bytes of a MAT file of level 5.
+/// Encodes a MAT file of version 5 in memory.
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] as in [`write_mat`], also if level 7.3 is asked for or needed.
+/// [`Error::BadInput`] as in [`write_mat`], and if version 7.3 is requested or needed.
 pub fn encode_mat(variables: &[MatVariable<'_>], options: &MatOptions) -> Result<Vec<u8>, Error> {
     file::encode(variables, *options)
 }
 
-/// Lists the variables of a MAT file in the order of the file (level 5) or of their names (level 7.3).
+/// Lists the variables of a MAT file, in the order of the file (version 5) or of their names (version 7.3).
 ///
 /// # Errors
 ///
 /// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is no MAT file, is truncated or damaged;
-/// [`Error::Unsupported`] if it is of level 4, or of 7.3 and the feature `hdf5` is off.
+/// [`Error::Unsupported`] if it is of version 7.3 and the feature `hdf5` is off, or of another version.
 pub fn read_mat_info(path: impl AsRef<Path>) -> Result<Vec<MatInfo>, Error> {
     Ok(file::MatReader::open(path.as_ref(), Limits::NONE)?.infos())
 }
 
-/// Reads one variable of a MAT file by its name; the first, should a faulty file have several.
+/// Reads one variable of a MAT file by its name; of several with the same name in a faulty file, the first.
 ///
 /// # Errors
 ///
-/// Those of [`read_mat_info`]; [`Error::BadInput`] if there is no such variable; [`Error::Unsupported`] if it is of a class
-/// that is not read; [`Error::TooLarge`] if it exceeds the limits, before memory is taken for it.
+/// Those of [`read_mat_info`]; [`Error::BadInput`] if there is no such variable; [`Error::Unsupported`] if it is of a
+/// class that is not read; [`Error::TooLarge`] if it exceeds the limits, before memory is allocated for it.
 pub fn read_mat_variable(path: impl AsRef<Path>, name: &str, limits: &Limits) -> Result<MatArray, Error> {
     let path = path.as_ref();
-    let mut opened = file::MatReader::open(path, *limits)?;
-    let infos = opened.infos();
+    let mut reader = file::MatReader::open(path, *limits)?;
+    let infos = reader.infos();
     let index = infos.iter().position(|info| info.name == name);
     let index = index.ok_or_else(|| Error::bad_input(path, file::missing(name, &infos)))?;
-    opened.value(index)
+    reader.value(index)
 }
 
 /// Reads all variables of a MAT file.
 ///
 /// # Errors
 ///
-/// Those of [`read_mat_variable`], also if a single variable is of a class that is not read: [`read_mat_variable`] reads
-/// the others. The limits are for all together.
+/// Those of [`read_mat_variable`]. A single variable of a class that is not read is an error; [`read_mat_variable`]
+/// reads the others of such a file. The limits are for all variables together.
 pub fn read_mat(path: impl AsRef<Path>, limits: &Limits) -> Result<Vec<(String, MatArray)>, Error> {
     file::MatReader::open(path.as_ref(), *limits)?.all()
 }
 
-/// Reads all variables of a MAT file of level 5 that is in memory, like [`read_mat`].
+/// Decodes all variables of a MAT file of version 5 in memory, like [`read_mat`].
 ///
 /// # Errors
 ///

@@ -1,6 +1,6 @@
 //! `parameters.cfg`: the camera parameters of a light field, with the keys of the HCI benchmark.
 //!
-//! The file is an INI file as Python's `configparser` writes and reads it: `key = value`, `=` the only delimiter, `%%`
+//! The file is an INI file in the dialect of Python's `configparser`: `key = value`, `=` as the only delimiter, `%%`
 //! for a percent sign.
 
 mod ini;
@@ -18,22 +18,26 @@ use crate::{Error, FileDigest, meters_to_millimeters, millimeters_to_meters, wri
 
 pub use pose::CameraPose;
 
-/// No camera needs more text than this.
+/// Maximum size of a `parameters.cfg`, in bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
 /// The contents of a `parameters.cfg`, in the units of the file.
 ///
-/// What is `None` or empty need not be in a file that is read. A missing number is left out of the file that is
-/// written; a missing text is written as an empty one. Keys that the format does not know are kept in
-/// [`other`](Self::other) and written back.
+/// Fields that are `None` or empty may be missing from a file that is read. The writer omits a number that is `None`,
+/// and writes an empty text as an empty value. Unknown keys are kept in [`other`](Self::other) and written again.
 ///
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, LightFieldShape, Rig};
+/// use holo_core::{GridSize, Rig, LightFieldShape};
 /// use holo_io::ParametersCfg;
 ///
-/// let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(512, 512))?).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
+/// let rig = Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(512, 512))?)
+///     .focal_length_m(0.1)
+///     .sensor_size_m(0.035)
+///     .baseline_m(0.025)
+///     .focus_distance_m(4.25)
+///     .build()?;
 /// let mut parameters = ParametersCfg::from_rig(&rig);
 /// parameters.scene = "cotton".into();
 /// let text = parameters.to_text()?;
@@ -45,29 +49,30 @@ const MAX_BYTES: u64 = 1 << 20;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct ParametersCfg {
-    /// Focal length of every view's camera.
+    /// Focal length of the camera of every view, mm.
     pub focal_length_mm: f64,
-    /// Pixels of one view: `image_resolution_y_px` rows (lenses V) and `image_resolution_x_px` columns (lenses U).
+    /// Pixels of one view: `image_resolution_y_px` rows (V microlenses) and `image_resolution_x_px` columns (U
+    /// microlenses).
     pub image_resolution_px: GridSize,
-    /// Size of the sensor along the larger side of a view.
+    /// Size of the sensor along the larger side of a view, mm.
     pub sensor_size_mm: f64,
-    /// The f-number of a view's camera; 100 stands for a pinhole.
+    /// The f-number of the camera of a view; 100 stands for a pinhole.
     pub fstop: Option<f64>,
-    /// The views: `num_cams_y` rows (T) and `num_cams_x` columns (S).
+    /// Number of views: `num_cams_y` rows (T) and `num_cams_x` columns (S).
     pub num_cams: GridSize,
-    /// Distance between horizontally adjacent views.
+    /// Distance between horizontally adjacent views, mm.
     pub baseline_mm: f64,
-    /// Distance between vertically adjacent views where it differs. The HCI tools know no such key: `holo` adds
-    /// `baseline_y_mm` only then.
+    /// Distance between vertically adjacent views, mm, where it differs. The key `baseline_y_mm` is an extension of the
+    /// HCI format.
     pub baseline_y_mm: Option<f64>,
-    /// Distance of the focus plane; infinity is the file's 0.
+    /// Distance of the focus plane, m; infinity is 0 in the file.
     pub focus_distance_m: f64,
-    /// Perspective unless the file says otherwise. The HCI tools know no such key: `holo` adds `projection` only for
-    /// orthographic views.
+    /// Projection of the views; perspective if the file has no such key. The key `projection` is an extension of the
+    /// HCI format, written only for orthographic views.
     pub projection: Projection,
-    /// Position `center_cam_{x,y,z}_m` and rotation `center_cam_r{x,y,z}_rad` of the rig in Blender's world.
+    /// Position `center_cam_{x,y,z}_m` and rotation `center_cam_r{x,y,z}_rad` of the rig in Blender's world space.
     pub center_cam: Option<CameraPose>,
-    /// Disparity that the shift of the sensor takes away, in pixels: `b f N / (s F)`.
+    /// Disparity that the sensor shift subtracts, in pixels: `b f N / (s F)`.
     pub offset: Option<f64>,
     /// Name of the scene.
     pub scene: String,
@@ -79,36 +84,34 @@ pub struct ParametersCfg {
     pub version: String,
     /// Authors, separated by `, `.
     pub authors: String,
-    /// How to reach them.
+    /// Contact of the authors.
     pub contact: String,
-    /// The seed of the random numbers; -1 in files of the HCI tools whose renderer was never started.
+    /// Random seed; -1 in files of the HCI tools that were written without a render.
     pub cycles_seed: Option<i64>,
-    /// Smallest disparity of the scene in pixels.
+    /// Smallest disparity of the scene in pixels between horizontally adjacent views.
     pub disp_min: Option<f64>,
-    /// Largest disparity of the scene in pixels.
+    /// Largest disparity of the scene in pixels between horizontally adjacent views.
     pub disp_max: Option<f64>,
-    /// Smallest disparity that the frustum preview was drawn for.
+    /// Smallest disparity of the frustum preview of the HCI tools, pixels.
     pub frustum_disp_min: Option<f64>,
-    /// Largest disparity that the frustum preview was drawn for.
+    /// Largest disparity of the frustum preview of the HCI tools, pixels.
     pub frustum_disp_max: Option<f64>,
-    /// How many times larger the high-resolution ground truth is.
+    /// Resolution of the high-resolution ground truth, relative to that of a view.
     pub depth_map_scale: Option<f64>,
-    /// Keys that the format does not know, by section and key.
+    /// Unknown keys with their values, by section and key.
     pub other: BTreeMap<(String, String), String>,
 }
 
 impl ParametersCfg {
-    /// Describes a rig; the texts, the pose and the disparities are left empty, the rest is as the HCI tools would fill
-    /// it.
-    ///
-    /// `fstop` is 100, `depth_map_scale` is 1 and `cycles_seed` 0.
+    /// Returns the parameters of a rig. Texts, pose and disparities are empty; `fstop` is 100, `depth_map_scale` 1 and
+    /// `cycles_seed` 0, as the HCI tools set them.
     #[must_use]
     pub fn from_rig(rig: &Rig) -> Self {
         let focal_length_mm = meters_to_millimeters(rig.focal_length_m());
         let sensor_size_mm = meters_to_millimeters(rig.sensor_size_m());
         let baseline_mm = meters_to_millimeters(rig.baseline_x_m());
         let lenses = rig.shape().lenses();
-        // The HCI tools' own formula; an infinite focus distance gives 0.
+        // The formula of the HCI tools; an infinite focus distance gives 0.
         let offset =
             baseline_mm * focal_length_mm / rig.focus_distance_m() / 1000.0 / sensor_size_mm * lenses.larger() as f64;
         Self {
@@ -160,11 +163,8 @@ impl ParametersCfg {
             .map_err(core)
     }
 
-    /// Sets `disp_min` and `disp_max` as the HCI tools round them: to a tenth, with a tenth to spare on either side.
-    ///
-    /// # Source
-    ///
-    /// `floor(10 min)/10 - 0.1` and `ceil(10 max)/10 + 0.1`.
+    /// Sets `disp_min` and `disp_max` to a disparity range in pixels, rounded as the HCI tools do: `floor(10 min)/10 -
+    /// 0.1` and `ceil(10 max)/10 + 0.1`.
     pub fn set_disparity_range_px(&mut self, min_px: f64, max_px: f64) {
         // In whole tenths until the one division, so that -2.0 does not come out as -2.0000000000000004.
         self.disp_min = Some(((10.0 * min_px).floor() - 1.0) / 10.0);
@@ -185,9 +185,9 @@ impl ParametersCfg {
     ///
     /// # Errors
     ///
-    /// [`Error::Broken`] if a line is neither a section, a comment nor `key = value`, if a key occurs twice, if a
-    /// number is none, or if one of the numbers is missing that make a rig: focal length, resolution, sensor size,
-    /// number of cameras, baseline, focus distance.
+    /// [`Error::Broken`] if a line is neither a section, a comment nor `key = value`, if a key occurs twice, if the
+    /// value of a number does not parse, or if a number of the rig is missing: focal length, resolution, sensor size,
+    /// number of cameras, baseline, focus distance. [`Error::Unsupported`] if the projection is unknown.
     pub fn from_text(text: &str) -> Result<Self, Error> {
         keys::read(text, Path::new(MEMORY))
     }
@@ -202,7 +202,7 @@ impl ParametersCfg {
         write_file(path, keys::write(self, path)?.as_bytes())
     }
 
-    /// Reads a file. Text that is not UTF-8 is taken for Latin-1.
+    /// Reads a file. Text that is not UTF-8 is decoded as Latin-1.
     ///
     /// # Errors
     ///
@@ -217,15 +217,14 @@ impl ParametersCfg {
     }
 }
 
-/// Returns a date as `YYYY-MM-DD` (UTC), the form of the HCI tools, for `SOURCE_DATE_EPOCH`, which counts seconds since
-/// 1970.
+/// Formats a number of seconds since 1970, such as `SOURCE_DATE_EPOCH`, as a date `YYYY-MM-DD` (UTC): the form of the
+/// HCI tools.
 ///
-/// No function of this crate looks at a clock: equal inputs give equal files. A caller who wants a date passes the one
-/// that the build or the user fixed.
+/// No function of this crate reads a clock, so equal inputs give equal files. A caller that wants a date in a file
+/// passes a fixed one.
 #[must_use]
 pub fn date_from_epoch(seconds: i64) -> String {
-    // Days to civil date in the proleptic Gregorian calendar, with years that begin in March so that leap days come
-    // last.
+    // Days to civil date in the proleptic Gregorian calendar. Years begin in March, so that leap days come last.
     let days = i128::from(seconds.div_euclid(86_400)) + 719_468;
     let (era, day_of_era) = (days.div_euclid(146_097), days.rem_euclid(146_097));
     let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;

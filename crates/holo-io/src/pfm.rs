@@ -1,7 +1,7 @@
-//! PFM: float images, grey or colour.
+//! PFM: float images, gray or RGB.
 //!
-//! Hand-written, because the format is four lines and no crate is right about it for odd heights. What is written is
-//! exactly what the HCI tools write: `Pf\nW H\n-1\n`, little-endian 32-bit floats, the bottom row first.
+//! Own code, because no crate reads odd heights correctly. The writer writes what the HCI tools write: `Pf\nW H\n-1\n`,
+//! little-endian 32-bit floats, the bottom row first.
 
 mod header;
 
@@ -16,26 +16,26 @@ use crate::error::MEMORY;
 use crate::{AtomicFile, Error, FileDigest, Limits};
 use header::Header;
 
-/// Bytes moved at a time; a whole number of floats.
+/// Bytes that are read or written at a time; a multiple of four.
 const BLOCK_BYTES: usize = 1 << 16;
 
-/// A float image as a PFM file holds it.
+/// The contents of a PFM file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pfm {
-    /// The values, top row first, of shape `(rows, columns, channels)` with 1 or 3 channels. They are as in the file:
-    /// not multiplied by the scale.
+    /// The values, `(rows, columns, channels)` with 1 or 3 channels, top row first, as in the file: not multiplied by
+    /// the scale.
     pub values: Array3<f32>,
-    /// The magnitude of the header's scale: 1 unless the file says otherwise. Its meaning is left to the two who
-    /// exchange files.
+    /// The magnitude of the scale in the header, usually 1. The format does not define its unit.
     pub scale: f64,
 }
 
 impl Pfm {
-    /// Returns the bytes of the file, always little-endian.
+    /// Encodes a PFM file, little-endian.
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if there are no pixels, neither 1 nor 3 channels, or a scale that is not finite and above 0.
+    /// [`Error::BadInput`] if there are no pixels, if there are neither 1 nor 3 channels, or if the scale is not finite
+    /// and above 0.
     pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
         let path = Path::new(MEMORY);
         if !(self.scale.is_finite() && self.scale > 0.0) {
@@ -51,20 +51,20 @@ impl Pfm {
     }
 }
 
-/// What a PFM's header says.
+/// The header of a PFM file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PfmInfo {
     /// Rows and columns.
     pub size: GridSize,
-    /// 1 for grey (`Pf`), 3 for colour (`PF`).
+    /// 1 for gray (`Pf`), 3 for RGB (`PF`).
     pub channels: usize,
     /// The magnitude of the scale.
     pub scale: f64,
-    /// Whether the least significant byte comes first (a negative scale).
+    /// Whether the file is little-endian (its scale is negative).
     pub little_endian: bool,
 }
 
-/// Writes a grey float image, such as depth or disparity.
+/// Writes a float image of one channel as PFM, such as depth or disparity.
 ///
 /// # Shape
 ///
@@ -83,14 +83,14 @@ pub struct PfmInfo {
 /// let depth_m = ndarray::array![[1.5, f32::INFINITY], [2.5, 3.5], [4.5, 5.5]];
 /// holo_io::write_pfm(&path, depth_m.view())?;
 /// assert!(std::fs::read(&path)?.starts_with(b"Pf\n2 3\n-1\n"));
-/// assert_eq!(holo_io::read_pfm_grey(&path, &holo_io::Limits::default())?, depth_m);
+/// assert_eq!(holo_io::read_pfm_gray(&path, &holo_io::Limits::default())?, depth_m);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_pfm(path: impl AsRef<Path>, image: ArrayView2<'_, f32>) -> Result<FileDigest, Error> {
     write(path.as_ref(), image.insert_axis(Axis(2)))
 }
 
-/// Writes a colour float image.
+/// Writes an RGB float image as PFM.
 ///
 /// # Shape
 ///
@@ -98,11 +98,12 @@ pub fn write_pfm(path: impl AsRef<Path>, image: ArrayView2<'_, f32>) -> Result<F
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if the image is empty or has not three channels; [`Error::Io`] if the file cannot be written.
-pub fn write_pfm_colour(path: impl AsRef<Path>, image: ArrayView3<'_, f32>) -> Result<FileDigest, Error> {
+/// [`Error::BadInput`] if the image is empty or does not have three channels; [`Error::Io`] if the file cannot be
+/// written. No file of that name appears then.
+pub fn write_pfm_rgb(path: impl AsRef<Path>, image: ArrayView3<'_, f32>) -> Result<FileDigest, Error> {
     let path = path.as_ref();
     if image.dim().2 != 3 {
-        return Err(Error::bad_input(path, format!("a colour PFM has 3 channels, not {}", image.dim().2)));
+        return Err(Error::bad_input(path, format!("an RGB PFM has 3 channels, not {}", image.dim().2)));
     }
     write(path, image)
 }
@@ -126,11 +127,10 @@ fn check(image: ArrayView3<'_, f32>, path: &Path) -> Result<(), Error> {
 fn encode(out: &mut impl Write, image: ArrayView3<'_, f32>, scale: f64) -> std::io::Result<()> {
     let (rows, columns, channels) = image.dim();
     let magic = if channels == 1 { "Pf" } else { "PF" };
-    // A negative scale says that the least significant byte comes first; 1.0 prints as 1.
+    // A negative scale means little-endian; 1.0 prints as 1.
     write!(out, "{magic}\n{columns} {rows}\n-{scale}\n")?;
     let mut block = Vec::with_capacity(BLOCK_BYTES);
     for row in image.outer_iter().rev() {
-        // One iterator for any strides; it costs little beside the hash and the disk.
         for value in row.iter() {
             block.extend(value.to_le_bytes());
             if block.len() == BLOCK_BYTES {
@@ -142,14 +142,15 @@ fn encode(out: &mut impl Write, image: ArrayView3<'_, f32>, scale: f64) -> std::
     out.write_all(&block)
 }
 
-/// Reads a PFM of either kind and either byte order.
+/// Reads a PFM, gray or RGB, of either byte order.
 ///
-/// `#` comments and any white space in the header are accepted. The data must have exactly the announced length.
+/// `#` comments and any white space in the header are accepted. The data must have exactly the length that the header
+/// announces.
 ///
 /// # Errors
 ///
 /// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not a PFM, or is shorter or longer than its
-/// header says; [`Error::TooLarge`] if its values exceed the limits. Both are found out before memory is taken.
+/// header announces; [`Error::TooLarge`] if its values exceed the limits. All are checked before memory is allocated.
 pub fn read_pfm(path: impl AsRef<Path>, limits: &Limits) -> Result<Pfm, Error> {
     let path = path.as_ref();
     let failed = |source| Error::io("read", path, source);
@@ -158,30 +159,27 @@ pub fn read_pfm(path: impl AsRef<Path>, limits: &Limits) -> Result<Pfm, Error> {
     if metadata.is_file() {
         return decode(&mut BufReader::with_capacity(BLOCK_BYTES, file), metadata.len(), path, *limits);
     }
-    // A pipe does not tell its length, which the format needs; so it is read to its end first.
+    // The length of a pipe, which the check needs, is known at its end only.
     let mut bytes = Vec::new();
     file.take(limits.max_bytes.saturating_add(header::MAX_BYTES)).read_to_end(&mut bytes).map_err(failed)?;
     decode(&mut bytes.as_slice(), bytes.len() as u64, path, *limits)
 }
 
-/// Reads a grey PFM, such as depth or disparity, as `(rows, columns)`.
+/// Reads a PFM of one channel, such as depth or disparity, as `(rows, columns)`, top row first.
 ///
 /// # Errors
 ///
-/// Those of [`read_pfm`], and [`Error::Unsupported`] if the file holds colour.
-pub fn read_pfm_grey(path: impl AsRef<Path>, limits: &Limits) -> Result<Array2<f32>, Error> {
+/// Those of [`read_pfm`], and [`Error::Unsupported`] if the file is RGB.
+pub fn read_pfm_gray(path: impl AsRef<Path>, limits: &Limits) -> Result<Array2<f32>, Error> {
     let path = path.as_ref();
     let pfm = read_pfm(path, limits)?;
     if pfm.values.dim().2 != 1 {
-        return Err(Error::unsupported(
-            path,
-            "this PFM holds colour (PF); a map of one value per pixel (Pf) is needed",
-        ));
+        return Err(Error::unsupported(path, "this PFM is RGB (PF); one of a single channel (Pf) is needed"));
     }
     Ok(pfm.values.remove_axis(Axis(2)))
 }
 
-/// Reads a PFM that is in memory, like [`read_pfm`].
+/// Decodes a PFM in memory, like [`read_pfm`].
 ///
 /// # Errors
 ///
@@ -206,14 +204,14 @@ fn decode(source: &mut impl BufRead, length: u64, path: &Path, limits: Limits) -
     let PfmInfo { size, channels, scale, little_endian } = header.info;
     header.check_length(source, length, path)?;
     let count = limits.elements(path, "image", &[size.rows, size.columns, channels], size_of::<f32>())?;
-    let mut values = limits.room(path, "image", count)?;
+    let mut values = Limits::room(path, "image", count)?;
     values.resize(count, 0.0_f32);
     let from_bytes = if little_endian { f32::from_le_bytes } else { f32::from_be_bytes };
     let mut block = vec![0; BLOCK_BYTES];
     for row in values.chunks_exact_mut(size.columns * channels).rev() {
         for part in row.chunks_mut(BLOCK_BYTES / 4) {
             let bytes = &mut block[..part.len() * 4];
-            source.read_exact(bytes).map_err(|source| header::fault(source, path))?;
+            source.read_exact(bytes).map_err(|source| header::read_error(source, path))?;
             for (value, bytes) in part.iter_mut().zip(bytes.chunks_exact(4)) {
                 *value = from_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
             }

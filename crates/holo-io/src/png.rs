@@ -1,4 +1,4 @@
-//! PNG of 8 and 16 bits a channel, in sRGB or as plain data.
+//! PNG of 8 and 16 bits a channel, sRGB or linear.
 
 mod animation;
 mod bands;
@@ -20,18 +20,18 @@ pub use animation::write_png_animation;
 pub use decode::{decode_png, read_png, read_png_info};
 pub use stream::PngWriter;
 
-/// How hard to compress a PNG. The pixels are the same either way.
+/// Compression of a PNG: speed or size. The pixels are the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Compression {
-    /// Quick: a third of a second for an 8K image of 8-bit RGB. For files that are read once or twice.
+    /// Fast, for files that are read once or twice.
     #[default]
     Fast,
-    /// Small: a few times slower. For files that are kept and passed on.
+    /// Small files, several times slower; for files that are kept or published.
     Best,
 }
 
-/// What a PNG's header says.
+/// The header of a PNG.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PngInfo {
     /// Rows and columns.
@@ -42,19 +42,19 @@ pub struct PngInfo {
     pub bits: u8,
 }
 
-/// Writes an image of 8 or 16 bits a channel.
+/// Writes an image of 8 or 16 bits a channel as PNG.
 ///
-/// Rows are streamed: no second copy of the image is made, whatever its strides.
+/// Rows are streamed: the image is not copied as a whole, whatever its strides.
 ///
 /// # Shape
 ///
-/// `image` is `(rows, columns, channels)` with 1 (grey), 2 (grey, alpha), 3 (RGB) or 4 (RGB, alpha) channels; any
+/// `image` is `(rows, columns, channels)` with 1 (gray), 2 (gray, alpha), 3 (RGB) or 4 (RGB, alpha) channels; any
 /// strides.
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if the image holds floats, is empty, has another number of channels or more than 2^31 - 1 rows or
-/// columns; [`Error::Io`] if the file cannot be written. No file of that name appears then.
+/// [`Error::BadInput`] if the image holds floats, is empty, has another number of channels or more than 2^31 - 1 rows
+/// or columns; [`Error::Io`] if the file cannot be written. No file of that name appears then.
 ///
 /// # Examples
 ///
@@ -82,7 +82,7 @@ pub fn write_png<'a>(
     writer.finish()
 }
 
-/// Returns an image of 8 or 16 bits a channel as the bytes of a PNG file, such as for a page that embeds it.
+/// Encodes an image of 8 or 16 bits a channel as a PNG in memory.
 ///
 /// # Shape
 ///
@@ -103,7 +103,7 @@ pub fn encode_png<'a>(
     encoder.finish()
 }
 
-/// Writes a disparity map as a grey 8-bit picture: brighter is nearer.
+/// Writes a disparity map as a gray 8-bit PNG: brighter is nearer.
 ///
 /// # Shape
 ///
@@ -111,13 +111,13 @@ pub fn encode_png<'a>(
 ///
 /// # Units
 ///
-/// `min_px` becomes 0 and `max_px` becomes 255, linear between and clamped outside; NaN becomes 0. Where the two are
-/// equal, every pixel that is not above them becomes 0. The numbers belong in the manifest, because the picture alone
-/// does not tell them.
+/// Pixels between adjacent views. `min_px` becomes 0 and `max_px` becomes 255, linear between and clamped outside; NaN
+/// becomes 0. If the two are equal, pixels above them become 255 and all others 0. The PNG does not contain the two
+/// numbers; the manifest of a dataset folder does.
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if `min_px` or `max_px` is not finite, if `min_px` is the larger, or if the map is empty;
+/// [`Error::BadInput`] if `min_px` or `max_px` is not finite, if `min_px` is greater, or if the map is empty;
 /// [`Error::Io`] if the file cannot be written.
 pub fn write_disparity_png(
     path: impl AsRef<Path>,
@@ -128,18 +128,18 @@ pub fn write_disparity_png(
 ) -> Result<FileDigest, Error> {
     let path = path.as_ref();
     if !(min_px.is_finite() && max_px.is_finite() && min_px <= max_px) {
-        return Err(Error::bad_input(path, format!("a disparity range of {min_px} to {max_px} px cannot be drawn")));
+        return Err(Error::bad_input(path, format!("a disparity range of {min_px} to {max_px} px cannot be shown")));
     }
-    let grey = disparity_px.mapv(|disparity_px| grey_level(f64::from(disparity_px), min_px, max_px));
-    let grey = grey.insert_axis(ndarray::Axis(2));
-    write_png(path, grey.view(), ColorEncoding::Linear, compression)
+    let gray = disparity_px.mapv(|disparity_px| gray_level(f64::from(disparity_px), min_px, max_px));
+    let gray = gray.insert_axis(ndarray::Axis(2));
+    write_png(path, gray.view(), ColorEncoding::Linear, compression)
 }
 
 /// Maps `min_px..=max_px` to `0..=255`.
-fn grey_level(disparity_px: f64, min_px: f64, max_px: f64) -> u8 {
-    // Halved, because the difference of two finite numbers need not be finite.
+fn gray_level(disparity_px: f64, min_px: f64, max_px: f64) -> u8 {
+    // Halved, because the difference of two finite numbers may overflow.
     let share = (disparity_px / 2.0 - min_px / 2.0) / (max_px / 2.0 - min_px / 2.0);
-    // `as` turns NaN (0/0 included) into 0 and clamps the infinities.
+    // `as` converts NaN (0/0 included) to 0 and clamps the infinities.
     (share * 255.0).round() as u8
 }
 
@@ -148,13 +148,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn grey_levels_are_linear_and_clamped() {
-        let level = |value| grey_level(value, -2.0, 3.1);
+    fn gray_levels_are_linear_and_clamped() {
+        let level = |value| gray_level(value, -2.0, 3.1);
         assert_eq!([level(-2.0), level(3.1), level(0.55)], [0, 255, 128]);
         assert_eq!([level(-9.0), level(f64::NEG_INFINITY), level(f64::NAN)], [0, 0, 0]);
         assert_eq!([level(9.0), level(f64::INFINITY)], [255, 255]);
-        assert_eq!(grey_level(1.0, 1.0, 1.0), 0);
-        assert_eq!(grey_level(f64::MAX, f64::MIN, f64::MAX), 255);
-        assert_eq!(grey_level(0.0, f64::MIN, f64::MAX), 128);
+        assert_eq!(gray_level(1.0, 1.0, 1.0), 0);
+        assert_eq!(gray_level(f64::MAX, f64::MIN, f64::MAX), 255);
+        assert_eq!(gray_level(0.0, f64::MIN, f64::MAX), 128);
     }
 }

@@ -1,10 +1,11 @@
-//! How a file name tells the layout of a raw image.
+//! The layout of a raw image, from its file name.
 
 use std::path::Path;
 
 use holo_core::Layout;
 
-/// Tells the layout of a raw image from its file name: the last `_el` or `_vpi` in it, as a whole word.
+/// Returns the layout of a raw image from its file name: that of the last word `el` or `vpi` that follows `_`, `-`, `.`
+/// or a space. `None` if there is no such word.
 ///
 /// # Examples
 ///
@@ -32,7 +33,7 @@ mod tests {
     use crate::names;
 
     #[test]
-    fn layouts_are_told_by_whole_words() {
+    fn whole_words_specify_the_layout() {
         for (name, layout) in [
             ("scene_el.png", Some(Layout::ElementalGrid)),
             ("/a_vpi/scene_el.png", Some(Layout::ElementalGrid)),

@@ -1,4 +1,4 @@
-//! The rig as MAT and HDF5 hold it: the numbers of the manifest, rows first.
+//! A rig as the numbers that MAT and HDF5 files contain: those of the manifest, rows first.
 
 use std::path::Path;
 
@@ -6,9 +6,9 @@ use holo_core::{LightFieldShape, Projection, Rig};
 
 use crate::{Error, meters_to_millimeters, millimeters_to_meters};
 
-/// The numbers of a rig; views and lenses are those of the samples.
+/// The numbers of a rig but the counts of views and microlenses, which are those of the samples.
 pub(crate) struct RigValues {
-    /// Vertical, horizontal.
+    /// Vertical, then horizontal.
     pub(crate) baseline_m: [f64; 2],
     pub(crate) focal_length_mm: f64,
     pub(crate) sensor_size_mm: f64,
@@ -31,7 +31,7 @@ impl From<&Rig> for RigValues {
     }
 }
 
-/// Checks that a rig is for these views and lenses.
+/// Checks that a rig has these numbers of views and microlenses.
 pub(crate) fn check_split(path: &Path, rig: Option<&Rig>, shape: &LightFieldShape) -> Result<(), Error> {
     match rig {
         Some(rig) if rig.shape() != shape => {
@@ -41,13 +41,13 @@ pub(crate) fn check_split(path: &Path, rig: Option<&Rig>, shape: &LightFieldShap
     }
 }
 
-/// The rig of a file: `None` if a number is missing, an error of `holo-core` if the numbers make no rig.
+/// The rig of a file: `None` if a number is missing, an error of `holo-core` if the numbers are invalid.
 pub(crate) type FoundRig = Option<Result<Rig, holo_core::Error>>;
 
-/// Puts a rig together.
+/// Builds a rig from the numbers of a file.
 ///
-/// `lengths` are focal length and sensor size in millimetres and the focus distance in metres. A rig without a projection
-/// is a perspective one; a single baseline is for both axes.
+/// `lengths` are focal length and sensor size in millimeters and the focus distance in meters. Without a projection the
+/// rig is perspective; a single baseline applies to both axes.
 pub(crate) fn rig(
     path: &Path,
     shape: LightFieldShape,

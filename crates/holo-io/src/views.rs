@@ -1,5 +1,7 @@
-//! PNGs of one view each, as one light field.
+//! A light field from one PNG a view.
 
+use std::collections::BTreeMap;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use holo_core::{
@@ -12,12 +14,16 @@ use crate::{Error, Limits, PngInfo, read_png, read_png_info};
 
 /// Reads a list of PNGs, one a view, as one light field.
 ///
-/// The views lie in memory side by side, as a viewpoint grid. Alpha is left out; the views must be alike in size, bits and
-/// colour.
+/// `order` specifies which view each file of the list is. Alpha is dropped. All views must have the same size, the same
+/// bit depth, and either gray or RGB.
+///
+/// # Shape
+///
+/// `(v, u, t, s, c)` with 1 or 3 channels; in memory a sub-aperture image array.
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if there are more or fewer files than views; [`Error::Broken`] if a file is not like the first;
+/// [`Error::BadInput`] if there are more or fewer files than views; [`Error::Broken`] if a file differs from the first;
 /// [`Error::TooLarge`] if the light field exceeds the limits; otherwise as [`read_png`].
 pub fn read_views(
     files: &[PathBuf],
@@ -27,7 +33,7 @@ pub fn read_views(
 ) -> Result<DynLightField, Error> {
     let first = files.first().map_or(Path::new("list of views"), PathBuf::as_path);
     if files.len() != views.count() || files.is_empty() {
-        let what = format!("{} x {} views need as many pictures, not {}", views.columns, views.rows, files.len());
+        let what = format!("{} x {} views need as many images, not {}", views.columns, views.rows, files.len());
         return Err(Error::bad_input(first, what));
     }
     let mut row_by_row = files.to_vec();
@@ -38,30 +44,31 @@ pub fn read_views(
     Views { format: "list of views", views, files: &row_by_row, expected: None }.read(limits)
 }
 
-/// The files of a grid of views, in reading order.
+/// The files of a grid of views, view row by view row.
 pub(crate) struct Views<'a> {
-    /// What the folder is, such as `"HCI folder"`, for messages.
+    /// The format of the folder in messages, such as `"HCI folder"`.
     pub(crate) format: &'static str,
     /// The views, T rows and S columns.
     pub(crate) views: GridSize,
     /// One file a view.
     pub(crate) files: &'a [PathBuf],
-    /// The size that every view must have, and who says so; without it that of the first view.
+    /// The size that every view must have and the file that specifies it; `None`: the size of the first view.
     pub(crate) expected: Option<(GridSize, &'a str)>,
 }
 
 impl Views<'_> {
-    /// Reads all views, on all threads.
+    /// Reads all views, in parallel.
     pub(crate) fn read(&self, limits: &Limits) -> Result<DynLightField, Error> {
         let first = &self.files[0];
         let info = self.info(first)?;
-        let channels = colours(info.channels);
+        let channels = without_alpha_count(info.channels);
         let shape = LightFieldShape::new(self.views, info.size).map_err(|error| Error::core(first, error))?;
         let bytes = usize::from(info.bits / 8);
         limits.elements(first.parent().unwrap_or(first), "light field", &shape.array_shape(channels), bytes)?;
-        let as_first = |file: &Path| {
+        let check_like_first = |file: &Path| {
             let found = self.info(file)?;
-            let same = found.size == info.size && found.bits == info.bits && colours(found.channels) == channels;
+            let same =
+                found.size == info.size && found.bits == info.bits && without_alpha_count(found.channels) == channels;
             if same {
                 return Ok(());
             }
@@ -69,10 +76,10 @@ impl Views<'_> {
         };
         if bytes == 1 {
             let pick = |samples| if let DynImage::U8(samples) = samples { Some(samples) } else { None };
-            self.fill(shape, channels, limits, as_first, pick).map(DynLightField::U8)
+            self.fill(shape, channels, limits, check_like_first, pick).map(DynLightField::U8)
         } else {
             let pick = |samples| if let DynImage::U16(samples) = samples { Some(samples) } else { None };
-            self.fill(shape, channels, limits, as_first, pick).map(DynLightField::U16)
+            self.fill(shape, channels, limits, check_like_first, pick).map(DynLightField::U16)
         }
     }
 
@@ -83,7 +90,7 @@ impl Views<'_> {
         Ok(without_alpha(read_png(file, limits)?))
     }
 
-    /// Returns the place of view `(t, s)` among the files.
+    /// Returns the index of the file of view `(t, s)`.
     pub(crate) fn index(&self, folder: &Path, t: usize, s: usize) -> Result<usize, Error> {
         for (what, index, count) in [("view row", t, self.views.rows), ("view column", s, self.views.columns)] {
             if index >= count {
@@ -110,7 +117,7 @@ impl Views<'_> {
             view.assign(&samples);
             Ok(())
         };
-        // The first error in reading order, whichever thread is the fastest.
+        // The first error in the order of the views, whatever the timing of the threads.
         let failure = light_field
             .par_views_mut()
             .zip(self.files)
@@ -125,7 +132,7 @@ impl Views<'_> {
             Some((size, who)) => Err(self.broken(
                 file,
                 format!(
-                    "it has {} x {} pixels, but {who} says {} x {}",
+                    "it has {} x {} pixels, but {who} specifies {} x {}",
                     info.size.columns, info.size.rows, size.columns, size.rows
                 ),
             )),
@@ -138,25 +145,64 @@ impl Views<'_> {
     }
 }
 
-/// How many channels are left without alpha.
-fn colours(channels: usize) -> usize {
+/// The number of channels without alpha.
+fn without_alpha_count(channels: usize) -> usize {
     if channels > 2 { 3 } else { 1 }
 }
 
-/// Drops the alpha channel; the colours stay as they are stored, also where they are transparent.
+/// Drops the alpha channel. The color values stay as they are stored, also where alpha is 0.
 fn without_alpha(samples: DynImage) -> DynImage {
     fn drop<T: Sample>(samples: Array3<T>) -> Array3<T> {
         let channels = samples.dim().2;
-        if channels == colours(channels) {
+        if channels == without_alpha_count(channels) {
             return samples;
         }
-        samples.slice_axis(Axis(2), Slice::from(..colours(channels))).as_standard_layout().into_owned()
+        samples.slice_axis(Axis(2), Slice::from(..without_alpha_count(channels))).as_standard_layout().into_owned()
     }
     for_each_sample!(DynImage, samples, samples => drop(samples).into())
 }
 
+/// Whether a folder has a file or folder whose name is UTF-8 and satisfies `is_wanted`.
+pub(crate) fn has_file(folder: &Path, is_wanted: impl Fn(&str) -> bool) -> Result<bool, Error> {
+    let failed = |source| Error::io("list", folder, source);
+    for entry in fs::read_dir(folder).map_err(failed)? {
+        if entry.map_err(failed)?.file_name().to_str().is_some_and(&is_wanted) {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// The files of a folder by a key from their names, each with a value from its name; `parse` returns `None` for files
+/// to ignore.
+///
+/// # Errors
+///
+/// [`Error::Io`] if the folder cannot be listed; [`Error::Broken`] if two files have the same key. `conflict` completes
+/// that message: "FILE `conflict`; remove ...".
+pub(crate) fn files_by_key<K: Ord, V>(
+    folder: &Path,
+    format: &'static str,
+    conflict: &str,
+    parse: impl Fn(&str) -> Option<(K, V)>,
+) -> Result<BTreeMap<K, (PathBuf, V)>, Error> {
+    let failed = |source| Error::io("list", folder, source);
+    let mut files = BTreeMap::new();
+    for entry in fs::read_dir(folder).map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let Some((key, value)) = path.file_name().and_then(|name| name.to_str()).and_then(&parse) else { continue };
+        if let Some((other, _)) = files.insert(key, (path.clone(), value)) {
+            // The file system returns them in any order; the message does not depend on it.
+            let (first, second) = if other < path { (other, path) } else { (path, other) };
+            let what = format!("{} {conflict}; remove the one that does not belong here", first.display());
+            return Err(Error::broken(&second, format, what));
+        }
+    }
+    Ok(files)
+}
+
 fn in_words(info: &PngInfo) -> String {
-    let kind = if info.channels > 2 { "RGB" } else { "grey" };
+    let kind = if info.channels > 2 { "RGB" } else { "gray" };
     format!("{} x {} pixels of {kind} in {} bits", info.size.columns, info.size.rows, info.bits)
 }
 

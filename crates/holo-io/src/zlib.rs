@@ -1,9 +1,9 @@
-//! zlib streams, of which PNG, OpenEXR and MAT files are made: compressed by the strategy that suits the data, in bands side
-//! by side, and read back piece by piece.
+//! zlib streams for PNG, OpenEXR and MAT: compression in parallel, with the better of two strategies, and decompression
+//! piece by piece.
 //!
-//! Every band but the last ends in an empty stored block (deflate's "sync flush"), so it ends on a whole byte and the
-//! bands can simply follow one another. Nothing in a band refers back to an earlier one: that costs a few hundred bytes
-//! a band, and makes the result the same for any number of threads.
+//! Every band but the last ends in an empty stored block (deflate's "sync flush"), so it ends on a whole byte and bands
+//! can be concatenated. No band refers back to an earlier one: that costs a few hundred bytes a band, and makes the
+//! result the same for any number of threads.
 
 #[cfg(feature = "mat")]
 mod inflate;
@@ -17,10 +17,10 @@ pub(crate) use inflate::Inflated;
 #[cfg(feature = "mat")]
 pub(crate) use pieces::{Piece, Stream};
 
-/// Bytes of a band that the two strategies are tried on: three rows of an 8K image and twice deflate's window.
+/// Size of the sample of a band on which the strategies are compared: twice the window of deflate.
 const SAMPLE_BYTES: usize = 64 << 10;
 
-/// The header of a zlib stream with a window of 32 KiB and ordinary effort.
+/// The header of a zlib stream with a window of 32 KiB and the default compression level.
 #[cfg(any(feature = "png", feature = "mat"))]
 pub(crate) const ZLIB_HEADER: [u8; 2] = [0x78, 0x9c];
 
@@ -32,27 +32,27 @@ const RAW: i32 = -15;
 #[cfg(feature = "exr")]
 const WITH_HEADER: i32 = 15;
 
-/// The ways to compress a band.
+/// Strategies and levels of deflate to choose from.
 ///
-/// Rendered images are noisy or they repeat. In noise, deflate's search for repetitions finds only short accidental
-/// ones, which cost more bits than they save; run lengths with a good Huffman code are smaller and three times as fast.
-/// Where rows do repeat the search wins tenfold. No setting suits both, but a sample tells them apart.
+/// In noise, the search for repetitions finds only short accidental matches, which cost more bits than they save: run
+/// lengths with a Huffman code are smaller and faster. Where rows repeat, the search gives much smaller data. A sample
+/// of the data decides.
 const CHOICES: [(Strategy, i32); 2] = [(Strategy::Rle, 6), (Strategy::Default, 6)];
 
-/// Compresses a band with the strategy that suits it: raw deflate data, which another band may follow unless it is the last.
+/// Compresses a band with the better strategy to raw deflate data, which another band may follow unless it is the last.
 #[cfg(any(feature = "png", feature = "mat"))]
 pub(crate) fn deflate_band(filtered: &[u8], is_last: bool) -> std::io::Result<Vec<u8>> {
-    deflate_suited(filtered, RAW, if is_last { DeflateFlush::Finish } else { DeflateFlush::SyncFlush })
+    deflate_with_best(filtered, RAW, if is_last { DeflateFlush::Finish } else { DeflateFlush::SyncFlush })
 }
 
-/// Compresses data with the strategy that suits it to a whole zlib stream, with header and checksum.
+/// Compresses data with the better strategy to a complete zlib stream, with header and checksum.
 #[cfg(feature = "exr")]
 pub(crate) fn zlib_stream(data: &[u8]) -> std::io::Result<Vec<u8>> {
-    deflate_suited(data, WITH_HEADER, DeflateFlush::Finish)
+    deflate_with_best(data, WITH_HEADER, DeflateFlush::Finish)
 }
 
-fn deflate_suited(data: &[u8], window_bits: i32, flush: DeflateFlush) -> std::io::Result<Vec<u8>> {
-    // From the middle, because a band that begins at an edge of the picture is not typical there.
+fn deflate_with_best(data: &[u8], window_bits: i32, flush: DeflateFlush) -> std::io::Result<Vec<u8>> {
+    // From the middle, because the edge of an image is not typical.
     let start = data.len().saturating_sub(SAMPLE_BYTES) / 2;
     let sample = &data[start..data.len().min(start + SAMPLE_BYTES)];
     let mut best = (usize::MAX, CHOICES[0]);
@@ -65,7 +65,7 @@ fn deflate_suited(data: &[u8], window_bits: i32, flush: DeflateFlush) -> std::io
     deflate(data, best.1, window_bits, flush)
 }
 
-/// Compresses data in one go.
+/// Compresses data in memory.
 fn deflate(
     data: &[u8],
     (strategy, level): (Strategy, i32),
@@ -81,7 +81,7 @@ fn deflate(
             .compress(&data[read..], &mut out[written..], flush)
             .map_err(|error| std::io::Error::other(error.as_str()))?;
         let end = deflate.total_out() as usize;
-        // A flush is complete when it leaves room behind it.
+        // A flush is complete if it does not fill the buffer.
         if status == Status::StreamEnd || (end < out.len() && flush != DeflateFlush::Finish) {
             out.truncate(end);
             return Ok(out);
@@ -90,11 +90,11 @@ fn deflate(
     }
 }
 
-/// The checksum at the end of a zlib stream.
+/// The Adler-32 checksum, which ends a zlib stream.
 #[cfg(any(feature = "png", feature = "mat"))]
 pub(crate) fn adler32(data: &[u8]) -> u32 {
     let (mut a, mut b) = (1_u32, 0_u32);
-    // The longest block after which the sums still fit 32 bits.
+    // The longest block whose sums fit into 32 bits.
     for block in data.chunks(5552) {
         for &byte in block {
             a += u32::from(byte);
@@ -106,13 +106,13 @@ pub(crate) fn adler32(data: &[u8]) -> u32 {
     b << 16 | a
 }
 
-/// Returns the checksum of two pieces of data, one behind the other; `length` is that of the second.
+/// Returns the checksum of two concatenated pieces of data from theirs; `length` is that of the second piece.
 #[cfg(any(feature = "png", feature = "mat"))]
 pub(crate) fn combine_adler32(first: u32, second: u32, length: usize) -> u32 {
     let base = u64::from(ADLER_BASE);
     let (a1, b1) = (u64::from(first & 0xffff), u64::from(first >> 16));
     let (a2, b2) = (u64::from(second & 0xffff), u64::from(second >> 16));
-    // The second piece began with a sum of 1 instead of a1, which every one of its bytes added to b.
+    // The checksum of the second piece started with a = 1 instead of a1, and every byte of it added a to b.
     let a = (a1 + a2 + base - 1) % base;
     let b = (b1 + b2 + (a1 + base - 1) % base * (length as u64 % base)) % base;
     (b << 16 | a) as u32

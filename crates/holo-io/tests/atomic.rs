@@ -1,4 +1,4 @@
-//! Files appear whole or not at all, whatever happens between.
+//! Atomic files appear whole or not at all.
 
 use std::fs;
 use std::io::Write;
@@ -54,7 +54,7 @@ fn pieces_of_any_size_add_up() {
 }
 
 #[test]
-fn a_dropped_file_leaves_what_was_there() {
+fn a_dropped_file_leaves_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("file");
     let mut file = AtomicFile::create(&path).unwrap();
@@ -139,7 +139,7 @@ fn a_link_stays_and_its_target_is_replaced() {
 fn devices_are_written_into_and_stay_devices() {
     assert_eq!(write_file("/dev/null", b"gone").unwrap().bytes, 4);
     let mut file = AtomicFile::create("/dev/full").unwrap();
-    // An encoder that swallows the error, as destructors do.
+    // The code in between ignores the error, as destructors do.
     let _ = file.write_all(&[0; 300_000]);
     let _ = file.write_all(&[0; 300_000]);
     let error = file.commit().unwrap_err();
@@ -150,7 +150,7 @@ fn devices_are_written_into_and_stay_devices() {
     }
 }
 
-/// What the children below do: start a file in the folder that they are told, say so, and wait for whatever comes.
+/// The child process of the tests below: starts a file in a folder, creates the file `ready`, and waits.
 #[test]
 #[ignore = "run by other tests in a process of its own"]
 fn child() {
@@ -188,12 +188,12 @@ fn start_child(folder: &Path, end: &str) -> Child {
 }
 
 #[test]
-fn a_killed_process_leaves_only_a_part_that_is_cleared_away_later() {
+fn the_temporary_file_of_a_killed_process_is_removed_later() {
     let folder = tempfile::tempdir().unwrap();
     let mut child = start_child(folder.path(), "be killed");
     let part = names(folder.path()).into_iter().find(|name| name.starts_with(".big.png.")).unwrap();
     assert_eq!(part, format!(".big.png.{}-0.part", child.id()));
-    // Files of living processes, this one's included, are left alone.
+    // Files of running processes, including this one, stay.
     let mut own = AtomicFile::create(folder.path().join("own.png")).unwrap();
     own.write_all(b"own").unwrap();
     assert!(remove_stale_temporary_files(folder.path()).unwrap().is_empty());
@@ -201,7 +201,7 @@ fn a_killed_process_leaves_only_a_part_that_is_cleared_away_later() {
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(!folder.path().join("big.png").exists());
-    // Things that only look similar stay.
+    // Files with similar names stay.
     let lookalikes = [".big.png.part", "big.png.1-0.part", ".x.99999999-0.parts", ".x.99999999-0.part"];
     lookalikes[..3].iter().for_each(|name| fs::write(folder.path().join(name), b"mine").unwrap());
     fs::create_dir(folder.path().join(lookalikes[3])).unwrap();
@@ -213,8 +213,8 @@ fn a_killed_process_leaves_only_a_part_that_is_cleared_away_later() {
 }
 
 #[test]
-fn the_lock_protects_a_file_whose_process_number_says_nothing() {
-    // As seen from another machine or container: no process of that number here, but somebody holds the lock.
+fn the_lock_protects_a_file_of_an_unknown_process() {
+    // As seen from another machine or container: no process of that number, but a lock.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(".x.png.999999999-0.part");
     let file = fs::File::create(&path).unwrap();
@@ -227,7 +227,7 @@ fn the_lock_protects_a_file_whose_process_number_says_nothing() {
 }
 
 #[test]
-fn stopping_removes_what_is_open_and_starts_nothing_new() {
+fn stopping_removes_open_files_and_creates_no_more() {
     let folder = tempfile::tempdir().unwrap();
     let status = start_child(folder.path(), "clean up").wait().unwrap();
     assert!(status.success());
@@ -240,7 +240,7 @@ fn stopping_removes_what_is_open_and_starts_nothing_new() {
 }
 
 #[test]
-fn a_folder_that_is_not_there_cannot_be_cleared() {
+fn a_missing_folder_is_an_error() {
     let error = remove_stale_temporary_files("/missing/folder").unwrap_err();
     assert_eq!(error.path(), Path::new("/missing/folder"));
 }

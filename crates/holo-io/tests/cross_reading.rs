@@ -1,8 +1,8 @@
-//! What other programs write is read, number for number: a table of format, program, type of sample and size.
+//! Files of other programs are read exactly: a table of format, program, sample type and size.
 //!
-//! `peers/write_files.py` writes the files with every program that `HOLO_PYTHON` (or `python3`) has; the numbers are formulas
-//! that both sides know. What ours look like to those programs is asked in `peer_readers.rs`, `mat_peers.rs`, `mat_v73.rs`,
-//! `mat_octave.rs` and `hdf5.rs`.
+//! `peers/write_files.py` writes the files with every program that `HOLO_PYTHON` (or `python3`) has; both sides compute
+//! the numbers by the same formulas. The opposite direction is tested in `peer_readers.rs`, `mat_peers.rs`,
+//! `mat_v73.rs`, `mat_octave.rs` and `hdf5.rs`.
 #![cfg(all(feature = "png", feature = "exr", feature = "mat"))]
 
 use std::collections::BTreeMap;
@@ -61,7 +61,7 @@ fn assert_light_field(path: &Path, read: DynLightField, size: &str, kind: &str) 
 }
 
 #[test]
-fn what_others_write_is_read_exactly() {
+fn files_of_other_programs_are_read_exactly() {
     let folder = tempfile::tempdir().unwrap();
     let Some(text) = python::run_file("write_files.py", [folder.path()]) else { return };
     let mut table = BTreeMap::<(String, String, String), usize>::new();
@@ -86,7 +86,7 @@ fn what_others_write_is_read_exactly() {
                     size,
                     kind,
                 );
-                format!("{kind}, level 5, {coding}")
+                format!("{kind}, version 5, {coding}")
             }
             #[cfg(feature = "hdf5")]
             (&[_, size, kind], "mat") => {
@@ -96,7 +96,7 @@ fn what_others_write_is_read_exactly() {
                     size,
                     kind,
                 );
-                format!("{kind}, level 7.3")
+                format!("{kind}, version 7.3")
             }
             #[cfg(feature = "hdf5")]
             (&[_, size, kind, coding], "h5") => {

@@ -1,9 +1,9 @@
-//! Dataset folders: names and kinds of files.
+//! The names of dataset folders, and the detection of file formats.
 
 use std::fs;
 
 use holo_core::GridSize;
-use holo_io::{Error, FileKind, dataset, recognise};
+use holo_io::{Error, FileFormat, dataset, detect_format};
 
 #[test]
 fn folders_are_named_after_scene_and_views() {
@@ -14,49 +14,49 @@ fn folders_are_named_after_scene_and_views() {
 }
 
 #[test]
-fn kinds_are_told_by_contents() {
+fn formats_are_detected_by_contents() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("misleading.png");
     let padded = |text: &str| format!("{}{text}", " ".repeat(100_000));
-    let kinds: [(&[u8], FileKind); 22] = [
-        (b"\x89PNG\r\n\x1a\nrest", FileKind::Png),
-        (b"\x89PNG\r\n\x1a", FileKind::Unknown),
-        (b"Pf\n1 1\n-1\n", FileKind::Pfm),
-        (b"PF 1 1", FileKind::Pfm),
-        (b"Pfennig", FileKind::Unknown),
-        (b"\x76\x2f\x31\x01\x02\0\0\0", FileKind::Exr),
-        (b"\x76\x2f\x31", FileKind::Unknown),
-        (b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n", FileKind::Hdr),
-        (b"#?RGBE\n", FileKind::Hdr),
-        (b"#!RGBE\n", FileKind::Unknown),
-        (b"glTF\x02\0\0\0", FileKind::GltfBinary),
-        (br#"{"scenes":[{"format":7}],"asset":{"version":"2.0"}}"#, FileKind::GltfJson),
-        (b"\xef\xbb\xbf{\"asset\":{}}", FileKind::GltfJson),
-        (br#" {"format":"holo manifest 1","asset":1}"#, FileKind::Manifest),
-        (br#"{"files":{},"format":"holo manifest 77"}"#, FileKind::Manifest),
-        (br#"{"format":"other"}"#, FileKind::Unknown),
-        (br#"{"asset":{}"#, FileKind::Unknown),
-        (b"[intrinsics]\nx = 1\n[extrinsics]\n", FileKind::ParametersCfg),
-        (b"\xef\xbb\xbf# HCI\r\n [extrinsics] \r\n[intrinsics]\r\n", FileKind::ParametersCfg),
-        (b"[intrinsics]\n", FileKind::Unknown),
-        (b"", FileKind::Unknown),
-        (b"\0", FileKind::Unknown),
+    let formats: [(&[u8], FileFormat); 22] = [
+        (b"\x89PNG\r\n\x1a\nrest", FileFormat::Png),
+        (b"\x89PNG\r\n\x1a", FileFormat::Unknown),
+        (b"Pf\n1 1\n-1\n", FileFormat::Pfm),
+        (b"PF 1 1", FileFormat::Pfm),
+        (b"Pfennig", FileFormat::Unknown),
+        (b"\x76\x2f\x31\x01\x02\0\0\0", FileFormat::Exr),
+        (b"\x76\x2f\x31", FileFormat::Unknown),
+        (b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n", FileFormat::Hdr),
+        (b"#?RGBE\n", FileFormat::Hdr),
+        (b"#!RGBE\n", FileFormat::Unknown),
+        (b"glTF\x02\0\0\0", FileFormat::GltfBinary),
+        (br#"{"scenes":[{"format":7}],"asset":{"version":"2.0"}}"#, FileFormat::GltfJson),
+        (b"\xef\xbb\xbf{\"asset\":{}}", FileFormat::GltfJson),
+        (br#" {"format":"holo manifest 1","asset":1}"#, FileFormat::Manifest),
+        (br#"{"files":{},"format":"holo manifest 77"}"#, FileFormat::Manifest),
+        (br#"{"format":"other"}"#, FileFormat::Unknown),
+        (br#"{"asset":{}"#, FileFormat::Unknown),
+        (b"[intrinsics]\nx = 1\n[extrinsics]\n", FileFormat::ParametersCfg),
+        (b"\xef\xbb\xbf# HCI\r\n [extrinsics] \r\n[intrinsics]\r\n", FileFormat::ParametersCfg),
+        (b"[intrinsics]\n", FileFormat::Unknown),
+        (b"", FileFormat::Unknown),
+        (b"\0", FileFormat::Unknown),
     ];
-    for (contents, kind) in kinds {
+    for (contents, format) in formats {
         fs::write(&path, contents).unwrap();
-        assert_eq!(recognise(&path).unwrap(), kind, "{}", String::from_utf8_lossy(contents));
+        assert_eq!(detect_format(&path).unwrap(), format, "{}", String::from_utf8_lossy(contents));
     }
-    // Only the first part of a text is searched, for white space has no meaning there.
+    // Only the beginning of a text is searched, here behind white space.
     fs::write(&path, padded("{\"asset\":{}}")).unwrap();
-    assert_eq!(recognise(&path).unwrap(), FileKind::Unknown);
+    assert_eq!(detect_format(&path).unwrap(), FileFormat::Unknown);
     let long = format!("{{\"buffers\":[\"{}\"],\"asset\":{{}}}}", "x".repeat(200_000));
     fs::write(&path, long).unwrap();
-    assert_eq!(recognise(&path).unwrap(), FileKind::GltfJson);
+    assert_eq!(detect_format(&path).unwrap(), FileFormat::GltfJson);
     fs::write(&path, "[".repeat(1_000_000)).unwrap();
-    assert_eq!(recognise(&path).unwrap(), FileKind::Unknown);
+    assert_eq!(detect_format(&path).unwrap(), FileFormat::Unknown);
     fs::write(&path, format!("{{\"x\":{}", "[".repeat(1_000_000))).unwrap();
-    assert_eq!(recognise(&path).unwrap(), FileKind::Unknown);
+    assert_eq!(detect_format(&path).unwrap(), FileFormat::Unknown);
     for path in [folder.path().to_owned(), folder.path().join("missing")] {
-        assert!(matches!(recognise(&path), Err(Error::Io { .. })));
+        assert!(matches!(detect_format(&path), Err(Error::Io { .. })));
     }
 }

@@ -1,4 +1,4 @@
-//! Dataset folders: the light field, the rig and the maps come back; what the manifest does not list does not count.
+//! Dataset folders: light field, rig and maps read back; files that the manifest does not list are ignored.
 #![cfg(feature = "png")]
 
 use std::fs;
@@ -63,7 +63,7 @@ const ALL: [&str; 5] = [
 ];
 
 #[test]
-fn a_dataset_comes_back() {
+fn a_dataset_reads_back() {
     let folder = tempfile::tempdir().unwrap();
     let limits = Limits::default();
     for (names, with_rig) in [(&ALL[..], true), (&ALL[..], false), (&ALL[1..3], true), (&ALL[..1], true)] {
@@ -118,7 +118,7 @@ fn folders_that_are_unfinished_or_contradict_themselves_are_refused() {
     other.num_cams = GridSize::new(4, 3);
     other.write(path(dataset::PARAMETERS_CFG)).unwrap();
     let text = DatasetFolder::open(folder.path()).unwrap_err().to_string();
-    assert!(text.contains("it speaks of 3 x 4 views of 7 x 5 pixels, but manifest.json of 4 x 3"), "{text}");
+    assert!(text.contains("it specifies 3 x 4 views of 7 x 5 pixels, but manifest.json specifies 4 x 3"), "{text}");
     fs::remove_file(path(dataset::PARAMETERS_CFG)).unwrap();
     assert!(matches!(DatasetFolder::open(folder.path()), Err(Error::Io { .. })));
 

@@ -1,4 +1,4 @@
-//! OpenEXR: what is written reads back bit by bit, files of other programs read, damage is an error and never a panic.
+//! OpenEXR: exact round trips, files of other programs, and errors for damaged files.
 #![cfg(feature = "exr")]
 
 mod common;
@@ -9,7 +9,7 @@ use common::{data, ramp};
 use holo_core::GridSize;
 use holo_io::{
     Error, ExrChannel, Limits, decode_exr, decode_exr_rgb, encode_exr, read_exr, read_exr_info, read_exr_rgb, read_pfm,
-    read_pfm_grey, write_exr,
+    read_pfm_gray, write_exr,
 };
 use ndarray::{Array2, Array3, ArrayView2, Axis, Slice, array};
 use proptest::prelude::*;
@@ -72,7 +72,7 @@ proptest! {
 }
 
 #[test]
-fn an_image_of_many_blocks_has_the_same_bytes_whatever_the_threads() {
+fn an_image_of_many_blocks_has_the_same_bytes_for_any_number_of_threads() {
     let plane = Array2::from_shape_fn((1000, 37), |(row, column)| ((row * 37 + column) as f32).sqrt());
     let write = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -88,7 +88,7 @@ fn an_image_of_many_blocks_has_the_same_bytes_whatever_the_threads() {
 }
 
 #[test]
-fn what_cannot_be_written_is_refused_and_leaves_nothing() {
+fn invalid_arguments_are_refused_and_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.exr");
     let (small, large) = (Array2::zeros((2, 2)), Array2::zeros((2, 3)));
@@ -148,7 +148,7 @@ fn files_of_openexr_are_read() {
 }
 
 #[test]
-fn floats_arrive_bit_by_bit() {
+fn floats_keep_every_bit() {
     let image = read_exr(data("openexr_float_piz.exr"), &Limits::default()).unwrap();
     for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
         for ((row, column), &ours) in image.channel(name).unwrap().indexed_iter() {
@@ -188,7 +188,7 @@ fn identifiers_of_integers_are_read_in_every_coding() {
 
 #[test]
 fn lossy_codings_lose_no_more_than_in_openexr() {
-    // What OpenEXR itself reads of the two files differs from the ramp by at most these numbers.
+    // The result of OpenEXR itself differs from the ramp by at most these numbers.
     for (name, bound) in [("openexr_half_dwaa.exr", 0.97), ("openexr_half_b44.exr", 8.0)] {
         let image = read_exr_rgb(data(name), &Limits::default()).unwrap();
         for ((row, column, channel), ours) in image.indexed_iter() {
@@ -201,7 +201,7 @@ fn lossy_codings_lose_no_more_than_in_openexr() {
 
 #[test]
 fn the_image_is_the_display_window() {
-    // The data begin 5 rows below and 3 columns left of the display window, which is as large.
+    // The data window has the size of the display window and begins 5 rows below and 3 columns left of it.
     let image = read_exr_rgb(data("openexr_windows_zips.exr"), &Limits::default()).unwrap();
     assert_eq!(image.dim(), (20, 19, 3));
     for ((row, column, channel), &ours) in image.indexed_iter() {
@@ -214,25 +214,25 @@ fn the_image_is_the_display_window() {
 fn files_of_blender_are_read() {
     let image = read_exr_rgb(data("blender.exr"), &Limits::default()).unwrap();
     assert_eq!(image, Array3::from_shape_fn((9, 12, 3), |(row, column, channel)| ramp(row, column, channel)));
-    // One part a layer; the colour is Combined, although Diffuse Color and the noisy image have R, G and B too.
+    // One part a layer; the color is Combined, although Diffuse Color and the noisy image have R, G and B too.
     let path = data("blender_multilayer.exr");
     let combined = read_pfm(data("blender_combined.pfm"), &Limits::default()).unwrap().values;
     assert_eq!(read_exr_rgb(&path, &Limits::default()).unwrap(), combined);
     let layers = read_exr(&path, &Limits::default()).unwrap();
-    let depth = read_pfm_grey(data("blender_depth.pfm"), &Limits::default()).unwrap();
+    let depth = read_pfm_gray(data("blender_depth.pfm"), &Limits::default()).unwrap();
     assert_eq!(layers.channel("ViewLayer.Depth.Z"), Some(&depth));
     assert_eq!(layers.pass("Depth", "Z"), Some(&depth));
-    // Blender 5 writes `Diffuse Color` where Blender before it wrote `DiffCol`.
+    // Blender 5 writes `Diffuse Color`, earlier versions `DiffCol`.
     assert!(layers.channel("ViewLayer.DiffCol.R").is_none() && layers.pass("DiffCol", "R").is_some());
     assert_eq!(layers.pass("DiffCol", "G"), layers.channel("ViewLayer.Diffuse Color.G"));
     let red = layers.channel("ViewLayer.Combined.R").unwrap();
     assert_eq!(red, combined.index_axis(Axis(2), 0));
     let info = read_exr_info(&path).unwrap();
-    assert_eq!((info.parts, info.channels.len(), info.has_colour), (5, 15, true));
+    assert_eq!((info.parts, info.channels.len(), info.has_color), (5, 15, true));
 }
 
 #[test]
-fn a_file_without_colour_says_what_it_has() {
+fn the_error_of_a_file_without_color_lists_its_channels() {
     let plane = array![[1.0, 2.0]];
     let bytes = encode(&[("N.X", plane.view()), ("N.Y", plane.view()), ("N.Z", plane.view())]).unwrap();
     let error = decode_exr_rgb(&bytes, &Limits::default()).unwrap_err();
@@ -259,7 +259,7 @@ fn window_at(bytes: &[u8], name: &str) -> usize {
 }
 
 #[test]
-fn absurd_sizes_cost_nothing() {
+fn absurd_sizes_take_no_memory() {
     let plane = Array2::zeros((10, 10));
     let whole = encode(&[("R", plane.view()), ("G", plane.view()), ("B", plane.view())]).unwrap();
     for (name, right, bottom) in [
@@ -289,7 +289,7 @@ fn absurd_sizes_cost_nothing() {
 }
 
 #[test]
-fn blocks_that_are_missing_or_double_are_noticed() {
+fn missing_and_duplicate_blocks_are_errors() {
     // 40 rows are 3 blocks, and the first two are equally long.
     let plane = Array2::from_elem((40, 5), 1.5);
     let whole = encode(&[("Y", plane.view())]).unwrap();
@@ -303,11 +303,11 @@ fn blocks_that_are_missing_or_double_are_noticed() {
     double[second..second + 4].copy_from_slice(&0_i32.to_le_bytes());
     let error = decode_exr(&double, &Limits::default()).unwrap_err();
     assert!(error.to_string().contains("the block at row 0, column 0 occurs twice"), "{error}");
-    // A program that was stopped leaves the table empty; blocks are found without it.
+    // An interrupted program leaves the table empty; blocks are found without it.
     let mut without_table = whole.clone();
     without_table[table..table + 24].fill(0);
     assert_eq!(decode_exr(&without_table, &Limits::default()).unwrap().channels[0].1, plane);
-    // Rows that no block of the image has.
+    // Rows outside of the image.
     let mut outside = whole.clone();
     outside[second..second + 4].copy_from_slice(&48_i32.to_le_bytes());
     assert!(matches!(decode_exr(&outside, &Limits::default()), Err(Error::Broken { .. })));
@@ -315,7 +315,7 @@ fn blocks_that_are_missing_or_double_are_noticed() {
 
 #[test]
 fn a_block_that_announces_absurd_sizes_is_refused_before_it_is_decoded() {
-    // Beyond 2^40 bytes no machine would give the memory; the decoder would end the process.
+    // An allocation of more than 2^40 bytes would fail and end the process.
     let whole = fs::read(data("openexr_half_dwaa.exr")).unwrap();
     // The one block: its first row, its length, eleven counters of which the first is the version, 2.
     let counters = (0..whole.len() - 16)
@@ -327,6 +327,6 @@ fn a_block_that_announces_absurd_sizes_is_refused_before_it_is_decoded() {
         let mut bytes = whole.clone();
         bytes[counters + 8 * counter..][..8].copy_from_slice(&(1_u64 << 60).to_le_bytes());
         let error = decode_exr(&bytes, &Limits::default()).unwrap_err();
-        assert!(error.to_string().contains("announces more than it can hold"), "{counter}: {error}");
+        assert!(error.to_string().contains("announces more than it can contain"), "{counter}: {error}");
     }
 }

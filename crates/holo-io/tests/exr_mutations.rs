@@ -1,4 +1,4 @@
-//! OpenEXR files that are cut off or damaged: errors, and never a panic that anybody hears. Alone in its process, because
+//! Truncated and damaged OpenEXR files: errors, and no panic outside the panic guard. Alone in its process, because
 //! it sets the panic hook, and because a decoder that takes absurd amounts of memory ends the process.
 #![cfg(feature = "exr")]
 
@@ -11,7 +11,7 @@ use common::{data, ramp};
 use holo_io::{Error, ExrChannel, Limits, decode_exr, decode_exr_rgb, encode_exr};
 use ndarray::Array2;
 
-/// Runs `work` with a panic hook that counts what is not under a guard.
+/// Runs `work` with a panic hook that counts panics outside the panic guard.
 fn unguarded_panics(work: impl FnOnce()) -> usize {
     static LOUD: AtomicUsize = AtomicUsize::new(0);
     let before = std::panic::take_hook();
@@ -26,7 +26,7 @@ fn unguarded_panics(work: impl FnOnce()) -> usize {
 }
 
 #[test]
-fn cut_and_mutated_files_are_errors_and_never_panics() {
+fn truncated_and_mutated_files_are_errors_and_never_panics() {
     const LIMITS: Limits = Limits { max_bytes: 1 << 20 };
     let mut files = Vec::new();
     for name in [

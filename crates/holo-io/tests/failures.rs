@@ -1,5 +1,5 @@
-//! Images on a bad day: a full disk, a read-only folder, two writers of one name, a process that is killed. Whatever
-//! happens, a name holds a whole file or the old one, and nothing else is left.
+//! Failures of writers: a full disk, a read-only folder, two writers of one name, a killed process. In each case the
+//! name is a complete file or the old one, and no other file is left.
 #![cfg(all(unix, feature = "png", feature = "exr", feature = "mat"))]
 
 use std::fs;
@@ -12,19 +12,19 @@ use std::time::{Duration, Instant};
 use holo_core::{GridSize, LightFieldOwned, SampleKind};
 use holo_io::{
     ColorEncoding, Compression, Error, ExrChannel, ExrCompression, ExrSamples, ExrWriter, FileDigest, Limits,
-    MatOptions, MatOrder, MatVersion, PngWriter, read_exr, read_mat_light_field, read_pfm_grey, read_png,
+    MatOptions, MatOrder, MatVersion, PngWriter, read_exr, read_mat_light_field, read_pfm_gray, read_png,
     remove_stale_temporary_files, write_exr_with, write_mat_light_field, write_pfm, write_png,
 };
 use ndarray::{Array2, Array3, Axis};
 
-/// Every way to write an image: a name for the file, and what writes an image that depends on a number into it.
+/// A way to write an image: a file name, and a function that writes an image that depends on a seed.
 type Way = (&'static str, fn(&Path, u64) -> Result<FileDigest, Error>);
 
 const WAYS: &[Way] = &[
-    ("scratch.png", |path, seed| {
+    ("fast.png", |path, seed| {
         write_png(path, noise(seed).mapv(|bits| bits as u8).view(), ColorEncoding::Srgb, Compression::Fast)
     }),
-    ("published.png", |path, seed| {
+    ("best.png", |path, seed| {
         write_png(path, noise(seed).mapv(|bits| bits as u16).view(), ColorEncoding::Linear, Compression::Best)
     }),
     ("bands.png", |path, seed| {
@@ -67,7 +67,7 @@ const WAYS: &[Way] = &[
     }),
 ];
 
-/// The noise as 20 x 11 views behind 10 x 21 lenses.
+/// The noise as 20 x 11 views of 10 x 21 pixels.
 fn light_field(seed: u64) -> LightFieldOwned<u16> {
     let samples = noise(seed).mapv(|bits| bits as u16).into_shape_with_order((21, 10, 11, 20, 3)).unwrap();
     LightFieldOwned::new(samples).unwrap()
@@ -102,11 +102,11 @@ fn plane(seed: u64) -> Array2<f32> {
     noise(seed).index_axis(Axis(2), 0).mapv(|bits| (bits % 60_001) as f32)
 }
 
-/// Whether the file is whole.
+/// Whether the file is complete.
 fn reads(path: &Path) -> bool {
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("png") => read_png(path, &Limits::default()).is_ok(),
-        Some("pfm") => read_pfm_grey(path, &Limits::default()).is_ok(),
+        Some("pfm") => read_pfm_gray(path, &Limits::default()).is_ok(),
         Some("mat") => read_mat_light_field(path, &Limits::default()).is_ok(),
         #[cfg(feature = "hdf5")]
         Some("h5") => holo_io::Hdf5LightField::open(path, &Limits::default()).and_then(|file| file.read()).is_ok(),
@@ -121,7 +121,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// A small file system in memory; `None` where the system does not let us have one.
+/// A small file system in memory; `None` without the right to mount one.
 struct SmallDisk(tempfile::TempDir);
 
 impl SmallDisk {
@@ -150,7 +150,7 @@ impl Drop for SmallDisk {
 }
 
 #[test]
-fn a_full_disk_leaves_the_old_file_and_nothing_else() {
+fn a_full_disk_leaves_only_the_old_file() {
     let Some(disk) = SmallDisk::new() else { return };
     let folder = disk.0.path();
     for &(name, write) in WAYS {
@@ -166,7 +166,7 @@ fn a_full_disk_leaves_the_old_file_and_nothing_else() {
 }
 
 #[test]
-fn a_read_only_folder_is_named_and_keeps_what_it_has() {
+fn a_read_only_folder_is_named_and_keeps_its_files() {
     let Some(disk) = SmallDisk::new() else { return };
     let folder = disk.0.path();
     fs::write(folder.join("zip.exr"), b"old").unwrap();
@@ -224,7 +224,7 @@ fn two_writers_of_one_name_leave_one_of_the_two_files() {
     }
 }
 
-/// What the process that is killed does: writes one file over and over.
+/// The process that is killed: writes one file repeatedly.
 #[test]
 #[ignore = "run by another test in a process of its own"]
 fn child() {
@@ -240,7 +240,7 @@ fn child() {
 const KILLS: usize = 100;
 
 #[test]
-fn a_killed_process_leaves_a_whole_file_and_a_part_that_is_cleared_away() {
+fn a_killed_process_leaves_a_complete_file_and_a_temporary_one_that_is_removed() {
     let mut parts_left = 0;
     let mut state = 7_u64;
     for number in 0..KILLS {
@@ -263,19 +263,19 @@ fn a_killed_process_leaves_a_whole_file_and_a_part_that_is_cleared_away() {
         }
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         std::thread::sleep(Duration::from_micros(state >> 49));
-        assert!(remove_stale_temporary_files(folder.path()).unwrap().is_empty(), "{name}: its writer lives");
+        assert!(remove_stale_temporary_files(folder.path()).unwrap().is_empty(), "{name}: its writer runs");
         child.kill().unwrap();
         child.wait().unwrap();
-        // One of the two files that it was writing in turn, whole.
+        // One of the two files that it wrote alternately, complete.
         assert!(whole.contains(&holo_io::hash_file(&path).unwrap()) && reads(&path), "{name}");
-        // The next writer is not disturbed, and cleaning leaves only what is whole.
+        // The next writer succeeds, and after removal of stale files only the complete one is left.
         let new = write(&path, 3).unwrap();
         let removed = remove_stale_temporary_files(folder.path()).unwrap();
         assert!(removed.len() <= 1, "{removed:?}");
         parts_left += removed.len();
         assert_eq!((names(folder.path()), holo_io::hash_file(&path).unwrap()), (vec![name.to_owned()], new));
     }
-    println!("{KILLS} kills: {parts_left} left a part, which was cleared away");
-    // Else none of them met a file half written.
+    println!("{KILLS} kills: {parts_left} left a temporary file, which was removed");
+    // Otherwise no kill happened during writing.
     assert!(parts_left > KILLS / 10, "{parts_left}");
 }

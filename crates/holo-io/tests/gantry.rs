@@ -1,4 +1,4 @@
-//! Folders of the Stanford Lego gantry: names, order, holes.
+//! Folders of the Stanford Lego gantry: names, order, missing views.
 #![cfg(feature = "png")]
 
 use std::fs;
@@ -18,7 +18,7 @@ fn name(row: usize, column: usize, end: &str) -> String {
     )
 }
 
-/// A view in which every sample tells its row and column.
+/// A view whose samples contain its row and column.
 fn view(row: usize, column: usize) -> Array3<u8> {
     Array3::from_shape_fn((3, 4, 3), |(v, u, c)| (row * 60 + column * 20 + v * 4 + u + c) as u8)
 }
@@ -39,7 +39,7 @@ fn folder(rows: &[usize], columns: &[usize], end: &str) -> tempfile::TempDir {
 
 #[test]
 fn both_kinds_of_names_are_read_in_the_order_of_their_indices() {
-    // Eleven columns, so that the order of numbers is not that of any other thing.
+    // Eleven columns, so that the order of the numbers is not that of the text.
     let columns: Vec<usize> = (0..11).collect();
     for end in ["", "_"] {
         let folder = folder(&[0, 1], &columns, end);
@@ -59,7 +59,7 @@ fn both_kinds_of_names_are_read_in_the_order_of_their_indices() {
 }
 
 #[test]
-fn a_part_of_a_set_is_a_grid_too() {
+fn a_subset_is_a_grid_too() {
     let folder = folder(&[1, 3], &[2, 3], "");
     let opened = GantryFolder::open(folder.path()).unwrap();
     assert_eq!(opened.views(), GridSize::new(2, 2));
@@ -67,7 +67,7 @@ fn a_part_of_a_set_is_a_grid_too() {
 }
 
 #[test]
-fn holes_and_doubles_are_named() {
+fn missing_and_duplicate_views_are_named() {
     let message = |folder: &Path| GantryFolder::open(folder).unwrap_err().to_string();
     let hole = folder(&[0, 1, 2], &[0, 1, 2], "");
     fs::remove_file(hole.path().join(name(1, 2, ""))).unwrap();
@@ -89,7 +89,7 @@ fn holes_and_doubles_are_named() {
 }
 
 #[test]
-fn views_unlike_the_first_are_refused() {
+fn views_that_differ_from_the_first_are_refused() {
     let folder = folder(&[0, 1], &[0, 1], "");
     let opened = GantryFolder::open(folder.path()).unwrap();
     let last = folder.path().join(name(1, 1, ""));

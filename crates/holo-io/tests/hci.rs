@@ -1,40 +1,32 @@
-//! HCI folders: round trips bit for bit, the names of the HCI tools, and what a reader does about damage.
+//! HCI folders: exact round trips, the names of the HCI tools, and damaged folders.
 #![cfg(feature = "png")]
+
+#[path = "common/rig.rs"]
+mod rigs;
 
 use std::fs;
 use std::path::Path;
 
-use holo_core::{
-    DynImage, DynLightField, GridSize, Layout, LightField, LightFieldOwned, LightFieldShape, Projection, Rig,
-};
+use holo_core::{DynImage, DynLightField, GridSize, Layout, LightField, LightFieldOwned, LightFieldShape, Projection};
 use holo_io::{
     ColorEncoding, Compression, Error, HciFolder, HciImage, HciQuantity, HciResolution, HciTruth, Limits,
     ParametersCfg, write_pfm, write_png,
 };
 use ndarray::{Array2, Array3, Axis, s};
 use proptest::prelude::*;
+use rigs::cotton as rig;
 
 #[path = "common/python.rs"]
 mod python;
-
-fn rig(shape: LightFieldShape) -> Rig {
-    Rig::builder(shape)
-        .focal_length_m(0.1)
-        .sensor_size_m(0.035)
-        .baseline_m(0.025)
-        .focus_distance_m(4.25)
-        .build()
-        .unwrap()
-}
 
 fn shape(views: [usize; 2], lenses: [usize; 2]) -> LightFieldShape {
     LightFieldShape::new(GridSize::new(views[0], views[1]), GridSize::new(lenses[0], lenses[1])).unwrap()
 }
 
-/// Samples that tell where they belong, in memory as a raw image.
+/// Samples that are different at every position, in memory as a raw image.
 fn field<T: Copy>(shape: LightFieldShape, channels: usize, sample: impl Fn(u64) -> T) -> LightFieldOwned<T> {
     let mut field = LightField::filled(shape, channels, Layout::ElementalGrid, sample(0)).unwrap();
-    // A step that reaches all bits.
+    // A step that changes all bits.
     let mut value = 0_u64;
     field.samples_mut().map_inplace(|place| {
         value = value.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -75,7 +67,7 @@ fn small() -> (tempfile::TempDir, LightFieldOwned<u8>) {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
     #[test]
-    fn any_grid_comes_back_bit_for_bit(
+    fn any_grid_reads_back_bit_for_bit(
         t in 1_usize..5, s in 1_usize..5, v in 1_usize..6, u in 1_usize..6, rgb: bool, deep: bool, all: bool,
         infinite: bool, published: bool,
     ) {
@@ -139,7 +131,7 @@ fn more_than_999_views_have_the_numbers_of_the_hci_tools() {
     assert!(!folder.path().join("input_Cam0000.png").exists() && !folder.path().join("input_Cam1040.png").exists());
     let read = HciFolder::open(folder.path()).unwrap();
     assert_eq!(read.read(&Limits::default()).unwrap(), DynLightField::U8(views.clone()));
-    // Four digits throughout, as other programs number.
+    // Four digits everywhere, as in other programs.
     for index in 0..1000 {
         let name = |digits: usize| folder.path().join(format!("input_Cam{index:0digits$}.png"));
         fs::rename(name(3), name(4)).unwrap();
@@ -164,25 +156,25 @@ fn the_central_view_of_even_counts_is_a_real_one() {
     image.write(folder.path(), Compression::Fast).unwrap();
     let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
     assert_eq!(read("gt_disp_lowres.pfm"), read("gt_disp_lowres_Cam006.pfm"));
-    // Without a file of its own the central map is the numbered one.
+    // Without an unnumbered file the central map is the numbered one.
     fs::remove_file(folder.path().join("gt_disp_lowres.pfm")).unwrap();
     let opened = HciFolder::open(folder.path()).unwrap();
     let central = opened.central_truth(HciQuantity::Disparity, HciResolution::Low, &Limits::default()).unwrap();
     assert_eq!(central.unwrap(), maps.view(1, 2).unwrap().index_axis_move(Axis(2), 0));
-    // One map less, and there are no longer those of all views.
+    // With one map missing, there are no maps of all views.
     fs::remove_file(folder.path().join("gt_disp_lowres_Cam005.pfm")).unwrap();
     let opened = HciFolder::open(folder.path()).unwrap();
     assert_eq!(opened.truth_of_all_views(HciQuantity::Disparity, &Limits::default()).unwrap(), None);
 }
 
 #[test]
-fn unequal_baselines_and_parallel_views_keep_their_rig() {
+fn unequal_baselines_and_orthographic_views_keep_their_rig() {
     let shape = shape([3, 3], [2, 2]);
     let rig = rig(shape).to_builder().baseline_y_m(0.5).projection(Projection::Orthographic).build().unwrap();
     let folder = tempfile::tempdir().unwrap();
     write(folder.path(), &bytes(shape, 3), &ParametersCfg::from_rig(&rig)).unwrap();
     assert_eq!(HciFolder::open(folder.path()).unwrap().rig().unwrap(), rig);
-    // What the HCI tools read is the horizontal one.
+    // The HCI tools read the horizontal baseline.
     let text = fs::read_to_string(folder.path().join("parameters.cfg")).unwrap();
     assert!(text.contains("\nbaseline_mm = 25.0\n"), "{text}");
 }
@@ -202,26 +194,26 @@ fn optional_keys_may_be_missing() {
             assert_eq!(read.central_truth(quantity, resolution, &Limits::default()).unwrap(), None);
         }
     }
-    // Numbers that make no rig do not keep the pictures from being read.
+    // With numbers that make no rig, the views are read nevertheless.
     fs::write(&parameters, least.replace("focal_length_mm=100", "focal_length_mm=0")).unwrap();
     let read = HciFolder::open(folder.path()).unwrap();
     assert!(matches!(read.rig(), Err(Error::Core { .. })));
     read.read(&Limits::default()).unwrap();
     fs::write(&parameters, least.replace("num_cams_x=3", "num_cams_x=0")).unwrap();
     assert!(matches!(HciFolder::open(folder.path()), Err(Error::Core { .. })));
-    // A grid that no folder holds is refused without counting it out.
+    // A huge grid is refused without a loop over its views.
     fs::write(&parameters, least.replace("num_cams_x=3", "num_cams_x=1000000000000")).unwrap();
     assert!(matches!(HciFolder::open(folder.path()), Err(Error::Broken { .. })));
 }
 
 #[test]
-fn alpha_is_dropped_and_colours_stay() {
+fn alpha_is_dropped_and_colors_stay() {
     let (folder, views) = small();
     for (index, ((_, _), view)) in views.views().enumerate() {
         let with_alpha = Array3::from_shape_fn((4, 5, 4), |(row, column, channel)| {
             if channel == 3 { (row * 50) as u8 } else { view[[row, column, channel]] }
         });
-        // Every second view, so that RGB and RGBA stand side by side.
+        // Every second view, so that RGB and RGBA are mixed.
         if index % 2 == 0 {
             let path = folder.path().join(format!("input_Cam{index:03}.png"));
             write_png(path, with_alpha.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
@@ -243,7 +235,7 @@ fn views_that_are_missing_or_unlike_the_others_are_named() {
     let wide: Array3<u8> = Array3::zeros((4, 6, 3));
     write_png(path("input_Cam003.png"), wide.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
     let text = message(&opened);
-    assert!(text.ends_with("it has 6 x 4 pixels, but parameters.cfg says 5 x 4"), "{text}");
+    assert!(text.ends_with("it has 6 x 4 pixels, but parameters.cfg specifies 5 x 4"), "{text}");
     assert!(text.contains("input_Cam003.png: broken HCI folder: it has"), "{text}");
     assert!(matches!(opened.read_view(1, 0, &Limits::default()), Err(Error::Broken { .. })));
     opened.read_view(0, 0, &Limits::default()).unwrap();
@@ -252,9 +244,9 @@ fn views_that_are_missing_or_unlike_the_others_are_named() {
     write_png(path("input_Cam003.png"), deep.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
     let text = message(&opened);
     assert!(text.contains("RGB in 16 bits, but input_Cam000.png is 5 x 4 pixels of RGB in 8 bits"), "{text}");
-    let grey = views.samples().slice(s![.., .., 0, 0, ..1]).to_owned();
-    write_png(path("input_Cam003.png"), grey.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
-    assert!(message(&opened).contains("pixels of grey in 8 bits"));
+    let gray = views.samples().slice(s![.., .., 0, 0, ..1]).to_owned();
+    write_png(path("input_Cam003.png"), gray.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
+    assert!(message(&opened).contains("pixels of gray in 8 bits"));
     fs::write(path("input_Cam003.png"), b"\x89PNG").unwrap();
     assert!(matches!(opened.read(&Limits::default()), Err(Error::Broken { format: "PNG", .. })));
 
@@ -292,14 +284,14 @@ fn ground_truth_of_other_sizes_is_refused_unless_it_is_finer() {
     let opened = HciFolder::open(folder.path()).unwrap();
     let limits = Limits::default();
     let low = opened.central_truth(HciQuantity::Depth, HciResolution::Low, &limits);
-    assert!(low.unwrap_err().to_string().ends_with("it has 50 x 40 pixels, but parameters.cfg says 5 x 4"));
+    assert!(low.unwrap_err().to_string().ends_with("it has 50 x 40 pixels, but parameters.cfg specifies 5 x 4"));
     assert_eq!(opened.central_truth(HciQuantity::Depth, HciResolution::High, &limits).unwrap().unwrap(), fine);
     let one = opened.truth_of_view(HciQuantity::Depth, HciResolution::High, 0, 1, &limits).unwrap();
     assert_eq!(one.unwrap(), fine);
 }
 
 #[test]
-fn what_does_not_fit_together_is_not_written() {
+fn contradicting_arguments_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let size = shape([2, 3], [4, 5]);
     let views = bytes(size, 3);
@@ -308,21 +300,21 @@ fn what_does_not_fit_together_is_not_written() {
     let error = write(folder.path(), &views, &other).unwrap_err().to_string();
     assert!(
         error.ends_with(
-            "the parameters are for 2 x 3 views of 5 x 4 pixels, the pictures are 3 x 2 views of 5 x 4 pixels"
+            "the parameters specify 2 x 3 views of 5 x 4 pixels, the images are 3 x 2 views of 5 x 4 pixels"
         ),
         "{error}"
     );
     let unwritable = ParametersCfg { scene: "a\nb".into(), ..good.clone() };
     assert!(matches!(write(folder.path(), &views, &unwritable), Err(Error::BadInput { .. })));
     let small: Array2<f32> = Array2::zeros((5, 4));
-    let colour: LightFieldOwned<f32> = LightField::filled(size, 3, Layout::ElementalGrid, 0.0).unwrap();
-    for truth in [HciTruth::Central(small.view()), HciTruth::All(colour.as_light_field_ref())] {
+    let color: LightFieldOwned<f32> = LightField::filled(size, 3, Layout::ElementalGrid, 0.0).unwrap();
+    for truth in [HciTruth::Central(small.view()), HciTruth::All(color.as_light_field_ref())] {
         let views = views.as_light_field_ref().into();
         let image = HciImage { views, parameters: &good, disparity_px: HciTruth::None, depth_m: truth };
         assert!(matches!(image.write(folder.path(), Compression::Fast), Err(Error::BadInput { .. })));
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
-    // A file, and nothing at all, instead of a folder.
+    // A file instead of a folder, and a missing folder.
     let file = folder.path().join("file");
     fs::write(&file, b"x").unwrap();
     for path in [file, folder.path().join("none")] {
@@ -336,9 +328,9 @@ fn a_folder_does_not_look_complete_before_it_is() {
     let (folder, views) = small();
     let parameters = folder.path().join("parameters.cfg");
     let good = ParametersCfg::from_rig(&rig(views.shape()));
-    // The same again replaces everything.
+    // Writing again replaces all files.
     write(folder.path(), &views, &good).unwrap();
-    // Something in the way of a view: the older parameters are gone and the new ones never come.
+    // A view cannot be written: the older parameters are removed and the new ones are not written.
     let view = folder.path().join("input_Cam004.png");
     fs::remove_file(&view).unwrap();
     fs::create_dir(&view).unwrap();
@@ -348,7 +340,7 @@ fn a_folder_does_not_look_complete_before_it_is() {
     fs::remove_dir(&view).unwrap();
     write(folder.path(), &views, &good).unwrap();
 
-    // What is left of a larger grid would be taken for a part of this one by other readers: nothing is touched.
+    // Other readers would read leftover views of a larger grid as part of this one: nothing is written.
     let fewer = bytes(shape([2, 2], [4, 5]), 3);
     let error = write(folder.path(), &fewer, &ParametersCfg::from_rig(&rig(fewer.shape()))).unwrap_err();
     assert!(matches!(error, Error::BadInput { .. }), "{error}");
@@ -363,7 +355,7 @@ fn a_folder_that_cannot_be_written_is_an_error() {
     fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o555)).unwrap();
     let refused = write(folder.path(), &views, &ParametersCfg::from_rig(&rig(views.shape())));
     let is_root = fs::write(folder.path().join("probe"), b"x").is_ok();
-    // Reading needs no permission to write, and nothing was lost.
+    // Reading needs no permission to write, and the old files are complete.
     HciFolder::open(folder.path()).unwrap().read(&Limits::default()).unwrap();
     fs::set_permissions(folder.path(), fs::Permissions::from_mode(0o755)).unwrap();
     if is_root {
@@ -373,7 +365,7 @@ fn a_folder_that_cannot_be_written_is_an_error() {
     assert!(matches!(refused, Err(Error::Io { .. })));
 }
 
-/// Reads the folder with none of our code and prints what it finds.
+/// Reads the folder without code of this crate and prints its contents.
 const READER: &str = r#"
 import configparser, os, re, sys
 import numpy as np

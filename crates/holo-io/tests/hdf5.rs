@@ -10,7 +10,7 @@ use std::process::Command;
 
 use common::data;
 use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Rig, SampleKind};
-use holo_io::{Error, FileKind, Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, Limits, recognise, write_hdf5};
+use holo_io::{Error, FileFormat, Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, Limits, detect_format, write_hdf5};
 use ndarray::{Array2, Array3, Array4, Array5, Axis, Slice};
 use proptest::prelude::*;
 
@@ -97,7 +97,7 @@ fn integers_and_the_central_view() {
     assert_eq!(file.read().unwrap(), DynLightField::U16(field.clone()));
     assert!(file.read_view(0, 0).is_ok() && file.read_view(2, 0).is_err());
     assert!(file.read_lens(0, 5).is_err() && file.read_map(Hdf5Map::Depth).is_err());
-    assert_eq!(recognise(&path).unwrap(), FileKind::Hdf5);
+    assert_eq!(detect_format(&path).unwrap(), FileFormat::Hdf5);
     // The same again, and at another time: the same bytes.
     let first = std::fs::read(&path).unwrap();
     std::thread::sleep(std::time::Duration::from_millis(1100));

@@ -1,4 +1,4 @@
-//! Radiance HDR: every code has the value of the closed form, every coding and orientation reads, damage is an error.
+//! Radiance HDR: values of the closed form, all codings and orientations, and errors for damaged files.
 #![cfg(feature = "hdr")]
 
 use holo_core::GridSize;
@@ -24,7 +24,7 @@ fn value(pixel: Pixel) -> [f64; 3] {
     [0, 1, 2].map(|channel| f64::from(pixel[channel]) * scale)
 }
 
-/// One scanline in the new coding; runs of equal bytes where they pay, as long as the format allows.
+/// One scanline in the new coding; runs of equal bytes where they are shorter, as long as the format allows.
 fn new_coding(pixels: &[Pixel]) -> Vec<u8> {
     let mut bytes = vec![2, 2, (pixels.len() >> 8) as u8, pixels.len() as u8];
     for component in 0..4 {
@@ -65,7 +65,7 @@ fn old_coding(pixels: &[Pixel]) -> Vec<u8> {
 
 #[test]
 fn every_code_has_the_value_of_the_closed_form() {
-    // All mantissas along a scanline, a scanline for every exponent; the two other mantissas run differently.
+    // All mantissas along a scanline, a scanline for every exponent; the two other mantissas vary differently.
     let pixel = |row: usize, column: usize| [column as u8, (255 - column) as u8, (column * 7 + row) as u8, row as u8];
     let mut data = Vec::new();
     for row in 0..256 {
@@ -87,12 +87,12 @@ proptest! {
         rows in 1_usize..6, columns in 1_usize..700, coding in 0_usize..3,
         palette in prop::collection::vec(any::<Pixel>(), 1..5), steps in prop::collection::vec(0_usize..5, 1..60),
     ) {
-        // Runs of a few colours, so that both codings have something to gather.
+        // Runs of a few colors, so that both codings have runs.
         let mut at = 0;
         let mut pixels = Vec::new();
         while pixels.len() < rows * columns {
             let step = steps[at % steps.len()];
-            // No marker of either coding: normalised colours have no such small mantissas.
+            // No marker of either coding: normalized colors have no such small mantissas.
             let [r, g, b, e] = palette[at % palette.len()];
             pixels.extend(std::iter::repeat_n([r | 128, g, b, e], 1 << (2 * step)));
             at += 1;
@@ -150,7 +150,7 @@ fn all_orientations_give_the_same_upright_image() {
 }
 
 #[test]
-fn exposure_and_colour_correction_are_divided_out() {
+fn exposure_and_color_correction_are_divided_out() {
     let header =
         "# a comment\nEXPOSURE=2\nrender -vp 0 0 0\n\tEXPOSURE=1000\nEXPOSURE= 4.0\nCOLORCORR= 1 2 4\nVIEW= x=y\n";
     let bytes = file(header, "-Y 1 +X 1", &[128, 128, 128, 132]);
@@ -159,7 +159,7 @@ fn exposure_and_colour_correction_are_divided_out() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("x.hdr"), &bytes).unwrap();
     let info = read_hdr_info(folder.path().join("x.hdr")).unwrap();
-    assert_eq!((info.exposure, info.colour_correction), (8.0, [1.0, 2.0, 4.0]));
+    assert_eq!((info.exposure, info.color_correction), (8.0, [1.0, 2.0, 4.0]));
 }
 
 #[test]
@@ -236,7 +236,7 @@ fn a_file_that_is_cut_anywhere_is_broken() {
 }
 
 #[test]
-fn absurd_sizes_cost_nothing() {
+fn absurd_sizes_take_no_memory() {
     for size in ["-Y 4000000000 +X 4000000000", "+X 4294967295 -Y 4294967295", "-Y 1 +X 4000000000"] {
         let error = decode(&file("", size, &[0; 64])).unwrap_err();
         assert!(matches!(error, Error::TooLarge { .. }), "{error}");
@@ -245,7 +245,7 @@ fn absurd_sizes_cost_nothing() {
     assert!(decode_hdr(&flat, &Limits { max_bytes: 48 }).is_ok());
     let error = decode_hdr(&flat, &Limits { max_bytes: 47 }).unwrap_err();
     assert!(matches!(error, Error::TooLarge { needed: 48, allowed: 47, .. }), "{error}");
-    // An image that lies on its side is in memory twice.
+    // An image of scanlines that are columns is in memory twice.
     let turned = file("", "+X 2 -Y 2", &[0; 16]);
     assert!(matches!(decode_hdr(&turned, &Limits { max_bytes: 95 }), Err(Error::TooLarge { needed: 96, .. })));
 }

@@ -1,8 +1,8 @@
-//! Raw images of 65,536 x 43,000 pixels, written in less than 500 MB of memory. They take minutes and, on the disk of the
-//! temporary folder, gigabytes for as long:
+//! Raw images of 65,536 x 43,000 pixels, written in less than 500 MB of memory. Each test takes minutes, and gigabytes
+//! in the temporary folder:
 //!
-//! `cargo test --release -p holo-io --features hdf5 --test large_images NAME -- --ignored --nocapture`, one NAME at a time:
-//! the peak of memory is one of the process.
+//! `cargo test --release -p holo-io --features hdf5 --test large_images NAME -- --ignored --nocapture`, one NAME at a
+//! time: peak memory is measured for the process.
 #![cfg(all(target_os = "linux", feature = "png", feature = "exr", feature = "mat"))]
 
 use std::time::Instant;
@@ -17,14 +17,14 @@ use ndarray::{Array3, ArrayView3, Axis};
 const SIZE: GridSize = GridSize { rows: 43_000, columns: 65_536 };
 const BAND: usize = 64;
 
-/// The most memory that this process has had so far, in bytes.
+/// Peak memory of this process so far, in bytes.
 fn peak() -> u64 {
     let text = std::fs::read_to_string("/proc/self/status").unwrap();
     let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
     line.split_whitespace().next().unwrap().parse::<u64>().unwrap() * 1024
 }
 
-/// Hands out band after band of something that compresses: slow gradients with edges.
+/// Passes an image to `take` band by band: slow gradients with edges, which compress.
 fn bands<T: Copy + Default>(value: impl Fn(usize, usize, usize) -> T, mut take: impl FnMut(ArrayView3<'_, T>)) {
     let mut band = Array3::from_elem((BAND, SIZE.columns, 3), T::default());
     for first in (0..SIZE.rows).step_by(BAND) {
@@ -81,7 +81,7 @@ fn exr_of_64k_is_written_in_bounded_memory() {
     assert_eq!(read_exr_info(&path).unwrap().size, SIZE);
 }
 
-/// 65,500 x 43,000 pixels: 655 x 430 lenses, 100 x 100 views.
+/// 65,500 x 43,000 pixels: 655 x 430 microlenses, 100 x 100 views.
 #[cfg(feature = "hdf5")]
 fn rig() -> holo_core::Rig {
     holo_core::Rig::builder(holo_core::LightFieldShape::new(GridSize::new(100, 100), GridSize::new(430, 655)).unwrap())
@@ -93,7 +93,7 @@ fn rig() -> holo_core::Rig {
         .unwrap()
 }
 
-/// Hands out lens row after lens row.
+/// Passes a light field to `take` lens row by lens row.
 #[cfg(feature = "hdf5")]
 fn lens_rows<T: Copy + Default>(
     value: impl Fn(usize, usize, usize) -> T,

@@ -1,4 +1,4 @@
-//! One call reads a light field from every kind of folder and file, with its rig, and says what it needs to know.
+//! `read_light_field`: all formats of folders and files, their rigs, and errors that name missing options.
 #![cfg(all(feature = "png", feature = "mat"))]
 
 use std::path::{Path, PathBuf};
@@ -53,12 +53,12 @@ fn read(path: &Path) -> Result<holo_io::LightFieldFile, Error> {
 }
 
 #[test]
-fn a_raw_image_is_read_with_the_parameters_beside_it() {
+fn a_raw_image_is_read_with_its_sidecar_parameters() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_el.png");
     write_raw(&path);
     let Err(Error::MissingOption { option: "views", what, .. }) = read(&path) else { panic!("views are not known") };
-    assert!(what.contains("parameters.cfg does not tell"), "{what}");
+    assert!(what.contains("parameters.cfg does not specify"), "{what}");
 
     parameters().write(folder.path().join(dataset::PARAMETERS_CFG)).unwrap();
     let file = read(&path).unwrap();
@@ -67,7 +67,7 @@ fn a_raw_image_is_read_with_the_parameters_beside_it() {
     assert_eq!((file.format, file.color_encoding), (LightFieldFormat::RawImage, ColorEncoding::Srgb));
     assert_eq!(file.disparity_range_px, Some((-1.5, 2.5)));
     assert!(file.warnings.is_empty());
-    // Given views that are those of the parameters leave the rig, others take it away.
+    // Views of the options that are those of the parameters keep the rig, others remove it.
     let given = |views| read_light_field(&path, &ReadOptions::default().views(views));
     assert_eq!(given(GridSize::new(3, 4)).unwrap().rig, Some(rig()));
     let other = given(GridSize::new(5, 2)).unwrap();
@@ -77,7 +77,7 @@ fn a_raw_image_is_read_with_the_parameters_beside_it() {
 }
 
 #[test]
-fn a_raw_image_needs_a_layout_and_parameters_that_fit() {
+fn a_raw_image_needs_a_layout_and_matching_parameters() {
     let folder = tempfile::tempdir().unwrap();
     parameters().write(folder.path().join(dataset::PARAMETERS_CFG)).unwrap();
     let path = folder.path().join("image.png");
@@ -115,7 +115,7 @@ fn a_folder_of_images_is_read_in_natural_order() {
     write_views(folder.path(), |index| format!("image_{index}.png"));
     std::fs::write(folder.path().join("notes.txt"), "x").unwrap();
     let error = read(folder.path()).unwrap_err();
-    assert!(error.to_string().contains("how many views are its 12 images?"), "{error}");
+    assert!(error.to_string().contains("it does not specify the grid of its 12 views"), "{error}");
     let options = ReadOptions::default().views(GridSize::new(3, 4));
     let file = read_light_field(folder.path(), &options).unwrap();
     assert_eq!(file.light_field, light_field().into());
@@ -166,7 +166,7 @@ fn hci_and_gantry_folders_are_recognized() {
 }
 
 #[test]
-fn a_dataset_folder_gives_the_manifests_rig_and_its_maps() {
+fn a_dataset_folder_has_the_rig_of_its_manifest_and_its_maps() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path();
     write_raw(&path.join(dataset::ELEMENTAL_PNG));
@@ -190,7 +190,7 @@ fn a_dataset_folder_gives_the_manifests_rig_and_its_maps() {
 }
 
 #[test]
-fn a_mat_file_has_its_rig_or_that_of_the_parameters_beside_it() {
+fn a_mat_file_has_its_rig_or_that_of_its_sidecar_parameters() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.mat");
     for order in [MatOrder::Lenses, MatOrder::LightFieldToolbox] {
@@ -228,7 +228,7 @@ fn an_hdf5_file_has_its_rig() {
 }
 
 #[test]
-fn what_is_no_light_field_is_named() {
+fn other_files_and_folders_are_named() {
     let folder = tempfile::tempdir().unwrap();
     assert!(matches!(read(folder.path()), Err(Error::NoLightField { .. })));
     let text = folder.path().join("notes.txt");
@@ -237,7 +237,7 @@ fn what_is_no_light_field_is_named() {
     assert!(matches!(read(&folder.path().join("missing.png")), Err(Error::Io { .. })));
     assert_eq!(read_rig(&text, &Limits::default()).unwrap(), None);
     assert_eq!(read_rig(folder.path(), &Limits::default()).unwrap(), None);
-    // A budget is for the samples of all views.
+    // The limit is for the samples of all views.
     write_views(folder.path(), |index| format!("{index}.png"));
     let options = ReadOptions::default().views(GridSize::new(3, 4)).limits(Limits { max_bytes: 1000 });
     assert!(matches!(read_light_field(folder.path(), &options), Err(Error::TooLarge { .. })));

@@ -1,10 +1,10 @@
-//! The manifest: equal inputs give equal bytes, everything reads back, and a changed folder is noticed.
+//! The manifest: equal bytes for equal inputs, exact round trips, and detection of changed files.
 
 use std::collections::BTreeMap;
 use std::fs;
 
 use holo_core::{GridSize, LightFieldShape, Rig};
-use holo_io::{Error, FileDigest, Manifest, MismatchKind, Setting, Sha256, write_file};
+use holo_io::{Error, FileDigest, Manifest, ManifestValue, MismatchKind, Sha256, write_file};
 use proptest::prelude::*;
 
 fn rig() -> Rig {
@@ -31,7 +31,7 @@ fn example() -> Manifest {
     manifest.settings.insert("spp".into(), 16_u32.into());
     manifest.settings.insert("sky".into(), vec![0.2, 0.24, 0.32].into());
     manifest.settings.insert("sensor".into(), GridSize::new(5304, 7952).into());
-    manifest.settings.insert("camera".into(), Setting::None);
+    manifest.settings.insert("camera".into(), ManifestValue::None);
     manifest.settings.insert("focus_m".into(), f64::INFINITY.into());
     let written = FileDigest { bytes: 3, sha256: Sha256([0xab; 32]) };
     manifest.files.insert("scene_el.png".into(), written);
@@ -114,12 +114,12 @@ fn a_rig_of_no_views_is_an_error_of_the_file() {
 }
 
 #[test]
-fn the_least_manifest_is_its_format() {
+fn the_minimal_manifest_is_its_format() {
     assert_eq!(Manifest::from_json(r#"{"format":"holo manifest 1","unknown":[1]}"#).unwrap(), Manifest::default());
 }
 
 #[test]
-fn other_versions_are_told_from_damage() {
+fn other_versions_are_distinguished_from_damage() {
     let error = Manifest::from_json(r#"{"format":"holo manifest 2","files":7}"#).unwrap_err();
     assert!(matches!(error, Error::Unsupported { .. }), "{error}");
     for text in
@@ -156,7 +156,7 @@ fn names_outside_the_folder_are_refused() {
 }
 
 #[test]
-fn a_changed_folder_is_noticed() {
+fn changed_files_are_detected() {
     let folder = tempfile::tempdir().unwrap();
     let mut manifest = Manifest::default();
     fs::create_dir(folder.path().join("hci")).unwrap();
@@ -191,22 +191,22 @@ fn files_too_long_to_be_a_manifest_are_not_read() {
     assert!(matches!(Manifest::read(folder.path().join("none")), Err(Error::Io { .. })));
 }
 
-fn setting() -> impl Strategy<Value = Setting> {
+fn value() -> impl Strategy<Value = ManifestValue> {
     let leaf = prop_oneof![
-        Just(Setting::None),
-        any::<bool>().prop_map(Setting::Bool),
-        any::<i64>().prop_map(Setting::Integer),
+        Just(ManifestValue::None),
+        any::<bool>().prop_map(ManifestValue::Bool),
+        any::<i64>().prop_map(ManifestValue::Integer),
         any::<u64>()
             .prop_filter("NaN is not equal to itself", |bits| !f64::from_bits(*bits).is_nan())
-            .prop_map(|bits| Setting::Float(f64::from_bits(bits))),
+            .prop_map(|bits| ManifestValue::Float(f64::from_bits(bits))),
         "[^\u{0}]{0,12}"
             .prop_filter("reads as a number", |text| !["inf", "-inf", "nan"].contains(&text.as_str()))
-            .prop_map(Setting::Text),
+            .prop_map(ManifestValue::Text),
     ];
     leaf.prop_recursive(4, 24, 5, |inner| {
         prop_oneof![
-            prop::collection::vec(inner.clone(), 0..5).prop_map(Setting::List),
-            prop::collection::btree_map(".{0,6}", inner, 0..5).prop_map(Setting::Table),
+            prop::collection::vec(inner.clone(), 0..5).prop_map(ManifestValue::List),
+            prop::collection::btree_map(".{0,6}", inner, 0..5).prop_map(ManifestValue::Table),
         ]
     })
 }
@@ -214,7 +214,7 @@ fn setting() -> impl Strategy<Value = Setting> {
 proptest! {
     #[test]
     fn every_manifest_reads_back(
-        seed: u64, settings in prop::collection::btree_map(".{0,8}", setting(), 0..6),
+        seed: u64, settings in prop::collection::btree_map(".{0,8}", value(), 0..6),
         numbers in prop::array::uniform4(any::<f64>().prop_filter("NaN is not equal to itself", |n| !n.is_nan())),
         bytes: u64, digest: [u8; 32], views in (1_usize..9, 1_usize..1_000_000), focal_length_m in 1e-6_f64..1e3,
     ) {

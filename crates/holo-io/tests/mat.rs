@@ -1,14 +1,18 @@
-//! MAT files of level 5: what is written comes back bit for bit, whatever its shape, strides and type.
+//! MAT files of version 5: exact round trips for any shape, strides and type.
 #![cfg(feature = "mat")]
 
-use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Projection, Rig};
+#[path = "common/rig.rs"]
+mod rigs;
+
+use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Projection};
 use holo_io::{
-    Error, FileKind, Limits, MatArray, MatClass, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, decode_mat,
-    encode_mat, read_mat, read_mat_info, read_mat_light_field, read_mat_variable, recognise, write_mat,
+    Error, FileFormat, Limits, MatArray, MatClass, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, decode_mat,
+    detect_format, encode_mat, read_mat, read_mat_info, read_mat_light_field, read_mat_variable, write_mat,
     write_mat_light_field,
 };
 use ndarray::{Array5, ArrayD, Axis, IxDyn, ShapeBuilder, Slice};
 use proptest::prelude::*;
+use rigs::unequal_baselines as rig;
 
 const PLAIN: MatOptions = MatOptions { version: MatVersion::V5, is_compressed: false };
 const COMPRESSED: MatOptions = MatOptions { version: MatVersion::V5, is_compressed: true };
@@ -24,7 +28,7 @@ fn round_trip(value: MatValue<'_>, options: &MatOptions) -> MatArray {
     read.remove(0).1
 }
 
-/// The shape that MATLAB shows.
+/// The array in the shape of MATLAB.
 fn matlab<T: Clone>(array: &ArrayD<T>) -> ArrayD<T> {
     let mut array = array.clone();
     while array.ndim() < 2 {
@@ -59,7 +63,7 @@ fn every_type_keeps_every_bit() {
         F32 f32: f32::NEG_INFINITY, -0.0, f32::MIN_POSITIVE / 2.0, 1.5, f32::MAX;
         F64 f64: f64::INFINITY, -0.0, f64::MIN_POSITIVE / 2.0, 0.1, f64::MAX;
     }
-    // A signalling NaN and one with a payload stay as they are.
+    // A signaling NaN and one with a payload keep their bits.
     let nan = ArrayD::from_shape_vec(IxDyn(&[1, 2]), vec![f32::from_bits(0x7f80_0001), f32::from_bits(0xffc1_2345)]);
     let MatArray::F32(back) = round_trip(MatValue::F32(nan.unwrap().view()), &PLAIN) else { panic!("single") };
     assert!(back.iter().map(|value| value.to_bits()).eq([0x7f80_0001, 0xffc1_2345]));
@@ -67,7 +71,7 @@ fn every_type_keeps_every_bit() {
 
 #[test]
 fn text_of_all_kinds() {
-    for text in ["", "x", "metres", "Größe µm 光场", "\u{1f4f7}\n\0tab\t"] {
+    for text in ["", "x", "meters", "Größe µm 光场", "\u{1f4f7}\n\0tab\t"] {
         for options in [PLAIN, COMPRESSED] {
             assert_eq!(round_trip(MatValue::Text(text), &options), MatArray::Text(text.to_owned()), "{text:?}");
         }
@@ -112,7 +116,7 @@ proptest! {
     }
 
     #[test]
-    fn light_fields_get_their_axes_back(
+    fn light_fields_keep_five_axes(
         shape in prop::array::uniform5(1_usize..5),
         views_first in any::<bool>(),
         compressed in any::<bool>(),
@@ -155,19 +159,8 @@ proptest! {
     }
 }
 
-fn rig(split: LightFieldShape) -> Rig {
-    Rig::builder(split)
-        .focal_length_m(0.0351)
-        .sensor_size_m(0.036)
-        .baseline_x_m(1e-4)
-        .baseline_y_m(2e-4)
-        .focus_distance_m(f64::INFINITY)
-        .build()
-        .unwrap()
-}
-
 #[test]
-fn the_rig_comes_back() {
+fn the_rig_reads_back() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.mat");
     let split = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
@@ -194,7 +187,7 @@ fn the_rig_comes_back() {
         "projection",
     ];
     assert_eq!(names, expected);
-    assert_eq!(recognise(&path).unwrap(), FileKind::Mat5);
+    assert_eq!(detect_format(&path).unwrap(), FileFormat::Mat5);
 }
 
 #[test]
@@ -240,7 +233,7 @@ fn what_cannot_be_written_is_refused() {
     }
     assert!(encode_mat(&[variable(&long[1..], value()), variable("a", value())], &PLAIN).is_ok());
     assert!(encode_mat(&[variable("a", value()), variable("a", value())], &PLAIN).is_err());
-    // Too large for level 5, and no memory taken: one number that repeats itself.
+    // Too large for version 5, without memory: one number with strides of 0.
     let huge = ndarray::aview0(&1_u8);
     let huge = huge.broadcast(IxDyn(&[1 << 16, 1 << 15])).unwrap();
     let error = encode_mat(&[variable("H", MatValue::U8(huge.view()))], &PLAIN).unwrap_err();
@@ -268,7 +261,7 @@ fn the_budget_is_for_all_variables_together() {
         assert!(matches!(read(799), Err(Error::TooLarge { needed: 400, .. })));
         assert!(read_mat_variable(&path, "b", &Limits { max_bytes: 400 }).is_ok());
         assert!(read_mat_variable(&path, "c", &Limits::default()).unwrap_err().to_string().contains("a, b"));
-        // Only to be listed, nothing needs memory.
+        // Listing variables needs no memory for them.
         let infos = read_mat_info(&path).unwrap();
         assert_eq!(
             (infos[1].name.as_str(), infos[1].class, infos[1].size.as_slice()),

@@ -1,5 +1,5 @@
-//! What the crate `matfile` does with whole files, and why it sees none: each of these was true of 0.5.0. Where a later
-//! version mends one, its test fails, and the detour in `mat/v5/numbers.rs` can be shortened.
+//! Errors of the crate `matfile` 0.5.0 with whole files, the reason why it decodes only numbers here. A test that fails
+//! with a later version means that the error is fixed there, and that `mat/v5/numbers.rs` may become simpler.
 #![cfg(feature = "mat")]
 
 use holo_io::{Limits, MatArray, MatOptions, MatValue, MatVariable, decode_mat, encode_mat};
@@ -10,10 +10,10 @@ fn file(value: MatValue<'_>) -> Vec<u8> {
     encode_mat(&[MatVariable { name: "numbers", value }], &MatOptions::default()).unwrap()
 }
 
-/// Where the dimensions of the only variable stand: behind header, matrix tag, flags, and their own tag.
+/// Offset of the dimensions of the only variable: after header, matrix tag, flags, and their own tag.
 const DIMENSIONS: usize = 128 + 8 + 16 + 8;
 
-/// `matfile` may panic, which is one of the points.
+/// Parses with `matfile`, which may panic.
 fn parse(bytes: &[u8]) -> std::thread::Result<Result<MatFile, matfile::Error>> {
     let hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(|_| {}));
@@ -31,7 +31,7 @@ fn numbers_are_right() {
 }
 
 #[test]
-fn int32_is_refused_and_read_all_the_same() {
+fn int32_is_refused_by_matfile_and_read_by_this_crate() {
     let array = ArrayD::from_shape_vec(vec![1, 3], vec![i32::MIN, -1, 70_000]).unwrap();
     let bytes = file(MatValue::I32(array.view()));
     assert!(parse(&bytes).unwrap().is_err());
@@ -39,31 +39,31 @@ fn int32_is_refused_and_read_all_the_same() {
 }
 
 #[test]
-fn cut_files_are_taken_for_whole() {
+fn truncated_files_are_accepted_by_matfile() {
     let array = ArrayD::<u8>::ones(vec![100, 100]);
     let bytes = file(MatValue::U8(array.view()));
     let cut = &bytes[..bytes.len() / 2];
     assert_eq!(parse(cut).unwrap().unwrap().arrays().len(), 0);
-    assert!(decode_mat(cut, &Limits::default()).unwrap_err().to_string().contains("cut off"));
+    assert!(decode_mat(cut, &Limits::default()).unwrap_err().to_string().contains("truncated"));
 }
 
 #[test]
 fn dimensions_are_multiplied_without_a_check() {
     let array = ArrayD::<u8>::ones(vec![4, 4]);
     let mut bytes = file(MatValue::U8(array.view()));
-    // 65537 * 65536 is 65536 in 32 bits: with checks a panic, without them a wrong product.
+    // 65537 * 65536 is 65536 in 32 bits: a panic with overflow checks, a wrong product without.
     bytes[DIMENSIONS..DIMENSIONS + 8].copy_from_slice(&[65_537_i32, 65_536].map(i32::to_le_bytes).concat());
     let outcome = parse(&bytes);
     assert_eq!(outcome.is_err(), cfg!(debug_assertions) && overflow_checks_of_dependencies(), "{outcome:?}");
     assert!(decode_mat(&bytes, &Limits::default()).is_err());
-    // Two negative ones make a positive product.
+    // Two negative dimensions have a positive product.
     let mut bytes = file(MatValue::U8(array.view()));
     bytes[DIMENSIONS..DIMENSIONS + 8].copy_from_slice(&[-4_i32, -4].map(i32::to_le_bytes).concat());
     assert_eq!(parse(&bytes).unwrap().unwrap().arrays()[0].size()[0], usize::MAX - 3);
     assert!(decode_mat(&bytes, &Limits::default()).unwrap_err().to_string().contains("dimension of -4"));
 }
 
-/// Dependencies are built with the checks of the profile, which are those of this test.
+/// Whether the profile, which is the same for dependencies, has overflow checks.
 fn overflow_checks_of_dependencies() -> bool {
     let hook = std::panic::take_hook();
     std::panic::set_hook(Box::new(|_| {}));
@@ -73,8 +73,8 @@ fn overflow_checks_of_dependencies() -> bool {
 }
 
 #[test]
-fn text_is_passed_over() {
-    let bytes = file(MatValue::Text("metres"));
+fn text_is_ignored_by_matfile() {
+    let bytes = file(MatValue::Text("meters"));
     assert_eq!(parse(&bytes).unwrap().unwrap().arrays().len(), 0);
-    assert_eq!(decode_mat(&bytes, &Limits::default()).unwrap()[0].1, MatArray::Text("metres".into()));
+    assert_eq!(decode_mat(&bytes, &Limits::default()).unwrap()[0].1, MatArray::Text("meters".into()));
 }

@@ -1,4 +1,4 @@
-//! MAT files that are cut off or damaged: errors, and never a panic that anybody hears. Alone in its process, because it
+//! Truncated and damaged MAT files: errors, and no panic outside the panic guard. Alone in its process, because it
 //! sets the panic hook.
 #![cfg(feature = "mat")]
 
@@ -12,11 +12,11 @@ use holo_io::{Error, Limits, MatOptions, MatValue, MatVariable, decode_mat, enco
 use ndarray::ArrayD;
 
 #[test]
-fn cut_and_mutated_files_are_errors_and_never_panics() {
+fn truncated_and_mutated_files_are_errors_and_never_panics() {
     static PANICS: AtomicUsize = AtomicUsize::new(0);
     const LIMITS: Limits = Limits { max_bytes: 1 << 20 };
     std::panic::set_hook(Box::new(|_| {
-        // Not even under a guard: the decoder sees nothing that was not checked.
+        // Not even inside the guard: everything is checked before the decoder reads it.
         PANICS.fetch_add(1, Ordering::Relaxed);
     }));
     let mut files = Vec::new();
@@ -33,14 +33,14 @@ fn cut_and_mutated_files_are_errors_and_never_panics() {
         files.push(("ours", encode_mat(&variables, &options).unwrap()));
     }
     for (name, whole) in &files {
-        // A cut between two variables leaves a sound file with less in it: the format has no end.
+        // Truncated between two variables, the file is valid with fewer variables: the format has no end mark.
         let count = |bytes: &[u8]| decode_mat(bytes, &LIMITS).map(|variables| variables.len());
         let all = count(whole).unwrap_or(usize::MAX);
         for end in 0..whole.len() {
             match count(&whole[..end]) {
-                Ok(fewer) => assert!(fewer < all, "{name} cut at {end}"),
+                Ok(fewer) => assert!(fewer < all, "{name} truncated at {end}"),
                 Err(Error::Broken { .. } | Error::Unsupported { .. }) => {}
-                Err(error) => panic!("{name} cut at {end}: {error}"),
+                Err(error) => panic!("{name} truncated at {end}: {error}"),
             }
         }
         let mut state = 1_u64;
@@ -58,7 +58,7 @@ fn cut_and_mutated_files_are_errors_and_never_panics() {
 }
 
 #[test]
-fn a_small_file_that_stands_for_gigabytes_is_refused_by_its_announcement() {
+fn a_small_file_that_announces_gigabytes_is_refused() {
     // Zeros compress a thousandfold: 64 MB in 64 KB. One MiB is allowed.
     let zeros = ArrayD::<u8>::zeros(vec![8000, 8000]);
     let options = MatOptions { is_compressed: true, ..MatOptions::default() };

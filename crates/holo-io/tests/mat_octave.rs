@@ -1,4 +1,4 @@
-//! GNU Octave reads our `.mat` files as MATLAB would, and we read Octave's.
+//! `.mat` files exchanged with GNU Octave in both directions.
 //!
 //! Needs `octave-cli`; without it the test says so and passes, or fails with `HOLO_REQUIRE_PEERS=1`.
 #![cfg(feature = "mat")]
@@ -19,7 +19,7 @@ fn value((v, u, t, s, c): (usize, usize, usize, usize, usize)) -> u8 {
     ((v * 97 + u * 31 + t * 11 + s * 5 + c * 3) % 256) as u8
 }
 
-/// What `load` gives, in words; then the same numbers in Octave's own files. Indices of MATLAB count from 1.
+/// Prints what `load` returns, and saves the same numbers. Indices of MATLAB count from 1.
 const SCRIPT: &str = r#"
 args = argv();
 load(args{1});
@@ -48,7 +48,7 @@ fn rig() -> Rig {
         .unwrap()
 }
 
-/// Writes, lets Octave read and write, and returns what it wrote at levels 6 and 7.
+/// Writes a light field, lets Octave read and write it, and returns what it wrote with `-v6` and `-v7`.
 fn through_octave<T: Sample>(class: &str, convert: fn(u8) -> T, is_compressed: bool) -> [DynLightField; 2] {
     let folder = tempfile::tempdir().unwrap();
     let names = ["ours.mat", "v6.mat", "v7.mat"].map(|name| folder.path().join(name));

@@ -1,12 +1,14 @@
-//! MAT files of level 5 between this crate and SciPy: theirs read by us, ours read by them.
+//! MAT files of version 5, exchanged with SciPy in both directions.
 #![cfg(feature = "mat")]
 
 mod common;
 #[path = "common/python.rs"]
 mod python;
+#[path = "common/rig.rs"]
+mod rigs;
 
 use common::data;
-use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Rig};
+use holo_core::{DynLightField, GridSize, LightField, LightFieldShape};
 use holo_io::{
     Error, Limits, MatArray, MatClass, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, read_mat,
     read_mat_info, read_mat_light_field, read_mat_variable, write_mat, write_mat_light_field,
@@ -49,7 +51,7 @@ fn files_of_scipy_read_bit_for_bit() {
 }
 
 #[test]
-fn what_is_not_read_is_listed_and_refused_by_name() {
+fn classes_that_are_not_read_are_listed_and_named() {
     let path = data("scipy_classes.mat");
     let read = read_mat_light_field(&path, &Limits::default()).unwrap();
     let expected = Array5::from_shape_fn(SHAPE, |at| value(at) as u16);
@@ -71,7 +73,7 @@ fn what_is_not_read_is_listed_and_refused_by_name() {
     assert!(read_mat(&path, &Limits::default()).is_err());
 }
 
-/// A file made by hand: the other byte order, and doubles stored as `int8`.
+/// A handmade file: big-endian, and doubles stored as `int8`.
 #[test]
 fn other_byte_order_and_other_storage() {
     let read = read_mat(data("hand_big_endian.mat"), &Limits::default()).unwrap();
@@ -80,7 +82,7 @@ fn other_byte_order_and_other_storage() {
 }
 
 #[test]
-fn scipy_reads_ours() {
+fn scipy_reads_files_of_this_crate() {
     const SCRIPT: &str = r#"
 import numpy as np
 file = scipy.io.loadmat(sys.argv[1])
@@ -101,14 +103,7 @@ print("fine")
 "#;
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.mat");
-    let rig = Rig::builder(LightFieldShape::new(GridSize::new(2, 5), GridSize::new(4, 3)).unwrap())
-        .focal_length_m(0.0351)
-        .sensor_size_m(0.036)
-        .baseline_x_m(1e-4)
-        .baseline_y_m(2e-4)
-        .focus_distance_m(f64::INFINITY)
-        .build()
-        .unwrap();
+    let rig = rigs::unequal_baselines(LightFieldShape::new(GridSize::new(2, 5), GridSize::new(4, 3)).unwrap());
     for is_compressed in [false, true] {
         let options = MatOptions { version: MatVersion::V5, is_compressed };
         for (order, name) in [(MatOrder::Lenses, "H"), (MatOrder::LightFieldToolbox, "LF")] {

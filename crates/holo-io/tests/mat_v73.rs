@@ -1,4 +1,4 @@
-//! MAT files of level 7.3: the same variables as in level 5, for MATLAB's own reader and for h5py.
+//! MAT files of version 7.3: the same variables as in version 5, and the structure that MATLAB and h5py read.
 #![cfg(all(feature = "hdf5", feature = "mat"))]
 
 #[path = "common/python.rs"]
@@ -6,8 +6,8 @@ mod python;
 
 use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Projection, Rig};
 use holo_io::{
-    FileKind, Limits, MatArray, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, MatWriter, read_mat,
-    read_mat_info, read_mat_light_field, recognise, write_mat, write_mat_light_field,
+    FileFormat, Limits, MatArray, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, MatWriter, detect_format,
+    read_mat, read_mat_info, read_mat_light_field, write_mat, write_mat_light_field,
 };
 use ndarray::{Array5, ArrayD, Axis, Slice};
 use proptest::prelude::*;
@@ -17,16 +17,27 @@ const OPTIONS: [MatOptions; 2] = [
     MatOptions { version: MatVersion::V73, is_compressed: true },
 ];
 
+fn rig(shape: LightFieldShape) -> Rig {
+    Rig::builder(shape)
+        .focal_length_m(0.05)
+        .sensor_size_m(0.036)
+        .baseline_m(1e-3)
+        .focus_distance_m(2.0)
+        .build()
+        .unwrap()
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
-    fn light_fields_get_their_axes_back(
+    fn light_fields_keep_five_axes(
         shape in prop::array::uniform5(1_usize..5),
         views_first in any::<bool>(),
         compressed in 0..2_usize,
     ) {
-        let mut samples = Array5::from_shape_fn(shape, |(v, u, t, s, c)| (v * 97 + u * 31 + t * 11 + s * 5 + c * 3) as u16);
+        let value = |(v, u, t, s, c)| (v * 97 + u * 31 + t * 11 + s * 5 + c * 3) as u16;
+        let mut samples = Array5::from_shape_fn(shape, value);
         samples.invert_axis(Axis(2));
         let field = LightField::new(samples).unwrap();
         let order = if views_first { MatOrder::LightFieldToolbox } else { MatOrder::Lenses };
@@ -38,14 +49,14 @@ proptest! {
     }
 
     #[test]
-    fn rows_one_after_another_are_the_whole(
+    fn rows_in_groups_of_any_size_make_the_light_field(
         shape in (1_usize..11, 1_usize..22, 1_usize..4, 1_usize..13, 1_usize..4),
         steps in prop::collection::vec(1_usize..7, 11),
         is_compressed in any::<bool>(),
     ) {
         let samples = Array5::from_shape_fn(shape, |(v, u, t, s, c)| (v * 97 + u * 31 + t * 11 + s * 5 + c * 3) as u16);
         let split = LightFieldShape::new(GridSize::new(shape.2, shape.3), GridSize::new(shape.0, shape.1)).unwrap();
-        let rig = Rig::builder(split).focal_length_m(0.05).sensor_size_m(0.036).baseline_m(1e-3).focus_distance_m(2.0).projection(Projection::Orthographic).build().unwrap();
+        let rig = rig(split).to_builder().projection(Projection::Orthographic).build().unwrap();
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene_5d.mat");
         let mut writer = MatWriter::create(&path, &rig, shape.4, is_compressed).unwrap();
@@ -64,16 +75,10 @@ proptest! {
 }
 
 #[test]
-fn rows_that_are_missing_or_do_not_fit_leave_no_file() {
+fn missing_or_wrong_rows_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_5d.mat");
-    let rig = Rig::builder(LightFieldShape::new(GridSize::new(2, 2), GridSize::new(3, 3)).unwrap())
-        .focal_length_m(0.05)
-        .sensor_size_m(0.036)
-        .baseline_m(1e-3)
-        .focus_distance_m(2.0)
-        .build()
-        .unwrap();
+    let rig = rig(LightFieldShape::new(GridSize::new(2, 2), GridSize::new(3, 3)).unwrap());
     let mut writer = MatWriter::<u8>::create(&path, &rig, 3, true).unwrap();
     let error = writer.write_lens_rows(Array5::zeros((1, 4, 2, 2, 3)).view()).unwrap_err();
     assert!(error.to_string().contains("do not fit"), "{error}");
@@ -85,7 +90,7 @@ fn rows_that_are_missing_or_do_not_fit_leave_no_file() {
 }
 
 #[test]
-fn both_levels_hold_the_same() {
+fn both_versions_have_the_same_variables() {
     let folder = tempfile::tempdir().unwrap();
     let cube = ArrayD::from_shape_fn(vec![70, 200, 90], |at| (at[0] as f32).sin() + at[1] as f32 - at[2] as f32);
     let signed = ArrayD::from_shape_fn(vec![3, 1, 4], |at| at[0] as i32 - 70_000 * at[2] as i32);
@@ -105,7 +110,7 @@ fn both_levels_hold_the_same() {
         let path = folder.path().join("seven.mat");
         let written = write_mat(&path, &variables, &options).unwrap();
         assert_eq!(written, holo_io::hash_file(&path).unwrap());
-        assert_eq!(recognise(&path).unwrap(), FileKind::Mat73);
+        assert_eq!(detect_format(&path).unwrap(), FileFormat::Mat73);
         assert_eq!(read_mat(&path, &Limits::default()).unwrap(), read_mat(&five, &Limits::default()).unwrap());
         assert_eq!(read_mat_info(&path).unwrap(), read_mat_info(&five).unwrap());
         let bytes = std::fs::read(&path).unwrap();
@@ -119,7 +124,7 @@ fn both_levels_hold_the_same() {
 }
 
 #[test]
-fn h5py_finds_what_matlab_writes() {
+fn h5py_finds_the_structure_of_matlab() {
     const SCRIPT: &str = r#"
 import numpy as np
 file = h5py.File(sys.argv[1])
@@ -150,9 +155,9 @@ print("fine")
     }
 }
 
-/// Two readers of level 7.3 besides MATLAB's: one for every class, one for numbers.
+/// Two other readers of version 7.3: one for every class, one for numbers.
 #[test]
-fn hdf5storage_and_mat73_read_ours() {
+fn hdf5storage_and_mat73_read_files_of_this_crate() {
     const SCRIPT: &str = r#"
 import numpy as np
 v, u, t, s, c = np.ogrid[:4, :3, :2, :5, :3]

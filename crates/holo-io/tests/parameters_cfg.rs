@@ -1,4 +1,7 @@
-//! `parameters.cfg`: the keys of the HCI tools, byte for byte, and tolerance towards what other programs write.
+//! `parameters.cfg`: the text of the HCI tools, byte for byte, and files of other programs.
+
+#[path = "common/rig.rs"]
+mod rigs;
 
 use std::fs;
 
@@ -8,13 +11,7 @@ use proptest::prelude::*;
 
 /// The rig of the HCI scene `cotton`.
 fn cotton() -> Rig {
-    Rig::builder(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(512, 512)).unwrap())
-        .focal_length_m(0.1)
-        .sensor_size_m(0.035)
-        .baseline_m(0.025)
-        .focus_distance_m(4.25)
-        .build()
-        .unwrap()
+    rigs::cotton(LightFieldShape::new(GridSize::new(9, 9), GridSize::new(512, 512)).unwrap())
 }
 
 fn full() -> ParametersCfg {
@@ -37,7 +34,7 @@ fn full() -> ParametersCfg {
 #[test]
 fn the_text_is_that_of_the_hci_tools() {
     let mut parameters = full();
-    // 0.1 * ... in binary; the published file of the scene says 8.605 too.
+    // 0.1 * ... in binary; the published file of the scene has 8.605 too.
     assert!((parameters.offset.unwrap() - 8.605).abs() < 5e-4);
     parameters.offset = Some(8.605);
     let expected = "\
@@ -94,7 +91,7 @@ fn infinity_is_zero_in_the_file() {
 }
 
 #[test]
-fn what_the_hci_tools_have_no_key_for_is_added_only_where_it_matters() {
+fn keys_that_extend_the_hci_format_are_added_only_where_needed() {
     let text = full().to_text().unwrap();
     assert!(!text.contains("baseline_y_mm") && !text.contains("projection"));
     let rig = cotton().to_builder().baseline_y_m(0.5).projection(Projection::Orthographic).build().unwrap();
@@ -130,13 +127,13 @@ fn only_the_numbers_of_the_rig_are_needed() {
         assert!(error.to_string().ends_with(&format!("has no {key}")), "{error}");
     }
     for end in 0..LEAST.len() {
-        // Never a panic; the last digits of the last number may go without notice.
+        // No panic; a file without the last digits of the last number is valid.
         let _ = ParametersCfg::from_text(&LEAST[..end]);
     }
 }
 
 #[test]
-fn the_habits_of_other_programs_are_read() {
+fn variants_of_other_programs_are_read() {
     let strange = "\u{feff}; a comment
 [extrinsics]
 Num_Cams_X = 3.0
@@ -161,7 +158,7 @@ contact = 100%%
     assert_eq!(read.rig().unwrap(), ParametersCfg::from_text(LEAST).unwrap().rig().unwrap());
     assert_eq!((read.scene.as_str(), read.authors.as_str(), read.contact.as_str()), ("a = b", "one, two", "100%"));
     assert!(read.to_text().unwrap().contains("\ncontact = 100%%\n"));
-    // Latin-1, as older editors leave it.
+    // Latin-1, as of older editors.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("parameters.cfg");
     fs::write(&path, [LEAST.as_bytes(), b"[meta]\nauthors = Sch\xe4fer\n"].concat()).unwrap();
@@ -198,7 +195,7 @@ fn damage_is_named_with_its_line() {
     }
     let error = ParametersCfg::from_text(&format!("key = before\n{LEAST}")).unwrap_err();
     assert!(error.to_string().ends_with("line 1: a key before the first [section]"));
-    // A count of zero is a number; that it makes no image is said when the rig is asked for.
+    // A count of zero is a number; building the rig refuses it.
     let parameters = ParametersCfg::from_text(&LEAST.replace("num_cams_x=3", "num_cams_x=0")).unwrap();
     assert!(matches!(parameters.rig(), Err(Error::Core { .. })));
 }

@@ -1,4 +1,4 @@
-//! What is written is what others read, bit for bit: Pillow or OpenCV for PNG, OpenEXR's own library for EXR.
+//! Other programs read the files of this crate exactly: Pillow or OpenCV for PNG, the OpenEXR library for EXR.
 //!
 //! Needs a Python that has them: `HOLO_PYTHON`, or `python3`. Without one, it says so and passes, or fails with
 //! `HOLO_REQUIRE_PEERS=1`.
@@ -24,7 +24,7 @@ fn other_programs_read_the_same_bits() {
             let deep = Array3::from_shape_simple_fn((37, 23, channels), &mut next);
             let path = folder.path().join(format!("{channels}{kind}16.png"));
             write_png(&path, deep.view(), ColorEncoding::Linear, compression).unwrap();
-            // OpenCV has no grey with alpha: it makes three equal colours of it.
+            // OpenCV has no gray with alpha: it reads three equal channels.
             if channels != 2 {
                 files.push((path, deep.iter().map(|sample| format!("{sample:04x}")).collect::<String>()));
                 let flat = deep.mapv(|sample| sample as u8);
@@ -34,7 +34,7 @@ fn other_programs_read_the_same_bits() {
             }
         }
     }
-    // Whole numbers up to 2047 are exact in half; quarters of them and infinity too.
+    // Integers up to 2047 are exact in half, and so are quarters of them and infinity.
     let halves = Array2::from_shape_simple_fn((70, 31), || f32::from(next() % 2048) / 4.0);
     let mut floats = Array2::from_shape_simple_fn((70, 31), || f32::from_bits(u32::from(next()) << 15 | 7));
     floats[[0, 0]] = f32::INFINITY;

@@ -1,8 +1,8 @@
-//! PFM: what is written reads back bit by bit, and a header is believed only if the data bear it out.
+//! PFM: exact round trips, headers of other programs, and errors for data of another length.
 
 use std::fs;
 
-use holo_io::{Error, Limits, Pfm, decode_pfm, read_pfm, read_pfm_grey, read_pfm_info, write_pfm, write_pfm_colour};
+use holo_io::{Error, Limits, Pfm, decode_pfm, read_pfm, read_pfm_gray, read_pfm_info, write_pfm, write_pfm_rgb};
 use ndarray::{Array2, Array3, Axis, Slice, array};
 use proptest::prelude::*;
 
@@ -43,15 +43,15 @@ proptest! {
         let header = format!("Pf\n{columns} {rows}\n-1\n");
         prop_assert!(bytes.starts_with(header.as_bytes()));
         prop_assert_eq!(bytes.len(), header.len() + rows * columns * 4);
-        let read = read_pfm_grey(&path, &Limits::default()).unwrap();
+        let read = read_pfm_gray(&path, &Limits::default()).unwrap();
         prop_assert_eq!(read.dim(), (rows, columns));
         prop_assert_eq!(bits(read), bits(map.iter().copied()));
 
-        let colour = Array3::from_shape_simple_fn((rows, columns, 3), &mut next);
-        write_pfm_colour(&path, colour.view()).unwrap();
+        let color = Array3::from_shape_simple_fn((rows, columns, 3), &mut next);
+        write_pfm_rgb(&path, color.view()).unwrap();
         let read = read_pfm(&path, &Limits::default()).unwrap();
         prop_assert_eq!(read.values.dim(), (rows, columns, 3));
-        prop_assert_eq!(bits(read.values), bits(colour));
+        prop_assert_eq!(bits(read.values), bits(color));
     }
 }
 
@@ -66,7 +66,7 @@ fn the_file_is_byte_for_byte_what_the_hci_tools_write() {
         expected.extend(value.to_le_bytes());
     }
     assert_eq!(fs::read(&path).unwrap(), expected);
-    write_pfm_colour(&path, Array3::from_elem((1, 1, 3), 1.0).view()).unwrap();
+    write_pfm_rgb(&path, Array3::from_elem((1, 1, 3), 1.0).view()).unwrap();
     assert_eq!(fs::read(&path).unwrap(), [b"PF\n1 1\n-1\n".as_slice(), &1.0_f32.to_le_bytes().repeat(3)].concat());
 }
 
@@ -77,7 +77,7 @@ fn an_image_larger_than_a_block_reads_back() {
     for shape in [(3, 40_000), (40_000, 3), (1, 16_384), (1, 16_385)] {
         let map = Array2::from_shape_fn(shape, |(row, column)| (row * 50_021 + column) as f32);
         write_pfm(&path, map.view()).unwrap();
-        assert_eq!(read_pfm_grey(&path, &Limits::default()).unwrap(), map);
+        assert_eq!(read_pfm_gray(&path, &Limits::default()).unwrap(), map);
     }
 }
 
@@ -98,10 +98,10 @@ fn headers_of_other_programs_are_read() {
         ("Pf\n\t01  2 \n-1\t", &little, 1.0),
     ] {
         let pfm = decode(&[header.as_bytes(), data].concat()).unwrap_or_else(|error| panic!("{header:?}: {error}"));
-        // The file's first row is the bottom one.
+        // The first row in the file is the bottom one.
         assert_eq!(pfm, Pfm { values: array![[[-2.0]], [[1.5]]], scale }, "{header:?}");
     }
-    // A carriage return behind the scale is followed by data, even if these begin like a line feed.
+    // Data follow a carriage return after the scale, even if their first byte is a line feed.
     let odd = f32::from_le_bytes([b'\n', 1, 2, 3]);
     assert_eq!(decode(b"Pf\r1 1\r-1\r\n\x01\x02\x03").unwrap().values, array![[[odd]]]);
 }
@@ -153,12 +153,12 @@ fn the_data_must_have_exactly_the_announced_length() {
         assert_eq!(
             error.to_string(),
             format!(
-                "(memory): broken PFM file: 2 x 2 pixels take 48 bytes behind the header, but there are {}",
+                "(memory): broken PFM file: 2 x 2 pixels need 48 bytes after the header, but there are {}",
                 48 + more
             )
         );
     }
-    // The same holds of a file.
+    // The same with a file.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("map.pfm");
     for length in [whole.len() - 1, whole.len() + 1] {
@@ -170,7 +170,7 @@ fn the_data_must_have_exactly_the_announced_length() {
 }
 
 #[test]
-fn absurd_sizes_cost_nothing() {
+fn absurd_sizes_take_no_memory() {
     for size in [
         "4000000000 4000000000",
         "18446744073709551615 18446744073709551615",
@@ -190,11 +190,11 @@ fn absurd_sizes_cost_nothing() {
 }
 
 #[test]
-fn grey_is_told_from_colour() {
+fn gray_is_distinguished_from_rgb() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("map.pfm");
-    write_pfm_colour(&path, Array3::zeros((2, 5, 3)).view()).unwrap();
-    assert!(matches!(read_pfm_grey(&path, &Limits::default()), Err(Error::Unsupported { .. })));
+    write_pfm_rgb(&path, Array3::zeros((2, 5, 3)).view()).unwrap();
+    assert!(matches!(read_pfm_gray(&path, &Limits::default()), Err(Error::Unsupported { .. })));
     let info = read_pfm_info(&path).unwrap();
     assert_eq!(
         (info.size.rows, info.size.columns, info.channels, info.scale, info.little_endian),
@@ -203,12 +203,12 @@ fn grey_is_told_from_colour() {
 }
 
 #[test]
-fn empty_images_are_refused_and_leave_nothing() {
+fn empty_images_are_refused_and_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("map.pfm");
     assert!(matches!(write_pfm(&path, Array2::zeros((0, 3)).view()), Err(Error::BadInput { .. })));
-    assert!(matches!(write_pfm_colour(&path, Array3::zeros((3, 0, 3)).view()), Err(Error::BadInput { .. })));
-    assert!(matches!(write_pfm_colour(&path, Array3::zeros((3, 3, 1)).view()), Err(Error::BadInput { .. })));
+    assert!(matches!(write_pfm_rgb(&path, Array3::zeros((3, 0, 3)).view()), Err(Error::BadInput { .. })));
+    assert!(matches!(write_pfm_rgb(&path, Array3::zeros((3, 3, 1)).view()), Err(Error::BadInput { .. })));
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
@@ -223,9 +223,9 @@ fn a_pipe_is_read_to_its_end() {
     }
     let map = Array2::from_shape_fn((31, 17), |(row, column)| (row * 17 + column) as f32);
     let (writer_pipe, writer_map) = (pipe.clone(), map.clone());
-    // A pipe is no regular file, so the bytes go straight into it.
+    // A pipe is not a regular file: the bytes are written into it directly.
     let writer = std::thread::spawn(move || write_pfm(writer_pipe, writer_map.view()).unwrap());
-    assert_eq!(read_pfm_grey(&pipe, &Limits::default()).unwrap(), map);
+    assert_eq!(read_pfm_gray(&pipe, &Limits::default()).unwrap(), map);
     assert_eq!(writer.join().unwrap().bytes, 12 + 31 * 17 * 4);
 }
 

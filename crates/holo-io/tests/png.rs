@@ -1,4 +1,4 @@
-//! PNG: what is written reads back, what is damaged is an error, and what cannot be written leaves nothing behind.
+//! PNG: exact round trips, errors for damaged files, and refused images, which leave no file.
 #![cfg(feature = "png")]
 
 use std::fs;
@@ -13,7 +13,7 @@ use proptest::prelude::*;
 
 const BOTH: [Compression; 2] = [Compression::Fast, Compression::Best];
 
-/// Cheap numbers without pattern.
+/// Pseudorandom numbers.
 fn noise(seed: u64) -> impl FnMut() -> u64 {
     let mut state = seed.wrapping_mul(2) + 1;
     move || {
@@ -22,7 +22,7 @@ fn noise(seed: u64) -> impl FnMut() -> u64 {
     }
 }
 
-/// One of the ways in which an image may lie in memory, always of shape `(rows, columns, channels)`.
+/// An image of shape `(rows, columns, channels)` with one of several memory orders.
 fn with_strides<T: Copy + Default>(
     kind: usize,
     (rows, columns, channels): (usize, usize, usize),
@@ -34,7 +34,7 @@ fn with_strides<T: Copy + Default>(
         0 => make((channels, rows, columns)).permuted_axes([1, 2, 0]),
         // Columns first.
         1 => make((columns, rows, channels)).permuted_axes([1, 0, 2]),
-        // Upside down.
+        // Flipped vertically.
         2 => {
             let mut image = make((rows, columns, channels));
             image.invert_axis(Axis(0));
@@ -110,17 +110,17 @@ fn an_image_of_many_bands_reads_back_and_does_not_depend_on_threads() {
 }
 
 #[test]
-fn the_header_says_what_the_samples_are() {
+fn the_header_specifies_the_samples() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
     for compression in BOTH {
         let image = Array3::from_elem((2, 3, 1), 0x1234_u16);
         write_png(&path, image.view(), ColorEncoding::Srgb, compression).unwrap();
         let bytes = fs::read(&path).unwrap();
-        // Width, height, depth, colour type, compression, filter, interlace.
+        // Width, height, depth, color type, compression, filter, interlace.
         assert_eq!(bytes[16..29], [0, 0, 0, 3, 0, 0, 0, 2, 16, 0, 0, 0, 0]);
         assert!(bytes.windows(4).any(|name| name == b"sRGB"));
-        // A decoder that knows nothing of this crate sees the same numbers, most significant byte first.
+        // An independent decoder reads the same numbers, big-endian.
         let mut reader = png::Decoder::new(std::io::Cursor::new(&bytes)).read_info().unwrap();
         let mut raw = vec![0; reader.output_buffer_size().unwrap()];
         reader.next_frame(&mut raw).unwrap();
@@ -148,7 +148,7 @@ fn equal_images_give_equal_bytes_whatever_their_strides() {
 }
 
 #[test]
-fn a_file_cut_anywhere_is_an_error() {
+fn a_file_truncated_anywhere_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
     let mut next = noise(1);
@@ -184,7 +184,7 @@ fn a_changed_byte_is_an_error_or_the_same_image() {
 }
 
 #[test]
-fn the_budget_is_checked_before_memory_is_taken() {
+fn the_limit_is_checked_before_memory_is_allocated() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
     write_png(&path, Array3::<u16>::zeros((10, 10, 3)).view(), ColorEncoding::Linear, Compression::Fast).unwrap();
@@ -192,7 +192,7 @@ fn the_budget_is_checked_before_memory_is_taken() {
     let error = read_png(&path, &Limits { max_bytes: 599 }).unwrap_err();
     assert!(matches!(error, Error::TooLarge { needed: 600, allowed: 599, .. }), "{error}");
 
-    // The same file with a header that announces 2^31 - 1 pixels a side, its checksum made right.
+    // The same file with a header that announces 2^31 - 1 pixels a side, with a correct checksum.
     let mut bytes = fs::read(&path).unwrap();
     bytes[16..24].copy_from_slice(&[0x7f, 0xff, 0xff, 0xff, 0x7f, 0xff, 0xff, 0xff]);
     let checksum = crc32(&bytes[12..29]);
@@ -235,8 +235,8 @@ fn handmade(header: [u8; 13], before: &[(&[u8; 4], &[u8])], rows: &[u8]) -> Vec<
     file
 }
 
-fn header(columns: u8, rows: u8, depth: u8, colour: u8, interlaced: bool) -> [u8; 13] {
-    [0, 0, 0, columns, 0, 0, 0, rows, depth, colour, 0, 0, u8::from(interlaced)]
+fn header(columns: u8, rows: u8, depth: u8, color: u8, interlaced: bool) -> [u8; 13] {
+    [0, 0, 0, columns, 0, 0, 0, rows, depth, color, 0, 0, u8::from(interlaced)]
 }
 
 #[test]
@@ -255,7 +255,7 @@ fn palettes_and_small_depths_are_expanded() {
     let samples = read(bytes);
     assert_eq!(samples.dim(), (1, 4, 4));
     assert_eq!(samples.slice(s![0, .., 3]).to_vec(), [0, 255, 255, 255]);
-    // Grey of 1, 2 and 4 bits covers the full range.
+    // Gray of 1, 2 and 4 bits covers the full range.
     let samples = read(handmade(header(3, 2, 1, 0, false), &[], &[0, 0b1010_0000, 0, 0b0110_0000]));
     assert_eq!(samples.iter().copied().collect::<Vec<_>>(), [255, 0, 255, 0, 255, 255]);
     let samples = read(handmade(header(4, 1, 2, 0, false), &[], &[0, 0b0001_1011]));
@@ -282,7 +282,7 @@ fn impossible_palettes_are_errors() {
 }
 
 #[test]
-fn interlaced_images_are_put_together() {
+fn interlaced_images_are_decoded() {
     let (rows, columns) = (9, 11);
     let value = |row: usize, column: usize| (row * 16 + column) as u16 * 257 + 1;
     // The seven passes of Adam7: first row, first column, row step, column step.
@@ -322,7 +322,7 @@ fn missing_rows_are_an_error_even_in_a_file_with_its_end() {
 }
 
 #[test]
-fn impossible_images_are_refused_and_leave_nothing() {
+fn invalid_images_are_refused_and_leave_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("image.png");
     for shape in [(0, 3, 3), (3, 0, 3), (3, 3, 0), (3, 3, 5)] {
@@ -332,7 +332,7 @@ fn impossible_images_are_refused_and_leave_nothing() {
             assert!(matches!(error, Error::BadInput { .. }), "{shape:?}: {error}");
         }
     }
-    // A view of one number repeated takes no memory, but as an image it would have too many rows.
+    // A view with strides of 0 takes no memory, but has too many rows.
     let one = Array3::<u8>::zeros((1, 1, 1));
     let tall: ArrayView3<'_, u8> = one.broadcast((1 << 31, 1, 1)).unwrap();
     assert!(matches!(write_png(&path, tall, ColorEncoding::Srgb, Compression::Fast), Err(Error::BadInput { .. })));
@@ -341,7 +341,7 @@ fn impossible_images_are_refused_and_leave_nothing() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_reported_with_its_path_and_the_systems_words() {
+fn a_full_disk_is_reported_with_its_path_and_the_error_of_the_system() {
     for compression in BOTH {
         for image in [Array3::zeros((1, 1, 3)), large_image()] {
             let error = write_png("/dev/full", image.view(), ColorEncoding::Srgb, compression).unwrap_err();
@@ -372,14 +372,14 @@ fn errors_of_the_path_name_the_path() {
 }
 
 #[test]
-fn disparity_becomes_grey_and_nearer_is_brighter() {
+fn disparity_becomes_gray_and_nearer_is_brighter() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene_disparity.png");
     let map = ndarray::array![[-2.0_f32, 0.0, 2.0], [f32::NAN, f32::NEG_INFINITY, 9.0]];
     write_disparity_png(&path, map.view(), -2.0, 2.0, Compression::Best).unwrap();
     let expected = Array3::from_shape_vec((2, 3, 1), vec![0, 128, 255, 0, 0, 255]).unwrap();
     assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U8(expected));
-    // A map without parallax is one grey.
+    // A constant map is black.
     write_disparity_png(&path, Array2::zeros((2, 2)).view(), 0.0, 0.0, Compression::Fast).unwrap();
     assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U8(Array3::zeros((2, 2, 1))));
     for (min, max) in [(1.0, 0.0), (f64::NAN, 1.0), (0.0, f64::INFINITY)] {

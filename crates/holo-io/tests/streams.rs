@@ -1,4 +1,4 @@
-//! Images written band by band: the bytes of the whole, however it is cut, and nothing where it is not finished.
+//! Images written band by band: the same bytes for any bands, and no file without `finish`.
 #![cfg(all(feature = "png", feature = "exr"))]
 
 use std::fs;
@@ -19,7 +19,7 @@ fn count(folder: &Path) -> usize {
     fs::read_dir(folder).unwrap().count()
 }
 
-/// A half as IEEE 754 defines it.
+/// The value of a 16-bit float by its definition in IEEE 754.
 fn half(bits: u16) -> f32 {
     let (sign, exponent, fraction) = (bits >> 15, i32::from(bits >> 10 & 31), f64::from(bits & 1023));
     let magnitude = match exponent {
@@ -31,7 +31,7 @@ fn half(bits: u16) -> f32 {
     (if sign == 1 { -magnitude } else { magnitude }) as f32
 }
 
-/// Where to cut `rows` rows.
+/// Positions at which `rows` rows are divided into bands.
 fn cuts(rows: usize, seeds: &[usize]) -> Vec<usize> {
     let mut cuts: Vec<usize> = seeds.iter().map(|seed| seed % (rows + 1)).chain([0, rows]).collect();
     cuts.sort_unstable();
@@ -49,7 +49,8 @@ proptest! {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("raw.exr");
         let coding = CODINGS[coding];
-        // One channel of floats of any bits, one of halves of any bits; the names are not in the order of the file.
+        // A channel of arbitrary 32-bit floats and one of arbitrary 16-bit floats; the names are not in the order of
+        // the file.
         let floats = Array2::from_shape_fn((rows, columns), |(row, column)| {
             f32::from_bits(pattern[(row * columns + column) % pattern.len()])
         });
@@ -97,17 +98,20 @@ proptest! {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let size = GridSize::new(rows, columns);
         let written = pool.install(|| {
-            let mut writer = PngWriter::create(&path, size, channels, SampleKind::U16, ColorEncoding::Linear, compression).unwrap();
+            let mut writer =
+                PngWriter::create(&path, size, channels, SampleKind::U16, ColorEncoding::Linear, compression).unwrap();
             for cut in cuts(rows, &seeds).windows(2) {
                 writer.write_rows(image.slice(s![cut[0]..cut[1], .., ..])).unwrap();
             }
             writer.finish().unwrap()
         });
-        prop_assert_eq!(fs::read(&path).unwrap(), encode_png(image.view(), ColorEncoding::Linear, compression).unwrap());
+        let encoded = encode_png(image.view(), ColorEncoding::Linear, compression).unwrap();
+        prop_assert_eq!(fs::read(&path).unwrap(), encoded);
         prop_assert_eq!(written, hash_file(&path).unwrap());
         prop_assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U16(image));
         pool.install(|| {
-            let mut writer = PngWriter::create(&path, size, channels, SampleKind::U8, ColorEncoding::Srgb, compression).unwrap();
+            let mut writer =
+                PngWriter::create(&path, size, channels, SampleKind::U8, ColorEncoding::Srgb, compression).unwrap();
             for cut in cuts(rows, &seeds).windows(2) {
                 writer.write_rows(small.slice(s![cut[0]..cut[1], .., ..])).unwrap();
             }
@@ -147,7 +151,7 @@ fn images_of_many_groups_do_not_depend_on_bands_or_threads() {
 }
 
 #[test]
-fn what_is_not_finished_leaves_what_was_there() {
+fn unfinished_writers_leave_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let (png, exr) = (folder.path().join("a.png"), folder.path().join("a.exr"));
     fs::write(&png, b"old").unwrap();
@@ -192,7 +196,7 @@ fn what_is_not_finished_leaves_what_was_there() {
 }
 
 #[test]
-fn half_refuses_what_it_cannot_hold_and_says_where() {
+fn half_refuses_values_out_of_range_and_names_the_position() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
     for name in ["ViewLayer.IndexOB.X", "ViewLayer.Object Index.X", "IndexMA.X", "V.CryptoObject00.r"] {
@@ -200,7 +204,7 @@ fn half_refuses_what_it_cannot_hold_and_says_where() {
             .unwrap_err();
         assert!(matches!(error, Error::BadInput { .. }) && error.to_string().contains("identifiers"), "{error}");
     }
-    // Rows 0 to 18 went well; the value is in row 19 + 3.
+    // Rows 0 to 18 are valid; the value is in row 19 + 3.
     let mut plane = Array2::from_elem((40, 5), f32::INFINITY);
     plane[[22, 4]] = 65_520.0;
     let mut writer =
@@ -210,14 +214,14 @@ fn half_refuses_what_it_cannot_hold_and_says_where() {
     assert!(error.to_string().contains("channel R, row 22, column 4: 65520 is beyond 65504"), "{error}");
     assert!(writer.finish().is_err());
     assert_eq!(count(folder.path()), 0);
-    // As floats both are written.
+    // 32-bit floats can represent both.
     plane[[22, 4]] = 1e30;
     let bytes = encode_exr_with(&[ExrChannel::float("IndexOB.X", plane.view())], ExrCompression::Piz).unwrap();
     assert_eq!(decode_exr(&bytes, &Limits::default()).unwrap().channels[0].1, plane);
 }
 
 #[test]
-fn blocks_beyond_the_format_are_refused_before_memory_is_taken() {
+fn blocks_too_large_for_the_format_are_refused_before_memory_is_allocated() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
     let names: Vec<String> = (0..100).map(|number| format!("c{number}")).collect();
@@ -233,7 +237,7 @@ fn blocks_beyond_the_format_are_refused_before_memory_is_taken() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn an_exr_goes_into_a_device_as_a_whole() {
+fn an_exr_is_written_into_a_device_as_a_whole() {
     let plane = Array2::<f32>::zeros((100, 10));
     let size = GridSize::new(100, 10);
     for (path, works) in [("/dev/null", true), ("/dev/full", false)] {

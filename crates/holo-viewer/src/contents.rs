@@ -1,4 +1,4 @@
-//! What a page shows: the raw image, the maps of the central view, the rig.
+//! The contents of a page: the raw image, the maps of the central view, the rig.
 
 use std::fs::File;
 use std::io::{self, Cursor, Read};
@@ -8,35 +8,35 @@ use holo_core::{DynLightField, GridSize, Layout, LightFieldShape, Rig};
 use holo_io::{ColorEncoding, Compression, LightFieldReader};
 use ndarray::Array2;
 
-/// How many pixels a page may hold: 16K television fits. A browser keeps four bytes of each in graphics memory, and for a
-/// moment once more in its own.
+/// Maximum number of pixels of a raw image: a browser needs four bytes of graphics memory for each, and during loading
+/// as much main memory.
 const MAX_PIXELS: usize = 1 << 27;
 
-/// Why there is no page.
+/// An error of creating a page.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The raw image has more pixels than a browser holds.
+    /// The raw image has more pixels than a browser can show.
     #[error(
-        "{size} pixels are more than a browser holds ({} million); render fewer views or lenses for a page",
+        "{size} pixels are more than a browser can show ({} million); render fewer views or microlenses for a page",
         MAX_PIXELS / 1_000_000
     )]
     TooLarge {
         /// Rows and columns of the raw image.
         size: GridSize,
     },
-    /// An estimate has not one value for every pixel of a view.
-    #[error("an estimate has one value for every pixel of a view, {view}, not {found}")]
+    /// An estimate does not have one value for every pixel of a view.
+    #[error("an estimate needs one value for every pixel of a view, {view}, but has {found}")]
     EstimateSize {
         /// Rows and columns of a view.
         view: GridSize,
-        /// Those of the estimate.
+        /// Rows and columns of the estimate.
         found: GridSize,
     },
     /// A file cannot be read.
     #[error(transparent)]
     Io(#[from] holo_io::Error),
-    /// The exposure of the image cannot be computed.
+    /// The 8-bit image does not fit into memory.
     #[error(transparent)]
     Render(#[from] holo_render::Error),
     /// There is not enough memory for the image.
@@ -44,7 +44,7 @@ pub enum Error {
     Core(#[from] holo_core::Error),
 }
 
-/// Everything that goes into a page.
+/// The contents of a page.
 #[derive(Debug)]
 pub struct Page {
     pub(crate) title: String,
@@ -57,17 +57,17 @@ pub struct Page {
     pub(crate) estimate_px: Option<Array2<f32>>,
 }
 
-/// The elemental image array as a PNG of 8 bits, gray or RGB.
+/// The elemental image array as an 8-bit PNG, gray or RGB.
 #[derive(Debug)]
 pub(crate) enum Image {
-    /// A file that is one already.
+    /// A file that is such a PNG.
     File(PathBuf),
-    /// Made from something else.
+    /// A PNG in memory.
     Encoded(Vec<u8>),
 }
 
 impl Image {
-    /// The bytes of the PNG, from the first one.
+    /// A reader of the PNG.
     pub(crate) fn bytes(&self) -> io::Result<Box<dyn Read + '_>> {
         Ok(match self {
             Self::File(path) => Box::new(File::open(path)?),
@@ -77,14 +77,15 @@ impl Image {
 }
 
 impl Page {
-    /// Gathers what a page shows: samples, rig, and the maps of depth and disparity that lie with them. `title` is the
-    /// window's.
+    /// Reads the contents of a page: the light field, its rig, and its maps of depth and disparity of the central view.
+    /// `title` is the title of the window.
     ///
-    /// Floats are shown at an automatic exposure, 16-bit samples as their nearest 8-bit ones, alpha not at all.
+    /// Floats are shown at automatic exposure, 16-bit samples rounded to 8 bits; alpha is dropped.
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] beyond 134 million pixels; [`Error::Io`] if a file cannot be read.
+    /// [`Error::TooLarge`] if the raw image has more than 2^27 pixels; [`Error::Io`] if a file cannot be read;
+    /// [`Error::Render`] if the 8-bit image does not fit into memory.
     pub fn new(title: impl Into<String>, reader: LightFieldReader) -> Result<Self, Error> {
         let (shape, rig) = (reader.shape(), reader.rig().copied());
         let size = shape.raw_size();
@@ -96,11 +97,12 @@ impl Page {
         Ok(Self { title: title.into(), shape, rig, image, depth_m, disparity_px, estimate_px: None })
     }
 
-    /// Adds an estimate of the central view's disparity in pixels, `(v, u)`, to be shown beside the ground truth.
+    /// Adds an estimate of the disparity of the central view in pixels between horizontally adjacent views, `(v, u)`,
+    /// which the page compares with the ground truth.
     ///
     /// # Errors
     ///
-    /// [`Error::EstimateSize`] if it has not one value for every pixel of a view.
+    /// [`Error::EstimateSize`] if it does not have one value for every pixel of a view.
     pub fn estimate_px(mut self, map: Array2<f32>) -> Result<Self, Error> {
         let (view, found) = (self.shape.lenses(), GridSize::new(map.nrows(), map.ncols()));
         if view != found {
@@ -111,7 +113,7 @@ impl Page {
     }
 }
 
-/// The PNG. One that can be shown as it is stays a file; everything else is read and encoded.
+/// The PNG of a light field: its file if that can be shown, else samples that are read and encoded.
 fn image(reader: LightFieldReader) -> Result<Image, Error> {
     if let (Some(file), Some(Layout::ElementalGrid)) = (reader.raw_image(), reader.layout()) {
         let info = holo_io::read_png_info(&file)?;
@@ -120,7 +122,7 @@ fn image(reader: LightFieldReader) -> Result<Image, Error> {
         }
     }
     let light_field = match reader.read()?.light_field {
-        // Codes on the same curve: 65535 is 255, and halves round up.
+        // Codes on the same curve: 65535 becomes 255, and halves are rounded up.
         DynLightField::U16(field) => field.map(|&code| ((u32::from(code) * 255 + 32767) / 65535) as u8)?.into(),
         field @ DynLightField::U8(_) => field,
         field => {

@@ -1,8 +1,8 @@
 //! A light field as one HTML page that needs no other file and no network.
 //!
-//! The page holds the raw image as a PNG and the maps of the central view as floats. Its own scripts (`page/`) make views,
-//! refocused images and error maps of them; nothing is computed here but the 8-bit image of samples that a browser cannot
-//! show.
+//! The page contains the raw image as a PNG and the maps of the central view as floats. Its scripts (`page/`) compute
+//! views, refocused images and error maps from them. This crate only converts samples that a browser cannot show to 8
+//! bits.
 //!
 //! # Examples
 //!

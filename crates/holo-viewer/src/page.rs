@@ -1,8 +1,8 @@
-//! The page's text: HTML, style and scripts from `page/`, and the data between them.
+//! The HTML of the page: style and scripts from `page/`, and the data.
 //!
-//! The order matters to a browser that reads it: style first, then the page's body, then the data as text that no script
-//! engine looks at, then the scripts. The image is cut into blocks, each an element of its own, which the scripts drop
-//! as soon as it is decoded.
+//! The order is style, body, data, scripts, so that a browser shows the page before it parses the data. The data are
+//! text elements that are not executed. The image is divided into blocks, an element each, which the scripts remove as
+//! soon as they are decoded.
 
 use std::io::{self, Read, Write};
 
@@ -17,12 +17,12 @@ use crate::contents::Page;
 const PAGE: &str = include_str!("page/page.html");
 const STYLE: &str = include_str!("page/style.css");
 
-/// The scripts in the order in which they need each other.
+/// The scripts in the order of their dependencies.
 const SCRIPTS: [&str; 16] = [
     include_str!("page/embedded.js"),
     include_str!("page/geometry.js"),
     include_str!("page/state.js"),
-    include_str!("page/colours.js"),
+    include_str!("page/colors.js"),
     include_str!("page/frame.js"),
     include_str!("page/shaders.js"),
     include_str!("page/tiles.js"),
@@ -37,8 +37,8 @@ const SCRIPTS: [&str; 16] = [
     include_str!("page/main.js"),
 ];
 
-/// Places in `page.html` that are filled in, in their order.
-const PLACES: [&str; 4] = ["{{title}}", "{{style}}", "{{data}}", "{{scripts}}"];
+/// Placeholders of `page.html` in order.
+const PLACEHOLDERS: [&str; 4] = ["{{title}}", "{{style}}", "{{data}}", "{{scripts}}"];
 
 /// Bytes of one block: a multiple of three, so that only the last one is padded.
 const BLOCK_BYTES: usize = 3 << 20;
@@ -56,11 +56,11 @@ impl Page {
 
 fn write(out: &mut impl Write, contents: &Page) -> io::Result<()> {
     let mut rest = PAGE;
-    for place in PLACES {
-        // A page without the place would be a mistake of the source; its test says so.
-        let (before, after) = rest.split_once(place).unwrap_or((rest, ""));
+    for placeholder in PLACEHOLDERS {
+        // A test checks that the page has every placeholder.
+        let (before, after) = rest.split_once(placeholder).unwrap_or((rest, ""));
         out.write_all(before.as_bytes())?;
-        match place {
+        match placeholder {
             "{{title}}" => out.write_all(escaped(&contents.title).as_bytes())?,
             "{{style}}" => out.write_all(STYLE.as_bytes())?,
             "{{data}}" => write_data(out, contents)?,
@@ -72,7 +72,7 @@ fn write(out: &mut impl Write, contents: &Page) -> io::Result<()> {
 }
 
 fn write_data(out: &mut impl Write, contents: &Page) -> io::Result<()> {
-    // Inside an element of this kind only `</script` could end it.
+    // Only `</script` ends an element of this kind.
     let numbers = numbers(contents).to_string().replace('<', "\\u003c");
     writeln!(out, "<script type=\"application/json\" id=\"numbers\">{numbers}</script>")?;
     let maps =
@@ -82,7 +82,7 @@ fn write_data(out: &mut impl Write, contents: &Page) -> io::Result<()> {
             write_blocks(out, name, &mut little_endian(map).as_slice())?;
         }
     }
-    write_blocks(out, "picture", &mut contents.image.bytes()?)
+    write_blocks(out, "image", &mut contents.image.bytes()?)
 }
 
 /// Writes bytes as elements of at most 4 MiB of base64 each.
@@ -106,7 +106,7 @@ fn little_endian(map: &Array2<f32>) -> Vec<u8> {
     map.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
-/// The counts, and of the rig what the page computes with: Eq. 3 needs k and F alone.
+/// Title, counts, and the parameters of the rig for Eq. 3: k and F.
 fn numbers(contents: &Page) -> Value {
     let size = |size: GridSize| json!({"columns": size.columns, "rows": size.rows});
     json!({
@@ -138,15 +138,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_place_is_there_once_and_in_order() {
-        let found: Vec<_> = PLACES.map(|place| PAGE.find(place).expect(place)).into();
+    fn every_placeholder_occurs_once_and_in_order() {
+        let found: Vec<_> = PLACEHOLDERS.map(|placeholder| PAGE.find(placeholder).expect(placeholder)).into();
         assert!(found.is_sorted(), "{found:?}");
-        assert!(PLACES.iter().all(|place| PAGE.matches(place).count() == 1));
+        assert!(PLACEHOLDERS.iter().all(|placeholder| PAGE.matches(placeholder).count() == 1));
     }
 
-    /// A page that asked the network would say so by an address.
+    /// A page that uses the network contains an address or one of these calls.
     #[test]
-    fn nothing_refers_to_another_place() {
+    fn nothing_refers_to_another_resource() {
         for text in [PAGE, STYLE].into_iter().chain(SCRIPTS) {
             for word in ["http:", "https:", "@import", "fetch(", "XMLHttpRequest", "src=\"//", "</script"] {
                 assert!(!text.contains(word) || (text == PAGE && word == "</script"), "{word} in: {text:.60}");

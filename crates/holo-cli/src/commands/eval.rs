@@ -7,7 +7,7 @@ use holo_core::metrics::{
     median_angle_error_deg, psnr_db, ssim, trivial_constant, trivial_plane,
 };
 use holo_core::{DynImage, GridSize, Rig, Sample, for_each_sample};
-use holo_io::{ColorEncoding, Compression, FileKind, Limits};
+use holo_io::{ColorEncoding, Compression, FileFormat, Limits};
 use ndarray::{Array2, Axis};
 use serde_json::json;
 
@@ -19,10 +19,10 @@ use crate::quantities::{self, Quantity, finite};
 const FIT_THRESHOLD_PX: f64 = 0.07;
 
 pub fn run(options: &EvalOptions) -> Result<(), Failure> {
-    let kinds = [holo_io::recognise(&options.estimate)?, holo_io::recognise(&options.truth)?];
+    let kinds = [holo_io::detect_format(&options.estimate)?, holo_io::detect_format(&options.truth)?];
     let rows = match kinds {
-        [FileKind::Pfm, FileKind::Pfm] => maps(options)?,
-        [FileKind::Png, FileKind::Png] => images(options)?,
+        [FileFormat::Pfm, FileFormat::Pfm] => maps(options)?,
+        [FileFormat::Png, FileFormat::Png] => images(options)?,
         _ => {
             return Err(Failure::Usage(format!(
                 "{} and {}: two disparity maps (.pfm) or two images (.png) can be compared",
@@ -40,8 +40,8 @@ fn row(key: &str, name: &str, value: f64, unit: &'static str) -> Quantity {
 
 fn maps(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {
     let limits = Limits::default();
-    let estimate = holo_io::read_pfm_grey(&options.estimate, &limits)?;
-    let truth = holo_io::read_pfm_grey(&options.truth, &limits)?;
+    let estimate = holo_io::read_pfm_gray(&options.estimate, &limits)?;
+    let truth = holo_io::read_pfm_gray(&options.truth, &limits)?;
     let mask = options.mask.as_deref().map(read_mask).transpose()?;
     let region = Region { border_px: options.border, mask: mask.as_ref().map(|mask| mask.view()) };
     let scores = disparity_scores(&estimate, &truth, &region)?;

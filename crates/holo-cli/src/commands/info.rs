@@ -5,7 +5,7 @@ use std::path::Path;
 use holo_core::{Layout, Rig};
 use holo_dataset::SceneSource;
 use holo_io::dataset::{MANIFEST_JSON, PARAMETERS_CFG};
-use holo_io::{FileInfo, FileKind, Limits, Manifest, ParametersCfg, ReadOptions};
+use holo_io::{FileFormat, FileInfo, Limits, Manifest, ParametersCfg, ReadOptions};
 use holo_render::Layer;
 
 use crate::arguments::InfoOptions;
@@ -15,9 +15,9 @@ use crate::report::{describe_rig, describe_shape};
 
 pub fn run(options: &InfoOptions) -> Result<(), Failure> {
     let path = &options.file;
-    let info = holo_io::open(path)?;
+    let info = holo_io::probe(path)?;
     match &info {
-        FileInfo::Other(FileKind::GltfBinary | FileKind::GltfJson) => return scene(options),
+        FileInfo::Other(FileFormat::GltfBinary | FileFormat::GltfJson) => return scene(options),
         FileInfo::Unknown { .. } => {
             return Err(Failure::Failed(format!(
                 "{}: not a file that holo knows (.glb, .gltf, .png, .pfm, .exr, .hdr, .mat, .h5, {PARAMETERS_CFG}, \
@@ -42,8 +42,8 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
         FileInfo::Manifest(manifest) => manifest_lines(&manifest),
         FileInfo::DatasetFolder(folder) => manifest_lines(folder.manifest()),
         FileInfo::Datasets(entries) => entries.iter().try_for_each(|entry| out!("{}", entry.path.display())),
-        FileInfo::Other(FileKind::Mat5 | FileKind::Mat73) => mat(path),
-        FileInfo::Other(FileKind::Hdf5) => hdf5(path),
+        FileInfo::Other(FileFormat::Mat5 | FileFormat::Mat73) => mat(path),
+        FileInfo::Other(FileFormat::Hdf5) => hdf5(path),
         _ => Ok(()),
     }
 }

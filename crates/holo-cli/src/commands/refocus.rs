@@ -21,7 +21,7 @@ pub fn run(options: &RefocusOptions) -> Result<(), Failure> {
     let kind = if file.light_field.kind() == SampleKind::U8 { SampleKind::U8 } else { SampleKind::U16 };
     let field = file.light_field.without_alpha()?.into_linear(file.color_encoding)?;
     if let Some(map) = &options.all_in_focus {
-        let map = holo_io::read_pfm_grey(map, &Limits::default())?;
+        let map = holo_io::read_pfm_gray(map, &Limits::default())?;
         return write(&options.out, &refocus.all_in_focus(&field, &map)?, kind);
     }
     if let Some((first, last, count)) = options.stack {

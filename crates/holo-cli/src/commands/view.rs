@@ -18,7 +18,7 @@ pub fn run(options: &ViewOptions) -> Result<(), Failure> {
     let title = path.file_name().map_or_else(|| "light field".into(), |name| name.to_string_lossy());
     let mut page = Page::new(title, reader).map_err(|error| about(input, error))?;
     if let Some(path) = &options.estimate {
-        let map = holo_io::read_pfm_grey(path, &Limits::default())?;
+        let map = holo_io::read_pfm_gray(path, &Limits::default())?;
         page = page.estimate_px(map).map_err(|error| about(path, error))?;
     }
     let mut file = AtomicFile::create(&options.out)?;

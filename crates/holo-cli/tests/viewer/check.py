@@ -57,7 +57,7 @@ class Check:
 
     def colour(self, column, row):
         x, y = self.place(column, row)
-        return self.browser.run(f"holo.colourAt({x}, {y})")
+        return self.browser.run(f"holo.colorAt({x}, {y})")
 
     def some_lenses(self):
         columns = sorted({0, 1, self.lenses[0] // 3, self.lenses[0] // 2, self.lenses[0] - 1} & set(range(self.lenses[0])))
@@ -76,10 +76,10 @@ class Check:
 
     def on_stage(self, x, y):
         """Whether this is the picture: not beyond the window, nor below the bar or the grid of views."""
-        return self.browser.run(f"document.elementFromPoint({x}, {y})?.id === 'picture'")
+        return self.browser.run(f"document.elementFromPoint({x}, {y})?.id === 'image'")
 
     def middle(self):
-        return self.browser.run("(() => { const b = document.getElementById('picture').getBoundingClientRect();"
+        return self.browser.run("(() => { const b = document.getElementById('image').getBoundingClientRect();"
                                 "return [b.left + b.width / 2, b.top + b.height / 2]; })()")
 
     # What follows is one promise of the page each.

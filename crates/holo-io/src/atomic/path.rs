@@ -1,4 +1,4 @@
-//! A temporary file that is not written front to back: by somebody who wants its name, or who goes back in it.
+//! An atomic file that is not written front to back: a library opens it by name, or a writer seeks in it.
 
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -7,17 +7,18 @@ use super::temporary::Temporary;
 use super::{FileDigest, hash_file, target_of};
 use crate::Error;
 
-/// What [`AtomicFile`](super::AtomicFile) is, for writers that do not go front to back. The digest costs one more pass.
+/// An atomic file like [`AtomicFile`](super::AtomicFile), for writers that seek or open it by name. `commit` reads it
+/// once for its digest.
 #[derive(Debug)]
 pub(crate) struct AtomicPath {
     path: PathBuf,
-    /// Holds the lock that tells other processes of a living writer.
+    /// Holds the lock by which other processes see that the writer runs.
     file: File,
     temporary: Temporary,
 }
 
 impl AtomicPath {
-    /// Starts a file that will be called `path`.
+    /// Creates the temporary file of a file that `commit` will name `path`.
     pub(crate) fn create(path: &Path) -> Result<Self, Error> {
         let Some(target) = target_of(path)? else {
             return Err(Error::bad_input(
@@ -29,18 +30,18 @@ impl AtomicPath {
         Ok(Self { path: path.to_owned(), file, temporary })
     }
 
-    /// The name that the file will have.
+    /// The path that the file will have.
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The name that it has until then.
+    /// The path that it has until `commit`.
     #[cfg(feature = "hdf5")]
     pub(crate) fn temporary_path(&self) -> &Path {
         self.temporary.path()
     }
 
-    /// The file itself, at its beginning; whoever writes must flush before `commit`.
+    /// The open file, at its beginning. Buffers on top of it must be flushed before `commit`.
     #[cfg(feature = "mat")]
     pub(crate) fn file(&self) -> &File {
         &self.file

@@ -1,4 +1,4 @@
-//! Temporary names: made, remembered, renamed, and cleared away after a crash.
+//! Temporary files: creation, registration, renaming, and removal after a crash.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -11,25 +11,26 @@ use crate::Error;
 
 const SUFFIX: &str = ".part";
 
-/// File systems commonly stop at 255 bytes a name; the process number and the suffix need the rest.
+/// Maximum length of the part of a name that is kept. Most file systems allow 255 bytes; process number and suffix need
+/// the rest.
 const MAX_NAME_BYTES: usize = 200;
 
-/// The temporary files that this process has open.
+/// The temporary files of this process.
 struct Live {
     paths: BTreeSet<PathBuf>,
-    /// Set when the process is about to end: nothing new is started.
+    /// Set when the process is about to end: no more files are created.
     stopped: bool,
 }
 
 static LIVE: Mutex<Live> = Mutex::new(Live { paths: BTreeSet::new(), stopped: false });
 static NEXT: AtomicU64 = AtomicU64::new(0);
 
-/// No code panics while it holds the lock, and the set is sound after every statement.
+/// A poisoned lock is used: the set is consistent after every statement.
 fn live() -> MutexGuard<'static, Live> {
     LIVE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A temporary name that is removed when dropped, unless it was renamed.
+/// A temporary file that is removed when dropped, unless it was renamed.
 #[derive(Debug)]
 pub(super) struct Temporary {
     path: PathBuf,
@@ -38,7 +39,7 @@ pub(super) struct Temporary {
 }
 
 impl Temporary {
-    /// Creates a temporary file beside `target`, which must be absolute.
+    /// Creates a temporary file in the folder of `target`, which must be absolute.
     pub(super) fn create(target: &Path) -> io::Result<(File, Self)> {
         let folder = target.parent().ok_or(io::ErrorKind::InvalidInput)?;
         let name = target.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_string_lossy();
@@ -47,34 +48,35 @@ impl Temporary {
         loop {
             let number = NEXT.fetch_add(1, Ordering::Relaxed);
             let path = folder.join(format!(".{name}.{}-{number}{SUFFIX}", std::process::id()));
-            // Held while the file is made, so that a clean-up never falls between making and remembering it.
+            // Held while the file is created, so that `remove_temporary_files` never runs between creation and
+            // registration.
             let mut live = live();
             if live.stopped {
                 return Err(io::Error::new(io::ErrorKind::Interrupted, "the program is stopping"));
             }
-            // For reading too: a digest may need what was written.
+            // For reading too: a digest at `commit` reads the file.
             match OpenOptions::new().read(true).write(true).create_new(true).open(&path) {
                 Ok(file) => {
-                    // The lock tells other processes that this file has a living writer. It falls with the process,
-                    // however that ends. A file system without locks only loses that one sign.
+                    // By the lock other processes see that the writer of this file runs. The system releases it when
+                    // the process ends. Where the file system has no locks, `is_alive` is the only check.
                     let _ = file.try_lock();
                     live.paths.insert(path.clone());
                     return Ok((file, Self { path, target: target.to_owned(), renamed: false }));
                 }
-                // Left by a dead process that had the same number.
+                // Left by an earlier process of the same number.
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(error),
             }
         }
     }
 
-    /// The temporary name.
+    /// The temporary path.
     #[cfg(any(feature = "mat", feature = "hdf5"))]
     pub(super) fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Gives the file its real name, in one step.
+    /// Renames the file to its target, atomically, and syncs the folder.
     pub(super) fn rename(mut self) -> io::Result<()> {
         fs::rename(&self.path, &self.target)?;
         self.renamed = true;
@@ -86,19 +88,18 @@ impl Drop for Temporary {
     fn drop(&mut self) {
         live().paths.remove(&self.path);
         if !self.renamed {
-            // Nobody is left to tell, and the name says what it is.
+            // There is no caller to report an error to.
             let _ = fs::remove_file(&self.path);
         }
     }
 }
 
-/// Makes the rename itself survive a power cut.
+/// Syncs the folder, so that the rename survives a power failure.
 fn sync_folder(folder: Option<&Path>) -> io::Result<()> {
-    // Only Unix opens folders; elsewhere the rename is as durable as the file system makes it.
+    // Folders can be opened on Unix only.
     let Some(folder) = folder.filter(|_| cfg!(unix)) else { return Ok(()) };
     match File::open(folder).and_then(|folder| folder.sync_all()) {
-        // A folder that may be written but not read, or a file system that cannot sync folders: the file is in place
-        // all the same.
+        // The folder may be written but not read, or the file system cannot sync folders. The file is renamed already.
         Err(error)
             if matches!(
                 error.kind(),
@@ -111,10 +112,10 @@ fn sync_folder(folder: Option<&Path>) -> io::Result<()> {
     }
 }
 
-/// Removes the temporary files of this process and starts no more; returns how many there were.
+/// Removes the temporary files of this process, lets it create no more, and returns how many were removed.
 ///
-/// This is the last act of a process that was asked to stop (Ctrl-C): every [`AtomicFile`](crate::AtomicFile) that is
-/// still open can no longer be committed, and creating another is an error from now on.
+/// For a process that is about to end, such as after Ctrl-C: an [`AtomicFile`](crate::AtomicFile) that is still open
+/// can no longer be committed, and creating another is an error from now on.
 pub fn remove_temporary_files() -> usize {
     let mut live = live();
     live.stopped = true;
@@ -122,11 +123,11 @@ pub fn remove_temporary_files() -> usize {
     paths.iter().filter(|path| fs::remove_file(path).is_ok()).count()
 }
 
-/// Removes the temporary files that dead processes left in `folder`, and returns their paths.
+/// Removes the temporary files that ended processes left in `folder`, and returns their paths, sorted.
 ///
-/// A file goes only if its name is one that [`AtomicFile`](crate::AtomicFile) makes, if no living process holds its
-/// lock, and if no process of its number lives on this machine (where the system says so). The lock also protects the
-/// files of other machines and containers that share the folder. Subfolders are not searched.
+/// A file is removed only if its name is one that [`AtomicFile`](crate::AtomicFile) creates, if no process holds its
+/// lock, and if no process of its number runs on this machine (checked where there is a `/proc`). The lock also
+/// protects the files of other machines and containers that share the folder. Subfolders are not searched.
 ///
 /// # Errors
 ///
@@ -144,7 +145,7 @@ pub fn remove_stale_temporary_files(folder: impl AsRef<Path>) -> Result<Vec<Path
         }
         match fs::remove_file(&path) {
             Ok(()) => removed.push(path),
-            // Somebody else cleared it away.
+            // Another process removed it.
             Err(error) if error.kind() == io::ErrorKind::NotFound => {}
             Err(error) => return Err(Error::io("remove", &path, error)),
         }
@@ -164,15 +165,14 @@ fn process_of(name: &str) -> Option<u32> {
     process.parse().ok()
 }
 
-/// Whether a process of this number runs; `false` where the system has no `/proc` to ask.
+/// Whether a process of this number runs; for other processes `false` where the system has no `/proc`.
 fn is_alive(process: u32) -> bool {
     process == std::process::id() || Path::new("/proc").join(process.to_string()).exists()
 }
 
-/// Whether a living process, here or on another machine, holds the file's lock; a file that cannot even be opened is
-/// not ours to judge.
+/// Whether a process, here or on another machine, holds the lock of the file; `true` if the file cannot be opened.
 fn is_locked(path: &Path) -> bool {
-    // Open for writing, because network file systems grant exclusive locks to nobody else.
+    // Opened for writing, because network file systems require that for an exclusive lock.
     match OpenOptions::new().write(true).open(path) {
         Ok(file) => matches!(file.try_lock(), Err(TryLockError::WouldBlock)),
         Err(_) => true,
@@ -184,7 +184,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_our_own_names_are_recognised() {
+    fn only_names_of_this_crate_are_parsed() {
         assert_eq!(process_of(".scene_el.png.4711-3.part"), Some(4711));
         assert_eq!(process_of(".a.b-c.d.1-0.part"), Some(1));
         for other in [
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_of_the_longest_kind_still_gets_a_temporary() {
+    fn a_name_of_maximum_length_gets_a_temporary_file() {
         let folder = tempfile::tempdir().unwrap();
         // Two-byte characters, so that a cut at a fixed byte would split one.
         let target = folder.path().join(format!("a{}", "ä".repeat(127)));
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn a_taken_temporary_name_is_passed_over() {
+    fn an_existing_temporary_name_is_skipped() {
         let folder = tempfile::tempdir().unwrap();
         let next = NEXT.load(Ordering::Relaxed);
         for number in next..next + 50 {

@@ -1,4 +1,4 @@
-//! A dataset folder that is read.
+//! The reader of a dataset folder.
 
 use std::path::{Path, PathBuf};
 
@@ -6,16 +6,16 @@ use holo_core::{DynLightField, GridSize, Layout, LightFieldShape, Rig};
 use ndarray::Array2;
 
 use super::{DEPTH_PFM, DISPARITY_PFM, ELEMENTAL_PNG, MANIFEST_JSON, PARAMETERS_CFG, VIEWPOINT_PNG};
-use crate::{Error, Limits, Manifest, ParametersCfg, read_pfm_grey, read_png, read_png_info};
+use crate::{Error, Limits, Manifest, ParametersCfg, read_pfm_gray, read_png, read_png_info};
 
-/// What errors call the folder.
+/// The name of the format in messages.
 const FORMAT: &str = "dataset folder";
 
-/// A folder that `holo render` wrote: its manifest, its parameters, and what can be read from it.
+/// A folder that `holo render` wrote, opened for reading.
 ///
-/// Opening reads `manifest.json` and `parameters.cfg`; images are read when they are asked for. The manifest is written
-/// last, so a folder without it is not finished. Files that it does not list belong to no dataset and are passed over.
-/// Nothing here compares contents: [`Manifest::verify`] does.
+/// [`open`](Self::open) reads `manifest.json` and `parameters.cfg`; the other methods read images. The manifest is
+/// written last, so a folder without one is not finished. Files that the manifest does not list are ignored. Contents
+/// are not compared with their digests; [`Manifest::verify`] does that.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DatasetFolder {
     path: PathBuf,
@@ -25,14 +25,15 @@ pub struct DatasetFolder {
 }
 
 impl DatasetFolder {
-    /// Opens a folder.
+    /// Opens a folder: reads the manifest and, if the manifest lists it, `parameters.cfg`.
     ///
-    /// The rig is that of the manifest, and of `parameters.cfg` if the manifest has none.
+    /// The rig is that of the manifest, or of `parameters.cfg` if the manifest contains none.
     ///
     /// # Errors
     ///
-    /// Those of [`Manifest::read`]: [`Error::Io`] above all, if there is no manifest. Those of [`ParametersCfg::read`] if
-    /// the manifest lists one. [`Error::Broken`] if neither tells the rig, or if the two speak of other views or pixels.
+    /// Those of [`Manifest::read`], such as [`Error::Io`] if there is no manifest. Those of [`ParametersCfg::read`] if
+    /// the manifest lists one. [`Error::Broken`] if neither contains a rig, or if the two differ in the numbers of
+    /// views or pixels.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let manifest = Manifest::read(path.join(MANIFEST_JSON))?;
@@ -43,37 +44,37 @@ impl DatasetFolder {
             (Some(rig), _) => *rig,
             (None, Some(parameters)) => parameters.rig().map_err(|error| error.about(&parameters_path))?,
             (None, None) => {
-                let what = format!("neither {MANIFEST_JSON} nor a {PARAMETERS_CFG} that it lists tells the rig");
+                let what = format!("neither {MANIFEST_JSON} nor a {PARAMETERS_CFG} that it lists contains a rig");
                 return Err(Error::broken(path, FORMAT, what));
             }
         };
         let sizes = (rig.shape().views(), rig.shape().lenses());
         if let Some(other) = parameters.as_ref().map(|p| (p.num_cams, p.image_resolution_px)).filter(|p| *p != sizes) {
-            let what = format!("it speaks of {}, but {MANIFEST_JSON} of {}", in_words(other), in_words(sizes));
+            let what = format!("it specifies {}, but {MANIFEST_JSON} specifies {}", in_words(other), in_words(sizes));
             return Err(Error::broken(&parameters_path, FORMAT, what));
         }
         Ok(Self { path: path.to_owned(), manifest, parameters, rig })
     }
 
-    /// Returns the folder's own path.
+    /// Returns the path of the folder.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Returns all that the manifest says.
+    /// Returns the manifest.
     #[must_use]
     pub const fn manifest(&self) -> &Manifest {
         &self.manifest
     }
 
-    /// Returns all that `parameters.cfg` says, if the manifest lists one.
+    /// Returns the contents of `parameters.cfg`, if the manifest lists one.
     #[must_use]
     pub const fn parameters(&self) -> Option<&ParametersCfg> {
         self.parameters.as_ref()
     }
 
-    /// Returns the number of views and lenses.
+    /// Returns the numbers of views and microlenses.
     #[must_use]
     pub const fn shape(&self) -> LightFieldShape {
         *self.rig.shape()
@@ -85,7 +86,8 @@ impl DatasetFolder {
         &self.rig
     }
 
-    /// Returns the raw image that [`DatasetFolder::read`] reads: the elemental grid, else the viewpoint grid, else none.
+    /// Returns the raw image that [`DatasetFolder::read`] reads, and its layout: `scene_el.png`, else `scene_vpi.png`,
+    /// else `None`.
     #[must_use]
     pub fn raw_image(&self) -> Option<(PathBuf, Layout)> {
         let grids = [(ELEMENTAL_PNG, Layout::ElementalGrid), (VIEWPOINT_PNG, Layout::ViewpointGrid)];
@@ -93,20 +95,21 @@ impl DatasetFolder {
         listed.map(|(name, layout)| (self.path.join(name), layout))
     }
 
-    /// Reads the light field from one of the two raw images; both hold the same samples.
+    /// Reads the light field from the raw image that [`raw_image`](Self::raw_image) names; both contain the same
+    /// samples.
     ///
     /// # Shape
     ///
-    /// `(v, u, t, s, c)`, in memory as the raw image is; nothing is copied.
+    /// `(v, u, t, s, c)`, with the strides of the raw image in memory; nothing is copied.
     ///
     /// # Errors
     ///
-    /// [`Error::Unsupported`] if the dataset has no picture, only ground truth; those of [`read_png`]; [`Error::Broken`]
-    /// if the image has not the size that the rig calls for, before memory is taken for it.
+    /// [`Error::Unsupported`] if the dataset has no raw image, only ground truth; those of [`read_png`];
+    /// [`Error::Broken`] if the size of the image is not that of the rig, before memory is allocated for it.
     pub fn read(&self, limits: &Limits) -> Result<DynLightField, Error> {
         let Some((file, layout)) = self.raw_image() else {
             let what =
-                format!("the dataset has no picture: {MANIFEST_JSON} lists no {ELEMENTAL_PNG} or {VIEWPOINT_PNG}");
+                format!("the dataset has no raw image: {MANIFEST_JSON} lists no {ELEMENTAL_PNG} or {VIEWPOINT_PNG}");
             return Err(Error::unsupported(&self.path, what));
         };
         self.check_size(&file, read_png_info(&file)?.size, self.shape().raw_size())?;
@@ -114,15 +117,15 @@ impl DatasetFolder {
             .map_err(|error| Error::core(&file, error))
     }
 
-    /// Reads the planar depth of the central view in metres, or returns `None` if the dataset has none.
+    /// Reads the planar depth of the central view in meters, or returns `None` if the dataset has none.
     ///
     /// # Shape
     ///
-    /// `(v, u)`.
+    /// `(v, u)`; `+infinity` where nothing was hit.
     ///
     /// # Errors
     ///
-    /// Those of [`read_pfm_grey`]; [`Error::Broken`] if the map has not the size of a view.
+    /// Those of [`read_pfm_gray`]; [`Error::Broken`] if the map does not have the size of a view.
     pub fn depth_m(&self, limits: &Limits) -> Result<Option<Array2<f32>>, Error> {
         self.map(DEPTH_PFM, limits)
     }
@@ -146,7 +149,7 @@ impl DatasetFolder {
             return Ok(None);
         }
         let file = self.path.join(name);
-        let map = read_pfm_grey(&file, limits)?;
+        let map = read_pfm_gray(&file, limits)?;
         self.check_size(&file, GridSize::new(map.nrows(), map.ncols()), self.shape().lenses())?;
         Ok(Some(map))
     }

@@ -1,4 +1,4 @@
-//! A folder of datasets: `<scene>/<S>x<T>/`.
+//! The list of the dataset folders `<scene>/<S>x<T>/` in a folder.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,21 +8,21 @@ use holo_core::GridSize;
 use super::MANIFEST_JSON;
 use crate::Error;
 
-/// One dataset among others.
+/// A dataset folder and what its path states.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DatasetEntry {
     /// The name of the scene's folder.
     pub scene: String,
-    /// The views that the name of the dataset's folder says: columns x rows.
+    /// Number of views, T rows and S columns; the folder name has columns x rows.
     pub views: GridSize,
     /// The dataset's folder.
     pub path: PathBuf,
 }
 
-/// Lists the datasets in `<scene>/<S>x<T>/` under a folder, by scene and then by views, columns first.
+/// Lists the dataset folders `<scene>/<S>x<T>/` in a folder, sorted by scene, then by view columns, then by view rows.
 ///
-/// Only finished ones are listed, which have a manifest; it is not read. Other files and folders do not matter, so a
-/// folder without datasets is an empty list.
+/// Only folders with a manifest are listed, because unfinished ones have none; the manifest is not read. Other files
+/// and folders are ignored: a folder without datasets gives an empty list.
 ///
 /// # Errors
 ///
@@ -43,7 +43,7 @@ pub fn list(path: impl AsRef<Path>) -> Result<Vec<DatasetEntry>, Error> {
     Ok(entries)
 }
 
-/// The folders in a folder whose names are text.
+/// The subfolders of a folder whose names are UTF-8.
 fn folders(path: &Path) -> Result<Vec<(String, PathBuf)>, Error> {
     let failed = |source| Error::io("list", path, source);
     let mut folders = Vec::new();
@@ -60,7 +60,7 @@ fn folders(path: &Path) -> Result<Vec<(String, PathBuf)>, Error> {
 fn views_of(name: &str) -> Option<GridSize> {
     let (columns, rows) = name.split_once('x')?;
     let views = GridSize::new(rows.parse().ok()?, columns.parse().ok()?);
-    // No second spelling, such as a sign or a leading zero, and no grid of nothing.
+    // Only the spelling that `folder` writes: no sign, no leading zero, no count of 0.
     (views.count() > 0 && format!("{}x{}", views.columns, views.rows) == name).then_some(views)
 }
 

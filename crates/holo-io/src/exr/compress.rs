@@ -1,4 +1,4 @@
-//! The codings that are written, one block at a time.
+//! Compression of one block, in the codings that are written.
 
 use exr::block::chunk::CompressedBlock;
 use exr::block::{BlockIndex, UncompressedBlock};
@@ -9,18 +9,18 @@ use exr::prelude::Vec2;
 use super::samples::ByteOrder;
 use crate::zlib::zlib_stream;
 
-/// How the samples of an EXR are compressed. None of these loses anything.
+/// Compression of an EXR. All are lossless.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum ExrCompression {
-    /// ZIP over blocks of 16 lines: what every program reads and most write.
+    /// ZIP over blocks of 16 lines: readable by every program.
     #[default]
     Zip,
     /// ZIP over single lines: larger, for programs that read line by line.
     Zips,
-    /// Wavelets over blocks of 32 lines: smaller for noise, slower to read.
+    /// Wavelets over blocks of 32 lines: smaller for noisy images, slower to read.
     Piz,
-    /// As they are.
+    /// Uncompressed.
     None,
 }
 
@@ -39,7 +39,7 @@ impl ExrCompression {
         self.coding().scan_lines_per_block()
     }
 
-    /// What [`compress`](Self::compress) wants its samples in.
+    /// The byte order of the samples for [`compress`](Self::compress).
     pub(super) fn byte_order(self) -> ByteOrder {
         match self {
             Self::Piz => ByteOrder::Native,
@@ -47,14 +47,14 @@ impl ExrCompression {
         }
     }
 
-    /// Returns the contents of the block that begins with line `first`: of every line all samples of the first channel,
-    /// then all of the second.
+    /// Compresses the block that begins with line `first`. `samples` contains for every line all samples of the first
+    /// channel, then all of the second.
     pub(super) fn compress(self, samples: Vec<u8>, first: usize, headers: &[Header]) -> exr::error::Result<Vec<u8>> {
         match self {
             Self::None => Ok(samples),
             Self::Zip | Self::Zips => {
                 let compressed = zlib_stream(&differences(&samples))?;
-                // A block that is not smaller is kept as it is; readers know it by its length.
+                // A block that does not become smaller is stored uncompressed; readers recognize it by its length.
                 Ok(if compressed.len() < samples.len() { compressed } else { samples })
             }
             Self::Piz => {
@@ -65,15 +65,15 @@ impl ExrCompression {
                 let chunk = UncompressedBlock { index, data: samples }.compress_to_chunk(headers)?;
                 match chunk.compressed_block {
                     CompressedBlock::ScanLine(block) => Ok(block.compressed_pixels_le),
-                    _ => Err(exr::error::Error::Invalid("a block of lines became something else".into())),
+                    _ => Err(exr::error::Error::Invalid("a scanline block became another kind".into())),
                 }
             }
         }
     }
 }
 
-/// The bytes at even places, then those at odd places, each as its difference from the one before it: samples that are
-/// alike become repetitions.
+/// The predictor of the format: the bytes at even positions, then those at odd positions, each as its difference from
+/// the previous one, plus 128.
 fn differences(samples: &[u8]) -> Vec<u8> {
     let half = samples.len().div_ceil(2);
     let mut apart = vec![0; samples.len()];
@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_are_parted_and_subtracted() {
+    fn bytes_are_separated_and_subtracted() {
         assert_eq!(differences(&[7]), [7]);
         assert_eq!(differences(&[10, 20, 11, 21]), [10, 129, 137, 129]);
         assert_eq!(differences(&[10, 20, 12]), [10, 130, 136]);

@@ -1,10 +1,10 @@
-//! Full names of channels, and which of them are the colour of the image.
+//! Full names of channels, and the choice of the color channels.
 
 use std::collections::HashMap;
 
 use exr::meta::Headers;
 
-/// A channel by its place in the file.
+/// A channel by its position in the file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Channel {
     pub part: usize,
@@ -32,7 +32,7 @@ pub(super) fn all(headers: &Headers) -> Vec<Channel> {
     all
 }
 
-/// Passes that are called otherwise since Blender 5: the name before, the name since.
+/// Passes that Blender 5 renamed: old name, new name.
 const RENAMED_PASSES: [(&str, &str); 11] = [
     ("IndexOB", "Object Index"),
     ("IndexMA", "Material Index"),
@@ -47,12 +47,12 @@ const RENAMED_PASSES: [(&str, &str); 11] = [
     ("TransInd", "Transmission Indirect"),
 ];
 
-/// The layer of a full name, without its last dot, and the component.
+/// Splits a full name into its layer and its component.
 pub(super) fn split(name: &str) -> (&str, &str) {
     name.rsplit_once('.').unwrap_or(("", name))
 }
 
-/// Whether a full name is that of a component of a pass, under either of its names.
+/// Whether a full name is that of a component of a Blender pass, by either name of the pass.
 pub(super) fn is_of_pass(name: &str, pass: &str, component: &str) -> bool {
     let (layer, own_component) = split(name);
     let own_pass = split(layer).1;
@@ -60,12 +60,13 @@ pub(super) fn is_of_pass(name: &str, pass: &str, component: &str) -> bool {
     own_component == component && newer(own_pass) == newer(pass)
 }
 
-/// The components that tell what a layer is.
+/// The components that determine whether a layer is color.
 const COMPONENTS: [&str; 7] = ["R", "G", "B", "Y", "X", "Z", "RY"];
 
-/// The indices of red, green and blue; three times the same for luminance.
-pub(super) fn colour(channels: &[Channel]) -> Option<[usize; 3]> {
-    // The layers with the indices of their components, in the order of the file. A damaged file may have very many.
+/// The indices of red, green and blue; three times the same index for luminance.
+pub(super) fn color(channels: &[Channel]) -> Option<[usize; 3]> {
+    // The layers with the indices of their components, in the order of the file; a map, because a damaged file may have
+    // very many.
     let mut places = HashMap::new();
     let mut layers: Vec<(&str, [Option<usize>; COMPONENTS.len()])> = Vec::new();
     for (index, channel) in channels.iter().enumerate() {
@@ -84,7 +85,7 @@ pub(super) fn colour(channels: &[Channel]) -> Option<[usize; 3]> {
         _ => 2,
     });
     let rgb = layers.iter().find_map(|(_, components)| Some([components[0]?, components[1]?, components[2]?]));
-    // X, Y, Z is a vector or CIE XYZ, and Y, RY, BY is colour in another coding.
+    // X, Y, Z is a vector or CIE XYZ, and Y, RY, BY is color in another coding.
     rgb.or_else(|| {
         layers.iter().find_map(|(_, components)| match components {
             [.., luminance, None, None, None] => luminance.map(|index| [index; 3]),
@@ -97,21 +98,21 @@ pub(super) fn colour(channels: &[Channel]) -> Option<[usize; 3]> {
 mod tests {
     use super::*;
 
-    fn colour_of(names: &[&str]) -> Option<[usize; 3]> {
+    fn color_of(names: &[&str]) -> Option<[usize; 3]> {
         let channel = |(channel, name): (usize, &&str)| Channel { part: 0, channel, name: (*name).to_owned() };
-        colour(&names.iter().enumerate().map(channel).collect::<Vec<_>>())
+        color(&names.iter().enumerate().map(channel).collect::<Vec<_>>())
     }
 
     #[test]
-    fn the_colour_is_found_by_rank() {
-        assert_eq!(colour_of(&["A", "B", "G", "R"]), Some([3, 2, 1]));
-        assert_eq!(colour_of(&["B", "G", "R", "a.Combined.B", "a.Combined.G", "a.Combined.R"]), Some([2, 1, 0]));
+    fn the_color_is_found_by_rank() {
+        assert_eq!(color_of(&["A", "B", "G", "R"]), Some([3, 2, 1]));
+        assert_eq!(color_of(&["B", "G", "R", "a.Combined.B", "a.Combined.G", "a.Combined.R"]), Some([2, 1, 0]));
         let blender =
             ["V.Albedo.B", "V.Albedo.G", "V.Albedo.R", "V.Combined.A", "V.Combined.B", "V.Combined.G", "V.Combined.R"];
-        assert_eq!(colour_of(&blender), Some([6, 5, 4]));
-        assert_eq!(colour_of(&["a.B", "a.G", "a.R", "b.B", "b.G", "b.R"]), Some([2, 1, 0]));
-        // Red of one layer and green of another are no colour.
-        assert_eq!(colour_of(&["a.B", "a.G", "b.R"]), None);
+        assert_eq!(color_of(&blender), Some([6, 5, 4]));
+        assert_eq!(color_of(&["a.B", "a.G", "a.R", "b.B", "b.G", "b.R"]), Some([2, 1, 0]));
+        // Red of one layer and green of another are no color.
+        assert_eq!(color_of(&["a.B", "a.G", "b.R"]), None);
     }
 
     #[test]
@@ -124,12 +125,12 @@ mod tests {
     }
 
     #[test]
-    fn luminance_is_told_from_the_second_axis() {
-        assert_eq!(colour_of(&["Y"]), Some([0; 3]));
-        assert_eq!(colour_of(&["A", "Y"]), Some([1; 3]));
-        assert_eq!(colour_of(&["Normal.X", "Normal.Y", "Normal.Z"]), None);
-        assert_eq!(colour_of(&["X", "Y", "Z", "light.Y"]), Some([3; 3]));
-        assert_eq!(colour_of(&["BY", "RY", "Y"]), None);
-        assert_eq!(colour_of(&["Z"]), None);
+    fn luminance_is_distinguished_from_a_second_axis() {
+        assert_eq!(color_of(&["Y"]), Some([0; 3]));
+        assert_eq!(color_of(&["A", "Y"]), Some([1; 3]));
+        assert_eq!(color_of(&["Normal.X", "Normal.Y", "Normal.Z"]), None);
+        assert_eq!(color_of(&["X", "Y", "Z", "light.Y"]), Some([3; 3]));
+        assert_eq!(color_of(&["BY", "RY", "Y"]), None);
+        assert_eq!(color_of(&["Z"]), None);
     }
 }

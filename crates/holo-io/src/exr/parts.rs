@@ -1,4 +1,4 @@
-//! What is read of one part of a file: where its samples go, and which of its blocks have arrived.
+//! The reading state of one part of a file: where its samples are written, and which of its blocks were read.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use exr::prelude::f16;
 use super::FORMAT;
 use crate::{Error, Limits};
 
-/// Where the samples of one channel go: to `values[first + step * (row * columns + column)]` of a buffer.
+/// The destination of the samples of one channel: `values[first + step * (row * columns + column)]` of a buffer.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Destination {
     pub channel: usize,
@@ -20,25 +20,25 @@ pub(super) struct Destination {
     pub step: usize,
 }
 
-/// One part of a file, while it is read.
+/// A part of a file that is being read.
 pub(super) struct Part {
     /// In the order of the channels.
     wanted: Vec<Destination>,
     channels: Vec<SampleType>,
     block: (usize, usize),
     blocks_across: usize,
-    /// Whether a block has arrived, in rows of blocks.
+    /// Whether each block was read, in rows of blocks.
     arrived: Vec<bool>,
     missing: usize,
     frame: Frame,
 }
 
-/// The display window and how the data window lies in it.
+/// The size of the display window, and the position of the data window in it.
 #[derive(Debug, Clone, Copy)]
 struct Frame {
     rows: usize,
     columns: usize,
-    /// What to add to a row and column of the data to get those of the display.
+    /// Offset from row and column in the data window to those in the display window.
     shift: (i64, i64),
 }
 
@@ -48,7 +48,7 @@ pub(super) fn display_size(header: &Header) -> (usize, usize) {
     (size.height(), size.width())
 }
 
-/// The bytes of the largest block of a part, compared with the budget.
+/// The size of the largest block of a part in bytes, checked against the limit.
 pub(super) fn block_bytes(header: &Header, path: &Path, limits: Limits) -> Result<usize, Error> {
     let size = header.max_block_pixel_size();
     limits.elements(path, "block of pixels", &[size.height(), size.width(), header.channels.bytes_per_pixel], 1)
@@ -68,11 +68,11 @@ impl Part {
         };
         let size = header.max_block_pixel_size();
         let block = (size.height(), size.width());
-        // Of the largest level only; the table in the file has an entry for every block of every level.
+        // Of the largest level only: the table of the file has entries for all levels.
         let blocks_across = data.size.width().div_ceil(block.1);
         let count =
             limits.elements(path, "list of blocks", &[data.size.height().div_ceil(block.0), blocks_across], 1)?;
-        let mut arrived = limits.room(path, "list of blocks", count)?;
+        let mut arrived = Limits::room(path, "list of blocks", count)?;
         arrived.resize(count, false);
         let channels = header.channels.list.iter().map(|channel| channel.sample_type).collect();
         Ok(Self { wanted, channels, block, blocks_across, arrived, missing: count, frame })
@@ -82,12 +82,12 @@ impl Part {
         self.missing == 0
     }
 
-    /// Blocks that have not arrived, of how many.
+    /// Number of blocks that were not read, and of all blocks.
     pub fn missing(&self) -> (usize, usize) {
         (self.missing, self.arrived.len())
     }
 
-    /// Takes the samples out of a block.
+    /// Copies the wanted samples of a block into the buffers.
     pub fn place(&mut self, block: &UncompressedBlock, buffers: &mut [Vec<f32>], path: &Path) -> Result<(), Error> {
         let broken = |what: String| Error::broken(path, FORMAT, what);
         let (x, y) = (block.index.pixel_position.x(), block.index.pixel_position.y());
@@ -120,13 +120,13 @@ impl Part {
     }
 }
 
-/// A coordinate of the data as one of the display window, if it is in there.
+/// Converts a coordinate from the data window to the display window; `None` outside of it.
 fn inside(coordinate: usize, shift: i64, size: usize) -> Option<usize> {
     usize::try_from(coordinate as i64 + shift).ok().filter(|&coordinate| coordinate < size)
 }
 
 impl Frame {
-    /// Converts the part of a line that is inside the display window.
+    /// Converts the samples of a line that are inside the display window.
     fn place_line(
         &self,
         samples: &[u8],

@@ -1,7 +1,7 @@
-//! Reads a file block by block, decompressing several side by side.
+//! Reads a file block by block and decompresses blocks in parallel.
 //!
-//! The crate's own parallel reader is not used: it runs on threads of its own, in which a panic ends the process. Blocks
-//! are taken in the order of the file, without its table of where they begin, which some programs leave empty.
+//! The parallel reader of the crate `exr` is not used: it runs on threads of its own, in which a panic ends the
+//! process. Blocks are read in the order of the file, without its offset table, which some programs leave empty.
 
 use std::io::{Read, Seek};
 use std::path::Path;
@@ -17,13 +17,13 @@ use super::dwa;
 use super::names::{self, Channel};
 use super::parts::{Destination, Part, block_bytes, display_size, is_largest_level};
 use super::{ExrImage, ExrInfo, FORMAT};
-use crate::net::{catch, guarded};
+use crate::panic_guard::{catch, guarded};
 use crate::{Error, Limits};
 
-/// Blocks that are in memory at the same time take at most this many bytes uncompressed, if it is more than one.
+/// Maximum size of the uncompressed blocks that are in memory at the same time, in bytes, unless one block is larger.
 const BATCH_BYTES: usize = 64 << 20;
 
-/// Runs the reader over the net.
+/// Runs the reader inside the panic guard.
 fn safely<T>(path: &Path, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
     catch(work).unwrap_or_else(|text| {
         let what = format!("the decoder failed on this file ({text}); the file is likely damaged; please report it");
@@ -31,32 +31,32 @@ fn safely<T>(path: &Path, work: impl FnOnce() -> Result<T, Error>) -> Result<T, 
     })
 }
 
-/// Sorts the crate's errors by who is at fault. `at` says where in the file, and ends with a colon and a space.
-fn fault(error: exr::error::Error, path: &Path, at: &str) -> Error {
+/// Converts an error of the crate `exr`. `at` is the position in the file, with a colon and a space at its end.
+fn read_error(error: exr::error::Error, path: &Path, at: &str) -> Error {
     match error {
         exr::error::Error::Io(error) => Error::io("read", path, error),
         exr::error::Error::NotSupported(what) => {
-            Error::unsupported(path, format!("{at}this EXR file needs what cannot be read: {what}"))
+            Error::unsupported(path, format!("{at}this EXR file has what cannot be read: {what}"))
         }
-        // The crate's word for the end of the file.
+        // The message of the crate at the end of the file.
         exr::error::Error::Invalid(what) if what == "reference to missing bytes" => Error::broken(
             path,
             FORMAT,
-            format!("{at}the file ends early; it was cut off while it was written or copied"),
+            format!("{at}the file ends early; it was truncated while it was written or copied"),
         ),
         error => Error::broken(path, FORMAT, format!("{at}{error}")),
     }
 }
 
-/// Reads the header, and checks what else depends on it alone.
+/// Reads the header and checks the sizes in it.
 fn start<R: Read + Seek>(source: R, path: &Path, limits: Limits) -> Result<Reader<R>, Error> {
-    let reader = exr::block::read(source, false).map_err(|error| fault(error, path, "header: "))?;
+    let reader = exr::block::read(source, false).map_err(|error| read_error(error, path, "header: "))?;
     for header in reader.headers() {
         let (rows, columns) = display_size(header);
         if rows == 0 || columns == 0 || header.layer_size.area() == 0 {
             return Err(Error::broken(path, FORMAT, "header: a window without pixels"));
         }
-        // Before the table of blocks is passed over: its length is a product of numbers from the file.
+        // Before the offset table is skipped: its length is a product of numbers from the file.
         limits.elements(path, "table of blocks", &[header.chunk_count], size_of::<u64>())?;
     }
     Ok(reader)
@@ -73,7 +73,7 @@ pub(super) fn info<R: Read + Seek>(source: R, path: &Path) -> Result<ExrInfo, Er
         let compression = first.compression.to_string();
         Ok(ExrInfo {
             size: GridSize::new(rows, columns),
-            has_colour: names::colour(&channels).is_some(),
+            has_color: names::color(&channels).is_some(),
             channels: channels.into_iter().map(|channel| channel.name).collect(),
             compression: compression.strip_suffix(" compression").unwrap_or(&compression).to_owned(),
             parts: reader.headers().len(),
@@ -87,7 +87,7 @@ pub(super) fn all<R: Read + Seek>(source: R, path: &Path, limits: Limits) -> Res
         let headers = &reader.meta_data().headers;
         let channels = names::all(headers);
         let shapes: Vec<_> = channels.iter().map(|channel| display_size(&headers[channel.part])).collect();
-        // All planes together, before the first of them.
+        // All planes together, before the first is allocated.
         let mut total = 0_usize;
         for &(rows, columns) in &shapes {
             let plane = limits.elements(path, "image", &[rows, columns], size_of::<f32>())?;
@@ -98,7 +98,7 @@ pub(super) fn all<R: Read + Seek>(source: R, path: &Path, limits: Limits) -> Res
         let mut buffers = Vec::new();
         for (buffer, (channel, &(rows, columns))) in channels.iter().zip(&shapes).enumerate() {
             wanted.push((channel.part, Destination { channel: channel.channel, buffer, first: 0, step: 1 }));
-            buffers.push(zeros(rows * columns, path, limits)?);
+            buffers.push(zeros(rows * columns, path)?);
         }
         fill(reader, &wanted, &mut buffers, path, limits)?;
         let mut planes = Vec::with_capacity(channels.len());
@@ -115,24 +115,24 @@ pub(super) fn rgb<R: Read + Seek>(source: R, path: &Path, limits: Limits) -> Res
         let reader = start(source, path, limits)?;
         let headers = &reader.meta_data().headers;
         let channels = names::all(headers);
-        let Some(colour) = names::colour(&channels) else { return Err(no_colour(&channels, path)) };
-        let part = channels[colour[0]].part;
+        let Some(color) = names::color(&channels) else { return Err(no_color(&channels, path)) };
+        let part = channels[color[0]].part;
         let (rows, columns) = display_size(&headers[part]);
         let count = limits.elements(path, "image", &[rows, columns, 3], size_of::<f32>())?;
-        let wanted: Vec<_> = colour
+        let wanted: Vec<_> = color
             .iter()
             .enumerate()
             .map(|(first, &index)| (part, Destination { channel: channels[index].channel, buffer: 0, first, step: 3 }))
             .collect();
-        let mut buffers = [zeros(count, path, limits)?];
+        let mut buffers = [zeros(count, path)?];
         fill(reader, &wanted, &mut buffers, path, limits)?;
         let [values] = buffers;
         Array3::from_shape_vec((rows, columns, 3), values).map_err(|error| shape_error(path, error))
     })
 }
 
-fn zeros(count: usize, path: &Path, limits: Limits) -> Result<Vec<f32>, Error> {
-    let mut values = limits.room(path, "image", count)?;
+fn zeros(count: usize, path: &Path) -> Result<Vec<f32>, Error> {
+    let mut values = Limits::room(path, "image", count)?;
     values.resize(count, 0.0);
     Ok(values)
 }
@@ -141,7 +141,8 @@ fn shape_error(path: &Path, error: ndarray::ShapeError) -> Error {
     Error::broken(path, FORMAT, error.to_string())
 }
 
-fn no_colour(channels: &[Channel], path: &Path) -> Error {
+/// The error for a file without color channels.
+fn no_color(channels: &[Channel], path: &Path) -> Error {
     const SHOWN: usize = 12;
     let mut names: Vec<&str> = channels.iter().take(SHOWN).map(|channel| channel.name.as_str()).collect();
     if channels.len() > SHOWN {
@@ -150,13 +151,13 @@ fn no_colour(channels: &[Channel], path: &Path) -> Error {
     Error::unsupported(
         path,
         format!(
-            "this EXR file has no colour: neither R, G and B of one layer nor a luminance Y, but {}",
+            "this EXR file has no color channels: neither R, G and B of one layer nor a luminance Y, but {}",
             names.join(", ")
         ),
     )
 }
 
-/// Reads all blocks that hold a wanted channel, and as little else as the order of the file allows.
+/// Reads the blocks of all parts with a wanted channel.
 fn fill<R: Read + Seek>(
     reader: Reader<R>,
     wanted: &[(usize, Destination)],
@@ -172,12 +173,12 @@ fn fill<R: Read + Seek>(
     let mut parts = Vec::with_capacity(meta.headers.len());
     let mut largest = 1;
     for (header, here) in meta.headers.iter().zip(of_parts) {
-        // Blocks of other parts are passed over, but for that the crate reads them whole.
+        // Blocks of other parts are skipped, but the crate reads each of them as a whole.
         largest = largest.max(block_bytes(header, path, limits)?);
         parts.push(if here.is_empty() { None } else { Some(Part::new(header, here, path, limits)?) });
     }
     let at_once = (BATCH_BYTES / largest).clamp(1, 4 * rayon::current_num_threads());
-    let mut chunks = reader.all_chunks(false).map_err(|error| fault(error, path, "table of blocks: "))?;
+    let mut chunks = reader.all_chunks(false).map_err(|error| read_error(error, path, "table of blocks: "))?;
     let total = chunks.expected_chunk_count();
     let mut number = 0;
     while parts.iter().flatten().any(|part| !part.is_complete()) {
@@ -185,11 +186,11 @@ fn fill<R: Read + Seek>(
         while batch.len() < at_once {
             let Some(chunk) = chunks.next() else { break };
             number += 1;
-            let chunk = chunk.map_err(|error| fault(error, path, &format!("block {number} of {total}: ")))?;
+            let chunk = chunk.map_err(|error| read_error(error, path, &format!("block {number} of {total}: ")))?;
             let header = &meta.headers[chunk.layer_index];
             let at = || format!("block {number} of {total}: ");
-            if !dwa::is_plausible(header, &chunk.compressed_block).map_err(|error| fault(error, path, &at()))? {
-                return Err(Error::broken(path, FORMAT, format!("{}it announces more than it can hold", at())));
+            if !dwa::is_plausible(header, &chunk.compressed_block).map_err(|error| read_error(error, path, &at()))? {
+                return Err(Error::broken(path, FORMAT, format!("{}it announces more than it can contain", at())));
             }
             if parts[chunk.layer_index].is_some() && is_largest_level(header, &chunk) {
                 batch.push((number, chunk));
@@ -205,7 +206,7 @@ fn fill<R: Read + Seek>(
             .map(|(number, chunk)| guarded(|| (number, UncompressedBlock::decompress_chunk(chunk, &meta, false))))
             .collect();
         for (number, block) in blocks {
-            let block = block.map_err(|error| fault(error, path, &format!("block {number} of {total}: ")))?;
+            let block = block.map_err(|error| read_error(error, path, &format!("block {number} of {total}: ")))?;
             if let Some(part) = &mut parts[block.index.layer] {
                 part.place(&block, buffers, path)?;
             }

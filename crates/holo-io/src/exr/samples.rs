@@ -1,4 +1,4 @@
-//! What a sample is in the file, and what it must not become there.
+//! The sample formats of a file, and the conversion to them.
 
 use exr::meta::attribute::SampleType;
 use half::f16;
@@ -11,30 +11,30 @@ use super::names;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum ExrSamples {
-    /// 32-bit floats: every value as it is.
+    /// 32-bit floats: exact.
     #[default]
     Float,
     /// 16-bit floats: half the size, 11 significant bits, magnitudes from 6e-8 to 65,504.
     ///
-    /// Values are rounded to the nearest, ties to even; what is nearer to 0 than 3e-8 becomes 0. Infinities and NaN stay.
-    /// A *finite* value from 65,520 on would become infinite: it is refused, not clamped, for a clamped light and an
-    /// infinite one are both wrong and neither can be told from a right one later. Whole numbers are exact up to 2048
-    /// only, so the channels of identifiers ([`is_identifier`](Self::is_identifier)) are refused too.
+    /// Values are rounded to the nearest, ties to even; values nearer to 0 than 3e-8 become 0. Infinities and NaN stay.
+    /// A *finite* value from 65,520 on would become infinite: it is an error, and not clamped, because a clamped value
+    /// could not be distinguished from a correct one. Integers are exact up to 2048 only, so channels of identifiers
+    /// ([`is_identifier`](Self::is_identifier)) are an error too.
     Half,
 }
 
 impl ExrSamples {
-    /// What Blender chooses for a file of 16-bit floats: half for colour (the components R, G, B and A), float for
-    /// everything else: depth, normals, identifiers and Cryptomatte.
+    /// Returns the format that Blender chooses for a channel of a file of 16-bit floats: `Half` for color (the
+    /// components R, G, B and A), `Float` for everything else, such as depth, normals, identifiers and Cryptomatte.
     #[must_use]
-    pub fn half_for_colour(channel: &str) -> Self {
+    pub fn half_for_color(channel: &str) -> Self {
         let (_, component) = names::split(channel);
         // Cryptomatte's components are r, g, b and a.
         if ["R", "G", "B", "A"].contains(&component) { Self::Half } else { Self::Float }
     }
 
-    /// Whether a channel of this name holds identifiers, by Blender's names: those of objects, of materials, and
-    /// Cryptomatte's.
+    /// Whether a channel of this name contains identifiers, by Blender's names for those of objects, materials and
+    /// Cryptomatte.
     #[must_use]
     pub fn is_identifier(channel: &str) -> bool {
         let (layer, component) = names::split(channel);
@@ -58,23 +58,24 @@ impl ExrSamples {
     }
 }
 
-/// The byte order of samples on their way to a codec.
+/// The byte order of the samples that a codec takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum ByteOrder {
-    /// That of the file.
+    /// Little-endian, as in the file.
     Little,
     /// That of the machine, which the codecs of the crate `exr` take.
     Native,
 }
 
-/// Memory that is used again for every line.
+/// Buffers that are reused for every line.
 #[derive(Default)]
 pub(super) struct Scratch {
     floats: Vec<f32>,
     halves: Vec<f16>,
 }
 
-/// Appends a line of samples; the error is the column of a value that cannot be in the file, and the value.
+/// Converts and appends a line of samples. The error is the column and the value of a sample that does not fit the
+/// format.
 pub(super) fn append(
     line: ArrayView1<'_, f32>,
     samples: ExrSamples,
@@ -141,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn half_is_for_colour_and_never_for_identifiers() {
+    fn half_is_for_color_and_never_for_identifiers() {
         use ExrSamples::{Float, Half};
         for (name, samples, identifier) in [
             ("ViewLayer.Combined.R", Half, false),
@@ -154,7 +155,7 @@ mod tests {
             ("id", Float, true),
             ("ViewLayer.CryptoObject00.r", Float, true),
         ] {
-            assert_eq!(ExrSamples::half_for_colour(name), samples, "{name}");
+            assert_eq!(ExrSamples::half_for_color(name), samples, "{name}");
             assert_eq!(ExrSamples::is_identifier(name), identifier, "{name}");
         }
     }

@@ -1,4 +1,4 @@
-//! An EXR that is written band by band, so that it never is in memory as a whole.
+//! A writer of EXR band by band, for images that do not fit into memory.
 
 use std::path::Path;
 
@@ -9,13 +9,13 @@ use super::write::Encoder;
 use super::{ExrCompression, ExrSamples};
 use crate::{AtomicFile, Error, FileDigest};
 
-/// Writes an EXR from top to bottom, a band of rows at a time.
+/// A writer of an EXR, from top to bottom, a band of rows at a time.
 ///
-/// Memory holds a few times 64 MiB (or a few blocks of lines, if those are more), whatever the size. How the rows are
-/// cut into bands makes no difference to the bytes of the file, nor does the number of threads.
+/// It needs a few times 64 MiB of memory (or a few blocks of lines, if those are more), whatever the size of the image.
+/// The bytes of the file depend neither on the bands nor on the number of threads.
 ///
-/// The file appears with [`finish`](Self::finish), whole; a writer that is dropped leaves nothing behind. Where `path` is
-/// a device or a pipe, in which one cannot go back to the table of blocks, the compressed file waits in memory until then.
+/// The file appears when [`finish`](Self::finish) succeeds; a writer that is dropped leaves no file. Where `path` is a
+/// device or a pipe, in which the offset table cannot be written last, the compressed file stays in memory until then.
 ///
 /// # Examples
 ///
@@ -39,7 +39,7 @@ use crate::{AtomicFile, Error, FileDigest};
 /// ```
 pub struct ExrWriter {
     file: AtomicFile,
-    /// The file so far, where it cannot be changed once it is written.
+    /// The file so far, where the output is a device or a pipe.
     whole: Option<Vec<u8>>,
     encoder: Encoder,
 }
@@ -51,14 +51,14 @@ impl std::fmt::Debug for ExrWriter {
 }
 
 impl ExrWriter {
-    /// Starts a file of `size` with the given channels: full names, such as `ViewLayer.Combined.R`, and what their samples
-    /// are. The file has them sorted by name, as the format wants it.
+    /// Starts an image of `size` with the given channels: full names, such as `ViewLayer.Combined.R`, and sample
+    /// formats. The file contains them sorted by name, as the format requires.
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if there is no channel or no pixel, if names repeat, are empty, longer than 255 bytes or contain
-    /// a NUL, if identifiers are to be [`Half`](ExrSamples::Half), or if one block of lines would exceed 2 GiB;
-    /// [`Error::Io`] if the file cannot be written.
+    /// [`Error::BadInput`] if there is no channel or no pixel, if names repeat, are empty, longer than 255 bytes or
+    /// contain a NUL, if a channel of identifiers is [`Half`](ExrSamples::Half), or if one block of lines would exceed
+    /// 2 GiB; [`Error::Io`] if the file cannot be written.
     pub fn create(
         path: impl AsRef<Path>,
         size: GridSize,
@@ -66,13 +66,13 @@ impl ExrWriter {
         compression: ExrCompression,
     ) -> Result<Self, Error> {
         let path = path.as_ref();
-        // In memory first, so that what cannot be written touches no file.
+        // Into memory first, so that invalid arguments create no file.
         let mut start = Vec::new();
         let encoder = Encoder::new(size, channels, compression, path, &mut start)?;
         let mut file = AtomicFile::create(path)?;
         let mut whole = None;
         if file.is_temporary() {
-            // The table is known only at the end.
+            // The offset table is known at the end only.
             file.hash_at_commit();
             std::io::Write::write_all(&mut file, &start).map_err(|error| Error::io("write", path, error))?;
         } else {
@@ -89,9 +89,9 @@ impl ExrWriter {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if the planes do not fit, if there are more rows than the image has, or if a finite value is too
-    /// large for [`ExrSamples::Half`]; [`Error::Io`] if the file cannot be written. After an error the file cannot be
-    /// finished.
+    /// [`Error::BadInput`] if number or size of the planes are wrong, if there are more rows than the image has left,
+    /// or if a finite value is too large for [`ExrSamples::Half`]; [`Error::Io`] if the file cannot be written. After
+    /// an error the file cannot be finished.
     pub fn write_rows(&mut self, planes: &[ArrayView2<'_, f32>]) -> Result<(), Error> {
         let path = self.file.path().to_owned();
         match &mut self.whole {
@@ -100,14 +100,12 @@ impl ExrWriter {
         }
     }
 
-    /// Completes the file, and gives it its name.
-    ///
-    /// The digest is that of the whole file, which is read once for it.
+    /// Completes the file and renames it to its path. The file is read once for its digest.
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if rows are missing; [`Error::Io`] if the file cannot be written. No file of that name appears
-    /// then, and an older one stays.
+    /// [`Error::BadInput`] if rows are missing; [`Error::Io`] if the file cannot be written. No file of that name
+    /// appears then, and an older one stays.
     pub fn finish(self) -> Result<FileDigest, Error> {
         let Self { mut file, whole, encoder } = self;
         let path = file.path().to_owned();

@@ -1,7 +1,7 @@
-//! One part of scanlines as it comes, top to bottom: blocks are compressed side by side and put down in their order.
+//! The encoder of one part of scanlines, top to bottom: blocks are compressed in parallel and written in order.
 //!
-//! The table of where the blocks begin lies in front of them, but is known only behind the last. So the file begins with
-//! an empty table, and whoever holds the file puts the true one into its place.
+//! The offset table of the blocks comes before them in the file, but is known after the last one. So the file begins
+//! with an empty table, and the caller overwrites it at the end.
 
 use std::io::{Cursor, Write};
 use std::ops::Range;
@@ -17,26 +17,26 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use super::samples::{self, Scratch};
 use super::{ExrCompression, ExrSamples};
 use crate::Error;
-use crate::net::{catch, guarded};
+use crate::panic_guard::{catch, guarded};
 
-/// What the format allows in a channel's name.
+/// Maximum length of the name of a channel in the format.
 const MAX_NAME_BYTES: usize = 255;
 
-/// Blocks that wait to be compressed take at most this many bytes, if it is more than one.
+/// Maximum size of the blocks that wait for compression, in bytes, unless one block is larger.
 const BATCH_BYTES: usize = 64 << 20;
 
 /// A channel in the order of the file.
 struct Channel {
-    /// Its place in the order of the caller.
+    /// Its index in the order of the caller.
     place: usize,
     name: String,
     samples: ExrSamples,
 }
 
-/// Sorts the channels by name, as the format wants them, and refuses what cannot be written.
+/// Sorts the channels by name, as the format requires, and checks sizes and names.
 fn check(size: GridSize, channels: &[(&str, ExrSamples)], path: &Path) -> Result<Vec<Channel>, Error> {
     let bad = |what: String| Error::bad_input(path, what);
-    // The format's own bound, half the range of its 32-bit coordinates.
+    // The bound of the format: half the range of its 32-bit coordinates.
     let most = (i32::MAX / 2) as usize;
     if !(1..most).contains(&size.rows) || !(1..most).contains(&size.columns) {
         return Err(bad(format!("an image of {} x {} pixels cannot be an EXR", size.columns, size.rows)));
@@ -64,24 +64,24 @@ fn check(size: GridSize, channels: &[(&str, ExrSamples)], path: &Path) -> Result
     Ok(sorted)
 }
 
-/// A file on its way.
+/// The encoder of one file.
 pub(super) struct Encoder {
     channels: Vec<Channel>,
     compression: ExrCompression,
     headers: Headers,
     size: GridSize,
     line_bytes: usize,
-    /// Rows that were taken.
+    /// Number of rows that were written.
     rows: usize,
-    /// Whole blocks that wait to be compressed, and the one that is not whole yet.
+    /// Complete blocks that wait for compression, and the incomplete one.
     waiting: Vec<Vec<u8>>,
     block: Vec<u8>,
     at_once: usize,
-    /// Where the table is in the file, what it is to hold, and where the next block begins.
+    /// Position of the offset table in the file, its entries so far, and the position of the next block.
     table_at: usize,
     table: Vec<u64>,
     position: u64,
-    /// After a failure nobody knows which rows are in the file.
+    /// Set by an error, after which the rows in the file are unknown.
     has_failed: bool,
 }
 
@@ -110,7 +110,7 @@ impl Encoder {
             return Err(Error::bad_input(path, what));
         };
         let describe = |channel: &Channel| {
-            // The crate's own conversion takes Latin-1 only; the format stores bytes, in practice UTF-8.
+            // The conversion of the crate accepts Latin-1 only; the format stores bytes, in practice UTF-8.
             ChannelDescription::new(Text::from_slice_unchecked(channel.name.as_bytes()), channel.samples.kind(), false)
         };
         let descriptions = channels.iter().map(describe).collect();
@@ -139,7 +139,7 @@ impl Encoder {
         })
     }
 
-    /// Takes the next rows: one plane a channel, in the caller's order.
+    /// Writes the next rows: one plane a channel, in the order of the caller.
     pub fn write_rows(
         &mut self,
         planes: &[ArrayView2<'_, f32>],
@@ -186,7 +186,7 @@ impl Encoder {
         let lines = self.compression.lines();
         let mut row = 0;
         while row < rows {
-            // Pieces that end where blocks end.
+            // Pieces that end at the ends of blocks.
             let mut pieces = Vec::new();
             while row < rows && pieces.len() < self.at_once {
                 let end = rows.min(row + lines - (self.rows + row) % lines);
@@ -210,18 +210,18 @@ impl Encoder {
                     self.compress(path, out)?;
                 }
             }
-            debug_assert!(row > first, "every turn takes rows");
+            debug_assert!(row > first, "every iteration takes rows");
         }
         self.rows += rows;
         Ok(())
     }
 
-    /// The row with which the block begins that is being filled.
+    /// The first row of the incomplete block.
     fn first_of_block(&self) -> usize {
         (self.table.len() + self.waiting.len()) * self.compression.lines()
     }
 
-    /// The samples of some rows as a block has them.
+    /// Returns the samples of some rows in the order of a block.
     fn gather(&self, planes: &[ArrayView2<'_, f32>], rows: Range<usize>, path: &Path) -> Result<Vec<u8>, Error> {
         let order = self.compression.byte_order();
         let mut scratch = Scratch::default();
@@ -244,7 +244,7 @@ impl Encoder {
         Ok(bytes)
     }
 
-    /// Compresses and writes the blocks that wait.
+    /// Compresses and writes the waiting blocks.
     fn compress(&mut self, path: &Path, out: &mut impl Write) -> Result<(), Error> {
         let (lines, compression, headers) = (self.compression.lines(), self.compression, self.headers.as_slice());
         let first = self.table.len();
@@ -268,7 +268,7 @@ impl Encoder {
         Ok(())
     }
 
-    /// Writes what waits, and returns what belongs at which place of the file.
+    /// Writes the waiting blocks. Returns the position and the bytes of the offset table, which the caller overwrites.
     pub fn finish(mut self, path: &Path, out: &mut impl Write) -> Result<(usize, Vec<u8>), Error> {
         if self.has_failed {
             return Err(Error::bad_input(path, "the image is not complete: a band of rows could not be written"));
@@ -286,17 +286,17 @@ fn failed(path: &Path, text: &str) -> Error {
     Error::bad_input(path, format!("the EXR encoder failed: {text}"))
 }
 
-/// The bytes of a file up to its first block, the table being empty.
+/// The bytes of a file up to its first block, with an empty offset table.
 fn head(headers: &Headers, path: &Path) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
     let outcome = catch(|| {
-        // The crate writes a header only as the beginning of a whole file, so that is stopped behind it.
+        // The crate writes a header only as the beginning of a file, so writing the file is aborted after it.
         exr::block::write(Cursor::new(&mut bytes), headers.clone(), true, |_, _| Err(exr::error::Error::Aborted))
     });
     match outcome {
         Ok(Err(exr::error::Error::Aborted)) => Ok(bytes),
         Ok(Err(error)) => Err(failed(path, &error.to_string())),
-        Ok(Ok(())) => Err(failed(path, "a file without blocks was complete")),
+        Ok(Ok(())) => Err(failed(path, "it completed a file without blocks")),
         Err(text) => Err(failed(path, &text)),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::GantryPosition;
 
-/// What a name says.
+/// The contents of a file name.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Name {
     pub(super) row: usize,
@@ -11,7 +11,7 @@ pub(super) struct Name {
 }
 
 impl Name {
-    /// Reads a name; `None` for other files.
+    /// Parses a file name; `None` for other files.
     pub(super) fn parse(name: &str) -> Option<Self> {
         let (stem, extension) = name.rsplit_once('.')?;
         if !extension.eq_ignore_ascii_case("png") {
@@ -25,12 +25,12 @@ impl Name {
     }
 }
 
-/// Digits only: `parse` alone would take a sign.
+/// Parses digits; `parse` alone would accept a sign.
 fn index(text: &str) -> Option<usize> {
     text.bytes().all(|byte| byte.is_ascii_digit()).then(|| text.parse().ok()).flatten()
 }
 
-/// A decimal number; `parse` alone would take words such as `nan`.
+/// Parses a decimal number; `parse` alone would accept words such as `nan`.
 fn coordinate(text: &str) -> Option<f64> {
     let plain = text.bytes().all(|byte| byte.is_ascii_digit() || b"+-.eE".contains(&byte));
     plain.then(|| text.parse().ok()).flatten().filter(|value: &f64| value.is_finite())
@@ -41,7 +41,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_names_of_the_archive_are_read() {
+    fn the_names_of_the_archive_are_parsed() {
         for (name, row, column, y, x) in [
             ("out_00_00_-381.909271_1103.376221.png", 0, 0, -381.909271, 1103.376221),
             ("out_00_10_-383.248383_1017.387878.png", 0, 10, -383.248383, 1017.387878),

@@ -1,7 +1,6 @@
-//! An HCI folder that is read.
+//! The reader of HCI folders.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use holo_core::{DynImage, DynLightField, GridSize, Layout, LightFieldOwned, LightFieldShape, Rig};
@@ -11,24 +10,29 @@ use rayon::prelude::*;
 use super::names::Name;
 use super::{FORMAT, HciQuantity, HciResolution};
 use crate::names::PARAMETERS_CFG;
-use crate::views::Views;
-use crate::{Error, Limits, ParametersCfg, read_pfm_grey, read_pfm_info};
+use crate::views::{Views, files_by_key, has_file};
+use crate::{Error, Limits, ParametersCfg, read_pfm_gray, read_pfm_info};
 
-/// An HCI folder: its parameters, and where its views and its ground truth are.
+/// An [HCI folder](super), opened for reading.
 ///
-/// Opening reads `parameters.cfg` and the names of the files; pixels are read when they are asked for.
+/// [`open`](Self::open) reads `parameters.cfg` and the names of the files; the other methods read pixels.
 ///
 /// # Examples
 ///
 /// ```
-/// use holo_core::{DynLightField, GridSize, Layout, LightField, LightFieldShape, Rig};
+/// use holo_core::{DynLightField, GridSize, Layout, LightField, Rig, LightFieldShape};
 /// use holo_io::{Compression, HciFolder, HciImage, HciTruth, Limits, ParametersCfg};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// # let path = folder.path();
-/// let shape = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
-/// let rig = Rig::builder(shape).focal_length_m(0.1).sensor_size_m(0.035).baseline_m(0.025).focus_distance_m(4.25).build()?;
-/// let light_field = LightField::filled(shape, 3, Layout::ElementalGrid, 7_u8)?;
+/// let split = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
+/// let rig = Rig::builder(split)
+///     .focal_length_m(0.1)
+///     .sensor_size_m(0.035)
+///     .baseline_m(0.025)
+///     .focus_distance_m(4.25)
+///     .build()?;
+/// let light_field = LightField::filled(split, 3, Layout::ElementalGrid, 7_u8)?;
 /// let image = HciImage {
 ///     views: light_field.as_light_field_ref().into(),
 ///     parameters: &ParametersCfg::from_rig(&rig),
@@ -47,7 +51,7 @@ pub struct HciFolder {
     path: PathBuf,
     parameters: ParametersCfg,
     shape: LightFieldShape,
-    /// One file a view, in reading order.
+    /// One file a view, view row by view row.
     views: Vec<PathBuf>,
     truth: BTreeMap<Name, PathBuf>,
 }
@@ -55,16 +59,16 @@ pub struct HciFolder {
 impl HciFolder {
     /// Opens a folder: reads its `parameters.cfg` and checks that there is a file for every view.
     ///
-    /// Keys that do not make the rig may be missing, and so may all ground truth. Other files do not matter.
+    /// Keys that do not belong to the rig may be missing, and so may ground truth. Other files are ignored.
     ///
     /// # Errors
     ///
-    /// Those of [`ParametersCfg::read`]; [`Error::Io`] if the folder cannot be listed; [`Error::Core`] if the parameters
-    /// make no image; [`Error::Broken`] if a view is missing or has two files, such as `input_Cam007.png` and
-    /// `input_Cam0007.png`.
+    /// Those of [`ParametersCfg::read`]; [`Error::Io`] if the folder cannot be listed; [`Error::Core`] if the numbers
+    /// of views or pixels are invalid; [`Error::Broken`] if a view is missing or has two files, such as
+    /// `input_Cam007.png` and `input_Cam0007.png`.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        // First, because a folder without it is unfinished, whatever else is there.
+        // First, because a folder without it is unfinished.
         let parameters_path = path.join(PARAMETERS_CFG);
         let parameters = ParametersCfg::read(&parameters_path)?;
         let shape = LightFieldShape::new(parameters.num_cams, parameters.image_resolution_px)
@@ -79,7 +83,7 @@ impl HciFolder {
                     path,
                     FORMAT,
                     format!(
-                        "there is no {}, the view in row {}, column {} of the {columns} x {} that {} speaks of",
+                        "there is no {}, the view in row {}, column {} of the {columns} x {} that {} specifies",
                         Name::View(index),
                         index / columns,
                         index % columns,
@@ -94,64 +98,57 @@ impl HciFolder {
         Ok(Self { path: path.to_owned(), parameters, shape, views, truth: files })
     }
 
-    /// Whether there is at least one file whose name is that of a view.
+    /// Whether the folder has at least one file with the name of a view.
     pub(crate) fn has_views(path: &Path) -> Result<bool, Error> {
-        let failed = |source| Error::io("list", path, source);
-        for entry in fs::read_dir(path).map_err(failed)? {
-            let name = entry.map_err(failed)?.file_name();
-            if matches!(name.to_str().and_then(Name::parse), Some(Name::View(_))) {
-                return Ok(true);
-            }
-        }
-        Ok(false)
+        has_file(path, |name| matches!(Name::parse(name), Some(Name::View(_))))
     }
 
-    /// Returns the folder's own path.
+    /// Returns the path of the folder.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Returns all that `parameters.cfg` says.
+    /// Returns the contents of `parameters.cfg`.
     #[must_use]
     pub const fn parameters(&self) -> &ParametersCfg {
         &self.parameters
     }
 
-    /// Returns the number of views and lenses.
+    /// Returns the numbers of views and microlenses.
     #[must_use]
     pub const fn shape(&self) -> LightFieldShape {
         self.shape
     }
 
-    /// Returns the rig, as far as the file knows it: see [what the HCI tools do not know](super).
+    /// Returns the rig of `parameters.cfg`; see the extensions of [the format](super).
     ///
     /// # Errors
     ///
-    /// [`Error::Core`] if its numbers make no rig, such as a focal length of 0. The images can be read all the same.
+    /// [`Error::Core`] if its numbers make no rig, such as a focal length of 0. The images can be read nevertheless.
     pub fn rig(&self) -> Result<Rig, Error> {
         self.parameters.rig().map_err(|error| error.about(&self.path.join(PARAMETERS_CFG)))
     }
 
     /// Reads all views.
     ///
-    /// Views may be grey or RGB, of 8 or 16 bits, but all alike. An alpha channel is dropped: colours stay as they are
-    /// stored, also where they are transparent.
+    /// Views may be gray or RGB, of 8 or 16 bits, but all the same. An alpha channel is dropped; the color values stay
+    /// as they are stored, also where alpha is 0.
     ///
     /// # Shape
     ///
-    /// `(v, u, t, s, c)` with 1 or 3 channels; in memory a viewpoint grid.
+    /// `(v, u, t, s, c)` with 1 or 3 channels; in memory a sub-aperture image array.
     ///
     /// # Errors
     ///
-    /// Those of [`read_png`](crate::read_png); [`Error::Broken`] if a view has another size than the parameters say, or
-    /// is of another kind than the first one; [`Error::TooLarge`] if the samples of all views exceed the limits, before
-    /// memory is taken for them.
+    /// Those of [`read_png`](crate::read_png); [`Error::Broken`] if the size of a view is not that of the parameters,
+    /// or if its channels or bits differ from the first view; [`Error::TooLarge`] if the samples of all views exceed
+    /// the limits, before memory is allocated for them.
     pub fn read(&self, limits: &Limits) -> Result<DynLightField, Error> {
         self.files().read(limits)
     }
 
-    /// Reads view `(t, s)` alone.
+    /// Reads the view `(t, s)`.
     ///
     /// # Shape
     ///
@@ -159,15 +156,15 @@ impl HciFolder {
     ///
     /// # Errors
     ///
-    /// [`Error::Core`] if there is no such view; those of [`read_png`](crate::read_png); [`Error::Broken`] if the view
-    /// has not the size that the parameters say.
+    /// [`Error::Core`] if there is no such view; those of [`read_png`](crate::read_png); [`Error::Broken`] if the size
+    /// of the view is not that of the parameters.
     pub fn read_view(&self, t: usize, s: usize, limits: &Limits) -> Result<DynImage, Error> {
         self.files().read_one(self.index(t, s)?, limits)
     }
 
-    /// Reads a map of the central view, or returns `None` if there is no file of it.
+    /// Reads a ground truth map of the central view, or returns `None` if it has no file.
     ///
-    /// Where the map has no file of its own, that of the central one among all views is taken.
+    /// Without a file for the central view alone, the numbered file of the central view is read.
     ///
     /// # Shape
     ///
@@ -175,7 +172,7 @@ impl HciFolder {
     ///
     /// # Errors
     ///
-    /// Those of [`read_pfm_grey`]; [`Error::Broken`] if a map of low resolution has not the size of a view.
+    /// Those of [`read_pfm_gray`]; [`Error::Broken`] if a map of low resolution does not have the size of a view.
     pub fn central_truth(
         &self,
         quantity: HciQuantity,
@@ -189,7 +186,7 @@ impl HciFolder {
         }
     }
 
-    /// Reads the map of view `(t, s)`, or returns `None` if there is no file of it.
+    /// Reads the ground truth map of the view `(t, s)`, or returns `None` if it has no file.
     ///
     /// # Shape
     ///
@@ -211,7 +208,7 @@ impl HciFolder {
         file.map(|file| self.read_truth(file, resolution, limits)).transpose()
     }
 
-    /// Reads the maps of low resolution of all views, or returns `None` unless every view has one.
+    /// Reads the ground truth maps of low resolution of all views, or returns `None` unless every view has one.
     ///
     /// # Shape
     ///
@@ -220,7 +217,7 @@ impl HciFolder {
     /// # Errors
     ///
     /// As [`HciFolder::central_truth`]; [`Error::TooLarge`] if all maps together exceed the limits, before memory is
-    /// taken for them.
+    /// allocated for them.
     pub fn truth_of_all_views(
         &self,
         quantity: HciQuantity,
@@ -250,12 +247,12 @@ impl HciFolder {
                 file,
                 FORMAT,
                 format!(
-                    "it has {} x {} pixels, but {} says {} x {}",
+                    "it has {} x {} pixels, but {} specifies {} x {}",
                     found.columns, found.rows, PARAMETERS_CFG, view.columns, view.rows
                 ),
             ));
         }
-        let map = read_pfm_grey(file, limits)?;
+        let map = read_pfm_gray(file, limits)?;
         match GridSize::new(map.nrows(), map.ncols()) == found {
             true => Ok(map),
             false => Err(Error::broken(file, FORMAT, "it changed while it was read")),
@@ -276,25 +273,8 @@ impl HciFolder {
     }
 }
 
-/// The files of a folder that have a meaning in it.
+/// The files of a folder that belong to the format.
 pub(super) fn files(folder: &Path) -> Result<BTreeMap<Name, PathBuf>, Error> {
-    let failed = |source| Error::io("list", folder, source);
-    let mut files: BTreeMap<Name, PathBuf> = BTreeMap::new();
-    for entry in fs::read_dir(folder).map_err(failed)? {
-        let path = entry.map_err(failed)?.path();
-        let Some(name) = path.file_name().and_then(|name| name.to_str()).and_then(Name::parse) else { continue };
-        if let Some(other) = files.insert(name, path.clone()) {
-            // Which comes first is up to the file system; the message is not.
-            let [mut first, mut second] = [other, path];
-            if second < first {
-                std::mem::swap(&mut first, &mut second);
-            }
-            return Err(Error::broken(
-                &second,
-                FORMAT,
-                format!("{} has the same number; remove the one that does not belong here", first.display()),
-            ));
-        }
-    }
-    Ok(files)
+    let files = files_by_key(folder, FORMAT, "has the same number", |name| Some((Name::parse(name)?, ())))?;
+    Ok(files.into_iter().map(|(name, (path, ()))| (name, path)).collect())
 }

@@ -6,12 +6,12 @@ const VIEW: &str = "input_Cam";
 const TRUTH: &str = "gt_";
 const CAMERA: &str = "_Cam";
 
-/// What a file is, by its name.
+/// A file of an HCI folder, by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub(super) enum Name {
     /// The image of a view.
     View(usize),
-    /// A map of ground truth, of one view or of the central one.
+    /// A ground truth map: of one view, or without a number of the central one.
     Truth { depth: bool, high: bool, view: Option<usize> },
 }
 
@@ -20,7 +20,7 @@ impl Name {
         Self::Truth { depth: quantity == HciQuantity::Depth, high: resolution == HciResolution::High, view }
     }
 
-    /// Reads a name; `None` for other files.
+    /// Parses a file name; `None` for other files.
     pub(super) fn parse(name: &str) -> Option<Self> {
         if let Some(number) = name.strip_prefix(VIEW).and_then(|rest| rest.strip_suffix(".png")) {
             return Some(Self::View(index(number)?));
@@ -56,7 +56,7 @@ impl std::fmt::Display for Name {
     }
 }
 
-/// Digits only: `parse` alone would take a sign.
+/// Parses digits; `parse` alone would accept a sign.
 fn index(number: &str) -> Option<usize> {
     number.bytes().all(|byte| byte.is_ascii_digit()).then(|| number.parse().ok()).flatten()
 }
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn any_number_of_leading_zeros_is_read_and_nothing_else() {
+    fn any_number_of_leading_zeros_is_parsed_and_nothing_else() {
         for text in ["input_Cam7.png", "input_Cam07.png", "input_Cam0007.png"] {
             assert_eq!(Name::parse(text), Some(Name::View(7)));
         }

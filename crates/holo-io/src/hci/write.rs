@@ -1,4 +1,4 @@
-//! An HCI folder that is written.
+//! The writer of HCI folders.
 
 use std::fs;
 use std::path::Path;
@@ -13,49 +13,49 @@ use super::{HciQuantity, HciResolution};
 use crate::names::PARAMETERS_CFG;
 use crate::{ColorEncoding, Compression, Error, FileDigest, ParametersCfg, write_pfm, write_png};
 
-/// Depth or disparity of low resolution.
+/// A ground truth map of low resolution, or none.
 #[derive(Debug, Clone, Copy)]
 pub enum HciTruth<'a> {
-    /// It is not known.
+    /// No ground truth.
     None,
     /// Of the central view, `(v, u)`.
     Central(ArrayView2<'a, f32>),
-    /// Of all views, `(v, u, t, s, 1)`. The central view gets a file of its own beside its numbered one.
+    /// Of all views, `(v, u, t, s, 1)`. The central view gets an additional file without a number.
     All(LightFieldRef<'a, f32>),
 }
 
-/// What is to be written as an [HCI folder](super).
+/// The contents of an [HCI folder](super) that is to be written.
 #[derive(Debug, Clone, Copy)]
 pub struct HciImage<'a> {
-    /// The images of all views, `(v, u, t, s, c)` with 1 to 4 channels of 8 or 16 bits; any strides. The HCI tools expect 3
-    /// channels of 8 bits.
+    /// The images of all views, `(v, u, t, s, c)` with 1 to 4 channels of 8 or 16 bits; any strides. The HCI tools
+    /// expect 3 channels of 8 bits.
     pub views: DynLightFieldRef<'a>,
-    /// The rig and the rest of `parameters.cfg`, as it will be written.
+    /// The contents of `parameters.cfg`.
     pub parameters: &'a ParametersCfg,
     /// Disparity in pixels between horizontally adjacent views.
     pub disparity_px: HciTruth<'a>,
-    /// Planar depth in metres.
+    /// Planar depth in meters.
     pub depth_m: HciTruth<'a>,
 }
 
 impl<'a> HciImage<'a> {
-    /// Returns the names of all files: views, ground truth, and at last `parameters.cfg`.
+    /// Returns the names of all files: views, ground truth, and last `parameters.cfg`.
     #[must_use]
     pub fn file_names(&self) -> Vec<String> {
         let names = self.names().into_iter().map(|name| name.to_string());
         names.chain([PARAMETERS_CFG.to_owned()]).collect()
     }
 
-    /// Writes the files into a folder that exists, on all threads, and returns their names with size and digest, in the
+    /// Writes the files into an existing folder, in parallel, and returns their names with size and digest, in the
     /// order of [`HciImage::file_names`].
     ///
-    /// An older `parameters.cfg` is removed first and the new one written last, so the folder does not look complete
-    /// before it is. Files of the same names are replaced; all others stay.
+    /// An older `parameters.cfg` is removed first and the new one is written last, so that the folder is not read
+    /// before it is complete. Files of the same names are replaced; all others stay.
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if the parameters or the ground truth are for other views or pixels than the pictures, or if
-    /// the folder holds views or ground truth that would stay and be taken for a part of this image; then nothing is
+    /// [`Error::BadInput`] if the numbers of views or pixels of the parameters or the ground truth are not those of the
+    /// views, or if the folder contains views or ground truth of another image that would stay; then nothing is
     /// written. Those of [`write_png`], [`write_pfm`] and [`ParametersCfg::write`]; then there is no `parameters.cfg`,
     /// and files that were finished before stay.
     pub fn write(
@@ -66,7 +66,7 @@ impl<'a> HciImage<'a> {
         let folder = folder.as_ref();
         self.check(folder)?;
         let parameters = folder.join(PARAMETERS_CFG);
-        // What cannot be written as text should be noticed before a thousand views are.
+        // Before any view is written.
         self.parameters.to_text().map_err(|error| at(&parameters, error))?;
         match fs::remove_file(&parameters) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
@@ -94,7 +94,7 @@ impl<'a> HciImage<'a> {
         [(HciQuantity::Disparity, self.disparity_px), (HciQuantity::Depth, self.depth_m)]
     }
 
-    /// All names but that of the parameters.
+    /// All names except that of the parameters.
     fn names(&self) -> Vec<Name> {
         let count = self.shape().views().count();
         let mut names: Vec<Name> = (0..count).map(Name::View).collect();
@@ -116,7 +116,7 @@ impl<'a> HciImage<'a> {
         let ParametersCfg { num_cams, image_resolution_px, .. } = *self.parameters;
         if (num_cams, image_resolution_px) != (views, lenses) {
             return bad(format!(
-                "the parameters are for {}, the pictures are {}",
+                "the parameters specify {}, the images are {}",
                 in_words(num_cams, image_resolution_px),
                 in_words(views, lenses)
             ));
@@ -133,7 +133,7 @@ impl<'a> HciImage<'a> {
                 }
                 HciTruth::All(maps) if maps.shape() != shape || maps.channels() != 1 => {
                     return bad(format!(
-                        "the {quantity} is {} with {} channels, the pictures are {}; a map has 1 channel",
+                        "the {quantity} is {} with {} channels, the images are {}; a map has 1 channel",
                         in_words(maps.shape().views(), maps.shape().lenses()),
                         maps.channels(),
                         in_words(views, lenses)
@@ -145,14 +145,14 @@ impl<'a> HciImage<'a> {
         self.check_leftovers(folder)
     }
 
-    /// Refuses a folder with files that a reader would take for a part of this image.
+    /// Refuses a folder with files of another image that a reader would read as part of this one.
     fn check_leftovers(&self, folder: &Path) -> Result<(), Error> {
         let ours: std::collections::BTreeSet<String> = self.file_names().into_iter().collect();
         for path in files(folder)?.into_values() {
             if path.file_name().and_then(|name| name.to_str()).is_some_and(|name| !ours.contains(name)) {
                 return Err(Error::bad_input(
                     &path,
-                    "this file of another image would stay beside the new ones; remove it or choose another folder",
+                    "this file of another image would stay among the new ones; remove it or choose another folder",
                 ));
             }
         }
@@ -161,19 +161,21 @@ impl<'a> HciImage<'a> {
 
     fn write_one(&self, name: Name, path: &Path, compression: Compression) -> Result<FileDigest, Error> {
         let GridSize { columns, .. } = self.shape().views();
-        let fault = |error| Error::core(path, error);
+        let failed = |error| Error::core(path, error);
         match name {
             Name::View(index) => {
                 let (t, s) = (index / columns, index % columns);
                 let view: DynImageRef<'_> =
-                    for_each_sample!(DynLightFieldRef, &self.views, views => views.view(t, s).map_err(fault)?.into());
+                    for_each_sample!(DynLightFieldRef, &self.views, views => views.view(t, s).map_err(failed)?.into());
                 write_png(path, view, ColorEncoding::Srgb, compression)
             }
             Name::Truth { depth, view, .. } => {
                 let (t, s) = view.map_or(self.shape().central_view(), |index| (index / columns, index % columns));
                 match if depth { self.depth_m } else { self.disparity_px } {
                     HciTruth::Central(map) => write_pfm(path, map),
-                    HciTruth::All(maps) => write_pfm(path, maps.view(t, s).map_err(fault)?.index_axis_move(Axis(2), 0)),
+                    HciTruth::All(maps) => {
+                        write_pfm(path, maps.view(t, s).map_err(failed)?.index_axis_move(Axis(2), 0))
+                    }
                     HciTruth::None => Err(Error::bad_input(path, "there is no ground truth to write")),
                 }
             }
@@ -181,7 +183,7 @@ impl<'a> HciImage<'a> {
     }
 }
 
-/// The same error about a file instead of memory.
+/// The same error with the path of a file.
 fn at(path: &Path, error: Error) -> Error {
     match error {
         Error::BadInput { what, .. } => Error::bad_input(path, what),

@@ -10,7 +10,7 @@ use crate::rig_values::RigValues;
 /// The version of the layout.
 const LAYOUT: &str = "holo light field 1";
 
-/// Attributes hold a handful of numbers; more is not looked at.
+/// Maximum number of numbers of an attribute that is read.
 const MAX_NUMBERS: usize = 16;
 
 fn text(at: &Location, name: &str, text: &str) -> ::hdf5::Result<()> {
@@ -26,7 +26,7 @@ fn number(at: &Location, name: &str, value: f64) -> ::hdf5::Result<()> {
     at.new_attr_builder().with_data(aview0(&value)).create(name).map(|_| ())
 }
 
-/// Writes what is known of the whole file.
+/// Writes the attributes of the file: layout, counts and rig.
 pub(super) fn write_rig(file: &Location, rig: &holo_core::Rig) -> ::hdf5::Result<()> {
     let values = RigValues::from(rig);
     let (views, lenses) = (rig.shape().views(), rig.shape().lenses());
@@ -41,9 +41,9 @@ pub(super) fn write_rig(file: &Location, rig: &holo_core::Rig) -> ::hdf5::Result
     text(file, "projection", values.projection)
 }
 
-/// Names the axes of a dataset and its unit.
+/// Writes axes, unit and dimension labels of a dataset.
 ///
-/// The labels are what `H5DSset_label` of the library's high-level part would write, which the binding does not have.
+/// The labels are those that `H5DSset_label` of the high-level library writes, which the binding does not have.
 pub(super) fn write_axes(dataset: &Location, axes: &str, units: &str) -> ::hdf5::Result<()> {
     text(dataset, "axes", axes)?;
     text(dataset, "units", units)?;
@@ -52,7 +52,7 @@ pub(super) fn write_axes(dataset: &Location, axes: &str, units: &str) -> ::hdf5:
     numbers(dataset, "DIMENSION_LABELS", &labels)
 }
 
-/// Reads a text, if there is one.
+/// Reads a text attribute; `None` if there is none.
 pub(super) fn read_word(at: &Location, name: &str) -> ::hdf5::Result<Option<String>> {
     if !at.attr_names()?.iter().any(|own| own == name) {
         return Ok(None);
@@ -61,7 +61,7 @@ pub(super) fn read_word(at: &Location, name: &str) -> ::hdf5::Result<Option<Stri
     read_text(&attribute)
 }
 
-/// Reads a few numbers of any type, if there are any.
+/// Reads the numbers of an attribute of any number type; `None` if there is none.
 pub(super) fn read_numbers(at: &Location, name: &str) -> ::hdf5::Result<Option<Vec<f64>>> {
     if !at.attr_names()?.iter().any(|own| own == name) {
         return Ok(None);

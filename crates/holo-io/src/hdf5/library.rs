@@ -1,4 +1,4 @@
-//! The seam to the C library: opening, creating, and what its errors mean.
+//! The interface to the C library: opening and creating files, converting errors.
 
 use std::io;
 use std::path::Path;
@@ -9,10 +9,10 @@ use ::hdf5::{Container, File};
 use super::FORMAT;
 use crate::Error;
 
-/// The longest text of fixed length that is read.
+/// Maximum length of a text of fixed length that is read.
 const MAX_TEXT: usize = 256;
 
-/// What was being done when the library failed.
+/// The operation during which the library failed.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Failure<'a> {
     pub(crate) path: &'a Path,
@@ -20,10 +20,10 @@ pub(crate) struct Failure<'a> {
 }
 
 impl Failure<'_> {
-    /// Sorts an error of the library by who is at fault: the operating system, or the file.
+    /// Converts an error of the library to one of the operating system or of the file.
     pub(crate) fn error(self, error: ::hdf5::Error) -> Error {
         let action = if self.is_writing { "write" } else { "read" };
-        // The system's number stands in the words of the innermost part.
+        // The message of the innermost function contains the error number of the system.
         let frames = error.stack().map(|stack| stack.iter().map(|frame| frame.desc().to_owned()).collect::<Vec<_>>());
         let number = frames.iter().flatten().find_map(|text| system_error(text));
         if let Some(number) = number {
@@ -31,7 +31,7 @@ impl Failure<'_> {
         }
         let what = error.to_string();
         if self.is_writing {
-            return Error::io(action, self.path, io::Error::other(format!("the HDF5 library says: {what}")));
+            return Error::io(action, self.path, io::Error::other(format!("error of the HDF5 library: {what}")));
         }
         Error::broken(self.path, FORMAT, what)
     }
@@ -44,12 +44,13 @@ fn system_error(text: &str) -> Option<i32> {
     rest[..digits].parse().ok().filter(|&number| number > 0)
 }
 
-/// Creates a file under a name that exists already: the library empties it.
+/// Creates a file at a path that exists already; the library truncates it.
 ///
-/// `user_block` bytes stay free in front; `oldest` asks for the oldest structures, which MATLAB reads.
-pub(crate) fn create(place: &Path, user_block: u64, oldest: bool) -> ::hdf5::Result<File> {
+/// The file begins with a user block of `user_block` bytes; with `oldest` it has the oldest structures, which MATLAB
+/// reads.
+pub(crate) fn create(path: &Path, user_block: u64, oldest: bool) -> ::hdf5::Result<File> {
     File::with_options()
-        // The temporary file has a lock already, of which the library knows nothing.
+        // The temporary file is locked by this process already.
         .with_fapl(|access| {
             access.file_locking(false);
             if oldest {
@@ -57,14 +58,14 @@ pub(crate) fn create(place: &Path, user_block: u64, oldest: bool) -> ::hdf5::Res
             }
             access
         })
-        // The root is an object too, and would hold the time.
+        // The root group would contain a time too.
         .with_fcpl(|creation| creation.userblock(user_block).obj_track_times(false))
-        .create(place)
+        .create(path)
 }
 
 /// Opens a file for reading.
 pub(crate) fn open(path: &Path) -> Result<File, Error> {
-    // For the system's own words, where there is no such file.
+    // For the error of the system, if there is no such file.
     let file = std::fs::File::open(path).map_err(|source| Error::io("read", path, source))?;
     if file.metadata().is_ok_and(|metadata| metadata.is_dir()) {
         return Err(Error::io("read", path, io::ErrorKind::IsADirectory.into()));
@@ -75,7 +76,7 @@ pub(crate) fn open(path: &Path) -> Result<File, Error> {
         .map_err(|error| Failure { path, is_writing: false }.error(error))
 }
 
-/// Reads one text, however it is stored; `None` if it is none, or too long.
+/// Reads one text of any storage type; `None` if it is not one text or is too long.
 pub(crate) fn read_text(container: &Container) -> ::hdf5::Result<Option<String>> {
     if container.size() != 1 {
         return Ok(None);

@@ -1,13 +1,13 @@
-//! What a file holds beside the samples, and how it is stored.
+//! Ground truth maps and storage options of a file.
 
-/// A map of ground truth.
+/// A ground truth map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Hdf5Map {
-    /// Planar depth in metres.
+    /// Planar depth in meters, `+infinity` without a hit.
     Depth,
-    /// Length of the ray in metres.
+    /// Length of the ray from the camera to the hit in meters, `+infinity` without a hit.
     RayLength,
-    /// Disparity in pixels between adjacent views.
+    /// Disparity in pixels between horizontally adjacent views.
     Disparity,
 }
 
@@ -25,7 +25,7 @@ impl Hdf5Map {
         }
     }
 
-    /// Returns the unit, as the attribute `units` says it.
+    /// Returns the unit, as in the attribute `units`.
     #[must_use]
     pub const fn unit(self) -> &'static str {
         match self {
@@ -35,34 +35,35 @@ impl Hdf5Map {
     }
 }
 
-/// How an HDF5 file is stored.
+/// Storage options of an HDF5 file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Hdf5Options {
-    /// Level of gzip behind shuffle, 1 to 9; 0 stores samples as they are.
+    /// Level of gzip after shuffle, 1 to 9; 0 stores samples uncompressed.
     pub gzip_level: u8,
-    /// Lens rows and columns, view rows and columns of one chunk; `None` for what the module's table recommends. Each
-    /// chunk holds all channels.
+    /// Lens rows, lens columns, view rows and view columns of a chunk; `None` for 4, 4, 10 and 10, or fewer lens rows
+    /// and more lens columns where lens rows are large. Each chunk contains all channels.
     pub chunk: Option<[usize; 4]>,
 }
 
 impl Default for Hdf5Options {
-    /// Level 1, the fastest: linear radiance is noisy.
+    /// Level 1, the fastest, because noisy radiance compresses little better at higher levels; default chunks.
     fn default() -> Self {
         Self { gzip_level: 1, chunk: None }
     }
 }
 
-/// Lens rows, lens columns, view rows and view columns of a chunk that suits both ways of reading.
+/// Lens rows, lens columns, view rows and view columns of the default chunk: a compromise between reading views and
+/// elemental images.
 const CHUNK: [usize; 4] = [4, 4, 10, 10];
 
-/// Bytes of the rows of a chunk, as far as the default chunk can be made to fit.
+/// Maximum size of the lens rows of a default chunk in bytes, where reducing its rows can reach it.
 const MAX_BAND_BYTES: usize = 256 << 20;
 
 impl Hdf5Options {
-    /// The chunk for samples of this shape: never larger than the whole.
+    /// Returns the chunk for a dataset of this shape, not larger than the dataset.
     ///
-    /// The rows of a chunk are in memory when it is written. Where lens rows are so long that these would be too much, the
-    /// chunk is lower and wider instead, as far as it can.
+    /// All lens rows of a chunk are in memory when it is written. Where they exceed `MAX_BAND_BYTES`, the default chunk
+    /// gets fewer lens rows and more lens columns.
     pub(crate) fn chunk_of(&self, shape: &[usize], element_bytes: usize) -> Vec<usize> {
         let mut wanted = self.chunk.unwrap_or(CHUNK);
         let row_bytes = shape[1..].iter().product::<usize>().saturating_mul(element_bytes);
@@ -80,11 +81,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn chunks_are_lower_where_rows_are_long() {
+    fn chunks_have_fewer_rows_where_rows_are_large() {
         let chunk = |shape: [usize; 5], bytes| Hdf5Options::default().chunk_of(&shape, bytes);
         assert_eq!(chunk([53, 79, 100, 100, 3], 4), [4, 4, 10, 10, 3]);
         assert_eq!(chunk([3, 2, 5, 100, 1], 4), [3, 2, 5, 10, 1]);
-        // 64K pixels wide: a lens row is 79 MB.
+        // 64K pixels across.
         assert_eq!(chunk([430, 655, 100, 100, 3], 4), [2, 8, 10, 10, 3]);
         assert_eq!(chunk([430, 655, 100, 100, 3], 1), [4, 4, 10, 10, 3]);
         let own = Hdf5Options { chunk: Some([4, 4, 10, 10]), ..Hdf5Options::default() };

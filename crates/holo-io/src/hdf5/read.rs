@@ -1,69 +1,70 @@
-//! The reader: what there is, and any part of it.
+//! The reader of a file: its contents, and parts of its samples and maps.
 
 use std::path::{Path, PathBuf};
 
 use ::hdf5::types::{FloatSize, IntSize, TypeDescriptor};
 use ::hdf5::{Dataset, File, H5Type, Hyperslab, SliceOrIndex};
 use holo_core::{DynImage, DynLightField, GridSize, LightField, LightFieldShape, Rig, SampleKind};
-use ndarray::{Array2, Array4, Array5, ArrayD, Dimension};
+use ndarray::{Array2, Array4, Array5, ArrayD, Dimension, Ix3};
 
 use super::library::{Failure, open};
-use super::{FORMAT, Hdf5Map, Number, attributes};
+use super::{FORMAT, Hdf5Map, Number, attributes, with_sample_type};
 use crate::rig_values::{self, FoundRig};
 use crate::{Error, Limits};
 
-/// An open HDF5 light field.
+/// An HDF5 light field, opened for reading.
 ///
-/// Every read compares what it returns, and the chunks that it passes through, with the limits first.
+/// Every read first compares the size of its result and of a chunk with the limits.
 #[derive(Debug)]
 pub struct Hdf5LightField {
     samples: Dataset,
     file: File,
     path: PathBuf,
     limits: Limits,
-    shape: [usize; 5],
-    split: LightFieldShape,
-    sample: SampleKind,
+    /// Lengths of the axes (v, u, t, s, c).
+    dimensions: [usize; 5],
+    shape: LightFieldShape,
+    kind: SampleKind,
     rig: FoundRig,
 }
 
-/// Whether an HDF5 file holds a light field `/H` of five axes.
+/// Whether an HDF5 file contains a light field: a dataset `/H` of five axes.
 ///
 /// # Errors
 ///
-/// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is no HDF5 file.
+/// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not an HDF5 file.
 pub fn is_light_field_hdf5(path: impl AsRef<Path>) -> Result<bool, Error> {
     let file = open(path.as_ref())?;
     Ok(file.dataset("H").is_ok_and(|samples| samples.ndim() == 5))
 }
 
 impl Hdf5LightField {
-    /// Opens a file and reads its shape and its rig.
+    /// Opens a file and reads its shape, sample type and rig.
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is no HDF5 file, has no `/H` of five axes, or
-    /// contradicts itself; [`Error::Unsupported`] if its samples have another type than those that are written.
+    /// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not an HDF5 file, has no `/H` of five axes,
+    /// or contradicts itself; [`Error::Unsupported`] if its samples are not uint8, uint16, float32 or float64, or its
+    /// axes are in another order.
     pub fn open(path: impl AsRef<Path>, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
         let failed = |error| Failure { path, is_writing: false }.error(error);
         let broken = |what: String| Error::broken(path, FORMAT, what);
         let file = open(path)?;
         let samples = file.dataset("H").map_err(|_| broken("there is no dataset /H".into()))?;
-        let shape: [usize; 5] = samples
-            .get_shape()
-            .map_err(failed)?
-            .try_into()
-            .map_err(|shape: Vec<usize>| broken(format!("/H has {} axes instead of five", shape.len())))?;
-        let [v, u, t, s, channels] = shape;
+        let dimensions: [usize; 5] =
+            samples.get_shape().map_err(failed)?.try_into().map_err(|dimensions: Vec<usize>| {
+                broken(format!("/H has {} axes instead of five", dimensions.len()))
+            })?;
+        let [v, u, t, s, channels] = dimensions;
         let (views, lenses) = (GridSize::new(t, s), GridSize::new(v, u));
-        let split = LightFieldShape::new(views, lenses).map_err(|error| Error::core(path, error))?;
+        let shape = LightFieldShape::new(views, lenses).map_err(|error| Error::core(path, error))?;
         if channels == 0 {
             return Err(broken("/H has no channels".into()));
         }
-        let sample = sample_name(&samples)
+        let kind = sample_kind(&samples)
             .map_err(failed)?
-            .ok_or_else(|| Error::unsupported(path, "/H holds neither uint8 nor uint16, float32 or float64"))?;
+            .ok_or_else(|| Error::unsupported(path, "/H is neither uint8 nor uint16, float32 or float64"))?;
         match attributes::read_word(&file, "axes").map_err(failed)?.as_deref() {
             None | Some("vutsc") => {}
             Some(other) => {
@@ -80,78 +81,72 @@ impl Hdf5LightField {
         }
         let lengths = [numbers("focal_length_mm")?, numbers("sensor_size_mm")?, numbers("focus_distance_m")?];
         let projection = attributes::read_word(&file, "projection").map_err(failed)?;
-        let rig = rig_values::rig(path, split, numbers("baseline_m")?, lengths, projection.as_deref())?;
-        Ok(Self { samples, file, path: path.to_owned(), limits: *limits, shape, split, sample, rig })
+        let rig = rig_values::rig(path, shape, numbers("baseline_m")?, lengths, projection.as_deref())?;
+        Ok(Self { samples, file, path: path.to_owned(), limits: *limits, dimensions, shape, kind, rig })
     }
 
-    /// Returns the number of views and lenses.
+    /// Returns the numbers of views and microlenses.
     #[must_use]
     pub const fn shape(&self) -> LightFieldShape {
-        self.split
+        self.shape
     }
 
     /// Returns the number of channels.
     #[must_use]
     pub const fn channels(&self) -> usize {
-        self.shape[4]
+        self.dimensions[4]
     }
 
     /// Returns the type of the samples.
     #[must_use]
     pub const fn sample_kind(&self) -> SampleKind {
-        self.sample
+        self.kind
     }
 
-    /// Returns the rig, if the file tells all of it and its numbers make one.
+    /// Returns the rig, if the file contains all of its numbers and they are valid.
     #[must_use]
     pub fn rig(&self) -> Option<&Rig> {
         self.rig.as_ref()?.as_ref().ok()
     }
 
-    /// Returns why the numbers in the file make no rig, if they do not.
+    /// Returns why the numbers in the file make no rig, if they are invalid.
     #[must_use]
     pub fn rig_error(&self) -> Option<&holo_core::Error> {
         self.rig.as_ref()?.as_ref().err()
     }
 
-    /// Returns the maps of all views and those of the central view that the file has.
+    /// Returns the maps of all views, and the maps of the central view alone, that the file contains.
     #[must_use]
     pub fn maps(&self) -> (Vec<Hdf5Map>, Vec<Hdf5Map>) {
-        let there = |name: &str| self.file.dataset(name).is_ok();
-        let all = Hdf5Map::ALL.into_iter().filter(|map| there(map.name())).collect();
-        (all, Hdf5Map::ALL.into_iter().filter(|map| there(&format!("central/{}", map.name()))).collect())
+        let exists = |name: &str| self.file.dataset(name).is_ok();
+        let all = Hdf5Map::ALL.into_iter().filter(|map| exists(map.name())).collect();
+        (all, Hdf5Map::ALL.into_iter().filter(|map| exists(&format!("central/{}", map.name()))).collect())
     }
 
     /// Reads all samples.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u, t, s, c)`.
     ///
     /// # Errors
     ///
     /// [`Error::TooLarge`] if they exceed the limits; [`Error::Broken`] if the library cannot read them.
     pub fn read(&self) -> Result<DynLightField, Error> {
-        let whole = self.shape.map(|count| SliceOrIndex::from(0..count));
-        match self.sample {
-            SampleKind::U8 => self.light_field::<u8>(whole),
-            SampleKind::U16 => self.light_field::<u16>(whole),
-            SampleKind::F32 => self.light_field::<f32>(whole),
-            SampleKind::F64 => self.light_field::<f64>(whole),
-        }
+        with_sample_type!(self.kind, T => self.light_field::<T>())
     }
 
-    fn light_field<T: Number>(&self, whole: [SliceOrIndex; 5]) -> Result<DynLightField, Error> {
+    fn light_field<T: Number>(&self) -> Result<DynLightField, Error> {
+        let whole = self.dimensions.map(|count| SliceOrIndex::from(0..count));
         let samples: Array5<T> = self.part(&self.samples, whole.to_vec())?;
         LightField::new(samples).map(DynLightField::from).map_err(|error| Error::core(&self.path, error))
     }
 
     fn image(&self, slices: Vec<SliceOrIndex>) -> Result<DynImage, Error> {
-        Ok(match self.sample {
-            SampleKind::U8 => DynImage::U8(self.part(&self.samples, slices)?),
-            SampleKind::U16 => DynImage::U16(self.part(&self.samples, slices)?),
-            SampleKind::F32 => DynImage::F32(self.part(&self.samples, slices)?),
-            SampleKind::F64 => DynImage::F64(self.part(&self.samples, slices)?),
-        })
+        with_sample_type!(self.kind, T => self.part::<T, Ix3>(&self.samples, slices).map(DynImage::from))
     }
 
-    /// Reads the view `(t, s)` and little else.
+    /// Reads the view `(t, s)`: only the chunks that contain it.
     ///
     /// # Shape
     ///
@@ -161,12 +156,12 @@ impl Hdf5LightField {
     ///
     /// Those of [`read`](Self::read); [`Error::BadInput`] if there is no such view.
     pub fn read_view(&self, t: usize, s: usize) -> Result<DynImage, Error> {
-        let [v, u, .., c] = self.shape;
-        self.check_index("view", (t, s), self.split.views())?;
+        let [v, u, .., c] = self.dimensions;
+        self.check_index("view", (t, s), self.shape.views())?;
         self.image(vec![(0..v).into(), (0..u).into(), t.into(), s.into(), (0..c).into()])
     }
 
-    /// Reads the elemental image of the lens `(v, u)` and little else.
+    /// Reads the elemental image of the microlens `(v, u)`: only the chunks that contain it.
     ///
     /// # Shape
     ///
@@ -174,37 +169,50 @@ impl Hdf5LightField {
     ///
     /// # Errors
     ///
-    /// Those of [`read_view`](Self::read_view).
+    /// Those of [`read`](Self::read); [`Error::BadInput`] if there is no such microlens.
     pub fn read_lens(&self, v: usize, u: usize) -> Result<DynImage, Error> {
-        let [_, _, t, s, c] = self.shape;
-        self.check_index("lens", (v, u), self.split.lenses())?;
+        let [_, _, t, s, c] = self.dimensions;
+        self.check_index("lens", (v, u), self.shape.lenses())?;
         self.image(vec![v.into(), u.into(), (0..t).into(), (0..s).into(), (0..c).into()])
     }
 
-    /// Reads a map of all views, `(v, u, t, s)`.
+    /// Reads a ground truth map of all views, in the unit of [`Hdf5Map::unit`].
+    ///
+    /// # Shape
+    ///
+    /// `(v, u, t, s)`.
     ///
     /// # Errors
     ///
-    /// Those of [`read`](Self::read); [`Error::BadInput`] if the file has no such map; [`Error::Broken`] if it has another
-    /// shape than the samples.
+    /// Those of [`read`](Self::read); [`Error::BadInput`] if the file has no such map; [`Error::Broken`] if it has
+    /// another shape than the samples.
     pub fn read_map(&self, map: Hdf5Map) -> Result<Array4<f32>, Error> {
-        let dataset = self.map_dataset(map.name(), &self.shape[..4])?;
-        self.part(&dataset, self.shape[..4].iter().map(|&count| (0..count).into()).collect())
+        let dataset = self.map_dataset(map.name(), &self.dimensions[..4])?;
+        self.part(&dataset, self.dimensions[..4].iter().map(|&count| (0..count).into()).collect())
     }
 
-    /// Reads a map of the view `(t, s)`, `(v, u)`.
+    /// Reads the part of a ground truth map of all views for the view `(t, s)`, in the unit of [`Hdf5Map::unit`].
+    ///
+    /// # Shape
+    ///
+    /// `(v, u)`.
     ///
     /// # Errors
     ///
     /// Those of [`read_map`](Self::read_map), and [`Error::BadInput`] if there is no such view.
     pub fn read_map_of_view(&self, map: Hdf5Map, t: usize, s: usize) -> Result<Array2<f32>, Error> {
-        self.check_index("view", (t, s), self.split.views())?;
-        let dataset = self.map_dataset(map.name(), &self.shape[..4])?;
-        let [v, u, ..] = self.shape;
+        self.check_index("view", (t, s), self.shape.views())?;
+        let dataset = self.map_dataset(map.name(), &self.dimensions[..4])?;
+        let [v, u, ..] = self.dimensions;
         self.part(&dataset, vec![(0..v).into(), (0..u).into(), t.into(), s.into()])
     }
 
-    /// Reads a map of the central view, `(v, u)`: that of the central view alone, or that part of the map of all views.
+    /// Reads a ground truth map of the central view, in the unit of [`Hdf5Map::unit`]: the map of the central view
+    /// alone, else the part of the map of all views.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u)`.
     ///
     /// # Errors
     ///
@@ -212,11 +220,11 @@ impl Hdf5LightField {
     pub fn read_central_map(&self, map: Hdf5Map) -> Result<Array2<f32>, Error> {
         let name = format!("central/{}", map.name());
         if self.file.dataset(&name).is_err() {
-            let (t, s) = self.split.central_view();
+            let (t, s) = self.shape.central_view();
             return self.read_map_of_view(map, t, s);
         }
-        let dataset = self.map_dataset(&name, &self.shape[..2])?;
-        self.part(&dataset, self.shape[..2].iter().map(|&count| (0..count).into()).collect())
+        let dataset = self.map_dataset(&name, &self.dimensions[..2])?;
+        self.part(&dataset, self.dimensions[..2].iter().map(|&count| (0..count).into()).collect())
     }
 
     fn map_dataset(&self, name: &str, shape: &[usize]) -> Result<Dataset, Error> {
@@ -263,15 +271,15 @@ impl Hdf5LightField {
     }
 }
 
-/// Compares the size of a chunk, which the library holds whole, with the budget.
+/// Checks the size of a chunk, which the library reads as a whole, against the limit.
 pub(crate) fn check_chunk(path: &Path, dataset: &Dataset, limits: Limits) -> Result<(), Error> {
     let bytes = dataset.dtype().map_or(1, |dtype| dtype.size());
     let chunk = dataset.chunk().unwrap_or_default();
     limits.elements(path, "chunk", &chunk, bytes).map(|_| ())
 }
 
-/// The name of a dataset's type, if light fields come in it.
-fn sample_name(dataset: &Dataset) -> ::hdf5::Result<Option<SampleKind>> {
+/// The sample type of a dataset; `None` if light fields cannot have it.
+fn sample_kind(dataset: &Dataset) -> ::hdf5::Result<Option<SampleKind>> {
     Ok(match dataset.dtype()?.to_descriptor()? {
         TypeDescriptor::Unsigned(IntSize::U1) => Some(SampleKind::U8),
         TypeDescriptor::Unsigned(IntSize::U2) => Some(SampleKind::U16),

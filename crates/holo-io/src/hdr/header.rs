@@ -1,4 +1,4 @@
-//! The header of a Radiance HDR file: lines of text, an empty line, and the line that gives size and orientation.
+//! The header of a Radiance HDR file: lines of text, an empty line, and the line of size and orientation.
 
 use std::io::{BufRead, Read};
 use std::path::Path;
@@ -8,17 +8,17 @@ use holo_core::GridSize;
 use super::{FORMAT, HdrInfo};
 use crate::Error;
 
-/// A longer header is no header. Long ones exist: every tool that touches a file adds its command line.
+/// Maximum length of a header in bytes. Long headers exist, because every tool adds its command line.
 const MAX_BYTES: u64 = 1 << 16;
 
-/// What a scanline is.
+/// Whether a scanline is a row or a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Major {
     Rows,
     Columns,
 }
 
-/// The header, with the image as it lies in the file.
+/// The header, with sizes and orientation as in the file.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Header {
     pub major: Major,
@@ -30,7 +30,7 @@ pub(super) struct Header {
     /// Whether the first pixel of a scanline is at the right or at the bottom.
     pub flip_pixels: bool,
     pub exposure: f64,
-    pub colour_correction: [f64; 3],
+    pub color_correction: [f64; 3],
 }
 
 impl Header {
@@ -42,7 +42,7 @@ impl Header {
         if !(signature.starts_with("#?RADIANCE") || signature.starts_with("#?RGBE")) {
             return Err(broken("the first line is neither #?RADIANCE nor #?RGBE".into()));
         }
-        let (mut exposure, mut colour_correction) = (1.0, [1.0; 3]);
+        let (mut exposure, mut color_correction) = (1.0, [1.0; 3]);
         loop {
             let line = line(&mut source, path)?;
             // Lines with white space before the name are quoted from the headers of other files.
@@ -59,13 +59,13 @@ impl Header {
                 Some(("EXPOSURE", text)) => exposure *= factors::<1>(text).ok_or_else(|| bad(path, &line))?[0],
                 Some(("COLORCORR", text)) => {
                     let more = factors::<3>(text).ok_or_else(|| bad(path, &line))?;
-                    colour_correction = std::array::from_fn(|channel| colour_correction[channel] * more[channel]);
+                    color_correction = std::array::from_fn(|channel| color_correction[channel] * more[channel]);
                 }
                 _ => {}
             }
         }
         // Products of factors that are in range need not be, and the reader divides in f32.
-        let divisors = colour_correction.map(|correction| (correction * exposure) as f32);
+        let divisors = color_correction.map(|correction| (correction * exposure) as f32);
         if !divisors.iter().all(|divisor| divisor.is_normal()) {
             return Err(broken("EXPOSURE and COLORCORR multiply to a number out of range".into()));
         }
@@ -75,16 +75,16 @@ impl Header {
                 let shown: String = resolution.chars().take(60).collect();
                 broken(format!("the size is given as {shown:?}, not like -Y 512 +X 1024"))
             })?;
-        Ok(Self { major, scanlines, length, flip_scanlines, flip_pixels, exposure, colour_correction })
+        Ok(Self { major, scanlines, length, flip_scanlines, flip_pixels, exposure, color_correction })
     }
 
-    /// What the caller may know of it.
+    /// The public part of the header.
     pub fn info(&self) -> HdrInfo {
         let size = match self.major {
             Major::Rows => GridSize::new(self.scanlines, self.length),
             Major::Columns => GridSize::new(self.length, self.scanlines),
         };
-        HdrInfo { size, exposure: self.exposure, colour_correction: self.colour_correction }
+        HdrInfo { size, exposure: self.exposure, color_correction: self.color_correction }
     }
 }
 
@@ -93,7 +93,7 @@ fn bad(path: &Path, line: &str) -> Error {
     Error::broken(path, FORMAT, format!("the header line {line:?} does not hold finite numbers above 0"))
 }
 
-/// One line without its end.
+/// Reads one line without its line end.
 fn line(source: &mut std::io::Take<impl BufRead>, path: &Path) -> Result<String, Error> {
     let mut bytes = Vec::new();
     source.read_until(b'\n', &mut bytes).map_err(|source| Error::io("read", path, source))?;
@@ -111,7 +111,7 @@ fn line(source: &mut std::io::Take<impl BufRead>, path: &Path) -> Result<String,
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }
 
-/// Exactly `N` finite numbers above 0.
+/// Parses exactly `N` finite numbers above 0.
 fn factors<const N: usize>(text: &str) -> Option<[f64; N]> {
     let mut factors = [0.0; N];
     let mut words = text.split_whitespace();
@@ -121,7 +121,8 @@ fn factors<const N: usize>(text: &str) -> Option<[f64; N]> {
     words.next().is_none().then_some(factors)
 }
 
-/// `-Y 512 +X 1024` and its seven relatives: for scanlines and for pixels, whether they run backwards, and their number.
+/// Parses the resolution line, `-Y 512 +X 1024` or one of the other seven orientations: for scanlines and for pixels,
+/// whether they are flipped, and their number.
 fn parse_resolution(text: &str) -> Option<(Major, [(bool, usize); 2])> {
     let mut words = text.split_whitespace();
     let mut axis = || Some((words.next()?, words.next()?));
@@ -134,14 +135,14 @@ fn parse_resolution(text: &str) -> Option<(Major, [(bool, usize); 2])> {
         text.parse::<u32>().ok().filter(|&count| digits && count > 0).map(|count| count as usize)
     };
     // Y points up in the format, so -Y runs from the top row down.
-    let backwards = |axis: &str| match axis {
+    let direction = |axis: &str| match axis {
         "-Y" => Some((Major::Rows, false)),
         "+Y" => Some((Major::Rows, true)),
         "+X" => Some((Major::Columns, false)),
         "-X" => Some((Major::Columns, true)),
         _ => None,
     };
-    let ((major, flip_scanlines), (minor, flip_pixels)) = (backwards(first.0)?, backwards(second.0)?);
+    let ((major, flip_scanlines), (minor, flip_pixels)) = (direction(first.0)?, direction(second.0)?);
     (major != minor).then_some(())?;
     Some((major, [(flip_scanlines, count(first.1)?), (flip_pixels, count(second.1)?)]))
 }

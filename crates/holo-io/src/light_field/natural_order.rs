@@ -1,4 +1,4 @@
-//! The images of a folder in the order in which a person counts them.
+//! The images of a folder in natural order.
 
 use std::cmp::Ordering;
 use std::fs;
@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 
-/// Lists the PNGs of a folder in natural order: runs of digits in their names compare as numbers, so `view9.png` is before
-/// `view10.png`.
+/// Lists the PNGs of a folder, by file extension, in natural order: digits in their names compare as numbers, so
+/// `view9.png` is before `view10.png`.
 ///
 /// # Errors
 ///
@@ -43,7 +43,7 @@ fn is_number(run: &str) -> bool {
     run.starts_with(|c: char| c.is_ascii_digit())
 }
 
-/// The runs of digits of a text, and what is between them.
+/// Splits a text into runs of digits and runs of other characters.
 fn runs(text: &str) -> Vec<&str> {
     let mut runs = Vec::new();
     let mut rest = text;
@@ -62,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_in_names_are_numbers() {
+    fn digits_compare_as_numbers() {
         let mut names = ["v10.png", "v9.png", "v1_12.png", "v1_2.png", "v007.png", "a.png", "v1.png"];
         names.sort_by(|a, b| natural_order(a, b));
         assert_eq!(names, ["a.png", "v1.png", "v1_2.png", "v1_12.png", "v007.png", "v9.png", "v10.png"]);

@@ -1,4 +1,4 @@
-//! Where the samples of a light field are, by format.
+//! The sources of samples, by format.
 
 use std::path::{Path, PathBuf};
 
@@ -6,7 +6,7 @@ use holo_core::{ColorEncoding, DynLightField, LightFieldShape, Rig};
 use ndarray::Array2;
 
 use super::{LightFieldFormat, LightFieldReader, ReadOptions, parameters_path};
-use crate::{Error, FileKind, Limits, ParametersCfg, recognise};
+use crate::{Error, FileFormat, Limits, ParametersCfg, detect_format};
 
 #[cfg(feature = "hdf5")]
 use crate::{Hdf5LightField, Hdf5Map};
@@ -21,14 +21,14 @@ use {
     holo_core::{GridSize, Layout, ViewOrder},
 };
 
-/// A map of the central view.
+/// A ground truth map of the central view.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Map {
     Depth,
     Disparity,
 }
 
-/// What the samples are read from.
+/// The open folder or file that samples are read from.
 #[derive(Debug)]
 pub(super) enum Source {
     #[cfg(feature = "png")]
@@ -37,7 +37,7 @@ pub(super) enum Source {
     Hci(Box<HciFolder>),
     #[cfg(feature = "png")]
     Gantry(Box<GantryFolder>),
-    /// One file a view.
+    /// One file a view, in natural order.
     #[cfg(feature = "png")]
     Images { files: Vec<PathBuf>, order: ViewOrder },
     #[cfg(feature = "png")]
@@ -55,12 +55,12 @@ impl Source {
             Self::Dataset(folder) => folder.raw_image().map(|(file, _)| file),
             #[cfg(feature = "png")]
             Self::RawImage { file, .. } => Some(file.clone()),
-            #[allow(unreachable_patterns, reason = "with one feature alone there may be nothing else")]
+            #[allow(unreachable_patterns, reason = "with one feature alone there is no other variant")]
             _ => None,
         }
     }
 
-    #[allow(unused_variables, reason = "with one feature alone not everything is used")]
+    #[allow(unused_variables, reason = "with one feature alone some are unused")]
     pub(super) fn central_map(&self, map: Map, limits: &Limits) -> Result<Option<Array2<f32>>, Error> {
         match (self, map) {
             #[cfg(feature = "png")]
@@ -80,15 +80,15 @@ impl Source {
                     Map::Disparity => Hdf5Map::Disparity,
                 };
                 let (all, central) = file.maps();
-                let is_there = all.contains(&map) || central.contains(&map);
-                is_there.then(|| file.read_central_map(map)).transpose()
+                let exists = all.contains(&map) || central.contains(&map);
+                exists.then(|| file.read_central_map(map)).transpose()
             }
-            #[allow(unreachable_patterns, reason = "with one feature alone there may be nothing else")]
+            #[allow(unreachable_patterns, reason = "with one feature alone there is no other variant")]
             _ => Ok(None),
         }
     }
 
-    #[allow(unused_variables, reason = "with one feature alone not everything is used")]
+    #[allow(unused_variables, reason = "with one feature alone some are unused")]
     pub(super) fn read(self, path: &Path, shape: LightFieldShape, limits: &Limits) -> Result<DynLightField, Error> {
         match self {
             #[cfg(feature = "png")]
@@ -110,7 +110,7 @@ impl Source {
     }
 }
 
-/// A reader of `source` with nothing known but its shape.
+/// A reader of `source` without rig, layout and disparity range.
 fn reader(
     path: &Path,
     options: &ReadOptions,
@@ -132,43 +132,43 @@ fn reader(
     }
 }
 
-/// Opens whatever a path leads to.
+/// Opens a folder or file that contains a light field.
 pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, Error> {
     if path.is_dir() {
         return open_folder(path, options);
     }
-    match recognise(path)? {
-        FileKind::Png => open_raw_image(path, options),
-        FileKind::Mat5 | FileKind::Mat73 => open_mat(path, options),
-        FileKind::Hdf5 => open_hdf5(path, options),
+    match detect_format(path)? {
+        FileFormat::Png => open_raw_image(path, options),
+        FileFormat::Mat5 | FileFormat::Mat73 => open_mat(path, options),
+        FileFormat::Hdf5 => open_hdf5(path, options),
         _ => Err(Error::NoLightField {
             path: path.to_owned(),
-            what: "it is no PNG, MAT or HDF5 file and no folder of one of the known kinds".to_owned(),
+            what: "it is neither a PNG, MAT or HDF5 file nor a folder of a known kind".to_owned(),
         }),
     }
 }
 
 #[cfg(feature = "png")]
 fn open_folder(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, Error> {
-    let parameters = parameters_path(path);
-    Ok(match crate::open(path)? {
+    let parameters_path = parameters_path(path);
+    Ok(match crate::probe(path)? {
         FileInfo::DatasetFolder(folder) => {
-            let told = folder.parameters().cloned();
+            let parameters = folder.parameters().cloned();
             let (rig, range) = (*folder.rig(), folder.manifest().disparity_px);
             let layout = folder.raw_image().map(|(_, layout)| layout);
             let mut reader =
                 reader(path, options, LightFieldFormat::DatasetFolder, folder.shape(), Source::Dataset(folder));
             (reader.rig, reader.layout) = (Some(rig), layout);
-            if let Some(told) = told {
-                reader = reader.complete(&told, &parameters);
+            if let Some(parameters) = parameters {
+                reader = reader.complete(&parameters, &parameters_path);
             }
             reader.disparity_range_px = reader.disparity_range_px.or(range);
             reader
         }
         FileInfo::HciFolder(folder) => {
-            let told = folder.parameters().clone();
+            let parameters = folder.parameters().clone();
             reader(path, options, LightFieldFormat::HciFolder, folder.shape(), Source::Hci(folder))
-                .complete(&told, &parameters)
+                .complete(&parameters, &parameters_path)
         }
         FileInfo::GantryFolder(folder) => {
             let shape = shape_of_views(path, folder.views(), folder.file(0, 0))?;
@@ -178,7 +178,7 @@ fn open_folder(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, E
         other => {
             return Err(Error::NoLightField {
                 path: path.to_owned(),
-                what: format!("it is a {other}; name one of them"),
+                what: format!("it is a {other}; choose one of them"),
             });
         }
     })
@@ -197,7 +197,8 @@ fn open_images(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, E
         return Err(Error::NoLightField { path: path.to_owned(), what });
     };
     let missing = |what| Error::MissingOption { path: path.to_owned(), option: "views", what };
-    let views = options.views.ok_or_else(|| missing(format!("how many views are its {} images?", files.len())))?;
+    let views =
+        options.views.ok_or_else(|| missing(format!("it does not specify the grid of its {} views", files.len())))?;
     if files.len() != views.count() {
         return Err(missing(format!("it has {} images, but {views} views need {}", files.len(), views.count())));
     }
@@ -206,7 +207,7 @@ fn open_images(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, E
     Ok(reader(path, options, LightFieldFormat::ImageFolder, shape, source).complete_from(&parameters_path(path)))
 }
 
-/// The shape of a light field whose views are like one of them.
+/// The shape of a light field whose views have the size of `file`.
 #[cfg(feature = "png")]
 fn shape_of_views(path: &Path, views: GridSize, file: &Path) -> Result<LightFieldShape, Error> {
     LightFieldShape::new(views, read_png_info(file)?.size).map_err(|error| Error::core(path, error))
@@ -216,17 +217,17 @@ fn shape_of_views(path: &Path, views: GridSize, file: &Path) -> Result<LightFiel
 fn open_raw_image(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, Error> {
     let missing = |option, what| Error::MissingOption { path: path.to_owned(), option, what };
     let layout = options.layout.or_else(|| layout_of_file_name(path)).ok_or_else(|| {
-        let what = "its name (_el, _vpi) does not tell whether it is a grid of elemental images or of views";
+        let what = "its name (_el, _vpi) does not specify whether it is an array of elemental images or of views";
         missing("layout", what.to_owned())
     })?;
     let parameters_path = parameters_path(path);
-    // Parameters are believed if nothing else tells the views; otherwise they may be those of another image.
-    let (views, told) = match options.views {
+    // Without the option the sidecar must be right; with it, it may belong to another image.
+    let (views, parameters) = match options.views {
         Some(views) => (views, None),
         None => match ParametersCfg::read(&parameters_path) {
             Ok(parameters) => (parameters.num_cams, Some(parameters)),
             Err(error) => {
-                let what = format!("how many views? {} does not tell: {error}", parameters_path.display());
+                let what = format!("{} does not specify the number of views: {error}", parameters_path.display());
                 return Err(missing("views", what));
             }
         },
@@ -240,16 +241,16 @@ fn open_raw_image(path: &Path, options: &ReadOptions) -> Result<LightFieldReader
     let source = Source::RawImage { file: path.to_owned(), layout };
     let mut reader = reader(path, options, LightFieldFormat::RawImage, shape, source);
     reader.layout = Some(layout);
-    let Some(told) = told else { return Ok(reader.complete_from(&parameters_path)) };
-    if (told.num_cams, told.image_resolution_px) != sizes(shape) {
+    let Some(parameters) = parameters else { return Ok(reader.complete_from(&parameters_path)) };
+    if (parameters.num_cams, parameters.image_resolution_px) != sizes(shape) {
         let what = format!(
             "its {size} pixels are not the {views} views of {} px that {} contains, which may belong to another image",
-            told.image_resolution_px,
+            parameters.image_resolution_px,
             parameters_path.display()
         );
         return Err(missing("views", what));
     }
-    Ok(reader.complete(&told, &parameters_path))
+    Ok(reader.complete(&parameters, &parameters_path))
 }
 
 #[cfg(not(feature = "png"))]
@@ -296,10 +297,10 @@ fn encoding(is_float: bool) -> ColorEncoding {
 
 #[cfg(not(all(feature = "png", feature = "mat", feature = "hdf5")))]
 fn needs_feature(path: &Path, feature: &str, what: &str) -> Error {
-    Error::unsupported(path, format!("this build was made without the feature `{feature}` and cannot read {what}"))
+    Error::unsupported(path, format!("this build does not have the feature `{feature}` and cannot read {what}"))
 }
 
-/// The rig that belongs to a path.
+/// The rig of a path; see [`read_rig`](super::read_rig).
 pub(super) fn rig_of(path: &Path, limits: &Limits) -> Result<Option<Rig>, Error> {
     let options = ReadOptions::default().limits(*limits);
     let own = if path.is_dir() {
@@ -309,14 +310,14 @@ pub(super) fn rig_of(path: &Path, limits: &Limits) -> Result<Option<Rig>, Error>
             Err(error) => return Err(error),
         }
     } else {
-        match recognise(path)? {
-            FileKind::Manifest => return Ok(crate::Manifest::read(path)?.rig),
-            FileKind::Mat5 | FileKind::Mat73 => open_mat(path, &options)?.rig,
-            FileKind::Hdf5 => open_hdf5(path, &options)?.rig,
+        match detect_format(path)? {
+            FileFormat::Manifest => return Ok(crate::Manifest::read(path)?.rig),
+            FileFormat::Mat5 | FileFormat::Mat73 => open_mat(path, &options)?.rig,
+            FileFormat::Hdf5 => open_hdf5(path, &options)?.rig,
             _ => None,
         }
     };
-    let parameters_path = match recognise_parameters(path)? {
+    let parameters_path = match is_parameters_cfg(path)? {
         true => path.to_owned(),
         false => parameters_path(path),
     };
@@ -327,6 +328,6 @@ pub(super) fn rig_of(path: &Path, limits: &Limits) -> Result<Option<Rig>, Error>
     parameters.rig().map(Some).map_err(|error| error.about(&parameters_path))
 }
 
-fn recognise_parameters(path: &Path) -> Result<bool, Error> {
-    Ok(!path.is_dir() && recognise(path)? == FileKind::ParametersCfg)
+fn is_parameters_cfg(path: &Path) -> Result<bool, Error> {
+    Ok(!path.is_dir() && detect_format(path)? == FileFormat::ParametersCfg)
 }

@@ -1,4 +1,4 @@
-//! The manifest's JSON: fixed order of keys, sizes as columns and rows, infinities as text.
+//! The JSON of the manifest: fixed order of keys, sizes as columns and rows, infinities as text.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,7 +7,7 @@ use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{FORMAT, Manifest, Setting};
+use super::{FORMAT, Manifest, ManifestValue};
 use crate::names::stays_inside;
 use crate::{Error, FileDigest, Sha256, meters_to_millimeters, millimeters_to_meters};
 
@@ -180,52 +180,54 @@ impl TryFrom<RigDocument> for Rig {
     }
 }
 
-fn setting_to_json(setting: &Setting) -> Value {
-    match setting {
-        Setting::None => Value::Null,
-        Setting::Bool(value) => Value::from(*value),
-        Setting::Integer(value) => Value::from(*value),
-        Setting::Float(value) => NotFinite::of(*value).map_or(Value::from(*value), |text| Value::from(text.text())),
-        Setting::Text(text) => Value::from(text.as_str()),
-        Setting::List(values) => values.iter().map(setting_to_json).collect(),
+fn value_to_json(value: &ManifestValue) -> Value {
+    match value {
+        ManifestValue::None => Value::Null,
+        ManifestValue::Bool(value) => Value::from(*value),
+        ManifestValue::Integer(value) => Value::from(*value),
+        ManifestValue::Float(value) => {
+            NotFinite::of(*value).map_or(Value::from(*value), |text| Value::from(text.text()))
+        }
+        ManifestValue::Text(text) => Value::from(text.as_str()),
+        ManifestValue::List(values) => values.iter().map(value_to_json).collect(),
         // In the order of a `BTreeMap`, whatever order the JSON crate keeps.
-        Setting::Table(values) => values.iter().map(|(key, value)| (key.clone(), setting_to_json(value))).collect(),
+        ManifestValue::Table(values) => values.iter().map(|(key, value)| (key.clone(), value_to_json(value))).collect(),
     }
 }
 
-/// The nesting that can be met here is bounded by the parser, which stops at 128 levels.
-fn setting_from_json(value: Value) -> Setting {
+/// The recursion is bounded: the parser stops at 128 levels of nesting.
+fn value_from_json(value: Value) -> ManifestValue {
     match value {
-        Value::Null => Setting::None,
-        Value::Bool(value) => Setting::Bool(value),
+        Value::Null => ManifestValue::None,
+        Value::Bool(value) => ManifestValue::Bool(value),
         Value::Number(number) => match (number.as_i64(), number.as_f64()) {
-            (Some(value), _) => Setting::Integer(value),
-            (None, Some(value)) => Setting::Float(value),
-            (None, None) => Setting::Text(number.to_string()),
+            (Some(value), _) => ManifestValue::Integer(value),
+            (None, Some(value)) => ManifestValue::Float(value),
+            (None, None) => ManifestValue::Text(number.to_string()),
         },
         Value::String(text) => match text.as_str() {
-            "inf" => Setting::Float(f64::INFINITY),
-            "-inf" => Setting::Float(f64::NEG_INFINITY),
-            "nan" => Setting::Float(f64::NAN),
-            _ => Setting::Text(text),
+            "inf" => ManifestValue::Float(f64::INFINITY),
+            "-inf" => ManifestValue::Float(f64::NEG_INFINITY),
+            "nan" => ManifestValue::Float(f64::NAN),
+            _ => ManifestValue::Text(text),
         },
-        Value::Array(values) => Setting::List(values.into_iter().map(setting_from_json).collect()),
+        Value::Array(values) => ManifestValue::List(values.into_iter().map(value_from_json).collect()),
         Value::Object(values) => {
-            Setting::Table(values.into_iter().map(|(key, value)| (key, setting_from_json(value))).collect())
+            ManifestValue::Table(values.into_iter().map(|(key, value)| (key, value_from_json(value))).collect())
         }
     }
 }
 
 pub(super) fn write(manifest: &Manifest, path: &Path) -> Result<String, Error> {
     if let Some(name) = manifest.files.keys().find(|name| !stays_inside(name)) {
-        return Err(Error::bad_input(path, format!("the manifest lists {name:?}, which is no name inside its folder")));
+        return Err(Error::bad_input(path, format!("the manifest lists {name:?}, which leads outside its folder")));
     }
     let entry = |written: &FileDigest| FileEntry { bytes: written.bytes, sha256: written.sha256.to_string() };
     let document = Document {
         format: FORMAT.to_owned(),
         versions: manifest.versions.clone(),
         seed: manifest.seed,
-        settings: manifest.settings.iter().map(|(key, value)| (key.clone(), setting_to_json(value))).collect(),
+        settings: manifest.settings.iter().map(|(key, value)| (key.clone(), value_to_json(value))).collect(),
         rig: manifest.rig.as_ref().map(RigDocument::from),
         disparity_px: manifest.disparity_px.map(|(min, max)| Range { min: min.into(), max: max.into() }),
         exposure_ev: manifest.exposure_ev.map(Number::from),
@@ -237,7 +239,7 @@ pub(super) fn write(manifest: &Manifest, path: &Path) -> Result<String, Error> {
 
 pub(super) fn read(text: &[u8], path: &Path) -> Result<Manifest, Error> {
     let broken = |what: String| Error::broken(path, "manifest", what);
-    /// Only what is needed to tell a manifest of another version from a damaged one.
+    /// The key that distinguishes a manifest of another version from a damaged one.
     #[derive(Deserialize)]
     struct Version {
         format: String,
@@ -253,7 +255,7 @@ pub(super) fn read(text: &[u8], path: &Path) -> Result<Manifest, Error> {
     let mut files = BTreeMap::new();
     for (name, entry) in document.files {
         if !stays_inside(&name) {
-            return Err(broken(format!("files: {name:?} is no name inside the folder")));
+            return Err(broken(format!("files: {name:?} leads outside the folder")));
         }
         let sha256 = Sha256::from_hex(&entry.sha256)
             .ok_or_else(|| broken(format!("files: the SHA-256 of {name:?} is not 64 hexadecimal digits")))?;
@@ -262,7 +264,7 @@ pub(super) fn read(text: &[u8], path: &Path) -> Result<Manifest, Error> {
     Ok(Manifest {
         versions: document.versions,
         seed: document.seed,
-        settings: document.settings.into_iter().map(|(key, value)| (key, setting_from_json(value))).collect(),
+        settings: document.settings.into_iter().map(|(key, value)| (key, value_from_json(value))).collect(),
         rig: document.rig.map(Rig::try_from).transpose().map_err(|why| broken(format!("rig: {why}")))?,
         disparity_px: document.disparity_px.map(|range| (range.min.into(), range.max.into())),
         exposure_ev: document.exposure_ev.map(f64::from),

@@ -9,38 +9,38 @@ use super::Manifest;
 use crate::names::stays_inside;
 use crate::{Error, FileDigest, Sha256, hash_file};
 
-/// One file that is not as the manifest says.
+/// A file that differs from its entry in the manifest.
 #[derive(Debug)]
 pub struct Mismatch {
-    /// The file's name in the manifest.
+    /// Name of the file in the manifest.
     pub file: String,
-    /// What is wrong with it.
+    /// The difference.
     pub kind: MismatchKind,
 }
 
-/// What can be wrong with a file.
+/// How a file differs from its entry in the manifest.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum MismatchKind {
-    /// It is not there.
+    /// It does not exist.
     Missing,
     /// It cannot be read.
     Unreadable(Error),
     /// It has another size.
     Size {
-        /// Bytes by the manifest.
+        /// Size in the manifest, bytes.
         expected: u64,
-        /// Bytes in the folder.
+        /// Size of the file, bytes.
         found: u64,
     },
-    /// It has the right size and other contents.
+    /// It has the same size and other contents.
     Contents {
-        /// Digest by the manifest.
+        /// Digest in the manifest.
         expected: Sha256,
-        /// Digest in the folder.
+        /// Digest of the file.
         found: Sha256,
     },
-    /// The manifest names a file outside its folder, which is not looked at.
+    /// Its name leads outside the folder; the file is not read.
     Outside,
 }
 
@@ -60,17 +60,17 @@ impl fmt::Display for Mismatch {
 }
 
 pub(super) fn verify(manifest: &Manifest, folder: &Path) -> Vec<Mismatch> {
-    // Collecting keeps the order of the names, whichever file is done first.
+    // Collecting keeps the order of the names, whatever the timing of the threads.
     let files: Vec<(&String, &FileDigest)> = manifest.files.iter().collect();
     files
         .into_par_iter()
         .filter_map(|(name, expected)| {
-            problem(name, expected, folder).map(|kind| Mismatch { file: name.clone(), kind })
+            difference(name, expected, folder).map(|kind| Mismatch { file: name.clone(), kind })
         })
         .collect()
 }
 
-fn problem(name: &str, expected: &FileDigest, folder: &Path) -> Option<MismatchKind> {
+fn difference(name: &str, expected: &FileDigest, folder: &Path) -> Option<MismatchKind> {
     if !stays_inside(name) {
         return Some(MismatchKind::Outside);
     }
@@ -78,7 +78,7 @@ fn problem(name: &str, expected: &FileDigest, folder: &Path) -> Option<MismatchK
     match std::fs::metadata(&path) {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Some(MismatchKind::Missing),
         Err(error) => return Some(MismatchKind::Unreadable(Error::io("read", &path, error))),
-        // A folder or a device of that name would be read without end, or not at all.
+        // Reading a device may not end, and a folder cannot be read.
         Ok(found) if !found.is_file() => return Some(MismatchKind::Missing),
         Ok(found) if found.len() != expected.bytes => {
             return Some(MismatchKind::Size { expected: expected.bytes, found: found.len() });

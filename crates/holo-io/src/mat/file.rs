@@ -1,4 +1,4 @@
-//! Files of either level.
+//! Reading and writing files of either version.
 
 use std::collections::HashSet;
 use std::fs::File;
@@ -18,7 +18,7 @@ const BUFFER_BYTES: usize = 1 << 18;
 /// MATLAB's `namelengthmax`.
 const MAX_NAME_CHARACTERS: usize = 63;
 
-/// Checks names and sizes, and returns whether the file must be of level 7.3.
+/// Checks names and sizes, and returns whether the file must be of version 7.3.
 fn check(variables: &[MatVariable<'_>], version: MatVersion, path: &Path) -> Result<bool, Error> {
     let mut names = HashSet::new();
     let mut largest = (0, "");
@@ -31,7 +31,9 @@ fn check(variables: &[MatVariable<'_>], version: MatVersion, path: &Path) -> Res
         if !is_name {
             return Err(Error::bad_input(
                 path,
-                format!("'{name}' is no name of a MATLAB variable: a letter, and up to 62 letters, digits and _"),
+                format!(
+                    "'{name}' is not a valid name of a MATLAB variable: a letter, and up to 62 letters, digits and _"
+                ),
             ));
         }
         if !names.insert(name) {
@@ -48,13 +50,16 @@ fn check(variables: &[MatVariable<'_>], version: MatVersion, path: &Path) -> Res
         MatVersion::V73 => Ok(true),
         MatVersion::V5 if !fits => Err(Error::bad_input(
             path,
-            format!("'{name}' has {bytes} bytes, but a MAT file of level 5 holds variables below 2 GiB; use level 7.3"),
+            format!(
+                "'{name}' has {bytes} bytes, but variables of a MAT file of version 5 are smaller than 2 GiB; use \
+                 version 7.3"
+            ),
         )),
         MatVersion::Auto if !fits && cfg!(not(feature = "hdf5")) => Err(Error::bad_input(
             path,
             format!(
-                "'{name}' has {bytes} bytes, and from 2 GiB on a MAT file must be of level 7.3, which this build cannot \
-                 write; build with the feature `hdf5`"
+                "'{name}' has {bytes} bytes, and from 2 GiB on a MAT file must be of version 7.3, which this build \
+                 cannot write; build with the feature `hdf5`"
             ),
         )),
         _ => Ok(!fits),
@@ -66,13 +71,13 @@ pub(super) fn write(path: &Path, variables: &[MatVariable<'_>], options: MatOpti
         return write_v73(path, variables, options);
     }
     if options.is_compressed {
-        let place = AtomicPath::create(path)?;
-        let mut out = BufWriter::with_capacity(BUFFER_BYTES, place.file());
+        let target = AtomicPath::create(path)?;
+        let mut out = BufWriter::with_capacity(BUFFER_BYTES, target.file());
         write_v5(&mut out, variables, v5::write::compressed)
             .and_then(|()| out.flush())
-            .map_err(|error| Error::io("write", place.path(), error))?;
+            .map_err(|error| Error::io("write", target.path(), error))?;
         drop(out);
-        return place.commit();
+        return target.commit();
     }
     let mut file = AtomicFile::create(path)?;
     match write_v5(&mut file, variables, v5::write::plain) {
@@ -90,7 +95,7 @@ fn write_v73(path: &Path, variables: &[MatVariable<'_>], options: MatOptions) ->
 fn write_v73(path: &Path, _: &[MatVariable<'_>], _: MatOptions) -> Result<FileDigest, Error> {
     Err(Error::bad_input(
         path,
-        "this build cannot write a MAT file of level 7.3, which is an HDF5 file; build with the feature `hdf5`",
+        "this build cannot write a MAT file of version 7.3, which is an HDF5 file; build with the feature `hdf5`",
     ))
 }
 
@@ -106,7 +111,7 @@ fn write_v5<W: Write>(
 pub(super) fn encode(variables: &[MatVariable<'_>], options: MatOptions) -> Result<Vec<u8>, Error> {
     let path = Path::new(MEMORY);
     if check(variables, options.version, path)? {
-        return Err(Error::bad_input(path, "a MAT file of level 7.3 is written to disk only"));
+        return Err(Error::bad_input(path, "a MAT file of version 7.3 cannot be written into memory"));
     }
     let mut out = Cursor::new(Vec::new());
     let written = if options.is_compressed {
@@ -118,7 +123,7 @@ pub(super) fn encode(variables: &[MatVariable<'_>], options: MatOptions) -> Resu
     Ok(out.into_inner())
 }
 
-/// A MAT file of version 5 or 7.3 whose variables are known.
+/// An open MAT file of version 5 or 7.3 whose variables are known.
 pub(super) enum MatReader<'a> {
     V5(Reader<'a, BufReader<File>>),
     #[cfg(feature = "hdf5")]
@@ -148,8 +153,8 @@ impl<'a> MatReader<'a> {
     fn open_v73(path: &'a Path, _: Limits) -> Result<Self, Error> {
         Err(Error::unsupported(
             path,
-            "a MAT file of level 7.3, which is an HDF5 file; this build was made without the feature `hdf5`, so save it \
-             with -v7 or use a build that has it",
+            "a MAT file of version 7.3, which is an HDF5 file; this build does not have the feature `hdf5`: save the \
+             file with -v7, or use a build that has the feature",
         ))
     }
 
@@ -175,7 +180,7 @@ impl<'a> MatReader<'a> {
     }
 }
 
-/// Whether the first bytes are those of level 7.3.
+/// Whether the first bytes are those of version 7.3.
 pub(super) fn is_v73(head: &[u8]) -> bool {
     matches!(head.get(124..128), Some([0x00, 0x02, b'I', b'M'] | [0x02, 0x00, b'M', b'I']))
 }
@@ -193,14 +198,17 @@ fn infos<R: Read + Seek>(reader: &Reader<'_, R>) -> Vec<MatInfo> {
 pub(super) fn decode(bytes: &[u8], limits: Limits) -> Result<Vec<(String, MatArray)>, Error> {
     let path = Path::new(MEMORY);
     if is_v73(bytes) {
-        return Err(Error::unsupported(path, format!("a {FORMAT_V5} file of level 7.3, which is read from disk only")));
+        return Err(Error::unsupported(
+            path,
+            format!("a {FORMAT_V5} file of version 7.3, which cannot be read from memory"),
+        ));
     }
     let mut reader = Reader::new(Cursor::new(bytes), bytes.len() as u64, path, limits)?;
     let infos = infos(&reader);
     infos.into_iter().enumerate().map(|(index, info)| Ok((info.name, reader.value(index)?))).collect()
 }
 
-/// Says that a variable is missing, and what there is instead.
+/// The message that a variable is missing, with the names of the others.
 pub(super) fn missing(name: &str, infos: &[MatInfo]) -> String {
     const SHOWN: usize = 12;
     let mut names: Vec<&str> = infos.iter().take(SHOWN).map(|info| info.name.as_str()).collect();

@@ -1,4 +1,4 @@
-//! A light field and its rig as variables.
+//! A light field and its rig as variables of a MAT file.
 
 use std::path::Path;
 
@@ -10,10 +10,10 @@ use super::{MatArray, MatClass, MatInfo, MatOptions, MatValue, MatVariable, writ
 use crate::rig_values::{self, RigValues};
 use crate::{Error, FileDigest, Limits};
 
-/// The order of a light field's dimensions in a MAT file.
+/// The order of the dimensions of a light field in a MAT file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum MatOrder {
-    /// `H` of size `[V U T S C]`: lenses first.
+    /// `H` of size `[V U T S C]`: microlenses first.
     #[default]
     Lenses,
     /// `LF` of size `[T S V U C]`: views first, as in the Light Field Toolbox.
@@ -35,7 +35,7 @@ impl MatOrder {
         }
     }
 
-    /// Which axis of `(v, u, t, s, c)` each dimension is.
+    /// The axis of `(v, u, t, s, c)` of each dimension.
     const fn axes(self) -> [usize; 5] {
         match self {
             Self::Lenses => [0, 1, 2, 3, 4],
@@ -47,15 +47,15 @@ impl MatOrder {
 /// A light field that was read from a MAT file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MatLightField {
-    /// The samples, with the strides that the file has.
+    /// The samples `(v, u, t, s, c)`, with the strides of the file.
     pub light_field: DynLightField,
-    /// The rig, if the file tells all of it and its numbers make one.
+    /// The rig, if the file contains all of its numbers and they are valid.
     pub rig: Option<Rig>,
-    /// Why the numbers in the file make no rig, if they do not.
+    /// Why the numbers in the file make no rig, if they are invalid.
     pub rig_error: Option<holo_core::Error>,
 }
 
-/// The samples as MATLAB shall see them, in the order of `axes`.
+/// The samples as the value of a variable, with dimensions in the order of `axes`.
 pub(super) fn value<'a>(samples: DynLightFieldRef<'a>, axes: &[usize; 5]) -> MatValue<'a> {
     fn ordered<'a, T>(samples: ArrayView5<'a, T>, axes: &[usize; 5]) -> ArrayViewD<'a, T> {
         samples.into_dyn().permuted_axes(IxDyn(axes))
@@ -68,9 +68,19 @@ pub(super) fn value<'a>(samples: DynLightFieldRef<'a>, axes: &[usize; 5]) -> Mat
     }
 }
 
-/// Writes a light field and what is known of its rig.
+/// Writes a light field, and its rig if there is one, into a MAT file.
 ///
-/// The variables are those of the module's table. The samples are not copied as a whole, whatever their strides.
+/// The samples are not copied as a whole, whatever their strides.
+///
+/// | variable | class | value |
+/// |---|---|---|
+/// | `H` | `uint8`, `uint16`, `single` or `double` | the samples, `[V U T S C]` |
+/// | or `LF` | the same | the samples, `[T S V U C]` |
+/// | `axes` | `char` | `vutsc` or `tsvuc`, a letter a dimension |
+/// | `views`, `lenses` | `double` | `[T S]` and `[V U]`, rows first |
+/// | `baseline_m` | `double` | `[y x]` |
+/// | `focal_length_mm`, `sensor_size_mm`, `focus_distance_m` | `double` | numbers; the focus may be `Inf` |
+/// | `projection` | `char` | `perspective` or `orthographic` |
 ///
 /// # Shape
 ///
@@ -78,7 +88,7 @@ pub(super) fn value<'a>(samples: DynLightFieldRef<'a>, axes: &[usize; 5]) -> Mat
 ///
 /// # Errors
 ///
-/// Those of [`write_mat`], and [`Error::BadInput`] if the rig is for other views or lenses.
+/// Those of [`write_mat`], and [`Error::BadInput`] if the rig has other numbers of views or microlenses.
 pub fn write_mat_light_field<S>(
     path: impl AsRef<Path>,
     light_field: &LightField<S>,
@@ -91,18 +101,18 @@ where
     S::Elem: Sample,
 {
     let path = path.as_ref();
-    let split = light_field.shape();
-    rig_values::check_split(path, rig, &split)?;
-    let counts = [split.views(), split.lenses()].map(|size| [size.rows as f64, size.columns as f64]);
+    let shape = light_field.shape();
+    rig_values::check_split(path, rig, &shape)?;
+    let counts = [shape.views(), shape.lenses()].map(|size| [size.rows as f64, size.columns as f64]);
     let values = rig.map(RigValues::from);
     let samples = value(light_field.as_light_field_ref().into(), &order.axes());
     let mut variables = vec![MatVariable { name: order.name(), value: samples }];
-    variables.extend(beside(order, &counts, values.as_ref()));
+    variables.extend(metadata(order, &counts, values.as_ref()));
     write_mat(path, &variables, options)
 }
 
-/// The small variables beside the samples; `counts` are those of views and lenses.
-pub(super) fn beside<'a>(
+/// All variables but the samples; `counts` are the rows and columns of views and microlenses.
+pub(super) fn metadata<'a>(
     order: MatOrder,
     counts: &'a [[f64; 2]; 2],
     values: Option<&'a RigValues>,
@@ -124,16 +134,17 @@ pub(super) fn beside<'a>(
     variables
 }
 
-/// Reads a light field from a MAT file: `H` or `LF`, and the rig beside it.
+/// Reads a light field, and its rig if there is one, from a MAT file; the variables are those of
+/// [`write_mat_light_field`].
 ///
-/// Without `axes`, the name tells the order. Dimensions of length 1 that the file lost are put back. Nothing is copied to
-/// change the order: the strides differ.
+/// Without `axes`, the name `H` or `LF` specifies the order. Trailing dimensions of length 1, which MATLAB drops, are
+/// restored. Nothing is copied to change the order: the strides differ.
 ///
 /// # Errors
 ///
 /// Those of [`read_mat_variable`](super::read_mat_variable); [`Error::BadInput`] if there is neither `H` nor `LF`;
-/// [`Error::Broken`] if the variables contradict each other; [`Error::Unsupported`] if the samples have another class than
-/// the table's.
+/// [`Error::Broken`] if the variables contradict each other; [`Error::Unsupported`] if the samples are of another class
+/// than `uint8`, `logical`, `uint16`, `single` or `double`.
 pub fn read_mat_light_field(path: impl AsRef<Path>, limits: &Limits) -> Result<MatLightField, Error> {
     let path = path.as_ref();
     let mut reader = MatReader::open(path, *limits)?;
@@ -149,7 +160,7 @@ pub fn read_mat_light_field(path: impl AsRef<Path>, limits: &Limits) -> Result<M
     Ok(MatLightField { light_field, rig, rig_error })
 }
 
-/// What a file tells about its light field without the samples.
+/// The contents of a light field file without the samples.
 pub(crate) struct MatHeader {
     pub(crate) shape: LightFieldShape,
     pub(crate) is_float: bool,
@@ -185,7 +196,7 @@ struct Header {
     numbers: Numbers,
 }
 
-/// The numbers beside the samples.
+/// The numbers of a light field file that describe the samples.
 struct Numbers {
     views: Option<Vec<f64>>,
     lenses: Option<Vec<f64>>,
@@ -195,7 +206,7 @@ struct Numbers {
 }
 
 impl Numbers {
-    /// Compares them with the samples and makes the rig.
+    /// Compares them with the shape of the samples and builds the rig.
     fn check(self, path: &Path, shape: LightFieldShape) -> Result<(Option<Rig>, Option<holo_core::Error>), Error> {
         check_counts(path, "views", self.views, shape.views())?;
         check_counts(path, "lenses", self.lenses, shape.lenses())?;
@@ -245,7 +256,7 @@ fn contradiction(path: &Path, what: impl Into<String>) -> Error {
     Error::broken(path, "MAT light field", what)
 }
 
-/// Which dimension of the file each axis of `(v, u, t, s, c)` is.
+/// The dimension in the file of each axis of `(v, u, t, s, c)`.
 fn axes_of(path: &Path, letters: &str) -> Result<[usize; 5], Error> {
     let contradiction = || contradiction(path, format!("`axes` is '{letters}' instead of an order of vutsc"));
     if letters.len() != 5 {
@@ -258,7 +269,7 @@ fn axes_of(path: &Path, letters: &str) -> Result<[usize; 5], Error> {
     Ok(axes)
 }
 
-/// Gives an array its five axes back and names them.
+/// Restores the five axes of an array and their order `(v, u, t, s, c)`.
 fn ordered<T: Sample>(path: &Path, array: ArrayD<T>, letters: &str) -> Result<DynLightField, Error> {
     let mut shape = array.shape().to_vec();
     if shape.len() > 5 {
@@ -277,7 +288,7 @@ fn ordered<T: Sample>(path: &Path, array: ArrayD<T>, letters: &str) -> Result<Dy
     LightField::new(array).map(DynLightField::from).map_err(|error| Error::core(path, error))
 }
 
-/// Compares counts that stand beside the samples with the samples.
+/// Compares counts in the file with those of the samples.
 fn check_counts(path: &Path, name: &str, counts: Option<Vec<f64>>, found: GridSize) -> Result<(), Error> {
     match counts.as_deref() {
         None => Ok(()),

@@ -1,24 +1,24 @@
-//! Arrays of any strides, handed on in column-major order without a second copy of the whole.
+//! Arrays of any strides in column-major order, without a second copy of the whole array.
 //!
-//! MATLAB's first index runs fastest, ours last, and a raw image has yet another order. Going through the file's order one
-//! element at a time would touch a new line of the cache for each. So the array is cut into slabs of a few megabytes that
-//! follow one another in the file; each is gathered in square tiles, in which both orders find their neighbours near by.
-//! Slabs are gathered side by side.
+//! The first index runs fastest in MATLAB, the last in ndarray, and a raw image has yet another order. A copy in the
+//! order of the file, one element at a time, would access a new cache line for each element. So the array is divided
+//! into slabs of a few megabytes that are contiguous in the file, and each slab is copied in square tiles, which use
+//! whole cache lines in both orders. Slabs are copied in parallel.
 
 use ndarray::{ArrayViewD, ArrayViewMutD, Axis, Dimension, Ix2, IxDyn, Slice};
 use rayon::prelude::*;
 
-/// Bytes of a slab, where the order of the array leaves the choice.
+/// Wanted size of a slab in bytes.
 const SLAB_BYTES: usize = 4 << 20;
 
-/// Bytes of a slab at most, for the sake of longer runs in the array's own order.
+/// Maximum size of a slab in bytes, for longer runs in the order of the array.
 const MAX_SLAB_BYTES: usize = 32 << 20;
 
-/// The side of a tile; also the run that is wanted in the array's own order.
+/// Side of a tile; also the minimum run in the order of the array that is wanted.
 const TILE: usize = 32;
 
-/// A slab of the reversed array: the axes up to `outer.len()` are fixed, the next runs from `start` to `end`, and those
-/// behind it are whole.
+/// A slab of the reversed array: the first `outer.len()` axes have these indices, the next runs from `start` to `end`,
+/// and the others are complete.
 #[derive(Debug)]
 pub(crate) struct Slab {
     pub(crate) outer: Vec<usize>,
@@ -26,22 +26,23 @@ pub(crate) struct Slab {
     pub(crate) end: usize,
 }
 
-/// How an array is cut. Axes are those of the reversed array, the last of which runs fastest in the file.
+/// The division of an array into slabs. Axes are those of the reversed array, the last of which runs fastest in the
+/// file.
 pub(crate) struct Plan {
-    /// The axis that slabs are cut along.
+    /// The axis along which slabs divide the array.
     pub(crate) axis: usize,
-    /// Its indices in one slab.
+    /// Number of indices of that axis in one slab.
     pub(crate) step: usize,
-    /// The axis along which neighbours are near in the array's own memory.
+    /// The axis of the tiles besides the last: that of the smallest stride whose slabs are not too large.
     near: usize,
 }
 
-/// Passes the elements of `array` to `take` in column-major order, one slab after another; `prepare` works on slabs side by
-/// side.
+/// Passes the elements of `array` to `take` in column-major order, one slab after another; `prepare` processes slabs in
+/// parallel.
 ///
 /// # Errors
 ///
-/// The first of `take`, or of `prepare` by way of `take`.
+/// The first error of `take`.
 pub(crate) fn column_major<T, P, E>(
     array: &ArrayViewD<'_, T>,
     prepare: impl Fn(&[T]) -> P + Sync,
@@ -59,13 +60,13 @@ where
 }
 
 impl Plan {
-    /// Plans for an array of at least one axis.
+    /// Plans the slabs of an array of at least one axis.
     pub(crate) fn new(shape: &[usize], strides: &[isize], element_bytes: usize) -> Self {
         let last = shape.len() - 1;
         let inside = |axis: usize| shape[axis + 1..].iter().product::<usize>() * element_bytes;
         let mut by_stride: Vec<usize> = (0..shape.len()).filter(|&axis| shape[axis] > 1).collect();
         by_stride.sort_by_key(|&axis| strides[axis].unsigned_abs());
-        // The nearest neighbours whose slab is not too large; the last axis always qualifies.
+        // The smallest stride whose slabs are not too large; the last axis is always possible.
         let near = by_stride
             .into_iter()
             .find(|&axis| inside(axis).saturating_mul(shape[axis].min(TILE)) <= MAX_SLAB_BYTES)
@@ -79,7 +80,7 @@ impl Plan {
         Self { axis, step, near }
     }
 
-    /// Passes all slabs on in order, gathered and prepared side by side.
+    /// Passes all slabs to `take` in order, gathered and prepared in parallel.
     pub(crate) fn run<T, P, E>(
         &self,
         reversed: &ArrayViewD<'_, T>,
@@ -113,7 +114,7 @@ impl Plan {
     }
 }
 
-/// Copies a slab out in the file's order.
+/// Copies a slab in the order of the file.
 fn gather<T: Copy + Default>(reversed: &ArrayViewD<'_, T>, plan: &Plan, slab: &Slab) -> Vec<T> {
     let mut source = reversed.view();
     for &index in &slab.outer {
@@ -147,7 +148,7 @@ fn tiles<T: Copy>(source: ArrayViewD<'_, T>, mut target: ArrayViewMutD<'_, T>, n
                 }
             }
         }
-        // The first axis that is not one of the two goes from slice to slice.
+        // Slice by slice along the first axis that is not one of the two.
         _ => {
             let (axis, near) = if near == 0 { (1, 0) } else { (0, near - 1) };
             for (source, target) in source.axis_iter(Axis(axis)).zip(target.axis_iter_mut(Axis(axis))) {
@@ -171,7 +172,7 @@ mod tests {
             Ok(())
         });
         assert_eq!(outcome, Ok(()));
-        // The naive twin: ndarray's own iterator over the reversed axes.
+        // The reference implementation: the iterator of ndarray over the reversed axes.
         assert!(taken.iter().eq(array.t().iter()), "{:?} {:?}", array.shape(), array.strides());
     }
 
@@ -205,7 +206,8 @@ mod tests {
     #[test]
     fn arrays_of_many_slabs() {
         for (shape, order) in [
-            // Lens rows, lens columns, view rows, view columns, channels of an elemental grid, a viewpoint grid, and neither.
+            // Lens rows, lens columns, view rows, view columns, channels of an elemental grid, a viewpoint grid, and
+            // neither.
             ([31, 40, 33, 35, 3], [0, 2, 1, 3, 4]),
             ([31, 40, 33, 35, 3], [2, 0, 3, 1, 4]),
             ([31, 40, 33, 35, 3], [4, 3, 2, 1, 0]),

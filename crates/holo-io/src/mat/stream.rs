@@ -1,46 +1,55 @@
-//! A light field of level 7.3 that is written lens row by lens row, so that it never is in memory as a whole.
+//! A writer of light fields of version 7.3 lens row by lens row, for those that do not fit into memory.
 //!
-//! In the file the lens row runs fastest, so rows that come one after another lie far apart: chunks bring them together
-//! again. A chunk holds a few lenses and views, as in this crate's HDF5 files, and the rows of a chunk are gathered before they
-//! are written.
+//! In the file the index of the lens row runs fastest, so consecutive lens rows are far apart in a contiguous dataset.
+//! Therefore the dataset has the chunks of this crate's HDF5 files, a few microlenses and views, and the lens rows of a
+//! chunk are collected before they are written.
 
+use std::convert::Infallible;
 use std::marker::PhantomData;
+use std::ops::Range;
 use std::path::Path;
 
 use holo_core::{DynLightFieldRef, LightField, Rig, Sample, SampleKind};
 
 use ::hdf5::{Dataset, File, Hyperslab, SliceOrIndex};
-use ndarray::{Array5, ArrayD, ArrayView5, Axis, Dimension, Slice};
+use ndarray::{ArrayD, ArrayView5, ArrayViewD, Axis, Slice};
 
-use super::light_field::{MatOrder, beside};
+use super::light_field::{MatOrder, metadata};
 use super::order::column_major;
 use super::{MatClass, v73};
-use crate::hdf5::{Failure, Hdf5Options, Number};
+use crate::atomic::AtomicPath;
+use crate::hdf5::{Failure, Hdf5Options, Number, RowDataset, SampleRows, with_sample_type};
 use crate::rig_values::RigValues;
 use crate::{Error, FileDigest};
 
-/// Lens columns that are turned round at a time, in chunks.
+/// Lens columns that are reversed at a time, in chunks.
 const CHUNKS_AT_A_TIME: usize = 4;
 
-/// Writes a light field into a MAT file of level 7.3, lens row by lens row: `H`, and the rig beside it.
+/// A writer of a light field into a MAT file of version 7.3, lens row by lens row; the variables are `H` and those of
+/// the rig as in [`write_mat_light_field`](crate::write_mat_light_field).
 ///
-/// In memory are four lens rows (79 MB for 64K pixels of 8 bits) and a small part of them turned round, whatever the size of the whole. The file appears when
-/// [`finish`](Self::finish) succeeds, and not before. Level 5 cannot be written in this order.
+/// It needs the memory of four lens rows, fewer where they are large, and of a small part of them, whatever the size of
+/// the light field. The file appears when [`finish`](Self::finish) succeeds. Version 5 cannot be written in this order.
 ///
 /// # Errors
 ///
-/// Every method: [`Error::Io`] if the file cannot be written, a full disk included; [`Error::BadInput`] if an argument does
-/// not fit the rig. After an error the file can only be dropped.
+/// Every method: [`Error::Io`] if the file cannot be written, for example on a full disk; [`Error::BadInput`] if an
+/// argument contradicts the rig. After an error the writer can only be dropped, which leaves no file.
 ///
 /// # Examples
 ///
 /// ```
-/// use holo_core::{GridSize, LightFieldShape, Rig};
+/// use holo_core::{GridSize, Rig, LightFieldShape};
 /// use holo_io::{Limits, MatWriter, read_mat_light_field};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("scene_5d.mat");
-/// let rig = Rig::builder(LightFieldShape::new(GridSize::new(2, 3), GridSize::new(6, 5))?).focal_length_m(0.05).sensor_size_m(0.036).baseline_m(1e-3).focus_distance_m(1.0).build()?;
+/// let rig = Rig::builder(LightFieldShape::new(GridSize::new(2, 3), GridSize::new(6, 5))?)
+///     .focal_length_m(0.05)
+///     .sensor_size_m(0.036)
+///     .baseline_m(1e-3)
+///     .focus_distance_m(1.0)
+///     .build()?;
 /// let mut mat = MatWriter::<u8>::create(&path, &rig, 3, true)?;
 /// for row in 0..6 {
 ///     mat.write_lens_rows(ndarray::Array5::from_elem((1, 5, 2, 3, 3), row).view())?;
@@ -51,159 +60,121 @@ const CHUNKS_AT_A_TIME: usize = 4;
 /// ```
 #[derive(Debug)]
 pub struct MatWriter<T> {
-    // The order matters: the dataset is closed first, then the file, and then the temporary file can go.
-    rows: AnyRows,
+    // Fields are dropped in order: dataset and file are closed before the temporary file is removed.
+    rows: SampleRows<ColumnMajor>,
     file: File,
-    place: crate::atomic::AtomicPath,
+    target: AtomicPath,
     samples: PhantomData<T>,
 }
 
-/// The rows of one of the types.
+/// A dataset with the axes of the array in memory reversed.
 #[derive(Debug)]
-enum AnyRows {
-    U8(Rows<u8>),
-    U16(Rows<u16>),
-    F32(Rows<f32>),
-    F64(Rows<f64>),
+struct ColumnMajor {
+    dataset: Dataset,
+    /// Lens columns that are reversed at a time.
+    columns_at_a_time: usize,
 }
 
-/// A dataset that is written lens row by lens row.
-#[derive(Debug)]
-struct Rows<T> {
-    dataset: Dataset,
-    /// (v, u, t, s, c) of the whole.
-    shape: [usize; 5],
-    /// Lens rows and columns of a chunk.
-    chunk: [usize; 2],
-    /// Rows on their way: as many as a chunk is high.
-    band: Array5<T>,
-    /// Rows that came so far.
-    count: usize,
+impl RowDataset for ColumnMajor {
+    const NEEDS_ROW_MAJOR: bool = false;
+
+    fn write<T: Number>(&self, rows: Range<usize>, values: ArrayViewD<'_, T>) -> ::hdf5::Result<()> {
+        let columns = values.len_of(Axis(1));
+        for start in (0..columns).step_by(self.columns_at_a_time) {
+            let end = columns.min(start + self.columns_at_a_time);
+            let part = values.slice_axis(Axis(1), Slice::from(start..end));
+            let mut reversed = Vec::with_capacity(part.len());
+            let gathered = column_major(&part, <[T]>::to_vec, |slab| {
+                reversed.extend(slab);
+                Ok::<_, Infallible>(())
+            });
+            let Ok(()) = gathered;
+            let shape: Vec<usize> = part.shape().iter().rev().copied().collect();
+            let mut slices: Vec<SliceOrIndex> = shape[..3].iter().map(|&count| (0..count).into()).collect();
+            slices.extend([start..end, rows.clone()].map(SliceOrIndex::from));
+            let reversed = ArrayD::from_shape_vec(shape, reversed).map_err(|error| error.to_string())?;
+            self.dataset.write_slice(reversed.view(), Hyperslab::from(slices))?;
+        }
+        Ok(())
+    }
 }
 
 impl<T: Sample> MatWriter<T> {
     /// Starts a file with samples of `channels` channels.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadInput`] if `channels` is 0; [`Error::Io`] if the file cannot be written.
     pub fn create(path: impl AsRef<Path>, rig: &Rig, channels: usize, is_compressed: bool) -> Result<Self, Error> {
         let path = path.as_ref();
         if channels == 0 {
             return Err(Error::bad_input(path, "a light field without channels"));
         }
         let values = RigValues::from(rig);
-        let (place, file) = v73::begin(path)?;
+        let (target, file) = v73::begin(path)?;
         let failed = |error| Failure { path, is_writing: true }.error(error);
         let counts = [rig.shape().views(), rig.shape().lenses()].map(|size| [size.rows as f64, size.columns as f64]);
-        for variable in beside(MatOrder::Lenses, &counts, Some(&values)) {
+        for variable in metadata(MatOrder::Lenses, &counts, Some(&values)) {
             v73::variable(&file, &variable, false).map_err(failed)?;
         }
         let shape = rig.shape().array_shape(channels);
-        let rows = match T::KIND {
-            SampleKind::U8 => Rows::create(&file, shape, MatClass::U8, is_compressed).map(AnyRows::U8),
-            SampleKind::U16 => Rows::create(&file, shape, MatClass::U16, is_compressed).map(AnyRows::U16),
-            SampleKind::F32 => Rows::create(&file, shape, MatClass::F32, is_compressed).map(AnyRows::F32),
-            SampleKind::F64 => Rows::create(&file, shape, MatClass::F64, is_compressed).map(AnyRows::F64),
-        }
+        let class = match T::KIND {
+            SampleKind::U8 => MatClass::U8,
+            SampleKind::U16 => MatClass::U16,
+            SampleKind::F32 => MatClass::F32,
+            SampleKind::F64 => MatClass::F64,
+        };
+        let (dataset, chunk_rows) = with_sample_type!(T::KIND, S => {
+            create_dataset::<S>(&file, &shape, class, is_compressed)
+        })
         .map_err(failed)?;
-        Ok(Self { rows, file, place, samples: PhantomData })
+        let rows = SampleRows::new(T::KIND, dataset, &shape, chunk_rows);
+        Ok(Self { rows, file, target, samples: PhantomData })
     }
 
     /// Writes the next lens rows.
     ///
     /// # Shape
     ///
-    /// `(rows, u, t, s, c)`, any strides and any number of rows that are left.
+    /// `(rows, u, t, s, c)`, any strides and any number of rows up to those that are left.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadInput`] if the shape is wrong or there are too many rows; [`Error::Io`] if the file cannot be
+    /// written.
     pub fn write_lens_rows(&mut self, rows: ArrayView5<'_, T>) -> Result<(), Error> {
         if rows.is_empty() {
             return Ok(());
         }
-        let path = self.place.path();
+        let path = self.target.path();
         let rows = LightField::new(rows).map_err(|error| Error::core(path, error))?;
-        match (&mut self.rows, DynLightFieldRef::from(rows)) {
-            (AnyRows::U8(out), DynLightFieldRef::U8(rows)) => out.push(rows.into_samples(), path),
-            (AnyRows::U16(out), DynLightFieldRef::U16(rows)) => out.push(rows.into_samples(), path),
-            (AnyRows::F32(out), DynLightFieldRef::F32(rows)) => out.push(rows.into_samples(), path),
-            (AnyRows::F64(out), DynLightFieldRef::F64(rows)) => out.push(rows.into_samples(), path),
-            _ => Err(Error::bad_input(path, "rows of another type")),
-        }
+        self.rows.push(DynLightFieldRef::from(rows), path)
     }
 
-    /// Completes the file and gives it its name.
+    /// Completes the file and renames it to its path.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadInput`] if lens rows are missing; [`Error::Io`] if the file cannot be written.
     pub fn finish(self) -> Result<FileDigest, Error> {
-        let Self { rows, file, place, .. } = self;
-        let (count, all) = match &rows {
-            AnyRows::U8(rows) => (rows.count, rows.shape[0]),
-            AnyRows::U16(rows) => (rows.count, rows.shape[0]),
-            AnyRows::F32(rows) => (rows.count, rows.shape[0]),
-            AnyRows::F64(rows) => (rows.count, rows.shape[0]),
-        };
-        if count < all {
-            return Err(Error::bad_input(place.path(), format!("only {count} of {all} lens rows were written")));
-        }
+        let Self { rows, file, target, .. } = self;
+        rows.check_complete(MatOrder::Lenses.name(), target.path())?;
         drop(rows);
-        v73::end(place, file)
+        v73::end(target, file)
     }
 }
 
-impl<T: Number> Rows<T> {
-    fn create(file: &File, shape: [usize; 5], class: MatClass, is_compressed: bool) -> ::hdf5::Result<Self> {
-        let chunk = Hdf5Options::default().chunk_of(&shape, size_of::<T>());
-        let reversed = |sides: &[usize]| sides.iter().rev().copied().collect::<Vec<_>>();
-        let name = MatOrder::Lenses.name();
-        let dataset = v73::chunked::<T>(file, name, &reversed(&shape), reversed(&chunk), class, is_compressed)?;
-        let band = Array5::default([chunk[0], shape[1], shape[2], shape[3], shape[4]]);
-        Ok(Self { dataset, shape, chunk: [chunk[0], chunk[1]], band, count: 0 })
-    }
-
-    /// Takes rows, and writes what makes whole chunks.
-    fn push(&mut self, rows: ArrayView5<'_, T>, path: &Path) -> Result<(), Error> {
-        let left = self.shape[0] - self.count;
-        let given = rows.raw_dim();
-        if given.slice()[1..] != self.shape[1..] || given[0] > left {
-            let what = format!("rows of shape {given:?} do not fit {:?}, of which {left} rows are left", self.shape);
-            return Err(Error::bad_input(path, what));
-        }
-        let height = self.chunk[0];
-        let mut taken = 0;
-        while taken < given[0] {
-            let filled = self.count % height;
-            let count = (height - filled).min(given[0] - taken);
-            let source = rows.slice_axis(Axis(0), Slice::from(taken..taken + count));
-            let start = self.count - filled;
-            let end = self.count + count;
-            let is_full = end.is_multiple_of(height) || end == self.shape[0];
-            let failure = Failure { path, is_writing: true };
-            if filled == 0 && is_full {
-                self.write(start, source).map_err(|error| failure.error(error))?;
-            } else {
-                self.band.slice_axis_mut(Axis(0), Slice::from(filled..filled + count)).assign(&source);
-                if is_full {
-                    let band = self.band.slice_axis(Axis(0), Slice::from(..end - start));
-                    self.write(start, band).map_err(|error| failure.error(error))?;
-                }
-            }
-            taken += count;
-            self.count += count;
-        }
-        Ok(())
-    }
-
-    /// Writes the rows of a chunk, some columns of chunks at a time.
-    fn write(&self, first: usize, rows: ArrayView5<'_, T>) -> ::hdf5::Result<()> {
-        let step = self.chunk[1] * CHUNKS_AT_A_TIME;
-        for start in (0..self.shape[1]).step_by(step) {
-            let end = self.shape[1].min(start + step);
-            let part = rows.slice_axis(Axis(1), Slice::from(start..end));
-            let mut turned = Vec::with_capacity(part.len());
-            let gathered = column_major(&part.into_dyn(), <[T]>::to_vec, |slab| {
-                turned.extend(slab);
-                Ok::<_, std::convert::Infallible>(())
-            });
-            let Ok(()) = gathered;
-            let shape: Vec<usize> = part.shape().iter().rev().copied().collect();
-            let turned = ArrayD::from_shape_vec(shape.clone(), turned).map_err(|error| error.to_string())?;
-            let mut slices: Vec<SliceOrIndex> = shape[..3].iter().map(|&count| (0..count).into()).collect();
-            slices.extend([start..end, first..first + shape[4]].map(SliceOrIndex::from));
-            self.dataset.write_slice(turned.view(), Hyperslab::from(slices))?;
-        }
-        Ok(())
-    }
+/// Creates the dataset of the samples, and returns it with the number of lens rows of a chunk. `shape` is (v, u, t, s,
+/// c).
+fn create_dataset<T: Number>(
+    file: &File,
+    shape: &[usize; 5],
+    class: MatClass,
+    is_compressed: bool,
+) -> ::hdf5::Result<(ColumnMajor, usize)> {
+    let chunk = Hdf5Options::default().chunk_of(shape, size_of::<T>());
+    let reversed = |sides: &[usize]| sides.iter().rev().copied().collect::<Vec<_>>();
+    let name = MatOrder::Lenses.name();
+    let dataset = v73::chunked::<T>(file, name, &reversed(shape), reversed(&chunk), class, is_compressed)?;
+    Ok((ColumnMajor { dataset, columns_at_a_time: chunk[1] * CHUNKS_AT_A_TIME }, chunk[0]))
 }

@@ -1,4 +1,4 @@
-//! MAT files of level 5: elements of a type, a length and data, least significant byte first as we write them.
+//! MAT files of version 5: elements of a type, a length and data; written little-endian.
 
 pub(super) mod head;
 pub(super) mod numbers;
@@ -13,17 +13,17 @@ const HEADER_BYTES: usize = 128;
 /// The version in the header, in the byte order of the file.
 const VERSION: u16 = 0x0100;
 
-/// MATLAB itself stops here: a variable of level 5 has less bytes, all told.
+/// The limit of MATLAB: a variable of version 5 has fewer bytes in total.
 pub(super) const MAX_VARIABLE_BYTES: u64 = 1 << 31;
 
-/// What stands around the data of a variable at most: tags, flags, dimensions and a name, with room to spare.
+/// Upper bound of the size of tags, flags, dimensions and name of a variable.
 pub(super) const VARIABLE_HEAD_BYTES: u64 = 4096;
 
 /// Types of elements that hold no numbers.
 const TYPE_MATRIX: u32 = 14;
 const TYPE_COMPRESSED: u32 = 15;
 
-/// The types that numbers and characters are stored as.
+/// The storage types of numbers and characters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Storage {
     I8,
@@ -88,8 +88,8 @@ impl Storage {
         }
     }
 
-    /// The type that a class is written as: its own numbers, and UTF-8 for text, because SciPy
-    /// does not read `uint16` beyond ASCII.
+    /// The storage type that a class is written as: that of its numbers; for text UTF-8, because SciPy does not read
+    /// `uint16` beyond ASCII.
     const fn of(class: MatClass) -> Option<Self> {
         Some(match class {
             MatClass::U8 | MatClass::Logical => Self::U8,
@@ -108,12 +108,12 @@ impl Storage {
     }
 }
 
-/// Returns the class of a number in the flags of a matrix; `None` for numbers that no MATLAB writes.
+/// Returns the class of a code in the flags of a matrix; `None` for codes that MATLAB does not write.
 const fn class_of_code(code: u8) -> Option<MatClass> {
     Some(match code {
         1 => MatClass::Cell,
         2 => MatClass::Struct,
-        // Objects, functions, and objects that the file's subsystem describes.
+        // Objects, functions, and objects that the subsystem data of the file describe.
         3 | 16 | 17 => MatClass::Object,
         4 => MatClass::Text,
         5 => MatClass::Sparse,
@@ -131,7 +131,7 @@ const fn class_of_code(code: u8) -> Option<MatClass> {
     })
 }
 
-/// The number of a class that is written; what is not written has none.
+/// Returns the code of a class; `None` for classes that are not written.
 const fn code_of_class(class: MatClass) -> Option<u8> {
     Some(match class {
         MatClass::Text => 4,
@@ -149,7 +149,7 @@ const fn code_of_class(class: MatClass) -> Option<u8> {
     })
 }
 
-/// Bytes that fill an element of this length up to a multiple of eight.
+/// Number of padding bytes of an element of this length, up to a multiple of eight.
 const fn padding(bytes: u64) -> u64 {
     bytes.wrapping_neg() % 8
 }

@@ -1,8 +1,8 @@
-//! MATLAB's level 7.3: an HDF5 file behind a block of 512 bytes with MATLAB's header.
+//! MAT files of version 7.3: HDF5 files with a user block of 512 bytes that contains the header of MATLAB.
 //!
-//! A variable is a dataset in the root, its dimensions in the opposite order, with its class in an attribute. Structures and
-//! cells are groups and references; they are listed, not read. Written with the library's oldest structures, because
-//! MATLAB's own library is old.
+//! A variable is a dataset in the root group, with its dimensions in reverse order and its class in an attribute.
+//! Structures and cells are groups and references; they are listed, but not read. Files are written with the oldest
+//! structures of HDF5, because the library in MATLAB is old.
 
 use std::io::Write;
 use std::path::Path;
@@ -12,22 +12,22 @@ use ::hdf5::{Dataset, File, H5Type, Hyperslab, SliceOrIndex};
 use ndarray::{ArrayD, ArrayViewD, Axis, IxDyn, ShapeBuilder};
 
 use super::order::Plan;
-use super::value::Element;
+use super::value::{Element, for_each_array};
 use super::{MatArray, MatClass, MatInfo, MatValue, MatVariable, unreadable};
 use crate::atomic::AtomicPath;
 use crate::hdf5::{Failure, check_chunk, create, open, read_text};
 use crate::{Error, FileDigest, Limits};
 
-/// What stands first in the file; MATLAB wants the first words just so.
+/// The descriptive text at the beginning of the file. MATLAB requires the first words.
 const TEXT: &str = "MATLAB 7.3 MAT-file, written by holo, HDF5 schema 1.00 .";
 
-/// The smallest block that HDF5 leaves in front.
+/// The smallest user block of HDF5.
 const BLOCK_BYTES: usize = 512;
 
-/// Bytes of a chunk at most.
+/// Maximum size of a chunk in bytes.
 const CHUNK_BYTES: usize = 1 << 20;
 
-/// Gzip behind shuffle.
+/// Level of gzip after shuffle.
 const GZIP_LEVEL: u8 = 3;
 
 const CLASS: &str = "MATLAB_class";
@@ -45,53 +45,41 @@ fn header() -> Vec<u8> {
 }
 
 pub(super) fn write(path: &Path, variables: &[MatVariable<'_>], is_compressed: bool) -> Result<FileDigest, Error> {
-    let (place, file) = begin(path)?;
+    let (target, file) = begin(path)?;
     for one in variables {
         variable(&file, one, is_compressed).map_err(|error| Failure { path, is_writing: true }.error(error))?;
     }
-    end(place, file)
+    end(target, file)
 }
 
 /// Starts a file.
 pub(super) fn begin(path: &Path) -> Result<(AtomicPath, File), Error> {
-    let place = AtomicPath::create(path)?;
-    let file = create(place.temporary_path(), BLOCK_BYTES as u64, true)
+    let target = AtomicPath::create(path)?;
+    let file = create(target.temporary_path(), BLOCK_BYTES as u64, true)
         .map_err(|error| Failure { path, is_writing: true }.error(error))?;
-    Ok((place, file))
+    Ok((target, file))
 }
 
-/// Completes a file and gives it its name.
-pub(super) fn end(place: AtomicPath, file: File) -> Result<FileDigest, Error> {
-    let failed = |error| Failure { path: place.path(), is_writing: true }.error(error);
-    // By its own call, because closing tells no errors.
+/// Completes a file and renames it to its path.
+pub(super) fn end(target: AtomicPath, file: File) -> Result<FileDigest, Error> {
+    let failed = |error| Failure { path: target.path(), is_writing: true }.error(error);
+    // Explicitly, because closing reports no errors.
     file.flush().map_err(failed)?;
     file.close().map_err(failed)?;
-    place.file().write_all(&header()).map_err(|error| Error::io("write", place.path(), error))?;
-    place.commit()
+    target.file().write_all(&header()).map_err(|error| Error::io("write", target.path(), error))?;
+    target.commit()
 }
 
 /// Writes one variable.
 pub(super) fn variable(file: &File, variable: &MatVariable<'_>, is_compressed: bool) -> ::hdf5::Result<()> {
     let MatVariable { name, value } = variable;
-    match value {
-        MatValue::U8(array) => numbers(file, name, array, value, is_compressed),
-        MatValue::I8(array) => numbers(file, name, array, value, is_compressed),
-        MatValue::U16(array) => numbers(file, name, array, value, is_compressed),
-        MatValue::I16(array) => numbers(file, name, array, value, is_compressed),
-        MatValue::U32(array) => numbers(file, name, array, value, is_compressed),
-        MatValue::I32(array) => numbers(file, name, array, value, is_compressed),
-        MatValue::U64(array) => numbers(file, name, array, value, is_compressed),
-        MatValue::I64(array) => numbers(file, name, array, value, is_compressed),
-        MatValue::F32(array) => numbers(file, name, array, value, is_compressed),
-        MatValue::F64(array) => numbers(file, name, array, value, is_compressed),
-        MatValue::Text(text) => {
-            let units: Vec<u16> = text.encode_utf16().collect();
-            numbers(file, name, &ndarray::aview1(&units).into_dyn(), value, false)
-        }
-    }
+    for_each_array!(MatValue, value, array => numbers(file, name, array, value, is_compressed), text => {
+        let units: Vec<u16> = text.encode_utf16().collect();
+        numbers(file, name, &ndarray::aview1(&units).into_dyn(), value, false)
+    })
 }
 
-/// Makes the dataset of a variable in chunks; `shape` is the reverse of MATLAB's.
+/// Creates the chunked dataset of a variable; `shape` is the reverse of that in MATLAB.
 pub(super) fn chunked<T: H5Type>(
     file: &File,
     name: &str,
@@ -120,7 +108,7 @@ fn numbers<T: Element + H5Type>(
 ) -> ::hdf5::Result<()> {
     let size = value.size();
     if array.is_empty() {
-        // The dimensions stand where the numbers would.
+        // The dataset of an empty variable contains its dimensions.
         let counts: Vec<u64> = size.iter().map(|&count| count as u64).collect();
         let dataset = file.new_dataset::<u64>().obj_track_times(false).shape([counts.len()]).create(name)?;
         dataset.write(ndarray::aview1(&counts))?;
@@ -139,7 +127,7 @@ fn numbers<T: Element + H5Type>(
     let shape = reversed.shape().to_vec();
     let mut plan = Plan::new(&shape, reversed.strides(), size_of::<T>());
     let dataset = if is_compressed {
-        // Slabs hold whole chunks, so that none is compressed twice.
+        // Slabs consist of whole chunks, so that none is compressed twice.
         let mut chunk = vec![1; shape.len()];
         let mut room = CHUNK_BYTES / size_of::<T>();
         for axis in (plan.axis..shape.len()).rev() {
@@ -167,7 +155,7 @@ fn numbers<T: Element + H5Type>(
     })
 }
 
-/// Writes the attributes that make a dataset a variable: text of fixed length, as MATLAB's own.
+/// Writes the attributes that make a dataset a variable: text of fixed length, as MATLAB writes it.
 fn describe(dataset: &Dataset, class: MatClass) -> ::hdf5::Result<()> {
     fn write<const N: usize>(dataset: &Dataset, name: &str) -> ::hdf5::Result<()> {
         let text = FixedAscii::<N>::from_ascii(name).map_err(|error| error.to_string())?;
@@ -198,7 +186,7 @@ impl<'a> Reader<'a> {
         let failed = |error| Failure { path, is_writing: false }.error(error);
         let file = open(path)?;
         let mut infos = Vec::new();
-        // MATLAB's own groups begin with #; what they hold belongs to structures and cells.
+        // Names of internal groups of MATLAB begin with #; they contain parts of structures and cells.
         for name in file.member_names().map_err(failed)?.into_iter().filter(|name| !name.starts_with('#')) {
             infos.push(info(&file, name, path).map_err(failed)??);
         }
@@ -209,7 +197,7 @@ impl<'a> Reader<'a> {
         self.infos.clone()
     }
 
-    /// Reads a variable, and takes what it needs from the budget.
+    /// Reads a variable, and subtracts its size from the memory limit.
     pub(super) fn value(&mut self, index: usize) -> Result<MatArray, Error> {
         let info = self.infos[index].clone();
         let path = self.path;
@@ -246,7 +234,7 @@ impl<'a> Reader<'a> {
             return Ok(Vec::new());
         }
         let count = info.size.iter().product();
-        let mut values = self.limits.room(self.path, "variable", count)?;
+        let mut values = Limits::room(self.path, "variable", count)?;
         values.resize(count, T::default());
         dataset.read_into_raw(&mut values).map_err(|error| self.failure().error(error))?;
         Ok(values)
@@ -272,7 +260,7 @@ fn broken(path: &Path, name: &str, what: &str) -> Error {
     Error::broken(path, "MAT 7.3", format!("'{name}' {what}"))
 }
 
-/// Finds out what a member of the root is.
+/// Reads name, class and size of a member of the root group.
 fn info(file: &File, name: String, path: &Path) -> ::hdf5::Result<Result<MatInfo, Error>> {
     let Ok(dataset) = file.dataset(&name) else {
         // A group: a structure, a sparse matrix or an object.
@@ -307,13 +295,13 @@ fn info(file: &File, name: String, path: &Path) -> ::hdf5::Result<Result<MatInfo
     size.reverse();
     let mut is_complex = false;
     if has(EMPTY) {
-        // At most as many dimensions as the format has.
+        // The maximum number of dimensions of HDF5.
         if dataset.size() > 32 {
             return Ok(Err(broken(path, &name, "is empty in more than 32 dimensions")));
         }
         let counts = dataset.read_raw::<u64>()?;
         if !counts.contains(&0) {
-            return Ok(Err(broken(path, &name, "is called empty, but its size is not")));
+            return Ok(Err(broken(path, &name, "is marked as empty, but its size is not")));
         }
         size = counts.into_iter().map(|count| usize::try_from(count).unwrap_or(usize::MAX)).collect();
     } else if class.element_bytes().is_some() {

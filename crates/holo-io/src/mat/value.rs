@@ -1,8 +1,8 @@
-//! What a variable of a MAT file can hold.
+//! Classes and values of the variables of MAT files.
 
 use ndarray::{ArrayD, ArrayViewD};
 
-/// The class of a variable: how MATLAB shows and computes with it.
+/// The class of a variable in MATLAB.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum MatClass {
@@ -30,18 +30,18 @@ pub enum MatClass {
     Logical,
     /// `char`.
     Text,
-    /// `cell`: listed, but not read.
+    /// `cell`; listed, but not read.
     Cell,
-    /// `struct`: listed, but not read.
+    /// `struct`; listed, but not read.
     Struct,
-    /// A sparse matrix: listed, but not read.
+    /// A sparse matrix; listed, but not read.
     Sparse,
-    /// An object, a function or what else only MATLAB makes: listed, but not read.
+    /// An object, a function or another class that only MATLAB writes; listed, but not read.
     Object,
 }
 
 impl MatClass {
-    /// Returns MATLAB's own name of the class; `object` stands for all that only MATLAB makes.
+    /// Returns the name of the class in MATLAB; `object` for all classes that only MATLAB writes.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -64,7 +64,7 @@ impl MatClass {
         }
     }
 
-    /// Returns the bytes of one element in memory, or `None` for what is not read.
+    /// Returns the size of an element in memory in bytes, or `None` for classes that are not read.
     pub(crate) const fn element_bytes(self) -> Option<usize> {
         match self {
             Self::U8 | Self::I8 | Self::Logical => Some(1),
@@ -76,7 +76,7 @@ impl MatClass {
     }
 }
 
-/// A number that comes from a file, before it takes the type of its variable.
+/// A number of a file, before its conversion to the type of the variable.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Number {
     Integer(i128),
@@ -87,27 +87,46 @@ pub(crate) enum Number {
 pub(crate) trait Element: Copy + Default + Send + Sync + 'static {
     /// The class whose elements have this type.
     const CLASS: MatClass;
-    /// Appends the bytes of numbers, least significant first.
-    fn append(values: &[Self], bytes: &mut Vec<u8>);
-    /// Takes a number if this type has it: nothing is rounded but an integer that becomes a float.
+    /// Appends the bytes of numbers, little-endian.
+    fn append_le_bytes(values: &[Self], bytes: &mut Vec<u8>);
+    /// Converts a number to this type; `None` if that is not exact, except that an integer may be rounded to a float.
     fn from_number(number: Number) -> Option<Self>;
-    /// The number as it is.
+    /// Converts to [`Number`], which is exact.
     fn number(self) -> Number;
-    /// Puts an array into its variant.
+    /// Wraps an array in its variant.
     fn array(array: ArrayD<Self>) -> MatArray;
 }
 
-macro_rules! kinds {
-    ($($name:ident $type:ty: $matlab:literal, $number:ident, $from:expr;)*) => {
-        /// The value of a variable that is to be written; arrays of any strides.
+/// Passes all number classes to a macro: variant, Rust type, name in MATLAB, variant of [`Number`], conversion from it.
+macro_rules! for_each_class {
+    ($macro:ident) => {
+        $macro! {
+            U8 u8 "uint8" Integer integer;
+            I8 i8 "int8" Integer integer;
+            U16 u16 "uint16" Integer integer;
+            I16 i16 "int16" Integer integer;
+            U32 u32 "uint32" Integer integer;
+            I32 i32 "int32" Integer integer;
+            U64 u64 "uint64" Integer integer;
+            I64 i64 "int64" Integer integer;
+            F32 f32 "single" Float single;
+            F64 f64 "double" Float double;
+        }
+    };
+}
+
+/// Defines the enums of values.
+macro_rules! define_values {
+    ($($name:ident $type:ident $matlab:literal $number:ident $from:ident;)*) => {
+        /// The value of a variable that is to be written: an array of any strides, or text.
         ///
-        /// Every array is seen by MATLAB with the same indices, counted from 1: `array[[2, 0]]` is `array(3, 1)`. An array of
-        /// one dimension becomes a row, one of none a single number.
+        /// In MATLAB the indices are the same, counted from 1: `array[[2, 0]]` is `array(3, 1)`. An array of one
+        /// dimension becomes a row, one without dimensions a single number.
         #[derive(Debug, Clone)]
         #[non_exhaustive]
         pub enum MatValue<'a> {
-            $(#[doc = concat!("Becomes an array of `", $matlab, "`.")] $name(ArrayViewD<'a, $type>),)*
-            /// Becomes a row of `char`.
+            $(#[doc = concat!("An array of `", $matlab, "`.")] $name(ArrayViewD<'a, $type>),)*
+            /// A row of `char`.
             Text(&'a str),
         }
 
@@ -115,8 +134,8 @@ macro_rules! kinds {
         ///
         /// # Shape
         ///
-        /// As in MATLAB: at least two dimensions, and those of length 1 at the end are missing behind the second. In memory the
-        /// first index runs fastest, as in the file.
+        /// As in MATLAB: at least two dimensions, without trailing dimensions of length 1 after the second. In memory
+        /// the first index runs fastest, as in the file.
         #[derive(Debug, Clone, PartialEq)]
         #[non_exhaustive]
         pub enum MatArray {
@@ -124,9 +143,57 @@ macro_rules! kinds {
             /// A row of `char`.
             Text(String),
         }
+    };
+}
 
+for_each_class!(define_values);
+
+/// Evaluates an expression with the array of a value, or another with its text.
+macro_rules! for_each_array {
+    ($type:ident, $value:expr, $array:ident => $body:expr, $text:pat => $text_body:expr) => {
+        match $value {
+            $type::U8($array) => $body,
+            $type::I8($array) => $body,
+            $type::U16($array) => $body,
+            $type::I16($array) => $body,
+            $type::U32($array) => $body,
+            $type::I32($array) => $body,
+            $type::U64($array) => $body,
+            $type::I64($array) => $body,
+            $type::F32($array) => $body,
+            $type::F64($array) => $body,
+            $type::Text($text) => $text_body,
+        }
+    };
+}
+pub(super) use for_each_array;
+
+impl MatValue<'_> {
+    /// Returns the size of the variable in MATLAB: at least two dimensions, without trailing dimensions of length 1
+    /// after the second.
+    #[must_use]
+    pub fn size(&self) -> Vec<usize> {
+        let mut size = for_each_array!(Self, self, array => array.shape().to_vec(), text => match text.is_empty() {
+            true => vec![0, 0],
+            false => vec![text.encode_utf16().count()],
+        });
+        match size.len() {
+            0 => size = vec![1, 1],
+            1 => size.insert(0, 1),
+            _ => {}
+        }
+        while size.len() > 2 && size.last() == Some(&1) {
+            size.pop();
+        }
+        size
+    }
+}
+
+/// Implements what depends on the variant of a number type.
+macro_rules! implement_elements {
+    ($($name:ident $type:ident $matlab:literal $number:ident $from:ident;)*) => {
         impl MatValue<'_> {
-            /// Returns the class that the variable gets.
+            /// Returns the class of the variable.
             #[must_use]
             pub const fn class(&self) -> MatClass {
                 match self {
@@ -134,29 +201,10 @@ macro_rules! kinds {
                     Self::Text(_) => MatClass::Text,
                 }
             }
-
-            /// Returns the size that MATLAB shows: at least two dimensions, none of length 1 at the end behind the second.
-            #[must_use]
-            pub fn size(&self) -> Vec<usize> {
-                let mut size = match self {
-                    $(Self::$name(array) => array.shape().to_vec(),)*
-                    Self::Text("") => vec![0, 0],
-                    Self::Text(text) => vec![text.encode_utf16().count()],
-                };
-                match size.len() {
-                    0 => size = vec![1, 1],
-                    1 => size.insert(0, 1),
-                    _ => {}
-                }
-                while size.len() > 2 && size.last() == Some(&1) {
-                    size.pop();
-                }
-                size
-            }
         }
 
         impl MatArray {
-            /// Returns a view that can be written again.
+            /// Returns a view of the value, which can be written.
             #[must_use]
             pub fn view(&self) -> MatValue<'_> {
                 match self {
@@ -169,7 +217,7 @@ macro_rules! kinds {
             ///
             /// # Accuracy
             ///
-            /// Exact but for 64-bit integers beyond 2^53, which are rounded to the nearest.
+            /// Exact, except that 64-bit integers beyond 2^53 are rounded to the nearest `f64`.
             #[must_use]
             pub fn to_f64(&self) -> Option<Vec<f64>> {
                 match self {
@@ -182,14 +230,13 @@ macro_rules! kinds {
         $(impl Element for $type {
             const CLASS: MatClass = MatClass::$name;
 
-            fn append(values: &[Self], bytes: &mut Vec<u8>) {
+            fn append_le_bytes(values: &[Self], bytes: &mut Vec<u8>) {
                 bytes.reserve(size_of_val(values));
                 values.iter().for_each(|value| bytes.extend_from_slice(&value.to_le_bytes()));
             }
 
             fn from_number(number: Number) -> Option<Self> {
-                let from: fn(Number) -> Option<Self> = $from;
-                from(number)
+                $from(number)
             }
 
             fn number(self) -> Number {
@@ -203,7 +250,9 @@ macro_rules! kinds {
     };
 }
 
-/// An integer type takes the integers that it has.
+for_each_class!(implement_elements);
+
+/// Converts an integer to an integer type that contains it.
 fn integer<T: TryFrom<i128>>(number: Number) -> Option<T> {
     match number {
         Number::Integer(value) => T::try_from(value).ok(),
@@ -211,22 +260,18 @@ fn integer<T: TryFrom<i128>>(number: Number) -> Option<T> {
     }
 }
 
-kinds! {
-    U8 u8: "uint8", Integer, integer;
-    I8 i8: "int8", Integer, integer;
-    U16 u16: "uint16", Integer, integer;
-    I16 i16: "int16", Integer, integer;
-    U32 u32: "uint32", Integer, integer;
-    I32 i32: "int32", Integer, integer;
-    U64 u64: "uint64", Integer, integer;
-    I64 i64: "int64", Integer, integer;
-    F32 f32: "single", Float, |number| match number {
+/// Converts to `f32`: integers are rounded, floats must be exact.
+fn single(number: Number) -> Option<f32> {
+    match number {
         Number::Integer(value) => Some(value as f32),
-        // Only a single stored as a single has this type without rounding.
         Number::Float(value) => (f64::from(value as f32) == value || value.is_nan()).then_some(value as f32),
-    };
-    F64 f64: "double", Float, |number| Some(match number {
+    }
+}
+
+/// Converts to `f64`: integers are rounded.
+fn double(number: Number) -> Option<f64> {
+    Some(match number {
         Number::Integer(value) => value as f64,
         Number::Float(value) => value,
-    });
+    })
 }

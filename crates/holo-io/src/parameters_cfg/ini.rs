@@ -1,11 +1,11 @@
-//! The INI dialect of Python's `configparser`, as far as `parameters.cfg` needs it.
+//! Reader and writer of the INI dialect of Python's `configparser`, as far as `parameters.cfg` needs it.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::Error;
 
-/// The values of a file by section and key, with the line that each came from.
+/// The values of a file by section and key, each with its line number.
 pub(super) struct Ini<'a> {
     path: &'a Path,
     values: BTreeMap<(String, String), (usize, String)>,
@@ -19,7 +19,7 @@ impl<'a> Ini<'a> {
         let mut current: Option<(String, String)> = None;
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         for (index, line) in text.split(['\n', '\r']).enumerate() {
-            // A line end of two characters counts as two lines; the numbers in messages are for files with plain ones.
+            // A line end of two characters counts as two lines, so line numbers are right for files with `\n` only.
             let number = index + 1;
             let clean: String = line.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
             let content = clean.trim();
@@ -67,26 +67,26 @@ impl<'a> Ini<'a> {
         Error::broken(self.path, "parameters.cfg", format!("line {line}: {what}"))
     }
 
-    /// Takes a text out, with `%%` read as `%`.
+    /// Removes and returns a text, with `%%` replaced by `%`.
     pub(super) fn text(&mut self, section: &str, key: &str) -> Option<String> {
         let (_, value) = self.values.remove(&(section.to_owned(), key.to_owned()))?;
         Some(value.replace("%%", "%"))
     }
 
-    /// Takes a number out.
+    /// Removes and returns a number.
     pub(super) fn number(&mut self, section: &str, key: &str) -> Result<Option<f64>, Error> {
         self.parsed(section, key, "a number", |text| text.parse().ok())
     }
 
-    /// Takes a whole number that may be negative out.
+    /// Removes and returns an integer.
     pub(super) fn integer(&mut self, section: &str, key: &str) -> Result<Option<i64>, Error> {
         self.parsed(section, key, "a whole number", |text| text.parse().ok())
     }
 
-    /// Takes a count out; `9.0` is one too.
+    /// Removes and returns a count; `9.0` is accepted.
     pub(super) fn count(&mut self, section: &str, key: &str) -> Result<Option<u64>, Error> {
         self.parsed(section, key, "a whole number that is not negative", |text| {
-            // Above 2^53 a number with a decimal point no longer says which whole number is meant.
+            // Above 2^53 an `f64` no longer identifies a single integer.
             let from_float = |value: f64| {
                 (value.fract() == 0.0 && (0.0..=9_007_199_254_740_992.0).contains(&value)).then_some(value as u64)
             };
@@ -110,22 +110,22 @@ impl<'a> Ini<'a> {
         }
     }
 
-    /// Returns what a missing key means to a reader that cannot do without.
+    /// The error for a required key that is missing.
     pub(super) fn missing(&self, section: &str, key: &str) -> Error {
         Error::broken(self.path, "parameters.cfg", format!("[{section}] has no {key}"))
     }
 
-    /// Returns what nobody took.
+    /// Returns the values that were not removed.
     pub(super) fn rest(self) -> BTreeMap<(String, String), String> {
         self.values.into_iter().map(|(name, (_, value))| (name, value.replace("%%", "%"))).collect()
     }
 }
 
-/// Writes sections in the order in which they are begun.
+/// Writer of sections and keys, in the order of the calls.
 pub(super) struct IniWriter<'a> {
     path: &'a Path,
     text: String,
-    /// Where the current section begins in the text.
+    /// Offset of the current section in the text.
     section_start: usize,
 }
 
@@ -154,13 +154,13 @@ impl<'a> IniWriter<'a> {
                 format!("{key}: {value:?} has a control character, such as a line feed"),
             ));
         }
-        // Python's reader takes a single percent sign for the start of a reference to another key.
+        // Python's reader interprets a single percent sign as the start of a reference to another key.
         self.text.push_str(&format!("{key} = {}\n", value.trim().replace('%', "%%")));
         Ok(())
     }
 
     pub(super) fn number(&mut self, key: &str, value: f64) {
-        // The shortest text with a decimal point that reads back as the same number, as Python writes it.
+        // The shortest text with a decimal point that parses to the same number, as Python writes it.
         self.text.push_str(&format!("{key} = {value:?}\n"));
     }
 
@@ -168,7 +168,7 @@ impl<'a> IniWriter<'a> {
         self.text.push_str(&format!("{key} = {value}\n"));
     }
 
-    /// Writes a key whose name does not come from this crate.
+    /// Writes a key of [`ParametersCfg::other`](super::ParametersCfg::other), whose name is checked.
     pub(super) fn other(&mut self, key: &str, value: &str) -> Result<(), Error> {
         let plain = key == key.trim().to_lowercase()
             && !key.is_empty()

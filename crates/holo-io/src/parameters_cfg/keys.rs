@@ -1,4 +1,4 @@
-//! The keys of `parameters.cfg`: exactly those of the HCI tools, in their order.
+//! The keys of `parameters.cfg`: those of the HCI tools, in their order.
 
 use std::path::Path;
 
@@ -103,7 +103,7 @@ pub(super) fn read(text: &str, path: &Path) -> Result<ParametersCfg, Error> {
         Some(other) => {
             return Err(Error::unsupported(
                 path,
-                format!("[{EXTRINSICS}] projection = {other:?}; perspective and orthographic are known"),
+                format!("[{EXTRINSICS}] projection = {other:?}; only perspective and orthographic can be read"),
             ));
         }
     };
@@ -148,13 +148,13 @@ fn needed(ini: &mut Ini<'_>, section: &str, key: &str) -> Result<f64, Error> {
 fn size(ini: &mut Ini<'_>, section: &str, rows: &str, columns: &str) -> Result<GridSize, Error> {
     let mut count = |key: &str| {
         let count = ini.count(section, key)?.ok_or_else(|| ini.missing(section, key))?;
-        // What no machine can address is refused by the split that it is for.
+        // A count that does not fit is refused where the rig is built.
         Ok::<_, Error>(usize::try_from(count).unwrap_or(usize::MAX))
     };
     Ok(GridSize::new(count(rows)?, count(columns)?))
 }
 
-/// The six numbers of the pose; some of them alone are of no use and are passed over.
+/// The pose, if all six numbers are there; an incomplete pose is ignored.
 fn pose(ini: &mut Ini<'_>) -> Result<Option<CameraPose>, Error> {
     let mut pose = CameraPose { position_m: [0.0; 3], rotation_rad: [0.0; 3] };
     let mut complete = true;

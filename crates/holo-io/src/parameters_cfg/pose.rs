@@ -1,31 +1,31 @@
-//! The pose of the rig in Blender's world.
+//! The pose of the rig in Blender's world space.
 
-/// Position and rotation of the rig as `parameters.cfg` holds them.
+/// Position (m) and rotation (rad) of the rig as `parameters.cfg` contains them.
 ///
 /// # Units
 ///
-/// Blender's world: right-handed with Z up. The rotation is Euler XYZ: first about X, then Y, then Z. A camera without
-/// rotation looks along -Z with +Y up.
+/// Meters and radians in Blender's world space: right-handed with Z up. The rotation is Euler XYZ: first about X, then
+/// Y, then Z. A camera without rotation looks along -Z with +Y up.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraPose {
-    /// `center_cam_{x,y,z}_m`.
+    /// Position: `center_cam_{x,y,z}_m`.
     pub position_m: [f64; 3],
-    /// `center_cam_r{x,y,z}_rad`.
+    /// Euler angles: `center_cam_r{x,y,z}_rad`.
     pub rotation_rad: [f64; 3],
 }
 
 impl CameraPose {
-    /// Turns the pose of a glTF camera into Blender's: `(x, y, z)` becomes `(x, -z, y)`.
+    /// Converts the pose of a glTF camera to Blender's world space: `(x, y, z)` becomes `(x, -z, y)`.
     ///
-    /// `right`, `up` and `back` are the directions of the camera's +X, +Y and +Z axes in the glTF world, of length one
-    /// and at right angles; `position_m` is where it stands. Both worlds let a camera look along its -Z.
+    /// `right`, `up` and `back` are the directions of the camera's +X, +Y and +Z axes in the glTF world, orthonormal;
+    /// `position_m` is its position, m. In both conventions a camera looks along its -Z.
     ///
     /// # Examples
     ///
     /// ```
     /// use std::f64::consts::FRAC_PI_2;
     ///
-    /// // A glTF camera without rotation looks to the horizon; in Blender that takes a quarter turn about X.
+    /// // A glTF camera without rotation looks horizontally; in Blender that is a rotation by 90 degrees about X.
     /// let axes = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
     /// let pose = holo_io::CameraPose::from_gltf([1.0, 2.0, 3.0], axes.0, axes.1, axes.2);
     /// assert_eq!(pose.position_m, [1.0, -3.0, 2.0]);
@@ -41,8 +41,7 @@ impl CameraPose {
         let rotation_rad = if cos_b > 1e-9 {
             [up[2].atan2(back[2]), (-right[2]).atan2(cos_b), right[1].atan2(right[0])]
         } else {
-            // Looking straight along the axis of the second turn, only the sum of the other two is known: all of it
-            // goes to X.
+            // Gimbal lock: only the sum of the other two angles is determined. All of it goes to X.
             [(-back[1]).atan2(up[1]), (-right[2]).atan2(cos_b), 0.0]
         };
         Self { position_m: turn(position_m), rotation_rad: rotation_rad.map(|angle| angle + 0.0) }

@@ -1,4 +1,4 @@
-//! The header of a PFM: magic, width, height, scale, and how long the data must be.
+//! The header of a PFM: magic number, width, height, scale; and the length of the data that follow.
 
 use std::io::{self, BufRead};
 use std::path::Path;
@@ -8,12 +8,12 @@ use holo_core::GridSize;
 use super::PfmInfo;
 use crate::Error;
 
-/// The longest header that is read: room for long comments, but an end to a file that is none.
+/// Maximum length of a header with its comments, in bytes.
 pub(super) const MAX_BYTES: u64 = 4096;
 
 pub(super) struct Header {
     pub(super) info: PfmInfo,
-    /// Bytes up to and with the one white space behind the scale.
+    /// Bytes up to and including the single white space after the scale.
     bytes: u64,
     /// Whether that white space was a carriage return.
     carriage_return: bool,
@@ -39,17 +39,17 @@ impl Header {
         Ok(Self { info, bytes: tokens.bytes, carriage_return: tokens.last == b'\r' })
     }
 
-    /// Checks that exactly the announced data follow, and steps over the line feed of a Windows line end.
+    /// Checks that data of exactly the announced length follow, and skips the line feed of a Windows line end.
     pub(super) fn check_length(&self, source: &mut impl BufRead, length: u64, path: &Path) -> Result<(), Error> {
         let GridSize { rows, columns } = self.info.size;
         let needed = [rows, columns, self.info.channels, size_of::<f32>()]
             .into_iter()
             .try_fold(1_u64, |product, count| product.checked_mul(count as u64));
         let found = length.saturating_sub(self.bytes);
-        // A float may begin with the byte 10, so only the length tells a line feed from data.
+        // A float may begin with the byte 10, so only the length distinguishes a line feed from data.
         if self.carriage_return && needed.is_some_and(|needed| needed.checked_add(1) == Some(found)) {
             let mut line_feed = [0];
-            source.read_exact(&mut line_feed).map_err(|source| fault(source, path))?;
+            source.read_exact(&mut line_feed).map_err(|source| read_error(source, path))?;
             if line_feed == *b"\n" {
                 return Ok(());
             }
@@ -59,9 +59,11 @@ impl Header {
             Some(needed) => Err(Error::broken(
                 path,
                 "PFM",
-                format!("{columns} x {rows} pixels take {needed} bytes behind the header, but there are {found}"),
+                format!("{columns} x {rows} pixels need {needed} bytes after the header, but there are {found}"),
             )),
-            None => Err(Error::broken(path, "PFM", format!("no file holds {columns} x {rows} pixels"))),
+            None => {
+                Err(Error::broken(path, "PFM", format!("{columns} x {rows} pixels are more than a file can contain")))
+            }
         }
     }
 }
@@ -77,7 +79,7 @@ struct Tokens<'a, R> {
 impl<R: BufRead> Tokens<'_, R> {
     fn byte(&mut self) -> Result<u8, Error> {
         let mut byte = [0];
-        self.source.read_exact(&mut byte).map_err(|source| fault(source, self.path))?;
+        self.source.read_exact(&mut byte).map_err(|source| read_error(source, self.path))?;
         self.bytes += 1;
         if self.bytes > MAX_BYTES {
             return Err(Error::broken(self.path, "PFM", format!("the header is longer than {MAX_BYTES} bytes")));
@@ -86,7 +88,7 @@ impl<R: BufRead> Tokens<'_, R> {
         Ok(byte[0])
     }
 
-    /// Returns the next word, having taken exactly one white space behind it.
+    /// Returns the next word, and consumes exactly one white space after it.
     fn next(&mut self, what: &str) -> Result<String, Error> {
         let mut word = String::new();
         loop {
@@ -111,7 +113,7 @@ impl<R: BufRead> Tokens<'_, R> {
 
     fn count(&mut self, what: &str) -> Result<usize, Error> {
         let word = self.next(what)?;
-        // `parse` alone would take a sign.
+        // `parse` alone would accept a sign.
         let digits = word.bytes().all(|byte| byte.is_ascii_digit());
         word.parse().ok().filter(|&count| digits && count > 0).ok_or_else(|| {
             Error::broken(self.path, "PFM", format!("the {what} {word:?} is not a whole number above 0"))
@@ -119,8 +121,8 @@ impl<R: BufRead> Tokens<'_, R> {
     }
 }
 
-/// Sorts read errors by who is at fault.
-pub(super) fn fault(source: io::Error, path: &Path) -> Error {
+/// Converts an error of reading: the end of the file means a broken file.
+pub(super) fn read_error(source: io::Error, path: &Path) -> Error {
     if source.kind() == io::ErrorKind::UnexpectedEof {
         Error::broken(path, "PFM", "the file ends early")
     } else {

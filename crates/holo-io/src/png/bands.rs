@@ -1,21 +1,21 @@
-//! One zlib stream out of bands of rows that are compressed side by side.
+//! One zlib stream of bands of rows that are compressed in parallel.
 //!
-//! Every band but the last ends in an empty stored block (deflate's "sync flush"), so it ends on a whole byte and the
-//! bands can simply follow one another. Nothing in a band refers back to an earlier one: that costs a few hundred bytes
-//! a band, and makes the result the same for any number of threads.
+//! Every band but the last ends in an empty stored block (deflate's "sync flush"), so it ends on a whole byte and bands
+//! can be concatenated. No band refers back to an earlier one: that costs a few hundred bytes a band, and makes the
+//! result the same for any number of threads.
 
 use rayon::prelude::*;
 
 use super::filter::Filter;
 use crate::zlib::{ZLIB_HEADER, adler32, combine_adler32, deflate_band};
 
-/// Filtered bytes in a band: enough to forget the start of a band, few enough for many threads.
+/// Filtered bytes of a band: many compared with the cost of a band, few enough for many threads.
 const BAND_BYTES: usize = 1 << 20;
 
-/// Rows that are gathered by one thread at least.
+/// Minimum number of rows that a thread gathers.
 const MIN_ROWS: usize = 8;
 
-/// Rows that wait to be compressed take at most this many bytes, if a band is not more.
+/// Maximum size of the rows that wait for compression, in bytes, unless one band is larger.
 const GROUP_BYTES: usize = 64 << 20;
 
 /// The stream of one image, row by row.
@@ -24,21 +24,21 @@ pub(super) struct Bands {
     row_bytes: usize,
     rows_of_band: usize,
     rows_of_group: usize,
-    /// Rows that have not come yet.
+    /// Rows that have not been pushed yet.
     missing: usize,
-    /// Whole rows that wait to be compressed, and the row above them, if there is one.
+    /// Rows that wait for compression, and the row above them, if there is one.
     waiting: Vec<u8>,
     above: Option<Vec<u8>>,
     adler: u32,
-    /// What comes before the next band.
+    /// Bytes to write before the next band.
     head: Vec<u8>,
 }
 
 impl Bands {
-    /// `row_bytes` are those of a row before it is filtered.
+    /// `row_bytes` is the size of a row without its filter byte.
     pub fn new(rows: usize, row_bytes: usize, pixel_bytes: usize) -> Self {
         let rows_of_band = (BAND_BYTES / (row_bytes + 1)).max(1);
-        // Only a few bands a thread are held at a time, whatever the size of the image.
+        // A few bands a thread are in memory, whatever the size of the image.
         let group = (GROUP_BYTES / (rows_of_band * row_bytes)).clamp(1, 4 * rayon::current_num_threads());
         Self {
             pixel_bytes,
@@ -53,7 +53,7 @@ impl Bands {
         }
     }
 
-    /// Takes `rows` more rows, which `gather` puts into place by their number, and hands what becomes of them to `take`.
+    /// Pushes `rows` more rows: `gather` writes the row of a number into its bytes. Passes compressed bytes to `take`.
     pub fn push<E: From<std::io::Error>>(
         &mut self,
         rows: usize,
@@ -76,7 +76,7 @@ impl Bands {
         Ok(())
     }
 
-    /// Compresses what waits.
+    /// Compresses the waiting rows.
     fn compress<E: From<std::io::Error>>(&mut self, take: &mut impl FnMut(&[u8]) -> Result<(), E>) -> Result<(), E> {
         let bands: Vec<&[u8]> = self.waiting.chunks(self.rows_of_band * self.row_bytes).collect();
         let compressed: Vec<std::io::Result<(Vec<u8>, u32, usize)>> = (0..bands.len())

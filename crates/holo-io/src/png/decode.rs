@@ -1,4 +1,4 @@
-//! Reads any PNG as samples of 8 or 16 bits.
+//! Decodes any PNG to samples of 8 or 16 bits.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Seek};
@@ -11,21 +11,26 @@ use super::PngInfo;
 use crate::error::MEMORY;
 use crate::{Error, Limits};
 
-/// What the decoder may take for rows and headers at least and at most, beside the image itself.
+/// Range of the memory limit of the decoder for rows and headers, in bytes, in addition to the image.
 const WORKING_BYTES: std::ops::RangeInclusive<u64> = 1 << 20..=256 << 20;
 
-/// Reads a PNG of any kind: grey, RGB or palette, 1 to 16 bits, interlaced or not.
+/// Reads a PNG: gray, RGB or palette, 1 to 16 bits, interlaced or not.
+///
+/// # Shape
+///
+/// `(rows, columns, channels)` with 1 (gray), 2 (gray, alpha), 3 (RGB) or 4 (RGB, alpha) channels. Palettes become RGB,
+/// fewer than 8 bits become 8.
 ///
 /// # Errors
 ///
 /// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not a PNG, is truncated or damaged;
-/// [`Error::TooLarge`] if its samples exceed the limits, before memory is taken for them.
+/// [`Error::TooLarge`] if its samples exceed the limits, before memory is allocated for them.
 pub fn read_png(path: impl AsRef<Path>, limits: &Limits) -> Result<DynImage, Error> {
     let path = path.as_ref();
     decode(open(path)?, path, *limits)
 }
 
-/// Reads a PNG that is in memory, like [`read_png`].
+/// Decodes a PNG in memory, like [`read_png`].
 ///
 /// # Errors
 ///
@@ -54,26 +59,27 @@ fn start<R: BufRead + Seek>(source: R, path: &Path, limits: Limits) -> Result<(p
     let working = limits.max_bytes.clamp(*WORKING_BYTES.start(), *WORKING_BYTES.end()) as usize;
     let mut decoder = png::Decoder::new_with_limits(source, png::Limits { bytes: working });
     decoder.set_transformations(png::Transformations::EXPAND);
-    // Text and colour profiles are not looked at, so they need no memory and cannot be wrong.
+    // Text and color profiles are ignored, so that they take no memory and cause no errors.
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);
-    let reader = decoder.read_info().map_err(|error| fault(error, path, limits))?;
+    let reader = decoder.read_info().map_err(|error| decode_error(error, path, limits))?;
     check_palette(reader.info(), path)?;
-    let (colour, depth) = reader.output_color_type();
+    let (color, depth) = reader.output_color_type();
     let size = reader.info();
     let info = PngInfo {
         size: GridSize::new(size.height as usize, size.width as usize),
-        channels: colour.samples(),
+        channels: color.samples(),
         bits: if depth == png::BitDepth::Sixteen { 16 } else { 8 },
     };
     Ok((reader, info))
 }
 
-/// Refuses palettes that are not 1 to 256 whole triples: `png` 0.18.1 panics on a part of one (image-png issue 694).
+/// Refuses palettes that are not 1 to 256 complete RGB entries: `png` 0.18.1 panics on an incomplete one (image-png
+/// issue 694).
 fn check_palette(info: &png::Info<'_>, path: &Path) -> Result<(), Error> {
     let bytes = info.palette.as_ref().map_or(0, |palette| palette.len());
     if info.color_type == png::ColorType::Indexed && (!bytes.is_multiple_of(3) || !(3..=768).contains(&bytes)) {
-        return Err(Error::broken(path, "PNG", format!("a palette of {bytes} bytes is not 1 to 256 colours")));
+        return Err(Error::broken(path, "PNG", format!("a palette of {bytes} bytes is not 1 to 256 colors")));
     }
     Ok(())
 }
@@ -84,22 +90,22 @@ fn decode<R: BufRead + Seek>(source: R, path: &Path, limits: Limits) -> Result<D
     let counts = [shape.0, shape.1, shape.2];
     let samples = if info.bits == 8 {
         let count = limits.elements(path, "image", &counts, 1)?;
-        let mut samples = limits.room::<u8>(path, "image", count)?;
+        let mut samples = Limits::room::<u8>(path, "image", count)?;
         read_rows(&mut reader, path, limits, count, |bytes| samples.extend_from_slice(bytes))?;
         Array3::from_shape_vec(shape, samples).ok().map(DynImage::U8)
     } else {
         let count = limits.elements(path, "image", &counts, 2)?;
-        let mut samples = limits.room::<u16>(path, "image", count)?;
+        let mut samples = Limits::room::<u16>(path, "image", count)?;
         let pair = |bytes: &[u8]| u16::from_be_bytes([bytes[0], bytes[1]]);
         read_rows(&mut reader, path, limits, count * 2, |bytes| samples.extend(bytes.chunks_exact(2).map(pair)))?;
         Array3::from_shape_vec(shape, samples).ok().map(DynImage::U16)
     };
-    // The pixels may be complete in a file that was cut behind them.
-    reader.finish().map_err(|error| fault(error, path, limits))?;
-    samples.ok_or_else(|| Error::broken(path, "PNG", "the image data is shorter than the header says"))
+    // The pixels may be complete in a file that is truncated after them.
+    reader.finish().map_err(|error| decode_error(error, path, limits))?;
+    samples.ok_or_else(|| Error::broken(path, "PNG", "the image data are shorter than the header announces"))
 }
 
-/// Hands the image to `take` from top to bottom, in pieces of whole samples.
+/// Passes the image to `take` from top to bottom, in pieces of whole samples.
 fn read_rows<R: BufRead + Seek>(
     reader: &mut png::Reader<R>,
     path: &Path,
@@ -107,18 +113,17 @@ fn read_rows<R: BufRead + Seek>(
     bytes: usize,
     mut take: impl FnMut(&[u8]),
 ) -> Result<(), Error> {
-    let failed = |error| fault(error, path, limits);
+    let failed = |error| decode_error(error, path, limits);
     if reader.info().interlaced {
         // Interlaced rows arrive out of order, so the whole image is needed at once.
-        let mut image = limits.room(path, "image", bytes)?;
+        let mut image = Limits::room(path, "image", bytes)?;
         image.resize(bytes, 0);
         let frame = reader.next_frame(&mut image).map_err(failed)?;
-        // Only the first frame of an animation could be smaller than the image; what is missing is noticed by its
-        // length.
+        // The first frame of an animation may be smaller than the image; the caller checks the length.
         take(&image[..frame.buffer_size().min(bytes)]);
     } else {
-        // The room was only reserved: pages are touched as data really arrive, so a short file that announces much
-        // stays cheap.
+        // The memory was only reserved: pages are touched as data arrive, so a short file that announces a large image
+        // uses little memory.
         while let Some(row) = reader.next_row().map_err(failed)? {
             take(row.data());
         }
@@ -126,11 +131,11 @@ fn read_rows<R: BufRead + Seek>(
     Ok(())
 }
 
-/// Sorts the decoder's errors by who is at fault.
-fn fault(error: png::DecodingError, path: &Path, limits: Limits) -> Error {
+/// Converts an error of the decoder: to a broken file, an error of the operating system, or a limit.
+fn decode_error(error: png::DecodingError, path: &Path, limits: Limits) -> Error {
     match error {
         png::DecodingError::IoError(source) if source.kind() == std::io::ErrorKind::UnexpectedEof => {
-            Error::broken(path, "PNG", "the file ends early; it was cut off while it was written or copied")
+            Error::broken(path, "PNG", "the file ends early; it was truncated while it was written or copied")
         }
         png::DecodingError::IoError(source) => Error::io("read", path, source),
         png::DecodingError::LimitsExceeded => {

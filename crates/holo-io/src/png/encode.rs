@@ -1,4 +1,4 @@
-//! Encodes PNG row by row, into whatever takes bytes.
+//! Encodes PNG row by row into a writer.
 
 use std::io::Write;
 use std::path::Path;
@@ -12,15 +12,15 @@ use super::bands::Bands;
 use crate::error::MEMORY;
 use crate::{AtomicFile, Error};
 
-/// A number of 8 or 16 bits, in the byte order of PNG.
+/// A sample of 8 or 16 bits, which PNG stores big-endian.
 pub(super) trait Bytes: Copy + Send + Sync {
-    /// Its size in the file.
+    /// Size of a sample in the file.
     const BYTES: usize;
 
-    /// Puts samples that lie dense in memory into as many bytes as they have.
+    /// Writes contiguous samples into `bytes`, which has their size.
     fn put_dense(samples: &[Self], bytes: &mut [u8]);
 
-    /// Puts one sample.
+    /// Writes one sample.
     fn put(self, bytes: &mut [u8]);
 }
 
@@ -50,7 +50,7 @@ impl Bytes for u16 {
     }
 }
 
-/// What PNG needs to know of an image, checked.
+/// Size, channels and sample type of an image, valid for PNG.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
     pub size: GridSize,
@@ -58,7 +58,7 @@ pub(super) struct Layout {
     width: u32,
     height: u32,
     pub kind: SampleKind,
-    colour: png::ColorType,
+    color: png::ColorType,
     depth: png::BitDepth,
     pixel_bytes: usize,
     row_bytes: usize,
@@ -83,7 +83,7 @@ impl Layout {
                 .filter(|&count| count > 0 && count < 1 << 31)
                 .ok_or_else(|| bad(format!("a PNG has 1 to 2147483647 {what}, not {count}")))
         };
-        let colour = match channels {
+        let color = match channels {
             1 => png::ColorType::Grayscale,
             2 => png::ColorType::GrayscaleAlpha,
             3 => png::ColorType::Rgb,
@@ -97,17 +97,17 @@ impl Layout {
             .checked_mul(pixel_bytes)
             .filter(|&bytes| bytes < isize::MAX as usize / 4)
             .ok_or_else(|| bad(format!("rows of {width} pixels do not fit into the memory of this machine")))?;
-        Ok(Self { size, channels, width, height, kind, colour, depth, pixel_bytes, row_bytes })
+        Ok(Self { size, channels, width, height, kind, color, depth, pixel_bytes, row_bytes })
     }
 
     pub fn row_bytes(&self) -> usize {
         self.row_bytes
     }
 
-    /// An encoder that knows what the header says.
+    /// Returns an encoder of the `png` crate with this header.
     pub fn encoder<'a, W: Write>(&self, out: W, encoding: ColorEncoding) -> png::Encoder<'a, W> {
         let mut encoder = png::Encoder::new(out, self.width, self.height);
-        encoder.set_color(self.colour);
+        encoder.set_color(self.color);
         encoder.set_depth(self.depth);
         if encoding == ColorEncoding::Srgb {
             encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
@@ -116,25 +116,25 @@ impl Layout {
     }
 }
 
-/// Where the bytes go, and what its word is when something goes wrong.
+/// The destination of the bytes, which converts errors of the encoder.
 pub(super) trait Sink: Write + 'static {
-    /// Turns an error of the `png` crate, which may hide its cause, into ours.
-    fn fault(&mut self, error: png::EncodingError) -> Error;
+    /// Converts an error of the `png` crate, which may hide an error of the destination.
+    fn write_error(&mut self, error: png::EncodingError) -> Error;
 }
 
 impl Sink for AtomicFile {
-    fn fault(&mut self, error: png::EncodingError) -> Error {
+    fn write_error(&mut self, error: png::EncodingError) -> Error {
         self.error(error)
     }
 }
 
 impl Sink for Vec<u8> {
-    fn fault(&mut self, error: png::EncodingError) -> Error {
+    fn write_error(&mut self, error: png::EncodingError) -> Error {
         Error::io("write", Path::new(MEMORY), std::io::Error::other(error.to_string()))
     }
 }
 
-/// A writer of which one owner gives bytes away and another gets it back in the end: the `png` crate keeps what it has.
+/// A shared destination: the `png` crate does not return its writer, so the encoder keeps a second reference.
 struct Shared<W>(Arc<Mutex<W>>);
 
 impl<W: Write> Write for Shared<W> {
@@ -147,15 +147,15 @@ impl<W: Write> Write for Shared<W> {
     }
 }
 
-/// How the rows become bytes.
+/// The state of the encoder by compression.
 enum Rows<W: Sink> {
     /// Through the `png` crate, one row at a time.
     Fast(Box<png::StreamWriter<'static, Shared<W>>>),
-    /// In bands on all threads; the `png` crate writes the header and the chunks.
+    /// In bands, in parallel; the `png` crate writes the header and the chunks.
     Best(Box<png::Writer<Shared<W>>>, Bands),
 }
 
-/// A PNG on its way into `W`. Whoever owns it counts the rows.
+/// An encoder of one PNG into `W`. The caller counts the rows.
 pub(super) struct Encoder<W: Sink> {
     rows: Rows<W>,
     row_bytes: usize,
@@ -169,11 +169,12 @@ impl<W: Sink> Encoder<W> {
         let rows = Rows::new(Shared(Arc::clone(&out)), layout, encoding, compression);
         match rows {
             Ok(rows) => Ok(Self { rows, row_bytes: layout.row_bytes, out }),
-            Err(error) => Err(fault(&out, error)),
+            Err(error) => Err(write_error(&out, error)),
         }
     }
 
-    /// Takes the next rows, which are no more than are missing, as wide as the image, and of its kind.
+    /// Writes the next rows. The caller guarantees that there are not too many, and that columns, channels and sample
+    /// type are those of the image.
     pub fn write_rows(&mut self, rows: DynImageRef<'_>) -> Result<(), Error> {
         match rows {
             DynImageRef::U8(rows) => self.push(rows),
@@ -198,26 +199,26 @@ impl<W: Sink> Encoder<W> {
                 |data| writer.write_chunk(png::chunk::IDAT, data),
             ),
         };
-        outcome.map_err(|error| fault(&self.out, error))
+        outcome.map_err(|error| write_error(&self.out, error))
     }
 
-    /// Completes the file, and returns what it was written into.
+    /// Completes the PNG and returns the destination.
     pub fn finish(self) -> Result<W, Error> {
         let outcome = match self.rows {
-            // The end of the file is written when the writer falls; should that fail, `W` knows.
+            // The `png` crate writes the end of the file on drop and ignores errors there; `W` remembers them.
             Rows::Fast(writer) => writer.finish(),
             Rows::Best(writer, _) => writer.finish(),
         };
-        outcome.map_err(|error| fault(&self.out, error))?;
+        outcome.map_err(|error| write_error(&self.out, error))?;
         match Arc::try_unwrap(self.out) {
             Ok(out) => Ok(out.into_inner().unwrap_or_else(PoisonError::into_inner)),
-            Err(out) => Err(fault(&out, std::io::Error::other("the encoder still holds its output").into())),
+            Err(out) => Err(write_error(&out, std::io::Error::other("the encoder still holds its output").into())),
         }
     }
 }
 
-fn fault<W: Sink>(out: &Mutex<W>, error: png::EncodingError) -> Error {
-    out.lock().unwrap_or_else(PoisonError::into_inner).fault(error)
+fn write_error<W: Sink>(out: &Mutex<W>, error: png::EncodingError) -> Error {
+    out.lock().unwrap_or_else(PoisonError::into_inner).write_error(error)
 }
 
 impl<W: Sink> Rows<W> {
@@ -242,7 +243,7 @@ impl<W: Sink> Rows<W> {
     }
 }
 
-/// Puts the rows of an image into their bytes, as many bytes a row.
+/// Writes the rows of an image into `bytes`, `row_bytes` each.
 pub(super) fn gather_image(image: &DynImageRef<'_>, row_bytes: usize, bytes: &mut [u8]) {
     fn rows<T: Bytes>(image: &ArrayView3<'_, T>, row_bytes: usize, bytes: &mut [u8]) {
         image.outer_iter().zip(bytes.chunks_exact_mut(row_bytes)).for_each(|(row, bytes)| gather(row, bytes));
@@ -255,7 +256,7 @@ pub(super) fn gather_image(image: &DynImageRef<'_>, row_bytes: usize, bytes: &mu
     }
 }
 
-/// Puts a row of any strides into its bytes.
+/// Writes a row of any strides into its bytes.
 fn gather<T: Bytes>(row: ArrayView2<'_, T>, bytes: &mut [u8]) {
     match row.as_slice() {
         Some(dense) => T::put_dense(dense, bytes),

@@ -1,64 +1,64 @@
-//! The five row filters of PNG, and the choice between them.
+//! The five row filters of PNG and the choice of one for each row.
 
 /// The filters by their number in the file.
-const FILTERS: [fn(&mut [u8], &Neighbours<'_>); 5] = [none, sub, up, average, paeth];
+const FILTERS: [fn(&mut [u8], &Neighbors<'_>); 5] = [none, sub, up, average, paeth];
 
-/// A row, the row above it, and the same two shifted by one pixel with zeros at the left edge.
-struct Neighbours<'a> {
+/// A row, the row above it, and both shifted by one pixel with zeros at the left edge.
+struct Neighbors<'a> {
     row: &'a [u8],
     left: &'a [u8],
     above: &'a [u8],
     above_left: &'a [u8],
 }
 
-fn none(out: &mut [u8], n: &Neighbours<'_>) {
+fn none(out: &mut [u8], n: &Neighbors<'_>) {
     out.copy_from_slice(n.row);
 }
 
-fn sub(out: &mut [u8], n: &Neighbours<'_>) {
+fn sub(out: &mut [u8], n: &Neighbors<'_>) {
     for ((out, row), left) in out.iter_mut().zip(n.row).zip(n.left) {
         *out = row.wrapping_sub(*left);
     }
 }
 
-fn up(out: &mut [u8], n: &Neighbours<'_>) {
+fn up(out: &mut [u8], n: &Neighbors<'_>) {
     for ((out, row), above) in out.iter_mut().zip(n.row).zip(n.above) {
         *out = row.wrapping_sub(*above);
     }
 }
 
-fn average(out: &mut [u8], n: &Neighbours<'_>) {
+fn average(out: &mut [u8], n: &Neighbors<'_>) {
     for (((out, row), left), above) in out.iter_mut().zip(n.row).zip(n.left).zip(n.above) {
         *out = row.wrapping_sub(((u16::from(*left) + u16::from(*above)) / 2) as u8);
     }
 }
 
-fn paeth(out: &mut [u8], n: &Neighbours<'_>) {
+fn paeth(out: &mut [u8], n: &Neighbors<'_>) {
     for ((((out, row), left), above), above_left) in
         out.iter_mut().zip(n.row).zip(n.left).zip(n.above).zip(n.above_left)
     {
         let (a, b, c) = (i16::from(*left), i16::from(*above), i16::from(*above_left));
-        // Distances of a + b - c to a, b and c; the nearest of the three predicts, in that order.
+        // Distances of a + b - c to a, b and c; the nearest is the prediction, in that order for equal distances.
         let (to_a, to_b, to_c) = ((b - c).abs(), (a - c).abs(), (a + b - 2 * c).abs());
-        // Written without branches, so that it becomes vector code.
+        // Without branches, so that the compiler vectorizes it.
         let b_or_c = if to_b <= to_c { *above } else { *above_left };
         let prediction = if (to_a <= to_b) & (to_a <= to_c) { *left } else { b_or_c };
         *out = row.wrapping_sub(prediction);
     }
 }
 
-/// Sum of the filtered bytes taken as signed numbers: the usual guess at how well a row will compress.
+/// Sum of absolute values of the filtered bytes as signed numbers: the heuristic of the PNG specification.
 fn cost(filtered: &[u8]) -> u64 {
-    // In blocks short enough for 16 bits, which fill the vector registers.
+    // In blocks whose sums fit into 16 bits, for more vector lanes.
     filtered
         .chunks(256)
         .map(|block| u64::from(block.iter().map(|&byte| u16::from((byte as i8).unsigned_abs())).sum::<u16>()))
         .sum()
 }
 
-/// Filters row after row of an image or of a band of it.
+/// Filters the rows of an image or of a band, one after another.
 pub(super) struct Filter {
-    /// The current row and the row above it, each behind one pixel of zeros.
+    /// The current row and the row above it, each after one pixel of zeros.
     row: Vec<u8>,
     above: Vec<u8>,
     candidate: Vec<u8>,
@@ -73,15 +73,15 @@ impl Filter {
         Self { row: padded.clone(), above: padded, candidate: scratch.clone(), best: scratch, pixel_bytes }
     }
 
-    /// Makes `row` the row above the next one; without it the row above is zeros, as at the top of an image.
+    /// Sets the row above the next one; initially zeros, as at the top of an image.
     pub(super) fn set_above(&mut self, row: &[u8]) {
         self.above[self.pixel_bytes..].copy_from_slice(row);
     }
 
-    /// Appends the number of the cheapest filter and the row filtered by it.
+    /// Appends the number of the filter of lowest cost and the row filtered by it.
     pub(super) fn append(&mut self, row: &[u8], out: &mut Vec<u8>) {
         self.row[self.pixel_bytes..].copy_from_slice(row);
-        let neighbours = Neighbours {
+        let neighbors = Neighbors {
             row: &self.row[self.pixel_bytes..],
             left: &self.row[..row.len()],
             above: &self.above[self.pixel_bytes..],
@@ -89,7 +89,7 @@ impl Filter {
         };
         let mut best = (u64::MAX, 0);
         for (number, filter) in (0_u8..).zip(FILTERS) {
-            filter(&mut self.candidate, &neighbours);
+            filter(&mut self.candidate, &neighbors);
             let cost = cost(&self.candidate);
             if cost < best.0 {
                 best = (cost, number);
@@ -106,8 +106,8 @@ impl Filter {
 mod tests {
     use super::*;
 
-    /// The filters as the standard writes them, one byte at a time.
-    fn naive(number: u8, row: &[u8], above: &[u8], pixel_bytes: usize) -> Vec<u8> {
+    /// The reference implementation: the formulas of the standard, one byte at a time.
+    fn reference(number: u8, row: &[u8], above: &[u8], pixel_bytes: usize) -> Vec<u8> {
         let predict = |at: usize| {
             let a = if at >= pixel_bytes { i32::from(row[at - pixel_bytes]) } else { 0 };
             let b = i32::from(above[at]);
@@ -151,15 +151,22 @@ mod tests {
                 let [row, above]: [Vec<u8>; 2] = std::array::from_fn(|_| (0..length).map(&mut noise).collect());
                 let pad = |bytes: &[u8]| [vec![0; pixel_bytes], bytes.to_vec()].concat();
                 let (left, above_left) = (pad(&row), pad(&above));
-                let neighbours =
-                    Neighbours { row: &row, left: &left[..length], above: &above, above_left: &above_left[..length] };
+                let neighbors =
+                    Neighbors { row: &row, left: &left[..length], above: &above, above_left: &above_left[..length] };
                 for (number, filter) in (0_u8..).zip(FILTERS) {
                     let mut out = vec![0; length];
-                    filter(&mut out, &neighbours);
-                    assert_eq!(out, naive(number, &row, &above, pixel_bytes), "filter {number}, {pixel_bytes} bytes");
+                    filter(&mut out, &neighbors);
+                    assert_eq!(
+                        out,
+                        reference(number, &row, &above, pixel_bytes),
+                        "filter {number}, {pixel_bytes} bytes"
+                    );
                 }
                 let costs = (0..5).map(|number| -> u64 {
-                    naive(number, &row, &above, pixel_bytes).iter().map(|&b| u64::from((b as i8).unsigned_abs())).sum()
+                    reference(number, &row, &above, pixel_bytes)
+                        .iter()
+                        .map(|&b| u64::from((b as i8).unsigned_abs()))
+                        .sum()
                 });
                 let cheapest = costs.enumerate().min_by_key(|&(_, cost)| cost).unwrap().0 as u8;
                 let mut filter = Filter::new(length, pixel_bytes);
@@ -167,11 +174,11 @@ mod tests {
                 let mut out = Vec::new();
                 filter.append(&row, &mut out);
                 assert_eq!(out[0], cheapest);
-                assert_eq!(out[1..], naive(cheapest, &row, &above, pixel_bytes));
+                assert_eq!(out[1..], reference(cheapest, &row, &above, pixel_bytes));
                 // The row just written is the row above the next one.
                 filter.append(&row, &mut out);
                 let second = &out[length + 1..];
-                assert_eq!(second[1..], naive(second[0], &row, &row, pixel_bytes));
+                assert_eq!(second[1..], reference(second[0], &row, &row, pixel_bytes));
             }
         }
     }

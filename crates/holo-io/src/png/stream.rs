@@ -1,4 +1,4 @@
-//! A PNG that is written band by band, so that it never is in memory as a whole.
+//! A writer of PNG band by band, for images that do not fit into memory.
 
 use std::path::{Path, PathBuf};
 
@@ -8,13 +8,12 @@ use super::Compression;
 use super::encode::{Encoder, Layout};
 use crate::{AtomicFile, Error, FileDigest};
 
-/// Writes a PNG of 8 or 16 bits a channel from top to bottom, a band of rows at a time.
+/// A writer of a PNG of 8 or 16 bits a channel, from top to bottom, a band of rows at a time.
 ///
-/// Memory holds a few times 64 MiB (or a few rows, if those are more), whatever the size; with [`Compression::Fast`]
-/// only one row. How the rows are cut into bands makes no difference to the bytes of the file, nor does the number of
-/// threads.
+/// It needs a few times 64 MiB of memory (or a few rows, if those are more), whatever the size of the image; with
+/// [`Compression::Fast`] only one row. The bytes of the file depend neither on the bands nor on the number of threads.
 ///
-/// The file appears with [`finish`](Self::finish), whole; a writer that is dropped leaves nothing behind.
+/// The file appears when [`finish`](Self::finish) succeeds; a writer that is dropped leaves no file.
 ///
 /// # Examples
 ///
@@ -25,7 +24,8 @@ use crate::{AtomicFile, Error, FileDigest};
 ///
 /// # let folder = tempfile::tempdir()?;
 /// let path = folder.path().join("raw.png");
-/// let mut png = PngWriter::create(&path, GridSize::new(40, 30), 3, SampleKind::U8, ColorEncoding::Srgb, Compression::Best)?;
+/// let size = GridSize::new(40, 30);
+/// let mut png = PngWriter::create(&path, size, 3, SampleKind::U8, ColorEncoding::Srgb, Compression::Best)?;
 /// for band in 0..4 {
 ///     png.write_rows(Array3::<u8>::from_elem((10, 30, 3), band * 60).view())?;
 /// }
@@ -49,12 +49,12 @@ impl std::fmt::Debug for PngWriter {
 }
 
 impl PngWriter {
-    /// Starts a file of `size` with 1 (grey), 2 (grey, alpha), 3 (RGB) or 4 (RGB, alpha) channels of 8 or 16 bits.
+    /// Starts an image of `size` with 1 (gray), 2 (gray, alpha), 3 (RGB) or 4 (RGB, alpha) channels of 8 or 16 bits.
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if the samples are to be floats, if the image is empty, has another number of channels or more than 2^31 - 1 rows or columns;
-    /// [`Error::Io`] if the file cannot be written.
+    /// [`Error::BadInput`] if the samples are floats, if the image is empty, has another number of channels or more
+    /// than 2^31 - 1 rows or columns; [`Error::Io`] if the file cannot be written.
     pub fn create(
         path: impl AsRef<Path>,
         size: GridSize,
@@ -78,8 +78,9 @@ impl PngWriter {
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if columns, channels or type are not those of the image or if it has fewer rows; [`Error::Io`] if the
-    /// file cannot be written. After an error the file cannot be finished.
+    /// [`Error::BadInput`] if columns, channels or sample type are not those of the image, or if there are more rows
+    /// than the image has left; [`Error::Io`] if the file cannot be written. After an error the file cannot be
+    /// finished.
     pub fn write_rows<'a>(&mut self, rows: impl Into<DynImageRef<'a>>) -> Result<(), Error> {
         let rows = rows.into();
         let bad = |what: String| Err(Error::bad_input(&self.path, what));
@@ -111,12 +112,12 @@ impl PngWriter {
         self.encoder.write_rows(rows).inspect_err(|_| self.has_failed = true)
     }
 
-    /// Completes the file, and gives it its name.
+    /// Completes the file and renames it to its path.
     ///
     /// # Errors
     ///
-    /// [`Error::BadInput`] if rows are missing; [`Error::Io`] if the file cannot be written. No file of that name appears
-    /// then, and an older one stays.
+    /// [`Error::BadInput`] if rows are missing; [`Error::Io`] if the file cannot be written. No file of that name
+    /// appears then, and an older one stays.
     pub fn finish(self) -> Result<FileDigest, Error> {
         let path = &self.path;
         if self.has_failed || self.rows != self.layout.size.rows {

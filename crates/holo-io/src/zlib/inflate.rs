@@ -1,15 +1,15 @@
-//! A zlib stream read back as bytes, never more at a time than asked for.
+//! The decompressor of a zlib stream as a reader.
 
 use std::io::{self, Read};
 
 use zlib_rs::{Inflate, InflateFlush, Status};
 
-/// Compressed bytes fetched at a time.
+/// Compressed bytes that are read at a time.
 const INPUT_BYTES: usize = 64 << 10;
 
-/// The bytes that a zlib stream holds. Its checksum is verified when its end is reached.
+/// A reader of the decompressed bytes of a zlib stream. The checksum is verified at the end of the stream.
 ///
-/// Only what is asked for is inflated, so a few bytes that stand for gigabytes do no harm.
+/// Only as much is inflated as the caller reads, so a small stream of many gigabytes of data takes little memory.
 pub(crate) struct Inflated<R> {
     source: R,
     input: Vec<u8>,
@@ -61,7 +61,7 @@ impl<R: Read> Read for Inflated<R> {
                 return Ok(count);
             }
             if !self.ended && self.inflate.total_in() == read && self.at < self.input.len() {
-                return Err(io::Error::new(io::ErrorKind::InvalidData, "the compressed data make no sense"));
+                return Err(io::Error::new(io::ErrorKind::InvalidData, "the compressed data are invalid"));
             }
         }
         Ok(0)

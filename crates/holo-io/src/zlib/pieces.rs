@@ -1,13 +1,13 @@
-//! A zlib stream whose pieces arrive one after another, each compressed on its own.
+//! A zlib stream of pieces that are compressed independently.
 
 use std::io;
 
 use super::{ZLIB_HEADER, adler32, combine_adler32, deflate_band};
 
-/// The last block of a stream that has nothing more to say: final, with Huffman codes that are fixed, and empty.
+/// An empty final block with fixed Huffman codes.
 const END: [u8; 2] = [0x03, 0x00];
 
-/// A piece of a stream: compressed, and what the checksum needs of it.
+/// A piece of a stream: its compressed bytes, and the checksum and length of its data.
 pub(crate) struct Piece {
     bytes: Vec<u8>,
     adler: u32,
@@ -15,18 +15,18 @@ pub(crate) struct Piece {
 }
 
 impl Piece {
-    /// Compresses a piece. Pieces know nothing of each other, so they may be compressed side by side.
+    /// Compresses a piece. Pieces are independent of each other, so they can be compressed in parallel.
     pub(crate) fn compress(data: &[u8]) -> io::Result<Self> {
-        // Flushed, so that it ends on a whole byte.
+        // Not the last band, so it ends on a whole byte.
         Ok(Self { bytes: deflate_band(data, false)?, adler: adler32(data), length: data.len() })
     }
 }
 
-/// Puts pieces together.
+/// A writer of a zlib stream of pieces.
 pub(crate) struct Stream<W> {
     out: W,
     adler: u32,
-    /// Bytes handed on so far.
+    /// Bytes written so far.
     pub(crate) bytes: u64,
 }
 
@@ -37,7 +37,7 @@ impl<W: io::Write> Stream<W> {
         Ok(Self { out, adler: 1, bytes: ZLIB_HEADER.len() as u64 })
     }
 
-    /// Adds a piece behind the others.
+    /// Appends a piece.
     pub(crate) fn push(&mut self, piece: &Piece) -> io::Result<()> {
         self.out.write_all(&piece.bytes)?;
         self.bytes += piece.bytes.len() as u64;

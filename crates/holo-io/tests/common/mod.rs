@@ -1,7 +1,8 @@
-//! Files that other programs wrote: `data/`, so that no other program is needed.
+//! Files of other programs in `data/`, so that the tests need no other program.
 //!
 //! OpenEXR 3.5.3 (`openexr_*`), Blender 5.0.1 and Mitsuba 3.9.1 wrote them; `blender_*.pfm` is what OpenEXR reads of
-//! `blender_multilayer.exr`, a render of Blender's first scene. All others hold [`ramp`], unless their test says otherwise.
+//! `blender_multilayer.exr`, a render of Blender's first scene. All others contain [`ramp`], unless their test states
+//! otherwise.
 
 use std::path::PathBuf;
 
@@ -9,7 +10,7 @@ pub fn data(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("tests").join("data").join(name)
 }
 
-/// What the files hold: exact in half precision.
+/// The samples of the files: exact in half precision.
 #[allow(dead_code)]
 pub fn ramp(row: usize, column: usize, channel: usize) -> f32 {
     (row * 8 + column) as f32 + channel as f32 / 8.0

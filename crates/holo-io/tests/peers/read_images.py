@@ -1,7 +1,7 @@
-"""Reads images with programs that know nothing of holo, and prints every sample as hexadecimal bits, row by row.
+"""Reads images with programs other than holo, and prints every sample as hexadecimal bits, row by row.
 
-usage: read_images.py FILE...   Needs Pillow or cv2 for PNG (cv2 alone has 16-bit colour), OpenEXR for EXR, numpy.
-A file that no installed program can read is answered with the line `-`.
+usage: read_images.py FILE...   Needs Pillow or cv2 for PNG (cv2 alone has 16-bit color), OpenEXR for EXR, numpy.
+Prints the line `-` for a file that no installed program can read.
 """
 
 import sys
@@ -22,7 +22,7 @@ def png(path):
     from PIL import Image
 
     image = Image.open(path)
-    # Pillow reads 16-bit colour as 8 bits.
+    # Pillow reads 16-bit color as 8 bits.
     if image.mode not in ("L", "LA", "RGB", "RGBA", "I;16", "I;16B"):
         return None
     header = open(path, "rb").read(26)

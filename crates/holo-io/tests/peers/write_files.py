@@ -1,4 +1,4 @@
-"""Writes the same numbers with every program that is here, for tests/cross_reading.rs to read.
+"""Writes the same numbers with every installed program, for tests/cross_reading.rs to read.
 
 Usage: write_files.py FOLDER. Prints a line a file: its name, a tab, the program. A missing program is omitted; it is an
 error if HOLO_REQUIRE_PEERS is 1.
@@ -34,7 +34,7 @@ def has(module):
         return None
 
 
-def said(name, program):
+def report(name, program):
     print(f"{name}\t{program}")
 
 
@@ -49,14 +49,14 @@ for rows, columns in SIZES:
             numbers = image(rows, columns, channels, 1 << bits).astype(kind)
             if cv2:
                 name = f"cv2_{size}_{channels}_{bits}.png"
-                # Blue comes first there.
+                # OpenCV has blue first.
                 swapped = numbers if channels == 1 else numbers[..., [2, 1, 0, 3][:channels]]
                 assert cv2.imwrite(f"{folder}/{name}", swapped)
-                said(name, "OpenCV " + cv2.__version__)
+                report(name, "OpenCV " + cv2.__version__)
             if pillow and (bits == 8 or channels == 1):
                 name = f"pillow_{size}_{channels}_{bits}.png"
                 pillow.fromarray(numbers[..., 0] if channels == 1 else numbers).save(f"{folder}/{name}")
-                said(name, "Pillow " + pillow.__version__)
+                report(name, "Pillow " + pillow.__version__)
     if exr:
         for coding in ("NO", "RLE", "ZIPS", "ZIP", "PIZ"):
             for kind in ("half", "float"):
@@ -68,7 +68,7 @@ for rows, columns in SIZES:
                 header = {"compression": getattr(exr, coding + "_COMPRESSION"), "type": exr.scanlineimage}
                 name = f"openexr_{size}_{coding.lower()}_{kind}.exr"
                 exr.File(header, planes).write(f"{folder}/{name}")
-                said(name, "OpenEXR")
+                report(name, "OpenEXR")
 
 for shape in SHAPES:
     size = "x".join(map(str, shape))
@@ -78,15 +78,15 @@ for shape in SHAPES:
             for compressed in (False, True):
                 name = f"scipy_{size}_{kind}_{'zlib' if compressed else 'plain'}.mat"
                 scipy.savemat(f"{folder}/{name}", {"H": H}, do_compression=compressed)
-                said(name, "SciPy")
+                report(name, "SciPy")
         if hdf5storage:
             name = f"hdf5storage_{size}_{kind}.mat"
             hdf5storage.savemat(f"{folder}/{name}", {"H": H}, format="7.3", store_python_metadata=False)
-            said(name, "hdf5storage")
+            report(name, "hdf5storage")
         if h5py:
             for storage in ({}, {"compression": "gzip", "shuffle": True}):
                 name = f"h5py_{size}_{kind}_{'gzip' if storage else 'plain'}.h5"
                 with h5py.File(f"{folder}/{name}", "w") as file:
                     file.create_dataset("H", data=H, **storage)
                     file.attrs["axes"] = "vutsc"
-                said(name, "h5py " + h5py.__version__)
+                report(name, "h5py " + h5py.__version__)

@@ -1,5 +1,5 @@
-// Draws without a graphics card: the same pictures, pixel by pixel. Slower, and for what is smaller than a screen it takes
-// the nearest pixel instead of the mean.
+// The renderer without WebGL: the same images, computed by the processor. It is slower, and reduced images show the nearest
+// pixel instead of the mean.
 
 const DECODED = Float32Array.from({ length: 256 }, (_, code) => {
   const value = code / 255;
@@ -11,7 +11,7 @@ const encode = (value) => 255 * (value <= 0.0031308 ? 12.92 * value : 1.055 * va
 class CanvasRenderer {
   constructor() {
     this.name = 'canvas';
-    // Below the one that takes the gestures, which may have tried WebGL and then has no other context.
+    // Below the canvas of the gestures, which cannot get this context after an attempt to use WebGL.
     this.canvas = document.createElement('canvas');
     this.canvas.className = 'fallback';
     stage.before(this.canvas);
@@ -20,7 +20,7 @@ class CanvasRenderer {
     this.maps = {};
   }
 
-  async setPicture(bitmap) {
+  async setImage(bitmap) {
     const [width, height] = rawSize;
     this.raw = new Uint8ClampedArray(4 * width * height);
     const band = new OffscreenCanvas(width, Math.min(height, 512));
@@ -32,13 +32,13 @@ class CanvasRenderer {
     }
   }
 
-  async setMap(name, { values, colours, low, high }) {
+  async setMap(name, { values, colors, low, high }) {
     const bytes = new Uint8ClampedArray(4 * values.length);
     for (let index = 0; index < values.length; index += 1) {
       const value = values[index];
       if (Number.isFinite(value)) {
-        const colour = 4 * Math.round(255 * clamp((value - low) / (high - low), 0, 1));
-        bytes.set(colours.subarray(colour, colour + 4), 4 * index);
+        const color = 4 * Math.round(255 * clamp((value - low) / (high - low), 0, 1));
+        bytes.set(colors.subarray(color, color + 4), 4 * index);
       } else {
         const odd = ((index % lenses[0]) + Math.floor(index / lenses[0])) & 1;
         bytes.set(odd ? [41, 41, 41, 255] : [33, 33, 33, 255], 4 * index);
@@ -47,7 +47,7 @@ class CanvasRenderer {
     this.maps[name] = bytes;
   }
 
-  addViews({ centre, first, taken, stride, disparity }, start, count) {
+  addViews({ center, first, taken, stride, disparity }, start, count) {
     const [width, height] = lenses;
     if (start === 0) this.adding = new Float32Array(4 * width * height);
     const at = (column, row, view) => {
@@ -58,11 +58,11 @@ class CanvasRenderer {
     for (let index = start; index < start + count; index += 1) {
       const view = [first[0] + stride * (index % taken[0]), first[1] + stride * Math.floor(index / taken[0])];
       for (let row = 0; row < height; row += 1) {
-        const y = row - disparity[1] * (view[1] - centre[1]);
+        const y = row - disparity[1] * (view[1] - center[1]);
         if (y < -0.5 || y > height - 0.5) continue;
         const [top, down] = [Math.floor(y), y - Math.floor(y)];
         for (let column = 0; column < width; column += 1) {
-          const x = column - disparity[0] * (view[0] - centre[0]);
+          const x = column - disparity[0] * (view[0] - center[0]);
           if (x < -0.5 || x > width - 0.5) continue;
           const [left, along] = [Math.floor(x), x - Math.floor(x)];
           const corners = [at(left, top, view), at(left + 1, top, view), at(left, top + 1, view), at(left + 1, top + 1, view)];
@@ -91,7 +91,7 @@ class CanvasRenderer {
     return new Promise((done) => setTimeout(done, 0));
   }
 
-  // Where the bytes of a shown picture's pixel lie.
+  // The bytes of a shown image, and the offset of a pixel in them.
   source(kind, mode, view) {
     const width = rawSize[0];
     if (kind === 'focused') return [this.focused, (x, y) => 4 * (y * lenses[0] + x)];
@@ -125,8 +125,8 @@ class CanvasRenderer {
         const before = x > 0 ? columns[x - 1] : column;
         const onLine = inside && lined && (rowLine || Math.floor(column / period[0]) !== Math.floor(before / period[0]));
         for (let channel = 0; channel < 3; channel += 1) {
-          const colour = inside ? bytes[from + channel] : 255 * GROUND[channel];
-          image.data[into + channel] = onLine ? 0.6 * colour + 0.4 * 128 : colour;
+          const color = inside ? bytes[from + channel] : 255 * GROUND[channel];
+          image.data[into + channel] = onLine ? 0.6 * color + 0.4 * 128 : color;
         }
         image.data[into + 3] = 255;
       }

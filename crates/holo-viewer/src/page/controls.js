@@ -1,4 +1,4 @@
-// The bar: what it shows follows the state, what is pressed changes the state.
+// The toolbar: it shows the state, and its controls change the state.
 
 const element = (id) => document.getElementById(id);
 const slider = element('disparity');
@@ -12,7 +12,7 @@ const reset = () => {
 };
 
 const updateZoom = () => {
-  // Another pixel lies under the pointer now.
+  // The pixel under the pointer has changed.
   updateReadout();
   // Per CSS pixel, so that it means the same on every screen.
   const scale = frame().scale / ratio();
@@ -21,9 +21,9 @@ const updateZoom = () => {
 
 const focusText = () => {
   const depth = depthOfDisparity(state.disparity);
-  if (!knowsMetres) return pixels(state.disparity);
-  // Beyond infinity nothing lies; the last steps of the slider may reach there.
-  const distance = depth === Infinity || depth < 0 ? '\u221e' : metres(depth);
+  if (!hasMetricRig) return pixels(state.disparity);
+  // The last steps of the slider may be beyond infinity.
+  const distance = depth === Infinity || depth < 0 ? '\u221e' : meters(depth);
   return `${pixels(state.disparity)}  \u00b7  ${distance}`;
 };
 
@@ -32,7 +32,7 @@ const updateControls = () => {
   for (const button of modeButtons) {
     const chosen = button.dataset.mode === state.mode;
     button.setAttribute('aria-checked', chosen);
-    // One stop of the Tab key for the group, as radio buttons have.
+    // One tab stop for the group, as for radio buttons.
     button.tabIndex = chosen ? 0 : -1;
     button.disabled = !available(button.dataset.mode);
   }
@@ -55,7 +55,7 @@ const prepareControls = () => {
   element('title').textContent = numbers.title;
   element('title').title = `${numbers.title}: ${views.join(' x ')} views of ${lenses.join(' x ')} px`;
   Object.assign(slider, { min: range.low, max: range.high, step: range.step });
-  // The knob's middle runs from 8 px to 8 px before the end; a background's place counts without its own 2 px.
+  // The center of the thumb is between 8 px from the start and 8 px from the end; the background image is 2 px wide.
   const zero = -range.low / (range.high - range.low);
   slider.style.setProperty('--zero', `calc(7px + ${zero} * (100% - 14px))`);
   for (const button of modeButtons) {

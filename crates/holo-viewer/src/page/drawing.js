@@ -1,6 +1,6 @@
-// When what is drawn: at once in a quick form, and whole as soon as nothing changes any more.
+// Scheduling of drawing: immediately with reduced quality, and with full quality when the state no longer changes.
 
-// Views of the quick form of a refocused picture, and how long a step of the whole one may take.
+// Number of views of a refocused image of reduced quality, and time of a step at full quality.
 const QUICK_VIEWS = 36;
 const STEP_MILLISECONDS = 30;
 const PAUSE_MILLISECONDS = 120;
@@ -9,19 +9,19 @@ const MOST_TAPS = 8;
 let renderer = null;
 let requested = 0;
 let pause = 0;
-// Counts changes of the refocused picture: work on an older one stops.
+// Counts changes of the refocused image: work on an older one stops.
 let generation = 0;
 let whole = true;
 let stale = true;
 let calm = true;
 const waiting = [];
 
-// Every `stride`-th view around the one that is looked from.
+// Every `stride`-th view, including the current one.
 const viewsApart = (stride) => {
   const first = state.view.map((value) => value % stride);
   const taken = first.map((value, axis) => Math.floor((views[axis] - 1 - value) / stride) + 1);
   const disparity = [state.disparity, state.disparity * verticalPerHorizontal];
-  return { centre: state.view, first, taken, stride, disparity };
+  return { center: state.view, first, taken, stride, disparity };
 };
 
 const refocusQuickly = () => {
@@ -52,7 +52,7 @@ const addAllViews = async () => {
   draw();
 };
 
-// There is one sum: who asks again while it grows waits for the same work.
+// There is one sum: a second request during the work waits for the same work.
 let work = { generation: -1, done: null };
 
 const refocusWholly = () => {
@@ -63,7 +63,7 @@ const refocusWholly = () => {
 const draw = () => {
   const refocused = state.mode === 'view' && state.refocus;
   const { scale, offset } = frame();
-  // A mean over the picture's pixels under one of the screen; a rough one while things move.
+  // The mean over the image pixels of one screen pixel; of at most two by two during changes.
   const wanted = clamp(Math.ceil(1 / scale - 1e-6), 1, MOST_TAPS);
   renderer.draw({
     kind: refocused ? 'focused' : state.mode, mode: state.mode, view: state.view, scale, offset,
@@ -93,7 +93,7 @@ const drawNow = () => {
   pause = setTimeout(settle, PAUSE_MILLISECONDS);
 };
 
-// Draws with the next frame of the screen.
+// Draws at the next animation frame.
 const redraw = () => {
   if (renderer && !requested) requested = requestAnimationFrame(drawNow);
 };
@@ -107,7 +107,7 @@ onChange((keys) => {
   redraw();
 });
 
-// Resolves when the picture on the screen is whole.
+// Resolves when the image is shown with full quality.
 const settled = () => new Promise((done) => {
   waiting.push(done);
   redraw();

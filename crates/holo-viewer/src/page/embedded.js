@@ -1,4 +1,4 @@
-// What `holo view` put into the page: numbers as JSON, everything else as blocks of base64.
+// The data in the page: numbers as JSON, image and maps as blocks of base64.
 
 const numbers = JSON.parse(document.getElementById('numbers').textContent);
 
@@ -10,7 +10,7 @@ const decodeBase64 = (text) => {
   return bytes;
 };
 
-// Every block is dropped as soon as it is decoded: text and bytes of a large picture are never there at once.
+// Every block is removed as soon as it is decoded, so that text and bytes of a large image are not in memory together.
 const takeBlocks = (name) => {
   const parts = [];
   for (const element of document.querySelectorAll(`script[data-block="${name}"]`)) {
@@ -20,7 +20,7 @@ const takeBlocks = (name) => {
   return parts;
 };
 
-const takePicture = () => new Blob(takeBlocks('picture'), { type: 'image/png' });
+const takeImage = () => new Blob(takeBlocks('image'), { type: 'image/png' });
 
 // A map of the central view, row by row, or null. The bytes are little-endian whatever this machine is.
 const takeMap = async (name) => {

@@ -1,12 +1,12 @@
-// Where the picture lies on the screen: device pixel = offset + scale * picture pixel. Every mode keeps its own.
+// Position of the image on the screen: device pixel = offset + scale * image pixel. Every mode has its own.
 
-const stage = document.getElementById('picture');
+const stage = document.getElementById('image');
 
-// Zoomed in no further than this many device pixels a pixel, unless so few fill the screen.
+// Maximum number of device pixels of an image pixel, unless a small image needs more to fill the screen.
 const MAX_SCALE = 256;
 const MARGIN = 0.94;
 
-// What surrounds the picture, as in style.css.
+// The color around the image, as in style.css.
 const GROUND = [20 / 255, 20 / 255, 21 / 255];
 
 const frames = {};
@@ -24,7 +24,7 @@ const fitted = (mode) => {
   return { scale, offset: sheetSize(mode).map((side, axis) => ([stage.width, stage.height][axis] - side * scale) / 2) };
 };
 
-// A mode that was not touched since follows the window.
+// A mode whose zoom was not changed follows the size of the window.
 const frame = () => (frames[state.mode] ??= fitted(state.mode));
 
 const forgetFrame = () => {
@@ -42,7 +42,7 @@ const toSheet = (position) => {
   return position.map((value, axis) => (value - offset[axis]) / scale);
 };
 
-// At least this much of the picture stays on the screen.
+// Keeps a part of the image on the screen.
 const keepInSight = (next) => {
   const size = sheetSize(state.mode);
   next.offset = next.offset.map((value, axis) => {
@@ -61,7 +61,7 @@ const pan = (x, y) => {
   frames[state.mode] = keepInSight({ scale, offset: [offset[0] + x, offset[1] + y], touched: true });
 };
 
-// Zooms so that what lies under `position` stays there.
+// Zooms around `position`.
 const zoomAt = (position, factor) => {
   const { scale, offset } = frame();
   const next = clamp(scale * factor, Math.min(fitScale(state.mode), 1) / 2, largestScale(state.mode));
@@ -69,16 +69,16 @@ const zoomAt = (position, factor) => {
   frames[state.mode] = keepInSight({ scale: next, offset: moved, touched: true });
 };
 
-// Fills most of the screen with a part of the picture.
+// Fills most of the screen with a part of the image.
 const zoomTo = (column, row, columns, rows) => {
   const scale = clamp(Math.min(stage.width / columns, stage.height / rows) * 0.8, 1e-3, largestScale(state.mode));
-  const centre = [column + columns / 2, row + rows / 2];
+  const center = [column + columns / 2, row + rows / 2];
   frames[state.mode] = {
-    scale, offset: centre.map((value, axis) => [stage.width, stage.height][axis] / 2 - value * scale), touched: true,
+    scale, offset: center.map((value, axis) => [stage.width, stage.height][axis] / 2 - value * scale), touched: true,
   };
 };
 
-// Follows the size of the window. True if it changed.
+// Adapts to the size of the window. Returns whether it changed.
 const resize = () => {
   const box = stage.parentElement.getBoundingClientRect();
   const [width, height] = [box.width, box.height].map((side) => Math.max(1, Math.round(side * ratio())));

@@ -1,4 +1,4 @@
-// Counts, and which pixel of a shown picture is which lens and view. Pairs are [column, row].
+// Counts, and the microlens and view of each pixel of a shown image. Pairs are [column, row].
 
 const views = [numbers.views.columns, numbers.views.rows];
 const lenses = [numbers.lenses.columns, numbers.lenses.rows];
@@ -9,13 +9,13 @@ const centralView = [Math.floor(views[0] / 2), Math.floor(views[1] / 2)];
 
 const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 
-// The picture that a mode shows, in its own pixels.
+// The size of the image of a mode, in its pixels.
 const sheetSize = (mode) => (mode === 'raw' || mode === 'views' ? rawSize : lenses);
 
-// How many pixels of a picture lie between the lines that are drawn on it.
+// Number of image pixels between the grid lines of a mode.
 const sheetPeriod = (mode) => (mode === 'raw' ? views : mode === 'views' ? lenses : [1, 1]);
 
-// Lens and view of a picture's pixel, or null outside. `view` is the one that mode `view` shows.
+// Microlens and view of an image pixel, or null outside. `view` is the one that mode `view` shows.
 const placeInLightField = (mode, [column, row], view) => {
   const size = sheetSize(mode);
   if (!(column >= 0 && row >= 0 && column < size[0] && row < size[1])) return null;
@@ -35,12 +35,12 @@ const placeInLightField = (mode, [column, row], view) => {
   return { lens: pixel, view: mode === 'view' ? view : centralView };
 };
 
-// Eq. 3 both ways, for the disparity between horizontal neighbours.
+// Eq. 3 in both directions, for the disparity between horizontally adjacent views.
 const rig = numbers.rig;
-const knowsMetres = rig !== null && rig.scale_m_px.x > 0;
+const hasMetricRig = rig !== null && rig.scale_m_px.x > 0;
 
 const depthOfDisparity = (disparity) => {
-  if (!knowsMetres) return NaN;
+  if (!hasMetricRig) return NaN;
   const scale = rig.scale_m_px.x;
   const focus = rig.focus_distance_m;
   if (focus === null) return scale / disparity;
@@ -49,7 +49,7 @@ const depthOfDisparity = (disparity) => {
 };
 
 const disparityOfDepth = (depth) => {
-  if (!knowsMetres) return NaN;
+  if (!hasMetricRig) return NaN;
   const scale = rig.scale_m_px.x;
   const focus = rig.focus_distance_m;
   if (focus === null) return scale / depth;
@@ -58,5 +58,5 @@ const disparityOfDepth = (depth) => {
   return (scale * ((focus - depth) / depth)) / focus;
 };
 
-// How far a point moves between vertical neighbours, for each pixel between horizontal ones.
-const verticalPerHorizontal = knowsMetres ? rig.scale_m_px.y / rig.scale_m_px.x : 1;
+// Ratio of the disparities between vertically and horizontally adjacent views.
+const verticalPerHorizontal = hasMetricRig ? rig.scale_m_px.y / rig.scale_m_px.x : 1;

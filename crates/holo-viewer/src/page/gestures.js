@@ -1,9 +1,9 @@
-// Pointers on the picture: drag, pan, pinch, wheel, click.
+// Pointers on the image: drag, pan, pinch, wheel, click.
 
-// A drag of this many CSS pixels moves on by one view: a hand's breadth crosses all of them.
+// A drag by this many CSS pixels changes the view by one.
 const pixelsPerView = clamp(480 / Math.max(...views), 4, 48);
 
-// Less than this far from where it went down, a pointer has clicked.
+// A pointer that moved less than this is a click.
 const CLICK_PIXELS = 4;
 
 const pointers = new Map();
@@ -54,7 +54,7 @@ stage.addEventListener('pointermove', (event) => {
   if (drag.turns && pointers.size === 1) {
     moveTo(...drag.view.map((start, axis) => start + Math.trunc(way[axis] / pixelsPerView)));
   } else {
-    // One pointer pans; two also zoom, about the middle between them.
+    // One pointer pans; two also zoom around their center.
     const [at, size] = [middle(), spread()];
     pan(at[0] - drag.middle[0], at[1] - drag.middle[1]);
     if (pointers.size > 1) zoomAt(at, size / Math.max(drag.spread, 1));
@@ -68,7 +68,7 @@ const release = (event) => {
   if (!pointers.delete(event.pointerId)) return;
   const clicked = event.type === 'pointerup' && !drag.far && drag.turns && pointers.size === 0;
   if (clicked && state.refocus) focusAt(devicePosition(event));
-  // What remains of a pinch pans and never moves the view.
+  // The remaining pointer of a pinch pans, but does not change the view.
   if (pointers.size > 0) Object.assign(drag, { turns: false, middle: middle(), spread: spread() });
   stage.classList.toggle('dragging', pointers.size === 1);
 };
@@ -80,14 +80,14 @@ stage.addEventListener('contextmenu', (event) => event.preventDefault());
 
 stage.addEventListener('wheel', (event) => {
   event.preventDefault();
-  // Lines and pages are what some mice speak.
+  // Some mice report lines or pages.
   const pixelsTurned = event.deltaY * [1, 18, 400][event.deltaMode];
   zoomAt(devicePosition(event), Math.exp(-clamp(pixelsTurned, -240, 240) * (event.ctrlKey ? 0.01 : 0.0022)));
   point(event);
   moved();
 }, { passive: false });
 
-// From a pixel to the lens that it is, and from a lens' pixel to the view that it belongs to.
+// From a pixel of a view to its elemental image, and from a pixel of an elemental image to its view.
 stage.addEventListener('dblclick', (event) => {
   const position = toSheet(devicePosition(event));
   const place = placeInLightField(state.mode, position, state.view);

@@ -1,4 +1,4 @@
-// The small grid of views with the current one; pressing it goes there.
+// The small grid of views, which shows the current one; a press changes the view.
 
 const inset = document.getElementById('inset');
 const INSET_SIDE = 112;

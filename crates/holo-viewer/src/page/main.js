@@ -1,4 +1,4 @@
-// From the data to the first picture.
+// Start: from the data to the first image.
 
 const message = document.getElementById('message');
 
@@ -8,14 +8,14 @@ const say = (text) => {
 };
 
 const filled = async (made, bitmap) => {
-  await made.setPicture(bitmap);
+  await made.setImage(bitmap);
   for (const name of Object.keys(scales)) await made.setMap(name, scales[name]);
   return made;
 };
 
-// WebGL where it holds the picture, else the processor.
+// WebGL if it can hold the image, else the processor.
 const chooseRenderer = async (bitmap) => {
-  if (!wishes.has('canvas')) {
+  if (!addressOptions.has('canvas')) {
     try {
       return await filled(new WebglRenderer(stage), bitmap);
     } catch (why) {
@@ -25,7 +25,7 @@ const chooseRenderer = async (bitmap) => {
   return filled(new CanvasRenderer(), bitmap);
 };
 
-stage.addEventListener('webglcontextlost', () => say('The graphics card has dropped the picture; load the page again'));
+stage.addEventListener('webglcontextlost', () => say('The graphics card has lost the image; reload the page'));
 
 const start = async () => {
   for (const name of ['depth', 'disparity', 'estimate']) maps[name] = await takeMap(name);
@@ -35,11 +35,11 @@ const start = async () => {
   const options = { colorSpaceConversion: 'none', premultiplyAlpha: 'none' };
   let bitmap = null;
   try {
-    bitmap = await createImageBitmap(takePicture(), options);
+    bitmap = await createImageBitmap(takeImage(), options);
   } catch (why) {
-    throw new Error(`this browser cannot decode the picture of ${rawSize.join(' x ')} pixels (${why.message})`);
+    throw new Error(`this browser cannot decode the image of ${rawSize.join(' x ')} pixels (${why.message})`);
   }
-  if (bitmap.width !== rawSize[0] || bitmap.height !== rawSize[1]) throw new Error('the picture has not the size that the page says');
+  if (bitmap.width !== rawSize[0] || bitmap.height !== rawSize[1]) throw new Error('the image does not have the size that the page states');
   chooseRange();
   prepareScales();
   resize();

@@ -1,10 +1,10 @@
-// The corner that tells what lies under the pointer, and the legend of a map.
+// The readout of the pixel under the pointer, and the legend of a map.
 
 const readoutElement = document.getElementById('readout');
 const legendElement = document.getElementById('legend');
 
-// Everything that is known of the pointed pixel; null outside the picture. Depth and disparity are those of the central
-// view at that lens: no other view's are in the page.
+// All values of the pixel under the pointer; null outside the image. Depth and disparity are those of the central view at
+// that microlens: the page contains no others.
 const readout = () => {
   const place = pointed();
   if (!place) return null;
@@ -26,8 +26,8 @@ const updateReadout = () => {
   const rows = [['lens', pair('lens', lenses)]];
   const averaged = state.mode === 'view' && state.refocus;
   rows.push(['view', averaged ? `all ${views[0]} \u00d7 ${views[1]}` : found ? pair('view', views) : padded(state.view, views)]);
-  if (maps.depth || (maps.disparity && knowsMetres)) rows.push(['depth', found ? metres(found.depth) : '\u2013']);
-  if (maps.disparity || (maps.depth && knowsMetres)) rows.push(['disparity', found ? pixels(found.disparity) : '\u2013']);
+  if (maps.depth || (maps.disparity && hasMetricRig)) rows.push(['depth', found ? meters(found.depth) : '\u2013']);
+  if (maps.disparity || (maps.depth && hasMetricRig)) rows.push(['disparity', found ? pixels(found.disparity) : '\u2013']);
   if (maps.estimate) rows.push(['estimate', found ? pixels(found.estimate) : '\u2013']);
   if (maps.error) rows.push(['error', found ? pixels(found.error) : '\u2013']);
   const parts = rows.flatMap(([name, value]) => {
@@ -53,7 +53,7 @@ const updateLegend = () => {
   const [caption, bar, ticks, note] = legendElement.children;
   caption.textContent = scale.caption;
   note.textContent = scale.note;
-  bar.getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(scale.colours), 256, 1), 0, 0);
+  bar.getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(scale.colors), 256, 1), 0, 0);
   const labels = [0, 0.5, 1].map((part) => {
     const tick = document.createElement('span');
     tick.style.left = `${100 * part}%`;

@@ -1,6 +1,6 @@
-// The programs of the graphics card.
+// The shader programs.
 
-// A picture too large for one texture lies in the layers of an array, tile by tile.
+// An image that is too large for one texture is in the layers of a texture array, tile by tile.
 const TILED = `#version 300 es
 precision highp float;
 precision highp int;
@@ -27,16 +27,16 @@ void main() {
 }
 `;
 
-// Adds some views to the sum, shifted so that what has this disparity lies on itself. The alpha channel counts them:
-// near the border, views that do not see a point say nothing about it.
+// Adds some views to the sum, shifted so that points of this disparity coincide. The alpha channel counts the views, because
+// near the border not every view contains a point.
 //
-// Light adds up, codes do not. The polynomial is the sRGB curve within 0.44 of an 8-bit code, and needs no power.
+// Sums are in linear light. The polynomial approximates the sRGB curve within 0.44 of an 8-bit code, without a power.
 const REFOCUS = `${TILED}
 uniform sampler2D before;
-uniform ivec2 centre;
+uniform ivec2 center;
 uniform ivec2 first;   // the grid of views that take part: its first view,
 uniform ivec2 taken;   // its size,
-uniform int stride;    // and the distance between neighbours
+uniform int stride;    // and the distance between adjacent ones
 uniform int start;
 uniform int count;
 uniform vec2 disparity;
@@ -52,24 +52,24 @@ void main() {
   sum = start == 0 ? vec4(0.0) : texelFetch(before, pixel, 0);
   for (int index = start; index < start + count; ++index) {
     ivec2 view = first + stride * ivec2(index % taken.x, index / taken.x);
-    vec2 place = vec2(pixel) - disparity * vec2(view - centre);
+    vec2 place = vec2(pixel) - disparity * vec2(view - center);
     if (any(lessThan(place, vec2(-0.5))) || any(greaterThan(place, vec2(lenses) - 0.5))) continue;
     vec2 base = floor(place);
     vec2 part = place - base;
     ivec2 lens = ivec2(base);
-    vec3 colour = light(lens, view);
+    vec3 color = light(lens, view);
     if (part != vec2(0.0)) {
       vec3 right = light(lens + ivec2(1, 0), view);
       vec3 below = light(lens + ivec2(0, 1), view);
       vec3 both = light(lens + ivec2(1, 1), view);
-      colour = mix(mix(colour, right, part.x), mix(below, both, part.x), part.y);
+      color = mix(mix(color, right, part.x), mix(below, both, part.x), part.y);
     }
-    sum += vec4(colour, 1.0);
+    sum += vec4(color, 1.0);
   }
 }
 `;
 
-// Draws the picture of a mode on the screen. Magnified, a pixel is a square; made smaller, it is averaged.
+// Draws the image of a mode on the screen. An enlarged pixel is a square; a reduced image is averaged.
 const SHOW = `${TILED}
 const int VIEW = 0, RAW = 1, VIEWS = 2, MAP = 3, FOCUSED = 4;
 uniform int kind;
@@ -85,7 +85,7 @@ uniform vec3 ground;
 uniform sampler2D focused;
 uniform sampler2DArray map;
 uniform ivec3 mapTiles;
-uniform sampler2D colours;
+uniform sampler2D colors;
 uniform vec2 range;
 out vec4 fragment;
 
@@ -103,10 +103,10 @@ vec3 pixelAt(ivec2 p) {
   }
   if (kind == MAP) {
     float value = at(map, mapTiles, p).r;
-    // The stand-in for "unknown": no card is sure to keep NaN.
+    // The value for "unknown", because not every graphics card keeps NaN.
     if (value < -1e37) return vec3((p.x + p.y & 1) == 0 ? 0.13 : 0.16);
     float part = clamp((value - range.x) / (range.y - range.x), 0.0, 1.0);
-    return texelFetch(colours, ivec2(int(part * 255.0 + 0.5), 0), 0).rgb;
+    return texelFetch(colors, ivec2(int(part * 255.0 + 0.5), 0), 0).rgb;
   }
   return sampleOf(p, view);
 }
@@ -124,7 +124,7 @@ bool inside(vec2 place) {
   return all(greaterThanEqual(place, vec2(0.0))) && all(lessThan(place, vec2(size)));
 }
 
-// How much of a line is seen here: a line is one device pixel wide and grows in with the distance of its neighbours.
+// Opacity of a grid line: it is one device pixel wide and fades in with the distance between lines.
 float line(vec2 place, vec2 every) {
   bvec2 crossed = notEqual(floor(place / every), floor((place - 1.0 / scale) / every));
   return any(crossed) ? smoothstep(10.0, 48.0, scale * min(every.x, every.y)) : 0.0;
@@ -133,26 +133,26 @@ float line(vec2 place, vec2 every) {
 void main() {
   vec2 device = vec2(gl_FragCoord.x, height - gl_FragCoord.y);
   vec2 place = (device - offset) / scale;
-  vec3 colour = vec3(0.0);
+  vec3 color = vec3(0.0);
   if (taps == 1) {
-    colour = !inside(place) ? ground : smoothly ? between(place) : pixelAt(ivec2(place));
+    color = !inside(place) ? ground : smoothly ? between(place) : pixelAt(ivec2(place));
   } else {
     for (int row = 0; row < taps; ++row) {
       for (int column = 0; column < taps; ++column) {
         vec2 shifted = place + ((vec2(column, row) + 0.5) / float(taps) - 0.5) / scale;
-        colour += inside(shifted) ? pixelAt(ivec2(shifted)) : ground;
+        color += inside(shifted) ? pixelAt(ivec2(shifted)) : ground;
       }
     }
-    colour /= float(taps * taps);
+    color /= float(taps * taps);
   }
   if (inside(place)) {
-    colour = mix(colour, vec3(0.5), 0.35 * line(place, vec2(1.0)) * (smoothly ? 0.0 : 1.0));
+    color = mix(color, vec3(0.5), 0.35 * line(place, vec2(1.0)) * (smoothly ? 0.0 : 1.0));
     if (period != ivec2(1)) {
-      // Light beside dark is seen on any picture.
-      colour = mix(colour, vec3(0.0), 0.5 * line(place - 1.0 / scale, vec2(period)));
-      colour = mix(colour, vec3(1.0), 0.7 * line(place, vec2(period)));
+      // A light line next to a dark one is visible on any image.
+      color = mix(color, vec3(0.0), 0.5 * line(place - 1.0 / scale, vec2(period)));
+      color = mix(color, vec3(1.0), 0.7 * line(place, vec2(period)));
     }
   }
-  fragment = vec4(colour, 1.0);
+  fragment = vec4(color, 1.0);
 }
 `;

@@ -1,4 +1,4 @@
-// What the person has chosen. Everything that is shown follows from it; who shows something asks to be told of changes.
+// The state that the user has chosen. Everything that is shown depends on it; parts of the page register for changes.
 
 const MODES = ['view', 'raw', 'views', 'depth', 'error'];
 
@@ -8,7 +8,7 @@ const state = {
   refocus: false,
   disparity: 0,
   smooth: false,
-  // Where the pointer is on the picture, in device pixels, or null.
+  // Position of the pointer on the image in device pixels, or null.
   pointer: null,
 };
 
@@ -18,7 +18,7 @@ const maps = { depth: null, disparity: null, estimate: null, error: null };
 const listeners = [];
 const onChange = (listener) => listeners.push(listener);
 
-// Changes some of the state. Listeners hear which keys.
+// Changes the state. Listeners receive the changed keys.
 const change = (changes) => {
   const keys = Object.keys(changes).filter((key) => state[key] !== changes[key]);
   if (keys.length === 0) return;
@@ -40,7 +40,7 @@ const show = (mode) => {
   if (available(mode)) change({ mode });
 };
 
-// What the slider reaches: the scene's own disparities with some room, or two pixels either way.
+// Range of the slider: the disparities of the scene with a margin, or two pixels in both directions.
 const range = { low: -2, high: 2, step: 0.01 };
 
 const chooseRange = () => {
@@ -55,7 +55,7 @@ const chooseRange = () => {
   const room = Math.max(0.15 * (high - low), 1e-3);
   range.low = Math.min(low - room, 0);
   range.high = Math.max(high + room, 0);
-  // A power of ten, so that the slider rests on short numbers; 200 to 2000 of them.
+  // A power of ten, so that values are short numbers: 200 to 2000 steps.
   range.step = 10 ** Math.floor(Math.log10((range.high - range.low) / 200));
   range.low = Math.floor(range.low / range.step) * range.step;
   range.high = Math.ceil(range.high / range.step) * range.step;
@@ -63,6 +63,6 @@ const chooseRange = () => {
 
 const setDisparity = (disparity) => {
   const steps = Math.round(clamp(disparity, range.low, range.high) / range.step);
-  // Through text: 3 * 0.1 is not 0.3.
+  // By way of text, because 3 * 0.1 is not 0.3.
   change({ refocus: true, disparity: Number((steps * range.step).toPrecision(10)) });
 };

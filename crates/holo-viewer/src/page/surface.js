@@ -1,31 +1,31 @@
-// `window.holo`: what a test or a curious person may ask the page and tell it. All pairs are [column, row].
+// `window.holo`: the interface for tests and scripts. All pairs are [column, row].
 
 const prepareSurface = (ready) => {
   const box = () => stage.getBoundingClientRect();
   window.holo = Object.freeze({
-    // Resolves when the first picture is on the screen, with the seconds since the page was opened.
+    // Resolves when the first image is on the screen, with the seconds since the page was opened.
     ready,
-    // Resolves when the picture is whole: nothing moves, all views are averaged.
+    // Resolves when the image is shown with full quality: all views are averaged.
     settled,
-    // What is shown.
+    // The state of the page.
     state: () => ({
       mode: state.mode, view: [...state.view], refocus: state.refocus, disparity: state.disparity, smooth: state.smooth,
       views, lenses, centralView, range: { ...range }, pixelsPerView, renderer: renderer?.name ?? null,
       distance: depthOfDisparity(state.disparity), modes: MODES.filter(available),
       tiles: renderer?.raw?.tile ?? null,
     }),
-    // What the corner tells of the pixel under the pointer; null outside the picture.
+    // The values of the pixel under the pointer; null outside the image.
     readout,
-    // The colour on the screen at a place in CSS pixels of the window, as [red, green, blue].
-    colourAt: (x, y) => renderer.pixel(devicePosition({ clientX: x, clientY: y })),
-    // Where a pixel of the shown picture has its centre, in CSS pixels of the window.
+    // The color on the screen at a position in CSS pixels of the window, as [red, green, blue].
+    colorAt: (x, y) => renderer.pixel(devicePosition({ clientX: x, clientY: y })),
+    // The center of a pixel of the shown image, in CSS pixels of the window.
     placeOf: (column, row) => {
       const { scale, offset } = frame();
       const { left, top, width, height } = box();
       const [x, y] = [column, row].map((value, axis) => offset[axis] + (value + 0.5) * scale);
       return [left + (x * width) / stage.width, top + (y * height) / stage.height];
     },
-    // Chooses a mode, a view, a disparity (null: no refocus); zooms so that a part of the picture fills the screen.
+    // Chooses a mode, a view, a disparity (null: no refocus); zooms so that a part of the image fills the screen.
     show,
     moveTo,
     setDisparity: (disparity) => (disparity === null ? change({ refocus: false }) : setDisparity(disparity)),

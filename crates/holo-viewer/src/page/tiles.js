@@ -1,26 +1,26 @@
-// Pictures of any size as textures: equal tiles, each a layer of an array.
+// Images of any size as textures: equal tiles, each a layer of a texture array.
 
-// For tests: `#tile=64` makes small tiles of any picture, `#canvas` does without WebGL.
-const wishes = new URLSearchParams(location.hash.slice(1));
+// For tests: `#tile=64` sets the size of tiles, `#canvas` selects the renderer without WebGL.
+const addressOptions = new URLSearchParams(location.hash.slice(1));
 
-// Rows handed over at a time; what the browser copies on the way stays small.
+// Rows that are uploaded at a time, so that copies of the browser stay small.
 const BAND_ROWS = 512;
 
 class TiledTexture {
   constructor(gl, size, internalFormat) {
-    const largest = Number(wishes.get('tile')) || gl.getParameter(gl.MAX_TEXTURE_SIZE);
+    const largest = Number(addressOptions.get('tile')) || gl.getParameter(gl.MAX_TEXTURE_SIZE);
     const counts = size.map((side) => Math.ceil(side / largest));
     this.gl = gl;
     this.size = size;
     this.tile = size.map((side, axis) => Math.ceil(side / counts[axis]));
     this.columns = counts[0];
     const layers = counts[0] * counts[1];
-    if (layers > gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS)) throw new Error('the picture has too many tiles');
+    if (layers > gl.getParameter(gl.MAX_ARRAY_TEXTURE_LAYERS)) throw new Error('the image has too many tiles');
     this.texture = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D_ARRAY, this.texture);
     for (const side of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D_ARRAY, side, gl.NEAREST);
     gl.texStorage3D(gl.TEXTURE_2D_ARRAY, 1, internalFormat, this.tile[0], this.tile[1], layers);
-    if (gl.getError() !== gl.NO_ERROR) throw new Error('the graphics memory does not hold the picture');
+    if (gl.getError() !== gl.NO_ERROR) throw new Error('the image does not fit into graphics memory');
   }
 
   // `source` is an image bitmap, or values row by row.
@@ -41,7 +41,7 @@ class TiledTexture {
           gl.pixelStorei(gl.UNPACK_ROW_LENGTH, typed ? this.size[0] : 0);
           gl.pixelStorei(gl.UNPACK_SKIP_PIXELS, typed ? left : 0);
           gl.pixelStorei(gl.UNPACK_SKIP_ROWS, typed ? row : 0);
-          // An image bitmap is cut by the browser: not every one heeds the offsets for it.
+          // Not every browser applies the offsets to an image bitmap, so it is cropped first.
           const whole = left === 0 && width === this.size[0] && rows === this.size[1];
           const part = typed || whole ? source : await createImageBitmap(source, left, row, width, rows);
           const place = [gl.TEXTURE_2D_ARRAY, 0, 0, row - top, layer, width, rows, 1, format, type, part];
@@ -50,6 +50,6 @@ class TiledTexture {
         }
       }
     }
-    if (gl.getError() !== gl.NO_ERROR) throw new Error('the picture could not be handed to the graphics card');
+    if (gl.getError() !== gl.NO_ERROR) throw new Error('the image could not be uploaded to the graphics card');
   }
 }

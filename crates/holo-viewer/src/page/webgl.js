@@ -1,9 +1,9 @@
-// Draws with WebGL 2: the raw image lies in graphics memory as it is, and every picture is looked up in it.
+// The renderer with WebGL 2: the raw image is one texture, and every image is looked up in it.
 
 const KINDS = { view: 0, raw: 1, views: 2, depth: 3, error: 3, focused: 4 };
 
 class WebglRenderer {
-  // Throws where WebGL 2 or what is needed of it is missing.
+  // Throws if WebGL 2 or a required part of it is missing.
   constructor(canvas) {
     const options = { alpha: false, antialias: false, depth: false, preserveDrawingBuffer: true };
     const gl = canvas.getContext('webgl2', options);
@@ -15,7 +15,7 @@ class WebglRenderer {
     this.show = this.program(SHOW);
     this.refocus = this.program(REFOCUS);
     this.maps = {};
-    // Two for the sum in turn, one that is shown.
+    // Two alternate for the sum, one is shown.
     this.targets = Array.from({ length: 3 }, () => this.target());
     this.shown = 0;
     gl.bindVertexArray(gl.createVertexArray());
@@ -41,7 +41,7 @@ class WebglRenderer {
     return { program, places };
   }
 
-  // A texture that a view's sum fits into.
+  // A float texture of the size of a view, for a sum of views.
   target() {
     const { gl } = this;
     const texture = this.plain(gl.RGBA32F, ...lenses);
@@ -61,13 +61,13 @@ class WebglRenderer {
     return texture;
   }
 
-  async setPicture(bitmap) {
+  async setImage(bitmap) {
     const { gl } = this;
     this.raw = new TiledTexture(gl, rawSize, gl.RGBA8);
     await this.raw.fill(bitmap, gl.RGBA, gl.UNSIGNED_BYTE);
   }
 
-  async setMap(name, { values, colours }) {
+  async setMap(name, { values, colors }) {
     const { gl } = this;
     const map = new TiledTexture(gl, lenses, gl.R32F);
     await map.fill(values.map((value) => (Number.isFinite(value) ? value : -3e38)), gl.RED, gl.FLOAT);
@@ -75,7 +75,7 @@ class WebglRenderer {
     gl.pixelStorei(gl.UNPACK_ROW_LENGTH, 0);
     gl.pixelStorei(gl.UNPACK_SKIP_PIXELS, 0);
     gl.pixelStorei(gl.UNPACK_SKIP_ROWS, 0);
-    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 256, 1, gl.RGBA, gl.UNSIGNED_BYTE, colours);
+    gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, 256, 1, gl.RGBA, gl.UNSIGNED_BYTE, colors);
     this.maps[name] = { map, palette };
   }
 
@@ -87,7 +87,7 @@ class WebglRenderer {
     gl.activeTexture(gl.TEXTURE0);
   }
 
-  // What both programs look up.
+  // Sets the uniforms of both programs.
   begin({ program, places }) {
     const { gl } = this;
     gl.useProgram(program);
@@ -98,8 +98,8 @@ class WebglRenderer {
     return places;
   }
 
-  // Adds the views `start` to `start + count` of a grid of views to the sum; `start` 0 begins a new one.
-  addViews({ centre, first, taken, stride, disparity }, start, count) {
+  // Adds the views `start` to `start + count` of a grid of views to the sum; `start` 0 begins a new sum.
+  addViews({ center, first, taken, stride, disparity }, start, count) {
     const { gl } = this;
     const others = [0, 1, 2].filter((index) => index !== this.shown);
     const [from, into] = this.sum === others[0] ? others : [others[1], others[0]];
@@ -107,7 +107,7 @@ class WebglRenderer {
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.targets[into].buffer);
     gl.viewport(0, 0, ...lenses);
     this.bind(1, gl.TEXTURE_2D, this.targets[from].texture, places.before);
-    gl.uniform2i(places.centre, ...centre);
+    gl.uniform2i(places.center, ...center);
     gl.uniform2i(places.first, ...first);
     gl.uniform2i(places.taken, ...taken);
     gl.uniform1i(places.stride, stride);
@@ -123,7 +123,7 @@ class WebglRenderer {
     this.shown = this.sum;
   }
 
-  // Resolves when the card has done all it was given.
+  // Resolves when the graphics card has finished all commands.
   async finished() {
     const { gl } = this;
     const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
@@ -148,9 +148,9 @@ class WebglRenderer {
     gl.uniform3f(places.ground, ...GROUND);
     this.bind(1, gl.TEXTURE_2D, this.targets[this.shown].texture, places.focused);
     const { map, palette } = this.maps[mode] ?? {};
-    // A sampler needs a texture of its kind even where the program does not come to it.
+    // A sampler needs a texture of its type even if the program does not read it.
     this.bind(2, gl.TEXTURE_2D_ARRAY, (map ?? this.raw).texture, places.map);
-    this.bind(3, gl.TEXTURE_2D, palette ?? this.targets[this.shown].texture, places.colours);
+    this.bind(3, gl.TEXTURE_2D, palette ?? this.targets[this.shown].texture, places.colors);
     if (map) {
       gl.uniform3i(places.mapTiles, ...map.tile, map.columns);
       gl.uniform2f(places.range, scales[mode].low, scales[mode].high);
@@ -158,7 +158,7 @@ class WebglRenderer {
     gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
-  // The colour on the screen, in device pixels from the top left corner.
+  // The color on the screen, in device pixels from the top left corner.
   pixel([x, y]) {
     const { gl } = this;
     const bytes = new Uint8Array(4);

@@ -1,4 +1,4 @@
-//! What stands in front of a variable's numbers, read and checked before anything is taken for granted.
+//! The header of a variable, parsed and checked before its numbers are read.
 
 use std::io::{self, Read};
 use std::path::Path;
@@ -7,13 +7,13 @@ use super::{Storage, TYPE_MATRIX, class_of_code, padding};
 use crate::Error;
 use crate::mat::{FORMAT_V5, MatClass};
 
-/// MATLAB's arrays rarely have more than five dimensions; the format sets no limit, so here is one.
+/// Maximum number of dimensions that is read; the format itself has no limit.
 const MAX_DIMENSIONS: usize = 32;
 
-/// MATLAB's names have at most 63 characters.
+/// Maximum length of a name that is read; names of MATLAB have at most 63 characters.
 const MAX_NAME_BYTES: u32 = 255;
 
-/// Which byte of a number comes first.
+/// The byte order of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::mat) enum ByteOrder {
     Little,
@@ -36,31 +36,31 @@ impl ByteOrder {
     }
 }
 
-/// What is known of a variable before its numbers.
+/// The header of a variable.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::mat) struct Head {
     pub(in crate::mat) name: String,
     pub(in crate::mat) class: MatClass,
     pub(in crate::mat) complex: bool,
-    /// At least two dimensions; empty for what is only listed and has none.
+    /// At least two dimensions; empty for objects without a size.
     pub(in crate::mat) size: Vec<usize>,
-    /// How the numbers are stored and how many bytes they take; `None` for what is only listed.
+    /// Storage type of the numbers and their size in bytes; `None` for classes that are only listed.
     pub(super) data: Option<(Storage, u64)>,
 }
 
-/// The bytes of one matrix element, counted.
+/// A reader of one matrix element, which counts its bytes.
 pub(super) struct Matrix<'a> {
     source: &'a mut dyn Read,
     order: ByteOrder,
-    /// Bytes of the element that are still to come.
+    /// Number of bytes of the element that are left.
     left: u64,
     path: &'a Path,
-    /// Where the element begins, for messages.
+    /// Offset of the element, for messages.
     start: u64,
 }
 
 impl<'a> Matrix<'a> {
-    /// Reads the tag of a matrix element, or takes its length where the caller has read it.
+    /// Reads the tag of a matrix element; with `length`, the caller has read it.
     pub(super) fn new(
         source: &'a mut dyn Read,
         order: ByteOrder,
@@ -83,11 +83,11 @@ impl<'a> Matrix<'a> {
         Error::broken(self.path, FORMAT_V5, format!("variable at byte {}: {}", self.start, what.as_ref()))
     }
 
-    /// Sorts the errors of reading by who is at fault.
-    fn fault(&self, error: io::Error) -> Error {
+    /// Converts an error of reading: early ends and invalid data mean a broken file.
+    fn read_error(&self, error: io::Error) -> Error {
         match error.kind() {
             io::ErrorKind::UnexpectedEof => {
-                self.broken("it ends early; the file was cut off while it was written or copied")
+                self.broken("it ends early; the file was truncated while it was written or copied")
             }
             io::ErrorKind::InvalidData => self.broken(format!("damaged compressed data: {error}")),
             _ => Error::io("read", self.path, error),
@@ -98,9 +98,9 @@ impl<'a> Matrix<'a> {
     pub(super) fn exact(&mut self, bytes: &mut [u8]) -> Result<(), Error> {
         let length = bytes.len() as u64;
         if length > self.left {
-            return Err(self.broken("its parts are longer than the whole"));
+            return Err(self.broken("its parts are longer than itself"));
         }
-        self.source.read_exact(bytes).map_err(|error| self.fault(error))?;
+        self.source.read_exact(bytes).map_err(|error| self.read_error(error))?;
         self.left -= length;
         Ok(())
     }
@@ -111,7 +111,7 @@ impl<'a> Matrix<'a> {
         Ok(self.order.u32(bytes))
     }
 
-    /// Reads a tag: type, length, and the bytes of padding behind the data.
+    /// Reads a tag: type, length, and number of padding bytes after the data.
     fn tag(&mut self) -> Result<(u32, u32, u64), Error> {
         let first = self.u32()?;
         if first >> 16 == 0 {
@@ -120,7 +120,7 @@ impl<'a> Matrix<'a> {
         }
         let length = first >> 16;
         if length > 4 {
-            return Err(self.broken(format!("a short element of {length} bytes; four are the most")));
+            return Err(self.broken(format!("a short element of {length} bytes; the maximum is four")));
         }
         Ok((first & 0xffff, length, u64::from(4 - length)))
     }
@@ -137,7 +137,7 @@ impl<'a> Matrix<'a> {
         Ok(bytes)
     }
 
-    /// Reads all that stands in front of the numbers, and checks that the numbers fill the rest.
+    /// Reads the header, and checks that the numbers fill the rest of the element.
     pub(super) fn head(&mut self) -> Result<Head, Error> {
         let flags = self.small("flags", Storage::U32, 8)?;
         let [a, b, c, d, _, _, _, _] = flags[..] else {
@@ -148,11 +148,11 @@ impl<'a> Matrix<'a> {
         let Some(mut class) = class_of_code(code) else {
             return Err(Error::unsupported(
                 self.path,
-                format!("variable at byte {}: an array of class {code}, which no published MATLAB writes", self.start),
+                format!("variable at byte {}: an array of class {code}, which MATLAB does not write", self.start),
             ));
         };
         let complex = flags & 0x800 != 0;
-        // The description of an object has its name here, and no size.
+        // An object of the subsystem has its name here, and no size.
         let size = if code == 17 { Vec::new() } else { self.size()? };
         let name = self.small("name", Storage::I8, MAX_NAME_BYTES)?;
         let name = String::from_utf8(name).map_err(|_| self.broken("its name is not text"))?;
@@ -178,22 +178,22 @@ impl<'a> Matrix<'a> {
         bytes.as_chunks::<4>().0.iter().map(count).collect()
     }
 
-    /// Reads the tag of the numbers and checks it against the dimensions and the length of the whole.
+    /// Reads the tag of the numbers and checks it against the dimensions and the length of the element.
     fn data(&mut self, name: &str, class: MatClass, complex: bool, size: &[usize]) -> Result<(Storage, u64), Error> {
         let elements = size.iter().try_fold(1_u64, |product, &count| product.checked_mul(count as u64));
         let Some(elements) = elements else {
-            return Err(self.broken(format!("'{name}' has dimensions {size:?}, whose product is beyond all bounds")));
+            return Err(self.broken(format!("'{name}' has dimensions {size:?}, whose product overflows")));
         };
         let (code, length, padding) = self.tag()?;
         let length = u64::from(length);
         let Some(storage) = Storage::from_code(code) else {
-            return Err(self.broken(format!("'{name}' has numbers of type {code}, which the format does not know")));
+            return Err(self.broken(format!("'{name}' has numbers of type {code}, which the format does not define")));
         };
         let is_text = class == MatClass::Text;
         if matches!(storage, Storage::Utf8 | Storage::Utf16 | Storage::Utf32) && !is_text {
             return Err(self.broken(format!("'{name}' has characters where its numbers should be")));
         }
-        // Characters of UTF-8 and UTF-16 take as many units as they need; they are counted when they are read.
+        // Characters of UTF-8 and UTF-16 have a variable number of units; they are counted when they are read.
         let fits = match storage {
             Storage::Utf8 | Storage::Utf16 => length >= elements && length / 4 <= elements,
             _ => elements.checked_mul(storage.bytes() as u64) == Some(length),
@@ -204,22 +204,22 @@ impl<'a> Matrix<'a> {
                 storage.bytes()
             )));
         }
-        // Complex numbers are only listed. Padding at the very end is sometimes left out.
+        // Complex numbers are only listed. Some programs omit the padding at the end.
         if !complex && self.left != length && self.left != length + padding || self.left < length {
             return Err(self.broken(format!("{} bytes are left for the {length} of '{name}'", self.left)));
         }
         Ok((storage, length))
     }
 
-    /// Reads what is behind the numbers, so that a checksum at the end is verified.
+    /// Reads to the end of the element, so that the checksum of a compressed one is verified.
     pub(super) fn finish(&mut self) -> Result<(), Error> {
         let mut padding = [0; 8];
         let left = (self.left as usize).min(8);
         self.exact(&mut padding[..left])?;
         match self.source.read(&mut padding[..1]) {
             Ok(0) => Ok(()),
-            Ok(_) => Err(self.broken("its compressed data go on behind its end")),
-            Err(error) => Err(self.fault(error)),
+            Ok(_) => Err(self.broken("its compressed data continue after its end")),
+            Err(error) => Err(self.read_error(error)),
         }
     }
 

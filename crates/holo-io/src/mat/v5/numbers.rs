@@ -1,14 +1,14 @@
 //! The numbers of a variable, decoded by the crate `matfile` in pieces.
 //!
-//! `matfile` 0.5 reads whole files, and goes wrong on those that it did not expect: it takes a cut file for a whole one,
-//! multiplies dimensions without a check, refuses `int32` (its table has `uint32` in that place) and passes over text.
-//! `tests/mat_matfile.rs` holds it to each of these, so that a later version is noticed. By its source it also inflates
-//! without a bound, prints to the terminal, and refuses doubles that are stored as `int8`.
+//! `matfile` 0.5 reads whole files, with errors: it accepts truncated files, multiplies dimensions without a check,
+//! refuses `int32` (its table has `uint32` in that place) and ignores text. `tests/mat_matfile.rs` tests each of these,
+//! so that a change in a later version is noticed. By its source it also inflates without a limit, prints to the
+//! terminal, and refuses doubles that are stored as `int8`.
 //!
-//! What is right about it is the decoding of numbers. So it is shown small files that are made here: one array each, of
-//! the type that the numbers are stored as, in the byte order of the file, in which nothing comes from the file that was
-//! read but the data. `int32` goes as `uint32`, which has the same bits. What the numbers mean, and what type they become,
-//! is settled here. In memory are the variable and a few such pieces.
+//! Its decoding of numbers is correct. So it decodes small files that this module creates: one array each, of the
+//! storage type of the numbers, in the byte order of the file; only the data are those of the file. `int32` is passed
+//! as `uint32`, which has the same bits. This module converts the numbers to the type of the variable. The variable and
+//! a few such pieces are in memory.
 
 use std::any::Any;
 
@@ -19,13 +19,13 @@ use super::head::{ByteOrder, Matrix};
 use super::{HEADER_BYTES, Storage, TYPE_MATRIX, VERSION, padding};
 use crate::mat::FORMAT_V5;
 use crate::mat::value::Element;
-use crate::net::catch;
+use crate::panic_guard::catch;
 use crate::{Error, Limits};
 
-/// Bytes of numbers in a piece: a multiple of every size that a number has.
+/// Bytes of numbers in a piece: a multiple of the size of every number type.
 const PIECE_BYTES: usize = 1 << 20;
 
-/// Reads `length` bytes of numbers, each exactly as the type `T`.
+/// Reads `length` bytes of numbers and converts each to the type `T` without rounding; see [`Element::from_number`].
 pub(super) fn read<T: Element>(
     matrix: &mut Matrix<'_>,
     storage: Storage,
@@ -35,7 +35,7 @@ pub(super) fn read<T: Element>(
     let path = matrix.path();
     let count = usize::try_from(length / storage.bytes() as u64).unwrap_or(usize::MAX);
     let count = limits.elements(path, "variable", &[count], size_of::<T>())?;
-    let mut values = limits.room(path, "variable", count)?;
+    let mut values = Limits::room(path, "variable", count)?;
     let mut left = count * storage.bytes();
     let mut batch = Vec::new();
     while left > 0 {
@@ -77,20 +77,20 @@ fn decode<T: Element>(bytes: &[u8], storage: Storage, order: ByteOrder) -> Resul
     };
     values
         .filter(|values: &Vec<T>| values.len() == bytes.len() / storage.bytes())
-        .ok_or_else(|| format!("a number that is stored as {storage:?} is not one of the class {}", T::CLASS.name()))
+        .ok_or_else(|| format!("a number that is stored as {storage:?} does not fit the class {}", T::CLASS.name()))
 }
 
-/// Turns stored numbers into those of the variable's type; `None` if one has no exact place there.
-#[expect(clippy::ptr_arg, reason = "only a sized type can be asked what it is")]
+/// Converts stored numbers to the type of the variable; `None` if one does not fit.
+#[expect(clippy::ptr_arg, reason = "downcasting needs a sized type")]
 fn take<S: Element, T: Element>(values: &Vec<S>) -> Option<Vec<T>> {
-    // The usual case, which keeps every bit, those of NaN included.
+    // The same type keeps every bit, those of NaN included.
     if let Some(same) = (values as &dyn Any).downcast_ref::<Vec<T>>() {
         return Some(same.clone());
     }
     values.iter().map(|value| T::from_number(value.number())).collect()
 }
 
-/// A file of one array, a column.
+/// Creates a file of one array, a column.
 fn file_of(data: &[u8], storage: Storage, order: ByteOrder) -> Vec<u8> {
     let (class, storage) = match storage {
         Storage::I8 => (8, storage),
@@ -111,7 +111,7 @@ fn file_of(data: &[u8], storage: Storage, order: ByteOrder) -> Vec<u8> {
         ByteOrder::Little => file.extend([VERSION.to_le_bytes(), *b"IM"].concat()),
         ByteOrder::Big => file.extend([VERSION.to_be_bytes(), *b"MI"].concat()),
     }
-    // Flags, two dimensions and a name of one letter take 16 bytes each, as does the tag of the data with its matrix' own.
+    // Flags, two dimensions and a name of one letter take 16 bytes each; the tags of the matrix and of the data 8 each.
     let numbers = [
         [TYPE_MATRIX, 48 + 8 + (data.len() + fill) as u32],
         [Storage::U32.code(), 8],

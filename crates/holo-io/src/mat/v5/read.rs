@@ -1,4 +1,4 @@
-//! The reader: where the variables are, and one of them.
+//! The reader: the list of the variables, and the value of one.
 
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -12,20 +12,20 @@ use crate::mat::{FORMAT_V5, MatArray, MatClass, unreadable};
 use crate::zlib::Inflated;
 use crate::{Error, Limits};
 
-/// More variables than anybody names; each takes some memory before it is read.
+/// Maximum number of variables, because each takes some memory before it is read.
 const MAX_VARIABLES: usize = 1 << 16;
 
-/// Where a variable is, and what it is.
+/// Position and header of a variable.
 #[derive(Debug, Clone)]
 pub(in crate::mat) struct Entry {
-    /// Where its element begins behind the tag.
+    /// Offset of the element after its tag.
     start: u64,
     length: u64,
     compressed: bool,
     pub(in crate::mat) head: Head,
 }
 
-/// A file whose variables have been found.
+/// A file whose variables are listed.
 pub(in crate::mat) struct Reader<'a, R> {
     source: R,
     order: ByteOrder,
@@ -35,9 +35,7 @@ pub(in crate::mat) struct Reader<'a, R> {
 }
 
 impl<'a, R: Read + Seek> Reader<'a, R> {
-    /// Reads the header and what is known of every variable before its numbers.
-    ///
-    /// `length` is that of the whole.
+    /// Reads the header of the file and of every variable. `length` is that of the file.
     pub(in crate::mat) fn new(mut source: R, length: u64, path: &'a Path, limits: Limits) -> Result<Self, Error> {
         let order = header(&mut source, path)?;
         let mut reader = Self { source, order, path, limits, entries: Vec::new() };
@@ -46,22 +44,23 @@ impl<'a, R: Read + Seek> Reader<'a, R> {
             let mut tag = [0; 8];
             reader.seek(at)?;
             if length - at < 8 {
-                return Err(reader.broken(at, "the file ends in the middle of a tag; it was cut off"));
+                return Err(reader.broken(at, "the file ends in the middle of a tag; it was truncated"));
             }
             reader.source.read_exact(&mut tag).map_err(|error| Error::io("read", path, error))?;
             let [a, b, c, d, e, f, g, h] = tag;
             let (code, bytes) = (order.u32([a, b, c, d]), u64::from(order.u32([e, f, g, h])));
             let start = at + 8;
             if code != TYPE_MATRIX && code != TYPE_COMPRESSED {
-                return Err(reader.broken(at, &format!("type {code}, where a variable should be")));
+                return Err(reader.broken(at, &format!("an element of type {code} instead of a variable")));
             }
             if bytes > length - start {
-                let what = format!("it has {bytes} bytes, but the file ends after {}; it was cut off", length - start);
+                let what =
+                    format!("it has {bytes} bytes, but the file ends after {}; it was truncated", length - start);
                 return Err(reader.broken(at, &what));
             }
             let compressed = code == TYPE_COMPRESSED;
             let head = reader.element(start, bytes, compressed, |matrix| matrix.head())?;
-            // Without a name it is what MATLAB stores for its own use.
+            // Variables without a name are internal to MATLAB.
             if !head.name.is_empty() {
                 if reader.entries.len() == MAX_VARIABLES {
                     return Err(Error::unsupported(path, format!("more than {MAX_VARIABLES} variables")));
@@ -81,7 +80,7 @@ impl<'a, R: Read + Seek> Reader<'a, R> {
         self.source.seek(SeekFrom::Start(at)).map(|_| ()).map_err(|error| Error::io("read", self.path, error))
     }
 
-    /// Passes the bytes of an element to `work`, inflated.
+    /// Passes the decompressed bytes of an element to `work`.
     fn element<T>(
         &mut self,
         start: u64,
@@ -99,12 +98,12 @@ impl<'a, R: Read + Seek> Reader<'a, R> {
         }
     }
 
-    /// Reads a variable, and takes what it needs from the budget.
+    /// Reads a variable, and subtracts its size from the memory limit.
     pub(in crate::mat) fn value(&mut self, index: usize) -> Result<MatArray, Error> {
         let Entry { start, length, compressed, head } = self.entries[index].clone();
         let limits = self.limits;
         let value = self.element(start, length, compressed, |matrix| {
-            // The same bytes as before, so the same head.
+            // The header was read before.
             if matrix.head()? != head {
                 return Err(matrix.broken("the file changed while it was read"));
             }
@@ -118,7 +117,7 @@ impl<'a, R: Read + Seek> Reader<'a, R> {
     }
 }
 
-/// Reads the header and returns the byte order.
+/// Reads the header of the file and returns its byte order.
 fn header(source: &mut impl Read, path: &Path) -> Result<ByteOrder, Error> {
     let mut header = [0; HEADER_BYTES];
     source.read_exact(&mut header).map_err(|error| match error.kind() {
@@ -129,7 +128,13 @@ fn header(source: &mut impl Read, path: &Path) -> Result<ByteOrder, Error> {
     let (order, version) = match &[c, d] {
         b"IM" => (ByteOrder::Little, u16::from_le_bytes([a, b])),
         b"MI" => (ByteOrder::Big, u16::from_be_bytes([a, b])),
-        _ => return Err(Error::broken(path, FORMAT_V5, "the header does not end in IM or MI; a file of MATLAB 4?")),
+        _ => {
+            return Err(Error::broken(
+                path,
+                FORMAT_V5,
+                "the header does not end in IM or MI; it may be a file of MATLAB 4",
+            ));
+        }
     };
     if version != VERSION {
         return Err(Error::unsupported(path, format!("a MAT file of version {version:#06x}; 0x0100 can be read here")));
@@ -188,7 +193,7 @@ fn text(matrix: &mut Matrix<'_>, head: &Head, storage: Storage, bytes: u64, limi
             bytes.and_then(|bytes| String::from_utf8(bytes).ok())
         }
         Storage::Utf32 => units.iter().map(|&unit| char::from_u32(unit)).collect(),
-        // Whatever the width of the numbers, they are units of UTF-16.
+        // Numbers of any width are units of UTF-16.
         _ => {
             let units: Option<Vec<u16>> = units.iter().map(|&unit| u16::try_from(unit).ok()).collect();
             units.and_then(|units| String::from_utf16(&units).ok())
@@ -196,7 +201,7 @@ fn text(matrix: &mut Matrix<'_>, head: &Head, storage: Storage, bytes: u64, limi
     };
     let text = text.ok_or_else(|| matrix_error(matrix.path(), name, "is not text"))?;
     if ![text.chars().count(), text.encode_utf16().count(), text.len()].contains(&elements) {
-        return Err(matrix_error(matrix.path(), name, "has another length than its dimensions say"));
+        return Err(matrix_error(matrix.path(), name, "has another length than its dimensions"));
     }
     matrix.finish()?;
     Ok(MatArray::Text(text))

@@ -1,4 +1,4 @@
-//! The writer: variables one after another, each slab by slab.
+//! The writer of variables, each slab by slab.
 
 use std::io::{self, Seek, SeekFrom, Write};
 
@@ -6,11 +6,11 @@ use ndarray::ArrayViewD;
 
 use super::{HEADER_BYTES, Storage, TYPE_COMPRESSED, TYPE_MATRIX, VERSION, code_of_class, padding};
 use crate::mat::order::column_major;
-use crate::mat::value::{Element, MatValue};
+use crate::mat::value::{Element, MatValue, for_each_array};
 use crate::zlib::{Piece, Stream};
 
-/// What `file` and every reader's listing show first; MATLAB wants the first words just so. No clock: equal inputs give
-/// equal bytes.
+/// The descriptive text at the beginning of the file. MATLAB requires the first words. No clock, so that equal inputs
+/// give equal bytes.
 const TEXT: &str = "MATLAB 5.0 MAT-file, written by holo";
 
 /// The header of the file.
@@ -25,7 +25,7 @@ pub(in crate::mat) fn header() -> Vec<u8> {
     bytes
 }
 
-/// Writes a variable as it is. The caller has checked its name and its size.
+/// Writes a variable uncompressed. The caller has checked its name and its size.
 pub(in crate::mat) fn plain(out: &mut impl Write, name: &str, value: &MatValue<'_>) -> io::Result<()> {
     let variable = Variable::new(name, value)?;
     out.write_all(&variable.head)?;
@@ -33,7 +33,7 @@ pub(in crate::mat) fn plain(out: &mut impl Write, name: &str, value: &MatValue<'
     out.write_all(&[0; 8][..variable.padding])
 }
 
-/// Writes a variable compressed. The length of what zlib makes of it goes in front when it is known.
+/// Writes a variable compressed. The compressed length, which comes first in the file, is written last.
 pub(in crate::mat) fn compressed(out: &mut (impl Write + Seek), name: &str, value: &MatValue<'_>) -> io::Result<()> {
     let variable = Variable::new(name, value)?;
     let start = out.stream_position()?;
@@ -50,7 +50,7 @@ pub(in crate::mat) fn compressed(out: &mut (impl Write + Seek), name: &str, valu
     out.seek(SeekFrom::Start(end)).map(|_| ())
 }
 
-/// All of a variable but its data.
+/// A variable without its data.
 struct Variable {
     head: Vec<u8>,
     padding: usize,
@@ -63,7 +63,7 @@ impl Variable {
         let (code, storage) = code_of_class(class).zip(Storage::of(class)).ok_or_else(unwritable)?;
         let size = value.size();
         let data = match value {
-            // The dimensions count units of UTF-16 all the same.
+            // The dimensions count units of UTF-16 nevertheless.
             MatValue::Text(text) => text.len() as u64,
             _ => size.iter().product::<usize>() as u64 * storage.bytes() as u64,
         };
@@ -76,7 +76,7 @@ impl Variable {
         }
         element(&mut head, Storage::I32, &dimensions);
         element(&mut head, Storage::I8, name.as_bytes());
-        // Data of up to four bytes share their tag's eight.
+        // Data of up to four bytes are stored within the eight bytes of the tag.
         let short = (1..=4).contains(&data);
         let padding = if short { 4 - data } else { padding(data) };
         head.extend(if short {
@@ -109,7 +109,7 @@ fn element(bytes: &mut Vec<u8>, storage: Storage, data: &[u8]) {
     }
 }
 
-/// Passes the data of a variable on as bytes, slab by slab.
+/// Passes the data of a variable to `take` as bytes, slab by slab.
 fn each_slab<P: Send>(
     value: &MatValue<'_>,
     prepare: &(impl Fn(Vec<u8>) -> P + Sync),
@@ -122,23 +122,13 @@ fn each_slab<P: Send>(
     ) -> io::Result<()> {
         let prepare = |values: &[T]| {
             let mut bytes = Vec::new();
-            T::append(values, &mut bytes);
+            T::append_le_bytes(values, &mut bytes);
             prepare(bytes)
         };
         column_major(array, prepare, take)
     }
-    match value {
-        MatValue::U8(array) => numbers(array, prepare, take),
-        MatValue::I8(array) => numbers(array, prepare, take),
-        MatValue::U16(array) => numbers(array, prepare, take),
-        MatValue::I16(array) => numbers(array, prepare, take),
-        MatValue::U32(array) => numbers(array, prepare, take),
-        MatValue::I32(array) => numbers(array, prepare, take),
-        MatValue::U64(array) => numbers(array, prepare, take),
-        MatValue::I64(array) => numbers(array, prepare, take),
-        MatValue::F32(array) => numbers(array, prepare, take),
-        MatValue::F64(array) => numbers(array, prepare, take),
-        MatValue::Text("") => Ok(()),
-        MatValue::Text(text) => take(prepare(text.as_bytes().to_vec())),
-    }
+    for_each_array!(MatValue, value, array => numbers(array, prepare, take), text => match text.is_empty() {
+        true => Ok(()),
+        false => take(prepare(text.as_bytes().to_vec())),
+    })
 }

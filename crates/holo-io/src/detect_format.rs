@@ -1,4 +1,4 @@
-//! What kind of file this is, by its contents.
+//! The format of a file, from its contents.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
@@ -9,21 +9,21 @@ use serde::de::IgnoredAny;
 
 use crate::{Error, manifest};
 
-/// A kind of file that `holo` knows.
+/// A file format that `holo` detects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
-pub enum FileKind {
+pub enum FileFormat {
     /// A PNG image.
     Png,
-    /// A PFM float image, grey or colour.
+    /// A PFM float image, gray or color.
     Pfm,
-    /// An OpenEXR image; `read_exr_info` tells its size and channels.
+    /// An OpenEXR image; `read_exr_info` reads its size and channels.
     Exr,
-    /// A Radiance HDR image; `read_hdr_info` tells its size.
+    /// A Radiance HDR image; `read_hdr_info` reads its size.
     Hdr,
-    /// A MAT file of MATLAB's level 5; `read_mat_info` lists its variables.
+    /// A MAT file of version 5; `read_mat_info` lists its variables.
     Mat5,
-    /// A MAT file of MATLAB's level 7.3, which is an HDF5 file with a header in front.
+    /// A MAT file of version 7.3: an HDF5 file with a MATLAB header in front.
     Mat73,
     /// An HDF5 file.
     Hdf5,
@@ -35,24 +35,25 @@ pub enum FileKind {
     ParametersCfg,
     /// The manifest of a dataset folder.
     Manifest,
-    /// None of these.
+    /// Another format.
     Unknown,
 }
 
-/// How much of a text file is searched for the sections of a `parameters.cfg`.
+/// Number of bytes of a text file that are searched for the sections of a `parameters.cfg`.
 const HEAD_BYTES: u64 = 64 << 10;
 
-/// JSON behind this many bytes is not looked at.
+/// Maximum number of bytes of JSON that are parsed.
 const MAX_JSON_BYTES: u64 = 1 << 30;
 
-/// Tells the kind of a file from its contents, whatever its name.
+/// Detects the format of a file from its contents; the name of the file does not matter.
 ///
-/// A file that is recognised may still be damaged: only as much is read as tells the kinds apart.
+/// A file of a known format may still be damaged: only what distinguishes the formats is read, up to 64 KiB, and of
+/// JSON the keys of the top level.
 ///
 /// # Errors
 ///
-/// [`Error::Io`] if the file cannot be read. A file of another kind is no error but [`FileKind::Unknown`].
-pub fn recognise(path: impl AsRef<Path>) -> Result<FileKind, Error> {
+/// [`Error::Io`] if the file cannot be read. An unknown format is [`FileFormat::Unknown`], not an error.
+pub fn detect_format(path: impl AsRef<Path>) -> Result<FileFormat, Error> {
     let path = path.as_ref();
     let failed = |source| Error::io("read", path, source);
     let file = File::open(path).map_err(failed)?;
@@ -62,25 +63,25 @@ pub fn recognise(path: impl AsRef<Path>) -> Result<FileKind, Error> {
     let mut source = BufReader::with_capacity(HEAD_BYTES as usize, file);
     let mut head = Vec::new();
     source.by_ref().take(HEAD_BYTES).read_to_end(&mut head).map_err(failed)?;
-    let kind = match head.as_slice() {
-        [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => FileKind::Png,
-        [b'P', b'f' | b'F', space, ..] if space.is_ascii_whitespace() => FileKind::Pfm,
-        [0x76, 0x2f, 0x31, 0x01, ..] => FileKind::Exr,
-        text if [&b"#?RADIANCE"[..], b"#?RGBE"].iter().any(|signature| text.starts_with(signature)) => FileKind::Hdr,
-        [0x89, b'H', b'D', b'F', b'\r', b'\n', 0x1a, b'\n', ..] => FileKind::Hdf5,
-        [b'M', b'A', b'T', b'L', b'A', b'B', b' ', ..] if is_mat(&head, 0x01) => FileKind::Mat5,
-        [b'M', b'A', b'T', b'L', b'A', b'B', b' ', ..] if is_mat(&head, 0x02) => FileKind::Mat73,
+    let format = match head.as_slice() {
+        [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => FileFormat::Png,
+        [b'P', b'f' | b'F', space, ..] if space.is_ascii_whitespace() => FileFormat::Pfm,
+        [0x76, 0x2f, 0x31, 0x01, ..] => FileFormat::Exr,
+        text if [&b"#?RADIANCE"[..], b"#?RGBE"].iter().any(|signature| text.starts_with(signature)) => FileFormat::Hdr,
+        [0x89, b'H', b'D', b'F', b'\r', b'\n', 0x1a, b'\n', ..] => FileFormat::Hdf5,
+        [b'M', b'A', b'T', b'L', b'A', b'B', b' ', ..] if is_mat(&head, 0x01) => FileFormat::Mat5,
+        [b'M', b'A', b'T', b'L', b'A', b'B', b' ', ..] if is_mat(&head, 0x02) => FileFormat::Mat73,
         // HDF5 behind a user block of any other kind.
-        bytes if hdf5_behind_block(bytes) => FileKind::Hdf5,
-        [b'g', b'l', b'T', b'F', ..] => FileKind::GltfBinary,
+        bytes if hdf5_behind_block(bytes) => FileFormat::Hdf5,
+        [b'g', b'l', b'T', b'F', ..] => FileFormat::GltfBinary,
         text if first_character(text) == Some(b'{') => {
             source.rewind().map_err(failed)?;
-            json_kind(source)
+            json_format(source)
         }
-        text if has_sections(text) => FileKind::ParametersCfg,
-        _ => FileKind::Unknown,
+        text if has_sections(text) => FileFormat::ParametersCfg,
+        _ => FileFormat::Unknown,
     };
-    Ok(kind)
+    Ok(format)
 }
 
 /// Whether the first bytes are the header of a MAT file of this version, in either byte order.
@@ -88,7 +89,7 @@ fn is_mat(head: &[u8], version: u8) -> bool {
     matches!(head.get(124..128), Some(&[0, major, b'I', b'M'] | &[major, 0, b'M', b'I']) if major == version)
 }
 
-/// Whether HDF5's signature stands where a user block of 512, 1024, 2048 ... bytes would end.
+/// Whether the signature of HDF5 follows a user block of 512, 1024, 2048 ... bytes.
 fn hdf5_behind_block(head: &[u8]) -> bool {
     let starts = std::iter::successors(Some(512_usize), |start| start.checked_mul(2));
     let mut rests = starts.map_while(|start| head.get(start..));
@@ -102,7 +103,7 @@ fn first_character(text: &[u8]) -> Option<u8> {
     text.iter().copied().find(|byte| !byte.is_ascii_whitespace())
 }
 
-/// Whether a text has the two sections that make a rig.
+/// Whether a text has the two sections of `parameters.cfg` that specify the rig.
 fn has_sections(text: &[u8]) -> bool {
     let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
     let has =
@@ -110,8 +111,8 @@ fn has_sections(text: &[u8]) -> bool {
     has(b"[intrinsics]") && has(b"[extrinsics]")
 }
 
-/// Looks for the keys that tell our two JSON files apart, wherever in the file they stand, keeping nothing else.
-fn json_kind(mut source: impl BufRead) -> FileKind {
+/// The format of a JSON file from its top-level keys `format` and `asset`, wherever in the file they are.
+fn json_format(mut source: impl BufRead) -> FileFormat {
     #[derive(Deserialize)]
     struct TopLevel {
         format: Option<Text>,
@@ -128,9 +129,9 @@ fn json_kind(mut source: impl BufRead) -> FileKind {
     }
     match serde_json::from_reader(source.take(MAX_JSON_BYTES)) {
         Ok(TopLevel { format: Some(Text::Text(format)), .. }) if format.starts_with(manifest::FORMAT_FAMILY) => {
-            FileKind::Manifest
+            FileFormat::Manifest
         }
-        Ok(TopLevel { asset: Some(_), .. }) => FileKind::GltfJson,
-        _ => FileKind::Unknown,
+        Ok(TopLevel { asset: Some(_), .. }) => FileFormat::GltfJson,
+        _ => FileFormat::Unknown,
     }
 }

@@ -1,88 +1,88 @@
-//! One setting of a manifest.
+//! The value of a setting in a manifest.
 
 use std::collections::BTreeMap;
 
 use holo_core::GridSize;
 
-/// The value of a setting, as JSON knows values.
+/// The value of a setting, as in JSON.
 ///
 /// JSON has no infinity: such a number is written as the text `inf`, `-inf` or `nan`, and these three texts are read as
 /// numbers.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub enum Setting {
+pub enum ManifestValue {
     /// Not set.
     None,
-    /// Yes or no.
+    /// A truth value.
     Bool(bool),
-    /// A whole number.
+    /// An integer.
     Integer(i64),
-    /// Any other number; comes back with the same bits.
+    /// Any other number. Written and read again, it has the same bits, except that all NaN become one.
     Float(f64),
     /// A text.
     Text(String),
-    /// Several values in order.
-    List(Vec<Setting>),
-    /// Several values by name.
-    Table(BTreeMap<String, Setting>),
+    /// A list of values.
+    List(Vec<ManifestValue>),
+    /// Values by name.
+    Table(BTreeMap<String, ManifestValue>),
 }
 
-impl From<bool> for Setting {
+impl From<bool> for ManifestValue {
     fn from(value: bool) -> Self {
         Self::Bool(value)
     }
 }
 
-impl From<i64> for Setting {
+impl From<i64> for ManifestValue {
     fn from(value: i64) -> Self {
         Self::Integer(value)
     }
 }
 
-impl From<u32> for Setting {
+impl From<u32> for ManifestValue {
     fn from(value: u32) -> Self {
         Self::Integer(i64::from(value))
     }
 }
 
-impl From<usize> for Setting {
-    /// A count beyond `i64` (no array has so many elements) becomes the nearest number.
+impl From<usize> for ManifestValue {
+    /// A count beyond `i64`, which no array has, becomes the nearest `f64`.
     fn from(value: usize) -> Self {
         i64::try_from(value).map_or(Self::Float(value as f64), Self::Integer)
     }
 }
 
-impl From<f64> for Setting {
+impl From<f64> for ManifestValue {
     fn from(value: f64) -> Self {
         Self::Float(value)
     }
 }
 
-impl From<&str> for Setting {
+impl From<&str> for ManifestValue {
     fn from(value: &str) -> Self {
         Self::Text(value.to_owned())
     }
 }
 
-impl From<String> for Setting {
+impl From<String> for ManifestValue {
     fn from(value: String) -> Self {
         Self::Text(value)
     }
 }
 
-impl<T: Into<Setting>> From<Vec<T>> for Setting {
+impl<T: Into<ManifestValue>> From<Vec<T>> for ManifestValue {
     fn from(values: Vec<T>) -> Self {
         Self::List(values.into_iter().map(Into::into).collect())
     }
 }
 
-impl<T: Into<Setting>> From<Option<T>> for Setting {
+impl<T: Into<ManifestValue>> From<Option<T>> for ManifestValue {
     fn from(value: Option<T>) -> Self {
         value.map_or(Self::None, Into::into)
     }
 }
 
-impl From<GridSize> for Setting {
+impl From<GridSize> for ManifestValue {
     /// A table of `columns` and `rows`.
     fn from(size: GridSize) -> Self {
         Self::Table(BTreeMap::from([
@@ -92,8 +92,8 @@ impl From<GridSize> for Setting {
     }
 }
 
-impl Setting {
-    /// Returns a number of either kind.
+impl ManifestValue {
+    /// Returns the number of an `Integer` (rounded beyond 2^53) or a `Float`, else `None`.
     #[must_use]
     pub fn as_f64(&self) -> Option<f64> {
         match *self {
@@ -103,7 +103,7 @@ impl Setting {
         }
     }
 
-    /// Returns a text; a text that reads as a number that is not finite is a number.
+    /// Returns the text of a `Text`, else `None`.
     #[must_use]
     pub fn as_text(&self) -> Option<&str> {
         match self {

@@ -1,6 +1,6 @@
-// Colour maps and number formats.
+// Color maps and number formats.
 
-// Stops of the maps in sRGB, evenly spaced. Depth rises in lightness towards what is near; error leaves a dark neutral
+// Stops of the maps in sRGB, evenly spaced. For depth, lightness increases towards near; for error, from a dark neutral
 // towards cold (estimate too far) and warm (too near), with equal lightness on both sides.
 const STOPS = {
   near: ['#1b1436', '#2b2a6e', '#26508f', '#1c7390', '#25968a', '#51b578', '#95cd62', '#dbdd6a', '#fbf3b6'],
@@ -9,7 +9,7 @@ const STOPS = {
 
 const channels = (hex) => [1, 3, 5].map((at) => parseInt(hex.slice(at, at + 2), 16));
 
-// 256 colours as RGBA bytes.
+// 256 colors as RGBA bytes.
 const palette = (name) => {
   const stops = STOPS[name].map(channels);
   const bytes = new Uint8Array(4 * 256);
@@ -25,7 +25,7 @@ const palette = (name) => {
   return bytes;
 };
 
-// Four digits that do not jump in width: 12.34, 1.234, 0.1234.
+// A number with four digits: 12.34, 1.234, 0.1234.
 const digits = (value, count = 4) => {
   if (Number.isNaN(value)) return '\u2013';
   if (!Number.isFinite(value)) return value > 0 ? '\u221e' : '\u2212\u221e';
@@ -33,10 +33,10 @@ const digits = (value, count = 4) => {
   return value.toFixed(clamp(count - Math.max(whole, 1), 0, count)).replace('-', '\u2212');
 };
 
-const metres = (value) => `${digits(value)} m`;
+const meters = (value) => `${digits(value)} m`;
 const pixels = (value) => (Number.isNaN(value) ? '\u2013' : `${value > 0 ? '+' : ''}${digits(value)} px`);
 
-// The values between which `share` of the finite ones lie.
+// The range that contains `share` of the finite values.
 const percentiles = (values, share) => {
   const step = Math.ceil(values.length / 200000);
   const some = [];
@@ -46,10 +46,10 @@ const percentiles = (values, share) => {
   return [at((1 - share) / 2), at((1 + share) / 2)];
 };
 
-// How the two maps are drawn: the values whose colours are linear in them, the range, the ticks of the legend.
+// Display of the two maps: values that are linear in the color scale, their range, the legend.
 const scales = {};
 
-// Depth is drawn linear in 1/Z, as disparity is: what moves alike is coloured alike.
+// Depth is shown linear in 1/Z, as disparity is.
 const prepareScales = () => {
   const source = maps.depth ?? maps.disparity ?? maps.estimate;
   if (source) {
@@ -60,10 +60,10 @@ const prepareScales = () => {
     const label = (value) => {
       const depth = inverse ? 1 / value : depthOfDisparity(value);
       const disparity = inverse ? disparityOfDepth(depth) : value;
-      return [metres(depth), pixels(disparity)].filter((text) => !text.startsWith('\u2013')).join('\n');
+      return [meters(depth), pixels(disparity)].filter((text) => !text.startsWith('\u2013')).join('\n');
     };
-    const caption = `${source === maps.estimate ? 'Estimate' : inverse || knowsMetres ? 'Depth' : 'Disparity'}, central view`;
-    scales.depth = { values, low, high, label, colours: palette('near'), caption, note: '' };
+    const caption = `${source === maps.estimate ? 'Estimate' : inverse || hasMetricRig ? 'Depth' : 'Disparity'}, central view`;
+    scales.depth = { values, low, high, label, colors: palette('near'), caption, note: '' };
   }
   if (maps.error) {
     const sizes = maps.error.map(Math.abs);
@@ -72,7 +72,7 @@ const prepareScales = () => {
     const mean = known.reduce((sum, value) => sum + value, 0) / Math.max(known.length, 1);
     const bad = known.filter((value) => value > 0.07).length / Math.max(known.length, 1);
     scales.error = {
-      values: maps.error, low: -end, high: end, label: pixels, colours: palette('error'),
+      values: maps.error, low: -end, high: end, label: pixels, colors: palette('error'),
       caption: 'Estimate minus truth, central view',
       note: `mean ${digits(mean)} px \u00b7 ${(100 * bad).toFixed(2)} % beyond 0.07 px`,
     };

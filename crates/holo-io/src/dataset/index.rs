@@ -1,4 +1,4 @@
-//! `dataset.json`: what a dataset of many folders consists of.
+//! `dataset.json`: the index of a dataset of many folders.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -15,72 +15,74 @@ use crate::{Error, FileDigest, write_file};
 /// The value of the key `format`.
 const FORMAT: &str = "holo dataset 1";
 
-/// A description is at most this long.
+/// Maximum size of a `dataset.json`, in bytes.
 const MAX_BYTES: u64 = 16 << 20;
 
-/// What a dataset consists of: every scene with every light field shape, each in `<scene>/<S>x<T>/`.
+/// The index of a dataset: every scene with every light field shape, each in `<scene>/<S>x<T>/`.
 ///
-/// It depends on the settings only, not on which of the folders are there already, and holds no time and no path.
+/// It depends on the settings only, not on which of the folders exist already, and contains no time and no path.
 ///
 /// # Examples
 ///
 /// ```
 /// use holo_core::{GridSize, LightFieldShape};
-/// use holo_io::dataset::{Description, SceneEntry};
+/// use holo_io::dataset::{DatasetIndex, SceneEntry};
 ///
-/// let description = Description {
+/// let index = DatasetIndex {
 ///     scenes: vec![SceneEntry { name: "garden".into(), purpose: "foliage".into(), sha256: "00".repeat(32) }],
-///     splits: vec![LightFieldShape::new(GridSize::new(20, 20), GridSize::new(265, 397))?],
-///     ..Description::default()
+///     shapes: vec![LightFieldShape::new(GridSize::new(20, 20), GridSize::new(265, 397))?],
+///     ..DatasetIndex::default()
 /// };
-/// assert_eq!(description.folders()?, [std::path::Path::new("garden/20x20")]);
-/// assert_eq!(Description::from_json(&description.to_json()?)?, description);
+/// assert_eq!(index.folders()?, [std::path::Path::new("garden/20x20")]);
+/// assert_eq!(DatasetIndex::from_json(&index.to_json()?)?, index);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Description {
-    /// What makes the files: `holo` and its engine, each with its version.
+pub struct DatasetIndex {
+    /// Versions of `holo` and of the ray tracing backend that make the files.
     pub versions: BTreeMap<String, String>,
-    /// The options that decide the files, by their names on the command line.
+    /// Options that determine the files, by their names on the command line.
     pub options: BTreeMap<String, String>,
     /// The scenes.
     pub scenes: Vec<SceneEntry>,
-    /// The splits.
-    pub splits: Vec<LightFieldShape>,
-    /// How the files are to be read, a sentence a topic.
+    /// Numbers of views and microlenses, one folder of every scene each.
+    pub shapes: Vec<LightFieldShape>,
+    /// How to read the files, one sentence a topic.
     pub conventions: BTreeMap<String, String>,
-    /// The licence of the images.
-    pub licence: String,
+    /// SPDX identifier of the license of the images.
+    pub license: String,
 }
 
 /// A scene of a dataset.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SceneEntry {
-    /// Its name, which is that of its folder.
+    /// Name of the scene and of its folder.
     pub name: String,
-    /// What it is there for.
+    /// What the scene tests or shows.
     pub purpose: String,
-    /// The digest of its `.glb`, 64 hexadecimal digits.
+    /// SHA-256 of its `.glb`, 64 hexadecimal digits.
     pub sha256: String,
 }
 
+/// The keys in the order in which they are written.
 #[derive(Serialize, Deserialize)]
 struct Document {
     format: String,
-    #[serde(default)]
-    licence: String,
+    #[serde(default, rename = "licence")]
+    license: String,
     #[serde(default)]
     versions: BTreeMap<String, String>,
     #[serde(default)]
     options: BTreeMap<String, String>,
     scenes: Vec<SceneEntry>,
-    splits: Vec<SplitEntry>,
+    #[serde(rename = "splits")]
+    shapes: Vec<ShapeEntry>,
     #[serde(default)]
     conventions: BTreeMap<String, String>,
 }
 
 #[derive(Serialize, Deserialize)]
-struct SplitEntry {
+struct ShapeEntry {
     views: Size,
     lenses: Size,
 }
@@ -103,49 +105,49 @@ impl From<&Size> for GridSize {
     }
 }
 
-impl Description {
+impl DatasetIndex {
     /// Returns the folders of the dataset relative to its root, scene by scene.
     ///
     /// # Errors
     ///
     /// [`Error::BadInput`] if a scene's name is not the name of one folder.
     pub fn folders(&self) -> Result<Vec<PathBuf>, Error> {
-        let splits = |scene: &str| self.splits.iter().map(|shape| folder(scene, shape.views())).collect::<Vec<_>>();
-        self.scenes.iter().flat_map(|scene| splits(&scene.name)).collect()
+        let folders = |scene: &str| self.shapes.iter().map(|shape| folder(scene, shape.views())).collect::<Vec<_>>();
+        self.scenes.iter().flat_map(|scene| folders(&scene.name)).collect()
     }
 
-    /// Returns the description as JSON, ending in a line feed.
+    /// Returns the index as JSON, ending in a line feed.
     ///
     /// # Errors
     ///
     /// [`Error::BadInput`] if a scene's name is not the name of one folder.
     pub fn to_json(&self) -> Result<String, Error> {
         self.folders()?;
-        let splits = self.splits.iter();
+        let shapes = self.shapes.iter();
         let document = Document {
             format: FORMAT.to_owned(),
-            licence: self.licence.clone(),
+            license: self.license.clone(),
             versions: self.versions.clone(),
             options: self.options.clone(),
             scenes: self.scenes.clone(),
-            splits: splits.map(|s| SplitEntry { views: s.views().into(), lenses: s.lenses().into() }).collect(),
+            shapes: shapes.map(|s| ShapeEntry { views: s.views().into(), lenses: s.lenses().into() }).collect(),
             conventions: self.conventions.clone(),
         };
         let text = serde_json::to_string_pretty(&document);
         text.map(|text| text + "\n").map_err(|error| Error::bad_input(Path::new(MEMORY), error.to_string()))
     }
 
-    /// Reads a description from JSON. Keys that this version does not know are passed over.
+    /// Reads an index from JSON. Unknown keys are ignored.
     ///
     /// # Errors
     ///
-    /// [`Error::Broken`] if it is not JSON, a value has the wrong type, a shape is invalid or a name leads outside the folder;
-    /// [`Error::Unsupported`] if it is of another version.
+    /// [`Error::Broken`] if it is not JSON, a value has the wrong type, a number of views or microlenses is 0, or a
+    /// name leads outside the folder; [`Error::Unsupported`] if it is of another version.
     pub fn from_json(text: &str) -> Result<Self, Error> {
         parse(text.as_bytes(), Path::new(MEMORY))
     }
 
-    /// Writes the description into the root of a dataset.
+    /// Writes `dataset.json` into the root folder of a dataset.
     ///
     /// # Errors
     ///
@@ -154,20 +156,20 @@ impl Description {
         write_file(root.as_ref().join(DATASET_JSON), self.to_json()?.as_bytes())
     }
 
-    /// Reads the description in the root of a dataset.
+    /// Reads `dataset.json` in the root folder of a dataset.
     ///
     /// # Errors
     ///
-    /// Those of [`from_json`](Self::from_json); [`Error::Io`] if the file cannot be read; [`Error::TooLarge`] if it has more
-    /// than 16 MiB.
+    /// Those of [`from_json`](Self::from_json); [`Error::Io`] if the file cannot be read; [`Error::TooLarge`] if it has
+    /// more than 16 MiB.
     pub fn read(root: impl AsRef<Path>) -> Result<Self, Error> {
         let path = root.as_ref().join(DATASET_JSON);
         parse(&read_small_file(&path, MAX_BYTES)?, &path)
     }
 }
 
-fn parse(bytes: &[u8], path: &Path) -> Result<Description, Error> {
-    let broken = |what: String| Error::broken(path, "dataset description", what);
+fn parse(bytes: &[u8], path: &Path) -> Result<DatasetIndex, Error> {
+    let broken = |what: String| Error::broken(path, "dataset index", what);
     let document: Document = serde_json::from_slice(bytes).map_err(|error| broken(error.to_string()))?;
     if document.format != FORMAT {
         return Err(Error::unsupported(path, format!("its format is '{}'; '{FORMAT}' can be read", document.format)));
@@ -175,15 +177,15 @@ fn parse(bytes: &[u8], path: &Path) -> Result<Description, Error> {
     if let Some(scene) = document.scenes.iter().find(|scene| !stays_inside(&scene.name) || scene.name.contains('/')) {
         return Err(broken(format!("a scene called '{}' has no folder", scene.name)));
     }
-    let shape = |entry: &SplitEntry| LightFieldShape::new((&entry.views).into(), (&entry.lenses).into());
-    let splits: Result<Vec<LightFieldShape>, _> = document.splits.iter().map(shape).collect();
-    Ok(Description {
+    let shape = |entry: &ShapeEntry| LightFieldShape::new((&entry.views).into(), (&entry.lenses).into());
+    let shapes: Result<Vec<LightFieldShape>, _> = document.shapes.iter().map(shape).collect();
+    Ok(DatasetIndex {
         versions: document.versions,
         options: document.options,
         scenes: document.scenes,
-        splits: splits.map_err(|error| broken(error.to_string()))?,
+        shapes: shapes.map_err(|error| broken(error.to_string()))?,
         conventions: document.conventions,
-        licence: document.licence,
+        license: document.license,
     })
 }
 
@@ -192,22 +194,22 @@ mod tests {
     use super::*;
 
     #[test]
-    fn damaged_descriptions_are_errors() {
-        let good = Description {
+    fn damaged_indices_are_errors() {
+        let good = DatasetIndex {
             scenes: vec![SceneEntry { name: "a".into(), purpose: String::new(), sha256: String::new() }],
-            splits: vec![LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap()],
-            ..Description::default()
+            shapes: vec![LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap()],
+            ..DatasetIndex::default()
         };
         let text = good.to_json().unwrap();
-        assert_eq!(Description::from_json(&text).unwrap(), good);
+        assert_eq!(DatasetIndex::from_json(&text).unwrap(), good);
         for (from, to) in [("\"a\"", "\"../a\""), ("\"a\"", "\"a/b\""), ("\"rows\": 2", "\"rows\": 0"), ("{", "[")] {
             let damaged = text.replacen(from, to, 1);
             assert_ne!(damaged, text);
-            assert!(matches!(Description::from_json(&damaged), Err(Error::Broken { .. })), "{to}");
+            assert!(matches!(DatasetIndex::from_json(&damaged), Err(Error::Broken { .. })), "{to}");
         }
         let other = text.replacen("dataset 1", "dataset 2", 1);
-        assert!(matches!(Description::from_json(&other), Err(Error::Unsupported { .. })));
-        let bad = Description { scenes: vec![SceneEntry { name: "..".into(), ..good.scenes[0].clone() }], ..good };
+        assert!(matches!(DatasetIndex::from_json(&other), Err(Error::Unsupported { .. })));
+        let bad = DatasetIndex { scenes: vec![SceneEntry { name: "..".into(), ..good.scenes[0].clone() }], ..good };
         assert!(matches!(bad.to_json(), Err(Error::BadInput { .. })));
     }
 }

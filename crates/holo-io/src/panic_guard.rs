@@ -1,7 +1,8 @@
-//! The last net under a decoder that is not ours: a panic in it becomes an error.
+//! The panic guard around decoders of other crates: a panic in them becomes an error.
 //!
-//! What a file announces is checked before the decoder sees it, but its own arithmetic on damaged data is not in our
-//! hands. A library must not install a panic hook; a program that has one asks [`is_guarding`] and stays silent.
+//! What a file announces is checked before the decoder reads it, but the decoder's own arithmetic on damaged data may
+//! still panic. A library must not install a panic hook; a program that has one checks [`is_guarding`] and prints
+//! nothing where it is true.
 
 use std::cell::Cell;
 #[cfg(any(feature = "exr", feature = "mat"))]
@@ -11,16 +12,16 @@ thread_local! {
     static GUARDING: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Whether this thread is inside this crate's last net: a panic now becomes an [`Error`](crate::Error), so a panic hook
-/// should print nothing.
+/// Whether this thread is inside this crate's panic guard: a panic now becomes an [`Error`](crate::Error), so a panic
+/// hook should print nothing.
 ///
-/// Only the decoders of the features `exr` and `mat` need the net; without these this is always false.
+/// Only the decoders of the features `exr` and `mat` need the guard; without these features this is always false.
 #[must_use]
 pub fn is_guarding() -> bool {
     GUARDING.get()
 }
 
-/// Restores the flag also when a panic passes by.
+/// Restores the flag when it is dropped, also during a panic.
 #[cfg(any(feature = "exr", feature = "mat"))]
 struct Restore(bool);
 
@@ -31,17 +32,17 @@ impl Drop for Restore {
     }
 }
 
-/// Runs `work` with the flag of this thread set; for closures that run on other threads than their [`catch`].
+/// Runs `work` with the flag of this thread set: for closures that run on another thread than their [`catch`].
 #[cfg(any(feature = "exr", feature = "mat"))]
 pub(crate) fn guarded<T>(work: impl FnOnce() -> T) -> T {
     let _restore = Restore(GUARDING.replace(true));
     work()
 }
 
-/// Runs `work`; a panic in it becomes the text of its message.
+/// Runs `work` inside the panic guard. The error is the message of the panic.
 #[cfg(any(feature = "exr", feature = "mat"))]
 pub(crate) fn catch<T>(work: impl FnOnce() -> T) -> Result<T, String> {
-    // Unwind safety: `work` owns or only reads what it uses, and all of it is thrown away on a panic.
+    // Unwind safety: `work` owns or only reads what it uses, and all of that is dropped on a panic.
     catch_unwind(AssertUnwindSafe(|| guarded(work))).map_err(|payload| {
         let text = payload.downcast_ref::<String>().map(String::as_str);
         text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("no message").to_owned()

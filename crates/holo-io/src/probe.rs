@@ -1,4 +1,4 @@
-//! What is this? A file or folder of any kind, told by its contents.
+//! What a path leads to: the format of a file or folder, from its contents, and its headers.
 
 use std::fmt;
 use std::fs::{self, File};
@@ -9,16 +9,14 @@ use holo_core::GridSize;
 
 use crate::dataset::{self, DatasetEntry, DatasetFolder, MANIFEST_JSON, PARAMETERS_CFG};
 use crate::{
-    Error, FileKind, GantryFolder, HciFolder, Manifest, ParametersCfg, PfmInfo, PngInfo, read_pfm_info, read_png_info,
-    recognise,
+    Error, FileFormat, GantryFolder, HciFolder, Manifest, ParametersCfg, PfmInfo, PngInfo, detect_format,
+    read_pfm_info, read_png_info,
 };
 
-/// How many bytes of an unknown file are shown.
+/// Number of bytes of an unknown file that are shown.
 const SHOWN_BYTES: u64 = 16;
 
-/// What a path leads to. Prints as one line.
-///
-/// Headers, parameters and lists of files have been read; pixels have not.
+/// The format and the headers of a file or folder, without its pixels. Its [`Display`](fmt::Display) is one line.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum FileInfo {
@@ -28,84 +26,85 @@ pub enum FileInfo {
     Pfm(PfmInfo),
     /// An OpenEXR image.
     Exr {
-        /// Rows and columns.
+        /// Rows and columns of the display window.
         size: GridSize,
-        /// The names of its channels.
+        /// Full names of its channels.
         channels: Vec<String>,
     },
     /// A Radiance HDR image.
     Hdr {
-        /// Rows and columns.
+        /// Rows and columns of the upright image.
         size: GridSize,
     },
     /// Camera parameters.
     ParametersCfg(Box<ParametersCfg>),
     /// The manifest of a dataset folder.
     Manifest(Box<Manifest>),
-    /// A file of another kind that [`recognise`] knows, such as a glTF scene, into which nothing was read.
-    Other(FileKind),
-    /// A file of no known kind.
+    /// A file of another format that [`detect_format`] finds, such as a glTF scene; nothing of it was read.
+    Other(FileFormat),
+    /// A file of an unknown format.
     Unknown {
-        /// Its first bytes, 16 at most.
+        /// Its first bytes, at most 16.
         first_bytes: Vec<u8>,
-        /// Its size.
+        /// Its size in bytes.
         bytes: u64,
     },
     /// A folder that `holo render` wrote.
     DatasetFolder(Box<DatasetFolder>),
-    /// A folder with datasets in `<scene>/<S>x<T>/`.
+    /// A folder with dataset folders `<scene>/<S>x<T>/` in it.
     Datasets(Vec<DatasetEntry>),
     /// A folder with the layout of the HCI benchmark.
     HciFolder(Box<HciFolder>),
     /// A folder of the Stanford Lego gantry.
     GantryFolder(Box<GantryFolder>),
-    /// A folder of no known kind.
+    /// A folder of an unknown kind.
     UnknownFolder {
-        /// How many files and folders are in it.
+        /// Number of files and folders in it.
         entries: usize,
     },
 }
 
-/// Tells what a file or a folder is from its contents, and reads what describes it.
+/// Detects the format of a file or folder from its contents, and reads its headers, parameters and list of files.
 ///
-/// A folder is, in this order: a dataset if it has a `manifest.json`; an HCI folder if it has a `parameters.cfg` and a
-/// view `input_Cam*.png`; a gantry folder if it has a view `out_ROW_COLUMN_Y_X.png`; a folder of datasets if it has some.
+/// A folder is the first that applies of: a dataset folder if it has a `manifest.json`; an HCI folder if it has a
+/// `parameters.cfg` and a view `input_Cam*.png`; a gantry folder if it has a view `out_ROW_COLUMN_Y_X.png`; a folder of
+/// datasets if it has dataset folders in it.
 ///
 /// # Errors
 ///
-/// [`Error::Io`] if the path cannot be read. A file or folder that is recognised but damaged or incomplete gives the
-/// error of its own reader, such as [`HciFolder::open`], and not [`FileInfo::Unknown`].
+/// [`Error::Io`] if the path cannot be read. A file or folder of a known format that is damaged or incomplete gives the
+/// error of its reader, such as [`HciFolder::open`], and not [`FileInfo::Unknown`].
 ///
 /// # Examples
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;
-/// let path = folder.path().join("picture");
+/// let path = folder.path().join("image");
 /// let image = ndarray::Array3::<u8>::zeros((2, 3, 3));
 /// holo_io::write_png(&path, image.view(), holo_io::ColorEncoding::Srgb, holo_io::Compression::Fast)?;
-/// assert_eq!(holo_io::open(&path)?.to_string(), "PNG image, 3 x 2 pixels, 3 channels of 8 bits");
+/// assert_eq!(holo_io::probe(&path)?.to_string(), "PNG image, 3 x 2 pixels, 3 channels of 8 bits");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn open(path: impl AsRef<Path>) -> Result<FileInfo, Error> {
+pub fn probe(path: impl AsRef<Path>) -> Result<FileInfo, Error> {
     let path = path.as_ref();
     let metadata = fs::metadata(path).map_err(|source| Error::io("read", path, source))?;
-    if metadata.is_dir() { open_folder(path) } else { open_file(path, metadata.len()) }
+    if metadata.is_dir() { probe_folder(path) } else { probe_file(path, metadata.len()) }
 }
 
-fn open_file(path: &Path, bytes: u64) -> Result<FileInfo, Error> {
-    Ok(match recognise(path)? {
-        FileKind::Png => FileInfo::Png(read_png_info(path)?),
-        FileKind::Pfm => FileInfo::Pfm(read_pfm_info(path)?),
+fn probe_file(path: &Path, bytes: u64) -> Result<FileInfo, Error> {
+    Ok(match detect_format(path)? {
+        FileFormat::Png => FileInfo::Png(read_png_info(path)?),
+        FileFormat::Pfm => FileInfo::Pfm(read_pfm_info(path)?),
         #[cfg(feature = "exr")]
-        FileKind::Exr => {
+        FileFormat::Exr => {
             let info = crate::read_exr_info(path)?;
             FileInfo::Exr { size: info.size, channels: info.channels }
         }
         #[cfg(feature = "hdr")]
-        FileKind::Hdr => FileInfo::Hdr { size: crate::read_hdr_info(path)?.size },
-        FileKind::ParametersCfg => FileInfo::ParametersCfg(Box::new(ParametersCfg::read(path)?)),
-        FileKind::Manifest => FileInfo::Manifest(Box::new(Manifest::read(path)?)),
-        FileKind::Unknown => {
+        FileFormat::Hdr => FileInfo::Hdr { size: crate::read_hdr_info(path)?.size },
+        FileFormat::ParametersCfg => FileInfo::ParametersCfg(Box::new(ParametersCfg::read(path)?)),
+        FileFormat::Manifest => FileInfo::Manifest(Box::new(Manifest::read(path)?)),
+        FileFormat::Unknown => {
             let failed = |source| Error::io("read", path, source);
             let mut first_bytes = Vec::new();
             File::open(path).map_err(failed)?.take(SHOWN_BYTES).read_to_end(&mut first_bytes).map_err(failed)?;
@@ -115,15 +114,15 @@ fn open_file(path: &Path, bytes: u64) -> Result<FileInfo, Error> {
     })
 }
 
-fn open_folder(path: &Path) -> Result<FileInfo, Error> {
-    let is = |name: &str, kind| {
+fn probe_folder(path: &Path) -> Result<FileInfo, Error> {
+    let is = |name: &str, format| {
         let file = path.join(name);
-        Ok::<_, Error>(file.is_file() && recognise(&file)? == kind)
+        Ok::<_, Error>(file.is_file() && detect_format(&file)? == format)
     };
-    if is(MANIFEST_JSON, FileKind::Manifest)? {
+    if is(MANIFEST_JSON, FileFormat::Manifest)? {
         return Ok(FileInfo::DatasetFolder(Box::new(DatasetFolder::open(path)?)));
     }
-    if is(PARAMETERS_CFG, FileKind::ParametersCfg)? && HciFolder::has_views(path)? {
+    if is(PARAMETERS_CFG, FileFormat::ParametersCfg)? && HciFolder::has_views(path)? {
         return Ok(FileInfo::HciFolder(Box::new(HciFolder::open(path)?)));
     }
     if GantryFolder::has_views(path)? {
@@ -145,7 +144,7 @@ impl fmt::Display for FileInfo {
                 write!(f, "PNG image, {}, {channels} channel{s} of {bits} bits", pixels(*size))
             }
             Self::Pfm(info) => {
-                let kind = if info.channels == 1 { "grey" } else { "colour" };
+                let kind = if info.channels == 1 { "gray" } else { "color" };
                 write!(f, "PFM float image, {}, {kind}", pixels(info.size))
             }
             Self::Exr { size, channels } => {
@@ -158,7 +157,7 @@ impl fmt::Display for FileInfo {
             Self::Manifest(manifest) => {
                 write!(f, "manifest of {} file{}", manifest.files.len(), plural(manifest.files.len()))
             }
-            Self::Other(kind) => write!(f, "{}", name_of(*kind)),
+            Self::Other(format) => write!(f, "{}", name_of(*format)),
             Self::Unknown { first_bytes, .. } if first_bytes.is_empty() => write!(f, "empty file"),
             Self::Unknown { first_bytes, bytes } => {
                 write!(f, "unknown file of {bytes} bytes that begins with")?;
@@ -167,8 +166,8 @@ impl fmt::Display for FileInfo {
             }
             Self::DatasetFolder(folder) => {
                 let shape = folder.shape();
-                let no_picture = if folder.raw_image().is_none() { ", no picture" } else { "" };
-                write!(f, "dataset folder, {}{no_picture}", grid(shape.views(), shape.lenses()))
+                let no_image = if folder.raw_image().is_none() { ", no raw image" } else { "" };
+                write!(f, "dataset folder, {}{no_image}", grid(shape.views(), shape.lenses()))
             }
             Self::Datasets(datasets) => write!(f, "folder of {} dataset{}", datasets.len(), plural(datasets.len())),
             Self::HciFolder(folder) => {
@@ -187,11 +186,11 @@ impl fmt::Display for FileInfo {
     }
 }
 
-/// What a kind of file is called.
-fn name_of(kind: FileKind) -> String {
-    match kind {
-        FileKind::GltfBinary => "glTF scene, binary (.glb)".to_owned(),
-        FileKind::GltfJson => "glTF scene, JSON (.gltf)".to_owned(),
+/// The name of a format in messages.
+fn name_of(format: FileFormat) -> String {
+    match format {
+        FileFormat::GltfBinary => "glTF scene, binary (.glb)".to_owned(),
+        FileFormat::GltfJson => "glTF scene, JSON (.gltf)".to_owned(),
         other => format!("{other:?} file"),
     }
 }
@@ -204,7 +203,7 @@ fn grid(views: GridSize, lenses: GridSize) -> String {
     format!("{} x {} views of {}", views.columns, views.rows, pixels(lenses))
 }
 
-/// The ending of a word for this many things.
+/// The plural `s` of a word after this count.
 fn plural(count: usize) -> &'static str {
     if count == 1 { "" } else { "s" }
 }
