@@ -80,7 +80,7 @@ pub fn mat(data: &[u8]) {
     let plain = MatOptions::default();
     // Duplicate names, and names that are invalid in MATLAB, can be read but not written.
     let Ok(bytes) = encode_mat(&variables, &plain) else { return };
-    let compressed = encode_mat(&variables, &MatOptions { is_compressed: true, ..plain });
+    let compressed = encode_mat(&variables, &plain.compressed(true));
     for again in [&bytes, &compressed.expect("what can be written plain can be compressed")] {
         let again = decode_mat(again, &Limits::default()).expect("what was written can be read");
         let variables: Vec<_> = again.iter().map(|(name, value)| MatVariable { name, value: value.view() }).collect();

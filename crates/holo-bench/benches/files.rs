@@ -47,7 +47,7 @@ fn one(what: &str, folder: &Path) {
         "mat" | "mat compressed" => {
             let image = Array3::from_shape_vec(shape, (0..count).map(|at| (raw(at) * 255.0) as u8).collect());
             let field = LightField::from_elemental_grid(image.expect("its size"), split()).expect("its size");
-            let options = MatOptions { version: MatVersion::V5, is_compressed: what != "mat" };
+            let options = MatOptions::new().version(MatVersion::V5).compressed(what != "mat");
             let start = Instant::now();
             let written = write_mat_light_field(folder.join("ours"), &field, None, MatOrder::Lenses, &options);
             (start.elapsed().as_secs_f64(), written.expect("a file").bytes)
@@ -152,7 +152,7 @@ fn write_hdf5(path: &Path, field: &holo_core::LightFieldOwned<f32>, chunk: Optio
         .projection(holo_core::Projection::Perspective)
         .build()
         .unwrap();
-    let options = holo_io::Hdf5Options { chunk, ..Default::default() };
+    let options = holo_io::Hdf5Options::default().chunk(chunk);
     holo_io::write_hdf5(path, field, &rig, &[], &[], &options).expect("a file").bytes
 }
 

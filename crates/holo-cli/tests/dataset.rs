@@ -182,14 +182,14 @@ fn wrong_use_is_said_before_anything_is_made() {
     for (arguments, part) in [
         ("dataset", "--out"),
         ("dataset --out set --scenes teapot", "no scene 'teapot'"),
-        ("dataset --out set --scenes garden,garden", "two scenes are called 'garden'"),
+        ("dataset --out set --scenes garden,garden", "two scenes have the name 'garden'"),
         ("dataset --out set --scenes none", "--glb"),
         ("dataset --out set --views 20,20x20", "twice"),
         ("dataset --out set --splits 0", "COLUMNSxROWS"),
         ("dataset --out set --sensor 10x10 --scenes garden", "too small"),
         ("dataset --out set --shard 4/3", "part 2 of 3"),
         ("dataset --out set --config bad.toml", "'--scenes'"),
-        ("dataset --out set --integrator depth --write el", "--integrator depth makes no picture"),
+        ("dataset --out set --integrator depth --write el", "--integrator depth renders no color"),
     ] {
         let outcome = bench.run(arguments);
         assert_eq!(outcome.code, Some(2), "{arguments}: {outcome:?}");

@@ -130,7 +130,7 @@ fn wrong_use_is_said() {
         ("extract out --lens 0,0 --crop 18446744073709551615,0,6x2 --out x.png", "leaves the image"),
         ("compose out --views 5x4 --out x_el.png", "need 20"),
         ("compose out --views 3 --out x.png", "neither --to nor the name"),
-        ("quilt out --tiles 3x2 --out x.png", "need 6 views, but a row has 5"),
+        ("quilt out --tiles 3x2 --out x.png", "views of a row"),
         ("quilt out --tiles 2x2 --row 4 --out x.png", "view row"),
         ("animate out --path circle --row 1 --out x.png", "sweep and ping-pong"),
         ("animate out --path sweep --row 4 --out x.png", "view row"),

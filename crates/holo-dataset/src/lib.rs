@@ -12,12 +12,13 @@
 //! # Example
 //! ```
 //! use holo_core::GridSize;
-//! use holo_dataset::{RenderJob, RenderSpec, RigSpec, Rollback, SceneSource, verify};
+//! use holo_dataset::{RenderJob, RenderSpec, Rollback, SceneSource, verify};
 //!
 //! # let folder = tempfile::tempdir()?;
 //! # let out = folder.path().join("garden");
-//! let rig = RigSpec { views: GridSize::new(3, 4), lenses: Some(GridSize::new(8, 12)), ..RigSpec::default() };
-//! let spec = RenderSpec { rig, samples: Some(1), ..RenderSpec::default() };
+//! let mut spec = RenderSpec::default();
+//! (spec.rig.views, spec.rig.lenses) = (GridSize::new(3, 4), Some(GridSize::new(8, 12)));
+//! spec.samples = Some(1);
 //! let job = RenderJob::new(SceneSource::gallery("plaster")?, spec);
 //! let report = job.run(&out, None, &(), &(), &Rollback::default())?;
 //! assert!(report.files.contains(&"scene_el.png".to_owned()));

@@ -9,6 +9,7 @@ use holo_render::{GroundTruth, Integrator, Layer};
 /// The specification of a render and its output. The defaults are those of the command line: 8K sensor, 100 x 100
 /// views.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RenderSpec {
     /// Specification of the rig.
     pub rig: RigSpec,
@@ -44,6 +45,7 @@ pub struct RenderSpec {
 
 /// The specification of a rig.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct RigSpec {
     /// The sensor, which is divided into views and microlenses. Ignored if `lenses` is given.
     pub sensor: Sensor,

@@ -148,7 +148,7 @@ pub struct LightFieldFile {
 /// let path = folder.path().join("scene_el.png");
 /// let shape = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5))?;
 /// let light_field = LightField::filled(shape, 3, Layout::ElementalGrid, 7_u8)?;
-/// write_png(&path, light_field.to_elemental_grid().view(), ColorEncoding::Srgb, Compression::Fast)?;
+/// write_png(&path, light_field.to_elemental_grid()?.view(), ColorEncoding::Srgb, Compression::Fast)?;
 ///
 /// let file = read_light_field(&path, &ReadOptions::default().views(GridSize::new(3, 3)))?;
 /// assert_eq!(file.light_field, light_field.into());

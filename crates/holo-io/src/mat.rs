@@ -93,11 +93,34 @@ pub enum MatVersion {
 
 /// Options of writing a MAT file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
 pub struct MatOptions {
     /// The version of the file.
     pub version: MatVersion,
     /// Whether variables are compressed (zlib): smaller, but slower to write and to read.
     pub is_compressed: bool,
+}
+
+impl MatOptions {
+    /// The version that the variables need, uncompressed.
+    #[must_use]
+    pub const fn new() -> Self {
+        Self { version: MatVersion::Auto, is_compressed: false }
+    }
+
+    /// Sets the version of the file.
+    #[must_use]
+    pub const fn version(mut self, version: MatVersion) -> Self {
+        self.version = version;
+        self
+    }
+
+    /// Sets whether variables are compressed.
+    #[must_use]
+    pub const fn compressed(mut self, is_compressed: bool) -> Self {
+        self.is_compressed = is_compressed;
+        self
+    }
 }
 
 /// Writes variables into a MAT file.

@@ -85,7 +85,7 @@ fn rig() -> holo_core::Rig {
 }
 
 fn write_light_field(path: &Path, seed: u64, version: MatVersion, is_compressed: bool) -> Result<FileDigest, Error> {
-    let options = MatOptions { version, is_compressed };
+    let options = MatOptions::new().version(version).compressed(is_compressed);
     write_mat_light_field(path, &light_field(seed), None, MatOrder::Lenses, &options)
 }
 

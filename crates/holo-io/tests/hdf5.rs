@@ -57,7 +57,7 @@ proptest! {
         let depth = Array4::from_shape_fn((v, u, t, s), |(v, u, t, s)| value((v, u, t, s, 0)) + 0.5);
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("scene_5d.h5");
-        let options = Hdf5Options { gzip_level, chunk };
+        let options = Hdf5Options::default().gzip_level(gzip_level).chunk(chunk);
         let mut writer = Hdf5Writer::<f32>::create(&path, &rig(shape), c, &[Hdf5Map::Depth], &options).unwrap();
         // Any number of rows at a time.
         for start in (0..v).step_by(step) {
@@ -134,7 +134,7 @@ fn what_does_not_fit_is_refused_and_leaves_the_old_file() {
     let error = Hdf5LightField::open(&path, &Limits::default()).unwrap_err();
     assert!(matches!(error, Error::Broken { .. }), "{error}");
     assert!(matches!(Hdf5LightField::open("/missing", &Limits::default()), Err(Error::Io { .. })));
-    let bad_options = Hdf5Options { gzip_level: 10, chunk: None };
+    let bad_options = Hdf5Options::default().gzip_level(10);
     assert!(Hdf5Writer::<u8>::create(&path, &rig(shape), 3, &[], &bad_options).is_err());
     assert!(Hdf5Writer::<u8>::create("/dev/null", &rig(shape), 3, &[], &Hdf5Options::default()).is_err());
 }
@@ -234,7 +234,7 @@ fn fill_the_disk() {
     let field = LightField::new(Array5::from_shape_fn((16, 16, 20, 20, 3), noise)).unwrap();
     for gzip_level in [0, 1] {
         let path = folder.join("big.h5");
-        let options = Hdf5Options { gzip_level, chunk: None };
+        let options = Hdf5Options::default().gzip_level(gzip_level);
         let error = write_hdf5(&path, &field, &rig(shape), &[], &[], &options).unwrap_err();
         let Error::Io { source, .. } = &error else { panic!("{error}") };
         assert_eq!(source.kind(), std::io::ErrorKind::StorageFull, "{error}");

@@ -14,8 +14,8 @@ use ndarray::{Array5, ArrayD, Axis, IxDyn, ShapeBuilder, Slice};
 use proptest::prelude::*;
 use rigs::unequal_baselines as rig;
 
-const PLAIN: MatOptions = MatOptions { version: MatVersion::V5, is_compressed: false };
-const COMPRESSED: MatOptions = MatOptions { version: MatVersion::V5, is_compressed: true };
+const PLAIN: MatOptions = MatOptions::new().version(MatVersion::V5);
+const COMPRESSED: MatOptions = MatOptions::new().version(MatVersion::V5).compressed(true);
 
 fn variable<'a>(name: &'a str, value: MatValue<'a>) -> MatVariable<'a> {
     MatVariable { name, value }
@@ -242,7 +242,7 @@ fn what_cannot_be_written_is_refused() {
     assert!(error.to_string().contains("7.3"), "{error}");
     if cfg!(not(feature = "hdf5")) {
         let folder = tempfile::tempdir().unwrap();
-        let options = MatOptions { version: MatVersion::V73, is_compressed: false };
+        let options = MatOptions::new().version(MatVersion::V73);
         let error = write_mat(folder.path().join("x.mat"), &[variable("a", value())], &options).unwrap_err();
         assert!(error.to_string().contains("feature `hdf5`"), "{error}");
     }

@@ -29,7 +29,7 @@ fn truncated_and_mutated_files_are_errors_and_never_panics() {
         MatVariable { name: "word", value: MatValue::Text("µm") },
     ];
     for is_compressed in [false, true] {
-        let options = MatOptions { is_compressed, ..MatOptions::default() };
+        let options = MatOptions::new().compressed(is_compressed);
         files.push(("ours", encode_mat(&variables, &options).unwrap()));
     }
     for (name, whole) in &files {
@@ -61,7 +61,7 @@ fn truncated_and_mutated_files_are_errors_and_never_panics() {
 fn a_small_file_that_announces_gigabytes_is_refused() {
     // Zeros compress a thousandfold: 64 MB in 64 KB. One MiB is allowed.
     let zeros = ArrayD::<u8>::zeros(vec![8000, 8000]);
-    let options = MatOptions { is_compressed: true, ..MatOptions::default() };
+    let options = MatOptions::new().compressed(true);
     let bytes = encode_mat(&[MatVariable { name: "zeros", value: MatValue::U8(zeros.view()) }], &options).unwrap();
     assert!(bytes.len() < 200_000, "{}", bytes.len());
     let error = decode_mat(&bytes, &Limits { max_bytes: 1 << 20 }).unwrap_err();

@@ -53,7 +53,7 @@ fn through_octave<T: Sample>(class: &str, convert: fn(u8) -> T, is_compressed: b
     let folder = tempfile::tempdir().unwrap();
     let names = ["ours.mat", "v6.mat", "v7.mat"].map(|name| folder.path().join(name));
     let field = LightField::new(Array5::from_shape_fn(SHAPE, |at| convert(value(at)))).unwrap();
-    let options = MatOptions { version: MatVersion::V5, is_compressed };
+    let options = MatOptions::new().version(MatVersion::V5).compressed(is_compressed);
     write_mat_light_field(&names[0], &field, Some(&rig()), MatOrder::Lenses, &options).unwrap();
     let script = folder.path().join("script.m");
     std::fs::write(&script, SCRIPT).unwrap();

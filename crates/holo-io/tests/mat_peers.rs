@@ -105,7 +105,7 @@ print("fine")
     let path = folder.path().join("scene_5d.mat");
     let rig = rigs::unequal_baselines(LightFieldShape::new(GridSize::new(2, 5), GridSize::new(4, 3)).unwrap());
     for is_compressed in [false, true] {
-        let options = MatOptions { version: MatVersion::V5, is_compressed };
+        let options = MatOptions::new().version(MatVersion::V5).compressed(is_compressed);
         for (order, name) in [(MatOrder::Lenses, "H"), (MatOrder::LightFieldToolbox, "LF")] {
             let field = LightField::new(Array5::from_shape_fn(SHAPE, |at| value(at) as u16)).unwrap();
             for dtype in ["uint8", "uint16", "float32", "float64"] {
@@ -172,7 +172,7 @@ print("fine")
         variable("word", MatValue::Text("Größe µm")),
     ];
     for is_compressed in [false, true] {
-        write_mat(&path, &variables, &MatOptions { version: MatVersion::V5, is_compressed }).unwrap();
+        write_mat(&path, &variables, &MatOptions::new().version(MatVersion::V5).compressed(is_compressed)).unwrap();
         let Some(text) = python::run(&["scipy.io"], SCRIPT, &[path.to_str().unwrap()]) else { return };
         assert_eq!(text.trim(), "fine");
     }

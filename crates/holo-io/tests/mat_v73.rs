@@ -12,10 +12,8 @@ use holo_io::{
 use ndarray::{Array5, ArrayD, Axis, Slice};
 use proptest::prelude::*;
 
-const OPTIONS: [MatOptions; 2] = [
-    MatOptions { version: MatVersion::V73, is_compressed: false },
-    MatOptions { version: MatVersion::V73, is_compressed: true },
-];
+const OPTIONS: [MatOptions; 2] =
+    [MatOptions::new().version(MatVersion::V73), MatOptions::new().version(MatVersion::V73).compressed(true)];
 
 fn rig(shape: LightFieldShape) -> Rig {
     Rig::builder(shape)

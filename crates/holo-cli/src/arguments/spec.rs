@@ -6,57 +6,60 @@ use super::{DatasetOptions, EngineOptions, JobOptions, MainLensOptions, RenderOp
 
 impl RenderOptions {
     pub fn spec(&self) -> RenderSpec {
-        RenderSpec { rig: self.rig.spec(), ..self.job.spec() }
+        let mut spec = self.job.spec();
+        spec.rig = self.rig.spec();
+        spec
     }
 }
 
 impl DatasetOptions {
     /// Without views, of which every job has its own.
     pub fn spec(&self) -> RenderSpec {
-        RenderSpec { rig: self.main_lens.spec(), ..self.job.spec() }
+        let mut spec = self.job.spec();
+        spec.rig = self.main_lens.spec();
+        spec
     }
 }
 
 impl JobOptions {
     fn spec(&self) -> RenderSpec {
-        RenderSpec {
-            rig: RigSpec::default(),
-            integrator: self.integrator,
-            samples: self.spp,
-            target_error: self.target_error,
-            max_bounces: self.max_bounces,
-            roulette: !self.no_roulette,
-            indirect: !self.no_indirect,
-            sky: self.sky.clone(),
-            exposure: self.exposure,
-            ground_truth: self.ground_truth,
-            layers: self.layers.clone(),
-            outputs: self.write.clone(),
-            mat_order: self.mat_order,
-            bit_depth: self.bit_depth,
-            seed: self.seed,
-        }
+        let mut spec = RenderSpec::default();
+        spec.integrator = self.integrator;
+        spec.samples = self.spp;
+        spec.target_error = self.target_error;
+        spec.max_bounces = self.max_bounces;
+        spec.roulette = !self.no_roulette;
+        spec.indirect = !self.no_indirect;
+        spec.sky = self.sky.clone();
+        spec.exposure = self.exposure;
+        spec.ground_truth = self.ground_truth;
+        spec.layers = self.layers.clone();
+        spec.outputs = self.write.clone();
+        spec.mat_order = self.mat_order;
+        (spec.bit_depth, spec.seed) = (self.bit_depth, self.seed);
+        spec
     }
 }
 
 impl MainLensOptions {
     pub fn spec(&self) -> RigSpec {
-        RigSpec { sensor: self.sensor, f_number: self.f_number, focus: self.focus_m, ..RigSpec::default() }
+        let mut spec = RigSpec::default();
+        (spec.sensor, spec.f_number, spec.focus) = (self.sensor, self.f_number, self.focus_m);
+        spec
     }
 }
 
 impl RigOptions {
     pub fn spec(&self) -> RigSpec {
-        RigSpec {
-            views: self.views,
-            lenses: self.lenses,
-            baseline_m: self.baseline_m,
-            focal_mm: self.focal_mm,
-            sensor_mm: self.sensor_mm,
-            projection: self.projection,
-            camera: self.camera.clone(),
-            ..self.main_lens.spec()
-        }
+        let mut spec = self.main_lens.spec();
+        spec.views = self.views;
+        spec.lenses = self.lenses;
+        spec.baseline_m = self.baseline_m;
+        spec.focal_mm = self.focal_mm;
+        spec.sensor_mm = self.sensor_mm;
+        spec.projection = self.projection;
+        spec.camera = self.camera.clone();
+        spec
     }
 }
 

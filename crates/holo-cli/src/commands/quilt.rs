@@ -13,14 +13,8 @@ pub fn run(options: &QuiltOptions) -> Result<(), Failure> {
 }
 
 fn quilt<T: Sample>(field: &LightFieldOwned<T>, options: &QuiltOptions) -> Result<DynImage, Failure> {
-    let (views, tiles) = (field.shape().views(), options.tiles.count());
-    if tiles > views.columns {
-        return Err(Failure::Usage(format!(
-            "{} x {} tiles need {tiles} views, but a row has {}",
-            options.tiles.columns, options.tiles.rows, views.columns
-        )));
-    }
+    let views = field.shape().views();
     let row = options.row.unwrap_or(views.rows / 2);
-    let shown = evenly_spaced_views(views, row, tiles)?;
+    let shown = evenly_spaced_views(views, row, options.tiles.count())?;
     Ok(field.to_quilt(options.tiles, &shown)?.into())
 }

@@ -37,6 +37,7 @@ impl Hdf5Map {
 
 /// Storage options of an HDF5 file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
 pub struct Hdf5Options {
     /// Level of gzip after shuffle, 1 to 9; 0 stores samples uncompressed.
     pub gzip_level: u8,
@@ -60,6 +61,20 @@ const CHUNK: [usize; 4] = [4, 4, 10, 10];
 const MAX_BAND_BYTES: usize = 256 << 20;
 
 impl Hdf5Options {
+    /// Sets the level of gzip, 0 to 9.
+    #[must_use]
+    pub const fn gzip_level(mut self, level: u8) -> Self {
+        self.gzip_level = level;
+        self
+    }
+
+    /// Sets the lens rows, lens columns, view rows and view columns of a chunk; `None` for the default.
+    #[must_use]
+    pub const fn chunk(mut self, chunk: Option<[usize; 4]>) -> Self {
+        self.chunk = chunk;
+        self
+    }
+
     /// Returns the chunk for a dataset of this shape, not larger than the dataset.
     ///
     /// All lens rows of a chunk are in memory when it is written. Where they exceed `MAX_BAND_BYTES`, the default chunk
