@@ -28,7 +28,7 @@ pub fn install() {
         std::thread::sleep(PATIENCE);
         say_stopped();
         // In this order: without its temporary file no writer can give a file its name any more.
-        holo_io::remove_temporary_files();
+        let _held = holo_io::remove_temporary_files();
         rollback().stop();
         std::process::exit(1);
     });

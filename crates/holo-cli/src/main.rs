@@ -52,7 +52,7 @@ fn main() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => {
             // What is still open here was left by a failing writer of another thread.
-            holo_io::remove_temporary_files();
+            let _held = holo_io::remove_temporary_files();
             if interrupt::requested() {
                 interrupt::say_stopped();
                 return ExitCode::from(1);

@@ -15,7 +15,7 @@ use crate::Error;
 #[cfg(any(feature = "mat", feature = "hdf5"))]
 pub(crate) use path::AtomicPath;
 use temporary::Temporary;
-pub use temporary::{remove_stale_temporary_files, remove_temporary_files};
+pub use temporary::{TemporaryFilesRemoved, remove_stale_temporary_files, remove_temporary_files};
 
 /// Bytes that are collected before they are hashed and written.
 const BUFFER_BYTES: usize = 256 * 1024;
@@ -118,8 +118,8 @@ impl AtomicFile {
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] if the folder does not exist or cannot be written, if `path` is a folder, or after
-    /// [`remove_temporary_files`]; [`Error::BadInput`] if `path` has no file name.
+    /// [`Error::Io`] if the folder does not exist or cannot be written, or if `path` is a folder; [`Error::BadInput`] if
+    /// `path` has no file name.
     pub fn create(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let failed = |source| Error::io("write", path, source);

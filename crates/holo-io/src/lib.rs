@@ -114,7 +114,8 @@ mod views;
 mod zlib;
 
 pub use atomic::{
-    AtomicFile, FileDigest, Sha256, hash_file, remove_stale_temporary_files, remove_temporary_files, write_file,
+    AtomicFile, FileDigest, Sha256, TemporaryFilesRemoved, hash_file, remove_stale_temporary_files,
+    remove_temporary_files, write_file,
 };
 pub use detect_format::{FileFormat, detect_format};
 pub use error::Error;

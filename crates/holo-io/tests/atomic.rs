@@ -161,10 +161,16 @@ fn child() {
     fs::write(folder.join("ready"), b"").unwrap();
     match std::env::var("HOLO_IO_TEST_END").as_deref() {
         Ok("clean up") => {
-            let count = holo_io::remove_temporary_files();
-            let refused = AtomicFile::create(folder.join("late.png")).unwrap_err().to_string();
+            let held = holo_io::remove_temporary_files();
+            let count = held.count();
+            let path = folder.join("late.png");
+            let late = std::thread::spawn(move || AtomicFile::create(path).unwrap().commit().unwrap().bytes);
+            std::thread::sleep(Duration::from_millis(200));
+            let waits = !late.is_finished();
+            drop(held);
+            let late = late.join().unwrap();
             let lost = file.commit().unwrap_err().to_string();
-            fs::write(folder.join("report"), format!("{count}\n{refused}\n{lost}")).unwrap();
+            fs::write(folder.join("report"), format!("{count}\nwaits: {waits}, {late} bytes\n{lost}")).unwrap();
         }
         _ => std::thread::sleep(Duration::from_secs(60)),
     }
@@ -227,15 +233,15 @@ fn the_lock_protects_a_file_of_an_unknown_process() {
 }
 
 #[test]
-fn stopping_removes_open_files_and_creates_no_more() {
+fn open_files_are_removed_and_new_ones_wait_for_whoever_removed_them() {
     let folder = tempfile::tempdir().unwrap();
     let status = start_child(folder.path(), "clean up").wait().unwrap();
     assert!(status.success());
-    assert_eq!(names(folder.path()), ["ready", "report"]);
+    assert_eq!(names(folder.path()), ["late.png", "ready", "report"]);
     let report = fs::read_to_string(folder.path().join("report")).unwrap();
     let lines: Vec<&str> = report.lines().collect();
     assert_eq!(lines[0], "1");
-    assert!(lines[1].contains("the program is stopping"), "{report}");
+    assert_eq!(lines[1], "waits: true, 0 bytes");
     assert!(lines[2].starts_with("cannot write"), "{report}");
 }
 

@@ -15,18 +15,12 @@ const SUFFIX: &str = ".part";
 /// the rest.
 const MAX_NAME_BYTES: usize = 200;
 
-/// The temporary files of this process.
-struct Live {
-    paths: BTreeSet<PathBuf>,
-    /// Set when the process is about to end: no more files are created.
-    stopped: bool,
-}
-
-static LIVE: Mutex<Live> = Mutex::new(Live { paths: BTreeSet::new(), stopped: false });
+/// The temporary files of this process. A list of the process, because a signal such as Ctrl-C is one of the process.
+static LIVE: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 static NEXT: AtomicU64 = AtomicU64::new(0);
 
 /// A poisoned lock is used: the set is consistent after every statement.
-fn live() -> MutexGuard<'static, Live> {
+fn live() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     LIVE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -51,16 +45,13 @@ impl Temporary {
             // Held while the file is created, so that `remove_temporary_files` never runs between creation and
             // registration.
             let mut live = live();
-            if live.stopped {
-                return Err(io::Error::new(io::ErrorKind::Interrupted, "the program is stopping"));
-            }
             // For reading too: a digest at `commit` reads the file.
             match OpenOptions::new().read(true).write(true).create_new(true).open(&path) {
                 Ok(file) => {
                     // By the lock other processes see that the writer of this file runs. The system releases it when
                     // the process ends. Where the file system has no locks, `is_alive` is the only check.
                     let _ = file.try_lock();
-                    live.paths.insert(path.clone());
+                    live.insert(path.clone());
                     return Ok((file, Self { path, target: target.to_owned(), renamed: false }));
                 }
                 // Left by an earlier process of the same number.
@@ -86,7 +77,7 @@ impl Temporary {
 
 impl Drop for Temporary {
     fn drop(&mut self) {
-        live().paths.remove(&self.path);
+        live().remove(&self.path);
         if !self.renamed {
             // There is no caller to report an error to.
             let _ = fs::remove_file(&self.path);
@@ -112,15 +103,34 @@ fn sync_folder(folder: Option<&Path>) -> io::Result<()> {
     }
 }
 
-/// Removes the temporary files of this process, lets it create no more, and returns how many were removed.
+/// The temporary files of this process were removed, and no others are created while this value lives.
 ///
-/// For a process that is about to end, such as after Ctrl-C: an [`AtomicFile`](crate::AtomicFile) that is still open
-/// can no longer be committed, and creating another is an error from now on.
-pub fn remove_temporary_files() -> usize {
+/// Do not create or drop an [`AtomicFile`](crate::AtomicFile) on the thread that holds it: that waits for itself.
+#[derive(Debug)]
+pub struct TemporaryFilesRemoved {
+    count: usize,
+    _live: MutexGuard<'static, BTreeSet<PathBuf>>,
+}
+
+impl TemporaryFilesRemoved {
+    /// Returns how many files were removed.
+    #[must_use]
+    pub const fn count(&self) -> usize {
+        self.count
+    }
+}
+
+/// Removes the temporary files of this process. Until the result is dropped, other threads that create or close an
+/// [`AtomicFile`](crate::AtomicFile) wait.
+///
+/// For a process that is about to end, such as after Ctrl-C, which holds the result until it exits. An `AtomicFile` that is
+/// still open can no longer be committed: `commit` is an error.
+#[must_use = "dropped, it lets other threads create temporary files again"]
+pub fn remove_temporary_files() -> TemporaryFilesRemoved {
     let mut live = live();
-    live.stopped = true;
-    let paths = std::mem::take(&mut live.paths);
-    paths.iter().filter(|path| fs::remove_file(path).is_ok()).count()
+    let paths = std::mem::take(&mut *live);
+    let count = paths.iter().filter(|path| fs::remove_file(path).is_ok()).count();
+    TemporaryFilesRemoved { count, _live: live }
 }
 
 /// Removes the temporary files that ended processes left in `folder`, and returns their paths, sorted.
