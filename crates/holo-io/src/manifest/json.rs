@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use holo_core::{GridSize, LightFieldShape, Projection, Rig};
+use holo_core::Rig;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{FORMAT, Manifest, ManifestValue};
 use crate::names::stays_inside;
-use crate::{Error, FileDigest, Sha256, meters_to_millimeters, millimeters_to_meters};
+use crate::{Error, FileDigest, Sha256};
 
 /// The keys in the order in which they are written.
 #[derive(Serialize, Deserialize)]
@@ -22,36 +22,13 @@ struct Document {
     #[serde(default)]
     settings: BTreeMap<String, Value>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    rig: Option<RigDocument>,
+    rig: Option<Rig>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     disparity_px: Option<Range>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     exposure_ev: Option<Number>,
     #[serde(default)]
     files: BTreeMap<String, FileEntry>,
-}
-
-#[derive(Serialize, Deserialize)]
-struct RigDocument {
-    views: Size,
-    lenses: Size,
-    baseline_m: Baseline,
-    focal_length_mm: Number,
-    sensor_size_mm: Number,
-    focus_distance_m: Number,
-    projection: ProjectionName,
-}
-
-#[derive(Serialize, Deserialize)]
-struct Size {
-    columns: usize,
-    rows: usize,
-}
-
-#[derive(Serialize, Deserialize)]
-struct Baseline {
-    x: Number,
-    y: Number,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -64,13 +41,6 @@ struct Range {
 struct FileEntry {
     bytes: u64,
     sha256: String,
-}
-
-#[derive(Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-enum ProjectionName {
-    Perspective,
-    Orthographic,
 }
 
 /// A number that may be infinite.
@@ -133,53 +103,6 @@ impl From<Number> for f64 {
     }
 }
 
-impl From<GridSize> for Size {
-    fn from(size: GridSize) -> Self {
-        Self { columns: size.columns, rows: size.rows }
-    }
-}
-
-impl From<Size> for GridSize {
-    fn from(size: Size) -> Self {
-        Self::new(size.rows, size.columns)
-    }
-}
-
-impl From<&Rig> for RigDocument {
-    fn from(rig: &Rig) -> Self {
-        Self {
-            views: rig.shape().views().into(),
-            lenses: rig.shape().lenses().into(),
-            baseline_m: Baseline { x: rig.baseline_x_m().into(), y: rig.baseline_y_m().into() },
-            focal_length_mm: meters_to_millimeters(rig.focal_length_m()).into(),
-            sensor_size_mm: meters_to_millimeters(rig.sensor_size_m()).into(),
-            focus_distance_m: rig.focus_distance_m().into(),
-            projection: match rig.projection() {
-                Projection::Perspective => ProjectionName::Perspective,
-                Projection::Orthographic => ProjectionName::Orthographic,
-            },
-        }
-    }
-}
-
-impl TryFrom<RigDocument> for Rig {
-    type Error = holo_core::Error;
-
-    fn try_from(rig: RigDocument) -> Result<Self, holo_core::Error> {
-        Self::builder(LightFieldShape::new(rig.views.into(), rig.lenses.into())?)
-            .focal_length_m(millimeters_to_meters(rig.focal_length_mm.into()))
-            .sensor_size_m(millimeters_to_meters(rig.sensor_size_mm.into()))
-            .baseline_x_m(rig.baseline_m.x.into())
-            .baseline_y_m(rig.baseline_m.y.into())
-            .focus_distance_m(rig.focus_distance_m.into())
-            .projection(match rig.projection {
-                ProjectionName::Perspective => Projection::Perspective,
-                ProjectionName::Orthographic => Projection::Orthographic,
-            })
-            .build()
-    }
-}
-
 fn value_to_json(value: &ManifestValue) -> Value {
     match value {
         ManifestValue::None => Value::Null,
@@ -228,7 +151,7 @@ pub(super) fn write(manifest: &Manifest, path: &Path) -> Result<String, Error> {
         versions: manifest.versions.clone(),
         seed: manifest.seed,
         settings: manifest.settings.iter().map(|(key, value)| (key.clone(), value_to_json(value))).collect(),
-        rig: manifest.rig.as_ref().map(RigDocument::from),
+        rig: manifest.rig,
         disparity_px: manifest.disparity_px.map(|(min, max)| Range { min: min.into(), max: max.into() }),
         exposure_ev: manifest.exposure_ev.map(Number::from),
         files: manifest.files.iter().map(|(name, written)| (name.clone(), entry(written))).collect(),
@@ -265,7 +188,7 @@ pub(super) fn read(text: &[u8], path: &Path) -> Result<Manifest, Error> {
         versions: document.versions,
         seed: document.seed,
         settings: document.settings.into_iter().map(|(key, value)| (key, value_from_json(value))).collect(),
-        rig: document.rig.map(Rig::try_from).transpose().map_err(|why| broken(format!("rig: {why}")))?,
+        rig: document.rig,
         disparity_px: document.disparity_px.map(|range| (range.min.into(), range.max.into())),
         exposure_ev: document.exposure_ev.map(f64::from),
         files,
