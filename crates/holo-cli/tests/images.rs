@@ -31,7 +31,7 @@ fn views_taken_out_and_put_together_are_the_raw_image() {
     let listed: Vec<_> = (0..4).flat_map(|t| (0..5).map(move |s| format!("views/v_r{t:02}_c{s:02}.png"))).collect();
     ok(bench.run(&format!("compose {} --views 5x4 --out again_el.png", listed.join(" "))));
     assert_eq!(read_u8(bench.path("again_el.png")), read_u8(bench.path("out/scene_el.png")));
-    // A folder of numbered pictures, moved as a gantry moves.
+    // A folder of numbered images, moved as a gantry moves.
     std::fs::create_dir(bench.path("gantry")).unwrap();
     for (index, name) in listed.iter().enumerate() {
         let (t, s) = (index / 5, index % 5);

@@ -50,7 +50,7 @@ fn layers_are_written_by_name() {
     expected.sort_unstable();
     assert_eq!(bench.list("all"), expected);
     assert_eq!(bench.run("verify all").code, Some(0));
-    // Without a picture all means all that there are.
+    // Without a image all means all that there are.
     bench.render("truth", "--layers all --integrator depth");
     expected.retain(|name| !["scene_5d.mat", "scene_color.pfm", "scene_el.png", "scene_vpi.png"].contains(name));
     assert_eq!(bench.list("truth"), expected);

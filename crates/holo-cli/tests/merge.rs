@@ -1,4 +1,4 @@
-//! `holo render --shard` and `holo merge`: parts of a picture make the picture, byte for byte.
+//! `holo render --shard` and `holo merge`: parts of a image make the image, byte for byte.
 
 mod common;
 

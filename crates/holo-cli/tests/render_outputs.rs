@@ -79,7 +79,7 @@ fn sixteen_bits_are_the_same_picture() {
     }
 }
 
-/// What there is without a picture.
+/// What there is without a image.
 fn without_picture() -> Vec<&'static str> {
     let shows = ["scene_5d.mat", "scene_el.png", "scene_vpi.png"];
     DEFAULT_FILES.into_iter().filter(|name| !shows.contains(name)).collect()
@@ -107,7 +107,7 @@ fn the_mat_file_is_the_raw_image() {
     }
 }
 
-/// The array in the .h5 is the linear picture, and its maps are those of the PFMs.
+/// The array in the .h5 is the linear image, and its maps are those of the PFMs.
 #[cfg(feature = "hdf5")]
 #[test]
 fn the_hdf5_file_holds_radiance_and_ground_truth() {

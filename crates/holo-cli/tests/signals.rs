@@ -14,7 +14,7 @@ use holo_io::{Limits, read_pfm_gray};
 /// Many seconds of work for any machine.
 const LONG: &str = "--lenses 200x150 --views 60x60 --spp 400 --sky 1,1,1";
 
-/// Seconds of writing after little rendering: most pixels see nothing but a sky of one colour.
+/// Seconds of writing after little rendering: most pixels see nothing but a sky of one color.
 const LARGE: &str = "--lenses 160x120 --views 16x16 --spp 1 --sky 1,1,1";
 
 /// How soon a process must be gone; the requirement is a second, the rest is for debug builds on busy machines.

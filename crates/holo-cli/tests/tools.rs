@@ -132,7 +132,7 @@ fn pictures_are_compared_too() {
     assert_eq!((&same["ssim"], &same["psnr_db"]), (&Value::from(1.0), &Value::from("inf")));
 }
 
-/// `holo eval` beside scikit-image, on noise of 8 and of 16 bits, grey and coloured. The Gaussian of SSIM is summed in another
+/// `holo eval` beside scikit-image, on noise of 8 and of 16 bits, gray and colored. The Gaussian of SSIM is summed in another
 /// order there: 1e-9.
 #[test]
 fn psnr_and_ssim_are_those_of_scikit_image() {

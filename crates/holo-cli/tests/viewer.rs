@@ -102,7 +102,7 @@ fn other_kinds_become_eight_bits() {
     let expected = grid.mapv(|code| (f64::from(code) / 257.0).round() as u8);
     assert_eq!(read_u8(bench.path("shown.png")), expected);
     assert!(numbers(&page)["rig"].is_null());
-    // Alpha goes, colours stay as they are stored.
+    // Alpha goes, colors stay as they are stored.
     let with_alpha =
         Array3::from_shape_fn((32, 60, 4), |(row, column, channel)| (row * 7 + column * 3 + channel * 50) as u8);
     holo_io::write_png(bench.path("a_el.png"), with_alpha.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
@@ -172,7 +172,7 @@ fn a_browser_shows_what_the_files_say() {
     }
 }
 
-/// The smallest counts there are; grey; no rig.
+/// The smallest counts there are; gray; no rig.
 #[test]
 fn a_browser_shows_one_view_and_one_lens() {
     let bench = Bench::new();

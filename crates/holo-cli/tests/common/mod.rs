@@ -26,7 +26,7 @@ pub fn small_split() -> LightFieldShape {
     LightFieldShape::new(GridSize::new(4, 5), GridSize::new(8, 12)).unwrap()
 }
 
-/// The files that a render with colour writes unless told otherwise, in alphabetical order.
+/// The files that a render with color writes unless told otherwise, in alphabetical order.
 pub const DEFAULT_FILES: [&str; 8] = [
     "manifest.json",
     "parameters.cfg",

@@ -19,7 +19,7 @@ class Scene:
 
     def __init__(self):
         self.glb = GlbWriter()
-        self.glb.document["asset"]["generator"] = "holo make_pictures.py"
+        self.glb.document["asset"]["generator"] = "holo make_images.py"
         self.used = set()
 
     def texture(self, pixels):

@@ -1,6 +1,6 @@
 """Renders the images of ../README.md. Needs Python 3.9 with numpy and pillow (10.1 or newer), and the `holo` program.
 
-Usage: make_pictures.py HOLO [--draft] [NAME ...]
+Usage: make_images.py HOLO [--draft] [NAME ...]
 
 HOLO is the program (target/release/holo). Every image has a function of its name below; without names all are
 rendered, in about twenty minutes on one idle core. `--draft` renders with an eighth of the samples. Scenes are built
