@@ -12,7 +12,7 @@ pub enum Error {
     /// The file violates its format: it is truncated, damaged, or made by a faulty program.
     #[error("{}: broken {format}{}: {what}", .path.display(), if format.ends_with("folder") { "" } else { " file" })]
     Broken {
-        /// The file, or `(memory)`.
+        /// The file, or `(stream)`.
         path: PathBuf,
         /// The format as which it was read, such as `"PFM"` or `"HCI folder"`.
         format: &'static str,
@@ -22,7 +22,7 @@ pub enum Error {
     /// The file may be valid, but it contains something that this version cannot read.
     #[error("{}: {what}", .path.display())]
     Unsupported {
-        /// The file, or `(memory)`.
+        /// The file, or `(stream)`.
         path: PathBuf,
         /// What it contains, and what can be read instead.
         what: String,
@@ -44,7 +44,7 @@ pub enum Error {
         .path.display()
     )]
     TooLarge {
-        /// The file, or `(memory)`.
+        /// The file, or `(stream)`.
         path: PathBuf,
         /// What needs the memory, such as `"image"`.
         what: &'static str,
@@ -56,7 +56,7 @@ pub enum Error {
     /// The operating system has not enough memory, although the [`Limits`](crate::Limits) would allow it.
     #[error("{}: out of memory: allocating {bytes} bytes for the {what} failed", .path.display())]
     OutOfMemory {
-        /// The file, or `(memory)`.
+        /// The file, or `(stream)`.
         path: PathBuf,
         /// What needs the memory, such as `"image"`.
         what: &'static str,
@@ -92,7 +92,7 @@ pub enum Error {
     /// Numbers in a file describe an impossible light field or rig.
     #[error("{}: {source}", .path.display())]
     Core {
-        /// The file, or `(memory)`.
+        /// The file, or `(stream)`.
         path: PathBuf,
         /// The error of `holo-core` about the numbers.
         source: holo_core::Error,
@@ -100,10 +100,10 @@ pub enum Error {
 }
 
 /// Stands for the path of data that did not come from a file.
-pub(crate) const MEMORY: &str = "(memory)";
+pub(crate) const STREAM: &str = "(stream)";
 
 impl Error {
-    /// Returns the file or folder that the error is about; `(memory)` for data that did not come from a file.
+    /// Returns the file or folder that the error is about; `(stream)` for data that are not of a file.
     #[must_use]
     pub fn path(&self) -> &Path {
         match self {
@@ -177,7 +177,7 @@ mod tests {
         assert_eq!(full.path(), path);
         let missing = Error::io("read", path, io::ErrorKind::NotFound.into());
         assert_eq!(missing.to_string(), "cannot read out/scene_el.png: entity not found");
-        let broken = Error::broken(Path::new(MEMORY), "PFM", "the header ends early");
-        assert_eq!(broken.to_string(), "(memory): broken PFM file: the header ends early");
+        let broken = Error::broken(Path::new(STREAM), "PFM", "the header ends early");
+        assert_eq!(broken.to_string(), "(stream): broken PFM file: the header ends early");
     }
 }

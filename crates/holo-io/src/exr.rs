@@ -33,13 +33,14 @@ mod stream;
 mod write;
 
 use std::fs::File;
-use std::io::{BufReader, Cursor};
+use std::io::{BufReader, Cursor, Read, Write};
 use std::path::Path;
 
 use holo_core::GridSize;
 use ndarray::{Array2, Array3, ArrayView2};
 
-use crate::error::MEMORY;
+use crate::error::STREAM;
+use crate::stream::{read_to_end, write_bytes};
 use crate::{Error, FileDigest, Limits};
 
 pub use compress::ExrCompression;
@@ -157,29 +158,31 @@ pub fn write_exr_with(
     writer.finish()
 }
 
-/// Encodes an EXR in memory: the bytes that [`write_exr`] writes.
+/// Encodes an EXR into a stream: the bytes that [`write_exr`] writes.
+///
+/// They are encoded in memory first, because a table of offsets precedes the pixels.
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] as in [`write_exr`].
-pub fn encode_exr(channels: &[ExrChannel<'_>]) -> Result<Vec<u8>, Error> {
-    encode_exr_with(channels, ExrCompression::Zip)
+/// [`Error::BadInput`] as in [`write_exr`]; [`Error::Io`] if `out` cannot be written.
+pub fn encode_exr(out: impl Write, channels: &[ExrChannel<'_>]) -> Result<(), Error> {
+    encode_exr_with(out, channels, ExrCompression::Zip)
 }
 
-/// Encodes an EXR in memory: the bytes that [`write_exr_with`] writes.
+/// Encodes an EXR into a stream, like [`encode_exr`]: the bytes that [`write_exr_with`] writes.
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] as in [`write_exr`].
-pub fn encode_exr_with(channels: &[ExrChannel<'_>], compression: ExrCompression) -> Result<Vec<u8>, Error> {
-    let path = Path::new(MEMORY);
+/// Those of [`encode_exr`].
+pub fn encode_exr_with(out: impl Write, channels: &[ExrChannel<'_>], compression: ExrCompression) -> Result<(), Error> {
+    let path = Path::new(STREAM);
     let size = common_size(channels, path)?;
     let mut bytes = Vec::new();
     let mut encoder = write::Encoder::new(size, &formats(channels), compression, path, &mut bytes)?;
     encoder.write_rows(&planes(channels), path, &mut bytes)?;
     let (at, table) = encoder.finish(path, &mut bytes)?;
     bytes[at..at + table.len()].copy_from_slice(&table);
-    Ok(bytes)
+    write_bytes(out, &bytes)
 }
 
 /// The size of all planes; without planes any size, because the encoder refuses to write no channels.
@@ -221,13 +224,13 @@ pub fn read_exr(path: impl AsRef<Path>, limits: &Limits) -> Result<ExrImage, Err
     read::all(open(path)?, path, *limits)
 }
 
-/// Decodes an EXR in memory, like [`read_exr`].
+/// Decodes an EXR from a stream, like [`read_exr`]. The encoded bytes are read into memory first.
 ///
 /// # Errors
 ///
 /// Those of [`read_exr`].
-pub fn decode_exr(bytes: &[u8], limits: &Limits) -> Result<ExrImage, Error> {
-    read::all(Cursor::new(bytes), Path::new(MEMORY), *limits)
+pub fn decode_exr(source: impl Read, limits: &Limits) -> Result<ExrImage, Error> {
+    read::all(Cursor::new(read_to_end(source, *limits)?), Path::new(STREAM), *limits)
 }
 
 /// Reads the color channels of an EXR, such as an environment map, as linear RGB.
@@ -248,13 +251,14 @@ pub fn read_exr_rgb(path: impl AsRef<Path>, limits: &Limits) -> Result<Array3<f3
     read::rgb(open(path)?, path, *limits)
 }
 
-/// Decodes the color channels of an EXR in memory, like [`read_exr_rgb`].
+/// Decodes the color channels of an EXR from a stream, like [`read_exr_rgb`]. The encoded bytes are read into memory
+/// first.
 ///
 /// # Errors
 ///
 /// Those of [`read_exr_rgb`].
-pub fn decode_exr_rgb(bytes: &[u8], limits: &Limits) -> Result<Array3<f32>, Error> {
-    read::rgb(Cursor::new(bytes), Path::new(MEMORY), *limits)
+pub fn decode_exr_rgb(source: impl Read, limits: &Limits) -> Result<Array3<f32>, Error> {
+    read::rgb(Cursor::new(read_to_end(source, *limits)?), Path::new(STREAM), *limits)
 }
 
 /// Reads the header of an EXR without its pixels.

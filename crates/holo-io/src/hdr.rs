@@ -20,13 +20,13 @@ mod header;
 mod scanline;
 
 use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use holo_core::GridSize;
 use ndarray::{Array3, Axis};
 
-use crate::error::MEMORY;
+use crate::error::STREAM;
 use crate::{Error, Limits};
 use header::{Header, Major};
 
@@ -62,7 +62,7 @@ pub fn read_hdr(path: impl AsRef<Path>, limits: &Limits) -> Result<Array3<f32>, 
     decode(&mut open(path)?, path, *limits)
 }
 
-/// Decodes a Radiance HDR image in memory, like [`read_hdr`].
+/// Decodes a Radiance HDR image from a stream, like [`read_hdr`]. It may read past the end of the image.
 ///
 /// # Errors
 ///
@@ -72,12 +72,12 @@ pub fn read_hdr(path: impl AsRef<Path>, limits: &Limits) -> Result<Array3<f32>, 
 ///
 /// ```
 /// let file = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x40\x20\x81";
-/// let image = holo_io::decode_hdr(file, &holo_io::Limits::default())?;
+/// let image = holo_io::decode_hdr(&file[..], &holo_io::Limits::default())?;
 /// assert_eq!(image, ndarray::array![[[1.0, 0.5, 0.25]]]);
 /// # Ok::<(), holo_io::Error>(())
 /// ```
-pub fn decode_hdr(bytes: &[u8], limits: &Limits) -> Result<Array3<f32>, Error> {
-    decode(&mut &*bytes, Path::new(MEMORY), *limits)
+pub fn decode_hdr(source: impl Read, limits: &Limits) -> Result<Array3<f32>, Error> {
+    decode(&mut BufReader::new(source), Path::new(STREAM), *limits)
 }
 
 /// Reads the header of a Radiance HDR image without its pixels.

@@ -11,6 +11,9 @@
 //!   positive nearer than the focus plane. Millimeters occur only in fields whose name says so, because their files do.
 //! - A file appears whole or not at all: it is written under a temporary name in its folder, synced, and renamed
 //!   ([`AtomicFile`]).
+//! - `decode_*` read from any [`Read`](std::io::Read) and `encode_*` write into any [`Write`](std::io::Write), with
+//!   neither temporary file nor digest nor sync, which are then the caller's choice. HDF5 needs a file: its library
+//!   opens paths.
 //! - Writers return the size and SHA-256 of what they wrote ([`FileDigest`]), which is what a [`Manifest`] lists.
 //! - Equal inputs give equal bytes: no clock, no path and no random number gets into a file.
 //! - Readers take a budget ([`Limits`]) and compare it with what a file announces before they allocate. A damaged file
@@ -23,17 +26,17 @@
 //! | PNG, 8 and 16 bit | [`write_png`], [`write_disparity_png`], [`PngWriter`] | [`read_png`], [`read_png_info`] |
 //! | animated PNG | [`write_png_animation`] | |
 //! | PNGs, one a view | | [`read_views`] |
-//! | PNG in memory | [`encode_png`] | [`decode_png`] |
+//! | PNG as a stream | [`encode_png`] | [`decode_png`] |
 //! | PFM | [`write_pfm`], [`write_pfm_rgb`] | [`read_pfm`], [`read_pfm_gray`], [`read_pfm_info`] |
-//! | PFM in memory | [`Pfm::to_bytes`] | [`decode_pfm`] |
+//! | PFM as a stream | [`Pfm::encode`] | [`decode_pfm`] |
 //! | EXR, 32- or 16-bit float | [`write_exr`], [`write_exr_with`], [`ExrWriter`] | [`read_exr`], [`read_exr_rgb`] |
 //! | header of an EXR | | [`read_exr_info`] |
-//! | EXR in memory | [`encode_exr`], [`encode_exr_with`] | [`decode_exr`], [`decode_exr_rgb`] |
+//! | EXR as a stream | [`encode_exr`], [`encode_exr_with`] | [`decode_exr`], [`decode_exr_rgb`] |
 //! | MAT, versions 5 and 7.3 | [`write_mat`] | [`read_mat`], [`read_mat_variable`], [`read_mat_info`] |
 //! | light field as MAT | [`write_mat_light_field`]; `MatWriter` lens row by lens row | [`read_mat_light_field`] |
-//! | MAT in memory | [`encode_mat`] | [`decode_mat`] |
+//! | MAT, version 5, as a stream | [`encode_mat`] | [`decode_mat`] |
 //! | HDF5 | `write_hdf5`; `Hdf5Writer` lens row by lens row | `Hdf5LightField`: all, one view, one lens |
-//! | Radiance HDR | | [`read_hdr`], [`decode_hdr`], [`read_hdr_info`] |
+//! | Radiance HDR | | [`read_hdr`], [`read_hdr_info`]; as a stream [`decode_hdr`] |
 //! | `parameters.cfg` | [`ParametersCfg::write`] | [`ParametersCfg::read`] |
 //! | `manifest.json` | [`Manifest::write`] | [`Manifest::read`], [`Manifest::verify`] |
 //! | PNG or PFM, by the file extension | [`write_image`] | |
@@ -108,6 +111,7 @@ mod probe;
 mod raw_image;
 #[cfg(any(feature = "mat", feature = "hdf5"))]
 mod rig_values;
+mod stream;
 #[cfg(feature = "png")]
 mod views;
 #[cfg(any(feature = "png", feature = "exr", feature = "mat"))]

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use holo_core::Rig;
 
-use crate::error::MEMORY;
+use crate::error::STREAM;
 use crate::limits::read_small_file;
 use crate::{Error, FileDigest, write_file};
 
@@ -75,7 +75,7 @@ impl Manifest {
     ///
     /// [`Error::BadInput`] if a file name leads outside the folder.
     pub fn to_json(&self) -> Result<String, Error> {
-        json::write(self, Path::new(MEMORY))
+        json::write(self, Path::new(STREAM))
     }
 
     /// Reads a manifest from JSON. Unknown keys are ignored.
@@ -85,7 +85,7 @@ impl Manifest {
     /// [`Error::Broken`] if it is not JSON, a value has the wrong type or a file name leads outside the folder;
     /// [`Error::Unsupported`] if it is a manifest of another version.
     pub fn from_json(text: &str) -> Result<Self, Error> {
-        json::read(text.as_bytes(), Path::new(MEMORY))
+        json::read(text.as_bytes(), Path::new(STREAM))
     }
 
     /// Writes the manifest to a file, usually `manifest.json`.

@@ -43,8 +43,10 @@ mod v5;
 mod v73;
 mod value;
 
+use std::io::{Read, Write};
 use std::path::Path;
 
+use crate::stream::read_to_end;
 use crate::{Error, FileDigest, Limits};
 
 pub(crate) use light_field::read_light_field_header;
@@ -163,13 +165,15 @@ pub fn write_mat(
     file::write(path.as_ref(), variables, *options)
 }
 
-/// Encodes a MAT file of version 5 in memory.
+/// Encodes a MAT file of version 5 into a stream. With compression each file is encoded in memory first, because the
+/// length of a variable precedes its data.
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] as in [`write_mat`], and if version 7.3 is requested or needed.
-pub fn encode_mat(variables: &[MatVariable<'_>], options: &MatOptions) -> Result<Vec<u8>, Error> {
-    file::encode(variables, *options)
+/// [`Error::BadInput`] as in [`write_mat`], and if version 7.3 is requested or needed; [`Error::Io`] if `out` cannot be
+/// written.
+pub fn encode_mat(out: impl Write, variables: &[MatVariable<'_>], options: &MatOptions) -> Result<(), Error> {
+    file::encode(out, variables, *options)
 }
 
 /// Lists the variables of a MAT file, in the order of the file (version 5) or of their names (version 7.3).
@@ -207,13 +211,14 @@ pub fn read_mat(path: impl AsRef<Path>, limits: &Limits) -> Result<Vec<(String, 
     file::MatReader::open(path.as_ref(), *limits)?.all()
 }
 
-/// Decodes all variables of a MAT file of version 5 in memory, like [`read_mat`].
+/// Decodes all variables of a MAT file of version 5 from a stream, like [`read_mat`]. The encoded bytes are read into
+/// memory first.
 ///
 /// # Errors
 ///
 /// Those of [`read_mat`].
-pub fn decode_mat(bytes: &[u8], limits: &Limits) -> Result<Vec<(String, MatArray)>, Error> {
-    file::decode(bytes, *limits)
+pub fn decode_mat(source: impl Read, limits: &Limits) -> Result<Vec<(String, MatArray)>, Error> {
+    file::decode(&read_to_end(source, *limits)?, *limits)
 }
 
 /// The error of a class that is not read.

@@ -12,7 +12,7 @@ use std::path::Path;
 
 use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 
-use crate::error::MEMORY;
+use crate::error::STREAM;
 use crate::limits::read_small_file;
 use crate::{Error, FileDigest, meters_to_millimeters, millimeters_to_meters, write_file};
 
@@ -151,7 +151,7 @@ impl ParametersCfg {
     pub fn rig(&self) -> Result<Rig, Error> {
         let shape = LightFieldShape::new(self.num_cams, self.image_resolution_px);
         let baseline_x_m = millimeters_to_meters(self.baseline_mm);
-        let core = |error| Error::core(Path::new(MEMORY), error);
+        let core = |error| Error::core(Path::new(STREAM), error);
         Rig::builder(shape.map_err(core)?)
             .focal_length_m(millimeters_to_meters(self.focal_length_mm))
             .sensor_size_m(millimeters_to_meters(self.sensor_size_mm))
@@ -178,7 +178,7 @@ impl ParametersCfg {
     /// [`Error::BadInput`] if a text has a control character, such as a line feed, or a name in `other` cannot be
     /// written.
     pub fn to_text(&self) -> Result<String, Error> {
-        keys::write(self, Path::new(MEMORY))
+        keys::write(self, Path::new(STREAM))
     }
 
     /// Reads the text of a file.
@@ -189,7 +189,7 @@ impl ParametersCfg {
     /// value of a number does not parse, or if a number of the rig is missing: focal length, resolution, sensor size,
     /// number of cameras, baseline, focus distance. [`Error::Unsupported`] if the projection is unknown.
     pub fn from_text(text: &str) -> Result<Self, Error> {
-        keys::read(text, Path::new(MEMORY))
+        keys::read(text, Path::new(STREAM))
     }
 
     /// Writes the file, usually called `parameters.cfg`.

@@ -12,7 +12,8 @@ use std::path::Path;
 use holo_core::GridSize;
 use ndarray::{Array2, Array3, ArrayView2, ArrayView3, Axis};
 
-use crate::error::MEMORY;
+use crate::error::STREAM;
+use crate::stream::read_to_end;
 use crate::{AtomicFile, Error, FileDigest, Limits};
 use header::Header;
 
@@ -30,14 +31,14 @@ pub struct Pfm {
 }
 
 impl Pfm {
-    /// Encodes a PFM file, little-endian.
+    /// Encodes a PFM file into a stream, little-endian.
     ///
     /// # Errors
     ///
     /// [`Error::BadInput`] if there are no pixels, if there are neither 1 nor 3 channels, or if the scale is not finite
-    /// and above 0.
-    pub fn to_bytes(&self) -> Result<Vec<u8>, Error> {
-        let path = Path::new(MEMORY);
+    /// and above 0; [`Error::Io`] if `out` cannot be written.
+    pub fn encode(&self, mut out: impl Write) -> Result<(), Error> {
+        let path = Path::new(STREAM);
         if !(self.scale.is_finite() && self.scale > 0.0) {
             return Err(Error::bad_input(
                 path,
@@ -45,9 +46,9 @@ impl Pfm {
             ));
         }
         check(self.values.view(), path)?;
-        let mut bytes = Vec::new();
-        encode(&mut bytes, self.values.view(), self.scale).map_err(|error| Error::io("write", path, error))?;
-        Ok(bytes)
+        encode(&mut out, self.values.view(), self.scale)
+            .and_then(|()| out.flush())
+            .map_err(|error| Error::io("write", path, error))
     }
 }
 
@@ -179,13 +180,15 @@ pub fn read_pfm_gray(path: impl AsRef<Path>, limits: &Limits) -> Result<Array2<f
     Ok(pfm.values.remove_axis(Axis(2)))
 }
 
-/// Decodes a PFM in memory, like [`read_pfm`].
+/// Decodes a PFM from a stream, like [`read_pfm`]. The encoded bytes are read into memory first: the check of their
+/// length precedes the result.
 ///
 /// # Errors
 ///
 /// Those of [`read_pfm`].
-pub fn decode_pfm(bytes: &[u8], limits: &Limits) -> Result<Pfm, Error> {
-    decode(&mut &*bytes, bytes.len() as u64, Path::new(MEMORY), *limits)
+pub fn decode_pfm(source: impl Read, limits: &Limits) -> Result<Pfm, Error> {
+    let bytes = read_to_end(source, *limits)?;
+    decode(&mut bytes.as_slice(), bytes.len() as u64, Path::new(STREAM), *limits)
 }
 
 /// Reads the header of a PFM without its values.

@@ -7,12 +7,14 @@ mod encode;
 mod filter;
 mod stream;
 
+use std::io::Write;
 use std::path::Path;
 
 use holo_core::{ColorEncoding, DynImageRef, GridSize};
 use ndarray::ArrayView2;
 
-use crate::error::MEMORY;
+use crate::error::STREAM;
+use crate::stream::write_bytes;
 use crate::{Error, FileDigest};
 use encode::Encoder;
 
@@ -82,7 +84,9 @@ pub fn write_png<'a>(
     writer.finish()
 }
 
-/// Encodes an image of 8 or 16 bits a channel as a PNG in memory.
+/// Encodes an image of 8 or 16 bits a channel as a PNG into a stream: the bytes that [`write_png`] writes.
+///
+/// They are encoded in memory first.
 ///
 /// # Shape
 ///
@@ -90,17 +94,18 @@ pub fn write_png<'a>(
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] as in [`write_png`].
+/// [`Error::BadInput`] as in [`write_png`]; [`Error::Io`] if `out` cannot be written.
 pub fn encode_png<'a>(
+    out: impl Write,
     image: impl Into<DynImageRef<'a>>,
     encoding: ColorEncoding,
     compression: Compression,
-) -> Result<Vec<u8>, Error> {
+) -> Result<(), Error> {
     let image = image.into();
-    let layout = encode::Layout::new(image.size(), image.channels(), image.kind(), Path::new(MEMORY))?;
+    let layout = encode::Layout::new(image.size(), image.channels(), image.kind(), Path::new(STREAM))?;
     let mut encoder = Encoder::new(Vec::new(), layout, encoding, compression)?;
     encoder.write_rows(image)?;
-    encoder.finish()
+    write_bytes(out, &encoder.finish()?)
 }
 
 /// Writes a disparity map as a gray 8-bit PNG: brighter is nearer.

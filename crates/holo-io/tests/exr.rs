@@ -2,10 +2,13 @@
 #![cfg(feature = "exr")]
 
 mod common;
+#[path = "common/encoded.rs"]
+mod encoded;
 
 use std::fs;
 
 use common::{data, ramp};
+use encoded::encoded;
 use holo_core::GridSize;
 use holo_io::{
     Error, ExrChannel, Limits, decode_exr, decode_exr_rgb, encode_exr, read_exr, read_exr_info, read_exr_rgb, read_pfm,
@@ -20,7 +23,7 @@ fn bits<'a>(values: impl IntoIterator<Item = &'a f32>) -> Vec<u32> {
 
 fn encode(channels: &[(&str, ArrayView2<'_, f32>)]) -> Result<Vec<u8>, Error> {
     let channels: Vec<_> = channels.iter().map(|&(name, plane)| ExrChannel::float(name, plane)).collect();
-    encode_exr(&channels)
+    encoded(|out| encode_exr(out, &channels))
 }
 
 proptest! {
@@ -55,7 +58,7 @@ proptest! {
         let list: Vec<_> = planes.iter().map(|(name, plane)| ExrChannel::float(name, plane.view())).collect();
         let written = write_exr(&path, &list).unwrap();
         prop_assert_eq!(written, holo_io::hash_file(&path).unwrap());
-        prop_assert_eq!(fs::read(&path).unwrap(), encode_exr(&list).unwrap());
+        prop_assert_eq!(fs::read(&path).unwrap(), encoded(|out| encode_exr(out, &list)).unwrap());
         let image = read_exr(&path, &Limits::default()).unwrap();
         let names: Vec<_> = image.channels.iter().map(|(name, _)| name.clone()).collect();
         prop_assert!(names.is_sorted());
@@ -80,10 +83,10 @@ fn an_image_of_many_blocks_has_the_same_bytes_for_any_number_of_threads() {
     };
     let bytes = write(1);
     assert_eq!(bytes, write(3));
-    let image = decode_exr(&bytes, &Limits::default()).unwrap();
+    let image = decode_exr(&bytes[..], &Limits::default()).unwrap();
     assert_eq!(image.channels.len(), 3);
     assert!(image.channels.iter().all(|(_, read)| read == plane));
-    let rgb = decode_exr_rgb(&bytes, &Limits::default()).unwrap();
+    let rgb = decode_exr_rgb(&bytes[..], &Limits::default()).unwrap();
     assert!(rgb.axis_iter(Axis(2)).all(|read| read == plane));
 }
 
@@ -235,7 +238,7 @@ fn files_of_blender_are_read() {
 fn the_error_of_a_file_without_color_lists_its_channels() {
     let plane = array![[1.0, 2.0]];
     let bytes = encode(&[("N.X", plane.view()), ("N.Y", plane.view()), ("N.Z", plane.view())]).unwrap();
-    let error = decode_exr_rgb(&bytes, &Limits::default()).unwrap_err();
+    let error = decode_exr_rgb(&bytes[..], &Limits::default()).unwrap_err();
     assert!(matches!(error, Error::Unsupported { .. }) && error.to_string().contains("N.X, N.Y, N.Z"), "{error}");
 }
 
@@ -245,11 +248,11 @@ fn the_budget_is_exact() {
     let bytes = encode(&[("R", plane.view()), ("G", plane.view()), ("B", plane.view()), ("Z", plane.view())]).unwrap();
     // A block is 16 lines of 4 channels even where the image is smaller: 16 * 10 * 16 = 2560 bytes, more than 1600.
     let allowed = |max_bytes| Limits { max_bytes };
-    assert!(decode_exr(&bytes, &allowed(2560)).is_ok());
-    assert!(matches!(decode_exr(&bytes, &allowed(2559)), Err(Error::TooLarge { needed: 2560, .. })));
-    assert!(matches!(decode_exr(&bytes, &allowed(1599)), Err(Error::TooLarge { needed: 1600, what: "image", .. })));
-    assert!(decode_exr_rgb(&bytes, &allowed(2560)).is_ok());
-    assert!(matches!(decode_exr_rgb(&bytes, &allowed(1199)), Err(Error::TooLarge { needed: 1200, .. })));
+    assert!(decode_exr(&bytes[..], &allowed(2560)).is_ok());
+    assert!(matches!(decode_exr(&bytes[..], &allowed(2559)), Err(Error::TooLarge { needed: 2560, .. })));
+    assert!(matches!(decode_exr(&bytes[..], &allowed(1599)), Err(Error::TooLarge { needed: 1600, what: "image", .. })));
+    assert!(decode_exr_rgb(&bytes[..], &allowed(2560)).is_ok());
+    assert!(matches!(decode_exr_rgb(&bytes[..], &allowed(1199)), Err(Error::TooLarge { needed: 1200, .. })));
 }
 
 /// Where the four numbers of a window begin in a file.
@@ -277,7 +280,9 @@ fn absurd_sizes_take_no_memory() {
         bytes[at..at + 4].copy_from_slice(&right.to_le_bytes());
         bytes[at + 4..at + 8].copy_from_slice(&bottom.to_le_bytes());
         for limits in [Limits::default(), Limits { max_bytes: 1 << 20 }] {
-            for error in [decode_exr(&bytes, &limits).unwrap_err(), decode_exr_rgb(&bytes, &limits).unwrap_err()] {
+            for error in
+                [decode_exr(&bytes[..], &limits).unwrap_err(), decode_exr_rgb(&bytes[..], &limits).unwrap_err()]
+            {
                 assert!(
                     matches!(error, Error::Broken { .. } | Error::TooLarge { .. }),
                     "{name} {right} {bottom}: {error}"
@@ -301,16 +306,16 @@ fn missing_and_duplicate_blocks_are_errors() {
     assert_eq!(whole[second..second + 4], 16_i32.to_le_bytes());
     let mut double = whole.clone();
     double[second..second + 4].copy_from_slice(&0_i32.to_le_bytes());
-    let error = decode_exr(&double, &Limits::default()).unwrap_err();
+    let error = decode_exr(&double[..], &Limits::default()).unwrap_err();
     assert!(error.to_string().contains("the block at row 0, column 0 occurs twice"), "{error}");
     // An interrupted program leaves the table empty; blocks are found without it.
     let mut without_table = whole.clone();
     without_table[table..table + 24].fill(0);
-    assert_eq!(decode_exr(&without_table, &Limits::default()).unwrap().channels[0].1, plane);
+    assert_eq!(decode_exr(&without_table[..], &Limits::default()).unwrap().channels[0].1, plane);
     // Rows outside of the image.
     let mut outside = whole.clone();
     outside[second..second + 4].copy_from_slice(&48_i32.to_le_bytes());
-    assert!(matches!(decode_exr(&outside, &Limits::default()), Err(Error::Broken { .. })));
+    assert!(matches!(decode_exr(&outside[..], &Limits::default()), Err(Error::Broken { .. })));
 }
 
 #[test]
@@ -326,7 +331,7 @@ fn a_block_that_announces_absurd_sizes_is_refused_before_it_is_decoded() {
     for counter in [1, 6, 7, 8, 9] {
         let mut bytes = whole.clone();
         bytes[counters + 8 * counter..][..8].copy_from_slice(&(1_u64 << 60).to_le_bytes());
-        let error = decode_exr(&bytes, &Limits::default()).unwrap_err();
+        let error = decode_exr(&bytes[..], &Limits::default()).unwrap_err();
         assert!(error.to_string().contains("announces more than it can contain"), "{counter}: {error}");
     }
 }

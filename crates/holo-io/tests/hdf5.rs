@@ -4,26 +4,18 @@
 mod common;
 #[path = "common/python.rs"]
 mod python;
+#[path = "common/rig.rs"]
+mod rigs;
 
 use std::path::Path;
 use std::process::Command;
 
 use common::data;
-use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Rig, SampleKind};
+use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, SampleKind};
 use holo_io::{Error, FileFormat, Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, Limits, detect_format, write_hdf5};
 use ndarray::{Array2, Array3, Array4, Array5, Axis, Slice};
 use proptest::prelude::*;
-
-fn rig(shape: LightFieldShape) -> Rig {
-    Rig::builder(shape)
-        .focal_length_m(0.0351)
-        .sensor_size_m(0.036)
-        .baseline_x_m(1e-4)
-        .baseline_y_m(2e-4)
-        .focus_distance_m(f64::INFINITY)
-        .build()
-        .unwrap()
-}
+use rigs::unequal_baselines as rig;
 
 fn value((v, u, t, s, c): (usize, usize, usize, usize, usize)) -> f32 {
     (v * 97 + u * 31 + t * 11 + s * 5 + c * 3) as f32

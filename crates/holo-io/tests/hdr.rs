@@ -242,12 +242,12 @@ fn absurd_sizes_take_no_memory() {
         assert!(matches!(error, Error::TooLarge { .. }), "{error}");
     }
     let flat = file("", "-Y 2 +X 2", &[0; 16]);
-    assert!(decode_hdr(&flat, &Limits { max_bytes: 48 }).is_ok());
-    let error = decode_hdr(&flat, &Limits { max_bytes: 47 }).unwrap_err();
+    assert!(decode_hdr(&flat[..], &Limits { max_bytes: 48 }).is_ok());
+    let error = decode_hdr(&flat[..], &Limits { max_bytes: 47 }).unwrap_err();
     assert!(matches!(error, Error::TooLarge { needed: 48, allowed: 47, .. }), "{error}");
     // An image of scanlines that are columns is in memory twice.
     let turned = file("", "+X 2 -Y 2", &[0; 16]);
-    assert!(matches!(decode_hdr(&turned, &Limits { max_bytes: 95 }), Err(Error::TooLarge { needed: 96, .. })));
+    assert!(matches!(decode_hdr(&turned[..], &Limits { max_bytes: 95 }), Err(Error::TooLarge { needed: 96, .. })));
 }
 
 #[test]

@@ -4,6 +4,10 @@
 #[path = "common/rig.rs"]
 mod rigs;
 
+#[path = "common/encoded.rs"]
+mod encoded;
+
+use encoded::encoded;
 use holo_core::{DynLightField, GridSize, LightField, LightFieldShape, Projection};
 use holo_io::{
     Error, FileFormat, Limits, MatArray, MatClass, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, decode_mat,
@@ -22,8 +26,8 @@ fn variable<'a>(name: &'a str, value: MatValue<'a>) -> MatVariable<'a> {
 }
 
 fn round_trip(value: MatValue<'_>, options: &MatOptions) -> MatArray {
-    let bytes = encode_mat(&[variable("x", value)], options).unwrap();
-    let mut read = decode_mat(&bytes, &Limits::default()).unwrap();
+    let bytes = encoded(|out| encode_mat(out, &[variable("x", value)], options)).unwrap();
+    let mut read = decode_mat(&bytes[..], &Limits::default()).unwrap();
     assert_eq!((read.len(), read[0].0.as_str()), (1, "x"));
     read.remove(0).1
 }
@@ -228,17 +232,18 @@ fn what_cannot_be_written_is_refused() {
     let value = || MatValue::Text("x");
     let long = "a".repeat(64);
     for name in ["", "1a", "_a", "a b", "ä", "a-b", &long] {
-        let error = encode_mat(&[variable(name, value())], &PLAIN).unwrap_err();
+        let error = encoded(|out| encode_mat(out, &[variable(name, value())], &PLAIN)).unwrap_err();
         assert!(matches!(error, Error::BadInput { .. }), "{name}: {error}");
     }
-    assert!(encode_mat(&[variable(&long[1..], value()), variable("a", value())], &PLAIN).is_ok());
-    assert!(encode_mat(&[variable("a", value()), variable("a", value())], &PLAIN).is_err());
+    assert!(encoded(|out| encode_mat(out, &[variable(&long[1..], value()), variable("a", value())], &PLAIN)).is_ok());
+    assert!(encoded(|out| encode_mat(out, &[variable("a", value()), variable("a", value())], &PLAIN)).is_err());
     // Too large for version 5, without memory: one number with strides of 0.
     let huge = ndarray::aview0(&1_u8);
     let huge = huge.broadcast(IxDyn(&[1 << 16, 1 << 15])).unwrap();
-    let error = encode_mat(&[variable("H", MatValue::U8(huge.view()))], &PLAIN).unwrap_err();
+    let error = encoded(|out| encode_mat(out, &[variable("H", MatValue::U8(huge.view()))], &PLAIN)).unwrap_err();
     assert!(error.to_string().contains("2147483648 bytes") && error.to_string().contains("7.3"), "{error}");
-    let error = encode_mat(&[variable("H", MatValue::U8(huge))], &MatOptions::default()).unwrap_err();
+    let error =
+        encoded(|out| encode_mat(out, &[variable("H", MatValue::U8(huge))], &MatOptions::default())).unwrap_err();
     assert!(error.to_string().contains("7.3"), "{error}");
     if cfg!(not(feature = "hdf5")) {
         let folder = tempfile::tempdir().unwrap();

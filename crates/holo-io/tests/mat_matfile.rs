@@ -2,12 +2,16 @@
 //! with a later version means that the error is fixed there, and that `mat/v5/numbers.rs` may become simpler.
 #![cfg(feature = "mat")]
 
+#[path = "common/encoded.rs"]
+mod encoded;
+
+use encoded::encoded;
 use holo_io::{Limits, MatArray, MatOptions, MatValue, MatVariable, decode_mat, encode_mat};
 use matfile::{MatFile, NumericData};
 use ndarray::ArrayD;
 
 fn file(value: MatValue<'_>) -> Vec<u8> {
-    encode_mat(&[MatVariable { name: "numbers", value }], &MatOptions::default()).unwrap()
+    encoded(|out| encode_mat(out, &[MatVariable { name: "numbers", value }], &MatOptions::default())).unwrap()
 }
 
 /// Offset of the dimensions of the only variable: after header, matrix tag, flags, and their own tag.
@@ -35,7 +39,7 @@ fn int32_is_refused_by_matfile_and_read_by_this_crate() {
     let array = ArrayD::from_shape_vec(vec![1, 3], vec![i32::MIN, -1, 70_000]).unwrap();
     let bytes = file(MatValue::I32(array.view()));
     assert!(parse(&bytes).unwrap().is_err());
-    assert_eq!(decode_mat(&bytes, &Limits::default()).unwrap()[0].1, MatArray::I32(array));
+    assert_eq!(decode_mat(&bytes[..], &Limits::default()).unwrap()[0].1, MatArray::I32(array));
 }
 
 #[test]
@@ -55,12 +59,12 @@ fn dimensions_are_multiplied_without_a_check() {
     bytes[DIMENSIONS..DIMENSIONS + 8].copy_from_slice(&[65_537_i32, 65_536].map(i32::to_le_bytes).concat());
     let outcome = parse(&bytes);
     assert_eq!(outcome.is_err(), cfg!(debug_assertions) && overflow_checks_of_dependencies(), "{outcome:?}");
-    assert!(decode_mat(&bytes, &Limits::default()).is_err());
+    assert!(decode_mat(&bytes[..], &Limits::default()).is_err());
     // Two negative dimensions have a positive product.
     let mut bytes = file(MatValue::U8(array.view()));
     bytes[DIMENSIONS..DIMENSIONS + 8].copy_from_slice(&[-4_i32, -4].map(i32::to_le_bytes).concat());
     assert_eq!(parse(&bytes).unwrap().unwrap().arrays()[0].size()[0], usize::MAX - 3);
-    assert!(decode_mat(&bytes, &Limits::default()).unwrap_err().to_string().contains("dimension of -4"));
+    assert!(decode_mat(&bytes[..], &Limits::default()).unwrap_err().to_string().contains("dimension of -4"));
 }
 
 /// Whether the profile, which is the same for dependencies, has overflow checks.
@@ -76,5 +80,5 @@ fn overflow_checks_of_dependencies() -> bool {
 fn text_is_ignored_by_matfile() {
     let bytes = file(MatValue::Text("meters"));
     assert_eq!(parse(&bytes).unwrap().unwrap().arrays().len(), 0);
-    assert_eq!(decode_mat(&bytes, &Limits::default()).unwrap()[0].1, MatArray::Text("meters".into()));
+    assert_eq!(decode_mat(&bytes[..], &Limits::default()).unwrap()[0].1, MatArray::Text("meters".into()));
 }

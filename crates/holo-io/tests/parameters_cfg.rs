@@ -187,7 +187,7 @@ fn damage_is_named_with_its_line() {
         ("[meta]\ncycles_seed = 1.5", "line 12: cycles_seed = \"1.5\" is not a whole number"),
     ] {
         let error = ParametersCfg::from_text(&format!("{LEAST}{line}\n")).unwrap_err();
-        assert_eq!(error.to_string(), format!("(memory): broken parameters.cfg file: {message}"));
+        assert_eq!(error.to_string(), format!("(stream): broken parameters.cfg file: {message}"));
     }
     for count in ["-3", "3.5", "nan", "1e300", ""] {
         let text = LEAST.replace("num_cams_x=3", &format!("num_cams_x={count}"));

@@ -153,7 +153,7 @@ fn the_data_must_have_exactly_the_announced_length() {
         assert_eq!(
             error.to_string(),
             format!(
-                "(memory): broken PFM file: 2 x 2 pixels need 48 bytes after the header, but there are {}",
+                "(stream): broken PFM file: 2 x 2 pixels need 48 bytes after the header, but there are {}",
                 48 + more
             )
         );
@@ -184,8 +184,8 @@ fn absurd_sizes_take_no_memory() {
         }
     }
     let whole = [b"Pf\n2 2\n-1\n".as_slice(), &[0; 16]].concat();
-    assert!(decode_pfm(&whole, &Limits { max_bytes: 16 }).is_ok());
-    let error = decode_pfm(&whole, &Limits { max_bytes: 15 }).unwrap_err();
+    assert!(decode_pfm(&whole[..], &Limits { max_bytes: 16 }).is_ok());
+    let error = decode_pfm(&whole[..], &Limits { max_bytes: 15 }).unwrap_err();
     assert!(matches!(error, Error::TooLarge { needed: 16, allowed: 15, .. }), "{error}");
 }
 

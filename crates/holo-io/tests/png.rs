@@ -156,7 +156,7 @@ fn a_file_truncated_anywhere_is_an_error() {
     for compression in BOTH {
         write_png(&path, image.view(), ColorEncoding::Srgb, compression).unwrap();
         let bytes = fs::read(&path).unwrap();
-        assert!(decode_png(&bytes, &Limits::default()).is_ok());
+        assert!(decode_png(&bytes[..], &Limits::default()).is_ok());
         for end in 0..bytes.len() {
             let error = decode_png(&bytes[..end], &Limits::default()).expect_err(&format!("cut at {end}"));
             assert!(matches!(error, Error::Broken { .. }), "cut at {end}: {error}");
@@ -176,7 +176,7 @@ fn a_changed_byte_is_an_error_or_the_same_image() {
         for change in [0x01, 0x20, 0x80, 0xff] {
             let mut changed = bytes.clone();
             changed[at] ^= change;
-            if let Ok(read) = decode_png(&changed, &Limits::default()) {
+            if let Ok(read) = decode_png(&changed[..], &Limits::default()) {
                 assert_eq!(read, image, "byte {at} changed by {change:#x} went unnoticed");
             }
         }
@@ -198,7 +198,7 @@ fn the_limit_is_checked_before_memory_is_allocated() {
     let checksum = crc32(&bytes[12..29]);
     bytes[29..33].copy_from_slice(&checksum.to_be_bytes());
     for limits in [Limits::default(), Limits::NONE] {
-        let error = decode_png(&bytes, &limits).unwrap_err();
+        let error = decode_png(&bytes[..], &limits).unwrap_err();
         assert!(matches!(error, Error::TooLarge { .. }), "{error}");
     }
 }
@@ -241,7 +241,7 @@ fn header(columns: u8, rows: u8, depth: u8, color: u8, interlaced: bool) -> [u8;
 
 #[test]
 fn palettes_and_small_depths_are_expanded() {
-    let read = |bytes: Vec<u8>| match decode_png(&bytes, &Limits::default()).unwrap() {
+    let read = |bytes: Vec<u8>| match decode_png(&bytes[..], &Limits::default()).unwrap() {
         DynImage::U8(samples) => samples,
         other => panic!("8 bits expected, not {}", other.kind().name()),
     };
@@ -272,13 +272,13 @@ fn impossible_palettes_are_errors() {
         for depth in [2, 8] {
             let row: &[u8] = if depth == 2 { &[0, 0b0001_1001] } else { &[0, 0, 1, 2, 1] };
             for before in [&before[..1], &before] {
-                let read = decode_png(&handmade(header(4, 1, depth, 3, false), before, row), &Limits::default());
+                let read = decode_png(&*handmade(header(4, 1, depth, 3, false), before, row), &Limits::default());
                 assert!(matches!(read, Err(Error::Broken { .. })), "{bytes} bytes at depth {depth}");
             }
         }
     }
     // Without any palette.
-    assert!(decode_png(&handmade(header(4, 1, 8, 3, false), &[], &[0, 0, 1, 2, 1]), &Limits::default()).is_err());
+    assert!(decode_png(&*handmade(header(4, 1, 8, 3, false), &[], &[0, 0, 1, 2, 1]), &Limits::default()).is_err());
 }
 
 #[test]
@@ -306,7 +306,7 @@ fn interlaced_images_are_decoded() {
             8 => DynImage::U8(expected.mapv(|value| value as u8)),
             _ => DynImage::U16(expected),
         };
-        assert_eq!(decode_png(&bytes, &Limits::default()).unwrap(), expected);
+        assert_eq!(decode_png(&bytes[..], &Limits::default()).unwrap(), expected);
         for end in 0..bytes.len() {
             assert!(decode_png(&bytes[..end], &Limits::default()).is_err(), "cut at {end}");
         }
@@ -316,9 +316,9 @@ fn interlaced_images_are_decoded() {
 #[test]
 fn missing_rows_are_an_error_even_in_a_file_with_its_end() {
     let short = handmade(header(2, 3, 8, 0, false), &[], &[0, 1, 2, 0, 3, 4]);
-    assert!(matches!(decode_png(&short, &Limits::default()), Err(Error::Broken { .. })));
+    assert!(matches!(decode_png(&short[..], &Limits::default()), Err(Error::Broken { .. })));
     let none = handmade(header(2, 3, 8, 0, false), &[], &[]);
-    assert!(matches!(decode_png(&none, &Limits::default()), Err(Error::Broken { .. })));
+    assert!(matches!(decode_png(&none[..], &Limits::default()), Err(Error::Broken { .. })));
 }
 
 #[test]

@@ -1,9 +1,13 @@
 //! Images written band by band: the same bytes for any bands, and no file without `finish`.
 #![cfg(all(feature = "png", feature = "exr"))]
 
+#[path = "common/encoded.rs"]
+mod encoded;
+
 use std::fs;
 use std::path::Path;
 
+use encoded::encoded;
 use holo_core::{DynImage, GridSize, SampleKind};
 use holo_io::{
     ColorEncoding, Compression, Error, ExrChannel, ExrCompression, ExrSamples, ExrWriter, Limits, PngWriter,
@@ -58,9 +62,8 @@ proptest! {
             half(pattern[(row * 7 + column * 3) % pattern.len()] as u16)
         }).reversed_axes();
         let (float, half) = if half_first { ("b", "a") } else { ("a", "b") };
-        let whole = encode_exr_with(
-            &[ExrChannel::float(float, floats.view()), ExrChannel::half(half, halves.view())], coding,
-        ).unwrap();
+        let whole = encoded(|out| encode_exr_with(out, &[ExrChannel::float(float, floats.view()), ExrChannel::half(half, halves.view())], coding,
+        )).unwrap();
         let formats = [(float, ExrSamples::Float), (half, ExrSamples::Half)];
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let written = pool.install(|| {
@@ -74,7 +77,7 @@ proptest! {
         prop_assert_eq!(&fs::read(&path).unwrap(), &whole);
         prop_assert_eq!(written, hash_file(&path).unwrap());
         prop_assert_eq!(count(folder.path()), 1);
-        let image = decode_exr(&whole, &Limits::default()).unwrap();
+        let image = decode_exr(&whole[..], &Limits::default()).unwrap();
         for (name, plane, is_half) in [(float, &floats, false), (half, &halves, true)] {
             for (read, value) in image.channel(name).unwrap().iter().zip(plane) {
                 // A half keeps no more of NaN than that it is one.
@@ -105,8 +108,8 @@ proptest! {
             }
             writer.finish().unwrap()
         });
-        let encoded = encode_png(image.view(), ColorEncoding::Linear, compression).unwrap();
-        prop_assert_eq!(fs::read(&path).unwrap(), encoded);
+        let expected = encoded(|out| encode_png(out, image.view(), ColorEncoding::Linear, compression)).unwrap();
+        prop_assert_eq!(fs::read(&path).unwrap(), expected);
         prop_assert_eq!(written, hash_file(&path).unwrap());
         prop_assert_eq!(read_png(&path, &Limits::default()).unwrap(), DynImage::U16(image));
         pool.install(|| {
@@ -117,7 +120,8 @@ proptest! {
             }
             writer.finish().unwrap()
         });
-        prop_assert_eq!(fs::read(&path).unwrap(), encode_png(small.view(), ColorEncoding::Srgb, compression).unwrap());
+        let expected = encoded(|out| encode_png(out, small.view(), ColorEncoding::Srgb, compression)).unwrap();
+        prop_assert_eq!(fs::read(&path).unwrap(), expected);
     }
 }
 
@@ -127,9 +131,9 @@ fn images_of_many_groups_do_not_depend_on_bands_or_threads() {
     let image = Array3::from_shape_fn((3000, 1100, 3), |(row, column, channel)| {
         ((row * row / 7 + column * 3) % 251 + channel) as u8
     });
-    let whole = encode_png(image.view(), ColorEncoding::Srgb, Compression::Best).unwrap();
+    let whole = encoded(|out| encode_png(out, image.view(), ColorEncoding::Srgb, Compression::Best)).unwrap();
     let plane = Array2::from_shape_fn((3000, 1100), |(row, column)| ((row * 1100 + column) as f32).sqrt());
-    let piz = encode_exr_with(&[ExrChannel::half("Y", plane.view())], ExrCompression::Piz).unwrap();
+    let piz = encoded(|out| encode_exr_with(out, &[ExrChannel::half("Y", plane.view())], ExrCompression::Piz)).unwrap();
     for (threads, band) in [(1, 1), (2, 997), (3, 3000)] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let size = GridSize::new(3000, 1100);
@@ -216,8 +220,10 @@ fn half_refuses_values_out_of_range_and_names_the_position() {
     assert_eq!(count(folder.path()), 0);
     // 32-bit floats can represent both.
     plane[[22, 4]] = 1e30;
-    let bytes = encode_exr_with(&[ExrChannel::float("IndexOB.X", plane.view())], ExrCompression::Piz).unwrap();
-    assert_eq!(decode_exr(&bytes, &Limits::default()).unwrap().channels[0].1, plane);
+    let bytes =
+        encoded(|out| encode_exr_with(out, &[ExrChannel::float("IndexOB.X", plane.view())], ExrCompression::Piz))
+            .unwrap();
+    assert_eq!(decode_exr(&bytes[..], &Limits::default()).unwrap().channels[0].1, plane);
 }
 
 #[test]
@@ -245,7 +251,9 @@ fn an_exr_is_written_into_a_device_as_a_whole() {
         writer.write_rows(&[plane.view()]).unwrap();
         match writer.finish() {
             Ok(written) => {
-                let bytes = encode_exr_with(&[ExrChannel::float("Y", plane.view())], ExrCompression::None).unwrap();
+                let bytes =
+                    encoded(|out| encode_exr_with(out, &[ExrChannel::float("Y", plane.view())], ExrCompression::None))
+                        .unwrap();
                 assert!(works && written.bytes == bytes.len() as u64);
             }
             Err(error) => {
@@ -267,7 +275,8 @@ fn planes_of_any_strides_may_be_mixed() {
     let channels: Vec<_> =
         ["R", "G", "B", "Z"].into_iter().zip(&planes).map(|(name, &plane)| ExrChannel::half(name, plane)).collect();
     for coding in CODINGS {
-        let read = decode_exr(&encode_exr_with(&channels, coding).unwrap(), &Limits::default()).unwrap();
+        let read = decode_exr(&encoded(|out| encode_exr_with(out, &channels, coding)).unwrap()[..], &Limits::default())
+            .unwrap();
         for channel in &channels {
             assert_eq!(read.channel(channel.name).unwrap(), channel.plane, "{coding:?} {}", channel.name);
         }

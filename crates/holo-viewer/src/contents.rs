@@ -132,5 +132,7 @@ fn image(reader: LightFieldReader) -> Result<Image, Error> {
         }
     };
     let grid = light_field.without_alpha()?.into_grid(Layout::ElementalGrid)?;
-    Ok(Image::Encoded(holo_io::encode_png(&grid, ColorEncoding::Srgb, Compression::Fast)?))
+    let mut png = Vec::new();
+    holo_io::encode_png(&mut png, &grid, ColorEncoding::Srgb, Compression::Fast)?;
+    Ok(Image::Encoded(png))
 }

@@ -7,7 +7,7 @@ use holo_core::{GridSize, LightFieldShape};
 use serde::{Deserialize, Serialize};
 
 use super::{DATASET_JSON, folder};
-use crate::error::MEMORY;
+use crate::error::STREAM;
 use crate::limits::read_small_file;
 use crate::names::stays_inside;
 use crate::{Error, FileDigest, write_file};
@@ -134,7 +134,7 @@ impl DatasetIndex {
             conventions: self.conventions.clone(),
         };
         let text = serde_json::to_string_pretty(&document);
-        text.map(|text| text + "\n").map_err(|error| Error::bad_input(Path::new(MEMORY), error.to_string()))
+        text.map(|text| text + "\n").map_err(|error| Error::bad_input(Path::new(STREAM), error.to_string()))
     }
 
     /// Reads an index from JSON. Unknown keys are ignored.
@@ -144,7 +144,7 @@ impl DatasetIndex {
     /// [`Error::Broken`] if it is not JSON, a value has the wrong type, a number of views or microlenses is 0, or a
     /// name leads outside the folder; [`Error::Unsupported`] if it is of another version.
     pub fn from_json(text: &str) -> Result<Self, Error> {
-        parse(text.as_bytes(), Path::new(MEMORY))
+        parse(text.as_bytes(), Path::new(STREAM))
     }
 
     /// Writes `dataset.json` into the root folder of a dataset.

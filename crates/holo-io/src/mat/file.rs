@@ -9,7 +9,8 @@ use super::v5::read::Reader;
 use super::v5::{self, MAX_VARIABLE_BYTES, VARIABLE_HEAD_BYTES};
 use super::{FORMAT_V5, MatArray, MatInfo, MatOptions, MatVariable, MatVersion};
 use crate::atomic::AtomicPath;
-use crate::error::MEMORY;
+use crate::error::STREAM;
+use crate::stream::write_bytes;
 use crate::{AtomicFile, Error, FileDigest, Limits};
 
 /// Bytes read or written at a time.
@@ -108,19 +109,18 @@ fn write_v5<W: Write>(
     variables.iter().try_for_each(|variable| write(out, variable.name, &variable.value))
 }
 
-pub(super) fn encode(variables: &[MatVariable<'_>], options: MatOptions) -> Result<Vec<u8>, Error> {
-    let path = Path::new(MEMORY);
+pub(super) fn encode(mut out: impl Write, variables: &[MatVariable<'_>], options: MatOptions) -> Result<(), Error> {
+    let path = Path::new(STREAM);
     if check(variables, options.version, path)? {
-        return Err(Error::bad_input(path, "a MAT file of version 7.3 cannot be written into memory"));
+        return Err(Error::bad_input(path, "a MAT file of version 7.3 cannot be written into a stream"));
     }
-    let mut out = Cursor::new(Vec::new());
-    let written = if options.is_compressed {
-        write_v5(&mut out, variables, v5::write::compressed)
-    } else {
-        write_v5(&mut out, variables, v5::write::plain)
-    };
-    written.map_err(|error| Error::io("write", path, error))?;
-    Ok(out.into_inner())
+    let failed = |error| Error::io("write", path, error);
+    if options.is_compressed {
+        let mut bytes = Cursor::new(Vec::new());
+        write_v5(&mut bytes, variables, v5::write::compressed).map_err(failed)?;
+        return write_bytes(out, bytes.get_ref());
+    }
+    write_v5(&mut out, variables, v5::write::plain).and_then(|()| out.flush()).map_err(failed)
 }
 
 /// An open MAT file of version 5 or 7.3 whose variables are known.
@@ -196,11 +196,11 @@ fn infos<R: Read + Seek>(reader: &Reader<'_, R>) -> Vec<MatInfo> {
 }
 
 pub(super) fn decode(bytes: &[u8], limits: Limits) -> Result<Vec<(String, MatArray)>, Error> {
-    let path = Path::new(MEMORY);
+    let path = Path::new(STREAM);
     if is_v73(bytes) {
         return Err(Error::unsupported(
             path,
-            format!("a {FORMAT_V5} file of version 7.3, which cannot be read from memory"),
+            format!("a {FORMAT_V5} file of version 7.3, which cannot be read from a stream"),
         ));
     }
     let mut reader = Reader::new(Cursor::new(bytes), bytes.len() as u64, path, limits)?;

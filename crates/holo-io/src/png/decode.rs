@@ -1,14 +1,15 @@
 //! Decodes any PNG to samples of 8 or 16 bits.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Cursor, Seek};
+use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::path::Path;
 
 use holo_core::{DynImage, GridSize};
 use ndarray::Array3;
 
 use super::PngInfo;
-use crate::error::MEMORY;
+use crate::error::STREAM;
+use crate::stream::read_to_end;
 use crate::{Error, Limits};
 
 /// Range of the memory limit of the decoder for rows and headers, in bytes, in addition to the image.
@@ -30,13 +31,14 @@ pub fn read_png(path: impl AsRef<Path>, limits: &Limits) -> Result<DynImage, Err
     decode(open(path)?, path, *limits)
 }
 
-/// Decodes a PNG in memory, like [`read_png`].
+/// Decodes a PNG from a stream, like [`read_png`]. The encoded bytes are read into memory first.
 ///
 /// # Errors
 ///
 /// Those of [`read_png`].
-pub fn decode_png(bytes: &[u8], limits: &Limits) -> Result<DynImage, Error> {
-    decode(Cursor::new(bytes), Path::new(MEMORY), *limits)
+pub fn decode_png(source: impl Read, limits: &Limits) -> Result<DynImage, Error> {
+    let bytes = read_to_end(source, *limits)?;
+    decode(Cursor::new(bytes), Path::new(STREAM), *limits)
 }
 
 /// Reads the header of a PNG without its pixels.

@@ -9,7 +9,7 @@ use ndarray::{ArrayView2, ArrayView3, Axis};
 
 use super::Compression;
 use super::bands::Bands;
-use crate::error::MEMORY;
+use crate::error::STREAM;
 use crate::{AtomicFile, Error};
 
 /// A sample of 8 or 16 bits, which PNG stores big-endian.
@@ -130,7 +130,7 @@ impl Sink for AtomicFile {
 
 impl Sink for Vec<u8> {
     fn write_error(&mut self, error: png::EncodingError) -> Error {
-        Error::io("write", Path::new(MEMORY), std::io::Error::other(error.to_string()))
+        Error::io("write", Path::new(STREAM), std::io::Error::other(error.to_string()))
     }
 }
 

@@ -11,7 +11,7 @@ pub fn data(name: &str) -> PathBuf {
 }
 
 /// The samples of the files: exact in half precision.
-#[allow(dead_code)]
+#[allow(dead_code, reason = "some test files use `data` alone")]
 pub fn ramp(row: usize, column: usize, channel: usize) -> f32 {
     (row * 8 + column) as f32 + channel as f32 / 8.0
 }
