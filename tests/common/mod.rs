@@ -1,5 +1,5 @@
 //! Scenes, rigs and vectors for several tests.
-#![allow(dead_code)] // every test file uses a part of it
+#![allow(dead_code, reason = "every test file uses a part of it")]
 
 mod peer;
 

@@ -37,9 +37,9 @@ fn layers_are_written_by_name() {
     assert_eq!(layers_of(&bench, "default"), ["depth", "disparity"]);
     // Those that are named take the place of the two, twice named or not.
     bench.render("some", "--layers albedo,ray-length,albedo");
-    let pictures =
+    let files =
         ["manifest.json", "parameters.cfg", "scene_5d.mat", "scene_albedo.pfm", "scene_el.png", "scene_ray_length.pfm"];
-    assert_eq!(bench.list("some"), [&pictures[..], &["scene_vpi.png"]].concat());
+    assert_eq!(bench.list("some"), [&files[..], &["scene_vpi.png"]].concat());
     assert_eq!(layers_of(&bench, "some"), ["ray-length", "albedo"]);
     // Beside what --write names.
     bench.render("beside", "--layers hit-mask --write depth");
@@ -156,7 +156,7 @@ fn one_exr_holds_all_of_the_central_view() {
     }
     bench.render("truth", "--write exr --integrator depth");
     let image = read_exr(bench.path("truth/scene_central.exr"), &Limits::default()).unwrap();
-    assert_eq!(image.channels.len(), 15, "no picture, no Combined");
+    assert_eq!(image.channels.len(), 15, "no color, no Combined");
     let outcome = bench.run("info truth/scene_central.exr");
     assert!(outcome.code == Some(0) && outcome.stdout.contains("ViewLayer.Depth.Z"), "{outcome:?}");
     assert_eq!(small_split().lenses().columns, image.channels[0].1.dim().1);

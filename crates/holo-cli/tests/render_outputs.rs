@@ -15,7 +15,7 @@ fn the_default_outputs_are_there_in_their_sizes() {
     let (elemental, viewpoint) = (read_u8(bench.path("out/scene_el.png")), read_u8(bench.path("out/scene_vpi.png")));
     assert_eq!(elemental.dim(), (32, 60, 3));
     assert_eq!(viewpoint.dim(), (32, 60, 3));
-    assert!(elemental.iter().any(|&x| x > 100) && elemental.iter().any(|&x| x == 0), "a picture with light and dark");
+    assert!(elemental.iter().any(|&x| x > 100) && elemental.iter().any(|&x| x == 0), "an image with light and dark");
     let elemental = LightField::from_elemental_grid(elemental, small_split()).unwrap();
     let viewpoint = LightField::from_viewpoint_grid(viewpoint, small_split()).unwrap();
     assert_eq!(elemental.samples(), viewpoint.samples());
@@ -68,7 +68,7 @@ fn the_manifest_verifies_until_a_file_changes() {
 }
 
 #[test]
-fn sixteen_bits_are_the_same_picture() {
+fn sixteen_bits_are_the_same_image() {
     let bench = Bench::new();
     bench.render("fine", "--bit-depth 16 --exposure 1");
     bench.render("coarse", "--exposure 1");

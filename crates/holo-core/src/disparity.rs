@@ -111,7 +111,7 @@ impl Disparity {
     ///
     /// Eq. 3.
     #[must_use]
-    #[allow(clippy::wrong_self_convention)] // `from` names the quantity of the argument, this is not a constructor
+    #[allow(clippy::wrong_self_convention, reason = "`from` names the quantity of the argument")]
     pub fn from_depth_m(self, depth_m: f64) -> f64 {
         let Self { scale_m_px: k, focus_distance_m: focus_m, projection } = self;
         if k == 0.0 {

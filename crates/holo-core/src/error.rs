@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    #[allow(clippy::reversed_empty_ranges)] // reversed ranges are under test
+    #[allow(clippy::reversed_empty_ranges, reason = "reversed ranges are under test")]
     fn invalid_numbers_and_ranges_are_rejected() {
         for value in [f64::NAN, 0.0, -0.0, -1.0, f64::INFINITY, f64::NEG_INFINITY] {
             assert!(positive("x", value).is_err(), "{value}");

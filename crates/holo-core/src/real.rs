@@ -21,7 +21,7 @@ impl Real for f32 {
         f64::from(self)
     }
 
-    #[allow(clippy::cast_possible_truncation)] // rounds to nearest, as intended
+    #[allow(clippy::cast_possible_truncation, reason = "rounds to nearest, as intended")]
     fn from_f64(value: f64) -> Self {
         value as f32
     }

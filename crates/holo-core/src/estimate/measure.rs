@@ -111,27 +111,7 @@ fn measure_pixel(
         center[channel] = views.center[channel * pixels + pixel];
     }
 
-    // Differences to the central view, for every view in which the pixel is visible.
-    let mut seen = [(0.0_f32, 0.0_f32, [0.0_f32; 3]); MOST_VIEWS];
-    let mut squares = [0.0_f32; MOST_VIEWS];
-    let mut count = 0;
-    for view in &views.others {
-        let y = row as f32 - disparity_px * view.down;
-        let x = column as f32 - disparity_px * view.right;
-        let is_inside = y >= 0.0 && x >= 0.0 && y <= (rows - 1) as f32 && x <= (columns - 1) as f32;
-        if !is_inside || view.steps > limits[view.arm] {
-            continue;
-        }
-        let cubic = Cubic::new(y, x, rows, columns);
-        let mut difference = [0.0; 3];
-        for channel in 0..channels {
-            let plane = &view.samples[channel * pixels..(channel + 1) * pixels];
-            difference[channel] = cubic.sample(plane, columns) - center[channel];
-        }
-        squares[count] = difference.iter().map(|d| d * d).sum::<f32>() / channels as f32;
-        seen[count] = (view.down, view.right, difference);
-        count += 1;
-    }
+    let Seen { mut squares, views: seen, count } = compare(views, disparity_px, row, column, limits, &center);
     if count == 0 {
         mean.copy_from_slice(&center[..channels]);
         return (0.0, 0.0);
@@ -174,6 +154,42 @@ fn measure_pixel(
     // The gradient of noise alone, which the mean over `total` views reduces.
     let of_noise = 0.5 * variance / total * spread * channels as f32 * 0.5;
     (delta, (hh - of_noise).max(0.0) / variance)
+}
+
+/// The views in which a pixel is visible.
+struct Seen {
+    /// Rows and columns from the central view, and the difference of the colors to it.
+    views: [(f32, f32, [f32; 3]); MOST_VIEWS],
+    /// The mean squares of the differences.
+    squares: [f32; MOST_VIEWS],
+    count: usize,
+}
+
+/// Compares a pixel with every view in which it is visible.
+fn compare(views: &Views, disparity_px: f32, row: usize, column: usize, limits: &[f32; 8], center: &[f32; 3]) -> Seen {
+    let (pixels, channels) = (views.pixels(), views.channels);
+    let (rows, columns) = (views.size.rows, views.size.columns);
+    let mut seen = [(0.0_f32, 0.0_f32, [0.0_f32; 3]); MOST_VIEWS];
+    let mut squares = [0.0_f32; MOST_VIEWS];
+    let mut count = 0;
+    for view in &views.others {
+        let y = row as f32 - disparity_px * view.down;
+        let x = column as f32 - disparity_px * view.right;
+        let is_inside = y >= 0.0 && x >= 0.0 && y <= (rows - 1) as f32 && x <= (columns - 1) as f32;
+        if !is_inside || view.steps > limits[view.arm] {
+            continue;
+        }
+        let cubic = Cubic::new(y, x, rows, columns);
+        let mut difference = [0.0; 3];
+        for channel in 0..channels {
+            let plane = &view.samples[channel * pixels..(channel + 1) * pixels];
+            difference[channel] = cubic.sample(plane, columns) - center[channel];
+        }
+        squares[count] = difference.iter().map(|d| d * d).sum::<f32>() / channels as f32;
+        seen[count] = (view.down, view.right, difference);
+        count += 1;
+    }
+    Seen { views: seen, squares, count }
 }
 
 /// Differences of neighbors, one-sided at the border.

@@ -12,7 +12,7 @@ const COLOR: f32 = 0.1;
 const PRIOR: f32 = 4.0;
 /// The information, in 1/px^2, from which on only the nearest neighbors are used: a standard error of 0.007 px.
 const ENOUGH: f32 = 20_000.0;
-/// The largest distance of a neighbor from the surface, in standard errors of the surroundings of the pixel.
+/// The largest distance of a neighbor from the surface, in standard errors of the neighborhood of the pixel.
 const ERRORS: f32 = 12.0;
 /// The ridge regularization of the slopes, for neighbors that do not span a plane.
 const RIDGE: f32 = 1e-3;

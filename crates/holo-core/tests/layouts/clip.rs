@@ -115,7 +115,7 @@ proptest! {
 }
 
 #[test]
-#[allow(clippy::reversed_empty_ranges)] // reversed ranges are under test
+#[allow(clippy::reversed_empty_ranges, reason = "reversed ranges are under test")]
 fn bad_ranges_are_errors() {
     let shape = LightFieldShape::new(GridSize::new(2, 3), GridSize::new(4, 5)).unwrap();
     let mut light_field = labeled(shape);

@@ -27,7 +27,7 @@ pub(super) fn scene() -> Scene {
     let mut textures = vec![
         grained("sky", [0.82, 0.60, 0.42], 0.07),
         wood("table", [0.11, 0.06, 0.035], [0.27, 0.16, 0.095], 5.0, 61.0),
-        pictures(),
+        pages(),
     ];
     textures.extend(layers.iter().map(|(color, _, _)| grained("card", *color, 0.26)));
     let mut studio = Studio::new(textures);
@@ -122,7 +122,7 @@ fn leporello() -> Mesh {
 }
 
 /// A strip of woodcuts, one a page: waves, a moon, reeds, rain, a hill, a sail, a fish's scales.
-fn pictures() -> Texture {
+fn pages() -> Texture {
     paint("pictures", 1024, Wrap::Clamp, |x, y| {
         let page = (x * f64::from(PAGES)).floor();
         let (u, v) = (x * f64::from(PAGES) - page, y);
@@ -133,7 +133,7 @@ fn pictures() -> Texture {
         let wave = |rows: f64| {
             ((v * rows + 0.5 * (u * 9.0 + (v * rows).floor() * 1.9).sin() * 0.55) * std::f64::consts::TAU).sin()
         };
-        let picture = match page as u32 {
+        let drawing = match page as u32 {
             0 => {
                 if v > 0.45 {
                     if wave(9.0) > 0.1 { sea } else { ivory }
@@ -190,6 +190,6 @@ fn pictures() -> Texture {
                 if (a.hypot(b) * 2.0).fract() < 0.3 { ink } else { sand }
             }
         };
-        if frame { ivory } else { picture }.map(|c| c * fiber)
+        if frame { ivory } else { drawing }.map(|c| c * fiber)
     })
 }

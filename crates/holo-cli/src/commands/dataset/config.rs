@@ -54,7 +54,7 @@ fn parse(
         }
         let words = words(value)
             .ok_or_else(|| wrong(format!("`{key}` is neither a number, a text, yes or no, nor a list of these")))?;
-        let words = if PATHS.contains(&name.as_str()) { beside(path, words) } else { words };
+        let words = if PATHS.contains(&name.as_str()) { relative_to_file(path, words) } else { words };
         match words.join(",").as_str() {
             "false" if option.is_some() => {}
             "true" => line.push(format!("--{name}").into()),
@@ -80,7 +80,7 @@ fn words(value: &Value) -> Option<Vec<String>> {
 }
 
 /// Paths that are relative to the folder of the file.
-fn beside(path: &Path, words: Vec<String>) -> Vec<String> {
+fn relative_to_file(path: &Path, words: Vec<String>) -> Vec<String> {
     let folder = path.parent().unwrap_or(Path::new(""));
     words.into_iter().map(|word| folder.join(word).to_string_lossy().into_owned()).collect()
 }
