@@ -103,23 +103,24 @@ fn smooth_glass_is_invisible() {
     }
 }
 
-/// Mixtures may lose the energy of multiple scattering between microfacets, and no more (see the table in `bsdf.rs`).
-/// They gain none.
+/// Rough metal, coats, panes and their mixtures lose and gain nothing, to 0.5 % (the interpolation of the table and the
+/// noise); bodies of rough glass lose what is scattered more than once between microfacets (see the table in `bsdf.rs`).
 #[test]
-fn no_material_gains_energy() {
+fn rough_materials_keep_their_energy() {
     let clear = Some(Volume { attenuation_distance_m: f32::INFINITY, attenuation_color: [1.0; 3] });
-    for roughness in [0.1, 0.4, 1.0] {
+    for roughness in [0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.0] {
         let rough = Material { roughness, specular: 1.0, ..Material::default() };
         for (material, most_lost) in [
-            (rough.clone(), 0.1),
-            (Material { metallic: 1.0, ..rough.clone() }, 0.85),
-            (Material { metallic: 0.5, ..rough.clone() }, 0.4),
+            (rough.clone(), 0.005),
+            (Material { metallic: 1.0, ..rough.clone() }, 0.005),
+            (Material { metallic: 0.5, ..rough.clone() }, 0.005),
+            (Material { transmission: 1.0, ..rough.clone() }, 0.005),
+            (Material { transmission: 0.5, metallic: 0.3, ..rough.clone() }, 0.005),
             (Material { transmission: 1.0, volume: clear, ..rough.clone() }, 0.85),
-            (Material { transmission: 1.0, ..rough.clone() }, 0.85),
-            (Material { transmission: 0.5, metallic: 0.3, ..rough.clone() }, 0.7),
         ] {
             let (mean, ..) = furnace(material.clone(), 64, 64);
-            assert!(mean < 1.001 && mean > 1.0 - most_lost, "{mean} {material:?}");
+            println!("roughness {roughness}, metal {}, glass {}: {mean:.4}", material.metallic, material.transmission);
+            assert!(mean < 1.005 && mean > 1.0 - most_lost, "{mean} {material:?}");
         }
     }
 }

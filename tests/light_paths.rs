@@ -212,3 +212,144 @@ fn images_scale_with_very_strong_and_very_faint_light() {
         }
     }
 }
+
+/// A square that glows inside a block of absorbing glass without refraction: half of its light is left after the 0.2 m
+/// of glass before it, seen from outside and by a camera in the glass.
+#[test]
+fn what_lies_in_absorbing_glass_is_attenuated() {
+    let body = |distance: f32| Material {
+        specular: 0.0,
+        ior: 1.0,
+        volume: Some(Volume { attenuation_distance_m: distance, attenuation_color: [0.5; 3] }),
+        ..glass(1.0)
+    };
+    let lamp = Material { emission: [1.0; 3], ..Material::default() };
+    let color = |scene: &Scene| {
+        let renderer = Renderer::new(scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+        let rig = rig([1, 1], [3, 3], 0.0, 2.0, Projection::Orthographic);
+        let request = Request::new(rig).integrator(Integrator::Path);
+        let color = renderer.render(&request, &()).expect("a render").color.expect("an image");
+        color.samples()[[1, 1, 0, 0, 0]]
+    };
+    // Beside the axis, so that the ray in the middle meets no edge.
+    let at = |z: f64| Transform::from_translation([0.013, 0.029, z]);
+    let mut scene = Scene::default();
+    // From 1.8 m to 2.8 m, and the square at 2 m.
+    place(&mut scene, cube(0.5), body(0.2), at(-2.3));
+    place(&mut scene, square(0.6), lamp.clone(), at(-2.0));
+    let seen = color(&scene);
+    assert!((seen - 0.5).abs() < 1e-3, "{seen}");
+
+    // A block in a block: 0.1 m of the outer glass and 0.1 m of the inner one, which absorbs twice as much.
+    let mut nested = Scene::default();
+    place(&mut nested, cube(0.5), body(0.2), at(-2.3));
+    place(&mut nested, cube(0.3), body(0.1), at(-2.2));
+    place(&mut nested, square(0.2), lamp.clone(), at(-2.0));
+    let seen = color(&nested);
+    assert!((seen - 0.5f32.powf(1.5)).abs() < 1e-3, "{seen}");
+
+    // A hollow: what lies behind the air bubble is seen through 0.1 m of glass, not 0.3 m.
+    let mut hollow = Scene::default();
+    place(&mut hollow, cube(0.5), body(0.2), at(-2.3));
+    place(&mut hollow, cube(0.1), Material { volume: body(f32::INFINITY).volume, ..body(1.0) }, at(-2.0));
+    place(&mut hollow, square(0.05), lamp, at(-1.95));
+    let seen = color(&hollow);
+    assert!((seen - 0.5f32.powf(0.5)).abs() < 1e-3, "{seen}");
+}
+
+/// A body of water in water cannot be seen: inside a medium the index of refraction is relative to it.
+#[test]
+fn a_body_in_the_same_medium_is_invisible() {
+    let image = |with: bool| {
+        let mut scene = Scene::default();
+        place(&mut scene, cube(0.5), glass(1.33), Transform::from_translation([0.1, 0.05, -1.6]));
+        if with {
+            place(&mut scene, cube(0.2), glass(1.33), Transform::from_translation([0.1, 0.0, -1.6]));
+        }
+        let lamp = Material { emission: [1.0, 2.0, 3.0], ..Material::default() };
+        place(&mut scene, square(0.3), lamp, Transform::from_translation([0.0, 0.0, -3.0]));
+        let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+        let request = Request::new(rig([1, 1], [30, 40], 0.0, 2.0, Projection::Perspective))
+            .integrator(Integrator::Path)
+            .samples(64)
+            .roulette(false)
+            .sky([0.5; 3])
+            .max_bounces(16);
+        renderer.render(&request, &()).expect("a render").color.expect("an image").samples().to_owned()
+    };
+    let (without, with) = (image(false), image(true));
+    let mean = |x: &ndarray::Array5<f32>| x.iter().map(|x| f64::from(*x)).sum::<f64>() / x.len() as f64;
+    assert!((mean(&with) / mean(&without) - 1.0).abs() < 0.01, "{} {}", mean(&with), mean(&without));
+    let rmse =
+        (with.iter().zip(&without).map(|(a, b)| f64::from(a - b).powi(2)).sum::<f64>() / with.len() as f64).sqrt();
+    // Noise of 64 samples where light is reflected or refracted; a body in air there would give 0.3.
+    assert!(rmse < 0.08, "{rmse}");
+}
+
+/// The choice at surfaces of partial opacity is one of the seed, also for a single ray through the center of the pixel.
+#[test]
+fn partial_opacity_depends_on_the_seed() {
+    let mut scene = Scene::default();
+    let veil = Material {
+        base_color: [1.0, 1.0, 1.0, 0.5],
+        alpha: holo_scene::Alpha::Blend,
+        unlit: true,
+        ..Material::default()
+    };
+    place(&mut scene, square(9.0), veil, Transform::from_translation([0.0, 0.0, -2.0]));
+    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+    let image = |seed: u64| {
+        let request = Request::new(rig([4, 4], [20, 20], 0.01, 2.0, Projection::Perspective)).seed(seed);
+        renderer.render(&request, &()).expect("a render").color.expect("an image").samples().to_owned()
+    };
+    let (a, b) = (image(1), image(2));
+    assert_eq!(a, image(1));
+    let share = |x: &ndarray::Array5<f32>| x.iter().filter(|x| **x > 0.5).count() as f64 / x.len() as f64;
+    assert!((share(&a) - 0.5).abs() < 0.03 && (share(&b) - 0.5).abs() < 0.03, "{} {}", share(&a), share(&b));
+    let same = a.iter().zip(&b).filter(|(a, b)| a == b).count() as f64 / a.len() as f64;
+    assert!((same - 0.5).abs() < 0.03, "{same}");
+}
+
+/// The disc of a distant light is what a far, glowing disc of the same size and radiance is, on surfaces from mirrors to
+/// Lambert's: both techniques that find it are weighted right. 1 % for the noise.
+#[test]
+fn a_sun_is_a_far_glowing_disc() {
+    let (diameter, radiance): (f64, f64) = (0.2, 5.0);
+    // Before the camera, so that the floor reflects it there.
+    let (sin, direction) = ((0.5 * diameter).sin(), [0.0, 0.28, -0.96]);
+    let far = 1e5;
+    let lamp_pose = Transform::look_at(direction.map(|x: f64| x * far), [0.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    for (metallic, roughness) in [(1.0, 0.0), (1.0, 0.1), (1.0, 0.3), (0.0, 0.2), (0.0, 1.0)] {
+        let floor =
+            Material { metallic, roughness, specular: 1.0, base_color: [0.5, 0.5, 0.5, 1.0], ..Material::default() };
+        let mean = |as_light: bool| {
+            let mut scene = Scene::default();
+            let corners = [[-2.0, -0.5, -0.5], [2.0, -0.5, -0.5], [2.0, -0.5, -4.0], [-2.0, -0.5, -4.0]];
+            let ground = Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
+            place(&mut scene, ground, floor.clone(), Transform::IDENTITY);
+            if as_light {
+                let irradiance = radiance * std::f64::consts::PI * sin * sin;
+                let kind = LightKind::Directional { direction: direction.map(|x| -x), angular_diameter_rad: diameter };
+                scene.lights.push(Light { name: String::new(), intensity: [irradiance; 3], kind });
+            } else {
+                let radius = far * (0.5 * diameter).tan();
+                let rim = (0..256)
+                    .map(|k| f64::from(k) / 256.0 * std::f64::consts::TAU)
+                    .map(|angle| [angle.cos() * radius, angle.sin() * radius, 0.0].map(|x| x as f32));
+                let positions = std::iter::once([0.0; 3]).chain(rim).collect();
+                let triangles = (0..256).map(|k| [0, 1 + k, 1 + (k + 1) % 256]).collect();
+                let emission = Material { emission: [radiance as f32; 3], ..Material::default() };
+                place(&mut scene, Mesh { positions, triangles, ..Mesh::default() }, emission, lamp_pose);
+            }
+            let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+            let request = Request::new(rig([2, 2], [40, 60], 0.01, 2.0, Projection::Perspective))
+                .integrator(Integrator::Direct)
+                .samples(64);
+            let color = renderer.render(&request, &()).expect("a render").color.expect("an image");
+            color.samples().iter().map(|&x| f64::from(x)).sum::<f64>() / color.samples().len() as f64
+        };
+        let (sun, disc) = (mean(true), mean(false));
+        println!("metal {metallic}, roughness {roughness}: {sun:.5} {disc:.5}");
+        assert!(sun > 0.001 && (sun / disc - 1.0).abs() < 0.01, "{metallic} {roughness}: {sun} {disc}");
+    }
+}

@@ -49,6 +49,8 @@ fn compare(folder: &Path, case: &Case, backend: Backend) {
         .samples(case.samples)
         .sky(case.sky)
         .roulette(false)
+        // The references have no light that is scattered more than once between microfacets.
+        .multiple_scattering(false)
         .layers(LayerSet::of(&[Layer::ObjectId]));
     let Rendered { color, central, .. } = renderer.render(&request, &()).expect("a render");
     let ours = color.expect("an image").view(0, 0).unwrap().to_owned();

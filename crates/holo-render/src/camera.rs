@@ -15,7 +15,7 @@ pub(crate) mod tile;
 
 use holo_core::Disparity;
 
-use crate::accel::{ExactRays, RayHits};
+use crate::accel::{CAMERA_RAY, ExactRays, RayHits};
 use crate::sampling::{PixelIds, Sampler};
 use crate::simd::{LANES, Lanes};
 use rig::{RigPixels, RigRays};
@@ -82,6 +82,7 @@ impl RaySource {
     #[inline(always)]
     pub fn chief(&self, pixels: &PixelPacket, packet: &mut RayHits) -> ExactRays {
         let Self::Rig(rig) = self;
+        packet.rays.id = [CAMERA_RAY; LANES];
         rig.fill(&pixels.source, None, packet)
     }
 

@@ -74,6 +74,8 @@ struct TriangleRecord {
     corners: [u32; 3],
     /// Index into the instances; without meaning for prototypes.
     instance: u32,
+    /// The largest coordinate of the corners.
+    extent: f32,
 }
 
 /// A plane `normal . x = offset`, from f64 positions. The normal has length 1, or 0 for a triangle without area; it
@@ -94,9 +96,6 @@ pub(crate) struct InstanceData {
     /// Which of the two sets of texture coordinates the mesh has.
     pub textured: [bool; 2],
     pub colored: bool,
-    /// The largest coordinate of any vertex: the error bound of an f32 position of this instance is this times 2^-24.
-    /// For a prototype the equivalent [`Placement::extent`].
-    pub extent: f32,
 }
 
 fn bad_scene(at: String, what: String) -> Error {
@@ -150,8 +149,8 @@ impl Geometry {
         };
         for object in flattened {
             let transform = &scene.instances[object].transform;
-            let extent = geometry.append(mesh_of(object), &to_camera(transform, pose), with)?;
-            geometry.instances.push(InstanceData::new(mesh_of(object), object, extent));
+            geometry.append(mesh_of(object), &to_camera(transform, pose), with)?;
+            geometry.instances.push(InstanceData::new(mesh_of(object), object));
         }
         for &mesh in &prototypes {
             let first = geometry.triangles.len();
@@ -160,14 +159,12 @@ impl Geometry {
         }
         geometry.positions.push([0.0; 3]);
         geometry.placements = plan.placements.into_iter().flatten().collect();
-        for (placement, object) in geometry.placements.iter().zip(placed) {
-            geometry.instances.push(InstanceData::new(mesh_of(object), object, placement.extent));
-        }
+        geometry.instances.extend(placed.into_iter().map(|object| InstanceData::new(mesh_of(object), object)));
         Ok(geometry)
     }
 
-    /// Appends the vertices and triangles of a mesh; returns its largest coordinate.
-    fn append(&mut self, mesh: &Mesh, to_camera: &Transform, with: [bool; 4]) -> Result<f32, Error> {
+    /// Appends the vertices and triangles of a mesh.
+    fn append(&mut self, mesh: &Mesh, to_camera: &Transform, with: [bool; 4]) -> Result<(), Error> {
         let first_vertex = self.positions.len() as u32;
         let exact: Vec<[f64; 3]> = mesh.positions.par_iter().map(|p| to_camera.point(p.map(f64::from))).collect();
         // Larger squares and products would overflow f32 inside a ray tracing engine.
@@ -175,7 +172,6 @@ impl Geometry {
             let what = format!("a vertex is {bad:e} m from the camera; coordinates must stay below 1e18 m");
             return Err(bad_scene(format!("mesh '{}'", mesh.name), what));
         }
-        let extent = exact.par_iter().flatten().map(|x| x.abs()).reduce(|| 0.0, f64::max);
         self.positions.par_extend(exact.par_iter().map(|p| p.map(|x| x as f32)));
         // A mirroring map reverses the orientation of triangles; swapping two corners restores it.
         let mirrored = to_camera.determinant() < 0.0;
@@ -186,6 +182,7 @@ impl Geometry {
             plane: Plane::through(order.map(|k| exact[t[k] as usize])),
             corners: order.map(|k| t[k] + first_vertex),
             instance,
+            extent: t.iter().flat_map(|&k| exact[k as usize]).fold(0.0, |largest, x| x.abs().max(largest)) as f32,
         }));
         let [with_normals, with_coordinates, with_second, with_colors] = with;
         if with_normals {
@@ -212,7 +209,7 @@ impl Geometry {
             self.colors.extend_from_slice(&mesh.colors);
             self.colors.resize(self.positions.len(), [1.0; 4]);
         }
-        Ok(extent as f32)
+        Ok(())
     }
 
     /// Vertex positions without the padding.
@@ -269,6 +266,23 @@ impl Geometry {
         if hit.placement == FLATTENED { plane } else { self.placements[hit.placement as usize].plane(&plane) }
     }
 
+    /// The error bound of the position of a hit on a triangle, divided by 2^-24: the largest coordinate of its corners,
+    /// or that of its placement.
+    #[inline(always)]
+    pub fn extent(&self, hit: Hit) -> f32 {
+        if hit.placement == FLATTENED {
+            self.records[hit.triangle as usize].extent
+        } else {
+            self.placements[hit.placement as usize].extent
+        }
+    }
+
+    /// 1 if the corners of a triangle are counter-clockwise seen from the front, -1 under a mirroring placement.
+    #[inline(always)]
+    pub fn orientation(&self, hit: Hit) -> f32 {
+        if hit.placement == FLATTENED { 1.0 } else { self.placements[hit.placement as usize].orientation }
+    }
+
     #[inline(always)]
     pub fn instance_index(&self, hit: Hit) -> u32 {
         if hit.placement == FLATTENED {
@@ -311,14 +325,13 @@ impl Geometry {
 }
 
 impl InstanceData {
-    fn new(mesh: &Mesh, object: usize, extent: f32) -> Self {
+    fn new(mesh: &Mesh, object: usize) -> Self {
         Self {
             material: mesh.material as u32,
             object: object as u32,
             smooth: !mesh.normals.is_empty(),
             textured: [!mesh.texture_coordinates.is_empty(), !mesh.second_texture_coordinates.is_empty()],
             colored: !mesh.colors.is_empty(),
-            extent,
         }
     }
 }
@@ -373,6 +386,17 @@ mod tests {
         let g = Geometry::build(&one_triangle(mirrored), &Transform::IDENTITY, Instancing::Never).unwrap();
         assert!(g.plane(Hit::flattened(0)).normal[2] > 0.0, "front side turned over");
         assert_eq!(g.normals_of(Hit::flattened(0))[0], [0.0, 0.0, 1.0]);
+    }
+
+    /// Rays start as far off a surface as its own triangle needs, not as far as the largest one of the mesh.
+    #[test]
+    fn a_far_triangle_does_not_push_rays_off_a_near_one() {
+        let mut scene = one_triangle(Transform::IDENTITY);
+        scene.meshes[0].positions.extend([[1000.0, 0.0, 0.0], [1000.0, 1.0, 0.0], [1000.0, 0.0, 1.0]]);
+        scene.meshes[0].normals.resize(6, [0.0, 0.0, 1.0]);
+        scene.meshes[0].triangles.push([3, 4, 5]);
+        let g = Geometry::build(&scene, &Transform::IDENTITY, Instancing::Never).unwrap();
+        assert_eq!([0, 1].map(|triangle| g.extent(Hit::flattened(triangle))), [1.0, 1000.0]);
     }
 
     #[test]

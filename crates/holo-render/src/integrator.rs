@@ -64,6 +64,8 @@ pub(crate) struct SceneData<'a> {
     pub has_discs: bool,
     /// Whether materials use alpha, so that emissive surfaces may have an opacity below 1.
     pub has_alpha: bool,
+    /// Whether there are bodies of glass, so that paths carry the media around them.
+    pub has_media: bool,
     /// Whether surfaces emit, so that rays must be intersected even after the last bounce.
     pub has_emission: bool,
 }
@@ -79,6 +81,10 @@ pub(crate) struct Policy {
     pub target_error: Option<f64>,
     /// Whether paths continue from surfaces other than metal and glass.
     pub indirect: bool,
+    /// Whether light is scattered more than once between the microfacets of rough surfaces.
+    pub multiple_scattering: bool,
+    /// The largest contribution of one path vertex after the first.
+    pub indirect_limit: f32,
 }
 
 /// The number of traced rays by kind.
@@ -121,7 +127,7 @@ impl SceneData<'_> {
     /// Whether scattered rays need the pdf of their direction for multiple importance sampling.
     #[inline(always)]
     pub fn needs_bsdf_pdf(&self) -> bool {
-        self.emitters.is_some() || self.environment.is_some()
+        self.emitters.is_some() || self.environment.is_some() || self.has_discs
     }
 }
 

@@ -28,6 +28,7 @@ use crate::integrator::{Context, Integrator, Policy, SceneData};
 use crate::light::Emitters;
 use crate::light::EnvironmentLight;
 use crate::light::{self, PreparedLight};
+use crate::material::media::MAX_MEDIA;
 use crate::material::{AlphaTest, AlphaTested};
 use crate::material::{Appearance, MaterialFlags};
 use crate::progress::{Progress, Stop};
@@ -38,10 +39,9 @@ use crate::sampling::Sampler;
 /// One renderer renders any number of [`Request`]s: rigs with different views, resolutions and focus distances at the
 /// same camera pose.
 pub struct Renderer {
-    /// The engine for light transport.
-    engine: Arc<dyn Engine>,
-    /// The engine for ground truth (AOVs): the same unless materials use alpha.
-    aov_engine: Arc<dyn Engine>,
+    /// The engines for light transport and for ground truth (AOVs), which differ if materials use alpha; without and
+    /// with culling of back faces.
+    engines: [[Arc<dyn Engine>; 2]; 2],
     note: Option<String>,
     geometry: Arc<Geometry>,
     appearance: Arc<Appearance>,
@@ -89,13 +89,22 @@ impl Renderer {
         })?;
         let (engine, note) = built;
         let appearance = Arc::new(Appearance::new(&scene.materials, &scene.textures));
+        if appearance.media_count() > MAX_MEDIA {
+            return Err(Error::BadSetting(format!(
+                "the scene has {} kinds of glass with a volume; at most {MAX_MEDIA} are supported",
+                appearance.media_count()
+            )));
+        }
         let engine: Arc<dyn Engine> = Arc::from(engine);
-        let [engine, aov_engine] = [AlphaTest::Stochastic, AlphaTest::Threshold].map(|test| {
-            let inner = Arc::clone(&engine);
-            if !appearance.flags().has(MaterialFlags::ALPHA) {
-                return inner;
-            }
-            Arc::new(AlphaTested { inner, geometry: Arc::clone(&geometry), appearance: Arc::clone(&appearance), test })
+        let engines = [false, true].map(|cull| {
+            [AlphaTest::Stochastic, AlphaTest::Threshold].map(|test| -> Arc<dyn Engine> {
+                let inner = Arc::clone(&engine);
+                if !cull && !appearance.flags().has(MaterialFlags::ALPHA) {
+                    return inner;
+                }
+                let (geometry, appearance) = (Arc::clone(&geometry), Arc::clone(&appearance));
+                Arc::new(AlphaTested { inner, geometry, appearance, test, cull })
+            })
         });
         let lights = light::prepare(&scene.lights, pose);
         let emitters = Emitters::build(&geometry, &scene.materials, &scene.textures);
@@ -103,25 +112,13 @@ impl Renderer {
         let environment = environment.filter(|environment| !environment.is_black());
         let counts = [scene.instances.len(), scene.materials.len()];
         let to_world = pose.columns;
-        Ok(Self {
-            engine,
-            aov_engine,
-            note,
-            geometry,
-            appearance,
-            lights,
-            emitters,
-            environment,
-            to_world,
-            counts,
-            pool,
-        })
+        Ok(Self { engines, note, geometry, appearance, lights, emitters, environment, to_world, counts, pool })
     }
 
     /// The name and version of the ray tracing backend, such as "embree 4.4.0" or "bvh".
     #[must_use]
     pub fn engine_name(&self) -> &str {
-        self.engine.name()
+        self.engines[0][0].name()
     }
 
     /// Why [`Backend::Auto`] did not select Embree; `None` if it did, or if the backend was requested explicitly.
@@ -138,7 +135,7 @@ impl Renderer {
 
     #[cfg(feature = "bench")]
     pub(crate) fn engine(&self) -> &dyn Engine {
-        &*self.engine
+        self.engines[0][0].as_ref()
     }
 
     /// Runs `work` in the thread pool of this renderer.
@@ -227,7 +224,7 @@ impl Renderer {
         let (seed, samples, sampling) = (request.seed, request.samples, request.sampling);
         let rig = RigRays::new(&request.rig, &region.tiling, &region.selection, sampling.shared_views());
         let scene = SceneData {
-            engine: if integrator == Integrator::Depth { &*self.aov_engine } else { &*self.engine },
+            engine: self.engines[usize::from(request.cull)][usize::from(integrator == Integrator::Depth)].as_ref(),
             geometry: &self.geometry,
             appearance: &self.appearance,
             lights: &self.lights,
@@ -237,6 +234,7 @@ impl Renderer {
             to_world: self.to_world,
             has_discs: self.lights.iter().any(PreparedLight::is_disc),
             has_alpha: self.appearance.flags().has(MaterialFlags::ALPHA),
+            has_media: self.appearance.flags().has(MaterialFlags::VOLUME),
             has_emission: self.appearance.flags().has(MaterialFlags::EMISSIVE.union(MaterialFlags::UNLIT)),
         };
         let policy = Policy {
@@ -244,6 +242,8 @@ impl Renderer {
             roulette: request.roulette,
             target_error: request.target_error,
             indirect: integrator == Integrator::Direct || request.indirect,
+            multiple_scattering: request.multiple_scattering,
+            indirect_limit: request.indirect_limit,
         };
         Context { scene, camera: RaySource::Rig(rig), sampler: Sampler { seed, samples, sampling }, policy, stop }
     }

@@ -51,6 +51,16 @@ impl Purpose {
     }
 }
 
+/// A random number of 31 bits for each of sixteen rays from path vertex number `vertex` on, of the given samples of the pixels.
+#[inline(always)]
+pub(crate) fn ray_numbers(sequences: &[u32; LANES], samples: &[u32; LANES], vertex: u32) -> [u32; LANES] {
+    let mut out = [0; LANES];
+    for lane in 0..LANES {
+        out[lane] = hash(hash(sequences[lane] ^ samples[lane].wrapping_mul(0x85EB_CA6B)).wrapping_add(vertex)) >> 1;
+    }
+    out
+}
+
 /// Sixteen points of the unit square.
 pub(crate) type Points = [[f32; LANES]; 2];
 

@@ -6,6 +6,9 @@ use crate::simd::{LANES, Lanes};
 /// The triangle of a ray that hit nothing (Embree's `RTC_INVALID_GEOMETRY_ID`).
 pub(crate) const NO_TRIANGLE: u32 = u32::MAX;
 
+/// The bit of [`Rays::id`] that marks camera rays.
+pub(crate) const CAMERA_RAY: u32 = 1 << 31;
+
 /// The start of rays: a camera that lies exactly on a surface does not hit it.
 const NEAREST: f32 = f32::MIN_POSITIVE;
 
@@ -19,6 +22,7 @@ pub(crate) struct Rays {
     pub time: [f32; LANES],
     pub far: [f32; LANES],
     pub mask: [u32; LANES],
+    /// A random number of the ray, for the choice at surfaces that let some rays pass, with the flag [`CAMERA_RAY`].
     pub id: [u32; LANES],
     pub flags: [u32; LANES],
 }

@@ -38,8 +38,10 @@ pub(crate) struct Placement {
     small_normal_columns: [[f32; 3]; 3],
     /// Index into [`super::Geometry::prototypes`].
     pub prototype: u32,
-    /// The error bound of the module documentation, equivalent to [`super::InstanceData::extent`].
+    /// The error bound of the module documentation, equivalent to the largest coordinate of a flattened triangle.
     pub extent: f32,
+    /// -1 for a mirroring map, otherwise 1.
+    pub orientation: f32,
 }
 
 impl Placement {
@@ -84,6 +86,7 @@ impl Placement {
             small_normal_columns: normal_columns.map(|c| c.map(|x| (x / longest) as f32)),
             prototype,
             extent: bound as f32,
+            orientation: sign as f32,
         })
     }
 

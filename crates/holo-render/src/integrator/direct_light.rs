@@ -1,9 +1,8 @@
 //! Direct light at a path vertex (next-event estimation).
 //!
-//! Punctual lights can only be sampled. Emissive surfaces and the environment map are found both by light sampling and
-//! by BSDF sampling, weighted by the balance heuristic ([`super::mis`]). The constant sky is only found by BSDF
-//! sampling. The discs of distant lights are found by light sampling from surfaces that are not perfectly smooth, and
-//! by BSDF sampling from those that are.
+//! Punctual lights can only be sampled. Emissive surfaces, the environment map and the discs of distant lights are found
+//! both by light sampling and by BSDF sampling, weighted by the balance heuristic ([`super::mis`]). The constant sky is
+//! only found by BSDF sampling.
 
 use holo_scene::MAX_RADIANCE;
 
@@ -13,6 +12,8 @@ use super::resampling::Reservoir;
 use super::scatterer::Scatterer;
 use super::shade::Shading;
 use crate::accel::Rays;
+use crate::material::media::{self, Medium};
+use crate::sampling;
 use crate::simd::{LANES, Lanes, count};
 
 /// The unoccluded contribution of a light sample to sixteen pixels, with its shadow ray.
@@ -36,6 +37,9 @@ pub(super) fn add(context: &Context, here: &Shading, scatterer: &Scatterer, radi
     for k in 0..selection.count() {
         let light = selection.sample(context, here, k);
         let mut contribution = unoccluded(here, scatterer, &light);
+        if context.scene.has_media {
+            absorb(context, here, &light, &mut contribution);
+        }
         if let Role::Candidate { group, first, last } = selection.role(k) {
             if first {
                 reservoir = Reservoir::new(numbers[group]);
@@ -70,6 +74,30 @@ fn unoccluded(here: &Shading, scatterer: &Scatterer, light: &LightSample) -> Con
     Contribution { value, start: response.start, to_light: light.to_light, far: light.far }
 }
 
+/// Attenuates a contribution by the medium between the surface and the light. Bodies of glass stop shadow rays, so the
+/// light is in the same medium; from infinitely far away none arrives inside a closed body.
+#[inline(always)]
+fn absorb(context: &Context, here: &Shading, light: &LightSample, contribution: &mut Contribution) {
+    let mut crossed = [Medium::AIR; LANES];
+    let mut length = [0.0; LANES];
+    for lane in 0..LANES {
+        let mut above = 0.0;
+        for axis in 0..3 {
+            above += here.interaction.geometric_normal[axis][lane] * light.to_light[axis][lane];
+        }
+        let media = if above < 0.0 { here.media_behind[lane] } else { here.paths.media[lane] };
+        crossed[lane] = context.scene.appearance.medium(media.top());
+        length[lane] = if light.far[lane].is_finite() { 1.0 / light.inverse_length[lane] } else { 0.0 };
+        length[lane] = if light.inverse_length[lane] > 0.0 { length[lane] } else { 0.0 };
+    }
+    let left = media::transmittance(&crossed, &length);
+    for c in 0..3 {
+        for lane in 0..LANES {
+            contribution.value[c][lane] *= left[c][lane];
+        }
+    }
+}
+
 /// Adds the contribution to the lanes whose shadow ray is not occluded; returns the number of shadow rays.
 #[inline(always)]
 fn add_visible(
@@ -89,6 +117,9 @@ fn add_visible(
     }
     let mut rays =
         Rays { origin: contribution.start, direction: contribution.to_light, far: contribution.far, ..Rays::EMPTY };
+    if context.scene.has_alpha {
+        rays.id = sampling::ray_numbers(here.sequences, &here.paths.sample, here.vertex);
+    }
     context.scene.engine.occluded(&lit, &mut rays, here.coherence);
     for lane in 0..LANES {
         let free = (lit.0[lane] != 0) & (rays.far[lane] >= 0.0);

@@ -119,7 +119,8 @@ fn draw(context: &Context, here: &Shading, draw: Draw) -> Points {
 fn punctual(context: &Context, here: &Shading, light: &PreparedLight) -> LightSample {
     let position = if context.scene.has_discs { draw(context, here, Draw::Disc) } else { [[0.5; LANES]; 2] };
     let incident = light.incident(&here.interaction.start, &position);
-    let power = light.power();
+    // A disc can also be hit by a ray; it has a radiance and a pdf.
+    let power = if light.is_disc() { light.disc_radiance() } else { light.power() };
     let mut strength = [[0.0; LANES]; 3];
     for c in 0..3 {
         for lane in 0..LANES {
@@ -131,7 +132,7 @@ fn punctual(context: &Context, here: &Shading, light: &PreparedLight) -> LightSa
         inverse_length: incident.inverse_length,
         far: [light.shadow_reach(); LANES],
         strength,
-        pdf: [f32::INFINITY; LANES],
+        pdf: [light.pdf(); LANES],
     }
 }
 

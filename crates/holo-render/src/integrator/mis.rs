@@ -32,8 +32,9 @@ pub(super) fn environment_radiance(
     if context.scene.has_discs {
         for light in context.scene.lights {
             for lane in 0..LANES {
-                let seen = (pdf[lane] == f32::INFINITY) & light.disc_shows(direction, lane);
-                let radiance = light.disc_radiance();
+                let seen = light.disc_shows(direction, lane);
+                let weight = balance(pdf[lane], light.pdf());
+                let radiance = light.disc_radiance().map(|channel| channel * weight);
                 for c in 0..3 {
                     out[c][lane] += if seen { radiance[c] } else { 0.0 };
                 }

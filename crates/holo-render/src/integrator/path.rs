@@ -28,11 +28,13 @@ use super::paths::{PathPacket, Paths};
 use super::shade::{self, Shading};
 use super::{Context, RayCounts, mis};
 use crate::accel::refine;
-use crate::accel::{Coherence, RayHits, Rays};
+use crate::accel::{CAMERA_RAY, Coherence, RayHits, Rays};
 use crate::camera::tile::Tile;
 use crate::camera::{CameraRays, PixelPacket};
 use crate::film::adaptive::Samples;
+use crate::material::media::MediaStack;
 use crate::material::{HitPoints, SurfaceInteraction};
+use crate::sampling;
 use crate::simd::Kernel;
 use crate::simd::LANES;
 use crate::simd::count;
@@ -179,7 +181,7 @@ impl TilePaths<'_> {
                 let sample = first + (k / per_sample) as u32;
                 self.camera_rays(&pixels, index, sample, &mut packet)
             } else {
-                self.scattered_rays(k, coherence, occlusion_only, &mut packet)
+                self.scattered_rays(k, vertex, coherence, occlusion_only, &mut packet)
             };
             let mut contribution = [[0.0; LANES]; 3];
             let misses = mis::misses(&packet, &traced.paths.valid, occlusion_only);
@@ -197,6 +199,7 @@ impl TilePaths<'_> {
                     hit,
                     sequences: &traced.sequences,
                     vertex,
+                    media_behind: [MediaStack::AIR; LANES],
                     paths: &mut traced.paths,
                     coherence: traced.coherence,
                 };
@@ -212,6 +215,11 @@ impl TilePaths<'_> {
         let context = self.context;
         let sequences = self.scratch.sequences[index];
         let CameraRays { exact, weight } = context.camera.sample(pixels, &context.sampler, sample, packet);
+        packet.rays.id = [CAMERA_RAY; LANES];
+        if context.scene.has_alpha {
+            let numbers = sampling::ray_numbers(&sequences, &[sample; LANES], 0);
+            packet.rays.id = numbers.map(|number| number | CAMERA_RAY);
+        }
         context.scene.engine.intersect(&pixels.valid, packet, Coherence::Coherent);
         self.counts.primary += count(&pixels.valid);
         let refined = refine::refine(context.scene.geometry, packet, &exact);
@@ -222,6 +230,7 @@ impl TilePaths<'_> {
             throughput: [weight; 3],
             sample: [sample; LANES],
             may_scatter: [true; LANES],
+            media: [MediaStack::AIR; LANES],
         };
         for lane in 0..LANES {
             paths.pixel[lane] = (index * LANES + lane) as u32;
@@ -233,19 +242,31 @@ impl TilePaths<'_> {
     /// Packet number `k` of the rays that were scattered at the previous vertex. With `occlusion_only` they are only
     /// tested for occlusion.
     #[inline(always)]
-    fn scattered_rays(&mut self, k: usize, coherence: Coherence, occlusion_only: bool, packet: &mut RayHits) -> Traced {
+    fn scattered_rays(
+        &mut self,
+        k: usize,
+        vertex: u32,
+        coherence: Coherence,
+        occlusion_only: bool,
+        packet: &mut RayHits,
+    ) -> Traced {
         let context = self.context;
         let paths = self.scratch.now.packet(k, &mut packet.rays);
         self.counts.secondary += count(&paths.valid);
-        if occlusion_only {
-            context.scene.engine.occluded(&paths.valid, &mut packet.rays, coherence);
-        } else {
-            context.scene.engine.intersect(&paths.valid, packet, coherence);
-        }
         let mut sequences = [0; LANES];
         for lane in 0..LANES {
             let pixel = paths.pixel[lane] as usize;
             sequences[lane] = self.scratch.sequences[pixel / LANES][pixel % LANES];
+        }
+        if context.scene.has_alpha {
+            packet.rays.id = sampling::ray_numbers(&sequences, &paths.sample, vertex);
+        } else {
+            packet.rays.id = [0; LANES];
+        }
+        if occlusion_only {
+            context.scene.engine.occluded(&paths.valid, &mut packet.rays, coherence);
+        } else {
+            context.scene.engine.intersect(&paths.valid, packet, coherence);
         }
         let points =
             if occlusion_only { HitPoints::NONE } else { HitPoints::secondary(context.scene.geometry, packet) };
@@ -264,12 +285,15 @@ impl TilePaths<'_> {
             }
             return;
         }
+        let limit = self.context.policy.indirect_limit;
         for lane in 0..LANES {
             if paths.valid.0[lane] != 0 {
+                let strongest = contribution[0][lane].max(contribution[1][lane]).max(contribution[2][lane]);
+                let scale = if strongest > limit { limit / strongest } else { 1.0 };
                 let pixel = paths.pixel[lane] as usize;
                 let sum = &mut self.scratch.color[pixel / LANES];
                 for c in 0..3 {
-                    sum[c][pixel % LANES] += contribution[c][lane];
+                    sum[c][pixel % LANES] += contribution[c][lane] * scale;
                 }
             }
         }

@@ -5,6 +5,7 @@
 //! only on those rays.
 
 use crate::accel::Rays;
+use crate::material::media::MediaStack;
 use crate::simd::{LANES, Lanes};
 
 /// The number of cells per side of the square octahedral map by which directions are sorted.
@@ -50,6 +51,8 @@ impl SampleState {
 #[derive(Default)]
 pub(crate) struct Paths {
     paths: Vec<Path>,
+    /// The media around each path; empty if the scene has no bodies of glass.
+    media: Vec<MediaStack>,
     cells: Vec<u32>,
     order: Vec<u32>,
     starts: Vec<u32>,
@@ -63,13 +66,15 @@ pub(crate) struct PathPacket {
     pub throughput: [[f32; LANES]; 3],
     pub sample: [u32; LANES],
     pub may_scatter: [bool; LANES],
+    pub media: [MediaStack; LANES],
 }
 
 impl Paths {
-    /// Adds a ray whose direction lies in `cell` (see [`cell`]).
+    /// Adds a ray whose direction lies in `cell` (see [`cell`]); with its media if the scene has any.
     #[inline(always)]
-    pub fn push(&mut self, path: Path, cell: u32) {
+    pub fn push(&mut self, path: Path, cell: u32, media: Option<MediaStack>) {
         self.paths.push(path);
+        self.media.extend(media);
         self.cells.push(cell);
     }
 
@@ -79,6 +84,7 @@ impl Paths {
 
     pub fn clear(&mut self) {
         self.paths.clear();
+        self.media.clear();
         self.cells.clear();
     }
 
@@ -92,6 +98,7 @@ impl Paths {
             throughput: [[0.0; LANES]; 3],
             sample: [0; LANES],
             may_scatter: [false; LANES],
+            media: [MediaStack::AIR; LANES],
         };
         let first = index * LANES;
         for lane in 0..LANES {
@@ -107,6 +114,7 @@ impl Paths {
             packet.pixel[lane] = path.pixel;
             packet.sample[lane] = path.sample.number();
             packet.may_scatter[lane] = path.sample.may_scatter();
+            packet.media[lane] = self.media.get(self.order[k] as usize).copied().unwrap_or_default();
             packet.valid.0[lane] = -i32::from(first + lane < self.order.len());
         }
         rays.near = [0.0; LANES];
@@ -173,7 +181,7 @@ mod tests {
                 let (origin, throughput) = ([0.0; 3], [1.0; 3]);
                 let path =
                     Path { origin, bsdf_pdf: 1.0, direction, pixel, throughput, sample: SampleState::new(0, true) };
-                paths.push(path, cell(direction));
+                paths.push(path, cell(direction), None);
             }
         }
         paths.sort_by_direction();

@@ -54,6 +54,8 @@ pub(crate) struct Scattered {
     pub bsdf_pdf: [f32; LANES],
     /// Whether the scattering is specular: by metal, glass or a smooth coat.
     pub is_specular: [bool; LANES],
+    /// Whether the direction is transmitted through the surface.
+    pub transmitted: [bool; LANES],
 }
 
 impl<'a> Scatterer<'a> {
@@ -121,6 +123,7 @@ impl<'a> Scatterer<'a> {
             weight: [[0.0; LANES]; 3],
             bsdf_pdf: [0.0; LANES],
             is_specular: [false; LANES],
+            transmitted: [false; LANES],
         };
         for lane in 0..LANES {
             let normal = at(&interaction.shading_normal, lane);
@@ -164,6 +167,7 @@ impl<'a> Scatterer<'a> {
             let polished = sampled.pdf[lane] == f32::INFINITY;
             let solid = glossy.bsdf.metallic[lane].max(glossy.bsdf.transmission[lane]) >= 0.5;
             out.is_specular[lane] = chosen & (polished | solid);
+            out.transmitted[lane] = chosen & sampled.transmitted[lane];
         }
         out
     }
@@ -182,7 +186,13 @@ impl Glossy {
         let interaction = here.interaction;
         let zero = [[0.0; LANES]; 3];
         let mut out = Self {
-            bsdf: context.scene.appearance.scattering(context.scene.geometry, here.packet, interaction),
+            bsdf: context.scene.appearance.scattering(
+                context.scene.geometry,
+                here.packet,
+                interaction,
+                &here.paths.media,
+                context.policy.multiple_scattering,
+            ),
             lanes: [false; LANES],
             axes: [zero; 3],
             out: zero,

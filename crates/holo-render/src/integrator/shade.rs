@@ -7,6 +7,7 @@ use super::{direct_light, mis};
 use crate::accel::{Coherence, RayHits};
 use crate::material::MaterialFlags;
 use crate::material::SurfaceInteraction;
+use crate::material::media::{self, MediaStack, Medium};
 use crate::sampling::{Draw, Purpose};
 use crate::simd::{LANES, at};
 use holo_scene::MAX_RADIANCE;
@@ -30,6 +31,8 @@ pub(crate) struct Shading<'a> {
     pub sequences: &'a [u32; LANES],
     /// The number of the path vertex, from 0.
     pub vertex: u32,
+    /// The media behind the surfaces, as seen from the incident rays; those in front are in `paths`.
+    pub media_behind: [MediaStack; LANES],
     /// The state of the paths.
     pub paths: &'a mut PathPacket,
     /// The coherence of shadow rays from here.
@@ -45,8 +48,8 @@ pub(crate) fn shade(
     contribution: &mut [[f32; LANES]; 3],
     next: &mut Paths,
 ) -> u64 {
-    if here.interaction.any_flags.has(MaterialFlags::VOLUME) {
-        attenuate(context, here);
+    if context.scene.has_media {
+        pass_media(context, here);
     }
     if here.interaction.any_flags.has(MaterialFlags::EMISSIVE.union(MaterialFlags::UNLIT)) {
         add_emission(context, here, contribution);
@@ -73,11 +76,24 @@ pub(crate) fn shade(
     shadow_rays
 }
 
-/// Attenuates the throughput by absorption inside a body of glass.
+/// Attenuates the throughput by the media that the rays have crossed, and finds those behind the surfaces.
 #[inline(always)]
-fn attenuate(context: &Context, here: &mut Shading) {
+fn pass_media(context: &Context, here: &mut Shading) {
+    let appearance = context.scene.appearance;
+    let numbers = appearance.media(context.scene.geometry, here.interaction);
+    let mut crossed = [Medium::AIR; LANES];
     let mut length = [0.0; LANES];
     for lane in 0..LANES {
+        let (number, media) = (numbers[lane], here.paths.media[lane]);
+        let leaves = here.interaction.side[lane] < 0.0;
+        // A path that leaves a body without having entered one began inside it: a camera in glass.
+        let inside = if (media == MediaStack::AIR) & leaves { number } else { media.top() };
+        crossed[lane] = appearance.medium(inside);
+        here.media_behind[lane] = match (number, leaves) {
+            (0, _) => media,
+            (_, true) => media.left(number),
+            (_, false) => media.entered(number),
+        };
         let mut squared = 0.0;
         for axis in 0..3 {
             let step = here.interaction.position[axis][lane] - here.packet.rays.origin[axis][lane];
@@ -85,7 +101,7 @@ fn attenuate(context: &Context, here: &mut Shading) {
         }
         length[lane] = squared.sqrt();
     }
-    let left = context.scene.appearance.attenuation(context.scene.geometry, here.interaction, &length);
+    let left = media::transmittance(&crossed, &length);
     for c in 0..3 {
         for lane in 0..LANES {
             here.paths.throughput[c][lane] *= left[c][lane];
@@ -155,7 +171,8 @@ fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut 
                     context.policy.indirect | scattered.is_specular[lane],
                 ),
             };
-            next.push(path, cells[lane]);
+            let media = if scattered.transmitted[lane] { here.media_behind[lane] } else { here.paths.media[lane] };
+            next.push(path, cells[lane], context.scene.has_media.then_some(media));
         }
     }
 }

@@ -34,8 +34,6 @@ pub(crate) struct Disc {
     versine: f32,
     /// Projected solid angle: irradiance on a surface that faces the disc / radiance = pi sin^2 a.
     projected_solid_angle: f32,
-    /// Solid angle / projected solid angle: 2 / (1 + cos a).
-    solid_angle_ratio: f32,
 }
 
 /// The cone of a spot light: intensity times `clamp(cosine * scale + offset, 0, 1)^2`.
@@ -53,21 +51,18 @@ pub(crate) struct IncidentLight {
     pub to_light: [[f32; LANES]; 3],
     /// 1 / length of `to_light`.
     pub inverse_length: [f32; LANES],
-    /// The share of [`PreparedLight::power`] that arrives on a surface that faces the light.
+    /// The share of [`PreparedLight::power`] that arrives on a surface that faces the light; without meaning for discs,
+    /// which have a radiance.
     pub attenuation: [f32; LANES],
 }
 
 impl Disc {
     fn new(diameter_rad: f64) -> Self {
         let half = 0.5 * diameter_rad;
-        let (sin, cos) = half.sin_cos();
+        let sin = half.sin();
         let versine = 2.0 * (0.5 * half).sin().powi(2);
         let projected_solid_angle = std::f64::consts::PI * sin * sin;
-        Self {
-            versine: versine as f32,
-            projected_solid_angle: projected_solid_angle as f32,
-            solid_angle_ratio: (2.0 / (1.0 + cos)) as f32,
-        }
+        Self { versine: versine as f32, projected_solid_angle: projected_solid_angle as f32 }
     }
 }
 
@@ -139,11 +134,7 @@ impl PreparedLight {
             Self::Disc { axis, disc, .. } => {
                 let [x, y] = sampling::frame(*axis);
                 let one = [1.0; LANES];
-                let mut out = IncidentLight {
-                    to_light: [one; 3],
-                    inverse_length: one,
-                    attenuation: [disc.solid_angle_ratio; LANES],
-                };
+                let mut out = IncidentLight { to_light: [one; 3], inverse_length: one, attenuation: one };
                 for lane in 0..LANES {
                     // Uniform over the solid angle, because the versine is uniform.
                     let versine = disc_point[0][lane] * disc.versine;
@@ -213,6 +204,15 @@ impl PreparedLight {
             (g / disc.projected_solid_angle).min(MAX_RADIANCE),
             (b / disc.projected_solid_angle).min(MAX_RADIANCE),
         ]
+    }
+
+    /// The pdf of [`Self::incident`] per solid angle if a ray can hit the light: of discs; otherwise infinite.
+    #[inline(always)]
+    pub fn pdf(&self) -> f32 {
+        match self {
+            Self::Disc { disc, .. } => 1.0 / (std::f32::consts::TAU * disc.versine),
+            Self::Directional { .. } | Self::Point { .. } => f32::INFINITY,
+        }
     }
 
     /// The end of a shadow ray along [`IncidentLight::to_light`], in multiples of it.

@@ -1,17 +1,17 @@
-//! Alpha: an engine that wraps another one and lets rays pass through surfaces according to the alpha of their
-//! material.
+//! Alpha and back faces: an engine that wraps another one and lets rays pass through surfaces according to the alpha of
+//! their material, and camera rays through the backs of those that are not double-sided.
 //!
 //! A ray that passes a triangle is traced again from behind it. The other engines need no support for alpha, and scenes
 //! without alpha do not use this wrapper. Surfaces that are closer to each other than 5e-7 of their distance count as
 //! one.
 //!
-//! For [`holo_scene::Alpha::Blend`] the decision is random, by a hash of the ray and the triangle: every sample of a
-//! pixel has its own ray. Ground truth has a single ray per pixel, for which an opacity of at least one half is opaque,
+//! For [`holo_scene::Alpha::Blend`] the decision is random, by a hash of the ray, of a random number of its own that
+//! depends on the seed, and of the triangle. Ground truth has a single ray per pixel, for which an opacity of at least one half is opaque,
 //! as in the depth pass of Blender.
 
 use std::sync::Arc;
 
-use crate::accel::{Coherence, Engine, NO_TRIANGLE, RayHits, Rays};
+use crate::accel::{CAMERA_RAY, Coherence, Engine, NO_TRIANGLE, RayHits, Rays};
 use crate::geometry::Geometry;
 use crate::material::Appearance;
 use crate::sampling::hash;
@@ -32,6 +32,8 @@ pub(crate) struct AlphaTested {
     pub geometry: Arc<Geometry>,
     pub appearance: Arc<Appearance>,
     pub test: AlphaTest,
+    /// Whether camera rays pass the backs of surfaces that are not double-sided.
+    pub cull: bool,
 }
 
 /// The maximum number of surfaces that a ray can pass.
@@ -46,6 +48,10 @@ impl AlphaTested {
             if valid.0[lane] == 0 || hit.triangle == NO_TRIANGLE {
                 continue;
             }
+            if self.cull && self.is_culled(packet, lane) {
+                passes.0[lane] = -1;
+                continue;
+            }
             let barycentrics = [packet.hits.u[lane], packet.hits.v[lane]];
             let opacity = self.appearance.opacity(&self.geometry, hit, barycentrics);
             let threshold = match self.test {
@@ -57,6 +63,17 @@ impl AlphaTested {
             passes.0[lane] = -i32::from(opacity < threshold);
         }
         passes
+    }
+}
+
+impl AlphaTested {
+    /// Whether a camera ray hit the back of a surface that has only a front.
+    fn is_culled(&self, packet: &RayHits, lane: usize) -> bool {
+        if packet.rays.id[lane] & CAMERA_RAY == 0 || self.appearance.is_double_sided(&self.geometry, packet.hit(lane)) {
+            return false;
+        }
+        let normal = self.geometry.plane(packet.hit(lane)).normal;
+        (0..3).map(|axis| normal[axis] * f64::from(packet.rays.direction[axis][lane])).sum::<f64>() > 0.0
     }
 }
 
@@ -101,9 +118,9 @@ fn beyond(distance: f32) -> f32 {
     (distance * (1.0 + 5e-7)).max(f32::MIN_POSITIVE)
 }
 
-/// A random number in (0, 1] for a ray and a triangle.
+/// A random number in (0, 1] for a ray, its random number [`Rays::id`], and a triangle.
 fn number(rays: &Rays, lane: usize, triangle: u32) -> f32 {
-    let mut state = triangle.wrapping_mul(0x9E37_79B9);
+    let mut state = hash(triangle.wrapping_mul(0x9E37_79B9) ^ rays.id[lane]);
     for axis in 0..3 {
         state = hash(state ^ rays.origin[axis][lane].to_bits());
         state = hash(state ^ rays.direction[axis][lane].to_bits());
@@ -140,7 +157,7 @@ mod tests {
     fn depths(alpha: Alpha, share: f32, test: AlphaTest) -> Vec<f32> {
         let (geometry, appearance) = stack(alpha, share);
         let inner: Arc<dyn Engine> = Arc::from(build(Backend::Bvh, &geometry, 1).unwrap().0);
-        let holes = AlphaTested { inner, geometry, appearance, test };
+        let holes = AlphaTested { inner, geometry, appearance, test, cull: false };
         let mut out = Vec::new();
         for k in 0..256 {
             let mut packet = RayHits::EMPTY;

@@ -7,9 +7,12 @@ mod emission;
 mod lookup;
 mod scattering;
 
+use std::collections::BTreeMap;
+
 use crate::accel::RayHits;
 use crate::geometry::{Geometry, Hit, InstanceData};
 use crate::material::SurfaceInteraction;
+use crate::material::media::{Medium, MediumId};
 use crate::material::texture;
 use holo_core::color::srgb8_to_linear_table;
 use holo_scene::{Alpha, NormalMap, Texture, TextureInfo, TextureTransform};
@@ -17,6 +20,8 @@ use holo_scene::{Alpha, NormalMap, Texture, TextureInfo, TextureTransform};
 /// Materials and textures, prepared for evaluation.
 pub(crate) struct Appearance {
     materials: Vec<Material>,
+    /// Air, and the media of the materials, each once.
+    media: Vec<Medium>,
     textures: Vec<Texture>,
     srgb: &'static [f32; 256],
     /// The values of 8-bit codes of textures without color, 0 to 1.
@@ -36,7 +41,7 @@ impl MaterialFlags {
     pub const UNLIT: Self = Self(4);
     /// A normal map.
     pub const NORMAL_MAP: Self = Self(8);
-    /// A volume with absorption inside glass.
+    /// A body of glass.
     pub const VOLUME: Self = Self(16);
     /// Alpha other than opaque.
     pub const ALPHA: Self = Self(32);
@@ -125,17 +130,19 @@ impl Appearance {
     pub fn new(materials: &[holo_scene::Material], textures: &[Texture]) -> Self {
         let mut linear = [0.0; 256];
         linear.iter_mut().enumerate().for_each(|(code, value)| *value = code as f32 / 255.0);
-        Self {
-            materials: materials.iter().map(Material::new).collect(),
-            textures: textures.to_vec(),
-            srgb: srgb8_to_linear_table(),
-            linear,
-        }
+        let mut materials: Vec<Material> = materials.iter().map(Material::new).collect();
+        let media = number_media(&mut materials);
+        Self { materials, media, textures: textures.to_vec(), srgb: srgb8_to_linear_table(), linear }
     }
 
     /// The features of all materials together.
     pub fn flags(&self) -> MaterialFlags {
         self.materials.iter().fold(MaterialFlags::default(), |all, material| all.union(material.flags))
+    }
+
+    /// The number of different media in bodies of glass.
+    pub fn media_count(&self) -> usize {
+        self.media.len() - 1
     }
 
     /// Whether all materials are unlit.
@@ -179,6 +186,12 @@ impl Appearance {
             Alpha::Mask(cutoff) => f32::from(u8::from(alpha >= cutoff)),
             Alpha::Blend => alpha,
         }
+    }
+
+    /// Whether the material of a triangle has two sides.
+    pub fn is_double_sided(&self, geometry: &Geometry, triangle: Hit) -> bool {
+        let instance = geometry.instance(geometry.instance_index(triangle));
+        self.materials[instance.material as usize].emission.both_sides
     }
 
     /// Samples a color texture, linear RGB.
@@ -235,8 +248,8 @@ impl Appearance {
         for axis in 0..3 {
             tangent[axis] *= unit;
         }
-        // Upward in the image, against v: to the left of u unless the coordinates are mirrored.
-        let turn = -area.signum();
+        // Upward in the image, against v: to the left of u unless the coordinates or the placement are mirrored.
+        let turn = -area.signum() * geometry.orientation(point.triangle);
         let bitangent = [
             (normal[1] * tangent[2] - normal[2] * tangent[1]) * turn,
             (normal[2] * tangent[0] - normal[0] * tangent[2]) * turn,
@@ -259,6 +272,22 @@ impl Appearance {
     }
 }
 
+/// Numbers the media of the materials. Those beyond the largest number count as air; the renderer refuses them.
+fn number_media(materials: &mut [Material]) -> Vec<Medium> {
+    let mut media = vec![Medium::AIR];
+    let mut known = BTreeMap::new();
+    for material in materials {
+        let Some(medium) = material.scattering.medium() else { continue };
+        let [r, g, b] = medium.absorption.map(f32::to_bits);
+        let number = *known.entry([medium.ior.to_bits(), r, g, b]).or_insert_with(|| {
+            media.push(medium);
+            media.len() - 1
+        });
+        material.scattering.medium = MediumId::try_from(number).unwrap_or(0);
+    }
+    media
+}
+
 impl Material {
     fn new(material: &holo_scene::Material) -> Self {
         let normal_map = material.normal_map.map(|NormalMap { texture, scale }| (TextureLookup::new(texture), scale));
@@ -269,7 +298,7 @@ impl Material {
             (MaterialFlags::EMISSIVE, emission.is_emissive() && !material.unlit),
             (MaterialFlags::UNLIT, material.unlit),
             (MaterialFlags::NORMAL_MAP, normal_map.is_some()),
-            (MaterialFlags::VOLUME, scattering.has_volume() && !material.unlit),
+            (MaterialFlags::VOLUME, scattering.medium().is_some() && !material.unlit),
             (MaterialFlags::ALPHA, material.alpha != Alpha::Opaque),
         ];
         Self {

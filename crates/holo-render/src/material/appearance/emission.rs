@@ -10,7 +10,7 @@ pub(super) struct Emission {
     factor: [f32; 3],
     texture: Option<TextureLookup>,
     /// Whether the back emits as well as the front.
-    both_sides: bool,
+    pub(super) both_sides: bool,
 }
 
 impl Emission {

@@ -54,8 +54,8 @@ impl Normals {
 }
 
 impl Appearance {
-    /// Sets triangles, flags, base colors and shading normals of `out`; returns the largest coordinates of the
-    /// instances.
+    /// Sets triangles, flags, base colors and shading normals of `out`; returns the error bounds
+    /// [`Geometry::extent`] of the triangles.
     #[inline(always)]
     pub fn fill_interaction(
         &self,
@@ -66,14 +66,17 @@ impl Appearance {
     ) -> [f32; LANES] {
         let mut normals = Normals { smooth: [false; LANES], any: false, corners: [[[0.0f32; LANES]; 3]; 3] };
         out.triangle = *triangles;
-        let extent = match common_instance(geometry, triangles) {
+        match common_instance(geometry, triangles) {
             Some((instance, one_triangle)) => {
                 let instance = geometry.instance(instance);
                 self.fill_from_one_instance(geometry, packet, instance, one_triangle, out, &mut normals);
-                [instance.extent; LANES]
             }
             None => self.fill_lane_by_lane(geometry, packet, out, &mut normals),
-        };
+        }
+        let mut extent = [0.0; LANES];
+        for lane in 0..LANES {
+            extent[lane] = geometry.extent(triangles[lane]);
+        }
         out.shading_normal = out.geometric_normal;
         if normals.any {
             normals.interpolate(packet, out);
@@ -142,12 +145,10 @@ impl Appearance {
         packet: &RayHits,
         out: &mut SurfaceInteraction,
         normals: &mut Normals,
-    ) -> [f32; LANES] {
-        let mut extent = [0.0; LANES];
+    ) {
         for lane in 0..LANES {
             let point = SurfacePoint::new(geometry, out.triangle[lane], [packet.hits.u[lane], packet.hits.v[lane]]);
             let material = &self.materials[point.instance.material as usize];
-            extent[lane] = point.instance.extent;
             out.flags[lane] = material.flags;
             out.any_flags = out.any_flags.union(material.flags);
             let color = self.base_color(material, &point);
@@ -158,7 +159,6 @@ impl Appearance {
                 normals.set(lane, &geometry.normals_of(point.triangle));
             }
         }
-        extent
     }
 }
 

@@ -5,6 +5,7 @@ use crate::accel::RayHits;
 use crate::geometry::Geometry;
 use crate::material::SurfaceInteraction;
 use crate::material::bsdf::{Bsdf, fresnel};
+use crate::material::media::{MediaStack, Medium, MediumId};
 use crate::material::texture;
 use crate::simd::LANES;
 
@@ -20,17 +21,20 @@ pub(super) struct Scattering {
     ior: f32,
     transmission: f32,
     transmission_texture: Option<TextureLookup>,
-    /// The absorption coefficient of the volume, 1/m; `None` for a thin pane.
-    absorption: Option<[f32; 3]>,
+    /// The medium behind the surface; `None` for a thin pane.
+    volume: Option<Medium>,
+    /// Its number, 0 without.
+    pub(super) medium: MediumId,
 }
 
 impl Scattering {
     pub fn new(material: &holo_scene::Material) -> Self {
-        let absorption = material.volume.map(|volume| {
+        let volume = material.volume.map(|volume| {
             let distance = f64::from(volume.attenuation_distance_m);
             // Beer-Lambert law: color = exp(-absorption * distance). (f64 logarithms of f32 values, rounded to f32, are
             // the same on every machine in all but one of 2^29 cases.)
-            volume.attenuation_color.map(|c| (-f64::from(c).ln() / distance) as f32)
+            let absorption = volume.attenuation_color.map(|c| (-f64::from(c).ln() / distance) as f32);
+            Medium { ior: material.ior, absorption }
         });
         Self {
             metallic: material.metallic,
@@ -43,7 +47,8 @@ impl Scattering {
             ior: material.ior,
             transmission: material.transmission,
             transmission_texture: material.transmission_texture.map(TextureLookup::new),
-            absorption,
+            volume,
+            medium: 0,
         }
     }
 
@@ -52,17 +57,24 @@ impl Scattering {
         self.metallic > 0.0 || self.transmission > 0.0 || self.specular > 0.0
     }
 
-    /// Whether light passes through an absorbing volume.
-    pub fn has_volume(&self) -> bool {
-        self.transmission > 0.0 && self.absorption.is_some_and(|absorption| absorption.iter().any(|&a| a > 0.0))
+    /// The medium that light passes through behind the surface.
+    pub fn medium(&self) -> Option<Medium> {
+        self.volume.filter(|_| self.transmission > 0.0)
     }
 }
 
 impl Appearance {
     /// The BSDF of sixteen surface interactions; Lambertian for lanes that are not glossy.
     #[inline(always)]
-    pub fn scattering(&self, geometry: &Geometry, packet: &RayHits, interaction: &SurfaceInteraction) -> Bsdf {
-        let mut out = Bsdf::lambertian(interaction.base_color);
+    pub fn scattering(
+        &self,
+        geometry: &Geometry,
+        packet: &RayHits,
+        interaction: &SurfaceInteraction,
+        media: &[MediaStack; LANES],
+        multiple_scattering: bool,
+    ) -> Bsdf {
+        let mut out = Bsdf { multiple_scattering, ..Bsdf::lambertian(interaction.base_color) };
         for lane in 0..LANES {
             if !interaction.flags[lane].has(MaterialFlags::GLOSSY) {
                 continue;
@@ -93,74 +105,39 @@ impl Appearance {
             out.metallic[lane] = metallic;
             out.transmission[lane] = transmission;
             out.alpha[lane] = roughness * roughness;
-            let normal = fresnel::normal_incidence(material.ior);
+            let body = material.volume.is_some();
+            let leaves = (interaction.side[lane] < 0.0) & body;
+            let outside = if leaves { media[lane].left(material.medium) } else { media[lane] };
+            // Relative to what is around; a pane is glass in air.
+            let around = if body | (transmission == 0.0) { self.medium(outside.top()).ior } else { 1.0 };
+            let ior = material.ior / around;
+            let normal = fresnel::normal_incidence(ior);
             for c in 0..3 {
                 out.specular_f0[c][lane] = (normal * specular_color[c]).min(1.0) * specular;
             }
             out.specular_f90[lane] = specular;
-            out.thin[lane] = material.absorption.is_none();
-            let leaves = (interaction.side[lane] < 0.0) & material.absorption.is_some();
-            out.eta[lane] = if leaves { 1.0 / material.ior } else { material.ior };
+            out.thin[lane] = !body;
+            out.eta[lane] = if leaves { 1.0 / ior } else { ior };
         }
         out
     }
 
-    /// The transmittance of `length` meters in the volume that a ray is about to leave: 1 unless the ray hits the back
-    /// of glass with a volume. Source: Beer-Lambert law.
+    /// The numbers of the media behind sixteen surfaces; 0 for surfaces that enclose none.
     #[inline(always)]
-    pub fn attenuation(
-        &self,
-        geometry: &Geometry,
-        interaction: &SurfaceInteraction,
-        length: &[f32; LANES],
-    ) -> [[f32; LANES]; 3] {
-        let mut depth = [[0.0; LANES]; 3];
+    pub fn media(&self, geometry: &Geometry, interaction: &SurfaceInteraction) -> [MediumId; LANES] {
+        let mut out = [0; LANES];
         for lane in 0..LANES {
-            if interaction.flags[lane].has(MaterialFlags::VOLUME) & (interaction.side[lane] < 0.0) {
+            if interaction.flags[lane].has(MaterialFlags::VOLUME) {
                 let instance = geometry.instance(geometry.instance_index(interaction.triangle[lane]));
-                if let Some(absorption) = self.materials[instance.material as usize].scattering.absorption {
-                    for c in 0..3 {
-                        depth[c][lane] = absorption[c] * length[lane];
-                    }
-                }
+                out[lane] = self.materials[instance.material as usize].scattering.medium;
             }
         }
-        for c in 0..3 {
-            for lane in 0..LANES {
-                depth[c][lane] = exp_of_minus(depth[c][lane]);
-            }
-        }
-        depth
+        out
     }
-}
 
-/// exp(-x) for x >= 0 with a relative error below 2e-7, bitwise identical on all machines; 0 above 87.
-#[inline(always)]
-fn exp_of_minus(x: f32) -> f32 {
-    const LOG2_E: f64 = std::f64::consts::LOG2_E;
-    let x = x.min(100.0);
-    // 2^-(k + f) with f between -1/2 and 1/2; in f64, so that k * ln 2 loses no precision.
-    let exponent = f64::from(x) * LOG2_E;
-    let whole = (exponent + 0.5).floor();
-    let y = (whole - exponent) * std::f64::consts::LN_2;
-    let power = 1.0
-        + y * (1.0
-            + y * (0.5 + y * (1.0 / 6.0 + y * (1.0 / 24.0 + y * (1.0 / 120.0 + y * (1.0 / 720.0 + y / 5040.0))))));
-    let scale = f64::from_bits(((1023 - whole as i64) as u64) << 52);
-    if x > 87.0 { 0.0 } else { (power * scale) as f32 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_exponential_is_right() {
-        for k in 0..87_000 {
-            let x = k as f32 / 1000.0;
-            let exact = (-f64::from(x)).exp();
-            assert!((f64::from(exp_of_minus(x)) / exact - 1.0).abs() < 2e-7, "{x}");
-        }
-        assert_eq!([exp_of_minus(0.0), exp_of_minus(1e30)], [1.0, 0.0]);
+    /// The medium of a number.
+    #[inline(always)]
+    pub fn medium(&self, number: MediumId) -> Medium {
+        self.media[usize::from(number)]
     }
 }

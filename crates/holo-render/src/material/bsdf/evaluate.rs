@@ -44,27 +44,35 @@ impl Bsdf {
         let mut terms = Terms { tinted: [0.0; LANES], plain: [[0.0; LANES]; 3], pdf: [0.0; LANES] };
         let mut albedo_into = Albedo::SMOOTH;
         if let Some(rows) = &lobes.rows {
-            albedo_into = albedo::table().albedo(rows, &into[2], &self.alpha, &lobes.smooth);
+            albedo_into = albedo::table().albedo(rows, &into[2].map(f32::abs), &self.alpha, &lobes.smooth);
         }
         for lane in 0..LANES {
             let z = into[2][lane].max(0.0);
             let lambert = z * FRAC_1_PI;
             let schlick_weight = fresnel::schlick(z);
-            let transmittance_into =
-                1.0 - albedo_into.of(lane, lobes.strongest_f0[lane], self.specular_f90[lane], schlick_weight);
+            let albedo = albedo_into.of(lane, lobes.strongest_f0[lane], self.specular_f90[lane], schlick_weight);
+            let again = lobes.strongest_again[lane] * (1.0 - albedo_into.scale[lane]).max(0.0);
+            let transmittance_into = (1.0 - albedo - again).max(0.0);
             let coupling =
                 lobes.coat_transmittance_out[lane] * transmittance_into / lobes.coat_transmittance_mean[lane].max(1e-7);
             terms.tinted[lane] = lambert * (lobes.coat[lane] * coupling);
             terms.pdf[lane] = lambert * lobes.pick_diffuse[lane];
         }
         if lobes.any_rough {
-            self.add_microfacets(lobes, out, into, &mut terms);
+            self.add_microfacets(lobes, out, into, &albedo_into.gain, &mut terms);
         }
         terms
     }
 
     #[inline(always)]
-    fn add_microfacets(&self, lobes: &Lobes, out: &Directions, into: &Directions, terms: &mut Terms) {
+    fn add_microfacets(
+        &self,
+        lobes: &Lobes,
+        out: &Directions,
+        into: &Directions,
+        gain_into: &[f32; LANES],
+        terms: &mut Terms,
+    ) {
         let microfacets = microfacet::microfacets(out, into, &self.alpha, &self.eta, &self.thin);
         for lane in 0..LANES {
             let mirror = (into[2][lane] > 0.0) & !lobes.smooth[lane];
@@ -72,10 +80,14 @@ impl Bsdf {
             let pdf = if mirror { microfacets.pdf[lane] } else { 0.0 };
             let schlick_weight = fresnel::schlick(microfacets.cosine[lane]);
             let (metal, coat) = (value * lobes.metal[lane], value * lobes.coat[lane]);
+            let again = if self.multiple_scattering { lobes.gain_out[lane] * gain_into[lane] - 1.0 } else { 0.0 };
             for c in 0..3 {
                 let conductor = fresnel::interpolate(self.base_color[c][lane], self.metal_f90[c][lane], schlick_weight);
                 let dielectric =
                     fresnel::interpolate(self.specular_f0[c][lane], self.specular_f90[lane], schlick_weight);
+                // The gains of two directions of little loss are slightly below 1.
+                let conductor = (conductor + lobes.metal_again[c][lane] * again).max(0.0);
+                let dielectric = (dielectric + lobes.coat_again[c][lane] * again).max(0.0);
                 terms.plain[c][lane] += metal * conductor + coat * dielectric;
             }
             terms.pdf[lane] += (lobes.pick_metal[lane] + lobes.pick_coat[lane]) * pdf;
@@ -86,7 +98,9 @@ impl Bsdf {
         let glass = self.glass(lobes, &microfacets.cosine, &microfacets.eta);
         for lane in 0..LANES {
             let rough = !lobes.delta_transmission[lane];
-            let value = if rough { lobes.glass[lane] * microfacets.value[lane] } else { 0.0 };
+            let gain =
+                if self.thin[lane] & self.multiple_scattering { lobes.gain_out[lane] * gain_into[lane] } else { 1.0 };
+            let value = if rough { lobes.glass[lane] * microfacets.value[lane] * gain } else { 0.0 };
             let pdf = if rough { lobes.pick_glass[lane] * microfacets.pdf[lane] } else { 0.0 };
             let behind = into[2][lane] < 0.0;
             let through = 1.0 - glass.strongest[lane];

@@ -113,6 +113,7 @@ pub(super) fn bsdf(ones: &[One; LANES]) -> Bsdf {
         specular_f90: number(|one| one.specular),
         eta: number(|one| one.eta),
         thin: std::array::from_fn(|lane| ones[lane].thin),
+        multiple_scattering: true,
     }
 }
 

@@ -4,6 +4,7 @@
 use super::quadrature::{LATTICE, Total, Vector, dot, draw_normal, integrate, lambda, nodes};
 use super::{CLEAR_GLASS, One, Random, WHITE_COATED, WHITE_METAL, all, same_in_all_lanes, viewer};
 use crate::material::bsdf::{Bsdf, albedo};
+use crate::sampling::Points;
 use crate::simd;
 use crate::simd::LANES;
 
@@ -11,17 +12,9 @@ const ROUGHNESSES: [f32; 6] = [0.0, 0.1, 0.3, 0.5, 0.7, 1.0];
 const COSINES: [f64; 6] = [0.02, 0.1, 0.3, 0.6, 0.9, 1.0];
 const INDICES: [f32; 6] = [1.1, 1.5, 2.4, 1.0 / 1.1, 1.0 / 1.5, 1.0 / 2.4];
 
-/// The table of the module documentation: losses in per cent, by roughness and cosine.
+/// The tables of the module documentation: losses in per cent, by roughness and cosine.
 type Losses = [[f64; 6]; 6];
 
-const METAL: Losses = [
-    [0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [8.65, 0.59, 0.06, 0.02, 0.01, 0.01],
-    [4.68, 11.57, 5.41, 1.87, 1.06, 0.93],
-    [3.23, 10.84, 16.21, 12.83, 9.26, 8.42],
-    [4.36, 13.81, 25.1, 30.54, 30.68, 30.22],
-    [7.86, 23.98, 43.99, 58.85, 67.25, 69.31],
-];
 const INTO_GLASS: Losses = [
     [0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
     [7.99, 0.4, 0.02, 0.0, 0.0, 0.0],
@@ -87,13 +80,85 @@ fn smooth_and_diffuse_surfaces_lose_nothing() {
         for eta in [1.1, 1.5, 2.4, 100.0] {
             for roughness in ROUGHNESSES {
                 let lost = lost(One { eta, roughness, ..WHITE_COATED }, mu);
-                assert!(lost.abs() < 1e-3, "{eta} {roughness} {mu}: {lost}");
+                assert!(lost.abs() < 2e-3, "{eta} {roughness} {mu}: {lost}");
             }
         }
     }
 }
 
-/// Rough metal, rough panes and rough bodies have the documented losses, within 0.05 % (eleven times as many points
+/// A lattice of three dimensions, from the powers of the root of x^4 = x + 1: sixteen points from number `first` on.
+fn lattice(first: usize) -> ([f32; LANES], Points) {
+    let number = |step: f64| -> [f32; LANES] {
+        std::array::from_fn(|lane| ((0.5 + step * (first + lane) as f64).fract() as f32).min(1.0 - f32::EPSILON))
+    };
+    (number(0.819_172_513_396_164_4), [number(0.671_043_606_703_789_2), number(0.549_700_477_901_970_3)])
+}
+
+/// White metal and clear panes of any roughness have an albedo of 1, to the accuracy of the table: the mean weight of
+/// 65536 samples. (The quadrature does not resolve the narrowest lobes at grazing incidence.)
+#[test]
+fn rough_metal_and_panes_lose_nothing() {
+    const COUNT: usize = 65_536;
+    let albedo = |one: One, mu: f64| {
+        let (surfaces, out) = (all(one), same_in_all_lanes(viewer(mu)));
+        let sum = |first: usize| {
+            let (choice, point) = lattice(first);
+            surfaces.sample(&out, &choice, &point).weight[0].iter().map(|&w| f64::from(w)).sum::<f64>()
+        };
+        (0..COUNT).step_by(LANES).map(sum).sum::<f64>() / COUNT as f64
+    };
+    for roughness in (0..=20).map(|k| k as f32 / 20.0) {
+        for mu in COSINES.into_iter().chain([0.005, 0.05, 0.45, 0.75]) {
+            let metal = albedo(One { roughness, ..WHITE_METAL }, mu);
+            assert!((metal - 1.0).abs() < 3e-3, "metal {roughness} {mu}: {metal}");
+            for (eta, specular) in [(1.1, 1.0), (1.5, 1.0), (2.4, 0.3)] {
+                let pane = albedo(One { roughness, eta, specular, thin: true, ..CLEAR_GLASS }, mu);
+                assert!((pane - 1.0).abs() < 3e-3, "pane {eta} {roughness} {mu}: {pane}");
+            }
+        }
+    }
+}
+
+/// Gray metal reflects what is left after any number of events between the microfacets: the geometric series of the
+/// multiple-scattering lobe, in a hemisphere of light.
+#[test]
+fn repeated_reflection_is_a_geometric_series() {
+    let mean = |one: One| {
+        let (x, w): (Vec<f64>, Vec<f64>) = (0..40).map(|k| ((f64::from(k) + 0.5) / 40.0, 1.0 / 40.0)).unzip();
+        x.iter().zip(&w).map(|(z, w)| 2.0 * z * w * furnace(one, *z)[0]).sum::<f64>()
+    };
+    for roughness in [0.5, 1.0] {
+        let of = |f: f32| One { roughness, base_color: [f; 3], ..WHITE_METAL };
+        // Without Fresnel's rise: f90 = f0, so that every event reflects f.
+        let flat = |f: f32| {
+            let mut surfaces = all(of(f));
+            surfaces.metal_f90 = surfaces.base_color;
+            surfaces
+        };
+        let escape = 1.0
+            - 2.0
+                * (0..400)
+                    .map(|k| (f64::from(k) + 0.5) / 400.0)
+                    .map(|z| {
+                        let rows = albedo::rows(&[of(1.0).alpha(); LANES]);
+                        let scale = albedo::table()
+                            .albedo(&rows, &[z as f32; LANES], &[of(1.0).alpha(); LANES], &[false; LANES])
+                            .scale[0];
+                        z * (1.0 - f64::from(scale)) / 400.0
+                    })
+                    .sum::<f64>();
+        for f in [0.2_f32, 0.5, 0.9] {
+            let lobes = flat(f).lobes(&same_in_all_lanes(viewer(0.5)));
+            let (f, repeated) = (f64::from(f), f64::from(lobes.metal_again[0][0]));
+            // Events 2, 3, ...: f^2 W + f^3 (1 - W) W + ...
+            let series: f64 = (0..200).map(|k| f * f * escape * (f * (1.0 - escape)).powi(k)).sum();
+            assert!((repeated - series).abs() < 2e-3, "{repeated} {series}");
+        }
+        assert!((mean(of(1.0)) - 1.0).abs() < 2e-3);
+    }
+}
+
+/// Rough bodies have the documented losses, within 0.05 % (eleven times as many points
 /// change nothing), and no gain at any index.
 #[test]
 fn the_losses_are_those_of_the_documents() {
@@ -103,8 +168,6 @@ fn the_losses_are_those_of_the_documents() {
                 let lost = lost(One { roughness, ..one }, mu);
                 assert!((100.0 * lost - table[row][column]).abs() < 0.05, "{one:?} {roughness} {mu}: {lost}");
             };
-            check(WHITE_METAL, &METAL);
-            check(One { thin: true, ..CLEAR_GLASS }, &METAL);
             check(CLEAR_GLASS, &INTO_GLASS);
             check(One { eta: 1.0 / 1.5, ..CLEAR_GLASS }, &OUT_OF_GLASS);
             for eta in INDICES {
@@ -140,11 +203,11 @@ fn mixtures_are_mixtures() {
 }
 
 /// Means over the directions of `sample` - the weights, and their first moments along the axes - equal the integrals of
-/// `evaluate`, per channel and side; its pdf integrates to the share of valid samples. 65536 points of a
+/// `evaluate`, per channel and side; its pdf integrates to the share of valid samples. 262144 points of a
 /// three-dimensional lattice; the differences are below a third of the bound.
 #[test]
 fn what_is_drawn_is_what_is_evaluated() {
-    const COUNT: usize = 65_536;
+    const COUNT: usize = 262_144;
     let mut random = Random::new(32);
     for k in 0..30 {
         let mut one = One { eta: random.choose(&INDICES), ..One::random(&mut random) };
@@ -165,14 +228,8 @@ fn what_is_drawn_is_what_is_evaluated() {
         let mut drawn = [[0.0; 6]; 2];
         let (mut found, mut delta_lobes) = (0.0, 0.0);
         for first in (0..COUNT).step_by(LANES) {
-            let number = |step: f64| -> [f32; LANES] {
-                std::array::from_fn(|lane| {
-                    ((0.5 + step * (first + lane) as f64).fract() as f32).min(1.0 - f32::EPSILON)
-                })
-            };
-            // Powers of the root of x^4 = x + 1.
-            let point = [number(0.671_043_606_703_789_2), number(0.549_700_477_901_970_3)];
-            let sampled = surfaces.sample(&towards, &number(0.819_172_513_396_164_4), &point);
+            let (choice, point) = lattice(first);
+            let sampled = surfaces.sample(&towards, &choice, &point);
             for lane in 0..LANES {
                 let weight: Vector = std::array::from_fn(|c| f64::from(sampled.weight[c][lane]) / COUNT as f64);
                 if sampled.pdf[lane] == f32::INFINITY {

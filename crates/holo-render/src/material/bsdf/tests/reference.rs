@@ -35,9 +35,28 @@ fn glass(one: &One, c: f64, eta: f64) -> [f64; 4] {
     [channel(r), channel(g), channel(b), channel(r.max(g).max(b))]
 }
 
-/// The albedo of the coat and its mean, from the table, which has a test of its own.
-fn coat_albedo(one: &One, z: f64) -> [f64; 2] {
-    let alpha = [one.alpha(); LANES];
+/// Albedo of the coat and its mean; W; the gain; the strengths of the light that is scattered more than once. From the
+/// table, which has a test of its own.
+struct Tabulated {
+    albedo: f64,
+    mean: f64,
+    escape: f64,
+    gain: f64,
+    metal: Vector,
+    coat: Vector,
+}
+
+/// What the light that is scattered more than once has left.
+fn repeated(reflectance: f64, escape: f64) -> f64 {
+    reflectance * reflectance * escape / (1.0 - reflectance * (1.0 - escape))
+}
+
+fn mean_schlick(f0: f64, f90: f64) -> f64 {
+    f0 + (f90 - f0) / 21.0
+}
+
+fn tabulated(one: &One, z: f64) -> Tabulated {
+    let (alpha, base) = ([one.alpha(); LANES], one.base_color.map(f64::from));
     let smooth = [one.alpha() < SMOOTH_BELOW; LANES];
     let rows = albedo::rows(&alpha);
     let z = z as f32;
@@ -45,7 +64,17 @@ fn coat_albedo(one: &One, z: f64) -> [f64; 2] {
     let here = albedo::table().albedo(&rows, &[z; LANES], &alpha, &smooth);
     let mean = albedo::table().average(&rows, &smooth);
     let schlick_weight = (1.0 - z).powi(5);
-    [f64::from(here.of(0, f0, one.specular, schlick_weight)), f64::from(mean.of(0, f0, one.specular))]
+    let (escape, mean_escape) = (f64::from(here.scale[0]), f64::from(mean.scale[0]));
+    let again = repeated(mean_schlick(f64::from(f0), f64::from(one.specular)), mean_escape);
+    let once = f64::from(here.of(0, f0, one.specular, schlick_weight));
+    Tabulated {
+        albedo: once + again * (1.0 - escape),
+        mean: f64::from(mean.of(0, f0, one.specular)) + again * (1.0 - mean_escape),
+        escape,
+        gain: f64::from(here.gain[0]),
+        metal: base.map(|b| repeated(mean_schlick(b, 1.0), mean_escape)),
+        coat: one.f0().map(|f0| repeated(mean_schlick(f64::from(f0), f64::from(one.specular)), mean_escape)),
+    }
 }
 
 /// The textbook BSDF; `shift` is added to the cosines at microfacets.
@@ -59,10 +88,11 @@ fn textbook(one: &One, out: Vector, into: Vector, shift: f64) -> Scattered {
     let glassy = (1.0 - metal) * f64::from(one.transmission);
     let coated = (1.0 - metal) * (1.0 - f64::from(one.transmission));
 
-    let [albedo_out, mean] = coat_albedo(one, out[2]);
+    let Tabulated { albedo: albedo_out, mean, escape, gain: gain_out, metal: metal_again, coat: coat_again } =
+        tabulated(one, out[2]);
     let mean_of = |of: &dyn Fn(usize) -> f64| (of(0) + of(1) + of(2)) / 3.0;
     let energies = [
-        metal * mean_of(&|c| schlick(base[c], 1.0, out[2])).max(0.05),
+        metal * mean_of(&|c| schlick(base[c], 1.0, out[2]) * escape + metal_again[c] * (1.0 - escape)).max(0.05),
         glassy,
         coated * albedo_out,
         coated * (1.0 - albedo_out) * mean_of(&|c| base[c]),
@@ -71,9 +101,10 @@ fn textbook(one: &One, out: Vector, into: Vector, shift: f64) -> Scattered {
     let pick = if sum > 0.0 { energies.map(|e| e / sum) } else { [0.0, 0.0, 0.0, 1.0] };
 
     let mut scattered = Scattered::default();
+    let gain = gain_out * tabulated(one, into[2].abs()).gain;
     let lambda_sum = 1.0 + lambda(out[2], alpha) + lambda(into[2].abs(), alpha);
     if into[2] > 0.0 {
-        let [albedo_into, _] = coat_albedo(one, into[2]);
+        let albedo_into = tabulated(one, into[2]).albedo;
         let coupling = (1.0 - albedo_out) * (1.0 - albedo_into) / (1.0 - mean).max(1e-7);
         for c in 0..3 {
             scattered.value[c] += coated * base[c] / PI * coupling * into[2];
@@ -89,10 +120,11 @@ fn textbook(one: &One, out: Vector, into: Vector, shift: f64) -> Scattered {
             let specular = f64::from(one.specular);
             let mut f = 0.0;
             if !smooth {
-                f += metal * schlick(base[channel], 1.0, c) + coated * schlick(f0[channel], specular, c);
+                f += metal * (schlick(base[channel], 1.0, c) + metal_again[channel] * (gain - 1.0)).max(0.0);
+                f += coated * (schlick(f0[channel], specular, c) + coat_again[channel] * (gain - 1.0)).max(0.0);
             }
             if !clear {
-                f += glassy * reflected[channel];
+                f += glassy * reflected[channel] * if one.thin { gain } else { 1.0 };
             }
             scattered.value[channel] += f * if f > 0.0 { mirror * into[2] } else { 0.0 };
         }
@@ -104,7 +136,7 @@ fn textbook(one: &One, out: Vector, into: Vector, shift: f64) -> Scattered {
             let h = half_vector(out, there, 1.0);
             let value = distribution(h, alpha) / lambda_sum / (4.0 * out[2] * there[2]);
             let through = 1.0 - glass(one, dot(out, h) + shift, eta)[3];
-            (value, visible(out, h, alpha) / (4.0 * dot(out, h)), through)
+            (value * gain, visible(out, h, alpha) / (4.0 * dot(out, h)), through)
         } else {
             let h = half_vector(out, into, eta);
             let (o, i) = (dot(out, h), -dot(into, h));
@@ -170,7 +202,7 @@ fn the_lanes_agree_with_the_textbook() {
                 let error = (f64::from(computed) - expected).abs();
                 assert!(
                     error <= bound * expected + slack + 1e-9,
-                    "{computed} {expected} off by {error}, {bound} {slack}; {one:?} {o:?} {i:?}"
+                    "{computed} {expected} {evaluated:?} {lane} off by {error}, {bound} {slack}; {one:?} {o:?} {i:?}"
                 );
                 seen += u32::from(expected > 1e-6);
                 sharp += u32::from(expected > 1e-6 && bound * expected + slack < 1e-3 * expected);
