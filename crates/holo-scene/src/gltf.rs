@@ -36,10 +36,12 @@
 mod accessors;
 mod buffer_views;
 mod container;
+mod draco;
 mod extensions;
 mod json;
 mod materials;
 mod meshes;
+mod meshopt;
 mod nodes;
 mod panic_guard;
 mod placements;
@@ -87,7 +89,8 @@ pub struct Limits {
     pub max_instances: usize,
     /// Pixels of all textures together.
     pub max_texture_pixels: u64,
-    /// Bytes of the scene file and all files that it refers to together.
+    /// Bytes of the scene file and all files that it refers to together; and, counted separately, of all compressed
+    /// buffer views together when they are decompressed.
     pub max_bytes: u64,
 }
 
@@ -134,7 +137,8 @@ fn assemble(bytes: &[u8], files: &Files, limits: &Limits) -> Result<Loaded, Erro
     let file = container::parse(parts.json)?;
     let root = Object::root(&file)?;
     let extensions = extensions::check(&file, &root, &mut warnings)?;
-    let buffer_views = BufferViews::new(&root, container::buffers(&root, parts.binary, files)?)?;
+    let buffers = container::buffers(&root, parts.binary, files)?;
+    let buffer_views = BufferViews::new(&root, buffers, limits.max_bytes)?;
 
     let nodes = nodes::load(&root, &mut warnings)?;
     let mut materials = materials::load(&root, &mut warnings)?;
