@@ -23,6 +23,16 @@ fn gltf() {
 }
 
 #[test]
+fn draco() {
+    run("draco", holo_fuzz::draco);
+}
+
+#[test]
+fn meshopt() {
+    run("meshopt", holo_fuzz::meshopt);
+}
+
+#[test]
 fn png() {
     run("png", holo_fuzz::io::png);
 }

@@ -1,11 +1,13 @@
 //! Fuzz targets as plain functions: each takes any bytes and panics where a property does not hold.
 #![forbid(unsafe_code)]
 
+mod compressed;
 mod gltf;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 pub mod io;
 
+pub use compressed::{draco, meshopt};
 pub use gltf::gltf;
 #[cfg(feature = "hdf5")]
 pub use hdf5::hdf5;

@@ -7,6 +7,18 @@
 //! 8) with their wrap modes; cameras; and the lights of `KHR_lights_punctual`. Instances, lights and cameras are in the
 //! order of their nodes in the file.
 //!
+//! # Compressed and quantized geometry
+//! - `KHR_mesh_quantization`: positions, normals and texture coordinates of 8 or 16 bits. Integers become floats by the
+//!   equations of the extension, correctly rounded.
+//! - `EXT_meshopt_compression` and `KHR_meshopt_compression`: all modes and filters. Decoding is exact but for the
+//!   filters OCTAHEDRAL, QUATERNION and COLOR, which are within one unit of their integers, as the extension allows.
+//!   Uncompressed copies in the file (fallback buffers) are not read.
+//! - `KHR_draco_mesh_compression`, with the feature `draco`: bit stream 2.2, sequential and Edgebreaker. The Draco data
+//!   must have as many vertices and triangles as the accessors say. Attributes that it does not contain are read from
+//!   their accessors. Without the feature, the accessors are used if they have data.
+//!
+//! Geometry that a program has quantized stays so: only the file knows the positions before.
+//!
 //! # Materials
 //! Materials are read completely, with the defaults of the specification (the default material is a rough white metal;
 //! a dielectric without `KHR_materials_specular` has the reflection of index 1.5): metallic-roughness, normal maps,
@@ -23,9 +35,8 @@
 //!
 //! # Not supported
 //! Vertex tangents are ignored: normal maps follow the texture coordinates. Morph targets, skins and animations are
-//! ignored, with a warning. Compressed and quantized meshes (Draco, meshopt, `KHR_mesh_quantization`) are errors. Other
-//! extensions (clearcoat, sheen, iridescence, anisotropy, dispersion, variants, ...) cause a warning if they are used,
-//! and an error if they are required.
+//! ignored, with a warning. Other extensions (clearcoat, sheen, iridescence, anisotropy, dispersion, variants, ...)
+//! cause a warning if they are used, and an error if they are required.
 //!
 //! # Untrusted files
 //! A file is either loaded or rejected with an [`Error`] that says where. All sizes are checked against [`Limits`]
@@ -36,10 +47,12 @@
 mod accessors;
 mod buffer_views;
 mod container;
+mod draco;
 mod extensions;
 mod json;
 mod materials;
 mod meshes;
+mod meshopt;
 mod nodes;
 mod panic_guard;
 mod placements;
@@ -87,7 +100,8 @@ pub struct Limits {
     pub max_instances: usize,
     /// Pixels of all textures together.
     pub max_texture_pixels: u64,
-    /// Bytes of the scene file and all files that it refers to together.
+    /// Bytes of the scene file and all files that it refers to together; and, counted separately, of all compressed
+    /// buffer views together when they are decompressed.
     pub max_bytes: u64,
 }
 
@@ -134,7 +148,8 @@ fn assemble(bytes: &[u8], files: &Files, limits: &Limits) -> Result<Loaded, Erro
     let file = container::parse(parts.json)?;
     let root = Object::root(&file)?;
     let extensions = extensions::check(&file, &root, &mut warnings)?;
-    let buffer_views = BufferViews::new(&root, container::buffers(&root, parts.binary, files)?)?;
+    let buffers = container::buffers(&root, parts.binary, files)?;
+    let buffer_views = BufferViews::new(&root, buffers, limits.max_bytes)?;
 
     let nodes = nodes::load(&root, &mut warnings)?;
     let mut materials = materials::load(&root, &mut warnings)?;

@@ -11,15 +11,15 @@ use ::gltf::json::accessor::{ComponentType, Type};
 use ::gltf::json::validation::{Checked, USize64};
 
 use super::buffer_views::BufferViews;
-use super::json::{Object, bad, unsupported};
+use super::json::{Object, bad};
 use super::values::Values;
 use crate::Error;
 
 /// The use of an accessor, which determines the allowed types.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Use {
-    /// Positions and normals.
-    Vectors,
+    Positions,
+    Normals,
     TextureCoordinates,
     Colors,
     Indices,
@@ -47,9 +47,10 @@ pub(super) struct Checker<'f> {
 impl<'f> Checker<'f> {
     pub(super) fn new(root: &Object<'f>, buffer_views: &'f BufferViews<'f>) -> Result<Self, Error> {
         let mut document = json::Root::default();
-        for buffer in buffer_views.buffers() {
+        for number in 0..buffer_views.buffer_count() {
             document.buffers.push(json::Buffer {
-                byte_length: USize64::from(buffer.len()),
+                // Those of compressed buffer views are not decoded yet. The crate does not use the length.
+                byte_length: USize64::from(buffer_views.buffer(number).map_or(0, <[u8]>::len)),
                 name: None,
                 uri: None,
                 extensions: None,
@@ -73,6 +74,12 @@ impl<'f> Checker<'f> {
     /// Whether the accessor has data, rather than the zeros of one without a buffer view.
     pub(super) fn has_data(&self, number: usize) -> bool {
         self.accessors.get(number).is_some_and(|a| a.has("bufferView") || a.has("sparse"))
+    }
+
+    /// The bytes of the buffer view that an object refers to.
+    pub(super) fn buffer_view(&self, user: &Object<'_>) -> Result<&'f [u8], Error> {
+        let number = user.index("bufferView", "bufferViews", self.buffer_views.len())?;
+        Ok(self.buffer_views.get(number.ok_or_else(|| user.missing("bufferView"))?)?.bytes)
     }
 
     /// Validates accessor `number` (in range) for a use; `user` is the JSON path of the reference to it.
@@ -122,7 +129,7 @@ impl<'f> Checker<'f> {
 
     pub(super) fn finish(self) -> Values<'f> {
         // Nothing is left to validate, and the validation of the crate requires optional fields (min, max).
-        Values::new(::gltf::Document::from_json_without_validation(self.root), self.buffer_views.buffers())
+        Values::new(::gltf::Document::from_json_without_validation(self.root), self.buffer_views)
     }
 
     /// Copies a buffer view to the document for the `gltf` crate, once.
@@ -278,26 +285,20 @@ fn check_use(
     (component, shape, normalized): (ComponentType, Type, bool),
     user: &str,
 ) -> Result<(), Error> {
-    use ComponentType::{F32, U8, U16, U32};
+    use ComponentType::{F32, I8, I16, U8, U16, U32};
     let small = matches!(component, U8 | U16);
     let (fits, need) = match wanted {
-        Use::Vectors => (shape == Type::Vec3 && component == F32, "VEC3 of floats"),
-        Use::TextureCoordinates => (
-            shape == Type::Vec2 && (component == F32 || small && normalized),
-            "VEC2 of floats or of normalized unsigned bytes or shorts",
+        Use::Positions => (shape == Type::Vec3 && component != U32, "VEC3 of floats, bytes or shorts"),
+        Use::Normals => (
+            shape == Type::Vec3 && (component == F32 || matches!(component, I8 | I16) && normalized),
+            "VEC3 of floats or of normalized signed bytes or shorts",
         ),
+        Use::TextureCoordinates => (shape == Type::Vec2 && component != U32, "VEC2 of floats, bytes or shorts"),
         Use::Colors => (
             matches!(shape, Type::Vec3 | Type::Vec4) && (component == F32 || small && normalized),
             "VEC3 or VEC4 of floats or of normalized unsigned bytes or shorts",
         ),
         Use::Indices => (shape == Type::Scalar && (small || component == U32), "SCALAR of unsigned integers"),
     };
-    if fits {
-        return Ok(());
-    }
-    let quantized = matches!(wanted, Use::Vectors | Use::TextureCoordinates) && !matches!(component, F32 | U32);
-    if quantized && matches!(shape, Type::Vec2 | Type::Vec3) {
-        return Err(unsupported(accessor.path(), format!("integer data for {user} (KHR_mesh_quantization)")));
-    }
-    Err(bad(accessor.path(), format!("must be {need}, since {user} refers to it")))
+    if fits { Ok(()) } else { Err(bad(accessor.path(), format!("must be {need}, since {user} refers to it"))) }
 }

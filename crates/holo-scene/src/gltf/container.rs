@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::json::{Object, bad, unsupported};
+use super::meshopt;
 use super::uri::{self, Target};
 use crate::Error;
 
@@ -145,25 +146,29 @@ impl Files {
     }
 }
 
-/// The bytes of all buffers, each at least as long as it says.
+/// The bytes of all buffers, each at least as long as it says. Buffers that only hold uncompressed copies of compressed
+/// buffer views are empty: they are not read, and often have no bytes.
 pub(super) fn buffers<'a>(
     root: &Object<'_>,
     binary: Option<&'a [u8]>,
     files: &Files,
 ) -> Result<Vec<Cow<'a, [u8]>>, Error> {
+    let list = root.objects("buffers")?;
+    let fallbacks = meshopt::fallbacks(root, list.len())?;
     let mut buffers = Vec::new();
-    for (k, buffer) in root.objects("buffers")?.into_iter().enumerate() {
+    for (k, buffer) in list.into_iter().enumerate() {
         let length = buffer.unsigned("byteLength")?.ok_or_else(|| buffer.missing("byteLength"))?;
+        if fallbacks[k] || !buffer.has("uri") && meshopt::extension(&buffer)?.is_some() {
+            buffers.push(Cow::Borrowed(&[][..]));
+            continue;
+        }
         let bytes: Cow<'a, [u8]> = match (buffer.string("uri")?, binary) {
             (Some(uri), _) => Cow::Owned(files.fetch(uri, &buffer.at("uri"))?),
             (None, Some(binary)) if k == 0 => Cow::Borrowed(binary),
-            // The fallback buffer of a compressed file has no bytes; its buffer views are rejected when they are used.
-            (None, _) if buffer.extension("EXT_meshopt_compression")?.is_some() => Cow::Borrowed(&[]),
             (None, _) if k == 0 => return Err(bad(buffer.path(), "has no uri, and the file no binary chunk")),
             (None, _) => return Err(buffer.missing("uri")),
         };
-        let fallback = bytes.is_empty() && buffer.extension("EXT_meshopt_compression")?.is_some();
-        if length > bytes.len() as u64 && !fallback {
+        if length > bytes.len() as u64 {
             let what = format!("says {length} bytes, but there are only {}", bytes.len());
             return Err(bad(buffer.at("byteLength"), what));
         }

@@ -19,10 +19,28 @@ pub(super) const VOLUME: &str = "KHR_materials_volume";
 pub(super) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 pub(super) const MESHOPT: &str = "EXT_meshopt_compression";
+pub(super) const MESHOPT_KHR: &str = "KHR_meshopt_compression";
+pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
+
+/// What removes the compression of a file; part of the messages about compressed data that cannot be read.
+pub(super) const DECOMPRESS: &str = "npx @gltf-transform/cli copy in.glb out.glb";
 
 /// The supported extensions.
-pub(super) const HANDLED: &[&str] =
-    &[LIGHTS, EMISSIVE_STRENGTH, IOR, SPECULAR, TRANSMISSION, UNLIT, VOLUME, TEXTURE_TRANSFORM];
+pub(super) const HANDLED: &[&str] = &[
+    LIGHTS,
+    EMISSIVE_STRENGTH,
+    IOR,
+    SPECULAR,
+    TRANSMISSION,
+    UNLIT,
+    VOLUME,
+    TEXTURE_TRANSFORM,
+    MESHOPT,
+    MESHOPT_KHR,
+    QUANTIZATION,
+    #[cfg(feature = "draco")]
+    DRACO,
+];
 
 /// The extensions of a file, sorted, each once.
 pub(super) struct Extensions {
@@ -54,7 +72,9 @@ pub(super) fn check(file: &Value, root: &Object<'_>, warnings: &mut Warnings) ->
     };
     let missing = unhandled(&required);
     if !missing.is_empty() {
-        let what = format!("the required extension {} (export the file again without it)", missing.join(", "));
+        // Alone, it is one of this build.
+        let cure = if missing == [DRACO] { DECOMPRESS } else { "export the file again without it" };
+        let what = format!("the required extension {} ({cure})", missing.join(", "));
         return Err(unsupported("extensionsRequired", what));
     }
     let (materials, others): (Vec<_>, Vec<_>) =

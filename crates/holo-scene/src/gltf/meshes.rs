@@ -4,11 +4,12 @@ use rayon::prelude::*;
 
 use super::Limits;
 use super::accessors::{Checker, Handle, Use};
+use super::draco::{Stream, Triangles};
 use super::extensions::DRACO;
-use super::json::{Object, bad, unsupported};
+use super::json::{Object, bad};
 use super::materials::{CoordinateSets, Materials};
 use super::panic_guard;
-use super::values::Values;
+use super::values::{PrimitiveValues, Values};
 use super::warnings::Warnings;
 use crate::Error;
 use crate::Mesh;
@@ -40,7 +41,7 @@ impl Mode {
 }
 
 /// A primitive with validated accessors, before its values are read.
-struct Plan {
+struct Plan<'f> {
     at: String,
     name: String,
     mode: Mode,
@@ -50,6 +51,7 @@ struct Plan {
     coordinates: [Option<Handle>; 2],
     colors: Option<Handle>,
     indices: Option<Handle>,
+    draco: Option<Stream<'f>>,
 }
 
 /// Reads all meshes of the file.
@@ -112,28 +114,24 @@ fn mode(primitive: &Object<'_>, warnings: &mut Warnings) -> Result<Option<Mode>,
     })
 }
 
-fn plan(
+fn plan<'f>(
     primitive: &Object<'_>,
-    accessors: &mut Checker<'_>,
+    accessors: &mut Checker<'f>,
     (name, mode, material): (String, Mode, usize),
     sets: &CoordinateSets,
     warnings: &mut Warnings,
-) -> Result<Option<Plan>, Error> {
+) -> Result<Option<Plan<'f>>, Error> {
     let attributes = primitive.object("attributes")?.ok_or_else(|| primitive.missing("attributes"))?;
-    let compressed = primitive.extension(DRACO)?.is_some();
     let count = accessors.len();
     let mut handle = |object: &Object<'_>, key: &str, wanted: Use| -> Result<Option<Handle>, Error> {
         let Some(number) = object.index(key, "accessors", count)? else { return Ok(None) };
-        if compressed && !accessors.has_data(number) {
-            return Err(unsupported(primitive.path(), format!("{DRACO} (export the file uncompressed)")));
-        }
         accessors.check(number, wanted, &object.at(key)).map(Some)
     };
-    let Some(positions) = handle(&attributes, "POSITION", Use::Vectors)? else {
+    let Some(positions) = handle(&attributes, "POSITION", Use::Positions)? else {
         warnings.note("a primitive without positions is left out", || primitive.path().to_owned());
         return Ok(None);
     };
-    let normals = handle(&attributes, "NORMAL", Use::Vectors)?;
+    let normals = handle(&attributes, "NORMAL", Use::Normals)?;
     let mut coordinates = [None; 2];
     for (coordinates, set) in coordinates.iter_mut().zip(sets.numbers) {
         *coordinates = handle(&attributes, &format!("TEXCOORD_{set}"), Use::TextureCoordinates)?;
@@ -147,6 +145,13 @@ fn plan(
             return Err(bad(attributes.path(), what));
         }
     }
+    let draco = match primitive.extension(DRACO)? {
+        Some(extension) if mode == Mode::Fan || indices.is_none() => {
+            return Err(bad(extension.path(), "needs a primitive of triangles or a strip, with indices"));
+        }
+        Some(extension) => Stream::new(&extension, &attributes, accessors)?,
+        None => None,
+    };
     let at = || primitive.path().to_owned();
     if coordinates.iter().zip(sets.wanted).any(|(coordinates, wanted)| wanted && coordinates.is_none()) {
         warnings.note("the material has a texture, the primitive no coordinates for it: its first texel is used", at);
@@ -158,15 +163,22 @@ fn plan(
     if corners < 3 || (mode == Mode::Triangles && corners % 3 != 0) {
         warnings.note("the corners do not make whole triangles: the rest is left out", at);
     }
-    Ok(Some(Plan { at: at(), name, mode, material, positions, normals, coordinates, colors, indices }))
+    Ok(Some(Plan { at: at(), name, mode, material, positions, normals, coordinates, colors, indices, draco }))
 }
 
-impl Plan {
+impl Plan<'_> {
     fn read(&self, values: &Values<'_>) -> Result<(Mesh, Warnings), Error> {
         let mut warnings = Warnings::default();
+        let number = self.mode.triangles(self.indices.unwrap_or(self.positions).count);
+        // A strip has at least two indices more than triangles; where it begins anew, it has more.
+        let is_strip = self.mode == Mode::Strip;
+        let triangles = if is_strip { Triangles::AtMost(number) } else { Triangles::Exactly(number) };
+        let decode = |stream| Stream::decode(stream, self.positions.count, triangles);
+        let decoded = self.draco.as_ref().map(decode).transpose()?;
+        let values = values.with(decoded.as_ref());
         let positions = values.vectors(self.positions)?;
         self.check_finite(&positions, self.positions, "POSITION")?;
-        let triangles = self.triangles(values, positions.len())?;
+        let triangles = self.triangles(&values, positions.len())?;
         let mut normals = self.normals.map(|handle| values.vectors(handle)).transpose()?.unwrap_or_default();
         if let Some(handle) = self.normals {
             self.check_finite(&normals, handle, "NORMAL")?;
@@ -213,11 +225,14 @@ impl Plan {
         }
     }
 
-    fn triangles(&self, values: &Values<'_>, vertices: usize) -> Result<Vec<[u32; 3]>, Error> {
+    fn triangles(&self, values: &PrimitiveValues<'_, '_>, vertices: usize) -> Result<Vec<[u32; 3]>, Error> {
         let Some(indices) = self.indices else {
             return self.assemble(&mut (0..vertices as u32), vertices);
         };
-        let triangles = values.with_indices(indices, |corners| self.assemble(corners, indices.count))??;
+        let triangles = match values.triangles() {
+            Some(triangles) => triangles?,
+            None => values.with_indices(indices, |corners| self.assemble(corners, indices.count))??,
+        };
         // The first pass finds the largest index; it is reported only if it is out of range.
         let largest = triangles.iter().flatten().copied().max().unwrap_or(0);
         if largest as usize >= vertices {

@@ -1,42 +1,92 @@
 //! The values of validated accessors, read through the `gltf` crate: strides, sparse lists, conversions to floats.
 
-use std::borrow::Cow;
-
 use ::gltf::accessor::Item;
 use ::gltf::json::accessor::{ComponentType, Type};
-use ::gltf::mesh::util::{ReadColors, ReadIndices, ReadTexCoords};
+use ::gltf::mesh::util::{ReadColors, ReadIndices};
 
 use super::accessors::Handle;
+use super::buffer_views::BufferViews;
+use super::draco::Decoded;
 use super::json::bad;
 use crate::Error;
 
 /// Reads accessors that [`super::accessors::Checker`] has validated.
 pub(super) struct Values<'f> {
     document: ::gltf::Document,
-    buffers: &'f [Cow<'f, [u8]>],
+    buffer_views: &'f BufferViews<'f>,
+}
+
+/// The values of one primitive: those that its Draco data contains from there, others from the accessors.
+#[derive(Clone, Copy)]
+pub(super) struct PrimitiveValues<'v, 'f> {
+    values: &'v Values<'f>,
+    decoded: Option<&'v Decoded<'v>>,
+}
+
+/// How integers become floats: the equations of `KHR_mesh_quantization`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Scale {
+    divisor: f32,
+    least: f32,
+}
+
+impl Scale {
+    fn new(component: ComponentType, normalized: bool) -> Self {
+        let (divisor, least) = match component {
+            ComponentType::I8 if normalized => (127.0, -1.0),
+            ComponentType::I16 if normalized => (32767.0, -1.0),
+            ComponentType::U8 if normalized => (255.0, 0.0),
+            ComponentType::U16 if normalized => (65535.0, 0.0),
+            // Floats too: NaN must stay NaN, so that it is reported.
+            _ => return Self { divisor: 1.0, least: f32::NEG_INFINITY },
+        };
+        Self { divisor, least }
+    }
+
+    /// Correctly rounded: integers of 16 bits are exact in f32.
+    fn apply(self, x: f32) -> f32 {
+        let x = x / self.divisor;
+        if x < self.least { self.least } else { x }
+    }
 }
 
 impl<'f> Values<'f> {
     /// `document` contains only validated accessors.
-    pub(super) fn new(document: ::gltf::Document, buffers: &'f [Cow<'f, [u8]>]) -> Self {
-        Self { document, buffers }
+    pub(super) fn new(document: ::gltf::Document, buffer_views: &'f BufferViews<'f>) -> Self {
+        Self { document, buffer_views }
     }
 
-    /// Positions or normals.
-    pub(super) fn vectors(&self, handle: Handle) -> Result<Vec<[f32; 3]>, Error> {
-        self.collect(handle, |accessor| self.iterate(accessor))
+    /// The values of a primitive with this Draco data.
+    pub(super) fn with<'v>(&'v self, decoded: Option<&'v Decoded<'v>>) -> PrimitiveValues<'v, 'f> {
+        PrimitiveValues { values: self, decoded }
     }
 
-    /// Texture coordinates as floats.
-    pub(super) fn texture_coordinates(&self, handle: Handle) -> Result<Vec<[f32; 2]>, Error> {
-        self.collect(handle, |accessor| {
-            let read = match accessor.data_type() {
-                ComponentType::U8 => ReadTexCoords::U8(self.iterate(accessor)?),
-                ComponentType::U16 => ReadTexCoords::U16(self.iterate(accessor)?),
-                _ => ReadTexCoords::F32(self.iterate(accessor)?),
-            };
-            Some(read.into_f32())
-        })
+    /// Floats, or integers as floats.
+    pub(super) fn numbers<const N: usize>(&self, handle: Handle) -> Result<Vec<[f32; N]>, Error>
+    where
+        [i8; N]: Item,
+        [u8; N]: Item,
+        [i16; N]: Item,
+        [u16; N]: Item,
+        [f32; N]: Item,
+    {
+        let (component, scale) = self.scale(handle)?;
+        let convert = |x: [f32; N]| x.map(|x| scale.apply(x));
+        match component {
+            ComponentType::I8 => {
+                self.collect(handle, |a| Some(self.iterate::<[i8; N]>(a)?.map(|x| convert(x.map(f32::from)))))
+            }
+            ComponentType::U8 => {
+                self.collect(handle, |a| Some(self.iterate::<[u8; N]>(a)?.map(|x| convert(x.map(f32::from)))))
+            }
+            ComponentType::I16 => {
+                self.collect(handle, |a| Some(self.iterate::<[i16; N]>(a)?.map(|x| convert(x.map(f32::from)))))
+            }
+            ComponentType::U16 => {
+                self.collect(handle, |a| Some(self.iterate::<[u16; N]>(a)?.map(|x| convert(x.map(f32::from)))))
+            }
+            ComponentType::U32 | ComponentType::F32 => self.collect(handle, |a| self.iterate(a)),
+        }
     }
 
     /// Colors as floats; alpha is 1 if there is none.
@@ -79,14 +129,19 @@ impl<'f> Values<'f> {
         self.document.accessors().nth(handle.checked)
     }
 
+    /// The type of the components of an accessor, and how they become floats.
+    fn scale(&self, handle: Handle) -> Result<(ComponentType, Scale), Error> {
+        let accessor = self.accessor(handle).ok_or_else(|| unreadable(handle))?;
+        let component = accessor.data_type();
+        Ok((component, Scale::new(component, accessor.normalized())))
+    }
+
     fn iterate<'a, T: Item>(&'a self, accessor: ::gltf::Accessor<'a>) -> Option<::gltf::accessor::Iter<'a, T>> {
         // An accessor without data consists of zeros; the crate has no iterator for it.
         if accessor.view().is_none() && accessor.sparse().is_none() {
             return None;
         }
-        ::gltf::accessor::Iter::new(accessor, |buffer: ::gltf::Buffer<'a>| {
-            self.buffers.get(buffer.index()).map(|b| &**b)
-        })
+        ::gltf::accessor::Iter::new(accessor, |buffer: ::gltf::Buffer<'a>| self.buffer_views.buffer(buffer.index()))
     }
 
     fn is_zero(&self, handle: Handle) -> bool {
@@ -110,6 +165,53 @@ impl<'f> Values<'f> {
     }
 }
 
+impl PrimitiveValues<'_, '_> {
+    /// Positions or normals.
+    pub(super) fn vectors(&self, handle: Handle) -> Result<Vec<[f32; 3]>, Error> {
+        self.decoded(handle)?.map_or_else(|| self.values.numbers(handle), Ok)
+    }
+
+    /// Texture coordinates as floats.
+    pub(super) fn texture_coordinates(&self, handle: Handle) -> Result<Vec<[f32; 2]>, Error> {
+        self.decoded(handle)?.map_or_else(|| self.values.numbers(handle), Ok)
+    }
+
+    /// Colors as floats; alpha is 1 if there is none.
+    pub(super) fn colors(&self, handle: Handle) -> Result<Vec<[f32; 4]>, Error> {
+        let rgb = self.values.accessor(handle).is_some_and(|accessor| accessor.dimensions() == Type::Vec3);
+        let decoded = if rgb {
+            self.decoded(handle)?.map(|colors| colors.into_iter().map(|[r, g, b]| [r, g, b, 1.0]).collect())
+        } else {
+            self.decoded(handle)?
+        };
+        decoded.map_or_else(|| self.values.colors(handle), Ok)
+    }
+
+    /// The triangles of the Draco data, if there is one.
+    pub(super) fn triangles(&self) -> Option<Result<Vec<[u32; 3]>, Error>> {
+        self.decoded.map(|decoded| decoded.triangles())
+    }
+
+    /// Calls `take` with an iterator over the vertex indices of an accessor.
+    pub(super) fn with_indices<T>(
+        &self,
+        handle: Handle,
+        take: impl FnOnce(&mut dyn Iterator<Item = u32>) -> T,
+    ) -> Result<T, Error> {
+        self.values.with_indices(handle, take)
+    }
+
+    /// The values of an attribute in the Draco data, as floats.
+    fn decoded<const N: usize>(&self, handle: Handle) -> Result<Option<Vec<[f32; N]>>, Error> {
+        let Some(decoded) = self.decoded else { return Ok(None) };
+        let (component, scale) = self.values.scale(handle)?;
+        let Some(numbers) = decoded.numbers(handle, N, component == ComponentType::F32)? else { return Ok(None) };
+        let mut values = reserve(handle.count, handle)?;
+        values.extend(numbers.as_chunks().0.iter().map(|x: &[f32; N]| x.map(|x| scale.apply(x))));
+        if values.len() == handle.count { Ok(Some(values)) } else { Err(unreadable(handle)) }
+    }
+}
+
 /// Allocates memory for `count` elements, or returns an error.
 fn reserve<T>(count: usize, handle: Handle) -> Result<Vec<T>, Error> {
     let mut values = Vec::new();
@@ -121,4 +223,29 @@ fn reserve<T>(count: usize, handle: Handle) -> Result<Vec<T>, Error> {
 /// Should not occur after validation.
 fn unreadable(handle: Handle) -> Error {
     bad(format!("accessors[{}]", handle.number), "cannot be read")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integers_become_floats_by_the_equations_of_the_extension() {
+        use ComponentType::{F32, I8, I16, U8, U16};
+        let cases = [
+            (I8, true, [(-128.0, -1.0), (-127.0, -1.0), (127.0, 1.0), (63.0, 63.0 / 127.0)]),
+            (I16, true, [(-32768.0, -1.0), (-32767.0, -1.0), (32767.0, 1.0), (1.0, 1.0 / 32767.0)]),
+            (U8, true, [(0.0, 0.0), (255.0, 1.0), (51.0, 0.2), (1.0, 1.0 / 255.0)]),
+            (U16, true, [(0.0, 0.0), (65535.0, 1.0), (13107.0, 0.2), (1.0, 1.0 / 65535.0)]),
+            (I8, false, [(-128.0, -128.0), (127.0, 127.0), (0.0, 0.0), (3.0, 3.0)]),
+            (U16, false, [(65535.0, 65535.0), (0.0, 0.0), (1.0, 1.0), (2.0, 2.0)]),
+            (F32, true, [(1e30, 1e30), (-7.5, -7.5), (0.0, 0.0), (f32::INFINITY, f32::INFINITY)]),
+        ];
+        for (component, normalized, values) in cases {
+            for (integer, float) in values {
+                assert_eq!(Scale::new(component, normalized).apply(integer), float, "{component:?} {integer}");
+            }
+        }
+        assert!(Scale::new(F32, false).apply(f32::NAN).is_nan());
+    }
 }

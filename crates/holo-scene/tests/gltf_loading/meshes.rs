@@ -324,29 +324,66 @@ fn incomplete_triangles_cause_a_warning() {
 }
 
 #[test]
-fn quantized_and_compressed_meshes_are_rejected() {
-    let mut file = File::new();
-    let positions = file.accessor(&[0; 24], 5122, "VEC3", 3);
-    file.show(json!({ "attributes": { "POSITION": positions } }));
-    assert_contains(&file.error(), &["accessors[0]", "KHR_mesh_quantization", "not supported"]);
-    let mut file = triangle();
-    file.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
-    file.json["meshes"][0]["primitives"][0]["extensions"] =
-        json!({ "KHR_draco_mesh_compression": { "bufferView": 0 } });
-    assert_contains(&file.error(), &["meshes[0].primitives[0]", "KHR_draco_mesh_compression", "not supported"]);
-    let mut file = triangle();
-    file.push(
-        "buffers",
-        json!({ "byteLength": 36, "extensions": { "EXT_meshopt_compression": { "fallback": true } } }),
-    );
-    file.json["bufferViews"][0]["buffer"] = json!(1);
-    file.json["bufferViews"][0]["extensions"] = json!({ "EXT_meshopt_compression": { "buffer": 0 } });
-    assert_contains(&file.error(), &["bufferViews[0]", "EXT_meshopt_compression", "not supported"]);
-    for name in ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization"] {
-        let mut file = triangle();
-        file.json["extensionsRequired"] = json!([name]);
-        assert_contains(&file.error(), &["extensionsRequired", name]);
+fn quantized_positions_by_hand() {
+    let shorts = |values: [i32; 9]| values.iter().flat_map(|&x| (x as i16).to_le_bytes()).collect::<Vec<u8>>();
+    let bytes = |values: [i32; 9]| values.map(|x| x as u8).to_vec();
+    let signed = [-128, -127, 127, 1, 0, -1, 64, 32, -64];
+    let large = [-32768, -32767, 32767, 1, 0, -1, 16384, 12345, -12345];
+    let cases: [(Vec<u8>, u32, bool, [f64; 9]); 8] = [
+        (bytes(signed), 5120, false, signed.map(f64::from)),
+        (bytes(signed), 5120, true, signed.map(|x| (f64::from(x) / 127.0).max(-1.0))),
+        (bytes(signed), 5121, false, signed.map(|x| f64::from(x as u8))),
+        (bytes(signed), 5121, true, signed.map(|x| f64::from(x as u8) / 255.0)),
+        (shorts(large), 5122, false, large.map(f64::from)),
+        (shorts(large), 5122, true, large.map(|x| (f64::from(x) / 32767.0).max(-1.0))),
+        (shorts(large), 5123, false, large.map(|x| f64::from(x as u16))),
+        (shorts(large), 5123, true, large.map(|x| f64::from(x as u16) / 65535.0)),
+    ];
+    for (bytes, component, normalized, expected) in cases {
+        let mut file = File::new();
+        let positions = file.accessor(&bytes, component, "VEC3", 3);
+        file.json["accessors"][positions]["normalized"] = json!(normalized);
+        file.json["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+        file.show(json!({ "attributes": { "POSITION": positions } }));
+        let loaded = file.load().unwrap();
+        assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
+        assert_eq!(loaded.scene.meshes[0].positions.as_flattened(), expected.map(|x| x as f32), "{component}");
     }
+}
+
+/// Each element at a multiple of four bytes, as the specification wants it.
+#[test]
+fn quantized_normals_and_coordinates_with_strides() {
+    let mut file = triangle();
+    let view = file.view(&[0, 0, 127, 9, 0, 129, 0, 9, 128, 0, 0, 9]);
+    file.json["bufferViews"][view]["byteStride"] = json!(4);
+    let normals = json!({ "bufferView": view, "componentType": 5120, "normalized": true, "count": 3, "type": "VEC3" });
+    let normals = file.push("accessors", normals);
+    // Six bytes an element, of which the first two are not used: the end of the last one is that of the view.
+    let view = file.view(&[9, 9, 0, 0, 0xFF, 0x7F, 9, 9, 2, 0, 0, 0x80, 9, 9, 0xFF, 0xFF, 1, 0]);
+    file.json["bufferViews"][view]["byteStride"] = json!(6);
+    let coordinates = json!({ "bufferView": view, "byteOffset": 2, "componentType": 5122, "count": 3, "type": "VEC2" });
+    let coordinates = file.push("accessors", coordinates);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = json!(normals);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = json!(coordinates);
+    let mesh = only_mesh(&file);
+    assert_eq!(mesh.normals, [[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [-1.0, 0.0, 0.0]]);
+    assert_eq!(mesh.texture_coordinates, [[0.0, 32767.0], [2.0, -32768.0], [-1.0, 1.0]]);
+    file.json["accessors"][coordinates]["normalized"] = json!(true);
+    assert_eq!(
+        only_mesh(&file).texture_coordinates,
+        [[0.0, 1.0], [2.0 / 32767.0, -1.0], [-1.0 / 32767.0, 1.0 / 32767.0]]
+    );
+    // Integers that are no directions, and types that no vertex has.
+    let wrong = |accessor: usize, key: &str, value: serde_json::Value| {
+        let mut file = File { json: file.json.clone(), binary: file.binary.clone() };
+        file.json["accessors"][accessor][key] = value;
+        file.error()
+    };
+    assert_contains(&wrong(normals, "normalized", json!(false)), &["accessors[1]", "normalized signed"]);
+    assert_contains(&wrong(normals, "componentType", json!(5121)), &["accessors[1]", "normalized signed"]);
+    assert_contains(&wrong(coordinates, "componentType", json!(5125)), &["accessors[2]", "VEC2"]);
+    assert_contains(&wrong(coordinates, "type", json!("VEC3")), &["accessors[2]", "VEC2"]);
 }
 
 #[test]
