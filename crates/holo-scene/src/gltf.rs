@@ -36,17 +36,23 @@
 mod accessors;
 mod buffer_views;
 mod container;
+mod deform;
 mod extensions;
+mod instancing;
 mod json;
 mod materials;
 mod meshes;
 mod nodes;
+mod options;
 mod panic_guard;
 mod placements;
+mod poses;
+mod skins;
 mod summary;
 mod textures;
 mod uri;
 mod values;
+mod variants;
 mod warnings;
 mod write;
 
@@ -56,10 +62,12 @@ use self::accessors::Checker;
 use self::buffer_views::BufferViews;
 use self::container::Files;
 use self::json::Object;
+use self::placements::Shown;
 use self::warnings::Warnings;
 use crate::Error;
 use crate::Scene;
 
+pub use self::options::{LightUnits, LoadOptions};
 pub use self::panic_guard::is_guarding;
 pub use self::summary::Summary;
 pub use self::write::to_glb;
@@ -110,39 +118,74 @@ impl Default for Limits {
 /// [`Error::Read`] for files that cannot be read, [`Error::BadFile`] for files that violate the rules of glTF or exceed
 /// `limits`, [`Error::Unsupported`] for required features that are not supported.
 pub fn load(path: &Path, limits: &Limits) -> Result<Loaded, Error> {
-    let files = Files::new(path.parent(), limits.max_bytes);
+    load_with(path, &LoadOptions { limits: *limits, ..LoadOptions::default() })
+}
+
+/// Loads a scene file as [`load`], with options.
+///
+/// # Errors
+/// As [`load`]; also a material variant that the file does not have.
+pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Loaded, Error> {
+    let files = Files::new(path.parent(), options.limits.max_bytes);
     let bytes = files.read(path)?;
-    panic_guard::catch(|| assemble(&bytes, &files, limits))
+    panic_guard::catch(|| assemble(&bytes, &files, options))
 }
 
 /// Loads a scene from memory: `.glb`, or `.gltf` JSON whose buffers and images are data URIs.
 ///
 /// # Errors
-/// As [`load`]; also a file that refers to other files.
+/// As [`load`]; also a file whose buffers are other files.
 pub fn load_slice(bytes: &[u8], limits: &Limits) -> Result<Loaded, Error> {
-    if bytes.len() as u64 > limits.max_bytes {
-        let what = format!("{} bytes are more than the limit of {}", bytes.len(), limits.max_bytes);
-        return Err(json::bad("file", what));
-    }
-    let files = Files::new(None, limits.max_bytes);
-    panic_guard::catch(|| assemble(bytes, &files, limits))
+    load_slice_with(bytes, &LoadOptions { limits: *limits, ..LoadOptions::default() })
 }
 
-fn assemble(bytes: &[u8], files: &Files, limits: &Limits) -> Result<Loaded, Error> {
+/// Loads a scene from memory as [`load_slice`], with options.
+///
+/// # Errors
+/// As [`load_slice`]; also a material variant that the file does not have.
+pub fn load_slice_with(bytes: &[u8], options: &LoadOptions) -> Result<Loaded, Error> {
+    let most = options.limits.max_bytes;
+    if bytes.len() as u64 > most {
+        return Err(json::bad("file", format!("{} bytes are more than the limit of {most}", bytes.len())));
+    }
+    let files = Files::new(None, most);
+    panic_guard::catch(|| assemble(bytes, &files, options))
+}
+
+fn assemble(bytes: &[u8], files: &Files, options: &LoadOptions) -> Result<Loaded, Error> {
+    let limits = &options.limits;
     let mut warnings = Warnings::default();
     let parts = container::split(bytes)?;
     let file = container::parse(parts.json)?;
     let root = Object::root(&file)?;
     let extensions = extensions::check(&file, &root, &mut warnings)?;
     let buffer_views = BufferViews::new(&root, container::buffers(&root, parts.binary, files)?)?;
+    let variants = variants::names(&root)?;
+    let variant = variants::choose(&variants, options.material_variant.as_deref())?;
 
     let nodes = nodes::load(&root, &mut warnings)?;
+    let poses = poses::collect(&root, &nodes)?;
     let mut materials = materials::load(&root, &mut warnings)?;
-    let meshes = meshes::load(&root, Checker::new(&root, &buffer_views)?, &mut materials, limits, &mut warnings)?;
-    let placements = placements::load(&root, &nodes, &meshes, limits, &mut warnings)?;
-    let textures = textures::load(&root, &buffer_views, files, &materials.needed_textures, limits, &mut warnings)?;
+    let mut accessors = Checker::new(&root, &buffer_views)?;
+    let context = meshes::Context { poses: &poses, limits, variant };
+    let meshes = meshes::plan_all(&root, &mut accessors, &mut materials, &context, &mut warnings)?;
+    let skins = skins::plan(&root, &poses, &mut accessors)?;
+    let instancing = instancing::plan(&nodes, &mut accessors, limits, &mut warnings)?;
+    let values = accessors.finish();
+    let skins = skins::load(skins, &values, &nodes)?;
+    let meshes = meshes.read(&values, &skins, &mut warnings)?;
+    let shown = Shown { meshes: &meshes, of_node: &poses.of_node, skins: &skins, instancing: &instancing };
+    let placements = placements::load(&root, &nodes, &shown, (&values, limits), &mut warnings)?;
+    let textures = textures::load(
+        &root,
+        (&buffer_views, files),
+        &materials.needed_textures,
+        &materials.derived_textures,
+        limits,
+        &mut warnings,
+    )?;
     if !root.list("animations")?.is_empty() {
-        warnings.note("animations are ignored: the scene is drawn as it stands in the file", String::new);
+        warnings.note("animations are ignored: the scene is drawn in the pose of its nodes", String::new);
     }
     let scene = Scene {
         meshes: meshes.meshes,
@@ -154,6 +197,6 @@ fn assemble(bytes: &[u8], files: &Files, limits: &Limits) -> Result<Loaded, Erro
         cameras: placements.cameras,
     };
     scene.validate()?;
-    let summary = Summary::new(&root, extensions, &scene)?;
+    let summary = Summary::new(&root, extensions, variants, &scene)?;
     Ok(Loaded { scene, warnings: warnings.into_lines(), summary })
 }

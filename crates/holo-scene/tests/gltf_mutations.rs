@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use holo_scene::gltf::{Limits, is_guarding, load_slice, to_glb};
 use holo_scene::{
-    Alpha, Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene, Texture,
+    Alpha, Camera, CameraProjection, Filter, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene, Texture,
     TextureInfo, TextureTransform, Transform, Volume, Wrap,
 };
 use serde_json::{Value, json};
@@ -140,7 +140,15 @@ fn written() -> Vec<u8> {
         ..Mesh::default()
     };
     let texels = (0..16).map(|k| [k * 16, 255 - k, 7, 255]).collect();
-    let texture = Texture { name: "t".into(), width: 4, height: 4, texels, wrap_u: Wrap::Mirror, wrap_v: Wrap::Clamp };
+    let texture = Texture {
+        name: "t".into(),
+        width: 4,
+        height: 4,
+        texels,
+        wrap_u: Wrap::Mirror,
+        wrap_v: Wrap::Clamp,
+        filter: Filter::Nearest,
+    };
     let transform = TextureTransform { offset: [0.1, 0.2], rotation_rad: 0.3, scale: [4.0, 5.0] };
     let moved = TextureInfo { texture: 0, set: 1, transform };
     let material = Material {

@@ -161,7 +161,15 @@ mod tests {
 
     fn ramp(mode: Wrap) -> Texture {
         let texels = (0..4).map(|k| [k * 60, 0, 0, 255]).collect();
-        Texture { name: String::new(), width: 4, height: 1, texels, wrap_u: mode, wrap_v: mode }
+        Texture {
+            name: String::new(),
+            width: 4,
+            height: 1,
+            texels,
+            wrap_u: mode,
+            wrap_v: mode,
+            filter: holo_scene::Filter::Linear,
+        }
     }
 
     fn red(texture: &Texture, u: f32) -> f32 {
@@ -202,8 +210,15 @@ mod tests {
     fn sixteen_points_equal_sixteen_single_points() {
         let (width, height) = (7, 3);
         let texels = (0..width * height).map(|k| [k as u8 * 11, 255 - k as u8, k as u8, 255]).collect();
-        let mut texture =
-            Texture { name: String::new(), width, height, texels, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat };
+        let mut texture = Texture {
+            name: String::new(),
+            width,
+            height,
+            texels,
+            wrap_u: Wrap::Repeat,
+            wrap_v: Wrap::Repeat,
+            filter: holo_scene::Filter::Linear,
+        };
         for (wrap_u, wrap_v) in [(Wrap::Repeat, Wrap::Mirror), (Wrap::Mirror, Wrap::Clamp), (Wrap::Clamp, Wrap::Repeat)]
         {
             (texture.wrap_u, texture.wrap_v) = (wrap_u, wrap_v);

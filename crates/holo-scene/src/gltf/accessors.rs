@@ -23,6 +23,14 @@ pub(super) enum Use {
     TextureCoordinates,
     Colors,
     Indices,
+    /// Quaternions of instances.
+    Rotations,
+    /// Vertex joints of a skin.
+    Joints,
+    /// Vertex weights of a skin.
+    Weights,
+    /// Inverse bind matrices.
+    Matrices,
 }
 
 /// A validated accessor.
@@ -278,7 +286,7 @@ fn check_use(
     (component, shape, normalized): (ComponentType, Type, bool),
     user: &str,
 ) -> Result<(), Error> {
-    use ComponentType::{F32, U8, U16, U32};
+    use ComponentType::{F32, I8, I16, U8, U16, U32};
     let small = matches!(component, U8 | U16);
     let (fits, need) = match wanted {
         Use::Vectors => (shape == Type::Vec3 && component == F32, "VEC3 of floats"),
@@ -291,6 +299,16 @@ fn check_use(
             "VEC3 or VEC4 of floats or of normalized unsigned bytes or shorts",
         ),
         Use::Indices => (shape == Type::Scalar && (small || component == U32), "SCALAR of unsigned integers"),
+        Use::Rotations => (
+            shape == Type::Vec4 && (component == F32 || matches!(component, I8 | I16) && normalized),
+            "VEC4 of floats or of normalized signed bytes or shorts",
+        ),
+        Use::Joints => (shape == Type::Vec4 && small, "VEC4 of unsigned bytes or shorts"),
+        Use::Weights => (
+            shape == Type::Vec4 && (component == F32 || small && normalized),
+            "VEC4 of floats or of normalized unsigned bytes or shorts",
+        ),
+        Use::Matrices => (shape == Type::Mat4 && component == F32, "MAT4 of floats"),
     };
     if fits {
         return Ok(());

@@ -60,11 +60,22 @@ pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, Error> {
             // Other chunks belong to extensions and must be ignored.
             _ => {}
         }
-        // Chunks start at multiples of four, also if a writer did not pad the previous one.
-        offset += 8 + chunk.len().next_multiple_of(4);
+        offset = next_chunk(bytes, offset + 8 + chunk.len());
         number += 1;
     }
     if number == 0 { Err(bad("glb chunk 0", "is missing: the file has no JSON")) } else { Ok(parts) }
+}
+
+/// Where the chunk after one that ends at `end` starts: at a multiple of four, unless the length of a chunk is none and
+/// the next one follows at once, as some writers do.
+fn next_chunk(bytes: &[u8], end: usize) -> usize {
+    let aligned = end.next_multiple_of(4);
+    let starts = |at: usize| {
+        let fits =
+            word(bytes, at).is_some_and(|length| bytes.len() - at >= 8 && bytes.len() - at - 8 >= length as usize);
+        fits && word(bytes, at + 4) == Some(CHUNK_BINARY)
+    };
+    if starts(end) && !starts(aligned) { end } else { aligned }
 }
 
 fn trim_zeros(mut json: &[u8]) -> &[u8] {
@@ -105,13 +116,16 @@ impl Files {
         Self { folder: folder.map(Path::to_path_buf), bytes_left: Cell::new(max_bytes), max_bytes }
     }
 
-    /// Reads a whole file, unless it is larger than the remaining limit.
+    /// Reads a whole file.
+    ///
+    /// # Errors
+    /// [`Error::Read`] for a file that cannot be read, [`Error::BadFile`] for one above the remaining limit.
     pub(super) fn read(&self, path: &Path) -> Result<Vec<u8>, Error> {
         let fail = |source| Error::Read { path: path.display().to_string(), source };
         // Opening a pipe would block, so the type of the file is checked first.
         let size = path.metadata().map_err(fail)?;
         if !size.is_file() {
-            return Err(bad(path.display().to_string(), "is not a file"));
+            return Err(fail(std::io::Error::other("is not a file")));
         }
         let left = self.bytes_left.get();
         let too_large = || {
@@ -134,14 +148,16 @@ impl Files {
     pub(super) fn fetch(&self, uri: &str, at: &str) -> Result<Vec<u8>, Error> {
         match uri::resolve(uri, at)? {
             Target::Data(bytes) => Ok(bytes),
-            Target::File(path) => match &self.folder {
-                Some(folder) => self.read(&folder.join(path)),
-                None => {
-                    let what = format!("refers to the file '{}'; load the scene from its path", path.display());
-                    Err(bad(at, what))
-                }
-            },
+            Target::File(path) => self.read(&self.locate(&path, at)?),
         }
+    }
+
+    /// The path of an external file, from that in a URI.
+    pub(super) fn locate(&self, path: &Path, at: &str) -> Result<PathBuf, Error> {
+        self.folder
+            .as_ref()
+            .map(|folder| folder.join(path))
+            .ok_or_else(|| bad(at, format!("refers to the file '{}'; load the scene from its path", path.display())))
     }
 }
 

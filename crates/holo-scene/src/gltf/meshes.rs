@@ -4,11 +4,15 @@ use rayon::prelude::*;
 
 use super::Limits;
 use super::accessors::{Checker, Handle, Use};
+use super::deform::{self, Deformation, Vertices};
 use super::extensions::DRACO;
 use super::json::{Object, bad, unsupported};
 use super::materials::{CoordinateSets, Materials};
 use super::panic_guard;
+use super::poses::{self, Poses};
+use super::skins::Skin;
 use super::values::Values;
+use super::variants;
 use super::warnings::Warnings;
 use crate::Error;
 use crate::Mesh;
@@ -16,10 +20,26 @@ use crate::Mesh;
 /// Normals with a squared length this close to 1 are kept unchanged; others are normalized.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
-/// The meshes of the scene, and for each mesh of the file the range of meshes of its primitives.
+/// The meshes of the scene, and for each entry of [`Poses::list`] the range of meshes of its primitives.
 pub(super) struct Meshes {
     pub(super) meshes: Vec<Mesh>,
     pub(super) ranges: Vec<std::ops::Range<usize>>,
+    /// For each mesh of the scene the skin that has placed its vertices.
+    pub(super) skins: Vec<Option<usize>>,
+}
+
+/// Validated primitives, before their values are read.
+pub(super) struct Plans {
+    plans: Vec<Plan>,
+    ranges: Vec<std::ops::Range<usize>>,
+}
+
+/// What the primitives depend on beyond their own JSON.
+pub(super) struct Context<'c> {
+    pub(super) poses: &'c Poses,
+    pub(super) limits: &'c Limits,
+    /// The chosen variant of `KHR_materials_variants`.
+    pub(super) variant: Option<usize>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,37 +70,45 @@ struct Plan {
     coordinates: [Option<Handle>; 2],
     colors: Option<Handle>,
     indices: Option<Handle>,
+    deformation: Deformation,
 }
 
-/// Reads all meshes of the file.
-pub(super) fn load(
+/// Validates all primitives of the meshes of the scene.
+pub(super) fn plan_all(
     root: &Object<'_>,
-    mut accessors: Checker<'_>,
+    accessors: &mut Checker<'_>,
     materials: &mut Materials,
-    limits: &Limits,
+    context: &Context<'_>,
     warnings: &mut Warnings,
-) -> Result<Meshes, Error> {
+) -> Result<Plans, Error> {
+    let limits = context.limits;
     let material_count = materials.materials.len();
     let mut default_material = None;
     let (mut plans, mut ranges) = (Vec::new(), Vec::new());
-    let (mut vertices, mut triangles) = (0_u64, 0_u64);
-    for mesh in root.objects("meshes")? {
+    let (mut vertices, mut triangles, mut posed) = (0_u64, 0_u64, 0_usize);
+    let meshes = root.objects("meshes")?;
+    for pose in &context.poses.list {
+        let mesh = &meshes[pose.mesh];
         let first = plans.len();
         let name = mesh.name()?;
         let primitives = mesh.objects("primitives")?;
+        let weights = pose.weights.clone().map_or_else(|| poses::weights(mesh), Ok)?;
         for (k, primitive) in primitives.iter().enumerate() {
             let Some(mode) = mode(primitive, warnings)? else { continue };
-            let material = match primitive.index("material", "materials", material_count)? {
+            let material = match variants::material(primitive, context.variant, material_count)? {
                 Some(material) => material,
                 None => *default_material.get_or_insert_with(|| materials.default_material()),
             };
             let name = if primitives.len() > 1 && !name.is_empty() { format!("{name}[{k}]") } else { name.to_owned() };
             let sets = &materials.coordinate_sets[material];
-            let Some(plan) = plan(primitive, &mut accessors, (name, mode, material), sets, warnings)? else { continue };
-            vertices += plan.positions.count as u64;
+            let deformed = (weights.as_slice(), pose.skin);
+            let plan = plan(primitive, accessors, (name, mode, material), (sets, deformed), warnings)?;
+            let Some(plan) = plan else { continue };
+            vertices = vertices.saturating_add(plan.vertices_read());
             triangles += plan.mode.triangles(plan.indices.unwrap_or(plan.positions).count) as u64;
+            posed += usize::from(pose.is_posed());
             // Many primitives may share one accessor, so a small file can require more memory than it has bytes.
-            if vertices > limits.max_vertices || triangles > limits.max_triangles {
+            if vertices > limits.max_vertices || triangles > limits.max_triangles || posed > limits.max_instances {
                 let (v, t) = (limits.max_vertices, limits.max_triangles);
                 return Err(bad(&plan.at, format!("the meshes exceed the limit of {t} triangles or {v} vertices")));
             }
@@ -88,15 +116,30 @@ pub(super) fn load(
         }
         ranges.push(first..plans.len());
     }
-    let values = accessors.finish();
-    let read: Vec<(Mesh, Warnings)> =
-        plans.par_iter().map(|plan| panic_guard::guarded(|| plan.read(&values))).collect::<Result<_, Error>>()?;
-    let mut meshes = Vec::with_capacity(read.len());
-    for (mesh, its_warnings) in read {
-        meshes.push(mesh);
-        warnings.append(its_warnings);
+    Ok(Plans { plans, ranges })
+}
+
+impl Plans {
+    /// Reads the meshes.
+    pub(super) fn read(
+        self,
+        values: &Values<'_>,
+        skins: &[Option<Skin>],
+        warnings: &mut Warnings,
+    ) -> Result<Meshes, Error> {
+        let read: Vec<(Mesh, Warnings)> = self
+            .plans
+            .par_iter()
+            .map(|plan| panic_guard::guarded(|| plan.read(values, skins)))
+            .collect::<Result<_, Error>>()?;
+        let mut meshes = Vec::with_capacity(read.len());
+        for (mesh, its_warnings) in read {
+            meshes.push(mesh);
+            warnings.append(its_warnings);
+        }
+        let skins = self.plans.iter().map(|plan| plan.deformation.skin()).collect();
+        Ok(Meshes { meshes, ranges: self.ranges, skins })
     }
-    Ok(Meshes { meshes, ranges })
 }
 
 fn mode(primitive: &Object<'_>, warnings: &mut Warnings) -> Result<Option<Mode>, Error> {
@@ -116,7 +159,7 @@ fn plan(
     primitive: &Object<'_>,
     accessors: &mut Checker<'_>,
     (name, mode, material): (String, Mode, usize),
-    sets: &CoordinateSets,
+    (sets, deformed): (&CoordinateSets, (&[f64], Option<usize>)),
     warnings: &mut Warnings,
 ) -> Result<Option<Plan>, Error> {
     let attributes = primitive.object("attributes")?.ok_or_else(|| primitive.missing("attributes"))?;
@@ -151,28 +194,34 @@ fn plan(
     if coordinates.iter().zip(sets.wanted).any(|(coordinates, wanted)| wanted && coordinates.is_none()) {
         warnings.note("the material has a texture, the primitive no coordinates for it: its first texel is used", at);
     }
-    if !primitive.list("targets")?.is_empty() {
-        warnings.note("morph targets are ignored: drawn without them", at);
-    }
     let corners = indices.unwrap_or(positions).count;
     if corners < 3 || (mode == Mode::Triangles && corners % 3 != 0) {
         warnings.note("the corners do not make whole triangles: the rest is left out", at);
     }
-    Ok(Some(Plan { at: at(), name, mode, material, positions, normals, coordinates, colors, indices }))
+    let deformation = deform::plan(primitive, accessors, positions.count, deformed, warnings)?;
+    Ok(Some(Plan { at: at(), name, mode, material, positions, normals, coordinates, colors, indices, deformation }))
 }
 
 impl Plan {
-    fn read(&self, values: &Values<'_>) -> Result<(Mesh, Warnings), Error> {
+    /// How many vertices are read, each pass of a morph target or a skin counted.
+    fn vertices_read(&self) -> u64 {
+        (self.positions.count as u64).saturating_mul(1 + self.deformation.passes() as u64)
+    }
+
+    fn read(&self, values: &Values<'_>, skins: &[Option<Skin>]) -> Result<(Mesh, Warnings), Error> {
         let mut warnings = Warnings::default();
-        let positions = values.vectors(self.positions)?;
+        let mut positions = values.vectors(self.positions)?;
         self.check_finite(&positions, self.positions, "POSITION")?;
-        let triangles = self.triangles(values, positions.len())?;
+        let mut triangles = self.triangles(values, positions.len())?;
         let mut normals = self.normals.map(|handle| values.vectors(handle)).transpose()?.unwrap_or_default();
-        if let Some(handle) = self.normals {
-            self.check_finite(&normals, handle, "NORMAL")?;
-            if !normalize(&mut normals, &positions, &triangles) {
-                warnings.note("normals of length zero were replaced by those of the faces around", || self.at.clone());
-            }
+        if self.deformation.passes() > 0 {
+            let (positions, normals, triangles) = (&mut *positions, &mut *normals, &mut *triangles);
+            self.deformation.apply(values, skins, Vertices { positions, normals, triangles }, &self.at)?;
+        }
+        self.check_finite(&positions, self.positions, "POSITION, moved by morph targets and skin,")?;
+        if !normalize(&mut normals, &positions, &triangles) {
+            let text = "normals that are zero or not finite were replaced by those of the faces around";
+            warnings.note(text, || self.at.clone());
         }
         let mut coordinates = [Vec::new(), Vec::new()];
         for (coordinates, handle) in coordinates.iter_mut().zip(self.coordinates) {
@@ -263,13 +312,15 @@ impl Plan {
     }
 }
 
-/// Normalizes normals. Normals of length zero are replaced by the mean of the faces around their vertex; the result is
-/// then `false`.
+/// Normalizes normals. Normals that are zero or not finite are replaced by the mean of the faces around their vertex;
+/// the result is then `false`.
 fn normalize(normals: &mut [[f32; 3]], positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> bool {
     let mut zeros = false;
     for normal in normals.iter_mut() {
         let squared = squared_length(normal.map(f64::from));
-        if (squared - 1.0).abs() > UNIT_TOLERANCE {
+        // NaN fails the comparison.
+        let is_unit = (squared - 1.0).abs() <= UNIT_TOLERANCE;
+        if !is_unit {
             match unit(normal.map(f64::from)) {
                 Some(unit) => *normal = unit,
                 None => {

@@ -3,8 +3,9 @@
 use std::borrow::Cow;
 
 use ::gltf::accessor::Item;
+use ::gltf::animation::util::Rotations as ReadRotations;
 use ::gltf::json::accessor::{ComponentType, Type};
-use ::gltf::mesh::util::{ReadColors, ReadIndices, ReadTexCoords};
+use ::gltf::mesh::util::{ReadColors, ReadIndices, ReadJoints, ReadTexCoords, ReadWeights};
 
 use super::accessors::Handle;
 use super::json::bad;
@@ -53,6 +54,46 @@ impl<'f> Values<'f> {
             };
             Some(read.into_rgba_f32())
         })
+    }
+
+    /// Quaternions as floats.
+    pub(super) fn rotations(&self, handle: Handle) -> Result<Vec<[f32; 4]>, Error> {
+        self.collect(handle, |accessor| {
+            let read = match accessor.data_type() {
+                ComponentType::I8 => ReadRotations::I8(self.iterate(accessor)?),
+                ComponentType::I16 => ReadRotations::I16(self.iterate(accessor)?),
+                _ => ReadRotations::F32(self.iterate(accessor)?),
+            };
+            Some(read.into_f32())
+        })
+    }
+
+    /// The joints of vertices.
+    pub(super) fn joints(&self, handle: Handle) -> Result<Vec<[u16; 4]>, Error> {
+        self.collect(handle, |accessor| {
+            let read = match accessor.data_type() {
+                ComponentType::U8 => ReadJoints::U8(self.iterate(accessor)?),
+                _ => ReadJoints::U16(self.iterate(accessor)?),
+            };
+            Some(read.into_u16())
+        })
+    }
+
+    /// The weights of joints as floats.
+    pub(super) fn weights(&self, handle: Handle) -> Result<Vec<[f32; 4]>, Error> {
+        self.collect(handle, |accessor| {
+            let read = match accessor.data_type() {
+                ComponentType::U8 => ReadWeights::U8(self.iterate(accessor)?),
+                ComponentType::U16 => ReadWeights::U16(self.iterate(accessor)?),
+                _ => ReadWeights::F32(self.iterate(accessor)?),
+            };
+            Some(read.into_f32())
+        })
+    }
+
+    /// Matrices, column by column.
+    pub(super) fn matrices(&self, handle: Handle) -> Result<Vec<[[f32; 4]; 4]>, Error> {
+        self.collect(handle, |accessor| self.iterate(accessor))
     }
 
     /// Calls `take` with an iterator over the vertex indices.

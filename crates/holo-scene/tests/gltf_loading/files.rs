@@ -134,6 +134,31 @@ fn invalid_containers_are_errors() {
     assert_contains(&error_of(triangle().json.to_string().as_bytes()), &["buffers[0]", "binary chunk"]);
 }
 
+/// Some writers do not pad their chunks: the next one follows at once, or at the next multiple of four all the same.
+#[test]
+fn chunks_of_any_length() {
+    let mut text = triangle().json.to_string().into_bytes();
+    while text.len() % 4 != 1 {
+        text.push(b' ');
+    }
+    let binary = triangle().binary;
+    for gap in [0, 3] {
+        let mut bytes = Vec::from(*b"glTF\x02\0\0\0");
+        let total = 12 + 8 + text.len() + gap + 8 + binary.len();
+        for word in [total, text.len()] {
+            bytes.extend_from_slice(&(word as u32).to_le_bytes());
+        }
+        bytes.extend_from_slice(b"JSON");
+        bytes.extend_from_slice(&text);
+        bytes.resize(bytes.len() + gap, 0);
+        bytes.extend_from_slice(&(binary.len() as u32).to_le_bytes());
+        bytes.extend_from_slice(b"BIN\0");
+        bytes.extend_from_slice(&binary);
+        let loaded = load_slice(&bytes, &Limits::default()).unwrap();
+        assert_eq!(loaded.scene.meshes[0].positions, TRIANGLE, "{gap} bytes of padding");
+    }
+}
+
 #[test]
 fn an_empty_scene_loads() {
     let loaded = File::new().load().unwrap();

@@ -49,7 +49,7 @@ pub(super) fn read(
         let scale = map.map(|map| map.within("scale", f32::MIN..=f32::MAX)).transpose()?.flatten();
         read.normal_map = Some(NormalMap { texture, scale: scale.unwrap_or(1.0) });
     }
-    read.emission = emission(material)?;
+    read.emission = emission(material, &place, warnings)?;
     read.emission_texture = texture(material, "emissiveTexture")?;
     read.alpha = match material.string("alphaMode")? {
         None | Some("OPAQUE") => Alpha::Opaque,
@@ -81,9 +81,12 @@ fn set<T>(field: &mut T, said: Option<T>) {
     }
 }
 
-/// Emissive factor times strength, multiplied in f64.
-fn emission(material: &Object<'_>) -> Result<[f32; 3], Error> {
-    material.all_within::<3>("emissiveFactor", 0.0..=1.0)?;
+/// Emissive factor times strength, multiplied in f64. glTF wants factors up to 1, but exporters write more.
+fn emission(material: &Object<'_>, place: impl Fn() -> String, warnings: &mut Warnings) -> Result<[f32; 3], Error> {
+    let within = material.all_within::<3>("emissiveFactor", 0.0..=MAX_RADIANCE)?;
+    if within.is_some_and(|factor| factor.iter().any(|&c| c > 1.0)) {
+        warnings.note("its emissiveFactor is above the 1 that glTF allows: used as it is", place);
+    }
     let factor = material.numbers::<3>("emissiveFactor")?.unwrap_or_default();
     let Some(extension) = material.extension(EMISSIVE_STRENGTH)? else { return Ok(factor.map(|c| c as f32)) };
     extension.within("emissiveStrength", 0.0..=f32::MAX)?;
@@ -143,7 +146,7 @@ fn volume(material: &Object<'_>, place: impl Fn() -> String, warnings: &mut Warn
 }
 
 /// A texture reference of a material.
-fn texture_use(object: &Object<'_>, key: &str, texture_count: usize) -> Result<Option<TextureInfo>, Error> {
+pub(super) fn texture_use(object: &Object<'_>, key: &str, texture_count: usize) -> Result<Option<TextureInfo>, Error> {
     let Some(info) = object.object(key)? else { return Ok(None) };
     let texture = info.index("index", "textures", texture_count)?.ok_or_else(|| info.missing("index"))?;
     let mut set = info.unsigned("texCoord")?;

@@ -1,0 +1,45 @@
+//! `KHR_materials_pbrSpecularGlossiness`: diffuse color, reflectance at normal incidence, and glossiness.
+//!
+//! The diffuse color becomes the base color of a dielectric, and the specular color its reflectance: with the index 1.5,
+//! whose reflectance is 0.04, a `specular_color` of 25 times the color gives exactly that color at normal incidence.
+//! Roughness is 1 - glossiness, also in the texture, which is computed from the alpha of `specularGlossinessTexture`.
+//!
+//! The extension dims the diffuse color by 1 - max(specular); the renderer dims it by what its coat reflects, so that
+//! both agree for weak reflections only. Source: the archived specification of the extension.
+
+use super::super::json::Object;
+use super::super::textures::Derived;
+use super::surface::texture_use;
+use crate::{Error, Material};
+
+/// 1 / 0.04, the inverse of the reflectance of the index 1.5.
+const INVERSE_REFLECTANCE: f32 = 25.0;
+
+pub(super) const APPROXIMATION: &str = "specular-glossiness is drawn as a dielectric with that reflectance; its diffuse \
+    part differs slightly (for an exact material run `npx @gltf-transform/cli metalrough in.glb out.glb`)";
+
+/// Changes a material to that of the extension. Returns the texture of its roughness if there is one; it has the
+/// coordinates of [`Material::specular_color_texture`].
+pub(super) fn read(
+    extension: &Object<'_>,
+    texture_count: usize,
+    material: &mut Material,
+) -> Result<Option<Derived>, Error> {
+    material.base_color = extension.all_within("diffuseFactor", 0.0..=1.0)?.unwrap_or([1.0; 4]);
+    material.base_color_texture = texture_use(extension, "diffuseTexture", texture_count)?;
+    material.metallic = 0.0;
+    material.ior = 1.5;
+    material.specular = 1.0;
+    material.specular_texture = None;
+    let specular = extension.all_within::<3>("specularFactor", 0.0..=1.0)?.unwrap_or([1.0; 3]);
+    material.specular_color = specular.map(|c| c * INVERSE_REFLECTANCE);
+    material.specular_color_texture = texture_use(extension, "specularGlossinessTexture", texture_count)?;
+    let glossiness = extension.within("glossinessFactor", 0.0..=1.0)?.unwrap_or(1.0);
+    material.metallic_roughness_texture = None;
+    let Some(texture) = material.specular_color_texture else {
+        material.roughness = 1.0 - glossiness;
+        return Ok(None);
+    };
+    material.roughness = 1.0;
+    Ok(Some(Derived { source: texture.texture, glossiness }))
+}
