@@ -38,6 +38,7 @@ mod buffer_views;
 mod container;
 mod deform;
 mod extensions;
+mod foreign;
 mod instancing;
 mod json;
 mod materials;

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use super::foreign;
 use super::json::{Object, bad, unsupported};
 use super::uri::{self, Target};
 use crate::Error;
@@ -29,13 +30,14 @@ pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, Error> {
         let json = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         return match json.iter().find(|b| !b.is_ascii_whitespace()) {
             Some(b'{') => Ok(Parts { json, binary: None }),
-            Some(_) => Err(bad("file", "is neither binary glTF (.glb) nor glTF JSON (.gltf)")),
+            Some(_) => Err(foreign::error(bytes)),
             None => Err(bad("file", "is empty")),
         };
     }
     let truncated = || bad("glb header", "the file is cut short");
     match word(bytes, 4).ok_or_else(truncated)? {
         2 => {}
+        1 => return Err(foreign::old_gltf("glb header")),
         version => {
             return Err(unsupported("glb header", format!("glTF container version {version} (convert the file to 2)")));
         }
@@ -93,8 +95,19 @@ fn word(bytes: &[u8], offset: usize) -> Option<u32> {
 pub(super) fn parse(json: &[u8]) -> Result<Value, Error> {
     let value: Value = serde_json::from_slice(json).map_err(|e| bad("glTF JSON", e.to_string()))?;
     let root = Object::root(&value)?;
-    let Some(asset) = root.object("asset")? else { return Err(root.missing("asset")) };
-    let Some(version) = asset.string("version")? else { return Err(asset.missing("version")) };
+    // Version 1 has objects by name where version 2 has lists, and needs no asset.
+    let by_name = ["nodes", "meshes", "accessors"].iter().any(|key| value.get(key).is_some_and(Value::is_object));
+    let asset = match root.object("asset")? {
+        Some(asset) => asset,
+        None if by_name => return Err(foreign::old_gltf("glTF JSON")),
+        None => return Err(root.missing("asset")),
+    };
+    let Some(version) = asset.string("version")? else {
+        return Err(if by_name { foreign::old_gltf("glTF JSON") } else { asset.missing("version") });
+    };
+    if version.split('.').next() == Some("1") {
+        return Err(foreign::old_gltf("asset.version"));
+    }
     if version.split('.').next() != Some("2") {
         return Err(unsupported("asset.version", format!("glTF {} (convert the file to 2.0)", uri::shorten(version))));
     }
