@@ -34,6 +34,7 @@
 //! program whose panic hook prints should check [`is_guarding`] first.
 
 mod accessors;
+mod advice;
 mod buffer_views;
 mod container;
 mod deform;
@@ -188,7 +189,7 @@ fn assemble(bytes: &[u8], files: &Files, options: &LoadOptions) -> Result<Loaded
     if !root.list("animations")?.is_empty() {
         warnings.note("animations are ignored: the scene is drawn in the pose of its nodes", String::new);
     }
-    let scene = Scene {
+    let mut scene = Scene {
         meshes: meshes.meshes,
         instances: placements.instances,
         materials: materials.finish(&textures.index),
@@ -197,6 +198,7 @@ fn assemble(bytes: &[u8], files: &Files, options: &LoadOptions) -> Result<Loaded
         environment: None,
         cameras: placements.cameras,
     };
+    advice::apply(&root, &mut scene, options, &mut warnings)?;
     scene.validate()?;
     let summary = Summary::new(&root, extensions, variants, &scene)?;
     Ok(Loaded { scene, warnings: warnings.into_lines(), summary })

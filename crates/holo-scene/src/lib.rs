@@ -42,6 +42,7 @@
 pub mod gallery;
 pub mod gltf;
 
+mod coincident;
 mod error;
 mod material;
 mod scene;
