@@ -41,7 +41,7 @@ fn factors() {
         ..Material::default()
     };
     assert_eq!(loaded.scene.materials, [expected]);
-    assert_contains(&loaded.warnings.join("\n"), &["materials[0]", "specular-glossiness", "metalrough"]);
+    assert_contains(&loaded.warnings.join("\n"), &["materials[0]", "specular-glossiness", "diffuse part differs"]);
     // The defaults: white, mirror-like.
     let material = with(json!({})).load().unwrap().scene.materials.remove(0);
     assert_eq!((material.base_color, material.specular_color, material.roughness), ([1.0; 4], [25.0; 3], 0.0));

@@ -15,8 +15,8 @@ use crate::{Error, Material};
 /// 1 / 0.04, the inverse of the reflectance of the index 1.5.
 const INVERSE_REFLECTANCE: f32 = 25.0;
 
-pub(super) const APPROXIMATION: &str = "specular-glossiness is drawn as a dielectric with that reflectance; its diffuse \
-    part differs slightly (for an exact material run `npx @gltf-transform/cli metalrough in.glb out.glb`)";
+pub(super) const APPROXIMATION: &str =
+    "specular-glossiness is drawn as a dielectric with that reflectance; its diffuse part differs slightly";
 
 /// Changes a material to that of the extension. Returns the texture of its roughness if there is one; it has the
 /// coordinates of [`Material::specular_color_texture`].
