@@ -3,9 +3,17 @@
 //! # Geometry
 //! The loader reads the node hierarchy of the default scene, composed in f64; triangles, strips and fans, indexed or
 //! not, with normals, vertex colors and two sets of texture coordinates (`TEXCOORD_0` and `_1`; if the textures of a
-//! material use other sets, those); sparse and normalized accessors; textures (PNG, JPEG; 16-bit images are rounded to
-//! 8) with their wrap modes; cameras; and the lights of `KHR_lights_punctual`. Instances, lights and cameras are in the
-//! order of their nodes in the file.
+//! material use other sets, those); sparse and normalized accessors; cameras; and the lights of `KHR_lights_punctual`.
+//! Instances, lights and cameras are in the order of their nodes in the file.
+//!
+//! `EXT_mesh_gpu_instancing` gives an instance for every element of its accessors; `KHR_node_visibility` hides meshes
+//! and lights, not cameras. A scene may list a node that is the child of another: it is drawn once, as that child.
+//!
+//! # Pose
+//! The scene is drawn in the pose of its nodes; animations are ignored with a warning. Morph targets move positions and
+//! normals by the weights of the node, else of the mesh. A skin places vertices by all sets of joints and weights; the
+//! transform of the node has no effect then, as the specification demands. Nodes with a skin or weights of their own
+//! have meshes of their own, which count against [`Limits`], as does every pass of a morph target.
 //!
 //! # Materials
 //! Materials are read completely, with the defaults of the specification (the default material is a rough white metal;
@@ -17,15 +25,25 @@
 //! specification, becomes 1000 (99.6 % reflectance at normal incidence), with a warning. Black attenuation is clamped
 //! slightly above 0.
 //!
-//! # Angular diameter of directional lights
+//! `KHR_materials_pbrSpecularGlossiness` becomes a dielectric with the same reflectance at normal incidence and the same
+//! roughness; its diffuse part is dimmed by what the renderer's coat reflects instead of by the largest channel of the
+//! specular color. [`LoadOptions::material_variant`] chooses a variant of `KHR_materials_variants`.
+//!
+//! # Textures
+//! PNG, JPEG and WebP (also `EXT_texture_webp`), with wrap modes and the filter for magnification; 16-bit images are
+//! rounded to 8. KTX2 images (`KHR_texture_basisu`) are not decoded: the fallback image is used. A texture without a
+//! readable image is left out with a warning that says why.
+//!
+//! # Lights
 //! A directional light whose `extras` contain the number `angular_diameter_rad` is a disc of that angular diameter,
-//! rad: 0.0093 for the sun. Without it, its light is parallel. This is an addition of this crate.
+//! rad: 0.0093 for the sun. Without it, its light is parallel. This is an addition of this crate. [`LightUnits`] is
+//! about files of Blender.
 //!
 //! # Not supported
-//! Vertex tangents are ignored: normal maps follow the texture coordinates. Morph targets, skins and animations are
-//! ignored, with a warning. Compressed and quantized meshes (Draco, meshopt, `KHR_mesh_quantization`) are errors. Other
-//! extensions (clearcoat, sheen, iridescence, anisotropy, dispersion, variants, ...) cause a warning if they are used,
-//! and an error if they are required.
+//! Vertex tangents are ignored: normal maps follow the texture coordinates. Compressed and quantized meshes (Draco,
+//! meshopt, `KHR_mesh_quantization`) are errors. Other extensions (clearcoat, sheen, iridescence, anisotropy,
+//! dispersion, ...) cause a warning if they are used, and an error if they are required. Files of other formats (OBJ,
+//! FBX, USD, Blender, glTF 1.0, ...) are errors that say how to get a `.glb` from them.
 //!
 //! # Untrusted files
 //! A file is either loaded or rejected with an [`Error`] that says where. All sizes are checked against [`Limits`]

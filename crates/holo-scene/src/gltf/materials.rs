@@ -55,13 +55,12 @@ pub(super) fn load(root: &Object<'_>, warnings: &mut Warnings) -> Result<Materia
         let place = || format!("materials[{k}] '{}'", shorten(name));
         let mut loaded = surface::read(material, name, texture_count, place, warnings)?;
         if let Some(extension) = material.extension(SPECULAR_GLOSSINESS)? {
-            let derived = specular_glossiness::read(&extension, texture_count, &mut loaded)?;
+            let derived = specular_glossiness::read(&extension, texture_count, &mut loaded, place, warnings)?;
             if let Some(derived) = derived {
                 let number = texture_count + all.derived(derived);
                 loaded.metallic_roughness_texture =
                     loaded.specular_color_texture.map(|used| TextureInfo { texture: number, ..used });
             }
-            warnings.note(specular_glossiness::APPROXIMATION, place);
         }
         all.coordinate_sets.push(choose_sets(&mut loaded, place, warnings));
         loaded.textures().for_each(|(_, used)| read.get_mut(used.texture).into_iter().for_each(|read| *read = true));

@@ -177,11 +177,14 @@ fn local(node: &Object<'_>, warnings: &mut Warnings) -> Result<Transform, Error>
             from_matrix(&matrix).ok_or_else(|| bad(node.at("matrix"), "its last row must be 0 0 0 1"))?
         }
         None => {
-            let rotation = rotation.map_or(Ok([0.0, 0.0, 0.0, 1.0]), |rotation| {
+            let rotation = rotation.map_or([0.0, 0.0, 0.0, 1.0], |rotation| {
                 let largest = rotation.iter().fold(0.0_f64, |largest, q| largest.max(q.abs()));
                 // Scaled first: squares of very large or small numbers overflow or underflow.
-                if largest > 0.0 { Ok(rotation.map(|q| q / largest)) } else { Err(bad(node.at("rotation"), "is zero")) }
-            })?;
+                if largest > 0.0 { rotation.map(|q| q / largest) } else { rotation }
+            });
+            if rotation == [0.0; 4] {
+                warnings.note("has a rotation of length zero: drawn without", || node.path().to_owned());
+            }
             Transform::from_parts(translation.unwrap_or([0.0; 3]), rotation, scale.unwrap_or([1.0; 3]))
         }
     };

@@ -176,7 +176,9 @@ fn lights(root: &Object<'_>) -> Result<Vec<LightSource>, Error> {
             return Err(bad(light.path(), "its color times its intensity must be finite and not negative"));
         }
         let range = match light.number("range")? {
-            Some(range) if range <= 0.0 => {
+            // Not allowed, but written for "unlimited", and read so by other loaders.
+            Some(0.0) => None,
+            Some(range) if range < 0.0 => {
                 return Err(bad(light.at("range"), format!("is {range}; it must be above 0")));
             }
             range => range,

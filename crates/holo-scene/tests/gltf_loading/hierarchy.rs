@@ -121,7 +121,6 @@ fn invalid_hierarchies_are_errors() {
     assert_contains(&error(json!([{ "children": [-1] }])), &["nodes[0].children[0]"]);
     assert_contains(&error(json!([{ "children": {} }])), &["nodes[0].children", "array"]);
     assert_contains(&error(json!([{ "mesh": 3 }])), &["nodes[0].mesh", "meshes[3]"]);
-    assert_contains(&error(json!([{ "rotation": [0, 0, 0, 0] }])), &["nodes[0].rotation"]);
     assert_contains(&error(json!([{ "rotation": [0, 0, 1] }])), &["nodes[0].rotation", "3 numbers instead of 4"]);
     assert_contains(&error(json!([{ "scale": [1, "x", 1] }])), &["nodes[0].scale[1]", "number"]);
     assert_contains(&error(json!([{ "matrix": vec![1.0; 16] }])), &["nodes[0].matrix", "last row"]);
@@ -235,4 +234,13 @@ fn hidden_nodes_are_not_drawn() {
     assert_eq!((scene.lights.len(), scene.cameras.len()), (0, 1));
     file.json["nodes"][0]["extensions"]["KHR_node_visibility"]["visible"] = json!(1);
     assert_contains(&file.error(), &["nodes[0].extensions.KHR_node_visibility.visible"]);
+}
+
+#[test]
+fn a_rotation_of_length_zero_is_none() {
+    let mut file = triangle();
+    file.json["nodes"] = json!([{ "mesh": 0, "rotation": [0, 0, 0, 0], "translation": [1, 2, 3], "scale": [2, 3, 4] }]);
+    let loaded = file.load().unwrap();
+    assert_eq!(loaded.scene.instances[0].transform.point([1.0, 1.0, 1.0]), [3.0, 5.0, 7.0]);
+    assert_contains(&loaded.warnings.join("\n"), &["nodes[0]", "rotation of length zero"]);
 }

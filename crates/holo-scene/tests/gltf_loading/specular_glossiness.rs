@@ -45,7 +45,9 @@ fn factors() {
     // The defaults: white, mirror-like.
     let material = with(json!({})).load().unwrap().scene.materials.remove(0);
     assert_eq!((material.base_color, material.specular_color, material.roughness), ([1.0; 4], [25.0; 3], 0.0));
-    assert_contains(&with(json!({ "glossinessFactor": 2 })).error(), &["glossinessFactor", "2"]);
+    let clamped = with(json!({ "glossinessFactor": 2 })).load().unwrap();
+    assert_eq!(clamped.scene.materials[0].roughness, 0.0);
+    assert_contains(&clamped.warnings.join("\n"), &["materials[0]", "clamped"]);
 }
 
 #[test]

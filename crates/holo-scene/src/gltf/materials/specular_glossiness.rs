@@ -9,13 +9,14 @@
 
 use super::super::json::Object;
 use super::super::textures::Derived;
-use super::surface::texture_use;
+use super::super::warnings::Warnings;
+use super::surface::{Shares, texture_use};
 use crate::{Error, Material};
 
 /// 1 / 0.04, the inverse of the reflectance of the index 1.5.
 const INVERSE_REFLECTANCE: f32 = 25.0;
 
-pub(super) const APPROXIMATION: &str =
+const APPROXIMATION: &str =
     "specular-glossiness is drawn as a dielectric with that reflectance; its diffuse part differs slightly";
 
 /// Changes a material to that of the extension. Returns the texture of its roughness if there is one; it has the
@@ -24,17 +25,22 @@ pub(super) fn read(
     extension: &Object<'_>,
     texture_count: usize,
     material: &mut Material,
+    place: impl Fn() -> String,
+    warnings: &mut Warnings,
 ) -> Result<Option<Derived>, Error> {
-    material.base_color = extension.all_within("diffuseFactor", 0.0..=1.0)?.unwrap_or([1.0; 4]);
+    let mut shares = Shares::default();
+    material.base_color = shares.all(extension, "diffuseFactor")?.unwrap_or([1.0; 4]);
     material.base_color_texture = texture_use(extension, "diffuseTexture", texture_count)?;
     material.metallic = 0.0;
     material.ior = 1.5;
     material.specular = 1.0;
     material.specular_texture = None;
-    let specular = extension.all_within::<3>("specularFactor", 0.0..=1.0)?.unwrap_or([1.0; 3]);
+    let specular = shares.all::<3>(extension, "specularFactor")?.unwrap_or([1.0; 3]);
     material.specular_color = specular.map(|c| c * INVERSE_REFLECTANCE);
     material.specular_color_texture = texture_use(extension, "specularGlossinessTexture", texture_count)?;
-    let glossiness = extension.within("glossinessFactor", 0.0..=1.0)?.unwrap_or(1.0);
+    let glossiness = shares.one(extension, "glossinessFactor")?.unwrap_or(1.0);
+    shares.note(&place, warnings);
+    warnings.note(APPROXIMATION, place);
     material.metallic_roughness_texture = None;
     let Some(texture) = material.specular_color_texture else {
         material.roughness = 1.0 - glossiness;
