@@ -109,7 +109,7 @@ pub struct Loaded {
 pub struct Limits {
     /// Triangles of all meshes together, and triangles of all instances together.
     pub max_triangles: u64,
-    /// Vertices of all meshes together.
+    /// Vertices of all meshes together. Those of a morph target and of a set of joints count as others.
     pub max_vertices: u64,
     /// Instances of meshes in the world.
     pub max_instances: usize,

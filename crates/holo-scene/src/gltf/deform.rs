@@ -2,6 +2,7 @@
 
 use super::accessors::{Checker, Handle, Use};
 use super::json::{Object, bad};
+use super::poses::Weights;
 use super::skins::Skin;
 use super::values::Values;
 use super::warnings::Warnings;
@@ -31,12 +32,12 @@ pub(super) struct Vertices<'v> {
     pub(super) triangles: &'v mut [[u32; 3]],
 }
 
-/// Validates the morph targets and the skin of a primitive whose node has these `weights` and this `skin`.
+/// Validates the morph targets and the skin of a primitive that is shown with these `weights` and this `skin`.
 pub(super) fn plan(
     primitive: &Object<'_>,
     accessors: &mut Checker<'_>,
     count: usize,
-    (weights, skin): (&[f64], Option<usize>),
+    (weights, skin): (&Weights, Option<usize>),
     warnings: &mut Warnings,
 ) -> Result<Deformation, Error> {
     let mut check = |object: &Object<'_>, key: &str, wanted: Use| -> Result<Option<Handle>, Error> {
@@ -48,18 +49,16 @@ pub(super) fn plan(
         Err(bad(object.at(key), format!("has {} elements, POSITION has {count}", handle.count)))
     };
     let mut deformation = Deformation::default();
-    if weights.iter().any(|&weight| weight != 0.0) {
-        let targets = primitive.objects("targets")?;
-        for (target, &weight) in targets.iter().zip(weights).filter(|(_, weight)| **weight != 0.0) {
-            let positions = check(target, "POSITION", Use::Vectors)?;
-            let normals = check(target, "NORMAL", Use::Vectors)?;
-            target.each(|key, _| {
-                if key.starts_with("TEXCOORD_") || key.starts_with("COLOR_") {
-                    warnings.note("morph targets of colors and texture coordinates are ignored", || target.at(key));
-                }
-            });
-            deformation.morphs.push(Morph { weight, positions, normals });
-        }
+    for &(k, weight) in weights {
+        let Some(target) = primitive.object_at("targets", k)? else { break };
+        let positions = check(&target, "POSITION", Use::Vectors)?;
+        let normals = check(&target, "NORMAL", Use::Vectors)?;
+        target.each(|key, _| {
+            if key.starts_with("TEXCOORD_") || key.starts_with("COLOR_") {
+                warnings.note("morph targets of colors and texture coordinates are ignored", || target.at(key));
+            }
+        });
+        deformation.morphs.push(Morph { weight, positions, normals });
     }
     let attributes = primitive.object("attributes")?;
     if let (Some(skin), Some(attributes)) = (skin, attributes) {

@@ -9,7 +9,7 @@ use super::extensions::DRACO;
 use super::json::{Object, bad, unsupported};
 use super::materials::{CoordinateSets, Materials};
 use super::panic_guard;
-use super::poses::{self, Poses};
+use super::poses::{Poses, Weights};
 use super::skins::Skin;
 use super::values::Values;
 use super::variants;
@@ -92,8 +92,9 @@ pub(super) fn plan_all(
         let first = plans.len();
         let name = mesh.name()?;
         let primitives = mesh.objects("primitives")?;
-        let weights = pose.weights.clone().map_or_else(|| poses::weights(mesh), Ok)?;
+        let weights = pose.weights.as_ref().unwrap_or(&context.poses.weights[pose.mesh]);
         for (k, primitive) in primitives.iter().enumerate() {
+            posed += usize::from(pose.is_posed());
             let Some(mode) = mode(primitive, warnings)? else { continue };
             let material = match variants::material(primitive, context.variant, material_count)? {
                 Some(material) => material,
@@ -101,12 +102,11 @@ pub(super) fn plan_all(
             };
             let name = if primitives.len() > 1 && !name.is_empty() { format!("{name}[{k}]") } else { name.to_owned() };
             let sets = &materials.coordinate_sets[material];
-            let deformed = (weights.as_slice(), pose.skin);
+            let deformed = (weights, pose.skin);
             let plan = plan(primitive, accessors, (name, mode, material), (sets, deformed), warnings)?;
             let Some(plan) = plan else { continue };
             vertices = vertices.saturating_add(plan.vertices_read());
             triangles += plan.mode.triangles(plan.indices.unwrap_or(plan.positions).count) as u64;
-            posed += usize::from(pose.is_posed());
             // Many primitives may share one accessor, so a small file can require more memory than it has bytes.
             if vertices > limits.max_vertices || triangles > limits.max_triangles || posed > limits.max_instances {
                 let (v, t) = (limits.max_vertices, limits.max_triangles);
@@ -159,7 +159,7 @@ fn plan(
     primitive: &Object<'_>,
     accessors: &mut Checker<'_>,
     (name, mode, material): (String, Mode, usize),
-    (sets, deformed): (&CoordinateSets, (&[f64], Option<usize>)),
+    (sets, deformed): (&CoordinateSets, (&Weights, Option<usize>)),
     warnings: &mut Warnings,
 ) -> Result<Option<Plan>, Error> {
     let attributes = primitive.object("attributes")?.ok_or_else(|| primitive.missing("attributes"))?;

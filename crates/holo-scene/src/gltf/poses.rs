@@ -16,8 +16,11 @@ pub(super) struct MeshInPose {
     pub(super) mesh: usize,
     pub(super) skin: Option<usize>,
     /// The morph weights of the node; `None`: those of the mesh.
-    pub(super) weights: Option<Vec<f64>>,
+    pub(super) weights: Option<Weights>,
 }
+
+/// The morph weights that are not 0, each with the number of its target.
+pub(super) type Weights = Vec<(usize, f64)>;
 
 impl MeshInPose {
     /// Whether the vertices may differ from those of the mesh as nodes without skin and weights show it.
@@ -29,12 +32,14 @@ impl MeshInPose {
 /// The meshes of the scene before their primitives are read, in the order of the file.
 pub(super) struct Poses {
     pub(super) list: Vec<MeshInPose>,
+    /// The weights of the meshes of the file.
+    pub(super) weights: Vec<Weights>,
     /// For each node of the file the index of its mesh in the list.
     pub(super) of_node: Vec<Option<usize>>,
 }
 
 /// Mesh, skin and the bits of the weights. The order is that of the meshes in the file.
-type Key = (usize, Option<usize>, Option<Vec<u64>>);
+type Key = (usize, Option<usize>, Option<Vec<(usize, u64)>>);
 
 /// Collects the meshes that the nodes of the scene show, and those that no node shows.
 pub(super) fn collect(root: &Object<'_>, nodes: &Nodes<'_>) -> Result<Poses, Error> {
@@ -42,6 +47,7 @@ pub(super) fn collect(root: &Object<'_>, nodes: &Nodes<'_>) -> Result<Poses, Err
     let skins = root.list("skins")?.len();
     let mut known: BTreeMap<Key, Vec<usize>> = BTreeMap::new();
     let mut shown = vec![false; meshes.len()];
+    let own: Vec<Weights> = meshes.iter().map(weights).collect::<Result<_, Error>>()?;
     for placed in nodes.in_scene() {
         let node = placed.node;
         let Some(mesh) = node.index("mesh", "meshes", meshes.len())? else { continue };
@@ -49,35 +55,31 @@ pub(super) fn collect(root: &Object<'_>, nodes: &Nodes<'_>) -> Result<Poses, Err
         if placed.hidden {
             continue;
         }
-        let mut weights = node.has("weights").then(|| self::weights(node)).transpose()?;
-        // Exporters write weights of zero to the node of a mesh that has none.
-        if weights.as_ref().is_some_and(|weights| is_zero(weights)) && is_zero(&self::weights(&meshes[mesh])?) {
-            weights = None;
-        }
-        let bits = weights.map(|weights| weights.into_iter().map(f64::to_bits).collect());
+        // Exporters write the weights of the mesh again, or zeros to the node of a mesh that has none.
+        let weights = node.has("weights").then(|| weights(node)).transpose()?.filter(|weights| *weights != own[mesh]);
+        let bits = weights.map(|weights| weights.into_iter().map(|(k, weight)| (k, weight.to_bits())).collect());
         shown[mesh] = true;
         known.entry((mesh, skin, bits)).or_default().push(placed.index);
     }
     for (mesh, _) in shown.iter().enumerate().filter(|(_, shown)| !**shown) {
         known.insert((mesh, None, None), Vec::new());
     }
-    let mut poses = Poses { list: Vec::with_capacity(known.len()), of_node: vec![None; nodes.nodes.len()] };
+    let (list, of_node) = (Vec::with_capacity(known.len()), vec![None; nodes.nodes.len()]);
+    let mut poses = Poses { list, weights: own, of_node };
     for ((mesh, skin, bits), users) in known {
         users.into_iter().for_each(|node| poses.of_node[node] = Some(poses.list.len()));
-        let weights = bits.map(|bits| bits.into_iter().map(f64::from_bits).collect());
+        let weights = bits.map(|bits| bits.into_iter().map(|(k, bits)| (k, f64::from_bits(bits))).collect());
         poses.list.push(MeshInPose { mesh, skin, weights });
     }
     Ok(poses)
 }
 
-/// The morph weights of a mesh or a node; empty if it has none.
-pub(super) fn weights(object: &Object<'_>) -> Result<Vec<f64>, Error> {
-    let number = |(k, value): (usize, &serde_json::Value)| {
-        value.as_f64().ok_or_else(|| bad(format!("{}[{k}]", object.at("weights")), "must be a number"))
+/// The morph weights of a mesh or a node.
+fn weights(object: &Object<'_>) -> Result<Weights, Error> {
+    let number = |(k, value): (usize, &serde_json::Value)| match value.as_f64() {
+        Some(weight) => Ok((k, weight)),
+        None => Err(bad(format!("{}[{k}]", object.at("weights")), "must be a number")),
     };
-    object.list("weights")?.iter().enumerate().map(number).collect()
-}
-
-fn is_zero(weights: &[f64]) -> bool {
-    weights.iter().all(|&weight| weight == 0.0)
+    let all = object.list("weights")?.iter().enumerate().map(number);
+    all.filter(|weight| !matches!(weight, Ok((_, 0.0)))).collect()
 }

@@ -52,7 +52,7 @@ pub(super) fn plan(
             Some(number) => Some(accessors.check(number, Use::Matrices, &skin.at("inverseBindMatrices"))?),
             None => None,
         };
-        if let Some(matrices) = matrices.filter(|matrices| !(joints.len()..=MAX_JOINTS).contains(&matrices.count)) {
+        if let Some(matrices) = matrices.filter(|matrices| matrices.count < joints.len()) {
             let what = format!("has {} matrices for {} joints", matrices.count, joints.len());
             return Err(bad(skin.at("inverseBindMatrices"), what));
         }
@@ -72,7 +72,9 @@ pub(super) fn load(
 
 impl SkinPlan {
     fn load(&self, values: &Values<'_>, nodes: &Nodes<'_>) -> Result<Skin, Error> {
-        let matrices = self.matrices.map(|handle| values.matrices(handle)).transpose()?;
+        // Skins may share a longer list.
+        let needed = |handle| Handle { count: self.joints.len(), ..handle };
+        let matrices = self.matrices.map(|handle| values.matrices(needed(handle))).transpose()?;
         let mut joints = Vec::with_capacity(self.joints.len());
         for (k, &node) in self.joints.iter().enumerate() {
             let at = || format!("{}.joints[{k}]", self.at);

@@ -19,6 +19,7 @@ use super::container::Files;
 use super::extensions::{TEXTURE_BASISU, TEXTURE_WEBP};
 use super::json::{Object, bad};
 use super::panic_guard;
+use super::uri::shorten;
 use super::warnings::Warnings;
 use crate::Error;
 use crate::{Filter, Texture, Wrap};
@@ -197,7 +198,11 @@ impl Choices {
             let Some(&first) = plan.candidates.first().filter(|_| chosen > 0) else { continue };
             let Some(Err(why)) = &self.decoded[first] else { continue };
             let outcome = if chosen < plan.candidates.len() { "its fallback is used" } else { "drawn without it" };
-            warnings.note(&format!("{why}: {outcome}"), || format!("{} ({})", plan.at, images[first].path()));
+            warnings.note(&format!("{why}: {outcome}"), || {
+                let file = images[first].string("uri").ok().flatten().filter(|uri| !uri.starts_with("data:"));
+                let file = file.map(|uri| format!(" '{}'", shorten(uri))).unwrap_or_default();
+                format!("{} ({}{file})", plan.at, images[first].path())
+            });
         }
     }
 

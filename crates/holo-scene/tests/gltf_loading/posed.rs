@@ -226,8 +226,6 @@ fn invalid_skins_are_errors() {
     assert_contains(&error(&|file| file.json["accessors"][4]["componentType"] = json!(5125)), &["MAT4 of floats"]);
     // Without data, all matrices are zero; a small file must not allocate millions of them.
     let zeros = json!({ "componentType": 5126, "count": 4_000_000_000_u32, "type": "MAT4" });
-    assert_contains(&error(&|file| file.json["accessors"][4] = zeros.clone()), &["4000000000 matrices"]);
-    let zeros = json!({ "componentType": 5126, "count": 2, "type": "MAT4" });
     assert_contains(&error(&|file| file.json["accessors"][4] = zeros.clone()), &["number 0 is not affine"]);
     let attributes = |file: &mut File, key: &str, value| {
         file.json["meshes"][0]["primitives"][0]["attributes"][key] = value;

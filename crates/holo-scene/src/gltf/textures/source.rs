@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 use std::io::Cursor;
-use std::path::Path;
 
 use image::{ImageFormat, ImageReader};
 
@@ -86,31 +85,20 @@ impl<'v> Source<'v> {
 /// The bytes of an image outside of the buffers; the inner error says why they cannot be read.
 fn external(image: &Object<'_>, uri: &str, files: &Files) -> Result<Result<Vec<u8>, String>, Error> {
     let at = image.at("uri");
-    let path = match uri::resolve(uri, &at) {
+    let located = match uri::resolve(uri, &at) {
         Ok(Target::Data(bytes)) => return Ok(Ok(bytes)),
-        Ok(Target::File(path)) => path,
-        Err(error) => return Ok(Err(without_place(error))),
+        Ok(Target::File(path)) => files.locate(&path, &at),
+        Err(error) => Err(error),
     };
-    let located = match files.locate(&path, &at) {
-        Ok(located) => located,
-        Err(error) => return Ok(Err(without_place(error))),
+    let path = match located {
+        Ok(path) => path,
+        Err(Error::Unsupported { what, .. }) => return Ok(Err(format!("{what} is not supported"))),
+        Err(Error::BadFile { what, .. }) => return Ok(Err(format!("the image {what}"))),
+        Err(other) => return Err(other),
     };
-    match files.read(&located) {
+    match files.read(&path) {
         Ok(bytes) => Ok(Ok(bytes)),
-        Err(Error::Read { source, .. }) => Ok(Err(format!("cannot read {}: {source}", shown(&path)))),
+        Err(Error::Read { source, .. }) => Ok(Err(format!("the image cannot be read: {source}"))),
         Err(limit) => Err(limit),
-    }
-}
-
-fn shown(path: &Path) -> String {
-    uri::shorten(&path.display().to_string())
-}
-
-/// The message of an error without its JSON path, which the warning has already.
-fn without_place(error: Error) -> String {
-    match error {
-        Error::BadFile { what, .. } => what,
-        Error::Unsupported { what, .. } => format!("{what} is not supported"),
-        other => other.to_string(),
     }
 }
