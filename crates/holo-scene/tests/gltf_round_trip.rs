@@ -246,8 +246,10 @@ proptest! {
         let bytes = to_glb(&scene).unwrap();
         let loaded = load_slice(&bytes, &Limits::default()).unwrap();
         prop_assert_eq!(&loaded.scene, &scene);
-        // Files of the writer load without warnings, except for textures on meshes without coordinates.
-        prop_assert!(loaded.warnings.iter().all(|line| line.contains("its first texel")), "{:?}", loaded.warnings);
+        // Files of the writer load without warnings, except for textures on meshes without coordinates, and bodies of
+        // thin glass that happen to be closed.
+        let expected = |line: &String| line.contains("its first texel") || line.contains("soap bubble");
+        prop_assert!(loaded.warnings.iter().all(expected), "{:?}", loaded.warnings);
         prop_assert_eq!(to_glb(&loaded.scene).unwrap(), bytes);
     }
 }

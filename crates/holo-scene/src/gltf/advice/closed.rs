@@ -2,8 +2,13 @@
 
 use crate::Mesh;
 
-/// Whether a mesh encloses a volume: every edge is run through as often in one direction as in the other. Vertices at
-/// the same place are one, because exporters split them where normals or texture coordinates differ.
+/// The volume below which a body is flat, as a share of the cube of its largest extent. A pane of 1 m x 1 m x 1 mm has
+/// 0.001 of it.
+const FLAT: f64 = 1e-9;
+
+/// Whether a mesh encloses a volume: every edge is run through as often in one direction as in the other, and the body
+/// is not flat, such as a pane of two faces that lie on each other. Vertices at the same place are one, because
+/// exporters split them where normals or texture coordinates differ.
 pub(super) fn is_closed(mesh: &Mesh) -> bool {
     let numbers = places(&mesh.positions);
     // An edge as its lower and its higher vertex, and the direction.
@@ -16,7 +21,26 @@ pub(super) fn is_closed(mesh: &Mesh) -> bool {
     }
     edges.sort_unstable();
     let balanced = |edges: &[([u32; 2], bool)]| edges.iter().filter(|(_, upward)| *upward).count() * 2 == edges.len();
-    !edges.is_empty() && edges.chunk_by(|(one, _), (other, _)| one == other).all(balanced)
+    edges.chunk_by(|(one, _), (other, _)| one == other).all(balanced) && !is_flat(mesh)
+}
+
+fn is_flat(mesh: &Mesh) -> bool {
+    let Some(origin) = mesh.positions.first().map(|p| p.map(f64::from)) else { return true };
+    let mut extent = 0.0_f64;
+    let mut volume = 0.0_f64;
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|k| {
+            let p = mesh.positions[k as usize];
+            let p: [f64; 3] = std::array::from_fn(|axis| f64::from(p[axis]) - origin[axis]);
+            extent = p.iter().fold(extent, |extent, x| extent.max(x.abs()));
+            p
+        });
+        let normal = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
+        volume += (a[0] * normal[0] + a[1] * normal[1] + a[2] * normal[2]) / 6.0;
+    }
+    // Also for NaN, where the sums overflow.
+    let thick = volume.abs() > FLAT * extent.powi(3);
+    !thick
 }
 
 /// For each vertex the number of its place.
@@ -62,6 +86,9 @@ mod tests {
             assert!(!is_closed(&turned), "a face looks inward");
         }
         assert!(!is_closed(&Mesh::default()));
+        // A pane of two faces that lie on each other has no inside.
+        let pane = Mesh { triangles: vec![[0, 1, 2], [2, 1, 0]], ..whole.clone() };
+        assert!(!is_closed(&pane));
         // A degenerate triangle encloses nothing, and opens nothing.
         let mut degenerate = whole;
         degenerate.triangles.push([0, 0, 1]);
