@@ -40,6 +40,7 @@ fn wall(rig: &Rig, depth_m: f64, seed: u64) -> Scene {
         texels: (0..side * side).map(texel).collect(),
         wrap_u: Wrap::Repeat,
         wrap_v: Wrap::Repeat,
+        filter: holo_scene::Filter::Linear,
     };
     let texture_coordinates = vec![[0.0, 1.0], [1.0, 1.0], [1.0, 0.0], [0.0, 0.0]];
     let kind = LightKind::Directional { direction: [0.0, 0.0, -1.0], angular_diameter_rad: 0.0 };

@@ -154,6 +154,7 @@ fn scene() -> Scene {
         texels: texels.collect(),
         wrap_u: Wrap::Repeat,
         wrap_v: Wrap::Clamp,
+        filter: holo_scene::Filter::Linear,
     });
     let transform = TextureTransform { offset: [0.1, -0.2], rotation_rad: 0.4, scale: [1.7, 0.8] };
     let base_color_texture = Some(TextureInfo { transform, ..TextureInfo::new(0) });

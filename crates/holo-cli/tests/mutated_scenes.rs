@@ -39,6 +39,7 @@ fn original() -> Vec<u8> {
         texels: (0..64).map(|k| [(k * 4) as u8, (k * 37) as u8, 200, 255]).collect(),
         wrap_u: Wrap::Mirror,
         wrap_v: Wrap::Clamp,
+        filter: holo_scene::Filter::Linear,
     });
     scene.materials[0].base_color_texture = Some(TextureInfo::new(0));
     holo_scene::gltf::to_glb(&scene).unwrap()

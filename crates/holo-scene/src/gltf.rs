@@ -3,9 +3,17 @@
 //! # Geometry
 //! The loader reads the node hierarchy of the default scene, composed in f64; triangles, strips and fans, indexed or
 //! not, with normals, vertex colors and two sets of texture coordinates (`TEXCOORD_0` and `_1`; if the textures of a
-//! material use other sets, those); sparse and normalized accessors; textures (PNG, JPEG; 16-bit images are rounded to
-//! 8) with their wrap modes; cameras; and the lights of `KHR_lights_punctual`. Instances, lights and cameras are in the
-//! order of their nodes in the file.
+//! material use other sets, those); sparse and normalized accessors; cameras; and the lights of `KHR_lights_punctual`.
+//! Instances, lights and cameras are in the order of their nodes in the file.
+//!
+//! `EXT_mesh_gpu_instancing` gives an instance for every element of its accessors; `KHR_node_visibility` hides meshes
+//! and lights, not cameras. A scene may list a node that is the child of another: it is drawn once, as that child.
+//!
+//! # Pose
+//! The scene is drawn in the pose of its nodes; animations are ignored with a warning. Morph targets move positions and
+//! normals by the weights of the node, else of the mesh. A skin places vertices by all sets of joints and weights; the
+//! transform of the node has no effect then, as the specification demands. Nodes with a skin or weights of their own
+//! have meshes of their own, which count against [`Limits`], as does every pass of a morph target.
 //!
 //! # Compressed and quantized geometry
 //! - `KHR_mesh_quantization`: positions, normals and texture coordinates of 8 or 16 bits. Integers become floats by the
@@ -29,14 +37,24 @@
 //! specification, becomes 1000 (99.6 % reflectance at normal incidence), with a warning. Black attenuation is clamped
 //! slightly above 0.
 //!
-//! # Angular diameter of directional lights
+//! `KHR_materials_pbrSpecularGlossiness` becomes a dielectric with the same reflectance at normal incidence and the same
+//! roughness; its diffuse part is dimmed by what the renderer's coat reflects instead of by the largest channel of the
+//! specular color. [`LoadOptions::material_variant`] chooses a variant of `KHR_materials_variants`.
+//!
+//! # Textures
+//! PNG, JPEG and WebP (also `EXT_texture_webp`), with wrap modes and the filter for magnification; 16-bit images are
+//! rounded to 8. KTX2 images (`KHR_texture_basisu`) are not decoded: the fallback image is used. A texture without a
+//! readable image is left out with a warning that says why.
+//!
+//! # Lights
 //! A directional light whose `extras` contain the number `angular_diameter_rad` is a disc of that angular diameter,
-//! rad: 0.0093 for the sun. Without it, its light is parallel. This is an addition of this crate.
+//! rad: 0.0093 for the sun. Without it, its light is parallel. This is an addition of this crate. [`LightUnits`] is
+//! about files of Blender.
 //!
 //! # Not supported
-//! Vertex tangents are ignored: normal maps follow the texture coordinates. Morph targets, skins and animations are
-//! ignored, with a warning. Other extensions (clearcoat, sheen, iridescence, anisotropy, dispersion, variants, ...)
-//! cause a warning if they are used, and an error if they are required.
+//! Vertex tangents are ignored: normal maps follow the texture coordinates. Other extensions (clearcoat, sheen, iridescence, anisotropy,
+//! dispersion, ...) cause a warning if they are used, and an error if they are required. Files of other formats (OBJ,
+//! FBX, USD, Blender, glTF 1.0, ...) are errors that say how to get a `.glb` from them.
 //!
 //! # Untrusted files
 //! A file is either loaded or rejected with an [`Error`] that says where. All sizes are checked against [`Limits`]
@@ -45,21 +63,29 @@
 //! program whose panic hook prints should check [`is_guarding`] first.
 
 mod accessors;
+mod advice;
 mod buffer_views;
 mod container;
+mod deform;
 mod draco;
 mod extensions;
+mod foreign;
+mod instancing;
 mod json;
 mod materials;
 mod meshes;
 mod meshopt;
 mod nodes;
+mod options;
 mod panic_guard;
 mod placements;
+mod poses;
+mod skins;
 mod summary;
 mod textures;
 mod uri;
 mod values;
+mod variants;
 mod warnings;
 mod write;
 
@@ -69,10 +95,12 @@ use self::accessors::Checker;
 use self::buffer_views::BufferViews;
 use self::container::Files;
 use self::json::Object;
+use self::placements::Shown;
 use self::warnings::Warnings;
 use crate::Error;
 use crate::Scene;
 
+pub use self::options::{LightUnits, LoadOptions};
 pub use self::panic_guard::is_guarding;
 pub use self::summary::Summary;
 pub use self::write::to_glb;
@@ -94,7 +122,7 @@ pub struct Loaded {
 pub struct Limits {
     /// Triangles of all meshes together, and triangles of all instances together.
     pub max_triangles: u64,
-    /// Vertices of all meshes together.
+    /// Vertices of all meshes together. Those of a morph target and of a set of joints count as others.
     pub max_vertices: u64,
     /// Instances of meshes in the world.
     pub max_instances: usize,
@@ -124,25 +152,42 @@ impl Default for Limits {
 /// [`Error::Read`] for files that cannot be read, [`Error::BadFile`] for files that violate the rules of glTF or exceed
 /// `limits`, [`Error::Unsupported`] for required features that are not supported.
 pub fn load(path: &Path, limits: &Limits) -> Result<Loaded, Error> {
-    let files = Files::new(path.parent(), limits.max_bytes);
+    load_with(path, &LoadOptions { limits: *limits, ..LoadOptions::default() })
+}
+
+/// Loads a scene file as [`load`], with options.
+///
+/// # Errors
+/// As [`load`]; also a material variant that the file does not have.
+pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Loaded, Error> {
+    let files = Files::new(path.parent(), options.limits.max_bytes);
     let bytes = files.read(path)?;
-    panic_guard::catch(|| assemble(&bytes, &files, limits))
+    panic_guard::catch(|| assemble(&bytes, &files, options))
 }
 
 /// Loads a scene from memory: `.glb`, or `.gltf` JSON whose buffers and images are data URIs.
 ///
 /// # Errors
-/// As [`load`]; also a file that refers to other files.
+/// As [`load`]; also a file whose buffers are other files.
 pub fn load_slice(bytes: &[u8], limits: &Limits) -> Result<Loaded, Error> {
-    if bytes.len() as u64 > limits.max_bytes {
-        let what = format!("{} bytes are more than the limit of {}", bytes.len(), limits.max_bytes);
-        return Err(json::bad("file", what));
-    }
-    let files = Files::new(None, limits.max_bytes);
-    panic_guard::catch(|| assemble(bytes, &files, limits))
+    load_slice_with(bytes, &LoadOptions { limits: *limits, ..LoadOptions::default() })
 }
 
-fn assemble(bytes: &[u8], files: &Files, limits: &Limits) -> Result<Loaded, Error> {
+/// Loads a scene from memory as [`load_slice`], with options.
+///
+/// # Errors
+/// As [`load_slice`]; also a material variant that the file does not have.
+pub fn load_slice_with(bytes: &[u8], options: &LoadOptions) -> Result<Loaded, Error> {
+    let most = options.limits.max_bytes;
+    if bytes.len() as u64 > most {
+        return Err(json::bad("file", format!("{} bytes are more than the limit of {most}", bytes.len())));
+    }
+    let files = Files::new(None, most);
+    panic_guard::catch(|| assemble(bytes, &files, options))
+}
+
+fn assemble(bytes: &[u8], files: &Files, options: &LoadOptions) -> Result<Loaded, Error> {
+    let limits = &options.limits;
     let mut warnings = Warnings::default();
     let parts = container::split(bytes)?;
     let file = container::parse(parts.json)?;
@@ -150,16 +195,34 @@ fn assemble(bytes: &[u8], files: &Files, limits: &Limits) -> Result<Loaded, Erro
     let extensions = extensions::check(&file, &root, &mut warnings)?;
     let buffers = container::buffers(&root, parts.binary, files)?;
     let buffer_views = BufferViews::new(&root, buffers, limits.max_bytes)?;
+    let variants = variants::names(&root)?;
+    let variant = variants::choose(&variants, options.material_variant.as_deref())?;
 
     let nodes = nodes::load(&root, &mut warnings)?;
+    let poses = poses::collect(&root, &nodes)?;
     let mut materials = materials::load(&root, &mut warnings)?;
-    let meshes = meshes::load(&root, Checker::new(&root, &buffer_views)?, &mut materials, limits, &mut warnings)?;
-    let placements = placements::load(&root, &nodes, &meshes, limits, &mut warnings)?;
-    let textures = textures::load(&root, &buffer_views, files, &materials.needed_textures, limits, &mut warnings)?;
+    let mut accessors = Checker::new(&root, &buffer_views)?;
+    let context = meshes::Context { poses: &poses, limits, variant };
+    let meshes = meshes::plan_all(&root, &mut accessors, &mut materials, &context, &mut warnings)?;
+    let skins = skins::plan(&root, &poses, &mut accessors)?;
+    let instancing = instancing::plan(&nodes, &mut accessors, limits, &mut warnings)?;
+    let values = accessors.finish();
+    let skins = skins::load(skins, &values, &nodes)?;
+    let meshes = meshes.read(&values, &skins, &mut warnings)?;
+    let shown = Shown { meshes: &meshes, of_node: &poses.of_node, skins: &skins, instancing: &instancing };
+    let placements = placements::load(&root, &nodes, &shown, (&values, limits), &mut warnings)?;
+    let textures = textures::load(
+        &root,
+        (&buffer_views, files),
+        &materials.needed_textures,
+        &materials.derived_textures,
+        limits,
+        &mut warnings,
+    )?;
     if !root.list("animations")?.is_empty() {
-        warnings.note("animations are ignored: the scene is drawn as it stands in the file", String::new);
+        warnings.note("animations are ignored: the scene is drawn in the pose of its nodes", String::new);
     }
-    let scene = Scene {
+    let mut scene = Scene {
         meshes: meshes.meshes,
         instances: placements.instances,
         materials: materials.finish(&textures.index),
@@ -168,7 +231,8 @@ fn assemble(bytes: &[u8], files: &Files, limits: &Limits) -> Result<Loaded, Erro
         environment: None,
         cameras: placements.cameras,
     };
+    advice::apply(&root, &mut scene, options, &mut warnings)?;
     scene.validate()?;
-    let summary = Summary::new(&root, extensions, &scene)?;
+    let summary = Summary::new(&root, extensions, variants, &scene)?;
     Ok(Loaded { scene, warnings: warnings.into_lines(), summary })
 }

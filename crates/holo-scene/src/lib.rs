@@ -42,6 +42,7 @@
 pub mod gallery;
 pub mod gltf;
 
+mod coincident;
 mod error;
 mod material;
 mod scene;
@@ -50,7 +51,9 @@ mod validate;
 
 pub use error::Error;
 pub use material::{Alpha, Material, NormalMap, TextureInfo, TextureTransform, Volume};
-pub use scene::{Camera, CameraProjection, Environment, Instance, Light, LightKind, Mesh, Scene, Texture, Wrap};
+pub use scene::{
+    Camera, CameraProjection, Environment, Filter, Instance, Light, LightKind, Mesh, Scene, Texture, Wrap,
+};
 pub use transform::Transform;
 
 /// The maximum of radiance, intensity (candela) and illuminance (lux) in a scene: far above that of any light, and

@@ -57,7 +57,7 @@ pub struct Instance {
     pub transform: Transform,
 }
 
-/// A texture: an image with its wrap modes. Sampled bilinearly; colors are interpolated in linear light.
+/// A texture: an image with its wrap modes and filter. Colors are interpolated in linear light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// A name for messages.
@@ -73,6 +73,8 @@ pub struct Texture {
     pub wrap_u: Wrap,
     /// Vertical wrap mode.
     pub wrap_v: Wrap,
+    /// How values between the centers of texels are found.
+    pub filter: Filter,
 }
 
 /// An environment map: radiance from infinitely far away in equirectangular projection. The world direction (x, y, z)
@@ -95,6 +97,16 @@ pub enum Wrap {
     Clamp,
     /// The image is repeated, mirrored every other time.
     Mirror,
+}
+
+/// The filter of a texture: its values between the centers of texels.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Filter {
+    /// Interpolated bilinearly.
+    #[default]
+    Linear,
+    /// The value of the nearest texel, as for pixel art.
+    Nearest,
 }
 
 /// A punctual light (KHR_lights_punctual). A directional light may have an angular diameter.

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use holo_scene::gltf::{Limits, is_guarding, load_slice, to_glb};
 use holo_scene::{
-    Alpha, Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene, Texture,
+    Alpha, Camera, CameraProjection, Filter, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene, Texture,
     TextureInfo, TextureTransform, Transform, Volume, Wrap,
 };
 use serde_json::{Value, json};
@@ -59,7 +59,9 @@ fn surfaces() -> Value {
               "extensions": { "KHR_texture_transform": { "texCoord": 1 } } } },
             "KHR_materials_volume": { "thicknessFactor": 1, "thicknessTexture": { "index": 1 },
               "attenuationDistance": 0.5, "attenuationColor": [0.9, 0.5, 0] } } },
-        { "name": "d", "extensions": { "KHR_materials_unlit": {} } },
+        { "name": "d", "extensions": { "KHR_materials_unlit": {}, "KHR_materials_pbrSpecularGlossiness": {
+            "specularFactor": [0.5, 0.25, 1], "glossinessFactor": 0.5, "diffuseTexture": { "index": 2 },
+            "specularGlossinessTexture": { "index": 1, "texCoord": 1 } } } },
     ])
 }
 
@@ -105,6 +107,7 @@ fn everything() -> support::File {
             { "attributes": { "POSITION": positions, "TEXCOORD_1": second }, "material": 2, "indices": indices } ] },
         { "primitives": [{ "attributes": { "POSITION": strided }, "indices": bytes, "mode": 6 }] },
     ]);
+    posed(&mut file);
     file.json["extensionsUsed"] = json!(["KHR_lights_punctual", "KHR_materials_specular"]);
     file.json["extensionsRequired"] = json!(["KHR_lights_punctual", "KHR_materials_volume", "KHR_texture_transform"]);
     file.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
@@ -115,16 +118,46 @@ fn everything() -> support::File {
         { "type": "perspective", "perspective": { "yfov": 0.6, "aspectRatio": 1.5, "znear": 0.1, "zfar": 100 } },
         { "type": "orthographic", "orthographic": { "xmag": 1, "ymag": 2, "znear": 0, "zfar": 10 } },
     ]);
+    file.json["extensions"]["KHR_materials_variants"] = json!({ "variants": [{ "name": "day" }, { "name": "night" }] });
+    let instancing = file.json["instancing"].take();
     file.json["nodes"] = json!([
         { "children": [1, 2], "translation": [1, 2, 3], "rotation": [0, 0.6, 0, 0.8], "scale": [1, -2, 1] },
-        { "mesh": 0, "name": "n", "children": [3] },
-        { "mesh": 1, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 4, 5, 6, 1] },
+        { "mesh": 0, "name": "n", "children": [3], "skin": 0, "weights": [0.25] },
+        { "mesh": 1, "extensions": { "EXT_mesh_gpu_instancing": { "attributes": instancing },
+            "KHR_node_visibility": { "visible": true } }, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 4, 5, 6, 1] },
         { "camera": 0, "extensions": { "KHR_lights_punctual": { "light": 1 } } },
         { "camera": 1, "extensions": { "KHR_lights_punctual": { "light": 0 } } },
     ]);
     file.json["scenes"] = json!([{ "nodes": [0, 4] }]);
     file.json["scene"] = json!(0);
     file
+}
+
+/// Adds what moves and repeats meshes, and images of other formats.
+fn posed(file: &mut support::File) {
+    let joints = file.accessor(&[0, 1, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 1, 1, 0, 0], 5121, "VEC4", 4);
+    let weights = file.floats(&[[0.5_f32, 0.5, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0; 4], [0.25, 0.5, 0.0, 0.0]]);
+    let identity = [[1.0_f32, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+    let matrices = file.floats(&[identity, identity].concat());
+    file.json["accessors"][matrices]["type"] = json!("MAT4");
+    file.json["accessors"][matrices]["count"] = json!(2);
+    let rotations = file.accessor(&[0, 0, 0, 127, 0, 90, 0, 90], 5120, "VEC4", 2);
+    file.json["accessors"][rotations]["normalized"] = json!(true);
+    let places = file.floats(&[[1.0_f32, 2.0, 3.0], [4.0, 5.0, 6.0]]);
+    let mut webp = std::io::Cursor::new(Vec::new());
+    image::RgbImage::from_pixel(2, 2, image::Rgb([9, 99, 199])).write_to(&mut webp, image::ImageFormat::WebP).unwrap();
+    let webp = file.view(&webp.into_inner());
+    file.push("images", json!({ "bufferView": webp }));
+    file.push("textures", json!({ "source": 0, "sampler": 0, "extensions": { "EXT_texture_webp": { "source": 2 } } }));
+    let first = &mut file.json["meshes"][0]["primitives"][0];
+    first["attributes"]["JOINTS_0"] = json!(joints);
+    first["attributes"]["WEIGHTS_0"] = json!(weights);
+    first["targets"] =
+        json!([{ "POSITION": first["attributes"]["POSITION"], "NORMAL": first["attributes"]["NORMAL"] }]);
+    first["extensions"] = json!({ "KHR_materials_variants": { "mappings": [{ "material": 3, "variants": [0, 1] }] } });
+    file.json["meshes"][0]["weights"] = json!([0.5]);
+    file.json["skins"] = json!([{ "joints": [0, 3], "inverseBindMatrices": matrices, "skeleton": 0 }]);
+    file.json["instancing"] = json!({ "TRANSLATION": places, "ROTATION": rotations, "SCALE": places });
 }
 
 /// A small scene written by `to_glb`.
@@ -140,7 +173,15 @@ fn written() -> Vec<u8> {
         ..Mesh::default()
     };
     let texels = (0..16).map(|k| [k * 16, 255 - k, 7, 255]).collect();
-    let texture = Texture { name: "t".into(), width: 4, height: 4, texels, wrap_u: Wrap::Mirror, wrap_v: Wrap::Clamp };
+    let texture = Texture {
+        name: "t".into(),
+        width: 4,
+        height: 4,
+        texels,
+        wrap_u: Wrap::Mirror,
+        wrap_v: Wrap::Clamp,
+        filter: Filter::Nearest,
+    };
     let transform = TextureTransform { offset: [0.1, 0.2], rotation_rad: 0.3, scale: [4.0, 5.0] };
     let moved = TextureInfo { texture: 0, set: 1, transform };
     let material = Material {

@@ -2,7 +2,7 @@
 
 use holo_scene::gltf::{Limits, load_slice, to_glb};
 use holo_scene::{
-    Alpha, Camera, CameraProjection, Environment, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene,
+    Alpha, Camera, CameraProjection, Environment, Filter, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene,
     Texture, TextureInfo, TextureTransform, Transform, Volume, Wrap,
 };
 use proptest::collection::vec;
@@ -87,8 +87,18 @@ fn wrap() -> impl Strategy<Value = Wrap> {
 
 fn texture() -> impl Strategy<Value = Texture> {
     (1_usize..6, 1_usize..6).prop_flat_map(|(width, height)| {
-        (name(), vec(any::<[u8; 4]>(), width * height), wrap(), wrap())
-            .prop_map(move |(name, texels, wrap_u, wrap_v)| Texture { name, width, height, texels, wrap_u, wrap_v })
+        let filter = prop_oneof![Just(Filter::Linear), Just(Filter::Nearest)];
+        (name(), vec(any::<[u8; 4]>(), width * height), wrap(), wrap(), filter).prop_map(
+            move |(name, texels, wrap_u, wrap_v, filter)| Texture {
+                name,
+                width,
+                height,
+                texels,
+                wrap_u,
+                wrap_v,
+                filter,
+            },
+        )
     })
 }
 
@@ -236,8 +246,10 @@ proptest! {
         let bytes = to_glb(&scene).unwrap();
         let loaded = load_slice(&bytes, &Limits::default()).unwrap();
         prop_assert_eq!(&loaded.scene, &scene);
-        // Files of the writer load without warnings, except for textures on meshes without coordinates.
-        prop_assert!(loaded.warnings.iter().all(|line| line.contains("its first texel")), "{:?}", loaded.warnings);
+        // Files of the writer load without warnings, except for textures on meshes without coordinates, and bodies of
+        // thin glass that happen to be closed.
+        let expected = |line: &String| line.contains("its first texel") || line.contains("soap bubble");
+        prop_assert!(loaded.warnings.iter().all(expected), "{:?}", loaded.warnings);
         prop_assert_eq!(to_glb(&loaded.scene).unwrap(), bytes);
     }
 }

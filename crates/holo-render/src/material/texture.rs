@@ -1,10 +1,10 @@
-//! Texture lookup: bilinear, in linear light.
+//! Texture lookup: bilinear in linear light, or the nearest texel.
 //!
 //! The texel (i, j) has its center at ((i + 0.5) / width, (j + 0.5) / height). sRGB is decoded before the four texels
 //! are interpolated (as in Mitsuba; Cycles interpolates first, which is darker where they differ).
 
 use crate::simd::LANES;
-use holo_scene::{Texture, Wrap};
+use holo_scene::{Filter, Texture, Wrap};
 
 /// Samples RGB at texture coordinates, (0, 0) being the upper left corner of the image; `table` decodes the 8-bit
 /// codes.
@@ -30,8 +30,8 @@ pub(crate) fn sample_alpha(texture: &Texture, coordinates: [f32; 2]) -> f32 {
 /// [`sample`] at sixteen points, with bitwise identical results.
 #[inline(always)]
 pub(crate) fn sample_sixteen(texture: &Texture, table: &[f32; 256], [u, v]: &[[f32; LANES]; 2]) -> [[f32; LANES]; 3] {
-    let columns = taps_of_sixteen(u, texture.width, texture.wrap_u);
-    let rows = taps_of_sixteen(v, texture.height, texture.wrap_v);
+    let columns = taps_of_sixteen(u, texture.width, texture.wrap_u, texture.filter);
+    let rows = taps_of_sixteen(v, texture.height, texture.wrap_v, texture.filter);
     let mut out = [[0.0; LANES]; 3];
     for lane in 0..LANES {
         let (upper, lower) = (rows.first[lane] as usize * texture.width, rows.second[lane] as usize * texture.width);
@@ -52,8 +52,8 @@ pub(crate) fn sample_sixteen(texture: &Texture, table: &[f32; 256], [u, v]: &[[f
 /// the right and down.
 #[inline(always)]
 fn neighbors(texture: &Texture, [u, v]: [f32; 2]) -> ([[u8; 4]; 4], [f32; 2]) {
-    let (columns, fraction_x) = taps(u, texture.width, texture.wrap_u);
-    let (rows, fraction_y) = taps(v, texture.height, texture.wrap_v);
+    let (columns, fraction_x) = taps(u, texture.width, texture.wrap_u, texture.filter);
+    let (rows, fraction_y) = taps(v, texture.height, texture.wrap_v, texture.filter);
     let texel = |j: usize, i: usize| texture.texels[rows[j] as usize * texture.width + columns[i] as usize];
     ([texel(0, 0), texel(0, 1), texel(1, 0), texel(1, 1)], [fraction_x, fraction_y])
 }
@@ -73,11 +73,14 @@ struct Taps {
 
 /// One branch-free loop per wrap mode, so that the lanes are vectorized.
 #[inline(always)]
-fn taps_of_sixteen(coordinates: &[f32; LANES], size: usize, mode: Wrap) -> Taps {
+fn taps_of_sixteen(coordinates: &[f32; LANES], size: usize, mode: Wrap, filter: Filter) -> Taps {
     let mut out = Taps { first: [0; LANES], second: [0; LANES], fraction: [0.0; LANES] };
     let mut whole = [0.0; LANES];
     for lane in 0..LANES {
         (whole[lane], out.fraction[lane]) = cell(coordinates[lane], size);
+    }
+    if filter == Filter::Nearest {
+        out.fraction = out.fraction.map(nearest);
     }
     match mode {
         Wrap::Repeat => {
@@ -100,14 +103,20 @@ fn taps_of_sixteen(coordinates: &[f32; LANES], size: usize, mode: Wrap) -> Taps 
 }
 
 #[inline(always)]
-fn taps(coordinate: f32, size: usize, mode: Wrap) -> ([u32; 2], f32) {
+fn taps(coordinate: f32, size: usize, mode: Wrap, filter: Filter) -> ([u32; 2], f32) {
     let (whole, fraction) = cell(coordinate, size);
     let indices = match mode {
         Wrap::Repeat => repeated(whole, size),
         Wrap::Clamp => clamped(whole, size),
         Wrap::Mirror => mirrored(whole, size),
     };
-    (indices, fraction)
+    (indices, if filter == Filter::Nearest { nearest(fraction) } else { fraction })
+}
+
+/// The weight of the second of two texels if only the nearer one counts.
+#[inline(always)]
+fn nearest(fraction: f32) -> f32 {
+    if fraction < 0.5 { 0.0 } else { 1.0 }
 }
 
 /// The texel to the left of (above) a coordinate, before wrapping, and the interpolation weight of the next.
@@ -161,7 +170,7 @@ mod tests {
 
     fn ramp(mode: Wrap) -> Texture {
         let texels = (0..4).map(|k| [k * 60, 0, 0, 255]).collect();
-        Texture { name: String::new(), width: 4, height: 1, texels, wrap_u: mode, wrap_v: mode }
+        Texture { name: String::new(), width: 4, height: 1, texels, wrap_u: mode, wrap_v: mode, filter: Filter::Linear }
     }
 
     fn red(texture: &Texture, u: f32) -> f32 {
@@ -178,6 +187,18 @@ mod tests {
         // Halfway between two centers: the mean of the linear values, not of the codes.
         let mean = (srgb_to_linear(60.0 / 255.0) + srgb_to_linear(120.0 / 255.0)) / 2.0;
         assert!((f64::from(red(&t, 0.5)) - mean).abs() < 1e-7);
+    }
+
+    #[test]
+    fn the_nearest_texel_is_constant_up_to_its_edge() {
+        let t = Texture { filter: Filter::Nearest, ..ramp(Wrap::Repeat) };
+        for k in 0..4 {
+            let expected = srgb_to_linear(f64::from(k * 60) / 255.0) as f32;
+            for within in [0.001, 0.3, 0.5, 0.999] {
+                let seen = red(&t, (k as f32 + within) / 4.0);
+                assert!((seen - expected).abs() < 1e-6, "{k} {within}: {seen}");
+            }
+        }
     }
 
     #[test]
@@ -202,12 +223,20 @@ mod tests {
     fn sixteen_points_equal_sixteen_single_points() {
         let (width, height) = (7, 3);
         let texels = (0..width * height).map(|k| [k as u8 * 11, 255 - k as u8, k as u8, 255]).collect();
-        let mut texture =
-            Texture { name: String::new(), width, height, texels, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat };
+        let mut texture = Texture {
+            name: String::new(),
+            width,
+            height,
+            texels,
+            wrap_u: Wrap::Repeat,
+            wrap_v: Wrap::Repeat,
+            filter: Filter::Linear,
+        };
         for (wrap_u, wrap_v) in [(Wrap::Repeat, Wrap::Mirror), (Wrap::Mirror, Wrap::Clamp), (Wrap::Clamp, Wrap::Repeat)]
         {
             (texture.wrap_u, texture.wrap_v) = (wrap_u, wrap_v);
             for k in 0..200 {
+                texture.filter = if k % 3 == 0 { Filter::Nearest } else { Filter::Linear };
                 let place = |lane: usize| (k as f32 - 100.0) * 0.37 * 1.07f32.powi(k) + lane as f32 * 0.093;
                 let u: [f32; LANES] = std::array::from_fn(place);
                 let v: [f32; LANES] = std::array::from_fn(|lane| place(lane) * -0.61);

@@ -57,8 +57,15 @@ fn transforms() -> Vec<Transform> {
 /// The balls in front of an emissive (and therefore flattened) wall, under a sun.
 fn scene() -> Scene {
     let texels = (0..64u8).map(|k| [k.wrapping_mul(37), 255 - k, 128 + k, 255]).collect();
-    let texture =
-        Texture { name: String::new(), width: 8, height: 8, texels, wrap_u: Wrap::Repeat, wrap_v: Wrap::Clamp };
+    let texture = Texture {
+        name: String::new(),
+        width: 8,
+        height: 8,
+        texels,
+        wrap_u: Wrap::Repeat,
+        wrap_v: Wrap::Clamp,
+        filter: holo_scene::Filter::Linear,
+    };
     let textured = Material { base_color_texture: Some(TextureInfo::new(0)), ..Material::default() };
     let emissive = Material { emission: [0.5; 3], ..Material::default() };
     let wall = Mesh {

@@ -1,7 +1,7 @@
 //! Procedural textures of the garden, and the functions that all procedural textures use.
 
 use super::noise::{Random, fractal, smooth};
-use crate::{Texture, Wrap};
+use crate::{Filter, Texture, Wrap};
 
 /// A texture from a function of linear color at (x, y) in 0..1.
 pub(super) fn paint(name: &str, size: usize, wrap: Wrap, color: impl Fn(f64, f64) -> [f64; 3]) -> Texture {
@@ -12,7 +12,7 @@ pub(super) fn paint(name: &str, size: usize, wrap: Wrap, color: impl Fn(f64, f64
             [r, g, b, 255]
         })
         .collect();
-    Texture { name: name.into(), width: size, height: size, texels, wrap_u: wrap, wrap_v: wrap }
+    Texture { name: name.into(), width: size, height: size, texels, wrap_u: wrap, wrap_v: wrap, filter: Filter::Linear }
 }
 
 /// Linear interpolation from `a` at 0 to `b` at 1.

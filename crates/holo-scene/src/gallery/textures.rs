@@ -4,7 +4,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 use super::noise::{Random, fractal, smooth};
 use super::patterns::{mix, paint};
-use crate::{Texture, Wrap};
+use crate::{Filter, Texture, Wrap};
 
 /// Oiled planks along y, `planks` of them side by side. Not periodic: one per piece of furniture.
 pub(super) fn wood(name: &str, dark: [f64; 3], light: [f64; 3], planks: f64, seed: f64) -> Texture {
@@ -179,7 +179,15 @@ pub(super) fn linear_texture(name: &str, size: usize, value: impl Fn(f64, f64) -
             value(x, y).map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8)
         })
         .collect();
-    Texture { name: name.into(), width: size, height: size, texels, wrap_u: Wrap::Repeat, wrap_v: Wrap::Repeat }
+    Texture {
+        name: name.into(),
+        width: size,
+        height: size,
+        texels,
+        wrap_u: Wrap::Repeat,
+        wrap_v: Wrap::Repeat,
+        filter: Filter::Linear,
+    }
 }
 
 /// Adds alpha to a color texture.

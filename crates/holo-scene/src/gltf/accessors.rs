@@ -23,6 +23,14 @@ pub(super) enum Use {
     TextureCoordinates,
     Colors,
     Indices,
+    /// Quaternions of instances.
+    Rotations,
+    /// Vertex joints of a skin.
+    Joints,
+    /// Vertex weights of a skin.
+    Weights,
+    /// Inverse bind matrices.
+    Matrices,
 }
 
 /// A validated accessor.
@@ -299,6 +307,16 @@ fn check_use(
             "VEC3 or VEC4 of floats or of normalized unsigned bytes or shorts",
         ),
         Use::Indices => (shape == Type::Scalar && (small || component == U32), "SCALAR of unsigned integers"),
+        Use::Rotations => (
+            shape == Type::Vec4 && (component == F32 || matches!(component, I8 | I16) && normalized),
+            "VEC4 of floats or of normalized signed bytes or shorts",
+        ),
+        Use::Joints => (shape == Type::Vec4 && small, "VEC4 of unsigned bytes or shorts"),
+        Use::Weights => (
+            shape == Type::Vec4 && (component == F32 || small && normalized),
+            "VEC4 of floats or of normalized unsigned bytes or shorts",
+        ),
+        Use::Matrices => (shape == Type::Mat4 && component == F32, "MAT4 of floats"),
     };
     if fits { Ok(()) } else { Err(bad(accessor.path(), format!("must be {need}, since {user} refers to it"))) }
 }

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
+use super::foreign;
 use super::json::{Object, bad, unsupported};
 use super::meshopt;
 use super::uri::{self, Target};
@@ -30,13 +31,14 @@ pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, Error> {
         let json = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         return match json.iter().find(|b| !b.is_ascii_whitespace()) {
             Some(b'{') => Ok(Parts { json, binary: None }),
-            Some(_) => Err(bad("file", "is neither binary glTF (.glb) nor glTF JSON (.gltf)")),
+            Some(_) => Err(foreign::error(bytes)),
             None => Err(bad("file", "is empty")),
         };
     }
     let truncated = || bad("glb header", "the file is cut short");
     match word(bytes, 4).ok_or_else(truncated)? {
         2 => {}
+        1 => return Err(foreign::old_gltf("glb header")),
         version => {
             return Err(unsupported("glb header", format!("glTF container version {version} (convert the file to 2)")));
         }
@@ -61,11 +63,22 @@ pub(super) fn split(bytes: &[u8]) -> Result<Parts<'_>, Error> {
             // Other chunks belong to extensions and must be ignored.
             _ => {}
         }
-        // Chunks start at multiples of four, also if a writer did not pad the previous one.
-        offset += 8 + chunk.len().next_multiple_of(4);
+        offset = next_chunk(bytes, offset + 8 + chunk.len());
         number += 1;
     }
     if number == 0 { Err(bad("glb chunk 0", "is missing: the file has no JSON")) } else { Ok(parts) }
+}
+
+/// Where the chunk after one that ends at `end` starts: at a multiple of four, unless the length of a chunk is none and
+/// the next one follows at once, as some writers do.
+fn next_chunk(bytes: &[u8], end: usize) -> usize {
+    let aligned = end.next_multiple_of(4);
+    let starts = |at: usize| {
+        let fits =
+            word(bytes, at).is_some_and(|length| bytes.len() - at >= 8 && bytes.len() - at - 8 >= length as usize);
+        fits && word(bytes, at + 4) == Some(CHUNK_BINARY)
+    };
+    if starts(end) && !starts(aligned) { end } else { aligned }
 }
 
 fn trim_zeros(mut json: &[u8]) -> &[u8] {
@@ -83,8 +96,19 @@ fn word(bytes: &[u8], offset: usize) -> Option<u32> {
 pub(super) fn parse(json: &[u8]) -> Result<Value, Error> {
     let value: Value = serde_json::from_slice(json).map_err(|e| bad("glTF JSON", e.to_string()))?;
     let root = Object::root(&value)?;
-    let Some(asset) = root.object("asset")? else { return Err(root.missing("asset")) };
-    let Some(version) = asset.string("version")? else { return Err(asset.missing("version")) };
+    // Version 1 has objects by name where version 2 has lists, and needs no asset.
+    let by_name = ["nodes", "meshes", "accessors"].iter().any(|key| value.get(key).is_some_and(Value::is_object));
+    let asset = match root.object("asset")? {
+        Some(asset) => asset,
+        None if by_name => return Err(foreign::old_gltf("glTF JSON")),
+        None => return Err(root.missing("asset")),
+    };
+    let Some(version) = asset.string("version")? else {
+        return Err(if by_name { foreign::old_gltf("glTF JSON") } else { asset.missing("version") });
+    };
+    if version.split('.').next() == Some("1") {
+        return Err(foreign::old_gltf("asset.version"));
+    }
     if version.split('.').next() != Some("2") {
         return Err(unsupported("asset.version", format!("glTF {} (convert the file to 2.0)", uri::shorten(version))));
     }
@@ -106,13 +130,16 @@ impl Files {
         Self { folder: folder.map(Path::to_path_buf), bytes_left: Cell::new(max_bytes), max_bytes }
     }
 
-    /// Reads a whole file, unless it is larger than the remaining limit.
+    /// Reads a whole file.
+    ///
+    /// # Errors
+    /// [`Error::Read`] for a file that cannot be read, [`Error::BadFile`] for one above the remaining limit.
     pub(super) fn read(&self, path: &Path) -> Result<Vec<u8>, Error> {
         let fail = |source| Error::Read { path: path.display().to_string(), source };
         // Opening a pipe would block, so the type of the file is checked first.
         let size = path.metadata().map_err(fail)?;
         if !size.is_file() {
-            return Err(bad(path.display().to_string(), "is not a file"));
+            return Err(fail(std::io::Error::other("is not a file")));
         }
         let left = self.bytes_left.get();
         let too_large = || {
@@ -135,14 +162,16 @@ impl Files {
     pub(super) fn fetch(&self, uri: &str, at: &str) -> Result<Vec<u8>, Error> {
         match uri::resolve(uri, at)? {
             Target::Data(bytes) => Ok(bytes),
-            Target::File(path) => match &self.folder {
-                Some(folder) => self.read(&folder.join(path)),
-                None => {
-                    let what = format!("refers to the file '{}'; load the scene from its path", path.display());
-                    Err(bad(at, what))
-                }
-            },
+            Target::File(path) => self.read(&self.locate(&path, at)?),
         }
+    }
+
+    /// The path of an external file, from that in a URI.
+    pub(super) fn locate(&self, path: &Path, at: &str) -> Result<PathBuf, Error> {
+        self.folder
+            .as_ref()
+            .map(|folder| folder.join(path))
+            .ok_or_else(|| bad(at, format!("refers to the file '{}'; load the scene from its path", path.display())))
     }
 }
 

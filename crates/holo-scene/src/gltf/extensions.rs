@@ -17,6 +17,12 @@ pub(super) const TRANSMISSION: &str = "KHR_materials_transmission";
 pub(super) const UNLIT: &str = "KHR_materials_unlit";
 pub(super) const VOLUME: &str = "KHR_materials_volume";
 pub(super) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
+pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+pub(super) const NODE_VISIBILITY: &str = "KHR_node_visibility";
+pub(super) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
+pub(super) const VARIANTS: &str = "KHR_materials_variants";
+pub(super) const TEXTURE_WEBP: &str = "EXT_texture_webp";
+pub(super) const TEXTURE_BASISU: &str = "KHR_texture_basisu";
 pub(super) const DRACO: &str = "KHR_draco_mesh_compression";
 pub(super) const MESHOPT: &str = "EXT_meshopt_compression";
 pub(super) const MESHOPT_KHR: &str = "KHR_meshopt_compression";
@@ -40,6 +46,12 @@ pub(super) const HANDLED: &[&str] = &[
     QUANTIZATION,
     #[cfg(feature = "draco")]
     DRACO,
+    INSTANCING,
+    NODE_VISIBILITY,
+    SPECULAR_GLOSSINESS,
+    VARIANTS,
+    TEXTURE_WEBP,
+    TEXTURE_BASISU,
 ];
 
 /// The extensions of a file, sorted, each once.

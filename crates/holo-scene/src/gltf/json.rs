@@ -91,6 +91,11 @@ impl<'a> Object<'a> {
         list.iter().enumerate().map(|(k, value)| Self::new(value, format!("{}[{k}]", self.at(key)))).collect()
     }
 
+    /// An entry of a list of objects.
+    pub(super) fn object_at(&self, key: &str, k: usize) -> Result<Option<Object<'a>>, Error> {
+        self.list(key)?.get(k).map(|value| Self::new(value, format!("{}[{k}]", self.at(key)))).transpose()
+    }
+
     pub(super) fn string(&self, key: &str) -> Result<Option<&'a str>, Error> {
         match self.map.get(key) {
             None => Ok(None),

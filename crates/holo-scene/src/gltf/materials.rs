@@ -1,10 +1,13 @@
 //! The materials of the file, with the textures and texture coordinate sets that they need.
 
+mod specular_glossiness;
 mod surface;
 
 use serde_json::Value;
 
+use super::extensions::SPECULAR_GLOSSINESS;
 use super::json::Object;
+use super::textures::Derived;
 use super::uri::shorten;
 use super::warnings::Warnings;
 use crate::Error;
@@ -18,6 +21,8 @@ pub(super) struct Materials {
     pub(super) coordinate_sets: Vec<CoordinateSets>,
     /// For each texture of the file whether it must be decoded.
     pub(super) needed_textures: Vec<bool>,
+    /// Textures that are computed from others; their numbers follow those of the file.
+    pub(super) derived_textures: Vec<Derived>,
 }
 
 /// The two sets of texture coordinates of a mesh.
@@ -37,15 +42,28 @@ impl CoordinateSets {
 /// Reads all materials.
 pub(super) fn load(root: &Object<'_>, warnings: &mut Warnings) -> Result<Materials, Error> {
     let texture_count = root.list("textures")?.len();
-    let mut all = Materials { materials: Vec::new(), coordinate_sets: Vec::new(), needed_textures: Vec::new() };
+    let mut all = Materials {
+        materials: Vec::new(),
+        coordinate_sets: Vec::new(),
+        needed_textures: Vec::new(),
+        derived_textures: Vec::new(),
+    };
     let mut read = vec![false; texture_count];
     let mut mentioned = vec![false; texture_count];
     for (k, material) in root.objects("materials")?.iter().enumerate() {
         let name = material.name()?;
         let place = || format!("materials[{k}] '{}'", shorten(name));
         let mut loaded = surface::read(material, name, texture_count, place, warnings)?;
+        if let Some(extension) = material.extension(SPECULAR_GLOSSINESS)? {
+            let derived = specular_glossiness::read(&extension, texture_count, &mut loaded, place, warnings)?;
+            if let Some(derived) = derived {
+                let number = texture_count + all.derived(derived);
+                loaded.metallic_roughness_texture =
+                    loaded.specular_color_texture.map(|used| TextureInfo { texture: number, ..used });
+            }
+        }
         all.coordinate_sets.push(choose_sets(&mut loaded, place, warnings));
-        loaded.textures().for_each(|(_, used)| read[used.texture] = true);
+        loaded.textures().for_each(|(_, used)| read.get_mut(used.texture).into_iter().for_each(|read| *read = true));
         note_textures(material, &mut mentioned);
         all.materials.push(loaded);
     }
@@ -55,6 +73,14 @@ pub(super) fn load(root: &Object<'_>, warnings: &mut Warnings) -> Result<Materia
 }
 
 impl Materials {
+    /// The number of a derived texture among the derived ones.
+    fn derived(&mut self, derived: Derived) -> usize {
+        self.derived_textures.iter().position(|known| *known == derived).unwrap_or_else(|| {
+            self.derived_textures.push(derived);
+            self.derived_textures.len() - 1
+        })
+    }
+
     /// Adds the default material for primitives without a material; returns its index.
     pub(super) fn default_material(&mut self) -> usize {
         self.materials.push(surface::standard("default"));
@@ -65,7 +91,15 @@ impl Materials {
     /// Replaces texture indices of the file by those of the scene.
     pub(super) fn finish(self, index: &[Option<usize>]) -> Vec<Material> {
         let mut materials = self.materials;
+        let of_file = self.needed_textures.len();
         for material in &mut materials {
+            // Without the image the whole surface has the glossiness of the factor.
+            let roughness = material.metallic_roughness_texture.map(|used| used.texture);
+            if let Some(number) = roughness.filter(|&number| index.get(number).copied().flatten().is_none())
+                && let Some(derived) = number.checked_sub(of_file).and_then(|k| self.derived_textures.get(k))
+            {
+                material.roughness = 1.0 - derived.glossiness;
+            }
             change_textures(material, |used| {
                 let texture = index.get(used.texture).copied().flatten()?;
                 Some(TextureInfo { texture, ..used })

@@ -4,12 +4,16 @@ use rayon::prelude::*;
 
 use super::Limits;
 use super::accessors::{Checker, Handle, Use};
+use super::deform::{self, Deformation, Vertices};
 use super::draco::{Stream, Triangles};
 use super::extensions::DRACO;
 use super::json::{Object, bad};
 use super::materials::{CoordinateSets, Materials};
 use super::panic_guard;
+use super::poses::{Poses, Weights};
+use super::skins::Skin;
 use super::values::{PrimitiveValues, Values};
+use super::variants;
 use super::warnings::Warnings;
 use crate::Error;
 use crate::Mesh;
@@ -17,10 +21,26 @@ use crate::Mesh;
 /// Normals with a squared length this close to 1 are kept unchanged; others are normalized.
 const UNIT_TOLERANCE: f64 = 1e-3;
 
-/// The meshes of the scene, and for each mesh of the file the range of meshes of its primitives.
+/// The meshes of the scene, and for each entry of [`Poses::list`] the range of meshes of its primitives.
 pub(super) struct Meshes {
     pub(super) meshes: Vec<Mesh>,
     pub(super) ranges: Vec<std::ops::Range<usize>>,
+    /// For each mesh of the scene the skin that has placed its vertices.
+    pub(super) skins: Vec<Option<usize>>,
+}
+
+/// Validated primitives, before their values are read.
+pub(super) struct Plans<'f> {
+    plans: Vec<Plan<'f>>,
+    ranges: Vec<std::ops::Range<usize>>,
+}
+
+/// What the primitives depend on beyond their own JSON.
+pub(super) struct Context<'c> {
+    pub(super) poses: &'c Poses,
+    pub(super) limits: &'c Limits,
+    /// The chosen variant of `KHR_materials_variants`.
+    pub(super) variant: Option<usize>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,37 +72,45 @@ struct Plan<'f> {
     colors: Option<Handle>,
     indices: Option<Handle>,
     draco: Option<Stream<'f>>,
+    deformation: Deformation,
 }
 
-/// Reads all meshes of the file.
-pub(super) fn load(
+/// Validates all primitives of the meshes of the scene.
+pub(super) fn plan_all<'f>(
     root: &Object<'_>,
-    mut accessors: Checker<'_>,
+    accessors: &mut Checker<'f>,
     materials: &mut Materials,
-    limits: &Limits,
+    context: &Context<'_>,
     warnings: &mut Warnings,
-) -> Result<Meshes, Error> {
+) -> Result<Plans<'f>, Error> {
+    let limits = context.limits;
     let material_count = materials.materials.len();
     let mut default_material = None;
     let (mut plans, mut ranges) = (Vec::new(), Vec::new());
-    let (mut vertices, mut triangles) = (0_u64, 0_u64);
-    for mesh in root.objects("meshes")? {
+    let (mut vertices, mut triangles, mut posed) = (0_u64, 0_u64, 0_usize);
+    let meshes = root.objects("meshes")?;
+    for pose in &context.poses.list {
+        let mesh = &meshes[pose.mesh];
         let first = plans.len();
         let name = mesh.name()?;
         let primitives = mesh.objects("primitives")?;
+        let weights = pose.weights.as_ref().unwrap_or(&context.poses.weights[pose.mesh]);
         for (k, primitive) in primitives.iter().enumerate() {
+            posed += usize::from(pose.is_posed());
             let Some(mode) = mode(primitive, warnings)? else { continue };
-            let material = match primitive.index("material", "materials", material_count)? {
+            let material = match variants::material(primitive, context.variant, material_count)? {
                 Some(material) => material,
                 None => *default_material.get_or_insert_with(|| materials.default_material()),
             };
             let name = if primitives.len() > 1 && !name.is_empty() { format!("{name}[{k}]") } else { name.to_owned() };
             let sets = &materials.coordinate_sets[material];
-            let Some(plan) = plan(primitive, &mut accessors, (name, mode, material), sets, warnings)? else { continue };
-            vertices += plan.positions.count as u64;
+            let deformed = (weights, pose.skin);
+            let plan = plan(primitive, accessors, (name, mode, material), (sets, deformed), warnings)?;
+            let Some(plan) = plan else { continue };
+            vertices = vertices.saturating_add(plan.vertices_read());
             triangles += plan.mode.triangles(plan.indices.unwrap_or(plan.positions).count) as u64;
             // Many primitives may share one accessor, so a small file can require more memory than it has bytes.
-            if vertices > limits.max_vertices || triangles > limits.max_triangles {
+            if vertices > limits.max_vertices || triangles > limits.max_triangles || posed > limits.max_instances {
                 let (v, t) = (limits.max_vertices, limits.max_triangles);
                 return Err(bad(&plan.at, format!("the meshes exceed the limit of {t} triangles or {v} vertices")));
             }
@@ -90,15 +118,30 @@ pub(super) fn load(
         }
         ranges.push(first..plans.len());
     }
-    let values = accessors.finish();
-    let read: Vec<(Mesh, Warnings)> =
-        plans.par_iter().map(|plan| panic_guard::guarded(|| plan.read(&values))).collect::<Result<_, Error>>()?;
-    let mut meshes = Vec::with_capacity(read.len());
-    for (mesh, its_warnings) in read {
-        meshes.push(mesh);
-        warnings.append(its_warnings);
+    Ok(Plans { plans, ranges })
+}
+
+impl Plans<'_> {
+    /// Reads the meshes.
+    pub(super) fn read(
+        self,
+        values: &Values<'_>,
+        skins: &[Option<Skin>],
+        warnings: &mut Warnings,
+    ) -> Result<Meshes, Error> {
+        let read: Vec<(Mesh, Warnings)> = self
+            .plans
+            .par_iter()
+            .map(|plan| panic_guard::guarded(|| plan.read(values, skins)))
+            .collect::<Result<_, Error>>()?;
+        let mut meshes = Vec::with_capacity(read.len());
+        for (mesh, its_warnings) in read {
+            meshes.push(mesh);
+            warnings.append(its_warnings);
+        }
+        let skins = self.plans.iter().map(|plan| plan.deformation.skin()).collect();
+        Ok(Meshes { meshes, ranges: self.ranges, skins })
     }
-    Ok(Meshes { meshes, ranges })
 }
 
 fn mode(primitive: &Object<'_>, warnings: &mut Warnings) -> Result<Option<Mode>, Error> {
@@ -118,7 +161,7 @@ fn plan<'f>(
     primitive: &Object<'_>,
     accessors: &mut Checker<'f>,
     (name, mode, material): (String, Mode, usize),
-    sets: &CoordinateSets,
+    (sets, deformed): (&CoordinateSets, (&Weights, Option<usize>)),
     warnings: &mut Warnings,
 ) -> Result<Option<Plan<'f>>, Error> {
     let attributes = primitive.object("attributes")?.ok_or_else(|| primitive.missing("attributes"))?;
@@ -156,18 +199,33 @@ fn plan<'f>(
     if coordinates.iter().zip(sets.wanted).any(|(coordinates, wanted)| wanted && coordinates.is_none()) {
         warnings.note("the material has a texture, the primitive no coordinates for it: its first texel is used", at);
     }
-    if !primitive.list("targets")?.is_empty() {
-        warnings.note("morph targets are ignored: drawn without them", at);
-    }
     let corners = indices.unwrap_or(positions).count;
     if corners < 3 || (mode == Mode::Triangles && corners % 3 != 0) {
         warnings.note("the corners do not make whole triangles: the rest is left out", at);
     }
-    Ok(Some(Plan { at: at(), name, mode, material, positions, normals, coordinates, colors, indices, draco }))
+    let deformation = deform::plan(primitive, accessors, positions.count, deformed, warnings)?;
+    Ok(Some(Plan {
+        at: at(),
+        name,
+        mode,
+        material,
+        positions,
+        normals,
+        coordinates,
+        colors,
+        indices,
+        draco,
+        deformation,
+    }))
 }
 
 impl Plan<'_> {
-    fn read(&self, values: &Values<'_>) -> Result<(Mesh, Warnings), Error> {
+    /// How many vertices are read, each pass of a morph target or a skin counted.
+    fn vertices_read(&self) -> u64 {
+        (self.positions.count as u64).saturating_mul(1 + self.deformation.passes() as u64)
+    }
+
+    fn read(&self, values: &Values<'_>, skins: &[Option<Skin>]) -> Result<(Mesh, Warnings), Error> {
         let mut warnings = Warnings::default();
         let number = self.mode.triangles(self.indices.unwrap_or(self.positions).count);
         // A strip has at least two indices more than triangles; where it begins anew, it has more.
@@ -176,15 +234,18 @@ impl Plan<'_> {
         let decode = |stream| Stream::decode(stream, self.positions.count, triangles);
         let decoded = self.draco.as_ref().map(decode).transpose()?;
         let values = values.with(decoded.as_ref());
-        let positions = values.vectors(self.positions)?;
+        let mut positions = values.vectors(self.positions)?;
         self.check_finite(&positions, self.positions, "POSITION")?;
-        let triangles = self.triangles(&values, positions.len())?;
+        let mut triangles = self.triangles(&values, positions.len())?;
         let mut normals = self.normals.map(|handle| values.vectors(handle)).transpose()?.unwrap_or_default();
-        if let Some(handle) = self.normals {
-            self.check_finite(&normals, handle, "NORMAL")?;
-            if !normalize(&mut normals, &positions, &triangles) {
-                warnings.note("normals of length zero were replaced by those of the faces around", || self.at.clone());
-            }
+        if self.deformation.passes() > 0 {
+            let (positions, normals, triangles) = (&mut *positions, &mut *normals, &mut *triangles);
+            self.deformation.apply(&values, skins, Vertices { positions, normals, triangles }, &self.at)?;
+        }
+        self.check_finite(&positions, self.positions, "POSITION, moved by morph targets and skin,")?;
+        if !normalize(&mut normals, &positions, &triangles) {
+            let text = "normals that are zero or not finite were replaced by those of the faces around";
+            warnings.note(text, || self.at.clone());
         }
         let mut coordinates = [Vec::new(), Vec::new()];
         for (coordinates, handle) in coordinates.iter_mut().zip(self.coordinates) {
@@ -278,13 +339,15 @@ impl Plan<'_> {
     }
 }
 
-/// Normalizes normals. Normals of length zero are replaced by the mean of the faces around their vertex; the result is
-/// then `false`.
+/// Normalizes normals. Normals that are zero or not finite are replaced by the mean of the faces around their vertex;
+/// the result is then `false`.
 fn normalize(normals: &mut [[f32; 3]], positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> bool {
     let mut zeros = false;
     for normal in normals.iter_mut() {
         let squared = squared_length(normal.map(f64::from));
-        if (squared - 1.0).abs() > UNIT_TOLERANCE {
+        // NaN fails the comparison.
+        let is_unit = (squared - 1.0).abs() <= UNIT_TOLERANCE;
+        if !is_unit {
             match unit(normal.map(f64::from)) {
                 Some(unit) => *normal = unit,
                 None => {

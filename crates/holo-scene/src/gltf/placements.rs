@@ -4,9 +4,12 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use super::Limits;
 use super::extensions::LIGHTS;
+use super::instancing::InstancingPlan;
 use super::json::{Object, bad, unsupported};
 use super::meshes::Meshes;
-use super::nodes::Nodes;
+use super::nodes::{Nodes, Placed};
+use super::skins::Skin;
+use super::values::Values;
 use super::warnings::Warnings;
 use crate::Error;
 use crate::{Camera, CameraProjection, Instance, Light, LightKind, Transform};
@@ -41,35 +44,32 @@ enum Shape {
     Spot { range: Option<f64>, inner: f64, outer: f64 },
 }
 
+/// What the nodes show.
+pub(super) struct Shown<'s> {
+    pub(super) meshes: &'s Meshes,
+    /// For each node the index of its mesh in [`Meshes::ranges`].
+    pub(super) of_node: &'s [Option<usize>],
+    pub(super) skins: &'s [Option<Skin>],
+    /// For each node the places of its mesh, if there are many.
+    pub(super) instancing: &'s [Option<InstancingPlan>],
+}
+
 /// Places the contents of all nodes of the scene.
 pub(super) fn load(
     root: &Object<'_>,
     nodes: &Nodes<'_>,
-    meshes: &Meshes,
-    limits: &Limits,
+    shown: &Shown<'_>,
+    (values, limits): (&Values<'_>, &Limits),
     warnings: &mut Warnings,
 ) -> Result<Placements, Error> {
     let cameras = cameras(root)?;
     let lights = lights(root)?;
     let mut placements = Placements::default();
-    let mut triangles = 0_u64;
-    let shown = nodes.nodes.iter().zip(&nodes.world).filter_map(|(node, world)| Some((node, world.as_ref()?)));
-    for (node, world) in shown {
+    let mut triangles_left = limits.max_triangles;
+    for placed in nodes.in_scene() {
+        let (node, world) = (placed.node, &placed.world);
         let name = node.name()?;
-        if let Some(mesh) = node.index("mesh", "meshes", meshes.ranges.len())? {
-            for mesh in meshes.ranges[mesh].clone() {
-                triangles = triangles.saturating_add(meshes.meshes[mesh].triangles.len() as u64);
-                if placements.instances.len() >= limits.max_instances || triangles > limits.max_triangles {
-                    let (i, t) = (limits.max_instances, limits.max_triangles);
-                    let what = format!("the scene exceeds the limit of {i} mesh instances or {t} triangles");
-                    return Err(bad(node.path(), what));
-                }
-                placements.instances.push(Instance { name: name.to_owned(), mesh, transform: *world });
-            }
-            if node.has("skin") {
-                warnings.note("skins are ignored: drawn in the pose of the mesh", || node.path().to_owned());
-            }
-        }
+        shown.place_mesh(&placed, values, limits, &mut triangles_left, &mut placements.instances)?;
         if let Some(camera) = node.index("camera", "cameras", cameras.len())? {
             let (own_name, projection) = &cameras[camera];
             match frame(world) {
@@ -82,6 +82,9 @@ pub(super) fn load(
         }
         if let Some(reference) = node.extension(LIGHTS)? {
             let light = reference.index("light", "lights", lights.len())?.ok_or_else(|| reference.missing("light"))?;
+            if placed.hidden {
+                continue;
+            }
             match place(&lights[light], name, world) {
                 Some(light) => placements.lights.push(light),
                 None => {
@@ -91,6 +94,49 @@ pub(super) fn load(
         }
     }
     Ok(placements)
+}
+
+impl Shown<'_> {
+    /// Adds the instances of the mesh of a node.
+    fn place_mesh(
+        &self,
+        placed: &Placed<'_, '_>,
+        values: &Values<'_>,
+        limits: &Limits,
+        triangles_left: &mut u64,
+        instances: &mut Vec<Instance>,
+    ) -> Result<(), Error> {
+        let Some(range) = self.of_node[placed.index].map(|entry| self.meshes.ranges[entry].clone()) else {
+            return Ok(());
+        };
+        let places = match &self.instancing[placed.index] {
+            Some(plan) => {
+                let all = plan.read(values, placed.node)?;
+                all.iter().map(|inner| placed.world.after(inner)).collect()
+            }
+            None => vec![placed.world],
+        };
+        let name = placed.node.name()?;
+        for transform in places {
+            for mesh in range.clone() {
+                let triangles = self.meshes.meshes[mesh].triangles.len() as u64;
+                let enough = triangles <= *triangles_left && instances.len() < limits.max_instances;
+                if !enough {
+                    let (i, t) = (limits.max_instances, limits.max_triangles);
+                    let what = format!("the scene exceeds the limit of {i} mesh instances or {t} triangles");
+                    return Err(bad(placed.node.path(), what));
+                }
+                *triangles_left -= triangles;
+                let skin = self.meshes.skins[mesh].and_then(|skin| self.skins.get(skin)?.as_ref());
+                let transform = skin.map_or(transform, |skin| Transform::from_translation(skin.origin));
+                if !transform.is_finite() {
+                    return Err(bad(placed.node.path(), "the transform of an instance overflows"));
+                }
+                instances.push(Instance { name: name.to_owned(), mesh, transform });
+            }
+        }
+        Ok(())
+    }
 }
 
 fn cameras<'f>(root: &Object<'f>) -> Result<Vec<(&'f str, CameraProjection)>, Error> {
@@ -130,7 +176,9 @@ fn lights(root: &Object<'_>) -> Result<Vec<LightSource>, Error> {
             return Err(bad(light.path(), "its color times its intensity must be finite and not negative"));
         }
         let range = match light.number("range")? {
-            Some(range) if range <= 0.0 => {
+            // Not allowed, but written for "unlimited", and read so by other loaders.
+            Some(0.0) => None,
+            Some(range) if range < 0.0 => {
                 return Err(bad(light.at("range"), format!("is {range}; it must be above 0")));
             }
             range => range,

@@ -30,6 +30,8 @@ pub struct Summary {
     pub materials: usize,
     /// Textures of the scene.
     pub textures: usize,
+    /// The names of the material variants (`KHR_materials_variants`), in the order of the file.
+    pub variants: Vec<String>,
     /// Lights in the world.
     pub lights: usize,
     /// The names of the cameras, in the order of their indices; empty for cameras without a name.
@@ -37,7 +39,12 @@ pub struct Summary {
 }
 
 impl Summary {
-    pub(super) fn new(root: &Object<'_>, extensions: Extensions, scene: &Scene) -> Result<Self, Error> {
+    pub(super) fn new(
+        root: &Object<'_>,
+        extensions: Extensions,
+        variants: Vec<String>,
+        scene: &Scene,
+    ) -> Result<Self, Error> {
         let generator = match root.object("asset")? {
             Some(asset) => asset.string("generator")?.map(str::to_owned),
             None => None,
@@ -52,6 +59,7 @@ impl Summary {
             triangles: scene.triangle_count(),
             materials: scene.materials.len(),
             textures: scene.textures.len(),
+            variants,
             lights: scene.lights.len(),
             cameras: scene.cameras.iter().map(|camera| camera.name.clone()).collect(),
         })
@@ -72,6 +80,9 @@ impl fmt::Display for Summary {
         writeln!(f, "triangles:           {} in the world", self.triangles)?;
         writeln!(f, "materials:           {}", self.materials)?;
         writeln!(f, "textures:            {}", self.textures)?;
+        if !self.variants.is_empty() {
+            writeln!(f, "material variants:   {}", list(&self.variants))?;
+        }
         writeln!(f, "lights:              {}", self.lights)?;
         let cameras: Vec<String> = self.cameras.iter().enumerate().map(|(k, name)| format!("{k} '{name}'")).collect();
         write!(f, "cameras:             {}", list(&cameras))

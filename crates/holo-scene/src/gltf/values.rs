@@ -105,6 +105,11 @@ impl<'f> Values<'f> {
         })
     }
 
+    /// Matrices, column by column.
+    pub(super) fn matrices(&self, handle: Handle) -> Result<Vec<[[f32; 4]; 4]>, Error> {
+        self.collect(handle, |accessor| self.iterate(accessor))
+    }
+
     /// Calls `take` with an iterator over the vertex indices.
     pub(super) fn with_indices<T>(
         &self,
@@ -185,6 +190,17 @@ impl PrimitiveValues<'_, '_> {
             self.decoded(handle)?
         };
         decoded.map_or_else(|| self.values.colors(handle), Ok)
+    }
+
+    /// The joints that a vertex follows.
+    pub(super) fn joints(&self, handle: Handle) -> Result<Vec<[u16; 4]>, Error> {
+        // Integers of 16 bits are exact in f32.
+        Ok(self.weights(handle)?.into_iter().map(|joints| joints.map(|joint| joint as u16)).collect())
+    }
+
+    /// The weights of the joints.
+    pub(super) fn weights(&self, handle: Handle) -> Result<Vec<[f32; 4]>, Error> {
+        self.decoded(handle)?.map_or_else(|| self.values.numbers(handle), Ok)
     }
 
     /// The triangles of the Draco data, if there is one.

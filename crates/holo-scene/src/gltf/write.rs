@@ -11,7 +11,7 @@ use serde_json::{Map, Value, json};
 use super::extensions::{self, LIGHTS};
 use super::placements::ANGULAR_DIAMETER;
 use crate::Error;
-use crate::{Camera, CameraProjection, Light, LightKind, Mesh, Scene, Texture, Transform, Wrap};
+use crate::{Camera, CameraProjection, Filter, Light, LightKind, Mesh, Scene, Texture, Transform, Wrap};
 
 /// The near plane of cameras, m, which glTF requires; the loader ignores it.
 const NEAR_PLANE_M: f64 = 0.01;
@@ -225,8 +225,12 @@ fn sampler(texture: &Texture) -> Value {
         Wrap::Clamp => 33071,
         Wrap::Mirror => 33648,
     };
-    // Linear, without mipmaps, as the renderer samples textures.
-    json!({ "magFilter": 9729, "minFilter": 9729, "wrapS": code(texture.wrap_u), "wrapT": code(texture.wrap_v) })
+    // Without mipmaps, as the renderer samples textures.
+    let filter = match texture.filter {
+        Filter::Linear => 9729,
+        Filter::Nearest => 9728,
+    };
+    json!({ "magFilter": filter, "minFilter": filter, "wrapS": code(texture.wrap_u), "wrapT": code(texture.wrap_v) })
 }
 
 fn camera(camera: &Camera) -> Value {

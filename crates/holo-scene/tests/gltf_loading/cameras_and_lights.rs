@@ -121,6 +121,10 @@ fn light_directions_follow_their_nodes() {
     assert_eq!((scene.lights[0].name.as_str(), scene.lights[0].intensity), ("node", [1.0; 3]));
     assert_eq!(scene.lights[0].kind, LightKind::Point { position: [1.0, 2.0, 3.0], range: Some(7.5) });
 
+    // Exporters write 0 for a range without an end.
+    let endless = with_light(json!({ "type": "point", "range": 0 }), json!({})).load().unwrap().scene;
+    assert_eq!(endless.lights[0].kind, LightKind::Point { position: [0.0; 3], range: None });
+
     let spot = json!({ "type": "spot", "spot": { "innerConeAngle": 0.1, "outerConeAngle": 0.5 } });
     let scene = with_light(spot, json!({ "translation": [1, 2, 3], "scale": [-1, 1, 1] })).load().unwrap().scene;
     let expected = LightKind::Spot {
@@ -165,7 +169,7 @@ fn invalid_lights_are_errors() {
     let error = |light: Value| with_light(light, json!({})).error();
     assert_contains(&error(json!({ "type": "area" })), &["lights[0].type", "area"]);
     assert_contains(&error(json!({})), &["extensions.KHR_lights_punctual.lights[0].type", "missing"]);
-    assert_contains(&error(json!({ "type": "point", "range": 0 })), &["lights[0].range"]);
+    assert_contains(&error(json!({ "type": "point", "range": -1 })), &["lights[0].range"]);
     assert_contains(&error(json!({ "type": "point", "intensity": -1 })), &["lights[0]", "negative"]);
     assert_contains(
         &error(json!({ "type": "point", "intensity": 1e308, "color": [1e10, 1, 1] })),

@@ -121,7 +121,6 @@ fn invalid_hierarchies_are_errors() {
     assert_contains(&error(json!([{ "children": [-1] }])), &["nodes[0].children[0]"]);
     assert_contains(&error(json!([{ "children": {} }])), &["nodes[0].children", "array"]);
     assert_contains(&error(json!([{ "mesh": 3 }])), &["nodes[0].mesh", "meshes[3]"]);
-    assert_contains(&error(json!([{ "rotation": [0, 0, 0, 0] }])), &["nodes[0].rotation"]);
     assert_contains(&error(json!([{ "rotation": [0, 0, 1] }])), &["nodes[0].rotation", "3 numbers instead of 4"]);
     assert_contains(&error(json!([{ "scale": [1, "x", 1] }])), &["nodes[0].scale[1]", "number"]);
     assert_contains(&error(json!([{ "matrix": vec![1.0; 16] }])), &["nodes[0].matrix", "last row"]);
@@ -132,10 +131,7 @@ fn invalid_hierarchies_are_errors() {
     );
     assert_contains(&error(json!([3])), &["nodes[0]", "object"]);
     let mut file = with_nodes(json!([{ "children": [1] }, {}]));
-    file.json["scenes"] = json!([{ "nodes": [1] }]);
-    assert_contains(&file.error(), &["scenes[0].nodes[0]", "nodes[1]", "nodes[0]"]);
-    file.json["scenes"] = json!([{ "nodes": [0, 0] }]);
-    assert_contains(&file.error(), &["scenes[0].nodes[1]", "again"]);
+    file.json["scenes"] = json!([{}]);
     file.json["scene"] = json!(1);
     assert_contains(&file.error(), &["scene", "scenes[1]"]);
 }
@@ -176,4 +172,75 @@ fn a_matrix_overrides_trs_with_a_warning() {
     let loaded = file.load().unwrap();
     assert_eq!(loaded.scene.instances[0].transform.translation, [5.0, 0.0, 0.0]);
     assert_contains(&loaded.warnings.join("\n"), &["nodes[0]", "matrix"]);
+}
+
+/// UniGLTF writes such files: the scene lists a node that is the child of one outside of the scene.
+#[test]
+fn a_root_that_is_a_child_is_drawn_once() {
+    let mut file = triangle();
+    file.json["nodes"] = json!([
+        { "mesh": 0, "children": [1], "translation": [0, 5, 0], "name": "outside" },
+        { "mesh": 0, "translation": [1, 0, 0], "children": [2] },
+        { "mesh": 0, "translation": [0, 0, 1] },
+    ]);
+    let places = |file: &File| {
+        let loaded = file.load().unwrap();
+        let instances = loaded.scene.instances.iter().map(|i| (i.name.clone(), i.transform.translation));
+        (instances.collect::<Vec<_>>(), loaded.warnings.join("\n"))
+    };
+    // The parent is not drawn, but its transform counts, as in Blender.
+    file.json["scenes"] = json!([{ "nodes": [1] }]);
+    let (instances, warnings) = places(&file);
+    assert_eq!(instances, [(String::new(), [1.0, 5.0, 0.0]), (String::new(), [1.0, 5.0, 1.0])]);
+    assert_contains(&warnings, &["nodes[1]", "root of the scene", "drawn once"]);
+    // Root and descendant of another root.
+    file.json["scenes"] = json!([{ "nodes": [0, 2, 1] }]);
+    let (instances, _) = places(&file);
+    assert_eq!(
+        instances.iter().map(|(_, p)| *p).collect::<Vec<_>>(),
+        [[0.0, 5.0, 0.0], [1.0, 5.0, 0.0], [1.0, 5.0, 1.0]]
+    );
+    // A parent that changes nothing needs no warning.
+    file.json["nodes"][0]["translation"] = json!([0, 0, 0]);
+    file.json["scenes"] = json!([{ "nodes": [1] }]);
+    let (instances, warnings) = places(&file);
+    assert_eq!((instances[0].1, warnings.as_str()), ([1.0, 0.0, 0.0], ""));
+    file.json["scenes"] = json!([{ "nodes": [1, 1] }]);
+    let (instances, warnings) = places(&file);
+    assert_eq!(instances.len(), 2);
+    assert_contains(&warnings, &["scenes[0]", "twice"]);
+}
+
+#[test]
+fn hidden_nodes_are_not_drawn() {
+    let mut file = triangle();
+    let hidden = |visible: bool| json!({ "KHR_node_visibility": { "visible": visible } });
+    file.json["extensionsRequired"] = json!(["KHR_node_visibility"]);
+    file.json["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 1 } }]);
+    file.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [{ "type": "point" }] } });
+    file.json["nodes"] = json!([
+        { "mesh": 0, "name": "shown", "extensions": hidden(true) },
+        { "mesh": 0, "extensions": hidden(false), "children": [2, 3, 4] },
+        // Below a hidden node nothing is visible.
+        { "mesh": 0, "extensions": hidden(true) },
+        { "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+        { "camera": 0 },
+    ]);
+    let loaded = file.load().unwrap();
+    assert_eq!(loaded.warnings, [""; 0]);
+    let scene = loaded.scene;
+    assert_eq!(scene.instances.iter().map(|i| i.name.as_str()).collect::<Vec<_>>(), ["shown"]);
+    // Cameras are not affected.
+    assert_eq!((scene.lights.len(), scene.cameras.len()), (0, 1));
+    file.json["nodes"][0]["extensions"]["KHR_node_visibility"]["visible"] = json!(1);
+    assert_contains(&file.error(), &["nodes[0].extensions.KHR_node_visibility.visible"]);
+}
+
+#[test]
+fn a_rotation_of_length_zero_is_none() {
+    let mut file = triangle();
+    file.json["nodes"] = json!([{ "mesh": 0, "rotation": [0, 0, 0, 0], "translation": [1, 2, 3], "scale": [2, 3, 4] }]);
+    let loaded = file.load().unwrap();
+    assert_eq!(loaded.scene.instances[0].transform.point([1.0, 1.0, 1.0]), [3.0, 5.0, 7.0]);
+    assert_contains(&loaded.warnings.join("\n"), &["nodes[0]", "rotation of length zero"]);
 }

@@ -82,14 +82,19 @@ fn metallic_roughness() {
     };
     assert_eq!(material, expected);
     let surface = |key: &str, value: Value| json!({ "pbrMetallicRoughness": { key: value } });
-    assert_rejected(
-        surface("roughnessFactor", json!(2)),
-        &["materials[0].pbrMetallicRoughness.roughnessFactor", "2", "0 and 1"],
-    );
-    assert_rejected(
-        surface("metallicFactor", json!(-0.1)),
-        &["materials[0].pbrMetallicRoughness.metallicFactor", "-0.1"],
-    );
+    // Clamped, as in other loaders.
+    let out_of_range = [
+        ("roughnessFactor", json!(2), Material { roughness: 1.0, ..standard() }),
+        ("metallicFactor", json!(-0.1), Material { metallic: 0.0, ..standard() }),
+        ("baseColorFactor", json!([0.5, 3, -1, 1]), Material { base_color: [0.5, 1.0, 0.0, 1.0], ..standard() }),
+    ];
+    for (key, value, expected) in out_of_range {
+        let (material, warnings) = load(surface(key, value));
+        assert_eq!(material, expected);
+        assert_contains(&warnings, &["materials[0]", "clamped"]);
+    }
+    // Rounded in single precision.
+    assert_eq!(load_without_warnings(surface("roughnessFactor", json!(1.000_000_1))), standard());
     assert_rejected(
         surface("metallicFactor", json!("1")),
         &["materials[0].pbrMetallicRoughness.metallicFactor", "number"],
@@ -131,7 +136,12 @@ fn emission() {
     // Rounded once, after the product: 50 * 0.3 in single precision is one bit more than 15.
     assert_eq!(load_without_warnings(material.clone()).emission, [15.0, 25.0, 50.0]);
     assert_eq!(load_without_warnings(strong(json!(30))).emission, [0.0; 3]);
-    assert_rejected(json!({ "emissiveFactor": [0, 2, 0] }), &["materials[0].emissiveFactor", "2"]);
+    // Above the range of glTF, but exporters write it.
+    let (bright, warnings) = load(json!({ "emissiveFactor": [0, 2.5, 0] }));
+    assert_eq!(bright.emission, [0.0, 2.5, 0.0]);
+    assert_contains(&warnings, &["materials[0]", "emissiveFactor is above"]);
+    assert_rejected(json!({ "emissiveFactor": [0, -1, 0] }), &["materials[0].emissiveFactor", "-1"]);
+    assert_rejected(json!({ "emissiveFactor": [0, 1e31, 0] }), &["materials[0].emissiveFactor"]);
     let at = "materials[0].extensions.KHR_materials_emissive_strength.emissiveStrength";
     assert_rejected(strong(json!(-1)), &[at, "-1"]);
     assert_rejected(strong(json!(1e39)), &[at]);
@@ -166,7 +176,9 @@ fn specular() {
     };
     assert_eq!(material, expected);
     let at = |key: &str| format!("materials[0].extensions.KHR_materials_specular.{key}");
-    assert_rejected(specular(json!({ "specularFactor": 1.5 })), &[&at("specularFactor"), "1.5"]);
+    let (clamped, warnings) = load(specular(json!({ "specularFactor": 1.5 })));
+    assert_eq!(clamped.specular, 1.0);
+    assert_contains(&warnings, &["materials[0]", "clamped"]);
     assert_rejected(specular(json!({ "specularColorFactor": [1, -1, 1] })), &[&at("specularColorFactor"), "-1"]);
     assert_rejected(specular(json!({ "specularColorTexture": { "index": 9 } })), &[&at("specularColorTexture.index")]);
     assert_rejected(specular(json!(1)), &["materials[0].extensions.KHR_materials_specular", "object"]);
@@ -196,10 +208,9 @@ fn transmission_and_unlit() {
     ));
     let transmission_texture = Some(TextureInfo::new(1));
     assert_eq!(glass, Material { transmission: 0.75, transmission_texture, ..standard() });
-    assert_rejected(
-        transmission(json!({ "transmissionFactor": 1.01 })),
-        &["materials[0].extensions.KHR_materials_transmission.transmissionFactor", "1.01"],
-    );
+    let (clamped, warnings) = load(transmission(json!({ "transmissionFactor": 1.01 })));
+    assert_eq!(clamped.transmission, 1.0);
+    assert_contains(&warnings, &["materials[0]", "clamped"]);
     assert_eq!(
         load_without_warnings(extension("KHR_materials_unlit", json!({}))),
         Material { unlit: true, ..standard() }
@@ -232,7 +243,7 @@ fn volume() {
     assert_rejected(volume(json!({ "thicknessFactor": -1 })), &[&at("thicknessFactor")]);
     assert_rejected(volume(json!({ "attenuationDistance": -1 })), &[&at("attenuationDistance"), "above 0"]);
     assert_rejected(volume(json!({ "attenuationDistance": 1e-60 })), &[&at("attenuationDistance"), "above 0"]);
-    assert_rejected(volume(json!({ "attenuationColor": [1, 1, 1.1] })), &[&at("attenuationColor"), "1.1"]);
+    assert_contains(&load(volume(json!({ "attenuationColor": [1, 1, 1.1] }))).1, &["materials[0]", "clamped"]);
 }
 
 #[test]
@@ -269,7 +280,7 @@ fn supported_extensions_may_be_required() {
     let loaded = file.load().unwrap();
     assert_eq!(loaded.warnings, [""; 0]);
     assert_eq!(loaded.summary.extensions_required, names);
-    let unknown = ["clearcoat", "sheen", "iridescence", "anisotropy", "dispersion", "diffuse_transmission", "variants"];
+    let unknown = ["clearcoat", "sheen", "iridescence", "anisotropy", "dispersion", "diffuse_transmission"];
     for name in unknown.map(|name| format!("KHR_materials_{name}")) {
         let mut file = with(extension(&name, json!({})));
         file.json["extensionsUsed"] = json!([name]);

@@ -27,6 +27,7 @@ fn scene() -> Scene {
             texels: vec![[0; 4]; 2],
             wrap_u: Wrap::Clamp,
             wrap_v: Wrap::Repeat,
+            filter: holo_scene::Filter::Linear,
         }],
         lights: vec![Light {
             name: String::new(),

@@ -236,6 +236,7 @@ fn textures_count_with_their_mean_in_linear_light() {
         texels,
         wrap_u: Wrap::Repeat,
         wrap_v: Wrap::Repeat,
+        filter: holo_scene::Filter::Linear,
     };
     let textures = [texture(vec![[255, 255, 255, 0], [0, 0, 0, 255]]), texture(vec![[0, 0, 0, 255]])];
     let lit = |k| Material { emission_texture: Some(TextureInfo::new(k)), ..emissive([4.0; 3], false) };

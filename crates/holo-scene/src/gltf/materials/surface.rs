@@ -3,7 +3,7 @@
 //!
 //! Sources: the glTF 2.0 specification, sections 3.9 and 5.19; KHR_materials_emissive_strength, _ior, _specular,
 //! _transmission, _unlit, _volume; KHR_texture_transform. A number out of range is an error, except for values that
-//! exporters are known to write: see [`index_of_refraction`] and [`volume`].
+//! exporters are known to write: see [`Shares`], [`emission`], [`index_of_refraction`] and [`volume`].
 
 use super::super::extensions::{EMISSIVE_STRENGTH, IOR, SPECULAR, TEXTURE_TRANSFORM, TRANSMISSION, UNLIT, VOLUME};
 use super::super::json::{Object, bad};
@@ -37,11 +37,12 @@ pub(super) fn read(
 ) -> Result<Material, Error> {
     let texture = |object: &Object<'_>, key: &str| texture_use(object, key, texture_count);
     let mut read = standard(name);
+    let mut shares = Shares::default();
     if let Some(surface) = material.object("pbrMetallicRoughness")? {
-        set(&mut read.base_color, surface.all_within("baseColorFactor", 0.0..=1.0)?);
+        set(&mut read.base_color, shares.all(&surface, "baseColorFactor")?);
         read.base_color_texture = texture(&surface, "baseColorTexture")?;
-        set(&mut read.metallic, surface.within("metallicFactor", 0.0..=1.0)?);
-        set(&mut read.roughness, surface.within("roughnessFactor", 0.0..=1.0)?);
+        set(&mut read.metallic, shares.one(&surface, "metallicFactor")?);
+        set(&mut read.roughness, shares.one(&surface, "roughnessFactor")?);
         read.metallic_roughness_texture = texture(&surface, "metallicRoughnessTexture")?;
     }
     if let Some(texture) = texture(material, "normalTexture")? {
@@ -49,7 +50,7 @@ pub(super) fn read(
         let scale = map.map(|map| map.within("scale", f32::MIN..=f32::MAX)).transpose()?.flatten();
         read.normal_map = Some(NormalMap { texture, scale: scale.unwrap_or(1.0) });
     }
-    read.emission = emission(material)?;
+    read.emission = emission(material, &place, warnings)?;
     read.emission_texture = texture(material, "emissiveTexture")?;
     read.alpha = match material.string("alphaMode")? {
         None | Some("OPAQUE") => Alpha::Opaque,
@@ -59,19 +60,49 @@ pub(super) fn read(
     };
     set(&mut read.double_sided, material.boolean("doubleSided")?);
     if let Some(specular) = material.extension(SPECULAR)? {
-        set(&mut read.specular, specular.within("specularFactor", 0.0..=1.0)?);
+        set(&mut read.specular, shares.one(&specular, "specularFactor")?);
         read.specular_texture = texture(&specular, "specularTexture")?;
         set(&mut read.specular_color, specular.all_within("specularColorFactor", 0.0..=MAX_RADIANCE)?);
         read.specular_color_texture = texture(&specular, "specularColorTexture")?;
     }
     set(&mut read.ior, index_of_refraction(material, &place, warnings)?);
     if let Some(transmission) = material.extension(TRANSMISSION)? {
-        set(&mut read.transmission, transmission.within("transmissionFactor", 0.0..=1.0)?);
+        set(&mut read.transmission, shares.one(&transmission, "transmissionFactor")?);
         read.transmission_texture = texture(&transmission, "transmissionTexture")?;
     }
-    read.volume = volume(material, &place, warnings)?;
+    read.volume = volume(material, &mut shares, &place, warnings)?;
+    shares.note(&place, warnings);
     read.unlit = material.extension(UNLIT)?.is_some();
     Ok(read)
+}
+
+/// Reads numbers from 0 to 1. Exporters write numbers beyond, such as 1.0000001, which are clamped as in other loaders.
+#[derive(Default)]
+pub(super) struct Shares {
+    clamped: bool,
+}
+
+impl Shares {
+    pub(super) fn one(&mut self, object: &Object<'_>, key: &str) -> Result<Option<f32>, Error> {
+        Ok(object.number(key)?.map(|x| self.clamp(x)))
+    }
+
+    pub(super) fn all<const N: usize>(&mut self, object: &Object<'_>, key: &str) -> Result<Option<[f32; N]>, Error> {
+        Ok(object.numbers::<N>(key)?.map(|numbers| numbers.map(|x| self.clamp(x))))
+    }
+
+    fn clamp(&mut self, x: f64) -> f32 {
+        let clamped = x.clamp(0.0, 1.0);
+        // An error of single precision deserves no warning.
+        self.clamped |= (clamped - x).abs() > f64::from(f32::EPSILON);
+        clamped as f32
+    }
+
+    pub(super) fn note(&self, place: impl Fn() -> String, warnings: &mut Warnings) {
+        if self.clamped {
+            warnings.note("factors outside of the range 0 to 1 are clamped", place);
+        }
+    }
 }
 
 /// Sets a field if the file has a value for it.
@@ -81,9 +112,12 @@ fn set<T>(field: &mut T, said: Option<T>) {
     }
 }
 
-/// Emissive factor times strength, multiplied in f64.
-fn emission(material: &Object<'_>) -> Result<[f32; 3], Error> {
-    material.all_within::<3>("emissiveFactor", 0.0..=1.0)?;
+/// Emissive factor times strength, multiplied in f64. glTF wants factors up to 1, but exporters write more.
+fn emission(material: &Object<'_>, place: impl Fn() -> String, warnings: &mut Warnings) -> Result<[f32; 3], Error> {
+    let within = material.all_within::<3>("emissiveFactor", 0.0..=MAX_RADIANCE)?;
+    if within.is_some_and(|factor| factor.iter().any(|&c| c > 1.0)) {
+        warnings.note("its emissiveFactor is above the 1 that glTF allows: used as it is", place);
+    }
     let factor = material.numbers::<3>("emissiveFactor")?.unwrap_or_default();
     let Some(extension) = material.extension(EMISSIVE_STRENGTH)? else { return Ok(factor.map(|c| c as f32)) };
     extension.within("emissiveStrength", 0.0..=f32::MAX)?;
@@ -118,7 +152,12 @@ fn index_of_refraction(
 }
 
 /// The volume that the surface encloses; `None` for thin walls.
-fn volume(material: &Object<'_>, place: impl Fn() -> String, warnings: &mut Warnings) -> Result<Option<Volume>, Error> {
+fn volume(
+    material: &Object<'_>,
+    shares: &mut Shares,
+    place: impl Fn() -> String,
+    warnings: &mut Warnings,
+) -> Result<Option<Volume>, Error> {
     let Some(extension) = material.extension(VOLUME)? else { return Ok(None) };
     let distance = match extension.number("attenuationDistance")? {
         // 0 is not allowed, but some exporters write it for "none".
@@ -130,7 +169,7 @@ fn volume(material: &Object<'_>, place: impl Fn() -> String, warnings: &mut Warn
         }
     };
     // Black is clamped to the smallest normal f32, whose logarithm is finite.
-    let color = extension.all_within::<3>("attenuationColor", 0.0..=1.0)?.unwrap_or([1.0; 3]);
+    let color = shares.all::<3>(&extension, "attenuationColor")?.unwrap_or([1.0; 3]);
     let attenuation_color = color.map(|c| c.max(f32::MIN_POSITIVE));
     // The renderer traces rays through the body, so only matters whether the thickness is above 0.
     if extension.within("thicknessFactor", 0.0..=f32::MAX)?.unwrap_or(0.0) == 0.0 {
@@ -143,7 +182,7 @@ fn volume(material: &Object<'_>, place: impl Fn() -> String, warnings: &mut Warn
 }
 
 /// A texture reference of a material.
-fn texture_use(object: &Object<'_>, key: &str, texture_count: usize) -> Result<Option<TextureInfo>, Error> {
+pub(super) fn texture_use(object: &Object<'_>, key: &str, texture_count: usize) -> Result<Option<TextureInfo>, Error> {
     let Some(info) = object.object(key)? else { return Ok(None) };
     let texture = info.index("index", "textures", texture_count)?.ok_or_else(|| info.missing("index"))?;
     let mut set = info.unsigned("texCoord")?;
