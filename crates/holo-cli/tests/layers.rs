@@ -132,7 +132,7 @@ fn one_exr_holds_all_of_the_central_view() {
         assert!(bench.list(out).contains(&"scene_central.exr".to_owned()));
         assert!(!bench.list(out).contains(&"scene_el.png".to_owned()));
         let image = read_exr(bench.path(out).join("scene_central.exr"), &Limits::default()).unwrap();
-        assert_eq!(image.channels.len(), 18);
+        assert_eq!(image.channels.len(), 21);
         for (pass, components, file) in [
             ("Combined", "RGB", "color"),
             ("Depth", "Z", "depth"),
@@ -152,6 +152,10 @@ fn one_exr_holds_all_of_the_central_view() {
                 assert_eq!(*plane, expected.slice(s![.., .., c]), "{name}");
             }
         }
+        // The color once more, for programs that know no layers.
+        for name in ["R", "G", "B"] {
+            assert_eq!(image.channel(name), image.channel(&format!("ViewLayer.Combined.{name}")), "{name}");
+        }
         assert_eq!(bench.run(&format!("verify {out}")).code, Some(0));
     }
     bench.render("truth", "--write exr --integrator depth");
@@ -170,9 +174,8 @@ fn grids_in_linear_light_hold_the_same_radiance() {
     let (elemental, viewpoint) = (read("scene_el.exr"), read("scene_vpi.exr"));
     let shape = small_split();
     let (views, lenses) = (shape.views(), shape.lenses());
-    for (channel, component) in ["R", "G", "B"].into_iter().enumerate() {
-        let name = format!("ViewLayer.Combined.{component}");
-        let (elemental, viewpoint) = (elemental.channel(&name).unwrap(), viewpoint.channel(&name).unwrap());
+    for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
+        let (elemental, viewpoint) = (elemental.channel(name).unwrap(), viewpoint.channel(name).unwrap());
         for t in 0..views.rows {
             for s in 0..views.columns {
                 let view = map(&bench, &format!("out/color/scene_color_Cam{:03}.pfm", t * views.columns + s));
@@ -188,6 +191,34 @@ fn grids_in_linear_light_hold_the_same_radiance() {
         }
     }
     assert_eq!(bench.run("verify out").code, Some(0));
+}
+
+/// OpenCV knows no layers: it needs R, G and B.
+#[test]
+fn opencv_reads_the_color_of_every_exr() {
+    const SCRIPT: &str = r#"
+import os
+os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
+import cv2, numpy
+for path in sys.argv[1:]:
+    image = cv2.imread(path, cv2.IMREAD_UNCHANGED)
+    assert image is not None and image.ndim == 3 and image.shape[2] == 3, path
+    print(" ".join(f"{value:.5f}" for value in image[::-1, :, ::-1].astype(numpy.float32).ravel()))
+"#;
+    let bench = Bench::new();
+    bench.render("out", "--write exr,el,vpi --layers color");
+    let files = ["scene_central.exr", "scene_el.exr", "scene_vpi.exr"];
+    let paths = files.map(|name| bench.path("out").join(name).to_str().unwrap().to_owned());
+    let arguments = paths.each_ref().map(String::as_str);
+    let Some(text) = python::run(&["numpy"], SCRIPT, &arguments) else { return };
+    for (line, path) in text.lines().zip(&paths) {
+        let rgb = holo_io::read_exr_rgb(path, &Limits::default()).unwrap();
+        let found: Vec<f32> = line.split(' ').map(|word| word.parse().unwrap()).collect();
+        let expected: Vec<f32> = rgb.slice(s![..;-1, .., ..]).iter().copied().collect();
+        assert_eq!(found.len(), expected.len(), "{path}");
+        // Five digits are printed.
+        assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-5 * (1.0 + b.abs())), "{path}");
+    }
 }
 
 #[test]
