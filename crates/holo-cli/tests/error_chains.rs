@@ -8,7 +8,13 @@ use holo_core::GridSize;
 
 /// The messages of an error and its causes.
 fn chain(error: &dyn Error) -> Vec<String> {
-    std::iter::successors(Some(error), |error| error.source()).map(ToString::to_string).collect()
+    let mut messages = Vec::new();
+    let mut next = Some(error);
+    while let Some(error) = next {
+        messages.push(error.to_string());
+        next = error.source();
+    }
+    messages
 }
 
 fn check(error: &dyn Error) {

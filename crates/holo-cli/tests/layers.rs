@@ -1,6 +1,10 @@
 //! Layers by name: which files come of `--layers` and `--write exr`, and what is in them.
 
+#![allow(clippy::duplicate_mod, reason = "two modules of tests say alike what a machine lacks")]
+
 mod common;
+#[path = "../../holo-io/tests/common/python.rs"]
+mod python;
 
 use common::{Bench, DEFAULT_FILES, SCENE, SMALL, small_split};
 use holo_io::{Limits, Manifest, ManifestValue, read_exr, read_pfm};

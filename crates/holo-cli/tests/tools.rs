@@ -8,6 +8,7 @@ mod python;
 
 use common::{Bench, Outcome, SCENE, read_u8, read_u16, small_split};
 use holo_core::metrics::{NormalGeometry, Region, disparity_scores, median_angle_error_deg};
+use holo_core::for_each_sample;
 use holo_io::{ColorEncoding, Compression, Limits, read_pfm_gray, write_pfm, write_png};
 use ndarray::{Array2, s};
 use serde_json::Value;
@@ -242,7 +243,7 @@ fn with_vertical_baseline(bench: &Bench, factor: f64) -> holo_core::Rig {
     let light_field = holo_io::read_light_field(bench.path("out"), &holo_io::ReadOptions::default()).unwrap();
     let rig = light_field.rig.unwrap();
     let rig = rig.to_builder().baseline_y_m(rig.baseline_x_m() * factor).build().unwrap();
-    holo_core::for_each_sample!(holo_core::DynLightField, light_field.light_field, field => {
+    for_each_sample!(DynLightField, light_field.light_field, field => {
         let options = holo_io::MatOptions::new();
         let path = bench.path("own.mat");
         holo_io::write_mat_light_field(path, &field, Some(&rig), holo_io::MatOrder::Lenses, &options).unwrap();
@@ -274,7 +275,7 @@ fn refocus_and_depth_follow_both_baselines() {
         let found = read_pfm_gray(bench.path("estimate.pfm"), &Limits::default()).unwrap();
         let file = holo_io::read_light_field(bench.path("own.mat"), &holo_io::ReadOptions::default()).unwrap();
         let options = holo_core::PlaneSweepOptions::default().range_px(-3.0, 3.0).baseline_ratio(rig.baseline_ratio());
-        let estimate = holo_core::for_each_sample!(holo_core::DynLightField, &file.light_field, field => {
+        let estimate = for_each_sample!(DynLightField, &file.light_field, field => {
             holo_core::plane_sweep(field, &options).unwrap()
         });
         assert_eq!(found, estimate.disparity_px, "{factor}");

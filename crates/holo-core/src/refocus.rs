@@ -11,7 +11,7 @@
 //! # Shift-and-sum of LFToolbox
 //!
 //! `LFFiltShiftSum` takes a slope instead of a disparity and centers the aperture between the views:
-//! [`Refocus::at_slope`]. [`slope_from_disparity`] and [`disparity_from_slope`] convert between the two.
+//! [`Refocus::at_slope`]. The slope of plenpy's `get_refocus` has the opposite sign. [`slope_from_disparity`] and [`disparity_from_slope`] convert between the two.
 //!
 //! # Source
 //!
