@@ -197,24 +197,22 @@ fn grids_in_linear_light_hold_the_same_radiance() {
     assert_eq!(bench.run("verify out").code, Some(0));
 }
 
-/// OpenCV knows no layers: it needs R, G and B.
+/// Programs that know no layers, such as OpenCV, need R, G and B. OpenEXR's own library reads them, because the wheels of
+/// OpenCV 5 have no codec for the format.
 #[test]
-fn opencv_reads_the_color_of_every_exr() {
+fn openexr_finds_plain_color_in_every_file() {
     const SCRIPT: &str = r#"
-import os
-os.environ["OPENCV_IO_ENABLE_OPENEXR"] = "1"
-import cv2, numpy
 for path in sys.argv[1:]:
-    image = cv2.imread(path, cv2.IMREAD_UNCHANGED)
-    assert image is not None and image.ndim == 3 and image.shape[2] == 3, path
-    print(" ".join(f"{value:.5f}" for value in image[::-1, :, ::-1].astype(numpy.float32).ravel()))
+    channels = OpenEXR.File(path, separate_channels=True).channels()
+    image = numpy.stack([channels[name].pixels for name in "RGB"], axis=2)
+    print(" ".join(f"{value:.5f}" for value in image[::-1].astype(numpy.float32).ravel()))
 "#;
     let bench = Bench::new();
     bench.render("out", "--write exr,el,vpi --layers color");
     let files = ["scene_central.exr", "scene_el.exr", "scene_vpi.exr"];
     let paths = files.map(|name| bench.path("out").join(name).to_str().unwrap().to_owned());
     let arguments = paths.each_ref().map(String::as_str);
-    let Some(text) = python::run(&["numpy"], SCRIPT, &arguments) else { return };
+    let Some(text) = python::run(&["numpy", "OpenEXR"], SCRIPT, &arguments) else { return };
     for (line, path) in text.lines().zip(&paths) {
         let rgb = holo_io::read_exr_rgb(path, &Limits::default()).unwrap();
         let found: Vec<f32> = line.split(' ').map(|word| word.parse().unwrap()).collect();

@@ -7,8 +7,8 @@ mod common;
 mod python;
 
 use common::{Bench, Outcome, SCENE, read_u8, read_u16, small_split};
-use holo_core::metrics::{NormalGeometry, Region, disparity_scores, median_angle_error_deg};
 use holo_core::for_each_sample;
+use holo_core::metrics::{NormalGeometry, Region, disparity_scores, median_angle_error_deg};
 use holo_io::{ColorEncoding, Compression, Limits, read_pfm_gray, write_pfm, write_png};
 use ndarray::{Array2, s};
 use serde_json::Value;
@@ -108,8 +108,9 @@ fn an_estimate_is_written_and_judged() {
         "MSE x 100",
         "Q25 x 100",
         "bumpiness",
-        "RMSE",
-        "median angle of normals",
+        "mean absolute error",
+        "root mean squared error",
+        "MedianAngleError",
         "without a finite truth",
     ] {
         assert!(table.contains(name), "no {name} in {table}");

@@ -12,7 +12,7 @@ fn frames() -> Vec<Array3<u16>> {
     (0..4_usize)
         .map(|k| {
             Array3::from_shape_fn((6, 9, 3), |(row, column, c)| {
-                ((k * 60 + row / 2 * 40 + column / 3 * (20 + c)) * 257) as u16
+                ((k * 60 + row / 2 * 40 + column / 3 * (20 + c)) % 256 * 257) as u16
             })
         })
         .collect()

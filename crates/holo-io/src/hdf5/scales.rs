@@ -10,6 +10,9 @@ use ::hdf5::types::{FixedAscii, VarLenArray};
 use ::hdf5::{Dataset, Datatype, File, H5Type, ObjectReference1};
 use ndarray::{Array1, aview0, aview1};
 
+use super::library::Failure;
+use crate::Error;
+
 /// The axes of a light field, each the name of its scale.
 const AXES: &str = "vutsc";
 
@@ -25,11 +28,14 @@ struct ScaleUse {
     dimension: i32,
 }
 
-/// The type of 16 bytes of text that end in NUL. `path` is an empty file, which is overwritten.
-pub(super) fn text_type(path: &Path) -> ::hdf5::Result<Datatype> {
-    std::fs::write(path, NUL_TERMINATED_TEXT).map_err(|error| ::hdf5::Error::from(error.to_string()))?;
-    let file = File::with_options().with_fapl(|access| access.file_locking(false)).open(path)?;
-    file.attr("CLASS")?.dtype()
+/// The type of 16 bytes of text that end in NUL. `scratch` is an empty file, which is overwritten; `path` is for errors.
+pub(super) fn text_type(scratch: &Path, path: &Path) -> Result<Datatype, Error> {
+    std::fs::write(scratch, NUL_TERMINATED_TEXT).map_err(|error| Error::io("write", path, error))?;
+    let read = || {
+        let file = File::with_options().with_fapl(|access| access.file_locking(false)).open(scratch)?;
+        file.attr("CLASS")?.dtype()
+    };
+    read().map_err(|error| Failure { path, is_writing: true }.error(error))
 }
 
 /// The scales of a file, and the datasets that use each.

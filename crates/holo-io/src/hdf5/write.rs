@@ -88,7 +88,7 @@ impl<T: Sample> Hdf5Writer<T> {
         }
         let target = AtomicPath::create(path)?;
         let failed = |error| Failure { path, is_writing: true }.error(error);
-        let text = scales::text_type(target.temporary_path()).map_err(failed)?;
+        let text = scales::text_type(target.temporary_path(), path)?;
         let file = create(target.temporary_path(), 0, false).map_err(failed)?;
         attributes::write_rig(&file, rig).map_err(failed)?;
         let shape = rig.shape().array_shape(channels.unwrap_or(1));
