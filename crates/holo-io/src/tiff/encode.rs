@@ -56,7 +56,7 @@ where
     }
 }
 
-/// Encodes the image strip by strip.
+/// Encodes the image.
 fn rows<C: ColorType>(image: ArrayView3<'_, C::Inner>, has_predictor: bool) -> TiffResult<Vec<u8>>
 where
     C::Inner: Copy,
@@ -68,19 +68,12 @@ where
     if has_predictor {
         encoder = encoder.with_predictor(Predictor::Horizontal);
     }
-    // `size` was compared with the limits of the format.
-    let mut out = encoder.new_image::<C>(width as u32, height as u32)?;
-    let mut samples = image.iter().copied();
-    let mut strip = Vec::new();
-    loop {
-        let count = out.next_strip_sample_count() as usize;
-        if count == 0 {
-            break;
-        }
-        strip.clear();
-        strip.extend(samples.by_ref().take(count));
-        out.write_strip(&strip)?;
+    // `size` was compared with the limits of the format. All strips at once: `tiff` 0.11 compresses none of those that are
+    // written one by one, although it marks them as compressed.
+    let out = encoder.new_image::<C>(width as u32, height as u32)?;
+    match image.as_slice() {
+        Some(samples) => out.write_data(samples)?,
+        None => out.write_data(&image.iter().copied().collect::<Vec<_>>())?,
     }
-    out.finish()?;
     Ok(bytes.into_inner())
 }
