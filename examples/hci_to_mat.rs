@@ -42,10 +42,11 @@ fn write_hci_folder(folder: &std::path::Path) -> Result<(), Box<dyn std::error::
         .focus_distance_m(4.25)
         .build()?;
     HciImage {
-        views: (&DynLightField::from(light_field)).into(),
+        views: Some((&DynLightField::from(light_field)).into()),
         parameters: &ParametersCfg::from_rig(&rig),
         disparity_px: HciTruth::None,
         depth_m: HciTruth::None,
+        high_resolution: None,
     }
     .write(folder, Compression::Fast)?;
     Ok(())

@@ -53,6 +53,11 @@ fn hdr() {
 }
 
 #[test]
+fn tiff() {
+    run("tiff", holo_fuzz::io::tiff);
+}
+
+#[test]
 fn mat() {
     run("mat", holo_fuzz::io::mat);
 }

@@ -3,7 +3,8 @@
 use holo_core::SampleKind;
 use holo_io::{
     ColorEncoding, Compression, Error, ExrChannel, Limits, Manifest, MatOptions, MatVariable, ParametersCfg,
-    decode_exr, decode_exr_rgb, decode_hdr, decode_mat, decode_pfm, decode_png, encode_exr, encode_mat, encode_png,
+    decode_exr, decode_exr_rgb, decode_hdr, decode_mat, decode_pfm, decode_png, decode_tiff, encode_exr, encode_mat,
+    encode_png, encode_tiff,
 };
 
 /// Small, so that large sizes in small files are errors quickly.
@@ -120,4 +121,19 @@ pub fn manifest(data: &[u8]) {
     let text = manifest.to_json().expect("what was read can be written");
     let again = Manifest::from_json(&text).expect("what was written can be read");
     assert_eq!(again.to_json().expect("what was read can be written"), text);
+}
+
+/// TIFF: read, written where the writer can, read again; compared as bytes, so that NaN is equal.
+///
+/// The reader converts a panic of the decoder to an error.
+///
+/// # Panics
+///
+/// If a property does not hold.
+pub fn tiff(data: &[u8]) {
+    let Ok(image) = decode_tiff(data, &LIMITS) else { return };
+    // Gray with alpha can be read but not written.
+    let Ok(bytes) = encoded(|out| encode_tiff(out, &image)) else { return };
+    let again = decode_tiff(&bytes[..], &LIMITS).expect("what was written can be read");
+    assert_eq!(encoded(|out| encode_tiff(out, &again)).expect("what was read can be written"), bytes);
 }

@@ -24,7 +24,9 @@ use choices::{BACKENDS, GROUND_TRUTHS, INTEGRATORS, LAYERS, LAYOUTS, MAT_ORDERS,
 pub use dataset::DatasetOptions;
 pub use images::{AnimateOptions, ComposeOptions, ExtractOptions, PathArgument, QuiltOptions, RotateOptions};
 pub use optics::OpticsOptions;
-pub use tools::{ApertureArgument, DepthOptions, EpiOptions, EvalOptions, InputOptions, RefocusOptions};
+pub use tools::{
+    ApertureArgument, DepthOptions, EpiOptions, EvalOptions, InputOptions, NormalsArgument, RefocusOptions,
+};
 pub use values::{Crop, Pair, Places};
 
 /// Light-field images of holoscopic (integral, plenoptic) cameras: render them from glTF scenes with exact depth and
@@ -94,6 +96,9 @@ pub struct RenderOptions {
     pub shard: Option<Shard>,
     #[command(flatten)]
     pub engine: EngineOptions,
+    /// Replace another image in DIR: one of another scene or of other options. The same command again needs no permission.
+    #[arg(long)]
+    pub overwrite: bool,
     /// Print no progress and no summary.
     #[arg(long)]
     pub quiet: bool,

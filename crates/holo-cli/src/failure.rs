@@ -3,6 +3,10 @@
 use std::fmt;
 
 /// An error with the exit code it deserves.
+///
+/// Wrong use is what another command line puts right, whatever the files: an option that is missing, malformed or
+/// contradicts another one, or that asks for what the input does not have, such as a view beyond the last. All that is
+/// wrong with files is a failure, although another path may be meant.
 #[derive(Debug)]
 pub enum Failure {
     /// The command line asks for something that cannot be: exit code 2.
@@ -45,7 +49,8 @@ impl From<holo_dataset::Error> for Failure {
         match error {
             holo_dataset::Error::BadRequest(message) => Self::Usage(message),
             holo_dataset::Error::Render(error) => error.into(),
-            holo_dataset::Error::Core(error) => error.into(),
+            // The sizes of a render are those of the command line.
+            holo_dataset::Error::Core(error) => Self::Usage(message(&error)),
             other => Self::Failed(other.to_string()),
         }
     }
@@ -64,7 +69,6 @@ impl From<holo_io::Error> for Failure {
                 let flag = if option == "layout" { "from" } else { option };
                 Self::Usage(format!("{}: {what}; give --{flag}", path.display()))
             }
-            error @ holo_io::Error::NoLightField { .. } => Self::Usage(error.to_string()),
             other => Self::Failed(other.to_string()),
         }
     }
@@ -72,13 +76,35 @@ impl From<holo_io::Error> for Failure {
 
 impl From<holo_core::Error> for Failure {
     fn from(error: holo_core::Error) -> Self {
+        use holo_core::Error;
         match error {
-            // The library counts rows first, the command line columns.
-            holo_core::Error::SensorTooSmall { sensor, views } => Self::Usage(format!(
-                "a sensor of {} x {} pixels is too small for {} x {} views: every view needs at least one pixel",
-                sensor.columns, sensor.rows, views.columns, views.rows
-            )),
-            other => Self::Usage(other.to_string()),
+            Error::OutOfRange { .. }
+            | Error::BadRange { .. }
+            | Error::NotDivisible { .. }
+            | Error::SensorTooSmall { .. }
+            | Error::OrthographicFocus { .. }
+            | Error::ImpossibleRange { .. }
+            | Error::TooManyPlanes { .. } => Self::Usage(message(&error)),
+            other => Self::Failed(message(&other)),
         }
+    }
+}
+
+/// The error of a number of the command line that the library checks: wrong use.
+pub fn wrong_option(error: holo_core::Error) -> Failure {
+    match error {
+        holo_core::Error::BadNumber { .. } => Failure::Usage(message(&error)),
+        other => other.into(),
+    }
+}
+
+/// The library counts rows first, the command line columns.
+fn message(error: &holo_core::Error) -> String {
+    match error {
+        holo_core::Error::SensorTooSmall { sensor, views } => format!(
+            "a sensor of {} x {} pixels is too small for {} x {} views: every view needs at least one pixel",
+            sensor.columns, sensor.rows, views.columns, views.rows
+        ),
+        other => other.to_string(),
     }
 }

@@ -69,7 +69,7 @@ fn a_failed_render_leaves_the_users_folder_as_it_was() {
     let before = bench.bytes("out");
     std::fs::write(bench.path("text.glb"), "once upon a time").unwrap();
     for scene in ["text.glb", "missing.glb"] {
-        failed(&bench.run(&format!("render {scene} --out out {SMALL}")), &[scene]);
+        failed(&bench.run(&format!("render {scene} --out out {SMALL} --overwrite")), &[scene]);
         assert!(bench.bytes("out") == before, "{scene}");
     }
 }
@@ -124,7 +124,8 @@ fn a_write_that_fails_halfway_takes_everything_back() {
 fn a_write_that_fails_over_older_results_leaves_whole_files() {
     let bench = Bench::new();
     bench.render("out", "");
-    failed(&with_small_files(&bench, &format!("render {SCENE} {LARGE} --out out")), &["cannot write out/scene_"]);
+    let arguments = format!("render {SCENE} {LARGE} --out out --overwrite");
+    failed(&with_small_files(&bench, &arguments), &["cannot write out/scene_"]);
     assert!(!bench.list("out").contains(&"manifest.json".into()), "no manifest vouches for a mixture");
     assert!(bench.list("out").iter().all(|name| !name.ends_with(".part")), "{:?}", bench.list("out"));
     assert_eq!(read_u8(bench.path("out/scene_el.png")).dim(), (32, 60, 3), "the older image, whole");

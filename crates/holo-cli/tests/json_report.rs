@@ -98,7 +98,7 @@ fn quiet_is_silent() {
     assert!(loud.stderr.contains("note:") && loud.stderr.contains("warning:"), "{loud:?}");
     let quiet = bench.run(&format!("{arguments} --quiet"));
     assert_eq!((quiet.code, quiet.stdout.as_str(), quiet.stderr.as_str()), (Some(0), "", ""));
-    let outcome = bench.render("out", "--quiet --json");
+    let outcome = bench.render("out", "--quiet --json --overwrite");
     assert_eq!(outcome.stderr, "");
     assert!(serde_json::from_str::<Value>(&outcome.stdout).unwrap().is_object());
 }

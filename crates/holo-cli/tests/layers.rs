@@ -1,6 +1,10 @@
 //! Layers by name: which files come of `--layers` and `--write exr`, and what is in them.
 
+#![allow(clippy::duplicate_mod, reason = "two modules of tests say alike what a machine lacks")]
+
 mod common;
+#[path = "../../holo-io/tests/common/python.rs"]
+mod python;
 
 use common::{Bench, DEFAULT_FILES, SCENE, SMALL, small_split};
 use holo_io::{Limits, Manifest, ManifestValue, read_exr, read_pfm};
@@ -132,7 +136,7 @@ fn one_exr_holds_all_of_the_central_view() {
         assert!(bench.list(out).contains(&"scene_central.exr".to_owned()));
         assert!(!bench.list(out).contains(&"scene_el.png".to_owned()));
         let image = read_exr(bench.path(out).join("scene_central.exr"), &Limits::default()).unwrap();
-        assert_eq!(image.channels.len(), 18);
+        assert_eq!(image.channels.len(), 21);
         for (pass, components, file) in [
             ("Combined", "RGB", "color"),
             ("Depth", "Z", "depth"),
@@ -152,6 +156,10 @@ fn one_exr_holds_all_of_the_central_view() {
                 assert_eq!(*plane, expected.slice(s![.., .., c]), "{name}");
             }
         }
+        // The color once more, for programs that know no layers.
+        for name in ["R", "G", "B"] {
+            assert_eq!(image.channel(name), image.channel(&format!("ViewLayer.Combined.{name}")), "{name}");
+        }
         assert_eq!(bench.run(&format!("verify {out}")).code, Some(0));
     }
     bench.render("truth", "--write exr --integrator depth");
@@ -170,9 +178,8 @@ fn grids_in_linear_light_hold_the_same_radiance() {
     let (elemental, viewpoint) = (read("scene_el.exr"), read("scene_vpi.exr"));
     let shape = small_split();
     let (views, lenses) = (shape.views(), shape.lenses());
-    for (channel, component) in ["R", "G", "B"].into_iter().enumerate() {
-        let name = format!("ViewLayer.Combined.{component}");
-        let (elemental, viewpoint) = (elemental.channel(&name).unwrap(), viewpoint.channel(&name).unwrap());
+    for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
+        let (elemental, viewpoint) = (elemental.channel(name).unwrap(), viewpoint.channel(name).unwrap());
         for t in 0..views.rows {
             for s in 0..views.columns {
                 let view = map(&bench, &format!("out/color/scene_color_Cam{:03}.pfm", t * views.columns + s));
@@ -188,6 +195,32 @@ fn grids_in_linear_light_hold_the_same_radiance() {
         }
     }
     assert_eq!(bench.run("verify out").code, Some(0));
+}
+
+/// Programs that know no layers, such as OpenCV, need R, G and B. OpenEXR's own library reads them, because the wheels of
+/// OpenCV 5 have no codec for the format.
+#[test]
+fn openexr_finds_plain_color_in_every_file() {
+    const SCRIPT: &str = r#"
+for path in sys.argv[1:]:
+    channels = OpenEXR.File(path, separate_channels=True).channels()
+    image = numpy.stack([channels[name].pixels for name in "RGB"], axis=2)
+    print(" ".join(f"{value:.5f}" for value in image[::-1].astype(numpy.float32).ravel()))
+"#;
+    let bench = Bench::new();
+    bench.render("out", "--write exr,el,vpi --layers color");
+    let files = ["scene_central.exr", "scene_el.exr", "scene_vpi.exr"];
+    let paths = files.map(|name| bench.path("out").join(name).to_str().unwrap().to_owned());
+    let arguments = paths.each_ref().map(String::as_str);
+    let Some(text) = python::run(&["numpy", "OpenEXR"], SCRIPT, &arguments) else { return };
+    for (line, path) in text.lines().zip(&paths) {
+        let rgb = holo_io::read_exr_rgb(path, &Limits::default()).unwrap();
+        let found: Vec<f32> = line.split(' ').map(|word| word.parse().unwrap()).collect();
+        let expected: Vec<f32> = rgb.slice(s![..;-1, .., ..]).iter().copied().collect();
+        assert_eq!(found.len(), expected.len(), "{path}");
+        // Five digits are printed.
+        assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-5 * (1.0 + b.abs())), "{path}");
+    }
 }
 
 #[test]

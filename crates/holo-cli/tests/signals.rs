@@ -67,7 +67,7 @@ fn a_stopped_render_leaves_the_users_folder_as_it_was() {
     bench.render("out", "");
     std::fs::write(bench.path("out/mine.txt"), "keep").unwrap();
     let before = bench.bytes("out");
-    let child = start(&bench, &format!("render {SCENE} --out out {LONG}"));
+    let child = start(&bench, &format!("render {SCENE} --out out {LONG} --overwrite"));
     std::thread::sleep(Duration::from_millis(500));
     signal(&child, "INT");
     let outcome = common::wait(child, AT_ONCE).expect("it ends within a second");

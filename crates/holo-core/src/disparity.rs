@@ -25,6 +25,19 @@ pub enum Projection {
 /// on it, negative behind it. A point at `(row, column)` of one view is at `(row - d_y*dt, column - d_x*ds)` in the
 /// view `dt` rows down and `ds` columns right.
 ///
+/// # Other programs
+///
+/// | program | its number for a disparity of d px |
+/// |---|---|
+/// | HCI 4D benchmark: `gt_disp_*.pfm`, its toolkit | d |
+/// | plenpy 0.9, `get_disparity` | d |
+/// | plenpy 0.9, `get_refocus` | slope d (T-1)/T for T views along the axis |
+/// | LFToolbox 0.5, `LFFiltShiftSum` | slope -d (T-1)/T: [`slope_from_disparity`](crate::refocus::slope_from_disparity) |
+///
+/// All of them for arrays in the order of the views of this crate, without flips: row 0 is the top one, column 0 the left
+/// one. The factor comes from shifts that run from -T/2 to T/2 over T views. A program that counts views from the other
+/// side sees the opposite sign.
+///
 /// # Units
 ///
 /// Depth in meters along the optical axis, disparity in pixels. The scale k = baseline * f * N / sens is in

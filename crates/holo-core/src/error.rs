@@ -97,6 +97,17 @@ pub enum Error {
     },
     /// Depth was requested for a rig with baseline 0, which has no parallax.
     NoBaseline,
+    /// A range of disparities needs more planes than a sweep has.
+    TooManyPlanes {
+        /// The smallest disparity, in pixels.
+        low_px: f32,
+        /// The largest disparity, in pixels.
+        high_px: f32,
+        /// The planes that the range needs.
+        planes: usize,
+        /// The largest number of planes.
+        most: usize,
+    },
     /// No pixel remains after border, mask and missing values are excluded.
     NothingToMeasure {
         /// The measure, such as `"disparity error"`.
@@ -154,6 +165,11 @@ impl fmt::Display for Error {
             Self::NoBaseline => {
                 write!(f, "the baseline is 0: all views coincide, so disparity does not determine depth")
             }
+            Self::TooManyPlanes { low_px, high_px, planes, most } => write!(
+                f,
+                "disparities from {low_px} to {high_px} px take {planes} planes at this effort, and at most {most} are \
+                 possible; narrow the range or lower the effort"
+            ),
             Self::NothingToMeasure { what, shape: [rows, columns], border_px } => write!(
                 f,
                 "no pixel is left to measure the {what}: the map has {rows} rows x {columns} columns, {border_px} px \

@@ -38,14 +38,14 @@ pub use effort::Effort;
 
 use ndarray::{Array2, Data};
 
-use crate::{Error, LightField, Sample};
+use crate::{BaselineRatio, Error, LightField, Sample};
 use cost::Planes;
 use effort::Settings;
 use plane_fit::Fit;
 use views::Views;
 
-/// The largest number of planes of a sweep. A wider range gets a coarser step.
-const MOST_PLANES: usize = 256;
+/// The largest number of planes of a sweep: 4096 of them cost 2 MiB a pixel column.
+const MOST_PLANES: usize = 4096;
 /// The standard error of confidence 1/2.
 const HALF_CONFIDENCE_PX: f32 = 0.02;
 /// The largest absolute disparity of a range.
@@ -61,12 +61,20 @@ pub struct PlaneSweepOptions {
     pub disparity_max_px: f32,
     /// The trade-off between time and error.
     pub effort: Effort,
+    /// The ratio of the baselines: [`Rig::baseline_ratio`](crate::Rig::baseline_ratio). With another ratio than that of
+    /// the rig, points do not coincide in any plane.
+    pub baseline_ratio: BaselineRatio,
 }
 
 impl Default for PlaneSweepOptions {
-    /// From -4 to 4 pixels, with balanced effort.
+    /// From -4 to 4 pixels, with balanced effort and equal baselines.
     fn default() -> Self {
-        Self { disparity_min_px: -4.0, disparity_max_px: 4.0, effort: Effort::default() }
+        Self {
+            disparity_min_px: -4.0,
+            disparity_max_px: 4.0,
+            effort: Effort::default(),
+            baseline_ratio: BaselineRatio::EQUAL,
+        }
     }
 }
 
@@ -82,6 +90,13 @@ impl PlaneSweepOptions {
     #[must_use]
     pub const fn effort(mut self, effort: Effort) -> Self {
         self.effort = effort;
+        self
+    }
+
+    /// Sets the ratio of the baselines.
+    #[must_use]
+    pub const fn baseline_ratio(mut self, ratio: BaselineRatio) -> Self {
+        self.baseline_ratio = ratio;
         self
     }
 }
@@ -107,8 +122,9 @@ pub struct DisparityEstimate {
 ///
 /// # Units
 ///
-/// Disparity in pixels between adjacent views: a point at `(v, u)` of the central view is at `(v - d*dt, u - d*ds)` in
-/// the view `dt` rows down and `ds` columns right. Samples may be `u8`, `u16` or `f32` of any scale.
+/// Disparity in pixels between adjacent views: a point at `(v, u)` of the central view is at `(v - r_y*d*dt, u -
+/// r_x*d*ds)` in the view `dt` rows down and `ds` columns right, where `r_y` and `r_x` are the two numbers of the
+/// [`BaselineRatio`], both 1 for equal baselines. Samples may be `u8`, `u16` or `f32` of any scale.
 ///
 /// # Accuracy
 ///
@@ -119,8 +135,9 @@ pub struct DisparityEstimate {
 /// # Errors
 ///
 /// [`Error::BadNumber`] if the range is empty or not within +-1e6 px, or a sample of a selected view is NaN or
-/// infinite; [`Error::ZeroCount`] if there is only one view; [`Error::OutOfMemory`] and [`Error::TooLarge`] if there is
-/// not enough memory.
+/// infinite; [`Error::ZeroCount`] if there is only one view; [`Error::NoBaseline`] if all views lie along an axis whose
+/// baseline is 0; [`Error::TooManyPlanes`] if the range needs more than 4096 planes at this effort;
+/// [`Error::OutOfMemory`] and [`Error::TooLarge`] if there is not enough memory.
 ///
 /// # Source
 ///
@@ -151,11 +168,11 @@ where
     S: Data,
     S::Elem: Sample,
 {
-    let PlaneSweepOptions { disparity_min_px: low, disparity_max_px: high, effort } = *options;
+    let PlaneSweepOptions { disparity_min_px: low, disparity_max_px: high, effort, .. } = *options;
     check_range(low, high)?;
     let settings = effort.settings();
-    let views = Views::gather(light_field, &settings)?;
-    let planes = spread(&views, &settings, low, high);
+    let views = Views::gather(light_field, &settings, options.baseline_ratio)?;
+    let planes = spread(&views, &settings, low, high)?;
     let mut map = sweep::sweep(&views, &planes, &views.guide()?, sweep::BAND_BYTES)?;
 
     // The sweep is accurate to one step or to half a pixel of the outermost view. A larger difference is another
@@ -193,10 +210,13 @@ fn check_range(low: f32, high: f32) -> Result<(), Error> {
 }
 
 /// The planes of a sweep: from one to the next the outermost view moves by the step of the settings.
-fn spread(views: &Views, settings: &Settings, low: f32, high: f32) -> Planes {
+fn spread(views: &Views, settings: &Settings, low: f32, high: f32) -> Result<Planes, Error> {
     let step_px = settings.step_px / views.reach();
-    let count = (((high - low) / step_px).ceil() as usize).saturating_add(1).clamp(5, MOST_PLANES);
-    Planes { first_px: low, step_px: (high - low) / (count - 1) as f32, count }
+    let count = (((high - low) / step_px).ceil() as usize).saturating_add(1).max(5);
+    if count > MOST_PLANES {
+        return Err(Error::TooManyPlanes { low_px: low, high_px: high, planes: count, most: MOST_PLANES });
+    }
+    Ok(Planes { first_px: low, step_px: (high - low) / (count - 1) as f32, count })
 }
 
 /// The confidence of an amount of information: 0 for none, 1 in the limit.

@@ -104,7 +104,7 @@ mod serialize;
 /// The crate `ndarray` in the version of the public signatures.
 pub use ndarray;
 
-pub use camera::{Intrinsics, Rig, RigBuilder, RigRay, automatic_baseline_m};
+pub use camera::{BaselineRatio, Intrinsics, Rig, RigBuilder, RigRay, automatic_baseline_m};
 pub use color::ColorEncoding;
 pub use disparity::{Disparity, Projection, StereoPair};
 pub use error::Error;

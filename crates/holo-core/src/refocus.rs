@@ -10,8 +10,8 @@
 //!
 //! # Shift-and-sum of LFToolbox
 //!
-//! `LFFiltShiftSum` takes a slope instead of a disparity and centers the aperture between the views;
-//! [`slope_from_disparity`] and [`disparity_from_slope`] convert between the two.
+//! `LFFiltShiftSum` takes a slope instead of a disparity and centers the aperture between the views:
+//! [`Refocus::at_slope`]. The slope of plenpy's `get_refocus` has the opposite sign. [`slope_from_disparity`] and [`disparity_from_slope`] convert between the two.
 //!
 //! # Source
 //!
@@ -27,7 +27,7 @@ pub use kernel::Kernel;
 
 use ndarray::{Array3, ArrayRef2, Data};
 
-use crate::{Error, GridSize, LightField, Real, Rig, Sample};
+use crate::{BaselineRatio, Error, GridSize, LightField, Real, Rig, Sample};
 
 /// The settings of refocusing: aperture, reference viewpoint and interpolation kernel.
 ///
@@ -57,7 +57,7 @@ pub struct Refocus {
     aperture: Aperture,
     kernel: Kernel,
     reference: (f64, f64),
-    vertical_ratio: f64,
+    ratio: BaselineRatio,
 }
 
 impl Refocus {
@@ -77,7 +77,7 @@ impl Refocus {
     pub fn with_aperture(aperture: Aperture) -> Self {
         let views = aperture.views();
         let reference = ((views.rows / 2) as f64, (views.columns / 2) as f64);
-        Self { aperture, kernel: Kernel::default(), reference, vertical_ratio: 1.0 }
+        Self { aperture, kernel: Kernel::default(), reference, ratio: BaselineRatio::EQUAL }
     }
 
     /// Sets the kernel for samples between the pixels of a view.
@@ -100,17 +100,13 @@ impl Refocus {
         Ok(Self { reference: (t, s), ..self })
     }
 
-    /// Sets the ratio of the vertical to the horizontal disparity of a point, which is that of the baselines. The
-    /// default is 1.
+    /// Sets the ratio of the baselines, [`Rig::baseline_ratio`]. The default is [`BaselineRatio::EQUAL`].
     ///
-    /// All methods take the horizontal disparity, except for [`Refocus::at_distance_m`], which uses the baselines of
-    /// the rig.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::BadNumber`] if the ratio is NaN or infinite.
-    pub fn vertical_ratio(self, vertical_ratio: f64) -> Result<Self, Error> {
-        Ok(Self { vertical_ratio: finite("ratio of vertical to horizontal disparity", vertical_ratio)?, ..self })
+    /// It applies to disparities. [`Refocus::at_distance_m`] uses the baselines of its rig, and [`Refocus::at_slope`]
+    /// none.
+    #[must_use]
+    pub fn baseline_ratio(self, ratio: BaselineRatio) -> Self {
+        Self { ratio, ..self }
     }
 
     /// Returns the image that is in focus where the disparity is `disparity_px`.
@@ -140,7 +136,26 @@ impl Refocus {
         S::Elem: Sample,
     {
         finite("disparity in pixels", disparity_px)?;
-        self.sum(light_field, disparity_px * self.vertical_ratio, disparity_px)
+        self.sum(light_field, disparity_px * self.ratio.vertical(), disparity_px * self.ratio.horizontal())
+    }
+
+    /// Returns the image that LFToolbox's `LFFiltShiftSum` focuses at a slope, up to aperture and reference view.
+    ///
+    /// The toolbox knows no baselines and has a step of its own for each axis: [`disparity_from_slope`] of the number of
+    /// view rows and of view columns. An axis with one view has no step.
+    ///
+    /// # Errors
+    ///
+    /// As [`Refocus::at_disparity`].
+    pub fn at_slope<S>(&self, light_field: &LightField<S>, slope: f64) -> Result<Array3<f32>, Error>
+    where
+        S: Data,
+        S::Elem: Sample,
+    {
+        finite("slope", slope)?;
+        let views = light_field.shape().views();
+        let disparity_px = |views: usize| if views < 2 { Ok(0.0) } else { disparity_from_slope(slope, views) };
+        self.sum(light_field, disparity_px(views.rows)?, disparity_px(views.columns)?)
     }
 
     /// Returns the image that is in focus at a distance from the cameras.

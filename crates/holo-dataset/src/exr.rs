@@ -12,10 +12,11 @@ use crate::output_folder::OutputFolder;
 /// The largest finite 16-bit float.
 const MAX_HALF: f32 = 65_504.0;
 
-/// The channel names of the color image in Blender.
-const COMBINED: [&str; 3] = ["ViewLayer.Combined.R", "ViewLayer.Combined.G", "ViewLayer.Combined.B"];
+/// The channel names of an image without layers: what programs read that know no layers.
+const PLAIN: [&str; 3] = ["R", "G", "B"];
 
-/// Writes all layers and the color of the central view into one file of 32-bit floats.
+/// Writes all layers and the color of the central view into one file of 32-bit floats. The color is there twice: as
+/// Blender's layer, and with plain names.
 pub(crate) fn write_central(folder: &mut OutputFolder, rendered: &Rendered) -> Result<(), Error> {
     let color = rendered.color.as_ref().map(central_view).transpose()?;
     let channels = channels(&rendered.central, color);
@@ -40,7 +41,7 @@ pub(crate) fn write_grid(folder: &mut OutputFolder, color: &LightFieldOwned<f32>
     let samples = if fits { ExrSamples::Half } else { ExrSamples::Float };
     let size = GridSize::new(size.rows, size.columns);
     let path = folder.file(name);
-    let mut exr = ExrWriter::create(path, size, &COMBINED.map(|name| (name, samples)), ExrCompression::Zip)?;
+    let mut exr = ExrWriter::create(path, size, &PLAIN.map(|name| (name, samples)), ExrCompression::Zip)?;
     for band in 0..bands {
         let rows: Array3<f32> = match layout {
             Layout::ElementalGrid => color.clip_lenses(band..band + 1, 0..lenses.columns)?.to_elemental_grid()?,
@@ -73,14 +74,17 @@ fn channels<'a>(
     color: Option<ArrayView3<'a, f32>>,
 ) -> Vec<(String, ArrayView2<'a, f32>)> {
     let layers = central.iter().map(|(layer, image)| (exr_name(layer), image.view()));
-    let color = color.map(|image| (("Combined", &["R", "G", "B"][..]), image));
+    let plain = color.into_iter().flat_map(|image| {
+        PLAIN.iter().enumerate().map(move |(c, name)| ((*name).to_owned(), image.index_axis_move(Axis(2), c)))
+    });
+    let color = color.map(|image| (("Combined", &PLAIN[..]), image));
     let planes = color.into_iter().chain(layers).flat_map(|((pass, components), image)| {
         let plane = move |(c, component): (usize, &&str)| {
             (format!("ViewLayer.{pass}.{component}"), image.index_axis_move(Axis(2), c))
         };
         components.iter().enumerate().map(plane)
     });
-    planes.collect()
+    plain.chain(planes).collect()
 }
 
 #[cfg(test)]
@@ -94,9 +98,10 @@ mod tests {
         let color = Array3::zeros((2, 3, 3));
         let channels = channels(&central, Some(color.view()));
         let names: std::collections::BTreeSet<&str> = channels.iter().map(|(name, _)| name.as_str()).collect();
-        assert_eq!((names.len(), channels.len()), (18, 18), "{names:?}");
+        assert_eq!((names.len(), channels.len()), (21, 21), "{names:?}");
         for name in ["Combined.R", "Depth.Z", "Normal.Y", "DiffCol.B", "IndexOB.X", "IndexMA.X", "Disparity.X"] {
             assert!(names.contains(format!("ViewLayer.{name}").as_str()), "{name}");
         }
+        assert!(["R", "G", "B"].iter().all(|name| names.contains(name)), "{names:?}");
     }
 }

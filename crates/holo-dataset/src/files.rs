@@ -3,7 +3,7 @@
 use holo_core::Rig;
 use holo_io::{Manifest, ParametersCfg, dataset};
 use holo_render::{Integrator, Layers, Rendered, exposure};
-use ndarray::Array3;
+use ndarray::{Array2, Array3};
 
 use crate::Error;
 use crate::images::{self, Images};
@@ -20,6 +20,8 @@ pub(crate) struct Traced {
     pub manifest: Manifest,
     /// Without the disparity range.
     pub parameters: ParametersCfg,
+    /// Depth of the central view in high resolution, m.
+    pub highres_depth_m: Option<Array2<f32>>,
 }
 
 /// The result of writing the files.
@@ -38,7 +40,9 @@ pub fn validate(spec: &RenderSpec) -> Result<(), Error> {
     if spec.outputs.contains(&Output::H5) {
         return Err(images::without_hdf5());
     }
-    if let Some(names) = images::needing_color(&spec.outputs).filter(|_| spec.integrator == Integrator::Depth) {
+    if let Some(names) =
+        images::needing_color(&spec.outputs, spec.integrator).filter(|_| spec.integrator == Integrator::Depth)
+    {
         return Err(Error::BadRequest(format!(
             "--integrator depth renders no color; remove {names} from --write, or choose --integrator direct"
         )));
@@ -75,7 +79,13 @@ pub(crate) fn write(
     }
     folder.unseal()?;
     layers::write(&mut folder, &traced.wanted, rendered, disparity_px)?;
-    let images = Images { spec, outputs: &outputs, rig: &traced.rig, parameters: &parameters };
+    let images = Images {
+        spec,
+        outputs: &outputs,
+        rig: &traced.rig,
+        parameters: &parameters,
+        highres_depth_m: traced.highres_depth_m.as_ref(),
+    };
     images.write(&mut folder, &traced.wanted, rendered, exposure_ev)?;
     folder.add(dataset::PARAMETERS_CFG, parameters.write(folder.file(dataset::PARAMETERS_CFG))?);
     let files = folder.seal(Manifest { disparity_px, exposure_ev, ..traced.manifest })?;
@@ -94,7 +104,7 @@ pub(crate) fn outputs(spec: &RenderSpec, has_color: bool) -> Result<Vec<Output>,
     if spec.outputs.is_empty() {
         return Ok(if has_color { images::DEFAULT_OUTPUTS.to_vec() } else { Vec::new() });
     }
-    if let Some(names) = images::needing_color(&spec.outputs).filter(|_| !has_color) {
+    if let Some(names) = images::needing_color(&spec.outputs, spec.integrator).filter(|_| !has_color) {
         return Err(Error::BadRequest(format!(
             "the scene has no light sources, so there is no color to write; remove {names} from --write, or light it \
              with --sky 1,1,1"

@@ -4,30 +4,45 @@
 
 use std::path::PathBuf;
 
-use holo_core::{DynLightFieldRef, Layout, LightField, LightFieldOwned, Rig, Sample};
-use holo_io::{ColorEncoding, Compression, HciImage, HciTruth, MatOptions, ParametersCfg, dataset};
-use holo_render::{GroundTruth, Layer, Rendered, exposure};
-use ndarray::{Array3, ArrayView3, Axis};
+use holo_core::{Layout, LightField, LightFieldOwned, Rig, Sample};
+use holo_io::{ColorEncoding, Compression, HciHighResolution, HciImage, HciTruth, MatOptions, ParametersCfg, dataset};
+use holo_render::{GroundTruth, Integrator, Layer, Rendered, exposure};
+use ndarray::{Array2, Array3, ArrayView3, Axis};
 
 use crate::layers::{self, Wanted};
 use crate::output_folder::OutputFolder;
 use crate::spec::{Output, RenderSpec};
 use crate::{Error, exr};
 
+/// The resolution of ground truth of high resolution, relative to that of a view: the scale at which the evaluation
+/// toolkit of the HCI benchmark scores.
+pub(crate) const HIGHRES_SCALE: usize = 10;
+
 /// The HCI folder in a dataset folder.
 const HCI_FOLDER: &str = "hci";
 
 /// Outputs that need color, with their names.
-const NEED_COLOR: [(Output, &str); 5] =
-    [(Output::Vpi, "vpi"), (Output::El, "el"), (Output::Mat, "mat"), (Output::H5, "h5"), (Output::Hci, "hci")];
+const NEED_COLOR: [(Output, &str); 6] = [
+    (Output::Vpi, "vpi"),
+    (Output::El, "el"),
+    (Output::Mat, "mat"),
+    (Output::H5, "h5"),
+    (Output::Hci, "hci"),
+    (Output::HciHighres, "hci-highres"),
+];
+
+/// Those of them that contain layers beside color, and nothing else where ground truth alone is rendered.
+const HAVE_LAYERS: [Output; 3] = [Output::H5, Output::Hci, Output::HciHighres];
 
 /// The outputs without a request.
 pub(crate) const DEFAULT_OUTPUTS: [Output; 3] = [Output::Vpi, Output::El, Output::Mat];
 
-/// The names of those outputs in `write` that need color, such as "vpi and el"; `None` if there are none.
-pub(crate) fn needing_color(write: &[Output]) -> Option<String> {
-    let names: Vec<&str> =
-        NEED_COLOR.iter().filter(|(output, _)| write.contains(output)).map(|(_, name)| *name).collect();
+/// The names of those outputs in `write` that need color, such as "vpi and el"; `None` if there are none. With the
+/// integrator for ground truth, files of color and layers have the layers alone.
+pub(crate) fn needing_color(write: &[Output], integrator: Integrator) -> Option<String> {
+    let needs = |output: &Output| integrator != Integrator::Depth || !HAVE_LAYERS.contains(output);
+    let wanted = NEED_COLOR.iter().filter(|(output, _)| write.contains(output) && needs(output));
+    let names: Vec<&str> = wanted.map(|(_, name)| *name).collect();
     let (last, others) = names.split_last()?;
     Some(if others.is_empty() { (*last).to_owned() } else { format!("{} and {last}", others.join(", ")) })
 }
@@ -38,6 +53,8 @@ pub(crate) struct Images<'a> {
     pub outputs: &'a [Output],
     pub rig: &'a Rig,
     pub parameters: &'a ParametersCfg,
+    /// Depth of the central view in [`HIGHRES_SCALE`] times the resolution, m.
+    pub highres_depth_m: Option<&'a Array2<f32>>,
 }
 
 impl Images<'_> {
@@ -75,8 +92,14 @@ impl Images<'_> {
                 drop(color);
                 self.write_coded(folder, &coded, rendered)?;
             }
+        } else if self.wants_hci() {
+            self.write_hci::<u8>(folder, None, rendered)?;
         }
         Ok(())
+    }
+
+    fn wants_hci(&self) -> bool {
+        self.wants(Output::Hci) || self.wants(Output::HciHighres)
     }
 
     fn wants(&self, output: Output) -> bool {
@@ -118,18 +141,19 @@ impl Images<'_> {
                 folder.add(name, written?);
             }
         }
-        if self.wants(Output::Hci) {
-            self.write_hci(folder, coded.as_light_field_ref().into(), rendered)?;
+        if self.wants_hci() {
+            self.write_hci(folder, Some(coded), rendered)?;
         }
         Ok(())
     }
 
-    /// Writes an HCI folder, with ground truth of all views if it was rendered, else of the central view.
-    fn write_hci<'a>(
-        &'a self,
+    /// Writes an HCI folder, with ground truth of all views if it was rendered, else of the central view; without views
+    /// ground truth alone.
+    fn write_hci<T: Sample>(
+        &self,
         folder: &mut OutputFolder,
-        views: DynLightFieldRef<'a>,
-        rendered: &'a Rendered,
+        views: Option<&LightFieldOwned<T>>,
+        rendered: &Rendered,
     ) -> Result<(), Error> {
         let truth = |layer: Layer| {
             Ok::<_, Error>(match &rendered.all {
@@ -137,11 +161,23 @@ impl Images<'_> {
                 None => HciTruth::Central(rendered.central[layer].index_axis(Axis(2), 0)),
             })
         };
+        // The HCI tools need these keys too. Their preview of the frustum shows the range of the scene here.
+        let mut parameters = self.parameters.clone();
+        (parameters.frustum_disp_min, parameters.frustum_disp_max) = (parameters.disp_min, parameters.disp_max);
+        let highres_px = self.highres_depth_m.map(|depth_m| self.rig.disparity().map_from_depth_m(depth_m));
+        if highres_px.is_some() {
+            parameters.depth_map_scale = Some(HIGHRES_SCALE as f64);
+        }
+        let high_resolution = self.highres_depth_m.zip(highres_px.as_ref());
         let image = HciImage {
-            views,
-            parameters: self.parameters,
+            views: views.map(|views| views.as_light_field_ref().into()),
+            parameters: &parameters,
             disparity_px: truth(Layer::Disparity)?,
             depth_m: truth(Layer::Depth)?,
+            high_resolution: high_resolution.map(|(depth_m, disparity_px)| HciHighResolution {
+                disparity_px: disparity_px.view(),
+                depth_m: depth_m.view(),
+            }),
         };
         folder.subfolder(HCI_FOLDER)?;
         let name = |file: &str| format!("{HCI_FOLDER}/{file}");
@@ -152,12 +188,12 @@ impl Images<'_> {
         Ok(())
     }
 
-    /// Writes linear radiance and the rendered maps: of all views if there are any, else of the central view.
+    /// Writes linear radiance, if there is any, and the rendered maps: of all views if there are any, else of the central
+    /// view.
     #[cfg(feature = "hdf5")]
     fn write_hdf5(&self, folder: &mut OutputFolder, rendered: &Rendered) -> Result<(), Error> {
         use holo_io::{Hdf5Map, Hdf5Options};
 
-        let Some(color) = &rendered.color else { return Ok(()) };
         let kind = |layer: Layer| match layer {
             Layer::Depth => Some(Hdf5Map::Depth),
             Layer::RayLength => Some(Hdf5Map::RayLength),
@@ -173,7 +209,14 @@ impl Images<'_> {
             central.filter_map(|(layer, image)| Some((kind(layer)?, image.index_axis(Axis(2), 0)))).collect();
         let (name, rig) = (dataset::LIGHT_FIELD_HDF5, self.rig);
         let options = Hdf5Options::default();
-        folder.add(name, holo_io::write_hdf5(folder.file(name), color, rig, &maps, &central, &options)?);
+        let path = folder.file(name);
+        folder.add(
+            name,
+            match &rendered.color {
+                Some(color) => holo_io::write_hdf5(path, color, rig, &maps, &central, &options)?,
+                None => holo_io::write_hdf5_maps(path, rig, &maps, &central, &options)?,
+            },
+        );
         Ok(())
     }
 

@@ -3,9 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use holo_core::Rig;
-use holo_io::{CameraPose, Manifest, ManifestValue, ParametersCfg};
-use holo_render::{GroundTruth, Integrator, Progress, RayCounts, Rendered, Request};
+use holo_core::{GridSize, LightFieldShape, Rig};
+use holo_io::{CameraPose, Manifest, ManifestValue, ParametersCfg, dataset};
+use holo_render::{GroundTruth, Integrator, Layer, Progress, RayCounts, Rendered, Request};
+use ndarray::{Array2, Axis};
 
 use crate::diagnostics::{About, Diagnostics};
 use crate::files::{Traced, exposure_ev, outputs, validate, write};
@@ -16,7 +17,7 @@ use crate::output_folder::{OutputFolder, Rollback};
 use crate::prepare::{Prepared, Purpose, prepare};
 use crate::source::SceneSource;
 use crate::spec::{EngineSpec, Output, RenderSpec, Shard};
-use crate::{Error, shard, sky};
+use crate::{Error, plan, shard, sky};
 
 /// One render: a scene, a specification and a ray tracing backend.
 #[derive(Clone, Debug)]
@@ -110,6 +111,11 @@ impl RenderJob {
     ) -> Result<RenderReport, Error> {
         let start = Instant::now();
         validate(&self.spec)?;
+        if shard.is_some() && self.spec.outputs.contains(&Output::HciHighres) {
+            return Err(Error::BadRequest(
+                "hci-highres is not rendered in parts; remove it from --write, or render without --shard".into(),
+            ));
+        }
         let folder = OutputFolder::create(out, rollback)?;
         let prepared = self.prepare(diagnostics)?;
         let rendering = Instant::now();
@@ -148,6 +154,31 @@ impl RenderJob {
             rig: prepared.rig,
             disparity_px: finished.disparity_px,
             files: finished.files,
+        })
+    }
+
+    /// Checks that the folder `out` holds no other image: none of another scene, seed, options or shard. An image that
+    /// another version or backend made of the same may be replaced.
+    ///
+    /// # Errors
+    /// [`Error::BadRequest`] if there is another image; [`Error::Scene`] and [`Error::Failed`] if the scene or the
+    /// environment map cannot be read; [`Error::Io`] if the manifest of the folder is damaged.
+    pub fn check_replaceable(&self, out: &Path, shard: Option<Shard>) -> Result<(), Error> {
+        let path = out.join(dataset::MANIFEST_JSON);
+        if !path.is_file() {
+            return Ok(());
+        }
+        let mut older = Manifest::read(&path)?;
+        let is_shard = shard::of_manifest(&older);
+        let identity = self.identity("")?;
+        older.versions.clone_from(&identity.versions);
+        let why = match (is_shard, shard) {
+            (one, other) if one != other => Some("it is another part of an image".to_owned()),
+            _ => plan::difference(&older, &identity),
+        };
+        let advice = "give --overwrite to replace it, or another --out";
+        why.map_or(Ok(()), |why| {
+            Err(Error::BadRequest(format!("{} holds another image: {why}; {advice}", out.display())))
         })
     }
 
@@ -212,7 +243,9 @@ impl RenderJob {
         }
         let manifest = self.manifest(&wanted, prepared, &rendered, &request)?;
         let parameters = self.parameters(prepared);
-        Ok(Traced { rendered, wanted, rig: prepared.rig, manifest, parameters })
+        let is_highres = spec.outputs.contains(&Output::HciHighres);
+        let highres_depth_m = is_highres.then(|| highres_depth_m(prepared)).transpose()?;
+        Ok(Traced { rendered, wanted, rig: prepared.rig, manifest, parameters, highres_depth_m })
     }
 
     fn parameters(&self, prepared: &Prepared) -> ParametersCfg {
@@ -270,6 +303,19 @@ fn purpose<'a>(spec: &'a RenderSpec, wanted: &Wanted) -> Purpose<'a> {
     }
 }
 
+/// Depth of the central view in [`images::HIGHRES_SCALE`] times the resolution, one ray a value.
+fn highres_depth_m(prepared: &Prepared) -> Result<Array2<f32>, Error> {
+    let (views, lenses) = (prepared.rig.shape().views(), prepared.rig.shape().lenses());
+    let finer = |count: usize| count.saturating_mul(images::HIGHRES_SCALE);
+    let shape = LightFieldShape::new(views, GridSize::new(finer(lenses.rows), finer(lenses.columns)))?;
+    let rig = prepared.rig.to_builder().shape(shape).build()?;
+    let mut central = prepared.renderer.central_layers(&rig, [Layer::Depth].into())?;
+    central
+        .take(Layer::Depth)
+        .map(|depth_m| depth_m.index_axis_move(Axis(2), 0))
+        .ok_or_else(|| Error::Failed("the renderer returned no depth of the central view".into()))
+}
+
 fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
     let integrator = match spec.integrator {
         // No requested output has color: no light needs to be traced.
@@ -298,6 +344,7 @@ fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
 }
 
 fn needs_no_color(spec: &RenderSpec, wanted: &Wanted) -> bool {
-    let has_color = spec.outputs.contains(&Output::Exr) || images::needing_color(&spec.outputs).is_some();
+    let has_color =
+        spec.outputs.contains(&Output::Exr) || images::needing_color(&spec.outputs, spec.integrator).is_some();
     !wanted.color && !spec.outputs.is_empty() && !has_color
 }

@@ -49,7 +49,7 @@ impl Wanted {
         if spec.outputs.contains(&Output::H5) {
             held = held.union([Layer::Depth, Layer::RayLength, Layer::Disparity].into());
         }
-        if spec.outputs.contains(&Output::Hci) {
+        if spec.outputs.iter().any(|output| matches!(output, Output::Hci | Output::HciHighres)) {
             held = held.union([Layer::Depth, Layer::Disparity].into());
         }
         let exr = spec.outputs.contains(&Output::Exr);

@@ -21,7 +21,7 @@ pub type Options = BTreeMap<String, String>;
 const MAP: &str = "map";
 
 /// Outputs and their names.
-const OUTPUTS: [(Output, &str); 8] = [
+const OUTPUTS: [(Output, &str); 9] = [
     (Output::Vpi, "vpi"),
     (Output::El, "el"),
     (Output::Disparity, "disparity"),
@@ -30,6 +30,7 @@ const OUTPUTS: [(Output, &str); 8] = [
     (Output::Mat, "mat"),
     (Output::H5, "h5"),
     (Output::Hci, "hci"),
+    (Output::HciHighres, "hci-highres"),
 ];
 
 /// Integrators and their names.

@@ -207,7 +207,7 @@ fn done(folder: &Path, identity: &Manifest) -> Result<Manifest, Option<String>> 
 }
 
 /// The first difference between the manifest of an older result and the identity of a job.
-fn difference(manifest: &Manifest, identity: &Manifest) -> Option<String> {
+pub(crate) fn difference(manifest: &Manifest, identity: &Manifest) -> Option<String> {
     let text = |value: Option<&String>| value.map_or_else(|| "unknown".to_owned(), Clone::clone);
     for (name, version) in &identity.versions {
         let own = manifest.versions.get(name);

@@ -169,7 +169,7 @@ pub(crate) fn read(folders: &[PathBuf]) -> Result<(Traced, RenderSpec), Error> {
     let all = (!all.set().is_empty()).then_some(all);
     let why = parts[0].label.why.clone();
     let rendered = Rendered { color, central, all, integrator, why, rays, samples: sum(|l| l.samples) };
-    Ok((Traced { rendered, wanted, rig, manifest, parameters }, spec))
+    Ok((Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m: None }, spec))
 }
 
 /// The specification of the shards. Their color is rendered already, so the sky need not be known.
@@ -179,6 +179,11 @@ fn spec(manifest: &Manifest) -> Result<RenderSpec, Error> {
     let text = |(name, value): (&String, &ManifestValue)| Some((name.clone(), value.as_text()?.to_owned()));
     let options: Option<_> = options.iter().map(text).collect();
     RenderSpec::from_options(&options.ok_or_else(unknown)?)
+}
+
+/// The shard that a manifest belongs to; `None` for a complete image.
+pub(crate) fn of_manifest(manifest: &Manifest) -> Option<Shard> {
+    manifest.settings.get(PART).and_then(Label::read).map(|label| label.shard)
 }
 
 fn open(folder: &Path) -> Result<Part<'_>, Error> {

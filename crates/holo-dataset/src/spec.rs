@@ -146,6 +146,8 @@ pub enum Output {
     H5,
     /// `hci/`: an HCI folder, with one PNG a view, depth and disparity.
     Hci,
+    /// The same, with ground truth of the central view in ten times the resolution.
+    HciHighres,
 }
 
 impl Default for RenderSpec {

@@ -15,6 +15,8 @@ use crate::{Error, manifest};
 pub enum FileFormat {
     /// A PNG image.
     Png,
+    /// A TIFF image; `read_tiff_info` reads its size and samples.
+    Tiff,
     /// A PFM float image, gray or color.
     Pfm,
     /// An OpenEXR image; `read_exr_info` reads its size and channels.
@@ -65,6 +67,7 @@ pub fn detect_format(path: impl AsRef<Path>) -> Result<FileFormat, Error> {
     source.by_ref().take(HEAD_BYTES).read_to_end(&mut head).map_err(failed)?;
     let format = match head.as_slice() {
         [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => FileFormat::Png,
+        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => FileFormat::Tiff,
         [b'P', b'f' | b'F', space, ..] if space.is_ascii_whitespace() => FileFormat::Pfm,
         [0x76, 0x2f, 0x31, 0x01, ..] => FileFormat::Exr,
         text if [&b"#?RADIANCE"[..], b"#?RGBE"].iter().any(|signature| text.starts_with(signature)) => FileFormat::Hdr,

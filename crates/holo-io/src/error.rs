@@ -6,6 +6,9 @@ use std::path::{Path, PathBuf};
 /// An error of `holo-io`. Every message states what went wrong and where, and what to do where that is not obvious.
 ///
 /// The variants are grouped by cause: the file, the operating system, the memory limits, the caller.
+///
+/// The message is complete: it contains that of the operating system or of `holo-core`, so there is no
+/// [`source`](std::error::Error::source), and a program that prints the chain of causes prints nothing twice.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -28,14 +31,14 @@ pub enum Error {
         what: String,
     },
     /// The operating system reported an error of reading or writing.
-    #[error("cannot {action} {}: {source}{}", .path.display(), advice(.source, .action))]
+    #[error("cannot {action} {}: {error}{}", .path.display(), advice(.error, .action))]
     Io {
         /// The operation, such as `"write"`.
         action: &'static str,
         /// The file or folder.
         path: PathBuf,
         /// The error of the operating system.
-        source: io::Error,
+        error: io::Error,
     },
     /// Reading would take more memory than the caller's [`Limits`](crate::Limits) allow.
     #[error(
@@ -90,12 +93,12 @@ pub enum Error {
         what: String,
     },
     /// Numbers in a file describe an impossible light field or rig.
-    #[error("{}: {source}", .path.display())]
+    #[error("{}: {error}", .path.display())]
     Core {
         /// The file, or `(stream)`.
         path: PathBuf,
         /// The error of `holo-core` about the numbers.
-        source: holo_core::Error,
+        error: holo_core::Error,
     },
 }
 
@@ -131,27 +134,27 @@ impl Error {
         Self::BadInput { path: path.to_owned(), what: what.into() }
     }
 
-    pub(crate) fn io(action: &'static str, path: &Path, source: io::Error) -> Self {
-        Self::Io { action, path: path.to_owned(), source }
+    pub(crate) fn io(action: &'static str, path: &Path, error: io::Error) -> Self {
+        Self::Io { action, path: path.to_owned(), error }
     }
 
     /// The same error with another path, if it is one of `holo-core`.
     #[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
     pub(crate) fn about(self, path: &Path) -> Self {
         match self {
-            Self::Core { source, .. } => Self::core(path, source),
+            Self::Core { error, .. } => Self::core(path, error),
             other => other,
         }
     }
 
-    pub(crate) fn core(path: &Path, source: holo_core::Error) -> Self {
-        Self::Core { path: path.to_owned(), source }
+    pub(crate) fn core(path: &Path, error: holo_core::Error) -> Self {
+        Self::Core { path: path.to_owned(), error }
     }
 }
 
 /// What to do about an error of the operating system, where its own message does not state it.
-fn advice(source: &io::Error, action: &str) -> &'static str {
-    match source.kind() {
+fn advice(error: &io::Error, action: &str) -> &'static str {
+    match error.kind() {
         io::ErrorKind::NotFound if action == "write" => "; create the folder first",
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => "; free some space or choose another folder",
         io::ErrorKind::PermissionDenied | io::ErrorKind::ReadOnlyFilesystem if action == "write" => {

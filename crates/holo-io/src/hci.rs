@@ -5,7 +5,8 @@
 //! | `input_Cam000.png` ... | view `(t, s)` of T x S views; its number is `t*S + s`, so that the top left view is 0 |
 //! | `gt_disp_lowres.pfm`, `gt_depth_lowres.pfm` | disparity in pixels and planar depth in meters of the central view |
 //! | `gt_disp_lowres_Cam000.pfm` ... | the same of every view |
-//! | `gt_disp_highres.pfm` ... | the same, with `depth_map_scale` times the resolution; read, but not written |
+//! | `gt_disp_highres.pfm`, `gt_depth_highres.pfm` | the same of the central view, with `depth_map_scale` times the resolution |
+//! | `gt_disp_highres_Cam000.pfm` ... | the same of every view; read, but not written |
 //! | `parameters.cfg` | the rig |
 //!
 //! # Names
@@ -37,7 +38,7 @@ mod names;
 mod write;
 
 pub use folder::HciFolder;
-pub use write::{HciImage, HciTruth};
+pub use write::{HciHighResolution, HciImage, HciTruth};
 
 /// The quantity of a ground truth map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -13,8 +13,11 @@
 //!
 //! Attributes of the file: `format`, `axes` (`vutsc`), `views` = \[T S\], `lenses` = \[V U\], and of the rig
 //! `baseline_m` = \[y x\], `focal_length_mm`, `sensor_size_mm`, `focus_distance_m`, `projection`. Every dataset has
-//! `axes` and `units`, and labels of its dimensions as HDF5 dimension scales define them (`dims[0].label` in h5py).
-//! Compression is shuffle and gzip, which every reader supports.
+//! `axes` and `units`. Compression is shuffle and gzip, which every reader supports.
+//!
+//! `/v`, `/u`, `/t`, `/s`, `/c` are dimension scales, the indices from 0, attached to the dimensions of every dataset. So
+//! `xarray.open_dataset("scene_5d.h5", engine="netcdf4")`, or `"h5netcdf"`, names the dimensions, and
+//! `dataset.H.sel(t=2, s=3)` is a view; `dims[0].label` in h5py is the letter too.
 //!
 //! # Chunks
 //!
@@ -47,6 +50,7 @@ mod library;
 mod options;
 mod read;
 mod rows;
+mod scales;
 mod write;
 
 use std::path::Path;
@@ -156,18 +160,66 @@ where
     let names: Vec<Hdf5Map> = maps.iter().map(|&(name, _)| name).collect();
     crate::rig_values::check_split(path, Some(rig), &light_field.shape())?;
     let mut writer = Hdf5Writer::<S::Elem>::create(path, rig, light_field.channels(), &names, options)?;
-    let rows = writer.lens_rows_at_a_time();
     let samples = light_field.samples();
-    for start in (0..rig.shape().lenses().rows).step_by(rows) {
-        let range = Slice::from(start..rig.shape().lenses().rows.min(start + rows));
+    for range in lens_rows(rig, writer.lens_rows_at_a_time()) {
         writer.write_lens_rows(samples.slice_axis(Axis(0), range))?;
-        for (kind, map) in maps {
-            if map.len_of(Axis(0)) != rig.shape().lenses().rows {
-                return Err(Error::bad_input(path, format!("the map {} has shape {:?}", kind.name(), map.shape())));
-            }
-            writer.write_map_lens_rows(*kind, map.slice_axis(Axis(0), range))?;
-        }
+        write_rows_of_maps(&mut writer, path, rig, maps, range)?;
     }
+    finish(writer, central)
+}
+
+/// Writes ground truth maps without a light field: the file of [`write_hdf5`] without `/H`. [`Hdf5LightField`] does not
+/// open it; h5py and xarray do.
+///
+/// # Shape
+///
+/// As in [`write_hdf5`].
+///
+/// # Errors
+///
+/// Those of [`Hdf5Writer`].
+pub fn write_hdf5_maps(
+    path: impl AsRef<Path>,
+    rig: &Rig,
+    maps: &[(Hdf5Map, ArrayView4<'_, f32>)],
+    central: &[(Hdf5Map, ArrayView2<'_, f32>)],
+    options: &Hdf5Options,
+) -> Result<FileDigest, Error> {
+    let path = path.as_ref();
+    let names: Vec<Hdf5Map> = maps.iter().map(|&(name, _)| name).collect();
+    let mut writer = Hdf5Writer::<f32>::start(path, rig, None, &names, options)?;
+    for range in lens_rows(rig, writer.lens_rows_at_a_time()) {
+        write_rows_of_maps(&mut writer, path, rig, maps, range)?;
+    }
+    finish(writer, central)
+}
+
+/// All lens rows in groups of `rows`.
+fn lens_rows(rig: &Rig, rows: usize) -> impl Iterator<Item = Slice> {
+    let count = rig.shape().lenses().rows;
+    (0..count).step_by(rows).map(move |start| Slice::from(start..count.min(start + rows)))
+}
+
+fn write_rows_of_maps<T: Sample>(
+    writer: &mut Hdf5Writer<T>,
+    path: &Path,
+    rig: &Rig,
+    maps: &[(Hdf5Map, ArrayView4<'_, f32>)],
+    range: Slice,
+) -> Result<(), Error> {
+    for (kind, map) in maps {
+        if map.len_of(Axis(0)) != rig.shape().lenses().rows {
+            return Err(Error::bad_input(path, format!("the map {} has shape {:?}", kind.name(), map.shape())));
+        }
+        writer.write_map_lens_rows(*kind, map.slice_axis(Axis(0), range))?;
+    }
+    Ok(())
+}
+
+fn finish<T: Sample>(
+    mut writer: Hdf5Writer<T>,
+    central: &[(Hdf5Map, ArrayView2<'_, f32>)],
+) -> Result<FileDigest, Error> {
     for (kind, map) in central {
         writer.write_central_map(*kind, *map)?;
     }

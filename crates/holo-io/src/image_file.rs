@@ -1,27 +1,65 @@
-//! Writes an image in the format of its file extension.
+//! An image in the format of its file extension or of its contents.
 
 use std::path::Path;
 
-use holo_core::{ColorEncoding, DynImageRef, SampleKind};
+use holo_core::{ColorEncoding, DynImage, DynImageRef, GridSize, SampleKind};
 use ndarray::{ArrayView3, Axis};
 
-use crate::{Compression, Error, FileDigest, write_pfm, write_pfm_rgb, write_png};
+use crate::{Compression, Error, FileDigest, Limits, read_png, read_png_info, write_pfm, write_pfm_rgb, write_png};
+#[cfg(feature = "tiff")]
+use crate::{FileFormat, detect_format};
 
-/// Writes an image as `.png` or `.pfm`: integers, which follow the sRGB curve, as PNG; floats, which are linear, as
-/// PFM.
+/// The size and samples of an image of a view.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct ImageInfo {
+    pub(crate) size: GridSize,
+    pub(crate) channels: usize,
+    pub(crate) kind: SampleKind,
+}
+
+/// Whether a file may be the image of a view, by its extension.
+pub(crate) fn is_image_name(path: &Path) -> bool {
+    let endings: &[&str] = if cfg!(feature = "tiff") { &["png", "tif", "tiff"] } else { &["png"] };
+    let has = |ending: &&str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
+    endings.iter().any(has)
+}
+
+/// Reads the header of a PNG or TIFF.
+pub(crate) fn read_image_info(path: &Path) -> Result<ImageInfo, Error> {
+    #[cfg(feature = "tiff")]
+    if detect_format(path)? == FileFormat::Tiff {
+        let crate::TiffInfo { size, channels, kind } = crate::read_tiff_info(path)?;
+        return Ok(ImageInfo { size, channels, kind });
+    }
+    let info = read_png_info(path)?;
+    let kind = if info.bits == 16 { SampleKind::U16 } else { SampleKind::U8 };
+    Ok(ImageInfo { size: info.size, channels: info.channels, kind })
+}
+
+/// Reads a PNG or TIFF.
+pub(crate) fn read_image(path: &Path, limits: &Limits) -> Result<DynImage, Error> {
+    #[cfg(feature = "tiff")]
+    if detect_format(path)? == FileFormat::Tiff {
+        return crate::read_tiff(path, limits);
+    }
+    read_png(path, limits)
+}
+
+/// Writes an image as `.png`, `.pfm` or `.tif`: integers, which follow the sRGB curve, as PNG or TIFF; floats, which are
+/// linear, as PFM or TIFF.
 ///
 /// # Accuracy
 ///
-/// `f64` is rounded to `f32`; all other values are written as they are.
+/// `f64` is rounded to `f32` in a PFM; all other values are written as they are.
 ///
 /// # Shape
 ///
-/// `(rows, columns, channels)`, any strides: 1 to 4 channels in a PNG, 1 or 3 in a PFM.
+/// `(rows, columns, channels)`, any strides: 1 to 4 channels in a PNG, 1 or 3 in a PFM, 1, 3 or 4 in a TIFF.
 ///
 /// # Errors
 ///
-/// [`Error::BadInput`] if the extension is another one, or not the one for these samples; those of [`write_png`] and
-/// [`write_pfm`].
+/// [`Error::BadInput`] if the extension is another one, or not the one for these samples; those of [`write_png`],
+/// [`write_pfm`] and `write_tiff`.
 ///
 /// # Examples
 ///
@@ -38,6 +76,10 @@ use crate::{Compression, Error, FileDigest, write_pfm, write_pfm_rgb, write_png}
 pub fn write_image<'a>(path: impl AsRef<Path>, image: impl Into<DynImageRef<'a>>) -> Result<FileDigest, Error> {
     let (path, image) = (path.as_ref(), image.into());
     let is = |ending: &str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
+    #[cfg(feature = "tiff")]
+    if is("tif") || is("tiff") {
+        return crate::write_tiff(path, image);
+    }
     match (image, image.kind()) {
         (image, SampleKind::U8 | SampleKind::U16) if is("png") => {
             write_png(path, image, ColorEncoding::Srgb, Compression::Best)
@@ -45,9 +87,12 @@ pub fn write_image<'a>(path: impl AsRef<Path>, image: impl Into<DynImageRef<'a>>
         (DynImageRef::F32(image), _) if is("pfm") => write_floats(path, image),
         (DynImageRef::F64(image), _) if is("pfm") => write_floats(path, image.mapv(|value| value as f32).view()),
         (_, kind) if kind.is_float() => {
-            Err(Error::bad_input(path, "linear floats cannot be written into a PNG; end the name in .pfm"))
+            Err(Error::bad_input(path, "linear floats cannot be written into a PNG; end the name in .pfm or .tif"))
         }
-        _ => Err(Error::bad_input(path, "integers on the sRGB curve are written into a PNG; end the name in .png")),
+        _ => Err(Error::bad_input(
+            path,
+            "integers on the sRGB curve are written into a PNG; end the name in .png or .tif",
+        )),
     }
 }
 

@@ -25,8 +25,11 @@
 //! |---|---|---|
 //! | PNG, 8 and 16 bit | [`write_png`], [`write_disparity_png`], [`PngWriter`] | [`read_png`], [`read_png_info`] |
 //! | animated PNG | [`write_png_animation`] | |
-//! | PNGs, one a view | | [`read_views`] |
+//! | animated GIF | [`write_gif_animation`] | |
+//! | PNGs or TIFFs, one a view | | [`read_views`] |
 //! | PNG as a stream | [`encode_png`] | [`decode_png`] |
+//! | TIFF, 8 and 16 bit, 32- and 64-bit float | [`write_tiff`] | [`read_tiff`], [`read_tiff_info`] |
+//! | TIFF as a stream | [`encode_tiff`] | [`decode_tiff`] |
 //! | PFM | [`write_pfm`], [`write_pfm_rgb`] | [`read_pfm`], [`read_pfm_gray`], [`read_pfm_info`] |
 //! | PFM as a stream | [`Pfm::encode`] | [`decode_pfm`] |
 //! | EXR, 32- or 16-bit float | [`write_exr`], [`write_exr_with`], [`ExrWriter`] | [`read_exr`], [`read_exr_rgb`] |
@@ -39,8 +42,8 @@
 //! | Radiance HDR | | [`read_hdr`], [`read_hdr_info`]; as a stream [`decode_hdr`] |
 //! | `parameters.cfg` | [`ParametersCfg::write`] | [`ParametersCfg::read`] |
 //! | `manifest.json` | [`Manifest::write`] | [`Manifest::read`], [`Manifest::verify`] |
-//! | PNG or PFM, by the file extension | [`write_image`] | |
-//! | any light field: folder, raw PNG, MAT, HDF5 | | [`read_light_field`], [`LightFieldReader`] |
+//! | PNG, PFM or TIFF, by the file extension | [`write_image`] | |
+//! | any light field: folder, raw PNG or TIFF, MAT, HDF5 | | [`read_light_field`], [`LightFieldReader`] |
 //! | the rig of any of them | | [`read_rig`] |
 //! | dataset folder | file by file | [`dataset::DatasetFolder`] |
 //! | dataset of many folders | [`dataset::DatasetIndex::write`] | [`dataset::DatasetIndex::read`], [`dataset::list`] |
@@ -55,13 +58,14 @@
 //! # Features
 //!
 //! On by default: `png`, everything that needs a PNG codec; `exr`, OpenEXR, through the crate `exr`; `hdr`, Radiance
-//! HDR, which needs no other crate; `mat`, MAT files of version 5, whose numbers the crate `matfile` decodes. On
+//! HDR, which needs no other crate; `mat`, MAT files of version 5, whose numbers the crate `matfile` decodes; `tiff`, TIFF, through the crate `tiff`; `gif`, animated
+//! GIF. On
 //! request: `hdf5`, HDF5, and with `mat` MAT files of version 7.3; it builds the HDF5 library from its C source, which
 //! needs CMake. PFM, `parameters.cfg` and the manifest are always there, and so is [`detect_format`] for every format.
 //!
 //! # Panics in decoders
 //!
-//! The crates `exr` and `matfile` may panic on a damaged file. A panic guard turns such a panic into an [`Error`]. A
+//! The crates `exr`, `matfile` and `tiff` may panic on a damaged file. A panic guard turns such a panic into an [`Error`]. A
 //! program whose panic hook prints should call [`is_guarding`] first and print nothing where it is true. The HDF5
 //! library is C code: read `.h5` and version 7.3 files only from sources you trust.
 //!
@@ -74,7 +78,7 @@
 #![warn(missing_docs)]
 // The table above names what the features add.
 #![cfg_attr(
-    not(all(feature = "png", feature = "exr", feature = "hdr", feature = "mat")),
+    not(all(feature = "png", feature = "exr", feature = "hdr", feature = "mat", feature = "tiff", feature = "gif")),
     allow(rustdoc::broken_intra_doc_links)
 )]
 
@@ -86,6 +90,8 @@ mod error;
 mod exr;
 #[cfg(feature = "png")]
 pub mod gantry;
+#[cfg(feature = "gif")]
+mod gif;
 #[cfg(feature = "png")]
 pub mod hci;
 #[cfg(feature = "hdf5")]
@@ -112,6 +118,8 @@ mod raw_image;
 #[cfg(any(feature = "mat", feature = "hdf5"))]
 mod rig_values;
 mod stream;
+#[cfg(feature = "tiff")]
+mod tiff;
 #[cfg(feature = "png")]
 mod views;
 #[cfg(any(feature = "png", feature = "exr", feature = "mat"))]
@@ -130,10 +138,12 @@ pub use exr::{
 };
 #[cfg(feature = "png")]
 pub use gantry::{GantryFolder, GantryPosition};
+#[cfg(feature = "gif")]
+pub use gif::write_gif_animation;
 #[cfg(feature = "png")]
-pub use hci::{HciFolder, HciImage, HciQuantity, HciResolution, HciTruth};
+pub use hci::{HciFolder, HciHighResolution, HciImage, HciQuantity, HciResolution, HciTruth};
 #[cfg(feature = "hdf5")]
-pub use hdf5::{Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_hdf5, write_hdf5};
+pub use hdf5::{Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_hdf5, write_hdf5, write_hdf5_maps};
 #[cfg(feature = "hdr")]
 pub use hdr::{HdrInfo, decode_hdr, read_hdr, read_hdr_info};
 pub use holo_core::{ColorEncoding, meters_to_millimeters, millimeters_to_meters};
@@ -163,5 +173,7 @@ pub use png::{
 #[cfg(feature = "png")]
 pub use probe::{FileInfo, probe};
 pub use raw_image::layout_of_file_name;
+#[cfg(feature = "tiff")]
+pub use tiff::{TiffInfo, decode_tiff, encode_tiff, read_tiff, read_tiff_info, write_tiff};
 #[cfg(feature = "png")]
 pub use views::read_views;

@@ -21,7 +21,7 @@
 //! |---|---|---|
 //! | `H` | `uint8`, `uint16`, `single` or `double` | `[V U T S C]` |
 //! | or `LF` | the same | `[T S V U C]`, the order of the Light Field Toolbox |
-//! | `axes` | `char` | `vutsc` or `tsvuc`, a letter a dimension |
+//! | `axis_order` | `char` | `vutsc` or `tsvuc`, a letter a dimension; `axes` before 0.2, which is still read |
 //! | `views`, `lenses` | `double` | `[T S]` and `[V U]`, rows first |
 //! | `baseline_m` | `double` | `[y x]` |
 //! | `focal_length_mm`, `sensor_size_mm`, `focus_distance_m` | `double` | numbers; the focus may be `Inf` |

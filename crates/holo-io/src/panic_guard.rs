@@ -5,7 +5,7 @@
 //! nothing where it is true.
 
 use std::cell::Cell;
-#[cfg(any(feature = "exr", feature = "mat"))]
+#[cfg(any(feature = "exr", feature = "mat", feature = "tiff"))]
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 thread_local! {
@@ -15,17 +15,17 @@ thread_local! {
 /// Whether this thread is inside this crate's panic guard: a panic now becomes an [`Error`](crate::Error), so a panic
 /// hook should print nothing.
 ///
-/// Only the decoders of the features `exr` and `mat` need the guard; without these features this is always false.
+/// Only the decoders of the features `exr`, `mat` and `tiff` need the guard; without these features this is always false.
 #[must_use]
 pub fn is_guarding() -> bool {
     GUARDING.get()
 }
 
 /// Restores the flag when it is dropped, also during a panic.
-#[cfg(any(feature = "exr", feature = "mat"))]
+#[cfg(any(feature = "exr", feature = "mat", feature = "tiff"))]
 struct Restore(bool);
 
-#[cfg(any(feature = "exr", feature = "mat"))]
+#[cfg(any(feature = "exr", feature = "mat", feature = "tiff"))]
 impl Drop for Restore {
     fn drop(&mut self) {
         GUARDING.set(self.0);
@@ -33,14 +33,14 @@ impl Drop for Restore {
 }
 
 /// Runs `work` with the flag of this thread set: for closures that run on another thread than their [`catch`].
-#[cfg(any(feature = "exr", feature = "mat"))]
+#[cfg(any(feature = "exr", feature = "mat", feature = "tiff"))]
 pub(crate) fn guarded<T>(work: impl FnOnce() -> T) -> T {
     let _restore = Restore(GUARDING.replace(true));
     work()
 }
 
 /// Runs `work` inside the panic guard. The error is the message of the panic.
-#[cfg(any(feature = "exr", feature = "mat"))]
+#[cfg(any(feature = "exr", feature = "mat", feature = "tiff"))]
 pub(crate) fn catch<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     // Unwind safety: `work` owns or only reads what it uses, and all of that is dropped on a panic.
     catch_unwind(AssertUnwindSafe(|| guarded(work))).map_err(|payload| {
@@ -49,7 +49,7 @@ pub(crate) fn catch<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     })
 }
 
-#[cfg(all(test, any(feature = "exr", feature = "mat")))]
+#[cfg(all(test, any(feature = "exr", feature = "mat", feature = "tiff")))]
 mod tests {
     use super::*;
 

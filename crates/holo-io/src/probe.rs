@@ -22,6 +22,9 @@ const SHOWN_BYTES: u64 = 16;
 pub enum FileInfo {
     /// A PNG image.
     Png(PngInfo),
+    /// A TIFF image.
+    #[cfg(feature = "tiff")]
+    Tiff(crate::TiffInfo),
     /// A PFM float image.
     Pfm(PfmInfo),
     /// An OpenEXR image.
@@ -94,6 +97,8 @@ pub fn probe(path: impl AsRef<Path>) -> Result<FileInfo, Error> {
 fn probe_file(path: &Path, bytes: u64) -> Result<FileInfo, Error> {
     Ok(match detect_format(path)? {
         FileFormat::Png => FileInfo::Png(read_png_info(path)?),
+        #[cfg(feature = "tiff")]
+        FileFormat::Tiff => FileInfo::Tiff(crate::read_tiff_info(path)?),
         FileFormat::Pfm => FileInfo::Pfm(read_pfm_info(path)?),
         #[cfg(feature = "exr")]
         FileFormat::Exr => {
@@ -142,6 +147,11 @@ impl fmt::Display for FileInfo {
             Self::Png(info) => {
                 let (PngInfo { size, channels, bits }, s) = (info, plural(info.channels));
                 write!(f, "PNG image, {}, {channels} channel{s} of {bits} bits", pixels(*size))
+            }
+            #[cfg(feature = "tiff")]
+            Self::Tiff(info) => {
+                let (crate::TiffInfo { size, channels, kind }, s) = (info, plural(info.channels));
+                write!(f, "TIFF image, {}, {channels} channel{s} of {}", pixels(*size), kind.name())
             }
             Self::Pfm(info) => {
                 let kind = if info.channels == 1 { "gray" } else { "color" };

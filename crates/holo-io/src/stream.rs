@@ -22,7 +22,7 @@ pub(crate) fn read_to_end(source: impl Read, limits: Limits) -> Result<Vec<u8>, 
 }
 
 /// Writes bytes that were encoded in memory.
-#[cfg(any(feature = "png", feature = "exr", feature = "mat"))]
+#[cfg(any(feature = "png", feature = "exr", feature = "mat", feature = "tiff"))]
 pub(crate) fn write_bytes(mut out: impl Write, bytes: &[u8]) -> Result<(), Error> {
     out.write_all(bytes).and_then(|()| out.flush()).map_err(|source| Error::io("write", Path::new(STREAM), source))
 }

@@ -1,21 +1,23 @@
-//! A light field from one PNG a view.
+//! A light field from one image a view.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use holo_core::{
-    DynImage, DynLightField, GridSize, Layout, LightFieldOwned, LightFieldShape, Sample, ViewOrder, for_each_sample,
+    DynImage, DynLightField, GridSize, Layout, LightFieldOwned, LightFieldShape, Sample, SampleKind, ViewOrder,
+    for_each_sample,
 };
 use ndarray::{Array3, ArrayViewMut3, Axis, Slice};
 use rayon::prelude::*;
 
-use crate::{Error, Limits, PngInfo, read_png, read_png_info};
+use crate::image_file::{ImageInfo, read_image, read_image_info};
+use crate::{Error, Limits};
 
-/// Reads a list of PNGs, one a view, as one light field.
+/// Reads a list of PNGs or TIFFs, one a view, as one light field.
 ///
 /// `order` specifies which view each file of the list is. Alpha is dropped. All views must have the same size, the same
-/// bit depth, and either gray or RGB.
+/// type of samples, and either gray or RGB.
 ///
 /// # Shape
 ///
@@ -24,7 +26,8 @@ use crate::{Error, Limits, PngInfo, read_png, read_png_info};
 /// # Errors
 ///
 /// [`Error::BadInput`] if there are more or fewer files than views; [`Error::Broken`] if a file differs from the first;
-/// [`Error::TooLarge`] if the light field exceeds the limits; otherwise as [`read_png`].
+/// [`Error::TooLarge`] if the light field exceeds the limits; otherwise as [`read_png`](crate::read_png) and
+/// `read_tiff`.
 pub fn read_views(
     files: &[PathBuf],
     views: GridSize,
@@ -63,23 +66,28 @@ impl Views<'_> {
         let info = self.info(first)?;
         let channels = without_alpha_count(info.channels);
         let shape = LightFieldShape::new(self.views, info.size).map_err(|error| Error::core(first, error))?;
-        let bytes = usize::from(info.bits / 8);
+        let bytes = info.kind.bytes();
         limits.elements(first.parent().unwrap_or(first), "light field", &shape.array_shape(channels), bytes)?;
         let check_like_first = |file: &Path| {
             let found = self.info(file)?;
             let same =
-                found.size == info.size && found.bits == info.bits && without_alpha_count(found.channels) == channels;
+                found.size == info.size && found.kind == info.kind && without_alpha_count(found.channels) == channels;
             if same {
                 return Ok(());
             }
             Err(self.broken(file, format!("it is {}, but {} is {}", in_words(&found), name(first), in_words(&info))))
         };
-        if bytes == 1 {
-            let pick = |samples| if let DynImage::U8(samples) = samples { Some(samples) } else { None };
-            self.fill(shape, channels, limits, check_like_first, pick).map(DynLightField::U8)
-        } else {
-            let pick = |samples| if let DynImage::U16(samples) = samples { Some(samples) } else { None };
-            self.fill(shape, channels, limits, check_like_first, pick).map(DynLightField::U16)
+        macro_rules! fill {
+            ($kind:ident) => {{
+                let pick = |samples| if let DynImage::$kind(samples) = samples { Some(samples) } else { None };
+                self.fill(shape, channels, limits, check_like_first, pick).map(DynLightField::$kind)
+            }};
+        }
+        match info.kind {
+            SampleKind::U8 => fill!(U8),
+            SampleKind::U16 => fill!(U16),
+            SampleKind::F32 => fill!(F32),
+            SampleKind::F64 => fill!(F64),
         }
     }
 
@@ -87,7 +95,7 @@ impl Views<'_> {
     pub(crate) fn read_one(&self, index: usize, limits: &Limits) -> Result<DynImage, Error> {
         let file = &self.files[index];
         self.info(file)?;
-        Ok(without_alpha(read_png(file, limits)?))
+        Ok(without_alpha(read_image(file, limits)?))
     }
 
     /// Returns the index of the file of view `(t, s)`.
@@ -112,7 +120,7 @@ impl Views<'_> {
             .map_err(|error| Error::core(&self.files[0], error))?;
         let read = |file: &PathBuf, mut view: ArrayViewMut3<'_, T>| {
             check(file)?;
-            let samples = pick(without_alpha(read_png(file, limits)?)).filter(|samples| samples.dim() == view.dim());
+            let samples = pick(without_alpha(read_image(file, limits)?)).filter(|samples| samples.dim() == view.dim());
             let samples = samples.ok_or_else(|| self.broken(file, "it changed while it was read".to_owned()))?;
             view.assign(&samples);
             Ok(())
@@ -126,8 +134,8 @@ impl Views<'_> {
         failure.map_or(Ok(light_field), Err)
     }
 
-    fn info(&self, file: &Path) -> Result<PngInfo, Error> {
-        let info = read_png_info(file)?;
+    fn info(&self, file: &Path) -> Result<ImageInfo, Error> {
+        let info = read_image_info(file)?;
         match self.expected.filter(|(size, _)| *size != info.size) {
             Some((size, who)) => Err(self.broken(
                 file,
@@ -201,9 +209,11 @@ pub(crate) fn files_by_key<K: Ord, V>(
     Ok(files)
 }
 
-fn in_words(info: &PngInfo) -> String {
-    let kind = if info.channels > 2 { "RGB" } else { "gray" };
-    format!("{} x {} pixels of {kind} in {} bits", info.size.columns, info.size.rows, info.bits)
+fn in_words(info: &ImageInfo) -> String {
+    let color = if info.channels > 2 { "RGB" } else { "gray" };
+    let bits = 8 * info.kind.bytes();
+    let samples = if info.kind.is_float() { format!("{bits}-bit floats") } else { format!("{bits} bits") };
+    format!("{} x {} pixels of {color} in {samples}", info.size.columns, info.size.rows)
 }
 
 fn name(file: &Path) -> String {

@@ -103,7 +103,7 @@ fn formats() -> Vec<(&'static str, Encode, Decode)> {
             "hdr",
             Box::new(|out| {
                 let bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n\x80\x40\x20\x81";
-                out.write_all(bytes).map_err(|source| Error::Io { action: "write", path: "hdr".into(), source })
+                out.write_all(bytes).map_err(|source| Error::Io { action: "write", path: "hdr".into(), error: source })
             }),
             |source| Ok(decode_hdr(source, &Limits::default())? == array![[[1.0, 0.5, 0.25]]]),
         ),
@@ -126,7 +126,7 @@ fn bytes_that_arrive_one_by_one_are_the_same_image() {
 #[test]
 fn the_error_of_a_stream_is_the_error() {
     let is_full =
-        |error: &Error| matches!(error, Error::Io { source, .. } if source.kind() == io::ErrorKind::StorageFull);
+        |error: &Error| matches!(error, Error::Io { error: source, .. } if source.kind() == io::ErrorKind::StorageFull);
     for (name, encode, decode) in formats() {
         let mut whole = Vec::new();
         encode(&mut whole).unwrap();

@@ -143,7 +143,7 @@ fn devices_are_written_into_and_stay_devices() {
     let _ = file.write_all(&[0; 300_000]);
     let _ = file.write_all(&[0; 300_000]);
     let error = file.commit().unwrap_err();
-    let Error::Io { source, .. } = &error else { panic!("{error}") };
+    let Error::Io { error: source, .. } = &error else { panic!("{error}") };
     assert_eq!(source.kind(), std::io::ErrorKind::StorageFull);
     for device in ["/dev/null", "/dev/full"] {
         assert!(!fs::metadata(device).unwrap().is_file());

@@ -157,7 +157,7 @@ fn a_full_disk_leaves_only_the_old_file() {
         let path = folder.join(name);
         fs::write(&path, b"old").unwrap();
         let error = write(&path, 1).expect_err(name);
-        let Error::Io { path: said, source, .. } = &error else { panic!("{name}: {error}") };
+        let Error::Io { path: said, error: source, .. } = &error else { panic!("{name}: {error}") };
         assert_eq!((said, source.kind()), (&path, ErrorKind::StorageFull), "{name}: {error}");
         assert!(error.to_string().contains("free some space"), "{error}");
         assert_eq!((fs::read(&path).unwrap(), names(folder)), (b"old".to_vec(), vec![name.to_owned()]));
@@ -174,7 +174,7 @@ fn a_read_only_folder_is_named_and_keeps_its_files() {
     for &(name, write) in WAYS {
         let path = folder.join(name);
         let error = write(&path, 1).expect_err(name);
-        let Error::Io { path: said, source, .. } = &error else { panic!("{name}: {error}") };
+        let Error::Io { path: said, error: source, .. } = &error else { panic!("{name}: {error}") };
         assert_eq!((said, source.kind()), (&path, ErrorKind::ReadOnlyFilesystem), "{name}: {error}");
         assert!(error.to_string().contains("choose another folder"), "{error}");
     }
@@ -194,7 +194,10 @@ fn a_folder_without_permission_is_named() {
     }
     for &(name, write) in WAYS {
         let error = write(&folder.path().join(name), 1).expect_err(name);
-        assert!(matches!(&error, Error::Io { source, .. } if source.kind() == ErrorKind::PermissionDenied), "{error}");
+        assert!(
+            matches!(&error, Error::Io { error: source, .. } if source.kind() == ErrorKind::PermissionDenied),
+            "{error}"
+        );
     }
     closed(0o755);
     assert_eq!(names(folder.path()), [""; 0]);

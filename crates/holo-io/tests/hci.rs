@@ -47,10 +47,11 @@ fn maps(shape: LightFieldShape) -> LightFieldOwned<f32> {
 
 fn write(path: &Path, views: &LightFieldOwned<u8>, parameters: &ParametersCfg) -> Result<(), Error> {
     let image = HciImage {
-        views: views.as_light_field_ref().into(),
+        views: Some(views.as_light_field_ref().into()),
         parameters,
         disparity_px: HciTruth::None,
         depth_m: HciTruth::None,
+        high_resolution: None,
     };
     image.write(path, Compression::Fast).map(|_| ())
 }
@@ -83,10 +84,11 @@ proptest! {
         let (row, column) = shape.central_view();
         let central = maps.view(row, column).unwrap().index_axis_move(Axis(2), 0).to_owned();
         let image = HciImage {
-            views: if deep { deeper.as_light_field_ref().into() } else { shallow.as_light_field_ref().into() },
+            views: Some(if deep { deeper.as_light_field_ref().into() } else { shallow.as_light_field_ref().into() }),
             parameters: &parameters,
             disparity_px: HciTruth::Central(central.view()),
             depth_m: if all { HciTruth::All(maps.as_light_field_ref()) } else { HciTruth::None },
+            high_resolution: None,
         };
         let folder = tempfile::tempdir().unwrap();
         let compression = if published { Compression::Best } else { Compression::Fast };
@@ -148,10 +150,11 @@ fn the_central_view_of_even_counts_is_a_real_one() {
     let folder = tempfile::tempdir().unwrap();
     let parameters = ParametersCfg::from_rig(&rig(shape));
     let image = HciImage {
-        views: views.as_light_field_ref().into(),
+        views: Some(views.as_light_field_ref().into()),
         parameters: &parameters,
         disparity_px: HciTruth::All(maps.as_light_field_ref()),
         depth_m: HciTruth::None,
+        high_resolution: None,
     };
     image.write(folder.path(), Compression::Fast).unwrap();
     let read = |name: &str| fs::read(folder.path().join(name)).unwrap();
@@ -310,7 +313,13 @@ fn contradicting_arguments_are_refused() {
     let color: LightFieldOwned<f32> = LightField::filled(size, 3, Layout::ElementalGrid, 0.0).unwrap();
     for truth in [HciTruth::Central(small.view()), HciTruth::All(color.as_light_field_ref())] {
         let views = views.as_light_field_ref().into();
-        let image = HciImage { views, parameters: &good, disparity_px: HciTruth::None, depth_m: truth };
+        let image = HciImage {
+            views: Some(views),
+            parameters: &good,
+            disparity_px: HciTruth::None,
+            depth_m: truth,
+            high_resolution: None,
+        };
         assert!(matches!(image.write(folder.path(), Compression::Fast), Err(Error::BadInput { .. })));
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
@@ -405,10 +414,11 @@ fn python_reads_what_is_written() {
     parameters.set_disparity_range_px(-1.42, 1.61);
     parameters.scene = "100 % = all".into();
     let image = HciImage {
-        views: views.as_light_field_ref().into(),
+        views: Some(views.as_light_field_ref().into()),
         parameters: &parameters,
         disparity_px: HciTruth::Central(central),
         depth_m: HciTruth::All(maps.as_light_field_ref()),
+        high_resolution: None,
     };
     let folder = tempfile::tempdir().unwrap();
     image.write(folder.path(), Compression::Best).unwrap();

@@ -170,6 +170,14 @@ assert H.dtype == np.float32 and (H[...] == value.astype(np.float32) / np.float3
 assert [H.dims[i].label for i in range(5)] == list("vutsc"), [H.dims[i].label for i in range(5)]
 assert [file["depth_m"].dims[i].label for i in range(4)] == list("vuts")
 assert H.compression == "gzip" and H.shuffle
+central = file["central/disparity_px"]
+for dataset, axes in [(H, "vutsc"), (file["depth_m"], "vuts"), (central, "vu")]:
+    for i, axis in enumerate(axes):
+        assert len(dataset.dims[i]) == 1 and dataset.dims[i][0] == file[axis], (dataset, axis)
+        assert (dataset.dims[i][0][...] == np.arange(dataset.shape[i])).all()
+for axis, uses in zip("vutsc", [3, 3, 2, 2, 1]):
+    assert file[axis].is_scale and h5py.h5ds.get_scale_name(file[axis].id) == axis.encode()
+    assert len(file[axis].attrs["REFERENCE_LIST"]) == uses, axis
 assert (file["depth_m"][...] == value[..., 0] + 0.5).all() and file["depth_m"].attrs["units"] == "m"
 assert (file["central/disparity_px"][...] == 2).all()
 assert file.attrs["axes"] == "vutsc" and file.attrs["projection"] == "perspective"
@@ -228,7 +236,7 @@ fn fill_the_disk() {
         let path = folder.join("big.h5");
         let options = Hdf5Options::default().gzip_level(gzip_level);
         let error = write_hdf5(&path, &field, &rig(shape), &[], &[], &options).unwrap_err();
-        let Error::Io { source, .. } = &error else { panic!("{error}") };
+        let Error::Io { error: source, .. } = &error else { panic!("{error}") };
         assert_eq!(source.kind(), std::io::ErrorKind::StorageFull, "{error}");
         assert_eq!(names(&folder), [""; 0]);
     }

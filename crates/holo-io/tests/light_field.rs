@@ -140,10 +140,11 @@ fn hci_and_gantry_folders_are_recognized() {
     let hci = folder.path().join("hci");
     std::fs::create_dir(&hci).unwrap();
     HciImage {
-        views: (&DynLightField::from(light_field())).into(),
+        views: Some((&DynLightField::from(light_field())).into()),
         parameters: &parameters(),
         disparity_px: HciTruth::Central(map.view()),
         depth_m: HciTruth::None,
+        high_resolution: None,
     }
     .write(&hci, Compression::Fast)
     .unwrap();

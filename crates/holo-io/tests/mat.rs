@@ -181,7 +181,7 @@ fn the_rig_reads_back() {
     let names: Vec<String> = read_mat_info(&path).unwrap().into_iter().map(|info| info.name).collect();
     let expected = [
         "H",
-        "axes",
+        "axis_order",
         "views",
         "lenses",
         "baseline_m",
@@ -205,9 +205,10 @@ fn variables_that_contradict_the_samples_are_errors() {
         (variable("views", numbers(&views)), true),
         (variable("views", numbers(&wrong)), false),
         (variable("views", MatValue::Text("2x3")), false),
-        (variable("axes", MatValue::Text("vuts")), false),
+        (variable("axis_order", MatValue::Text("vuts")), false),
+        (variable("axis_order", MatValue::Text("vutsv")), false),
         (variable("axes", MatValue::Text("vutsv")), false),
-        (variable("axes", MatValue::F64(ndarray::aview1(&views).into_dyn())), false),
+        (variable("axis_order", MatValue::F64(ndarray::aview1(&views).into_dyn())), false),
         (variable("projection", numbers(&views)), false),
     ] {
         write_mat(&path, &[variable("H", MatValue::U8(samples.view())), extra.clone()], &PLAIN).unwrap();
@@ -301,4 +302,23 @@ fn a_full_device_is_an_error() {
     assert!(error.to_string().contains("free some space"), "{error}");
     let error = write_mat("/dev/full", &[variable("x", MatValue::F64(array.view()))], &COMPRESSED).unwrap_err();
     assert!(matches!(error, Error::BadInput { .. }), "{error}");
+}
+
+/// Files of version 0.1 have `axes`, which hides a function of MATLAB; the new name wins where both are there.
+#[test]
+fn the_order_of_axes_has_an_old_name_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("x.mat");
+    let samples = ArrayD::<u8>::zeros(vec![4, 5, 2, 3]);
+    let shape = |names: &[(&str, &str)]| {
+        let mut variables = vec![variable("H", MatValue::U8(samples.view()))];
+        variables.extend(names.iter().map(|&(name, order)| variable(name, MatValue::Text(order))));
+        write_mat(&path, &variables, &PLAIN).unwrap();
+        let views = read_mat_light_field(&path, &Limits::default()).unwrap().light_field.shape().views();
+        (views.rows, views.columns)
+    };
+    assert_eq!(shape(&[]), (2, 3));
+    assert_eq!(shape(&[("axes", "tsvuc")]), (4, 5));
+    assert_eq!(shape(&[("axis_order", "tsvuc")]), (4, 5));
+    assert_eq!(shape(&[("axes", "vutsc"), ("axis_order", "tsvuc")]), (4, 5));
 }

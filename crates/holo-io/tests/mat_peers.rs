@@ -97,7 +97,7 @@ assert (H == (v * 97 + u * 31 + t * 11 + s * 5 + c * 3).astype(H.dtype)).all()
 assert file["views"].tolist() == [[2, 5]] and file["lenses"].tolist() == [[4, 3]]
 assert file["baseline_m"].tolist() == [[2e-4, 1e-4]] and file["focal_length_mm"].tolist() == [[35.1]]
 assert file["sensor_size_mm"].tolist() == [[36]] and file["focus_distance_m"].tolist() == [[np.inf]]
-assert file["axes"].tolist() == ["vutsc" if lenses_first else "tsvuc"]
+assert file["axis_order"].tolist() == ["vutsc" if lenses_first else "tsvuc"]
 assert file["projection"].tolist() == ["perspective"]
 print("fine")
 "#;

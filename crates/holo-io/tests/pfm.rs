@@ -234,7 +234,7 @@ fn a_pipe_is_read_to_its_end() {
 fn a_full_disk_is_reported() {
     for size in [1, 300] {
         let error = write_pfm("/dev/full", Array2::zeros((size, size)).view()).unwrap_err();
-        let Error::Io { source, .. } = &error else { panic!("{error}") };
+        let Error::Io { error: source, .. } = &error else { panic!("{error}") };
         assert_eq!(source.kind(), std::io::ErrorKind::StorageFull);
     }
 }

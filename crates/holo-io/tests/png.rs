@@ -345,7 +345,7 @@ fn a_full_disk_is_reported_with_its_path_and_the_error_of_the_system() {
     for compression in BOTH {
         for image in [Array3::zeros((1, 1, 3)), large_image()] {
             let error = write_png("/dev/full", image.view(), ColorEncoding::Srgb, compression).unwrap_err();
-            let Error::Io { path, source, .. } = &error else { panic!("{error}") };
+            let Error::Io { path, error: source, .. } = &error else { panic!("{error}") };
             assert_eq!((path.as_path(), source.kind()), (Path::new("/dev/full"), std::io::ErrorKind::StorageFull));
             assert!(error.to_string().contains("free some space"), "{error}");
         }

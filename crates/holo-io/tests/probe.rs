@@ -79,10 +79,11 @@ fn folders_are_detected_by_their_files() {
     assert!(matches!(probe(path).unwrap(), FileInfo::UnknownFolder { entries: 2 }));
     let views = LightField::filled(*rig().shape(), 3, Layout::ElementalGrid, 9_u8).unwrap();
     let image = HciImage {
-        views: views.as_light_field_ref().into(),
+        views: Some(views.as_light_field_ref().into()),
         parameters: &parameters,
         disparity_px: HciTruth::None,
         depth_m: HciTruth::None,
+        high_resolution: None,
     };
     image.write(path, Compression::Fast).unwrap();
     assert_eq!(probe(path).unwrap().to_string(), "HCI folder, 3 x 2 views of 5 x 4 pixels");

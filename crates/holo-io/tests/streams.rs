@@ -257,7 +257,7 @@ fn an_exr_is_written_into_a_device_as_a_whole() {
                 assert!(works && written.bytes == bytes.len() as u64);
             }
             Err(error) => {
-                let Error::Io { source, .. } = &error else { panic!("{error}") };
+                let Error::Io { error: source, .. } = &error else { panic!("{error}") };
                 assert!(!works && source.kind() == std::io::ErrorKind::StorageFull);
             }
         }

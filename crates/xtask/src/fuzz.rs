@@ -6,7 +6,8 @@ use std::process::Command;
 use crate::{Result, cmake, process, root};
 
 /// The targets that need Rust alone.
-const TARGETS: &[&str] = &["gltf", "draco", "meshopt", "png", "pfm", "hdr", "exr", "mat", "parameters_cfg", "manifest"];
+const TARGETS: &[&str] =
+    &["gltf", "draco", "meshopt", "png", "pfm", "hdr", "exr", "tiff", "mat", "parameters_cfg", "manifest"];
 
 /// The target that needs CMake, for the HDF5 library.
 const HDF5: &str = "hdf5";

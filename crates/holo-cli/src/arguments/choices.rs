@@ -1,5 +1,6 @@
 //! The words that options take, with what they mean: values of the libraries.
 
+use super::NormalsArgument;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use holo_core::refocus::Kernel;
 use holo_core::{Effort, Layout, Projection, ViewOrder};
@@ -72,6 +73,16 @@ pub const OUTPUTS: &Choices<Output> = &[
     (Output::Mat, "mat", "scene_5d.mat: the raw image's integers as a 5D array for MATLAB"),
     (Output::H5, "h5", "scene_5d.h5: linear radiance and the layers of depth and disparity as 5D arrays"),
     (Output::Hci, "hci", "hci/: a PNG a view with depth and disparity, in the layout of the HCI benchmark"),
+    (Output::HciHighres, "hci-highres", "hci, with ground truth of the central view in ten times the resolution"),
+];
+
+pub const NORMALS: &Choices<NormalsArgument> = &[
+    (NormalsArgument::Pinhole, "pinhole", "Angles between the surfaces that the cameras see"),
+    (
+        NormalsArgument::Toolkit,
+        "toolkit",
+        "Beside them those of the HCI benchmark's evaluation toolkit, whose point cloud is sheared: what it publishes",
+    ),
 ];
 
 pub const ORDERS: &Choices<ViewOrder> = &[

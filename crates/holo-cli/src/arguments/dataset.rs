@@ -19,12 +19,15 @@ pub struct DatasetOptions {
     /// TOML file with options: `spp = 64`, `scenes = ["garden", "chess"]`.
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Built-in scenes, separated by commas, or `none` [default: all; `holo scene` lists them].
+    /// Built-in scenes, separated by commas, or `none` [default: all, or none with --glb; `holo scene` lists them].
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
     pub scenes: Vec<String>,
-    /// Your own scenes, .glb or .gltf, in addition to the built-in ones; each is named after its file.
+    /// Your own scenes, .glb or .gltf; each is named after its file.
     #[arg(long, value_name = "FILE,..", value_delimiter = ',')]
     pub glb: Vec<PathBuf>,
+    /// With --glb: all built-in scenes too.
+    #[arg(long, conflicts_with = "scenes")]
+    pub gallery: bool,
     /// Numbers of views, each columns x rows or one number for both, separated by commas: every scene is rendered with each.
     #[arg(long = "views", alias = "splits", value_name = "SxT|N,..", value_delimiter = ',', default_value = "20,40,60,80,100", value_parser = GridSize::from_str)]
     pub view_counts: Vec<GridSize>,

@@ -97,8 +97,8 @@ pub struct AnimateOptions {
     /// Write every frame into a file of its own, FILE with a number, instead of one animation.
     #[arg(long)]
     pub frames: bool,
-    /// Animated PNG to write; browsers play it in a loop.
-    #[arg(long, value_name = "FILE", value_parser = values::png_or_pfm)]
+    /// Animation to write: .png or .gif, which browsers play in a loop, or .mp4, which needs ffmpeg. With --frames an image.
+    #[arg(long, value_name = "FILE", value_parser = values::animation)]
     pub out: PathBuf,
 }
 

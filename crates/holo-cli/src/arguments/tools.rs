@@ -9,7 +9,7 @@ use holo_core::{Effort, GridSize, Layout, ViewOrder};
 
 use holo_dataset::options::parse_positive;
 
-use super::choices::{EFFORTS, KERNELS, LAYOUTS, ORDERS, choice};
+use super::choices::{EFFORTS, KERNELS, LAYOUTS, NORMALS, ORDERS, choice};
 use super::{Pair, values};
 
 /// A light field, and what its files do not tell.
@@ -108,9 +108,21 @@ pub struct EvalOptions {
     /// Error at which the colors of that image saturate, px.
     #[arg(long, value_name = "PX", default_value_t = 0.2, value_parser = parse_positive)]
     pub error_range: f64,
+    /// Geometry of the median angle between normals (maps with a parameters.cfg beside the truth).
+    #[arg(long, value_parser = choice(NORMALS), default_value = "pinhole")]
+    pub normals: NormalsArgument,
     /// Print one JSON object on standard output instead of a table.
     #[arg(long)]
     pub json: bool,
+}
+
+/// `--normals`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NormalsArgument {
+    /// The true rays.
+    Pinhole,
+    /// The true rays, and the point cloud of the HCI benchmark's toolkit.
+    Toolkit,
 }
 
 #[derive(Args, Debug)]

@@ -56,9 +56,15 @@ pub fn png(text: &str) -> Result<PathBuf, String> {
     ending_in(text, &["png"], "only PNG is written here; end the name in .png")
 }
 
-/// The name of a PNG or a PFM.
+/// The name of a PNG, a PFM or a TIFF.
 pub fn png_or_pfm(text: &str) -> Result<PathBuf, String> {
-    ending_in(text, &["png", "pfm"], "end the name in .png, or .pfm for floats")
+    ending_in(text, &["png", "pfm", "tif", "tiff"], "end the name in .png, .tif, or .pfm for floats")
+}
+
+/// The name of an animation, or of the images of one.
+pub fn animation(text: &str) -> Result<PathBuf, String> {
+    let endings = ["png", "gif", "mp4", "pfm", "tif", "tiff"];
+    ending_in(text, &endings, "end the name in .png, .gif or .mp4; with --frames in .png, .tif, or .pfm for floats")
 }
 
 /// The name of a page.

@@ -1,5 +1,7 @@
 //! `holo animate`: a camera path through the views as an animation, or as one image per frame.
 
+mod mp4;
+
 use holo_core::{DynLightField, LightFieldOwned, Sample, ViewPath};
 use holo_io::ColorEncoding;
 
@@ -32,7 +34,7 @@ pub fn run(options: &AnimateOptions) -> Result<(), Failure> {
         DynLightField::U8(field) => write(field, &shown, options),
         DynLightField::U16(field) => write(field, &shown, options),
         DynLightField::F32(_) | DynLightField::F64(_) => Err(Failure::Usage(format!(
-            "{} holds linear floats, which no PNG can; give --frames and a name that ends in .pfm",
+            "{} holds linear floats, which no animation can; give --frames and a name that ends in .pfm or .tif",
             options.input.input.display()
         ))),
     }
@@ -43,10 +45,18 @@ fn write<T: Sample>(
     shown: &[(usize, usize)],
     options: &AnimateOptions,
 ) -> Result<(), Failure> {
-    if options.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("pfm")) {
-        return Err(Failure::Usage("an animation is a PNG; end the name of --out in .png".into()));
+    let out = &options.out;
+    let ending = out.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    if matches!(ending.as_str(), "pfm" | "tif" | "tiff") {
+        return Err(Failure::Usage(
+            "an animation is a PNG, GIF or MP4; end the name of --out so, or give --frames".into(),
+        ));
     }
     let frames: Vec<_> = shown.iter().map(|&(t, s)| field.view(t, s)).collect::<Result<_, _>>()?;
-    holo_io::write_png_animation(&options.out, &frames, options.fps, ColorEncoding::Srgb)?;
+    match ending.as_str() {
+        "gif" => drop(holo_io::write_gif_animation(out, &frames, options.fps)?),
+        "mp4" => mp4::write(out, &frames, options.fps)?,
+        _ => drop(holo_io::write_png_animation(out, &frames, options.fps, ColorEncoding::Srgb)?),
+    }
     Ok(())
 }

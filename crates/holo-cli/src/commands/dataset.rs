@@ -91,6 +91,8 @@ fn plan(options: &DatasetOptions, matches: &ArgMatches) -> Result<DatasetPlan, F
     let spec = options.spec();
     validate(&spec)?;
     let names = match options.scenes.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        // Who names scenes of his own wants these.
+        [] if !options.glb.is_empty() && !options.gallery => Some(&[][..]),
         [] => None,
         [NONE] => Some(&[][..]),
         _ => Some(&options.scenes[..]),

@@ -17,6 +17,9 @@ pub fn run(options: &DepthOptions) -> Result<(), Failure> {
     } else if !options.quiet {
         say!("note: the disparity range is unknown; searching -4 to 4 px; set it with --range MIN,MAX");
     }
+    if let Some(rig) = &file.rig {
+        sweep = sweep.baseline_ratio(rig.baseline_ratio());
+    }
     let start = Instant::now();
     let estimate = for_each_sample!(DynLightField, &file.light_field, field => plane_sweep(field, &sweep))?;
     let seconds = start.elapsed().as_secs_f64();

@@ -11,7 +11,7 @@ use holo_io::{ColorEncoding, Compression, FileFormat, Limits};
 use ndarray::{Array2, Axis};
 use serde_json::json;
 
-use crate::arguments::EvalOptions;
+use crate::arguments::{EvalOptions, NormalsArgument};
 use crate::failure::Failure;
 use crate::quantities::{self, Quantity, finite};
 
@@ -24,7 +24,7 @@ pub fn run(options: &EvalOptions) -> Result<(), Failure> {
         [FileFormat::Pfm, FileFormat::Pfm] => maps(options)?,
         [FileFormat::Png, FileFormat::Png] => images(options)?,
         _ => {
-            return Err(Failure::Usage(format!(
+            return Err(Failure::Failed(format!(
                 "{} and {}: two disparity maps (.pfm) or two images (.png) can be compared",
                 options.estimate.display(),
                 options.truth.display()
@@ -58,12 +58,22 @@ fn maps(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {
         row("mean_squared_error_x100", "MSE x 100", scores.mean_squared_error_x100, "px^2"),
         row("q25_x100", "Q25 x 100", scores.q25_x100, "px"),
         row("bumpiness", "bumpiness", bumpiness(&estimate, &truth, &region)?.value, ""),
-        row("mean_absolute_error_px", "MAE", scores.mean_absolute_error_px, "px"),
-        row("root_mean_squared_error_px", "RMSE", scores.root_mean_squared_error_px, "px"),
+        row("mean_absolute_error_px", "mean absolute error", scores.mean_absolute_error_px, "px"),
+        row("root_mean_squared_error_px", "root mean squared error", scores.root_mean_squared_error_px, "px"),
     ]);
     if let Some(rig) = rig_beside(&options.truth, truth.dim()) {
+        // The benchmark abbreviates it as MAE, which means another measure elsewhere.
         let angle = median_angle_error_deg(&estimate, &truth, &rig, NormalGeometry::Pinhole, &region)?;
-        rows.push(row("median_angle_deg", "median angle of normals", angle.value, "degrees"));
+        rows.push(row("median_angle_deg", "MedianAngleError", angle.value, "degrees"));
+        if options.normals == NormalsArgument::Toolkit {
+            let angle = median_angle_error_deg(&estimate, &truth, &rig, NormalGeometry::Toolkit, &region)?;
+            rows.push(row("median_angle_toolkit_deg", "MedianAngleError, HCI toolkit", angle.value, "degrees"));
+        }
+    } else if options.normals == NormalsArgument::Toolkit {
+        return Err(Failure::Failed(format!(
+            "{}: no parameters.cfg of its size beside it, which normals need",
+            options.truth.display()
+        )));
     }
     let counts = scores.counts;
     for (key, name, count) in [
@@ -107,7 +117,7 @@ fn images(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {
             }
             _ => {
                 let what = "one has 8 bits and the other 16; compare images of the same bit depth";
-                return Err(Failure::Usage(format!("{}: {what}", options.estimate.display())));
+                return Err(Failure::Failed(format!("{}: {what}", options.estimate.display())));
             }
         };
     Ok(vec![row("psnr_db", "PSNR", psnr, "dB"), row("ssim", "SSIM", ssim, "")])

@@ -31,6 +31,7 @@ fn write<'a>(
     if let Some((row, column)) = at.clone().last() {
         image_at(row, column)?;
     }
+    files::create_folder_of(&options.out)?;
     for (row, column) in at {
         let image = image_at(row, column)?;
         let image = match options.crop {

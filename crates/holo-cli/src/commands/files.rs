@@ -24,6 +24,13 @@ pub fn open(path: &Path, input: &InputOptions) -> Result<LightFieldReader, Failu
     Ok(reader)
 }
 
+/// Creates the folder of a file that is about to be written, as `holo render` creates its own.
+pub fn create_folder_of(out: &Path) -> Result<(), Failure> {
+    let Some(folder) = out.parent().filter(|folder| !folder.as_os_str().is_empty()) else { return Ok(()) };
+    std::fs::create_dir_all(folder)
+        .map_err(|error| Failure::Failed(format!("cannot create the folder {}: {error}", folder.display())))
+}
+
 /// Writes an image in the type of its samples: integers into a PNG, floats into a PFM.
 pub fn write<'a>(out: &Path, image: impl Into<DynImageRef<'a>>) -> Result<(), Failure> {
     match holo_io::write_image(out, image) {

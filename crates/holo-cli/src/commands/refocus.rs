@@ -4,14 +4,14 @@
 
 use std::path::Path;
 
-use holo_core::refocus::{Aperture, Refocus, disparity_from_slope};
+use holo_core::refocus::{Aperture, Refocus};
 use holo_core::{DynImage, GridSize, Rig, SampleKind};
 use holo_io::Limits;
 use ndarray::Array3;
 
 use super::files::{self, numbered};
 use crate::arguments::{ApertureArgument, RefocusOptions};
-use crate::failure::Failure;
+use crate::failure::{Failure, wrong_option};
 
 pub fn run(options: &RefocusOptions) -> Result<(), Failure> {
     let file = files::read(&options.input)?;
@@ -26,41 +26,37 @@ pub fn run(options: &RefocusOptions) -> Result<(), Failure> {
     }
     if let Some((first, last, count)) = options.stack {
         let step = if count > 1 { (last - first) / (count - 1) as f64 } else { 0.0 };
-        for number in 0..count {
-            let image = refocus.at_disparity(&field, first + step * number as f64)?;
-            write(&numbered(&options.out, number, count), &image, kind)?;
+        let disparities_px: Vec<f64> = (0..count).map(|number| first + step * number as f64).collect();
+        for (number, image) in refocus.focal_stack(&field, &disparities_px).enumerate() {
+            write(&numbered(&options.out, number, count), &image?, kind)?;
         }
         return Ok(());
     }
-    let disparity_px = match (options.disparity, options.slope, options.distance_m) {
-        (Some(disparity_px), _, _) => disparity_px,
-        (_, Some(slope), _) => disparity_from_slope(slope, views.columns)?,
+    let image = match (options.disparity, options.slope, options.distance_m) {
+        (Some(disparity_px), _, _) => refocus.at_disparity(&field, disparity_px)?,
+        (_, Some(slope), _) => refocus.at_slope(&field, slope)?,
         (_, _, Some(distance_m)) => {
             let rig = rig.ok_or_else(|| {
                 let what = "the camera parameters are unknown, so a distance in meters has no meaning; give --disparity, or put parameters.cfg beside it";
                 Failure::Usage(format!("{}: {what}", options.input.input.display()))
             })?;
-            rig.disparity().from_depth_m(distance_m)
+            refocus.at_distance_m(&field, &rig, distance_m)?
         }
         _ => return Err(Failure::Usage("give --disparity, --distance-m, --slope, --all-in-focus or --stack".into())),
     };
-    write(&options.out, &refocus.at_disparity(&field, disparity_px)?, kind)
+    write(&options.out, &image, kind)
 }
 
 fn refocus(options: &RefocusOptions, views: GridSize, rig: Option<&Rig>) -> Result<Refocus, Failure> {
     let center = ((views.rows / 2) as f64, (views.columns / 2) as f64);
     let aperture = match options.aperture {
         ApertureArgument::All => Aperture::all(views)?,
-        ApertureArgument::Disc(diameter) => Aperture::disc(views, center, diameter)?,
-        ApertureArgument::Square(side) => Aperture::square(views, center, side)?,
-        ApertureArgument::Gaussian(deviation) => Aperture::gaussian(views, center, deviation)?,
+        ApertureArgument::Disc(diameter) => Aperture::disc(views, center, diameter).map_err(wrong_option)?,
+        ApertureArgument::Square(side) => Aperture::square(views, center, side).map_err(wrong_option)?,
+        ApertureArgument::Gaussian(deviation) => Aperture::gaussian(views, center, deviation).map_err(wrong_option)?,
     };
     let refocus = Refocus::with_aperture(aperture).kernel(options.kernel);
-    let baselines = rig.map(|rig| (rig.baseline_x_m(), rig.baseline_y_m()));
-    Ok(match baselines {
-        Some((x, y)) if x > 0.0 && y > 0.0 => refocus.vertical_ratio(y / x)?,
-        _ => refocus,
-    })
+    Ok(rig.map_or(refocus.clone(), |rig| refocus.baseline_ratio(rig.baseline_ratio())))
 }
 
 /// Writes linear light: as it is into a PFM, on the sRGB curve into a PNG of `kind`.

@@ -33,5 +33,7 @@ pub fn output_layout(to: Option<Layout>, out: &Path, default: Option<Layout>) ->
 
 /// Writes a whole light field as a PNG.
 pub fn write_grid(light_field: DynLightField, to: Layout, out: &Path) -> Result<(), Failure> {
-    files::write(out, &light_field.into_grid(to)?)
+    let grid = light_field.into_grid(to)?;
+    files::create_folder_of(out)?;
+    files::write(out, &grid)
 }

@@ -15,6 +15,9 @@ pub fn run(options: &RenderOptions, matches: &ArgMatches) -> Result<(), Failure>
     let job = RenderJob::new(SceneSource::File(options.scene.clone()), options.spec())
         .with_options(requested(matches))
         .with_engine(options.engine.spec());
+    if !options.overwrite {
+        job.check_replaceable(&options.out, options.shard)?;
+    }
     let bar = Bar::new("rendering", options.quiet);
     let report = job.run(&options.out, options.shard, &bar, &say_unless(options.quiet), interrupt::rollback());
     bar.finish();

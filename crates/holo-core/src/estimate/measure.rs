@@ -5,7 +5,7 @@ mod naive;
 
 use crate::parallel::*;
 
-use super::views::{ARMS, Views};
+use super::views::Views;
 use crate::Error;
 use crate::memory::filled;
 
@@ -61,27 +61,30 @@ pub(super) fn measure(
     Ok(Measurements { disparity_px, information, image })
 }
 
-/// The number of steps along every arm up to which no nearer point occludes a pixel.
+/// The reach along every arm up to which no nearer point occludes a pixel.
 ///
-/// A point x pixels along the arm whose disparity is larger by e pixels occludes the pixel from the view x/e steps
-/// along the arm on.
+/// A point x pixels along the arm whose disparity is larger by e pixels occludes the pixel from the view on in which
+/// points move by x/e pixels per pixel of disparity. Pixels are the nearest to the line of the arm.
 fn visible_steps(views: &Views, map: &[f32], row: usize, column: usize, nearest_px: f32) -> [f32; 8] {
     let (rows, columns) = (views.size.rows, views.size.columns);
     let here = map[row * columns + column];
     let reach = views.reach();
     let far = ((nearest_px - here) * reach).ceil().max(0.0) as usize;
-    ARMS.map(|(down, right)| {
+    views.directions.map(|(down, right)| {
         let mut limit = f32::INFINITY;
-        let (mut row, mut column) = (row, column);
+        if down == 0.0 && right == 0.0 {
+            return limit;
+        }
         for distance in 1..=far {
-            let (Some(next_row), Some(next_column)) = (row.checked_add_signed(down), column.checked_add_signed(right))
+            let along = |part: f32| (part * distance as f32).round() as isize;
+            let (Some(row), Some(column)) =
+                (row.checked_add_signed(along(down)), column.checked_add_signed(along(right)))
             else {
                 break;
             };
-            if next_row >= rows || next_column >= columns {
+            if row >= rows || column >= columns {
                 break;
             }
-            (row, column) = (next_row, next_column);
             let nearer = map[row * columns + column] - here;
             if nearer * reach > distance as f32 {
                 limit = limit.min(distance as f32 / nearer);
@@ -176,7 +179,7 @@ fn compare(views: &Views, disparity_px: f32, row: usize, column: usize, limits: 
         let y = row as f32 - disparity_px * view.down;
         let x = column as f32 - disparity_px * view.right;
         let is_inside = y >= 0.0 && x >= 0.0 && y <= (rows - 1) as f32 && x <= (columns - 1) as f32;
-        if !is_inside || view.steps > limits[view.arm] {
+        if !is_inside || view.reach > limits[view.arm] {
             continue;
         }
         let cubic = Cubic::new(y, x, rows, columns);
@@ -256,8 +259,9 @@ fn keys(t: f32) -> [f32; 4] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::views::test_views;
+    use super::super::views::{directions, test_views, test_views_of};
     use super::*;
+    use crate::BaselineRatio;
 
     #[test]
     fn cubic_convolution_reproduces_a_parabola_and_holds_at_the_border() {
@@ -282,7 +286,14 @@ mod tests {
 
     #[test]
     fn visibility_agrees_with_moving_every_pixel() {
-        let views = test_views(24, 24, 1);
+        for ratio in [1.0, 0.5, 0.0] {
+            visibility_agrees(BaselineRatio::vertical_over_horizontal(ratio).unwrap());
+        }
+        visibility_agrees(BaselineRatio::VERTICAL_ONLY);
+    }
+
+    fn visibility_agrees(ratio: BaselineRatio) {
+        let views = test_views_of(24, 24, 1, ratio);
         // A tilted ground with two boxes on it.
         let map: Vec<f32> = (0..576)
             .map(|pixel| match (pixel / 24, pixel % 24) {
@@ -294,18 +305,20 @@ mod tests {
         for pixel in 0..576 {
             let (row, column) = (pixel / 24, pixel % 24);
             let limits = visible_steps(&views, &map, row, column, 1.6);
-            for (arm, &(down, right)) in ARMS.iter().enumerate() {
-                for steps in [1.0, 2.0, 3.0] {
+            for (arm, &(down, right)) in directions(ratio).iter().enumerate() {
+                for reach in [1.0, 2.0, 3.0] {
                     // Occluded if, in the view, another pixel of the line has passed from one side of this pixel to the
                     // other.
-                    let hidden = (1..24).any(|distance: isize| {
-                        let (r, c) = (row as isize + down * distance, column as isize + right * distance);
+                    let hidden = (1..24).any(|distance| {
+                        let distance = distance as f32;
+                        let r = (row as f32 + (down * distance).round()) as isize;
+                        let c = (column as f32 + (right * distance).round()) as isize;
                         (0..24).contains(&r) && (0..24).contains(&c) && {
                             let nearer = map[(r * 24 + c) as usize] - map[pixel];
-                            distance as f32 - nearer * steps < 0.0
+                            distance - nearer * reach < 0.0
                         }
                     });
-                    assert_eq!(hidden, steps > limits[arm], "({row}, {column}) arm {arm}, {steps} steps");
+                    assert_eq!(hidden, reach > limits[arm], "{ratio:?} ({row}, {column}) arm {arm}, reach {reach}");
                 }
             }
         }

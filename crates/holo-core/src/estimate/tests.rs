@@ -26,12 +26,32 @@ fn steps_follow_the_outermost_view() {
     let mut views = views::test_views(4, 4, 1);
     let settings = Effort::Balanced.settings();
     // Three steps to the outermost view, half a pixel there: 1/6 px.
-    let planes = spread(&views, &settings, -1.0, 1.0);
+    let planes = spread(&views, &settings, -1.0, 1.0).unwrap();
     assert_eq!((planes.count, planes.first_px), (13, -1.0));
     assert!((planes.disparity_px(12.0) - 1.0).abs() < 1e-6);
-    assert_eq!(spread(&views, &settings, -1e6, 1e6).count, MOST_PLANES);
     views.size = GridSize::new(4, 4);
-    assert_eq!(spread(&views, &settings, 0.0, 1e-9).count, 5);
+    assert_eq!(spread(&views, &settings, 0.0, 1e-9).unwrap().count, 5);
+    // Half the vertical baseline and no horizontal one: the outermost view moves half as far.
+    let ratio = BaselineRatio::vertical_over_horizontal(0.5).unwrap();
+    assert_eq!(views::test_views_of(4, 4, 1, ratio).reach(), 3.0);
+    assert_eq!(views::test_views_of(4, 4, 1, BaselineRatio::VERTICAL_ONLY).reach(), 3.0);
+}
+
+#[test]
+fn a_range_gets_its_step_or_an_error_with_the_numbers() {
+    let views = views::test_views(4, 4, 1);
+    let settings = Effort::Balanced.settings();
+    let planes = spread(&views, &settings, -300.0, 300.0).unwrap();
+    assert_eq!(planes.count, 3601);
+    assert!(planes.step_px <= 0.5 / 3.0 + 1e-6, "{}", planes.step_px);
+    let error = spread(&views, &settings, -400.0, 400.0).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "disparities from -400 to 400 px take 4801 planes at this effort, and at most 4096 are possible; narrow the \
+         range or lower the effort"
+    );
+    assert!(spread(&views, &Effort::Draft.settings(), -400.0, 400.0).is_ok());
+    assert!(spread(&views, &settings, -1e6, 1e6).is_err());
 }
 
 #[test]

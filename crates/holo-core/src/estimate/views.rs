@@ -6,21 +6,21 @@ use ndarray::{ArrayView3, Data};
 use super::effort::Settings;
 use crate::layout::checked_product;
 use crate::memory::filled;
-use crate::{Error, GridSize, LightField, Sample};
+use crate::{BaselineRatio, Error, GridSize, LightField, Sample};
 
 /// The arms of the star, clockwise from the right: rows and columns of one step.
 pub(super) const ARMS: [(isize, isize); 8] = [(0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1)];
 
 /// One view: its position relative to the central view, and its samples.
 pub(super) struct View {
-    /// Rows down from the central view.
+    /// Pixels up that a point moves from the central view to this one, per pixel of disparity.
     pub(super) down: f32,
-    /// Columns right of the central view.
+    /// Pixels to the left, likewise.
     pub(super) right: f32,
     /// Its arm, an index of [`ARMS`].
     pub(super) arm: usize,
-    /// Steps along the arm.
-    pub(super) steps: f32,
+    /// The larger of the two movements.
+    pub(super) reach: f32,
     /// Channel by channel, row by row.
     pub(super) samples: Vec<f32>,
 }
@@ -32,11 +32,19 @@ pub(super) struct Views {
     /// Channel by channel, row by row.
     pub(super) center: Vec<f32>,
     pub(super) others: Vec<View>,
+    /// The directions in which points move along the arms; the larger part of each is 1 (or both are 0).
+    pub(super) directions: [(f32, f32); 8],
 }
 
 impl Views {
     /// Copies the star of views of the settings.
-    pub(super) fn gather<S>(light_field: &LightField<S>, settings: &Settings) -> Result<Self, Error>
+    ///
+    /// Views at the place of the central one are left out: in a rig without vertical baseline, those of its column.
+    pub(super) fn gather<S>(
+        light_field: &LightField<S>,
+        settings: &Settings,
+        ratio: BaselineRatio,
+    ) -> Result<Self, Error>
     where
         S: Data,
         S::Elem: Sample,
@@ -54,35 +62,36 @@ impl Views {
         let scale = if S::Elem::WHITE.is_none() { Scale::of(&center) } else { Scale::IDENTITY };
         scale.apply(&mut center);
 
-        let mut others = Vec::new();
-        for (row, column, arm) in star(views, settings) {
-            let (down, right) = (row as isize - middle_row as isize, column as isize - middle_column as isize);
-            others.push(View {
-                down: down as f32,
-                right: right as f32,
-                arm,
-                steps: down.abs().max(right.abs()) as f32,
-                samples: filled("a view", length, 0.0)?,
-            });
+        let (mut others, mut places) = (Vec::new(), Vec::new());
+        let star = star(views, settings);
+        if star.is_empty() {
+            return Err(Error::ZeroCount { what: "views beside the central one" });
+        }
+        for (row, column, arm) in star {
+            let (down, right) = (row as f64 - middle_row as f64, column as f64 - middle_column as f64);
+            let (down, right) = ((down * ratio.vertical()) as f32, (right * ratio.horizontal()) as f32);
+            let reach = down.abs().max(right.abs());
+            if reach > 0.0 {
+                others.push(View { down, right, arm, reach, samples: filled("a view", length, 0.0)? });
+                places.push((row, column));
+            }
         }
         if others.is_empty() {
-            return Err(Error::ZeroCount { what: "views beside the central one" });
+            return Err(Error::NoBaseline);
         }
         // The storage `S` need not be `Sync`; a borrowed array of samples is.
         let light_field = light_field.as_light_field_ref();
-        others.par_iter_mut().try_for_each(|view| {
-            let row = middle_row.wrapping_add_signed(view.down as isize);
-            let column = middle_column.wrapping_add_signed(view.right as isize);
+        others.par_iter_mut().zip(&places).try_for_each(|(view, &(row, column))| {
             copy(&light_field.view(row, column)?, colors, channels, &mut view.samples)?;
             scale.apply(&mut view.samples);
             Ok(())
         })?;
-        Ok(Self { size, channels, center, others })
+        Ok(Self { size, channels, center, others, directions: directions(ratio) })
     }
 
-    /// The distance of the farthest view from the central one, in steps between views; 0 without other views.
+    /// The largest movement of a point between the central view and another, in pixels per pixel of disparity.
     pub(super) fn reach(&self) -> f32 {
-        self.others.iter().map(|view| view.steps).fold(0.0, f32::max)
+        self.others.iter().map(|view| view.reach).fold(0.0, f32::max)
     }
 
     /// The central view in gray, filtered by the mean of 3 x 3 pixels to reduce noise: the guide for edges.
@@ -110,6 +119,15 @@ impl Views {
     pub(super) fn pixels(&self) -> usize {
         self.size.rows * self.size.columns
     }
+}
+
+/// The directions of [`ARMS`] in the image, where the baselines differ.
+pub(super) fn directions(ratio: BaselineRatio) -> [(f32, f32); 8] {
+    ARMS.map(|(down, right)| {
+        let (down, right) = (down as f64 * ratio.vertical(), right as f64 * ratio.horizontal());
+        let larger = down.abs().max(right.abs());
+        if larger > 0.0 { ((down / larger) as f32, (right / larger) as f32) } else { (0.0, 0.0) }
+    })
 }
 
 /// The views of the star, `(row, column, arm)`: evenly spaced along every arm, the outermost included.
@@ -202,6 +220,12 @@ impl Scale {
 /// Views of pseudo-random samples: a star with two views per arm, without one of the arms.
 #[cfg(test)]
 pub(super) fn test_views(rows: usize, columns: usize, channels: usize) -> Views {
+    test_views_of(rows, columns, channels, BaselineRatio::EQUAL)
+}
+
+/// The same with the given baselines.
+#[cfg(test)]
+pub(super) fn test_views_of(rows: usize, columns: usize, channels: usize, ratio: BaselineRatio) -> Views {
     let mut state = 3_u32;
     let mut samples = || {
         let next = |_| {
@@ -216,10 +240,11 @@ pub(super) fn test_views(rows: usize, columns: usize, channels: usize) -> Views 
     for (arm, &(down, right)) in ARMS.iter().enumerate().skip(1) {
         for steps in [1.0, 3.0] {
             let (down, right) = (down as f32 * steps, right as f32 * steps);
-            others.push(View { down, right, arm, steps, samples: samples() });
+            let (down, right) = (down * ratio.vertical() as f32, right * ratio.horizontal() as f32);
+            others.push(View { down, right, arm, reach: down.abs().max(right.abs()), samples: samples() });
         }
     }
-    Views { size: GridSize::new(rows, columns), channels, center, others }
+    Views { size: GridSize::new(rows, columns), channels, center, others, directions: directions(ratio) }
 }
 
 #[cfg(test)]

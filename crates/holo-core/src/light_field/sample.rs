@@ -30,6 +30,17 @@ impl SampleKind {
         }
     }
 
+    /// Returns the size of a sample in bytes.
+    #[must_use]
+    pub const fn bytes(self) -> usize {
+        match self {
+            Self::U8 => 1,
+            Self::U16 => 2,
+            Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
     /// Returns whether it is one of the two floating-point types.
     #[must_use]
     pub const fn is_float(self) -> bool {

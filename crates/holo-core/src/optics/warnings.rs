@@ -49,6 +49,9 @@ impl fmt::Display for OpticsWarning {
     }
 }
 
+/// The relative rounding error of a rig and its disparities: a few dozen operations of half an ulp, with room to spare.
+const ROUNDING: f64 = 1e-12;
+
 pub(super) fn of(
     optics: &Optics,
     depths: DepthRange,
@@ -59,12 +62,14 @@ pub(super) fn of(
     let step_px = positive("disparity step in pixels", step_px)?;
     let range = optics.disparity_range_px(depths);
     let mut warnings = Vec::new();
-    if range.max_px > limit_px || range.min_px < -limit_px {
+    // A rig that was computed for the limit itself meets it up to rounding.
+    let beyond = |disparity_px: f64| disparity_px.abs() > limit_px * (1.0 + ROUNDING);
+    if beyond(range.max_px) || beyond(range.min_px) {
         warnings.push(OpticsWarning::DisparityBeyondLimit { range, limit_px });
     }
     // If the disparities of the range span less than one step, the depth interval of a step around their middle is
     // longer.
-    if range.max_px - range.min_px < step_px {
+    if range.max_px - range.min_px < step_px * (1.0 - ROUNDING) {
         let middle_px = f64::midpoint(range.min_px, range.max_px);
         let middle_m = optics.rig().disparity_x().to_depth_m(middle_px);
         let resolution_m = optics.depth_resolution_m(middle_m, step_px)?;
@@ -89,6 +94,24 @@ mod tests {
             .build()
             .unwrap();
         Optics::new(rig).unwrap()
+    }
+
+    #[test]
+    fn a_rig_for_the_limit_meets_it() {
+        for (near_m, far_m) in [(2.0, 6.0), (0.4, 1.2), (1.0 / 3.0, 7.7), (0.11, 0.13), (1.7, 311.0)] {
+            for limit_px in [0.3, 1.0, 2.0, 3.7] {
+                let depths = DepthRange::new(near_m, far_m).unwrap();
+                let wanted = DisparityRange { min_px: -limit_px, max_px: limit_px };
+                let shape = LightFieldShape::new(GridSize::new(9, 9), GridSize::new(512, 512)).unwrap();
+                let lens = crate::Intrinsics { focal_length_m: 0.05, sensor_size_m: 0.036 };
+                let found = super::super::rig_for_disparities(depths, wanted, lens, shape.lenses()).unwrap();
+                let rig = Rig::builder(shape).intrinsics(lens).baseline_m(found.baseline_m);
+                let optics = Optics::new(rig.focus_distance_m(found.focus_distance_m).build().unwrap()).unwrap();
+                // The range is one step of twice the limit.
+                assert_eq!(of(&optics, depths, limit_px, 2.0 * limit_px).unwrap(), [], "{near_m} {far_m} {limit_px}");
+                assert_eq!(of(&optics, depths, limit_px * 0.999, 2.001 * limit_px).unwrap().len(), 2);
+            }
+        }
     }
 
     #[test]

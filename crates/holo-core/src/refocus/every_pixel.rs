@@ -74,12 +74,13 @@ impl<T: Sample> Source<'_, T> {
                 weights: shift.weights,
             })
         };
+        let vertical_px = disparity_px * refocus.ratio.vertical();
+        let horizontal_px = disparity_px * refocus.ratio.horizontal();
         along.clear();
         along.extend((0..view_columns).map(|s| {
-            let position = -disparity_px * (s as f64 - refocus.reference.1);
+            let position = -horizontal_px * (s as f64 - refocus.reference.1);
             taps(position, u, columns, column_stride, s * view_column_stride)
         }));
-        let vertical_px = disparity_px * refocus.vertical_ratio;
         let down = (0..view_rows).map(|t| {
             let position = -vertical_px * (t as f64 - refocus.reference.0);
             taps(position, v, rows, row_stride, t * view_row_stride)

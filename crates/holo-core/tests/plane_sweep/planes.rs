@@ -1,8 +1,8 @@
 //! Slanted planes without noise: errors below a hundredth of a pixel for any number of views.
 
-use holo_core::{Effort, PlaneSweepOptions, plane_sweep};
+use holo_core::{BaselineRatio, Effort, Error, PlaneSweepOptions, plane_sweep};
 
-use super::scenes::{Surface, plane, worst};
+use super::scenes::{Surface, plane, plane_of, worst};
 
 const SLANTED: Surface = Surface { here: -0.9, by_row: 0.021, by_column: 0.008 };
 
@@ -47,6 +47,27 @@ fn rows_columns_pairs_and_even_counts_of_views_are_accepted() {
         // A single other view has no opposite one, whose errors of interpolation have the other sign.
         assert!(worst < bound, "{view_rows} x {view_columns}: {worst}");
     }
+}
+
+#[test]
+fn baselines_may_differ_and_one_of_them_may_be_zero() {
+    let ratios = [2.0, 0.5, 0.3, 0.0].map(|ratio| BaselineRatio::vertical_over_horizontal(ratio).unwrap());
+    for ratio in ratios.into_iter().chain([BaselineRatio::VERTICAL_ONLY]) {
+        let (light_field, truth) = plane_of([72, 80, 9, 9, 3], SLANTED, ratio);
+        let options = options(Effort::Balanced).baseline_ratio(ratio);
+        let found = plane_sweep(&light_field, &options).unwrap();
+        // Views that are twice as far away see the plane shortened by another hundredth: its waves of 9 pixels.
+        let border = if ratio.vertical() > 1.0 { 2 * BORDER } else { BORDER };
+        let worst = worst(&found.disparity_px, &truth, border);
+        assert!(worst < 0.01, "{ratio:?}: {worst}");
+        let wrong = plane_sweep(&light_field, &options.baseline_ratio(BaselineRatio::EQUAL)).unwrap();
+        let bad = wrong.disparity_px.iter().zip(&truth).filter(|(one, other)| (**one - **other).abs() > 0.07).count();
+        assert!(bad * 4 > truth.len(), "{ratio:?}: the wrong ratio must matter, {bad}");
+    }
+    let ratio = BaselineRatio::vertical_over_horizontal(0.0).unwrap();
+    let (column, _) = plane_of([24, 24, 9, 1, 1], SLANTED, ratio);
+    let found = plane_sweep(&column, &PlaneSweepOptions::default().baseline_ratio(ratio));
+    assert_eq!(found.unwrap_err(), Error::NoBaseline);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Light fields of textured planes, without noise.
 
-use holo_core::{LightField, LightFieldOwned};
+use holo_core::{BaselineRatio, LightField, LightFieldOwned};
 use ndarray::{Array2, Array5};
 
 /// A surface of disparity `here + by_row * v + by_column * u` at the pixel `(v, u)` of the central view.
@@ -37,9 +37,19 @@ pub fn texture(v: f64, u: f64, channel: usize) -> f64 {
 
 /// `shape` is (V, U, T, S, C).
 pub fn plane(shape: [usize; 5], surface: Surface) -> (LightFieldOwned<f32>, Array2<f32>) {
+    plane_of(shape, surface, BaselineRatio::EQUAL)
+}
+
+/// The same seen by a rig with the given baselines.
+pub fn plane_of(shape: [usize; 5], surface: Surface, ratio: BaselineRatio) -> (LightFieldOwned<f32>, Array2<f32>) {
     let (middle_row, middle_column) = ((shape[2] / 2) as f64, (shape[3] / 2) as f64);
     let samples = Array5::from_shape_fn(shape, |(v, u, t, s, channel)| {
-        let (v, u) = surface.source(v as f64, u as f64, t as f64 - middle_row, s as f64 - middle_column);
+        let (v, u) = surface.source(
+            v as f64,
+            u as f64,
+            (t as f64 - middle_row) * ratio.vertical(),
+            (s as f64 - middle_column) * ratio.horizontal(),
+        );
         texture(v, u, channel) as f32
     });
     let truth = Array2::from_shape_fn((shape[0], shape[1]), |(v, u)| surface.disparity_px(v as f64, u as f64) as f32);

@@ -4,7 +4,7 @@ mod naive;
 mod sharpness;
 
 use holo_core::refocus::{Aperture, Kernel, Refocus, disparity_from_slope, slope_from_disparity};
-use holo_core::{Error, GridSize, LightField, LightFieldOwned, LightFieldShape, Rig, Sample};
+use holo_core::{BaselineRatio, Error, GridSize, LightField, LightFieldOwned, LightFieldShape, Rig, Sample};
 use ndarray::{Array2, Array3, Array5, ArrayView3};
 
 /// Pseudo-random numbers from 0 to 255.
@@ -31,6 +31,10 @@ fn assert_close(found: ArrayView3<'_, f32>, expected: ArrayView3<'_, f64>, bound
     }
 }
 
+fn ratio(vertical_over_horizontal: f64) -> BaselineRatio {
+    BaselineRatio::vertical_over_horizontal(vertical_over_horizontal).unwrap()
+}
+
 /// The documented bound.
 fn bound(shape: LightFieldShape, largest: f64) -> f64 {
     let views = shape.views();
@@ -49,7 +53,7 @@ fn check<T: Sample>(light_field: &LightFieldOwned<T>, largest: f64) {
     ];
     for aperture in apertures {
         for kernel in [Kernel::Bilinear, Kernel::CatmullRom] {
-            let refocus = Refocus::with_aperture(aperture.clone()).kernel(kernel).vertical_ratio(0.75).unwrap();
+            let refocus = Refocus::with_aperture(aperture.clone()).kernel(kernel).baseline_ratio(ratio(0.75));
             let central = shape.central_view();
             let central = (central.0 as f64, central.1 as f64);
             for (refocus, reference) in
@@ -178,7 +182,7 @@ fn distances_use_the_baselines_of_both_axes() {
         .build()
         .unwrap();
     let light_field = noise(shape, 1, |byte| byte);
-    let refocus = Refocus::new(shape.views()).unwrap().vertical_ratio(0.5).unwrap();
+    let refocus = Refocus::new(shape.views()).unwrap().baseline_ratio(ratio(0.5));
     for distance_m in [2.0, 4.0, f64::INFINITY] {
         let disparity_px = rig.disparity_x().from_depth_m(distance_m);
         let expected = refocus.at_disparity(&light_field, disparity_px).unwrap();
@@ -193,6 +197,59 @@ fn distances_use_the_baselines_of_both_axes() {
     assert!(matches!(refocus.at_distance_m(&other, &rig, 4.0), Err(Error::Shape { .. })));
 }
 
+/// A rig of one axis: a baseline of 0 shifts nothing along it, however many views it has.
+#[test]
+fn a_baseline_of_zero_shifts_nothing() {
+    let shape = LightFieldShape::new(GridSize::new(3, 5), GridSize::new(9, 16)).unwrap();
+    let light_field = noise(shape, 1, |byte| byte);
+    let plain = Refocus::new(shape.views()).unwrap();
+    for (x_m, y_m, vertical, horizontal) in [(0.04, 0.0, 0.0, 1.5), (0.0, 0.04, 1.5, 0.0)] {
+        let rig = Rig::builder(shape).baseline_x_m(x_m).baseline_y_m(y_m).focus_distance_m(4.0).build().unwrap();
+        let found = plain.clone().baseline_ratio(rig.baseline_ratio()).at_disparity(&light_field, 1.5).unwrap();
+        let aperture = Aperture::all(shape.views()).unwrap();
+        // The reference implementation on the array with its axes exchanged where the horizontal baseline is 0.
+        let expected = if horizontal > 0.0 {
+            naive::refocused(&light_field, &aperture, Kernel::CatmullRom, (1.0, 2.0), vertical, &|_, _| horizontal)
+        } else {
+            let turned = light_field.samples().permuted_axes([1, 0, 3, 2, 4]).as_standard_layout().into_owned();
+            let turned = LightField::new(turned).unwrap();
+            let aperture = Aperture::all(turned.shape().views()).unwrap();
+            let image =
+                naive::refocused(&turned, &aperture, Kernel::CatmullRom, (2.0, 1.0), horizontal, &|_, _| vertical);
+            image.permuted_axes([1, 0, 2])
+        };
+        assert_close(found.view(), expected.view(), bound(shape, 255.0), &format!("{x_m} {y_m}"));
+        let map = Array2::from_elem((9, 16), 1.5);
+        let everywhere = plain.clone().baseline_ratio(rig.baseline_ratio()).all_in_focus(&light_field, &map).unwrap();
+        assert_close(everywhere.view(), expected.view(), bound(shape, 255.0), &format!("{x_m} {y_m}, every pixel"));
+    }
+}
+
+/// LFFiltShiftSum: `linspace(-1/2, 1/2, T) * slope * T` rows and `linspace(-1/2, 1/2, S) * slope * S` columns.
+#[test]
+fn slopes_have_a_step_of_their_own_for_each_axis() {
+    for (rows, columns) in [(3, 5), (1, 4), (4, 1), (2, 2)] {
+        let shape = LightFieldShape::new(GridSize::new(rows, columns), GridSize::new(9, 16)).unwrap();
+        let light_field = noise(shape, 1, |byte| byte);
+        let middle = ((rows - 1) as f64 / 2.0, (columns - 1) as f64 / 2.0);
+        let refocus = Refocus::new(shape.views()).unwrap().reference(middle.0, middle.1).unwrap();
+        // The ratio of the baselines is none of the toolbox's business.
+        let found = refocus.baseline_ratio(ratio(0.3)).at_slope(&light_field, 0.8).unwrap();
+        let step = |views: usize| if views > 1 { 0.8 * views as f64 / (views - 1) as f64 } else { 0.0 };
+        let aperture = Aperture::all(shape.views()).unwrap();
+        // Added to the sample position, in contrast to the disparity.
+        let (disparity, vertical_over_horizontal) = match step(columns) {
+            0.0 => (-1e-9, step(rows) / 1e-9),
+            along => (-along, step(rows) / along),
+        };
+        let expected =
+            naive::refocused(&light_field, &aperture, Kernel::CatmullRom, middle, vertical_over_horizontal, &|_, _| {
+                disparity
+            });
+        assert_close(found.view(), expected.view(), bound(shape, 255.0), &format!("{rows} x {columns}"));
+    }
+}
+
 #[test]
 fn wrong_numbers_and_shapes_are_errors() {
     let shape = LightFieldShape::new(GridSize::new(3, 3), GridSize::new(4, 5)).unwrap();
@@ -200,7 +257,7 @@ fn wrong_numbers_and_shapes_are_errors() {
     let refocus = Refocus::new(shape.views()).unwrap();
     for value in [f64::NAN, f64::INFINITY] {
         assert!(refocus.at_disparity(&light_field, value).is_err());
-        assert!(refocus.clone().reference(0.0, value).is_err() && refocus.clone().vertical_ratio(value).is_err());
+        assert!(refocus.clone().reference(0.0, value).is_err() && refocus.at_slope(&light_field, value).is_err());
     }
     let other = Refocus::new(GridSize::new(3, 4)).unwrap();
     assert!(matches!(other.at_disparity(&light_field, 0.0), Err(Error::Shape { what: "aperture", .. })));

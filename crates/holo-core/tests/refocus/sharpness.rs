@@ -68,7 +68,7 @@ fn walls_are_sharpest_at_their_own_disparity() {
             let light_field = wall(&rig, depth_m);
             let expected = rig.disparity().from_depth_m(depth_m);
             let refocus = Refocus::new(rig.shape().views()).unwrap().kernel(kernel);
-            let refocus = refocus.vertical_ratio(baselines_m.0 / baselines_m.1).unwrap();
+            let refocus = refocus.baseline_ratio(rig.baseline_ratio());
             // Steps that do not meet the disparity itself.
             let disparities: Vec<f64> = (-10..=10).map(|step| expected + 0.037 + f64::from(step) * STEP).collect();
             let stack = refocus.focal_stack(&light_field, &disparities);

@@ -34,10 +34,11 @@ use crate::{Error, Limits, ParametersCfg, read_pfm_gray, read_pfm_info};
 ///     .build()?;
 /// let light_field = LightField::filled(split, 3, Layout::ElementalGrid, 7_u8)?;
 /// let image = HciImage {
-///     views: light_field.as_light_field_ref().into(),
+///     views: Some(light_field.as_light_field_ref().into()),
 ///     parameters: &ParametersCfg::from_rig(&rig),
 ///     disparity_px: HciTruth::None,
 ///     depth_m: HciTruth::None,
+///     high_resolution: None,
 /// };
 /// image.write(path, Compression::Fast)?;
 ///

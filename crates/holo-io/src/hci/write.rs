@@ -24,18 +24,31 @@ pub enum HciTruth<'a> {
     All(LightFieldRef<'a, f32>),
 }
 
+/// Ground truth of the central view with more values than a view has pixels, for the high-resolution scores of the
+/// evaluation toolkit.
+#[derive(Debug, Clone, Copy)]
+pub struct HciHighResolution<'a> {
+    /// Disparity in pixels *of the views* between horizontally adjacent views, `(v, u)`: `depth_map_scale` of the
+    /// parameters times the rows and columns of a view.
+    pub disparity_px: ArrayView2<'a, f32>,
+    /// Planar depth in meters, likewise.
+    pub depth_m: ArrayView2<'a, f32>,
+}
+
 /// The contents of an [HCI folder](super) that is to be written.
 #[derive(Debug, Clone, Copy)]
 pub struct HciImage<'a> {
     /// The images of all views, `(v, u, t, s, c)` with 1 to 4 channels of 8 or 16 bits; any strides. The HCI tools
-    /// expect 3 channels of 8 bits.
-    pub views: DynLightFieldRef<'a>,
+    /// expect 3 channels of 8 bits. `None`: ground truth alone, which [`HciFolder`](super::HciFolder) does not open.
+    pub views: Option<DynLightFieldRef<'a>>,
     /// The contents of `parameters.cfg`.
     pub parameters: &'a ParametersCfg,
     /// Disparity in pixels between horizontally adjacent views.
     pub disparity_px: HciTruth<'a>,
     /// Planar depth in meters.
     pub depth_m: HciTruth<'a>,
+    /// Ground truth of high resolution, or none.
+    pub high_resolution: Option<HciHighResolution<'a>>,
 }
 
 impl<'a> HciImage<'a> {
@@ -86,8 +99,10 @@ impl<'a> HciImage<'a> {
         Ok(written)
     }
 
-    fn shape(&self) -> LightFieldShape {
-        self.views.shape()
+    /// The shape that the parameters specify; `check` compares it with the images.
+    fn shape(&self, folder: &Path) -> Result<LightFieldShape, Error> {
+        LightFieldShape::new(self.parameters.num_cams, self.parameters.image_resolution_px)
+            .map_err(|error| Error::core(folder, error))
     }
 
     fn maps(&self) -> [(HciQuantity, HciTruth<'a>); 2] {
@@ -96,8 +111,9 @@ impl<'a> HciImage<'a> {
 
     /// All names except that of the parameters.
     fn names(&self) -> Vec<Name> {
-        let count = self.shape().views().count();
-        let mut names: Vec<Name> = (0..count).map(Name::View).collect();
+        let ParametersCfg { num_cams, .. } = *self.parameters;
+        let count = num_cams.rows.saturating_mul(num_cams.columns);
+        let mut names: Vec<Name> = self.views.iter().flat_map(|_| (0..count).map(Name::View)).collect();
         for (quantity, truth) in self.maps() {
             let name = |view| Name::truth(quantity, HciResolution::Low, view);
             match truth {
@@ -105,21 +121,35 @@ impl<'a> HciImage<'a> {
                 HciTruth::Central(_) => names.push(name(None)),
                 HciTruth::All(_) => names.extend([None].into_iter().chain((0..count).map(Some)).map(name)),
             }
+            if self.high_resolution.is_some() {
+                names.push(Name::truth(quantity, HciResolution::High, None));
+            }
         }
         names
     }
 
     fn check(&self, folder: &Path) -> Result<(), Error> {
-        let shape = self.shape();
+        let shape = self.shape(folder)?;
         let (views, lenses) = (shape.views(), shape.lenses());
         let bad = |what: String| Err(Error::bad_input(folder, what));
-        let ParametersCfg { num_cams, image_resolution_px, .. } = *self.parameters;
-        if (num_cams, image_resolution_px) != (views, lenses) {
+        if let Some(images) = self.views.map(|images| images.shape()).filter(|images| *images != shape) {
             return bad(format!(
                 "the parameters specify {}, the images are {}",
-                in_words(num_cams, image_resolution_px),
-                in_words(views, lenses)
+                in_words(views, lenses),
+                in_words(images.views(), images.lenses())
             ));
+        }
+        if let Some(HciHighResolution { disparity_px, depth_m }) = self.high_resolution {
+            let scale = self.parameters.depth_map_scale.unwrap_or(1.0);
+            let size = ((lenses.rows as f64 * scale) as usize, (lenses.columns as f64 * scale) as usize);
+            if disparity_px.dim() != size || depth_m.dim() != size {
+                return bad(format!(
+                    "ground truth of high resolution has {:?} and {:?} rows and columns; `depth_map_scale` {scale} makes \
+                     {size:?} of them",
+                    disparity_px.dim(),
+                    depth_m.dim()
+                ));
+            }
         }
         for (quantity, truth) in self.maps() {
             let quantity = if quantity == HciQuantity::Depth { "depth" } else { "disparity" };
@@ -160,17 +190,23 @@ impl<'a> HciImage<'a> {
     }
 
     fn write_one(&self, name: Name, path: &Path, compression: Compression) -> Result<FileDigest, Error> {
-        let GridSize { columns, .. } = self.shape().views();
+        let shape = self.shape(path)?;
+        let GridSize { columns, .. } = shape.views();
         let failed = |error| Error::core(path, error);
         match name {
             Name::View(index) => {
                 let (t, s) = (index / columns, index % columns);
+                let Some(images) = &self.views else { return Err(Error::bad_input(path, "there is no view to write")) };
                 let view: DynImageRef<'_> =
-                    for_each_sample!(DynLightFieldRef, &self.views, views => views.view(t, s).map_err(failed)?.into());
+                    for_each_sample!(DynLightFieldRef, images, views => views.view(t, s).map_err(failed)?.into());
                 write_png(path, view, ColorEncoding::Srgb, compression)
             }
+            Name::Truth { depth, high: true, .. } => match self.high_resolution {
+                Some(truth) => write_pfm(path, if depth { truth.depth_m } else { truth.disparity_px }),
+                None => Err(Error::bad_input(path, "there is no ground truth to write")),
+            },
             Name::Truth { depth, view, .. } => {
-                let (t, s) = view.map_or(self.shape().central_view(), |index| (index / columns, index % columns));
+                let (t, s) = view.map_or(shape.central_view(), |index| (index / columns, index % columns));
                 match if depth { self.depth_m } else { self.disparity_px } {
                     HciTruth::Central(map) => write_pfm(path, map),
                     HciTruth::All(maps) => {

@@ -11,6 +11,7 @@ use ndarray::{ArrayView2, ArrayView4, ArrayView5, ArrayViewD};
 
 use super::library::{Failure, create};
 use super::rows::{RowDataset, Rows, SampleRows};
+use super::scales::{self, Scales};
 use super::{Hdf5Map, Hdf5Options, Number, attributes, with_sample_type};
 use crate::atomic::AtomicPath;
 use crate::{Error, FileDigest};
@@ -28,8 +29,10 @@ use crate::{Error, FileDigest};
 #[derive(Debug)]
 pub struct Hdf5Writer<T> {
     // Fields are dropped in order: datasets and file are closed before the temporary file is removed.
-    samples: SampleRows<RowMajor>,
+    /// `None`: maps alone.
+    samples: Option<SampleRows<RowMajor>>,
     maps: Vec<(Hdf5Map, Rows<f32, RowMajor>)>,
+    scales: Scales,
     file: File,
     target: AtomicPath,
     options: Hdf5Options,
@@ -69,39 +72,57 @@ impl<T: Sample> Hdf5Writer<T> {
         if channels == 0 {
             return Err(Error::bad_input(path, "a light field without channels"));
         }
+        Self::start(path, rig, Some(channels), maps, options)
+    }
+
+    /// Starts a file with samples, or without channels one of maps alone.
+    pub(super) fn start(
+        path: &Path,
+        rig: &Rig,
+        channels: Option<usize>,
+        maps: &[Hdf5Map],
+        options: &Hdf5Options,
+    ) -> Result<Self, Error> {
         if options.gzip_level > 9 {
             return Err(Error::bad_input(path, format!("gzip has the levels 0 to 9, not {}", options.gzip_level)));
         }
         let target = AtomicPath::create(path)?;
         let failed = |error| Failure { path, is_writing: true }.error(error);
+        let text = scales::text_type(target.temporary_path(), path)?;
         let file = create(target.temporary_path(), 0, false).map_err(failed)?;
         attributes::write_rig(&file, rig).map_err(failed)?;
-        let shape = rig.shape().array_shape(channels);
+        let shape = rig.shape().array_shape(channels.unwrap_or(1));
+        let axes = if channels.is_some() { 5 } else { 4 };
+        let mut scales = Scales::create(&file, &shape[..axes], &text).map_err(failed)?;
         // Radiance has no unit: 1 is white at exposure 0.
         let unit = if T::KIND.is_float() { "linear radiance" } else { "sRGB" };
-        let (dataset, chunk_rows) = with_sample_type!(T::KIND, S => {
-            create_dataset::<S>(&file, "H", &shape, ("vutsc", unit), options)
-        })
-        .map_err(failed)?;
-        let samples = SampleRows::new(T::KIND, dataset, &shape, chunk_rows);
+        let samples = channels.map(|_| {
+            let (dataset, chunk_rows) = with_sample_type!(T::KIND, S => {
+                create_dataset::<S>(&file, &mut scales, "H", &shape, ("vutsc", unit), options)
+            })
+            .map_err(failed)?;
+            Ok::<_, Error>(SampleRows::new(T::KIND, dataset, &shape, chunk_rows))
+        });
+        let samples = samples.transpose()?;
         let mut rows = Vec::with_capacity(maps.len());
         for &kind in maps {
             if rows.iter().any(|&(other, _)| other == kind) {
                 return Err(Error::bad_input(path, format!("two maps {}", kind.name())));
             }
             let (dataset, chunk_rows) =
-                create_dataset::<f32>(&file, kind.name(), &shape[..4], ("vuts", kind.unit()), options)
+                create_dataset::<f32>(&file, &mut scales, kind.name(), &shape[..4], ("vuts", kind.unit()), options)
                     .map_err(failed)?;
             rows.push((kind, Rows::new(dataset, &shape[..4], chunk_rows)));
         }
-        Ok(Self { samples, maps: rows, file, target, options: *options, rig: *rig, sample: PhantomData })
+        Ok(Self { samples, maps: rows, scales, file, target, options: *options, rig: *rig, sample: PhantomData })
     }
 
     /// Returns the number of lens rows of a chunk. Rows that are written in such groups are not copied into a buffer,
     /// if they are contiguous in row-major order.
     #[must_use]
     pub fn lens_rows_at_a_time(&self) -> usize {
-        self.samples.chunk_rows()
+        let maps = || self.maps.first().map_or(1, |(_, rows)| rows.chunk_rows());
+        self.samples.as_ref().map_or_else(maps, SampleRows::chunk_rows)
     }
 
     /// Writes the next lens rows of the samples.
@@ -120,7 +141,10 @@ impl<T: Sample> Hdf5Writer<T> {
         }
         let path = self.target.path();
         let rows = LightField::new(rows).map_err(|error| Error::core(path, error))?;
-        self.samples.push(DynLightFieldRef::from(rows), path)
+        match &mut self.samples {
+            Some(samples) => samples.push(DynLightFieldRef::from(rows), path),
+            None => Err(Error::bad_input(path, "the file was started without samples")),
+        }
     }
 
     /// Writes the next lens rows of a map of all views.
@@ -168,7 +192,8 @@ impl<T: Sample> Hdf5Writer<T> {
         let whole = Hdf5Options { chunk: Some([lenses.rows, lenses.columns, 1, 1]), ..self.options };
         let shape = [lenses.rows, lenses.columns];
         let (dataset, chunk_rows) =
-            create_dataset::<f32>(&self.file, &name, &shape, ("vu", map.unit()), &whole).map_err(failed)?;
+            create_dataset::<f32>(&self.file, &mut self.scales, &name, &shape, ("vu", map.unit()), &whole)
+                .map_err(failed)?;
         let mut rows = Rows::new(dataset, &shape, chunk_rows);
         rows.push(values.into_dyn(), path)?;
         rows.check_complete(&name, path)
@@ -180,10 +205,11 @@ impl<T: Sample> Hdf5Writer<T> {
     ///
     /// [`Error::BadInput`] if lens rows are missing; [`Error::Io`] if the file cannot be written.
     pub fn finish(self) -> Result<FileDigest, Error> {
-        let Self { samples, maps, file, target, .. } = self;
+        let Self { samples, maps, scales, file, target, .. } = self;
         let failed = |error| Failure { path: target.path(), is_writing: true }.error(error);
-        samples.check_complete("H", target.path())?;
+        samples.iter().try_for_each(|samples| samples.check_complete("H", target.path()))?;
         maps.iter().try_for_each(|(kind, rows)| rows.check_complete(kind.name(), target.path()))?;
+        scales.finish(&file).map_err(failed)?;
         drop((samples, maps));
         // Explicitly, because closing reports no errors.
         file.flush().map_err(failed)?;
@@ -195,6 +221,7 @@ impl<T: Sample> Hdf5Writer<T> {
 /// Creates a dataset, and returns it with the number of rows of a chunk. `axes` has a letter for each axis.
 fn create_dataset<T: Number>(
     file: &File,
+    scales: &mut Scales,
     name: &str,
     shape: &[usize],
     (axes, units): (&str, &str),
@@ -214,5 +241,6 @@ fn create_dataset<T: Number>(
     }
     let dataset = builder.create(name)?;
     attributes::write_axes(&dataset, axes, units)?;
+    scales.attach(file, name, axes)?;
     Ok((RowMajor(dataset), chunk_rows))
 }

@@ -5,8 +5,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::Error;
+use crate::image_file::is_image_name;
 
-/// Lists the PNGs of a folder, by file extension, in natural order: digits in their names compare as numbers, so
+/// Lists the PNGs and TIFFs of a folder, by file extension, in natural order: digits in their names compare as numbers, so
 /// `view9.png` is before `view10.png`.
 ///
 /// # Errors
@@ -18,7 +19,7 @@ pub fn list_images(folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
     let mut images = Vec::new();
     for entry in fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
-        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) && path.is_file() {
+        if is_image_name(&path) && path.is_file() {
             images.push(path);
         }
     }

@@ -16,7 +16,9 @@ use {
     crate::dataset::DatasetFolder,
     crate::views::read_views,
     crate::{
-        FileInfo, GantryFolder, HciFolder, HciQuantity, HciResolution, layout_of_file_name, read_png, read_png_info,
+        FileInfo, GantryFolder, HciFolder, HciQuantity, HciResolution,
+        image_file::{read_image, read_image_info},
+        layout_of_file_name,
     },
     holo_core::{GridSize, Layout, ViewOrder},
 };
@@ -100,7 +102,7 @@ impl Source {
             #[cfg(feature = "png")]
             Self::Images { files, order } => read_views(&files, shape.views(), order, limits),
             #[cfg(feature = "png")]
-            Self::RawImage { file, layout } => DynLightField::from_grid(read_png(&file, limits)?, layout, shape)
+            Self::RawImage { file, layout } => DynLightField::from_grid(read_image(&file, limits)?, layout, shape)
                 .map_err(|error| Error::core(path, error)),
             #[cfg(feature = "mat")]
             Self::Mat => Ok(crate::read_mat_light_field(path, limits)?.light_field),
@@ -138,12 +140,12 @@ pub(super) fn open(path: &Path, options: &ReadOptions) -> Result<LightFieldReade
         return open_folder(path, options);
     }
     match detect_format(path)? {
-        FileFormat::Png => open_raw_image(path, options),
+        FileFormat::Png | FileFormat::Tiff => open_raw_image(path, options),
         FileFormat::Mat5 | FileFormat::Mat73 => open_mat(path, options),
         FileFormat::Hdf5 => open_hdf5(path, options),
         _ => Err(Error::NoLightField {
             path: path.to_owned(),
-            what: "it is neither a PNG, MAT or HDF5 file nor a folder of a known kind".to_owned(),
+            what: "it is neither a PNG, TIFF, MAT or HDF5 file nor a folder of a known kind".to_owned(),
         }),
     }
 }
@@ -193,7 +195,7 @@ fn open_folder(path: &Path, _: &ReadOptions) -> Result<LightFieldReader, Error> 
 fn open_images(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, Error> {
     let files = list_images(path)?;
     let Some(first) = files.first() else {
-        let what = "it is a folder of no known kind and has no PNG image".to_owned();
+        let what = "it is a folder of no known kind and has no PNG or TIFF image".to_owned();
         return Err(Error::NoLightField { path: path.to_owned(), what });
     };
     let missing = |what| Error::MissingOption { path: path.to_owned(), option: "views", what };
@@ -203,14 +205,17 @@ fn open_images(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, E
         return Err(missing(format!("it has {} images, but {views} views need {}", files.len(), views.count())));
     }
     let shape = shape_of_views(path, views, first)?;
+    let is_float = read_image_info(first)?.kind.is_float();
     let source = Source::Images { files, order: options.order };
-    Ok(reader(path, options, LightFieldFormat::ImageFolder, shape, source).complete_from(&parameters_path(path)))
+    let mut reader = reader(path, options, LightFieldFormat::ImageFolder, shape, source);
+    reader.color_encoding = encoding(is_float);
+    Ok(reader.complete_from(&parameters_path(path)))
 }
 
 /// The shape of a light field whose views have the size of `file`.
 #[cfg(feature = "png")]
 fn shape_of_views(path: &Path, views: GridSize, file: &Path) -> Result<LightFieldShape, Error> {
-    LightFieldShape::new(views, read_png_info(file)?.size).map_err(|error| Error::core(path, error))
+    LightFieldShape::new(views, read_image_info(file)?.size).map_err(|error| Error::core(path, error))
 }
 
 #[cfg(feature = "png")]
@@ -232,7 +237,8 @@ fn open_raw_image(path: &Path, options: &ReadOptions) -> Result<LightFieldReader
             }
         },
     };
-    let size = read_png_info(path)?.size;
+    let info = read_image_info(path)?;
+    let size = info.size;
     if views.count() == 0 || size.rows % views.rows != 0 || size.columns % views.columns != 0 {
         return Err(missing("views", format!("{size} pixels do not divide into {views} views")));
     }
@@ -241,6 +247,7 @@ fn open_raw_image(path: &Path, options: &ReadOptions) -> Result<LightFieldReader
     let source = Source::RawImage { file: path.to_owned(), layout };
     let mut reader = reader(path, options, LightFieldFormat::RawImage, shape, source);
     reader.layout = Some(layout);
+    reader.color_encoding = encoding(info.kind.is_float());
     let Some(parameters) = parameters else { return Ok(reader.complete_from(&parameters_path)) };
     if (parameters.num_cams, parameters.image_resolution_px) != sizes(shape) {
         let what = format!(
@@ -290,7 +297,6 @@ fn open_hdf5(path: &Path, _: &ReadOptions) -> Result<LightFieldReader, Error> {
     Err(needs_feature(path, "hdf5", "an HDF5 file"))
 }
 
-#[cfg(any(feature = "mat", feature = "hdf5"))]
 fn encoding(is_float: bool) -> ColorEncoding {
     if is_float { ColorEncoding::Linear } else { ColorEncoding::Srgb }
 }

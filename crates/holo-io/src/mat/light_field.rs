@@ -10,6 +10,12 @@ use super::{MatArray, MatClass, MatInfo, MatOptions, MatValue, MatVariable, writ
 use crate::rig_values::{self, RigValues};
 use crate::{Error, FileDigest, Limits};
 
+/// The variable with the order of the axes.
+const AXIS_ORDER: &str = "axis_order";
+
+/// Its name in files of version 0.1, where it hid a function of MATLAB.
+const OLD_AXIS_ORDER: &str = "axes";
+
 /// The order of the dimensions of a light field in a MAT file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum MatOrder {
@@ -76,7 +82,7 @@ pub(super) fn value<'a>(samples: DynLightFieldRef<'a>, axes: &[usize; 5]) -> Mat
 /// |---|---|---|
 /// | `H` | `uint8`, `uint16`, `single` or `double` | the samples, `[V U T S C]` |
 /// | or `LF` | the same | the samples, `[T S V U C]` |
-/// | `axes` | `char` | `vutsc` or `tsvuc`, a letter a dimension |
+/// | `axis_order` | `char` | `vutsc` or `tsvuc`, a letter a dimension |
 /// | `views`, `lenses` | `double` | `[T S]` and `[V U]`, rows first |
 /// | `baseline_m` | `double` | `[y x]` |
 /// | `focal_length_mm`, `sensor_size_mm`, `focus_distance_m` | `double` | numbers; the focus may be `Inf` |
@@ -121,7 +127,7 @@ pub(super) fn metadata<'a>(
     let number = |name, number| MatVariable { name, value: MatValue::F64(aview0(number).into_dyn()) };
     let text = |name, text| MatVariable { name, value: MatValue::Text(text) };
     let [views, lenses] = counts;
-    let mut variables = vec![text("axes", order.letters()), numbers("views", views), numbers("lenses", lenses)];
+    let mut variables = vec![text(AXIS_ORDER, order.letters()), numbers("views", views), numbers("lenses", lenses)];
     if let Some(values) = values {
         variables.extend([
             numbers("baseline_m", &values.baseline_m),
@@ -137,7 +143,7 @@ pub(super) fn metadata<'a>(
 /// Reads a light field, and its rig if there is one, from a MAT file; the variables are those of
 /// [`write_mat_light_field`].
 ///
-/// Without `axes`, the name `H` or `LF` specifies the order. Trailing dimensions of length 1, which MATLAB drops, are
+/// Without `axis_order` (`axes` in files of version 0.1), the name `H` or `LF` specifies the order. Trailing dimensions of length 1, which MATLAB drops, are
 /// restored. Nothing is copied to change the order: the strides differ.
 ///
 /// # Errors
@@ -226,9 +232,10 @@ fn read_header(path: &Path, reader: &mut MatReader<'_>) -> Result<Header, Error>
     let (order, index) = found.ok_or_else(|| Error::bad_input(path, missing("H", &infos)))?;
 
     let mut value = |name: &str| position(name).map(|index| reader.value(index)).transpose();
-    let letters = match value("axes")? {
+    let name = if position(AXIS_ORDER).is_some() { AXIS_ORDER } else { OLD_AXIS_ORDER };
+    let letters = match value(name)? {
         Some(MatArray::Text(letters)) => letters,
-        Some(_) => return Err(contradiction(path, "`axes` is not text")),
+        Some(_) => return Err(contradiction(path, format!("`{name}` is not text"))),
         None => order.letters().to_owned(),
     };
     let mut numbers = |name: &str| Ok::<_, Error>(value(name)?.map(|value| value.to_f64().unwrap_or_default()));
@@ -258,7 +265,8 @@ fn contradiction(path: &Path, what: impl Into<String>) -> Error {
 
 /// The dimension in the file of each axis of `(v, u, t, s, c)`.
 fn axes_of(path: &Path, letters: &str) -> Result<[usize; 5], Error> {
-    let contradiction = || contradiction(path, format!("`axes` is '{letters}' instead of an order of vutsc"));
+    let contradiction =
+        || contradiction(path, format!("the order of the axes is '{letters}' instead of an order of vutsc"));
     if letters.len() != 5 {
         return Err(contradiction());
     }

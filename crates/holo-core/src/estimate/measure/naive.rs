@@ -37,7 +37,7 @@ fn is_hidden(map: &[f32], (rows, columns): (usize, usize), row: usize, column: u
         let other_column = column.wrapping_add_signed(right * distance);
         other_row < rows && other_column < columns && {
             let nearer = f64::from(map[other_row * columns + other_column]) - f64::from(map[row * columns + column]);
-            (distance as f64) < nearer * f64::from(view.steps)
+            (distance as f64) < nearer * f64::from(view.reach)
         }
     })
 }
