@@ -71,6 +71,7 @@ fn refocus_knows_distances_slopes_stacks_and_everything_in_focus() {
     write_pfm(bench.path("map.pfm"), map.view()).unwrap();
     ok(bench.run("refocus out --all-in-focus map.pfm --out all.png"));
     let all = read_u8(bench.path("all.png"));
+    let by_disparity = read_u8(bench.path("disparity.png"));
     assert!(all.iter().zip(&by_disparity).all(|(a, b)| a.abs_diff(*b) <= 1));
     // One view alone is that view.
     ok(bench.run("refocus out --disparity 0.3 --aperture disc:0.5 --out one.png"));

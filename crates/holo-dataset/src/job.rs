@@ -10,6 +10,7 @@ use ndarray::{Array2, Axis};
 
 use crate::diagnostics::{About, Diagnostics};
 use crate::files::{Traced, exposure_ev, outputs, validate, write};
+use crate::identity::difference;
 use crate::images;
 use crate::layers::Wanted;
 use crate::options::{self, Options, integrator_name};
@@ -17,7 +18,7 @@ use crate::output_folder::{OutputFolder, Rollback};
 use crate::prepare::{Prepared, Purpose, prepare};
 use crate::source::SceneSource;
 use crate::spec::{EngineSpec, Output, RenderSpec, Shard};
-use crate::{Error, plan, shard, sky};
+use crate::{Error, shard, sky};
 
 /// One render: a scene, a specification and a ray tracing backend.
 #[derive(Clone, Debug)]
@@ -174,7 +175,7 @@ impl RenderJob {
         older.versions.clone_from(&identity.versions);
         let why = match (is_shard, shard) {
             (one, other) if one != other => Some("it is another part of an image".to_owned()),
-            _ => plan::difference(&older, &identity),
+            _ => difference(&older, &identity),
         };
         let advice = "give --overwrite to replace it, or another --out";
         why.map_or(Ok(()), |why| {

@@ -35,6 +35,7 @@ mod diagnostics;
 mod error;
 mod exr;
 mod files;
+mod identity;
 mod images;
 mod job;
 mod layers;

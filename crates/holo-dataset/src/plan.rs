@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use holo_core::{GridSize, LightFieldShape, Remainder};
-use holo_io::{Manifest, ManifestValue, dataset};
+use holo_io::{Manifest, dataset};
 use holo_render::{Progress, Renderer};
 use holo_scene::gallery;
 
 use crate::diagnostics::Diagnostics;
 use crate::files::validate;
+use crate::identity::difference;
 use crate::job::{RenderJob, RenderReport};
 use crate::options::Options;
 use crate::output_folder::{OutputFolder, Rollback, clear_older};
@@ -204,35 +205,4 @@ fn done(folder: &Path, identity: &Manifest) -> Result<Manifest, Option<String>> 
     // A run may have been killed before this last step.
     clear_older(folder, &manifest);
     Ok(manifest)
-}
-
-/// The first difference between the manifest of an older result and the identity of a job.
-pub(crate) fn difference(manifest: &Manifest, identity: &Manifest) -> Option<String> {
-    let text = |value: Option<&String>| value.map_or_else(|| "unknown".to_owned(), Clone::clone);
-    for (name, version) in &identity.versions {
-        let own = manifest.versions.get(name);
-        if own != Some(version) {
-            return Some(format!("it was made by {name} {}, this is {name} {version}", text(own)));
-        }
-    }
-    if manifest.seed != identity.seed {
-        return Some(format!("it was made with --seed={}, this is --seed={}", manifest.seed, identity.seed));
-    }
-    for (name, value) in &identity.settings {
-        let own = manifest.settings.get(name);
-        if own == Some(value) {
-            continue;
-        }
-        return Some(match (name.as_str(), own, value) {
-            ("scene_sha256", ..) => "the scene has changed".into(),
-            ("sky_sha256", ..) => "the environment map has changed".into(),
-            (_, Some(ManifestValue::Table(own)), ManifestValue::Table(value)) => {
-                let keys = value.keys().chain(own.keys());
-                let changed = keys.into_iter().find(|key| own.get(*key) != value.get(*key));
-                changed.map_or_else(|| "its options differ".into(), |key| format!("--{key} has changed"))
-            }
-            _ => format!("'{name}' has changed"),
-        });
-    }
-    None
 }

@@ -36,6 +36,9 @@
 //! | 4, 4, 20, 20 | 3.1 | 317 | 52 | 4 |
 //! | 8, 8, 10, 10 | 3.3 | 335 | 14 | 18 |
 //!
+//! h5py 3.16 reads `H[:, :, 50, 50]`, a view, of such a file of `holo render --sensor 8k --views 100 --write h5` in 19 ms,
+//! `H[26, 40]`, an elemental image, in 6 ms, and `H[20]`, a row of them, in 134 ms (processor time, file in memory).
+//!
 //! The library deflates with zlib-ng, through the feature of `libz-sys`: twice as fast as zlib, for 6 % more bytes at
 //! level 1. The bytes do not depend on the processor: the portable code of zlib-ng and that for AVX-512 give the same.
 //!
