@@ -32,6 +32,35 @@ def camera(config):
     return camera
 
 
+def without_animations():
+    """Has the importer show the pose of the nodes, as glTF defines it, instead of a frame of an animation."""
+    from io_scene_gltf2.io.imp.gltf2_io_gltf import glTFImporter
+
+    read = glTFImporter.read
+
+    def read_without(self):
+        result = read(self)
+        self.data.animations = []
+        return result
+
+    glTFImporter.read = read_without
+
+
+def white_metal_by_default():
+    """Gives meshes without a material the default of glTF, a rough white metal; Blender's is gray."""
+    default = bpy.data.materials.new("glTF default")
+    default.use_nodes = True
+    shader = default.node_tree.nodes["Principled BSDF"]
+    shader.inputs["Base Color"].default_value = (1, 1, 1, 1)
+    shader.inputs["Metallic"].default_value = shader.inputs["Roughness"].default_value = 1
+    for mesh in bpy.data.meshes:
+        if not mesh.materials:
+            mesh.materials.append(default)
+        for slot, material in enumerate(mesh.materials):
+            if material is None:
+                mesh.materials[slot] = default
+
+
 def main():
     scene_file, cfg, out, samples = sys.argv[1:5]
     lights = sys.argv[5] if len(sys.argv) > 5 else "COMPAT"
@@ -39,15 +68,12 @@ def main():
     config.read(cfg)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     addon_utils.enable("cycles")
+    without_animations()
     bpy.ops.import_scene.gltf(
         filepath=scene_file, import_shading="NORMALS", export_import_convert_lighting_mode=lights
     )
     scene = bpy.context.scene
-    # glTF shows a file without its animations; the importer shows the first frame of one.
-    for thing in bpy.data.objects:
-        thing.animation_data_clear()
-        if thing.type == "MESH" and thing.data.shape_keys:
-            thing.data.shape_keys.animation_data_clear()
+    white_metal_by_default()
     scene.camera = camera(config)
     world = bpy.data.worlds.new("sky")
     scene.world = world
