@@ -81,6 +81,7 @@ fn scene_errors() -> Vec<holo_scene::Error> {
     use holo_scene::Error as E;
     let (at, what) = (|| "meshes[2]".to_owned(), || "reason".to_owned());
     vec![
+        E::Read { path: "scene.glb".into(), error: std::io::ErrorKind::PermissionDenied.into() },
         E::BadFile { at: at(), what: what() },
         E::Unsupported { at: at(), what: what() },
         E::BadScene { at: at(), what: what() },

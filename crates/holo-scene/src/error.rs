@@ -5,12 +5,12 @@
 #[non_exhaustive]
 pub enum Error {
     /// A file could not be read.
-    #[error("cannot read {path}: {source}")]
+    #[error("cannot read {path}: {error}")]
     Read {
         /// The path of the file.
         path: String,
         /// The error of the operating system.
-        source: std::io::Error,
+        error: std::io::Error,
     },
     /// A scene file violates the rules of its format.
     #[error("{at}: {what}")]

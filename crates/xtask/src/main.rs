@@ -14,6 +14,7 @@
 //! modules  the top-level modules of every library and what they import of each other; cycles are errors
 //! package  build each library from its package alone
 //! bench    setup + the benchmarks
+//! wild DIR setup + render every glTF file below DIR, compare with Cycles, write a table into target/wild/
 //! report   setup + measure speed against error into report/; --peers: beside Mitsuba and Blender
 //! ```
 #![forbid(unsafe_code)]
@@ -32,6 +33,7 @@ mod process;
 mod renderers;
 mod sanitize;
 mod test;
+mod wild;
 
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -40,7 +42,7 @@ use pip::Availability;
 
 const USAGE: &str = "usage: cargo xtask setup | build | demo | test | dist [--check] | clippy | doc | embree | \
     fuzz [SECONDS [TARGET..]] | package | modules | bench | report [--quick] [--peers] [--out DIR] | \
-    sanitize [address] [thread] [miri]";
+    sanitize [address] [thread] [miri] | wild DIR [--list FILE]";
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -83,6 +85,10 @@ fn run(arguments: &[String]) -> Result {
         "sanitize" => {
             embree::ensure()?;
             sanitize::run(rest)
+        }
+        "wild" => {
+            setup()?;
+            wild::run(rest)
         }
         "bench" => {
             setup()?;

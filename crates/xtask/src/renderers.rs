@@ -51,6 +51,16 @@ fn folder() -> PathBuf {
     target().join("peers")
 }
 
+/// The folder of Blender's module, for `PYTHONPATH`.
+pub fn blender() -> PathBuf {
+    folder().join("blender")
+}
+
+/// Whether it is there.
+pub fn has_blender() -> bool {
+    blender().join("bpy").is_dir()
+}
+
 /// The newest LLVM of the system from 16 on: 14 and 15 fail on machines with AVX-512.
 fn llvm() -> Option<PathBuf> {
     let folders = ["/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib64", "/usr/lib"];

@@ -135,7 +135,7 @@ impl Files {
     /// # Errors
     /// [`Error::Read`] for a file that cannot be read, [`Error::BadFile`] for one above the remaining limit.
     pub(super) fn read(&self, path: &Path) -> Result<Vec<u8>, Error> {
-        let fail = |source| Error::Read { path: path.display().to_string(), source };
+        let fail = |error| Error::Read { path: path.display().to_string(), error };
         // Opening a pipe would block, so the type of the file is checked first.
         let size = path.metadata().map_err(fail)?;
         if !size.is_file() {

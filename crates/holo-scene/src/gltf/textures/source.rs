@@ -98,7 +98,7 @@ fn external(image: &Object<'_>, uri: &str, files: &Files) -> Result<Result<Vec<u
     };
     match files.read(&path) {
         Ok(bytes) => Ok(Ok(bytes)),
-        Err(Error::Read { source, .. }) => Ok(Err(format!("the image cannot be read: {source}"))),
+        Err(Error::Read { error, .. }) => Ok(Err(format!("the image cannot be read: {error}"))),
         Err(limit) => Err(limit),
     }
 }

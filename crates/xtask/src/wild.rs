@@ -1,0 +1,42 @@
+//! Scene files of the wild: all below a folder are rendered, and compared with Blender's Cycles where it is there.
+//!
+//! The work is done by `wild/wild.py`; `wild/files.txt` lists files of public repositories by their hashes.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::pip::Availability;
+use crate::{Result, peers, process, renderers, root, target};
+
+/// Renders the files below the first argument; other arguments are those of `wild.py`.
+///
+/// # Errors
+///
+/// If a file makes `holo` crash, or if Python or its packages cannot be had.
+pub fn run(arguments: &[String]) -> Result {
+    let [folder, rest @ ..] = arguments else {
+        return Err("usage: cargo xtask wild DIR [--list crates/xtask/wild/files.txt] [--samples N] [--jobs N]".into());
+    };
+    if let Availability::Missing(why) = peers::ensure()? {
+        return Err(format!("the table and the contact sheet need Python packages: {why}"));
+    }
+    process::cargo(&["build", "--release", "--quiet", "-p", "holo-cli"])?;
+    let environment = renderers::ensure()?;
+    let python = std::env::var_os("HOLO_PYTHON").unwrap_or_else(|| "python3".into());
+    let mut command = Command::new(python);
+    command.arg(root().join("crates/xtask/wild/wild.py")).arg(folder);
+    command.arg("--holo").arg(program()).arg("--out").arg(target().join("wild"));
+    if renderers::has_blender() {
+        command.arg("--blender").arg(renderers::blender());
+    } else {
+        eprintln!("not run: the comparison with Cycles needs Blender's module, for Python 3.11");
+    }
+    command.args(rest).envs(peers::environment()).envs(environment);
+    process::run(&mut command)?;
+    println!("{}", target().join("wild/results.md").display());
+    Ok(())
+}
+
+fn program() -> PathBuf {
+    target().join("release").join(format!("holo{}", std::env::consts::EXE_SUFFIX))
+}
