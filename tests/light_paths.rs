@@ -41,9 +41,9 @@ fn under_the_sky(scene: &Scene, pose: &Transform, samples: u32, bounces: u32) ->
     (mean, values.iter().copied().fold(0.0, f32::max))
 }
 
-/// Under a sky of 1 the radiance is at most n^2 inside glass and 1 outside, for nested and for touching bodies. (Every
-/// body is modeled in air: where glass touches glass, light is refracted twice with air between, which changes
-/// directions and preserves energy.) 2 % for the noise of 64 samples.
+/// Under a sky of 1 the radiance is at most n^2 inside glass and 1 outside, for nested and for touching bodies. (Where
+/// glass touches glass, light is refracted twice with air between, which changes directions and preserves energy.) 2 %
+/// for the noise of 64 samples.
 #[test]
 fn glass_in_glass_and_a_camera_in_glass_gain_nothing() {
     let away = Transform::from_translation([0.0, 0.0, -2.0]);

@@ -53,7 +53,8 @@ pub struct Material {
     pub unlit: bool,
 }
 
-/// The absorbing volume inside a body of glass. The surface must be closed and surrounded by air.
+/// The absorbing volume inside a body of glass. The surface must be closed; it may lie inside another body,
+/// but not touch it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Volume {
     /// The distance, m (in world units), after which white light has the color `attenuation_color`; infinity: no
