@@ -353,3 +353,50 @@ fn a_sun_is_a_far_glowing_disc() {
         assert!(sun > 0.001 && (sun / disc - 1.0).abs() < 0.01, "{metallic} {roughness}: {sun} {disc}");
     }
 }
+
+/// With culling the camera and the ground truth see through the back of a surface that has only a front; its shadow and
+/// its mirror image stay.
+#[test]
+fn culled_backs_are_seen_by_light_alone() {
+    let mut scene = Scene::default();
+    let mut turned = Transform::from_translation([0.0, 0.0, -1.0]);
+    turned.columns[0][0] = -1.0;
+    turned.columns[2][2] = -1.0;
+    place(&mut scene, square(0.2), Material { double_sided: false, ..Material::default() }, turned);
+    place(&mut scene, square(3.0), Material::default(), Transform::from_translation([0.0, 0.0, -2.0]));
+    let kind = LightKind::Directional { direction: [0.0, 0.0, -1.0], angular_diameter_rad: 0.0 };
+    scene.lights.push(Light { name: String::new(), intensity: [1.0; 3], kind });
+    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+    let center = |cull: bool| {
+        let request = Request::new(rig([1, 1], [21, 21], 0.0, 2.0, Projection::Perspective)).cull(cull);
+        let rendered = renderer.render(&request, &()).expect("a render");
+        (rendered.central[Layer::Depth][[10, 10, 0]], rendered.color.expect("lit").samples()[[10, 10, 0, 0, 0]])
+    };
+    let ((depth, light), (culled_depth, culled_light)) = (center(false), center(true));
+    assert!((depth - 1.0).abs() < 1e-5 && (culled_depth - 2.0).abs() < 1e-5, "{depth} {culled_depth}");
+    assert!(light > 0.3 && culled_light == 0.0, "the wall behind is in its shadow: {light} {culled_light}");
+}
+
+/// A limit bounds what paths add after their first hit, takes light away only, and changes nothing above all of it.
+#[test]
+fn a_limit_takes_away_bright_paths_alone() {
+    let mut scene = Scene::default();
+    place(&mut scene, square(3.0), Material::default(), Transform::from_translation([0.0, 0.0, -2.0]));
+    let lamp = Material { emission: [200.0; 3], ..Material::default() };
+    place(&mut scene, square(0.05), lamp, Transform::from_translation([0.3, 0.6, -1.5]));
+    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+    let image = |limit: f32| {
+        let request = Request::new(rig([1, 1], [20, 30], 0.0, 2.0, Projection::Perspective))
+            .integrator(Integrator::Path)
+            .samples(16)
+            .sky([0.1; 3])
+            .indirect_limit(limit);
+        renderer.render(&request, &()).expect("a render").color.expect("an image").samples().to_owned()
+    };
+    let (free, low, high) = (image(f32::INFINITY), image(0.05), image(1e6));
+    assert_eq!(free, high);
+    assert!(free.iter().zip(&low).all(|(free, low)| low <= free), "light is added");
+    assert!(free.iter().zip(&low).any(|(free, low)| *low < 0.9 * free), "nothing is limited");
+    let request = Request::new(rig([1, 1], [2, 2], 0.0, 2.0, Projection::Perspective));
+    assert!(renderer.render(&request.indirect_limit(0.0), &()).is_err());
+}

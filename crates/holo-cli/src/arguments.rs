@@ -128,7 +128,16 @@ pub struct JobOptions {
     /// Without light that diffuse surfaces reflect to each other (with `--integrator auto`); mirrors and glass still reflect.
     #[arg(long)]
     pub no_indirect: bool,
-    /// Environment light: linear radiance of a constant sky, or an equirectangular map (.hdr, .exr).
+    /// Limit what a light path may add after its first hit, against single bright pixels: darkens caustics and reflected lamps [default: no limit].
+    #[arg(long, value_name = "L", allow_negative_numbers = true, value_parser = parse_positive)]
+    pub indirect_limit: Option<f64>,
+    /// Without light that is scattered more than once in the roughness of a surface: rough metal gets darker, as in renderers without this model.
+    #[arg(long)]
+    pub no_multiple_scattering: bool,
+    /// Hide surfaces that are not double-sided from behind, as game engines do; shadows and mirrors still show them.
+    #[arg(long)]
+    pub cull: bool,
+    /// Environment light: linear radiance of a constant sky (one number is gray), or an equirectangular map (.hdr, .exr).
     #[arg(long, value_name = "R,G,B|FILE", allow_hyphen_values = true, default_value = "0,0,0")]
     pub sky: Sky,
     /// Exposure compensation of 8- and 16-bit images in EV, or `auto`.

@@ -284,6 +284,15 @@ impl RenderJob {
             settings.insert("roulette".into(), if request.roulette { "on" } else { "off" }.into());
             settings.insert("indirect".into(), if request.indirect { "on" } else { "off" }.into());
         }
+        if request.indirect_limit.is_finite() {
+            settings.insert("indirect-limit".into(), ManifestValue::Float(f64::from(request.indirect_limit)));
+        }
+        if !request.multiple_scattering {
+            settings.insert("multiple-scattering".into(), "off".into());
+        }
+        if request.cull {
+            settings.insert("cull".into(), "on".into());
+        }
         let sky = request.sky.map(|c| ManifestValue::Float(f64::from(c)));
         settings.insert("sky".into(), ManifestValue::List(sky.to_vec()));
         settings.insert("bit-depth".into(), u32::from(self.spec.bit_depth).into());
@@ -337,6 +346,9 @@ fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
         .roulette(spec.roulette)
         .target_error(spec.target_error)
         .indirect(spec.indirect)
+        .indirect_limit(spec.indirect_limit)
+        .multiple_scattering(spec.multiple_scattering)
+        .cull(spec.cull)
         .layers(match spec.ground_truth {
             GroundTruth::Central => wanted.central,
             GroundTruth::All => wanted.all,

@@ -44,7 +44,8 @@ const INTEGRATORS: [(Integrator, &str); 4] = [
 const SENSORS: [(Sensor, &str); 4] =
     [(Sensor::Hd, "hd"), (Sensor::Uhd4k, "4k"), (Sensor::Paper8k, "8k"), (Sensor::Uhd8k, "uhd8k")];
 
-const SKY_FORMS: &str = "give three numbers from 0 up, R,G,B, or an environment map: a file that ends in .hdr or .exr";
+const SKY_FORMS: &str =
+    "give three numbers from 0 up, R,G,B, or one for gray, or an environment map: a file that ends in .hdr or .exr";
 
 /// Returns the name of an integrator on the command line and in files.
 #[must_use]
@@ -123,7 +124,7 @@ impl FromStr for Shard {
 impl FromStr for Sky {
     type Err = String;
 
-    /// Parses `R,G,B`, or the path of a file that ends in `.hdr` or `.exr`.
+    /// Parses `R,G,B`, one number for gray, or the path of a file that ends in `.hdr` or `.exr`.
     fn from_str(text: &str) -> Result<Self, String> {
         let lower = text.to_ascii_lowercase();
         if lower.ends_with(".hdr") || lower.ends_with(".exr") {
@@ -134,7 +135,11 @@ impl FromStr for Sky {
             .map(|part| part.trim().parse::<f32>().ok().filter(|x| *x >= 0.0 && x.is_finite()))
             .collect::<Option<_>>()
             .ok_or(SKY_FORMS)?;
-        <[f32; 3]>::try_from(parts).map(Self::Constant).map_err(|_| SKY_FORMS.into())
+        match parts[..] {
+            [gray] => Ok(Self::Constant([gray; 3])),
+            [r, g, b] => Ok(Self::Constant([r, g, b])),
+            _ => Err(SKY_FORMS.into()),
+        }
     }
 }
 
@@ -245,6 +250,11 @@ impl RenderSpec {
         set("max-bounces", self.max_bounces.to_string());
         set("no-roulette", (!self.roulette).to_string());
         set("no-indirect", (!self.indirect).to_string());
+        if self.indirect_limit.is_finite() {
+            set("indirect-limit", self.indirect_limit.to_string());
+        }
+        set("no-multiple-scattering", (!self.multiple_scattering).to_string());
+        set("cull", self.cull.to_string());
         set(
             "sky",
             match &self.sky {
@@ -315,6 +325,9 @@ impl RenderSpec {
             "max-bounces" => self.max_bounces = number(value)?,
             "no-roulette" => self.roulette = !number::<bool>(value)?,
             "no-indirect" => self.indirect = !number::<bool>(value)?,
+            "indirect-limit" => self.indirect_limit = parse_positive(value)? as f32,
+            "no-multiple-scattering" => self.multiple_scattering = !number::<bool>(value)?,
+            "cull" => self.cull = number(value)?,
             "sky" if value == MAP => {}
             "sky" => self.sky = value.parse()?,
             "exposure" => self.exposure = value.parse()?,
@@ -409,6 +422,9 @@ mod tests {
             samples: Some(3),
             target_error: Some(0.05),
             roulette: false,
+            indirect_limit: 2.5,
+            multiple_scattering: false,
+            cull: true,
             sky: Sky::Constant([1.0, 0.25, 0.0]),
             exposure: Exposure::Ev(-1.5),
             ground_truth: GroundTruth::All,
@@ -449,6 +465,8 @@ mod tests {
         assert_eq!("0.2, 0.3,1".parse(), Ok(Sky::Constant([0.2, 0.3, 1.0])));
         assert!("1,2".parse::<Sky>().is_err() && "1,2,-3".parse::<Sky>().is_err());
         assert_eq!("a,b/Sky.HDR".parse(), Ok(Sky::Map("a,b/Sky.HDR".into())));
+        assert_eq!("0.5".parse::<Sky>(), Ok(Sky::Constant([0.5; 3])));
+        assert!("1,2".parse::<Sky>().is_err() && "".parse::<Sky>().is_err());
         assert!("sky.png".parse::<Sky>().unwrap_err().contains(".exr"));
     }
 }

@@ -25,6 +25,12 @@ pub struct RenderSpec {
     pub roulette: bool,
     /// Whether `Integrator::Auto` includes indirect light between diffuse surfaces.
     pub indirect: bool,
+    /// The largest radiance that a path may add at a vertex after the first; infinite: no limit (unbiased).
+    pub indirect_limit: f32,
+    /// Whether light is scattered more than once between the microfacets of rough surfaces.
+    pub multiple_scattering: bool,
+    /// Whether the backs of surfaces that are not double-sided are invisible to the camera.
+    pub cull: bool,
     /// Environment light.
     pub sky: Sky,
     /// Exposure compensation of 8- and 16-bit images.
@@ -160,6 +166,9 @@ impl Default for RenderSpec {
             max_bounces: 8,
             roulette: true,
             indirect: true,
+            indirect_limit: f32::INFINITY,
+            multiple_scattering: true,
+            cull: false,
             sky: Sky::Constant([0.0; 3]),
             exposure: Exposure::Automatic,
             ground_truth: GroundTruth::Central,

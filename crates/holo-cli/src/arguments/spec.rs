@@ -30,6 +30,9 @@ impl JobOptions {
         spec.max_bounces = self.max_bounces;
         spec.roulette = !self.no_roulette;
         spec.indirect = !self.no_indirect;
+        spec.indirect_limit = self.indirect_limit.map_or(f32::INFINITY, |limit| limit as f32);
+        spec.multiple_scattering = !self.no_multiple_scattering;
+        spec.cull = self.cull;
         spec.sky = self.sky.clone();
         spec.exposure = self.exposure;
         spec.ground_truth = self.ground_truth;
