@@ -186,7 +186,12 @@ fn reflecting(normal: [f32; 3], viewer: [f32; 3], geometric: [f32; 3]) -> [f32; 
     }
     let lift = (MIN_COSINE - dot(half, geometric)).max(0.0);
     for axis in 0..3 {
-        half[axis] += geometric[axis] * lift + viewer[axis];
+        half[axis] += geometric[axis] * lift;
+    }
+    // The lifted mirror direction, and between it and the viewer the normal.
+    let unit = 1.0 / dot(half, half).sqrt();
+    for axis in 0..3 {
+        half[axis] = half[axis] * unit + viewer[axis];
     }
     let unit = 1.0 / dot(half, half).sqrt();
     let turned = (lift > 0.0) & unit.is_finite();
@@ -312,5 +317,9 @@ mod tests {
             turned += u32::from(found != normal);
         }
         assert!(turned > 10, "{turned}");
+        // Seen from above, a slope of 80 degrees becomes one of 45, whose mirror direction is level.
+        let steep = unit([(80.0_f32).to_radians().sin(), 0.0, (80.0_f32).to_radians().cos()]);
+        let found = reflecting(steep, up, up);
+        assert!((found[2] - std::f32::consts::FRAC_1_SQRT_2).abs() < 3e-3, "{found:?}");
     }
 }
