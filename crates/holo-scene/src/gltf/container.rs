@@ -103,6 +103,10 @@ pub(super) fn parse(json: &[u8]) -> Result<Value, Error> {
         None if by_name => return Err(foreign::old_gltf("glTF JSON")),
         None => return Err(root.missing("asset")),
     };
+    // Some exporters wrote the version 1 as a number.
+    if asset.number("version").is_ok_and(|version| version.is_some_and(|version| version < 2.0)) {
+        return Err(foreign::old_gltf("asset.version"));
+    }
     let Some(version) = asset.string("version")? else {
         return Err(if by_name { foreign::old_gltf("glTF JSON") } else { asset.missing("version") });
     };

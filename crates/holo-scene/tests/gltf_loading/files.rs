@@ -206,6 +206,7 @@ fn other_formats_are_named_with_a_cure() {
         (png(1, 1, &[[0; 4]]), "an image (png)", ".glb"),
         (old, "glTF version 1", "npx gltf-pipeline"),
         (br#"{"asset":{"version":"1.0"},"meshes":{}}"#.to_vec(), "glTF version 1", "npx gltf-pipeline"),
+        (br#"{"asset":{"version":1.0},"meshes":[]}"#.to_vec(), "glTF version 1", "npx gltf-pipeline"),
         (br#"{"meshes":{"cube":{}}}"#.to_vec(), "glTF version 1", "npx gltf-pipeline"),
     ];
     for (bytes, kind, cure) in cases {
