@@ -46,6 +46,7 @@ mod coincident;
 mod error;
 mod material;
 mod scene;
+mod tangents;
 mod transform;
 mod validate;
 

@@ -77,7 +77,7 @@ pub enum Alpha {
 }
 
 /// A tangent-space normal map. The texels (r, g, b) give the normal ((2 r - 1) scale, (2 g - 1) scale, 2 b - 1) along
-/// the directions in which the texture coordinates u and -v increase, and the normal.
+/// tangent, bitangent and normal of the mesh ([`Mesh::tangents`](crate::Mesh::tangents)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalMap {
     /// Linear RGB.
@@ -157,6 +157,11 @@ impl Default for Material {
 }
 
 impl Material {
+    /// The texture coordinate set that tangents follow, if the material needs tangents.
+    pub(crate) fn tangent_set(&self) -> Option<usize> {
+        self.normal_map.map(|map| map.texture.set)
+    }
+
     /// All texture references of the material, with the names of their fields.
     pub(crate) fn textures(&self) -> impl Iterator<Item = (&'static str, TextureInfo)> {
         [

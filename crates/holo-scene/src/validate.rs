@@ -55,6 +55,7 @@ impl Scene {
         check_index(at, "material", mesh.material, "materials", self.materials.len())?;
         let lengths = [
             ("normals", mesh.normals.len()),
+            ("tangents", mesh.tangents.len()),
             ("texture_coordinates", mesh.texture_coordinates.len()),
             ("second_texture_coordinates", mesh.second_texture_coordinates.len()),
             ("colors", mesh.colors.len()),
@@ -68,6 +69,8 @@ impl Scene {
         check_all(k, "positions", &mesh.positions, |p| p.iter().all(|x| x.is_finite()), "must be finite")?;
         let unit = |n: &[f32; 3]| (squared_length(n.map(f64::from)) - 1.0).abs() <= NORMAL_TOLERANCE;
         check_all(k, "normals", &mesh.normals, unit, "must have length 1")?;
+        let tangent = |t: &[f32; 4]| unit(&[t[0], t[1], t[2]]) && t[3].abs() == 1.0;
+        check_all(k, "tangents", &mesh.tangents, tangent, "must have length 1 and the sign 1 or -1")?;
         let finite = |p: &[f32; 2]| p.iter().all(|x| x.is_finite());
         check_all(k, "texture_coordinates", &mesh.texture_coordinates, finite, "must be finite")?;
         check_all(k, "second_texture_coordinates", &mesh.second_texture_coordinates, finite, "must be finite")?;

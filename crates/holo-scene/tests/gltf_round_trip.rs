@@ -72,6 +72,7 @@ fn mesh(materials: usize) -> impl Strategy<Value = Mesh> {
                 name,
                 positions,
                 normals,
+                tangents: Vec::new(),
                 texture_coordinates: coordinates[0].clone(),
                 second_texture_coordinates: coordinates[1].clone(),
                 colors,
@@ -242,7 +243,8 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn scenes_come_back_equal(scene in scene()) {
+    fn scenes_come_back_equal(mut scene in scene()) {
+        scene.add_tangents().unwrap();
         let bytes = to_glb(&scene).unwrap();
         let loaded = load_slice(&bytes, &Limits::default()).unwrap();
         prop_assert_eq!(&loaded.scene, &scene);

@@ -5,13 +5,12 @@
 
 mod emission;
 mod lookup;
+mod normal_map;
 mod scattering;
 
 use std::collections::BTreeMap;
 
-use crate::accel::RayHits;
 use crate::geometry::{Geometry, Hit, InstanceData};
-use crate::material::SurfaceInteraction;
 use crate::material::media::{Medium, MediumId};
 use crate::material::texture;
 use holo_core::color::srgb8_to_linear_table;
@@ -204,71 +203,6 @@ impl Appearance {
     #[inline(always)]
     fn linear_texel(&self, lookup: &TextureLookup, point: &SurfacePoint) -> [f32; 3] {
         texture::sample(&self.textures[lookup.texture], &self.linear, point.coordinates(lookup))
-    }
-
-    /// Applies the normal map to the shading normal of one lane.
-    ///
-    /// The axes of the map are the directions on the triangle in which u and -v increase, orthogonalized to the normal.
-    /// They are computed per triangle and not interpolated (tangents of a mesh are not read).
-    #[inline(always)]
-    fn apply_normal_map(&self, geometry: &Geometry, packet: &RayHits, lane: usize, out: &mut SurfaceInteraction) {
-        let point = SurfacePoint::new(geometry, out.triangle[lane], [packet.hits.u[lane], packet.hits.v[lane]]);
-        let material = &self.materials[point.instance.material as usize];
-        let Some((lookup, scale)) = &material.normal_map else { return };
-        if !point.instance.textured[lookup.set] {
-            return;
-        }
-        let [a, b, c] = geometry.texture_coordinates_of(point.triangle, lookup.set);
-        let [(u1, v1), (u2, v2)] = [(b[0] - a[0], b[1] - a[1]), (c[0] - a[0], c[1] - a[1])];
-        let area = u1 * v2 - u2 * v1;
-        if area == 0.0 {
-            return;
-        }
-        let corners = geometry.corners(point.triangle);
-        // The map applies to the front; the shading normal may face the back.
-        let side = out.side[lane];
-        let mut normal = [0.0; 3];
-        let mut tangent = [0.0; 3];
-        let mut along = 0.0;
-        for axis in 0..3 {
-            let (first, second) = (corners[1][axis] - corners[0][axis], corners[2][axis] - corners[0][axis]);
-            normal[axis] = out.shading_normal[axis][lane] * side;
-            tangent[axis] = (first * v2 - second * v1) * area.signum();
-            along += tangent[axis] * normal[axis];
-        }
-        let mut squared = 0.0f32;
-        for axis in 0..3 {
-            tangent[axis] -= normal[axis] * along;
-            squared += tangent[axis] * tangent[axis];
-        }
-        let unit = 1.0 / squared.sqrt();
-        if !unit.is_finite() {
-            return;
-        }
-        for axis in 0..3 {
-            tangent[axis] *= unit;
-        }
-        // Upward in the image, against v: to the left of u unless the coordinates or the placement are mirrored.
-        let turn = -area.signum() * geometry.orientation(point.triangle);
-        let bitangent = [
-            (normal[1] * tangent[2] - normal[2] * tangent[1]) * turn,
-            (normal[2] * tangent[0] - normal[0] * tangent[2]) * turn,
-            (normal[0] * tangent[1] - normal[1] * tangent[0]) * turn,
-        ];
-        let [r, g, b] = self.linear_texel(lookup, &point);
-        let (x, y, z) = ((2.0 * r - 1.0) * scale, (2.0 * g - 1.0) * scale, 2.0 * b - 1.0);
-        let mut mapped = [0.0; 3];
-        let mut squared = 0.0f32;
-        for axis in 0..3 {
-            mapped[axis] = tangent[axis] * x + bitangent[axis] * y + normal[axis] * z;
-            squared += mapped[axis] * mapped[axis];
-        }
-        let unit = side / squared.sqrt();
-        if unit.is_finite() {
-            for axis in 0..3 {
-                out.shading_normal[axis][lane] = mapped[axis] * unit;
-            }
-        }
     }
 }
 
