@@ -277,4 +277,6 @@ impl Renderer {
 #[cfg(test)]
 mod instancing_tests;
 #[cfg(test)]
+mod layer_tests;
+#[cfg(test)]
 mod tests;

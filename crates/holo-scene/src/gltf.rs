@@ -33,7 +33,8 @@
 //! Materials are read completely, with the defaults of the specification (the default material is a rough white metal;
 //! a dielectric without `KHR_materials_specular` has the reflection of index 1.5): metallic-roughness, normal maps,
 //! emission, alpha, `doubleSided`, and the extensions `KHR_materials_emissive_strength`, `_ior`, `_specular`,
-//! `_transmission`, `_unlit`, `_volume` and `KHR_texture_transform`. Occlusion textures are ignored without a warning,
+//! `_transmission`, `_unlit`, `_volume`, `_clearcoat`, `_sheen`, `_anisotropy`, `_iridescence`, `_dispersion`,
+//! `_diffuse_transmission` and `KHR_texture_transform`. Occlusion textures are ignored without a warning,
 //! because renderers compute occlusion. Of the thickness of a volume only matters whether it is above 0 (0: a thin
 //! pane); attenuation distances are in world units. An index of refraction of 0, which means infinity in the
 //! specification, becomes 1000 (99.6 % reflectance at normal incidence), with a warning. Black attenuation is clamped
@@ -54,8 +55,7 @@
 //! about files of Blender.
 //!
 //! # Not supported
-//! Other extensions (clearcoat, sheen, iridescence, anisotropy,
-//! dispersion, ...) cause a warning if they are used, and an error if they are required. Files of other formats (OBJ,
+//! Other extensions (volume scattering, ...) cause a warning if they are used, and an error if they are required. Files of other formats (OBJ,
 //! FBX, USD, Blender, glTF 1.0, ...) are errors that say how to get a `.glb` from them.
 //!
 //! # Untrusted files

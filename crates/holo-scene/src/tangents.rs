@@ -11,7 +11,7 @@ use crate::{Error, Mesh, Scene};
 
 impl Scene {
     /// Adds tangents to the meshes that need them and have none: those with vertex normals and texture coordinates
-    /// whose material has a normal map, for the coating or the surface below, or an anisotropic roughness. The loader
+    /// whose material has a normal map (of its clearcoat, too) or an anisotropic roughness. The loader
     /// of glTF files calls it. A mesh that is built in code and is not given tangents keeps the axes of its triangles,
     /// see [`Mesh::tangents`].
     ///

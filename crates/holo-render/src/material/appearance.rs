@@ -4,9 +4,12 @@
 //! transmission, emission) are evaluated only for packets that contain such a material ([`MaterialFlags`]).
 
 mod emission;
+mod layers;
 mod lookup;
 mod normal_map;
 mod scattering;
+
+pub(crate) use layers::Lane;
 
 use std::collections::BTreeMap;
 
@@ -32,7 +35,7 @@ pub(crate) struct Appearance {
 pub(crate) struct MaterialFlags(u8);
 
 impl MaterialFlags {
-    /// Metal, transmission or a specular coat.
+    /// Metal, transmission, a specular coat or layers.
     pub const GLOSSY: Self = Self(1);
     /// Emission.
     pub const EMISSIVE: Self = Self(2);
@@ -44,6 +47,8 @@ impl MaterialFlags {
     pub const VOLUME: Self = Self(16);
     /// Alpha other than opaque.
     pub const ALPHA: Self = Self(32);
+    /// Layers and lobes of [`crate::material::bsdf::layered`].
+    pub const LAYERED: Self = Self(64);
 
     #[inline(always)]
     pub const fn has(self, flag: Self) -> bool {
@@ -61,10 +66,12 @@ struct Material {
     flags: MaterialFlags,
     base_color: [f32; 4],
     base_color_texture: Option<TextureLookup>,
-    normal_map: Option<(TextureLookup, f32)>,
+    normal_map: Option<NormalMapLookup>,
     alpha: Alpha,
     emission: emission::Emission,
     scattering: scattering::Scattering,
+    /// Those of few materials; on the heap, so that others stay small.
+    layers: Option<Box<layers::Layers>>,
 }
 
 /// A texture with its coordinate transform: u' = a u + b v + c, v' = d u + e v + f.
@@ -93,6 +100,9 @@ impl TextureLookup {
         }
     }
 }
+
+/// A normal map with its scale.
+type NormalMapLookup = (TextureLookup, f32);
 
 /// A point on a triangle.
 #[derive(Clone, Copy)]
@@ -129,7 +139,10 @@ impl Appearance {
     pub fn new(materials: &[holo_scene::Material], textures: &[Texture]) -> Self {
         let mut linear = [0.0; 256];
         linear.iter_mut().enumerate().for_each(|(code, value)| *value = code as f32 / 255.0);
-        let mut materials: Vec<Material> = materials.iter().map(Material::new).collect();
+        let is_dispersive = |material: &holo_scene::Material| material.volume.is_some() && material.dispersion > 0.0;
+        let any_dispersive = materials.iter().any(is_dispersive);
+        let mut materials: Vec<Material> =
+            materials.iter().map(|material| Material::new(material, any_dispersive)).collect();
         let media = number_media(&mut materials);
         Self { materials, media, textures: textures.to_vec(), srgb: srgb8_to_linear_table(), linear }
     }
@@ -213,7 +226,7 @@ fn number_media(materials: &mut [Material]) -> Vec<Medium> {
     for material in materials {
         let Some(medium) = material.scattering.medium() else { continue };
         let [r, g, b] = medium.absorption.map(f32::to_bits);
-        let number = *known.entry([medium.ior.to_bits(), r, g, b]).or_insert_with(|| {
+        let number = *known.entry([medium.ior.to_bits(), medium.dispersion.to_bits(), r, g, b]).or_insert_with(|| {
             media.push(medium);
             media.len() - 1
         });
@@ -223,12 +236,15 @@ fn number_media(materials: &mut [Material]) -> Vec<Medium> {
 }
 
 impl Material {
-    fn new(material: &holo_scene::Material) -> Self {
+    /// `any_dispersive`: whether any body of glass of the scene has dispersion.
+    fn new(material: &holo_scene::Material, any_dispersive: bool) -> Self {
         let normal_map = material.normal_map.map(|NormalMap { texture, scale }| (TextureLookup::new(texture), scale));
         let emission = emission::Emission::new(material);
         let scattering = scattering::Scattering::new(material);
+        let layers = layers::Layers::new(material, any_dispersive && scattering.medium().is_some());
         let flags = [
-            (MaterialFlags::GLOSSY, scattering.is_glossy() && !material.unlit),
+            (MaterialFlags::GLOSSY, (scattering.is_glossy() || layers.is_some()) && !material.unlit),
+            (MaterialFlags::LAYERED, layers.is_some() && !material.unlit),
             (MaterialFlags::EMISSIVE, emission.is_emissive() && !material.unlit),
             (MaterialFlags::UNLIT, material.unlit),
             (MaterialFlags::NORMAL_MAP, normal_map.is_some()),
@@ -246,6 +262,7 @@ impl Material {
             alpha: material.alpha,
             emission,
             scattering,
+            layers,
         }
     }
 }

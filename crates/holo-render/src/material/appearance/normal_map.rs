@@ -1,6 +1,6 @@
 //! Normal maps: the shading normal that a texel gives, along the axes of the surface.
 
-use super::{Appearance, SurfacePoint, TextureLookup, mix};
+use super::{Appearance, NormalMapLookup, SurfacePoint, mix};
 use crate::accel::RayHits;
 use crate::geometry::Geometry;
 use crate::material::SurfaceInteraction;
@@ -45,7 +45,7 @@ impl Appearance {
     #[inline(always)]
     pub(super) fn mapped_normal(
         &self,
-        (lookup, scale): &(TextureLookup, f32),
+        (lookup, scale): &NormalMapLookup,
         point: &SurfacePoint,
         axes: &TangentAxes,
         normal: [f32; 3],
