@@ -1,21 +1,21 @@
 //! glTF 2.0: `.glb`, and `.gltf` with external files or data URIs.
 //!
 //! # Geometry
-//! The loader reads the node hierarchy of the default scene, composed in f64; triangles, strips and fans, indexed or
-//! not, with normals, tangents, vertex colors and two sets of texture coordinates (`TEXCOORD_0` and `_1`; if the textures of a
-//! material use other sets, those); sparse and normalized accessors; cameras; and the lights of `KHR_lights_punctual`.
-//! Instances, lights and cameras are in the order of their nodes in the file. Tangents are read only for materials that
-//! use them (normal maps, anisotropy); where a smooth mesh has none, those of MikkTSpace are computed
-//! ([`Scene::add_tangents`]).
+//! The loader reads the node hierarchy of the default scene, composed in f64; triangles, strips and fans,
+//! indexed or not, with normals, tangents, vertex colors and two sets of texture coordinates (`TEXCOORD_0` and `_1`; if
+//! the textures of a material use other sets, those); sparse and normalized accessors; cameras; and the lights of
+//! `KHR_lights_punctual`. Instances, lights and cameras are in the order of their nodes in the file. Tangents are read
+//! only for materials that use them (normal maps, anisotropy); where a smooth mesh has none, those of MikkTSpace are
+//! computed ([`Scene::add_tangents`]).
 //!
 //! `EXT_mesh_gpu_instancing` gives an instance for every element of its accessors; `KHR_node_visibility` hides meshes
 //! and lights, not cameras. A scene may list a node that is the child of another: it is drawn once, as that child.
 //!
 //! # Pose
-//! The scene is drawn in the pose of its nodes; animations are ignored with a warning. Morph targets move positions,
-//! normals and tangents by the weights of the node, else of the mesh. A skin places vertices by all sets of joints and weights; the
-//! transform of the node has no effect then, as the specification demands. Nodes with a skin or weights of their own
-//! have meshes of their own, which count against [`Limits`], as does every pass of a morph target.
+//! The scene is drawn in the pose of its nodes; animations are ignored with a warning. Morph targets move
+//! positions, normals and tangents by the weights of the node, else of the mesh. A skin places vertices by all sets of
+//! joints and weights; the transform of the node has no effect then, as the specification demands. Nodes with a skin or
+//! weights of their own have meshes of their own, which count against [`Limits`], as does every pass of a morph target.
 //!
 //! # Compressed and quantized geometry
 //! - `KHR_mesh_quantization`: positions, normals and texture coordinates of 8 or 16 bits. Integers become floats by the
@@ -40,9 +40,9 @@
 //! specification, becomes 1000 (99.6 % reflectance at normal incidence), with a warning. Black attenuation is clamped
 //! slightly above 0.
 //!
-//! `KHR_materials_pbrSpecularGlossiness` becomes a dielectric with the same reflectance at normal incidence and the same
-//! roughness; its diffuse part is dimmed by what the renderer's coat reflects instead of by the largest channel of the
-//! specular color. [`LoadOptions::material_variant`] chooses a variant of `KHR_materials_variants`.
+//! `KHR_materials_pbrSpecularGlossiness` becomes a dielectric with the same reflectance at normal incidence and the
+//! same roughness; its diffuse part is dimmed by what the renderer's coat reflects instead of by the largest channel of
+//! the specular color. [`LoadOptions::material_variant`] chooses a variant of `KHR_materials_variants`.
 //!
 //! # Textures
 //! PNG, JPEG and WebP (also `EXT_texture_webp`), with wrap modes and the filter for magnification; 16-bit images are
@@ -55,8 +55,9 @@
 //! about files of Blender.
 //!
 //! # Not supported
-//! Other extensions (volume scattering, ...) cause a warning if they are used, and an error if they are required. Files of other formats (OBJ,
-//! FBX, USD, Blender, glTF 1.0, ...) are errors that say how to get a `.glb` from them.
+//! Other extensions (volume scattering, ...) cause a warning if they are used, and an error if they are
+//! required. Files of other formats (OBJ, FBX, USD, Blender, glTF 1.0, ...) are errors that say how to get a `.glb`
+//! from them.
 //!
 //! # Untrusted files
 //! A file is either loaded or rejected with an [`Error`] that says where. All sizes are checked against [`Limits`]

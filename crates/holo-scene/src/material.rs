@@ -49,8 +49,8 @@ pub struct Material {
     pub transmission_texture: Option<TextureInfo>,
     /// The volume that the surface encloses; without it glass is a thin pane without refraction.
     pub volume: Option<Volume>,
-    /// `dispersion` of KHR_materials_dispersion, 20 / Abbe number, at least 0: how much the index of refraction of a body
-    /// of glass depends on the wavelength. Without a volume it has no effect.
+    /// `dispersion` of KHR_materials_dispersion, 20 / Abbe number, at least 0: how much the index of refraction of a
+    /// body of glass depends on the wavelength. Without a volume it has no effect.
     pub dispersion: f32,
     /// A clear coat over everything else.
     pub clearcoat: Option<Clearcoat>,
@@ -114,8 +114,8 @@ pub struct Anisotropy {
     pub strength: f32,
     /// The angle of that direction from the tangent towards the bitangent, rad.
     pub rotation_rad: f32,
-    /// Red and green: the direction before the rotation, (2 r - 1, 2 g - 1) along tangent and bitangent; blue: factor of
-    /// the strength; all linear.
+    /// Red and green: the direction before the rotation, (2 r - 1, 2 g - 1) along tangent and bitangent; blue: factor
+    /// of the strength; all linear.
     pub texture: Option<TextureInfo>,
 }
 

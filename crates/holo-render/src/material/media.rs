@@ -16,8 +16,8 @@ pub(crate) const MAX_MEDIA: usize = MediumId::MAX as usize;
 /// Dominant wavelengths of red, green and blue of sRGB, nm.
 const DOMINANT_NM: [f32; 3] = [611.4, 549.1, 464.2];
 
-/// Cauchy's equation with two terms: n - n(yellow) = (n(yellow) - 1) / Abbe number * (this / wavelength^2 - its value at
-/// 587.6 nm), so that the blue and red lines of hydrogen (486.1 and 656.3 nm) differ by (n - 1) / Abbe number.
+/// Cauchy's equation with two terms: n - n(yellow) = (n(yellow) - 1) / Abbe number * (this / wavelength^2 - its value
+/// at 587.6 nm), so that the blue and red lines of hydrogen (486.1 and 656.3 nm) differ by (n - 1) / Abbe number.
 const CAUCHY_NM2: f32 = 523_655.0;
 const CAUCHY_AT_YELLOW: f32 = 1.5168;
 

@@ -30,9 +30,9 @@ const FAR_PLANE_M: f64 = 1e6;
 ///
 /// # Accuracy
 /// `load_slice(to_glb(scene))` gives an equal scene, except for the environment map and for what
-/// [`Scene::add_tangents`] adds (a scene without normal maps, or a loaded one, has nothing to add). Light directions and camera axes
-/// are bitwise equal if their squared lengths and products are within 1e-12 of the exact values; otherwise they are
-/// normalized (a change below 2e-6).
+/// [`Scene::add_tangents`] adds (a scene without normal maps, or a loaded one, has nothing to add). Light directions
+/// and camera axes are bitwise equal if their squared lengths and products are within 1e-12 of the exact values;
+/// otherwise they are normalized (a change below 2e-6).
 ///
 /// # Errors
 /// [`Error::BadScene`] for a scene that does not pass [`Scene::validate`], a mesh without triangles (which glTF does

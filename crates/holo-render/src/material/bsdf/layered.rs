@@ -4,25 +4,25 @@
 //! Without any of these it is the BSDF of [`super`] (verified by a test). It is scalar and is not compiled into the
 //! kernels, so that materials without such lobes pay for none of it.
 //!
-//! - **Clearcoat** (KHR_materials_clearcoat): a GGX lobe of a dielectric of index 1.5 over everything else, with a normal
-//!   of its own. **Sheen** ([`sheen`]) lies below it. With E the directional albedo of a layer times its weight, the
-//!   light that reaches what is below, and returns from there, is multiplied by min(1 - E(out), 1 - E(into)), as
-//!   KHR_materials_sheen specifies for sheen. KHR_materials_clearcoat has 1 - F(out) alone, which is not reciprocal. The
-//!   minimum conserves energy whatever is below, exactly for a mirror; of white diffuse light it loses up to 5 % under a
-//!   smooth clearcoat (the light that is reflected back to the surface is not modeled).
-//! - **Iridescence** ([`film`]): the Fresnel term of metal, of the dielectric coat over diffuse and of glass is mixed with
-//!   that of a thin film. What the coat leaves for the diffuse lobe is then the minimum, too.
-//! - **Anisotropy** ([`facet`]): an alpha along the tangent and one across. The albedo W of its lobe is integrated where it
-//!   is needed ([`facet::albedo`]). Light that is scattered more than once multiplies the lobe by 1 / max(W(out), W(into))
-//!   instead of the gains of [`super::multiple_scattering`]: it conserves energy and is reciprocal, but white metal loses
-//!   up to 13 %, and may gain 2 % by the error of W (verified by a test). What the coat leaves for the diffuse lobe is
-//!   the minimum, as under a film.
-//! - **Dispersion**: an index of refraction for each channel. A path that is refracted by a smooth surface continues with
-//!   one channel, chosen with equal probability among those that carry light; elsewhere all channels share their
+//! - **Clearcoat** (KHR_materials_clearcoat): a GGX lobe of a dielectric of index 1.5 over everything else, with a
+//!   normal of its own. **Sheen** ([`sheen`]) lies below it. With E the directional albedo of a layer times its weight,
+//!   the light that reaches what is below, and returns from there, is multiplied by min(1 - E(out), 1 - E(into)), as
+//!   KHR_materials_sheen specifies for sheen. KHR_materials_clearcoat has 1 - F(out) alone, which is not reciprocal.
+//!   The minimum conserves energy whatever is below, exactly for a mirror; of white diffuse light it loses up to 5 %
+//!   under a smooth clearcoat (the light that is reflected back to the surface is not modeled).
+//! - **Iridescence** ([`film`]): the Fresnel term of metal, of the dielectric coat over diffuse and of glass is mixed
+//!   with that of a thin film. What the coat leaves for the diffuse lobe is then the minimum, too.
+//! - **Anisotropy** ([`facet`]): an alpha along the tangent and one across. The albedo W of its lobe is integrated
+//!   where it is needed ([`facet::albedo`]). Light that is scattered more than once multiplies the lobe by 1 /
+//!   max(W(out), W(into)) instead of the gains of [`super::multiple_scattering`]: it conserves energy and is
+//!   reciprocal, but white metal loses up to 13 %, and may gain 2 % by the error of W (verified by a test). What the
+//!   coat leaves for the diffuse lobe is the minimum, as under a film.
+//! - **Dispersion**: an index of refraction for each channel. A path that is refracted by a smooth surface continues
+//!   with one channel, chosen with equal probability among those that carry light; elsewhere all channels share their
 //!   samples, whose pdf is the mean of the pdfs of the channels (balance heuristic). Unbiased.
-//! - **Diffuse transmission** (KHR_materials_diffuse_transmission): a share of the diffuse lobe leaves on the other side,
-//!   with a color of its own. Radiance behind the surface of a body is larger by eta^2; since both sides transmit the same
-//!   share, the lobe conserves energy there, but is reciprocal for thin surfaces alone.
+//! - **Diffuse transmission** (KHR_materials_diffuse_transmission): a share of the diffuse lobe leaves on the other
+//!   side, with a color of its own. Radiance behind the surface of a body is larger by eta^2; since both sides transmit
+//!   the same share, the lobe conserves energy there, but is reciprocal for thin surfaces alone.
 //!
 //! # Energy
 //! White surfaces under white layers gain nothing and lose at most 5 % (clearcoat), 14 % (sheen), 9 % (a film over a
