@@ -127,13 +127,13 @@ fn rough_materials_keep_their_energy() {
     }
 }
 
-/// Bodies of smooth glass with dispersion split paths by channel without a loss, also one inside another.
+/// Bodies of smooth glass with dispersion split paths by channel without a loss.
 #[test]
 fn dispersive_glass_is_invisible() {
     let volume = Some(Volume { attenuation_distance_m: f32::INFINITY, attenuation_color: [1.0; 3] });
     let glass = Material { roughness: 0.0, specular: 1.0, transmission: 1.0, volume, ..Material::default() };
     let (mean, ..) = furnace(Material { dispersion: 2.0, ..glass }, 256, 1000);
-    assert!((mean - 1.0).abs() < 5e-3, "{mean}");
+    assert!((mean - 1.0).abs() < 2e-3, "{mean}");
 }
 
 /// Layers over white surfaces gain nothing, and lose what `bsdf/layered.rs` says.
@@ -152,7 +152,7 @@ fn layered_materials_gain_nothing() {
         ("sheen", Material { sheen, ..white.clone() }, 0.14),
         ("film", Material { iridescence: film, ..white.clone() }, 0.09),
         ("film on metal", Material { iridescence: film, metallic: 1.0, ..white.clone() }, 0.01),
-        ("anisotropy", Material { anisotropy: uneven, metallic: 1.0, ..white.clone() }, 0.12),
+        ("anisotropy without a tangent", Material { anisotropy: uneven, metallic: 1.0, ..white.clone() }, 0.01),
         ("diffuse transmission", Material { diffuse_transmission: through(0.5), ..white.clone() }, 0.01),
         ("through a body", Material { diffuse_transmission: through(0.5), volume, ..white.clone() }, 0.01),
     ] {

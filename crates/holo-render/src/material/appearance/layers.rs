@@ -99,6 +99,7 @@ impl Appearance {
             specular_f0: at(&bsdf.specular_f0, lane),
             specular_f90: bsdf.specular_f90[lane],
             eta: [bsdf.eta[lane]; 3],
+            usual_f0: 1.0,
             thin: bsdf.thin[lane],
             multiple_scattering: bsdf.multiple_scattering,
             diffuse_transmission: 0.0,
@@ -155,13 +156,10 @@ impl Appearance {
         if own.dispersion == 0.0 && outside.dispersion == 0.0 {
             return;
         }
-        let usual = fresnel::normal_incidence(own.ior / outside.ior);
+        out.usual_f0 = fresnel::normal_incidence(own.ior / outside.ior);
         for c in 0..3 {
             let ior = own.ior_of(c) / outside.ior_of(c);
             out.eta[c] = if leaves { 1.0 / ior } else { ior };
-            // The reflectance at normal incidence follows the index; its color and factor stay.
-            let scaled = out.specular_f0[c] * (fresnel::normal_incidence(ior) / usual.max(1e-12));
-            out.specular_f0[c] = scaled.min(out.specular_f90);
         }
     }
 

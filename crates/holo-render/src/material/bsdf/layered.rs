@@ -58,6 +58,9 @@ pub(crate) struct Layered {
     pub specular_f90: f32,
     /// For each channel.
     pub eta: [f32; 3],
+    /// The reflectance at normal incidence of the index that `specular_f0` is for; with dispersion that of glass is
+    /// scaled to the index of a channel.
+    pub usual_f0: f32,
     pub thin: bool,
     pub multiple_scattering: bool,
     /// Share of the diffuse lobe that is transmitted, and its color.
@@ -211,10 +214,14 @@ impl Layered {
             return ([1.0; 3], 1.0);
         }
         let weight = fresnel::grazing_weight(interface.reflected, eta);
-        let plain = self.specular_f0.map(|f0| fresnel::interpolate(f0, self.specular_f90, weight));
+        // By the index of the channel for all channels, so that the strongest is that of the specular color.
+        let scale = if self.is_dispersive() { fresnel::normal_incidence(eta) / self.usual_f0.max(1e-12) } else { 1.0 };
+        let specular_f0 =
+            self.specular_f0.map(|f0| if scale == 1.0 { f0 } else { (f0 * scale).min(self.specular_f90) });
+        let plain = specular_f0.map(|f0| fresnel::interpolate(f0, self.specular_f90, weight));
         // The film is seen under the same angle from either side.
         let in_air = if eta < 1.0 { interface.scaled_cosine / eta } else { cosine };
-        let reflected = self.filmed(plain, in_air, self.specular_f0, self.specular_f90);
+        let reflected = self.filmed(plain, in_air, specular_f0, self.specular_f90);
         (reflected, strongest(reflected))
     }
 

@@ -16,6 +16,7 @@ fn layered(one: &One) -> Layered {
         specular_f0: one.f0(),
         specular_f90: one.specular,
         eta: [one.eta; 3],
+        usual_f0: fresnel::normal_incidence(one.eta),
         thin: one.thin,
         multiple_scattering: true,
         diffuse_transmission: 0.0,
@@ -322,7 +323,7 @@ fn dispersion_splits_refraction_without_bias() {
     for c in 0..3 {
         let interface = fresnel::interface(0.6, m.eta[c]);
         let weight = fresnel::grazing_weight(interface.reflected, m.eta[c]);
-        let reflected = fresnel::interpolate(m.specular_f0[c], 1.0, weight);
+        let reflected = fresnel::interpolate(fresnel::normal_incidence(m.eta[c]), 1.0, weight);
         let exact = f64::from((1.0 - reflected) / (m.eta[c] * m.eta[c]));
         assert!((sum[c] - exact).abs() < 2e-3, "{c}: {} {exact}", sum[c]);
     }
