@@ -30,6 +30,7 @@
 
 pub mod options;
 
+mod checkpoint;
 mod describe;
 mod diagnostics;
 mod error;
@@ -48,6 +49,7 @@ mod source;
 mod spec;
 mod verify;
 
+pub use checkpoint::Checkpoints;
 pub use diagnostics::{About, Deduplicated, Diagnostics};
 pub use error::Error;
 pub use files::validate;
