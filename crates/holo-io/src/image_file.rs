@@ -24,6 +24,11 @@ pub(crate) fn is_image_name(path: &Path) -> bool {
     endings.iter().any(has)
 }
 
+/// The extension of a name in lower case; empty if there is none.
+pub(crate) fn extension(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
+}
+
 /// Reads the header of a PNG or TIFF.
 pub(crate) fn read_image_info(path: &Path) -> Result<ImageInfo, Error> {
     #[cfg(feature = "tiff")]

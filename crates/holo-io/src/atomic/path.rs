@@ -36,7 +36,6 @@ impl AtomicPath {
     }
 
     /// The path that it has until `commit`.
-    #[cfg(feature = "hdf5")]
     pub(crate) fn temporary_path(&self) -> &Path {
         self.temporary.path()
     }
