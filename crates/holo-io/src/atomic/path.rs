@@ -31,6 +31,7 @@ impl AtomicPath {
     }
 
     /// The path that the file will have.
+    #[cfg(any(feature = "mat", feature = "hdf5"))]
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
