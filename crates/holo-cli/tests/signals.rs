@@ -119,3 +119,58 @@ fn a_killed_render_leaves_only_whole_files_and_the_next_one_cleans_up() {
     assert_eq!(bench.list("out"), DEFAULT_FILES, "the leftovers are gone");
     assert_eq!(bench.run("verify out").code, Some(0));
 }
+
+/// Seconds of rendering, in many tiles.
+const SLOW: &str = "--lenses 60x40 --views 20x20 --spp 16 --sky 1,1,1 --max-bounces 3";
+
+/// Waits until the checkpoint in `folder` has grown.
+fn wait_for_checkpoint(child: &mut Child, folder: &Path, bytes: u64) {
+    let start = Instant::now();
+    let size = |name: &str| std::fs::metadata(folder.join(name)).map_or(0, |found| found.len());
+    loop {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let mut names = entries.map(|entry| entry.file_name().into_string().unwrap());
+        if names.any(|name| name.ends_with(".checkpoint") && size(&name) > bytes) {
+            return;
+        }
+        assert!(child.try_wait().unwrap().is_none(), "it is done before there is a checkpoint");
+        assert!(start.elapsed() < Duration::from_secs(60), "there is no checkpoint");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn the_same_command_continues_after_a_stop_and_after_a_kill() {
+    let bench = Bench::new();
+    let command = |out: &str| format!("render {SCENE} --out {out} {SLOW} --checkpoint 0.1");
+    let undisturbed = bench.run(&format!("render {SCENE} --out whole {SLOW} --checkpoint 0 --threads 1"));
+    assert_eq!(undisturbed.code, Some(0), "{undisturbed:?}");
+    let mut child = start(&bench, &command("out"));
+    wait_for_checkpoint(&mut child, &bench.path("out"), 500_000);
+    signal(&child, "TERM");
+    let stopped = common::wait(child, AT_ONCE).expect("it ends within a second");
+    assert_eq!(stopped.code, Some(1), "{stopped:?}");
+    assert!(stopped.stderr.contains("the same command continues"), "{stopped:?}");
+    assert_eq!(bench.list("out").len(), 1, "the checkpoint alone: {:?}", bench.list("out"));
+    assert!(bench.run("verify out").stderr.contains("unfinished render"));
+
+    let before = std::fs::metadata(bench.path("out").join(&bench.list("out")[0])).unwrap().len();
+    let mut child = start(&bench, &command("out"));
+    wait_for_checkpoint(&mut child, &bench.path("out"), before + 500_000);
+    child.kill().unwrap();
+    child.wait().unwrap();
+
+    let other = bench.run(&format!("{} --views 3x3 --spp 1", command("out").replace("--views 20x20 --spp 16", "")));
+    assert_eq!(other.code, Some(0), "{other:?}");
+    assert!(other.stderr.contains("is not used: --views has changed"), "{other:?}");
+    assert!(!bench.list("out").iter().any(|name| name.ends_with(".checkpoint")), "a finished render has none");
+
+    let mut child = start(&bench, &command("again"));
+    wait_for_checkpoint(&mut child, &bench.path("again"), 500_000);
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let finished = bench.run(&command("again"));
+    assert_eq!(finished.code, Some(0), "{finished:?}");
+    assert!(finished.stderr.contains("note: continues with"), "{finished:?}");
+    assert!(bench.bytes("again") == bench.bytes("whole"));
+}

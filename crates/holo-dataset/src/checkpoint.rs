@@ -41,6 +41,15 @@ pub struct Checkpoints {
     pub folder: Option<PathBuf>,
 }
 
+impl Checkpoints {
+    /// Checkpoints in the output folder with this interval, s; `None` for 0 and what is no interval.
+    #[must_use]
+    pub fn every_seconds(seconds: f64) -> Option<Self> {
+        let every = Duration::try_from_secs_f64(seconds).ok().filter(|every| !every.is_zero())?;
+        Some(Self { every, folder: None })
+    }
+}
+
 impl Default for Checkpoints {
     /// Every 30 s in the output folder.
     fn default() -> Self {

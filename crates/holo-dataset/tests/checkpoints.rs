@@ -425,13 +425,13 @@ fn on_a_full_disk_the_good_part_is_kept() {
     let (folder, expected, tiles) = bench();
     let out = folder.path().join("out");
     // `bash` counts in KiB, others in blocks of 512 bytes. The signal is ignored, so that the write itself fails.
-    let child = start(&out, "trap '' XFSZ; ulimit -f 100;", 0);
+    let child = start(&out, "trap '' XFSZ; ulimit -f 100;", 40);
     let output = child.wait_with_output().unwrap();
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(!output.status.success(), "{text}");
     assert!(text.contains("the last checkpoint could not be written") && text.contains("continues"), "{text}");
     let size = fs::metadata(checkpoint(&out)).unwrap().len();
-    assert!((20_000..=102_400).contains(&size), "{size}");
+    assert!((18_000..=102_400).contains(&size), "{size}: some tiles fit");
     assert_eq!(bytes(&out).len(), 1, "{:?}", bytes(&out).keys());
     let (rendered, lines) = finish(&job(), &out);
     assert!(rendered < tiles && lines.len() == 1 && !lines[0].contains("damaged"), "{rendered} {lines:?}");
