@@ -239,6 +239,8 @@ impl Checkpoint for Keeper<'_> {
     }
 
     fn store(&self, tiles: &mut dyn Iterator<Item = FinishedTile>) -> bool {
+        // The first time this takes longer than what follows.
+        LazyLock::force(&self.key);
         let start = Instant::now();
         let mut file = lock(&self.state).file.take();
         let outcome = self.append(&mut file, tiles);
