@@ -46,11 +46,15 @@ mod coincident;
 mod error;
 mod material;
 mod scene;
+mod tangents;
 mod transform;
 mod validate;
 
 pub use error::Error;
-pub use material::{Alpha, Material, NormalMap, TextureInfo, TextureTransform, Volume};
+pub use material::{
+    Alpha, Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, Material, NormalMap, Sheen, TextureInfo,
+    TextureTransform, Volume,
+};
 pub use scene::{
     Camera, CameraProjection, Environment, Filter, Instance, Light, LightKind, Mesh, Scene, Texture, Wrap,
 };

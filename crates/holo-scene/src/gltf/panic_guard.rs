@@ -36,7 +36,7 @@ pub(super) fn guarded<T>(work: impl FnOnce() -> T) -> T {
 }
 
 /// Runs `work`; a panic in it becomes an error.
-pub(super) fn catch<T>(work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+pub(crate) fn catch<T>(work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
     // Unwind safety: `work` owns its data or only reads it, and everything is discarded on a panic.
     let outcome = catch_unwind(AssertUnwindSafe(|| guarded(work)));
     outcome.unwrap_or_else(|payload| {
