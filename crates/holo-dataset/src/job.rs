@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use holo_core::{GridSize, LightFieldShape, Rig};
+use holo_core::{GridSize, LightFieldShape};
 use holo_io::{CameraPose, Manifest, ManifestValue, ParametersCfg, dataset};
-use holo_render::{GroundTruth, Integrator, Layer, Progress, RayCounts, Rendered, Request};
+use holo_render::{GroundTruth, Integrator, Layer, Progress, Rendered, Request};
 use ndarray::{Array2, Axis};
 
 use crate::diagnostics::{About, Diagnostics};
@@ -16,6 +16,7 @@ use crate::layers::Wanted;
 use crate::options::{self, Options, integrator_name};
 use crate::output_folder::{OutputFolder, Rollback};
 use crate::prepare::{Prepared, Purpose, prepare};
+use crate::report::{RenderReport, Seconds};
 use crate::source::SceneSource;
 use crate::spec::{EngineSpec, Output, RenderSpec, Shard};
 use crate::{Error, shard, sky};
@@ -31,47 +32,6 @@ pub struct RenderJob {
     pub engine: EngineSpec,
     /// The specification as text, for the manifest.
     options: Options,
-}
-
-/// Statistics of a finished render.
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct RenderReport {
-    /// Wall-clock times.
-    pub seconds: Seconds,
-    /// Number of rays by kind.
-    pub rays: RayCounts,
-    /// Number of samples of the light field: views x microlenses x samples a pixel, unless there was a target error.
-    pub samples: u64,
-    /// The ray tracing backend and its version.
-    pub backend: String,
-    /// Number of threads.
-    pub threads: usize,
-    /// The integrator that rendered.
-    pub integrator: Integrator,
-    /// Why it was chosen.
-    pub why: String,
-    /// The rig.
-    pub rig: Rig,
-    /// Smallest and largest finite disparity of the central view, in pixels between horizontally adjacent views.
-    pub disparity_px: Option<(f64, f64)>,
-    /// Names of the files, relative to the folder.
-    pub files: Vec<String>,
-}
-
-/// Wall-clock time by stage, s.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Seconds {
-    /// Reading the scene.
-    pub load: f64,
-    /// Building the acceleration structure.
-    pub build: f64,
-    /// From the first ray to the finished light field in memory, exposure included.
-    pub render: f64,
-    /// Encoding and writing files.
-    pub write: f64,
-    /// All stages.
-    pub total: f64,
 }
 
 impl RenderJob {

@@ -66,6 +66,6 @@ pub use error::Error;
 pub use film::layers::{Layer, LayerSet, Layers};
 pub use film::{exposure, layers};
 pub use integrator::{Integrator, RayCounts};
-pub use progress::Progress;
+pub use progress::{Progress, Tenths};
 pub use render::{GroundTruth, Rendered, Renderer, Request, Views};
 pub use sampling::Sampling;
