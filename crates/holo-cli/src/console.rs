@@ -1,4 +1,5 @@
-//! Lines on standard output and standard error that never end the program: `println!` panics where nobody reads.
+//! Lines on standard output and standard error that never end the program: `println!` panics where nobody reads. And the
+//! memory that they report.
 
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write};
@@ -30,6 +31,13 @@ pub fn say_unless(quiet: bool) -> impl Fn(About, &str) {
             tell(format_args!("{line}"));
         }
     }
+}
+
+/// Peak resident memory of this process, where the system reports it (Linux).
+pub fn peak_rss_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kib| kib * 1024)
 }
 
 /// `println!` with an error instead of a panic.

@@ -11,7 +11,6 @@ mod failure;
 mod interrupt;
 mod progress;
 mod quantities;
-mod report;
 
 use std::process::ExitCode;
 

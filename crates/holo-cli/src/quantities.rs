@@ -1,10 +1,10 @@
 //! Named numbers: a table for people, one JSON object for programs.
 
-use serde_json::{Map, Value, json};
+use holo_dataset::text;
+use serde_json::{Map, Value};
 
 use crate::console::out;
 use crate::failure::Failure;
-use crate::report::short;
 
 /// One number, a range of two, or a size.
 pub struct Quantity {
@@ -21,7 +21,7 @@ impl Quantity {
 
     fn text(&self) -> String {
         let number = |value: &Value| match value.as_f64() {
-            Some(number) => short(number),
+            Some(number) => text::number(number),
             None => value.as_str().unwrap_or_default().to_owned(),
         };
         match &self.value {
@@ -29,14 +29,6 @@ impl Quantity {
             Value::Object(size) => format!("{} x {}", size["columns"], size["rows"]),
             other => number(other),
         }
-    }
-}
-
-/// A number; JSON has neither infinity nor NaN.
-pub fn finite(number: f64) -> Value {
-    match number {
-        number if number.is_finite() => json!(number),
-        number => json!(number.to_string()),
     }
 }
 

@@ -29,7 +29,9 @@
 #![forbid(unsafe_code)]
 
 pub mod options;
+pub mod text;
 
+mod checkpoint;
 mod describe;
 mod diagnostics;
 mod error;
@@ -42,20 +44,25 @@ mod layers;
 mod output_folder;
 mod plan;
 mod prepare;
+mod report;
 mod shard;
 mod sky;
 mod source;
 mod spec;
+mod summary;
 mod verify;
 
+pub use checkpoint::Checkpoints;
 pub use diagnostics::{About, Deduplicated, Diagnostics};
 pub use error::Error;
 pub use files::validate;
-pub use job::{RenderJob, RenderReport, Seconds};
+pub use job::RenderJob;
 pub use output_folder::{OutputFolder, Rollback};
 pub use plan::{DatasetJob, DatasetPlan, JobOutcome, sources};
 pub use prepare::Prepared;
+pub use report::{RenderReport, Seconds};
 pub use shard::merge;
 pub use source::SceneSource;
 pub use spec::{EngineSpec, Exposure, Focus, LayerChoice, Output, RenderSpec, RigSpec, Shard, Sky};
+pub use summary::{DatasetSummary, JobSummary};
 pub use verify::{Verification, is_dataset, verify};

@@ -16,6 +16,7 @@ use holo_render::{Integrator, Layer, Layers, RayCounts, Rendered};
 use ndarray::{Array3, ArrayView3, Axis, Slice};
 
 use crate::Error;
+use crate::checkpoint::finished_manifest;
 use crate::files::{self, Finished, Traced, exposure_ev};
 use crate::layers::Wanted;
 use crate::options::integrator_from_name;
@@ -187,7 +188,7 @@ pub(crate) fn of_manifest(manifest: &Manifest) -> Option<Shard> {
 }
 
 fn open(folder: &Path) -> Result<Part<'_>, Error> {
-    let manifest = Manifest::read(folder.join(dataset::MANIFEST_JSON))?;
+    let manifest = finished_manifest(folder)?;
     let label = manifest.settings.get(PART).and_then(Label::read).ok_or_else(|| {
         Error::BadRequest(format!("{}: not a part; `holo render --shard K/N` makes parts", folder.display()))
     })?;

@@ -1,6 +1,5 @@
 //! Atomic files: they appear whole or not at all.
 
-#[cfg(any(feature = "mat", feature = "hdf5"))]
 mod path;
 mod temporary;
 
@@ -12,7 +11,6 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256 as Hasher};
 
 use crate::Error;
-#[cfg(any(feature = "mat", feature = "hdf5"))]
 pub(crate) use path::AtomicPath;
 use temporary::Temporary;
 pub use temporary::{TemporaryFilesRemoved, remove_stale_temporary_files, remove_temporary_files};

@@ -17,11 +17,9 @@ pub(crate) struct ImageInfo {
     pub(crate) kind: SampleKind,
 }
 
-/// Whether a file may be the image of a view, by its extension.
-pub(crate) fn is_image_name(path: &Path) -> bool {
-    let endings: &[&str] = if cfg!(feature = "tiff") { &["png", "tif", "tiff"] } else { &["png"] };
-    let has = |ending: &&str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
-    endings.iter().any(has)
+/// The extension of a name in lower case; empty if there is none.
+pub(crate) fn extension(path: &Path) -> String {
+    path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }
 
 /// Reads the header of a PNG or TIFF.

@@ -26,6 +26,7 @@
 //! | PNG, 8 and 16 bit | [`write_png`], [`write_disparity_png`], [`PngWriter`] | [`read_png`], [`read_png_info`] |
 //! | animated PNG | [`write_png_animation`] | |
 //! | animated GIF | [`write_gif_animation`] | |
+//! | MP4 | [`write_mp4_animation`], by the program `ffmpeg` | |
 //! | PNGs or TIFFs, one a view | | [`read_views`] |
 //! | PNG as a stream | [`encode_png`] | [`decode_png`] |
 //! | TIFF, 8 and 16 bit, 32- and 64-bit float | [`write_tiff`] | [`read_tiff`], [`read_tiff_info`] |
@@ -82,6 +83,8 @@
     allow(rustdoc::broken_intra_doc_links)
 )]
 
+#[cfg(feature = "png")]
+mod animation;
 mod atomic;
 pub mod dataset;
 mod detect_format;
@@ -106,6 +109,7 @@ mod limits;
 mod manifest;
 #[cfg(feature = "mat")]
 mod mat;
+mod mp4;
 mod names;
 mod panic_guard;
 mod parameters_cfg;
@@ -125,6 +129,8 @@ mod views;
 #[cfg(any(feature = "png", feature = "exr", feature = "mat"))]
 mod zlib;
 
+#[cfg(feature = "png")]
+pub use animation::write_animation;
 pub use atomic::{
     AtomicFile, FileDigest, Sha256, TemporaryFilesRemoved, hash_file, remove_stale_temporary_files,
     remove_temporary_files, write_file,
@@ -162,6 +168,7 @@ pub use mat::{
     MatArray, MatClass, MatInfo, MatLightField, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, decode_mat,
     encode_mat, read_mat, read_mat_info, read_mat_light_field, read_mat_variable, write_mat, write_mat_light_field,
 };
+pub use mp4::write_mp4_animation;
 pub use panic_guard::is_guarding;
 pub use parameters_cfg::{CameraPose, ParametersCfg, date_from_epoch};
 pub use pfm::{Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_gray, read_pfm_info, write_pfm, write_pfm_rgb};

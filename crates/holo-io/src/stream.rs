@@ -1,6 +1,6 @@
 //! Sources and destinations that are not files of this crate: anything that reads or writes bytes.
 
-use std::io::{Read, Write};
+use std::io::Read;
 use std::path::Path;
 
 use crate::error::STREAM;
@@ -23,6 +23,6 @@ pub(crate) fn read_to_end(source: impl Read, limits: Limits) -> Result<Vec<u8>, 
 
 /// Writes bytes that were encoded in memory.
 #[cfg(any(feature = "png", feature = "exr", feature = "mat", feature = "tiff"))]
-pub(crate) fn write_bytes(mut out: impl Write, bytes: &[u8]) -> Result<(), Error> {
+pub(crate) fn write_bytes(mut out: impl std::io::Write, bytes: &[u8]) -> Result<(), Error> {
     out.write_all(bytes).and_then(|()| out.flush()).map_err(|source| Error::io("write", Path::new(STREAM), source))
 }

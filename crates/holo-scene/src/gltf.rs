@@ -80,7 +80,7 @@ mod meshes;
 mod meshopt;
 mod nodes;
 mod options;
-mod panic_guard;
+pub(crate) mod panic_guard;
 mod placements;
 mod poses;
 mod skins;
@@ -166,7 +166,7 @@ pub fn load(path: &Path, limits: &Limits) -> Result<Loaded, Error> {
 pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Loaded, Error> {
     let files = Files::new(path.parent(), options.limits.max_bytes);
     let bytes = files.read(path)?;
-    panic_guard::catch(|| assemble(&bytes, &files, options))
+    panic_guard::catch("glTF", || assemble(&bytes, &files, options))
 }
 
 /// Loads a scene from memory: `.glb`, or `.gltf` JSON whose buffers and images are data URIs.
@@ -187,7 +187,7 @@ pub fn load_slice_with(bytes: &[u8], options: &LoadOptions) -> Result<Loaded, Er
         return Err(json::bad("file", format!("{} bytes are more than the limit of {most}", bytes.len())));
     }
     let files = Files::new(None, most);
-    panic_guard::catch(|| assemble(bytes, &files, options))
+    panic_guard::catch("glTF", || assemble(bytes, &files, options))
 }
 
 fn assemble(bytes: &[u8], files: &Files, options: &LoadOptions) -> Result<Loaded, Error> {
@@ -235,9 +235,9 @@ fn assemble(bytes: &[u8], files: &Files, options: &LoadOptions) -> Result<Loaded
         environment: None,
         cameras: placements.cameras,
     };
-    advice::apply(&root, &mut scene, options, &mut warnings)?;
+    let light_units = advice::apply(&root, &mut scene, options, &mut warnings)?;
     // It validates the scene.
     scene.add_tangents()?;
-    let summary = Summary::new(&root, extensions, variants, &scene)?;
+    let summary = Summary { light_units, ..Summary::new(&root, extensions, variants, &scene)? };
     Ok(Loaded { scene, warnings: warnings.into_lines(), summary })
 }

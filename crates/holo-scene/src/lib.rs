@@ -43,7 +43,9 @@ pub mod gallery;
 pub mod gltf;
 
 mod coincident;
+mod environment;
 mod error;
+mod light_sources;
 mod material;
 mod scene;
 mod tangents;

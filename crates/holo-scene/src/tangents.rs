@@ -24,7 +24,7 @@ impl Scene {
         self.validate()?;
         let sets: Vec<Option<usize>> = self.materials.iter().map(crate::Material::tangent_set).collect();
         self.meshes.par_iter_mut().try_for_each(|mesh| match sets[mesh.material] {
-            Some(set) => guarded_from_panic(|| add(mesh, set)),
+            Some(set) => guarded_from_panic("tangents", || add(mesh, set)),
             None => Ok(()),
         })
     }

@@ -1,9 +1,6 @@
 //! `holo animate`: a camera path through the views as an animation, or as one image per frame.
 
-mod mp4;
-
 use holo_core::{DynLightField, LightFieldOwned, Sample, ViewPath};
-use holo_io::ColorEncoding;
 
 use super::files::{self, numbered};
 use crate::arguments::{AnimateOptions, PathArgument};
@@ -45,18 +42,9 @@ fn write<T: Sample>(
     shown: &[(usize, usize)],
     options: &AnimateOptions,
 ) -> Result<(), Failure> {
-    let out = &options.out;
-    let ending = out.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    if matches!(ending.as_str(), "pfm" | "tif" | "tiff") {
-        return Err(Failure::Usage(
-            "an animation is a PNG, GIF or MP4; end the name of --out so, or give --frames".into(),
-        ));
-    }
     let frames: Vec<_> = shown.iter().map(|&(t, s)| field.view(t, s)).collect::<Result<_, _>>()?;
-    match ending.as_str() {
-        "gif" => drop(holo_io::write_gif_animation(out, &frames, options.fps)?),
-        "mp4" => mp4::write(out, &frames, options.fps)?,
-        _ => drop(holo_io::write_png_animation(out, &frames, options.fps, ColorEncoding::Srgb)?),
+    match holo_io::write_animation(&options.out, &frames, options.fps) {
+        Err(error @ holo_io::Error::BadInput { .. }) => Err(Failure::Usage(format!("{error}, or give --frames"))),
+        other => Ok(other?),
     }
-    Ok(())
 }

@@ -1,22 +1,20 @@
 //! `holo dataset`: scenes times numbers of views, each a folder of its own; complete folders are kept.
 
 mod config;
-mod table;
 
 use std::time::Instant;
 
 use clap::ArgMatches;
-use holo_dataset::{DatasetJob, DatasetPlan, Deduplicated, JobOutcome, sources, validate};
+use holo_dataset::{Checkpoints, DatasetJob, DatasetPlan, DatasetSummary, Deduplicated, JobSummary, sources, validate};
 use serde_json::json;
 
-use self::table::{Line, Table};
 use super::requested::requested;
 use crate::arguments::DatasetOptions;
+use crate::console::peak_rss_bytes;
 use crate::console::{out, say};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::progress::Overall;
-use crate::report::peak_rss_bytes;
 
 /// The word for no scene of the gallery.
 const NONE: &str = "none";
@@ -44,31 +42,28 @@ pub fn run(options: DatasetOptions, matches: ArgMatches) -> Result<(), Failure> 
         .filter(|(index, _)| options.shard.is_none_or(|shard| index % shard.of == shard.part - 1))
         .collect();
     bar.expect(mine.len());
-    let mut table = Table::default();
+    let mut table = DatasetSummary::default();
     for (done, &(index, job)) in mine.iter().enumerate() {
         bar.begin(done, &job.name());
         let scene = job.render.source.name();
         let outcome = plan.run_job(job, &root, &backend, &bar, &diagnostics.of_scene(&scene), interrupt::rollback());
-        let line = match outcome {
-            Ok(JobOutcome::Kept(manifest)) => Line::kept(job, &manifest),
-            Ok(JobOutcome::Made(report, why)) => Line::made(job, report, &root.join(job.folder()?), why),
-            Err(_) if interrupt::requested() => {
-                return Err(Failure::Failed("stopped; the same command goes on".into()));
-            }
-            Err(error) => Line::failed(job, Failure::from(error).message()),
-        };
+        if outcome.is_err() && interrupt::requested() {
+            return Err(Failure::Failed("stopped; the same command goes on".into()));
+        }
+        let outcome = outcome.map_err(|error| Failure::from(error).message());
+        let summary = JobSummary::new(job, &root, outcome);
         if !options.quiet {
-            bar.above(|| say!("[{:>2}/{}] {}", index + 1, jobs.len(), line.text()));
+            bar.above(|| say!("[{:>2}/{}] {summary}", index + 1, jobs.len()));
         }
         if options.json {
-            out!("{}", line.json())?;
+            out!("{}", summary.to_json())?;
         }
-        table.push(line);
+        table.push(summary);
     }
     bar.finish();
     let seconds = start.elapsed().as_secs_f64();
     if !options.quiet {
-        table.print(&root, seconds);
+        say!("\n{table} in {}; {seconds:.0} s", root.display());
     }
     if options.json {
         let (made, kept, failed) = table.counts();
@@ -98,5 +93,6 @@ fn plan(options: &DatasetOptions, matches: &ArgMatches) -> Result<DatasetPlan, F
         _ => Some(&options.scenes[..]),
     };
     let sources = sources(names, &options.glb)?;
-    Ok(DatasetPlan::new(&sources, &options.view_counts, spec, requested(matches), options.engine.spec())?)
+    let plan = DatasetPlan::new(&sources, &options.view_counts, spec, requested(matches), options.engine.spec())?;
+    Ok(plan.with_checkpoints(Checkpoints::every_seconds(options.checkpoint).as_ref()))
 }

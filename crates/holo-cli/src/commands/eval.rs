@@ -7,13 +7,14 @@ use holo_core::metrics::{
     median_angle_error_deg, psnr_db, ssim, trivial_constant, trivial_plane,
 };
 use holo_core::{DynImage, GridSize, Rig, Sample, for_each_sample};
+use holo_dataset::text::json_number;
 use holo_io::{ColorEncoding, Compression, FileFormat, Limits};
 use ndarray::{Array2, Axis};
 use serde_json::json;
 
 use crate::arguments::{EvalOptions, NormalsArgument};
 use crate::failure::Failure;
-use crate::quantities::{self, Quantity, finite};
+use crate::quantities::{self, Quantity};
 
 /// The threshold at which the best constant and plane are found: the benchmark's widest.
 const FIT_THRESHOLD_PX: f64 = 0.07;
@@ -35,7 +36,7 @@ pub fn run(options: &EvalOptions) -> Result<(), Failure> {
 }
 
 fn row(key: &str, name: &str, value: f64, unit: &'static str) -> Quantity {
-    Quantity::new(key, name, finite(value), unit)
+    Quantity::new(key, name, json_number(value), unit)
 }
 
 fn maps(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use holo_core::{Layout, Rig};
-use holo_dataset::SceneSource;
+use holo_dataset::{SceneSource, text};
 use holo_io::dataset::{MANIFEST_JSON, PARAMETERS_CFG};
 use holo_io::{FileFormat, FileInfo, Limits, Manifest, ParametersCfg, ReadOptions};
 use holo_render::Layer;
@@ -11,7 +11,6 @@ use holo_render::Layer;
 use crate::arguments::InfoOptions;
 use crate::console::{out, say_unless};
 use crate::failure::Failure;
-use crate::report::{describe_rig, describe_shape};
 
 pub fn run(options: &InfoOptions) -> Result<(), Failure> {
     let path = &options.file;
@@ -60,7 +59,7 @@ fn hdf5(path: &Path) -> Result<(), Failure> {
     let reader = holo_io::LightFieldReader::open(path, &ReadOptions::default())?;
     match reader.rig() {
         Some(rig) => rig_lines(rig, reader.disparity_range_px()),
-        None => out!("{}", describe_shape(&reader.shape())),
+        None => out!("{}", text::shape(&reader.shape())),
     }
 }
 
@@ -72,7 +71,7 @@ fn scene(options: &InfoOptions) -> Result<(), Failure> {
     if let Some((low, high)) = prepared.loaded.scene.bounds() {
         out!("bounds: {low:.4?} to {high:.4?} m")?;
     }
-    out!("a render with these options: {}, {}", describe_shape(prepared.rig.shape()), prepared.renderer.engine_name())?;
+    out!("a render with these options: {}, {}", text::shape(prepared.rig.shape()), prepared.renderer.engine_name())?;
     out!("{}", prepared.framed.camera)?;
     let truth = prepared.renderer.central_truth(&prepared.rig)?;
     let range = |layer: Layer| {
@@ -92,7 +91,7 @@ fn scene(options: &InfoOptions) -> Result<(), Failure> {
         }
         None => out!("depth in the central view: nothing is seen")?,
     }
-    out!("{}", describe_rig(&prepared.rig, range(Layer::Disparity)))?;
+    out!("{}", text::rig(&prepared.rig, range(Layer::Disparity)))?;
     Ok(())
 }
 
@@ -123,7 +122,7 @@ fn pfm(path: &Path) -> Result<(), Failure> {
 }
 
 fn rig_lines(rig: &Rig, disparity_px: Option<(f64, f64)>) -> Result<(), Failure> {
-    out!("{}\n{}", describe_shape(rig.shape()), describe_rig(rig, disparity_px))
+    out!("{}\n{}", text::shape(rig.shape()), text::rig(rig, disparity_px))
 }
 
 fn parameter_lines(parameters: &ParametersCfg) -> Result<(), Failure> {

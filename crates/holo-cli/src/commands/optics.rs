@@ -2,6 +2,7 @@
 
 use holo_core::optics::{CameraDesign, DepthRange, DisparityRange, Optics, rig_for_disparities};
 use holo_core::{GridSize, Intrinsics, LightFieldShape, Remainder, Rig, automatic_baseline_m};
+use holo_dataset::text::json_number;
 use holo_dataset::{Focus, RigSpec};
 use holo_io::Limits;
 use serde_json::{Value, json};
@@ -9,7 +10,7 @@ use serde_json::{Value, json};
 use crate::arguments::OpticsOptions;
 use crate::console::say;
 use crate::failure::Failure;
-use crate::quantities::{self, Quantity, finite};
+use crate::quantities::{self, Quantity};
 
 pub fn run(options: &OpticsOptions) -> Result<(), Failure> {
     let depths = options.depths_m.map(|(near_m, far_m)| DepthRange::new(near_m, far_m)).transpose()?;
@@ -109,35 +110,35 @@ fn rows(options: &OpticsOptions, optics: &Optics, depths: Option<DepthRange>) ->
     let mut row = |key: &str, name: &str, value, unit| rows.push(Quantity::new(key, name, value, unit));
     let rig = optics.rig();
     let shape = rig.shape();
-    let range = |range: DepthRange| json!([finite(range.near_m), finite(range.far_m)]);
+    let range = |range: DepthRange| json!([json_number(range.near_m), json_number(range.far_m)]);
     row("views", "views", size(shape.views()), "");
     row("lenses", "lenses (pixels of a view)", size(shape.lenses()), "");
-    row("focal_length_mm", "focal length", finite(rig.focal_length_m() * 1e3), "mm");
-    row("sensor_size_mm", "larger image side on the sensor", finite(rig.sensor_size_m() * 1e3), "mm");
-    row("focus_distance_m", "focus distance", finite(rig.focus_distance_m()), "m");
-    row("baseline_mm", "baseline (between adjacent views)", finite(rig.baseline_x_m() * 1e3), "mm");
-    row("aperture_mm", "synthetic aperture (first to last view)", finite(optics.aperture_m() * 1e3), "mm");
+    row("focal_length_mm", "focal length", json_number(rig.focal_length_m() * 1e3), "mm");
+    row("sensor_size_mm", "larger image side on the sensor", json_number(rig.sensor_size_m() * 1e3), "mm");
+    row("focus_distance_m", "focus distance", json_number(rig.focus_distance_m()), "m");
+    row("baseline_mm", "baseline (between adjacent views)", json_number(rig.baseline_x_m() * 1e3), "mm");
+    row("aperture_mm", "synthetic aperture (first to last view)", json_number(optics.aperture_m() * 1e3), "mm");
     let f_number = rig.focal_length_m() / optics.aperture_m();
-    row("f_number", "f-number of that aperture", finite(f_number), "");
-    row("angular_step_mrad", "angle between views at the focus", finite(optics.angular_step_rad() * 1e3), "mrad");
+    row("f_number", "f-number of that aperture", json_number(f_number), "");
+    row("angular_step_mrad", "angle between views at the focus", json_number(optics.angular_step_rad() * 1e3), "mrad");
     if rig.focus_distance_m().is_finite() {
         let pixel = optics.pixel_size_m(rig.focus_distance_m()) * 1e3;
-        row("pixel_at_focus_mm", "a pixel of a view at the focus", finite(pixel), "mm");
+        row("pixel_at_focus_mm", "a pixel of a view at the focus", json_number(pixel), "mm");
     }
     let smooth = optics.angular_depth_of_field(1.0)?;
     row("smooth_depths_m", "depths that move at most 1 px a view", range(smooth), "m");
     let sharp = optics.defocus_depth_of_field(options.circle_px)?;
     row("depth_of_field_m", "depth of field of all views together", range(sharp), "m");
-    row("hyperfocal_m", "hyperfocal distance", finite(optics.hyperfocal_m(options.circle_px)?), "m");
+    row("hyperfocal_m", "hyperfocal distance", json_number(optics.hyperfocal_m(options.circle_px)?), "m");
     if let Some(depths) = depths {
         row("depths_m", "depths", range(depths), "m");
         let DisparityRange { min_px, max_px } = optics.disparity_range_px(depths);
-        row("disparity_px", "their disparities", json!([finite(min_px), finite(max_px)]), "px");
+        row("disparity_px", "their disparities", json!([json_number(min_px), json_number(max_px)]), "px");
         let near = optics.depth_resolution_m(depths.near_m, options.step_px)?;
-        row("depth_resolution_near_mm", "one step of disparity at the nearest", finite(near * 1e3), "mm");
+        row("depth_resolution_near_mm", "one step of disparity at the nearest", json_number(near * 1e3), "mm");
         if depths.far_m.is_finite() {
             let far = optics.depth_resolution_m(depths.far_m, options.step_px)?;
-            row("depth_resolution_far_mm", "one step of disparity at the farthest", finite(far * 1e3), "mm");
+            row("depth_resolution_far_mm", "one step of disparity at the farthest", json_number(far * 1e3), "mm");
         }
     }
     Ok(rows)

@@ -31,12 +31,12 @@ impl AtomicPath {
     }
 
     /// The path that the file will have.
+    #[cfg(any(feature = "mat", feature = "hdf5"))]
     pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
     /// The path that it has until `commit`.
-    #[cfg(feature = "hdf5")]
     pub(crate) fn temporary_path(&self) -> &Path {
         self.temporary.path()
     }

@@ -62,7 +62,6 @@ impl Temporary {
     }
 
     /// The temporary path.
-    #[cfg(any(feature = "mat", feature = "hdf5"))]
     pub(super) fn path(&self) -> &Path {
         &self.path
     }

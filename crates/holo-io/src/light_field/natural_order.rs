@@ -5,7 +5,6 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::Error;
-use crate::image_file::is_image_name;
 
 /// Lists the PNGs and TIFFs of a folder, by file extension, in natural order: digits in their names compare as numbers, so
 /// `view9.png` is before `view10.png`.
@@ -56,6 +55,13 @@ fn runs(text: &str) -> Vec<&str> {
         rest = after;
     }
     runs
+}
+
+/// Whether a file may be the image of a view, by its extension.
+fn is_image_name(path: &Path) -> bool {
+    let endings: &[&str] = if cfg!(feature = "tiff") { &["png", "tif", "tiff"] } else { &["png"] };
+    let has = |ending: &&str| path.extension().is_some_and(|found| found.eq_ignore_ascii_case(ending));
+    endings.iter().any(has)
 }
 
 #[cfg(test)]
