@@ -104,7 +104,6 @@ use crate::Error;
 use crate::Scene;
 
 pub use self::options::{LightUnits, LoadOptions};
-pub(crate) use self::panic_guard::catch as guarded_from_panic;
 pub use self::panic_guard::is_guarding;
 pub use self::summary::Summary;
 pub use self::write::to_glb;

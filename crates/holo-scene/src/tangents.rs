@@ -2,11 +2,11 @@
 //! which glTF prescribes and which programs that bake normal maps use.
 
 use std::collections::BTreeMap;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use rayon::prelude::*;
 
-use crate::gltf::guarded_from_panic;
 use crate::{Error, Mesh, Scene};
 
 impl Scene {
@@ -24,7 +24,8 @@ impl Scene {
         self.validate()?;
         let sets: Vec<Option<usize>> = self.materials.iter().map(crate::Material::tangent_set).collect();
         self.meshes.par_iter_mut().try_for_each(|mesh| match sets[mesh.material] {
-            Some(set) => guarded_from_panic("tangents", || add(mesh, set)),
+            // Unwind safety: the algorithm only reads the mesh; no panic of it is known.
+            Some(set) => catch_unwind(AssertUnwindSafe(|| add(mesh, set))).unwrap_or_else(|_| Err(failed("a mesh"))),
             None => Ok(()),
         })
     }
@@ -37,13 +38,14 @@ fn add(mesh: &mut Mesh, set: usize) -> Result<(), Error> {
         return Ok(());
     }
     let mut corners = Corners { mesh, set, tangents: vec![None; mesh.triangles.len()] };
-    generate_tangents(&mut corners).map_err(|_| Error::BadScene {
-        at: format!("mesh '{}'", mesh.name),
-        what: "its tangents cannot be computed".into(),
-    })?;
+    generate_tangents(&mut corners).map_err(|_| failed(&format!("mesh '{}'", mesh.name)))?;
     let tangents = corners.tangents;
     split(mesh, &tangents);
     Ok(())
+}
+
+fn failed(at: &str) -> Error {
+    Error::BadScene { at: at.to_owned(), what: "its tangents cannot be computed".into() }
 }
 
 fn coordinates(mesh: &Mesh, set: usize) -> &[[f32; 2]] {
