@@ -97,7 +97,7 @@ pub(crate) fn outputs(spec: &RenderSpec, has_color: bool) -> Result<Vec<Output>,
     if !has_color && layers::names_color(spec) {
         return Err(Error::BadRequest(
             "the scene has no light sources, so there is no color to write; remove color from --layers, or light it \
-             with --sky 1,1,1"
+             with --sky auto"
                 .into(),
         ));
     }
@@ -107,7 +107,7 @@ pub(crate) fn outputs(spec: &RenderSpec, has_color: bool) -> Result<Vec<Output>,
     if let Some(names) = images::needing_color(&spec.outputs, spec.integrator).filter(|_| !has_color) {
         return Err(Error::BadRequest(format!(
             "the scene has no light sources, so there is no color to write; remove {names} from --write, or light it \
-             with --sky 1,1,1"
+             with --sky auto"
         )));
     }
     Ok(spec.outputs.clone())

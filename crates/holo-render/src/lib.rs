@@ -61,7 +61,7 @@ mod setters;
 mod simd;
 
 pub use accel::Backend;
-pub use camera::framing::{Baseline, CameraChoice, Framed, Framing};
+pub use camera::framing::{AspectChange, Baseline, CameraChoice, Framed, Framing};
 pub use error::Error;
 pub use film::layers::{Layer, LayerSet, Layers};
 pub use film::{exposure, layers};
