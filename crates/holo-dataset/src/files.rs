@@ -10,6 +10,7 @@ use crate::images::{self, Images};
 use crate::layers::{self, Wanted};
 use crate::output_folder::OutputFolder;
 use crate::spec::{Exposure, Output, RenderSpec};
+use crate::warning::RenderWarning;
 
 /// A render before its files are written.
 pub(crate) struct Traced {
@@ -22,6 +23,8 @@ pub(crate) struct Traced {
     pub parameters: ParametersCfg,
     /// Depth of the central view in high resolution, m.
     pub highres_depth_m: Option<Array2<f32>>,
+    /// Of a shard none.
+    pub warnings: Vec<RenderWarning>,
 }
 
 /// The result of writing the files.

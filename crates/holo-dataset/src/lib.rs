@@ -31,6 +31,7 @@
 pub mod options;
 pub mod text;
 
+mod checkpoint;
 mod describe;
 mod diagnostics;
 mod error;
@@ -52,6 +53,7 @@ mod summary;
 mod verify;
 mod warning;
 
+pub use checkpoint::Checkpoints;
 pub use diagnostics::{About, Deduplicated, Diagnostics};
 pub use error::Error;
 pub use files::validate;

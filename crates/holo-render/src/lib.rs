@@ -45,6 +45,7 @@ mod accel;
 #[doc(hidden)]
 pub mod bench;
 mod camera;
+mod checkpoint;
 mod error;
 mod film;
 mod geometry;
@@ -62,6 +63,7 @@ mod simd;
 
 pub use accel::Backend;
 pub use camera::framing::{AspectChange, Baseline, CameraChoice, Framed, Framing};
+pub use checkpoint::{Checkpoint, FinishedTile, TileId, TileKind};
 pub use error::Error;
 pub use film::layers::{Layer, LayerSet, Layers};
 pub use film::{exposure, layers};

@@ -21,6 +21,7 @@ use crate::accel::{self, Backend, Engine};
 use crate::camera::RaySource;
 use crate::camera::framing::Framed;
 use crate::camera::rig::RigRays;
+use crate::checkpoint::Checkpoint;
 use crate::error::Error;
 use crate::film::layers::{LayerSet, Layers};
 use crate::geometry::{Geometry, Instancing};
@@ -151,7 +152,21 @@ impl Renderer {
     /// [`Error::BadSetting`] for settings that are out of range or do not fit the scene, [`Error::Core`] if a light
     /// field does not fit into memory, [`Error::Cancelled`] if `progress` cancels.
     pub fn render(&self, request: &Request, progress: &dyn Progress) -> Result<Rendered, Error> {
-        self.pool.install(|| self.render_here(request, progress))
+        self.pool.install(|| self.render_here(request, progress, None))
+    }
+
+    /// Renders `request` as [`render`](Self::render) does, to the same values, but takes the tiles that `checkpoint`
+    /// contains from it, and hands it finished tiles now and then. Progress counts the tiles that are left to render.
+    ///
+    /// # Errors
+    /// As [`Renderer::render`].
+    pub fn render_with_checkpoint(
+        &self,
+        request: &Request,
+        progress: &dyn Progress,
+        checkpoint: &dyn Checkpoint,
+    ) -> Result<Rendered, Error> {
+        self.pool.install(|| self.render_here(request, progress, Some(checkpoint)))
     }
 
     /// The lens rows of shard `shard` (from 0) of `count` shards. Each shard renders exactly the bytes that these rows
@@ -328,6 +343,10 @@ impl Renderer {
 }
 
 #[cfg(test)]
+mod checkpoint_tests;
+#[cfg(test)]
 mod instancing_tests;
+#[cfg(test)]
+mod layer_tests;
 #[cfg(test)]
 mod tests;
