@@ -294,4 +294,6 @@ mod checkpoint_tests;
 #[cfg(test)]
 mod instancing_tests;
 #[cfg(test)]
+mod layer_tests;
+#[cfg(test)]
 mod tests;

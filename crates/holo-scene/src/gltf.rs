@@ -2,16 +2,18 @@
 //!
 //! # Geometry
 //! The loader reads the node hierarchy of the default scene, composed in f64; triangles, strips and fans, indexed or
-//! not, with normals, vertex colors and two sets of texture coordinates (`TEXCOORD_0` and `_1`; if the textures of a
+//! not, with normals, tangents, vertex colors and two sets of texture coordinates (`TEXCOORD_0` and `_1`; if the textures of a
 //! material use other sets, those); sparse and normalized accessors; cameras; and the lights of `KHR_lights_punctual`.
-//! Instances, lights and cameras are in the order of their nodes in the file.
+//! Instances, lights and cameras are in the order of their nodes in the file. Tangents are read only for materials that
+//! use them (normal maps, anisotropy); where a smooth mesh has none, those of MikkTSpace are computed
+//! ([`Scene::add_tangents`]).
 //!
 //! `EXT_mesh_gpu_instancing` gives an instance for every element of its accessors; `KHR_node_visibility` hides meshes
 //! and lights, not cameras. A scene may list a node that is the child of another: it is drawn once, as that child.
 //!
 //! # Pose
-//! The scene is drawn in the pose of its nodes; animations are ignored with a warning. Morph targets move positions and
-//! normals by the weights of the node, else of the mesh. A skin places vertices by all sets of joints and weights; the
+//! The scene is drawn in the pose of its nodes; animations are ignored with a warning. Morph targets move positions,
+//! normals and tangents by the weights of the node, else of the mesh. A skin places vertices by all sets of joints and weights; the
 //! transform of the node has no effect then, as the specification demands. Nodes with a skin or weights of their own
 //! have meshes of their own, which count against [`Limits`], as does every pass of a morph target.
 //!
@@ -31,7 +33,8 @@
 //! Materials are read completely, with the defaults of the specification (the default material is a rough white metal;
 //! a dielectric without `KHR_materials_specular` has the reflection of index 1.5): metallic-roughness, normal maps,
 //! emission, alpha, `doubleSided`, and the extensions `KHR_materials_emissive_strength`, `_ior`, `_specular`,
-//! `_transmission`, `_unlit`, `_volume` and `KHR_texture_transform`. Occlusion textures are ignored without a warning,
+//! `_transmission`, `_unlit`, `_volume`, `_clearcoat`, `_sheen`, `_anisotropy`, `_iridescence`, `_dispersion`,
+//! `_diffuse_transmission` and `KHR_texture_transform`. Occlusion textures are ignored without a warning,
 //! because renderers compute occlusion. Of the thickness of a volume only matters whether it is above 0 (0: a thin
 //! pane); attenuation distances are in world units. An index of refraction of 0, which means infinity in the
 //! specification, becomes 1000 (99.6 % reflectance at normal incidence), with a warning. Black attenuation is clamped
@@ -52,8 +55,7 @@
 //! about files of Blender.
 //!
 //! # Not supported
-//! Vertex tangents are ignored: normal maps follow the texture coordinates. Other extensions (clearcoat, sheen, iridescence, anisotropy,
-//! dispersion, ...) cause a warning if they are used, and an error if they are required. Files of other formats (OBJ,
+//! Other extensions (volume scattering, ...) cause a warning if they are used, and an error if they are required. Files of other formats (OBJ,
 //! FBX, USD, Blender, glTF 1.0, ...) are errors that say how to get a `.glb` from them.
 //!
 //! # Untrusted files
@@ -77,7 +79,7 @@ mod meshes;
 mod meshopt;
 mod nodes;
 mod options;
-mod panic_guard;
+pub(crate) mod panic_guard;
 mod placements;
 mod poses;
 mod skins;
@@ -101,6 +103,7 @@ use crate::Error;
 use crate::Scene;
 
 pub use self::options::{LightUnits, LoadOptions};
+pub(crate) use self::panic_guard::catch as guarded_from_panic;
 pub use self::panic_guard::is_guarding;
 pub use self::summary::Summary;
 pub use self::write::to_glb;
@@ -162,7 +165,7 @@ pub fn load(path: &Path, limits: &Limits) -> Result<Loaded, Error> {
 pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Loaded, Error> {
     let files = Files::new(path.parent(), options.limits.max_bytes);
     let bytes = files.read(path)?;
-    panic_guard::catch(|| assemble(&bytes, &files, options))
+    panic_guard::catch("glTF", || assemble(&bytes, &files, options))
 }
 
 /// Loads a scene from memory: `.glb`, or `.gltf` JSON whose buffers and images are data URIs.
@@ -183,7 +186,7 @@ pub fn load_slice_with(bytes: &[u8], options: &LoadOptions) -> Result<Loaded, Er
         return Err(json::bad("file", format!("{} bytes are more than the limit of {most}", bytes.len())));
     }
     let files = Files::new(None, most);
-    panic_guard::catch(|| assemble(bytes, &files, options))
+    panic_guard::catch("glTF", || assemble(bytes, &files, options))
 }
 
 fn assemble(bytes: &[u8], files: &Files, options: &LoadOptions) -> Result<Loaded, Error> {
@@ -231,8 +234,9 @@ fn assemble(bytes: &[u8], files: &Files, options: &LoadOptions) -> Result<Loaded
         environment: None,
         cameras: placements.cameras,
     };
-    advice::apply(&root, &mut scene, options, &mut warnings)?;
-    scene.validate()?;
-    let summary = Summary::new(&root, extensions, variants, &scene)?;
+    let light_units = advice::apply(&root, &mut scene, options, &mut warnings)?;
+    // It validates the scene.
+    scene.add_tangents()?;
+    let summary = Summary { light_units, ..Summary::new(&root, extensions, variants, &scene)? };
     Ok(Loaded { scene, warnings: warnings.into_lines(), summary })
 }

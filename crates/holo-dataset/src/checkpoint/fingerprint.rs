@@ -102,6 +102,7 @@ impl Hash {
             name,
             positions,
             normals,
+            tangents,
             texture_coordinates,
             second_texture_coordinates,
             colors,
@@ -115,7 +116,9 @@ impl Hash {
         for coordinates in [texture_coordinates, second_texture_coordinates] {
             self.list(coordinates, |k| bytes::<2, 8>(coordinates[k].map(f32::to_le_bytes)));
         }
-        self.list(colors, |k| bytes::<4, 16>(colors[k].map(f32::to_le_bytes)));
+        for vectors in [tangents, colors] {
+            self.list(vectors, |k| bytes::<4, 16>(vectors[k].map(f32::to_le_bytes)));
+        }
         self.list(triangles, |k| bytes::<3, 12>(triangles[k].map(u32::to_le_bytes)));
     }
 }

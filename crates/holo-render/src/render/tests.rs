@@ -15,7 +15,7 @@ use crate::integrator::depth::DepthTile;
 use crate::integrator::path::{PathTile, Scratch};
 use crate::simd;
 use holo_scene::gallery;
-use holo_scene::{Alpha, Environment, Material};
+use holo_scene::{Alpha, Anisotropy, Clearcoat, DiffuseTransmission, Environment, Iridescence, Material, Sheen};
 
 fn garden() -> (Renderer, Request) {
     let scene = gallery::scene("garden").expect("a scene of the gallery");
@@ -57,6 +57,13 @@ fn every_instruction_set_gives_the_same_image() {
             base_color: [0.8, 0.7, 0.6, 0.9],
             ..material.clone()
         };
+        if k % 4 == 1 {
+            material.clearcoat = Some(Clearcoat { factor: 0.6, roughness: 0.3, ..Clearcoat::default() });
+            material.sheen = Some(Sheen { color: [0.4; 3], roughness: 0.5, ..Sheen::default() });
+            material.anisotropy = Some(Anisotropy { strength: 0.7, ..Anisotropy::default() });
+            material.iridescence = Some(Iridescence { factor: 0.8, ..Iridescence::default() });
+            material.diffuse_transmission = Some(DiffuseTransmission { factor: 0.3, ..DiffuseTransmission::default() });
+        }
     }
     let radiance = ndarray::Array3::from_shape_fn((8, 16, 3), |(v, u, c)| (v * u + c) as f32 * 0.01);
     scene.environment = Some(Environment { radiance });
