@@ -1,6 +1,6 @@
 //! One render from scene to folder: prepare, render, write.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use holo_core::{GridSize, LightFieldShape};
@@ -19,8 +19,8 @@ use crate::output_folder::{OutputFolder, Rollback};
 use crate::prepare::{Prepared, Purpose, prepare};
 use crate::report::{RenderReport, Seconds};
 use crate::source::SceneSource;
-use crate::spec::{EngineSpec, Output, RenderSpec, Shard};
-use crate::{Error, shard, sky};
+use crate::spec::{EngineSpec, Output, RenderSpec, Shard, Sky};
+use crate::{Error, shard, sky, warning};
 
 /// One render: a scene, a specification and a ray tracing backend.
 #[derive(Clone, Debug)]
@@ -123,6 +123,7 @@ impl RenderJob {
     ) -> Result<RenderReport, Error> {
         let (rays, samples, integrator) = (traced.rendered.rays, traced.rendered.samples, traced.rendered.integrator);
         let (why, rig) = (traced.rendered.why.clone(), traced.rig);
+        let warnings = traced.warnings.clone();
         let exposure_ev = match shard {
             // The exposure depends on the complete image.
             Some(_) => None,
@@ -148,6 +149,7 @@ impl RenderJob {
             rig,
             disparity_px: finished.disparity_px,
             files: finished.files,
+            warnings,
         })
     }
 
@@ -184,7 +186,8 @@ impl RenderJob {
     /// fit into memory, [`Error::Core`] if the rig is invalid.
     pub fn prepare(&self, diagnostics: &dyn Diagnostics) -> Result<Prepared, Error> {
         let wanted = Wanted::new(&self.spec);
-        prepare(&self.source, &self.spec.rig, &self.engine, purpose(&self.spec, &wanted), diagnostics)
+        let source = (&self.source, &self.spec.scene);
+        prepare(source, &self.spec.rig, &self.engine, purpose(&self.spec, &wanted), diagnostics)
     }
 
     /// Returns what identifies the job in a manifest: digests of scene and sky, options, versions. Two manifests with
@@ -242,14 +245,18 @@ impl RenderJob {
         // Before files are written.
         outputs(spec, rendered.color.is_some())?;
         if rendered.integrator == Integrator::Depth && request.integrator == Integrator::Auto {
-            let note = "note: the scene has no light sources, so there is no color, only ground truth; try --sky 1,1,1";
+            let note = "note: the scene has no light sources, so there is no color, only ground truth; try --sky auto";
             diagnostics.report(About::Scene, note);
         }
+        // A part may see nothing where the whole image does.
+        let is_whole = request.lens_rows.is_none();
+        let warnings = if is_whole { warning::of(prepared, &rendered.central)? } else { Vec::new() };
+        warnings.iter().for_each(|warning| diagnostics.report(About::Scene, &format!("warning: {warning}")));
         let manifest = self.manifest(identity, &wanted, prepared, &rendered, request);
         let parameters = self.parameters(prepared);
         let is_highres = spec.outputs.contains(&Output::HciHighres);
         let highres_depth_m = is_highres.then(|| highres_depth_m(prepared)).transpose()?;
-        Ok(Traced { rendered, wanted, rig: prepared.rig, manifest, parameters, highres_depth_m })
+        Ok(Traced { rendered, wanted, rig: prepared.rig, manifest, parameters, highres_depth_m, warnings })
     }
 
     fn parameters(&self, prepared: &Prepared) -> ParametersCfg {
@@ -298,6 +305,9 @@ impl RenderJob {
         }
         let sky = request.sky.map(|c| ManifestValue::Float(f64::from(c)));
         settings.insert("sky".into(), ManifestValue::List(sky.to_vec()));
+        if prepared.has_automatic_sky {
+            settings.insert("automatic-sky".into(), "on".into());
+        }
         settings.insert("bit-depth".into(), u32::from(self.spec.bit_depth).into());
         settings.insert("layers".into(), wanted.names(rendered).into());
         let all = request.ground_truth == GroundTruth::All;
@@ -310,7 +320,7 @@ impl RenderJob {
 fn purpose<'a>(spec: &'a RenderSpec, wanted: &Wanted) -> Purpose<'a> {
     let color = if spec.integrator == Integrator::Depth { 0 } else { 3 };
     Purpose {
-        sky: spec.sky_map().map(PathBuf::as_path),
+        sky: Some(&spec.sky).filter(|sky| **sky != Sky::Automatic || color > 0 && !needs_no_color(spec, wanted)),
         sample_bytes: (color + wanted.all.channels()) * size_of::<f32>(),
         lens_bytes: wanted.central.channels() * size_of::<f32>(),
     }

@@ -51,6 +51,7 @@ mod source;
 mod spec;
 mod summary;
 mod verify;
+mod warning;
 
 pub use checkpoint::Checkpoints;
 pub use diagnostics::{About, Deduplicated, Diagnostics};
@@ -63,6 +64,7 @@ pub use prepare::Prepared;
 pub use report::{RenderReport, Seconds};
 pub use shard::merge;
 pub use source::SceneSource;
-pub use spec::{EngineSpec, Exposure, Focus, LayerChoice, Output, RenderSpec, RigSpec, Shard, Sky};
+pub use spec::{EngineSpec, Exposure, Focus, LayerChoice, Output, RenderSpec, RigSpec, SceneSpec, Shard, Sky};
 pub use summary::{DatasetSummary, JobSummary};
 pub use verify::{Verification, is_dataset, verify};
+pub use warning::RenderWarning;

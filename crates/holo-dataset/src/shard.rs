@@ -170,7 +170,7 @@ pub(crate) fn read(folders: &[PathBuf]) -> Result<(Traced, RenderSpec), Error> {
     let all = (!all.set().is_empty()).then_some(all);
     let why = parts[0].label.why.clone();
     let rendered = Rendered { color, central, all, integrator, why, rays, samples: sum(|l| l.samples) };
-    Ok((Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m: None }, spec))
+    Ok((Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m: None, warnings: Vec::new() }, spec))
 }
 
 /// The specification of the shards. Their color is rendered already, so the sky need not be known.

@@ -62,7 +62,7 @@ mod setters;
 mod simd;
 
 pub use accel::Backend;
-pub use camera::framing::{Baseline, CameraChoice, Framed, Framing};
+pub use camera::framing::{AspectChange, Baseline, CameraChoice, Framed, Framing};
 pub use checkpoint::{Checkpoint, FinishedTile, TileId, TileKind};
 pub use error::Error;
 pub use film::layers::{Layer, LayerSet, Layers};

@@ -265,3 +265,25 @@ fn a_list_of_views_gives_the_pixels_of_the_whole() {
         assert!(matches!(refused, Err(Error::BadSetting(_))));
     }
 }
+
+/// The disparities of what the central view hits are those that were asked for. Odd numbers of views: up to the rounding
+/// of depths to f32, 6e-8, times k/Z, a few hundred px. With even ones the central view moves with the baseline over
+/// the leaves of the tree.
+#[test]
+fn a_rig_for_a_range_of_disparities() {
+    let scene = gallery::scene("garden").expect("a scene of the gallery");
+    for (views, bound) in [(5, 1e-4), (6, 0.1)] {
+        let shape = LightFieldShape::new(GridSize::new(views, views), GridSize::new(40, 60)).expect("sizes");
+        let framed = crate::Framing::new(shape).frame(&scene).expect("a camera");
+        let renderer = Renderer::new(&scene, &framed.pose, Backend::Bvh, 1).expect("a renderer");
+        let wanted = DisparityRange { min_px: -0.5, max_px: 1.5 };
+        let rig = renderer.rig_for_disparities(&framed, wanted).expect("a rig");
+        let (near, far) = renderer.central_depths_m(&rig).expect("layers").expect("hits");
+        let disparity = rig.disparity_x();
+        assert!((disparity.from_depth_m(near) - 1.5).abs() < bound, "{}", disparity.from_depth_m(near));
+        assert!((disparity.from_depth_m(far) + 0.5).abs() < bound, "{}", disparity.from_depth_m(far));
+        let orthographic = crate::Framing::new(shape).projection(Projection::Orthographic).frame(&scene).expect("one");
+        let error = renderer.rig_for_disparities(&orthographic, wanted).unwrap_err();
+        assert!(matches!(error, Error::BadSetting(why) if why.contains("--disparity")));
+    }
+}

@@ -43,16 +43,16 @@ fn is_from_blender(root: &Object<'_>) -> Result<bool, Error> {
     Ok(asset.string("generator")?.is_some_and(|generator| generator.contains("Blender")))
 }
 
-/// Warns of what Blender's exporter omits unless it is told otherwise: cameras, and lights where nothing else shines.
+/// Warns of what Blender's exporter omits unless it is told otherwise: cameras and lights.
 fn not_exported(scene: &Scene, warnings: &mut Warnings) {
-    let text = match (scene.cameras.is_empty(), !scene.has_light_sources()) {
+    let text = match (scene.cameras.is_empty(), scene.lights.is_empty()) {
         (true, true) => {
             "the file has no camera and no light: \
              in Blender's export dialog tick Include > Cameras and Include > Punctual Lights"
         }
         (true, false) => "the file has no camera: in Blender's export dialog tick Include > Cameras",
         (false, true) => {
-            "the file has no light: in Blender's export dialog tick Include > Punctual Lights; \
+            "the file has no light: if the scene has any, tick Include > Punctual Lights in Blender's export dialog; \
              area lights and the world are never exported"
         }
         (false, false) => return,
