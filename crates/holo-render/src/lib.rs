@@ -45,7 +45,6 @@ mod accel;
 #[doc(hidden)]
 pub mod bench;
 mod camera;
-mod checkpoint;
 mod error;
 mod film;
 mod geometry;
@@ -63,11 +62,10 @@ mod simd;
 
 pub use accel::Backend;
 pub use camera::framing::{AspectChange, Baseline, CameraChoice, Framed, Framing};
-pub use checkpoint::{Checkpoint, FinishedTile, TileId, TileKind};
 pub use error::Error;
 pub use film::layers::{Layer, LayerSet, Layers};
 pub use film::{exposure, layers};
 pub use integrator::{Integrator, RayCounts};
 pub use progress::{Progress, Tenths};
-pub use render::{GroundTruth, Rendered, Renderer, Request, Views};
+pub use render::{Checkpoint, FinishedTile, GroundTruth, Rendered, Renderer, Request, TileId, TileKind, Views};
 pub use sampling::Sampling;

@@ -1,5 +1,6 @@
 //! The renderer: a scene in front of a camera, which any rig at that camera pose can render.
 
+mod checkpoint;
 mod image;
 mod plan;
 mod request;
@@ -13,6 +14,7 @@ use holo_core::{Projection, Rig};
 use holo_scene::{Scene, Transform};
 use ndarray::Array3;
 
+pub use self::checkpoint::{Checkpoint, FinishedTile, TileId, TileKind};
 pub use self::request::{GroundTruth, Rendered, Request, Views};
 
 use self::plan::{Plan, Region};
@@ -21,7 +23,6 @@ use crate::accel::{self, Backend, Engine};
 use crate::camera::RaySource;
 use crate::camera::framing::Framed;
 use crate::camera::rig::RigRays;
-use crate::checkpoint::Checkpoint;
 use crate::error::Error;
 use crate::film::layers::{LayerSet, Layers};
 use crate::geometry::{Geometry, Instancing};

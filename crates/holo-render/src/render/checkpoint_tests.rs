@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use holo_core::{GridSize, LightFieldShape, Rig, ViewIndex};
 use holo_scene::gallery;
 
+use super::checkpoint::{FinishedTile, TileId, TileKind};
 use super::*;
-use crate::checkpoint::{FinishedTile, TileId, TileKind};
 use crate::film::layers::Layer;
 
 /// Tiles in memory; stored after every `every` tiles.

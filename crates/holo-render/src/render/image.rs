@@ -4,11 +4,11 @@ use holo_core::{Layout, LightField, LightFieldOwned, LightFieldShape};
 use ndarray::{Array3, ArrayViewMut5};
 
 use super::Renderer;
+use super::checkpoint::{Checkpoint, TileKind};
 use super::plan::{Plan, Region};
 use super::request::{GroundTruth, Rendered, Request, Views};
 use super::work::Work;
 use crate::camera::tile::{Tile, Tiling};
-use crate::checkpoint::{Checkpoint, TileKind};
 use crate::error::Error;
 use crate::film::layers::{LayerSet, Layers};
 use crate::integrator::aov::{AovTile, TileAovs};

@@ -6,8 +6,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use ndarray::ArrayViewMut5;
 use rayon::prelude::*;
 
+use super::checkpoint::{Checkpoint, FinishedTile, TileId, TileKind};
 use crate::camera::tile::{Tile, Tiling};
-use crate::checkpoint::{Checkpoint, FinishedTile, TileId, TileKind};
 use crate::error::Error;
 use crate::integrator::RayCounts;
 use crate::integrator::aov::AovTile;

@@ -1,5 +1,5 @@
 //! Checkpoints: finished tiles of a render leave it before its end, and a later run of the same request takes them
-//! back. **May import:** `integrator`.
+//! back.
 //!
 //! A tile is stored as the renderer has accumulated it, before anything that needs the complete image: exposure,
 //! encoding, filters across views. What it holds depends on the scene, the pose, the [`Request`](crate::Request) and
