@@ -153,6 +153,9 @@ pub struct JobOptions {
     /// Limit what a light path may add after its first hit, against single bright pixels: darkens caustics and reflected lamps [default: no limit].
     #[arg(long, value_name = "L", allow_negative_numbers = true, value_parser = parse_positive)]
     pub indirect_limit: Option<f64>,
+    /// Let shadow rays pass straight through smooth glass: light behind windows without noise; caustics of solid glass become plain shadows.
+    #[arg(long)]
+    pub transparent_shadows: bool,
     /// Without light that is scattered more than once in the roughness of a surface: rough metal gets darker, as in renderers without this model.
     #[arg(long)]
     pub no_multiple_scattering: bool,

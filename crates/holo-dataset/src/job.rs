@@ -297,6 +297,9 @@ impl RenderJob {
         if request.indirect_limit.is_finite() {
             settings.insert("indirect-limit".into(), ManifestValue::Float(f64::from(request.indirect_limit)));
         }
+        if request.transparent_shadows {
+            settings.insert("transparent-shadows".into(), "on".into());
+        }
         if !request.multiple_scattering {
             settings.insert("multiple-scattering".into(), "off".into());
         }
@@ -360,6 +363,7 @@ fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
         .target_error(spec.target_error)
         .indirect(spec.indirect)
         .indirect_limit(spec.indirect_limit)
+        .transparent_shadows(spec.transparent_shadows)
         .multiple_scattering(spec.multiple_scattering)
         .cull(spec.cull)
         .layers(match spec.ground_truth {

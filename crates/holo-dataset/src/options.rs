@@ -286,6 +286,7 @@ impl RenderSpec {
         if self.indirect_limit.is_finite() {
             set("indirect-limit", self.indirect_limit.to_string());
         }
+        set("transparent-shadows", self.transparent_shadows.to_string());
         set("no-multiple-scattering", (!self.multiple_scattering).to_string());
         set("cull", self.cull.to_string());
         set(
@@ -358,6 +359,7 @@ impl RenderSpec {
             "no-roulette" => self.roulette = !number::<bool>(value)?,
             "no-indirect" => self.indirect = !number::<bool>(value)?,
             "indirect-limit" => self.indirect_limit = parse_positive(value)? as f32,
+            "transparent-shadows" => self.transparent_shadows = number(value)?,
             "no-multiple-scattering" => self.multiple_scattering = !number::<bool>(value)?,
             "cull" => self.cull = number(value)?,
             "sky" if value == MAP => self.sky = Sky::Constant([0.0; 3]),
@@ -476,6 +478,7 @@ mod tests {
             target_error: Some(0.05),
             roulette: false,
             indirect_limit: 2.5,
+            transparent_shadows: true,
             multiple_scattering: false,
             cull: true,
             sky: Sky::Constant([1.0, 0.25, 0.0]),

@@ -30,6 +30,8 @@ pub struct RenderSpec {
     pub indirect: bool,
     /// The largest radiance that a path may add at a vertex after the first; infinite: no limit (unbiased).
     pub indirect_limit: f32,
+    /// Whether shadow rays go straight through smooth glass (an approximation for bodies).
+    pub transparent_shadows: bool,
     /// Whether light is scattered more than once between the microfacets of rough surfaces.
     pub multiple_scattering: bool,
     /// Whether the backs of surfaces that are not double-sided are invisible to the camera.
@@ -190,6 +192,7 @@ impl Default for RenderSpec {
             roulette: true,
             indirect: true,
             indirect_limit: f32::INFINITY,
+            transparent_shadows: false,
             multiple_scattering: true,
             cull: false,
             sky: Sky::Automatic,

@@ -313,6 +313,7 @@ impl Renderer {
             indirect: integrator == Integrator::Direct || request.indirect,
             multiple_scattering: request.multiple_scattering,
             indirect_limit: request.indirect_limit,
+            transparent_shadows: request.transparent_shadows && self.appearance.flags().has(MaterialFlags::GLOSSY),
         };
         Context { scene, camera: RaySource::Rig(rig), sampler: Sampler { seed, samples, sampling }, policy, stop }
     }
