@@ -60,12 +60,13 @@ fn with_spec(spec: RenderSpec) -> RenderJob {
     job.with_checkpoints(Some(Checkpoints { every: Duration::ZERO, ..Checkpoints::default() }))
 }
 
-/// Runs a job; returns what it reported, too.
+/// Runs a job; returns what it reported about checkpoints, too.
 fn run(job: &RenderJob, out: &Path, watch: &Watch, shard: Option<Shard>) -> (Result<RenderReport, Error>, Vec<String>) {
     let lines = RefCell::new(Vec::new());
     let report = |_: About, line: &str| lines.borrow_mut().push(line.to_owned());
     let outcome = job.run(out, shard, watch, &report, &Rollback::default());
-    (outcome, lines.into_inner())
+    let lines = lines.into_inner().into_iter().filter(|line| line.contains("checkpoint")).collect();
+    (outcome, lines)
 }
 
 /// Runs a job to its end; returns the number of tiles that it rendered, and what it reported.
