@@ -9,6 +9,7 @@ mod alpha;
 mod appearance;
 pub(crate) mod bsdf;
 pub(crate) mod media;
+pub(crate) mod shading_normal;
 mod surface;
 mod texture;
 

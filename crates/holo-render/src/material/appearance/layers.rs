@@ -11,6 +11,7 @@ use crate::material::bsdf::layered::film::Film;
 use crate::material::bsdf::layered::sheen::{self, Sheen};
 use crate::material::bsdf::layered::{Clearcoat, Layered};
 use crate::material::media::MediaStack;
+use crate::material::shading_normal::reflecting;
 use crate::material::texture;
 use crate::simd::at;
 use holo_scene::NormalMap;
@@ -191,6 +192,7 @@ impl Appearance {
         let lift = (0.01 - dot(normal, here.viewer)).max(0.0);
         normal = std::array::from_fn(|k| normal[k] + here.viewer[k] * lift);
         let Some(normal) = unit(normal) else { return Clearcoat::ALIGNED };
+        let normal = reflecting(normal, here.viewer, at(&here.interaction.geometric_normal, here.lane));
         let [x, y] = crate::sampling::frame(normal);
         [x, y, normal].map(|own| axes.map(|axis| dot(axis, own)))
     }

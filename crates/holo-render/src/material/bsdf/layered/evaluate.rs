@@ -35,9 +35,9 @@ impl LayeredView {
         (value, pdf)
     }
 
-    /// Tables in the direction `into`.
+    /// Tables in the direction `into`; those of an anisotropic lobe are not needed there.
     fn table_into(&self, into: Vector) -> Single {
-        self.m.table(into)
+        if self.m.is_anisotropic() { self.here } else { self.m.table(into) }
     }
 
     fn add_diffuse(&self, into: Vector, value: &mut [f32; 3], pdf: &mut f32) {
@@ -49,11 +49,10 @@ impl LayeredView {
             *pdf += if above { z * FRAC_1_PI * self.pick.diffuse } else { 0.0 };
             return;
         }
-        let again = super::strongest(self.coat_again);
-        let left = m.coat_left(&self.table_into(into), z, again);
-        let coupling = if m.leaves_minimum() {
-            self.coat_left_out.min(left)
+        let coupling = if m.is_one_sided() {
+            self.coat_left_out
         } else {
+            let left = m.coat_left(&self.table_into(into), z, super::strongest(self.coat_again));
             self.coat_left_out * left / self.coat_left_mean
         };
         let lambert = z * FRAC_1_PI;

@@ -56,7 +56,7 @@ impl Facet {
 }
 
 /// The number of visible normals by which [`albedo`] integrates; consecutive Fibonacci numbers with the next one.
-const LATTICE: [usize; 2] = [34, 21];
+const LATTICE: [usize; 2] = [89, 55];
 
 /// The albedo W of anisotropic microfacets with a reflectance of 1 for light towards `out`, and the excess R of
 /// Schlick's term (see [`super::super::albedo`]), with an error of about 0.01.
@@ -91,8 +91,8 @@ pub(super) fn albedo(out: Vector, alpha: [f32; 2]) -> [f32; 2] {
     [scale, grazing - scale * fresnel::schlick(out[2])]
 }
 
-/// Sine and cosine of 1/34 turn.
-const ROTATION: (f32, f32) = (0.183_749_52, 0.982_973_1);
+/// Sine and cosine of 1/89 turn.
+const ROTATION: (f32, f32) = (0.070_538_96, 0.997_509);
 
 /// Samples a visible normal as seen from `out`; `disk` is a point of the unit disk with the height of the hemisphere
 /// over it (Dupuy and Benyoub, 2023).

@@ -184,8 +184,12 @@ fn samples_pdf_and_values_agree() {
 #[test]
 fn layered_surfaces_are_reciprocal() {
     let mut random = Random::new(11);
-    // A lobe with a normal of its own is reciprocal with its own cosines alone.
-    for (name, m) in rough_kinds().into_iter().filter(|(name, _)| *name != "tilted clearcoat") {
+    // Clearcoats, films over diffuse surfaces and anisotropy attenuate or gain by the direction to the viewer alone.
+    let is_one_sided =
+        |m: &Layered| m.clearcoat.is_some() || m.is_anisotropic() || m.film.is_some() && m.metallic < 1.0;
+    let reciprocal: Vec<_> = rough_kinds().into_iter().filter(|(_, m)| !is_one_sided(m)).collect();
+    assert!(reciprocal.len() > 4, "{}", reciprocal.len());
+    for (name, m) in reciprocal {
         for _ in 0..300 {
             let [mut out, into] = [random.direction(), random.direction()];
             out[2] = out[2].abs();
@@ -222,10 +226,10 @@ fn white_surfaces_under_layers_lose_little() {
             for coat_roughness in [0.0, 0.3, 0.6, 1.0] {
                 let coat = clearcoat(1.0, coat_roughness);
                 let diffuse = lost(&Layered { clearcoat: coat, ..white(roughness) });
-                assert!((-8e-3..0.05).contains(&diffuse), "clearcoat {roughness} {coat_roughness} {mu}: {diffuse}");
+                assert!((-8e-3..0.02).contains(&diffuse), "clearcoat {roughness} {coat_roughness} {mu}: {diffuse}");
                 let metal = layered(&One { roughness, ..WHITE_METAL });
                 let metal = lost(&Layered { clearcoat: coat, ..metal });
-                assert!((-8e-3..0.05).contains(&metal), "on metal {roughness} {coat_roughness} {mu}: {metal}");
+                assert!((-8e-3..0.02).contains(&metal), "on metal {roughness} {coat_roughness} {mu}: {metal}");
             }
             for sheen_roughness in [0.0, 0.1, 0.3, 0.6, 1.0] {
                 let lost = lost(&Layered { sheen: sheen(sheen_roughness), ..white(roughness) });
@@ -241,7 +245,7 @@ fn white_surfaces_under_layers_lose_little() {
     }
 }
 
-/// White metal of anisotropic roughness keeps its energy but for the error of reading an isotropic table.
+/// White metal of anisotropic roughness keeps its energy but for the error of W.
 #[test]
 fn anisotropic_metal_keeps_its_energy() {
     let mut worst = [0.0f64; 2];
@@ -259,7 +263,7 @@ fn anisotropic_metal_keeps_its_energy() {
             }
         }
     }
-    assert!(worst[0] > -0.13 && worst[1] < 0.02, "{worst:?}");
+    assert!(worst[0] > -0.02 && worst[1] < 0.02, "{worst:?}");
 }
 
 /// The table of sheen against the integral of the lobe.
