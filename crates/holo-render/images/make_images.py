@@ -2,13 +2,12 @@
 
 Usage: make_images.py HOLO [--draft] [NAME ...]
 
-HOLO is the program (target/release/holo). Every image has a function of its name below; without names all are
+HOLO is the program (target/release/holo). Every image has a function of its name, below or in materials.py; without names all are
 rendered, in about twenty minutes on one idle core. `--draft` renders with an eighth of the samples. Scenes are built
-in a temporary folder with scene.py and arranged by sheet.py; more shapes and file formats are in tests/radiance. The
+in a temporary folder with scene.py, rendered by stage.py and arranged by sheet.py; more shapes and file formats are in tests/radiance. The
 same program gives the same pixels on every run; another version of pillow may choose other palettes.
 """
 import math
-import subprocess
 import sys
 import tempfile
 from pathlib import Path
@@ -20,72 +19,15 @@ HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parents[2] / "tests" / "radiance")]
 sys.dont_write_bytecode = True
 
+import stage  # noqa: E402
 from files import write_hdr  # noqa: E402
 from make_scenes import ball, box, lathe, looking, rectangle, rounded, tiles, torus, turned_y  # noqa: E402
+from materials import (  # noqa: E402
+    absorption, anisotropy, clearcoat, coat, diffuse_transmission, dispersion, glass, iridescence, metal, sheen, specular,
+)
 from scene import Scene, uv_ball  # noqa: E402
 from sheet import compose, encode, letters, read_pfm  # noqa: E402
-
-HOLO = ""
-DRAFT = False
-FOLDER = Path()
-
-
-def run(scene, *flags):
-    """Renders a scene into a new folder; returns the folder."""
-    folder = Path(tempfile.mkdtemp(dir=FOLDER))
-    scene.write(folder / "scene.glb")
-    command = [HOLO, "render", folder / "scene.glb", "--out", folder, "--threads", "1", "--quiet", *flags]
-    command = [str(part) for part in command]
-    done = subprocess.run(command, capture_output=True, text=True)
-    said = (done.stdout + done.stderr).strip()
-    if done.returncode or said:
-        print(" ".join(command), said, sep="\n", file=sys.stderr)
-    done.check_returncode()
-    return folder
-
-
-def render(scene, size, samples, *flags, error=0.015):
-    """Renders one view to an image with at most `samples` per pixel, fewer where the relative standard error is below
-    `error`. By default the exposure is 0 (radiance 1 is white)."""
-    samples = max(16, samples // 8) if DRAFT else samples
-    flags = flags if "--exposure" in flags else (*flags, "--exposure", 0)
-    flags = flags if error is None else (*flags, "--target-error", error)
-    folder = run(scene, "--views", 1, "--lenses", f"{size[0]}x{size[1]}", "--spp", samples, "--write", "el", *flags)
-    return Image.open(folder / "scene_el.png").convert("RGB")
-
-
-def directions(height, width):
-    """The directions of the texels of an environment map."""
-    v, u = (np.arange(height) + 0.5) / height, (np.arange(width) + 0.5) / width
-    polar, azimuth = (v * math.pi)[:, None], ((u - 0.5) * 2 * math.pi)[None, :]
-    return np.stack(np.broadcast_arrays(np.sin(polar) * np.cos(azimuth), np.cos(polar), np.sin(polar) * np.sin(azimuth)), axis=-1)
-
-
-def soft_box(direction, towards, half_width, half_height, edge=0.04):
-    """1 inside a rectangle that faces the origin from `towards` (half sizes as tangents), 0 outside, soft between."""
-    towards = np.array(towards, float) / np.linalg.norm(towards)
-    right = np.cross([0, 1, 0], towards)
-    right /= np.linalg.norm(right)
-    along = np.maximum(direction @ towards, 1e-6)
-    x, y = np.abs(direction @ right) / along, np.abs(direction @ np.cross(towards, right)) / along
-    inside = np.clip((half_width - x) / edge, 0, 1) * np.clip((half_height - y) / edge, 0, 1)
-    return (inside * (direction @ towards > 0))[..., None]
-
-
-def studio(lamps=1.0):
-    """Two lamps before gray walls, as an environment map; returns its path."""
-    d = directions(128, 256)
-    walls = np.array([0.30, 0.31, 0.33]) * (0.75 + 0.45 * d[..., 1:2])
-    shine = 5.5 * soft_box(d, (-1.0, 1.1, 1.0), 0.45, 0.45) + 2.5 * soft_box(d, (1.0, 0.45, 0.55), 0.18, 0.6)
-    path = FOLDER / "studio.hdr"
-    write_hdr(path, walls + lamps * shine * np.array([1.0, 0.97, 0.92]))
-    return path
-
-
-def board(scene, half=4.0, repeat=4.0, light=(226, 214, 190), dark=(120, 128, 148), y=0.0):
-    """A tiled floor."""
-    floor = scene.matt(texture=scene.texture(tiles(192, 6, light, dark)))
-    scene.add(rectangle([-half, y, half], [2 * half, 0, 0], [0, 0, -2 * half], repeat), floor)
+from stage import board, directions, render, run  # noqa: E402
 
 
 def lights():
@@ -124,169 +66,6 @@ def sun():
         picture = render(scene, size, 256, "--integrator", "direct", "--sky", "0.1,0.13,0.18")
         row.append((picture, "parallel light: 0°" if degrees == 0 else f"{degrees}°" + " (the real sun)" * (degrees == 0.5)))
     compose("sun", [row])
-
-
-def ball_row(materials, spread=1.12, size=(732, 132), samples=384, shape=None):
-    """A row of balls on a board in front of the lamps of the studio."""
-    scene = Scene()
-    board(scene, 8.0, 8.0, y=-0.5)
-    for k, material in enumerate(materials):
-        scene.add(shape or ball(0.5, 96, 48), material(scene), [(k - (len(materials) - 1) / 2) * spread, 0, 0])
-    scene.camera([0, 2.6, 13], [0, -0.02, 0], 5.9, size)
-    return render(scene, size, samples, "--sky", studio())
-
-
-def metal():
-    numbers = [0, 0.2, 0.4, 0.6, 0.8, 1]
-    rough = [lambda scene, r=r: scene.material((0.95, 0.68, 0.32), 1.0, r) for r in numbers]
-    shares = [lambda scene, m=m: scene.material((0.95, 0.68, 0.32), m, 0.25) for m in numbers]
-    compose("metal", [
-        [(ball_row(rough), "metallicFactor 1; roughnessFactor " + ", ".join(map(str, numbers)))],
-        [(ball_row(shares), "roughnessFactor 0.25; metallicFactor " + ", ".join(map(str, numbers)))],
-    ])
-
-
-def coat():
-    numbers = [0, 0.2, 0.4, 0.6, 0.8, 1]
-    row = [lambda scene, r=r: scene.material((0.5, 0.04, 0.03), 0.0, r) for r in numbers]
-    compose("coat", [[(ball_row(row), "metallicFactor 0; roughnessFactor " + ", ".join(map(str, numbers)))]])
-
-
-def specular():
-    def coat(**extensions):
-        return lambda scene: scene.material((0.015, 0.04, 0.12), 0.0, 0.1, extensions=extensions)
-
-    indices = [1, 1.2, 1.33, 1.5, 1.8, 2.4]
-    factors = [0, 0.2, 0.4, 0.6, 0.8, 1]
-    tints = [(1, 1, 1), (1, 0.04, 0.02), (1, 0.6, 0.02), (0.05, 0.8, 0.1), (0.05, 0.25, 1), (1, 0.05, 0.7)]
-    compose("specular", [
-        [(ball_row([coat(ior={"ior": n}) for n in indices]), "ior " + ", ".join(map(str, indices)))],
-        [(ball_row([coat(specular={"specularFactor": f}) for f in factors]), "specularFactor " + ", ".join(map(str, factors)))],
-        [(ball_row([coat(specular={"specularColorFactor": list(c)}, ior={"ior": 2.4}) for c in tints]),
-          "ior 2.4; specularColorFactor white, red, yellow, green, blue, magenta")],
-    ])
-
-
-def layers_of(*variants):
-    """Materials of `ball_row`: (base color, metallic, roughness, extensions)."""
-    return [lambda scene, v=v: scene.material(v[0], v[1], v[2], extensions=v[3]) for v in variants]
-
-
-def clearcoat():
-    numbers = [0, 0.2, 0.4, 0.6, 0.8, 1]
-    red, gold = (0.5, 0.04, 0.03), (0.95, 0.68, 0.32)
-    factor = layers_of(*((red, 0.0, 0.7, {"clearcoat": {"clearcoatFactor": f}}) for f in numbers))
-    rough = layers_of(*((gold, 1.0, 0.5, {"clearcoat": {"clearcoatFactor": 1, "clearcoatRoughnessFactor": r}}) for r in numbers))
-    compose("clearcoat", [
-        [(ball_row(factor), "roughnessFactor 0.7; clearcoatFactor " + ", ".join(map(str, numbers)))],
-        [(ball_row(rough), "metal, roughnessFactor 0.5; clearcoatRoughnessFactor " + ", ".join(map(str, numbers)))],
-    ])
-
-
-def sheen():
-    numbers = [0.1, 0.2, 0.4, 0.6, 0.8, 1]
-    row = layers_of(*(((0.12, 0.02, 0.1), 0.0, 0.9, {"sheen": {"sheenColorFactor": [0.9, 0.75, 0.9], "sheenRoughnessFactor": r}}) for r in numbers))
-    compose("sheen", [[(ball_row(row), "sheenRoughnessFactor " + ", ".join(map(str, numbers)))]])
-
-
-def anisotropy():
-    strengths, degrees = [0, 0.2, 0.4, 0.6, 0.8, 1], [0, 30, 60, 90, 120, 150]
-    metal = ((0.8, 0.8, 0.82), 1.0, 0.25)
-    first = layers_of(*((*metal, {"anisotropy": {"anisotropyStrength": s}}) for s in strengths))
-    second = layers_of(*((*metal, {"anisotropy": {"anisotropyStrength": 0.8, "anisotropyRotation": math.radians(d)}}) for d in degrees))
-    compose("anisotropy", [
-        [(ball_row(first, shape=uv_ball(0.5, 96, 48)), "anisotropyStrength " + ", ".join(map(str, strengths)))],
-        [(ball_row(second, shape=uv_ball(0.5, 96, 48)), "anisotropyStrength 0.8; anisotropyRotation " + ", ".join(map(str, degrees)) + "°")],
-    ])
-
-
-def iridescence():
-    sizes = [150, 250, 350, 450, 600, 800]
-    film = [{"iridescence": {"iridescenceFactor": 1, "iridescenceIor": 1.33, "iridescenceThicknessMaximum": s}} for s in sizes]
-    compose("iridescence", [
-        [(ball_row(layers_of(*(((0.02, 0.02, 0.02), 0.0, 0.1, f) for f in film))), "iridescenceIor 1.33; thickness " + ", ".join(map(str, sizes)) + " nm")],
-        [(ball_row(layers_of(*(((0.7, 0.7, 0.7), 1.0, 0.2, f) for f in film))), "metal; the same films")],
-    ])
-
-
-def dispersion():
-    size = (240, 170)
-
-    def globe(value):
-        def fill(scene):
-            extensions = {"transmission": {"transmissionFactor": 1.0}, "volume": {"thicknessFactor": 1.0}, "dispersion": {"dispersion": value}}
-            scene.add(ball(0.5, 128, 64), scene.material(roughness=0.0, extensions=extensions), [0, 0.502, 0])
-        return glass_stage(fill, size, 512)
-
-    compose("dispersion", [[(globe(value), f"dispersion {value}") for value in [0, 0.5, 2]]])
-
-
-def diffuse_transmission():
-    numbers = [0, 0.2, 0.4, 0.6, 0.8, 1]
-    size = (732, 132)
-    scene = Scene()
-    board(scene, 8.0, 8.0, y=-0.5)
-    for k, factor in enumerate(numbers):
-        through = {"diffuseTransmissionFactor": factor, "diffuseTransmissionColorFactor": [0.9, 0.5, 0.15]}
-        leaf = scene.material((0.25, 0.5, 0.12), roughness=0.8, extensions={"diffuse_transmission": through})
-        scene.add(rectangle([-0.45, -0.48, 0], [0.9, 0, 0], [0, 0.96, 0]), leaf, [(k - 2.5) * 1.12, 0, 0])
-    scene.sun([0.3, -0.8, 1.0], 3.0)
-    scene.camera([0, 2.6, 13], [0, -0.02, 0], 5.9, size)
-    picture = render(scene, size, 256, "--sky", "0.2,0.22,0.27")
-    compose("diffuse_transmission", [[(picture, "lit from behind; diffuseTransmissionFactor " + ", ".join(map(str, numbers)))]])
-
-
-def glass_stage(fill, size, samples, camera=([0, 0.75, 5.2], [0, 0.62, 0], 19.5)):
-    """Letters on a wall behind the objects that `fill` adds to the board."""
-    scene = Scene()
-    board(scene, 4.0, 4.0)
-    wall = Image.new("RGB", (512, 256), (236, 228, 208))
-    draw = ImageDraw.Draw(wall)
-    draw.rectangle([0, 0, 512, 110], fill=(120, 160, 190))
-    draw.text((256, 168), "HOLO", fill=(170, 50, 35), font=ImageFont.load_default(110), anchor="mm")
-    scene.add(rectangle([-1.5, 0, -1.5], [3, 0, 0], [0, 1.5, 0], 1.0), scene.matt(texture=scene.texture(wall)))
-    fill(scene)
-    scene.camera(*camera, size)
-    return render(scene, size, samples, "--sky", studio(0.2), "--exposure", 1.0)
-
-
-def glass():
-    size = (240, 170)
-
-    def globe(**glass):
-        return glass_stage(lambda scene: scene.add(ball(0.5, 128, 64), scene.glass(**glass), [0, 0.502, 0]), size, 512)
-
-    def pane(roughness):
-        shape = rectangle([-0.5, 0, 0], [1, 0, 0], [0, 1.0, 0])
-        return glass_stage(lambda scene: scene.add(shape, scene.glass((0.75, 0.93, 0.82), roughness), [0.25, 0.002, -0.3]), size, 512)
-
-    compose("glass", [
-        [(pane(0.0), "thin pane, roughness 0"), (pane(0.25), "thin pane, roughness 0.25"), (globe(), "ball with a thin wall")],
-        [(globe(volume={}), "volume, ior 1.5"), (globe(volume={}, ior=1.1), "volume, ior 1.1"),
-         (globe(volume={}, roughness=0.25), "volume, ior 1.5, roughness 0.25")],
-    ])
-
-
-def absorption():
-    size = (363, 190)
-    volume = {"attenuationDistance": 0.25, "attenuationColor": [0.85, 0.45, 0.15]}
-    depths = [0.1, 0.2, 0.4, 0.8, 1.6]
-
-    def blocks(scene):
-        amber = scene.glass(volume=volume)
-        for k, depth in enumerate(depths):
-            scene.add(box([-0.16, 0, 0], [0.16, 0.8, depth]), amber, [(k - 2) * 0.4, 0.002, -0.9])
-
-    def balls(scene):
-        emerald = scene.glass(volume={"attenuationDistance": 0.5, "attenuationColor": [0.25, 0.8, 0.45]})
-        for k, radius in enumerate([0.12, 0.2, 0.32, 0.5]):
-            scene.add(ball(radius, 96, 48), emerald, [[-1.05, -0.68, -0.1, 0.78][k], radius + 0.002, 0])
-
-    camera = ([0, 0.9, 6.5], [0, 0.5, 0], 13.5)
-    compose("absorption", [[
-        (glass_stage(blocks, size, 384, camera), "slabs 0.1, 0.2, 0.4, 0.8, 1.6 m thick"),
-        (glass_stage(balls, size, 384, camera), "balls of diameter 0.24, 0.4, 0.64, 1 m"),
-    ]])
 
 
 def room(scene, left=(0.7, 0.16, 0.12), right=(0.14, 0.35, 0.65)):
@@ -346,7 +125,7 @@ def evening():
 
 def environment():
     size = (363, 180)
-    path = FOLDER / "evening.hdr"
+    path = stage.FOLDER / "evening.hdr"
     image = evening()
     write_hdr(path, image)
 
@@ -528,7 +307,7 @@ def toys(size):
 def layers():
     size = (180, 130)
     names = "color,depth,ray-length,disparity,geometric-normal,shading-normal,albedo,object-id,material-id,hit-mask"
-    samples = 64 if DRAFT else 512
+    samples = 64 if stage.DRAFT else 512
     # The second of two views at a baseline of 20 mm is the central one.
     folder = run(toys(size), "--views", 2, "--lenses", f"{size[0]}x{size[1]}", "--spp", samples, "--baseline-m", 0.02, "--layers", names, "--sky", "0.5,0.6,0.75", "--no-indirect")
     layer = {name: read_pfm(folder / f"scene_{name.replace('-', '_')}.pfm") for name in names.split(",")}
@@ -643,19 +422,22 @@ def instances():
     compose("instances", [[(render(scene, size, 64, "--integrator", "direct", "--sky", "0.36,0.45,0.58", "--exposure", 0.4), caption)]])
 
 
-PICTURES = [lights, sun, metal, coat, specular, clearcoat, sheen, anisotropy, iridescence, glass, dispersion, absorption, diffuse_transmission, emission, environment, alpha, normal_map, coordinates, indirect, unlit, layers, projection, instances]
+PICTURES = [
+    lights, sun, metal, coat, specular, clearcoat, sheen, anisotropy, iridescence, glass, dispersion, absorption,
+    diffuse_transmission, emission, environment, alpha, normal_map, coordinates, indirect, unlit, layers, projection,
+    instances,
+]
 
 
 def main():
-    global HOLO, DRAFT, FOLDER
     arguments = [a for a in sys.argv[1:] if a != "--draft"]
-    DRAFT = len(arguments) < len(sys.argv) - 1
+    stage.DRAFT = len(arguments) < len(sys.argv) - 1
     names = [picture.__name__ for picture in PICTURES]
     if not arguments or any(name not in names for name in arguments[1:]):
         sys.exit(f"{__doc__}\nNames: {', '.join(names)}")
-    HOLO = arguments[0]
+    stage.HOLO = arguments[0]
     with tempfile.TemporaryDirectory() as folder:
-        FOLDER = Path(folder)
+        stage.FOLDER = Path(folder)
         for picture in PICTURES:
             if not arguments[1:] or picture.__name__ in arguments[1:]:
                 picture()
