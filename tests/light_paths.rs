@@ -420,8 +420,8 @@ impl Floor {
 
     fn lit_by_a_panel() -> Self {
         let mut floor = Self::dark();
-        let glow = Material { emission: [5.0; 3], double_sided: true, ..Material::default() };
-        floor.put(square(0.5), glow, [3.0, 0.0, -3.0]);
+        let emitter = Material { emission: [5.0; 3], double_sided: true, ..Material::default() };
+        floor.put(square(0.5), emitter, [3.0, 0.0, -3.0]);
         floor
     }
 

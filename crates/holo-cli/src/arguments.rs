@@ -100,7 +100,7 @@ pub struct RenderOptions {
     #[command(flatten)]
     pub engine: EngineOptions,
     /// Seconds between checkpoints, from which the same command continues after an interruption; 0: none.
-    #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = parse_not_negative)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value = "30", value_parser = parse_not_negative)]
     pub checkpoint: f64,
     /// Replace another image in DIR: one of another scene or of other options. The same command again needs no permission.
     #[arg(long)]

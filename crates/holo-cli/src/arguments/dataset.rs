@@ -42,7 +42,7 @@ pub struct DatasetOptions {
     #[command(flatten)]
     pub engine: EngineOptions,
     /// Seconds between checkpoints, from which the same command continues after an interruption; 0: none.
-    #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = parse_not_negative)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value = "30", value_parser = parse_not_negative)]
     pub checkpoint: f64,
     /// Print no progress and no summary.
     #[arg(long)]

@@ -13,7 +13,7 @@ use super::scatterer::Scatterer;
 use super::shade::Shading;
 use super::straight_shadows;
 use crate::accel::Rays;
-use crate::material::media::{self, Medium};
+use crate::material::media::{self, MediaStack, Medium};
 use crate::sampling;
 use crate::simd::{LANES, Lanes, count};
 
@@ -84,15 +84,11 @@ fn unoccluded(here: &Shading, scatterer: &Scatterer, light: &LightSample) -> Con
 /// light is in the same medium; from infinitely far away none arrives inside a closed body.
 #[inline(always)]
 fn absorb(context: &Context, here: &Shading, light: &LightSample, contribution: &mut Contribution) {
+    let media = media_towards(here, &light.to_light);
     let mut crossed = [Medium::AIR; LANES];
     let mut length = [0.0; LANES];
     for lane in 0..LANES {
-        let mut above = 0.0;
-        for axis in 0..3 {
-            above += here.interaction.geometric_normal[axis][lane] * light.to_light[axis][lane];
-        }
-        let media = if above < 0.0 { here.media_behind[lane] } else { here.paths.media[lane] };
-        crossed[lane] = context.scene.appearance.medium(media.top());
+        crossed[lane] = context.scene.appearance.medium(media[lane].top());
         length[lane] = if light.far[lane].is_finite() { 1.0 / light.inverse_length[lane] } else { 0.0 };
         length[lane] = if light.inverse_length[lane] > 0.0 { length[lane] } else { 0.0 };
     }
@@ -102,6 +98,20 @@ fn absorb(context: &Context, here: &Shading, light: &LightSample, contribution: 
             contribution.value[c][lane] *= left[c][lane];
         }
     }
+}
+
+/// The media on the side of the surface from which rays towards the light start.
+#[inline(always)]
+pub(super) fn media_towards(here: &Shading, to_light: &[[f32; LANES]; 3]) -> [MediaStack; LANES] {
+    let mut out = [MediaStack::AIR; LANES];
+    for lane in 0..LANES {
+        let mut above = 0.0;
+        for axis in 0..3 {
+            above += here.interaction.geometric_normal[axis][lane] * to_light[axis][lane];
+        }
+        out[lane] = if above < 0.0 { here.media_behind[lane] } else { here.paths.media[lane] };
+    }
+    out
 }
 
 /// Adds the contribution to the lanes whose shadow ray is not occluded; returns the number of shadow rays.

@@ -12,7 +12,7 @@
 use holo_scene::MAX_RADIANCE;
 
 use super::Context;
-use super::direct_light::Contribution;
+use super::direct_light::{Contribution, media_towards};
 use super::shade::Shading;
 use crate::accel::{Coherence, NO_TRIANGLE, RayHits};
 use crate::material::media::{self, MediaStack, Medium};
@@ -37,7 +37,7 @@ pub(super) fn attenuate(
     packet.rays.origin = contribution.start;
     packet.rays.direction = contribution.to_light;
     let mut left = contribution.far;
-    let mut media = start_media(here, contribution);
+    let mut media = media_towards(here, &contribution.to_light);
     let mut passed = [false; LANES];
     for surface in 0..=MAX_SURFACES {
         let active = count(&lit);
@@ -96,20 +96,6 @@ pub(super) fn attenuate(
         }
     }
     rays
-}
-
-/// The media at the start of the shadow rays: those on the side of the surface from which they leave.
-#[inline(always)]
-fn start_media(here: &Shading, contribution: &Contribution) -> [MediaStack; LANES] {
-    let mut out = [MediaStack::AIR; LANES];
-    for lane in 0..LANES {
-        let mut above = 0.0;
-        for axis in 0..3 {
-            above += here.interaction.geometric_normal[axis][lane] * contribution.to_light[axis][lane];
-        }
-        out[lane] = if above < 0.0 { here.media_behind[lane] } else { here.paths.media[lane] };
-    }
-    out
 }
 
 /// Attenuates by the media on the way to the next surface, or to the light if it is at a finite distance.

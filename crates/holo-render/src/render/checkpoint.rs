@@ -60,7 +60,7 @@ pub trait Checkpoint: Sync {
     /// [`store`](Self::store) follows then.
     fn wants_rest(&self) -> bool;
 
-    /// Stores tiles, which may be none. The iterator copies each from the result when it is asked for it. Returns whether
+    /// Stores tiles, which may be none. The iterator copies each from the result when it is read. Returns whether
     /// all are stored; otherwise they are offered again.
     fn store(&self, tiles: &mut dyn Iterator<Item = FinishedTile>) -> bool;
 }

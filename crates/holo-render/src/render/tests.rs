@@ -266,7 +266,7 @@ fn a_list_of_views_gives_the_pixels_of_the_whole() {
     }
 }
 
-/// The disparities of what the central view hits are those that were asked for. Odd numbers of views: up to the rounding
+/// The disparities of what the central view hits are those that were requested. Odd numbers of views: up to the rounding
 /// of depths to f32, 6e-8, times k/Z, a few hundred px. With even ones the central view moves with the baseline over
 /// the leaves of the tree.
 #[test]
