@@ -222,7 +222,7 @@ impl Renderer {
         stop: &'a Stop<'a>,
     ) -> Context<'a> {
         let (seed, samples, sampling) = (request.seed, request.samples, request.sampling);
-        let rig = RigRays::new(&request.rig, &region.tiling, &region.selection, sampling.shared_views());
+        let rig = RigRays::new(&request.rig, &region.tiling, &region.selection);
         let scene = SceneData {
             engine: self.engines[usize::from(request.cull)][usize::from(integrator == Integrator::Depth)].as_ref(),
             geometry: &self.geometry,

@@ -34,7 +34,7 @@ use crate::camera::{CameraRays, PixelPacket};
 use crate::film::adaptive::Samples;
 use crate::material::media::MediaStack;
 use crate::material::{HitPoints, SurfaceInteraction};
-use crate::sampling;
+use crate::sampling::{self, Runs};
 use crate::simd::Kernel;
 use crate::simd::LANES;
 use crate::simd::count;
@@ -72,8 +72,8 @@ pub(crate) struct PathTile<'a, 'b> {
 pub(crate) struct Scratch {
     /// The sums over the samples, in packet order.
     color: Vec<[[f32; LANES]; 3]>,
-    /// The random sequences of the pixels.
-    sequences: Vec<[u32; LANES]>,
+    /// The runs of the pixels in the random sequences.
+    runs: Vec<Runs>,
     samples: Samples,
     /// Rays that were scattered at the previous vertex.
     now: Paths,
@@ -121,13 +121,13 @@ impl Scratch {
     fn begin(&mut self, context: &Context, tile: &Tile) {
         self.color.clear();
         self.color.resize(tile.packet_count(), [[0.0; LANES]; 3]);
-        self.sequences.clear();
+        self.runs.clear();
         self.samples.begin(context.policy.target_error);
         self.now.clear();
         self.next.clear();
         for pixels in context.camera.packets(tile) {
             self.samples.push(&pixels.valid);
-            self.sequences.push(context.sampler.sequences(&pixels.ids));
+            self.runs.push(context.sampler.runs(&pixels.ids));
         }
     }
 }
@@ -213,11 +213,12 @@ impl TilePaths<'_> {
     #[inline(always)]
     fn camera_rays(&mut self, pixels: &PixelPacket, index: usize, sample: u32, packet: &mut RayHits) -> Traced {
         let context = self.context;
-        let sequences = self.scratch.sequences[index];
+        let runs = self.scratch.runs[index];
+        let indices = runs.first.map(|first| first + sample);
         let CameraRays { exact, weight } = context.camera.sample(pixels, &context.sampler, sample, packet);
         packet.rays.id = [CAMERA_RAY; LANES];
         if context.scene.has_alpha {
-            let numbers = sampling::ray_numbers(&sequences, &[sample; LANES], 0);
+            let numbers = sampling::ray_numbers(&runs.sequence, &indices, 0);
             packet.rays.id = numbers.map(|number| number | CAMERA_RAY);
         }
         context.scene.engine.intersect(&pixels.valid, packet, Coherence::Coherent);
@@ -228,7 +229,7 @@ impl TilePaths<'_> {
             bsdf_pdf: [f32::INFINITY; LANES],
             pixel: [0; LANES],
             throughput: [weight; 3],
-            sample: [sample; LANES],
+            index: indices,
             may_scatter: [true; LANES],
             media: [MediaStack::AIR; LANES],
         };
@@ -236,7 +237,7 @@ impl TilePaths<'_> {
             paths.pixel[lane] = (index * LANES + lane) as u32;
         }
         let coherence = coherence(packet);
-        Traced { paths, sequences, points: HitPoints::primary(&exact, &refined), coherence }
+        Traced { paths, sequences: runs.sequence, points: HitPoints::primary(&exact, &refined), coherence }
     }
 
     /// Packet number `k` of the rays that were scattered at the previous vertex. With `occlusion_only` they are only
@@ -256,10 +257,10 @@ impl TilePaths<'_> {
         let mut sequences = [0; LANES];
         for lane in 0..LANES {
             let pixel = paths.pixel[lane] as usize;
-            sequences[lane] = self.scratch.sequences[pixel / LANES][pixel % LANES];
+            sequences[lane] = self.scratch.runs[pixel / LANES].sequence[pixel % LANES];
         }
         if context.scene.has_alpha {
-            packet.rays.id = sampling::ray_numbers(&sequences, &paths.sample, vertex);
+            packet.rays.id = sampling::ray_numbers(&sequences, &paths.index, vertex);
         } else {
             packet.rays.id = [0; LANES];
         }
