@@ -9,7 +9,9 @@ mod common;
 use common::rig;
 use holo_core::Projection;
 use holo_render::{Backend, Integrator, Renderer, Request};
-use holo_scene::{Material, Mesh, Scene, Transform, Volume};
+use holo_scene::{
+    Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, Material, Mesh, Scene, Sheen, Transform, Volume,
+};
 
 /// A sphere of 20 * 4^3 flat triangles around the origin.
 fn sphere(radius: f32) -> Mesh {
@@ -122,5 +124,40 @@ fn rough_materials_keep_their_energy() {
             println!("roughness {roughness}, metal {}, glass {}: {mean:.4}", material.metallic, material.transmission);
             assert!(mean < 1.005 && mean > 1.0 - most_lost, "{mean} {material:?}");
         }
+    }
+}
+
+/// Bodies of smooth glass with dispersion split paths by channel without a loss.
+#[test]
+fn dispersive_glass_is_invisible() {
+    let volume = Some(Volume { attenuation_distance_m: f32::INFINITY, attenuation_color: [1.0; 3] });
+    let glass = Material { roughness: 0.0, specular: 1.0, transmission: 1.0, volume, ..Material::default() };
+    let (mean, ..) = furnace(Material { dispersion: 2.0, ..glass }, 256, 1000);
+    assert!((mean - 1.0).abs() < 2e-3, "{mean}");
+}
+
+/// Layers over white surfaces gain nothing, and lose what `bsdf/layered.rs` says.
+#[test]
+fn layered_materials_gain_nothing() {
+    let white = Material { roughness: 0.4, specular: 1.0, ..Material::default() };
+    let coat = |roughness| Some(Clearcoat { factor: 1.0, roughness, ..Clearcoat::default() });
+    let sheen = Some(Sheen { color: [1.0; 3], roughness: 0.5, ..Sheen::default() });
+    let film = Some(Iridescence { factor: 1.0, ..Iridescence::default() });
+    let through = |factor| Some(DiffuseTransmission { factor, ..DiffuseTransmission::default() });
+    let volume = Some(Volume { attenuation_distance_m: f32::INFINITY, attenuation_color: [1.0; 3] });
+    let uneven = Some(Anisotropy { strength: 0.8, ..Anisotropy::default() });
+    for (name, material, most_lost) in [
+        ("clearcoat", Material { clearcoat: coat(0.0), ..white.clone() }, 0.05),
+        ("rough clearcoat on metal", Material { clearcoat: coat(0.5), metallic: 1.0, ..white.clone() }, 0.05),
+        ("sheen", Material { sheen, ..white.clone() }, 0.14),
+        ("film", Material { iridescence: film, ..white.clone() }, 0.09),
+        ("film on metal", Material { iridescence: film, metallic: 1.0, ..white.clone() }, 0.01),
+        ("anisotropy without a tangent", Material { anisotropy: uneven, metallic: 1.0, ..white.clone() }, 0.01),
+        ("diffuse transmission", Material { diffuse_transmission: through(0.5), ..white.clone() }, 0.01),
+        ("through a body", Material { diffuse_transmission: through(0.5), volume, ..white.clone() }, 0.01),
+    ] {
+        let (mean, ..) = furnace(material, 64, 200);
+        println!("{name}: {mean:.4}");
+        assert!(mean < 1.005 && mean > 1.0 - most_lost, "{name}: {mean}");
     }
 }

@@ -14,10 +14,13 @@ use std::str::FromStr;
 
 use clap::{Args, Parser, Subcommand};
 use holo_core::{GridSize, Layout, Projection, Sensor};
-use holo_dataset::options::{parse_bit_depth, parse_not_negative, parse_positive, parse_sensor};
+use holo_dataset::options::{
+    parse_bit_depth, parse_light_units, parse_not_negative, parse_positive, parse_range, parse_sensor,
+};
 use holo_dataset::{Exposure, Focus, LayerChoice, Output, Shard, Sky};
 use holo_io::MatOrder;
 use holo_render::{Backend, GroundTruth, Integrator};
+use holo_scene::gltf::LightUnits;
 
 use choices::{BACKENDS, GROUND_TRUTHS, INTEGRATORS, LAYERS, LAYOUTS, MAT_ORDERS, OUTPUTS, PROJECTIONS, choice};
 
@@ -96,6 +99,9 @@ pub struct RenderOptions {
     pub shard: Option<Shard>,
     #[command(flatten)]
     pub engine: EngineOptions,
+    /// Seconds between checkpoints, from which the same command continues after an interruption; 0: none.
+    #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = parse_not_negative)]
+    pub checkpoint: f64,
     /// Replace another image in DIR: one of another scene or of other options. The same command again needs no permission.
     #[arg(long)]
     pub overwrite: bool,
@@ -107,9 +113,25 @@ pub struct RenderOptions {
     pub json: bool,
 }
 
+/// How a scene file is read.
+#[derive(Args, Clone, Debug)]
+pub struct SceneFileOptions {
+    /// Unit of the lights in the file: candela and lux of glTF, those of Blender's lighting mode "Standard" (683 times as bright), or `auto`, by generator and numbers.
+    #[arg(long, value_name = "gltf|blender|auto", default_value = "gltf", value_parser = parse_light_units)]
+    pub light_units: LightUnits,
+    /// Treat closed meshes with transmission but without a volume as solid glass; otherwise they are thin, like soap bubbles.
+    #[arg(long)]
+    pub solid_glass: bool,
+    /// Name of a material variant of the file, as `holo info` lists them.
+    #[arg(long, value_name = "NAME")]
+    pub material_variant: Option<String>,
+}
+
 /// The options that, with the scene and the rig, determine every file.
 #[derive(Args, Clone, Debug)]
 pub struct JobOptions {
+    #[command(flatten)]
+    pub scene_file: SceneFileOptions,
     /// Light transport: what light is simulated.
     #[arg(long, value_parser = choice(INTEGRATORS), default_value = "auto")]
     pub integrator: Integrator,
@@ -131,14 +153,18 @@ pub struct JobOptions {
     /// Limit what a light path may add after its first hit, against single bright pixels: darkens caustics and reflected lamps [default: no limit].
     #[arg(long, value_name = "L", allow_negative_numbers = true, value_parser = parse_positive)]
     pub indirect_limit: Option<f64>,
+    /// Let shadow rays pass straight through smooth glass: light behind windows without noise; caustics of solid glass become plain shadows.
+    #[arg(long)]
+    pub transparent_shadows: bool,
     /// Without light that is scattered more than once in the roughness of a surface: rough metal gets darker, as in renderers without this model.
     #[arg(long)]
     pub no_multiple_scattering: bool,
     /// Hide surfaces that are not double-sided from behind, as game engines do; shadows and mirrors still show them.
     #[arg(long)]
     pub cull: bool,
-    /// Environment light: linear radiance of a constant sky (one number is gray), or an equirectangular map (.hdr, .exr).
-    #[arg(long, value_name = "R,G,B|FILE", allow_hyphen_values = true, default_value = "0,0,0")]
+    /// Environment light: linear radiance of a constant sky (one number is gray), an equirectangular map (.hdr, .exr; .png, .jpg
+    /// as sRGB), or `auto`: black, and a soft sky for scenes without light.
+    #[arg(long, value_name = "auto|R,G,B|FILE", allow_hyphen_values = true, default_value = "auto")]
     pub sky: Sky,
     /// Exposure compensation of 8- and 16-bit images in EV, or `auto`.
     #[arg(long, value_name = "auto|EV", default_value = "auto", allow_hyphen_values = true)]
@@ -179,6 +205,9 @@ pub struct MainLensOptions {
     /// Focus distance, m, `inf`, or `auto` (harmonic mean of nearest and farthest depth). Disparity is 0 there.
     #[arg(long, value_name = "Z|inf|auto", allow_negative_numbers = true, default_value = "auto")]
     pub focus_m: Focus,
+    /// Smallest and largest disparity of the scene, px between adjacent views: focus distance and baseline follow.
+    #[arg(long, value_name = "MIN,MAX", allow_hyphen_values = true, conflicts_with_all = ["f_number", "focus_m"], value_parser = parse_range)]
+    pub disparity: Option<(f64, f64)>,
 }
 
 /// The options that determine the rig.
@@ -193,7 +222,7 @@ pub struct RigOptions {
     #[arg(long, value_name = "UxV", conflicts_with = "sensor", value_parser = GridSize::from_str)]
     pub lenses: Option<GridSize>,
     /// Baseline: distance between adjacent views, m.
-    #[arg(long, value_name = "B", allow_negative_numbers = true, conflicts_with = "f_number", value_parser = parse_not_negative)]
+    #[arg(long, value_name = "B", allow_negative_numbers = true, conflicts_with_all = ["f_number", "disparity"], value_parser = parse_not_negative)]
     pub baseline_m: Option<f64>,
     /// Focal length, mm [default: from the angle of view of the scene's camera].
     #[arg(long, value_name = "F", allow_negative_numbers = true, value_parser = parse_positive)]
@@ -223,6 +252,8 @@ pub struct EngineOptions {
 pub struct InfoOptions {
     /// A scene, a PNG, PFM, EXR, Radiance HDR or .mat, a parameters.cfg, a manifest.json, or a folder of them.
     pub file: PathBuf,
+    #[command(flatten)]
+    pub scene_file: SceneFileOptions,
     #[command(flatten)]
     pub rig: RigOptions,
     #[command(flatten)]

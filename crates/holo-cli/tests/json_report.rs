@@ -30,7 +30,8 @@ fn one_object_with_every_promised_key() {
             "rig",
             "samples",
             "seconds",
-            "threads"
+            "threads",
+            "warnings"
         ]
     );
     assert_eq!(keys(&report["seconds"]), ["build", "load", "render", "total", "write"]);

@@ -168,12 +168,12 @@ fn ground_truth_of_all_views_holds_the_central_one() {
 }
 
 #[test]
-fn a_scene_without_light_gives_ground_truth_and_a_hint() {
+fn a_scene_without_light_under_a_black_sky_gives_ground_truth_and_a_hint() {
     let bench = Bench::new();
     let mut scene = common::tiny_scene();
     scene.lights.clear();
     std::fs::write(bench.path("dark.glb"), holo_scene::gltf::to_glb(&scene).unwrap()).unwrap();
-    let outcome = bench.run("render dark.glb --out dark --lenses 12x8 --views 5x4");
+    let outcome = bench.run("render dark.glb --out dark --lenses 12x8 --views 5x4 --sky 0");
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     assert!(outcome.stderr.contains("--sky"), "{outcome:?}");
     assert_eq!(bench.list("dark"), without_picture());

@@ -119,3 +119,56 @@ fn a_killed_render_leaves_only_whole_files_and_the_next_one_cleans_up() {
     assert_eq!(bench.list("out"), DEFAULT_FILES, "the leftovers are gone");
     assert_eq!(bench.run("verify out").code, Some(0));
 }
+
+/// Seconds of rendering, in many tiles.
+const SLOW: &str = "--lenses 60x40 --views 20x20 --spp 16 --sky 1,1,1 --max-bounces 3";
+
+/// Waits until there are tiles in the checkpoint in `folder`.
+fn wait_for_checkpoint(child: &mut Child, folder: &Path) {
+    let start = Instant::now();
+    let size = |name: &str| std::fs::metadata(folder.join(name)).map_or(0, |found| found.len());
+    loop {
+        let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+        let mut names = entries.map(|entry| entry.file_name().into_string().unwrap());
+        if names.any(|name| name.ends_with(".checkpoint") && size(&name) > 20_000) {
+            return;
+        }
+        assert!(child.try_wait().unwrap().is_none(), "it is done before there is a checkpoint");
+        assert!(start.elapsed() < Duration::from_secs(60), "there is no checkpoint");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+#[test]
+fn the_same_command_continues_after_a_stop_and_after_a_kill() {
+    let bench = Bench::new();
+    let command = |out: &str| format!("render {SCENE} --out {out} {SLOW} --checkpoint 0.05");
+    let undisturbed = bench.run(&format!("render {SCENE} --out whole {SLOW} --checkpoint 0 --threads 1"));
+    assert_eq!(undisturbed.code, Some(0), "{undisturbed:?}");
+    for name in ["TERM", "KILL"] {
+        let mut child = start(&bench, &command(name));
+        wait_for_checkpoint(&mut child, &bench.path(name));
+        signal(&child, name);
+        let stopped = common::wait(child, AT_ONCE).expect("it ends within a second");
+        assert_eq!(stopped.code, if name == "TERM" { Some(1) } else { None }, "{stopped:?}");
+        assert_eq!(stopped.stderr.contains("the same command continues"), name == "TERM", "{stopped:?}");
+        assert_eq!(bench.list(name).len(), 1, "the checkpoint alone: {:?}", bench.list(name));
+        assert!(bench.run(&format!("verify {name}")).stderr.contains("unfinished render"));
+        let finished = bench.run(&command(name));
+        assert_eq!(finished.code, Some(0), "{finished:?}");
+        assert!(finished.stderr.contains("note: continues with"), "{finished:?}");
+        assert!(bench.bytes(name) == bench.bytes("whole"), "{name}");
+    }
+}
+
+#[test]
+fn a_checkpoint_of_another_command_is_not_used() {
+    let bench = Bench::new();
+    let mut child = start(&bench, &format!("render {SCENE} --out out {SLOW} --checkpoint 0.05"));
+    wait_for_checkpoint(&mut child, &bench.path("out"));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let other = bench.render("out", "");
+    assert!(other.stderr.contains("is not used: --lenses has changed"), "{other:?}");
+    assert_eq!(bench.list("out"), DEFAULT_FILES, "a finished render has no checkpoint");
+}

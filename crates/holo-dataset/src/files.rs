@@ -10,6 +10,7 @@ use crate::images::{self, Images};
 use crate::layers::{self, Wanted};
 use crate::output_folder::OutputFolder;
 use crate::spec::{Exposure, Output, RenderSpec};
+use crate::warning::RenderWarning;
 
 /// A render before its files are written.
 pub(crate) struct Traced {
@@ -22,6 +23,8 @@ pub(crate) struct Traced {
     pub parameters: ParametersCfg,
     /// Depth of the central view in high resolution, m.
     pub highres_depth_m: Option<Array2<f32>>,
+    /// Of a shard none.
+    pub warnings: Vec<RenderWarning>,
 }
 
 /// The result of writing the files.
@@ -97,7 +100,7 @@ pub(crate) fn outputs(spec: &RenderSpec, has_color: bool) -> Result<Vec<Output>,
     if !has_color && layers::names_color(spec) {
         return Err(Error::BadRequest(
             "the scene has no light sources, so there is no color to write; remove color from --layers, or light it \
-             with --sky 1,1,1"
+             with --sky auto"
                 .into(),
         ));
     }
@@ -107,7 +110,7 @@ pub(crate) fn outputs(spec: &RenderSpec, has_color: bool) -> Result<Vec<Output>,
     if let Some(names) = images::needing_color(&spec.outputs, spec.integrator).filter(|_| !has_color) {
         return Err(Error::BadRequest(format!(
             "the scene has no light sources, so there is no color to write; remove {names} from --write, or light it \
-             with --sky 1,1,1"
+             with --sky auto"
         )));
     }
     Ok(spec.outputs.clone())

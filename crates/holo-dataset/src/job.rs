@@ -1,13 +1,14 @@
 //! One render from scene to folder: prepare, render, write.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use holo_core::{GridSize, LightFieldShape};
 use holo_io::{CameraPose, Manifest, ManifestValue, ParametersCfg, dataset};
-use holo_render::{GroundTruth, Integrator, Layer, Progress, Rendered, Request};
+use holo_render::{GroundTruth, Integrator, Layer, Progress, Rendered, Renderer, Request};
 use ndarray::{Array2, Axis};
 
+use crate::checkpoint::{Checkpoints, Keeper};
 use crate::diagnostics::{About, Diagnostics};
 use crate::files::{Traced, exposure_ev, outputs, validate, write};
 use crate::identity::difference;
@@ -18,8 +19,8 @@ use crate::output_folder::{OutputFolder, Rollback};
 use crate::prepare::{Prepared, Purpose, prepare};
 use crate::report::{RenderReport, Seconds};
 use crate::source::SceneSource;
-use crate::spec::{EngineSpec, Output, RenderSpec, Shard};
-use crate::{Error, shard, sky};
+use crate::spec::{EngineSpec, Output, RenderSpec, Shard, Sky};
+use crate::{Error, shard, sky, warning};
 
 /// One render: a scene, a specification and a ray tracing backend.
 #[derive(Clone, Debug)]
@@ -30,6 +31,8 @@ pub struct RenderJob {
     pub spec: RenderSpec,
     /// The ray tracing backend and the number of threads.
     pub engine: EngineSpec,
+    /// How often and where finished parts are kept, so that an interrupted job continues; `None`: not at all.
+    pub checkpoints: Option<Checkpoints>,
     /// The specification as text, for the manifest.
     options: Options,
 }
@@ -39,7 +42,7 @@ impl RenderJob {
     #[must_use]
     pub fn new(source: SceneSource, spec: RenderSpec) -> Self {
         let options = spec.to_options();
-        Self { source, spec, engine: EngineSpec::default(), options }
+        Self { source, spec, engine: EngineSpec::default(), checkpoints: Some(Checkpoints::default()), options }
     }
 
     /// Replaces the text of the specification in the manifest, for example by the options as they were typed. The path
@@ -56,12 +59,20 @@ impl RenderJob {
         Self { engine, ..self }
     }
 
-    /// Renders into the folder `out`: the complete light field, or one shard of it.
+    /// Sets how often and where finished parts are kept; `None`: not at all.
+    #[must_use]
+    pub fn with_checkpoints(self, checkpoints: Option<Checkpoints>) -> Self {
+        Self { checkpoints, ..self }
+    }
+
+    /// Renders into the folder `out`: the complete light field, or one shard of it. If an earlier run of the same job was
+    /// interrupted, this one continues from its [checkpoint](Checkpoints), to the same bytes.
     ///
     /// # Errors
     /// [`Error::BadRequest`] if the specification contradicts itself; [`Error::Scene`] and [`Error::Failed`] if the
     /// scene or the environment map cannot be read; [`Error::Render`] for errors and cancellation of the renderer;
-    /// [`Error::Io`] if files cannot be written. Files and folders that the run created are removed then.
+    /// [`Error::Io`] if files cannot be written. Files and folders that the run created are removed then, except for a
+    /// checkpoint.
     pub fn run(
         &self,
         out: &Path,
@@ -80,29 +91,52 @@ impl RenderJob {
         let folder = OutputFolder::create(out, rollback)?;
         let prepared = self.prepare(diagnostics)?;
         let rendering = Instant::now();
-        let traced = self.trace(&prepared, shard, progress, diagnostics)?;
+        let identity = self.identity(prepared.renderer.engine_name())?;
+        let request = self.request(&prepared, shard)?;
+        let keeper = self
+            .checkpoints
+            .as_ref()
+            .map(|checkpoints| Keeper::open(checkpoints, out, (&prepared, &request), &identity, diagnostics));
+        let traced = self.trace(&prepared, &request, identity, keeper.as_ref(), progress, diagnostics);
+        let written = traced.and_then(|traced| self.write(traced, &prepared.renderer, shard, folder, rendering));
+        if let Some(keeper) = keeper {
+            keeper.report(written.is_err(), diagnostics);
+            if written.is_ok() {
+                keeper.remove();
+            }
+        }
+        let mut report = written?;
+        report.seconds.load = prepared.load_seconds;
+        report.seconds.build = prepared.build_seconds;
+        report.seconds.total = start.elapsed().as_secs_f64();
+        Ok(report)
+    }
+
+    /// Writes the files of what was rendered since `rendering`.
+    fn write(
+        &self,
+        traced: Traced,
+        renderer: &Renderer,
+        shard: Option<Shard>,
+        folder: OutputFolder,
+        rendering: Instant,
+    ) -> Result<RenderReport, Error> {
         let (rays, samples, integrator) = (traced.rendered.rays, traced.rendered.samples, traced.rendered.integrator);
-        let why = traced.rendered.why.clone();
-        let renderer = &prepared.renderer;
+        let (why, rig) = (traced.rendered.why.clone(), traced.rig);
+        let warnings = traced.warnings.clone();
         let exposure_ev = match shard {
             // The exposure depends on the complete image.
             Some(_) => None,
             None => renderer.install(|| exposure_ev(&self.spec, &traced.rendered)),
         };
-        let (render, writing) = (rendering.elapsed(), Instant::now());
+        let (render, writing) = (rendering.elapsed().as_secs_f64(), Instant::now());
         let finished = renderer.install(|| match shard {
             Some(shard) => shard::write(traced, shard, folder),
             None => write(&self.spec, traced, exposure_ev, folder),
         })?;
-        let shape = prepared.rig.shape();
+        let shape = rig.shape();
         Ok(RenderReport {
-            seconds: Seconds {
-                load: prepared.load_seconds,
-                build: prepared.build_seconds,
-                render: render.as_secs_f64(),
-                write: writing.elapsed().as_secs_f64(),
-                total: start.elapsed().as_secs_f64(),
-            },
+            seconds: Seconds { render, write: writing.elapsed().as_secs_f64(), ..Seconds::default() },
             rays,
             samples: match integrator {
                 Integrator::Depth => shape.views().count() as u64 * shape.lenses().count() as u64,
@@ -112,9 +146,10 @@ impl RenderJob {
             threads: renderer.threads(),
             integrator,
             why,
-            rig: prepared.rig,
+            rig,
             disparity_px: finished.disparity_px,
             files: finished.files,
+            warnings,
         })
     }
 
@@ -151,7 +186,8 @@ impl RenderJob {
     /// fit into memory, [`Error::Core`] if the rig is invalid.
     pub fn prepare(&self, diagnostics: &dyn Diagnostics) -> Result<Prepared, Error> {
         let wanted = Wanted::new(&self.spec);
-        prepare(&self.source, &self.spec.rig, &self.engine, purpose(&self.spec, &wanted), diagnostics)
+        let source = (&self.source, &self.spec.scene);
+        prepare(source, &self.spec.rig, &self.engine, purpose(&self.spec, &wanted), diagnostics)
     }
 
     /// Returns what identifies the job in a manifest: digests of scene and sky, options, versions. Two manifests with
@@ -174,21 +210,31 @@ impl RenderJob {
         Ok(manifest)
     }
 
+    /// The request for the complete light field or a shard.
+    fn request(&self, prepared: &Prepared, shard: Option<Shard>) -> Result<Request, Error> {
+        let mut request = request(&self.spec, &Wanted::new(&self.spec), prepared);
+        if let Some(shard) = shard {
+            request.lens_rows = Some(prepared.renderer.shard_lens_rows(&request, shard.part - 1, shard.of)?);
+        }
+        Ok(request)
+    }
+
     /// Renders the complete light field or a shard.
     fn trace(
         &self,
         prepared: &Prepared,
-        shard: Option<Shard>,
+        request: &Request,
+        identity: Manifest,
+        keeper: Option<&Keeper>,
         progress: &dyn Progress,
         diagnostics: &dyn Diagnostics,
     ) -> Result<Traced, Error> {
         let spec = &self.spec;
         let wanted = Wanted::new(spec);
-        let mut request = request(spec, &wanted, prepared);
-        if let Some(shard) = shard {
-            request.lens_rows = Some(prepared.renderer.shard_lens_rows(&request, shard.part - 1, shard.of)?);
-        }
-        let mut rendered = prepared.renderer.render(&request, progress)?;
+        let mut rendered = match keeper {
+            Some(keeper) => prepared.renderer.render_with_checkpoint(request, progress, keeper)?,
+            None => prepared.renderer.render(request, progress)?,
+        };
         // The layers of all views may be fewer than those of the central view.
         let missing = wanted.central.without(rendered.central.set());
         if !missing.is_empty() {
@@ -199,14 +245,18 @@ impl RenderJob {
         // Before files are written.
         outputs(spec, rendered.color.is_some())?;
         if rendered.integrator == Integrator::Depth && request.integrator == Integrator::Auto {
-            let note = "note: the scene has no light sources, so there is no color, only ground truth; try --sky 1,1,1";
+            let note = "note: the scene has no light sources, so there is no color, only ground truth; try --sky auto";
             diagnostics.report(About::Scene, note);
         }
-        let manifest = self.manifest(&wanted, prepared, &rendered, &request)?;
+        // A part may see nothing where the whole image does.
+        let is_whole = request.lens_rows.is_none();
+        let warnings = if is_whole { warning::of(prepared, &rendered.central)? } else { Vec::new() };
+        warnings.iter().for_each(|warning| diagnostics.report(About::Scene, &format!("warning: {warning}")));
+        let manifest = self.manifest(identity, &wanted, prepared, &rendered, request);
         let parameters = self.parameters(prepared);
         let is_highres = spec.outputs.contains(&Output::HciHighres);
         let highres_depth_m = is_highres.then(|| highres_depth_m(prepared)).transpose()?;
-        Ok(Traced { rendered, wanted, rig: prepared.rig, manifest, parameters, highres_depth_m })
+        Ok(Traced { rendered, wanted, rig: prepared.rig, manifest, parameters, highres_depth_m, warnings })
     }
 
     fn parameters(&self, prepared: &Prepared) -> ParametersCfg {
@@ -225,12 +275,12 @@ impl RenderJob {
 
     fn manifest(
         &self,
+        mut manifest: Manifest,
         wanted: &Wanted,
         prepared: &Prepared,
         rendered: &Rendered,
         request: &Request,
-    ) -> Result<Manifest, Error> {
-        let mut manifest = self.identity(prepared.renderer.engine_name())?;
+    ) -> Manifest {
         manifest.rig = Some(prepared.rig);
         let settings = &mut manifest.settings;
         settings.insert("camera".into(), prepared.framed.camera.clone().into());
@@ -247,6 +297,9 @@ impl RenderJob {
         if request.indirect_limit.is_finite() {
             settings.insert("indirect-limit".into(), ManifestValue::Float(f64::from(request.indirect_limit)));
         }
+        if request.transparent_shadows {
+            settings.insert("transparent-shadows".into(), "on".into());
+        }
         if !request.multiple_scattering {
             settings.insert("multiple-scattering".into(), "off".into());
         }
@@ -255,11 +308,14 @@ impl RenderJob {
         }
         let sky = request.sky.map(|c| ManifestValue::Float(f64::from(c)));
         settings.insert("sky".into(), ManifestValue::List(sky.to_vec()));
+        if prepared.has_automatic_sky {
+            settings.insert("automatic-sky".into(), "on".into());
+        }
         settings.insert("bit-depth".into(), u32::from(self.spec.bit_depth).into());
         settings.insert("layers".into(), wanted.names(rendered).into());
         let all = request.ground_truth == GroundTruth::All;
         settings.insert("ground-truth".into(), if all { "all" } else { "central" }.into());
-        Ok(manifest)
+        manifest
     }
 }
 
@@ -267,7 +323,7 @@ impl RenderJob {
 fn purpose<'a>(spec: &'a RenderSpec, wanted: &Wanted) -> Purpose<'a> {
     let color = if spec.integrator == Integrator::Depth { 0 } else { 3 };
     Purpose {
-        sky: spec.sky_map().map(PathBuf::as_path),
+        sky: Some(&spec.sky).filter(|sky| **sky != Sky::Automatic || color > 0 && !needs_no_color(spec, wanted)),
         sample_bytes: (color + wanted.all.channels()) * size_of::<f32>(),
         lens_bytes: wanted.central.channels() * size_of::<f32>(),
     }
@@ -307,6 +363,7 @@ fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
         .target_error(spec.target_error)
         .indirect(spec.indirect)
         .indirect_limit(spec.indirect_limit)
+        .transparent_shadows(spec.transparent_shadows)
         .multiple_scattering(spec.multiple_scattering)
         .cull(spec.cull)
         .layers(match spec.ground_truth {

@@ -31,6 +31,7 @@
 pub mod options;
 pub mod text;
 
+mod checkpoint;
 mod describe;
 mod diagnostics;
 mod error;
@@ -50,7 +51,9 @@ mod source;
 mod spec;
 mod summary;
 mod verify;
+mod warning;
 
+pub use checkpoint::Checkpoints;
 pub use diagnostics::{About, Deduplicated, Diagnostics};
 pub use error::Error;
 pub use files::validate;
@@ -61,6 +64,7 @@ pub use prepare::Prepared;
 pub use report::{RenderReport, Seconds};
 pub use shard::merge;
 pub use source::SceneSource;
-pub use spec::{EngineSpec, Exposure, Focus, LayerChoice, Output, RenderSpec, RigSpec, Shard, Sky};
+pub use spec::{EngineSpec, Exposure, Focus, LayerChoice, Output, RenderSpec, RigSpec, SceneSpec, Shard, Sky};
 pub use summary::{DatasetSummary, JobSummary};
 pub use verify::{Verification, is_dataset, verify};
+pub use warning::RenderWarning;

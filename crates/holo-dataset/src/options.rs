@@ -10,6 +10,7 @@ use std::str::FromStr;
 use holo_core::{ParseGridSizeError, Projection, Sensor};
 use holo_io::MatOrder;
 use holo_render::{GroundTruth, Integrator, Layer};
+use holo_scene::gltf::LightUnits;
 
 use crate::Error;
 use crate::spec::{Exposure, Focus, LayerChoice, Output, RenderSpec, Shard, Sky};
@@ -44,8 +45,17 @@ const INTEGRATORS: [(Integrator, &str); 4] = [
 const SENSORS: [(Sensor, &str); 4] =
     [(Sensor::Hd, "hd"), (Sensor::Uhd4k, "4k"), (Sensor::Paper8k, "8k"), (Sensor::Uhd8k, "uhd8k")];
 
-const SKY_FORMS: &str =
-    "give three numbers from 0 up, R,G,B, or one for gray, or an environment map: a file that ends in .hdr or .exr";
+const LIGHT_UNITS: [(LightUnits, &str); 3] =
+    [(LightUnits::Gltf, "gltf"), (LightUnits::Blender, "blender"), (LightUnits::Auto, "auto")];
+
+/// The value of what is chosen automatically.
+const AUTO: &str = "auto";
+
+/// Endings of environment maps.
+const MAPS: [&str; 5] = [".hdr", ".exr", ".png", ".jpg", ".jpeg"];
+
+const SKY_FORMS: &str = "give auto, three numbers from 0 up, R,G,B, or one for gray, or an environment map: a file that \
+    ends in .hdr, .exr, .png or .jpg";
 
 /// Returns the name of an integrator on the command line and in files.
 #[must_use]
@@ -96,6 +106,24 @@ pub fn parse_not_negative(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Parses a range `MIN,MAX` of finite numbers, the smaller first.
+///
+/// # Errors
+/// A message with the accepted values, for any other text.
+pub fn parse_range(text: &str) -> Result<(f64, f64), String> {
+    let finite = |text: &str| text.parse::<f64>().ok().filter(|x| x.is_finite());
+    let ends = text.split_once(',').and_then(|(min, max)| Some((finite(min)?, finite(max)?)));
+    ends.filter(|(min, max)| min < max).ok_or_else(|| "write MIN,MAX, such as -2,2.5, the smaller first".into())
+}
+
+/// Parses the unit of lights: `gltf`, `blender` or `auto`.
+///
+/// # Errors
+/// A message with the accepted values, for any other text.
+pub fn parse_light_units(text: &str) -> Result<LightUnits, String> {
+    named(&LIGHT_UNITS, text).ok_or_else(|| "give gltf, blender or auto".into())
+}
+
 /// Parses a bit depth, 8 or 16.
 ///
 /// # Errors
@@ -124,10 +152,13 @@ impl FromStr for Shard {
 impl FromStr for Sky {
     type Err = String;
 
-    /// Parses `R,G,B`, one number for gray, or the path of a file that ends in `.hdr` or `.exr`.
+    /// Parses `auto`, `R,G,B`, one number for gray, or the path of an image: `.hdr`, `.exr`, `.png`, `.jpg`, `.jpeg`.
     fn from_str(text: &str) -> Result<Self, String> {
         let lower = text.to_ascii_lowercase();
-        if lower.ends_with(".hdr") || lower.ends_with(".exr") {
+        if text == AUTO {
+            return Ok(Self::Automatic);
+        }
+        if MAPS.iter().any(|ending| lower.ends_with(ending)) {
             return Ok(Self::Map(text.into()));
         }
         let parts: Vec<f32> = text
@@ -230,19 +261,21 @@ impl RenderSpec {
         for (name, value) in optional.into_iter().filter_map(|(name, value)| Some((name, value?))) {
             set(name, value.to_string());
         }
+        if let Some((min, max)) = rig.disparity_px {
+            set("disparity", format!("{min},{max}"));
+        }
         if let Some(camera) = &rig.camera {
             set("camera", camera.clone());
+        }
+        set("light-units", name_of(&LIGHT_UNITS, &self.scene.light_units).into());
+        set("solid-glass", self.scene.solid_glass.to_string());
+        if let Some(variant) = &self.scene.material_variant {
+            set("material-variant", variant.clone());
         }
         if let Some(samples) = self.samples {
             set("spp", samples.to_string());
         }
-        set(
-            "focus-m",
-            match rig.focus {
-                Focus::Automatic => "auto".into(),
-                Focus::Meters(distance) => distance.to_string(),
-            },
-        );
+        set("focus-m", focus_text(rig.focus));
         set("sensor-mm", rig.sensor_mm.to_string());
         let orthographic = rig.projection == Projection::Orthographic;
         set("projection", if orthographic { "orthographic" } else { "perspective" }.into());
@@ -253,22 +286,18 @@ impl RenderSpec {
         if self.indirect_limit.is_finite() {
             set("indirect-limit", self.indirect_limit.to_string());
         }
+        set("transparent-shadows", self.transparent_shadows.to_string());
         set("no-multiple-scattering", (!self.multiple_scattering).to_string());
         set("cull", self.cull.to_string());
         set(
             "sky",
             match &self.sky {
+                Sky::Automatic => AUTO.into(),
                 Sky::Constant([r, g, b]) => format!("{r},{g},{b}"),
                 Sky::Map(_) => MAP.into(),
             },
         );
-        set(
-            "exposure",
-            match self.exposure {
-                Exposure::Automatic => "auto".into(),
-                Exposure::Ev(ev) => ev.to_string(),
-            },
-        );
+        set("exposure", exposure_text(self.exposure));
         let all = self.ground_truth == GroundTruth::All;
         set("ground-truth", if all { "all" } else { "central" }.into());
         if !self.layers.is_empty() {
@@ -318,6 +347,10 @@ impl RenderSpec {
                     value,
                 )?;
             }
+            "disparity" => rig.disparity_px = Some(parse_range(value)?),
+            "light-units" => self.scene.light_units = parse_light_units(value)?,
+            "solid-glass" => self.scene.solid_glass = number(value)?,
+            "material-variant" => self.scene.material_variant = Some(value.to_owned()),
             "camera" => rig.camera = Some(value.to_owned()),
             "integrator" => self.integrator = one_of(&INTEGRATORS, value)?,
             "spp" => self.samples = Some(number(value)?),
@@ -326,9 +359,10 @@ impl RenderSpec {
             "no-roulette" => self.roulette = !number::<bool>(value)?,
             "no-indirect" => self.indirect = !number::<bool>(value)?,
             "indirect-limit" => self.indirect_limit = parse_positive(value)? as f32,
+            "transparent-shadows" => self.transparent_shadows = number(value)?,
             "no-multiple-scattering" => self.multiple_scattering = !number::<bool>(value)?,
             "cull" => self.cull = number(value)?,
-            "sky" if value == MAP => {}
+            "sky" if value == MAP => self.sky = Sky::Constant([0.0; 3]),
             "sky" => self.sky = value.parse()?,
             "exposure" => self.exposure = value.parse()?,
             "ground-truth" => {
@@ -351,7 +385,7 @@ impl RenderSpec {
     #[must_use]
     pub fn sky_map(&self) -> Option<&PathBuf> {
         match &self.sky {
-            Sky::Constant(_) => None,
+            Sky::Automatic | Sky::Constant(_) => None,
             Sky::Map(path) => Some(path),
         }
     }
@@ -372,6 +406,20 @@ pub fn without_paths(mut options: Options, spec: &RenderSpec) -> Options {
         options.insert("sky".into(), MAP.into());
     }
     options
+}
+
+fn focus_text(focus: Focus) -> String {
+    match focus {
+        Focus::Automatic => AUTO.into(),
+        Focus::Meters(distance) => distance.to_string(),
+    }
+}
+
+fn exposure_text(exposure: Exposure) -> String {
+    match exposure {
+        Exposure::Automatic => AUTO.into(),
+        Exposure::Ev(ev) => ev.to_string(),
+    }
 }
 
 fn sensor_text(sensor: Sensor) -> String {
@@ -401,7 +449,7 @@ fn list<T>(text: &str, read: impl Fn(&str) -> Option<T>) -> Result<Vec<T>, Strin
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spec::RigSpec;
+    use crate::spec::{RigSpec, SceneSpec};
     use holo_core::GridSize;
 
     #[test]
@@ -410,19 +458,27 @@ mod tests {
             views: GridSize::new(2, 3),
             lenses: Some(GridSize::new(4, 5)),
             baseline_m: Some(1e-3),
+            disparity_px: Some((-1.5, 2.0)),
             focal_mm: Some(35.5),
             focus: Focus::Meters(f64::INFINITY),
             projection: Projection::Orthographic,
             camera: Some("front".into()),
             ..RigSpec::default()
         };
+        let scene = SceneSpec {
+            light_units: LightUnits::Auto,
+            solid_glass: true,
+            material_variant: Some("red, or blue".into()),
+        };
         let spec = RenderSpec {
+            scene,
             rig,
             integrator: Integrator::Path,
             samples: Some(3),
             target_error: Some(0.05),
             roulette: false,
             indirect_limit: 2.5,
+            transparent_shadows: true,
             multiple_scattering: false,
             cull: true,
             sky: Sky::Constant([1.0, 0.25, 0.0]),
@@ -467,6 +523,14 @@ mod tests {
         assert_eq!("a,b/Sky.HDR".parse(), Ok(Sky::Map("a,b/Sky.HDR".into())));
         assert_eq!("0.5".parse::<Sky>(), Ok(Sky::Constant([0.5; 3])));
         assert!("1,2".parse::<Sky>().is_err() && "".parse::<Sky>().is_err());
-        assert!("sky.png".parse::<Sky>().unwrap_err().contains(".exr"));
+        assert_eq!("auto".parse(), Ok(Sky::Automatic));
+        for name in ["sky.png", "a/SKY.JPG", "sky.jpeg"] {
+            assert_eq!(name.parse(), Ok(Sky::Map(name.into())));
+        }
+        assert!("sky.gif".parse::<Sky>().unwrap_err().contains(".exr"));
+        assert_eq!(parse_range("-2,2.5"), Ok((-2.0, 2.5)));
+        assert!(parse_range("2,-2").is_err() && parse_range("1").is_err() && parse_range("0,inf").is_err());
+        assert_eq!(parse_light_units("auto"), Ok(LightUnits::Auto));
+        assert!(parse_light_units("watt").is_err());
     }
 }

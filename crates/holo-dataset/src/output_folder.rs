@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use holo_io::{FileDigest, Manifest, dataset};
 
-use crate::Error;
+use crate::{Error, checkpoint};
 
 /// The name of an older manifest while its folder is written again.
 const OLD_MANIFEST: &str = ".manifest.old.json";
@@ -123,12 +123,15 @@ impl OutputFolder {
         path
     }
 
-    /// Creates a subfolder, unless it exists.
+    /// Creates a subfolder, unless it exists, and removes temporary files that a killed run left in it.
     ///
     /// # Errors
-    /// [`Error::Failed`] with the error of the file system.
+    /// [`Error::Failed`] with the error of the file system; [`Error::Io`] if stale files cannot be removed.
     pub fn subfolder(&self, name: &str) -> Result<(), Error> {
-        self.create_folder(&self.path.join(name))
+        let path = self.path.join(name);
+        self.create_folder(&path)?;
+        holo_io::remove_stale_temporary_files(path)?;
+        Ok(())
     }
 
     /// Renames an older manifest, because the files that it lists are about to change.
@@ -151,7 +154,7 @@ impl OutputFolder {
     }
 
     /// Writes the manifest with all files that were added, and removes files of an older manifest that it does not
-    /// list. Returns the names of the files and of the manifest.
+    /// list, and checkpoints. Returns the names of the files and of the manifest.
     ///
     /// # Errors
     /// [`Error::Io`] if the manifest cannot be written.
@@ -161,6 +164,7 @@ impl OutputFolder {
         self.finished = true;
         self.rollback.created().keep(self.run);
         clear_older(&self.path, &manifest);
+        checkpoint::remove_all(&self.path);
         let names = manifest.files.keys().cloned();
         Ok(names.chain([dataset::MANIFEST_JSON.to_string()]).collect())
     }

@@ -7,6 +7,7 @@ use holo_io::{Manifest, dataset};
 use holo_render::{Progress, Renderer};
 use holo_scene::gallery;
 
+use crate::checkpoint::Checkpoints;
 use crate::diagnostics::Diagnostics;
 use crate::files::validate;
 use crate::identity::difference;
@@ -16,7 +17,7 @@ use crate::output_folder::{OutputFolder, Rollback, clear_older};
 use crate::report::RenderReport;
 use crate::source::SceneSource;
 use crate::spec::{EngineSpec, RenderSpec};
-use crate::{Error, describe, prepare};
+use crate::{Error, checkpoint, describe, prepare};
 
 /// The plan of a dataset: its jobs in order.
 #[derive(Clone, Debug)]
@@ -102,6 +103,13 @@ impl DatasetPlan {
         }
         let options = crate::options::without_paths(options, &spec);
         Ok(Self { spec, options, engine, jobs })
+    }
+
+    /// Sets how often and where finished parts of every job are kept; `None`: not at all.
+    #[must_use]
+    pub fn with_checkpoints(mut self, checkpoints: Option<&Checkpoints>) -> Self {
+        self.jobs.iter_mut().for_each(|job| job.render.checkpoints = checkpoints.cloned());
+        self
     }
 
     /// Returns the ray tracing backend of all jobs with its version, as manifests contain it.
@@ -203,7 +211,8 @@ fn done(folder: &Path, identity: &Manifest) -> Result<Manifest, Option<String>> 
     if let Some(mismatch) = manifest.verify(folder).first() {
         return Err(Some(mismatch.to_string()));
     }
-    // A run may have been killed before this last step.
+    // A run may have been killed before these last steps.
     clear_older(folder, &manifest);
+    checkpoint::remove_all(folder);
     Ok(manifest)
 }

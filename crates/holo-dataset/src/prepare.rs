@@ -3,14 +3,14 @@
 use std::path::Path;
 use std::time::Instant;
 
+use holo_core::optics::DisparityRange;
 use holo_core::{LightFieldShape, Remainder, Rig};
 use holo_render::{Baseline, CameraChoice, Framed, Framing, Renderer};
-use holo_scene::Environment;
 use holo_scene::gltf::Loaded;
 
 use crate::diagnostics::{About, Diagnostics};
 use crate::source::SceneSource;
-use crate::spec::{EngineSpec, Focus, RigSpec};
+use crate::spec::{EngineSpec, Focus, RigSpec, SceneSpec, Sky};
 use crate::{Error, sky};
 
 /// A scene that is ready to be rendered.
@@ -23,6 +23,8 @@ pub struct Prepared {
     pub renderer: Renderer,
     /// The rig.
     pub rig: Rig,
+    /// Whether the scene has no light sources and got the soft sky of [`Sky::Automatic`].
+    pub has_automatic_sky: bool,
     /// Wall-clock time of reading the scene, s.
     pub load_seconds: f64,
     /// Wall-clock time of building the acceleration structure, s.
@@ -32,8 +34,8 @@ pub struct Prepared {
 /// The environment and the memory of a render.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Purpose<'a> {
-    /// The file of an environment map.
-    pub sky: Option<&'a Path>,
+    /// The sky; `None`: its light does not matter.
+    pub sky: Option<&'a Sky>,
     /// Memory of every sample of the light field, bytes.
     pub sample_bytes: usize,
     /// Memory of every pixel of the central view, bytes.
@@ -45,7 +47,7 @@ pub(crate) struct Purpose<'a> {
 /// # Errors
 /// A scene that cannot be read, an invalid rig, a light field that does not fit into memory.
 pub(crate) fn prepare(
-    source: &SceneSource,
+    (source, spec): (&SceneSource, &SceneSpec),
     rig: &RigSpec,
     engine: &EngineSpec,
     purpose: Purpose,
@@ -55,21 +57,50 @@ pub(crate) fn prepare(
     validate_memory(&shape, purpose)?;
     let start = Instant::now();
     let scene = source.path();
-    let mut loaded = source.load().map_err(|e| match e {
+    let mut loaded = source.load(spec).map_err(|e| match e {
         holo_scene::Error::Read { .. } => Error::Failed(e.to_string()),
         other => Error::Failed(named(scene, &other.to_string())),
     })?;
-    if let Some(path) = purpose.sky {
-        loaded.scene.environment = Some(Environment { radiance: sky::read(path)? });
-    }
-    let load_seconds = start.elapsed().as_secs_f64();
     loaded.warnings.iter().for_each(|warning| diagnostics.report(About::Scene, &format!("warning: {warning}")));
+    let has_automatic_sky = purpose.sky.map_or(Ok(false), |sky| sky::add(sky, &mut loaded.scene, diagnostics))?;
+    let load_seconds = start.elapsed().as_secs_f64();
+    let framed = frame(scene, &loaded, rig, shape, diagnostics)?;
+    let start = Instant::now();
+    let renderer = Renderer::new(&loaded.scene, &framed.pose, engine.backend, engine.threads).map_err(|e| {
+        match (&e, purpose.sky) {
+            (holo_render::Error::Scene(holo_scene::Error::BadScene { at, what }), Some(Sky::Map(sky)))
+                if at.starts_with("environment") =>
+            {
+                Error::Failed(named(sky, &format!("{at}: {what}")))
+            }
+            _ => blame(scene, e),
+        }
+    })?;
+    let build_seconds = start.elapsed().as_secs_f64();
+    report_backend(&renderer, diagnostics);
+    let rig = match (rig.disparity_px, rig.focus) {
+        (Some((min_px, max_px)), _) => renderer.rig_for_disparities(&framed, DisparityRange { min_px, max_px }),
+        (None, Focus::Meters(distance)) => framed.rig(distance),
+        (None, Focus::Automatic) => renderer.automatic_focus_m(&framed).and_then(|distance| framed.rig(distance)),
+    }
+    .map_err(|e| blame(scene, e))?;
+    Ok(Prepared { loaded, framed, renderer, rig, has_automatic_sky, load_seconds, build_seconds })
+}
+
+/// The camera of the scene with the intrinsics and the baseline of the rig.
+fn frame(
+    scene: &Path,
+    loaded: &Loaded,
+    rig: &RigSpec,
+    shape: LightFieldShape,
+    diagnostics: &dyn Diagnostics,
+) -> Result<Framed, Error> {
     let baseline = match rig.baseline_m {
         Some(baseline) => Baseline::Meters(baseline),
         None => Baseline::FNumber(rig.f_number_or_default()),
     };
     let framing = Framing::new(shape)
-        .camera(camera(rig.camera.as_ref(), &loaded))
+        .camera(camera(rig.camera.as_ref(), loaded))
         // Divided, because 1e-3 is not exact: 36 mm times it is not 0.036 m.
         .focal_length_m(rig.focal_mm.map(|mm| mm / 1e3))
         .sensor_size_m(rig.sensor_mm / 1e3)
@@ -83,25 +114,10 @@ pub(crate) fn prepare(
     if loaded.scene.cameras.is_empty() {
         diagnostics.report(About::Scene, &format!("warning: {}", framed.camera));
     }
-    let start = Instant::now();
-    let renderer = Renderer::new(&loaded.scene, &framed.pose, engine.backend, engine.threads).map_err(|e| {
-        match (&e, purpose.sky) {
-            (holo_render::Error::Scene(holo_scene::Error::BadScene { at, what }), Some(sky))
-                if at.starts_with("environment") =>
-            {
-                Error::Failed(named(sky, &format!("{at}: {what}")))
-            }
-            _ => blame(scene, e),
-        }
-    })?;
-    let build_seconds = start.elapsed().as_secs_f64();
-    report_backend(&renderer, diagnostics);
-    let focus = match rig.focus {
-        Focus::Meters(distance) => distance,
-        Focus::Automatic => renderer.automatic_focus_m(&framed).map_err(|e| blame(scene, e))?,
-    };
-    let rig = framed.rig(focus).map_err(|e| blame(scene, e))?;
-    Ok(Prepared { loaded, framed, renderer, rig, load_seconds, build_seconds })
+    if let Some(change) = framed.aspect_change {
+        diagnostics.report(About::Scene, &format!("note: {}: {change}", framed.camera));
+    }
+    Ok(framed)
 }
 
 impl SceneSource {
@@ -113,12 +129,13 @@ impl SceneSource {
     /// [`Error::Core`] if the rig is invalid; [`Error::Render`] if the backend is not available.
     pub fn prepare(
         &self,
+        spec: &SceneSpec,
         rig: &RigSpec,
         engine: &EngineSpec,
         diagnostics: &dyn Diagnostics,
     ) -> Result<Prepared, Error> {
         let purpose = Purpose { lens_bytes: 2 * size_of::<f32>(), ..Purpose::default() };
-        prepare(self, rig, engine, purpose, diagnostics)
+        prepare((self, spec), rig, engine, purpose, diagnostics)
     }
 }
 

@@ -9,6 +9,7 @@ use serde_json::{Value, json};
 
 use crate::options::integrator_name;
 use crate::text;
+use crate::warning::RenderWarning;
 
 /// Statistics of a finished render.
 #[derive(Clone, Debug)]
@@ -34,6 +35,8 @@ pub struct RenderReport {
     pub disparity_px: Option<(f64, f64)>,
     /// Names of the files, relative to the folder.
     pub files: Vec<String>,
+    /// What is probably not wanted in the image; of a shard nothing. Diagnostics received the same as lines.
+    pub warnings: Vec<RenderWarning>,
 }
 
 /// Wall-clock time by stage, s.
@@ -78,6 +81,7 @@ impl RenderReport {
             },
             "disparity_px": self.disparity_px.map(|(min, max)| json!({"min": min, "max": max})),
             "files": self.files,
+            "warnings": self.warnings.iter().map(ToString::to_string).collect::<Vec<_>>(),
         });
         if let (Value::Object(object), Value::Object(more)) = (&mut object, more) {
             object.extend(more);

@@ -16,6 +16,7 @@ use holo_render::{Integrator, Layer, Layers, RayCounts, Rendered};
 use ndarray::{Array3, ArrayView3, Axis, Slice};
 
 use crate::Error;
+use crate::checkpoint::finished_manifest;
 use crate::files::{self, Finished, Traced, exposure_ev};
 use crate::layers::Wanted;
 use crate::options::integrator_from_name;
@@ -169,7 +170,7 @@ pub(crate) fn read(folders: &[PathBuf]) -> Result<(Traced, RenderSpec), Error> {
     let all = (!all.set().is_empty()).then_some(all);
     let why = parts[0].label.why.clone();
     let rendered = Rendered { color, central, all, integrator, why, rays, samples: sum(|l| l.samples) };
-    Ok((Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m: None }, spec))
+    Ok((Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m: None, warnings: Vec::new() }, spec))
 }
 
 /// The specification of the shards. Their color is rendered already, so the sky need not be known.
@@ -187,7 +188,7 @@ pub(crate) fn of_manifest(manifest: &Manifest) -> Option<Shard> {
 }
 
 fn open(folder: &Path) -> Result<Part<'_>, Error> {
-    let manifest = Manifest::read(folder.join(dataset::MANIFEST_JSON))?;
+    let manifest = finished_manifest(folder)?;
     let label = manifest.settings.get(PART).and_then(Label::read).ok_or_else(|| {
         Error::BadRequest(format!("{}: not a part; `holo render --shard K/N` makes parts", folder.display()))
     })?;

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 
 use holo_io::Sha256;
 use holo_scene::gallery;
-use holo_scene::gltf::{self, Limits, Loaded};
+use holo_scene::gltf::{self, Limits, LoadOptions, Loaded};
 
 use crate::Error;
+use crate::spec::SceneSpec;
 
 /// The source of a scene.
 #[derive(Clone, Debug)]
@@ -57,14 +58,24 @@ impl SceneSource {
         })
     }
 
-    /// Loads the scene.
+    /// Loads the scene. A scene of the gallery is the same for any specification.
     ///
     /// # Errors
-    /// An error of `holo-scene` if the file cannot be read or is not valid glTF.
-    pub fn load(&self) -> Result<Loaded, holo_scene::Error> {
+    /// An error of `holo-scene` if the file cannot be read, is not valid glTF, or does not have the material variant.
+    pub fn load(&self, spec: &SceneSpec) -> Result<Loaded, holo_scene::Error> {
         match self {
-            Self::File(path) => gltf::load(path, &Limits::default()),
+            Self::File(path) => gltf::load_with(path, &spec.load_options()),
             Self::Gallery(_, glb) => gltf::load_slice(glb, &Limits::default()),
         }
+    }
+}
+
+impl SceneSpec {
+    fn load_options(&self) -> LoadOptions {
+        let mut options = LoadOptions::default();
+        options.light_units = self.light_units;
+        options.solid_glass = self.solid_glass;
+        options.material_variant.clone_from(&self.material_variant);
+        options
     }
 }

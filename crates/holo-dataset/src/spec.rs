@@ -5,12 +5,15 @@ use std::path::PathBuf;
 use holo_core::{GridSize, Projection, Sensor};
 use holo_io::MatOrder;
 use holo_render::{GroundTruth, Integrator, Layer};
+use holo_scene::gltf::LightUnits;
 
 /// The specification of a render and its output. The defaults are those of the command line: 8K sensor, 100 x 100
 /// views.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct RenderSpec {
+    /// How the scene file is read.
+    pub scene: SceneSpec,
     /// Specification of the rig.
     pub rig: RigSpec,
     /// The integrator.
@@ -27,6 +30,8 @@ pub struct RenderSpec {
     pub indirect: bool,
     /// The largest radiance that a path may add at a vertex after the first; infinite: no limit (unbiased).
     pub indirect_limit: f32,
+    /// Whether shadow rays go straight through smooth glass (an approximation for bodies).
+    pub transparent_shadows: bool,
     /// Whether light is scattered more than once between the microfacets of rough surfaces.
     pub multiple_scattering: bool,
     /// Whether the backs of surfaces that are not double-sided are invisible to the camera.
@@ -49,6 +54,18 @@ pub struct RenderSpec {
     pub seed: u64,
 }
 
+/// How a scene file is read. Scenes of the gallery have nothing of it.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct SceneSpec {
+    /// The unit of the intensities of lights.
+    pub light_units: LightUnits,
+    /// Whether closed meshes with transmission but without a volume are bodies of glass.
+    pub solid_glass: bool,
+    /// The name of a material variant (`KHR_materials_variants`); `None`: the materials of the primitives.
+    pub material_variant: Option<String>,
+}
+
 /// The specification of a rig.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
@@ -65,6 +82,9 @@ pub struct RigSpec {
     pub lenses: Option<GridSize>,
     /// Distance between adjacent views, m; `None`: from the f-number.
     pub baseline_m: Option<f64>,
+    /// Smallest and largest disparity of what the central view hits, pixels between adjacent views: `focus` and baseline
+    /// follow, and `focus`, `f_number` and `baseline_m` are ignored.
+    pub disparity_px: Option<(f64, f64)>,
     /// Focal length, mm; `None`: from the angle of view of the scene camera.
     pub focal_mm: Option<f64>,
     /// Sensor size along the larger image side, mm.
@@ -88,9 +108,13 @@ pub struct EngineSpec {
 /// Environment light.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Sky {
+    /// Black for a scene with light sources, else a soft sky:
+    /// [`Environment::overcast`](holo_scene::Environment::overcast).
+    Automatic,
     /// The same linear RGB radiance from all directions.
     Constant([f32; 3]),
-    /// An equirectangular environment map: an OpenEXR or Radiance HDR file.
+    /// An equirectangular environment map: an OpenEXR or Radiance HDR file in linear light, or a PNG or JPEG of 8 or 16
+    /// bits, whose codes are sRGB and become radiance from 0 to 1.
     Map(PathBuf),
 }
 
@@ -159,6 +183,7 @@ pub enum Output {
 impl Default for RenderSpec {
     fn default() -> Self {
         Self {
+            scene: SceneSpec::default(),
             rig: RigSpec::default(),
             integrator: Integrator::Auto,
             samples: None,
@@ -167,9 +192,10 @@ impl Default for RenderSpec {
             roulette: true,
             indirect: true,
             indirect_limit: f32::INFINITY,
+            transparent_shadows: false,
             multiple_scattering: true,
             cull: false,
-            sky: Sky::Constant([0.0; 3]),
+            sky: Sky::Automatic,
             exposure: Exposure::Automatic,
             ground_truth: GroundTruth::Central,
             layers: Vec::new(),
@@ -190,6 +216,7 @@ impl Default for RigSpec {
             views: GridSize::new(100, 100),
             lenses: None,
             baseline_m: None,
+            disparity_px: None,
             focal_mm: None,
             sensor_mm: 36.0,
             projection: Projection::Perspective,

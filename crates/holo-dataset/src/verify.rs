@@ -6,6 +6,7 @@ use holo_io::dataset::{self, DatasetIndex};
 use holo_io::{Manifest, ManifestValue};
 
 use crate::Error;
+use crate::checkpoint::finished_manifest;
 
 /// The result of [`verify`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -34,13 +35,13 @@ pub fn is_dataset(folder: &Path) -> bool {
 /// Compares every file of a folder of `holo render`, or of all folders of a dataset, with its digest.
 ///
 /// # Errors
-/// [`Error::Io`] if `manifest.json` or `dataset.json` cannot be read. In a dataset, a manifest that cannot be read is a
+/// [`Error::Io`] if `manifest.json` or `dataset.json` cannot be read; [`Error::Failed`] for an unfinished render. In a dataset, a manifest that cannot be read is a
 /// mismatch.
 pub fn verify(folder: &Path) -> Result<Verification, Error> {
     if is_dataset(folder) {
         return verify_all(folder);
     }
-    let manifest = Manifest::read(folder.join(dataset::MANIFEST_JSON))?;
+    let manifest = finished_manifest(folder)?;
     let mismatches: Vec<String> = manifest.verify(folder).iter().map(ToString::to_string).collect();
     Ok(Verification {
         folders: 1,
@@ -58,7 +59,7 @@ fn verify_all(root: &Path) -> Result<Verification, Error> {
     let folders = index.folders()?;
     let mut found = Verification { folders: folders.len(), ..Verification::default() };
     for name in &folders {
-        let mismatches = match Manifest::read(root.join(name).join(dataset::MANIFEST_JSON)) {
+        let mismatches = match finished_manifest(&root.join(name)) {
             Ok(manifest) => {
                 found.files += manifest.files.len();
                 found.bytes += bytes(&manifest);

@@ -126,12 +126,12 @@ def sun():
     compose("sun", [row])
 
 
-def ball_row(materials, spread=1.12, size=(732, 132), samples=384):
+def ball_row(materials, spread=1.12, size=(732, 132), samples=384, shape=None):
     """A row of balls on a board in front of the lamps of the studio."""
     scene = Scene()
     board(scene, 8.0, 8.0, y=-0.5)
     for k, material in enumerate(materials):
-        scene.add(ball(0.5, 96, 48), material(scene), [(k - (len(materials) - 1) / 2) * spread, 0, 0])
+        scene.add(shape or ball(0.5, 96, 48), material(scene), [(k - (len(materials) - 1) / 2) * spread, 0, 0])
     scene.camera([0, 2.6, 13], [0, -0.02, 0], 5.9, size)
     return render(scene, size, samples, "--sky", studio())
 
@@ -165,6 +165,75 @@ def specular():
         [(ball_row([coat(specular={"specularColorFactor": list(c)}, ior={"ior": 2.4}) for c in tints]),
           "ior 2.4; specularColorFactor white, red, yellow, green, blue, magenta")],
     ])
+
+
+def layers_of(*variants):
+    """Materials of `ball_row`: (base color, metallic, roughness, extensions)."""
+    return [lambda scene, v=v: scene.material(v[0], v[1], v[2], extensions=v[3]) for v in variants]
+
+
+def clearcoat():
+    numbers = [0, 0.2, 0.4, 0.6, 0.8, 1]
+    red, gold = (0.5, 0.04, 0.03), (0.95, 0.68, 0.32)
+    factor = layers_of(*((red, 0.0, 0.7, {"clearcoat": {"clearcoatFactor": f}}) for f in numbers))
+    rough = layers_of(*((gold, 1.0, 0.5, {"clearcoat": {"clearcoatFactor": 1, "clearcoatRoughnessFactor": r}}) for r in numbers))
+    compose("clearcoat", [
+        [(ball_row(factor), "roughnessFactor 0.7; clearcoatFactor " + ", ".join(map(str, numbers)))],
+        [(ball_row(rough), "metal, roughnessFactor 0.5; clearcoatRoughnessFactor " + ", ".join(map(str, numbers)))],
+    ])
+
+
+def sheen():
+    numbers = [0.1, 0.2, 0.4, 0.6, 0.8, 1]
+    row = layers_of(*(((0.12, 0.02, 0.1), 0.0, 0.9, {"sheen": {"sheenColorFactor": [0.9, 0.75, 0.9], "sheenRoughnessFactor": r}}) for r in numbers))
+    compose("sheen", [[(ball_row(row), "sheenRoughnessFactor " + ", ".join(map(str, numbers)))]])
+
+
+def anisotropy():
+    strengths, degrees = [0, 0.2, 0.4, 0.6, 0.8, 1], [0, 30, 60, 90, 120, 150]
+    metal = ((0.8, 0.8, 0.82), 1.0, 0.25)
+    first = layers_of(*((*metal, {"anisotropy": {"anisotropyStrength": s}}) for s in strengths))
+    second = layers_of(*((*metal, {"anisotropy": {"anisotropyStrength": 0.8, "anisotropyRotation": math.radians(d)}}) for d in degrees))
+    compose("anisotropy", [
+        [(ball_row(first, shape=uv_ball(0.5, 96, 48)), "anisotropyStrength " + ", ".join(map(str, strengths)))],
+        [(ball_row(second, shape=uv_ball(0.5, 96, 48)), "anisotropyStrength 0.8; anisotropyRotation " + ", ".join(map(str, degrees)) + "°")],
+    ])
+
+
+def iridescence():
+    sizes = [150, 250, 350, 450, 600, 800]
+    film = [{"iridescence": {"iridescenceFactor": 1, "iridescenceIor": 1.33, "iridescenceThicknessMaximum": s}} for s in sizes]
+    compose("iridescence", [
+        [(ball_row(layers_of(*(((0.02, 0.02, 0.02), 0.0, 0.1, f) for f in film))), "iridescenceIor 1.33; thickness " + ", ".join(map(str, sizes)) + " nm")],
+        [(ball_row(layers_of(*(((0.7, 0.7, 0.7), 1.0, 0.2, f) for f in film))), "metal; the same films")],
+    ])
+
+
+def dispersion():
+    size = (240, 170)
+
+    def globe(value):
+        def fill(scene):
+            extensions = {"transmission": {"transmissionFactor": 1.0}, "volume": {"thicknessFactor": 1.0}, "dispersion": {"dispersion": value}}
+            scene.add(ball(0.5, 128, 64), scene.material(roughness=0.0, extensions=extensions), [0, 0.502, 0])
+        return glass_stage(fill, size, 512)
+
+    compose("dispersion", [[(globe(value), f"dispersion {value}") for value in [0, 0.5, 2]]])
+
+
+def diffuse_transmission():
+    numbers = [0, 0.2, 0.4, 0.6, 0.8, 1]
+    size = (732, 132)
+    scene = Scene()
+    board(scene, 8.0, 8.0, y=-0.5)
+    for k, factor in enumerate(numbers):
+        through = {"diffuseTransmissionFactor": factor, "diffuseTransmissionColorFactor": [0.9, 0.5, 0.15]}
+        leaf = scene.material((0.25, 0.5, 0.12), roughness=0.8, extensions={"diffuse_transmission": through})
+        scene.add(rectangle([-0.45, -0.48, 0], [0.9, 0, 0], [0, 0.96, 0]), leaf, [(k - 2.5) * 1.12, 0, 0])
+    scene.sun([0.3, -0.8, 1.0], 3.0)
+    scene.camera([0, 2.6, 13], [0, -0.02, 0], 5.9, size)
+    picture = render(scene, size, 256, "--sky", "0.2,0.22,0.27")
+    compose("diffuse_transmission", [[(picture, "lit from behind; diffuseTransmissionFactor " + ", ".join(map(str, numbers)))]])
 
 
 def glass_stage(fill, size, samples, camera=([0, 0.75, 5.2], [0, 0.62, 0], 19.5)):
@@ -574,7 +643,7 @@ def instances():
     compose("instances", [[(render(scene, size, 64, "--integrator", "direct", "--sky", "0.36,0.45,0.58", "--exposure", 0.4), caption)]])
 
 
-PICTURES = [lights, sun, metal, coat, specular, glass, absorption, emission, environment, alpha, normal_map, coordinates, indirect, unlit, layers, projection, instances]
+PICTURES = [lights, sun, metal, coat, specular, clearcoat, sheen, anisotropy, iridescence, glass, dispersion, absorption, diffuse_transmission, emission, environment, alpha, normal_map, coordinates, indirect, unlit, layers, projection, instances]
 
 
 def main():

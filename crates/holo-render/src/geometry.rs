@@ -55,6 +55,8 @@ pub(crate) struct Geometry {
     /// The two sets of texture coordinates.
     texture_coordinates: [Vec<[f32; 2]>; 2],
     colors: Vec<[f32; 4]>,
+    /// Unit vertex tangents with the signs of their bitangents, of the meshes that have some alone.
+    tangents: Vec<[f32; 4]>,
     /// The flattened instances, then those of `placements`.
     instances: Vec<InstanceData>,
     /// The number of flattened triangles.
@@ -96,6 +98,8 @@ pub(crate) struct InstanceData {
     /// Which of the two sets of texture coordinates the mesh has.
     pub textured: [bool; 2],
     pub colored: bool,
+    /// What is added to the number of a vertex to get that of its tangent, modulo 2^32; `None` without tangents.
+    tangents: Option<u32>,
 }
 
 fn bad_scene(at: String, what: String) -> Error {
@@ -142,6 +146,7 @@ impl Geometry {
             normals: Vec::with_capacity(per_vertex(with_normals)),
             texture_coordinates: [with_coordinates, with_second].map(|wanted| Vec::with_capacity(per_vertex(wanted))),
             colors: Vec::with_capacity(per_vertex(with_colors)),
+            tangents: Vec::new(),
             instances: Vec::with_capacity(scene.instances.len()),
             flattened: flattened_count,
             prototypes: Vec::with_capacity(prototypes.len()),
@@ -149,22 +154,27 @@ impl Geometry {
         };
         for object in flattened {
             let transform = &scene.instances[object].transform;
-            geometry.append(mesh_of(object), &to_camera(transform, pose), with)?;
-            geometry.instances.push(InstanceData::new(mesh_of(object), object));
+            let tangents = geometry.append(mesh_of(object), &to_camera(transform, pose), with)?;
+            geometry.instances.push(InstanceData { tangents, ..InstanceData::new(mesh_of(object), object) });
         }
+        let mut tangents_of = Vec::with_capacity(prototypes.len());
         for &mesh in &prototypes {
             let first = geometry.triangles.len();
-            geometry.append(mesh, &Transform::IDENTITY, with)?;
+            tangents_of.push(geometry.append(mesh, &Transform::IDENTITY, with)?);
             geometry.prototypes.push(first..geometry.triangles.len());
         }
         geometry.positions.push([0.0; 3]);
         geometry.placements = plan.placements.into_iter().flatten().collect();
-        geometry.instances.extend(placed.into_iter().map(|object| InstanceData::new(mesh_of(object), object)));
+        let instances = placed.into_iter().zip(&geometry.placements).map(|(object, placement)| InstanceData {
+            tangents: tangents_of[placement.prototype as usize],
+            ..InstanceData::new(mesh_of(object), object)
+        });
+        geometry.instances.extend(instances);
         Ok(geometry)
     }
 
-    /// Appends the vertices and triangles of a mesh.
-    fn append(&mut self, mesh: &Mesh, to_camera: &Transform, with: [bool; 4]) -> Result<(), Error> {
+    /// Appends the vertices and triangles of a mesh; returns [`InstanceData::tangents`].
+    fn append(&mut self, mesh: &Mesh, to_camera: &Transform, with: [bool; 4]) -> Result<Option<u32>, Error> {
         let first_vertex = self.positions.len() as u32;
         let exact: Vec<[f64; 3]> = mesh.positions.par_iter().map(|p| to_camera.point(p.map(f64::from))).collect();
         // Larger squares and products would overflow f32 inside a ray tracing engine.
@@ -209,7 +219,21 @@ impl Geometry {
             self.colors.extend_from_slice(&mesh.colors);
             self.colors.resize(self.positions.len(), [1.0; 4]);
         }
-        Ok(())
+        Ok(self.append_tangents(mesh, to_camera, first_vertex))
+    }
+
+    fn append_tangents(&mut self, mesh: &Mesh, to_camera: &Transform, first_vertex: u32) -> Option<u32> {
+        if mesh.tangents.is_empty() || mesh.normals.is_empty() {
+            return None;
+        }
+        let first = self.tangents.len() as u32;
+        // A mirroring map also reverses cross products.
+        let sign = if to_camera.determinant() < 0.0 { -1.0 } else { 1.0 };
+        self.tangents.par_extend(mesh.tangents.par_iter().map(|&[x, y, z, w]| {
+            let along = glam::DVec3::from(to_camera.vector([x, y, z].map(f64::from))).normalize_or_zero().as_vec3();
+            [along.x, along.y, along.z, w * sign]
+        }));
+        Some(first.wrapping_sub(first_vertex))
     }
 
     /// Vertex positions without the padding.
@@ -309,6 +333,19 @@ impl Geometry {
         [placement.normal(a), placement.normal(b), placement.normal(c)]
     }
 
+    /// Tangents of the corners of a triangle of `instance` in camera coordinates, with the signs of their bitangents;
+    /// `None` if the mesh has none.
+    pub fn tangents_of(&self, instance: &InstanceData, hit: Hit) -> Option<[[f32; 4]; 3]> {
+        let shift = instance.tangents?;
+        let corners = self.records[hit.triangle as usize].corners;
+        let tangents = corners.map(|k| self.tangents[k.wrapping_add(shift) as usize]);
+        if hit.placement == FLATTENED {
+            return Some(tangents);
+        }
+        let placement = &self.placements[hit.placement as usize];
+        Some(tangents.map(|tangent| placement.tangent(tangent)))
+    }
+
     /// The texture coordinates of the corners; `set` is 0 or 1.
     #[inline(always)]
     pub fn texture_coordinates_of(&self, hit: Hit, set: usize) -> [[f32; 2]; 3] {
@@ -332,6 +369,7 @@ impl InstanceData {
             smooth: !mesh.normals.is_empty(),
             textured: [!mesh.texture_coordinates.is_empty(), !mesh.second_texture_coordinates.is_empty()],
             colored: !mesh.colors.is_empty(),
+            tangents: None,
         }
     }
 }

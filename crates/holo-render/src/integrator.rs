@@ -12,6 +12,7 @@ mod paths;
 mod resampling;
 mod scatterer;
 mod shade;
+mod straight_shadows;
 
 use crate::accel::Engine;
 use crate::camera::RaySource;
@@ -85,6 +86,8 @@ pub(crate) struct Policy {
     pub multiple_scattering: bool,
     /// The largest contribution of one path vertex after the first.
     pub indirect_limit: f32,
+    /// Whether shadow rays go straight through smooth glass.
+    pub transparent_shadows: bool,
 }
 
 /// The number of traced rays by kind.

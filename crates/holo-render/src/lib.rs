@@ -61,11 +61,11 @@ mod setters;
 mod simd;
 
 pub use accel::Backend;
-pub use camera::framing::{Baseline, CameraChoice, Framed, Framing};
+pub use camera::framing::{AspectChange, Baseline, CameraChoice, Framed, Framing};
 pub use error::Error;
 pub use film::layers::{Layer, LayerSet, Layers};
 pub use film::{exposure, layers};
 pub use integrator::{Integrator, RayCounts};
 pub use progress::{Progress, Tenths};
-pub use render::{GroundTruth, Rendered, Renderer, Request, Views};
+pub use render::{Checkpoint, FinishedTile, GroundTruth, Rendered, Renderer, Request, TileId, TileKind, Views};
 pub use sampling::Sampling;

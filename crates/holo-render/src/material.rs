@@ -13,5 +13,5 @@ mod surface;
 mod texture;
 
 pub(crate) use alpha::{AlphaTest, AlphaTested};
-pub(crate) use appearance::{Appearance, MaterialFlags};
+pub(crate) use appearance::{Appearance, Lane, MaterialFlags};
 pub(crate) use surface::{HitPoints, SurfaceInteraction};

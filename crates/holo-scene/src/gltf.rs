@@ -1,19 +1,21 @@
 //! glTF 2.0: `.glb`, and `.gltf` with external files or data URIs.
 //!
 //! # Geometry
-//! The loader reads the node hierarchy of the default scene, composed in f64; triangles, strips and fans, indexed or
-//! not, with normals, vertex colors and two sets of texture coordinates (`TEXCOORD_0` and `_1`; if the textures of a
-//! material use other sets, those); sparse and normalized accessors; cameras; and the lights of `KHR_lights_punctual`.
-//! Instances, lights and cameras are in the order of their nodes in the file.
+//! The loader reads the node hierarchy of the default scene, composed in f64; triangles, strips and fans,
+//! indexed or not, with normals, tangents, vertex colors and two sets of texture coordinates (`TEXCOORD_0` and `_1`; if
+//! the textures of a material use other sets, those); sparse and normalized accessors; cameras; and the lights of
+//! `KHR_lights_punctual`. Instances, lights and cameras are in the order of their nodes in the file. Tangents are read
+//! only for materials that use them (normal maps, anisotropy); where a smooth mesh has none, those of MikkTSpace are
+//! computed ([`Scene::add_tangents`]).
 //!
 //! `EXT_mesh_gpu_instancing` gives an instance for every element of its accessors; `KHR_node_visibility` hides meshes
 //! and lights, not cameras. A scene may list a node that is the child of another: it is drawn once, as that child.
 //!
 //! # Pose
-//! The scene is drawn in the pose of its nodes; animations are ignored with a warning. Morph targets move positions and
-//! normals by the weights of the node, else of the mesh. A skin places vertices by all sets of joints and weights; the
-//! transform of the node has no effect then, as the specification demands. Nodes with a skin or weights of their own
-//! have meshes of their own, which count against [`Limits`], as does every pass of a morph target.
+//! The scene is drawn in the pose of its nodes; animations are ignored with a warning. Morph targets move
+//! positions, normals and tangents by the weights of the node, else of the mesh. A skin places vertices by all sets of
+//! joints and weights; the transform of the node has no effect then, as the specification demands. Nodes with a skin or
+//! weights of their own have meshes of their own, which count against [`Limits`], as does every pass of a morph target.
 //!
 //! # Compressed and quantized geometry
 //! - `KHR_mesh_quantization`: positions, normals and texture coordinates of 8 or 16 bits. Integers become floats by the
@@ -31,15 +33,16 @@
 //! Materials are read completely, with the defaults of the specification (the default material is a rough white metal;
 //! a dielectric without `KHR_materials_specular` has the reflection of index 1.5): metallic-roughness, normal maps,
 //! emission, alpha, `doubleSided`, and the extensions `KHR_materials_emissive_strength`, `_ior`, `_specular`,
-//! `_transmission`, `_unlit`, `_volume` and `KHR_texture_transform`. Occlusion textures are ignored without a warning,
+//! `_transmission`, `_unlit`, `_volume`, `_clearcoat`, `_sheen`, `_anisotropy`, `_iridescence`, `_dispersion`,
+//! `_diffuse_transmission` and `KHR_texture_transform`. Occlusion textures are ignored without a warning,
 //! because renderers compute occlusion. Of the thickness of a volume only matters whether it is above 0 (0: a thin
 //! pane); attenuation distances are in world units. An index of refraction of 0, which means infinity in the
 //! specification, becomes 1000 (99.6 % reflectance at normal incidence), with a warning. Black attenuation is clamped
 //! slightly above 0.
 //!
-//! `KHR_materials_pbrSpecularGlossiness` becomes a dielectric with the same reflectance at normal incidence and the same
-//! roughness; its diffuse part is dimmed by what the renderer's coat reflects instead of by the largest channel of the
-//! specular color. [`LoadOptions::material_variant`] chooses a variant of `KHR_materials_variants`.
+//! `KHR_materials_pbrSpecularGlossiness` becomes a dielectric with the same reflectance at normal incidence and the
+//! same roughness; its diffuse part is dimmed by what the renderer's coat reflects instead of by the largest channel of
+//! the specular color. [`LoadOptions::material_variant`] chooses a variant of `KHR_materials_variants`.
 //!
 //! # Textures
 //! PNG, JPEG and WebP (also `EXT_texture_webp`), with wrap modes and the filter for magnification; 16-bit images are
@@ -52,9 +55,9 @@
 //! about files of Blender.
 //!
 //! # Not supported
-//! Vertex tangents are ignored: normal maps follow the texture coordinates. Other extensions (clearcoat, sheen, iridescence, anisotropy,
-//! dispersion, ...) cause a warning if they are used, and an error if they are required. Files of other formats (OBJ,
-//! FBX, USD, Blender, glTF 1.0, ...) are errors that say how to get a `.glb` from them.
+//! Other extensions (volume scattering, ...) cause a warning if they are used, and an error if they are
+//! required. Files of other formats (OBJ, FBX, USD, Blender, glTF 1.0, ...) are errors that say how to get a `.glb`
+//! from them.
 //!
 //! # Untrusted files
 //! A file is either loaded or rejected with an [`Error`] that says where. All sizes are checked against [`Limits`]
@@ -77,7 +80,7 @@ mod meshes;
 mod meshopt;
 mod nodes;
 mod options;
-mod panic_guard;
+pub(crate) mod panic_guard;
 mod placements;
 mod poses;
 mod skins;
@@ -162,7 +165,7 @@ pub fn load(path: &Path, limits: &Limits) -> Result<Loaded, Error> {
 pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Loaded, Error> {
     let files = Files::new(path.parent(), options.limits.max_bytes);
     let bytes = files.read(path)?;
-    panic_guard::catch(|| assemble(&bytes, &files, options))
+    panic_guard::catch("glTF", || assemble(&bytes, &files, options))
 }
 
 /// Loads a scene from memory: `.glb`, or `.gltf` JSON whose buffers and images are data URIs.
@@ -183,7 +186,7 @@ pub fn load_slice_with(bytes: &[u8], options: &LoadOptions) -> Result<Loaded, Er
         return Err(json::bad("file", format!("{} bytes are more than the limit of {most}", bytes.len())));
     }
     let files = Files::new(None, most);
-    panic_guard::catch(|| assemble(bytes, &files, options))
+    panic_guard::catch("glTF", || assemble(bytes, &files, options))
 }
 
 fn assemble(bytes: &[u8], files: &Files, options: &LoadOptions) -> Result<Loaded, Error> {
@@ -231,8 +234,9 @@ fn assemble(bytes: &[u8], files: &Files, options: &LoadOptions) -> Result<Loaded
         environment: None,
         cameras: placements.cameras,
     };
-    advice::apply(&root, &mut scene, options, &mut warnings)?;
-    scene.validate()?;
-    let summary = Summary::new(&root, extensions, variants, &scene)?;
+    let light_units = advice::apply(&root, &mut scene, options, &mut warnings)?;
+    // It validates the scene.
+    scene.add_tangents()?;
+    let summary = Summary { light_units, ..Summary::new(&root, extensions, variants, &scene)? };
     Ok(Loaded { scene, warnings: warnings.into_lines(), summary })
 }

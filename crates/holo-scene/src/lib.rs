@@ -43,14 +43,20 @@ pub mod gallery;
 pub mod gltf;
 
 mod coincident;
+mod environment;
 mod error;
+mod light_sources;
 mod material;
 mod scene;
+mod tangents;
 mod transform;
 mod validate;
 
 pub use error::Error;
-pub use material::{Alpha, Material, NormalMap, TextureInfo, TextureTransform, Volume};
+pub use material::{
+    Alpha, Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, Material, NormalMap, Sheen, TextureInfo,
+    TextureTransform, Volume,
+};
 pub use scene::{
     Camera, CameraProjection, Environment, Filter, Instance, Light, LightKind, Mesh, Scene, Texture, Wrap,
 };

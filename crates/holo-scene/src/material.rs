@@ -1,9 +1,10 @@
-//! Materials: the metallic-roughness model of glTF 2.0 with its extensions for specular reflection, transmission,
-//! volumes and emission.
+//! Materials: the metallic-roughness model of glTF 2.0 with its extensions for layers, specular reflection,
+//! transmission, volumes and emission.
 //!
 //! A surface is a mixture of three parts: *metal* with the weight `metallic`, *glass* with the weight `transmission` of
 //! the rest, and a *dielectric coat over diffuse* with the remaining weight. Sources: the glTF 2.0 specification,
-//! appendix B; KHR_materials_specular, _ior, _transmission, _volume, _emissive_strength, _unlit; KHR_texture_transform.
+//! appendix B; KHR_materials_specular, _ior, _transmission, _volume, _emissive_strength, _unlit, _clearcoat, _sheen,
+//! _anisotropy, _iridescence, _dispersion, _diffuse_transmission; KHR_texture_transform.
 
 /// A material. Every texture multiplies the factor beside it.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +49,19 @@ pub struct Material {
     pub transmission_texture: Option<TextureInfo>,
     /// The volume that the surface encloses; without it glass is a thin pane without refraction.
     pub volume: Option<Volume>,
+    /// `dispersion` of KHR_materials_dispersion, 20 / Abbe number, at least 0: how much the index of refraction of a
+    /// body of glass depends on the wavelength. Without a volume it has no effect.
+    pub dispersion: f32,
+    /// A clear coat over everything else.
+    pub clearcoat: Option<Clearcoat>,
+    /// Fibers over the surface, below the clearcoat.
+    pub sheen: Option<Sheen>,
+    /// A roughness that depends on the direction on the surface.
+    pub anisotropy: Option<Anisotropy>,
+    /// A thin film on the surface.
+    pub iridescence: Option<Iridescence>,
+    /// Diffuse light that passes through the surface.
+    pub diffuse_transmission: Option<DiffuseTransmission>,
     /// Whether the base color is shown without lighting, as emitted radiance. It is visible to the camera and in
     /// mirrors, and illuminates other surfaces.
     pub unlit: bool,
@@ -64,6 +78,89 @@ pub struct Volume {
     pub attenuation_color: [f32; 3],
 }
 
+/// A clear coat of index 1.5 over the whole surface (KHR_materials_clearcoat).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clearcoat {
+    /// Weight, 0 to 1.
+    pub factor: f32,
+    /// Red channel, linear.
+    pub texture: Option<TextureInfo>,
+    /// Roughness, 0 to 1.
+    pub roughness: f32,
+    /// Green channel, linear.
+    pub roughness_texture: Option<TextureInfo>,
+    /// The normal map of the coat; without one it has the interpolated normal.
+    pub normal_map: Option<NormalMap>,
+}
+
+/// Fibers over a surface (KHR_materials_sheen).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Sheen {
+    /// Linear RGB, 0 to 1.
+    pub color: [f32; 3],
+    /// sRGB color.
+    pub color_texture: Option<TextureInfo>,
+    /// Roughness, 0 to 1; below 0.1 the renderer treats it as 0.1.
+    pub roughness: f32,
+    /// Alpha channel, linear.
+    pub roughness_texture: Option<TextureInfo>,
+}
+
+/// A roughness that is larger along one direction of the surface (KHR_materials_anisotropy): alpha becomes
+/// alpha + (1 - alpha) strength^2 there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Anisotropy {
+    /// 0 (isotropic) to 1.
+    pub strength: f32,
+    /// The angle of that direction from the tangent towards the bitangent, rad.
+    pub rotation_rad: f32,
+    /// Red and green: the direction before the rotation, (2 r - 1, 2 g - 1) along tangent and bitangent; blue: factor
+    /// of the strength; all linear.
+    pub texture: Option<TextureInfo>,
+}
+
+/// A thin film on a surface (KHR_materials_iridescence).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Iridescence {
+    /// Weight, 0 to 1.
+    pub factor: f32,
+    /// Red channel, linear.
+    pub texture: Option<TextureInfo>,
+    /// Index of refraction of the film, 1 to 1000.
+    pub ior: f32,
+    /// Thickness where the texture is 0 and where it is 1, nm; without a texture the second one.
+    pub thickness_nm: [f32; 2],
+    /// Green channel, linear.
+    pub thickness_texture: Option<TextureInfo>,
+}
+
+impl Default for Iridescence {
+    /// That of a glTF file.
+    fn default() -> Self {
+        Self { factor: 0.0, texture: None, ior: 1.3, thickness_nm: [100.0, 400.0], thickness_texture: None }
+    }
+}
+
+/// Diffuse light that passes through a surface (KHR_materials_diffuse_transmission).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DiffuseTransmission {
+    /// The share of the diffuse light that passes, 0 to 1.
+    pub factor: f32,
+    /// Alpha channel, linear.
+    pub texture: Option<TextureInfo>,
+    /// Its color, linear RGB, 0 to 1.
+    pub color: [f32; 3],
+    /// sRGB color.
+    pub color_texture: Option<TextureInfo>,
+}
+
+impl Default for DiffuseTransmission {
+    /// That of a glTF file.
+    fn default() -> Self {
+        Self { factor: 0.0, texture: None, color: [1.0; 3], color_texture: None }
+    }
+}
+
 /// The interpretation of the alpha of the base color.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Alpha {
@@ -77,7 +174,7 @@ pub enum Alpha {
 }
 
 /// A tangent-space normal map. The texels (r, g, b) give the normal ((2 r - 1) scale, (2 g - 1) scale, 2 b - 1) along
-/// the directions in which the texture coordinates u and -v increase, and the normal.
+/// tangent, bitangent and normal of the mesh ([`Mesh::tangents`](crate::Mesh::tangents)).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalMap {
     /// Linear RGB.
@@ -151,24 +248,79 @@ impl Default for Material {
             transmission: 0.0,
             transmission_texture: None,
             volume: None,
+            dispersion: 0.0,
+            clearcoat: None,
+            sheen: None,
+            anisotropy: None,
+            iridescence: None,
+            diffuse_transmission: None,
             unlit: false,
         }
     }
 }
 
 impl Material {
+    /// The texture coordinate set that tangents follow, if the material needs tangents.
+    pub(crate) fn tangent_set(&self) -> Option<usize> {
+        let anisotropic = |anisotropy: Anisotropy| anisotropy.texture.map_or(0, |used| used.set);
+        let coat_map = self.clearcoat.and_then(|coat| coat.normal_map);
+        let map_set = self.normal_map.or(coat_map).map(|map| map.texture.set);
+        map_set.or(self.anisotropy.map(anisotropic))
+    }
+
     /// All texture references of the material, with the names of their fields.
     pub(crate) fn textures(&self) -> impl Iterator<Item = (&'static str, TextureInfo)> {
-        [
-            ("base_color_texture", self.base_color_texture),
-            ("metallic_roughness_texture", self.metallic_roughness_texture),
-            ("normal_map", self.normal_map.map(|map| map.texture)),
-            ("emission_texture", self.emission_texture),
-            ("specular_texture", self.specular_texture),
-            ("specular_color_texture", self.specular_color_texture),
-            ("transmission_texture", self.transmission_texture),
-        ]
-        .into_iter()
-        .filter_map(|(name, used)| Some((name, used?)))
+        let mut found = Vec::new();
+        // A copy, because the list is made by what changes the references.
+        self.clone().each_texture(|name, used| {
+            found.extend(used.map(|used| (name, used)));
+            used
+        });
+        found.into_iter()
+    }
+
+    /// Replaces or removes every texture reference; a normal map goes with its texture.
+    pub(crate) fn each_texture(
+        &mut self,
+        mut change: impl FnMut(&'static str, Option<TextureInfo>) -> Option<TextureInfo>,
+    ) {
+        let mut map = |name, map: &mut Option<NormalMap>| {
+            let texture = change(name, map.map(|map| map.texture));
+            *map = map.and_then(|map| texture.map(|texture| NormalMap { texture, ..map }));
+        };
+        map("normal_map", &mut self.normal_map);
+        if let Some(coat) = &mut self.clearcoat {
+            map("clearcoat.normal_map", &mut coat.normal_map);
+        }
+        let mut all = vec![
+            ("base_color_texture", &mut self.base_color_texture),
+            ("metallic_roughness_texture", &mut self.metallic_roughness_texture),
+            ("emission_texture", &mut self.emission_texture),
+            ("specular_texture", &mut self.specular_texture),
+            ("specular_color_texture", &mut self.specular_color_texture),
+            ("transmission_texture", &mut self.transmission_texture),
+        ];
+        if let Some(coat) = &mut self.clearcoat {
+            all.push(("clearcoat.texture", &mut coat.texture));
+            all.push(("clearcoat.roughness_texture", &mut coat.roughness_texture));
+        }
+        if let Some(sheen) = &mut self.sheen {
+            all.push(("sheen.color_texture", &mut sheen.color_texture));
+            all.push(("sheen.roughness_texture", &mut sheen.roughness_texture));
+        }
+        if let Some(anisotropy) = &mut self.anisotropy {
+            all.push(("anisotropy.texture", &mut anisotropy.texture));
+        }
+        if let Some(iridescence) = &mut self.iridescence {
+            all.push(("iridescence.texture", &mut iridescence.texture));
+            all.push(("iridescence.thickness_texture", &mut iridescence.thickness_texture));
+        }
+        if let Some(through) = &mut self.diffuse_transmission {
+            all.push(("diffuse_transmission.texture", &mut through.texture));
+            all.push(("diffuse_transmission.color_texture", &mut through.color_texture));
+        }
+        for (name, used) in all {
+            *used = change(name, *used);
+        }
     }
 }

@@ -33,6 +33,11 @@ pub struct Mesh {
     pub positions: Vec<[f32; 3]>,
     /// One unit normal per vertex, or empty for flat shading.
     pub normals: Vec<[f32; 3]>,
+    /// One tangent per vertex, or empty: x, y, z of unit length, and the sign w of the bitangent `cross(normal,
+    /// tangent) * w`. They are the axes of normal maps and of anisotropy, interpolated; without them the axes are the
+    /// directions on each triangle in which u and -v increase. [`Scene::add_tangents`] computes them. Ignored without
+    /// normals.
+    pub tangents: Vec<[f32; 4]>,
     /// One texture coordinate per vertex (set 0), or empty: textures are then sampled at (0, 0). (0, 0) is the upper
     /// left corner of the image, as in glTF.
     pub texture_coordinates: Vec<[f32; 2]>,

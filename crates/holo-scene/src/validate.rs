@@ -55,6 +55,7 @@ impl Scene {
         check_index(at, "material", mesh.material, "materials", self.materials.len())?;
         let lengths = [
             ("normals", mesh.normals.len()),
+            ("tangents", mesh.tangents.len()),
             ("texture_coordinates", mesh.texture_coordinates.len()),
             ("second_texture_coordinates", mesh.second_texture_coordinates.len()),
             ("colors", mesh.colors.len()),
@@ -68,6 +69,8 @@ impl Scene {
         check_all(k, "positions", &mesh.positions, |p| p.iter().all(|x| x.is_finite()), "must be finite")?;
         let unit = |n: &[f32; 3]| (squared_length(n.map(f64::from)) - 1.0).abs() <= NORMAL_TOLERANCE;
         check_all(k, "normals", &mesh.normals, unit, "must have length 1")?;
+        let tangent = |t: &[f32; 4]| unit(&[t[0], t[1], t[2]]) && t[3].abs() == 1.0;
+        check_all(k, "tangents", &mesh.tangents, tangent, "must have length 1 and the sign 1 or -1")?;
         let finite = |p: &[f32; 2]| p.iter().all(|x| x.is_finite());
         check_all(k, "texture_coordinates", &mesh.texture_coordinates, finite, "must be finite")?;
         check_all(k, "second_texture_coordinates", &mesh.second_texture_coordinates, finite, "must be finite")?;
@@ -93,6 +96,7 @@ impl Scene {
                 return Err(bad(at(field), format!("is {values:?}; it must lie between 0 and 1")));
             }
         }
+        check_layers(k, material)?;
         let strongest = f64::from(crate::MAX_RADIANCE);
         let positive: [(&str, &[f32]); 2] =
             [("emission", &material.emission), ("specular_color", &material.specular_color)];
@@ -119,6 +123,10 @@ impl Scene {
             && !(cutoff >= 0.0 && cutoff.is_finite())
         {
             return Err(bad(at("alpha"), format!("has the cutoff {cutoff}; it must be finite and at least 0")));
+        }
+        let coat_map = material.clearcoat.and_then(|coat| coat.normal_map);
+        if coat_map.is_some_and(|map| !map.scale.is_finite()) {
+            return Err(bad(at("clearcoat.normal_map.scale"), "must be finite"));
         }
         if material.normal_map.is_some_and(|map| !map.scale.is_finite()) {
             return Err(bad(at("normal_map.scale"), "must be finite"));
@@ -152,6 +160,42 @@ impl Scene {
             }
         }
     }
+}
+
+/// Checks what the layers of a material have beyond textures.
+fn check_layers(k: usize, material: &Material) -> Result<(), Error> {
+    let fail = |field: &str, what: String| Err(bad(format!("materials[{k}].{field}"), what));
+    let Material { clearcoat, sheen, anisotropy, iridescence, diffuse_transmission, .. } = material;
+    let shares: [(&str, &[f32]); 8] = [
+        ("clearcoat.factor", &[clearcoat.map_or(0.0, |coat| coat.factor)]),
+        ("clearcoat.roughness", &[clearcoat.map_or(0.0, |coat| coat.roughness)]),
+        ("sheen.color", &sheen.map_or([0.0; 3], |sheen| sheen.color)),
+        ("sheen.roughness", &[sheen.map_or(0.0, |sheen| sheen.roughness)]),
+        ("anisotropy.strength", &[anisotropy.map_or(0.0, |anisotropy| anisotropy.strength)]),
+        ("iridescence.factor", &[iridescence.map_or(0.0, |film| film.factor)]),
+        ("diffuse_transmission.factor", &[diffuse_transmission.map_or(0.0, |through| through.factor)]),
+        ("diffuse_transmission.color", &diffuse_transmission.map_or([0.0; 3], |through| through.color)),
+    ];
+    for (field, values) in shares {
+        if !values.iter().all(|x| (0.0..=1.0).contains(x)) {
+            return fail(field, format!("is {values:?}; it must lie between 0 and 1"));
+        }
+    }
+    if anisotropy.is_some_and(|anisotropy| !anisotropy.rotation_rad.is_finite()) {
+        return fail("anisotropy.rotation_rad", "must be finite".into());
+    }
+    if let Some(film) = iridescence {
+        if !(1.0..=1e3).contains(&film.ior) {
+            return fail("iridescence.ior", format!("is {}; it must lie between 1 and 1000", film.ior));
+        }
+        if !film.thickness_nm.iter().all(|x| (0.0..=f32::MAX).contains(x)) {
+            return fail("iridescence.thickness_nm", format!("is {:?}; it must be at least 0", film.thickness_nm));
+        }
+    }
+    if !(0.0..=f32::MAX).contains(&material.dispersion) {
+        return fail("dispersion", format!("is {}; it must be at least 0", material.dispersion));
+    }
+    Ok(())
 }
 
 fn bad(at: String, what: impl Into<String>) -> Error {

@@ -2,8 +2,9 @@
 
 use holo_scene::gltf::{Limits, load_slice, to_glb};
 use holo_scene::{
-    Alpha, Camera, CameraProjection, Environment, Filter, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene,
-    Texture, TextureInfo, TextureTransform, Transform, Volume, Wrap,
+    Alpha, Anisotropy, Camera, CameraProjection, Clearcoat, DiffuseTransmission, Environment, Filter, Instance,
+    Iridescence, Light, LightKind, Material, Mesh, NormalMap, Scene, Sheen, Texture, TextureInfo, TextureTransform,
+    Transform, Volume, Wrap,
 };
 use proptest::collection::vec;
 use proptest::option;
@@ -72,6 +73,7 @@ fn mesh(materials: usize) -> impl Strategy<Value = Mesh> {
                 name,
                 positions,
                 normals,
+                tangents: Vec::new(),
                 texture_coordinates: coordinates[0].clone(),
                 second_texture_coordinates: coordinates[1].clone(),
                 colors,
@@ -123,6 +125,44 @@ fn texture_use(textures: usize) -> impl Strategy<Value = Option<TextureInfo>> + 
     option::of(used.prop_map(|(texture, set, transform)| TextureInfo { texture, set, transform })).boxed()
 }
 
+type Layers =
+    (Option<Clearcoat>, Option<Sheen>, Option<Anisotropy>, Option<Iridescence>, Option<DiffuseTransmission>, f32);
+
+fn layers(textures: usize) -> impl Strategy<Value = Layers> {
+    let used = || texture_use(textures);
+    let color = || [share(), share(), share()];
+    let size = || prop_oneof![Just(0.0_f32), 0.0_f32..1e3, Just(f32::MAX)];
+    let clearcoat = (share(), used(), share(), used(), used(), float()).prop_map(
+        |(factor, texture, roughness, roughness_texture, map, scale)| {
+            let normal_map = map.map(|texture| NormalMap { texture, scale });
+            Clearcoat { factor, texture, roughness, roughness_texture, normal_map }
+        },
+    );
+    let sheen = (color(), used(), share(), used()).prop_map(|(color, color_texture, roughness, roughness_texture)| {
+        Sheen { color, color_texture, roughness, roughness_texture }
+    });
+    let anisotropy = (share(), float(), used()).prop_map(|(strength, rotation_rad, texture)| Anisotropy {
+        strength,
+        rotation_rad,
+        texture,
+    });
+    let iridescence = (share(), used(), 1.0_f32..3.0, [size(), size()], used()).prop_map(
+        |(factor, texture, ior, thickness_nm, thickness_texture)| Iridescence {
+            factor,
+            texture,
+            ior,
+            thickness_nm,
+            thickness_texture,
+        },
+    );
+    let through = (share(), used(), color(), used()).prop_map(|(factor, texture, color, color_texture)| {
+        DiffuseTransmission { factor, texture, color, color_texture }
+    });
+    let last = (option::of(iridescence), option::of(through), size());
+    let first = (option::of(clearcoat), option::of(sheen), option::of(anisotropy));
+    (first, last).prop_map(|((a, b, c), (d, e, f))| (a, b, c, d, e, f))
+}
+
 fn material(textures: usize) -> impl Strategy<Value = Material> {
     let used = texture_use(textures);
     let uses = [used.clone(), used.clone(), used.clone(), used.clone(), used.clone(), used.clone(), used];
@@ -143,8 +183,10 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
         (name(), [share(), share(), share(), share()], uses, float()),
         (share(), share(), share(), share()),
         (color(), color(), alpha, ior, volume, any::<[bool; 2]>()),
+        layers(textures),
     )
-        .prop_map(|((name, base_color, uses, scale), shares, others)| {
+        .prop_map(|((name, base_color, uses, scale), shares, others, layers)| {
+            let (clearcoat, sheen, anisotropy, iridescence, diffuse_transmission, dispersion) = layers;
             let (metallic, roughness, specular, transmission) = shares;
             let (emission, specular_color, alpha, ior, volume, [double_sided, unlit]) = others;
             Material {
@@ -167,6 +209,12 @@ fn material(textures: usize) -> impl Strategy<Value = Material> {
                 transmission,
                 transmission_texture: uses[6],
                 volume,
+                dispersion,
+                clearcoat,
+                sheen,
+                anisotropy,
+                iridescence,
+                diffuse_transmission,
                 unlit,
             }
         })
@@ -242,7 +290,8 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 400, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn scenes_come_back_equal(scene in scene()) {
+    fn scenes_come_back_equal(mut scene in scene()) {
+        scene.add_tangents().unwrap();
         let bytes = to_glb(&scene).unwrap();
         let loaded = load_slice(&bytes, &Limits::default()).unwrap();
         prop_assert_eq!(&loaded.scene, &scene);

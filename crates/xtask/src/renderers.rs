@@ -9,19 +9,19 @@ use std::path::{Path, PathBuf};
 use crate::pip::{self, Availability, Requirements};
 use crate::{Result, target};
 
-/// What a renderer and its script of `holo-bench/peers` need.
-const RENDERERS: [Requirements; 2] = [
-    Requirements {
-        name: "mitsuba",
-        pythons: 10..=12,
-        platforms: &[("linux", "x86_64"), ("linux", "aarch64"), ("macos", "aarch64"), ("windows", "x86_64")],
-    },
-    Requirements {
-        name: "blender",
-        pythons: 11..=11,
-        platforms: &[("linux", "x86_64"), ("macos", "aarch64"), ("windows", "x86_64")],
-    },
-];
+/// What Mitsuba and its script of `holo-bench/peers` need.
+const MITSUBA: Requirements = Requirements {
+    name: "mitsuba",
+    pythons: 10..=12,
+    platforms: &[("linux", "x86_64"), ("linux", "aarch64"), ("macos", "aarch64"), ("windows", "x86_64")],
+};
+
+/// The same for Blender.
+const BLENDER: Requirements = Requirements {
+    name: "blender",
+    pythons: 11..=11,
+    platforms: &[("linux", "x86_64"), ("macos", "aarch64"), ("windows", "x86_64")],
+};
 
 /// Fetches what is missing; returns the environment in which the report finds it.
 ///
@@ -29,7 +29,7 @@ const RENDERERS: [Requirements; 2] = [
 ///
 /// If pip fails.
 pub fn ensure() -> Result<Vec<(&'static str, OsString)>> {
-    for requirements in &RENDERERS {
+    for requirements in [&MITSUBA, &BLENDER] {
         if let Availability::Missing(why) = pip::install(requirements, &folder().join(requirements.name))? {
             eprintln!("xtask: no {}: {why}", requirements.name);
         }
@@ -51,14 +51,18 @@ fn folder() -> PathBuf {
     target().join("peers")
 }
 
-/// The folder of Blender's module, for `PYTHONPATH`.
-pub fn blender() -> PathBuf {
-    folder().join("blender")
-}
-
-/// Whether it is there.
-pub fn has_blender() -> bool {
-    blender().join("bpy").is_dir()
+/// Fetches Blender's module, if this machine can have it; returns the Python that it is for and the folder for
+/// `PYTHONPATH`.
+///
+/// # Errors
+///
+/// If pip fails.
+pub fn blender() -> Result<Option<(String, PathBuf)>> {
+    let home = folder().join(BLENDER.name);
+    if let Availability::Missing(why) = pip::install(&BLENDER, &home)? {
+        eprintln!("xtask: no {}: {why}", BLENDER.name);
+    }
+    Ok(pip::installed(&BLENDER, &home).map(|python| (python, home)))
 }
 
 /// The newest LLVM of the system from 16 on: 14 and 15 fail on machines with AVX-512.

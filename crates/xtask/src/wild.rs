@@ -15,26 +15,34 @@ use crate::{Result, peers, process, renderers, root, target};
 /// If a file makes `holo` crash, or if Python or its packages cannot be had.
 pub fn run(arguments: &[String]) -> Result {
     let [folder, rest @ ..] = arguments else {
-        return Err("usage: cargo xtask wild DIR [--list crates/xtask/wild/files.txt] [--samples N] [--jobs N]".into());
+        return Err("usage: cargo xtask wild DIR [--list crates/xtask/wild/files.txt] [--samples N] [--jobs N] \
+                    [--blender FOLDER [--blender-python PROGRAM]] [--no-blender]"
+            .into());
     };
     if let Availability::Missing(why) = peers::ensure()? {
         return Err(format!("the table and the contact sheet need Python packages: {why}"));
     }
     process::cargo(&["build", "--release", "--quiet", "-p", "holo-cli"])?;
-    let environment = renderers::ensure()?;
-    let python = std::env::var_os("HOLO_PYTHON").unwrap_or_else(|| "python3".into());
+    let environment = peers::environment();
+    let installed = environment.iter().find(|(name, _)| *name == "HOLO_PYTHON").map(|(_, python)| python.clone());
+    let python = installed.or_else(|| std::env::var_os("HOLO_PYTHON")).unwrap_or_else(|| "python3".into());
     let mut command = Command::new(python);
     command.arg(root().join("crates/xtask/wild/wild.py")).arg(folder);
     command.arg("--holo").arg(program()).arg("--out").arg(target().join("wild"));
-    if renderers::has_blender() {
-        command.arg("--blender").arg(renderers::blender());
-    } else {
-        eprintln!("not run: the comparison with Cycles needs Blender's module, for Python 3.11");
+    let (without, rest): (Vec<_>, Vec<_>) = rest.iter().partition(|argument| *argument == "--no-blender");
+    // A module that the caller names needs no other.
+    if without.is_empty() && !rest.iter().any(|argument| *argument == "--blender") {
+        match renderers::blender()? {
+            Some((python, folder)) => {
+                command.arg("--blender").arg(folder).arg("--blender-python").arg(python);
+            }
+            None => eprintln!("not run: the comparison with Cycles needs Blender's module, for Python 3.11"),
+        }
     }
-    command.args(rest).envs(peers::environment()).envs(environment);
-    process::run(&mut command)?;
+    command.args(rest).envs(environment);
+    let outcome = process::run(&mut command);
     println!("{}", target().join("wild/results.md").display());
-    Ok(())
+    outcome
 }
 
 fn program() -> PathBuf {

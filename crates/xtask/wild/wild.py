@@ -1,11 +1,11 @@
 """Renders every glTF file below a folder with `holo`, compares with Cycles where it is there, writes a table.
 
 usage: wild.py FOLDER --holo PROGRAM --out FOLDER [--list FILE] [--blender FOLDER] [--samples N] [--size WxH]
-               [--jobs N] [--light-units MODE] [--only TEXT]
+               [--blender-python PROGRAM] [--jobs N] [--only TEXT]
 
 A file is usable unless neither program loads it. Two images agree if the mean over blocks of 8 x 8 pixels of the
 absolute difference of their means is at most 0.01, under a sky of radiance 1. Written are `results.json`,
-`results.md` (every file that fails or differs), and `sheet.png` (ours, and beside it Cycles').
+`results.md` (every file that fails or differs), and `sheet.png` (ours, and below it Cycles').
 
 With --list only the files of the list count, found by their SHA-256 anywhere below FOLDER; a line is
 `sha256  repository  commit  path`.
@@ -37,6 +37,7 @@ def arguments():
     parser.add_argument("--out", type=pathlib.Path, required=True)
     parser.add_argument("--list", type=pathlib.Path)
     parser.add_argument("--blender", type=pathlib.Path)
+    parser.add_argument("--blender-python", default=sys.executable)
     parser.add_argument("--samples", type=int, default=256)
     parser.add_argument("--size", default="96x72")
     parser.add_argument("--jobs", type=int, default=1)
@@ -97,7 +98,7 @@ def difference(ours, theirs):
 def one(options, sha, path, name):
     folder = options.out / "renders" / sha[:16]
     folder.mkdir(parents=True, exist_ok=True)
-    ours, theirs = folder / "ours", folder / "cycles.exr"
+    ours, theirs = folder / "ours", folder / f"cycles_{options.samples}.exr"
     result = {"name": name, "sha256": sha, "path": str(path)}
     command = [options.holo, "render", str(path), "--out", str(ours), "--views", "1x1", "--lenses", options.size]
     command += ["--spp", str(options.samples), "--sky", "1,1,1", "--integrator", "path", "--write", "exr"]
@@ -119,7 +120,9 @@ def one(options, sha, path, name):
         environment = os.environ | {"PYTHONPATH": str(options.blender)}
         script = pathlib.Path(__file__).with_name("render_in_cycles.py")
         if not theirs.exists():
-            run([sys.executable, str(script), str(path), str(cfg), str(theirs), str(options.samples)], environment)
+            code_there, said = run([options.blender_python, str(script), str(path), str(cfg), str(theirs), str(options.samples)], environment)
+            if not theirs.exists():
+                result["cycles_said"] = f"exit {code_there}: " + "; ".join(said.strip().splitlines()[-3:])
         result["cycles"] = theirs.exists()
         if theirs.exists() and code == 0:
             result["difference"] = difference(pixels(ours / "scene_central.exr"), pixels(theirs))
@@ -131,14 +134,14 @@ def sheet(options, results):
     """A contact sheet: ours, and Cycles' below it."""
     width, height = map(int, options.size.split("x"))
     shown = [r for r in results if r["state"] == "rendered"]
-    columns = 12
+    columns = min(max(len(shown), 1), 12)
     rows = (len(shown) + columns - 1) // columns
     image = Image.new("RGB", (columns * (width + 4), max(rows, 1) * (2 * height + 20)), "white")
     draw = ImageDraw.Draw(image)
     for k, result in enumerate(shown):
         x, y = k % columns * (width + 4), k // columns * (2 * height + 20)
         folder = options.out / "renders" / result["sha256"][:16]
-        for path, down in [(folder / "ours" / "scene_central.exr", 0), (folder / "cycles.exr", height)]:
+        for path, down in [(folder / "ours" / "scene_central.exr", 0), (folder / f"cycles_{options.samples}.exr", height)]:
             if path.exists():
                 linear = np.clip(pixels(path), 0, 1)
                 srgb = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
@@ -167,6 +170,10 @@ def report(options, results, missing):
     for r in sorted(far, key=lambda r: (r["state"], -r.get("difference", 0))):
         why = r.get("why") or "; ".join(r["warnings"])
         lines.append(f"| {r['name']} | {r['state']} | {r.get('difference', float('nan')):.4f} | {why.replace('|', '/')[:200]} |")
+    failed = [r for r in results if "cycles_said" in r]
+    if failed:
+        lines += ["", f"{len(failed)} files that Cycles did not render:", ""]
+        lines += [f"- {r['name']}: {r['cycles_said'][:200]}" for r in failed]
     if missing:
         lines += ["", f"{len(missing)} files of the list are not below the folder:", ""] + [f"- {name}" for name in missing]
     (options.out / "results.md").write_text("\n".join(lines) + "\n")

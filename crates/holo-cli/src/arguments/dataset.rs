@@ -7,6 +7,7 @@ use clap::Args;
 use holo_core::GridSize;
 
 use holo_dataset::Shard;
+use holo_dataset::options::parse_not_negative;
 
 use super::{EngineOptions, JobOptions, MainLensOptions};
 
@@ -40,6 +41,9 @@ pub struct DatasetOptions {
     pub shard: Option<Shard>,
     #[command(flatten)]
     pub engine: EngineOptions,
+    /// Seconds between checkpoints, from which the same command continues after an interruption; 0: none.
+    #[arg(long, value_name = "SECONDS", default_value = "30", value_parser = parse_not_negative)]
+    pub checkpoint: f64,
     /// Print no progress and no summary.
     #[arg(long)]
     pub quiet: bool,

@@ -14,7 +14,7 @@ use super::{MainLensOptions, values};
 #[derive(Args, Debug)]
 pub struct OpticsOptions {
     /// Folder or file whose camera parameters are used instead of numbers.
-    #[arg(conflicts_with_all = ["sensor", "f_number", "views", "lenses", "lens_pitch_mm", "baseline_m", "focal_mm", "sensor_mm", "focus_m", "wanted"])]
+    #[arg(conflicts_with_all = ["sensor", "f_number", "views", "lenses", "lens_pitch_mm", "baseline_m", "focal_mm", "sensor_mm", "focus_m", "disparity"])]
     pub input: Option<PathBuf>,
     #[command(flatten)]
     pub main_lens: MainLensOptions,
@@ -25,10 +25,10 @@ pub struct OpticsOptions {
     #[arg(long, value_name = "UxV", conflicts_with_all = ["sensor", "lens_pitch_mm"], value_parser = GridSize::from_str)]
     pub lenses: Option<GridSize>,
     /// Microlens pitch, mm: the number of views is the number of pixels behind one microlens.
-    #[arg(long, value_name = "P", conflicts_with = "views", value_parser = parse_positive)]
+    #[arg(long, value_name = "P", conflicts_with_all = ["views", "disparity"], value_parser = parse_positive)]
     pub lens_pitch_mm: Option<f64>,
     /// Baseline: distance between adjacent views, m.
-    #[arg(long, value_name = "B", conflicts_with_all = ["f_number", "lens_pitch_mm"], value_parser = parse_positive)]
+    #[arg(long, value_name = "B", conflicts_with_all = ["f_number", "lens_pitch_mm", "disparity"], value_parser = parse_positive)]
     pub baseline_m: Option<f64>,
     /// Focal length of the main lens, mm.
     #[arg(long, value_name = "F", default_value_t = 50.0, value_parser = parse_positive)]
@@ -39,9 +39,6 @@ pub struct OpticsOptions {
     /// Nearest and farthest depth of the scene, m; the farthest may be `inf`.
     #[arg(long, value_name = "NEAR,FAR", value_parser = values::depths)]
     pub depths_m: Option<(f64, f64)>,
-    /// Find focus distance and baseline for which these depths have disparities from MIN to MAX px.
-    #[arg(long, value_name = "MIN,MAX", id = "wanted", requires = "depths_m", allow_hyphen_values = true, conflicts_with_all = ["baseline_m", "f_number", "focus_m", "lens_pitch_mm"], value_parser = values::range)]
-    pub disparity: Option<(f64, f64)>,
     /// Largest acceptable magnitude of disparity, px.
     #[arg(long, value_name = "W", default_value_t = 2.0, value_parser = parse_positive)]
     pub limit_px: f64,

@@ -1,8 +1,8 @@
 //! From the command line to what the libraries take.
 
-use holo_dataset::{EngineSpec, RenderSpec, RigSpec};
+use holo_dataset::{EngineSpec, RenderSpec, RigSpec, SceneSpec};
 
-use super::{DatasetOptions, EngineOptions, JobOptions, MainLensOptions, RenderOptions, RigOptions};
+use super::{DatasetOptions, EngineOptions, JobOptions, MainLensOptions, RenderOptions, RigOptions, SceneFileOptions};
 
 impl RenderOptions {
     pub fn spec(&self) -> RenderSpec {
@@ -24,6 +24,7 @@ impl DatasetOptions {
 impl JobOptions {
     fn spec(&self) -> RenderSpec {
         let mut spec = RenderSpec::default();
+        spec.scene = self.scene_file.spec();
         spec.integrator = self.integrator;
         spec.samples = self.spp;
         spec.target_error = self.target_error;
@@ -31,6 +32,7 @@ impl JobOptions {
         spec.roulette = !self.no_roulette;
         spec.indirect = !self.no_indirect;
         spec.indirect_limit = self.indirect_limit.map_or(f32::INFINITY, |limit| limit as f32);
+        spec.transparent_shadows = self.transparent_shadows;
         spec.multiple_scattering = !self.no_multiple_scattering;
         spec.cull = self.cull;
         spec.sky = self.sky.clone();
@@ -44,10 +46,20 @@ impl JobOptions {
     }
 }
 
+impl SceneFileOptions {
+    pub fn spec(&self) -> SceneSpec {
+        let mut spec = SceneSpec::default();
+        (spec.light_units, spec.solid_glass) = (self.light_units, self.solid_glass);
+        spec.material_variant.clone_from(&self.material_variant);
+        spec
+    }
+}
+
 impl MainLensOptions {
     pub fn spec(&self) -> RigSpec {
         let mut spec = RigSpec::default();
         (spec.sensor, spec.f_number, spec.focus) = (self.sensor, self.f_number, self.focus_m);
+        spec.disparity_px = self.disparity;
         spec
     }
 }

@@ -7,7 +7,7 @@ use clap::{ArgGroup, Args};
 use holo_core::refocus::Kernel;
 use holo_core::{Effort, GridSize, Layout, ViewOrder};
 
-use holo_dataset::options::parse_positive;
+use holo_dataset::options::{parse_positive, parse_range};
 
 use super::choices::{EFFORTS, KERNELS, LAYOUTS, NORMALS, ORDERS, choice};
 use super::{Pair, values};
@@ -77,7 +77,7 @@ pub struct DepthOptions {
     #[arg(long, value_name = "FILE.pfm")]
     pub out: PathBuf,
     /// Smallest and largest disparity to search, px [default: those of the input's parameters, else -4,4].
-    #[arg(long, value_name = "MIN,MAX", allow_hyphen_values = true, value_parser = values::range)]
+    #[arg(long, value_name = "MIN,MAX", allow_hyphen_values = true, value_parser = parse_range)]
     pub range: Option<(f64, f64)>,
     /// Quality against time.
     #[arg(long, value_parser = choice(EFFORTS), default_value = "balanced")]

@@ -88,12 +88,6 @@ pub fn distance(text: &str) -> Result<f64, String> {
     }
 }
 
-/// `MIN,MAX`.
-pub fn range(text: &str) -> Result<(f64, f64), String> {
-    let ends = text.split_once(',').and_then(|(min, max)| Some((finite(min).ok()?, finite(max).ok()?)));
-    ends.filter(|(min, max)| min < max).ok_or_else(|| "write MIN,MAX, such as -2,2.5, the smaller first".into())
-}
-
 /// `A,B,N`.
 pub fn stack(text: &str) -> Result<(f64, f64, usize), String> {
     let parts: Vec<&str> = text.split(',').collect();

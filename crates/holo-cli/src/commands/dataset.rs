@@ -5,7 +5,7 @@ mod config;
 use std::time::Instant;
 
 use clap::ArgMatches;
-use holo_dataset::{DatasetJob, DatasetPlan, DatasetSummary, Deduplicated, JobSummary, sources, validate};
+use holo_dataset::{Checkpoints, DatasetJob, DatasetPlan, DatasetSummary, Deduplicated, JobSummary, sources, validate};
 use serde_json::json;
 
 use super::requested::requested;
@@ -93,5 +93,6 @@ fn plan(options: &DatasetOptions, matches: &ArgMatches) -> Result<DatasetPlan, F
         _ => Some(&options.scenes[..]),
     };
     let sources = sources(names, &options.glb)?;
-    Ok(DatasetPlan::new(&sources, &options.view_counts, spec, requested(matches), options.engine.spec())?)
+    let plan = DatasetPlan::new(&sources, &options.view_counts, spec, requested(matches), options.engine.spec())?;
+    Ok(plan.with_checkpoints(Checkpoints::every_seconds(options.checkpoint).as_ref()))
 }

@@ -66,8 +66,10 @@ fn hdf5(path: &Path) -> Result<(), Failure> {
 /// The scene, and the rig that a render with the same options would get.
 fn scene(options: &InfoOptions) -> Result<(), Failure> {
     let source = SceneSource::File(options.file.clone());
-    let prepared = source.prepare(&options.rig.spec(), &options.engine.spec(), &say_unless(false))?;
+    let (scene, rig) = (options.scene_file.spec(), options.rig.spec());
+    let prepared = source.prepare(&scene, &rig, &options.engine.spec(), &say_unless(false))?;
     out!("{}", prepared.loaded.summary.to_string().trim_end())?;
+    out!("coincident faces:    {} pairs of triangles", prepared.loaded.scene.coincident_triangle_pairs())?;
     if let Some((low, high)) = prepared.loaded.scene.bounds() {
         out!("bounds: {low:.4?} to {high:.4?} m")?;
     }

@@ -85,7 +85,8 @@ fn wanted(
     intrinsics: Intrinsics,
     shape: LightFieldShape,
 ) -> Result<Option<Rig>, Failure> {
-    let (Some((min_px, max_px)), Some(depths)) = (options.disparity, depths) else { return Ok(None) };
+    let Some((min_px, max_px)) = options.main_lens.disparity else { return Ok(None) };
+    let depths = depths.ok_or_else(|| Failure::Usage("--disparity of which depths? give --depths-m".into()))?;
     let found = rig_for_disparities(depths, DisparityRange { min_px, max_px }, intrinsics, shape.lenses())?;
     with(shape, intrinsics, found.baseline_m, found.focus_distance_m).map(Some)
 }

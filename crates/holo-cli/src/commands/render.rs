@@ -1,7 +1,7 @@
 //! `holo render`: scene in, folder of images and ground truth out.
 
 use clap::ArgMatches;
-use holo_dataset::{RenderJob, SceneSource};
+use holo_dataset::{Checkpoints, RenderJob, SceneSource};
 
 use super::requested::requested;
 use crate::arguments::RenderOptions;
@@ -13,7 +13,8 @@ use crate::progress::Bar;
 pub fn run(options: &RenderOptions, matches: &ArgMatches) -> Result<(), Failure> {
     let job = RenderJob::new(SceneSource::File(options.scene.clone()), options.spec())
         .with_options(requested(matches))
-        .with_engine(options.engine.spec());
+        .with_engine(options.engine.spec())
+        .with_checkpoints(Checkpoints::every_seconds(options.checkpoint));
     if !options.overwrite {
         job.check_replaceable(&options.out, options.shard)?;
     }

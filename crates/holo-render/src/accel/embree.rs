@@ -223,6 +223,8 @@ pub(crate) struct Embree {
     api: Arc<Api>,
     device: NonNull<c_void>,
     scene: NonNull<c_void>,
+    /// The flags of all scenes.
+    flags: c_int,
     /// One scene for every prototype mesh.
     prototypes: Vec<NonNull<c_void>>,
     name: String,
@@ -243,6 +245,16 @@ impl Embree {
 
     /// Builds the acceleration structure over `geometry` with `threads` threads (0: all).
     pub fn build(geometry: &Arc<Geometry>, threads: usize) -> Result<Self, Error> {
+        Self::with_flags(geometry, threads, SCENE_FLAG_ROBUST)
+    }
+
+    /// As `build`, without the flag for watertight edges.
+    #[cfg(test)]
+    pub fn without_robust(geometry: &Arc<Geometry>, threads: usize) -> Result<Self, Error> {
+        Self::with_flags(geometry, threads, 0)
+    }
+
+    fn with_flags(geometry: &Arc<Geometry>, threads: usize, flags: c_int) -> Result<Self, Error> {
         let api = Api::get()?;
         let config = CString::new(format!("threads={threads}")).map_err(|e| Error::Embree(e.to_string()))?;
         // SAFETY: `config` is a NUL-terminated string that outlives the call.
@@ -258,7 +270,8 @@ impl Embree {
             return Err(Error::Embree("cannot create a scene".into()));
         };
         // From here on `Drop` releases the device and the scenes.
-        let mut engine = Self { api, device, scene, prototypes: Vec::new(), name, geometry: Arc::clone(geometry) };
+        let geometry = Arc::clone(geometry);
+        let mut engine = Self { api, device, scene, flags, prototypes: Vec::new(), name, geometry };
         engine.fill()?;
         Ok(engine)
     }
@@ -329,7 +342,7 @@ impl Embree {
     fn commit(&self, scene: NonNull<c_void>) -> Result<(), Error> {
         // SAFETY: device and scene are alive, and so are the buffers of the scene (see `attach_triangles`).
         let code = unsafe {
-            (self.api.rtcSetSceneFlags)(scene.as_ptr(), SCENE_FLAG_ROBUST);
+            (self.api.rtcSetSceneFlags)(scene.as_ptr(), self.flags);
             (self.api.rtcSetSceneBuildQuality)(scene.as_ptr(), BUILD_QUALITY_MEDIUM);
             (self.api.rtcCommitScene)(scene.as_ptr());
             (self.api.rtcGetDeviceError)(self.device.as_ptr())

@@ -3,11 +3,16 @@
 //! A glTF camera has a pose and a field of view. Sensor size, baseline and focus distance come from the caller or from
 //! the rules stated here.
 
+mod aspect;
+mod default_camera;
+
 use holo_core::{GridSize, Intrinsics, LightFieldShape, Projection, Rig, automatic_baseline_m};
 
 use crate::error::Error;
 use crate::setters::setters;
 use holo_scene::{Camera, CameraProjection, Scene, Transform};
+
+pub use self::aspect::AspectChange;
 
 /// The parameters of a rig apart from its focus distance; see [`Framing::new`] for the defaults.
 #[derive(Clone, Debug)]
@@ -30,7 +35,7 @@ pub struct Framing {
 /// The choice of a camera of the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub enum CameraChoice {
-    /// The first camera in node order; for a scene without cameras, one on +Z that sees the whole scene.
+    /// The first camera in node order; for a scene without cameras, a three-quarter view of the whole scene.
     #[default]
     First,
     /// By index in [`Scene::cameras`].
@@ -60,12 +65,11 @@ pub struct Framed {
     pub baseline_m: f64,
     /// A description of the camera for messages.
     pub camera: String,
-    shape: LightFieldShape,
+    /// The angles of view, if the image has another aspect ratio than the camera.
+    pub aspect_change: Option<AspectChange>,
+    pub(crate) shape: LightFieldShape,
     pub(crate) projection: Projection,
 }
-
-/// Vertical field of view of the default camera for scenes without one, rad (40 degrees).
-const DEFAULT_ANGLE_RAD: f64 = 40.0 * std::f64::consts::PI / 180.0;
 
 impl Framing {
     /// The first camera of the scene with its field of view on a sensor of 36 mm; perspective views that sample the
@@ -98,17 +102,25 @@ impl Framing {
     /// [`Error::Core`] for parameters that are invalid for a rig.
     pub fn frame(&self, scene: &Scene) -> Result<Framed, Error> {
         let lenses = self.shape.lenses();
-        let (pose, camera, half_slope) = match choose(scene, &self.camera)? {
-            Some(camera) => (camera.pose, format!("camera '{}'", camera.name), half_slope(camera, lenses)?),
-            None => frame_bounds(scene, lenses)?,
-        };
+        let Some(camera) = choose(scene, &self.camera)? else { return default_camera::frame(self, scene) };
+        let half_slope = half_slope(camera, lenses)?;
         let focal_length_m = self.focal_length_m.unwrap_or(self.sensor_size_m / (2.0 * half_slope));
+        // A focal length that was given decides the angles of view.
+        let aspect_change =
+            self.focal_length_m.is_none().then(|| AspectChange::new(camera, lenses, half_slope)).flatten();
+        let description = format!("camera '{}'", camera.name);
+        self.framed(camera.pose, description, focal_length_m).map(|framed| Framed { aspect_change, ..framed })
+    }
+
+    /// A camera pose with this focal length.
+    fn framed(&self, pose: Transform, camera: String, focal_length_m: f64) -> Result<Framed, Error> {
         let baseline_m = match self.baseline {
             Baseline::Meters(baseline) => baseline,
             Baseline::FNumber(f_number) => automatic_baseline_m(focal_length_m, f_number, self.shape.views())?,
         };
         let intrinsics = Intrinsics { focal_length_m, sensor_size_m: self.sensor_size_m };
-        let framed = Framed { pose, intrinsics, baseline_m, camera, shape: self.shape, projection: self.projection };
+        let (shape, projection) = (self.shape, self.projection);
+        let framed = Framed { pose, intrinsics, baseline_m, camera, aspect_change: None, shape, projection };
         // Validates everything but the focus distance now, before the scene is built.
         framed.rig_with(Projection::Perspective, f64::INFINITY)?;
         Ok(framed)
@@ -152,8 +164,10 @@ fn choose<'a>(scene: &'a Scene, choice: &CameraChoice) -> Result<Option<&'a Came
     }
 }
 
-/// The tangent of half the field of view along the larger image side. An image with at least as many columns as rows
-/// keeps the horizontal field of view of the camera, otherwise the vertical one.
+/// The tangent of half the angle of view along the larger image side. An image with at least as many columns as rows
+/// gets the larger of the two angles of view of the camera across its width, as Blender's automatic sensor fit does: a
+/// landscape camera keeps its horizontal angle, and a portrait camera is turned. A portrait image keeps the vertical
+/// angle.
 fn half_slope(camera: &Camera, lenses: GridSize) -> Result<f64, Error> {
     match camera.projection {
         CameraProjection::Perspective { vertical_angle_rad, aspect_ratio } => {
@@ -161,7 +175,7 @@ fn half_slope(camera: &Camera, lenses: GridSize) -> Result<f64, Error> {
             if lenses.columns < lenses.rows {
                 return Ok(vertical);
             }
-            let aspect = aspect_ratio.unwrap_or(lenses.columns as f64 / lenses.rows as f64);
+            let aspect = aspect_ratio.map_or(lenses.columns as f64 / lenses.rows as f64, |aspect| aspect.max(1.0));
             Ok(vertical * aspect)
         }
         CameraProjection::Orthographic { .. } => Err(Error::BadSetting(format!(
@@ -170,26 +184,6 @@ fn half_slope(camera: &Camera, lenses: GridSize) -> Result<f64, Error> {
             camera.name
         ))),
     }
-}
-
-/// A camera on +Z in front of the bounding box of the scene, at the smallest distance from which it sees all of it,
-/// plus 5 %.
-fn frame_bounds(scene: &Scene, lenses: GridSize) -> Result<(Transform, String, f64), Error> {
-    let Some((low, high)) = scene.bounds() else {
-        return Err(Error::BadSetting(
-            "the scene has neither a camera nor a triangle: there is nothing to look at".into(),
-        ));
-    };
-    let center: [f64; 3] = std::array::from_fn(|k| f64::midpoint(low[k], high[k]));
-    let half: [f64; 3] = std::array::from_fn(|k| (high[k] - low[k]) / 2.0);
-    let slope_y = (DEFAULT_ANGLE_RAD / 2.0).tan();
-    let slope_x = slope_y * lenses.columns as f64 / lenses.rows as f64;
-    let distance = (half[1] / slope_y).max(half[0] / slope_x);
-    // A scene of a single point gets a distance of 1 m.
-    let distance = half[2] + if distance > 0.0 { 1.05 * distance } else { 1.0 };
-    let pose = Transform::from_translation([center[0], center[1], center[2] + distance]);
-    let along_larger = if lenses.columns < lenses.rows { slope_y } else { slope_x };
-    Ok((pose, "no camera in the scene: one that sees all of it from +Z".into(), along_larger))
 }
 
 #[cfg(test)]
@@ -225,6 +219,29 @@ mod tests {
         assert!((focal(&scene(None), 10, 20) - 0.018 / (2.0 * tan)).abs() < 1e-12, "aspect of the image");
         // Portrait: the vertical field of view, over the height.
         assert!((focal(&scene(Some(1.5)), 20, 10) - 0.018 / tan).abs() < 1e-12);
+        // A portrait camera has its larger angle along the height: it is that of the width of a landscape image, as if
+        // the camera were turned, and of the height of a portrait image.
+        assert!((focal(&scene(Some(0.5625)), 10, 20) - 0.018 / tan).abs() < 1e-12);
+        assert!((focal(&scene(Some(0.5625)), 20, 10) - 0.018 / tan).abs() < 1e-12);
+    }
+
+    #[test]
+    fn another_aspect_ratio_is_named_with_the_angles() {
+        let change = |aspect, rows, columns| {
+            let scene = Scene { cameras: vec![camera(aspect)], ..Scene::default() };
+            framing(GridSize::new(rows, columns), CameraChoice::First).frame(&scene).unwrap().aspect_change
+        };
+        assert_eq!(change(Some(1.5), 10, 15), None);
+        assert_eq!(change(Some(1.5), 53, 79), None, "whole pixels");
+        assert_eq!(change(None, 10, 15), None);
+        // 2 atan(0.5625 tan 0.4) = 0.4662 and 2 atan(tan(0.4) / 1.5) = 0.5484; 0.8 rad are 45.8 degrees.
+        let portrait = change(Some(0.5625), 10, 15).unwrap();
+        let text = "the camera sees 26.8 x 45.8 degrees (width / height 0.562), the image 45.8 x 31.5 (1.500)";
+        assert_eq!(portrait.to_string(), text);
+        // A focal length replaces the angles of the camera.
+        let scene = Scene { cameras: vec![camera(Some(0.5))], ..Scene::default() };
+        let framing = framing(GridSize::new(10, 20), CameraChoice::First).focal_length_m(Some(0.05));
+        assert_eq!(framing.frame(&scene).unwrap().aspect_change, None);
     }
 
     #[test]

@@ -127,6 +127,12 @@ impl Placement {
         [n[0] * inverse, n[1] * inverse, n[2] * inverse]
     }
 
+    /// Transforms a vertex tangent of the mesh to camera coordinates, with unit length; zero stays zero.
+    pub fn tangent(&self, [x, y, z, w]: [f32; 4]) -> [f32; 4] {
+        let along = glam::DVec3::from(self.to_camera.vector([x, y, z].map(f64::from))).normalize_or_zero().as_vec3();
+        [along.x, along.y, along.z, w * self.orientation]
+    }
+
     /// Transforms a vertex of the mesh to camera coordinates.
     #[inline(always)]
     pub fn point(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {

@@ -11,6 +11,7 @@ use super::light_sampling::{LightSample, LightSelection, Role};
 use super::resampling::Reservoir;
 use super::scatterer::Scatterer;
 use super::shade::Shading;
+use super::straight_shadows;
 use crate::accel::Rays;
 use crate::material::media::{self, Medium};
 use crate::sampling;
@@ -23,6 +24,8 @@ pub(super) struct Contribution {
     pub start: [[f32; LANES]; 3],
     pub to_light: [[f32; LANES]; 3],
     pub far: [f32; LANES],
+    /// 1 / the weight of the light sample against BSDF sampling.
+    pub over_weight: [f32; LANES],
 }
 
 /// Adds the direct light at a path vertex to `radiance`; returns the number of shadow rays.
@@ -37,7 +40,7 @@ pub(super) fn add(context: &Context, here: &Shading, scatterer: &Scatterer, radi
     for k in 0..selection.count() {
         let light = selection.sample(context, here, k);
         let mut contribution = unoccluded(here, scatterer, &light);
-        if context.scene.has_media {
+        if context.scene.has_media && !context.policy.transparent_shadows {
             absorb(context, here, &light, &mut contribution);
         }
         if let Role::Candidate { group, first, last } = selection.role(k) {
@@ -60,18 +63,21 @@ pub(super) fn add(context: &Context, here: &Shading, scatterer: &Scatterer, radi
 fn unoccluded(here: &Shading, scatterer: &Scatterer, light: &LightSample) -> Contribution {
     let response = scatterer.respond(&light.to_light, &light.inverse_length);
     let mut value = [[0.0; LANES]; 3];
+    let mut over_weight = [1.0; LANES];
     for lane in 0..LANES {
         let pdf = light.pdf[lane];
         // The balance heuristic over the light-sampling pdf: 1 / (light pdf + BSDF pdf).
         let balanced = 1.0 / (pdf + response.bsdf_pdf[lane]);
         let factor = if pdf == f32::INFINITY { 1.0 } else { balanced };
         let factor = if pdf > 0.0 { factor } else { 0.0 };
+        let is_shared = (pdf > 0.0) & (pdf < f32::INFINITY);
+        over_weight[lane] = if is_shared { 1.0 + response.bsdf_pdf[lane] / pdf } else { 1.0 };
         for c in 0..3 {
             let sent = here.paths.throughput[c][lane] * response.value[c][lane];
             value[c][lane] = (sent * (light.strength[c][lane] * factor)).min(MAX_RADIANCE);
         }
     }
-    Contribution { value, start: response.start, to_light: light.to_light, far: light.far }
+    Contribution { value, start: response.start, to_light: light.to_light, far: light.far, over_weight }
 }
 
 /// Attenuates a contribution by the medium between the surface and the light. Bodies of glass stop shadow rays, so the
@@ -114,6 +120,16 @@ fn add_visible(
     let count = count(&lit);
     if count == 0 {
         return 0;
+    }
+    if context.policy.transparent_shadows {
+        let mut arriving = *contribution;
+        let rays = straight_shadows::attenuate(context, here, lit, &mut arriving);
+        for lane in 0..LANES {
+            for c in 0..3 {
+                radiance[c][lane] += if lit.0[lane] != 0 { arriving.value[c][lane] } else { 0.0 };
+            }
+        }
+        return rays;
     }
     let mut rays =
         Rays { origin: contribution.start, direction: contribution.to_light, far: contribution.far, ..Rays::EMPTY };

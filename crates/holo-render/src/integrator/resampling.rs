@@ -23,7 +23,13 @@ impl Reservoir {
     #[inline(always)]
     pub fn new(number: [f32; LANES]) -> Self {
         let zero = [0.0; LANES];
-        let selected = Contribution { value: [zero; 3], start: [zero; 3], to_light: [zero; 3], far: zero };
+        let selected = Contribution {
+            value: [zero; 3],
+            start: [zero; 3],
+            to_light: [zero; 3],
+            far: zero,
+            over_weight: [1.0; LANES],
+        };
         Self { number, total: zero, weight: zero, selected }
     }
 
@@ -45,6 +51,8 @@ impl Reservoir {
         }
         for lane in 0..LANES {
             self.selected.far[lane] = if replaces[lane] { candidate.far[lane] } else { self.selected.far[lane] };
+            let over_weight = self.selected.over_weight[lane];
+            self.selected.over_weight[lane] = if replaces[lane] { candidate.over_weight[lane] } else { over_weight };
         }
         for k in 0..3 {
             for lane in 0..LANES {

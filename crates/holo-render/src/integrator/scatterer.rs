@@ -1,5 +1,5 @@
 //! The BSDFs of sixteen surface interactions: Lambert's law for diffuse materials, [`crate::material::bsdf`] for
-//! packets with glossy ones.
+//! packets with glossy ones, and [`crate::material::bsdf::layered`] for lanes with layers.
 //!
 //! The result of a lane does not depend on its neighbors: Lambertian lanes use the same operations whether or not the
 //! packet contains glossy surfaces.
@@ -8,9 +8,10 @@ use std::f32::consts::FRAC_1_PI;
 
 use super::Context;
 use super::shade::Shading;
-use crate::material::MaterialFlags;
 use crate::material::SurfaceInteraction;
 use crate::material::bsdf::Bsdf;
+use crate::material::bsdf::layered::LayeredView;
+use crate::material::{Lane, MaterialFlags};
 use crate::sampling::{self, Points};
 use crate::simd::{LANES, at};
 
@@ -32,6 +33,8 @@ struct Glossy {
     axes: [[[f32; LANES]; 3]; 3],
     /// The direction to the viewer in the shading frame.
     out: [[f32; LANES]; 3],
+    /// The lanes with layers; not allocated without any.
+    layered: Vec<(usize, LayeredView)>,
 }
 
 /// The BSDFs evaluated for given directions to the light.
@@ -94,7 +97,14 @@ impl<'a> Scatterer<'a> {
         }
         let Some(glossy) = &self.glossy else { return out };
         let into = glossy.to_local(to_light, inverse_length);
-        let evaluated = glossy.bsdf.evaluate(&glossy.out, &into);
+        let mut evaluated = glossy.bsdf.evaluate(&glossy.out, &into);
+        for (lane, view) in &glossy.layered {
+            let (value, pdf) = view.evaluate(at(&into, *lane));
+            for c in 0..3 {
+                evaluated.value[c][*lane] = value[c];
+            }
+            evaluated.pdf[*lane] = pdf;
+        }
         for lane in 0..LANES {
             let chosen = glossy.lanes[lane];
             // Light from opposite sides of the triangle and of the interpolated normal would leak.
@@ -146,7 +156,16 @@ impl<'a> Scatterer<'a> {
             }
         }
         let Some(glossy) = &self.glossy else { return out };
-        let sampled = glossy.bsdf.sample(&glossy.out, choice, numbers);
+        let mut sampled = glossy.bsdf.sample(&glossy.out, choice, numbers);
+        for (lane, view) in &glossy.layered {
+            let one = view.sample(choice[*lane], at(&local, *lane));
+            for k in 0..3 {
+                sampled.into[k][*lane] = one.into[k];
+                sampled.weight[k][*lane] = one.weight[k];
+            }
+            sampled.pdf[*lane] = one.pdf;
+            sampled.transmitted[*lane] = one.transmitted;
+        }
         let direction = glossy.to_camera(&sampled.into);
         for lane in 0..LANES {
             let chosen = glossy.lanes[lane];
@@ -225,6 +244,7 @@ impl Glossy {
             lanes: [false; LANES],
             axes: [zero; 3],
             out: zero,
+            layered: Vec::new(),
         };
         let direction = &here.packet.rays.direction;
         for lane in 0..LANES {
@@ -256,7 +276,43 @@ impl Glossy {
             }
             out.out[2][lane] = out.out[2][lane].max(0.5 * MIN_COSINE);
         }
+        if interaction.any_flags.has(MaterialFlags::LAYERED) {
+            out.add_layers(context, here);
+        }
         out
+    }
+
+    /// Prepares the lanes with layers, whose frames may be turned to the axes of their roughness.
+    #[inline(never)]
+    fn add_layers(&mut self, context: &Context, here: &Shading) {
+        for lane in 0..LANES {
+            if !here.hit[lane] || !here.interaction.flags[lane].has(MaterialFlags::LAYERED) {
+                continue;
+            }
+            let mut axes: [[f32; 3]; 3] = std::array::from_fn(|k| at(&self.axes[k], lane));
+            let local = at(&self.out, lane);
+            let viewer = std::array::from_fn(|k| axes[0][k] * local[0] + axes[1][k] * local[1] + axes[2][k] * local[2]);
+            let lane_here = Lane {
+                geometry: context.scene.geometry,
+                packet: here.packet,
+                interaction: here.interaction,
+                lane,
+                media: here.paths.media[lane],
+                axes,
+                viewer,
+                channels: std::array::from_fn(|c| here.paths.throughput[c][lane] > 0.0),
+            };
+            let Some((layered, turned)) = context.scene.appearance.layered(&self.bsdf, &lane_here) else { continue };
+            axes = turned;
+            for k in 0..3 {
+                let along = axes[k][0] * viewer[0] + axes[k][1] * viewer[1] + axes[k][2] * viewer[2];
+                self.out[k][lane] = if k == 2 { local[2] } else { along };
+                for axis in 0..3 {
+                    self.axes[k][axis][lane] = axes[k][axis];
+                }
+            }
+            self.layered.push((lane, LayeredView::new(layered, at(&self.out, lane))));
+        }
     }
 
     #[inline(always)]

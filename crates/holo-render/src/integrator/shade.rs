@@ -153,6 +153,15 @@ fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut 
     if uses_roulette {
         roulette(&survival, &mut throughput);
     }
+    let mut bsdf_pdf = scattered.bsdf_pdf;
+    if context.policy.transparent_shadows {
+        for lane in 0..LANES {
+            // Shadow rays have found what lies in this direction behind smooth glass; a pdf of 0 gives it no weight.
+            let is_straight = scattered.transmitted[lane] & (bsdf_pdf[lane] == f32::INFINITY);
+            let has_been_lit = here.paths.bsdf_pdf[lane] < f32::INFINITY;
+            bsdf_pdf[lane] = if is_straight & has_been_lit { 0.0 } else { bsdf_pdf[lane] };
+        }
+    }
     let mut cells = [0; LANES];
     for lane in 0..LANES {
         cells[lane] = paths::cell(at(&scattered.direction, lane));
@@ -162,7 +171,7 @@ fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut 
         if throughput[0] + throughput[1] + throughput[2] > 0.0 {
             let path = Path {
                 origin: at(&scattered.start, lane),
-                bsdf_pdf: scattered.bsdf_pdf[lane],
+                bsdf_pdf: bsdf_pdf[lane],
                 direction: at(&scattered.direction, lane),
                 pixel: here.paths.pixel[lane],
                 throughput,

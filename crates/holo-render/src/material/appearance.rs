@@ -4,14 +4,16 @@
 //! transmission, emission) are evaluated only for packets that contain such a material ([`MaterialFlags`]).
 
 mod emission;
+mod layers;
 mod lookup;
+mod normal_map;
 mod scattering;
+
+pub(crate) use layers::Lane;
 
 use std::collections::BTreeMap;
 
-use crate::accel::RayHits;
 use crate::geometry::{Geometry, Hit, InstanceData};
-use crate::material::SurfaceInteraction;
 use crate::material::media::{Medium, MediumId};
 use crate::material::texture;
 use holo_core::color::srgb8_to_linear_table;
@@ -33,7 +35,7 @@ pub(crate) struct Appearance {
 pub(crate) struct MaterialFlags(u8);
 
 impl MaterialFlags {
-    /// Metal, transmission or a specular coat.
+    /// Metal, transmission, a specular coat or layers.
     pub const GLOSSY: Self = Self(1);
     /// Emission.
     pub const EMISSIVE: Self = Self(2);
@@ -45,6 +47,8 @@ impl MaterialFlags {
     pub const VOLUME: Self = Self(16);
     /// Alpha other than opaque.
     pub const ALPHA: Self = Self(32);
+    /// Layers and lobes of [`crate::material::bsdf::layered`].
+    pub const LAYERED: Self = Self(64);
 
     #[inline(always)]
     pub const fn has(self, flag: Self) -> bool {
@@ -62,10 +66,12 @@ struct Material {
     flags: MaterialFlags,
     base_color: [f32; 4],
     base_color_texture: Option<TextureLookup>,
-    normal_map: Option<(TextureLookup, f32)>,
+    normal_map: Option<NormalMapLookup>,
     alpha: Alpha,
     emission: emission::Emission,
     scattering: scattering::Scattering,
+    /// Those of few materials; on the heap, so that others stay small.
+    layers: Option<Box<layers::Layers>>,
 }
 
 /// A texture with its coordinate transform: u' = a u + b v + c, v' = d u + e v + f.
@@ -94,6 +100,9 @@ impl TextureLookup {
         }
     }
 }
+
+/// A normal map with its scale.
+type NormalMapLookup = (TextureLookup, f32);
 
 /// A point on a triangle.
 #[derive(Clone, Copy)]
@@ -130,7 +139,10 @@ impl Appearance {
     pub fn new(materials: &[holo_scene::Material], textures: &[Texture]) -> Self {
         let mut linear = [0.0; 256];
         linear.iter_mut().enumerate().for_each(|(code, value)| *value = code as f32 / 255.0);
-        let mut materials: Vec<Material> = materials.iter().map(Material::new).collect();
+        let is_dispersive = |material: &holo_scene::Material| material.volume.is_some() && material.dispersion > 0.0;
+        let any_dispersive = materials.iter().any(is_dispersive);
+        let mut materials: Vec<Material> =
+            materials.iter().map(|material| Material::new(material, any_dispersive)).collect();
         let media = number_media(&mut materials);
         Self { materials, media, textures: textures.to_vec(), srgb: srgb8_to_linear_table(), linear }
     }
@@ -205,71 +217,6 @@ impl Appearance {
     fn linear_texel(&self, lookup: &TextureLookup, point: &SurfacePoint) -> [f32; 3] {
         texture::sample(&self.textures[lookup.texture], &self.linear, point.coordinates(lookup))
     }
-
-    /// Applies the normal map to the shading normal of one lane.
-    ///
-    /// The axes of the map are the directions on the triangle in which u and -v increase, orthogonalized to the normal.
-    /// They are computed per triangle and not interpolated (tangents of a mesh are not read).
-    #[inline(always)]
-    fn apply_normal_map(&self, geometry: &Geometry, packet: &RayHits, lane: usize, out: &mut SurfaceInteraction) {
-        let point = SurfacePoint::new(geometry, out.triangle[lane], [packet.hits.u[lane], packet.hits.v[lane]]);
-        let material = &self.materials[point.instance.material as usize];
-        let Some((lookup, scale)) = &material.normal_map else { return };
-        if !point.instance.textured[lookup.set] {
-            return;
-        }
-        let [a, b, c] = geometry.texture_coordinates_of(point.triangle, lookup.set);
-        let [(u1, v1), (u2, v2)] = [(b[0] - a[0], b[1] - a[1]), (c[0] - a[0], c[1] - a[1])];
-        let area = u1 * v2 - u2 * v1;
-        if area == 0.0 {
-            return;
-        }
-        let corners = geometry.corners(point.triangle);
-        // The map applies to the front; the shading normal may face the back.
-        let side = out.side[lane];
-        let mut normal = [0.0; 3];
-        let mut tangent = [0.0; 3];
-        let mut along = 0.0;
-        for axis in 0..3 {
-            let (first, second) = (corners[1][axis] - corners[0][axis], corners[2][axis] - corners[0][axis]);
-            normal[axis] = out.shading_normal[axis][lane] * side;
-            tangent[axis] = (first * v2 - second * v1) * area.signum();
-            along += tangent[axis] * normal[axis];
-        }
-        let mut squared = 0.0f32;
-        for axis in 0..3 {
-            tangent[axis] -= normal[axis] * along;
-            squared += tangent[axis] * tangent[axis];
-        }
-        let unit = 1.0 / squared.sqrt();
-        if !unit.is_finite() {
-            return;
-        }
-        for axis in 0..3 {
-            tangent[axis] *= unit;
-        }
-        // Upward in the image, against v: to the left of u unless the coordinates or the placement are mirrored.
-        let turn = -area.signum() * geometry.orientation(point.triangle);
-        let bitangent = [
-            (normal[1] * tangent[2] - normal[2] * tangent[1]) * turn,
-            (normal[2] * tangent[0] - normal[0] * tangent[2]) * turn,
-            (normal[0] * tangent[1] - normal[1] * tangent[0]) * turn,
-        ];
-        let [r, g, b] = self.linear_texel(lookup, &point);
-        let (x, y, z) = ((2.0 * r - 1.0) * scale, (2.0 * g - 1.0) * scale, 2.0 * b - 1.0);
-        let mut mapped = [0.0; 3];
-        let mut squared = 0.0f32;
-        for axis in 0..3 {
-            mapped[axis] = tangent[axis] * x + bitangent[axis] * y + normal[axis] * z;
-            squared += mapped[axis] * mapped[axis];
-        }
-        let unit = side / squared.sqrt();
-        if unit.is_finite() {
-            for axis in 0..3 {
-                out.shading_normal[axis][lane] = mapped[axis] * unit;
-            }
-        }
-    }
 }
 
 /// Numbers the media of the materials. Those beyond the largest number count as air; the renderer refuses them.
@@ -279,7 +226,7 @@ fn number_media(materials: &mut [Material]) -> Vec<Medium> {
     for material in materials {
         let Some(medium) = material.scattering.medium() else { continue };
         let [r, g, b] = medium.absorption.map(f32::to_bits);
-        let number = *known.entry([medium.ior.to_bits(), r, g, b]).or_insert_with(|| {
+        let number = *known.entry([medium.ior.to_bits(), medium.dispersion.to_bits(), r, g, b]).or_insert_with(|| {
             media.push(medium);
             media.len() - 1
         });
@@ -289,12 +236,15 @@ fn number_media(materials: &mut [Material]) -> Vec<Medium> {
 }
 
 impl Material {
-    fn new(material: &holo_scene::Material) -> Self {
+    /// `any_dispersive`: whether any body of glass of the scene has dispersion.
+    fn new(material: &holo_scene::Material, any_dispersive: bool) -> Self {
         let normal_map = material.normal_map.map(|NormalMap { texture, scale }| (TextureLookup::new(texture), scale));
         let emission = emission::Emission::new(material);
         let scattering = scattering::Scattering::new(material);
+        let layers = layers::Layers::new(material, any_dispersive && scattering.medium().is_some());
         let flags = [
-            (MaterialFlags::GLOSSY, scattering.is_glossy() && !material.unlit),
+            (MaterialFlags::GLOSSY, (scattering.is_glossy() || layers.is_some()) && !material.unlit),
+            (MaterialFlags::LAYERED, layers.is_some() && !material.unlit),
             (MaterialFlags::EMISSIVE, emission.is_emissive() && !material.unlit),
             (MaterialFlags::UNLIT, material.unlit),
             (MaterialFlags::NORMAL_MAP, normal_map.is_some()),
@@ -312,6 +262,7 @@ impl Material {
             alpha: material.alpha,
             emission,
             scattering,
+            layers,
         }
     }
 }

@@ -52,6 +52,8 @@ mod evaluate;
 #[cfg(test)]
 mod exact;
 pub(crate) mod fresnel;
+pub(crate) mod layered;
+
 mod lobes;
 mod microfacet;
 mod multiple_scattering;

@@ -13,17 +13,37 @@ pub(crate) type MediumId = u16;
 /// The largest number of media with different properties.
 pub(crate) const MAX_MEDIA: usize = MediumId::MAX as usize;
 
+/// Dominant wavelengths of red, green and blue of sRGB, nm.
+const DOMINANT_NM: [f32; 3] = [611.4, 549.1, 464.2];
+
+/// Cauchy's equation with two terms: n - n(yellow) = (n(yellow) - 1) / Abbe number * (this / wavelength^2 - its value
+/// at 587.6 nm), so that the blue and red lines of hydrogen (486.1 and 656.3 nm) differ by (n - 1) / Abbe number.
+const CAUCHY_NM2: f32 = 523_655.0;
+const CAUCHY_AT_YELLOW: f32 = 1.5168;
+
 /// A medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Medium {
-    /// Index of refraction.
+    /// Index of refraction for yellow light (587.6 nm).
     pub ior: f32,
+    /// 20 / Abbe number, KHR_materials_dispersion.
+    pub dispersion: f32,
     /// Absorption coefficient, 1/m, linear RGB.
     pub absorption: [f32; 3],
 }
 
 impl Medium {
-    pub const AIR: Self = Self { ior: 1.0, absorption: [0.0; 3] };
+    pub const AIR: Self = Self { ior: 1.0, dispersion: 0.0, absorption: [0.0; 3] };
+
+    /// The index of refraction of a channel: Cauchy's equation through that of yellow light with the Abbe number of
+    /// the medium, as in KHR_materials_dispersion, at the dominant wavelengths of the primaries of sRGB; at least 1.
+    pub fn ior_of(&self, channel: usize) -> f32 {
+        if self.dispersion == 0.0 {
+            return self.ior;
+        }
+        let offset = CAUCHY_NM2 / (DOMINANT_NM[channel] * DOMINANT_NM[channel]) - CAUCHY_AT_YELLOW;
+        (self.ior + (self.ior - 1.0) * self.dispersion * (1.0 / 20.0) * offset).max(1.0)
+    }
 }
 
 /// The media around a point of a path, the innermost first.

@@ -1,16 +1,17 @@
 //! The execution of one request.
 
 use holo_core::{Layout, LightField, LightFieldOwned, LightFieldShape};
-use ndarray::Array3;
+use ndarray::{Array3, ArrayViewMut5};
 
 use super::Renderer;
+use super::checkpoint::{Checkpoint, TileKind};
 use super::plan::{Plan, Region};
 use super::request::{GroundTruth, Rendered, Request, Views};
 use super::work::Work;
 use crate::camera::tile::{Tile, Tiling};
 use crate::error::Error;
 use crate::film::layers::{LayerSet, Layers};
-use crate::integrator::aov::AovTile;
+use crate::integrator::aov::{AovTile, TileAovs};
 use crate::integrator::depth::DepthTile;
 use crate::integrator::path::{PathTile, Scratch};
 use crate::integrator::{Context, Integrator, RayCounts};
@@ -19,7 +20,12 @@ use crate::simd;
 
 impl Renderer {
     /// Renders in the current thread pool.
-    pub(super) fn render_here(&self, request: &Request, progress: &dyn Progress) -> Result<Rendered, Error> {
+    pub(super) fn render_here(
+        &self,
+        request: &Request,
+        progress: &dyn Progress,
+        checkpoint: Option<&dyn Checkpoint>,
+    ) -> Result<Rendered, Error> {
         let (integrator, why) = self.choose(request)?;
         let plan = Plan::new(request, integrator);
         let stop = Stop::new(progress);
@@ -32,31 +38,35 @@ impl Renderer {
         // The large arrays are allocated first, so that a size that does not fit into memory fails early.
         let mut color = if with_color { Some(zeros(plan.color.shape()?, 3)?) } else { None };
         let mut all = if with_all { Some(light_fields(plan.all.shape()?, request.layers)?) } else { None };
-        let tile_count = |wanted: bool, region: &Region| if wanted { region.tiling.tiles().len() as u64 } else { 0 };
-        let total = tile_count(with_color, &plan.color)
-            + tile_count(with_all, &plan.all)
-            + tile_count(with_central, &plan.central);
-        let work = Work::new(progress, &stop, total);
+        let kinds = [
+            (with_color, TileKind::Color, &plan.color),
+            (with_all, TileKind::AllLayers, &plan.all),
+            (with_central, TileKind::CentralLayers, &plan.central),
+        ];
+        let wanted = kinds.into_iter().filter(|(wanted, ..)| *wanted);
+        let counts = wanted.map(|(_, kind, region)| (kind, region.tiling.tiles().len()));
+        let work = Work::new(progress, &stop, checkpoint, counts);
         let mut rays = RayCounts::default();
         let mut samples = 0;
 
         if let Some(color) = &mut color {
             let context = self.context(request, integrator, &plan.color, &stop);
             let tiling = &plan.color.tiling;
-            let trace = |tile: &Tile, color, scratch: &mut Scratch| {
+            let trace = |tile: &Tile, color: &mut ArrayViewMut5<f32>, scratch: &mut Scratch| {
+                let color = color.view_mut();
                 simd::run(PathTile { context: &context, tile, color, scratch })
             };
-            rays = work.run(tiling, tiling.cut(color.samples_mut()), trace)?;
+            rays = work.run(TileKind::Color, tiling, tiling.cut(color.samples_mut()), trace)?;
             // Every sample has one camera ray.
             samples = rays.primary;
         }
         // Ground truth has rays of its own through the centers of the pixels, independent of the samples of color.
-        let aov = |region: &Region, fields: &mut Layers<LightFieldOwned<f32>>| {
+        let aov = |kind: TileKind, region: &Region, fields: &mut Layers<LightFieldOwned<f32>>| {
             let context = self.context(request, Integrator::Depth, region, &stop);
-            trace_aovs(&context, &region.tiling, &work, fields)
+            trace_aovs(&context, kind, &region.tiling, &work, fields)
         };
         if let Some(all) = &mut all {
-            rays = rays + aov(&plan.all, all)?;
+            rays = rays + aov(TileKind::AllLayers, &plan.all, all)?;
         }
         let central = match &all {
             Some(all) if !with_central => {
@@ -66,7 +76,7 @@ impl Renderer {
             }
             _ if with_central => {
                 let mut fields = light_fields(plan.central.shape()?, request.layers)?;
-                rays = rays + aov(&plan.central, &mut fields)?;
+                rays = rays + aov(TileKind::CentralLayers, &plan.central, &mut fields)?;
                 fields.into_iter().map(|(layer, field)| Ok((layer, only_view(field)?))).collect::<Result<_, Error>>()?
             }
             _ => Layers::default(),
@@ -91,11 +101,16 @@ pub(super) fn zeros(split: LightFieldShape, channels: usize) -> Result<LightFiel
 /// Renders the layers of `fields`.
 fn trace_aovs(
     context: &Context,
+    kind: TileKind,
     tiling: &Tiling,
     work: &Work,
     fields: &mut Layers<LightFieldOwned<f32>>,
 ) -> Result<RayCounts, Error> {
-    work.run(tiling, tiles(fields, tiling), |tile, out, aov| simd::run(DepthTile { context, tile, out, aov }))
+    let trace = |tile: &Tile, out: &mut AovTile, aov: &mut TileAovs| {
+        let out = out.iter_mut().map(|(layer, output)| (layer, output.view_mut())).collect();
+        simd::run(DepthTile { context, tile, out, aov })
+    };
+    work.run(kind, tiling, tiles(fields, tiling), trace)
 }
 
 /// Splits all layers into the same tiles.

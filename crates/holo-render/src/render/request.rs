@@ -67,6 +67,10 @@ pub struct Request {
     /// down. It removes single bright pixels (fireflies) and darkens what they are the noise of: caustics, reflections
     /// of lamps. The error vanishes as the limit grows; infinite (the default) is unbiased.
     pub indirect_limit: f32,
+    /// Whether shadow rays go straight through smooth panes and bodies of glass: attenuated, not bent. Removes the noise
+    /// of light that only scattered rays find behind glass, and lets the light of point lights through. Exact for panes;
+    /// an approximation for bodies, whose caustics become plain shadows. Off by default.
+    pub transparent_shadows: bool,
     /// Whether surfaces that are not [double-sided](holo_scene::Material::double_sided) are invisible from behind: to
     /// camera rays and ground truth, as in rasterizers. Shadows, reflections and glass see both sides.
     pub cull: bool,
@@ -100,6 +104,7 @@ impl Request {
             indirect: true,
             multiple_scattering: true,
             indirect_limit: f32::INFINITY,
+            transparent_shadows: false,
             cull: false,
             layers: DEPTH_AND_DISPARITY,
             ground_truth: GroundTruth::Central,
@@ -121,6 +126,7 @@ impl Request {
         indirect: bool,
         multiple_scattering: bool,
         indirect_limit: f32,
+        transparent_shadows: bool,
         cull: bool,
         layers: LayerSet,
         ground_truth: GroundTruth,

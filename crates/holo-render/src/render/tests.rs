@@ -15,7 +15,7 @@ use crate::integrator::depth::DepthTile;
 use crate::integrator::path::{PathTile, Scratch};
 use crate::simd;
 use holo_scene::gallery;
-use holo_scene::{Alpha, Environment, Material};
+use holo_scene::{Alpha, Anisotropy, Clearcoat, DiffuseTransmission, Environment, Iridescence, Material, Sheen};
 
 fn garden() -> (Renderer, Request) {
     let scene = gallery::scene("garden").expect("a scene of the gallery");
@@ -57,6 +57,13 @@ fn every_instruction_set_gives_the_same_image() {
             base_color: [0.8, 0.7, 0.6, 0.9],
             ..material.clone()
         };
+        if k % 4 == 1 {
+            material.clearcoat = Some(Clearcoat { factor: 0.6, roughness: 0.3, ..Clearcoat::default() });
+            material.sheen = Some(Sheen { color: [0.4; 3], roughness: 0.5, ..Sheen::default() });
+            material.anisotropy = Some(Anisotropy { strength: 0.7, ..Anisotropy::default() });
+            material.iridescence = Some(Iridescence { factor: 0.8, ..Iridescence::default() });
+            material.diffuse_transmission = Some(DiffuseTransmission { factor: 0.3, ..DiffuseTransmission::default() });
+        }
     }
     let radiance = ndarray::Array3::from_shape_fn((8, 16, 3), |(v, u, c)| (v * u + c) as f32 * 0.01);
     scene.environment = Some(Environment { radiance });
@@ -256,5 +263,27 @@ fn a_list_of_views_gives_the_pixels_of_the_whole() {
     for bad in [vec![], vec![ViewIndex::new(5, 0)], vec![ViewIndex::new(0, 6)]] {
         let refused = renderer.render(&whole.clone().views(Views::List(bad)), &());
         assert!(matches!(refused, Err(Error::BadSetting(_))));
+    }
+}
+
+/// The disparities of what the central view hits are those that were asked for. Odd numbers of views: up to the rounding
+/// of depths to f32, 6e-8, times k/Z, a few hundred px. With even ones the central view moves with the baseline over
+/// the leaves of the tree.
+#[test]
+fn a_rig_for_a_range_of_disparities() {
+    let scene = gallery::scene("garden").expect("a scene of the gallery");
+    for (views, bound) in [(5, 1e-4), (6, 0.1)] {
+        let shape = LightFieldShape::new(GridSize::new(views, views), GridSize::new(40, 60)).expect("sizes");
+        let framed = crate::Framing::new(shape).frame(&scene).expect("a camera");
+        let renderer = Renderer::new(&scene, &framed.pose, Backend::Bvh, 1).expect("a renderer");
+        let wanted = DisparityRange { min_px: -0.5, max_px: 1.5 };
+        let rig = renderer.rig_for_disparities(&framed, wanted).expect("a rig");
+        let (near, far) = renderer.central_depths_m(&rig).expect("layers").expect("hits");
+        let disparity = rig.disparity_x();
+        assert!((disparity.from_depth_m(near) - 1.5).abs() < bound, "{}", disparity.from_depth_m(near));
+        assert!((disparity.from_depth_m(far) + 0.5).abs() < bound, "{}", disparity.from_depth_m(far));
+        let orthographic = crate::Framing::new(shape).projection(Projection::Orthographic).frame(&scene).expect("one");
+        let error = renderer.rig_for_disparities(&orthographic, wanted).unwrap_err();
+        assert!(matches!(error, Error::BadSetting(why) if why.contains("--disparity")));
     }
 }

@@ -20,6 +20,7 @@ use crate::Error;
 pub(super) enum Use {
     Positions,
     Normals,
+    Tangents,
     TextureCoordinates,
     Colors,
     Indices,
@@ -297,6 +298,10 @@ fn check_use(
     let small = matches!(component, U8 | U16);
     let (fits, need) = match wanted {
         Use::Positions => (shape == Type::Vec3 && component != U32, "VEC3 of floats, bytes or shorts"),
+        Use::Tangents | Use::Rotations => (
+            shape == Type::Vec4 && (component == F32 || matches!(component, I8 | I16) && normalized),
+            "VEC4 of floats or of normalized signed bytes or shorts",
+        ),
         Use::Normals => (
             shape == Type::Vec3 && (component == F32 || matches!(component, I8 | I16) && normalized),
             "VEC3 of floats or of normalized signed bytes or shorts",
@@ -307,10 +312,6 @@ fn check_use(
             "VEC3 or VEC4 of floats or of normalized unsigned bytes or shorts",
         ),
         Use::Indices => (shape == Type::Scalar && (small || component == U32), "SCALAR of unsigned integers"),
-        Use::Rotations => (
-            shape == Type::Vec4 && (component == F32 || matches!(component, I8 | I16) && normalized),
-            "VEC4 of floats or of normalized signed bytes or shorts",
-        ),
         Use::Joints => (shape == Type::Vec4 && small, "VEC4 of unsigned bytes or shorts"),
         Use::Weights => (
             shape == Type::Vec4 && (component == F32 || small && normalized),

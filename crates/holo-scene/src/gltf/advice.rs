@@ -10,7 +10,7 @@ use super::json::Object;
 use super::options::{LightUnits, LoadOptions};
 use super::uri::shorten;
 use super::warnings::Warnings;
-use crate::{Error, Scene, Volume};
+use crate::{Error, Material, Scene, Volume};
 
 /// Lumens of a watt in Blender's exporter with the lighting mode "Standard"; without it, its numbers are the watts.
 const LUMENS_PER_WATT: f64 = 683.0;
@@ -21,27 +21,43 @@ const SINGLE_PRECISION: f64 = 2e-6;
 const STANDARD_CANDELA: f64 = 5000.0;
 const STANDARD_LUX: f64 = 68.0;
 
-/// Applies the options about lights and glass to a scene, and adds the warnings.
+/// Applies the options about lights and glass to a scene, and adds the warnings. Returns the unit that the lights of the
+/// file seem to have, if there are any.
 pub(super) fn apply(
     root: &Object<'_>,
     scene: &mut Scene,
     options: &LoadOptions,
     warnings: &mut Warnings,
-) -> Result<(), Error> {
+) -> Result<Option<LightUnits>, Error> {
     let from_blender = is_from_blender(root)?;
-    if from_blender && scene.cameras.is_empty() && scene.lights.is_empty() {
-        let text = "the file has no camera and no light: \
-            in Blender's export dialog tick Include > Cameras and Include > Punctual Lights";
-        warnings.note(text, String::new);
+    if from_blender {
+        not_exported(scene, warnings);
     }
-    light_units(root, scene, options.light_units, from_blender, warnings)?;
+    let units = light_units(root, scene, options.light_units, from_blender, warnings)?;
     glass(scene, options.solid_glass, warnings);
-    Ok(())
+    Ok(units)
 }
 
 fn is_from_blender(root: &Object<'_>) -> Result<bool, Error> {
     let Some(asset) = root.object("asset")? else { return Ok(false) };
     Ok(asset.string("generator")?.is_some_and(|generator| generator.contains("Blender")))
+}
+
+/// Warns of what Blender's exporter omits unless it is told otherwise: cameras and lights.
+fn not_exported(scene: &Scene, warnings: &mut Warnings) {
+    let text = match (scene.cameras.is_empty(), scene.lights.is_empty()) {
+        (true, true) => {
+            "the file has no camera and no light: \
+             in Blender's export dialog tick Include > Cameras and Include > Punctual Lights"
+        }
+        (true, false) => "the file has no camera: in Blender's export dialog tick Include > Cameras",
+        (false, true) => {
+            "the file has no light: if the scene has any, tick Include > Punctual Lights in Blender's export dialog; \
+             area lights and the world are never exported"
+        }
+        (false, false) => return,
+    };
+    warnings.note(text, String::new);
 }
 
 fn light_units(
@@ -50,9 +66,9 @@ fn light_units(
     units: LightUnits,
     from_blender: bool,
     warnings: &mut Warnings,
-) -> Result<(), Error> {
+) -> Result<Option<LightUnits>, Error> {
     if scene.lights.is_empty() {
-        return Ok(());
+        return Ok(None);
     }
     let standard = from_blender && all_look_standard(root)?;
     if units == LightUnits::Blender || units == LightUnits::Auto && standard {
@@ -60,11 +76,12 @@ fn light_units(
             light.intensity = light.intensity.map(|c| c / LUMENS_PER_WATT);
         }
     } else if standard {
-        let text = "the lights are in candela and lux, 683 times as bright as in Blender beside emission and sky: \
-            export with Lighting Mode: Unitless, or load with the light units of Blender";
+        let text = "the lights seem to be exported with Blender's Lighting Mode: Standard, in candela and lux: \
+            683 times as bright as in Blender beside emission and sky; \
+            export with Lighting Mode: Unitless, or load with --light-units blender";
         warnings.note(text, String::new);
     }
-    Ok(())
+    Ok(Some(if standard { LightUnits::Blender } else { LightUnits::Gltf }))
 }
 
 /// Whether all lights of a file look like those of Blender's lighting mode "Standard", which a file does not tell.
@@ -101,11 +118,14 @@ fn is_round(x: f64) -> bool {
     (scaled - scaled.round()).abs() <= scaled * SINGLE_PRECISION
 }
 
+/// Whether a material is a pane without refraction.
+pub(super) fn is_thin_glass(material: &Material) -> bool {
+    material.transmission > 0.0 && material.volume.is_none()
+}
+
 /// Closed bodies with transmission but without a volume become solid, or cause a warning.
 fn glass(scene: &mut Scene, solid: bool, warnings: &mut Warnings) {
-    let is_thin = |k: usize, scene: &Scene| {
-        scene.materials.get(k).is_some_and(|material| material.transmission > 0.0 && material.volume.is_none())
-    };
+    let is_thin = |k: usize, scene: &Scene| scene.materials.get(k).is_some_and(is_thin_glass);
     // For each material its solid copy.
     let mut copies = std::collections::BTreeMap::new();
     for k in 0..scene.meshes.len() {
@@ -124,7 +144,7 @@ fn glass(scene: &mut Scene, solid: bool, warnings: &mut Warnings) {
         } else {
             let name = shorten(&scene.materials[material].name);
             let text = "transmission without a volume on a closed body: drawn as a thin pane, like a soap bubble; \
-                for solid glass give the material a thickness (KHR_materials_volume) or load with solid glass";
+                --solid-glass treats closed bodies as solid, or give the material a thickness (KHR_materials_volume)";
             warnings.note(text, || format!("materials[{material}] '{name}'"));
         }
     }

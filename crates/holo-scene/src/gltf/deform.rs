@@ -14,6 +14,7 @@ struct Morph {
     weight: f64,
     positions: Option<Handle>,
     normals: Option<Handle>,
+    tangents: Option<Handle>,
 }
 
 /// What moves the vertices of a primitive, with validated accessors.
@@ -29,6 +30,8 @@ pub(super) struct Vertices<'v> {
     pub(super) positions: &'v mut [[f32; 3]],
     /// One a vertex, or none.
     pub(super) normals: &'v mut [[f32; 3]],
+    /// One a vertex, or none.
+    pub(super) tangents: &'v mut [[f32; 4]],
     pub(super) triangles: &'v mut [[u32; 3]],
 }
 
@@ -53,12 +56,13 @@ pub(super) fn plan(
         let Some(target) = primitive.object_at("targets", k)? else { break };
         let positions = check(&target, "POSITION", Use::Positions)?;
         let normals = check(&target, "NORMAL", Use::Normals)?;
+        let tangents = check(&target, "TANGENT", Use::Normals)?;
         target.each(|key, _| {
             if key.starts_with("TEXCOORD_") || key.starts_with("COLOR_") {
                 warnings.note("morph targets of colors and texture coordinates are ignored", || target.at(key));
             }
         });
-        deformation.morphs.push(Morph { weight, positions, normals });
+        deformation.morphs.push(Morph { weight, positions, normals, tangents });
     }
     let attributes = primitive.object("attributes")?;
     if let (Some(skin), Some(attributes)) = (skin, attributes) {
@@ -89,7 +93,7 @@ impl Deformation {
         self.morphs.len() + self.skin.as_ref().map_or(0, |(_, sets)| sets.len())
     }
 
-    /// Moves the vertices. Normals keep no particular length.
+    /// Moves the vertices. Normals and tangents keep no particular length.
     pub(super) fn apply(
         &self,
         values: &PrimitiveValues<'_, '_>,
@@ -97,9 +101,10 @@ impl Deformation {
         vertices: Vertices<'_>,
         at: &str,
     ) -> Result<(), Error> {
-        let Vertices { positions, normals, triangles } = vertices;
-        for (list, read) in [(&mut *positions, true), (&mut *normals, false)] {
-            let handle = |morph: &Morph| if read { morph.positions } else { morph.normals };
+        let Vertices { positions, normals, tangents, triangles } = vertices;
+        let mut along: Vec<[f32; 3]> = tangents.iter().map(|&[x, y, z, _]| [x, y, z]).collect();
+        let handles: [fn(&Morph) -> Option<Handle>; 3] = [|m| m.positions, |m| m.normals, |m| m.tangents];
+        for (list, handle) in [&mut *positions, &mut *normals, &mut *along].into_iter().zip(handles) {
             if list.is_empty() || self.morphs.iter().all(|morph| handle(morph).is_none()) {
                 continue;
             }
@@ -111,6 +116,9 @@ impl Deformation {
                 }
             }
             list.iter_mut().zip(sums).for_each(|(out, sum)| *out = sum.map(|x| x as f32));
+        }
+        for (tangent, [x, y, z]) in tangents.iter_mut().zip(along) {
+            *tangent = [x, y, z, tangent[3]];
         }
         let Some((skin, sets)) = &self.skin else { return Ok(()) };
         let Some(Some(skin)) = skins.get(*skin) else { return Err(bad(at, "its skin was not loaded")) };
@@ -129,6 +137,11 @@ impl Deformation {
                 let largest = turned.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
                 // Scaled, because the cofactors of small bodies underflow in single precision.
                 *normal = turned.map(|x| if largest > 0.0 { (x / largest) as f32 } else { 0.0 });
+            }
+            if let Some([x, y, z, w]) = tangents.get_mut(k) {
+                let turned = transform.vector([*x, *y, *z].map(f64::from));
+                [*x, *y, *z] = turned.map(|x| x as f32);
+                *w *= if mirrors { -1.0 } else { 1.0 };
             }
         }
         if mirrored * 2 > positions.len() {

@@ -16,6 +16,12 @@ pub(super) const SPECULAR: &str = "KHR_materials_specular";
 pub(super) const TRANSMISSION: &str = "KHR_materials_transmission";
 pub(super) const UNLIT: &str = "KHR_materials_unlit";
 pub(super) const VOLUME: &str = "KHR_materials_volume";
+pub(super) const CLEARCOAT: &str = "KHR_materials_clearcoat";
+pub(super) const SHEEN: &str = "KHR_materials_sheen";
+pub(super) const ANISOTROPY: &str = "KHR_materials_anisotropy";
+pub(super) const IRIDESCENCE: &str = "KHR_materials_iridescence";
+pub(super) const DISPERSION: &str = "KHR_materials_dispersion";
+pub(super) const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
 pub(super) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 pub(super) const NODE_VISIBILITY: &str = "KHR_node_visibility";
@@ -40,6 +46,12 @@ pub(super) const HANDLED: &[&str] = &[
     TRANSMISSION,
     UNLIT,
     VOLUME,
+    CLEARCOAT,
+    SHEEN,
+    ANISOTROPY,
+    IRIDESCENCE,
+    DISPERSION,
+    DIFFUSE_TRANSMISSION,
     TEXTURE_TRANSFORM,
     MESHOPT,
     MESHOPT_KHR,

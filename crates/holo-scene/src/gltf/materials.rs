@@ -1,5 +1,6 @@
 //! The materials of the file, with the textures and texture coordinate sets that they need.
 
+mod layers;
 mod specular_glossiness;
 mod surface;
 
@@ -11,7 +12,7 @@ use super::textures::Derived;
 use super::uri::shorten;
 use super::warnings::Warnings;
 use crate::Error;
-use crate::{Material, NormalMap, TextureInfo};
+use crate::{Material, TextureInfo};
 
 /// Materials before their textures are loaded.
 pub(super) struct Materials {
@@ -100,7 +101,8 @@ impl Materials {
             {
                 material.roughness = 1.0 - derived.glossiness;
             }
-            change_textures(material, |used| {
+            material.each_texture(|_, used| {
+                let used = used?;
                 let texture = index.get(used.texture).copied().flatten()?;
                 Some(TextureInfo { texture, ..used })
             });
@@ -122,28 +124,13 @@ fn choose_sets(material: &mut Material, place: impl Fn() -> String, warnings: &m
             None => warnings.note("its textures read more than two sets of coordinates: drawn with two", &place),
         }
     }
-    change_textures(material, |used| {
+    material.each_texture(|_, used| {
+        let used = used?;
         let set = sets.iter().position(|&set| set == Some(used.set))?;
         Some(TextureInfo { set, ..used })
     });
     let [first, second] = sets;
     CoordinateSets { numbers: [first.unwrap_or(0), second.unwrap_or(1)], wanted: [first.is_some(), second.is_some()] }
-}
-
-/// Replaces or removes every texture reference of a material.
-fn change_textures(material: &mut Material, change: impl Fn(TextureInfo) -> Option<TextureInfo>) {
-    for used in [
-        &mut material.base_color_texture,
-        &mut material.metallic_roughness_texture,
-        &mut material.emission_texture,
-        &mut material.specular_texture,
-        &mut material.specular_color_texture,
-        &mut material.transmission_texture,
-    ] {
-        *used = used.and_then(&change);
-    }
-    let map = material.normal_map;
-    material.normal_map = map.and_then(|map| Some(NormalMap { texture: change(map.texture)?, ..map }));
 }
 
 /// Marks all textures that a material refers to.

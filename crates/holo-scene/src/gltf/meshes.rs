@@ -17,6 +17,7 @@ use super::variants;
 use super::warnings::Warnings;
 use crate::Error;
 use crate::Mesh;
+use crate::tangents;
 
 /// Normals with a squared length this close to 1 are kept unchanged; others are normalized.
 const UNIT_TOLERANCE: f64 = 1e-3;
@@ -68,6 +69,7 @@ struct Plan<'f> {
     material: usize,
     positions: Handle,
     normals: Option<Handle>,
+    tangents: Option<Handle>,
     coordinates: [Option<Handle>; 2],
     colors: Option<Handle>,
     indices: Option<Handle>,
@@ -105,7 +107,8 @@ pub(super) fn plan_all<'f>(
             let name = if primitives.len() > 1 && !name.is_empty() { format!("{name}[{k}]") } else { name.to_owned() };
             let sets = &materials.coordinate_sets[material];
             let deformed = (weights, pose.skin);
-            let plan = plan(primitive, accessors, (name, mode, material), (sets, deformed), warnings)?;
+            let tangents = materials.materials[material].tangent_set().is_some();
+            let plan = plan(primitive, accessors, (name, mode, material), (sets, tangents, deformed), warnings)?;
             let Some(plan) = plan else { continue };
             vertices = vertices.saturating_add(plan.vertices_read());
             triangles += plan.mode.triangles(plan.indices.unwrap_or(plan.positions).count) as u64;
@@ -161,7 +164,7 @@ fn plan<'f>(
     primitive: &Object<'_>,
     accessors: &mut Checker<'f>,
     (name, mode, material): (String, Mode, usize),
-    (sets, deformed): (&CoordinateSets, (&Weights, Option<usize>)),
+    (sets, with_tangents, deformed): (&CoordinateSets, bool, (&Weights, Option<usize>)),
     warnings: &mut Warnings,
 ) -> Result<Option<Plan<'f>>, Error> {
     let attributes = primitive.object("attributes")?.ok_or_else(|| primitive.missing("attributes"))?;
@@ -175,6 +178,9 @@ fn plan<'f>(
         return Ok(None);
     };
     let normals = handle(&attributes, "NORMAL", Use::Normals)?;
+    // Without normals, glTF wants tangents to be ignored.
+    let with_tangents = with_tangents && normals.is_some();
+    let tangents = if with_tangents { handle(&attributes, "TANGENT", Use::Tangents)? } else { None };
     let mut coordinates = [None; 2];
     for (coordinates, set) in coordinates.iter_mut().zip(sets.numbers) {
         *coordinates = handle(&attributes, &format!("TEXCOORD_{set}"), Use::TextureCoordinates)?;
@@ -182,7 +188,8 @@ fn plan<'f>(
     let colors = handle(&attributes, "COLOR_0", Use::Colors)?;
     let indices = handle(primitive, "indices", Use::Indices)?;
     let [first, second] = coordinates;
-    for (key, attribute) in [("NORMAL", normals), ("TEXCOORD", first), ("TEXCOORD", second), ("COLOR_0", colors)] {
+    let others = [("TEXCOORD", first), ("TEXCOORD", second), ("COLOR_0", colors)];
+    for (key, attribute) in [("NORMAL", normals), ("TANGENT", tangents)].into_iter().chain(others) {
         if let Some(attribute) = attribute.filter(|attribute| attribute.count != positions.count) {
             let what = format!("{key} has {} elements, POSITION has {}", attribute.count, positions.count);
             return Err(bad(attributes.path(), what));
@@ -211,6 +218,7 @@ fn plan<'f>(
         material,
         positions,
         normals,
+        tangents,
         coordinates,
         colors,
         indices,
@@ -238,15 +246,19 @@ impl Plan<'_> {
         self.check_finite(&positions, self.positions, "POSITION")?;
         let mut triangles = self.triangles(&values, positions.len())?;
         let mut normals = self.normals.map(|handle| values.vectors(handle)).transpose()?.unwrap_or_default();
+        let mut tangents = self.tangents.map(|handle| values.tangents(handle)).transpose()?.unwrap_or_default();
         if self.deformation.passes() > 0 {
             let (positions, normals, triangles) = (&mut *positions, &mut *normals, &mut *triangles);
-            self.deformation.apply(&values, skins, Vertices { positions, normals, triangles }, &self.at)?;
+            let vertices = Vertices { positions, normals, tangents: &mut tangents, triangles };
+            self.deformation.apply(&values, skins, vertices, &self.at)?;
         }
         self.check_finite(&positions, self.positions, "POSITION, moved by morph targets and skin,")?;
         if !normalize(&mut normals, &positions, &triangles) {
             let text = "normals that are zero or not finite were replaced by those of the faces around";
             warnings.note(text, || self.at.clone());
         }
+        // Any tangent does where the file has none.
+        tangents.iter_mut().zip(&normals).for_each(|(tangent, normal)| *tangent = tangents::across(*tangent, *normal));
         let mut coordinates = [Vec::new(), Vec::new()];
         for (coordinates, handle) in coordinates.iter_mut().zip(self.coordinates) {
             let Some(handle) = handle else { continue };
@@ -266,6 +278,7 @@ impl Plan<'_> {
                 name,
                 positions,
                 normals,
+                tangents,
                 texture_coordinates,
                 second_texture_coordinates,
                 colors,

@@ -35,15 +35,15 @@ pub(super) fn guarded<T>(work: impl FnOnce() -> T) -> T {
     work()
 }
 
-/// Runs `work`; a panic in it becomes an error.
-pub(super) fn catch<T>(work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
+/// Runs `work`; a panic in it becomes an error about `at`.
+pub(crate) fn catch<T>(at: &str, work: impl FnOnce() -> Result<T, Error>) -> Result<T, Error> {
     // Unwind safety: `work` owns its data or only reads it, and everything is discarded on a panic.
     let outcome = catch_unwind(AssertUnwindSafe(|| guarded(work)));
     outcome.unwrap_or_else(|payload| {
         let text = payload.downcast_ref::<String>().map(String::as_str);
         let text = text.or_else(|| payload.downcast_ref::<&str>().copied()).unwrap_or("no message");
         let what = format!("the reader failed on this file ({text}); the file is likely damaged; please report it");
-        Err(super::json::bad("glTF", what))
+        Err(super::json::bad(at, what))
     })
 }
 
@@ -54,10 +54,10 @@ mod tests {
     #[test]
     fn panics_become_errors_and_the_flag_is_restored() {
         assert!(!is_guarding());
-        let seen = catch(|| Ok(is_guarding()));
+        let seen = catch("glTF", || Ok(is_guarding()));
         assert!(matches!(seen, Ok(true)));
         // `resume_unwind` calls no panic hook.
-        let caught = catch::<()>(|| std::panic::resume_unwind(Box::new("boom")));
+        let caught = catch::<()>("glTF", || std::panic::resume_unwind(Box::new("boom")));
         assert!(matches!(caught, Err(Error::BadFile { what, .. }) if what.contains("boom")));
         assert!(!is_guarding());
     }

@@ -2,8 +2,10 @@
 
 use std::fmt;
 
+use super::advice::is_thin_glass;
 use super::extensions::Extensions;
 use super::json::Object;
+use super::options::LightUnits;
 use super::uri::shorten;
 use crate::Error;
 use crate::Scene;
@@ -32,8 +34,14 @@ pub struct Summary {
     pub textures: usize,
     /// The names of the material variants (`KHR_materials_variants`), in the order of the file.
     pub variants: Vec<String>,
+    /// The materials of meshes with transmission but without a volume, as index and name: thin panes without
+    /// refraction. With [`LoadOptions::solid_glass`](super::LoadOptions::solid_glass) closed meshes are not among them.
+    pub thin_glass: Vec<(usize, String)>,
     /// Lights in the world.
     pub lights: usize,
+    /// The unit that the intensities of the lights in the file seem to have, which no file says: a guess from its
+    /// generator and the numbers. `None` without lights.
+    pub light_units: Option<LightUnits>,
     /// The names of the cameras, in the order of their indices; empty for cameras without a name.
     pub cameras: Vec<String>,
 }
@@ -60,7 +68,9 @@ impl Summary {
             materials: scene.materials.len(),
             textures: scene.textures.len(),
             variants,
+            thin_glass: thin_glass(scene),
             lights: scene.lights.len(),
+            light_units: None,
             cameras: scene.cameras.iter().map(|camera| camera.name.clone()).collect(),
         })
     }
@@ -83,8 +93,29 @@ impl fmt::Display for Summary {
         if !self.variants.is_empty() {
             writeln!(f, "material variants:   {}", list(&self.variants))?;
         }
+        let numbered = |(k, name): (usize, &String)| format!("{k} '{name}'");
+        if !self.thin_glass.is_empty() {
+            let panes: Vec<String> = self.thin_glass.iter().map(|(k, name)| numbered((*k, name))).collect();
+            writeln!(f, "thin glass:          {} (transmission without a volume: no refraction)", list(&panes))?;
+        }
         writeln!(f, "lights:              {}", self.lights)?;
-        let cameras: Vec<String> = self.cameras.iter().enumerate().map(|(k, name)| format!("{k} '{name}'")).collect();
+        match self.light_units {
+            Some(LightUnits::Blender) => {
+                writeln!(f, "light units:         Blender's \"Standard\" by the look of the numbers (x 683)")?;
+            }
+            Some(_) => writeln!(f, "light units:         glTF (candela, lux)")?,
+            None => {}
+        }
+        let cameras: Vec<String> = self.cameras.iter().enumerate().map(numbered).collect();
         write!(f, "cameras:             {}", list(&cameras))
     }
+}
+
+/// The materials that meshes use with transmission and without a volume.
+fn thin_glass(scene: &Scene) -> Vec<(usize, String)> {
+    let mut used = vec![false; scene.materials.len()];
+    scene.meshes.iter().for_each(|mesh| used[mesh.material] = true);
+    let thin =
+        scene.materials.iter().zip(used).enumerate().filter(|(_, (material, used))| *used && is_thin_glass(material));
+    thin.map(|(k, (material, _))| (k, material.name.clone())).collect()
 }

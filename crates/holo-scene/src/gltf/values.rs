@@ -192,6 +192,11 @@ impl PrimitiveValues<'_, '_> {
         decoded.map_or_else(|| self.values.colors(handle), Ok)
     }
 
+    /// Tangents with their signs.
+    pub(super) fn tangents(&self, handle: Handle) -> Result<Vec<[f32; 4]>, Error> {
+        self.decoded(handle)?.map_or_else(|| self.values.numbers(handle), Ok)
+    }
+
     /// The joints that a vertex follows.
     pub(super) fn joints(&self, handle: Handle) -> Result<Vec<[u16; 4]>, Error> {
         // Integers of 16 bits are exact in f32.

@@ -29,9 +29,10 @@ const FAR_PLANE_M: f64 = 1e6;
 /// [`Scene::environment`] is not written, because glTF has no place for it.
 ///
 /// # Accuracy
-/// `load_slice(to_glb(scene))` gives an equal scene, except for the environment map. Light directions and camera axes
-/// are bitwise equal if their squared lengths and products are within 1e-12 of the exact values; otherwise they are
-/// normalized (a change below 2e-6).
+/// `load_slice(to_glb(scene))` gives an equal scene, except for the environment map and for what
+/// [`Scene::add_tangents`] adds (a scene without normal maps, or a loaded one, has nothing to add). Light directions
+/// and camera axes are bitwise equal if their squared lengths and products are within 1e-12 of the exact values;
+/// otherwise they are normalized (a change below 2e-6).
 ///
 /// # Errors
 /// [`Error::BadScene`] for a scene that does not pass [`Scene::validate`], a mesh without triangles (which glTF does
@@ -160,6 +161,9 @@ impl Body {
         attributes.insert("POSITION".into(), positions);
         if !mesh.normals.is_empty() {
             attributes.insert("NORMAL".into(), self.floats(&mesh.normals, "VEC3")?);
+        }
+        if !mesh.tangents.is_empty() {
+            attributes.insert("TANGENT".into(), self.floats(&mesh.tangents, "VEC4")?);
         }
         for (key, set) in [("TEXCOORD_0", &mesh.texture_coordinates), ("TEXCOORD_1", &mesh.second_texture_coordinates)]
         {

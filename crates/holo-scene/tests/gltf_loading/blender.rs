@@ -16,18 +16,46 @@ fn load(file: &File, change: impl FnOnce(&mut LoadOptions)) -> Loaded {
 #[test]
 fn cameras_and_lights_must_be_exported() {
     let mut file = triangle();
-    let words = ["no camera and no light", "Include > Cameras", "Include > Punctual Lights"];
+    let (camera, light) = ("Include > Cameras", "Include > Punctual Lights");
     assert!(file.load().unwrap().warnings.is_empty(), "not from Blender");
     file.json["asset"]["generator"] = json!(GENERATOR);
-    assert_contains(&file.load().unwrap().warnings.join("\n"), &words);
+    assert_contains(&file.load().unwrap().warnings.join("\n"), &["no camera and no light", camera, light]);
+    let mut lit = lights(json!([point(3.0)]));
+    lit.json["cameras"] = json!([]);
+    lit.json["nodes"][1] = json!({});
+    let warnings = lit.load().unwrap().warnings.join("\n");
+    assert_contains(&warnings, &["no camera:", camera]);
+    assert!(!warnings.contains(light), "{warnings}");
     file.json["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 1 } }]);
     file.push("nodes", json!({ "camera": 0 }));
+    assert_contains(&file.load().unwrap().warnings.join("\n"), &["no light:", light, "area lights"]);
+    file.json["extensions"] = json!({ "KHR_lights_punctual": { "lights": [point(3.0)] } });
+    file.push("nodes", json!({ "extensions": { "KHR_lights_punctual": { "light": 0 } } }));
     assert_eq!(file.load().unwrap().warnings, [""; 0]);
 }
 
-/// A file of Blender with these lights, each with a node.
+#[test]
+fn the_summary_names_thin_glass_and_guesses_the_unit_of_lights() {
+    let lights_of = |file: &File| file.load().unwrap().summary.light_units;
+    assert_eq!(lights_of(&triangle()), None);
+    let standard = lights(json!([point(candela(1000.0))]));
+    assert_eq!(lights_of(&standard), Some(LightUnits::Blender));
+    assert_eq!(lights_of(&lights(json!([point(3.21)]))), Some(LightUnits::Gltf));
+    // What the file has, whichever unit it is loaded with.
+    let loaded = load(&standard, |options| options.light_units = LightUnits::Blender);
+    assert_eq!(loaded.summary.light_units, Some(LightUnits::Blender));
+    let thin = |solid| load(&glass(), |options| options.solid_glass = solid).summary;
+    assert_eq!(thin(false).thin_glass, [(0, "glass".to_owned())]);
+    assert_contains(&thin(false).to_string(), &["thin glass:", "0 'glass'", "no refraction"]);
+    // The pane of a single triangle stays thin.
+    assert_eq!(thin(true).thin_glass.len(), 1);
+}
+
+/// A file of Blender with a camera and these lights, each with a node.
 fn lights(lights: Value) -> File {
     let mut file = triangle();
+    file.json["cameras"] = json!([{ "type": "perspective", "perspective": { "yfov": 1 } }]);
+    file.push("nodes", json!({ "camera": 0 }));
     file.json["asset"]["generator"] = json!(GENERATOR);
     for k in 0..lights.as_array().unwrap().len() {
         file.push("nodes", json!({ "extensions": { "KHR_lights_punctual": { "light": k } } }));
@@ -100,7 +128,10 @@ fn glass() -> File {
 fn closed_bodies_of_thin_glass() {
     let mut file = glass();
     let loaded = file.load().unwrap();
-    assert_contains(&loaded.warnings.join("\n"), &["materials[0] 'glass'", "thin pane", "soap bubble", "thickness"]);
+    assert_contains(
+        &loaded.warnings.join("\n"),
+        &["materials[0] 'glass'", "thin pane", "soap bubble", "--solid-glass", "thickness"],
+    );
     assert_eq!(loaded.scene.materials.len(), 1);
     let solid = load(&file, |options| options.solid_glass = true);
     assert_eq!(solid.warnings, [""; 0]);

@@ -322,10 +322,10 @@ fn unused_textures_are_not_decoded() {
     let mut file = textured(&png(3, 2, &TEXELS));
     file.push("images", json!({ "uri": "missing.png" }));
     file.push("textures", json!({ "source": 1 }));
-    file.json["materials"][0]["extensions"]["KHR_materials_clearcoat"] = json!({ "clearcoatTexture": { "index": 1 } });
+    file.json["materials"][0]["extensions"]["ACME_materials_paint"] = json!({ "paintTexture": { "index": 1 } });
     let loaded = file.load().unwrap();
     assert_eq!(loaded.scene.textures.len(), 1);
-    assert_contains(&loaded.warnings.join("\n"), &["KHR_materials_clearcoat"]);
+    assert_contains(&loaded.warnings.join("\n"), &["ACME_materials_paint"]);
     // A texture that a normal map uses is decoded.
     file.json["materials"][0]["normalTexture"] = json!({ "index": 1 });
     assert_contains(
@@ -373,10 +373,10 @@ fn extensions_are_supported_warned_about_or_rejected() {
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
     assert_eq!(loaded.summary.extensions_required, ["KHR_lights_punctual", "KHR_materials_specular"]);
 
-    file.json["extensionsUsed"] = json!(["KHR_materials_sheen", "MSFT_texture_dds", "ACME_x", "ACME_x"]);
+    file.json["extensionsUsed"] = json!(["KHR_materials_volume_scatter", "MSFT_texture_dds", "ACME_x", "ACME_x"]);
     let lines = file.load().unwrap().warnings;
     assert_eq!(lines.len(), 2, "{lines:?}");
-    assert_contains(&lines[0], &["KHR_materials_sheen, MSFT_texture_dds", "drawn without"]);
+    assert_contains(&lines[0], &["KHR_materials_volume_scatter, MSFT_texture_dds", "drawn without"]);
     assert_contains(&lines[1], &["ACME_x: used but not handled"]);
 
     file.json["extensionsRequired"] = json!(["KHR_lights_punctual", "ACME_x"]);

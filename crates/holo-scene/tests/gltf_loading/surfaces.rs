@@ -1,6 +1,9 @@
 //! Material parameters: defaults, values and errors of metallic-roughness and of every extension.
 
-use holo_scene::{Alpha, Material, NormalMap, TextureInfo, TextureTransform, Volume};
+use holo_scene::{
+    Alpha, Anisotropy, Clearcoat, DiffuseTransmission, Iridescence, Material, NormalMap, Sheen, TextureInfo,
+    TextureTransform, Volume,
+};
 use serde_json::{Value, json};
 
 use super::support::{File, assert_contains, png, triangle};
@@ -271,16 +274,18 @@ fn texture_transforms() {
 /// Blender marks extensions that change the image as required; all of them are supported.
 #[test]
 fn supported_extensions_may_be_required() {
-    let names = ["emissive_strength", "ior", "specular", "transmission", "unlit", "volume"];
-    let mut names: Vec<String> = names.iter().map(|name| format!("KHR_materials_{name}")).collect();
+    let names = ["emissive_strength", "ior", "specular", "transmission", "unlit", "volume", "clearcoat", "sheen"];
+    let rare = ["anisotropy", "iridescence", "dispersion", "diffuse_transmission"];
+    let mut names: Vec<String> = names.iter().chain(&rare).map(|name| format!("KHR_materials_{name}")).collect();
     names.push("KHR_texture_transform".into());
     let mut file = triangle();
     file.json["extensionsUsed"] = json!(names);
     file.json["extensionsRequired"] = json!(names);
     let loaded = file.load().unwrap();
     assert_eq!(loaded.warnings, [""; 0]);
+    names.sort();
     assert_eq!(loaded.summary.extensions_required, names);
-    let unknown = ["clearcoat", "sheen", "iridescence", "anisotropy", "dispersion", "diffuse_transmission"];
+    let unknown = ["volume_scatter", "subsurface"];
     for name in unknown.map(|name| format!("KHR_materials_{name}")) {
         let mut file = with(extension(&name, json!({})));
         file.json["extensionsUsed"] = json!([name]);
@@ -290,4 +295,102 @@ fn supported_extensions_may_be_required() {
         file.json["extensionsRequired"] = json!([name]);
         assert_contains(&file.error(), &["extensionsRequired", &name]);
     }
+}
+
+/// The factors, textures and defaults of the layers.
+#[test]
+fn layers_are_read() {
+    let material = load_without_warnings(json!({ "extensions": {
+        "KHR_materials_clearcoat": {
+            "clearcoatFactor": 0.5, "clearcoatTexture": { "index": 0 }, "clearcoatRoughnessFactor": 0.25,
+            "clearcoatRoughnessTexture": { "index": 1 }, "clearcoatNormalTexture": { "index": 2, "scale": 0.5 },
+        },
+        "KHR_materials_sheen": {
+            "sheenColorFactor": [0.1, 0.2, 0.3], "sheenColorTexture": { "index": 1 }, "sheenRoughnessFactor": 0.7,
+            "sheenRoughnessTexture": { "index": 3 },
+        },
+        "KHR_materials_anisotropy": {
+            "anisotropyStrength": 0.6, "anisotropyRotation": -4.5, "anisotropyTexture": { "index": 3 },
+        },
+        "KHR_materials_iridescence": {
+            "iridescenceFactor": 0.9, "iridescenceTexture": { "index": 0 }, "iridescenceIor": 1.8,
+            "iridescenceThicknessMinimum": 250, "iridescenceThicknessMaximum": 150,
+            "iridescenceThicknessTexture": { "index": 1 },
+        },
+        "KHR_materials_dispersion": { "dispersion": 0.75 },
+        "KHR_materials_diffuse_transmission": {
+            "diffuseTransmissionFactor": 0.4, "diffuseTransmissionTexture": { "index": 2 },
+            "diffuseTransmissionColorFactor": [0.9, 0.8, 0.7], "diffuseTransmissionColorTexture": { "index": 3 },
+        },
+    }}));
+    let texture = |k: usize| Some(TextureInfo::new(k));
+    let clearcoat = Clearcoat {
+        factor: 0.5,
+        texture: texture(0),
+        roughness: 0.25,
+        roughness_texture: texture(1),
+        normal_map: Some(NormalMap { texture: TextureInfo::new(2), scale: 0.5 }),
+    };
+    assert_eq!(material.clearcoat, Some(clearcoat));
+    let (color, color_texture) = ([0.1, 0.2, 0.3], texture(1));
+    let sheen = Sheen { color, color_texture, roughness: 0.7, roughness_texture: texture(3) };
+    assert_eq!(material.sheen, Some(sheen));
+    let anisotropy = Anisotropy { strength: 0.6, rotation_rad: -4.5, texture: texture(3) };
+    assert_eq!(material.anisotropy, Some(anisotropy));
+    let iridescence = Iridescence {
+        factor: 0.9,
+        texture: texture(0),
+        ior: 1.8,
+        thickness_nm: [250.0, 150.0],
+        thickness_texture: texture(1),
+    };
+    assert_eq!(material.iridescence, Some(iridescence));
+    assert_eq!(material.dispersion, 0.75);
+    let color_texture = texture(3);
+    let through = DiffuseTransmission { factor: 0.4, texture: texture(2), color: [0.9, 0.8, 0.7], color_texture };
+    assert_eq!(material.diffuse_transmission, Some(through));
+
+    let names = ["clearcoat", "sheen", "anisotropy", "iridescence", "dispersion", "diffuse_transmission"];
+    let empty: serde_json::Map<_, _> = names.iter().map(|name| (format!("KHR_materials_{name}"), json!({}))).collect();
+    let material = load_without_warnings(json!({ "extensions": empty }));
+    assert_eq!(material.clearcoat, Some(Clearcoat::default()));
+    assert_eq!(material.sheen, Some(Sheen::default()));
+    assert_eq!(material.anisotropy, Some(Anisotropy::default()));
+    assert_eq!(material.iridescence, Some(Iridescence::default()));
+    assert_eq!(material.diffuse_transmission, Some(DiffuseTransmission::default()));
+    assert_eq!(material.dispersion, 0.0);
+}
+
+#[test]
+fn layers_out_of_range_are_clamped_or_rejected() {
+    let one = |name: &str, key: &str, value: f64| extension(&format!("KHR_materials_{name}"), json!({ key: value }));
+    let (material, warnings) = load(one("clearcoat", "clearcoatFactor", 1.5));
+    assert_eq!(material.clearcoat.map(|coat| coat.factor), Some(1.0));
+    assert_contains(&warnings, &["clamped"]);
+    assert_rejected(one("iridescence", "iridescenceIor", 0.9), &["iridescenceIor", "at least 1"]);
+    assert_rejected(one("iridescence", "iridescenceThicknessMaximum", -1.0), &["iridescenceThicknessMaximum"]);
+    assert_rejected(one("dispersion", "dispersion", -0.1), &["dispersion"]);
+    assert_rejected(one("anisotropy", "anisotropyRotation", 1e300), &["anisotropyRotation"]);
+}
+
+/// Tangents of the file are read where a normal map needs them, and computed where it has none.
+#[test]
+fn tangents_are_read_or_computed() {
+    let map = json!({ "normalTexture": { "index": 0 } });
+    let mut file = with(map.clone());
+    let normals = file.floats(&[[0.0_f32, 0.0, 1.0]; 3]);
+    let attributes = &mut file.json["meshes"][0]["primitives"][0]["attributes"];
+    attributes["NORMAL"] = json!(normals);
+    let computed = file.load().unwrap().scene.meshes[0].tangents.clone();
+    assert_eq!(computed.len(), 3);
+    assert!(computed.iter().all(|tangent| tangent[3].abs() == 1.0));
+    let tangents = file.floats(&[[0.0_f32, 2.0, 0.0, -1.0]; 3]);
+    file.json["meshes"][0]["primitives"][0]["attributes"]["TANGENT"] = json!(tangents);
+    assert_eq!(file.load().unwrap().scene.meshes[0].tangents, [[0.0, 1.0, 0.0, -1.0]; 3]);
+    file.json["materials"][0] = json!({});
+    assert!(file.load().unwrap().scene.meshes[0].tangents.is_empty(), "nothing needs them");
+    file.json["materials"][0] = map;
+    file.json["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = Value::Null;
+    file.json["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("NORMAL");
+    assert!(file.load().unwrap().scene.meshes[0].tangents.is_empty(), "without normals they mean nothing");
 }

@@ -13,6 +13,11 @@
 //! corners along the ray and takes exact signs of the projected values, so a fan has no such holes.) Only rays within
 //! about 1e-7 of their length of a vertex are affected: of 10 million random rays none leaks.
 //!
+//! `misses_by_size_and_position` measures spheres of 1 m to 1e6 m, also 1e3 and 1e6 m from the origin: of the rays aimed
+//! at a vertex 0.07 to 0.36 % miss the whole sphere with ROBUST, 18 to 24 % without; of those aimed at the middle of an
+//! edge none and 1.0 to 5.2 %. The BVH has none. Rays are not traced a second time: a ray that leaks may hit something
+//! behind the mesh, so that every ray would have to be tested again, not only those that miss.
+//!
 //! The flag for coherent rays requires coherence: under that flag sixteen rays from all around the torus leak through
 //! edges, too. Coherent packets here are like those of the renderer: from neighboring points, towards one point
 //! (cameras, lights) or in any direction (shadow rays of the first vertex).
@@ -218,6 +223,61 @@ fn rays_at_edges_and_vertices_stay_inside_closed_meshes() {
                 let most = if tight || target != Target::Vertex { 0 } else { packets * LANES / 100 };
                 assert!(leaks <= most, "{} of {}, {target:?}: {leaks}", mesh.name, engine.name());
             }
+        }
+    }
+}
+
+/// The sphere with another radius around another point, m.
+fn sphere_at(radius: f32, center: f32) -> Closed {
+    let mut mesh = sphere(5);
+    mesh.positions.iter_mut().for_each(|position| *position = position.map(|x| x * radius + center));
+    mesh
+}
+
+/// The number of rays, of `packets` times 16, that miss the whole sphere of this radius around `center`, from points up
+/// to 0.35 radii from there.
+fn misses(mesh: &Closed, engine: &dyn Engine, target: Target, [radius, center]: [f32; 2], packets: usize) -> usize {
+    let unit = sphere(5);
+    let mut state = 23;
+    let mut misses = 0;
+    for _ in 0..packets {
+        let mut packet = RayHits::EMPTY;
+        for lane in 0..LANES {
+            let [from, _] = aim(&unit, target, &mut state);
+            let triangle = mesh.triangles[(random(&mut state) * mesh.triangles.len() as f64) as usize];
+            let [a, b] = [0, 1].map(|corner| mesh.positions[triangle[corner] as usize]);
+            for axis in 0..3 {
+                let from = from[axis] * radius + center;
+                let aimed = if target == Target::Vertex { a[axis] } else { a[axis] + 0.5 * (b[axis] - a[axis]) };
+                packet.rays.origin[axis][lane] = from;
+                packet.rays.direction[axis][lane] = aimed - from;
+            }
+        }
+        engine.intersect(&Lanes([-1; LANES]), &mut packet, Coherence::Incoherent);
+        misses += packet.hits.triangle.iter().filter(|&&triangle| triangle == NO_TRIANGLE).count();
+    }
+    misses
+}
+
+/// Prints a table: rays aimed at vertices and at the middles of edges of spheres of any size, near the origin and far
+/// from it, by backend (`cargo test -p holo-render --lib misses_by -- --ignored --nocapture`).
+#[test]
+#[ignore = "a measurement: prints a table"]
+fn misses_by_size_and_position() {
+    let packets = 60_000;
+    println!("misses of {} rays", packets * LANES);
+    for [radius, center] in [[1.0, 0.0], [1e3, 0.0], [1e6, 0.0], [1.0, 1e3], [1e3, 1e6]] {
+        let mesh = sphere_at(radius, center);
+        let geometry = Arc::new(geometry(mesh.positions.clone(), mesh.triangles.clone()));
+        let mut list: Vec<(String, Box<dyn Engine>)> =
+            engines(&geometry).into_iter().map(|engine| (engine.name().to_owned(), engine)).collect();
+        if let Ok(engine) = crate::accel::embree::Embree::without_robust(&geometry, 1) {
+            list.push((format!("{} without ROBUST", engine.name()), Box::new(engine)));
+        }
+        for (name, engine) in list {
+            let [vertices, edges] = [Target::Vertex, Target::Edge]
+                .map(|target| misses(&mesh, engine.as_ref(), target, [radius, center], packets));
+            println!("radius {radius:e} m around {center:e} m, {name}: {vertices} at vertices, {edges} at edges");
         }
     }
 }

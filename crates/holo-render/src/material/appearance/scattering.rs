@@ -23,6 +23,7 @@ pub(super) struct Scattering {
     transmission_texture: Option<TextureLookup>,
     /// The medium behind the surface; `None` for a thin pane.
     volume: Option<Medium>,
+    diffuse_transmission: f32,
     /// Its number, 0 without.
     pub(super) medium: MediumId,
 }
@@ -34,7 +35,7 @@ impl Scattering {
             // Beer-Lambert law: color = exp(-absorption * distance). (f64 logarithms of f32 values, rounded to f32, are
             // the same on every machine in all but one of 2^29 cases.)
             let absorption = volume.attenuation_color.map(|c| (-f64::from(c).ln() / distance) as f32);
-            Medium { ior: material.ior, absorption }
+            Medium { ior: material.ior, dispersion: material.dispersion, absorption }
         });
         Self {
             metallic: material.metallic,
@@ -48,6 +49,7 @@ impl Scattering {
             transmission: material.transmission,
             transmission_texture: material.transmission_texture.map(TextureLookup::new),
             volume,
+            diffuse_transmission: material.diffuse_transmission.map_or(0.0, |through| through.factor),
             medium: 0,
         }
     }
@@ -59,7 +61,7 @@ impl Scattering {
 
     /// The medium that light passes through behind the surface.
     pub fn medium(&self) -> Option<Medium> {
-        self.volume.filter(|_| self.transmission > 0.0)
+        self.volume.filter(|_| self.transmission > 0.0 || self.diffuse_transmission > 0.0)
     }
 }
 

@@ -165,6 +165,54 @@ impl Table {
     }
 }
 
+/// W, R and k of one lane, with the means of W and B, for [`super::layered`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Single {
+    pub scale: f32,
+    pub bias: f32,
+    pub gain: f32,
+    pub mean_scale: f32,
+    pub mean_grazing: f32,
+}
+
+impl Single {
+    /// A smooth surface.
+    pub const SMOOTH: Self = Self { scale: 1.0, bias: 0.0, gain: 1.0, mean_scale: 1.0, mean_grazing: 1.0 / 21.0 };
+
+    /// The values that [`Table::albedo`] and [`Table::average`] have for sixteen lanes.
+    pub fn new(alpha: f32, cosine: f32) -> Self {
+        if alpha < SMOOTH_BELOW {
+            return Self::SMOOTH;
+        }
+        let table = table();
+        let first = first_root();
+        let last = (ALPHAS - 1) as f32;
+        let place = ((alpha.sqrt().sqrt() - first) * (last / (1.0 - first))).clamp(0.0, last);
+        let row = place.floor().min((ALPHAS - 2) as f32);
+        let up = place - row;
+        let z = cosine.clamp(0.0, 1.0);
+        let place = (z * (1.0 + alpha) / (z + alpha)).sqrt() * (DIRECTIONS - 1) as f32;
+        let left = place.floor().min((DIRECTIONS - 2) as f32);
+        let (row, node) = (row as usize, row as usize * DIRECTIONS + left as usize);
+        let nodes = [node, node + 1, node + DIRECTIONS, node + DIRECTIONS + 1];
+        let at = |values: &[f32; NODES]| bilinear(values, nodes, place - left, up);
+        let mean = |values: &[f32; ALPHAS]| values[row] + (values[row + 1] - values[row]) * up;
+        Self {
+            scale: at(&table.scale),
+            bias: at(&table.bias),
+            gain: at(&table.gain),
+            mean_scale: mean(&table.average_scale),
+            mean_grazing: mean(&table.average_grazing),
+        }
+    }
+
+    /// The directional albedo, as [`Albedo::of`].
+    pub fn of(&self, f0: f32, f90: f32, schlick_weight: f32) -> f32 {
+        let rise = f90 - f0;
+        (self.scale * (f0 + rise * schlick_weight) + rise * self.bias).clamp(0.0, 1.0)
+    }
+}
+
 /// The kernel that computes the table.
 pub(super) struct Compute;
 

@@ -112,6 +112,24 @@ impl Bsdf {
         }
     }
 
+    /// What smooth glass lets pass without bending it, at `cosine` in the thinner medium; 0 for other materials.
+    #[inline(always)]
+    pub fn straight_transmittance(&self, cosine: &[f32; LANES]) -> [[f32; LANES]; 3] {
+        let mut out = [[0.0; LANES]; 3];
+        let mut lobes = Lobes::LAMBERTIAN;
+        self.set_weights(&mut lobes);
+        // A ray that is refracted into a body and out again has the same angle outside; it is never totally reflected.
+        let eta = self.eta.map(|eta| eta.max(1.0 / eta));
+        let glass = self.glass(&lobes, cosine, &eta);
+        for c in 0..3 {
+            for lane in 0..LANES {
+                let passes = lobes.glass[lane] * (1.0 - glass.strongest[lane]) * self.base_color[c][lane];
+                out[c][lane] = if lobes.delta_transmission[lane] { passes } else { 0.0 };
+            }
+        }
+        out
+    }
+
     /// The reflectance of glass for microfacets at `cosine`.
     #[inline(always)]
     pub(super) fn glass(&self, lobes: &Lobes, cosine: &[f32; LANES], eta: &[f32; LANES]) -> Glass {

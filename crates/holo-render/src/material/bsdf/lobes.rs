@@ -50,7 +50,7 @@ pub(super) struct Lobes {
 
 impl Lobes {
     /// The lobes of Lambertian lanes.
-    const LAMBERTIAN: Self = {
+    pub(super) const LAMBERTIAN: Self = {
         let zero = [0.0; LANES];
         Self {
             metal: zero,
@@ -96,7 +96,7 @@ impl Bsdf {
     /// Sets the weights of the mixture and the kinds of lobes; returns whether any lane has rough metal, a rough
     /// coat or a rough pane.
     #[inline(always)]
-    fn set_weights(&self, lobes: &mut Lobes) -> bool {
+    pub(super) fn set_weights(&self, lobes: &mut Lobes) -> bool {
         let [mut specular, mut microfacets, mut rough_glass, mut tabulated, mut delta] = [0; 5];
         for lane in 0..LANES {
             let rest = 1.0 - self.metallic[lane];

@@ -13,7 +13,7 @@ use crate::MAX_RADIANCE;
 use crate::{Alpha, Material, NormalMap, TextureInfo, TextureTransform, Volume};
 
 /// The maximum index of refraction: a reflectance of 99.6 % at normal incidence.
-const MAX_IOR: f32 = 1000.0;
+pub(super) const MAX_IOR: f32 = 1000.0;
 
 /// The default material of the specification: rough white metal that does not emit on the back.
 pub(super) fn standard(name: &str) -> Material {
@@ -45,11 +45,7 @@ pub(super) fn read(
         set(&mut read.roughness, shares.one(&surface, "roughnessFactor")?);
         read.metallic_roughness_texture = texture(&surface, "metallicRoughnessTexture")?;
     }
-    if let Some(texture) = texture(material, "normalTexture")? {
-        let map = material.object("normalTexture")?;
-        let scale = map.map(|map| map.within("scale", f32::MIN..=f32::MAX)).transpose()?.flatten();
-        read.normal_map = Some(NormalMap { texture, scale: scale.unwrap_or(1.0) });
-    }
+    read.normal_map = normal_map(material, "normalTexture", texture_count)?;
     read.emission = emission(material, &place, warnings)?;
     read.emission_texture = texture(material, "emissiveTexture")?;
     read.alpha = match material.string("alphaMode")? {
@@ -71,6 +67,7 @@ pub(super) fn read(
         read.transmission_texture = texture(&transmission, "transmissionTexture")?;
     }
     read.volume = volume(material, &mut shares, &place, warnings)?;
+    super::layers::read(material, texture_count, &mut shares, &mut read)?;
     shares.note(&place, warnings);
     read.unlit = material.extension(UNLIT)?.is_some();
     Ok(read)
@@ -179,6 +176,14 @@ fn volume(
         warnings.note("thickness textures are ignored: rays find the thickness of a body themselves", place);
     }
     Ok(Some(Volume { attenuation_distance_m: distance, attenuation_color }))
+}
+
+/// A normal map with its scale.
+pub(super) fn normal_map(object: &Object<'_>, key: &str, texture_count: usize) -> Result<Option<NormalMap>, Error> {
+    let Some(texture) = texture_use(object, key, texture_count)? else { return Ok(None) };
+    let map = object.object(key)?;
+    let scale = map.map(|map| map.within("scale", f32::MIN..=f32::MAX)).transpose()?.flatten();
+    Ok(Some(NormalMap { texture, scale: scale.unwrap_or(1.0) }))
 }
 
 /// A texture reference of a material.

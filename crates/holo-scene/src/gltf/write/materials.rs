@@ -2,9 +2,12 @@
 
 use serde_json::{Map, Value, json};
 
-use super::super::extensions::{EMISSIVE_STRENGTH, IOR, SPECULAR, TEXTURE_TRANSFORM, TRANSMISSION, UNLIT, VOLUME};
+use super::super::extensions::{
+    ANISOTROPY, CLEARCOAT, DIFFUSE_TRANSMISSION, DISPERSION, EMISSIVE_STRENGTH, IOR, IRIDESCENCE, SHEEN, SPECULAR,
+    TEXTURE_TRANSFORM, TRANSMISSION, UNLIT, VOLUME,
+};
 use super::named;
-use crate::{Alpha, Material, TextureInfo, TextureTransform};
+use crate::{Alpha, Material, NormalMap, TextureInfo, TextureTransform};
 
 /// The thickness of volumes, m. glTF requires a value for renderers that do not trace rays through the body.
 const SOME_THICKNESS_M: f64 = 1.0;
@@ -22,11 +25,7 @@ pub(super) fn material(material: &Material) -> Value {
     if material.double_sided {
         add(&mut value, "doubleSided", true);
     }
-    if let Some(map) = material.normal_map {
-        let mut info = texture_use(map.texture);
-        add(&mut info, "scale", f64::from(map.scale));
-        add(&mut value, "normalTexture", info);
-    }
+    add_normal_map(&mut value, "normalTexture", material.normal_map);
     let (factor, strength) = split_emission(material.emission);
     if material.emission != [0.0; 3] {
         add(&mut value, "emissiveFactor", factor.to_vec());
@@ -87,10 +86,63 @@ fn extensions(material: &Material, strength: f64) -> Map<String, Value> {
     if strength != 1.0 {
         extension(EMISSIVE_STRENGTH, json!({ "emissiveStrength": strength }));
     }
+    add_layers(material, &mut all);
     if material.unlit {
         all.insert(UNLIT.into(), json!({}));
     }
     all
+}
+
+/// The extensions for layers and rare lobes, with all their factors.
+fn add_layers(material: &Material, all: &mut Map<String, Value>) {
+    let color = |color: [f32; 3]| color.map(f64::from).to_vec();
+    if let Some(coat) = material.clearcoat {
+        let mut value = json!({
+            "clearcoatFactor": f64::from(coat.factor),
+            "clearcoatRoughnessFactor": f64::from(coat.roughness),
+        });
+        add_texture(&mut value, "clearcoatTexture", coat.texture);
+        add_texture(&mut value, "clearcoatRoughnessTexture", coat.roughness_texture);
+        add_normal_map(&mut value, "clearcoatNormalTexture", coat.normal_map);
+        all.insert(CLEARCOAT.into(), value);
+    }
+    if let Some(sheen) = material.sheen {
+        let roughness = f64::from(sheen.roughness);
+        let mut value = json!({ "sheenColorFactor": color(sheen.color), "sheenRoughnessFactor": roughness });
+        add_texture(&mut value, "sheenColorTexture", sheen.color_texture);
+        add_texture(&mut value, "sheenRoughnessTexture", sheen.roughness_texture);
+        all.insert(SHEEN.into(), value);
+    }
+    if let Some(anisotropy) = material.anisotropy {
+        let (strength, rotation) = (f64::from(anisotropy.strength), f64::from(anisotropy.rotation_rad));
+        let mut value = json!({ "anisotropyStrength": strength, "anisotropyRotation": rotation });
+        add_texture(&mut value, "anisotropyTexture", anisotropy.texture);
+        all.insert(ANISOTROPY.into(), value);
+    }
+    if let Some(film) = material.iridescence {
+        let [least, most] = film.thickness_nm.map(f64::from);
+        let mut value = json!({
+            "iridescenceFactor": f64::from(film.factor),
+            "iridescenceIor": f64::from(film.ior),
+            "iridescenceThicknessMinimum": least,
+            "iridescenceThicknessMaximum": most,
+        });
+        add_texture(&mut value, "iridescenceTexture", film.texture);
+        add_texture(&mut value, "iridescenceThicknessTexture", film.thickness_texture);
+        all.insert(IRIDESCENCE.into(), value);
+    }
+    if material.dispersion != 0.0 {
+        all.insert(DISPERSION.into(), json!({ "dispersion": f64::from(material.dispersion) }));
+    }
+    if let Some(through) = material.diffuse_transmission {
+        let mut value = json!({
+            "diffuseTransmissionFactor": f64::from(through.factor),
+            "diffuseTransmissionColorFactor": color(through.color),
+        });
+        add_texture(&mut value, "diffuseTransmissionTexture", through.texture);
+        add_texture(&mut value, "diffuseTransmissionColorTexture", through.color_texture);
+        all.insert(DIFFUSE_TRANSMISSION.into(), value);
+    }
 }
 
 /// Splits an emission into a factor within 0..1, as required by glTF, and a power of two, by which division and
@@ -117,6 +169,14 @@ fn texture_use(used: TextureInfo) -> Value {
         add(&mut info, "extensions", json!({ TEXTURE_TRANSFORM: transform }));
     }
     info
+}
+
+fn add_normal_map(object: &mut Value, key: &str, map: Option<NormalMap>) {
+    if let Some(map) = map {
+        let mut info = texture_use(map.texture);
+        add(&mut info, "scale", f64::from(map.scale));
+        add(object, key, info);
+    }
 }
 
 fn add_texture(object: &mut Value, key: &str, used: Option<TextureInfo>) {
