@@ -67,7 +67,9 @@ fn judge(case: &Case, ours: &Array3<f32>, theirs: &Array3<f32>, objects: &Array3
     let ratio = mean(ours) / mean(theirs);
     println!("{what}: RMSE {rmse:.5}, mean {ratio:.5}");
     assert!(rmse <= case.rmse, "{what}: RMSE {rmse}");
-    assert!((ratio - 1.0).abs() <= 2e-3, "{what}: the mean is off by a factor {ratio}");
+    // The noise of the mean: 1e-3 at 64 samples in scenes with caustics, less than 5e-4 at 512.
+    let bound = if case.samples < 512 { 4e-3 } else { 2e-3 };
+    assert!((ratio - 1.0).abs() <= bound, "{what}: the mean is off by a factor {ratio}");
     let largest = objects.iter().fold(0.0f32, |m, &x| m.max(x)) as usize;
     for object in 0..=largest {
         // Sum of the reference, sum of the differences, sum of their squares, pixels.

@@ -19,10 +19,12 @@ use holo_dataset::options::{
 };
 use holo_dataset::{Exposure, Focus, LayerChoice, Output, Shard, Sky};
 use holo_io::MatOrder;
-use holo_render::{Backend, GroundTruth, Integrator};
+use holo_render::{Backend, Denoise, GroundTruth, Integrator};
 use holo_scene::gltf::LightUnits;
 
-use choices::{BACKENDS, GROUND_TRUTHS, INTEGRATORS, LAYERS, LAYOUTS, MAT_ORDERS, OUTPUTS, PROJECTIONS, choice};
+use choices::{
+    BACKENDS, DENOISE, GROUND_TRUTHS, INTEGRATORS, LAYERS, LAYOUTS, MAT_ORDERS, OUTPUTS, PROJECTIONS, choice,
+};
 
 pub use dataset::DatasetOptions;
 pub use images::{AnimateOptions, ComposeOptions, ExtractOptions, PathArgument, QuiltOptions, RotateOptions};
@@ -159,6 +161,9 @@ pub struct JobOptions {
     /// Without light that is scattered more than once in the roughness of a surface: rough metal gets darker, as in renderers without this model.
     #[arg(long)]
     pub no_multiple_scattering: bool,
+    /// Reduce the noise of color: with `views` by the samples of neighboring views, a small bias that more samples remove.
+    #[arg(long, value_parser = choice(DENOISE), default_value = "off")]
+    pub denoise: Denoise,
     /// Hide surfaces that are not double-sided from behind, as game engines do; shadows and mirrors still show them.
     #[arg(long)]
     pub cull: bool,

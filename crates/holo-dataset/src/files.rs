@@ -50,10 +50,10 @@ pub fn validate(spec: &RenderSpec) -> Result<(), Error> {
             "--integrator depth renders no color; remove {names} from --write, or choose --integrator direct"
         )));
     }
-    if spec.integrator == Integrator::Depth && layers::names_color(spec) {
-        return Err(Error::BadRequest(
-            "--integrator depth renders no color; remove color from --layers, or choose --integrator direct".into(),
-        ));
+    if let Some(name) = layers::needing_color(spec).filter(|_| spec.integrator == Integrator::Depth) {
+        return Err(Error::BadRequest(format!(
+            "--integrator depth renders no color; remove {name} from --layers, or choose --integrator direct"
+        )));
     }
     Ok(())
 }
@@ -97,12 +97,11 @@ pub(crate) fn write(
 
 /// The outputs to write: the requested ones, or without a request the default ones if there is color.
 pub(crate) fn outputs(spec: &RenderSpec, has_color: bool) -> Result<Vec<Output>, Error> {
-    if !has_color && layers::names_color(spec) {
-        return Err(Error::BadRequest(
-            "the scene has no light sources, so there is no color to write; remove color from --layers, or light it \
+    if let Some(name) = layers::needing_color(spec).filter(|_| !has_color) {
+        return Err(Error::BadRequest(format!(
+            "the scene has no light sources, so there is no color to write; remove {name} from --layers, or light it \
              with --sky auto"
-                .into(),
-        ));
+        )));
     }
     if spec.outputs.is_empty() {
         return Ok(if has_color { images::DEFAULT_OUTPUTS.to_vec() } else { Vec::new() });

@@ -78,6 +78,9 @@ impl Images<'_> {
         if let Some(color) = rendered.color.as_ref().filter(|_| wanted.color) {
             layers::write_color(folder, color, self.spec.ground_truth == GroundTruth::All)?;
         }
+        if let Some(error) = rendered.error.take() {
+            layers::write_error(folder, &error, self.spec.ground_truth == GroundTruth::All)?;
+        }
         if self.wants(Output::H5) {
             self.write_hdf5(folder, rendered)?;
         }

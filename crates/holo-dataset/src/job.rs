@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use holo_core::{GridSize, LightFieldShape};
 use holo_io::{CameraPose, Manifest, ManifestValue, ParametersCfg, dataset};
-use holo_render::{GroundTruth, Integrator, Layer, Progress, Rendered, Renderer, Request};
+use holo_render::{Denoise, GroundTruth, Integrator, Layer, Progress, Rendered, Renderer, Request};
 use ndarray::{Array2, Axis};
 
 use crate::checkpoint::{Checkpoints, Keeper};
@@ -14,7 +14,7 @@ use crate::files::{Traced, exposure_ev, outputs, validate, write};
 use crate::identity::difference;
 use crate::images;
 use crate::layers::Wanted;
-use crate::options::{self, Options, integrator_name};
+use crate::options::{self, Options, denoise_name, integrator_name};
 use crate::output_folder::{OutputFolder, Rollback};
 use crate::prepare::{Prepared, Purpose, prepare};
 use crate::report::{RenderReport, Seconds};
@@ -303,6 +303,10 @@ impl RenderJob {
         if !request.multiple_scattering {
             settings.insert("multiple-scattering".into(), "off".into());
         }
+        if request.denoise != Denoise::Off {
+            settings.insert("denoise".into(), denoise_name(request.denoise).into());
+            settings.insert("denoise-method".into(), Denoise::METHOD.into());
+        }
         if request.cull {
             settings.insert("cull".into(), "on".into());
         }
@@ -322,9 +326,11 @@ impl RenderJob {
 /// The memory that the render needs.
 fn purpose<'a>(spec: &'a RenderSpec, wanted: &Wanted) -> Purpose<'a> {
     let color = if spec.integrator == Integrator::Depth { 0 } else { 3 };
+    let guides =
+        if color > 0 && (spec.denoise == Denoise::Views || wanted.error) { 2 + usize::from(wanted.error) } else { 0 };
     Purpose {
         sky: Some(&spec.sky).filter(|sky| **sky != Sky::Automatic || color > 0 && !needs_no_color(spec, wanted)),
-        sample_bytes: (color + wanted.all.channels()) * size_of::<f32>(),
+        sample_bytes: (color + guides + wanted.all.channels()) * size_of::<f32>(),
         lens_bytes: wanted.central.channels() * size_of::<f32>(),
     }
 }
@@ -366,6 +372,8 @@ fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
         .transparent_shadows(spec.transparent_shadows)
         .multiple_scattering(spec.multiple_scattering)
         .cull(spec.cull)
+        .denoise(spec.denoise)
+        .estimate_error(wanted.error)
         .layers(match spec.ground_truth {
             GroundTruth::Central => wanted.central,
             GroundTruth::All => wanted.all,
@@ -376,5 +384,5 @@ fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
 fn needs_no_color(spec: &RenderSpec, wanted: &Wanted) -> bool {
     let has_color =
         spec.outputs.contains(&Output::Exr) || images::needing_color(&spec.outputs, spec.integrator).is_some();
-    !wanted.color && !spec.outputs.is_empty() && !has_color
+    !wanted.color && !wanted.error && !spec.outputs.is_empty() && !has_color
 }

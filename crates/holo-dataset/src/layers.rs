@@ -19,6 +19,9 @@ use crate::spec::{LayerChoice, Output, RenderSpec};
 /// The name of linear color among the layers.
 const COLOR: &str = "color";
 
+/// The name of the estimated error of color among the layers.
+const ERROR: &str = "error";
+
 /// The layers that are requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Wanted {
@@ -30,6 +33,8 @@ pub(crate) struct Wanted {
     pub all: LayerSet,
     /// Whether color is written as a float map too, where there is color.
     pub color: bool,
+    /// Whether the estimated error of color is written.
+    pub error: bool,
 }
 
 impl Wanted {
@@ -58,25 +63,29 @@ impl Wanted {
             // The manifest of every render contains the disparity range.
             central: if exr { LayerSet::ALL } else { held.union([Layer::Disparity].into()) },
             all: if spec.ground_truth == GroundTruth::All { held } else { LayerSet::EMPTY },
-            color: names_color(spec) || named.contains(&LayerChoice::All),
+            color: named.iter().any(|layer| matches!(layer, LayerChoice::Color | LayerChoice::All)),
+            error: named.contains(&LayerChoice::Error),
         }
     }
 
     /// The names of the written layers, for the manifest.
     pub(crate) fn names(&self, rendered: &Rendered) -> Vec<&'static str> {
         let color = (self.color && rendered.color.is_some()).then_some(COLOR);
-        color.into_iter().chain(self.written.iter().map(Layer::name)).collect()
+        let error = rendered.error.is_some().then_some(ERROR);
+        color.into_iter().chain(self.written.iter().map(Layer::name)).chain(error).collect()
     }
 }
 
-/// Whether color is requested by name, so that its absence is an error.
-pub(crate) fn names_color(spec: &RenderSpec) -> bool {
-    spec.layers.contains(&LayerChoice::Color)
+/// The layers that need color and are requested by name, so that their absence is an error: such as "color"; `None` if
+/// there are none.
+pub(crate) fn needing_color(spec: &RenderSpec) -> Option<&'static str> {
+    let names = [(LayerChoice::Color, COLOR), (LayerChoice::Error, ERROR)];
+    names.into_iter().find(|(layer, _)| spec.layers.contains(layer)).map(|(_, name)| name)
 }
 
 fn layers(choice: LayerChoice) -> LayerSet {
     match choice {
-        LayerChoice::Color => LayerSet::EMPTY,
+        LayerChoice::Color | LayerChoice::Error => LayerSet::EMPTY,
         LayerChoice::All => LayerSet::ALL,
         LayerChoice::One(layer) => LayerSet::of(&[layer]),
     }
@@ -108,8 +117,17 @@ pub(crate) fn write(
 
 /// Writes color as float maps: of the central view, and with `all` of all views.
 pub(crate) fn write_color(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, all: bool) -> Result<(), Error> {
-    write_central(folder, COLOR, central_view(color)?)?;
-    if all { write_all_views(folder, COLOR, color) } else { Ok(()) }
+    write_views(folder, COLOR, color, all)
+}
+
+/// Writes the estimated error of color in the same way.
+pub(crate) fn write_error(folder: &mut OutputFolder, error: &LightFieldOwned<f32>, all: bool) -> Result<(), Error> {
+    write_views(folder, ERROR, error, all)
+}
+
+fn write_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwned<f32>, all: bool) -> Result<(), Error> {
+    write_central(folder, name, central_view(field)?)?;
+    if all { write_all_views(folder, name, field) } else { Ok(()) }
 }
 
 pub(crate) fn central_view(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_, f32>, Error> {

@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 use holo_core::{ParseGridSizeError, Projection, Sensor};
 use holo_io::MatOrder;
-use holo_render::{GroundTruth, Integrator, Layer};
+use holo_render::{Denoise, GroundTruth, Integrator, Layer};
 use holo_scene::gltf::LightUnits;
 
 use crate::Error;
@@ -42,6 +42,9 @@ const INTEGRATORS: [(Integrator, &str); 4] = [
     (Integrator::Path, "path"),
 ];
 
+/// Kinds of noise reduction and their names.
+const DENOISE: [(Denoise, &str); 2] = [(Denoise::Off, "off"), (Denoise::Views, "views")];
+
 const SENSORS: [(Sensor, &str); 4] =
     [(Sensor::Hd, "hd"), (Sensor::Uhd4k, "4k"), (Sensor::Paper8k, "8k"), (Sensor::Uhd8k, "uhd8k")];
 
@@ -67,6 +70,12 @@ pub fn integrator_name(integrator: Integrator) -> &'static str {
 #[must_use]
 pub fn integrator_from_name(name: &str) -> Option<Integrator> {
     named(&INTEGRATORS, name)
+}
+
+/// Returns the name of a kind of noise reduction on the command line and in files.
+#[must_use]
+pub fn denoise_name(denoise: Denoise) -> &'static str {
+    name_of(&DENOISE, &denoise)
 }
 
 /// Parses a sensor: a name such as `8k`, or a size `WIDTHxHEIGHT` in pixels.
@@ -203,11 +212,12 @@ impl FromStr for Exposure {
 }
 
 impl LayerChoice {
-    /// Parses `color`, `all` or the name of a layer; `None` for an unknown name.
+    /// Parses `color`, `error`, `all` or the name of a layer; `None` for an unknown name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         match name {
             "color" | "colour" => Some(Self::Color),
+            "error" => Some(Self::Error),
             "all" => Some(Self::All),
             other => Layer::from_name(other).map(Self::One),
         }
@@ -218,6 +228,7 @@ impl LayerChoice {
     pub fn name(self) -> &'static str {
         match self {
             Self::Color => "color",
+            Self::Error => "error",
             Self::All => "all",
             Self::One(layer) => layer.name(),
         }
@@ -289,6 +300,7 @@ impl RenderSpec {
         set("transparent-shadows", self.transparent_shadows.to_string());
         set("no-multiple-scattering", (!self.multiple_scattering).to_string());
         set("cull", self.cull.to_string());
+        set("denoise", denoise_name(self.denoise).into());
         set(
             "sky",
             match &self.sky {
@@ -362,6 +374,7 @@ impl RenderSpec {
             "transparent-shadows" => self.transparent_shadows = number(value)?,
             "no-multiple-scattering" => self.multiple_scattering = !number::<bool>(value)?,
             "cull" => self.cull = number(value)?,
+            "denoise" => self.denoise = one_of(&DENOISE, value)?,
             "sky" if value == MAP => self.sky = Sky::Constant([0.0; 3]),
             "sky" => self.sky = value.parse()?,
             "exposure" => self.exposure = value.parse()?,
@@ -479,12 +492,13 @@ mod tests {
             roulette: false,
             indirect_limit: 2.5,
             transparent_shadows: true,
+            denoise: Denoise::Views,
             multiple_scattering: false,
             cull: true,
             sky: Sky::Constant([1.0, 0.25, 0.0]),
             exposure: Exposure::Ev(-1.5),
             ground_truth: GroundTruth::All,
-            layers: vec![LayerChoice::Color, LayerChoice::One(Layer::HitMask)],
+            layers: vec![LayerChoice::Color, LayerChoice::One(Layer::HitMask), LayerChoice::Error],
             outputs: vec![Output::El, Output::H5],
             mat_order: MatOrder::LightFieldToolbox,
             bit_depth: 16,

@@ -3,6 +3,7 @@
 //! | file | contents |
 //! |---|---|
 //! | `color.pfm` | linear radiance: lens rows of the elemental image array |
+//! | `error.pfm` | its estimated relative error, if requested: the same |
 //! | `central_LAYER.pfm`, `all_LAYER.pfm` | layers of the central view, and of all views as an elemental image array |
 //! | `parameters.cfg`, `manifest.json` | as of the complete image; the manifest also contains the number of the shard |
 
@@ -24,6 +25,7 @@ use crate::output_folder::{OutputFolder, Rollback};
 use crate::spec::{RenderSpec, Shard};
 
 const COLOR: &str = "color.pfm";
+const ERROR: &str = "error.pfm";
 
 /// The key in the settings of a manifest that identifies a shard.
 const PART: &str = "part";
@@ -47,6 +49,9 @@ pub(crate) fn write(traced: Traced, shard: Shard, mut folder: OutputFolder) -> R
     };
     if let Some(color) = &rendered.color {
         put(COLOR.into(), grid(color)?.view())?;
+    }
+    if let Some(error) = &rendered.error {
+        put(ERROR.into(), grid(error)?.view())?;
     }
     for (layer, image) in rendered.central.iter() {
         put(central_file(layer), image.view())?;
@@ -148,6 +153,7 @@ pub(crate) fn read(folders: &[PathBuf]) -> Result<(Traced, RenderSpec), Error> {
 
     let has = |name: &str| parts[0].manifest.files.contains_key(name);
     let color = has(COLOR).then(|| gather(&parts, COLOR, shape, 3)).transpose()?;
+    let error = has(ERROR).then(|| gather(&parts, ERROR, shape, 1)).transpose()?;
     let one = LightFieldShape::new(GridSize::new(1, 1), shape.lenses())?;
     let mut central: Layers<Array3<f32>> = Layers::default();
     let mut all: Layers<LightFieldOwned<f32>> = Layers::default();
@@ -169,7 +175,7 @@ pub(crate) fn read(folders: &[PathBuf]) -> Result<(Traced, RenderSpec), Error> {
     let rays = RayCounts { primary: sum(|l| l.rays[0]), shadow: sum(|l| l.rays[1]), secondary: sum(|l| l.rays[2]) };
     let all = (!all.set().is_empty()).then_some(all);
     let why = parts[0].label.why.clone();
-    let rendered = Rendered { color, central, all, integrator, why, rays, samples: sum(|l| l.samples) };
+    let rendered = Rendered { color, error, central, all, integrator, why, rays, samples: sum(|l| l.samples) };
     Ok((Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m: None, warnings: Vec::new() }, spec))
 }
 

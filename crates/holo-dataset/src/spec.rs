@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use holo_core::{GridSize, Projection, Sensor};
 use holo_io::MatOrder;
-use holo_render::{GroundTruth, Integrator, Layer};
+use holo_render::{Denoise, GroundTruth, Integrator, Layer};
 use holo_scene::gltf::LightUnits;
 
 /// The specification of a render and its output. The defaults are those of the command line: 8K sensor, 100 x 100
@@ -34,6 +34,8 @@ pub struct RenderSpec {
     pub transparent_shadows: bool,
     /// Whether light is scattered more than once between the microfacets of rough surfaces.
     pub multiple_scattering: bool,
+    /// Whether the noise of color is reduced with the samples of neighboring views.
+    pub denoise: Denoise,
     /// Whether the backs of surfaces that are not double-sided are invisible to the camera.
     pub cull: bool,
     /// Environment light.
@@ -150,9 +152,11 @@ pub struct Shard {
 pub enum LayerChoice {
     /// Linear radiance, without exposure.
     Color,
+    /// The estimated relative error of color.
+    Error,
     /// One layer.
     One(Layer),
-    /// Color and all layers.
+    /// Color and all layers that describe the first hit.
     All,
 }
 
@@ -194,6 +198,7 @@ impl Default for RenderSpec {
             indirect_limit: f32::INFINITY,
             transparent_shadows: false,
             multiple_scattering: true,
+            denoise: Denoise::Off,
             cull: false,
             sky: Sky::Automatic,
             exposure: Exposure::Automatic,

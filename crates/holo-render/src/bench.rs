@@ -7,6 +7,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use holo_core::Rig;
+use ndarray::Array3;
 use rayon::prelude::*;
 
 use crate::accel::{Backend, Coherence, NO_TRIANGLE, RayHits};
@@ -14,8 +15,9 @@ use crate::camera::RaySource;
 use crate::camera::rig::RigRays;
 use crate::camera::tile::{Selection, Tile, Tiling};
 use crate::error::Error;
+use crate::film::reconstruct::Reconstruction;
 use crate::geometry::Instancing;
-use crate::render::Renderer;
+use crate::render::{Renderer, Request};
 use crate::simd::count;
 use crate::simd::{self, Kernel};
 use crate::simd::{LANES, Lanes};
@@ -57,6 +59,30 @@ pub struct Traced {
     pub seconds: f64,
 }
 
+/// The color and the guides of a request before their reconstruction across views, as elemental image arrays with 3 and
+/// 2 channels.
+///
+/// # Errors
+/// As [`Renderer::render`].
+pub fn samples(renderer: &Renderer, request: &Request) -> Result<[Array3<f32>; 2], Error> {
+    crate::render::samples(renderer, request)
+}
+
+/// Reconstructs color in place. `shape` counts lens rows and columns, view rows and columns; `error` receives the estimated
+/// relative error.
+pub fn reconstruct(
+    renderer: &Renderer,
+    shape: [usize; 4],
+    [color, guides]: [&mut [f32]; 2],
+    samples: u32,
+    error: Option<&mut [f32]>,
+) {
+    let movement = [1.0; 2];
+    let rows = 0..shape[0];
+    let all = Reconstruction { shape, color, guides, movement, samples, filters: true, rows, error };
+    renderer.install(|| all.run(|| true));
+}
+
 /// The measured work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Work {
@@ -73,7 +99,7 @@ pub enum Work {
 pub fn trace(renderer: &Renderer, rig: &Rig, work: Work) -> Traced {
     let selection = Selection::whole(rig.shape());
     let tiling = Tiling::new(selection.counts());
-    let source = RaySource::Rig(RigRays::new(rig, &tiling, &selection, 4));
+    let source = RaySource::Rig(RigRays::new(rig, &tiling, &selection));
     let tiles = tiling.tiles();
     // Allocated and touched in advance, so that only rays are measured.
     let mut kept: Vec<Vec<Kept>> = renderer.install(|| {

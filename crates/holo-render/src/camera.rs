@@ -69,12 +69,12 @@ impl RaySource {
         Packets { source: self, positions: tile.packet_positions() }
     }
 
-    /// The rays of sample number `sample` through the pixels of a packet, also written as f32 to `packet`. A single
-    /// sample per pixel is the chief ray.
+    /// The rays of sample number `sample` through the pixels of a packet, also written as f32 to `packet`. A centered
+    /// sampler takes the chief ray.
     #[inline(always)]
     pub fn sample(&self, pixels: &PixelPacket, sampler: &Sampler, sample: u32, packet: &mut RayHits) -> CameraRays {
         let Self::Rig(rig) = self;
-        let position = if sampler.samples > 1 { Some(sampler.pixel_positions(&pixels.ids, sample)) } else { None };
+        let position = if !sampler.centered { Some(sampler.pixel_positions(&pixels.ids, sample)) } else { None };
         CameraRays { exact: rig.fill(&pixels.source, position.as_ref(), packet), weight: [1.0; LANES] }
     }
 

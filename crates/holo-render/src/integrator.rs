@@ -14,6 +14,8 @@ mod scatterer;
 mod shade;
 mod straight_shadows;
 
+use holo_core::Disparity;
+
 use crate::accel::Engine;
 use crate::camera::RaySource;
 use crate::geometry::Geometry;
@@ -45,6 +47,8 @@ pub(crate) struct Context<'a> {
     pub camera: RaySource,
     pub sampler: Sampler,
     pub policy: Policy,
+    /// The disparity that the guides of the reconstruction hold, if they are wanted.
+    pub guides: Option<Disparity>,
     /// Checked between samples.
     pub stop: &'a Stop<'a>,
 }

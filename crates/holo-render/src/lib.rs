@@ -67,5 +67,7 @@ pub use film::layers::{Layer, LayerSet, Layers};
 pub use film::{exposure, layers};
 pub use integrator::{Integrator, RayCounts};
 pub use progress::{Progress, Tenths};
-pub use render::{Checkpoint, FinishedTile, GroundTruth, Rendered, Renderer, Request, TileId, TileKind, Views};
+pub use render::{
+    Checkpoint, Denoise, FinishedTile, GroundTruth, Rendered, Renderer, Request, TileId, TileKind, Views,
+};
 pub use sampling::Sampling;

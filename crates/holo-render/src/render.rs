@@ -1,6 +1,7 @@
 //! The renderer: a scene in front of a camera, which any rig at that camera pose can render.
 
 mod checkpoint;
+mod color;
 mod image;
 mod plan;
 mod request;
@@ -15,7 +16,9 @@ use holo_scene::{Scene, Transform};
 use ndarray::Array3;
 
 pub use self::checkpoint::{Checkpoint, FinishedTile, TileId, TileKind};
-pub use self::request::{GroundTruth, Rendered, Request, Views};
+#[cfg(feature = "bench")]
+pub(crate) use self::color::samples;
+pub use self::request::{Denoise, GroundTruth, Rendered, Request, Views};
 
 use self::plan::{Plan, Region};
 use self::request::DEPTH_AND_DISPARITY;
@@ -291,7 +294,7 @@ impl Renderer {
         stop: &'a Stop<'a>,
     ) -> Context<'a> {
         let (seed, samples, sampling) = (request.seed, request.samples, request.sampling);
-        let rig = RigRays::new(&request.rig, &region.tiling, &region.selection, sampling.shared_views());
+        let rig = RigRays::new(&request.rig, &region.tiling, &region.selection);
         let scene = SceneData {
             engine: self.engines[usize::from(request.cull)][usize::from(integrator == Integrator::Depth)].as_ref(),
             geometry: &self.geometry,
@@ -315,7 +318,9 @@ impl Renderer {
             indirect_limit: request.indirect_limit,
             transparent_shadows: request.transparent_shadows && self.appearance.flags().has(MaterialFlags::GLOSSY),
         };
-        Context { scene, camera: RaySource::Rig(rig), sampler: Sampler { seed, samples, sampling }, policy, stop }
+        let guides = color::needs_guides(request).then(|| color::disparity(&request.rig));
+        let sampler = Sampler { seed, samples, sampling, centered: samples == 1 && request.denoise == Denoise::Off };
+        Context { scene, camera: RaySource::Rig(rig), sampler, policy, guides, stop }
     }
 
     /// Validates the request; returns the integrator and the reason for it.

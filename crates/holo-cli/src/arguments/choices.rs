@@ -6,7 +6,7 @@ use holo_core::refocus::Kernel;
 use holo_core::{Effort, Layout, Projection, ViewOrder};
 use holo_dataset::{LayerChoice, Output};
 use holo_io::MatOrder;
-use holo_render::{Backend, GroundTruth, Integrator, Layer};
+use holo_render::{Backend, Denoise, GroundTruth, Integrator, Layer};
 
 /// A value, its word, and its line of `--help`; one without a line has none.
 type Choices<T> = [(T, &'static str, &'static str)];
@@ -16,6 +16,11 @@ pub const INTEGRATORS: &Choices<Integrator> = &[
     (Integrator::Depth, "depth", "Ground truth alone, without color"),
     (Integrator::Direct, "direct", "Direct light"),
     (Integrator::Path, "path", "Path tracing: global illumination"),
+];
+
+pub const DENOISE: &Choices<Denoise> = &[
+    (Denoise::Off, "off", "No: every pixel is the mean of its own samples"),
+    (Denoise::Views, "views", "By neighboring views"),
 ];
 
 pub const GROUND_TRUTHS: &Choices<GroundTruth> =
@@ -52,7 +57,8 @@ pub const LAYERS: &Choices<LayerChoice> = &[
     (LayerChoice::One(Layer::ObjectId), "object-id", "Number of the instance, from 1; 0 where nothing was hit"),
     (LayerChoice::One(Layer::MaterialId), "material-id", "Number of the material, from 1; 0 where nothing was hit"),
     (LayerChoice::One(Layer::HitMask), "hit-mask", "1 where something was hit, else 0"),
-    (LayerChoice::All, "all", "All of these"),
+    (LayerChoice::All, "all", "All of the above"),
+    (LayerChoice::Error, "error", "Estimated relative standard error of color, bias included"),
 ];
 
 pub const MAT_ORDERS: &Choices<MatOrder> = &[
@@ -122,7 +128,7 @@ mod tests {
     #[test]
     fn words_of_the_command_line_are_names_of_the_library() {
         assert!(LAYERS.iter().all(|&(layer, name, _)| layer.name() == name));
-        assert_eq!(LAYERS.len(), Layer::COUNT + 2);
+        assert_eq!(LAYERS.len(), Layer::COUNT + 3);
         assert!(OUTPUTS.iter().all(|&(output, name, _)| output.name() == name));
         assert!(INTEGRATORS.iter().all(|&(value, name, _)| holo_dataset::options::integrator_name(value) == name));
     }

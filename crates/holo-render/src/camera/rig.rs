@@ -45,10 +45,8 @@ pub(crate) struct RigRays {
     /// Whether the views are a list; the tables of both view axes then have an entry per list position.
     is_list: bool,
     disparity: Disparity,
-    /// Lens columns and view columns of the whole light field, which determine the ids of lenses and views.
-    columns: [u32; 2],
-    /// The binary logarithm of the width of groups of views that share their pixel sample positions.
-    shared_bits: u32,
+    /// Lens columns of the whole light field, which determine the ids of lenses.
+    lens_columns: u32,
     slope_step: f64,
     /// For perspective 0 and 1; for orthographic projection the focus distance and 0.
     slope_to_origin: f64,
@@ -56,9 +54,8 @@ pub(crate) struct RigRays {
 }
 
 impl RigRays {
-    /// The tables for the packets of `tiling`, which divides the pixels of `selection`. Groups of `shared_views` x
-    /// `shared_views` views (a power of two) share their pixel sample positions.
-    pub fn new(rig: &Rig, tiling: &Tiling, selection: &Selection, shared_views: u32) -> Self {
+    /// The tables for the packets of `tiling`, which divides the pixels of `selection`.
+    pub fn new(rig: &Rig, tiling: &Tiling, selection: &Selection) -> Self {
         let inverse_focus = rig.inverse_focus_per_m();
         let axis = |axis: usize, value: &dyn Fn(usize) -> f64, inverse_focus: f64| -> Vec<AxisLanes> {
             let lanes = |(place, valid): ([usize; LANES], [i32; LANES])| {
@@ -80,8 +77,7 @@ impl RigRays {
             ],
             is_list: selection.is_list(),
             disparity: rig.disparity(),
-            columns: [split.lenses().columns as u32, split.views().columns as u32],
-            shared_bits: shared_views.ilog2(),
+            lens_columns: split.lenses().columns as u32,
             slope_step: rig.slope_x(1.0) - rig.slope_x(0.0),
             slope_to_origin: if orthographic { rig.focus_distance_m() } else { 0.0 },
             slope_to_direction: if orthographic { 0.0 } else { 1.0 },
@@ -105,14 +101,11 @@ impl RigRays {
     #[inline(always)]
     pub fn pixel_ids(&self, pixels: &RigPixels) -> PixelIds {
         let [v, u, t, s] = pixels.axes;
-        let (mut lens, mut view, mut view_group) = ([0; LANES], [0; LANES], [0; LANES]);
+        let mut lens = [0; LANES];
         for lane in 0..LANES {
-            lens[lane] = v.index[lane] * self.columns[0] + u.index[lane];
-            view[lane] = t.index[lane] * self.columns[1] + s.index[lane];
-            view_group[lane] =
-                (t.index[lane] >> self.shared_bits) * self.columns[1] + (s.index[lane] >> self.shared_bits);
+            lens[lane] = v.index[lane] * self.lens_columns + u.index[lane];
         }
-        PixelIds { lens, view, view_group }
+        PixelIds { lens, view: [t.index, s.index] }
     }
 
     #[inline(always)]
@@ -179,7 +172,7 @@ mod tests {
                 .unwrap();
             let selection = Selection::whole(&split);
             let tiling = Tiling::new(selection.counts());
-            let tables = RigRays::new(&rig, &tiling, &selection, 4);
+            let tables = RigRays::new(&rig, &tiling, &selection);
             let mut packet = RayHits::EMPTY;
             // Two packets: inside the grid, and at its end, where some lanes have no pixel.
             for position in [[6, 8, 0, 0], [3, 4, 1, 1]] {

@@ -100,6 +100,12 @@ impl Samples {
         }
     }
 
+    /// The number of samples of a packet so far.
+    #[inline(always)]
+    pub fn count(&self, packet: usize) -> u32 {
+        self.packets[packet].samples
+    }
+
     /// Converts the sums to means, up to a common factor, which is returned.
     #[inline(always)]
     pub fn average(&self, color: &mut [[[f32; LANES]; 3]], all: u32) -> f32 {

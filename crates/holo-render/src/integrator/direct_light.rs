@@ -144,7 +144,7 @@ fn add_visible(
     let mut rays =
         Rays { origin: contribution.start, direction: contribution.to_light, far: contribution.far, ..Rays::EMPTY };
     if context.scene.has_alpha {
-        rays.id = sampling::ray_numbers(here.sequences, &here.paths.sample, here.vertex);
+        rays.id = sampling::ray_numbers(here.sequences, &here.paths.index, here.vertex);
     }
     context.scene.engine.occluded(&lit, &mut rays, here.coherence);
     for lane in 0..LANES {

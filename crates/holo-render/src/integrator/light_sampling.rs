@@ -112,7 +112,7 @@ pub(super) fn candidates(vertex: u32) -> (u32, f32) {
 
 #[inline(always)]
 fn draw(context: &Context, here: &Shading, draw: Draw) -> Points {
-    context.sampler.points(here.sequences, &here.paths.sample, Purpose::at_vertex(here.vertex, draw))
+    context.sampler.points(here.sequences, &here.paths.index, Purpose::at_vertex(here.vertex, draw))
 }
 
 #[inline(always)]
@@ -152,7 +152,7 @@ fn emitter(context: &Context, here: &Shading, k: u32) -> LightSample {
     let (count, weight) = candidates(here.vertex);
     let mut indices = [0; LANES];
     for lane in 0..LANES {
-        indices[lane] = here.paths.sample[lane] * count + k;
+        indices[lane] = here.paths.index[lane] * count + k;
     }
     let draw = |draw| context.sampler.points(here.sequences, &indices, Purpose::at_vertex(here.vertex, draw));
     let [choice, _] = draw(Draw::EmitterChoice);

@@ -32,12 +32,12 @@ use crate::accel::{CAMERA_RAY, Coherence, RayHits, Rays};
 use crate::camera::tile::Tile;
 use crate::camera::{CameraRays, PixelPacket};
 use crate::film::adaptive::Samples;
+use crate::film::guides::Guides;
 use crate::material::media::MediaStack;
 use crate::material::{HitPoints, SurfaceInteraction};
-use crate::sampling;
+use crate::sampling::{self, Runs};
 use crate::simd::Kernel;
-use crate::simd::LANES;
-use crate::simd::count;
+use crate::simd::{LANES, at, count};
 use holo_scene::MAX_RADIANCE;
 
 /// The number of neighboring lanes (of 15) on different triangles above which rays are traced as incoherent (tuned for
@@ -64,6 +64,8 @@ pub(crate) struct PathTile<'a, 'b> {
     pub context: &'a Context<'a>,
     pub tile: &'a Tile,
     pub color: ArrayViewMut5<'b, f32>,
+    /// The guides of the pixels, if the context wants them.
+    pub guides: Option<ArrayViewMut5<'b, f32>>,
     pub scratch: &'a mut Scratch,
 }
 
@@ -72,9 +74,10 @@ pub(crate) struct PathTile<'a, 'b> {
 pub(crate) struct Scratch {
     /// The sums over the samples, in packet order.
     color: Vec<[[f32; LANES]; 3]>,
-    /// The random sequences of the pixels.
-    sequences: Vec<[u32; LANES]>,
+    /// The runs of the pixels in the random sequences.
+    runs: Vec<Runs>,
     samples: Samples,
+    guides: Guides,
     /// Rays that were scattered at the previous vertex.
     now: Paths,
     /// Rays that are scattered at the current vertex.
@@ -109,6 +112,11 @@ impl Kernel for PathTile<'_, '_> {
             }
         }
         let scratch = tile_paths.scratch;
+        if let Some(out) = &mut self.guides {
+            let color = scratch.color.iter().enumerate();
+            let packet = |(k, color)| scratch.guides.packet(k, color, scratch.samples.count(k).max(1));
+            self.tile.write(&color.map(packet).collect::<Vec<_>>(), 1.0, out);
+        }
         let scale = scratch.samples.average(&mut scratch.color, context.sampler.samples);
         self.tile.write(&scratch.color, scale, &mut self.color);
         tile_paths.counts
@@ -121,13 +129,16 @@ impl Scratch {
     fn begin(&mut self, context: &Context, tile: &Tile) {
         self.color.clear();
         self.color.resize(tile.packet_count(), [[0.0; LANES]; 3]);
-        self.sequences.clear();
+        self.runs.clear();
         self.samples.begin(context.policy.target_error);
+        if context.guides.is_some() {
+            self.guides.begin(context.sampler.samples, tile.packet_count());
+        }
         self.now.clear();
         self.next.clear();
         for pixels in context.camera.packets(tile) {
             self.samples.push(&pixels.valid);
-            self.sequences.push(context.sampler.sequences(&pixels.ids));
+            self.runs.push(context.sampler.runs(&pixels.ids));
         }
     }
 }
@@ -213,22 +224,30 @@ impl TilePaths<'_> {
     #[inline(always)]
     fn camera_rays(&mut self, pixels: &PixelPacket, index: usize, sample: u32, packet: &mut RayHits) -> Traced {
         let context = self.context;
-        let sequences = self.scratch.sequences[index];
+        let runs = self.scratch.runs[index];
+        let indices = runs.first.map(|first| first + sample);
         let CameraRays { exact, weight } = context.camera.sample(pixels, &context.sampler, sample, packet);
         packet.rays.id = [CAMERA_RAY; LANES];
         if context.scene.has_alpha {
-            let numbers = sampling::ray_numbers(&sequences, &[sample; LANES], 0);
+            let numbers = sampling::ray_numbers(&runs.sequence, &indices, 0);
             packet.rays.id = numbers.map(|number| number | CAMERA_RAY);
         }
         context.scene.engine.intersect(&pixels.valid, packet, Coherence::Coherent);
         self.counts.primary += count(&pixels.valid);
         let refined = refine::refine(context.scene.geometry, packet, &exact);
+        if let Some(map) = &context.guides {
+            let mut disparity = [0.0; LANES];
+            for lane in 0..LANES {
+                disparity[lane] = map.from_depth_m(refined.depth[lane]) as f32;
+            }
+            self.scratch.guides.add_disparity(index, &disparity);
+        }
         let mut paths = PathPacket {
             valid: pixels.valid,
             bsdf_pdf: [f32::INFINITY; LANES],
             pixel: [0; LANES],
             throughput: [weight; 3],
-            sample: [sample; LANES],
+            index: indices,
             may_scatter: [true; LANES],
             media: [MediaStack::AIR; LANES],
         };
@@ -236,7 +255,7 @@ impl TilePaths<'_> {
             paths.pixel[lane] = (index * LANES + lane) as u32;
         }
         let coherence = coherence(packet);
-        Traced { paths, sequences, points: HitPoints::primary(&exact, &refined), coherence }
+        Traced { paths, sequences: runs.sequence, points: HitPoints::primary(&exact, &refined), coherence }
     }
 
     /// Packet number `k` of the rays that were scattered at the previous vertex. With `occlusion_only` they are only
@@ -256,10 +275,10 @@ impl TilePaths<'_> {
         let mut sequences = [0; LANES];
         for lane in 0..LANES {
             let pixel = paths.pixel[lane] as usize;
-            sequences[lane] = self.scratch.sequences[pixel / LANES][pixel % LANES];
+            sequences[lane] = self.scratch.runs[pixel / LANES].sequence[pixel % LANES];
         }
         if context.scene.has_alpha {
-            packet.rays.id = sampling::ray_numbers(&sequences, &paths.sample, vertex);
+            packet.rays.id = sampling::ray_numbers(&sequences, &paths.index, vertex);
         } else {
             packet.rays.id = [0; LANES];
         }
@@ -283,6 +302,12 @@ impl TilePaths<'_> {
                     sum[c][lane] += contribution[c][lane];
                 }
             }
+            let guides = &mut self.scratch.guides;
+            if self.context.guides.is_some() && guides.is_second(paths.index[0]) {
+                for lane in 0..LANES {
+                    guides.add_second(paths.pixel[0] as usize / LANES, lane, at(contribution, lane));
+                }
+            }
             return;
         }
         let limit = self.context.policy.indirect_limit;
@@ -294,6 +319,11 @@ impl TilePaths<'_> {
                 let sum = &mut self.scratch.color[pixel / LANES];
                 for c in 0..3 {
                     sum[c][pixel % LANES] += contribution[c][lane] * scale;
+                }
+                let guides = &mut self.scratch.guides;
+                if self.context.guides.is_some() && guides.is_second(paths.index[lane]) {
+                    let added = at(contribution, lane).map(|value| value * scale);
+                    guides.add_second(pixel / LANES, pixel % LANES, added);
                 }
             }
         }

@@ -22,22 +22,22 @@ pub(crate) struct Path {
     /// Index of the pixel in the tile.
     pub pixel: u32,
     pub throughput: [f32; 3],
-    /// Number of the sample of the pixel, with a flag.
+    /// The index of the sample in its random sequence, with a flag.
     pub sample: SampleState,
 }
 
-/// The number of a sample, and whether the path may be scattered again at the next vertex.
+/// The index of a sample in its random sequence, below 2^31, and whether the path may be scattered again at the next vertex.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SampleState(u32);
 
 impl SampleState {
     #[inline(always)]
-    pub fn new(number: u32, may_scatter: bool) -> Self {
-        Self(number << 1 | u32::from(may_scatter))
+    pub fn new(index: u32, may_scatter: bool) -> Self {
+        Self(index << 1 | u32::from(may_scatter))
     }
 
     #[inline(always)]
-    pub fn number(self) -> u32 {
+    pub fn index(self) -> u32 {
         self.0 >> 1
     }
 
@@ -64,7 +64,8 @@ pub(crate) struct PathPacket {
     pub bsdf_pdf: [f32; LANES],
     pub pixel: [u32; LANES],
     pub throughput: [[f32; LANES]; 3],
-    pub sample: [u32; LANES],
+    /// The index of the sample in its random sequence.
+    pub index: [u32; LANES],
     pub may_scatter: [bool; LANES],
     pub media: [MediaStack; LANES],
 }
@@ -96,7 +97,7 @@ impl Paths {
             bsdf_pdf: [0.0; LANES],
             pixel: [0; LANES],
             throughput: [[0.0; LANES]; 3],
-            sample: [0; LANES],
+            index: [0; LANES],
             may_scatter: [false; LANES],
             media: [MediaStack::AIR; LANES],
         };
@@ -112,7 +113,7 @@ impl Paths {
             }
             packet.bsdf_pdf[lane] = path.bsdf_pdf;
             packet.pixel[lane] = path.pixel;
-            packet.sample[lane] = path.sample.number();
+            packet.index[lane] = path.sample.index();
             packet.may_scatter[lane] = path.sample.may_scatter();
             packet.media[lane] = self.media.get(self.order[k] as usize).copied().unwrap_or_default();
             packet.valid.0[lane] = -i32::from(first + lane < self.order.len());

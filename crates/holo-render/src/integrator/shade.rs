@@ -136,10 +136,10 @@ fn add_emission(context: &Context, here: &mut Shading, contribution: &mut [[f32;
 #[inline(always)]
 fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut Paths) {
     let purpose = |draw| Purpose::at_vertex(here.vertex, draw);
-    let numbers = context.sampler.points(here.sequences, &here.paths.sample, purpose(Draw::Direction));
+    let numbers = context.sampler.points(here.sequences, &here.paths.index, purpose(Draw::Direction));
     let uses_roulette = context.policy.roulette && here.vertex >= ROULETTE_FIRST_VERTEX;
     let [choice, survival] = if uses_roulette || scatterer.is_glossy() {
-        context.sampler.points(here.sequences, &here.paths.sample, purpose(Draw::Choice))
+        context.sampler.points(here.sequences, &here.paths.index, purpose(Draw::Choice))
     } else {
         [[0.0; LANES]; 2]
     };
@@ -175,10 +175,7 @@ fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut 
                 direction: at(&scattered.direction, lane),
                 pixel: here.paths.pixel[lane],
                 throughput,
-                sample: SampleState::new(
-                    here.paths.sample[lane],
-                    context.policy.indirect | scattered.is_specular[lane],
-                ),
+                sample: SampleState::new(here.paths.index[lane], context.policy.indirect | scattered.is_specular[lane]),
             };
             let media = if scattered.transmitted[lane] { here.media_behind[lane] } else { here.paths.media[lane] };
             next.push(path, cells[lane], context.scene.has_media.then_some(media));

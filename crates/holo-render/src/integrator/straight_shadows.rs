@@ -48,7 +48,7 @@ pub(super) fn attenuate(
         packet.reset();
         packet.rays.far = left;
         if context.scene.has_alpha {
-            packet.rays.id = sampling::ray_numbers(here.sequences, &here.paths.sample, here.vertex);
+            packet.rays.id = sampling::ray_numbers(here.sequences, &here.paths.index, here.vertex);
         }
         let coherence = if surface == 0 { here.coherence } else { Coherence::Incoherent };
         context.scene.engine.intersect(&lit, &mut packet, coherence);

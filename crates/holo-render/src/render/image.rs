@@ -1,10 +1,11 @@
 //! The execution of one request.
 
 use holo_core::{Layout, LightField, LightFieldOwned, LightFieldShape};
-use ndarray::{Array3, ArrayViewMut5};
+use ndarray::Array3;
 
 use super::Renderer;
 use super::checkpoint::{Checkpoint, TileKind};
+use super::color::{self, ColorFields};
 use super::plan::{Plan, Region};
 use super::request::{GroundTruth, Rendered, Request, Views};
 use super::work::Work;
@@ -13,7 +14,6 @@ use crate::error::Error;
 use crate::film::layers::{LayerSet, Layers};
 use crate::integrator::aov::{AovTile, TileAovs};
 use crate::integrator::depth::DepthTile;
-use crate::integrator::path::{PathTile, Scratch};
 use crate::integrator::{Context, Integrator, RayCounts};
 use crate::progress::{Progress, Stop};
 use crate::simd;
@@ -36,27 +36,23 @@ impl Renderer {
         let with_central = with_layers && !(with_all && request.views == Views::All);
 
         // The large arrays are allocated first, so that a size that does not fit into memory fails early.
-        let mut color = if with_color { Some(zeros(plan.color.shape()?, 3)?) } else { None };
+        let mut color = if with_color { Some(ColorFields::new(request, &plan.color)?) } else { None };
         let mut all = if with_all { Some(light_fields(plan.all.shape()?, request.layers)?) } else { None };
         let kinds = [
             (with_color, TileKind::Color, &plan.color),
             (with_all, TileKind::AllLayers, &plan.all),
             (with_central, TileKind::CentralLayers, &plan.central),
         ];
+        let steps = if with_color && color::needs_guides(request) { request.lens_row_range().len() } else { 0 };
         let wanted = kinds.into_iter().filter(|(wanted, ..)| *wanted);
         let counts = wanted.map(|(_, kind, region)| (kind, region.tiling.tiles().len()));
-        let work = Work::new(progress, &stop, checkpoint, counts);
+        let work = Work::new(progress, &stop, checkpoint, counts, steps);
         let mut rays = RayCounts::default();
         let mut samples = 0;
 
         if let Some(color) = &mut color {
             let context = self.context(request, integrator, &plan.color, &stop);
-            let tiling = &plan.color.tiling;
-            let trace = |tile: &Tile, color: &mut ArrayViewMut5<f32>, scratch: &mut Scratch| {
-                let color = color.view_mut();
-                simd::run(PathTile { context: &context, tile, color, scratch })
-            };
-            rays = work.run(TileKind::Color, tiling, tiling.cut(color.samples_mut()), trace)?;
+            rays = color.trace(&context, &plan.color.tiling, &work)?;
             // Every sample has one camera ray.
             samples = rays.primary;
         }
@@ -81,10 +77,14 @@ impl Renderer {
             }
             _ => Layers::default(),
         };
+        let (color, error) = match color {
+            Some(fields) => fields.finish(request, &plan, &work)?,
+            None => (None, None),
+        };
         if stop.requested() {
             return Err(Error::Cancelled);
         }
-        Ok(Rendered { color, central, all, integrator, why, rays, samples })
+        Ok(Rendered { color, error, central, all, integrator, why, rays, samples })
     }
 }
 

@@ -140,7 +140,7 @@ struct Found {
 fn trace(renderer: &Renderer) -> Vec<Found> {
     let selection = Selection::whole(rig().shape());
     let tiling = Tiling::new(selection.counts());
-    let camera = RaySource::Rig(RigRays::new(&rig(), &tiling, &selection, 4));
+    let camera = RaySource::Rig(RigRays::new(&rig(), &tiling, &selection));
     let mut out = Vec::new();
     let mut packet = RayHits::EMPTY;
     for tile in tiling.tiles() {

@@ -2,6 +2,7 @@
 
 use holo_core::{GridSize, LightFieldShape};
 
+use super::color;
 use super::request::{Request, Views};
 use crate::camera::tile::{SelectedViews, Selection, Tiling};
 use crate::error::Error;
@@ -23,9 +24,26 @@ pub(super) struct Plan {
 impl Region {
     /// Divides all lens rows into tiles, then selects the requested rows.
     fn new(request: &Request, views: SelectedViews, tile: impl Fn([usize; 4]) -> Tiling) -> Self {
+        Self::with_margin(request, views, tile, 0)
+    }
+
+    /// As `new`, with at least this many more lens rows on each side, up to the end of a tile or the image.
+    fn with_margin(
+        request: &Request,
+        views: SelectedViews,
+        tile: impl Fn([usize; 4]) -> Tiling,
+        margin: usize,
+    ) -> Self {
         let whole = Selection { views, ..Selection::whole(request.rig.shape()) };
         let tiling = tile(whole.counts());
-        let lens_rows = request.lens_row_range();
+        let lens_rows = match (request.lens_row_range(), margin) {
+            (rows, 0) => rows,
+            (rows, margin) => {
+                let (step, count) = (tiling.tile_rows(), request.rig.shape().lenses().rows);
+                let start = rows.start.saturating_sub(margin) / step * step;
+                start..((rows.end + margin).next_multiple_of(step)).min(count)
+            }
+        };
         Self { tiling: tiling.lens_rows(lens_rows.len()), selection: Selection { lens_rows, ..whole } }
     }
 
@@ -47,8 +65,9 @@ impl Plan {
         };
         let (t, s) = split.central_view();
         let pixels = path::tile_pixels(request.samples, request.bounces(integrator));
+        let color_tiling = |counts| Tiling::with_tiles_of(counts, pixels);
         Self {
-            color: Region::new(request, views.clone(), |counts| Tiling::with_tiles_of(counts, pixels)),
+            color: Region::with_margin(request, views.clone(), color_tiling, color::margin(request)),
             all: Region::new(request, views, Tiling::new),
             central: Region::new(request, SelectedViews::List(vec![[t as u32, s as u32]]), Tiling::new),
         }

@@ -83,6 +83,10 @@ pub struct Request {
     pub views: Views,
     /// The sample sequence of the pixels.
     pub sampling: Sampling,
+    /// Whether the noise of color is reduced with the samples of neighboring views.
+    pub denoise: Denoise,
+    /// Whether [`Rendered::error`] is estimated.
+    pub estimate_error: bool,
     /// The range of lens rows to render; `None` renders all. A range of
     /// [`Renderer::shard_lens_rows`](super::Renderer::shard_lens_rows) has the same values as in the whole image.
     pub lens_rows: Option<Range<usize>>,
@@ -110,6 +114,8 @@ impl Request {
             ground_truth: GroundTruth::Central,
             views: Views::All,
             sampling: Sampling::default(),
+            denoise: Denoise::default(),
+            estimate_error: false,
             lens_rows: None,
         }
     }
@@ -132,6 +138,8 @@ impl Request {
         ground_truth: GroundTruth,
         views: Views,
         sampling: Sampling,
+        denoise: Denoise,
+        estimate_error: bool,
         lens_rows: Option<Range<usize>>,
     }
 }
@@ -148,6 +156,22 @@ pub enum Views {
     /// A list of views, side by side in one row: the light fields of [`Rendered`] have 1 x N views. Every pixel has the
     /// same random numbers as in the whole image.
     List(Vec<ViewIndex>),
+}
+
+/// The reduction of noise.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Denoise {
+    /// None: every pixel is the mean of its own samples, which is unbiased.
+    #[default]
+    Off,
+    /// Reconstruction across views: every pixel is a mean over the samples of neighboring views, as many as show the same
+    /// within the noise. Biased where the views differ by less than that; the bias vanishes as the samples grow.
+    Views,
+}
+
+impl Denoise {
+    /// The name of the method of [`Denoise::Views`], for manifests: it changes when the results do.
+    pub const METHOD: &'static str = "mean over neighboring views, 1";
 }
 
 /// The views for which ground truth is rendered.
@@ -168,6 +192,11 @@ pub enum GroundTruth {
 pub struct Rendered {
     /// Linear RGB radiance, axes (v, u, t, s, c); `None` for the integrator `Depth`.
     pub color: Option<LightFieldOwned<f32>>,
+    /// The estimated relative standard error of `color`, axes (v, u, t, s, c) with one channel, if
+    /// [`Request::estimate_error`] is set: the square root of variance and squared bias, averaged over 5 x 5 microlenses and
+    /// about 8 x 8 views and divided by the luminance there. The estimate is above the true error where samples are better
+    /// distributed than independent ones. `None` for the integrator `Depth`.
+    pub error: Option<LightFieldOwned<f32>>,
     /// The layers of the central view, axes (v, u, c). Units: [`layers`](crate::layers).
     pub central: Layers<Array3<f32>>,
     /// The layers of all views, axes (v, u, t, s, c), if [`Request::ground_truth`] is [`GroundTruth::All`].
@@ -228,6 +257,10 @@ impl Request {
                      {count}: omit the layer"
                 )));
             }
+        }
+        if (self.denoise == Denoise::Views || self.estimate_error) && self.views != Views::All {
+            let what = if self.estimate_error { "the estimate of the error" } else { "denoising" };
+            return Err(Error::BadSetting(format!("{what} needs all views; render them all, or without it")));
         }
         if let Views::List(list) = &self.views {
             let outside = list.iter().find(|view| view.row >= views.rows || view.column >= views.columns);

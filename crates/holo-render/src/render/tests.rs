@@ -13,7 +13,8 @@ use crate::film::layers::Layer;
 use crate::integrator::aov::TileAovs;
 use crate::integrator::depth::DepthTile;
 use crate::integrator::path::{PathTile, Scratch};
-use crate::simd;
+use crate::sampling::Sampling;
+use crate::simd::{self, LANES};
 use holo_scene::gallery;
 use holo_scene::{Alpha, Anisotropy, Clearcoat, DiffuseTransmission, Environment, Iridescence, Material, Sheen};
 
@@ -80,7 +81,13 @@ fn every_instruction_set_gives_the_same_image() {
     let mut scratches = memory.iter_mut();
     let counts = simd::run_on_all(|| {
         let color = outputs.next().expect("three sets at most").view_mut();
-        PathTile { context: &context, tile: &tile, color, scratch: scratches.next().expect("three sets at most") }
+        PathTile {
+            context: &context,
+            tile: &tile,
+            color,
+            guides: None,
+            scratch: scratches.next().expect("three sets at most"),
+        }
     });
     assert!(images[0].iter().any(|x| *x > 0.0) && counts[0].secondary > 0);
     for set in 0..counts.len() {
@@ -122,7 +129,7 @@ fn the_size_of_tiles_changes_nothing() {
         let (mut color, mut aov) = (zeros(split, 3).expect("room"), light_fields(split, LayerSet::ALL).expect("room"));
         let (mut scratch, mut buffer) = (Scratch::default(), TileAovs::default());
         for (tile, color) in tiling.tiles().iter().zip(tiling.cut(color.samples_mut())) {
-            simd::run(PathTile { context: &context, tile, color, scratch: &mut scratch });
+            simd::run(PathTile { context: &context, tile, color, guides: None, scratch: &mut scratch });
         }
         for (tile, out) in tiling.tiles().iter().zip(tiles(&mut aov, tiling)) {
             simd::run(DepthTile { context: &context, tile, out, aov: &mut buffer });
@@ -202,32 +209,41 @@ fn poses_that_are_no_camera_are_errors() {
     }
 }
 
-/// Sixteen samples of a pixel are stratified over its sixteenths, at the same positions in all views of a group; other
-/// microlenses and other groups have positions of their own.
+/// Sixteen samples of a pixel are stratified over its sixteenths, in every view and every microlens at positions of its
+/// own; with shared positions, at the same in all views of a group.
 #[test]
-fn the_views_of_a_block_share_the_points_of_the_pixel() {
+fn sixteen_samples_lie_in_the_sixteenths_of_the_pixel() {
     let (renderer, request) = garden();
     let stop = Stop::new(&());
     let split = LightFieldShape::new(GridSize::new(8, 8), GridSize::new(1, 60)).expect("sizes");
     let rig = request.rig.to_builder().shape(split).build().expect("a rig");
     let region = region(&split, 8192);
-    let context = renderer.context(&request.clone().rig(rig), request.integrator, &region, &stop);
-    let tiles = region.tiling.tiles();
-    let packets: Vec<_> = tiles.iter().flat_map(|tile| context.camera.packets(tile)).collect();
-    let points = |[_, u, t, s]: [usize; 4], sample| {
-        let [x, y] = context.sampler.pixel_positions(&packets[(u * 2 + t) * 2 + s].ids, sample);
-        assert!(x.iter().all(|a| *a == x[0]) && y.iter().all(|a| *a == y[0]), "{x:?} {y:?}");
-        [x[0], y[0]]
-    };
-    let mut visited = std::collections::BTreeSet::new();
-    for sample in 0..16 {
-        let here = points([0, 7, 0, 0], sample);
-        for elsewhere in [[0, 8, 0, 0], [0, 7, 1, 0], [0, 7, 0, 1]] {
-            assert_ne!(here, points(elsewhere, sample));
+    for (sampling, places_in_a_group) in [(Sampling::OwnPositions, LANES), (Sampling::SharedPositions, 1)] {
+        let request = request.clone().rig(rig).samples(16).sampling(sampling);
+        let context = renderer.context(&request, request.integrator, &region, &stop);
+        let tiles = region.tiling.tiles();
+        let packets: Vec<_> = tiles.iter().flat_map(|tile| context.camera.packets(tile)).collect();
+        let positions = |[_, u, t, s]: [usize; 4], sample| -> [[f32; 2]; LANES] {
+            let [x, y] = context.sampler.pixel_positions(&packets[(u * 2 + t) * 2 + s].ids, sample);
+            std::array::from_fn(|lane| [x[lane], y[lane]])
+        };
+        let different = |places: [[f32; 2]; LANES]| {
+            places.map(|place| place.map(f32::to_bits)).into_iter().collect::<std::collections::BTreeSet<_>>().len()
+        };
+        let mut visited = [const { std::collections::BTreeSet::new() }; LANES];
+        for sample in 0..16 {
+            let here = positions([0, 7, 0, 0], sample);
+            assert_eq!(different(here), places_in_a_group, "{sampling:?}");
+            for elsewhere in [[0, 8, 0, 0], [0, 7, 1, 0], [0, 7, 0, 1]] {
+                let there = positions(elsewhere, sample);
+                assert!((0..LANES).all(|lane| here[lane] != there[lane]), "{sampling:?}");
+            }
+            for lane in 0..LANES {
+                visited[lane].insert(here[lane].map(|p| (p * 4.0) as u32));
+            }
         }
-        visited.insert(here.map(|p| (p * 4.0) as u32));
+        assert!(visited.iter().all(|cells| cells.len() == 16), "{sampling:?}: {visited:?}");
     }
-    assert_eq!(visited.len(), 16, "{visited:?}");
 }
 
 /// A list of views has the same pixels as all views: a single view, the corners, more views than lanes of a packet, one

@@ -18,7 +18,7 @@ pub(super) struct Work<'a> {
     progress: &'a dyn Progress,
     stop: &'a Stop<'a>,
     checkpoint: Option<&'a dyn Checkpoint>,
-    /// Tiles that are not stored yet, of all kinds.
+    /// Tiles that are not stored yet, of all kinds, and steps after them.
     total: u64,
     done: AtomicU64,
 }
@@ -87,16 +87,23 @@ impl<P: TileOutput> Finished<P> {
 }
 
 impl<'a> Work<'a> {
-    /// For tiles of these kinds.
+    /// For tiles of these kinds, and `steps` steps after them.
     pub fn new(
         progress: &'a dyn Progress,
         stop: &'a Stop<'a>,
         checkpoint: Option<&'a dyn Checkpoint>,
         kinds: impl Iterator<Item = (TileKind, usize)>,
+        steps: usize,
     ) -> Self {
         let is_missing = |id: &TileId| checkpoint.is_none_or(|checkpoint| !checkpoint.contains(*id));
         let missing = |(kind, count)| (0..count).filter(|&number| is_missing(&TileId { kind, number })).count() as u64;
-        Self { progress, stop, checkpoint, total: kinds.map(missing).sum(), done: AtomicU64::new(0) }
+        Self {
+            progress,
+            stop,
+            checkpoint,
+            total: kinds.map(missing).sum::<u64>() + steps as u64,
+            done: AtomicU64::new(0),
+        }
     }
 
     /// Calls `trace` with every tile and its output, unless the checkpoint contains it. Scratch memory is reused from
@@ -137,6 +144,13 @@ impl<'a> Work<'a> {
             finished.store(checkpoint);
         }
         outcome
+    }
+
+    /// Reports one of the steps after the tiles; returns whether to go on.
+    pub fn step(&self) -> bool {
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        self.progress.advance(done, self.total);
+        !self.stop.requested()
     }
 
     /// Fills `output` from the checkpoint, if it contains the tile.

@@ -20,7 +20,7 @@ const EPSILON: f64 = 1e-2;
 #[derive(Clone, Copy, PartialEq)]
 enum Setting {
     Default,
-    OwnPositions,
+    SharedPositions,
     Independent,
     NoRoulette,
 }
@@ -29,7 +29,7 @@ impl Setting {
     fn name(self) -> &'static str {
         match self {
             Self::Default => "default",
-            Self::OwnPositions => "own sample positions per view",
+            Self::SharedPositions => "sample positions shared by 4 x 4 views",
             Self::Independent => "independent random numbers",
             Self::NoRoulette => "no Russian roulette",
         }
@@ -37,8 +37,8 @@ impl Setting {
 
     fn sampling(self) -> Sampling {
         match self {
-            Self::Default | Self::NoRoulette => Sampling::SharedPositions,
-            Self::OwnPositions => Sampling::OwnPositions,
+            Self::Default | Self::NoRoulette => Sampling::OwnPositions,
+            Self::SharedPositions => Sampling::SharedPositions,
             Self::Independent => Sampling::Independent,
         }
     }
@@ -47,7 +47,7 @@ impl Setting {
 /// The measured combinations: every backend with the default setting, then the fastest one with the other settings.
 fn lines(engines: &[Backend], integrator: Integrator) -> Vec<(Backend, Setting)> {
     let mut lines: Vec<_> = engines.iter().map(|&engine| (engine, Setting::Default)).collect();
-    lines.extend([Setting::OwnPositions, Setting::Independent].map(|setting| (engines[0], setting)));
+    lines.extend([Setting::SharedPositions, Setting::Independent].map(|setting| (engines[0], setting)));
     if integrator == Integrator::Path {
         lines.push((engines[0], Setting::NoRoulette));
     }
@@ -123,8 +123,8 @@ pub fn section(options: &RunOptions) -> Section {
             "Gallery scenes, {views} x {views} views of {} x {} px, all threads, paths of up to 8 bounces. Reference: \
              {reference_samples} samples with another seed, same integrator. Relative squared error: the mean of (x - \
              r)^2 / (r^2 + {EPSILON}). Time x error compares settings independently of the number of samples: half of \
-             it is twice as efficient. Default sampling: Owen-scrambled Sobol points, pixel sample positions shared by \
-             4 x 4 views, Russian roulette. Intersections are computed in f32 and refined in f64; shading is not \
+             it is twice as efficient. Default sampling: Owen-scrambled Sobol points, one sequence per \
+             microlens, Russian roulette. Intersections are computed in f32 and refined in f64; shading is not \
              shared between views.",
             lenses.columns, lenses.rows
         ),

@@ -11,11 +11,11 @@ use crate::{RunOptions, Section};
 
 /// Effort and sampler of each run, with their names in the table. Every effort runs on images of the default sampler.
 const RUNS: [(Effort, Sampling, &str, &str); 5] = [
-    (Effort::Draft, Sampling::SharedPositions, "draft", "default"),
-    (Effort::Fast, Sampling::SharedPositions, "fast", "default"),
-    (Effort::Balanced, Sampling::SharedPositions, "balanced", "default"),
-    (Effort::Thorough, Sampling::SharedPositions, "thorough", "default"),
-    (Effort::Balanced, Sampling::OwnPositions, "balanced", "own sample positions per view"),
+    (Effort::Draft, Sampling::OwnPositions, "draft", "default"),
+    (Effort::Fast, Sampling::OwnPositions, "fast", "default"),
+    (Effort::Balanced, Sampling::OwnPositions, "balanced", "default"),
+    (Effort::Thorough, Sampling::OwnPositions, "thorough", "default"),
+    (Effort::Balanced, Sampling::SharedPositions, "balanced", "sample positions shared by 4 x 4 views"),
 ];
 
 pub fn section(options: &RunOptions) -> Section {
@@ -47,7 +47,7 @@ pub fn section(options: &RunOptions) -> Section {
             let coded = exposure::encode_8bit(&color, stops).expect("an image");
             (coded, rendered.central[Layer::Disparity].index_axis(ndarray::Axis(2), 0).to_owned())
         };
-        let ((shared, ground_truth), (own, _)) = (render(Sampling::SharedPositions), render(Sampling::OwnPositions));
+        let ((own, ground_truth), (shared, _)) = (render(Sampling::OwnPositions), render(Sampling::SharedPositions));
         let finite = ground_truth.iter().copied().filter(|d| d.is_finite());
         let (low, high) = finite.fold((f32::MAX, f32::MIN), |(low, high), d| (low.min(d), high.max(d)));
         let region = Region::with_border(15);
@@ -56,14 +56,14 @@ pub fn section(options: &RunOptions) -> Section {
         let mut points = Vec::new();
         for (effort, sampler, name, sampling) in RUNS {
             let sweep = PlaneSweepOptions::default().range_px(low - 0.1, high + 0.1).effort(effort);
-            let coded = if sampler == Sampling::SharedPositions { &shared } else { &own };
+            let coded = if sampler == Sampling::OwnPositions { &own } else { &shared };
             let (seconds, estimate) =
                 timed(options.rounds.min(3), || plane_sweep(coded, &sweep).expect("an estimate").disparity_px);
             let scores = disparity_scores(&estimate, &ground_truth, &region).expect("maps of one size");
-            if sampler == Sampling::SharedPositions {
+            if sampler == Sampling::OwnPositions {
                 points.push((seconds.median, scores.bad_pixels_percent[2]));
             }
-            if (effort, sampler) == (Effort::Balanced, Sampling::SharedPositions) {
+            if (effort, sampler) == (Effort::Balanced, Sampling::OwnPositions) {
                 highlights.push([
                     format!("disparity from stereo: `{scene_name}`, {name}"),
                     format!("{} s", seconds.text()),

@@ -35,7 +35,7 @@ fn rig() -> Rig {
 fn trace(geometry: &Geometry, engine: &dyn Engine) -> Vec<Found> {
     let selection = Selection::whole(rig().shape());
     let tiling = Tiling::new(selection.counts());
-    let camera = RaySource::Rig(RigRays::new(&rig(), &tiling, &selection, 4));
+    let camera = RaySource::Rig(RigRays::new(&rig(), &tiling, &selection));
     let mut found = Vec::new();
     for tile in tiling.tiles() {
         for pixels in camera.packets(&tile) {

@@ -1,0 +1,150 @@
+//! Reconstruction across views: less error, the same bytes for parts and threads, no effect where it is off.
+
+mod common;
+
+use common::rig;
+use holo_core::{GridSize, LightFieldOwned, LightFieldShape, Projection, ViewIndex};
+use holo_render::{Backend, Denoise, Error, Framing, Integrator, Rendered, Renderer, Request, Views};
+use holo_scene::gallery;
+
+/// A scene of the gallery, 24 x 24 views of 18 x 12 pixels. Points move by up to `movement_px` from view to view.
+fn prepared(name: &str, movement_px: f64) -> (Renderer, Request) {
+    let scene = gallery::scene(name).expect("a scene of the gallery");
+    let shape = LightFieldShape::new(GridSize::new(24, 24), GridSize::new(12, 18)).expect("sizes");
+    let framed = Framing::new(shape).frame(&scene).expect("a camera");
+    let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
+    let focus_m = renderer.automatic_focus_m(&framed).expect("a focus");
+    let rig = framed.rig(focus_m).expect("a rig");
+    let (near_m, _) = renderer.central_depths_m(&rig).expect("depths").expect("something is seen");
+    let wanted = movement_px / rig.disparity().from_depth_m(near_m);
+    let rig = rig.to_builder().baseline_m(rig.baseline_x_m() * wanted).build().expect("a rig");
+    (renderer, Request::new(rig).integrator(Integrator::Path).max_bounces(3).sky([0.35, 0.45, 0.6]).samples(4))
+}
+
+fn color(rendered: &Rendered) -> &LightFieldOwned<f32> {
+    rendered.color.as_ref().expect("an image")
+}
+
+/// Of some views, at the corners and in the middle: the mean relative squared error without the worst pixel of a hundred,
+/// and the median relative error as that of a normal distribution.
+fn errors(renderer: &Renderer, request: &Request, images: &[&Rendered]) -> Vec<[f64; 2]> {
+    let views = [(0, 0), (0, 12), (12, 12), (23, 5), (23, 23)];
+    let list = views.iter().map(|&(row, column)| ViewIndex { row, column }).collect();
+    let many = request.clone().samples(512).seed(99).denoise(Denoise::Off).views(Views::List(list));
+    let reference = renderer.render(&many, &()).expect("a reference");
+    let error = |rendered: &&Rendered| {
+        let (mut sum, mut relative) = (0.0, Vec::new());
+        for (k, &(t, s)) in views.iter().enumerate() {
+            let exact = color(&reference).view(0, k).expect("a view");
+            let found = color(rendered).view(t, s).expect("a view");
+            let bright = exact.iter().map(|&x| f64::from(x).powi(2)).sum::<f64>() / exact.len() as f64;
+            let pairs = exact.iter().zip(found).map(|(&exact, &found)| (f64::from(exact), f64::from(found)));
+            relative.extend(pairs.clone().map(|(exact, found)| (found / exact - 1.0).abs()));
+            let mut errors: Vec<f64> =
+                pairs.map(|(exact, found)| (found - exact).powi(2) / (exact * exact + 0.01 * bright)).collect();
+            errors.sort_by(f64::total_cmp);
+            errors.truncate(errors.len() * 99 / 100);
+            sum += errors.iter().sum::<f64>() / errors.len() as f64;
+        }
+        relative.sort_by(f64::total_cmp);
+        [sum / views.len() as f64, relative[relative.len() / 2] / 0.6745]
+    };
+    images.iter().map(error).collect()
+}
+
+/// Grass, glass and plaster: a tenth of the squared error or less where views nearly agree, less where points move by a third
+/// of a pixel; and the estimated error is that of the image.
+#[test]
+fn neighboring_views_take_the_noise_away() {
+    for (name, movement_px, gain) in
+        [("plaster", 0.01, 60.0), ("glasses", 0.01, 30.0), ("garden", 0.01, 30.0), ("garden", 0.3, 2.5)]
+    {
+        let (renderer, request) = prepared(name, movement_px);
+        let plain = renderer.render(&request, &()).expect("a render");
+        let denoised = request.clone().denoise(Denoise::Views).estimate_error(true);
+        let rendered = renderer.render(&denoised, &()).expect("a render");
+        let [[before, _], [after, typical]] = errors(&renderer, &request, &[&plain, &rendered])[..] else {
+            panic!("two images")
+        };
+        println!("{name}, {movement_px} px: {before:.5} to {after:.6}, gain {:.0}", before / after);
+        assert!(before / after > gain, "{name}, {movement_px} px: {before} to {after}");
+        let error = rendered.error.as_ref().expect("an estimate");
+        let mut estimated: Vec<f32> = error.samples().iter().copied().collect();
+        estimated.sort_by(f32::total_cmp);
+        let estimated = f64::from(estimated[estimated.len() / 2]);
+        assert!((0.5..2.0).contains(&(estimated / typical)), "{name}: estimated {estimated}, is {typical}");
+        // The mean brightness stays: what is averaged is not clipped.
+        let mean = |rendered: &LightFieldOwned<f32>| {
+            rendered.samples().iter().map(|&x| f64::from(x)).sum::<f64>() / rendered.samples().len() as f64
+        };
+        let ratio = mean(color(&rendered)) / mean(color(&plain));
+        assert!((ratio - 1.0).abs() < 3e-3, "{name}: {ratio}");
+    }
+}
+
+/// The estimate alone changes no color; and it falls with the samples.
+#[test]
+fn an_estimate_of_the_error_changes_nothing() {
+    let (renderer, request) = prepared("chess", 0.02);
+    let mut medians = Vec::new();
+    for samples in [2, 8, 32] {
+        let request = request.clone().samples(samples);
+        let plain = renderer.render(&request, &()).expect("a render");
+        let estimated = renderer.render(&request.estimate_error(true), &()).expect("a render");
+        assert!(color(&plain) == color(&estimated), "{samples} samples");
+        assert!(plain.error.is_none());
+        let mut error: Vec<f32> = estimated.error.expect("an estimate").samples().iter().copied().collect();
+        error.sort_by(f32::total_cmp);
+        medians.push(error[error.len() / 2]);
+    }
+    // Independent samples would halve the error each time.
+    assert!(medians.windows(2).all(|pair| pair[1] < 0.6 * pair[0]), "{medians:?}");
+}
+
+/// Lens rows that are rendered alone, with any number of threads, have the bytes of the whole.
+#[test]
+fn parts_have_the_bytes_of_the_whole() {
+    let scene = common::soup(80, 3);
+    let renderer =
+        |threads| Renderer::new(&scene, &holo_scene::Transform::IDENTITY, Backend::Bvh, threads).expect("a renderer");
+    let (one, three) = (renderer(1), renderer(3));
+    // Elemental images as tiles; rows of microlenses as tiles, with points that move by several pixels.
+    for (views, lenses, baseline_m) in [([70, 70], [22, 3], 0.0005), ([4, 5], [60, 40], 0.03)] {
+        let rig = rig(views, lenses, baseline_m, 3.0, Projection::Perspective);
+        let request = Request::new(rig).sky([0.3, 0.4, 0.5]).samples(2).max_bounces(2);
+        let request = request.denoise(Denoise::Views).estimate_error(true);
+        let whole = one.render(&request, &()).expect("a render");
+        let again = three.render(&request, &()).expect("a render");
+        assert!(color(&whole) == color(&again) && whole.error == again.error);
+        let mut rows = 0;
+        let parts = 2;
+        for part in 0..parts {
+            let range = one.shard_lens_rows(&request, part, parts).expect("a part");
+            let rendered = three.render(&request.clone().lens_rows(Some(range.clone())), &()).expect("a render");
+            let same = |part: &LightFieldOwned<f32>, whole: &LightFieldOwned<f32>| {
+                assert_eq!(part.shape().lenses().rows, range.len());
+                let rows = whole.samples().slice_move(ndarray::s![range.clone(), .., .., .., ..]).to_owned();
+                part.samples().to_owned() == rows
+            };
+            assert!(same(color(&rendered), color(&whole)), "{range:?}");
+            assert!(
+                same(rendered.error.as_ref().expect("an estimate"), whole.error.as_ref().expect("one")),
+                "{range:?}"
+            );
+            rows += range.len();
+        }
+        assert_eq!(rows, lenses[0]);
+    }
+}
+
+#[test]
+fn lists_of_views_are_not_denoised() {
+    let (renderer, request) = prepared("plaster", 0.01);
+    let list = request.views(Views::List(vec![ViewIndex { row: 1, column: 2 }]));
+    for request in [list.clone().denoise(Denoise::Views), list.estimate_error(true)] {
+        match renderer.render(&request, &()) {
+            Err(Error::BadSetting(why)) => assert!(why.contains("all views"), "{why}"),
+            other => panic!("{other:?}"),
+        }
+    }
+}
