@@ -303,7 +303,7 @@ impl RenderJob {
         if !request.multiple_scattering {
             settings.insert("multiple-scattering".into(), "off".into());
         }
-        if request.denoise != Denoise::Off {
+        if request.denoise != Denoise::Off && rendered.color.is_some() {
             settings.insert("denoise".into(), denoise_name(request.denoise).into());
             settings.insert("denoise-method".into(), Denoise::METHOD.into());
         }

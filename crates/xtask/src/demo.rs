@@ -24,7 +24,7 @@ pub fn run(arguments: &[String]) -> Result {
                 .arg(&scene)
                 .args(["--sensor", "8k", "--views", views, "--baseline-m", baseline_m])
                 // Direct light alone: with indirect light the dense grass takes minutes.
-                .args(["--sky", "0.35,0.45,0.6", "--spp", "2", "--no-indirect", "--out"])
+                .args(["--sky", "0.35,0.45,0.6", "--spp", "2", "--no-indirect", "--denoise", "views", "--out"])
                 .arg(&folder)
                 .args(arguments),
         )?;
