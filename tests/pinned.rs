@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use common::{engines, rig};
 use holo_core::Projection;
 use holo_io::{Limits, Sha256};
-use holo_render::{Backend, GroundTruth, Integrator, LayerSet, Rendered, Renderer, Request};
+use holo_render::{Backend, Denoise, GroundTruth, Integrator, LayerSet, Rendered, Renderer, Request};
 use holo_scene::{Environment, Scene};
 use holo_scene::{gallery, gltf};
 
@@ -31,10 +31,13 @@ fn digest<'a>(values: impl Iterator<Item = &'a f32>) -> String {
     Sha256::of(&bytes).to_string()
 }
 
-/// A line for the color, and one for the layers of each kind.
+/// A line for the color, one for its estimated error, and one for the layers of each kind.
 fn lines(name: &str, rendered: &Rendered, lines: &mut BTreeMap<String, String>) {
     if let Some(color) = &rendered.color {
         lines.insert(format!("{name}/color"), digest(color.samples().iter()));
+    }
+    if let Some(error) = &rendered.error {
+        lines.insert(format!("{name}/error"), digest(error.samples().iter()));
     }
     lines.insert(format!("{name}/central"), digest(rendered.central.iter().flat_map(|(_, image)| image)));
     if let Some(all) = &rendered.all {
@@ -71,6 +74,7 @@ fn arrays(backend: Backend, engine: &str) -> BTreeMap<String, String> {
         put("no_indirect", path.clone().indirect(false).samples(1));
         let sparse = focused([1, 2], [19, 23], Projection::Perspective);
         put("adaptive", path.clone().target_error(Some(0.2)).samples(64).rig(sparse));
+        put("denoised", path.clone().denoise(Denoise::Views).estimate_error(true));
         let parallel = focused([9, 4], [7, 5], Projection::Orthographic);
         let truth = Request::new(parallel).integrator(Integrator::Depth).layers(LayerSet::ALL);
         put("parallel", truth.clone().ground_truth(GroundTruth::All));

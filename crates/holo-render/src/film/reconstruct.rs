@@ -98,13 +98,13 @@ impl Lens {
     }
 
     /// About how many views the windows of a view have.
-    fn window_views(&self, views: [usize; 2]) -> [f32; LEVELS] {
+    fn window_views(&self, views: [usize; 2]) -> [f64; LEVELS] {
         if self.gathers {
             return GATHERED_VIEWS;
         }
         std::array::from_fn(|level| {
             let [rows, columns] = views.map(|count| self.radii.window(level, count / 2, count).len());
-            (rows * columns) as f32
+            (rows * columns) as f64
         })
     }
 }
@@ -217,8 +217,8 @@ impl Blocks {
     }
 
     /// The average number of views of a block.
-    fn size(&self) -> f32 {
-        (self.views[0] * self.views[1]) as f32 / self.count() as f32
+    fn size(&self) -> f64 {
+        (self.views[0] * self.views[1]) as f64 / self.count() as f64
     }
 
     /// Interpolates linearly between the centers of the blocks along one axis: the lower block, and the weight of the

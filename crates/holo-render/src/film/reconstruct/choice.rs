@@ -14,24 +14,24 @@ use super::windows::LEVELS;
 pub(super) const LENSES: usize = 2;
 
 /// Standard errors above which a difference counts as bias.
-const STANDARD_ERRORS: f32 = 2.0;
+const STANDARD_ERRORS: f64 = 2.0;
 
 /// The share of the mean squared luminance that is added to that of a block: errors are relative where there is light.
-const FLOOR: f32 = 0.01;
+const FLOOR: f64 = 0.01;
 
 /// The pairs of levels, the smaller first.
 const PAIRS: usize = LEVELS * (LEVELS - 1) / 2;
 
-/// Sums over the sampled pixels of a block of views of one microlens.
+/// Sums over the sampled pixels of a block of views of one microlens; in f64, because squares of radiance may exceed f32.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Evidence {
     /// Of the squares of the mean half differences, by level.
-    variance: [f32; LEVELS],
+    variance: [f64; LEVELS],
     /// Of the squares of the differences between the means of two levels.
-    difference: [f32; PAIRS],
+    difference: [f64; PAIRS],
     /// Of the squares of the luminance.
-    luminance: f32,
-    pixels: f32,
+    luminance: f64,
+    pixels: f64,
     /// The number of levels of the microlens.
     levels: usize,
 }
@@ -57,13 +57,13 @@ impl Evidence {
     /// Adds a pixel: luminances and half differences of the means by level.
     pub fn add(&mut self, luminance: &[f32; LEVELS], difference: &[f32; LEVELS]) {
         for larger in 0..self.levels {
-            self.variance[larger] += difference[larger] * difference[larger];
+            self.variance[larger] += f64::from(difference[larger]).powi(2);
             for smaller in 0..larger {
-                let apart = luminance[larger] - luminance[smaller];
+                let apart = f64::from(luminance[larger]) - f64::from(luminance[smaller]);
                 self.difference[pair(smaller, larger)] += apart * apart;
             }
         }
-        let mean = luminance[self.levels - 1];
+        let mean = f64::from(luminance[self.levels - 1]);
         self.luminance += mean * mean;
         self.pixels += 1.0;
     }
@@ -71,7 +71,7 @@ impl Evidence {
 
 /// Chooses for the block of views of a microlens. `near` has the evidence of the same block of the microlenses around
 /// it; `levels` is the number of levels of the microlens, and `window_views` the views of each window.
-pub(super) fn choose(near: &[Evidence], levels: usize, window_views: &[f32; LEVELS], block_views: f32) -> Choice {
+pub(super) fn choose(near: &[Evidence], levels: usize, window_views: &[f64; LEVELS], block_views: f64) -> Choice {
     let mut brightness = 0.0;
     let mut lenses = 0.0;
     for evidence in near.iter().filter(|evidence| evidence.levels >= levels) {
@@ -81,7 +81,7 @@ pub(super) fn choose(near: &[Evidence], levels: usize, window_views: &[f32; LEVE
     let floor = FLOOR * brightness / lenses;
     let mut sum = Evidence::new(levels);
     for evidence in near.iter().filter(|evidence| evidence.levels >= levels) {
-        let weight = 1.0 / (evidence.luminance / evidence.pixels + floor).max(f32::MIN_POSITIVE) / evidence.pixels;
+        let weight = 1.0 / (evidence.luminance / evidence.pixels + floor).max(f64::MIN_POSITIVE) / evidence.pixels;
         for level in 0..levels {
             sum.variance[level] += evidence.variance[level] * weight / lenses;
         }
@@ -90,7 +90,7 @@ pub(super) fn choose(near: &[Evidence], levels: usize, window_views: &[f32; LEVE
         }
         sum.pixels += evidence.pixels;
     }
-    let mut best = Choice { level: 0.0, error: sum.variance[0] };
+    let (mut level, mut least) = (0, sum.variance[0]);
     for larger in 1..levels {
         let mut error = sum.variance[larger];
         for smaller in 0..larger {
@@ -105,9 +105,9 @@ pub(super) fn choose(near: &[Evidence], levels: usize, window_views: &[f32; LEVE
                 error = error.max(sum.variance[larger] + bias);
             }
         }
-        if error <= best.error {
-            best = Choice { level: larger as f32, error };
+        if error <= least {
+            (level, least) = (larger, error);
         }
     }
-    best
+    Choice { level: level as f32, error: least as f32 }
 }

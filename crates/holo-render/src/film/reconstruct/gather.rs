@@ -18,7 +18,7 @@ pub(super) const GATHER_LEVELS: usize = 5;
 const WINDOWS: [(usize, f32); GATHER_LEVELS] = [(0, 0.0), (2, 0.1), (4, 0.15), (7, 0.15), (usize::MAX, 0.2)];
 
 /// About how many views each window has, at disparities around 0.15 px.
-pub(super) const GATHERED_VIEWS: [f32; LEVELS] = [1.0, 7.0, 18.0, 38.0, 90.0, 90.0, 90.0];
+pub(super) const GATHERED_VIEWS: [f64; LEVELS] = [1.0, 7.0, 18.0, 38.0, 90.0, 90.0, 90.0];
 
 /// The largest movement, px, of a sample against the pixel between their views.
 const MAX_PARTING_PX: f32 = 0.25;
