@@ -1,17 +1,18 @@
 //! Reconstruction across views: the noise of a light field from the samples of neighboring views.
 //!
-//! Adjacent views see nearly the same image. Behind one microlens, views that are k apart see spots of the scene that are
-//! k disparities apart, in pixels; at 100 x 100 views of an 8K sensor that is a hundredth of a pixel for adjacent
+//! Adjacent views see nearly the same image. Behind one microlens, views that are k apart see spots of the scene that
+//! are k disparities apart, in pixels; at 100 x 100 views of an 8K sensor that is a hundredth of a pixel for adjacent
 //! views. So every pixel becomes a mean over a window of views: of the same microlens where nothing moves by more than
-//! 0.15 px within the window, else of the microlenses along the disparity of the pixel ([`gather`]). Among nested
-//! windows up to 21 x 21 views, [`choice`] takes the largest one that no smaller one contradicts, per microlens and block of
-//! views; with more samples smaller ones suffice, and differences that noise used to hide count. Views at the border have windows that lie to one side of them.
+//! 0.15 px within the radius of the window, else of the microlenses along the disparity of the pixel ([`gather`]).
+//! Among nested windows up to 21 x 21 views, [`choice`] takes the largest one that no smaller one contradicts, per
+//! microlens and block of views. With more samples, differences that noise used to hide count, and windows shrink.
+//! Views at the border have windows that lie to one side of them.
 //!
 //! # Bias
-//! A mean over views is biased where the views differ: by the movement within the window (the nearest microlens is up to half
-//! a pixel away), by reflections and refractions, which have disparities of their own, and by light that depends on the
-//! direction. The bias that the choice allows is of the order of the noise that remains, and it vanishes as the
-//! samples grow. The estimated error contains it where it is significant.
+//! A mean over views is biased where the views differ: by the movement within the window (up to 0.2 px, twice the 0.15 px
+//! for windows to one side), by reflections and refractions, which have disparities of their own, and by light that
+//! depends on the direction. The bias that the choice allows is of the order of the noise that remains, and it vanishes
+//! as the samples grow. The estimated error contains it where it is significant.
 //!
 //! # Determinism
 //! A pixel depends on the samples of at most [`HALO`] lens rows above and below it, so parts of a light field that are
@@ -307,9 +308,9 @@ impl Reconstruction<'_> {
         }
     }
 
-    /// With one sample per pixel there are no halves; the differences between neighboring views take their place: of every
-    /// 2 x 2 views the three differences of a Haar wavelet, which have the variance of a view, are uncorrelated, and
-    /// do not contain the mean. Their signs alternate, so that gradients cancel.
+    /// With one sample per pixel there are no halves; the differences between neighboring views take their place: of
+    /// every 2 x 2 views the three differences of a Haar wavelet, which have the variance of a view, are uncorrelated,
+    /// and do not contain the mean. Their signs alternate, so that gradients cancel.
     fn differences_between_views(&mut self) {
         let [_, lens_columns, view_rows, view_columns] = self.shape;
         let width = lens_columns * view_columns;

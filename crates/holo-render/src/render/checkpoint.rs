@@ -35,7 +35,8 @@ pub struct FinishedTile {
     pub id: TileId,
     /// The rays that were traced for it.
     pub rays: RayCounts,
-    /// Color, or one layer after another in the order of [`Layer::ALL`](crate::Layer::ALL); of each the values with the
+    /// Color, followed by what a reconstruction across views needs of each pixel, if one is requested; or one layer after
+    /// another in the order of [`Layer::ALL`](crate::Layer::ALL); of each the values with the
     /// axes (v, u, t, s, c), the last fastest.
     pub values: Vec<f32>,
 }

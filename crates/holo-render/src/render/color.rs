@@ -103,19 +103,17 @@ impl ColorFields {
         let mut error = if request.estimate_error { Some(grid(zeros(self.color.shape(), 1)?)?) } else { None };
         let (mut color, mut guides) = (grid(self.color)?, grid(guides)?);
         let [v, u, t, s] = plan.color.selection.counts();
-        if let (Some(color), Some(guides)) = (color.as_slice_mut(), guides.as_slice_mut()) {
-            let reconstruction = Reconstruction {
-                shape: [v, u, t, s],
-                color,
-                guides,
-                movement: [ratio.vertical() as f32, ratio.horizontal() as f32],
-                samples: request.samples,
-                filters: request.denoise == Denoise::Views,
-                rows: rows.clone(),
-                error: error.as_mut().and_then(|error| error.as_slice_mut()),
-            };
-            reconstruction.run(|| work.step());
-        }
+        let reconstruction = Reconstruction {
+            shape: [v, u, t, s],
+            color: values(&mut color)?,
+            guides: values(&mut guides)?,
+            movement: [ratio.vertical() as f32, ratio.horizontal() as f32],
+            samples: request.samples,
+            filters: request.denoise == Denoise::Views,
+            rows: rows.clone(),
+            error: error.as_mut().map(values).transpose()?,
+        };
+        reconstruction.run(|| work.step());
         let shape = LightFieldShape::new(views, lenses)?;
         let only = |image: Array3<f32>| -> Result<LightFieldOwned<f32>, Error> {
             let image = if rows.len() < v {
@@ -142,6 +140,12 @@ pub(crate) fn samples(renderer: &super::Renderer, request: &Request) -> Result<[
     renderer.install(|| fields.trace(&context, &plan.color.tiling, &work))?;
     let guides = fields.guides.ok_or_else(|| Error::BadSetting("no guides".into()))?;
     Ok([grid(fields.color)?, grid(guides)?])
+}
+
+/// All values of an elemental image array, which has no gaps in memory.
+fn values(image: &mut Array3<f32>) -> Result<&mut [f32], Error> {
+    let gaps = || Error::BadSetting("the light field has gaps in memory; report this, with the request".into());
+    image.as_slice_mut().ok_or_else(gaps)
 }
 
 /// The elemental image array; light fields of a render have its memory order.

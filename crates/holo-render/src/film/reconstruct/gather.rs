@@ -1,8 +1,8 @@
 //! Means over neighboring views along the disparity of a pixel: from every view the sample of the microlens that is
 //! nearest to where the same point of the scene is seen.
 //!
-//! The point lies up to half a pixel beside the center of that microlens. The windows are of views where it lies close,
-//! near views first: at a disparity of 0.17 px every sixth view shows a point within a few hundredths of a pixel.
+//! The point lies up to half a pixel beside the center of that microlens. Only views where it lies close are taken, near
+//! ones first: at a disparity of 0.17 px every sixth view shows a point within a few hundredths of a pixel.
 //!
 //! A sample is left out if its own disparity says that it shows something else: if the two points move apart by more
 //! than a quarter of a pixel between the two views.
