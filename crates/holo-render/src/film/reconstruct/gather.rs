@@ -13,15 +13,15 @@ use super::{Field, LARGEST_RADIUS, REACH};
 /// The number of windows.
 pub(super) const GATHER_LEVELS: usize = 5;
 
-/// Of the windows: the largest distance from a view to its own, in views along an axis, and the largest distance of the point
-/// from the center of a microlens, px along an axis. Tuned on grass and glasses at 20 x 20 views.
-const WINDOWS: [(usize, f32); GATHER_LEVELS] = [(0, 0.0), (2, 0.1), (4, 0.15), (7, 0.15), (usize::MAX, 0.2)];
+/// Of the windows: the largest distance from a view to its own, in views along an axis, and the largest distance of the
+/// point from the center of a microlens, px along an axis. Tuned on grass at 20 x 20 views.
+pub(super) const WINDOWS: [(usize, f32); GATHER_LEVELS] = [(0, 0.0), (2, 0.1), (4, 0.15), (7, 0.15), (usize::MAX, 0.2)];
 
 /// About how many views each window has, at disparities around 0.15 px.
 pub(super) const GATHERED_VIEWS: [f64; LEVELS] = [1.0, 7.0, 18.0, 38.0, 90.0, 90.0, 90.0];
 
 /// The largest movement, px, of a sample against the pixel between their views.
-const MAX_PARTING_PX: f32 = 0.25;
+pub(super) const MAX_PARTING_PX: f32 = 0.25;
 
 /// The number of views along an axis among which a window is sought.
 const CANDIDATES: usize = 2 * LARGEST_RADIUS + 1;

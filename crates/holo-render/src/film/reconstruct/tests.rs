@@ -120,6 +120,67 @@ fn box_means_are_the_means_over_windows() {
     }
 }
 
+/// A window along the disparity by its definition: every view is asked, and the sums are f64.
+fn gathered(field: &Field, [v, u, t, s]: [usize; 4], (views, beside_px): (usize, f32)) -> [[f64; 2]; VALUES] {
+    let [_, disparity] = field.guides(v, u, t, s);
+    // The microlens along one axis, if the view belongs to the window.
+    let along = |axis: usize, lens: usize, view: usize, other: usize| {
+        let count = field.shape[axis + 2];
+        let first = view.saturating_sub(10).min(count - count.min(21));
+        let shift = field.movement[axis] * disparity * (other as f32 - view as f32);
+        let (nearest, place) = (shift.round_ties_even(), lens as f32 - shift.round_ties_even());
+        let is_candidate = (first..first + 21).contains(&other) && other.abs_diff(view) <= views;
+        let is_close = (shift - nearest).abs() <= beside_px && nearest.abs() <= REACH as f32;
+        (is_candidate && is_close && (0.0..field.shape[axis] as f32).contains(&place)).then_some(place as usize)
+    };
+    let (mut sums, mut count) = ([[0.0; 2]; VALUES], 0.0);
+    for row in 0..field.shape[2] {
+        for column in 0..field.shape[3] {
+            let (Some(lens_row), Some(lens_column)) = (along(0, v, t, row), along(1, u, s, column)) else { continue };
+            let [difference, found] = field.guides(lens_row, lens_column, row, column);
+            let distance = |axis: usize, apart: usize| field.movement[axis] * apart as f32;
+            let farthest = distance(0, row.abs_diff(t)).max(distance(1, column.abs_diff(s)));
+            if (found - disparity).abs() * farthest <= gather::MAX_PARTING_PX {
+                let [r, g, b] = field.color(lens_row, lens_column, row, column);
+                for (sum, value) in sums.iter_mut().zip([r, g, b, difference]) {
+                    *sum = [sum[0] + f64::from(value), sum[1] + f64::from(value.abs())];
+                }
+                count += 1.0;
+            }
+        }
+    }
+    sums.map(|sum| sum.map(|sum| sum / count))
+}
+
+/// Gathering is that definition, for points that move by any speed, with neighbors at other depths, in every window.
+#[test]
+fn gathering_is_its_definition() {
+    let shape = [7, 9, 14, 23];
+    let mut taken = 0;
+    for (seed, speed) in [(1, 0.05f32), (2, 0.17), (3, -0.6), (4, 2.3)] {
+        let mut synthetic = Synthetic::new(shape, 0.0, 0.5, seed, |_| 1.0);
+        for (number, guides) in synthetic.guides.chunks_exact_mut(CHANNELS).enumerate() {
+            let [jump, jitter] = uniform_pair(seed, number as u32);
+            guides[1] = speed * (1.0 + 0.02 * jitter) + if jump > 0.8 { 0.4 } else { 0.0 };
+        }
+        let length = shape[1] * shape[2] * shape[3] * 3;
+        let rows = synthetic.color.chunks_exact(length).collect();
+        let field = Field { shape, movement: [0.5, 1.0], rows, guides: &synthetic.guides };
+        for pixel in [[0, 0, 0, 0], [3, 4, 7, 11], [6, 8, 13, 22], [2, 7, 1, 20], [5, 1, 12, 3]] {
+            let means = gather::gather(&field, pixel, GATHER_LEVELS - 1);
+            for (level, window) in gather::WINDOWS.into_iter().enumerate() {
+                for (found, [mean, size]) in means[level].into_iter().zip(gathered(&field, pixel, window)) {
+                    // At most 441 additions in f32 and a division.
+                    let bound = 442.0 * size * 2f64.powi(-24);
+                    assert!((f64::from(found) - mean).abs() <= bound, "{speed} {pixel:?} {level}: {found} {mean}");
+                    taken += usize::from(mean != f64::from(means[0][0]));
+                }
+            }
+        }
+    }
+    assert!(taken > 200, "windows of more than one view: {taken}");
+}
+
 /// Where all views see the same, the noise falls with the number of views of the largest window, at the border as in the
 /// middle, and the estimated error says so.
 #[test]
