@@ -4,7 +4,7 @@ mod common;
 
 use common::rig;
 use holo_core::{GridSize, LightFieldOwned, LightFieldShape, Projection, ViewIndex};
-use holo_render::{Backend, Denoise, Error, Framing, Integrator, Rendered, Renderer, Request, Views};
+use holo_render::{Backend, Denoise, Error, Framing, Integrator, Rendered, Renderer, Request, Reuse, Views};
 use holo_scene::gallery;
 
 /// A scene of the gallery, 24 x 24 views of 18 x 12 pixels. Points move by up to `movement_px` from view to view.
@@ -31,6 +31,7 @@ fn errors(renderer: &Renderer, request: &Request, images: &[&Rendered]) -> Vec<[
     let views = [(0, 0), (0, 12), (12, 12), (23, 5), (23, 23)];
     let list = views.iter().map(|&(row, column)| ViewIndex { row, column }).collect();
     let many = request.clone().samples(512).seed(99).denoise(Denoise::Off).views(Views::List(list));
+    let many = many.estimate_error(false).target_error(None);
     let reference = renderer.render(&many, &()).expect("a reference");
     let error = |rendered: &&Rendered| {
         let (mut sum, mut relative) = (0.0, Vec::new());
@@ -60,7 +61,7 @@ fn neighboring_views_take_the_noise_away() {
         [("plaster", 0.01, 60.0), ("glasses", 0.01, 30.0), ("garden", 0.01, 30.0), ("garden", 0.3, 2.5)]
     {
         let (renderer, request) = prepared(name, movement_px);
-        let plain = renderer.render(&request, &()).expect("a render");
+        let plain = renderer.render(&request.clone().reuse(Reuse::Off), &()).expect("a render");
         let denoised = request.clone().denoise(Denoise::Views).estimate_error(true);
         let rendered = renderer.render(&denoised, &()).expect("a render");
         let [[before, _], [after, typical]] = errors(&renderer, &request, &[&plain, &rendered])[..] else {
@@ -113,13 +114,21 @@ fn parts_have_the_bytes_of_the_whole() {
         let rig = rig(views, lenses, baseline_m, 3.0, Projection::Perspective);
         let request = Request::new(rig).sky([0.3, 0.4, 0.5]).samples(2).max_bounces(2);
         let request = request.denoise(Denoise::Views).estimate_error(true);
-        let whole = one.render(&request, &()).expect("a render");
-        let again = three.render(&request, &()).expect("a render");
-        assert!(color(&whole) == color(&again) && whole.error == again.error);
-        let mut rows = 0;
-        let parts = 2;
+        assert_same_parts(&one, &three, &request);
+        // Two rounds.
+        assert_same_parts(&one, &three, &request.samples(8).target_error(Some(0.05)));
+    }
+}
+
+fn assert_same_parts(one: &Renderer, three: &Renderer, request: &Request) {
+    let whole = one.render(request, &()).expect("a render");
+    let again = three.render(request, &()).expect("a render");
+    assert!(color(&whole) == color(&again) && whole.error == again.error);
+    let mut rows = 0;
+    let parts = 2;
+    {
         for part in 0..parts {
-            let range = one.shard_lens_rows(&request, part, parts).expect("a part");
+            let range = one.shard_lens_rows(request, part, parts).expect("a part");
             let rendered = three.render(&request.clone().lens_rows(Some(range.clone())), &()).expect("a render");
             let same = |part: &LightFieldOwned<f32>, whole: &LightFieldOwned<f32>| {
                 assert_eq!(part.shape().lenses().rows, range.len());
@@ -133,8 +142,38 @@ fn parts_have_the_bytes_of_the_whole() {
             );
             rows += range.len();
         }
-        assert_eq!(rows, lenses[0]);
     }
+    assert_eq!(rows, request.rig.shape().lenses().rows);
+}
+
+/// With a target every pixel has at most that error, as estimated, or all samples; the error is the one after the
+/// reconstruction, so few samples are enough; and pixels that need more get more.
+#[test]
+fn samples_are_added_until_the_reconstructed_error_meets_the_target() {
+    let (renderer, request) = prepared("chess", 0.01);
+    let request = request.denoise(Denoise::Views).estimate_error(true);
+    let pixels = 24 * 24 * 18 * 12;
+    let mut before = 0;
+    for (target, most) in [(0.2, 64), (0.05, 64), (0.02, 32)] {
+        let rendered =
+            renderer.render(&request.clone().samples(most).target_error(Some(target)), &()).expect("a render");
+        let (all, samples) = (u64::from(most) * pixels, rendered.samples);
+        assert!(samples >= 4 * pixels && samples > before && samples < all, "{target}: {samples} of {all}");
+        before = samples;
+        let [[squared, relative]] = errors(&renderer, &request, &[&rendered])[..] else { panic!("one image") };
+        assert!(relative < 1.5 * target, "{target}: {relative}, squared {squared}");
+        let error = rendered.error.expect("an estimate");
+        let exceeding = error.samples().iter().filter(|&&error| f64::from(error) > target).count() as f64;
+        // What exceeds it has all samples, and the mean number of samples says how many pixels may.
+        let most_exceeding = samples as f64 / f64::from(most);
+        assert!(exceeding <= most_exceeding, "{target}: {exceeding} pixels of {samples} samples");
+    }
+    // A target that the first samples meet leaves them as they are.
+    let [few, many] = [4, 64].map(|samples| {
+        let request = request.clone().samples(samples).target_error(Some(10.0));
+        renderer.render(&request, &()).expect("a render")
+    });
+    assert_eq!((few.samples, many.samples), (4 * pixels, 4 * pixels));
 }
 
 #[test]

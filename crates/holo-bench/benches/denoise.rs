@@ -10,6 +10,7 @@
 
 use std::time::Instant;
 
+use holo_bench::error::{Images, nine, rgb, sorted, squared_error};
 use holo_core::{GridSize, Remainder, Sensor, ViewIndex};
 use holo_render::{Backend, Framing, Integrator, Renderer, Request, Views, bench};
 use holo_scene::gallery;
@@ -21,9 +22,6 @@ struct Options {
     reference: u32,
     integrator: Integrator,
 }
-
-/// Views as images, pixel by pixel.
-type Images = Vec<Vec<[f32; 3]>>;
 
 fn main() {
     let options = options();
@@ -118,11 +116,6 @@ fn measure(name: &str, options: &Options) -> Option<f64> {
     Some(median(&gains).ln())
 }
 
-fn nine(views: usize) -> Vec<ViewIndex> {
-    let places = [0, views / 2, views - 1];
-    places.iter().flat_map(|&row| places.map(|column| ViewIndex { row, column })).collect()
-}
-
 /// Some views of an elemental image array.
 fn images(color: &[[f32; 3]], [v, u, t, s]: [usize; 4], list: &[ViewIndex]) -> Images {
     let pixel = |view: &ViewIndex, lens: usize| {
@@ -130,37 +123,4 @@ fn images(color: &[[f32; 3]], [v, u, t, s]: [usize; 4], list: &[ViewIndex]) -> I
         color[row * u * s + column]
     };
     list.iter().map(|view| (0..v * u).map(|lens| pixel(view, lens)).collect()).collect()
-}
-
-fn rgb<'a>(mut values: impl Iterator<Item = &'a f32>) -> Option<[f32; 3]> {
-    Some([*values.next()?, *values.next()?, *values.next()?])
-}
-
-fn squared_error(image: &[[f32; 3]], references: &[Images; 2], view: usize) -> f64 {
-    let [a, b] = [&references[0][view], &references[1][view]];
-    let mean = |k: usize, c: usize| f64::from(a[k][c] + b[k][c]) / 2.0;
-    let bright = (0..a.len()).flat_map(|k| (0..3).map(move |c| (k, c))).map(|(k, c)| mean(k, c).powi(2)).sum::<f64>();
-    let floor = 0.01 * bright / (3 * a.len()) as f64;
-    // The pixel's error, and the same against the mean of the references, by which the worst are found.
-    let mut errors: Vec<[f64; 2]> = (0..a.len())
-        .map(|k| {
-            let mut error = [0.0; 2];
-            for c in 0..3 {
-                let (x, m) = (f64::from(image[k][c]), mean(k, c));
-                let scale = 1.0 / (m * m + floor) / 3.0;
-                error[0] += (x - f64::from(a[k][c])) * (x - f64::from(b[k][c])) * scale;
-                error[1] += (x - m).powi(2) * scale;
-            }
-            error
-        })
-        .collect();
-    errors.sort_by(|x, y| x[1].total_cmp(&y[1]));
-    errors.truncate(errors.len() * 99 / 100);
-    errors.iter().map(|error| error[0]).sum::<f64>() / errors.len() as f64
-}
-
-fn sorted(values: &[f64]) -> Vec<f64> {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted
 }

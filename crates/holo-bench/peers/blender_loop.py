@@ -1,6 +1,6 @@
 """Times Blender's Cycles on a grid of views, one render per view, the method of add-ons for integral imaging.
 
-    blender_loop.py SCENE.glb --out FOLDER [--side 3] [--samples 1,4,16] [--bounces 7]
+    blender_loop.py SCENE.glb --out FOLDER [--side 3] [--samples 1,4,16] [--bounces 7] [--denoise oidn]
 
 Run by `cargo xtask report --peers`. The output is described in `peer.py`; seconds are those of each *view*: rendering
 and writing its file. The scene is kept in memory between views (`use_persistent_data`), without the overhead of an
@@ -33,9 +33,14 @@ def main():
     parser = peer.parser(__doc__, 3, "timed one by one")
     parser.add_argument("--seeds", type=int, default=3, help="images of the central view")
     parser.add_argument("--bounces", type=int, default=7)
+    parser.add_argument("--denoise", choices=["off", "oidn"], default="off", help="OpenImageDenoise at its best setting")
     a = parser.parse_args()
     scene, _ = cycles.prepare(a.scene, None, a.bounces)
     scene.render.use_persistent_data = True
+    if a.denoise == "oidn":
+        scene.cycles.use_denoising, scene.cycles.denoiser = True, "OPENIMAGEDENOISE"
+        scene.cycles.denoising_input_passes, scene.cycles.denoising_prefilter = "RGB_ALBEDO_NORMAL", "ACCURATE"
+        scene.cycles.denoising_quality = "HIGH"
     base = scene.camera
     camera = base.copy()
     camera.data = base.data.copy()
@@ -47,7 +52,7 @@ def main():
         # The first render fills the caches and is not counted.
         for k in [0, *range(a.side**2)]:
             place(camera, base, k % a.side, k // a.side, a.side)
-            path = os.path.join(a.out, f"blender_{a.bounces}_{samples}_{k}.exr")
+            path = os.path.join(a.out, f"blender_{a.denoise}_{a.bounces}_{samples}_{k}.exr")
             scene.render.filepath = path
             start = time.time()
             bpy.ops.render.render(write_still=True)
@@ -56,7 +61,7 @@ def main():
         for seed in range(a.seeds):
             place(camera, base, a.side // 2, a.side // 2, a.side)
             scene.cycles.seed = 1 + seed
-            path = os.path.join(a.out, f"blender_{a.bounces}_{samples}_{seed}")
+            path = os.path.join(a.out, f"blender_{a.denoise}_{a.bounces}_{samples}_{seed}")
             write_pfm(path + ".pfm", cycles.render_once(scene, path + ".exr")["Combined"][..., :3])
             images.append(path + ".pfm")
             os.remove(path + ".exr")

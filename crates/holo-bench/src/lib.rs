@@ -1,6 +1,8 @@
 //! Shared by the benchmarks: a scene with a rig from the command line, and interleaved timing.
 #![forbid(unsafe_code)]
 
+pub mod error;
+
 use holo_core::{GridSize, LightFieldShape, Rig};
 use holo_render::{Backend, Baseline, Framing, Renderer};
 use holo_scene::{Scene, Transform};

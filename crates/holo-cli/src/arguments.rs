@@ -19,11 +19,11 @@ use holo_dataset::options::{
 };
 use holo_dataset::{Exposure, Focus, LayerChoice, Output, Shard, Sky};
 use holo_io::MatOrder;
-use holo_render::{Backend, Denoise, GroundTruth, Integrator};
+use holo_render::{Backend, Denoise, GroundTruth, Integrator, Reuse};
 use holo_scene::gltf::LightUnits;
 
 use choices::{
-    BACKENDS, DENOISE, GROUND_TRUTHS, INTEGRATORS, LAYERS, LAYOUTS, MAT_ORDERS, OUTPUTS, PROJECTIONS, choice,
+    BACKENDS, DENOISE, GROUND_TRUTHS, INTEGRATORS, LAYERS, LAYOUTS, MAT_ORDERS, OUTPUTS, PROJECTIONS, REUSE, choice,
 };
 
 pub use dataset::DatasetOptions;
@@ -161,6 +161,10 @@ pub struct JobOptions {
     /// Without light that is scattered more than once in the roughness of a surface: rough metal gets darker, as in renderers without this model.
     #[arg(long)]
     pub no_multiple_scattering: bool,
+    /// Share the light that rays find on diffuse surfaces: with `views` between groups of 4 x 4 views, whose noise is then
+    /// lower and correlated.
+    #[arg(long, value_parser = choice(REUSE), default_value = "views")]
+    pub reuse: Reuse,
     /// Reduce the noise of color: with `views` by the samples of neighboring views, a small bias that more samples remove.
     #[arg(long, value_parser = choice(DENOISE), default_value = "off")]
     pub denoise: Denoise,

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use holo_core::{GridSize, LightFieldShape};
 use holo_io::{CameraPose, Manifest, ManifestValue, ParametersCfg, dataset};
-use holo_render::{Denoise, GroundTruth, Integrator, Layer, Progress, Rendered, Renderer, Request};
+use holo_render::{Denoise, GroundTruth, Integrator, Layer, Progress, Rendered, Renderer, Request, Reuse};
 use ndarray::{Array2, Axis};
 
 use crate::checkpoint::{Checkpoints, Keeper};
@@ -303,6 +303,9 @@ impl RenderJob {
         if !request.multiple_scattering {
             settings.insert("multiple-scattering".into(), "off".into());
         }
+        if request.reuse == Reuse::Off && rendered.color.is_some() {
+            settings.insert("reuse".into(), "off".into());
+        }
         if request.denoise != Denoise::Off && rendered.color.is_some() {
             settings.insert("denoise".into(), denoise_name(request.denoise).into());
             settings.insert("denoise-method".into(), Denoise::METHOD.into());
@@ -326,8 +329,9 @@ impl RenderJob {
 /// The memory that the render needs.
 fn purpose<'a>(spec: &'a RenderSpec, wanted: &Wanted) -> Purpose<'a> {
     let color = if spec.integrator == Integrator::Depth { 0 } else { 3 };
-    let guides =
-        if color > 0 && (spec.denoise == Denoise::Views || wanted.error) { 2 + usize::from(wanted.error) } else { 0 };
+    let is_denoised = spec.denoise == Denoise::Views;
+    let error = usize::from(wanted.error || is_denoised && spec.target_error.is_some());
+    let guides = if color > 0 && (is_denoised || wanted.error) { 2 + error } else { 0 };
     Purpose {
         sky: Some(&spec.sky).filter(|sky| **sky != Sky::Automatic || color > 0 && !needs_no_color(spec, wanted)),
         sample_bytes: (color + guides + wanted.all.channels()) * size_of::<f32>(),
@@ -372,6 +376,7 @@ fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
         .transparent_shadows(spec.transparent_shadows)
         .multiple_scattering(spec.multiple_scattering)
         .cull(spec.cull)
+        .reuse(spec.reuse)
         .denoise(spec.denoise)
         .estimate_error(wanted.error)
         .layers(match spec.ground_truth {

@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 use holo_core::{ParseGridSizeError, Projection, Sensor};
 use holo_io::MatOrder;
-use holo_render::{Denoise, GroundTruth, Integrator, Layer};
+use holo_render::{Denoise, GroundTruth, Integrator, Layer, Reuse};
 use holo_scene::gltf::LightUnits;
 
 use crate::Error;
@@ -44,6 +44,9 @@ const INTEGRATORS: [(Integrator, &str); 4] = [
 
 /// Kinds of noise reduction and their names.
 const DENOISE: [(Denoise, &str); 2] = [(Denoise::Off, "off"), (Denoise::Views, "views")];
+
+/// Kinds of reuse and their names.
+const REUSE: [(Reuse, &str); 2] = [(Reuse::Off, "off"), (Reuse::Views, "views")];
 
 const SENSORS: [(Sensor, &str); 4] =
     [(Sensor::Hd, "hd"), (Sensor::Uhd4k, "4k"), (Sensor::Paper8k, "8k"), (Sensor::Uhd8k, "uhd8k")];
@@ -300,6 +303,7 @@ impl RenderSpec {
         set("transparent-shadows", self.transparent_shadows.to_string());
         set("no-multiple-scattering", (!self.multiple_scattering).to_string());
         set("cull", self.cull.to_string());
+        set("reuse", name_of(&REUSE, &self.reuse).into());
         set("denoise", denoise_name(self.denoise).into());
         set(
             "sky",
@@ -374,6 +378,7 @@ impl RenderSpec {
             "transparent-shadows" => self.transparent_shadows = number(value)?,
             "no-multiple-scattering" => self.multiple_scattering = !number::<bool>(value)?,
             "cull" => self.cull = number(value)?,
+            "reuse" => self.reuse = one_of(&REUSE, value)?,
             "denoise" => self.denoise = one_of(&DENOISE, value)?,
             "sky" if value == MAP => self.sky = Sky::Constant([0.0; 3]),
             "sky" => self.sky = value.parse()?,
@@ -492,6 +497,7 @@ mod tests {
             roulette: false,
             indirect_limit: 2.5,
             transparent_shadows: true,
+            reuse: Reuse::Off,
             denoise: Denoise::Views,
             multiple_scattering: false,
             cull: true,

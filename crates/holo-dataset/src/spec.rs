@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use holo_core::{GridSize, Projection, Sensor};
 use holo_io::MatOrder;
-use holo_render::{Denoise, GroundTruth, Integrator, Layer};
+use holo_render::{Denoise, GroundTruth, Integrator, Layer, Reuse};
 use holo_scene::gltf::LightUnits;
 
 /// The specification of a render and its output. The defaults are those of the command line: 8K sensor, 100 x 100
@@ -34,6 +34,8 @@ pub struct RenderSpec {
     pub transparent_shadows: bool,
     /// Whether light is scattered more than once between the microfacets of rough surfaces.
     pub multiple_scattering: bool,
+    /// Whether neighboring views share the light that rays find on diffuse surfaces.
+    pub reuse: Reuse,
     /// Whether the noise of color is reduced with the samples of neighboring views.
     pub denoise: Denoise,
     /// Whether the backs of surfaces that are not double-sided are invisible to the camera.
@@ -198,6 +200,7 @@ impl Default for RenderSpec {
             indirect_limit: f32::INFINITY,
             transparent_shadows: false,
             multiple_scattering: true,
+            reuse: Reuse::Views,
             denoise: Denoise::Off,
             cull: false,
             sky: Sky::Automatic,

@@ -79,7 +79,7 @@ pub fn reconstruct(
 ) {
     let movement = [1.0; 2];
     let rows = 0..shape[0];
-    let all = Reconstruction { shape, color, guides, movement, samples, filters: true, rows, error };
+    let all = Reconstruction { shape, color, guides, movement, samples, filters: true, replaces: true, rows, error };
     renderer.install(|| all.run(|| true));
 }
 

@@ -10,6 +10,7 @@ mod mis;
 pub(crate) mod path;
 mod paths;
 mod resampling;
+mod reuse;
 mod scatterer;
 mod shade;
 mod straight_shadows;
@@ -86,6 +87,8 @@ pub(crate) struct Policy {
     pub target_error: Option<f64>,
     /// Whether paths continue from surfaces other than metal and glass.
     pub indirect: bool,
+    /// Whether the views of a packet share the light that their scattered rays find.
+    pub reuse: bool,
     /// Whether light is scattered more than once between the microfacets of rough surfaces.
     pub multiple_scattering: bool,
     /// The largest contribution of one path vertex after the first.

@@ -5,6 +5,7 @@ mod color;
 mod image;
 mod plan;
 mod request;
+mod rounds;
 mod work;
 
 use std::ops::Range;
@@ -18,7 +19,7 @@ use ndarray::Array3;
 pub use self::checkpoint::{Checkpoint, FinishedTile, TileId, TileKind};
 #[cfg(feature = "bench")]
 pub(crate) use self::color::samples;
-pub use self::request::{Denoise, GroundTruth, Rendered, Request, Views};
+pub use self::request::{Denoise, GroundTruth, Rendered, Request, Reuse, Views};
 
 use self::plan::{Plan, Region};
 use self::request::DEPTH_AND_DISPARITY;
@@ -312,15 +313,31 @@ impl Renderer {
         let policy = Policy {
             max_bounces: request.bounces(integrator),
             roulette: request.roulette,
-            target_error: request.target_error,
+            target_error: request.target_error.filter(|_| rounds::target(request).is_none()),
             indirect: integrator == Integrator::Direct || request.indirect,
             multiple_scattering: request.multiple_scattering,
             indirect_limit: request.indirect_limit,
+            reuse: self.reuses(request, integrator, region),
             transparent_shadows: request.transparent_shadows && self.appearance.flags().has(MaterialFlags::GLOSSY),
         };
         let guides = color::needs_guides(request).then(|| color::disparity(&request.rig));
         let sampler = Sampler { seed, samples, sampling, centered: samples == 1 && request.denoise == Denoise::Off };
         Context { scene, camera: RaySource::Rig(rig), sampler, policy, guides, stop }
+    }
+
+    /// Whether the views of a packet share light.
+    fn reuses(&self, request: &Request, integrator: Integrator, region: &Region) -> bool {
+        let is_possible = region.tiling.is_one_lens_a_packet()
+            && !region.selection.is_list()
+            && !request.transparent_shadows
+            && request.indirect_limit == f32::INFINITY
+            && !self.appearance.flags().has(MaterialFlags::BLEND)
+            && (request.indirect || integrator == Integrator::Direct);
+        let finds_light = request.bounces(integrator) > 1
+            || request.sky.iter().any(|&c| c > 0.0)
+            || self.environment.is_some()
+            || self.emitters.is_some();
+        request.reuse == Reuse::Views && is_possible && finds_light && request.denoise == Denoise::Off
     }
 
     /// Validates the request; returns the integrator and the reason for it.

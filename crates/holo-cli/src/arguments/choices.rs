@@ -6,7 +6,7 @@ use holo_core::refocus::Kernel;
 use holo_core::{Effort, Layout, Projection, ViewOrder};
 use holo_dataset::{LayerChoice, Output};
 use holo_io::MatOrder;
-use holo_render::{Backend, Denoise, GroundTruth, Integrator, Layer};
+use holo_render::{Backend, Denoise, GroundTruth, Integrator, Layer, Reuse};
 
 /// A value, its word, and its line of `--help`; one without a line has none.
 type Choices<T> = [(T, &'static str, &'static str)];
@@ -21,6 +21,11 @@ pub const INTEGRATORS: &Choices<Integrator> = &[
 pub const DENOISE: &Choices<Denoise> = &[
     (Denoise::Off, "off", "No: every pixel is the mean of its own samples"),
     (Denoise::Views, "views", "By neighboring views"),
+];
+
+pub const REUSE: &Choices<Reuse> = &[
+    (Reuse::Off, "off", "No: the noise of every pixel is independent"),
+    (Reuse::Views, "views", "Between groups of 4 x 4 views"),
 ];
 
 pub const GROUND_TRUTHS: &Choices<GroundTruth> =

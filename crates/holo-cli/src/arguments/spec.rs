@@ -34,6 +34,7 @@ impl JobOptions {
         spec.indirect_limit = self.indirect_limit.map_or(f32::INFINITY, |limit| limit as f32);
         spec.transparent_shadows = self.transparent_shadows;
         spec.multiple_scattering = !self.no_multiple_scattering;
+        spec.reuse = self.reuse;
         spec.denoise = self.denoise;
         spec.cull = self.cull;
         spec.sky = self.sky.clone();

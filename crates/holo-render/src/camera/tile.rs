@@ -193,6 +193,11 @@ impl Tiling {
         })
     }
 
+    /// Whether the pixels of every packet are behind one microlens.
+    pub fn is_one_lens_a_packet(&self) -> bool {
+        self.shape.size[0] * self.shape.size[1] == 1
+    }
+
     /// All tiles in a fixed order.
     pub fn tiles(&self) -> Vec<Tile> {
         let [size_v, size_u, size_t] = self.size;
@@ -244,6 +249,22 @@ impl Tile {
     #[inline(always)]
     pub fn packet_positions(&self) -> PacketPositions {
         PacketPositions { tile: *self, next: [0; 4] }
+    }
+
+    /// Reads values in packet order, as [`write`](Self::write) writes them; 0 for lanes without a pixel.
+    pub fn read<const C: usize>(&self, field: &ArrayViewMut5<f32>) -> Vec<[[f32; LANES]; C]> {
+        let mut packets = vec![[[0.0; LANES]; C]; self.packet_count()];
+        let (grid, size) = (self.packets, self.lanes);
+        for ((v, u, t, s, c), value) in field.indexed_iter() {
+            let at = [v, u, t, s];
+            let [mut packet, mut lane] = [0; 2];
+            for axis in 0..4 {
+                packet = packet * grid[axis] + at[axis] / size[axis];
+                lane = lane * size[axis] + at[axis] % size[axis];
+            }
+            packets[packet][c][lane] = *value;
+        }
+        packets
     }
 
     /// Writes values in packet order (`packets[packet][channel][lane]`), multiplied by `scale`, to the output of the
@@ -321,6 +342,7 @@ mod tests {
                 }
                 assert_eq!(valid, output.len(), "valid lanes are the tile's pixels");
                 tile.write(&buffer, 1.0, &mut output);
+                assert_eq!(tile.read::<1>(&output), buffer, "read as written");
             }
             assert!(field.iter().enumerate().all(|(k, &x)| x == k as f32), "{counts:?}");
         }

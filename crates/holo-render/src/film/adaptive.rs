@@ -52,16 +52,17 @@ impl Samples {
         self.packets.clear();
     }
 
-    /// Adds the next packet, which has pixels in its valid lanes.
+    /// Adds the next packet, which has pixels in its valid lanes; it is complete already unless samples are `wanted`.
     #[inline(always)]
-    pub fn push(&mut self, valid: &Lanes<i32>) {
+    pub fn push(&mut self, valid: &Lanes<i32>, wanted: bool) {
         let zero = [0.0; LANES];
-        let mut packet = Packet { samples: 0, groups: 0, done: false, valid: [false; LANES], sum: zero, squares: zero };
+        let mut packet =
+            Packet { samples: 0, groups: 0, done: !wanted, valid: [false; LANES], sum: zero, squares: zero };
         for lane in 0..LANES {
             packet.valid[lane] = valid.0[lane] != 0;
         }
         self.packets.push(packet);
-        self.active += 1;
+        self.active += usize::from(wanted);
     }
 
     /// Whether a packet needs more samples.

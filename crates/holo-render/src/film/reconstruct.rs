@@ -59,7 +59,7 @@ const BLOCK: usize = 8;
 pub(crate) struct Reconstruction<'a> {
     /// Lens rows and columns, view rows and columns.
     pub shape: [usize; 4],
-    /// Color, 3 channels; reconstructed in place.
+    /// Color, 3 channels; reconstructed in place if it is to be replaced.
     pub color: &'a mut [f32],
     /// The guides of [`super::guides`].
     pub guides: &'a mut [f32],
@@ -67,8 +67,10 @@ pub(crate) struct Reconstruction<'a> {
     pub movement: [f32; 2],
     /// Samples per pixel.
     pub samples: u32,
-    /// Whether color changes; otherwise only its error is estimated.
+    /// Whether the error is that of reconstructed color; otherwise that of the samples, which then stay.
     pub filters: bool,
+    /// Whether color is replaced; otherwise only its error is estimated.
+    pub replaces: bool,
     /// The lens rows to reconstruct; the others are only read.
     pub rows: Range<usize>,
     /// The estimated relative error of every pixel, if wanted.
@@ -283,10 +285,12 @@ impl Reconstruction<'_> {
             }
             let out = field.reconstruct_row(v, &lenses, &blocks, &choices);
             drop(field);
-            let end = (v + 1) * row_length * 3;
-            originals.push_back(self.color[v * row_length * 3..end].to_vec());
-            let shape = [view_rows, lens_columns, view_columns];
-            scatter(&out, shape, &mut self.color[v * row_length * 3..end]);
+            if self.replaces {
+                let end = (v + 1) * row_length * 3;
+                originals.push_back(self.color[v * row_length * 3..end].to_vec());
+                let shape = [view_rows, lens_columns, view_columns];
+                scatter(&out, shape, &mut self.color[v * row_length * 3..end]);
+            }
             if let Some(error) = &mut self.error {
                 let row = &mut error[v * row_length..(v + 1) * row_length];
                 row.par_chunks_mut(lens_columns * view_columns).enumerate().for_each(|(t, row)| {

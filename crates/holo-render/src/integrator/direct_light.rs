@@ -9,7 +9,8 @@ use holo_scene::MAX_RADIANCE;
 use super::Context;
 use super::light_sampling::{LightSample, LightSelection, Role};
 use super::resampling::Reservoir;
-use super::scatterer::Scatterer;
+use super::reuse::{FoundLight, Step};
+use super::scatterer::{Response, Scatterer};
 use super::shade::Shading;
 use super::straight_shadows;
 use crate::accel::Rays;
@@ -32,14 +33,31 @@ pub(super) struct Contribution {
 ///
 /// A single loop over all light samples: the called functions are large and are compiled into the kernel once.
 #[inline(always)]
-pub(super) fn add(context: &Context, here: &Shading, scatterer: &Scatterer, radiance: &mut [[f32; LANES]; 3]) -> u64 {
+pub(super) fn add(
+    context: &Context,
+    here: &Shading,
+    step: &Step,
+    scatterer: &Scatterer,
+    radiance: &mut [[f32; LANES]; 3],
+) -> u64 {
     let mut shadow_rays = 0;
-    let selection = LightSelection::new(context, here);
+    let selection = LightSelection::new(context, here, matches!(step, Step::Gathers(_)));
     let numbers = selection.numbers(context, here);
     let mut reservoir = Reservoir::new(numbers[0]);
     for k in 0..selection.count() {
+        if let Role::Found(lane) = selection.role(k)
+            && let Step::Gathers(shared) = step
+        {
+            if shared.is_lit(lane) {
+                let found = FoundLight::new(context, here, shared, lane);
+                let response = scatterer.respond(&found.sample.to_light, &found.sample.inverse_length);
+                shadow_rays += found.add(context, here, &response, radiance);
+            }
+            continue;
+        }
         let light = selection.sample(context, here, k);
-        let mut contribution = unoccluded(here, scatterer, &light);
+        let response = scatterer.respond(&light.to_light, &light.inverse_length);
+        let mut contribution = unoccluded(here, &response, &light);
         if context.scene.has_media && !context.policy.transparent_shadows {
             absorb(context, here, &light, &mut contribution);
         }
@@ -60,8 +78,7 @@ pub(super) fn add(context: &Context, here: &Shading, scatterer: &Scatterer, radi
 
 /// The unoccluded contribution of a light sample: throughput x BSDF x cosine x light / pdf.
 #[inline(always)]
-fn unoccluded(here: &Shading, scatterer: &Scatterer, light: &LightSample) -> Contribution {
-    let response = scatterer.respond(&light.to_light, &light.inverse_length);
+fn unoccluded(here: &Shading, response: &Response, light: &LightSample) -> Contribution {
     let mut value = [[0.0; LANES]; 3];
     let mut over_weight = [1.0; LANES];
     for lane in 0..LANES {

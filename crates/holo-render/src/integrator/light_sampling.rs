@@ -39,10 +39,16 @@ pub(super) struct LightSelection {
     punctual: usize,
     /// Candidate points on emissive surfaces.
     points: usize,
-    environment: bool,
+    /// Directions of the environment map.
+    environment: usize,
     /// Whether one punctual light is selected by resampling.
     one_punctual: bool,
+    /// Whether all lanes use the samples of each, and what scattered rays have found.
+    gathers: bool,
 }
+
+/// As `CANDIDATES_WEIGHT`, where the scattered rays of all lanes are shared: more of them find the light.
+const SHARING_WEIGHT: f32 = 0.7;
 
 /// The role of a light sample.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -51,24 +57,29 @@ pub(super) enum Role {
     Independent,
     /// A RIS candidate of a group that shares one shadow ray.
     Candidate { group: usize, first: bool, last: bool },
+    /// What the scattered ray of this lane has found.
+    Found(usize),
 }
 
 impl LightSelection {
     #[inline(always)]
-    pub fn new(context: &Context, here: &Shading) -> Self {
+    pub fn new(context: &Context, here: &Shading, gathers: bool) -> Self {
         let punctual = context.scene.lights.len();
+        let directions = if gathers { LANES } else { 1 };
+        let points = candidates(here.vertex, gathers).0 as usize;
         Self {
             punctual,
-            points: if context.scene.emitters.is_some() { candidates(here.vertex).0 as usize } else { 0 },
-            environment: context.scene.environment.is_some(),
+            points: if context.scene.emitters.is_some() { points } else { 0 },
+            environment: if context.scene.environment.is_some() { directions } else { 0 },
             one_punctual: punctual > ALL_LIGHTS || (here.vertex > 0 && punctual > 1),
+            gathers,
         }
     }
 
     /// The number of light samples.
     #[inline(always)]
     pub fn count(&self) -> usize {
-        self.punctual + self.points + usize::from(self.environment)
+        self.punctual + self.points + self.environment + if self.gathers { LANES } else { 0 }
     }
 
     /// The random numbers for the choice among RIS candidates, one per group.
@@ -85,6 +96,8 @@ impl LightSelection {
             Role::Candidate { group: 0, first: k == 0, last: k + 1 == self.punctual }
         } else if k >= self.punctual && k < end {
             Role::Candidate { group: 1, first: k == self.punctual, last: k + 1 == end }
+        } else if k >= end + self.environment {
+            Role::Found(k - end - self.environment)
         } else {
             Role::Independent
         }
@@ -96,18 +109,19 @@ impl LightSelection {
         if k < self.punctual {
             punctual(context, here, &context.scene.lights[k])
         } else if k < self.punctual + self.points {
-            emitter(context, here, (k - self.punctual) as u32)
+            emitter(context, here, (k - self.punctual) as u32, self.gathers)
         } else {
-            environment(context, here)
+            environment(context, here, k - self.punctual - self.points, self.gathers)
         }
     }
 }
 
-/// The number of RIS candidates on emissive surfaces at path vertex number `vertex`, and their weight in samples.
+/// The number of RIS candidates on emissive surfaces at path vertex number `vertex`, and their weight in samples;
+/// `shares`: for lanes that share their scattered rays.
 #[inline(always)]
-pub(super) fn candidates(vertex: u32) -> (u32, f32) {
+pub(super) fn candidates(vertex: u32, shares: bool) -> (u32, f32) {
     let later = usize::from(vertex > 0);
-    (CANDIDATES[later], CANDIDATES_WEIGHT[later])
+    (CANDIDATES[later], if shares { SHARING_WEIGHT } else { CANDIDATES_WEIGHT[later] })
 }
 
 #[inline(always)]
@@ -139,7 +153,7 @@ fn punctual(context: &Context, here: &Shading, light: &PreparedLight) -> LightSa
 /// RIS candidate number `k` on emissive surfaces. The candidates of all samples of a pixel are one sequence over all
 /// emissive triangles.
 #[inline(always)]
-fn emitter(context: &Context, here: &Shading, k: u32) -> LightSample {
+fn emitter(context: &Context, here: &Shading, k: u32, gathers: bool) -> LightSample {
     let zero = [0.0; LANES];
     let mut out = LightSample {
         to_light: [zero; 3],
@@ -149,7 +163,7 @@ fn emitter(context: &Context, here: &Shading, k: u32) -> LightSample {
         pdf: zero,
     };
     let Some(emitters) = context.scene.emitters else { return out };
-    let (count, weight) = candidates(here.vertex);
+    let (count, weight) = candidates(here.vertex, gathers);
     let mut indices = [0; LANES];
     for lane in 0..LANES {
         indices[lane] = here.paths.index[lane] * count + k;
@@ -194,13 +208,23 @@ fn emitter(context: &Context, here: &Shading, k: u32) -> LightSample {
     out
 }
 
-/// A sample of the environment map.
+/// A sample of the environment map. Packets that share their light take that of lane `k`.
 #[inline(always)]
-fn environment(context: &Context, here: &Shading) -> LightSample {
+fn environment(context: &Context, here: &Shading, k: usize, gathers: bool) -> LightSample {
     let zero = [0.0; LANES];
     let (to_light, strength, pdf) = match context.scene.environment {
         Some(environment) => {
-            let sample = environment.sample(&draw(context, here, Draw::EnvironmentLight));
+            let (mut indices, mut share) = (here.paths.index, 1.0);
+            if gathers {
+                (indices, share) = ([here.paths.index[k]; LANES], 1.0 / LANES as f32);
+            }
+            let purpose = Purpose::at_vertex(here.vertex, Draw::EnvironmentLight);
+            let mut sample = environment.sample(&context.sampler.points(here.sequences, &indices, purpose));
+            for c in 0..3 {
+                for lane in 0..LANES {
+                    sample.radiance[c][lane] *= share;
+                }
+            }
             (sample.direction, sample.radiance, sample.pdf)
         }
         None => ([zero; 3], [zero; 3], zero),

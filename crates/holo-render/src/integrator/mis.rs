@@ -8,16 +8,20 @@ use crate::accel::{NO_TRIANGLE, RayHits};
 use crate::simd::{LANES, Lanes};
 
 /// The weighted radiance that rays receive if they miss the scene: of the constant sky, the environment map and the
-/// discs of directional lights. `pdf` is the BSDF-sampling pdf of their directions.
+/// discs of directional lights. `pdf` is the BSDF-sampling pdf of their directions. Lanes that are `shared`
+/// receive only the discs.
 #[inline(always)]
 pub(super) fn environment_radiance(
     context: &Context,
     direction: &[[f32; LANES]; 3],
     pdf: &[f32; LANES],
+    shared: &[bool; LANES],
 ) -> [[f32; LANES]; 3] {
     let mut out = [[0.0; LANES]; 3];
     for c in 0..3 {
-        out[c] = [context.scene.sky[c]; LANES];
+        for lane in 0..LANES {
+            out[c][lane] = if shared[lane] { 0.0 } else { context.scene.sky[c] };
+        }
     }
     if let Some(environment) = context.scene.environment {
         let radiance = environment.radiance(direction);
@@ -25,7 +29,7 @@ pub(super) fn environment_radiance(
         for lane in 0..LANES {
             let weight = balance(pdf[lane], light_pdf[lane]);
             for c in 0..3 {
-                out[c][lane] += radiance[c][lane] * weight;
+                out[c][lane] += if shared[lane] { 0.0 } else { radiance[c][lane] * weight };
             }
         }
     }
@@ -63,7 +67,7 @@ pub(super) fn emission_weight(context: &Context, here: &Shading) -> [f32; LANES]
     }
     let light_pdf = emitters.pdf(&instance, &squared, &cosine);
     // The weight of the vertex that scattered the ray. Camera rays have an infinite pdf, so their weight is 1.
-    let (_, weight) = candidates(here.vertex.saturating_sub(1));
+    let (_, weight) = candidates(here.vertex.saturating_sub(1), false);
     for lane in 0..LANES {
         out[lane] = balance(here.paths.bsdf_pdf[lane], light_pdf[lane] * weight);
     }
@@ -72,7 +76,7 @@ pub(super) fn emission_weight(context: &Context, here: &Shading) -> [f32; LANES]
 
 /// The weight of a technique with the pdf `own` if the other technique has the pdf `other`.
 #[inline(always)]
-fn balance(own: f32, other: f32) -> f32 {
+pub(super) fn balance(own: f32, other: f32) -> f32 {
     // An infinite `own` gives 1.
     if other > 0.0 { 1.0 / (1.0 + other / own) } else { 1.0 }
 }

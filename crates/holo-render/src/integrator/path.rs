@@ -22,9 +22,12 @@
 //! **Samples.** A single sample goes through the center of the pixel; more are distributed over the pixel (box filter),
 //! see [`crate::Sampling`].
 
+use std::ops::Range;
+
 use ndarray::ArrayViewMut5;
 
 use super::paths::{PathPacket, Paths};
+use super::reuse::{self, SharedLight, Step};
 use super::shade::{self, Shading};
 use super::{Context, RayCounts, mis};
 use crate::accel::refine;
@@ -32,7 +35,7 @@ use crate::accel::{CAMERA_RAY, Coherence, RayHits, Rays};
 use crate::camera::tile::Tile;
 use crate::camera::{CameraRays, PixelPacket};
 use crate::film::adaptive::Samples;
-use crate::film::guides::Guides;
+use crate::film::guides::{self, Guides};
 use crate::material::media::MediaStack;
 use crate::material::{HitPoints, SurfaceInteraction};
 use crate::sampling::{self, Runs};
@@ -66,7 +69,16 @@ pub(crate) struct PathTile<'a, 'b> {
     pub color: ArrayViewMut5<'b, f32>,
     /// The guides of the pixels, if the context wants them.
     pub guides: Option<ArrayViewMut5<'b, f32>>,
+    pub round: &'a Round,
     pub scratch: &'a mut Scratch,
+}
+
+/// A round of samples.
+pub(crate) struct Round {
+    /// The numbers of its samples.
+    pub samples: Range<u32>,
+    /// The packets of the tile that take part; all if empty.
+    pub wanted: Vec<bool>,
 }
 
 /// The state of the paths of a tile. Reused from tile to tile.
@@ -78,6 +90,7 @@ pub(crate) struct Scratch {
     runs: Vec<Runs>,
     samples: Samples,
     guides: Guides,
+    shared: SharedLight,
     /// Rays that were scattered at the previous vertex.
     now: Paths,
     /// Rays that are scattered at the current vertex.
@@ -90,15 +103,16 @@ impl Kernel for PathTile<'_, '_> {
     #[inline(always)]
     fn run(mut self) -> RayCounts {
         let context = self.context;
-        self.scratch.begin(context, self.tile);
+        self.scratch.begin(context, self.tile, self.round);
         let mut tile_paths = TilePaths { context, counts: RayCounts::default(), scratch: self.scratch };
-        for first in (0..context.sampler.samples).step_by(SAMPLES_PER_PASS as usize) {
-            let end = context.sampler.samples.min(first + SAMPLES_PER_PASS);
+        let round = self.round.samples.clone();
+        for first in round.clone().step_by(SAMPLES_PER_PASS as usize) {
+            let end = round.end.min(first + SAMPLES_PER_PASS);
             if context.stop.requested() {
                 return tile_paths.counts;
             }
             for vertex in 0..=context.policy.max_bounces {
-                tile_paths.trace(self.tile, vertex, [first, end]);
+                tile_paths.trace(self.tile, Stage { vertex, gathers: false }, [first, end]);
                 let scratch = &mut *tile_paths.scratch;
                 scratch.now.clear();
                 std::mem::swap(&mut scratch.now, &mut scratch.next);
@@ -106,38 +120,79 @@ impl Kernel for PathTile<'_, '_> {
                     break;
                 }
             }
+            if context.policy.reuse {
+                tile_paths.trace(self.tile, Stage { vertex: 0, gathers: true }, [first, end]);
+            }
             tile_paths.scratch.samples.add(end - first, &tile_paths.scratch.color);
             if !tile_paths.scratch.samples.any_wanted() {
                 break;
             }
         }
         let scratch = tile_paths.scratch;
+        if round.start > 0 {
+            let counts = tile_paths.counts;
+            self.merge();
+            return counts;
+        }
         if let Some(out) = &mut self.guides {
             let color = scratch.color.iter().enumerate();
             let packet = |(k, color)| scratch.guides.packet(k, color, scratch.samples.count(k).max(1));
             self.tile.write(&color.map(packet).collect::<Vec<_>>(), 1.0, out);
         }
-        let scale = scratch.samples.average(&mut scratch.color, context.sampler.samples);
+        let scale = scratch.samples.average(&mut scratch.color, round.end);
         self.tile.write(&scratch.color, scale, &mut self.color);
         tile_paths.counts
+    }
+}
+
+impl PathTile<'_, '_> {
+    /// Adds the samples of a later round to the means over those before it.
+    #[inline(always)]
+    fn merge(&mut self) {
+        let Range { start, end } = self.round.samples;
+        let mean = |before: f32, sum: f32| (before * start as f32 + sum) / end as f32;
+        let scratch = &mut *self.scratch;
+        let mut color = self.tile.read::<3>(&self.color);
+        let wanted = (0..color.len()).filter(|&k| scratch.samples.count(k) > 0);
+        if let Some(out) = &mut self.guides {
+            let mut all = self.tile.read::<{ guides::CHANNELS }>(out);
+            for k in wanted.clone() {
+                let added = scratch.guides.packet(k, &scratch.color[k], end - start);
+                // The half difference of all samples, and their mean disparity: means over the rounds like color.
+                for (all, added) in all[k].iter_mut().zip(&added) {
+                    for lane in 0..LANES {
+                        all[lane] = mean(all[lane], added[lane] * (end - start) as f32);
+                    }
+                }
+            }
+            self.tile.write(&all, 1.0, out);
+        }
+        for k in wanted {
+            for c in 0..3 {
+                for lane in 0..LANES {
+                    color[k][c][lane] = mean(color[k][c][lane], scratch.color[k][c][lane]);
+                }
+            }
+        }
+        self.tile.write(&color, 1.0, &mut self.color);
     }
 }
 
 impl Scratch {
     /// Resets the state for another tile.
     #[inline(always)]
-    fn begin(&mut self, context: &Context, tile: &Tile) {
+    fn begin(&mut self, context: &Context, tile: &Tile, round: &Round) {
         self.color.clear();
         self.color.resize(tile.packet_count(), [[0.0; LANES]; 3]);
         self.runs.clear();
         self.samples.begin(context.policy.target_error);
         if context.guides.is_some() {
-            self.guides.begin(context.sampler.samples, tile.packet_count());
+            self.guides.begin(round.samples.len() as u32, tile.packet_count());
         }
         self.now.clear();
         self.next.clear();
-        for pixels in context.camera.packets(tile) {
-            self.samples.push(&pixels.valid);
+        for (k, pixels) in context.camera.packets(tile).enumerate() {
+            self.samples.push(&pixels.valid, round.wanted.is_empty() || round.wanted[k]);
             self.runs.push(context.sampler.runs(&pixels.ids));
         }
     }
@@ -150,6 +205,14 @@ struct TilePaths<'a> {
     scratch: &'a mut Scratch,
 }
 
+/// A pass over packets of rays: to one vertex of the paths, or, at the end, once more to the first vertex to gather the
+/// light that its packets share.
+#[derive(Clone, Copy)]
+struct Stage {
+    vertex: u32,
+    gathers: bool,
+}
+
 /// Sixteen traced rays.
 struct Traced {
     paths: PathPacket,
@@ -159,13 +222,13 @@ struct Traced {
 }
 
 impl TilePaths<'_> {
-    /// Traces all rays to path vertex number `vertex` - the camera rays of the samples from `first` to `end`, or the
-    /// rays that were scattered at the previous vertex - and shades their hits.
+    /// Traces all rays of a stage - the camera rays of the samples from `first` to `end`, or the rays that were scattered
+    /// at the previous vertex - and shades their hits.
     ///
     /// A single loop for both: the called functions are large and are compiled into the kernel once.
     #[inline(always)]
-    fn trace(&mut self, tile: &Tile, vertex: u32, [first, end]: [u32; 2]) {
-        let context = self.context;
+    fn trace(&mut self, tile: &Tile, stage: Stage, [first, end]: [u32; 2]) {
+        let (context, vertex) = (self.context, stage.vertex);
         self.scratch.now.sort_by_direction();
         // After the last bounce only emission and the environment contribute.
         let occlusion_only = vertex == context.policy.max_bounces && !context.scene.has_emission;
@@ -178,6 +241,9 @@ impl TilePaths<'_> {
             if vertex == 0 { per_sample * (end - first) as usize } else { self.scratch.now.len().div_ceil(LANES) };
         let mut pixel_packets = context.camera.packets(tile);
         let mut packet = RayHits::EMPTY;
+        if context.policy.reuse && vertex == 0 && !stage.gathers {
+            self.scratch.shared.begin(packets, per_sample);
+        }
         for k in 0..packets {
             packet.reset();
             let mut traced = if vertex == 0 {
@@ -186,7 +252,8 @@ impl TilePaths<'_> {
                     pixel_packets = context.camera.packets(tile);
                 }
                 let Some(pixels) = pixel_packets.next() else { return };
-                if !self.scratch.samples.wanted(index) {
+                let is_left_out = stage.gathers && !self.scratch.shared.is_active(k);
+                if is_left_out || !self.scratch.samples.wanted(index) {
                     continue;
                 }
                 let sample = first + (k / per_sample) as u32;
@@ -196,7 +263,14 @@ impl TilePaths<'_> {
             };
             let mut contribution = [[0.0; LANES]; 3];
             let misses = mis::misses(&packet, &traced.paths.valid, occlusion_only);
-            add_environment(context, &packet.rays, &misses, &traced.paths, &mut contribution);
+            let is_second = context.policy.reuse && vertex == 1;
+            let places = if is_second { self.scratch.shared.take_back(&mut traced.paths) } else { None };
+            let mut is_shared = [false; LANES];
+            if let Some(places) = &places {
+                let direction = &packet.rays.direction;
+                is_shared = self.scratch.shared.environment(&context.scene, places, &misses, direction);
+            }
+            add_environment(context, &packet.rays, &misses, &is_shared, &traced.paths, &mut contribution);
             let found =
                 SurfaceInteraction::new(context.scene.appearance, context.scene.geometry, &packet, &traced.points);
             if let Some(interaction) = &found {
@@ -214,9 +288,32 @@ impl TilePaths<'_> {
                     paths: &mut traced.paths,
                     coherence: traced.coherence,
                 };
-                self.counts.shadow += shade::shade(context, &mut shading, &mut contribution, &mut self.scratch.next);
+                let mut step = Step::Alone;
+                if let Some(places) = &places {
+                    step = Step::Finds { shared: &mut self.scratch.shared, places };
+                }
+                let goes_on = shade::arrive(context, &mut shading, step, &mut contribution);
+                let mut step = Step::Alone;
+                if stage.gathers {
+                    // Emission and the environment were added before.
+                    contribution = [[0.0; LANES]; 3];
+                    step = self.scratch.shared.gathers(k);
+                } else if context.policy.reuse && vertex == 0 {
+                    if reuse::pays(context.policy.max_bounces, &shading, &shading.paths.valid) {
+                        step = self.scratch.shared.scatters(k, shading.paths.pixel[0]);
+                    }
+                } else if let Some(places) = &places
+                    && goes_on
+                {
+                    // So far these have received nothing for their own pixels.
+                    self.scratch.shared.surfaces(&context.scene, places, &mut shading);
+                }
+                if goes_on {
+                    let next = &mut self.scratch.next;
+                    self.counts.shadow += shade::reflect(context, &shading, step, &mut contribution, next);
+                }
             }
-            self.add(vertex, &traced.paths, &contribution);
+            add(self.scratch, context, vertex, &traced.paths, &contribution);
         }
     }
 
@@ -275,7 +372,9 @@ impl TilePaths<'_> {
         let mut sequences = [0; LANES];
         for lane in 0..LANES {
             let pixel = paths.pixel[lane] as usize;
-            sequences[lane] = self.scratch.runs[pixel / LANES].sequence[pixel % LANES];
+            let packet =
+                if context.policy.reuse { self.scratch.shared.packet_of_tile(pixel / LANES) } else { pixel / LANES };
+            sequences[lane] = self.scratch.runs[packet].sequence[pixel % LANES];
         }
         if context.scene.has_alpha {
             packet.rays.id = sampling::ray_numbers(&sequences, &paths.index, vertex);
@@ -291,40 +390,48 @@ impl TilePaths<'_> {
             if occlusion_only { HitPoints::NONE } else { HitPoints::secondary(context.scene.geometry, packet) };
         Traced { paths, sequences, points, coherence: Coherence::Incoherent }
     }
+}
 
-    /// Adds the contributions of a packet to its pixels.
-    #[inline(always)]
-    fn add(&mut self, vertex: u32, paths: &PathPacket, contribution: &[[f32; LANES]; 3]) {
-        if vertex == 0 {
-            let sum = &mut self.scratch.color[paths.pixel[0] as usize / LANES];
-            for c in 0..3 {
-                for lane in 0..LANES {
-                    sum[c][lane] += contribution[c][lane];
-                }
+/// Adds the contributions of a packet to its pixels, or to the sums of shared light.
+#[inline(always)]
+fn add(scratch: &mut Scratch, context: &Context, vertex: u32, paths: &PathPacket, contribution: &[[f32; LANES]; 3]) {
+    let guides = &mut scratch.guides;
+    if vertex == 0 {
+        let sum = &mut scratch.color[paths.pixel[0] as usize / LANES];
+        for c in 0..3 {
+            for lane in 0..LANES {
+                sum[c][lane] += contribution[c][lane];
             }
-            let guides = &mut self.scratch.guides;
-            if self.context.guides.is_some() && guides.is_second(paths.index[0]) {
-                for lane in 0..LANES {
-                    guides.add_second(paths.pixel[0] as usize / LANES, lane, at(contribution, lane));
-                }
-            }
-            return;
         }
-        let limit = self.context.policy.indirect_limit;
-        for lane in 0..LANES {
-            if paths.valid.0[lane] != 0 {
-                let strongest = contribution[0][lane].max(contribution[1][lane]).max(contribution[2][lane]);
-                let scale = if strongest > limit { limit / strongest } else { 1.0 };
-                let pixel = paths.pixel[lane] as usize;
-                let sum = &mut self.scratch.color[pixel / LANES];
+        if context.guides.is_some() && guides.is_second(paths.index[0]) {
+            for lane in 0..LANES {
+                guides.add_second(paths.pixel[0] as usize / LANES, lane, at(contribution, lane));
+            }
+        }
+        return;
+    }
+    let limit = context.policy.indirect_limit;
+    for lane in 0..LANES {
+        if paths.valid.0[lane] != 0 {
+            let strongest = contribution[0][lane].max(contribution[1][lane]).max(contribution[2][lane]);
+            let scale = if strongest > limit { limit / strongest } else { 1.0 };
+            let pixel = paths.pixel[lane] as usize;
+            if context.policy.reuse
+                && let Some(sum) = scratch.shared.sum(pixel / LANES)
+            {
+                // Without a limit: reuse needs that.
                 for c in 0..3 {
-                    sum[c][pixel % LANES] += contribution[c][lane] * scale;
+                    sum[c][pixel % LANES] += contribution[c][lane];
                 }
-                let guides = &mut self.scratch.guides;
-                if self.context.guides.is_some() && guides.is_second(paths.index[lane]) {
-                    let added = at(contribution, lane).map(|value| value * scale);
-                    guides.add_second(pixel / LANES, pixel % LANES, added);
-                }
+                continue;
+            }
+            let sum = &mut scratch.color[pixel / LANES];
+            for c in 0..3 {
+                sum[c][pixel % LANES] += contribution[c][lane] * scale;
+            }
+            if context.guides.is_some() && guides.is_second(paths.index[lane]) {
+                let added = at(contribution, lane).map(|value| value * scale);
+                guides.add_second(pixel / LANES, pixel % LANES, added);
             }
         }
     }
@@ -336,13 +443,14 @@ fn add_environment(
     context: &Context,
     rays: &Rays,
     misses: &[bool; LANES],
+    shared: &[bool; LANES],
     paths: &PathPacket,
     contribution: &mut [[f32; LANES]; 3],
 ) {
     if !misses.contains(&true) || !context.scene.has_light_at_infinity() {
         return;
     }
-    let radiance = mis::environment_radiance(context, &rays.direction, &paths.bsdf_pdf);
+    let radiance = mis::environment_radiance(context, &rays.direction, &paths.bsdf_pdf, shared);
     for lane in 0..LANES {
         for c in 0..3 {
             let found = (paths.throughput[c][lane] * radiance[c][lane]).min(MAX_RADIANCE);

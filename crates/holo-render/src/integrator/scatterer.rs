@@ -60,7 +60,7 @@ pub(crate) struct Scattered {
 
 impl<'a> Scatterer<'a> {
     #[inline(always)]
-    pub fn new(context: &Context, here: &'a Shading) -> Self {
+    pub fn new(context: &Context, here: &Shading<'a>) -> Self {
         let interaction = here.interaction;
         let glossy =
             if interaction.any_flags.has(MaterialFlags::GLOSSY) { Some(Glossy::new(context, here)) } else { None };

@@ -2,6 +2,7 @@
 
 use super::Context;
 use super::paths::{self, Path, PathPacket, Paths, SampleState};
+use super::reuse::Step;
 use super::scatterer::Scatterer;
 use super::{direct_light, mis};
 use crate::accel::{Coherence, RayHits};
@@ -39,20 +40,15 @@ pub(crate) struct Shading<'a> {
     pub coherence: Coherence,
 }
 
-/// Adds the light of the vertices to `contribution`, and the scattered rays to `next`. Returns the number of shadow
-/// rays.
+/// What rays bring to the vertices: attenuates their throughput by the media that they have crossed, and adds emission to
+/// `contribution`. Returns whether any path goes on.
 #[inline(always)]
-pub(crate) fn shade(
-    context: &Context,
-    here: &mut Shading,
-    contribution: &mut [[f32; LANES]; 3],
-    next: &mut Paths,
-) -> u64 {
+pub(crate) fn arrive(context: &Context, here: &mut Shading, step: Step, contribution: &mut [[f32; LANES]; 3]) -> bool {
     if context.scene.has_media {
         pass_media(context, here);
     }
     if here.interaction.any_flags.has(MaterialFlags::EMISSIVE.union(MaterialFlags::UNLIT)) {
-        add_emission(context, here, contribution);
+        add_emission(context, here, step, contribution);
     }
     let mut any = false;
     for lane in 0..LANES {
@@ -65,13 +61,26 @@ pub(crate) fn shade(
             here.paths.throughput[c][lane] = if here.hit[lane] { carried } else { 0.0 };
         }
     }
-    if here.vertex >= context.policy.max_bounces || !any {
-        return 0;
-    }
+    here.vertex < context.policy.max_bounces && any
+}
+
+/// What the vertices reflect: adds direct light to `contribution`, and the scattered rays to `next`. Returns the
+/// number of shadow rays.
+#[inline(always)]
+pub(crate) fn reflect(
+    context: &Context,
+    here: &Shading,
+    step: Step,
+    contribution: &mut [[f32; LANES]; 3],
+    next: &mut Paths,
+) -> u64 {
     let scatterer = Scatterer::new(context, here);
-    let shadow_rays = direct_light::add(context, here, &scatterer, contribution);
-    if context.continues_after(here.vertex) {
-        scatter(context, here, &scatterer, next);
+    let mut shadow_rays = 0;
+    if !matches!(step, Step::Scatters { .. }) {
+        shadow_rays = direct_light::add(context, here, &step, &scatterer, contribution);
+    }
+    if !matches!(step, Step::Gathers(_)) && context.continues_after(here.vertex) {
+        scatter(context, here, step, &scatterer, next);
     }
     shadow_rays
 }
@@ -111,7 +120,7 @@ fn pass_media(context: &Context, here: &mut Shading) {
 
 /// Adds the emission of the surfaces. Paths end at unlit surfaces.
 #[inline(always)]
-fn add_emission(context: &Context, here: &mut Shading, contribution: &mut [[f32; LANES]; 3]) {
+fn add_emission(context: &Context, here: &mut Shading, step: Step, contribution: &mut [[f32; LANES]; 3]) {
     let interaction = here.interaction;
     let hits = &here.packet.hits;
     let emitted = context.scene.appearance.emission(
@@ -122,11 +131,16 @@ fn add_emission(context: &Context, here: &mut Shading, contribution: &mut [[f32;
         &here.hit,
     );
     let weight = mis::emission_weight(context, here);
+    let mut is_shared = [false; LANES];
+    if let Step::Finds { shared, places } = step {
+        is_shared = shared.emission(&context.scene, places, interaction, &here.hit, &emitted);
+    }
     for lane in 0..LANES {
         let unlit = here.hit[lane] & interaction.flags[lane].has(MaterialFlags::UNLIT);
         for c in 0..3 {
             let shown = if unlit { interaction.base_color[c][lane] } else { emitted[c][lane] * weight[lane] };
-            contribution[c][lane] += (shown * here.paths.throughput[c][lane]).min(MAX_RADIANCE);
+            let added = (shown * here.paths.throughput[c][lane]).min(MAX_RADIANCE);
+            contribution[c][lane] += if is_shared[lane] { 0.0 } else { added };
         }
         here.hit[lane] &= !unlit;
     }
@@ -134,7 +148,7 @@ fn add_emission(context: &Context, here: &mut Shading, contribution: &mut [[f32;
 
 /// Samples the BSDF of every lane and adds the scattered rays to `next`.
 #[inline(always)]
-fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut Paths) {
+fn scatter(context: &Context, here: &Shading, mut step: Step, scatterer: &Scatterer, next: &mut Paths) {
     let purpose = |draw| Purpose::at_vertex(here.vertex, draw);
     let numbers = context.sampler.points(here.sequences, &here.paths.index, purpose(Draw::Direction));
     let uses_roulette = context.policy.roulette && here.vertex >= ROULETTE_FIRST_VERTEX;
@@ -167,17 +181,26 @@ fn scatter(context: &Context, here: &Shading, scatterer: &Scatterer, next: &mut 
         cells[lane] = paths::cell(at(&scattered.direction, lane));
     }
     for lane in 0..LANES {
-        let throughput = at(&throughput, lane);
+        let mut throughput = at(&throughput, lane);
         if throughput[0] + throughput[1] + throughput[2] > 0.0 {
+            let media = if scattered.transmitted[lane] { here.media_behind[lane] } else { here.paths.media[lane] };
+            let mut pixel = here.paths.pixel[lane];
+            if let Step::Scatters { shared, target } = &mut step
+                && bsdf_pdf[lane] < f32::INFINITY
+            {
+                for c in 0..3 {
+                    shared.throughput[c][lane] = throughput[c];
+                }
+                (throughput, pixel) = ([1.0; 3], *target * LANES as u32 + lane as u32);
+            }
             let path = Path {
                 origin: at(&scattered.start, lane),
                 bsdf_pdf: bsdf_pdf[lane],
                 direction: at(&scattered.direction, lane),
-                pixel: here.paths.pixel[lane],
+                pixel,
                 throughput,
                 sample: SampleState::new(here.paths.index[lane], context.policy.indirect | scattered.is_specular[lane]),
             };
-            let media = if scattered.transmitted[lane] { here.media_behind[lane] } else { here.paths.media[lane] };
             next.push(path, cells[lane], context.scene.has_media.then_some(media));
         }
     }

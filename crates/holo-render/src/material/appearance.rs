@@ -49,6 +49,8 @@ impl MaterialFlags {
     pub const ALPHA: Self = Self(32);
     /// Layers and lobes of [`crate::material::bsdf::layered`].
     pub const LAYERED: Self = Self(64);
+    /// Alpha that lets a part of the rays pass.
+    pub const BLEND: Self = Self(128);
 
     #[inline(always)]
     pub const fn has(self, flag: Self) -> bool {
@@ -250,6 +252,7 @@ impl Material {
             (MaterialFlags::NORMAL_MAP, normal_map.is_some()),
             (MaterialFlags::VOLUME, scattering.medium().is_some() && !material.unlit),
             (MaterialFlags::ALPHA, material.alpha != Alpha::Opaque),
+            (MaterialFlags::BLEND, material.alpha == Alpha::Blend),
         ];
         Self {
             flags: flags

@@ -141,17 +141,20 @@ fn a_render_that_is_canceled_anywhere_continues_to_the_same_values() {
 #[test]
 fn a_denoised_render_continues_to_the_same_values() {
     let renderer = renderer();
-    let request = requests()[0].clone().denoise(Denoise::Views).estimate_error(true);
-    let counting = Cancel::after(u64::MAX);
-    let whole = renderer.render(&request, &counting).expect("a render");
-    let questions = u64::MAX - counting.left.into_inner();
-    for after in [questions / 2, questions - 2] {
-        let memory = Memory { every: 1, ..Memory::default() };
-        let canceled = renderer.render_with_checkpoint(&request, &Cancel::after(after), &memory);
-        assert!(matches!(canceled, Err(Error::Cancelled)), "after {after} of {questions}");
-        let continued = renderer.render_with_checkpoint(&request, &(), &memory).expect("a render");
-        assert_same(&continued, &whole);
-        assert!(continued.error.is_some() && continued.error == whole.error);
+    let once = requests()[0].clone().denoise(Denoise::Views).estimate_error(true);
+    let in_rounds = once.clone().samples(16).target_error(Some(0.1));
+    for request in [once, in_rounds] {
+        let counting = Cancel::after(u64::MAX);
+        let whole = renderer.render(&request, &counting).expect("a render");
+        let questions = u64::MAX - counting.left.into_inner();
+        for after in [questions / 2, questions - 2] {
+            let memory = Memory { every: 1, ..Memory::default() };
+            let canceled = renderer.render_with_checkpoint(&request, &Cancel::after(after), &memory);
+            assert!(matches!(canceled, Err(Error::Cancelled)), "after {after} of {questions}");
+            let continued = renderer.render_with_checkpoint(&request, &(), &memory).expect("a render");
+            assert_same(&continued, &whole);
+            assert!(continued.error.is_some() && continued.error == whole.error);
+        }
     }
 }
 

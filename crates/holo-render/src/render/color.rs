@@ -1,5 +1,7 @@
 //! Color: its light fields while they are rendered, and their reconstruction across views.
 
+use std::ops::Range;
+
 use holo_core::{BaselineRatio, Disparity, GridSize, LightField, LightFieldOwned, LightFieldShape, Rig};
 use ndarray::{Array3, ArrayViewMut5, s};
 
@@ -7,14 +9,15 @@ use super::checkpoint::TileKind;
 use super::image::zeros;
 use super::plan::{Plan, Region};
 use super::request::{Denoise, Request};
+use super::rounds;
 use super::work::{TileOutput, Work};
 use crate::camera::tile::{Tile, Tiling};
 use crate::error::Error;
 use crate::film::guides;
 use crate::film::reconstruct::{HALO, Reconstruction};
-use crate::integrator::path::{PathTile, Scratch};
+use crate::integrator::path::{PathTile, Round, Scratch};
 use crate::integrator::{Context, RayCounts};
-use crate::simd;
+use crate::simd::{self, LANES};
 
 /// The disparity along which views are reconstructed: that of [`BaselineRatio`].
 pub(super) fn disparity(rig: &Rig) -> Disparity {
@@ -28,7 +31,8 @@ pub(super) fn needs_guides(request: &Request) -> bool {
 
 /// The lens rows on each side that are rendered for the reconstruction of others.
 pub(super) fn margin(request: &Request) -> usize {
-    if needs_guides(request) { HALO } else { 0 }
+    // In a round, the samples of a pixel depend on the error estimated before it.
+    if needs_guides(request) { HALO * rounds::rounds(request).len() } else { 0 }
 }
 
 /// The light fields of a render: color, and the guides of the reconstruction.
@@ -44,6 +48,8 @@ type Finished = (Option<LightFieldOwned<f32>>, Option<LightFieldOwned<f32>>);
 struct ColorTile<'a> {
     color: ArrayViewMut5<'a, f32>,
     guides: Option<ArrayViewMut5<'a, f32>>,
+    /// The estimated error before the round, which is not a part of the result.
+    error: Option<ArrayViewMut5<'a, f32>>,
 }
 
 impl TileOutput for ColorTile<'_> {
@@ -72,58 +78,110 @@ impl ColorFields {
         Ok(Self { color: zeros(shape, 3)?, guides })
     }
 
-    /// Renders all tiles.
-    pub fn trace(&mut self, context: &Context, tiling: &Tiling, work: &Work) -> Result<RayCounts, Error> {
-        let trace = |tile: &Tile, out: &mut ColorTile, scratch: &mut Scratch| {
-            let (color, guides) = (out.color.view_mut(), out.guides.as_mut().map(|guides| guides.view_mut()));
-            simd::run(PathTile { context, tile, color, guides, scratch })
-        };
-        work.run(TileKind::Color, tiling, self.tiles(tiling), trace)
+    /// Renders all tiles, in rounds if there is a target for the error after the reconstruction.
+    pub fn trace(
+        &mut self,
+        request: &Request,
+        context: &Context,
+        tiling: &Tiling,
+        work: &Work,
+    ) -> Result<RayCounts, Error> {
+        let rounds = rounds::rounds(request);
+        let target = rounds::target(request).unwrap_or(0.0);
+        let mut rays = RayCounts::default();
+        for (k, samples) in rounds.iter().enumerate() {
+            let mut error = match k {
+                0 => None,
+                _ => Some(self.estimate(request, work)?),
+            };
+            let largest = error.as_ref().map(|error| error.samples().fold(0.0, |high: f32, &error| high.max(error)));
+            if largest.is_some_and(|largest| largest <= target) {
+                work.leave_out((rounds.len() - k) * tiling.tiles().len());
+                break;
+            }
+            let trace = |tile: &Tile, out: &mut ColorTile, scratch: &mut Scratch| {
+                let mut round = Round { samples: samples.clone(), wanted: Vec::new() };
+                if let Some(error) = &out.error {
+                    let exceeds = |packet: &[[f32; LANES]; 1]| packet[0].iter().any(|&error| error > target);
+                    round.wanted = tile.read(error).iter().map(exceeds).collect();
+                    if !round.wanted.contains(&true) {
+                        return RayCounts::default();
+                    }
+                }
+                let (color, guides) = (out.color.view_mut(), out.guides.as_mut().map(|guides| guides.view_mut()));
+                simd::run(PathTile { context, tile, color, guides, round: &round, scratch })
+            };
+            let first = k * tiling.tiles().len();
+            rays = rays + work.run(TileKind::Color, first, tiling, self.tiles(tiling, error.as_mut()), trace)?;
+        }
+        Ok(rays)
     }
 
-    /// Splits the light fields into tiles.
-    fn tiles(&mut self, tiling: &Tiling) -> Vec<ColorTile<'_>> {
-        let colors = tiling.cut(self.color.samples_mut());
-        let Some(guides) = &mut self.guides else {
-            return colors.into_iter().map(|color| ColorTile { color, guides: None }).collect();
-        };
-        let guides = tiling.cut(guides.samples_mut());
-        colors.into_iter().zip(guides).map(|(color, guides)| ColorTile { color, guides: Some(guides) }).collect()
+    /// The error that reconstructed pixels would have with the samples so far.
+    fn estimate(&mut self, request: &Request, work: &Work) -> Result<LightFieldOwned<f32>, Error> {
+        let mut error = zeros(self.color.shape(), 1)?;
+        let rows = 0..self.color.shape().lenses().rows;
+        self.reconstruct(request, rows, false, Some(&mut error), || !work.is_stopped())?;
+        Ok(error)
     }
 
-    /// Color and its error in the requested lens rows: reconstructed and estimated, if there are guides.
-    pub fn finish(self, request: &Request, plan: &Plan, work: &Work) -> Result<Finished, Error> {
-        let Some(guides) = self.guides else { return Ok((Some(self.color), None)) };
-        let rendered = &plan.color.selection.lens_rows;
-        let wanted = request.lens_row_range();
-        let rows = wanted.start - rendered.start..wanted.end - rendered.start;
-        let views = self.color.shape().views();
-        let lenses = GridSize::new(rows.len(), self.color.shape().lenses().columns);
+    /// Reconstructs color in some lens rows if it `replaces` the samples, and estimates its error.
+    fn reconstruct(
+        &mut self,
+        request: &Request,
+        rows: Range<usize>,
+        replaces: bool,
+        error: Option<&mut LightFieldOwned<f32>>,
+        advance: impl Fn() -> bool,
+    ) -> Result<(), Error> {
+        let (views, lenses) = (self.color.shape().views(), self.color.shape().lenses());
         let ratio = request.rig.baseline_ratio();
-        let mut error = if request.estimate_error { Some(grid(zeros(self.color.shape(), 1)?)?) } else { None };
-        let (mut color, mut guides) = (grid(self.color)?, grid(guides)?);
-        let [v, u, t, s] = plan.color.selection.counts();
+        let Some(guides) = &mut self.guides else { return Ok(()) };
         let reconstruction = Reconstruction {
-            shape: [v, u, t, s],
-            color: values(&mut color)?,
-            guides: values(&mut guides)?,
+            shape: [lenses.rows, lenses.columns, views.rows, views.columns],
+            color: memory(&mut self.color)?,
+            guides: memory(guides)?,
             movement: [ratio.vertical() as f32, ratio.horizontal() as f32],
             samples: request.samples,
             filters: request.denoise == Denoise::Views,
-            rows: rows.clone(),
-            error: error.as_mut().map(values).transpose()?,
+            replaces,
+            rows,
+            error: error.map(memory).transpose()?,
         };
-        reconstruction.run(|| work.step());
-        let shape = LightFieldShape::new(views, lenses)?;
-        let only = |image: Array3<f32>| -> Result<LightFieldOwned<f32>, Error> {
-            let image = if rows.len() < v {
-                image.slice(s![rows.start * views.rows..rows.end * views.rows, .., ..]).to_owned()
-            } else {
-                image
-            };
+        reconstruction.run(advance);
+        Ok(())
+    }
+
+    /// Splits the light fields into tiles.
+    fn tiles<'a>(&'a mut self, tiling: &Tiling, error: Option<&'a mut LightFieldOwned<f32>>) -> Vec<ColorTile<'a>> {
+        let colors = tiling.cut(self.color.samples_mut());
+        let guides = self.guides.as_mut().map(|guides| tiling.cut(guides.samples_mut()));
+        let errors = error.map(|error| tiling.cut(error.samples_mut()));
+        let [mut guides, mut errors] = [guides, errors].map(|tiles| tiles.into_iter().flatten());
+        colors.into_iter().map(|color| ColorTile { color, guides: guides.next(), error: errors.next() }).collect()
+    }
+
+    /// Color and its error in the requested lens rows: reconstructed and estimated, if there are guides.
+    pub fn finish(mut self, request: &Request, plan: &Plan, work: &Work) -> Result<Finished, Error> {
+        if self.guides.is_none() {
+            return Ok((Some(self.color), None));
+        }
+        let rendered = &plan.color.selection.lens_rows;
+        let wanted = request.lens_row_range();
+        let rows = wanted.start - rendered.start..wanted.end - rendered.start;
+        let (views, lenses) = (self.color.shape().views(), self.color.shape().lenses());
+        let mut error = if request.estimate_error { Some(zeros(self.color.shape(), 1)?) } else { None };
+        let filters = request.denoise == Denoise::Views;
+        self.reconstruct(request, rows.clone(), filters, error.as_mut(), || work.step())?;
+        let shape = LightFieldShape::new(views, GridSize::new(rows.len(), lenses.columns))?;
+        let only = |field: LightFieldOwned<f32>| -> Result<LightFieldOwned<f32>, Error> {
+            if rows.len() == lenses.rows {
+                return Ok(field);
+            }
+            let image = grid(field)?.slice(s![rows.start * views.rows..rows.end * views.rows, .., ..]).to_owned();
             Ok(LightField::from_elemental_grid(image, shape)?)
         };
-        Ok((Some(only(color)?), error.map(only).transpose()?))
+        Ok((Some(only(self.color)?), error.map(only).transpose()?))
     }
 }
 
@@ -137,15 +195,15 @@ pub(crate) fn samples(renderer: &super::Renderer, request: &Request) -> Result<[
     let work = Work::new(&(), &stop, None, std::iter::empty(), 0);
     let mut fields = ColorFields::new(&request, &plan.color)?;
     let context = renderer.context(&request, integrator, &plan.color, &stop);
-    renderer.install(|| fields.trace(&context, &plan.color.tiling, &work))?;
+    renderer.install(|| fields.trace(&request, &context, &plan.color.tiling, &work))?;
     let guides = fields.guides.ok_or_else(|| Error::BadSetting("no guides".into()))?;
     Ok([grid(fields.color)?, grid(guides)?])
 }
 
-/// All values of an elemental image array, which has no gaps in memory.
-fn values(image: &mut Array3<f32>) -> Result<&mut [f32], Error> {
+/// All values of a light field in the order of the elemental image array, which is that of its memory.
+fn memory(field: &mut LightFieldOwned<f32>) -> Result<&mut [f32], Error> {
     let gaps = || Error::BadSetting("the light field has gaps in memory; report this, with the request".into());
-    image.as_slice_mut().ok_or_else(gaps)
+    field.samples_mut().permuted_axes([0, 2, 1, 3, 4]).into_slice().ok_or_else(gaps)
 }
 
 /// The elemental image array; light fields of a render have its memory order.

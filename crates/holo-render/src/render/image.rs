@@ -8,6 +8,7 @@ use super::checkpoint::{Checkpoint, TileKind};
 use super::color::{self, ColorFields};
 use super::plan::{Plan, Region};
 use super::request::{GroundTruth, Rendered, Request, Views};
+use super::rounds;
 use super::work::Work;
 use crate::camera::tile::{Tile, Tiling};
 use crate::error::Error;
@@ -45,14 +46,18 @@ impl Renderer {
         ];
         let steps = if with_color && color::needs_guides(request) { request.lens_row_range().len() } else { 0 };
         let wanted = kinds.into_iter().filter(|(wanted, ..)| *wanted);
-        let counts = wanted.map(|(_, kind, region)| (kind, region.tiling.tiles().len()));
+        let rounds = rounds::rounds(request).len();
+        let counts = wanted.map(|(_, kind, region)| {
+            let rounds = if kind == TileKind::Color { rounds } else { 1 };
+            (kind, region.tiling.tiles().len() * rounds)
+        });
         let work = Work::new(progress, &stop, checkpoint, counts, steps);
         let mut rays = RayCounts::default();
         let mut samples = 0;
 
         if let Some(color) = &mut color {
             let context = self.context(request, integrator, &plan.color, &stop);
-            rays = color.trace(&context, &plan.color.tiling, &work)?;
+            rays = color.trace(request, &context, &plan.color.tiling, &work)?;
             // Every sample has one camera ray.
             samples = rays.primary;
         }
@@ -110,7 +115,7 @@ fn trace_aovs(
         let out = out.iter_mut().map(|(layer, output)| (layer, output.view_mut())).collect();
         simd::run(DepthTile { context, tile, out, aov })
     };
-    work.run(kind, tiling, tiles(fields, tiling), trace)
+    work.run(kind, 0, tiling, tiles(fields, tiling), trace)
 }
 
 /// Splits all layers into the same tiles.

@@ -12,7 +12,7 @@ use crate::camera::tile::{Selection, Tiling};
 use crate::film::layers::Layer;
 use crate::integrator::aov::TileAovs;
 use crate::integrator::depth::DepthTile;
-use crate::integrator::path::{PathTile, Scratch};
+use crate::integrator::path::{PathTile, Round, Scratch};
 use crate::sampling::Sampling;
 use crate::simd::{self, LANES};
 use holo_scene::gallery;
@@ -79,6 +79,7 @@ fn every_instruction_set_gives_the_same_image() {
     let mut outputs = images.iter_mut();
     let mut memory: [Scratch; 3] = Default::default();
     let mut scratches = memory.iter_mut();
+    let round = Round { samples: 0..context.sampler.samples, wanted: Vec::new() };
     let counts = simd::run_on_all(|| {
         let color = outputs.next().expect("three sets at most").view_mut();
         PathTile {
@@ -86,6 +87,7 @@ fn every_instruction_set_gives_the_same_image() {
             tile: &tile,
             color,
             guides: None,
+            round: &round,
             scratch: scratches.next().expect("three sets at most"),
         }
     });
@@ -128,8 +130,9 @@ fn the_size_of_tiles_changes_nothing() {
         let tiling = &region.tiling;
         let (mut color, mut aov) = (zeros(split, 3).expect("room"), light_fields(split, LayerSet::ALL).expect("room"));
         let (mut scratch, mut buffer) = (Scratch::default(), TileAovs::default());
+        let round = Round { samples: 0..context.sampler.samples, wanted: Vec::new() };
         for (tile, color) in tiling.tiles().iter().zip(tiling.cut(color.samples_mut())) {
-            simd::run(PathTile { context: &context, tile, color, guides: None, scratch: &mut scratch });
+            simd::run(PathTile { context: &context, tile, color, guides: None, round: &round, scratch: &mut scratch });
         }
         for (tile, out) in tiling.tiles().iter().zip(tiles(&mut aov, tiling)) {
             simd::run(DepthTile { context: &context, tile, out, aov: &mut buffer });
@@ -252,7 +255,7 @@ fn sixteen_samples_lie_in_the_sixteenths_of_the_pixel() {
 fn a_list_of_views_gives_the_pixels_of_the_whole() {
     let (renderer, request) = garden();
     let ground_truth = GroundTruth::All;
-    let whole = request.ground_truth(ground_truth).layers(LayerSet::ALL).max_bounces(3);
+    let whole = request.ground_truth(ground_truth).layers(LayerSet::ALL).max_bounces(3).reuse(Reuse::Off);
     for integrator in [Integrator::Depth, Integrator::Path] {
         let whole = whole.clone().integrator(integrator);
         let all = renderer.render(&whole, &()).expect("a render");

@@ -106,11 +106,12 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Calls `trace` with every tile and its output, unless the checkpoint contains it. Scratch memory is reused from
-    /// tile to tile.
+    /// Calls `trace` with every tile and its output, unless the checkpoint contains it. The tiles are numbered from `first`
+    /// on. Scratch memory is reused from tile to tile.
     pub fn run<P: TileOutput, S: Default + Send>(
         &self,
         kind: TileKind,
+        first: usize,
         tiling: &Tiling,
         outputs: Vec<P>,
         trace: impl Fn(&Tile, &mut P, &mut S) -> RayCounts + Sync,
@@ -128,7 +129,7 @@ impl<'a> Work<'a> {
                 if self.stop.requested() {
                     return Err(Error::Cancelled);
                 }
-                let id = TileId { kind, number };
+                let id = TileId { kind, number: first + number };
                 if let Some(rays) = self.restore(id, &mut output) {
                     return Ok(rays);
                 }
@@ -144,6 +145,17 @@ impl<'a> Work<'a> {
             finished.store(checkpoint);
         }
         outcome
+    }
+
+    /// Whether the caller has canceled.
+    pub fn is_stopped(&self) -> bool {
+        self.stop.requested()
+    }
+
+    /// Reports that this many tiles are not necessary.
+    pub fn leave_out(&self, tiles: usize) {
+        let done = self.done.fetch_add(tiles as u64, Ordering::Relaxed) + tiles as u64;
+        self.progress.advance(done, self.total);
     }
 
     /// Reports one of the steps after the tiles; returns whether to go on.

@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 
 use holo_core::{GridSize, LightFieldShape};
 use holo_io::Limits;
-use holo_render::{Backend, Baseline, Framing, Integrator, Renderer, Request};
+use holo_render::{Backend, Baseline, Denoise, Framing, Integrator, Renderer, Request, Reuse};
 use holo_scene::Scene;
 use ndarray::Array3;
 
@@ -18,8 +18,8 @@ use crate::scenes::{backend_name, integrator_label, integrator_name};
 use crate::table::{Seconds, Table, peak_of_process, reset_peak, short, timed};
 use crate::{RunOptions, Section};
 
-/// The baseline between adjacent views and the focus distance of the scripts.
-const BASELINE_M: f64 = 0.002;
+/// The width of all views together, and the focus distance, of the scripts: 11 views 2 mm apart.
+const APERTURE_M: f64 = 0.02;
 const FOCUS_M: f64 = 0.8;
 const SKY: [f32; 3] = [0.2, 0.24, 0.32];
 
@@ -66,10 +66,14 @@ pub fn section(options: &RunOptions) -> Section {
         let reference = reference.expect("the reference of tests/radiance").values;
         let mut lines = Vec::new();
         for &engine in &options.engines {
-            lines.extend(measure_own(options, engine, integrator, side, samples));
+            lines.extend(measure_own(options, engine, Light::Shared, integrator, side, samples));
         }
+        let engine = options.engines[0];
+        lines.extend(measure_own(options, engine, Light::Own, integrator, side, samples));
+        lines.extend(measure_own(options, engine, Light::Denoised, integrator, side, samples));
         if !options.quick {
-            lines.extend(measure_own(options, options.engines[0], integrator, 101, &samples[..1]));
+            lines.extend(measure_own(options, engine, Light::Shared, integrator, 101, &samples[..2]));
+            lines.extend(measure_own(options, engine, Light::Denoised, integrator, 101, &samples[..2]));
         }
         let (theirs, failures) = measure_peers(options, integrator, side, samples);
         lines.extend(theirs);
@@ -83,9 +87,11 @@ pub fn section(options: &RunOptions) -> Section {
         title: "Beside other renderers",
         text: format!(
             "`tests/radiance/metal_and_glass.glb` (rough metal, glass, dielectric coat; two lights and a sky), views \
-             of 99 x 66 px at a baseline of 2 mm, focus distance 0.8 m, paths of up to 8 bounces without Russian \
+             of 99 x 66 px over an aperture of 20 mm, focus distance 0.8 m, paths of up to 8 bounces without Russian \
              roulette, all threads. `holo` and Mitsuba 3 (`llvm_ad_rgb`, one `batch`, kernels compiled before) render \
              {side} x {side} views at once; Blender's Cycles renders one view at a time with the scene kept in memory. \
+             `holo` shares light between views unless it says *reuse off*; *denoise views* is its reconstruction across \
+             views, and *OIDN* OpenImageDenoise in Cycles with albedo, normals and accurate prefilter. \
              Errors are those of the central view against a reference of thousands of samples, averaged over seeds. \
              The reference was rendered by Mitsuba; Cycles models the coat differently, with a difference of up to 3 % \
              on one small ball. Time x error excludes the 1 % of pixels with the largest errors, because a few \
@@ -162,6 +168,27 @@ fn add_rows(
     plot.svg()
 }
 
+/// What the views of this renderer have in common.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Light {
+    /// Nothing: `--reuse off`.
+    Own,
+    /// Their light: the default.
+    Shared,
+    /// Their samples: `--denoise views`.
+    Denoised,
+}
+
+impl Light {
+    fn label(self) -> &'static str {
+        match self {
+            Self::Own => ", reuse off",
+            Self::Shared => "",
+            Self::Denoised => ", denoise views",
+        }
+    }
+}
+
 /// The folder of the scene and its references.
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/radiance")
@@ -170,6 +197,7 @@ fn folder() -> PathBuf {
 fn measure_own(
     options: &RunOptions,
     engine: Backend,
+    light: Light,
     integrator: Integrator,
     side: usize,
     samples: &[u32],
@@ -177,22 +205,23 @@ fn measure_own(
     let scene: Scene =
         holo_scene::gltf::load(&folder().join("metal_and_glass.glb"), &Default::default()).expect("a scene").scene;
     let framing = Framing::new(LightFieldShape::new(GridSize::new(side, side), GridSize::new(66, 99)).expect("sizes"))
-        .baseline(Baseline::Meters(BASELINE_M));
+        .baseline(Baseline::Meters(APERTURE_M / (side - 1) as f64));
     let framed = framing.frame(&scene).expect("a camera");
     let rig = framed.rig(FOCUS_M).expect("a rig");
     let renderer = Renderer::new(&scene, &framed.pose, engine, 0).expect("a renderer");
-    let program = if side > 11 {
-        format!("holo, {}, {side} x {side}", backend_name(engine))
-    } else {
-        format!("holo, {}", backend_name(engine))
-    };
+    let size = if side > 11 { format!(", {side} x {side}") } else { String::new() };
+    let program = format!("holo, {}{size}{}", backend_name(engine), light.label());
+    let rounds = if side > 11 { 1 } else { options.rounds.min(3) };
+    let reuse = if light == Light::Own { Reuse::Off } else { Reuse::Views };
+    let denoise = if light == Light::Denoised { Denoise::Views } else { Denoise::Off };
     reset_peak();
     samples
         .iter()
         .map(|&samples| {
             let request = Request::new(rig).integrator(integrator).samples(samples).sky(SKY).roulette(false);
+            let request = request.reuse(reuse).denoise(denoise);
             let mut images = Vec::new();
-            let (seconds, ()) = timed(options.rounds.min(3), || {
+            let (seconds, ()) = timed(rounds, || {
                 let request = request.clone().seed(images.len() as u64);
                 let color = renderer.render(&request, &()).expect("a render").color.expect("the scene is lit");
                 images.push(color.view(side / 2, side / 2).expect("the central view").to_owned());
@@ -225,10 +254,12 @@ fn measure_peers(
             Err(why) => failures.push(why),
         }
     }
-    let arguments = ["--bounces", cycles.as_str(), "--seeds", &rounds].map(str::to_owned);
-    match run("blender", "blender_loop.py", &arguments, samples, "Blender, Cycles", 1.0) {
-        Ok(found) => lines.extend(found),
-        Err(why) => failures.push(why),
+    for (denoise, program) in [("off", "Blender, Cycles"), ("oidn", "Blender, Cycles + OIDN")] {
+        let arguments = ["--bounces", cycles.as_str(), "--seeds", &rounds, "--denoise", denoise].map(str::to_owned);
+        match run("blender", "blender_loop.py", &arguments, samples, program, 1.0) {
+            Ok(found) => lines.extend(found),
+            Err(why) => failures.push(why),
+        }
     }
     (lines, failures)
 }

@@ -44,6 +44,7 @@ impl Synthetic {
             movement: [1.0; 2],
             samples,
             filters: true,
+            replaces: true,
             rows,
             error: Some(&mut error),
         }
