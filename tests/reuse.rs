@@ -174,7 +174,10 @@ fn parts_have_the_bytes_of_the_whole() {
     let rows = one.shard_lens_rows(&request, 1, 2).expect("a shard");
     let part = color(&many, &request.clone().lens_rows(Some(rows.clone())));
     assert_eq!(part.samples(), whole.samples().slice(ndarray::s![rows, .., .., .., ..]));
-    let off = color(&one, &request.clone().reuse(Reuse::Off));
+    let [off, on] =
+        [Reuse::Off, Reuse::Views].map(|reuse| one.render(&request.clone().reuse(reuse), &()).expect("a render"));
+    assert_eq!((on.samples, on.rays.primary), (off.samples, off.rays.primary), "a sample is a camera ray");
+    let off = off.color.expect("an image");
     assert_ne!(off.samples(), whole.samples());
     let view = color(&one, &request.views(Views::List(vec![ViewIndex { row: 2, column: 5 }])));
     assert_eq!(view.view(0, 0).expect("a view"), off.view(2, 5).expect("a view"));

@@ -100,7 +100,8 @@ pub(crate) struct Policy {
 /// The number of traced rays by kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RayCounts {
-    /// Camera rays, from a pixel into the scene.
+    /// Camera rays, from a pixel into the scene: one per sample. Those of views that share light are traced twice and counted
+    /// once.
     pub primary: u64,
     /// Shadow rays, from a surface towards a light.
     pub shadow: u64,

@@ -327,7 +327,9 @@ impl Renderer {
 
     /// Whether the views of a packet share light.
     fn reuses(&self, request: &Request, integrator: Integrator, region: &Region) -> bool {
-        let is_possible = region.tiling.is_one_lens_a_packet()
+        // A single sample is for speed.
+        let is_possible = request.samples > 1
+            && region.tiling.is_one_lens_a_packet()
             && !region.selection.is_list()
             && !request.transparent_shadows
             && request.indirect_limit == f32::INFINITY

@@ -41,7 +41,7 @@ use std::process::ExitCode;
 use pip::Availability;
 
 const USAGE: &str = "usage: cargo xtask setup | build | demo | test | dist [--check] | clippy | doc | embree | \
-    fuzz [SECONDS [TARGET..]] | package | modules | bench | report [--quick] [--peers] [--out DIR] | \
+    fuzz [SECONDS [TARGET..]] | package | modules | bench | report [--quick] [--peers] [--only TEXT] [--out DIR] | \
     sanitize [address] [thread] [miri] | wild DIR [--list FILE]";
 
 fn main() -> ExitCode {

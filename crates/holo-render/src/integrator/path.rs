@@ -246,7 +246,7 @@ impl TilePaths<'_> {
         }
         for k in 0..packets {
             packet.reset();
-            let mut traced = if vertex == 0 {
+            let traced = if vertex == 0 {
                 let index = k % per_sample;
                 if index == 0 {
                     pixel_packets = context.camera.packets(tile);
@@ -257,69 +257,82 @@ impl TilePaths<'_> {
                     continue;
                 }
                 let sample = first + (k / per_sample) as u32;
-                self.camera_rays(&pixels, index, sample, &mut packet)
+                self.camera_rays(&pixels, index, sample, stage.gathers, &mut packet)
             } else {
                 self.scattered_rays(k, vertex, coherence, occlusion_only, &mut packet)
             };
-            let mut contribution = [[0.0; LANES]; 3];
-            let misses = mis::misses(&packet, &traced.paths.valid, occlusion_only);
-            let is_second = context.policy.reuse && vertex == 1;
-            let places = if is_second { self.scratch.shared.take_back(&mut traced.paths) } else { None };
-            let mut is_shared = [false; LANES];
-            if let Some(places) = &places {
-                let direction = &packet.rays.direction;
-                is_shared = self.scratch.shared.environment(&context.scene, places, &misses, direction);
-            }
-            add_environment(context, &packet.rays, &misses, &is_shared, &traced.paths, &mut contribution);
-            let found =
-                SurfaceInteraction::new(context.scene.appearance, context.scene.geometry, &packet, &traced.points);
-            if let Some(interaction) = &found {
-                let mut hit = interaction.hit;
-                for lane in 0..LANES {
-                    hit[lane] &= traced.paths.valid.0[lane] != 0;
-                }
-                let mut shading = Shading {
-                    packet: &packet,
-                    interaction,
-                    hit,
-                    sequences: &traced.sequences,
-                    vertex,
-                    media_behind: [MediaStack::AIR; LANES],
-                    paths: &mut traced.paths,
-                    coherence: traced.coherence,
-                };
-                let mut step = Step::Alone;
-                if let Some(places) = &places {
-                    step = Step::Finds { shared: &mut self.scratch.shared, places };
-                }
-                let goes_on = shade::arrive(context, &mut shading, step, &mut contribution);
-                let mut step = Step::Alone;
-                if stage.gathers {
-                    // Emission and the environment were added before.
-                    contribution = [[0.0; LANES]; 3];
-                    step = self.scratch.shared.gathers(k);
-                } else if context.policy.reuse && vertex == 0 {
-                    if reuse::pays(context.policy.max_bounces, &shading, &shading.paths.valid) {
-                        step = self.scratch.shared.scatters(k, shading.paths.pixel[0]);
-                    }
-                } else if let Some(places) = &places
-                    && goes_on
-                {
-                    // So far these have received nothing for their own pixels.
-                    self.scratch.shared.surfaces(&context.scene, places, &mut shading);
-                }
-                if goes_on {
-                    let next = &mut self.scratch.next;
-                    self.counts.shadow += shade::reflect(context, &shading, step, &mut contribution, next);
-                }
-            }
-            add(self.scratch, context, vertex, &traced.paths, &contribution);
+            self.shade(stage, k, &packet, traced, occlusion_only);
         }
     }
 
-    /// One camera ray through every pixel of a packet.
+    /// Shades packet number `k` of a stage, whose rays were traced; `occlusion_only` if for occlusion only.
     #[inline(always)]
-    fn camera_rays(&mut self, pixels: &PixelPacket, index: usize, sample: u32, packet: &mut RayHits) -> Traced {
+    fn shade(&mut self, stage: Stage, k: usize, packet: &RayHits, mut traced: Traced, occlusion_only: bool) {
+        let (context, vertex) = (self.context, stage.vertex);
+        let mut contribution = [[0.0; LANES]; 3];
+        let misses = mis::misses(packet, &traced.paths.valid, occlusion_only);
+        let is_second = context.policy.reuse && vertex == 1;
+        let places = if is_second { self.scratch.shared.take_back(&mut traced.paths) } else { None };
+        let mut is_shared = [false; LANES];
+        if let Some(places) = &places {
+            let direction = &packet.rays.direction;
+            is_shared = self.scratch.shared.environment(&context.scene, places, &misses, direction);
+        }
+        add_environment(context, &packet.rays, &misses, &is_shared, &traced.paths, &mut contribution);
+        let found = SurfaceInteraction::new(context.scene.appearance, context.scene.geometry, packet, &traced.points);
+        if let Some(interaction) = &found {
+            let mut hit = interaction.hit;
+            for lane in 0..LANES {
+                hit[lane] &= traced.paths.valid.0[lane] != 0;
+            }
+            let mut shading = Shading {
+                packet,
+                interaction,
+                hit,
+                sequences: &traced.sequences,
+                vertex,
+                media_behind: [MediaStack::AIR; LANES],
+                paths: &mut traced.paths,
+                coherence: traced.coherence,
+            };
+            let mut step = Step::Alone;
+            if let Some(places) = &places {
+                step = Step::Finds { shared: &mut self.scratch.shared, places };
+            }
+            let goes_on = shade::arrive(context, &mut shading, step, &mut contribution);
+            let mut step = Step::Alone;
+            if stage.gathers {
+                // Emission and the environment were added before.
+                contribution = [[0.0; LANES]; 3];
+                step = self.scratch.shared.gathers(k);
+            } else if context.policy.reuse && vertex == 0 {
+                if reuse::pays(context.policy.max_bounces, &shading, &shading.paths.valid) {
+                    step = self.scratch.shared.scatters(k, shading.paths.pixel[0]);
+                }
+            } else if let Some(places) = &places
+                && goes_on
+            {
+                // So far these have received nothing for their own pixels.
+                self.scratch.shared.surfaces(&context.scene, places, &mut shading);
+            }
+            if goes_on {
+                let next = &mut self.scratch.next;
+                self.counts.shadow += shade::reflect(context, &shading, step, &mut contribution, next);
+            }
+        }
+        add(self.scratch, context, vertex, &traced.paths, &contribution);
+    }
+
+    /// One camera ray through every pixel of a packet; `again` if it was traced before.
+    #[inline(always)]
+    fn camera_rays(
+        &mut self,
+        pixels: &PixelPacket,
+        index: usize,
+        sample: u32,
+        again: bool,
+        packet: &mut RayHits,
+    ) -> Traced {
         let context = self.context;
         let runs = self.scratch.runs[index];
         let indices = runs.first.map(|first| first + sample);
@@ -330,9 +343,11 @@ impl TilePaths<'_> {
             packet.rays.id = numbers.map(|number| number | CAMERA_RAY);
         }
         context.scene.engine.intersect(&pixels.valid, packet, Coherence::Coherent);
-        self.counts.primary += count(&pixels.valid);
+        self.counts.primary += if again { 0 } else { count(&pixels.valid) };
         let refined = refine::refine(context.scene.geometry, packet, &exact);
-        if let Some(map) = &context.guides {
+        if let Some(map) = &context.guides
+            && !again
+        {
             let mut disparity = [0.0; LANES];
             for lane in 0..LANES {
                 disparity[lane] = map.from_depth_m(refined.depth[lane]) as f32;

@@ -56,7 +56,7 @@ pub struct Request {
     pub roulette: bool,
     /// The target of the relative standard error of each pixel for adaptive sampling; `samples` is then the maximum per
     /// pixel. `None`: all pixels get `samples`. With [`Denoise::Views`] it is the error after the reconstruction, estimated
-    /// in rounds after 4, 8, 16, ... samples.
+    /// in rounds after 4, 8, 16, ... samples; shards then render 7 more lens rows on either side for every round.
     pub target_error: Option<f64>,
     /// Whether `Auto` includes indirect illumination between diffuse surfaces. Otherwise paths continue only from metal
     /// and glass.
@@ -171,9 +171,9 @@ pub enum Reuse {
     Off,
     /// The views of a group of 4 x 4 share samples of the environment and what their scattered rays find: for direct light,
     /// and on diffuse surfaces for paths. There is less noise in every view, and about the same in the mean of a group: the
-    /// noise that is left is correlated. Direct light of a sky gains most (5 to 7 times in error x time). Without effect on lists of
-    /// views, with [`Denoise::Views`], which uses the same samples, and with
-    /// [`Request::indirect_limit`], [`Request::transparent_shadows`] or blended alpha.
+    /// noise that is left is correlated. Direct light of a sky gains most (5 to 7 times in error x time). Without effect
+    /// on single samples, which are for speed, on lists of views, with [`Denoise::Views`], which uses the same samples,
+    /// and with [`Request::indirect_limit`], [`Request::transparent_shadows`] or blended alpha.
     #[default]
     Views,
 }

@@ -1,4 +1,4 @@
-//! Measures speed and error: `cargo xtask report [--quick] [--peers] [--out DIR]`.
+//! Measures speed and error: `cargo xtask report [--quick] [--peers] [--only TEXT] [--out DIR]`.
 //!
 //! Writes `REPORT.md`, one CSV file per table, and SVG plots. Every time is the median of several runs of this process
 //! with their spread (BVH builds: one run), as a ratio to a comparable time if there is one. Every error is against a
@@ -50,12 +50,19 @@ pub struct Section {
 type SectionFn = fn(&RunOptions) -> Section;
 
 fn main() {
-    let (mut quick, mut with_peers, mut out) = (false, false, PathBuf::from("report"));
+    let (mut quick, mut with_peers, mut only, mut out) = (false, false, String::new(), PathBuf::from("report"));
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--quick" => quick = true,
             "--peers" => with_peers = true,
+            "--only" => match arguments.next() {
+                Some(text) => only = text,
+                None => {
+                    eprintln!("report: --only needs a part of the name of a section");
+                    std::process::exit(2);
+                }
+            },
             "--out" => match arguments.next() {
                 Some(folder) => out = folder.into(),
                 None => {
@@ -64,7 +71,9 @@ fn main() {
                 }
             },
             other => {
-                eprintln!("report: unknown argument '{other}'; the options are --quick, --peers and --out DIR");
+                eprintln!(
+                    "report: unknown argument '{other}'; the options are --quick, --peers, --only TEXT and --out DIR"
+                );
                 std::process::exit(2);
             }
         }
@@ -82,7 +91,7 @@ fn main() {
     if with_peers {
         section_fns.insert(0, ("other renderers", peers::section));
     }
-    for (name, make) in section_fns {
+    for (name, make) in section_fns.into_iter().filter(|(name, _)| name.contains(&only)) {
         eprintln!("{:5.0} s  {name}", start.elapsed().as_secs_f64());
         sections.push(make(&options));
     }
