@@ -177,13 +177,16 @@ fn samples_are_added_until_the_reconstructed_error_meets_the_target() {
 }
 
 #[test]
-fn lists_of_views_are_not_denoised() {
+fn lists_of_views_and_depth_are_not_denoised() {
     let (renderer, request) = prepared("plaster", 0.01);
     let list = request.views(Views::List(vec![ViewIndex { row: 1, column: 2 }]));
-    for request in [list.clone().denoise(Denoise::Views), list.estimate_error(true)] {
-        match renderer.render(&request, &()) {
-            Err(Error::BadSetting(why)) => assert!(why.contains("all views"), "{why}"),
-            other => panic!("{other:?}"),
+    let depth = list.clone().views(Views::All).integrator(Integrator::Depth);
+    for (request, expected) in [(list, "all views"), (depth, "needs color")] {
+        for request in [request.clone().denoise(Denoise::Views), request.estimate_error(true)] {
+            match renderer.render(&request, &()) {
+                Err(Error::BadSetting(why)) => assert!(why.contains(expected), "{why}"),
+                other => panic!("{other:?}"),
+            }
         }
     }
 }

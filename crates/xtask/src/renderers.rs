@@ -5,6 +5,7 @@
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 use crate::pip::{self, Availability, Requirements};
 use crate::{Result, target};
@@ -65,12 +66,20 @@ pub fn blender() -> Result<Option<(String, PathBuf)>> {
     Ok(pip::installed(&BLENDER, &home).map(|python| (python, home)))
 }
 
-/// The newest LLVM of the system from 16 on: 14 and 15 fail on machines with AVX-512.
+/// The newest LLVM of the system from 16 on (14 and 15 fail on machines with AVX-512), or else that of the Rust compiler.
 fn llvm() -> Option<PathBuf> {
     let folders = ["/usr/lib/x86_64-linux-gnu", "/usr/lib/aarch64-linux-gnu", "/usr/lib64", "/usr/lib"];
     let files = |version: u32| {
         let names = [format!("libLLVM-{version}.so"), format!("libLLVM.so.{version}.1")];
         folders.iter().flat_map(move |folder| names.clone().map(|name| Path::new(folder).join(name)))
     };
-    (16..=30).rev().flat_map(files).find(|path| path.exists())
+    (16..=30).rev().flat_map(files).find(|path| path.exists()).or_else(llvm_of_rust)
+}
+
+/// The LLVM of the Rust compiler, where that is a library of its own.
+fn llvm_of_rust() -> Option<PathBuf> {
+    let sysroot = Command::new("rustc").args(["--print", "sysroot"]).output().ok()?.stdout;
+    let library = Path::new(std::str::from_utf8(&sysroot).ok()?.trim()).join("lib");
+    let files = std::fs::read_dir(library).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
+    files.into_iter().find(|path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("libLLVM")))
 }

@@ -1,8 +1,8 @@
 //! Path reuse: the views of a packet share the light that their rays find.
 //!
-//! The sixteen rays of a packet are of neighboring views of one microlens and hit about the same spot. Each of them samples
-//! the environment and scatters a ray, and all of them use all sixteen samples (Bekaert, Sbert and Halton, "Accelerating path
-//! tracing by re-using paths", 2002).
+//! The sixteen rays of a packet are of neighboring views of one microlens and hit about the same spot. Each of them
+//! samples the environment and scatters a ray, and all of them use all sixteen samples (Bekaert, Sbert and Halton,
+//! "Accelerating path tracing by re-using paths", 2002).
 //!
 //! # Estimator
 //! A direction of the environment map is sampled with the same density by every lane, so lane j takes the mean over the
@@ -22,8 +22,9 @@
 //! lights, unlit surfaces, and light that metal, glass and coats at x reflect.
 //!
 //! # What it gains
-//! Paths of packets that show texture, edges or gloss are not shared: most of their noise comes from there. The noise of the views of a
-//! packet is correlated: less of it in every view, about the same in their mean. Measurements: `holo-bench`, `reuse`.
+//! Paths of packets that show texture, edges or gloss are not shared: most of their noise comes from there. The noise of
+//! the views of a packet is correlated: less of it in every view, about the same in their mean. Measurements:
+//! `holo-bench`, `reuse`.
 //!
 //! # Order
 //! Camera rays whose packet shares scatter rays for the sums of [`SharedLight`] ([`Step::Scatters`]). At the next vertex
@@ -58,13 +59,13 @@ pub(crate) enum Found {
     Nothing,
     /// The environment in the direction `place`.
     Direction,
-    /// The point `place` of a diffuse surface.
+    /// The point `place` of a surface, which emits light or reflects it diffusely.
     Point,
 }
 
 /// The part of a camera packet in the reuse of paths.
 pub(crate) enum Step<'a> {
-    /// None.
+    /// None: its paths are its own.
     Alone,
     /// Its rays are scattered; they find light for `shared`, the packet number `target` of the sums of light.
     Scatters { shared: &'a mut Shared, target: u32 },

@@ -278,8 +278,14 @@ impl Request {
                 )));
             }
         }
-        if (self.denoise == Denoise::Views || self.estimate_error) && self.views != Views::All {
-            let what = if self.estimate_error { "the estimate of the error" } else { "denoising" };
+        let needs_samples = self.denoise == Denoise::Views || self.estimate_error;
+        let what = if self.estimate_error { "the estimate of the error" } else { "denoising" };
+        if needs_samples && self.integrator == Integrator::Depth {
+            return Err(Error::BadSetting(format!(
+                "{what} needs color, which the integrator 'depth' does not render; choose another one, or leave it out"
+            )));
+        }
+        if needs_samples && self.views != Views::All {
             return Err(Error::BadSetting(format!("{what} needs all views; render them all, or without it")));
         }
         if let Views::List(list) = &self.views {

@@ -65,12 +65,10 @@ pub fn section(options: &RunOptions) -> Section {
         let reference = holo_io::read_pfm(reference, &Limits::default());
         let reference = reference.expect("the reference of tests/radiance").values;
         let mut lines = Vec::new();
-        for &engine in &options.engines {
-            lines.extend(measure_own(options, engine, Light::Shared, integrator, side, samples));
-        }
         let engine = options.engines[0];
-        lines.extend(measure_own(options, engine, Light::Own, integrator, side, samples));
-        lines.extend(measure_own(options, engine, Light::Denoised, integrator, side, samples));
+        for light in [Light::Shared, Light::Own, Light::Denoised] {
+            lines.extend(measure_own(options, engine, light, integrator, side, samples));
+        }
         if !options.quick {
             lines.extend(measure_own(options, engine, Light::Shared, integrator, 101, &samples[..2]));
             lines.extend(measure_own(options, engine, Light::Denoised, integrator, 101, &samples[..2]));

@@ -81,7 +81,8 @@ impl FoundLight {
         for lane in 0..LANES {
             let sent = response.value[0][lane] + response.value[1][lane] + response.value[2][lane];
             let density = response.bsdf_pdf[lane] * self.geometry[lane];
-            let shares = here.hit[lane] & (sent > 0.0) & (density > 0.0);
+            // Points closer than 1e-19 m have no finite density.
+            let shares = here.hit[lane] & (sent > 0.0) & (density > 0.0) & (density < f32::INFINITY);
             pdf[lane] = if shares { density } else { 0.0 };
             lit.0[lane] = -i32::from(shares);
         }
