@@ -283,7 +283,7 @@ impl Reconstruction<'_> {
                     choices.push_back((row, choices_of_row(&evidence, row, &lenses, &blocks, lens_columns)));
                 }
             }
-            let out = field.reconstruct_row(v, &lenses, &blocks, &choices);
+            let out = field.reconstruct_row(v, &lenses, &blocks, &choices, self.replaces);
             drop(field);
             if self.replaces {
                 let end = (v + 1) * row_length * 3;
@@ -401,13 +401,14 @@ impl Field<'_> {
             .collect()
     }
 
-    /// Color and relative error of the views of every microlens of row `v`.
+    /// Color, if it is wanted, and relative error of the views of every microlens of row `v`.
     fn reconstruct_row(
         &self,
         v: usize,
         lenses: &[Lens],
         blocks: &Blocks,
         choices: &VecDeque<(usize, Vec<Vec<Choice>>)>,
+        with_color: bool,
     ) -> Vec<(Vec<f32>, Vec<f32>)> {
         let [_, lens_columns, view_rows, view_columns] = self.shape;
         let one = |scratch: &mut Scratch, u: usize| {
@@ -435,7 +436,7 @@ impl Field<'_> {
             // Interpolated choices are rounded; within the limits they have the means that are there.
             let lowest = smooth.iter().fold(highest, |low, choice| low.min(choice.level)).floor();
             let largest = smooth.iter().fold(0.0f32, |high, choice| high.max(choice.level)).ceil();
-            if !lens.gathers {
+            if with_color && !lens.gathers {
                 // Moved windows have the means of those that end at the border.
                 let needed = if lens.radii.is_moved(lowest as usize) { lowest - 1.0 } else { lowest };
                 self.box_means([v, u], lens, needed as usize..=largest as usize, scratch);
@@ -444,6 +445,10 @@ impl Field<'_> {
             for t in 0..view_rows {
                 for s in 0..view_columns {
                     let mut choice = blocks.interpolate(&smooth, [t, s]);
+                    error.push(choice.error.sqrt());
+                    if !with_color {
+                        continue;
+                    }
                     choice.level = choice.level.clamp(lowest, largest);
                     let [lower, upper] = [choice.level.floor(), choice.level.ceil()].map(|level| level as usize);
                     let part = choice.level - lower as f32;
@@ -455,7 +460,6 @@ impl Field<'_> {
                             .map(|level| std::array::from_fn(|k| scratch.means[level][k][t * view_columns + s]))
                     };
                     color.extend((0..3).map(|c| if part > 0.0 { low[c] + (high[c] - low[c]) * part } else { low[c] }));
-                    error.push(choice.error.sqrt());
                 }
             }
             (color, error)

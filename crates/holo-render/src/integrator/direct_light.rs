@@ -45,18 +45,21 @@ pub(super) fn add(
     let numbers = selection.numbers(context, here);
     let mut reservoir = Reservoir::new(numbers[0]);
     for k in 0..selection.count() {
-        if let Role::Found(lane) = selection.role(k)
-            && let Step::Gathers(shared) = step
-        {
-            if shared.is_lit(lane) {
-                let found = FoundLight::new(context, here, shared, lane);
-                let response = scatterer.respond(&found.sample.to_light, &found.sample.inverse_length);
-                shadow_rays += found.add(context, here, &response, radiance);
+        let (light, found) = match (selection.role(k), step) {
+            (Role::Found(lane), Step::Gathers(shared)) => {
+                if !shared.is_lit(lane) {
+                    continue;
+                }
+                let (light, found) = FoundLight::new(context, here, shared, lane);
+                (light, Some(found))
             }
+            _ => (selection.sample(context, here, k), None),
+        };
+        let response = scatterer.respond(&light.to_light, &light.inverse_length);
+        if let Some(found) = found {
+            shadow_rays += found.add(context, here, &light, &response, radiance);
             continue;
         }
-        let light = selection.sample(context, here, k);
-        let response = scatterer.respond(&light.to_light, &light.inverse_length);
         let mut contribution = unoccluded(here, &response, &light);
         if context.scene.has_media && !context.policy.transparent_shadows {
             absorb(context, here, &light, &mut contribution);

@@ -38,7 +38,7 @@ use super::paths::PathPacket;
 use super::shade::Shading;
 use crate::material::media::MediaStack;
 use crate::material::{MaterialFlags, SurfaceInteraction};
-use crate::simd::{LANES, Lanes, at};
+use crate::simd::{LANES, Lanes};
 
 pub(super) use light::FoundLight;
 
@@ -123,16 +123,15 @@ impl Shared {
         self.found[lane] != Found::Nothing && sum > 0.0
     }
 
-    /// Records the point that the ray of lane `from` has hit, with what it emits.
+    /// Records the point that the ray of lane `from` has hit.
     #[inline(always)]
-    fn hit(&mut self, from: usize, hit: &SurfaceInteraction, lane: usize, instance: u32, emitted: [f32; 3]) {
+    fn hit(&mut self, from: usize, hit: &SurfaceInteraction, lane: usize, instance: u32) {
         self.found[from] = Found::Point;
         self.side[from] = hit.side[lane];
         self.instance[from] = instance;
         for axis in 0..3 {
             self.place[axis][from] = hit.position[axis][lane];
             self.normal[axis][from] = hit.geometric_normal[axis][lane];
-            self.emitted[axis][from] = emitted[axis];
         }
     }
 }
@@ -273,7 +272,11 @@ impl SharedLight {
                 && !interaction.flags[lane].has(MaterialFlags::UNLIT)
             {
                 let instance = scene.geometry.instance_index(interaction.triangle[lane]);
-                self.packets[packet].hit(from, interaction, lane, instance, at(emitted, lane));
+                let shared = &mut self.packets[packet];
+                shared.hit(from, interaction, lane, instance);
+                for c in 0..3 {
+                    shared.emitted[c][from] = emitted[c][lane];
+                }
                 out[lane] = true;
             }
         }
@@ -289,10 +292,8 @@ impl SharedLight {
                 && here.hit[lane]
                 && !interaction.flags[lane].has(MaterialFlags::GLOSSY)
             {
-                let shared = &mut self.packets[packet];
                 let instance = scene.geometry.instance_index(interaction.triangle[lane]);
-                let emitted = at(&shared.emitted, from);
-                shared.hit(from, interaction, lane, instance, emitted);
+                self.packets[packet].hit(from, interaction, lane, instance);
                 for c in 0..3 {
                     here.paths.throughput[c][lane] = 1.0;
                 }

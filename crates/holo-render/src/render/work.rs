@@ -175,8 +175,8 @@ impl<'a> Work<'a> {
 
     /// Reports a tile that was traced, and stores what is finished from time to time.
     fn finish<P: TileOutput>(&self, id: TileId, rays: RayCounts, output: P, finished: &Finished<P>) {
-        // A tile during which the caller canceled may be incomplete.
-        let complete = self.checkpoint.filter(|_| !self.stop.requested());
+        // A tile during which the caller canceled may be incomplete; one without rays did not take part in its round.
+        let complete = self.checkpoint.filter(|_| !self.stop.requested() && rays.total() > 0);
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         self.progress.advance(done, self.total);
         let Some(checkpoint) = complete else { return };

@@ -69,9 +69,9 @@ impl Evidence {
     }
 }
 
-/// Chooses for the block of views of a microlens. Neighbors with fewer windows are left out; those with more, whose
-/// windows differ a little, are taken as evidence all the same. `near` has the evidence of the same block of the microlenses around
-/// it; `levels` is the number of levels of the microlens, and `window_views` the views of each window.
+/// Chooses for the block of views of a microlens. `near` has the evidence of the same block of the microlenses around it;
+/// `levels` is the number of levels of the microlens, and `window_views` the views of each window. Neighbors with fewer
+/// windows are left out; those with more, whose windows differ a little, are taken as evidence all the same.
 pub(super) fn choose(near: &[Evidence], levels: usize, window_views: &[f64; LEVELS], block_views: f64) -> Choice {
     let mut brightness = 0.0;
     let mut lenses = 0.0;

@@ -121,7 +121,7 @@ fn box_means_are_the_means_over_windows() {
     }
 }
 
-/// A window along the disparity by its definition: every view is asked, and the sums are f64.
+/// A window along the disparity by its definition: every view is examined, and the sums are f64.
 fn gathered(field: &Field, [v, u, t, s]: [usize; 4], (views, beside_px): (usize, f32)) -> [[f64; 2]; VALUES] {
     let [_, disparity] = field.guides(v, u, t, s);
     // The microlens along one axis, if the view belongs to the window.

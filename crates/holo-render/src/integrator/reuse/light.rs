@@ -11,9 +11,8 @@ use crate::light::SHADOW_REACH;
 use crate::simd::{LANES, Lanes, at, count};
 use holo_scene::MAX_RADIANCE;
 
-/// A light sample for sixteen lanes.
+/// What belongs to a light sample that one lane has found for all.
 pub(in crate::integrator) struct FoundLight {
-    pub sample: LightSample,
     /// The lane that has found it.
     from: usize,
     emitted: [f32; 3],
@@ -25,9 +24,9 @@ pub(in crate::integrator) struct FoundLight {
 }
 
 impl FoundLight {
-    /// What the ray of lane `from` has found.
+    /// What the ray of lane `from` has found, as a light sample, whose strength is without emission.
     #[inline(always)]
-    pub fn new(context: &Context, here: &Shading, shared: &Shared, from: usize) -> Self {
+    pub fn new(context: &Context, here: &Shading, shared: &Shared, from: usize) -> (LightSample, Self) {
         let (place, normal, radiance) = (at(&shared.place, from), at(&shared.normal, from), at(&shared.radiance, from));
         let mut sample = LightSample {
             to_light: [[0.0; LANES]; 3],
@@ -43,7 +42,7 @@ impl FoundLight {
         let emitted = at(&shared.emitted, from);
         if shared.found[from] == Found::Direction {
             let light_pdf = [shared.light_pdf[from]; LANES];
-            return Self { sample, from, emitted, geometry: [1.0; LANES], light_pdf };
+            return (sample, Self { from, emitted, geometry: [1.0; LANES], light_pdf });
         }
         sample.far = [SHADOW_REACH; LANES];
         let [mut geometry, mut squared, mut cosine] = [[0.0; LANES]; 3];
@@ -70,12 +69,19 @@ impl FoundLight {
                 light_pdf[lane] *= weight;
             }
         }
-        Self { sample, from, emitted, geometry, light_pdf }
+        (sample, Self { from, emitted, geometry, light_pdf })
     }
 
     /// Adds the light to all lanes that see it; returns the number of shadow rays.
     #[inline(always)]
-    pub fn add(&self, context: &Context, here: &Shading, response: &Response, radiance: &mut [[f32; LANES]; 3]) -> u64 {
+    pub fn add(
+        &self,
+        context: &Context,
+        here: &Shading,
+        sample: &LightSample,
+        response: &Response,
+        radiance: &mut [[f32; LANES]; 3],
+    ) -> u64 {
         let mut pdf = [0.0; LANES];
         let mut lit = Lanes([0; LANES]);
         for lane in 0..LANES {
@@ -89,7 +95,6 @@ impl FoundLight {
         // The lane itself has found it.
         let mut tested = lit;
         tested.0[self.from] = 0;
-        let sample = &self.sample;
         let mut rays = Rays { origin: response.start, direction: sample.to_light, far: sample.far, ..Rays::EMPTY };
         let tests = count(&tested);
         if tests > 0 {
