@@ -11,8 +11,9 @@
 use std::time::Instant;
 
 use holo_bench::error::{Images, nine, rgb, sorted, squared_error};
-use holo_core::{GridSize, Remainder, Sensor, ViewIndex};
-use holo_render::{Backend, Framing, Integrator, Renderer, Request, Views, bench};
+use holo_bench::on_the_paper_sensor;
+use holo_core::ViewIndex;
+use holo_render::{Integrator, Request, Views, bench};
 use holo_scene::gallery;
 
 struct Options {
@@ -65,11 +66,8 @@ fn options() -> Options {
 /// Prints a line; returns the logarithm of the gain.
 fn measure(name: &str, options: &Options) -> Option<f64> {
     let scene = gallery::scene(name).expect("a scene of the gallery");
-    let views = GridSize::new(options.views, options.views);
-    let shape = Sensor::Paper8k.divide(views, Remainder::Crop).expect("views that fit").shape;
-    let framed = Framing::new(shape).frame(&scene).expect("a camera");
-    let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
-    let rig = framed.rig(renderer.automatic_focus_m(&framed).expect("a focus")).expect("a rig");
+    let (renderer, rig) = on_the_paper_sensor(&scene, options.views);
+    let shape = rig.shape();
     let request = Request::new(rig).integrator(options.integrator).samples(options.samples);
 
     let start = Instant::now();

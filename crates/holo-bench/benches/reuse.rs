@@ -11,8 +11,9 @@
 use std::time::Instant;
 
 use holo_bench::error::{Images, nine, rgb, sorted, squared_error};
-use holo_core::{GridSize, LightFieldOwned, Remainder, Sensor};
-use holo_render::{Backend, Framing, Integrator, Renderer, Request, Reuse, Views};
+use holo_bench::on_the_paper_sensor;
+use holo_core::LightFieldOwned;
+use holo_render::{Integrator, Request, Reuse, Views};
 use holo_scene::gallery;
 
 struct Options {
@@ -74,11 +75,8 @@ fn measure(name: &str, options: &Options) -> f64 {
         true => holo_scene::gltf::load(name.as_ref(), &Default::default()).expect("a scene").scene,
         false => gallery::scene(name).expect("a scene of the gallery"),
     };
-    let views = GridSize::new(options.views, options.views);
-    let shape = Sensor::Paper8k.divide(views, Remainder::Crop).expect("views that fit").shape;
-    let framed = Framing::new(shape).frame(&scene).expect("a camera");
-    let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
-    let rig = framed.rig(renderer.automatic_focus_m(&framed).expect("a focus")).expect("a rig");
+    let (renderer, rig) = on_the_paper_sensor(&scene, options.views);
+    let shape = rig.shape();
     let middle = shape.lenses().rows / 2;
     let rows = middle - options.rows / 2..middle + options.rows.div_ceil(2);
     let request = Request::new(rig)

@@ -3,7 +3,7 @@
 
 pub mod error;
 
-use holo_core::{GridSize, LightFieldShape, Rig};
+use holo_core::{GridSize, LightFieldShape, Remainder, Rig, Sensor};
 use holo_render::{Backend, Baseline, Framing, Renderer};
 use holo_scene::{Scene, Transform};
 
@@ -76,6 +76,19 @@ pub fn scene_rig(arguments: impl Iterator<Item = String>) -> Setup {
     let focus = renderer.automatic_focus_m(&framed).expect("a focus");
     let rig = framed.rig(focus).expect("a rig");
     Setup { scene, pose: framed.pose, rig, rounds, name }
+}
+
+/// A renderer of `scene`, and a rig of this many views an axis on the 8K sensor of the paper, focused automatically.
+///
+/// # Panics
+/// If the views do not fit, or the scene has no camera.
+#[must_use]
+pub fn on_the_paper_sensor(scene: &Scene, views: usize) -> (Renderer, Rig) {
+    let shape = Sensor::Paper8k.divide(GridSize::new(views, views), Remainder::Crop).expect("views that fit").shape;
+    let framed = Framing::new(shape).frame(scene).expect("a camera");
+    let renderer = Renderer::new(scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
+    let rig = framed.rig(renderer.automatic_focus_m(&framed).expect("a focus")).expect("a rig");
+    (renderer, rig)
 }
 
 /// A benchmark entry: its name, and a function that returns seconds and a count (of rays).
