@@ -4,7 +4,9 @@ mod common;
 
 use common::rig;
 use holo_core::{GridSize, LightFieldOwned, LightFieldShape, Projection, ViewIndex};
-use holo_render::{Backend, Denoise, Error, Framing, Integrator, Rendered, Renderer, Request, Reuse, Views};
+use holo_render::{
+    Backend, Denoise, Error, Framing, Integrator, Rendered, Renderer, Request, Reuse, TextureFilter, Views,
+};
 use holo_scene::gallery;
 
 /// A scene of the gallery, 24 x 24 views of 18 x 12 pixels. Points move by up to `movement_px` from view to view.
@@ -30,7 +32,13 @@ fn color(rendered: &Rendered) -> &LightFieldOwned<f32> {
 fn errors(renderer: &Renderer, request: &Request, images: &[&Rendered]) -> Vec<[f64; 2]> {
     let views = [(0, 0), (0, 12), (12, 12), (23, 5), (23, 23)];
     let list = views.iter().map(|&(row, column)| ViewIndex { row, column }).collect();
-    let many = request.clone().samples(512).seed(99).denoise(Denoise::Off).views(Views::List(list));
+    let many = request
+        .clone()
+        .texture_filter(TextureFilter::Off)
+        .samples(512)
+        .seed(99)
+        .denoise(Denoise::Off)
+        .views(Views::List(list));
     let many = many.estimate_error(false).target_error(None);
     let reference = renderer.render(&many, &()).expect("a reference");
     let error = |rendered: &&Rendered| {
@@ -57,11 +65,14 @@ fn errors(renderer: &Renderer, request: &Request, images: &[&Rendered]) -> Vec<[
 /// of a pixel; and the estimated error is that of the image.
 #[test]
 fn neighboring_views_take_the_noise_away() {
+    // Textures unfiltered, as the reconstruction takes them.
     for (name, movement_px, gain) in
         [("plaster", 0.01, 60.0), ("glasses", 0.01, 30.0), ("garden", 0.01, 30.0), ("garden", 0.3, 2.5)]
     {
         let (renderer, request) = prepared(name, movement_px);
-        let plain = renderer.render(&request.clone().reuse(Reuse::Off), &()).expect("a render");
+        let plain = renderer
+            .render(&request.clone().texture_filter(TextureFilter::Off).reuse(Reuse::Off), &())
+            .expect("a render");
         let denoised = request.clone().denoise(Denoise::Views).estimate_error(true);
         let rendered = renderer.render(&denoised, &()).expect("a render");
         let [[before, _], [after, typical]] = errors(&renderer, &request, &[&plain, &rendered])[..] else {

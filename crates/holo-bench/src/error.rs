@@ -22,6 +22,13 @@ pub fn rgb<'a>(mut values: impl Iterator<Item = &'a f32>) -> Option<[f32; 3]> {
 /// it. The worst pixel of a hundred is left out.
 #[must_use]
 pub fn squared_error(image: &[[f32; 3]], references: &[Images; 2], view: usize) -> f64 {
+    squared_bias([image; 2], references, view)
+}
+
+/// The squared error that two images with independent noise have in common, as [`squared_error`]: the noise of the images
+/// has the expectation 0 in it too.
+#[must_use]
+pub fn squared_bias(images: [&[[f32; 3]]; 2], references: &[Images; 2], view: usize) -> f64 {
     let [a, b] = [&references[0][view], &references[1][view]];
     let mean = |k: usize, c: usize| f64::from(a[k][c] + b[k][c]) / 2.0;
     let bright = (0..a.len()).flat_map(|k| (0..3).map(move |c| (k, c))).map(|(k, c)| mean(k, c).powi(2)).sum::<f64>();
@@ -31,10 +38,10 @@ pub fn squared_error(image: &[[f32; 3]], references: &[Images; 2], view: usize) 
         .map(|k| {
             let mut error = [0.0; 2];
             for c in 0..3 {
-                let (x, m) = (f64::from(image[k][c]), mean(k, c));
+                let ([x, y], m) = (images.map(|image| f64::from(image[k][c])), mean(k, c));
                 let scale = 1.0 / (m * m + floor) / 3.0;
-                error[0] += (x - f64::from(a[k][c])) * (x - f64::from(b[k][c])) * scale;
-                error[1] += (x - m).powi(2) * scale;
+                error[0] += (x - f64::from(a[k][c])) * (y - f64::from(b[k][c])) * scale;
+                error[1] += ((x + y) / 2.0 - m).powi(2) * scale;
             }
             error
         })

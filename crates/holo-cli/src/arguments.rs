@@ -19,11 +19,12 @@ use holo_dataset::options::{
 };
 use holo_dataset::{Exposure, Focus, LayerChoice, Output, Shard, Sky};
 use holo_io::MatOrder;
-use holo_render::{Backend, Denoise, GroundTruth, Integrator, Reuse};
+use holo_render::{Backend, Denoise, GroundTruth, Integrator, Reuse, TextureFilter};
 use holo_scene::gltf::LightUnits;
 
 use choices::{
-    BACKENDS, DENOISE, GROUND_TRUTHS, INTEGRATORS, LAYERS, LAYOUTS, MAT_ORDERS, OUTPUTS, PROJECTIONS, REUSE, choice,
+    BACKENDS, DENOISE, GROUND_TRUTHS, INTEGRATORS, LAYERS, LAYOUTS, MAT_ORDERS, OUTPUTS, PROJECTIONS, REUSE,
+    TEXTURE_FILTERS, choice,
 };
 
 pub use dataset::DatasetOptions;
@@ -165,6 +166,9 @@ pub struct JobOptions {
     /// lower and correlated.
     #[arg(long, value_parser = choice(REUSE), default_value = "views")]
     pub reuse: Reuse,
+    /// Average fine textures over the part of a pixel that a sample stands for: a small bias that more samples remove.
+    #[arg(long, value_parser = choice(TEXTURE_FILTERS), default_value = "footprint")]
+    pub texture_filter: TextureFilter,
     /// Reduce the noise of color: with `views` by the samples of neighboring views, a small bias that more samples remove.
     #[arg(long, value_parser = choice(DENOISE), default_value = "off")]
     pub denoise: Denoise,

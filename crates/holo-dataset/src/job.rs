@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use holo_core::{GridSize, LightFieldShape};
 use holo_io::{CameraPose, Manifest, ManifestValue, ParametersCfg, dataset};
-use holo_render::{Denoise, GroundTruth, Integrator, Layer, Progress, Rendered, Renderer, Request, Reuse};
+use holo_render::{
+    Denoise, GroundTruth, Integrator, Layer, Progress, Rendered, Renderer, Request, Reuse, TextureFilter,
+};
 use ndarray::{Array2, Axis};
 
 use crate::checkpoint::{Checkpoints, Keeper};
@@ -306,6 +308,9 @@ impl RenderJob {
         if request.reuse == Reuse::Off && rendered.color.is_some() {
             settings.insert("reuse".into(), "off".into());
         }
+        if request.texture_filter == TextureFilter::Off && request.denoise == Denoise::Off && rendered.color.is_some() {
+            settings.insert("texture-filter".into(), "off".into());
+        }
         if request.denoise != Denoise::Off && rendered.color.is_some() {
             settings.insert("denoise".into(), denoise_name(request.denoise).into());
             settings.insert("denoise-method".into(), Denoise::METHOD.into());
@@ -377,6 +382,7 @@ fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
         .multiple_scattering(spec.multiple_scattering)
         .cull(spec.cull)
         .reuse(spec.reuse)
+        .texture_filter(spec.texture_filter)
         .denoise(spec.denoise)
         .estimate_error(wanted.error)
         .layers(match spec.ground_truth {

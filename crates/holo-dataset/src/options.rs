@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 use holo_core::{ParseGridSizeError, Projection, Sensor};
 use holo_io::MatOrder;
-use holo_render::{Denoise, GroundTruth, Integrator, Layer, Reuse};
+use holo_render::{Denoise, GroundTruth, Integrator, Layer, Reuse, TextureFilter};
 use holo_scene::gltf::LightUnits;
 
 use crate::Error;
@@ -47,6 +47,10 @@ const DENOISE: [(Denoise, &str); 2] = [(Denoise::Off, "off"), (Denoise::Views, "
 
 /// Kinds of reuse and their names.
 const REUSE: [(Reuse, &str); 2] = [(Reuse::Off, "off"), (Reuse::Views, "views")];
+
+/// Texture filters and their names.
+const TEXTURE_FILTERS: [(TextureFilter, &str); 2] =
+    [(TextureFilter::Off, "off"), (TextureFilter::Footprint, "footprint")];
 
 const SENSORS: [(Sensor, &str); 4] =
     [(Sensor::Hd, "hd"), (Sensor::Uhd4k, "4k"), (Sensor::Paper8k, "8k"), (Sensor::Uhd8k, "uhd8k")];
@@ -304,6 +308,7 @@ impl RenderSpec {
         set("no-multiple-scattering", (!self.multiple_scattering).to_string());
         set("cull", self.cull.to_string());
         set("reuse", name_of(&REUSE, &self.reuse).into());
+        set("texture-filter", name_of(&TEXTURE_FILTERS, &self.texture_filter).into());
         set("denoise", denoise_name(self.denoise).into());
         set(
             "sky",
@@ -379,6 +384,7 @@ impl RenderSpec {
             "no-multiple-scattering" => self.multiple_scattering = !number::<bool>(value)?,
             "cull" => self.cull = number(value)?,
             "reuse" => self.reuse = one_of(&REUSE, value)?,
+            "texture-filter" => self.texture_filter = one_of(&TEXTURE_FILTERS, value)?,
             "denoise" => self.denoise = one_of(&DENOISE, value)?,
             "sky" if value == MAP => self.sky = Sky::Constant([0.0; 3]),
             "sky" => self.sky = value.parse()?,
@@ -498,6 +504,7 @@ mod tests {
             indirect_limit: 2.5,
             transparent_shadows: true,
             reuse: Reuse::Off,
+            texture_filter: TextureFilter::Off,
             denoise: Denoise::Views,
             multiple_scattering: false,
             cull: true,

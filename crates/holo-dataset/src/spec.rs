@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use holo_core::{GridSize, Projection, Sensor};
 use holo_io::MatOrder;
-use holo_render::{Denoise, GroundTruth, Integrator, Layer, Reuse};
+use holo_render::{Denoise, GroundTruth, Integrator, Layer, Reuse, TextureFilter};
 use holo_scene::gltf::LightUnits;
 
 /// The specification of a render and its output. The defaults are those of the command line: 8K sensor, 100 x 100
@@ -36,6 +36,8 @@ pub struct RenderSpec {
     pub multiple_scattering: bool,
     /// Whether neighboring views share the light that rays find on diffuse surfaces.
     pub reuse: Reuse,
+    /// Whether textures are averaged over the part of a pixel that a sample stands for.
+    pub texture_filter: TextureFilter,
     /// Whether the noise of color is reduced with the samples of neighboring views.
     pub denoise: Denoise,
     /// Whether the backs of surfaces that are not double-sided are invisible to the camera.
@@ -201,6 +203,7 @@ impl Default for RenderSpec {
             transparent_shadows: false,
             multiple_scattering: true,
             reuse: Reuse::Views,
+            texture_filter: TextureFilter::Footprint,
             denoise: Denoise::Off,
             cull: false,
             sky: Sky::Automatic,

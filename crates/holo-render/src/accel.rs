@@ -16,7 +16,7 @@ pub(crate) mod triangle;
 
 use std::sync::Arc;
 
-pub(crate) use packet::{CAMERA_RAY, ExactRays, NO_TRIANGLE, RayHits, Rays};
+pub(crate) use packet::{CAMERA_RAY, ExactRays, NO_TRIANGLE, RayDifferentials, RayHits, Rays};
 
 use crate::error::Error;
 use crate::geometry::{Geometry, Instancing};

@@ -15,7 +15,7 @@ pub(crate) mod tile;
 
 use holo_core::Disparity;
 
-use crate::accel::{CAMERA_RAY, ExactRays, RayHits};
+use crate::accel::{CAMERA_RAY, ExactRays, RayDifferentials, RayHits};
 use crate::sampling::{PixelIds, Sampler};
 use crate::simd::{LANES, Lanes};
 use rig::{RigPixels, RigRays};
@@ -42,6 +42,8 @@ pub(crate) struct CameraRays {
     pub exact: ExactRays,
     /// The weight of the radiance of a ray in its pixel; the mean over all samples is 1.
     pub weight: [f32; LANES],
+    /// The cells of the pixels that the rays stand for, if textures are filtered.
+    pub cells: Option<RayDifferentials>,
 }
 
 /// Iterates over the packets of a tile.
@@ -75,7 +77,9 @@ impl RaySource {
     pub fn sample(&self, pixels: &PixelPacket, sampler: &Sampler, sample: u32, packet: &mut RayHits) -> CameraRays {
         let Self::Rig(rig) = self;
         let position = if !sampler.centered { Some(sampler.pixel_positions(&pixels.ids, sample)) } else { None };
-        CameraRays { exact: rig.fill(&pixels.source, position.as_ref(), packet), weight: [1.0; LANES] }
+        let exact = rig.fill(&pixels.source, position.as_ref(), packet);
+        let cells = sampler.cells.map(|count| rig.cells(position.as_ref(), count));
+        CameraRays { exact, weight: [1.0; LANES], cells }
     }
 
     /// The chief rays of a packet, through the centers of the pixels, also written as f32 to `packet`.

@@ -274,6 +274,7 @@ impl Geometry {
 
     /// The corners of a triangle in camera coordinates, in the order of the barycentrics of a hit: clockwise seen from
     /// the front for a prototype under a mirroring placement.
+    #[inline(always)]
     pub fn corners(&self, hit: Hit) -> [[f32; 3]; 3] {
         let corners = self.triangles[hit.triangle as usize].map(|k| self.positions[k as usize]);
         if hit.placement == FLATTENED {

@@ -68,6 +68,7 @@ pub use film::{exposure, layers};
 pub use integrator::{Integrator, RayCounts};
 pub use progress::{Progress, Tenths};
 pub use render::{
-    Checkpoint, Denoise, FinishedTile, GroundTruth, Rendered, Renderer, Request, Reuse, TileId, TileKind, Views,
+    Checkpoint, Denoise, FinishedTile, GroundTruth, Rendered, Renderer, Request, Reuse, TextureFilter, TileId,
+    TileKind, Views,
 };
 pub use sampling::Sampling;

@@ -19,7 +19,7 @@ use ndarray::Array3;
 pub use self::checkpoint::{Checkpoint, FinishedTile, TileId, TileKind};
 #[cfg(feature = "bench")]
 pub(crate) use self::color::samples;
-pub use self::request::{Denoise, GroundTruth, Rendered, Request, Reuse, Views};
+pub use self::request::{Denoise, GroundTruth, Rendered, Request, Reuse, TextureFilter, Views};
 
 use self::plan::{Plan, Region};
 use self::request::DEPTH_AND_DISPARITY;
@@ -39,7 +39,7 @@ use crate::material::media::MAX_MEDIA;
 use crate::material::{AlphaTest, AlphaTested};
 use crate::material::{Appearance, MaterialFlags};
 use crate::progress::{Progress, Stop};
-use crate::sampling::Sampler;
+use crate::sampling::{self, Sampler};
 
 /// A scene with its acceleration structure, in the frame of one camera.
 ///
@@ -321,7 +321,10 @@ impl Renderer {
             transparent_shadows: request.transparent_shadows && self.appearance.flags().has(MaterialFlags::GLOSSY),
         };
         let guides = color::needs_guides(request).then(|| color::disparity(&request.rig));
-        let sampler = Sampler { seed, samples, sampling, centered: samples == 1 && request.denoise == Denoise::Off };
+        let centered = samples == 1 && request.denoise == Denoise::Off;
+        let filters = request.texture_filter == TextureFilter::Footprint && request.denoise == Denoise::Off;
+        let cells = filters.then(|| sampling::cells(samples));
+        let sampler = Sampler { seed, samples, sampling, centered, cells };
         Context { scene, camera: RaySource::Rig(rig), sampler, policy, guides, stop }
     }
 
@@ -376,3 +379,5 @@ mod instancing_tests;
 mod layer_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod texture_filter_tests;

@@ -57,6 +57,12 @@ impl Purpose {
     }
 }
 
+/// The number of cells of a pixel along each axis, 2^m, for the largest 4^m that is not above the number of samples: a
+/// run of 4^m samples has one in each.
+pub(crate) fn cells(samples: u32) -> u32 {
+    1 << (samples.max(1).ilog2() / 2)
+}
+
 /// The runs of sixteen pixels in the sequences of their microlenses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Runs {
@@ -118,6 +124,8 @@ pub(crate) struct Sampler {
     pub sampling: Sampling,
     /// Whether the only sample of a pixel goes through its center.
     pub centered: bool,
+    /// The cells of a pixel along each axis over which textures are averaged, if they are.
+    pub cells: Option<u32>,
 }
 
 impl Sampling {
@@ -349,7 +357,7 @@ mod tests {
     #[test]
     fn the_samples_of_neighboring_views_are_a_net() {
         for (samples, shift) in [(1u32, 0u32), (4, 0), (16, 0), (4, 2), (3, 0)] {
-            let sampler = Sampler { seed: 3, samples, sampling: Sampling::default(), centered: false };
+            let sampler = Sampler { seed: 3, samples, sampling: Sampling::default(), centered: false, cells: None };
             // A power of two of samples fills its run.
             let full = samples.next_power_of_two();
             for block in [2u32, 4, 8] {
@@ -378,7 +386,8 @@ mod tests {
     /// No two pixels of a microlens share a point, however many views and samples there are.
     #[test]
     fn runs_do_not_overlap() {
-        let sampler = Sampler { seed: 1, samples: MAX_SAMPLES, sampling: Sampling::default(), centered: false };
+        let sampler =
+            Sampler { seed: 1, samples: MAX_SAMPLES, sampling: Sampling::default(), centered: false, cells: None };
         let mut seen = std::collections::BTreeSet::new();
         for row in (0..300).chain(65_500..65_600) {
             for column in [0, 1, 90, 127, 128, 4095, 65_536] {

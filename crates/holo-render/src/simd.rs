@@ -22,8 +22,12 @@ pub(crate) struct Lanes<T>(pub [T; LANES]);
 /// One lane of an array of vectors. (Closures such as those of `array::map` are not compiled for the instruction set of
 /// the kernel, so hot code uses loops and this function.)
 #[inline(always)]
-pub(crate) fn at(field: &[[f32; LANES]; 3], lane: usize) -> [f32; 3] {
-    [field[0][lane], field[1][lane], field[2][lane]]
+pub(crate) fn at<const N: usize>(field: &[[f32; LANES]; N], lane: usize) -> [f32; N] {
+    let mut out = [0.0; N];
+    for k in 0..N {
+        out[k] = field[k][lane];
+    }
+    out
 }
 
 /// The number of valid lanes.

@@ -6,7 +6,7 @@ use holo_core::refocus::Kernel;
 use holo_core::{Effort, Layout, Projection, ViewOrder};
 use holo_dataset::{LayerChoice, Output};
 use holo_io::MatOrder;
-use holo_render::{Backend, Denoise, GroundTruth, Integrator, Layer, Reuse};
+use holo_render::{Backend, Denoise, GroundTruth, Integrator, Layer, Reuse, TextureFilter};
 
 /// A value, its word, and its line of `--help`; one without a line has none.
 type Choices<T> = [(T, &'static str, &'static str)];
@@ -26,6 +26,11 @@ pub const DENOISE: &Choices<Denoise> = &[
 pub const REUSE: &Choices<Reuse> = &[
     (Reuse::Off, "off", "No: the noise of every pixel is independent"),
     (Reuse::Views, "views", "Between groups of 4 x 4 views"),
+];
+
+pub const TEXTURE_FILTERS: &Choices<TextureFilter> = &[
+    (TextureFilter::Off, "off", "No: the texture at the hit point"),
+    (TextureFilter::Footprint, "footprint", "The mean over a cell of the pixel"),
 ];
 
 pub const GROUND_TRUTHS: &Choices<GroundTruth> =

@@ -35,6 +35,7 @@ impl JobOptions {
         spec.transparent_shadows = self.transparent_shadows;
         spec.multiple_scattering = !self.no_multiple_scattering;
         spec.reuse = self.reuse;
+        spec.texture_filter = self.texture_filter;
         spec.denoise = self.denoise;
         spec.cull = self.cull;
         spec.sky = self.sky.clone();

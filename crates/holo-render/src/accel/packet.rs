@@ -35,6 +35,17 @@ pub(crate) struct ExactRays {
     pub direction_y: [f64; LANES],
 }
 
+/// The differentials of sixteen exact rays: how they change over the pixels, in steps that divide a pixel into cells.
+#[derive(Clone, Copy)]
+pub(crate) struct RayDifferentials {
+    /// What the origin changes by from one cell to the next, along +X for columns and along -Y for rows, m.
+    pub origin_step: f32,
+    /// The same for the direction.
+    pub direction_step: f32,
+    /// From the rays to the centers of their cells, in cells along the columns and rows.
+    pub to_center: [[f32; LANES]; 2],
+}
+
 /// Sixteen hits: `RTCHit16` of Embree 4.3 and later, 9 words per ray. Versions 4.0 to 4.2 lack the last word.
 #[repr(C, align(64))]
 #[derive(Clone, Copy, Debug)]

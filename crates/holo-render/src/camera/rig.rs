@@ -9,7 +9,7 @@
 use holo_core::{Disparity, Projection, Rig};
 
 use super::tile::{Selection, Tiling};
-use crate::accel::{ExactRays, RayHits};
+use crate::accel::{ExactRays, RayDifferentials, RayHits};
 use crate::sampling::PixelIds;
 use crate::simd::{LANES, Lanes};
 
@@ -111,6 +111,21 @@ impl RigRays {
     #[inline(always)]
     pub fn disparity(&self) -> &Disparity {
         &self.disparity
+    }
+
+    /// The cells of the pixels around positions `within` them, or around their centers, if a pixel has `count` x `count`.
+    #[inline(always)]
+    pub fn cells(&self, within: Option<&[[f32; LANES]; 2]>, count: u32) -> RayDifferentials {
+        let count = count as f32;
+        let step = self.slope_step as f32 / count;
+        let [origin_step, direction_step] = [self.slope_to_origin, self.slope_to_direction].map(|x| x as f32 * step);
+        let center = [[0.5; LANES]; 2];
+        let mut to_center = *within.unwrap_or(&center);
+        for position in to_center.as_flattened_mut() {
+            let in_cells = *position * count;
+            *position = in_cells.floor() + 0.5 - in_cells;
+        }
+        RayDifferentials { origin_step, direction_step, to_center }
     }
 
     /// The rays through the pixels, exact and as f32 in `packet`: through the centers, or through the positions

@@ -47,7 +47,7 @@ impl DepthTile<'_, '_> {
                     context.scene.appearance,
                     context.scene.geometry,
                     &packet,
-                    &HitPoints::primary(&rays, &refined),
+                    &HitPoints::primary(&rays, &refined, None),
                 )
             } else {
                 None

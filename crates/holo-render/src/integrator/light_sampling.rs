@@ -187,7 +187,8 @@ fn emitter(context: &Context, here: &Shading, k: u32, gathers: bool) -> LightSam
     for lane in 0..LANES {
         triangles[lane] = Hit::flattened(sample.triangle[lane] as usize);
     }
-    out.strength = context.scene.appearance.emission(context.scene.geometry, &triangles, barycentrics, &side, &wanted);
+    let (appearance, geometry) = (context.scene.appearance, context.scene.geometry);
+    out.strength = appearance.emission(geometry, &triangles, None, barycentrics, &side, &wanted);
     if context.scene.has_alpha {
         for lane in (0..LANES).filter(|&lane| wanted[lane]) {
             let barycentrics = [sample.u[lane], sample.v[lane]];

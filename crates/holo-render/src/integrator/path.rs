@@ -288,6 +288,7 @@ impl TilePaths<'_> {
             let mut shading = Shading {
                 packet,
                 interaction,
+                footprints: traced.points.footprints.as_ref(),
                 hit,
                 sequences: &traced.sequences,
                 vertex,
@@ -336,7 +337,7 @@ impl TilePaths<'_> {
         let context = self.context;
         let runs = self.scratch.runs[index];
         let indices = runs.first.map(|first| first + sample);
-        let CameraRays { exact, weight } = context.camera.sample(pixels, &context.sampler, sample, packet);
+        let CameraRays { exact, weight, cells } = context.camera.sample(pixels, &context.sampler, sample, packet);
         packet.rays.id = [CAMERA_RAY; LANES];
         if context.scene.has_alpha {
             let numbers = sampling::ray_numbers(&runs.sequence, &indices, 0);
@@ -367,7 +368,12 @@ impl TilePaths<'_> {
             paths.pixel[lane] = (index * LANES + lane) as u32;
         }
         let coherence = coherence(packet);
-        Traced { paths, sequences: runs.sequence, points: HitPoints::primary(&exact, &refined), coherence }
+        Traced {
+            paths,
+            sequences: runs.sequence,
+            points: HitPoints::primary(&exact, &refined, cells.as_ref()),
+            coherence,
+        }
     }
 
     /// Packet number `k` of the rays that were scattered at the previous vertex. With `occlusion_only` they are only

@@ -6,9 +6,8 @@ use super::reuse::Step;
 use super::scatterer::Scatterer;
 use super::{direct_light, mis};
 use crate::accel::{Coherence, RayHits};
-use crate::material::MaterialFlags;
-use crate::material::SurfaceInteraction;
 use crate::material::media::{self, MediaStack, Medium};
+use crate::material::{Footprints, MaterialFlags, SurfaceInteraction};
 use crate::sampling::{Draw, Purpose};
 use crate::simd::{LANES, at};
 use holo_scene::MAX_RADIANCE;
@@ -27,6 +26,8 @@ const ROULETTE_MIN_SURVIVAL: f32 = 0.05;
 pub(crate) struct Shading<'a> {
     pub packet: &'a RayHits,
     pub interaction: &'a SurfaceInteraction,
+    /// The footprints of camera rays.
+    pub footprints: Option<&'a Footprints>,
     /// Lanes with a hit.
     pub hit: [bool; LANES],
     pub sequences: &'a [u32; LANES],
@@ -126,6 +127,7 @@ fn add_emission(context: &Context, here: &mut Shading, step: Step, contribution:
     let emitted = context.scene.appearance.emission(
         context.scene.geometry,
         &interaction.triangle,
+        here.footprints,
         [&hits.u, &hits.v],
         &interaction.side,
         &here.hit,

@@ -10,13 +10,17 @@ mod normal_map;
 mod scattering;
 
 pub(crate) use layers::Lane;
+pub(crate) use lookup::PacketHits;
 
 use std::collections::BTreeMap;
 
 use crate::geometry::{Geometry, Hit, InstanceData};
+use crate::material::footprint::{Footprints, TextureFootprint, TextureTriangle};
 use crate::material::media::{Medium, MediumId};
-use crate::material::texture;
+use crate::material::texture::{self, FootprintFilter, Pyramid};
 use holo_core::color::srgb8_to_linear_table;
+use rayon::prelude::*;
+
 use holo_scene::{Alpha, NormalMap, Texture, TextureInfo, TextureTransform};
 
 /// Materials and textures, prepared for evaluation.
@@ -25,6 +29,8 @@ pub(crate) struct Appearance {
     /// Air, and the media of the materials, each once.
     media: Vec<Medium>,
     textures: Vec<Texture>,
+    /// Those of the textures that are filtered.
+    pyramids: Vec<Pyramid>,
     srgb: &'static [f32; 256],
     /// The values of 8-bit codes of textures without color, 0 to 1.
     linear: [f32; 256],
@@ -106,6 +112,9 @@ impl TextureLookup {
 /// A normal map with its scale.
 type NormalMapLookup = (TextureLookup, f32);
 
+/// The footprint of one of the sixteen.
+type LaneFootprint<'a> = (&'a Footprints, usize);
+
 /// A point on a triangle.
 #[derive(Clone, Copy)]
 struct SurfacePoint<'a> {
@@ -146,7 +155,11 @@ impl Appearance {
         let mut materials: Vec<Material> =
             materials.iter().map(|material| Material::new(material, any_dispersive)).collect();
         let media = number_media(&mut materials);
-        Self { materials, media, textures: textures.to_vec(), srgb: srgb8_to_linear_table(), linear }
+        let srgb = srgb8_to_linear_table();
+        let is_filtered = |k| materials.iter().any(|material| material.filters(k));
+        let pyramid = |(k, texture)| if is_filtered(k) { Pyramid::new(texture, srgb) } else { Pyramid::default() };
+        let pyramids = textures.par_iter().enumerate().map(pyramid).collect();
+        Self { materials, media, textures: textures.to_vec(), pyramids, srgb, linear }
     }
 
     /// The features of all materials together.
@@ -165,10 +178,10 @@ impl Appearance {
     }
 
     #[inline(always)]
-    fn base_color(&self, material: &Material, point: &SurfacePoint) -> [f32; 3] {
+    fn base_color(&self, material: &Material, point: &SurfacePoint, footprint: Option<LaneFootprint>) -> [f32; 3] {
         let [mut r, mut g, mut b, _] = material.base_color;
         if let Some(lookup) = &material.base_color_texture {
-            let [x, y, z] = self.color(lookup, point);
+            let [x, y, z] = self.mean_color(material, lookup, point, footprint);
             (r, g, b) = (r * x, g * y, b * z);
         }
         if point.instance.colored {
@@ -211,14 +224,59 @@ impl Appearance {
     /// Samples a color texture, linear RGB.
     #[inline(always)]
     fn color(&self, lookup: &TextureLookup, point: &SurfacePoint) -> [f32; 3] {
-        texture::sample(&self.textures[lookup.texture], self.srgb, point.coordinates(lookup))
+        let texture = &self.textures[lookup.texture];
+        texture::sample(texture, self.srgb, point.coordinates(lookup), texture.filter)
+    }
+
+    /// The mean of a color texture over a footprint, or its value at the point, linear RGB.
+    #[inline(always)]
+    fn mean_color(
+        &self,
+        material: &Material,
+        lookup: &TextureLookup,
+        point: &SurfacePoint,
+        footprint: Option<LaneFootprint>,
+    ) -> [f32; 3] {
+        if let Some((footprints, lane)) = footprint
+            && material.is_filtered()
+            && point.instance.textured[lookup.set]
+        {
+            let triangle = texture_triangle(lookup, point.geometry, point.triangle);
+            if let Some(on_texture) = footprints.on_texture(lane, &triangle)
+                && let Some(color) = self.filtered(lookup, point.coordinates(lookup), &on_texture)
+            {
+                return color;
+            }
+        }
+        self.color(lookup, point)
+    }
+
+    /// The mean of a color texture over a footprint at `coordinates`; `None` if it is not wider than the interpolation of
+    /// adjacent texels.
+    #[inline(always)]
+    fn filtered(&self, lookup: &TextureLookup, [u, v]: [f32; 2], footprint: &TextureFootprint) -> Option<[f32; 3]> {
+        let texture = &self.textures[lookup.texture];
+        let filter = FootprintFilter::new(footprint.sides, [texture.width, texture.height])?;
+        let center = [u + footprint.to_center[0], v + footprint.to_center[1]];
+        Some(self.pyramids[lookup.texture].sample(texture, self.srgb, center, &filter))
     }
 
     /// Samples a texture without color: linear values, 0 to 1.
     #[inline(always)]
     fn linear_texel(&self, lookup: &TextureLookup, point: &SurfacePoint) -> [f32; 3] {
-        texture::sample(&self.textures[lookup.texture], &self.linear, point.coordinates(lookup))
+        let texture = &self.textures[lookup.texture];
+        texture::sample(texture, &self.linear, point.coordinates(lookup), texture.filter)
     }
+}
+
+/// A triangle in the transformed texture coordinates of `lookup`.
+#[inline(always)]
+fn texture_triangle(lookup: &TextureLookup, geometry: &Geometry, triangle: Hit) -> TextureTriangle {
+    let mut corners = geometry.texture_coordinates_of(triangle, lookup.set);
+    for corner in &mut corners {
+        *corner = lookup.apply(*corner);
+    }
+    TextureTriangle::new(geometry, triangle, &corners)
 }
 
 /// Numbers the media of the materials. Those beyond the largest number count as air; the renderer refuses them.
@@ -238,6 +296,19 @@ fn number_media(materials: &mut [Material]) -> Vec<Medium> {
 }
 
 impl Material {
+    /// Whether its color textures are filtered. Alpha selects the points of a texture that are seen, so that the mean
+    /// over all would be wrong.
+    #[inline(always)]
+    fn is_filtered(&self) -> bool {
+        !self.flags.has(MaterialFlags::ALPHA)
+    }
+
+    /// Whether it needs the pyramid of a texture.
+    fn filters(&self, texture: usize) -> bool {
+        let textures = [&self.base_color_texture, self.emission.texture()];
+        self.is_filtered() && textures.iter().any(|used| used.is_some_and(|lookup| lookup.texture == texture))
+    }
+
     /// `any_dispersive`: whether any body of glass of the scene has dispersion.
     fn new(material: &holo_scene::Material, any_dispersive: bool) -> Self {
         let normal_map = material.normal_map.map(|NormalMap { texture, scale }| (TextureLookup::new(texture), scale));

@@ -4,9 +4,9 @@
 //! f64, both for camera rays ([`crate::accel::refine`]) and for scattered rays, so that new rays start on the surface.
 
 use crate::accel::refine::Refined;
-use crate::accel::{ExactRays, NO_TRIANGLE, RayHits};
+use crate::accel::{ExactRays, NO_TRIANGLE, RayDifferentials, RayHits};
 use crate::geometry::{Geometry, Hit};
-use crate::material::{Appearance, MaterialFlags};
+use crate::material::{Appearance, Footprints, MaterialFlags, PacketHits};
 use crate::simd::{LANES, at};
 
 /// Sixteen surface interactions in camera coordinates. The values of lanes without a hit are unspecified.
@@ -38,6 +38,8 @@ pub(crate) struct HitPoints {
     normal: [[f64; LANES]; 3],
     /// Normal times direction: negative if the ray hit the front.
     towards: [f64; LANES],
+    /// The footprints of the rays, for filtered textures.
+    pub footprints: Option<Footprints>,
 }
 
 /// The offset of new rays, relative to the largest coordinate. An f32 position has an error of at most 2^-24 of the
@@ -53,12 +55,14 @@ const MAX_RELATIVE_CORRECTION: f64 = 1e-3;
 
 impl HitPoints {
     /// No hits.
-    pub const NONE: Self = Self { position: [[0.0; LANES]; 3], normal: [[0.0; LANES]; 3], towards: [0.0; LANES] };
+    pub const NONE: Self =
+        Self { position: [[0.0; LANES]; 3], normal: [[0.0; LANES]; 3], towards: [0.0; LANES], footprints: None };
 
-    /// The hit points of camera rays.
+    /// The hit points of camera rays, with the footprints of `cells` of their pixels.
     #[inline(always)]
-    pub fn primary(rays: &ExactRays, refined: &Refined) -> Self {
-        let mut points = Self { normal: refined.normal, ..Self::NONE };
+    pub fn primary(rays: &ExactRays, refined: &Refined, cells: Option<&RayDifferentials>) -> Self {
+        let footprints = cells.map(|cells| Footprints::new(cells, rays, refined));
+        let mut points = Self { normal: refined.normal, footprints, ..Self::NONE };
         for lane in 0..LANES {
             let z = refined.depth[lane];
             points.position[0][lane] = (rays.origin_x[lane] + z * rays.direction_x[lane]) as f32;
@@ -133,7 +137,8 @@ impl SurfaceInteraction {
                 out.geometric_normal[axis][lane] = points.normal[axis][lane] as f32 * out.side[lane];
             }
         }
-        let extent = appearance.fill_interaction(geometry, packet, &triangles, &mut out);
+        let hits = PacketHits { geometry, packet, footprints: points.footprints.as_ref() };
+        let extent = appearance.fill_interaction(&hits, &triangles, &mut out);
         for lane in 0..LANES {
             let [x, y, z] = at(&out.position, lane);
             let offset = extent[lane].max(x.abs()).max(y.abs()).max(z.abs()) * OFFSET_PER_COORDINATE;

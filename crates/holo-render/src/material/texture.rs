@@ -3,18 +3,28 @@
 //! The texel (i, j) has its center at ((i + 0.5) / width, (j + 0.5) / height). sRGB is decoded before the four texels
 //! are interpolated (as in Mitsuba; Cycles interpolates first, which is darker where they differ).
 
+mod pyramid;
+
+pub(crate) use pyramid::{Filter as FootprintFilter, MIN_FOOTPRINT, Pyramid};
+
 use crate::simd::LANES;
 use holo_scene::{Filter, Texture, Wrap};
 
 /// Samples RGB at texture coordinates, (0, 0) being the upper left corner of the image; `table` decodes the 8-bit
 /// codes.
 #[inline(always)]
-pub(crate) fn sample(texture: &Texture, table: &[f32; 256], coordinates: [f32; 2]) -> [f32; 3] {
-    let ([upper_left, upper_right, lower_left, lower_right], fraction) = neighbors(texture, coordinates);
+pub(crate) fn sample(texture: &Texture, table: &[f32; 256], coordinates: [f32; 2], filter: Filter) -> [f32; 3] {
+    let (size, wrap) = ([texture.width, texture.height], [texture.wrap_u, texture.wrap_v]);
+    let (texels, fraction) = neighbors(&texture.texels, size, wrap, filter, coordinates);
+    bilinear(&texels.map(|[r, g, b, _]| [table[r as usize], table[g as usize], table[b as usize]]), fraction)
+}
+
+/// Interpolates four texels.
+#[inline(always)]
+fn bilinear([a, b, c, d]: &[[f32; 3]; 4], fraction: [f32; 2]) -> [f32; 3] {
     let mut out = [0.0; 3];
-    for c in 0..3 {
-        let value = |texel: [u8; 4]| table[texel[c] as usize];
-        out[c] = mix([value(upper_left), value(upper_right), value(lower_left), value(lower_right)], fraction);
+    for k in 0..3 {
+        out[k] = mix([a[k], b[k], c[k], d[k]], fraction);
     }
     out
 }
@@ -22,7 +32,8 @@ pub(crate) fn sample(texture: &Texture, table: &[f32; 256], coordinates: [f32; 2
 /// Samples alpha, 0 to 1.
 #[inline(always)]
 pub(crate) fn sample_alpha(texture: &Texture, coordinates: [f32; 2]) -> f32 {
-    let ([a, b, c, d], fraction) = neighbors(texture, coordinates);
+    let (size, wrap) = ([texture.width, texture.height], [texture.wrap_u, texture.wrap_v]);
+    let ([a, b, c, d], fraction) = neighbors(&texture.texels, size, wrap, texture.filter, coordinates);
     let value = |texel: [u8; 4]| f32::from(texel[3]);
     mix([value(a), value(b), value(c), value(d)], fraction) / 255.0
 }
@@ -51,10 +62,16 @@ pub(crate) fn sample_sixteen(texture: &Texture, table: &[f32; 256], [u, v]: &[[f
 /// The four texels around a point (upper left, upper right, lower left, lower right), and the interpolation weights to
 /// the right and down.
 #[inline(always)]
-fn neighbors(texture: &Texture, [u, v]: [f32; 2]) -> ([[u8; 4]; 4], [f32; 2]) {
-    let (columns, fraction_x) = taps(u, texture.width, texture.wrap_u, texture.filter);
-    let (rows, fraction_y) = taps(v, texture.height, texture.wrap_v, texture.filter);
-    let texel = |j: usize, i: usize| texture.texels[rows[j] as usize * texture.width + columns[i] as usize];
+fn neighbors<T: Copy>(
+    texels: &[T],
+    [width, height]: [usize; 2],
+    [wrap_u, wrap_v]: [Wrap; 2],
+    filter: Filter,
+    [u, v]: [f32; 2],
+) -> ([T; 4], [f32; 2]) {
+    let (columns, fraction_x) = taps(u, width, wrap_u, filter);
+    let (rows, fraction_y) = taps(v, height, wrap_v, filter);
+    let texel = |j: usize, i: usize| texels[rows[j] as usize * width + columns[i] as usize];
     ([texel(0, 0), texel(0, 1), texel(1, 0), texel(1, 1)], [fraction_x, fraction_y])
 }
 
@@ -174,7 +191,7 @@ mod tests {
     }
 
     fn red(texture: &Texture, u: f32) -> f32 {
-        sample(texture, srgb_table(), [u, 0.5])[0]
+        sample(texture, srgb_table(), [u, 0.5], texture.filter)[0]
     }
 
     #[test]
@@ -242,7 +259,7 @@ mod tests {
                 let v: [f32; LANES] = std::array::from_fn(|lane| place(lane) * -0.61);
                 let together = sample_sixteen(&texture, srgb_table(), &[u, v]);
                 for lane in 0..LANES {
-                    let alone = sample(&texture, srgb_table(), [u[lane], v[lane]]);
+                    let alone = sample(&texture, srgb_table(), [u[lane], v[lane]], texture.filter);
                     assert_eq!([0, 1, 2].map(|c| together[c][lane].to_bits()), alone.map(f32::to_bits));
                 }
             }

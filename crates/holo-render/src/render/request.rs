@@ -86,6 +86,9 @@ pub struct Request {
     pub sampling: Sampling,
     /// Whether neighboring views share the light that their rays find.
     pub reuse: Reuse,
+    /// Whether the textures of the surfaces that camera rays hit are averaged over the part of the pixel that a sample
+    /// stands for. Not with [`Denoise::Views`]: its windows hold so many samples that the bias would be what is left.
+    pub texture_filter: TextureFilter,
     /// Whether the noise of color is reduced with the samples of neighboring views.
     pub denoise: Denoise,
     /// Whether [`Rendered::error`] is estimated.
@@ -118,6 +121,7 @@ impl Request {
             views: Views::All,
             sampling: Sampling::default(),
             reuse: Reuse::default(),
+            texture_filter: TextureFilter::default(),
             denoise: Denoise::default(),
             estimate_error: false,
             lens_rows: None,
@@ -143,6 +147,7 @@ impl Request {
         views: Views,
         sampling: Sampling,
         reuse: Reuse,
+        texture_filter: TextureFilter,
         denoise: Denoise,
         estimate_error: bool,
         lens_rows: Option<Range<usize>>,
@@ -161,6 +166,19 @@ pub enum Views {
     /// A list of views, side by side in one row: the light fields of [`Rendered`] have 1 x N views. Every pixel has the
     /// same random numbers as in the whole image, and with [`Reuse::Off`] the same value.
     List(Vec<ViewIndex>),
+}
+
+/// The filter of textures. The first hits of camera rays are filtered, and those textures that enter the radiance
+/// linearly: base color and emission of materials without alpha, on triangles larger than a cell.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TextureFilter {
+    /// None: a texture counts at the hit point, bilinearly interpolated. Unbiased.
+    Off,
+    /// The mean over a cell of the pixel. A pixel is divided into the largest number of 4^m cells that is not above the
+    /// number of samples. Biased where texture and light vary together within a cell (a normal map: 0.25 % of the mean of
+    /// `garden` at 4 samples and 18 x 12 pixels a view); the error vanishes with the size of the cells.
+    #[default]
+    Footprint,
 }
 
 /// The reuse of light samples and paths. Both variants are unbiased.

@@ -2,6 +2,7 @@
 
 use super::{Appearance, MaterialFlags, SurfacePoint, TextureLookup};
 use crate::geometry::{Geometry, Hit};
+use crate::material::footprint::Footprints;
 use crate::simd::LANES;
 
 /// The emission of a material.
@@ -19,6 +20,10 @@ impl Emission {
         Self { factor: material.emission, texture, both_sides: material.double_sided }
     }
 
+    pub fn texture(&self) -> &Option<TextureLookup> {
+        &self.texture
+    }
+
     pub fn is_emissive(&self) -> bool {
         self.factor.iter().any(|&x| x > 0.0)
     }
@@ -26,12 +31,13 @@ impl Emission {
 
 impl Appearance {
     /// The radiance that sixteen points emit towards the side `side` (1 front, -1 back), linear RGB; 0 without
-    /// emission.
+    /// emission. The mean over footprints, if there are any.
     #[inline(always)]
     pub fn emission(
         &self,
         geometry: &Geometry,
         triangles: &[Hit; LANES],
+        footprints: Option<&Footprints>,
         [u, v]: [&[f32; LANES]; 2],
         side: &[f32; LANES],
         wanted: &[bool; LANES],
@@ -49,7 +55,7 @@ impl Appearance {
             }
             let mut radiance = emission.factor;
             if let Some(lookup) = &emission.texture {
-                let texel = self.color(lookup, &point);
+                let texel = self.mean_color(material, lookup, &point, footprints.map(|all| (all, lane)));
                 for c in 0..3 {
                     radiance[c] *= texel[c];
                 }

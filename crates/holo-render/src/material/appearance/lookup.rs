@@ -4,12 +4,22 @@
 //! by all lanes together. Otherwise (scattered rays, foliage) the lanes are evaluated one by one. Both ways give
 //! bitwise identical results.
 
-use super::{Appearance, MaterialFlags, SurfacePoint, TextureLookup};
+use super::{Appearance, MaterialFlags, SurfacePoint, TextureLookup, texture_triangle};
 use crate::accel::RayHits;
 use crate::geometry::{Geometry, Hit, InstanceData};
 use crate::material::SurfaceInteraction;
-use crate::material::texture;
-use crate::simd::LANES;
+use crate::material::footprint::Footprints;
+use crate::material::texture::{self, MIN_FOOTPRINT};
+use crate::simd::{LANES, at};
+
+/// The hits of a packet on the triangles of a geometry.
+#[derive(Clone, Copy)]
+pub(crate) struct PacketHits<'a> {
+    pub geometry: &'a Geometry,
+    pub packet: &'a RayHits,
+    /// The footprints of camera rays, if textures are filtered.
+    pub footprints: Option<&'a Footprints>,
+}
 
 /// Vertex normals of sixteen triangles.
 struct Normals {
@@ -59,19 +69,19 @@ impl Appearance {
     #[inline(always)]
     pub fn fill_interaction(
         &self,
-        geometry: &Geometry,
-        packet: &RayHits,
+        hits: &PacketHits,
         triangles: &[Hit; LANES],
         out: &mut SurfaceInteraction,
     ) -> [f32; LANES] {
+        let &PacketHits { geometry, packet, .. } = hits;
         let mut normals = Normals { smooth: [false; LANES], any: false, corners: [[[0.0f32; LANES]; 3]; 3] };
         out.triangle = *triangles;
         match common_instance(geometry, triangles) {
             Some((instance, one_triangle)) => {
                 let instance = geometry.instance(instance);
-                self.fill_from_one_instance(geometry, packet, instance, one_triangle, out, &mut normals);
+                self.fill_from_one_instance(hits, instance, one_triangle, out, &mut normals);
             }
-            None => self.fill_lane_by_lane(geometry, packet, out, &mut normals),
+            None => self.fill_lane_by_lane(hits, out, &mut normals),
         }
         let mut extent = [0.0; LANES];
         for lane in 0..LANES {
@@ -93,13 +103,13 @@ impl Appearance {
     #[inline(always)]
     fn fill_from_one_instance(
         &self,
-        geometry: &Geometry,
-        packet: &RayHits,
+        hits: &PacketHits,
         instance: &InstanceData,
         one_triangle: bool,
         out: &mut SurfaceInteraction,
         normals: &mut Normals,
     ) {
+        let &PacketHits { geometry, packet, footprints } = hits;
         let material = &self.materials[instance.material as usize];
         out.flags = [material.flags; LANES];
         out.any_flags = material.flags;
@@ -108,7 +118,10 @@ impl Appearance {
         }
         if let Some(lookup) = &material.base_color_texture {
             let coordinates = coordinates(geometry, packet, instance, lookup, one_triangle, &out.triangle);
-            let texels = texture::sample_sixteen(&self.textures[lookup.texture], self.srgb, &coordinates);
+            let mut texels = texture::sample_sixteen(&self.textures[lookup.texture], self.srgb, &coordinates);
+            if footprints.is_some() && material.is_filtered() && instance.textured[lookup.set] {
+                self.filter_sixteen(hits, lookup, &coordinates, &out.triangle, &mut texels);
+            }
             for c in 0..3 {
                 for lane in 0..LANES {
                     out.base_color[c][lane] *= texels[c][lane];
@@ -138,20 +151,47 @@ impl Appearance {
         }
     }
 
+    /// Replaces texels by their means over footprints, where these are wide.
     #[inline(always)]
-    fn fill_lane_by_lane(
+    fn filter_sixteen(
         &self,
-        geometry: &Geometry,
-        packet: &RayHits,
-        out: &mut SurfaceInteraction,
-        normals: &mut Normals,
+        hits: &PacketHits,
+        lookup: &TextureLookup,
+        coordinates: &[[f32; LANES]; 2],
+        triangles: &[Hit; LANES],
+        texels: &mut [[f32; LANES]; 3],
     ) {
+        let &PacketHits { geometry, footprints: Some(footprints), .. } = hits else { return };
+        let mut of_lanes = [texture_triangle(lookup, geometry, triangles[0]); LANES];
+        for lane in 1..LANES {
+            let is_same = triangles[lane] == triangles[lane - 1];
+            of_lanes[lane] =
+                if is_same { of_lanes[lane - 1] } else { texture_triangle(lookup, geometry, triangles[lane]) };
+        }
+        let texture = &self.textures[lookup.texture];
+        if !footprints.any_wider(&of_lanes, [texture.width, texture.height], MIN_FOOTPRINT) {
+            return;
+        }
+        for lane in 0..LANES {
+            if let Some(footprint) = footprints.on_texture(lane, &of_lanes[lane])
+                && let Some(mean) = self.filtered(lookup, at(coordinates, lane), &footprint)
+            {
+                for c in 0..3 {
+                    texels[c][lane] = mean[c];
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn fill_lane_by_lane(&self, hits: &PacketHits, out: &mut SurfaceInteraction, normals: &mut Normals) {
+        let &PacketHits { geometry, packet, footprints } = hits;
         for lane in 0..LANES {
             let point = SurfacePoint::new(geometry, out.triangle[lane], [packet.hits.u[lane], packet.hits.v[lane]]);
             let material = &self.materials[point.instance.material as usize];
             out.flags[lane] = material.flags;
             out.any_flags = out.any_flags.union(material.flags);
-            let color = self.base_color(material, &point);
+            let color = self.base_color(material, &point, footprints.map(|all| (all, lane)));
             for c in 0..3 {
                 out.base_color[c][lane] = color[c];
             }

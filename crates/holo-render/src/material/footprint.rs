@@ -1,0 +1,204 @@
+//! Footprints: the part of a surface that a sample of a pixel stands for.
+//!
+//! The samples of a pixel are stratified: of 4^m successive ones, each lies in a cell of its own of 2^m x 2^m. The mean
+//! of a texture over the cell of a sample has the same expected value as the texture at the sample, but none of the
+//! noise of fine texture. This holds for what enters the radiance linearly (base color, emission), as long as the rest
+//! (light, what hides the surface) does not vary with it within the cell. The error vanishes with the size of the cell,
+//! which shrinks with the root of the number of samples. Footprints larger than the
+//! triangle are not used: the rest of such a cell sees something else, and the texels around those of a small triangle
+//! may belong to other surfaces.
+//!
+//! Sources: H. Igehy, "Tracing Ray Differentials" (1999), for the extent of a cell on the plane of a surface.
+
+use crate::accel::refine::Refined;
+use crate::accel::{ExactRays, RayDifferentials};
+use crate::geometry::{Geometry, Hit};
+use crate::simd::LANES;
+use glam::Vec3;
+
+/// The footprints of sixteen camera rays on the surfaces that they hit.
+#[derive(Clone, Copy)]
+pub(crate) struct Footprints {
+    /// The two sides of the footprint on the plane of the surface, m.
+    sides: [[[f32; LANES]; 3]; 2],
+    /// From the hit point to the middle of the footprint, in sides.
+    to_center: [[f32; LANES]; 2],
+}
+
+/// A footprint in texture coordinates.
+#[derive(Clone, Copy)]
+pub(super) struct TextureFootprint {
+    pub sides: [[f32; 2]; 2],
+    /// From the texture coordinates of the hit to the center of the footprint.
+    pub to_center: [f32; 2],
+}
+
+/// A triangle with texture coordinates.
+#[derive(Clone, Copy)]
+pub(crate) struct TextureTriangle {
+    /// The gradients of the barycentrics of the second and third corner on the plane of the triangle, 1/m.
+    barycentrics: [[f32; 3]; 2],
+    /// The texture coordinates of these corners less those of the first.
+    edges: [[f32; 2]; 2],
+}
+
+impl Footprints {
+    #[inline(always)]
+    pub fn new(cells: &RayDifferentials, rays: &ExactRays, refined: &Refined) -> Self {
+        let mut out = Self { sides: [[[0.0; LANES]; 3]; 2], to_center: cells.to_center };
+        for lane in 0..LANES {
+            let [x, y, z] = &refined.normal;
+            let normal = [x[lane] as f32, y[lane] as f32, z[lane] as f32];
+            let direction = [rays.direction_x[lane] as f32, rays.direction_y[lane] as f32, -1.0];
+            let towards = normal[0] * direction[0] + normal[1] * direction[1] - normal[2];
+            // Where a ray passes the plane z = -depth, its distance from that of the next cell.
+            let step = cells.origin_step + refined.depth[lane] as f32 * cells.direction_step;
+            for side in 0..2 {
+                let step = if side == 0 { step } else { -step };
+                // From there along the ray to the plane of the surface.
+                let along = -normal[side] / towards;
+                for axis in 0..3 {
+                    let across = if axis == side { 1.0 } else { 0.0 };
+                    out.sides[side][axis][lane] = step * (across + direction[axis] * along);
+                }
+            }
+        }
+        out
+    }
+
+    /// The footprint of a lane in texture coordinates; `None` if it is larger than the triangle.
+    #[inline(always)]
+    pub(super) fn on_texture(&self, lane: usize, triangle: &TextureTriangle) -> Option<TextureFootprint> {
+        let mut out = TextureFootprint { sides: [[0.0; 2]; 2], to_center: [0.0; 2] };
+        let mut barycentrics = [[0.0; 2]; 2];
+        for side in 0..2 {
+            let [b, c] = triangle.change(&self.sides[side], lane);
+            barycentrics[side] = [b, c];
+            for k in 0..2 {
+                let change = triangle.edges[0][k] * b + triangle.edges[1][k] * c;
+                out.sides[side][k] = change;
+                out.to_center[k] += change * self.to_center[side][lane];
+            }
+        }
+        // In barycentrics the triangle has the area 1/2.
+        let [[b0, c0], [b1, c1]] = barycentrics;
+        let is_smaller = (b0 * c1 - b1 * c0).abs() <= 0.5;
+        is_smaller.then_some(out)
+    }
+
+    /// Whether any footprint may be wider than `width`, in texels, on a texture of `size`: a bound without branches.
+    #[inline(always)]
+    pub(super) fn any_wider(&self, triangles: &[TextureTriangle; LANES], size: [usize; 2], width: f32) -> bool {
+        let mut any = false;
+        for lane in 0..LANES {
+            let edges = &triangles[lane].edges;
+            let mut squared = 0.0;
+            for side in 0..2 {
+                let [b, c] = triangles[lane].change(&self.sides[side], lane);
+                for k in 0..2 {
+                    let texels = (edges[0][k] * b + edges[1][k] * c) * size[k] as f32;
+                    squared += texels * texels;
+                }
+            }
+            any |= squared > width * width;
+        }
+        any
+    }
+}
+
+impl TextureTriangle {
+    /// The triangle whose corners have these texture coordinates.
+    #[inline(always)]
+    pub fn new(geometry: &Geometry, triangle: Hit, coordinates: &[[f32; 2]; 3]) -> Self {
+        let [a, b, c] = geometry.corners(triangle).map(Vec3::from);
+        let (to_b, to_c) = (b - a, c - a);
+        let normal = to_b.cross(to_c);
+        let inverse = 1.0 / normal.length_squared();
+        let barycentrics = [(to_c.cross(normal) * inverse).to_array(), (normal.cross(to_b) * inverse).to_array()];
+        let [a, b, c] = coordinates;
+        Self { barycentrics, edges: [[b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]] }
+    }
+
+    /// What the barycentrics of the second and third corner change by along one lane of `way`.
+    #[inline(always)]
+    fn change(&self, way: &[[f32; LANES]; 3], lane: usize) -> [f32; 2] {
+        let mut out = [0.0; 2];
+        for k in 0..2 {
+            for axis in 0..3 {
+                out[k] += self.barycentrics[k][axis] * way[axis][lane];
+            }
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Instancing;
+    use holo_scene::{Instance, Material, Mesh, Scene, Transform};
+
+    /// The footprint on a plane, seen by rays of a pinhole and by parallel rays, is the difference between the points where
+    /// the rays through neighboring cells hit the plane. Texture coordinates are x and y there.
+    #[test]
+    fn footprints_are_differences_of_hit_points() {
+        let place = |[x, y]: [f64; 2]| [x, y, -3.0 + 0.4 * x - 0.7 * y];
+        let corners = [[-0.3, -0.2], [0.9, 0.1], [0.2, 0.8]];
+        let positions = corners.map(|corner| place(corner).map(|x| x as f32)).to_vec();
+        let texture_coordinates = corners.map(|corner| corner.map(|x| x as f32));
+        let scene = Scene {
+            meshes: vec![Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() }],
+            instances: vec![Instance { name: String::new(), mesh: 0, transform: Transform::IDENTITY }],
+            materials: vec![Material::default()],
+            ..Scene::default()
+        };
+        let geometry = Geometry::build(&scene, &Transform::IDENTITY, Instancing::Never).expect("geometry");
+        let triangle = TextureTriangle::new(&geometry, Hit::flattened(0), &texture_coordinates);
+        // Where the ray from (x, y) in the direction (a, b, -1) hits the plane: its depth.
+        let depth = |[x, y]: [f64; 2], [a, b]: [f64; 2]| (3.0 - 0.4 * x + 0.7 * y) / (1.0 + 0.4 * a - 0.7 * b);
+        let hit = |origin: [f64; 2], direction: [f64; 2]| {
+            let z = depth(origin, direction);
+            [origin[0] + z * direction[0], origin[1] + z * direction[1]]
+        };
+        let length = (1.0 + 0.4f64.powi(2) + 0.7f64.powi(2)).sqrt();
+        for (of_origin, of_direction) in [(0.0, 1e-4), (2e-4, 0.0)] {
+            let (origin, direction) = ([0.05, -0.02], [0.03, 0.06]);
+            let rays = ExactRays {
+                origin_x: [origin[0]; LANES],
+                origin_y: [origin[1]; LANES],
+                direction_x: [direction[0]; LANES],
+                direction_y: [direction[1]; LANES],
+            };
+            let normal = [-0.4, 0.7, 1.0].map(|x| [x / length; LANES]);
+            let refined = Refined { depth: [depth(origin, direction); LANES], normal };
+            let cells = RayDifferentials {
+                origin_step: of_origin as f32,
+                direction_step: of_direction as f32,
+                to_center: [[0.5; LANES], [-0.25; LANES]],
+            };
+            let footprints = Footprints::new(&cells, &rays, &refined);
+            let footprint = footprints.on_texture(5, &triangle).expect("one smaller than the triangle");
+            let wide = RayDifferentials { origin_step: 1.0, ..cells };
+            let footprints = Footprints::new(&wide, &rays, &refined);
+            assert!(footprints.on_texture(5, &triangle).is_none(), "larger than the triangle");
+            // Columns go to the right, rows down.
+            let next = |columns: f64, rows: f64| {
+                let at = |by: f64| [origin[0] + columns * by, origin[1] - rows * by];
+                let to = |by: f64| [direction[0] + columns * by, direction[1] - rows * by];
+                let [x, y] = hit(at(of_origin), to(of_direction));
+                let [x0, y0] = hit(origin, direction);
+                [x - x0, y - y0]
+            };
+            for (found, expected) in [
+                (footprint.sides[0], next(1.0, 0.0)),
+                (footprint.sides[1], next(0.0, 1.0)),
+                (footprint.to_center, next(0.5, -0.25)),
+            ] {
+                let size = expected[0].hypot(expected[1]);
+                for k in 0..2 {
+                    assert!((f64::from(found[k]) - expected[k]).abs() < 1e-3 * size, "{found:?}, {expected:?}");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! Filtered textures in whole renders: what they take away of the noise of fine texture, and what they change of its mean.
+
+use holo_core::{GridSize, LightFieldShape, Projection, Rig};
+
+use super::*;
+use holo_scene::{
+    Alpha, Filter, Instance, Light, LightKind, Material, Mesh, Texture, TextureInfo, TextureTransform, Wrap,
+};
+
+/// A plane that leans away from the camera, with a texture of random texels, some 40 a pixel.
+fn plane(material: Material) -> Scene {
+    let texel = |k: usize| [0, 1, 2].map(|c| (crate::sampling::hash(3 * k as u32 + c) >> 24) as u8);
+    let texture = Texture {
+        name: String::new(),
+        width: 251,
+        height: 256,
+        texels: (0..251 * 256).map(texel).map(|[r, g, b]| [r, g, b, 255]).collect(),
+        wrap_u: Wrap::Repeat,
+        wrap_v: Wrap::Mirror,
+        filter: Filter::Linear,
+    };
+    let corners: [[f32; 2]; 4] = [[-2.0, -0.8], [2.0, -0.8], [2.0, 2.0], [-2.0, 2.0]];
+    let texture_info = TextureInfo {
+        transform: TextureTransform { rotation_rad: 0.4, scale: [1.5, 1.2], ..TextureTransform::IDENTITY },
+        ..TextureInfo::new(0)
+    };
+    Scene {
+        meshes: vec![Mesh {
+            positions: corners.map(|[x, y]| [x, y, -2.0 - y]).to_vec(),
+            texture_coordinates: corners.to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        }],
+        instances: vec![Instance { name: String::new(), mesh: 0, transform: Transform::IDENTITY }],
+        materials: vec![Material { base_color_texture: Some(texture_info), ..material }],
+        textures: vec![texture],
+        lights: vec![Light {
+            name: String::new(),
+            intensity: [3.0; 3],
+            kind: LightKind::Point { position: [0.0, 0.0, -0.5], range: None },
+        }],
+        ..Scene::default()
+    }
+}
+
+fn request(projection: Projection) -> Request {
+    let shape = LightFieldShape::new(GridSize::new(2, 2), GridSize::new(14, 14)).expect("sizes");
+    let rig = Rig::builder(shape)
+        .focal_length_m(0.04)
+        .sensor_size_m(0.03)
+        .baseline_m(0.01)
+        .focus_distance_m(2.0)
+        .projection(projection)
+        .build()
+        .expect("a rig");
+    Request::new(rig).integrator(Integrator::Direct).layers(LayerSet::of(&[]))
+}
+
+fn render(scene: &Scene, request: &Request) -> Vec<f32> {
+    let renderer = Renderer::new(scene, &Transform::IDENTITY, Backend::Bvh, 1).expect("a renderer");
+    renderer.render(request, &()).expect("a render").color.expect("lit").samples().iter().copied().collect()
+}
+
+/// The root of the mean squared difference, relative to the mean.
+fn difference(a: &[f32], b: &[f32]) -> f64 {
+    let mean = b.iter().map(|&x| f64::from(x)).sum::<f64>() / b.len() as f64;
+    let squared = a.iter().zip(b).map(|(&x, &y)| f64::from(x - y).powi(2)).sum::<f64>() / b.len() as f64;
+    squared.sqrt() / mean
+}
+
+/// Little is left of the noise of fine texture, for every number of samples, both projections and light that varies
+/// slowly. The texture is white noise, the hardest case: what is left is the shape of the filter, which is no box.
+#[test]
+fn the_noise_of_fine_texture_vanishes() {
+    for projection in [Projection::Perspective, Projection::Orthographic] {
+        for unlit in [true, false] {
+            let scene = plane(Material { unlit, ..Material::default() });
+            let request = request(projection);
+            let exact = render(&scene, &request.clone().samples(4096).texture_filter(TextureFilter::Off));
+            for samples in [1, 2, 4, 7, 16] {
+                let request = request.clone().samples(samples);
+                let plain = difference(&render(&scene, &request.clone().texture_filter(TextureFilter::Off)), &exact);
+                let filtered = difference(&render(&scene, &request), &exact);
+                println!("{projection:?} unlit {unlit} {samples} samples: {plain:.5} -> {filtered:.5}");
+                assert!(filtered < 0.3 * plain, "{projection:?} {samples}: {filtered} instead of {plain}");
+            }
+        }
+    }
+}
+
+/// The error of the filter vanishes as the number of samples grows, and the mean of the image stays.
+#[test]
+fn the_bias_vanishes_with_more_samples() {
+    let scene = plane(Material { unlit: true, ..Material::default() });
+    let request = request(Projection::Perspective);
+    let exact = render(&scene, &request.clone().samples(16_384).texture_filter(TextureFilter::Off));
+    let means = [4, 1024].map(|samples| {
+        // Together 4096 samples, so that the noise is small beside the bias of 4.
+        let seeds = 4096 / samples;
+        let mut mean = vec![0.0; exact.len()];
+        for seed in 0..seeds {
+            let one = render(&scene, &request.clone().samples(samples).seed(u64::from(seed)));
+            mean.iter_mut().zip(&one).for_each(|(mean, x)| *mean += x / seeds as f32);
+        }
+        let total = |image: &[f32]| image.iter().map(|&x| f64::from(x)).sum::<f64>();
+        let ratio = total(&mean) / total(&exact);
+        assert!((ratio - 1.0).abs() < 2e-3, "{samples} samples: the mean changes by a factor of {ratio}");
+        difference(&mean, &exact)
+    });
+    println!("bias at 4 and 1024 samples: {means:?}");
+    assert!(means[0] < 0.03 && means[1] < 0.5 * means[0], "{means:?}");
+}
+
+/// Materials with alpha are not filtered: the texels of holes have no color.
+#[test]
+fn alpha_is_not_filtered() {
+    let request = request(Projection::Perspective).samples(4);
+    for alpha in [Alpha::Mask(0.5), Alpha::Blend] {
+        let scene = plane(Material { alpha, unlit: true, ..Material::default() });
+        let off = render(&scene, &request.clone().texture_filter(TextureFilter::Off));
+        assert_eq!(render(&scene, &request), off, "{alpha:?}");
+    }
+}
