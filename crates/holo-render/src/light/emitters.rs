@@ -36,9 +36,36 @@ pub(crate) struct Emitters {
     /// The start of the probability interval of each triangle, in steps. In the order of the scene, so that stratified
     /// numbers select stratified triangles.
     starts: Vec<u64>,
+    guide: Guide,
     /// The pdf per area, seen from the front and from the back, of every instance of the geometry.
     area_pdfs: Vec<[f32; 2]>,
 }
+
+/// Where to search the triangle of a step: a table of equal intervals of steps (the cutpoint method of Chen and Asau, "On
+/// Generating Random Variates from an Empirical Distribution", 1974). Unlike an alias table it keeps the order of the
+/// triangles.
+struct Guide {
+    /// The triangle of the first step of every interval, and the last triangle.
+    first: Vec<u32>,
+    /// The binary logarithm of the length of an interval.
+    shift: u32,
+}
+
+impl Guide {
+    /// At least twice as many intervals as triangles, as far as [`MAX_INTERVAL_BITS`] allows: then an interval has one or
+    /// two triangles, unless their powers differ widely.
+    fn new(starts: &[u64]) -> Self {
+        let bits = ((2 * starts.len()).next_power_of_two().ilog2()).min(MAX_INTERVAL_BITS);
+        let shift = STEPS.ilog2() - bits;
+        let triangle_at = |step: u64| starts.partition_point(|&start| start <= step) as u32 - 1;
+        let mut first: Vec<u32> = (0..1u64 << bits).map(|interval| triangle_at(interval << shift)).collect();
+        first.push(starts.len() as u32 - 1);
+        Self { first, shift }
+    }
+}
+
+/// 4 MB of memory.
+const MAX_INTERVAL_BITS: u32 = 20;
 
 /// An emissive triangle, prepared for sampling: one cache line.
 #[derive(Clone, Copy)]
@@ -123,7 +150,8 @@ impl Emitters {
         }
         let mut starts = vec![0];
         starts.extend(sums[..sums.len() - 1].iter().map(|sum| (sum / total * STEPS as f64) as u64));
-        Some(Self { emissive, starts, area_pdfs })
+        let guide = Guide::new(&starts);
+        Some(Self { emissive, starts, guide, area_pdfs })
     }
 
     /// Samples one point per lane, as seen from `from`: `choice` (0 to 1) selects the triangle, `point` the point on
@@ -209,15 +237,25 @@ impl Emitters {
             wanted[lane] = u64::from(step) << 16 | u64::from(low_x << 8 | low_y);
         }
         let mut found = [0; LANES];
-        let mut size = self.starts.len();
-        while size > 1 {
-            let half = size / 2;
+        // The number of triangles after `found` that may be the one.
+        let mut more = [0; LANES];
+        let mut any = 0;
+        for lane in 0..LANES {
+            let interval = (wanted[lane] >> self.guide.shift) as usize;
+            found[lane] = self.guide.first[interval];
+            more[lane] = self.guide.first[interval + 1] - found[lane];
+            any |= more[lane];
+        }
+        while any > 0 {
+            any = 0;
             for lane in 0..LANES {
+                let half = more[lane].div_ceil(2);
                 // As a product: a branch would be mispredicted half of the time.
-                let beyond = self.starts[found[lane] as usize + half] <= wanted[lane];
-                found[lane] += half as u32 * u32::from(beyond);
+                let beyond = u32::from(self.starts[(found[lane] + half) as usize] <= wanted[lane]);
+                found[lane] += half * beyond;
+                more[lane] = (more[lane] - half) * beyond + (half.max(1) - 1) * (1 - beyond);
+                any |= more[lane];
             }
-            size -= half;
         }
         found
     }

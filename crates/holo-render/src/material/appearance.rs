@@ -242,7 +242,8 @@ impl Appearance {
             && point.instance.textured[lookup.set]
         {
             let triangle = texture_triangle(lookup, point.geometry, point.triangle);
-            if let Some(on_texture) = footprints.on_texture(lane, &triangle)
+            let [_, b, c] = point.barycentrics;
+            if let Some(on_texture) = footprints.on_texture(lane, &triangle, [b, c])
                 && let Some(color) = self.filtered(lookup, point.coordinates(lookup), &on_texture)
             {
                 return color;

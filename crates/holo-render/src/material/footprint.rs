@@ -4,9 +4,9 @@
 //! of a texture over the cell of a sample has the same expected value as the texture at the sample, but none of the
 //! noise of fine texture. This holds for what enters the radiance linearly (base color, emission), as long as the rest
 //! (light, what hides the surface) does not vary with it within the cell. The error vanishes with the size of the cell,
-//! which shrinks with the root of the number of samples. Footprints larger than the
-//! triangle are not used: the rest of such a cell sees something else, and the texels around those of a small triangle
-//! may belong to other surfaces.
+//! which shrinks with the root of the number of samples. Cells that reach beyond the
+//! triangle that a ray hits have no footprint: the rest of such a cell sees something else, and the texels around those
+//! of a triangle may belong to other surfaces.
 //!
 //! Sources: H. Igehy, "Tracing Ray Differentials" (1999), for the extent of a cell on the plane of a surface.
 
@@ -66,24 +66,33 @@ impl Footprints {
         out
     }
 
-    /// The footprint of a lane in texture coordinates; `None` if it is larger than the triangle.
+    /// The footprint of a lane in texture coordinates, around the barycentrics `hit`; `None` if it reaches beyond the
+    /// triangle.
     #[inline(always)]
-    pub(super) fn on_texture(&self, lane: usize, triangle: &TextureTriangle) -> Option<TextureFootprint> {
+    pub(super) fn on_texture(
+        &self,
+        lane: usize,
+        triangle: &TextureTriangle,
+        hit: [f32; 2],
+    ) -> Option<TextureFootprint> {
         let mut out = TextureFootprint { sides: [[0.0; 2]; 2], to_center: [0.0; 2] };
-        let mut barycentrics = [[0.0; 2]; 2];
+        let mut center = [1.0 - hit[0] - hit[1], hit[0], hit[1]];
+        let mut reach = [0.0; 3];
         for side in 0..2 {
             let [b, c] = triangle.change(&self.sides[side], lane);
-            barycentrics[side] = [b, c];
+            let change = [-b - c, b, c];
+            for corner in 0..3 {
+                center[corner] += change[corner] * self.to_center[side][lane];
+                reach[corner] += change[corner].abs() / 2.0;
+            }
             for k in 0..2 {
                 let change = triangle.edges[0][k] * b + triangle.edges[1][k] * c;
                 out.sides[side][k] = change;
                 out.to_center[k] += change * self.to_center[side][lane];
             }
         }
-        // In barycentrics the triangle has the area 1/2.
-        let [[b0, c0], [b1, c1]] = barycentrics;
-        let is_smaller = (b0 * c1 - b1 * c0).abs() <= 0.5;
-        is_smaller.then_some(out)
+        let is_inside = (center[0] >= reach[0]) & (center[1] >= reach[1]) & (center[2] >= reach[2]);
+        is_inside.then_some(out)
     }
 
     /// Whether any footprint may be wider than `width`, in texels, on a texture of `size`: a bound without branches.
@@ -177,10 +186,8 @@ mod tests {
                 to_center: [[0.5; LANES], [-0.25; LANES]],
             };
             let footprints = Footprints::new(&cells, &rays, &refined);
-            let footprint = footprints.on_texture(5, &triangle).expect("one smaller than the triangle");
-            let wide = RayDifferentials { origin_step: 1.0, ..cells };
-            let footprints = Footprints::new(&wide, &rays, &refined);
-            assert!(footprints.on_texture(5, &triangle).is_none(), "larger than the triangle");
+            let footprint = footprints.on_texture(5, &triangle, [0.3, 0.3]).expect("one inside the triangle");
+            assert!(footprints.on_texture(5, &triangle, [0.9999, 0.0]).is_none(), "beyond the second corner");
             // Columns go to the right, rows down.
             let next = |columns: f64, rows: f64| {
                 let at = |by: f64| [origin[0] + columns * by, origin[1] - rows * by];

@@ -169,7 +169,7 @@ pub enum Views {
 }
 
 /// The filter of textures. The first hits of camera rays are filtered, and those textures that enter the radiance
-/// linearly: base color and emission of materials without alpha, on triangles larger than a cell.
+/// linearly: base color and emission of materials without alpha, in cells that lie within one triangle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TextureFilter {
     /// None: a texture counts at the hit point, bilinearly interpolated. Unbiased.

@@ -19,7 +19,7 @@ fn plane(material: Material) -> Scene {
         wrap_v: Wrap::Mirror,
         filter: Filter::Linear,
     };
-    let corners: [[f32; 2]; 4] = [[-2.0, -0.8], [2.0, -0.8], [2.0, 2.0], [-2.0, 2.0]];
+    let corners: [[f32; 2]; 3] = [[-9.0, -0.9], [9.0, -0.9], [0.0, 9.0]];
     let texture_info = TextureInfo {
         transform: TextureTransform { rotation_rad: 0.4, scale: [1.5, 1.2], ..TextureTransform::IDENTITY },
         ..TextureInfo::new(0)
@@ -28,7 +28,7 @@ fn plane(material: Material) -> Scene {
         meshes: vec![Mesh {
             positions: corners.map(|[x, y]| [x, y, -2.0 - y]).to_vec(),
             texture_coordinates: corners.to_vec(),
-            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            triangles: vec![[0, 1, 2]],
             ..Mesh::default()
         }],
         instances: vec![Instance { name: String::new(), mesh: 0, transform: Transform::IDENTITY }],

@@ -303,3 +303,32 @@ fn every_instruction_set_gives_the_same_bits() {
         assert!(results.iter().all(|r| *r == results[0]));
     }
 }
+
+/// The guide leads to the same triangle as a search among all, for powers over fourteen orders of magnitude, a single
+/// triangle, and numbers at the borders of intervals.
+#[test]
+fn the_guide_finds_the_triangle_of_every_step() {
+    for count in [1usize, 2, 3, 100, 5000] {
+        let side = |k: usize| 10f32.powf((k * 37 % 71) as f32 / 10.0 - 3.5);
+        let positions =
+            (0..count).flat_map(|k| [[0.0, 0.0, 1.0], [side(k), 0.0, 1.0], [0.0, side(k), 1.0]]).collect::<Vec<_>>();
+        let triangles = (0..count as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect();
+        let geometry = geometry(vec![(positions, triangles)]);
+        let emitters = Emitters::build(&geometry, &[emissive([1.0; 3], false)], &[]).expect("it emits");
+        let near_starts = emitters.starts.iter().flat_map(|&start| [start, start.saturating_sub(1), start + 1]);
+        let near_intervals = (0..emitters.guide.first.len() as u64).map(|k| k << emitters.guide.shift);
+        let random = (0..10_000u32).map(|k| u64::from(crate::sampling::hash(k)) << 8 | u64::from(k & 0xFF));
+        let steps: Vec<u64> =
+            near_starts.chain(near_intervals).chain(random).chain([STEPS - 1]).filter(|&step| step < STEPS).collect();
+        for sixteen in steps.chunks(LANES) {
+            let step = |lane: usize| sixteen[lane.min(sixteen.len() - 1)];
+            let choice = std::array::from_fn(|lane| (step(lane) >> 16) as f32 / 16_777_216.0);
+            let low = |shift: u32| std::array::from_fn(|lane| (step(lane) >> shift & 0xFF) as f32 / 16_777_216.0);
+            let found = emitters.search(&choice, &[low(8), low(0)]);
+            for lane in 0..LANES {
+                let expected = emitters.starts.partition_point(|&start| start <= step(lane)) - 1;
+                assert_eq!(found[lane] as usize, expected, "step {} of {count} triangles", step(lane));
+            }
+        }
+    }
+}

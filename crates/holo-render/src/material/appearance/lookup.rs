@@ -161,7 +161,7 @@ impl Appearance {
         triangles: &[Hit; LANES],
         texels: &mut [[f32; LANES]; 3],
     ) {
-        let &PacketHits { geometry, footprints: Some(footprints), .. } = hits else { return };
+        let &PacketHits { geometry, packet, footprints: Some(footprints) } = hits else { return };
         let mut of_lanes = [texture_triangle(lookup, geometry, triangles[0]); LANES];
         for lane in 1..LANES {
             let is_same = triangles[lane] == triangles[lane - 1];
@@ -173,7 +173,8 @@ impl Appearance {
             return;
         }
         for lane in 0..LANES {
-            if let Some(footprint) = footprints.on_texture(lane, &of_lanes[lane])
+            let hit = [packet.hits.u[lane], packet.hits.v[lane]];
+            if let Some(footprint) = footprints.on_texture(lane, &of_lanes[lane], hit)
                 && let Some(mean) = self.filtered(lookup, at(coordinates, lane), &footprint)
             {
                 for c in 0..3 {
