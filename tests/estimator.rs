@@ -93,7 +93,6 @@ fn estimators_are_unbiased_and_their_variance_decreases() {
                 assert!(off.abs() < 3.0, "{} {integrator:?}: {mean} for {reference}, {off} errors", case.name);
             }
             println!("{} {integrator:?}: variance falls by {:.1}", case.name, variance / finer_variance);
-            println!("{} {integrator:?}: variance falls by {:.1}", case.name, variance / finer_variance);
             falls.push(variance / finer_variance);
             // Independent samples would make it a sixteenth; Sobol points do better. 64 seeds determine a ratio to 25
             // %.

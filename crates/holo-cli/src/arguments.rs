@@ -167,6 +167,7 @@ pub struct JobOptions {
     #[arg(long, value_parser = choice(REUSE), default_value = "views")]
     pub reuse: Reuse,
     /// Average fine textures over the part of a pixel that a sample stands for: a small bias that more samples remove.
+    /// Without effect with `--denoise views`.
     #[arg(long, value_parser = choice(TEXTURE_FILTERS), default_value = "footprint")]
     pub texture_filter: TextureFilter,
     /// Reduce the noise of color: with `views` by the samples of neighboring views, a small bias that more samples remove.

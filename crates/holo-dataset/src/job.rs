@@ -5,9 +5,7 @@ use std::time::Instant;
 
 use holo_core::{GridSize, LightFieldShape};
 use holo_io::{CameraPose, Manifest, ManifestValue, ParametersCfg, dataset};
-use holo_render::{
-    Denoise, GroundTruth, Integrator, Layer, Progress, Rendered, Renderer, Request, Reuse, TextureFilter,
-};
+use holo_render::{Denoise, GroundTruth, Integrator, Layer, Progress, Rendered, Renderer, Request, Reuse};
 use ndarray::{Array2, Axis};
 
 use crate::checkpoint::{Checkpoints, Keeper};
@@ -16,7 +14,7 @@ use crate::files::{Traced, exposure_ev, outputs, validate, write};
 use crate::identity::difference;
 use crate::images;
 use crate::layers::Wanted;
-use crate::options::{self, Options, denoise_name, integrator_name};
+use crate::options::{self, Options, denoise_name, integrator_name, texture_filter_name};
 use crate::output_folder::{OutputFolder, Rollback};
 use crate::prepare::{Prepared, Purpose, prepare};
 use crate::report::{RenderReport, Seconds};
@@ -308,8 +306,8 @@ impl RenderJob {
         if request.reuse == Reuse::Off && rendered.color.is_some() {
             settings.insert("reuse".into(), "off".into());
         }
-        if request.texture_filter == TextureFilter::Off && request.denoise == Denoise::Off && rendered.color.is_some() {
-            settings.insert("texture-filter".into(), "off".into());
+        if request.denoise == Denoise::Off && rendered.color.is_some() {
+            settings.insert("texture-filter".into(), texture_filter_name(request.texture_filter).into());
         }
         if request.denoise != Denoise::Off && rendered.color.is_some() {
             settings.insert("denoise".into(), denoise_name(request.denoise).into());

@@ -85,6 +85,11 @@ pub fn denoise_name(denoise: Denoise) -> &'static str {
     name_of(&DENOISE, &denoise)
 }
 
+/// Returns the name of a texture filter on the command line and in files.
+pub(crate) fn texture_filter_name(filter: TextureFilter) -> &'static str {
+    name_of(&TEXTURE_FILTERS, &filter)
+}
+
 /// Parses a sensor: a name such as `8k`, or a size `WIDTHxHEIGHT` in pixels.
 ///
 /// # Errors
@@ -308,7 +313,7 @@ impl RenderSpec {
         set("no-multiple-scattering", (!self.multiple_scattering).to_string());
         set("cull", self.cull.to_string());
         set("reuse", name_of(&REUSE, &self.reuse).into());
-        set("texture-filter", name_of(&TEXTURE_FILTERS, &self.texture_filter).into());
+        set("texture-filter", texture_filter_name(self.texture_filter).into());
         set("denoise", denoise_name(self.denoise).into());
         set(
             "sky",

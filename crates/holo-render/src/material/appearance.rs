@@ -13,14 +13,13 @@ pub(crate) use layers::Lane;
 pub(crate) use lookup::PacketHits;
 
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 use crate::geometry::{Geometry, Hit, InstanceData};
 use crate::material::footprint::{Footprints, TextureFootprint, TextureTriangle};
 use crate::material::media::{Medium, MediumId};
 use crate::material::texture::{self, FootprintFilter, Pyramid};
 use holo_core::color::srgb8_to_linear_table;
-use rayon::prelude::*;
-
 use holo_scene::{Alpha, NormalMap, Texture, TextureInfo, TextureTransform};
 
 /// Materials and textures, prepared for evaluation.
@@ -29,8 +28,8 @@ pub(crate) struct Appearance {
     /// Air, and the media of the materials, each once.
     media: Vec<Medium>,
     textures: Vec<Texture>,
-    /// Those of the textures that are filtered.
-    pyramids: Vec<Pyramid>,
+    /// Those of the textures, built when a footprint first needs them.
+    pyramids: Vec<OnceLock<Pyramid>>,
     srgb: &'static [f32; 256],
     /// The values of 8-bit codes of textures without color, 0 to 1.
     linear: [f32; 256],
@@ -155,11 +154,8 @@ impl Appearance {
         let mut materials: Vec<Material> =
             materials.iter().map(|material| Material::new(material, any_dispersive)).collect();
         let media = number_media(&mut materials);
-        let srgb = srgb8_to_linear_table();
-        let is_filtered = |k| materials.iter().any(|material| material.filters(k));
-        let pyramid = |(k, texture)| if is_filtered(k) { Pyramid::new(texture, srgb) } else { Pyramid::default() };
-        let pyramids = textures.par_iter().enumerate().map(pyramid).collect();
-        Self { materials, media, textures: textures.to_vec(), pyramids, srgb, linear }
+        let pyramids = textures.iter().map(|_| OnceLock::new()).collect();
+        Self { materials, media, textures: textures.to_vec(), pyramids, srgb: srgb8_to_linear_table(), linear }
     }
 
     /// The features of all materials together.
@@ -259,7 +255,8 @@ impl Appearance {
         let texture = &self.textures[lookup.texture];
         let filter = FootprintFilter::new(footprint.sides, [texture.width, texture.height])?;
         let center = [u + footprint.to_center[0], v + footprint.to_center[1]];
-        Some(self.pyramids[lookup.texture].sample(texture, self.srgb, center, &filter))
+        let pyramid = self.pyramids[lookup.texture].get_or_init(|| Pyramid::new(texture, self.srgb));
+        Some(pyramid.sample(texture, self.srgb, center, &filter))
     }
 
     /// Samples a texture without color: linear values, 0 to 1.
@@ -302,12 +299,6 @@ impl Material {
     #[inline(always)]
     fn is_filtered(&self) -> bool {
         !self.flags.has(MaterialFlags::ALPHA)
-    }
-
-    /// Whether it needs the pyramid of a texture.
-    fn filters(&self, texture: usize) -> bool {
-        let textures = [&self.base_color_texture, self.emission.texture()];
-        self.is_filtered() && textures.iter().any(|used| used.is_some_and(|lookup| lookup.texture == texture))
     }
 
     /// `any_dispersive`: whether any body of glass of the scene has dispersion.

@@ -20,10 +20,6 @@ impl Emission {
         Self { factor: material.emission, texture, both_sides: material.double_sided }
     }
 
-    pub fn texture(&self) -> &Option<TextureLookup> {
-        &self.texture
-    }
-
     pub fn is_emissive(&self) -> bool {
         self.factor.iter().any(|&x| x > 0.0)
     }
