@@ -124,8 +124,8 @@ pub fn section(options: &RunOptions) -> Section {
              {reference_samples} samples with another seed, same integrator. Relative squared error: the mean of (x - \
              r)^2 / (r^2 + {EPSILON}). Time x error compares settings independently of the number of samples: half of \
              it is twice as efficient. Default sampling: Owen-scrambled Sobol points, one sequence per \
-             microlens, Russian roulette. Intersections are computed in f32 and refined in f64; shading is not \
-             shared between views.",
+             microlens, Russian roulette. Intersections are computed in f32 and refined in f64. Between views \
+             light is shared as by default.",
             lenses.columns, lenses.rows
         ),
         highlights: light.highlights,

@@ -13,6 +13,7 @@ mod peers;
 mod plot;
 mod scaling;
 mod scenes;
+mod sharing;
 mod stereo;
 mod table;
 
@@ -82,6 +83,7 @@ fn main() {
     let options = RunOptions { quick, rounds: if quick { 3 } else { 5 }, engines: scenes::engines() };
     let mut sections = Vec::new();
     let mut section_fns: Vec<(&str, SectionFn)> = vec![
+        ("sharing between views", sharing::section),
         ("light", light::section),
         ("ground truth", ground_truth::section),
         ("scaling", scaling::section),

@@ -56,6 +56,8 @@ pub fn section(options: &RunOptions) -> Section {
         "peak memory, MB",
     ]);
     let samples: &[u32] = if options.quick { &[1, 4] } else { &[1, 4, 16, 64] };
+    // More for the others: to reach the error of the reconstruction.
+    let samples_of_peers: &[u32] = if options.quick { samples } else { &[1, 4, 16, 64, 256] };
     let side = if options.quick { 5 } else { 11 };
     let mut plots = Vec::new();
     let mut missing = Vec::new();
@@ -73,7 +75,7 @@ pub fn section(options: &RunOptions) -> Section {
             lines.extend(measure_own(options, engine, Light::Shared, integrator, 101, &samples[..2]));
             lines.extend(measure_own(options, engine, Light::Denoised, integrator, 101, &samples[..2]));
         }
-        let (theirs, failures) = measure_peers(options, integrator, side, samples);
+        let (theirs, failures) = measure_peers(options, integrator, side, samples_of_peers);
         lines.extend(theirs);
         missing.extend(failures);
         plots.push((plot_name, add_rows(integrator, &lines, &reference, &mut table, &mut highlights)));
@@ -111,7 +113,7 @@ fn add_rows(
     highlights: &mut Vec<[String; 3]>,
 ) -> String {
     let label = integrator_name(integrator);
-    let most = lines.iter().map(|line| line.samples).max().unwrap_or(0);
+    let most = lines.iter().filter(|line| line.program == lines[0].program).map(|line| line.samples).max().unwrap_or(0);
     let own_program = lines[0].program.replace("holo, ", "`holo` with ");
     let mut own = Vec::new();
     let mut series: Vec<Series> = Vec::new();
@@ -121,7 +123,8 @@ fn add_rows(
         if line.program == lines[0].program {
             own.push((line.samples, line.seconds, cost));
         }
-        let (_, own_seconds, own_cost) = *own.iter().find(|own| own.0 == line.samples).expect("this renderer is first");
+        let same = own.iter().find(|own| own.0 == line.samples);
+        let ratio = |of: &dyn Fn(&(u32, Seconds, Seconds)) -> String| same.map_or("-".into(), of);
         let pixels = (reference.len() / 3) as f64;
         table.push([
             label.into(),
@@ -132,8 +135,8 @@ fn add_rows(
             short(rmse),
             short(relative),
             short(trimmed),
-            line.seconds.ratio(own_seconds),
-            cost.ratio(own_cost),
+            ratio(&|own| line.seconds.ratio(own.1)),
+            ratio(&|own| cost.ratio(own.2)),
             line.peak_bytes.map_or("?".into(), |bytes| short(bytes as f64 / 1e6)),
         ]);
         let other = !line.program.starts_with("holo") && !line.program.ends_with("independent");
@@ -141,10 +144,10 @@ fn add_rows(
             let error = short(trimmed);
             highlights.push([
                 format!("{}: {}, {most} samples per pixel", line.program, integrator_label(integrator)),
-                format!("{} times as long as {own_program}", line.seconds.ratio(own_seconds)),
+                format!("{} times as long as {own_program}", ratio(&|own| line.seconds.ratio(own.1))),
                 format!(
                     "relative MSE {error} (worst 1 % excluded); {} times as long for the same error",
-                    cost.ratio(own_cost)
+                    ratio(&|own| cost.ratio(own.2))
                 ),
             ]);
         }

@@ -1,0 +1,153 @@
+//! What views gain from each other: light of their own, path reuse, and reconstruction, on the scenes of the gallery.
+
+use std::time::Instant;
+
+use holo_bench::error::{Images, nine, rgb, sorted, squared_error};
+use holo_bench::on_the_paper_sensor;
+use holo_core::LightFieldOwned;
+use holo_render::{Denoise, Request, Reuse, TextureFilter, Views};
+use holo_scene::gallery;
+
+use crate::table::{Table, short};
+use crate::{RunOptions, Section};
+
+const SAMPLES: u32 = 4;
+
+/// Measured at few views too, where neighbors are farther apart.
+const FEW_VIEWS: [&str; 4] = ["glasses", "chess", "garden", "plaster"];
+
+/// What the views share, in the order of the table.
+const SETTINGS: [(&str, Reuse, Denoise); 3] = [
+    ("nothing (`--reuse off`)", Reuse::Off, Denoise::Off),
+    ("paths (default)", Reuse::Views, Denoise::Off),
+    ("samples (`--denoise views`)", Reuse::Views, Denoise::Views),
+];
+
+/// A division of the 8K sensor, the part of its lens rows that is rendered, and the scenes.
+struct Division {
+    views: usize,
+    rows: usize,
+    reference: u32,
+    scenes: Vec<String>,
+}
+
+pub fn section(options: &RunOptions) -> Section {
+    let all = gallery::NAMES.iter().map(|&name| name.to_owned());
+    let divisions = match options.quick {
+        true => vec![Division { views: 100, rows: 4, reference: 128, scenes: vec!["plaster".into()] }],
+        false => vec![
+            Division { views: 100, rows: 12, reference: 512, scenes: all.collect() },
+            Division { views: 20, rows: 40, reference: 256, scenes: FEW_VIEWS.map(String::from).into() },
+        ],
+    };
+    let mut table = Table::new(&[
+        "views",
+        "scene",
+        "shared between views",
+        "seconds",
+        "error, median view",
+        "center",
+        "corners",
+        "error, of nothing shared: 1 /",
+        "time x error, of nothing shared: 1 /",
+    ]);
+    let mut highlights = Vec::new();
+    for division in &divisions {
+        let mut gains: [Vec<[f64; 2]>; 3] = Default::default();
+        for scene in &division.scenes {
+            for (gains, gain) in gains.iter_mut().zip(measure(scene, division, &mut table)) {
+                gains.push(gain);
+            }
+        }
+        for ((name, ..), gains) in SETTINGS.iter().zip(&gains).skip(1) {
+            let [less, efficient] = [0, 1].map(|k| sorted(&gains.iter().map(|gain| gain[k]).collect::<Vec<f64>>()));
+            let [mean_less, mean_efficient] = [&less, &efficient].map(|gains| geometric_mean(gains));
+            highlights.push([
+                format!("{0} x {0} views, {SAMPLES} samples, shared: {name}; {1} scenes", division.views, less.len()),
+                format!("{} times less time for the same error", short(mean_efficient)),
+                format!(
+                    "1/{} of the error (1/{} to 1/{})",
+                    short(mean_less),
+                    short(less[0]),
+                    short(less[less.len() - 1])
+                ),
+            ]);
+        }
+    }
+    Section {
+        title: "Light shared between views",
+        text: format!(
+            "Scenes of the gallery on the 8K sensor of the paper, {SAMPLES} samples, paths of up to 8 bounces, the lens \
+             rows in the middle ({}). Error: the mean of (x - r)^2 / (r^2 + 0.01 mean(r^2)) over the pixels of a view \
+             without the worst of a hundred, against two references of {} samples whose own noise has the expectation 0 \
+             in it; corners: the median of four views, median view: of corners, middles of the edges, and center. Single \
+             runs. Seconds include the lens rows around that the reconstruction needs, which an image rendered whole \
+             does not pay for. The least gains of the reconstruction are \
+             those of scenes whose surfaces differ from pixel to pixel.",
+            listed(&divisions, |division| format!(
+                "{} of {} x {} views",
+                division.rows, division.views, division.views
+            )),
+            listed(&divisions, |division| division.reference.to_string()),
+        ),
+        highlights,
+        table,
+        plots: Vec::new(),
+    }
+}
+
+fn listed(divisions: &[Division], text: impl Fn(&Division) -> String) -> String {
+    divisions.iter().map(text).collect::<Vec<_>>().join(", ")
+}
+
+fn geometric_mean(values: &[f64]) -> f64 {
+    (values.iter().map(|value| value.ln()).sum::<f64>() / values.len() as f64).exp()
+}
+
+/// Adds the rows of a scene; returns, for each setting, the gains in error and in time x error.
+fn measure(name: &str, division: &Division, table: &mut Table) -> [[f64; 2]; 3] {
+    let scene = gallery::scene(name).expect("a scene of the gallery");
+    let (renderer, rig) = on_the_paper_sensor(&scene, division.views);
+    let middle = rig.shape().lenses().rows / 2;
+    let rows = middle - division.rows / 2..middle + division.rows.div_ceil(2);
+    let request = Request::new(rig).samples(SAMPLES).lens_rows(Some(rows));
+    let list = nine(division.views);
+    let references = [1, 2].map(|seed| {
+        let request = request.clone().samples(division.reference).seed(seed).texture_filter(TextureFilter::Off);
+        let color = renderer.render(&request.views(Views::List(list.clone())), &()).expect("a reference").color;
+        let color = color.expect("the scene is lit");
+        (0..list.len()).map(|k| image(&color, 0, k)).collect::<Images>()
+    });
+    let mut first = None;
+    SETTINGS.map(|(shared, reuse, denoise)| {
+        let request = request.clone().reuse(reuse).denoise(denoise);
+        let start = Instant::now();
+        let color = renderer.render(&request, &()).expect("a render").color.expect("the scene is lit");
+        let seconds = start.elapsed().as_secs_f64();
+        let images: Images = list.iter().map(|view| image(&color, view.row, view.column)).collect();
+        let errors: Vec<f64> = (0..list.len()).map(|k| squared_error(&images[k], &references, k)).collect();
+        let corners = sorted(&[0, 2, 6, 8].map(|k| errors[k]));
+        let median = sorted(&errors)[list.len() / 2];
+        let (first_seconds, first_errors) = first.get_or_insert((seconds, errors.clone()));
+        let ratios: Vec<f64> = first_errors.iter().zip(&errors).map(|(before, after)| before / after).collect();
+        let less = sorted(&ratios)[list.len() / 2];
+        let gain = [less, less * *first_seconds / seconds];
+        table.push([
+            format!("{0} x {0}", division.views),
+            name.to_owned(),
+            shared.to_owned(),
+            short(seconds),
+            short(median),
+            short(errors[4]),
+            short((corners[1] + corners[2]) / 2.0),
+            short(gain[0]),
+            short(gain[1]),
+        ]);
+        gain
+    })
+}
+
+/// A view, pixel by pixel.
+fn image(color: &LightFieldOwned<f32>, row: usize, column: usize) -> Vec<[f32; 3]> {
+    color.view(row, column).expect("a view").rows().into_iter().flat_map(|row| rgb(row.iter())).collect()
+}
