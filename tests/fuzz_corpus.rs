@@ -69,6 +69,11 @@ fn hdf5() {
 }
 
 #[test]
+fn camera() {
+    run("camera", holo_fuzz::io::camera);
+}
+
+#[test]
 fn parameters_cfg() {
     run("parameters_cfg", holo_fuzz::io::parameters_cfg);
 }

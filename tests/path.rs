@@ -33,9 +33,12 @@ fn render(scene: &Scene, sky: [f32; 3], backend: Backend, threads: usize, change
 #[test]
 fn the_image_does_not_depend_on_threads() {
     let changes: [fn(&mut Request); 3] = [
-        |request| request.samples = 1,
-        |request| (request.samples, request.seed) = (5, 7),
-        |request| (request.samples, request.target_error, request.roulette) = (32, Some(0.1), false),
+        |request| request.transport.samples = 1,
+        |request| (request.transport.samples, request.transport.seed) = (5, 7),
+        |request| {
+            (request.transport.samples, request.transport.target_error, request.transport.roulette) =
+                (32, Some(0.1), false)
+        },
     ];
     for (scene, sky) in scenes() {
         for backend in engines() {
@@ -62,7 +65,7 @@ fn both_backends_have_the_same_radiance() {
     };
     for (scene, sky) in scenes() {
         let [a, b] = [first, second].map(|backend| {
-            let rendered = render(&scene, sky, backend, 2, |request| request.samples = 16);
+            let rendered = render(&scene, sky, backend, 2, |request| request.transport.samples = 16);
             rendered.color.expect("an image").to_elemental_grid().unwrap()
         });
         let mut differences: Vec<f64> = a

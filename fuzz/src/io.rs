@@ -2,9 +2,9 @@
 
 use holo_core::SampleKind;
 use holo_io::{
-    ColorEncoding, Compression, Error, ExrChannel, Limits, Manifest, MatOptions, MatVariable, ParametersCfg,
-    decode_exr, decode_exr_rgb, decode_hdr, decode_mat, decode_pfm, decode_png, decode_tiff, encode_exr, encode_mat,
-    encode_png, encode_tiff,
+    CameraFile, ColorEncoding, Compression, Error, ExrChannel, Limits, Manifest, MatOptions, MatVariable,
+    ParametersCfg, decode_exr, decode_exr_rgb, decode_hdr, decode_mat, decode_pfm, decode_png, decode_tiff, encode_exr,
+    encode_mat, encode_png, encode_tiff,
 };
 
 /// Small, so that large sizes in small files are errors quickly.
@@ -109,6 +109,23 @@ pub fn parameters_cfg(data: &[u8]) {
     assert_eq!(again.to_text().expect("what was read can be written"), text);
     // The numbers of a file may be an impossible rig; that is an error.
     let _ = parameters.rig();
+}
+
+/// Camera files: read, written, read again. What was written has the same text again, up to the rotation, which is in
+/// degrees there.
+///
+/// # Panics
+///
+/// If a property does not hold.
+pub fn camera(data: &[u8]) {
+    let Ok(file) = CameraFile::parse(&String::from_utf8_lossy(data), "fuzz") else { return };
+    let again = CameraFile::parse(&file.to_toml(), "fuzz").expect("what was written can be read");
+    assert_eq!((&again.name, again.camera.sensor().size), (&file.name, file.camera.sensor().size));
+    // A ray of any camera is finite, or the camera was refused.
+    let corner = file.camera.place_m([0.0, 0.0]);
+    let lens = file.camera.owner(corner);
+    let ray = file.camera.ray(corner, file.camera.lens_center_m(lens), lens);
+    assert!(ray.origin_m.iter().chain(&ray.direction).all(|x| x.is_finite()));
 }
 
 /// `manifest.json`: read, written, read again; compared as text, so that NaN is equal.

@@ -1,5 +1,6 @@
 //! The command line. x comes first in all of it: sizes are columns x rows, positions column,row.
 
+mod camera;
 mod choices;
 mod dataset;
 mod images;
@@ -27,6 +28,7 @@ use choices::{
     TEXTURE_FILTERS, choice,
 };
 
+pub use camera::{CameraOptions, DecodeOptions, TargetOptions, WhiteOptions};
 pub use dataset::DatasetOptions;
 pub use images::{AnimateOptions, ComposeOptions, ExtractOptions, PathArgument, QuiltOptions, RotateOptions};
 pub use optics::OpticsOptions;
@@ -82,6 +84,14 @@ pub enum Command {
     View(ViewOptions),
     /// Compute what a camera will resolve before it is built: disparities, depth of field, depth resolution; or the reverse.
     Optics(OpticsOptions),
+    /// List plenoptic cameras, or write one as a camera file (TOML) for `--camera-file`.
+    Camera(CameraOptions),
+    /// Write white images of a plenoptic camera: what it records of an evenly bright scene.
+    White(WhiteOptions),
+    /// Render checkerboards for the calibration of a plenoptic camera, with the exact positions of their corners.
+    Target(TargetOptions),
+    /// Decode the raw image of an unfocused plenoptic camera to views.
+    Decode(DecodeOptions),
     /// Check a dataset, or one folder of it, against the sizes and hashes in its manifest.json.
     Verify(VerifyOptions),
 }
@@ -93,6 +103,10 @@ pub struct RenderOptions {
     /// Folder for the results; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Plenoptic camera instead of a rig of views: a camera file (TOML), or a preset of `holo camera`. The pose is that of
+    /// the scene's camera; --focus-m and --f-number replace those of the file.
+    #[arg(long, value_name = "FILE|PRESET", conflicts_with_all = ["views", "lenses", "sensor", "baseline_m", "focal_mm", "sensor_mm", "projection", "disparity", "shard"])]
+    pub camera_file: Option<String>,
     #[command(flatten)]
     pub rig: RigOptions,
     #[command(flatten)]

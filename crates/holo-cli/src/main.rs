@@ -45,6 +45,10 @@ fn main() -> ExitCode {
         Command::View(options) => commands::view::run(&options),
         Command::Scene(options) => commands::scene::run(&options),
         Command::Optics(options) => commands::optics::run(&options),
+        Command::Camera(options) => commands::camera::run(&options),
+        Command::White(options) => commands::camera::white(&options),
+        Command::Target(options) => commands::camera::target(&options),
+        Command::Decode(options) => commands::camera::decode(&options),
         Command::Verify(options) => commands::verify::run(&options),
     };
     match result {

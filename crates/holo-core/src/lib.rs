@@ -96,6 +96,7 @@ pub mod metrics;
 mod millimeters;
 pub mod optics;
 mod parallel;
+pub mod plenoptic;
 mod real;
 pub mod refocus;
 #[cfg(feature = "serde")]

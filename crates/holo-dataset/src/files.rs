@@ -9,7 +9,8 @@ use crate::Error;
 use crate::images::{self, Images};
 use crate::layers::{self, Wanted};
 use crate::output_folder::OutputFolder;
-use crate::spec::{Exposure, Output, RenderSpec};
+use crate::raw;
+use crate::spec::{Exposure, LayerChoice, Output, RenderSpec};
 use crate::warning::RenderWarning;
 
 /// A render before its files are written.
@@ -42,6 +43,16 @@ pub fn validate(spec: &RenderSpec) -> Result<(), Error> {
     #[cfg(not(feature = "hdf5"))]
     if spec.outputs.contains(&Output::H5) {
         return Err(images::without_hdf5());
+    }
+    if let Some(output) = spec.outputs.iter().find(|output| raw::OUTPUTS.contains(output)) {
+        let name = output.name();
+        return Err(Error::BadRequest(format!("--write {name} is of a plenoptic camera; give one with --camera-file")));
+    }
+    if let Some(LayerChoice::Raw(layer)) = spec.layers.iter().find(|layer| matches!(layer, LayerChoice::Raw(_))) {
+        let name = layer.name();
+        return Err(Error::BadRequest(format!(
+            "--layers {name} is of a plenoptic camera; give one with --camera-file"
+        )));
     }
     if let Some(names) =
         images::needing_color(&spec.outputs, spec.integrator).filter(|_| spec.integrator == Integrator::Depth)

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use holo_core::{GridSize, LightFieldShape};
 use holo_io::{CameraPose, Manifest, ManifestValue, ParametersCfg, dataset};
-use holo_render::{Denoise, GroundTruth, Integrator, Layer, Progress, Rendered, Renderer, Request, Reuse};
+use holo_render::{Denoise, GroundTruth, Integrator, Layer, Progress, Rendered, Renderer, Request, Reuse, Transport};
 use ndarray::{Array2, Axis};
 
 use crate::checkpoint::{Checkpoints, Keeper};
@@ -197,17 +197,7 @@ impl RenderJob {
     /// # Errors
     /// [`Error::Io`] if the scene or the environment map cannot be read.
     pub fn identity(&self, backend: &str) -> Result<Manifest, Error> {
-        let mut manifest = Manifest { seed: self.spec.seed, ..Manifest::default() };
-        manifest.versions.insert("holo".into(), env!("CARGO_PKG_VERSION").into());
-        manifest.versions.insert("engine".into(), backend.into());
-        let settings = &mut manifest.settings;
-        settings.insert("scene_sha256".into(), self.source.sha256()?.to_string().into());
-        if let Some(path) = self.spec.sky_map() {
-            settings.insert("sky_sha256".into(), holo_io::hash_file(path)?.sha256.to_string().into());
-        }
-        let options = self.options.iter().map(|(name, value)| (name.clone(), value.as_str().into()));
-        settings.insert("options".into(), ManifestValue::Table(options.collect()));
-        Ok(manifest)
+        source_identity(&self.source, &self.spec, &self.options, backend)
     }
 
     /// The request for the complete light field or a shard.
@@ -244,7 +234,7 @@ impl RenderJob {
         }
         // Before files are written.
         outputs(spec, rendered.color.is_some())?;
-        if rendered.integrator == Integrator::Depth && request.integrator == Integrator::Auto {
+        if rendered.integrator == Integrator::Depth && request.transport.integrator == Integrator::Auto {
             let note = "note: the scene has no light sources, so there is no color, only ground truth; try --sky auto";
             diagnostics.report(About::Scene, note);
         }
@@ -285,38 +275,38 @@ impl RenderJob {
         let settings = &mut manifest.settings;
         settings.insert("camera".into(), prepared.framed.camera.clone().into());
         settings.insert("integrator".into(), integrator_name(rendered.integrator).into());
-        settings.insert("spp".into(), request.samples.into());
-        if let Some(target) = request.target_error {
+        settings.insert("spp".into(), request.transport.samples.into());
+        if let Some(target) = request.transport.target_error {
             settings.insert("target-error".into(), ManifestValue::Float(target));
         }
         if rendered.integrator == Integrator::Path {
-            settings.insert("max-bounces".into(), request.max_bounces.into());
-            settings.insert("roulette".into(), if request.roulette { "on" } else { "off" }.into());
-            settings.insert("indirect".into(), if request.indirect { "on" } else { "off" }.into());
+            settings.insert("max-bounces".into(), request.transport.max_bounces.into());
+            settings.insert("roulette".into(), if request.transport.roulette { "on" } else { "off" }.into());
+            settings.insert("indirect".into(), if request.transport.indirect { "on" } else { "off" }.into());
         }
-        if request.indirect_limit.is_finite() {
-            settings.insert("indirect-limit".into(), ManifestValue::Float(f64::from(request.indirect_limit)));
+        if request.transport.indirect_limit.is_finite() {
+            settings.insert("indirect-limit".into(), ManifestValue::Float(f64::from(request.transport.indirect_limit)));
         }
-        if request.transparent_shadows {
+        if request.transport.transparent_shadows {
             settings.insert("transparent-shadows".into(), "on".into());
         }
-        if !request.multiple_scattering {
+        if !request.transport.multiple_scattering {
             settings.insert("multiple-scattering".into(), "off".into());
         }
-        if request.reuse == Reuse::Off && rendered.color.is_some() {
+        if request.transport.reuse == Reuse::Off && rendered.color.is_some() {
             settings.insert("reuse".into(), "off".into());
         }
         if request.denoise == Denoise::Off && rendered.color.is_some() {
-            settings.insert("texture-filter".into(), texture_filter_name(request.texture_filter).into());
+            settings.insert("texture-filter".into(), texture_filter_name(request.transport.texture_filter).into());
         }
         if request.denoise != Denoise::Off && rendered.color.is_some() {
             settings.insert("denoise".into(), denoise_name(request.denoise).into());
             settings.insert("denoise-method".into(), Denoise::METHOD.into());
         }
-        if request.cull {
+        if request.transport.cull {
             settings.insert("cull".into(), "on".into());
         }
-        let sky = request.sky.map(|c| ManifestValue::Float(f64::from(c)));
+        let sky = request.transport.sky.map(|c| ManifestValue::Float(f64::from(c)));
         settings.insert("sky".into(), ManifestValue::List(sky.to_vec()));
         if prepared.has_automatic_sky {
             settings.insert("automatic-sky".into(), "on".into());
@@ -327,6 +317,45 @@ impl RenderJob {
         settings.insert("ground-truth".into(), if all { "all" } else { "central" }.into());
         manifest
     }
+}
+
+/// What identifies a job in a manifest: digests of scene and sky, options, versions.
+pub(crate) fn source_identity(
+    source: &SceneSource,
+    spec: &RenderSpec,
+    options: &Options,
+    backend: &str,
+) -> Result<Manifest, Error> {
+    let mut manifest = Manifest { seed: spec.seed, ..Manifest::default() };
+    manifest.versions.insert("holo".into(), env!("CARGO_PKG_VERSION").into());
+    manifest.versions.insert("engine".into(), backend.into());
+    let settings = &mut manifest.settings;
+    settings.insert("scene_sha256".into(), source.sha256()?.to_string().into());
+    if let Some(path) = spec.sky_map() {
+        settings.insert("sky_sha256".into(), holo_io::hash_file(path)?.sha256.to_string().into());
+    }
+    let options = options.iter().map(|(name, value)| (name.clone(), value.as_str().into()));
+    settings.insert("options".into(), ManifestValue::Table(options.collect()));
+    Ok(manifest)
+}
+
+/// The settings of light transport.
+pub(crate) fn transport(spec: &RenderSpec, integrator: Integrator) -> Transport {
+    let samples = spec.samples.unwrap_or(match (integrator, spec.target_error) {
+        (Integrator::Depth, _) => 1,
+        (_, Some(_)) => 1024,
+        (_, None) => 16,
+    });
+    let mut transport = Transport::default();
+    (transport.integrator, transport.samples, transport.seed) = (integrator, samples, spec.seed);
+    transport.sky = sky::constant(&spec.sky);
+    (transport.max_bounces, transport.roulette) = (spec.max_bounces, spec.roulette);
+    transport.target_error = spec.target_error;
+    (transport.indirect, transport.indirect_limit) = (spec.indirect, spec.indirect_limit);
+    transport.transparent_shadows = spec.transparent_shadows;
+    transport.multiple_scattering = spec.multiple_scattering;
+    (transport.cull, transport.reuse, transport.texture_filter) = (spec.cull, spec.reuse, spec.texture_filter);
+    transport
 }
 
 /// The memory that the render needs.
@@ -361,26 +390,8 @@ fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
         Integrator::Auto if needs_no_color(spec, wanted) => Integrator::Depth,
         chosen => chosen,
     };
-    let samples = spec.samples.unwrap_or(match (integrator, spec.target_error) {
-        (Integrator::Depth, _) => 1,
-        (_, Some(_)) => 1024,
-        (_, None) => 16,
-    });
     Request::new(prepared.rig)
-        .integrator(integrator)
-        .samples(samples)
-        .seed(spec.seed)
-        .sky(sky::constant(&spec.sky))
-        .max_bounces(spec.max_bounces)
-        .roulette(spec.roulette)
-        .target_error(spec.target_error)
-        .indirect(spec.indirect)
-        .indirect_limit(spec.indirect_limit)
-        .transparent_shadows(spec.transparent_shadows)
-        .multiple_scattering(spec.multiple_scattering)
-        .cull(spec.cull)
-        .reuse(spec.reuse)
-        .texture_filter(spec.texture_filter)
+        .transport(transport(spec, integrator))
         .denoise(spec.denoise)
         .estimate_error(wanted.error)
         .layers(match spec.ground_truth {

@@ -85,7 +85,7 @@ pub(crate) fn needing_color(spec: &RenderSpec) -> Option<&'static str> {
 
 fn layers(choice: LayerChoice) -> LayerSet {
     match choice {
-        LayerChoice::Color | LayerChoice::Error => LayerSet::EMPTY,
+        LayerChoice::Color | LayerChoice::Error | LayerChoice::Raw(_) => LayerSet::EMPTY,
         LayerChoice::All => LayerSet::ALL,
         LayerChoice::One(layer) => LayerSet::of(&[layer]),
     }

@@ -32,6 +32,7 @@ pub mod options;
 pub mod text;
 
 mod checkpoint;
+mod decode;
 mod describe;
 mod diagnostics;
 mod error;
@@ -41,30 +42,39 @@ mod identity;
 mod images;
 mod job;
 mod layers;
+mod optics;
 mod output_folder;
 mod plan;
 mod prepare;
+mod raw;
 mod report;
 mod shard;
 mod sky;
 mod source;
 mod spec;
 mod summary;
+mod target;
 mod verify;
 mod warning;
 
 pub use checkpoint::Checkpoints;
+pub use decode::{DecodeJob, write_white_images};
 pub use diagnostics::{About, Deduplicated, Diagnostics};
 pub use error::Error;
 pub use files::validate;
 pub use job::RenderJob;
+pub use optics::{NamedQuantity, camera_optics, rig_optics};
 pub use output_folder::{OutputFolder, Rollback};
 pub use plan::{DatasetJob, DatasetPlan, JobOutcome, sources};
 pub use prepare::Prepared;
+pub use raw::{RawJob, RawReport, warnings as camera_warnings};
 pub use report::{RenderReport, Seconds};
 pub use shard::merge;
 pub use source::SceneSource;
-pub use spec::{EngineSpec, Exposure, Focus, LayerChoice, Output, RenderSpec, RigSpec, SceneSpec, Shard, Sky};
+pub use spec::{
+    EngineSpec, Exposure, Focus, LayerChoice, Output, RawLayer, RenderSpec, RigSpec, SceneSpec, Shard, Sky,
+};
 pub use summary::{DatasetSummary, JobSummary};
+pub use target::{BoardPose, TargetJob, read_poses};
 pub use verify::{Verification, is_dataset, verify};
 pub use warning::RenderWarning;

@@ -13,7 +13,7 @@ use holo_render::{Denoise, GroundTruth, Integrator, Layer, Reuse, TextureFilter}
 use holo_scene::gltf::LightUnits;
 
 use crate::Error;
-use crate::spec::{Exposure, Focus, LayerChoice, Output, RenderSpec, Shard, Sky};
+use crate::spec::{Exposure, Focus, LayerChoice, Output, RawLayer, RenderSpec, Shard, Sky};
 
 /// Long options of the command line, without `--`, and their values.
 pub type Options = BTreeMap<String, String>;
@@ -22,7 +22,7 @@ pub type Options = BTreeMap<String, String>;
 const MAP: &str = "map";
 
 /// Outputs and their names.
-const OUTPUTS: [(Output, &str); 9] = [
+const OUTPUTS: [(Output, &str); 13] = [
     (Output::Vpi, "vpi"),
     (Output::El, "el"),
     (Output::Disparity, "disparity"),
@@ -32,6 +32,10 @@ const OUTPUTS: [(Output, &str); 9] = [
     (Output::H5, "h5"),
     (Output::Hci, "hci"),
     (Output::HciHighres, "hci-highres"),
+    (Output::Raw, "raw"),
+    (Output::RawPng, "raw-png"),
+    (Output::White, "white"),
+    (Output::Centers, "centers"),
 ];
 
 /// Integrators and their names.
@@ -231,7 +235,10 @@ impl LayerChoice {
             "color" | "colour" => Some(Self::Color),
             "error" => Some(Self::Error),
             "all" => Some(Self::All),
-            other => Layer::from_name(other).map(Self::One),
+            other => {
+                let raw = RawLayer::ALL.into_iter().find(|layer| layer.name() == other);
+                Layer::from_name(other).map(Self::One).or(raw.map(Self::Raw))
+            }
         }
     }
 
@@ -243,6 +250,7 @@ impl LayerChoice {
             Self::Error => "error",
             Self::All => "all",
             Self::One(layer) => layer.name(),
+            Self::Raw(layer) => layer.name(),
         }
     }
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use holo_core::optics::DisparityRange;
-use holo_core::{LightFieldShape, Remainder, Rig};
+use holo_core::{GridSize, LightFieldShape, Remainder, Rig};
 use holo_render::{Baseline, CameraChoice, Framed, Framing, Renderer};
 use holo_scene::gltf::Loaded;
 
@@ -55,6 +55,49 @@ pub(crate) fn prepare(
 ) -> Result<Prepared, Error> {
     let shape = shape(rig, diagnostics)?;
     validate_memory(&shape, purpose)?;
+    let scene = prepare_for((source, spec), (rig, shape), engine, purpose.sky, diagnostics)?;
+    if let Some(change) = scene.framed.aspect_change {
+        diagnostics.report(About::Scene, &format!("note: {}: {change}", scene.framed.camera));
+    }
+    let PreparedScene { loaded, framed, renderer, has_automatic_sky, load_seconds, build_seconds } = scene;
+    let rig = match (rig.disparity_px, rig.focus) {
+        (Some((min_px, max_px)), _) => renderer.rig_for_disparities(&framed, DisparityRange { min_px, max_px }),
+        (None, Focus::Meters(distance)) => framed.rig(distance),
+        (None, Focus::Automatic) => renderer.automatic_focus_m(&framed).and_then(|distance| framed.rig(distance)),
+    }
+    .map_err(|e| blame(source.path(), e))?;
+    Ok(Prepared { loaded, framed, renderer, rig, has_automatic_sky, load_seconds, build_seconds })
+}
+
+/// A scene and its renderer, without a rig.
+pub(crate) struct PreparedScene {
+    pub loaded: Loaded,
+    pub framed: Framed,
+    pub renderer: Renderer,
+    pub has_automatic_sky: bool,
+    pub load_seconds: f64,
+    pub build_seconds: f64,
+}
+
+/// Loads the scene, chooses its camera and builds the acceleration structure, for cameras that have their own optics.
+pub(crate) fn prepare_scene(
+    source: (&SceneSource, &SceneSpec),
+    rig: &RigSpec,
+    engine: &EngineSpec,
+    sky: Option<&Sky>,
+    diagnostics: &dyn Diagnostics,
+) -> Result<PreparedScene, Error> {
+    let one = GridSize::new(1, 1);
+    prepare_for(source, (rig, LightFieldShape::new(one, one)?), engine, sky, diagnostics)
+}
+
+fn prepare_for(
+    (source, spec): (&SceneSource, &SceneSpec),
+    (rig, shape): (&RigSpec, LightFieldShape),
+    engine: &EngineSpec,
+    sky: Option<&Sky>,
+    diagnostics: &dyn Diagnostics,
+) -> Result<PreparedScene, Error> {
     let start = Instant::now();
     let scene = source.path();
     let mut loaded = source.load(spec).map_err(|e| match e {
@@ -62,29 +105,22 @@ pub(crate) fn prepare(
         other => Error::Failed(named(scene, &other.to_string())),
     })?;
     loaded.warnings.iter().for_each(|warning| diagnostics.report(About::Scene, &format!("warning: {warning}")));
-    let has_automatic_sky = purpose.sky.map_or(Ok(false), |sky| sky::add(sky, &mut loaded.scene, diagnostics))?;
+    let has_automatic_sky = sky.map_or(Ok(false), |wanted| sky::add(wanted, &mut loaded.scene, diagnostics))?;
     let load_seconds = start.elapsed().as_secs_f64();
     let framed = frame(scene, &loaded, rig, shape, diagnostics)?;
     let start = Instant::now();
-    let renderer = Renderer::new(&loaded.scene, &framed.pose, engine.backend, engine.threads).map_err(|e| {
-        match (&e, purpose.sky) {
+    let renderer =
+        Renderer::new(&loaded.scene, &framed.pose, engine.backend, engine.threads).map_err(|e| match (&e, sky) {
             (holo_render::Error::Scene(holo_scene::Error::BadScene { at, what }), Some(Sky::Map(sky)))
                 if at.starts_with("environment") =>
             {
                 Error::Failed(named(sky, &format!("{at}: {what}")))
             }
             _ => blame(scene, e),
-        }
-    })?;
+        })?;
     let build_seconds = start.elapsed().as_secs_f64();
     report_backend(&renderer, diagnostics);
-    let rig = match (rig.disparity_px, rig.focus) {
-        (Some((min_px, max_px)), _) => renderer.rig_for_disparities(&framed, DisparityRange { min_px, max_px }),
-        (None, Focus::Meters(distance)) => framed.rig(distance),
-        (None, Focus::Automatic) => renderer.automatic_focus_m(&framed).and_then(|distance| framed.rig(distance)),
-    }
-    .map_err(|e| blame(scene, e))?;
-    Ok(Prepared { loaded, framed, renderer, rig, has_automatic_sky, load_seconds, build_seconds })
+    Ok(PreparedScene { loaded, framed, renderer, has_automatic_sky, load_seconds, build_seconds })
 }
 
 /// The camera of the scene with the intrinsics and the baseline of the rig.
@@ -113,9 +149,6 @@ fn frame(
     })?;
     if loaded.scene.cameras.is_empty() {
         diagnostics.report(About::Scene, &format!("warning: {}", framed.camera));
-    }
-    if let Some(change) = framed.aspect_change {
-        diagnostics.report(About::Scene, &format!("note: {}: {change}", framed.camera));
     }
     Ok(framed)
 }

@@ -160,8 +160,74 @@ pub enum LayerChoice {
     Error,
     /// One layer.
     One(Layer),
+    /// One layer of the raw image of a plenoptic camera.
+    Raw(RawLayer),
     /// Color and all layers that describe the first hit.
     All,
+}
+
+/// A layer of the raw image of a plenoptic camera that follows from the camera.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RawLayer {
+    /// Row of the nearest micro-image, from the microlens at the origin of the array.
+    LensRow,
+    /// Its column.
+    LensColumn,
+    /// Its type, from 0.
+    LensType,
+    /// The white image: light of a scene of radiance 1.
+    White,
+    /// Distance of the image of the main lens behind the array, in gaps.
+    VirtualDepth,
+    /// Diameter of the blur, px.
+    Blur,
+    /// Mean of 1 / depth over what a pixel sees, 1/m.
+    InverseDepthMean,
+    /// Standard deviation of the same.
+    InverseDepthDeviation,
+    /// Share of the light that comes from surfaces.
+    Coverage,
+}
+
+impl RawLayer {
+    /// All layers.
+    pub const ALL: [Self; 9] = [
+        Self::LensRow,
+        Self::LensColumn,
+        Self::LensType,
+        Self::White,
+        Self::VirtualDepth,
+        Self::Blur,
+        Self::InverseDepthMean,
+        Self::InverseDepthDeviation,
+        Self::Coverage,
+    ];
+
+    /// Returns the name on the command line and in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::LensRow => "lens-row",
+            Self::LensColumn => "lens-column",
+            Self::LensType => "lens-type",
+            Self::White => "white",
+            Self::VirtualDepth => "virtual-depth",
+            Self::Blur => "blur",
+            Self::InverseDepthMean => "inverse-depth-mean",
+            Self::InverseDepthDeviation => "inverse-depth-deviation",
+            Self::Coverage => "coverage",
+        }
+    }
+
+    /// Whether it follows from the depth too.
+    pub(crate) const fn needs_depth(self) -> bool {
+        matches!(self, Self::VirtualDepth | Self::Blur)
+    }
+
+    /// Whether it follows from the samples of color.
+    pub(crate) const fn needs_samples(self) -> bool {
+        matches!(self, Self::InverseDepthMean | Self::InverseDepthDeviation | Self::Coverage)
+    }
 }
 
 /// A file, or a set of files, that a render writes.
@@ -186,6 +252,14 @@ pub enum Output {
     Hci,
     /// The same, with ground truth of the central view in ten times the resolution.
     HciHighres,
+    /// `raw.exr`: the raw image of a plenoptic camera, linear.
+    Raw,
+    /// `raw_linear.png`: the same with 16 bits.
+    RawPng,
+    /// `white.exr` and `white.png` of a plenoptic camera.
+    White,
+    /// `centers.csv`: the centers of the micro-images of a plenoptic camera.
+    Centers,
 }
 
 impl Default for RenderSpec {

@@ -42,6 +42,7 @@
 //! | HDF5 | `write_hdf5`; `Hdf5Writer` lens row by lens row | `Hdf5LightField`: all, one view, one lens |
 //! | Radiance HDR | | [`read_hdr`], [`read_hdr_info`]; as a stream [`decode_hdr`] |
 //! | `parameters.cfg` | [`ParametersCfg::write`] | [`ParametersCfg::read`] |
+//! | plenoptic camera, TOML | [`CameraFile::to_toml`] | [`CameraFile::read`] |
 //! | `manifest.json` | [`Manifest::write`] | [`Manifest::read`], [`Manifest::verify`] |
 //! | PNG, PFM or TIFF, by the file extension | [`write_image`] | |
 //! | any light field: folder, raw PNG or TIFF, MAT, HDF5 | | [`read_light_field`], [`LightFieldReader`] |
@@ -60,8 +61,7 @@
 //!
 //! On by default: `png`, everything that needs a PNG codec; `exr`, OpenEXR, through the crate `exr`; `hdr`, Radiance
 //! HDR, which needs no other crate; `mat`, MAT files of version 5, whose numbers the crate `matfile` decodes; `tiff`, TIFF, through the crate `tiff`; `gif`, animated
-//! GIF. On
-//! request: `hdf5`, HDF5, and with `mat` MAT files of version 7.3; it builds the HDF5 library from its C source, which
+//! GIF; `camera`, camera files, through the crate `toml`. On request: `hdf5`, HDF5, and with `mat` MAT files of version 7.3; it builds the HDF5 library from its C source, which
 //! needs CMake. PFM, `parameters.cfg` and the manifest are always there, and so is [`detect_format`] for every format.
 //!
 //! # Panics in decoders
@@ -79,13 +79,23 @@
 #![warn(missing_docs)]
 // The table above names what the features add.
 #![cfg_attr(
-    not(all(feature = "png", feature = "exr", feature = "hdr", feature = "mat", feature = "tiff", feature = "gif")),
+    not(all(
+        feature = "png",
+        feature = "exr",
+        feature = "hdr",
+        feature = "mat",
+        feature = "tiff",
+        feature = "gif",
+        feature = "camera"
+    )),
     allow(rustdoc::broken_intra_doc_links)
 )]
 
 #[cfg(feature = "png")]
 mod animation;
 mod atomic;
+#[cfg(feature = "camera")]
+mod camera_file;
 pub mod dataset;
 mod detect_format;
 mod error;
@@ -135,6 +145,8 @@ pub use atomic::{
     AtomicFile, FileDigest, Sha256, TemporaryFilesRemoved, hash_file, remove_stale_temporary_files,
     remove_temporary_files, write_file,
 };
+#[cfg(feature = "camera")]
+pub use camera_file::CameraFile;
 pub use detect_format::{FileFormat, detect_format};
 pub use error::Error;
 #[cfg(feature = "exr")]

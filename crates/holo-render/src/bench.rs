@@ -154,7 +154,7 @@ impl Kernel for TraceTile<'_> {
         if self.work == Work::Visibility {
             let mut packet = RayHits::EMPTY;
             for (pixels, kept) in self.source.packets(self.tile).zip(self.kept) {
-                self.source.chief(&pixels, &mut packet);
+                pixels.chief(&mut packet);
                 engine.intersect(&pixels.valid, &mut packet, Coherence::Coherent);
                 rays += count(&pixels.valid);
                 kept.triangle = packet.hits.triangle;
@@ -171,7 +171,7 @@ impl Kernel for TraceTile<'_> {
             .packets(self.tile)
             .map(|pixels| {
                 let mut packet = RayHits::EMPTY;
-                self.source.chief(&pixels, &mut packet);
+                pixels.chief(&mut packet);
                 (pixels.valid, packet)
             })
             .collect();

@@ -10,14 +10,14 @@
 //! from a camera of the scene. **May import:** ray packets ([`crate::accel`]), random numbers, scenes.
 
 pub(crate) mod framing;
+pub(crate) mod plenoptic;
 pub(crate) mod rig;
 pub(crate) mod tile;
-
-use holo_core::Disparity;
 
 use crate::accel::{CAMERA_RAY, ExactRays, RayDifferentials, RayHits};
 use crate::sampling::{PixelIds, Sampler};
 use crate::simd::{LANES, Lanes};
+use plenoptic::{PlenopticRays, RawPacket};
 use rig::{RigPixels, RigRays};
 use tile::{PacketPositions, Tile};
 
@@ -25,6 +25,8 @@ use tile::{PacketPositions, Tile};
 pub(crate) enum RaySource {
     /// A rig of parallel pinhole cameras, one per view.
     Rig(RigRays),
+    /// A main lens and a microlens array in front of a sensor.
+    Plenoptic(Box<PlenopticRays>),
 }
 
 /// Sixteen pixels of an image.
@@ -34,14 +36,23 @@ pub(crate) struct PixelPacket<'a> {
     pub valid: Lanes<i32>,
     /// The ids that random numbers depend on.
     pub ids: PixelIds,
-    source: RigPixels<'a>,
+    source: PixelSource<'a>,
+}
+
+/// The pixels of a packet in the terms of their camera.
+#[derive(Clone, Copy)]
+enum PixelSource<'a> {
+    Rig(&'a RigRays, RigPixels<'a>),
+    Plenoptic(&'a PlenopticRays, &'a RawPacket),
 }
 
 /// Sixteen rays from a camera.
 pub(crate) struct CameraRays {
     pub exact: ExactRays,
-    /// The weight of the radiance of a ray in its pixel; the mean over all samples is 1.
+    /// The weight of the radiance of a ray in its pixel: the light that it stands for. 1 for rays of pinholes.
     pub weight: [f32; LANES],
+    /// -1 for lanes with a ray, else 0.
+    pub valid: Lanes<i32>,
     /// The cells of the pixels that the rays stand for, if textures are filtered.
     pub cells: Option<RayDifferentials>,
 }
@@ -58,9 +69,44 @@ impl<'a> Iterator for Packets<'a> {
     #[inline(always)]
     fn next(&mut self) -> Option<PixelPacket<'a>> {
         let position = self.positions.next()?;
-        let RaySource::Rig(rig) = self.source;
-        let source = rig.pixels(position);
-        Some(PixelPacket { valid: source.valid(), ids: rig.pixel_ids(&source), source })
+        Some(match self.source {
+            RaySource::Rig(rig) => {
+                let pixels = rig.pixels(position);
+                let (valid, ids) = (pixels.valid(), rig.pixel_ids(&pixels));
+                PixelPacket { valid, ids, source: PixelSource::Rig(rig, pixels) }
+            }
+            RaySource::Plenoptic(rays) => {
+                let pixels = rays.packet(position[0]);
+                PixelPacket { valid: pixels.valid, ids: pixels.ids, source: PixelSource::Plenoptic(rays, pixels) }
+            }
+        })
+    }
+}
+
+impl PixelPacket<'_> {
+    /// The rays of sample number `sample` through the pixels, also written as f32 to `packet`. A centered sampler takes
+    /// one through the center.
+    #[inline(always)]
+    pub fn sample(&self, sampler: &Sampler, sample: u32, packet: &mut RayHits) -> CameraRays {
+        match &self.source {
+            PixelSource::Rig(rig, pixels) => {
+                let position = if !sampler.centered { Some(sampler.pixel_positions(&self.ids, sample)) } else { None };
+                let exact = rig.fill(pixels, position.as_ref(), packet);
+                let cells = sampler.cells.map(|count| rig.cells(position.as_ref(), count));
+                CameraRays { exact, weight: [1.0; LANES], valid: self.valid, cells }
+            }
+            PixelSource::Plenoptic(rays, pixels) => rays.sample(pixels, sampler, sample, packet),
+        }
+    }
+
+    /// The chief rays, also written as f32 to `packet`: through the centers of the pixels, and of their microlenses.
+    #[inline(always)]
+    pub fn chief(&self, packet: &mut RayHits) -> ExactRays {
+        packet.rays.id = [CAMERA_RAY; LANES];
+        match &self.source {
+            PixelSource::Rig(rig, pixels) => rig.fill(pixels, None, packet),
+            PixelSource::Plenoptic(rays, pixels) => rays.chief(pixels, packet),
+        }
     }
 }
 
@@ -71,29 +117,12 @@ impl RaySource {
         Packets { source: self, positions: tile.packet_positions() }
     }
 
-    /// The rays of sample number `sample` through the pixels of a packet, also written as f32 to `packet`. A centered
-    /// sampler takes the chief ray.
+    /// The disparity of a depth, px between adjacent views.
     #[inline(always)]
-    pub fn sample(&self, pixels: &PixelPacket, sampler: &Sampler, sample: u32, packet: &mut RayHits) -> CameraRays {
-        let Self::Rig(rig) = self;
-        let position = if !sampler.centered { Some(sampler.pixel_positions(&pixels.ids, sample)) } else { None };
-        let exact = rig.fill(&pixels.source, position.as_ref(), packet);
-        let cells = sampler.cells.map(|count| rig.cells(position.as_ref(), count));
-        CameraRays { exact, weight: [1.0; LANES], cells }
-    }
-
-    /// The chief rays of a packet, through the centers of the pixels, also written as f32 to `packet`.
-    #[inline(always)]
-    pub fn chief(&self, pixels: &PixelPacket, packet: &mut RayHits) -> ExactRays {
-        let Self::Rig(rig) = self;
-        packet.rays.id = [CAMERA_RAY; LANES];
-        rig.fill(&pixels.source, None, packet)
-    }
-
-    /// The conversion from depth to disparity between adjacent views.
-    #[inline(always)]
-    pub fn disparity(&self) -> &Disparity {
-        let Self::Rig(rig) = self;
-        rig.disparity()
+    pub fn disparity_px(&self, depth_m: f64) -> f64 {
+        match self {
+            Self::Rig(rig) => rig.disparity().from_depth_m(depth_m),
+            Self::Plenoptic(rays) => rays.disparity_px(depth_m),
+        }
     }
 }

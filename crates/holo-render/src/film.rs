@@ -5,5 +5,6 @@
 pub(crate) mod adaptive;
 pub mod exposure;
 pub(crate) mod guides;
+pub(crate) mod inverse_depth;
 pub mod layers;
 pub(crate) mod reconstruct;

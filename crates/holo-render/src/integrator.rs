@@ -50,6 +50,8 @@ pub(crate) struct Context<'a> {
     pub policy: Policy,
     /// The disparity that the guides of the reconstruction hold, if they are wanted.
     pub guides: Option<Disparity>,
+    /// Whether statistics of the inverse depth are wanted.
+    pub inverse_depths: bool,
     /// Checked between samples.
     pub stop: &'a Stop<'a>,
 }

@@ -68,7 +68,7 @@ pub use film::{exposure, layers};
 pub use integrator::{Integrator, RayCounts};
 pub use progress::{Progress, Tenths};
 pub use render::{
-    Checkpoint, Denoise, FinishedTile, GroundTruth, Rendered, Renderer, Request, Reuse, TextureFilter, TileId,
-    TileKind, Views,
+    Checkpoint, Denoise, FinishedTile, GroundTruth, RawRendered, RawRequest, RawStatistics, Rendered, Renderer,
+    Request, Reuse, TextureFilter, TileId, TileKind, Transport, Views,
 };
 pub use sampling::Sampling;

@@ -4,8 +4,10 @@ mod checkpoint;
 mod color;
 mod image;
 mod plan;
+mod raw;
 mod request;
 mod rounds;
+mod transport;
 mod work;
 
 use std::ops::Range;
@@ -19,7 +21,9 @@ use ndarray::Array3;
 pub use self::checkpoint::{Checkpoint, FinishedTile, TileId, TileKind};
 #[cfg(feature = "bench")]
 pub(crate) use self::color::samples;
-pub use self::request::{Denoise, GroundTruth, Rendered, Request, Reuse, TextureFilter, Views};
+pub use self::raw::{RawRendered, RawRequest, RawStatistics};
+pub use self::request::{Denoise, GroundTruth, Rendered, Request, Views};
+pub use self::transport::{Reuse, TextureFilter, Transport};
 
 use self::plan::{Plan, Region};
 use self::request::DEPTH_AND_DISPARITY;
@@ -294,75 +298,100 @@ impl Renderer {
         region: &Region,
         stop: &'a Stop<'a>,
     ) -> Context<'a> {
-        let (seed, samples, sampling) = (request.seed, request.samples, request.sampling);
+        let transport = &request.transport;
         let rig = RigRays::new(&request.rig, &region.tiling, &region.selection);
-        let scene = SceneData {
-            engine: self.engines[usize::from(request.cull)][usize::from(integrator == Integrator::Depth)].as_ref(),
+        let policy = Policy {
+            target_error: transport.target_error.filter(|_| rounds::target(request).is_none()),
+            reuse: self.reuses(request, integrator, region),
+            ..self.policy(transport, integrator)
+        };
+        let guides = color::needs_guides(request).then(|| color::disparity(&request.rig));
+        let is_plain = request.denoise == Denoise::Off;
+        let filters = transport.texture_filter == TextureFilter::Footprint && is_plain;
+        let sampler = Sampler {
+            seed: transport.seed,
+            samples: transport.samples,
+            sampling: transport.sampling,
+            centered: transport.samples == 1 && is_plain,
+            cells: filters.then(|| sampling::cells(transport.samples)),
+        };
+        let scene = self.scene_data(transport, integrator);
+        Context { scene, camera: RaySource::Rig(rig), sampler, policy, guides, inverse_depths: false, stop }
+    }
+
+    /// The scene as the integrators use it.
+    fn scene_data(&self, transport: &Transport, integrator: Integrator) -> SceneData<'_> {
+        SceneData {
+            engine: self.engines[usize::from(transport.cull)][usize::from(integrator == Integrator::Depth)].as_ref(),
             geometry: &self.geometry,
             appearance: &self.appearance,
             lights: &self.lights,
             emitters: self.emitters.as_ref(),
             environment: self.environment.as_ref(),
-            sky: request.sky,
+            sky: transport.sky,
             to_world: self.to_world,
             has_discs: self.lights.iter().any(PreparedLight::is_disc),
             has_alpha: self.appearance.flags().has(MaterialFlags::ALPHA),
             has_media: self.appearance.flags().has(MaterialFlags::VOLUME),
             has_emission: self.appearance.flags().has(MaterialFlags::EMISSIVE.union(MaterialFlags::UNLIT)),
-        };
-        let policy = Policy {
-            max_bounces: request.bounces(integrator),
-            roulette: request.roulette,
-            target_error: request.target_error.filter(|_| rounds::target(request).is_none()),
-            indirect: integrator == Integrator::Direct || request.indirect,
-            multiple_scattering: request.multiple_scattering,
-            indirect_limit: request.indirect_limit,
-            reuse: self.reuses(request, integrator, region),
-            transparent_shadows: request.transparent_shadows && self.appearance.flags().has(MaterialFlags::GLOSSY),
-        };
-        let guides = color::needs_guides(request).then(|| color::disparity(&request.rig));
-        let centered = samples == 1 && request.denoise == Denoise::Off;
-        let filters = request.texture_filter == TextureFilter::Footprint && request.denoise == Denoise::Off;
-        let cells = filters.then(|| sampling::cells(samples));
-        let sampler = Sampler { seed, samples, sampling, centered, cells };
-        Context { scene, camera: RaySource::Rig(rig), sampler, policy, guides, stop }
+        }
+    }
+
+    /// The termination of paths that share nothing.
+    fn policy(&self, transport: &Transport, integrator: Integrator) -> Policy {
+        Policy {
+            max_bounces: transport.bounces(integrator),
+            roulette: transport.roulette,
+            target_error: transport.target_error,
+            indirect: integrator == Integrator::Direct || transport.indirect,
+            multiple_scattering: transport.multiple_scattering,
+            indirect_limit: transport.indirect_limit,
+            reuse: false,
+            transparent_shadows: transport.transparent_shadows && self.appearance.flags().has(MaterialFlags::GLOSSY),
+        }
     }
 
     /// Whether the views of a packet share light.
     fn reuses(&self, request: &Request, integrator: Integrator, region: &Region) -> bool {
+        let transport = &request.transport;
         // A single sample is for speed.
-        let is_possible = request.samples > 1
+        let is_possible = transport.samples > 1
             && region.tiling.is_one_lens_a_packet()
             && !region.selection.is_list()
-            && !request.transparent_shadows
-            && request.indirect_limit == f32::INFINITY
+            && !transport.transparent_shadows
+            && transport.indirect_limit == f32::INFINITY
             && !self.appearance.flags().has(MaterialFlags::BLEND)
-            && (request.indirect || integrator == Integrator::Direct);
-        let finds_light = request.bounces(integrator) > 1
-            || request.sky.iter().any(|&c| c > 0.0)
+            && (transport.indirect || integrator == Integrator::Direct);
+        let finds_light = transport.bounces(integrator) > 1
+            || transport.sky.iter().any(|&c| c > 0.0)
             || self.environment.is_some()
             || self.emitters.is_some();
-        request.reuse == Reuse::Views && is_possible && finds_light && request.denoise == Denoise::Off
+        transport.reuse == Reuse::Views && is_possible && finds_light && request.denoise == Denoise::Off
     }
 
     /// Validates the request; returns the integrator and the reason for it.
     fn choose(&self, request: &Request) -> Result<(Integrator, String), Error> {
         request.check(self.counts)?;
-        Ok(match request.integrator {
-            Integrator::Auto => auto::choose(&self.contents(request), request.indirect),
+        Ok(self.integrator(&request.transport))
+    }
+
+    /// The integrator and the reason for it.
+    fn integrator(&self, transport: &Transport) -> (Integrator, String) {
+        match transport.integrator {
+            Integrator::Auto => auto::choose(&self.contents(transport), transport.indirect),
             chosen => (chosen, "asked for".into()),
-        })
+        }
     }
 
     /// The properties of the scene that determine the integrator.
-    fn contents(&self, request: &Request) -> Contents {
+    fn contents(&self, transport: &Transport) -> Contents {
         let flags = self.appearance.flags();
         let discs = self.lights.iter().filter(|light| light.is_disc()).count();
         Contents {
             punctual_lights: self.lights.len() - discs,
             discs,
             emitters: self.emitters.is_some(),
-            sky: request.sky.iter().any(|&c| c > 0.0),
+            sky: transport.sky.iter().any(|&c| c > 0.0),
             environment: self.environment.is_some(),
             glossy: flags.has(MaterialFlags::GLOSSY),
             unlit: flags.has(MaterialFlags::UNLIT),

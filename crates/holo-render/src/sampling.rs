@@ -50,6 +50,9 @@ impl Purpose {
     /// The position in the pixel.
     pub const PIXEL: Self = Self(0);
 
+    /// The position in a pixel of the sensor, for cameras whose microlenses have an area.
+    pub const SENSOR: Self = Self(8);
+
     /// The pair `draw` of path vertex number `vertex`, counted from 0.
     #[inline(always)]
     pub const fn at_vertex(vertex: u32, draw: Draw) -> Self {
@@ -193,7 +196,7 @@ pub(crate) fn sequences(seed: u64, lens: &[u32; LANES], number: &[u32; LANES]) -
 
 /// The place of a cell on the Morton curve over the lower 16 bits of its row and column.
 #[inline(always)]
-fn morton([row, column]: [u32; 2]) -> u32 {
+pub(crate) fn morton([row, column]: [u32; 2]) -> u32 {
     let spread = |x: u32| {
         let x = x & 0xFFFF;
         let x = (x | x << 8) & 0x00FF_00FF;

@@ -7,7 +7,7 @@ use crate::{Result, cmake, process, root};
 
 /// The targets that need Rust alone.
 const TARGETS: &[&str] =
-    &["gltf", "draco", "meshopt", "png", "pfm", "hdr", "exr", "tiff", "mat", "parameters_cfg", "manifest"];
+    &["gltf", "draco", "meshopt", "png", "pfm", "hdr", "exr", "tiff", "mat", "parameters_cfg", "camera", "manifest"];
 
 /// The target that needs CMake, for the HDF5 library.
 const HDF5: &str = "hdf5";

@@ -4,7 +4,7 @@ use super::NormalsArgument;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use holo_core::refocus::Kernel;
 use holo_core::{Effort, Layout, Projection, ViewOrder};
-use holo_dataset::{LayerChoice, Output};
+use holo_dataset::{LayerChoice, Output, RawLayer};
 use holo_io::MatOrder;
 use holo_render::{Backend, Denoise, GroundTruth, Integrator, Layer, Reuse, TextureFilter};
 
@@ -68,6 +68,23 @@ pub const LAYERS: &Choices<LayerChoice> = &[
     (LayerChoice::One(Layer::MaterialId), "material-id", "Number of the material, from 1; 0 where nothing was hit"),
     (LayerChoice::One(Layer::HitMask), "hit-mask", "1 where something was hit, else 0"),
     (LayerChoice::All, "all", "All of the above"),
+    (LayerChoice::Raw(RawLayer::LensRow), "lens-row", "Plenoptic camera: row of the nearest micro-image"),
+    (LayerChoice::Raw(RawLayer::LensColumn), "lens-column", "Its column"),
+    (LayerChoice::Raw(RawLayer::LensType), "lens-type", "Its type of microlens, from 0"),
+    (LayerChoice::Raw(RawLayer::White), "white", "Light of a scene of radiance 1"),
+    (
+        LayerChoice::Raw(RawLayer::VirtualDepth),
+        "virtual-depth",
+        "Distance of the main lens's image from the array, in gaps",
+    ),
+    (LayerChoice::Raw(RawLayer::Blur), "blur", "Diameter of the blur, px"),
+    (
+        LayerChoice::Raw(RawLayer::InverseDepthMean),
+        "inverse-depth-mean",
+        "Mean of 1 / depth over what a pixel sees, 1/m",
+    ),
+    (LayerChoice::Raw(RawLayer::InverseDepthDeviation), "inverse-depth-deviation", "Its standard deviation"),
+    (LayerChoice::Raw(RawLayer::Coverage), "coverage", "Share of the light that comes from surfaces"),
     (LayerChoice::Error, "error", "Estimated relative standard error of color, bias included"),
 ];
 
@@ -90,6 +107,10 @@ pub const OUTPUTS: &Choices<Output> = &[
     (Output::H5, "h5", "scene_5d.h5: linear radiance and the layers of depth and disparity as 5D arrays"),
     (Output::Hci, "hci", "hci/: a PNG a view with depth and disparity, in the layout of the HCI benchmark"),
     (Output::HciHighres, "hci-highres", "hci, with ground truth of the central view in ten times the resolution"),
+    (Output::Raw, "raw", "Plenoptic camera: raw.exr, the raw image, linear"),
+    (Output::RawPng, "raw-png", "Plenoptic camera: raw_linear.png, the same with 16 bits"),
+    (Output::White, "white", "Plenoptic camera: white.exr and white.png"),
+    (Output::Centers, "centers", "Plenoptic camera: centers.csv, the centers of the micro-images"),
 ];
 
 pub const NORMALS: &Choices<NormalsArgument> = &[
@@ -138,7 +159,7 @@ mod tests {
     #[test]
     fn words_of_the_command_line_are_names_of_the_library() {
         assert!(LAYERS.iter().all(|&(layer, name, _)| layer.name() == name));
-        assert_eq!(LAYERS.len(), Layer::COUNT + 3);
+        assert_eq!(LAYERS.len(), Layer::COUNT + RawLayer::ALL.len() + 3);
         assert!(OUTPUTS.iter().all(|&(output, name, _)| output.name() == name));
         assert!(INTEGRATORS.iter().all(|&(value, name, _)| holo_dataset::options::integrator_name(value) == name));
     }

@@ -16,6 +16,9 @@ pub struct OpticsOptions {
     /// Folder or file whose camera parameters are used instead of numbers.
     #[arg(conflicts_with_all = ["sensor", "f_number", "views", "lenses", "lens_pitch_mm", "baseline_m", "focal_mm", "sensor_mm", "focus_m", "disparity"])]
     pub input: Option<PathBuf>,
+    /// Plenoptic camera instead of a rig: a camera file (TOML), or a preset of `holo camera`.
+    #[arg(long, value_name = "FILE|PRESET", conflicts_with_all = ["input", "sensor", "views", "lenses", "lens_pitch_mm", "baseline_m", "focal_mm", "sensor_mm", "disparity"])]
+    pub camera_file: Option<String>,
     #[command(flatten)]
     pub main_lens: MainLensOptions,
     /// Views, columns x rows, or one number for both [default: 100x100].

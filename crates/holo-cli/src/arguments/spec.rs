@@ -1,6 +1,9 @@
 //! From the command line to what the libraries take.
 
-use holo_dataset::{EngineSpec, RenderSpec, RigSpec, SceneSpec};
+use holo_dataset::{EngineSpec, Focus, RenderSpec, RigSpec, SceneSpec};
+use holo_io::CameraFile;
+
+use crate::failure::Failure;
 
 use super::{DatasetOptions, EngineOptions, JobOptions, MainLensOptions, RenderOptions, RigOptions, SceneFileOptions};
 
@@ -64,6 +67,19 @@ impl MainLensOptions {
         (spec.sensor, spec.f_number, spec.focus) = (self.sensor, self.f_number, self.focus_m);
         spec.disparity_px = self.disparity;
         spec
+    }
+}
+
+impl MainLensOptions {
+    /// A plenoptic camera with the focus and the f-number that were given.
+    pub fn adjusted(&self, mut camera: CameraFile) -> Result<CameraFile, Failure> {
+        if let Focus::Meters(depth_m) = self.focus_m {
+            camera = camera.with_focus_m(depth_m).map_err(Failure::Usage)?;
+        }
+        if let Some(f_number) = self.f_number {
+            camera = camera.with_f_number(f_number).map_err(Failure::Usage)?;
+        }
+        Ok(camera)
     }
 }
 

@@ -1,11 +1,9 @@
 //! `holo optics`: what a camera will see, before it is built or rendered; and the camera that sees what is wanted.
 
 use holo_core::optics::{CameraDesign, DepthRange, DisparityRange, Optics, rig_for_disparities};
-use holo_core::{GridSize, Intrinsics, LightFieldShape, Remainder, Rig, automatic_baseline_m};
-use holo_dataset::text::json_number;
-use holo_dataset::{Focus, RigSpec};
-use holo_io::Limits;
-use serde_json::{Value, json};
+use holo_core::{Intrinsics, LightFieldShape, Remainder, Rig, automatic_baseline_m};
+use holo_dataset::{Focus, NamedQuantity, RigSpec, camera_optics, camera_warnings, rig_optics};
+use holo_io::{CameraFile, Limits};
 
 use crate::arguments::OpticsOptions;
 use crate::console::say;
@@ -13,6 +11,9 @@ use crate::failure::Failure;
 use crate::quantities::{self, Quantity};
 
 pub fn run(options: &OpticsOptions) -> Result<(), Failure> {
+    if let Some(camera) = &options.camera_file {
+        return plenoptic(options, camera);
+    }
     let depths = options.depths_m.map(|(near_m, far_m)| DepthRange::new(near_m, far_m)).transpose()?;
     let rig = match &options.input {
         Some(input) => holo_io::read_rig(input, &Limits::default())?.ok_or_else(|| {
@@ -24,13 +25,27 @@ pub fn run(options: &OpticsOptions) -> Result<(), Failure> {
         None => rig(options, depths)?,
     };
     let optics = Optics::new(rig)?;
-    let rows = rows(options, &optics, depths)?;
-    quantities::print(rows, options.json)?;
+    let rows = rig_optics(&optics, depths, options.circle_px, options.step_px)?;
+    print(rows, options.json)?;
     if let Some(depths) = depths {
         for warning in optics.warnings(depths, options.limit_px, options.step_px)? {
             say!("warning: {warning}");
         }
     }
+    Ok(())
+}
+
+fn print(rows: Vec<NamedQuantity>, as_json: bool) -> Result<(), Failure> {
+    let rows = rows.into_iter().map(|(key, name, value, unit)| Quantity::new(key, name, value, unit));
+    quantities::print(rows.collect(), as_json)
+}
+
+/// The optics of a plenoptic camera.
+fn plenoptic(options: &OpticsOptions, camera: &str) -> Result<(), Failure> {
+    let camera = options.main_lens.adjusted(CameraFile::open(camera)?)?;
+    let depths = options.depths_m.map_or(Vec::new(), |(near_m, far_m)| vec![near_m, far_m]);
+    print(camera_optics(&camera.camera, &depths)?, options.json)?;
+    camera_warnings(&camera).iter().for_each(|line| say!("warning: {line}"));
     Ok(())
 }
 
@@ -100,47 +115,4 @@ fn focus_m(options: &OpticsOptions, depths: Option<DepthRange>) -> Result<f64, F
             Err(Failure::Usage("where is the focus? give --focus-m, or --depths-m and it lies between them".into()))
         }
     }
-}
-
-fn size(size: GridSize) -> Value {
-    json!({ "columns": size.columns, "rows": size.rows })
-}
-
-fn rows(options: &OpticsOptions, optics: &Optics, depths: Option<DepthRange>) -> Result<Vec<Quantity>, Failure> {
-    let mut rows = Vec::new();
-    let mut row = |key: &str, name: &str, value, unit| rows.push(Quantity::new(key, name, value, unit));
-    let rig = optics.rig();
-    let shape = rig.shape();
-    let range = |range: DepthRange| json!([json_number(range.near_m), json_number(range.far_m)]);
-    row("views", "views", size(shape.views()), "");
-    row("lenses", "lenses (pixels of a view)", size(shape.lenses()), "");
-    row("focal_length_mm", "focal length", json_number(rig.focal_length_m() * 1e3), "mm");
-    row("sensor_size_mm", "larger image side on the sensor", json_number(rig.sensor_size_m() * 1e3), "mm");
-    row("focus_distance_m", "focus distance", json_number(rig.focus_distance_m()), "m");
-    row("baseline_mm", "baseline (between adjacent views)", json_number(rig.baseline_x_m() * 1e3), "mm");
-    row("aperture_mm", "synthetic aperture (first to last view)", json_number(optics.aperture_m() * 1e3), "mm");
-    let f_number = rig.focal_length_m() / optics.aperture_m();
-    row("f_number", "f-number of that aperture", json_number(f_number), "");
-    row("angular_step_mrad", "angle between views at the focus", json_number(optics.angular_step_rad() * 1e3), "mrad");
-    if rig.focus_distance_m().is_finite() {
-        let pixel = optics.pixel_size_m(rig.focus_distance_m()) * 1e3;
-        row("pixel_at_focus_mm", "a pixel of a view at the focus", json_number(pixel), "mm");
-    }
-    let smooth = optics.angular_depth_of_field(1.0)?;
-    row("smooth_depths_m", "depths that move at most 1 px a view", range(smooth), "m");
-    let sharp = optics.defocus_depth_of_field(options.circle_px)?;
-    row("depth_of_field_m", "depth of field of all views together", range(sharp), "m");
-    row("hyperfocal_m", "hyperfocal distance", json_number(optics.hyperfocal_m(options.circle_px)?), "m");
-    if let Some(depths) = depths {
-        row("depths_m", "depths", range(depths), "m");
-        let DisparityRange { min_px, max_px } = optics.disparity_range_px(depths);
-        row("disparity_px", "their disparities", json!([json_number(min_px), json_number(max_px)]), "px");
-        let near = optics.depth_resolution_m(depths.near_m, options.step_px)?;
-        row("depth_resolution_near_mm", "one step of disparity at the nearest", json_number(near * 1e3), "mm");
-        if depths.far_m.is_finite() {
-            let far = optics.depth_resolution_m(depths.far_m, options.step_px)?;
-            row("depth_resolution_far_mm", "one step of disparity at the farthest", json_number(far * 1e3), "mm");
-        }
-    }
-    Ok(rows)
 }

@@ -35,6 +35,22 @@ pub(crate) struct ExactRays {
     pub direction_y: [f64; LANES],
 }
 
+impl ExactRays {
+    /// Prepares `packet` for a query with these rays, rounded to f32.
+    #[inline(always)]
+    pub fn write(&self, packet: &mut RayHits) {
+        packet.reset();
+        for lane in 0..LANES {
+            packet.rays.origin[0][lane] = self.origin_x[lane] as f32;
+            packet.rays.origin[1][lane] = self.origin_y[lane] as f32;
+            packet.rays.direction[0][lane] = self.direction_x[lane] as f32;
+            packet.rays.direction[1][lane] = self.direction_y[lane] as f32;
+        }
+        packet.rays.origin[2] = [0.0; LANES];
+        packet.rays.direction[2] = [-1.0; LANES];
+    }
+}
+
 /// The differentials of sixteen exact rays: how they change over the pixels, in steps that divide a pixel into cells.
 #[derive(Clone, Copy)]
 pub(crate) struct RayDifferentials {

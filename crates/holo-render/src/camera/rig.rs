@@ -153,15 +153,7 @@ impl RigRays {
             rays.direction_x[lane] = slope_x[lane] * self.slope_to_direction - s.shift[lane];
             rays.direction_y[lane] = slope_y[lane] * self.slope_to_direction - t.shift[lane];
         }
-        packet.reset();
-        for lane in 0..LANES {
-            packet.rays.origin[0][lane] = rays.origin_x[lane] as f32;
-            packet.rays.origin[1][lane] = rays.origin_y[lane] as f32;
-            packet.rays.direction[0][lane] = rays.direction_x[lane] as f32;
-            packet.rays.direction[1][lane] = rays.direction_y[lane] as f32;
-        }
-        packet.rays.origin[2] = [0.0; LANES];
-        packet.rays.direction[2] = [-1.0; LANES];
+        rays.write(packet);
         rays
     }
 }

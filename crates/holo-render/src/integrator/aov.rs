@@ -110,7 +110,7 @@ fn ray_length(hits: &PrimaryHits) -> [f32; LANES] {
 fn disparity(context: &Context, hits: &PrimaryHits) -> [f32; LANES] {
     let mut out = [0.0; LANES];
     for lane in 0..LANES {
-        out[lane] = context.camera.disparity().from_depth_m(hits.refined.depth[lane]) as f32;
+        out[lane] = context.camera.disparity_px(hits.refined.depth[lane]) as f32;
     }
     out
 }

@@ -38,7 +38,7 @@ impl DepthTile<'_, '_> {
         let mut packet = RayHits::EMPTY;
         let mut primary = 0;
         for pixels in context.camera.packets(self.tile) {
-            let rays = context.camera.chief(&pixels, &mut packet);
+            let rays = pixels.chief(&mut packet);
             context.scene.engine.intersect(&pixels.valid, &mut packet, Coherence::Coherent);
             primary += count(&pixels.valid);
             let refined = refine::refine(context.scene.geometry, &packet, &rays);

@@ -36,6 +36,7 @@ use crate::camera::tile::Tile;
 use crate::camera::{CameraRays, PixelPacket};
 use crate::film::adaptive::Samples;
 use crate::film::guides::{self, Guides};
+use crate::film::inverse_depth::InverseDepths;
 use crate::material::media::MediaStack;
 use crate::material::{HitPoints, SurfaceInteraction};
 use crate::sampling::{self, Runs};
@@ -69,6 +70,8 @@ pub(crate) struct PathTile<'a, 'b> {
     pub color: ArrayViewMut5<'b, f32>,
     /// The guides of the pixels, if the context wants them.
     pub guides: Option<ArrayViewMut5<'b, f32>>,
+    /// The statistics of the inverse depth, if the context wants them.
+    pub inverse_depths: Option<ArrayViewMut5<'b, f32>>,
     pub round: &'a Round,
     pub scratch: &'a mut Scratch,
 }
@@ -90,6 +93,7 @@ pub(crate) struct Scratch {
     runs: Vec<Runs>,
     samples: Samples,
     guides: Guides,
+    inverse_depths: InverseDepths,
     shared: SharedLight,
     /// Rays that were scattered at the previous vertex.
     now: Paths,
@@ -138,6 +142,10 @@ impl Kernel for PathTile<'_, '_> {
             let color = scratch.color.iter().enumerate();
             let packet = |(k, color)| scratch.guides.packet(k, color, scratch.samples.count(k).max(1));
             self.tile.write(&color.map(packet).collect::<Vec<_>>(), 1.0, out);
+        }
+        if let Some(out) = &mut self.inverse_depths {
+            let packets: Vec<_> = (0..self.tile.packet_count()).map(|k| scratch.inverse_depths.packet(k)).collect();
+            self.tile.write(&packets, 1.0, out);
         }
         let scale = scratch.samples.average(&mut scratch.color, round.end);
         self.tile.write(&scratch.color, scale, &mut self.color);
@@ -188,6 +196,9 @@ impl Scratch {
         self.samples.begin(context.policy.target_error);
         if context.guides.is_some() {
             self.guides.begin(round.samples.len() as u32, tile.packet_count());
+        }
+        if context.inverse_depths {
+            self.inverse_depths.begin(tile.packet_count());
         }
         self.now.clear();
         self.next.clear();
@@ -337,14 +348,14 @@ impl TilePaths<'_> {
         let context = self.context;
         let runs = self.scratch.runs[index];
         let indices = runs.first.map(|first| first + sample);
-        let CameraRays { exact, weight, cells } = context.camera.sample(pixels, &context.sampler, sample, packet);
+        let CameraRays { exact, weight, valid, cells } = pixels.sample(&context.sampler, sample, packet);
         packet.rays.id = [CAMERA_RAY; LANES];
         if context.scene.has_alpha {
             let numbers = sampling::ray_numbers(&runs.sequence, &indices, 0);
             packet.rays.id = numbers.map(|number| number | CAMERA_RAY);
         }
-        context.scene.engine.intersect(&pixels.valid, packet, Coherence::Coherent);
-        self.counts.primary += if again { 0 } else { count(&pixels.valid) };
+        context.scene.engine.intersect(&valid, packet, Coherence::Coherent);
+        self.counts.primary += if again { 0 } else { count(&valid) };
         let refined = refine::refine(context.scene.geometry, packet, &exact);
         if let Some(map) = &context.guides
             && !again
@@ -355,8 +366,11 @@ impl TilePaths<'_> {
             }
             self.scratch.guides.add_disparity(index, &disparity);
         }
+        if context.inverse_depths {
+            self.scratch.inverse_depths.add(index, &valid, &weight, &refined.depth);
+        }
         let mut paths = PathPacket {
-            valid: pixels.valid,
+            valid,
             bsdf_pdf: [f32::INFINITY; LANES],
             pixel: [0; LANES],
             throughput: [weight; 3],

@@ -109,7 +109,7 @@ impl ColorFields {
                     }
                 }
                 let (color, guides) = (out.color.view_mut(), out.guides.as_mut().map(|guides| guides.view_mut()));
-                simd::run(PathTile { context, tile, color, guides, round: &round, scratch })
+                simd::run(PathTile { context, tile, color, guides, inverse_depths: None, round: &round, scratch })
             };
             let first = k * tiling.tiles().len();
             rays = rays + work.run(TileKind::Color, first, tiling, self.tiles(tiling, error.as_mut()), trace)?;
@@ -142,7 +142,7 @@ impl ColorFields {
             color: memory(&mut self.color)?,
             guides: memory(guides)?,
             movement: [ratio.vertical() as f32, ratio.horizontal() as f32],
-            samples: request.samples,
+            samples: request.transport.samples,
             filters: request.denoise == Denoise::Views,
             replaces,
             rows,

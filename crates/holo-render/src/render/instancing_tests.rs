@@ -145,7 +145,7 @@ fn trace(renderer: &Renderer) -> Vec<Found> {
     let mut packet = RayHits::EMPTY;
     for tile in tiling.tiles() {
         for pixels in camera.packets(&tile) {
-            let rays = camera.chief(&pixels, &mut packet);
+            let rays = pixels.chief(&mut packet);
             renderer.engines[0][0].intersect(&pixels.valid, &mut packet, Coherence::Coherent);
             let refined = refine::refine(&renderer.geometry, &packet, &rays);
             for lane in (0..LANES).filter(|&lane| pixels.valid.0[lane] != 0) {

@@ -4,6 +4,7 @@ use holo_core::{GridSize, LightFieldShape};
 
 use super::color;
 use super::request::{Request, Views};
+use super::transport::Transport;
 use crate::camera::tile::{SelectedViews, Selection, Tiling};
 use crate::error::Error;
 use crate::integrator::{Integrator, path};
@@ -64,7 +65,7 @@ impl Plan {
             }
         };
         let (t, s) = split.central_view();
-        let pixels = path::tile_pixels(request.samples, request.bounces(integrator));
+        let pixels = path_tile_pixels(&request.transport, integrator);
         let color_tiling = |counts| Tiling::with_tiles_of(counts, pixels);
         Self {
             color: Region::with_margin(request, views.clone(), color_tiling, color::margin(request)),
@@ -79,6 +80,11 @@ impl Plan {
         let steps = [self.color.tiling.tile_rows(), self.all.tiling.packet_rows(), self.central.tiling.packet_rows()];
         steps.into_iter().fold(1, least_common_multiple)
     }
+}
+
+/// The pixels of a tile of color.
+pub(super) fn path_tile_pixels(transport: &Transport, integrator: Integrator) -> usize {
+    path::tile_pixels(transport.samples, transport.bounces(integrator))
 }
 
 fn least_common_multiple(a: usize, b: usize) -> usize {

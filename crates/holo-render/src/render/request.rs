@@ -5,22 +5,18 @@ use std::ops::Range;
 use holo_core::{LightFieldOwned, Rig, ViewIndex};
 use ndarray::Array3;
 
+use super::transport::{Reuse, TextureFilter, Transport, transport_setters};
 use crate::error::Error;
 use crate::film::layers::{Layer, LayerSet, Layers};
 use crate::geometry::MAX_COORDINATE_M;
-use crate::integrator::{Integrator, RayCounts, direct};
-use crate::sampling::{MAX_SAMPLES, Sampling};
+use crate::integrator::{Integrator, RayCounts};
+use crate::sampling::Sampling;
 use crate::setters::setters;
-use holo_scene::MAX_RADIANCE;
-
-/// The maximum of `max_bounces`: far more than any scene needs, and few enough for the dimensions of the random
-/// numbers.
-const MAX_BOUNCES: u32 = 65_536;
 
 /// The largest id that f32 represents exactly together with all smaller ones: 2^24.
 pub(super) const MAX_EXACT_ID: usize = 1 << 24;
 
-/// A render request: the rig, the integrator with its settings, and the outputs.
+/// A render request: the rig, the settings of light transport, and the outputs.
 ///
 /// The fields have the defaults of [`Request::new`]; they are validated by
 /// [`Renderer::render`](super::Renderer::render).
@@ -33,7 +29,7 @@ pub(super) const MAX_EXACT_ID: usize = 1 << 24;
 ///
 /// let rig = Rig::builder(LightFieldShape::new(GridSize::new(3, 3), GridSize::new(40, 60))?).build()?;
 /// let request = Request::new(rig).integrator(Integrator::Path).samples(16).sky([0.2, 0.3, 0.4]);
-/// assert_eq!(request.samples, 16);
+/// assert_eq!(request.transport.samples, 16);
 /// # Ok::<(), holo_core::Error>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -41,40 +37,8 @@ pub(super) const MAX_EXACT_ID: usize = 1 << 24;
 pub struct Request {
     /// The rig: views, microlenses, intrinsics, baseline, focus distance and projection.
     pub rig: Rig,
-    /// The integrator.
-    pub integrator: Integrator,
-    /// Samples per pixel, 1 to 65,536. A single sample goes through the center of the pixel; more are distributed over
-    /// the pixel (box filter).
-    pub samples: u32,
-    /// The random seed. The same seed gives the same image.
-    pub seed: u64,
-    /// Radiance of the constant environment, linear RGB, 0 to [`MAX_RADIANCE`].
-    pub sky: [f32; 3],
-    /// The maximum number of bounces (scatterings), 1 to 65,536, of the integrator `Path`, also if `Auto` selects it.
-    pub max_bounces: u32,
-    /// Whether paths with low throughput may be terminated by Russian roulette (unbiased).
-    pub roulette: bool,
-    /// The target of the relative standard error of each pixel for adaptive sampling; `samples` is then the maximum per
-    /// pixel. `None`: all pixels get `samples`. With [`Denoise::Views`] it is the error after the reconstruction, estimated
-    /// in rounds after 4, 8, 16, ... samples; shards then render 7 more lens rows on either side for every round.
-    pub target_error: Option<f64>,
-    /// Whether `Auto` includes indirect illumination between diffuse surfaces. Otherwise paths continue only from metal
-    /// and glass.
-    pub indirect: bool,
-    /// Whether light is scattered more than once between the microfacets of rough surfaces. Without it rough metal,
-    /// coats and panes lose energy, up to 69 %, as in renderers without this model (Mitsuba's).
-    pub multiple_scattering: bool,
-    /// The largest radiance that a path may add to a pixel at a vertex after the first; larger contributions are scaled
-    /// down. It removes single bright pixels (fireflies) and darkens what they are the noise of: caustics, reflections
-    /// of lamps. The error vanishes as the limit grows; infinite (the default) is unbiased.
-    pub indirect_limit: f32,
-    /// Whether shadow rays go straight through smooth panes and bodies of glass: attenuated, not bent. Removes the noise
-    /// of light that only scattered rays find behind glass, and lets the light of point lights through. Exact for panes;
-    /// an approximation for bodies, whose caustics become plain shadows. Off by default.
-    pub transparent_shadows: bool,
-    /// Whether surfaces that are not [double-sided](holo_scene::Material::double_sided) are invisible from behind: to
-    /// camera rays and ground truth, as in rasterizers. Shadows, reflections and glass see both sides.
-    pub cull: bool,
+    /// Light transport: the integrator and its samples.
+    pub transport: Transport,
     /// The layers (AOVs) beside color. They describe the first hit of the ray through the center of the pixel, for any
     /// number of samples.
     pub layers: LayerSet,
@@ -82,13 +46,6 @@ pub struct Request {
     pub ground_truth: GroundTruth,
     /// The rendered views.
     pub views: Views,
-    /// The sample sequence of the pixels.
-    pub sampling: Sampling,
-    /// Whether neighboring views share the light that their rays find.
-    pub reuse: Reuse,
-    /// Whether the textures of the surfaces that camera rays hit are averaged over the part of the pixel that a sample
-    /// stands for. Not with [`Denoise::Views`]: its windows hold so many samples that the bias would be what is left.
-    pub texture_filter: TextureFilter,
     /// Whether the noise of color is reduced with the samples of neighboring views.
     pub denoise: Denoise,
     /// Whether [`Rendered::error`] is estimated.
@@ -104,24 +61,10 @@ impl Request {
     pub fn new(rig: Rig) -> Self {
         Self {
             rig,
-            integrator: Integrator::Auto,
-            samples: 1,
-            seed: 0,
-            sky: [0.0; 3],
-            max_bounces: 8,
-            roulette: true,
-            target_error: None,
-            indirect: true,
-            multiple_scattering: true,
-            indirect_limit: f32::INFINITY,
-            transparent_shadows: false,
-            cull: false,
+            transport: Transport::default(),
             layers: DEPTH_AND_DISPARITY,
             ground_truth: GroundTruth::Central,
             views: Views::All,
-            sampling: Sampling::default(),
-            reuse: Reuse::default(),
-            texture_filter: TextureFilter::default(),
             denoise: Denoise::default(),
             estimate_error: false,
             lens_rows: None,
@@ -130,28 +73,16 @@ impl Request {
 
     setters! {
         rig: Rig,
-        integrator: Integrator,
-        samples: u32,
-        seed: u64,
-        sky: [f32; 3],
-        max_bounces: u32,
-        roulette: bool,
-        target_error: Option<f64>,
-        indirect: bool,
-        multiple_scattering: bool,
-        indirect_limit: f32,
-        transparent_shadows: bool,
-        cull: bool,
+        transport: Transport,
         layers: LayerSet,
         ground_truth: GroundTruth,
         views: Views,
-        sampling: Sampling,
-        reuse: Reuse,
-        texture_filter: TextureFilter,
         denoise: Denoise,
         estimate_error: bool,
         lens_rows: Option<Range<usize>>,
     }
+
+    transport_setters!();
 }
 
 /// The default layers.
@@ -166,34 +97,6 @@ pub enum Views {
     /// A list of views, side by side in one row: the light fields of [`Rendered`] have 1 x N views. Every pixel has the
     /// same random numbers as in the whole image, and with [`Reuse::Off`] the same value.
     List(Vec<ViewIndex>),
-}
-
-/// The filter of textures. The first hits of camera rays are filtered, and those textures that enter the radiance
-/// linearly: base color and emission of materials without alpha, in cells that lie within one triangle.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TextureFilter {
-    /// None: a texture counts at the hit point, bilinearly interpolated. Unbiased.
-    Off,
-    /// The mean over a cell of the pixel. A pixel is divided into the largest number of 4^m cells that is not above the
-    /// number of samples. Biased where texture and light vary together within a cell (a normal map: 0.25 % of the mean of
-    /// `garden` at 4 samples and 18 x 12 pixels a view); the error vanishes with the size of the cells.
-    #[default]
-    Footprint,
-}
-
-/// The reuse of light samples and paths. Both variants are unbiased.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Reuse {
-    /// None: every pixel uses its own samples alone, so the noise of pixels is independent, and does not depend on which
-    /// views are rendered.
-    Off,
-    /// The views of a group of 4 x 4 share samples of the environment and what their scattered rays find: for direct light,
-    /// and on diffuse surfaces for paths. There is less noise in every view, and about the same in the mean of a group: the
-    /// noise that is left is correlated. Direct light of a sky gains most (5 to 7 times in error x time). Without effect
-    /// on single samples, which are for speed, on lists of views, with [`Denoise::Views`], which uses the same samples,
-    /// and with [`Request::indirect_limit`], [`Request::transparent_shadows`] or blended alpha.
-    #[default]
-    Views,
 }
 
 /// The reduction of noise.
@@ -251,26 +154,11 @@ pub struct Rendered {
 
 impl Request {
     /// Validates the request for a scene with this many instances and materials.
-    pub(super) fn check(&self, [instances, materials]: [usize; 2]) -> Result<(), Error> {
+    pub(super) fn check(&self, counts: [usize; 2]) -> Result<(), Error> {
+        self.transport.check()?;
         let split = self.rig.shape();
-        if !(1..=MAX_SAMPLES).contains(&self.samples) {
-            return Err(Error::BadSetting(format!("{} samples per pixel; give 1 to {MAX_SAMPLES}", self.samples)));
-        }
-        if self.target_error.is_some_and(|target| !(target > 0.0 && target.is_finite())) {
-            return Err(Error::BadSetting("the target error must be finite and above 0".into()));
-        }
-        if !(1..=MAX_BOUNCES).contains(&self.max_bounces) {
-            let count = self.max_bounces;
-            return Err(Error::BadSetting(format!("{count} bounces; give 1 to {MAX_BOUNCES}")));
-        }
-        if self.indirect_limit.is_nan() || self.indirect_limit <= 0.0 {
-            return Err(Error::BadSetting(format!("the indirect limit {} must be above 0", self.indirect_limit)));
-        }
         if split.lenses().count() > u32::MAX as usize || split.views().count() > u32::MAX as usize {
             return Err(Error::BadSetting("2^32 or more lenses or views; choose fewer".into()));
-        }
-        if self.sky.iter().any(|c| !(0.0..=MAX_RADIANCE).contains(c)) {
-            return Err(Error::BadSetting(format!("the sky {:?} must lie between 0 and {MAX_RADIANCE:e}", self.sky)));
         }
         // Rays are linear in all indices, so the largest coordinates occur at the corners.
         let (lenses, views) = (split.lenses(), split.views());
@@ -286,19 +174,10 @@ impl Request {
                 }
             }
         }
-        for (layer, what, count) in
-            [(Layer::ObjectId, "instances", instances), (Layer::MaterialId, "materials", materials)]
-        {
-            if self.layers.contains(layer) && count > MAX_EXACT_ID {
-                return Err(Error::BadSetting(format!(
-                    "the layer '{layer}' has exact ids of at most {MAX_EXACT_ID} {what}, but the scene has \
-                     {count}: omit the layer"
-                )));
-            }
-        }
+        check_ids(self.layers, counts)?;
         let needs_samples = self.denoise == Denoise::Views || self.estimate_error;
         let what = if self.estimate_error { "the estimate of the error" } else { "denoising" };
-        if needs_samples && self.integrator == Integrator::Depth {
+        if needs_samples && self.transport.integrator == Integrator::Depth {
             return Err(Error::BadSetting(format!(
                 "{what} needs color, which the integrator 'depth' does not render; choose another one, or leave it out"
             )));
@@ -330,9 +209,18 @@ impl Request {
     pub(super) fn lens_row_range(&self) -> Range<usize> {
         self.lens_rows.clone().unwrap_or(0..self.rig.shape().lenses().rows)
     }
+}
 
-    /// The maximum number of bounces of `integrator`.
-    pub(super) fn bounces(&self, integrator: Integrator) -> u32 {
-        if integrator == Integrator::Direct { direct::BOUNCES } else { self.max_bounces }
+/// Validates the ids of layers for a scene with this many instances and materials.
+pub(super) fn check_ids(layers: LayerSet, [instances, materials]: [usize; 2]) -> Result<(), Error> {
+    for (layer, what, count) in [(Layer::ObjectId, "instances", instances), (Layer::MaterialId, "materials", materials)]
+    {
+        if layers.contains(layer) && count > MAX_EXACT_ID {
+            return Err(Error::BadSetting(format!(
+                "the layer '{layer}' has exact ids of at most {MAX_EXACT_ID} {what}, but the scene has \
+                 {count}: omit the layer"
+            )));
+        }
     }
+    Ok(())
 }

@@ -17,19 +17,19 @@ const FIRST: u32 = 4;
 
 /// The target of the error after the reconstruction, if there is one.
 pub(super) fn target(request: &Request) -> Option<f32> {
-    let target = request.target_error.filter(|_| request.denoise == Denoise::Views);
+    let target = request.transport.target_error.filter(|_| request.denoise == Denoise::Views);
     target.map(|target| target as f32)
 }
 
 /// The numbers of the samples of all rounds; a single round without a target.
 pub(super) fn rounds(request: &Request) -> Vec<Range<u32>> {
     if target(request).is_none() {
-        return vec![0..request.samples; 1];
+        return vec![0..request.transport.samples; 1];
     }
     let mut rounds = Vec::new();
     let (mut start, mut end) = (0, FIRST);
-    while start < request.samples {
-        rounds.push(start..end.min(request.samples));
+    while start < request.transport.samples {
+        rounds.push(start..end.min(request.transport.samples));
         (start, end) = (end, end * 2);
     }
     rounds

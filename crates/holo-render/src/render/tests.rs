@@ -87,6 +87,7 @@ fn every_instruction_set_gives_the_same_image() {
             tile: &tile,
             color,
             guides: None,
+            inverse_depths: None,
             round: &round,
             scratch: scratches.next().expect("three sets at most"),
         }
@@ -132,7 +133,15 @@ fn the_size_of_tiles_changes_nothing() {
         let (mut scratch, mut buffer) = (Scratch::default(), TileAovs::default());
         let round = Round { samples: 0..context.sampler.samples, wanted: Vec::new() };
         for (tile, color) in tiling.tiles().iter().zip(tiling.cut(color.samples_mut())) {
-            simd::run(PathTile { context: &context, tile, color, guides: None, round: &round, scratch: &mut scratch });
+            simd::run(PathTile {
+                context: &context,
+                tile,
+                color,
+                guides: None,
+                inverse_depths: None,
+                round: &round,
+                scratch: &mut scratch,
+            });
         }
         for (tile, out) in tiling.tiles().iter().zip(tiles(&mut aov, tiling)) {
             simd::run(DepthTile { context: &context, tile, out, aov: &mut buffer });
@@ -223,7 +232,7 @@ fn sixteen_samples_lie_in_the_sixteenths_of_the_pixel() {
     let region = region(&split, 8192);
     for (sampling, places_in_a_group) in [(Sampling::OwnPositions, LANES), (Sampling::SharedPositions, 1)] {
         let request = request.clone().rig(rig).samples(16).sampling(sampling);
-        let context = renderer.context(&request, request.integrator, &region, &stop);
+        let context = renderer.context(&request, request.transport.integrator, &region, &stop);
         let tiles = region.tiling.tiles();
         let packets: Vec<_> = tiles.iter().flat_map(|tile| context.camera.packets(tile)).collect();
         let positions = |[_, u, t, s]: [usize; 4], sample| -> [[f32; 2]; LANES] {

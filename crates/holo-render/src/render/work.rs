@@ -147,6 +147,11 @@ impl<'a> Work<'a> {
         outcome
     }
 
+    /// What is checked for cancellation.
+    pub fn stop(&self) -> &'a Stop<'a> {
+        self.stop
+    }
+
     /// Whether the caller has canceled.
     pub fn is_stopped(&self) -> bool {
         self.stop.requested()

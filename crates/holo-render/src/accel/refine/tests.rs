@@ -40,7 +40,7 @@ fn trace(geometry: &Geometry, engine: &dyn Engine) -> Vec<Found> {
     for tile in tiling.tiles() {
         for pixels in camera.packets(&tile) {
             let mut packet = RayHits::EMPTY;
-            let rays = camera.chief(&pixels, &mut packet);
+            let rays = pixels.chief(&mut packet);
             engine.intersect(&pixels.valid, &mut packet, Coherence::Coherent);
             let refined = refine(geometry, &packet, &rays);
             for lane in (0..LANES).filter(|&lane| pixels.valid.0[lane] != 0) {

@@ -1,0 +1,83 @@
+//! The options of plenoptic cameras.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::Args;
+use holo_core::GridSize;
+use holo_dataset::options::parse_positive;
+
+use super::EngineOptions;
+
+#[derive(Args, Debug)]
+pub struct CameraOptions {
+    /// Name of the preset, or a camera file, which is written with every key.
+    pub name: Option<String>,
+    /// File to write [default: the standard output].
+    #[arg(long, value_name = "FILE", requires = "name")]
+    pub out: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub struct WhiteOptions {
+    /// Plenoptic camera: a camera file (TOML), or a preset of `holo camera`.
+    #[arg(long, value_name = "FILE|PRESET")]
+    pub camera_file: String,
+    /// Also the white images at these f-numbers.
+    #[arg(long, value_name = "N,..", value_delimiter = ',', value_parser = parse_positive)]
+    pub f_numbers: Vec<f64>,
+    /// Folder for white.exr, white.png and those of the f-numbers.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+#[derive(Args, Debug)]
+pub struct TargetOptions {
+    /// Plenoptic camera: a camera file (TOML), or a preset of `holo camera`.
+    #[arg(long, value_name = "FILE|PRESET")]
+    pub camera_file: String,
+    /// Inner corners of the checkerboard, columns x rows.
+    #[arg(long, value_name = "WxH", default_value = "9x5", value_parser = GridSize::from_str)]
+    pub checkerboard: GridSize,
+    /// Side of a square, mm.
+    #[arg(long, value_name = "S", value_parser = parse_positive)]
+    pub square_mm: f64,
+    /// Poses, one image each: TOML with `[[pose]]`, `position_m = [x, y, z]` of the board's center before a camera that
+    /// looks along -z, and `rotation_deg = [x, y, z]` [default: five around the focus].
+    #[arg(long, value_name = "FILE")]
+    pub poses: Option<PathBuf>,
+    /// Samples per pixel.
+    #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(1..=65536))]
+    pub spp: u32,
+    /// Folder for the images, corners.csv, centers.csv and the white image; created if missing.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub engine: EngineOptions,
+}
+
+#[derive(Args, Debug)]
+pub struct DecodeOptions {
+    /// The raw image: raw.exr, or a PNG in linear light such as raw_linear.png.
+    pub raw: PathBuf,
+    /// The white image [default: computed from the camera].
+    #[arg(long, value_name = "FILE")]
+    pub white: Option<PathBuf>,
+    /// Plenoptic camera: a camera file (TOML), or a preset of `holo camera`.
+    #[arg(long, value_name = "FILE|PRESET")]
+    pub camera_file: String,
+    /// Views along each axis [default: those whose pixels are fully lit].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub views: Option<u32>,
+    /// The scene that was rendered: adds depth and disparity of the central view.
+    #[arg(long, value_name = "FILE")]
+    pub scene: Option<PathBuf>,
+    /// Name or number of the scene's camera [default: the first].
+    #[arg(long, value_name = "NAME|INDEX", requires = "scene")]
+    pub camera: Option<String>,
+    /// Folder for the light field; created if missing.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub engine: EngineOptions,
+}

@@ -1,0 +1,64 @@
+//! `holo camera`, `holo white`, `holo target`, `holo decode`: plenoptic cameras, their white images and calibration
+//! targets, and views of their raw images.
+
+use holo_core::plenoptic::presets;
+use holo_dataset::{DecodeJob, SceneSource, TargetJob, read_poses, text, write_white_images};
+use holo_io::CameraFile;
+
+use crate::arguments::{CameraOptions, DecodeOptions, TargetOptions, WhiteOptions};
+use crate::console::{out, say, say_unless};
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::progress::Bar;
+
+pub fn run(options: &CameraOptions) -> Result<(), Failure> {
+    let Some(name) = &options.name else {
+        return presets().iter().try_for_each(|preset| {
+            let approximate = if preset.is_approximate { " (approximate)" } else { "" };
+            out!("{:<14} {}{approximate}", preset.name, preset.description)
+        });
+    };
+    let toml = CameraFile::open(name)?.to_toml();
+    let Some(path) = &options.out else { return out!("{}", toml.trim_end()) };
+    holo_io::write_file(path, toml.as_bytes())?;
+    say!("wrote {}", path.display());
+    Ok(())
+}
+
+pub fn white(options: &WhiteOptions) -> Result<(), Failure> {
+    let camera = CameraFile::open(&options.camera_file)?;
+    let files = write_white_images(&camera, &options.f_numbers, &options.out, interrupt::rollback())?;
+    say!("wrote {} to {}", files.join(", "), options.out.display());
+    Ok(())
+}
+
+pub fn target(options: &TargetOptions) -> Result<(), Failure> {
+    let job = TargetJob {
+        camera: CameraFile::open(&options.camera_file)?,
+        corners: options.checkerboard,
+        square_m: options.square_mm / 1e3,
+        poses: options.poses.as_deref().map(read_poses).transpose()?.unwrap_or_default(),
+        samples: options.spp,
+        seed: 0,
+        engine: options.engine.spec(),
+    };
+    let bar = Bar::new("rendering", false);
+    let done = job.run(&options.out, &bar, interrupt::rollback());
+    bar.finish();
+    let (files, corners) = done?;
+    say!("wrote {} files with {corners} corners to {}", files.len(), options.out.display());
+    Ok(())
+}
+
+pub fn decode(options: &DecodeOptions) -> Result<(), Failure> {
+    let mut job = DecodeJob::new(options.raw.clone(), CameraFile::open(&options.camera_file)?);
+    job.white.clone_from(&options.white);
+    job.views = options.views.map(|views| views as usize);
+    job.scene = options.scene.clone().map(SceneSource::File);
+    job.spec.rig.camera.clone_from(&options.camera);
+    job.engine = options.engine.spec();
+    let (rig, files) = job.run(&options.out, &say_unless(false), interrupt::rollback())?;
+    say!("decoded {}\n{}", text::shape(rig.shape()), text::rig(&rig, None));
+    say!("wrote {} files to {}", files.len(), options.out.display());
+    Ok(())
+}

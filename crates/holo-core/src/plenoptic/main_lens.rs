@@ -1,0 +1,161 @@
+//! The main lens: focal length, pupils and focus.
+
+use crate::Error;
+use crate::error::positive;
+
+/// The shape of the aperture of the main lens.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum PupilShape {
+    /// A disc.
+    #[default]
+    Round,
+    /// A square whose sides are as long as the diameter of the round aperture, parallel to the sides of the sensor.
+    Square,
+}
+
+/// What the distance between main lens and microlens array follows from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum ArrayFocus {
+    /// The distance itself, from the array to the main lens, in meters.
+    Distance {
+        /// The distance, in meters.
+        mla_distance_m: f64,
+    },
+    /// The depth whose image lies at a virtual depth.
+    Depth {
+        /// The depth from the entrance pupil, in meters; may be infinite.
+        depth_m: f64,
+        /// Where its image lies, in gaps behind the array towards the sensor: 0 on the array (1.0), 2 for focused
+        /// cameras such as Raytrix's (the total covering plane), negative in front of the array (Keplerian).
+        virtual_depth: f64,
+    },
+}
+
+/// A main lens, not validated: a thin lens with an aperture stop.
+///
+/// # Units
+///
+/// Meters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MainLens {
+    /// The focal length.
+    pub focal_length_m: f64,
+    /// The f-number: focal length / diameter of the entrance pupil.
+    pub f_number: f64,
+    /// The focus.
+    pub focus: ArrayFocus,
+    /// The distance from the microlens array to the exit pupil; `None`: the pupil lies in the lens.
+    pub exit_pupil_m: Option<f64>,
+    /// The shape of the aperture.
+    pub aperture: PupilShape,
+}
+
+/// The numbers of a main lens that rays need.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Pupils {
+    /// From the microlens array to the main lens (D).
+    pub lens_m: f64,
+    /// From the microlens array to the exit pupil (D_X).
+    pub exit_m: f64,
+    /// From the main lens to the entrance pupil, towards the scene (o_E).
+    pub entrance_offset_m: f64,
+    /// Size of the entrance pupil / size of the exit pupil (m); negative if the exit pupil lies behind the focal point.
+    pub magnification: f64,
+    /// Half of the diameter of the entrance pupil.
+    pub entrance_radius_m: f64,
+    /// 1 / depth of what the main lens images onto the array; 0 for infinity.
+    pub inverse_focus_per_m: f64,
+    /// Slope of the chief ray per meter on the array (g).
+    pub slope_per_m: f64,
+}
+
+impl MainLens {
+    /// Returns a lens focused at a depth, with a round aperture in the lens.
+    #[must_use]
+    pub const fn new(focal_length_m: f64, f_number: f64, focus_m: f64) -> Self {
+        let focus = ArrayFocus::Depth { depth_m: focus_m, virtual_depth: 0.0 };
+        Self { focal_length_m, f_number, focus, exit_pupil_m: None, aperture: PupilShape::Round }
+    }
+
+    /// Validates the lens in front of an array `gap_m` from the sensor.
+    pub(super) fn pupils(&self, gap_m: f64) -> Result<Pupils, Error> {
+        let f = positive("focal length of the main lens in meters", self.focal_length_m)?;
+        let f_number = positive("f-number of the main lens", self.f_number)?;
+        if let Some(exit_m) = self.exit_pupil_m {
+            positive("distance of the exit pupil from the microlens array in meters", exit_m)?;
+        }
+        let lens_m = match self.focus {
+            ArrayFocus::Distance { mla_distance_m } => mla_distance_m,
+            ArrayFocus::Depth { depth_m, virtual_depth } => self.distance_for(depth_m, virtual_depth * gap_m)?,
+        };
+        let lens_m = positive("distance of the main lens from the microlens array in meters", lens_m)?;
+        let exit_m = self.exit_pupil_m.unwrap_or(lens_m);
+        let behind_lens_m = lens_m - exit_m;
+        if behind_lens_m == f {
+            let what = "distance of the exit pupil from the main lens in meters";
+            let need = "not the focal length: the entrance pupil would lie at infinity";
+            return Err(Error::BadNumber { what, value: behind_lens_m, need });
+        }
+        let entrance_offset_m = f * behind_lens_m / (behind_lens_m - f);
+        let magnification = f / (f - behind_lens_m);
+        let vergence = 1.0 / f - 1.0 / lens_m;
+        // 1/F = u / (1 - u o_E), and g = (1 + o_E/F) / D = 1 / (D (1 - u o_E)), with u = 1/f - 1/D.
+        let rest = 1.0 - vergence * entrance_offset_m;
+        let pupils = Pupils {
+            lens_m,
+            exit_m,
+            entrance_offset_m,
+            magnification,
+            entrance_radius_m: f / f_number / 2.0,
+            inverse_focus_per_m: vergence / rest,
+            slope_per_m: 1.0 / (lens_m * rest),
+        };
+        for (what, value) in [
+            ("inverse focus distance in 1/m", pupils.inverse_focus_per_m),
+            ("slope of the main lens in 1/m", pupils.slope_per_m),
+            ("offset of the entrance pupil in meters", entrance_offset_m),
+            ("radius of the entrance pupil in meters", pupils.entrance_radius_m),
+        ] {
+            if !value.is_finite() {
+                let need = "finite: the focus distance must not be 0";
+                return Err(Error::BadNumber { what, value, need });
+            }
+        }
+        Ok(pupils)
+    }
+
+    /// The distance from array to lens at which a depth is imaged `behind_m` behind the array: the root of
+    /// 1/f - 1/(D + behind) - 1/(depth + o_E(D)).
+    fn distance_for(&self, depth_m: f64, behind_m: f64) -> Result<f64, Error> {
+        let f = self.focal_length_m;
+        if depth_m.is_nan() || depth_m == 0.0 || !behind_m.is_finite() {
+            let (what, need) = ("focus distance in meters", "a number, not 0 (infinity is allowed)");
+            return Err(Error::BadNumber { what, value: if behind_m.is_finite() { depth_m } else { behind_m }, need });
+        }
+        let mut distance_m = 1.0 / (1.0 / f - 1.0 / depth_m) - behind_m;
+        let Some(exit_m) = self.exit_pupil_m else { return Ok(distance_m) };
+        if depth_m.is_infinite() {
+            return Ok(distance_m);
+        }
+        // Newton's method; the pupil moves by much less than the lens, so it starts close.
+        for _ in 0..100 {
+            let pupil_m = distance_m - exit_m;
+            let from_lens_m = depth_m + f * pupil_m / (pupil_m - f);
+            let image_m = distance_m + behind_m;
+            let value = 1.0 / f - 1.0 / image_m - 1.0 / from_lens_m;
+            let slope = 1.0 / (image_m * image_m) - (f / (pupil_m - f) / from_lens_m).powi(2);
+            let step = value / slope;
+            distance_m -= step;
+            if step.abs() <= 1e-16 * distance_m.abs() {
+                break;
+            }
+        }
+        let pupil_m = distance_m - exit_m;
+        let rest = 1.0 / f - 1.0 / (distance_m + behind_m) - 1.0 / (depth_m + f * pupil_m / (pupil_m - f));
+        if distance_m.is_finite() && rest.abs() < 1e-9 / f {
+            return Ok(distance_m);
+        }
+        let need = "a depth that the main lens can be focused at with this exit pupil";
+        Err(Error::BadNumber { what: "focus distance in meters", value: depth_m, need })
+    }
+}

@@ -1,0 +1,173 @@
+//! From the raw image of an unfocused plenoptic camera to a folder of views.
+
+use std::path::{Path, PathBuf};
+
+use holo_core::plenoptic::Decoded;
+use holo_core::{DynImage, Rig};
+use holo_io::{CameraFile, FileFormat, Limits, Manifest, ParametersCfg};
+use holo_render::{Integrator, Layer, LayerSet, Layers, RayCounts, Rendered, Renderer};
+use holo_scene::Transform;
+use ndarray::{Array2, Array3, Axis};
+
+use crate::Error;
+use crate::diagnostics::Diagnostics;
+use crate::files::{Traced, exposure_ev, write};
+use crate::layers::Wanted;
+use crate::output_folder::{OutputFolder, Rollback};
+use crate::prepare::prepare_scene;
+use crate::raw::write_white;
+use crate::source::SceneSource;
+use crate::spec::{EngineSpec, Output, RenderSpec};
+
+/// A raw image, a white image and their camera.
+#[derive(Clone, Debug)]
+pub struct DecodeJob {
+    /// The raw image: OpenEXR, or PNG in linear light.
+    pub raw: PathBuf,
+    /// The white image; `None`: that of the camera without dirt and noise.
+    pub white: Option<PathBuf>,
+    /// The camera.
+    pub camera: CameraFile,
+    /// Views an axis; `None`: as many as are fully lit.
+    pub views: Option<usize>,
+    /// The scene, for ground truth of the central view.
+    pub scene: Option<SceneSource>,
+    /// What to write, the bit depth, the exposure, and which camera of the scene.
+    pub spec: RenderSpec,
+    /// The ray tracing backend and the number of threads.
+    pub engine: EngineSpec,
+}
+
+impl DecodeJob {
+    /// Creates a job of the default outputs, with 16 bits.
+    #[must_use]
+    pub fn new(raw: PathBuf, camera: CameraFile) -> Self {
+        let spec = RenderSpec { bit_depth: 16, ..RenderSpec::default() };
+        Self { raw, white: None, camera, views: None, scene: None, spec, engine: EngineSpec::default() }
+    }
+
+    /// Decodes into the folder `out`, which then holds a light field as a render writes it. Returns its rig and the names
+    /// of its files.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if an image cannot be read or a file cannot be written; [`Error::Core`] if they do not fit the camera,
+    /// or it has no views; those of a render for the ground truth.
+    pub fn run(
+        &self,
+        out: &Path,
+        diagnostics: &dyn Diagnostics,
+        rollback: &Rollback,
+    ) -> Result<(Rig, Vec<String>), Error> {
+        let camera = &self.camera.camera;
+        let views = self.views.map_or_else(|| camera.decodable_views(), Ok)?;
+        let raw = read_linear(&self.raw)?;
+        let white = match &self.white {
+            Some(path) => read_linear(path)?.index_axis_move(Axis(2), 0),
+            None => camera.white_image()?,
+        };
+        let decoded = camera.decode(raw.view(), white.view(), views)?;
+        drop(raw);
+        let folder = OutputFolder::create(out, rollback)?;
+        let central = self.truth(&decoded, diagnostics)?;
+        let mut spec = self.spec.clone();
+        if central.iter().next().is_none() && spec.outputs.is_empty() {
+            // Without ground truth.
+            spec.outputs = vec![Output::Vpi, Output::El, Output::Mat];
+        }
+        let rig = decoded.rig;
+        let mut manifest = Manifest { rig: Some(rig), ..Manifest::default() };
+        manifest.versions.insert("holo".into(), env!("CARGO_PKG_VERSION").into());
+        manifest.settings.insert("decoded".into(), "views of a plenoptic camera: raw image / white image".into());
+        manifest.settings.insert("camera-file".into(), self.camera.name.clone().into());
+        manifest
+            .settings
+            .insert("camera_sha256".into(), holo_io::Sha256::of(self.camera.to_toml().as_bytes()).to_string().into());
+        manifest.settings.insert("raw_sha256".into(), holo_io::hash_file(&self.raw)?.sha256.to_string().into());
+        let rendered = Rendered {
+            color: Some(decoded.light_field),
+            error: None,
+            central,
+            all: None,
+            integrator: Integrator::Auto,
+            why: "decoded".into(),
+            rays: RayCounts::default(),
+            samples: 0,
+        };
+        let ev = exposure_ev(&spec, &rendered);
+        let mut parameters = ParametersCfg::from_rig(&rig);
+        parameters.scene = self.scene.as_ref().map_or_else(String::new, SceneSource::name);
+        let wanted = Wanted::new(&spec);
+        let traced =
+            Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m: None, warnings: Vec::new() };
+        let weight = decoded.weight.view(views / 2, views / 2)?.index_axis(Axis(2), 0).to_owned();
+        let mut folder = folder;
+        write_white(&mut folder, "scene_weight", &weight)?;
+        Ok((rig, write(&spec, traced, ev, folder)?.files))
+    }
+
+    /// Depth and disparity of the central view, if there is a scene.
+    fn truth(&self, decoded: &Decoded, diagnostics: &dyn Diagnostics) -> Result<Layers<Array3<f32>>, Error> {
+        let Some(scene) = &self.scene else { return Ok(Layers::default()) };
+        let source = (scene, &self.spec.scene);
+        let prepared = prepare_scene(source, &self.spec.rig, &self.engine, None, diagnostics)?;
+        // A rotated array sees a rotated scene.
+        let pose = rolled(&prepared.framed.pose, decoded.roll_rad);
+        let renderer = Renderer::new(&prepared.loaded.scene, &pose, self.engine.backend, self.engine.threads)?;
+        Ok(renderer.central_layers(&decoded.rig, LayerSet::of(&[Layer::Depth, Layer::Disparity]))?)
+    }
+}
+
+/// A camera turned about its axis, counterclockwise as it sees the scene.
+fn rolled(pose: &Transform, roll_rad: f64) -> Transform {
+    let (sin, cos) = roll_rad.sin_cos();
+    let [right, up, back] = pose.columns;
+    let mix = |a: [f64; 3], b: [f64; 3], x: f64, y: f64| std::array::from_fn(|k| a[k] * x + b[k] * y);
+    Transform { columns: [mix(right, up, cos, sin), mix(up, right, cos, -sin), back], ..*pose }
+}
+
+/// An image in linear light, integers from 0 to 1.
+fn read_linear(path: &Path) -> Result<Array3<f32>, Error> {
+    let limits = Limits::default();
+    if holo_io::detect_format(path)? == FileFormat::Exr {
+        let image = holo_io::read_exr(path, &limits)?;
+        let planes: Vec<&Array2<f32>> = ["R", "G", "B"].iter().filter_map(|name| image.channel(name)).collect();
+        let gray = image.channel("Y").into_iter().collect::<Vec<_>>();
+        let planes = if planes.len() == 3 { planes } else { gray };
+        let views: Vec<_> = planes.iter().map(|plane| plane.view()).collect();
+        return ndarray::stack(Axis(2), &views)
+            .map_err(|_| Error::Failed(format!("{}: it has neither channels R, G, B nor Y", path.display())));
+    }
+    Ok(match holo_io::read_png(path, &limits)? {
+        DynImage::U8(image) => image.mapv(|code| f32::from(code) / 255.0),
+        DynImage::U16(image) => image.mapv(|code| f32::from(code) / 65_535.0),
+        DynImage::F32(image) => image,
+        _ => return Err(Error::Failed(format!("{}: not an image of 8 or 16 bits", path.display()))),
+    })
+}
+
+/// Writes the white images of a camera into the folder `out`: `white.exr` and `white.png`, and with f-numbers
+/// `white_fN.exr` and `white_fN.png` of each. Returns the names of the files.
+///
+/// # Errors
+/// [`Error::BadRequest`] for an impossible f-number; [`Error::Core`] if there is not enough memory; [`Error::Io`] if files
+/// cannot be written.
+pub fn write_white_images(
+    camera: &CameraFile,
+    f_numbers: &[f64],
+    out: &Path,
+    rollback: &Rollback,
+) -> Result<Vec<String>, Error> {
+    let mut cameras = vec![("white".to_owned(), camera.clone())];
+    for f_number in f_numbers {
+        let stopped = camera.clone().with_f_number(*f_number).map_err(Error::BadRequest)?;
+        cameras.push((format!("white_f{f_number}"), stopped));
+    }
+    let mut folder = OutputFolder::create_plain(out, rollback)?;
+    let mut names = Vec::new();
+    for (stem, camera) in cameras {
+        write_white(&mut folder, &stem, &camera.camera.white_image()?)?;
+        names.extend([format!("{stem}.exr"), format!("{stem}.png")]);
+    }
+    folder.keep();
+    Ok(names)
+}
