@@ -53,8 +53,8 @@ fn a_bright_sky_gives_the_white_image() {
         let total = |image: &Array2<f32>| image.iter().map(|&x| f64::from(x)).sum::<f64>();
         let worst = raw.iter().zip(&white).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         println!("{name}: {:.6} of the light, worst pixel off by {worst:.4}", total(&raw) / total(&white));
-        // 256 samples of a pixel that an edge crosses are off by 1/16 at most, and by 1e-4 in the mean of thousands.
-        assert!((total(&raw) / total(&white) - 1.0).abs() < 1e-3, "{name}");
+        // 256 samples of a pixel that an edge crosses are off by 1/16 at most; the mean of thousands by 1e-4.
+        assert!((total(&raw) / total(&white) - 1.0).abs() < 3e-4, "{name}");
         assert!(worst < 0.06, "{name}: {worst}");
         // Where the white image is dark, no sample brings light.
         assert!(raw.iter().zip(&white).all(|(raw, white)| *white > 0.0 || *raw < 0.01), "{name}");

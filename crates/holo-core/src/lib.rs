@@ -57,8 +57,9 @@
 //!
 //! # Limits
 //!
-//! The crate opens no file, calls no C library and renders nothing. Hexagonal microlens arrays, rotated arrays and lens
-//! pitches of a fraction of a pixel are not modeled: the raw image is an exact rectangular grid of blocks.
+//! The crate opens no file, calls no C library and renders nothing. A [`LightField`] is an exact rectangular grid of blocks;
+//! [`plenoptic`] has cameras whose arrays are hexagonal, rotated, or of any pitch, and decodes their raw images to light
+//! fields.
 //!
 //! # Examples
 //!

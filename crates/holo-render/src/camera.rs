@@ -77,7 +77,8 @@ impl<'a> Iterator for Packets<'a> {
             }
             RaySource::Plenoptic(rays) => {
                 let pixels = rays.packet(position[0]);
-                PixelPacket { valid: pixels.valid, ids: pixels.ids, source: PixelSource::Plenoptic(rays, pixels) }
+                let (valid, ids) = (pixels.valid(), rays.pixel_ids(pixels));
+                PixelPacket { valid, ids, source: PixelSource::Plenoptic(rays, pixels) }
             }
         })
     }
@@ -95,7 +96,7 @@ impl PixelPacket<'_> {
                 let cells = sampler.cells.map(|count| rig.cells(position.as_ref(), count));
                 CameraRays { exact, weight: [1.0; LANES], valid: self.valid, cells }
             }
-            PixelSource::Plenoptic(rays, pixels) => rays.sample(pixels, sampler, sample, packet),
+            PixelSource::Plenoptic(rays, pixels) => rays.sample(pixels, &self.ids, sampler, sample, packet),
         }
     }
 
@@ -115,6 +116,14 @@ impl RaySource {
     #[inline(always)]
     pub fn packets(&self, tile: &Tile) -> Packets<'_> {
         Packets { source: self, positions: tile.packet_positions() }
+    }
+
+    /// The packets of a plenoptic camera; those of a rig follow from its tiles.
+    pub fn raw_packets(&self) -> &[RawPacket] {
+        match self {
+            Self::Rig(_) => &[],
+            Self::Plenoptic(rays) => rays.packets(),
+        }
     }
 
     /// The disparity of a depth, px between adjacent views.

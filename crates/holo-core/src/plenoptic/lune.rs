@@ -41,9 +41,7 @@ enum Shape {
     },
     /// What a disc of radius `lens` around (0, 0) and one of radius `pupil` at `distance` in `direction` share.
     Lune {
-        lens: f64,
-        pupil: f64,
-        distance: f64,
+        lune: Lune,
         direction: [f64; 2],
     },
     /// A rectangle, in a frame that is rotated by an angle.
@@ -58,6 +56,18 @@ enum Shape {
         high: [f64; 2],
         mask: Mask,
     },
+}
+
+/// What two discs share, whose centers are `distance` apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Lune {
+    lens: f64,
+    pupil: f64,
+    distance: f64,
+    /// The areas on both sides of the chord through the corners: a segment of the second disc, which is nearer to the
+    /// center of the first, and one of the first.
+    left: f64,
+    right: f64,
 }
 
 /// Both apertures.
@@ -177,7 +187,7 @@ impl LitRegion {
         match self.shape {
             Shape::Empty => 0.0,
             Shape::Disc { radius, .. } => PI * radius * radius,
-            Shape::Lune { lens, pupil, distance, .. } => lune_area(lens, pupil, distance),
+            Shape::Lune { lune, .. } => lune.left + lune.right,
             Shape::Rectangle { low, high, .. } | Shape::Masked { low, high, .. } => {
                 (high[0] - low[0]) * (high[1] - low[1])
             }
@@ -196,8 +206,8 @@ impl LitRegion {
                 let half = radius * (from_end * (2.0 - from_end)).max(0.0).sqrt();
                 Some([center[0] + radius * (from_end - 1.0), center[1] - (2.0 * v - 1.0) * half])
             }
-            Shape::Lune { lens, pupil, distance, direction } => {
-                let [along, across] = lune_point(lens, pupil, distance, [u, v]);
+            Shape::Lune { lune, direction } => {
+                let [along, across] = lune.point([u, v]);
                 Some([direction[0] * along - direction[1] * across, direction[1] * along + direction[0] * across])
             }
             Shape::Rectangle { low, high, rotation_rad } => {
@@ -232,7 +242,12 @@ fn discs(lens: f64, pupil: f64, center: [f64; 2]) -> Shape {
     if pupil == f64::INFINITY {
         return Shape::Disc { center: [0.0; 2], radius: lens };
     }
-    let distance = center[0].hypot(center[1]);
+    let squared = center[0] * center[0] + center[1] * center[1];
+    // A microlens that is lit whole, as most are in unfocused cameras, needs no root.
+    if lens <= pupil && squared <= (pupil - lens) * (pupil - lens) {
+        return Shape::Disc { center: [0.0; 2], radius: lens };
+    }
+    let distance = squared.sqrt();
     if distance >= lens + pupil {
         return Shape::Empty;
     }
@@ -242,41 +257,41 @@ fn discs(lens: f64, pupil: f64, center: [f64; 2]) -> Shape {
             false => Shape::Disc { center, radius: pupil },
         };
     }
-    Shape::Lune { lens, pupil, distance, direction: center.map(|x| x / distance) }
+    Shape::Lune { lune: Lune::new(lens, pupil, distance), direction: center.map(|x| x / distance) }
 }
 
-/// The area that discs of radius `a` and `b` share, whose centers are `s` apart, |a - b| < s < a + b: two circular
-/// segments.
-fn lune_area(a: f64, b: f64, s: f64) -> f64 {
-    let cos_a = ((s * s + a * a - b * b) / (2.0 * s * a)).clamp(-1.0, 1.0);
-    let cos_b = ((s * s + b * b - a * a) / (2.0 * s * b)).clamp(-1.0, 1.0);
-    segment(a, cos_a) + segment(b, cos_b)
+impl Lune {
+    /// Discs of radius `lens` and `pupil` whose borders cross.
+    fn new(lens: f64, pupil: f64, distance: f64) -> Self {
+        // The chord through both corners, from the first center.
+        let chord = (distance * distance + lens * lens - pupil * pupil) / (2.0 * distance);
+        let left = segment(pupil, ((distance - chord) / pupil).clamp(-1.0, 1.0));
+        let right = segment(lens, (chord / lens).clamp(-1.0, 1.0));
+        Self { lens, pupil, distance, left, right }
+    }
+
+    /// A point, along and across the line from the center of the first disc to that of the second.
+    #[inline]
+    fn point(&self, [u, v]: [f64; 2]) -> [f64; 2] {
+        let tables = Tables::get();
+        let Self { lens, pupil, distance, left, right } = *self;
+        let area = u * (left + right);
+        // From the end of a disc, relative to its radius: accurate for discs much larger than the lune.
+        let (along, from_end, radius) = if area < left {
+            let from_end = tables.end_distance(area / (PI * pupil * pupil));
+            ((distance - pupil) + pupil * from_end, from_end, pupil)
+        } else {
+            let from_end = tables.end_distance((left + right - area) / (PI * lens * lens));
+            (lens - lens * from_end, from_end, lens)
+        };
+        let half = radius * (from_end * (2.0 - from_end)).max(0.0).sqrt();
+        [along, (2.0 * v - 1.0) * half]
+    }
 }
 
 /// The area of the segment of a disc beyond a chord at `cos` radii from the center.
 fn segment(radius: f64, cos: f64) -> f64 {
     radius * radius * (cos.acos() - cos * (1.0 - cos * cos).sqrt())
-}
-
-/// A point of the lune, along and across the line from the center of the first disc to that of the second.
-fn lune_point(a: f64, b: f64, s: f64, [u, v]: [f64; 2]) -> [f64; 2] {
-    let tables = Tables::get();
-    // The chord through both corners, from the first center.
-    let chord = (s * s + a * a - b * b) / (2.0 * s);
-    // Left of it lies the segment of the second disc, right of it that of the first.
-    let left = segment(b, ((s - chord) / b).clamp(-1.0, 1.0));
-    let right = segment(a, (chord / a).clamp(-1.0, 1.0));
-    let area = u * (left + right);
-    // From the end of a disc, relative to its radius: accurate for discs much larger than the lune.
-    let (along, from_end, radius) = if area < left {
-        let from_end = tables.end_distance(area / (PI * b * b));
-        ((s - b) + b * from_end, from_end, b)
-    } else {
-        let from_end = tables.end_distance((left + right - area) / (PI * a * a));
-        (a - a * from_end, from_end, a)
-    };
-    let half = radius * (from_end * (2.0 - from_end)).max(0.0).sqrt();
-    [along, (2.0 * v - 1.0) * half]
 }
 
 /// The distance of the chord that cuts off a given part of the unit disc from the end of the disc.

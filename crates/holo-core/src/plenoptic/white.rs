@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, ArrayViewMut2, Axis};
 
-use super::{LensAperture, MicrolensIndex, PlenopticCamera, PupilShape};
+use super::{LensAperture, PlenopticCamera, PupilShape};
 use crate::Error;
 use crate::memory;
 use crate::parallel::*;
@@ -13,6 +13,10 @@ const BAND_ROWS: usize = 64;
 /// Micro-images whose edge is at least this wide, in pixels, are integrated over pixels; others over microlenses, with
 /// the exact share of the pixel that the pupil's image covers.
 const WIDE_EDGE_PX: f64 = 0.5;
+
+/// Micro-images whose edge is narrower than this, in pixels, have the edge of the light through the center of the
+/// microlens: what moves to one side and to the other cancels.
+const SHARP_EDGE_PX: f64 = 0.05;
 
 /// Gauss-Legendre places within a pixel: two, from -1/2 to 1/2.
 const GAUSS: [f64; 2] = [-0.288_675_134_594_812_9, 0.288_675_134_594_812_9];
@@ -44,80 +48,32 @@ impl PlenopticCamera {
             found: Vec::new(),
         })?;
         let mut bands: Vec<_> = image.axis_chunks_iter_mut(Axis(0), BAND_ROWS).enumerate().collect();
-        bands.par_iter_mut().for_each(|(number, band)| self.white_band(*number * BAND_ROWS, band));
+        let rule = Rule::new(self);
+        bands.par_iter_mut().for_each(|(number, band)| self.white_band(&rule, *number * BAND_ROWS, band));
         Ok(image)
     }
 
     /// Adds the light of all microlenses to the rows from `first` on.
-    fn white_band(&self, first: usize, band: &mut ArrayViewMut2<f32>) {
+    fn white_band(&self, rule: &Rule, first: usize, band: &mut ArrayViewMut2<f32>) {
         let rows = first..first + band.nrows();
-        let unvignetted = self.central_cos4();
         for line in self.lens_lines(rows.clone()) {
             for lens in self.lenses_on_line(line, rows.clone()) {
+                let microlens = Microlens {
+                    camera: self,
+                    rule,
+                    center: self.lens_center_m(lens),
+                    image: self.micro_image_center_m(lens),
+                    lens_type: self.array().type_of(lens),
+                };
+                let edge = rule.edges[microlens.lens_type];
                 for (row, columns) in self.lit_pixels(lens, rows.clone()) {
                     for column in columns {
-                        band[[row - first, column]] += (self.pair_light(lens, row, column) / unvignetted) as f32;
+                        let middle = self.place_m([column as f64 + 0.5, row as f64 + 0.5]);
+                        band[[row - first, column]] += (microlens.light(middle, edge) / rule.unvignetted) as f32;
                     }
                 }
             }
         }
-    }
-
-    /// Returns the light that one pixel gets through one microlens: its share of the white image, before the division by
-    /// [`central_cos4`](Self::central_cos4).
-    fn pair_light(&self, lens: MicrolensIndex, row: usize, column: usize) -> f64 {
-        let center = self.micro_image_center_m(lens);
-        let middle = self.place_m([column as f64 + 0.5, row as f64 + 0.5]);
-        let pixel = self.sensor().fill * self.sensor().pixel_m;
-        let away = (middle[0] - center[0]).hypot(middle[1] - center[1]);
-        let lens_type = self.array().type_of(lens);
-        let diagonal = pixel * std::f64::consts::FRAC_1_SQRT_2;
-        let is_round = matches!(self.array().aperture, LensAperture::Round { .. })
-            && self.main_lens().aperture == PupilShape::Round;
-        // How far the image of the pupil moves on the sensor while the light moves over the microlens.
-        let moved = self.alpha(lens_type).abs() * self.array().aperture.half_width_m();
-        let is_lens_smaller = moved <= self.exit_pupil_radius_m();
-        let moved_px = moved * self.array().gap_m / self.exit_pupil_m() / self.sensor().pixel_m;
-        if is_round && is_lens_smaller && away + diagonal <= self.micro_image_radii_m(lens_type)[0] {
-            return self.over_lens(lens, |lens_point| {
-                let places = GAUSS.iter().flat_map(|&y| GAUSS.map(|x| [middle[0] + x * pixel, middle[1] + y * pixel]));
-                places.map(|place| self.cos4(place, lens_point)).sum::<f64>() / 4.0
-            });
-        }
-        if moved_px < WIDE_EDGE_PX && is_lens_smaller {
-            return self.over_lens(lens, |lens_point| {
-                let share = self.covered_share(lens, lens_point, middle, pixel);
-                // The lit part of a pixel that an edge crosses lies towards the center.
-                let inwards = (1.0 - share) / 2.0 * pixel / away.max(pixel);
-                let place = [0, 1].map(|k| middle[k] + (center[k] - middle[k]) * inwards);
-                if share > 0.0 { share * self.cos4(place, lens_point) } else { 0.0 }
-            });
-        }
-        // A wide edge is smooth over a pixel.
-        let steps = if moved_px < 4.0 { 4 } else { 2 };
-        let area = self.array().aperture.area_m2();
-        let mut sum = 0.0;
-        for k in 0..steps * steps {
-            let offset = [k % steps, k / steps].map(|k| match steps {
-                2 => GAUSS[k],
-                _ => (k as f64 + 0.5) / steps as f64 - 0.5,
-            });
-            let place = [0, 1].map(|axis| middle[axis] + offset[axis] * pixel);
-            let region = self.lit_region(place, lens);
-            let lens_center = self.lens_center_m(lens);
-            let cos4 = |[x, y]: [f64; 2]| self.cos4(place, [lens_center[0] + x, lens_center[1] + y]);
-            let light: f64 = if self.is_masked() {
-                // Regions of other shapes are counted: many points, which no straight edge follows.
-                let steps = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
-                let points = (0..256).map(|j| steps.map(|step| ((f64::from(j) + 0.5) * step).fract()));
-                points.filter_map(|unit| region.point(unit)).map(cos4).sum::<f64>() / 256.0
-            } else {
-                let points = GAUSS_3.iter().flat_map(|&(u, weight)| GAUSS.map(|v| ([u, v + 0.5], weight / 2.0)));
-                points.filter_map(|(unit, weight)| Some(weight * cos4(region.point(unit)?))).sum()
-            };
-            sum += light * region.sampled_area_m2() / area;
-        }
-        sum / (steps * steps) as f64
     }
 
     /// Whether lit regions are sampled in a rectangle around them.
@@ -149,56 +105,236 @@ impl PlenopticCamera {
             }
         }
     }
+}
+
+/// The edge of the micro-images of a type of microlens.
+#[derive(Clone, Copy)]
+enum Edge {
+    /// The pupil's image hardly moves over the microlens: its edge is the same for all points of it.
+    Sharp,
+    /// It moves by less than a pixel: integrated over points of the microlens.
+    Narrow,
+    /// It moves by several pixels, or the microlens is larger than the pupil's image: integrated over points of the
+    /// pixel, this many along each side.
+    Wide(usize),
+}
+
+/// What all pixels of a white image have in common.
+struct Rule {
+    /// The light of an unvignetted pixel on the axis.
+    unvignetted: f64,
+    /// Points of a microlens and their weights, exact to the fifth degree for discs and squares.
+    points: Vec<([f64; 2], f64)>,
+    edges: Vec<Edge>,
+    /// The mean of cos^4 over pixel and microlens, by the squared distance of their centers in steps of `step`; for round
+    /// microlenses.
+    cos4: Vec<f64>,
+    step: f64,
+}
+
+/// The number of entries of the table of cos^4.
+const ENTRIES: usize = 512;
+
+impl Rule {
+    fn new(camera: &PlenopticCamera) -> Self {
+        let (array, pixel) = (camera.array(), camera.sensor().pixel_m);
+        let edge = |lens_type: usize| {
+            let moved = camera.alpha(lens_type).abs() * array.aperture.half_width_m();
+            let moved_px = moved * array.gap_m / camera.exit_pupil_m() / pixel;
+            if moved > camera.exit_pupil_radius_m() || moved_px >= WIDE_EDGE_PX {
+                Edge::Wide(if moved_px < 4.0 { 4 } else { 2 })
+            } else if moved_px < SHARP_EDGE_PX {
+                Edge::Sharp
+            } else {
+                Edge::Narrow
+            }
+        };
+        let mut rule = Self {
+            unvignetted: camera.central_cos4(),
+            points: lens_points(array.aperture, array.rotation_rad),
+            edges: (0..array.type_count()).map(edge).collect(),
+            cos4: Vec::new(),
+            step: 0.0,
+        };
+        if matches!(array.aperture, LensAperture::Round { .. }) {
+            // From the center of a microlens to the farthest pixel that it lights.
+            let size = camera.sensor().size;
+            let corners = [
+                [0.0, 0.0],
+                [size.columns as f64, 0.0],
+                [0.0, size.rows as f64],
+                [size.columns as f64, size.rows as f64],
+            ];
+            let shift = array.gap_m / camera.exit_pupil_m();
+            let dark = (0..array.type_count()).map(|k| camera.micro_image_radii_m(k)[2]).fold(0.0, f64::max);
+            let corner =
+                corners.map(|corner| camera.place_m(corner)).map(|[x, y]| x.hypot(y)).into_iter().fold(0.0, f64::max);
+            let farthest = (corner + dark + pixel) * shift + dark + 2.0 * pixel;
+            rule.step = farthest * farthest / (ENTRIES - 2) as f64;
+            let width = pixel * camera.sensor().fill;
+            let mean = |k: usize| {
+                let away = (k as f64 * rule.step).sqrt();
+                let places = GAUSS.iter().flat_map(|&y| GAUSS.map(|x| [away + x * width, y * width]));
+                places.map(|place| rule.over_lens(|point| camera.cos4(place, point))).sum::<f64>() / 4.0
+            };
+            rule.cos4 = (0..ENTRIES).map(mean).collect();
+        }
+        rule
+    }
 
     /// The mean of a smooth function over the points of a microlens.
-    fn over_lens(&self, lens: MicrolensIndex, function: impl Fn([f64; 2]) -> f64) -> f64 {
-        let center = self.lens_center_m(lens);
-        let rotation = self.array().rotation_rad;
-        let at = |point: [f64; 2]| {
-            let [x, y] = super::microlenses::rotate(point, rotation);
-            function([center[0] + x, center[1] + y])
-        };
-        match self.array().aperture {
-            // Seven points, exact to the fifth degree (Stroud, S2 5-1).
-            LensAperture::Round { radius_m } => {
-                let r = radius_m * (2f64 / 3.0).sqrt();
-                let ring = (0..6).map(|k| f64::from(k) * std::f64::consts::FRAC_PI_3);
-                0.25 * at([0.0; 2]) + 0.125 * ring.map(|angle| at([r * angle.cos(), r * angle.sin()])).sum::<f64>()
+    fn over_lens(&self, function: impl Fn([f64; 2]) -> f64) -> f64 {
+        self.points.iter().map(|&(point, weight)| weight * function(point)).sum()
+    }
+}
+
+/// Points of a microlens from its center, with weights whose sum is 1.
+fn lens_points(aperture: LensAperture, rotation_rad: f64) -> Vec<([f64; 2], f64)> {
+    let points: Vec<([f64; 2], f64)> = match aperture {
+        // Stroud, S2 5-1.
+        LensAperture::Round { radius_m } => {
+            let r = radius_m * (2f64 / 3.0).sqrt();
+            let ring = (0..6).map(|k| (f64::from(k) * std::f64::consts::FRAC_PI_3).sin_cos());
+            let ring = ring.map(|(sin, cos)| ([r * cos, r * sin], 0.125));
+            std::iter::once(([0.0; 2], 0.25)).chain(ring).collect()
+        }
+        LensAperture::Square { half_width_m } => {
+            let each = GAUSS_3.iter().flat_map(|&(y, wy)| GAUSS_3.map(|(x, wx)| ([x, y], wx * wy)));
+            each.map(|(point, weight)| (point.map(|x| (2.0 * x - 1.0) * half_width_m), weight)).collect()
+        }
+        LensAperture::Hexagon { .. } => {
+            let (side, outer) = (12, aperture.outer_radius_m());
+            let place = |k: usize| ((k as f64 + 0.5) / 6.0 - 1.0) * outer;
+            let all = (0..side * side).map(|k| [place(k % side), place(k / side)]);
+            let inside: Vec<_> = all.filter(|&point| super::lune::is_in_lens(aperture, 0.0, point)).collect();
+            let weight = 1.0 / inside.len() as f64;
+            inside.into_iter().map(|point| (point, weight)).collect()
+        }
+    };
+    points.into_iter().map(|(point, weight)| (super::microlenses::rotate(point, rotation_rad), weight)).collect()
+}
+
+/// A microlens whose light is added.
+struct Microlens<'a> {
+    camera: &'a PlenopticCamera,
+    rule: &'a Rule,
+    center: [f64; 2],
+    /// The center of the micro-image.
+    image: [f64; 2],
+    lens_type: usize,
+}
+
+impl Microlens<'_> {
+    /// The light that the pixel around a place gets: its share of the white image, before the division by that of an
+    /// unvignetted pixel.
+    fn light(&self, middle: [f64; 2], edge: Edge) -> f64 {
+        match edge {
+            Edge::Sharp => {
+                let share = self.covered_share([0.0; 2], middle);
+                if share > 0.0 { share * self.mean_cos4(self.lit_place(middle, share)) } else { 0.0 }
             }
-            LensAperture::Square { half_width_m } => {
-                // Three Gauss-Legendre places an axis.
-                let each = GAUSS_3.iter().flat_map(|&(y, wy)| GAUSS_3.map(|(x, wx)| ([x, y], wx * wy)));
-                each.map(|(point, weight)| weight * at(point.map(|x| (2.0 * x - 1.0) * half_width_m))).sum()
-            }
-            aperture @ LensAperture::Hexagon { .. } => {
-                let (side, outer) = (12, aperture.outer_radius_m());
-                let place = |k: usize| ((k as f64 + 0.5) / 6.0 - 1.0) * outer;
-                let points = (0..side * side).map(|k| [place(k % side), place(k / side)]);
-                let inside = points.filter(|&point| super::lune::is_in_lens(aperture, 0.0, point));
-                let (sum, count) = inside.fold((0.0, 0.0), |(sum, count), point| (sum + at(point), count + 1.0));
-                sum / count
-            }
+            Edge::Narrow => self.rule.over_lens(|point| {
+                let share = self.covered_share(point, middle);
+                let at = [0, 1].map(|k| self.center[k] + point[k]);
+                if share > 0.0 { share * self.camera.cos4(self.lit_place(middle, share), at) } else { 0.0 }
+            }),
+            Edge::Wide(steps) => self.wide(middle, steps),
         }
     }
 
-    /// The share of a pixel that light through one point of a microlens reaches: that of the image of the pupil.
-    fn covered_share(&self, lens: MicrolensIndex, lens_point: [f64; 2], middle: [f64; 2], pixel: f64) -> f64 {
-        let (center, lens_center) = (self.micro_image_center_m(lens), self.lens_center_m(lens));
-        let scale = self.array().gap_m / self.exit_pupil_m();
-        let alpha = self.alpha(self.array().type_of(lens));
-        let radius = scale * self.exit_pupil_radius_m();
-        let from = [0, 1].map(|k| middle[k] - (center[k] + scale * alpha * (lens_point[k] - lens_center[k])));
+    /// The mean of cos^4 over the microlens and a pixel around a place.
+    fn mean_cos4(&self, place: [f64; 2]) -> f64 {
+        if self.rule.cos4.is_empty() {
+            return self
+                .rule
+                .over_lens(|point| self.camera.cos4(place, [self.center[0] + point[0], self.center[1] + point[1]]));
+        }
+        let [x, y] = [place[0] - self.center[0], place[1] - self.center[1]];
+        let at = (x * x + y * y) / self.rule.step;
+        let k = (at as usize).min(ENTRIES - 2);
+        let (low, high) = (self.rule.cos4[k], self.rule.cos4[k + 1]);
+        low + (high - low) * (at - k as f64)
+    }
+
+    /// The middle of the lit part of a pixel that an edge crosses, which lies towards the center.
+    fn lit_place(&self, middle: [f64; 2], share: f64) -> [f64; 2] {
+        if share >= 1.0 {
+            return middle;
+        }
+        let pixel = self.camera.sensor().fill * self.camera.sensor().pixel_m;
+        let away = [self.image[0] - middle[0], self.image[1] - middle[1]];
+        let inwards = (1.0 - share) / 2.0 * pixel / away[0].hypot(away[1]).max(pixel);
+        [middle[0] + away[0] * inwards, middle[1] + away[1] * inwards]
+    }
+
+    /// A wide edge is smooth over a pixel, and cos^4 over all that a pixel sees: the area is integrated over the pixel, and
+    /// the mean of cos^4 is that of its center.
+    fn wide(&self, middle: [f64; 2], steps: usize) -> f64 {
+        let camera = self.camera;
+        let pixel = camera.sensor().fill * camera.sensor().pixel_m;
+        let region = |offset: [f64; 2]| {
+            let place = [0, 1].map(|axis| middle[axis] - self.image[axis] + offset[axis] * pixel);
+            camera.relative_lit_region(place, self.lens_type)
+        };
+        let place = |k: usize| match steps {
+            2 => GAUSS[k],
+            _ => (k as f64 + 0.5) / steps as f64 - 0.5,
+        };
+        let offsets = (0..steps * steps).map(|k| [place(k % steps), place(k / steps)]);
+        if camera.is_masked() {
+            // Counted: many points, which no straight edge follows.
+            return offsets.map(|offset| self.counted(middle, &region(offset))).sum::<f64>() / (steps * steps) as f64;
+        }
+        let area = offsets.map(|offset| region(offset).sampled_area_m2()).sum::<f64>() / (steps * steps) as f64;
+        if area == 0.0 {
+            return 0.0;
+        }
+        let center = region([0.0; 2]);
+        let cos4 = |[x, y]: [f64; 2]| camera.cos4(middle, [self.center[0] + x, self.center[1] + y]);
+        let points = GAUSS_3.iter().flat_map(|&(u, weight)| GAUSS.map(|v| ([u, v + 0.5], weight / 2.0)));
+        let mean = match center.is_empty() {
+            true => camera.cos4(middle, self.center),
+            false => points.filter_map(|(unit, weight)| Some(weight * cos4(center.point(unit)?))).sum(),
+        };
+        area * mean / camera.array().aperture.area_m2()
+    }
+
+    /// The light through a region of which points are counted.
+    fn counted(&self, middle: [f64; 2], region: &super::LitRegion) -> f64 {
+        let camera = self.camera;
+        let steps = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+        let points = (0..256).map(|j| steps.map(|step| ((f64::from(j) + 0.5) * step).fract()));
+        let inside = points.filter_map(|unit| region.point(unit));
+        let cos4 = |[x, y]: [f64; 2]| camera.cos4(middle, [self.center[0] + x, self.center[1] + y]);
+        inside.map(cos4).sum::<f64>() / 256.0 * region.sampled_area_m2() / camera.array().aperture.area_m2()
+    }
+
+    /// The share of a pixel that light through one point of the microlens reaches: that of the image of the pupil.
+    fn covered_share(&self, point: [f64; 2], middle: [f64; 2]) -> f64 {
+        let camera = self.camera;
+        let pixel = camera.sensor().fill * camera.sensor().pixel_m;
+        let scale = camera.array().gap_m / camera.exit_pupil_m();
+        let alpha = camera.alpha(self.lens_type);
+        let radius = scale * camera.exit_pupil_radius_m();
+        let from = [0, 1].map(|k| middle[k] - (self.image[k] + scale * alpha * point[k]));
+        let reach = pixel * std::f64::consts::FRAC_1_SQRT_2;
         let [low, high] = [-0.5, 0.5].map(|side| from.map(|x| (x + side * pixel) / radius));
         let unit = pixel / radius;
-        match self.main_lens().aperture {
+        match camera.main_lens().aperture {
             PupilShape::Square => {
                 let width = [0, 1].map(|k| (high[k].min(1.0) - low[k].max(-1.0)).max(0.0) / unit);
                 width[0] * width[1]
             }
             PupilShape::Round => {
-                let corner = |x: f64, y: f64| quadrant(x, y);
-                let area = corner(high[0], high[1]) - corner(low[0], high[1]) - corner(high[0], low[1])
-                    + corner(low[0], low[1]);
+                let squared = from[0] * from[0] + from[1] * from[1];
+                if reach < radius && squared <= (radius - reach).powi(2) {
+                    return 1.0;
+                }
+                if squared >= (radius + reach).powi(2) {
+                    return 0.0;
+                }
+                let area = quadrant(high[0], high[1]) - quadrant(low[0], high[1]) - quadrant(high[0], low[1])
+                    + quadrant(low[0], low[1]);
                 (area / (unit * unit)).clamp(0.0, 1.0)
             }
         }

@@ -12,28 +12,45 @@ use holo_core::plenoptic::{MicrolensIndex, PlenopticCamera};
 
 use super::CameraRays;
 use crate::accel::{ExactRays, RayHits};
-use crate::sampling::{PixelIds, Points, Purpose, Sampler, hash};
+use crate::sampling::{PixelIds, Points, Purpose, Sampler, hash, morton};
 use crate::simd::{LANES, Lanes};
 
 /// Sixteen pixels, each with a microlens.
 #[derive(Clone, Copy)]
 pub(crate) struct RawPacket {
-    /// -1 for lanes with a pixel, else 0.
-    pub valid: Lanes<i32>,
-    pub ids: PixelIds,
-    /// The index of each pixel in the raw image, row by row.
-    pub pixel: [u32; LANES],
-    /// The centers of the microlenses, m from the axis.
-    center: [[f64; LANES]; 2],
-    /// The centers of the pixels from the centers of the micro-images, m.
-    on_sensor: [[f64; LANES]; 2],
-    lens_type: [u8; LANES],
+    /// The number of lanes with a pixel; lanes after them repeat the last.
+    pub count: u32,
+    /// The rows and columns of the pixels.
+    pub pixel: [[u32; LANES]; 2],
+    /// The microlenses, in the list of [`PlenopticRays`].
+    pub lens: [u32; LANES],
+}
+
+/// A microlens as its rays need it.
+#[derive(Clone, Copy)]
+pub(crate) struct Microlens {
+    /// Its center, m from the axis.
+    center: [f64; 2],
+    /// The center of its micro-image.
+    image: [f64; 2],
+    /// The row and column of the pixel with that center, from which the random numbers of pixels count.
+    corner: [f64; 2],
+    /// What the random numbers of its pixels depend on.
+    id: u32,
+    lens_type: u32,
+}
+
+/// The pixels of some packets and their microlenses.
+#[derive(Default)]
+pub(crate) struct RawPixels {
+    pub packets: Vec<RawPacket>,
+    pub lenses: Vec<Microlens>,
 }
 
 /// The rays of a plenoptic camera through the pixels of some packets.
 pub(crate) struct PlenopticRays {
     camera: PlenopticCamera,
-    packets: Vec<RawPacket>,
+    pixels: RawPixels,
     /// 1 / (the light of an unvignetted pixel on the axis * area of a microlens).
     scale: f64,
     /// Where rays start: at the main lens, if that is in front of the entrance pupil.
@@ -42,72 +59,69 @@ pub(crate) struct PlenopticRays {
     disparity_scale_m_px: f64,
 }
 
-/// The pixels that light reaches through a microlens, as packets in the order of a Morton curve.
-pub(crate) fn packets_of_lens(
-    camera: &PlenopticCamera,
-    lens: MicrolensIndex,
-    scratch: &mut Vec<[u32; 2]>,
-    packets: &mut Vec<RawPacket>,
-) {
-    let size = camera.sensor().size;
-    scratch.clear();
-    for (row, columns) in camera.lit_pixels(lens, 0..size.rows) {
-        scratch.extend(columns.map(|column| [row as u32, column as u32]));
+impl Microlens {
+    pub fn new(camera: &PlenopticCamera, lens: MicrolensIndex) -> Self {
+        let [x, y] = camera.micro_image_center_px(lens).map(f64::floor);
+        Self {
+            center: camera.lens_center_m(lens),
+            image: camera.micro_image_center_m(lens),
+            corner: [y, x],
+            id: hash((lens.row as u32) << 16 ^ hash(lens.column as u32)),
+            lens_type: camera.array().type_of(lens) as u32,
+        }
     }
-    // Blocks of 4 x 4 pixels follow each other, aligned with the micro-image.
-    let [x, y] = camera.micro_image_center_px(lens).map(f64::floor);
-    let place =
-        |&[row, column]: &[u32; 2]| [f64::from(row) - y, f64::from(column) - x].map(|k| (k as i64 + 32_768) as u32);
-    scratch.sort_by_cached_key(|pixel| crate::sampling::morton(place(pixel)));
-    for pixels in scratch.chunks(LANES) {
-        let lane = |k: usize| (pixels[k.min(pixels.len() - 1)], lens);
-        packets.push(RawPacket::new(camera, std::array::from_fn(lane), pixels.len()));
+
+    /// The place of a pixel from the center of the micro-image, as numbers above 0.
+    fn view(&self, pixel: [u32; 2]) -> [u32; 2] {
+        [0, 1].map(|k| (f64::from(pixel[k]) - self.corner[k] + 32_768.0) as u32)
+    }
+}
+
+impl RawPixels {
+    /// Adds the pixels that light reaches through a microlens, as packets in the order of a Morton curve: blocks of 4 x 4
+    /// pixels, aligned with the micro-image, follow each other.
+    pub fn push_lens(&mut self, camera: &PlenopticCamera, lens: MicrolensIndex, scratch: &mut Vec<[u32; 2]>) {
+        let microlens = Microlens::new(camera, lens);
+        scratch.clear();
+        for (row, columns) in camera.lit_pixels(lens, 0..camera.sensor().size.rows) {
+            scratch.extend(columns.map(|column| [row as u32, column as u32]));
+        }
+        scratch.sort_by_cached_key(|&pixel| morton(microlens.view(pixel)));
+        let index = self.lenses.len() as u32;
+        self.lenses.push(microlens);
+        for pixels in scratch.chunks(LANES) {
+            let at = |k: usize| pixels[k.min(pixels.len() - 1)];
+            let pixel = [0, 1].map(|axis| std::array::from_fn(|k| at(k)[axis]));
+            self.packets.push(RawPacket { count: pixels.len() as u32, pixel, lens: [index; LANES] });
+        }
+    }
+
+    /// Adds those of others.
+    pub fn append(&mut self, other: &Self) {
+        let first = self.lenses.len() as u32;
+        self.lenses.extend_from_slice(&other.lenses);
+        let moved = |packet: &RawPacket| RawPacket { lens: packet.lens.map(|lens| lens + first), ..*packet };
+        self.packets.extend(other.packets.iter().map(moved));
     }
 }
 
 impl RawPacket {
-    /// Packet of the first `count` of these pixels, each with its microlens.
-    pub fn new(camera: &PlenopticCamera, pixels: [([u32; 2], MicrolensIndex); LANES], count: usize) -> Self {
-        let mut packet = Self {
-            valid: Lanes(std::array::from_fn(|lane| -i32::from(lane < count))),
-            ids: PixelIds { lens: [0; LANES], view: [[0; LANES]; 2] },
-            pixel: [0; LANES],
-            center: [[0.0; LANES]; 2],
-            on_sensor: [[0.0; LANES]; 2],
-            lens_type: [0; LANES],
-        };
-        let columns = camera.sensor().size.columns as u32;
-        // Lanes of one microlens are common.
-        let mut last = None;
-        for (lane, ([row, column], lens)) in pixels.into_iter().enumerate() {
-            let (center, image, corner) = match last {
-                Some((same, found)) if same == lens => found,
-                _ => {
-                    let corner = camera.micro_image_center_px(lens).map(f64::floor);
-                    (camera.lens_center_m(lens), camera.micro_image_center_m(lens), corner)
-                }
-            };
-            last = Some((lens, (center, image, corner)));
-            let place = camera.place_m([f64::from(column) + 0.5, f64::from(row) + 0.5]);
-            for axis in 0..2 {
-                packet.center[axis][lane] = center[axis];
-                packet.on_sensor[axis][lane] = place[axis] - image[axis];
-            }
-            packet.ids.lens[lane] = hash((lens.row as u32) << 16 ^ hash(lens.column as u32));
-            packet.ids.view[0][lane] = ((f64::from(row) - corner[1]) as i64 + 32_768) as u32;
-            packet.ids.view[1][lane] = ((f64::from(column) - corner[0]) as i64 + 32_768) as u32;
-            packet.pixel[lane] = row * columns + column;
-            packet.lens_type[lane] = camera.array().type_of(lens) as u8;
+    /// -1 for lanes with a pixel, else 0.
+    #[inline(always)]
+    pub fn valid(&self) -> Lanes<i32> {
+        let mut valid = Lanes([0; LANES]);
+        for lane in 0..LANES {
+            valid.0[lane] = -i32::from((lane as u32) < self.count);
         }
-        packet
+        valid
     }
 }
 
 impl PlenopticRays {
-    pub fn new(camera: &PlenopticCamera, packets: Vec<RawPacket>) -> Self {
+    pub fn new(camera: &PlenopticCamera, pixels: RawPixels) -> Self {
         let views = camera.equivalent_views();
         Self {
-            packets,
+            pixels,
             scale: 1.0 / (camera.array().aperture.area_m2() * camera.central_cos4()),
             near: (-camera.entrance_pupil_offset_m() as f32).max(f32::MIN_POSITIVE),
             disparity_scale_m_px: views.baseline_m / views.slope_per_lens,
@@ -117,7 +131,32 @@ impl PlenopticRays {
 
     #[inline(always)]
     pub fn packet(&self, index: usize) -> &RawPacket {
-        &self.packets[index]
+        &self.pixels.packets[index]
+    }
+
+    /// All packets.
+    pub fn packets(&self) -> &[RawPacket] {
+        &self.pixels.packets
+    }
+
+    /// What the random numbers of the pixels depend on.
+    #[inline(always)]
+    pub fn pixel_ids(&self, pixels: &RawPacket) -> PixelIds {
+        let mut ids = PixelIds { lens: [0; LANES], view: [[0; LANES]; 2] };
+        for lane in 0..LANES {
+            let lens = &self.pixels.lenses[pixels.lens[lane] as usize];
+            ids.lens[lane] = lens.id;
+            [ids.view[0][lane], ids.view[1][lane]] = lens.view([pixels.pixel[0][lane], pixels.pixel[1][lane]]);
+        }
+        ids
+    }
+
+    /// The center of a pixel from that of its micro-image, m.
+    #[inline(always)]
+    fn on_sensor(&self, pixels: &RawPacket, lane: usize, lens: &Microlens) -> [f64; 2] {
+        let [row, column] = [pixels.pixel[0][lane], pixels.pixel[1][lane]].map(f64::from);
+        let place = self.camera.place_m([column + 0.5, row + 0.5]);
+        [place[0] - lens.image[0], place[1] - lens.image[1]]
     }
 
     /// Disparity between the views of neighboring pixels, px.
@@ -129,30 +168,38 @@ impl PlenopticRays {
     /// The rays of a sample: from points of the pixels through points of the lit part of their microlenses, with the light
     /// that they stand for; rays without light are not valid.
     #[inline(always)]
-    pub fn sample(&self, pixels: &RawPacket, sampler: &Sampler, sample: u32, packet: &mut RayHits) -> CameraRays {
+    pub fn sample(
+        &self,
+        pixels: &RawPacket,
+        ids: &PixelIds,
+        sampler: &Sampler,
+        sample: u32,
+        packet: &mut RayHits,
+    ) -> CameraRays {
         let center: Points = [[0.5; LANES]; 2];
         let (mut on_lens, mut on_pixel) = (center, center);
         if !sampler.centered {
-            on_lens = sampler.pixel_positions(&pixels.ids, sample);
-            let runs = sampler.runs(&pixels.ids);
+            on_lens = sampler.pixel_positions(ids, sample);
+            let runs = sampler.runs(ids);
             on_pixel = sampler.points(&runs.sequence, &runs.first.map(|first| first + sample), Purpose::SENSOR);
         }
         let width = self.camera.sensor().fill * self.camera.sensor().pixel_m;
-        let mut out = CameraRays { exact: NO_RAYS, weight: [0.0; LANES], valid: pixels.valid, cells: None };
+        let mut out = CameraRays { exact: NO_RAYS, weight: [0.0; LANES], valid: pixels.valid(), cells: None };
         for lane in 0..LANES {
-            let lens_type = usize::from(pixels.lens_type[lane]);
+            let lens = &self.pixels.lenses[pixels.lens[lane] as usize];
+            let lens_type = lens.lens_type as usize;
+            let middle = self.on_sensor(pixels, lane, lens);
             let on_sensor = [
-                pixels.on_sensor[0][lane] + (f64::from(on_pixel[0][lane]) - 0.5) * width,
-                pixels.on_sensor[1][lane] - (f64::from(on_pixel[1][lane]) - 0.5) * width,
+                middle[0] + (f64::from(on_pixel[0][lane]) - 0.5) * width,
+                middle[1] - (f64::from(on_pixel[1][lane]) - 0.5) * width,
             ];
             let region = self.camera.relative_lit_region(on_sensor, lens_type);
             let Some(point) = region.point([f64::from(on_lens[0][lane]), f64::from(on_lens[1][lane])]) else {
                 out.valid.0[lane] = 0;
                 continue;
             };
-            let lens_center = [pixels.center[0][lane], pixels.center[1][lane]];
-            let ray = self.camera.relative_ray(lens_center, lens_type, on_sensor, point);
-            let cos4 = self.camera.relative_cos4(lens_center, on_sensor, point);
+            let ray = self.camera.relative_ray(lens.center, lens_type, on_sensor, point);
+            let cos4 = self.camera.relative_cos4(lens.center, on_sensor, point);
             out.weight[lane] = (region.sampled_area_m2() * cos4 * self.scale) as f32;
             out.exact.origin_x[lane] = ray.origin_m[0];
             out.exact.origin_y[lane] = ray.origin_m[1];
@@ -168,10 +215,9 @@ impl PlenopticRays {
     pub fn chief(&self, pixels: &RawPacket, packet: &mut RayHits) -> ExactRays {
         let mut exact = NO_RAYS;
         for lane in 0..LANES {
-            let lens_center = [pixels.center[0][lane], pixels.center[1][lane]];
-            let on_sensor = [pixels.on_sensor[0][lane], pixels.on_sensor[1][lane]];
-            let lens_type = usize::from(pixels.lens_type[lane]);
-            let ray = self.camera.relative_ray(lens_center, lens_type, on_sensor, [0.0; 2]);
+            let lens = &self.pixels.lenses[pixels.lens[lane] as usize];
+            let on_sensor = self.on_sensor(pixels, lane, lens);
+            let ray = self.camera.relative_ray(lens.center, lens.lens_type as usize, on_sensor, [0.0; 2]);
             exact.origin_x[lane] = ray.origin_m[0];
             exact.origin_y[lane] = ray.origin_m[1];
             exact.direction_x[lane] = ray.direction[0];

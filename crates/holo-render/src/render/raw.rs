@@ -18,7 +18,7 @@ use super::request::{DEPTH_AND_DISPARITY, check_ids};
 use super::transport::{Reuse, TextureFilter, Transport, transport_setters};
 use super::work::{TileOutput, Work};
 use crate::camera::RaySource;
-use crate::camera::plenoptic::{PlenopticRays, RawPacket, packets_of_lens};
+use crate::camera::plenoptic::{Microlens, PlenopticRays, RawPacket, RawPixels};
 use crate::camera::tile::{Tile, Tiling};
 use crate::error::Error;
 use crate::film::inverse_depth;
@@ -31,7 +31,7 @@ use crate::integrator::{Context, Integrator, RayCounts};
 use crate::progress::{Progress, Stop};
 use crate::sampling::{Sampler, Sampling};
 use crate::setters::setters;
-use crate::simd::{self, LANES, Lanes};
+use crate::simd::{self, LANES};
 
 /// The lines of microlenses that are rendered together, counted from line 0 of the array.
 const BAND_LINES: i32 = 16;
@@ -256,13 +256,14 @@ impl Renderer {
         work: &Work,
         image: &mut Sums,
     ) -> Result<RayCounts, Error> {
-        let packets = packets(request, band);
-        let targets: Vec<_> = packets.iter().map(|packet| (packet.valid, packet.pixel)).collect();
-        let tiling = color_tiling(packets.len(), path_tile_pixels(&request.transport, integrator));
-        let zeros = |channels| Array5::zeros((packets.len(), 1, 1, LANES, channels));
+        let pixels = band_pixels(request, band);
+        let tiling = color_tiling(pixels.packets.len(), path_tile_pixels(&request.transport, integrator));
+        let count = pixels.packets.len();
+        let zeros = |channels| Array5::zeros((count, 1, 1, LANES, channels));
         let mut color = zeros(3);
         let mut inverse_depths = image.inverse_depths.is_some().then(|| zeros(inverse_depth::CHANNELS));
-        let context = self.raw_context(request, integrator, packets, work);
+        let rays = PlenopticRays::new(&request.camera, pixels);
+        let context = self.raw_context(request, integrator, rays, work);
         let round = Round { samples: 0..request.transport.samples, wanted: Vec::new() };
         let trace = |tile: &Tile, out: &mut RawTile, scratch: &mut Scratch| {
             let color = out.color.view_mut();
@@ -274,12 +275,13 @@ impl Renderer {
         let outputs = outputs.map(|color| RawTile { color, inverse_depths: depths.next() }).collect();
         let rays = work.run(TileKind::Color, 0, &tiling, outputs, trace)?;
         drop(depths);
-        let first = request.row_range().start * image.color.dim().1;
-        scatter(&targets, &color, first, &mut image.color, |sum, added| {
+        let first = request.row_range().start;
+        let packets = context.camera.raw_packets();
+        scatter(packets, &color, first, &mut image.color, |sum, added| {
             sum.iter_mut().zip(added).for_each(|(sum, value)| *sum += value);
         });
         if let (Some(all), Some(own)) = (&mut image.inverse_depths, &inverse_depths) {
-            scatter(&targets, own, first, all, |sum, added| {
+            scatter(packets, own, first, all, |sum, added| {
                 if let (Ok(a), Ok(b)) = (<[f32; inverse_depth::CHANNELS]>::try_from(&*sum), added.try_into()) {
                     sum.copy_from_slice(&inverse_depth::merged(a, b));
                 }
@@ -297,14 +299,12 @@ impl Renderer {
         layers: &mut Layers<Array3<f32>>,
     ) -> Result<RayCounts, Error> {
         let tiling = Tiling::new(truth_counts(request, &rows));
-        let packets = truth_packets(&request.camera, rows);
-        let targets: Vec<_> = packets.iter().map(|packet| (packet.valid, packet.pixel)).collect();
-        let mut fields: Layers<Array5<f32>> = request
-            .layers
-            .iter()
-            .map(|layer| (layer, Array5::zeros((packets.len(), 1, 1, LANES, layer.channels()))))
-            .collect();
-        let context = self.raw_context(request, Integrator::Depth, packets, work);
+        let pixels = truth_pixels(&request.camera, rows);
+        let count = pixels.packets.len();
+        let mut fields: Layers<Array5<f32>> =
+            request.layers.iter().map(|layer| (layer, Array5::zeros((count, 1, 1, LANES, layer.channels())))).collect();
+        let rays = PlenopticRays::new(&request.camera, pixels);
+        let context = self.raw_context(request, Integrator::Depth, rays, work);
         let mut outputs: Vec<AovTile> = Vec::new();
         for (layer, field) in fields.iter_mut() {
             let cut = tiling.cut(field.view_mut());
@@ -316,10 +316,11 @@ impl Renderer {
             simd::run(DepthTile { context: &context, tile, out, aov })
         };
         let rays = work.run(TileKind::AllLayers, 0, &tiling, outputs, trace)?;
-        let first = request.row_range().start * request.camera.sensor().size.columns;
+        let first = request.row_range().start;
+        let packets = context.camera.raw_packets();
         for ((_, image), (layer, field)) in layers.iter_mut().zip(fields.iter()) {
             debug_assert_eq!(field.dim().4, layer.channels());
-            scatter(&targets, field, first, image, |pixel, value| pixel.copy_from_slice(value));
+            scatter(packets, field, first, image, |pixel, value| pixel.copy_from_slice(value));
         }
         Ok(rays)
     }
@@ -328,7 +329,7 @@ impl Renderer {
         &'a self,
         request: &RawRequest,
         integrator: Integrator,
-        packets: Vec<RawPacket>,
+        rays: PlenopticRays,
         work: &Work<'a>,
     ) -> Context<'a> {
         let transport = &request.transport;
@@ -341,7 +342,7 @@ impl Renderer {
         };
         Context {
             scene: self.scene_data(transport, integrator),
-            camera: RaySource::Plenoptic(Box::new(PlenopticRays::new(&request.camera, packets))),
+            camera: RaySource::Plenoptic(Box::new(rays)),
             sampler,
             policy: self.policy(transport, integrator),
             guides: None,
@@ -351,20 +352,21 @@ impl Renderer {
     }
 }
 
-/// Hands the values of packets to the pixels of an image that begins at pixel `first`; pixels of other rows are left to
+/// Hands the values of packets to the pixels of an image that begins at row `first`; pixels of other rows are left to
 /// others.
 fn scatter(
-    targets: &[(Lanes<i32>, [u32; LANES])],
+    packets: &[RawPacket],
     field: &Array5<f32>,
     first: usize,
     image: &mut Array3<f32>,
     put: impl Fn(&mut [f32], &[f32]),
 ) {
-    let channels = field.dim().4;
+    let (columns, channels) = (image.dim().1, field.dim().4);
     let (pixels, values) = (image.as_slice_mut().unwrap_or_default(), field.as_slice().unwrap_or_default());
-    for ((valid, pixel), values) in targets.iter().zip(values.chunks_exact(channels * LANES)) {
-        for lane in (0..LANES).filter(|&lane| valid.0[lane] != 0) {
-            let Some(place) = (pixel[lane] as usize).checked_sub(first) else { continue };
+    for (packet, values) in packets.iter().zip(values.chunks_exact(channels * LANES)) {
+        for lane in 0..packet.count as usize {
+            let Some(row) = (packet.pixel[0][lane] as usize).checked_sub(first) else { continue };
+            let place = row * columns + packet.pixel[1][lane] as usize;
             if let Some(pixel) = pixels.get_mut(channels * place..channels * (place + 1)) {
                 put(pixel, &values[channels * lane..channels * (lane + 1)]);
             }
@@ -380,20 +382,20 @@ fn zeros(request: &RawRequest, channels: usize) -> Result<Array3<f32>, Error> {
     Ok(field.into_elemental_grid().or_else(|field| field.to_elemental_grid())?)
 }
 
-/// All microlenses of a line, as packets.
-fn line_packets(camera: &PlenopticCamera, line: i32) -> Vec<RawPacket> {
-    let (mut scratch, mut packets) = (Vec::new(), Vec::new());
-    for lens in camera.lenses_on_line(line, 0..camera.sensor().size.rows) {
-        packets_of_lens(camera, lens, &mut scratch, &mut packets);
-    }
-    packets
-}
-
-/// The packets of a band in the order of its microlenses.
-fn packets(request: &RawRequest, band: &Band) -> Vec<RawPacket> {
-    let lines: Vec<Vec<RawPacket>> =
-        band.lines.clone().into_par_iter().map(|line| line_packets(&request.camera, line)).collect();
-    lines.concat()
+/// The pixels of a band in the order of its microlenses.
+fn band_pixels(request: &RawRequest, band: &Band) -> RawPixels {
+    let camera = &request.camera;
+    let of_line = |line: i32| {
+        let (mut scratch, mut pixels) = (Vec::new(), RawPixels::default());
+        for lens in camera.lenses_on_line(line, 0..camera.sensor().size.rows) {
+            pixels.push_lens(camera, lens, &mut scratch);
+        }
+        pixels
+    };
+    let lines: Vec<RawPixels> = band.lines.clone().into_par_iter().map(of_line).collect();
+    let mut all = RawPixels::default();
+    lines.iter().for_each(|line| all.append(line));
+    all
 }
 
 /// The bands that light the requested rows. Their boundaries are the same for any rows.
@@ -436,21 +438,25 @@ fn truth_counts(request: &RawRequest, rows: &Range<usize>) -> [usize; 4] {
 }
 
 /// The pixels of some rows in blocks, each with the microlens that owns it.
-fn truth_packets(camera: &PlenopticCamera, rows: Range<usize>) -> Vec<RawPacket> {
+fn truth_pixels(camera: &PlenopticCamera, rows: Range<usize>) -> RawPixels {
     let columns = camera.sensor().size.columns;
-    let blocks: Vec<(usize, usize)> = rows
-        .clone()
-        .step_by(BLOCK)
-        .flat_map(|row| (0..columns).step_by(BLOCK).map(move |column| (row, column)))
-        .collect();
-    let packet = |&(row, column): &(usize, usize)| {
-        let pixel = |k: usize| {
-            let (row, column) = ((row + k / BLOCK).min(rows.end - 1), (column + k % BLOCK).min(columns - 1));
-            let owner = camera.owner(camera.place_m([column as f64 + 0.5, row as f64 + 0.5]));
-            ([row as u32, column as u32], owner)
-        };
-        // Lanes beyond the edges repeat its pixels: they are rendered again, to the same values.
-        RawPacket::new(camera, std::array::from_fn(pixel), LANES)
-    };
-    blocks.par_iter().map(packet).collect()
+    let mut pixels = RawPixels::default();
+    let mut known: std::collections::BTreeMap<MicrolensIndex, u32> = std::collections::BTreeMap::new();
+    for row in rows.clone().step_by(BLOCK) {
+        for column in (0..columns).step_by(BLOCK) {
+            // Lanes beyond the edges repeat its pixels: they are rendered again, to the same values.
+            let mut packet = RawPacket { count: LANES as u32, pixel: [[0; LANES]; 2], lens: [0; LANES] };
+            for k in 0..LANES {
+                let (row, column) = ((row + k / BLOCK).min(rows.end - 1), (column + k % BLOCK).min(columns - 1));
+                let owner = camera.owner(camera.place_m([column as f64 + 0.5, row as f64 + 0.5]));
+                [packet.pixel[0][k], packet.pixel[1][k]] = [row as u32, column as u32];
+                packet.lens[k] = *known.entry(owner).or_insert_with(|| {
+                    pixels.lenses.push(Microlens::new(camera, owner));
+                    pixels.lenses.len() as u32 - 1
+                });
+            }
+            pixels.packets.push(packet);
+        }
+    }
+    pixels
 }
