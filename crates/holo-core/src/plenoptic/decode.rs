@@ -56,7 +56,8 @@ impl PlenopticCamera {
     /// Decodes a raw image to views: looks raw and white image up around the center of every micro-image, one pixel from
     /// view to view, and divides one by the other.
     ///
-    /// View (t, s) of `views` x `views` sees what the pixels (s - views/2, t - views/2) from the centers see. The pixels of
+    /// View (t, s) of `views` x `views` sees what the pixels (s - views/2, t - views/2) from the centers see, in the directions
+    /// of the array. The pixels of
     /// a view are the microlenses of a square array without rotation whose center is a microlens or a point between
     /// four; otherwise they are a square grid along the array, through the axis, and interpolated between microlenses:
     /// rows of a hexagonal array that are sqrt(3)/2 pitches apart, along each row.
@@ -93,6 +94,14 @@ impl PlenopticCamera {
         let channels = raw.dim().2;
         let mut color = field(shape, channels)?;
         let mut weight = field(shape, 1)?;
+        // Viewpoints lie along the directions of the array, as the pixels of the views do.
+        let offsets: Vec<[f64; 2]> = (0..views * views)
+            .map(|k| {
+                let [s, t] = [k % views, k / views].map(|k| k as f64 - (views / 2) as f64);
+                let [x, y] = super::microlenses::rotate([s, -t], self.array().rotation_rad);
+                [x, -y]
+            })
+            .collect();
         let rows: Vec<_> = color.axis_iter_mut(Axis(0)).zip(weight.axis_iter_mut(Axis(0))).enumerate().collect();
         rows.into_par_iter().for_each(|(v, (mut color, mut weight))| {
             let mut sums = vec![0.0; channels];
@@ -100,7 +109,7 @@ impl PlenopticCamera {
                 let neighbors = self.neighbors(&grid, v, u);
                 for t in 0..views {
                     for s in 0..views {
-                        let from_center = [s, t].map(|k| k as f64 - (views / 2) as f64);
+                        let from_center = offsets[t * views + s];
                         sums.fill(0.0);
                         let (mut light, mut share) = (0.0, 0.0);
                         for (center, part) in &neighbors {
@@ -144,7 +153,9 @@ impl PlenopticCamera {
         };
         // From the axis to the nearest border, in places, less the half micro-image that views take.
         let scale = self.micro_image_scale() * spacing_m / sensor.pixel_m;
-        let margin = (views / 2) as f64 + 1.0;
+        // Places between microlenses need those around them.
+        let around = if is_exact { 0.0 } else { self.micro_image_pitch_px() };
+        let margin = (views / 2) as f64 + 1.0 + around;
         let axis = self.position_px([0.0; 2]);
         let (sin, cos) = array.rotation_rad.sin_cos();
         let counts = [(axis[0], sensor.size.columns), (axis[1], sensor.size.rows)].map(|(middle, count)| {

@@ -467,3 +467,48 @@ fn impossible_cameras_are_errors() {
     let behind = PlenopticCamera::new(*sound.sensor(), sound.array().clone(), lens).expect("a camera");
     assert!(behind.equivalent_rig(GridSize::new(3, 3), GridSize::new(3, 3), 20e-6, 1.0).is_err());
 }
+
+/// Views of a pattern on a plane, from rays through the centers of microlenses: those of the rig, rotated with the array.
+#[test]
+fn decoded_views_are_those_of_the_rotated_rig() {
+    let size = GridSize::new(900, 1000);
+    for (grid, rotation_rad, offset_m) in [
+        (MicrolensGrid::Square, 0.0, [0.0; 2]),
+        (MicrolensGrid::Square, 0.0, [17e-6, -9e-6]),
+        (MicrolensGrid::Square, 0.3, [0.0; 2]),
+        (MicrolensGrid::HexRows, -0.2, [5e-6, 0.0]),
+        (MicrolensGrid::HexColumns, 0.1, [0.0; 2]),
+    ] {
+        let mut array = MicrolensArray::new(grid, 70e-6, 392e-6);
+        (array.rotation_rad, array.offset_m) = (rotation_rad, offset_m);
+        let camera = PlenopticCamera::new(ImageSensor::new(size, 5e-6), array, MainLens::new(0.05, 5.6, 0.5));
+        let camera = camera.expect("a camera");
+        let views = camera.equivalent_views();
+        // A disparity of 1.5 px a view.
+        let depth = 1.0 / (1.5 * views.slope_per_lens / views.baseline_m + views.inverse_focus_per_m);
+        let period = 25.0 * views.slope_per_lens * depth;
+        let pattern = |origin: [f64; 2], direction: [f64; 2]| {
+            let [x, y] = [0, 1].map(|k| (origin[k] + depth * direction[k]) * 2.0 * PI / period);
+            0.5 + 0.25 * (x.cos() + (y + 0.3 * x).sin())
+        };
+        let raw = ndarray::Array3::from_shape_fn((size.rows, size.columns, 1), |(row, column, _)| {
+            let place = camera.place_m([column as f64 + 0.5, row as f64 + 0.5]);
+            let lens = camera.owner(place);
+            let ray = camera.ray(place, camera.lens_center_m(lens), lens);
+            pattern(ray.origin_m, ray.direction) as f32
+        });
+        let white = ndarray::Array2::from_elem((size.rows, size.columns), 1.0);
+        let decoded = camera.decode(raw.view(), white.view(), 9).expect("views");
+        assert_eq!(decoded.roll_rad, rotation_rad);
+        let mut worst = 0f64;
+        for ((v, u, t, s, _), &value) in decoded.light_field.samples().indexed_iter() {
+            let ray = decoded.rig.ray(v, u, t, s, 0.5, 0.5);
+            let turned = |[x, y, _]: [f64; 3]| super::microlenses::rotate([x, y], rotation_rad);
+            let expected = pattern(turned(ray.origin_m), turned(ray.direction));
+            worst = worst.max((expected - f64::from(value)).abs());
+        }
+        println!("{grid:?} {rotation_rad}: {:?}, off by {worst:.4}", decoded.rig.shape().lenses());
+        // Linear interpolation of a period of 25: (2 pi / 25)^2 / 8 of each of its three waves, and of 19 along y.
+        assert!(worst < 0.015, "{grid:?} {rotation_rad} {offset_m:?}: {worst}");
+    }
+}
