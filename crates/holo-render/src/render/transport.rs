@@ -27,7 +27,7 @@ pub struct Transport {
     /// Whether paths with low throughput may be terminated by Russian roulette (unbiased).
     pub roulette: bool,
     /// The target of the relative standard error of each pixel for adaptive sampling; `samples` is then the maximum per
-    /// pixel. `None`: all pixels get `samples`. With [`Denoise::Views`] it is the error after the reconstruction, estimated
+    /// pixel. `None`: all pixels get `samples`. With [`Denoise::Views`](crate::Denoise::Views) it is the error after the reconstruction, estimated
     /// in rounds after 4, 8, 16, ... samples; shards then render 7 more lens rows on either side for every round.
     pub target_error: Option<f64>,
     /// Whether `Auto` includes indirect illumination between diffuse surfaces. Otherwise paths continue only from metal
@@ -52,7 +52,7 @@ pub struct Transport {
     /// Whether neighboring views share the light that their rays find.
     pub reuse: Reuse,
     /// Whether the textures of the surfaces that camera rays hit are averaged over the part of the pixel that a sample
-    /// stands for. Not with [`Denoise::Views`]: its windows hold so many samples that the bias would be what is left.
+    /// stands for. Not with [`Denoise::Views`](crate::Denoise::Views): its windows hold so many samples that the bias would be what is left.
     pub texture_filter: TextureFilter,
 }
 
@@ -134,8 +134,8 @@ pub enum Reuse {
     /// The views of a group of 4 x 4 share samples of the environment and what their scattered rays find: for direct light,
     /// and on diffuse surfaces for paths. There is less noise in every view, and about the same in the mean of a group: the
     /// noise that is left is correlated. Direct light of a sky gains most (5 to 7 times in error x time). Without effect
-    /// on single samples, which are for speed, on lists of views, with [`Denoise::Views`], which uses the same samples,
-    /// and with [`Request::indirect_limit`], [`Request::transparent_shadows`] or blended alpha.
+    /// on single samples, which are for speed, on lists of views, with [`Denoise::Views`](crate::Denoise::Views), which uses the same samples,
+    /// and with [`Transport::indirect_limit`], [`Transport::transparent_shadows`] or blended alpha.
     #[default]
     Views,
 }
