@@ -9,7 +9,6 @@ use crate::Error;
 use crate::images::{self, Images};
 use crate::layers::{self, Wanted};
 use crate::output_folder::OutputFolder;
-use crate::raw;
 use crate::spec::{Exposure, LayerChoice, Output, RenderSpec};
 use crate::warning::RenderWarning;
 
@@ -44,7 +43,7 @@ pub fn validate(spec: &RenderSpec) -> Result<(), Error> {
     if spec.outputs.contains(&Output::H5) {
         return Err(images::without_hdf5());
     }
-    if let Some(output) = spec.outputs.iter().find(|output| raw::OUTPUTS.contains(output)) {
+    if let Some(output) = spec.outputs.iter().find(|output| Output::RAW.contains(output)) {
         let name = output.name();
         return Err(Error::BadRequest(format!("--write {name} is of a plenoptic camera; give one with --camera-file")));
     }

@@ -28,9 +28,6 @@ const RAW_EXR: &str = "raw.exr";
 const RAW_PNG: &str = "raw_linear.png";
 pub(crate) const CENTERS_CSV: &str = "centers.csv";
 
-/// The outputs of a raw image; all of them without a request.
-pub(crate) const OUTPUTS: [Output; 4] = [Output::Raw, Output::RawPng, Output::White, Output::Centers];
-
 /// One raw image: a scene, a plenoptic camera, and how it is rendered.
 #[derive(Clone, Debug)]
 pub struct RawJob {
@@ -164,7 +161,7 @@ impl RawJob {
 
     fn validate(&self) -> Result<(), Error> {
         let bad = |what: String| Err(Error::BadRequest(what));
-        if let Some(output) = self.spec.outputs.iter().find(|output| !OUTPUTS.contains(output)) {
+        if let Some(output) = self.spec.outputs.iter().find(|output| !Output::RAW.contains(output)) {
             let name = output.name();
             return bad(format!(
                 "--write {name} is of rendered views; a plenoptic camera writes raw, raw-png, white and centers, and \

@@ -262,6 +262,11 @@ pub enum Output {
     Centers,
 }
 
+impl Output {
+    /// Those of the raw image of a plenoptic camera: all of them without a request.
+    pub(crate) const RAW: [Self; 4] = [Self::Raw, Self::RawPng, Self::White, Self::Centers];
+}
+
 impl Default for RenderSpec {
     fn default() -> Self {
         Self {
