@@ -36,8 +36,8 @@ pub fn section(options: &RunOptions) -> Section {
     let divisions = match options.quick {
         true => vec![Division { views: 100, rows: 4, reference: 128, scenes: vec!["plaster".into()] }],
         false => vec![
-            Division { views: 100, rows: 12, reference: 512, scenes: all.collect() },
-            Division { views: 20, rows: 40, reference: 256, scenes: FEW_VIEWS.map(String::from).into() },
+            Division { views: 100, rows: 8, reference: 512, scenes: all.collect() },
+            Division { views: 20, rows: 24, reference: 256, scenes: FEW_VIEWS.map(String::from).into() },
         ],
     };
     let mut table = Table::new(&[
