@@ -7,6 +7,18 @@ fn engine(name: &str) -> &str {
     name.split_once('/').map_or(name, |(engine, _)| engine)
 }
 
+/// The name of Embree 4.4.0 in the lists: its intersections with AVX-512 and with AVX2 differ in their last bits. `None` for
+/// a processor without either, of which nothing is pinned.
+pub fn embree() -> Option<&'static str> {
+    #[cfg(target_arch = "x86_64")]
+    if std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512vl") {
+        return Some("embree-4.4.0");
+    } else if std::is_x86_feature_detected!("avx2") {
+        return Some("embree-4.4.0-avx2");
+    }
+    None
+}
+
 /// Fails if a digest of `found` differs from the file `list` or is not in it, or if a digest of the list is missing for
 /// an engine that ran. Digests that `is_optional` accepts depend on the build and may be missing.
 ///
