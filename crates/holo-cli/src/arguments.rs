@@ -18,14 +18,14 @@ use holo_core::{GridSize, Layout, Projection, Sensor};
 use holo_dataset::options::{
     parse_bit_depth, parse_light_units, parse_not_negative, parse_positive, parse_range, parse_sensor,
 };
-use holo_dataset::{Exposure, Focus, LayerChoice, Output, Shard, Sky};
+use holo_dataset::{Exposure, Focus, LayerChoice, Output, Shard, Sky, Tool};
 use holo_io::MatOrder;
 use holo_render::{Backend, Denoise, GroundTruth, Integrator, Reuse, TextureFilter};
 use holo_scene::gltf::LightUnits;
 
 use choices::{
     BACKENDS, DENOISE, GROUND_TRUTHS, INTEGRATORS, LAYERS, LAYOUTS, MAT_ORDERS, OUTPUTS, PROJECTIONS, REUSE,
-    TEXTURE_FILTERS, choice,
+    TEXTURE_FILTERS, TOOLS, choice,
 };
 
 pub use camera::{CameraOptions, DecodeOptions, TargetOptions, WhiteOptions};
@@ -104,9 +104,14 @@ pub struct RenderOptions {
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Plenoptic camera instead of a rig of views: a camera file (TOML), or a preset of `holo camera`. The pose is that of
-    /// the scene's camera; --focus-m and --f-number replace those of the file.
+    /// the scene's camera; --focus-m and --f-number replace those of the file. --reuse, --texture-filter and --checkpoint
+    /// have no effect.
     #[arg(long, value_name = "FILE|PRESET", conflicts_with_all = ["views", "lenses", "sensor", "baseline_m", "focal_mm", "sensor_mm", "projection", "disparity", "shard"])]
     pub camera_file: Option<String>,
+    /// Programs that the raw image of a plenoptic camera is also written for, separated by commas: a folder each, with a
+    /// README.txt.
+    #[arg(long = "for", value_name = "TOOL,..", value_parser = choice(TOOLS), value_delimiter = ',', requires = "camera_file")]
+    pub tools: Vec<Tool>,
     #[command(flatten)]
     pub rig: RigOptions,
     #[command(flatten)]

@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use crate::console::out;
 use crate::failure::Failure;
 
-/// One number, a range of two, or a size.
+/// One number, a range of two, a size, or a matrix.
 pub struct Quantity {
     pub key: String,
     pub name: String,
@@ -25,6 +25,7 @@ impl Quantity {
             None => value.as_str().unwrap_or_default().to_owned(),
         };
         match &self.value {
+            Value::Array(rows) if rows.iter().any(Value::is_array) => "with --json".into(),
             Value::Array(ends) => ends.iter().map(number).collect::<Vec<_>>().join(" to "),
             Value::Object(size) => format!("{} x {}", size["columns"], size["rows"]),
             other => number(other),

@@ -4,6 +4,7 @@ mod baseline_ratio;
 mod builder;
 mod intrinsics;
 mod rig;
+mod two_plane;
 
 pub use baseline_ratio::BaselineRatio;
 pub use builder::RigBuilder;

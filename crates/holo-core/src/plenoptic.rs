@@ -28,22 +28,28 @@
 
 mod camera;
 mod decode;
+mod distortion;
 mod equivalent;
 mod lune;
 mod main_lens;
+mod microlens;
 mod microlenses;
 mod presets;
 mod projection;
+mod pupil_shape;
 mod white;
 
-pub use camera::{ImageSensor, PlenopticCamera, PlenopticRay};
+pub use camera::{ImageSensor, PlenopticCamera};
 pub use decode::Decoded;
+pub use distortion::Distortion;
 pub use equivalent::EquivalentViews;
 pub use lune::LitRegion;
-pub use main_lens::{ArrayFocus, MainLens, PupilShape};
+pub use main_lens::{ArrayFocus, MainLens, Stop};
+pub use microlens::{Microlens, PlenopticRay};
 pub use microlenses::{LensAperture, MicrolensArray, MicrolensFocus, MicrolensGrid, MicrolensIndex};
 pub use presets::{Preset, presets};
 pub use projection::{MicroImagePoint, PlenopticMode};
+pub use pupil_shape::PupilShape;
 
 #[cfg(test)]
 mod tests;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use holo_core::plenoptic::Decoded;
 use holo_core::{DynImage, Rig};
-use holo_io::{CameraFile, FileFormat, Limits, Manifest, ParametersCfg};
+use holo_io::{CameraFile, FileFormat, Limits, Manifest, ManifestValue, ParametersCfg, Sha256, dataset, hash_file};
 use holo_render::{Integrator, Layer, LayerSet, Layers, RayCounts, Rendered, Renderer};
 use holo_scene::Transform;
 use ndarray::{Array2, Array3, Axis};
@@ -12,17 +12,18 @@ use ndarray::{Array2, Array3, Axis};
 use crate::Error;
 use crate::diagnostics::Diagnostics;
 use crate::files::{Traced, exposure_ev, write};
+use crate::identity::check_replaceable;
 use crate::layers::Wanted;
 use crate::output_folder::{OutputFolder, Rollback};
 use crate::prepare::prepare_scene;
-use crate::raw::write_white;
+use crate::raw::{lit_white_image, write_white};
 use crate::source::SceneSource;
 use crate::spec::{EngineSpec, Output, RenderSpec};
 
 /// A raw image, a white image and their camera.
 #[derive(Clone, Debug)]
 pub struct DecodeJob {
-    /// The raw image: OpenEXR, or PNG in linear light.
+    /// The raw image: OpenEXR, or PNG in linear light, whose views have its scale: 1 is the brightest code.
     pub raw: PathBuf,
     /// The white image; `None`: that of the camera without dirt and noise.
     pub white: Option<PathBuf>,
@@ -46,28 +47,75 @@ impl DecodeJob {
         Self { raw, white: None, camera, views: None, scene: None, spec, engine: EngineSpec::default() }
     }
 
+    /// Checks that the folder `out` holds no other image: it has no manifest, or one of the same images, camera and scene.
+    ///
+    /// # Errors
+    /// [`Error::BadRequest`] if there is another image; [`Error::Io`] if a file cannot be read, or the manifest of the
+    /// folder is damaged.
+    pub fn check_replaceable(&self, out: &Path) -> Result<(), Error> {
+        check_replaceable(out, || self.identity(), |_| None)
+    }
+
+    /// What identifies the job in a manifest.
+    fn identity(&self) -> Result<Manifest, Error> {
+        let mut manifest = Manifest::default();
+        manifest.versions.insert("holo".into(), env!("CARGO_PKG_VERSION").into());
+        let mut set = |key: &str, value: ManifestValue| drop(manifest.settings.insert(key.into(), value));
+        set("decoded", "views of a plenoptic camera: raw image / white image".into());
+        set("camera-file", self.camera.name.clone().into());
+        set("camera_sha256", Sha256::of(self.camera.to_toml().as_bytes()).to_string().into());
+        set("raw_sha256", hash_file(&self.raw)?.sha256.to_string().into());
+        if let Some(white) = &self.white {
+            set("white_sha256", hash_file(white)?.sha256.to_string().into());
+        }
+        if let Some(views) = self.views {
+            set("decoded-views", views.into());
+        }
+        if let Some(scene) = &self.scene {
+            set("scene_sha256", scene.sha256()?.to_string().into());
+        }
+        Ok(manifest)
+    }
+
+    /// Whether an input lies in a folder whose files will be replaced.
+    fn check_inputs(&self, out: &Path) -> Result<(), Error> {
+        let replaced = out.join(dataset::MANIFEST_JSON).is_file().then(|| std::fs::canonicalize(out).ok()).flatten();
+        for path in std::iter::once(&self.raw).chain(&self.white) {
+            let folder = std::fs::canonicalize(path).ok().and_then(|path| path.parent().map(Path::to_path_buf));
+            if folder.is_some() && folder == replaced {
+                let (path, out) = (path.display(), out.display());
+                return Err(Error::BadRequest(format!(
+                    "{path} lies in {out}, whose files are replaced; choose another --out"
+                )));
+            }
+        }
+        Ok(())
+    }
+
     /// Decodes into the folder `out`, which then holds a light field as a render writes it. Returns its rig and the names
     /// of its files.
     ///
     /// # Errors
-    /// [`Error::Io`] if an image cannot be read or a file cannot be written; [`Error::Core`] if they do not fit the camera,
-    /// or it has no views; those of a render for the ground truth.
+    /// [`Error::BadRequest`] if an image lies in a folder whose files would be replaced; [`Error::Io`] if an image cannot be
+    /// read or a file cannot be written; [`Error::Core`] if they do not fit the camera, or it has no views; those of a
+    /// render for the ground truth.
     pub fn run(
         &self,
         out: &Path,
         diagnostics: &dyn Diagnostics,
         rollback: &Rollback,
     ) -> Result<(Rig, Vec<String>), Error> {
+        self.check_inputs(out)?;
         let camera = &self.camera.camera;
         let views = self.views.map_or_else(|| camera.decodable_views(), Ok)?;
         let raw = read_linear(&self.raw)?;
         let white = match &self.white {
             Some(path) => read_linear(path)?.index_axis_move(Axis(2), 0),
-            None => camera.white_image()?,
+            None => lit_white_image(&self.camera)?,
         };
         let decoded = camera.decode(raw.view(), white.view(), views)?;
         drop(raw);
-        let folder = OutputFolder::create(out, rollback)?;
+        let mut folder = OutputFolder::create(out, rollback)?;
         let central = self.truth(&decoded, diagnostics)?;
         let mut spec = self.spec.clone();
         if central.iter().next().is_none() && spec.outputs.is_empty() {
@@ -75,14 +123,7 @@ impl DecodeJob {
             spec.outputs = vec![Output::Vpi, Output::El, Output::Mat];
         }
         let rig = decoded.rig;
-        let mut manifest = Manifest { rig: Some(rig), ..Manifest::default() };
-        manifest.versions.insert("holo".into(), env!("CARGO_PKG_VERSION").into());
-        manifest.settings.insert("decoded".into(), "views of a plenoptic camera: raw image / white image".into());
-        manifest.settings.insert("camera-file".into(), self.camera.name.clone().into());
-        manifest
-            .settings
-            .insert("camera_sha256".into(), holo_io::Sha256::of(self.camera.to_toml().as_bytes()).to_string().into());
-        manifest.settings.insert("raw_sha256".into(), holo_io::hash_file(&self.raw)?.sha256.to_string().into());
+        let manifest = Manifest { rig: Some(rig), ..self.identity()? };
         let rendered = Rendered {
             color: Some(decoded.light_field),
             error: None,
@@ -100,7 +141,7 @@ impl DecodeJob {
         let traced =
             Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m: None, warnings: Vec::new() };
         let weight = decoded.weight.view(views / 2, views / 2)?.index_axis(Axis(2), 0).to_owned();
-        let mut folder = folder;
+        folder.unseal()?;
         write_white(&mut folder, "scene_weight", &weight)?;
         Ok((rig, write(&spec, traced, ev, folder)?.files))
     }
@@ -149,7 +190,8 @@ fn read_linear(path: &Path) -> Result<Array3<f32>, Error> {
 /// `white_fN.exr` and `white_fN.png` of each. Returns the names of the files.
 ///
 /// # Errors
-/// [`Error::BadRequest`] for an impossible f-number; [`Error::Core`] if there is not enough memory; [`Error::Io`] if files
+/// [`Error::BadRequest`] for an impossible f-number, a camera whose sensor no light reaches, and a folder with a manifest,
+/// whose files are not this function's; [`Error::Core`] if there is not enough memory; [`Error::Io`] if files
 /// cannot be written.
 pub fn write_white_images(
     camera: &CameraFile,
@@ -157,6 +199,10 @@ pub fn write_white_images(
     out: &Path,
     rollback: &Rollback,
 ) -> Result<Vec<String>, Error> {
+    if out.join(dataset::MANIFEST_JSON).is_file() {
+        let out = out.display();
+        return Err(Error::BadRequest(format!("{out} holds another image, with a manifest; choose another --out")));
+    }
     let mut cameras = vec![("white".to_owned(), camera.clone())];
     for f_number in f_numbers {
         let stopped = camera.clone().with_f_number(*f_number).map_err(Error::BadRequest)?;
@@ -165,7 +211,7 @@ pub fn write_white_images(
     let mut folder = OutputFolder::create_plain(out, rollback)?;
     let mut names = Vec::new();
     for (stem, camera) in cameras {
-        write_white(&mut folder, &stem, &camera.camera.white_image()?)?;
+        write_white(&mut folder, &stem, &lit_white_image(&camera)?)?;
         names.extend([format!("{stem}.exr"), format!("{stem}.png")]);
     }
     folder.keep();

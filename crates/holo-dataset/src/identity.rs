@@ -1,6 +1,31 @@
-//! What distinguishes two renders by their manifests.
+//! What distinguishes two results by their manifests.
 
-use holo_io::{Manifest, ManifestValue};
+use std::path::Path;
+
+use holo_io::{Manifest, ManifestValue, dataset};
+
+use crate::Error;
+
+/// Checks that a folder has no manifest, or one of a result with the same identity. Results that another version or
+/// backend made of the same may be replaced. `other` returns a further reason why the result is another one.
+pub(crate) fn check_replaceable(
+    out: &Path,
+    identity: impl FnOnce() -> Result<Manifest, Error>,
+    other: impl FnOnce(&Manifest) -> Option<String>,
+) -> Result<(), Error> {
+    let path = out.join(dataset::MANIFEST_JSON);
+    if !path.is_file() {
+        return Ok(());
+    }
+    let mut older = Manifest::read(&path)?;
+    let identity = identity()?;
+    let further = other(&older);
+    older.versions.clone_from(&identity.versions);
+    let advice = "give --overwrite to replace it, or another --out";
+    further
+        .or_else(|| difference(&older, &identity))
+        .map_or(Ok(()), |why| Err(Error::BadRequest(format!("{} holds another image: {why}; {advice}", out.display()))))
+}
 
 /// The first difference between the manifest of an older result and the identity of a job.
 pub(crate) fn difference(manifest: &Manifest, identity: &Manifest) -> Option<String> {

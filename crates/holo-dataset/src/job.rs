@@ -4,14 +4,14 @@ use std::path::Path;
 use std::time::Instant;
 
 use holo_core::{GridSize, LightFieldShape};
-use holo_io::{CameraPose, Manifest, ManifestValue, ParametersCfg, dataset};
+use holo_io::{CameraPose, Manifest, ManifestValue, ParametersCfg};
 use holo_render::{Denoise, GroundTruth, Integrator, Layer, Progress, Rendered, Renderer, Request, Reuse, Transport};
 use ndarray::{Array2, Axis};
 
 use crate::checkpoint::{Checkpoints, Keeper};
 use crate::diagnostics::{About, Diagnostics};
 use crate::files::{Traced, exposure_ev, outputs, validate, write};
-use crate::identity::difference;
+use crate::identity::check_replaceable;
 use crate::images;
 use crate::layers::Wanted;
 use crate::options::{self, Options, denoise_name, integrator_name, texture_filter_name};
@@ -160,22 +160,10 @@ impl RenderJob {
     /// [`Error::BadRequest`] if there is another image; [`Error::Scene`] and [`Error::Failed`] if the scene or the
     /// environment map cannot be read; [`Error::Io`] if the manifest of the folder is damaged.
     pub fn check_replaceable(&self, out: &Path, shard: Option<Shard>) -> Result<(), Error> {
-        let path = out.join(dataset::MANIFEST_JSON);
-        if !path.is_file() {
-            return Ok(());
-        }
-        let mut older = Manifest::read(&path)?;
-        let is_shard = shard::of_manifest(&older);
-        let identity = self.identity("")?;
-        older.versions.clone_from(&identity.versions);
-        let why = match (is_shard, shard) {
-            (one, other) if one != other => Some("it is another part of an image".to_owned()),
-            _ => difference(&older, &identity),
+        let other = |older: &Manifest| {
+            (shard::of_manifest(older) != shard).then(|| "it is another part of an image".to_owned())
         };
-        let advice = "give --overwrite to replace it, or another --out";
-        why.map_or(Ok(()), |why| {
-            Err(Error::BadRequest(format!("{} holds another image: {why}; {advice}", out.display())))
-        })
+        check_replaceable(out, || self.identity(""), other)
     }
 
     /// Loads the scene, builds the acceleration structure and determines the focus: the first steps of

@@ -1,11 +1,12 @@
 //! The optics of rigs and plenoptic cameras as named numbers.
 
-use holo_core::GridSize;
-use holo_core::optics::{DepthRange, DisparityRange, Optics};
+use holo_core::optics::{CameraDesign, DepthRange, DisparityRange, Optics, rig_for_disparities};
 use holo_core::plenoptic::{PlenopticCamera, PlenopticMode};
+use holo_core::{GridSize, Intrinsics, LightFieldShape, Remainder, Rig, automatic_baseline_m};
 use serde_json::{Value, json};
 
 use crate::Error;
+use crate::spec::{Focus, RigSpec};
 use crate::text::json_number;
 
 /// The wavelength of the Airy disc, m: green light.
@@ -133,6 +134,8 @@ pub fn rig_optics(
         let pixel = optics.pixel_size_m(rig.focus_distance_m()) * 1e3;
         row("pixel_at_focus_mm", "a pixel of a view at the focus", json_number(pixel), "mm");
     }
+    let matrix = rig.intrinsic_matrix(1).map(|row| Value::Array(row.map(json_number).to_vec()));
+    row("intrinsic_matrix", "ray (x, y, dx, dy, 1) of (s, t, u, v, 1), from 1", Value::Array(matrix.to_vec()), "");
     let smooth = optics.angular_depth_of_field(1.0)?;
     row("smooth_depths_m", "depths that move at most 1 px a view", range(smooth), "m");
     let sharp = optics.defocus_depth_of_field(circle_px)?;
@@ -150,4 +153,72 @@ pub fn rig_optics(
         }
     }
     Ok(rows)
+}
+
+/// Returns the rig that a specification describes without a scene: with `depths` instead, for disparities and an automatic
+/// focus, and the pitch of the microlenses instead of a number of views.
+///
+/// # Errors
+/// [`Error::BadRequest`] if disparities or focus need depths, or there is no focal length; [`Error::Core`] for an impossible
+/// rig.
+pub fn planned_rig(spec: &RigSpec, lens_pitch_mm: Option<f64>, depths: Option<DepthRange>) -> Result<Rig, Error> {
+    let focal_mm = spec.focal_mm.ok_or_else(|| Error::BadRequest("give a focal length: --focal-mm".into()))?;
+    // Divided, because 1e-3 is not exact: 36 mm times it is not 0.036 m.
+    let intrinsics = Intrinsics { focal_length_m: focal_mm / 1e3, sensor_size_m: spec.sensor_mm / 1e3 };
+    let f_number = spec.f_number_or_default();
+    if let Some(lens_pitch_mm) = lens_pitch_mm {
+        let design = CameraDesign {
+            sensor: spec.sensor,
+            sensor_size_m: intrinsics.sensor_size_m,
+            lens_pitch_m: lens_pitch_mm / 1e3,
+            focal_length_m: intrinsics.focal_length_m,
+            f_number,
+            focus_distance_m: 1.0,
+        };
+        let shape = design.sensor_division()?.shape;
+        return match rig_with_disparities(spec, depths, intrinsics, shape)? {
+            Some(rig) => Ok(rig),
+            None => Ok(CameraDesign { focus_distance_m: planned_focus_m(spec, depths)?, ..design }.rig()?),
+        };
+    }
+    let shape = match spec.lenses {
+        Some(lenses) => LightFieldShape::new(spec.views, lenses)?,
+        None => spec.sensor.divide(spec.views, Remainder::Crop)?.shape,
+    };
+    if let Some(rig) = rig_with_disparities(spec, depths, intrinsics, shape)? {
+        return Ok(rig);
+    }
+    let baseline_m = match spec.baseline_m {
+        Some(baseline_m) => baseline_m,
+        None => automatic_baseline_m(intrinsics.focal_length_m, f_number, spec.views)?,
+    };
+    rig(shape, intrinsics, baseline_m, planned_focus_m(spec, depths)?)
+}
+
+fn rig(shape: LightFieldShape, intrinsics: Intrinsics, baseline_m: f64, focus_distance_m: f64) -> Result<Rig, Error> {
+    Ok(Rig::builder(shape).intrinsics(intrinsics).baseline_m(baseline_m).focus_distance_m(focus_distance_m).build()?)
+}
+
+/// The rig with the disparities of the specification, if there are any.
+fn rig_with_disparities(
+    spec: &RigSpec,
+    depths: Option<DepthRange>,
+    intrinsics: Intrinsics,
+    shape: LightFieldShape,
+) -> Result<Option<Rig>, Error> {
+    let Some((min_px, max_px)) = spec.disparity_px else { return Ok(None) };
+    let depths = depths.ok_or_else(|| Error::BadRequest("--disparity of which depths? give --depths-m".into()))?;
+    let found = rig_for_disparities(depths, DisparityRange { min_px, max_px }, intrinsics, shape.lenses())?;
+    rig(shape, intrinsics, found.baseline_m, found.focus_distance_m).map(Some)
+}
+
+fn planned_focus_m(spec: &RigSpec, depths: Option<DepthRange>) -> Result<f64, Error> {
+    match (spec.focus, depths) {
+        (Focus::Meters(focus_m), _) => Ok(focus_m),
+        // The harmonic mean, as a render does it: it halves the range of disparities.
+        (Focus::Automatic, Some(depths)) => Ok(2.0 * depths.near_m / (1.0 + depths.near_m / depths.far_m)),
+        (Focus::Automatic, None) => {
+            Err(Error::BadRequest("where is the focus? give --focus-m, or --depths-m and it lies between them".into()))
+        }
+    }
 }

@@ -5,14 +5,18 @@ use std::path::Path;
 use std::time::Instant;
 
 use holo_core::plenoptic::{MicrolensIndex, PlenopticCamera, PlenopticMode};
-use holo_core::{GridSize, LightField, LightFieldOwned, LightFieldShape};
-use holo_io::{CameraFile, ColorEncoding, Compression, ExrChannel, Manifest, ManifestValue, Sha256, dataset};
-use holo_render::{Integrator, Layer, LayerSet, Progress, RawRendered, RawRequest, RayCounts, Renderer, exposure};
-use ndarray::{Array2, Array3, Axis};
+use holo_core::{GridSize, LightField, LightFieldShape};
+use holo_io::interop::micro_images;
+use holo_io::{CameraFile, ColorEncoding, Compression, ExrChannel, Manifest, ManifestValue, Sha256};
+use holo_render::{
+    GroundTruth, Integrator, Layer, LayerSet, Progress, RawRendered, RawRequest, RayCounts, Renderer, exposure,
+};
+use ndarray::{Array2, Array3, Axis, Zip};
 use serde_json::{Value, json};
 
 use crate::diagnostics::{About, Diagnostics};
-use crate::identity::difference;
+use crate::exports::Tool;
+use crate::identity::check_replaceable;
 use crate::job::{source_identity, transport};
 use crate::options::{self, Options, integrator_name};
 use crate::output_folder::{OutputFolder, Rollback};
@@ -37,6 +41,8 @@ pub struct RawJob {
     pub camera: CameraFile,
     /// What to render. Of [`RenderSpec::rig`] the name of the scene's camera alone counts.
     pub spec: RenderSpec,
+    /// The programs that it is also written for.
+    pub tools: Vec<Tool>,
     /// The ray tracing backend and the number of threads.
     pub engine: EngineSpec,
     /// The specification as text, for the manifest.
@@ -72,7 +78,7 @@ impl RawJob {
     #[must_use]
     pub fn new(source: SceneSource, camera: CameraFile, spec: RenderSpec) -> Self {
         let options = spec.to_options();
-        Self { source, camera, spec, engine: EngineSpec::default(), options }
+        Self { source, camera, spec, tools: Vec::new(), engine: EngineSpec::default(), options }
     }
 
     /// Replaces the text of the specification in the manifest, for example by the options as they were typed. The path
@@ -83,36 +89,21 @@ impl RawJob {
         Self { options, ..self }
     }
 
-    /// Sets the ray tracing backend and the number of threads.
-    #[must_use]
-    pub fn with_engine(self, engine: EngineSpec) -> Self {
-        Self { engine, ..self }
-    }
-
     /// Checks that the folder `out` holds no other image, as [`RenderJob::check_replaceable`](crate::RenderJob).
     ///
     /// # Errors
     /// As there.
     pub fn check_replaceable(&self, out: &Path) -> Result<(), Error> {
-        let path = out.join(dataset::MANIFEST_JSON);
-        if !path.is_file() {
-            return Ok(());
-        }
-        let mut older = Manifest::read(&path)?;
-        let identity = self.identity("")?;
-        older.versions.clone_from(&identity.versions);
-        let advice = "give --overwrite to replace it, or another --out";
-        difference(&older, &identity).map_or(Ok(()), |why| {
-            Err(Error::BadRequest(format!("{} holds another image: {why}; {advice}", out.display())))
-        })
+        check_replaceable(out, || self.identity(""), |_| None)
     }
 
     /// Renders into the folder `out`.
     ///
     /// # Errors
-    /// [`Error::BadRequest`] if the specification contradicts itself; [`Error::Scene`] and [`Error::Failed`] if the
-    /// scene or the environment map cannot be read; [`Error::Render`] for errors and cancellation of the renderer;
-    /// [`Error::Io`] if files cannot be written. Files and folders that the run created are removed then.
+    /// [`Error::BadRequest`] if the specification contradicts itself, or no light reaches the sensor; [`Error::Scene`] and
+    /// [`Error::Failed`] if the scene or the environment map cannot be read; [`Error::Render`] for errors and
+    /// cancellation of the renderer; [`Error::Io`] if files cannot be written. Files and folders that the run created are
+    /// removed then.
     pub fn run(
         &self,
         out: &Path,
@@ -123,6 +114,12 @@ impl RawJob {
         let start = Instant::now();
         self.validate()?;
         warnings(&self.camera).iter().for_each(|line| diagnostics.report(About::Setup, &format!("warning: {line}")));
+        let [width, height] = self.camera.camera.angles_of_view_rad().map(f64::to_degrees);
+        let note = format!(
+            "note: the angle of view of the scene's camera is not used; this one sees {width:.1} x {height:.1} degrees"
+        );
+        diagnostics.report(About::Setup, &note);
+        let white = lit_white_image(&self.camera)?;
         let folder = OutputFolder::create(out, rollback)?;
         let sky = Some(&self.spec.sky);
         let prepared = prepare_scene((&self.source, &self.spec.scene), &self.spec.rig, &self.engine, sky, diagnostics)?;
@@ -132,7 +129,6 @@ impl RawJob {
             let note = "note: the scene has no light sources, so there is no color, only ground truth; try --sky auto";
             diagnostics.report(About::Scene, note);
         }
-        let white = prepared.renderer.install(|| self.camera.camera.white_image())?;
         let (render, writing) = (rendering.elapsed().as_secs_f64(), Instant::now());
         folder.unseal()?;
         let (rays, integrator, why) = (rendered.rays, rendered.integrator, rendered.why.clone());
@@ -168,8 +164,19 @@ impl RawJob {
                  `holo decode` makes views of them"
             ));
         }
+        self.tools.iter().try_for_each(|tool| tool.check(&self.camera.camera))?;
+        if let (Some(tool), Integrator::Depth) = (self.tools.first(), self.spec.integrator) {
+            return bad(format!("--integrator depth renders no color; remove --for {}", tool.name()));
+        }
         if self.spec.denoise != holo_render::Denoise::Off {
             return bad("--denoise views needs views; render the raw image of a plenoptic camera without it".into());
+        }
+        if self.spec.ground_truth == GroundTruth::All {
+            return bad(
+                "--ground-truth all is of rendered views; the layers of a raw image are those of its pixels, and `holo \
+                 decode --scene` adds those of the central view"
+                    .into(),
+            );
         }
         if self.spec.layers.contains(&LayerChoice::Error) {
             return bad("--layers error is of rendered views; remove it".into());
@@ -214,6 +221,10 @@ impl RawJob {
         let mut manifest = source_identity(&self.source, &self.spec, &self.options, backend)?;
         let camera = Sha256::of(self.camera.to_toml().as_bytes());
         manifest.settings.insert("camera_sha256".into(), camera.to_string().into());
+        if !self.tools.is_empty() {
+            let names = self.tools.iter().map(|tool| tool.name().into()).collect();
+            manifest.settings.insert("for".into(), ManifestValue::List(names));
+        }
         Ok(manifest)
     }
 
@@ -255,13 +266,17 @@ impl RawJob {
             write_white(&mut folder, "white", &white)?;
         }
         self.write_layers(&mut folder, &rendered, &white)?;
-        drop(white);
         if let Some(color) = rendered.color.take() {
+            let ev = exposure_ev(&color, self.spec.exposure)?;
+            for tool in &self.tools {
+                tool.write(&mut folder, camera, color.view(), &white, ev)?;
+            }
+            drop(white);
             if wants(Output::Raw) {
                 write_raw_exr(&mut folder, RAW_EXR, &color)?;
             }
             if wants(Output::RawPng) {
-                let (image, ev) = encoded(color, self.spec.exposure)?;
+                let image = encoded(color, ev);
                 let path = folder.file(RAW_PNG);
                 folder.add(RAW_PNG, holo_io::write_png(path, image.view(), ColorEncoding::Linear, Compression::Best)?);
                 manifest.exposure_ev = Some(ev);
@@ -305,6 +320,19 @@ impl RawJob {
     }
 }
 
+/// The white image of a camera, of which a pixel is lit at least.
+pub(crate) fn lit_white_image(file: &CameraFile) -> Result<Array2<f32>, Error> {
+    let white = file.camera.white_image()?;
+    match white.iter().any(|&light| light > 0.0) {
+        true => Ok(white),
+        false => Err(Error::BadRequest(format!(
+            "no light reaches the sensor of the camera '{}': its micro-images lie beside the sensor or between the \
+             light-sensitive parts of its pixels; check mla.offset_um, main_lens.f_number and sensor.fill",
+            file.name
+        ))),
+    }
+}
+
 /// Writes a white image as EXR, and as a PNG of 16 bits in linear light, 1 being the brightest pixel.
 pub(crate) fn write_white(folder: &mut OutputFolder, stem: &str, white: &Array2<f32>) -> Result<(), Error> {
     let (exr, png) = (format!("{stem}.exr"), format!("{stem}.png"));
@@ -333,44 +361,33 @@ pub(crate) fn write_raw(
     wanted: Exposure,
 ) -> Result<(), Error> {
     write_raw_exr(folder, &format!("{stem}.exr"), &color)?;
-    let (image, _) = encoded(color, wanted)?;
+    let ev = exposure_ev(&color, wanted)?;
+    let image = encoded(color, ev);
     let name = format!("{stem}.png");
     let path = folder.file(&name);
     folder.add(name, holo_io::write_png(path, image.view(), ColorEncoding::Linear, Compression::Best)?);
     Ok(())
 }
 
-/// Raw color as codes of 16 bits in linear light: 65,535 is the radiance 2^-EV.
-fn encoded(color: Array3<f32>, wanted: Exposure) -> Result<(Array3<u16>, f64), Error> {
+/// The exposure of raw color.
+fn exposure_ev(color: &Array3<f32>, wanted: Exposure) -> Result<f64, Error> {
+    if let Exposure::Ev(ev) = wanted {
+        return Ok(ev);
+    }
     let (rows, columns, _) = color.dim();
     let shape = LightFieldShape::new(GridSize::new(1, 1), GridSize::new(rows, columns))?;
-    let color: LightFieldOwned<f32> = LightField::from_elemental_grid(color, shape)?;
-    let ev = match wanted {
-        Exposure::Ev(ev) => ev,
-        Exposure::Automatic => exposure::automatic_exposure(&color),
-    };
+    Ok(exposure::automatic_exposure(&LightField::from_elemental_grid(color.view(), shape)?))
+}
+
+/// Raw color as codes of 16 bits in linear light: 65,535 is the radiance 2^-EV.
+fn encoded(color: Array3<f32>, ev: f64) -> Array3<u16> {
     let scale = (65_535.0 * ev.exp2()) as f32;
-    let color = color.into_elemental_grid().or_else(|color| color.to_elemental_grid())?;
-    Ok((color.mapv(|value| (value * scale).round().clamp(0.0, 65_535.0) as u16), ev))
+    color.mapv(|value| (value * scale).round().clamp(0.0, 65_535.0) as u16)
 }
 
-/// The micro-images whose centers lie on the sensor, with those centers in px, row by row.
-pub(crate) fn on_sensor(camera: &PlenopticCamera) -> Vec<(MicrolensIndex, [f64; 2])> {
-    let size = camera.sensor().size;
-    let is_on_sensor = |[x, y]: [f64; 2]| x >= 0.0 && y >= 0.0 && x < size.columns as f64 && y < size.rows as f64;
-    let mut all: Vec<(MicrolensIndex, [f64; 2])> = camera
-        .lens_lines(0..size.rows)
-        .flat_map(|line| camera.lenses_on_line(line, 0..size.rows).collect::<Vec<_>>())
-        .map(|lens| (lens, camera.micro_image_center_px(lens)))
-        .filter(|(_, center)| is_on_sensor(*center))
-        .collect();
-    all.sort_by_key(|(lens, _)| *lens);
-    all
-}
-
-/// The lowest row and column of them, from which files count.
+/// The lowest row and column of the micro-images on the sensor, from which files count.
 pub(crate) fn first_indices(camera: &PlenopticCamera) -> (i32, i32) {
-    let all = on_sensor(camera);
+    let all = micro_images(camera);
     let first = |of: fn(&MicrolensIndex) -> i32| all.iter().map(|(lens, _)| of(lens)).min().unwrap_or(0);
     (first(|lens| lens.row), first(|lens| lens.column))
 }
@@ -381,7 +398,7 @@ pub(crate) fn centers(camera: &PlenopticCamera) -> String {
     use fmt::Write as _;
     let (first_row, first_column) = first_indices(camera);
     let mut text = String::from("k,l,u,v\n");
-    for (lens, [x, y]) in on_sensor(camera) {
+    for (lens, [x, y]) in micro_images(camera) {
         let (k, l) = (lens.column - first_column, lens.row - first_row);
         // Writing to a string does not fail.
         let _ = writeln!(text, "{k},{l},{},{}", x - 0.5, y - 0.5);
@@ -398,10 +415,12 @@ fn raw_layer(
 ) -> Option<Array2<f32>> {
     let owner = |row: usize, column: usize| camera.owner(camera.place_m([column as f64 + 0.5, row as f64 + 0.5]));
     let lens_type = |row: usize, column: usize| camera.array().type_of(owner(row, column));
-    let image = |value: &dyn Fn(usize, usize) -> f32| {
-        Some(Array2::from_shape_fn(white.dim(), |(row, column)| value(row, column)))
+    let image = |value: &(dyn Fn(usize, usize) -> f32 + Sync)| {
+        let mut image = Array2::zeros(white.dim());
+        Zip::indexed(&mut image).par_for_each(|(row, column), pixel| *pixel = value(row, column));
+        Some(image)
     };
-    let of_depth = |value: &dyn Fn(f64, usize) -> f64| {
+    let of_depth = |value: &(dyn Fn(f64, usize) -> f64 + Sync)| {
         let depth_m = rendered.layers.depth_m()?;
         image(&|row, column| value(f64::from(depth_m[[row, column, 0]]), lens_type(row, column)) as f32)
     };

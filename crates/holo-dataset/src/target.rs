@@ -4,15 +4,15 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use holo_core::GridSize;
-use holo_core::plenoptic::MicrolensIndex;
-use holo_io::{CameraFile, Manifest};
+use holo_io::{CameraFile, Manifest, ManifestValue, Sha256};
 use holo_render::{Integrator, LayerSet, Progress, RawRequest, Renderer};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
 use serde::Deserialize;
 
 use crate::Error;
+use crate::identity::check_replaceable;
 use crate::output_folder::{OutputFolder, Rollback};
-use crate::raw::{CAMERA_TOML, CENTERS_CSV, centers, first_indices, on_sensor, write_raw, write_white};
+use crate::raw::{CAMERA_TOML, CENTERS_CSV, centers, first_indices, lit_white_image, write_raw, write_white};
 use crate::spec::{EngineSpec, Exposure};
 
 /// How far from the edge of a micro-image corners are listed, px: less than half of a detector's window is cut off.
@@ -89,12 +89,13 @@ impl TargetJob {
     pub fn run(&self, out: &Path, progress: &dyn Progress, rollback: &Rollback) -> Result<(Vec<String>, usize), Error> {
         let poses = self.validated_poses()?;
         let camera = &self.camera.camera;
+        let white = lit_white_image(&self.camera)?;
         let mut folder = OutputFolder::create(out, rollback)?;
         folder.unseal()?;
         let text = self.camera.to_toml();
         folder.add(CAMERA_TOML, holo_io::write_file(folder.file(CAMERA_TOML), text.as_bytes())?);
         folder.add(CENTERS_CSV, holo_io::write_file(folder.file(CENTERS_CSV), centers(camera).as_bytes())?);
-        write_white(&mut folder, "white", &camera.white_image()?)?;
+        write_white(&mut folder, "white", &white)?;
         let mut table = String::from("k,l,u,v,rho,cluster,frame,x,y,z,type,visible\n");
         let mut count = 0;
         for (frame, pose) in poses.iter().enumerate() {
@@ -110,13 +111,30 @@ impl TargetJob {
             write_raw(&mut folder, &format!("frame_{frame:02}"), color, Exposure::Ev(0.0))?;
         }
         folder.add("corners.csv", holo_io::write_file(folder.file("corners.csv"), table.as_bytes())?);
+        Ok((folder.seal(self.identity())?, count))
+    }
+
+    /// Checks that the folder `out` holds no other images: it has no manifest, or one of the same target.
+    ///
+    /// # Errors
+    /// [`Error::BadRequest`] if there are others; [`Error::Io`] if the manifest of the folder is damaged.
+    pub fn check_replaceable(&self, out: &Path) -> Result<(), Error> {
+        check_replaceable(out, || Ok(self.identity()), |_| None)
+    }
+
+    /// What identifies the job in a manifest.
+    fn identity(&self) -> Manifest {
         let mut manifest = Manifest { seed: self.seed, ..Manifest::default() };
         manifest.versions.insert("holo".into(), env!("CARGO_PKG_VERSION").into());
-        manifest.settings.insert("camera-file".into(), self.camera.name.clone().into());
-        manifest.settings.insert("checkerboard".into(), self.corners.to_string().into());
-        manifest.settings.insert("square-mm".into(), (1e3 * self.square_m).into());
-        manifest.settings.insert("spp".into(), self.samples.into());
-        Ok((folder.seal(manifest)?, count))
+        let mut set = |key: &str, value: ManifestValue| drop(manifest.settings.insert(key.into(), value));
+        set("camera-file", self.camera.name.clone().into());
+        set("camera_sha256", Sha256::of(self.camera.to_toml().as_bytes()).to_string().into());
+        set("checkerboard", self.corners.to_string().into());
+        set("square-mm", (1e3 * self.square_m).into());
+        set("spp", self.samples.into());
+        let numbers = self.poses.iter().flat_map(|pose| pose.position_m.into_iter().chain(pose.rotation_deg));
+        set("poses", ManifestValue::List(numbers.map(ManifestValue::Float).collect()));
+        manifest
     }
 
     /// The poses, or five around the focus.
@@ -158,7 +176,8 @@ impl TargetJob {
         let camera = &self.camera.camera;
         let size = camera.sensor().size;
         let (first_row, first_column) = first_indices(camera);
-        let lenses: Vec<MicrolensIndex> = on_sensor(camera).into_iter().map(|(lens, _)| lens).collect();
+        // How far from the center of a micro-image corners are listed: its radius is that of the pupil, for all types.
+        let listed_px = camera.micro_image_radii_m(0)[1] / camera.sensor().pixel_m - BORDER_PX;
         let mut count = 0;
         for row in 0..self.corners.rows {
             for column in 0..self.corners.columns {
@@ -168,20 +187,13 @@ impl TargetJob {
                 let normal = placed.columns[2];
                 let is_visible = normal.iter().zip(&point).map(|(n, p)| -n * p).sum::<f64>() > 0.0;
                 let cluster = row * self.corners.columns + column;
-                for &lens in &lenses {
+                for lens in camera.lenses_seeing(point, listed_px) {
                     let Some(found) = camera.project(point, lens) else { continue };
-                    let center = camera.micro_image_center_px(lens);
                     let [u, v] = found.position_px;
-                    let lens_type = camera.array().type_of(lens);
-                    let radius = camera.micro_image_radii_m(lens_type)[1] / camera.sensor().pixel_m;
-                    let is_inside = (u - center[0]).hypot(v - center[1]) <= radius - BORDER_PX
-                        && u >= 0.0
-                        && v >= 0.0
-                        && u <= size.columns as f64
-                        && v <= size.rows as f64;
-                    if !is_inside {
+                    if !(0.0..=size.columns as f64).contains(&u) || !(0.0..=size.rows as f64).contains(&v) {
                         continue;
                     }
+                    let lens_type = camera.array().type_of(lens);
                     let (k, l) = (lens.column - first_column, lens.row - first_row);
                     let rho = -found.blur_radius_px;
                     let [x, y, z] = point;

@@ -3,6 +3,7 @@
 //! ```toml
 //! name = "bench camera"
 //! # preset = "lytro-illum"           # then only what differs
+//! # approximate = true               # some numbers are guesses
 //! [sensor]
 //! size_px = [560, 420]               # columns, rows
 //! pixel_um = 5.0
@@ -17,30 +18,36 @@
 //! gap_um = 400.0                     # from the array to the sensor
 //! focal_um = [400.0]                 # one to three; "pupil" images the exit pupil onto the sensor
 //! aperture = { shape = "square", width_um = 70.85 }   # round, hexagon
+//! gaps = "opaque"                    # clear: light passes between the microlenses
+//! tilt_deg = [0.0, 0.0]              # the gap grows to the right and up
 //! [main_lens]
 //! focal_mm = 40.0
 //! f_number = 5.5
-//! aperture = "round"                 # square
+//! aperture = "round"                 # square, { blades = 7, rotation_deg = 10.0 }
 //! exit_pupil_mm = 60.0               # from the array; left out: in the lens
 //! focus_m = 0.5                      # or mla_distance_mm
 //! focus_virtual_depth = 0.0          # focused cameras: where the image of focus_m lies, in gaps behind the array
+//! stops = [{ distance_mm = 25.0, diameter_mm = 14.0 }]  # further ones, in front of the lens
+//! distortion = { radial_m2 = [0.0, 0.0, 0.0], tangential_m = [0.0, 0.0] }  # of places on the array, in 1/m^2, 1/m^4, 1/m^6
 //! ```
 //!
-//! Left out, `fill` and `scale_y` are 1, offsets and rotation 0, `focal_um` is the gap, microlenses are round and touch each
+//! Left out, `fill` and `scale_y` are 1, offsets, rotation and tilt 0, gaps opaque, stops and distortion none, `focal_um` is the gap, microlenses are round and touch each
 //! other, the main aperture is round and its pupil lies in the lens.
 
 use std::fmt::Write as _;
 use std::path::Path;
 
+use holo_core::meters_to_millimeters;
 use holo_core::plenoptic::{
-    ArrayFocus, ImageSensor, LensAperture, MainLens, MicrolensArray, MicrolensFocus, MicrolensGrid, PlenopticCamera,
-    Preset, PupilShape, presets,
+    ArrayFocus, LensAperture, MainLens, MicrolensFocus, PlenopticCamera, Preset, PupilShape, presets,
 };
-use holo_core::{GridSize, meters_to_millimeters, millimeters_to_meters};
 use serde::Deserialize;
+use tables::{MainLensTable, MlaTable, SensorTable, grid_name, um};
 
 use crate::Error;
 use crate::limits::read_small_file;
+
+mod tables;
 
 /// The largest camera file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -49,12 +56,8 @@ const MAX_BYTES: u64 = 1 << 20;
 const SIMILAR: f64 = 0.6;
 
 /// Keys of the design of a camera that are not supported yet.
-const LATER: [(&str, &str); 16] = [
+const LATER: [(&str, &str); 11] = [
     ("storage", "raw images are stored upright"),
-    ("tilt_deg", "arrays are parallel to the sensor"),
-    ("gaps", "arrays are opaque between the microlenses"),
-    ("stops", "the pupil is the only stop"),
-    ("distortion", "main lenses have no distortion"),
     ("cfa", "raw images are linear RGB without noise"),
     ("bits", "raw images are linear RGB without noise"),
     ("black", "raw images are linear RGB without noise"),
@@ -65,7 +68,6 @@ const LATER: [(&str, &str); 16] = [
     ("dsnu_e", "raw images are linear RGB without noise"),
     ("hot_share", "raw images are linear RGB without noise"),
     ("electrons_at_one", "raw images are linear RGB without noise"),
-    ("blades", "main apertures are round or square"),
 ];
 
 /// A camera with its name.
@@ -75,7 +77,7 @@ pub struct CameraFile {
     pub name: String,
     /// The camera.
     pub camera: PlenopticCamera,
-    /// Whether some numbers are guesses, because those of the preset are not published.
+    /// Whether some numbers are guesses: as the file says it, else as its preset.
     pub is_approximate: bool,
 }
 
@@ -84,57 +86,10 @@ pub struct CameraFile {
 struct Document {
     name: Option<String>,
     preset: Option<String>,
+    approximate: Option<bool>,
     sensor: SensorTable,
     mla: MlaTable,
     main_lens: MainLensTable,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-struct SensorTable {
-    size_px: Option<[usize; 2]>,
-    pixel_um: Option<f64>,
-    fill: Option<f64>,
-    offset_um: Option<[f64; 2]>,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-struct MlaTable {
-    grid: Option<String>,
-    pitch_um: Option<f64>,
-    scale_y: Option<f64>,
-    rotation_deg: Option<f64>,
-    offset_um: Option<[f64; 2]>,
-    gap_um: Option<f64>,
-    focal_um: Option<FocalLengths>,
-    aperture: Option<ApertureTable>,
-}
-
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "expected one to three numbers in mla.focal_um, or \"pupil\"")]
-enum FocalLengths {
-    Word(String),
-    Lengths(Vec<f64>),
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ApertureTable {
-    shape: String,
-    width_um: f64,
-}
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-struct MainLensTable {
-    focal_mm: Option<f64>,
-    f_number: Option<f64>,
-    aperture: Option<String>,
-    exit_pupil_mm: Option<f64>,
-    focus_m: Option<f64>,
-    focus_virtual_depth: Option<f64>,
-    mla_distance_mm: Option<f64>,
 }
 
 impl CameraFile {
@@ -199,7 +154,8 @@ impl CameraFile {
         let lens = document.main_lens.lens(base)?;
         let camera = PlenopticCamera::new(sensor, array, lens).map_err(|why| keyed(&why, &document.main_lens))?;
         let name = document.name.or(document.preset).unwrap_or_else(|| name.to_owned());
-        Ok(Self { name, camera, is_approximate: preset.is_some_and(|preset| preset.is_approximate) })
+        let is_approximate = document.approximate.or(preset.map(|preset| preset.is_approximate));
+        Ok(Self { name, camera, is_approximate: is_approximate.unwrap_or(false) })
     }
 
     /// Returns the camera focused at another depth, in meters.
@@ -207,7 +163,7 @@ impl CameraFile {
     /// # Errors
     /// A message, if the lens cannot be focused there.
     pub fn with_focus_m(self, depth_m: f64) -> Result<Self, String> {
-        let mut lens = *self.camera.main_lens();
+        let mut lens = self.camera.main_lens().clone();
         let virtual_depth = match lens.focus {
             ArrayFocus::Depth { virtual_depth, .. } => virtual_depth,
             ArrayFocus::Distance { .. } => 0.0,
@@ -221,7 +177,7 @@ impl CameraFile {
     /// # Errors
     /// A message, if it is not above 0.
     pub fn with_f_number(self, f_number: f64) -> Result<Self, String> {
-        let lens = MainLens { f_number, ..*self.camera.main_lens() };
+        let lens = MainLens { f_number, ..self.camera.main_lens().clone() };
         self.with_lens(lens)
     }
 
@@ -246,7 +202,7 @@ impl CameraFile {
         };
         line("name", toml_string(&self.name));
         if self.is_approximate {
-            line("# approximate", "some numbers of this camera are not published, and guesses".into());
+            line("approximate", "true # some numbers of this camera are not published, and guesses".into());
         }
         line("\n[sensor]\nsize_px", format!("[{}, {}]", sensor.size.columns, sensor.size.rows));
         line("pixel_um", format!("{:?}", um(sensor.pixel_m)));
@@ -272,10 +228,18 @@ impl CameraFile {
         };
         let width = um(2.0 * array.aperture.half_width_m());
         line("aperture", format!("{{ shape = \"{shape}\", width_um = {width:?} }}"));
+        line("gaps", if array.has_clear_gaps { "\"clear\"" } else { "\"opaque\"" }.into());
+        line("tilt_deg", format!("{:?}", array.tilt_rad.map(f64::to_degrees)));
         line("\n[main_lens]\nfocal_mm", format!("{:?}", meters_to_millimeters(lens.focal_length_m)));
         line("f_number", format!("{:?}", lens.f_number));
-        let round = lens.aperture == PupilShape::Round;
-        line("aperture", if round { "\"round\"" } else { "\"square\"" }.into());
+        let aperture = match lens.aperture {
+            PupilShape::Round => "\"round\"".into(),
+            PupilShape::Square => "\"square\"".into(),
+            PupilShape::Polygon { blades, rotation_rad } => {
+                format!("{{ blades = {blades}, rotation_deg = {:?} }}", rotation_rad.to_degrees())
+            }
+        };
+        line("aperture", aperture);
         if let Some(exit_m) = lens.exit_pupil_m {
             line("exit_pupil_mm", format!("{:?}", meters_to_millimeters(exit_m)));
         }
@@ -288,160 +252,19 @@ impl CameraFile {
                 line("focus_virtual_depth", format!("{virtual_depth:?}"));
             }
         }
+        if !lens.stops.is_empty() {
+            let millimeters = |meters: f64| format!("{:?}", meters_to_millimeters(meters));
+            let stops = lens.stops.iter().map(|stop| {
+                let (distance, diameter) = (millimeters(stop.distance_m), millimeters(stop.diameter_m));
+                format!("{{ distance_mm = {distance}, diameter_mm = {diameter} }}")
+            });
+            line("stops", format!("[{}]", stops.collect::<Vec<_>>().join(", ")));
+        }
+        if !lens.distortion.is_none() {
+            let (radial, tangential) = (lens.distortion.radial, lens.distortion.tangential);
+            line("distortion", format!("{{ radial_m2 = {radial:?}, tangential_m = {tangential:?} }}"));
+        }
         text
-    }
-}
-
-impl SensorTable {
-    fn sensor(&self, base: Option<&PlenopticCamera>) -> Result<ImageSensor, String> {
-        let base = base.map(PlenopticCamera::sensor);
-        let size = match self.size_px {
-            Some([columns, rows]) => GridSize::new(rows, columns),
-            None => base.map(|base| base.size).ok_or_else(|| missing("sensor.size_px"))?,
-        };
-        let pixel_m = length("sensor.pixel_um", self.pixel_um, base.map(|base| base.pixel_m))?;
-        let fill = positive("sensor.fill", self.fill.or(base.map(|base| base.fill)).unwrap_or(1.0))?;
-        let offset_m = offset("sensor.offset_um", self.offset_um, base.map(|base| base.offset_m))?;
-        Ok(ImageSensor { size, pixel_m, fill, offset_m })
-    }
-}
-
-impl MlaTable {
-    fn array(&self, base: Option<&PlenopticCamera>) -> Result<MicrolensArray, String> {
-        let base = base.map(PlenopticCamera::array);
-        let grid = match &self.grid {
-            Some(name) => [MicrolensGrid::Square, MicrolensGrid::HexRows, MicrolensGrid::HexColumns]
-                .into_iter()
-                .find(|&grid| grid_name(grid) == name)
-                .ok_or_else(|| format!("mla.grid is '{name}'; give square, hex-rows or hex-columns"))?,
-            None => base.map(|base| base.grid).ok_or_else(|| missing("mla.grid"))?,
-        };
-        let pitch_m = length("mla.pitch_um", self.pitch_um, base.map(|base| base.pitch_m))?;
-        let gap_m = length("mla.gap_um", self.gap_um, base.map(|base| base.gap_m))?;
-        let mut array = MicrolensArray::new(grid, pitch_m, gap_m);
-        array.scale_y = positive("mla.scale_y", self.scale_y.or(base.map(|base| base.scale_y)).unwrap_or(1.0))?;
-        let degrees = self.rotation_deg.map(f64::to_radians).or(base.map(|base| base.rotation_rad));
-        array.rotation_rad = finite("mla.rotation_deg", degrees.unwrap_or(0.0))?;
-        array.offset_m = offset("mla.offset_um", self.offset_um, base.map(|base| base.offset_m))?;
-        match (&self.focal_um, base) {
-            (Some(FocalLengths::Word(word)), _) if word == "pupil" => array.focus = MicrolensFocus::Pupil,
-            (Some(FocalLengths::Word(word)), _) => {
-                return Err(format!("mla.focal_um is '{word}'; give one to three numbers, or \"pupil\""));
-            }
-            (Some(FocalLengths::Lengths(lengths)), _) => {
-                if !(1..=3).contains(&lengths.len()) {
-                    return Err(format!("mla.focal_um has {} numbers; give one to three", lengths.len()));
-                }
-                let lengths = lengths.iter().map(|&um| Ok(meters(positive("mla.focal_um", um)?)));
-                array.focus = MicrolensFocus::Lengths(lengths.collect::<Result<_, String>>()?);
-            }
-            // With another gap, the focal lengths of the preset stay.
-            (None, Some(base)) => array.focus = base.focus.clone(),
-            (None, None) => {}
-        }
-        match (&self.aperture, base) {
-            (Some(aperture), _) => {
-                let half_width_m = meters(positive("mla.aperture.width_um", aperture.width_um)?) / 2.0;
-                array.aperture = match aperture.shape.as_str() {
-                    "round" => LensAperture::Round { radius_m: half_width_m },
-                    "square" => LensAperture::Square { half_width_m },
-                    "hexagon" => LensAperture::Hexagon { half_width_m },
-                    other => return Err(format!("mla.aperture.shape is '{other}'; give round, square or hexagon")),
-                };
-            }
-            (None, Some(base)) if self.pitch_um.is_none() => array.aperture = base.aperture,
-            _ => {}
-        }
-        Ok(array)
-    }
-}
-
-impl MainLensTable {
-    fn lens(&self, base: Option<&PlenopticCamera>) -> Result<MainLens, String> {
-        let base = base.map(PlenopticCamera::main_lens);
-        let millimeters =
-            |key: &str, value: Option<f64>| value.map(|mm| positive(key, mm).map(millimeters_to_meters)).transpose();
-        let focal = millimeters("main_lens.focal_mm", self.focal_mm)?.or(base.map(|base| base.focal_length_m));
-        let focal_length_m = focal.ok_or_else(|| missing("main_lens.focal_mm"))?;
-        let f_number = self.f_number.or(base.map(|base| base.f_number));
-        let f_number = positive("main_lens.f_number", f_number.ok_or_else(|| missing("main_lens.f_number"))?)?;
-        let exit_pupil_m =
-            millimeters("main_lens.exit_pupil_mm", self.exit_pupil_mm)?.or(base.and_then(|base| base.exit_pupil_m));
-        let aperture = match self.aperture.as_deref() {
-            None => base.map_or(PupilShape::Round, |base| base.aperture),
-            Some("round") => PupilShape::Round,
-            Some("square") => PupilShape::Square,
-            Some(other) => return Err(format!("main_lens.aperture is '{other}'; give round or square")),
-        };
-        let virtual_depth = finite("main_lens.focus_virtual_depth", self.focus_virtual_depth.unwrap_or(0.0))?;
-        let focus = match (self.focus_m, self.mla_distance_mm) {
-            (Some(_), Some(_)) => {
-                return Err("main_lens.focus_m and main_lens.mla_distance_mm: give one of them".into());
-            }
-            (None, Some(mm)) => {
-                if self.focus_virtual_depth.is_some() {
-                    return Err("main_lens.focus_virtual_depth belongs to main_lens.focus_m, which is not given".into());
-                }
-                let mla_distance_m = millimeters_to_meters(positive("main_lens.mla_distance_mm", mm)?);
-                ArrayFocus::Distance { mla_distance_m }
-            }
-            (Some(depth_m), None) if depth_m.is_nan() || depth_m == 0.0 => {
-                return Err(format!("main_lens.focus_m is {depth_m}; give meters, or inf"));
-            }
-            (Some(depth_m), None) => ArrayFocus::Depth { depth_m, virtual_depth },
-            (None, None) => match (base.map(|base| base.focus), self.focus_virtual_depth) {
-                (Some(ArrayFocus::Depth { depth_m, .. }), Some(virtual_depth)) => {
-                    ArrayFocus::Depth { depth_m, virtual_depth }
-                }
-                (Some(focus), None) => focus,
-                _ => return Err(missing("main_lens.focus_m (or main_lens.mla_distance_mm)")),
-            },
-        };
-        Ok(MainLens { focal_length_m, f_number, focus, exit_pupil_m, aperture })
-    }
-}
-
-fn missing(key: &str) -> String {
-    format!("{key} is missing")
-}
-
-fn finite(key: &str, value: f64) -> Result<f64, String> {
-    if value.is_finite() { Ok(value) } else { Err(format!("{key} is {value}; give a finite number")) }
-}
-
-fn positive(key: &str, value: f64) -> Result<f64, String> {
-    if value.is_finite() && value > 0.0 { Ok(value) } else { Err(format!("{key} is {value}; give a number above 0")) }
-}
-
-/// Micrometers, or the length of a preset.
-fn length(key: &str, um: Option<f64>, base_m: Option<f64>) -> Result<f64, String> {
-    match (um, base_m) {
-        (Some(um), _) => Ok(meters(positive(key, um)?)),
-        (None, Some(base_m)) => Ok(base_m),
-        (None, None) => Err(missing(key)),
-    }
-}
-
-fn offset(key: &str, um: Option<[f64; 2]>, base_m: Option<[f64; 2]>) -> Result<[f64; 2], String> {
-    match um {
-        Some([x, y]) => Ok([meters(finite(key, x)?), meters(finite(key, y)?)]),
-        None => Ok(base_m.unwrap_or_default()),
-    }
-}
-
-fn meters(um: f64) -> f64 {
-    millimeters_to_meters(millimeters_to_meters(um))
-}
-
-fn um(meters: f64) -> f64 {
-    meters_to_millimeters(meters_to_millimeters(meters))
-}
-
-fn grid_name(grid: MicrolensGrid) -> &'static str {
-    match grid {
-        MicrolensGrid::Square => "square",
-        MicrolensGrid::HexRows => "hex-rows",
-        MicrolensGrid::HexColumns => "hex-columns",
     }
 }
 
@@ -452,7 +275,15 @@ fn toml_string(text: &str) -> String {
 
 /// An error of the camera with the key that it is about.
 fn keyed(why: &holo_core::Error, lens: &MainLensTable) -> String {
-    const KEYS: [(&str, &str); 14] = [
+    const KEYS: [(&str, &str); 22] = [
+        ("radius of the micro-images", "main_lens.f_number"),
+        ("number of micro-images", "main_lens.f_number"),
+        ("of a stop", "main_lens.stops"),
+        ("diameter of a stop", "main_lens.stops"),
+        ("distortion", "main_lens.distortion"),
+        ("tilt", "mla.tilt_deg"),
+        ("blades of the aperture", "main_lens.aperture.blades"),
+        ("rotation of the aperture", "main_lens.aperture.rotation_deg"),
         ("sensor rows", "sensor.size_px"),
         ("sensor columns", "sensor.size_px"),
         ("number of microlenses", "mla.pitch_um"),

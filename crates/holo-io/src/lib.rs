@@ -43,6 +43,7 @@
 //! | Radiance HDR | | [`read_hdr`], [`read_hdr_info`]; as a stream [`decode_hdr`] |
 //! | `parameters.cfg` | [`ParametersCfg::write`] | [`ParametersCfg::read`] |
 //! | plenoptic camera, TOML | [`CameraFile::to_toml`] | [`CameraFile::read`] |
+//! | plenoptic camera, for other programs | [`interop`] | |
 //! | `manifest.json` | [`Manifest::write`] | [`Manifest::read`], [`Manifest::verify`] |
 //! | PNG, PFM or TIFF, by the file extension | [`write_image`] | |
 //! | any light field: folder, raw PNG or TIFF, MAT, HDF5 | | [`read_light_field`], [`LightFieldReader`] |
@@ -113,6 +114,8 @@ mod hdf5;
 mod hdr;
 #[cfg(feature = "png")]
 mod image_file;
+#[cfg(feature = "camera")]
+pub mod interop;
 #[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
 mod light_field;
 mod limits;

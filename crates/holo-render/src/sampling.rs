@@ -50,7 +50,8 @@ impl Purpose {
     /// The position in the pixel.
     pub const PIXEL: Self = Self(0);
 
-    /// The position in a pixel of the sensor, for cameras whose microlenses have an area.
+    /// The position in a pixel of the sensor, for cameras whose microlenses have an area: the draw 0 of vertex 1, which is
+    /// no [`Draw`], as that of vertex 0 is the position in the pixel.
     pub const SENSOR: Self = Self(8);
 
     /// The pair `draw` of path vertex number `vertex`, counted from 0.

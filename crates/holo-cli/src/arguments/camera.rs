@@ -52,13 +52,17 @@ pub struct TargetOptions {
     /// Folder for the images, corners.csv, centers.csv and the white image; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Replace another image in DIR. The same command again needs no permission.
+    #[arg(long)]
+    pub overwrite: bool,
     #[command(flatten)]
     pub engine: EngineOptions,
 }
 
 #[derive(Args, Debug)]
 pub struct DecodeOptions {
-    /// The raw image: raw.exr, or a PNG in linear light such as raw_linear.png.
+    /// The raw image: raw.exr, or a PNG in linear light such as raw_linear.png, whose views are then relative to its
+    /// brightest code.
     pub raw: PathBuf,
     /// The white image [default: computed from the camera].
     #[arg(long, value_name = "FILE")]
@@ -78,6 +82,9 @@ pub struct DecodeOptions {
     /// Folder for the light field; created if missing.
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// Replace another image in DIR. The same command again needs no permission.
+    #[arg(long)]
+    pub overwrite: bool,
     #[command(flatten)]
     pub engine: EngineOptions,
 }

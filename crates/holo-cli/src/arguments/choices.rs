@@ -4,7 +4,7 @@ use super::NormalsArgument;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use holo_core::refocus::Kernel;
 use holo_core::{Effort, Layout, Projection, ViewOrder};
-use holo_dataset::{LayerChoice, Output, RawLayer};
+use holo_dataset::{LayerChoice, Output, RawLayer, Tool};
 use holo_io::MatOrder;
 use holo_render::{Backend, Denoise, GroundTruth, Integrator, Layer, Reuse, TextureFilter};
 
@@ -21,6 +21,11 @@ pub const INTEGRATORS: &Choices<Integrator> = &[
 pub const DENOISE: &Choices<Denoise> = &[
     (Denoise::Off, "off", "No: every pixel is the mean of its own samples"),
     (Denoise::Views, "views", "By neighboring views"),
+];
+
+pub const TOOLS: &Choices<Tool> = &[
+    (Tool::LfToolbox, "lftoolbox", "Light Field Toolbox for MATLAB (D. Dansereau)"),
+    (Tool::PlenoptiCam, "plenopticam", "PlenoptiCam (C. Hahne)"),
 ];
 
 pub const REUSE: &Choices<Reuse> = &[

@@ -5,7 +5,10 @@ use holo_io::CameraFile;
 
 use crate::failure::Failure;
 
-use super::{DatasetOptions, EngineOptions, JobOptions, MainLensOptions, RenderOptions, RigOptions, SceneFileOptions};
+use super::{
+    DatasetOptions, EngineOptions, JobOptions, MainLensOptions, OpticsOptions, RenderOptions, RigOptions,
+    SceneFileOptions,
+};
 
 impl RenderOptions {
     pub fn spec(&self) -> RenderSpec {
@@ -93,6 +96,17 @@ impl RigOptions {
         spec.sensor_mm = self.sensor_mm;
         spec.projection = self.projection;
         spec.camera = self.camera.clone();
+        spec
+    }
+}
+
+impl OpticsOptions {
+    pub fn spec(&self) -> RigSpec {
+        let mut spec = self.main_lens.spec();
+        spec.views = self.views.unwrap_or(spec.views);
+        spec.lenses = self.lenses;
+        spec.baseline_m = self.baseline_m;
+        (spec.focal_mm, spec.sensor_mm) = (Some(self.focal_mm), self.sensor_mm);
         spec
     }
 }

@@ -42,6 +42,9 @@ pub fn target(options: &TargetOptions) -> Result<(), Failure> {
         seed: 0,
         engine: options.engine.spec(),
     };
+    if !options.overwrite {
+        job.check_replaceable(&options.out)?;
+    }
     let bar = Bar::new("rendering", false);
     let done = job.run(&options.out, &bar, interrupt::rollback());
     bar.finish();
@@ -57,6 +60,9 @@ pub fn decode(options: &DecodeOptions) -> Result<(), Failure> {
     job.scene = options.scene.clone().map(SceneSource::File);
     job.spec.rig.camera.clone_from(&options.camera);
     job.engine = options.engine.spec();
+    if !options.overwrite {
+        job.check_replaceable(&options.out)?;
+    }
     let (rig, files) = job.run(&options.out, &say_unless(false), interrupt::rollback())?;
     say!("decoded {}\n{}", text::shape(rig.shape()), text::rig(&rig, None));
     say!("wrote {} files to {}", files.len(), options.out.display());

@@ -32,9 +32,9 @@ pub fn run(options: &RenderOptions, matches: &ArgMatches) -> Result<(), Failure>
 /// The raw image of a plenoptic camera.
 fn raw(options: &RenderOptions, camera: &str, matches: &ArgMatches) -> Result<(), Failure> {
     let camera = options.rig.main_lens.adjusted(CameraFile::open(camera)?)?;
-    let job = RawJob::new(SceneSource::File(options.scene.clone()), camera, options.spec())
-        .with_options(requested(matches))
-        .with_engine(options.engine.spec());
+    let mut job =
+        RawJob::new(SceneSource::File(options.scene.clone()), camera, options.spec()).with_options(requested(matches));
+    (job.tools, job.engine) = (options.tools.clone(), options.engine.spec());
     if !options.overwrite {
         job.check_replaceable(&options.out)?;
     }

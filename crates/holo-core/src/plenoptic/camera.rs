@@ -1,12 +1,21 @@
-//! The validated camera: places on sensor and array, and its rays.
+//! The validated camera: places on sensor and array, and which pixels a microlens lights.
 
 use super::main_lens::Pupils;
-use super::{LitRegion, MainLens, MicrolensArray, MicrolensFocus, MicrolensIndex, PupilShape};
+use super::{MainLens, Microlens, MicrolensArray, MicrolensFocus, MicrolensIndex};
 use crate::error::positive;
 use crate::{Error, GridSize};
 
 /// The largest number of pixels along a side of a sensor, so that every microlens has an index.
 const MAX_PIXELS: usize = 1 << 24;
+
+/// The largest number of microlenses.
+const MAX_LENSES: f64 = (1 << 28) as f64;
+
+/// The largest radius of a micro-image, px, so that the place of a pixel within it has 16 bits.
+const MAX_RADIUS_PX: f64 = 32_000.0;
+
+/// The largest number of micro-images that a pixel may lie in, on average.
+const MAX_OVERLAP: f64 = 1000.0;
 
 /// An image sensor, not validated.
 ///
@@ -31,17 +40,6 @@ impl ImageSensor {
     pub const fn new(size: GridSize, pixel_m: f64) -> Self {
         Self { size, pixel_m, fill: 1.0, offset_m: [0.0; 2] }
     }
-}
-
-/// A ray into the scene, in the frame of the entrance pupil.
-///
-/// As for [`RigRay`](crate::RigRay) the direction along z is -1: the point at depth Z is `(origin + Z * direction, -Z)`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlenopticRay {
-    /// Where it crosses the entrance pupil's plane z = 0, x and y in meters.
-    pub origin_m: [f64; 2],
-    /// The displacement per meter of depth, in meters.
-    pub direction: [f64; 2],
 }
 
 /// A validated plenoptic camera.
@@ -70,8 +68,11 @@ pub struct PlenopticCamera {
     pub(super) pupils: Pupils,
     /// The focal length of every type of microlens.
     focal_lengths_m: Vec<f64>,
-    /// Of every type of microlens: how far the pupil point moves over the exit pupil, per meter on the microlens.
+    /// Of every type of microlens, and of clear gaps: how far the pupil point moves over the exit pupil, per meter on the
+    /// microlens.
     alphas: Vec<f64>,
+    /// Depth and radius of the stops in front of the pupil, seen from the entrance pupil.
+    pub(super) stops: Vec<[f64; 2]>,
 }
 
 impl PlenopticCamera {
@@ -81,7 +82,7 @@ impl PlenopticCamera {
     ///
     /// [`Error::BadNumber`] for a number that is not finite or out of its range, and for lenses that cannot form an
     /// image: a focus distance of 0, a main lens behind the array, an entrance pupil at infinity, microlenses that
-    /// overlap; [`Error::ZeroCount`] or [`Error::TooLarge`] for an impossible sensor.
+    /// overlap, micro-images of which a thousand share a pixel; [`Error::ZeroCount`] or [`Error::TooLarge`] for an impossible sensor.
     pub fn new(sensor: ImageSensor, array: MicrolensArray, main_lens: MainLens) -> Result<Self, Error> {
         for (what, count) in [("sensor rows", sensor.size.rows), ("sensor columns", sensor.size.columns)] {
             if count == 0 {
@@ -106,29 +107,52 @@ impl PlenopticCamera {
             MicrolensFocus::Lengths(lengths) => lengths.clone(),
             MicrolensFocus::Pupil => vec![1.0 / (1.0 / array.gap_m + 1.0 / pupils.exit_m)],
         };
-        let alphas = match &array.focus {
-            // Exactly 0.
-            MicrolensFocus::Pupil => vec![0.0],
-            MicrolensFocus::Lengths(lengths) => {
-                lengths.iter().map(|f| 1.0 + pupils.exit_m * (1.0 / array.gap_m - 1.0 / f)).collect()
-            }
-        };
-        let camera = Self { sensor, array, main_lens, pupils, focal_lengths_m, alphas };
+        let stops = main_lens.stops.iter();
+        let stops = stops.map(|stop| [stop.distance_m - pupils.entrance_offset_m, stop.diameter_m / 2.0]).collect();
+        let mut camera = Self { sensor, array, main_lens, pupils, focal_lengths_m, alphas: Vec::new(), stops };
+        let openings = 0..camera.array.type_count() + usize::from(camera.array.has_clear_gaps);
+        camera.alphas = openings.map(|k| camera.alpha_for(k, camera.array.gap_m, camera.pupils.exit_m)).collect();
         camera.validate_extent()?;
         Ok(camera)
     }
 
-    /// Whether the sensor is so large beside the microlenses that their indices or rays cannot be represented.
+    /// The corners of the sensor, in meters from the axis.
+    pub(super) fn corners_m(&self) -> [[f64; 2]; 4] {
+        let (columns, rows) = (self.sensor.size.columns as f64, self.sensor.size.rows as f64);
+        [[0.0, 0.0], [columns, 0.0], [0.0, rows], [columns, rows]].map(|corner| self.place_m(corner))
+    }
+
+    /// Whether the sensor is so large beside the microlenses, or a micro-image beside the pixels, that they cannot be
+    /// numbered, or an image would take days.
     fn validate_extent(&self) -> Result<(), Error> {
-        let size = self.sensor.size;
-        for corner in [[0.0, 0.0], [size.columns as f64, size.rows as f64]] {
-            let place = self.place_m(corner);
+        let (size, pixel_m) = (self.sensor.size, self.sensor.pixel_m);
+        let cell_px = (self.array.pitch_m / pixel_m).powi(2) * self.array.scale_y;
+        let dark_px = (0..self.alphas.len()).map(|k| self.micro_image_radii_m(k)[2] / pixel_m).fold(0.0, f64::max);
+        let overlap = std::f64::consts::PI * dark_px * dark_px / cell_px;
+        for (what, value, most, need) in [
+            ("number of microlenses", size.count() as f64 / cell_px, MAX_LENSES, "at most 2^28"),
+            ("radius of the micro-images in pixels", dark_px, MAX_RADIUS_PX, "at most 32,000"),
+            ("number of micro-images that a pixel lies in", overlap, MAX_OVERLAP, "at most 1000"),
+        ] {
+            if value.is_nan() || value > most {
+                return Err(Error::BadNumber { what, value, need });
+            }
+        }
+        self.main_lens.distortion.validate(&self.corners_m())?;
+        for place in self.corners_m() {
             let lenses = (place[0].abs() + place[1].abs()) / self.array.pitch_m / self.array.scale_y.min(1.0);
             if lenses.is_nan() || lenses >= f64::from(1u32 << 24) {
                 return Err(Error::TooLarge { what: "number of microlenses" });
             }
-            let lens = self.owner(place);
-            let ray = self.ray(place, self.lens_center_m(lens), lens);
+            let lens = self.microlens(self.owner(place));
+            for (what, value) in [
+                ("gap behind the tilted array at a corner in meters", lens.gap_m),
+                ("distance of the tilted array from the main lens in meters", lens.pupils.lens_m),
+                ("distance of the tilted array from the exit pupil in meters", lens.pupils.exit_m),
+            ] {
+                positive(what, value)?;
+            }
+            let ray = self.ray(place, lens.center_m, lens.index);
             for value in ray.origin_m.into_iter().chain(ray.direction) {
                 if !value.is_finite() {
                     return Err(Error::BadNumber {
@@ -193,7 +217,7 @@ impl PlenopticCamera {
     /// Returns the radius (or half width) of the exit pupil, in meters.
     #[must_use]
     pub fn exit_pupil_radius_m(&self) -> f64 {
-        self.pupils.entrance_radius_m / self.pupils.magnification.abs()
+        self.pupils.exit_radius_m()
     }
 
     /// Returns 1 / depth of the plane that the main lens images onto the array, in 1/m, from the entrance pupil; 0 for
@@ -204,7 +228,8 @@ impl PlenopticCamera {
     }
 
     /// Returns alpha of a type of microlens: the displacement over the exit pupil per displacement on the microlens. 0
-    /// if it images the pupil sharply onto the sensor, 1 if its focal length is the gap.
+    /// if it images the pupil sharply onto the sensor, 1 if its focal length is the gap. On a tilted array that of the
+    /// microlens at its origin, as all numbers of types.
     ///
     /// # Panics
     ///
@@ -241,8 +266,8 @@ impl PlenopticCamera {
     /// Returns the center of a microlens, in meters from the axis.
     #[must_use]
     pub fn lens_center_m(&self, lens: MicrolensIndex) -> [f64; 2] {
-        let place = self.array.place_m(lens);
-        [0, 1].map(|k| place[k] + (self.sensor.offset_m[k] + self.array.offset_m[k]))
+        let (place, origin) = (self.array.place_m(lens), self.array_origin_m());
+        [0, 1].map(|k| place[k] + origin[k])
     }
 
     /// Returns the magnification from microlens centers to micro-image centers, 1 + d / D_X.
@@ -255,7 +280,7 @@ impl PlenopticCamera {
     /// meters from the axis.
     #[must_use]
     pub fn micro_image_center_m(&self, lens: MicrolensIndex) -> [f64; 2] {
-        self.lens_center_m(lens).map(|x| x * self.micro_image_scale())
+        self.microlens(lens).image_center_m
     }
 
     /// Returns the same as a pixel position (x, y).
@@ -270,12 +295,35 @@ impl PlenopticCamera {
         self.array.pitch_m * self.micro_image_scale() / self.sensor.pixel_m
     }
 
+    /// Returns the angles of view along x and y, in radians: those between the chief rays from the edges of the sensor,
+    /// through the middle of the pupil.
+    #[must_use]
+    pub fn angles_of_view_rad(&self) -> [f64; 2] {
+        let size = self.sensor.size;
+        [size.columns, size.rows].map(|count| {
+            let half = count as f64 / 2.0 * self.sensor.pixel_m / self.micro_image_scale();
+            2.0 * (half * self.pupils.slope_per_m).abs().atan()
+        })
+    }
+
     /// Returns the microlens whose micro-image center is nearest to a place of the sensor: the owner of that place.
     #[must_use]
     pub fn owner(&self, place_m: [f64; 2]) -> MicrolensIndex {
-        let scale = self.micro_image_scale();
-        let from_origin = [0, 1].map(|k| place_m[k] / scale - (self.sensor.offset_m[k] + self.array.offset_m[k]));
-        self.array.nearest(from_origin)
+        let on_array = self.on_array_m(place_m);
+        let nearest = self.array.nearest(on_array);
+        let raised_m = self.array.raised_m(on_array);
+        if raised_m == 0.0 {
+            return nearest;
+        }
+        // On a tilted array, by the scale at the place, or a neighbor of that.
+        let scale = 1.0 + (self.array.gap_m + raised_m) / (self.pupils.exit_m - raised_m);
+        let MicrolensIndex { row, column } = self.array.nearest(self.relative_to_array_m(place_m.map(|x| x / scale)));
+        let around = |k: i32| MicrolensIndex { row: row + k / 3 - 1, column: column + k % 3 - 1 };
+        let away = |lens: MicrolensIndex| {
+            let center = self.micro_image_center_m(lens);
+            (center[0] - place_m[0]).hypot(center[1] - place_m[1])
+        };
+        (0..9).map(around).min_by(|a, b| away(*a).total_cmp(&away(*b))).unwrap_or(nearest)
     }
 
     /// Returns the radii of the micro-images of a type of microlens: fully lit within the first, half of the light at
@@ -289,111 +337,17 @@ impl PlenopticCamera {
     pub fn micro_image_radii_m(&self, lens_type: usize) -> [f64; 3] {
         let scale = self.array.gap_m / self.pupils.exit_m;
         let pupil = self.exit_pupil_radius_m();
+        let [inner, outer] = self.main_lens.aperture.inner_and_outer().map(|part| part * pupil);
         let moved = self.alphas[lens_type].abs() * self.array.aperture.half_width_m();
-        let outer = match self.main_lens.aperture {
-            PupilShape::Round => pupil,
-            PupilShape::Square => pupil * std::f64::consts::SQRT_2,
-        };
-        let outer_moved = self.alphas[lens_type].abs() * self.array.aperture.outer_radius_m();
-        [scale * (pupil - moved).abs(), scale * pupil, scale * (outer + outer_moved)]
+        let outer_moved = self.alphas[lens_type].abs() * self.outer_radius_m(lens_type);
+        [scale * (inner - moved).abs(), scale * pupil, scale * (outer + outer_moved)]
     }
 
-    /// Returns the ray from a place on the sensor through a point of a microlens, both in meters in upright coordinates.
-    /// It may miss the pupil, see [`passes`](Self::passes).
-    ///
-    /// All rays through one point of a microlens meet in one point of the plane in focus.
-    ///
-    /// # Source
-    ///
-    /// Thin lenses one after the other, collected: with C' the [center of the micro-image](Self::micro_image_center_m),
-    /// origin = m (D_X / d) (X - C') - m alpha (Q - C), direction = g Q - origin / F, g = (1 + o_E / F) / D.
-    ///
-    /// # Accuracy
-    ///
-    /// Rounding of f64.
-    #[must_use]
-    pub fn ray(&self, place_m: [f64; 2], lens_point_m: [f64; 2], lens: MicrolensIndex) -> PlenopticRay {
-        let center = self.lens_center_m(lens);
-        let scale = self.micro_image_scale();
-        let on_sensor = [0, 1].map(|k| place_m[k] - center[k] * scale);
-        let on_lens = [0, 1].map(|k| lens_point_m[k] - center[k]);
-        self.relative_ray(center, self.array.type_of(lens), on_sensor, on_lens)
+    /// The radius of the smallest disc around a microlens of a type, or around the cell of a gap.
+    fn outer_radius_m(&self, lens_type: usize) -> f64 {
+        let is_gap = lens_type == self.array.type_count();
+        if is_gap { self.array.pitch_m * self.array.scale_y.max(1.0) } else { self.array.aperture.outer_radius_m() }
     }
-
-    /// Returns the same ray by the center of the microlens, its type, and the points relative to the centers: that on the
-    /// sensor to the center of the micro-image (X - C'), that on the microlens to its center (Q - C).
-    #[inline]
-    #[must_use]
-    pub fn relative_ray(
-        &self,
-        center_m: [f64; 2],
-        lens_type: usize,
-        on_sensor_m: [f64; 2],
-        on_lens_m: [f64; 2],
-    ) -> PlenopticRay {
-        let Pupils { magnification, exit_m, inverse_focus_per_m, slope_per_m, .. } = self.pupils;
-        let alpha = self.alphas[lens_type];
-        let origin_m = [0, 1]
-            .map(|k| magnification * exit_m / self.array.gap_m * on_sensor_m[k] - magnification * alpha * on_lens_m[k]);
-        let direction = [0, 1].map(|k| slope_per_m * (center_m[k] + on_lens_m[k]) - origin_m[k] * inverse_focus_per_m);
-        PlenopticRay { origin_m, direction }
-    }
-
-    /// Returns whether a ray passes the pupil.
-    #[must_use]
-    pub fn passes(&self, ray: &PlenopticRay) -> bool {
-        let [x, y] = ray.origin_m;
-        let radius = self.pupils.entrance_radius_m;
-        match self.main_lens.aperture {
-            PupilShape::Round => x * x + y * y <= radius * radius,
-            PupilShape::Square => x.abs().max(y.abs()) <= radius,
-        }
-    }
-
-    /// Returns the cosine to the power of 4 of the angle between the axis and the light from a point of a microlens to
-    /// a place on the sensor: the factor of irradiance.
-    #[must_use]
-    pub fn cos4(&self, place_m: [f64; 2], lens_point_m: [f64; 2]) -> f64 {
-        cos4(&[0, 1].map(|k| lens_point_m[k] - place_m[k]), self.array.gap_m)
-    }
-
-    /// Returns the same by the center of the microlens and points relative to the centers, as for
-    /// [`relative_ray`](Self::relative_ray).
-    #[inline]
-    #[must_use]
-    pub fn relative_cos4(&self, center_m: [f64; 2], on_sensor_m: [f64; 2], on_lens_m: [f64; 2]) -> f64 {
-        let shift = self.array.gap_m / self.pupils.exit_m;
-        cos4(&[0, 1].map(|k| on_lens_m[k] - on_sensor_m[k] - center_m[k] * shift), self.array.gap_m)
-    }
-
-    /// Returns the part of a microlens through which light reaches a place on the sensor.
-    #[must_use]
-    pub fn lit_region(&self, place_m: [f64; 2], lens: MicrolensIndex) -> LitRegion {
-        let center = self.micro_image_center_m(lens);
-        self.relative_lit_region([0, 1].map(|k| place_m[k] - center[k]), self.array.type_of(lens))
-    }
-
-    /// Returns the same by the place relative to the center of the micro-image, in meters, and the type of the microlens.
-    #[inline]
-    #[must_use]
-    pub fn relative_lit_region(&self, on_sensor_m: [f64; 2], lens_type: usize) -> LitRegion {
-        let scale = self.pupils.exit_m / self.array.gap_m;
-        LitRegion::new(
-            self.array.aperture,
-            self.array.rotation_rad,
-            self.main_lens.aperture,
-            self.exit_pupil_radius_m(),
-            on_sensor_m.map(|x| scale * x),
-            self.alphas[lens_type],
-        )
-    }
-}
-
-/// cos^4 of light that moves sideways by `away` over the gap.
-#[inline]
-fn cos4(away: &[f64; 2], gap_m: f64) -> f64 {
-    let squared = 1.0 + (away[0] * away[0] + away[1] * away[1]) / (gap_m * gap_m);
-    1.0 / (squared * squared)
 }
 
 /// The microlenses of an image.
@@ -422,9 +376,20 @@ impl PlenopticCamera {
     #[must_use]
     pub fn lens_count(&self) -> usize {
         let size = self.sensor.size;
-        let corners = [self.place_m([0.0, size.rows as f64]), self.place_m([size.columns as f64, 0.0])];
-        let [low, high] = corners.map(|corner| self.on_array_m(corner));
-        self.array.lines_within(low, high).map(|line| self.array.on_line(line, low, high).count()).sum()
+        let corners = [[0.0, size.rows as f64], [size.columns as f64, 0.0]].map(|corner| self.place_m(corner));
+        let [low, high] = corners.map(|corner| corner.map(|x| x / self.micro_image_scale()));
+        self.lenses_within(low, high).count()
+    }
+
+    /// The microlenses with their centers between two opposite corners, in meters from the axis, line by line.
+    pub(super) fn lenses_within(&self, low_m: [f64; 2], high_m: [f64; 2]) -> impl Iterator<Item = MicrolensIndex> {
+        let (low, high) = (self.relative_to_array_m(low_m), self.relative_to_array_m(high_m));
+        self.array.lines_within(low, high).flat_map(move |line| self.array.on_line(line, low, high))
+    }
+
+    /// The origin of the array, in meters from the axis.
+    pub(super) fn array_origin_m(&self) -> [f64; 2] {
+        [0, 1].map(|k| self.sensor.offset_m[k] + self.array.offset_m[k])
     }
 
     /// The places on the array, from its origin, of microlenses that light any pixel of these rows.
@@ -432,25 +397,47 @@ impl PlenopticCamera {
         let dark = (0..self.alphas.len()).map(|k| self.micro_image_radii_m(k)[2]).fold(0.0, f64::max);
         let corners = [[0.0, rows.end as f64], [self.sensor.size.columns as f64, rows.start as f64]];
         let [low, high] = corners.map(|corner| self.place_m(corner));
-        let low = self.on_array_m(low.map(|x| x - dark));
-        (low, self.on_array_m(high.map(|x| x + dark)))
+        // On a tilted array micro-images lie up to this much elsewhere.
+        let margin = dark + self.tilt_margin_m();
+        let low = self.on_array_m(low.map(|x| x - margin));
+        (low, self.on_array_m(high.map(|x| x + margin)))
+    }
+
+    /// By how much the tilt of the array may displace and enlarge micro-images, m.
+    fn tilt_margin_m(&self) -> f64 {
+        let corners = self.corners_m();
+        let at = |place: [f64; 2]| {
+            let raised_m = self.array.raised_m(self.on_array_m(place));
+            let scale = (self.array.gap_m + raised_m) / (self.pupils.exit_m - raised_m);
+            let difference = (scale - self.array.gap_m / self.pupils.exit_m).abs();
+            difference * (place[0].hypot(place[1]) + 2.0 * self.exit_pupil_radius_m())
+        };
+        2.0 * corners.map(at).into_iter().fold(0.0, f64::max)
     }
 
     /// The place on the array that a micro-image center belongs to, from the origin of the array.
     fn on_array_m(&self, place_m: [f64; 2]) -> [f64; 2] {
-        let scale = self.micro_image_scale();
-        [0, 1].map(|k| place_m[k] / scale - (self.sensor.offset_m[k] + self.array.offset_m[k]))
+        self.relative_to_array_m(place_m.map(|x| x / self.micro_image_scale()))
+    }
+
+    /// A place on the array from its origin instead of the axis.
+    pub(super) fn relative_to_array_m(&self, place_m: [f64; 2]) -> [f64; 2] {
+        let origin = self.array_origin_m();
+        [0, 1].map(|k| place_m[k] - origin[k])
     }
 
     /// Returns the pixels of these rows that a microlens may light: those within the dark radius of its micro-image, as
     /// ranges of columns, row by row.
     pub fn lit_pixels(
         &self,
-        lens: MicrolensIndex,
+        lens: &Microlens,
         rows: std::ops::Range<usize>,
     ) -> impl Iterator<Item = (usize, std::ops::Range<usize>)> + use<> {
-        let [x, y] = self.micro_image_center_px(lens);
-        let dark = self.micro_image_radii_m(self.array.type_of(lens))[2] / self.sensor.pixel_m;
+        let [x, y] = self.position_px(lens.image_center_m);
+        let scale = lens.gap_m / lens.pupils.exit_m;
+        let outer_m = self.main_lens.aperture.inner_and_outer()[1] * self.exit_pupil_radius_m();
+        let dark_m = scale * (outer_m + lens.alpha.abs() * self.outer_radius_m(lens.lens_type));
+        let dark = dark_m / self.sensor.pixel_m;
         // Light-sensitive squares reach half of the fill factor from the centers of pixels.
         let half = self.sensor.fill / 2.0;
         let columns = self.sensor.size.columns as f64;

@@ -141,7 +141,7 @@ impl PlenopticCamera {
     /// The pixels of the views: as many places around the axis as have all their pixels on the sensor.
     fn view_grid(&self, views: usize) -> Result<ViewGrid, Error> {
         let (array, sensor) = (self.array(), self.sensor());
-        let offset = [0, 1].map(|k| sensor.offset_m[k] + array.offset_m[k]);
+        let offset = self.array_origin_m();
         // Half pitches from the axis, for microlenses that are symmetric about it.
         let halves = offset.map(|x| 2.0 * x / array.pitch_m);
         let is_symmetric = halves.iter().all(|half| (half - half.round()).abs() < 1e-6);
@@ -185,7 +185,7 @@ impl PlenopticCamera {
         let y = ((grid.size.rows - 1) as f64 / 2.0 - v as f64) * grid.spacing_m;
         let array = self.array();
         let [x, y] = super::microlenses::rotate([x, y], array.rotation_rad);
-        let offset = [0, 1].map(|k| self.sensor().offset_m[k] + array.offset_m[k]);
+        let offset = self.array_origin_m();
         let place = [x - offset[0], y - offset[1]];
         if grid.is_exact {
             return vec![(self.micro_image_center_px(array.nearest(place)), 1.0)];

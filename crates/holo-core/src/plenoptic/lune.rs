@@ -75,21 +75,46 @@ struct Lune {
 struct Mask {
     aperture: LensAperture,
     rotation_rad: f64,
+    /// The cell of the microlens, for light that passes beside the aperture instead of through it.
+    cell: Option<[[f64; 2]; 3]>,
     pupil: PupilShape,
-    /// Center and size of the image of the pupil; infinite for one that covers everything.
+    /// Center and size of the image of the pupil, which is upside down if `flip` is -1; infinite for one that covers
+    /// everything.
     center: [f64; 2],
     size: f64,
+    flip: f64,
 }
 
 impl Mask {
     fn contains(&self, point: [f64; 2]) -> bool {
-        let [x, y] = [point[0] - self.center[0], point[1] - self.center[1]];
-        let in_pupil = self.size == f64::INFINITY
-            || match self.pupil {
-                PupilShape::Round => x * x + y * y <= self.size * self.size,
-                PupilShape::Square => x.abs().max(y.abs()) <= self.size,
-            };
-        in_pupil && is_in_lens(self.aperture, self.rotation_rad, point)
+        let from_center = [0, 1].map(|k| (point[k] - self.center[k]) * self.flip);
+        let in_pupil = self.size == f64::INFINITY || self.pupil.contains(from_center, self.size);
+        let in_lens = is_in_lens(self.aperture, self.rotation_rad, point);
+        in_pupil && self.cell.map_or(in_lens, |cell| !in_lens && is_in_cell(&cell, point))
+    }
+}
+
+/// Whether a point is nearer to the center of its cell than to those of its neighbors.
+fn is_in_cell(cell: &[[f64; 2]; 3], [x, y]: [f64; 2]) -> bool {
+    cell.iter().all(|way| (x * way[0] + y * way[1]).abs() <= way[0] * way[0] + way[1] * way[1])
+}
+
+/// What light passes: the aperture of a microlens, or what is left beside it of its cell.
+#[derive(Clone, Copy)]
+pub(super) struct Opening {
+    pub aperture: LensAperture,
+    pub rotation_rad: f64,
+    pub cell: Option<[[f64; 2]; 3]>,
+}
+
+impl Opening {
+    /// The radius of the smallest disc around it.
+    pub fn outer_radius_m(&self) -> f64 {
+        match self.cell {
+            None => self.aperture.outer_radius_m(),
+            // The corners of a cell are at most 2 / sqrt(3) of half the way to a neighbor away, of a square one sqrt(2).
+            Some(cell) => cell.iter().map(|way| way[0].hypot(way[1])).fold(0.0, f64::max) * std::f64::consts::SQRT_2,
+        }
     }
 }
 
@@ -110,22 +135,17 @@ pub(super) fn is_in_lens(aperture: LensAperture, rotation_rad: f64, point: [f64;
 impl LitRegion {
     /// `from_center`: (D_X / d) (X - C'), the pupil point of the ray through the center of the microlens.
     pub(super) fn new(
-        aperture: LensAperture,
-        rotation_rad: f64,
+        opening: Opening,
         pupil: PupilShape,
         pupil_radius: f64,
         from_center: [f64; 2],
         alpha: f64,
     ) -> Self {
-        let outer = aperture.outer_radius_m();
+        let Opening { aperture, rotation_rad, cell } = opening;
+        let outer = opening.outer_radius_m();
         let is_huge = alpha == 0.0 || pupil_radius > HUGE * alpha.abs() * outer;
         let (center, size) = if is_huge {
-            let [x, y] = from_center;
-            let is_lit = match pupil {
-                PupilShape::Round => x * x + y * y <= pupil_radius * pupil_radius,
-                PupilShape::Square => x.abs().max(y.abs()) <= pupil_radius,
-            };
-            if !is_lit {
+            if !pupil.contains(from_center, pupil_radius) {
                 return Self { shape: Shape::Empty };
             }
             ([0.0; 2], f64::INFINITY)
@@ -133,6 +153,7 @@ impl LitRegion {
             (from_center.map(|x| x / alpha), pupil_radius / alpha.abs())
         };
         let shape = match (aperture, pupil) {
+            _ if cell.is_some() => masked(opening, pupil, center, size, -alpha.signum()),
             (LensAperture::Round { radius_m }, PupilShape::Round) => discs(radius_m, size, center),
             (LensAperture::Round { radius_m }, _) if size == f64::INFINITY => {
                 Shape::Disc { center: [0.0; 2], radius: radius_m }
@@ -145,25 +166,7 @@ impl LitRegion {
                 let high = center.map(|x| (x + size).min(half));
                 Shape::Rectangle { low, high, rotation_rad }
             }
-            _ => {
-                // The smaller of the boxes around both apertures, along the sides of the microlens.
-                let wide = match aperture {
-                    LensAperture::Round { radius_m } => [radius_m; 2],
-                    LensAperture::Square { half_width_m } => [half_width_m; 2],
-                    LensAperture::Hexagon { half_width_m } => [half_width_m, outer],
-                };
-                let reach = match pupil {
-                    PupilShape::Round => size,
-                    PupilShape::Square => {
-                        let (sin, cos) = rotation_rad.sin_cos();
-                        size * (sin.abs() + cos.abs())
-                    }
-                };
-                let middle = rotate(center, -rotation_rad);
-                let low = [0, 1].map(|k| (middle[k] - reach).max(-wide[k]));
-                let high = [0, 1].map(|k| (middle[k] + reach).min(wide[k]));
-                Shape::Masked { low, high, mask: Mask { aperture, rotation_rad, pupil, center, size } }
-            }
+            _ => masked(opening, pupil, center, size, -alpha.signum()),
         };
         let is_empty = match shape {
             Shape::Rectangle { low, high, .. } | Shape::Masked { low, high, .. } => {
@@ -235,6 +238,28 @@ impl LitRegion {
         let inside = (0..SIDE * SIDE).filter(|k| self.point([at(k % SIDE), at(k / SIDE)]).is_some()).count();
         self.sampled_area_m2() * inside as f64 / (SIDE * SIDE) as f64
     }
+}
+
+/// The points of the smaller of the boxes around both apertures, along the sides of the microlens.
+fn masked(opening: Opening, pupil: PupilShape, center: [f64; 2], size: f64, flip: f64) -> Shape {
+    let Opening { aperture, rotation_rad, cell } = opening;
+    let wide = match aperture {
+        _ if cell.is_some() => [opening.outer_radius_m(); 2],
+        LensAperture::Round { radius_m } => [radius_m; 2],
+        LensAperture::Square { half_width_m } => [half_width_m; 2],
+        LensAperture::Hexagon { half_width_m } => [half_width_m, aperture.outer_radius_m()],
+    };
+    let reach = match pupil {
+        PupilShape::Square => {
+            let (sin, cos) = rotation_rad.sin_cos();
+            size * (sin.abs() + cos.abs())
+        }
+        _ => size,
+    };
+    let middle = rotate(center, -rotation_rad);
+    let low = [0, 1].map(|k| (middle[k] - reach).max(-wide[k]));
+    let high = [0, 1].map(|k| (middle[k] + reach).min(wide[k]));
+    Shape::Masked { low, high, mask: Mask { aperture, rotation_rad, cell, pupil, center, size, flip } }
 }
 
 /// What a disc of radius `lens` around (0, 0) shares with one of radius `pupil` around `center`.
@@ -361,9 +386,11 @@ mod tests {
             let mask = Mask {
                 aperture: LensAperture::Round { radius_m: 1.0 },
                 rotation_rad: 0.0,
+                cell: None,
                 pupil: PupilShape::Round,
                 center: [distance * 0.6, distance * 0.8],
                 size: pupil,
+                flip: -1.0,
             };
             let side = 1000;
             let at = |k: usize| (k as f64 + 0.5) / side as f64 * 2.0 - 1.0;
@@ -431,7 +458,9 @@ mod tests {
     #[test]
     fn other_shapes_have_their_areas() {
         let square = LensAperture::Square { half_width_m: 1.0 };
-        let region = |aperture, rotation, pupil, center| LitRegion::new(aperture, rotation, pupil, 2.0, center, 2.0);
+        let opening = |aperture, rotation_rad| Opening { aperture, rotation_rad, cell: None };
+        let region =
+            |aperture, rotation, pupil, center| LitRegion::new(opening(aperture, rotation), pupil, 2.0, center, 2.0);
         // The pupil's image is a square of half width 1, half a unit to the right: 1.5 x 2 are shared.
         let parallel = region(square, 0.0, PupilShape::Square, [1.0, 0.0]);
         assert!((parallel.area_m2() - 3.0).abs() < 1e-12);
@@ -445,7 +474,22 @@ mod tests {
         assert!((whole.area_m2() / hexagon.area_m2() - 1.0).abs() < 1e-2);
         assert!(region(square, 0.2, PupilShape::Round, [9.0, 0.0]).is_empty());
         // Without a movement over the pupil, all or nothing.
-        let sharp = |x: f64| LitRegion::new(square, 0.2, PupilShape::Round, 2.0, [x, 0.0], 0.0);
+        let sharp = |x: f64| LitRegion::new(opening(square, 0.2), PupilShape::Round, 2.0, [x, 0.0], 0.0);
         assert!((sharp(1.99).area_m2() - 4.0).abs() < 1e-12 && sharp(2.01).is_empty());
+        // A triangular pupil's image lies upside down behind a microlens with alpha above 0.
+        let triangle = PupilShape::Polygon { blades: 3, rotation_rad: 0.0 };
+        let disc = LensAperture::Round { radius_m: 5.0 };
+        for alpha in [2.0f64, -2.0] {
+            let image = LitRegion::new(opening(disc, 0.3), triangle, 2.0, [0.0; 2], alpha);
+            assert!((image.area_m2() - 27f64.sqrt() / 4.0).abs() < 1e-2, "{}", image.area_m2());
+            let points = (0..10_000).filter_map(|k| image.point([k % 100, k / 100].map(|k| f64::from(k) / 100.0)));
+            let lowest = points.map(|point| point[1] * alpha.signum()).fold(0.0, f64::min);
+            assert!((lowest + 1.0).abs() < 0.05, "{lowest}");
+        }
+        // What is left of a square cell beside a disc.
+        let cell = Some([[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]);
+        let opening = Opening { aperture: LensAperture::Round { radius_m: 1.0 }, rotation_rad: 0.0, cell };
+        let gap = LitRegion::new(opening, PupilShape::Round, 9.0, [0.0; 2], 1.0);
+        assert!((gap.area_m2() - (4.0 - PI)).abs() < 2e-2, "{}", gap.area_m2());
     }
 }

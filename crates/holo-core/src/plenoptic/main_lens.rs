@@ -1,16 +1,21 @@
-//! The main lens: focal length, pupils and focus.
+//! The main lens: focal length, pupils, focus, further stops and distortion.
 
+use super::{Distortion, PupilShape};
 use crate::Error;
 use crate::error::positive;
 
-/// The shape of the aperture of the main lens.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum PupilShape {
-    /// A disc.
-    #[default]
-    Round,
-    /// A square whose sides are as long as the diameter of the round aperture, parallel to the sides of the sensor.
-    Square,
+/// A round stop in front of the main lens, on its axis: a lens hood or the rim of a lens element, which vignettes the
+/// borders of the image.
+///
+/// # Units
+///
+/// Meters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Stop {
+    /// The distance from the main lens, towards the scene.
+    pub distance_m: f64,
+    /// The diameter.
+    pub diameter_m: f64,
 }
 
 /// What the distance between main lens and microlens array follows from.
@@ -36,7 +41,7 @@ pub enum ArrayFocus {
 /// # Units
 ///
 /// Meters.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MainLens {
     /// The focal length.
     pub focal_length_m: f64,
@@ -48,11 +53,17 @@ pub struct MainLens {
     pub exit_pupil_m: Option<f64>,
     /// The shape of the aperture.
     pub aperture: PupilShape,
+    /// Further stops.
+    pub stops: Vec<Stop>,
+    /// The distortion.
+    pub distortion: Distortion,
 }
 
 /// The numbers of a main lens that rays need.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Pupils {
+    /// The focal length of the main lens.
+    pub focal_m: f64,
     /// From the microlens array to the main lens (D).
     pub lens_m: f64,
     /// From the microlens array to the exit pupil (D_X).
@@ -69,12 +80,29 @@ pub(super) struct Pupils {
     pub slope_per_m: f64,
 }
 
+impl Pupils {
+    /// Those of a microlens that lies this much nearer to the main lens, as on a tilted array.
+    pub fn moved(self, nearer_m: f64) -> Self {
+        let (lens_m, exit_m) = (self.lens_m - nearer_m, self.exit_m - nearer_m);
+        let vergence = 1.0 / self.focal_m - 1.0 / lens_m;
+        // 1/F = u / (1 - u o_E), and g = (1 + o_E/F) / D = 1 / (D (1 - u o_E)), with u = 1/f - 1/D.
+        let rest = 1.0 - vergence * self.entrance_offset_m;
+        Self { lens_m, exit_m, inverse_focus_per_m: vergence / rest, slope_per_m: 1.0 / (lens_m * rest), ..self }
+    }
+
+    /// The radius (or half width) of the exit pupil.
+    pub fn exit_radius_m(&self) -> f64 {
+        self.entrance_radius_m / self.magnification.abs()
+    }
+}
+
 impl MainLens {
     /// Returns a lens focused at a depth, with a round aperture in the lens.
     #[must_use]
     pub const fn new(focal_length_m: f64, f_number: f64, focus_m: f64) -> Self {
         let focus = ArrayFocus::Depth { depth_m: focus_m, virtual_depth: 0.0 };
-        Self { focal_length_m, f_number, focus, exit_pupil_m: None, aperture: PupilShape::Round }
+        let (aperture, distortion) = (PupilShape::Round, Distortion::NONE);
+        Self { focal_length_m, f_number, focus, exit_pupil_m: None, aperture, stops: Vec::new(), distortion }
     }
 
     /// Validates the lens in front of an array `gap_m` from the sensor.
@@ -89,6 +117,20 @@ impl MainLens {
             ArrayFocus::Depth { depth_m, virtual_depth } => self.distance_for(depth_m, virtual_depth * gap_m)?,
         };
         let lens_m = positive("distance of the main lens from the microlens array in meters", lens_m)?;
+        for stop in &self.stops {
+            positive("distance of a stop from the main lens in meters", stop.distance_m)?;
+            positive("diameter of a stop in meters", stop.diameter_m)?;
+        }
+        if let PupilShape::Polygon { blades, rotation_rad } = self.aperture {
+            if !(3..=64).contains(&blades) {
+                let (what, value) = ("number of blades of the aperture", f64::from(blades));
+                return Err(Error::BadNumber { what, value, need: "3 to 64" });
+            }
+            if !rotation_rad.is_finite() {
+                let (what, value) = ("rotation of the aperture in radians", rotation_rad);
+                return Err(Error::BadNumber { what, value, need: "finite" });
+            }
+        }
         let exit_m = self.exit_pupil_m.unwrap_or(lens_m);
         let behind_lens_m = lens_m - exit_m;
         if behind_lens_m == f {
@@ -98,18 +140,17 @@ impl MainLens {
         }
         let entrance_offset_m = f * behind_lens_m / (behind_lens_m - f);
         let magnification = f / (f - behind_lens_m);
-        let vergence = 1.0 / f - 1.0 / lens_m;
-        // 1/F = u / (1 - u o_E), and g = (1 + o_E/F) / D = 1 / (D (1 - u o_E)), with u = 1/f - 1/D.
-        let rest = 1.0 - vergence * entrance_offset_m;
         let pupils = Pupils {
+            focal_m: f,
             lens_m,
             exit_m,
             entrance_offset_m,
             magnification,
             entrance_radius_m: f / f_number / 2.0,
-            inverse_focus_per_m: vergence / rest,
-            slope_per_m: 1.0 / (lens_m * rest),
+            inverse_focus_per_m: 0.0,
+            slope_per_m: 0.0,
         };
+        let pupils = pupils.moved(0.0);
         for (what, value) in [
             ("inverse focus distance in 1/m", pupils.inverse_focus_per_m),
             ("slope of the main lens in 1/m", pupils.slope_per_m),

@@ -108,10 +108,15 @@ pub struct MicrolensArray {
     pub rotation_rad: f64,
     /// The position of microlens (0, 0) from the middle of the sensor, to the right and up.
     pub offset_m: [f64; 2],
-    /// The aperture of every microlens. Between the apertures the array is opaque.
+    /// The aperture of every microlens.
     pub aperture: LensAperture,
+    /// Whether light passes between the apertures, unrefracted; else the array is opaque there.
+    pub has_clear_gaps: bool,
     /// The distance from the array to the sensor, in meters.
     pub gap_m: f64,
+    /// The tilt of the array against the sensor: by how much the distance grows to the right and up, as angles in radians.
+    /// Every microlens stays parallel to the sensor.
+    pub tilt_rad: [f64; 2],
     /// The focal lengths.
     pub focus: MicrolensFocus,
 }
@@ -128,7 +133,9 @@ impl MicrolensArray {
             rotation_rad: 0.0,
             offset_m: [0.0; 2],
             aperture: LensAperture::Round { radius_m: pitch_m / 2.0 },
+            has_clear_gaps: false,
             gap_m,
+            tilt_rad: [0.0; 2],
             focus: MicrolensFocus::Lengths(vec![gap_m]),
         }
     }
@@ -158,21 +165,24 @@ impl MicrolensArray {
     /// Returns the center of a microlens from the origin of the array, in meters.
     #[must_use]
     pub(super) fn place_m(&self, lens: MicrolensIndex) -> [f64; 2] {
-        let (row, column) = (f64::from(lens.row), f64::from(lens.column));
-        let odd = |index: i32| f64::from(index.rem_euclid(2)) / 2.0;
-        let [x, y] = match self.grid {
-            MicrolensGrid::Square => [column, -row],
-            MicrolensGrid::HexRows => [column + odd(lens.row), -row * HEX_ROW],
-            MicrolensGrid::HexColumns => [column * HEX_ROW, -(row + odd(lens.column))],
+        rotate(self.upright_place_m(lens), self.rotation_rad)
+    }
+
+    /// The same before the rotation of the array.
+    fn upright_place_m(&self, lens: MicrolensIndex) -> [f64; 2] {
+        let (line, place) = match self.grid {
+            MicrolensGrid::HexColumns => (lens.column, lens.row),
+            _ => (lens.row, lens.column),
         };
-        rotate([x * self.pitch_m, y * self.pitch_m * self.scale_y], self.rotation_rad)
+        let (start, step) = self.line_m(line);
+        [0, 1].map(|k| start[k] + f64::from(place) * step[k])
     }
 
     /// Returns the microlens whose center is nearest to a place, in meters from the origin of the array.
     #[must_use]
     pub(super) fn nearest(&self, place_m: [f64; 2]) -> MicrolensIndex {
-        let [x, y] = rotate(place_m, -self.rotation_rad);
-        let [x, y] = [x / self.pitch_m, -y / self.pitch_m / self.scale_y];
+        let upright = rotate(place_m, -self.rotation_rad);
+        let [x, y] = [upright[0] / self.pitch_m, -upright[1] / self.pitch_m / self.scale_y];
         // Saturates far outside of any sensor.
         let index = |row: f64, column: f64| MicrolensIndex { row: row as i32, column: column as i32 };
         let odd = |k: f64| k.rem_euclid(2.0) / 2.0;
@@ -188,10 +198,32 @@ impl MicrolensArray {
             }),
         };
         let distance = |lens: MicrolensIndex| {
-            let [cx, cy] = self.place_m(lens);
-            (cx - place_m[0]).powi(2) + (cy - place_m[1]).powi(2)
+            let [x, y] = self.upright_place_m(lens);
+            (x - upright[0]).powi(2) + (y - upright[1]).powi(2)
         };
         if distance(candidates[0]) <= distance(candidates[1]) { candidates[0] } else { candidates[1] }
+    }
+
+    /// By how much the array is farther from the sensor at a place than at its origin, in meters.
+    pub(super) fn raised_m(&self, place_m: [f64; 2]) -> f64 {
+        if self.tilt_rad == [0.0; 2] {
+            return 0.0;
+        }
+        [0, 1].map(|k| self.tilt_rad[k].tan() * place_m[k]).iter().sum()
+    }
+
+    /// Half of the ways to the neighbors of a microlens on one side: its cell lies between the lines across their ends and
+    /// those opposite.
+    pub(super) fn cell(&self) -> [[f64; 2]; 3] {
+        let (pitch, height) = (self.pitch_m / 2.0, self.pitch_m * self.scale_y / 2.0);
+        let ways = match self.grid {
+            MicrolensGrid::Square => [[pitch, 0.0], [0.0, height], [pitch, height]],
+            MicrolensGrid::HexRows => [[pitch, 0.0], [pitch / 2.0, HEX_ROW * height], [-pitch / 2.0, HEX_ROW * height]],
+            MicrolensGrid::HexColumns => {
+                [[0.0, height], [HEX_ROW * pitch, height / 2.0], [HEX_ROW * pitch, -height / 2.0]]
+            }
+        };
+        ways.map(|way| rotate(way, self.rotation_rad))
     }
 
     /// The microlenses around a place, in meters from the origin, with their parts of a linear interpolation: along the two
@@ -230,6 +262,8 @@ impl MicrolensArray {
             ("rotation of the microlens array in radians", self.rotation_rad),
             ("horizontal offset of the microlens array in meters", self.offset_m[0]),
             ("vertical offset of the microlens array in meters", self.offset_m[1]),
+            ("horizontal tilt of the microlens array in radians", self.tilt_rad[0]),
+            ("vertical tilt of the microlens array in radians", self.tilt_rad[1]),
         ] {
             if !value.is_finite() {
                 return Err(Error::BadNumber { what, value, need: "finite" });

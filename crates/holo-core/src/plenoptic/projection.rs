@@ -1,5 +1,6 @@
 //! Where points of the scene appear on the sensor: chief pixels, virtual depth and blur.
 
+use super::main_lens::Pupils;
 use super::{MicrolensIndex, PlenopticCamera};
 
 /// The arrangement of a plenoptic camera.
@@ -25,14 +26,6 @@ pub struct MicroImagePoint {
     pub blur_radius_px: f64,
 }
 
-/// The image of the main lens of a point, by its vergence, which is finite where the image is not.
-pub(super) struct MainImage {
-    /// 1 / the distance of the image from the main lens, 1/m.
-    pub vergence: f64,
-    /// The lateral position of the image divided by that distance.
-    pub slope: [f64; 2],
-}
-
 impl PlenopticCamera {
     /// Returns the arrangement of a type of microlens: by its focal length beside the gap, within 2 %, and the focal
     /// length that images the exit pupil onto the sensor.
@@ -52,16 +45,6 @@ impl PlenopticCamera {
         } else {
             PlenopticMode::Unfocused
         }
-    }
-
-    pub(super) fn main_image(&self, point_m: [f64; 3]) -> Option<MainImage> {
-        let depth_m = -point_m[2];
-        let from_lens_m = depth_m + self.entrance_pupil_offset_m();
-        if !(depth_m > 0.0 && from_lens_m != 0.0 && point_m.iter().all(|x| x.is_finite())) {
-            return None;
-        }
-        let vergence = 1.0 / self.main_lens().focal_length_m - 1.0 / from_lens_m;
-        Some(MainImage { vergence, slope: [point_m[0] / from_lens_m, point_m[1] / from_lens_m] })
     }
 
     /// Returns the virtual depth of a depth: the distance of its image behind the microlens array, in gaps; negative in
@@ -119,19 +102,60 @@ impl PlenopticCamera {
     ///
     /// # Source
     ///
-    /// X_c = C + (I - C) / v, with the image I of the main lens and its virtual depth v.
+    /// The [ray](Self::ray) of the center solved for its place on the sensor; the same as X_c = C + (I - C) / v, with the
+    /// image I of the main lens and its virtual depth v, where there is no distortion.
     #[must_use]
     pub fn project(&self, point_m: [f64; 3], lens: MicrolensIndex) -> Option<MicroImagePoint> {
-        let image = self.main_image(point_m)?;
-        let rest = 1.0 - self.mla_distance_m() * image.vergence;
+        let depth_m = -point_m[2];
+        if !(depth_m > 0.0 && point_m.iter().all(|x| x.is_finite())) {
+            return None;
+        }
+        let lens = self.microlens(lens);
+        let Pupils { magnification, exit_m, inverse_focus_per_m, slope_per_m, .. } = lens.pupils;
+        // How far the ray moves at the depth of the point per movement in the pupil.
+        let rest = 1.0 - depth_m * inverse_focus_per_m;
         if rest == 0.0 {
             return None;
         }
-        let (center, gap) = (self.lens_center_m(lens), self.array().gap_m);
-        let place = [0, 1].map(|k| center[k] + (image.slope[k] - center[k] * image.vergence) * gap / rest);
-        let lens_type = self.array().type_of(lens);
-        let kappa = 1.0 - gap * image.vergence / rest - gap / self.microlens_focal_lengths_m()[lens_type];
+        let center = self.main_lens().distortion.undistorted(lens.center_m);
+        let per_pupil = lens.gap_m / (magnification * exit_m);
+        let place = [0, 1].map(|k| {
+            let origin = (point_m[k] - depth_m * slope_per_m * center[k]) / rest;
+            lens.image_center_m[k] + per_pupil * origin
+        });
+        let kappa = per_pupil * (magnification * lens.alpha - depth_m * slope_per_m / rest);
         let blur_radius_px = kappa * self.array().aperture.half_width_m() / self.sensor().pixel_m;
         Some(MicroImagePoint { position_px: self.position_px(place), kappa, blur_radius_px })
+    }
+
+    /// Returns the microlenses through which a point of the scene appears within its micro-image, at most `radius_px` from
+    /// its center, and the micro-image's center on the sensor: those whose chief ray from the point passes through a
+    /// disc in the pupil. None for a point that [`project`](Self::project) has no image of.
+    ///
+    /// # Units
+    ///
+    /// Meters in the frame of the entrance pupil, as for [`project`](Self::project).
+    #[must_use]
+    pub fn lenses_seeing(&self, point_m: [f64; 3], radius_px: f64) -> Vec<MicrolensIndex> {
+        let size = self.sensor().size;
+        let corners = [[0.0, size.rows as f64], [size.columns as f64, 0.0]].map(|corner| self.place_m(corner));
+        let [mut low, mut high] = corners.map(|corner| corner.map(|x| x / self.micro_image_scale()));
+        // X_c - C' = (P - Z g C) / (1 - Z/F) in the pupil: for undistorted microlenses on a plane their centers lie in a disc.
+        if self.main_lens().distortion.is_none() && self.array().tilt_rad == [0.0; 2] {
+            let Pupils { magnification, exit_m, inverse_focus_per_m, slope_per_m, .. } = self.pupils;
+            let per_center = -point_m[2] * slope_per_m;
+            let in_pupil_m = radius_px * self.sensor().pixel_m * magnification.abs() * exit_m / self.array().gap_m;
+            let radius_m = in_pupil_m * (1.0 + point_m[2] * inverse_focus_per_m).abs() / per_center.abs();
+            for k in 0..2 {
+                low[k] = low[k].max(point_m[k] / per_center - radius_m);
+                high[k] = high[k].min(point_m[k] / per_center + radius_m);
+            }
+        }
+        let near = |lens: &MicrolensIndex| {
+            let found = self.project(point_m, *lens).map(|found| found.position_px);
+            let middle = self.micro_image_center_px(*lens);
+            found.is_some_and(|[x, y]| (x - middle[0]).hypot(y - middle[1]) <= radius_px)
+        };
+        self.lenses_within(low, high).filter(near).collect()
     }
 }

@@ -5,6 +5,10 @@ use std::f64::consts::PI;
 use super::*;
 use crate::{GridSize, LightFieldShape, Rig};
 
+mod real_lenses;
+mod views;
+mod white;
+
 /// Numbers in 0..1, always the same.
 struct Numbers(u64);
 
@@ -38,14 +42,33 @@ fn r12(size: GridSize) -> PlenopticCamera {
 
 /// The ray by thin lenses one after the other, and the point of the exit pupil that it crosses.
 fn step_by_step(camera: &PlenopticCamera, x: [f64; 2], q: [f64; 2], lens: MicrolensIndex) -> (PlenopticRay, [f64; 2]) {
-    let center = camera.lens_center_m(lens);
-    let focal = camera.microlens_focal_lengths_m()[camera.array().type_of(lens)];
-    let slope = [0, 1].map(|k| (q[k] - x[k]) / camera.array().gap_m - (q[k] - center[k]) / focal);
-    let pupil = [0, 1].map(|k| -(q[k] + camera.exit_pupil_m() * slope[k]));
-    let height = [0, 1].map(|k| -(q[k] + camera.mla_distance_m() * slope[k]));
+    refracted(camera, x, q, lens, camera.microlens_focal_lengths_m()[camera.array().type_of(lens)])
+}
+
+/// The same with any focal length; infinite for light that passes between the microlenses.
+fn refracted(
+    camera: &PlenopticCamera,
+    x: [f64; 2],
+    q: [f64; 2],
+    lens: MicrolensIndex,
+    focal_m: f64,
+) -> (PlenopticRay, [f64; 2]) {
+    let (center, array) = (camera.lens_center_m(lens), camera.array());
+    // On a tilted array.
+    let from_origin = [0, 1].map(|k| center[k] - camera.sensor().offset_m[k] - array.offset_m[k]);
+    let raised = array.tilt_rad[0].tan() * from_origin[0] + array.tilt_rad[1].tan() * from_origin[1];
+    let slope = [0, 1].map(|k| (q[k] - x[k]) / (array.gap_m + raised) - (q[k] - center[k]) / focal_m);
+    let pupil = [0, 1].map(|k| -(q[k] + (camera.exit_pupil_m() - raised) * slope[k]));
+    let height = [0, 1].map(|k| -(q[k] + (camera.mla_distance_m() - raised) * slope[k]));
     let direction = [0, 1].map(|k| -slope[k] - height[k] / camera.main_lens().focal_length_m);
     let origin_m = [0, 1].map(|k| height[k] + camera.entrance_pupil_offset_m() * direction[k]);
     (PlenopticRay { origin_m, direction }, pupil)
+}
+
+/// cos^4 of the light from a point of a microlens.
+fn cos4(camera: &PlenopticCamera, x: [f64; 2], q: [f64; 2], lens: MicrolensIndex) -> f64 {
+    let gap = camera.microlens(lens).gap_m;
+    (1.0 + ((q[0] - x[0]).powi(2) + (q[1] - x[1]).powi(2)) / (gap * gap)).powi(-2)
 }
 
 #[test]
@@ -57,7 +80,10 @@ fn rays_equal_those_through_one_thin_lens_after_the_other() {
     let mut behind = MainLens::new(24e-3, 2.2, f64::INFINITY);
     behind.exit_pupil_m = Some(15e-3);
     let odd = PlenopticCamera::new(ImageSensor::new(whole, 1.4e-6), odd, behind).expect("a camera");
-    for camera in [illum(whole), r12(whole), odd] {
+    let (mut array, lens) = (r12(whole).array().clone(), r12(whole).main_lens().clone());
+    array.tilt_rad = [8.4e-4, -6.4e-3];
+    let tilted = PlenopticCamera::new(*r12(whole).sensor(), array, lens).expect("a camera");
+    for camera in [illum(whole), r12(whole), odd, tilted] {
         for _ in 0..2000 {
             let position = [numbers.next() * 4000.0, numbers.next() * 3000.0];
             let x = camera.place_m(position);
@@ -91,8 +117,9 @@ fn lit_regions_hold_the_points_whose_rays_pass() {
         (LensAperture::Hexagon { half_width_m: 63e-6 }, PupilShape::Square),
         (LensAperture::Square { half_width_m: 60e-6 }, PupilShape::Square),
         (LensAperture::Round { radius_m: 60e-6 }, PupilShape::Round),
+        (LensAperture::Round { radius_m: 60e-6 }, PupilShape::Polygon { blades: 5, rotation_rad: 0.3 }),
     ] {
-        let (mut array, mut lens) = (square.array().clone(), *square.main_lens());
+        let (mut array, mut lens) = (square.array().clone(), square.main_lens().clone());
         (array.aperture, lens.aperture) = (aperture, pupil);
         square = PlenopticCamera::new(*square.sensor(), array, lens).expect("a camera");
         let mut lit = 0;
@@ -280,132 +307,6 @@ fn lattices_are_complete() {
     }
 }
 
-/// The white image against rays through random points: unvignetted, vignetted, overlapping, of several shapes.
-#[test]
-fn the_white_image_is_the_light_that_rays_bring() {
-    let mut numbers = Numbers(7);
-    let size = GridSize::new(60, 60);
-    let with = |camera: PlenopticCamera, aperture: LensAperture, pupil: PupilShape, f_number: f64, fill: f64| {
-        let (mut array, mut lens, mut sensor) = (camera.array().clone(), *camera.main_lens(), *camera.sensor());
-        (array.aperture, lens.aperture, lens.f_number, sensor.fill) = (aperture, pupil, f_number, fill);
-        sensor.offset_m = [3e-3, 2e-3];
-        PlenopticCamera::new(sensor, array, lens).expect("a camera")
-    };
-    let disc = |radius_m| LensAperture::Round { radius_m };
-    let square = |half_width_m| LensAperture::Square { half_width_m };
-    for (name, camera) in [
-        ("illum", with(illum(size), disc(10e-6), PupilShape::Round, 2.2, 1.0)),
-        ("r12", with(r12(size), disc(63.7e-6), PupilShape::Round, 4.0, 1.0)),
-        ("overlap", with(r12(size), disc(63.7e-6), PupilShape::Round, 2.0, 0.6)),
-        ("square", with(illum(size), square(10e-6), PupilShape::Square, 2.2, 1.0)),
-        ("square and disc", with(r12(size), square(50e-6), PupilShape::Round, 4.0, 1.0)),
-        ("hexagon", with(r12(size), LensAperture::Hexagon { half_width_m: 60e-6 }, PupilShape::Square, 5.0, 1.0)),
-    ] {
-        let white = camera.white_image().expect("memory");
-        let (array, pixel) = (camera.array(), camera.sensor().pixel_m);
-        let outer = array.aperture.outer_radius_m();
-        let (mut total, mut expected_total, mut worst) = (0.0, 0.0, 0f64);
-        let side = 24;
-        for row in (0..60).step_by(3) {
-            for column in (0..60).step_by(3) {
-                let middle = camera.place_m([f64::from(column) + 0.5, f64::from(row) + 0.5]);
-                let owner = camera.owner(middle);
-                let mut sum = 0.0;
-                for (dr, dc) in (-2..=2).flat_map(|dr| (-2..=2).map(move |dc| (dr, dc))) {
-                    let lens = MicrolensIndex { row: owner.row + dr, column: owner.column + dc };
-                    let center = camera.lens_center_m(lens);
-                    for k in 0..side * side {
-                        let unit =
-                            [k % side, k / side].map(|k| (f64::from(k) + numbers.next()) / f64::from(side) * 2.0 - 1.0);
-                        let point = unit.map(|x| x * outer);
-                        let x = middle.map(|x| numbers.around(x, pixel * camera.sensor().fill));
-                        let q = [center[0] + point[0], center[1] + point[1]];
-                        let passes = super::lune::is_in_lens(array.aperture, array.rotation_rad, point)
-                            && camera.passes(&camera.ray(x, q, lens));
-                        sum += if passes { camera.cos4(x, q) } else { 0.0 };
-                    }
-                }
-                let area = 4.0 * outer * outer / array.aperture.area_m2();
-                let traced = sum / f64::from(side * side) * area / camera.central_cos4();
-                let value = f64::from(white[[row as usize, column as usize]]);
-                worst = worst.max((traced - value).abs());
-                (total, expected_total) = (total + value, expected_total + traced);
-            }
-        }
-        println!("{name}: mean {:.5} of the light, worst pixel {worst:.4}", total / expected_total);
-        // 576 points a pixel and microlens, stratified over the microlens and random over the pixel: some 0.02 at edges,
-        // 3e-4 of the sum.
-        assert!((total / expected_total - 1.0).abs() < 2e-3 && worst < 0.1, "{name}: {total} {expected_total} {worst}");
-        // Nothing outside of the listed pixels.
-        for line in camera.lens_lines(0..60) {
-            for lens in camera.lenses_on_line(line, 0..60) {
-                for (row, columns) in camera.lit_pixels(lens, 0..60) {
-                    assert!(row < 60 && columns.end <= 60, "{name}: {row} {columns:?}");
-                }
-            }
-        }
-    }
-}
-
-/// Closed forms of micro-images: their pitch, centers, and energy, whatever alpha is.
-#[test]
-fn micro_images_have_their_energy_and_pitch() {
-    for (camera, name) in [(illum(GridSize::new(150, 150)), "illum"), (r12(GridSize::new(240, 240)), "r12")] {
-        let white = camera.white_image().expect("memory");
-        let (pixel, side) = (camera.sensor().pixel_m, camera.sensor().size.rows);
-        let pitch = camera.micro_image_pitch_px();
-        let scale = camera.array().gap_m / camera.exit_pupil_m();
-        let energy = PI * (scale * camera.exit_pupil_radius_m() / pixel).powi(2);
-        let mut seen = 0;
-        for line in camera.lens_lines(0..side) {
-            for lens in camera.lenses_on_line(line, 0..side) {
-                let [x, y] = camera.micro_image_center_px(lens);
-                let reach = pitch / 2.0 + 1.5;
-                let inside = |z: f64| z > reach && z < side as f64 - reach;
-                if !(inside(x) && inside(y)) {
-                    continue;
-                }
-                let mut moments = [0.0; 3];
-                for (row, columns) in camera.lit_pixels(lens, 0..side) {
-                    for column in columns {
-                        let at = [column as f64 + 0.5, row as f64 + 0.5];
-                        if camera.owner(camera.place_m(at)) == lens {
-                            // Without cos^4, whose mean is over the lit part of the microlens.
-                            let (place, center) = (camera.place_m(at), camera.lens_center_m(lens));
-                            let region = camera.lit_region(place, lens);
-                            let unit = |k: usize| [k % 6, k / 6].map(|k| (k as f64 + 0.5) / 6.0);
-                            let points: Vec<_> = (0..36).filter_map(|k| region.point(unit(k))).collect();
-                            let cos4 = |[x, y]: &[f64; 2]| camera.cos4(place, [center[0] + x, center[1] + y]);
-                            let mean = points.iter().map(cos4).sum::<f64>() / points.len().max(1) as f64;
-                            let mean = if points.is_empty() { camera.central_cos4() } else { mean };
-                            let value = f64::from(white[[row, column]]) * camera.central_cos4() / mean;
-                            [1.0, at[0], at[1]].iter().zip(&mut moments).for_each(|(z, sum)| *sum += value * z);
-                        }
-                    }
-                }
-                let [sum, mx, my] = moments;
-                // Centroids as CAMERA's numerical probe found them; the mean of cos^4 over a microlens is not that of its center.
-                assert!(
-                    (mx / sum - x).abs() < 0.02 && (my / sum - y).abs() < 0.02,
-                    "{name}: {} {} at {x} {y}",
-                    mx / sum,
-                    my / sum
-                );
-                // The mean of cos^4 is that of the pixel's center, half a percent off where an edge crosses it.
-                assert!((sum / energy - 1.0).abs() < 0.01, "{name}: {sum} {energy}");
-                seen += 1;
-            }
-        }
-        assert!(seen > 50, "{name}: {seen}");
-    }
-    assert!((illum(GridSize::new(9, 9)).micro_image_pitch_px() - 14.291_147).abs() < 1e-6);
-    assert!((r12(GridSize::new(9, 9)).micro_image_pitch_px() - 23.306_426).abs() < 1e-6);
-    let radii = r12(GridSize::new(9, 9)).micro_image_radii_m(0).map(|radius| radius / 5.5e-6);
-    for (found, published) in radii.into_iter().zip([1.3271, 6.4718, 11.6165]) {
-        assert!((found - published).abs() < 1e-4, "{radii:?}");
-    }
-}
-
 #[test]
 fn equivalent_rigs_have_published_baselines() {
     let camera = illum(GridSize::new(5368, 7728));
@@ -449,20 +350,20 @@ fn impossible_cameras_are_errors() {
     ];
     for (name, change) in changes {
         let sound = illum(GridSize::new(50, 60));
-        let (mut sensor, mut array, mut lens) = (*sound.sensor(), sound.array().clone(), *sound.main_lens());
+        let (mut sensor, mut array, mut lens) = (*sound.sensor(), sound.array().clone(), sound.main_lens().clone());
         change(&mut sensor, &mut array, &mut lens);
         let error = PlenopticCamera::new(sensor, array, lens).expect_err(name).to_string();
         assert!(error.contains(name), "{name}: {error}");
     }
     // An exit pupil at the focal point is seen at infinity.
     let sound = illum(GridSize::new(50, 60));
-    let mut lens = *sound.main_lens();
+    let mut lens = sound.main_lens().clone();
     (lens.focal_length_m, lens.exit_pupil_m) = (0.25, Some(0.25));
     lens.focus = ArrayFocus::Distance { mla_distance_m: 0.5 };
     let error = PlenopticCamera::new(*sound.sensor(), sound.array().clone(), lens).expect_err("a pupil").to_string();
     assert!(error.contains("infinity"), "{error}");
     // Nor can the equivalent rig focus behind itself.
-    let mut lens = *sound.main_lens();
+    let mut lens = sound.main_lens().clone();
     lens.focus = ArrayFocus::Depth { depth_m: -2.0, virtual_depth: 0.0 };
     let behind = PlenopticCamera::new(*sound.sensor(), sound.array().clone(), lens).expect("a camera");
     assert!(behind.equivalent_rig(GridSize::new(3, 3), GridSize::new(3, 3), 20e-6, 1.0).is_err());

@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, ArrayViewMut2, Axis};
 
-use super::{LensAperture, PlenopticCamera, PupilShape};
+use super::{LensAperture, Microlens, PlenopticCamera, PupilShape};
 use crate::Error;
 use crate::memory;
 use crate::parallel::*;
@@ -57,27 +57,24 @@ impl PlenopticCamera {
     fn white_band(&self, rule: &Rule, first: usize, band: &mut ArrayViewMut2<f32>) {
         let rows = first..first + band.nrows();
         for line in self.lens_lines(rows.clone()) {
-            for lens in self.lenses_on_line(line, rows.clone()) {
-                let microlens = Microlens {
-                    camera: self,
-                    rule,
-                    center: self.lens_center_m(lens),
-                    image: self.micro_image_center_m(lens),
-                    lens_type: self.array().type_of(lens),
-                };
-                let edge = rule.edges[microlens.lens_type];
-                for (row, columns) in self.lit_pixels(lens, rows.clone()) {
+            for lens in self.lenses_on_line(line, rows.clone()).flat_map(|lens| self.openings(lens)) {
+                let edge = if self.is_clear_of_stops(&lens) { rule.edges[lens.lens_type] } else { Edge::Stopped };
+                let light = Light { camera: self, rule, lens };
+                for (row, columns) in self.lit_pixels(&lens, rows.clone()) {
                     for column in columns {
                         let middle = self.place_m([column as f64 + 0.5, row as f64 + 0.5]);
-                        band[[row - first, column]] += (microlens.light(middle, edge) / rule.unvignetted) as f32;
+                        band[[row - first, column]] += (light.of_pixel(middle, edge) / rule.unvignetted) as f32;
                     }
                 }
             }
         }
     }
 
-    /// Whether lit regions are sampled in a rectangle around them.
-    fn is_masked(&self) -> bool {
+    /// Whether lit regions of a microlens or gap are sampled in a rectangle around them.
+    fn is_masked(&self, lens: &Microlens) -> bool {
+        if lens.lens_type == self.array().type_count() {
+            return true;
+        }
         match (self.array().aperture, self.main_lens().aperture) {
             (LensAperture::Round { .. }, PupilShape::Round) => false,
             (LensAperture::Square { .. }, PupilShape::Square) => self.array().rotation_rad != 0.0,
@@ -100,7 +97,7 @@ impl PlenopticCamera {
                 let points = (0..side * side).map(|k| [at(k % side), at(k / side)]);
                 let inside = points.filter(|&point| super::lune::is_in_lens(aperture, 0.0, point));
                 let (sum, count) =
-                    inside.fold((0.0, 0.0), |(sum, count), point| (sum + self.cos4([0.0; 2], point), count + 1.0));
+                    inside.fold((0.0, 0.0), |(sum, count), point| (sum + cos4([0.0; 2], point, gap), count + 1.0));
                 sum / count
             }
         }
@@ -117,6 +114,8 @@ enum Edge {
     /// It moves by several pixels, or the microlens is larger than the pupil's image: integrated over points of the
     /// pixel, this many along each side.
     Wide(usize),
+    /// Further stops may block a part: integrated over points of both.
+    Stopped,
 }
 
 /// What all pixels of a white image have in common.
@@ -139,6 +138,10 @@ impl Rule {
     fn new(camera: &PlenopticCamera) -> Self {
         let (array, pixel) = (camera.array(), camera.sensor().pixel_m);
         let edge = |lens_type: usize| {
+            if lens_type == array.type_count() {
+                // The light through a gap has the edge of the gap.
+                return Edge::Wide(4);
+            }
             let moved = camera.alpha(lens_type).abs() * array.aperture.half_width_m();
             let moved_px = moved * array.gap_m / camera.exit_pupil_m() / pixel;
             if moved > camera.exit_pupil_radius_m() || moved_px >= WIDE_EDGE_PX {
@@ -152,7 +155,7 @@ impl Rule {
         let mut rule = Self {
             unvignetted: camera.central_cos4(),
             points: lens_points(array.aperture, array.rotation_rad),
-            edges: (0..array.type_count()).map(edge).collect(),
+            edges: (0..array.type_count() + usize::from(array.has_clear_gaps)).map(edge).collect(),
             cos4: Vec::new(),
             step: 0.0,
         };
@@ -175,7 +178,7 @@ impl Rule {
             let mean = |k: usize| {
                 let away = (k as f64 * rule.step).sqrt();
                 let places = GAUSS.iter().flat_map(|&y| GAUSS.map(|x| [away + x * width, y * width]));
-                places.map(|place| rule.over_lens(|point| camera.cos4(place, point))).sum::<f64>() / 4.0
+                places.map(|place| rule.over_lens(|point| cos4(place, point, array.gap_m))).sum::<f64>() / 4.0
             };
             rule.cos4 = (0..ENTRIES).map(mean).collect();
         }
@@ -214,20 +217,17 @@ fn lens_points(aperture: LensAperture, rotation_rad: f64) -> Vec<([f64; 2], f64)
     points.into_iter().map(|(point, weight)| (super::microlenses::rotate(point, rotation_rad), weight)).collect()
 }
 
-/// A microlens whose light is added.
-struct Microlens<'a> {
+/// The light through a microlens. Places on the sensor are from the axis, points of the microlens from its center.
+struct Light<'a> {
     camera: &'a PlenopticCamera,
     rule: &'a Rule,
-    center: [f64; 2],
-    /// The center of the micro-image.
-    image: [f64; 2],
-    lens_type: usize,
+    lens: Microlens,
 }
 
-impl Microlens<'_> {
+impl Light<'_> {
     /// The light that the pixel around a place gets: its share of the white image, before the division by that of an
     /// unvignetted pixel.
-    fn light(&self, middle: [f64; 2], edge: Edge) -> f64 {
+    fn of_pixel(&self, middle: [f64; 2], edge: Edge) -> f64 {
         match edge {
             Edge::Sharp => {
                 let share = self.covered_share([0.0; 2], middle);
@@ -235,21 +235,25 @@ impl Microlens<'_> {
             }
             Edge::Narrow => self.rule.over_lens(|point| {
                 let share = self.covered_share(point, middle);
-                let at = [0, 1].map(|k| self.center[k] + point[k]);
-                if share > 0.0 { share * self.camera.cos4(self.lit_place(middle, share), at) } else { 0.0 }
+                if share > 0.0 { share * self.cos4(self.lit_place(middle, share), point) } else { 0.0 }
             }),
             Edge::Wide(steps) => self.wide(middle, steps),
+            Edge::Stopped => self.stopped(middle),
         }
+    }
+
+    /// cos^4 of the light from a point of the microlens to a place on the sensor.
+    fn cos4(&self, place: [f64; 2], point: [f64; 2]) -> f64 {
+        let Microlens { center_m, gap_m, .. } = self.lens;
+        cos4([place[0] - center_m[0], place[1] - center_m[1]], point, gap_m)
     }
 
     /// The mean of cos^4 over the microlens and a pixel around a place.
     fn mean_cos4(&self, place: [f64; 2]) -> f64 {
-        if self.rule.cos4.is_empty() {
-            return self
-                .rule
-                .over_lens(|point| self.camera.cos4(place, [self.center[0] + point[0], self.center[1] + point[1]]));
+        if self.rule.cos4.is_empty() || self.lens.gap_m != self.camera.array().gap_m {
+            return self.rule.over_lens(|point| self.cos4(place, point));
         }
-        let [x, y] = [place[0] - self.center[0], place[1] - self.center[1]];
+        let [x, y] = [place[0] - self.lens.center_m[0], place[1] - self.lens.center_m[1]];
         let at = (x * x + y * y) / self.rule.step;
         let k = (at as usize).min(ENTRIES - 2);
         let (low, high) = (self.rule.cos4[k], self.rule.cos4[k + 1]);
@@ -261,27 +265,38 @@ impl Microlens<'_> {
         if share >= 1.0 {
             return middle;
         }
-        let pixel = self.camera.sensor().fill * self.camera.sensor().pixel_m;
-        let away = [self.image[0] - middle[0], self.image[1] - middle[1]];
+        let pixel = self.width_m();
+        let [x, y] = self.lens.image_center_m;
+        let away = [x - middle[0], y - middle[1]];
         let inwards = (1.0 - share) / 2.0 * pixel / away[0].hypot(away[1]).max(pixel);
         [middle[0] + away[0] * inwards, middle[1] + away[1] * inwards]
+    }
+
+    /// The width of the light-sensitive part of a pixel.
+    fn width_m(&self) -> f64 {
+        self.camera.sensor().fill * self.camera.sensor().pixel_m
+    }
+
+    /// A place on the sensor from the center of the micro-image.
+    fn on_sensor(&self, place: [f64; 2]) -> [f64; 2] {
+        [place[0] - self.lens.image_center_m[0], place[1] - self.lens.image_center_m[1]]
     }
 
     /// A wide edge is smooth over a pixel, and cos^4 over all that a pixel sees: the area is integrated over the pixel, and
     /// the mean of cos^4 is that of its center.
     fn wide(&self, middle: [f64; 2], steps: usize) -> f64 {
         let camera = self.camera;
-        let pixel = camera.sensor().fill * camera.sensor().pixel_m;
+        let pixel = self.width_m();
         let region = |offset: [f64; 2]| {
-            let place = [0, 1].map(|axis| middle[axis] - self.image[axis] + offset[axis] * pixel);
-            camera.relative_lit_region(place, self.lens_type)
+            let place = [middle[0] + offset[0] * pixel, middle[1] + offset[1] * pixel];
+            camera.relative_lit_region(&self.lens, self.on_sensor(place))
         };
         let place = |k: usize| match steps {
             2 => GAUSS[k],
             _ => (k as f64 + 0.5) / steps as f64 - 0.5,
         };
         let offsets = (0..steps * steps).map(|k| [place(k % steps), place(k / steps)]);
-        if camera.is_masked() {
+        if camera.is_masked(&self.lens) {
             // Counted: many points, which no straight edge follows.
             return offsets.map(|offset| self.counted(middle, &region(offset))).sum::<f64>() / (steps * steps) as f64;
         }
@@ -290,33 +305,49 @@ impl Microlens<'_> {
             return 0.0;
         }
         let center = region([0.0; 2]);
-        let cos4 = |[x, y]: [f64; 2]| camera.cos4(middle, [self.center[0] + x, self.center[1] + y]);
         let points = GAUSS_3.iter().flat_map(|&(u, weight)| GAUSS.map(|v| ([u, v + 0.5], weight / 2.0)));
         let mean = match center.is_empty() {
-            true => camera.cos4(middle, self.center),
-            false => points.filter_map(|(unit, weight)| Some(weight * cos4(center.point(unit)?))).sum(),
+            true => self.cos4(middle, [0.0; 2]),
+            false => points.filter_map(|(unit, weight)| Some(weight * self.cos4(middle, center.point(unit)?))).sum(),
         };
         area * mean / camera.array().aperture.area_m2()
     }
 
     /// The light through a region of which points are counted.
     fn counted(&self, middle: [f64; 2], region: &super::LitRegion) -> f64 {
-        let camera = self.camera;
-        let steps = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
-        let points = (0..256).map(|j| steps.map(|step| ((f64::from(j) + 0.5) * step).fract()));
-        let inside = points.filter_map(|unit| region.point(unit));
-        let cos4 = |[x, y]: [f64; 2]| camera.cos4(middle, [self.center[0] + x, self.center[1] + y]);
-        inside.map(cos4).sum::<f64>() / 256.0 * region.sampled_area_m2() / camera.array().aperture.area_m2()
+        if region.is_empty() {
+            return 0.0;
+        }
+        let inside = evenly_spread(PLANE_STEPS, 256).filter_map(|unit| region.point(unit));
+        let sum = inside.map(|point| self.cos4(middle, point)).sum::<f64>();
+        sum / 256.0 * region.sampled_area_m2() / self.camera.array().aperture.area_m2()
+    }
+
+    /// The light that further stops let pass: of rays from points of the pixel through points of the microlens.
+    fn stopped(&self, middle: [f64; 2]) -> f64 {
+        let pixel = self.width_m();
+        // Every pixel has its own points, so that their errors cancel.
+        let position = self.camera.position_px(middle).map(f64::floor);
+        let shift: [f64; 4] = std::array::from_fn(|k| position[0] * SPACE_STEPS[k] + position[1] * SPACE_STEPS[3 - k]);
+        let light = |point: [f64; 4]| {
+            let [u, v, x, y]: [f64; 4] = std::array::from_fn(|k| (point[k] + shift[k]).fract());
+            let place = [middle[0] + (x - 0.5) * pixel, middle[1] + (y - 0.5) * pixel];
+            let on_sensor = self.on_sensor(place);
+            let region = self.camera.relative_lit_region(&self.lens, on_sensor);
+            let point = region.point([u, v])?;
+            let passes = self.camera.passes_stops(&self.camera.relative_ray(&self.lens, on_sensor, point));
+            passes.then(|| self.cos4(place, point) * region.sampled_area_m2())
+        };
+        let sum = evenly_spread(SPACE_STEPS, STOPPED_POINTS).filter_map(light).sum::<f64>();
+        sum / f64::from(STOPPED_POINTS) / self.camera.array().aperture.area_m2()
     }
 
     /// The share of a pixel that light through one point of the microlens reaches: that of the image of the pupil.
     fn covered_share(&self, point: [f64; 2], middle: [f64; 2]) -> f64 {
-        let camera = self.camera;
-        let pixel = camera.sensor().fill * camera.sensor().pixel_m;
-        let scale = camera.array().gap_m / camera.exit_pupil_m();
-        let alpha = camera.alpha(self.lens_type);
+        let (camera, pixel) = (self.camera, self.width_m());
+        let scale = self.lens.gap_m / self.lens.pupils.exit_m;
         let radius = scale * camera.exit_pupil_radius_m();
-        let from = [0, 1].map(|k| middle[k] - (self.image[k] + scale * alpha * point[k]));
+        let from = [0, 1].map(|k| self.on_sensor(middle)[k] - scale * self.lens.alpha * point[k]);
         let reach = pixel * std::f64::consts::FRAC_1_SQRT_2;
         let [low, high] = [-0.5, 0.5].map(|side| from.map(|x| (x + side * pixel) / radius));
         let unit = pixel / radius;
@@ -337,8 +368,65 @@ impl Microlens<'_> {
                     + quadrant(low[0], low[1]);
                 (area / (unit * unit)).clamp(0.0, 1.0)
             }
+            PupilShape::Polygon { .. } => {
+                let sign = self.lens.pupils.magnification.signum();
+                let corners = [low, [high[0], low[1]], high, [low[0], high[1]]].map(|corner| corner.map(|x| x * sign));
+                area_of(&clipped(corners.to_vec(), &camera.main_lens().aperture.corners())) / (unit * unit)
+            }
         }
     }
+}
+
+/// The number of points of a pixel and the microlens where stops vignette: a mean error of 0.01 a pixel.
+const STOPPED_POINTS: u32 = 128;
+
+/// Steps of evenly spread points in two and in four dimensions: powers of the real roots of 1 / x^(n + 1) = 1 + 1 / x.
+///
+/// Source: Roberts, "The unreasonable effectiveness of quasirandom sequences" (2018).
+const PLANE_STEPS: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_2];
+const SPACE_STEPS: [f64; 4] =
+    [0.856_674_883_854_502_9, 0.733_891_856_627_126, 0.628_706_721_037_806_4, 0.538_597_256_661_187];
+
+/// Points of the unit cube, evenly spread.
+fn evenly_spread<const N: usize>(steps: [f64; N], count: u32) -> impl Iterator<Item = [f64; N]> {
+    (0..count).map(move |k| steps.map(|step| ((f64::from(k) + 0.5) * step).fract()))
+}
+
+/// cos^4 of the light from a point to a place over a gap.
+fn cos4(place: [f64; 2], point: [f64; 2], gap_m: f64) -> f64 {
+    let [x, y] = [point[0] - place[0], point[1] - place[1]];
+    let squared = 1.0 + (x * x + y * y) / (gap_m * gap_m);
+    1.0 / (squared * squared)
+}
+
+/// The part of a convex polygon that lies within another; both counterclockwise.
+///
+/// Source: Sutherland and Hodgman, "Reentrant polygon clipping" (CACM, 1974).
+fn clipped(mut polygon: Vec<[f64; 2]>, by: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    for (k, a) in by.iter().enumerate() {
+        let b = by[(k + 1) % by.len()];
+        let side = |p: &[f64; 2]| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+        let mut kept = Vec::with_capacity(polygon.len() + 1);
+        for (k, p) in polygon.iter().enumerate() {
+            let q = &polygon[(k + 1) % polygon.len()];
+            let (sp, sq) = (side(p), side(q));
+            if sp >= 0.0 {
+                kept.push(*p);
+            }
+            if (sp >= 0.0) != (sq >= 0.0) {
+                let part = sp / (sp - sq);
+                kept.push([p[0] + part * (q[0] - p[0]), p[1] + part * (q[1] - p[1])]);
+            }
+        }
+        polygon = kept;
+    }
+    polygon
+}
+
+/// The area of a polygon.
+fn area_of(polygon: &[[f64; 2]]) -> f64 {
+    let next = polygon.iter().cycle().skip(1);
+    polygon.iter().zip(next).map(|(p, q)| p[0] * q[1] - p[1] * q[0]).sum::<f64>().abs() / 2.0
 }
 
 /// The area of the unit disc left of x and below y.

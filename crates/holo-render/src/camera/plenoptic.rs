@@ -2,13 +2,13 @@
 //!
 //! A sample is a point of a pixel and a point of the microlens through which light reaches it. Points of a microlens are
 //! distributed evenly over its lit part ([`holo_core::plenoptic::LitRegion`]), so no ray is traced that the apertures
-//! block. All rays through one point of a microlens meet in one point of the plane in focus, as those of a
+//! block. (Where that part is no disc, lune or rectangle, and before further stops, blocked ones are masked.) All rays through one point of a microlens meet in one point of the plane in focus, as those of a
 //! [rig](super::rig) do. The position in the view's pixel is the point of the microlens, with the random numbers that a
 //! rig uses for it; the point of the pixel has its own.
 //!
 //! Source: [`holo_core::plenoptic::PlenopticCamera`], in f64.
 
-use holo_core::plenoptic::{MicrolensIndex, PlenopticCamera};
+use holo_core::plenoptic::{Microlens, MicrolensIndex, PlenopticCamera};
 
 use super::CameraRays;
 use crate::accel::{ExactRays, RayHits};
@@ -26,25 +26,21 @@ pub(crate) struct RawPacket {
     pub lens: [u32; LANES],
 }
 
-/// A microlens as its rays need it.
+/// A microlens and the random numbers of its pixels.
 #[derive(Clone, Copy)]
-pub(crate) struct Microlens {
-    /// Its center, m from the axis.
-    center: [f64; 2],
-    /// The center of its micro-image.
-    image: [f64; 2],
-    /// The row and column of the pixel with that center, from which the random numbers of pixels count.
+pub(crate) struct RawLens {
+    lens: Microlens,
+    /// The row and column of the pixel with the center of the micro-image, from which the random numbers of pixels count.
     corner: [f64; 2],
     /// What the random numbers of its pixels depend on.
     id: u32,
-    lens_type: u32,
 }
 
 /// The pixels of some packets and their microlenses.
 #[derive(Default)]
 pub(crate) struct RawPixels {
     pub packets: Vec<RawPacket>,
-    pub lenses: Vec<Microlens>,
+    pub lenses: Vec<RawLens>,
 }
 
 /// The rays of a plenoptic camera through the pixels of some packets.
@@ -59,16 +55,13 @@ pub(crate) struct PlenopticRays {
     disparity_scale_m_px: f64,
 }
 
-impl Microlens {
-    pub fn new(camera: &PlenopticCamera, lens: MicrolensIndex) -> Self {
-        let [x, y] = camera.micro_image_center_px(lens).map(f64::floor);
-        Self {
-            center: camera.lens_center_m(lens),
-            image: camera.micro_image_center_m(lens),
-            corner: [y, x],
-            id: hash((lens.row as u32) << 16 ^ hash(lens.column as u32)),
-            lens_type: camera.array().type_of(lens) as u32,
-        }
+impl RawLens {
+    pub fn new(camera: &PlenopticCamera, lens: Microlens) -> Self {
+        let [x, y] = camera.position_px(lens.image_center_m).map(f64::floor);
+        let MicrolensIndex { row, column } = lens.index;
+        let is_gap = lens.lens_type == camera.array().type_count();
+        let id = hash((row as u32) << 16 ^ hash(column as u32));
+        Self { lens, corner: [y, x], id: if is_gap { hash(!id) } else { id } }
     }
 
     /// The place of a pixel from the center of the micro-image, as numbers above 0.
@@ -80,15 +73,15 @@ impl Microlens {
 impl RawPixels {
     /// Adds the pixels that light reaches through a microlens, as packets in the order of a Morton curve: blocks of 4 x 4
     /// pixels, aligned with the micro-image, follow each other.
-    pub fn push_lens(&mut self, camera: &PlenopticCamera, lens: MicrolensIndex, scratch: &mut Vec<[u32; 2]>) {
-        let microlens = Microlens::new(camera, lens);
+    pub fn push_lens(&mut self, camera: &PlenopticCamera, lens: Microlens, scratch: &mut Vec<[u32; 2]>) {
+        let raw_lens = RawLens::new(camera, lens);
         scratch.clear();
-        for (row, columns) in camera.lit_pixels(lens, 0..camera.sensor().size.rows) {
+        for (row, columns) in camera.lit_pixels(&lens, 0..camera.sensor().size.rows) {
             scratch.extend(columns.map(|column| [row as u32, column as u32]));
         }
-        scratch.sort_by_cached_key(|&pixel| morton(microlens.view(pixel)));
+        scratch.sort_by_cached_key(|&pixel| morton(raw_lens.view(pixel)));
         let index = self.lenses.len() as u32;
-        self.lenses.push(microlens);
+        self.lenses.push(raw_lens);
         for pixels in scratch.chunks(LANES) {
             let at = |k: usize| pixels[k.min(pixels.len() - 1)];
             let pixel = [0, 1].map(|axis| std::array::from_fn(|k| at(k)[axis]));
@@ -96,12 +89,19 @@ impl RawPixels {
         }
     }
 
-    /// Adds those of others.
-    pub fn append(&mut self, other: &Self) {
-        let first = self.lenses.len() as u32;
-        self.lenses.extend_from_slice(&other.lenses);
-        let moved = |packet: &RawPacket| RawPacket { lens: packet.lens.map(|lens| lens + first), ..*packet };
-        self.packets.extend(other.packets.iter().map(moved));
+    /// The pixels of all parts, in their order.
+    pub fn joined(parts: &[Self]) -> Self {
+        let mut all = Self {
+            packets: Vec::with_capacity(parts.iter().map(|part| part.packets.len()).sum()),
+            lenses: Vec::with_capacity(parts.iter().map(|part| part.lenses.len()).sum()),
+        };
+        for part in parts {
+            let first = all.lenses.len() as u32;
+            all.lenses.extend_from_slice(&part.lenses);
+            let moved = |packet: &RawPacket| RawPacket { lens: packet.lens.map(|lens| lens + first), ..*packet };
+            all.packets.extend(part.packets.iter().map(moved));
+        }
+        all
     }
 }
 
@@ -156,7 +156,7 @@ impl PlenopticRays {
     fn on_sensor(&self, pixels: &RawPacket, lane: usize, lens: &Microlens) -> [f64; 2] {
         let [row, column] = [pixels.pixel[0][lane], pixels.pixel[1][lane]].map(f64::from);
         let place = self.camera.place_m([column + 0.5, row + 0.5]);
-        [place[0] - lens.image[0], place[1] - lens.image[1]]
+        [place[0] - lens.image_center_m[0], place[1] - lens.image_center_m[1]]
     }
 
     /// Disparity between the views of neighboring pixels, px.
@@ -186,20 +186,23 @@ impl PlenopticRays {
         let width = self.camera.sensor().fill * self.camera.sensor().pixel_m;
         let mut out = CameraRays { exact: NO_RAYS, weight: [0.0; LANES], valid: pixels.valid(), cells: None };
         for lane in 0..LANES {
-            let lens = &self.pixels.lenses[pixels.lens[lane] as usize];
-            let lens_type = lens.lens_type as usize;
+            let lens = &self.pixels.lenses[pixels.lens[lane] as usize].lens;
             let middle = self.on_sensor(pixels, lane, lens);
             let on_sensor = [
                 middle[0] + (f64::from(on_pixel[0][lane]) - 0.5) * width,
                 middle[1] - (f64::from(on_pixel[1][lane]) - 0.5) * width,
             ];
-            let region = self.camera.relative_lit_region(on_sensor, lens_type);
+            let region = self.camera.relative_lit_region(lens, on_sensor);
             let Some(point) = region.point([f64::from(on_lens[0][lane]), f64::from(on_lens[1][lane])]) else {
                 out.valid.0[lane] = 0;
                 continue;
             };
-            let ray = self.camera.relative_ray(lens.center, lens_type, on_sensor, point);
-            let cos4 = self.camera.relative_cos4(lens.center, on_sensor, point);
+            let ray = self.camera.relative_ray(lens, on_sensor, point);
+            if !self.camera.passes_stops(&ray) {
+                out.valid.0[lane] = 0;
+                continue;
+            }
+            let cos4 = self.camera.relative_cos4(lens, on_sensor, point);
             out.weight[lane] = (region.sampled_area_m2() * cos4 * self.scale) as f32;
             out.exact.origin_x[lane] = ray.origin_m[0];
             out.exact.origin_y[lane] = ray.origin_m[1];
@@ -215,9 +218,9 @@ impl PlenopticRays {
     pub fn chief(&self, pixels: &RawPacket, packet: &mut RayHits) -> ExactRays {
         let mut exact = NO_RAYS;
         for lane in 0..LANES {
-            let lens = &self.pixels.lenses[pixels.lens[lane] as usize];
+            let lens = &self.pixels.lenses[pixels.lens[lane] as usize].lens;
             let on_sensor = self.on_sensor(pixels, lane, lens);
-            let ray = self.camera.relative_ray(lens.center, lens.lens_type as usize, on_sensor, [0.0; 2]);
+            let ray = self.camera.relative_ray(lens, on_sensor, [0.0; 2]);
             exact.origin_x[lane] = ray.origin_m[0];
             exact.origin_y[lane] = ray.origin_m[1];
             exact.direction_x[lane] = ray.direction[0];

@@ -4,7 +4,7 @@
 //! Exposure is exposure compensation in EV (stops): linear values are multiplied by 2^EV.
 
 use holo_core::{Layout, LightField, LightFieldOwned};
-use ndarray::{Axis, Zip};
+use ndarray::{Axis, Data, Zip};
 use rayon::prelude::*;
 
 use crate::error::Error;
@@ -26,7 +26,7 @@ const STOPS: usize = 128;
 /// # Accuracy
 /// A multiple of 1/16 EV. It is computed from an integer histogram, so it does not depend on the number of threads.
 #[must_use]
-pub fn automatic_exposure(color: &LightFieldOwned<f32>) -> f64 {
+pub fn automatic_exposure(color: &LightField<impl Data<Elem = f32>>) -> f64 {
     let buckets = (STOPS as f64 * STEPS_PER_STOP) as usize;
     let samples = color.samples();
     let histogram = samples

@@ -4,9 +4,10 @@
 //! that reaches it, in the order of the lines and along them, so the result does not depend on threads or on which rows
 //! are rendered. Ground truth is that of the chief ray of every pixel.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
-use holo_core::plenoptic::{MicrolensIndex, PlenopticCamera};
+use holo_core::plenoptic::{Microlens, MicrolensIndex, PlenopticCamera};
 use holo_core::{GridSize, Layout, LightField, LightFieldShape};
 use ndarray::{Array2, Array3, Array5, ArrayViewMut5};
 use rayon::prelude::*;
@@ -18,7 +19,7 @@ use super::request::{DEPTH_AND_DISPARITY, check_ids};
 use super::transport::{Reuse, TextureFilter, Transport, transport_setters};
 use super::work::{TileOutput, Work};
 use crate::camera::RaySource;
-use crate::camera::plenoptic::{Microlens, PlenopticRays, RawPacket, RawPixels};
+use crate::camera::plenoptic::{PlenopticRays, RawLens, RawPacket, RawPixels};
 use crate::camera::tile::{Tile, Tiling};
 use crate::error::Error;
 use crate::film::inverse_depth;
@@ -382,20 +383,22 @@ fn zeros(request: &RawRequest, channels: usize) -> Result<Array3<f32>, Error> {
     Ok(field.into_elemental_grid().or_else(|field| field.to_elemental_grid())?)
 }
 
+/// The microlenses of a line and the clear gaps around them.
+fn openings_on_line(camera: &PlenopticCamera, line: i32) -> impl Iterator<Item = Microlens> {
+    camera.lenses_on_line(line, 0..camera.sensor().size.rows).flat_map(|lens| camera.openings(lens))
+}
+
 /// The pixels of a band in the order of its microlenses.
 fn band_pixels(request: &RawRequest, band: &Band) -> RawPixels {
     let camera = &request.camera;
     let of_line = |line: i32| {
         let (mut scratch, mut pixels) = (Vec::new(), RawPixels::default());
-        for lens in camera.lenses_on_line(line, 0..camera.sensor().size.rows) {
+        for lens in openings_on_line(camera, line) {
             pixels.push_lens(camera, lens, &mut scratch);
         }
         pixels
     };
-    let lines: Vec<RawPixels> = band.lines.clone().into_par_iter().map(of_line).collect();
-    let mut all = RawPixels::default();
-    lines.iter().for_each(|line| all.append(line));
-    all
+    RawPixels::joined(&band.lines.clone().into_par_iter().map(of_line).collect::<Vec<_>>())
 }
 
 /// The bands that light the requested rows. Their boundaries are the same for any rows.
@@ -406,15 +409,12 @@ fn bands(request: &RawRequest) -> Vec<Band> {
     let (first, last) = (wanted.start().div_euclid(BAND_LINES), wanted.end().div_euclid(BAND_LINES));
     let band = |number: i32| {
         let lines = (number * BAND_LINES).max(*all.start())..((number + 1) * BAND_LINES).min(all.end() + 1);
-        let count = |lens: MicrolensIndex| -> usize {
-            let pixels: usize = camera.lit_pixels(lens, 0..size.rows).map(|(_, columns)| columns.len()).sum();
+        let count = |lens: Microlens| -> usize {
+            let pixels: usize = camera.lit_pixels(&lens, 0..size.rows).map(|(_, columns)| columns.len()).sum();
             pixels.div_ceil(LANES)
         };
-        let packets = lines
-            .clone()
-            .into_par_iter()
-            .map(|line| camera.lenses_on_line(line, 0..size.rows).map(count).sum::<usize>())
-            .sum();
+        let packets =
+            lines.clone().into_par_iter().map(|line| openings_on_line(camera, line).map(count).sum::<usize>()).sum();
         Band { lines, packets }
     };
     (first..=last).map(band).filter(|band| band.packets > 0).collect()
@@ -440,23 +440,26 @@ fn truth_counts(request: &RawRequest, rows: &Range<usize>) -> [usize; 4] {
 /// The pixels of some rows in blocks, each with the microlens that owns it.
 fn truth_pixels(camera: &PlenopticCamera, rows: Range<usize>) -> RawPixels {
     let columns = camera.sensor().size.columns;
-    let mut pixels = RawPixels::default();
-    let mut known: std::collections::BTreeMap<MicrolensIndex, u32> = std::collections::BTreeMap::new();
-    for row in rows.clone().step_by(BLOCK) {
-        for column in (0..columns).step_by(BLOCK) {
+    let of_blocks = |first_row: usize| {
+        let mut pixels = RawPixels::default();
+        let mut known: BTreeMap<MicrolensIndex, u32> = BTreeMap::new();
+        for first_column in (0..columns).step_by(BLOCK) {
             // Lanes beyond the edges repeat its pixels: they are rendered again, to the same values.
             let mut packet = RawPacket { count: LANES as u32, pixel: [[0; LANES]; 2], lens: [0; LANES] };
             for k in 0..LANES {
-                let (row, column) = ((row + k / BLOCK).min(rows.end - 1), (column + k % BLOCK).min(columns - 1));
+                let row = (first_row + k / BLOCK).min(rows.end - 1);
+                let column = (first_column + k % BLOCK).min(columns - 1);
                 let owner = camera.owner(camera.place_m([column as f64 + 0.5, row as f64 + 0.5]));
                 [packet.pixel[0][k], packet.pixel[1][k]] = [row as u32, column as u32];
                 packet.lens[k] = *known.entry(owner).or_insert_with(|| {
-                    pixels.lenses.push(Microlens::new(camera, owner));
+                    pixels.lenses.push(RawLens::new(camera, camera.microlens(owner)));
                     pixels.lenses.len() as u32 - 1
                 });
             }
             pixels.packets.push(packet);
         }
-    }
-    pixels
+        pixels
+    };
+    let blocks: Vec<usize> = rows.clone().step_by(BLOCK).collect();
+    RawPixels::joined(&blocks.into_par_iter().map(of_blocks).collect::<Vec<_>>())
 }

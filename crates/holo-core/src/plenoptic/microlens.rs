@@ -1,0 +1,183 @@
+//! One microlens of a camera: its rays, and through which part of it light reaches a place on the sensor.
+
+use super::lune::Opening;
+use super::main_lens::Pupils;
+use super::{LitRegion, MicrolensFocus, MicrolensIndex, PlenopticCamera};
+
+/// A ray into the scene, in the frame of the entrance pupil.
+///
+/// As for [`RigRay`](crate::RigRay) the direction along z is -1: the point at depth Z is `(origin + Z * direction, -Z)`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlenopticRay {
+    /// Where it crosses the entrance pupil's plane z = 0, x and y in meters.
+    pub origin_m: [f64; 2],
+    /// The displacement per meter of depth, in meters.
+    pub direction: [f64; 2],
+}
+
+/// A microlens of a camera, or the clear gap around it, with the numbers that its rays need.
+///
+/// Places on the sensor are given from the center of the micro-image, points of the microlens from its own center, all in
+/// meters in upright coordinates.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Microlens {
+    /// Its row and column.
+    pub index: MicrolensIndex,
+    /// Its type; for a gap the number of types.
+    pub lens_type: usize,
+    /// Its center, in meters from the axis.
+    pub center_m: [f64; 2],
+    /// The center of its micro-image: the projection of its center from the exit pupil.
+    pub image_center_m: [f64; 2],
+    /// The distance to the sensor, in meters.
+    pub gap_m: f64,
+    /// The displacement over the exit pupil per displacement on the microlens.
+    pub alpha: f64,
+    pub(super) pupils: Pupils,
+}
+
+impl PlenopticCamera {
+    /// Returns a microlens.
+    #[must_use]
+    pub fn microlens(&self, index: MicrolensIndex) -> Microlens {
+        self.opening(index, self.array().type_of(index))
+    }
+
+    /// Returns what light passes of the cell of a microlens: the microlens, and the gap around it if that is clear.
+    pub fn openings(&self, index: MicrolensIndex) -> impl Iterator<Item = Microlens> {
+        let gap = self.array().has_clear_gaps.then(|| self.opening(index, self.array().type_count()));
+        std::iter::once(self.microlens(index)).chain(gap)
+    }
+
+    fn opening(&self, index: MicrolensIndex, lens_type: usize) -> Microlens {
+        let center_m = self.lens_center_m(index);
+        let raised_m = self.array().raised_m(self.relative_to_array_m(center_m));
+        let gap_m = self.array().gap_m + raised_m;
+        let (pupils, alpha) = match raised_m {
+            0.0 => (self.pupils, self.alpha(lens_type)),
+            _ => {
+                let pupils = self.pupils.moved(raised_m);
+                (pupils, self.alpha_for(lens_type, gap_m, pupils.exit_m))
+            }
+        };
+        let image_center_m = center_m.map(|x| x * (1.0 + gap_m / pupils.exit_m));
+        Microlens { index, lens_type, center_m, image_center_m, gap_m, alpha, pupils }
+    }
+
+    /// Alpha of a type of microlens, or of gaps, at a distance from sensor and exit pupil.
+    pub(super) fn alpha_for(&self, lens_type: usize, gap_m: f64, exit_m: f64) -> f64 {
+        let vergence = match &self.array().focus {
+            _ if lens_type == self.array().type_count() => 0.0,
+            // Exactly 0.
+            MicrolensFocus::Pupil => return 0.0,
+            MicrolensFocus::Lengths(lengths) => 1.0 / lengths[lens_type],
+        };
+        1.0 + exit_m * (1.0 / gap_m - vergence)
+    }
+
+    /// Returns the ray from a place on the sensor through a point of a microlens, both in meters in upright coordinates.
+    /// It may miss the pupil, see [`passes`](Self::passes).
+    ///
+    /// Without distortion, all rays through one point of a microlens meet in one point of the plane in focus.
+    ///
+    /// # Source
+    ///
+    /// Thin lenses one after the other, collected: with C' the [center of the micro-image](Self::micro_image_center_m),
+    /// origin = m (D_X / d) (X - C') - m alpha (Q - C), direction = g Q - origin / F, g = (1 + o_E / F) / D, where Q is
+    /// [undistorted](super::Distortion::undistorted) first.
+    ///
+    /// # Accuracy
+    ///
+    /// Rounding of f64.
+    #[must_use]
+    pub fn ray(&self, place_m: [f64; 2], lens_point_m: [f64; 2], lens: MicrolensIndex) -> PlenopticRay {
+        let lens = self.microlens(lens);
+        let on_sensor = [0, 1].map(|k| place_m[k] - lens.image_center_m[k]);
+        let on_lens = [0, 1].map(|k| lens_point_m[k] - lens.center_m[k]);
+        self.relative_ray(&lens, on_sensor, on_lens)
+    }
+
+    /// Returns the same ray by the points relative to the centers: that on the sensor to the center of the micro-image
+    /// (X - C'), that on the microlens to its center (Q - C).
+    #[inline]
+    #[must_use]
+    pub fn relative_ray(&self, lens: &Microlens, on_sensor_m: [f64; 2], on_lens_m: [f64; 2]) -> PlenopticRay {
+        let Pupils { magnification, exit_m, inverse_focus_per_m, slope_per_m, .. } = lens.pupils;
+        let origin_m = [0, 1]
+            .map(|k| magnification * exit_m / lens.gap_m * on_sensor_m[k] - magnification * lens.alpha * on_lens_m[k]);
+        let point = [0, 1].map(|k| lens.center_m[k] + on_lens_m[k]);
+        let point = self.main_lens().distortion.undistorted(point);
+        let direction = [0, 1].map(|k| slope_per_m * point[k] - origin_m[k] * inverse_focus_per_m);
+        PlenopticRay { origin_m, direction }
+    }
+
+    /// Returns whether a ray passes the pupil and the further stops.
+    #[must_use]
+    pub fn passes(&self, ray: &PlenopticRay) -> bool {
+        self.main_lens().aperture.contains(ray.origin_m, self.pupils.entrance_radius_m) && self.passes_stops(ray)
+    }
+
+    /// Returns whether a ray passes the further stops of the main lens.
+    #[inline]
+    #[must_use]
+    pub fn passes_stops(&self, ray: &PlenopticRay) -> bool {
+        self.stops.iter().all(|&[depth_m, radius_m]| {
+            let [x, y] = [0, 1].map(|k| ray.origin_m[k] + depth_m * ray.direction[k]);
+            x * x + y * y <= radius_m * radius_m
+        })
+    }
+
+    /// Returns the cosine to the power of 4 of the angle between the axis and the light from a point of a microlens to
+    /// a place on the sensor, the factor of irradiance, by points relative to the centers as for
+    /// [`relative_ray`](Self::relative_ray).
+    #[inline]
+    #[must_use]
+    pub fn relative_cos4(&self, lens: &Microlens, on_sensor_m: [f64; 2], on_lens_m: [f64; 2]) -> f64 {
+        let away = [0, 1].map(|k| on_lens_m[k] - on_sensor_m[k] - (lens.image_center_m[k] - lens.center_m[k]));
+        let squared = 1.0 + (away[0] * away[0] + away[1] * away[1]) / (lens.gap_m * lens.gap_m);
+        1.0 / (squared * squared)
+    }
+
+    /// Returns the part of a microlens through which light of the pupil reaches a place on the sensor, whatever further
+    /// stops do.
+    #[must_use]
+    pub fn lit_region(&self, place_m: [f64; 2], lens: MicrolensIndex) -> LitRegion {
+        let lens = self.microlens(lens);
+        self.relative_lit_region(&lens, [0, 1].map(|k| place_m[k] - lens.image_center_m[k]))
+    }
+
+    /// Returns the same by the place relative to the center of the micro-image, in meters.
+    #[inline]
+    #[must_use]
+    pub fn relative_lit_region(&self, lens: &Microlens, on_sensor_m: [f64; 2]) -> LitRegion {
+        // The pupil is upside down where the magnification is below 0.
+        let sign = lens.pupils.magnification.signum();
+        let scale = sign * lens.pupils.exit_m / lens.gap_m;
+        let array = self.array();
+        let opening = Opening {
+            aperture: array.aperture,
+            rotation_rad: array.rotation_rad,
+            cell: (lens.lens_type == array.type_count()).then(|| array.cell()),
+        };
+        LitRegion::new(
+            opening,
+            self.main_lens().aperture,
+            self.exit_pupil_radius_m(),
+            on_sensor_m.map(|x| scale * x),
+            sign * lens.alpha,
+        )
+    }
+
+    /// Returns whether no stop can block light of the pupil through a microlens.
+    pub(super) fn is_clear_of_stops(&self, lens: &Microlens) -> bool {
+        let Pupils { inverse_focus_per_m, slope_per_m, .. } = lens.pupils;
+        let outer = self.main_lens().aperture.inner_and_outer()[1] * self.pupils.entrance_radius_m;
+        let [x, y] = self.main_lens().distortion.undistorted(lens.center_m);
+        // A little more than the microlens, for its distortion.
+        let point = x.hypot(y) + 1.1 * self.array().pitch_m;
+        self.stops.iter().all(|&[depth_m, radius_m]| {
+            let farthest = outer * (1.0 - depth_m * inverse_focus_per_m).abs() + (depth_m * slope_per_m).abs() * point;
+            farthest <= radius_m
+        })
+    }
+}
