@@ -57,14 +57,14 @@ pub fn camera_optics(camera: &PlenopticCamera, depths_m: &[f64]) -> Result<Vec<N
     row("lit_share", "pixels that light reaches", json_number(100.0 * lit), "%");
     let corner = f64::from(corner_light(&white));
     row("corner_light", "light of a micro-image in the corner", json_number(100.0 * corner), "%");
-    if let Ok(views) = camera.decodable_views() {
-        row("views", "views along each axis that are fully lit", Value::from(views), "");
-    }
     let airy_m = 1.22 * WAVELENGTH_M * gap_m / (2.0 * array.aperture.half_width_m());
     row("airy_radius_px", "radius of the Airy disc at 550 nm", json_number(airy_m / pixel_m), "px");
     let is_unfocused = camera.mode(0) == PlenopticMode::Unfocused;
     let views = camera.equivalent_views();
     if is_unfocused {
+        if let Ok(views) = camera.decodable_views() {
+            row("views", "views along each axis that are fully lit", Value::from(views), "");
+        }
         row("baseline_mm", "baseline (between the views of neighboring pixels)", mm(views.baseline_m), "mm");
         row("slope_per_lens", "slope between microlenses", json_number(views.slope_per_lens), "m/m");
         let scale = views.baseline_m / views.slope_per_lens;

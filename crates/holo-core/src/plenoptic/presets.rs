@@ -1,8 +1,8 @@
 //! Cameras with published numbers.
 
 use super::{
-    ArrayFocus, ImageSensor, LensAperture, MainLens, MicrolensArray, MicrolensFocus, MicrolensGrid, PlenopticCamera,
-    PupilShape,
+    ArrayFocus, Distortion, ImageSensor, LensAperture, MainLens, MicrolensArray, MicrolensFocus, MicrolensGrid,
+    PlenopticCamera, PupilShape,
 };
 use crate::{Error, GridSize};
 
@@ -83,13 +83,17 @@ const PRESETS: &[Preset] = &[
     Preset {
         name: "raytrix-r12-a",
         description: "Raytrix R12: focused, hexagonal, three types of microlenses, 4080 x 3068 pixels",
-        source: "calibration R12-A of Labussière et al. (2020), in the examples of libpleno; without the tilt of 0.05 degrees",
+        source: "calibration R12-A of Labussière et al. (2020), in the examples of libpleno",
         is_approximate: false,
         parts: || {
             let mut array = hexagonal(127.455e-6, 324.77e-6);
             array.focus = MicrolensFocus::Lengths(vec![578.18e-6, 505.42e-6, 552.08e-6]);
+            // The third row of its rotation, and B_0 and B_1: with x of the stored image opposite to libpleno's.
+            array.tilt_rad = [6.371e-4, -8.431e-4];
             let mut lens = MainLens::new(49.7145e-3, 4.0, 0.45);
             lens.focus = ArrayFocus::Distance { mla_distance_m: 56.7007e-3 };
+            lens.distortion =
+                Distortion { radial: [246.573, -2.998_40e6, 1.062_84e10], tangential: [-0.063_402, 0.145_853] };
             (ImageSensor::new(GridSize::new(3068, 4080), 5.5e-6), array, lens)
         },
     },

@@ -4,7 +4,7 @@ use holo_core::plenoptic::{MicrolensGrid, MicrolensIndex, PlenopticCamera};
 use serde_json::json;
 
 /// `LensletGridModel` of the Light Field Toolbox (LFToolbox 0.5): what its `LFBuildLensletGridModel` estimates from a white
-/// image, here from the camera itself.
+/// image, here from the camera itself; of a tilted array that around its origin.
 ///
 /// # Units
 ///
@@ -122,7 +122,7 @@ mod tests {
     /// The grid that the toolbox builds of the model has the micro-image centers of the camera.
     #[test]
     fn grids_are_those_of_the_camera() {
-        for name in ["lytro-illum", "lytro-f01", "raytrix-r12-a", "h3dv", "hahne-arri"] {
+        for name in ["lytro-illum", "lytro-f01", "raytrix-r29", "h3dv", "hahne-arri"] {
             let camera = CameraFile::preset(name).unwrap().camera;
             let model = LensletGridModel::new(&camera).unwrap();
             assert!(model.h_offset >= 1.0 && model.h_offset < 1.0 + 1.5 * model.h_spacing, "{name} {model:?}");

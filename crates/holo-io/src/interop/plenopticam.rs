@@ -54,7 +54,7 @@ mod tests {
 
     #[test]
     fn all_rows_have_the_same_columns() {
-        for name in ["lytro-f01", "raytrix-r12-a", "h3dv"] {
+        for name in ["lytro-f01", "raytrix-r29", "h3dv"] {
             let camera = CameraFile::preset(name).unwrap().camera;
             let file: Value = serde_json::from_str(&plenopticam_calibration(&camera).unwrap()).unwrap();
             let list = file["mic_list"].as_array().unwrap();
