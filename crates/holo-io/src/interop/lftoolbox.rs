@@ -33,7 +33,7 @@ impl LensletGridModel {
     /// Describes the grid of a camera.
     ///
     /// # Errors
-    /// A message, if the array is a hexagonal grid of columns, or has no row of micro-images on the sensor.
+    /// A message, if the array is a hexagonal grid of columns, turned by more than 45 degrees, or has no row of micro-images on the sensor.
     pub fn new(camera: &PlenopticCamera) -> Result<Self, String> {
         let (array, size) = (camera.array(), camera.sensor().size);
         let (row_step, is_hexagonal) = match array.grid {
@@ -43,6 +43,11 @@ impl LensletGridModel {
                 return Err("LFToolbox decodes hexagonal grids of rows; mla.grid is hex-columns".into());
             }
         };
+        // Rows run to the right, and the next one lies below.
+        if array.rotation_rad.cos() < std::f64::consts::FRAC_1_SQRT_2 {
+            let degrees = array.rotation_rad.to_degrees();
+            return Err(format!("LFToolbox reads grids turned by at most 45 degrees; mla.rotation_deg is {degrees}"));
+        }
         let h_spacing = camera.micro_image_pitch_px();
         let row_height = if is_hexagonal { 3f64.sqrt() / 2.0 } else { 1.0 };
         let v_spacing = h_spacing * row_height * array.scale_y;
@@ -139,6 +144,9 @@ mod tests {
                 assert!(away < 1e-6, "{name}: {at:?} {nearest:?}");
             }
         }
+        let turned = "preset = \"lytro-illum\"\n[mla]\nrotation_deg = 180.0";
+        let turned = CameraFile::parse(turned, "").unwrap().camera;
+        assert!(LensletGridModel::new(&turned).unwrap_err().contains("mla.rotation_deg is 180"));
         let columns = CameraFile::preset("raytrix-r8").unwrap().camera;
         assert!(LensletGridModel::new(&columns).unwrap_err().contains("hex-columns"));
     }
