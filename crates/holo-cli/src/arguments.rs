@@ -3,6 +3,7 @@
 mod camera;
 mod choices;
 mod dataset;
+mod develop;
 mod images;
 mod optics;
 
@@ -17,6 +18,7 @@ use clap::{Args, Parser, Subcommand};
 use holo_core::{GridSize, Layout, Projection, Sensor};
 use holo_dataset::options::{
     parse_bit_depth, parse_light_units, parse_not_negative, parse_positive, parse_range, parse_sensor,
+    parse_sensor_model,
 };
 use holo_dataset::{Exposure, Focus, LayerChoice, Output, Shard, Sky, Tool};
 use holo_io::MatOrder;
@@ -29,7 +31,9 @@ use choices::{
 };
 
 pub use camera::{CameraOptions, DecodeOptions, TargetOptions, WhiteOptions};
+pub use choices::DemosaicArgument;
 pub use dataset::DatasetOptions;
+pub use develop::{DemosaicOptions, DevelopOptions};
 pub use images::{AnimateOptions, ComposeOptions, ExtractOptions, PathArgument, QuiltOptions, RotateOptions};
 pub use optics::OpticsOptions;
 pub use tools::{
@@ -92,6 +96,10 @@ pub enum Command {
     Target(TargetOptions),
     /// Decode the raw image of an unfocused plenoptic camera to views.
     Decode(DecodeOptions),
+    /// Expose an image sensor with noise to a raw image or any other in linear light: mosaic, DNG, and the same without noise.
+    Develop(DevelopOptions),
+    /// Demosaic the codes that `holo develop` wrote.
+    Demosaic(DemosaicOptions),
     /// Check a dataset, or one folder of it, against the sizes and hashes in its manifest.json.
     Verify(VerifyOptions),
 }
@@ -106,7 +114,7 @@ pub struct RenderOptions {
     /// Plenoptic camera instead of a rig of views: a camera file (TOML), or a preset of `holo camera`. The pose is that of
     /// the scene's camera; --focus-m and --f-number replace those of the file. --reuse, --texture-filter and --checkpoint
     /// have no effect.
-    #[arg(long, value_name = "FILE|PRESET", conflicts_with_all = ["views", "lenses", "sensor", "baseline_m", "focal_mm", "sensor_mm", "projection", "disparity", "shard"])]
+    #[arg(long, value_name = "FILE|PRESET", conflicts_with_all = ["views", "lenses", "sensor", "baseline_m", "focal_mm", "sensor_mm", "projection", "disparity"])]
     pub camera_file: Option<String>,
     /// Programs that the raw image of a plenoptic camera is also written for, separated by commas: a folder each, with a
     /// README.txt.
@@ -116,7 +124,8 @@ pub struct RenderOptions {
     pub rig: RigOptions,
     #[command(flatten)]
     pub job: JobOptions,
-    /// Render part K of N only (a range of microlens rows); `holo merge` joins the parts.
+    /// Render part K of N only (a range of microlens rows, or of pixel rows of a plenoptic camera); `holo merge` joins
+    /// the parts.
     #[arg(long, value_name = "K/N", value_parser = Shard::from_str)]
     pub shard: Option<Shard>,
     #[command(flatten)]
@@ -166,6 +175,13 @@ pub struct JobOptions {
     /// Maximum number of bounces of a light path.
     #[arg(long, value_name = "N", allow_negative_numbers = true, default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=65536))]
     pub max_bounces: u32,
+    /// Also write the codes that an image sensor makes of the raw image, scene_raw.png with scene_raw.json: a name of
+    /// `holo develop --sensor-model`.
+    #[arg(long, value_name = "NAME", value_parser = parse_sensor_model)]
+    pub sensor_model: Option<String>,
+    /// Film speed of that sensor [default: its base speed].
+    #[arg(long, value_name = "ISO", requires = "sensor_model", value_parser = parse_positive)]
+    pub iso: Option<f64>,
     /// Disable Russian roulette: follow every path to its last bounce.
     #[arg(long)]
     pub no_roulette: bool,

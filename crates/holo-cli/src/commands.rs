@@ -5,6 +5,7 @@ pub mod camera;
 pub mod compose;
 pub mod dataset;
 pub mod depth;
+pub mod develop;
 pub mod epi;
 pub mod eval;
 pub mod extract;

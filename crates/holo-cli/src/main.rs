@@ -49,6 +49,8 @@ fn main() -> ExitCode {
         Command::White(options) => commands::camera::white(&options),
         Command::Target(options) => commands::camera::target(&options),
         Command::Decode(options) => commands::camera::decode(&options),
+        Command::Develop(options) => commands::develop::run(&options),
+        Command::Demosaic(options) => commands::develop::demosaic(&options),
         Command::Verify(options) => commands::verify::run(&options),
     };
     match result {

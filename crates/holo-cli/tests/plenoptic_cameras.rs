@@ -93,6 +93,28 @@ fn raw_images_are_rendered_decoded_and_kept() {
     succeeds(&bench, "verify views");
 }
 
+/// Rows of pixels, each with every layer, become the same files as the whole.
+#[test]
+fn parts_of_a_raw_image_become_the_whole() {
+    let bench = bench();
+    let render = format!("render {SCENE} --camera-file small.toml --spp 2 --sky 1,1,1 --layers all --for lftoolbox");
+    succeeds(&bench, &format!("{render} --out whole"));
+    for part in 1..=3 {
+        succeeds(&bench, &format!("{render} --shard {part}/3 --out part{part}"));
+    }
+    refused(&bench, "merge merged part1 part3", "2/3 missing");
+    refused(&bench, &format!("{render} --shard 2/3 --out part1"), "another part");
+    succeeds(&bench, "merge merged part2 part1 part3");
+    assert_eq!(bench.bytes("merged"), bench.bytes("whole"));
+    succeeds(&bench, "verify merged");
+
+    // A part of another image.
+    succeeds(&bench, &format!("{render} --seed 1 --shard 2/3 --out part2 --overwrite"));
+    let outcome = bench.run("merge other part1 part2 part3");
+    assert!(outcome.code == Some(1) && outcome.stderr.contains("parts of different images"), "{outcome:?}");
+    assert!(!bench.path("other").exists());
+}
+
 #[test]
 fn impossible_requests_are_refused() {
     let bench = bench();
@@ -104,7 +126,7 @@ fn impossible_requests_are_refused() {
     refused(&bench, &render("--integrator depth --for lftoolbox"), "--for lftoolbox");
     refused(&bench, &render("--for matlab"), "lftoolbox, plenopticam");
     refused(&bench, &format!("render {SCENE} --out out --for lftoolbox"), "--camera-file");
-    refused(&bench, &render("--shard 1/2"), "--shard");
+    refused(&bench, &render("--shard 91/91"), "90 rows");
     let outcome = bench.run(&format!("render {SCENE} --camera-file lytro-ilum --out out"));
     assert_eq!(outcome.code, Some(1), "{outcome:?}");
     assert!(outcome.stderr.contains("did you mean lytro-illum"), "{outcome:?}");

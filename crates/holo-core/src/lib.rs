@@ -100,6 +100,7 @@ mod parallel;
 pub mod plenoptic;
 mod real;
 pub mod refocus;
+pub mod sensor;
 #[cfg(feature = "serde")]
 mod serialize;
 

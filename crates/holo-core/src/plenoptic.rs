@@ -28,6 +28,7 @@
 
 mod camera;
 mod decode;
+mod demosaic;
 mod distortion;
 mod equivalent;
 mod lune;

@@ -2,21 +2,22 @@
 
 use std::path::{Path, PathBuf};
 
+use holo_core::Rig;
 use holo_core::plenoptic::Decoded;
-use holo_core::{DynImage, Rig};
-use holo_io::{CameraFile, FileFormat, Limits, Manifest, ManifestValue, ParametersCfg, Sha256, dataset, hash_file};
+use holo_io::{CameraFile, Manifest, ManifestValue, ParametersCfg, Sha256, dataset, hash_file};
 use holo_render::{Integrator, Layer, LayerSet, Layers, RayCounts, Rendered, Renderer};
 use holo_scene::Transform;
-use ndarray::{Array2, Array3, Axis};
+use ndarray::{Array3, Axis};
 
 use crate::Error;
 use crate::diagnostics::Diagnostics;
 use crate::files::{Traced, exposure_ev, write};
 use crate::identity::check_replaceable;
 use crate::layers::Wanted;
+use crate::linear_image::read_linear;
 use crate::output_folder::{OutputFolder, Rollback};
 use crate::prepare::prepare_scene;
-use crate::raw::{lit_white_image, write_white};
+use crate::raw_files::{lit_white_image, write_white};
 use crate::source::SceneSource;
 use crate::spec::{EngineSpec, Output, RenderSpec};
 
@@ -164,26 +165,6 @@ fn rolled(pose: &Transform, roll_rad: f64) -> Transform {
     let [right, up, back] = pose.columns;
     let mix = |a: [f64; 3], b: [f64; 3], x: f64, y: f64| std::array::from_fn(|k| a[k] * x + b[k] * y);
     Transform { columns: [mix(right, up, cos, sin), mix(up, right, cos, -sin), back], ..*pose }
-}
-
-/// An image in linear light, integers from 0 to 1.
-fn read_linear(path: &Path) -> Result<Array3<f32>, Error> {
-    let limits = Limits::default();
-    if holo_io::detect_format(path)? == FileFormat::Exr {
-        let image = holo_io::read_exr(path, &limits)?;
-        let planes: Vec<&Array2<f32>> = ["R", "G", "B"].iter().filter_map(|name| image.channel(name)).collect();
-        let gray = image.channel("Y").into_iter().collect::<Vec<_>>();
-        let planes = if planes.len() == 3 { planes } else { gray };
-        let views: Vec<_> = planes.iter().map(|plane| plane.view()).collect();
-        return ndarray::stack(Axis(2), &views)
-            .map_err(|_| Error::Failed(format!("{}: it has neither channels R, G, B nor Y", path.display())));
-    }
-    Ok(match holo_io::read_png(path, &limits)? {
-        DynImage::U8(image) => image.mapv(|code| f32::from(code) / 255.0),
-        DynImage::U16(image) => image.mapv(|code| f32::from(code) / 65_535.0),
-        DynImage::F32(image) => image,
-        _ => return Err(Error::Failed(format!("{}: not an image of 8 or 16 bits", path.display()))),
-    })
 }
 
 /// Writes the white images of a camera into the folder `out`: `white.exr` and `white.png`, and with f-numbers

@@ -12,7 +12,7 @@ use ndarray::{Array2, Array3, ArrayView3, Axis};
 use crate::layers::{self, Wanted};
 use crate::output_folder::OutputFolder;
 use crate::spec::{Output, RenderSpec};
-use crate::{Error, exr};
+use crate::{Error, develop, exr};
 
 /// The resolution of ground truth of high resolution, relative to that of a view: the scale at which the evaluation
 /// toolkit of the HCI benchmark scores.
@@ -83,6 +83,9 @@ impl Images<'_> {
         }
         if self.wants(Output::H5) {
             self.write_hdf5(folder, rendered)?;
+        }
+        if let (Some(color), Some(name)) = (&rendered.color, &self.spec.sensor_model) {
+            develop::write_codes(folder, color, name, self.spec.iso, self.spec.seed)?;
         }
         // Radiance takes four times the memory of 8-bit codes, so it is dropped as soon as it is encoded.
         if let (Some(color), Some(ev)) = (rendered.color.take(), exposure_ev) {

@@ -160,10 +160,7 @@ impl RenderJob {
     /// [`Error::BadRequest`] if there is another image; [`Error::Scene`] and [`Error::Failed`] if the scene or the
     /// environment map cannot be read; [`Error::Io`] if the manifest of the folder is damaged.
     pub fn check_replaceable(&self, out: &Path, shard: Option<Shard>) -> Result<(), Error> {
-        let other = |older: &Manifest| {
-            (shard::of_manifest(older) != shard).then(|| "it is another part of an image".to_owned())
-        };
-        check_replaceable(out, || self.identity(""), other)
+        check_replaceable(out, || self.identity(""), |older| shard::other(older, shard))
     }
 
     /// Loads the scene, builds the acceleration structure and determines the focus: the first steps of

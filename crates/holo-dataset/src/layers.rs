@@ -167,7 +167,7 @@ fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwne
 }
 
 /// Writes a PFM, gray or RGB by the number of channels.
-fn write_pfm(path: PathBuf, image: ArrayView3<f32>) -> Result<FileDigest, holo_io::Error> {
+pub(crate) fn write_pfm(path: PathBuf, image: ArrayView3<f32>) -> Result<FileDigest, holo_io::Error> {
     match image.dim().2 {
         1 => holo_io::write_pfm(path, image.index_axis_move(Axis(2), 0)),
         _ => holo_io::write_pfm_rgb(path, image),

@@ -123,13 +123,16 @@ impl OutputFolder {
         path
     }
 
-    /// Creates a subfolder, unless it exists, and removes temporary files that a killed run left in it.
+    /// Creates a subfolder and those that it is in, unless they exist, and removes temporary files that a killed run left in it.
     ///
     /// # Errors
     /// [`Error::Failed`] with the error of the file system; [`Error::Io`] if stale files cannot be removed.
     pub fn subfolder(&self, name: &str) -> Result<(), Error> {
-        let path = self.path.join(name);
-        self.create_folder(&path)?;
+        let mut path = self.path.clone();
+        for part in name.split('/') {
+            path.push(part);
+            self.create_folder(&path)?;
+        }
         holo_io::remove_stale_temporary_files(path)?;
         Ok(())
     }

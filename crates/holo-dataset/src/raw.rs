@@ -1,17 +1,15 @@
 //! The raw image of a plenoptic camera, from scene to folder.
 
 use std::fmt;
+use std::ops::Range;
 use std::path::Path;
 use std::time::Instant;
 
-use holo_core::plenoptic::{MicrolensIndex, PlenopticCamera, PlenopticMode};
-use holo_core::{GridSize, LightField, LightFieldShape};
-use holo_io::interop::micro_images;
-use holo_io::{CameraFile, ColorEncoding, Compression, ExrChannel, Manifest, ManifestValue, Sha256};
-use holo_render::{
-    GroundTruth, Integrator, Layer, LayerSet, Progress, RawRendered, RawRequest, RayCounts, Renderer, exposure,
-};
-use ndarray::{Array2, Array3, Axis, Zip};
+use holo_core::GridSize;
+use holo_core::plenoptic::PlenopticMode;
+use holo_io::{CameraFile, Manifest, ManifestValue, Sha256};
+use holo_render::{GroundTruth, Integrator, Layer, LayerSet, Progress, RawRendered, RawRequest, RayCounts, Renderer};
+use ndarray::Axis;
 use serde_json::{Value, json};
 
 use crate::diagnostics::{About, Diagnostics};
@@ -21,16 +19,11 @@ use crate::job::{source_identity, transport};
 use crate::options::{self, Options, integrator_name};
 use crate::output_folder::{OutputFolder, Rollback};
 use crate::prepare::{PreparedScene, prepare_scene};
+use crate::raw_files::{RawTraced, TOOLS, lit_white_image, wanted_layers};
 use crate::report::Seconds;
 use crate::source::SceneSource;
-use crate::spec::{EngineSpec, Exposure, LayerChoice, Output, RawLayer, RenderSpec};
-use crate::{Error, text};
-
-/// The files of a raw image.
-pub(crate) const CAMERA_TOML: &str = "camera.toml";
-const RAW_EXR: &str = "raw.exr";
-const RAW_PNG: &str = "raw_linear.png";
-pub(crate) const CENTERS_CSV: &str = "centers.csv";
+use crate::spec::{EngineSpec, LayerChoice, Output, RenderSpec, Shard};
+use crate::{Error, shard, text};
 
 /// One raw image: a scene, a plenoptic camera, and how it is rendered.
 #[derive(Clone, Debug)]
@@ -67,7 +60,9 @@ pub struct RawReport {
     pub why: String,
     /// Name of the camera, size of its sensor, and number of its micro-images.
     pub camera: (String, GridSize, usize),
-    /// The share of the pixels that light reaches.
+    /// The rows of pixels that were rendered.
+    pub rows: Range<usize>,
+    /// The share of their pixels that light reaches.
     pub lit_share: f64,
     /// Names of the files, relative to the folder.
     pub files: Vec<String>,
@@ -93,26 +88,30 @@ impl RawJob {
     ///
     /// # Errors
     /// As there.
-    pub fn check_replaceable(&self, out: &Path) -> Result<(), Error> {
-        check_replaceable(out, || self.identity(""), |_| None)
+    pub fn check_replaceable(&self, out: &Path, shard: Option<Shard>) -> Result<(), Error> {
+        check_replaceable(out, || self.identity(""), |older| shard::other(older, shard))
     }
 
-    /// Renders into the folder `out`.
+    /// Renders into the folder `out`: the complete image, or one shard of it.
     ///
     /// # Errors
-    /// [`Error::BadRequest`] if the specification contradicts itself, or no light reaches the sensor; [`Error::Scene`] and
+    /// [`Error::BadRequest`] if the specification contradicts itself, or no light reaches the sensor, or the image has
+    /// fewer rows than shards; [`Error::Scene`] and
     /// [`Error::Failed`] if the scene or the environment map cannot be read; [`Error::Render`] for errors and
     /// cancellation of the renderer; [`Error::Io`] if files cannot be written. Files and folders that the run created are
     /// removed then.
     pub fn run(
         &self,
         out: &Path,
+        shard: Option<Shard>,
         progress: &dyn Progress,
         diagnostics: &dyn Diagnostics,
         rollback: &Rollback,
     ) -> Result<RawReport, Error> {
         let start = Instant::now();
         self.validate()?;
+        let size = self.camera.camera.sensor().size;
+        let rows = shard.map_or(Ok(0..size.rows), |shard| rows_of(shard, size.rows))?;
         warnings(&self.camera).iter().for_each(|line| diagnostics.report(About::Setup, &format!("warning: {line}")));
         let [width, height] = self.camera.camera.angles_of_view_rad().map(f64::to_degrees);
         let note = format!(
@@ -124,7 +123,7 @@ impl RawJob {
         let sky = Some(&self.spec.sky);
         let prepared = prepare_scene((&self.source, &self.spec.scene), &self.spec.rig, &self.engine, sky, diagnostics)?;
         let rendering = Instant::now();
-        let rendered = prepared.renderer.render_raw(&self.request(), progress)?;
+        let rendered = prepared.renderer.render_raw(&self.request(rows.clone()), progress)?;
         if rendered.integrator == Integrator::Depth && self.spec.integrator == Integrator::Auto {
             let note = "note: the scene has no light sources, so there is no color, only ground truth; try --sky auto";
             diagnostics.report(About::Scene, note);
@@ -132,10 +131,14 @@ impl RawJob {
         let (render, writing) = (rendering.elapsed().as_secs_f64(), Instant::now());
         folder.unseal()?;
         let (rays, integrator, why) = (rendered.rays, rendered.integrator, rendered.why.clone());
-        let lit = white.iter().filter(|&&light| light > 0.0).count();
+        let lit = white.slice_axis(Axis(0), rows.clone().into()).iter().filter(|&&light| light > 0.0).count();
         let manifest = self.manifest(&prepared, &rendered)?;
-        let files = prepared.renderer.install(|| self.write(folder, rendered, white, manifest))?;
-        let size = self.camera.camera.sensor().size;
+        let (camera, spec, tools) = (self.camera.clone(), self.spec.clone(), self.tools.clone());
+        let traced = RawTraced { rendered, white, camera, spec, tools, manifest };
+        let files = prepared.renderer.install(|| match shard {
+            Some(shard) => shard::write_raw(traced, shard, folder),
+            None => traced.write(folder),
+        })?;
         Ok(RawReport {
             seconds: Seconds {
                 load: prepared.load_seconds,
@@ -150,7 +153,8 @@ impl RawJob {
             integrator,
             why,
             camera: (self.camera.name.clone(), size, self.camera.camera.lens_count()),
-            lit_share: lit as f64 / size.count() as f64,
+            lit_share: lit as f64 / (rows.len() * size.columns) as f64,
+            rows,
             files,
         })
     }
@@ -189,32 +193,15 @@ impl RawJob {
         Ok(())
     }
 
-    /// The layers of the renderer that are wanted, and those that follow from the camera.
-    fn layers(&self) -> (LayerSet, Vec<RawLayer>) {
-        let mut traced = LayerSet::EMPTY;
-        let mut others = Vec::new();
-        for layer in &self.spec.layers {
-            match layer {
-                LayerChoice::One(layer) => traced = traced.union(LayerSet::of(&[*layer])),
-                LayerChoice::All => {
-                    traced = LayerSet::ALL;
-                    others.extend(RawLayer::ALL);
-                }
-                LayerChoice::Raw(layer) => others.push(*layer),
-                LayerChoice::Color | LayerChoice::Error => {}
-            }
-        }
-        (traced, others)
-    }
-
-    fn request(&self) -> RawRequest {
-        let (traced, others) = self.layers();
+    fn request(&self, rows: Range<usize>) -> RawRequest {
+        let (traced, others) = wanted_layers(&self.spec);
         let needs_depth = others.iter().any(|layer| layer.needs_depth());
         let layers = if needs_depth { traced.union(LayerSet::of(&[Layer::Depth])) } else { traced };
         RawRequest::new(self.camera.camera.clone())
             .transport(transport(&self.spec, self.spec.integrator))
             .layers(layers)
             .statistics(others.iter().any(|layer| layer.needs_samples()))
+            .rows(Some(rows))
     }
 
     fn identity(&self, backend: &str) -> Result<Manifest, Error> {
@@ -223,7 +210,7 @@ impl RawJob {
         manifest.settings.insert("camera_sha256".into(), camera.to_string().into());
         if !self.tools.is_empty() {
             let names = self.tools.iter().map(|tool| tool.name().into()).collect();
-            manifest.settings.insert("for".into(), ManifestValue::List(names));
+            manifest.settings.insert(TOOLS.into(), ManifestValue::List(names));
         }
         Ok(manifest)
     }
@@ -246,196 +233,16 @@ impl RawJob {
         }
         Ok(manifest)
     }
+}
 
-    /// Writes all files and last the manifest.
-    fn write(
-        &self,
-        mut folder: OutputFolder,
-        mut rendered: RawRendered,
-        white: Array2<f32>,
-        mut manifest: Manifest,
-    ) -> Result<Vec<String>, Error> {
-        let camera = &self.camera.camera;
-        let wants = |output: Output| self.spec.outputs.is_empty() || self.spec.outputs.contains(&output);
-        let text = self.camera.to_toml();
-        folder.add(CAMERA_TOML, holo_io::write_file(folder.file(CAMERA_TOML), text.as_bytes())?);
-        if wants(Output::Centers) {
-            folder.add(CENTERS_CSV, holo_io::write_file(folder.file(CENTERS_CSV), centers(camera).as_bytes())?);
-        }
-        if wants(Output::White) {
-            write_white(&mut folder, "white", &white)?;
-        }
-        self.write_layers(&mut folder, &rendered, &white)?;
-        if let Some(color) = rendered.color.take() {
-            let ev = exposure_ev(&color, self.spec.exposure)?;
-            for tool in &self.tools {
-                tool.write(&mut folder, camera, color.view(), &white, ev)?;
-            }
-            drop(white);
-            if wants(Output::Raw) {
-                write_raw_exr(&mut folder, RAW_EXR, &color)?;
-            }
-            if wants(Output::RawPng) {
-                let image = encoded(color, ev);
-                let path = folder.file(RAW_PNG);
-                folder.add(RAW_PNG, holo_io::write_png(path, image.view(), ColorEncoding::Linear, Compression::Best)?);
-                manifest.exposure_ev = Some(ev);
-            }
-        }
-        folder.seal(manifest)
+/// The rows of pixels of a shard.
+fn rows_of(shard: Shard, rows: usize) -> Result<Range<usize>, Error> {
+    let Shard { part, of } = shard;
+    if part == 0 || part > of || of > rows {
+        let what = format!("shard {part}/{of}: an image of {rows} rows has 1 to {rows} shards, counted from 1");
+        return Err(Error::BadRequest(what));
     }
-
-    /// Writes `raw_LAYER.pfm` of every layer that is wanted.
-    fn write_layers(
-        &self,
-        folder: &mut OutputFolder,
-        rendered: &RawRendered,
-        white: &Array2<f32>,
-    ) -> Result<(), Error> {
-        let (traced, others) = self.layers();
-        let name = |layer: &str| format!("raw_{layer}.pfm");
-        for (layer, image) in rendered.layers.iter().filter(|(layer, _)| traced.contains(*layer)) {
-            let name = name(layer.name());
-            let path = folder.file(&name);
-            folder.add(
-                name,
-                match layer.channels() {
-                    1 => holo_io::write_pfm(path, image.index_axis(Axis(2), 0))?,
-                    _ => holo_io::write_pfm_rgb(path, image.view())?,
-                },
-            );
-        }
-        for layer in others {
-            let name = name(layer.name());
-            // Ground truth alone has no statistics.
-            let Some(image) = raw_layer(&self.camera.camera, layer, rendered, white) else { continue };
-            folder.add(name.clone(), holo_io::write_pfm(folder.file(&name), image.view())?);
-        }
-        let wants_color = self.spec.layers.iter().any(|layer| matches!(layer, LayerChoice::Color | LayerChoice::All));
-        if let Some(color) = rendered.color.as_ref().filter(|_| wants_color) {
-            let name = name(LayerChoice::Color.name());
-            folder.add(name.clone(), holo_io::write_pfm_rgb(folder.file(&name), color.view())?);
-        }
-        Ok(())
-    }
-}
-
-/// The white image of a camera, of which a pixel is lit at least.
-pub(crate) fn lit_white_image(file: &CameraFile) -> Result<Array2<f32>, Error> {
-    let white = file.camera.white_image()?;
-    match white.iter().any(|&light| light > 0.0) {
-        true => Ok(white),
-        false => Err(Error::BadRequest(format!(
-            "no light reaches the sensor of the camera '{}': its micro-images lie beside the sensor or between the \
-             light-sensitive parts of its pixels; check mla.offset_um, main_lens.f_number and sensor.fill",
-            file.name
-        ))),
-    }
-}
-
-/// Writes a white image as EXR, and as a PNG of 16 bits in linear light, 1 being the brightest pixel.
-pub(crate) fn write_white(folder: &mut OutputFolder, stem: &str, white: &Array2<f32>) -> Result<(), Error> {
-    let (exr, png) = (format!("{stem}.exr"), format!("{stem}.png"));
-    let digest = holo_io::write_exr(folder.file(&exr), &[ExrChannel::float("Y", white.view())])?;
-    folder.add(exr, digest);
-    let brightest = white.iter().fold(0.0f32, |most, &light| most.max(light)).max(f32::MIN_POSITIVE);
-    let codes = white.mapv(|light| (light / brightest * 65_535.0).round() as u16).insert_axis(Axis(2));
-    let digest = holo_io::write_png(folder.file(&png), codes.view(), ColorEncoding::Linear, Compression::Best)?;
-    folder.add(png, digest);
-    Ok(())
-}
-
-/// Writes linear color as EXR.
-fn write_raw_exr(folder: &mut OutputFolder, name: &str, color: &Array3<f32>) -> Result<(), Error> {
-    let planes = ["R", "G", "B"].iter().zip(color.axis_iter(Axis(2)));
-    let channels: Vec<_> = planes.map(|(name, plane)| ExrChannel::float(name, plane)).collect();
-    folder.add(name, holo_io::write_exr(folder.file(name), &channels)?);
-    Ok(())
-}
-
-/// Writes a raw image as EXR and as a linear PNG of 16 bits.
-pub(crate) fn write_raw(
-    folder: &mut OutputFolder,
-    stem: &str,
-    color: Array3<f32>,
-    wanted: Exposure,
-) -> Result<(), Error> {
-    write_raw_exr(folder, &format!("{stem}.exr"), &color)?;
-    let ev = exposure_ev(&color, wanted)?;
-    let image = encoded(color, ev);
-    let name = format!("{stem}.png");
-    let path = folder.file(&name);
-    folder.add(name, holo_io::write_png(path, image.view(), ColorEncoding::Linear, Compression::Best)?);
-    Ok(())
-}
-
-/// The exposure of raw color.
-fn exposure_ev(color: &Array3<f32>, wanted: Exposure) -> Result<f64, Error> {
-    if let Exposure::Ev(ev) = wanted {
-        return Ok(ev);
-    }
-    let (rows, columns, _) = color.dim();
-    let shape = LightFieldShape::new(GridSize::new(1, 1), GridSize::new(rows, columns))?;
-    Ok(exposure::automatic_exposure(&LightField::from_elemental_grid(color.view(), shape)?))
-}
-
-/// Raw color as codes of 16 bits in linear light: 65,535 is the radiance 2^-EV.
-fn encoded(color: Array3<f32>, ev: f64) -> Array3<u16> {
-    let scale = (65_535.0 * ev.exp2()) as f32;
-    color.mapv(|value| (value * scale).round().clamp(0.0, 65_535.0) as u16)
-}
-
-/// The lowest row and column of the micro-images on the sensor, from which files count.
-pub(crate) fn first_indices(camera: &PlenopticCamera) -> (i32, i32) {
-    let all = micro_images(camera);
-    let first = |of: fn(&MicrolensIndex) -> i32| all.iter().map(|(lens, _)| of(lens)).min().unwrap_or(0);
-    (first(|lens| lens.row), first(|lens| lens.column))
-}
-
-/// The centers of all micro-images on the sensor: column and row of the micro-image from the upper left, and the position
-/// in pixels, whose centers are whole numbers.
-pub(crate) fn centers(camera: &PlenopticCamera) -> String {
-    use fmt::Write as _;
-    let (first_row, first_column) = first_indices(camera);
-    let mut text = String::from("k,l,u,v\n");
-    for (lens, [x, y]) in micro_images(camera) {
-        let (k, l) = (lens.column - first_column, lens.row - first_row);
-        // Writing to a string does not fail.
-        let _ = writeln!(text, "{k},{l},{},{}", x - 0.5, y - 0.5);
-    }
-    text
-}
-
-/// A layer that follows from the camera, the depth of the chief rays, or the statistics of the samples, if there are any.
-fn raw_layer(
-    camera: &PlenopticCamera,
-    layer: RawLayer,
-    rendered: &RawRendered,
-    white: &Array2<f32>,
-) -> Option<Array2<f32>> {
-    let owner = |row: usize, column: usize| camera.owner(camera.place_m([column as f64 + 0.5, row as f64 + 0.5]));
-    let lens_type = |row: usize, column: usize| camera.array().type_of(owner(row, column));
-    let image = |value: &(dyn Fn(usize, usize) -> f32 + Sync)| {
-        let mut image = Array2::zeros(white.dim());
-        Zip::indexed(&mut image).par_for_each(|(row, column), pixel| *pixel = value(row, column));
-        Some(image)
-    };
-    let of_depth = |value: &(dyn Fn(f64, usize) -> f64 + Sync)| {
-        let depth_m = rendered.layers.depth_m()?;
-        image(&|row, column| value(f64::from(depth_m[[row, column, 0]]), lens_type(row, column)) as f32)
-    };
-    let statistics = rendered.statistics.as_ref();
-    match layer {
-        RawLayer::LensRow => image(&|row, column| owner(row, column).row as f32),
-        RawLayer::LensColumn => image(&|row, column| owner(row, column).column as f32),
-        RawLayer::LensType => image(&|row, column| lens_type(row, column) as f32),
-        RawLayer::White => Some(white.clone()),
-        RawLayer::VirtualDepth => of_depth(&|depth_m, _| camera.virtual_depth(depth_m)),
-        RawLayer::Blur => of_depth(&|depth_m, lens_type| 2.0 * camera.blur_radius_px(depth_m, lens_type).abs()),
-        RawLayer::InverseDepthMean => statistics.map(|all| all.inverse_depth_mean.clone()),
-        RawLayer::InverseDepthDeviation => statistics.map(|all| all.inverse_depth_deviation.clone()),
-        RawLayer::Coverage => statistics.map(|all| all.coverage.clone()),
-    }
+    Ok((part - 1) * rows / of..part * rows / of)
 }
 
 /// What is probably not wanted of a camera, with numbers.
@@ -509,7 +316,7 @@ impl fmt::Display for RawReport {
             f,
             "rendered {} x {} px in {:.2} s ({:.1} Mrays/s, {}, {} threads, {}: {})",
             size.columns,
-            size.rows,
+            self.rows.len(),
             self.seconds.render,
             self.mrays_per_second(),
             self.backend,

@@ -1,4 +1,4 @@
-//! Shards of an image: some of its lens rows as exact float maps, in a folder that `holo merge` reads.
+//! Shards of an image: some of its rows as exact float maps, in a folder that `holo merge` reads.
 //!
 //! | file | contents |
 //! |---|---|
@@ -6,77 +6,35 @@
 //! | `error.pfm` | its estimated relative error, if requested: the same |
 //! | `central_LAYER.pfm`, `all_LAYER.pfm` | layers of the central view, and of all views as an elemental image array |
 //! | `parameters.cfg`, `manifest.json` | as of the complete image; the manifest also contains the number of the shard |
+//!
+//! A shard of the raw image of a plenoptic camera has some rows of its pixels: `color.pfm`, `raw_LAYER.pfm` and
+//! `camera.toml`.
+
+mod raw;
+mod views;
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, LightField, LightFieldOwned, LightFieldShape};
-use holo_io::{FileDigest, Limits, Manifest, ManifestValue, ParametersCfg, dataset};
-use holo_render::{Integrator, Layer, Layers, RayCounts, Rendered};
-use ndarray::{Array3, ArrayView3, Axis, Slice};
+use holo_core::GridSize;
+use holo_io::{Limits, Manifest, ManifestValue};
+use holo_render::{Integrator, RayCounts};
+use ndarray::{Array3, Axis, Slice};
 
 use crate::Error;
 use crate::checkpoint::finished_manifest;
-use crate::files::{self, Finished, Traced, exposure_ev};
-use crate::layers::Wanted;
+use crate::files::{self, exposure_ev};
 use crate::options::integrator_from_name;
 use crate::output_folder::{OutputFolder, Rollback};
 use crate::spec::{RenderSpec, Shard};
 
+pub(crate) use raw::write as write_raw;
+pub(crate) use views::write;
+
 const COLOR: &str = "color.pfm";
-const ERROR: &str = "error.pfm";
 
 /// The key in the settings of a manifest that identifies a shard.
 const PART: &str = "part";
-
-fn central_file(layer: Layer) -> String {
-    format!("central_{}.pfm", layer.name())
-}
-
-fn all_file(layer: Layer) -> String {
-    format!("all_{}.pfm", layer.name())
-}
-
-/// Writes a shard.
-pub(crate) fn write(traced: Traced, shard: Shard, mut folder: OutputFolder) -> Result<Finished, Error> {
-    let Traced { rendered, mut manifest, parameters, .. } = traced;
-    folder.unseal()?;
-    let mut put = |name: String, image: ArrayView3<f32>| -> Result<(), Error> {
-        let path = folder.file(&name);
-        folder.add(name, write_pfm(&path, image)?);
-        Ok(())
-    };
-    if let Some(color) = &rendered.color {
-        put(COLOR.into(), grid(color)?.view())?;
-    }
-    if let Some(error) = &rendered.error {
-        put(ERROR.into(), grid(error)?.view())?;
-    }
-    for (layer, image) in rendered.central.iter() {
-        put(central_file(layer), image.view())?;
-    }
-    for (layer, field) in rendered.all.iter().flat_map(Layers::iter) {
-        put(all_file(layer), grid(field)?.view())?;
-    }
-    folder.add(dataset::PARAMETERS_CFG, parameters.write(folder.file(dataset::PARAMETERS_CFG))?);
-    manifest.settings.insert(PART.into(), Label::new(shard, &rendered).setting());
-    Ok(Finished { disparity_px: None, files: folder.seal(manifest)? })
-}
-
-fn write_pfm(path: &Path, image: ArrayView3<f32>) -> Result<FileDigest, Error> {
-    Ok(match image.dim().2 {
-        1 => holo_io::write_pfm(path, image.index_axis(Axis(2), 0))?,
-        _ => holo_io::write_pfm_rgb(path, image)?,
-    })
-}
-
-/// The elemental image array, which has the memory order of the render.
-fn grid(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_, f32>, Error> {
-    field.as_elemental_grid().ok_or_else(|| {
-        Error::Failed("the light field does not have the memory order of an elemental image array".into())
-    })
-}
 
 /// The number of a shard, and the statistics of its render.
 struct Label {
@@ -87,9 +45,9 @@ struct Label {
 }
 
 impl Label {
-    fn new(shard: Shard, rendered: &Rendered) -> Self {
-        let RayCounts { primary, shadow, secondary } = rendered.rays;
-        Self { shard, rays: [primary, shadow, secondary], samples: rendered.samples, why: rendered.why.clone() }
+    fn new(shard: Shard, rays: RayCounts, samples: u64, why: &str) -> Self {
+        let RayCounts { primary, shadow, secondary } = rays;
+        Self { shard, rays: [primary, shadow, secondary], samples, why: why.to_owned() }
     }
 
     fn setting(&self) -> ManifestValue {
@@ -134,49 +92,82 @@ struct Part<'a> {
 /// are damaged or of different images; [`Error::Io`] if files cannot be read or written.
 pub fn merge(out: &Path, parts: &[PathBuf], rollback: &Rollback) -> Result<Vec<String>, Error> {
     let folder = OutputFolder::create(out, rollback)?;
-    let (traced, spec) = read(parts)?;
+    let parts = Parts::open(parts)?;
+    if raw::is_raw(&parts) {
+        let traced = raw::traced(&parts)?;
+        folder.unseal()?;
+        return traced.write(folder);
+    }
+    let (traced, spec) = views::traced(&parts)?;
     let exposure_ev = exposure_ev(&spec, &traced.rendered);
     Ok(files::write(&spec, traced, exposure_ev, folder)?.files)
 }
 
-/// Reads and merges shards; errors as [`merge`].
-pub(crate) fn read(folders: &[PathBuf]) -> Result<(Traced, RenderSpec), Error> {
-    let mut parts = folders.iter().map(|folder| open(folder)).collect::<Result<Vec<_>, _>>()?;
-    parts.sort_by_key(|part| part.label.shard.part);
-    let manifest = same(&parts)?;
-    let spec = spec(&manifest)?;
-    let parameters = ParametersCfg::read(parts[0].folder.join(dataset::PARAMETERS_CFG))?;
-    let broken = |what: String| Error::Failed(format!("{}: {what}", parts[0].folder.display()));
-    let rig = manifest.rig.ok_or_else(|| broken("the manifest has no rig".into()))?;
-    let shape = *rig.shape();
-    let wanted = Wanted::new(&spec);
+/// All shards of an image, in order.
+struct Parts<'a> {
+    parts: Vec<Part<'a>>,
+    /// The manifest that they have in common.
+    manifest: Manifest,
+}
 
-    let has = |name: &str| parts[0].manifest.files.contains_key(name);
-    let color = has(COLOR).then(|| gather(&parts, COLOR, shape, 3)).transpose()?;
-    let error = has(ERROR).then(|| gather(&parts, ERROR, shape, 1)).transpose()?;
-    let one = LightFieldShape::new(GridSize::new(1, 1), shape.lenses())?;
-    let mut central: Layers<Array3<f32>> = Layers::default();
-    let mut all: Layers<LightFieldOwned<f32>> = Layers::default();
-    for layer in Layer::ALL {
-        let name = central_file(layer);
-        if has(&name) {
-            let image = gather(&parts, &name, one, layer.channels())?;
-            central.extend([(layer, image.into_elemental_grid().or_else(|field| field.to_elemental_grid())?)]);
-        }
-        let name = all_file(layer);
-        if has(&name) {
-            all.extend([(layer, gather(&parts, &name, shape, layer.channels())?)]);
-        }
+impl<'a> Parts<'a> {
+    /// Opens the shards of an image; errors as [`merge`].
+    fn open(folders: &'a [PathBuf]) -> Result<Self, Error> {
+        let mut parts = folders.iter().map(|folder| open(folder)).collect::<Result<Vec<_>, _>>()?;
+        parts.sort_by_key(|part| part.label.shard.part);
+        let manifest = same(&parts)?;
+        Ok(Self { parts, manifest })
     }
-    let integrator =
-        manifest.settings.get("integrator").and_then(ManifestValue::as_text).and_then(integrator_from_name);
-    let integrator = integrator.unwrap_or(Integrator::Depth);
-    let sum = |of: fn(&Label) -> u64| parts.iter().map(|part| of(&part.label)).sum();
-    let rays = RayCounts { primary: sum(|l| l.rays[0]), shadow: sum(|l| l.rays[1]), secondary: sum(|l| l.rays[2]) };
-    let all = (!all.set().is_empty()).then_some(all);
-    let why = parts[0].label.why.clone();
-    let rendered = Rendered { color, error, central, all, integrator, why, rays, samples: sum(|l| l.samples) };
-    Ok((Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m: None, warnings: Vec::new() }, spec))
+
+    /// The folder of the first shard.
+    fn folder(&self) -> &Path {
+        self.parts[0].folder
+    }
+
+    /// Whether the shards have a file.
+    fn has(&self, name: &str) -> bool {
+        self.parts[0].manifest.files.contains_key(name)
+    }
+
+    fn integrator(&self) -> Integrator {
+        let name = self.manifest.settings.get("integrator").and_then(ManifestValue::as_text);
+        name.and_then(integrator_from_name).unwrap_or(Integrator::Depth)
+    }
+
+    fn why(&self) -> String {
+        self.parts[0].label.why.clone()
+    }
+
+    fn rays(&self) -> RayCounts {
+        let sum = |of: fn(&Label) -> u64| self.parts.iter().map(|part| of(&part.label)).sum();
+        RayCounts { primary: sum(|l| l.rays[0]), shadow: sum(|l| l.rays[1]), secondary: sum(|l| l.rays[2]) }
+    }
+
+    fn samples(&self) -> u64 {
+        self.parts.iter().map(|part| part.label.samples).sum()
+    }
+
+    /// Reads one array of all shards, whose rows of pixels together make an array of this size. A shard has a multiple of
+    /// `step` of them.
+    fn gather(&self, name: &str, size: GridSize, step: usize, channels: usize) -> Result<Array3<f32>, Error> {
+        let mut grid = Array3::<f32>::zeros((size.rows, size.columns, channels));
+        let mut first = 0;
+        for part in &self.parts {
+            let path = part.folder.join(name);
+            let image = holo_io::read_pfm(&path, &Limits::default())?.values;
+            let (rows, columns, found) = image.dim();
+            if rows % step != 0 || first + rows > size.rows || (columns, found) != (size.columns, channels) {
+                let what = format!("{}: {columns} x {rows} pixels are no rows of this image", path.display());
+                return Err(Error::Failed(what));
+            }
+            grid.slice_axis_mut(Axis(0), Slice::from(first..first + rows)).assign(&image);
+            first += rows;
+        }
+        if first != size.rows {
+            return Err(Error::Failed(format!("{name}: the parts have {first} of {} rows of pixels", size.rows)));
+        }
+        Ok(grid)
+    }
 }
 
 /// The specification of the shards. Their color is rendered already, so the sky need not be known.
@@ -188,9 +179,10 @@ fn spec(manifest: &Manifest) -> Result<RenderSpec, Error> {
     RenderSpec::from_options(&options.ok_or_else(unknown)?)
 }
 
-/// The shard that a manifest belongs to; `None` for a complete image.
-pub(crate) fn of_manifest(manifest: &Manifest) -> Option<Shard> {
-    manifest.settings.get(PART).and_then(Label::read).map(|label| label.shard)
+/// Why the image of a manifest is another shard than this, if it is.
+pub(crate) fn other(manifest: &Manifest, shard: Option<Shard>) -> Option<String> {
+    let own = manifest.settings.get(PART).and_then(Label::read).map(|label| label.shard);
+    (own != shard).then(|| "it is another part of an image".to_owned())
 }
 
 fn open(folder: &Path) -> Result<Part<'_>, Error> {
@@ -236,34 +228,4 @@ fn same(parts: &[Part<'_>]) -> Result<Manifest, Error> {
         return Err(Error::BadRequest(format!("{} missing; give all {of} parts", missing.join(", "))));
     }
     Ok(first)
-}
-
-/// Reads one array of all shards as a light field.
-fn gather(
-    parts: &[Part<'_>],
-    name: &str,
-    shape: LightFieldShape,
-    channels: usize,
-) -> Result<LightFieldOwned<f32>, Error> {
-    let (views, lenses) = (shape.views(), shape.lenses());
-    let size = shape.raw_size();
-    let mut grid = Array3::<f32>::zeros((size.rows, size.columns, channels));
-    let mut first = 0;
-    for part in parts {
-        let path = part.folder.join(name);
-        let image = holo_io::read_pfm(&path, &Limits::default())?.values;
-        let (rows, columns, found) = image.dim();
-        let lens_rows: Range<usize> = first..first + rows / views.rows;
-        if rows % views.rows != 0 || lens_rows.end > lenses.rows || (columns, found) != (size.columns, channels) {
-            let what = format!("{}: {columns} x {rows} pixels are not lens rows of this image", path.display());
-            return Err(Error::Failed(what));
-        }
-        let place = Slice::from(first * views.rows..first * views.rows + rows);
-        grid.slice_axis_mut(Axis(0), place).assign(&image);
-        first = lens_rows.end;
-    }
-    if first != lenses.rows {
-        return Err(Error::Failed(format!("{name}: the parts have {first} of {} lens rows", lenses.rows)));
-    }
-    Ok(LightField::from_elemental_grid(grid, shape)?)
 }

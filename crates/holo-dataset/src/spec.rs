@@ -56,6 +56,10 @@ pub struct RenderSpec {
     pub mat_order: MatOrder,
     /// Bits a channel of PNG and MAT files: 8 or 16.
     pub bit_depth: u8,
+    /// The name of an image sensor, whose codes of the raw image are also written.
+    pub sensor_model: Option<String>,
+    /// Its film speed; `None`: that without gain.
+    pub iso: Option<f64>,
     /// Random seed.
     pub seed: u64,
 }
@@ -292,6 +296,8 @@ impl Default for RenderSpec {
             outputs: Vec::new(),
             mat_order: MatOrder::Lenses,
             bit_depth: 8,
+            sensor_model: None,
+            iso: None,
             seed: 0,
         }
     }

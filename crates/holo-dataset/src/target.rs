@@ -12,7 +12,7 @@ use serde::Deserialize;
 use crate::Error;
 use crate::identity::check_replaceable;
 use crate::output_folder::{OutputFolder, Rollback};
-use crate::raw::{CAMERA_TOML, CENTERS_CSV, centers, first_indices, lit_white_image, write_raw, write_white};
+use crate::raw_files::{CAMERA_TOML, CENTERS_CSV, centers, first_indices, lit_white_image, write_raw, write_white};
 use crate::spec::{EngineSpec, Exposure};
 
 /// How far from the edge of a micro-image corners are listed, px: less than half of a detector's window is cut off.

@@ -9,6 +9,24 @@
 //! pixel_um = 5.0
 //! fill = 1.0                         # side of the light-sensitive square of a pixel
 //! offset_um = [0.0, 0.0]             # middle of the sensor from the axis, right and up in the image
+//! model = "imx250"                   # a sensor with noise, for `holo develop`; then only what differs
+//! cfa = "GRBG"                       # RGGB, BGGR, GBRG, "mono", "rgb"
+//! bits = 12
+//! black = 64.0                       # the code of no light
+//! full_well_e = 11000.0              # electrons
+//! read_noise_e = 2.3
+//! dark_current_e_s = 2.0
+//! prnu = 0.005                       # relative
+//! dsnu_e = 1.0
+//! hot_share = 1e-5
+//! row_noise_e = 0.0
+//! column_noise_e = 0.0
+//! dn_per_e = 0.366                   # codes an electron at base_iso; left out: the full well is the largest code
+//! base_iso = 100.0
+//! quantum_efficiency = 0.65
+//! color_matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]  # sRGB from balanced camera RGB
+//! white_balance = [1.4, 1.0, 1.2]
+//! electrons_at_one = "auto"          # a number, { luminance_cd_m2 = 1000.0, exposure_s = 0.01 }
 //! [mla]
 //! grid = "square"                    # hex-rows, hex-columns
 //! pitch_um = 70.85
@@ -41,12 +59,15 @@ use holo_core::meters_to_millimeters;
 use holo_core::plenoptic::{
     ArrayFocus, LensAperture, MainLens, MicrolensFocus, PlenopticCamera, Preset, PupilShape, presets,
 };
+use holo_core::sensor::{ElectronsAtOne, SensorModel, SensorPreset};
+use sensor_table::{SensorTable, noise_lines};
 use serde::Deserialize;
-use tables::{MainLensTable, MlaTable, SensorTable, grid_name, um};
+use tables::{MainLensTable, MlaTable, grid_name, um};
 
 use crate::Error;
 use crate::limits::read_small_file;
 
+mod sensor_table;
 mod tables;
 
 /// The largest camera file, bytes.
@@ -56,19 +77,7 @@ const MAX_BYTES: u64 = 1 << 20;
 const SIMILAR: f64 = 0.6;
 
 /// Keys of the design of a camera that are not supported yet.
-const LATER: [(&str, &str); 11] = [
-    ("storage", "raw images are stored upright"),
-    ("cfa", "raw images are linear RGB without noise"),
-    ("bits", "raw images are linear RGB without noise"),
-    ("black", "raw images are linear RGB without noise"),
-    ("full_well_e", "raw images are linear RGB without noise"),
-    ("read_noise_e", "raw images are linear RGB without noise"),
-    ("dark_current_e_s", "raw images are linear RGB without noise"),
-    ("prnu", "raw images are linear RGB without noise"),
-    ("dsnu_e", "raw images are linear RGB without noise"),
-    ("hot_share", "raw images are linear RGB without noise"),
-    ("electrons_at_one", "raw images are linear RGB without noise"),
-];
+const LATER: [(&str, &str); 1] = [("storage", "raw images are stored upright")];
 
 /// A camera with its name.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,6 +88,26 @@ pub struct CameraFile {
     pub camera: PlenopticCamera,
     /// Whether some numbers are guesses: as the file says it, else as its preset.
     pub is_approximate: bool,
+    /// The noise of its sensor, if the file or its preset describe that.
+    pub sensor_noise: Option<SensorNoise>,
+}
+
+/// The sensor of a camera, and how much light it gets.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SensorNoise {
+    /// The name of the [`SensorPreset`] that the numbers come from, with those of the file in place of its own.
+    pub preset: Option<&'static str>,
+    /// The sensor.
+    pub model: SensorModel,
+    /// The electrons of a raw value of 1.
+    pub electrons_at_one: ElectronsAtOne,
+}
+
+impl SensorNoise {
+    /// A preset with the exposure found from the image.
+    fn of(preset: &'static SensorPreset) -> Self {
+        Self { preset: Some(preset.name), model: preset.model, electrons_at_one: ElectronsAtOne::Automatic }
+    }
 }
 
 #[derive(Deserialize, Default)]
@@ -132,7 +161,9 @@ impl CameraFile {
     pub fn preset(name: &str) -> Option<Self> {
         let preset = Preset::by_name(name)?;
         let camera = preset.camera().ok()?;
-        Some(Self { name: name.into(), camera, is_approximate: preset.is_approximate })
+        let sensor = preset.sensor.and_then(SensorPreset::by_name);
+        let sensor_noise = sensor.map(SensorNoise::of);
+        Some(Self { name: name.into(), camera, is_approximate: preset.is_approximate, sensor_noise })
     }
 
     /// Parses the text of a camera file; `name` is that of a camera without one.
@@ -153,9 +184,10 @@ impl CameraFile {
         let array = document.mla.array(base)?;
         let lens = document.main_lens.lens(base)?;
         let camera = PlenopticCamera::new(sensor, array, lens).map_err(|why| keyed(&why, &document.main_lens))?;
+        let noise = document.sensor.noise(preset.as_ref().and_then(|preset| preset.sensor_noise.as_ref()))?;
         let name = document.name.or(document.preset).unwrap_or_else(|| name.to_owned());
         let is_approximate = document.approximate.or(preset.map(|preset| preset.is_approximate));
-        Ok(Self { name, camera, is_approximate: is_approximate.unwrap_or(false) })
+        Ok(Self { name, camera, is_approximate: is_approximate.unwrap_or(false), sensor_noise: noise })
     }
 
     /// Returns the camera focused at another depth, in meters.
@@ -208,6 +240,13 @@ impl CameraFile {
         line("pixel_um", format!("{:?}", um(sensor.pixel_m)));
         line("fill", format!("{:?}", sensor.fill));
         line("offset_um", pair(sensor.offset_m));
+        if let Some(noise) = &self.sensor_noise {
+            text += &noise_lines(noise);
+        }
+        let mut line = |key: &str, value: String| {
+            // Writing to a string does not fail.
+            let _ = writeln!(text, "{key} = {value}");
+        };
         line("\n[mla]\ngrid", format!("\"{}\"", grid_name(array.grid)));
         line("pitch_um", format!("{:?}", um(array.pitch_m)));
         line("scale_y", format!("{:?}", array.scale_y));

@@ -50,6 +50,7 @@
 
 mod attributes;
 mod library;
+mod old_hci;
 mod options;
 mod read;
 mod rows;
@@ -65,6 +66,7 @@ use crate::{Error, FileDigest};
 
 #[cfg(feature = "mat")]
 pub(crate) use library::{Failure, create, open, read_text};
+pub(crate) use old_hci::{OldHciFile, is_old_hci};
 pub use options::{Hdf5Map, Hdf5Options};
 #[cfg(feature = "mat")]
 pub(crate) use read::check_chunk;

@@ -1,12 +1,22 @@
 //! Calibrations of plenoptic cameras as the files of other programs.
 
 mod lftoolbox;
+mod libpleno;
+mod lytro;
+mod pip;
 mod plenopticam;
+mod plenpy;
+mod raytrix;
 
 use holo_core::plenoptic::{MicrolensIndex, PlenopticCamera};
 
 pub use lftoolbox::LensletGridModel;
+pub use libpleno::Libpleno;
+pub use lytro::LytroModel;
+pub use pip::pip_configuration;
 pub use plenopticam::plenopticam_calibration;
+pub use plenpy::plenpy_files;
+pub use raytrix::raytrix_calibration;
 
 /// The micro-images whose centers lie on the sensor, with those centers in pixels from the upper left corner, row by row.
 #[must_use]

@@ -99,6 +99,8 @@ mod atomic;
 mod camera_file;
 pub mod dataset;
 mod detect_format;
+#[cfg(feature = "tiff")]
+mod dng;
 mod error;
 #[cfg(feature = "exr")]
 mod exr;
@@ -122,6 +124,7 @@ mod limits;
 mod manifest;
 #[cfg(feature = "mat")]
 mod mat;
+mod mosaic;
 mod mp4;
 mod names;
 mod panic_guard;
@@ -149,8 +152,10 @@ pub use atomic::{
     remove_temporary_files, write_file,
 };
 #[cfg(feature = "camera")]
-pub use camera_file::CameraFile;
+pub use camera_file::{CameraFile, SensorNoise};
 pub use detect_format::{FileFormat, detect_format};
+#[cfg(feature = "tiff")]
+pub use dng::write_dng;
 pub use error::Error;
 #[cfg(feature = "exr")]
 pub use exr::{
@@ -183,6 +188,7 @@ pub use mat::{
     MatArray, MatClass, MatInfo, MatLightField, MatOptions, MatOrder, MatValue, MatVariable, MatVersion, decode_mat,
     encode_mat, read_mat, read_mat_info, read_mat_light_field, read_mat_variable, write_mat, write_mat_light_field,
 };
+pub use mosaic::MosaicInfo;
 pub use mp4::write_mp4_animation;
 pub use panic_guard::is_guarding;
 pub use parameters_cfg::{CameraPose, ParametersCfg, date_from_epoch};

@@ -1,5 +1,6 @@
 //! Readers of a light field from any folder or file that contains one; see [`read_light_field`].
 
+mod archives;
 mod natural_order;
 mod source;
 
@@ -82,6 +83,12 @@ pub enum LightFieldFormat {
     GantryFolder,
     /// A folder of PNGs, one a view.
     ImageFolder,
+    /// A folder of perspective views of the MIT Synthetic Light Field Archive.
+    MitFolder,
+    /// An image of 14 x 14 views as Lytro Desktop exports it.
+    Eslf,
+    /// `lf.h5` of the old HCI benchmark.
+    OldHci,
     /// A PNG of an elemental image array or a sub-aperture image array.
     RawImage,
     /// A MAT file of version 5 or 7.3.
@@ -119,10 +126,17 @@ pub struct LightFieldFile {
 /// | dataset folder | its `manifest.json` | the manifest |
 /// | HCI folder | `parameters.cfg` and `input_Cam*.png` | `parameters.cfg` |
 /// | Stanford gantry folder | `out_ROW_COLUMN_Y_X.png` | none: the unit of its positions is unknown |
+/// | MIT Synthetic Light Field Archive | `NAME_5x5_apA` with `NAME-01.png` to `-25` | aperture A, the archive's README |
+/// | ESLF of Lytro | `NAME_eslf.png`, `NAME.eslf.png`: 14 x 14 views, linear, with alpha | none ¹ |
+/// | `lf.h5` of the old HCI benchmark | its dataset `/LF` | its attributes |
 /// | folder of images | PNGs of any name in natural order, and [`ReadOptions::views`] | `parameters.cfg` in it ¹ |
 /// | raw PNG | its signature | sidecar `parameters.cfg` ¹ |
 /// | MAT file, version 5 or 7.3 | its header | its variables, else the sidecar `parameters.cfg` ¹ |
 /// | HDF5 file | its signature | its attributes, else the sidecar `parameters.cfg` ¹ |
+///
+/// Views have the order of this crate: rows of gantry and MIT folders are counted from below, columns of a gantry whose X
+/// falls and of the old HCI benchmark from the right. A decoded file of LFToolbox has weights as a fourth
+/// channel.
 ///
 /// A sidecar is a file of the same folder. ¹ If it specifies the same numbers of views and pixels. Of a raw PNG without
 /// [`ReadOptions::views`] it specifies the number of views and must agree with the size of the image.

@@ -42,6 +42,8 @@ pub struct PngInfo {
     pub channels: usize,
     /// Bits per channel as [`read_png`] returns them, 8 or 16.
     pub bits: u8,
+    /// The sRGB curve if the file says so, else unknown: [`Linear`](ColorEncoding::Linear).
+    pub encoding: ColorEncoding,
 }
 
 /// Writes an image of 8 or 16 bits a channel as PNG.

@@ -145,7 +145,7 @@ impl fmt::Display for FileInfo {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Png(info) => {
-                let (PngInfo { size, channels, bits }, s) = (info, plural(info.channels));
+                let (PngInfo { size, channels, bits, .. }, s) = (info, plural(info.channels));
                 write!(f, "PNG image, {}, {channels} channel{s} of {bits} bits", pixels(*size))
             }
             #[cfg(feature = "tiff")]

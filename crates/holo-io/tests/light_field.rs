@@ -159,7 +159,8 @@ fn hci_and_gantry_folders_are_recognized() {
     let gantry = folder.path().join("gantry");
     std::fs::create_dir(&gantry).unwrap();
     write_views(&gantry, |index| {
-        format!("out_{:02}_{:02}_{}.5_{}.25_.png", index / 4, index % 4, index / 4, index % 4)
+        // Rows are counted from below.
+        format!("out_{:02}_{:02}_{}.5_{}.25_.png", 2 - index / 4, index % 4, index / 4, index % 4)
     });
     let file = read(&gantry).unwrap();
     assert_eq!((file.light_field, file.format), (light_field().into(), LightFieldFormat::GantryFolder));

@@ -3,8 +3,9 @@
 use super::NormalsArgument;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use holo_core::refocus::Kernel;
+use holo_core::sensor::Demosaic;
 use holo_core::{Effort, Layout, Projection, ViewOrder};
-use holo_dataset::{LayerChoice, Output, RawLayer, Tool};
+use holo_dataset::{DevelopOutput, LayerChoice, Output, RawLayer, Tool};
 use holo_io::MatOrder;
 use holo_render::{Backend, Denoise, GroundTruth, Integrator, Layer, Reuse, TextureFilter};
 
@@ -26,6 +27,40 @@ pub const DENOISE: &Choices<Denoise> = &[
 pub const TOOLS: &Choices<Tool> = &[
     (Tool::LfToolbox, "lftoolbox", "Light Field Toolbox for MATLAB (D. Dansereau)"),
     (Tool::PlenoptiCam, "plenopticam", "PlenoptiCam (C. Hahne)"),
+    (Tool::Libpleno, "libpleno", "libpleno, COMPOTE (M. Labussiere)"),
+    (Tool::Pip, "pip", "PIP, Plenoptic Image Processing (Kiel University)"),
+    (Tool::Raytrix, "raytrix", "Raytrix's calibration, for PlenopticToolbox2.0 (L. Palmieri)"),
+    (Tool::Plenpy, "plenpy", "plenpy (M. Schambach)"),
+    (Tool::Lytro, "lytro", "Files of Lytro's cameras, for LFToolbox"),
+];
+
+pub const DEVELOP_OUTPUTS: &Choices<DevelopOutput> = &[
+    (DevelopOutput::Png, "png", "NAME.png: the codes, in 16 bits"),
+    (DevelopOutput::Dng, "dng", "NAME.dng: the same for raw converters; of a mosaic only"),
+    (DevelopOutput::Clean, "clean", "NAME_clean.png: the codes without noise"),
+    (DevelopOutput::Rgb, "rgb", "NAME_rgb.png: 8 bits without mosaic and noise; saturation is white"),
+];
+
+/// How `holo demosaic` finds missing colors.
+#[derive(Clone, Copy, Debug)]
+pub enum DemosaicArgument {
+    Plain(Demosaic),
+    MicroImages,
+}
+
+pub const DEMOSAIC: &Choices<DemosaicArgument> = &[
+    (DemosaicArgument::Plain(Demosaic::Bilinear), "bilinear", "The mean of the nearest pixels of a color"),
+    (
+        DemosaicArgument::Plain(Demosaic::Malvar),
+        "malvar",
+        "Corrected by the curvature of the pixel's color (Malvar, He, Cutler)",
+    ),
+    (DemosaicArgument::Plain(Demosaic::Homogeneity), "ahd", "Along edges (Hirakawa, Parks)"),
+    (
+        DemosaicArgument::MicroImages,
+        "micro-images",
+        "By pixels of the same micro-image, weighted with the white image; needs --camera-file",
+    ),
 ];
 
 pub const REUSE: &Choices<Reuse> = &[

@@ -50,6 +50,7 @@ impl JobOptions {
         spec.layers = self.layers.clone();
         spec.outputs = self.write.clone();
         spec.mat_order = self.mat_order;
+        (spec.sensor_model, spec.iso) = (self.sensor_model.clone(), self.iso);
         (spec.bit_depth, spec.seed) = (self.bit_depth, self.seed);
         spec
     }

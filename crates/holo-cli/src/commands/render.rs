@@ -36,10 +36,10 @@ fn raw(options: &RenderOptions, camera: &str, matches: &ArgMatches) -> Result<()
         RawJob::new(SceneSource::File(options.scene.clone()), camera, options.spec()).with_options(requested(matches));
     (job.tools, job.engine) = (options.tools.clone(), options.engine.spec());
     if !options.overwrite {
-        job.check_replaceable(&options.out)?;
+        job.check_replaceable(&options.out, options.shard)?;
     }
     let bar = Bar::new("rendering", options.quiet);
-    let report = job.run(&options.out, &bar, &say_unless(options.quiet), interrupt::rollback());
+    let report = job.run(&options.out, options.shard, &bar, &say_unless(options.quiet), interrupt::rollback());
     bar.finish();
     let report = report?;
     tell(options, &report, &report.seconds, report.files.len(), report.to_json())

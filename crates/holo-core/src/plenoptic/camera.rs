@@ -263,6 +263,20 @@ impl PlenopticCamera {
         ]
     }
 
+    /// Returns the electrons of an unvignetted pixel on the axis that sees a surface of a luminance (cd/m^2) for an exposure time
+    /// (s): those of its raw value for radiance 1.
+    ///
+    /// # Source
+    ///
+    /// E = L A / d^2 of a microlens of area A at a distance d; 4.09e15 photons a lumen and second, at 555 nm.
+    #[must_use]
+    pub fn photometric_electrons(&self, luminance_cd_m2: f64, exposure_s: f64, quantum_efficiency: f64) -> f64 {
+        const PHOTONS_PER_LUMEN_S: f64 = 4.09e15;
+        let width_m = self.sensor.fill * self.sensor.pixel_m;
+        let solid_angle = self.array.aperture.area_m2() / (self.array.gap_m * self.array.gap_m);
+        PHOTONS_PER_LUMEN_S * luminance_cd_m2 * exposure_s * quantum_efficiency * width_m * width_m * solid_angle
+    }
+
     /// Returns the center of a microlens, in meters from the axis.
     #[must_use]
     pub fn lens_center_m(&self, lens: MicrolensIndex) -> [f64; 2] {

@@ -134,6 +134,7 @@ pub(super) fn is_in_lens(aperture: LensAperture, rotation_rad: f64, point: [f64;
 
 impl LitRegion {
     /// `from_center`: (D_X / d) (X - C'), the pupil point of the ray through the center of the microlens.
+    #[inline]
     pub(super) fn new(
         opening: Opening,
         pupil: PupilShape,
@@ -141,6 +142,21 @@ impl LitRegion {
         from_center: [f64; 2],
         alpha: f64,
     ) -> Self {
+        // A round microlens that is lit whole, as most are in unfocused cameras, needs neither root nor division.
+        if let (LensAperture::Round { radius_m: radius }, PupilShape::Round, None) =
+            (opening.aperture, pupil, opening.cell)
+        {
+            let [x, y] = from_center;
+            let room = pupil_radius - alpha.abs() * radius;
+            if room >= 0.0 && x * x + y * y <= room * room {
+                return Self { shape: Shape::Disc { center: [0.0; 2], radius } };
+            }
+        }
+        Self::partly_lit(opening, pupil, pupil_radius, from_center, alpha)
+    }
+
+    #[inline(never)]
+    fn partly_lit(opening: Opening, pupil: PupilShape, pupil_radius: f64, from_center: [f64; 2], alpha: f64) -> Self {
         let Opening { aperture, rotation_rad, cell } = opening;
         let outer = opening.outer_radius_m();
         let is_huge = alpha == 0.0 || pupil_radius > HUGE * alpha.abs() * outer;
@@ -186,6 +202,7 @@ impl LitRegion {
     /// Returns the area over which [`point`](Self::point) distributes points evenly, in square meters: that of the region
     /// for round apertures and for parallel squares, else that of a rectangle around it.
     #[must_use]
+    #[inline]
     pub fn sampled_area_m2(&self) -> f64 {
         match self.shape {
             Shape::Empty => 0.0,
@@ -201,14 +218,23 @@ impl LitRegion {
     /// evenly distributed, and for a microlens that is lit whole the same for every place on the sensor. `None` for points
     /// of the rectangle outside of the region. (1/2, 1/2) gives a point in the middle.
     #[must_use]
+    #[inline]
     pub fn point(&self, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
         match self.shape {
-            Shape::Empty => None,
             Shape::Disc { center, radius } => {
                 let from_end = Tables::get().end_distance(u);
                 let half = radius * (from_end * (2.0 - from_end)).max(0.0).sqrt();
                 Some([center[0] + radius * (from_end - 1.0), center[1] - (2.0 * v - 1.0) * half])
             }
+            _ => self.point_of_part([u, v]),
+        }
+    }
+
+    /// The same of what is no disc.
+    #[inline(never)]
+    fn point_of_part(&self, [u, v]: [f64; 2]) -> Option<[f64; 2]> {
+        match self.shape {
+            Shape::Empty | Shape::Disc { .. } => None,
             Shape::Lune { lune, direction } => {
                 let [along, across] = lune.point([u, v]);
                 Some([direction[0] * along - direction[1] * across, direction[1] * along + direction[0] * across])
@@ -268,7 +294,6 @@ fn discs(lens: f64, pupil: f64, center: [f64; 2]) -> Shape {
         return Shape::Disc { center: [0.0; 2], radius: lens };
     }
     let squared = center[0] * center[0] + center[1] * center[1];
-    // A microlens that is lit whole, as most are in unfocused cameras, needs no root.
     if lens <= pupil && squared <= (pupil - lens) * (pupil - lens) {
         return Shape::Disc { center: [0.0; 2], radius: lens };
     }

@@ -17,6 +17,8 @@ pub struct Preset {
     pub source: &'static str,
     /// Whether some numbers are guesses, because they are not published.
     pub is_approximate: bool,
+    /// The name of its [sensor](crate::sensor::SensorPreset), if one with noise is known.
+    pub sensor: Option<&'static str>,
     parts: fn() -> (ImageSensor, MicrolensArray, MainLens),
 }
 
@@ -50,6 +52,7 @@ const PRESETS: &[Preset] = &[
         description: "Lytro F01, 2012: unfocused, hexagonal, 3280 x 3280 pixels",
         source: "metadata of a camera's file, in the tests of imageio; lens: OpenAccessSPC",
         is_approximate: false,
+        sensor: Some("lytro-f01"),
         parts: || {
             let mut array = hexagonal(14.0e-6, 25e-6);
             (array.rotation_rad, array.scale_y, array.offset_m) = (-0.000_859, 1.000_373, [-8.18e-6, 0.80e-6]);
@@ -62,6 +65,7 @@ const PRESETS: &[Preset] = &[
         description: "Lytro Illum, 2014: unfocused, hexagonal, 7728 x 5368 pixels",
         source: "metadata of a camera's file, in the tests of imageio; focal length of the microlenses: taken as the gap",
         is_approximate: true,
+        sensor: Some("lytro-illum"),
         parts: || {
             let mut array = hexagonal(20e-6, 37e-6);
             (array.rotation_rad, array.scale_y, array.offset_m) = (-0.000_543, 1.000_343, [8.42e-6, -0.95e-6]);
@@ -74,6 +78,7 @@ const PRESETS: &[Preset] = &[
         description: "a calibrated Lytro Illum: unfocused, hexagonal, exit pupil in the lens",
         source: "examples of the simulator PRISM, after Bok et al. (2017)",
         is_approximate: false,
+        sensor: Some("lytro-illum"),
         parts: || {
             let mut lens = MainLens::new(9.984_45e-3, 2.0, 0.5);
             lens.focus = ArrayFocus::Distance { mla_distance_m: 9.8479e-3 };
@@ -85,13 +90,15 @@ const PRESETS: &[Preset] = &[
         description: "Raytrix R12: focused, hexagonal, three types of microlenses, 4080 x 3068 pixels",
         source: "calibration R12-A of Labussière et al. (2020), in the examples of libpleno",
         is_approximate: false,
+        sensor: Some("cmv12000"),
         parts: || {
-            let mut array = hexagonal(127.455e-6, 324.77e-6);
+            // On the axis: the published translation is that of a corner of a tilted array.
+            let mut array = hexagonal(127.455e-6, 338.416e-6);
             array.focus = MicrolensFocus::Lengths(vec![578.18e-6, 505.42e-6, 552.08e-6]);
-            // The third row of its rotation, and B_0 and B_1: with x of the stored image opposite to libpleno's.
-            array.tilt_rad = [6.371e-4, -8.431e-4];
+            // Of the first two columns of its rotation, and B_0 and B_1: with x of the stored image opposite to libpleno's.
+            array.tilt_rad = [-6.371e-4, 8.431e-4];
             let mut lens = MainLens::new(49.7145e-3, 4.0, 0.45);
-            lens.focus = ArrayFocus::Distance { mla_distance_m: 56.7007e-3 };
+            lens.focus = ArrayFocus::Distance { mla_distance_m: 56.6871e-3 };
             lens.distortion =
                 Distortion { radial: [246.573, -2.998_40e6, 1.062_84e10], tangential: [-0.063_402, 0.145_853] };
             (ImageSensor::new(GridSize::new(3068, 4080), 5.5e-6), array, lens)
@@ -102,6 +109,7 @@ const PRESETS: &[Preset] = &[
         description: "Raytrix R29: focused, hexagonal, three types of microlenses, 6576 x 4384 pixels",
         source: "OpenAccessSPC for pitch and gap; focal lengths: for virtual depths of 2, 3 and 5",
         is_approximate: true,
+        sensor: None,
         parts: || {
             let gap = 1.2e-3;
             let mut array = hexagonal(171e-6, gap);
@@ -116,6 +124,7 @@ const PRESETS: &[Preset] = &[
         description: "Raytrix R8: focused, hexagonal in columns, three types of microlenses, 3840 x 2160 pixels",
         source: "size and arrangement: MPEG's scripts for lenslet video; the optics are those of the R12, scaled",
         is_approximate: true,
+        sensor: None,
         parts: || {
             // 185 / 127.455 times those of the R12.
             let mut array = MicrolensArray::new(MicrolensGrid::HexColumns, 185e-6, 471.4e-6);
@@ -130,6 +139,7 @@ const PRESETS: &[Preset] = &[
         description: "plenoptic camera of a 193 mm lens and an Arri sensor: unfocused, square, 4008 x 2672 pixels",
         source: "constants of PlenoptiSign; Hahne et al. (2018)",
         is_approximate: false,
+        sensor: None,
         parts: || {
             let lens = MainLens { exit_pupil_m: Some(111.0324e-3), ..MainLens::new(193.2935e-3, 22.0, 4.0) };
             (ImageSensor::new(GridSize::new(2672, 4008), 9e-6), square(125e-6, 2.75e-3), lens)
@@ -140,6 +150,7 @@ const PRESETS: &[Preset] = &[
         description: "holoscopic camera of square micro-images, 28 x 28 of 1920 x 1088 pixels",
         source: "sizes of the light field \"Plane and Toy\"; the optics are not published",
         is_approximate: true,
+        sensor: None,
         parts: || {
             // 28 pixels between micro-images that touch each other behind a square aperture of f/4.
             let pitch = 250e-6;
@@ -162,6 +173,7 @@ const PRESETS: &[Preset] = &[
         description: "focused camera with a Phase One P45 back: Keplerian, square, 7240 x 5432 pixels",
         source: "Lumsdaine and Georgiev (2009); sizes of the image \"Laura\"",
         is_approximate: true,
+        sensor: None,
         parts: || {
             let mut array = square(500e-6, 1.6e-3);
             array.focus = MicrolensFocus::Lengths(vec![1.5e-3]);
@@ -175,6 +187,7 @@ const PRESETS: &[Preset] = &[
         description: "a camera for tutorials: unfocused, square, 6000 x 4000 pixels",
         source: "plausible numbers of a full-frame camera with an array glued in front of its sensor",
         is_approximate: true,
+        sensor: None,
         parts: || {
             (
                 ImageSensor::new(GridSize::new(4000, 6000), 3.9e-6),

@@ -34,7 +34,7 @@ impl PlenopticCamera {
     ///
     /// # Accuracy
     ///
-    /// Quadrature over pixel and microlens: 1e-4 on average, 1e-2 for single pixels at the edges of micro-images.
+    /// Quadrature over pixel and microlens: 2e-4 of the whole light, 1e-2 for single pixels at the edges of micro-images.
     ///
     /// # Errors
     ///

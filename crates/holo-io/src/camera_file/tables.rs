@@ -1,20 +1,11 @@
 //! The tables of a camera file, and the parts of a camera that they describe: those of a preset where keys are left out.
 
 use holo_core::plenoptic::{
-    ArrayFocus, Distortion, ImageSensor, LensAperture, MainLens, MicrolensArray, MicrolensFocus, MicrolensGrid,
-    PlenopticCamera, PupilShape, Stop,
+    ArrayFocus, Distortion, LensAperture, MainLens, MicrolensArray, MicrolensFocus, MicrolensGrid, PlenopticCamera,
+    PupilShape, Stop,
 };
-use holo_core::{GridSize, meters_to_millimeters, millimeters_to_meters};
+use holo_core::{meters_to_millimeters, millimeters_to_meters};
 use serde::Deserialize;
-
-#[derive(Deserialize, Default)]
-#[serde(deny_unknown_fields, default)]
-pub(super) struct SensorTable {
-    size_px: Option<[usize; 2]>,
-    pixel_um: Option<f64>,
-    fill: Option<f64>,
-    offset_um: Option<[f64; 2]>,
-}
 
 #[derive(Deserialize, Default)]
 #[serde(deny_unknown_fields, default)]
@@ -89,20 +80,6 @@ struct StopTable {
 struct DistortionTable {
     radial_m2: [f64; 3],
     tangential_m: [f64; 2],
-}
-
-impl SensorTable {
-    pub fn sensor(&self, base: Option<&PlenopticCamera>) -> Result<ImageSensor, String> {
-        let base = base.map(PlenopticCamera::sensor);
-        let size = match self.size_px {
-            Some([columns, rows]) => GridSize::new(rows, columns),
-            None => base.map(|base| base.size).ok_or_else(|| missing("sensor.size_px"))?,
-        };
-        let pixel_m = length("sensor.pixel_um", self.pixel_um, base.map(|base| base.pixel_m))?;
-        let fill = positive("sensor.fill", self.fill.or(base.map(|base| base.fill)).unwrap_or(1.0))?;
-        let offset_m = offset("sensor.offset_um", self.offset_um, base.map(|base| base.offset_m))?;
-        Ok(ImageSensor { size, pixel_m, fill, offset_m })
-    }
 }
 
 impl MlaTable {
@@ -233,7 +210,7 @@ impl StopTable {
     }
 }
 
-fn missing(key: &str) -> String {
+pub(super) fn missing(key: &str) -> String {
     format!("{key} is missing")
 }
 
@@ -241,12 +218,12 @@ fn finite(key: &str, value: f64) -> Result<f64, String> {
     if value.is_finite() { Ok(value) } else { Err(format!("{key} is {value}; give a finite number")) }
 }
 
-fn positive(key: &str, value: f64) -> Result<f64, String> {
+pub(super) fn positive(key: &str, value: f64) -> Result<f64, String> {
     if value.is_finite() && value > 0.0 { Ok(value) } else { Err(format!("{key} is {value}; give a number above 0")) }
 }
 
 /// Micrometers, or the length of a preset.
-fn length(key: &str, um: Option<f64>, base_m: Option<f64>) -> Result<f64, String> {
+pub(super) fn length(key: &str, um: Option<f64>, base_m: Option<f64>) -> Result<f64, String> {
     match (um, base_m) {
         (Some(um), _) => Ok(meters(positive(key, um)?)),
         (None, Some(base_m)) => Ok(base_m),
@@ -254,7 +231,7 @@ fn length(key: &str, um: Option<f64>, base_m: Option<f64>) -> Result<f64, String
     }
 }
 
-fn offset(key: &str, um: Option<[f64; 2]>, base_m: Option<[f64; 2]>) -> Result<[f64; 2], String> {
+pub(super) fn offset(key: &str, um: Option<[f64; 2]>, base_m: Option<[f64; 2]>) -> Result<[f64; 2], String> {
     match um {
         Some([x, y]) => Ok([meters(finite(key, x)?), meters(finite(key, y)?)]),
         None => Ok(base_m.unwrap_or_default()),

@@ -1,5 +1,6 @@
 use holo_core::GridSize;
 use holo_core::plenoptic::Distortion;
+use holo_core::sensor::ColorFilter;
 
 use super::*;
 
@@ -89,11 +90,30 @@ fn presets_survive_their_files() {
         assert_eq!(file.camera.array().grid, again.camera.array().grid);
         assert_eq!(file.camera.main_lens().aperture, again.camera.main_lens().aperture);
         assert_eq!((again.name.as_str(), again.is_approximate), (preset.name, preset.is_approximate));
+        assert_eq!(file.sensor_noise, again.sensor_noise);
+        assert_eq!(file.sensor_noise.is_some(), preset.sensor.is_some());
     }
     let changed = "preset = \"lytro-illum\"\n[main_lens]\nf_number = 4.0\nfocus_m = inf";
     let changed = CameraFile::parse(changed, "mine").unwrap();
     assert_eq!((changed.name.as_str(), changed.is_approximate), ("lytro-illum", true));
     assert_eq!((changed.camera.main_lens().f_number, changed.camera.inverse_focus_per_m()), (4.0, 0.0));
+}
+
+#[test]
+fn sensors_have_their_noise() {
+    let with = |keys: &str| CameraFile::parse(&WHOLE.replacen("fill = 0.9", keys, 1), "").unwrap();
+    assert_eq!(with("fill = 0.9").sensor_noise, None);
+    let noise = with("model = \"imx250\"\nread_noise_e = 5.0\ncfa = \"mono\"").sensor_noise.unwrap();
+    let imx250 = SensorPreset::by_name("imx250").unwrap().model;
+    assert_eq!(noise.model, SensorModel { read_noise_e: 5.0, filter: ColorFilter::Mono, ..imx250 });
+    // Without a model, a full well is the largest code.
+    let own = with("cfa = \"GRBG\"\nbits = 10\nblack = 23.0\nfull_well_e = 2000.0\nelectrons_at_one = 1500.0");
+    let noise = own.sensor_noise.unwrap();
+    assert_eq!((noise.model.dn_per_e, noise.electrons_at_one), (0.5, ElectronsAtOne::Given(1500.0)));
+    assert_eq!(CameraFile::parse(&own.to_toml(), "").unwrap().sensor_noise, own.sensor_noise);
+    // 9.2 thousand electrons of the Illum at 1000 cd/m^2, 10 ms and half of the photons.
+    let illum = CameraFile::preset("lytro-illum").unwrap().camera;
+    assert!((illum.photometric_electrons(1000.0, 0.01, 0.5) / 9199.0 - 1.0).abs() < 1e-3);
 }
 
 #[test]
@@ -120,7 +140,18 @@ fn mistakes_are_named_by_their_keys() {
         ("f_number = 5.5", "f_number = 1e-4", "main_lens.f_number"),
         ("focus_m = 0.5", "focus_m = 0.5\nmla_distance_mm = 43.0", "give one of them"),
         ("focus_m = 0.5", "mla_distance_mm = 43.0\nfocus_virtual_depth = 2.0", "focus_virtual_depth"),
-        ("fill = 0.9", "cfa = \"GRBG\"", "cfa is not supported by this version"),
+        ("fill = 0.9", "storage = \"sensor\"", "storage is not supported by this version"),
+        ("fill = 0.9", "cfa = \"GRBG\"", "sensor.bits (or sensor.model) is missing"),
+        ("fill = 0.9", "cfa = \"GRGB\"\nbits = 12\nfull_well_e = 1e4", "RGGB, GRBG"),
+        ("fill = 0.9", "model = \"imx25\"", "did you mean imx250?"),
+        ("fill = 0.9", "model = \"imx250\"\nprnu = -0.5", "photo response"),
+        ("fill = 0.9", "model = \"imx250\"\nblack = 5000.0", "sensor: the black level"),
+        ("fill = 0.9", "model = \"imx250\"\nelectrons_at_one = \"atuo\"", "sensor.electrons_at_one"),
+        (
+            "fill = 0.9",
+            "model = \"imx250\"\nelectrons_at_one = { luminance_cd_m2 = 0.0, exposure_s = 1.0 }",
+            "luminance_cd_m2",
+        ),
         ("gap_um = 400.0", "gap_um = 400.0\ntilt_deg = [89.9, 0.0]", "mla.tilt_deg"),
         ("gap_um = 400.0", "gap_um = 400.0\ngaps = \"glass\"", "mla.gaps"),
         ("aperture = \"round\"", "aperture = { blades = 2 }", "main_lens.aperture.blades"),

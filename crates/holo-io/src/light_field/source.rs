@@ -9,9 +9,13 @@ use super::{LightFieldFormat, LightFieldReader, ReadOptions, parameters_path};
 use crate::{Error, FileFormat, Limits, ParametersCfg, detect_format};
 
 #[cfg(feature = "hdf5")]
-use crate::{Hdf5LightField, Hdf5Map};
+use crate::{
+    Hdf5LightField, Hdf5Map,
+    hdf5::{OldHciFile, is_old_hci},
+};
 #[cfg(feature = "png")]
 use {
+    super::archives::{self, MitFolder},
     super::{list_images, sizes},
     crate::dataset::DatasetFolder,
     crate::views::read_views,
@@ -42,12 +46,19 @@ pub(super) enum Source {
     /// One file a view, in natural order.
     #[cfg(feature = "png")]
     Images { files: Vec<PathBuf>, order: ViewOrder },
+    /// The same, of which the rows are counted from below.
+    #[cfg(feature = "png")]
+    Mit(Vec<PathBuf>),
     #[cfg(feature = "png")]
     RawImage { file: PathBuf, layout: Layout },
+    #[cfg(feature = "png")]
+    Eslf(PathBuf),
     #[cfg(feature = "mat")]
     Mat,
     #[cfg(feature = "hdf5")]
     Hdf5(Box<Hdf5LightField>),
+    #[cfg(feature = "hdf5")]
+    OldHci(Box<OldHciFile>),
 }
 
 impl Source {
@@ -77,14 +88,13 @@ impl Source {
             }
             #[cfg(feature = "hdf5")]
             (Self::Hdf5(file), map) => {
-                let map = match map {
-                    Map::Depth => Hdf5Map::Depth,
-                    Map::Disparity => Hdf5Map::Disparity,
-                };
+                let map = hdf5_map(map);
                 let (all, central) = file.maps();
                 let exists = all.contains(&map) || central.contains(&map);
                 exists.then(|| file.read_central_map(map)).transpose()
             }
+            #[cfg(feature = "hdf5")]
+            (Self::OldHci(file), map) => file.central_map(hdf5_map(map)),
             #[allow(unreachable_patterns, reason = "with one feature alone there is no other variant")]
             _ => Ok(None),
         }
@@ -98,7 +108,20 @@ impl Source {
             #[cfg(feature = "png")]
             Self::Hci(folder) => folder.read(limits),
             #[cfg(feature = "png")]
-            Self::Gantry(folder) => folder.read(limits),
+            Self::Gantry(folder) => {
+                let (first, last) = (folder.position(0, 0), folder.position(0, folder.views().columns - 1));
+                let falls = first.zip(last).is_some_and(|(first, last)| first.x > last.x);
+                archives::reversed(folder.read(limits)?, true, falls).map_err(|error| Error::core(path, error))
+            }
+            #[cfg(feature = "png")]
+            Self::Mit(files) => {
+                let field = read_views(&files, shape.views(), ViewOrder::RowMajor, limits)?;
+                archives::reversed(field, true, false).map_err(|error| Error::core(path, error))
+            }
+            #[cfg(feature = "png")]
+            Self::Eslf(file) => {
+                archives::eslf(read_image(&file, limits)?, shape).map_err(|error| Error::core(path, error))
+            }
             #[cfg(feature = "png")]
             Self::Images { files, order } => read_views(&files, shape.views(), order, limits),
             #[cfg(feature = "png")]
@@ -108,7 +131,17 @@ impl Source {
             Self::Mat => Ok(crate::read_mat_light_field(path, limits)?.light_field),
             #[cfg(feature = "hdf5")]
             Self::Hdf5(file) => file.read(),
+            #[cfg(feature = "hdf5")]
+            Self::OldHci(file) => file.read(),
         }
+    }
+}
+
+#[cfg(feature = "hdf5")]
+fn hdf5_map(map: Map) -> Hdf5Map {
+    match map {
+        Map::Depth => Hdf5Map::Depth,
+        Map::Disparity => Hdf5Map::Disparity,
     }
 }
 
@@ -199,6 +232,13 @@ fn open_images(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, E
         return Err(Error::NoLightField { path: path.to_owned(), what });
     };
     let missing = |what| Error::MissingOption { path: path.to_owned(), option: "views", what };
+    if let Some(mit) = MitFolder::of(path).filter(|mit| mit.has(&files)) {
+        let shape = shape_of_views(path, mit.views, first)?;
+        let rig = mit.rig(shape);
+        let mut reader = reader(path, options, LightFieldFormat::MitFolder, shape, Source::Mit(files));
+        reader.rig = rig;
+        return Ok(reader);
+    }
     let views =
         options.views.ok_or_else(|| missing(format!("it does not specify the grid of its {} views", files.len())))?;
     if files.len() != views.count() {
@@ -221,6 +261,9 @@ fn shape_of_views(path: &Path, views: GridSize, file: &Path) -> Result<LightFiel
 #[cfg(feature = "png")]
 fn open_raw_image(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, Error> {
     let missing = |option, what| Error::MissingOption { path: path.to_owned(), option, what };
+    if options.layout.is_none() && archives::is_eslf(path) {
+        return open_eslf(path, options);
+    }
     let layout = options.layout.or_else(|| layout_of_file_name(path)).ok_or_else(|| {
         let what = "its name (_el, _vpi) does not specify whether it is an array of elemental images or of views";
         missing("layout", what.to_owned())
@@ -260,6 +303,15 @@ fn open_raw_image(path: &Path, options: &ReadOptions) -> Result<LightFieldReader
     Ok(reader.complete(&parameters, &parameters_path))
 }
 
+#[cfg(feature = "png")]
+fn open_eslf(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, Error> {
+    let views = options.views.unwrap_or(GridSize::new(archives::ESLF_VIEWS, archives::ESLF_VIEWS));
+    let shape = archives::eslf_shape(read_image_info(path)?.size, views).map_err(|error| Error::core(path, error))?;
+    let mut reader = reader(path, options, LightFieldFormat::Eslf, shape, Source::Eslf(path.to_owned()));
+    (reader.layout, reader.color_encoding) = (Some(Layout::ElementalGrid), ColorEncoding::Linear);
+    Ok(reader.complete_from(&parameters_path(path)))
+}
+
 #[cfg(not(feature = "png"))]
 fn open_raw_image(path: &Path, _: &ReadOptions) -> Result<LightFieldReader, Error> {
     Err(needs_feature(path, "png", "a PNG image"))
@@ -282,6 +334,13 @@ fn open_mat(path: &Path, _: &ReadOptions) -> Result<LightFieldReader, Error> {
 
 #[cfg(feature = "hdf5")]
 fn open_hdf5(path: &Path, options: &ReadOptions) -> Result<LightFieldReader, Error> {
+    if is_old_hci(path)? {
+        let file = OldHciFile::open(path, &options.limits)?;
+        let rig = file.rig();
+        let mut reader = reader(path, options, LightFieldFormat::OldHci, file.shape(), Source::OldHci(Box::new(file)));
+        reader.rig = rig;
+        return Ok(reader);
+    }
     let file = Hdf5LightField::open(path, &options.limits)?;
     let (rig, error) = (file.rig().copied(), file.rig_error().map(|error| format!("{}: {error}", path.display())));
     let is_float = file.sample_kind().is_float();

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufRead, BufReader, Cursor, Read, Seek};
 use std::path::Path;
 
-use holo_core::{DynImage, GridSize};
+use holo_core::{ColorEncoding, DynImage, GridSize};
 use ndarray::Array3;
 
 use super::PngInfo;
@@ -72,6 +72,7 @@ fn start<R: BufRead + Seek>(source: R, path: &Path, limits: Limits) -> Result<(p
         size: GridSize::new(size.height as usize, size.width as usize),
         channels: color.samples(),
         bits: if depth == png::BitDepth::Sixteen { 16 } else { 8 },
+        encoding: if size.srgb.is_some() { ColorEncoding::Srgb } else { ColorEncoding::Linear },
     };
     Ok((reader, info))
 }

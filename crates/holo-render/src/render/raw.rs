@@ -227,8 +227,15 @@ impl Renderer {
         if has_color {
             let inverse_depths = request.statistics.then(|| zeros(request, inverse_depth::CHANNELS)).transpose()?;
             let mut image = Sums { color: zeros(request, 3)?, inverse_depths };
-            for band in &bands {
-                rays = rays + self.trace_band(request, integrator, band, &work, &mut image)?;
+            let mut pixels = bands.first().map(|band| band_pixels(request, band));
+            for next in (1..=bands.len()).map(|number| bands.get(number)) {
+                // The pixels of the next band are found while this one is traced.
+                let (traced, following) = rayon::join(
+                    || pixels.map(|pixels| self.trace_band(request, integrator, pixels, &work, &mut image)),
+                    || next.map(|band| band_pixels(request, band)),
+                );
+                rays = rays + traced.transpose()?.unwrap_or_default();
+                pixels = following;
             }
             sums = Some(image);
         }
@@ -253,11 +260,10 @@ impl Renderer {
         &self,
         request: &RawRequest,
         integrator: Integrator,
-        band: &Band,
+        pixels: RawPixels,
         work: &Work,
         image: &mut Sums,
     ) -> Result<RayCounts, Error> {
-        let pixels = band_pixels(request, band);
         let tiling = color_tiling(pixels.packets.len(), path_tile_pixels(&request.transport, integrator));
         let count = pixels.packets.len();
         let zeros = |channels| Array5::zeros((count, 1, 1, LANES, channels));

@@ -55,7 +55,6 @@ pub fn section(options: &RunOptions) -> Section {
     exr(&mut rows, rounds, &folder, &image);
     let _ = std::fs::remove_dir_all(&folder);
     Section {
-        title: "Pixels and files",
         text: format!(
             "RGB images of {} x {} pixels with 8 bits per channel, {} x {} views. Times include syncing the file to \
              the disk and its SHA-256. GB/s count pixels, not bytes of the file.",

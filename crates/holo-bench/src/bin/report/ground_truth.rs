@@ -34,7 +34,6 @@ pub fn section(options: &RunOptions) -> Section {
     // Only the fastest backend is in the summary.
     let highlights = highlights.into_iter().step_by(options.engines.len()).collect();
     Section {
-        title: "Ground truth",
         text: "A slanted plane against its closed form in f64; scenes of the gallery against brute-force intersection \
                of every triangle in f64 (with fewer rays, because it is slow). Layers are stored in f32, with a \
                relative rounding error of up to 6e-8. Pixels on another surface are rays within rounding of a \

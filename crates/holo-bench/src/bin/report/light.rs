@@ -118,7 +118,6 @@ pub fn section(options: &RunOptions) -> Section {
         .map(|(integrator, name)| (name, light.integrator(integrator)));
     let LightSection { views, lenses, reference_samples, .. } = light;
     Section {
-        title: "Light",
         text: format!(
             "Gallery scenes, {views} x {views} views of {} x {} px, all threads, paths of up to 8 bounces. Reference: \
              {reference_samples} samples with another seed, same integrator. Relative squared error: the mean of (x - \

@@ -1,6 +1,6 @@
 //! Measures speed and error: `cargo xtask report [--quick] [--peers] [--only TEXT] [--out DIR]`.
 //!
-//! Writes `REPORT.md`, one CSV file per table, and SVG plots. Every time is the median of several runs of this process
+//! Writes `REPORT.md`, one CSV file per table, and SVG plots. With `--only` the other sections of the report stay. Every time is the median of several runs of this process
 //! with their spread (BVH builds: one run), as a ratio to a comparable time if there is one. Every error is against a
 //! reference: a render with many samples, a closed form, brute-force intersection in f64, the original bits, or
 //! Mitsuba's images in `tests/radiance`.
@@ -9,15 +9,17 @@
 mod files;
 mod ground_truth;
 mod light;
+mod page;
 mod peers;
 mod plot;
 mod scaling;
 mod scenes;
+mod sensor;
 mod sharing;
 mod stereo;
 mod table;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use holo_render::Backend;
@@ -35,8 +37,6 @@ pub struct RunOptions {
 
 /// The results of a section.
 pub struct Section {
-    /// The heading.
-    pub title: &'static str,
     /// What was measured, and how.
     pub text: String,
     /// Rows of the summary: what, speed, error.
@@ -49,6 +49,22 @@ pub struct Section {
 
 /// Measures a section.
 type SectionFn = fn(&RunOptions) -> Section;
+
+/// The section that needs other programs.
+const PEERS: &str = "Beside other renderers";
+
+/// The sections, in the order of the report.
+const SECTIONS: [(&str, SectionFn); 9] = [
+    (PEERS, peers::section),
+    ("Light shared between views", sharing::section),
+    ("Light", light::section),
+    ("Ground truth", ground_truth::section),
+    ("Scaling", scaling::section),
+    ("Pixels and files", files::section),
+    ("Depth from stereo", stereo::section),
+    ("Photon transfer", sensor::photon_transfer),
+    ("Noise of sensors", sensor::noise),
+];
 
 fn main() {
     let (mut quick, mut with_peers, mut only, mut out) = (false, false, String::new(), PathBuf::from("report"));
@@ -81,48 +97,24 @@ fn main() {
     }
     let start = Instant::now();
     let options = RunOptions { quick, rounds: if quick { 3 } else { 5 }, engines: scenes::engines() };
-    let mut sections = Vec::new();
-    let mut section_fns: Vec<(&str, SectionFn)> = vec![
-        ("sharing between views", sharing::section),
-        ("light", light::section),
-        ("ground truth", ground_truth::section),
-        ("scaling", scaling::section),
-        ("pixels and files", files::section),
-        ("disparity from stereo", stereo::section),
-    ];
-    if with_peers {
-        section_fns.insert(0, ("other renderers", peers::section));
+    let wanted = SECTIONS.iter().filter(|(title, _)| title.to_lowercase().contains(&only.to_lowercase()));
+    let wanted = wanted.filter(|(title, _)| with_peers || *title != PEERS);
+    let mut page = page::Page::open(&out, !only.is_empty());
+    let mut measured = 0;
+    for (title, make) in wanted {
+        eprintln!("{:5.0} s  {title}", start.elapsed().as_secs_f64());
+        page.put(title, &make(&options), quick);
+        // After every section: an interruption keeps what is measured.
+        if let Err(why) = page.write(&SECTIONS.map(|(title, _)| title)) {
+            eprintln!("report: {}: {why}", out.display());
+            std::process::exit(1);
+        }
+        measured += 1;
     }
-    for (name, make) in section_fns.into_iter().filter(|(name, _)| name.contains(&only)) {
-        eprintln!("{:5.0} s  {name}", start.elapsed().as_secs_f64());
-        sections.push(make(&options));
-    }
-    if let Err(why) = write(&out, &sections, quick) {
-        eprintln!("report: {}: {why}", out.display());
-        std::process::exit(1);
+    if measured == 0 {
+        let titles = SECTIONS.map(|(title, _)| title).join(", ");
+        eprintln!("report: no section has '{only}' in its title; they are {titles} ('{PEERS}' needs --peers)");
+        std::process::exit(2);
     }
     eprintln!("{:5.0} s  wrote {}", start.elapsed().as_secs_f64(), out.join("REPORT.md").display());
-}
-
-fn write(out: &Path, sections: &[Section], quick: bool) -> std::io::Result<()> {
-    std::fs::create_dir_all(out)?;
-    let mut text = format!("# Speed against error\n\n{}\n", scenes::machine());
-    if quick {
-        text +=
-            "\nA quick report: few samples, small images; its numbers have more scatter than those of a full report.\n";
-    }
-    let mut summary = Table::new(&["what", "speed", "error"]);
-    sections.iter().flat_map(|section| &section.highlights).for_each(|row| summary.push(row.clone()));
-    text += &format!("\n## Summary\n\n{}", summary.markdown());
-    std::fs::write(out.join("in_short.csv"), summary.csv())?;
-    for section in sections {
-        text += &format!("\n## {}\n\n{}\n\n{}", section.title, section.text, section.table.markdown());
-        let stem = section.title.to_lowercase().replace(' ', "_");
-        std::fs::write(out.join(format!("{stem}.csv")), section.table.csv())?;
-        for (name, svg) in &section.plots {
-            text += &format!("\n![{name}]({name}.svg)\n");
-            std::fs::write(out.join(format!("{name}.svg")), svg)?;
-        }
-    }
-    std::fs::write(out.join("REPORT.md"), text)
 }

@@ -84,7 +84,6 @@ pub fn section(options: &RunOptions) -> Section {
     missing.dedup();
     let missing = if missing.is_empty() { String::new() } else { format!(" Not run: {}.", missing.join("; ")) };
     Section {
-        title: "Beside other renderers",
         text: format!(
             "`tests/radiance/metal_and_glass.glb` (rough metal, glass, dielectric coat; two lights and a sky), views \
              of 99 x 66 px over an aperture of 20 mm, focus distance 0.8 m, paths of up to 8 bounces without Russian \

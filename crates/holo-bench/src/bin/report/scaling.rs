@@ -40,7 +40,6 @@ pub fn section(options: &RunOptions) -> Section {
         })
         .collect();
     Section {
-        title: "Scaling",
         text: format!(
             "Direct light of `garden`, 1 sample per pixel, for 1 to {} views of 79 x 53 px at the baseline of an f/5 \
              lens{}, and for 1 to all threads; a displaced sphere of 10^3 to 10^{} triangles under a directional \

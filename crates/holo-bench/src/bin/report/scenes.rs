@@ -55,12 +55,12 @@ pub fn backend_name(backend: Backend) -> &'static str {
 pub fn machine() -> String {
     let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = cpu.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or(": an unknown processor");
+    let avx512 = if cpu.contains(" avx512f ") { " with AVX-512" } else { "" };
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
     let engine = Renderer::new(&Scene::default(), &Transform::IDENTITY, Backend::Auto, 1);
     let engine = engine.map_or_else(|error| error.to_string(), |renderer| renderer.engine_name().to_owned());
     format!(
-        "Machine: {}, {threads} threads; {engine}; holo {}. Times are medians; ± is half the difference between the \
-         slowest and the fastest run. On shared machines only ratios are reliable.",
+        "Machine: {}{avx512}, {threads} threads; {engine}; holo {}.",
         model.trim_start_matches([' ', '\t', ':']),
         env!("CARGO_PKG_VERSION")
     )

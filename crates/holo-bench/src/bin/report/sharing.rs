@@ -75,7 +75,6 @@ pub fn section(options: &RunOptions) -> Section {
         }
     }
     Section {
-        title: "Light shared between views",
         text: format!(
             "Scenes of the gallery on the 8K sensor of the paper, {SAMPLES} samples, paths of up to 8 bounces, the lens \
              rows in the middle ({}). Error: the mean of (x - r)^2 / (r^2 + 0.01 mean(r^2)) over the pixels of a view \

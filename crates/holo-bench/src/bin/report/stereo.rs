@@ -85,7 +85,6 @@ pub fn section(options: &RunOptions) -> Section {
         plot.add(Series { name: scene_name.into(), color, dashes: 0, points });
     }
     Section {
-        title: "Depth from stereo",
         text: format!(
             "Plane sweep over 9 x 9 views of {} x {} px in 8 bits, {samples} samples per pixel, direct light. Errors \
              are against the exact disparity of the central view without a border of 15 px. With default sampling, \

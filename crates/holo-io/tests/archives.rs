@@ -1,0 +1,148 @@
+//! Light fields of public archives, as their own documents and readers order them, from files made by hand.
+
+use holo_core::{DynLightField, GridSize, LightFieldShape};
+use holo_io::{
+    ColorEncoding, Compression, LightFieldFormat, Limits, ReadOptions, read_light_field, read_rig, write_png,
+};
+use ndarray::Array3;
+
+/// The light field of `u8` samples: `(v, u, t, s, c)`.
+fn samples(field: &DynLightField) -> ndarray::Array5<u16> {
+    match field {
+        DynLightField::U8(field) => field.samples().mapv(u16::from),
+        DynLightField::U16(field) => field.samples().to_owned(),
+        other => panic!("{:?}", other.kind()),
+    }
+}
+
+/// Lytro's ESLF: pixel (14 v + t, 14 u + s), whose last row may be missing.
+#[test]
+fn eslf_files_have_fourteen_views() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, rows) in [("flowers_1_eslf.png", 42), ("IMG_0001.eslf.png", 41)] {
+        let image = Array3::from_shape_fn((rows, 56, 4), |(row, column, c)| {
+            [(row % 14 * 4000) as u16, (column % 14 * 4000) as u16, (row / 14 * 1000 + column / 14) as u16, 65_535][c]
+        });
+        let path = folder.path().join(name);
+        write_png(&path, image.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
+        let file = read_light_field(&path, &ReadOptions::default()).unwrap();
+        let shape = LightFieldShape::new(GridSize::new(14, 14), GridSize::new(3, 4)).unwrap();
+        assert_eq!((file.light_field.shape(), file.format), (shape, LightFieldFormat::Eslf));
+        let found = samples(&file.light_field);
+        for ((v, u, t, s, c), &value) in found.indexed_iter() {
+            let expected = match [(t * 4000) as u16, (s * 4000) as u16, (v * 1000 + u) as u16, 65_535][c] {
+                _ if 14 * v + t >= rows => 0,
+                expected => expected,
+            };
+            assert_eq!(value, expected, "{name} {v} {u} {t} {s} {c}");
+        }
+    }
+    // Another size of the blocks.
+    let file =
+        read_light_field(folder.path().join("flowers_1_eslf.png"), &ReadOptions::default().views(GridSize::new(7, 7)));
+    assert_eq!(file.unwrap().light_field.shape().lenses(), GridSize::new(6, 8));
+}
+
+/// The MIT archive: rows are counted from below, and a near square moves left from column to column.
+#[test]
+fn mit_folders_have_their_rig_and_rows_from_below() {
+    let root = tempfile::tempdir().unwrap();
+    let folder = root.path().join("dragons_5x5_ap5");
+    std::fs::create_dir(&folder).unwrap();
+    // By the numbers of the README: view NN is at ((NN - 1) % 5, (NN - 1) / 5), x to the right and y up. The point moves by
+    // -2 px for every step to the right and by +2 px down the image for every step up.
+    for number in 0..25usize {
+        let (x, y) = (number as i64 % 5 - 2, number as i64 / 5 - 2);
+        let (row, column) = ((7 + 2 * y) as usize, (10 - 2 * x) as usize);
+        let image = Array3::from_shape_fn((14, 20, 3), |(r, c, _)| if (r, c) == (row, column) { 255u8 } else { 0 });
+        let path = folder.join(format!("dragons-{:02}.png", number + 1));
+        write_png(path, image.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
+    }
+    let file = read_light_field(&folder, &ReadOptions::default()).unwrap();
+    assert_eq!(file.format, LightFieldFormat::MitFolder);
+    let found = samples(&file.light_field);
+    for t in 0..5usize {
+        for s in 0..5usize {
+            // Disparity 2: to the left from column to column and up from row to row.
+            let (v, u) = (7 - 2 * (t as i64 - 2), 10 - 2 * (s as i64 - 2));
+            assert_eq!(found[[v as usize, u as usize, t, s, 0]], 255, "{t} {s}");
+        }
+    }
+    let rig = file.rig.expect("a rig");
+    assert_eq!(read_rig(&folder, &Limits::default()).unwrap(), Some(rig));
+    // d = b W / 0.5 m (1.27 m / Z - 1), b = 12.5 mm: 0.5 px per 1.27 / Z - 1.
+    assert!((rig.disparity().from_depth_m(1.0) - 0.0125 * 20.0 / 0.5 * 0.27).abs() < 1e-9);
+    assert!(rig.disparity().from_depth_m(1.27).abs() < 1e-12);
+    std::fs::remove_file(folder.join("dragons-07.png")).unwrap();
+    assert!(read_light_field(&folder, &ReadOptions::default()).is_err());
+}
+
+#[cfg(feature = "hdf5")]
+mod hdf5_files {
+    use super::*;
+    use holo_io::LightFieldReader;
+    use ndarray::{Array4, Array5};
+
+    /// The old HCI benchmark: view columns are stored from right to left.
+    #[test]
+    fn old_hci_files_have_their_depth_and_rig() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("lf.h5");
+        let file = hdf5::File::create(&path).unwrap();
+        // (view row, view column, row, column, channel)
+        let stored = Array5::from_shape_fn((3, 5, 4, 7, 3), |(t, h, v, u, c)| (t * 50 + h * 10 + v * 7 + u + c) as u8);
+        file.new_dataset_builder().with_data(stored.view()).create("LF").unwrap();
+        let depth =
+            Array4::from_shape_fn((3, 5, 4, 7), |(t, h, v, u)| 8.0 + (t * 5 + h) as f32 * 0.1 + (v + u) as f32 * 0.01);
+        file.new_dataset_builder().with_data(depth.view()).create("GT_DEPTH").unwrap();
+        for (name, value) in [("dH", 3.5), ("dV", 3.5), ("focalLength", 1.2), ("shift", 0.42)] {
+            file.new_attr::<f64>().create(name).unwrap().write_scalar(&value).unwrap();
+        }
+        drop(file);
+        let reader = LightFieldReader::open(&path, &ReadOptions::default()).unwrap();
+        assert_eq!(reader.format(), LightFieldFormat::OldHci);
+        let central = reader.central_depth_m().unwrap().unwrap();
+        let disparity = reader.central_disparity_px().unwrap().unwrap();
+        for ((v, u), &found) in central.indexed_iter() {
+            assert_eq!(found, depth[[1, 5 - 1 - 2, v, u]]);
+            let expected = 3.5 * 1.2 / f64::from(found) - 0.42;
+            assert!((f64::from(disparity[[v, u]]) - expected).abs() < 1e-6);
+        }
+        let rig = *reader.rig().expect("a rig");
+        assert!((rig.disparity().from_depth_m(8.0) - (4.2 / 8.0 - 0.42)).abs() < 1e-9);
+        let file = reader.read().unwrap();
+        for ((v, u, t, s, c), &found) in samples(&file.light_field).indexed_iter() {
+            assert_eq!(found, u16::from(stored[[t, 4 - s, v, u, c]]));
+        }
+    }
+
+    /// LFToolbox's decoded light field has the weight of every sample as a fourth channel.
+    #[test]
+    fn decoded_files_of_the_toolbox_have_weights() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("IMG_0001__Decoded.mat");
+        let file = hdf5::FileBuilder::new().with_fcpl(|properties| properties.userblock(512)).create(&path).unwrap();
+        // LF(t, s, v, u, c) in MATLAB; an HDF5 reader sees the axes reversed.
+        let value =
+            |t: usize, s: usize, v: usize, u: usize, c: usize| (10_000 * t + 1000 * s + 100 * v + 10 * u + c) as u16;
+        let stored = Array5::from_shape_fn((4, 7, 4, 5, 3), |(c, u, v, s, t)| value(t, s, v, u, c));
+        let dataset = file.new_dataset_builder().with_data(stored.view()).create("LF").unwrap();
+        let class = hdf5::types::FixedAscii::<6>::from_ascii("uint16").unwrap();
+        dataset.new_attr::<hdf5::types::FixedAscii<6>>().create("MATLAB_class").unwrap().write_scalar(&class).unwrap();
+        drop((dataset, file));
+        let mut bytes = std::fs::read(&path).unwrap();
+        let mut header = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".to_vec();
+        header.resize(116, b' ');
+        header.extend([0; 8]);
+        header.extend([0, 2, b'I', b'M']);
+        bytes[..128].copy_from_slice(&header);
+        std::fs::write(&path, &bytes).unwrap();
+        let file = read_light_field(&path, &ReadOptions::default()).unwrap();
+        assert_eq!(file.format, LightFieldFormat::Mat);
+        for ((v, u, t, s, c), &found) in samples(&file.light_field).indexed_iter() {
+            assert_eq!(found, value(t, s, v, u, c));
+        }
+        assert_eq!(file.light_field.channels(), 4);
+        assert_eq!(file.light_field.without_alpha().unwrap().channels(), 3);
+    }
+}
