@@ -10,11 +10,11 @@ import numpy as np
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 
-# Preset, focus, m; the part of the raw image and the micro-image that are shown (x, y, width); the view of an unfocused one.
+# Preset, focus, m; the part of the raw image that is shown (x, y, width), and the width of a micro-image in its middle.
 CAMERAS = [
-    ("lytro-illum", "1.2", (3500, 2500, 120), (3540, 2540, 18)),
-    ("raytrix-r12-a", "1.2", (1900, 1500, 190), (1990, 1590, 28)),
-    ("h3dv", "1.2", (900, 520, 190), (966, 552, 30)),
+    ("lytro-illum", "1.2", (3500, 2500, 120), 16),
+    ("raytrix-r12-a", "1.2", (1900, 1500, 190), 26),
+    ("h3dv", "1.0", (900, 520, 190), 30),
 ]
 SIDE = 380
 
@@ -23,6 +23,14 @@ def shown(image, part):
     x, y, width = part
     crop = image[y : y + width, x : x + width]
     return cv2.resize(crop, (SIDE, SIDE), interpolation=cv2.INTER_NEAREST)
+
+
+def around_center(centers, part, width):
+    """The part around the micro-image whose center is nearest to the middle of another part."""
+    x, y, size = part
+    all_px = np.loadtxt(centers, delimiter=",", skiprows=1, usecols=(2, 3)) + 0.5
+    nearest = all_px[np.argmin(((all_px - [x + size / 2, y + size / 2]) ** 2).sum(1))]
+    return (*np.round(nearest - width / 2).astype(int), width)
 
 
 def coded(linear, brightest):
@@ -34,16 +42,17 @@ def main(holo):
     with tempfile.TemporaryDirectory() as folder:
         scene = os.path.join(folder, "garden.glb")
         subprocess.run([holo, "scene", "garden", "--out", scene], check=True)
-        for name, focus, part, micro in CAMERAS:
+        for name, focus, part, width in CAMERAS:
             out = os.path.join(folder, name)
             camera = ["--camera-file", name, "--focus-m", focus]
             subprocess.run([holo, "render", scene, *camera, "--out", out, "--spp", "6", "--integrator", "direct", "--sky", "0.35,0.45,0.6",
-                            "--write", "raw-png,white",
+                            "--write", "raw-png,white,centers",
                             "--quiet"], check=True)
             raw = cv2.imread(os.path.join(out, "raw_linear.png"), cv2.IMREAD_UNCHANGED) / 65535.0
             white = cv2.imread(os.path.join(out, "white.png"), cv2.IMREAD_UNCHANGED) / 65535.0
             raw = coded(raw, np.percentile(raw, 99.5))
             white = cv2.cvtColor(coded(white, 1.0), cv2.COLOR_GRAY2BGR)
+            micro = around_center(os.path.join(out, "centers.csv"), part, width)
             tiles = [shown(raw, part), shown(white, part), shown(raw, micro)]
             view = np.full((SIDE, SIDE, 3), 255, np.uint8)
             decoded = os.path.join(folder, name + "-views")

@@ -15,9 +15,10 @@
 //! - *The unit is unknown*: the archive calls the positions "computed parallax", which is the position of the camera up
 //!   to an unknown scale and an unknown origin. They are not millimeters; only the archive's older gantry gives those.
 //! - *The direction differs between sets*: X decreases by 8.6 a column in the knights and increases by 10 in the
-//!   amethyst, and some readers of these sets count rows from below. The reader flips nothing: rows and columns are in
+//!   amethyst, and some readers of these sets count rows from below. [`GantryFolder`] flips nothing: rows and columns are in
 //!   the order of their indices, and the positions are returned as they are written. All of `holo-core` expects view
-//!   columns to run right and view rows to run down: check a pair of views before you use it.
+//!   columns to run right and view rows to run down, and [`read_light_field`](crate::read_light_field) turns them: rows,
+//!   and columns where X decreases. No set was available for a test of that: check a pair of views before you use it.
 //!
 //! # Source
 //!

@@ -74,8 +74,7 @@
 //! # What is not here
 //!
 //! The writers leave the pixels as they are: exposure, the sRGB curve and the change of layout are the caller's. The
-//! crate prints nothing, ends no process and creates no folders. The `lf.h5` of the first HCI benchmark (2013) is not
-//! read: no file was available to verify its conventions.
+//! crate prints nothing, ends no process and creates no folders.
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 // The table above names what the features add.

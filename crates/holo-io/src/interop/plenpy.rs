@@ -25,11 +25,15 @@ pub fn plenpy_files(camera: &PlenopticCamera) -> Result<[String; 2], String> {
     let script = format!(
         "# Decodes Images/raw.png with Calibration/WhiteImages/white.png: run in this folder, with plenpy 0.9.\n\
          from plenpy.cameras.raytracer_lightfield_camera import RayTracerLF\n\n\
-         camera = RayTracerLF(\".\", grid_type=\"hex\", ml_size={:?}, ml_focal_length={:?}, format=\"PNG-PIL\")\n\
-         camera.calibrate(method=\"own\", force=True)\n\
-         camera.load_sensor_image(0)\n\
-         camera.decode_sensor_image(0, resample_method=\"bilinear\")\n\
-         print(camera.get_decoded_image(0).shape)\n",
+         def main():\n    \
+             camera = RayTracerLF(\".\", grid_type=\"hex\", ml_size={:?}, ml_focal_length={:?}, format=\"PNG-PIL\")\n    \
+             camera.calibrate(method=\"own\", force=True)\n    \
+             camera.load_sensor_image(0)\n    \
+             camera.decode_sensor_image(0, resample_method=\"bilinear\")\n    \
+             print(camera.get_decoded_image(0).shape)\n\n\n\
+         # Plenpy starts processes that import this file.\n\
+         if __name__ == \"__main__\":\n    \
+             main()\n",
         camera.micro_image_pitch_px(),
         camera.array().gap_m
     );
@@ -49,6 +53,7 @@ mod tests {
         assert!((value["camera"]["imageDistance"].as_f64().unwrap() - 0.097_285_6).abs() < 1e-9);
         assert!((value["camera"]["focusDistance"].as_f64().unwrap() - 0.5).abs() < 1e-9);
         assert!(script.contains("ml_size=14.29"), "{script}");
+        assert!(script.contains("\ndef main():\n    camera = ") && script.ends_with("\n    main()\n"), "{script}");
         // The magnification of plenpy is that of the camera.
         let magnification = 1.0 + camera.array().gap_m / value["camera"]["imageDistance"].as_f64().unwrap();
         assert!((magnification - camera.micro_image_scale()).abs() < 1e-12);

@@ -77,10 +77,11 @@ enum Color {
     Raw,
 }
 
-const COLORS: [(Color, &str); 3] = [
-    (Color::Full, "three colors in every pixel"),
-    (Color::Views, "a mosaic in every view"),
-    (Color::Raw, "one mosaic over the raw image"),
+/// How, its name in the table, and in the legend.
+const COLORS: [(Color, &str, &str); 3] = [
+    (Color::Full, "three colors in every pixel", "three colors"),
+    (Color::Views, "a mosaic in every view", "mosaics of views"),
+    (Color::Raw, "one mosaic over the raw image", "one mosaic"),
 ];
 
 /// Film speed against the errors of stereo and refocusing.
@@ -137,21 +138,21 @@ pub fn noise(options: &RunOptions) -> Section {
             bad
         };
         measure(&clean, "rendered", None, 0.0);
-        for (dashes, (kind, name)) in COLORS.into_iter().enumerate() {
+        for (dashes, (kind, name, short_name)) in COLORS.into_iter().enumerate() {
             let mut points = Vec::new();
             for speed in SPEEDS {
                 let (field, electrons) = seen(&clean, &preset.model, speed, kind);
                 points.push((speed, measure(&field, name, Some(speed), electrons)));
             }
-            plot.add(Series { name: format!("{scene_name}, {name}"), color, dashes, points });
+            plot.add(Series { name: format!("{scene_name}, {short_name}"), color, dashes, points });
         }
     }
     Section {
         text: format!(
             "9 x 9 views of {} x {} px, {samples} samples, through the sensor {} with automatic exposure: the gain takes \
              the light. Disparity by the plane sweep (balanced) against the exact one; refocused by shift and sum to the \
-             middle of the range; PSNR against the same without a sensor. Mosaics are demosaiced by Malvar's method. One mosaic over the raw image \
-             mixes views: its methods need micro-images that are larger than two pixels.",
+             middle of the range; PSNR against the same without a sensor. Mosaics are demosaiced by Malvar's method. One mosaic over \
+             the raw image mixes views: its methods need micro-images that are larger than two pixels.",
             lenses.columns, lenses.rows, preset.name
         ),
         highlights: Vec::new(),
