@@ -16,7 +16,7 @@ pub struct DevelopOptions {
     /// The codes: NAME.png or NAME.dng. Other files are written beside it, and NAME.json with sensor and exposure.
     #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
-    /// Camera file or preset, whose [sensor] has noise.
+    /// Camera file or preset, whose sensor has noise.
     #[arg(long, value_name = "FILE|PRESET")]
     pub camera_file: Option<String>,
     /// A sensor: imx250, cmv12000, lytro-illum or lytro-f01 [default: that of the camera file].
