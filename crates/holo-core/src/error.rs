@@ -27,6 +27,13 @@ pub enum Error {
         /// The requested size in bytes.
         bytes: usize,
     },
+    /// The crate was built without a feature.
+    MissingFeature {
+        /// What needs it, as the subject of a sentence.
+        what: &'static str,
+        /// The feature.
+        feature: &'static str,
+    },
     /// The shape of an array does not agree with the other arguments.
     Shape {
         /// The array.
@@ -130,6 +137,9 @@ impl fmt::Display for Error {
             Self::ZeroCount { what } => write!(f, "the number of {what} is 0; it must be at least 1"),
             Self::TooLarge { what } => write!(f, "the {what} does not fit the address space"),
             Self::OutOfMemory { what, bytes } => write!(f, "out of memory: allocating {bytes} bytes for {what} failed"),
+            Self::MissingFeature { what, feature } => {
+                write!(f, "{what} needs the feature `{feature}` of holo-core; build with it")
+            }
             Self::Shape { what, expected, found } => {
                 write!(f, "the {what} has the shape {found:?}; it must be {expected:?}")
             }

@@ -45,7 +45,8 @@ impl Demosaic {
 ///
 /// # Errors
 ///
-/// [`Error::Shape`] for an image of fewer than 2 x 2 pixels, or one with gaps in memory; [`Error::OutOfMemory`].
+/// [`Error::Shape`] for an image of fewer than 2 x 2 pixels, or one with gaps in memory; [`Error::OutOfMemory`];
+/// [`Error::MissingFeature`] without the feature `demosaic` for methods other than bilinear.
 pub fn demosaic(mosaic: ArrayView2<f32>, filter: ColorFilter, method: Demosaic) -> Result<Array3<f32>, Error> {
     let (rows, columns) = mosaic.dim();
     let wrong =
@@ -53,7 +54,26 @@ pub fn demosaic(mosaic: ArrayView2<f32>, filter: ColorFilter, method: Demosaic) 
     if rows.min(columns) < 2 {
         return Err(wrong());
     }
-    let value = |[row, column]: [usize; 2]| mosaic[[row, column]];
+    if method == Demosaic::Bilinear || filter.mosaic().is_none() {
+        return weighted((rows, columns), filter, |_, _| 1.0, |[row, column]| mosaic[[row, column]]);
+    }
+    let mut image = blank(rows, columns)?;
+    let (Some(input), Some(output)) = (mosaic.as_slice(), image.as_slice_mut()) else { return Err(wrong()) };
+    if !along_edges(input, [rows, columns], filter, method, output)? {
+        return Err(wrong());
+    }
+    Ok(image)
+}
+
+/// The methods of the crate `demosaic`. Returns whether the sizes fit.
+#[cfg(feature = "demosaic")]
+fn along_edges(
+    input: &[f32],
+    [rows, columns]: [usize; 2],
+    filter: ColorFilter,
+    method: Demosaic,
+    output: &mut [f32],
+) -> Result<bool, Error> {
     let pattern = match filter {
         ColorFilter::Grbg => demosaic::CfaPattern::bayer_grbg(),
         ColorFilter::Gbrg => demosaic::CfaPattern::bayer_gbrg(),
@@ -61,14 +81,15 @@ pub fn demosaic(mosaic: ArrayView2<f32>, filter: ColorFilter, method: Demosaic) 
         _ => demosaic::CfaPattern::bayer_rggb(),
     };
     let algorithm = match method {
-        Demosaic::Malvar if filter.mosaic().is_some() => demosaic::Algorithm::Mhc,
-        Demosaic::Homogeneity if filter.mosaic().is_some() => demosaic::Algorithm::Ahd,
-        _ => return weighted((rows, columns), filter, |_, _| 1.0, value),
+        Demosaic::Homogeneity => demosaic::Algorithm::Ahd,
+        _ => demosaic::Algorithm::Mhc,
     };
-    let mut image = blank(rows, columns)?;
-    let (Some(input), Some(output)) = (mosaic.as_slice(), image.as_slice_mut()) else { return Err(wrong()) };
-    demosaic::demosaic_interleaved(input, columns, rows, &pattern, algorithm, output).map_err(|_| wrong())?;
-    Ok(image)
+    Ok(demosaic::demosaic_interleaved(input, columns, rows, &pattern, algorithm, output).is_ok())
+}
+
+#[cfg(not(feature = "demosaic"))]
+fn along_edges(_: &[f32], _: [usize; 2], _: ColorFilter, _: Demosaic, _: &mut [f32]) -> Result<bool, Error> {
+    Err(Error::MissingFeature { what: "demosaicing other than bilinear", feature: "demosaic" })
 }
 
 /// Returns the colors of every pixel as weighted means of `value` over the nearest pixels of each color; that of the
@@ -118,7 +139,7 @@ fn blank(rows: usize, columns: usize) -> Result<Array3<f32>, Error> {
     Array3::from_shape_vec((rows, columns, 3), values).map_err(|_| Error::TooLarge { what: "image" })
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "demosaic"))]
 mod tests {
     use ndarray::Array2;
 
