@@ -1,82 +1,8 @@
-//! `holo`: a glTF scene becomes a raw holoscopic image with ground truth.
-//!
-//! This binary parses arguments, shows progress and turns errors into exit codes; everything else is in the libraries.
-//! Exit codes: 0 done, 1 failed (the message says what, where and what to do), 2 wrong use.
+//! The program `holo`; see the library of the same crate.
 #![forbid(unsafe_code)]
-
-mod arguments;
-mod commands;
-mod console;
-mod failure;
-mod interrupt;
-mod progress;
-mod quantities;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, FromArgMatches};
-
-use arguments::{Arguments, Command};
-use console::say;
-use failure::Failure;
-
 fn main() -> ExitCode {
-    let matches = Arguments::command().get_matches();
-    let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-    // The words of the command, for manifests.
-    let words = matches.subcommand().map(|(_, words)| words.clone()).unwrap_or_default();
-    stay_silent_while_a_guard_watches();
-    interrupt::install();
-    let result = match arguments.command {
-        Command::Render(options) => commands::render::run(&options, &words),
-        Command::Dataset(options) => commands::dataset::run(*options, words),
-        Command::Merge(options) => commands::merge::run(&options),
-        Command::Info(options) => commands::info::run(&options),
-        Command::Remap(options) => commands::remap::run(&options),
-        Command::Extract(options) => commands::extract::run(&options),
-        Command::Compose(options) => commands::compose::run(&options),
-        Command::RotateElements(options) => commands::rotate::run(&options),
-        Command::Quilt(options) => commands::quilt::run(&options),
-        Command::Animate(options) => commands::animate::run(&options),
-        Command::Refocus(options) => commands::refocus::run(&options),
-        Command::Depth(options) => commands::depth::run(&options),
-        Command::Eval(options) => commands::eval::run(&options),
-        Command::Epi(options) => commands::epi::run(&options),
-        Command::View(options) => commands::view::run(&options),
-        Command::Scene(options) => commands::scene::run(&options),
-        Command::Optics(options) => commands::optics::run(&options),
-        Command::Camera(options) => commands::camera::run(&options),
-        Command::White(options) => commands::camera::white(&options),
-        Command::Target(options) => commands::camera::target(&options),
-        Command::Decode(options) => commands::camera::decode(&options),
-        Command::Develop(options) => commands::develop::run(&options),
-        Command::Demosaic(options) => commands::develop::demosaic(&options),
-        Command::Verify(options) => commands::verify::run(&options),
-    };
-    match result {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(failure) => {
-            // What is still open here was left by a failing writer of another thread.
-            let _held = holo_io::remove_temporary_files();
-            if interrupt::requested() {
-                interrupt::say_stopped();
-                return ExitCode::from(1);
-            }
-            say!("holo: {failure}");
-            match failure {
-                Failure::Usage(_) => ExitCode::from(2),
-                Failure::Failed(_) => ExitCode::from(1),
-            }
-        }
-    }
-}
-
-/// The readers of scenes and images turn a panic inside a decoder into an error, which is printed: the panic need not be.
-fn stay_silent_while_a_guard_watches() {
-    let print = std::panic::take_hook();
-    std::panic::set_hook(Box::new(move |info| {
-        if !holo_scene::gltf::is_guarding() && !holo_io::is_guarding() {
-            print(info);
-        }
-    }));
+    ExitCode::from(holo_cli::run(std::env::args_os()))
 }

@@ -7,7 +7,7 @@ use holo_core::color::Srgb8Encoder;
 use holo_core::sensor::{Demosaic, ElectronsAtOne, Exposure, SensorModel, SensorPreset, demosaic};
 use holo_core::{ColorEncoding, DynImage, LightFieldOwned};
 use holo_io::{CameraFile, Compression, ExrChannel, Limits, MosaicInfo, hash_file};
-use ndarray::{Array3, Axis};
+use ndarray::{Array3, ArrayView3, Axis};
 
 use crate::Error;
 use crate::linear_image::read_linear;
@@ -135,7 +135,7 @@ impl DevelopJob {
         if self.is_dark {
             image.fill(0.0);
         }
-        let exposure = self.exposure(&sensor, electrons, &image)?;
+        let exposure = self.exposure(&sensor, electrons, image.view())?;
         let codes = sensor.expose(image.view(), &exposure, self.frames)?;
         let linear = |path: &Path, codes: &Array3<u16>| {
             holo_io::write_png(path, codes.view(), ColorEncoding::Linear, Compression::Fast)
@@ -161,6 +161,22 @@ impl DevelopJob {
         (info.frames, info.input_sha256) = (self.frames, hash_file(&self.input)?.sha256.to_string());
         info.write(path(".json"))?;
         Ok(Developed { info, saturated, files })
+    }
+
+    /// The codes of an image in memory, axes (row, column, channel), and what they were made with. The input of the job is
+    /// not read, and nothing is written.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run), without those of files.
+    pub fn expose(&self, image: ArrayView3<f32>) -> Result<(Array3<u16>, MosaicInfo), Error> {
+        let (name, guesses, sensor, electrons) = self.sensor()?;
+        let dark = self.is_dark.then(|| Array3::zeros(image.dim()));
+        let image = dark.as_ref().map_or(image, |dark| dark.view());
+        let exposure = self.exposure(&sensor, electrons, image)?;
+        let codes = sensor.expose(image, &exposure, self.frames)?;
+        let mut info = MosaicInfo::new(&name, &guesses, sensor, exposure);
+        info.frames = self.frames;
+        Ok((codes, info))
     }
 
     /// Name, guesses, sensor, and electrons.
@@ -205,13 +221,13 @@ impl DevelopJob {
         &self,
         sensor: &SensorModel,
         electrons: ElectronsAtOne,
-        image: &Array3<f32>,
+        image: ArrayView3<f32>,
     ) -> Result<Exposure, Error> {
         let iso = self.iso.unwrap_or(sensor.base_iso);
         let mut exposure = Exposure::new(NO_LIGHT, iso);
         exposure.electrons_at_one = match electrons {
             _ if self.is_dark => NO_LIGHT,
-            ElectronsAtOne::Automatic => sensor.automatic_electrons(image.view(), iso)?,
+            ElectronsAtOne::Automatic => sensor.automatic_electrons(image, iso)?,
             ElectronsAtOne::Given(electrons) => electrons,
             ElectronsAtOne::Photometric { luminance_cd_m2, exposure_s, quantum_efficiency } => {
                 exposure.time_s = exposure_s;

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::time::Instant;
 
-use holo_core::{GridSize, LightFieldShape};
+use holo_core::{GridSize, LightFieldShape, Rig};
 use holo_io::{CameraPose, Manifest, ManifestValue, ParametersCfg};
 use holo_render::{Denoise, GroundTruth, Integrator, Layer, Progress, Rendered, Renderer, Request, Reuse, Transport};
 use ndarray::{Array2, Axis};
@@ -20,6 +20,7 @@ use crate::prepare::{Prepared, Purpose, prepare};
 use crate::report::{RenderReport, Seconds};
 use crate::source::SceneSource;
 use crate::spec::{EngineSpec, Output, RenderSpec, Shard, Sky};
+use crate::warning::RenderWarning;
 use crate::{Error, shard, sky, warning};
 
 /// One render: a scene, a specification and a ray tracing backend.
@@ -35,6 +36,22 @@ pub struct RenderJob {
     pub checkpoints: Option<Checkpoints>,
     /// The specification as text, for the manifest.
     options: Options,
+}
+
+/// A render in memory.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Rendering {
+    /// Color and layers.
+    pub rendered: Rendered,
+    /// The rig.
+    pub rig: Rig,
+    /// The exposure compensation with which integers are written, EV; `None` without color.
+    pub exposure_ev: Option<f64>,
+    /// Wall-clock times; nothing was written.
+    pub seconds: Seconds,
+    /// Warnings about the result.
+    pub warnings: Vec<RenderWarning>,
 }
 
 impl RenderJob {
@@ -110,6 +127,28 @@ impl RenderJob {
         report.seconds.build = prepared.build_seconds;
         report.seconds.total = start.elapsed().as_secs_f64();
         Ok(report)
+    }
+
+    /// Renders the complete light field into memory: what [`run`](Self::run) writes, before it is encoded. Needs no
+    /// folder and keeps no checkpoint.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run), without those of files that are written.
+    pub fn render(&self, progress: &dyn Progress, diagnostics: &dyn Diagnostics) -> Result<Rendering, Error> {
+        validate(&self.spec)?;
+        let prepared = self.prepare(diagnostics)?;
+        let start = Instant::now();
+        let identity = self.identity(prepared.renderer.engine_name())?;
+        let request = self.request(&prepared, None)?;
+        let traced = self.trace(&prepared, &request, identity, None, progress, diagnostics)?;
+        let exposure_ev = prepared.renderer.install(|| exposure_ev(&self.spec, &traced.rendered));
+        let seconds = Seconds {
+            load: prepared.load_seconds,
+            build: prepared.build_seconds,
+            render: start.elapsed().as_secs_f64(),
+            ..Seconds::default()
+        };
+        Ok(Rendering { rendered: traced.rendered, rig: traced.rig, exposure_ev, seconds, warnings: traced.warnings })
     }
 
     /// Writes the files of what was rendered since `rendering`.

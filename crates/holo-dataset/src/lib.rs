@@ -68,7 +68,7 @@ pub use diagnostics::{About, Deduplicated, Diagnostics};
 pub use error::Error;
 pub use exports::Tool;
 pub use files::validate;
-pub use job::RenderJob;
+pub use job::{RenderJob, Rendering};
 pub use optics::{NamedQuantity, camera_optics, planned_rig, rig_optics};
 pub use output_folder::{OutputFolder, Rollback};
 pub use plan::{DatasetJob, DatasetPlan, JobOutcome, sources};

@@ -159,6 +159,19 @@ impl RawJob {
         })
     }
 
+    /// Renders the complete raw image into memory, without files.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run), without those of files that are written.
+    pub fn render(&self, progress: &dyn Progress, diagnostics: &dyn Diagnostics) -> Result<RawRendered, Error> {
+        self.validate()?;
+        warnings(&self.camera).iter().for_each(|line| diagnostics.report(About::Setup, &format!("warning: {line}")));
+        let sky = Some(&self.spec.sky);
+        let prepared = prepare_scene((&self.source, &self.spec.scene), &self.spec.rig, &self.engine, sky, diagnostics)?;
+        let rows = 0..self.camera.camera.sensor().size.rows;
+        Ok(prepared.renderer.render_raw(&self.request(rows), progress)?)
+    }
+
     fn validate(&self) -> Result<(), Error> {
         let bad = |what: String| Err(Error::BadRequest(what));
         if let Some(output) = self.spec.outputs.iter().find(|output| !Output::RAW.contains(output)) {

@@ -16,6 +16,8 @@ pub enum SceneSource {
     File(PathBuf),
     /// A scene of the gallery: its name, and the `.glb` that `holo scene` writes, so that both give the same image.
     Gallery(&'static str, Vec<u8>),
+    /// A `.glb` in memory, with a name for messages and files.
+    Memory(String, Vec<u8>),
 }
 
 impl SceneSource {
@@ -38,6 +40,7 @@ impl SceneSource {
         match self {
             Self::File(path) => path,
             Self::Gallery(name, _) => Path::new(name),
+            Self::Memory(name, _) => Path::new(name),
         }
     }
 
@@ -54,7 +57,7 @@ impl SceneSource {
     pub fn sha256(&self) -> Result<Sha256, Error> {
         Ok(match self {
             Self::File(path) => holo_io::hash_file(path)?.sha256,
-            Self::Gallery(_, glb) => Sha256::of(glb),
+            Self::Gallery(_, glb) | Self::Memory(_, glb) => Sha256::of(glb),
         })
     }
 
@@ -66,6 +69,7 @@ impl SceneSource {
         match self {
             Self::File(path) => gltf::load_with(path, &spec.load_options()),
             Self::Gallery(_, glb) => gltf::load_slice(glb, &Limits::default()),
+            Self::Memory(_, glb) => gltf::load_slice_with(glb, &spec.load_options()),
         }
     }
 }

@@ -12,6 +12,7 @@
 //! fuzz     build every fuzz target and run each for some seconds
 //! sanitize the renderer's tests under AddressSanitizer and ThreadSanitizer, parts under Miri (nightly)
 //! modules  the top-level modules of every library and what they import of each other; cycles are errors
+//! python   build the Python package and run its tests
 //! package  build each library from its package alone
 //! bench    setup + the benchmarks
 //! wild DIR setup + render every glTF file below DIR, compare with Cycles, write a table into target/wild/
@@ -30,6 +31,7 @@ mod package;
 mod peers;
 mod pip;
 mod process;
+mod python;
 mod renderers;
 mod sanitize;
 mod test;
@@ -41,7 +43,7 @@ use std::process::ExitCode;
 use pip::Availability;
 
 const USAGE: &str = "usage: cargo xtask setup | build | demo | test | dist [--check] | clippy | doc | embree | \
-    fuzz [SECONDS [TARGET..]] | package | modules | bench | report [--quick] [--peers] [--only TEXT] [--out DIR] | \
+    fuzz [SECONDS [TARGET..]] | package | python [PYTEST ARGUMENTS] | modules | bench | report [--quick] [--peers] [--only TEXT] [--out DIR] | \
     sanitize [address] [thread] [miri] | wild DIR [--list FILE]";
 
 fn main() -> ExitCode {
@@ -79,6 +81,10 @@ fn run(arguments: &[String]) -> Result {
         },
         "fuzz" => fuzz::run(rest),
         "package" => package::run(),
+        "python" => {
+            setup()?;
+            python::test(rest)
+        }
         "doc" => doc(),
         // `rooms` is its name up to 0.2.0.
         "modules" | "rooms" => modules::run(),
@@ -160,7 +166,7 @@ fn doc() -> Result {
 }
 
 /// Every feature that needs CMake.
-const HDF5_FEATURES: &str = "holo-io/hdf5,holo-cli/hdf5,holo-bench/hdf5,holo-workspace/hdf5";
+const HDF5_FEATURES: &str = "holo-io/hdf5,holo-cli/hdf5,holo-bench/hdf5,holo-python/hdf5,holo-workspace/hdf5";
 
 /// Lints what the plain `cargo clippy` omits.
 fn clippy() -> Result {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::pip::Availability;
-use crate::{Result, cmake, embree, peers, process};
+use crate::{Result, cmake, embree, peers, process, python};
 
 /// A program that tests compare with.
 struct Peer {
@@ -29,9 +29,15 @@ pub fn run(arguments: &[String]) -> Result {
     if std::env::var_os("HOLO_REQUIRE_PEERS").is_some_and(|value| value == "1") && !lines.is_empty() {
         return Err(format!("HOLO_REQUIRE_PEERS is 1, and there is something missing:\n{}", lines.join("\n")));
     }
-    let features: &[&str] =
-        if cmake::is_present() { &["--features", "holo-io/hdf5,holo-cli/hdf5,holo-workspace/hdf5"] } else { &[] };
+    let features: &[&str] = if cmake::is_present() {
+        &["--features", "holo-io/hdf5,holo-cli/hdf5,holo-python/hdf5,holo-workspace/hdf5"]
+    } else {
+        &[]
+    };
     process::cargo(&[&["test", "--workspace", "--quiet"], features, extra.as_slice()].concat())?;
+    if python::ensure()?.is_present() {
+        python::test(&[])?;
+    }
     println!();
     for line in lines {
         println!("{line}");
@@ -65,6 +71,7 @@ fn all_peers() -> Result<Vec<Peer>> {
     let mut list = vec![
         fetched("comparisons with Embree", embree::ensure()?),
         fetched("HDF5 and MATLAB's version 7.3", cmake::ensure()?),
+        fetched("the Python package", python::ensure()?),
         fetched("files read and written by SciPy, h5py, OpenCV, OpenEXR", peers::ensure()?),
         program(
             "MAT files read and written by GNU Octave",

@@ -70,7 +70,7 @@ pub fn automatic_exposure(color: &LightField<impl Data<Elem = f32>>) -> f64 {
 ///
 /// # Errors
 /// [`Error::Core`] if the image does not fit into memory.
-pub fn encode_8bit(color: &LightFieldOwned<f32>, exposure_ev: f64) -> Result<LightFieldOwned<u8>, Error> {
+pub fn encode_8bit(color: &LightField<impl Data<Elem = f32>>, exposure_ev: f64) -> Result<LightFieldOwned<u8>, Error> {
     let encoder = Srgb8Encoder::get();
     encode(color, exposure_ev, |x| encoder.encode(x))
 }
@@ -79,12 +79,15 @@ pub fn encode_8bit(color: &LightFieldOwned<f32>, exposure_ev: f64) -> Result<Lig
 ///
 /// # Errors
 /// As [`encode_8bit`].
-pub fn encode_16bit(color: &LightFieldOwned<f32>, exposure_ev: f64) -> Result<LightFieldOwned<u16>, Error> {
+pub fn encode_16bit(
+    color: &LightField<impl Data<Elem = f32>>,
+    exposure_ev: f64,
+) -> Result<LightFieldOwned<u16>, Error> {
     encode(color, exposure_ev, linear_to_srgb16)
 }
 
 fn encode<T: Copy + Default + Send + Sync>(
-    color: &LightFieldOwned<f32>,
+    color: &LightField<impl Data<Elem = f32>>,
     exposure_ev: f64,
     code: impl Fn(f32) -> T + Sync,
 ) -> Result<LightFieldOwned<T>, Error> {

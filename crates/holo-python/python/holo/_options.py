@@ -1,0 +1,65 @@
+"""Arguments of Python as the text that the command line takes."""
+
+import logging
+import numbers
+import os
+import warnings
+
+from .errors import HoloWarning, UsageError
+
+_SIZES = ("views", "lenses", "sensor")
+_LOG = logging.getLogger("holo")
+
+
+def text_of(name, value):
+    """The value of an option as text. Pairs are (rows, columns); on the command line columns come first."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if name in _SIZES and isinstance(value, (tuple, list)):
+        if len(value) != 2:
+            raise UsageError(f"{name}={value!r}: give (rows, columns), or text such as '60x40', columns first")
+        return f"{int(value[1])}x{int(value[0])}"
+    if name in ("views", "lenses") and isinstance(value, numbers.Integral):
+        return f"{int(value)}x{int(value)}"
+    if isinstance(value, numbers.Integral):
+        return str(int(value))
+    if isinstance(value, numbers.Real):
+        # The shortest text with the same value; 'inf' as on the command line.
+        return repr(float(value)).removesuffix(".0")
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    if isinstance(value, (tuple, list)) or hasattr(value, "__array__"):
+        return ",".join(text_of("", part) for part in value)
+    return str(value)
+
+
+def texts_of(options):
+    """All options that are given, by their names on the command line."""
+    return {name.replace("_", "-"): text_of(name, value) for name, value in options.items() if value is not None}
+
+
+def tell(lines):
+    """Hands diagnostics on: warnings as warnings, notes to the logger `holo`."""
+    for line in lines:
+        kind, _, text = line.partition(": ")
+        if kind == "warning":
+            warnings.warn(text, HoloWarning, stacklevel=3)
+        elif "Embree" in line:
+            _warn_of_slow_backend()
+        else:
+            _LOG.info(text)
+
+
+_has_warned = False
+
+
+def _warn_of_slow_backend():
+    global _has_warned
+    if not _has_warned:
+        _has_warned = True
+        warnings.warn(
+            "Embree was not found, so rays are traced by the built-in BVH, which is several times slower; "
+            "install it with `pip install holoscopic[embree]`",
+            HoloWarning,
+            stacklevel=4,
+        )

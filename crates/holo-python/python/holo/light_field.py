@@ -1,0 +1,314 @@
+"""Light fields: samples with the axes (v, u, t, s, c), their rig, and what is done with them."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+
+from . import _holo
+from ._holo import Rig
+from .errors import HoloWarning, UsageError
+
+_DTYPES = (np.uint8, np.uint16, np.float32, np.float64)
+
+
+class Estimate(NamedTuple):
+    """A disparity map and how sure it is, axes (row, column)."""
+
+    disparity: np.ndarray
+    confidence: np.ndarray
+
+
+class LightField:
+    """A light field: `array[v, u, t, s, c]` is channel c of the pixel (v, u) of the view (t, s).
+
+    array: axes (V, U, T, S, C), uint8, uint16, float32 or float64; not copied.
+    rig: the cameras, if they are known.
+    is_srgb: whether the samples are on the sRGB curve; by default integers are and floats are not.
+    disparity_range_px: smallest and largest disparity of the scene, if they are known.
+    """
+
+    __slots__ = ("array", "disparity_range_px", "is_srgb", "rig")
+
+    def __init__(
+        self,
+        array: np.ndarray,
+        rig: Rig | None = None,
+        *,
+        is_srgb: bool | None = None,
+        disparity_range_px: tuple[float, float] | None = None,
+    ):
+        array = np.asarray(array)
+        if array.ndim == 4:
+            array = array[..., None]
+        if array.ndim != 5 or array.dtype not in _DTYPES or 0 in array.shape:
+            raise UsageError(
+                f"an array of shape {array.shape} and type {array.dtype}; a light field has the axes (v, u, t, s, c) and "
+                "the type uint8, uint16, float32 or float64"
+            )
+        if rig is not None and (rig.lenses, rig.views) != (array.shape[:2], array.shape[2:4]):
+            raise UsageError(f"an array of shape {array.shape} is none of {rig!r}")
+        self.array, self.rig = array, rig
+        self.is_srgb = array.dtype.kind == "u" if is_srgb is None else is_srgb
+        self.disparity_range_px = disparity_range_px
+
+    @classmethod
+    def from_elemental_grid(cls, image: np.ndarray, views: tuple[int, int], rig: Rig | None = None, **more) -> LightField:
+        """The light field of a raw image: elemental images of `views` = (T, S) pixels side by side, axes (row, column[,
+        channel]). Shares the memory of the image where numpy can."""
+        image, (t, s) = _channels(image), views
+        v, u = _whole(image, views)
+        return cls(image.reshape(v, t, u, s, -1).transpose(0, 2, 1, 3, 4), rig, **more)
+
+    @classmethod
+    def from_viewpoint_grid(cls, image: np.ndarray, views: tuple[int, int], rig: Rig | None = None, **more) -> LightField:
+        """The light field of (T, S) views side by side, axes (row, column[, channel])."""
+        image, (t, s) = _channels(image), views
+        v, u = _whole(image, views)
+        return cls(image.reshape(t, v, s, u, -1).transpose(1, 3, 0, 2, 4), rig, **more)
+
+    @property
+    def views(self) -> tuple[int, int]:
+        """Rows and columns of views, (T, S)."""
+        return self.array.shape[2:4]
+
+    @property
+    def lenses(self) -> tuple[int, int]:
+        """Rows and columns of microlenses, (V, U): the pixels of a view."""
+        return self.array.shape[:2]
+
+    @property
+    def central(self) -> np.ndarray:
+        """The central view (T // 2, S // 2), axes (row, column, channel); shares memory."""
+        t, s = self.views
+        return self.view(t // 2, s // 2)
+
+    def view(self, t: int, s: int) -> np.ndarray:
+        """The view of row t and column s, axes (row, column, channel); shares memory."""
+        return self.array[:, :, t, s]
+
+    def elemental(self, v: int, u: int) -> np.ndarray:
+        """The elemental image behind the microlens of row v and column u, axes (t, s, channel); shares memory."""
+        return self.array[v, u]
+
+    def epi_row(self, v: int, t: int) -> np.ndarray:
+        """The horizontal epipolar-plane image of pixel row v in view row t, axes (s, u, channel); shares memory."""
+        return self.array[v, :, t].transpose(1, 0, 2)
+
+    def epi_column(self, u: int, s: int) -> np.ndarray:
+        """The vertical epipolar-plane image of pixel column u in view column s, axes (t, v, channel); shares memory."""
+        return self.array[:, u, :, s].transpose(1, 0, 2)
+
+    def elemental_grid(self) -> np.ndarray:
+        """The raw image: all elemental images side by side, axes (row, column, channel). Shares memory where the samples lie
+        in this order, as those of `render` do."""
+        return self._grid("el", (0, 2, 1, 3, 4))
+
+    def viewpoint_grid(self) -> np.ndarray:
+        """All views side by side, axes (row, column, channel). Shares memory where the samples lie in this order."""
+        return self._grid("vpi", (2, 0, 3, 1, 4))
+
+    def _grid(self, layout, order):
+        blocks = self.array.transpose(order)
+        if blocks.flags.c_contiguous:
+            a, b, c, d, channels = blocks.shape
+            return blocks.reshape(a * b, c * d, channels)
+        return _holo.to_grid(self.array, layout)
+
+    def clip(self, *, views: tuple[slice, slice] | None = None, lenses: tuple[slice, slice] | None = None) -> LightField:
+        """Some of the views or pixels, by slices of rows and of columns; shares memory. The rig is kept if it stays one:
+        all pixels, and a step of 1 between views around the same center."""
+        rows, columns = views or (slice(None), slice(None))
+        lens_rows, lens_columns = lenses or (slice(None), slice(None))
+        array = self.array[lens_rows, lens_columns, rows, columns]
+        return LightField(
+            array,
+            self._clipped_rig(array, (rows, columns)),
+            is_srgb=self.is_srgb,
+            disparity_range_px=self.disparity_range_px,
+        )
+
+    def _clipped_rig(self, array, views):
+        if self.rig is None or array.shape[:2] != self.lenses:
+            return None
+        for part, count in zip(views, self.views):
+            first, end, step = part.indices(count)
+            if step != 1 or first + end != count:
+                return None
+        return Rig(
+            array.shape[2:4],
+            self.lenses,
+            focal_length_m=self.rig.focal_length_m,
+            sensor_size_m=self.rig.sensor_size_m,
+            baseline_m=self.rig.baseline_m,
+            baseline_y_m=self.rig.baseline_y_m,
+            focus_distance_m=self.rig.focus_distance_m,
+            projection=self.rig.projection,
+        )
+
+    def linear(self) -> LightField:
+        """The light field in linear light, float32; itself if it is."""
+        if self.array.dtype == np.float32 and not self.is_srgb:
+            return self
+        array = _holo.to_linear(self.array, self.is_srgb)
+        return LightField(array, self.rig, is_srgb=False, disparity_range_px=self.disparity_range_px)
+
+    def encode(self, bits: int = 8, exposure: float | str = "auto") -> LightField:
+        """The light field as uint8 or uint16 on the sRGB curve: what `holo render` writes as PNG and MAT.
+
+        exposure: EV, or "auto": 99 % of the pixels that are not black lie below 80 % of the range.
+        """
+        linear = self.linear().array
+        ev = _holo.automatic_exposure(linear) if exposure == "auto" else float(exposure)
+        array = _holo.encode(linear, bits, ev)
+        return LightField(array, self.rig, is_srgb=True, disparity_range_px=self.disparity_range_px)
+
+    def refocus(
+        self,
+        disparity: float | np.ndarray | None = None,
+        *,
+        distance_m: float | None = None,
+        slope: float | None = None,
+        aperture: str = "all",
+        kernel: str = "cubic",
+    ) -> np.ndarray:
+        """An image that is sharp at one disparity, depth or slope, or everywhere: shift and sum in linear light.
+
+        disparity: pixels between adjacent views; a map with the axes (row, column) gives an image sharp everywhere.
+        distance_m: depth in meters, which needs a rig. slope: that of LFToolbox.
+        aperture: "all", or "disc:D", "square:D", "gaussian:D" with D in views. kernel: "cubic" or "bilinear".
+
+        Returns float32, axes (row, column, channel).
+        """
+        given = [name for name, value in (("disparity", disparity), ("distance_m", distance_m), ("slope", slope)) if value is not None]
+        if len(given) != 1:
+            raise UsageError("give one of disparity=, distance_m= and slope=")
+        if distance_m is not None:
+            if self.rig is None:
+                raise UsageError("the rig is unknown, so a distance in meters has no meaning; give disparity=")
+            disparity = self.rig.disparity_from_depth(float(distance_m))
+        is_map = disparity is not None and np.ndim(disparity) > 0
+        shape, _, extent = aperture.partition(":")
+        try:
+            extent = float(extent or 0)
+        except ValueError:
+            raise UsageError(f"aperture={aperture!r}: give all, disc:D, square:D or gaussian:D") from None
+        request = {
+            "disparity_px": float(disparity) if disparity is not None and not is_map else None,
+            "slope": slope,
+            "map": np.asarray(disparity, dtype=np.float32) if is_map else None,
+            "aperture": (shape, extent),
+            "kernel": kernel,
+            "baseline_ratio": self._baseline_ratio(),
+        }
+        return _holo.refocus(self.linear().array, request)
+
+    def disparity(
+        self,
+        range: tuple[float, float] | None = None,  # noqa: A002
+        *,
+        effort: str = "balanced",
+        confidence: bool = False,
+    ) -> np.ndarray | Estimate:
+        """Estimates the disparity of the central view from the others by a plane sweep, as `holo depth` does.
+
+        range: smallest and largest disparity in pixels; by default that of the scene, or -4 to 4 if it is unknown.
+        effort: "draft", "fast", "balanced" or "thorough".
+
+        Returns float32, axes (row, column); with confidence=True an `Estimate` of disparity and confidence.
+        """
+        if range is None:
+            range = self.disparity_range_px  # noqa: A001
+            if range is None:
+                warnings.warn(
+                    "the disparity range is unknown; searching -4 to 4 px; set it with range=(min, max)",
+                    HoloWarning,
+                    stacklevel=2,
+                )
+        estimate = Estimate(*_holo.plane_sweep(self.array, range, effort, self._baseline_ratio()))
+        return estimate if confidence else estimate.disparity
+
+    def _baseline_ratio(self):
+        if self.rig is None or self.rig.baseline_m == 0.0:
+            return 1.0
+        return self.rig.baseline_y_m / self.rig.baseline_m
+
+    def save(self, path: str | os.PathLike, *, mat_order: str = "lenses") -> None:
+        """Writes the light field in the format of the path's ending.
+
+        .h5: HDF5 with the rig. .mat: MATLAB, `H` of size [V U T S C], or with mat_order="lftoolbox" `LF` of size [T S V U
+        C]. _el.png, _vpi.png: the raw image or all views, integers. _el.exr, _vpi.exr: the same, float32 in linear light.
+        """
+        if mat_order not in ("lenses", "lftoolbox"):
+            raise UsageError(f"mat_order={mat_order!r}: give lenses or lftoolbox")
+        _holo.write_light_field(path, self.array, self.rig, self.is_srgb, mat_order == "lftoolbox")
+
+    def to_xarray(self):
+        """An `xarray.DataArray` that shares memory, with the dimensions v, u, t, s, c and the rig's numbers as attributes."""
+        import xarray
+
+        names = ("focal_length_m", "sensor_size_m", "baseline_m", "baseline_y_m", "focus_distance_m", "projection")
+        attributes = {} if self.rig is None else {name: getattr(self.rig, name) for name in names}
+        attributes["is_srgb"] = int(self.is_srgb)
+        return xarray.DataArray(self.array, dims=("v", "u", "t", "s", "c"), name="light_field", attrs=attributes)
+
+    def __array__(self, dtype=None, copy=None):
+        array = self.array if dtype is None else self.array.astype(dtype, copy=False)
+        return np.array(array) if copy else array
+
+    def __repr__(self):
+        (t, s), (v, u) = self.views, self.lenses
+        channels, kind = self.array.shape[4], "sRGB" if self.is_srgb else "linear"
+        return f"<LightField: {t} x {s} views of {v} x {u} px (rows x columns), {channels} channels, {self.array.dtype}, {kind}>"
+
+    def _repr_png_(self):
+        """The central view, for notebooks."""
+        view = self.central[:, :, None, None]
+        field = LightField(np.ascontiguousarray(view), is_srgb=self.is_srgb)
+        coded = field.array if field.array.dtype == np.uint8 else field.encode().array
+        image = coded[:, :, 0, 0]
+        return bytes(_holo.png(np.ascontiguousarray(image[..., :3] if image.shape[2] >= 3 else image[..., :1])))
+
+    def __reduce__(self):
+        return (_restored, (self.array, self.rig, self.is_srgb, self.disparity_range_px))
+
+
+def _restored(array, rig, is_srgb, disparity_range_px):
+    return LightField(array, rig, is_srgb=is_srgb, disparity_range_px=disparity_range_px)
+
+
+def _channels(image):
+    image = np.asarray(image)
+    return image[..., None] if image.ndim == 2 else image
+
+
+def _whole(image, views):
+    (rows, columns), (t, s) = image.shape[:2], views
+    if t < 1 or s < 1 or rows % t or columns % s or not rows or not columns:
+        raise UsageError(f"an image of {rows} x {columns} pixels is no whole number of {t} x {s} views")
+    return rows // t, columns // s
+
+
+def open(  # noqa: A001
+    path: str | os.PathLike,
+    *,
+    views: tuple[int, int] | None = None,
+    layout: str | None = None,
+    order: str | None = None,
+) -> LightField:
+    """Reads a light field from any file or folder that holds one: a folder of `holo render`, HDF5, MAT, a raw PNG, a folder
+    of views, the HCI benchmark, the Stanford archive, ESLF of Lytro, the MIT archive.
+
+    views: (T, S), if the files do not say it. layout: "el" or "vpi", if the name of a raw image does not say it. order:
+    "row-major" or "serpentine", of a folder of images.
+    """
+    reader = _holo.Reader(path, views, layout, order)
+    for line in reader.warnings:
+        warnings.warn(line, HoloWarning, stacklevel=2)
+    array, is_srgb = reader.read()
+    return LightField(array, reader.rig, is_srgb=is_srgb, disparity_range_px=reader.disparity_range_px)
+
+

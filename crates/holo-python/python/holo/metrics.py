@@ -1,0 +1,57 @@
+"""Scores of disparity maps and images."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from . import _holo
+from ._holo import Rig
+
+
+class ImageScore(NamedTuple):
+    """How much an image differs from another."""
+
+    psnr_db: float
+    ssim: float
+
+
+def evaluate(
+    estimate: np.ndarray,
+    truth: np.ndarray,
+    *,
+    border: int = 0,
+    mask: np.ndarray | None = None,
+    rig: Rig | None = None,
+) -> dict[str, float]:
+    """Scores a disparity map against ground truth with the metrics of the HCI 4D light field benchmark.
+
+    estimate, truth: disparity in pixels, axes (row, column); what is not finite is counted and not compared.
+    border: pixels at every side that are not compared.
+    mask: True where pixels are compared, axes (row, column).
+    rig: adds the median angle between surface normals.
+
+    Returns the quantities of `holo eval --json`: BadPix at 0.01, 0.03 and 0.07 px in percent, MSE x 100, Q25 x 100,
+    bumpiness, mean absolute and root mean squared error in pixels, BadPix(0.07) of the best constant and of the best
+    plane, numbers of pixels.
+    """
+    mask = None if mask is None else np.ascontiguousarray(mask, dtype=bool)
+    return _holo.evaluate(_map(estimate), _map(truth), border, mask, rig)
+
+
+def compare(image: np.ndarray, reference: np.ndarray, *, data_range: float | None = None) -> ImageScore:
+    """PSNR in dB and SSIM (Wang et al., 2004) of an image, axes (row, column) or (row, column, channel).
+
+    data_range: the largest possible difference; by default that of the integers, 1 for floats.
+    """
+    return ImageScore(*_holo.compare(_with_channel(image), _with_channel(reference), data_range))
+
+
+def _map(values):
+    return np.asarray(values, dtype=np.float32)
+
+
+def _with_channel(image):
+    image = np.asarray(image)
+    return image[..., None] if image.ndim == 2 else image

@@ -1,0 +1,91 @@
+"""Raw images of plenoptic cameras: views, image sensors, color."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from . import _holo
+from ._holo import PlenopticCamera
+from .light_field import LightField
+
+
+class Decoded(NamedTuple):
+    """The views of a raw image.
+
+    light_field: radiance. weight: the light of the white image under each sample, axes (v, u, t, s). roll_rad: the
+    rotation of the views, counterclockwise in the image.
+    """
+
+    light_field: LightField
+    weight: np.ndarray
+    roll_rad: float
+
+
+def decode(
+    raw: np.ndarray, camera: PlenopticCamera, *, white: np.ndarray | None = None, views: int | None = None
+) -> Decoded:
+    """Decodes the raw image of an unfocused plenoptic camera to views.
+
+    raw: linear, axes (row, column, channel), of the size of the sensor. white: a white image, axes (row, column); by default
+    that of the camera. views: the views an axis; by default those whose pixels are lit in every micro-image.
+    """
+    white = None if white is None else np.asarray(white, dtype=np.float32)
+    field, weight, rig, roll = camera.decode_arrays(np.asarray(raw, dtype=np.float32), white, views)
+    return Decoded(LightField(field, rig, is_srgb=False), weight[..., 0], roll)
+
+
+def develop(
+    image: np.ndarray,
+    sensor_model: str | None = None,
+    *,
+    camera: PlenopticCamera | None = None,
+    electrons_at_one: float | None = None,
+    iso: float | None = None,
+    time_s: float | None = None,
+    camera_seed: int = 0,
+    seed: int = 0,
+    frame: int = 0,
+    frames: int = 1,
+    dark: bool = False,
+) -> tuple[np.ndarray, dict[str, Any]]:
+    """The codes that an image sensor makes of linear light, with its noise (EMVA 1288), as `holo develop` does.
+
+    image: linear RGB or gray, axes (row, column[, channel]). sensor_model: one of `sensor_models()`, or the sensor of
+    `camera`. electrons_at_one: electrons of a pixel of value 1; by default 99 % of the lit values stay below 80 % of
+    saturation. frames: how many to take the mean of. dark: without light.
+
+    Returns uint16 codes, axes (row, column) of a mosaic or a gray sensor, else (row, column, channel), and what they were
+    made with.
+    """
+    image = np.asarray(image, dtype=np.float32)
+    request = {
+        "sensor_model": sensor_model,
+        "camera": camera,
+        "electrons_at_one": electrons_at_one,
+        "iso": iso,
+        "time_s": time_s,
+        "camera_seed": camera_seed,
+        "seed": seed,
+        "frame": frame,
+        "frames": frames,
+        "dark": dark,
+    }
+    codes, info = _holo.develop(image[..., None] if image.ndim == 2 else image, request)
+    return (codes[..., 0] if codes.shape[2] == 1 else codes), info
+
+
+def demosaic(mosaic: np.ndarray, filter: str, method: str = "malvar") -> np.ndarray:  # noqa: A002
+    """Three colors in every pixel of a mosaic.
+
+    mosaic: axes (row, column). filter: "RGGB", "GRBG", "GBRG" or "BGGR". method: "bilinear", "malvar" or "ahd".
+
+    Returns float32 in the units of the mosaic, axes (row, column, channel).
+    """
+    return _holo.demosaic(np.asarray(mosaic, dtype=np.float32), filter, method)
+
+
+def sensor_models() -> dict[str, str]:
+    """The names of the sensors with noise, and what they are."""
+    return dict(_holo.names())

@@ -1,0 +1,249 @@
+"""Renders: light fields and raw images of scenes."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from . import _holo
+from ._holo import PlenopticCamera, Rig
+from ._options import tell, texts_of
+from .errors import UsageError
+from .light_field import LightField
+from .scene import Scene, as_scene
+
+Progress = Callable[[int, int], object]
+
+
+@dataclass(repr=False)
+class Rendering:
+    """A light field that was rendered, with ground truth.
+
+    light_field: linear radiance, float32; None with integrator="depth".
+    layers: maps by their names on the command line, such as "depth" (m), "disparity" (px), "shading-normal"; of the
+        central view with the axes (row, column[, channel]), with ground_truth="all" of all views with the axes (v, u, t,
+        s[, c]).
+    error: estimated relative standard error of color, axes (v, u, t, s), with layers=["error"].
+    exposure_ev: the automatic exposure of integers, EV. seconds: wall-clock times. rays: numbers by kind.
+    """
+
+    light_field: LightField | None
+    rig: Rig
+    layers: dict[str, np.ndarray]
+    central_layers: dict[str, np.ndarray]
+    error: np.ndarray | None
+    exposure_ev: float | None
+    integrator: str
+    why: str
+    samples: int
+    rays: dict[str, int] = field(default_factory=dict)
+    seconds: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def depth(self) -> np.ndarray | None:
+        """Depth along the optical axis in meters, infinite where nothing was hit; None if it was not rendered."""
+        return self.layers.get("depth")
+
+    @property
+    def disparity(self) -> np.ndarray | None:
+        """Disparity between horizontally adjacent views in pixels; None if it was not rendered."""
+        return self.layers.get("disparity")
+
+    def __repr__(self):
+        return f"<Rendering: {self.light_field!r}, layers {', '.join(self.layers)}, {self.seconds.get('render', 0):.2f} s>"
+
+    def _repr_png_(self):
+        return None if self.light_field is None else self.light_field._repr_png_()
+
+
+@dataclass(repr=False)
+class RawRendering:
+    """The raw image of a plenoptic camera.
+
+    image: radiance times white image, float32, axes (row, column, channel); None with integrator="depth".
+    layers: maps by their names on the command line, axes (row, column[, channel]).
+    """
+
+    image: np.ndarray | None
+    camera: PlenopticCamera
+    layers: dict[str, np.ndarray]
+    integrator: str
+    why: str
+    rays: dict[str, int]
+
+    def decode(self, white: np.ndarray | None = None, *, views: int | None = None):
+        """The views of the raw image; see `holo.decode`."""
+        from .plenoptic import decode
+
+        return decode(self.image, self.camera, white=white, views=views)
+
+    def __repr__(self):
+        return f"<RawRendering of {self.camera!r}, layers {', '.join(self.layers)}>"
+
+
+def render(
+    scene: Scene | str | os.PathLike,
+    *,
+    progress: bool | Progress = False,
+    backend: str = "auto",
+    threads: int = 0,
+    **options: Any,
+) -> Rendering:
+    """Renders a light field into memory.
+
+    scene: a `Scene`, or the path of a glTF file.
+    progress: True for a bar of tqdm, or a function of (done, total). Ctrl-C stops the render.
+    backend: "auto", "embree" or "bvh". threads: 0 for one per core.
+
+    The options are those of `holo render` with the same defaults, `_` for `-`; pairs are (rows, columns):
+
+    views: (T, S), 100 x 100. lenses: (V, U), the pixels of a view. sensor: instead of lenses, "hd", "4k", "8k" (the
+        default), "uhd8k" or (rows, columns).
+    spp: samples a pixel, 16. integrator: "auto", "depth", "direct", "path". seed. target_error. max_bounces.
+    denoise: "off" or "views". reuse: "views" or "off". texture_filter: "footprint" or "off".
+    sky: "auto", (r, g, b), a number, or the path of an environment map.
+    baseline_m, f_number, focus_m ("auto" or meters), disparity (min, max in pixels), focal_mm, sensor_mm, projection,
+        camera (name or number).
+    layers: names, such as ["depth", "disparity", "shading-normal", "error", "all"]. ground_truth: "central" or "all".
+    light_units, solid_glass, material_variant, cull, transparent_shadows, no_indirect, no_roulette, indirect_limit,
+        no_multiple_scattering: as on the command line.
+
+    The same options and seed give the same samples as the command line, for any number of threads.
+    """
+    _refuse(options, ("write", "bit_depth", "mat_order", "sensor_model", "iso", "exposure"), "render_to")
+    with _bar(progress) as report:
+        result = _holo.render(as_scene(scene)._as_item(), texts_of(options), (backend, threads), report)
+    tell(result["diagnostics"])
+    central = result["central"]
+    light_field = None
+    if result["color"] is not None:
+        span = _finite_range(central.get("disparity"))
+        light_field = LightField(result["color"], result["rig"], is_srgb=False, disparity_range_px=span)
+    return Rendering(
+        light_field=light_field,
+        rig=result["rig"],
+        layers=result["all"] or central,
+        central_layers=central,
+        error=result["error"],
+        exposure_ev=result["exposure_ev"],
+        integrator=result["integrator"],
+        why=result["why"],
+        samples=result["samples"],
+        rays=result["rays"],
+        seconds=result["seconds"],
+    )
+
+
+def render_to(
+    out: str | os.PathLike,
+    scene: Scene | str | os.PathLike,
+    *,
+    camera_file: PlenopticCamera | str | os.PathLike | None = None,
+    tools: list[str] = (),
+    shard: str | None = None,
+    overwrite: bool = False,
+    checkpoint: float = 30.0,
+    progress: bool | Progress = False,
+    backend: str = "auto",
+    threads: int = 0,
+    **options: Any,
+) -> dict[str, Any]:
+    """Renders into a folder: the same files, byte for byte, as `holo render SCENE --out OUT` with these options.
+
+    camera_file: a plenoptic camera; the folder then holds its raw image. tools: programs that it is also written for.
+    shard: "K/N" for one part of several machines. overwrite: replaces another image in the folder. checkpoint: seconds
+    between those of an interrupted render, 0 for none.
+    write: files, such as ["el", "vpi", "mat", "h5", "exr", "hci"]; further options as in `render`.
+
+    Returns the report of `holo render --json`.
+    """
+    camera = camera_file
+    if camera is not None and not isinstance(camera, PlenopticCamera):
+        camera = PlenopticCamera.open(os.fspath(camera))
+    if camera is not None and (options.get("focus_m", "auto") != "auto" or options.get("f_number") is not None):
+        focus = options.get("focus_m")
+        camera = camera.adjusted(focus_m=None if focus == "auto" else focus, f_number=options.get("f_number"))
+    request = {
+        "out": os.fspath(out),
+        "camera": camera,
+        "tools": list(tools),
+        "shard": shard,
+        "overwrite": overwrite,
+        "checkpoint_seconds": float(checkpoint),
+    }
+    with _bar(progress) as report:
+        done, lines = _holo.render_folder(
+            as_scene(scene)._as_item(), texts_of(options), (backend, threads), request, report
+        )
+    tell(lines)
+    return done
+
+
+def render_raw(
+    scene: Scene | str | os.PathLike,
+    camera: PlenopticCamera | str,
+    *,
+    progress: bool | Progress = False,
+    backend: str = "auto",
+    threads: int = 0,
+    **options: Any,
+) -> RawRendering:
+    """Renders the raw image of a plenoptic camera into memory.
+
+    camera: a `PlenopticCamera`, or the name of a preset or of a camera file. The scene's camera is where it stands.
+    options: spp, integrator, seed, sky, layers and the others of `render` that are not of a rig.
+    """
+    if not isinstance(camera, PlenopticCamera):
+        camera = PlenopticCamera.open(os.fspath(camera))
+    rig = ("views", "lenses", "sensor", "baseline_m", "f_number", "focus_m", "disparity", "focal_mm", "sensor_mm")
+    _refuse(options, rig, "PlenopticCamera.adjusted")
+    with _bar(progress) as report:
+        result = _holo.render_raw(as_scene(scene)._as_item(), camera, texts_of(options), (backend, threads), report)
+    tell(result["diagnostics"])
+    return RawRendering(
+        image=result["color"],
+        camera=camera,
+        layers=result["layers"],
+        integrator=result["integrator"],
+        why=result["why"],
+        rays=result["rays"],
+    )
+
+
+def _refuse(options, names, instead):
+    for name in names:
+        if options.get(name) is not None:
+            raise UsageError(f"{name}= has no effect here; use `{instead}`")
+
+
+def _finite_range(disparity):
+    finite = () if disparity is None else disparity[np.isfinite(disparity)]
+    return (float(finite.min()), float(finite.max())) if len(finite) and finite.min() < finite.max() else None
+
+
+class _bar:
+    """A function of (done, total) for `progress`, or None."""
+
+    def __init__(self, progress):
+        self.progress, self.bar = progress, None
+
+    def __enter__(self):
+        if self.progress is True:
+            from tqdm.auto import tqdm
+
+            self.bar = tqdm(unit="tile")
+            return self._step
+        return self.progress or None
+
+    def _step(self, done, total):
+        self.bar.total = total
+        self.bar.n = done
+        self.bar.refresh()
+
+    def __exit__(self, *_):
+        if self.bar is not None:
+            self.bar.close()

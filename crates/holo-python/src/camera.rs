@@ -1,0 +1,160 @@
+//! Plenoptic cameras.
+
+use std::collections::BTreeMap;
+
+use holo_core::GridSize;
+use holo_core::plenoptic::presets;
+use holo_io::CameraFile;
+use ndarray::{Array1, Array2};
+use numpy::{PyReadonlyArray2, PyReadonlyArray3};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{give, give_json};
+use crate::failure::Failure;
+use crate::rig::{Rig, Size, size};
+
+/// A plenoptic camera: main lens, microlens array and sensor.
+///
+/// `PlenopticCamera.open("lytro-illum")` is a preset of `PlenopticCamera.presets()`, or a camera file in TOML.
+#[pyclass(frozen, module = "holo", from_py_object)]
+#[derive(Clone)]
+pub struct PlenopticCamera(pub CameraFile);
+
+#[pymethods]
+impl PlenopticCamera {
+    /// A preset by its name, or a camera file, focused and stopped down as given.
+    #[staticmethod]
+    #[pyo3(signature = (path_or_preset, *, focus_m=None, f_number=None))]
+    fn open(path_or_preset: &str, focus_m: Option<f64>, f_number: Option<f64>) -> Result<Self, Failure> {
+        adjusted(CameraFile::open(path_or_preset)?, focus_m, f_number)
+    }
+
+    /// A camera from the text of a camera file.
+    #[staticmethod]
+    #[pyo3(signature = (toml, name="camera"))]
+    fn from_toml(toml: &str, name: &str) -> Result<Self, Failure> {
+        Ok(Self(CameraFile::parse(toml, name).map_err(Failure::Usage)?))
+    }
+
+    /// The names of the presets and their descriptions.
+    #[staticmethod]
+    fn presets() -> BTreeMap<&'static str, &'static str> {
+        presets().iter().map(|preset| (preset.name, preset.description)).collect()
+    }
+
+    /// The name of the camera.
+    #[getter]
+    fn name(&self) -> &str {
+        &self.0.name
+    }
+
+    /// Whether some numbers of the camera are guesses, because they are not published.
+    #[getter]
+    fn is_approximate(&self) -> bool {
+        self.0.is_approximate
+    }
+
+    /// Pixels of the sensor, (rows, columns).
+    #[getter]
+    fn sensor(&self) -> Size {
+        size(self.0.camera.sensor().size)
+    }
+
+    /// The camera as a camera file.
+    fn to_toml(&self) -> String {
+        self.0.to_toml()
+    }
+
+    /// The same camera with another focus distance in meters or another f-number.
+    #[pyo3(signature = (*, focus_m=None, f_number=None))]
+    fn adjusted(&self, focus_m: Option<f64>, f_number: Option<f64>) -> Result<Self, Failure> {
+        adjusted(self.0.clone(), focus_m, f_number)
+    }
+
+    /// The light of a scene of radiance 1, axes (row, column), float32.
+    fn white_image<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyAny>, Failure> {
+        Ok(give(py, py.detach(|| self.0.camera.white_image())?))
+    }
+
+    /// The centers of the micro-images: "row", "column" and "type" of the microlenses, int32, and "x", "y" in pixels, whose
+    /// centers are at 0.5, float64.
+    fn micro_images<'py>(&self, py: Python<'py>) -> Result<Bound<'py, PyDict>, Failure> {
+        let camera = &self.0.camera;
+        let rows = 0..camera.sensor().size.rows;
+        let lines = camera.lens_lines(rows.clone());
+        let lenses: Vec<_> = lines.flat_map(|line| camera.lenses_on_line(line, rows.clone())).collect();
+        let centers: Vec<[f64; 2]> = lenses.iter().map(|lens| camera.micro_image_center_px(*lens)).collect();
+        let dict = PyDict::new(py);
+        dict.set_item("row", give(py, lenses.iter().map(|lens| lens.row).collect::<Array1<i32>>()))?;
+        dict.set_item("column", give(py, lenses.iter().map(|lens| lens.column).collect::<Array1<i32>>()))?;
+        let types = lenses.iter().map(|lens| camera.array().type_of(*lens) as i32);
+        dict.set_item("type", give(py, types.collect::<Array1<i32>>()))?;
+        for (name, axis) in [("x", 0), ("y", 1)] {
+            dict.set_item(name, give(py, centers.iter().map(|center| center[axis]).collect::<Array1<f64>>()))?;
+        }
+        Ok(dict)
+    }
+
+    /// The rig that the views of an unfocused camera are equivalent to, with `views` an axis.
+    #[pyo3(signature = (views=None))]
+    fn equivalent_rig(&self, views: Option<usize>) -> Result<Rig, Failure> {
+        let camera = &self.0.camera;
+        let views = views.map_or_else(|| camera.decodable_views(), Ok)?;
+        let pitch_m = camera.array().pitch_m;
+        let pixels = camera.sensor().size;
+        let across = |count: usize| (count as f64 / camera.micro_image_pitch_px()).floor().max(1.0) as usize;
+        let lenses = GridSize::new(across(pixels.rows), across(pixels.columns));
+        Ok(Rig(camera.equivalent_rig(GridSize::new(views, views), lenses, pitch_m, 1.0)?))
+    }
+
+    /// Properties as `holo optics --json` names them, and those of points at the depths in meters.
+    #[pyo3(signature = (depths_m=Vec::new()))]
+    fn optics<'py>(&self, py: Python<'py>, depths_m: Vec<f64>) -> Result<Bound<'py, PyAny>, Failure> {
+        let rows = py.detach(|| holo_dataset::camera_optics(&self.0.camera, &depths_m))?;
+        give_json(py, &rows.into_iter().map(|(key, _, value, _)| (key, value)).collect())
+    }
+
+    /// Decodes a raw image: radiance and weight, axes (v, u, t, s, c), the rig, and the roll in radians.
+    fn decode_arrays<'py>(
+        &self,
+        py: Python<'py>,
+        raw: PyReadonlyArray3<'py, f32>,
+        white: Option<PyReadonlyArray2<'py, f32>>,
+        views: Option<usize>,
+    ) -> Result<(Bound<'py, PyAny>, Bound<'py, PyAny>, Rig, f64), Failure> {
+        let camera = &self.0.camera;
+        let views = views.map_or_else(|| camera.decodable_views(), Ok)?;
+        let (raw, white) = (raw.as_array(), white.as_ref().map(|white| white.as_array()));
+        let decoded = py.detach(|| {
+            let own: Option<Array2<f32>> = white.is_none().then(|| camera.white_image()).transpose()?;
+            match white.or(own.as_ref().map(|own| own.view())) {
+                Some(white) => camera.decode(raw, white, views),
+                None => Err(holo_core::Error::ZeroCount { what: "white images" }),
+            }
+        })?;
+        let (field, weight) = (decoded.light_field.into_samples(), decoded.weight.into_samples());
+        Ok((give(py, field), give(py, weight), Rig(decoded.rig), decoded.roll_rad))
+    }
+
+    fn __repr__(&self) -> String {
+        let (rows, columns) = self.sensor();
+        let approximate = if self.0.is_approximate { ", approximate" } else { "" };
+        format!("<PlenopticCamera '{}': {columns} x {rows} px{approximate}>", self.0.name)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String, String))> {
+        let make = py.get_type::<Self>().getattr("from_toml")?;
+        Ok((make, (self.to_toml(), self.0.name.clone())))
+    }
+}
+
+fn adjusted(mut file: CameraFile, focus_m: Option<f64>, f_number: Option<f64>) -> Result<PlenopticCamera, Failure> {
+    if let Some(focus_m) = focus_m {
+        file = file.with_focus_m(focus_m).map_err(Failure::Usage)?;
+    }
+    if let Some(f_number) = f_number {
+        file = file.with_f_number(f_number).map_err(Failure::Usage)?;
+    }
+    Ok(PlenopticCamera(file))
+}

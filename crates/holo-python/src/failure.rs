@@ -1,0 +1,84 @@
+//! Errors as Python exceptions, with the messages of the command line.
+
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+
+/// Why a function did not do its work.
+pub enum Failure {
+    /// The arguments ask for something that cannot be: `holo.UsageError`.
+    Usage(String),
+    /// The work failed: `holo.Error`.
+    Failed(String),
+    /// An exception of Python.
+    Python(PyErr),
+}
+
+/// An exception of `holo.errors`.
+fn exception(class: &str, message: String) -> PyErr {
+    Python::attach(|py| {
+        let made = py.import("holo.errors").and_then(|module| module.getattr(class)?.call1((message,)));
+        made.map_or_else(|error| error, PyErr::from_value)
+    })
+}
+
+impl From<Failure> for PyErr {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Usage(message) => exception("UsageError", message),
+            Failure::Failed(message) => exception("Error", message),
+            Failure::Python(error) => error,
+        }
+    }
+}
+
+impl From<PyErr> for Failure {
+    fn from(error: PyErr) -> Self {
+        Self::Python(error)
+    }
+}
+
+impl From<holo_dataset::Error> for Failure {
+    fn from(error: holo_dataset::Error) -> Self {
+        match error {
+            holo_dataset::Error::Render(holo_render::Error::Cancelled) => {
+                Self::Python(PyKeyboardInterrupt::new_err("stopped"))
+            }
+            error if error.is_bad_request() => Self::Usage(error.to_string()),
+            error => Self::Failed(error.to_string()),
+        }
+    }
+}
+
+impl From<holo_io::Error> for Failure {
+    fn from(error: holo_io::Error) -> Self {
+        match error {
+            holo_io::Error::MissingOption { path, option, what } => {
+                Self::Usage(format!("{}: {what}; give {option}=", path.display()))
+            }
+            error @ holo_io::Error::BadInput { .. } => Self::Usage(error.to_string()),
+            error => Self::Failed(error.to_string()),
+        }
+    }
+}
+
+impl From<holo_render::Error> for Failure {
+    fn from(error: holo_render::Error) -> Self {
+        holo_dataset::Error::from(error).into()
+    }
+}
+
+impl From<holo_scene::Error> for Failure {
+    fn from(error: holo_scene::Error) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
+/// Indices, sizes and numbers come from the caller.
+impl From<holo_core::Error> for Failure {
+    fn from(error: holo_core::Error) -> Self {
+        match error {
+            error @ holo_core::Error::OutOfMemory { .. } => Self::Failed(error.to_string()),
+            error => Self::Usage(error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,221 @@
+//! Files: light fields of any format, and images.
+
+use std::path::PathBuf;
+
+use holo_core::{DynImage, DynLightFieldRef, GridSize, Layout, Sample, for_each_sample};
+use holo_io::{
+    ColorEncoding, Compression, ExrCompression, ExrSamples, ExrWriter, LightFieldReader, Limits, MatOptions, MatOrder,
+    ReadOptions,
+};
+use ndarray::{Array3, Axis};
+use pyo3::prelude::*;
+
+use crate::arrays::{Field, Image, give, give_field, give_image};
+use crate::failure::Failure;
+use crate::options;
+use crate::rig::{Rig, Size, size};
+
+/// A light field whose headers have been read, but not its samples.
+#[pyclass(frozen, module = "holo._holo")]
+pub struct Reader {
+    reader: LightFieldReader,
+    path: PathBuf,
+    options: ReadOptions,
+}
+
+#[pymethods]
+impl Reader {
+    #[new]
+    fn new(path: PathBuf, views: Option<Size>, layout: Option<&str>, order: Option<&str>) -> Result<Self, Failure> {
+        let mut read = ReadOptions::default()
+            .views(views.map(|(rows, columns)| GridSize::new(rows, columns)))
+            .layout(layout.map(options::layout).transpose()?);
+        if let Some(order) = order {
+            read = read.order(options::order(order)?);
+        }
+        Ok(Self { reader: LightFieldReader::open(&path, &read)?, path, options: read })
+    }
+
+    #[getter]
+    fn path(&self) -> PathBuf {
+        self.path.clone()
+    }
+
+    #[getter]
+    fn views(&self) -> Size {
+        size(self.reader.shape().views())
+    }
+
+    #[getter]
+    fn lenses(&self) -> Size {
+        size(self.reader.shape().lenses())
+    }
+
+    #[getter]
+    fn rig(&self) -> Option<Rig> {
+        self.reader.rig().map(|rig| Rig(*rig))
+    }
+
+    #[getter]
+    fn format(&self) -> String {
+        format!("{:?}", self.reader.format())
+    }
+
+    #[getter]
+    fn disparity_range_px(&self) -> Option<(f64, f64)> {
+        self.reader.disparity_range_px()
+    }
+
+    #[getter]
+    fn warnings(&self) -> Vec<String> {
+        self.reader.warnings().to_vec()
+    }
+
+    /// The samples, axes (v, u, t, s, c), and whether they are on the sRGB curve.
+    fn read<'py>(&self, py: Python<'py>) -> Result<(Bound<'py, PyAny>, bool), Failure> {
+        let file = py.detach(|| LightFieldReader::open(&self.path, &self.options)?.read())?;
+        Ok((give_field(py, file.light_field), file.color_encoding == ColorEncoding::Srgb))
+    }
+
+    /// One view, axes (row, column, channel). Of an HDF5 file only its chunks are read.
+    fn read_view<'py>(&self, py: Python<'py>, t: usize, s: usize) -> Result<Bound<'py, PyAny>, Failure> {
+        Ok(give_image(py, py.detach(|| self.view(t, s))?))
+    }
+
+    /// Planar depth of the central view in meters, axes (row, column); None if the files have none.
+    fn central_depth_m<'py>(&self, py: Python<'py>) -> Result<Option<Bound<'py, PyAny>>, Failure> {
+        Ok(py.detach(|| self.reader.central_depth_m())?.map(|map| give(py, map)))
+    }
+
+    /// Disparity of the central view in pixels, axes (row, column); None if the files have none.
+    fn central_disparity_px<'py>(&self, py: Python<'py>) -> Result<Option<Bound<'py, PyAny>>, Failure> {
+        Ok(py.detach(|| self.reader.central_disparity_px())?.map(|map| give(py, map)))
+    }
+}
+
+impl Reader {
+    fn view(&self, t: usize, s: usize) -> Result<DynImage, Failure> {
+        #[cfg(feature = "hdf5")]
+        if self.reader.format() == holo_io::LightFieldFormat::Hdf5 {
+            return Ok(holo_io::Hdf5LightField::open(&self.path, &self.options.limits)?.read_view(t, s)?);
+        }
+        let field = LightFieldReader::open(&self.path, &self.options)?.read()?.light_field;
+        Ok(for_each_sample!(DynLightField, &field, field => field.view(t, s)?.to_owned().into()))
+    }
+}
+
+/// Writes a light field; the ending of the path says how.
+#[pyfunction]
+pub fn write_light_field(
+    py: Python<'_>,
+    path: PathBuf,
+    field: Field<'_>,
+    rig: Option<Rig>,
+    is_srgb: bool,
+    views_first: bool,
+) -> Result<(), Failure> {
+    let field = field.borrow()?;
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+    let rig = rig.map(|rig| rig.0);
+    py.detach(|| match ending.as_str() {
+        "mat" => {
+            let order = if views_first { MatOrder::LightFieldToolbox } else { MatOrder::Lenses };
+            for_each_sample!(DynLightFieldRef, field, field =>
+                holo_io::write_mat_light_field(&path, &field, rig.as_ref(), order, &MatOptions::default()))?;
+            Ok(())
+        }
+        "h5" | "hdf5" => write_hdf5(&path, field, rig),
+        "png" | "tif" | "tiff" | "exr" => {
+            let layout = holo_io::layout_of_file_name(&path).ok_or_else(|| {
+                let what = "end the name in _el (elemental images) or _vpi (views), such as scene_el.png";
+                Failure::Usage(format!("{}: {what}", path.display()))
+            })?;
+            write_grid(&path, field, layout, is_srgb, ending == "exr")
+        }
+        _ => Err(Failure::Usage(format!(
+            "{}: end the name in .h5, .mat, _el.png, _vpi.png, or the same with .tif or .exr",
+            path.display()
+        ))),
+    })
+}
+
+#[cfg(feature = "hdf5")]
+fn write_hdf5(path: &PathBuf, field: DynLightFieldRef<'_>, rig: Option<holo_core::Rig>) -> Result<(), Failure> {
+    let rig = rig.ok_or_else(|| Failure::Usage("HDF5 files contain a rig; give one".into()))?;
+    let options = holo_io::Hdf5Options::default();
+    for_each_sample!(DynLightFieldRef, field, field => holo_io::write_hdf5(path, &field, &rig, &[], &[], &options))?;
+    Ok(())
+}
+
+#[cfg(not(feature = "hdf5"))]
+fn write_hdf5(_: &PathBuf, _: DynLightFieldRef<'_>, _: Option<holo_core::Rig>) -> Result<(), Failure> {
+    Err(Failure::Usage("this build of holo has no HDF5; install it with pip, whose wheels have it".into()))
+}
+
+fn write_grid(
+    path: &PathBuf,
+    field: DynLightFieldRef<'_>,
+    layout: Layout,
+    is_srgb: bool,
+    is_exr: bool,
+) -> Result<(), Failure> {
+    fn grid<T: Sample>(field: &holo_core::LightFieldRef<'_, T>, layout: Layout) -> Result<Array3<T>, holo_core::Error> {
+        match layout {
+            Layout::ElementalGrid => field.to_elemental_grid(),
+            Layout::ViewpointGrid => field.to_viewpoint_grid(),
+        }
+    }
+    if is_exr {
+        let DynLightFieldRef::F32(field) = field else {
+            return Err(Failure::Usage("OpenEXR files are linear; save the light field of linear()".into()));
+        };
+        let image = grid(&field, layout)?;
+        let (rows, columns, channels) = image.dim();
+        let names: &[&str] = if channels == 1 { &["Y"] } else { &["R", "G", "B"] };
+        let channels: Vec<_> = names.iter().map(|name| (*name, ExrSamples::Float)).collect();
+        let mut exr = ExrWriter::create(path, GridSize::new(rows, columns), &channels, ExrCompression::Zip)?;
+        let planes: Vec<_> = (0..names.len()).map(|channel| image.index_axis(Axis(2), channel)).collect();
+        exr.write_rows(&planes)?;
+        exr.finish()?;
+        return Ok(());
+    }
+    let encoding = if is_srgb { ColorEncoding::Srgb } else { ColorEncoding::Linear };
+    match field {
+        DynLightFieldRef::U8(field) => {
+            holo_io::write_png(path, grid(&field, layout)?.view(), encoding, Compression::Best)?
+        }
+        DynLightFieldRef::U16(field) => {
+            holo_io::write_png(path, grid(&field, layout)?.view(), encoding, Compression::Best)?
+        }
+        _ => return Err(Failure::Usage("PNG files hold integers; save the light field of encode()".into())),
+    };
+    Ok(())
+}
+
+/// Writes an image: integers into PNG or TIFF, floats into PFM.
+#[pyfunction]
+pub fn write_image(py: Python<'_>, path: PathBuf, image: Image<'_>) -> Result<(), Failure> {
+    let image = image.borrow();
+    py.detach(|| holo_io::write_image(&path, image))?;
+    Ok(())
+}
+
+/// Reads a PNG, PFM or OpenEXR image (its colors), axes (row, column, channel).
+#[pyfunction]
+pub fn read_image(py: Python<'_>, path: PathBuf) -> Result<Bound<'_, PyAny>, Failure> {
+    use holo_io::FileFormat;
+
+    let limits = Limits::default();
+    Ok(match holo_io::detect_format(&path)? {
+        FileFormat::Pfm => {
+            let pfm = py.detach(|| holo_io::read_pfm(&path, &limits))?;
+            give(py, pfm.values)
+        }
+        FileFormat::Exr => give(py, py.detach(|| holo_io::read_exr_rgb(&path, &limits))?),
+        FileFormat::Tiff => give_image(py, py.detach(|| holo_io::read_tiff(&path, &limits))?),
+        _ => {
+            let image: DynImage = py.detach(|| holo_io::read_png(&path, &limits))?;
+            give_image(py, image)
+        }
+    })
+}

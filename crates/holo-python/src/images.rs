@@ -1,0 +1,149 @@
+//! What is computed from light fields and images: grids, color, refocusing, disparity.
+
+use holo_core::refocus::{Aperture, Kernel, Refocus};
+use holo_core::{
+    BaselineRatio, ColorEncoding, DynLightField, GridSize, Layout, LightField, LightFieldRef, PlaneSweepOptions,
+    Sample, for_each_sample,
+};
+use holo_io::Compression;
+use ndarray::Array3;
+use numpy::{PyReadonlyArray2, PyReadonlyArray5};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+
+use crate::arrays::{Field, Image, give, give_field};
+use crate::failure::Failure;
+use crate::options;
+
+/// A grid of elemental images ("el") or of views ("vpi"), axes (row, column, channel).
+#[pyfunction]
+pub fn to_grid<'py>(py: Python<'py>, field: Field<'py>, layout: &str) -> Result<Bound<'py, PyAny>, Failure> {
+    let layout = options::layout(layout)?;
+    let field = field.borrow()?;
+    fn grid<'py, T: Sample + numpy::Element>(
+        py: Python<'py>,
+        field: LightFieldRef<'_, T>,
+        layout: Layout,
+    ) -> Result<Bound<'py, PyAny>, Failure> {
+        let image = py.detach(|| match layout {
+            Layout::ElementalGrid => field.to_elemental_grid(),
+            Layout::ViewpointGrid => field.to_viewpoint_grid(),
+        })?;
+        Ok(give(py, image))
+    }
+    for_each_sample!(DynLightFieldRef, field, field => grid(py, field, layout))
+}
+
+/// The samples in linear light as float32.
+#[pyfunction]
+pub fn to_linear<'py>(py: Python<'py>, field: Field<'py>, is_srgb: bool) -> Result<Bound<'py, PyAny>, Failure> {
+    let encoding = if is_srgb { ColorEncoding::Srgb } else { ColorEncoding::Linear };
+    let field = field.borrow()?;
+    let linear = py.detach(|| -> Result<_, holo_core::Error> {
+        let owned: DynLightField = for_each_sample!(DynLightFieldRef, field, field => field.to_owned()?.into());
+        owned.into_linear(encoding)
+    })?;
+    Ok(give(py, linear.into_samples()))
+}
+
+/// The exposure in EV at which 99 % of the pixels that are not black lie below 80 % of the range.
+#[pyfunction]
+pub fn automatic_exposure(py: Python<'_>, field: PyReadonlyArray5<'_, f32>) -> Result<f64, Failure> {
+    let field = LightField::new(field.as_array())?;
+    Ok(py.detach(|| holo_render::exposure::automatic_exposure(&field)))
+}
+
+/// Codes of 8 or 16 bits on the sRGB curve.
+#[pyfunction]
+pub fn encode<'py>(
+    py: Python<'py>,
+    field: PyReadonlyArray5<'py, f32>,
+    bits: u8,
+    exposure_ev: f64,
+) -> Result<Bound<'py, PyAny>, Failure> {
+    let field = LightField::new(field.as_array())?;
+    let coded: DynLightField = match bits {
+        8 => py.detach(|| holo_render::exposure::encode_8bit(&field, exposure_ev))?.into(),
+        16 => py.detach(|| holo_render::exposure::encode_16bit(&field, exposure_ev))?.into(),
+        _ => return Err(Failure::Usage(format!("bits={bits}: give 8 or 16"))),
+    };
+    Ok(give_field(py, coded))
+}
+
+/// Where a light field is in focus.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct FocusRequest<'py> {
+    disparity_px: Option<f64>,
+    slope: Option<f64>,
+    map: Option<PyReadonlyArray2<'py, f32>>,
+    aperture: (String, f64),
+    kernel: String,
+    baseline_ratio: f64,
+}
+
+/// One image of a light field in linear light, axes (row, column, channel).
+#[pyfunction]
+pub fn refocus<'py>(
+    py: Python<'py>,
+    field: PyReadonlyArray5<'py, f32>,
+    request: FocusRequest<'py>,
+) -> Result<Bound<'py, PyAny>, Failure> {
+    let field = LightField::new(field.as_array())?;
+    let views = field.shape().views();
+    let kernels = [("cubic", Kernel::CatmullRom), ("bilinear", Kernel::Bilinear)];
+    let refocus = Refocus::with_aperture(aperture(&request.aperture, views)?)
+        .kernel(options::choice("kernel", &request.kernel, &kernels)?)
+        .baseline_ratio(BaselineRatio::vertical_over_horizontal(request.baseline_ratio)?);
+    let map = request.map.as_ref().map(|map| map.as_array());
+    let image: Array3<f32> = py.detach(|| match (request.disparity_px, request.slope, map) {
+        (Some(disparity_px), _, _) => refocus.at_disparity(&field, disparity_px),
+        (None, Some(slope), _) => refocus.at_slope(&field, slope),
+        (None, None, Some(map)) => refocus.all_in_focus(&field, &map),
+        (None, None, None) => refocus.at_disparity(&field, 0.0),
+    })?;
+    Ok(give(py, image))
+}
+
+fn aperture((shape, extent): &(String, f64), views: GridSize) -> Result<Aperture, Failure> {
+    let center = ((views.rows / 2) as f64, (views.columns / 2) as f64);
+    match shape.as_str() {
+        "all" => Ok(Aperture::all(views)?),
+        "disc" => Ok(Aperture::disc(views, center, *extent)?),
+        "square" => Ok(Aperture::square(views, center, *extent)?),
+        "gaussian" => Ok(Aperture::gaussian(views, center, *extent)?),
+        other => Err(Failure::Usage(format!("aperture='{other}': give all, disc:D, square:D or gaussian:D"))),
+    }
+}
+
+/// Disparity of the central view and its confidence, axes (row, column).
+#[pyfunction]
+pub fn plane_sweep<'py>(
+    py: Python<'py>,
+    field: Field<'py>,
+    range_px: Option<(f32, f32)>,
+    effort: &str,
+    baseline_ratio: f64,
+) -> Result<(Bound<'py, PyAny>, Bound<'py, PyAny>), Failure> {
+    let mut sweep = PlaneSweepOptions::default()
+        .effort(options::effort(effort)?)
+        .baseline_ratio(BaselineRatio::vertical_over_horizontal(baseline_ratio)?);
+    if let Some((min, max)) = range_px {
+        sweep = sweep.range_px(min, max);
+    }
+    let field = field.borrow()?;
+    let estimate =
+        py.detach(|| for_each_sample!(DynLightFieldRef, field, field => holo_core::plane_sweep(&field, &sweep)))?;
+    Ok((give(py, estimate.disparity_px), give(py, estimate.confidence)))
+}
+
+/// A PNG of an image in memory: integers as they are, floats on the sRGB curve.
+#[pyfunction]
+pub fn png<'py>(py: Python<'py>, image: Image<'py>) -> Result<Bound<'py, PyBytes>, Failure> {
+    let image = image.borrow();
+    let bytes = py.detach(|| {
+        let mut bytes = Vec::new();
+        holo_io::encode_png(&mut bytes, image, ColorEncoding::Srgb, Compression::Fast).map(|()| bytes)
+    })?;
+    Ok(PyBytes::new(py, &bytes))
+}

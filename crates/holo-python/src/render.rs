@@ -1,0 +1,205 @@
+//! Renders: into memory, and into folders as the command line does.
+
+use std::cell::RefCell;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use holo_core::{LightFieldOwned, Sample};
+use holo_dataset::options::{Options, integrator_name};
+use holo_dataset::{About, Checkpoints, RawJob, RenderJob, Rollback, Shard, Tool};
+use holo_render::{Backend, Layer, Layers, RawRendered, RayCounts};
+use ndarray::{Array, Array3, Axis, Dimension};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+use crate::arrays::{give, give_json};
+use crate::camera::PlenopticCamera;
+use crate::failure::Failure;
+use crate::rig::Rig;
+use crate::scene::Source;
+use crate::{options, watch};
+
+/// Backend and number of threads.
+pub type Engine = (String, usize);
+
+/// A result, and the diagnostics on the way to it.
+type Told<T> = (T, Vec<String>);
+
+/// Why Embree cannot be used; None if it can.
+#[pyfunction]
+pub fn missing_embree() -> Option<String> {
+    Backend::find_embree().err().map(|why| why.to_string())
+}
+
+/// Renders into arrays.
+#[pyfunction]
+pub fn render<'py>(
+    py: Python<'py>,
+    source: Source,
+    options: BTreeMap<String, String>,
+    engine: Engine,
+    progress: Option<Bound<'py, PyAny>>,
+) -> Result<Bound<'py, PyDict>, Failure> {
+    let engine = options::engine(&engine.0, engine.1)?;
+    let job = RenderJob::new(source.open()?, options::spec(&options)?).with_engine(engine);
+    let (rendering, lines) = watch::run(py, progress.as_ref(), |watch| listening(|tell| job.render(watch, tell)))?;
+    let (rendered, seconds) = (rendering.rendered, rendering.seconds);
+    let result = PyDict::new(py);
+    result.set_item("color", rendered.color.map(|color| give(py, color.into_samples())))?;
+    result.set_item("error", rendered.error.map(|error| give_channel(py, error)))?;
+    result.set_item("central", give_layers(py, rendered.central, |image| give_plane(py, image))?)?;
+    let all = rendered.all.map(|all| give_layers(py, all, |field| give_channel(py, field)));
+    result.set_item("all", all.transpose()?)?;
+    result.set_item("rig", Rig(rendering.rig))?;
+    result.set_item("exposure_ev", rendering.exposure_ev)?;
+    result.set_item("integrator", integrator_name(rendered.integrator))?;
+    result.set_item("why", rendered.why)?;
+    result.set_item("rays", give_rays(py, rendered.rays)?)?;
+    result.set_item("samples", rendered.samples)?;
+    let times = [("load", seconds.load), ("build", seconds.build), ("render", seconds.render)];
+    result.set_item("seconds", BTreeMap::from(times))?;
+    result.set_item("diagnostics", lines)?;
+    Ok(result)
+}
+
+/// What decides the files of a folder beside the options.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct FolderRequest {
+    out: PathBuf,
+    camera: Option<PlenopticCamera>,
+    tools: Vec<String>,
+    shard: Option<String>,
+    overwrite: bool,
+    checkpoint_seconds: f64,
+}
+
+/// Renders into a folder, as the command line does, and returns its report.
+#[pyfunction]
+pub fn render_folder<'py>(
+    py: Python<'py>,
+    source: Source,
+    options: BTreeMap<String, String>,
+    engine: Engine,
+    request: FolderRequest,
+    progress: Option<Bound<'py, PyAny>>,
+) -> Result<(Bound<'py, PyAny>, Vec<String>), Failure> {
+    let shard = request.shard.as_deref().map(str::parse::<Shard>).transpose().map_err(Failure::Usage)?;
+    let (spec, engine) = (options::spec(&options)?, options::engine(&engine.0, engine.1)?);
+    // As the command line keeps them: what was given, and the defaults of the rest.
+    let mut words: Options = spec.to_options();
+    words.extend(options);
+    if words.contains_key("lenses") {
+        words.remove("sensor");
+    }
+    let (source, out) = (source.open()?, request.out);
+    let (report, lines) = if let Some(camera) = request.camera {
+        let mut job = RawJob::new(source, camera.0, spec).with_options(words);
+        job.engine = engine;
+        job.tools = request.tools.iter().map(|name| tool(name)).collect::<Result<_, _>>()?;
+        watch::run(py, progress.as_ref(), |watch| {
+            if !request.overwrite {
+                job.check_replaceable(&out, shard)?;
+            }
+            listening(|tell| Ok(job.run(&out, shard, watch, tell, &Rollback::default())?.to_json()))
+        })?
+    } else {
+        let checkpoints = Checkpoints::every_seconds(request.checkpoint_seconds);
+        let job = RenderJob::new(source, spec).with_options(words).with_engine(engine).with_checkpoints(checkpoints);
+        watch::run(py, progress.as_ref(), |watch| {
+            if !request.overwrite {
+                job.check_replaceable(&out, shard)?;
+            }
+            listening(|tell| Ok(job.run(&out, shard, watch, tell, &Rollback::default())?.to_json()))
+        })?
+    };
+    Ok((give_json(py, &report)?, lines))
+}
+
+fn tool(name: &str) -> Result<Tool, Failure> {
+    let known: Vec<(&str, Tool)> = Tool::ALL.iter().map(|tool| (tool.name(), *tool)).collect();
+    options::choice("tools", name, &known)
+}
+
+/// Renders the raw image of a plenoptic camera into arrays.
+#[pyfunction]
+pub fn render_raw<'py>(
+    py: Python<'py>,
+    source: Source,
+    camera: PlenopticCamera,
+    options: BTreeMap<String, String>,
+    engine: Engine,
+    progress: Option<Bound<'py, PyAny>>,
+) -> Result<Bound<'py, PyDict>, Failure> {
+    let mut job = RawJob::new(source.open()?, camera.0, options::spec(&options)?);
+    job.engine = options::engine(&engine.0, engine.1)?;
+    let (rendered, lines): Told<RawRendered> =
+        watch::run(py, progress.as_ref(), |watch| listening(|tell| job.render(watch, tell)))?;
+    let result = PyDict::new(py);
+    result.set_item("color", rendered.color.map(|color| give(py, color)))?;
+    let layers = give_layers(py, rendered.layers, |image| give_plane(py, image))?;
+    if let Some(statistics) = rendered.statistics {
+        layers.set_item("inverse-depth-mean", give(py, statistics.inverse_depth_mean))?;
+        layers.set_item("inverse-depth-deviation", give(py, statistics.inverse_depth_deviation))?;
+        layers.set_item("coverage", give(py, statistics.coverage))?;
+    }
+    result.set_item("layers", layers)?;
+    result.set_item("integrator", integrator_name(rendered.integrator))?;
+    result.set_item("why", rendered.why)?;
+    result.set_item("rays", give_rays(py, rendered.rays)?)?;
+    result.set_item("diagnostics", lines)?;
+    Ok(result)
+}
+
+/// Does `work` with a receiver of diagnostics, and returns what it received.
+fn listening<T>(
+    work: impl FnOnce(&dyn holo_dataset::Diagnostics) -> Result<T, holo_dataset::Error>,
+) -> Result<Told<T>, holo_dataset::Error> {
+    let lines = RefCell::new(Vec::new());
+    let done = work(&|_: About, line: &str| lines.borrow_mut().push(line.to_owned()))?;
+    Ok((done, lines.into_inner()))
+}
+
+fn give_rays(py: Python<'_>, rays: RayCounts) -> Result<Bound<'_, PyDict>, Failure> {
+    let dict = PyDict::new(py);
+    dict.set_item("primary", rays.primary)?;
+    dict.set_item("shadow", rays.shadow)?;
+    dict.set_item("other", rays.secondary)?;
+    Ok(dict)
+}
+
+/// Layers by their names on the command line.
+fn give_layers<'py, T>(
+    py: Python<'py>,
+    mut layers: Layers<T>,
+    mut give: impl FnMut(T) -> Bound<'py, PyAny>,
+) -> Result<Bound<'py, PyDict>, Failure> {
+    let dict = PyDict::new(py);
+    for layer in Layer::ALL {
+        if let Some(value) = layers.take(layer) {
+            dict.set_item(layer.name(), give(value))?;
+        }
+    }
+    Ok(dict)
+}
+
+/// An image without its channel axis if it has one channel.
+fn give_plane(py: Python<'_>, image: Array3<f32>) -> Bound<'_, PyAny> {
+    squeezed(py, image, Axis(2))
+}
+
+/// The same for a light field.
+fn give_channel<T: Sample + numpy::Element>(py: Python<'_>, field: LightFieldOwned<T>) -> Bound<'_, PyAny> {
+    squeezed(py, field.into_samples(), Axis(4))
+}
+
+fn squeezed<T: numpy::Element, D: Dimension + ndarray::RemoveAxis>(
+    py: Python<'_>,
+    array: Array<T, D>,
+    channels: Axis,
+) -> Bound<'_, PyAny> {
+    match array.len_of(channels) {
+        1 => give(py, array.index_axis_move(channels, 0)),
+        _ => give(py, array),
+    }
+}

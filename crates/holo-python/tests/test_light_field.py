@@ -1,0 +1,148 @@
+"""Light fields: axes, memory, files, what is computed from them."""
+
+import pickle
+
+import holo
+import numpy as np
+import pytest
+
+
+@pytest.fixture
+def numbered():
+    """A light field whose samples say where they are."""
+    v, u, t, s, c = np.indices((5, 7, 3, 4, 3))
+    return holo.LightField(((((v * 7 + u) * 3 + t) * 4 + s) * 3 + c).astype(np.uint16))
+
+
+def test_axes_and_memory(numbered):
+    assert (numbered.views, numbered.lenses) == ((3, 4), (5, 7))
+    view = numbered.view(1, 2)
+    assert view.shape == (5, 7, 3) and np.shares_memory(view, numbered.array)
+    assert view[4, 6, 0] == numbered.array[4, 6, 1, 2, 0]
+    assert np.array_equal(numbered.elemental(4, 6)[1, 2], view[4, 6])
+    assert np.array_equal(numbered.epi_row(4, 1)[2], view[4])
+    assert np.array_equal(numbered.epi_column(6, 2)[1], view[:, 6])
+    assert np.shares_memory(np.asarray(numbered), numbered.array)
+
+
+def test_grids_are_there_and_back(numbered):
+    raw, views = numbered.elemental_grid(), numbered.viewpoint_grid()
+    assert raw.shape == (15, 28, 3) and views.shape == (15, 28, 3)
+    assert np.array_equal(raw[4 * 3 + 1, 6 * 4 + 2], numbered.array[4, 6, 1, 2])
+    assert np.array_equal(views[1 * 5 + 4, 2 * 7 + 6], numbered.array[4, 6, 1, 2])
+    for back in (
+        holo.LightField.from_elemental_grid(raw, (3, 4)),
+        holo.LightField.from_viewpoint_grid(views, (3, 4)),
+    ):
+        assert np.array_equal(back.array, numbered.array)
+    back = holo.LightField.from_elemental_grid(raw, (3, 4))
+    assert np.shares_memory(back.elemental_grid(), raw), "in their own order no sample moves"
+    with pytest.raises(holo.UsageError, match="no whole number"):
+        holo.LightField.from_elemental_grid(raw, (4, 4))
+
+
+@pytest.mark.parametrize("name", ["lf.h5", "lf.mat", "scene_el.png", "scene_vpi.png"])
+def test_files_return_what_was_saved(tmp_path, numbered, name, rendering):
+    field = numbered
+    if name == "lf.h5":
+        field = rendering.light_field
+    field.save(tmp_path / name)
+    needs_views = name.endswith(".png")
+    back = holo.open(tmp_path / name, views=field.views if needs_views else None)
+    assert back.array.dtype == field.array.dtype and np.array_equal(back.array, field.array)
+    assert back.is_srgb == field.is_srgb
+    assert back.rig == (field.rig if name == "lf.h5" else None)
+
+
+def test_exr_is_linear(tmp_path, rendering, numbered):
+    rendering.light_field.save(tmp_path / "a_vpi.exr")
+    image = holo.read_image(tmp_path / "a_vpi.exr")
+    assert np.array_equal(image, rendering.light_field.viewpoint_grid())
+    with pytest.raises(holo.UsageError, match="linear"):
+        numbered.save(tmp_path / "b_vpi.exr")
+    with pytest.raises(holo.UsageError, match="_el"):
+        numbered.save(tmp_path / "b.png")
+    with pytest.raises(holo.UsageError, match="ending|end the name"):
+        numbered.save(tmp_path / "b.xyz")
+    assert list(tmp_path.iterdir()) == [tmp_path / "a_vpi.exr"], "nothing half-written stays"
+
+
+def test_what_is_wrong_is_said(tmp_path, rendering):
+    with pytest.raises(holo.UsageError, match="axes"):
+        holo.LightField(np.zeros((3, 3)))
+    with pytest.raises(holo.UsageError, match="int64"):
+        holo.LightField(np.zeros((2, 2, 2, 2, 1), dtype=np.int64))
+    with pytest.raises(holo.Error, match="nothing-there"):
+        holo.open(tmp_path / "nothing-there")
+    (tmp_path / "cut.h5").write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
+    with pytest.raises(holo.Error, match="cut.h5"):
+        holo.open(tmp_path / "cut.h5")
+    with pytest.raises(ValueError, match="one of disparity"):
+        rendering.light_field.refocus()
+    with pytest.raises(holo.UsageError, match="aperture"):
+        rendering.light_field.refocus(0.0, aperture="disc:x")
+    with pytest.raises(holo.UsageError, match="give draft, fast"):
+        rendering.light_field.disparity(effort="quick")
+
+
+def test_refocus_estimate_evaluate(rendering):
+    field = rendering.light_field
+    flat = holo.LightField(np.full((20, 30, 3, 3, 1), 0.25, dtype=np.float32))
+    assert np.allclose(flat.refocus(0.7), 0.25, atol=1e-6)
+    assert field.refocus(0.0).shape == (48, 72, 3)
+    at = field.refocus(distance_m=field.rig.focus_distance_m)
+    assert np.array_equal(at, field.refocus(0.0)), "disparity is 0 at the focus distance"
+    assert field.refocus(rendering.disparity).shape == (48, 72, 3)
+    truth = rendering.disparity
+    estimate, confidence = field.disparity(confidence=True)
+    assert estimate.shape == confidence.shape == truth.shape
+    scores = holo.evaluate(estimate, truth, rig=field.rig)
+    assert scores["compared"] == np.isfinite(truth).sum()
+    assert scores["mean_absolute_error_px"] < 0.3, scores
+    perfect = holo.evaluate(truth, truth)
+    assert perfect["mean_absolute_error_px"] == 0.0 and perfect["bad_pixels_0.01_percent"] == 0.0
+    score = holo.compare(field.central, field.central)
+    assert score.psnr_db == np.inf and abs(score.ssim - 1.0) < 1e-12
+    unknown = holo.LightField(field.array)
+    with pytest.warns(holo.HoloWarning, match="range"):
+        unknown.disparity(effort="draft")
+
+
+def test_pickles_images_and_xarray(rendering):
+    field = pickle.loads(pickle.dumps(rendering.light_field))
+    assert np.array_equal(field.array, rendering.light_field.array) and field.rig == rendering.rig
+    assert field.disparity_range_px == rendering.light_field.disparity_range_px
+    assert field._repr_png_().startswith(b"\x89PNG") and rendering._repr_png_() == field._repr_png_()
+    assert "5 x 4 views of 48 x 72 px" in repr(field)
+    pytest.importorskip("xarray")
+    array = field.to_xarray()
+    assert array.dims == ("v", "u", "t", "s", "c") and np.shares_memory(array.values, field.array)
+
+
+def test_clip_keeps_the_rig_where_it_stays_one(rendering):
+    field = rendering.light_field
+    inner = field.clip(views=(slice(1, 4), slice(1, 3)))
+    assert inner.views == (3, 2) and inner.rig.baseline_m == field.rig.baseline_m
+    assert np.shares_memory(inner.array, field.array)
+    assert field.clip(views=(slice(0, 3), slice(0, 3))).rig is None
+    assert field.clip(lenses=(slice(0, 9), slice(None))).lenses == (9, 72)
+
+
+def test_rig_is_that_of_the_equations(rendering):
+    rig = rendering.rig
+    again = pickle.loads(pickle.dumps(rig))
+    assert again == rig and hash(again) == hash(rig) and eval(repr(rig), {"Rig": holo.Rig}) == rig
+    depth = np.array([[1.0, 2.5], [rig.focus_distance_m, np.inf]])
+    disparity = rig.disparity_from_depth(depth)
+    # Eq. 3: d = b f N / s (1 / Z - 1 / F), s the larger side of N pixels.
+    pixels = rig.focal_length_m / rig.sensor_size_m * max(rig.lenses)
+    expected = rig.baseline_m * pixels * (1 / depth - 1 / rig.focus_distance_m)
+    assert np.allclose(disparity, expected, rtol=1e-12, atol=1e-12)
+    assert np.allclose(rig.depth_from_disparity(disparity)[0], depth[0], rtol=1e-9)
+    origin, direction = rig.ray(10, 20, 1, 3)
+    point = [o + 2.0 * d for o, d in zip(origin, direction)]
+    row, column = rig.project(point, 1, 3)
+    assert abs(row - 10.5) < 1e-9 and abs(column - 20.5) < 1e-9
+    planned = holo.optics(focal_mm=50, views=(9, 9), lenses=(100, 150), baseline_m=0.01, focus_m=2.0)
+    assert planned.views == (9, 9) and planned.lenses == (100, 150) and planned.focal_length_m == 0.05
+    assert planned.optics((1.0, 3.0))["baseline_mm"] == 10.0

@@ -1,0 +1,225 @@
+"""Renders: the same samples as the command line, options and their errors, Ctrl-C."""
+
+import json
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import holo
+import numpy as np
+import pytest
+
+COMMAND = [sys.executable, "-m", "holo"]
+
+
+def run(*words, code=0):
+    done = subprocess.run([*COMMAND, *map(str, words)], capture_output=True, text=True, env=os.environ)
+    assert done.returncode == code, done.stderr
+    return done
+
+
+def test_samples_and_files_are_those_of_the_command_line(tmp_path, garden, rendering, options):
+    garden.save(tmp_path / "garden.glb")
+    words = ["--views", "4x5", "--lenses", "72x48", "--spp", "2", "--seed", "7", "--disparity=-1,1", "--quiet"]
+    run("render", tmp_path / "garden.glb", "--out", tmp_path / "cli", *words, "--write", "el,h5,disparity")
+    # Linear samples.
+    field = holo.open(tmp_path / "cli" / "scene_5d.h5")
+    assert np.array_equal(field.array, rendering.light_field.array) and field.rig == rendering.rig
+    # Integers.
+    raw = holo.read_image(tmp_path / "cli" / "scene_el.png")
+    assert np.array_equal(raw, rendering.light_field.encode().elemental_grid())
+    assert np.array_equal(holo.read_image(tmp_path / "cli" / "scene_disparity.pfm"), rendering.disparity)
+    # Files, and what the manifest says of them.
+    report = holo.render_to(
+        tmp_path / "python", tmp_path / "garden.glb", write=["el", "h5", "disparity"], **options
+    )
+    names = sorted(path.name for path in (tmp_path / "cli").iterdir())
+    assert sorted(path.name for path in (tmp_path / "python").iterdir()) == names
+    for name in names:
+        assert (tmp_path / "cli" / name).read_bytes() == (tmp_path / "python" / name).read_bytes(), name
+    assert set(report["files"]) <= set(names) and report["rig"]["views"] == {"columns": 4, "rows": 5}
+
+
+def test_threads_and_backends(garden, rendering, options):
+    one = holo.render(garden, threads=1, **options)
+    assert np.array_equal(one.light_field.array, rendering.light_field.array)
+    slow = holo.render(garden, backend="bvh", integrator="depth", **options)
+    assert slow.light_field is None
+    assert np.mean(np.abs(slow.disparity - rendering.disparity) < 1e-4) > 0.99
+
+
+def test_ground_truth_of_all_views(garden, options):
+    result = holo.render(garden, integrator="depth", layers=["depth", "disparity"], ground_truth="all", **options)
+    assert result.depth.shape == (48, 72, 5, 4)
+    assert np.array_equal(result.depth[:, :, 2, 2], result.central_layers["depth"])
+    expected = result.rig.disparity_from_depth(result.depth)
+    assert np.nanmax(np.abs(expected - result.disparity)) < 1e-5
+
+
+def test_scenes_of_arrays():
+    corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], dtype=float)
+    wall = holo.Mesh(corners, [[0, 1, 2], [0, 2, 3]], base_color=(0.2, 0.5, 0.8))
+    scene = holo.Scene.from_meshes(wall, camera=((0, 0, 3), (0, 0, 0)), angle_of_view_deg=20)
+    flat = dict(views=(3, 3), lenses=(20, 20), sky=1.0, spp=4, focus_m=3.0, baseline_m=0.01)
+    with pytest.warns(holo.HoloWarning, match="hardly differ"):
+        result = holo.render(scene, **flat)
+    # A white sky on a Lambertian plane: radiance is the base color.
+    assert np.allclose(result.light_field.array, np.float32([0.2, 0.5, 0.8]), atol=2e-3)
+    assert np.allclose(result.depth, 3.0, rtol=1e-6) and np.allclose(result.disparity, 0.0, atol=1e-6)
+    copied = holo.Scene.from_glb(scene.to_glb(), "wall")
+    with pytest.warns(holo.HoloWarning, match="hardly differ"):
+        again = holo.render(copied, **flat)
+    assert np.array_equal(again.light_field.array, result.light_field.array)
+    assert pickle.loads(pickle.dumps(scene)).to_glb() == scene.to_glb()
+    with pytest.raises(holo.UsageError, match=r"faces of shape \(2, 2\)"):
+        holo.Scene.from_meshes(holo.Mesh(corners, [[0, 1], [0, 2]]))
+    with pytest.raises(holo.Error, match="9"):
+        holo.Scene.from_meshes(holo.Mesh(corners, [[0, 1, 9]]))
+
+
+def test_plenoptic_camera(tmp_path):
+    camera = holo.PlenopticCamera.open("lytro-illum")
+    assert camera.name == "lytro-illum" and camera.name in holo.PlenopticCamera.presets()
+    assert pickle.loads(pickle.dumps(camera)).to_toml() == camera.to_toml()
+    assert camera.adjusted(focus_m=0.5).optics()["focus_distance_m"] == pytest.approx(0.5)
+    small = holo.PlenopticCamera.from_toml(SMALL_CAMERA, "small")
+    scene = holo.Scene.gallery("plaster")
+    raw = holo.render_raw(scene, small, spp=4, layers=["depth", "coverage"])
+    rows, columns = small.sensor
+    assert raw.image.shape == (rows, columns, 3) and raw.layers["depth"].shape == (rows, columns)
+    holo.render_to(tmp_path / "raw", scene, camera_file=small, spp=4, write=["raw"])
+    written = holo.read_image(tmp_path / "raw" / "raw.exr")
+    assert np.allclose(written, raw.image, rtol=1e-3, atol=1e-4)
+    centers = small.micro_images()
+    assert len(centers["x"]) == len(centers["row"]) > 10
+    decoded = raw.decode()
+    assert decoded.light_field.rig is not None and decoded.weight.shape == decoded.light_field.array.shape[:4]
+    codes, info = holo.develop(raw.image, "imx250")
+    assert codes.shape == (rows, columns) and codes.dtype == np.uint16 and info["name"] == "imx250"
+    assert "imx250" in holo.sensor_models()
+    color = holo.demosaic(codes.astype(np.float32), "RGGB")
+    assert color.shape == (rows, columns, 3)
+    with pytest.raises(holo.UsageError, match="no effect"):
+        holo.render_raw(scene, small, views=(3, 3))
+
+
+SMALL_CAMERA = """
+[sensor]
+size_px = [120, 90]
+pixel_um = 6.0
+[mla]
+pitch_um = 60.0
+gap_um = 300.0
+focal_um = "pupil"
+grid = "square"
+[main_lens]
+focal_mm = 20.0
+f_number = 5.0
+focus_m = 1.5
+"""
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"views": (3,)}, "rows, columns"),
+        ({"views": "3y"}, "--views=3y"),
+        ({"sensr": "8k"}, "sensr"),
+        ({"spp": "many"}, "--spp=many"),
+        ({"layers": ["depth", "smell"]}, "smell"),
+        ({"integrator": "photon"}, "photon"),
+        ({"sky": (1, 2)}, "sky"),
+        ({"backend": "gpu"}, "auto, embree, bvh"),
+        ({"write": ["el"]}, "render_to"),
+        ({"lenses": (10, 10), "integrator": "depth", "layers": ["color"]}, "color"),
+    ],
+)
+def test_wrong_options(garden, options, words):
+    with pytest.raises(holo.UsageError, match=words):
+        holo.render(garden, **options)
+
+
+def test_scenes_that_are_not_there(tmp_path):
+    with pytest.raises(holo.UsageError, match="the gallery has no scene 'gardn'"):
+        holo.Scene.gallery("gardn")
+    with pytest.raises(holo.Error, match="no such file"):
+        holo.render(tmp_path / "scene.glb")
+    (tmp_path / "broken.glb").write_bytes(b"glTF")
+    with pytest.raises(holo.Error, match="broken.glb"):
+        holo.render(tmp_path / "broken.glb")
+
+
+def test_a_folder_with_another_image_is_kept(tmp_path, garden, options):
+    holo.render_to(tmp_path / "a", garden, write=["el"], **options)
+    with pytest.raises(holo.UsageError, match="overwrite"):
+        holo.render_to(tmp_path / "a", garden, write=["el"], **{**options, "seed": 8})
+    holo.render_to(tmp_path / "a", garden, write=["el"], overwrite=True, **{**options, "seed": 8})
+
+
+def test_warnings_are_warnings(options):
+    far = holo.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    scene = holo.Scene.from_meshes(far, camera=((0, 0, -3), (0, 0, -9)))
+    with pytest.warns(holo.HoloWarning, match="nothing is hit"):
+        holo.render(scene, views=(3, 3), lenses=(8, 8), focus_m=2.0, baseline_m=0.01)
+
+
+def test_progress_and_its_exceptions(garden, options):
+    seen = []
+    holo.render(garden, progress=lambda done, total: seen.append((done, total)), **{**options, "spp": 64})
+    assert all(done <= total for done, total in seen) and seen == sorted(seen)
+
+    def stop(done, total):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        holo.render(garden, progress=stop, **{**options, "lenses": (200, 300), "spp": 64})
+
+
+def test_other_threads_run_and_ctrl_c_stops(garden, options):
+    ticks = []
+    stopping = threading.Event()
+
+    def tick():
+        while not stopping.wait(0.01):
+            ticks.append(time.perf_counter())
+
+    def interrupt():
+        time.sleep(1.0)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    for work in (tick, interrupt):
+        threading.Thread(target=work, daemon=True).start()
+    start = time.perf_counter()
+    with pytest.raises(KeyboardInterrupt):
+        holo.render(garden, **{**options, "lenses": (200, 300), "spp": 4096})
+    stopping.set()
+    assert time.perf_counter() - start < 20
+    assert len(ticks) > 10, "the interpreter was not free"
+
+
+def test_command_line():
+    assert "holo" in run("--version").stdout
+    assert "Usage" in run("render", "--help").stdout
+    assert "--no-such" in run("render", "--no-such", code=2).stderr
+    assert json.loads(run("optics", "--focal-mm", "50", "--views", "9x9", "--lenses", "100x80", "--focus-m", "2", "--json").stdout)
+
+
+def test_datasets(tmp_path):
+    run("dataset", "--out", tmp_path / "d", "--scenes", "plaster,mountains", "--views", "3x2", "--sensor", "60x40", "--spp", "1",
+        "--write", "el,h5,disparity,depth", "--quiet")
+    dataset = holo.Dataset(tmp_path / "d")
+    assert [job.scene for job in dataset] == ["plaster", "mountains"] and dataset[0].views == (2, 3)
+    for job in dataset:
+        field = job.light_field
+        assert field.views == (2, 3) and field.array.dtype == np.float32
+        assert np.array_equal(job.view(1, 2), field.view(1, 2))
+        assert job.disparity.shape == job.depth.shape == field.lenses
+        assert job.manifest["rig"]["views"] == {"columns": 3, "rows": 2}
+    assert len(holo.Dataset(tmp_path / "d", scenes=["plaster"])) == 1
+    assert len(holo.Dataset(tmp_path / "d", views=[(9, 9)])) == 0
+    with pytest.raises(holo.Error, match="dataset.json"):
+        holo.Dataset(tmp_path)
