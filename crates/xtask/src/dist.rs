@@ -30,16 +30,26 @@ pub fn run(arguments: &[String]) -> Result {
         [argument] if argument == "--check" => true,
         _ => return Err("usage: cargo xtask dist [--check]".into()),
     };
-    let host = process::host()?;
-    let name = format!("holo-{}-{host}", env!("CARGO_PKG_VERSION"));
-    let binary = build()?;
-    let folder = target().join("dist").join(&name);
-    fill(&folder, &binary, &host)?;
+    let folder = unpacked()?;
+    let name = folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let archive = target().join("dist").join(format!("{name}{ENDING}"));
     pack(&folder, &archive)?;
     let size = std::fs::metadata(&archive).map_err(|why| format!("{}: {why}", archive.display()))?.len();
     println!("{} ({} MB)", archive.display(), size.div_ceil(1_000_000));
     if check_it { check(&folder, &archive, &name) } else { Ok(()) }
+}
+
+/// Makes the folder that is packed: program, Embree, readme and licenses.
+///
+/// # Errors
+///
+/// If the build, pip or a copy fails.
+pub fn unpacked() -> Result<PathBuf> {
+    let host = process::host()?;
+    let binary = build()?;
+    let folder = target().join("dist").join(format!("holo-{}-{host}", env!("CARGO_PKG_VERSION")));
+    fill(&folder, &binary, &host)?;
+    Ok(folder)
 }
 
 const ENDING: &str = if cfg!(windows) { ".zip" } else { ".tar.gz" };
@@ -53,7 +63,7 @@ fn build() -> Result<PathBuf> {
     Ok(target().join("release").join(BINARY))
 }
 
-/// Makes the folder that is packed.
+/// Fills the folder that is packed.
 fn fill(folder: &Path, binary: &Path, host: &str) -> Result {
     let _ = std::fs::remove_dir_all(folder);
     copy(binary, &folder.join(BINARY))?;

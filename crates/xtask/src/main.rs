@@ -13,6 +13,7 @@
 //! sanitize the renderer's tests under AddressSanitizer and ThreadSanitizer, parts under Miri (nightly)
 //! modules  the top-level modules of every library and what they import of each other; cycles are errors
 //! python   build the Python package and run its tests
+//! blender  the Blender extension in target/blender/; --bundle: with the program; --test: run its tests
 //! package  build each library from its package alone
 //! bench    setup + the benchmarks
 //! wild DIR setup + render every glTF file below DIR, compare with Cycles, write a table into target/wild/
@@ -20,6 +21,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod blender;
 mod cmake;
 mod demo;
 mod dist;
@@ -43,7 +45,7 @@ use std::process::ExitCode;
 use pip::Availability;
 
 const USAGE: &str = "usage: cargo xtask setup | build | demo | test | dist [--check] | clippy | doc | embree | \
-    fuzz [SECONDS [TARGET..]] | package | python [PYTEST ARGUMENTS] | modules | bench | report [--quick] [--peers] [--only TEXT] [--out DIR] | \
+    fuzz [SECONDS [TARGET..]] | package | python [PYTEST ARGUMENTS] | blender [--bundle] [--test] | modules | bench | report [--quick] [--peers] [--only TEXT] [--out DIR] | \
     sanitize [address] [thread] [miri] | wild DIR [--list FILE]";
 
 fn main() -> ExitCode {
@@ -81,6 +83,7 @@ fn run(arguments: &[String]) -> Result {
         },
         "fuzz" => fuzz::run(rest),
         "package" => package::run(),
+        "blender" => blender::run(rest),
         "python" => {
             setup()?;
             python::test(rest)

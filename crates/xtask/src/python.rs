@@ -72,6 +72,7 @@ fn folder() -> PathBuf {
     root().join("crates").join("holo-python")
 }
 
-fn packages() -> PathBuf {
+/// The packages that the tests need.
+pub fn packages() -> PathBuf {
     target().join("python-packages")
 }
