@@ -61,16 +61,25 @@ with zipfile.ZipFile(archive + '.part', 'w', zipfile.ZIP_DEFLATED) as out:
 os.replace(archive + '.part', archive)
 ";
 
-/// Runs the tests with the release build of the program. Blender's module fits one version of Python, so a machine without
+/// Runs the tests in two versions of Blender with the release build of the program. Blender's module fits one version of Python, so a machine without
 /// it is no failure unless `HOLO_REQUIRE_PEERS` is 1.
 fn run_tests(archive: &Path, arguments: &[&str]) -> Result {
-    let Some((python, home)) = renderers::blender()? else {
-        return not_run("needs Python 3.11 and Blender's module for it");
-    };
     if let Availability::Missing(why) = python::ensure()? {
         return not_run(&why);
     }
     crate::build()?;
+    for (name, module) in [("blender_lts", renderers::blender_lts()?), ("blender", renderers::blender()?)] {
+        let Some((python, home)) = module else {
+            return not_run("needs Python 3.11 and Blender's module for it");
+        };
+        println!("{name}:");
+        test_in(&python, home, archive, &target().join("blender").join(name), arguments)?;
+    }
+    Ok(())
+}
+
+/// Runs the tests in one version of Blender; images and a table go into `report`.
+fn test_in(python: &str, home: PathBuf, archive: &Path, report: &Path, arguments: &[&str]) -> Result {
     let tests = root().join("integrations").join("blender").join("tests");
     // Blender's own version of numpy comes first.
     let path = std::env::join_paths([home, tests.clone(), python::packages()]).map_err(|why| why.to_string())?;
@@ -78,7 +87,7 @@ fn run_tests(archive: &Path, arguments: &[&str]) -> Result {
     let mut pytest = Command::new(python.trim());
     pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider"]).arg(tests).args(arguments);
     pytest.env("PYTHONPATH", path).env("PYTHONDONTWRITEBYTECODE", "1").env("HOLO", program);
-    pytest.env("HOLOSCOPIC_ZIP", archive).env("HOLOSCOPIC_REPORT", target().join("blender"));
+    pytest.env("HOLOSCOPIC_ZIP", archive).env("HOLOSCOPIC_REPORT", report);
     process::run(&mut pytest)
 }
 

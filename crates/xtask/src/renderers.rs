@@ -24,6 +24,13 @@ const BLENDER: Requirements = Requirements {
     platforms: &[("linux", "x86_64"), ("macos", "aarch64"), ("windows", "x86_64")],
 };
 
+/// The oldest Blender that the extension supports.
+const BLENDER_LTS: Requirements = Requirements {
+    name: "blender_lts",
+    pythons: 11..=11,
+    platforms: &[("linux", "x86_64"), ("macos", "aarch64"), ("windows", "x86_64")],
+};
+
 /// Fetches what is missing; returns the environment in which the report finds it.
 ///
 /// # Errors
@@ -59,11 +66,24 @@ fn folder() -> PathBuf {
 ///
 /// If pip fails.
 pub fn blender() -> Result<Option<(String, PathBuf)>> {
-    let home = folder().join(BLENDER.name);
-    if let Availability::Missing(why) = pip::install(&BLENDER, &home)? {
-        eprintln!("xtask: no {}: {why}", BLENDER.name);
+    module(&BLENDER)
+}
+
+/// The same for the oldest Blender that the extension supports.
+///
+/// # Errors
+///
+/// If pip fails.
+pub fn blender_lts() -> Result<Option<(String, PathBuf)>> {
+    module(&BLENDER_LTS)
+}
+
+fn module(requirements: &Requirements) -> Result<Option<(String, PathBuf)>> {
+    let home = folder().join(requirements.name);
+    if let Availability::Missing(why) = pip::install(requirements, &home)? {
+        eprintln!("xtask: no {}: {why}", requirements.name);
     }
-    Ok(pip::installed(&BLENDER, &home).map(|python| (python, home)))
+    Ok(pip::installed(requirements, &home).map(|python| (python, home)))
 }
 
 /// The newest LLVM of the system from 16 on (14 and 15 fail on machines with AVX-512), or else that of the Rust compiler.

@@ -4,7 +4,7 @@
 import math
 
 # (width, height) in pixels.
-SENSORS = {"hd": (1920, 1080), "4k": (3840, 2160), "8k": (7900, 5300), "uhd8k": (7680, 4320)}
+SENSORS = {"hd": (1920, 1080), "4k": (3840, 2160), "8k": (7952, 5304), "uhd8k": (7680, 4320)}
 
 # The f-number whose aperture the views share without a baseline of their own.
 F_NUMBER = 5.0

@@ -39,7 +39,7 @@ class HoloscopicCamera(bpy.types.PropertyGroup):
         items=(
             ("hd", "HD", "1920 x 1080 px"),
             ("4k", "4K", "3840 x 2160 px"),
-            ("8k", "8K", "7900 x 5300 px, that of the paper"),
+            ("8k", "8K", "7952 x 5304 px, that of the paper"),
             ("uhd8k", "UHD 8K", "7680 x 4320 px"),
             ("OTHER", "Other", "A size of your own"),
         ),

@@ -1,0 +1,58 @@
+"""Makes the images of the guide: `python guide/make_images.py`, with the Python package installed. Two minutes on two cores."""
+
+import pathlib
+
+import holo
+import numpy as np
+
+OUT = pathlib.Path(__file__).parent / "src" / "images"
+
+
+def srgb(image, ev):
+    """8-bit codes of linear light."""
+    return holo.LightField(image[:, :, None, None]).encode(exposure=ev).array[:, :, 0, 0]
+
+
+def row(images, height, gap=8):
+    """Images side by side, each enlarged or reduced to a height by the nearest pixels."""
+    parts = []
+    for image in images:
+        scale = height / image.shape[0]
+        at = [np.minimum((np.arange(round(n * scale)) + 0.5) / scale, n - 1).astype(int) for n in image.shape[:2]]
+        parts += [image[at[0]][:, at[1]], np.full((height, gap, 3), 255, np.uint8)]
+    return np.concatenate(parts[:-1], axis=1)
+
+
+def field():
+    scene = holo.Scene.gallery("garden")
+    result = holo.render(scene, views=(20, 20), lenses=(265, 397), spp=8, disparity=(-1, 1), denoise="views")
+    codes = result.light_field.encode()
+    raw = codes.elemental_grid()[20 * 132 : 20 * 144, 20 * 216 : 20 * 228]
+    near, far = result.disparity.max(), result.disparity.min()
+    gray = ((result.disparity - far) / (near - far) * 255).astype(np.uint8)
+    images = [
+        codes.central,
+        raw,
+        srgb(result.light_field.refocus(-0.85), result.exposure_ev),
+        srgb(result.light_field.refocus(0.5), result.exposure_ev),
+        np.repeat(gray[:, :, None], 3, axis=2),
+    ]
+    holo.write_image(OUT / "field.png", row(images, 265))
+
+
+def noise():
+    scene = holo.Scene.gallery("glasses")
+    options = dict(lenses=(160, 240), integrator="path")
+    plain = holo.render(scene, views=(21, 21), spp=4, disparity=(-1, 1), **options)
+    clean = holo.render(scene, views=(21, 21), spp=4, disparity=(-1, 1), denoise="views", **options)
+    # The central view alone, with many samples.
+    many = holo.render(scene, views=(1, 1), spp=1024, focus_m=plain.rig.focus_distance_m, **options)
+    crop = np.s_[54:114, 80:158]
+    views = [render.light_field.central for render in (plain, clean, many)]
+    holo.write_image(OUT / "noise.png", row([srgb(view[crop], plain.exposure_ev) for view in views], 240))
+
+
+if __name__ == "__main__":
+    OUT.mkdir(parents=True, exist_ok=True)
+    field()
+    noise()
