@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! SceneSource + RenderSpec -> RenderJob -> folder (images, ground truth, parameters.cfg, manifest.json)
-//! scenes x view counts     -> DatasetPlan -> <scene>/<S>x<T>/ each, dataset.json, DATASET.md
+//! scenes x view counts     -> DatasetPlan -> <scene>/<S>x<T>/ each, dataset.json, DATASET.md, croissant.json
 //! ```
 //!
 //! A folder is complete when it has its manifest, which is written last and contains the digest of every file. A
@@ -32,6 +32,7 @@ pub mod options;
 pub mod text;
 
 mod checkpoint;
+mod croissant;
 mod decode;
 mod describe;
 mod develop;
@@ -62,6 +63,7 @@ mod verify;
 mod warning;
 
 pub use checkpoint::Checkpoints;
+pub use croissant::{CROISSANT_JSON, describe_croissant};
 pub use decode::{DecodeJob, write_white_images};
 pub use develop::{DemosaicMethod, DevelopJob, DevelopOutput, Developed, write_demosaiced};
 pub use diagnostics::{About, Deduplicated, Diagnostics};

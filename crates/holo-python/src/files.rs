@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use holo_core::{DynImage, DynLightFieldRef, GridSize, Layout, Sample, for_each_sample};
 use holo_io::{
-    ColorEncoding, Compression, ExrCompression, ExrSamples, ExrWriter, LightFieldReader, Limits, MatOptions, MatOrder,
-    ReadOptions,
+    ColorEncoding, Compression, ExrCompression, ExrSamples, ExrWriter, HciImage, HciTruth, LightFieldReader, Limits,
+    MatOptions, MatOrder, ParametersCfg, ReadOptions,
 };
 use ndarray::{Array3, Axis};
+use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 
 use crate::arrays::{Field, Image, give, give_field, give_image};
@@ -189,6 +190,39 @@ fn write_grid(
         }
         _ => return Err(Failure::Usage("PNG files hold integers; save the light field of encode()".into())),
     };
+    Ok(())
+}
+
+/// Writes a folder of the HCI benchmark; the maps, if there are any, are those of the central view, axes (row, column).
+#[pyfunction]
+pub fn write_hci(
+    py: Python<'_>,
+    folder: PathBuf,
+    field: Field<'_>,
+    rig: Rig,
+    disparity_px: Option<PyReadonlyArray2<'_, f32>>,
+    depth_m: Option<PyReadonlyArray2<'_, f32>>,
+) -> Result<(), Failure> {
+    let views = field.borrow()?;
+    let (disparity_px, depth_m) = (disparity_px.as_ref(), depth_m.as_ref());
+    let (disparity_px, depth_m) = (disparity_px.map(|map| map.as_array()), depth_m.map(|map| map.as_array()));
+    let mut parameters = ParametersCfg::from_rig(&rig.0);
+    if let Some(map) = &disparity_px {
+        let finite = || map.iter().filter(|value| value.is_finite()).map(|&value| f64::from(value));
+        let (min, max) = (finite().fold(f64::INFINITY, f64::min), finite().fold(-f64::INFINITY, f64::max));
+        if min <= max {
+            parameters.set_disparity_range_px(min, max);
+        }
+    }
+    let image = HciImage {
+        views: Some(views),
+        parameters: &parameters,
+        disparity_px: disparity_px.map_or(HciTruth::None, HciTruth::Central),
+        depth_m: depth_m.map_or(HciTruth::None, HciTruth::Central),
+        high_resolution: None,
+    };
+    std::fs::create_dir_all(&folder).map_err(|why| Failure::Failed(format!("{}: {why}", folder.display())))?;
+    py.detach(|| image.write(&folder, Compression::Best))?;
     Ok(())
 }
 

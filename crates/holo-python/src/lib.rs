@@ -54,6 +54,7 @@ fn _holo(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(images::plane_sweep, module)?,
         wrap_pyfunction!(images::png, module)?,
         wrap_pyfunction!(files::write_light_field, module)?,
+        wrap_pyfunction!(files::write_hci, module)?,
         wrap_pyfunction!(files::write_image, module)?,
         wrap_pyfunction!(files::read_image, module)?,
         wrap_pyfunction!(score::evaluate, module)?,

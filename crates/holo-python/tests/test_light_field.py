@@ -67,6 +67,21 @@ def test_exr_is_linear(tmp_path, rendering, numbered):
     assert list(tmp_path.iterdir()) == [tmp_path / "a_vpi.exr"], "nothing half-written stays"
 
 
+def test_hci_folders(tmp_path, rendering, numbered):
+    field = rendering.light_field
+    field.save_hci(tmp_path / "hci", rendering.disparity)
+    back = holo.open(tmp_path / "hci")
+    assert np.array_equal(back.array, field.encode().array) and back.views == (5, 4)
+    assert np.isclose(back.rig.baseline_m, field.rig.baseline_m)
+    # parameters.cfg has a range of one digit that contains that of the map.
+    low, high = back.disparity_range_px
+    assert 0.0 <= np.nanmin(rendering.disparity) - low < 0.2 and 0.0 <= high - np.nanmax(rendering.disparity) < 0.2
+    with pytest.raises(holo.UsageError, match="rig"):
+        numbered.save_hci(tmp_path / "none")
+    field.save_hci(tmp_path / "views")
+    assert holo.open(tmp_path / "views").views == (5, 4)
+
+
 def test_what_is_wrong_is_said(tmp_path, rendering):
     with pytest.raises(holo.UsageError, match="axes"):
         holo.LightField(np.zeros((3, 3)))

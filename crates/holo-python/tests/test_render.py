@@ -167,6 +167,18 @@ def test_warnings_are_warnings(options):
         holo.render(scene, views=(3, 3), lenses=(8, 8), focus_m=2.0, baseline_m=0.01)
 
 
+def test_without_embree_it_says_so_once(garden, options):
+    code = (
+        "import warnings, holo\n"
+        "warnings.simplefilter('always')\n"
+        "for _ in range(2):\n"
+        "    holo.render(holo.Scene.gallery('plaster'), views=(2, 2), lenses=(8, 8), spp=1, disparity=(-1, 1))\n"
+    )
+    environment = {**os.environ, "HOLO_EMBREE_LIB": "/nonexistent/libembree4.so"}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True)
+    assert done.stderr.count("pip install holoscopic[embree]") == 1, done.stderr
+
+
 def test_progress_and_its_exceptions(garden, options):
     seen = []
     holo.render(garden, progress=lambda done, total: seen.append((done, total)), **{**options, "spp": 64})

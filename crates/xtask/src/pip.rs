@@ -115,7 +115,8 @@ pub fn install(requirements: &Requirements, home: &Path) -> Result<Availability>
     run(
         Command::new(python)
             .args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--root-user-action=ignore"])
-            .args(["--no-warn-script-location", "--target"])
+            // The files list dependencies too; packages of the system, which pip would compare them with, do not matter.
+            .args(["--no-warn-script-location", "--no-deps", "--target"])
             .arg(&fresh),
         requirements,
     )?;

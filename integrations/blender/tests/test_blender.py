@@ -152,6 +152,23 @@ def drawn(camera):
     return labels
 
 
+def test_the_overlay_is_the_plane_of_zero_disparity(scene):
+    from holoscopic import overlay
+
+    camera = scene.camera
+    settings = camera.data.holoscopic
+    settings.spacing, settings.focus, settings.focus_m = "OWN", "OWN", 4.0
+    bpy.context.view_layer.update()
+    pairs = overlay.lines(camera, scene)
+    assert len(pairs) == 10
+    inverse = camera.matrix_world.inverted()
+    eye = [0.0, 0.0, 0.0]
+    depths = {round(-(inverse @ point).z, 4) for pair in pairs for point in pair if (inverse @ point).length > 1e-6}
+    assert depths == {4.0} and any((inverse @ pair[0]).to_tuple(5) == tuple(eye) for pair in pairs)
+    settings.spacing, settings.near_m = "DISPARITY", 0.0
+    assert overlay.lines(camera, scene) == [], "without depths there is no focus yet"
+
+
 def test_what_is_lost_is_listed(scene):
     from holoscopic import losses
 

@@ -5,7 +5,10 @@ mod config;
 use std::time::Instant;
 
 use clap::ArgMatches;
-use holo_dataset::{Checkpoints, DatasetJob, DatasetPlan, DatasetSummary, Deduplicated, JobSummary, sources, validate};
+use holo_dataset::{
+    Checkpoints, DatasetJob, DatasetPlan, DatasetSummary, Deduplicated, JobSummary, describe_croissant, sources,
+    validate,
+};
 use serde_json::json;
 
 use super::requested::requested;
@@ -61,6 +64,7 @@ pub fn run(options: DatasetOptions, matches: ArgMatches) -> Result<(), Failure> 
         table.push(summary);
     }
     bar.finish();
+    describe_croissant(&root)?;
     let seconds = start.elapsed().as_secs_f64();
     if !options.quiet {
         say!("\n{table} in {}; {seconds:.0} s", root.display());

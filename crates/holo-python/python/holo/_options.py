@@ -42,10 +42,10 @@ def tell(lines):
     """Hands diagnostics on: warnings as warnings, notes to the logger `holo`."""
     for line in lines:
         kind, _, text = line.partition(": ")
-        if kind == "warning":
-            warnings.warn(text, HoloWarning, stacklevel=3)
-        elif "Embree" in line:
+        if "built-in BVH" in text:
             _warn_of_slow_backend()
+        elif kind == "warning":
+            warnings.warn(text, HoloWarning, stacklevel=3)
         else:
             _LOG.info(text)
 

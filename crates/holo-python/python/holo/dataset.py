@@ -74,15 +74,15 @@ class Dataset(Sequence):
         views: Sequence[tuple[int, int]] | None = None,
     ):
         self.path = pathlib.Path(path)
-        index = self.path / "dataset.json"
-        if not index.is_file():
+        description = self.path / "dataset.json"
+        if not description.is_file():
             raise Error(f"{self.path}: no dataset.json; is it a folder that `holo dataset` wrote?")
-        self.index = json.loads(index.read_text(encoding="utf-8"))
+        self.description = json.loads(description.read_text(encoding="utf-8"))
         wanted = None if views is None else {tuple(size) for size in views}
         self.jobs = [
             Job(self.path / scene["name"] / f"{size[1]}x{size[0]}", scene["name"], size)
-            for scene in self.index["scenes"]
-            for size in ((shape["views"]["rows"], shape["views"]["columns"]) for shape in self.index[_SHAPES])
+            for scene in self.description["scenes"]
+            for size in ((shape["views"]["rows"], shape["views"]["columns"]) for shape in self.description[_SHAPES])
             if (scenes is None or scene["name"] in scenes) and (wanted is None or size in wanted)
         ]
 

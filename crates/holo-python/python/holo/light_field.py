@@ -191,9 +191,9 @@ class LightField:
                 raise UsageError("the rig is unknown, so a distance in meters has no meaning; give disparity=")
             disparity = self.rig.disparity_from_depth(float(distance_m))
         is_map = disparity is not None and np.ndim(disparity) > 0
-        shape, _, extent = aperture.partition(":")
+        shape, _, size = aperture.partition(":")
         try:
-            extent = float(extent or 0)
+            extent = float(size or 0)
         except ValueError:
             raise UsageError(f"aperture={aperture!r}: give all, disc:D, square:D or gaussian:D") from None
         request = {
@@ -245,6 +245,23 @@ class LightField:
         if mat_order not in ("lenses", "lftoolbox"):
             raise UsageError(f"mat_order={mat_order!r}: give lenses or lftoolbox")
         _holo.write_light_field(path, self.array, self.rig, self.is_srgb, mat_order == "lftoolbox")
+
+    def save_hci(
+        self, folder: str | os.PathLike, disparity: np.ndarray | None = None, depth: np.ndarray | None = None
+    ) -> None:
+        """Writes a folder of the HCI 4D light field benchmark: a PNG a view, `parameters.cfg`, and ground truth if it is given.
+
+        disparity: of the central view in pixels, axes (row, column). depth: in meters; by default what the rig makes of the
+        disparity. Light fields of floats are encoded to 8 bits first.
+        """
+        if self.rig is None:
+            raise UsageError("an HCI folder contains a rig, and that of this light field is unknown")
+        if disparity is not None:
+            disparity = np.asarray(disparity, dtype=np.float32)
+            depth = self.rig.depth_from_disparity(disparity) if depth is None else depth
+        depth = None if depth is None else np.asarray(depth, dtype=np.float32)
+        field = self if self.array.dtype.kind == "u" else self.encode()
+        _holo.write_hci(folder, field.array, self.rig, disparity, depth)
 
     def to_xarray(self):
         """An `xarray.DataArray` that shares memory, with the dimensions v, u, t, s, c and the rig's numbers as attributes."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -79,6 +79,8 @@ class RawRendering:
         """The views of the raw image; see `holo.decode`."""
         from .plenoptic import decode
 
+        if self.image is None:
+            raise UsageError("a raw image of the integrator depth has no color to decode")
         return decode(self.image, self.camera, white=white, views=views)
 
     def __repr__(self):
@@ -143,7 +145,7 @@ def render_to(
     scene: Scene | str | os.PathLike,
     *,
     camera_file: PlenopticCamera | str | os.PathLike | None = None,
-    tools: list[str] = (),
+    tools: Sequence[str] = (),
     shard: str | None = None,
     overwrite: bool = False,
     checkpoint: float = 30.0,
@@ -221,7 +223,9 @@ def _refuse(options, names, instead):
 
 
 def _finite_range(disparity):
-    finite = () if disparity is None else disparity[np.isfinite(disparity)]
+    if disparity is None:
+        return None
+    finite = disparity[np.isfinite(disparity)]
     return (float(finite.min()), float(finite.max())) if len(finite) and finite.min() < finite.max() else None
 
 
@@ -229,11 +233,15 @@ class _bar:
     """A function of (done, total) for `progress`, or None."""
 
     def __init__(self, progress):
-        self.progress, self.bar = progress, None
+        self.progress: Any = progress
+        self.bar: Any = None
 
     def __enter__(self):
         if self.progress is True:
-            from tqdm.auto import tqdm
+            try:
+                from tqdm.auto import tqdm
+            except ImportError:
+                raise UsageError("progress=True shows a bar of tqdm: install it, or give a function of (done, total)") from None
 
             self.bar = tqdm(unit="tile")
             return self._step

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import pathlib
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -65,15 +66,14 @@ class Light:
     """A punctual light; see `Scene.from_meshes`."""
 
     kind: str
-    intensity: tuple
+    intensity: tuple | float
     position: tuple = (0.0, 0.0, 0.0)
     direction: tuple = (0.0, -1.0, 0.0)
     angles: tuple = field(default=(0.0, math.pi / 4))
 
     def _as_item(self):
         numbers = {name: [float(x) for x in getattr(self, name)] for name in ("position", "direction", "angles")}
-        light = self.intensity
-        rgb = [float(light)] * 3 if np.ndim(light) == 0 else [float(x) for x in light]
+        rgb = [float(x) for x in np.broadcast_to(np.asarray(self.intensity, dtype=float), 3)]
         return {"kind": self.kind, "intensity": rgb, **numbers}
 
 
@@ -123,7 +123,7 @@ class Scene:
         up: tuple = (0.0, 1.0, 0.0),
         sun: tuple | None = None,
         sun_direction: tuple = (-0.4, -1.0, -0.3),
-        points: list[tuple] = (),
+        points: Sequence[tuple] = (),
         name: str = "scene",
     ) -> Scene:
         """A scene of numpy arrays.
