@@ -75,7 +75,7 @@ pub use optics::{NamedQuantity, camera_optics, planned_rig, rig_optics};
 pub use output_folder::{OutputFolder, Rollback};
 pub use plan::{DatasetJob, DatasetPlan, JobOutcome, sources};
 pub use prepare::Prepared;
-pub use raw::{RawJob, RawReport, warnings as camera_warnings};
+pub use raw::{RawJob, RawLayers, RawReport, warnings as camera_warnings};
 pub use report::{RenderReport, Seconds};
 pub use shard::merge;
 pub use source::SceneSource;

@@ -9,7 +9,7 @@ use holo_core::GridSize;
 use holo_core::plenoptic::PlenopticMode;
 use holo_io::{CameraFile, Manifest, ManifestValue, Sha256};
 use holo_render::{GroundTruth, Integrator, Layer, LayerSet, Progress, RawRendered, RawRequest, RayCounts, Renderer};
-use ndarray::Axis;
+use ndarray::{Array2, Axis};
 use serde_json::{Value, json};
 
 use crate::diagnostics::{About, Diagnostics};
@@ -19,10 +19,10 @@ use crate::job::{source_identity, transport};
 use crate::options::{self, Options, integrator_name};
 use crate::output_folder::{OutputFolder, Rollback};
 use crate::prepare::{PreparedScene, prepare_scene};
-use crate::raw_files::{RawTraced, TOOLS, lit_white_image, wanted_layers};
+use crate::raw_files::{RawTraced, TOOLS, lit_white_image, raw_layer, wanted_layers};
 use crate::report::Seconds;
 use crate::source::SceneSource;
-use crate::spec::{EngineSpec, LayerChoice, Output, RenderSpec, Shard};
+use crate::spec::{EngineSpec, LayerChoice, Output, RawLayer, RenderSpec, Shard};
 use crate::{Error, shard, text};
 
 /// One raw image: a scene, a plenoptic camera, and how it is rendered.
@@ -67,6 +67,9 @@ pub struct RawReport {
     /// Names of the files, relative to the folder.
     pub files: Vec<String>,
 }
+
+/// Layers that follow from the camera, axes (row, column).
+pub type RawLayers = Vec<(RawLayer, Array2<f32>)>;
 
 impl RawJob {
     /// Creates a job whose manifest contains the specification as [`RenderSpec::to_options`] writes it.
@@ -159,17 +162,27 @@ impl RawJob {
         })
     }
 
-    /// Renders the complete raw image into memory, without files.
+    /// Renders the complete raw image into memory, without files; returns it with the requested layers that follow from the
+    /// camera, axes (row, column).
     ///
     /// # Errors
     /// As [`run`](Self::run), without those of files that are written.
-    pub fn render(&self, progress: &dyn Progress, diagnostics: &dyn Diagnostics) -> Result<RawRendered, Error> {
+    pub fn render(
+        &self,
+        progress: &dyn Progress,
+        diagnostics: &dyn Diagnostics,
+    ) -> Result<(RawRendered, RawLayers), Error> {
         self.validate()?;
+        let white = lit_white_image(&self.camera)?;
         warnings(&self.camera).iter().for_each(|line| diagnostics.report(About::Setup, &format!("warning: {line}")));
         let sky = Some(&self.spec.sky);
         let prepared = prepare_scene((&self.source, &self.spec.scene), &self.spec.rig, &self.engine, sky, diagnostics)?;
         let rows = 0..self.camera.camera.sensor().size.rows;
-        Ok(prepared.renderer.render_raw(&self.request(rows), progress)?)
+        let rendered = prepared.renderer.render_raw(&self.request(rows), progress)?;
+        let (_, others) = wanted_layers(&self.spec);
+        let layer = |layer: RawLayer| Some((layer, raw_layer(&self.camera.camera, layer, &rendered, &white)?));
+        let layers = prepared.renderer.install(|| others.into_iter().filter_map(layer).collect());
+        Ok((rendered, layers))
     }
 
     fn validate(&self) -> Result<(), Error> {

@@ -202,7 +202,7 @@ pub(crate) fn centers(camera: &PlenopticCamera) -> String {
 }
 
 /// A layer that follows from the camera, the depth of the chief rays, or the statistics of the samples, if there are any.
-fn raw_layer(
+pub(crate) fn raw_layer(
     camera: &PlenopticCamera,
     layer: RawLayer,
     rendered: &RawRendered,

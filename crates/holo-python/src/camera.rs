@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use holo_core::GridSize;
 use holo_core::plenoptic::presets;
 use holo_io::CameraFile;
-use ndarray::{Array1, Array2};
+use ndarray::Array1;
 use numpy::{PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -126,12 +126,9 @@ impl PlenopticCamera {
         let camera = &self.0.camera;
         let views = views.map_or_else(|| camera.decodable_views(), Ok)?;
         let (raw, white) = (raw.as_array(), white.as_ref().map(|white| white.as_array()));
-        let decoded = py.detach(|| {
-            let own: Option<Array2<f32>> = white.is_none().then(|| camera.white_image()).transpose()?;
-            match white.or(own.as_ref().map(|own| own.view())) {
-                Some(white) => camera.decode(raw, white, views),
-                None => Err(holo_core::Error::ZeroCount { what: "white images" }),
-            }
+        let decoded = py.detach(|| match white {
+            Some(white) => camera.decode(raw, white, views),
+            None => camera.decode(raw, camera.white_image()?.view(), views),
         })?;
         let (field, weight) = (decoded.light_field.into_samples(), decoded.weight.into_samples());
         Ok((give(py, field), give(py, weight), Rig(decoded.rig), decoded.roll_rad))

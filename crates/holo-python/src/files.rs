@@ -181,15 +181,16 @@ fn write_grid(
         return Ok(());
     }
     let encoding = if is_srgb { ColorEncoding::Srgb } else { ColorEncoding::Linear };
-    match field {
-        DynLightFieldRef::U8(field) => {
-            holo_io::write_png(path, grid(&field, layout)?.view(), encoding, Compression::Best)?
-        }
-        DynLightFieldRef::U16(field) => {
-            holo_io::write_png(path, grid(&field, layout)?.view(), encoding, Compression::Best)?
-        }
-        _ => return Err(Failure::Usage("PNG files hold integers; save the light field of encode()".into())),
+    let image: DynImage = match field {
+        DynLightFieldRef::U8(field) => grid(&field, layout)?.into(),
+        DynLightFieldRef::U16(field) => grid(&field, layout)?.into(),
+        _ => return Err(Failure::Usage("PNG and TIFF files hold integers; save the light field of encode()".into())),
     };
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("png")) {
+        holo_io::write_png(path, image.as_image_ref(), encoding, Compression::Best)?;
+    } else {
+        holo_io::write_image(path, image.as_image_ref())?;
+    }
     Ok(())
 }
 

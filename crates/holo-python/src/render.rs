@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use holo_core::{LightFieldOwned, Sample};
 use holo_dataset::options::{Options, integrator_name};
 use holo_dataset::{About, Checkpoints, RawJob, RenderJob, Rollback, Shard, Tool};
-use holo_render::{Backend, Layer, Layers, RawRendered, RayCounts};
+use holo_render::{Backend, Layer, Layers, RayCounts};
 use ndarray::{Array, Array3, Axis, Dimension};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -133,15 +133,13 @@ pub fn render_raw<'py>(
 ) -> Result<Bound<'py, PyDict>, Failure> {
     let mut job = RawJob::new(source.open()?, camera.0, options::spec(&options)?);
     job.engine = options::engine(&engine.0, engine.1)?;
-    let (rendered, lines): Told<RawRendered> =
+    let ((rendered, others), lines) =
         watch::run(py, progress.as_ref(), |watch| listening(|tell| job.render(watch, tell)))?;
     let result = PyDict::new(py);
     result.set_item("color", rendered.color.map(|color| give(py, color)))?;
     let layers = give_layers(py, rendered.layers, |image| give_plane(py, image))?;
-    if let Some(statistics) = rendered.statistics {
-        layers.set_item("inverse-depth-mean", give(py, statistics.inverse_depth_mean))?;
-        layers.set_item("inverse-depth-deviation", give(py, statistics.inverse_depth_deviation))?;
-        layers.set_item("coverage", give(py, statistics.coverage))?;
+    for (layer, image) in others {
+        layers.set_item(layer.name(), give(py, image))?;
     }
     result.set_item("layers", layers)?;
     result.set_item("integrator", integrator_name(rendered.integrator))?;

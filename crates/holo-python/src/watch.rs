@@ -53,15 +53,15 @@ where
         while !worker.is_finished() {
             py.detach(|| std::thread::park_timeout(INTERVAL));
             let now = (watch.done.load(Ordering::Relaxed), watch.total.load(Ordering::Relaxed));
-            let mut asked = py.check_signals();
-            if let (Ok(()), Some(progress)) = (&asked, progress)
+            let mut heard = py.check_signals();
+            if let (Ok(()), Some(progress)) = (&heard, progress)
                 && now != told
                 && exception.is_none()
             {
-                asked = progress.call1(now).map(drop);
+                heard = progress.call1(now).map(drop);
                 told = now;
             }
-            if let (Err(error), None) = (asked, &exception) {
+            if let (Err(error), None) = (heard, &exception) {
                 watch.stop.store(true, Ordering::Relaxed);
                 exception = Some(error);
             }

@@ -41,13 +41,15 @@ def test_grids_are_there_and_back(numbered):
         holo.LightField.from_elemental_grid(raw, (4, 4))
 
 
-@pytest.mark.parametrize("name", ["lf.h5", "lf.mat", "scene_el.png", "scene_vpi.png"])
+@pytest.mark.parametrize("name", ["lf.h5", "lf.mat", "scene_el.png", "scene_vpi.png", "scene_el.tif"])
 def test_files_return_what_was_saved(tmp_path, numbered, name, rendering):
     field = numbered
     if name == "lf.h5":
         field = rendering.light_field
     field.save(tmp_path / name)
-    needs_views = name.endswith(".png")
+    if name.endswith(".tif"):
+        assert (tmp_path / name).read_bytes()[:2] == b"II", "a TIFF, not a PNG by another name"
+    needs_views = name.startswith("scene")
     back = holo.open(tmp_path / name, views=field.views if needs_views else None)
     assert back.array.dtype == field.array.dtype and np.array_equal(back.array, field.array)
     assert back.is_srgb == field.is_srgb

@@ -88,9 +88,11 @@ def test_plenoptic_camera(tmp_path):
     assert camera.adjusted(focus_m=0.5).optics()["focus_distance_m"] == pytest.approx(0.5)
     small = holo.PlenopticCamera.from_toml(SMALL_CAMERA, "small")
     scene = holo.Scene.gallery("plaster")
-    raw = holo.render_raw(scene, small, spp=4, layers=["depth", "coverage"])
+    raw = holo.render_raw(scene, small, spp=4, layers=["depth", "coverage", "white", "lens-row"])
     rows, columns = small.sensor
     assert raw.image.shape == (rows, columns, 3) and raw.layers["depth"].shape == (rows, columns)
+    assert np.array_equal(raw.layers["white"], small.white_image()) and raw.layers["coverage"].max() <= 1.0
+    assert set(np.unique(raw.layers["lens-row"])) <= set(small.micro_images()["row"].astype(np.float32))
     holo.render_to(tmp_path / "raw", scene, camera_file=small, spp=4, write=["raw"])
     written = holo.read_image(tmp_path / "raw" / "raw.exr")
     assert np.allclose(written, raw.image, rtol=1e-3, atol=1e-4)

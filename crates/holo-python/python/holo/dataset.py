@@ -1,4 +1,4 @@
-"""Datasets of `holo dataset`: jobs as a sequence, light fields when they are asked for."""
+"""Datasets of `holo dataset`: jobs as a sequence, light fields read at access."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _SHAPES = "splits"
 
 
 class Job:
-    """A light field of a dataset: one scene with one number of views. Nothing is read before it is asked for."""
+    """A light field of a dataset: one scene with one number of views. Everything is read at access."""
 
     __slots__ = ("path", "scene", "views")
 
