@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panel asks of a camera; stored with the camera in the .blend file."""
+"""What the panel sets for a camera; stored with the camera in the .blend file."""
 
 import math
 
