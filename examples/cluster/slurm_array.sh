@@ -21,9 +21,6 @@ fi
 out=$1
 shift
 
-# What is freed goes back to the system at once (see README.md).
-export MALLOC_MMAP_THRESHOLD_=1048576
-
 # Arrays may begin at any number; shards count from 1.
 part=$((SLURM_ARRAY_TASK_ID - SLURM_ARRAY_TASK_MIN + 1))
 exec "${HOLO:-holo}" dataset --out "$out" --shard "$part/$SLURM_ARRAY_TASK_COUNT" --threads "$SLURM_CPUS_PER_TASK" "$@"

@@ -100,6 +100,8 @@ pub enum Command {
     Develop(DevelopOptions),
     /// Demosaic the codes that `holo develop` wrote.
     Demosaic(DemosaicOptions),
+    /// Pack a dataset into WebDataset archives (.tar) for training.
+    Pack(PackOptions),
     /// Check a dataset, or one folder of it, against the sizes and hashes in its manifest.json.
     Verify(VerifyOptions),
 }
@@ -346,6 +348,25 @@ pub struct SceneOptions {
 pub struct VerifyOptions {
     /// A folder that `holo render` or `holo dataset` wrote.
     pub folder: PathBuf,
+}
+
+#[derive(Args, Debug)]
+pub struct PackOptions {
+    /// The folder of `holo dataset`.
+    pub dataset: PathBuf,
+    /// Folder for the archives: train-000000.tar, test-000000.tar and so on; created if missing.
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Files of every light field, without `scene_`, separated by commas, such as el.png,disparity.pfm [default: all
+    /// except for vpi.png, 5d.mat and subfolders].
+    #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
+    pub fields: Vec<String>,
+    /// Largest size of an archive, MB; one light field is never divided.
+    #[arg(long, value_name = "MB", default_value_t = 1000)]
+    pub max_mb: u64,
+    /// Print no summary.
+    #[arg(long)]
+    pub quiet: bool,
 }
 
 #[derive(Args, Debug)]

@@ -12,6 +12,7 @@ pub mod extract;
 pub mod info;
 pub mod merge;
 pub mod optics;
+pub mod pack;
 pub mod quilt;
 pub mod refocus;
 pub mod remap;

@@ -74,6 +74,40 @@ fn what_is_done_is_kept_and_a_changed_setting_redoes_what_it_touches() {
     assert_eq!(states(&made(&bench, "set", "--json --quiet --write el,depth --seed 1")), ["made"; 4]);
 }
 
+/// The catalog of finished folders, and the same as archives for training.
+#[test]
+fn a_dataset_is_described_and_packed() {
+    let bench = Bench::new();
+    made(&bench, "set", "--quiet --layers depth,disparity,visibility --denoise views");
+    let table = std::fs::read_to_string(bench.path("set/light_fields.csv")).unwrap();
+    let mut lines = table.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let (names, first) = (lines.next().unwrap(), lines.next().unwrap());
+    let value = |name: &str| first[names.iter().position(|own| *own == name).unwrap()];
+    assert_eq!((lines.count(), value("folder"), value("view_columns")), (3, "tiny/2x2", "2"));
+    for part in ["seen_by_all_views", "error_median", "mean_red", "deviation_blue", "depth_median_m"] {
+        let number: f64 = value(part).parse().unwrap();
+        assert!(number > 0.0, "{part}: {number}");
+    }
+    let visibility = holo_io::read_pfm(bench.path("set/tiny/5x5/scene_visibility.pfm"), &Default::default()).unwrap();
+    assert!(visibility.values.iter().all(|part| (0.04..=1.0).contains(part)));
+    let train = std::fs::read_to_string(bench.path("set/train.txt")).unwrap();
+    assert_eq!(train, "tiny/2x2\ntiny/3x3\ntiny/4x2\ntiny/5x5\n");
+    // Each view count has a sheet, until a dataset without it.
+    assert!(bench.path("set/contact_sheet_4x2.png").is_file());
+    let outcome = bench.run(&format!("{} --out set --quiet", SMALL.replace("4x2,", "")));
+    assert_eq!((outcome.code, bench.path("set/contact_sheet_4x2.png").exists()), (Some(0), false), "{outcome:?}");
+
+    made(&bench, "set", "--quiet");
+    let outcome = bench.run("pack set --out archives --fields el.png,disparity.pfm");
+    assert_eq!((outcome.code, bench.list("archives")), (Some(0), vec!["train-000000.tar".to_owned()]), "{outcome:?}");
+    assert!(outcome.stderr.contains("train-000000.tar: 4 light fields"), "{outcome:?}");
+    let outcome = bench.run("pack set --out archives");
+    assert_eq!(outcome.code, Some(2), "{outcome:?}");
+    assert!(outcome.stderr.contains("exists already"), "{outcome:?}");
+    let outcome = bench.run("pack nothing --out other");
+    assert_eq!((outcome.code, bench.path("other").exists()), (Some(1), false), "{outcome:?}");
+}
+
 #[test]
 fn what_is_to_be_known_is_said_once() {
     let bench = Bench::new();

@@ -30,6 +30,7 @@ fn one_object_with_every_promised_key() {
             "rig",
             "samples",
             "seconds",
+            "statistics",
             "threads",
             "warnings"
         ]

@@ -128,6 +128,7 @@ impl DecodeJob {
         let rendered = Rendered {
             color: Some(decoded.light_field),
             error: None,
+            error_distribution: None,
             central,
             all: None,
             integrator: Integrator::Auto,
@@ -139,8 +140,8 @@ impl DecodeJob {
         let mut parameters = ParametersCfg::from_rig(&rig);
         parameters.scene = self.scene.as_ref().map_or_else(String::new, SceneSource::name);
         let wanted = Wanted::new(&spec);
-        let traced =
-            Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m: None, warnings: Vec::new() };
+        let (highres_depth_m, visibility, warnings) = (None, None, Vec::new());
+        let traced = Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m, visibility, warnings };
         let weight = decoded.weight.view(views / 2, views / 2)?.index_axis(Axis(2), 0).to_owned();
         folder.unseal()?;
         write_white(&mut folder, "scene_weight", &weight)?;

@@ -101,12 +101,25 @@ fn write_contents(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
     )?;
     writeln!(text, "## Scenes\n\n| folder | what it is there for |\n|---|---|")?;
     scenes.iter().try_for_each(|scene| writeln!(text, "| `{}` | {} |", scene.name, scene.purpose))?;
-    writeln!(text, "\n## Splits\n\nEvery scene has a folder a split, named by its views, columns x rows.\n")?;
+    writeln!(text, "\n## View counts\n\nEvery scene has a folder for each, named by its views, columns x rows.\n")?;
     writeln!(text, "| folder | views | lenses (pixels of a view) | raw image, px |\n|---|---|---|---|")?;
     for shape in shapes {
         let (views, lenses, raw) =
             (shape.views().to_string(), shape.lenses().to_string(), shape.raw_size().to_string());
         writeln!(text, "| `{views}` | {views} | {lenses} | {raw} |")?;
+    }
+    if let Some(first) = shapes.first() {
+        let views = first.views();
+        writeln!(text, "\n![Contact sheet of all scenes with {views} views](contact_sheet_{views}.png)\n")?;
+        writeln!(
+            text,
+            "The scenes in the order of the table, with {views} views: the central view, and a part of the raw image at its real\n\
+             size. `contact_sheet_<S>x<T>.png` has the same for every number of views."
+        )?;
+    }
+    writeln!(text, "\n## Lists\n\n| file | what |\n|---|---|")?;
+    for (file, what) in LISTS {
+        writeln!(text, "| `{file}` | {what} |")?;
     }
     writeln!(text, "\n## Files\n\n| file | what |\n|---|---|")?;
     for (file, what) in FILES {
@@ -128,7 +141,7 @@ fn write_origin(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
     )?;
     writeln!(text, "```\nholo dataset --out DIR \\")?;
     writeln!(text, "    --scenes {} \\", join(scenes.iter().map(|scene| scene.name.clone())))?;
-    write!(text, "    --splits {}", join(shapes.iter().map(|shape| shape.views().to_string())))?;
+    write!(text, "    --views {}", join(shapes.iter().map(|shape| shape.views().to_string())))?;
     for argument in arguments(&index.options).filter(|argument| !argument.ends_with('=')) {
         write!(text, " \\\n    {argument}")?;
     }
@@ -148,15 +161,27 @@ fn write_origin(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
     )
 }
 
-/// Files of a folder, as `DATASET.md` lists them. The text must not change.
-const FILES: [(&str, &str); 9] = [
+/// Files of the root, as `DATASET.md` lists them. They are written when all jobs are done.
+const LISTS: [(&str, &str); 4] = [
+    ("croissant.json", "MLCommons Croissant: every file with its SHA-256, a record for each light field"),
+    ("light_fields.csv", "the same records as a table: rig, disparities, depths, mean and deviation of color, error"),
+    (
+        "train.txt, test.txt",
+        "the folders for training and for tests; a scene is in one of both with all its view counts",
+    ),
+    ("dataset.json", "scenes, view counts, options and conventions, for programs"),
+];
+
+/// Files of a folder, as `DATASET.md` lists them.
+const FILES: [(&str, &str); 10] = [
     (names::ELEMENTAL_PNG, "the raw image behind the lenses"),
     (names::VIEWPOINT_PNG, "all views side by side"),
     (names::LIGHT_FIELD_MAT, "the light field as a 5D array for MATLAB"),
-    (names::LIGHT_FIELD_HDF5, "the same in linear light, where it was asked for"),
+    (names::LIGHT_FIELD_HDF5, "the same in linear light, if it was requested"),
     (names::DISPARITY_PFM, "disparity of the central view, px between adjacent views"),
-    (names::DISPARITY_PNG, "the same as a picture, brighter is nearer"),
+    (names::DISPARITY_PNG, "the same as an image, brighter is nearer"),
     (names::DEPTH_PFM, "depth of the central view, m"),
+    ("scene_visibility.pfm", "part of all views that see the point of a pixel, if it was requested; 1: no occlusion"),
     (names::PARAMETERS_CFG, "the cameras, with the keys of the HCI benchmark"),
     (names::MANIFEST_JSON, "settings, versions, exposure, and the SHA-256 of every file"),
 ];

@@ -10,6 +10,7 @@ use crate::images::{self, Images};
 use crate::layers::{self, Wanted};
 use crate::output_folder::OutputFolder;
 use crate::spec::{Exposure, LayerChoice, Output, RenderSpec};
+use crate::statistics::Statistics;
 use crate::warning::RenderWarning;
 
 /// A render before its files are written.
@@ -23,6 +24,8 @@ pub(crate) struct Traced {
     pub parameters: ParametersCfg,
     /// Depth of the central view in high resolution, m.
     pub highres_depth_m: Option<Array2<f32>>,
+    /// The part of all views that sees the points of the central view.
+    pub visibility: Option<Array2<f32>>,
     /// Of a shard none.
     pub warnings: Vec<RenderWarning>,
 }
@@ -30,6 +33,7 @@ pub(crate) struct Traced {
 /// The result of writing the files.
 pub(crate) struct Finished {
     pub disparity_px: Option<(f64, f64)>,
+    pub statistics: Statistics,
     pub files: Vec<String>,
 }
 
@@ -92,6 +96,10 @@ pub(crate) fn write(
     }
     folder.unseal()?;
     layers::write(&mut folder, &traced.wanted, rendered, disparity_px)?;
+    if let Some(visibility) = &traced.visibility {
+        layers::write_visibility(&mut folder, visibility)?;
+    }
+    let mut statistics = Statistics::new(rendered, traced.visibility.as_ref());
     let images = Images {
         spec,
         outputs: &outputs,
@@ -99,10 +107,12 @@ pub(crate) fn write(
         parameters: &parameters,
         highres_depth_m: traced.highres_depth_m.as_ref(),
     };
-    images.write(&mut folder, &traced.wanted, rendered, exposure_ev)?;
+    statistics.color = images.write(&mut folder, &traced.wanted, rendered, exposure_ev)?;
     folder.add(dataset::PARAMETERS_CFG, parameters.write(folder.file(dataset::PARAMETERS_CFG))?);
-    let files = folder.seal(Manifest { disparity_px, exposure_ev, ..traced.manifest })?;
-    Ok(Finished { disparity_px, files })
+    let mut manifest = Manifest { disparity_px, exposure_ev, ..traced.manifest };
+    statistics.write_to(&mut manifest);
+    let files = folder.seal(manifest)?;
+    Ok(Finished { disparity_px, statistics, files })
 }
 
 /// The outputs to write: the requested ones, or without a request the default ones if there is color.

@@ -12,6 +12,7 @@ use ndarray::{Array2, Array3, ArrayView3, Axis};
 use crate::layers::{self, Wanted};
 use crate::output_folder::OutputFolder;
 use crate::spec::{Output, RenderSpec};
+use crate::statistics::ColorStatistics;
 use crate::{Error, develop, exr};
 
 /// The resolution of ground truth of high resolution, relative to that of a view: the scale at which the evaluation
@@ -58,14 +59,14 @@ pub(crate) struct Images<'a> {
 }
 
 impl Images<'_> {
-    /// Writes all outputs that contain color.
+    /// Writes all outputs that contain color; returns the statistics of the integers, if there are any.
     pub fn write(
         &self,
         folder: &mut OutputFolder,
         wanted: &Wanted,
         rendered: &mut Rendered,
         exposure_ev: Option<f64>,
-    ) -> Result<(), Error> {
+    ) -> Result<Option<ColorStatistics>, Error> {
         if self.wants(Output::Exr) {
             exr::write_central(folder, rendered)?;
             let grids = [(Output::El, Layout::ElementalGrid), (Output::Vpi, Layout::ViewpointGrid)];
@@ -93,15 +94,17 @@ impl Images<'_> {
                 let coded = exposure::encode_16bit(&color, ev)?;
                 drop(color);
                 self.write_coded(folder, &coded, rendered)?;
-            } else {
-                let coded = exposure::encode_8bit(&color, ev)?;
-                drop(color);
-                self.write_coded(folder, &coded, rendered)?;
+                return Ok(Some(ColorStatistics::new(&coded)));
             }
-        } else if self.wants_hci() {
+            let coded = exposure::encode_8bit(&color, ev)?;
+            drop(color);
+            self.write_coded(folder, &coded, rendered)?;
+            return Ok(Some(ColorStatistics::new(&coded)));
+        }
+        if self.wants_hci() {
             self.write_hci::<u8>(folder, None, rendered)?;
         }
-        Ok(())
+        Ok(None)
     }
 
     fn wants_hci(&self) -> bool {

@@ -44,6 +44,8 @@ pub struct RenderJob {
 pub struct Rendering {
     /// Color and layers.
     pub rendered: Rendered,
+    /// [`Renderer::visibility`], if it was requested.
+    pub visibility: Option<Array2<f32>>,
     /// The rig.
     pub rig: Rig,
     /// The exposure compensation with which integers are written, EV; `None` without color.
@@ -148,7 +150,8 @@ impl RenderJob {
             render: start.elapsed().as_secs_f64(),
             ..Seconds::default()
         };
-        Ok(Rendering { rendered: traced.rendered, rig: traced.rig, exposure_ev, seconds, warnings: traced.warnings })
+        let Traced { rendered, rig, visibility, warnings, .. } = traced;
+        Ok(Rendering { rendered, visibility, rig, exposure_ev, seconds, warnings })
     }
 
     /// Writes the files of what was rendered since `rendering`.
@@ -187,6 +190,7 @@ impl RenderJob {
             why,
             rig,
             disparity_px: finished.disparity_px,
+            statistics: finished.statistics,
             files: finished.files,
             warnings,
         })
@@ -270,7 +274,8 @@ impl RenderJob {
         let parameters = self.parameters(prepared);
         let is_highres = spec.outputs.contains(&Output::HciHighres);
         let highres_depth_m = is_highres.then(|| highres_depth_m(prepared)).transpose()?;
-        Ok(Traced { rendered, wanted, rig: prepared.rig, manifest, parameters, highres_depth_m, warnings })
+        let visibility = if wanted.visibility { Some(prepared.renderer.visibility(request, &())?) } else { None };
+        Ok(Traced { rendered, wanted, rig: prepared.rig, manifest, parameters, highres_depth_m, visibility, warnings })
     }
 
     fn parameters(&self, prepared: &Prepared) -> ParametersCfg {

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use holo_core::LightFieldOwned;
 use holo_io::{Compression, FileDigest, dataset};
 use holo_render::{GroundTruth, Layer, LayerSet, Layers, Rendered};
-use ndarray::{ArrayView3, Axis};
+use ndarray::{Array2, ArrayView3, Axis};
 use rayon::prelude::*;
 
 use crate::Error;
@@ -21,6 +21,9 @@ const COLOR: &str = "color";
 
 /// The name of the estimated error of color among the layers.
 const ERROR: &str = "error";
+
+/// The name of the part of all views that sees a point.
+const VISIBILITY: &str = "visibility";
 
 /// The layers that are requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +38,8 @@ pub(crate) struct Wanted {
     pub color: bool,
     /// Whether the estimated error of color is written.
     pub error: bool,
+    /// Whether the visibility of the central view is written.
+    pub visibility: bool,
 }
 
 impl Wanted {
@@ -65,6 +70,7 @@ impl Wanted {
             all: if spec.ground_truth == GroundTruth::All { held } else { LayerSet::EMPTY },
             color: named.iter().any(|layer| matches!(layer, LayerChoice::Color | LayerChoice::All)),
             error: named.contains(&LayerChoice::Error),
+            visibility: named.contains(&LayerChoice::Visibility),
         }
     }
 
@@ -72,7 +78,8 @@ impl Wanted {
     pub(crate) fn names(&self, rendered: &Rendered) -> Vec<&'static str> {
         let color = (self.color && rendered.color.is_some()).then_some(COLOR);
         let error = rendered.error.is_some().then_some(ERROR);
-        color.into_iter().chain(self.written.iter().map(Layer::name)).chain(error).collect()
+        let visibility = self.visibility.then_some(VISIBILITY);
+        color.into_iter().chain(self.written.iter().map(Layer::name)).chain(visibility).chain(error).collect()
     }
 }
 
@@ -85,7 +92,7 @@ pub(crate) fn needing_color(spec: &RenderSpec) -> Option<&'static str> {
 
 fn layers(choice: LayerChoice) -> LayerSet {
     match choice {
-        LayerChoice::Color | LayerChoice::Error | LayerChoice::Raw(_) => LayerSet::EMPTY,
+        LayerChoice::Color | LayerChoice::Error | LayerChoice::Visibility | LayerChoice::Raw(_) => LayerSet::EMPTY,
         LayerChoice::All => LayerSet::ALL,
         LayerChoice::One(layer) => LayerSet::of(&[layer]),
     }
@@ -113,6 +120,11 @@ pub(crate) fn write(
         write_all_views(folder, layer.name(), field)?;
     }
     Ok(())
+}
+
+/// Writes the visibility of the central view.
+pub(crate) fn write_visibility(folder: &mut OutputFolder, visibility: &Array2<f32>) -> Result<(), Error> {
+    write_central(folder, VISIBILITY, visibility.view().insert_axis(Axis(2)))
 }
 
 /// Writes color as float maps: of the central view, and with `all` of all views.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! SceneSource + RenderSpec -> RenderJob -> folder (images, ground truth, parameters.cfg, manifest.json)
-//! scenes x view counts     -> DatasetPlan -> <scene>/<S>x<T>/ each, dataset.json, DATASET.md, croissant.json
+//! scenes x view counts     -> DatasetPlan -> <scene>/<S>x<T>/ each, dataset.json, DATASET.md, catalog
 //! ```
 //!
 //! A folder is complete when it has its manifest, which is written last and contains the digest of every file. A
@@ -31,8 +31,8 @@
 pub mod options;
 pub mod text;
 
+mod catalog;
 mod checkpoint;
-mod croissant;
 mod decode;
 mod describe;
 mod develop;
@@ -57,13 +57,15 @@ mod shard;
 mod sky;
 mod source;
 mod spec;
+mod statistics;
 mod summary;
 mod target;
 mod verify;
 mod warning;
+mod webdataset;
 
+pub use catalog::write_catalog;
 pub use checkpoint::Checkpoints;
-pub use croissant::{CROISSANT_JSON, describe_croissant};
 pub use decode::{DecodeJob, write_white_images};
 pub use develop::{DemosaicMethod, DevelopJob, DevelopOutput, Developed, write_demosaiced};
 pub use diagnostics::{About, Deduplicated, Diagnostics};
@@ -82,7 +84,9 @@ pub use source::SceneSource;
 pub use spec::{
     EngineSpec, Exposure, Focus, LayerChoice, Output, RawLayer, RenderSpec, RigSpec, SceneSpec, Shard, Sky,
 };
+pub use statistics::{ColorStatistics, EstimatedError, Statistics};
 pub use summary::{DatasetSummary, JobSummary};
 pub use target::{BoardPose, TargetJob, read_poses};
 pub use verify::{Verification, is_dataset, verify};
 pub use warning::RenderWarning;
+pub use webdataset::{Archive, WebDataset};

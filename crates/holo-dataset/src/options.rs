@@ -243,12 +243,13 @@ impl FromStr for Exposure {
 }
 
 impl LayerChoice {
-    /// Parses `color`, `error`, `all` or the name of a layer; `None` for an unknown name.
+    /// Parses `color`, `error`, `visibility`, `all` or the name of a layer; `None` for an unknown name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         match name {
             "color" | "colour" => Some(Self::Color),
             "error" => Some(Self::Error),
+            "visibility" => Some(Self::Visibility),
             "all" => Some(Self::All),
             other => {
                 let raw = RawLayer::ALL.into_iter().find(|layer| layer.name() == other);
@@ -263,6 +264,7 @@ impl LayerChoice {
         match self {
             Self::Color => "color",
             Self::Error => "error",
+            Self::Visibility => "visibility",
             Self::All => "all",
             Self::One(layer) => layer.name(),
             Self::Raw(layer) => layer.name(),

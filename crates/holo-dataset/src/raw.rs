@@ -208,8 +208,9 @@ impl RawJob {
                     .into(),
             );
         }
-        if self.spec.layers.contains(&LayerChoice::Error) {
-            return bad("--layers error is of rendered views; remove it".into());
+        let of_views = [LayerChoice::Error, LayerChoice::Visibility];
+        if let Some(layer) = of_views.into_iter().find(|layer| self.spec.layers.contains(layer)) {
+            return bad(format!("--layers {} is of rendered views; remove it", layer.name()));
         }
         let needs_color = [Output::Raw, Output::RawPng].iter().find(|output| self.spec.outputs.contains(output));
         if let (Some(output), Integrator::Depth) = (needs_color, self.spec.integrator) {

@@ -8,6 +8,7 @@ use holo_render::{Integrator, RayCounts};
 use serde_json::{Value, json};
 
 use crate::options::integrator_name;
+use crate::statistics::Statistics;
 use crate::text;
 use crate::warning::RenderWarning;
 
@@ -33,6 +34,8 @@ pub struct RenderReport {
     pub rig: Rig,
     /// Smallest and largest finite disparity of the central view, in pixels between horizontally adjacent views.
     pub disparity_px: Option<(f64, f64)>,
+    /// Numbers that describe the light field; of a shard none.
+    pub statistics: Statistics,
     /// Names of the files, relative to the folder.
     pub files: Vec<String>,
     /// What is probably not wanted in the image; of a shard nothing. Diagnostics received the same as lines.
@@ -89,7 +92,7 @@ impl RenderReport {
         object
     }
 
-    /// Times, rays, samples and integrator: what differs between the renders of a dataset.
+    /// Times, rays, samples, integrator and statistics: what differs between the renders of a dataset.
     pub(crate) fn run_json(&self) -> Value {
         let (s, rays) = (&self.seconds, self.rays);
         json!({
@@ -97,11 +100,12 @@ impl RenderReport {
             "rays": {"primary": rays.primary, "shadow": rays.shadow, "other": rays.secondary},
             "samples": self.samples,
             "integrator": integrator_name(self.integrator),
+            "statistics": self.statistics.to_json(),
         })
     }
 }
 
-/// Two lines: what was rendered how fast, and the rig.
+/// Lines of text: what was rendered how fast, the rig, and the estimated error if there is one.
 impl fmt::Display for RenderReport {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
@@ -115,6 +119,8 @@ impl fmt::Display for RenderReport {
             integrator_name(self.integrator),
             self.why
         )?;
-        f.write_str(&text::rig(&self.rig, self.disparity_px))
+        f.write_str(&text::rig(&self.rig, self.disparity_px))?;
+        let error = self.statistics.error;
+        error.map_or(Ok(()), |error| write!(f, "\nestimated error of color: {error}"))
     }
 }

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `color.pfm` | linear radiance: lens rows of the elemental image array |
 //! | `error.pfm` | its estimated relative error, if requested: the same |
+//! | `visibility.pfm` | visibility of the central view, if requested |
 //! | `central_LAYER.pfm`, `all_LAYER.pfm` | layers of the central view, and of all views as an elemental image array |
 //! | `parameters.cfg`, `manifest.json` | as of the complete image; the manifest also contains the number of the shard |
 //!
@@ -18,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 use holo_core::GridSize;
 use holo_io::{Limits, Manifest, ManifestValue};
-use holo_render::{Integrator, RayCounts};
+use holo_render::{ErrorDistribution, Integrator, RayCounts};
 use ndarray::{Array3, Axis, Slice};
 
 use crate::Error;
@@ -36,29 +37,43 @@ const COLOR: &str = "color.pfm";
 /// The key in the settings of a manifest that identifies a shard.
 const PART: &str = "part";
 
+/// The key in the label of a shard for the distribution of the estimated error: pairs of class and number of pixels.
+const ERRORS: &str = "errors";
+
 /// The number of a shard, and the statistics of its render.
 struct Label {
     shard: Shard,
     rays: [u64; 3],
     samples: u64,
     why: String,
+    errors: Option<ErrorDistribution>,
 }
 
 impl Label {
     fn new(shard: Shard, rays: RayCounts, samples: u64, why: &str) -> Self {
         let RayCounts { primary, shadow, secondary } = rays;
-        Self { shard, rays: [primary, shadow, secondary], samples, why: why.to_owned() }
+        Self { shard, rays: [primary, shadow, secondary], samples, why: why.to_owned(), errors: None }
+    }
+
+    /// With the distribution of the estimated error of the rows.
+    fn with_errors(self, errors: Option<ErrorDistribution>) -> Self {
+        Self { errors, ..self }
     }
 
     fn setting(&self) -> ManifestValue {
         let count = |count: u64| ManifestValue::Integer(i64::try_from(count).unwrap_or(i64::MAX));
-        ManifestValue::Table(BTreeMap::from([
+        let mut table = BTreeMap::from([
             ("number".to_owned(), self.shard.part.into()),
             ("of".to_owned(), self.shard.of.into()),
             ("rays".to_owned(), ManifestValue::List(self.rays.map(count).to_vec())),
             ("samples".to_owned(), count(self.samples)),
             ("why".to_owned(), self.why.clone().into()),
-        ]))
+        ]);
+        if let Some(errors) = &self.errors {
+            let pair = |(class, pixels)| ManifestValue::List(vec![u32::from(class).into(), count(pixels)]);
+            table.insert(ERRORS.into(), ManifestValue::List(errors.counts().map(pair).collect()));
+        }
+        ManifestValue::Table(table)
     }
 
     fn read(setting: &ManifestValue) -> Option<Self> {
@@ -72,8 +87,19 @@ impl Label {
         let ManifestValue::List(rays) = table.get("rays")? else { return None };
         let rays: Vec<u64> = rays.iter().map(count).collect::<Option<_>>()?;
         let why = table.get("why")?.as_text()?.to_owned();
+        let pair = |pair: &ManifestValue| match pair {
+            ManifestValue::List(pair) => Some((u16::try_from(count(pair.first()?)?).ok()?, count(pair.get(1)?)?)),
+            _ => None,
+        };
+        let errors = match table.get(ERRORS) {
+            Some(ManifestValue::List(pairs)) => {
+                Some(ErrorDistribution::from_counts(pairs.iter().map(pair).collect::<Option<Vec<_>>>()?))
+            }
+            _ => None,
+        };
+        let (rays, samples) = (rays.try_into().ok()?, count(table.get("samples")?)?);
         let is_one = (1..=shard.of).contains(&shard.part);
-        is_one.then_some(Self { shard, rays: rays.try_into().ok()?, samples: count(table.get("samples")?)?, why })
+        is_one.then_some(Self { shard, rays, samples, why, errors })
     }
 }
 
@@ -145,6 +171,15 @@ impl<'a> Parts<'a> {
 
     fn samples(&self) -> u64 {
         self.parts.iter().map(|part| part.label.samples).sum()
+    }
+
+    /// The distribution of the estimated error of all rows, if the shards have one.
+    fn error_distribution(&self) -> Option<ErrorDistribution> {
+        let mut all = ErrorDistribution::default();
+        for part in &self.parts {
+            all.merge(part.label.errors.as_ref()?);
+        }
+        Some(all)
     }
 
     /// Reads one array of all shards, whose rows of pixels together make an array of this size. A shard has a multiple of

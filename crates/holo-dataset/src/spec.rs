@@ -162,6 +162,8 @@ pub enum LayerChoice {
     Color,
     /// The estimated relative error of color.
     Error,
+    /// The part of all views that sees a point of the central view.
+    Visibility,
     /// One layer.
     One(Layer),
     /// One layer of the raw image of a plenoptic camera.

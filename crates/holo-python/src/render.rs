@@ -47,7 +47,11 @@ pub fn render<'py>(
     let result = PyDict::new(py);
     result.set_item("color", rendered.color.map(|color| give(py, color.into_samples())))?;
     result.set_item("error", rendered.error.map(|error| give_channel(py, error)))?;
-    result.set_item("central", give_layers(py, rendered.central, |image| give_plane(py, image))?)?;
+    let central = give_layers(py, rendered.central, |image| give_plane(py, image))?;
+    if let Some(visibility) = rendering.visibility {
+        central.set_item("visibility", give(py, visibility))?;
+    }
+    result.set_item("central", central)?;
     let all = rendered.all.map(|all| give_layers(py, all, |field| give_channel(py, field)));
     result.set_item("all", all.transpose()?)?;
     result.set_item("rig", Rig(rendering.rig))?;

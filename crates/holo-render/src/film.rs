@@ -1,8 +1,9 @@
-//! The film: adaptive sampling, reconstruction across views, layers (AOVs) beside color, and the conversion of linear
+//! The film: adaptive sampling, reconstruction across views and its error, layers (AOVs) beside color, and the conversion of linear
 //! radiance to integers. **May
 //! import:** nothing that traces rays.
 
 pub(crate) mod adaptive;
+pub(crate) mod error_distribution;
 pub mod exposure;
 pub(crate) mod guides;
 pub(crate) mod inverse_depth;

@@ -63,6 +63,7 @@ mod simd;
 pub use accel::Backend;
 pub use camera::framing::{AspectChange, Baseline, CameraChoice, Framed, Framing};
 pub use error::Error;
+pub use film::error_distribution::ErrorDistribution;
 pub use film::layers::{Layer, LayerSet, Layers};
 pub use film::{exposure, layers};
 pub use integrator::{Integrator, RayCounts};

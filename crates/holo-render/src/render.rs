@@ -8,6 +8,7 @@ mod raw;
 mod request;
 mod rounds;
 mod transport;
+mod visibility;
 mod work;
 
 use std::ops::Range;
@@ -410,3 +411,5 @@ mod layer_tests;
 mod tests;
 #[cfg(test)]
 mod texture_filter_tests;
+#[cfg(test)]
+mod visibility_tests;

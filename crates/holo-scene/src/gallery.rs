@@ -12,7 +12,7 @@
 //! | name | purpose | largest disparity, px |
 //! |---|---|---|
 //! | `garden` | dense foliage of many instances, textured background, hard shadows | 0.16 |
-//! | `mirror` | a mirror, metal and glaze before a papered wall | 0.12 |
+//! | `mirror` | a mirror, metal and glaze before a papered wall | 0.11 |
 //! | `clockwork` | rough metals in many thin layers | 0.12 |
 //! | `glasses` | clear glass: refraction, total internal reflection | 0.17 |
 //! | `bottles` | colored thick glass before the light | 0.18 |

@@ -108,6 +108,7 @@ pub const LAYERS: &Choices<LayerChoice> = &[
     (LayerChoice::One(Layer::MaterialId), "material-id", "Number of the material, from 1; 0 where nothing was hit"),
     (LayerChoice::One(Layer::HitMask), "hit-mask", "1 where something was hit, else 0"),
     (LayerChoice::All, "all", "All of the above"),
+    (LayerChoice::Visibility, "visibility", "Part of all views that see the point; 1: all. Of the central view alone"),
     (LayerChoice::Raw(RawLayer::LensRow), "lens-row", "Plenoptic camera: row of the nearest micro-image"),
     (LayerChoice::Raw(RawLayer::LensColumn), "lens-column", "Its column"),
     (LayerChoice::Raw(RawLayer::LensType), "lens-type", "Its type of microlens, from 0"),
@@ -199,7 +200,7 @@ mod tests {
     #[test]
     fn words_of_the_command_line_are_names_of_the_library() {
         assert!(LAYERS.iter().all(|&(layer, name, _)| layer.name() == name));
-        assert_eq!(LAYERS.len(), Layer::COUNT + RawLayer::ALL.len() + 3);
+        assert_eq!(LAYERS.len(), Layer::COUNT + RawLayer::ALL.len() + 4);
         assert!(OUTPUTS.iter().all(|&(output, name, _)| output.name() == name));
         assert!(INTEGRATORS.iter().all(|&(value, name, _)| holo_dataset::options::integrator_name(value) == name));
     }

@@ -6,8 +6,7 @@ use std::time::Instant;
 
 use clap::ArgMatches;
 use holo_dataset::{
-    Checkpoints, DatasetJob, DatasetPlan, DatasetSummary, Deduplicated, JobSummary, describe_croissant, sources,
-    validate,
+    Checkpoints, DatasetJob, DatasetPlan, DatasetSummary, Deduplicated, JobSummary, sources, validate, write_catalog,
 };
 use serde_json::json;
 
@@ -64,7 +63,7 @@ pub fn run(options: DatasetOptions, matches: ArgMatches) -> Result<(), Failure> 
         table.push(summary);
     }
     bar.finish();
-    describe_croissant(&root)?;
+    write_catalog(&root)?;
     let seconds = start.elapsed().as_secs_f64();
     if !options.quiet {
         say!("\n{table} in {}; {seconds:.0} s", root.display());

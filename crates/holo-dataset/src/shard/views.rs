@@ -3,7 +3,7 @@
 use holo_core::{LightField, LightFieldOwned, LightFieldShape};
 use holo_io::{ParametersCfg, dataset};
 use holo_render::{Layer, Layers, Rendered};
-use ndarray::{Array3, ArrayView3};
+use ndarray::{Array3, ArrayView3, Axis};
 
 use super::{COLOR, Label, PART, Parts, spec};
 use crate::Error;
@@ -11,8 +11,11 @@ use crate::files::{Finished, Traced};
 use crate::layers::{Wanted, write_pfm};
 use crate::output_folder::OutputFolder;
 use crate::spec::{RenderSpec, Shard};
+use crate::statistics::Statistics;
 
 const ERROR: &str = "error.pfm";
+
+const VISIBILITY: &str = "visibility.pfm";
 
 fn central_file(layer: Layer) -> String {
     format!("central_{}.pfm", layer.name())
@@ -24,7 +27,7 @@ fn all_file(layer: Layer) -> String {
 
 /// Writes a shard.
 pub(crate) fn write(traced: Traced, shard: Shard, mut folder: OutputFolder) -> Result<Finished, Error> {
-    let Traced { rendered, mut manifest, parameters, .. } = traced;
+    let Traced { rendered, mut manifest, parameters, visibility, .. } = traced;
     folder.unseal()?;
     let mut put = |name: String, image: ArrayView3<f32>| -> Result<(), Error> {
         let path = folder.file(&name);
@@ -37,6 +40,9 @@ pub(crate) fn write(traced: Traced, shard: Shard, mut folder: OutputFolder) -> R
     if let Some(error) = &rendered.error {
         put(ERROR.into(), grid(error)?.view())?;
     }
+    if let Some(visibility) = &visibility {
+        put(VISIBILITY.into(), visibility.view().insert_axis(Axis(2)))?;
+    }
     for (layer, image) in rendered.central.iter() {
         put(central_file(layer), image.view())?;
     }
@@ -44,9 +50,10 @@ pub(crate) fn write(traced: Traced, shard: Shard, mut folder: OutputFolder) -> R
         put(all_file(layer), grid(field)?.view())?;
     }
     folder.add(dataset::PARAMETERS_CFG, parameters.write(folder.file(dataset::PARAMETERS_CFG))?);
-    let label = Label::new(shard, rendered.rays, rendered.samples, &rendered.why);
+    let label =
+        Label::new(shard, rendered.rays, rendered.samples, &rendered.why).with_errors(rendered.error_distribution);
     manifest.settings.insert(PART.into(), label.setting());
-    Ok(Finished { disparity_px: None, files: folder.seal(manifest)? })
+    Ok(Finished { disparity_px: None, statistics: Statistics::default(), files: folder.seal(manifest)? })
 }
 
 /// The elemental image array, which has the memory order of the render.
@@ -72,6 +79,8 @@ pub(super) fn traced(parts: &Parts<'_>) -> Result<(Traced, RenderSpec), Error> {
 
     let color = parts.has(COLOR).then(|| gather(COLOR, shape, 3)).transpose()?;
     let error = parts.has(ERROR).then(|| gather(ERROR, shape, 1)).transpose()?;
+    let visibility = parts.has(VISIBILITY).then(|| parts.gather(VISIBILITY, shape.lenses(), 1, 1)).transpose()?;
+    let visibility = visibility.map(|visibility| visibility.index_axis_move(Axis(2), 0));
     let mut central: Layers<Array3<f32>> = Layers::default();
     let mut all: Layers<LightFieldOwned<f32>> = Layers::default();
     for layer in Layer::ALL {
@@ -86,6 +95,8 @@ pub(super) fn traced(parts: &Parts<'_>) -> Result<(Traced, RenderSpec), Error> {
     }
     let all = (!all.set().is_empty()).then_some(all);
     let (integrator, why, rays, samples) = (parts.integrator(), parts.why(), parts.rays(), parts.samples());
-    let rendered = Rendered { color, error, central, all, integrator, why, rays, samples };
-    Ok((Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m: None, warnings: Vec::new() }, spec))
+    let error_distribution = parts.error_distribution();
+    let rendered = Rendered { color, error, error_distribution, central, all, integrator, why, rays, samples };
+    let (highres_depth_m, warnings) = (None, Vec::new());
+    Ok((Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m, visibility, warnings }, spec))
 }

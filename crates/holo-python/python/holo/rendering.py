@@ -110,7 +110,7 @@ def render(
     sky: "auto", (r, g, b), a number, or the path of an environment map.
     baseline_m, f_number, focus_m ("auto" or meters), disparity (min, max in pixels), focal_mm, sensor_mm, projection,
         camera (name or number).
-    layers: names, such as ["depth", "disparity", "shading-normal", "error", "all"]. ground_truth: "central" or "all".
+    layers: names, such as ["depth", "disparity", "shading-normal", "visibility", "error", "all"]. ground_truth: "central" or "all".
     light_units, solid_glass, material_variant, cull, transparent_shadows, no_indirect, no_roulette, indirect_limit,
         no_multiple_scattering: as on the command line.
 

@@ -30,6 +30,7 @@ use rayon::prelude::*;
 use self::choice::{Choice, Evidence, LENSES};
 use self::gather::{GATHER_LEVELS, GATHERED_VIEWS, gather};
 use self::windows::{BoxMean, LEVELS, Planes, Radii, Sums, VALUES, move_windows};
+use super::error_distribution::ErrorDistribution;
 use super::guides::{CHANNELS, luminance};
 use crate::simd;
 
@@ -253,8 +254,9 @@ impl Blocks {
 }
 
 impl Reconstruction<'_> {
-    /// Reconstructs. `advance` is called after every lens row and returns whether to go on.
-    pub fn run(mut self, advance: impl Fn() -> bool) {
+    /// Reconstructs; returns the distribution of the error. `advance` is called after every lens row and returns whether
+    /// to go on.
+    pub fn run(mut self, advance: impl Fn() -> bool) -> ErrorDistribution {
         let [lens_rows, lens_columns, view_rows, view_columns] = self.shape;
         if self.samples == 1 {
             self.differences_between_views();
@@ -265,6 +267,7 @@ impl Reconstruction<'_> {
         let mut originals = VecDeque::<Vec<f32>>::new();
         let mut evidence = VecDeque::<(usize, Vec<Vec<Evidence>>)>::new();
         let mut choices = VecDeque::<(usize, Vec<Vec<Choice>>)>::new();
+        let mut distribution = ErrorDistribution::default();
         for v in self.rows.clone() {
             let (done, rest) = self.color.split_at(v * row_length * 3);
             let first_original = v - originals.len();
@@ -291,6 +294,7 @@ impl Reconstruction<'_> {
                 let shape = [view_rows, lens_columns, view_columns];
                 scatter(&out, shape, &mut self.color[v * row_length * 3..end]);
             }
+            out.iter().for_each(|(_, errors)| distribution.extend(errors));
             if let Some(error) = &mut self.error {
                 let row = &mut error[v * row_length..(v + 1) * row_length];
                 row.par_chunks_mut(lens_columns * view_columns).enumerate().for_each(|(t, row)| {
@@ -307,9 +311,10 @@ impl Reconstruction<'_> {
             evidence.retain(|(row, _)| row + SMOOTHED + LENSES > v);
             choices.retain(|(row, _)| row + SMOOTHED > v);
             if !advance() {
-                return;
+                break;
             }
         }
+        distribution
     }
 
     /// With one sample per pixel there are no halves; the differences between neighboring views take their place: of

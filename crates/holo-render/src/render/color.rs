@@ -13,6 +13,7 @@ use super::rounds;
 use super::work::{TileOutput, Work};
 use crate::camera::tile::{Tile, Tiling};
 use crate::error::Error;
+use crate::film::error_distribution::ErrorDistribution;
 use crate::film::guides;
 use crate::film::reconstruct::{HALO, Reconstruction};
 use crate::integrator::path::{PathTile, Round, Scratch};
@@ -41,8 +42,13 @@ pub(super) struct ColorFields {
     guides: Option<LightFieldOwned<f32>>,
 }
 
-/// Color and its estimated error.
-type Finished = (Option<LightFieldOwned<f32>>, Option<LightFieldOwned<f32>>);
+/// Color with its estimated error.
+#[derive(Default)]
+pub(super) struct Finished {
+    pub color: Option<LightFieldOwned<f32>>,
+    pub error: Option<LightFieldOwned<f32>>,
+    pub error_distribution: Option<ErrorDistribution>,
+}
 
 /// The memory of a tile in them.
 struct ColorTile<'a> {
@@ -125,7 +131,7 @@ impl ColorFields {
         Ok(error)
     }
 
-    /// Reconstructs color in some lens rows if it `replaces` the samples, and estimates its error.
+    /// Reconstructs color in some lens rows if it `replaces` the samples, and estimates its error; `None` without guides.
     fn reconstruct(
         &mut self,
         request: &Request,
@@ -133,10 +139,10 @@ impl ColorFields {
         replaces: bool,
         error: Option<&mut LightFieldOwned<f32>>,
         advance: impl Fn() -> bool,
-    ) -> Result<(), Error> {
+    ) -> Result<Option<ErrorDistribution>, Error> {
         let (views, lenses) = (self.color.shape().views(), self.color.shape().lenses());
         let ratio = request.rig.baseline_ratio();
-        let Some(guides) = &mut self.guides else { return Ok(()) };
+        let Some(guides) = &mut self.guides else { return Ok(None) };
         let reconstruction = Reconstruction {
             shape: [lenses.rows, lenses.columns, views.rows, views.columns],
             color: memory(&mut self.color)?,
@@ -148,8 +154,7 @@ impl ColorFields {
             rows,
             error: error.map(memory).transpose()?,
         };
-        reconstruction.run(advance);
-        Ok(())
+        Ok(Some(reconstruction.run(advance)))
     }
 
     /// Splits the light fields into tiles.
@@ -164,7 +169,7 @@ impl ColorFields {
     /// Color and its error in the requested lens rows: reconstructed and estimated, if there are guides.
     pub fn finish(mut self, request: &Request, plan: &Plan, work: &Work) -> Result<Finished, Error> {
         if self.guides.is_none() {
-            return Ok((Some(self.color), None));
+            return Ok(Finished { color: Some(self.color), ..Finished::default() });
         }
         let rendered = &plan.color.selection.lens_rows;
         let wanted = request.lens_row_range();
@@ -172,7 +177,7 @@ impl ColorFields {
         let (views, lenses) = (self.color.shape().views(), self.color.shape().lenses());
         let mut error = if request.estimate_error { Some(zeros(self.color.shape(), 1)?) } else { None };
         let filters = request.denoise == Denoise::Views;
-        self.reconstruct(request, rows.clone(), filters, error.as_mut(), || work.step())?;
+        let error_distribution = self.reconstruct(request, rows.clone(), filters, error.as_mut(), || work.step())?;
         let shape = LightFieldShape::new(views, GridSize::new(rows.len(), lenses.columns))?;
         let only = |field: LightFieldOwned<f32>| -> Result<LightFieldOwned<f32>, Error> {
             if rows.len() == lenses.rows {
@@ -181,7 +186,7 @@ impl ColorFields {
             let image = grid(field)?.slice(s![rows.start * views.rows..rows.end * views.rows, .., ..]).to_owned();
             Ok(LightField::from_elemental_grid(image, shape)?)
         };
-        Ok((Some(only(self.color)?), error.map(only).transpose()?))
+        Ok(Finished { color: Some(only(self.color)?), error: error.map(only).transpose()?, error_distribution })
     }
 }
 

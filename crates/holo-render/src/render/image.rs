@@ -5,7 +5,7 @@ use ndarray::Array3;
 
 use super::Renderer;
 use super::checkpoint::{Checkpoint, TileKind};
-use super::color::{self, ColorFields};
+use super::color::{self, ColorFields, Finished};
 use super::plan::{Plan, Region};
 use super::request::{GroundTruth, Rendered, Request, Views};
 use super::rounds;
@@ -82,14 +82,12 @@ impl Renderer {
             }
             _ => Layers::default(),
         };
-        let (color, error) = match color {
-            Some(fields) => fields.finish(request, &plan, &work)?,
-            None => (None, None),
-        };
+        let Finished { color, error, error_distribution } =
+            color.map(|fields| fields.finish(request, &plan, &work)).transpose()?.unwrap_or_default();
         if stop.requested() {
             return Err(Error::Cancelled);
         }
-        Ok(Rendered { color, error, central, all, integrator, why, rays, samples })
+        Ok(Rendered { color, error, error_distribution, central, all, integrator, why, rays, samples })
     }
 }
 

@@ -7,6 +7,7 @@ use ndarray::Array3;
 
 use super::transport::{Reuse, TextureFilter, Transport, transport_setters};
 use crate::error::Error;
+use crate::film::error_distribution::ErrorDistribution;
 use crate::film::layers::{Layer, LayerSet, Layers};
 use crate::geometry::MAX_COORDINATE_M;
 use crate::integrator::{Integrator, RayCounts};
@@ -138,6 +139,8 @@ pub struct Rendered {
     /// about 8 x 8 views and divided by the luminance there. The estimate is above the true error where samples are better
     /// distributed than independent ones. `None` for the integrator `Depth`.
     pub error: Option<LightFieldOwned<f32>>,
+    /// The distribution of the same over all pixels, if [`Request::estimate_error`] is set or color is reconstructed.
+    pub error_distribution: Option<ErrorDistribution>,
     /// The layers of the central view, axes (v, u, c). Units: [`layers`](crate::layers).
     pub central: Layers<Array3<f32>>,
     /// The layers of all views, axes (v, u, t, s, c), if [`Request::ground_truth`] is [`GroundTruth::All`].

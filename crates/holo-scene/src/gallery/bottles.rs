@@ -12,7 +12,7 @@ use crate::{Material, Mesh, Scene, TextureInfo, Transform};
 pub(super) fn scene() -> Scene {
     let mut studio = Studio::new(vec![textures::landscape(), grained("sill", [0.70, 0.63, 0.52], 0.12)]);
     let sill = studio.material("sill", textured(1, glossy([1.0; 3], 0.5)));
-    let frame = studio.material("frame", glossy([0.66, 0.66, 0.63], 0.4));
+    let frame = studio.material("frame", glossy([0.80, 0.79, 0.76], 0.4));
     let outside = studio.material(
         "outside",
         Material {
@@ -63,7 +63,7 @@ pub(super) fn scene() -> Scene {
         at(0.068, 0.0, -0.060),
     );
 
-    studio.room([0.27, 0.26, 0.245]);
+    studio.room([0.43, 0.40, 0.345]);
     studio.softbox("sky", [0.15, 0.95, -0.75], [0.0, 0.0, 0.05], [1.1, 0.6], [5.5, 5.6, 5.7]);
     studio.with_camera([-0.015, 0.155, 0.60], [-0.004, 0.082, -0.05])
 }

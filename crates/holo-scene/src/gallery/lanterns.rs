@@ -19,7 +19,7 @@ use crate::{Material, Scene, Texture, TextureInfo, Transform, Wrap};
 pub(super) fn scene() -> Scene {
     let mut studio = Studio::new(vec![
         lantern_paper(),
-        grained("screen", [0.17, 0.235, 0.34], 0.15),
+        grained("screen", [0.20, 0.27, 0.38], 0.15),
         wood("deck", [0.22, 0.14, 0.095], [0.50, 0.34, 0.23], 9.0, 71.0),
     ]);
     let screen = studio.material("screen", textured(1, diffuse([1.0; 3])));
@@ -42,8 +42,8 @@ pub(super) fn scene() -> Scene {
     pebbles(&mut studio, &stones);
     twig(&mut studio, branch, blossom);
 
-    studio.room([0.040, 0.058, 0.095]);
-    studio.softbox("dusk", [-0.9, 0.85, 0.55], [0.0, 0.1, -0.1], [0.7, 0.7], [1.3, 1.8, 2.7]);
+    studio.room([0.034, 0.050, 0.084]);
+    studio.softbox("dusk", [-0.9, 0.85, 0.55], [0.0, 0.1, -0.1], [0.7, 0.7], [1.0, 1.45, 2.2]);
     studio.with_camera([0.025, 0.185, 0.610], [-0.002, 0.125, -0.08])
 }
 
@@ -153,7 +153,7 @@ fn candles(studio: &mut Studio, cup: usize, wax: usize, flame: usize) {
     for (x, z, turn) in [(-0.055, 0.030, 10.0), (0.036, -0.105, 80.0), (0.150, 0.010, 150.0), (-0.195, -0.085, 200.0)] {
         studio.add("cup", saucer.clone(), cup, at(x, 0.0, z));
         studio.add("candle", candle.clone(), wax, at(x, 0.0, z));
-        studio.add("flame", fire.clone(), flame, turned([x, 0.0305, z], [0.3, 1.0, 0.1], turn, 1.0));
+        studio.add("flame", fire.clone(), flame, turned([x, 0.0305, z], [0.05, 1.0, 0.02], turn, 1.0));
     }
 }
 

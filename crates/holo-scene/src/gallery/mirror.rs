@@ -57,7 +57,7 @@ pub(super) fn scene() -> Scene {
     studio.room([0.26, 0.245, 0.22]);
     studio.softbox("window", [-0.95, 0.75, 0.70], [0.0, 0.1, -0.1], [0.55, 0.75], [4.6, 4.5, 4.3]);
     studio.softbox("lamp", [0.9, 0.95, 0.1], [0.1, 0.1, -0.1], [0.3, 0.3], [5.0, 3.7, 2.3]);
-    studio.with_camera([0.050, 0.245, 0.625], [-0.006, 0.112, -0.075])
+    studio.with_camera([0.050, 0.250, 0.665], [-0.006, 0.119, -0.075])
 }
 
 /// The mirror, which leans back a little and faces to the right, with its frame and foot.

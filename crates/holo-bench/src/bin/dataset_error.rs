@@ -1,0 +1,163 @@
+//! The error of the images of a dataset against references with many samples.
+//!
+//! `dataset_error DATASET [--views 20,100] [--scenes NAME,..] [--samples 4096] [--rows 24]`, for scenes of the gallery.
+//! For each job, three of its views are rendered again without reconstruction, in `--rows` lens rows in the middle: the
+//! central one, the one in the upper left corner and the one in the middle of the upper edge. A pixel of the 8-bit image is
+//! converted to linear light and compared with the reference by luminance: |x - g| / g, with g cut where the integers are.
+//! Printed are quantiles over the pixels of all three views, and beside them the estimate in the manifest (a standard error;
+//! of a normal distribution the median is 0.67 of it), the error of rounding the reference to 8 bits, and the
+//! noise of the reference from the difference of its two halves.
+#![forbid(unsafe_code)]
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use holo_bench::error::{rgb, sorted};
+use holo_core::{DynLightField, LightFieldOwned, ViewIndex};
+use holo_io::dataset::{self, DatasetFolder};
+use holo_io::{Limits, Manifest, ManifestValue};
+use holo_render::{Backend, Framing, Integrator, Renderer, Request, TextureFilter, Views};
+use holo_scene::gallery;
+
+struct Settings {
+    root: PathBuf,
+    views: Vec<usize>,
+    scenes: Vec<String>,
+    samples: u32,
+    rows: usize,
+}
+
+fn main() {
+    let settings = settings();
+    let mut jobs = dataset::list(&settings.root).expect("a dataset");
+    jobs.retain(|job| {
+        let is_named = settings.scenes.is_empty() || settings.scenes.contains(&job.scene);
+        is_named && settings.views.contains(&job.views.columns)
+    });
+    println!("{} samples, {} lens rows; median and 90 % of the pixels, relative", settings.samples, settings.rows);
+    println!(
+        "| scene | views | samples | estimated, standard error | measured | of 8 bits alone | noise of the reference |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    let mut medians: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for job in jobs {
+        let folder = settings.root.join(dataset::folder(&job.scene, job.views).expect("a folder"));
+        let measured = measure(&job.scene, &folder, &settings);
+        let [estimated, all, rounding, reference] = measured.quantiles.map(|[median, high]| percent(median, high));
+        let (samples, views) = (measured.samples, job.views);
+        println!("| {} | {views} | {samples} | {estimated} | {all} | {rounding} | {reference} |", job.scene);
+        medians.entry(views.columns).or_default().push(measured.quantiles[1][0]);
+    }
+    for (views, medians) in medians {
+        let medians = sorted(&medians);
+        let [least, middle, most] = [0, medians.len() / 2, medians.len() - 1].map(|k| medians[k] * 100.0);
+        println!(
+            "{views} x {views} views: measured median {middle:.2} % (median of the scenes), {least:.2} to {most:.2} %"
+        );
+    }
+}
+
+fn settings() -> Settings {
+    let (mut root, mut views, mut scenes, mut samples, mut rows) = (None, vec![20, 100], Vec::new(), 4096, 24);
+    let mut arguments = std::env::args().skip(1);
+    while let Some(argument) = arguments.next() {
+        let mut value = || arguments.next().expect("a value after the option");
+        match argument.as_str() {
+            "--views" => views = value().split(',').map(|count| count.parse().expect("a count")).collect(),
+            "--scenes" => scenes = value().split(',').map(str::to_owned).collect(),
+            "--samples" => samples = value().parse().expect("a count"),
+            "--rows" => rows = value().parse().expect("a count"),
+            _ => root = Some(PathBuf::from(argument)),
+        }
+    }
+    Settings { root: root.expect("the folder of a dataset"), views, scenes, samples, rows }
+}
+
+fn percent(median: f64, high: f64) -> String {
+    format!("{:.2} %, {:.2} %", median * 100.0, high * 100.0)
+}
+
+struct Measured {
+    samples: i64,
+    /// Median and ninth decile of: the estimate, the image, rounding, the reference.
+    quantiles: [[f64; 2]; 4],
+}
+
+/// The error of a job.
+fn measure(scene: &str, folder: &Path, settings: &Settings) -> Measured {
+    let folder = DatasetFolder::open(folder).expect("a finished job");
+    let (rig, manifest) = (*folder.rig(), folder.manifest());
+    let number = |name: &str| manifest.settings.get(name).and_then(ManifestValue::as_f64);
+    let gain = manifest.exposure_ev.expect("color").exp2() as f32;
+    let DynLightField::U8(coded) = folder.read(&Limits::default()).expect("an image") else {
+        panic!("integers of 8 bits are expected")
+    };
+    let scene = gallery::scene(scene).expect("a scene of the gallery");
+    let framed = Framing::new(*rig.shape()).frame(&scene).expect("a camera");
+    let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
+    let (views, lenses) = (rig.shape().views(), rig.shape().lenses());
+    let first = lenses.rows.saturating_sub(settings.rows) / 2;
+    let rows = first..(first + settings.rows).min(lenses.rows);
+    let list = [(views.rows / 2, views.columns / 2), (0, 0), (0, views.columns / 2)];
+    let text = |name: &str| manifest.settings.get(name).and_then(ManifestValue::as_text);
+    let halves: [LightFieldOwned<f32>; 2] = [1, 2].map(|seed| {
+        let list = list.map(|(row, column)| ViewIndex { row, column }).to_vec();
+        let request = Request::new(rig)
+            .integrator(if text("integrator") == Some("direct") { Integrator::Direct } else { Integrator::Path })
+            .max_bounces(number("max-bounces").map_or(8, |bounces| bounces as u32))
+            .indirect(text("indirect") != Some("off"))
+            .samples(settings.samples / 2)
+            .seed(seed)
+            .texture_filter(TextureFilter::Off)
+            .lens_rows(Some(rows.clone()))
+            .views(Views::List(list));
+        renderer.render(&request, &()).expect("a reference").color.expect("light")
+    });
+    let mut errors: [Vec<f64>; 3] = Default::default();
+    for (k, (t, s)) in list.into_iter().enumerate() {
+        let [a, b] = halves.each_ref().map(|half| half.view(0, k).expect("a view"));
+        let coded = coded.view(t, s).expect("a view");
+        for (v, (a, b)) in a.outer_iter().zip(b.outer_iter()).enumerate() {
+            for (u, (a, b)) in a.outer_iter().zip(b.outer_iter()).enumerate() {
+                let [a, b] = [a, b].map(|pixel| rgb(pixel.iter()).expect("three channels"));
+                let half = [a, b].map(|pixel| luminance(pixel.map(|x| (x * gain).min(1.0))));
+                let mean = [0, 1, 2].map(|c| ((a[c] + b[c]) / 2.0 * gain).min(1.0));
+                let code = [0, 1, 2].map(|c| coded[[rows.start + v, u, c]]);
+                let of_mean = luminance(mean);
+                if of_mean > 0.0 {
+                    errors[0].push((luminance(code.map(decode)) / of_mean - 1.0).abs());
+                    errors[1].push((luminance(mean.map(encode).map(decode)) / of_mean - 1.0).abs());
+                    errors[2].push((half[0] - half[1]).abs() / 2.0 / of_mean);
+                }
+            }
+        }
+    }
+    let [image, rounding, reference] = errors.map(|errors| {
+        let errors = sorted(&errors);
+        [errors[errors.len() / 2], errors[errors.len() * 9 / 10]]
+    });
+    let samples = number("spp").unwrap_or(0.0) as i64;
+    Measured { samples, quantiles: [estimated(manifest), image, rounding, reference] }
+}
+
+fn estimated(manifest: &Manifest) -> [f64; 2] {
+    let Some(ManifestValue::Table(statistics)) = manifest.settings.get("statistics") else { return [f64::NAN; 2] };
+    ["error-median", "error-percentile-90"]
+        .map(|name| statistics.get(name).and_then(ManifestValue::as_f64).unwrap_or(f64::NAN))
+}
+
+/// Luminance of Rec. 709.
+fn luminance([r, g, b]: [f32; 3]) -> f64 {
+    0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b)
+}
+
+/// The sRGB curve (IEC 61966-2-1) and rounding.
+fn encode(linear: f32) -> u8 {
+    let coded = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
+    (coded * 255.0).round() as u8
+}
+
+fn decode(code: u8) -> f32 {
+    let coded = f32::from(code) / 255.0;
+    if coded <= 0.040_45 { coded / 12.92 } else { ((coded + 0.055) / 1.055).powf(2.4) }
+}

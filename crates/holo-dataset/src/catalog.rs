@@ -1,0 +1,134 @@
+//! What the root of a dataset says of its finished folders, for catalogs, loaders and readers.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `croissant.json` | MLCommons Croissant 1.0: every file with size and SHA-256, a record for each light field, splits |
+//! | `light_fields.csv` | the same records as a table |
+//! | `train.txt`, `test.txt` | the folders of both splits, a line each |
+//! | `contact_sheet_<S>x<T>.png` | the central view of every scene, and below it a part of its raw image |
+//!
+//! All of it follows from `dataset.json` and the folders with a manifest, so that it can be written again at any time.
+
+mod contact_sheet;
+mod croissant;
+mod record;
+
+use std::fmt::Write;
+use std::path::Path;
+
+use holo_io::dataset::{self, DatasetIndex};
+use serde_json::Value;
+
+use self::record::FIELDS;
+pub(crate) use self::record::Record;
+use crate::Error;
+use crate::checkpoint::finished_manifest;
+
+/// Every scene of this number is for tests, so that no scene is in both splits.
+const TEST_EVERY: usize = 5;
+
+/// Writes the files of the [module](self) into the root of a dataset from its finished folders; returns the number of
+/// these. Contact sheets that are newer than all of their folders stay.
+///
+/// # Errors
+/// [`Error::Io`] if `dataset.json` or an image cannot be read, or if a file cannot be written.
+pub fn write_catalog(root: &Path) -> Result<usize, Error> {
+    let index = DatasetIndex::read(root)?;
+    let records = records(root, &index)?;
+    let document = croissant::document(&index, &records);
+    let json = serde_json::to_string_pretty(&document).map_err(|why| Error::Failed(why.to_string()))?;
+    let write = |name: &str, text: String| holo_io::write_file(root.join(name), text.as_bytes());
+    write("croissant.json", format!("{json}\n"))?;
+    write("light_fields.csv", table(&records))?;
+    for (name, is_test) in [("train.txt", false), ("test.txt", true)] {
+        let folders = records.iter().filter(|record| record.is_test == is_test);
+        write(name, folders.map(|record| format!("{}\n", record.folder)).collect())?;
+    }
+    contact_sheet::remove_others(root, &index.shapes)?;
+    for shape in &index.shapes {
+        let of_shape: Vec<&Record> = records.iter().filter(|record| record.shape == *shape).collect();
+        contact_sheet::write(root, *shape, &of_shape)?;
+    }
+    Ok(records.len())
+}
+
+/// The records of all finished folders, in the order of the scenes.
+pub(crate) fn records(root: &Path, index: &DatasetIndex) -> Result<Vec<Record>, Error> {
+    let mut records = Vec::new();
+    for (number, scene) in index.scenes.iter().enumerate() {
+        let is_test = (number + 1).is_multiple_of(TEST_EVERY);
+        for shape in &index.shapes {
+            let path = root.join(dataset::folder(&scene.name, shape.views())?);
+            let Ok(manifest) = finished_manifest(&path) else { continue };
+            // With `/` on every system.
+            let folder = format!("{}/{}", scene.name, shape.views());
+            records.push(Record::new(folder, scene.name.clone(), is_test, *shape, manifest));
+        }
+    }
+    Ok(records)
+}
+
+/// The records as a table of comma-separated values (RFC 4180).
+fn table(records: &[Record]) -> String {
+    let mut text = FIELDS.map(|field| field.name).join(",");
+    text.push('\n');
+    for record in records {
+        for (k, field) in FIELDS.iter().enumerate() {
+            let separator = if k > 0 { "," } else { "" };
+            let value = match (field.value)(record) {
+                Value::Null => String::new(),
+                Value::String(text) => quoted(text),
+                other => other.to_string(),
+            };
+            // Writing into a `String` cannot fail.
+            let _ = write!(text, "{separator}{value}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn quoted(text: String) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use holo_core::GridSize;
+
+    use super::*;
+    use crate::options::Options;
+    use crate::{DatasetPlan, EngineSpec, RenderSpec, Rollback, sources};
+
+    /// Every file of the finished folders with its digest, a record for each of them, and five scenes of which the last is
+    /// for tests. A folder that is missing is left out.
+    #[test]
+    fn finished_folders_are_described() {
+        let root = tempfile::tempdir().unwrap();
+        let names: Vec<String> = holo_scene::gallery::NAMES.iter().take(5).map(|name| (*name).to_owned()).collect();
+        let mut spec = RenderSpec::default();
+        (spec.samples, spec.outputs) = (Some(1), vec![crate::Output::Disparity]);
+        spec.rig.sensor = holo_core::Sensor::Other(GridSize::new(12, 18));
+        let (sources, options) = (sources(Some(&names), &[]).unwrap(), Options::new());
+        let plan = DatasetPlan::new(&sources, &[GridSize::new(3, 3)], spec, options, EngineSpec::default()).unwrap();
+        plan.describe(root.path(), "bvh", &Rollback::default()).unwrap();
+        for job in plan.jobs.iter().skip(1) {
+            plan.run_job(job, root.path(), "bvh", &(), &(), &Rollback::default()).unwrap();
+        }
+        assert_eq!(write_catalog(root.path()).unwrap(), 4);
+        let text = std::fs::read_to_string(root.path().join("croissant.json")).unwrap();
+        let document: Value = serde_json::from_str(&text).unwrap();
+        let records = document["recordSet"][1]["data"].as_array().unwrap();
+        let splits: Vec<_> = records.iter().map(|record| record["light_fields/split"].as_str().unwrap()).collect();
+        assert_eq!(splits, ["train", "train", "train", "test"]);
+        assert_eq!(records[0]["light_fields/lens_columns"], 6);
+        for file in document["distribution"].as_array().unwrap() {
+            let digest = holo_io::hash_file(root.path().join(file["contentUrl"].as_str().unwrap())).unwrap();
+            assert_eq!(file["sha256"], digest.sha256.to_string());
+            assert_eq!(file["contentSize"], format!("{} B", digest.bytes));
+        }
+        // The same again.
+        write_catalog(root.path()).unwrap();
+        assert_eq!(std::fs::read_to_string(root.path().join("croissant.json")).unwrap(), text);
+    }
+}
