@@ -3,16 +3,13 @@
 //! This crate parses arguments, shows progress and turns errors into exit codes; everything else is in the libraries.
 //! It prints, listens for Ctrl-C and may end the process: [`run`] is for programs that are `holo`, under whatever name
 //! they are installed, and for nothing else.
-// Allowed in one module.
-#![deny(unsafe_code)]
+#![forbid(unsafe_code)]
 
 mod arguments;
 mod commands;
 mod console;
 mod failure;
 mod interrupt;
-#[allow(unsafe_code, reason = "mallopt has no safe binding")]
-mod memory;
 mod progress;
 mod quantities;
 
@@ -31,7 +28,6 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
     let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     // The words of the command, for manifests.
     let words = matches.subcommand().map(|(_, words)| words.clone()).unwrap_or_default();
-    memory::return_large_blocks();
     stay_silent_while_a_guard_watches();
     interrupt::install();
     let result = match arguments.command {

@@ -1,8 +1,13 @@
 //! The program `holo`; see the library of the same crate.
-#![forbid(unsafe_code)]
+// Allowed in one module.
+#![deny(unsafe_code)]
+
+#[allow(unsafe_code, reason = "mallopt has no safe binding")]
+mod memory;
 
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
+    memory::return_large_blocks();
     ExitCode::from(holo_cli::run(std::env::args_os()))
 }

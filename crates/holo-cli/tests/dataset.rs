@@ -97,6 +97,11 @@ fn a_dataset_is_described_and_packed() {
     let outcome = bench.run(&format!("{} --out set --quiet", SMALL.replace("4x2,", "")));
     assert_eq!((outcome.code, bench.path("set/contact_sheet_4x2.png").exists()), (Some(0), false), "{outcome:?}");
 
+    // Another dataset in the same folder: nothing of the catalog before is left, and what is missing is said.
+    made(&bench, "set", "--quiet --shard 1/4");
+    assert!(!bench.list("set").iter().any(|name| name.contains("croissant") || name.contains("contact_sheet")));
+    let outcome = bench.run("pack set --out early --fields el.png");
+    assert!(outcome.stderr.contains("note: 3 of 4 light fields are finished"), "{outcome:?}");
     made(&bench, "set", "--quiet");
     let outcome = bench.run("pack set --out archives --fields el.png,disparity.pfm");
     assert_eq!((outcome.code, bench.list("archives")), (Some(0), vec!["train-000000.tar".to_owned()]), "{outcome:?}");
@@ -105,7 +110,7 @@ fn a_dataset_is_described_and_packed() {
     assert_eq!(outcome.code, Some(2), "{outcome:?}");
     assert!(outcome.stderr.contains("exists already"), "{outcome:?}");
     let outcome = bench.run("pack nothing --out other");
-    assert_eq!((outcome.code, bench.path("other").exists()), (Some(1), false), "{outcome:?}");
+    assert_eq!((outcome.code, bench.path("other").exists()), (Some(2), false), "{outcome:?}");
 }
 
 #[test]

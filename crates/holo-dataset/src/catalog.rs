@@ -7,13 +7,15 @@
 //! | `train.txt`, `test.txt` | the folders of both splits, a line each |
 //! | `contact_sheet_<S>x<T>.png` | the central view of every scene, and below it a part of its raw image |
 //!
-//! All of it follows from `dataset.json` and the folders with a manifest, so that it can be written again at any time.
+//! All of it follows from `dataset.json` and the finished folders that were made as it says, so that it can be written again at
+//! any time. There is a contact sheet of a number of views when all scenes are finished.
 
 mod contact_sheet;
 mod croissant;
 mod record;
 
 use std::fmt::Write;
+use std::io::ErrorKind;
 use std::path::Path;
 
 use holo_io::dataset::{self, DatasetIndex};
@@ -23,16 +25,53 @@ use self::record::FIELDS;
 pub(crate) use self::record::Record;
 use crate::Error;
 use crate::checkpoint::finished_manifest;
+use crate::diagnostics::Diagnostics;
+use crate::verify::differences;
 
 /// Every scene of this number is for tests, so that no scene is in both splits.
 const TEST_EVERY: usize = 5;
 
-/// Writes the files of the [module](self) into the root of a dataset from its finished folders; returns the number of
-/// these. Contact sheets that are newer than all of their folders stay.
+/// The files that [`write_catalog`] writes, except for contact sheets.
+const LISTS: [&str; 4] = ["croissant.json", "light_fields.csv", "train.txt", "test.txt"];
+
+/// How many light fields of a dataset a catalog describes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Described {
+    /// Light fields that are finished and as `dataset.json` says.
+    pub finished: usize,
+    /// Light fields that the dataset is to have.
+    pub of: usize,
+}
+
+/// Returns how many light fields of a dataset are finished, by their manifests; files are not compared with these.
 ///
 /// # Errors
-/// [`Error::Io`] if `dataset.json` or an image cannot be read, or if a file cannot be written.
-pub fn write_catalog(root: &Path) -> Result<usize, Error> {
+/// [`Error::Io`] if `dataset.json` cannot be read.
+pub fn finished(root: &Path) -> Result<Described, Error> {
+    let index = DatasetIndex::read(root)?;
+    Ok(Described { finished: records(root, &index)?.len(), of: index.scenes.len() * index.shapes.len() })
+}
+
+/// Removes a catalog, before folders and `dataset.json` change.
+pub(crate) fn remove(root: &Path) -> Result<(), Error> {
+    contact_sheet::remove_others(root, &[])?;
+    LISTS.iter().try_for_each(|name| remove_file(&root.join(name)))
+}
+
+/// Removes a file, unless it is gone already.
+fn remove_file(path: &Path) -> Result<(), Error> {
+    match std::fs::remove_file(path) {
+        Err(why) if why.kind() != ErrorKind::NotFound => Err(Error::Failed(format!("{}: {why}", path.display()))),
+        _ => Ok(()),
+    }
+}
+
+/// Writes the files of the [module](self) into the root of a dataset from its finished folders. Contact sheets that are
+/// newer than all of their folders stay. An image that cannot be read is an empty tile and a warning.
+///
+/// # Errors
+/// [`Error::Io`] if `dataset.json` cannot be read, or if a file cannot be written.
+pub fn write_catalog(root: &Path, diagnostics: &dyn Diagnostics) -> Result<Described, Error> {
     let index = DatasetIndex::read(root)?;
     let records = records(root, &index)?;
     let document = croissant::document(&index, &records);
@@ -47,19 +86,24 @@ pub fn write_catalog(root: &Path) -> Result<usize, Error> {
     contact_sheet::remove_others(root, &index.shapes)?;
     for shape in &index.shapes {
         let of_shape: Vec<&Record> = records.iter().filter(|record| record.shape == *shape).collect();
-        contact_sheet::write(root, *shape, &of_shape)?;
+        let is_whole = of_shape.len() == index.scenes.len();
+        contact_sheet::write(root, *shape, if is_whole { &of_shape } else { &[] }, diagnostics)?;
     }
-    Ok(records.len())
+    Ok(Described { finished: records.len(), of: index.scenes.len() * index.shapes.len() })
 }
 
-/// The records of all finished folders, in the order of the scenes.
+/// The records of all finished folders that are as `dataset.json` says, in the order of the scenes.
 pub(crate) fn records(root: &Path, index: &DatasetIndex) -> Result<Vec<Record>, Error> {
     let mut records = Vec::new();
     for (number, scene) in index.scenes.iter().enumerate() {
         let is_test = (number + 1).is_multiple_of(TEST_EVERY);
         for shape in &index.shapes {
-            let path = root.join(dataset::folder(&scene.name, shape.views())?);
-            let Ok(manifest) = finished_manifest(&path) else { continue };
+            let path = dataset::folder(&scene.name, shape.views())?;
+            let Ok(manifest) = finished_manifest(&root.join(&path)) else { continue };
+            let is_of_shape = manifest.rig.is_some_and(|rig| rig.shape() == shape);
+            if !is_of_shape || !differences(index, &manifest, &path).is_empty() {
+                continue;
+            }
             // With `/` on every system.
             let folder = format!("{}/{}", scene.name, shape.views());
             records.push(Record::new(folder, scene.name.clone(), is_test, *shape, manifest));
@@ -111,11 +155,12 @@ mod tests {
         spec.rig.sensor = holo_core::Sensor::Other(GridSize::new(12, 18));
         let (sources, options) = (sources(Some(&names), &[]).unwrap(), Options::new());
         let plan = DatasetPlan::new(&sources, &[GridSize::new(3, 3)], spec, options, EngineSpec::default()).unwrap();
-        plan.describe(root.path(), "bvh", &Rollback::default()).unwrap();
+        let backend = plan.backend(&()).unwrap();
+        plan.describe(root.path(), &backend, &Rollback::default()).unwrap();
         for job in plan.jobs.iter().skip(1) {
-            plan.run_job(job, root.path(), "bvh", &(), &(), &Rollback::default()).unwrap();
+            plan.run_job(job, root.path(), &backend, &(), &(), &Rollback::default()).unwrap();
         }
-        assert_eq!(write_catalog(root.path()).unwrap(), 4);
+        assert_eq!(write_catalog(root.path(), &()).unwrap(), Described { finished: 4, of: 5 });
         let text = std::fs::read_to_string(root.path().join("croissant.json")).unwrap();
         let document: Value = serde_json::from_str(&text).unwrap();
         let records = document["recordSet"][1]["data"].as_array().unwrap();
@@ -128,7 +173,14 @@ mod tests {
             assert_eq!(file["contentSize"], format!("{} B", digest.bytes));
         }
         // The same again.
-        write_catalog(root.path()).unwrap();
+        write_catalog(root.path(), &()).unwrap();
         assert_eq!(std::fs::read_to_string(root.path().join("croissant.json")).unwrap(), text);
+    }
+
+    /// Names as they are typed may contain what separates values.
+    #[test]
+    fn values_are_quoted() {
+        assert_eq!(quoted("plain/3x3".into()), "plain/3x3");
+        assert_eq!(quoted("a,\"b\"".into()), "\"a,\"\"b\"\"\"");
     }
 }

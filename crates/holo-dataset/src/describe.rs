@@ -8,9 +8,9 @@ use holo_core::LightFieldShape;
 use holo_io::dataset::{self as names, DatasetIndex, SceneEntry};
 use holo_scene::gallery;
 
-use crate::Error;
 use crate::options::{Options, arguments};
 use crate::source::SceneSource;
+use crate::{Error, catalog};
 
 /// SPDX identifier of the license of the images.
 const LICENSE: &str = "CC0-1.0";
@@ -42,6 +42,10 @@ type Job<'a> = (&'a SceneSource, LightFieldShape);
 /// Writes both files for a dataset of these jobs.
 pub(crate) fn write(root: &Path, jobs: &[Job], options: &Options, backend: &str) -> Result<(), Error> {
     let index = index(jobs, options, backend)?;
+    // The catalog of other folders would be one of none.
+    if DatasetIndex::read(root).ok().as_ref() != Some(&index) {
+        catalog::remove(root)?;
+    }
     index.write(root)?;
     holo_io::write_file(root.join(names::DATASET_MD), document(&index).as_bytes())?;
     Ok(())
@@ -108,7 +112,8 @@ fn write_contents(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
             (shape.views().to_string(), shape.lenses().to_string(), shape.raw_size().to_string());
         writeln!(text, "| `{views}` | {views} | {lenses} | {raw} |")?;
     }
-    if let Some(first) = shapes.first() {
+    let outputs = index.options.get("write").map(|outputs| outputs.split(',').any(|one| ["el", "vpi"].contains(&one)));
+    if let Some(first) = shapes.first().filter(|_| outputs.unwrap_or(true)) {
         let views = first.views();
         writeln!(text, "\n![Contact sheet of all scenes with {views} views](contact_sheet_{views}.png)\n")?;
         writeln!(
@@ -140,14 +145,20 @@ fn write_origin(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
         versions.join(", ")
     )?;
     writeln!(text, "```\nholo dataset --out DIR \\")?;
-    writeln!(text, "    --scenes {} \\", join(scenes.iter().map(|scene| scene.name.clone())))?;
+    let (built_in, own): (Vec<_>, Vec<_>) = scenes.iter().partition(|scene| gallery::purpose(&scene.name).is_some());
+    let names = |scenes: Vec<&SceneEntry>| join(scenes.into_iter().map(|scene| scene.name.clone()));
+    let own: Vec<String> = own.iter().map(|scene| format!("{}.glb", scene.name)).collect();
+    writeln!(text, "    --scenes {} \\", if built_in.is_empty() { "none".into() } else { names(built_in) })?;
+    if !own.is_empty() {
+        writeln!(text, "    --glb {} \\", own.join(","))?;
+    }
     write!(text, "    --views {}", join(shapes.iter().map(|shape| shape.views().to_string())))?;
     for argument in arguments(&index.options).filter(|argument| !argument.ends_with('=')) {
         write!(text, " \\\n    {argument}")?;
     }
     writeln!(
         text,
-        "\n```\n\nScenes that are not of the gallery are given by `--glb FILE`. `holo verify DIR` checks the result."
+        "\n```\n\nThe files of --glb are scenes that are not of the gallery. `holo verify DIR` checks the result."
     )?;
     writeln!(text, "\n## Licence and citation\n")?;
     writeln!(

@@ -56,6 +56,15 @@ pub struct Rendering {
     pub warnings: Vec<RenderWarning>,
 }
 
+/// Passes cancellation on, and reports nothing: for a step after those that are counted.
+struct CancelOnly<'a>(&'a dyn Progress);
+
+impl Progress for CancelOnly<'_> {
+    fn cancelled(&self) -> bool {
+        self.0.cancelled()
+    }
+}
+
 impl RenderJob {
     /// Creates a job whose manifest contains the specification as [`RenderSpec::to_options`] writes it.
     #[must_use]
@@ -274,7 +283,8 @@ impl RenderJob {
         let parameters = self.parameters(prepared);
         let is_highres = spec.outputs.contains(&Output::HciHighres);
         let highres_depth_m = is_highres.then(|| highres_depth_m(prepared)).transpose()?;
-        let visibility = if wanted.visibility { Some(prepared.renderer.visibility(request, &())?) } else { None };
+        let visibility =
+            if wanted.visibility { Some(prepared.renderer.visibility(request, &CancelOnly(progress))?) } else { None };
         Ok(Traced { rendered, wanted, rig: prepared.rig, manifest, parameters, highres_depth_m, visibility, warnings })
     }
 

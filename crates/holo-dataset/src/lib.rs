@@ -64,7 +64,7 @@ mod verify;
 mod warning;
 mod webdataset;
 
-pub use catalog::write_catalog;
+pub use catalog::{Described, finished, write_catalog};
 pub use checkpoint::Checkpoints;
 pub use decode::{DecodeJob, write_white_images};
 pub use develop::{DemosaicMethod, DevelopJob, DevelopOutput, Developed, write_demosaiced};

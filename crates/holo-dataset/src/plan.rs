@@ -85,7 +85,7 @@ impl DatasetPlan {
         let mut shapes: Vec<LightFieldShape> = Vec::new();
         for &views in views {
             if shapes.iter().any(|shape| shape.views() == views) {
-                return Err(Error::BadRequest(format!("--splits has {} twice", views)));
+                return Err(Error::BadRequest(format!("--views has {} twice", views)));
             }
             shapes.push(spec.rig.sensor.divide(views, Remainder::Crop)?.shape);
         }

@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use crate::plan::{DatasetJob, JobOutcome};
 use crate::report::RenderReport;
+use crate::statistics::Statistics;
 use crate::text;
 
 /// What became of a job; prints as a line of text.
@@ -16,6 +17,7 @@ pub struct JobSummary {
     views: String,
     result: JobResult,
     disparity_px: Option<(f64, f64)>,
+    statistics: Statistics,
     bytes: u64,
 }
 
@@ -30,21 +32,22 @@ impl JobSummary {
     /// Summarizes a job of a dataset in the folder `root`. The error of a failed job is its message.
     #[must_use]
     pub fn new(job: &DatasetJob, root: &Path, outcome: Result<JobOutcome, String>) -> Self {
-        let (result, disparity_px, bytes) = match outcome {
+        let (result, disparity_px, statistics, bytes) = match outcome {
             Ok(JobOutcome::Made(report, why)) => {
                 let folder = job.folder().map(|folder| root.join(folder)).unwrap_or_default();
                 let size = |name: &String| folder.join(name).metadata().ok().map(|file| file.len());
-                let (range, bytes) = (report.disparity_px, report.files.iter().filter_map(size).sum());
-                (JobResult::Made { report, why }, range, bytes)
+                let (range, statistics) = (report.disparity_px, report.statistics.clone());
+                let bytes = report.files.iter().filter_map(size).sum();
+                (JobResult::Made { report, why }, range, statistics, bytes)
             }
             Ok(JobOutcome::Kept(manifest)) => {
                 let bytes = manifest.files.values().map(|written| written.bytes).sum();
-                (JobResult::Kept, manifest.disparity_px, bytes)
+                (JobResult::Kept, manifest.disparity_px, Statistics::of_manifest(&manifest), bytes)
             }
-            Err(why) => (JobResult::Failed(why), None, 0),
+            Err(why) => (JobResult::Failed(why), None, Statistics::default(), 0),
         };
         let views = job.shape.views().to_string();
-        Self { scene: job.render.source.name(), views, result, disparity_px, bytes }
+        Self { scene: job.render.source.name(), views, result, disparity_px, statistics, bytes }
     }
 
     /// The line of `holo dataset --json`: scene, views, disparities, bytes, status, and what the status tells more.
@@ -65,7 +68,10 @@ impl JobSummary {
                     object["why"] = why.as_str().into();
                 }
             }
-            JobResult::Kept => object["status"] = "kept".into(),
+            JobResult::Kept => {
+                object["status"] = "kept".into();
+                object["statistics"] = self.statistics.to_json();
+            }
             JobResult::Failed(why) => {
                 object["status"] = "failed".into();
                 object["why"] = why.as_str().into();
@@ -78,6 +84,11 @@ impl JobSummary {
         let range = |(min, max)| format!("{} to {}", text::number(min), text::number(max));
         self.disparity_px.map_or_else(|| "-".into(), range)
     }
+
+    /// The median of the estimated error.
+    fn error_text(&self) -> String {
+        self.statistics.error.map_or_else(|| "-".into(), |error| format!("{:.2} %", error.median * 100.0))
+    }
 }
 
 impl fmt::Display for JobSummary {
@@ -88,6 +99,7 @@ impl fmt::Display for JobSummary {
             JobResult::Made { report, why } => {
                 let (seconds, speed) = (report.seconds.total, report.mrays_per_second());
                 write!(f, "{seconds:.1} s, {speed:.1} Mrays/s, disparity {} px, {size}", self.disparities())?;
+                self.statistics.error.map_or(Ok(()), |_| write!(f, ", estimated error {}", self.error_text()))?;
                 why.as_ref().map_or(Ok(()), |why| write!(f, " (made again: {why})"))
             }
             JobResult::Kept => write!(f, "done already, {size}"),
@@ -120,7 +132,7 @@ impl DatasetSummary {
 
 impl fmt::Display for DatasetSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let heads = ["scene", "views", "seconds", "Mrays/s", "disparity, px", "size"];
+        let heads = ["scene", "views", "seconds", "Mrays/s", "disparity, px", "median error", "size"];
         let rows = self.0.iter().map(|job| {
             let (time, speed) = match &job.result {
                 JobResult::Made { report, .. } => {
@@ -129,10 +141,11 @@ impl fmt::Display for DatasetSummary {
                 JobResult::Kept => ("kept".into(), "-".into()),
                 JobResult::Failed(_) => ("failed".into(), "-".into()),
             };
-            [job.scene.clone(), job.views.clone(), time, speed, job.disparities(), text::bytes(job.bytes)]
+            let (range, error, size) = (job.disparities(), job.error_text(), text::bytes(job.bytes));
+            [job.scene.clone(), job.views.clone(), time, speed, range, error, size]
         });
-        for [scene, views, time, speed, range, size] in std::iter::once(heads.map(String::from)).chain(rows) {
-            writeln!(f, "{scene:<12} {views:>8} {time:>9} {speed:>8} {range:>22} {size:>9}")?;
+        for [scene, views, time, speed, range, error, size] in std::iter::once(heads.map(String::from)).chain(rows) {
+            writeln!(f, "{scene:<12} {views:>8} {time:>9} {speed:>8} {range:>22} {error:>13} {size:>9}")?;
         }
         let (made, kept, failed) = self.counts();
         let bytes = text::bytes(self.0.iter().map(|job| job.bytes).sum());

@@ -88,7 +88,7 @@ fn bytes(manifest: &Manifest) -> u64 {
 }
 
 /// The differences between a manifest and `dataset.json`.
-fn differences(index: &DatasetIndex, manifest: &Manifest, folder: &Path) -> Vec<String> {
+pub(crate) fn differences(index: &DatasetIndex, manifest: &Manifest, folder: &Path) -> Vec<String> {
     let mut differences = Vec::new();
     if manifest.versions != index.versions {
         differences.push(format!("made by {:?}, the dataset by {:?}", manifest.versions, index.versions));

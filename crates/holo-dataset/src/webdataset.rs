@@ -2,7 +2,7 @@
 //!
 //! A sample is a light field. Its files share a key, and what follows the first dot of a name is the field: of
 //! `garden/20x20/scene_el.png` the archive has `garden_20x20.el.png`, and beside the files of every folder
-//! `garden_20x20.json`, its record in `croissant.json`. Archives are POSIX tar without owners and times, so that equal
+//! `garden_20x20.json`, its record in `croissant.json`. Archives are tar files without owners and times, so that equal
 //! datasets give equal bytes; a new one begins where the limit of bytes would be exceeded.
 //!
 //! # Source
@@ -14,23 +14,24 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use holo_io::AtomicFile;
-use holo_io::dataset::{DatasetIndex, LIGHT_FIELD_MAT, VIEWPOINT_PNG};
+use holo_io::dataset::{DatasetIndex, ELEMENTAL_PNG, LIGHT_FIELD_MAT, PARAMETERS_CFG, VIEWPOINT_PNG};
 use tar::{Builder, EntryType, Header};
 
 use crate::catalog::{Record, records};
 use crate::output_folder::{OutputFolder, Rollback};
+use crate::verify::is_dataset;
 use crate::{Error, text};
 
-/// Files that hold the pixels of another file again.
+/// Files that hold the pixels of `scene_el.png` again.
 const COPIES: [&str; 2] = [VIEWPOINT_PNG, LIGHT_FIELD_MAT];
 
 /// What the archives of a dataset contain.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WebDataset {
     /// The fields of every sample, such as `el.png`, each without `scene_`; none: all files of a folder except for those
-    /// in its subfolders, and `vpi.png` and `5d.mat`, which have the pixels of `el.png` in another order.
+    /// in its subfolders, and beside `el.png` without `vpi.png` and `5d.mat`, which have its pixels in another order.
     pub fields: Vec<String>,
-    /// The largest size of the files in an archive, bytes. A sample is never divided.
+    /// The largest size of the files of light fields in an archive, bytes. A sample is never divided.
     pub max_bytes: u64,
 }
 
@@ -65,10 +66,14 @@ impl WebDataset {
     /// scenes for training, `test-000000.tar` for the others.
     ///
     /// # Errors
-    /// [`Error::BadRequest`] if a light field lacks a requested field, two have the same key, or `out` has archives of
+    /// [`Error::BadRequest`] if a light field lacks a requested field or has no files but those in subfolders, if two have the
+    /// same key, or `out` has archives of
     /// this name already; [`Error::Failed`] if no folder is finished; [`Error::Io`] if files cannot be read or written,
-    /// or differ from their manifest.
+    /// or have another size than their manifest says.
     pub fn write(&self, root: &Path, out: &Path, rollback: &Rollback) -> Result<Vec<Archive>, Error> {
+        if !is_dataset(root) {
+            return Err(Error::BadRequest(format!("{}: not a folder of `holo dataset`", root.display())));
+        }
         let index = DatasetIndex::read(root)?;
         let samples: Vec<Sample> =
             records(root, &index)?.into_iter().map(|record| self.sample(root, record)).collect::<Result<_, _>>()?;
@@ -82,21 +87,23 @@ impl WebDataset {
                 twice.key
             )));
         }
-        let folder = OutputFolder::create_plain(out, rollback)?;
-        let mut archives = Vec::new();
+        let mut planned = Vec::new();
         for (split, is_test) in [("train", false), ("test", true)] {
             let of_split: Vec<&Sample> = samples.iter().filter(|sample| sample.record.is_test == is_test).collect();
             for (number, samples) in self.divide(&of_split).into_iter().enumerate() {
                 let name = format!("{split}-{number:06}.tar");
                 if out.join(&name).exists() {
-                    return Err(Error::BadRequest(format!(
-                        "{}: exists already; give another folder",
-                        out.join(&name).display()
-                    )));
+                    let path = out.join(&name);
+                    return Err(Error::BadRequest(format!("{}: exists already; give another folder", path.display())));
                 }
-                let bytes = write_archive(&folder.file(&name), &samples)?;
-                archives.push(Archive { name, samples: samples.len(), bytes });
+                planned.push((name, samples));
             }
+        }
+        let folder = OutputFolder::create_plain(out, rollback)?;
+        let mut archives = Vec::new();
+        for (name, samples) in planned {
+            let bytes = write_archive(&folder.file(&name), &samples)?;
+            archives.push(Archive { name, samples: samples.len(), bytes });
         }
         folder.keep();
         Ok(archives)
@@ -105,9 +112,10 @@ impl WebDataset {
     fn sample(&self, root: &Path, record: Record) -> Result<Sample, Error> {
         let folder = root.join(&record.folder);
         let listed = record.manifest.files.iter();
+        let has_raw_image = record.manifest.files.contains_key(ELEMENTAL_PNG);
         let mut files: Vec<(String, PathBuf, u64)> = listed
             .filter(|(name, _)| !name.contains('/'))
-            .filter(|(name, _)| !self.fields.is_empty() || !COPIES.contains(&name.as_str()))
+            .filter(|(name, _)| !self.fields.is_empty() || !has_raw_image || !COPIES.contains(&name.as_str()))
             .map(|(name, written)| (field(name).to_owned(), folder.join(name), written.bytes))
             .collect();
         if !self.fields.is_empty() {
@@ -117,6 +125,12 @@ impl WebDataset {
                 return Err(Error::BadRequest(format!("{folder} has no {missing}; it has {own}")));
             }
             files.retain(|(field, ..)| self.fields.contains(field));
+        }
+        if files.iter().all(|(own, ..)| own == PARAMETERS_CFG) {
+            return Err(Error::BadRequest(format!(
+                "{} has files in subfolders only, which archives do not contain; render with --write el",
+                record.folder
+            )));
         }
         // What follows the first dot of a name is the field.
         let key = record.folder.replace('/', "_").replace('.', "-");
@@ -207,9 +221,10 @@ mod tests {
         spec.rig.sensor = holo_core::Sensor::Other(GridSize::new(12, 18));
         let views = [GridSize::new(3, 3)];
         let plan = DatasetPlan::new(&sources, &views, spec, Options::new(), EngineSpec::default()).unwrap();
-        plan.describe(root, "bvh", &Rollback::default()).unwrap();
+        let backend = plan.backend(&()).unwrap();
+        plan.describe(root, &backend, &Rollback::default()).unwrap();
         for job in &plan.jobs {
-            plan.run_job(job, root, "bvh", &(), &(), &Rollback::default()).unwrap();
+            plan.run_job(job, root, &backend, &(), &(), &Rollback::default()).unwrap();
         }
     }
 
@@ -247,16 +262,25 @@ mod tests {
         // In one archive, with everything that is no copy.
         let whole = folder.path().join("whole");
         let archives = WebDataset::default().write(&root, &whole, &Rollback::default()).unwrap();
+        // The only image stays.
+        let manifest = root.join("mountains/3x3/manifest.json");
+        let mut without = holo_io::Manifest::read(&manifest).unwrap();
+        without.files.remove(ELEMENTAL_PNG);
+        without.write(&manifest).unwrap();
+        let other = folder.path().join("other");
+        WebDataset::default().write(&root, &other, &Rollback::default()).unwrap();
+        assert!(entries(&other.join("test-000000.tar")).iter().any(|(name, _)| name.ends_with("vpi.png")));
+        without.files.retain(|name, _| name == PARAMETERS_CFG);
+        without.write(&manifest).unwrap();
+        let none = folder.path().join("none");
+        let why = WebDataset::default().write(&root, &none, &Rollback::default()).unwrap_err().to_string();
+        assert!(why.contains("mountains/3x3 has files in subfolders only") && !none.exists(), "{why}");
         assert_eq!(archives.iter().map(|archive| archive.samples).collect::<Vec<_>>(), [4, 1]);
         let names: Vec<String> = entries(&whole.join("train-000000.tar")).into_iter().map(|(name, _)| name).collect();
         assert!(names.contains(&"chess_3x3.parameters.cfg".to_owned()), "{names:?}");
         assert!(!names.iter().any(|name| name.ends_with("5d.mat") || name.ends_with("vpi.png")), "{names:?}");
-        let again = folder.path().join("again");
-        WebDataset::default().write(&root, &again, &Rollback::default()).unwrap();
-        assert_eq!(
-            std::fs::read(whole.join("train-000000.tar")).unwrap(),
-            std::fs::read(again.join("train-000000.tar")).unwrap()
-        );
+        let of_other = std::fs::read(other.join("train-000000.tar")).unwrap();
+        assert!(std::fs::read(whole.join("train-000000.tar")).unwrap() == of_other, "equal datasets, equal archives");
     }
 
     #[test]

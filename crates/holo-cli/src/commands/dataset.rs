@@ -6,7 +6,8 @@ use std::time::Instant;
 
 use clap::ArgMatches;
 use holo_dataset::{
-    Checkpoints, DatasetJob, DatasetPlan, DatasetSummary, Deduplicated, JobSummary, sources, validate, write_catalog,
+    Checkpoints, DatasetJob, DatasetPlan, DatasetSummary, Deduplicated, JobSummary, finished, sources, validate,
+    write_catalog,
 };
 use serde_json::json;
 
@@ -63,7 +64,9 @@ pub fn run(options: DatasetOptions, matches: ArgMatches) -> Result<(), Failure> 
         table.push(summary);
     }
     bar.finish();
-    write_catalog(&root)?;
+    // Of parts that are made at the same time, the last one describes the whole.
+    let is_last = options.shard.is_none() || finished(&root).is_ok_and(|whole| whole.finished == whole.of);
+    let described = if is_last { write_catalog(&root, &diagnostics).map(drop) } else { Ok(()) };
     let seconds = start.elapsed().as_secs_f64();
     if !options.quiet {
         say!("\n{table} in {}; {seconds:.0} s", root.display());
@@ -76,7 +79,7 @@ pub fn run(options: DatasetOptions, matches: ArgMatches) -> Result<(), Failure> 
         )?;
     }
     match table.counts() {
-        (_, _, 0) => Ok(()),
+        (_, _, 0) => Ok(described?),
         (made, kept, failed) => Err(Failure::Failed(format!(
             "{failed} of {} jobs failed; correct what they report and run the same command again, which renders only these",
             made + kept + failed

@@ -1,6 +1,6 @@
 //! `holo pack`: a dataset as WebDataset archives.
 
-use holo_dataset::WebDataset;
+use holo_dataset::{Described, WebDataset, finished};
 
 use crate::arguments::PackOptions;
 use crate::console::say;
@@ -13,6 +13,10 @@ pub fn run(options: &PackOptions) -> Result<(), Failure> {
     let archives = web.write(&options.dataset, &options.out, interrupt::rollback())?;
     if !options.quiet {
         archives.iter().for_each(|archive| say!("{archive}"));
+        let Described { finished, of } = finished(&options.dataset)?;
+        if finished < of {
+            say!("note: {finished} of {of} light fields are finished; `holo verify` says what is missing");
+        }
     }
     Ok(())
 }

@@ -3,7 +3,6 @@
 //! A tile is the central view, enlarged by a whole number or reduced, above a part of the middle of the raw image at its
 //! real size.
 
-use std::io::ErrorKind;
 use std::path::Path;
 
 use holo_core::{DynLightField, GridSize, LightFieldOwned, LightFieldShape, Sample};
@@ -14,13 +13,15 @@ use image::{Rgb, RgbImage};
 use ndarray::ArrayView3;
 
 use super::record::Record;
+use super::remove_file;
 use crate::Error;
+use crate::diagnostics::{About, Diagnostics};
 
 /// Tiles in a row.
 const COLUMNS: usize = 5;
 
-/// The largest width of a tile, px: that of a view of Table I with 20 x 20 views.
-const TILE_WIDTH: u32 = 397;
+/// The largest side of the view of a tile, px: that of a view of Table I with 20 x 20 views.
+const TILE_SIDE: u32 = 397;
 
 /// The height of the part of the raw image, px.
 const RAW_HEIGHT: u32 = 80;
@@ -39,45 +40,49 @@ pub(super) fn remove_others(root: &Path, shapes: &[LightFieldShape]) -> Result<(
         let name = path.file_name().and_then(|name| name.to_str());
         let views = name.and_then(|name| name.strip_prefix(NAME[0])?.strip_suffix(NAME[1]));
         let views = views.and_then(|views| views.parse::<GridSize>().ok());
-        if views.is_some_and(|views| shapes.iter().all(|shape| shape.views() != views)) {
-            std::fs::remove_file(&path).map_err(failed)?;
+        // Not a file of the user's that is spelled otherwise.
+        let is_own = |views: GridSize| name == Some(&file_name(views));
+        if views.is_some_and(|views| is_own(views) && shapes.iter().all(|shape| shape.views() != views)) {
+            remove_file(&path)?;
         }
     }
     Ok(())
 }
 
+fn file_name(views: GridSize) -> String {
+    format!("{}{views}{}", NAME[0], NAME[1])
+}
+
 /// Writes `contact_sheet_<S>x<T>.png` of the light fields of one shape, unless it is newer than all of them. If none of
 /// them has a raw image, there is no contact sheet.
-pub(super) fn write(root: &Path, shape: LightFieldShape, records: &[&Record]) -> Result<(), Error> {
-    let path = root.join(format!("{}{}{}", NAME[0], shape.views(), NAME[1]));
+pub(super) fn write(
+    root: &Path,
+    shape: LightFieldShape,
+    records: &[&Record],
+    diagnostics: &dyn Diagnostics,
+) -> Result<(), Error> {
+    let path = root.join(file_name(shape.views()));
     if is_newer(&path, root, records) {
         return Ok(());
     }
-    let mut tiles = Vec::new();
-    for record in records {
-        let folder = DatasetFolder::open(root.join(&record.folder))?;
-        tiles.push(match folder.raw_image() {
-            Some(_) => Some(tile(&folder.read(&Limits::default())?)),
-            None => None,
-        });
-    }
-    let Some(size) = tiles.iter().flatten().map(RgbImage::dimensions).next() else {
-        // One of older folders.
-        return match std::fs::remove_file(&path) {
-            Err(why) if why.kind() != ErrorKind::NotFound => Err(Error::Failed(format!("{}: {why}", path.display()))),
-            _ => Ok(()),
+    let mut sheet: Option<(RgbImage, (u32, u32))> = None;
+    for (k, record) in records.iter().enumerate() {
+        let tile = match read_tile(&root.join(&record.folder)) {
+            Ok(Some(tile)) => tile,
+            Ok(None) => continue,
+            Err(why) => {
+                diagnostics.report(About::Scene, &format!("warning: not in the contact sheet: {why}"));
+                continue;
+            }
         };
-    };
-    let [columns, rows] = [tiles.len().min(COLUMNS), tiles.len().div_ceil(COLUMNS)].map(|count| count as u32);
-    let [width, height] = [columns * (size.0 + GAP) - GAP, rows * (size.1 + GAP) - GAP];
-    let mut sheet = RgbImage::from_pixel(width, height, Rgb([255; 3]));
-    for (k, tile) in tiles.iter().enumerate() {
-        if let Some(tile) = tile {
-            let [column, row] = [k % COLUMNS, k / COLUMNS].map(|place| place as u32);
-            let [x, y] = [column * (size.0 + GAP), row * (size.1 + GAP)].map(i64::from);
-            imageops::replace(&mut sheet, tile, x, y);
-        }
+        let (sheet, size) = sheet.get_or_insert_with(|| (empty(records.len(), tile.dimensions()), tile.dimensions()));
+        let [column, row] = [k % COLUMNS, k / COLUMNS].map(|place| place as u32);
+        let [x, y] = [column * (size.0 + GAP), row * (size.1 + GAP)].map(i64::from);
+        imageops::replace(sheet, &tile, x, y);
     }
+    // Without a raw image: one of older folders.
+    let Some((sheet, _)) = sheet else { return remove_file(&path) };
+    let (width, height) = sheet.dimensions();
     let samples = sheet.as_raw().as_slice();
     let samples = ArrayView3::from_shape((height as usize, width as usize, 3), samples)
         .map_err(|why| Error::Failed(why.to_string()))?;
@@ -85,10 +90,25 @@ pub(super) fn write(root: &Path, shape: LightFieldShape, records: &[&Record]) ->
     Ok(())
 }
 
-/// Whether a file was written after the manifests of all records.
+/// A white sheet for so many tiles.
+fn empty(tiles: usize, size: (u32, u32)) -> RgbImage {
+    let [columns, rows] = [tiles.min(COLUMNS), tiles.div_ceil(COLUMNS)].map(|count| count as u32);
+    RgbImage::from_pixel(columns * (size.0 + GAP) - GAP, rows * (size.1 + GAP) - GAP, Rgb([255; 3]))
+}
+
+/// The tile of a folder, if it has a raw image.
+fn read_tile(folder: &Path) -> Result<Option<RgbImage>, holo_io::Error> {
+    let folder = DatasetFolder::open(folder)?;
+    if folder.raw_image().is_none() {
+        return Ok(None);
+    }
+    folder.read(&Limits::NONE).map(|field| Some(tile(&field)))
+}
+
+/// Whether a file was written after the manifests of all records, of which there are some.
 fn is_newer(path: &Path, root: &Path, records: &[&Record]) -> bool {
     let time = |path: &Path| path.metadata().and_then(|file| file.modified()).ok();
-    let Some(own) = time(path) else { return false };
+    let Some(own) = time(path).filter(|_| !records.is_empty()) else { return false };
     let manifests = records.iter().map(|record| time(&root.join(&record.folder).join(MANIFEST_JSON)));
     manifests.into_iter().all(|manifest| manifest.is_some_and(|manifest| manifest < own))
 }
@@ -113,10 +133,11 @@ fn tile_of<T: Sample>(field: &LightFieldOwned<T>) -> RgbImage {
     };
     let [width, height] = [lenses.columns, lenses.rows].map(|count| count as u32);
     let view = RgbImage::from_fn(width, height, |x, y| pixel(y as usize, x as usize, t, s));
-    let view = match TILE_WIDTH / width {
+    let larger = width.max(height);
+    let view = match TILE_SIDE / larger {
         0 => {
-            let height = (f64::from(height) * f64::from(TILE_WIDTH) / f64::from(width)).round().max(1.0) as u32;
-            imageops::resize(&view, TILE_WIDTH, height, FilterType::Triangle)
+            let part = |side: u32| (u64::from(side) * u64::from(TILE_SIDE)).div_ceil(u64::from(larger)) as u32;
+            imageops::resize(&view, part(width), part(height), FilterType::Triangle)
         }
         factor => imageops::resize(&view, width * factor, height * factor, FilterType::Nearest),
     };

@@ -88,7 +88,7 @@ pub(super) const FIELDS: [Field; 31] = [
     field("clipped", FLOAT, "Part of the pixels with the largest integer in a channel", |r| {
         number(r.statistics.color.map(|color| color.clipped))
     }),
-    field("samples", INTEGER, "Samples a pixel", |r| {
+    field("samples", INTEGER, "Samples a pixel; with a target for the error the largest number", |r| {
         let samples = r.setting("spp").and_then(ManifestValue::as_f64);
         samples.map_or(Value::Null, |samples| (samples as u64).into())
     }),

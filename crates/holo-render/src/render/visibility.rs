@@ -39,7 +39,11 @@ impl Renderer {
         let mut ground_truth = Request::new(*rig).integrator(Integrator::Depth).cull(request.transport.cull);
         ground_truth.lens_rows.clone_from(&request.lens_rows);
         let depth_m = self.render(&ground_truth, progress)?.central;
-        let Some(depth_m) = depth_m.depth_m() else { return Err(Error::BadSetting("no depth".into())) };
+        let Some(depth_m) = depth_m.depth_m() else {
+            return Err(Error::BadSetting(
+                "visibility: the central view has no depth; report this, with the request".into(),
+            ));
+        };
         let depth_m = depth_m.index_axis(Axis(2), 0);
         let stop = Stop::new(progress);
         let engine = self.scene_data(&request.transport, Integrator::Depth).engine;
