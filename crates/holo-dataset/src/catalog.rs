@@ -66,8 +66,9 @@ fn remove_file(path: &Path) -> Result<(), Error> {
     }
 }
 
-/// Writes the files of the [module](self) into the root of a dataset from its finished folders. Contact sheets that are
-/// newer than all of their folders stay. An image that cannot be read is an empty tile and a warning.
+/// Writes what the root of a dataset says of its finished folders: `croissant.json`, `light_fields.csv`, `train.txt`,
+/// `test.txt`, and `contact_sheet_<S>x<T>.png` of every number of views for which all scenes are finished. Contact sheets that
+/// are newer than all of their folders stay. An image that cannot be read is an empty tile and a warning.
 ///
 /// # Errors
 /// [`Error::Io`] if `dataset.json` cannot be read, or if a file cannot be written.
