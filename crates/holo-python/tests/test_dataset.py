@@ -2,6 +2,7 @@
 import csv
 import io
 import json
+import subprocess
 import sys
 import tarfile
 import types
@@ -11,13 +12,13 @@ import pytest
 from PIL import Image
 
 import holo
-from holo import _holo
 
 SCENES = ["plaster", "mountains", "tiles", "chess", "billiards"]
 
 
 def run(*words):
-    assert _holo.main(["holo", *map(str, words)]) == 0
+    # In a process of its own: the program has a handler of Ctrl-C.
+    subprocess.run([sys.executable, "-m", "holo", *map(str, words)], check=True)
 
 
 @pytest.fixture(scope="module")
