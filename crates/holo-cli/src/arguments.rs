@@ -358,7 +358,7 @@ pub struct PackOptions {
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Files of every light field, without `scene_`, separated by commas, such as el.png,disparity.pfm [default: all
-    /// except for vpi.png, 5d.mat and subfolders].
+    /// but subfolders, and beside el.png without vpi.png and 5d.mat, which have its pixels].
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
     pub fields: Vec<String>,
     /// Largest size of an archive, MB; one light field is never divided.

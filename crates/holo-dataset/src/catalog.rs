@@ -31,8 +31,14 @@ use crate::verify::differences;
 /// Every scene of this number is for tests, so that no scene is in both splits.
 const TEST_EVERY: usize = 5;
 
-/// The files that [`write_catalog`] writes, except for contact sheets.
-const LISTS: [&str; 4] = ["croissant.json", "light_fields.csv", "train.txt", "test.txt"];
+/// The description in the vocabulary of Croissant.
+pub(crate) const CROISSANT_JSON: &str = "croissant.json";
+
+/// The records as a table.
+pub(crate) const LIGHT_FIELDS_CSV: &str = "light_fields.csv";
+
+/// The folders for training, and those for tests.
+const SPLITS: [&str; 2] = ["train.txt", "test.txt"];
 
 /// How many light fields of a dataset a catalog describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +61,7 @@ pub fn finished(root: &Path) -> Result<Described, Error> {
 /// Removes a catalog, before folders and `dataset.json` change.
 pub(crate) fn remove(root: &Path) -> Result<(), Error> {
     contact_sheet::remove_others(root, &[])?;
-    LISTS.iter().try_for_each(|name| remove_file(&root.join(name)))
+    [CROISSANT_JSON, LIGHT_FIELDS_CSV].iter().chain(&SPLITS).try_for_each(|name| remove_file(&root.join(name)))
 }
 
 /// Removes a file, unless it is gone already.
@@ -78,9 +84,9 @@ pub fn write_catalog(root: &Path, diagnostics: &dyn Diagnostics) -> Result<Descr
     let document = croissant::document(&index, &records);
     let json = serde_json::to_string_pretty(&document).map_err(|why| Error::Failed(why.to_string()))?;
     let write = |name: &str, text: String| holo_io::write_file(root.join(name), text.as_bytes());
-    write("croissant.json", format!("{json}\n"))?;
-    write("light_fields.csv", table(&records))?;
-    for (name, is_test) in [("train.txt", false), ("test.txt", true)] {
+    write(CROISSANT_JSON, format!("{json}\n"))?;
+    write(LIGHT_FIELDS_CSV, table(&records))?;
+    for (name, is_test) in SPLITS.into_iter().zip([false, true]) {
         let folders = records.iter().filter(|record| record.is_test == is_test);
         write(name, folders.map(|record| format!("{}\n", record.folder)).collect())?;
     }

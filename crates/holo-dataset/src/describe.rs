@@ -172,15 +172,18 @@ fn write_origin(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
     )
 }
 
-/// Files of the root, as `DATASET.md` lists them. They are written when all jobs are done.
+/// Files of the root, as `DATASET.md` lists them. All but `dataset.json` are written when the jobs are done.
 const LISTS: [(&str, &str); 4] = [
-    ("croissant.json", "MLCommons Croissant: every file with its SHA-256, a record for each light field"),
-    ("light_fields.csv", "the same records as a table: rig, disparities, depths, mean and deviation of color, error"),
+    (catalog::CROISSANT_JSON, "MLCommons Croissant: every file with its SHA-256, a record for each light field"),
+    (
+        catalog::LIGHT_FIELDS_CSV,
+        "the same records as a table: rig, disparities, depths, mean and deviation of color, error",
+    ),
     (
         "train.txt, test.txt",
         "the folders for training and for tests; a scene is in one of both with all its view counts",
     ),
-    ("dataset.json", "scenes, view counts, options and conventions, for programs"),
+    (names::DATASET_JSON, "scenes, view counts, options and conventions, for programs"),
 ];
 
 /// Files of a folder, as `DATASET.md` lists them.

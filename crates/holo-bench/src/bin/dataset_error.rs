@@ -10,7 +10,9 @@
 #![forbid(unsafe_code)]
 
 use std::collections::BTreeMap;
+use std::error::Error;
 use std::path::{Path, PathBuf};
+use std::process::ExitCode;
 
 use holo_bench::error::{rgb, sorted};
 use holo_core::{DynLightField, LightFieldOwned, ViewIndex};
@@ -21,19 +23,35 @@ use holo_scene::gallery;
 
 struct Settings {
     root: PathBuf,
-    views: Vec<usize>,
+    views: Vec<u32>,
     scenes: Vec<String>,
     samples: u32,
     rows: usize,
 }
 
-fn main() {
-    let settings = settings();
-    let mut jobs = dataset::list(&settings.root).expect("a dataset");
+/// Errors as they are printed.
+type Result<T> = std::result::Result<T, Box<dyn Error>>;
+
+fn main() -> ExitCode {
+    match run() {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(why) => {
+            eprintln!("dataset_error: {why}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run() -> Result<()> {
+    let settings = settings()?;
+    let mut jobs = dataset::list(&settings.root)?;
     jobs.retain(|job| {
         let is_named = settings.scenes.is_empty() || settings.scenes.contains(&job.scene);
-        is_named && settings.views.contains(&job.views.columns)
+        is_named && settings.views.iter().any(|&views| views as usize == job.views.columns)
     });
+    if jobs.is_empty() {
+        return Err(format!("{}: no light field of these --views and --scenes", settings.root.display()).into());
+    }
     println!("{} samples, {} lens rows; median and 90 % of the pixels, relative", settings.samples, settings.rows);
     println!(
         "| scene | views | samples | estimated, standard error | measured | of 8 bits alone | noise of the reference |"
@@ -41,8 +59,8 @@ fn main() {
     println!("|---|---|---|---|---|---|---|");
     let mut medians: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for job in jobs {
-        let folder = settings.root.join(dataset::folder(&job.scene, job.views).expect("a folder"));
-        let measured = measure(&job.scene, &folder, &settings);
+        let folder = settings.root.join(dataset::folder(&job.scene, job.views)?);
+        let measured = measure(&job.scene, &folder, &settings)?;
         let [estimated, all, rounding, reference] = measured.quantiles.map(|[median, high]| percent(median, high));
         let (samples, views) = (measured.samples, job.views);
         println!("| {} | {views} | {samples} | {estimated} | {all} | {rounding} | {reference} |", job.scene);
@@ -55,22 +73,28 @@ fn main() {
             "{views} x {views} views: measured median {middle:.2} % (median of the scenes), {least:.2} to {most:.2} %"
         );
     }
+    Ok(())
 }
 
-fn settings() -> Settings {
+fn settings() -> Result<Settings> {
     let (mut root, mut views, mut scenes, mut samples, mut rows) = (None, vec![20, 100], Vec::new(), 4096, 24);
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
-        let mut value = || arguments.next().expect("a value after the option");
+        let mut value = || arguments.next().ok_or_else(|| format!("{argument} needs a value"));
+        let number = |text: &str| text.parse::<u32>().map_err(|_| format!("{argument}: '{text}' is not a number"));
         match argument.as_str() {
-            "--views" => views = value().split(',').map(|count| count.parse().expect("a count")).collect(),
-            "--scenes" => scenes = value().split(',').map(str::to_owned).collect(),
-            "--samples" => samples = value().parse().expect("a count"),
-            "--rows" => rows = value().parse().expect("a count"),
+            "--views" => views = value()?.split(',').map(number).collect::<std::result::Result<_, _>>()?,
+            "--scenes" => scenes = value()?.split(',').map(str::to_owned).collect(),
+            "--samples" => samples = number(&value()?)?.max(2),
+            "--rows" => rows = number(&value()?)?.max(1),
+            option if option.starts_with("--") => {
+                return Err(format!("unknown option {option}; known are --views, --scenes, --samples, --rows").into());
+            }
             _ => root = Some(PathBuf::from(argument)),
         }
     }
-    Settings { root: root.expect("the folder of a dataset"), views, scenes, samples, rows }
+    let root = root.ok_or("give the folder of a dataset")?;
+    Ok(Settings { root, views, scenes, samples, rows: rows as usize })
 }
 
 fn percent(median: f64, high: f64) -> String {
@@ -84,23 +108,24 @@ struct Measured {
 }
 
 /// The error of a job.
-fn measure(scene: &str, folder: &Path, settings: &Settings) -> Measured {
-    let folder = DatasetFolder::open(folder).expect("a finished job");
+fn measure(scene: &str, folder: &Path, settings: &Settings) -> Result<Measured> {
+    let bad = |what: &str| format!("{}: {what}", folder.display());
+    let folder = DatasetFolder::open(folder)?;
     let (rig, manifest) = (*folder.rig(), folder.manifest());
     let number = |name: &str| manifest.settings.get(name).and_then(ManifestValue::as_f64);
-    let gain = manifest.exposure_ev.expect("color").exp2() as f32;
-    let DynLightField::U8(coded) = folder.read(&Limits::default()).expect("an image") else {
-        panic!("integers of 8 bits are expected")
+    let gain = manifest.exposure_ev.ok_or_else(|| bad("has no color"))?.exp2() as f32;
+    let DynLightField::U8(coded) = folder.read(&Limits::default())? else {
+        return Err(bad("its image has not 8 bits").into());
     };
-    let scene = gallery::scene(scene).expect("a scene of the gallery");
-    let framed = Framing::new(*rig.shape()).frame(&scene).expect("a camera");
-    let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
+    let scene = gallery::scene(scene).ok_or_else(|| bad("not a scene of the gallery; choose by --scenes"))?;
+    let framed = Framing::new(*rig.shape()).frame(&scene)?;
+    let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0)?;
     let (views, lenses) = (rig.shape().views(), rig.shape().lenses());
     let first = lenses.rows.saturating_sub(settings.rows) / 2;
     let rows = first..(first + settings.rows).min(lenses.rows);
     let list = [(views.rows / 2, views.columns / 2), (0, 0), (0, views.columns / 2)];
     let text = |name: &str| manifest.settings.get(name).and_then(ManifestValue::as_text);
-    let halves: [LightFieldOwned<f32>; 2] = [1, 2].map(|seed| {
+    let half = |seed: u64| -> Result<LightFieldOwned<f32>> {
         let list = list.map(|(row, column)| ViewIndex { row, column }).to_vec();
         let request = Request::new(rig)
             .integrator(if text("integrator") == Some("direct") { Integrator::Direct } else { Integrator::Path })
@@ -111,15 +136,16 @@ fn measure(scene: &str, folder: &Path, settings: &Settings) -> Measured {
             .texture_filter(TextureFilter::Off)
             .lens_rows(Some(rows.clone()))
             .views(Views::List(list));
-        renderer.render(&request, &()).expect("a reference").color.expect("light")
-    });
+        renderer.render(&request, &())?.color.ok_or_else(|| bad("its scene has no light").into())
+    };
+    let halves = [half(1)?, half(2)?];
     let mut errors: [Vec<f64>; 3] = Default::default();
     for (k, (t, s)) in list.into_iter().enumerate() {
-        let [a, b] = halves.each_ref().map(|half| half.view(0, k).expect("a view"));
-        let coded = coded.view(t, s).expect("a view");
+        let [a, b] = [halves[0].view(0, k)?, halves[1].view(0, k)?];
+        let coded = coded.view(t, s)?;
         for (v, (a, b)) in a.outer_iter().zip(b.outer_iter()).enumerate() {
             for (u, (a, b)) in a.outer_iter().zip(b.outer_iter()).enumerate() {
-                let [a, b] = [a, b].map(|pixel| rgb(pixel.iter()).expect("three channels"));
+                let (Some(a), Some(b)) = (rgb(a.iter()), rgb(b.iter())) else { continue };
                 let half = [a, b].map(|pixel| luminance(pixel.map(|x| (x * gain).min(1.0))));
                 let mean = [0, 1, 2].map(|c| ((a[c] + b[c]) / 2.0 * gain).min(1.0));
                 let code = [0, 1, 2].map(|c| coded[[rows.start + v, u, c]]);
@@ -134,10 +160,13 @@ fn measure(scene: &str, folder: &Path, settings: &Settings) -> Measured {
     }
     let [image, rounding, reference] = errors.map(|errors| {
         let errors = sorted(&errors);
+        if errors.is_empty() {
+            return [f64::NAN; 2];
+        }
         [errors[errors.len() / 2], errors[errors.len() * 9 / 10]]
     });
     let samples = number("spp").unwrap_or(0.0) as i64;
-    Measured { samples, quantiles: [estimated(manifest), image, rounding, reference] }
+    Ok(Measured { samples, quantiles: [estimated(manifest), image, rounding, reference] })
 }
 
 fn estimated(manifest: &Manifest) -> [f64; 2] {

@@ -2,12 +2,13 @@
 
 mod config;
 
+use std::path::Path;
 use std::time::Instant;
 
 use clap::ArgMatches;
 use holo_dataset::{
-    Checkpoints, DatasetJob, DatasetPlan, DatasetSummary, Deduplicated, JobSummary, finished, sources, validate,
-    write_catalog,
+    Checkpoints, DatasetJob, DatasetPlan, DatasetSummary, Deduplicated, Diagnostics, JobSummary, finished, sources,
+    validate, write_catalog,
 };
 use serde_json::json;
 
@@ -64,9 +65,7 @@ pub fn run(options: DatasetOptions, matches: ArgMatches) -> Result<(), Failure> 
         table.push(summary);
     }
     bar.finish();
-    // Of parts that are made at the same time, the last one describes the whole.
-    let is_last = options.shard.is_none() || finished(&root).is_ok_and(|whole| whole.finished == whole.of);
-    let described = if is_last { write_catalog(&root, &diagnostics).map(drop) } else { Ok(()) };
+    let described = describe(&root, options.shard.is_some(), &diagnostics);
     let seconds = start.elapsed().as_secs_f64();
     if !options.quiet {
         say!("\n{table} in {}; {seconds:.0} s", root.display());
@@ -79,12 +78,25 @@ pub fn run(options: DatasetOptions, matches: ArgMatches) -> Result<(), Failure> 
         )?;
     }
     match table.counts() {
-        (_, _, 0) => Ok(described?),
+        (_, _, 0) => described,
+        // The catalog is written again when these are corrected.
         (made, kept, failed) => Err(Failure::Failed(format!(
             "{failed} of {} jobs failed; correct what they report and run the same command again, which renders only these",
             made + kept + failed
         ))),
     }
+}
+
+/// Describes the dataset in its root. Of parts that are made at the same time, the last one describes the whole.
+fn describe(root: &Path, is_part: bool, diagnostics: &dyn Diagnostics) -> Result<(), Failure> {
+    if is_part {
+        let whole = finished(root)?;
+        if whole.finished < whole.of {
+            return Ok(());
+        }
+    }
+    write_catalog(root, diagnostics)?;
+    Ok(())
 }
 
 /// What the options mean.

@@ -106,6 +106,7 @@ fn a_square_hides_the_wall_where_it_should() {
         let (mut checked, mut hidden) = (0, 0);
         for ((v, u), found) in found.indexed_iter() {
             if let Some(expected) = expected(&rig, [v, u], with_wall) {
+                // A count over 54 views, rounded to f32.
                 assert!((f64::from(*found) - expected).abs() < 1e-6, "{v} {u}: {found}, not {expected}");
                 checked += 1;
                 hidden += usize::from((0.01..0.99).contains(&expected));
