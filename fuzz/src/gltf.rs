@@ -1,6 +1,6 @@
 //! glTF of any bytes: it loads or is an error; what loads is valid, and can be written and loaded again.
 
-use holo_scene::gltf::{Limits, load_slice, to_glb};
+use holo_scene::gltf::{Limits, LoadOptions, load_slice, load_slice_with, to_glb};
 
 /// Small enough that a file of a few bytes cannot make the fuzzer run out of memory.
 const LIMITS: Limits = Limits {
@@ -17,7 +17,11 @@ const LIMITS: Limits = Limits {
 /// If a property does not hold. The loader converts a panic to an error; libFuzzer stops at it all the same, and this
 /// function recognizes its message.
 pub fn gltf(data: &[u8]) {
-    let loaded = match load_slice(data, &LIMITS) {
+    let mut options = LoadOptions::default();
+    options.limits = LIMITS;
+    // The pose of the nodes, or by the length of the data a moment of the animations.
+    options.time_s = (data.len() % 2 == 1).then_some(0.4);
+    let loaded = match load_slice_with(data, &options) {
         Ok(loaded) => loaded,
         Err(error) => {
             assert!(!error.to_string().contains("the reader failed on this file"), "{error}");

@@ -1,5 +1,6 @@
 //! The command line. x comes first in all of it: sizes are columns x rows, positions column,row.
 
+mod array;
 mod camera;
 mod choices;
 mod dataset;
@@ -20,16 +21,17 @@ use holo_dataset::options::{
     parse_bit_depth, parse_light_units, parse_not_negative, parse_positive, parse_range, parse_sensor,
     parse_sensor_model,
 };
-use holo_dataset::{Exposure, Focus, LayerChoice, Output, Shard, Sky, Tool};
-use holo_io::MatOrder;
+use holo_dataset::{Exposure, Focus, Frames, LayerChoice, Output, Shard, Sky, Tool, ViewSubset};
+use holo_io::{MatOrder, WorldUp};
 use holo_render::{Backend, Denoise, GroundTruth, Integrator, Reuse, TextureFilter};
 use holo_scene::gltf::LightUnits;
 
 use choices::{
     BACKENDS, DENOISE, GROUND_TRUTHS, INTEGRATORS, LAYERS, LAYOUTS, MAT_ORDERS, OUTPUTS, PROJECTIONS, REUSE,
-    TEXTURE_FILTERS, TOOLS, choice,
+    TEXTURE_FILTERS, TOOLS, WORLD_UPS, choice,
 };
 
+pub use array::{ArrayOptions, SurfaceArgument};
 pub use camera::{CameraOptions, DecodeOptions, TargetOptions, WhiteOptions};
 pub use choices::DemosaicArgument;
 pub use dataset::DatasetOptions;
@@ -88,6 +90,8 @@ pub enum Command {
     View(ViewOptions),
     /// Compute what a camera will resolve before it is built: disparities, depth of field, depth resolution; or the reverse.
     Optics(OpticsOptions),
+    /// Place cameras on a plane, a cylinder or a sphere, and write them (transforms.json) for `holo render --transforms`.
+    Array(ArrayOptions),
     /// List plenoptic cameras, or write one as a camera file (TOML) for `--camera-file`.
     Camera(CameraOptions),
     /// Write white images of a plenoptic camera: what it records of an evenly bright scene.
@@ -122,12 +126,19 @@ pub struct RenderOptions {
     /// README.txt.
     #[arg(long = "for", value_name = "TOOL,..", value_parser = choice(TOOLS), value_delimiter = ',', requires = "camera_file")]
     pub tools: Vec<Tool>,
+    /// Cameras anywhere instead of a grid of views: poses as NeRF and nerfstudio have them (transforms.json). Writes
+    /// images/NAME.png, a folder a layer, and transforms.json; the size of images that the file does not say is --lenses.
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["camera_file", "views", "sensor", "baseline_m", "focal_mm", "sensor_mm", "projection", "disparity", "focus_m", "f_number", "shard", "checkpoint", "camera", "subset"])]
+    pub transforms: Option<PathBuf>,
+    /// The axis that points up in the world of --transforms: z in files of Blender and nerfstudio, y in glTF.
+    #[arg(long, value_name = "z|y", default_value = "z", requires = "transforms", value_parser = choice(WORLD_UPS))]
+    pub transforms_up: WorldUp,
     #[command(flatten)]
     pub rig: RigOptions,
     #[command(flatten)]
     pub job: JobOptions,
     /// Render part K of N only (a range of microlens rows, or of pixel rows of a plenoptic camera); `holo merge` joins
-    /// the parts.
+    /// the parts. With frames A-B every N-th of them, whole.
     #[arg(long, value_name = "K/N", value_parser = Shard::from_str)]
     pub shard: Option<Shard>,
     #[command(flatten)]
@@ -158,6 +169,16 @@ pub struct SceneFileOptions {
     /// Name of a material variant of the file, as `holo info` lists them.
     #[arg(long, value_name = "NAME")]
     pub material_variant: Option<String>,
+    /// Frame of the file's animations, or frames A-B, each in a folder of its own with the focus and exposure of the first
+    /// [default: the scene at rest]. Frame N is at N / fps seconds.
+    #[arg(long, value_name = "N|A-B", allow_negative_numbers = true, value_parser = Frames::from_str)]
+    pub frame: Option<Frames>,
+    /// Frames per second [default: 24].
+    #[arg(long, value_name = "F", allow_negative_numbers = true, requires = "frame", value_parser = parse_positive)]
+    pub fps: Option<f64>,
+    /// Name or index of the animation to play [default: all of the file].
+    #[arg(long, value_name = "NAME", requires = "frame")]
+    pub animation: Option<String>,
 }
 
 /// The options that, with the scene and the rig, determine every file.
@@ -287,6 +308,10 @@ pub struct RigOptions {
     /// Name or number of the scene's camera [default: the first].
     #[arg(long, value_name = "NAME|INDEX")]
     pub camera: Option<String>,
+    /// Only some of the views: the row and column of the central one (cross), with both diagonals (star), or a list of
+    /// COLUMN,ROW. Writes them as hci/input_CamNNN.png, with their numbers in the whole grid, and without path reuse.
+    #[arg(long, value_name = "cross|star|C,R;C,R..", value_parser = ViewSubset::from_str)]
+    pub subset: Option<ViewSubset>,
 }
 
 #[derive(Args, Clone, Debug)]

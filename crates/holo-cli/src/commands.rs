@@ -1,6 +1,7 @@
 //! One command a file.
 
 pub mod animate;
+pub mod array;
 pub mod camera;
 pub mod compose;
 pub mod dataset;

@@ -48,6 +48,7 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
         Command::View(options) => commands::view::run(&options),
         Command::Scene(options) => commands::scene::run(&options),
         Command::Optics(options) => commands::optics::run(&options),
+        Command::Array(options) => commands::array::run(&options),
         Command::Camera(options) => commands::camera::run(&options),
         Command::White(options) => commands::camera::white(&options),
         Command::Target(options) => commands::camera::target(&options),

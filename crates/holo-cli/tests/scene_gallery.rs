@@ -11,7 +11,7 @@ fn the_gallery_is_listed() {
     let outcome = bench.run("scene");
     assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), ""));
     let names: Vec<&str> = outcome.stdout.lines().collect();
-    assert_eq!(names, holo_scene::gallery::NAMES);
+    assert_eq!(names, [holo_scene::gallery::NAMES, holo_scene::gallery::ANIMATED].concat());
     assert_eq!(bench.list(""), [common::SCENE], "listing writes nothing");
 }
 

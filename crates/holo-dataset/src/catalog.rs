@@ -102,8 +102,13 @@ pub fn write_catalog(root: &Path, diagnostics: &dyn Diagnostics) -> Result<Descr
 /// The records of all finished folders that are as `dataset.json` says, in the order of the scenes.
 pub(crate) fn records(root: &Path, index: &DatasetIndex) -> Result<Vec<Record>, Error> {
     let mut records = Vec::new();
-    for (number, scene) in index.scenes.iter().enumerate() {
-        let is_test = (number + 1).is_multiple_of(TEST_EVERY);
+    let mut files: Vec<&str> = Vec::new();
+    for scene in &index.scenes {
+        // Frames of a sequence are of one file, and belong together.
+        if files.last() != Some(&scene.sha256.as_str()) {
+            files.push(&scene.sha256);
+        }
+        let is_test = files.len().is_multiple_of(TEST_EVERY);
         for shape in &index.shapes {
             let path = dataset::folder(&scene.name, shape.views())?;
             let Ok(manifest) = finished_manifest(&root.join(&path)) else { continue };

@@ -141,7 +141,9 @@ impl DecodeJob {
         parameters.scene = self.scene.as_ref().map_or_else(String::new, SceneSource::name);
         let wanted = Wanted::new(&spec);
         let (highres_depth_m, visibility, warnings) = (None, None, Vec::new());
-        let traced = Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m, visibility, warnings };
+        let motion = Vec::new();
+        let traced =
+            Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m, visibility, motion, warnings };
         let weight = decoded.weight.view(views / 2, views / 2)?.index_axis(Axis(2), 0).to_owned();
         folder.unseal()?;
         write_white(&mut folder, "scene_weight", &weight)?;

@@ -36,8 +36,8 @@ const CONVENTIONS: [(&str, &str); 8] = [
     ),
 ];
 
-/// A scene and the shape of its light field.
-type Job<'a> = (&'a SceneSource, LightFieldShape);
+/// A scene by its name in the dataset, and the shape of its light field.
+type Job<'a> = (String, &'a SceneSource, LightFieldShape);
 
 /// Writes both files for a dataset of these jobs.
 pub(crate) fn write(root: &Path, jobs: &[Job], options: &Options, backend: &str) -> Result<(), Error> {
@@ -54,11 +54,10 @@ pub(crate) fn write(root: &Path, jobs: &[Job], options: &Options, backend: &str)
 fn index(jobs: &[Job], options: &Options, backend: &str) -> Result<DatasetIndex, Error> {
     let mut scenes: Vec<SceneEntry> = Vec::new();
     let mut shapes: Vec<LightFieldShape> = Vec::new();
-    for (source, shape) in jobs {
-        let name = source.name();
-        if scenes.iter().all(|scene| scene.name != name) {
-            let purpose = gallery::purpose(&name).unwrap_or("a scene from a file").to_owned();
-            scenes.push(SceneEntry { name, purpose, sha256: source.sha256()?.to_string() });
+    for (name, source, shape) in jobs {
+        if scenes.iter().all(|scene| scene.name != *name) {
+            let purpose = gallery::purpose(&source.name()).unwrap_or("a scene from a file").to_owned();
+            scenes.push(SceneEntry { name: name.clone(), purpose, sha256: source.sha256()?.to_string() });
         }
         if !shapes.contains(shape) {
             shapes.push(*shape);

@@ -2,7 +2,7 @@
 
 use holo_core::Rig;
 use holo_io::{Manifest, ParametersCfg, dataset};
-use holo_render::{Integrator, Layers, Rendered, exposure};
+use holo_render::{Integrator, Layers, Motion, Rendered, exposure};
 use ndarray::{Array2, Array3};
 
 use crate::Error;
@@ -12,6 +12,7 @@ use crate::output_folder::OutputFolder;
 use crate::spec::{Exposure, LayerChoice, Output, RenderSpec};
 use crate::statistics::Statistics;
 use crate::warning::RenderWarning;
+use crate::{motion, subset};
 
 /// A render before its files are written.
 pub(crate) struct Traced {
@@ -26,6 +27,8 @@ pub(crate) struct Traced {
     pub highres_depth_m: Option<Array2<f32>>,
     /// The part of all views that sees the points of the central view.
     pub visibility: Option<Array2<f32>>,
+    /// The motion of the central view or of all views until the next frame, if it was requested.
+    pub motion: Vec<Motion>,
     /// Of a shard none.
     pub warnings: Vec<RenderWarning>,
 }
@@ -47,6 +50,7 @@ pub fn validate(spec: &RenderSpec) -> Result<(), Error> {
     if spec.outputs.contains(&Output::H5) {
         return Err(images::without_hdf5());
     }
+    subset::validate(spec)?;
     if let Some(output) = spec.outputs.iter().find(|output| Output::RAW.contains(output)) {
         let name = output.name();
         return Err(Error::BadRequest(format!("--write {name} is of a plenoptic camera; give one with --camera-file")));
@@ -56,6 +60,16 @@ pub fn validate(spec: &RenderSpec) -> Result<(), Error> {
         return Err(Error::BadRequest(format!(
             "--layers {name} is of a plenoptic camera; give one with --camera-file"
         )));
+    }
+    let flow = [LayerChoice::OpticalFlow, LayerChoice::SceneFlow].into_iter().find(|flow| spec.layers.contains(flow));
+    if let (Some(flow), None) = (flow, spec.scene.frames) {
+        let name = flow.name();
+        return Err(Error::BadRequest(format!(
+            "--layers {name} is the motion from one frame to the next; give --frame"
+        )));
+    }
+    if let (None, Some(fps)) = (spec.scene.frames, spec.scene.fps) {
+        return Err(Error::BadRequest(format!("--fps {fps} is of an animation; give --frame too")));
     }
     if let Some(names) =
         images::needing_color(&spec.outputs, spec.integrator).filter(|_| spec.integrator == Integrator::Depth)
@@ -99,6 +113,7 @@ pub(crate) fn write(
     if let Some(visibility) = &traced.visibility {
         layers::write_visibility(&mut folder, visibility)?;
     }
+    motion::write(&mut folder, &traced.wanted, &traced.rig, &traced.motion)?;
     let mut statistics = Statistics::new(rendered, traced.visibility.as_ref());
     let images = Images {
         spec,

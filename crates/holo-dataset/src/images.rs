@@ -13,7 +13,7 @@ use crate::layers::{self, Wanted};
 use crate::output_folder::OutputFolder;
 use crate::spec::{Output, RenderSpec};
 use crate::statistics::ColorStatistics;
-use crate::{Error, develop, exr};
+use crate::{Error, develop, exr, subset};
 
 /// The resolution of ground truth of high resolution, relative to that of a view: the scale at which the evaluation
 /// toolkit of the HCI benchmark scores.
@@ -122,6 +122,10 @@ impl Images<'_> {
         coded: &LightFieldOwned<T>,
         rendered: &Rendered,
     ) -> Result<(), Error> {
+        if let Some(views) = &self.spec.rig.subset {
+            let views = views.views(self.rig.shape().views());
+            return subset::write(folder, coded, &views, self.parameters);
+        }
         let write_png = |path: PathBuf, image: ArrayView3<T>| {
             holo_io::write_png(path, image, ColorEncoding::Srgb, Compression::Best)
         };

@@ -5,7 +5,9 @@ use std::time::Instant;
 
 use holo_core::{GridSize, LightFieldShape, Rig};
 use holo_io::{CameraPose, Manifest, ManifestValue, ParametersCfg};
-use holo_render::{Denoise, GroundTruth, Integrator, Layer, Progress, Rendered, Renderer, Request, Reuse, Transport};
+use holo_render::{
+    Denoise, GroundTruth, Integrator, Layer, Motion, Progress, Rendered, Renderer, Request, Reuse, Transport, Views,
+};
 use ndarray::{Array2, Axis};
 
 use crate::checkpoint::{Checkpoints, Keeper};
@@ -19,9 +21,9 @@ use crate::output_folder::{OutputFolder, Rollback};
 use crate::prepare::{Prepared, Purpose, prepare};
 use crate::report::{RenderReport, Seconds};
 use crate::source::SceneSource;
-use crate::spec::{EngineSpec, Output, RenderSpec, Shard, Sky};
+use crate::spec::{EngineSpec, Frames, LayerChoice, Output, RenderSpec, Shard, Sky};
 use crate::warning::RenderWarning;
-use crate::{Error, shard, sky, warning};
+use crate::{Error, motion, shard, sky, warning};
 
 /// One render: a scene, a specification and a ray tracing backend.
 #[derive(Clone, Debug)]
@@ -46,6 +48,8 @@ pub struct Rendering {
     pub rendered: Rendered,
     /// [`Renderer::visibility`], if it was requested.
     pub visibility: Option<Array2<f32>>,
+    /// [`Renderer::motion`] of the central view, or with ground truth of all views of each, if it was requested.
+    pub motion: Vec<Motion>,
     /// The rig.
     pub rig: Rig,
     /// The exposure compensation with which integers are written, EV; `None` without color.
@@ -111,6 +115,16 @@ impl RenderJob {
     ) -> Result<RenderReport, Error> {
         let start = Instant::now();
         validate(&self.spec)?;
+        let flows = [LayerChoice::OpticalFlow, LayerChoice::SceneFlow];
+        if let Some(flow) = flows.into_iter().find(|flow| shard.is_some() && self.spec.layers.contains(flow)) {
+            let name = flow.name();
+            return Err(Error::BadRequest(format!(
+                "{name} is not rendered in parts of an image; remove it from --layers, or render without --shard"
+            )));
+        }
+        if shard.is_some() && self.spec.rig.subset.is_some() {
+            return Err(Error::BadRequest("--subset is not rendered in parts; render without --shard".into()));
+        }
         if shard.is_some() && self.spec.outputs.contains(&Output::HciHighres) {
             return Err(Error::BadRequest(
                 "hci-highres is not rendered in parts; remove it from --write, or render without --shard".into(),
@@ -124,6 +138,8 @@ impl RenderJob {
         let keeper = self
             .checkpoints
             .as_ref()
+            // Tiles are kept of whole grids.
+            .filter(|_| self.spec.rig.subset.is_none())
             .map(|checkpoints| Keeper::open(checkpoints, out, (&prepared, &request), &identity, diagnostics));
         let traced = self.trace(&prepared, &request, identity, keeper.as_ref(), progress, diagnostics);
         let written = traced.and_then(|traced| self.write(traced, &prepared.renderer, shard, folder, rendering));
@@ -159,8 +175,8 @@ impl RenderJob {
             render: start.elapsed().as_secs_f64(),
             ..Seconds::default()
         };
-        let Traced { rendered, rig, visibility, warnings, .. } = traced;
-        Ok(Rendering { rendered, visibility, rig, exposure_ev, seconds, warnings })
+        let Traced { rendered, rig, visibility, motion, warnings, .. } = traced;
+        Ok(Rendering { rendered, visibility, motion, rig, exposure_ev, seconds, warnings })
     }
 
     /// Writes the files of what was rendered since `rendering`.
@@ -237,9 +253,20 @@ impl RenderJob {
         source_identity(&self.source, &self.spec, &self.options, backend)
     }
 
+    /// The settings of light transport.
+    pub(crate) fn transport(&self) -> Transport {
+        let integrator = request_integrator(&self.spec, &Wanted::new(&self.spec));
+        transport(&self.spec, integrator)
+    }
+
     /// The request for the complete light field or a shard.
     fn request(&self, prepared: &Prepared, shard: Option<Shard>) -> Result<Request, Error> {
         let mut request = request(&self.spec, &Wanted::new(&self.spec), prepared);
+        if let Some(subset) = &self.spec.rig.subset {
+            request.views = Views::List(subset.views(request.rig.shape().views()));
+            // Groups of views would share light with those that are missing.
+            request.transport.reuse = Reuse::Off;
+        }
         if let Some(shard) = shard {
             request.lens_rows = Some(prepared.renderer.shard_lens_rows(&request, shard.part - 1, shard.of)?);
         }
@@ -285,7 +312,11 @@ impl RenderJob {
         let highres_depth_m = is_highres.then(|| highres_depth_m(prepared)).transpose()?;
         let visibility =
             if wanted.visibility { Some(prepared.renderer.visibility(request, &CancelOnly(progress))?) } else { None };
-        Ok(Traced { rendered, wanted, rig: prepared.rig, manifest, parameters, highres_depth_m, visibility, warnings })
+        let flows = wanted.flow.contains(&true);
+        let motion =
+            if flows { motion::trace((&self.source, spec), prepared, &CancelOnly(progress))? } else { Vec::new() };
+        let rig = prepared.rig;
+        Ok(Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m, visibility, motion, warnings })
     }
 
     fn parameters(&self, prepared: &Prepared) -> ParametersCfg {
@@ -370,6 +401,10 @@ pub(crate) fn source_identity(
     manifest.versions.insert("engine".into(), backend.into());
     let settings = &mut manifest.settings;
     settings.insert("scene_sha256".into(), source.sha256()?.to_string().into());
+    if let Some(frame) = spec.scene.frames.and_then(Frames::single) {
+        settings.insert("frame".into(), frame.into());
+        settings.insert("time_s".into(), ManifestValue::Float(spec.scene.seconds_of(frame)));
+    }
     if let Some(path) = spec.sky_map() {
         settings.insert("sky_sha256".into(), holo_io::hash_file(path)?.sha256.to_string().into());
     }
@@ -423,14 +458,18 @@ fn highres_depth_m(prepared: &Prepared) -> Result<Array2<f32>, Error> {
         .ok_or_else(|| Error::Failed("the renderer returned no depth of the central view".into()))
 }
 
-fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
-    let integrator = match spec.integrator {
+/// The integrator of a request.
+pub(crate) fn request_integrator(spec: &RenderSpec, wanted: &Wanted) -> Integrator {
+    match spec.integrator {
         // No requested output has color: no light needs to be traced.
         Integrator::Auto if needs_no_color(spec, wanted) => Integrator::Depth,
         chosen => chosen,
-    };
+    }
+}
+
+fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
     Request::new(prepared.rig)
-        .transport(transport(spec, integrator))
+        .transport(transport(spec, request_integrator(spec, wanted)))
         .denoise(spec.denoise)
         .estimate_error(wanted.error)
         .layers(match spec.ground_truth {

@@ -17,13 +17,16 @@ use crate::output_folder::OutputFolder;
 use crate::spec::{LayerChoice, Output, RenderSpec};
 
 /// The name of linear color among the layers.
-const COLOR: &str = "color";
+pub(crate) const COLOR: &str = "color";
 
 /// The name of the estimated error of color among the layers.
 const ERROR: &str = "error";
 
 /// The name of the part of all views that sees a point.
 const VISIBILITY: &str = "visibility";
+
+/// The names of the movement of images until the next frame, and of that of points in the world.
+pub(crate) const FLOWS: [&str; 2] = ["optical-flow", "scene-flow"];
 
 /// The layers that are requested.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,6 +43,8 @@ pub(crate) struct Wanted {
     pub error: bool,
     /// Whether the visibility of the central view is written.
     pub visibility: bool,
+    /// Whether the movement of images until the next frame is written, and that of points in the world.
+    pub flow: [bool; 2],
 }
 
 impl Wanted {
@@ -71,6 +76,7 @@ impl Wanted {
             color: named.iter().any(|layer| matches!(layer, LayerChoice::Color | LayerChoice::All)),
             error: named.contains(&LayerChoice::Error),
             visibility: named.contains(&LayerChoice::Visibility),
+            flow: [LayerChoice::OpticalFlow, LayerChoice::SceneFlow].map(|layer| named.contains(&layer)),
         }
     }
 
@@ -79,7 +85,9 @@ impl Wanted {
         let color = (self.color && rendered.color.is_some()).then_some(COLOR);
         let error = rendered.error.is_some().then_some(ERROR);
         let visibility = self.visibility.then_some(VISIBILITY);
-        color.into_iter().chain(self.written.iter().map(Layer::name)).chain(visibility).chain(error).collect()
+        let flow = FLOWS.into_iter().zip(self.flow).filter(|(_, wanted)| *wanted);
+        let layers = color.into_iter().chain(self.written.iter().map(Layer::name)).chain(visibility).chain(error);
+        layers.chain(flow.map(|(name, _)| name)).collect()
     }
 }
 
@@ -92,7 +100,12 @@ pub(crate) fn needing_color(spec: &RenderSpec) -> Option<&'static str> {
 
 fn layers(choice: LayerChoice) -> LayerSet {
     match choice {
-        LayerChoice::Color | LayerChoice::Error | LayerChoice::Visibility | LayerChoice::Raw(_) => LayerSet::EMPTY,
+        LayerChoice::Color
+        | LayerChoice::Error
+        | LayerChoice::Visibility
+        | LayerChoice::OpticalFlow
+        | LayerChoice::SceneFlow
+        | LayerChoice::Raw(_) => LayerSet::EMPTY,
         LayerChoice::All => LayerSet::ALL,
         LayerChoice::One(layer) => LayerSet::of(&[layer]),
     }
@@ -148,8 +161,15 @@ pub(crate) fn central_view(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_
 }
 
 /// The part of a file name for a layer.
-fn file_part(name: &str) -> String {
+pub(crate) fn file_part(name: &str) -> String {
     name.replace('-', "_")
+}
+
+/// The file of a layer of view `k` of `count`, in the folder of the layer, numbered as in HCI folders: view row * columns +
+/// view column.
+pub(crate) fn view_file(name: &str, k: usize, count: usize, ending: &str) -> String {
+    let digits = 3.max((count - 1).to_string().len());
+    format!("{name}/scene_{name}_Cam{k:0digits$}.{ending}")
 }
 
 fn write_central(folder: &mut OutputFolder, name: &str, image: ArrayView3<f32>) -> Result<(), Error> {
@@ -159,16 +179,15 @@ fn write_central(folder: &mut OutputFolder, name: &str, image: ArrayView3<f32>) 
     Ok(())
 }
 
-/// Writes one PFM a view into a folder, numbered as in HCI folders: view row * columns + view column.
+/// Writes one PFM a view into a folder.
 fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwned<f32>) -> Result<(), Error> {
     let name = file_part(name);
     folder.subfolder(&name)?;
     let views = field.shape().views();
-    let digits = 3.max((views.count() - 1).to_string().len());
     let written: Vec<(String, FileDigest)> = (0..views.count())
         .into_par_iter()
         .map(|k| {
-            let file = format!("{name}/scene_{name}_Cam{k:0digits$}.pfm");
+            let file = view_file(&name, k, views.count(), "pfm");
             let view = field.view(k / views.columns, k % views.columns)?;
             let written = write_pfm(folder.file(&file), view)?;
             Ok((file, written))

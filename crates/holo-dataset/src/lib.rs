@@ -2,6 +2,8 @@
 //!
 //! ```text
 //! SceneSource + RenderSpec -> RenderJob -> folder (images, ground truth, parameters.cfg, manifest.json)
+//! cameras anywhere          -> ArrayJob -> images/NAME.png, transforms.json
+//! frames of an animation   -> SequenceJob -> frame_0000/, frame_0001/ ...
 //! scenes x view counts     -> DatasetPlan -> <scene>/<S>x<T>/ each, dataset.json, DATASET.md, catalog
 //! ```
 //!
@@ -31,6 +33,7 @@
 pub mod options;
 pub mod text;
 
+mod array;
 mod catalog;
 mod checkpoint;
 mod decode;
@@ -46,24 +49,30 @@ mod images;
 mod job;
 mod layers;
 mod linear_image;
+mod motion;
 mod optics;
+mod outcome;
 mod output_folder;
+mod placement;
 mod plan;
 mod prepare;
 mod raw;
 mod raw_files;
 mod report;
+mod sequence;
 mod shard;
 mod sky;
 mod source;
 mod spec;
 mod statistics;
+mod subset;
 mod summary;
 mod target;
 mod verify;
 mod warning;
 mod webdataset;
 
+pub use array::{ArrayJob, ArrayReport};
 pub use catalog::{Described, finished, write_catalog};
 pub use checkpoint::Checkpoints;
 pub use decode::{DecodeJob, write_white_images};
@@ -74,15 +83,19 @@ pub use exports::Tool;
 pub use files::validate;
 pub use job::{RenderJob, Rendering};
 pub use optics::{NamedQuantity, camera_optics, planned_rig, rig_optics};
+pub use outcome::JobOutcome;
 pub use output_folder::{OutputFolder, Rollback};
-pub use plan::{DatasetJob, DatasetPlan, JobOutcome, sources};
+pub use placement::{Placement, Surface};
+pub use plan::{DatasetJob, DatasetPlan, sources};
 pub use prepare::Prepared;
 pub use raw::{RawJob, RawLayers, RawReport, warnings as camera_warnings};
 pub use report::{RenderReport, Seconds};
+pub use sequence::SequenceJob;
 pub use shard::merge;
 pub use source::SceneSource;
 pub use spec::{
-    EngineSpec, Exposure, Focus, LayerChoice, Output, RawLayer, RenderSpec, RigSpec, SceneSpec, Shard, Sky,
+    EngineSpec, Exposure, Focus, Frames, LayerChoice, Output, RawLayer, RenderSpec, RigSpec, SceneSpec, Shard, Sky,
+    ViewSubset,
 };
 pub use statistics::{ColorStatistics, EstimatedError, Statistics};
 pub use summary::{DatasetSummary, JobSummary};

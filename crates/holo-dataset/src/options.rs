@@ -4,6 +4,7 @@
 //! write from them. Threads, backend and output folder are not among them, because the files do not depend on them.
 
 use std::collections::BTreeMap;
+use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -14,7 +15,7 @@ use holo_render::{Denoise, GroundTruth, Integrator, Layer, Reuse, TextureFilter}
 use holo_scene::gltf::LightUnits;
 
 use crate::Error;
-use crate::spec::{Exposure, Focus, LayerChoice, Output, RawLayer, RenderSpec, Shard, Sky};
+use crate::spec::{Exposure, Focus, Frames, LayerChoice, Output, RawLayer, RenderSpec, Shard, Sky};
 
 /// Long options of the command line, without `--`, and their values.
 pub type Options = BTreeMap<String, String>;
@@ -189,6 +190,28 @@ impl FromStr for Shard {
     }
 }
 
+impl FromStr for Frames {
+    type Err = String;
+
+    /// Parses `N` or `A-B`, both ends included.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (first, last) = text.split_once('-').unwrap_or((text, text));
+        match (first.parse(), last.parse()) {
+            (Ok(first), Ok(last)) if first <= last => Ok(Self { first, last }),
+            _ => Err("give the number of a frame, or A-B from the first to the last".into()),
+        }
+    }
+}
+
+impl fmt::Display for Frames {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.single() {
+            Some(frame) => write!(f, "{frame}"),
+            None => write!(f, "{}-{}", self.first, self.last),
+        }
+    }
+}
+
 impl FromStr for Sky {
     type Err = String;
 
@@ -243,13 +266,15 @@ impl FromStr for Exposure {
 }
 
 impl LayerChoice {
-    /// Parses `color`, `error`, `visibility`, `all` or the name of a layer; `None` for an unknown name.
+    /// Parses `color`, `error`, `visibility`, `optical-flow`, `scene-flow`, `all` or the name of a layer; `None` for an unknown name.
     #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         match name {
             "color" | "colour" => Some(Self::Color),
             "error" => Some(Self::Error),
             "visibility" => Some(Self::Visibility),
+            "optical-flow" => Some(Self::OpticalFlow),
+            "scene-flow" => Some(Self::SceneFlow),
             "all" => Some(Self::All),
             other => {
                 let raw = RawLayer::ALL.into_iter().find(|layer| layer.name() == other);
@@ -265,6 +290,8 @@ impl LayerChoice {
             Self::Color => "color",
             Self::Error => "error",
             Self::Visibility => "visibility",
+            Self::OpticalFlow => "optical-flow",
+            Self::SceneFlow => "scene-flow",
             Self::All => "all",
             Self::One(layer) => layer.name(),
             Self::Raw(layer) => layer.name(),
@@ -315,10 +342,22 @@ impl RenderSpec {
         if let Some(camera) = &rig.camera {
             set("camera", camera.clone());
         }
+        if let Some(subset) = &rig.subset {
+            set("subset", subset.to_string());
+        }
         set("light-units", name_of(&LIGHT_UNITS, &self.scene.light_units).into());
         set("solid-glass", self.scene.solid_glass.to_string());
         if let Some(variant) = &self.scene.material_variant {
             set("material-variant", variant.clone());
+        }
+        if let Some(frames) = self.scene.frames {
+            set("frame", frames.to_string());
+        }
+        if let Some(fps) = self.scene.fps {
+            set("fps", fps.to_string());
+        }
+        if let Some(animation) = &self.scene.animation {
+            set("animation", animation.clone());
         }
         if let Some(name) = &self.sensor_model {
             set("sensor-model", name.clone());
@@ -408,9 +447,13 @@ impl RenderSpec {
             "light-units" => self.scene.light_units = parse_light_units(value)?,
             "solid-glass" => self.scene.solid_glass = number(value)?,
             "material-variant" => self.scene.material_variant = Some(value.to_owned()),
+            "frame" => self.scene.frames = Some(value.parse()?),
+            "fps" => self.scene.fps = Some(parse_positive(value)?),
+            "animation" => self.scene.animation = Some(value.to_owned()),
             "sensor-model" => self.sensor_model = Some(parse_sensor_model(value)?),
             "iso" => self.iso = Some(parse_positive(value)?),
             "camera" => rig.camera = Some(value.to_owned()),
+            "subset" => rig.subset = Some(value.parse()?),
             "integrator" => self.integrator = one_of(&INTEGRATORS, value)?,
             "spp" => self.samples = Some(number(value)?),
             "target-error" => self.target_error = Some(parse_positive(value)?),

@@ -3,21 +3,21 @@
 use std::path::{Path, PathBuf};
 
 use holo_core::{GridSize, LightFieldShape, Remainder};
-use holo_io::{Manifest, dataset};
+use holo_io::dataset;
 use holo_render::{Progress, Renderer};
 use holo_scene::gallery;
 
 use crate::checkpoint::Checkpoints;
 use crate::diagnostics::Diagnostics;
 use crate::files::validate;
-use crate::identity::difference;
 use crate::job::RenderJob;
 use crate::options::Options;
-use crate::output_folder::{OutputFolder, Rollback, clear_older};
-use crate::report::RenderReport;
+use crate::outcome::{JobOutcome, done};
+use crate::output_folder::{OutputFolder, Rollback};
+use crate::sequence::SequenceJob;
 use crate::source::SceneSource;
-use crate::spec::{EngineSpec, RenderSpec};
-use crate::{Error, checkpoint, describe, prepare};
+use crate::spec::{EngineSpec, Frames, RenderSpec};
+use crate::{Error, describe, prepare};
 
 /// The plan of a dataset: its jobs in order.
 #[derive(Clone, Debug)]
@@ -37,24 +37,24 @@ pub struct DatasetPlan {
 pub struct DatasetJob {
     /// Numbers of views and microlenses.
     pub shape: LightFieldShape,
-    /// The render.
+    /// The render. Of a frame, its specification has all frames of the sequence.
     pub render: RenderJob,
-}
-
-/// The outcome of a job.
-#[derive(Clone, Debug)]
-pub enum JobOutcome {
-    /// It was rendered; the reason if its folder contained an older result.
-    Made(Box<RenderReport>, Option<String>),
-    /// Its folder is up to date.
-    Kept(Box<Manifest>),
+    /// The number of the frame, if it is one of several.
+    pub frame: Option<u32>,
 }
 
 impl DatasetJob {
+    /// Returns the name of the scene; of a frame with its number: `pendulum_0012`.
+    #[must_use]
+    pub fn scene(&self) -> String {
+        let name = self.render.source.name();
+        self.frame.map_or(name.clone(), |frame| format!("{name}_{frame:04}"))
+    }
+
     /// Returns the name of the job, such as `garden 20x20` with views as columns x rows.
     #[must_use]
     pub fn name(&self) -> String {
-        format!("{} {}", self.render.source.name(), self.shape.views())
+        format!("{} {}", self.scene(), self.shape.views())
     }
 
     /// Returns the folder of the job, relative to the root of the dataset.
@@ -62,12 +62,12 @@ impl DatasetJob {
     /// # Errors
     /// [`Error::Io`] if the name of the scene cannot be a folder name.
     pub fn folder(&self) -> Result<PathBuf, Error> {
-        Ok(dataset::folder(&self.render.source.name(), self.shape.views())?)
+        Ok(dataset::folder(&self.scene(), self.shape.views())?)
     }
 }
 
 impl DatasetPlan {
-    /// Plans a job for every source and every number of views. `options` are the options of `spec` that were requested.
+    /// Plans a job for every source, every frame if there are several, and every number of views. `options` are the options of `spec` that were requested.
     ///
     /// # Errors
     /// [`Error::BadRequest`] if the specification contradicts itself, there is no scene, or views or scene names
@@ -97,8 +97,16 @@ impl DatasetPlan {
                 let mut texts = spec.to_options();
                 texts.extend(options.clone());
                 texts.insert("views".into(), shape.views().to_string());
+                let sequence = spec.scene.frames.filter(|frames| frames.single().is_none());
                 let render = RenderJob::new(source.clone(), spec).with_options(texts).with_engine(engine);
-                jobs.push(DatasetJob { shape, render });
+                match sequence {
+                    None => jobs.push(DatasetJob { shape, render, frame: None }),
+                    Some(Frames { first, last }) => jobs.extend((first..=last).map(|k| DatasetJob {
+                        shape,
+                        render: render.clone(),
+                        frame: Some(k),
+                    })),
+                }
             }
         }
         let options = crate::options::without_paths(options, &spec);
@@ -130,7 +138,7 @@ impl DatasetPlan {
     /// [`Error::Failed`] or [`Error::Io`] if folder or files cannot be written.
     pub fn describe(&self, root: &Path, backend: &str, rollback: &Rollback) -> Result<(), Error> {
         let folder = OutputFolder::create_plain(root, rollback)?;
-        let jobs: Vec<_> = self.jobs.iter().map(|job| (&job.render.source, job.shape)).collect();
+        let jobs: Vec<_> = self.jobs.iter().map(|job| (job.scene(), &job.render.source, job.shape)).collect();
         describe::write(root, &jobs, &self.options, backend)?;
         folder.keep();
         Ok(())
@@ -150,12 +158,20 @@ impl DatasetPlan {
         rollback: &Rollback,
     ) -> Result<JobOutcome, Error> {
         let out = root.join(job.folder()?);
-        let identity = job.render.identity(backend)?;
-        let why = match done(&out, &identity) {
+        let mut identity = job.render.clone();
+        identity.spec.scene.frames = job.frame.map(Frames::one).or(identity.spec.scene.frames);
+        let why = match done(&out, &identity.identity(backend)?) {
             Ok(manifest) => return Ok(JobOutcome::Kept(Box::new(manifest))),
             Err(why) => why,
         };
-        Ok(JobOutcome::Made(Box::new(job.render.run(&out, None, progress, diagnostics, rollback)?), why))
+        let report = match job.frame {
+            None => job.render.run(&out, None, progress, diagnostics, rollback)?,
+            Some(frame) => {
+                let sequence = SequenceJob::new(job.render.clone(), &(), &())?;
+                sequence.frame(frame).run(&out, None, progress, diagnostics, rollback)?
+            }
+        };
+        Ok(JobOutcome::Made(Box::new(report), why))
     }
 }
 
@@ -194,25 +210,4 @@ fn check_names(sources: &[SceneSource]) -> Result<(), Error> {
         return Err(Error::BadRequest("no scene: omit --scenes for all scenes of the gallery, or give --glb".into()));
     }
     Ok(())
-}
-
-/// Returns the manifest of a job that is done: with the same scene, options and versions, and with every file as its
-/// digest. The error is why an older result is not up to date, if there is one.
-fn done(folder: &Path, identity: &Manifest) -> Result<Manifest, Option<String>> {
-    let path = folder.join(dataset::MANIFEST_JSON);
-    let manifest = match Manifest::read(&path) {
-        Ok(manifest) => manifest,
-        Err(_) if !path.is_file() => return Err(None),
-        Err(why) => return Err(Some(why.to_string())),
-    };
-    if let Some(why) = difference(&manifest, identity) {
-        return Err(Some(why));
-    }
-    if let Some(mismatch) = manifest.verify(folder).first() {
-        return Err(Some(mismatch.to_string()));
-    }
-    // A run may have been killed before these last steps.
-    clear_older(folder, &manifest);
-    checkpoint::remove_all(folder);
-    Ok(manifest)
 }

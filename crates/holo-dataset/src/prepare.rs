@@ -6,6 +6,7 @@ use std::time::Instant;
 use holo_core::optics::DisparityRange;
 use holo_core::{GridSize, LightFieldShape, Remainder, Rig};
 use holo_render::{Baseline, CameraChoice, Framed, Framing, Renderer};
+use holo_scene::Scene;
 use holo_scene::gltf::Loaded;
 
 use crate::diagnostics::{About, Diagnostics};
@@ -100,11 +101,7 @@ fn prepare_for(
 ) -> Result<PreparedScene, Error> {
     let start = Instant::now();
     let scene = source.path();
-    let mut loaded = source.load(spec).map_err(|e| match e {
-        holo_scene::Error::Read { .. } => Error::Failed(e.to_string()),
-        other => Error::Failed(named(scene, &other.to_string())),
-    })?;
-    loaded.warnings.iter().for_each(|warning| diagnostics.report(About::Scene, &format!("warning: {warning}")));
+    let mut loaded = load(source, spec, diagnostics)?;
     let has_automatic_sky = sky.map_or(Ok(false), |wanted| sky::add(wanted, &mut loaded.scene, diagnostics))?;
     let load_seconds = start.elapsed().as_secs_f64();
     let framed = frame(scene, &loaded, rig, shape, diagnostics)?;
@@ -121,6 +118,30 @@ fn prepare_for(
     let build_seconds = start.elapsed().as_secs_f64();
     report_backend(&renderer, diagnostics);
     Ok(PreparedScene { loaded, framed, renderer, has_automatic_sky, load_seconds, build_seconds })
+}
+
+/// Loads a scene and reports its warnings.
+pub(crate) fn load(source: &SceneSource, spec: &SceneSpec, diagnostics: &dyn Diagnostics) -> Result<Loaded, Error> {
+    if let Some(frames) = spec.frames.filter(|frames| frames.single().is_none()) {
+        return Err(Error::BadRequest(format!("--frame {frames} is of several images; render one at a time")));
+    }
+    let loaded = source.load(spec).map_err(|e| match e {
+        holo_scene::Error::Read { .. } => Error::Failed(e.to_string()),
+        other => Error::Failed(named(source.path(), &other.to_string())),
+    })?;
+    loaded.warnings.iter().for_each(|warning| diagnostics.report(About::Scene, &format!("warning: {warning}")));
+    Ok(loaded)
+}
+
+/// Loads a scene and chooses its camera, without warnings and without a renderer.
+pub(crate) fn load_frame(
+    (source, spec): (&SceneSource, &SceneSpec),
+    rig: &RigSpec,
+    shape: LightFieldShape,
+) -> Result<(Scene, Framed), Error> {
+    let loaded = load(source, spec, &())?;
+    let framed = frame(source.path(), &loaded, rig, shape, &())?;
+    Ok((loaded.scene, framed))
 }
 
 /// The camera of the scene with the intrinsics and the baseline of the rig.
@@ -189,7 +210,7 @@ fn camera(requested: Option<&String>, loaded: &Loaded) -> CameraChoice {
 }
 
 /// Converts an error of the renderer. If it may be caused by numbers of the scene file, its message names the file.
-fn blame(scene: &Path, error: holo_render::Error) -> Error {
+pub(crate) fn blame(scene: &Path, error: holo_render::Error) -> Error {
     let numbers = matches!(error, holo_render::Error::Scene(_) | holo_render::Error::Core(_));
     match Error::from(error) {
         error if numbers && !error.is_bad_request() => Error::Failed(named(scene, &error.to_string())),

@@ -208,7 +208,7 @@ impl RawJob {
                     .into(),
             );
         }
-        let of_views = [LayerChoice::Error, LayerChoice::Visibility];
+        let of_views = [LayerChoice::Error, LayerChoice::Visibility, LayerChoice::OpticalFlow, LayerChoice::SceneFlow];
         if let Some(layer) = of_views.into_iter().find(|layer| self.spec.layers.contains(layer)) {
             return bad(format!("--layers {} is of rendered views; remove it", layer.name()));
         }

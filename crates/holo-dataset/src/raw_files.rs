@@ -81,7 +81,11 @@ pub(crate) fn wanted_layers(spec: &RenderSpec) -> (LayerSet, Vec<RawLayer>) {
                 others.extend(RawLayer::ALL);
             }
             LayerChoice::Raw(layer) => others.push(*layer),
-            LayerChoice::Color | LayerChoice::Error | LayerChoice::Visibility => {}
+            LayerChoice::Color
+            | LayerChoice::Error
+            | LayerChoice::Visibility
+            | LayerChoice::OpticalFlow
+            | LayerChoice::SceneFlow => {}
         }
     }
     (traced, others)

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use holo_io::Sha256;
 use holo_scene::gallery;
-use holo_scene::gltf::{self, Limits, LoadOptions, Loaded};
+use holo_scene::gltf::{self, LoadOptions, Loaded};
 
 use crate::Error;
 use crate::spec::SceneSpec;
@@ -26,12 +26,13 @@ impl SceneSource {
     /// # Errors
     /// [`Error::BadRequest`] if there is no such scene.
     pub fn gallery(name: &str) -> Result<Self, Error> {
-        let known = gallery::NAMES.iter().find(|known| **known == name);
-        let (name, scene) = known.and_then(|known| Some((*known, gallery::scene(known)?))).ok_or_else(|| {
-            let known = gallery::NAMES.join(", ");
+        let mut all = gallery::NAMES.iter().chain(gallery::ANIMATED);
+        let known = all.find(|known| **known == name);
+        let (name, glb) = known.and_then(|known| Some((*known, gallery::to_glb(known)?))).ok_or_else(|| {
+            let known = [gallery::NAMES, gallery::ANIMATED].concat().join(", ");
             Error::BadRequest(format!("the gallery has no scene '{name}'; it has: {known}"))
         })?;
-        Ok(Self::Gallery(name, gltf::to_glb(&scene)?))
+        Ok(Self::Gallery(name, glb?))
     }
 
     /// Returns the path of the file, or the name of the gallery scene, for messages.
@@ -61,22 +62,31 @@ impl SceneSource {
         })
     }
 
-    /// Loads the scene. A scene of the gallery is the same for any specification.
+    /// Loads the scene, at the first of the frames of `spec` if it has some. Nothing else of it changes a scene of the
+    /// gallery.
     ///
     /// # Errors
     /// An error of `holo-scene` if the file cannot be read, is not valid glTF, or does not have the material variant.
     pub fn load(&self, spec: &SceneSpec) -> Result<Loaded, holo_scene::Error> {
         match self {
             Self::File(path) => gltf::load_with(path, &spec.load_options()),
-            Self::Gallery(_, glb) => gltf::load_slice(glb, &Limits::default()),
+            Self::Gallery(_, glb) => gltf::load_slice_with(glb, &spec.times()),
             Self::Memory(_, glb) => gltf::load_slice_with(glb, &spec.load_options()),
         }
     }
 }
 
 impl SceneSpec {
-    fn load_options(&self) -> LoadOptions {
+    /// The options that concern time alone.
+    fn times(&self) -> LoadOptions {
         let mut options = LoadOptions::default();
+        options.time_s = self.frames.map(|frames| self.seconds_of(frames.first));
+        options.animation.clone_from(&self.animation);
+        options
+    }
+
+    fn load_options(&self) -> LoadOptions {
+        let mut options = self.times();
         options.light_units = self.light_units;
         options.solid_glass = self.solid_glass;
         options.material_variant.clone_from(&self.material_variant);

@@ -1,11 +1,15 @@
 //! Specifications: everything that determines the files of a render, together with the scene.
 
+mod view_subset;
+
 use std::path::PathBuf;
 
 use holo_core::{GridSize, Projection, Sensor};
 use holo_io::MatOrder;
 use holo_render::{Denoise, GroundTruth, Integrator, Layer, Reuse, TextureFilter};
 use holo_scene::gltf::LightUnits;
+
+pub use self::view_subset::ViewSubset;
 
 /// The specification of a render and its output. The defaults are those of the command line: 8K sensor, 100 x 100
 /// views.
@@ -64,7 +68,7 @@ pub struct RenderSpec {
     pub seed: u64,
 }
 
-/// How a scene file is read. Scenes of the gallery have nothing of it.
+/// How a scene file is read. Scenes of the gallery have nothing of it but frames.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct SceneSpec {
@@ -74,6 +78,21 @@ pub struct SceneSpec {
     pub solid_glass: bool,
     /// The name of a material variant (`KHR_materials_variants`); `None`: the materials of the primitives.
     pub material_variant: Option<String>,
+    /// The frames of the animations of the file; `None`: the pose of its nodes without animation.
+    pub frames: Option<Frames>,
+    /// Frames a second; `None`: 24. Frame N is at N / fps seconds.
+    pub fps: Option<f64>,
+    /// The name of the animation to play, or its index; `None`: all of them.
+    pub animation: Option<String>,
+}
+
+/// A range of frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Frames {
+    /// Number of the first frame.
+    pub first: u32,
+    /// Number of the last frame, not below the first.
+    pub last: u32,
 }
 
 /// The specification of a rig.
@@ -103,6 +122,8 @@ pub struct RigSpec {
     pub projection: Projection,
     /// Name or index of the scene camera; `None`: the first.
     pub camera: Option<String>,
+    /// The views that are rendered; `None`: all.
+    pub subset: Option<ViewSubset>,
 }
 
 /// The ray tracing backend and the number of threads. Of the files, only the name of the backend in the manifest
@@ -164,6 +185,10 @@ pub enum LayerChoice {
     Error,
     /// The part of all views that sees a point of the central view.
     Visibility,
+    /// Where the image of a point moves until the next frame.
+    OpticalFlow,
+    /// How a point moves in the world until the next frame.
+    SceneFlow,
     /// One layer.
     One(Layer),
     /// One layer of the raw image of a plenoptic camera.
@@ -319,7 +344,30 @@ impl Default for RigSpec {
             sensor_mm: 36.0,
             projection: Projection::Perspective,
             camera: None,
+            subset: None,
         }
+    }
+}
+
+impl SceneSpec {
+    /// Returns the time of a frame, s.
+    #[must_use]
+    pub fn seconds_of(&self, frame: u32) -> f64 {
+        f64::from(frame) / self.fps.unwrap_or(24.0)
+    }
+}
+
+impl Frames {
+    /// One frame.
+    #[must_use]
+    pub const fn one(frame: u32) -> Self {
+        Self { first: frame, last: frame }
+    }
+
+    /// Returns the number of the frame, if it is only one.
+    #[must_use]
+    pub fn single(self) -> Option<u32> {
+        (self.first == self.last).then_some(self.first)
     }
 }
 

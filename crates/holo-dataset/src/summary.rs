@@ -5,7 +5,8 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::plan::{DatasetJob, JobOutcome};
+use crate::outcome::JobOutcome;
+use crate::plan::DatasetJob;
 use crate::report::RenderReport;
 use crate::statistics::Statistics;
 use crate::text;
@@ -47,7 +48,7 @@ impl JobSummary {
             Err(why) => (JobResult::Failed(why), None, Statistics::default(), 0),
         };
         let views = job.shape.views().to_string();
-        Self { scene: job.render.source.name(), views, result, disparity_px, statistics, bytes }
+        Self { scene: job.scene(), views, result, disparity_px, statistics, bytes }
     }
 
     /// The line of `holo dataset --json`: scene, views, disparities, bytes, status, and what the status tells more.

@@ -40,6 +40,18 @@ mod write;
 pub use folder::HciFolder;
 pub use write::{HciHighResolution, HciImage, HciTruth};
 
+/// Returns the name of the file of a view, by its number: view row * columns + view column.
+///
+/// # Examples
+///
+/// ```
+/// assert_eq!(holo_io::hci::view_file_name(40), "input_Cam040.png");
+/// ```
+#[must_use]
+pub fn view_file_name(index: usize) -> String {
+    names::Name::View(index).to_string()
+}
+
 /// The quantity of a ground truth map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum HciQuantity {

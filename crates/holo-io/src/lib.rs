@@ -33,6 +33,7 @@
 //! | TIFF as a stream | [`encode_tiff`] | [`decode_tiff`] |
 //! | PFM | [`write_pfm`], [`write_pfm_rgb`] | [`read_pfm`], [`read_pfm_gray`], [`read_pfm_info`] |
 //! | PFM as a stream | [`Pfm::encode`] | [`decode_pfm`] |
+//! | optical flow, `.flo` | [`write_flo`] | [`read_flo`], [`decode_flo`] |
 //! | EXR, 32- or 16-bit float | [`write_exr`], [`write_exr_with`], [`ExrWriter`] | [`read_exr`], [`read_exr_rgb`] |
 //! | header of an EXR | | [`read_exr_info`] |
 //! | EXR as a stream | [`encode_exr`], [`encode_exr_with`] | [`decode_exr`], [`decode_exr_rgb`] |
@@ -42,6 +43,7 @@
 //! | HDF5 | `write_hdf5`; `Hdf5Writer` lens row by lens row | `Hdf5LightField`: all, one view, one lens |
 //! | Radiance HDR | | [`read_hdr`], [`read_hdr_info`]; as a stream [`decode_hdr`] |
 //! | `parameters.cfg` | [`ParametersCfg::write`] | [`ParametersCfg::read`] |
+//! | cameras anywhere, `transforms.json` | [`CameraArray::write`] | [`CameraArray::read`] |
 //! | plenoptic camera, TOML | [`CameraFile::to_toml`] | [`CameraFile::read`] |
 //! | plenoptic camera, for other programs | [`interop`] | |
 //! | `manifest.json` | [`Manifest::write`] | [`Manifest::read`], [`Manifest::verify`] |
@@ -103,6 +105,7 @@ mod dng;
 mod error;
 #[cfg(feature = "exr")]
 mod exr;
+mod flo;
 #[cfg(feature = "png")]
 pub mod gantry;
 #[cfg(feature = "gif")]
@@ -139,6 +142,7 @@ mod rig_values;
 mod stream;
 #[cfg(feature = "tiff")]
 mod tiff;
+mod transforms;
 #[cfg(feature = "png")]
 mod views;
 #[cfg(any(feature = "png", feature = "exr", feature = "mat"))]
@@ -161,6 +165,7 @@ pub use exr::{
     ExrChannel, ExrCompression, ExrImage, ExrInfo, ExrSamples, ExrWriter, decode_exr, decode_exr_rgb, encode_exr,
     encode_exr_with, read_exr, read_exr_info, read_exr_rgb, write_exr, write_exr_with,
 };
+pub use flo::{decode_flo, read_flo, write_flo};
 #[cfg(feature = "png")]
 pub use gantry::{GantryFolder, GantryPosition};
 #[cfg(feature = "gif")]
@@ -202,5 +207,6 @@ pub use probe::{FileInfo, probe};
 pub use raw_image::layout_of_file_name;
 #[cfg(feature = "tiff")]
 pub use tiff::{TiffInfo, decode_tiff, encode_tiff, read_tiff, read_tiff_info, write_tiff};
+pub use transforms::{ArrayCamera, CameraArray, WorldUp};
 #[cfg(feature = "png")]
 pub use views::read_views;

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use holo_core::{LightFieldOwned, Sample};
 use holo_dataset::options::{Options, integrator_name};
 use holo_dataset::{About, Checkpoints, RawJob, RenderJob, Rollback, Shard, Tool};
-use holo_render::{Backend, Layer, Layers, RayCounts};
-use ndarray::{Array, Array3, Axis, Dimension};
+use holo_render::{Backend, Layer, Layers, Motion, RayCounts};
+use ndarray::{Array, Array3, Array5, Axis, Dimension};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -51,10 +51,12 @@ pub fn render<'py>(
     if let Some(visibility) = rendering.visibility {
         central.set_item("visibility", give(py, visibility))?;
     }
+    let rig = rendering.rig;
+    let all = rendered.all.map(|all| give_layers(py, all, |field| give_channel(py, field))).transpose()?;
+    give_motion(py, rendering.motion, &rig, &central, all.as_ref())?;
     result.set_item("central", central)?;
-    let all = rendered.all.map(|all| give_layers(py, all, |field| give_channel(py, field)));
-    result.set_item("all", all.transpose()?)?;
-    result.set_item("rig", Rig(rendering.rig))?;
+    result.set_item("all", all)?;
+    result.set_item("rig", Rig(rig))?;
     result.set_item("exposure_ev", rendering.exposure_ev)?;
     result.set_item("integrator", integrator_name(rendered.integrator))?;
     result.set_item("why", rendered.why)?;
@@ -183,6 +185,35 @@ fn give_layers<'py, T>(
         }
     }
     Ok(dict)
+}
+
+/// Optical and scene flow: of the central view, and of all views as light fields if there is more than one.
+fn give_motion<'py>(
+    py: Python<'py>,
+    motion: Vec<Motion>,
+    rig: &holo_core::Rig,
+    central: &Bound<'py, PyDict>,
+    all: Option<&Bound<'py, PyDict>>,
+) -> Result<(), Failure> {
+    let shape = rig.shape();
+    let (row, column) = shape.central_view();
+    let position = if motion.len() > 1 { row * shape.views().columns + column } else { 0 };
+    let Some(seen) = motion.get(position) else { return Ok(()) };
+    central.set_item("optical-flow", give(py, seen.optical_flow.clone()))?;
+    central.set_item("scene-flow", give(py, seen.scene_flow.clone()))?;
+    let Some(all) = all.filter(|_| motion.len() > 1) else { return Ok(()) };
+    let (lenses, views) = (shape.lenses(), shape.views());
+    for (name, channels) in [("optical-flow", 2), ("scene-flow", 3)] {
+        let mut field = Array5::zeros((lenses.rows, lenses.columns, views.rows, views.columns, channels));
+        for (k, motion) in motion.iter().enumerate() {
+            let own = if channels == 2 { &motion.optical_flow } else { &motion.scene_flow };
+            // Without its view rows, the view columns are the third axis.
+            let mut row = field.index_axis_mut(Axis(2), k / views.columns);
+            row.index_axis_mut(Axis(2), k % views.columns).assign(own);
+        }
+        all.set_item(name, give(py, field))?;
+    }
+    Ok(())
 }
 
 /// An image without its channel axis if it has one channel.

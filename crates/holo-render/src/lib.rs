@@ -69,7 +69,7 @@ pub use film::{exposure, layers};
 pub use integrator::{Integrator, RayCounts};
 pub use progress::{Progress, Tenths};
 pub use render::{
-    Checkpoint, Denoise, FinishedTile, GroundTruth, RawRendered, RawRequest, RawStatistics, Rendered, Renderer,
-    Request, Reuse, TextureFilter, TileId, TileKind, Transport, Views,
+    Checkpoint, Denoise, FinishedTile, Frame, GroundTruth, Motion, RawRendered, RawRequest, RawStatistics, Rendered,
+    Renderer, Request, Reuse, TextureFilter, TileId, TileKind, Transport, Views,
 };
 pub use sampling::Sampling;

@@ -3,6 +3,7 @@
 mod checkpoint;
 mod color;
 mod image;
+mod motion;
 mod plan;
 mod raw;
 mod request;
@@ -22,6 +23,7 @@ use ndarray::Array3;
 pub use self::checkpoint::{Checkpoint, FinishedTile, TileId, TileKind};
 #[cfg(feature = "bench")]
 pub(crate) use self::color::samples;
+pub use self::motion::{Frame, Motion};
 pub use self::raw::{RawRendered, RawRequest, RawStatistics};
 pub use self::request::{Denoise, GroundTruth, Rendered, Request, Views};
 pub use self::transport::{Reuse, TextureFilter, Transport};

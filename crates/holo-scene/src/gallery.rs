@@ -26,6 +26,9 @@
 //! | `lanterns` | emissive light from within the scene | 0.15 |
 //! | `dominoes` | a large range of depths | 0.35 |
 //! | `fruit` | a still life of all materials | 0.15 |
+//!
+//! Three more move ([`ANIMATED`], [`animation`]): `pendulum` swings before a wall, in `turning_clockwork` the wheels turn,
+//! and in `garden_walk` the camera walks over the lawn.
 
 mod billiards;
 mod birdcage;
@@ -43,6 +46,7 @@ mod mirror;
 mod mountains;
 mod noise;
 mod patterns;
+mod pendulum;
 mod plaster;
 mod shapes;
 mod solids;
@@ -52,7 +56,8 @@ mod tests;
 mod textures;
 mod tiles;
 
-use crate::Scene;
+use crate::animation::Animation;
+use crate::{Error, Scene, gltf};
 
 /// The names of all scenes, in the order of the table above: first the oldest, then by difficulty (mirrors and glass,
 /// shapes, light, all together).
@@ -74,7 +79,10 @@ pub const NAMES: &[&str] = &[
     "fruit",
 ];
 
-/// Builds the scene with this name; `None` for an unknown name.
+/// The names of the animated scenes. They are no part of a dataset unless they are named.
+pub const ANIMATED: &[&str] = &["pendulum", "turning_clockwork", "garden_walk"];
+
+/// Builds the scene with this name, an animated one as it is before its first frame; `None` for an unknown name.
 #[must_use]
 pub fn scene(name: &str) -> Option<Scene> {
     let build = match name {
@@ -93,9 +101,35 @@ pub fn scene(name: &str) -> Option<Scene> {
         "lanterns" => lanterns::scene,
         "dominoes" => dominoes::scene,
         "fruit" => fruit::scene,
+        "pendulum" => pendulum::scene,
+        "turning_clockwork" => clockwork::scene,
+        "garden_walk" => garden::scene,
         _ => return None,
     };
     Some(build())
+}
+
+/// The scene with this name as binary glTF, an animated one with its animation; `None` for an unknown name.
+///
+/// # Errors
+/// As [`gltf::to_glb`].
+pub fn to_glb(name: &str) -> Option<Result<Vec<u8>, Error>> {
+    let scene = scene(name)?;
+    Some(match animation(name) {
+        Some(animation) => gltf::to_glb_animated(&scene, &animation),
+        None => gltf::to_glb(&scene),
+    })
+}
+
+/// The animation of the scene with this name; `None` if it rests.
+#[must_use]
+pub fn animation(name: &str) -> Option<Animation> {
+    match name {
+        "pendulum" => Some(pendulum::animation()),
+        "turning_clockwork" => Some(clockwork::animation()),
+        "garden_walk" => Some(garden::walk()),
+        _ => None,
+    }
 }
 
 /// The purpose of the scene with this name; `None` for an unknown name.
@@ -117,6 +151,9 @@ pub fn purpose(name: &str) -> Option<&'static str> {
         "lanterns" => "emissive light from within the scene",
         "dominoes" => "a large range of depths",
         "fruit" => "a still life of all materials",
+        "pendulum" => "animated: a pendulum before resting textures",
+        "turning_clockwork" => "animated: turning wheels of rough metal",
+        "garden_walk" => "animated: a camera path through dense foliage",
         _ => return None,
     })
 }

@@ -12,10 +12,15 @@
 //! and lights, not cameras. A scene may list a node that is the child of another: it is drawn once, as that child.
 //!
 //! # Pose
-//! The scene is drawn in the pose of its nodes; animations are ignored with a warning. Morph targets move
-//! positions, normals and tangents by the weights of the node, else of the mesh. A skin places vertices by all sets of
-//! joints and weights; the transform of the node has no effect then, as the specification demands. Nodes with a skin or
-//! weights of their own have meshes of their own, which count against [`Limits`], as does every pass of a morph target.
+//! The scene is drawn in the pose of its nodes, or as its animations have it at a time ([`LoadOptions::time_s`]): nodes,
+//! weights of morph targets, and with `KHR_animation_pointer` other numbers of the file. All animations are played
+//! together, or one by its name. Before its first key and after its last one a property keeps that value; values between
+//! keys are interpolated in f64: steps, linearly (rotations spherically) or cubic splines.
+//!
+//! Morph targets move positions, normals and tangents by the weights of the node, else of the mesh. A skin places
+//! vertices by all sets of joints and weights; the transform of the node has no effect then, as the specification
+//! demands. Nodes with a skin or weights of their own have meshes of their own, which count against [`Limits`], as does
+//! every pass of a morph target.
 //!
 //! # Compressed and quantized geometry
 //! - `KHR_mesh_quantization`: positions, normals and texture coordinates of 8 or 16 bits. Integers become floats by the
@@ -67,6 +72,7 @@
 
 mod accessors;
 mod advice;
+mod animation;
 mod buffer_views;
 mod container;
 mod deform;
@@ -105,8 +111,8 @@ use crate::Scene;
 
 pub use self::options::{LightUnits, LoadOptions};
 pub use self::panic_guard::is_guarding;
-pub use self::summary::Summary;
-pub use self::write::to_glb;
+pub use self::summary::{AnimationSummary, Summary};
+pub use self::write::{to_glb, to_glb_animated};
 
 /// A loaded scene with warnings and a summary of its file.
 #[derive(Clone, Debug, PartialEq)]
@@ -198,6 +204,8 @@ fn assemble(bytes: &[u8], files: &Files, options: &LoadOptions) -> Result<Loaded
     let extensions = extensions::check(&file, &root, &mut warnings)?;
     let buffers = container::buffers(&root, parts.binary, files)?;
     let buffer_views = BufferViews::new(&root, buffers, limits.max_bytes)?;
+    let posed = animation::at(&file, &root, &buffer_views, options, &mut warnings)?;
+    let root = posed.as_ref().map_or(Ok(root), Object::root)?;
     let variants = variants::names(&root)?;
     let variant = variants::choose(&variants, options.material_variant.as_deref())?;
 
@@ -222,9 +230,6 @@ fn assemble(bytes: &[u8], files: &Files, options: &LoadOptions) -> Result<Loaded
         limits,
         &mut warnings,
     )?;
-    if !root.list("animations")?.is_empty() {
-        warnings.note("animations are ignored: the scene is drawn in the pose of its nodes", String::new);
-    }
     let mut scene = Scene {
         meshes: meshes.meshes,
         instances: placements.instances,

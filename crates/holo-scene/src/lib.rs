@@ -3,7 +3,7 @@
 //! A [`Scene`] is plain data in world coordinates (right-handed, +Y up, meters). It can be built in code, loaded from
 //! glTF ([`gltf`]), or taken from the gallery of fifteen scenes (module `gallery`, behind the feature of that name).
 //! [`Scene::validate`] checks a whole scene at once, so that an index out of range or a NaN vertex is an error and
-//! never a panic. [`gltf::to_glb`] writes a scene as binary glTF.
+//! never a panic. [`gltf::to_glb`] writes a scene as binary glTF, [`gltf::to_glb_animated`] with movements ([`animation`]).
 //!
 //! This crate does not render; `holo-render` does.
 //!
@@ -38,6 +38,7 @@
 
 #![forbid(unsafe_code)]
 
+pub mod animation;
 #[cfg(feature = "gallery")]
 pub mod gallery;
 pub mod gltf;

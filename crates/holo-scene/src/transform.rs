@@ -10,6 +10,9 @@ pub struct Transform {
     pub translation: [f64; 3],
 }
 
+/// Axes this close to a right-handed orthonormal frame are kept unchanged, so that `to_glb` round-trips exactly.
+pub(crate) const EXACT_FRAME: f64 = 1e-12;
+
 impl Default for Transform {
     fn default() -> Self {
         Self::IDENTITY
@@ -84,6 +87,29 @@ impl Transform {
         [cross(b, c), cross(c, a), cross(a, b)]
     }
 
+    /// The rotation and translation of a transform, as a camera has them: scale and shear are removed such that the viewing
+    /// and up directions stay; images are never mirrored. `None` if an axis has no length.
+    #[must_use]
+    pub fn to_pose(&self) -> Option<Self> {
+        let [x, y, z] = self.columns;
+        let products = [
+            (dot(x, x), 1.0),
+            (dot(y, y), 1.0),
+            (dot(z, z), 1.0),
+            (dot(x, y), 0.0),
+            (dot(y, z), 0.0),
+            (dot(z, x), 0.0),
+        ];
+        if products.iter().all(|(is, should)| (is - should).abs() <= EXACT_FRAME) && self.determinant() > 0.0 {
+            return Some(*self);
+        }
+        let back = unit(z)?;
+        let y = unit(y)?;
+        let along = dot(y, back);
+        let up = unit([y[0] - along * back[0], y[1] - along * back[1], y[2] - along * back[2]])?;
+        Some(Self { columns: [cross(up, back), up, back], translation: self.translation })
+    }
+
     /// Whether every entry is finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
@@ -93,6 +119,22 @@ impl Transform {
 
 fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// The normalized vector; `None` for zero.
+pub(crate) fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
+    // Scaled first: squares of very large or small numbers overflow or underflow.
+    let largest = v.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
+    if !(largest > 0.0 && largest.is_finite()) {
+        return None;
+    }
+    let v = v.map(|x| x / largest);
+    let length = dot(v, v).sqrt();
+    Some(v.map(|x| x / length))
 }
 
 fn normalize(v: [f64; 3]) -> [f64; 3] {

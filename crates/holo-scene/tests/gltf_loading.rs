@@ -1,5 +1,7 @@
 //! Loading glTF: a file for every feature, an invalid file for every error.
 
+#[path = "gltf_loading/animation.rs"]
+mod animation;
 #[path = "gltf_loading/blender.rs"]
 mod blender;
 #[path = "gltf_loading/cameras_and_lights.rs"]

@@ -7,7 +7,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use holo_scene::gltf::{Limits, is_guarding, load_slice, to_glb};
+use holo_scene::gltf::{Limits, LoadOptions, is_guarding, load_slice, load_slice_with, to_glb};
 use holo_scene::{
     Alpha, Camera, CameraProjection, Filter, Instance, Light, LightKind, Material, Mesh, NormalMap, Scene, Texture,
     TextureInfo, TextureTransform, Transform, Volume, Wrap,
@@ -128,9 +128,29 @@ fn everything() -> support::File {
         { "camera": 0, "extensions": { "KHR_lights_punctual": { "light": 1 } } },
         { "camera": 1, "extensions": { "KHR_lights_punctual": { "light": 0 } } },
     ]);
+    animated(&mut file);
     file.json["scenes"] = json!([{ "nodes": [0, 4] }]);
     file.json["scene"] = json!(0);
     file
+}
+
+/// Adds animations with all interpolations, of nodes and by a pointer.
+fn animated(file: &mut support::File) {
+    let times = file.floats(&[[0.0_f32], [1.0]]);
+    let places = file.floats(&[[0.0_f32, 1.0, 2.0], [1.0, 0.0, 3.0]]);
+    let turns = file.accessor(&[0, 0, 0, 127, 0, 90, 0, 90], 5120, "VEC4", 2);
+    file.json["accessors"][turns]["normalized"] = json!(true);
+    let splines = file.floats(&[[0.0_f32], [0.25], [1.0], [0.5], [0.75], [0.0]]);
+    let channel =
+        |sampler: usize, path: &str| json!({ "sampler": sampler, "target": { "node": sampler / 2, "path": path } });
+    let pointer = json!({ "path": "pointer",
+        "extensions": { "KHR_animation_pointer": { "pointer": "/cameras/0/perspective/yfov" } } });
+    file.json["animations"] = json!([{
+        "name": "all", "channels": [channel(0, "translation"), channel(1, "rotation"), channel(2, "weights"),
+            { "sampler": 3, "target": pointer }],
+        "samplers": [{ "input": times, "output": places, "interpolation": "STEP" }, { "input": times, "output": turns },
+            { "input": times, "output": splines, "interpolation": "CUBICSPLINE" },
+            { "input": times, "output": times }] }]);
 }
 
 /// Adds what moves and repeats meshes, and images of other formats.
@@ -404,8 +424,16 @@ fn damaged_files_neither_panic_nor_hang() {
         eprintln!("{info}");
     }));
     let originals = originals();
+    let load = |bytes: &[u8], limits: &Limits, time_s: Option<f64>| {
+        let mut options = LoadOptions::default();
+        (options.limits, options.time_s) = (*limits, time_s);
+        load_slice_with(bytes, &options)
+    };
     for original in &originals {
-        assert!(load_slice(original, &Limits::default()).is_ok(), "the files are sound before they are damaged");
+        for time_s in [None, Some(0.4)] {
+            let loaded = load(original, &Limits::default(), time_s);
+            assert!(loaded.is_ok(), "the files are sound before they are damaged: {loaded:?}");
+        }
     }
     // Small limits, as for untrusted files; the default ones allow gigabytes.
     let limits =
@@ -416,7 +444,10 @@ fn damaged_files_neither_panic_nor_hang() {
         let original = &originals[random.below(originals.len())];
         let bytes = mutate(original, &mut random);
         let start = Instant::now();
-        let outcome = std::panic::catch_unwind(|| load_slice(&bytes, if seed % 2 == 0 { &limits } else { &LARGE }));
+        let limits = if seed % 2 == 0 { &limits } else { &LARGE };
+        // Half of them at a time of their animations.
+        let time_s = (seed % 4 < 2).then_some(0.4);
+        let outcome = std::panic::catch_unwind(|| load(&bytes, limits, time_s));
         slowest = slowest.max(start.elapsed());
         match outcome {
             Err(_) => panic!("file {seed} panicked"),

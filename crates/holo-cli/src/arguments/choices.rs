@@ -1,12 +1,12 @@
 //! The words that options take, with what they mean: values of the libraries.
 
-use super::NormalsArgument;
+use super::{NormalsArgument, SurfaceArgument};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use holo_core::refocus::Kernel;
 use holo_core::sensor::Demosaic;
 use holo_core::{Effort, Layout, Projection, ViewOrder};
 use holo_dataset::{DevelopOutput, LayerChoice, Output, RawLayer, Tool};
-use holo_io::MatOrder;
+use holo_io::{MatOrder, WorldUp};
 use holo_render::{Backend, Denoise, GroundTruth, Integrator, Layer, Reuse, TextureFilter};
 
 /// A value, its word, and its line of `--help`; one without a line has none.
@@ -109,6 +109,12 @@ pub const LAYERS: &Choices<LayerChoice> = &[
     (LayerChoice::One(Layer::HitMask), "hit-mask", "1 where something was hit, else 0"),
     (LayerChoice::All, "all", "All of the above"),
     (LayerChoice::Visibility, "visibility", "Part of all views that see the point; 1: all. Of the central view alone"),
+    (
+        LayerChoice::OpticalFlow,
+        "optical-flow",
+        "With --frame: where the image of a point moves until the next frame, px (.flo)",
+    ),
+    (LayerChoice::SceneFlow, "scene-flow", "With --frame: how the point moves in world space until the next frame, m"),
     (LayerChoice::Raw(RawLayer::LensRow), "lens-row", "Plenoptic camera: row of the nearest micro-image"),
     (LayerChoice::Raw(RawLayer::LensColumn), "lens-column", "Its column"),
     (LayerChoice::Raw(RawLayer::LensType), "lens-type", "Its type of microlens, from 0"),
@@ -128,6 +134,15 @@ pub const LAYERS: &Choices<LayerChoice> = &[
     (LayerChoice::Raw(RawLayer::Coverage), "coverage", "Share of the light that comes from surfaces"),
     (LayerChoice::Error, "error", "Estimated relative standard error of color, bias included"),
 ];
+
+pub const SURFACES: &Choices<SurfaceArgument> = &[
+    (SurfaceArgument::Plane, "plane", "A grid or a line in front of the target, with parallel axes"),
+    (SurfaceArgument::Cylinder, "cylinder", "An arc or a circle around the target, in one row or several"),
+    (SurfaceArgument::Sphere, "sphere", "Evenly on a sphere, or a part of it, around the target"),
+];
+
+pub const WORLD_UPS: &Choices<WorldUp> =
+    &[(WorldUp::Z, "z", "As in Blender and nerfstudio"), (WorldUp::Y, "y", "As in glTF")];
 
 pub const MAT_ORDERS: &Choices<MatOrder> = &[
     (MatOrder::Lenses, "lenses", "`H` of size [V U T S C]: microlenses first"),

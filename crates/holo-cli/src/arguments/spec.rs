@@ -61,6 +61,8 @@ impl SceneFileOptions {
         let mut spec = SceneSpec::default();
         (spec.light_units, spec.solid_glass) = (self.light_units, self.solid_glass);
         spec.material_variant.clone_from(&self.material_variant);
+        (spec.frames, spec.fps) = (self.frame, self.fps);
+        spec.animation.clone_from(&self.animation);
         spec
     }
 }
@@ -97,6 +99,7 @@ impl RigOptions {
         spec.sensor_mm = self.sensor_mm;
         spec.projection = self.projection;
         spec.camera = self.camera.clone();
+        spec.subset.clone_from(&self.subset);
         spec
     }
 }

@@ -80,6 +80,32 @@ pub fn finite(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A number of cameras in one row, or columns x rows.
+pub fn cameras(text: &str) -> Result<GridSize, String> {
+    let count = match text.parse::<usize>() {
+        Ok(columns) => Some(GridSize::new(1, columns)),
+        Err(_) => GridSize::from_str(text).ok(),
+    };
+    let few = count.filter(|count| (1..=100_000).contains(&count.count()));
+    few.ok_or_else(|| "give a number of cameras, or columns x rows, such as 17x3; at most 100000".into())
+}
+
+/// One distance for both axes, or two.
+pub fn spacing(text: &str) -> Result<[f64; 2], String> {
+    let (x, y) = text.split_once(',').unwrap_or((text, text));
+    match (positive(x), positive(y)) {
+        (Ok(x), Ok(y)) => Ok([x, y]),
+        _ => Err("give a distance above 0 in meters, or two: X,Y".into()),
+    }
+}
+
+/// A point in space.
+pub fn point(text: &str) -> Result<[f64; 3], String> {
+    let parts: Result<Vec<f64>, String> = text.split(',').map(|part| finite(part.trim())).collect();
+    let point = parts.ok().and_then(|parts| <[f64; 3]>::try_from(parts).ok());
+    point.ok_or_else(|| "write X,Y,Z in meters, such as 0,0.5,-1".into())
+}
+
 /// A distance in meters, or `inf`.
 pub fn distance(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {

@@ -1,21 +1,23 @@
 //! `holo scene`: the gallery as .glb files.
 
-use holo_scene::{gallery, gltf};
+use holo_scene::gallery;
 
 use crate::arguments::SceneOptions;
 use crate::console::{out, say};
 use crate::failure::Failure;
 
 pub fn run(options: &SceneOptions) -> Result<(), Failure> {
-    let known = gallery::NAMES.join(", ");
+    let known = [gallery::NAMES, gallery::ANIMATED].concat();
     let Some(name) = &options.name else {
-        out!("{}", gallery::NAMES.join("\n"))?;
+        out!("{}", known.join("\n"))?;
         return Ok(());
     };
-    let scene = gallery::scene(name)
-        .ok_or_else(|| Failure::Usage(format!("the gallery has no scene '{name}'; it has: {known}")))?;
+    let (scene, glb) = gallery::scene(name)
+        .zip(gallery::to_glb(name))
+        .ok_or_else(|| Failure::Usage(format!("the gallery has no scene '{name}'; it has: {}", known.join(", "))))?;
     let path = options.out.clone().unwrap_or_else(|| format!("{name}.glb").into());
-    let written = holo_io::write_file(&path, &gltf::to_glb(&scene)?)?;
-    say!("wrote {} ({} triangles, {} bytes)", path.display(), scene.triangle_count(), written.bytes);
+    let written = holo_io::write_file(&path, &glb?)?;
+    let moves = if gallery::animation(name).is_some() { ", animated: see --frame" } else { "" };
+    say!("wrote {} ({} triangles, {} bytes{moves})", path.display(), scene.triangle_count(), written.bytes);
     Ok(())
 }

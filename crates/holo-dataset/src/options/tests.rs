@@ -1,5 +1,5 @@
 use super::*;
-use crate::spec::{RigSpec, SceneSpec};
+use crate::spec::{Frames, RigSpec, SceneSpec};
 use holo_core::GridSize;
 
 #[test]
@@ -13,10 +13,17 @@ fn a_specification_reads_back_from_its_text() {
         focus: Focus::Meters(f64::INFINITY),
         projection: Projection::Orthographic,
         camera: Some("front".into()),
+        subset: Some("1,0;0,2".parse().unwrap()),
         ..RigSpec::default()
     };
-    let scene =
-        SceneSpec { light_units: LightUnits::Auto, solid_glass: true, material_variant: Some("red, or blue".into()) };
+    let scene = SceneSpec {
+        light_units: LightUnits::Auto,
+        solid_glass: true,
+        material_variant: Some("red, or blue".into()),
+        frames: Some(Frames { first: 3, last: 50 }),
+        fps: Some(29.97),
+        animation: Some("walk".into()),
+    };
     let spec = RenderSpec {
         scene,
         rig,
@@ -80,6 +87,8 @@ fn values_are_parsed() {
         assert_eq!(name.parse(), Ok(Sky::Map(name.into())));
     }
     assert!("sky.gif".parse::<Sky>().unwrap_err().contains(".exr"));
+    assert_eq!(("7".parse(), "0-47".parse()), (Ok(Frames::one(7)), Ok(Frames { first: 0, last: 47 })));
+    assert!(["", "-3", "5-4", "1-2-3", "x"].iter().all(|text| text.parse::<Frames>().is_err()));
     assert_eq!(parse_range("-2,2.5"), Ok((-2.0, 2.5)));
     assert!(parse_range("2,-2").is_err() && parse_range("1").is_err() && parse_range("0,inf").is_err());
     assert_eq!(parse_light_units("auto"), Ok(LightUnits::Auto));

@@ -97,6 +97,7 @@ pub(super) fn traced(parts: &Parts<'_>) -> Result<(Traced, RenderSpec), Error> {
     let (integrator, why, rays, samples) = (parts.integrator(), parts.why(), parts.rays(), parts.samples());
     let error_distribution = parts.error_distribution();
     let rendered = Rendered { color, error, error_distribution, central, all, integrator, why, rays, samples };
-    let (highres_depth_m, warnings) = (None, Vec::new());
-    Ok((Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m, visibility, warnings }, spec))
+    let (highres_depth_m, motion, warnings) = (None, Vec::new(), Vec::new());
+    let traced = Traced { rendered, wanted, rig, manifest, parameters, highres_depth_m, visibility, motion, warnings };
+    Ok((traced, spec))
 }

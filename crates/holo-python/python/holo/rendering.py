@@ -111,6 +111,9 @@ def render(
     baseline_m, f_number, focus_m ("auto" or meters), disparity (min, max in pixels), focal_mm, sensor_mm, projection,
         camera (name or number).
     layers: names, such as ["depth", "disparity", "shading-normal", "visibility", "error", "all"]. ground_truth: "central" or "all".
+    frame: number of a frame of the scene's animations, which is at frame / fps seconds; fps, 24; animation (name or number).
+        With it the layers "optical-flow" (V, U, 2), px to the right and downward until the next frame, and "scene-flow"
+        (V, U, 3), m in the world.
     light_units, solid_glass, material_variant, cull, transparent_shadows, no_indirect, no_roulette, indirect_limit,
         no_multiple_scattering: as on the command line.
 

@@ -99,7 +99,8 @@ class Scene:
 
     @classmethod
     def gallery(cls, name: str) -> Scene:
-        """One of the fifteen scenes that are built in: `Scene.gallery_names()`."""
+        """One of the fifteen scenes that are built in, `Scene.gallery_names()`, or an animated one: "pendulum",
+        "turning_clockwork", "garden_walk"."""
         _holo.gallery_glb(name)
         return cls(name, gallery=True)
 

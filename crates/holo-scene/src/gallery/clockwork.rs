@@ -12,7 +12,77 @@ use super::shapes;
 use super::solids::{join, lathe, plate, rounded_box};
 use super::studio::{Studio, at, turned};
 use super::textures::{brushed, grained};
+use crate::animation::{Animation, Key, Target, Track};
 use crate::{Mesh, Scene, Transform};
+
+/// A toothed wheel; wheels in one plane mesh.
+struct Wheel {
+    place: [f64; 3],
+    teeth: u32,
+    radius: f64,
+    /// Without spokes it is solid.
+    spokes: u32,
+    /// Rotation at the start, in teeth.
+    turn: f64,
+    /// Turns of this wheel for one of the first; negative for the other direction.
+    ratio: f64,
+}
+
+const fn at_rest(place: [f64; 3], teeth: u32, radius: f64, spokes: u32, turn: f64, ratio: f64) -> Wheel {
+    Wheel { place, teeth, radius, spokes, turn, ratio }
+}
+
+/// Two wheels that mesh turn in opposite directions, in the ratio of their teeth; two on one arbor turn together.
+const WHEELS: [Wheel; 10] = [
+    at_rest([-0.088, 0.010, -0.075], 72, 0.090, 6, 0.0, 1.0),
+    at_rest([0.0145, 0.0595, -0.075], 18, 0.0225, 0, 0.36, -72.0 / 18.0),
+    at_rest([0.0145, 0.0595, -0.048], 60, 0.068, 5, 0.1, -72.0 / 18.0),
+    at_rest([0.094, 0.003, -0.048], 24, 0.0275, 0, 0.3, 72.0 / 18.0 * 60.0 / 24.0),
+    at_rest([0.094, 0.003, -0.022], 64, 0.074, 6, 0.4, 72.0 / 18.0 * 60.0 / 24.0),
+    at_rest([0.0085, -0.0555, -0.022], 24, 0.0265, 0, 0.62, -72.0 / 18.0 * 60.0 / 24.0 * 64.0 / 24.0),
+    at_rest([0.0085, -0.0555, 0.004], 48, 0.052, 4, 0.2, -72.0 / 18.0 * 60.0 / 24.0 * 64.0 / 24.0),
+    at_rest([-0.066, -0.0800, 0.004], 24, 0.0255, 0, 0.5, 72.0 / 18.0 * 60.0 / 24.0 * 64.0 / 24.0 * 48.0 / 24.0),
+    at_rest([-0.066, -0.0800, 0.024], 15, 0.0165, 0, 0.2, 72.0 / 18.0 * 60.0 / 24.0 * 64.0 / 24.0 * 48.0 / 24.0),
+    // Meshes with none.
+    at_rest([0.172, 0.080, -0.075], 30, 0.036, 5, 0.2, 0.0),
+];
+
+/// The start of the names of the instances of wheels.
+const WHEEL: &str = "wheel";
+
+/// Degrees that the first wheel turns in a second: the last two turn by 160.
+const SPEED_DEG: f64 = 3.0;
+
+/// Keys a second: less than half a turn lies between them.
+const RATE: u32 = 4;
+
+/// Length of the animation, s.
+const SECONDS: u32 = 2;
+
+impl Wheel {
+    fn turn_deg(&self) -> f64 {
+        self.turn * 360.0 / f64::from(self.teeth)
+    }
+
+    fn key(&self, time_s: f64) -> Key {
+        let angle_rad = (self.turn_deg() + SPEED_DEG * self.ratio * time_s).to_radians();
+        let (sin, cos) = (0.5 * angle_rad).sin_cos();
+        let rotation = [0.0, 0.0, sin as f32, cos as f32];
+        Key { time_s: time_s as f32, translation: self.place.map(|x| x as f32), rotation }
+    }
+}
+
+/// The train turns evenly.
+pub(super) fn animation() -> Animation {
+    let scene = scene();
+    let track = |(k, wheel): (usize, &Wheel)| {
+        let index = scene.instances.iter().position(|instance| instance.name == format!("{WHEEL} {k}"))?;
+        let keys = (0..=RATE * SECONDS).map(|key| wheel.key(f64::from(key) / f64::from(RATE))).collect();
+        Some(Track { target: Target::Instance(index), keys })
+    };
+    let moving = WHEELS.iter().enumerate().filter(|(_, wheel)| wheel.ratio != 0.0);
+    Animation { name: "turn".into(), tracks: moving.filter_map(track).collect() }
+}
 
 pub(super) fn scene() -> Scene {
     let mut studio =
@@ -27,27 +97,10 @@ pub(super) fn scene() -> Scene {
 
     plate_with_pillars(&mut studio, backing, iron, brass);
 
-    // (x, y, z, teeth, radius, spokes, rotation in teeth, metal); wheels in one plane mesh.
-    let wheels = [
-        (-0.088, 0.010, -0.075, 72, 0.090, 6, 0.0, brass),
-        (0.0145, 0.0595, -0.075, 18, 0.0225, 0, 0.36, steel),
-        (0.0145, 0.0595, -0.048, 60, 0.068, 5, 0.1, copper),
-        (0.094, 0.003, -0.048, 24, 0.0275, 0, 0.3, steel),
-        (0.094, 0.003, -0.022, 64, 0.074, 6, 0.4, old_brass),
-        (0.0085, -0.0555, -0.022, 24, 0.0265, 0, 0.62, steel),
-        (0.0085, -0.0555, 0.004, 48, 0.052, 4, 0.2, brass),
-        (-0.066, -0.0800, 0.004, 24, 0.0255, 0, 0.5, copper),
-        (-0.066, -0.0800, 0.024, 15, 0.0165, 0, 0.2, steel),
-        (0.172, 0.080, -0.075, 30, 0.036, 5, 0.2, old_brass),
-    ];
-    for (k, (x, y, z, teeth, radius, spokes, turn, metal)) in wheels.into_iter().enumerate() {
-        let turn = turn * 360.0 / f64::from(teeth);
-        studio.add(
-            &format!("wheel {k}"),
-            wheel(teeth, radius, spokes),
-            metal,
-            turned([x, y, z], [0.0, 0.0, 1.0], turn, 1.0),
-        );
+    let metals = [brass, steel, copper, steel, old_brass, steel, brass, copper, steel, old_brass];
+    for (k, (own, metal)) in WHEELS.iter().zip(metals).enumerate() {
+        let pose = turned(own.place, [0.0, 0.0, 1.0], own.turn_deg(), 1.0);
+        studio.add(&format!("{WHEEL} {k}"), wheel(own.teeth, own.radius, own.spokes), metal, pose);
     }
     arbors(&mut studio, steel);
     spring(&mut studio, blued);

@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::noise::{Random, fractal};
 use super::{patterns, shapes};
+use crate::animation::{Animation, Key, Target, Track};
 use crate::{Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, Scene, TextureInfo, Transform};
 
 pub(super) fn scene() -> Scene {
@@ -84,6 +85,33 @@ fn camera() -> Camera {
     let pose = Transform::look_at([0.06, 0.34, 1.02], [0.0, 0.2, -0.1], [0.0, 1.0, 0.0]);
     let projection = CameraProjection::Perspective { vertical_angle_rad: 0.60, aspect_ratio: Some(1.5) };
     Camera { name: "main".into(), pose, projection }
+}
+
+/// Length of the walk, s.
+const WALK_SECONDS: u32 = 4;
+
+/// Keys of the walk a second.
+const WALK_RATE: u32 = 24;
+
+/// A walk of the camera over the lawn, on the scale of the halved scene: eight steps past the stones.
+pub(super) fn walk() -> Animation {
+    let keys = (0..=WALK_RATE * WALK_SECONDS).map(|k| {
+        let time_s = f64::from(k) / f64::from(WALK_RATE);
+        let along = time_s / f64::from(WALK_SECONDS);
+        // Two steps a second: the head rises by 2 mm with each, and sways half as often.
+        let step = std::f64::consts::TAU * 2.0 * time_s;
+        let eye = [
+            -0.09 + 0.22 * along + 0.001 * (0.5 * step).sin(),
+            0.100 - 0.015 * along + 0.001 * (1.0 - step.cos()),
+            0.47 - 0.15 * along - 0.03 * (std::f64::consts::PI * along).sin(),
+        ];
+        let target = [0.03 * along, 0.08, -0.10];
+        let [right, up, back] = Transform::look_at(eye, target, [0.0, 1.0, 0.0]).columns.map(DVec3::from);
+        let rotation = glam::DQuat::from_mat3(&glam::DMat3::from_cols(right, up, back)).as_quat().normalize();
+        Key { time_s: time_s as f32, translation: eye.map(|x| x as f32), rotation: rotation.to_array() }
+    });
+    let track = Track { target: Target::Camera(0), keys: keys.collect() };
+    Animation { name: "walk".into(), tracks: vec![track] }
 }
 
 fn ground_height(x: f64, z: f64) -> f64 {

@@ -2,15 +2,21 @@
 
 use std::sync::LazyLock;
 
-use super::{NAMES, purpose, scene};
+use super::{ANIMATED, NAMES, animation, purpose, scene};
 use crate::Scene;
-use crate::gltf::{Limits, load_slice, to_glb};
+use crate::animation::Target;
+use crate::gltf::{Limits, LoadOptions, load_slice, load_slice_with, to_glb, to_glb_animated};
+
+/// The names of all scenes, animated ones last.
+fn names() -> impl Iterator<Item = &'static str> {
+    NAMES.iter().chain(ANIMATED).copied()
+}
 
 /// All scenes, built once.
 fn all() -> impl Iterator<Item = (&'static str, &'static Scene)> {
     static SCENES: LazyLock<Vec<Scene>> =
-        LazyLock::new(|| NAMES.iter().map(|name| scene(name).expect("a name of the list")).collect());
-    NAMES.iter().copied().zip(SCENES.iter())
+        LazyLock::new(|| names().map(|name| scene(name).expect("a name of the list")).collect());
+    names().zip(SCENES.iter())
 }
 
 #[test]
@@ -26,8 +32,8 @@ fn every_scene_is_valid_and_lit_and_has_a_camera() {
 
 #[test]
 fn names_are_listed_once() {
-    let once: std::collections::BTreeSet<_> = NAMES.iter().collect();
-    assert_eq!((NAMES.len(), once.len()), (15, 15));
+    let once: std::collections::BTreeSet<_> = names().collect();
+    assert_eq!((NAMES.len(), names().count(), once.len()), (15, 18, 18));
 }
 
 /// Everything except emissive objects (lamps and the room) is 0.2 to 1 m in size.
@@ -66,8 +72,45 @@ fn every_scene_is_the_same_each_time() {
 
 #[test]
 fn every_scene_has_a_purpose() {
-    for name in NAMES {
+    for name in names() {
         assert!(purpose(name).is_some_and(|purpose| !purpose.is_empty()), "{name}");
     }
     assert_eq!(purpose("teapot"), None);
+}
+
+/// Nothing moves without a time, and at a key every thing is where the key has it.
+#[test]
+fn animated_scenes_move_as_their_files_do() {
+    assert!(NAMES.iter().all(|name| animation(name).is_none()));
+    for name in ANIMATED {
+        let (scene, moving) = (scene(name).expect(name), animation(name).expect(name));
+        let glb = to_glb_animated(&scene, &moving).expect(name);
+        let mut rest = scene.clone();
+        rest.add_tangents().expect(name);
+        let loaded = load_slice(&glb, &Limits::default()).expect(name);
+        assert!(loaded.scene == rest, "{name} changed");
+        assert_eq!(loaded.summary.animations[0].name, moving.name);
+        for k in [0, 5] {
+            let time_s = Some(f64::from(moving.tracks[0].keys[k].time_s));
+            let options = LoadOptions { time_s, ..LoadOptions::default() };
+            let loaded = load_slice_with(&glb, &options).expect(name);
+            assert_eq!(loaded.warnings, [""; 0], "{name}");
+            let moved = loaded.scene;
+            for track in &moving.tracks {
+                let (place, before) = match track.target {
+                    Target::Instance(index) => (moved.instances[index].transform, scene.instances[index].transform),
+                    Target::Camera(index) => (moved.cameras[index].pose, scene.cameras[index].pose),
+                };
+                let key = track.keys[k];
+                assert_eq!(place.translation, key.translation.map(f64::from), "{name}");
+                let expected = crate::Transform::from_parts([0.0; 3], key.rotation.map(f64::from), [1.0; 3]).columns;
+                let worst = place.columns.as_flattened().iter().zip(expected.as_flattened());
+                assert!(worst.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-6, "{name}");
+                assert!(place != before || k == 0, "{name} rests");
+            }
+            // What does not move is untouched.
+            let still = |k: usize| moving.tracks.iter().all(|track| track.target != Target::Instance(k));
+            assert!((0..scene.instances.len()).filter(|&k| still(k)).all(|k| moved.instances[k] == scene.instances[k]));
+        }
+    }
 }

@@ -32,6 +32,10 @@ pub(super) enum Use {
     Weights,
     /// Inverse bind matrices.
     Matrices,
+    /// Times of an animation.
+    Times,
+    /// Values of an animation, of this shape.
+    Animated(Type),
 }
 
 /// A validated accessor.
@@ -83,6 +87,11 @@ impl<'f> Checker<'f> {
     /// Whether the accessor has data, rather than the zeros of one without a buffer view.
     pub(super) fn has_data(&self, number: usize) -> bool {
         self.accessors.get(number).is_some_and(|a| a.has("bufferView") || a.has("sparse"))
+    }
+
+    /// The shape of the elements of accessor `number` (in range).
+    pub(super) fn shape(&self, number: usize) -> Result<Type, Error> {
+        shape(&self.accessors[number])
     }
 
     /// The bytes of the buffer view that an object refers to.
@@ -318,6 +327,13 @@ fn check_use(
             "VEC4 of floats or of normalized unsigned bytes or shorts",
         ),
         Use::Matrices => (shape == Type::Mat4 && component == F32, "MAT4 of floats"),
+        Use::Times => (shape == Type::Scalar && component == F32, "SCALAR of floats"),
+        Use::Animated(wanted) => (
+            shape == wanted
+                && matches!(wanted, Type::Scalar | Type::Vec2 | Type::Vec3 | Type::Vec4)
+                && component != U32,
+            "of the shape of the property that it animates, of floats, bytes or shorts",
+        ),
     };
     if fits { Ok(()) } else { Err(bad(accessor.path(), format!("must be {need}, since {user} refers to it"))) }
 }

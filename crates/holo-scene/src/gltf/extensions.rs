@@ -25,6 +25,7 @@ pub(super) const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmissio
 pub(super) const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 pub(super) const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 pub(super) const NODE_VISIBILITY: &str = "KHR_node_visibility";
+pub(super) const ANIMATION_POINTER: &str = "KHR_animation_pointer";
 pub(super) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
 pub(super) const VARIANTS: &str = "KHR_materials_variants";
 pub(super) const TEXTURE_WEBP: &str = "EXT_texture_webp";
@@ -60,6 +61,7 @@ pub(super) const HANDLED: &[&str] = &[
     DRACO,
     INSTANCING,
     NODE_VISIBILITY,
+    ANIMATION_POINTER,
     SPECULAR_GLOSSINESS,
     VARIANTS,
     TEXTURE_WEBP,

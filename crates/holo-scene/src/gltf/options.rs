@@ -15,6 +15,10 @@ pub struct LoadOptions {
     pub solid_glass: bool,
     /// The name of a variant of `KHR_materials_variants`; `None`: the materials of the primitives.
     pub material_variant: Option<String>,
+    /// The time of the animations of the file, s; `None`: the pose of the nodes without animation.
+    pub time_s: Option<f64>,
+    /// The name of the animation to play, or its index; `None`: all of them.
+    pub animation: Option<String>,
 }
 
 /// The unit of the intensities of lights in a file.

@@ -12,10 +12,9 @@ use super::skins::Skin;
 use super::values::Values;
 use super::warnings::Warnings;
 use crate::Error;
+use crate::transform::{EXACT_FRAME, unit};
 use crate::{Camera, CameraProjection, Instance, Light, LightKind, Transform};
 
-/// Axes this close to a right-handed orthonormal frame are kept unchanged, so that `to_glb` round-trips exactly.
-const EXACT_FRAME: f64 = 1e-12;
 /// Tolerance for right angles of single-precision exporters.
 const ANGLE_SLACK: f64 = 1e-6;
 
@@ -72,7 +71,7 @@ pub(super) fn load(
         shown.place_mesh(&placed, values, limits, &mut triangles_left, &mut placements.instances)?;
         if let Some(camera) = node.index("camera", "cameras", cameras.len())? {
             let (own_name, projection) = &cameras[camera];
-            match frame(world) {
+            match world.to_pose() {
                 Some(pose) => {
                     let name = if name.is_empty() { own_name } else { name };
                     placements.cameras.push(Camera { name: name.to_owned(), pose, projection: *projection });
@@ -239,38 +238,4 @@ fn place(source: &LightSource, node_name: &str, world: &Transform) -> Option<Lig
     };
     let name = if source.name.is_empty() { node_name } else { &source.name };
     Some(Light { name: name.to_owned(), intensity: source.intensity, kind })
-}
-
-/// The rotation and translation of a transform. Scale and shear are removed such that the viewing and up directions
-/// stay; images are never mirrored.
-fn frame(world: &Transform) -> Option<Transform> {
-    let [x, y, z] = world.columns;
-    let exact =
-        [(dot(x, x), 1.0), (dot(y, y), 1.0), (dot(z, z), 1.0), (dot(x, y), 0.0), (dot(y, z), 0.0), (dot(z, x), 0.0)];
-    if exact.iter().all(|(is, should)| (is - should).abs() <= EXACT_FRAME) && world.determinant() > 0.0 {
-        return Some(*world);
-    }
-    let back = unit(z)?;
-    let y = unit(y)?;
-    let along = dot(y, back);
-    let up = unit([y[0] - along * back[0], y[1] - along * back[1], y[2] - along * back[2]])?;
-    let right =
-        [up[1] * back[2] - up[2] * back[1], up[2] * back[0] - up[0] * back[2], up[0] * back[1] - up[1] * back[0]];
-    Some(Transform { columns: [right, up, back], translation: world.translation })
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// The normalized vector; `None` for zero.
-fn unit(v: [f64; 3]) -> Option<[f64; 3]> {
-    // Scaled first: squares of very large or small numbers overflow or underflow.
-    let largest = v.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()));
-    if !(largest > 0.0 && largest.is_finite()) {
-        return None;
-    }
-    let v = v.map(|x| x / largest);
-    let length = dot(v, v).sqrt();
-    Some(v.map(|x| x / length))
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::advice::is_thin_glass;
+use super::animation;
 use super::extensions::Extensions;
 use super::json::Object;
 use super::options::LightUnits;
@@ -11,7 +12,7 @@ use crate::Error;
 use crate::Scene;
 
 /// A summary of a scene file, as printed by `holo info`. [`Display`](fmt::Display) gives a few lines of text.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Summary {
     /// The program that wrote the file (`asset.generator`).
@@ -44,6 +45,18 @@ pub struct Summary {
     pub light_units: Option<LightUnits>,
     /// The names of the cameras, in the order of their indices; empty for cameras without a name.
     pub cameras: Vec<String>,
+    /// The animations, in the order of their indices.
+    pub animations: Vec<AnimationSummary>,
+}
+
+/// An animation of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct AnimationSummary {
+    /// Its name; may be empty.
+    pub name: String,
+    /// The time of its last key, s, as its accessors state it.
+    pub seconds: f64,
 }
 
 impl Summary {
@@ -72,6 +85,7 @@ impl Summary {
             lights: scene.lights.len(),
             light_units: None,
             cameras: scene.cameras.iter().map(|camera| camera.name.clone()).collect(),
+            animations: animation::summaries(root)?,
         })
     }
 }
@@ -105,6 +119,11 @@ impl fmt::Display for Summary {
             }
             Some(_) => writeln!(f, "light units:         glTF (candela, lux)")?,
             None => {}
+        }
+        if !self.animations.is_empty() {
+            let animation = |(k, of): (usize, &AnimationSummary)| format!("{k} '{}' ({} s)", of.name, of.seconds);
+            let animations: Vec<String> = self.animations.iter().enumerate().map(animation).collect();
+            writeln!(f, "animations:          {}", list(&animations))?;
         }
         let cameras: Vec<String> = self.cameras.iter().enumerate().map(numbered).collect();
         write!(f, "cameras:             {}", list(&cameras))

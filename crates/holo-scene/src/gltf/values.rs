@@ -89,6 +89,33 @@ impl<'f> Values<'f> {
         }
     }
 
+    /// The components of all elements, one after the other: floats, or integers as floats.
+    pub(super) fn components(&self, handle: Handle) -> Result<Vec<f32>, Error> {
+        let accessor = self.accessor(handle).ok_or_else(|| unreadable(handle))?;
+        match accessor.dimensions() {
+            Type::Scalar => self.scalars(handle),
+            Type::Vec2 => self.numbers::<2>(handle).map(Vec::into_flattened),
+            Type::Vec3 => self.numbers::<3>(handle).map(Vec::into_flattened),
+            _ => self.numbers::<4>(handle).map(Vec::into_flattened),
+        }
+    }
+
+    fn scalars(&self, handle: Handle) -> Result<Vec<f32>, Error> {
+        let (component, scale) = self.scale(handle)?;
+        let convert = |x: f32| scale.apply(x);
+        match component {
+            ComponentType::I8 => self.collect(handle, |a| Some(self.iterate::<i8>(a)?.map(|x| convert(f32::from(x))))),
+            ComponentType::U8 => self.collect(handle, |a| Some(self.iterate::<u8>(a)?.map(|x| convert(f32::from(x))))),
+            ComponentType::I16 => {
+                self.collect(handle, |a| Some(self.iterate::<i16>(a)?.map(|x| convert(f32::from(x)))))
+            }
+            ComponentType::U16 => {
+                self.collect(handle, |a| Some(self.iterate::<u16>(a)?.map(|x| convert(f32::from(x)))))
+            }
+            ComponentType::U32 | ComponentType::F32 => self.collect(handle, |a| self.iterate(a)),
+        }
+    }
+
     /// Colors as floats; alpha is 1 if there is none.
     pub(super) fn colors(&self, handle: Handle) -> Result<Vec<[f32; 4]>, Error> {
         self.collect(handle, |accessor| {

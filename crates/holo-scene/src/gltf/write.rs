@@ -1,5 +1,6 @@
 //! The writer of `.glb` files.
 
+mod animation;
 mod materials;
 
 use std::collections::BTreeSet;
@@ -11,6 +12,7 @@ use serde_json::{Map, Value, json};
 use super::extensions::{self, LIGHTS};
 use super::placements::ANGULAR_DIAMETER;
 use crate::Error;
+use crate::animation::Animation;
 use crate::{Camera, CameraProjection, Filter, Light, LightKind, Mesh, Scene, Texture, Transform, Wrap};
 
 /// The near plane of cameras, m, which glTF requires; the loader ignores it.
@@ -38,6 +40,21 @@ const FAR_PLANE_M: f64 = 1e6;
 /// [`Error::BadScene`] for a scene that does not pass [`Scene::validate`], a mesh without triangles (which glTF does
 /// not allow), or more than 4 GiB.
 pub fn to_glb(scene: &Scene) -> Result<Vec<u8>, Error> {
+    write(scene, None)
+}
+
+/// Writes a scene as [`to_glb`], with an animation of its instances and cameras. Loading the file without a time gives
+/// the scene, loading it at a time what moves in its place; the scale of what moves must be 1.
+///
+/// # Errors
+/// As [`to_glb`]; [`Error::BadScene`] also for tracks without keys, with times that do not increase, of things that the
+/// scene does not have or that another track moves.
+pub fn to_glb_animated(scene: &Scene, animation: &Animation) -> Result<Vec<u8>, Error> {
+    animation::validate(animation, scene)?;
+    write(scene, Some(animation))
+}
+
+fn write(scene: &Scene, moving: Option<&Animation>) -> Result<Vec<u8>, Error> {
     scene.validate()?;
     let mut body = Body::default();
     let mut root = Map::new();
@@ -65,6 +82,7 @@ pub fn to_glb(scene: &Scene) -> Result<Vec<u8>, Error> {
         let lights: Vec<Value> = scene.lights.iter().map(light).collect();
         root.insert("extensions".into(), json!({ LIGHTS: { "lights": lights } }));
     }
+    let animations = moving.map(|moving| animation::animation(&mut body, moving, scene)).transpose()?;
     let nodes = nodes(scene);
     let all_nodes: Vec<Value> = (0..nodes.len()).map(Value::from).collect();
     let mut shown = Map::new();
@@ -81,6 +99,7 @@ pub fn to_glb(scene: &Scene) -> Result<Vec<u8>, Error> {
         ("images", images),
         ("samplers", samplers),
         ("cameras", scene.cameras.iter().map(camera).collect()),
+        ("animations", animations.into_iter().collect()),
         ("accessors", std::mem::take(&mut body.accessors)),
         ("bufferViews", std::mem::take(&mut body.buffer_views)),
         ("buffers", buffers),

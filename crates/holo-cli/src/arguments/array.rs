@@ -1,0 +1,57 @@
+//! The options of `holo array`.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use clap::Args;
+use holo_core::GridSize;
+use holo_dataset::options::{parse_positive, parse_range};
+use holo_io::WorldUp;
+
+use super::choices::{SURFACES, WORLD_UPS, choice};
+use super::values;
+
+/// What cameras stand on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceArgument {
+    Plane,
+    Cylinder,
+    Sphere,
+}
+
+#[derive(Args, Debug)]
+pub struct ArrayOptions {
+    /// Where the cameras stand.
+    #[arg(value_parser = choice(SURFACES))]
+    pub surface: SurfaceArgument,
+    /// Cameras: in one row, or columns x rows; on a sphere their number.
+    #[arg(long, value_name = "N|SxT", value_parser = values::cameras)]
+    pub count: GridSize,
+    /// Distance between neighbors along rows and, where it differs, columns, m; of a cylinder between rows.
+    #[arg(long, value_name = "X[,Y]", default_value = "0.1", value_parser = values::spacing)]
+    pub spacing_m: [f64; 2],
+    /// Distance from the target, m.
+    #[arg(long, value_name = "R", default_value_t = 1.0, value_parser = parse_positive)]
+    pub radius_m: f64,
+    /// What the cameras look at, m, in the world of the scene (+Y up).
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, default_value = "0,0,0", value_parser = values::point)]
+    pub target_m: [f64; 3],
+    /// Angle that the columns of a cylinder cover, degrees.
+    #[arg(long, value_name = "A", default_value_t = 360.0, value_parser = parse_positive)]
+    pub span_deg: f64,
+    /// Lowest and highest elevation on a sphere, degrees above the horizon.
+    #[arg(long, value_name = "MIN,MAX", allow_hyphen_values = true, default_value = "0,80", value_parser = parse_range)]
+    pub elevation_deg: (f64, f64),
+    /// Size of every image, px.
+    #[arg(long, value_name = "WxH", default_value = "800x800", value_parser = GridSize::from_str)]
+    pub size: GridSize,
+    /// Horizontal angle of view, degrees.
+    #[arg(long, value_name = "A", default_value_t = 40.0, value_parser = parse_positive)]
+    pub angle_deg: f64,
+    /// The axis that points up in the world of the file: z for Blender and nerfstudio, y as in glTF.
+    #[arg(long, value_name = "z|y", default_value = "z", value_parser = choice(WORLD_UPS))]
+    pub transforms_up: WorldUp,
+    /// File to write.
+    #[arg(long, value_name = "FILE", default_value = "transforms.json")]
+    pub out: PathBuf,
+}
