@@ -141,7 +141,7 @@ impl ArrayJob {
             Exposure::Automatic => None,
         };
         let (mut render_seconds, mut build_seconds, mut rays) = (0.0, 0.0, RayCounts::default());
-        let (mut backend, mut has_color) = (String::new(), false);
+        let (mut backend, mut has_color, mut used) = (String::new(), false, integrator);
         for (k, camera) in self.cameras.cameras.iter().enumerate() {
             let building = Instant::now();
             let (renderer, rig) = self.place(camera, &setup)?;
@@ -160,14 +160,14 @@ impl ArrayJob {
                     "note: the scene has no light sources, so there is no color, only ground truth; try --sky auto";
                 diagnostics.report(About::Scene, note);
             }
-            has_color |= rendered.color.is_some();
+            (has_color, used) = (has_color || rendered.color.is_some(), rendered.integrator);
             exposure = exposure.or_else(|| renderer.install(|| exposure_ev(&self.spec, &rendered)));
             renderer.install(|| self.write(&mut folder, &camera.name, &rendered, exposure, &setup.wanted))?;
         }
         folder.add(TRANSFORMS, self.sized().write(folder.file(TRANSFORMS), self.up)?);
         let mut manifest = Manifest { exposure_ev: exposure.filter(|_| has_color), ..self.identity(&backend)? };
         manifest.settings.insert("cameras".into(), self.count().into());
-        manifest.settings.insert("integrator".into(), integrator_name(integrator).into());
+        manifest.settings.insert("integrator".into(), integrator_name(used).into());
         let files = folder.seal(manifest)?;
         let (cameras, total_seconds) = (self.count(), start.elapsed().as_secs_f64());
         Ok(ArrayReport { render_seconds, build_seconds, total_seconds, rays, cameras, backend, files })
@@ -185,6 +185,9 @@ impl ArrayJob {
             return Err(Error::BadRequest(format!(
                 "--write {name} is of a grid of views; a camera array writes {IMAGES}/NAME.png and the maps of --layers"
             )));
+        }
+        if self.spec.sensor_model.is_some() {
+            return bad("--sensor-model exposes a raw image, not those");
         }
         if self.spec.denoise != Denoise::Off {
             return bad("--denoise views needs a grid of views, not those");

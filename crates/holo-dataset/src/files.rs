@@ -68,6 +68,9 @@ pub fn validate(spec: &RenderSpec) -> Result<(), Error> {
             "--layers {name} is the motion from one frame to the next; give --frame"
         )));
     }
+    if let (None, Some(animation)) = (spec.scene.frames, &spec.scene.animation) {
+        return Err(Error::BadRequest(format!("--animation {animation} is played at a time; give --frame too")));
+    }
     if let (None, Some(fps)) = (spec.scene.frames, spec.scene.fps) {
         return Err(Error::BadRequest(format!("--fps {fps} is of an animation; give --frame too")));
     }

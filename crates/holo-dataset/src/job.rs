@@ -61,7 +61,7 @@ pub struct Rendering {
 }
 
 /// Passes cancellation on, and reports nothing: for a step after those that are counted.
-struct CancelOnly<'a>(&'a dyn Progress);
+pub(crate) struct CancelOnly<'a>(pub &'a dyn Progress);
 
 impl Progress for CancelOnly<'_> {
     fn cancelled(&self) -> bool {

@@ -21,7 +21,7 @@ pub(crate) fn trace(
     let mut later = spec.scene.clone();
     later.frames = Some(Frames::one(frame.saturating_add(1)));
     let (scene, framed) = load_frame((source, &later), &spec.rig, *prepared.rig.shape())?;
-    let rig = rig_of(&prepared.rig, &framed)?;
+    let rig = rig_of(spec, &prepared.rig, &framed)?;
     let this = Frame { scene: &prepared.loaded.scene, pose: prepared.framed.pose, rig: &prepared.rig };
     let next = Frame { scene: &scene, pose: framed.pose, rig: &rig };
     check_camera(&prepared.loaded.scene, &scene)?;
@@ -31,13 +31,16 @@ pub(crate) fn trace(
         GroundTruth::Central => vec![ViewIndex::new(t, s)],
         GroundTruth::All => (0..views.count()).map(|k| ViewIndex::new(k / views.columns, k % views.columns)).collect(),
     };
-    let motion = |view| prepared.renderer.motion([&this, &next], view, spec.cull, progress);
-    Ok(wanted.into_iter().map(motion).collect::<Result<_, _>>()?)
+    Ok(prepared.renderer.motion([&this, &next], &wanted, spec.cull, progress)?)
 }
 
-/// The rig with the focal length of the next frame, for cameras that zoom.
-fn rig_of(rig: &Rig, framed: &Framed) -> Result<Rig, Error> {
-    Ok(rig.to_builder().intrinsics(framed.intrinsics).build()?)
+/// The rig of the next frame with the same focus distance, for cameras that zoom. A baseline that followed from disparities
+/// stays; one of an f-number changes with the focal length.
+fn rig_of(spec: &RenderSpec, rig: &Rig, framed: &Framed) -> Result<Rig, Error> {
+    match spec.rig.disparity_px {
+        Some(_) => Ok(rig.to_builder().intrinsics(framed.intrinsics).build()?),
+        None => Ok(framed.rig(rig.focus_distance_m())?),
+    }
 }
 
 /// Without a camera in the file, that of the whole scene may be another one in every frame, as if it moved.

@@ -64,6 +64,9 @@ const SENSORS: [(Sensor, &str); 4] =
 const LIGHT_UNITS: [(LightUnits, &str); 3] =
     [(LightUnits::Gltf, "gltf"), (LightUnits::Blender, "blender"), (LightUnits::Auto, "auto")];
 
+/// The last frame: eleven hours at 24 frames a second.
+const MAX_FRAME: u32 = 999_999;
+
 /// The value of what is chosen automatically.
 const AUTO: &str = "auto";
 
@@ -197,8 +200,8 @@ impl FromStr for Frames {
     fn from_str(text: &str) -> Result<Self, String> {
         let (first, last) = text.split_once('-').unwrap_or((text, text));
         match (first.parse(), last.parse()) {
-            (Ok(first), Ok(last)) if first <= last => Ok(Self { first, last }),
-            _ => Err("give the number of a frame, or A-B from the first to the last".into()),
+            (Ok(first), Ok(last)) if first <= last && last <= MAX_FRAME => Ok(Self { first, last }),
+            _ => Err(format!("give the number of a frame, or A-B from the first to the last, up to {MAX_FRAME}")),
         }
     }
 }

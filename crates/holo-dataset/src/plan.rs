@@ -10,7 +10,7 @@ use holo_scene::gallery;
 use crate::checkpoint::Checkpoints;
 use crate::diagnostics::Diagnostics;
 use crate::files::validate;
-use crate::job::RenderJob;
+use crate::job::{CancelOnly, RenderJob};
 use crate::options::Options;
 use crate::outcome::{JobOutcome, done};
 use crate::output_folder::{OutputFolder, Rollback};
@@ -167,7 +167,7 @@ impl DatasetPlan {
         let report = match job.frame {
             None => job.render.run(&out, None, progress, diagnostics, rollback)?,
             Some(frame) => {
-                let sequence = SequenceJob::new(job.render.clone(), &(), &())?;
+                let sequence = SequenceJob::new(job.render.clone(), &CancelOnly(progress), &())?;
                 sequence.frame(frame).run(&out, None, progress, diagnostics, rollback)?
             }
         };

@@ -23,6 +23,9 @@ const MAX_BYTES: u64 = 64 << 20;
 /// How far the principal point may be from the center of the image, px, and the focal lengths from each other, relative.
 const TOLERANCE: f64 = 1e-6;
 
+/// Camera models that are pinholes where all coefficients of distortion are 0.
+const PINHOLES: [&str; 3] = ["PINHOLE", "SIMPLE_PINHOLE", "OPENCV"];
+
 /// Coefficients of lens distortion.
 const DISTORTION: [&str; 6] = ["k1", "k2", "k3", "k4", "p1", "p2"];
 
@@ -194,6 +197,12 @@ impl Entry<'_> {
 
     /// Refuses what a pinhole with its principal point in the middle is not.
     fn check_lens(&self, size: Option<GridSize>) -> Result<(), Error> {
+        let said = |key: &str| self.own.get(key).or_else(|| self.root.get(key));
+        let model = said("camera_model").and_then(Value::as_str).unwrap_or(PINHOLES[0]);
+        if !PINHOLES.contains(&model) || said("is_fisheye") == Some(&Value::Bool(true)) {
+            let what = format!("{}: it is no pinhole camera (`camera_model`, `is_fisheye`)", self.at);
+            return Err(Error::unsupported(self.path, what));
+        }
         if let Some(key) = DISTORTION.iter().find(|key| !matches!(self.number(key), Ok(None | Some(0.0)))) {
             let what = format!("{}: lens distortion (`{key}`); undistort the cameras", self.at);
             return Err(Error::unsupported(self.path, what));
@@ -304,7 +313,7 @@ mod tests {
             read(&file, None).expect_err("broken").to_string()
         };
         type Change<'a> = &'a dyn Fn(&mut Value);
-        let cases: [(Change, &str); 12] = [
+        let cases: [(Change, &str); 14] = [
             (&|f| f["frames"] = json!([]), "empty"),
             (&|f| f["frames"] = json!(3), "frames"),
             (&|f| f["frames"][0]["transform_matrix"] = json!([1, 2]), "transform_matrix"),
@@ -314,6 +323,8 @@ mod tests {
             (&|f| f["fl_y"] = json!(90), "square"),
             (&|f| f["cx"] = json!(12), "`cx` is 12"),
             (&|f| f["k1"] = json!(0.1), "distortion"),
+            (&|f| f["camera_model"] = json!("OPENCV_FISHEYE"), "no pinhole"),
+            (&|f| f["is_fisheye"] = json!(true), "no pinhole"),
             (&|f| f["w"] = json!(1.5), "size"),
             (&|f| f["frames"][0]["file_path"] = json!(".."), "names no file"),
             (&|f| f["frames"] = json!([f["frames"][0], f["frames"][0]]), "two frames"),

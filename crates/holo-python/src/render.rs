@@ -53,6 +53,8 @@ pub fn render<'py>(
     }
     let rig = rendering.rig;
     let all = rendered.all.map(|all| give_layers(py, all, |field| give_channel(py, field))).transpose()?;
+    // Motion of all views may be the only layer.
+    let all = if rendering.motion.len() > 1 { Some(all.unwrap_or_else(|| PyDict::new(py))) } else { all };
     give_motion(py, rendering.motion, &rig, &central, all.as_ref())?;
     result.set_item("central", central)?;
     result.set_item("all", all)?;

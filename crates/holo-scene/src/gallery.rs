@@ -82,7 +82,7 @@ pub const NAMES: &[&str] = &[
 /// The names of the animated scenes. They are no part of a dataset unless they are named.
 pub const ANIMATED: &[&str] = &["pendulum", "turning_clockwork", "garden_walk"];
 
-/// Builds the scene with this name, an animated one as it is before its first frame; `None` for an unknown name.
+/// Builds the scene with this name, an animated one at rest; `None` for an unknown name.
 #[must_use]
 pub fn scene(name: &str) -> Option<Scene> {
     let build = match name {

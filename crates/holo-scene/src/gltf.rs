@@ -167,7 +167,7 @@ pub fn load(path: &Path, limits: &Limits) -> Result<Loaded, Error> {
 /// Loads a scene file as [`load`], with options.
 ///
 /// # Errors
-/// As [`load`]; also a material variant that the file does not have.
+/// As [`load`]; also a material variant or an animation that the file does not have, or a time that is not finite.
 pub fn load_with(path: &Path, options: &LoadOptions) -> Result<Loaded, Error> {
     let files = Files::new(path.parent(), options.limits.max_bytes);
     let bytes = files.read(path)?;
@@ -185,7 +185,7 @@ pub fn load_slice(bytes: &[u8], limits: &Limits) -> Result<Loaded, Error> {
 /// Loads a scene from memory as [`load_slice`], with options.
 ///
 /// # Errors
-/// As [`load_slice`]; also a material variant that the file does not have.
+/// As [`load_slice`]; also a material variant or an animation that the file does not have, or a time that is not finite.
 pub fn load_slice_with(bytes: &[u8], options: &LoadOptions) -> Result<Loaded, Error> {
     let most = options.limits.max_bytes;
     if bytes.len() as u64 > most {

@@ -61,7 +61,7 @@ fn splits() -> Value {
         "@type": "cr:RecordSet",
         "@id": "splits",
         "name": "splits",
-        "description": format!("Every scene of number {TEST_EVERY}, {}, ... is for tests", 2 * TEST_EVERY),
+        "description": format!("Every scene file of number {TEST_EVERY}, {}, ... is for tests, with all its frames", 2 * TEST_EVERY),
         "dataType": "cr:Split",
         "key": {"@id": "splits/name"},
         "field": [field("name", "sc:Text"), field("url", "sc:URL")],

@@ -12,10 +12,10 @@ use rayon::prelude::*;
 use super::Renderer;
 use super::request::Request;
 use crate::accel::refine;
-use crate::accel::{Coherence, ExactRays, NO_TRIANGLE, RayHits};
+use crate::accel::{CAMERA_RAY, Coherence, ExactRays, NO_TRIANGLE, RayHits};
 use crate::error::Error;
 use crate::geometry::{FLATTENED, Geometry, Hit};
-use crate::integrator::Integrator;
+use crate::integrator::{Integrator, SceneData};
 use crate::progress::{Progress, Stop};
 use crate::simd::{LANES, Lanes};
 
@@ -37,14 +37,14 @@ pub struct Frame<'a> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
     /// Where the image of a point moves, px to the right and downward, axes (v, u, 2). NaN where the point is not in front
-    /// of the next camera.
+    /// of the next camera, and for points at infinity of orthographic views once the camera moves.
     pub optical_flow: Array3<f32>,
     /// How a point moves in the world, m along its x, y and z, axes (v, u, 3); 0 where nothing is hit.
     pub scene_flow: Array3<f32>,
 }
 
 impl Renderer {
-    /// The motion of the points that `view` sees in the centers of its pixels from one frame to the next.
+    /// The motion of the points that each of `views` sees in the centers of its pixels from one frame to the next.
     ///
     /// `frames[0]` is the scene and the pose of this renderer. What counts as a surface is as for
     /// [layers](crate::layers). A pixel that hits nothing is a point at infinity, which moves in the image if the camera
@@ -54,60 +54,72 @@ impl Renderer {
     /// Both flows are computed in f64 and rounded to f32 once. What rests before a camera that rests has exactly 0.
     ///
     /// # Errors
-    /// [`Error::BadSetting`] if the frames differ in more than places and shapes: in instances, triangles or the numbers
-    /// of views and lenses; [`Error::Cancelled`] if `progress` cancels.
+    /// [`Error::Scene`] if the next scene is invalid; [`Error::BadSetting`] if the frames differ in more than places and
+    /// shapes: in instances, numbers of triangles or the numbers of views and lenses; [`Error::Cancelled`] if `progress` cancels.
     pub fn motion(
         &self,
         frames: [&Frame; 2],
-        view: ViewIndex,
+        views: &[ViewIndex],
         cull: bool,
         progress: &dyn Progress,
-    ) -> Result<Motion, Error> {
+    ) -> Result<Vec<Motion>, Error> {
         let this = frames[0];
-        check(frames, view, self.counts[0])?;
+        check(frames, views, self.counts[0])?;
         let request = Request::new(*this.rig).integrator(Integrator::Depth).cull(cull);
         let data = self.scene_data(&request.transport, Integrator::Depth);
         let triangles = FirstTriangles::new(data.geometry);
         let stop = Stop::new(progress);
-        let lenses = this.rig.shape().lenses();
-        let mut motion = Motion {
-            optical_flow: Array3::zeros((lenses.rows, lenses.columns, 2)),
-            scene_flow: Array3::zeros((lenses.rows, lenses.columns, 3)),
-        };
-        let Motion { optical_flow, scene_flow } = &mut motion;
-        self.install(|| {
-            let rows = optical_flow.outer_iter_mut().into_par_iter().zip(scene_flow.outer_iter_mut()).enumerate();
-            rows.for_each(|(v, (mut optical, mut scene))| {
-                for first in (0..lenses.columns).step_by(LANES) {
-                    if stop.requested() {
-                        return;
-                    }
-                    let row = Row { rig: this.rig, view, v, first, columns: lenses.columns };
-                    let mut packet = RayHits::EMPTY;
-                    let (rays, valid) = row.rays(&mut packet);
-                    data.engine.intersect(&valid, &mut packet, Coherence::Coherent);
-                    let refined = refine::refine(data.geometry, &packet, &rays);
-                    for lane in (0..LANES).filter(|&lane| valid.0[lane] != 0) {
-                        let (u, hit) = (first + lane, packet.hit(lane));
-                        let point = Seen { frames, view, pixel: [v, u], depth_m: refined.depth[lane] };
-                        let on = (hit.triangle != NO_TRIANGLE).then(|| triangles.of(data.geometry, hit));
-                        let moved = point.moved(on);
-                        let image = point.image_moved(moved).unwrap_or([f64::NAN; 2]);
-                        moved.into_iter().enumerate().for_each(|(axis, m)| scene[[u, axis]] = m as f32);
-                        image.into_iter().enumerate().for_each(|(axis, px)| optical[[u, axis]] = px as f32);
-                    }
-                }
-            });
-        });
+        let of_view = |&view: &ViewIndex| self.install(|| motion_of(frames, view, (&data, &triangles), &stop));
+        let motion = views.iter().map(of_view).collect();
         if stop.requested() { Err(Error::Cancelled) } else { Ok(motion) }
     }
 }
 
+/// The motion of one view; unfinished if it is stopped.
+fn motion_of(
+    frames: [&Frame; 2],
+    view: ViewIndex,
+    (data, triangles): (&SceneData, &FirstTriangles),
+    stop: &Stop,
+) -> Motion {
+    let rig = frames[0].rig;
+    let lenses = rig.shape().lenses();
+    let mut motion = Motion {
+        optical_flow: Array3::zeros((lenses.rows, lenses.columns, 2)),
+        scene_flow: Array3::zeros((lenses.rows, lenses.columns, 3)),
+    };
+    let Motion { optical_flow, scene_flow } = &mut motion;
+    let rows = optical_flow.outer_iter_mut().into_par_iter().zip(scene_flow.outer_iter_mut()).enumerate();
+    rows.for_each(|(v, (mut optical, mut scene))| {
+        for first in (0..lenses.columns).step_by(LANES) {
+            if stop.requested() {
+                return;
+            }
+            let row = Row { rig, view, v, first, columns: lenses.columns };
+            let mut packet = RayHits::EMPTY;
+            let (rays, valid) = row.rays(&mut packet);
+            data.engine.intersect(&valid, &mut packet, Coherence::Coherent);
+            let refined = refine::refine(data.geometry, &packet, &rays);
+            for lane in (0..LANES).filter(|&lane| valid.0[lane] != 0) {
+                let (u, hit) = (first + lane, packet.hit(lane));
+                let point = Seen { frames, view, pixel: [v, u], depth_m: refined.depth[lane] };
+                let on = (hit.triangle != NO_TRIANGLE).then(|| triangles.of(data.geometry, hit));
+                let moved = point.moved(on);
+                let image = point.image_moved(moved).unwrap_or([f64::NAN; 2]);
+                moved.into_iter().enumerate().for_each(|(axis, m)| scene[[u, axis]] = m as f32);
+                image.into_iter().enumerate().for_each(|(axis, px)| optical[[u, axis]] = px as f32);
+            }
+        }
+    });
+    motion
+}
+
 /// Checks that both frames have the same instances of the same triangles.
-fn check([this, next]: [&Frame; 2], view: ViewIndex, instances: usize) -> Result<(), Error> {
+fn check([this, next]: [&Frame; 2], wanted: &[ViewIndex], instances: usize) -> Result<(), Error> {
     let bad = |what: String| Err(Error::BadSetting(format!("motion: {what}")));
+    next.scene.validate()?;
     let views = this.rig.shape().views();
-    if view.row >= views.rows || view.column >= views.columns {
+    if let Some(view) = wanted.iter().find(|view| view.row >= views.rows || view.column >= views.columns) {
         return bad(format!("view row {}, column {} is outside the {views} views", view.row, view.column));
     }
     if this.rig.shape() != next.rig.shape() {
@@ -126,7 +138,9 @@ fn check([this, next]: [&Frame; 2], view: ViewIndex, instances: usize) -> Result
         .zip(after)
         .position(|(a, b)| old.get(a.mesh).map(|mesh| &mesh.triangles) != new.get(b.mesh).map(|mesh| &mesh.triangles));
     match differs {
-        Some(k) => bad(format!("instance {k}, '{}', has other triangles in the next frame", before[k].name)),
+        Some(k) => {
+            bad(format!("instance {k}, '{}', has another number of triangles in the next frame", before[k].name))
+        }
         None => Ok(()),
     }
 }
@@ -153,6 +167,8 @@ impl Row<'_> {
             valid.0[lane] = -1;
         }
         rays.write(packet);
+        // So that culling hides back faces from them.
+        packet.rays.id = [CAMERA_RAY; LANES];
         (rays, valid)
     }
 }

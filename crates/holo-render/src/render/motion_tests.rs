@@ -101,7 +101,7 @@ fn points_move_with_their_instances_and_the_camera() {
             let frames = [0, 1].map(|k| Frame { scene: &scenes[k], pose: poses[k], rig: &rig });
             let view = ViewIndex::new(1, 2);
             assert_eq!(rig.shape().central_view(), (1, 2));
-            let motion = renderer.motion([&frames[0], &frames[1]], view, false, &()).expect("motion");
+            let motion = renderer.motion([&frames[0], &frames[1]], &[view], false, &()).expect("motion").remove(0);
             let layers = renderer.central_layers(&rig, [Layer::Depth, Layer::ObjectId].into()).expect("layers");
             let (mut hits, mut misses) = (0, 0);
             for ((v, u, _), &object) in layers[Layer::ObjectId].indexed_iter() {
@@ -166,12 +166,13 @@ fn rest_is_zero_and_bending_is_linear_on_a_triangle() {
         mesh.push(own);
     }
     scenes.iter_mut().for_each(|scene| scene.instances[0].mesh = 1);
-    // Exact in f32: a translation of the vertices of one mesh by 1/64.
+    // A translation of the vertices of one mesh, rounded to f32.
     scenes[1].meshes[1].positions.iter_mut().for_each(|p| p[2] += 1.0 / 64.0);
     let pose = pose(false, [0.0; 3]);
     let renderer = Renderer::new(&scenes[0], &pose, Backend::Bvh, 1).expect("a renderer");
     let frames = [0, 1].map(|k| Frame { scene: &scenes[k], pose, rig: &rig });
-    let motion = renderer.motion([&frames[0], &frames[1]], ViewIndex::new(0, 0), false, &()).expect("motion");
+    let motion = renderer.motion([&frames[0], &frames[1]], &[ViewIndex::new(0, 0)], false, &());
+    let motion = motion.expect("motion").remove(0);
     let expected = scenes[0].instances[0].transform.vector([0.0, 0.0, 1.0 / 64.0]);
     let mut count = 0;
     for v in 0..48 {
@@ -196,14 +197,33 @@ fn frames_must_fit() {
     let this = Frame { scene: &here, pose, rig: &rig };
     let error = |next: &Scene, rig: &Rig, view: ViewIndex| {
         let next = Frame { scene: next, pose, rig };
-        renderer.motion([&this, &next], view, false, &()).expect_err("does not fit").to_string()
+        renderer.motion([&this, &next], &[view], false, &()).expect_err("does not fit").to_string()
     };
     let first = ViewIndex::new(0, 0);
     assert!(error(&scene(&places(false)[..4]), &rig, first).contains("5 instances become 4"));
     let mut other = here.clone();
-    other.meshes[0].triangles.swap(0, 1);
-    assert!(error(&other, &rig, first).contains("other triangles"));
+    other.meshes[0].triangles.pop();
+    assert!(error(&other, &rig, first).contains("another number of triangles"));
     let coarse = rig.to_builder().shape(LightFieldShape::new(GridSize::new(3, 4), GridSize::new(4, 7)).expect("sizes"));
     assert!(error(&here, &coarse.build().expect("a rig"), first).contains("numbers of views or lenses"));
     assert!(error(&here, &rig, ViewIndex::new(3, 0)).contains("view row 3"));
+}
+
+/// With culling, what a back face hides is seen, as in the layers.
+#[test]
+fn culled_faces_have_no_motion() {
+    let behind = Transform::from_translation([0.02, 0.0, -3.0]);
+    // Turned by half a turn about y, it shows its back.
+    let back = |x: f64| Transform::from_parts([x, 0.0, -2.0], [0.0, 1.0, 0.0, 0.0], [1.0; 3]);
+    let mut scenes = [scene(&[back(0.0), behind]), scene(&[back(0.1), behind])];
+    scenes.iter_mut().for_each(|scene| scene.materials[0].double_sided = false);
+    let (rig, pose) = (rig(Projection::Perspective), Transform::IDENTITY);
+    let renderer = Renderer::new(&scenes[0], &pose, Backend::BruteForce, 1).expect("a renderer");
+    let frames = [0, 1].map(|k| Frame { scene: &scenes[k], pose, rig: &rig });
+    let center = |cull: bool| {
+        let motion = renderer.motion([&frames[0], &frames[1]], &[ViewIndex::new(1, 2)], cull, &());
+        motion.expect("motion").remove(0).scene_flow[[24, 35, 0]]
+    };
+    assert_eq!(center(true), 0.0);
+    assert!((center(false) - 0.1).abs() < 1e-7);
 }

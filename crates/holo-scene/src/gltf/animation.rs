@@ -26,6 +26,11 @@ use super::values::Values;
 use super::warnings::Warnings;
 use crate::Error;
 
+/// The most values of all animations together, and of one key: far above those of real files, and small enough that an
+/// accessor without data, which has any number of zeros, needs little memory.
+const MAX_VALUES: u64 = 1 << 24;
+const MAX_VALUES_A_KEY: usize = 1 << 16;
+
 /// JSON pointers of `KHR_animation_pointer` are shorter.
 const MAX_SEGMENTS: usize = 16;
 
@@ -73,6 +78,9 @@ pub(super) fn at(
     let mut posed = file.clone();
     for channel in &channels {
         let value = channel.value(&values, time_s)?;
+        if replaces_a_matrix(&posed, &channel.target) {
+            warnings.note("is animated and has a matrix, which is not used", || channel.target.join("/"));
+        }
         if !assign(&mut posed, &channel.target, value) {
             warnings.note("animates a property that the file does not have: ignored", || channel.at.clone());
         }
@@ -134,9 +142,8 @@ fn channels(
             let sampler = &samplers[sampler.ok_or_else(|| channel.missing("sampler"))?];
             let channel = Channel::new(sampler, property, accessors)?;
             elements = elements.saturating_add(channel.input.count as u64 + channel.output.count as u64);
-            // An accessor without data has any number of elements.
-            if elements > limits.max_vertices {
-                let most = limits.max_vertices;
+            let most = limits.max_vertices.min(MAX_VALUES);
+            if elements > most || channel.output.count / channel.input.count > MAX_VALUES_A_KEY {
                 return Err(bad(channel.at, format!("the animations exceed the limit of {most} values")));
             }
             channels.push(channel);
@@ -206,6 +213,9 @@ impl Channel {
         if let Some(k) = times.windows(2).position(|pair| !matches!(pair, [a, b] if a < b)) {
             return Err(bad(format!("accessors[{}]", self.input.number), format!("time {} does not increase", k + 1)));
         }
+        if let Some(k) = times.iter().position(|time| !time.is_finite()) {
+            return Err(bad(format!("accessors[{}]", self.input.number), format!("time {k} is {}", times[k])));
+        }
         if let Some(k) = components.iter().position(|x| !x.is_finite()) {
             let what = format!("component {k} is {}: repair the animation", components[k]);
             return Err(bad(format!("accessors[{}]", self.output.number), what));
@@ -220,6 +230,14 @@ impl Channel {
             _ => Value::from(now),
         })
     }
+}
+
+/// Whether a target is a part of the transform of a node that has a matrix, against the specification.
+fn replaces_a_matrix(file: &Value, target: &[String]) -> bool {
+    let [list, node, part] = target else { return false };
+    let is_part = matches!(part.as_str(), "translation" | "rotation" | "scale");
+    let node = file.get(list).zip(node.parse::<usize>().ok()).and_then(|(nodes, node)| nodes.get(node));
+    list == "nodes" && is_part && node.is_some_and(|node| node.get("matrix").is_some())
 }
 
 /// Puts a value into the place of a property. Objects on the way to it are created, entries of lists are not.

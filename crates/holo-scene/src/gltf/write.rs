@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 use super::extensions::{self, LIGHTS};
 use super::placements::ANGULAR_DIAMETER;
 use crate::Error;
-use crate::animation::Animation;
+use crate::animation::{Animation, Target};
 use crate::{Camera, CameraProjection, Filter, Light, LightKind, Mesh, Scene, Texture, Transform, Wrap};
 
 /// The near plane of cameras, m, which glTF requires; the loader ignores it.
@@ -44,11 +44,11 @@ pub fn to_glb(scene: &Scene) -> Result<Vec<u8>, Error> {
 }
 
 /// Writes a scene as [`to_glb`], with an animation of its instances and cameras. Loading the file without a time gives
-/// the scene, loading it at a time what moves in its place; the scale of what moves must be 1.
+/// the scene, of what moves within 1e-15 of its rotation; loading it at a time what moves in its place.
 ///
 /// # Errors
-/// As [`to_glb`]; [`Error::BadScene`] also for tracks without keys, with times that do not increase, of things that the
-/// scene does not have or that another track moves.
+/// As [`to_glb`]; [`Error::BadScene`] also for tracks without keys, with times that do not increase, of things that are
+/// scaled, that the scene does not have or that another track moves.
 pub fn to_glb_animated(scene: &Scene, animation: &Animation) -> Result<Vec<u8>, Error> {
     animation::validate(animation, scene)?;
     write(scene, Some(animation))
@@ -83,7 +83,7 @@ fn write(scene: &Scene, moving: Option<&Animation>) -> Result<Vec<u8>, Error> {
         root.insert("extensions".into(), json!({ LIGHTS: { "lights": lights } }));
     }
     let animations = moving.map(|moving| animation::animation(&mut body, moving, scene)).transpose()?;
-    let nodes = nodes(scene);
+    let nodes = nodes(scene, moving);
     let all_nodes: Vec<Value> = (0..nodes.len()).map(Value::from).collect();
     let mut shown = Map::new();
     insert(&mut shown, "nodes", all_nodes);
@@ -313,10 +313,14 @@ fn split_intensity(intensity: [f64; 3]) -> ([f64; 3], f64) {
     (intensity, 1.0)
 }
 
-fn nodes(scene: &Scene) -> Vec<Value> {
-    let instances = scene.instances.iter().map(|instance| {
+fn nodes(scene: &Scene, moving: Option<&Animation>) -> Vec<Value> {
+    let moves = |target: Target| moving.is_some_and(|moving| moving.tracks.iter().any(|track| track.target == target));
+    let place = |node: Value, transform: &Transform, target: Target| {
+        if moves(target) { with_parts(node, transform) } else { with_transform(node, transform) }
+    };
+    let instances = scene.instances.iter().enumerate().map(|(k, instance)| {
         let node = named(&instance.name, json!({ "mesh": instance.mesh }));
-        with_transform(node, &instance.transform)
+        place(node, &instance.transform, Target::Instance(k))
     });
     let lights = scene.lights.iter().enumerate().map(|(k, light)| {
         let node = json!({ "extensions": { LIGHTS: { "light": k } } });
@@ -324,7 +328,7 @@ fn nodes(scene: &Scene) -> Vec<Value> {
     });
     let cameras = scene.cameras.iter().enumerate().map(|(k, camera)| {
         let node = named(&camera.name, json!({ "camera": k }));
-        with_transform(node, &camera.pose)
+        place(node, &camera.pose, Target::Camera(k))
     });
     instances.chain(lights).chain(cameras).collect()
 }
@@ -341,6 +345,16 @@ fn with_transform(mut node: Value, transform: &Transform) -> Value {
     } else if transform.translation != [0.0; 3] {
         map.insert("translation".into(), json!(transform.translation));
     }
+    node
+}
+
+/// Adds a pose as translation and rotation: glTF forbids a matrix for what an animation moves.
+fn with_parts(mut node: Value, pose: &Transform) -> Value {
+    let Value::Object(map) = &mut node else { return node };
+    let [x, y, z] = pose.columns.map(glam::DVec3::from);
+    let rotation = glam::DQuat::from_mat3(&glam::DMat3::from_cols(x, y, z)).normalize();
+    map.insert("translation".into(), json!(pose.translation));
+    map.insert("rotation".into(), json!(rotation.to_array()));
     node
 }
 

@@ -23,6 +23,13 @@ pub(super) fn validate(animation: &Animation, scene: &Scene) -> Result<(), Error
         if !targets.insert(track.target) {
             return Err(bad(at(), format!("moves {what}[{index}], which another track moves")));
         }
+        let rest = match track.target {
+            Target::Instance(index) => &scene.instances[index].transform,
+            Target::Camera(index) => &scene.cameras[index].pose,
+        };
+        if !rest.is_pose() {
+            return Err(bad(at(), format!("moves {what}[{index}], which is scaled or sheared: scale its mesh")));
+        }
         if track.keys.is_empty() {
             return Err(bad(at(), "has no keys"));
         }
@@ -31,11 +38,11 @@ pub(super) fn validate(animation: &Animation, scene: &Scene) -> Result<(), Error
         }
         let numbers = |key: &crate::animation::Key| {
             let squared: f32 = key.rotation.iter().map(|q| q * q).sum();
-            let all = std::iter::once(&key.time_s).chain(&key.translation);
-            all.into_iter().all(|x| x.is_finite()) && (squared - 1.0).abs() < 1e-4
+            let mut all = std::iter::once(&key.time_s).chain(&key.translation);
+            all.all(|x| x.is_finite()) && key.time_s >= 0.0 && (squared - 1.0).abs() < 1e-4
         };
         if let Some(key) = track.keys.iter().position(|key| !numbers(key)) {
-            return Err(bad(at(), format!("key {key} is not finite, or its rotation no unit quaternion")));
+            return Err(bad(at(), format!("key {key} is not finite, before 0 s, or its rotation no unit quaternion")));
         }
     }
     Ok(())
