@@ -215,7 +215,7 @@ mod tests {
     #[test]
     fn words_of_the_command_line_are_names_of_the_library() {
         assert!(LAYERS.iter().all(|&(layer, name, _)| layer.name() == name));
-        assert_eq!(LAYERS.len(), Layer::COUNT + RawLayer::ALL.len() + 4);
+        assert_eq!(LAYERS.len(), Layer::COUNT + RawLayer::ALL.len() + 6);
         assert!(OUTPUTS.iter().all(|&(output, name, _)| output.name() == name));
         assert!(INTEGRATORS.iter().all(|&(value, name, _)| holo_dataset::options::integrator_name(value) == name));
     }
