@@ -120,7 +120,7 @@ pub struct RenderOptions {
     /// Plenoptic camera instead of a rig of views: a camera file (TOML), or a preset of `holo camera`. The pose is that of
     /// the scene's camera; --focus-m and --f-number replace those of the file. --reuse, --texture-filter and --checkpoint
     /// have no effect.
-    #[arg(long, value_name = "FILE|PRESET", conflicts_with_all = ["views", "lenses", "sensor", "baseline_m", "focal_mm", "sensor_mm", "projection", "disparity"])]
+    #[arg(long, value_name = "FILE|PRESET", conflicts_with_all = ["views", "lenses", "lens_shifts", "sensor", "baseline_m", "focal_mm", "sensor_mm", "projection", "disparity"])]
     pub camera_file: Option<String>,
     /// Programs that the raw image of a plenoptic camera is also written for, separated by commas: a folder each, with a
     /// README.txt.
@@ -128,7 +128,7 @@ pub struct RenderOptions {
     pub tools: Vec<Tool>,
     /// Cameras anywhere instead of a grid of views: poses as NeRF and nerfstudio have them (transforms.json). Writes
     /// images/NAME.png, a folder a layer, and transforms.json; the size of images that the file does not say is --lenses.
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["camera_file", "views", "sensor", "baseline_m", "focal_mm", "sensor_mm", "projection", "disparity", "focus_m", "f_number", "shard", "checkpoint", "camera", "subset"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["camera_file", "views", "sensor", "baseline_m", "focal_mm", "sensor_mm", "projection", "disparity", "focus_m", "f_number", "shard", "checkpoint", "camera", "subset", "lens_shifts"])]
     pub transforms: Option<PathBuf>,
     /// The axis that points up in the world of --transforms: z in files of Blender and nerfstudio, y in glTF.
     #[arg(long, value_name = "z|y", default_value = "z", requires = "transforms", value_parser = choice(WORLD_UPS))]
@@ -293,6 +293,10 @@ pub struct RigOptions {
     /// Lenses, columns x rows: the microlenses, which are the pixels of one view; instead of a sensor.
     #[arg(long, value_name = "UxV", conflicts_with = "sensor", value_parser = GridSize::from_str)]
     pub lenses: Option<GridSize>,
+    /// Lens array shifting: N x N exposures with the microlens array 1/N of its pitch apart, interleaved. N times as many
+    /// lenses along both axes, each as wide as without.
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub lens_shifts: Option<u32>,
     /// Baseline: distance between adjacent views, m.
     #[arg(long, value_name = "B", allow_negative_numbers = true, conflicts_with_all = ["f_number", "disparity"], value_parser = parse_not_negative)]
     pub baseline_m: Option<f64>,

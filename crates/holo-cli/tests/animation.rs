@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::Bench;
+use common::{Bench, read_u8};
 use holo_io::{Limits, Manifest, read_flo, read_pfm, read_pfm_gray};
 use serde_json::Value;
 
@@ -26,20 +26,26 @@ fn run(bench: &Bench, line: &str) -> common::Outcome {
 #[test]
 fn a_sequence_is_its_frames_in_any_parts_and_order() {
     let bench = bench();
-    let layers = "--layers depth,optical-flow,scene-flow --write el";
+    let write = if cfg!(feature = "hdf5") { "el,h5" } else { "el" };
+    let layers = format!("--layers depth,optical-flow,scene-flow --write {write}");
     let outcome = run(&bench, &format!("{SMALL} {layers} --frame 3-6 --fps 12 --out whole --json"));
     let lines: Vec<Value> = outcome.stdout.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
     assert_eq!(lines.iter().filter_map(|line| line["frame"].as_u64()).collect::<Vec<_>>(), [3, 4, 5, 6]);
     assert_eq!((lines[4]["made"].as_u64(), lines[4]["kept"].as_u64()), (Some(4), Some(0)));
+    assert_eq!(lines[4]["files"].as_array().unwrap().len(), usize::from(cfg!(feature = "hdf5")));
     let folders: Vec<String> = bench.list("whole").into_iter().filter(|name| name.ends_with('/')).collect();
     assert_eq!(folders, ["frame_0003/", "frame_0004/", "frame_0005/", "frame_0006/"]);
-    // Parts, one of them interrupted and made again.
-    for part in ["2/3", "1/3", "3/3", "1/3"] {
+    let listed = run(&bench, "info whole").stdout;
+    assert!(listed.starts_with("sequence of 4 frames\n") && listed.contains("frame_0006"), "{listed}");
+    // Parts, one of them made again. The file of all frames is there when all of them are.
+    for part in ["2/3", "1/3", "1/3", "3/3"] {
+        assert!(!bench.path("parts/sequence_5d.h5").exists(), "before part {part}");
         run(&bench, &format!("{SMALL} {layers} --frame 3-6 --fps 12 --out parts --shard {part} --quiet"));
     }
     assert!(bench.bytes("whole") == bench.bytes("parts"), "parts differ from the whole");
     let again = run(&bench, &format!("{SMALL} {layers} --frame 3-6 --fps 12 --out whole --json --quiet"));
     assert!(again.stdout.contains("\"kept\":4"), "{again:?}");
+    assert!(run(&bench, "verify whole").stdout.contains("4 folders"));
     // Focus and exposure are those of the first frame.
     let manifest = |frame: u32| Manifest::read(bench.path(format!("whole/frame_{frame:04}/manifest.json"))).unwrap();
     let first = manifest(3);
@@ -60,9 +66,56 @@ fn a_sequence_is_its_frames_in_any_parts_and_order() {
     assert!(
         ["scene_el.png", "scene_depth.pfm", "scene_optical_flow.flo", "scene_scene_flow.pfm"].into_iter().all(same)
     );
+    std::fs::write(bench.path("parts/frame_0004/parameters.cfg"), "other").unwrap();
+    let outcome = bench.run("verify parts");
+    assert!(outcome.code == Some(1) && outcome.stdout.contains("frame_0004: parameters.cfg"), "{outcome:?}");
     // Other options in the same folder are refused, as for one image.
     let other = bench.run(&format!("{SMALL} --frame 3-6 --fps 24 --out whole"));
     assert!(other.code == Some(2) && other.stderr.contains("--overwrite"), "{other:?}");
+}
+
+/// `holo animate` shows the frames of a sequence once each, at its speed: the central view, or views along a path.
+#[test]
+fn a_sequence_becomes_an_animation() {
+    let bench = bench();
+    run(&bench, &format!("{SMALL} --frame 3-6 --fps 12 --write el --exposure 0 --out s"));
+    let view = |frame: u32, [column, row]: [usize; 2]| {
+        run(&bench, &format!("extract s/frame_{frame:04} --view {column},{row} --out view.png"));
+        read_u8(bench.path("view.png"))
+    };
+    let chunk = |name: &str, kind: &[u8]| {
+        let bytes = std::fs::read(bench.path(name)).unwrap();
+        let at = bytes.windows(4).position(|found| found == kind).expect("an animation") + 4;
+        bytes[at..at + 26].to_vec()
+    };
+    run(&bench, "animate s --out central.png");
+    assert_eq!(chunk("central.png", b"acTL")[..4], 4_u32.to_be_bytes());
+    // The delay of the first frame as a fraction of two 16-bit numbers: a twelfth of a second.
+    let delay = &chunk("central.png", b"fcTL")[20..24];
+    let [numerator, denominator] = [0, 2].map(|k| f64::from(u16::from_be_bytes([delay[k], delay[k + 1]])));
+    assert!((numerator / denominator - 1.0 / 12.0).abs() < 1e-4, "{numerator} / {denominator} s");
+    // Of 3 x 2 views the central one is column 1, row 1.
+    assert_eq!(read_u8(bench.path("central.png")), view(3, [1, 1]));
+    for (line, views) in [
+        ("", [[1, 1]; 4]),
+        ("--path sweep --row 0", [[0, 0], [0, 0], [1, 0], [2, 0]]),
+        ("--path ping-pong --row 1", [[0, 1], [1, 1], [2, 1], [1, 1]]),
+    ] {
+        run(&bench, &format!("animate s {line} --frames --out f.png"));
+        for (number, at) in views.into_iter().enumerate() {
+            assert_eq!(
+                read_u8(bench.path(format!("f_{number:03}.png"))),
+                view(number as u32 + 3, at),
+                "{line} {number}"
+            );
+        }
+    }
+    // Other commands need one frame.
+    for line in ["refocus s --distance-m 1 --out r.png", "animate s/frame_0003 --row 9 --path sweep --out a.png"] {
+        let outcome = bench.run(line);
+        assert!(matches!(outcome.code, Some(1 | 2)), "{line}: {outcome:?}");
+    }
+    assert!(bench.run("depth s --out d.pfm").stderr.contains("a sequence of 4 frames; choose one of them"));
 }
 
 /// A point that a view sees, moved by its flow, has in the next frame the depth that the scene flow gives it, wherever

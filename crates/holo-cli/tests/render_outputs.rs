@@ -3,7 +3,7 @@
 mod common;
 
 use common::{Bench, DEFAULT_FILES, SCENE, read_u8, read_u16, small_split};
-use holo_core::LightField;
+use holo_core::{GridSize, LightField};
 use holo_io::{Limits, Manifest, read_pfm_gray};
 
 #[test]
@@ -191,4 +191,29 @@ fn a_sensor_is_divided_and_its_rest_is_named() {
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     assert!(outcome.stderr.contains("3 columns and 1 rows"), "{outcome:?}");
     assert_eq!(read_u8(bench.path("out/scene_el.png")).dim(), (32, 60, 3));
+}
+
+/// Lens array shifting: more microlenses on the same sensor, of which every N-th is one of the array at rest.
+#[test]
+fn a_shifted_lens_array_has_the_lenses_between_as_well() {
+    let bench = Bench::new();
+    let line = format!("render {SCENE} --lenses 24x16 --views 3x2 --focus-m 2 --write depth,el --spp 2 --sky 0.5");
+    for (out, more) in [("rest", ""), ("shifted", "--lens-shifts 3")] {
+        let outcome = bench.run(&format!("{line} --out {out} {more}"));
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+    }
+    let manifest = |out: &str| Manifest::read(bench.path(format!("{out}/manifest.json"))).unwrap();
+    let (rest, shifted) = (manifest("rest").rig.unwrap(), manifest("shifted").rig.unwrap());
+    assert_eq!(shifted.shape().lenses(), GridSize::new(48, 72));
+    assert_eq!((shifted.sensor_size_m(), shifted.baseline_x_m()), (rest.sensor_size_m(), rest.baseline_x_m()));
+    let depth = |out: &str| read_pfm_gray(bench.path(format!("{out}/scene_depth.pfm")), &Limits::default()).unwrap();
+    let (rest, shifted) = (depth("rest"), depth("shifted"));
+    for ((v, u), &depth_m) in rest.indexed_iter() {
+        let same = shifted[[3 * v + 1, 3 * u + 1]];
+        assert!(same == depth_m || (same / depth_m - 1.0).abs() < 1e-6, "{v} {u}: {same} m instead of {depth_m} m");
+    }
+    for more in ["--lens-shifts 0", "--lens-shifts 2 --camera-file home-made", "--lens-shifts 2 --transforms t.json"] {
+        let outcome = bench.run(&format!("render {SCENE} --out x {more}"));
+        assert!(outcome.code == Some(2) && outcome.stderr.contains("--lens-shifts"), "{outcome:?}");
+    }
 }

@@ -469,6 +469,7 @@ pub(crate) fn request_integrator(spec: &RenderSpec, wanted: &Wanted) -> Integrat
 
 fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
     Request::new(prepared.rig)
+        .filter_width_px(f64::from(spec.rig.lens_shifts.unwrap_or(1)))
         .transport(transport(spec, request_integrator(spec, wanted)))
         .denoise(spec.denoise)
         .estimate_error(wanted.error)

@@ -330,6 +330,9 @@ impl RenderSpec {
             None => set("sensor", sensor_text(rig.sensor)),
         }
         set("views", rig.views.to_string());
+        if let Some(count) = rig.lens_shifts {
+            set("lens-shifts", count.to_string());
+        }
         let optional = [
             ("f-number", rig.f_number),
             ("baseline-m", rig.baseline_m),
@@ -437,6 +440,7 @@ impl RenderSpec {
             "focus-m" => rig.focus = value.parse()?,
             "views" => rig.views = size(value)?,
             "lenses" => rig.lenses = Some(size(value)?),
+            "lens-shifts" => rig.lens_shifts = Some(number(value)?),
             "baseline-m" => rig.baseline_m = Some(parse_not_negative(value)?),
             "focal-mm" => rig.focal_mm = Some(parse_positive(value)?),
             "sensor-mm" => rig.sensor_mm = parse_positive(value)?,

@@ -258,6 +258,18 @@ fn validate_memory(shape: &LightFieldShape, purpose: Purpose) -> Result<(), Erro
 }
 
 fn shape(rig: &RigSpec, diagnostics: &dyn Diagnostics) -> Result<LightFieldShape, Error> {
+    let shape = unshifted(rig, diagnostics)?;
+    let Some(shifts) = rig.lens_shifts else { return Ok(shape) };
+    if shifts == 0 {
+        return Err(Error::BadRequest("--lens-shifts is a number of positions; give 1 or more".into()));
+    }
+    let more = |count: usize| count.saturating_mul(shifts as usize);
+    let lenses = shape.lenses();
+    Ok(LightFieldShape::new(rig.views, GridSize::new(more(lenses.rows), more(lenses.columns)))?)
+}
+
+/// The same with the microlens array in one position.
+fn unshifted(rig: &RigSpec, diagnostics: &dyn Diagnostics) -> Result<LightFieldShape, Error> {
     if let Some(lenses) = rig.lenses {
         return Ok(LightFieldShape::new(rig.views, lenses)?);
     }

@@ -7,15 +7,18 @@
 use std::path::{Path, PathBuf};
 
 use holo_core::ViewIndex;
+use holo_io::Manifest;
+use holo_io::dataset::{MANIFEST_JSON, SEQUENCE_HDF5, SequenceFolder};
 use holo_render::{Denoise, GroundTruth, LayerSet, Progress, Request, Views};
 
 use crate::Error;
 use crate::diagnostics::Diagnostics;
 use crate::files::{exposure_ev, validate};
+use crate::identity::difference;
 use crate::job::RenderJob;
 use crate::outcome::{JobOutcome, done};
 use crate::output_folder::Rollback;
-use crate::spec::{Exposure, Focus, Frames, Shard};
+use crate::spec::{Exposure, Focus, Frames, Output, Shard};
 
 /// The frames of an animated scene. Its job has [`SceneSpec::frames`](crate::SceneSpec::frames).
 #[derive(Clone, Debug)]
@@ -29,7 +32,7 @@ impl SequenceJob {
     /// Returns the folder of a frame below that of its sequence: `frame_0012`.
     #[must_use]
     pub fn folder(frame: u32) -> PathBuf {
-        format!("frame_{frame:04}").into()
+        SequenceFolder::frame_name(frame).into()
     }
 
     /// Makes the choices of the first frame: loads the scene, and renders its central view if exposure is automatic.
@@ -96,6 +99,43 @@ impl SequenceJob {
             Ok(manifest) => return Ok(JobOutcome::Kept(Box::new(manifest))),
             Err(why) => why,
         };
+        // It is of all frames, and this one may get another shape.
+        match std::fs::remove_file(root.join(SEQUENCE_HDF5)) {
+            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+                return Err(Error::Failed(format!("cannot remove {}: {error}", root.join(SEQUENCE_HDF5).display())));
+            }
+            _ => {}
+        }
         Ok(JobOutcome::Made(Box::new(render.run(&out, None, progress, diagnostics, rollback)?), why))
+    }
+    /// Writes `sequence_5d.h5`, the light fields of all frames as one array, below `root`, if HDF5 files are wanted and all
+    /// frames are there; of several parts the one that ends last. Returns whether it is there.
+    ///
+    /// # Errors
+    /// Those of [`holo_io::write_hdf5_sequence`].
+    pub fn finish(&self, root: &Path) -> Result<bool, Error> {
+        if !self.render.spec.outputs.contains(&Output::H5) {
+            return Ok(false);
+        }
+        for frame in self.frames(None) {
+            let manifest = root.join(Self::folder(frame)).join(MANIFEST_JSON);
+            let Ok(manifest) = Manifest::read(manifest) else { return Ok(false) };
+            if difference(&manifest, &self.frame(frame).identity(&self.backend)?).is_some() {
+                return Ok(false);
+            }
+        }
+        self.write_hdf5(root)
+    }
+
+    #[cfg(feature = "hdf5")]
+    fn write_hdf5(&self, root: &Path) -> Result<bool, Error> {
+        let frames: Vec<u32> = self.frames(None).collect();
+        holo_io::write_hdf5_sequence(&SequenceFolder::open(root)?, &frames)?;
+        Ok(true)
+    }
+
+    #[cfg(not(feature = "hdf5"))]
+    fn write_hdf5(&self, _: &Path) -> Result<bool, Error> {
+        Err(crate::images::without_hdf5())
     }
 }

@@ -109,6 +109,9 @@ pub struct RigSpec {
     pub views: GridSize,
     /// Number of microlenses, V rows and U columns, which are the pixels of a view; `None`: from the sensor.
     pub lenses: Option<GridSize>,
+    /// The microlens array is exposed in N x N positions, 1/N of its pitch apart, and the elemental images are interleaved:
+    /// N times as many microlenses along both axes, each as wide as without; `None`: one position.
+    pub lens_shifts: Option<u32>,
     /// Distance between adjacent views, m; `None`: from the f-number.
     pub baseline_m: Option<f64>,
     /// Smallest and largest disparity of what the central view hits, pixels between adjacent views: `focus` and baseline
@@ -344,6 +347,7 @@ impl Default for RigSpec {
             sensor_mm: 36.0,
             projection: Projection::Perspective,
             camera: None,
+            lens_shifts: None,
             subset: None,
         }
     }

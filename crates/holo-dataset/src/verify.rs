@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_io::dataset::{self, DatasetIndex};
+use holo_io::dataset::{self, DatasetIndex, SequenceFolder};
 use holo_io::{Manifest, ManifestValue};
 
 use crate::Error;
@@ -32,14 +32,21 @@ pub fn is_dataset(folder: &Path) -> bool {
     folder.join(dataset::DATASET_JSON).is_file()
 }
 
-/// Compares every file of a folder of `holo render`, or of all folders of a dataset, with its digest.
+/// Compares every file of a folder of `holo render`, or of all folders of a dataset or a sequence, with its digest.
 ///
 /// # Errors
-/// [`Error::Io`] if `manifest.json` or `dataset.json` cannot be read; [`Error::Failed`] for an unfinished render. In a dataset, a manifest that cannot be read is a
-/// mismatch.
+/// [`Error::Io`] if `manifest.json` or `dataset.json` cannot be read; [`Error::Failed`] for an unfinished render. In a dataset or a
+/// sequence, a manifest that cannot be read is a mismatch.
 pub fn verify(folder: &Path) -> Result<Verification, Error> {
     if is_dataset(folder) {
         return verify_all(folder);
+    }
+    if !folder.join(dataset::MANIFEST_JSON).exists() && folder.is_dir() {
+        let sequence = SequenceFolder::open(folder)?;
+        if !sequence.frames().is_empty() {
+            let frames = sequence.frames().iter().map(|&frame| SequenceFolder::frame_name(frame).into());
+            return Ok(verify_folders(folder, &frames.collect::<Vec<_>>(), |_, _| Vec::new()));
+        }
     }
     let manifest = finished_manifest(folder)?;
     let mismatches: Vec<String> = manifest.verify(folder).iter().map(ToString::to_string).collect();
@@ -57,22 +64,7 @@ pub fn verify(folder: &Path) -> Result<Verification, Error> {
 fn verify_all(root: &Path) -> Result<Verification, Error> {
     let index = DatasetIndex::read(root)?;
     let folders = index.folders()?;
-    let mut found = Verification { folders: folders.len(), ..Verification::default() };
-    for name in &folders {
-        let mismatches = match finished_manifest(&root.join(name)) {
-            Ok(manifest) => {
-                found.files += manifest.files.len();
-                found.bytes += bytes(&manifest);
-                let mut mismatches: Vec<String> =
-                    manifest.verify(root.join(name)).iter().map(ToString::to_string).collect();
-                mismatches.extend(differences(&index, &manifest, name));
-                mismatches
-            }
-            Err(error) => vec![error.to_string()],
-        };
-        found.bad_folders += usize::from(!mismatches.is_empty());
-        found.mismatches.extend(mismatches.into_iter().map(|mismatch| format!("{}: {mismatch}", name.display())));
-    }
+    let mut found = verify_folders(root, &folders, |manifest, name| differences(&index, manifest, name));
     for entry in dataset::list(root)? {
         let name: PathBuf = dataset::folder(&entry.scene, entry.views)?;
         if !folders.contains(&name) {
@@ -81,6 +73,31 @@ fn verify_all(root: &Path) -> Result<Verification, Error> {
         }
     }
     Ok(found)
+}
+
+/// Checks folders below `root`, with what else is wrong with a manifest.
+fn verify_folders(
+    root: &Path,
+    folders: &[PathBuf],
+    differences: impl Fn(&Manifest, &Path) -> Vec<String>,
+) -> Verification {
+    let mut found = Verification { folders: folders.len(), ..Verification::default() };
+    for name in folders {
+        let mismatches = match finished_manifest(&root.join(name)) {
+            Ok(manifest) => {
+                found.files += manifest.files.len();
+                found.bytes += bytes(&manifest);
+                let mut mismatches: Vec<String> =
+                    manifest.verify(root.join(name)).iter().map(ToString::to_string).collect();
+                mismatches.extend(differences(&manifest, name));
+                mismatches
+            }
+            Err(error) => vec![error.to_string()],
+        };
+        found.bad_folders += usize::from(!mismatches.is_empty());
+        found.mismatches.extend(mismatches.into_iter().map(|mismatch| format!("{}: {mismatch}", name.display())));
+    }
+    found
 }
 
 fn bytes(manifest: &Manifest) -> u64 {

@@ -1,4 +1,4 @@
-//! Dataset folders: names of their files, a reader of one folder, the index and the list of many.
+//! Dataset folders: names of their files, a reader of one folder, sequences of them, the index and the list of many.
 //!
 //! # Source
 //!
@@ -8,6 +8,7 @@
 mod folder;
 mod index;
 mod list;
+mod sequence;
 
 use std::path::{Path, PathBuf};
 
@@ -20,10 +21,11 @@ use crate::names::stays_inside;
 pub use folder::DatasetFolder;
 pub use index::{DatasetIndex, SceneEntry};
 pub use list::{DatasetEntry, list};
+pub use sequence::SequenceFolder;
 
 pub use crate::names::{
     CENTRAL_EXR, DATASET_JSON, DATASET_MD, DEPTH_PFM, DISPARITY_PFM, DISPARITY_PNG, ELEMENTAL_EXR, ELEMENTAL_PNG,
-    LIGHT_FIELD_HDF5, LIGHT_FIELD_MAT, MANIFEST_JSON, PARAMETERS_CFG, VIEWPOINT_EXR, VIEWPOINT_PNG,
+    LIGHT_FIELD_HDF5, LIGHT_FIELD_MAT, MANIFEST_JSON, PARAMETERS_CFG, SEQUENCE_HDF5, VIEWPOINT_EXR, VIEWPOINT_PNG,
 };
 
 /// Returns the relative path of the folder of one scene: `<scene>/<S>x<T>`, views as columns x rows.

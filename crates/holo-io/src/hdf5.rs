@@ -19,6 +19,20 @@
 //! `xarray.open_dataset("scene_5d.h5", engine="netcdf4")`, or `"h5netcdf"`, names the dimensions, and
 //! `dataset.H.sel(t=2, s=3)` is a view; `dims[0].label` in h5py is the letter too.
 //!
+//! # Sequences
+//!
+//! `sequence_5d.h5` in the folder of a sequence has the same arrays with the frame as their first axis: `/H` is (f, v, u,
+//! t, s, c), `/depth_m` (f, v, u, t, s), `/central/depth_m` (f, v, u). They are virtual datasets, which read
+//! `frame_NNNN/scene_5d.h5` beside it. The coordinates of `/f` are the numbers of the frames. The attributes are those of the
+//! first frame; of every frame are
+//!
+//! | what | axes | type |
+//! |---|---|---|
+//! | `/time_s`, `/focal_length_mm` | (f) | float64 |
+//! | `/camera_position_m`, `/camera_rotation_rad` | (f, i) | float64: `center_cam` of `parameters.cfg`, in Blender's world |
+//!
+//! Everything that reads virtual datasets, which came with HDF5 1.10 in 2016, reads it as if it were one array.
+//!
 //! # Chunks
 //!
 //! Chunks of one elemental image make reading a view slow, and chunks of one view make reading an elemental image slow.
@@ -55,6 +69,7 @@ mod options;
 mod read;
 mod rows;
 mod scales;
+mod sequence;
 mod write;
 
 use std::path::Path;
@@ -73,6 +88,7 @@ pub(crate) use read::check_chunk;
 pub use read::{Hdf5LightField, is_light_field_hdf5};
 #[cfg(feature = "mat")]
 pub(crate) use rows::{RowDataset, SampleRows};
+pub use sequence::write_hdf5_sequence;
 pub use write::Hdf5Writer;
 
 /// The name of the format in messages.

@@ -41,6 +41,7 @@
 //! | light field as MAT | [`write_mat_light_field`]; `MatWriter` lens row by lens row | [`read_mat_light_field`] |
 //! | MAT, version 5, as a stream | [`encode_mat`] | [`decode_mat`] |
 //! | HDF5 | `write_hdf5`; `Hdf5Writer` lens row by lens row | `Hdf5LightField`: all, one view, one lens |
+//! | HDF5 of a sequence | `write_hdf5_sequence` | frame by frame |
 //! | Radiance HDR | | [`read_hdr`], [`read_hdr_info`]; as a stream [`decode_hdr`] |
 //! | `parameters.cfg` | [`ParametersCfg::write`] | [`ParametersCfg::read`] |
 //! | cameras anywhere, `transforms.json` | [`CameraArray::write`] | [`CameraArray::read`] |
@@ -173,7 +174,10 @@ pub use gif::write_gif_animation;
 #[cfg(feature = "png")]
 pub use hci::{HciFolder, HciHighResolution, HciImage, HciQuantity, HciResolution, HciTruth};
 #[cfg(feature = "hdf5")]
-pub use hdf5::{Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_hdf5, write_hdf5, write_hdf5_maps};
+pub use hdf5::{
+    Hdf5LightField, Hdf5Map, Hdf5Options, Hdf5Writer, is_light_field_hdf5, write_hdf5, write_hdf5_maps,
+    write_hdf5_sequence,
+};
 #[cfg(feature = "hdr")]
 pub use hdr::{HdrInfo, decode_hdr, read_hdr, read_hdr_info};
 pub use holo_core::{ColorEncoding, meters_to_millimeters, millimeters_to_meters};

@@ -20,6 +20,8 @@ pub const VIEWPOINT_EXR: &str = "scene_vpi.exr";
 pub const LIGHT_FIELD_MAT: &str = "scene_5d.mat";
 /// The light field as a 5D array of linear radiance, with ground truth.
 pub const LIGHT_FIELD_HDF5: &str = "scene_5d.h5";
+/// The light fields of all frames of a sequence as one 6D array, in the folder of the sequence.
+pub const SEQUENCE_HDF5: &str = "sequence_5d.h5";
 /// The camera parameters.
 pub const PARAMETERS_CFG: &str = "parameters.cfg";
 /// The settings of the render and the digest of every file.

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use holo_core::GridSize;
 
-use crate::dataset::{self, DatasetEntry, DatasetFolder, MANIFEST_JSON, PARAMETERS_CFG};
+use crate::dataset::{self, DatasetEntry, DatasetFolder, MANIFEST_JSON, PARAMETERS_CFG, SequenceFolder};
 use crate::{
     Error, FileFormat, GantryFolder, HciFolder, Manifest, ParametersCfg, PfmInfo, PngInfo, detect_format,
     read_pfm_info, read_png_info,
@@ -54,6 +54,8 @@ pub enum FileInfo {
     },
     /// A folder that `holo render` wrote.
     DatasetFolder(Box<DatasetFolder>),
+    /// A folder with the frames of a sequence in it.
+    Sequence(SequenceFolder),
     /// A folder with dataset folders `<scene>/<S>x<T>/` in it.
     Datasets(Vec<DatasetEntry>),
     /// A folder with the layout of the HCI benchmark.
@@ -70,8 +72,8 @@ pub enum FileInfo {
 /// Detects the format of a file or folder from its contents, and reads its headers, parameters and list of files.
 ///
 /// A folder is the first that applies of: a dataset folder if it has a `manifest.json`; an HCI folder if it has a
-/// `parameters.cfg` and a view `input_Cam*.png`; a gantry folder if it has a view `out_ROW_COLUMN_Y_X.png`; a folder of
-/// datasets if it has dataset folders in it.
+/// `parameters.cfg` and a view `input_Cam*.png`; a gantry folder if it has a view `out_ROW_COLUMN_Y_X.png`; a sequence if
+/// it has frames `frame_NNNN/` in it; a folder of datasets if it has dataset folders in it.
 ///
 /// # Errors
 ///
@@ -133,6 +135,10 @@ fn probe_folder(path: &Path) -> Result<FileInfo, Error> {
     if GantryFolder::has_views(path)? {
         return Ok(FileInfo::GantryFolder(Box::new(GantryFolder::open(path)?)));
     }
+    let sequence = SequenceFolder::open(path)?;
+    if !sequence.frames().is_empty() {
+        return Ok(FileInfo::Sequence(sequence));
+    }
     let datasets = dataset::list(path)?;
     if !datasets.is_empty() {
         return Ok(FileInfo::Datasets(datasets));
@@ -178,6 +184,10 @@ impl fmt::Display for FileInfo {
                 let shape = folder.shape();
                 let no_image = if folder.raw_image().is_none() { ", no raw image" } else { "" };
                 write!(f, "dataset folder, {}{no_image}", grid(shape.views(), shape.lenses()))
+            }
+            Self::Sequence(sequence) => {
+                let frames = sequence.frames();
+                write!(f, "sequence of {} frame{}", frames.len(), plural(frames.len()))
             }
             Self::Datasets(datasets) => write!(f, "folder of {} dataset{}", datasets.len(), plural(datasets.len())),
             Self::HciFolder(folder) => {

@@ -303,6 +303,7 @@ impl Renderer {
     ) -> Context<'a> {
         let transport = &request.transport;
         let rig = RigRays::new(&request.rig, &region.tiling, &region.selection);
+        let rig = rig.with_filter_width(request.filter_width_px);
         let policy = Policy {
             target_error: transport.target_error.filter(|_| rounds::target(request).is_none()),
             reuse: self.reuses(request, integrator, region),

@@ -85,15 +85,15 @@ pub struct QuiltOptions {
 pub struct AnimateOptions {
     #[command(flatten)]
     pub input: InputOptions,
-    /// Camera path through the views.
-    #[arg(long, value_enum, default_value_t = PathArgument::Circle)]
-    pub path: PathArgument,
+    /// Camera path through the views; of a sequence once in its whole time [default: circle, of a sequence the central view].
+    #[arg(long, value_enum)]
+    pub path: Option<PathArgument>,
     /// Row of views for sweep and ping-pong, from 0 [default: the central one].
     #[arg(long, value_name = "T")]
     pub row: Option<usize>,
-    /// Frames per second.
-    #[arg(long, value_name = "N", default_value_t = 25.0, value_parser = values::frame_rate)]
-    pub fps: f64,
+    /// Frames per second [default: 25, of a sequence its own].
+    #[arg(long, value_name = "N", value_parser = values::frame_rate)]
+    pub fps: Option<f64>,
     /// Write every frame into a file of its own, FILE with a number, instead of one animation.
     #[arg(long)]
     pub frames: bool,

@@ -94,6 +94,7 @@ impl RigOptions {
         let mut spec = self.main_lens.spec();
         spec.views = self.views;
         spec.lenses = self.lenses;
+        spec.lens_shifts = self.lens_shifts;
         spec.baseline_m = self.baseline_m;
         spec.focal_mm = self.focal_mm;
         spec.sensor_mm = self.sensor_mm;

@@ -40,6 +40,9 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
         FileInfo::HciFolder(folder) => parameter_lines(folder.parameters()),
         FileInfo::Manifest(manifest) => manifest_lines(&manifest),
         FileInfo::DatasetFolder(folder) => manifest_lines(folder.manifest()),
+        FileInfo::Sequence(sequence) => {
+            sequence.frames().iter().try_for_each(|&frame| out!("{}", sequence.frame_path(frame).display()))
+        }
         FileInfo::Datasets(entries) => entries.iter().try_for_each(|entry| out!("{}", entry.path.display())),
         FileInfo::Other(FileFormat::Mat5 | FileFormat::Mat73) => mat(path),
         FileInfo::Other(FileFormat::Hdf5) => hdf5(path),
@@ -56,7 +59,11 @@ fn mat(path: &Path) -> Result<(), Failure> {
 }
 
 fn hdf5(path: &Path) -> Result<(), Failure> {
-    let reader = holo_io::LightFieldReader::open(path, &ReadOptions::default())?;
+    let reader = match holo_io::LightFieldReader::open(path, &ReadOptions::default()) {
+        // The file of a sequence, or samples of another type.
+        Err(holo_io::Error::Unsupported { what, .. }) => return out!("{what}"),
+        other => other?,
+    };
     match reader.rig() {
         Some(rig) => rig_lines(rig, reader.disparity_range_px()),
         None => out!("{}", text::shape(&reader.shape())),

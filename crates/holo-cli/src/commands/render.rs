@@ -6,6 +6,7 @@ use clap::ArgMatches;
 use holo_dataset::{
     ArrayJob, Checkpoints, Deduplicated, JobOutcome, RawJob, RenderJob, SceneSource, Seconds, SequenceJob,
 };
+use holo_io::dataset::SEQUENCE_HDF5;
 use holo_io::{CameraArray, CameraFile};
 
 use super::requested::requested;
@@ -79,12 +80,15 @@ fn sequence(options: &RenderOptions, job: RenderJob) -> Result<(), Failure> {
         }
     }
     bar.finish();
+    let files: &[&str] = if job.finish(&options.out)? { &[SEQUENCE_HDF5] } else { &[] };
+    let (kept, peak_rss_bytes) = (frames.len() - made, peak_rss_bytes());
     if !options.quiet {
-        say!("{made} frames made, {} done already, in {}", frames.len() - made, options.out.display());
+        let of_all = files.first().map_or_else(String::new, |file| format!("; {file} has them all"));
+        say!("{made} frames made, {kept} done already, in {}{of_all}", options.out.display());
     }
     if options.json {
-        let kept = frames.len() - made;
-        out!("{}", serde_json::json!({"made": made, "kept": kept, "peak_rss_bytes": peak_rss_bytes()}))?;
+        let object = serde_json::json!({"made": made, "kept": kept, "files": files, "peak_rss_bytes": peak_rss_bytes});
+        out!("{object}")?;
     }
     Ok(())
 }

@@ -39,7 +39,7 @@ mod tests {
     fn what_is_kept_says_what_was_parsed() {
         let (options, words) = parse(
             "a.glb --out x --spp 3 --write el,mat,h5 --no-indirect --indirect-limit 2.5 --transparent-shadows --no-multiple-scattering --cull --views 3x2 --lenses 5x4 --sky 1,0,0 --exposure -1.5 \
-             --light-units auto --solid-glass --material-variant red --frame 2-7 --fps 30 --animation walk --subset 1,0;2,1 --disparity -1,1.5 \
+             --light-units auto --solid-glass --material-variant red --frame 2-7 --fps 30 --animation walk --subset 1,0;2,1 --lens-shifts 2 --disparity -1,1.5 \
              --layers color,hit-mask --integrator path --projection orthographic --camera 2 --ground-truth all --sensor-model imx250 --iso 400",
         );
         assert_eq!(words["write"], "el,mat,h5");

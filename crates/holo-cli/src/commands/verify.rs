@@ -1,4 +1,4 @@
-//! `holo verify`: a dataset, or one folder of it, against what its files say of one another.
+//! `holo verify`: a dataset, a sequence, or one folder of it, against what its files say of one another.
 
 use holo_dataset::{is_dataset, verify};
 
@@ -11,7 +11,9 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
     for line in found.mismatches.iter().chain(&found.notes) {
         out!("{line}")?;
     }
-    if !is_dataset(&options.folder) {
+    let maker = if is_dataset(&options.folder) { "dataset" } else { "render" };
+    // A sequence has folders as a dataset has.
+    if maker == "render" && found.folders == 1 {
         return match found.mismatches.len() {
             0 => out!("{} files are as their manifest says", found.files),
             wrong => Err(Failure::Failed(format!(
@@ -22,7 +24,7 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
     }
     if found.bad_folders > 0 {
         return Err(Failure::Failed(format!(
-            "{} of {} folders are missing or not as they should be; `holo dataset` with the same options makes them",
+            "{} of {} folders are missing or not as they should be; `holo {maker}` with the same options makes them",
             found.bad_folders, found.folders
         )));
     }

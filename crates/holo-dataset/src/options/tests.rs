@@ -7,6 +7,7 @@ fn a_specification_reads_back_from_its_text() {
     let rig = RigSpec {
         views: GridSize::new(2, 3),
         lenses: Some(GridSize::new(4, 5)),
+        lens_shifts: Some(3),
         baseline_m: Some(1e-3),
         disparity_px: Some((-1.5, 2.0)),
         focal_mm: Some(35.5),

@@ -44,7 +44,7 @@ pub fn list(path: impl AsRef<Path>) -> Result<Vec<DatasetEntry>, Error> {
 }
 
 /// The subfolders of a folder whose names are UTF-8.
-fn folders(path: &Path) -> Result<Vec<(String, PathBuf)>, Error> {
+pub(super) fn folders(path: &Path) -> Result<Vec<(String, PathBuf)>, Error> {
     let failed = |source| Error::io("list", path, source);
     let mut folders = Vec::new();
     for entry in fs::read_dir(path).map_err(failed)? {

@@ -7,8 +7,11 @@ use ndarray::{aview0, aview1};
 use super::library::read_text;
 use crate::rig_values::RigValues;
 
-/// The version of the layout.
-const LAYOUT: &str = "holo light field 1";
+/// The version of the layout of a light field.
+pub(super) const LAYOUT: &str = "holo light field 1";
+
+/// The version of the layout of a sequence.
+pub(super) const SEQUENCE_LAYOUT: &str = "holo light field sequence 1";
 
 /// Maximum number of numbers of an attribute that is read.
 const MAX_NUMBERS: usize = 16;
@@ -26,12 +29,12 @@ fn number(at: &Location, name: &str, value: f64) -> ::hdf5::Result<()> {
     at.new_attr_builder().with_data(aview0(&value)).create(name).map(|_| ())
 }
 
-/// Writes the attributes of the file: layout, counts and rig.
-pub(super) fn write_rig(file: &Location, rig: &holo_core::Rig) -> ::hdf5::Result<()> {
+/// Writes the attributes of the file: layout, axes of the samples, counts and rig.
+pub(super) fn write_rig(file: &Location, layout: &str, axes: &str, rig: &holo_core::Rig) -> ::hdf5::Result<()> {
     let values = RigValues::from(rig);
     let (views, lenses) = (rig.shape().views(), rig.shape().lenses());
-    text(file, "format", LAYOUT)?;
-    text(file, "axes", "vutsc")?;
+    text(file, "format", layout)?;
+    text(file, "axes", axes)?;
     numbers(file, "views", &[views.rows as u64, views.columns as u64])?;
     numbers(file, "lenses", &[lenses.rows as u64, lenses.columns as u64])?;
     numbers(file, "baseline_m", &values.baseline_m)?;

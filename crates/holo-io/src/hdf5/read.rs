@@ -44,14 +44,18 @@ impl Hdf5LightField {
     /// # Errors
     ///
     /// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not an HDF5 file, has no `/H` of five axes,
-    /// or contradicts itself; [`Error::Unsupported`] if its samples are not uint8, uint16, float32 or float64, or its
-    /// axes are in another order.
+    /// or contradicts itself; [`Error::Unsupported`] if its samples are not uint8, uint16, float32 or float64, its axes
+    /// are in another order, or it is the file of a sequence.
     pub fn open(path: impl AsRef<Path>, limits: &Limits) -> Result<Self, Error> {
         let path = path.as_ref();
         let failed = |error| Failure { path, is_writing: false }.error(error);
         let broken = |what: String| Error::broken(path, FORMAT, what);
         let file = open(path)?;
         let samples = file.dataset("H").map_err(|_| broken("there is no dataset /H".into()))?;
+        if samples.ndim() == 6 {
+            let what = format!("a sequence of {} frames; read the file of one of them", samples.shape()[0]);
+            return Err(Error::unsupported(path, what));
+        }
         let dimensions: [usize; 5] =
             samples.get_shape().map_err(failed)?.try_into().map_err(|dimensions: Vec<usize>| {
                 broken(format!("/H has {} axes instead of five", dimensions.len()))
@@ -279,7 +283,7 @@ pub(crate) fn check_chunk(path: &Path, dataset: &Dataset, limits: Limits) -> Res
 }
 
 /// The sample type of a dataset; `None` if light fields cannot have it.
-fn sample_kind(dataset: &Dataset) -> ::hdf5::Result<Option<SampleKind>> {
+pub(super) fn sample_kind(dataset: &Dataset) -> ::hdf5::Result<Option<SampleKind>> {
     Ok(match dataset.dtype()?.to_descriptor()? {
         TypeDescriptor::Unsigned(IntSize::U1) => Some(SampleKind::U8),
         TypeDescriptor::Unsigned(IntSize::U2) => Some(SampleKind::U16),

@@ -1,5 +1,5 @@
-//! Dimension scales: the axes as datasets `/v`, `/u`, `/t`, `/s`, `/c` with the indices from 0, attached to every
-//! dataset. xarray and netCDF take them for named dimensions with coordinates.
+//! Dimension scales: the axes as datasets of one letter, such as `/v`, with the coordinates, attached to every dataset.
+//! xarray and netCDF take them for named dimensions with coordinates.
 //!
 //! The attributes are those of the specification *HDF5 Dimension Scale*, which the high-level library writes and the
 //! binding does not have.
@@ -12,9 +12,6 @@ use ndarray::{Array1, aview0, aview1};
 
 use super::library::Failure;
 use crate::Error;
-
-/// The axes of a light field, each the name of its scale.
-const AXES: &str = "vutsc";
 
 /// The library takes a dataset for a scale only if the text of its class ends in NUL and has 16 bytes. The binding has no
 /// such type, but reads it from this file (`tests/data/make_nul_terminated_text.py`).
@@ -41,20 +38,27 @@ pub(super) fn text_type(scratch: &Path, path: &Path) -> Result<Datatype, Error> 
 /// The scales of a file, and the datasets that use each.
 #[derive(Debug)]
 pub(super) struct Scales {
-    uses: Vec<Vec<ScaleUse>>,
+    uses: Vec<(char, Vec<ScaleUse>)>,
+}
+
+/// The indices of an axis.
+pub(super) fn indices(count: usize) -> Array1<i32> {
+    (0..count).map(|index| index as i32).collect()
 }
 
 impl Scales {
-    /// Creates the scales for axes of these lengths, the first of `AXES`.
-    pub(super) fn create(file: &File, shape: &[usize], text: &Datatype) -> ::hdf5::Result<Self> {
-        for (axis, &count) in AXES.chars().zip(shape) {
+    /// Creates the scales of these axes, each with its coordinates.
+    pub(super) fn create(file: &File, axes: Vec<(char, Array1<i32>)>, text: &Datatype) -> ::hdf5::Result<Self> {
+        let mut uses = Vec::with_capacity(axes.len());
+        for (axis, coordinates) in axes {
             let name = axis.to_string();
-            let indices = Array1::from_iter((0..count).map(|index| index as i32));
-            let scale = file.new_dataset_builder().with_data(&indices).obj_track_times(false).create(name.as_str())?;
+            let scale =
+                file.new_dataset_builder().with_data(&coordinates).obj_track_times(false).create(name.as_str())?;
             write_text(&scale, text, "CLASS", "DIMENSION_SCALE")?;
             write_text(&scale, text, "NAME", &name)?;
+            uses.push((axis, Vec::new()));
         }
-        Ok(Self { uses: vec![Vec::new(); AXES.len()] })
+        Ok(Self { uses })
     }
 
     /// Attaches the scales to a dataset; `axes` has a letter for each dimension.
@@ -64,8 +68,8 @@ impl Scales {
         for (dimension, axis) in axes.chars().enumerate() {
             let scale = file.reference::<ObjectReference1>(&axis.to_string())?;
             list.push(VarLenArray::from_slice(&[scale]));
-            let place = AXES.find(axis).ok_or("an axis without a scale")?;
-            self.uses[place].push(ScaleUse { dataset, dimension: dimension as i32 });
+            let own = self.uses.iter_mut().find(|(own, _)| *own == axis).ok_or("an axis without a scale")?;
+            own.1.push(ScaleUse { dataset, dimension: dimension as i32 });
         }
         let list = Array1::from_vec(list);
         file.dataset(name)?.new_attr_builder().with_data(&list).create("DIMENSION_LIST").map(|_| ())
@@ -73,7 +77,7 @@ impl Scales {
 
     /// Writes into every scale which datasets use it.
     pub(super) fn finish(&self, file: &File) -> ::hdf5::Result<()> {
-        for (axis, uses) in AXES.chars().zip(&self.uses).filter(|(_, uses)| !uses.is_empty()) {
+        for (axis, uses) in self.uses.iter().filter(|(_, uses)| !uses.is_empty()) {
             let scale = file.dataset(&axis.to_string())?;
             scale.new_attr_builder().with_data(aview1(uses)).create("REFERENCE_LIST")?;
         }

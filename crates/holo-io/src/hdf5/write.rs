@@ -16,6 +16,9 @@ use super::{Hdf5Map, Hdf5Options, Number, attributes, with_sample_type};
 use crate::atomic::AtomicPath;
 use crate::{Error, FileDigest};
 
+/// The axes of a light field, a letter each.
+const AXES: &str = "vutsc";
+
 /// A writer of an HDF5 light field with ground truth, lens row by lens row.
 ///
 /// It needs the memory of the lens rows of one chunk, of the samples and of each map, whatever the size of the light
@@ -90,15 +93,15 @@ impl<T: Sample> Hdf5Writer<T> {
         let failed = |error| Failure { path, is_writing: true }.error(error);
         let text = scales::text_type(target.temporary_path(), path)?;
         let file = create(target.temporary_path(), 0, false).map_err(failed)?;
-        attributes::write_rig(&file, rig).map_err(failed)?;
+        attributes::write_rig(&file, attributes::LAYOUT, AXES, rig).map_err(failed)?;
         let shape = rig.shape().array_shape(channels.unwrap_or(1));
-        let axes = if channels.is_some() { 5 } else { 4 };
-        let mut scales = Scales::create(&file, &shape[..axes], &text).map_err(failed)?;
+        let axes = AXES.chars().zip(shape.map(scales::indices)).take(if channels.is_some() { 5 } else { 4 });
+        let mut scales = Scales::create(&file, axes.collect(), &text).map_err(failed)?;
         // Radiance has no unit: 1 is white at exposure 0.
         let unit = if T::KIND.is_float() { "linear radiance" } else { "sRGB" };
         let samples = channels.map(|_| {
             let (dataset, chunk_rows) = with_sample_type!(T::KIND, S => {
-                create_dataset::<S>(&file, &mut scales, "H", &shape, ("vutsc", unit), options)
+                create_dataset::<S>(&file, &mut scales, "H", &shape, (AXES, unit), options)
             })
             .map_err(failed)?;
             Ok::<_, Error>(SampleRows::new(T::KIND, dataset, &shape, chunk_rows))

@@ -103,6 +103,16 @@ impl ManifestValue {
         }
     }
 
+    /// Returns a number, integers too.
+    #[must_use]
+    pub const fn as_number(&self) -> Option<f64> {
+        match *self {
+            Self::Float(value) => Some(value),
+            Self::Integer(value) => Some(value as f64),
+            _ => None,
+        }
+    }
+
     /// Returns the text of a `Text`, else `None`.
     #[must_use]
     pub fn as_text(&self) -> Option<&str> {

@@ -48,6 +48,8 @@ pub(crate) struct RigRays {
     /// Lens columns of the whole light field, which determine the ids of lenses.
     lens_columns: u32,
     slope_step: f64,
+    /// The same for the part that a pixel averages over.
+    filter_step: f64,
     /// For perspective 0 and 1; for orthographic projection the focus distance and 0.
     slope_to_origin: f64,
     slope_to_direction: f64,
@@ -68,6 +70,7 @@ impl RigRays {
         };
         let split = rig.shape();
         let orthographic = rig.projection() == Projection::Orthographic;
+        let slope_step = rig.slope_x(1.0) - rig.slope_x(0.0);
         Self {
             axes: [
                 axis(0, &|v| rig.slope_y(v as f64 + 0.5), 0.0),
@@ -78,10 +81,16 @@ impl RigRays {
             is_list: selection.is_list(),
             disparity: rig.disparity(),
             lens_columns: split.lenses().columns as u32,
-            slope_step: rig.slope_x(1.0) - rig.slope_x(0.0),
+            slope_step,
+            filter_step: slope_step,
             slope_to_origin: if orthographic { rig.focus_distance_m() } else { 0.0 },
             slope_to_direction: if orthographic { 0.0 } else { 1.0 },
         }
+    }
+
+    /// The same rig whose pixels average over squares of this width, px.
+    pub fn with_filter_width(self, px: f64) -> Self {
+        Self { filter_step: self.slope_step * px, ..self }
     }
 
     /// The pixels of the packet at this position along (v, u, t, s).
@@ -113,11 +122,12 @@ impl RigRays {
         &self.disparity
     }
 
-    /// The cells of the pixels around positions `within` them, or around their centers, if a pixel has `count` x `count`.
+    /// The cells of the squares that pixels average over, around positions `within` them, or around their centers, if a
+    /// square has `count` x `count`.
     #[inline(always)]
     pub fn cells(&self, within: Option<&[[f32; LANES]; 2]>, count: u32) -> RayDifferentials {
         let count = count as f32;
-        let step = self.slope_step as f32 / count;
+        let step = self.filter_step as f32 / count;
         let [origin_step, direction_step] = [self.slope_to_origin, self.slope_to_direction].map(|x| x as f32 * step);
         let center = [[0.5; LANES]; 2];
         let mut to_center = *within.unwrap_or(&center);
@@ -129,7 +139,7 @@ impl RigRays {
     }
 
     /// The rays through the pixels, exact and as f32 in `packet`: through the centers, or through the positions
-    /// `within` the pixels (x and y from the upper left corner, 0 to 1).
+    /// `within` the squares that they average over (x and y from the upper left corner, 0 to 1).
     #[inline(always)]
     pub fn fill(&self, pixels: &RigPixels, within: Option<&[[f32; LANES]; 2]>, packet: &mut RayHits) -> ExactRays {
         let [v, u, t, s] = pixels.axes;
@@ -137,8 +147,8 @@ impl RigRays {
         let mut slope_y = v.value;
         if let Some([x, y]) = within {
             for lane in 0..LANES {
-                slope_x[lane] += (f64::from(x[lane]) - 0.5) * self.slope_step;
-                slope_y[lane] -= (f64::from(y[lane]) - 0.5) * self.slope_step;
+                slope_x[lane] += (f64::from(x[lane]) - 0.5) * self.filter_step;
+                slope_y[lane] -= (f64::from(y[lane]) - 0.5) * self.filter_step;
             }
         }
         let mut rays = ExactRays {
@@ -180,17 +190,24 @@ mod tests {
             let selection = Selection::whole(&split);
             let tiling = Tiling::new(selection.counts());
             let tables = RigRays::new(&rig, &tiling, &selection);
+            let wider = RigRays::new(&rig, &tiling, &selection).with_filter_width(3.0);
             let mut packet = RayHits::EMPTY;
             // Two packets: inside the grid, and at its end, where some lanes have no pixel.
             for position in [[6, 8, 0, 0], [3, 4, 1, 1]] {
                 let pixels = tables.pixels(position);
                 let rays = tables.fill(&pixels, Some(&[[0.25; LANES], [0.75; LANES]]), &mut packet);
                 let centers = tables.fill(&pixels, None, &mut packet);
+                let wide = wider.fill(&pixels, Some(&[[0.25; LANES], [0.75; LANES]]), &mut packet);
                 for k in 0..LANES {
                     let [v, u, t, s] = pixels.axes.map(|axis| axis.index[k] as usize);
                     let ray = rig.ray(v, u, t, s, 0.25, 0.75);
                     let center = rig.ray(v, u, t, s, 0.5, 0.5);
+                    // A square of three pixels: a quarter of it before the center is three quarters of a pixel.
+                    let outer = rig.ray(v, u, t, s, -0.25, 1.25);
                     for (a, b) in [
+                        (wide.origin_x[k], outer.origin_m[0]),
+                        (wide.direction_x[k], outer.direction[0]),
+                        (wide.direction_y[k], outer.direction[1]),
                         (rays.origin_x[k], ray.origin_m[0]),
                         (rays.origin_y[k], ray.origin_m[1]),
                         (rays.direction_x[k], ray.direction[0]),

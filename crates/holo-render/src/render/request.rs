@@ -17,6 +17,9 @@ use crate::setters::setters;
 /// The largest id that f32 represents exactly together with all smaller ones: 2^24.
 pub(super) const MAX_EXACT_ID: usize = 1 << 24;
 
+/// The largest [`Request::filter_width_px`].
+const MAX_FILTER_WIDTH_PX: f64 = 64.0;
+
 /// A render request: the rig, the settings of light transport, and the outputs.
 ///
 /// The fields have the defaults of [`Request::new`]; they are validated by
@@ -38,6 +41,9 @@ pub(super) const MAX_EXACT_ID: usize = 1 << 24;
 pub struct Request {
     /// The rig: views, microlenses, intrinsics, baseline, focus distance and projection.
     pub rig: Rig,
+    /// The width of the square around its center over which a pixel averages, px. 1, the default: the pixel itself. N: of
+    /// the microlenses of an array that was exposed in N x N positions, 1/N of its pitch apart, each is N px wide.
+    pub filter_width_px: f64,
     /// Light transport: the integrator and its samples.
     pub transport: Transport,
     /// The layers (AOVs) beside color. They describe the first hit of the ray through the center of the pixel, for any
@@ -62,6 +68,7 @@ impl Request {
     pub fn new(rig: Rig) -> Self {
         Self {
             rig,
+            filter_width_px: 1.0,
             transport: Transport::default(),
             layers: DEPTH_AND_DISPARITY,
             ground_truth: GroundTruth::Central,
@@ -74,6 +81,7 @@ impl Request {
 
     setters! {
         rig: Rig,
+        filter_width_px: f64,
         transport: Transport,
         layers: LayerSet,
         ground_truth: GroundTruth,
@@ -159,6 +167,12 @@ impl Request {
     /// Validates the request for a scene with this many instances and materials.
     pub(super) fn check(&self, counts: [usize; 2]) -> Result<(), Error> {
         self.transport.check()?;
+        if !(self.filter_width_px > 0.0 && self.filter_width_px <= MAX_FILTER_WIDTH_PX) {
+            return Err(Error::BadSetting(format!(
+                "a pixel averages over {} px; choose a width above 0, at most {MAX_FILTER_WIDTH_PX}",
+                self.filter_width_px
+            )));
+        }
         let split = self.rig.shape();
         if split.lenses().count() > u32::MAX as usize || split.views().count() > u32::MAX as usize {
             return Err(Error::BadSetting("2^32 or more lenses or views; choose fewer".into()));

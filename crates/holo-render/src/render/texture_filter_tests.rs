@@ -114,6 +114,37 @@ fn the_bias_vanishes_with_more_samples() {
     assert!(means[0] < 0.03 && means[1] < 0.5 * means[0], "{means:?}");
 }
 
+/// Of an array of microlenses that is exposed in 3 x 3 positions, every third microlens is one of the array at rest: the
+/// same square of the scene, with filtered textures and without. Narrower pixels in the same places differ much more.
+#[test]
+fn shifted_microlenses_are_as_wide_as_those_at_rest() {
+    let scene = plane(Material { unlit: true, ..Material::default() });
+    let request = request(Projection::Perspective).samples(1024).texture_filter(TextureFilter::Off);
+    let shape = LightFieldShape::new(GridSize::new(2, 2), GridSize::new(42, 42)).expect("sizes");
+    let finer = request.clone().rig(request.rig.to_builder().shape(shape).build().expect("a rig"));
+    let at_rest = render(&scene, &request);
+    let every_third = |request: &Request| -> Vec<f32> {
+        let values = render(&scene, request);
+        let index = |k: usize| {
+            let (lens, rest) = (k / 12, k % 12);
+            ((lens / 14 * 3 + 1) * 42 + lens % 14 * 3 + 1) * 12 + rest
+        };
+        (0..at_rest.len()).map(|k| values[index(k)]).collect()
+    };
+    let wide = difference(&every_third(&finer.clone().filter_width_px(3.0)), &at_rest);
+    let filtered = finer.clone().filter_width_px(3.0).texture_filter(TextureFilter::Footprint).samples(64);
+    let filtered = difference(&every_third(&filtered), &at_rest);
+    let narrow = difference(&every_third(&finer), &at_rest);
+    println!("shifted {wide:.4}, with filtered textures {filtered:.4}, narrow {narrow:.4}");
+    // 1024 samples of this texture have a noise of 1.5 %.
+    assert!(wide < 0.02 && filtered < 0.03 && narrow > 0.06, "{wide} {filtered} {narrow}");
+    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, 1).expect("a renderer");
+    for width in [0.0, -1.0, f64::NAN, 65.0] {
+        let error = renderer.render(&finer.clone().filter_width_px(width), &()).expect_err("a bad width");
+        assert!(error.to_string().contains("at most 64"), "{error}");
+    }
+}
+
 /// Materials with alpha are not filtered: the texels of holes have no color.
 #[test]
 fn alpha_is_not_filtered() {
