@@ -4,6 +4,7 @@ mod common;
 
 use common::{Bench, read_u8};
 use holo_io::{Limits, Manifest, read_flo, read_pfm, read_pfm_gray};
+use ndarray::{Array2, Axis};
 use serde_json::Value;
 
 /// The pendulum as a file, a small rig, light without noise.
@@ -170,6 +171,60 @@ fn flow_leads_to_the_next_frame() {
     assert!(read("f2/scene_optical_flow.flo") == read("f2/optical_flow/scene_optical_flow_Cam004.flo"));
 }
 
+/// The texture of a frame is that of the next one where the flow leads, to within what lies between its pixels: the error of
+/// linear interpolation halves with twice the resolution.
+#[test]
+fn textures_move_with_the_flow() {
+    let bench = bench();
+    run(&bench, "scene garden_walk");
+    for frame in [10, 11] {
+        let line = "render garden_walk.glb --lenses 960x640 --views 1 --integrator depth --quiet";
+        let layers = "--layers albedo,object-id,material-id,depth,optical-flow";
+        run(&bench, &format!("{line} {layers} --frame {frame} --out f{frame}"));
+    }
+    let gray = |name: &str| read_pfm_gray(bench.path(name), &Limits::default()).unwrap();
+    let albedo = |frame: u32| {
+        let path = bench.path(format!("f{frame}/scene_albedo.pfm"));
+        let values = read_pfm(path, &Limits::default()).unwrap().values;
+        values.mean_axis(Axis(2)).unwrap()
+    };
+    let flow = read_flo(bench.path("f10/scene_optical_flow.flo"), &Limits::default()).unwrap();
+    let [here, there] = [10, 11].map(albedo);
+    let [ids, depths] = [["object_id", "material_id"], ["depth", "depth"]]
+        .map(|names| names.map(|name| [10, 11].map(|frame| gray(&format!("f{frame}/scene_{name}.pfm")))));
+    let (mut warped, mut resting) = (Vec::new(), Vec::new());
+    for ((v, u), &own) in here.indexed_iter() {
+        let (x, y) = (u as f32 + flow[[v, u, 0]], v as f32 + flow[[v, u, 1]]);
+        if !(x >= 0.0 && y >= 0.0 && x < 959.0 && y < 639.0) {
+            continue;
+        }
+        let (column, row) = (x as usize, y as usize);
+        let corners = [[row, column], [row, column + 1], [row + 1, column], [row + 1, column + 1]];
+        // What the four pixels around show is the same surface, not what hides it.
+        let is_same = |of: &[Array2<f32>; 2]| corners.iter().all(|&at| of[1][at] == of[0][[v, u]]);
+        let is_near = |at: &[usize; 2]| (depths[0][1][*at] / depths[0][0][[v, u]] - 1.0).abs() < 0.1;
+        // Constant albedo shows nothing.
+        if !ids.iter().all(is_same) || !corners.iter().all(is_near) || here[[v, u]] == here[[v, (u + 1) % 960]] {
+            continue;
+        }
+        let (a, b) = (x.fract(), y.fract());
+        let found: f32 = [(1.0 - a) * (1.0 - b), a * (1.0 - b), (1.0 - a) * b, a * b]
+            .iter()
+            .zip(corners)
+            .map(|(weight, at)| weight * there[at])
+            .sum();
+        warped.push((found / own - 1.0).abs());
+        resting.push((there[[v, u]] / own - 1.0).abs());
+    }
+    let count = warped.len();
+    let [warped, resting] = [warped, resting].map(|mut errors| {
+        errors.sort_by(f32::total_cmp);
+        errors[errors.len() / 2]
+    });
+    println!("{count} pixels, median error {:.3} %, without flow {:.1} %", 100.0 * warped, 100.0 * resting);
+    assert!(count > 200_000 && warped < 0.01 && resting > 0.03, "{count} {warped} {resting}");
+}
+
 #[test]
 fn frames_of_a_dataset_are_scenes_of_the_same_split() {
     let bench = bench();
@@ -190,13 +245,14 @@ fn frames_of_a_dataset_are_scenes_of_the_same_split() {
 #[test]
 fn wrong_use_is_said() {
     let bench = bench();
+    run(&bench, "array plane --count 2 --spacing-m 0.1 --target-m 0,0,0 --size 6x4");
     for (line, part) in [
         ("render tiny.glb --out o --frame 5-2", "A-B"),
         ("render tiny.glb --out o --fps 12", "--frame"),
         ("render tiny.glb --out o --layers optical-flow", "--frame"),
         ("render pendulum.glb --out o --frame 1 --animation run", "'swing'"),
         ("render pendulum.glb --out o --frame 1 --shard 1/2 --layers scene-flow", "scene-flow"),
-        ("render pendulum.glb --out o --frame 1-2 --camera-file home-made", "several"),
+        ("render pendulum.glb --out o --frame 1-2 --transforms transforms.json", "several"),
     ] {
         let outcome = bench.run(line);
         assert!(matches!(outcome.code, Some(1 | 2)) && outcome.stderr.contains(part), "{line}: {outcome:?}");

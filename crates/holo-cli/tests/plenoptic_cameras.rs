@@ -5,6 +5,7 @@ mod common;
 use std::collections::BTreeMap;
 
 use common::{Bench, SCENE};
+use holo_io::Manifest;
 
 /// A square camera of 120 x 90 pixels with its pupil in the lens.
 const CAMERA: &str = r#"
@@ -113,6 +114,28 @@ fn parts_of_a_raw_image_become_the_whole() {
     let outcome = bench.run("merge other part1 part2 part3");
     assert!(outcome.code == Some(1) && outcome.stderr.contains("parts of different images"), "{outcome:?}");
     assert!(!bench.path("other").exists());
+}
+
+/// Frames of an animation as raw images: a folder each, with the exposure of the first, in any parts.
+#[test]
+fn a_plenoptic_camera_films() {
+    let bench = bench();
+    succeeds(&bench, "scene pendulum");
+    let render = "render pendulum.glb --camera-file small.toml --spp 2 --write raw,raw-png --quiet";
+    succeeds(&bench, &format!("{render} --frame 4-6 --out film"));
+    for part in ["2/2", "1/2"] {
+        succeeds(&bench, &format!("{render} --frame 4-6 --shard {part} --out parts"));
+    }
+    assert!(bench.bytes("film") == bench.bytes("parts"), "parts differ from the whole");
+    let manifest = |frame: u32| Manifest::read(bench.path(format!("film/frame_{frame:04}/manifest.json"))).unwrap();
+    let ev = manifest(4).exposure_ev.unwrap();
+    assert_eq!((manifest(6).exposure_ev, manifest(6).settings["frame"].clone()), (Some(ev), 6_u32.into()));
+    // One frame alone is exposed for itself, and otherwise the same.
+    let raw = |folder: &str| std::fs::read(bench.path(format!("{folder}/raw_linear.png"))).unwrap();
+    succeeds(&bench, &format!("{render} --frame 4 --out alone"));
+    assert!(raw("alone") == raw("film/frame_0004") && raw("alone") != raw("film/frame_0006"));
+    succeeds(&bench, &format!("{render} --frame 6 --exposure {ev} --out later"));
+    assert!(raw("later") == raw("film/frame_0006"));
 }
 
 #[test]

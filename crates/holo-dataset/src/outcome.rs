@@ -9,11 +9,11 @@ use crate::identity::difference;
 use crate::output_folder::clear_older;
 use crate::report::RenderReport;
 
-/// The outcome of a job.
+/// The outcome of a job that reports `R`.
 #[derive(Clone, Debug)]
-pub enum JobOutcome {
+pub enum JobOutcome<R = RenderReport> {
     /// It was rendered; the reason if its folder contained an older result.
-    Made(Box<RenderReport>, Option<String>),
+    Made(Box<R>, Option<String>),
     /// Its folder is up to date.
     Kept(Box<Manifest>),
 }

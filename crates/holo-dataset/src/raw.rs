@@ -19,10 +19,10 @@ use crate::job::{source_identity, transport};
 use crate::options::{self, Options, integrator_name};
 use crate::output_folder::{OutputFolder, Rollback};
 use crate::prepare::{PreparedScene, prepare_scene};
-use crate::raw_files::{RawTraced, TOOLS, lit_white_image, raw_layer, wanted_layers};
+use crate::raw_files::{RawTraced, TOOLS, exposure_ev, lit_white_image, raw_layer, wanted_layers};
 use crate::report::Seconds;
 use crate::source::SceneSource;
-use crate::spec::{EngineSpec, LayerChoice, Output, RawLayer, RenderSpec, Shard};
+use crate::spec::{EngineSpec, Exposure, LayerChoice, Output, RawLayer, RenderSpec, Shard};
 use crate::{Error, shard, text};
 
 /// One raw image: a scene, a plenoptic camera, and how it is rendered.
@@ -185,6 +185,28 @@ impl RawJob {
         Ok((rendered, layers))
     }
 
+    /// The exposure of the image, if integers of it are wanted, else as specified; and the ray tracing backend.
+    pub(crate) fn automatic_exposure(
+        &self,
+        progress: &dyn Progress,
+        diagnostics: &dyn Diagnostics,
+    ) -> Result<(String, Exposure), Error> {
+        self.validate()?;
+        let sky = Some(&self.spec.sky);
+        let prepared = prepare_scene((&self.source, &self.spec.scene), &self.spec.rig, &self.engine, sky, diagnostics)?;
+        let engine = prepared.renderer.engine_name().to_owned();
+        let outputs = &self.spec.outputs;
+        let has_integers = outputs.is_empty() || outputs.contains(&Output::RawPng) || !self.tools.is_empty();
+        if self.spec.exposure != Exposure::Automatic || !has_integers {
+            return Ok((engine, self.spec.exposure));
+        }
+        let rows = 0..self.camera.camera.sensor().size.rows;
+        let rendered = prepared.renderer.render_raw(&self.request(rows), progress)?;
+        let Some(color) = &rendered.color else { return Ok((engine, Exposure::Automatic)) };
+        let ev = prepared.renderer.install(|| exposure_ev(color, Exposure::Automatic))?;
+        Ok((engine, Exposure::Ev(ev)))
+    }
+
     fn validate(&self) -> Result<(), Error> {
         let bad = |what: String| Err(Error::BadRequest(what));
         if let Some(output) = self.spec.outputs.iter().find(|output| !Output::RAW.contains(output)) {
@@ -231,7 +253,8 @@ impl RawJob {
             .rows(Some(rows))
     }
 
-    fn identity(&self, backend: &str) -> Result<Manifest, Error> {
+    /// What identifies the job in a manifest, as [`RenderJob::identity`](crate::RenderJob::identity).
+    pub(crate) fn identity(&self, backend: &str) -> Result<Manifest, Error> {
         let mut manifest = source_identity(&self.source, &self.spec, &self.options, backend)?;
         let camera = Sha256::of(self.camera.to_toml().as_bytes());
         manifest.settings.insert("camera_sha256".into(), camera.to_string().into());

@@ -169,7 +169,7 @@ pub(crate) fn write_raw(
 }
 
 /// The exposure of raw color.
-fn exposure_ev(color: &Array3<f32>, wanted: Exposure) -> Result<f64, Error> {
+pub(crate) fn exposure_ev(color: &Array3<f32>, wanted: Exposure) -> Result<f64, Error> {
     if let Exposure::Ev(ev) = wanted {
         return Ok(ev);
     }

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use clap::ArgMatches;
 use holo_dataset::{
-    ArrayJob, Checkpoints, Deduplicated, JobOutcome, RawJob, RenderJob, SceneSource, Seconds, SequenceJob,
+    ArrayJob, Checkpoints, Deduplicated, ImageJob, ImageReport, JobOutcome, RawJob, RenderJob, SceneSource, Seconds,
+    SequenceJob,
 };
 use holo_io::dataset::SEQUENCE_HDF5;
 use holo_io::{CameraArray, CameraFile};
@@ -41,7 +42,7 @@ pub fn run(options: &RenderOptions, matches: &ArgMatches) -> Result<(), Failure>
 }
 
 /// The frames of an animation, each in a folder of its own; complete ones are kept.
-fn sequence(options: &RenderOptions, job: RenderJob) -> Result<(), Failure> {
+fn sequence(options: &RenderOptions, job: impl ImageJob) -> Result<(), Failure> {
     let bar = Overall::new(options.quiet);
     let diagnostics = Deduplicated::new(|line: &str| {
         if !options.quiet {
@@ -52,7 +53,7 @@ fn sequence(options: &RenderOptions, job: RenderJob) -> Result<(), Failure> {
     let frames: Vec<u32> = job.frames(options.shard).collect();
     if !options.overwrite {
         for &frame in &frames {
-            job.frame(frame).check_replaceable(&options.out.join(SequenceJob::folder(frame)), None)?;
+            job.frame(frame).check_replaceable(&options.out.join(SequenceJob::folder(frame)))?;
         }
     }
     bar.expect(frames.len());
@@ -71,7 +72,7 @@ fn sequence(options: &RenderOptions, job: RenderJob) -> Result<(), Failure> {
                     object["frame"] = frame.into();
                     out!("{object}")?;
                 }
-                format!("{:.1} s, {:.1} Mrays/s", report.seconds.total, report.mrays_per_second())
+                format!("{:.1} s, {:.1} Mrays/s", report.seconds().total, report.mrays_per_second())
             }
             JobOutcome::Kept(_) => "done already".into(),
         };
@@ -129,6 +130,9 @@ fn raw(options: &RenderOptions, camera: &str, matches: &ArgMatches) -> Result<()
     let mut job =
         RawJob::new(SceneSource::File(options.scene.clone()), camera, options.spec()).with_options(requested(matches));
     (job.tools, job.engine) = (options.tools.clone(), options.engine.spec());
+    if job.spec.scene.frames.is_some_and(|frames| frames.single().is_none()) {
+        return sequence(options, job);
+    }
     if !options.overwrite {
         job.check_replaceable(&options.out, options.shard)?;
     }
