@@ -97,7 +97,7 @@ impl<J: ImageJob> SequenceJob<J> {
     /// frames are there; of several parts the one that ends last. Returns whether it is there.
     ///
     /// # Errors
-    /// Those of [`holo_io::write_hdf5_sequence`].
+    /// Those of `holo_io::write_hdf5_sequence`.
     pub fn finish(&self, root: &Path) -> Result<bool, Error> {
         if !self.image.spec().outputs.contains(&Output::H5) {
             return Ok(false);

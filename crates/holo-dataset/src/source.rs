@@ -1,6 +1,7 @@
 //! The sources of scenes: files and the gallery.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use holo_io::Sha256;
 use holo_scene::gallery;
@@ -9,15 +10,15 @@ use holo_scene::gltf::{self, LoadOptions, Loaded};
 use crate::Error;
 use crate::spec::SceneSpec;
 
-/// The source of a scene.
+/// The source of a scene. Copies share the bytes of the file: a dataset has one for each of its images.
 #[derive(Clone, Debug)]
 pub enum SceneSource {
     /// A `.glb` or `.gltf` file.
     File(PathBuf),
     /// A scene of the gallery: its name, and the `.glb` that `holo scene` writes, so that both give the same image.
-    Gallery(&'static str, Vec<u8>),
+    Gallery(&'static str, Arc<[u8]>),
     /// A `.glb` in memory, with a name for messages and files.
-    Memory(String, Vec<u8>),
+    Memory(String, Arc<[u8]>),
 }
 
 impl SceneSource {
@@ -32,7 +33,7 @@ impl SceneSource {
             let known = [gallery::NAMES, gallery::ANIMATED].concat().join(", ");
             Error::BadRequest(format!("the gallery has no scene '{name}'; it has: {known}"))
         })?;
-        Ok(Self::Gallery(name, glb?))
+        Ok(Self::Gallery(name, glb?.into()))
     }
 
     /// Returns the path of the file, or the name of the gallery scene, for messages.

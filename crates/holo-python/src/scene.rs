@@ -26,7 +26,7 @@ impl Source {
         match (self.path, self.glb) {
             (Some(path), _) => Ok(SceneSource::File(path)),
             (None, _) if self.gallery => Ok(SceneSource::gallery(&self.name)?),
-            (None, Some(glb)) => Ok(SceneSource::Memory(self.name, glb)),
+            (None, Some(glb)) => Ok(SceneSource::Memory(self.name, glb.into())),
             (None, None) => Err(Failure::Usage("a scene needs a path or the bytes of a .glb".into())),
         }
     }
@@ -42,7 +42,7 @@ pub fn gallery_names() -> Vec<&'static str> {
 #[pyfunction]
 pub fn gallery_glb(py: Python<'_>, name: String) -> Result<Vec<u8>, Failure> {
     match py.detach(|| SceneSource::gallery(&name))? {
-        SceneSource::Gallery(_, glb) | SceneSource::Memory(_, glb) => Ok(glb),
+        SceneSource::Gallery(_, glb) | SceneSource::Memory(_, glb) => Ok(glb.to_vec()),
         SceneSource::File(path) => Err(Failure::Failed(format!("{} is a file", path.display()))),
     }
 }
