@@ -74,7 +74,7 @@ pub enum Command {
     RotateElements(RotateOptions),
     /// Write a quilt: the views of one row side by side, as multi-view displays read them.
     Quilt(QuiltOptions),
-    /// Write an animation along a camera path through the views.
+    /// Write an animation: along a camera path through the views, or of the frames of a sequence.
     Animate(AnimateOptions),
     /// Write a built-in scene as .glb; without a name, list them.
     Scene(SceneOptions),
@@ -106,7 +106,7 @@ pub enum Command {
     Demosaic(DemosaicOptions),
     /// Pack a dataset into WebDataset archives (.tar) for training.
     Pack(PackOptions),
-    /// Check a dataset, or one folder of it, against the sizes and hashes in its manifest.json.
+    /// Check a dataset, a sequence, or one folder of them, against the sizes and hashes in its manifest.json.
     Verify(VerifyOptions),
 }
 

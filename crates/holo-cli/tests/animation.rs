@@ -70,6 +70,9 @@ fn a_sequence_is_its_frames_in_any_parts_and_order() {
     std::fs::write(bench.path("parts/frame_0004/parameters.cfg"), "other").unwrap();
     let outcome = bench.run("verify parts");
     assert!(outcome.code == Some(1) && outcome.stdout.contains("frame_0004: parameters.cfg"), "{outcome:?}");
+    std::fs::remove_dir_all(bench.path("parts/frame_0005")).unwrap();
+    let outcome = bench.run("verify parts");
+    assert!(outcome.code == Some(1) && outcome.stdout.contains("frame_0005"), "{outcome:?}");
     // Other options in the same folder are refused, as for one image.
     let other = bench.run(&format!("{SMALL} --frame 3-6 --fps 24 --out whole"));
     assert!(other.code == Some(2) && other.stderr.contains("--overwrite"), "{other:?}");

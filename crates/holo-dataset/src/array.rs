@@ -29,6 +29,7 @@ use crate::job::{request_integrator, source_identity, transport};
 use crate::layers::{self, Wanted, file_part, write_pfm};
 use crate::options::{self, Options, integrator_name};
 use crate::output_folder::{OutputFolder, Rollback};
+use crate::parts::PartProgress;
 use crate::prepare::{blame, load, report_backend};
 use crate::source::SceneSource;
 use crate::spec::{EngineSpec, Exposure, LayerChoice, RenderSpec};
@@ -152,7 +153,7 @@ impl ArrayJob {
             }
             let rendering = Instant::now();
             let rendered =
-                renderer.render(&self.request(rig, &setup), &Part { inner: progress, k, of: self.count() })?;
+                renderer.render(&self.request(rig, &setup), &PartProgress { inner: progress, k, of: self.count() })?;
             render_seconds += rendering.elapsed().as_secs_f64();
             rays = rays + rendered.rays;
             if k == 0 && rendered.color.is_none() && integrator == Integrator::Auto {
@@ -316,23 +317,6 @@ fn pose(camera: &ArrayCamera) -> Result<Transform, Error> {
             "the matrix of camera '{name}' is no rotation and translation; remove scale and mirroring from it"
         ))
     })
-}
-
-/// The progress of one of several images.
-struct Part<'a> {
-    inner: &'a dyn Progress,
-    k: usize,
-    of: usize,
-}
-
-impl Progress for Part<'_> {
-    fn advance(&self, done: u64, total: u64) {
-        self.inner.advance(self.k as u64 * total + done, self.of as u64 * total);
-    }
-
-    fn cancelled(&self) -> bool {
-        self.inner.cancelled()
-    }
 }
 
 impl ArrayReport {

@@ -4,17 +4,18 @@ use std::path::Path;
 
 use holo_core::ViewIndex;
 use holo_io::Manifest;
-use holo_render::{Denoise, GroundTruth, LayerSet, Progress, Request, Views};
+use holo_render::{Denoise, GroundTruth, LayerSet, Progress, Views};
 use serde_json::Value;
 
 use crate::Error;
 use crate::diagnostics::Diagnostics;
 use crate::files::{exposure_ev, validate};
-use crate::job::RenderJob;
+use crate::job::{RenderJob, request};
+use crate::layers::Wanted;
 use crate::output_folder::Rollback;
 use crate::raw::{RawJob, RawReport};
 use crate::report::{RenderReport, Seconds};
-use crate::spec::{Exposure, Focus, RenderSpec};
+use crate::spec::{Exposure, Focus, RenderSpec, Shard};
 
 /// The job of one image, of which a [`SequenceJob`](crate::SequenceJob) has one for every frame.
 pub trait ImageJob: Clone {
@@ -40,19 +41,20 @@ pub trait ImageJob: Clone {
     /// [`Error::Io`] if the scene or the environment map cannot be read.
     fn identity(&self, backend: &str) -> Result<Manifest, Error>;
 
-    /// Checks that a folder holds no other image.
+    /// Checks that a folder holds no other image, and no other part of it.
     ///
     /// # Errors
     /// [`Error::BadRequest`] if it does.
-    fn check_replaceable(&self, out: &Path) -> Result<(), Error>;
+    fn check_replaceable(&self, out: &Path, shard: Option<Shard>) -> Result<(), Error>;
 
-    /// Renders the image into the folder `out`.
+    /// Renders the image, or one part of it, into the folder `out`.
     ///
     /// # Errors
     /// As [`RenderJob::run`] and [`RawJob::run`].
     fn run(
         &self,
         out: &Path,
+        shard: Option<Shard>,
         progress: &dyn Progress,
         diagnostics: &dyn Diagnostics,
         rollback: &Rollback,
@@ -93,9 +95,9 @@ impl ImageJob for RenderJob {
         rig.focus = Focus::Meters(prepared.rig.focus_distance_m());
         if self.spec.exposure == Exposure::Automatic {
             let (row, column) = prepared.rig.shape().central_view();
-            let request = Request::new(prepared.rig)
-                .transport(self.transport())
+            let request = request(&self.spec, &Wanted::new(&self.spec), &prepared)
                 .denoise(Denoise::Off)
+                .estimate_error(false)
                 .ground_truth(GroundTruth::Central)
                 .layers(LayerSet::EMPTY)
                 .views(Views::List(vec![ViewIndex::new(row, column)]));
@@ -111,18 +113,19 @@ impl ImageJob for RenderJob {
         Self::identity(self, backend)
     }
 
-    fn check_replaceable(&self, out: &Path) -> Result<(), Error> {
-        Self::check_replaceable(self, out, None)
+    fn check_replaceable(&self, out: &Path, shard: Option<Shard>) -> Result<(), Error> {
+        Self::check_replaceable(self, out, shard)
     }
 
     fn run(
         &self,
         out: &Path,
+        shard: Option<Shard>,
         progress: &dyn Progress,
         diagnostics: &dyn Diagnostics,
         rollback: &Rollback,
     ) -> Result<RenderReport, Error> {
-        Self::run(self, out, None, progress, diagnostics, rollback)
+        Self::run(self, out, shard, progress, diagnostics, rollback)
     }
 }
 
@@ -148,18 +151,19 @@ impl ImageJob for RawJob {
         Self::identity(self, backend)
     }
 
-    fn check_replaceable(&self, out: &Path) -> Result<(), Error> {
-        Self::check_replaceable(self, out, None)
+    fn check_replaceable(&self, out: &Path, shard: Option<Shard>) -> Result<(), Error> {
+        Self::check_replaceable(self, out, shard)
     }
 
     fn run(
         &self,
         out: &Path,
+        shard: Option<Shard>,
         progress: &dyn Progress,
         diagnostics: &dyn Diagnostics,
         rollback: &Rollback,
     ) -> Result<RawReport, Error> {
-        Self::run(self, out, None, progress, diagnostics, rollback)
+        Self::run(self, out, shard, progress, diagnostics, rollback)
     }
 }
 

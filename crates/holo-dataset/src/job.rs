@@ -18,6 +18,7 @@ use crate::images;
 use crate::layers::Wanted;
 use crate::options::{self, Options, denoise_name, integrator_name, texture_filter_name};
 use crate::output_folder::{OutputFolder, Rollback};
+use crate::parts::CancelOnly;
 use crate::prepare::{Prepared, Purpose, prepare};
 use crate::report::{RenderReport, Seconds};
 use crate::source::SceneSource;
@@ -58,15 +59,6 @@ pub struct Rendering {
     pub seconds: Seconds,
     /// Warnings about the result.
     pub warnings: Vec<RenderWarning>,
-}
-
-/// Passes cancellation on, and reports nothing: for a step after those that are counted.
-pub(crate) struct CancelOnly<'a>(pub &'a dyn Progress);
-
-impl Progress for CancelOnly<'_> {
-    fn cancelled(&self) -> bool {
-        self.0.cancelled()
-    }
 }
 
 impl RenderJob {
@@ -251,12 +243,6 @@ impl RenderJob {
     /// [`Error::Io`] if the scene or the environment map cannot be read.
     pub fn identity(&self, backend: &str) -> Result<Manifest, Error> {
         source_identity(&self.source, &self.spec, &self.options, backend)
-    }
-
-    /// The settings of light transport.
-    pub(crate) fn transport(&self) -> Transport {
-        let integrator = request_integrator(&self.spec, &Wanted::new(&self.spec));
-        transport(&self.spec, integrator)
     }
 
     /// The request for the complete light field or a shard.
@@ -467,7 +453,7 @@ pub(crate) fn request_integrator(spec: &RenderSpec, wanted: &Wanted) -> Integrat
     }
 }
 
-fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
+pub(crate) fn request(spec: &RenderSpec, wanted: &Wanted, prepared: &Prepared) -> Request {
     Request::new(prepared.rig)
         .filter_width_px(f64::from(spec.rig.lens_shifts.unwrap_or(1)))
         .transport(transport(spec, request_integrator(spec, wanted)))

@@ -185,6 +185,7 @@ pub fn planned_rig(spec: &RigSpec, lens_pitch_mm: Option<f64>, depths: Option<De
         Some(lenses) => LightFieldShape::new(spec.views, lenses)?,
         None => spec.sensor.divide(spec.views, Remainder::Crop)?.shape,
     };
+    let shape = crate::prepare::shifted(spec, shape)?;
     if let Some(rig) = rig_with_disparities(spec, depths, intrinsics, shape)? {
         return Ok(rig);
     }

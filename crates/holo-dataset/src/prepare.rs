@@ -258,7 +258,11 @@ fn validate_memory(shape: &LightFieldShape, purpose: Purpose) -> Result<(), Erro
 }
 
 fn shape(rig: &RigSpec, diagnostics: &dyn Diagnostics) -> Result<LightFieldShape, Error> {
-    let shape = unshifted(rig, diagnostics)?;
+    shifted(rig, unshifted(rig, diagnostics)?)
+}
+
+/// The microlenses of an array in all of its positions.
+pub(crate) fn shifted(rig: &RigSpec, shape: LightFieldShape) -> Result<LightFieldShape, Error> {
     let Some(shifts) = rig.lens_shifts else { return Ok(shape) };
     if shifts == 0 {
         return Err(Error::BadRequest("--lens-shifts is a number of positions; give 1 or more".into()));

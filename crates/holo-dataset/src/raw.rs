@@ -192,16 +192,19 @@ impl RawJob {
         diagnostics: &dyn Diagnostics,
     ) -> Result<(String, Exposure), Error> {
         self.validate()?;
+        drop(lit_white_image(&self.camera)?);
         let sky = Some(&self.spec.sky);
         let prepared = prepare_scene((&self.source, &self.spec.scene), &self.spec.rig, &self.engine, sky, diagnostics)?;
         let engine = prepared.renderer.engine_name().to_owned();
         let outputs = &self.spec.outputs;
         let has_integers = outputs.is_empty() || outputs.contains(&Output::RawPng) || !self.tools.is_empty();
-        if self.spec.exposure != Exposure::Automatic || !has_integers {
+        let has_color = self.spec.integrator != Integrator::Depth;
+        if self.spec.exposure != Exposure::Automatic || !has_integers || !has_color {
             return Ok((engine, self.spec.exposure));
         }
         let rows = 0..self.camera.camera.sensor().size.rows;
-        let rendered = prepared.renderer.render_raw(&self.request(rows), progress)?;
+        let request = self.request(rows).layers(LayerSet::EMPTY).statistics(false);
+        let rendered = prepared.renderer.render_raw(&request, progress)?;
         let Some(color) = &rendered.color else { return Ok((engine, Exposure::Automatic)) };
         let ev = prepared.renderer.install(|| exposure_ev(color, Exposure::Automatic))?;
         Ok((engine, Exposure::Ev(ev)))

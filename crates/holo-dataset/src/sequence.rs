@@ -51,11 +51,25 @@ impl<J: ImageJob> SequenceJob<J> {
         Ok(Self { image, frames, backend })
     }
 
+    /// Checks that the folders of the frames below `root` hold no other images, before anything is loaded.
+    ///
+    /// # Errors
+    /// As [`ImageJob::check_replaceable`].
+    pub fn check_replaceable(image: &J, root: &Path) -> Result<(), Error> {
+        let Some(frames) = image.spec().scene.frames else { return Ok(()) };
+        let mut image = image.clone();
+        for frame in frames.first..=frames.last {
+            image.spec_mut().scene.frames = Some(Frames::one(frame));
+            image.check_replaceable(&root.join(SequenceFolder::frame_name(frame)), None)?;
+        }
+        Ok(())
+    }
+
     /// Returns the numbers of the frames: all of them, or every N-th of a shard.
     pub fn frames(&self, shard: Option<Shard>) -> impl Iterator<Item = u32> + use<J> {
         let Frames { first, last } = self.frames;
         let Shard { part, of } = shard.unwrap_or(Shard { part: 1, of: 1 });
-        (first..=last).skip(part - 1).step_by(of)
+        (first..=last).skip(part.saturating_sub(1)).step_by(of.max(1))
     }
 
     /// Returns the job of one frame.
@@ -90,7 +104,7 @@ impl<J: ImageJob> SequenceJob<J> {
             }
             _ => {}
         }
-        Ok(JobOutcome::Made(Box::new(image.run(&out, progress, diagnostics, rollback)?), why))
+        Ok(JobOutcome::Made(Box::new(image.run(&out, None, progress, diagnostics, rollback)?), why))
     }
 
     /// Writes `sequence_5d.h5`, the light fields of all frames as one array, below `root`, if HDF5 files are wanted and all

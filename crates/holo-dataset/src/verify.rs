@@ -1,5 +1,6 @@
-//! Verification of a dataset, or of one of its folders, against the digests in its files.
+//! Verification of a dataset, a sequence, or one of their folders, against the digests in its files.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use holo_io::dataset::{self, DatasetIndex, SequenceFolder};
@@ -7,6 +8,7 @@ use holo_io::{Manifest, ManifestValue};
 
 use crate::Error;
 use crate::checkpoint::finished_manifest;
+use crate::spec::Frames;
 
 /// The result of [`verify`].
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,7 +46,7 @@ pub fn verify(folder: &Path) -> Result<Verification, Error> {
     if !folder.join(dataset::MANIFEST_JSON).exists() && folder.is_dir() {
         let sequence = SequenceFolder::open(folder)?;
         if !sequence.frames().is_empty() {
-            let frames = sequence.frames().iter().map(|&frame| SequenceFolder::frame_name(frame).into());
+            let frames = frames_of(&sequence).into_iter().map(|frame| SequenceFolder::frame_name(frame).into());
             return Ok(verify_folders(folder, &frames.collect::<Vec<_>>(), |_, _| Vec::new()));
         }
     }
@@ -73,6 +75,20 @@ fn verify_all(root: &Path) -> Result<Verification, Error> {
         }
     }
     Ok(found)
+}
+
+/// The frames that a sequence should have: those that are there, and all of the ranges that they were rendered with.
+fn frames_of(sequence: &SequenceFolder) -> BTreeSet<u32> {
+    let mut frames: BTreeSet<u32> = sequence.frames().iter().copied().collect();
+    for &frame in sequence.frames() {
+        let Ok(manifest) = Manifest::read(sequence.frame_path(frame).join(dataset::MANIFEST_JSON)) else { continue };
+        let Some(ManifestValue::Table(options)) = manifest.settings.get("options") else { continue };
+        let range = options.get("frame").and_then(ManifestValue::as_text);
+        if let Some(range) = range.and_then(|text| text.parse::<Frames>().ok()) {
+            frames.extend(range.first..=range.last);
+        }
+    }
+    frames
 }
 
 /// Checks folders below `root`, with what else is wrong with a manifest.

@@ -29,6 +29,7 @@
 //! | what | axes | type |
 //! |---|---|---|
 //! | `/time_s`, `/focal_length_mm` | (f) | float64 |
+//! | `/baseline_m` | (f, j) | float64, y before x: with the f-number of a lens that zooms, it changes |
 //! | `/camera_position_m`, `/camera_rotation_rad` | (f, i) | float64: `center_cam` of `parameters.cfg`, in Blender's world |
 //!
 //! Everything that reads virtual datasets, which came with HDF5 1.10 in 2016, reads it as if it were one array.

@@ -60,7 +60,7 @@ with h5py.File(path) as file:
     assert (file["central/disparity_px"][...] == np.arange(7, 10)[:, None, None]).all()
     # xarray and netCDF take the names and coordinates of dimensions from their scales.
     for name, axes in [("H", "fvutsc"), ("depth_m", "fvuts"), ("central/disparity_px", "fvu"), ("time_s", "f"),
-                       ("focal_length_mm", "f"), ("camera_position_m", "fi"), ("camera_rotation_rad", "fi")]:
+                       ("focal_length_mm", "f"), ("baseline_m", "fj"), ("camera_position_m", "fi"), ("camera_rotation_rad", "fi")]:
         dataset = file[name]
         assert dataset.ndim == len(axes) and dataset.attrs["axes"] == axes
         for i, axis in enumerate(axes):

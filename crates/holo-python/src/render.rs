@@ -6,11 +6,16 @@ use std::path::PathBuf;
 
 use holo_core::{LightFieldOwned, Sample};
 use holo_dataset::options::{Options, integrator_name};
-use holo_dataset::{About, Checkpoints, RawJob, RenderJob, Rollback, Shard, Tool};
-use holo_render::{Backend, Layer, Layers, Motion, RayCounts};
+use holo_dataset::{
+    About, CancelOnly, Checkpoints, Diagnostics, ImageJob, ImageReport, JobOutcome, PartProgress, RawJob, RenderJob,
+    Rollback, SequenceJob, Shard, Tool,
+};
+use holo_io::dataset::SEQUENCE_HDF5;
+use holo_render::{Backend, Layer, Layers, Motion, Progress, RayCounts};
 use ndarray::{Array, Array3, Array5, Axis, Dimension};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use serde_json::{Value, json};
 
 use crate::arrays::{give, give_json};
 use crate::camera::PlenopticCamera;
@@ -100,28 +105,61 @@ pub fn render_folder<'py>(
     if words.contains_key("lenses") {
         words.remove("sensor");
     }
-    let (source, out) = (source.open()?, request.out);
+    let source = source.open()?;
+    let place = Place { out: request.out, shard, overwrite: request.overwrite };
     let (report, lines) = if let Some(camera) = request.camera {
         let mut job = RawJob::new(source, camera.0, spec).with_options(words);
         job.engine = engine;
         job.tools = request.tools.iter().map(|name| tool(name)).collect::<Result<_, _>>()?;
-        watch::run(py, progress.as_ref(), |watch| {
-            if !request.overwrite {
-                job.check_replaceable(&out, shard)?;
-            }
-            listening(|tell| Ok(job.run(&out, shard, watch, tell, &Rollback::default())?.to_json()))
-        })?
+        watch::run(py, progress.as_ref(), |watch| listening(|tell| place.fill(job, watch, tell)))?
     } else {
         let checkpoints = Checkpoints::every_seconds(request.checkpoint_seconds);
         let job = RenderJob::new(source, spec).with_options(words).with_engine(engine).with_checkpoints(checkpoints);
-        watch::run(py, progress.as_ref(), |watch| {
-            if !request.overwrite {
-                job.check_replaceable(&out, shard)?;
-            }
-            listening(|tell| Ok(job.run(&out, shard, watch, tell, &Rollback::default())?.to_json()))
-        })?
+        watch::run(py, progress.as_ref(), |watch| listening(|tell| place.fill(job, watch, tell)))?
     };
     Ok((give_json(py, &report)?, lines))
+}
+
+/// Where an image goes, or the frames of a sequence.
+struct Place {
+    out: PathBuf,
+    shard: Option<Shard>,
+    overwrite: bool,
+}
+
+impl Place {
+    /// Renders into it, and returns the report.
+    fn fill(
+        &self,
+        job: impl ImageJob,
+        progress: &dyn Progress,
+        diagnostics: &dyn Diagnostics,
+    ) -> Result<Value, holo_dataset::Error> {
+        let Self { out, shard, overwrite } = self;
+        let rollback = Rollback::default();
+        if job.spec().scene.frames.is_none_or(|frames| frames.single().is_some()) {
+            if !overwrite {
+                job.check_replaceable(out, *shard)?;
+            }
+            return Ok(job.run(out, *shard, progress, diagnostics, &rollback)?.to_json());
+        }
+        if !overwrite {
+            SequenceJob::check_replaceable(&job, out)?;
+        }
+        let sequence = SequenceJob::new(job, &CancelOnly(progress), diagnostics)?;
+        let frames: Vec<u32> = sequence.frames(*shard).collect();
+        let mut reports = Vec::with_capacity(frames.len());
+        for (k, &frame) in frames.iter().enumerate() {
+            let part = PartProgress { inner: progress, k, of: frames.len() };
+            if let JobOutcome::Made(report, _) = sequence.run_frame(frame, out, &part, diagnostics, &rollback)? {
+                let mut report = report.to_json();
+                report["frame"] = frame.into();
+                reports.push(report);
+            }
+        }
+        let files: &[&str] = if sequence.finish(out)? { &[SEQUENCE_HDF5] } else { &[] };
+        Ok(json!({"made": reports.len(), "kept": frames.len() - reports.len(), "files": files, "frames": reports}))
+    }
 }
 
 fn tool(name: &str) -> Result<Tool, Failure> {

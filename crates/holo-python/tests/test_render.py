@@ -237,3 +237,22 @@ def test_datasets(tmp_path):
     assert len(holo.Dataset(tmp_path / "d", views=[(9, 9)])) == 0
     with pytest.raises(holo.Error, match="dataset.json"):
         holo.Dataset(tmp_path)
+
+
+def test_frames_go_into_folders(tmp_path):
+    scene = holo.Scene.gallery("pendulum")
+    options = {"frame": "4-6", "views": (2, 3), "lenses": (8, 12), "spp": 1, "integrator": "direct", "write": ["el", "h5"]}
+    report = holo.render_to(tmp_path / "whole", scene, **options)
+    assert (report["made"], report["kept"], report["files"]) == (3, 0, ["sequence_5d.h5"])
+    assert [frame["frame"] for frame in report["frames"]] == [4, 5, 6]
+    for part in ("2/2", "1/2"):
+        holo.render_to(tmp_path / "parts", scene, shard=part, **options)
+    for name in ("sequence_5d.h5", "frame_0005/scene_el.png", "frame_0006/manifest.json"):
+        assert (tmp_path / "whole" / name).read_bytes() == (tmp_path / "parts" / name).read_bytes(), name
+    assert holo.render_to(tmp_path / "whole", scene, **options)["kept"] == 3
+    assert holo.open(tmp_path / "whole" / "frame_0005").rig.views == (2, 3)
+    with pytest.raises(Exception, match="3 frames; choose one"):
+        holo.open(tmp_path / "whole")
+    # Lenses between those of the array.
+    finer = holo.render(scene, frame=4, views=(2, 3), lenses=(8, 12), lens_shifts=2, spp=1, integrator="depth")
+    assert finer.rig.lenses == (16, 24)

@@ -316,7 +316,8 @@ impl Renderer {
             seed: transport.seed,
             samples: transport.samples,
             sampling: transport.sampling,
-            centered: transport.samples == 1 && is_plain,
+            // A square of several pixels is more than what its center sees.
+            centered: transport.samples == 1 && is_plain && request.filter_width_px == 1.0,
             cells: filters.then(|| sampling::cells(transport.samples)),
         };
         let scene = self.scene_data(transport, integrator);

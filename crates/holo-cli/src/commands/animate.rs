@@ -40,7 +40,12 @@ fn through_time(sequence: &SequenceFolder, options: &AnimateOptions) -> Result<(
             None => light_field.shape().central_view(),
             Some(along) => {
                 let path = path(options, along, views)?;
-                path[place * path.len() / frames.len()]
+                // A closed path would show its first view twice; an open one reaches its end.
+                let [steps, of] = match along {
+                    PathArgument::Circle | PathArgument::PingPong => [path.len(), frames.len()],
+                    PathArgument::Sweep | PathArgument::Serpentine => [path.len() - 1, (frames.len() - 1).max(1)],
+                };
+                path[place * steps / of]
             }
         };
         let view = light_field.view(t, s)?;

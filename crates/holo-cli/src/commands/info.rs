@@ -59,11 +59,7 @@ fn mat(path: &Path) -> Result<(), Failure> {
 }
 
 fn hdf5(path: &Path) -> Result<(), Failure> {
-    let reader = match holo_io::LightFieldReader::open(path, &ReadOptions::default()) {
-        // The file of a sequence, or samples of another type.
-        Err(holo_io::Error::Unsupported { what, .. }) => return out!("{what}"),
-        other => other?,
-    };
+    let reader = holo_io::LightFieldReader::open(path, &ReadOptions::default())?;
     match reader.rig() {
         Some(rig) => rig_lines(rig, reader.disparity_range_px()),
         None => out!("{}", text::shape(&reader.shape())),

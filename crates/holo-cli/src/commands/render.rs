@@ -49,13 +49,11 @@ fn sequence(options: &RenderOptions, job: impl ImageJob) -> Result<(), Failure> 
             bar.above(|| say!("{line}"));
         }
     });
+    if !options.overwrite {
+        SequenceJob::check_replaceable(&job, &options.out)?;
+    }
     let job = SequenceJob::new(job, &bar, &diagnostics)?;
     let frames: Vec<u32> = job.frames(options.shard).collect();
-    if !options.overwrite {
-        for &frame in &frames {
-            job.frame(frame).check_replaceable(&options.out.join(SequenceJob::folder(frame)))?;
-        }
-    }
     bar.expect(frames.len());
     let mut made = 0;
     for (done, &frame) in frames.iter().enumerate() {

@@ -13,7 +13,7 @@ pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
     }
     let maker = if is_dataset(&options.folder) { "dataset" } else { "render" };
     // A sequence has folders as a dataset has.
-    if maker == "render" && found.folders == 1 {
+    if maker == "render" && found.folders == 1 && found.files > 0 {
         return match found.mismatches.len() {
             0 => out!("{} files are as their manifest says", found.files),
             wrong => Err(Failure::Failed(format!(

@@ -40,7 +40,8 @@ struct Frame {
 /// their first axis.
 ///
 /// The samples stay where they are: the arrays are virtual datasets, which read the files of the frames below the folder.
-/// So the file has some kilobytes, and the folder can be moved as a whole. A frame whose file is missing reads as NaN.
+/// So the file has some kilobytes, and the folder can be moved as a whole. A frame whose file is missing reads as NaN, or as 0 in integers, and so does one beyond
+/// the number of files that a process may open: a reader keeps those open that it has read.
 ///
 /// # Errors
 ///
@@ -92,11 +93,15 @@ fn write(target: &AtomicPath, frames: &[u32], read: &[Frame]) -> Result<(), Prob
     axes.extend(longest.axes.chars().zip(longest.shape.iter().map(|&count| scales::indices(count))));
     // The coordinates of positions and rotations.
     axes.push(('i', scales::indices(3)));
+    // Vertical and horizontal.
+    axes.push(('j', scales::indices(2)));
     let mut scales = Scales::create(&file, axes, &text)?;
     let times: Option<Vec<f64>> = read.iter().map(|frame| frame.time_s).collect();
     if let Some(times) = times {
         store(&file, &mut scales, "time_s", ("f", "s"), aview1(&times))?;
     }
+    let baselines: Vec<[f64; 2]> = read.iter().map(|frame| RigValues::from(&frame.rig).baseline_m).collect();
+    store(&file, &mut scales, "baseline_m", ("fj", "m"), aview2(&baselines))?;
     let focal_lengths: Vec<f64> = read.iter().map(|frame| RigValues::from(&frame.rig).focal_length_mm).collect();
     store(&file, &mut scales, "focal_length_mm", ("f", "mm"), aview1(&focal_lengths))?;
     let poses: Option<Vec<CameraPose>> = read.iter().map(|frame| frame.pose).collect();

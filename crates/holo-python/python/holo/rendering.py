@@ -103,7 +103,7 @@ def render(
 
     The options are those of `holo render` with the same defaults, `_` for `-`; pairs are (rows, columns):
 
-    views: (T, S), 100 x 100. lenses: (V, U), the pixels of a view. sensor: instead of lenses, "hd", "4k", "8k" (the
+    views: (T, S), 100 x 100. lenses: (V, U), the pixels of a view; lens_shifts: N x N positions of their array. sensor: instead of lenses, "hd", "4k", "8k" (the
         default), "uhd8k" or (rows, columns).
     spp: samples a pixel, 16. integrator: "auto", "depth", "direct", "path". seed. target_error. max_bounces.
     denoise: "off" or "views". reuse: "views" or "off". texture_filter: "footprint" or "off".
@@ -162,9 +162,10 @@ def render_to(
     camera_file: a plenoptic camera; the folder then holds its raw image. tools: programs that it is also written for.
     shard: "K/N" for one part of several machines. overwrite: replaces another image in the folder. checkpoint: seconds
     between those of an interrupted render, 0 for none.
-    write: files, such as ["el", "vpi", "mat", "h5", "exr", "hci"]; further options as in `render`.
+    write: files, such as ["el", "vpi", "mat", "h5", "exr", "hci"]; further options as in `render`. frame: also several, "0-47",
+    a folder each (shard "K/N" is then every N-th); frames that are there are kept.
 
-    Returns the report of `holo render --json`.
+    Returns the report of `holo render --json`; of several frames their reports in "frames".
     """
     camera = camera_file
     if camera is not None and not isinstance(camera, PlenopticCamera):
