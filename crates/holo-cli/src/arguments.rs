@@ -220,8 +220,8 @@ pub struct JobOptions {
     /// Without light that is scattered more than once in the roughness of a surface: rough metal gets darker, as in renderers without this model.
     #[arg(long)]
     pub no_multiple_scattering: bool,
-    /// Share the light that rays find on diffuse surfaces: with `views` between groups of 4 x 4 views, whose noise is then
-    /// lower and correlated.
+    /// Share the light that rays find on diffuse surfaces: with `views` between groups of 16 neighboring views, whose
+    /// noise is then lower and correlated.
     #[arg(long, value_parser = choice(REUSE), default_value = "views")]
     pub reuse: Reuse,
     /// Average fine textures over the part of a pixel that a sample stands for: a small bias that more samples remove.

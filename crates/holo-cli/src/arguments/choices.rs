@@ -65,7 +65,7 @@ pub const DEMOSAIC: &Choices<DemosaicArgument> = &[
 
 pub const REUSE: &Choices<Reuse> = &[
     (Reuse::Off, "off", "No: the noise of every pixel is independent"),
-    (Reuse::Views, "views", "Between groups of 4 x 4 views"),
+    (Reuse::Views, "views", "Between groups of 16 neighboring views"),
 ];
 
 pub const TEXTURE_FILTERS: &Choices<TextureFilter> = &[

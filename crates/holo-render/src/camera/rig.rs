@@ -1,4 +1,4 @@
-//! The rays of the rig: packets of 4 x 4 neighboring views under one microlens.
+//! The rays of the rig: packets of neighboring views under one microlens, 4 x 4 or a block that leaves fewer lanes empty.
 //!
 //! All rays of one elemental image pass through one point of the focus plane, so a packet of neighboring views under
 //! one microlens is a narrow, coherent bundle. For rigs with few views a packet contains neighboring microlenses
@@ -192,8 +192,8 @@ mod tests {
             let tables = RigRays::new(&rig, &tiling, &selection);
             let wider = RigRays::new(&rig, &tiling, &selection).with_filter_width(3.0);
             let mut packet = RayHits::EMPTY;
-            // Two packets: inside the grid, and at its end, where some lanes have no pixel.
-            for position in [[6, 8, 0, 0], [3, 4, 1, 1]] {
+            // Two packets of 5 x 3 views, whose last lane has no pixel.
+            for position in [[6, 8, 0, 0], [3, 4, 0, 1]] {
                 let pixels = tables.pixels(position);
                 let rays = tables.fill(&pixels, Some(&[[0.25; LANES], [0.75; LANES]]), &mut packet);
                 let centers = tables.fill(&pixels, None, &mut packet);

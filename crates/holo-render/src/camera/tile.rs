@@ -16,7 +16,7 @@ const PIXELS: usize = 8192;
 /// The distribution of the 16 lanes of a packet over lens rows, lens columns, view rows and view columns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PacketShape {
-    /// Lanes along (v, u, t, s); their product is 16.
+    /// Lanes along (v, u, t, s); their product is 16, or a little less where that leaves fewer lanes without a pixel.
     pub size: [usize; 4],
     /// The offsets of every lane along (v, u, t, s) from the first pixel of the packet.
     pub offsets: [[u32; LANES]; 4],
@@ -24,17 +24,12 @@ pub(crate) struct PacketShape {
 
 impl PacketShape {
     /// The shape for these pixel counts along (v, u, t, s): as square as the counts allow, first along the views, then
-    /// along the lenses. Remaining lanes have no pixel.
+    /// along the lenses. Remaining lanes have no pixel. Where blocks of 4 x 4 views would leave many of them, as with 5, 9,
+    /// 13 or 15 views an axis, the blocks are of the size that needs the fewest packets.
     pub fn fitting(counts: [usize; 4]) -> Self {
-        let mut size = [1; 4];
-        while size.iter().product::<usize>() < LANES {
-            let shortest = |[a, b]: [usize; 2]| {
-                let grows = |k: usize| 2 * size[k] <= counts[k];
-                let order = if size[b] <= size[a] { [b, a] } else { [a, b] };
-                order.into_iter().find(|&k| grows(k))
-            };
-            let axis = shortest([2, 3]).or_else(|| shortest([0, 1])).unwrap_or(3);
-            size[axis] *= 2;
+        let mut size = Self::powers_of_two(counts);
+        if size == [1, 1, 4, 4] {
+            [size[2], size[3]] = block_of_views([counts[2], counts[3]]);
         }
         let mut offsets = [[0; LANES]; 4];
         for lane in 0..LANES {
@@ -46,6 +41,36 @@ impl PacketShape {
         }
         Self { size, offsets }
     }
+
+    /// The number of lanes that may have a pixel.
+    fn lanes(&self) -> usize {
+        self.size.iter().product()
+    }
+
+    /// The most square shape whose sizes are powers of two.
+    fn powers_of_two(counts: [usize; 4]) -> [usize; 4] {
+        let mut size = [1; 4];
+        while size.iter().product::<usize>() < LANES {
+            let shortest = |[a, b]: [usize; 2]| {
+                let grows = |k: usize| 2 * size[k] <= counts[k];
+                let order = if size[b] <= size[a] { [b, a] } else { [a, b] };
+                order.into_iter().find(|&k| grows(k))
+            };
+            let axis = shortest([2, 3]).or_else(|| shortest([0, 1])).unwrap_or(3);
+            size[axis] *= 2;
+        }
+        size
+    }
+}
+
+/// The rows and columns of views in a packet: 4 x 4 unless another block needs at least a tenth fewer packets. Of several
+/// the most square one, which is the most coherent.
+fn block_of_views([rows, columns]: [usize; 2]) -> [usize; 2] {
+    let packets = |[h, w]: [usize; 2]| rows.div_ceil(h) * columns.div_ceil(w);
+    // Longer ones are less coherent.
+    let blocks = (2..=8).map(|h| [h, LANES / h]);
+    let best = blocks.min_by_key(|&[h, w]| (packets([h, w]), h.abs_diff(w))).unwrap_or([4, 4]);
+    if 10 * packets(best) <= 9 * packets([4, 4]) { best } else { [4, 4] }
 }
 
 /// The division of a light field, with its pixel counts along the axes (v, u, t, s), into tiles.
@@ -187,9 +212,11 @@ impl Tiling {
     /// within it, else 0.
     pub fn axis_lanes(&self, axis: usize) -> impl Iterator<Item = ([usize; LANES], [i32; LANES])> {
         let (count, size, offsets) = (self.counts[axis], self.shape.size[axis], self.shape.offsets[axis]);
+        let lanes = self.shape.lanes();
         (0..count).step_by(size).map(move |start| {
             let wanted = offsets.map(|offset| start + offset as usize);
-            (wanted.map(|k| k.min(count - 1)), wanted.map(|k| -i32::from(k < count)))
+            let valid = std::array::from_fn(|lane| -i32::from(lane < lanes && wanted[lane] < count));
+            (wanted.map(|k| k.min(count - 1)), valid)
         })
     }
 
@@ -299,6 +326,23 @@ mod tests {
     use super::*;
     use ndarray::Array5;
 
+    /// Whatever the number of views, more than seven tenths of the lanes have a pixel.
+    #[test]
+    fn odd_numbers_of_views_fill_their_packets() {
+        for (views, size) in [(5, [3, 5]), (6, [6, 2]), (8, [4, 4]), (9, [3, 5]), (13, [7, 2]), (100, [4, 4])] {
+            assert_eq!(
+                PacketShape::fitting([30, 45, views, views]).size,
+                [1, 1, size[0], size[1]],
+                "{views} x {views}"
+            );
+        }
+        for views in 5..=100 {
+            let [_, _, h, w] = PacketShape::fitting([30, 45, views, views]).size;
+            let lanes = views.div_ceil(h) * views.div_ceil(w) * LANES;
+            assert!(10 * views * views > 7 * lanes, "{views} x {views} views in blocks of {h} x {w}");
+        }
+    }
+
     #[test]
     fn every_shape_has_sixteen_lanes_and_no_needless_waste() {
         for counts in
@@ -321,7 +365,17 @@ mod tests {
     /// Every pixel lies in one tile, one packet and one lane, and is written to its own position.
     #[test]
     fn tiles_cover_every_pixel_once() {
-        for counts in [[3, 5, 10, 11], [53, 7, 4, 4], [1, 1, 1, 70], [1, 1, 300, 90], [33, 65, 1, 1], [2, 3, 1, 2]] {
+        for counts in [
+            [3, 5, 10, 11],
+            [4, 3, 9, 9],
+            [2, 7, 5, 5],
+            [3, 3, 13, 13],
+            [53, 7, 4, 4],
+            [1, 1, 1, 70],
+            [1, 1, 300, 90],
+            [33, 65, 1, 1],
+            [2, 3, 1, 2],
+        ] {
             let [v, u, t, s] = counts;
             let tiling = Tiling::new(counts);
             let mut field = Array5::<f32>::from_elem((v, u, t, s, 1), -1.0);

@@ -105,6 +105,9 @@ fn unoccluded(here: &Shading, response: &Response, light: &LightSample) -> Contr
 #[inline(always)]
 fn absorb(context: &Context, here: &Shading, light: &LightSample, contribution: &mut Contribution) {
     let media = media_towards(here, &light.to_light);
+    if media::are_air(&media) {
+        return;
+    }
     let mut crossed = [Medium::AIR; LANES];
     let mut length = [0.0; LANES];
     for lane in 0..LANES {

@@ -126,7 +126,14 @@ pub(super) fn candidates(vertex: u32, shares: bool) -> (u32, f32) {
 
 #[inline(always)]
 fn draw(context: &Context, here: &Shading, draw: Draw) -> Points {
-    context.sampler.points(here.sequences, &here.paths.index, Purpose::at_vertex(here.vertex, draw))
+    draw_at(context, here, &here.paths.index, draw)
+}
+
+/// A function, because a closure that is called twice is not inlined into the kernel: it would be compiled for the
+/// oldest processors.
+#[inline(always)]
+fn draw_at(context: &Context, here: &Shading, indices: &[u32; LANES], draw: Draw) -> Points {
+    context.sampler.points(here.sequences, indices, Purpose::at_vertex(here.vertex, draw))
 }
 
 #[inline(always)]
@@ -168,9 +175,9 @@ fn emitter(context: &Context, here: &Shading, k: u32, gathers: bool) -> LightSam
     for lane in 0..LANES {
         indices[lane] = here.paths.index[lane] * count + k;
     }
-    let draw = |draw| context.sampler.points(here.sequences, &indices, Purpose::at_vertex(here.vertex, draw));
-    let [choice, _] = draw(Draw::EmitterChoice);
-    let sample = emitters.sample(&here.interaction.start, &choice, &draw(Draw::Emitter));
+    let [choice, _] = draw_at(context, here, &indices, Draw::EmitterChoice);
+    let point = draw_at(context, here, &indices, Draw::Emitter);
+    let sample = emitters.sample(&here.interaction.start, &choice, &point);
     let mut wanted = [false; LANES];
     for lane in 0..LANES {
         let mut squared = 0.0;
@@ -187,8 +194,15 @@ fn emitter(context: &Context, here: &Shading, k: u32, gathers: bool) -> LightSam
     for lane in 0..LANES {
         triangles[lane] = Hit::flattened(sample.triangle[lane] as usize);
     }
-    let (appearance, geometry) = (context.scene.appearance, context.scene.geometry);
-    out.strength = appearance.emission(geometry, &triangles, None, barycentrics, &side, &wanted);
+    for c in 0..3 {
+        for lane in 0..LANES {
+            out.strength[c][lane] = if wanted[lane] { sample.radiance[c][lane] } else { 0.0 };
+        }
+    }
+    if sample.any_textured {
+        let (appearance, geometry) = (context.scene.appearance, context.scene.geometry);
+        out.strength = appearance.emission(geometry, &triangles, None, barycentrics, &side, &wanted);
+    }
     if context.scene.has_alpha {
         for lane in (0..LANES).filter(|&lane| wanted[lane]) {
             let barycentrics = [sample.u[lane], sample.v[lane]];

@@ -89,6 +89,11 @@ pub(crate) fn reflect(
 /// Attenuates the throughput by the media that the rays have crossed, and finds those behind the surfaces.
 #[inline(always)]
 fn pass_media(context: &Context, here: &mut Shading) {
+    let has_bodies = here.interaction.any_flags.has(MaterialFlags::VOLUME);
+    if !has_bodies && media::are_air(&here.paths.media) {
+        // Those behind the surfaces are as they begin.
+        return;
+    }
     let appearance = context.scene.appearance;
     let numbers = appearance.media(context.scene.geometry, here.interaction);
     let mut crossed = [Medium::AIR; LANES];

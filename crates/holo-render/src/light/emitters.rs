@@ -37,6 +37,8 @@ pub(crate) struct Emitters {
     /// numbers select stratified triangles.
     starts: Vec<u64>,
     guide: Guide,
+    /// What the materials emit.
+    emissions: Vec<MaterialEmission>,
     /// The pdf per area, seen from the front and from the back, of every instance of the geometry.
     area_pdfs: Vec<[f32; 2]>,
 }
@@ -79,6 +81,15 @@ struct EmissiveTriangle {
     /// The pdf per area of its instance, front and back.
     area_pdfs: [f32; 2],
     triangle: u32,
+    material: u32,
+}
+
+/// The emission of a material.
+#[derive(Clone, Copy)]
+struct MaterialEmission {
+    /// Radiance, linear RGB, without a texture.
+    radiance: [f32; 3],
+    textured: bool,
 }
 
 /// Sixteen points on emissive triangles.
@@ -93,6 +104,10 @@ pub(crate) struct EmitterSample {
     pub to_light: [[f32; LANES]; 3],
     /// The pdf of its direction, per steradian; 0 if the triangle is seen edge-on or from its dark side.
     pub pdf: [f32; LANES],
+    /// The emitted radiance, linear RGB, of materials without a texture.
+    pub radiance: [[f32; LANES]; 3],
+    /// Whether the emission of any of the triangles has a texture.
+    pub any_textured: bool,
 }
 
 impl Emitters {
@@ -132,6 +147,7 @@ impl Emitters {
                 normal: (normal / (2.0 * area)).as_vec3().to_array(),
                 area_pdfs: [0.0; 2],
                 triangle: triangle as u32,
+                material: material as u32,
             });
         }
         if emissive.is_empty() || !total.is_finite() {
@@ -151,7 +167,12 @@ impl Emitters {
         let mut starts = vec![0];
         starts.extend(sums[..sums.len() - 1].iter().map(|sum| (sum / total * STEPS as f64) as u64));
         let guide = Guide::new(&starts);
-        Some(Self { emissive, starts, guide, area_pdfs })
+        let emission = |material: &Material| MaterialEmission {
+            // Unlit surfaces are lit by nothing and light nothing.
+            radiance: if material.unlit { [0.0; 3] } else { material.emission },
+            textured: material.emission_texture.is_some(),
+        };
+        Some(Self { emissive, starts, guide, emissions: materials.iter().map(emission).collect(), area_pdfs })
     }
 
     /// Samples one point per lane, as seen from `from`: `choice` (0 to 1) selects the triangle, `point` the point on
@@ -165,6 +186,8 @@ impl Emitters {
             v: [0.0; LANES],
             to_light: [[0.0; LANES]; 3],
             pdf: [0.0; LANES],
+            radiance: [[0.0; LANES]; 3],
+            any_textured: false,
         };
         let mut corner = [[0.0; LANES]; 3];
         let mut edges = [[[0.0; LANES]; 3]; 2];
@@ -181,6 +204,11 @@ impl Emitters {
             area_pdfs[0][lane] = emitter.area_pdfs[0];
             area_pdfs[1][lane] = emitter.area_pdfs[1];
             out.triangle[lane] = emitter.triangle;
+            let emission = &self.emissions[emitter.material as usize];
+            for c in 0..3 {
+                out.radiance[c][lane] = emission.radiance[c];
+            }
+            out.any_textured |= emission.textured;
         }
         for lane in 0..LANES {
             // The square is folded along its diagonal by shifting, not by mirroring, which preserves stratification.

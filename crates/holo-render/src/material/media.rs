@@ -81,13 +81,33 @@ impl MediaStack {
     }
 }
 
+/// Whether all sixteen points are in air.
+#[inline(always)]
+pub(crate) fn are_air(media: &[MediaStack; LANES]) -> bool {
+    let mut all = 0;
+    for lane in 0..LANES {
+        all |= media[lane].0;
+    }
+    all == 0
+}
+
 /// The transmittance of `length` meters of sixteen media.
 #[inline(always)]
 pub(crate) fn transmittance(media: &[Medium; LANES], length: &[f32; LANES]) -> [[f32; LANES]; 3] {
-    let mut out = [[0.0; LANES]; 3];
+    let mut out = [[1.0; LANES]; 3];
     for c in 0..3 {
+        let mut optical_depth = [0.0; LANES];
+        let mut any = false;
         for lane in 0..LANES {
-            out[c][lane] = exp_of_minus(media[lane].absorption[c] * length[lane]);
+            optical_depth[lane] = media[lane].absorption[c] * length[lane];
+            // Also for NaN.
+            any |= optical_depth[lane] != 0.0;
+        }
+        // Most glass is clear.
+        if any {
+            for lane in 0..LANES {
+                out[c][lane] = exp_of_minus(optical_depth[lane]);
+            }
         }
     }
     out
@@ -97,15 +117,20 @@ pub(crate) fn transmittance(media: &[Medium; LANES], length: &[f32; LANES]) -> [
 #[inline(always)]
 fn exp_of_minus(x: f32) -> f32 {
     const LOG2_E: f64 = std::f64::consts::LOG2_E;
+    // The sum with it is rounded to an integer, which is in the low bits of the sum. Conversions would saturate, which
+    // is not vectorized well.
+    const ROUND: f64 = 1.5 * (1_u64 << 52) as f64;
     let x = x.min(100.0);
     // 2^-(k + f) with f between -1/2 and 1/2; in f64, so that k * ln 2 loses no precision.
     let exponent = f64::from(x) * LOG2_E;
-    let whole = (exponent + 0.5).floor();
-    let y = (whole - exponent) * std::f64::consts::LN_2;
+    let rounded = exponent + ROUND;
+    let y = ((rounded - ROUND) - exponent) * std::f64::consts::LN_2;
     let power = 1.0
         + y * (1.0
-            + y * (0.5 + y * (1.0 / 6.0 + y * (1.0 / 24.0 + y * (1.0 / 120.0 + y * (1.0 / 720.0 + y / 5040.0))))));
-    let scale = f64::from_bits(((1023 - whole as i64) as u64) << 52);
+            + y * (0.5
+                + y * (1.0 / 6.0 + y * (1.0 / 24.0 + y * (1.0 / 120.0 + y * (1.0 / 720.0 + y * (1.0 / 5040.0)))))));
+    let k = rounded.to_bits().wrapping_sub(ROUND.to_bits());
+    let scale = f64::from_bits(1023_u64.wrapping_sub(k) << 52);
     if x > 87.0 { 0.0 } else { (power * scale) as f32 }
 }
 

@@ -93,11 +93,19 @@ struct Taps {
 fn taps_of_sixteen(coordinates: &[f32; LANES], size: usize, mode: Wrap, filter: Filter) -> Taps {
     let mut out = Taps { first: [0; LANES], second: [0; LANES], fraction: [0.0; LANES] };
     let mut whole = [0.0; LANES];
+    let mut are_inside = true;
     for lane in 0..LANES {
         (whole[lane], out.fraction[lane]) = cell(coordinates[lane], size);
+        are_inside &= is_inside(whole[lane], size);
     }
     if filter == Filter::Nearest {
         out.fraction = out.fraction.map(nearest);
+    }
+    if are_inside {
+        for lane in 0..LANES {
+            [out.first[lane], out.second[lane]] = [whole[lane] as u32, whole[lane] as u32 + 1];
+        }
+        return out;
     }
     match mode {
         Wrap::Repeat => {
@@ -122,10 +130,14 @@ fn taps_of_sixteen(coordinates: &[f32; LANES], size: usize, mode: Wrap, filter: 
 #[inline(always)]
 fn taps(coordinate: f32, size: usize, mode: Wrap, filter: Filter) -> ([u32; 2], f32) {
     let (whole, fraction) = cell(coordinate, size);
-    let indices = match mode {
-        Wrap::Repeat => repeated(whole, size),
-        Wrap::Clamp => clamped(whole, size),
-        Wrap::Mirror => mirrored(whole, size),
+    let indices = if is_inside(whole, size) {
+        [whole as u32, whole as u32 + 1]
+    } else {
+        match mode {
+            Wrap::Repeat => repeated(whole, size),
+            Wrap::Clamp => clamped(whole, size),
+            Wrap::Mirror => mirrored(whole, size),
+        }
     };
     (indices, if filter == Filter::Nearest { nearest(fraction) } else { fraction })
 }
@@ -148,6 +160,12 @@ fn cell(coordinate: f32, size: usize) -> (f32, f32) {
 
 /// The limit up to which f32 represents all integers; textures are smaller.
 const WHOLE_NUMBERS: f32 = 16_777_216.0;
+
+/// Whether this texel and the next are texels of the texture, so that no wrap mode moves them.
+#[inline(always)]
+fn is_inside(whole: f32, size: usize) -> bool {
+    (whole >= 0.0) & (whole + 1.0 < size as f32)
+}
 
 /// `whole` modulo `period`, both integers below 2^24.
 #[inline(always)]

@@ -87,8 +87,7 @@ pub fn section(options: &RunOptions) -> Section {
     Section {
         text: format!(
             "Plane sweep over 9 x 9 views of {} x {} px in 8 bits, {samples} samples per pixel, direct light. Errors \
-             are against the exact disparity of the central view without a border of 15 px. With default sampling, \
-             blocks of 4 x 4 views share their pixel sample positions.",
+             are against the exact disparity of the central view without a border of 15 px.",
             lenses.columns, lenses.rows
         ),
         highlights,

@@ -38,6 +38,7 @@ pub(crate) struct Filter {
 impl Filter {
     /// The filter of the footprint with these sides in texture coordinates, on a texture of `width` x `height` texels;
     /// `None` if the footprint is not wider than the interpolation of adjacent texels, or not finite.
+    #[inline(always)]
     pub fn new([a, b]: [[f32; 2]; 2], [width, height]: [usize; 2]) -> Option<Self> {
         let (width, height) = (width as f32, height as f32);
         // Twelve times the covariance, in texels: its eigenvalues are the squared sides of the rectangle.
@@ -91,10 +92,10 @@ impl Pyramid {
     }
 
     /// The mean of `texture`, whose pyramid this is, over a footprint around `center`, linear RGB.
+    #[inline(always)]
     pub fn sample(&self, texture: &Texture, table: &[f32; 256], center: [f32; 2], filter: &Filter) -> [f32; 3] {
         // Two levels, mixed such that the squared widths of their texels have the mean that is wanted.
-        let exact = (filter.squared_width.log2() * 0.5) as usize;
-        let finer = exact.min(self.levels.len());
+        let finer = half_log2(filter.squared_width).min(self.levels.len());
         let fraction = (filter.squared_width / (1u64 << (2 * finer.min(31))) as f32 - 1.0) / 3.0;
         let fraction = if finer == self.levels.len() { 0.0 } else { fraction.clamp(0.0, 1.0) };
         let mut sum = [0.0; 3];
@@ -127,6 +128,12 @@ impl Pyramid {
         let (corners, fraction) = neighbors(texels, [*width, *height], wrap, holo_scene::Filter::Linear, place);
         bilinear(&corners, fraction)
     }
+}
+
+/// Half the binary logarithm of a number of at least 1, rounded down: from the bits of its exponent.
+#[inline(always)]
+fn half_log2(x: f32) -> usize {
+    (((x.to_bits() >> 23) - 127) / 2) as usize
 }
 
 /// An image of half the size, rounded down, with the same mean.
