@@ -7,6 +7,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+use holo_bench::error::{relative_squared_error, rgb, squared_difference};
 use holo_core::{GridSize, LightFieldShape};
 use holo_io::Limits;
 use holo_render::{Backend, Baseline, Denoise, Framing, Integrator, Renderer, Request, Reuse};
@@ -22,13 +23,6 @@ use crate::{RunOptions, Section};
 const APERTURE_M: f64 = 0.02;
 const FOCUS_M: f64 = 0.8;
 const SKY: [f32; 3] = [0.2, 0.24, 0.32];
-
-/// Added to the square of the reference in the relative squared error.
-const EPSILON: f64 = 1e-2;
-
-/// The fraction of the largest squared errors that the trimmed mean excludes, because a few fireflies dominate the
-/// mean.
-const FIREFLIES: f64 = 0.01;
 
 /// Time, memory and images of one program for one number of samples.
 struct Measurement {
@@ -57,7 +51,8 @@ pub fn section(options: &RunOptions) -> Section {
     ]);
     let samples: &[u32] = if options.quick { &[1, 4] } else { &[1, 4, 16, 64] };
     // More for the others: to reach the error of the reconstruction.
-    let samples_of_peers: &[u32] = if options.quick { samples } else { &[1, 4, 16, 64, 256] };
+    let [samples_of_peers, of_single_views]: [&[u32]; 2] =
+        if options.quick { [samples, &[]] } else { [&[1, 4, 16, 64, 256], &[1024, 4096]] };
     let side = if options.quick { 5 } else { 11 };
     let mut plots = Vec::new();
     let mut missing = Vec::new();
@@ -68,14 +63,14 @@ pub fn section(options: &RunOptions) -> Section {
         let reference = reference.expect("the reference of tests/radiance").values;
         let mut lines = Vec::new();
         let engine = options.engines[0];
-        for light in [Light::Shared, Light::Own, Light::Denoised] {
+        for light in [Light::Own, Light::Shared, Light::Denoised] {
             lines.extend(measure_own(options, engine, light, integrator, side, samples));
         }
         if !options.quick {
             lines.extend(measure_own(options, engine, Light::Shared, integrator, 101, &samples[..2]));
             lines.extend(measure_own(options, engine, Light::Denoised, integrator, 101, &samples[..2]));
         }
-        let (theirs, failures) = measure_peers(options, integrator, side, samples_of_peers);
+        let (theirs, failures) = measure_peers(options, integrator, side, [samples_of_peers, of_single_views]);
         lines.extend(theirs);
         missing.extend(failures);
         plots.push((plot_name, add_rows(integrator, &lines, &reference, &mut table, &mut highlights)));
@@ -89,9 +84,13 @@ pub fn section(options: &RunOptions) -> Section {
              of 99 x 66 px over an aperture of 20 mm, focus distance 0.8 m, paths of up to 8 bounces without Russian \
              roulette, all threads. `holo` and Mitsuba 3 (`llvm_ad_rgb`, one `batch`, kernels compiled before) render \
              {side} x {side} views at once; Blender's Cycles renders one view at a time with the scene kept in memory. \
-             `holo` shares light between views unless it says *reuse off*; *denoise views* is its reconstruction across \
-             views, and *OIDN* OpenImageDenoise in Cycles with albedo, normals and accurate prefilter. \
-             Errors are those of the central view against a reference of thousands of samples, averaged over seeds. \
+             Ratios are to `holo` with *reuse off*, where every pixel has samples of its own alone, as in the others; \
+             *reuse views* is the default, *denoise views* the reconstruction across views, and *OIDN* \
+             OpenImageDenoise in Cycles with albedo, normals and accurate prefilter. \
+             `holo` scatters light once between microfacets (`--no-multiple-scattering`), as Mitsuba does. \
+             With more than 256 samples the others render a single view. \
+             Errors are those of the central view against a reference of thousands of samples, averaged over seeds: \
+             the mean of (x - r)^2 / (r^2 + 0.01 mean(r^2)), which contains the noise of the reference, some 5e-6. \
              The reference was rendered by Mitsuba; Cycles models the coat differently, with a difference of up to 3 % \
              on one small ball. Time x error excludes the 1 % of pixels with the largest errors, because a few \
              fireflies dominate the plain mean. Memory is the peak of the whole process.{missing}"
@@ -138,8 +137,10 @@ fn add_rows(
             ratio(&|own| cost.ratio(own.2)),
             line.peak_bytes.map_or("?".into(), |bytes| short(bytes as f64 / 1e6)),
         ]);
-        let other = !line.program.starts_with("holo") && !line.program.ends_with("independent");
-        if line.samples == most && other {
+        let is_first = line.program == lines[0].program;
+        // The reconstruction is shown below, at few samples.
+        let is_shown = !["independent", "denoise views"].iter().any(|end| line.program.ends_with(end));
+        if line.samples == most && !is_first && is_shown {
             let error = short(trimmed);
             highlights.push([
                 format!("{}: {}, {most} samples per pixel", line.program, integrator_label(integrator)),
@@ -159,6 +160,7 @@ fn add_rows(
             }
         }
     }
+    highlights.extend(for_the_error_of_the_reconstruction(integrator, &series));
     let mut plot = Plot::new(
         &format!("{label}: time against noise, other renderers"),
         "seconds per view of 99 x 66 px",
@@ -166,6 +168,37 @@ fn add_rows(
     );
     series.into_iter().for_each(|series| plot.add(series));
     plot.svg()
+}
+
+/// How long the other programs take for the error that the reconstruction reaches with its most samples.
+fn for_the_error_of_the_reconstruction(integrator: Integrator, series: &[Series]) -> Vec<[String; 3]> {
+    let Some(own) = series.iter().rfind(|series| series.name.ends_with("denoise views")) else { return Vec::new() };
+    let Some(&(seconds, error)) = own.points.last() else { return Vec::new() };
+    let others = series.iter().filter(|other| ["multijitter", "OIDN"].iter().any(|end| other.name.ends_with(end)));
+    let row = |other: &Series| {
+        let (more, needed) = seconds_for(error, &other.points)?;
+        Some([
+            format!("{}: {}, for the error of {}", other.name, integrator_label(integrator), own.name),
+            format!("{more}{} times as long", short(needed / seconds)),
+            format!("relative MSE {} (worst 1 % excluded)", short(error)),
+        ])
+    };
+    others.filter_map(row).collect()
+}
+
+/// The seconds in which a program reaches an error, interpolated between its measurements on logarithmic scales; after
+/// `> ` those of its most samples where these do not suffice.
+fn seconds_for(error: f64, points: &[(f64, f64)]) -> Option<(&'static str, f64)> {
+    let after = points.iter().position(|point| point.1 <= error);
+    match after {
+        None => Some(("> ", points.last()?.0)),
+        Some(0) => Some(("", points[0].0)),
+        Some(k) => {
+            let ((t0, e0), (t1, e1)) = (points[k - 1], points[k]);
+            let part = (error / e0).ln() / (e1 / e0).ln();
+            Some(("", t0 * (t1 / t0).powf(part)))
+        }
+    }
 }
 
 /// What the views of this renderer have in common.
@@ -183,7 +216,7 @@ impl Light {
     fn label(self) -> &'static str {
         match self {
             Self::Own => ", reuse off",
-            Self::Shared => "",
+            Self::Shared => ", reuse views",
             Self::Denoised => ", denoise views",
         }
     }
@@ -219,7 +252,8 @@ fn measure_own(
         .iter()
         .map(|&samples| {
             let request = Request::new(rig).integrator(integrator).samples(samples).sky(SKY).roulette(false);
-            let request = request.reuse(reuse).denoise(denoise);
+            // As in Mitsuba, which the reference is from.
+            let request = request.multiple_scattering(false).reuse(reuse).denoise(denoise);
             let mut images = Vec::new();
             let (seconds, ()) = timed(rounds, || {
                 let request = request.clone().seed(images.len() as u64);
@@ -232,34 +266,36 @@ fn measure_own(
         .collect()
 }
 
-/// Measures Mitsuba with two samplers, and Blender; also returns a message for each that could not be run.
+/// Measures Mitsuba with two samplers, and Blender; also returns a message for each that could not be run. With many
+/// samples a single view is enough to be measured.
 fn measure_peers(
     options: &RunOptions,
     integrator: Integrator,
     side: usize,
-    samples: &[u32],
+    [samples, of_single_views]: [&[u32]; 2],
 ) -> (Vec<Measurement>, Vec<String>) {
     let bounces = if integrator == Integrator::Direct { 1 } else { 8 };
     let rounds = options.rounds.min(3).to_string();
-    let (side, depth, cycles) = (side.to_string(), (bounces + 1).to_string(), (bounces - 1).to_string());
+    let (depth, cycles) = ((bounces + 1).to_string(), (bounces - 1).to_string());
     let mut lines = Vec::new();
     let mut failures = Vec::new();
-    for sampler in ["multijitter", "independent"] {
-        let arguments =
-            ["--side", side.as_str(), "--depth", &depth, "--rounds", &rounds, "--sampler", sampler].map(str::to_owned);
+    let mut collect = |found: Result<Vec<Measurement>, String>| match found {
+        Ok(found) => lines.extend(found),
+        Err(why) => failures.push(why),
+    };
+    for (sampler, side, samples) in
+        [("multijitter", side, samples), ("multijitter", 1, of_single_views), ("independent", side, samples)]
+    {
+        let views = side.to_string();
+        let arguments = ["--side", &views, "--depth", &depth, "--rounds", &rounds, "--sampler", sampler];
         // A round renders all views.
-        let views = side.parse::<f64>().map_or(1.0, |side| side * side);
-        match run("mitsuba", "mitsuba_grid.py", &arguments, samples, &format!("Mitsuba 3, {sampler}"), views) {
-            Ok(found) => lines.extend(found),
-            Err(why) => failures.push(why),
-        }
+        let views = (side * side) as f64;
+        collect(run("mitsuba", "mitsuba_grid.py", &arguments, samples, &format!("Mitsuba 3, {sampler}"), views));
     }
-    for (denoise, program) in [("off", "Blender, Cycles"), ("oidn", "Blender, Cycles + OIDN")] {
-        let arguments = ["--bounces", cycles.as_str(), "--seeds", &rounds, "--denoise", denoise].map(str::to_owned);
-        match run("blender", "blender_loop.py", &arguments, samples, program, 1.0) {
-            Ok(found) => lines.extend(found),
-            Err(why) => failures.push(why),
-        }
+    for (denoise, side, samples) in [("off", "3", samples), ("oidn", "3", samples), ("oidn", "1", of_single_views)] {
+        let arguments = ["--bounces", &cycles, "--seeds", &rounds, "--denoise", denoise, "--side", side];
+        let program = if denoise == "off" { "Blender, Cycles" } else { "Blender, Cycles + OIDN" };
+        collect(run("blender", "blender_loop.py", &arguments, samples, program, 1.0));
     }
     (lines, failures)
 }
@@ -267,11 +303,14 @@ fn measure_peers(
 fn run(
     peer: &str,
     script: &str,
-    arguments: &[String],
+    arguments: &[&str],
     samples: &[u32],
     program: &str,
     views: f64,
 ) -> Result<Vec<Measurement>, String> {
+    if samples.is_empty() {
+        return Ok(Vec::new());
+    }
     let peers = std::env::var_os("HOLO_PEERS").ok_or("the peers are not installed (cargo xtask report --peers)")?;
     let home = Path::new(&peers).join(peer);
     // Contains the path of the Python that the peer was installed for; written last during installation.
@@ -320,20 +359,19 @@ fn parse(line: &str, program: &str, views: f64) -> Option<Measurement> {
     })
 }
 
-/// RMSE, relative MSE, and relative MSE without the worst pixels ([`FIREFLIES`]), over all images.
+/// RMSE, relative MSE, and relative MSE without the worst pixels, means over the images.
 fn errors(images: &[Array3<f32>], reference: &Array3<f32>) -> [f64; 3] {
-    let mut squares = 0.0;
-    let mut relative = Vec::new();
-    for image in images {
-        for (&x, &r) in image.iter().zip(reference) {
-            let (x, r) = (f64::from(x), f64::from(r));
-            squares += (x - r).powi(2);
-            relative.push((x - r).powi(2) / (r * r + EPSILON));
-        }
+    let reference = pixels(reference);
+    let mut means = [0.0; 3];
+    for image in images.iter().map(pixels) {
+        let [trimmed, relative] = relative_squared_error(&image, &reference);
+        let errors = [squared_difference(&image, &reference), relative, trimmed];
+        means.iter_mut().zip(errors).for_each(|(mean, error)| *mean += error / images.len() as f64);
     }
-    let count = relative.len() as f64;
-    relative.sort_by(f64::total_cmp);
-    let kept = &relative[..(count * (1.0 - FIREFLIES)) as usize];
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    [(squares / count).sqrt(), mean(&relative), mean(kept)]
+    means[0] = means[0].sqrt();
+    means
+}
+
+fn pixels(image: &Array3<f32>) -> Vec<[f32; 3]> {
+    image.rows().into_iter().flat_map(|row| rgb(row.iter())).collect()
 }
