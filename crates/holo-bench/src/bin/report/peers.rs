@@ -155,8 +155,9 @@ fn add_rows(
         match series.iter_mut().find(|series| series.name == line.program) {
             Some(series) => series.points.push(point),
             None => {
-                let (color, points) = (series.len(), vec![point]);
-                series.push(Series { name: line.program.clone(), color, dashes: 0, points });
+                let dashes = usize::from(!line.program.starts_with("holo"));
+                let color = series.iter().filter(|series| series.dashes == dashes).count();
+                series.push(Series { name: line.program.clone(), color, dashes, points: vec![point] });
             }
         }
     }
