@@ -58,7 +58,7 @@ fn options() -> Options {
         }
     }
     if options.scenes.is_empty() {
-        options.scenes = gallery::NAMES.map(String::from).into();
+        options.scenes = gallery::NAMES.iter().map(|&name| name.to_owned()).collect();
         options.scenes.push(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/radiance/metal_and_glass.glb").into());
     }
     options

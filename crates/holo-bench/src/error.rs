@@ -103,7 +103,8 @@ mod tests {
     #[test]
     fn noise_of_the_references_has_the_expectation_zero() {
         // Each reference is off at every pixel, in ways that do not correlate; the image is right.
-        let noisy = |phase: usize| (0..400).map(|k| [if (k / phase) % 2 == 0 { 1.1 } else { 0.9 }; 3]).collect();
+        let noisy =
+            |phase: usize| (0..400_usize).map(|k| [if (k / phase).is_multiple_of(2) { 1.1 } else { 0.9 }; 3]).collect();
         let references: [Images; 2] = [vec![noisy(1)], vec![noisy(2)]];
         let right = vec![[1.0_f32; 3]; 400];
         let of_both = squared_error(&right, &references, 0);
