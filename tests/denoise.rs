@@ -35,7 +35,7 @@ fn errors(renderer: &Renderer, request: &Request, images: &[&Rendered]) -> Vec<[
     let many = request
         .clone()
         .texture_filter(TextureFilter::Off)
-        .samples(512)
+        .samples(4096)
         .seed(99)
         .denoise(Denoise::Off)
         .views(Views::List(list));

@@ -89,28 +89,8 @@ def surround(scene, environment):
         background.inputs[0].default_value = (0.2, 0.24, 0.32, 1)
 
 
-def prepare(path, environment, bounces):
-    """The scene, ready to be rendered as glTF has it, and the names of its objects in the order of their indices."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.import_scene.gltf(filepath=os.path.abspath(path), import_shading="NORMALS", export_import_convert_lighting_mode="COMPAT")
-    document = Glb(path).document
-    entries = {m["name"]: m for m in document["materials"]}
-    for material in bpy.data.materials:
-        if material.name in entries:
-            repair(material, entries[material.name])
-    for light in bpy.data.lights:
-        light.use_shadow_jitter = False
-        if light.type == "SUN":
-            light.angle = 0.0
-        else:
-            light.shadow_soft_size = 0.0
-    names = [n["name"] for n in document["nodes"] if "mesh" in n]
-    for item in bpy.data.objects:
-        if item.name in names:
-            item.pass_index = names.index(item.name) + 1
-    scene = bpy.context.scene
-    scene.camera = next(o for o in bpy.data.objects if o.type == "CAMERA")
-    surround(scene, environment)
+def configure(scene, bounces, width, height):
+    """Paths without clamping, box filter, EXR of 32 bits."""
     scene.render.engine, scene.cycles.device = "CYCLES", "CPU"
     cycles = scene.cycles
     cycles.use_denoising = cycles.use_adaptive_sampling = False
@@ -120,12 +100,42 @@ def prepare(path, environment, bounces):
     cycles.caustics_reflective = cycles.caustics_refractive = True
     cycles.pixel_filter_type, cycles.light_sampling_threshold = "BOX", 0.0
     scene.render.filter_size = 1.0
-    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = WIDTH, HEIGHT, 100
-    layer = scene.view_layers[0]
-    layer.use_pass_object_index = True
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = width, height, 100
     scene.render.image_settings.media_type = "MULTI_LAYER_IMAGE"
     scene.render.image_settings.file_format = "OPEN_EXR_MULTILAYER"
     scene.render.image_settings.color_depth = "32"
+
+
+def sharpen(lights):
+    """Punctual lights without extent, as glTF has them."""
+    for light in lights:
+        light.use_shadow_jitter = False
+        if light.type == "SUN":
+            light.angle = 0.0
+        else:
+            light.shadow_soft_size = 0.0
+
+
+def prepare(path, environment, bounces):
+    """The scene, ready to be rendered as glTF has it, and the names of its objects in the order of their indices."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.import_scene.gltf(filepath=os.path.abspath(path), import_shading="NORMALS", export_import_convert_lighting_mode="COMPAT")
+    document = Glb(path).document
+    entries = {m["name"]: m for m in document["materials"]}
+    for material in bpy.data.materials:
+        if material.name in entries:
+            repair(material, entries[material.name])
+    sharpen(bpy.data.lights)
+    names = [n["name"] for n in document["nodes"] if "mesh" in n]
+    for item in bpy.data.objects:
+        if item.name in names:
+            item.pass_index = names.index(item.name) + 1
+    scene = bpy.context.scene
+    scene.camera = next(o for o in bpy.data.objects if o.type == "CAMERA")
+    surround(scene, environment)
+    configure(scene, bounces, WIDTH, HEIGHT)
+    layer = scene.view_layers[0]
+    layer.use_pass_object_index = True
     return scene, names
 
 

@@ -11,22 +11,18 @@ import os
 import time
 
 import bpy
-from mathutils import Vector
 
 import peer
 
 import cycles_check as cycles  # (peer extends the import path)
+from blender_camera import denoise, place, second_camera
 from files import write_pfm
 
 FOCUS_M, BASELINE_M = 0.8, 0.002
 
 
-def place(camera, base, column, row, side):
-    """Places an off-axis camera: translated parallel to the sensor, with the lens shift that aligns the focus plane."""
-    dx, dy = (column - (side - 1) / 2) * BASELINE_M, ((side - 1) / 2 - row) * BASELINE_M
-    camera.location = base.matrix_world.translation + base.matrix_world.to_3x3() @ Vector((dx, dy, 0))
-    shift = base.data.lens / base.data.sensor_width / FOCUS_M
-    camera.data.shift_x, camera.data.shift_y = -dx * shift, -dy * shift
+def place_on_grid(camera, base, column, row, side):
+    place(camera, base, (column - (side - 1) / 2) * BASELINE_M, ((side - 1) / 2 - row) * BASELINE_M, FOCUS_M)
 
 
 def main():
@@ -37,21 +33,14 @@ def main():
     a = parser.parse_args()
     scene, _ = cycles.prepare(a.scene, None, a.bounces)
     scene.render.use_persistent_data = True
-    if a.denoise == "oidn":
-        scene.cycles.use_denoising, scene.cycles.denoiser = True, "OPENIMAGEDENOISE"
-        scene.cycles.denoising_input_passes, scene.cycles.denoising_prefilter = "RGB_ALBEDO_NORMAL", "ACCURATE"
-        scene.cycles.denoising_quality = "HIGH"
-    base = scene.camera
-    camera = base.copy()
-    camera.data = base.data.copy()
-    scene.collection.objects.link(camera)
-    scene.camera = camera
+    denoise(scene, a.denoise)
+    base, camera = scene.camera, second_camera(scene)
     for samples in a.samples:
         scene.cycles.samples = samples
         seconds, images = [], []
         # The first render fills the caches and is not counted.
         for k in [0, *range(a.side**2)]:
-            place(camera, base, k % a.side, k // a.side, a.side)
+            place_on_grid(camera, base, k % a.side, k // a.side, a.side)
             path = os.path.join(a.out, f"blender_{a.denoise}_{a.bounces}_{samples}_{k}.exr")
             scene.render.filepath = path
             start = time.time()
@@ -59,7 +48,7 @@ def main():
             seconds.append(time.time() - start)
             os.remove(path)
         for seed in range(a.seeds):
-            place(camera, base, a.side // 2, a.side // 2, a.side)
+            place_on_grid(camera, base, a.side // 2, a.side // 2, a.side)
             scene.cycles.seed = 1 + seed
             path = os.path.join(a.out, f"blender_{a.denoise}_{a.bounces}_{samples}_{seed}")
             write_pfm(path + ".pfm", cycles.render_once(scene, path + ".exr")["Combined"][..., :3])

@@ -12,12 +12,13 @@ import sys
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "..", "tests", "radiance"))
 
 
-def parser(description, side, views):
-    """The common arguments; `side` is the default number of views per axis, `views` their description."""
+def parser(description, side=None, views=""):
+    """The common arguments; `side` is the default number of views per axis (None: they are no grid), `views` their description."""
     arguments = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("scene")
     arguments.add_argument("--out", required=True, help="a folder for the images")
-    arguments.add_argument("--side", type=int, default=side, help=f"views per axis, {views}; odd")
+    if side is not None:
+        arguments.add_argument("--side", type=int, default=side, help=f"views per axis, {views}; odd")
     arguments.add_argument("--samples", type=lambda text: [int(n) for n in text.split(",")], default=[1, 4, 16])
     return arguments
 

@@ -29,15 +29,17 @@ pub fn squared_error(image: &[[f32; 3]], references: &[Images; 2], view: usize) 
 /// has the expectation 0 in it too.
 #[must_use]
 pub fn squared_bias(images: [&[[f32; 3]]; 2], references: &[Images; 2], view: usize) -> f64 {
-    mean_without_worst(&errors_of_pixels(images, [&references[0][view], &references[1][view]]))
+    let [errors, noise] = errors_and_noise(images, [&references[0][view], &references[1][view]]);
+    mean_without_worst(errors) - mean_without_worst(noise)
 }
 
 /// The relative squared error against one reference r, the mean of (x - r)^2 / (r^2 + 0.01 mean(r^2)) over pixels and
 /// channels: without the worst pixel of a hundred, and over all.
 #[must_use]
 pub fn relative_squared_error(image: &[[f32; 3]], reference: &[[f32; 3]]) -> [f64; 2] {
-    let errors = errors_of_pixels([image; 2], [reference; 2]);
-    [mean_without_worst(&errors), errors.iter().sum::<f64>() / errors.len() as f64]
+    let [errors, _] = errors_and_noise([image; 2], [reference; 2]);
+    let all = errors.iter().sum::<f64>() / errors.len() as f64;
+    [mean_without_worst(errors), all]
 }
 
 /// The mean squared difference of two images.
@@ -47,31 +49,34 @@ pub fn squared_difference(image: &[[f32; 3]], reference: &[[f32; 3]]) -> f64 {
     squares.sum::<f64>() / (3 * image.len()) as f64
 }
 
-/// The error of every pixel, as [`squared_bias`]; those last that are farthest from the mean of the references.
-fn errors_of_pixels(images: [&[[f32; 3]]; 2], [a, b]: [&[[f32; 3]]; 2]) -> Vec<f64> {
-    let mean = |k: usize, c: usize| f64::from(a[k][c] + b[k][c]) / 2.0;
-    let bright = (0..a.len()).flat_map(|k| (0..3).map(move |c| (k, c))).map(|(k, c)| mean(k, c).powi(2)).sum::<f64>();
-    let floor = 0.01 * bright / (3 * a.len()) as f64;
-    // The pixel's error, and the same against the mean of the references, by which the worst are found.
-    let mut errors: Vec<[f64; 2]> = (0..a.len())
-        .map(|k| {
-            let mut error = [0.0; 2];
-            for c in 0..3 {
-                let ([x, y], m) = (images.map(|image| f64::from(image[k][c])), mean(k, c));
-                let scale = 1.0 / (m * m + floor) / 3.0;
-                error[0] += (x - f64::from(a[k][c])) * (y - f64::from(b[k][c])) * scale;
-                error[1] += ((x + y) / 2.0 - m).powi(2) * scale;
-            }
-            error
-        })
-        .collect();
-    errors.sort_by(|x, y| x[1].total_cmp(&y[1]));
-    errors.into_iter().map(|error| error[0]).collect()
+/// For every pixel the error of the mean of the images against that of the references, and the part of it that is their
+/// noise: (x - a)(y - b) is the difference of ((x + y) - (a + b))^2 / 4 and ((x - y) - (a - b))^2 / 4.
+///
+/// The worst pixels are left out of either for itself. Leaving out those where the first is largest would leave out noise
+/// of the references that agrees by chance, and keep that which disagrees: errors well below it would become negative.
+fn errors_and_noise(images: [&[[f32; 3]]; 2], references: [&[[f32; 3]]; 2]) -> [Vec<f64>; 2] {
+    let [a, b] = references;
+    let floor = 0.01
+        * a.as_flattened().iter().zip(b.as_flattened()).map(|(a, b)| f64::from((a + b) / 2.0).powi(2)).sum::<f64>()
+        / (3 * a.len()) as f64;
+    let mut found = [Vec::with_capacity(a.len()), Vec::with_capacity(a.len())];
+    for k in 0..a.len() {
+        let mut sums = [0.0; 2];
+        for c in 0..3 {
+            let ([x, y], [a, b]) = (images.map(|image| f64::from(image[k][c])), references.map(|r| f64::from(r[k][c])));
+            let scale = 1.0 / (((a + b) / 2.0).powi(2) + floor) / 3.0;
+            sums[0] += (((x + y) - (a + b)) / 2.0).powi(2) * scale;
+            sums[1] += (((x - y) - (a - b)) / 2.0).powi(2) * scale;
+        }
+        found.iter_mut().zip(sums).for_each(|(values, sum)| values.push(sum));
+    }
+    found
 }
 
-/// The mean without the last of a hundred.
-fn mean_without_worst(errors: &[f64]) -> f64 {
-    let kept = &errors[..errors.len() * 99 / 100];
+/// The mean without the largest of a hundred.
+fn mean_without_worst(values: Vec<f64>) -> f64 {
+    let values = sorted(&values);
+    let kept = &values[..values.len() * 99 / 100];
     kept.iter().sum::<f64>() / kept.len() as f64
 }
 
@@ -110,5 +115,22 @@ mod tests {
         let of_both = squared_error(&right, &references, 0);
         let [of_one, _] = relative_squared_error(&right, &references[0][0]);
         assert!(of_both.abs() < 2e-4 && of_one > 9e-3, "{of_both} {of_one}");
+    }
+
+    /// Errors far below the noise of the references are found, also where that noise has few and large values.
+    #[test]
+    fn small_errors_are_found_below_noise_that_is_larger() {
+        // The noise of a pixel is the cube of a sum of two uniform numbers: its largest hundredth has a fifth of the squares.
+        let mut state = 1_u64;
+        let mut uniform = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / 16_777_216.0 - 0.5
+        };
+        let mut noisy = || (0..40_000).map(|_| [1.0 + 0.2 * (uniform() + uniform()).powi(3); 3]).collect();
+        let references: [Images; 2] = [vec![noisy()], vec![noisy()]];
+        let off = |by: f32| vec![[1.0 + by; 3]; 40_000];
+        let [noise, _] = relative_squared_error(&off(0.0), &references[0][0]);
+        let [none, some] = [0.0, 0.01].map(|by| squared_error(&off(by), &references, 0));
+        assert!(noise > 1e-3 && none.abs() < 4e-5 && (some - 1e-4).abs() < 4e-5, "{noise} {none} {some}");
     }
 }

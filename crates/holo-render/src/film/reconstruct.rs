@@ -4,7 +4,7 @@
 //! are k disparities apart, in pixels; at 100 x 100 views of an 8K sensor that is a hundredth of a pixel for adjacent
 //! views. So every pixel becomes a mean over a window of views: of the same microlens where nothing moves by more than
 //! 0.15 px within the radius of the window, else of the microlenses along the disparity of the pixel ([`gather`]).
-//! Among nested windows up to 21 x 21 views, [`choice`] takes the largest one that no smaller one contradicts, per
+//! Among nested windows up to 41 x 41 views, [`choice`] takes the largest one that no smaller one contradicts, per
 //! microlens and block of views. With more samples, differences that noise used to hide count, and windows shrink.
 //! Views at the border have windows that lie to one side of them.
 //!
@@ -37,8 +37,10 @@ use crate::simd;
 /// The largest movement, px, of anything within the window of one microlens.
 const MAX_MOVEMENT_PX: f32 = 0.15;
 
-/// The largest radius of a window, in views.
-const LARGEST_RADIUS: usize = 10;
+/// The largest radius of a window of one microlens, in views. At 100 x 100 views of the 8K sensor most scenes move slowly
+/// enough for it; with twice the radius the error falls where the center sees diffuse surfaces, and grows in the corners,
+/// whose windows lie to one side.
+const LARGEST_RADIUS: usize = 20;
 
 /// The smallest radius, in views, within which nothing may move by more than that; where anything does, windows follow the
 /// disparity to other microlenses.

@@ -6,6 +6,7 @@
 //! Mitsuba's images in `tests/radiance`.
 #![forbid(unsafe_code)]
 
+mod cycles;
 mod files;
 mod ground_truth;
 mod light;
@@ -14,6 +15,7 @@ mod peers;
 mod plot;
 mod scaling;
 mod scenes;
+mod scripts;
 mod sensor;
 mod sharing;
 mod stereo;
@@ -50,13 +52,14 @@ pub struct Section {
 /// Measures a section.
 type SectionFn = fn(&RunOptions) -> Section;
 
-/// The section that needs other programs.
-const PEERS: &str = "Beside other renderers";
+/// The sections that need other programs.
+const PEERS: [&str; 2] = ["Beside other renderers", "Beside Cycles, scene by scene"];
 
 /// The sections, in the order of the report.
-const SECTIONS: [(&str, SectionFn); 9] = [
-    (PEERS, peers::section),
+const SECTIONS: [(&str, SectionFn); 10] = [
+    (PEERS[0], peers::section),
     ("Light shared between views", sharing::section),
+    (PEERS[1], cycles::section),
     ("Light", light::section),
     ("Ground truth", ground_truth::section),
     ("Scaling", scaling::section),
@@ -98,7 +101,7 @@ fn main() {
     let start = Instant::now();
     let options = RunOptions { quick, rounds: if quick { 3 } else { 5 }, engines: scenes::engines() };
     let wanted = SECTIONS.iter().filter(|(title, _)| title.to_lowercase().contains(&only.to_lowercase()));
-    let wanted = wanted.filter(|(title, _)| with_peers || *title != PEERS);
+    let wanted = wanted.filter(|(title, _)| with_peers || !PEERS.contains(title));
     let mut page = page::Page::open(&out, !only.is_empty());
     let mut measured = 0;
     for (title, make) in wanted {
@@ -113,7 +116,7 @@ fn main() {
     }
     if measured == 0 {
         let titles = SECTIONS.map(|(title, _)| title).join(", ");
-        eprintln!("report: no section has '{only}' in its title; they are {titles} ('{PEERS}' needs --peers)");
+        eprintln!("report: no section has '{only}' in its title; they are {titles} (those beside others need --peers)");
         std::process::exit(2);
     }
     eprintln!("{:5.0} s  wrote {}", start.elapsed().as_secs_f64(), out.join("REPORT.md").display());

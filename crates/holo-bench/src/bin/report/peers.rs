@@ -5,7 +5,6 @@
 //! are those of `tests/radiance`.
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
 use holo_bench::error::{relative_squared_error, rgb, squared_difference};
 use holo_core::{GridSize, LightFieldShape};
@@ -17,7 +16,7 @@ use ndarray::Array3;
 use crate::plot::{Plot, Series};
 use crate::scenes::{backend_name, integrator_label, integrator_name};
 use crate::table::{Seconds, Table, peak_of_process, reset_peak, short, timed};
-use crate::{RunOptions, Section};
+use crate::{RunOptions, Section, scripts};
 
 /// The width of all views together, and the focus distance, of the scripts: 11 views 2 mm apart.
 const APERTURE_M: f64 = 0.02;
@@ -187,9 +186,9 @@ fn for_the_error_of_the_reconstruction(integrator: Integrator, series: &[Series]
     others.filter_map(row).collect()
 }
 
-/// The seconds in which a program reaches an error, interpolated between its measurements on logarithmic scales; after
-/// `> ` those of its most samples where these do not suffice.
-fn seconds_for(error: f64, points: &[(f64, f64)]) -> Option<(&'static str, f64)> {
+/// The seconds in which a program reaches an error, interpolated between its measurements (seconds, error) on logarithmic
+/// scales; after `> ` those of its most samples where these do not suffice.
+pub fn seconds_for(error: f64, points: &[(f64, f64)]) -> Option<(&'static str, f64)> {
     let after = points.iter().position(|point| point.1 <= error);
     match after {
         None => Some(("> ", points.last()?.0)),
@@ -312,37 +311,13 @@ fn run(
     if samples.is_empty() {
         return Ok(Vec::new());
     }
-    let peers = std::env::var_os("HOLO_PEERS").ok_or("the peers are not installed (cargo xtask report --peers)")?;
-    let home = Path::new(&peers).join(peer);
-    // Contains the path of the Python that the peer was installed for; written last during installation.
-    let python = std::fs::read_to_string(home.with_extension("python"))
-        .map_err(|_| format!("{program}: could not be installed"))?;
-    let out = std::env::temp_dir().join(format!("holo-peers-{}", std::process::id()));
-    std::fs::create_dir_all(&out).map_err(|why| format!("{}: {why}", out.display()))?;
     let samples: Vec<String> = samples.iter().map(u32::to_string).collect();
-    let output = Command::new(python.trim())
-        .arg(Path::new(env!("CARGO_MANIFEST_DIR")).join("peers").join(script))
-        .arg(folder().join("metal_and_glass.glb"))
-        .arg("--out")
-        .arg(&out)
-        .args(["--samples", &samples.join(",")])
-        .args(arguments)
-        .env("PYTHONPATH", &home)
-        .stderr(Stdio::piped())
-        .output();
-    // The images are read before their folder is removed.
-    let lines: Vec<Measurement> = output.iter().flat_map(|output| parse_all(&output.stdout, program, views)).collect();
-    let _ = std::fs::remove_dir_all(&out);
-    let output = output.map_err(|why| format!("{program}: {}: {why}", python.trim()))?;
-    if output.status.success() && lines.len() == samples.len() {
-        return Ok(lines);
-    }
-    let message = String::from_utf8_lossy(&output.stderr);
-    Err(format!("{program}: {}", message.lines().last().unwrap_or("no message")))
-}
-
-fn parse_all(text: &[u8], program: &str, views: f64) -> Vec<Measurement> {
-    String::from_utf8_lossy(text).lines().filter_map(|line| parse(line, program, views)).collect()
+    let (scene, list) = (folder().join("metal_and_glass.glb"), samples.join(","));
+    let arguments = [&["--samples", &list][..], arguments].concat();
+    let lines = scripts::run(peer, script, program, &scene, &arguments, |text| -> Vec<Measurement> {
+        text.lines().filter_map(|line| parse(line, program, views)).collect()
+    })?;
+    if lines.len() == samples.len() { Ok(lines) } else { Err(format!("{program}: {} measurements", lines.len())) }
 }
 
 /// Parses a line of a script (see `peers/peer.py`): samples, seconds, peak memory, images; `None` for other lines.

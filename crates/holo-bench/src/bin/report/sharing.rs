@@ -14,7 +14,7 @@ use crate::{RunOptions, Section};
 const SAMPLES: u32 = 4;
 
 /// Measured at few views too, where neighbors are farther apart.
-const FEW_VIEWS: [&str; 4] = ["glasses", "chess", "garden", "plaster"];
+pub const FEW_VIEWS: [&str; 4] = ["glasses", "chess", "garden", "plaster"];
 
 /// What the views share, in the order of the table.
 const SETTINGS: [(&str, Reuse, Denoise); 3] = [
@@ -36,8 +36,8 @@ pub fn section(options: &RunOptions) -> Section {
     let divisions = match options.quick {
         true => vec![Division { views: 100, rows: 4, reference: 128, scenes: vec!["plaster".into()] }],
         false => vec![
-            Division { views: 100, rows: 8, reference: 512, scenes: all.collect() },
-            Division { views: 20, rows: 24, reference: 256, scenes: FEW_VIEWS.map(String::from).into() },
+            Division { views: 100, rows: 8, reference: 4096, scenes: all.collect() },
+            Division { views: 20, rows: 24, reference: 1024, scenes: FEW_VIEWS.map(String::from).into() },
         ],
     };
     let mut table = Table::new(&[
@@ -99,7 +99,7 @@ fn listed(divisions: &[Division], text: impl Fn(&Division) -> String) -> String 
     divisions.iter().map(text).collect::<Vec<_>>().join(", ")
 }
 
-fn geometric_mean(values: &[f64]) -> f64 {
+pub fn geometric_mean(values: &[f64]) -> f64 {
     (values.iter().map(|value| value.ln()).sum::<f64>() / values.len() as f64).exp()
 }
 
@@ -147,6 +147,6 @@ fn measure(name: &str, division: &Division, table: &mut Table) -> [[f64; 2]; 3] 
 }
 
 /// A view, pixel by pixel.
-fn image(color: &LightFieldOwned<f32>, row: usize, column: usize) -> Vec<[f32; 3]> {
+pub fn image(color: &LightFieldOwned<f32>, row: usize, column: usize) -> Vec<[f32; 3]> {
     color.view(row, column).expect("a view").rows().into_iter().flat_map(|row| rgb(row.iter())).collect()
 }

@@ -8,7 +8,7 @@
 //! than a quarter of a pixel between the two views.
 
 use super::windows::{LEVELS, VALUES};
-use super::{Field, LARGEST_RADIUS, REACH};
+use super::{Field, REACH};
 
 /// The number of windows.
 pub(super) const GATHER_LEVELS: usize = 5;
@@ -18,13 +18,16 @@ pub(super) const GATHER_LEVELS: usize = 5;
 pub(super) const WINDOWS: [(usize, f32); GATHER_LEVELS] = [(0, 0.0), (2, 0.1), (4, 0.15), (7, 0.15), (usize::MAX, 0.2)];
 
 /// About how many views each window has, at disparities around 0.15 px.
-pub(super) const GATHERED_VIEWS: [f64; LEVELS] = [1.0, 7.0, 18.0, 38.0, 90.0, 90.0, 90.0];
+pub(super) const GATHERED_VIEWS: [f64; LEVELS] = [1.0, 7.0, 18.0, 38.0, 90.0, 90.0, 90.0, 90.0];
 
 /// The largest movement, px, of a sample against the pixel between their views.
 pub(super) const MAX_PARTING_PX: f32 = 0.25;
 
+/// The largest distance of a view in a window, in views along an axis.
+const FARTHEST: usize = 10;
+
 /// The number of views along an axis among which a window is sought.
-const CANDIDATES: usize = 2 * LARGEST_RADIUS + 1;
+const CANDIDATES: usize = 2 * FARTHEST + 1;
 
 /// The means of a pixel over nested windows.
 pub(super) type Means = [[f32; VALUES]; LEVELS];
@@ -53,7 +56,7 @@ impl Lines {
     fn new([view, views]: [usize; 2], [lens, lenses]: [usize; 2], speed: f32, movement: f32, largest: usize) -> Self {
         let mut out = Self { lines: [Line::default(); CANDIDATES], count: 0 };
         let length = CANDIDATES.min(views);
-        let first = view.saturating_sub(LARGEST_RADIUS).min(views - length);
+        let first = view.saturating_sub(FARTHEST).min(views - length);
         for other in first..first + length {
             let apart = other as f32 - view as f32;
             let shift = speed * apart;

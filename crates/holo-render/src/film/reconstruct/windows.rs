@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::simd::Kernel;
 
 /// The largest number of windows of a view, from the view itself (level 0) to the largest.
-pub(super) const LEVELS: usize = 7;
+pub(super) const LEVELS: usize = 8;
 
 /// The values of a pixel that are averaged: red, green, blue, half difference.
 pub(super) const VALUES: usize = 4;
@@ -22,12 +22,14 @@ impl Radii {
     /// The view itself.
     pub const SINGLE: Self = Self { radius: [0; LEVELS], count: 1 };
 
-    /// Radii 0, 1, 2, 4, 7 and 10, up to `largest`, which is at least 4.
+    /// Radii 0, 1, 2, 4, 7 and 12 below `largest`, which is at least 1, and `largest` itself.
     pub fn up_to(largest: usize) -> Self {
-        let ended = if largest > 7 { 6 } else { 4 + usize::from(largest > 4) };
-        let mut radius = [0, 1, 2, 4, largest.min(7), largest, largest];
-        radius[ended] = largest;
-        Self { radius, count: ended + 1 }
+        let between = [0, 1, 2, 4, 7, 12];
+        let below = between.iter().filter(|&&radius| radius < largest).count();
+        let mut radius = [largest; LEVELS];
+        radius[..below].copy_from_slice(&between[..below]);
+        // The last twice: ended at the border, and moved.
+        Self { radius, count: below + 2 }
     }
 
     /// The number of levels.
