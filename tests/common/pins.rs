@@ -1,5 +1,4 @@
-//! A list of pinned digests, one per line: `digest  engine/name`. The digest `unknown` stands for a file that was added where
-//! this engine could not run; `HOLO_PIN` on a machine with it replaces it.
+//! A list of pinned digests, one per line: `digest  engine/name`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -9,8 +8,14 @@ fn engine(name: &str) -> &str {
 }
 
 /// The name of Embree 4.4.0 in the lists: its intersections with AVX-512 and with AVX2 differ in their last bits. `None` for
-/// a processor without either, of which nothing is pinned.
+/// a processor without either, of which nothing is pinned. With `HOLO_EMBREE_ISA=avx2` a processor with AVX-512 makes the
+/// digests of AVX2.
 pub fn embree() -> Option<&'static str> {
+    match std::env::var_os("HOLO_EMBREE_ISA") {
+        Some(isa) if isa == "avx2" => return Some("embree-4.4.0-avx2"),
+        Some(isa) if isa != "avx512" => return None,
+        _ => {}
+    }
     #[cfg(target_arch = "x86_64")]
     if std::is_x86_feature_detected!("avx512f") && std::is_x86_feature_detected!("avx512vl") {
         return Some("embree-4.4.0");
@@ -36,7 +41,7 @@ pub fn check(list: &Path, found: &BTreeMap<String, String>, is_optional: impl Fn
         std::fs::write(list, lines).expect("the list of digests");
         return;
     }
-    let is_pinned = |name: &str, digest: &str| pinned.get(name).is_some_and(|own| [digest, "unknown"].contains(own));
+    let is_pinned = |name: &str, digest: &str| pinned.get(name) == Some(&digest);
     let changed: Vec<_> =
         found.iter().filter(|(name, digest)| !is_pinned(name, digest)).map(|(name, _)| name).collect();
     assert!(changed.is_empty(), "{} of {} are other than pinned: {changed:#?}", changed.len(), found.len());

@@ -1,6 +1,6 @@
 //! Some of the views of a rig. They are written with the numbers that they have in the whole grid, `hci/input_Cam040.png`, and without the others; the
-//! rig in `parameters.cfg` is that of the whole grid. With the same exposure they are, byte for byte, those of a render of
-//! all views without path reuse.
+//! rig in `parameters.cfg` is that of the whole grid. With the same exposure they are those of a render of all views without
+//! path reuse: byte for byte, unless a rounding of the ray tracing backend, which depends on the rays that are traced together, decides a code.
 
 use holo_core::{GridSize, LightFieldOwned, Sample, ViewIndex};
 use holo_io::{ColorEncoding, Compression, ParametersCfg, dataset, hci};

@@ -317,6 +317,14 @@ impl Geometry {
         }
     }
 
+    /// The group of the instance that is hit, of at most `groups`: instances of their own, or runs of neighbors where there
+    /// are more.
+    #[inline(always)]
+    pub fn instance_group(&self, hit: Hit, groups: u32) -> u32 {
+        let (index, count) = (self.instance_index(hit), self.instances.len());
+        if count <= groups as usize { index } else { (u64::from(index) * u64::from(groups) / count as u64) as u32 }
+    }
+
     #[inline(always)]
     pub fn instance(&self, index: u32) -> &InstanceData {
         &self.instances[index as usize]

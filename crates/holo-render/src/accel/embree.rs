@@ -217,6 +217,19 @@ fn candidates() -> Vec<PathBuf> {
     found
 }
 
+/// The configuration of a device with `threads` threads (0: all), and with the instruction set that HOLO_EMBREE_ISA names:
+/// intersections with AVX-512 and with AVX2 differ in their last bits, so that the bytes of another processor need its set.
+fn configuration(threads: usize) -> Result<CString, Error> {
+    let mut text = format!("threads={threads}");
+    if let Some(isa) = std::env::var_os("HOLO_EMBREE_ISA") {
+        let known = ["sse2", "sse4.2", "avx", "avx2", "avx512"].into_iter().find(|&name| isa == name);
+        let unknown =
+            || Error::Embree(format!("HOLO_EMBREE_ISA is {isa:?}; it can be avx512, avx2, avx, sse4.2 or sse2"));
+        text = format!("{text},isa={}", known.ok_or_else(unknown)?);
+    }
+    CString::new(text).map_err(|why| Error::Embree(why.to_string()))
+}
+
 /// The Embree engine: a device and a committed scene, which contains the flattened triangles as one mesh and the
 /// placements of prototype scenes with one mesh each.
 pub(crate) struct Embree {
@@ -256,7 +269,7 @@ impl Embree {
 
     fn with_flags(geometry: &Arc<Geometry>, threads: usize, flags: c_int) -> Result<Self, Error> {
         let api = Api::get()?;
-        let config = CString::new(format!("threads={threads}")).map_err(|e| Error::Embree(e.to_string()))?;
+        let config = configuration(threads)?;
         // SAFETY: `config` is a NUL-terminated string that outlives the call.
         let device = NonNull::new(unsafe { (api.rtcNewDevice)(config.as_ptr()) })
             .ok_or_else(|| Error::Embree("cannot create a device".into()))?;

@@ -81,13 +81,12 @@ pub(super) fn balance(own: f32, other: f32) -> f32 {
     if other > 0.0 { 1.0 / (1.0 + other / own) } else { 1.0 }
 }
 
-/// Valid lanes whose rays miss the scene; `occlusion_only` if the rays were traced for occlusion only.
+/// Valid lanes whose rays miss the scene.
 #[inline(always)]
-pub(super) fn misses(packet: &RayHits, valid: &Lanes<i32>, occlusion_only: bool) -> [bool; LANES] {
+pub(super) fn misses(packet: &RayHits, valid: &Lanes<i32>) -> [bool; LANES] {
     let mut out = [false; LANES];
     for lane in 0..LANES {
-        let hit = if occlusion_only { packet.rays.far[lane] < 0.0 } else { packet.hits.triangle[lane] != NO_TRIANGLE };
-        out[lane] = (valid.0[lane] != 0) & !hit;
+        out[lane] = (valid.0[lane] != 0) & (packet.hits.triangle[lane] == NO_TRIANGLE);
     }
     out
 }

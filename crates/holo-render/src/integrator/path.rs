@@ -16,8 +16,8 @@
 //! switched off.
 //!
 //! **Order.** The paths of a tile advance together, one vertex at a time: first the camera rays in packets of
-//! neighboring views, then all rays that were scattered at the first vertex, sorted by direction ([`super::paths`]),
-//! and so on. Rays after the last bounce are only tested for occlusion, unless surfaces emit.
+//! neighboring views, then all rays that were scattered at the first vertex, traced in the order of their directions and
+//! shaded in the order of the surfaces that they hit ([`super::paths`]), and so on. Rays after the last bounce are only tested for occlusion, unless surfaces emit.
 //!
 //! **Samples.** A single sample goes through the center of the pixel; more are distributed over the pixel (box filter),
 //! see [`crate::Sampling`].
@@ -26,7 +26,7 @@ use std::ops::Range;
 
 use ndarray::ArrayViewMut5;
 
-use super::paths::{PathPacket, Paths};
+use super::paths::{PathPacket, Paths, Query};
 use super::reuse::{self, SharedLight, Step};
 use super::shade::{self, Shading};
 use super::{Context, RayCounts, mis};
@@ -44,9 +44,16 @@ use crate::simd::Kernel;
 use crate::simd::{LANES, at, count};
 use holo_scene::MAX_RADIANCE;
 
-/// The number of neighboring lanes (of 15) on different triangles above which rays are traced as incoherent (tuned for
-/// speed).
+/// The number of neighboring lanes (of 15) on different triangles above which shadow rays are traced as incoherent (tuned
+/// for speed).
 const INCOHERENT_CHANGES: u32 = 11;
+
+/// The same for scattered rays, as a running mean over the packets before (tuned for speed): towards walls and floors
+/// coherent packets take 0.9 of the time, towards foliage incoherent ones do.
+const SCATTERED_CHANGES: f32 = 5.5;
+
+/// The weight of the packet before in that mean.
+const LAST_CHANGES: f32 = 1.0 / 16.0;
 
 /// The number of samples per pixel whose scattered rays are sorted together.
 const SAMPLES_PER_PASS: u32 = 4;
@@ -59,9 +66,6 @@ const SORTED_RAYS: [usize; 2] = [8192, 32_768];
 pub(crate) fn tile_pixels(samples: u32, bounces: u32) -> usize {
     SORTED_RAYS[usize::from(bounces > 1)] / samples.clamp(1, SAMPLES_PER_PASS) as usize
 }
-
-/// The number of rays from which on those of the first bounce are traced as coherent (tuned for speed).
-const COHERENT_RAYS: usize = 16_384;
 
 /// The integrator over one tile.
 pub(crate) struct PathTile<'a, 'b> {
@@ -240,16 +244,11 @@ impl TilePaths<'_> {
     #[inline(always)]
     fn trace(&mut self, tile: &Tile, stage: Stage, [first, end]: [u32; 2]) {
         let (context, vertex) = (self.context, stage.vertex);
-        self.scratch.now.sort_by_direction();
-        // After the last bounce only emission and the environment contribute.
-        let occlusion_only = vertex == context.policy.max_bounces && !context.scene.has_emission;
-        // Rays scattered at the first vertex start close together, and if there are many of them, neighbors in
-        // direction are coherent too. Later ones start anywhere in the scene.
-        let dense = !occlusion_only && vertex == 1 && self.scratch.now.len() >= COHERENT_RAYS;
-        let coherence = if dense { Coherence::Coherent } else { Coherence::Incoherent };
         let per_sample = self.scratch.color.len();
-        let packets =
-            if vertex == 0 { per_sample * (end - first) as usize } else { self.scratch.now.len().div_ceil(LANES) };
+        let packets = match vertex {
+            0 => per_sample * (end - first) as usize,
+            _ => self.trace_scattered(vertex).div_ceil(LANES),
+        };
         let mut pixel_packets = context.camera.packets(tile);
         let mut packet = RayHits::EMPTY;
         if context.policy.reuse && vertex == 0 && !stage.gathers {
@@ -270,18 +269,18 @@ impl TilePaths<'_> {
                 let sample = first + (k / per_sample) as u32;
                 self.camera_rays(&pixels, index, sample, stage.gathers, &mut packet)
             } else {
-                self.scattered_rays(k, vertex, coherence, occlusion_only, &mut packet)
+                self.scattered_rays(k, &mut packet)
             };
-            self.shade(stage, k, &packet, traced, occlusion_only);
+            self.shade(stage, k, &packet, traced);
         }
     }
 
-    /// Shades packet number `k` of a stage, whose rays were traced; `occlusion_only` if for occlusion only.
+    /// Shades packet number `k` of a stage, whose rays were traced.
     #[inline(always)]
-    fn shade(&mut self, stage: Stage, k: usize, packet: &RayHits, mut traced: Traced, occlusion_only: bool) {
+    fn shade(&mut self, stage: Stage, k: usize, packet: &RayHits, mut traced: Traced) {
         let (context, vertex) = (self.context, stage.vertex);
         let mut contribution = [[0.0; LANES]; 3];
-        let misses = mis::misses(packet, &traced.paths.valid, occlusion_only);
+        let misses = mis::misses(packet, &traced.paths.valid);
         let is_second = context.policy.reuse && vertex == 1;
         let places = if is_second { self.scratch.shared.take_back(&mut traced.paths) } else { None };
         let mut is_shared = [false; LANES];
@@ -390,39 +389,63 @@ impl TilePaths<'_> {
         }
     }
 
-    /// Packet number `k` of the rays that were scattered at the previous vertex. With `occlusion_only` they are only
-    /// tested for occlusion.
+    /// Traces the rays that were scattered at the previous vertex; returns the number of those that bring something.
     #[inline(always)]
-    fn scattered_rays(
-        &mut self,
-        k: usize,
-        vertex: u32,
-        coherence: Coherence,
-        occlusion_only: bool,
-        packet: &mut RayHits,
-    ) -> Traced {
+    fn trace_scattered(&mut self, vertex: u32) -> usize {
         let context = self.context;
-        let paths = self.scratch.now.packet(k, &mut packet.rays);
-        self.counts.secondary += count(&paths.valid);
+        let (geometry, engine) = (context.scene.geometry, context.scene.engine);
+        // After the last bounce only emission and the environment contribute.
+        let query = if vertex == context.policy.max_bounces && !context.scene.has_emission {
+            Query::Occlusion
+        } else {
+            Query::Nearest { misses_count: context.scene.has_light_at_infinity() }
+        };
+        self.scratch.now.sort_to_trace(geometry);
+        let mut packet = RayHits::EMPTY;
+        let mut mean_changes = 0.0;
+        for k in 0..self.scratch.now.len().div_ceil(LANES) {
+            packet.reset();
+            let rays = self.scratch.now.rays(k, &mut packet.rays);
+            self.counts.secondary += count(&rays.valid);
+            if context.scene.has_alpha {
+                packet.rays.id = sampling::ray_numbers(&self.sequences(&rays.pixel), &rays.index, vertex);
+            }
+            if query == Query::Occlusion {
+                engine.occluded(&rays.valid, &mut packet.rays, Coherence::Incoherent);
+            } else {
+                // Neighbors in direction hit neighboring surfaces: the packets before tell how much apart.
+                let is_coherent = mean_changes <= SCATTERED_CHANGES;
+                let coherence = if is_coherent { Coherence::Coherent } else { Coherence::Incoherent };
+                engine.intersect(&rays.valid, &mut packet, coherence);
+                mean_changes += (changes(&packet) as f32 - mean_changes) * LAST_CHANGES;
+            }
+            self.scratch.now.record(k, &packet, geometry, query);
+        }
+        self.scratch.now.sort_to_shade()
+    }
+
+    /// The random sequences of paths.
+    #[inline(always)]
+    fn sequences(&self, pixel: &[u32; LANES]) -> [u32; LANES] {
         let mut sequences = [0; LANES];
         for lane in 0..LANES {
-            let pixel = paths.pixel[lane] as usize;
-            let packet =
-                if context.policy.reuse { self.scratch.shared.packet_of_tile(pixel / LANES) } else { pixel / LANES };
+            let pixel = pixel[lane] as usize;
+            let packet = if self.context.policy.reuse {
+                self.scratch.shared.packet_of_tile(pixel / LANES)
+            } else {
+                pixel / LANES
+            };
             sequences[lane] = self.scratch.runs[packet].sequence[pixel % LANES];
         }
-        if context.scene.has_alpha {
-            packet.rays.id = sampling::ray_numbers(&sequences, &paths.index, vertex);
-        } else {
-            packet.rays.id = [0; LANES];
-        }
-        if occlusion_only {
-            context.scene.engine.occluded(&paths.valid, &mut packet.rays, coherence);
-        } else {
-            context.scene.engine.intersect(&paths.valid, packet, coherence);
-        }
-        let points =
-            if occlusion_only { HitPoints::NONE } else { HitPoints::secondary(context.scene.geometry, packet) };
+        sequences
+    }
+
+    /// Packet number `k` of the rays that were scattered at the previous vertex and bring something.
+    #[inline(always)]
+    fn scattered_rays(&self, k: usize, packet: &mut RayHits) -> Traced {
+        let paths = self.scratch.now.packet(k, packet);
+        let sequences = self.sequences(&paths.pixel);
+        let points = HitPoints::secondary(self.context.scene.geometry, packet);
         Traced { paths, sequences, points, coherence: Coherence::Incoherent }
     }
 }
@@ -498,10 +521,16 @@ fn add_environment(
 /// tree, even towards one light; tracing them as a packet is then slower than one ray at a time.
 #[inline(always)]
 fn coherence(packet: &RayHits) -> Coherence {
+    if changes(packet) > INCOHERENT_CHANGES { Coherence::Incoherent } else { Coherence::Coherent }
+}
+
+/// The number of neighboring lanes, of 15, that have hit different triangles.
+#[inline(always)]
+fn changes(packet: &RayHits) -> u32 {
     let (triangle, instance) = (&packet.hits.triangle, &packet.hits.instance);
     let mut changes = 0;
     for lane in 1..LANES {
         changes += u32::from((triangle[lane] != triangle[lane - 1]) | (instance[lane] != instance[lane - 1]));
     }
-    if changes > INCOHERENT_CHANGES { Coherence::Incoherent } else { Coherence::Coherent }
+    changes
 }

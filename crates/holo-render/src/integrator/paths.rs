@@ -1,19 +1,30 @@
-//! The scattered rays of one tile, sorted by direction.
+//! The scattered rays of one tile, sorted twice: by direction before they are traced, and by the surface that they have
+//! hit before they are shaded.
 //!
 //! Scattered rays are incoherent in pixel order. But the pixels of one tile start close together, so the rays are
-//! collected, sorted by direction and traced in packets of similar directions. The order of the rays of a pixel depends
-//! only on those rays.
+//! collected, sorted by direction and traced in packets of similar directions. The rays of such a packet hit different
+//! surfaces, and a packet costs what its costliest lane needs. So the hits are collected too and shaded in packets of the
+//! same surface; rays that have missed the scene are packets of their own, or are left out where nothing lies behind it.
+//! The order of the rays of a pixel depends only on those rays.
 
-use crate::accel::Rays;
+use crate::accel::{NO_TRIANGLE, RayHits, Rays};
+use crate::geometry::{FLATTENED, Geometry};
 use crate::material::media::MediaStack;
 use crate::simd::{LANES, Lanes};
 
 /// The number of cells per side of the square octahedral map by which directions are sorted.
 const CELLS: usize = 64;
 
-/// A scattered ray with the state of its path.
+/// The number of bins by which traced rays are sorted: the first holds those that have hit nothing, the others have an
+/// instance each, or several where there are more instances.
+const BINS: usize = 1024;
+
+/// In place of a bin: rays that bring nothing.
+const NOTHING: u32 = u32::MAX;
+
+/// A scattered ray with the state of its path: one cache line.
 #[derive(Clone, Copy, Debug)]
-#[repr(C, align(16))]
+#[repr(C, align(64))]
 pub(crate) struct Path {
     pub origin: [f32; 3],
     /// The BSDF-sampling pdf of the direction, per solid angle; infinite for a delta lobe.
@@ -24,6 +35,27 @@ pub(crate) struct Path {
     pub throughput: [f32; 3],
     /// The index of the sample in its random sequence, with a flag.
     pub sample: SampleState,
+    /// What the ray has hit.
+    pub hit: PathHit,
+}
+
+const _: () = assert!(size_of::<Path>() == 64);
+
+/// The hit of a scattered ray, without its placement.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub(crate) struct PathHit {
+    /// The ray parameter.
+    far: f32,
+    /// The barycentrics.
+    u: f32,
+    v: f32,
+    triangle: u32,
+}
+
+impl PathHit {
+    /// Nothing, or not traced yet.
+    pub const NONE: Self = Self { far: f32::INFINITY, u: 0.0, v: 0.0, triangle: NO_TRIANGLE };
 }
 
 /// The index of a sample in its random sequence, below 2^31, and whether the path may be scattered again at the next vertex.
@@ -53,9 +85,33 @@ pub(crate) struct Paths {
     paths: Vec<Path>,
     /// The media around each path; empty if the scene has no bodies of glass.
     media: Vec<MediaStack>,
+    /// The placement that each path has hit; empty if the geometry has none.
+    placements: Vec<u32>,
+    /// The cells of the directions.
     cells: Vec<u32>,
-    order: Vec<u32>,
+    /// The paths in the order in which they are traced, and their bins.
+    traced: Vec<u32>,
+    bins: Vec<u32>,
+    /// The paths in the order in which they are shaded.
+    shaded: Vec<u32>,
     starts: Vec<u32>,
+}
+
+/// What a packet of rays is traced for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Query {
+    /// The nearest hits; where nothing is hit there is light at infinity, or not.
+    Nearest { misses_count: bool },
+    /// Light at infinity alone: any hit ends the path.
+    Occlusion,
+}
+
+/// Sixteen rays of paths before they are traced.
+pub(crate) struct PathRays {
+    pub valid: Lanes<i32>,
+    pub pixel: [u32; LANES],
+    /// The index of the sample in its random sequence.
+    pub index: [u32; LANES],
 }
 
 /// Up to sixteen paths.
@@ -87,12 +143,92 @@ impl Paths {
         self.paths.clear();
         self.media.clear();
         self.cells.clear();
+        self.shaded.clear();
     }
 
-    /// Packet number `index` of the sorted rays; writes the rays themselves to `rays`.
+    /// Sorts the rays by direction, to be traced.
     #[inline(always)]
-    pub fn packet(&self, index: usize, rays: &mut Rays) -> PathPacket {
-        let mut packet = PathPacket {
+    pub fn sort_to_trace(&mut self, geometry: &Geometry) {
+        self.placements.clear();
+        if geometry.is_instanced() {
+            self.placements.resize(self.paths.len(), FLATTENED);
+        }
+        self.bins.clear();
+        self.traced.clear();
+        self.traced.resize(self.cells.len(), 0);
+        count_starts(&self.cells, CELLS * CELLS, &mut self.starts);
+        for (k, &cell) in self.cells.iter().enumerate() {
+            let slot = &mut self.starts[cell as usize];
+            self.traced[*slot as usize] = k as u32;
+            *slot += 1;
+        }
+    }
+
+    /// Writes packet number `index` in the order of tracing to `rays`.
+    #[inline(always)]
+    pub fn rays(&self, index: usize, rays: &mut Rays) -> PathRays {
+        let mut out = PathRays { valid: Lanes([0; LANES]), pixel: [0; LANES], index: [0; LANES] };
+        let first = index * LANES;
+        for lane in 0..LANES {
+            // Lanes beyond the end repeat the last path and are invalid.
+            let k = (first + lane).min(self.traced.len() - 1);
+            let path = &self.paths[self.traced[k] as usize];
+            for axis in 0..3 {
+                rays.origin[axis][lane] = path.origin[axis];
+                rays.direction[axis][lane] = path.direction[axis];
+            }
+            out.pixel[lane] = path.pixel;
+            out.index[lane] = path.sample.index();
+            out.valid.0[lane] = -i32::from(first + lane < self.traced.len());
+        }
+        rays.near = [0.0; LANES];
+        rays.far = [f32::INFINITY; LANES];
+        out
+    }
+
+    /// Records what packet number `index` has hit; packets are recorded in order.
+    #[inline(always)]
+    pub fn record(&mut self, index: usize, packet: &RayHits, geometry: &Geometry, query: Query) {
+        let hits = &packet.hits;
+        let first = index * LANES;
+        for lane in 0..LANES.min(self.traced.len() - first) {
+            let k = self.traced[first + lane] as usize;
+            let (far, triangle) = (packet.rays.far[lane], hits.triangle[lane]);
+            self.paths[k].hit = PathHit { far, u: hits.u[lane], v: hits.v[lane], triangle };
+            let brings = match query {
+                Query::Nearest { misses_count } => misses_count | (triangle != NO_TRIANGLE),
+                Query::Occlusion => far >= 0.0,
+            };
+            let mut bin = if brings { 0 } else { NOTHING };
+            if triangle != NO_TRIANGLE {
+                if geometry.is_instanced() {
+                    self.placements[k] = hits.instance[lane];
+                }
+                bin = 1 + geometry.instance_group(packet.hit(lane), BINS as u32 - 1);
+            }
+            self.bins.push(bin);
+        }
+    }
+
+    /// Sorts the rays that bring something by what they have hit, to be shaded. Returns their number.
+    #[inline(always)]
+    pub fn sort_to_shade(&mut self) -> usize {
+        count_starts(&self.bins, BINS, &mut self.starts);
+        self.shaded.resize(self.starts[BINS] as usize, 0);
+        for (&k, &bin) in self.traced.iter().zip(&self.bins) {
+            if bin != NOTHING {
+                let slot = &mut self.starts[bin as usize];
+                self.shaded[*slot as usize] = k;
+                *slot += 1;
+            }
+        }
+        self.shaded.len()
+    }
+
+    /// Packet number `index` in the order of shading; writes its rays and their hits to `packet`.
+    #[inline(always)]
+    pub fn packet(&self, index: usize, packet: &mut RayHits) -> PathPacket {
+        let mut out = PathPacket {
             valid: Lanes([0; LANES]),
             bsdf_pdf: [0.0; LANES],
             pixel: [0; LANES],
@@ -103,46 +239,46 @@ impl Paths {
         };
         let first = index * LANES;
         for lane in 0..LANES {
-            // Lanes beyond the end repeat the last path and are invalid.
-            let k = (first + lane).min(self.order.len() - 1);
-            let path = &self.paths[self.order[k] as usize];
+            // Lanes beyond the end repeat the last path, are invalid and have no hit.
+            let is_valid = first + lane < self.shaded.len();
+            let k = self.shaded[(first + lane).min(self.shaded.len() - 1)] as usize;
+            let path = &self.paths[k];
             for axis in 0..3 {
-                rays.origin[axis][lane] = path.origin[axis];
-                rays.direction[axis][lane] = path.direction[axis];
-                packet.throughput[axis][lane] = path.throughput[axis];
+                packet.rays.origin[axis][lane] = path.origin[axis];
+                packet.rays.direction[axis][lane] = path.direction[axis];
+                out.throughput[axis][lane] = path.throughput[axis];
             }
-            packet.bsdf_pdf[lane] = path.bsdf_pdf;
-            packet.pixel[lane] = path.pixel;
-            packet.index[lane] = path.sample.index();
-            packet.may_scatter[lane] = path.sample.may_scatter();
-            packet.media[lane] = self.media.get(self.order[k] as usize).copied().unwrap_or_default();
-            packet.valid.0[lane] = -i32::from(first + lane < self.order.len());
+            packet.rays.far[lane] = path.hit.far;
+            packet.hits.u[lane] = path.hit.u;
+            packet.hits.v[lane] = path.hit.v;
+            packet.hits.triangle[lane] = if is_valid { path.hit.triangle } else { NO_TRIANGLE };
+            packet.hits.instance[lane] = self.placements.get(k).copied().unwrap_or(FLATTENED);
+            out.bsdf_pdf[lane] = path.bsdf_pdf;
+            out.pixel[lane] = path.pixel;
+            out.index[lane] = path.sample.index();
+            out.may_scatter[lane] = path.sample.may_scatter();
+            out.media[lane] = self.media.get(k).copied().unwrap_or_default();
+            out.valid.0[lane] = -i32::from(is_valid);
         }
-        rays.near = [0.0; LANES];
-        rays.far = [f32::INFINITY; LANES];
-        packet
+        out
     }
+}
 
-    /// Sorts the rays by direction: a counting sort, stable and linear in the number of rays.
-    #[inline(always)]
-    pub fn sort_by_direction(&mut self) {
-        self.starts.clear();
-        self.starts.resize(CELLS * CELLS + 1, 0);
-        for &c in &self.cells {
-            self.starts[c as usize + 1] += 1;
+/// The first part of a counting sort, which is stable and linear in the number of keys: sets `starts` to the place of the
+/// first key of each value below `values`, and one more entry to the number of those keys. Other keys are not counted.
+#[inline(always)]
+fn count_starts(keys: &[u32], values: usize, starts: &mut Vec<u32>) {
+    starts.clear();
+    starts.resize(values + 1, 0);
+    for &key in keys {
+        if (key as usize) < values {
+            starts[key as usize + 1] += 1;
         }
-        let mut sum = 0;
-        for start in &mut self.starts {
-            sum += *start;
-            *start = sum;
-        }
-        self.order.clear();
-        self.order.resize(self.cells.len(), 0);
-        for (k, &c) in self.cells.iter().enumerate() {
-            let slot = &mut self.starts[c as usize];
-            self.order[*slot as usize] = k as u32;
-            *slot += 1;
-        }
+    }
+    let mut sum = 0;
+    for start in starts {
+        sum += *start;
+        *start = sum;
     }
 }
 
@@ -168,6 +304,7 @@ fn spread(x: u32) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::tests::{instanced_soup, soup};
     use crate::sampling;
 
     #[test]
@@ -180,13 +317,13 @@ mod tests {
                 let direction = crate::simd::at(&directions, lane);
                 let pixel = index * 16 + lane as u32;
                 let (origin, throughput) = ([0.0; 3], [1.0; 3]);
-                let path =
-                    Path { origin, bsdf_pdf: 1.0, direction, pixel, throughput, sample: SampleState::new(0, true) };
+                let (sample, hit) = (SampleState::new(0, true), PathHit::NONE);
+                let path = Path { origin, bsdf_pdf: 1.0, direction, pixel, throughput, sample, hit };
                 paths.push(path, cell(direction), None);
             }
         }
-        paths.sort_by_direction();
-        let mut sorted = paths.order.clone();
+        paths.sort_to_trace(&soup(4, 1));
+        let mut sorted = paths.traced.clone();
         sorted.sort_unstable();
         assert!(sorted.iter().enumerate().all(|(k, &o)| o == k as u32), "every ray once");
         let step = |order: &[u32]| {
@@ -194,7 +331,94 @@ mod tests {
             let d = |k: u32| paths.paths[k as usize].direction;
             order.windows(2).map(|w| 1.0 - dot(d(w[0]), d(w[1]))).sum::<f32>() / order.len() as f32
         };
-        let unsorted: Vec<u32> = (0..paths.order.len() as u32).collect();
-        assert!(step(&paths.order) < 0.05 * step(&unsorted), "{} {}", step(&paths.order), step(&unsorted));
+        let unsorted: Vec<u32> = (0..paths.traced.len() as u32).collect();
+        assert!(step(&paths.traced) < 0.05 * step(&unsorted), "{} {}", step(&paths.traced), step(&unsorted));
+    }
+    /// Rays along Z that hit triangle `hit(k)` of `geometry`, if any; every ray has the pixel of its number.
+    fn recorded(
+        geometry: &Geometry,
+        count: u32,
+        query: Query,
+        hit: impl Fn(u32) -> Option<crate::geometry::Hit>,
+    ) -> Paths {
+        let mut paths = Paths::default();
+        for pixel in 0..count {
+            let direction = if pixel % 3 == 0 { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
+            let (sample, throughput) = (SampleState::new(pixel, true), [1.0; 3]);
+            let path =
+                Path { origin: [0.0; 3], bsdf_pdf: 1.0, direction, pixel, throughput, sample, hit: PathHit::NONE };
+            paths.push(path, cell(direction), None);
+        }
+        paths.sort_to_trace(geometry);
+        for k in 0..paths.len().div_ceil(LANES) {
+            let mut packet = RayHits::EMPTY;
+            let rays = paths.rays(k, &mut packet.rays);
+            for lane in (0..LANES).filter(|&lane| rays.valid.0[lane] != 0) {
+                if let Some(found) = hit(rays.pixel[lane]) {
+                    packet.rays.far[lane] = if query == Query::Occlusion { f32::NEG_INFINITY } else { 1.0 };
+                    if query != Query::Occlusion {
+                        packet.hits.triangle[lane] = found.triangle;
+                        packet.hits.instance[lane] = found.placement;
+                        packet.hits.u[lane] = rays.pixel[lane] as f32;
+                    }
+                }
+            }
+            paths.record(k, &packet, geometry, query);
+        }
+        paths
+    }
+
+    /// All rays that bring something are shaded once, with their own hits, in the order of instances; those of one instance
+    /// in the order in which they were traced.
+    #[test]
+    fn hits_are_shaded_by_instance_and_misses_first() {
+        for geometry in [soup(40, 3), instanced_soup(40, 3)] {
+            let triangles = geometry.triangles().len() as u32;
+            let placements = geometry.placements().len() as u32;
+            let hit = |k: u32| {
+                let placement = if placements > 0 { k % placements } else { FLATTENED };
+                (k % 4 != 1).then_some(crate::geometry::Hit { triangle: k * 7 % triangles, placement })
+            };
+            for misses_count in [true, false] {
+                let mut paths = recorded(&geometry, 1003, Query::Nearest { misses_count }, hit);
+                let shaded = paths.sort_to_shade();
+                let mut seen = Vec::new();
+                for k in 0..shaded.div_ceil(LANES) {
+                    let mut packet = RayHits::EMPTY;
+                    let found = paths.packet(k, &mut packet);
+                    for lane in 0..LANES {
+                        let pixel = found.pixel[lane];
+                        if found.valid.0[lane] == 0 {
+                            assert_eq!(packet.hits.triangle[lane], NO_TRIANGLE);
+                            continue;
+                        }
+                        assert_eq!(found.index[lane], pixel);
+                        let bin = hit(pixel).map(|hit| {
+                            assert_eq!(packet.hit(lane), hit);
+                            assert!(packet.hits.u[lane] == pixel as f32 && packet.rays.far[lane] == 1.0);
+                            geometry.instance_index(hit)
+                        });
+                        seen.push((bin, paths.cells[pixel as usize], pixel));
+                    }
+                }
+                assert!(seen.is_sorted(), "by instance, direction, pixel");
+                let expected = (0..1003).filter(|&k| misses_count || hit(k).is_some()).count();
+                assert_eq!((seen.len(), shaded), (expected, expected), "every ray once");
+            }
+        }
+    }
+
+    #[test]
+    fn occluded_rays_are_left_out() {
+        let geometry = soup(4, 1);
+        let hit = |k: u32| (k % 5 != 2).then_some(crate::geometry::Hit::flattened(0));
+        let mut paths = recorded(&geometry, 77, Query::Occlusion, hit);
+        let count = paths.sort_to_shade();
+        let mut packet = RayHits::EMPTY;
+        let first = paths.packet(0, &mut packet);
+        assert_eq!(count, 15);
+        assert!((0..count).all(|lane| first.pixel[lane] % 5 == 2 && first.valid.0[lane] != 0));
+        assert_eq!(first.valid.0[count], 0);
+        assert!(packet.hits.triangle.iter().all(|&triangle| triangle == NO_TRIANGLE));
     }
 }

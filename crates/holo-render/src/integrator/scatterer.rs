@@ -9,8 +9,8 @@ use std::f32::consts::FRAC_1_PI;
 use super::Context;
 use super::shade::Shading;
 use crate::material::SurfaceInteraction;
-use crate::material::bsdf::Bsdf;
 use crate::material::bsdf::layered::LayeredView;
+use crate::material::bsdf::{Bsdf, Lobes};
 use crate::material::shading_normal::{MIN_COSINE, reflecting};
 use crate::material::{Lane, MaterialFlags};
 use crate::sampling::{self, Points};
@@ -28,8 +28,9 @@ struct Glossy {
     lanes: [bool; LANES],
     /// The axes of the shading frame: x, y, and z on the side of the viewer.
     axes: [[[f32; LANES]; 3]; 3],
-    /// The direction to the viewer in the shading frame.
+    /// The direction to the viewer in the shading frame, and the lobes for it.
     out: [[f32; LANES]; 3],
+    lobes: Lobes,
     /// The lanes with layers; not allocated without any.
     layered: Vec<(usize, LayeredView)>,
 }
@@ -94,7 +95,7 @@ impl<'a> Scatterer<'a> {
         }
         let Some(glossy) = &self.glossy else { return out };
         let into = glossy.to_local(to_light, inverse_length);
-        let mut evaluated = glossy.bsdf.evaluate(&glossy.out, &into);
+        let mut evaluated = glossy.bsdf.evaluate_lobes(&glossy.lobes, &glossy.out, &into);
         for (lane, view) in &glossy.layered {
             let (value, pdf) = view.evaluate(at(&into, *lane));
             for c in 0..3 {
@@ -153,7 +154,7 @@ impl<'a> Scatterer<'a> {
             }
         }
         let Some(glossy) = &self.glossy else { return out };
-        let mut sampled = glossy.bsdf.sample(&glossy.out, choice, numbers);
+        let mut sampled = glossy.bsdf.sample_lobes(&glossy.lobes, &glossy.out, choice, numbers);
         for (lane, view) in &glossy.layered {
             let one = view.sample(choice[*lane], at(&local, *lane));
             for k in 0..3 {
@@ -212,6 +213,7 @@ impl Glossy {
             lanes: [false; LANES],
             axes: [zero; 3],
             out: zero,
+            lobes: Lobes::LAMBERTIAN,
             layered: Vec::new(),
         };
         let direction = &here.packet.rays.direction;
@@ -247,6 +249,7 @@ impl Glossy {
         if interaction.any_flags.has(MaterialFlags::LAYERED) {
             out.add_layers(context, here);
         }
+        out.lobes = out.bsdf.lobes(&out.out);
         out
     }
 

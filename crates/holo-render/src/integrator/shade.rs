@@ -1,7 +1,7 @@
 //! Shading of a path vertex: absorption, emission, direct light, and the scattered rays.
 
 use super::Context;
-use super::paths::{self, Path, PathPacket, Paths, SampleState};
+use super::paths::{self, Path, PathHit, PathPacket, Paths, SampleState};
 use super::reuse::Step;
 use super::scatterer::Scatterer;
 use super::{direct_light, mis};
@@ -207,6 +207,7 @@ fn scatter(context: &Context, here: &Shading, mut step: Step, scatterer: &Scatte
                 pixel,
                 throughput,
                 sample: SampleState::new(here.paths.index[lane], context.policy.indirect | scattered.is_specular[lane]),
+                hit: PathHit::NONE,
             };
             next.push(path, cells[lane], context.scene.has_media.then_some(media));
         }

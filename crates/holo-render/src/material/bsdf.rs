@@ -59,6 +59,8 @@ mod microfacet;
 mod multiple_scattering;
 mod sample;
 
+pub(crate) use lobes::Lobes;
+
 use crate::simd::LANES;
 
 /// Sixteen directions, axis by axis.
@@ -109,7 +111,7 @@ pub(crate) struct Sampled {
 pub(crate) struct Evaluated {
     /// BSDF * |into.z|.
     pub value: [[f32; LANES]; 3],
-    /// The pdf with which [`Bsdf::sample`] samples the direction.
+    /// The pdf with which [`Bsdf::sample_lobes`] samples the direction.
     pub pdf: [f32; LANES],
 }
 
@@ -129,6 +131,16 @@ impl Bsdf {
             thin: [false; LANES],
             multiple_scattering: true,
         }
+    }
+
+    #[cfg(test)]
+    fn evaluate(&self, out: &Directions, into: &Directions) -> Evaluated {
+        self.evaluate_lobes(&self.lobes(out), out, into)
+    }
+
+    #[cfg(test)]
+    fn sample(&self, out: &Directions, choice: &[f32; LANES], point: &crate::sampling::Points) -> Sampled {
+        self.sample_lobes(&self.lobes(out), out, choice, point)
     }
 }
 

@@ -1,35 +1,27 @@
 //! The reconstruction across views beside Blender's Cycles with and without OpenImageDenoise, on the scenes of the gallery.
 
 use std::path::Path;
-use std::time::Instant;
 
-use holo_bench::error::{Images, rgb, squared_error};
+use holo_bench::error::{nine, rgb, squared_error};
 use holo_bench::on_the_paper_sensor;
 use holo_core::{Rig, ViewIndex};
 use holo_io::Limits;
-use holo_render::{Denoise, Renderer, Request, TextureFilter, Views};
 use holo_scene::gallery;
 
 use crate::peers::seconds_for;
-use crate::sharing::{FEW_VIEWS, geometric_mean, image};
+use crate::sharing::{self, Division, geometric_mean, mean};
 use crate::table::{Table, short};
 use crate::{RunOptions, Section, scripts};
 
-const SAMPLES: u32 = 4;
+/// The compared views: their numbers among nine.
+const VIEWS: [(usize, &str); 2] = [(4, "center"), (0, "corner")];
 
 /// The lens rows on each side that are rendered too, because the reconstruction reads them.
 const HALO_ROWS: usize = 7;
 
-/// A division of the 8K sensor, the part of its lens rows that is compared, samples, and the scenes.
-struct Division {
-    views: usize,
-    rows: usize,
-    /// Of each reference of ours, and of Cycles'.
-    references: [u32; 2],
-    /// Of Cycles.
-    samples: &'static [u32],
-    scenes: Vec<String>,
-}
+/// The samples of Cycles, and those of each of its references with 100 x 100 views and with fewer.
+const SAMPLES: [u32; 3] = [16, 64, 256];
+const REFERENCES: [u32; 2] = [1024, 128];
 
 /// One image of Cycles.
 struct Rendered {
@@ -41,29 +33,7 @@ struct Rendered {
 }
 
 pub fn section(options: &RunOptions) -> Section {
-    let all = gallery::NAMES.iter().map(|&name| name.to_owned());
-    let divisions = match options.quick {
-        true => {
-            let scenes = vec!["plaster".into()];
-            vec![Division { views: 100, rows: 4, references: [128; 2], samples: &[16, 64], scenes }]
-        }
-        false => vec![
-            Division {
-                views: 100,
-                rows: 12,
-                references: [4096, 1024],
-                samples: &[16, 64, 256, 1024],
-                scenes: all.collect(),
-            },
-            Division {
-                views: 20,
-                rows: 24,
-                references: [1024, 128],
-                samples: &[16, 64, 256],
-                scenes: FEW_VIEWS.map(String::from).into(),
-            },
-        ],
-    };
+    let divisions = sharing::divisions(options);
     let mut table = Table::new(&[
         "views",
         "scene",
@@ -84,7 +54,7 @@ pub fn section(options: &RunOptions) -> Section {
     for division in &divisions {
         let mut ratios = Vec::new();
         for scene in &division.scenes {
-            match measure(scene, division, &mut table) {
+            match measure(options, scene, division, &mut table) {
                 Ok(found) => ratios.extend(found),
                 Err(why) => missing.push(format!("{scene}: {why}")),
             }
@@ -95,15 +65,18 @@ pub fn section(options: &RunOptions) -> Section {
     Section {
         text: format!(
             "Scenes of the gallery on the 8K sensor of the paper, paths of up to 8 bounces: 100 x 100 views of 79 x 53 \
-             px, and 20 x 20 of 398 x 265; center and a corner. `holo` with {SAMPLES} samples and `--denoise views`: the \
-             lens rows in the middle (12 of 53, 24 of 265) and {HALO_ROWS} on each side that the reconstruction reads; \
-             its time per view is that of all lens rows at the same time per row, divided by the number of views. Cycles \
-             renders a view at a time with the scene kept in memory, up to 1024 and 256 samples, without and with \
-             OpenImageDenoise (albedo, normals, accurate prefilter). Errors are those of the lens rows in the middle, as \
-             in the section before, each program's against two references of its own (4096 and 1024 samples here, 1024 \
-             and 128 there), because they model some materials and lights differently: the ratio of their mean radiance \
-             tells where. Times for the error of `holo` are interpolated between 16 and the most samples, on logarithmic \
-             scales; after > where the most do not reach it. Single runs.{missing}"
+             px, and 20 x 20 of 397 x 265; center and a corner. `holo` with {} samples and `--denoise views` is the \
+             render of the section before; its time per view is that of all lens rows at the same time per row, divided \
+             by the number of views. Cycles renders a view at a time with the scene kept in memory, up to {} samples, \
+             without and with OpenImageDenoise (albedo, normals, accurate prefilter). Errors are those of the lens rows \
+             in the middle, as in the section before, each program's against two references of its own (Cycles': {} \
+             samples with 100 x 100 views, else {}), because they model some materials and lights differently: the \
+             ratio of their mean radiance tells where. Times for the error of `holo` are interpolated between 16 and \
+             the most samples, on logarithmic scales; after > where the most do not reach it. Single runs.{missing}",
+            sharing::SAMPLES,
+            SAMPLES[SAMPLES.len() - 1],
+            REFERENCES[0],
+            REFERENCES[1]
         ),
         highlights,
         table,
@@ -119,10 +92,11 @@ fn summary(division: &Division, ratios: &mut [(f64, bool)]) -> Option<[String; 3
     let mean = geometric_mean(&ratios.iter().map(|ratio| ratio.0).collect::<Vec<_>>());
     Some([
         format!(
-            "Cycles + OIDN, {0} x {0} views, for the error of holo with {SAMPLES} samples, denoise views; {1} views of {2} scenes",
+            "Cycles + OIDN, {0} x {0} views, for the error of holo with {3} samples, denoise views; {1} views of {2} scenes",
             division.views,
             ratios.len(),
-            division.scenes.len()
+            division.scenes.len(),
+            sharing::SAMPLES
         ),
         format!(
             "{}{} times as long (geometric mean; {}{} to {}{})",
@@ -139,25 +113,29 @@ fn summary(division: &Division, ratios: &mut [(f64, bool)]) -> Option<[String; 3
 
 /// Adds the rows of a scene; returns for each of its views how many times as long Cycles takes with OpenImageDenoise for
 /// the same error, and whether that is a lower bound.
-fn measure(name: &str, division: &Division, table: &mut Table) -> Result<Vec<(f64, bool)>, String> {
+fn measure(
+    options: &RunOptions,
+    name: &str,
+    division: &Division,
+    table: &mut Table,
+) -> Result<Vec<(f64, bool)>, String> {
     let scene = gallery::scene(name).expect("a scene of the gallery");
-    let (renderer, rig) = on_the_paper_sensor(&scene, division.views);
+    let (_, rig) = on_the_paper_sensor(&scene, division.views);
+    let own = sharing::measured(options, name, division);
     let size = rig.shape().lenses();
-    let first = (size.rows - division.rows) / 2;
-    let rows = first..first + division.rows;
-    let list = [division.views / 2, 0].map(|k| ViewIndex { row: k, column: k });
-    let theirs = cycles(name, &rig, &list, division, rows.start * size.columns..rows.end * size.columns)?;
-    let own = Own::render(&renderer, &Request::new(rig).lens_rows(Some(rows)), &list, division);
+    let list = VIEWS.map(|(number, _)| nine(division.views)[number]);
+    let theirs = cycles(name, &rig, &list, division, own.rows.start * size.columns..own.rows.end * size.columns)?;
     let rendered_rows = (division.rows + 2 * HALO_ROWS).min(size.rows);
-    let own_seconds = own.seconds * size.rows as f64 / rendered_rows as f64 / (division.views * division.views) as f64;
+    let own_seconds =
+        own.seconds() * size.rows as f64 / rendered_rows as f64 / (division.views * division.views) as f64;
     let mut ratios = Vec::new();
-    for view in 0..list.len() {
+    for (view, (number, label)) in VIEWS.into_iter().enumerate() {
         let of = |kind: &str| -> Vec<&Rendered> {
             theirs.iter().filter(|image| image.view == view && image.kind == kind).collect()
         };
         let references = of("reference");
         let [a, b] = [0, 1].map(|k| references[k].pixels.as_slice());
-        let error = squared_error(&own.images[view], &own.references, view);
+        let error = own.error(number);
         let limits = [vec![a.to_vec()], vec![b.to_vec()]];
         let [plain, denoised] = ["off", "oidn"].map(|kind| -> Vec<(f64, f64)> {
             of(kind).iter().map(|image| (image.seconds, squared_error(&image.pixels, &limits, 0))).collect()
@@ -166,8 +144,8 @@ fn measure(name: &str, division: &Division, table: &mut Table) -> Result<Vec<(f6
             let (more, needed) = seconds_for(error, points).expect("measurements");
             (needed / own_seconds, more)
         });
-        let at = division.samples.iter().position(|&samples| samples == 64).expect("64 samples");
-        let last = division.samples.len() - 1;
+        let at = SAMPLES.iter().position(|&samples| samples == 64).expect("64 samples");
+        let last = SAMPLES.len() - 1;
         let cells = |point: &(f64, f64)| [short(point.1), short(1e3 * point.0)];
         let [most, most_ms] = cells(&plain[last]);
         let [some_denoised, some_denoised_ms] = cells(&denoised[at]);
@@ -175,8 +153,8 @@ fn measure(name: &str, division: &Division, table: &mut Table) -> Result<Vec<(f6
         table.push([
             format!("{0} x {0}", division.views),
             name.to_owned(),
-            ["center", "corner"][view].into(),
-            short((mean(a) + mean(b)) / (mean(&own.references[0][view]) + mean(&own.references[1][view]))),
+            label.into(),
+            short((mean(a) + mean(b)) / 2.0 / own.mean[number]),
             short(error),
             short(1e3 * own_seconds),
             most,
@@ -191,33 +169,6 @@ fn measure(name: &str, division: &Division, table: &mut Table) -> Result<Vec<(f6
         ratios.push((ratio.0, !ratio.1.is_empty()));
     }
     Ok(ratios)
-}
-
-fn mean(pixels: &[[f32; 3]]) -> f64 {
-    pixels.as_flattened().iter().map(|&value| f64::from(value)).sum::<f64>() / (3 * pixels.len()) as f64
-}
-
-/// The same views of this renderer.
-struct Own {
-    seconds: f64,
-    images: Images,
-    references: [Images; 2],
-}
-
-impl Own {
-    fn render(renderer: &Renderer, request: &Request, list: &[ViewIndex], division: &Division) -> Self {
-        let references = [1, 2].map(|seed| {
-            let request = request.clone().samples(division.references[0]).seed(seed).texture_filter(TextureFilter::Off);
-            let color = renderer.render(&request.views(Views::List(list.to_vec())), &()).expect("a reference").color;
-            let color = color.expect("the scene is lit");
-            (0..list.len()).map(|k| image(&color, 0, k)).collect()
-        });
-        let start = Instant::now();
-        let request = request.clone().samples(SAMPLES).denoise(Denoise::Views);
-        let color = renderer.render(&request, &()).expect("a render").color.expect("the scene is lit");
-        let seconds = start.elapsed().as_secs_f64();
-        Self { seconds, images: list.iter().map(|view| image(&color, view.row, view.column)).collect(), references }
-    }
 }
 
 /// Renders the views in Cycles; of its images `part` is kept, a range of pixels.
@@ -236,8 +187,8 @@ fn cycles(
         format!("{}x{}", size.columns, size.rows),
         (rig.focal_length_m() / rig.sensor_size_m()).to_string(),
         rig.focus_distance_m().to_string(),
-        division.samples.iter().map(u32::to_string).collect::<Vec<_>>().join(","),
-        division.references[1].to_string(),
+        SAMPLES.map(|samples| samples.to_string()).join(","),
+        REFERENCES[usize::from(division.views < 100)].to_string(),
     ];
     let names = ["--size", "--focal", "--focus", "--samples", "--reference"];
     let mut arguments: Vec<&str> = names.into_iter().zip(&text).flat_map(|(name, text)| [name, text]).collect();
@@ -248,7 +199,7 @@ fn cycles(
         text.lines().filter_map(|line| parse(line, &part)).collect()
     });
     let _ = std::fs::remove_file(&file);
-    let (found, expected) = (found?, list.len() * (2 * division.samples.len() + 2));
+    let (found, expected) = (found?, list.len() * (2 * SAMPLES.len() + 2));
     if found.len() == expected { Ok(found) } else { Err(format!("Cycles: {} of {expected} images", found.len())) }
 }
 

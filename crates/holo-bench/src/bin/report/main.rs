@@ -1,6 +1,6 @@
 //! Measures speed and error: `cargo xtask report [--quick] [--peers] [--only TEXT] [--out DIR]`.
 //!
-//! Writes `REPORT.md`, one CSV file per table, and SVG plots. With `--only` the other sections of the report stay. Every time is the median of several runs of this process
+//! Writes `REPORT.md`, one CSV file per table, and SVG plots. With `--only`, once or more, the other sections of the report stay. Every time is the median of several runs of this process
 //! with their spread (BVH builds: one run), as a ratio to a comparable time if there is one. Every error is against a
 //! reference: a render with many samples, a closed form, brute-force intersection in f64, the original bits, or
 //! Mitsuba's images in `tests/radiance`.
@@ -21,7 +21,10 @@ mod sharing;
 mod stereo;
 mod table;
 
+use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::rc::Rc;
 use std::time::Instant;
 
 use holo_render::Backend;
@@ -35,6 +38,8 @@ pub struct RunOptions {
     pub rounds: usize,
     /// The available backends, the fastest one first.
     pub engines: Vec<Backend>,
+    /// Scenes that more than one section needs, by the number of views an axis.
+    measured: RefCell<BTreeMap<(usize, String), Rc<sharing::Measured>>>,
 }
 
 /// The results of a section.
@@ -70,14 +75,14 @@ const SECTIONS: [(&str, SectionFn); 10] = [
 ];
 
 fn main() {
-    let (mut quick, mut with_peers, mut only, mut out) = (false, false, String::new(), PathBuf::from("report"));
+    let (mut quick, mut with_peers, mut only, mut out) = (false, false, Vec::new(), PathBuf::from("report"));
     let mut arguments = std::env::args().skip(1);
     while let Some(argument) = arguments.next() {
         match argument.as_str() {
             "--quick" => quick = true,
             "--peers" => with_peers = true,
             "--only" => match arguments.next() {
-                Some(text) => only = text,
+                Some(text) => only.push(text.to_lowercase()),
                 None => {
                     eprintln!("report: --only needs a part of the name of a section");
                     std::process::exit(2);
@@ -99,8 +104,14 @@ fn main() {
         }
     }
     let start = Instant::now();
-    let options = RunOptions { quick, rounds: if quick { 3 } else { 5 }, engines: scenes::engines() };
-    let wanted = SECTIONS.iter().filter(|(title, _)| title.to_lowercase().contains(&only.to_lowercase()));
+    let options = RunOptions {
+        quick,
+        rounds: if quick { 3 } else { 5 },
+        engines: scenes::engines(),
+        measured: RefCell::default(),
+    };
+    let is_wanted = |title: &str| only.is_empty() || only.iter().any(|text| title.to_lowercase().contains(text));
+    let wanted = SECTIONS.iter().filter(|(title, _)| is_wanted(title));
     let wanted = wanted.filter(|(title, _)| with_peers || !PEERS.contains(title));
     let mut page = page::Page::open(&out, !only.is_empty());
     let mut measured = 0;
@@ -116,7 +127,10 @@ fn main() {
     }
     if measured == 0 {
         let titles = SECTIONS.map(|(title, _)| title).join(", ");
-        eprintln!("report: no section has '{only}' in its title; they are {titles} (those beside others need --peers)");
+        eprintln!(
+            "report: no section has '{}' in its title; they are {titles} (those beside others need --peers)",
+            only.join("' or '")
+        );
         std::process::exit(2);
     }
     eprintln!("{:5.0} s  wrote {}", start.elapsed().as_secs_f64(), out.join("REPORT.md").display());

@@ -1,5 +1,7 @@
 //! What views gain from each other: light of their own, path reuse, and reconstruction, on the scenes of the gallery.
 
+use std::ops::Range;
+use std::rc::Rc;
 use std::time::Instant;
 
 use holo_bench::error::{Images, nine, rgb, sorted, squared_error};
@@ -11,10 +13,14 @@ use holo_scene::gallery;
 use crate::table::{Table, short};
 use crate::{RunOptions, Section};
 
-const SAMPLES: u32 = 4;
+pub const SAMPLES: u32 = 4;
+
+/// The views that are compared, and the center among them.
+const VIEWS: usize = 9;
+const CENTER: usize = VIEWS / 2;
 
 /// Measured at few views too, where neighbors are farther apart.
-pub const FEW_VIEWS: [&str; 4] = ["glasses", "chess", "garden", "plaster"];
+const FEW_VIEWS: [&str; 4] = ["glasses", "chess", "garden", "plaster"];
 
 /// What the views share, in the order of the table.
 const SETTINGS: [(&str, Reuse, Denoise); 3] = [
@@ -23,23 +29,28 @@ const SETTINGS: [(&str, Reuse, Denoise); 3] = [
     ("samples (`--denoise views`)", Reuse::Views, Denoise::Views),
 ];
 
-/// A division of the 8K sensor, the part of its lens rows that is rendered, and the scenes.
-struct Division {
-    views: usize,
-    rows: usize,
+/// A division of the 8K sensor, the part of its lens rows that is rendered, the samples of a reference, and the scenes.
+pub struct Division {
+    pub views: usize,
+    pub rows: usize,
     reference: u32,
-    scenes: Vec<String>,
+    pub scenes: Vec<String>,
+}
+
+/// The divisions of this section and of that on Cycles.
+pub fn divisions(options: &RunOptions) -> Vec<Division> {
+    if options.quick {
+        return vec![Division { views: 100, rows: 4, reference: 128, scenes: vec!["plaster".into()] }];
+    }
+    let all = gallery::NAMES.iter().map(|&name| name.to_owned());
+    vec![
+        Division { views: 100, rows: 6, reference: 4096, scenes: all.collect() },
+        Division { views: 20, rows: 12, reference: 1024, scenes: FEW_VIEWS.map(String::from).into() },
+    ]
 }
 
 pub fn section(options: &RunOptions) -> Section {
-    let all = gallery::NAMES.iter().map(|&name| name.to_owned());
-    let divisions = match options.quick {
-        true => vec![Division { views: 100, rows: 4, reference: 128, scenes: vec!["plaster".into()] }],
-        false => vec![
-            Division { views: 100, rows: 8, reference: 4096, scenes: all.collect() },
-            Division { views: 20, rows: 24, reference: 1024, scenes: FEW_VIEWS.map(String::from).into() },
-        ],
-    };
+    let divisions = divisions(options);
     let mut table = Table::new(&[
         "views",
         "scene",
@@ -55,7 +66,7 @@ pub fn section(options: &RunOptions) -> Section {
     for division in &divisions {
         let mut gains: [Vec<[f64; 2]>; 3] = Default::default();
         for scene in &division.scenes {
-            for (gains, gain) in gains.iter_mut().zip(measure(scene, division, &mut table)) {
+            for (gains, gain) in gains.iter_mut().zip(add_rows(options, scene, division, &mut table)) {
                 gains.push(gain);
             }
         }
@@ -104,40 +115,22 @@ pub fn geometric_mean(values: &[f64]) -> f64 {
 }
 
 /// Adds the rows of a scene; returns, for each setting, the gains in error and in time x error.
-fn measure(name: &str, division: &Division, table: &mut Table) -> [[f64; 2]; 3] {
-    let scene = gallery::scene(name).expect("a scene of the gallery");
-    let (renderer, rig) = on_the_paper_sensor(&scene, division.views);
-    let middle = rig.shape().lenses().rows / 2;
-    let rows = middle - division.rows / 2..middle + division.rows.div_ceil(2);
-    let request = Request::new(rig).samples(SAMPLES).lens_rows(Some(rows));
-    let list = nine(division.views);
-    let references = [1, 2].map(|seed| {
-        let request = request.clone().samples(division.reference).seed(seed).texture_filter(TextureFilter::Off);
-        let color = renderer.render(&request.views(Views::List(list.clone())), &()).expect("a reference").color;
-        let color = color.expect("the scene is lit");
-        (0..list.len()).map(|k| image(&color, 0, k)).collect::<Images>()
-    });
-    let mut first = None;
-    SETTINGS.map(|(shared, reuse, denoise)| {
-        let request = request.clone().reuse(reuse).denoise(denoise);
-        let start = Instant::now();
-        let color = renderer.render(&request, &()).expect("a render").color.expect("the scene is lit");
-        let seconds = start.elapsed().as_secs_f64();
-        let images: Images = list.iter().map(|view| image(&color, view.row, view.column)).collect();
-        let errors: Vec<f64> = (0..list.len()).map(|k| squared_error(&images[k], &references, k)).collect();
+fn add_rows(options: &RunOptions, name: &str, division: &Division, table: &mut Table) -> [[f64; 2]; 3] {
+    let measured = measured(options, name, division);
+    let (first_seconds, first_errors) = measured.settings[0];
+    let mut settings = SETTINGS.iter();
+    measured.settings.map(|(seconds, errors)| {
         let corners = sorted(&[0, 2, 6, 8].map(|k| errors[k]));
-        let median = sorted(&errors)[list.len() / 2];
-        let (first_seconds, first_errors) = first.get_or_insert((seconds, errors.clone()));
         let ratios: Vec<f64> = first_errors.iter().zip(&errors).map(|(before, after)| before / after).collect();
-        let less = sorted(&ratios)[list.len() / 2];
-        let gain = [less, less * *first_seconds / seconds];
+        let less = sorted(&ratios)[CENTER];
+        let gain = [less, less * first_seconds / seconds];
         table.push([
             format!("{0} x {0}", division.views),
             name.to_owned(),
-            shared.to_owned(),
+            settings.next().map_or("", |setting| setting.0).to_owned(),
             short(seconds),
-            short(median),
-            short(errors[4]),
+            short(sorted(&errors)[CENTER]),
+            short(errors[CENTER]),
             short((corners[1] + corners[2]) / 2.0),
             short(gain[0]),
             short(gain[1]),
@@ -146,7 +139,70 @@ fn measure(name: &str, division: &Division, table: &mut Table) -> [[f64; 2]; 3] 
     })
 }
 
+/// A scene in a division of the sensor.
+pub struct Measured {
+    /// The lens rows that are compared.
+    pub rows: Range<usize>,
+    /// The seconds of each setting, and the errors of nine views.
+    settings: [(f64, [f64; VIEWS]); 3],
+    /// The mean radiance of the views.
+    pub mean: [f64; VIEWS],
+}
+
+impl Measured {
+    /// Of the reconstruction.
+    pub fn seconds(&self) -> f64 {
+        self.settings[2].0
+    }
+
+    /// The error of the reconstruction in a view.
+    pub fn error(&self, view: usize) -> f64 {
+        self.settings[2].1[view]
+    }
+}
+
+/// Measures a scene, once for all sections.
+pub fn measured(options: &RunOptions, name: &str, division: &Division) -> Rc<Measured> {
+    let key = (division.views, name.to_owned());
+    if let Some(found) = options.measured.borrow().get(&key) {
+        return Rc::clone(found);
+    }
+    let found = Rc::new(measure(name, division));
+    options.measured.borrow_mut().insert(key, Rc::clone(&found));
+    found
+}
+
+fn measure(name: &str, division: &Division) -> Measured {
+    let scene = gallery::scene(name).expect("a scene of the gallery");
+    let (renderer, rig) = on_the_paper_sensor(&scene, division.views);
+    let first = (rig.shape().lenses().rows - division.rows) / 2;
+    let rows = first..first + division.rows;
+    let request = Request::new(rig).samples(SAMPLES).lens_rows(Some(rows.clone()));
+    let list = nine(division.views);
+    let references = [1, 2].map(|seed| {
+        let request = request.clone().samples(division.reference).seed(seed).texture_filter(TextureFilter::Off);
+        let color = renderer.render(&request.views(Views::List(list.clone())), &()).expect("a reference").color;
+        let color = color.expect("the scene is lit");
+        (0..VIEWS).map(|k| image(&color, 0, k)).collect::<Images>()
+    });
+    let settings = SETTINGS.map(|(_, reuse, denoise)| {
+        let request = request.clone().reuse(reuse).denoise(denoise);
+        let start = Instant::now();
+        let color = renderer.render(&request, &()).expect("a render").color.expect("the scene is lit");
+        let seconds = start.elapsed().as_secs_f64();
+        let images: Images = list.iter().map(|view| image(&color, view.row, view.column)).collect();
+        (seconds, std::array::from_fn(|k| squared_error(&images[k], &references, k)))
+    });
+    let mean = std::array::from_fn(|k| (mean(&references[0][k]) + mean(&references[1][k])) / 2.0);
+    Measured { rows, settings, mean }
+}
+
+/// The mean of all pixels and channels.
+pub fn mean(pixels: &[[f32; 3]]) -> f64 {
+    pixels.as_flattened().iter().map(|&value| f64::from(value)).sum::<f64>() / (3 * pixels.len()) as f64
+}
+
 /// A view, pixel by pixel.
-pub fn image(color: &LightFieldOwned<f32>, row: usize, column: usize) -> Vec<[f32; 3]> {
+fn image(color: &LightFieldOwned<f32>, row: usize, column: usize) -> Vec<[f32; 3]> {
     color.view(row, column).expect("a view").rows().into_iter().flat_map(|row| rgb(row.iter())).collect()
 }

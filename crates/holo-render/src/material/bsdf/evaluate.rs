@@ -26,10 +26,10 @@ pub(super) struct Glass {
 }
 
 impl Bsdf {
-    /// Evaluates the BSDF from `into` to `out`, without the delta lobes.
+    /// Evaluates the BSDF from `into` to `out`, whose lobes are `lobes`, without the delta lobes.
     #[inline(always)]
-    pub fn evaluate(&self, out: &Directions, into: &Directions) -> Evaluated {
-        let terms = self.terms(&self.lobes(out), out, into);
+    pub fn evaluate_lobes(&self, lobes: &Lobes, out: &Directions, into: &Directions) -> Evaluated {
+        let terms = self.terms(lobes, out, into);
         let mut value = terms.plain;
         for c in 0..3 {
             for lane in 0..LANES {

@@ -11,7 +11,7 @@ use crate::simd::LANES;
 const MIN_METAL_REFLECTANCE: f32 = 0.05;
 
 /// The lobes of sixteen BSDFs for given directions to the viewer.
-pub(super) struct Lobes {
+pub(crate) struct Lobes {
     /// Weights of the mixture: metal, glass, and diffuse with coat.
     pub metal: [f32; LANES],
     pub glass: [f32; LANES],
@@ -39,7 +39,7 @@ pub(super) struct Lobes {
     pub coat_again: [[f32; LANES]; 3],
     pub strongest_again: [f32; LANES],
     /// The table rows, if any lane has rough metal, a rough coat or a rough pane.
-    pub rows: Option<Rows>,
+    pub(super) rows: Option<Rows>,
     /// Whether any lane is not purely Lambertian; has rough lobes; has delta lobes; has glass. Lobes that no lane has
     /// are skipped, which does not change the results: they would add 0.
     pub any_specular: bool,
@@ -50,7 +50,7 @@ pub(super) struct Lobes {
 
 impl Lobes {
     /// The lobes of Lambertian lanes.
-    pub(super) const LAMBERTIAN: Self = {
+    pub const LAMBERTIAN: Self = {
         let zero = [0.0; LANES];
         Self {
             metal: zero,
@@ -83,7 +83,7 @@ impl Lobes {
 impl Bsdf {
     /// The lobes for directions `out` to the viewer.
     #[inline(always)]
-    pub(super) fn lobes(&self, out: &Directions) -> Lobes {
+    pub fn lobes(&self, out: &Directions) -> Lobes {
         let mut lobes = Lobes::LAMBERTIAN;
         let needs_table = self.set_weights(&mut lobes);
         if lobes.any_specular {

@@ -19,10 +19,10 @@ struct Picked {
 }
 
 impl Bsdf {
-    /// Samples the direction to the light: `choice` selects the lobe, `point` the direction; all in [0, 1).
+    /// Samples the direction to the light for `out`, whose lobes are `lobes`: `choice` selects the lobe, `point` the
+    /// direction; all in [0, 1).
     #[inline(always)]
-    pub fn sample(&self, out: &Directions, choice: &[f32; LANES], point: &Points) -> Sampled {
-        let lobes = self.lobes(out);
+    pub fn sample_lobes(&self, lobes: &Lobes, out: &Directions, choice: &[f32; LANES], point: &Points) -> Sampled {
         let mut sampled = Sampled {
             into: sampling::cosine_hemisphere(point),
             weight: [[0.0; LANES]; 3],
@@ -32,11 +32,11 @@ impl Bsdf {
         let mut valid = [true; LANES];
         let mut delta = [false; LANES];
         if lobes.any_specular {
-            let picked = pick(&lobes, choice);
-            valid = self.sample_specular(&lobes, &picked, out, &mut sampled);
+            let picked = pick(lobes, choice);
+            valid = self.sample_specular(lobes, &picked, out, &mut sampled);
             delta = picked.delta;
         }
-        let terms = self.terms(&lobes, out, &sampled.into);
+        let terms = self.terms(lobes, out, &sampled.into);
         for lane in 0..LANES {
             let (pdf, is_delta) = (terms.pdf[lane], delta[lane]);
             let drawn = valid[lane] & (is_delta | (pdf > MIN_PDF));
