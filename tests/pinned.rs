@@ -98,7 +98,7 @@ fn no_bit_of_a_render_changes() {
             .to_owned();
         let pinned = match name.as_str() {
             "bvh" => Some("bvh"),
-            "embree 4.4.0" => pins::embree(),
+            "embree 4.4.0" | "embree 4.4.0 avx2" | "embree 4.4.0 avx512" => pins::embree(),
             _ => None,
         };
         match pinned {

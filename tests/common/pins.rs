@@ -9,7 +9,7 @@ fn engine(name: &str) -> &str {
 
 /// The name of Embree 4.4.0 in the lists: its intersections with AVX-512 and with AVX2 differ in their last bits. `None` for
 /// a processor without either, of which nothing is pinned. With `HOLO_EMBREE_ISA=avx2` a processor with AVX-512 makes the
-/// digests of AVX2.
+/// digests of AVX2; of other sets nothing is pinned.
 pub fn embree() -> Option<&'static str> {
     match std::env::var_os("HOLO_EMBREE_ISA") {
         Some(isa) if isa == "avx2" => return Some("embree-4.4.0-avx2"),

@@ -106,6 +106,13 @@ fn bad_scene(at: String, what: String) -> Error {
     Error::Scene(holo_scene::Error::BadScene { at, what })
 }
 
+/// The group of item number `index` of `count`, of at most `groups`: a group for every item, or for runs of neighbors where
+/// there are more items.
+#[inline(always)]
+fn group(index: u32, count: usize, groups: u32) -> u32 {
+    if count <= groups as usize { index } else { (u64::from(index) * u64::from(groups) / count as u64) as u32 }
+}
+
 impl Geometry {
     /// Transforms `scene` to the frame of a camera at `pose`.
     pub fn build(scene: &Scene, pose: &Transform, instancing: Instancing) -> Result<Self, Error> {
@@ -317,12 +324,10 @@ impl Geometry {
         }
     }
 
-    /// The group of the instance that is hit, of at most `groups`: instances of their own, or runs of neighbors where there
-    /// are more.
+    /// The group of the instance that is hit, see [`group`].
     #[inline(always)]
     pub fn instance_group(&self, hit: Hit, groups: u32) -> u32 {
-        let (index, count) = (self.instance_index(hit), self.instances.len());
-        if count <= groups as usize { index } else { (u64::from(index) * u64::from(groups) / count as u64) as u32 }
+        group(self.instance_index(hit), self.instances.len(), groups)
     }
 
     #[inline(always)]
@@ -423,6 +428,15 @@ mod tests {
             instances: vec![Instance { name: String::new(), mesh: 0, transform }],
             materials: vec![holo_scene::Material::default()],
             ..Scene::default()
+        }
+    }
+
+    #[test]
+    fn groups_are_items_or_runs_of_neighbors() {
+        for count in [1, 5, 1022, 1023, 1024, 5000] {
+            let groups: Vec<u32> = (0..count).map(|index| group(index, count as usize, 1023)).collect();
+            assert!(groups.windows(2).all(|pair| pair[1] - pair[0] <= 1), "neighbors, and none left out");
+            assert_eq!((groups[0], groups[groups.len() - 1]), (0, count.min(1023) - 1));
         }
     }
 

@@ -45,7 +45,7 @@ use std::process::ExitCode;
 use pip::Availability;
 
 const USAGE: &str = "usage: cargo xtask setup | build | demo | test | dist [--check] | clippy | doc | embree | \
-    fuzz [SECONDS [TARGET..]] | package | python [PYTEST ARGUMENTS] | blender [--bundle] [--test] | modules | bench | report [--quick] [--peers] [--only TEXT] [--out DIR] | \
+    fuzz [SECONDS [TARGET..]] | package | python [PYTEST ARGUMENTS] | blender [--bundle] [--test] | modules | bench | report [--quick] [--peers] [--only TEXT].. [--out DIR] | \
     sanitize [address] [thread] [miri] | wild DIR [--list FILE]";
 
 fn main() -> ExitCode {

@@ -217,17 +217,14 @@ fn candidates() -> Vec<PathBuf> {
     found
 }
 
-/// The configuration of a device with `threads` threads (0: all), and with the instruction set that HOLO_EMBREE_ISA names:
-/// intersections with AVX-512 and with AVX2 differ in their last bits, so that the bytes of another processor need its set.
-fn configuration(threads: usize) -> Result<CString, Error> {
-    let mut text = format!("threads={threads}");
-    if let Some(isa) = std::env::var_os("HOLO_EMBREE_ISA") {
-        let known = ["sse2", "sse4.2", "avx", "avx2", "avx512"].into_iter().find(|&name| isa == name);
-        let unknown =
-            || Error::Embree(format!("HOLO_EMBREE_ISA is {isa:?}; it can be avx512, avx2, avx, sse4.2 or sse2"));
-        text = format!("{text},isa={}", known.ok_or_else(unknown)?);
+/// The instruction set that HOLO_EMBREE_ISA names: intersections with AVX-512 and with AVX2 differ in their last bits, so that
+/// the bytes of another processor need its set.
+fn instruction_set() -> Result<Option<&'static str>, Error> {
+    let Some(isa) = std::env::var_os("HOLO_EMBREE_ISA") else { return Ok(None) };
+    match ["sse2", "sse4.2", "avx", "avx2", "avx512"].into_iter().find(|&name| isa == name) {
+        Some(known) => Ok(Some(known)),
+        None => Err(Error::Embree(format!("HOLO_EMBREE_ISA is {isa:?}; it can be avx512, avx2, avx, sse4.2 or sse2"))),
     }
-    CString::new(text).map_err(|why| Error::Embree(why.to_string()))
 }
 
 /// The Embree engine: a device and a committed scene, which contains the flattened triangles as one mesh and the
@@ -269,13 +266,25 @@ impl Embree {
 
     fn with_flags(geometry: &Arc<Geometry>, threads: usize, flags: c_int) -> Result<Self, Error> {
         let api = Api::get()?;
-        let config = configuration(threads)?;
+        let isa = instruction_set()?;
+        let mut config = format!("threads={threads}");
+        if let Some(isa) = isa {
+            config = format!("{config},isa={isa}");
+        }
+        let config = CString::new(config).map_err(|why| Error::Embree(why.to_string()))?;
         // SAFETY: `config` is a NUL-terminated string that outlives the call.
-        let device = NonNull::new(unsafe { (api.rtcNewDevice)(config.as_ptr()) })
-            .ok_or_else(|| Error::Embree("cannot create a device".into()))?;
+        let device = NonNull::new(unsafe { (api.rtcNewDevice)(config.as_ptr()) }).ok_or_else(|| {
+            let hint =
+                if isa.is_some() { "; perhaps the processor lacks the set that HOLO_EMBREE_ISA names" } else { "" };
+            Error::Embree(format!("cannot create a device{hint}"))
+        })?;
         // SAFETY: the device was just created.
         let version = unsafe { (api.rtcGetDeviceProperty)(device.as_ptr(), DEVICE_PROPERTY_VERSION) };
-        let name = format!("embree {}.{}.{}", version / 10_000, version / 100 % 100, version % 100);
+        let mut name = format!("embree {}.{}.{}", version / 10_000, version / 100 % 100, version % 100);
+        if let Some(isa) = isa {
+            // Other values: not to be mixed with those of the automatic choice.
+            name = format!("{name} {isa}");
+        }
         // SAFETY: the device is alive.
         let Some(scene) = NonNull::new(unsafe { (api.rtcNewScene)(device.as_ptr()) }) else {
             // SAFETY: as above.

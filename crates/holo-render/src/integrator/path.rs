@@ -31,7 +31,7 @@ use super::reuse::{self, SharedLight, Step};
 use super::shade::{self, Shading};
 use super::{Context, RayCounts, mis};
 use crate::accel::refine;
-use crate::accel::{CAMERA_RAY, Coherence, RayHits, Rays};
+use crate::accel::{CAMERA_RAY, Coherence, NO_TRIANGLE, RayHits, Rays};
 use crate::camera::tile::Tile;
 use crate::camera::{CameraRays, PixelPacket};
 use crate::film::adaptive::Samples;
@@ -240,7 +240,7 @@ impl TilePaths<'_> {
     /// Traces all rays of a stage - the camera rays of the samples from `first` to `end`, or the rays that were scattered
     /// at the previous vertex - and shades their hits.
     ///
-    /// A single loop for both: the called functions are large and are compiled into the kernel once.
+    /// A single loop shades both: the called functions are large and are compiled into the kernel once.
     #[inline(always)]
     fn trace(&mut self, tile: &Tile, stage: Stage, [first, end]: [u32; 2]) {
         let (context, vertex) = (self.context, stage.vertex);
@@ -445,7 +445,10 @@ impl TilePaths<'_> {
     fn scattered_rays(&self, k: usize, packet: &mut RayHits) -> Traced {
         let paths = self.scratch.now.packet(k, packet);
         let sequences = self.sequences(&paths.pixel);
-        let points = HitPoints::secondary(self.context.scene.geometry, packet);
+        let mut points = HitPoints::NONE;
+        if packet.hits.triangle.iter().any(|&triangle| triangle != NO_TRIANGLE) {
+            points = HitPoints::secondary(self.context.scene.geometry, packet);
+        }
         Traced { paths, sequences, points, coherence: Coherence::Incoherent }
     }
 }

@@ -3,8 +3,8 @@
 //!
 //! Scattered rays are incoherent in pixel order. But the pixels of one tile start close together, so the rays are
 //! collected, sorted by direction and traced in packets of similar directions. The rays of such a packet hit different
-//! surfaces, and a packet costs what its costliest lane needs. So the hits are collected too and shaded in packets of the
-//! same surface; rays that have missed the scene are packets of their own, or are left out where nothing lies behind it.
+//! surfaces, and a packet costs what its costliest lane needs. So the hits are collected too, sorted, and shaded in packets
+//! that mostly lie on one surface. Rays that have missed the scene come first, or are left out if no light is behind it.
 //! The order of the rays of a pixel depends only on those rays.
 
 use crate::accel::{NO_TRIANGLE, RayHits, Rays};
@@ -143,7 +143,6 @@ impl Paths {
         self.paths.clear();
         self.media.clear();
         self.cells.clear();
-        self.shaded.clear();
     }
 
     /// Sorts the rays by direction, to be traced.
@@ -334,7 +333,8 @@ mod tests {
         let unsorted: Vec<u32> = (0..paths.traced.len() as u32).collect();
         assert!(step(&paths.traced) < 0.05 * step(&unsorted), "{} {}", step(&paths.traced), step(&unsorted));
     }
-    /// Rays along Z that hit triangle `hit(k)` of `geometry`, if any; every ray has the pixel of its number.
+
+    /// Rays along two axes that hit triangle `hit(k)` of `geometry`, if any; every ray has the pixel of its number.
     fn recorded(
         geometry: &Geometry,
         count: u32,

@@ -23,7 +23,7 @@
 //! cyan.
 //!
 //! Below an alpha (roughness squared) of 1e-3 a lobe is a delta lobe: perfect reflection or refraction.
-//! [`Bsdf::evaluate`] excludes delta lobes; [`Bsdf::sample`] marks them.
+//! [`Bsdf::evaluate_lobes`] excludes delta lobes; [`Bsdf::sample_lobes`] marks them.
 //!
 //! # Multiple scattering
 //! Light that is scattered more than once between the microfacets widens and brightens the lobes

@@ -104,9 +104,8 @@ pub enum Views {
     #[default]
     All,
     /// A list of views, side by side in one row: the light fields of [`Rendered`] have 1 x N views. Every pixel has the
-    /// same random numbers as in the whole image, and with [`Reuse::Off`] the same value: to the bit for direct light of
-    /// lights; where scattered rays hit surfaces up to the rounding of the ray tracing backend, which depends on the rays
-    /// that are traced together.
+    /// same random numbers as in the whole image, and with [`Reuse::Off`] the same value up to the rounding of the ray tracing
+    /// backend, which depends on the rays that are traced together.
     List(Vec<ViewIndex>),
 }
 

@@ -19,9 +19,13 @@ const VIEWS: [(usize, &str); 2] = [(4, "center"), (0, "corner")];
 /// The lens rows on each side that are rendered too, because the reconstruction reads them.
 const HALO_ROWS: usize = 7;
 
-/// The samples of Cycles, and those of each of its references with 100 x 100 views and with fewer.
+/// The samples of Cycles.
 const SAMPLES: [u32; 3] = [16, 64, 256];
-const REFERENCES: [u32; 2] = [1024, 128];
+
+/// Those of each of its references: in a quick report, with 100 x 100 views, and with fewer.
+fn reference_samples(options: &RunOptions, division: &Division) -> u32 {
+    if options.quick || division.views < 100 { 128 } else { 1024 }
+}
 
 /// One image of Cycles.
 struct Rendered {
@@ -65,8 +69,8 @@ pub fn section(options: &RunOptions) -> Section {
     Section {
         text: format!(
             "Scenes of the gallery on the 8K sensor of the paper, paths of up to 8 bounces: 100 x 100 views of 79 x 53 \
-             px, and 20 x 20 of 397 x 265; center and a corner. `holo` with {} samples and `--denoise views` is the \
-             render of the section before; its time per view is that of all lens rows at the same time per row, divided \
+             px, and 20 x 20 of 397 x 265; center and a corner. `holo` with {} samples and `--denoise views` is as \
+             in the section before; its time per view is that of all lens rows at the same time per row, divided \
              by the number of views. Cycles renders a view at a time with the scene kept in memory, up to {} samples, \
              without and with OpenImageDenoise (albedo, normals, accurate prefilter). Errors are those of the lens rows \
              in the middle, as in the section before, each program's against two references of its own (Cycles': {} \
@@ -75,8 +79,8 @@ pub fn section(options: &RunOptions) -> Section {
              the most samples, on logarithmic scales; after > where the most do not reach it. Single runs.{missing}",
             sharing::SAMPLES,
             SAMPLES[SAMPLES.len() - 1],
-            REFERENCES[0],
-            REFERENCES[1]
+            reference_samples(options, &divisions[0]),
+            divisions.last().map_or(0, |division| reference_samples(options, division))
         ),
         highlights,
         table,
@@ -121,10 +125,12 @@ fn measure(
 ) -> Result<Vec<(f64, bool)>, String> {
     let scene = gallery::scene(name).expect("a scene of the gallery");
     let (_, rig) = on_the_paper_sensor(&scene, division.views);
-    let own = sharing::measured(options, name, division);
     let size = rig.shape().lenses();
+    let rows = division.range(size);
     let list = VIEWS.map(|(number, _)| nine(division.views)[number]);
-    let theirs = cycles(name, &rig, &list, division, own.rows.start * size.columns..own.rows.end * size.columns)?;
+    let reference = reference_samples(options, division);
+    let theirs = cycles(name, &rig, &list, reference, rows.start * size.columns..rows.end * size.columns)?;
+    let own = sharing::measured(options, name, division);
     let rendered_rows = (division.rows + 2 * HALO_ROWS).min(size.rows);
     let own_seconds =
         own.seconds() * size.rows as f64 / rendered_rows as f64 / (division.views * division.views) as f64;
@@ -176,7 +182,7 @@ fn cycles(
     name: &str,
     rig: &Rig,
     list: &[ViewIndex],
-    division: &Division,
+    reference: u32,
     part: std::ops::Range<usize>,
 ) -> Result<Vec<Rendered>, String> {
     let file = std::env::temp_dir().join(format!("holo-peers-{}-{name}.glb", std::process::id()));
@@ -188,7 +194,7 @@ fn cycles(
         (rig.focal_length_m() / rig.sensor_size_m()).to_string(),
         rig.focus_distance_m().to_string(),
         SAMPLES.map(|samples| samples.to_string()).join(","),
-        REFERENCES[usize::from(division.views < 100)].to_string(),
+        reference.to_string(),
     ];
     let names = ["--size", "--focal", "--focus", "--samples", "--reference"];
     let mut arguments: Vec<&str> = names.into_iter().zip(&text).flat_map(|(name, text)| [name, text]).collect();

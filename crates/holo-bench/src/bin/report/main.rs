@@ -1,4 +1,4 @@
-//! Measures speed and error: `cargo xtask report [--quick] [--peers] [--only TEXT] [--out DIR]`.
+//! Measures speed and error: `cargo xtask report [--quick] [--peers] [--only TEXT].. [--out DIR]`.
 //!
 //! Writes `REPORT.md`, one CSV file per table, and SVG plots. With `--only`, once or more, the other sections of the report stay. Every time is the median of several runs of this process
 //! with their spread (BVH builds: one run), as a ratio to a comparable time if there is one. Every error is against a
@@ -97,7 +97,7 @@ fn main() {
             },
             other => {
                 eprintln!(
-                    "report: unknown argument '{other}'; the options are --quick, --peers, --only TEXT and --out DIR"
+                    "report: unknown argument '{other}'; the options are --quick, --peers, --only TEXT (once or more) and --out DIR"
                 );
                 std::process::exit(2);
             }
@@ -110,6 +110,13 @@ fn main() {
         engines: scenes::engines(),
         measured: RefCell::default(),
     };
+    if let Some(unknown) =
+        only.iter().find(|&text| SECTIONS.iter().all(|(title, _)| !title.to_lowercase().contains(text)))
+    {
+        let titles = SECTIONS.map(|(title, _)| title).join(", ");
+        eprintln!("report: no section has '{unknown}' in its title; they are {titles}");
+        std::process::exit(2);
+    }
     let is_wanted = |title: &str| only.is_empty() || only.iter().any(|text| title.to_lowercase().contains(text));
     let wanted = SECTIONS.iter().filter(|(title, _)| is_wanted(title));
     let wanted = wanted.filter(|(title, _)| with_peers || !PEERS.contains(title));

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use holo_bench::error::{Images, nine, rgb, sorted, squared_error};
 use holo_bench::on_the_paper_sensor;
-use holo_core::LightFieldOwned;
+use holo_core::{GridSize, LightFieldOwned};
 use holo_render::{Denoise, Request, Reuse, TextureFilter, Views};
 use holo_scene::gallery;
 
@@ -35,6 +35,14 @@ pub struct Division {
     pub rows: usize,
     reference: u32,
     pub scenes: Vec<String>,
+}
+
+impl Division {
+    /// The lens rows of `lenses` that are compared: those in the middle.
+    pub fn range(&self, lenses: GridSize) -> Range<usize> {
+        let first = (lenses.rows - self.rows) / 2;
+        first..first + self.rows
+    }
 }
 
 /// The divisions of this section and of that on Cycles.
@@ -118,8 +126,8 @@ pub fn geometric_mean(values: &[f64]) -> f64 {
 fn add_rows(options: &RunOptions, name: &str, division: &Division, table: &mut Table) -> [[f64; 2]; 3] {
     let measured = measured(options, name, division);
     let (first_seconds, first_errors) = measured.settings[0];
-    let mut settings = SETTINGS.iter();
-    measured.settings.map(|(seconds, errors)| {
+    std::array::from_fn(|k| {
+        let (seconds, errors) = measured.settings[k];
         let corners = sorted(&[0, 2, 6, 8].map(|k| errors[k]));
         let ratios: Vec<f64> = first_errors.iter().zip(&errors).map(|(before, after)| before / after).collect();
         let less = sorted(&ratios)[CENTER];
@@ -127,7 +135,7 @@ fn add_rows(options: &RunOptions, name: &str, division: &Division, table: &mut T
         table.push([
             format!("{0} x {0}", division.views),
             name.to_owned(),
-            settings.next().map_or("", |setting| setting.0).to_owned(),
+            SETTINGS[k].0.to_owned(),
             short(seconds),
             short(sorted(&errors)[CENTER]),
             short(errors[CENTER]),
@@ -141,8 +149,6 @@ fn add_rows(options: &RunOptions, name: &str, division: &Division, table: &mut T
 
 /// A scene in a division of the sensor.
 pub struct Measured {
-    /// The lens rows that are compared.
-    pub rows: Range<usize>,
     /// The seconds of each setting, and the errors of nine views.
     settings: [(f64, [f64; VIEWS]); 3],
     /// The mean radiance of the views.
@@ -175,9 +181,8 @@ pub fn measured(options: &RunOptions, name: &str, division: &Division) -> Rc<Mea
 fn measure(name: &str, division: &Division) -> Measured {
     let scene = gallery::scene(name).expect("a scene of the gallery");
     let (renderer, rig) = on_the_paper_sensor(&scene, division.views);
-    let first = (rig.shape().lenses().rows - division.rows) / 2;
-    let rows = first..first + division.rows;
-    let request = Request::new(rig).samples(SAMPLES).lens_rows(Some(rows.clone()));
+    let rows = division.range(rig.shape().lenses());
+    let request = Request::new(rig).samples(SAMPLES).lens_rows(Some(rows));
     let list = nine(division.views);
     let references = [1, 2].map(|seed| {
         let request = request.clone().samples(division.reference).seed(seed).texture_filter(TextureFilter::Off);
@@ -194,7 +199,7 @@ fn measure(name: &str, division: &Division) -> Measured {
         (seconds, std::array::from_fn(|k| squared_error(&images[k], &references, k)))
     });
     let mean = std::array::from_fn(|k| (mean(&references[0][k]) + mean(&references[1][k])) / 2.0);
-    Measured { rows, settings, mean }
+    Measured { settings, mean }
 }
 
 /// The mean of all pixels and channels.

@@ -1,8 +1,8 @@
 //! Evaluation of normals and base colors at the sixteen hits of a packet.
 //!
-//! The camera rays of a packet mostly hit a single instance: its material is then read once, and its texture is sampled
-//! by all lanes together. Otherwise (scattered rays, foliage) the lanes are evaluated one by one. Both ways give
-//! bitwise identical results.
+//! The camera rays of a packet mostly hit a single instance, and hits of scattered rays are sorted by instance: its material
+//! is then read once, and its texture is sampled by all lanes together. Otherwise (foliage, the last hits of one instance
+//! beside the first of the next) the lanes are evaluated one by one. Both ways give bitwise identical results.
 
 use super::{Appearance, MaterialFlags, SurfacePoint, TextureLookup, texture_triangle};
 use crate::accel::RayHits;
