@@ -118,7 +118,8 @@ fn detail(row: &[ndarray::Array3<f32>]) -> [f64; 2] {
 
 /// Reconstructed views are as sharp as converged ones, which the power at the highest frequencies tells: a blur would take
 /// it away (0.95 and more is left), and noise adds to it (up to a quarter, where the plain samples have 2 to 12 times as
-/// much). Between neighboring views the noise flickers a tenth as much as that of the samples, or less.
+/// much). Between neighboring views the noise flickers a tenth as much as that of the samples, or less. The bounds are a
+/// little wider than these measurements.
 #[test]
 fn reconstructed_views_are_as_sharp_as_converged_ones() {
     for (name, movement_px) in [("tiles", 0.3), ("chess", 0.05), ("garden", 0.3)] {

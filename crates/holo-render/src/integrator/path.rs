@@ -17,7 +17,8 @@
 //!
 //! **Order.** The paths of a tile advance together, one vertex at a time: first the camera rays in packets of
 //! neighboring views, then all rays that were scattered at the first vertex, traced in the order of their directions and
-//! shaded in the order of the surfaces that they hit ([`super::paths`]), and so on. Rays after the last bounce are only tested for occlusion, unless surfaces emit.
+//! shaded in the order of the surfaces that they hit ([`super::paths`]), and so on. Rays after the last bounce are only
+//! tested for occlusion, unless surfaces emit.
 //!
 //! **Samples.** A single sample goes through the center of the pixel; more are distributed over the pixel (box filter),
 //! see [`crate::Sampling`].
