@@ -27,7 +27,7 @@ use std::ops::Range;
 
 use ndarray::ArrayViewMut5;
 
-use super::paths::{PathPacket, Paths, Query};
+use super::paths::{PathPacket, Paths, Query, Scattered};
 use super::reuse::{self, SharedLight, Step};
 use super::shade::{self, Shading};
 use super::{Context, RayCounts, mis};
@@ -103,7 +103,7 @@ pub(crate) struct Scratch {
     /// Rays that were scattered at the previous vertex.
     now: Paths,
     /// Rays that are scattered at the current vertex.
-    next: Paths,
+    next: Scattered,
 }
 
 impl Kernel for PathTile<'_, '_> {
@@ -122,10 +122,7 @@ impl Kernel for PathTile<'_, '_> {
             }
             for vertex in 0..=context.policy.max_bounces {
                 tile_paths.trace(self.tile, Stage { vertex, gathers: false }, [first, end]);
-                let scratch = &mut *tile_paths.scratch;
-                scratch.now.clear();
-                std::mem::swap(&mut scratch.now, &mut scratch.next);
-                if scratch.now.len() == 0 {
+                if tile_paths.scratch.next.is_empty() {
                     break;
                 }
             }
@@ -205,7 +202,6 @@ impl Scratch {
         if context.inverse_depths {
             self.inverse_depths.begin(tile.packet_count());
         }
-        self.now.clear();
         self.next.clear();
         for (k, pixels) in context.camera.packets(tile).enumerate() {
             self.samples.push(&pixels.valid, round.wanted.is_empty() || round.wanted[k]);
@@ -401,7 +397,7 @@ impl TilePaths<'_> {
         } else {
             Query::Nearest { misses_count: context.scene.has_light_at_infinity() }
         };
-        self.scratch.now.sort_to_trace(geometry);
+        self.scratch.now.sort_to_trace(&mut self.scratch.next, geometry);
         let mut packet = RayHits::EMPTY;
         let mut mean_changes = 0.0;
         for k in 0..self.scratch.now.len().div_ceil(LANES) {

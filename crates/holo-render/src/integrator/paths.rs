@@ -79,7 +79,38 @@ impl SampleState {
     }
 }
 
-/// The scattered rays of one tile: at most one per sample.
+/// The rays of one tile that are scattered at one vertex, in pixel order: at most one per sample.
+#[derive(Default)]
+pub(crate) struct Scattered {
+    paths: Vec<Path>,
+    /// The media around each path; empty if the scene has no bodies of glass.
+    media: Vec<MediaStack>,
+    /// The cells of the directions.
+    cells: Vec<u32>,
+}
+
+impl Scattered {
+    /// Adds a ray whose direction lies in `cell` (see [`cell`]); with its media if the scene has any.
+    #[inline(always)]
+    pub fn push(&mut self, path: Path, cell: u32, media: Option<MediaStack>) {
+        self.paths.push(path);
+        self.media.extend(media);
+        self.cells.push(cell);
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.paths.is_empty()
+    }
+
+    pub fn clear(&mut self) {
+        self.paths.clear();
+        self.media.clear();
+        self.cells.clear();
+    }
+}
+
+/// The scattered rays of one tile in the order in which they are traced, which is that of memory: their state is larger
+/// than the inner caches, and is read and written twice.
 #[derive(Default)]
 pub(crate) struct Paths {
     paths: Vec<Path>,
@@ -87,13 +118,10 @@ pub(crate) struct Paths {
     media: Vec<MediaStack>,
     /// The placement that each path has hit; empty if the geometry has none.
     placements: Vec<u32>,
-    /// The cells of the directions.
-    cells: Vec<u32>,
-    /// The paths in the order in which they are traced, and their bins.
-    traced: Vec<u32>,
+    /// The bins of the paths.
     bins: Vec<u32>,
-    /// The paths in the order in which they are shaded.
-    shaded: Vec<u32>,
+    /// Numbers of scattered rays or paths in the order of the last sort.
+    order: Vec<u32>,
     starts: Vec<u32>,
 }
 
@@ -127,40 +155,33 @@ pub(crate) struct PathPacket {
 }
 
 impl Paths {
-    /// Adds a ray whose direction lies in `cell` (see [`cell`]); with its media if the scene has any.
+    /// Takes over all scattered rays, sorted by direction, to be traced.
     #[inline(always)]
-    pub fn push(&mut self, path: Path, cell: u32, media: Option<MediaStack>) {
-        self.paths.push(path);
-        self.media.extend(media);
-        self.cells.push(cell);
-    }
-
-    pub fn len(&self) -> usize {
-        self.paths.len()
-    }
-
-    pub fn clear(&mut self) {
+    pub fn sort_to_trace(&mut self, scattered: &mut Scattered, geometry: &Geometry) {
+        count_starts(&scattered.cells, CELLS * CELLS, &mut self.starts);
+        self.order.clear();
+        self.order.resize(scattered.cells.len(), 0);
+        for (k, &cell) in scattered.cells.iter().enumerate() {
+            let slot = &mut self.starts[cell as usize];
+            self.order[*slot as usize] = k as u32;
+            *slot += 1;
+        }
         self.paths.clear();
+        self.paths.extend(self.order.iter().map(|&k| scattered.paths[k as usize]));
         self.media.clear();
-        self.cells.clear();
-    }
-
-    /// Sorts the rays by direction, to be traced.
-    #[inline(always)]
-    pub fn sort_to_trace(&mut self, geometry: &Geometry) {
+        if !scattered.media.is_empty() {
+            self.media.extend(self.order.iter().map(|&k| scattered.media[k as usize]));
+        }
         self.placements.clear();
         if geometry.is_instanced() {
             self.placements.resize(self.paths.len(), FLATTENED);
         }
         self.bins.clear();
-        self.traced.clear();
-        self.traced.resize(self.cells.len(), 0);
-        count_starts(&self.cells, CELLS * CELLS, &mut self.starts);
-        for (k, &cell) in self.cells.iter().enumerate() {
-            let slot = &mut self.starts[cell as usize];
-            self.traced[*slot as usize] = k as u32;
-            *slot += 1;
-        }
+        scattered.clear();
+    }
+
+    pub fn len(&self) -> usize {
+        self.paths.len()
     }
 
     /// Writes packet number `index` in the order of tracing to `rays`.
@@ -170,15 +191,14 @@ impl Paths {
         let first = index * LANES;
         for lane in 0..LANES {
             // Lanes beyond the end repeat the last path and are invalid.
-            let k = (first + lane).min(self.traced.len() - 1);
-            let path = &self.paths[self.traced[k] as usize];
+            let path = &self.paths[(first + lane).min(self.paths.len() - 1)];
             for axis in 0..3 {
                 rays.origin[axis][lane] = path.origin[axis];
                 rays.direction[axis][lane] = path.direction[axis];
             }
             out.pixel[lane] = path.pixel;
             out.index[lane] = path.sample.index();
-            out.valid.0[lane] = -i32::from(first + lane < self.traced.len());
+            out.valid.0[lane] = -i32::from(first + lane < self.paths.len());
         }
         rays.near = [0.0; LANES];
         rays.far = [f32::INFINITY; LANES];
@@ -190,8 +210,8 @@ impl Paths {
     pub fn record(&mut self, index: usize, packet: &RayHits, geometry: &Geometry, query: Query) {
         let hits = &packet.hits;
         let first = index * LANES;
-        for lane in 0..LANES.min(self.traced.len() - first) {
-            let k = self.traced[first + lane] as usize;
+        for lane in 0..LANES.min(self.paths.len() - first) {
+            let k = first + lane;
             let (far, triangle) = (packet.rays.far[lane], hits.triangle[lane]);
             self.paths[k].hit = PathHit { far, u: hits.u[lane], v: hits.v[lane], triangle };
             let brings = match query {
@@ -213,15 +233,15 @@ impl Paths {
     #[inline(always)]
     pub fn sort_to_shade(&mut self) -> usize {
         count_starts(&self.bins, BINS, &mut self.starts);
-        self.shaded.resize(self.starts[BINS] as usize, 0);
-        for (&k, &bin) in self.traced.iter().zip(&self.bins) {
+        self.order.resize(self.starts[BINS] as usize, 0);
+        for (k, &bin) in self.bins.iter().enumerate() {
             if bin != NOTHING {
                 let slot = &mut self.starts[bin as usize];
-                self.shaded[*slot as usize] = k;
+                self.order[*slot as usize] = k as u32;
                 *slot += 1;
             }
         }
-        self.shaded.len()
+        self.order.len()
     }
 
     /// Packet number `index` in the order of shading; writes its rays and their hits to `packet`.
@@ -239,8 +259,8 @@ impl Paths {
         let first = index * LANES;
         for lane in 0..LANES {
             // Lanes beyond the end repeat the last path, are invalid and have no hit.
-            let is_valid = first + lane < self.shaded.len();
-            let k = self.shaded[(first + lane).min(self.shaded.len() - 1)] as usize;
+            let is_valid = first + lane < self.order.len();
+            let k = self.order[(first + lane).min(self.order.len() - 1)] as usize;
             let path = &self.paths[k];
             for axis in 0..3 {
                 packet.rays.origin[axis][lane] = path.origin[axis];
@@ -304,34 +324,41 @@ fn spread(x: u32) -> u32 {
 mod tests {
     use super::*;
     use crate::accel::tests::{instanced_soup, soup};
+    use crate::material::media::MediumId;
     use crate::sampling;
+    use crate::simd::at;
 
     #[test]
     fn the_order_is_a_permutation_of_neighbors() {
-        let mut paths = Paths::default();
+        let (mut scattered, mut paths) = (Scattered::default(), Paths::default());
         for index in 0..256 {
             let sequences = std::array::from_fn(|lane| index * 16 + lane as u32);
             let directions = sampling::cosine_hemisphere(&sampling::points(&sequences, 0, sampling::Purpose::PIXEL));
             for lane in 0..LANES {
-                let direction = crate::simd::at(&directions, lane);
+                let direction = at(&directions, lane);
                 let pixel = index * 16 + lane as u32;
                 let (origin, throughput) = ([0.0; 3], [1.0; 3]);
                 let (sample, hit) = (SampleState::new(0, true), PathHit::NONE);
                 let path = Path { origin, bsdf_pdf: 1.0, direction, pixel, throughput, sample, hit };
-                paths.push(path, cell(direction), None);
+                scattered.push(path, cell(direction), None);
             }
         }
-        paths.sort_to_trace(&soup(4, 1));
-        let mut sorted = paths.traced.clone();
-        sorted.sort_unstable();
-        assert!(sorted.iter().enumerate().all(|(k, &o)| o == k as u32), "every ray once");
-        let step = |order: &[u32]| {
+        let unsorted = scattered.paths.clone();
+        paths.sort_to_trace(&mut scattered, &soup(4, 1));
+        assert!(scattered.is_empty());
+        let mut pixels: Vec<u32> = paths.paths.iter().map(|path| path.pixel).collect();
+        pixels.sort_unstable();
+        assert!(pixels.into_iter().eq(0..4096), "every ray once");
+        let step = |paths: &[Path]| {
             let dot = |a: [f32; 3], b: [f32; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-            let d = |k: u32| paths.paths[k as usize].direction;
-            order.windows(2).map(|w| 1.0 - dot(d(w[0]), d(w[1]))).sum::<f32>() / order.len() as f32
+            let steps = paths.windows(2).map(|w| 1.0 - dot(w[0].direction, w[1].direction));
+            steps.sum::<f32>() / paths.len() as f32
         };
-        let unsorted: Vec<u32> = (0..paths.traced.len() as u32).collect();
-        assert!(step(&paths.traced) < 0.05 * step(&unsorted), "{} {}", step(&paths.traced), step(&unsorted));
+        assert!(step(&paths.paths) < 0.05 * step(&unsorted), "{} {}", step(&paths.paths), step(&unsorted));
+    }
+
+    fn medium(pixel: u32) -> MediaStack {
+        MediaStack::AIR.entered(pixel as MediumId)
     }
 
     /// Rays along two axes that hit triangle `hit(k)` of `geometry`, if any; every ray has the pixel of its number.
@@ -341,15 +368,15 @@ mod tests {
         query: Query,
         hit: impl Fn(u32) -> Option<crate::geometry::Hit>,
     ) -> Paths {
-        let mut paths = Paths::default();
+        let (mut scattered, mut paths) = (Scattered::default(), Paths::default());
         for pixel in 0..count {
             let direction = if pixel % 3 == 0 { [0.0, 0.0, 1.0] } else { [0.0, 1.0, 0.0] };
             let (sample, throughput) = (SampleState::new(pixel, true), [1.0; 3]);
             let path =
                 Path { origin: [0.0; 3], bsdf_pdf: 1.0, direction, pixel, throughput, sample, hit: PathHit::NONE };
-            paths.push(path, cell(direction), None);
+            scattered.push(path, cell(direction), Some(medium(pixel)));
         }
-        paths.sort_to_trace(geometry);
+        paths.sort_to_trace(&mut scattered, geometry);
         for k in 0..paths.len().div_ceil(LANES) {
             let mut packet = RayHits::EMPTY;
             let rays = paths.rays(k, &mut packet.rays);
@@ -392,13 +419,13 @@ mod tests {
                             assert_eq!(packet.hits.triangle[lane], NO_TRIANGLE);
                             continue;
                         }
-                        assert_eq!(found.index[lane], pixel);
+                        assert_eq!((found.index[lane], found.media[lane]), (pixel, medium(pixel)));
                         let bin = hit(pixel).map(|hit| {
                             assert_eq!(packet.hit(lane), hit);
                             assert!(packet.hits.u[lane] == pixel as f32 && packet.rays.far[lane] == 1.0);
                             geometry.instance_index(hit)
                         });
-                        seen.push((bin, paths.cells[pixel as usize], pixel));
+                        seen.push((bin, cell(at(&packet.rays.direction, lane)), pixel));
                     }
                 }
                 assert!(seen.is_sorted(), "by instance, direction, pixel");

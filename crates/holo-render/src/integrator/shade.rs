@@ -1,7 +1,7 @@
 //! Shading of a path vertex: absorption, emission, direct light, and the scattered rays.
 
 use super::Context;
-use super::paths::{self, Path, PathHit, PathPacket, Paths, SampleState};
+use super::paths::{self, Path, PathHit, PathPacket, SampleState, Scattered};
 use super::reuse::Step;
 use super::scatterer::Scatterer;
 use super::{direct_light, mis};
@@ -73,7 +73,7 @@ pub(crate) fn reflect(
     here: &Shading,
     step: Step,
     contribution: &mut [[f32; LANES]; 3],
-    next: &mut Paths,
+    next: &mut Scattered,
 ) -> u64 {
     let scatterer = Scatterer::new(context, here);
     let mut shadow_rays = 0;
@@ -155,7 +155,7 @@ fn add_emission(context: &Context, here: &mut Shading, step: Step, contribution:
 
 /// Samples the BSDF of every lane and adds the scattered rays to `next`.
 #[inline(always)]
-fn scatter(context: &Context, here: &Shading, mut step: Step, scatterer: &Scatterer, next: &mut Paths) {
+fn scatter(context: &Context, here: &Shading, mut step: Step, scatterer: &Scatterer, next: &mut Scattered) {
     let purpose = |draw| Purpose::at_vertex(here.vertex, draw);
     let numbers = context.sampler.points(here.sequences, &here.paths.index, purpose(Draw::Direction));
     let uses_roulette = context.policy.roulette && here.vertex >= ROULETTE_FIRST_VERTEX;
