@@ -58,7 +58,7 @@ pub struct Section {
 type SectionFn = fn(&RunOptions) -> Section;
 
 /// The sections that need other programs.
-const PEERS: [&str; 2] = ["Beside other renderers", "Beside Cycles, scene by scene"];
+const PEERS: [&str; 2] = ["Beside other renderers", "Beside Cycles scene by scene"];
 
 /// The sections, in the order of the report.
 const SECTIONS: [(&str, SectionFn); 10] = [

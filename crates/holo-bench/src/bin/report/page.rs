@@ -38,8 +38,9 @@ impl Page {
         page
     }
 
-    /// Adds a section, or replaces it.
+    /// Adds a section, or replaces it; its title is a cell of the summary and has no comma.
     pub fn put(&mut self, title: &str, section: &Section, is_quick: bool) {
+        assert!(!title.contains(','), "a title with a comma: {title}");
         let quick = if is_quick { " Few samples and small images: more scatter than in a full report." } else { "" };
         let machine = scenes::machine();
         let mut text = format!("{}\n\n{machine}{quick}\n\n{}", section.text, section.table.markdown());
