@@ -117,7 +117,10 @@ fn main() {
         eprintln!("report: no section has '{unknown}' in its title; they are {titles}");
         std::process::exit(2);
     }
-    let is_wanted = |title: &str| only.is_empty() || only.iter().any(|text| title.to_lowercase().contains(text));
+    // A whole title means that section alone: "light" is also a part of others.
+    let is_title = |text: &str| SECTIONS.iter().any(|(title, _)| title.to_lowercase() == text);
+    let names = |text: &String, title: &str| if is_title(text) { title == text } else { title.contains(text.as_str()) };
+    let is_wanted = |title: &str| only.is_empty() || only.iter().any(|text| names(text, &title.to_lowercase()));
     let wanted = SECTIONS.iter().filter(|(title, _)| is_wanted(title));
     let wanted = wanted.filter(|(title, _)| with_peers || !PEERS.contains(title));
     let mut page = page::Page::open(&out, !only.is_empty());
