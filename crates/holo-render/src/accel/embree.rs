@@ -1,6 +1,6 @@
 //! The Embree engine: Intel Embree 4, loaded at run time through a small binding of its C interface.
 //!
-//! This is one of the two files of the project that contain `unsafe`. Its soundness rests on the following:
+//! This is one of the two files of this crate that contain `unsafe`. Its soundness rests on the following:
 //!
 //! - The functions are those of the public C header `embree4/rtcore.h`; their signatures are in [`Api`]. The ABI of a
 //!   major version does not change, and [`Api::load`] rejects any library whose version is not 4.x.

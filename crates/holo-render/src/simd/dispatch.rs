@@ -1,6 +1,6 @@
 //! Run-time dispatch: the same code compiled for several instruction sets.
 //!
-//! This is one of the two files of the project that contain `unsafe`. It calls a safe function that is compiled for
+//! This is one of the two files of this crate that contain `unsafe`. It calls a safe function that is compiled for
 //! AVX2 or AVX-512 after it has checked that the processor supports that instruction set. The kernels are ordinary
 //! loops over 16 lanes, which the compiler vectorizes for each set. The compiler does not contract multiplications and
 //! additions into fused operations, so the results are bitwise identical on all sets.
