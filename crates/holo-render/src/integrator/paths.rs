@@ -1,7 +1,7 @@
 //! The scattered rays of one tile, sorted twice: by direction before they are traced, and by the surface that they have
 //! hit before they are shaded.
 //!
-//! Scattered rays are incoherent in pixel order. But the pixels of one tile start close together, so the rays are
+//! Scattered rays are incoherent as they come. But the pixels of one tile start close together, so the rays are
 //! collected, sorted by direction and traced in packets of similar directions. The rays of such a packet hit different
 //! surfaces, and a packet costs what its costliest lane needs. So the hits are collected too, sorted, and shaded in packets
 //! that mostly lie on one surface. Rays that have missed the scene come first, or are left out if no light is behind it.
@@ -79,7 +79,7 @@ impl SampleState {
     }
 }
 
-/// The rays of one tile that are scattered at one vertex, in pixel order: at most one per sample.
+/// The rays of one tile that are scattered at one vertex, in the order in which they are: at most one per sample.
 #[derive(Default)]
 pub(crate) struct Scattered {
     paths: Vec<Path>,
