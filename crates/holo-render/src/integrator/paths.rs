@@ -19,7 +19,7 @@ const CELLS: usize = 64;
 /// instance each, or several where there are more instances.
 const BINS: usize = 1024;
 
-/// In place of a bin: rays that bring nothing.
+/// In place of a bin: rays that bring nothing, which are not sorted.
 const NOTHING: u32 = u32::MAX;
 
 /// A scattered ray with the state of its path: one cache line.
@@ -122,6 +122,7 @@ pub(crate) struct Paths {
     bins: Vec<u32>,
     /// Numbers of scattered rays or paths in the order of the last sort.
     order: Vec<u32>,
+    /// Scratch of the sorts.
     starts: Vec<u32>,
 }
 
@@ -158,14 +159,7 @@ impl Paths {
     /// Takes over all scattered rays, sorted by direction, to be traced.
     #[inline(always)]
     pub fn sort_to_trace(&mut self, scattered: &mut Scattered, geometry: &Geometry) {
-        count_starts(&scattered.cells, CELLS * CELLS, &mut self.starts);
-        self.order.clear();
-        self.order.resize(scattered.cells.len(), 0);
-        for (k, &cell) in scattered.cells.iter().enumerate() {
-            let slot = &mut self.starts[cell as usize];
-            self.order[*slot as usize] = k as u32;
-            *slot += 1;
-        }
+        counting_sort(&scattered.cells, CELLS * CELLS, &mut self.starts, &mut self.order);
         self.paths.clear();
         self.paths.extend(self.order.iter().map(|&k| scattered.paths[k as usize]));
         self.media.clear();
@@ -232,15 +226,7 @@ impl Paths {
     /// Sorts the rays that bring something by what they have hit, to be shaded. Returns their number.
     #[inline(always)]
     pub fn sort_to_shade(&mut self) -> usize {
-        count_starts(&self.bins, BINS, &mut self.starts);
-        self.order.resize(self.starts[BINS] as usize, 0);
-        for (k, &bin) in self.bins.iter().enumerate() {
-            if bin != NOTHING {
-                let slot = &mut self.starts[bin as usize];
-                self.order[*slot as usize] = k as u32;
-                *slot += 1;
-            }
-        }
+        counting_sort(&self.bins, BINS, &mut self.starts, &mut self.order);
         self.order.len()
     }
 
@@ -283,10 +269,10 @@ impl Paths {
     }
 }
 
-/// The first part of a counting sort, which is stable and linear in the number of keys: sets `starts` to the place of the
-/// first key of each value below `values`, and one more entry to the number of those keys. Other keys are not counted.
+/// Sets `order` to the numbers of the keys below `values`, sorted by key: a counting sort, which is stable and linear in the
+/// number of keys. Other keys are left out. `starts` is scratch.
 #[inline(always)]
-fn count_starts(keys: &[u32], values: usize, starts: &mut Vec<u32>) {
+fn counting_sort(keys: &[u32], values: usize, starts: &mut Vec<u32>, order: &mut Vec<u32>) {
     starts.clear();
     starts.resize(values + 1, 0);
     for &key in keys {
@@ -295,9 +281,18 @@ fn count_starts(keys: &[u32], values: usize, starts: &mut Vec<u32>) {
         }
     }
     let mut sum = 0;
-    for start in starts {
+    for start in &mut *starts {
         sum += *start;
         *start = sum;
+    }
+    order.clear();
+    order.resize(sum as usize, 0);
+    for (k, &key) in keys.iter().enumerate() {
+        if (key as usize) < values {
+            let slot = &mut starts[key as usize];
+            order[*slot as usize] = k as u32;
+            *slot += 1;
+        }
     }
 }
 
