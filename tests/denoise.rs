@@ -188,8 +188,8 @@ fn assert_same_parts(one: &Renderer, three: &Renderer, request: &Request) {
     let mut rows = 0;
     let parts = 2;
     for part in 0..parts {
-        let range = one.shard_lens_rows(request, part, parts).expect("a part");
-        let rendered = three.render(&request.clone().lens_rows(Some(range.clone())), &()).expect("a render");
+        let range = one.shard_rows(request, part, parts).expect("a part");
+        let rendered = three.render(&request.clone().rows(Some(range.clone())), &()).expect("a render");
         let same = |part: &LightFieldOwned<f32>, whole: &LightFieldOwned<f32>| {
             assert_eq!(part.shape().lenses().rows, range.len());
             let rows = whole.samples().slice_move(ndarray::s![range.clone(), .., .., .., ..]).to_owned();
@@ -199,7 +199,7 @@ fn assert_same_parts(one: &Renderer, three: &Renderer, request: &Request) {
         assert!(same(rendered.error.as_ref().expect("an estimate"), whole.error.as_ref().expect("one")), "{range:?}");
         rows += range.len();
     }
-    assert_eq!(rows, request.rig.shape().lenses().rows);
+    assert_eq!(rows, request.camera.rig().expect("a rig").shape().lenses().rows);
 }
 
 /// With a target every pixel has at most that error, as estimated, or all samples; the error is the one after the

@@ -73,12 +73,12 @@ fn arrays(backend: Backend, engine: &str) -> BTreeMap<String, String> {
         put("direct", path.clone().integrator(Integrator::Direct).layers(LayerSet::ALL));
         put("no_indirect", path.clone().indirect(false).samples(1));
         let sparse = focused([1, 2], [19, 23], Projection::Perspective);
-        put("adaptive", path.clone().target_error(Some(0.2)).samples(64).rig(sparse));
+        put("adaptive", path.clone().target_error(Some(0.2)).samples(64).camera(sparse));
         put("denoised", path.clone().denoise(Denoise::Views).estimate_error(true));
         let parallel = focused([9, 4], [7, 5], Projection::Orthographic);
         let truth = Request::new(parallel).integrator(Integrator::Depth).layers(LayerSet::ALL);
         put("parallel", truth.clone().ground_truth(GroundTruth::All));
-        put("rows", truth.rig(dense).lens_rows(Some(4..9)));
+        put("rows", truth.camera(dense).rows(Some(4..9)));
     }
     found
 }

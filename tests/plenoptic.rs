@@ -8,13 +8,13 @@ use holo_core::plenoptic::{
     Preset, PupilShape, Stop,
 };
 use holo_core::{GridSize, Rig};
-use holo_render::{Backend, Integrator, Layer, LayerSet, RawRendered, RawRequest, Renderer, Request};
+use holo_render::{Backend, Integrator, Layer, LayerSet, Rendered, Renderer, Request};
 use holo_scene::{Material, Scene, Transform};
 use ndarray::{Array2, Array3, s};
 
-fn render(scene: &Scene, request: &RawRequest, threads: usize) -> RawRendered {
+fn render(scene: &Scene, request: &Request, threads: usize) -> Rendered {
     let renderer = Renderer::new(scene, &Transform::IDENTITY, Backend::Auto, threads).expect("a renderer");
-    renderer.render_raw(request, &()).expect("a render")
+    renderer.render(request, &()).expect("a render")
 }
 
 /// A part of a preset's sensor, `offset_m` from its axis.
@@ -26,9 +26,14 @@ fn part(name: &str, size: GridSize, offset_m: [f64; 2]) -> PlenopticCamera {
     PlenopticCamera::new(sensor, array, whole.main_lens().clone()).expect("a camera")
 }
 
+/// The raw image: a light field of one view.
+fn raw(rendered: &Rendered) -> Array3<f32> {
+    rendered.color.as_ref().expect("color").to_elemental_grid().expect("memory")
+}
+
 /// The first channel.
-fn red(rendered: &RawRendered) -> Array2<f32> {
-    rendered.color.as_ref().expect("color").slice(s![.., .., 0]).to_owned()
+fn red(rendered: &Rendered) -> Array2<f32> {
+    raw(rendered).slice(s![.., .., 0]).to_owned()
 }
 
 /// A sky of radiance 1 gives the white image: for round, square and hexagonal shapes, masked ones too, at the center and
@@ -67,7 +72,7 @@ fn a_bright_sky_gives_the_white_image() {
         ("tilt, distortion and a stop", real),
     ] {
         let white = camera.white_image().expect("memory");
-        let request = RawRequest::new(camera).integrator(Integrator::Direct).samples(256).sky([1.0; 3]);
+        let request = Request::new(camera).integrator(Integrator::Direct).samples(256).sky([1.0; 3]);
         let raw = red(&render(&Scene::default(), &request.layers(LayerSet::EMPTY), 0));
         let total = |image: &Array2<f32>| image.iter().map(|&x| f64::from(x)).sum::<f64>();
         let worst = raw.iter().zip(&white).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
@@ -119,12 +124,12 @@ fn the_limit_of_point_pixels_is_the_ideal_rig() {
     let expected = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a renderer");
     let expected = expected.render(&request.ground_truth(holo_render::GroundTruth::All), &()).expect("a render");
     let white = camera.white_image().expect("memory");
-    let raw = RawRequest::new(camera).integrator(Integrator::Direct).samples(64).sky([0.5, 0.7, 1.0]).layers(layers);
+    let raw = Request::new(camera).integrator(Integrator::Direct).samples(64).sky([0.5, 0.7, 1.0]).layers(layers);
     let raw = render(&scene, &raw, 0);
     let all = expected.all.expect("all views");
     for layer in layers.iter() {
         let grid: Array3<f32> = all[layer].to_elemental_grid().expect("memory");
-        let found = &raw.layers[layer];
+        let found = &raw.central[layer];
         assert_eq!(grid.dim(), found.dim());
         // The same ray in f64, up to its last digits: of those that hit an edge another triangle.
         let differ =
@@ -132,7 +137,7 @@ fn the_limit_of_point_pixels_is_the_ideal_rig() {
         assert!(differ * 2000 < grid.len(), "{layer}: {differ} of {}", grid.len());
     }
     let grid = expected.color.expect("color").to_elemental_grid().expect("memory");
-    let color = raw.color.expect("color");
+    let color = self::raw(&raw);
     // The light of a pixel differs by the noise of 64 samples; its mean by that of all of them.
     let (mut sums, mut squared) = ([0.0; 2], 0.0);
     for ((row, column, c), &expected) in grid.indexed_iter() {
@@ -153,16 +158,16 @@ fn threads_and_parts_change_nothing() {
     let scene = soup(200, 5);
     for name in ["lytro-illum", "raytrix-r12-a"] {
         let camera = part(name, GridSize::new(90, 120), [1e-3, 0.0]);
-        let request = RawRequest::new(camera).integrator(Integrator::Path).samples(3).sky([0.3, 0.5, 0.7]);
+        let request = Request::new(camera).integrator(Integrator::Path).samples(3).sky([0.3, 0.5, 0.7]);
         let one = render(&scene, &request, 1);
         let three = render(&scene, &request, 3);
-        assert_eq!(one.color, three.color, "{name}");
-        assert_eq!(one.layers, three.layers, "{name}");
+        assert_eq!(raw(&one), raw(&three), "{name}");
+        assert_eq!(one.central, three.central, "{name}");
         let part = render(&scene, &request.clone().rows(Some(37..61)), 0);
         let rows = |image: &Array3<f32>| image.slice(s![37..61, .., ..]).to_owned();
-        assert_eq!(part.color, one.color.as_ref().map(rows), "{name}");
-        for (layer, image) in part.layers.iter() {
-            assert_eq!(image, rows(&one.layers[layer]), "{name} {layer}");
+        assert_eq!(raw(&part), rows(&raw(&one)), "{name}");
+        for (layer, image) in part.central.iter() {
+            assert_eq!(image, rows(&one.central[layer]), "{name} {layer}");
         }
     }
 }
@@ -177,7 +182,7 @@ fn points_of_light_arrive_where_the_closed_form_says() {
         add(&mut scene, square(half), [0.0, 0.0, 0.0, 1.0], pose);
         let material = scene.materials.last_mut().expect("a material");
         *material = Material { emission: [1.0; 3], double_sided: true, ..material.clone() };
-        let request = RawRequest::new(camera.clone()).integrator(Integrator::Direct).samples(1024);
+        let request = Request::new(camera.clone()).integrator(Integrator::Direct).samples(1024);
         let raw = red(&render(&scene, &request.layers(LayerSet::EMPTY), 0));
         let white = camera.white_image().expect("memory");
         let mut seen = 0;
@@ -238,7 +243,7 @@ fn the_energy_of_a_light_arrives() {
     add(&mut scene, square(half as f32), [0.0, 0.0, 0.0, 1.0], pose);
     let material = scene.materials.last_mut().expect("a material");
     *material = Material { emission: [1.0; 3], double_sided: true, ..material.clone() };
-    let request = RawRequest::new(camera.clone()).integrator(Integrator::Direct).samples(1024);
+    let request = Request::new(camera.clone()).integrator(Integrator::Direct).samples(1024);
     let raw = red(&render(&scene, &request.layers(LayerSet::EMPTY), 0));
     // Irradiance of value 1: A_lens cos^4 / d^2.
     let (pixel, gap) = (camera.sensor().pixel_m, camera.array().gap_m);
@@ -261,7 +266,7 @@ fn statistics_are_those_of_many_rays() {
     let ray = camera.ray(middle, camera.lens_center_m(camera.owner(middle)), camera.owner(middle));
     let [cx, cy] = [0, 1].map(|k| ray.origin_m[k] + 0.6 * ray.direction[k] - 0.02);
     add(&mut scene, square(0.02), [0.5, 0.5, 0.5, 1.0], Transform::from_translation([cx, cy, -0.6]));
-    let request = RawRequest::new(camera.clone()).integrator(Integrator::Direct).sky([1.0; 3]).samples(1024);
+    let request = Request::new(camera.clone()).integrator(Integrator::Direct).sky([1.0; 3]).samples(1024);
     let rendered = render(&scene, &request.layers(LayerSet::EMPTY).statistics(true), 0);
     let statistics = rendered.statistics.expect("statistics");
     let mut numbers = 1u64;
@@ -316,9 +321,9 @@ fn chief_rays_have_the_truth_of_a_plane() {
     add(&mut scene, square(10.0), [0.5, 0.5, 0.5, 1.0], Transform::from_translation([0.0, 0.0, -2.0]));
     for backend in engines() {
         let camera = part("lytro-illum", GridSize::new(60, 61), [4e-3, 2e-3]);
-        let request = RawRequest::new(camera.clone()).integrator(Integrator::Depth).layers(LayerSet::ALL);
+        let request = Request::new(camera.clone()).integrator(Integrator::Depth).layers(LayerSet::ALL);
         let renderer = Renderer::new(&scene, &Transform::IDENTITY, backend, 0).expect("a renderer");
-        let rendered = renderer.render_raw(&request, &()).expect("a render");
+        let rendered = renderer.render(&request, &()).expect("a render");
         assert!(rendered.color.is_none());
         let views = camera.equivalent_views();
         let disparity = views.baseline_m / views.slope_per_lens * (0.5 - views.inverse_focus_per_m);
@@ -328,7 +333,7 @@ fn chief_rays_have_the_truth_of_a_plane() {
                 let lens = camera.owner(place);
                 let ray = camera.ray(place, camera.lens_center_m(lens), lens);
                 let length = 2.0 * (1.0 + ray.direction[0].powi(2) + ray.direction[1].powi(2)).sqrt();
-                let found = |layer: Layer| f64::from(rendered.layers[layer][[row, column, 0]]);
+                let found = |layer: Layer| f64::from(rendered.central[layer][[row, column, 0]]);
                 assert!((found(Layer::Depth) - 2.0).abs() < 1e-6);
                 assert!((found(Layer::RayLength) - length).abs() < 1e-6);
                 assert!((found(Layer::Disparity) - disparity).abs() < 1e-6 * disparity.abs());
@@ -364,9 +369,9 @@ fn hard_cameras_are_rendered() {
         change(&mut sensor, &mut array, &mut lens);
         let camera = PlenopticCamera::new(sensor, array, lens).unwrap_or_else(|why| panic!("{name}: {why}"));
         let white = camera.white_image().expect("memory");
-        let request = RawRequest::new(camera).integrator(Integrator::Direct).samples(2).sky([1.0; 3]);
+        let request = Request::new(camera).integrator(Integrator::Direct).samples(2).sky([1.0; 3]);
         let rendered = render(&scene, &request, 0);
-        let color = rendered.color.expect("color");
+        let color = raw(&rendered);
         assert!(color.iter().chain(&white).all(|x| x.is_finite() && *x >= 0.0), "{name}");
         assert!(white.iter().any(|&x| x > 0.0), "{name}: no light at all");
     }

@@ -174,8 +174,8 @@ fn parts_have_the_bytes_of_the_whole() {
     let request = request.integrator(Integrator::Path).samples(5).max_bounces(3);
     let whole = color(&one, &request);
     assert_eq!(color(&many, &request).samples(), whole.samples());
-    let rows = one.shard_lens_rows(&request, 1, 2).expect("a shard");
-    let part = color(&many, &request.clone().lens_rows(Some(rows.clone())));
+    let rows = one.shard_rows(&request, 1, 2).expect("a shard");
+    let part = color(&many, &request.clone().rows(Some(rows.clone())));
     assert_eq!(part.samples(), whole.samples().slice(ndarray::s![rows, .., .., .., ..]));
     let [off, on] =
         [Reuse::Off, Reuse::Views].map(|reuse| one.render(&request.clone().reuse(reuse), &()).expect("a render"));

@@ -79,11 +79,8 @@ fn measure(name: &str, options: &Options) -> f64 {
     let shape = rig.shape();
     let middle = shape.lenses().rows / 2;
     let rows = middle - options.rows / 2..middle + options.rows.div_ceil(2);
-    let request = Request::new(rig)
-        .integrator(options.integrator)
-        .samples(options.samples)
-        .sky(options.sky)
-        .lens_rows(Some(rows));
+    let request =
+        Request::new(rig).integrator(options.integrator).samples(options.samples).sky(options.sky).rows(Some(rows));
 
     let list = nine(options.views);
     let blocks: Vec<_> = list

@@ -105,8 +105,8 @@ fn measure(name: &str, options: &Options) -> [f64; 3] {
     let biases: Vec<f64> = (0..9).map(|k| squared_bias([&halves[0][k], &halves[1][k]], &references, k)).collect();
     let bias = sorted(&biases)[4].max(0.0).sqrt();
 
-    let middle = request.rig.shape().lenses().rows / 2;
-    let rows = request.lens_rows(Some(middle..middle + 2));
+    let middle = request.camera.rig().expect("a rig").shape().lenses().rows / 2;
+    let rows = request.rows(Some(middle..middle + 2));
     let [off, on] = FILTERS.map(|filter| {
         let start = Instant::now();
         renderer.render(&rows.clone().texture_filter(filter), &()).expect("a render");

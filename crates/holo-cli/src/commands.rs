@@ -24,4 +24,3 @@ pub mod verify;
 pub mod view;
 
 mod files;
-mod requested;

@@ -28,7 +28,7 @@ pub fn tell(line: Arguments) {
 pub fn say_unless(quiet: bool) -> impl Fn(About, &str) {
     move |_, line| {
         if !quiet {
-            tell(format_args!("{line}"));
+            tell(format_args!("{}", Failure::spelled(line)));
         }
     }
 }

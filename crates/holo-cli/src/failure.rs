@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use holo_dataset::settings::spelled;
+
 /// An error with the exit code it deserves.
 ///
 /// Wrong use is what another command line puts right, whatever the files: an option that is missing, malformed or
@@ -33,10 +35,20 @@ impl fmt::Display for Failure {
     }
 }
 
+impl Failure {
+    /// A message of the libraries with the options of the command line in it.
+    pub fn spelled(message: &str) -> String {
+        spelled(message, |key, value| match value.is_empty() {
+            true => format!("--{key}"),
+            false => format!("--{key}{value}"),
+        })
+    }
+}
+
 impl From<holo_render::Error> for Failure {
     fn from(error: holo_render::Error) -> Self {
         match error {
-            holo_render::Error::BadSetting(message) => Self::Usage(message),
+            holo_render::Error::BadSetting(message) => Self::Usage(Self::spelled(&message)),
             // The only impossible rig that no scene file can cause.
             holo_render::Error::Core(why @ holo_core::Error::OrthographicFocus { .. }) => Self::Usage(why.to_string()),
             other => Self::Failed(other.to_string()),
@@ -47,11 +59,11 @@ impl From<holo_render::Error> for Failure {
 impl From<holo_dataset::Error> for Failure {
     fn from(error: holo_dataset::Error) -> Self {
         match error {
-            holo_dataset::Error::BadRequest(message) => Self::Usage(message),
+            holo_dataset::Error::BadRequest(message) => Self::Usage(Self::spelled(&message)),
             holo_dataset::Error::Render(error) => error.into(),
             // The sizes of a render are those of the command line.
             holo_dataset::Error::Core(error) => Self::Usage(message(&error)),
-            other => Self::Failed(other.to_string()),
+            other => Self::Failed(Self::spelled(&other.to_string())),
         }
     }
 }

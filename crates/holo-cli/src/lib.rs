@@ -26,13 +26,13 @@ use failure::Failure;
 pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
     let matches = Arguments::command().get_matches_from(words);
     let arguments = Arguments::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-    // The words of the command, for manifests.
+    // The words of the command, for those that read a configuration too.
     let words = matches.subcommand().map(|(_, words)| words.clone()).unwrap_or_default();
     stay_silent_while_a_guard_watches();
     interrupt::install();
     let result = match arguments.command {
-        Command::Render(options) => commands::render::run(&options, &words),
-        Command::Dataset(options) => commands::dataset::run(*options, words),
+        Command::Render(options) => commands::render::run(&options),
+        Command::Dataset(options) => commands::dataset::run(*options, &words),
         Command::Merge(options) => commands::merge::run(&options),
         Command::Info(options) => commands::info::run(&options),
         Command::Remap(options) => commands::remap::run(&options),

@@ -256,7 +256,6 @@ fn wrong_use_is_said() {
         ("render tiny.glb --out o --layers optical-flow", "--frame"),
         ("render pendulum.glb --out o --frame 1 --animation run", "'swing'"),
         ("render pendulum.glb --out o --frame 1 --shard 1/2 --layers scene-flow", "scene-flow"),
-        ("render pendulum.glb --out o --frame 1-2 --transforms transforms.json", "several"),
     ] {
         let outcome = bench.run(line);
         assert!(matches!(outcome.code, Some(1 | 2)) && outcome.stderr.contains(part), "{line}: {outcome:?}");

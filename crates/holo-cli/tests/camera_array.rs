@@ -118,9 +118,10 @@ fn wrong_use_is_said() {
     };
     fails("", "in.json");
     file(&|_| {});
-    fails("--views 3", "--views");
-    fails("--write el", "camera array");
-    fails("--denoise views", "camera array");
+    fails("--views 3 --lenses 9x9", "--lenses");
+    fails("--views 3 --focal-mm 20", "--focal-mm");
+    fails("--write el", "give --views for a light field at every pose");
+    fails("--denoise views", "give --views for a light field at every pose");
     fails("--layers disparity", "disparity");
     file(&|value| value["frames"][2]["transform_matrix"][0][0] = json!(3));
     fails("", "r_2");

@@ -76,7 +76,7 @@ fn parts_that_do_not_belong_together_are_refused() {
     std::fs::write(&damaged, &bytes[..bytes.len() - 4]).unwrap();
     let outcome = bench.run("merge out one two");
     assert_eq!(outcome.code, Some(1), "{outcome:?}");
-    assert!(outcome.stderr.contains("color.pfm") && outcome.stderr.contains("--shard 2/2"), "{outcome:?}");
+    assert!(outcome.stderr.contains("color.pfm") && outcome.stderr.contains("--shard=2/2"), "{outcome:?}");
     assert!(!bench.path("out").exists());
 }
 

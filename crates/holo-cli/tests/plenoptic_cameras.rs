@@ -142,7 +142,7 @@ fn a_plenoptic_camera_films() {
 fn impossible_requests_are_refused() {
     let bench = bench();
     let render = |more: &str| format!("render {SCENE} --camera-file small.toml --out out {more}");
-    refused(&bench, &render("--ground-truth all"), "holo decode --scene");
+    refused(&bench, &render("--ground-truth all"), "`holo decode` adds those of the central view");
     refused(&bench, &render("--denoise views"), "--denoise");
     refused(&bench, &render("--write el"), "raw-png");
     refused(&bench, &render("--layers error"), "--layers error");

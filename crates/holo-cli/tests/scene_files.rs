@@ -13,10 +13,10 @@ fn write(bench: &Bench, name: &str, scene: &Scene) {
 }
 
 /// The text of an option in the manifest of a folder.
-fn option(bench: &Bench, folder: &str, name: &str) -> Option<String> {
+fn option(bench: &Bench, folder: &str, name: &str) -> Option<ManifestValue> {
     let manifest = Manifest::read(bench.path(folder).join("manifest.json")).unwrap();
     let Some(ManifestValue::Table(options)) = manifest.settings.get("options") else { panic!("no options") };
-    options.get(name).and_then(|value| value.as_text()).map(str::to_owned)
+    options.get(name).cloned()
 }
 
 #[test]
@@ -29,7 +29,7 @@ fn a_scene_without_light_gets_a_soft_sky() {
     assert!(lines == 1 && outcome.stderr.contains("soft sky"), "{outcome:?}");
     let manifest = Manifest::read(bench.path("dark/manifest.json")).unwrap();
     assert_eq!(manifest.settings["automatic-sky"].as_text(), Some("on"));
-    assert_eq!(option(&bench, "dark", "sky").as_deref(), Some("auto"));
+    assert_eq!(option(&bench, "dark", "sky"), Some("auto".into()));
     // The sky lights all channels alike.
     let image = common::read_u8(bench.path("dark/scene_el.png"));
     assert!(image.iter().any(|&code| code > 100));
@@ -55,7 +55,7 @@ fn a_panorama_can_be_a_png() {
     write(&bench, "dark.glb", &Scene { lights: vec![], ..common::tiny_scene() });
     let outcome = bench.run(&format!("render dark.glb --out out {SMALL} --spp 1 --sky sky.png --write exr,el"));
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
-    assert_eq!(option(&bench, "out", "sky").as_deref(), Some("map"));
+    assert_eq!(option(&bench, "out", "sky"), Some("map".into()));
     // The camera sees the sky at the rim.
     let central = holo_io::read_exr_rgb(bench.path("out/scene_central.exr"), &holo_io::Limits::default()).unwrap();
     assert!((central[[0, 0, 0]] - 0.5029).abs() < 1e-3, "{}", central[[0, 0, 0]]);
@@ -93,8 +93,8 @@ fn how_the_file_is_read_is_an_option_and_part_of_the_manifest() {
     assert!(!warnings.contains("soap bubble") && thin != solid, "{warnings}");
     let (_, dim) = render("dim", "--light-units blender");
     assert!(dim != thin);
-    assert_eq!(option(&bench, "dim", "light-units").as_deref(), Some("blender"));
-    assert_eq!(option(&bench, "thin", "solid-glass").as_deref(), Some("false"));
+    assert_eq!(option(&bench, "dim", "light-units"), Some("blender".into()));
+    assert_eq!(option(&bench, "thin", "solid-glass"), Some(false.into()));
     // Another way to read the file is another image.
     let outcome = bench.run(&format!("render glass.glb --out thin {SMALL} --spp 1 --exposure 0 --solid-glass"));
     assert!(outcome.code == Some(2) && outcome.stderr.contains("--solid-glass has changed"), "{outcome:?}");
@@ -173,7 +173,7 @@ fn disparities_decide_focus_and_baseline() {
     let (low, high) = hits.fold((f32::MAX, f32::MIN), |(low, high), d| (low.min(d), high.max(d)));
     // Depths are f32: 6e-8 times k/Z, some ten px.
     assert!((low + 0.75).abs() < 1e-5 && (high - 1.5).abs() < 1e-5, "{low} {high}");
-    assert_eq!(option(&bench, "out", "disparity").as_deref(), Some("-0.75,1.5"));
+    assert_eq!(option(&bench, "out", "disparity"), Some(ManifestValue::List(vec![(-0.75).into(), 1.5.into()])));
     for (more, part) in [
         ("--disparity 1,-1", "the smaller first"),
         ("--disparity -1,1 --focus-m 2", "cannot be used with"),

@@ -16,6 +16,7 @@ use std::str::FromStr;
 /// let full_hd = GridSize::new(1080, 1920);
 /// assert_eq!(full_hd.count(), 1080 * 1920);
 /// assert_eq!(full_hd, [1080, 1920].into());
+/// assert_eq!(GridSize::new(7, 7), GridSize::from(7));
 /// assert_eq!(full_hd.to_string(), "1920x1080");
 /// assert_eq!("1920x1080".parse(), Ok(full_hd));
 /// assert_eq!("7".parse(), Ok(GridSize::new(7, 7)));
@@ -69,6 +70,13 @@ impl GridSize {
     #[must_use]
     pub const fn larger(self) -> usize {
         if self.rows > self.columns { self.rows } else { self.columns }
+    }
+}
+
+impl From<usize> for GridSize {
+    /// As many rows as columns.
+    fn from(count: usize) -> Self {
+        Self::new(count, count)
     }
 }
 

@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 
 use holo_core::GridSize;
 use holo_dataset::{
-    About, Checkpoints, DatasetPlan, Error, JobOutcome, Output, RenderJob, RenderReport, RenderSpec, Rollback,
-    SceneSource, Shard, merge, options, verify,
+    About, Checkpoints, DatasetPlan, EngineSettings, Error, Output, Pixels, RenderJob, RenderSettings, RigSettings,
+    Rollback, RunOptions, SceneSource, Shard, ShotOutcome, Spacing, merge, verify,
 };
 use holo_render::{Backend, GroundTruth, Integrator, Progress};
 
@@ -45,26 +45,31 @@ impl Progress for Watch {
 
 /// Three dozen tiles of color, and some of layers; a checkpoint after each.
 fn job() -> RenderJob {
-    let mut spec = RenderSpec::default();
-    (spec.rig.views, spec.rig.lenses) = (GridSize::new(5, 6), Some(GridSize::new(36, 45)));
-    (spec.samples, spec.integrator) = (Some(4), Integrator::Direct);
-    spec.ground_truth = GroundTruth::All;
-    spec.outputs = vec![Output::El, Output::Mat, Output::Exr, Output::Depth];
-    with_spec(spec)
+    let mut settings = RenderSettings::default();
+    settings.camera = rig(Pixels::Lenses(GridSize::new(36, 45))).into();
+    (settings.light.samples, settings.light.integrator) = (Some(4), Integrator::Direct);
+    settings.output.ground_truth = GroundTruth::All;
+    settings.output.write = vec![Output::El, Output::Mat, Output::Exr, Output::Depth];
+    with_settings(settings)
 }
 
-fn with_spec(spec: RenderSpec) -> RenderJob {
-    let mut engine = holo_dataset::EngineSpec::default();
-    (engine.backend, engine.threads) = (Backend::Bvh, 2);
-    let job = RenderJob::new(SceneSource::gallery("plaster").unwrap(), spec).with_engine(engine);
-    job.with_checkpoints(Some(Checkpoints { every: Duration::ZERO, ..Checkpoints::default() }))
+fn rig(pixels: Pixels) -> RigSettings {
+    let mut rig = RigSettings::default();
+    (rig.views, rig.pixels) = (GridSize::new(5, 6), pixels);
+    rig
+}
+
+fn with_settings(settings: RenderSettings) -> RenderJob {
+    let engine = EngineSettings::default().backend(Backend::Bvh).threads(std::num::NonZeroUsize::new(2));
+    let job = RenderJob::new(SceneSource::gallery("plaster").unwrap(), settings).engine(engine);
+    job.checkpoints(Checkpoints { every: Duration::ZERO, ..Checkpoints::default() })
 }
 
 /// Runs a job; returns what it reported about checkpoints, too.
-fn run(job: &RenderJob, out: &Path, watch: &Watch, shard: Option<Shard>) -> (Result<RenderReport, Error>, Vec<String>) {
+fn run(job: &RenderJob, out: &Path, watch: &Watch, shard: Option<Shard>) -> (Result<(), Error>, Vec<String>) {
     let lines = RefCell::new(Vec::new());
     let report = |_: About, line: &str| lines.borrow_mut().push(line.to_owned());
-    let outcome = job.run(out, shard, watch, &report, &Rollback::default());
+    let outcome = job.run(out, &RunOptions::new().shard(shard).progress(watch).diagnostics(&report)).map(drop);
     let lines = lines.into_inner().into_iter().filter(|line| line.contains("checkpoint")).collect();
     (outcome, lines)
 }
@@ -115,7 +120,7 @@ fn checkpoint(folder: &Path) -> PathBuf {
 fn bench() -> (tempfile::TempDir, BTreeMap<PathBuf, Vec<u8>>, u64) {
     let folder = tempfile::tempdir().unwrap();
     let whole = folder.path().join("whole");
-    let (tiles, lines) = finish(&job().with_checkpoints(None), &whole);
+    let (tiles, lines) = finish(&job().checkpoints(None), &whole);
     assert!(tiles > 36 && lines.is_empty(), "{tiles} {lines:?}");
     let expected = bytes(&whole);
     (folder, expected, tiles)
@@ -155,9 +160,9 @@ fn a_render_that_is_canceled_again_and_again_comes_to_an_end() {
 fn a_short_render_writes_no_checkpoint() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
-    let lines = cancel(&job().with_checkpoints(Some(Checkpoints::default())), &out, 20);
+    let lines = cancel(&job().checkpoints(Some(Checkpoints::default())), &out, 20);
     assert!(lines.is_empty() && !out.exists(), "{lines:?}");
-    let lines = cancel(&job().with_checkpoints(None), &out, 20);
+    let lines = cancel(&job().checkpoints(None), &out, 20);
     assert!(lines.is_empty() && !out.exists(), "{lines:?}");
 }
 
@@ -167,7 +172,7 @@ fn another_folder_may_hold_the_checkpoint() {
     let (out, aside) = (folder.path().join("out"), folder.path().join("aside"));
     fs::create_dir(&aside).unwrap();
     let every = Duration::ZERO;
-    let job = job().with_checkpoints(Some(Checkpoints { every, folder: Some(aside.clone()) }));
+    let job = job().checkpoints(Some(Checkpoints { every, folder: Some(aside.clone()) }));
     cancel(&job, &out, 9);
     assert!(!out.exists());
     checkpoint(&aside);
@@ -226,18 +231,21 @@ fn of_a_damaged_checkpoint_the_good_part_is_used() {
 #[test]
 fn a_checkpoint_of_another_render_is_not_used() {
     let folder = tempfile::tempdir().unwrap();
-    let spec = |change: fn(&mut RenderSpec)| {
-        let mut spec = job().spec;
-        change(&mut spec);
-        with_spec(spec)
+    let with = |change: fn(&mut RenderSettings)| {
+        let mut settings = job().settings;
+        change(&mut settings);
+        with_settings(settings)
     };
     let mut other_scene = job();
     other_scene.source = SceneSource::gallery("chess").unwrap();
     for (number, (other, part)) in [
-        (spec(|spec| spec.seed = 1), "--seed=1"),
-        (spec(|spec| spec.samples = Some(3)), "--spp has changed"),
-        (spec(|spec| spec.rig.baseline_m = Some(1e-4)), "--baseline-m has changed"),
-        (spec(|spec| spec.ground_truth = GroundTruth::Central), "--ground-truth has changed"),
+        (with(|settings| settings.light.seed = 1), "`seed=1`"),
+        (with(|settings| settings.light.samples = Some(3)), "`spp` has changed"),
+        (
+            with(|settings| settings.camera.rig_mut().unwrap().spacing = Spacing::BaselineM(1e-4)),
+            "`baseline-m` has changed",
+        ),
+        (with(|settings| settings.output.ground_truth = GroundTruth::Central), "`ground-truth` has changed"),
         (other_scene, "the scene has changed"),
     ]
     .into_iter()
@@ -251,7 +259,7 @@ fn a_checkpoint_of_another_render_is_not_used() {
         assert!(first.exists() && checkpoints(&out).len() == 2, "both can still be continued");
         let (_, lines) = finish(&other, &out);
         assert!(lines.len() == 2 && lines.iter().any(|line| line.contains("continues with 3")), "{lines:?}");
-        finish(&other.with_checkpoints(None), &alone);
+        finish(&other.checkpoints(None), &alone);
         assert!(bytes(&out) == bytes(&alone), "{part}");
     }
 }
@@ -262,13 +270,13 @@ fn a_checkpoint_serves_other_files_of_the_same_light_field() {
     let folder = tempfile::tempdir().unwrap();
     let (out, alone) = (folder.path().join("out"), folder.path().join("alone"));
     cancel(&job(), &out, 10);
-    let mut spec = job().spec;
-    spec.bit_depth = 16;
-    spec.outputs.retain(|output| *output != Output::Mat);
-    let other = with_spec(spec);
+    let mut settings = job().settings;
+    settings.output.bit_depth = 16;
+    settings.output.write.retain(|output| *output != Output::Mat);
+    let other = with_settings(settings);
     let (_, lines) = finish(&other, &out);
     assert!(lines[0].contains("continues"), "{lines:?}");
-    finish(&other.with_checkpoints(None), &alone);
+    finish(&other.checkpoints(None), &alone);
     assert!(bytes(&out) == bytes(&alone));
 }
 
@@ -291,7 +299,7 @@ fn interrupted_shards_make_the_whole() {
     // The manifests contain the numbers of rays and samples.
     let undisturbed = folder.path().join("undisturbed");
     let shard = Some(Shard { part: 3, of: 3 });
-    run(&job().with_checkpoints(None), &undisturbed, &Watch::cancel_after(u64::MAX), shard).0.unwrap();
+    run(&job().checkpoints(None), &undisturbed, &Watch::cancel_after(u64::MAX), shard).0.unwrap();
     assert!(bytes(&undisturbed) == bytes(&parts[2]));
     merge(&folder.path().join("merged"), &parts, &Rollback::default()).unwrap();
     assert!(bytes(&folder.path().join("merged")) == expected);
@@ -302,28 +310,27 @@ fn an_interrupted_job_of_a_dataset_continues() {
     let folder = tempfile::tempdir().unwrap();
     let (root, alone) = (folder.path().join("set"), folder.path().join("alone"));
     let job = job();
-    let mut spec = job.spec.clone();
-    (spec.rig.lenses, spec.rig.sensor) = (None, holo_core::Sensor::Other(GridSize::new(180, 270)));
-    let plan = DatasetPlan::new(&[job.source], &[GridSize::new(5, 6)], spec, options::Options::new(), job.engine);
-    let plan = plan.unwrap().with_checkpoints(job.checkpoints.as_ref());
-    let backend = plan.backend(&()).unwrap();
+    let mut settings = job.settings.clone();
+    settings.camera = rig(Pixels::Sensor(holo_core::Sensor::Other(GridSize::new(180, 270)))).into();
+    let plan = DatasetPlan::new(&[job.source], &[GridSize::new(5, 6)], settings, job.engine);
+    let plan = plan.unwrap().checkpoints(job.checkpoints.as_ref());
     let run = |root: &Path, watch: &Watch| {
-        plan.describe(root, &backend, &Rollback::default()).unwrap();
-        plan.run_job(&plan.jobs[0], root, &backend, watch, &(), &Rollback::default())
+        plan.describe(root, &(), &Rollback::default()).unwrap();
+        plan.run().job(&plan.jobs()[0], root, &RunOptions::new().progress(watch))
     };
     run(&root, &Watch::cancel_after(8)).unwrap_err();
     let verified = verify(&root).unwrap();
     assert!(verified.bad_folders == 1 && verified.mismatches[0].contains("unfinished render"), "{verified:?}");
     let watch = Watch::cancel_after(u64::MAX);
-    assert!(matches!(run(&root, &watch).unwrap(), JobOutcome::Made(..)));
+    assert!(matches!(run(&root, &watch).unwrap(), ShotOutcome::Made(..)));
     let whole = Watch::cancel_after(u64::MAX);
     run(&alone, &whole).unwrap();
     assert!(watch.done() < whole.done());
     assert!(bytes(&root) == bytes(&alone));
     // Killed between the manifest and the removal of the checkpoint.
-    let inner = root.join(plan.jobs[0].folder().unwrap());
+    let inner = root.join(plan.jobs()[0].folder().unwrap());
     fs::write(inner.join(".holo-0123456789abcdef.checkpoint"), "left").unwrap();
-    assert!(matches!(run(&root, &watch).unwrap(), JobOutcome::Kept(_)));
+    assert!(matches!(run(&root, &watch).unwrap(), ShotOutcome::Kept(_)));
     assert!(bytes(&root) == bytes(&alone));
 }
 
@@ -444,7 +451,7 @@ fn a_render_succeeds_where_no_checkpoint_can_be_written() {
     let (folder, expected, _) = bench();
     let (out, missing) = (folder.path().join("out"), folder.path().join("missing"));
     let checkpoints = Checkpoints { every: Duration::ZERO, folder: Some(missing) };
-    let (_, lines) = finish(&job().with_checkpoints(Some(checkpoints)), &out);
+    let (_, lines) = finish(&job().checkpoints(Some(checkpoints)), &out);
     assert!(lines.len() == 1 && lines[0].contains("could not be written"), "{lines:?}");
     assert!(bytes(&out) == expected);
 }

@@ -1,4 +1,4 @@
-//! Dataset folders: names of their files, a reader of one folder, sequences of them, the index and the list of many.
+//! Dataset folders: names of their files, readers of one folder, sequences of them, the index and the list of many.
 //!
 //! # Source
 //!
@@ -8,6 +8,9 @@
 mod folder;
 mod index;
 mod list;
+#[cfg(all(feature = "png", feature = "camera"))]
+mod plenoptic;
+mod representation;
 mod sequence;
 
 use std::path::{Path, PathBuf};
@@ -21,11 +24,15 @@ use crate::names::stays_inside;
 pub use folder::DatasetFolder;
 pub use index::{DatasetIndex, SceneEntry};
 pub use list::{DatasetEntry, list};
+#[cfg(all(feature = "png", feature = "camera"))]
+pub use plenoptic::PlenopticFolder;
+pub use representation::Representation;
 pub use sequence::SequenceFolder;
 
 pub use crate::names::{
-    CENTRAL_EXR, DATASET_JSON, DATASET_MD, DEPTH_PFM, DISPARITY_PFM, DISPARITY_PNG, ELEMENTAL_EXR, ELEMENTAL_PNG,
-    LIGHT_FIELD_HDF5, LIGHT_FIELD_MAT, MANIFEST_JSON, PARAMETERS_CFG, SEQUENCE_HDF5, VIEWPOINT_EXR, VIEWPOINT_PNG,
+    CAMERA_TOML, CENTRAL_EXR, CODES_PNG, DATASET_JSON, DATASET_MD, DEPTH_PFM, DISPARITY_PFM, DISPARITY_PNG,
+    ELEMENTAL_EXR, ELEMENTAL_PNG, HCI_FOLDER, LIGHT_FIELD_HDF5, LIGHT_FIELD_MAT, MANIFEST_JSON, PARAMETERS_CFG,
+    RAW_EXR, RAW_PNG, SEQUENCE_HDF5, VIEWPOINT_EXR, VIEWPOINT_PNG, WEIGHT_PNG, WHITE_PNG,
 };
 
 /// Returns the relative path of the folder of one scene: `<scene>/<S>x<T>`, views as columns x rows.

@@ -7,6 +7,7 @@ use std::path::Path;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
+use crate::dng_header::is_dng;
 use crate::{Error, manifest};
 
 /// A file format that `holo` detects.
@@ -17,6 +18,8 @@ pub enum FileFormat {
     Png,
     /// A TIFF image; `read_tiff_info` reads its size and samples.
     Tiff,
+    /// A DNG, which is a TIFF with the codes of an image sensor; `read_dng_info` reads its size and color filter.
+    Dng,
     /// A PFM float image, gray or color.
     Pfm,
     /// An OpenEXR image; `read_exr_info` reads its size and channels.
@@ -49,8 +52,8 @@ const MAX_JSON_BYTES: u64 = 1 << 30;
 
 /// Detects the format of a file from its contents; the name of the file does not matter.
 ///
-/// A file of a known format may still be damaged: only what distinguishes the formats is read, up to 64 KiB, and of
-/// JSON the keys of the top level.
+/// A file of a known format may still be damaged: only what distinguishes the formats is read, up to 64 KiB, of a TIFF
+/// also its first directory, and of JSON the keys of the top level.
 ///
 /// # Errors
 ///
@@ -67,7 +70,13 @@ pub fn detect_format(path: impl AsRef<Path>) -> Result<FileFormat, Error> {
     source.by_ref().take(HEAD_BYTES).read_to_end(&mut head).map_err(failed)?;
     let format = match head.as_slice() {
         [0x89, b'P', b'N', b'G', b'\r', b'\n', 0x1a, b'\n', ..] => FileFormat::Png,
-        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => FileFormat::Tiff,
+        [b'I', b'I', 42 | 43, 0, ..] | [b'M', b'M', 0, 42 | 43, ..] => {
+            if is_dng(&mut source) {
+                FileFormat::Dng
+            } else {
+                FileFormat::Tiff
+            }
+        }
         [b'P', b'f' | b'F', space, ..] if space.is_ascii_whitespace() => FileFormat::Pfm,
         [0x76, 0x2f, 0x31, 0x01, ..] => FileFormat::Exr,
         text if [&b"#?RADIANCE"[..], b"#?RGBE"].iter().any(|signature| text.starts_with(signature)) => FileFormat::Hdr,

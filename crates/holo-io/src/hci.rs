@@ -52,6 +52,11 @@ pub fn view_file_name(index: usize) -> String {
     names::Name::View(index).to_string()
 }
 
+/// Whether a file name is that of a view.
+pub(crate) fn is_view_file_name(name: &str) -> bool {
+    matches!(names::Name::parse(name), Some(names::Name::View(_)))
+}
+
 /// The quantity of a ground truth map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum HciQuantity {

@@ -5,8 +5,10 @@ use std::path::Path;
 use holo_core::{ColorEncoding, DynImage, DynImageRef, GridSize, SampleKind};
 use ndarray::{ArrayView3, Axis};
 
+#[cfg(feature = "exr")]
+use crate::linear_image::{plain_channels, read_plain_exr};
 use crate::{Compression, Error, FileDigest, Limits, read_png, read_png_info, write_pfm, write_pfm_rgb, write_png};
-#[cfg(feature = "tiff")]
+#[cfg(any(feature = "tiff", feature = "exr"))]
 use crate::{FileFormat, detect_format};
 
 /// The size and samples of an image of a view.
@@ -22,23 +24,37 @@ pub(crate) fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }
 
-/// Reads the header of a PNG or TIFF.
+/// Reads the header of a PNG, TIFF or OpenEXR.
 pub(crate) fn read_image_info(path: &Path) -> Result<ImageInfo, Error> {
-    #[cfg(feature = "tiff")]
-    if detect_format(path)? == FileFormat::Tiff {
-        let crate::TiffInfo { size, channels, kind } = crate::read_tiff_info(path)?;
-        return Ok(ImageInfo { size, channels, kind });
+    #[cfg(any(feature = "tiff", feature = "exr"))]
+    match detect_format(path)? {
+        #[cfg(feature = "tiff")]
+        FileFormat::Tiff | FileFormat::Dng => {
+            let crate::TiffInfo { size, channels, kind } = crate::read_tiff_info(path)?;
+            return Ok(ImageInfo { size, channels, kind });
+        }
+        #[cfg(feature = "exr")]
+        FileFormat::Exr => {
+            let info = crate::read_exr_info(path)?;
+            let channels = plain_channels(&info, path)?;
+            return Ok(ImageInfo { size: info.size, channels, kind: SampleKind::F32 });
+        }
+        _ => {}
     }
     let info = read_png_info(path)?;
     let kind = if info.bits == 16 { SampleKind::U16 } else { SampleKind::U8 };
     Ok(ImageInfo { size: info.size, channels: info.channels, kind })
 }
 
-/// Reads a PNG or TIFF.
+/// Reads a PNG, TIFF or OpenEXR.
 pub(crate) fn read_image(path: &Path, limits: &Limits) -> Result<DynImage, Error> {
-    #[cfg(feature = "tiff")]
-    if detect_format(path)? == FileFormat::Tiff {
-        return crate::read_tiff(path, limits);
+    #[cfg(any(feature = "tiff", feature = "exr"))]
+    match detect_format(path)? {
+        #[cfg(feature = "tiff")]
+        FileFormat::Tiff | FileFormat::Dng => return crate::read_tiff(path, limits),
+        #[cfg(feature = "exr")]
+        FileFormat::Exr => return Ok(read_plain_exr(path, limits)?.into()),
+        _ => {}
     }
     read_png(path, limits)
 }

@@ -48,10 +48,14 @@
 //! | plenoptic camera, TOML | [`CameraFile::to_toml`] | [`CameraFile::read`] |
 //! | plenoptic camera, for other programs | [`interop`] | |
 //! | `manifest.json` | [`Manifest::write`] | [`Manifest::read`], [`Manifest::verify`] |
+//! | DNG of a sensor's codes | [`write_dng`] | its header: [`read_dng_info`] |
 //! | PNG, PFM or TIFF, by the file extension | [`write_image`] | |
-//! | any light field: folder, raw PNG or TIFF, MAT, HDF5 | | [`read_light_field`], [`LightFieldReader`] |
+//! | PNG, PFM, TIFF or EXR in linear light | | [`read_linear`] |
+//! | any light field: folder, raw PNG, TIFF or EXR, raw image of a plenoptic camera, MAT, HDF5 | | [`read_light_field`], [`LightFieldReader`] |
+//! | what a folder holds a light field in | | [`LightFieldFolder`] |
 //! | the rig of any of them | | [`read_rig`] |
 //! | dataset folder | file by file | [`dataset::DatasetFolder`] |
+//! | folder of a plenoptic camera | file by file | [`dataset::PlenopticFolder`] |
 //! | dataset of many folders | [`dataset::DatasetIndex::write`] | [`dataset::DatasetIndex::read`], [`dataset::list`] |
 //! | HCI folder | [`HciImage::write`] | [`HciFolder::open`] |
 //! | folder of the Stanford Lego gantry | | [`GantryFolder::open`] |
@@ -103,6 +107,7 @@ pub mod dataset;
 mod detect_format;
 #[cfg(feature = "tiff")]
 mod dng;
+mod dng_header;
 mod error;
 #[cfg(feature = "exr")]
 mod exr;
@@ -124,6 +129,8 @@ pub mod interop;
 #[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
 mod light_field;
 mod limits;
+#[cfg(feature = "png")]
+mod linear_image;
 mod manifest;
 #[cfg(feature = "mat")]
 mod mat;
@@ -160,6 +167,7 @@ pub use camera_file::{CameraFile, SensorNoise};
 pub use detect_format::{FileFormat, detect_format};
 #[cfg(feature = "tiff")]
 pub use dng::write_dng;
+pub use dng_header::{DngInfo, read_dng_info};
 pub use error::Error;
 #[cfg(feature = "exr")]
 pub use exr::{
@@ -183,11 +191,15 @@ pub use hdr::{HdrInfo, decode_hdr, read_hdr, read_hdr_info};
 pub use holo_core::{ColorEncoding, meters_to_millimeters, millimeters_to_meters};
 #[cfg(feature = "png")]
 pub use image_file::write_image;
+#[cfg(feature = "png")]
+pub use light_field::LightFieldFolder;
 #[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
 pub use light_field::{
     LightFieldFile, LightFieldFormat, LightFieldReader, ReadOptions, list_images, read_light_field, read_rig,
 };
 pub use limits::Limits;
+#[cfg(feature = "png")]
+pub use linear_image::read_linear;
 pub use manifest::{Manifest, ManifestValue, Mismatch, MismatchKind};
 #[cfg(all(feature = "mat", feature = "hdf5"))]
 pub use mat::MatWriter;

@@ -17,7 +17,10 @@ pub use value::ManifestValue;
 pub use verify::{Mismatch, MismatchKind};
 
 /// The value of the key `format`.
-pub(crate) const FORMAT: &str = "holo manifest 1";
+pub(crate) const FORMAT: &str = "holo manifest 2";
+
+/// The formats that are read: 1 is that of versions 0.1 and 0.2, whose settings are the texts of a command line.
+pub(crate) const FORMATS: [&str; 2] = ["holo manifest 1", FORMAT];
 
 /// The prefix of that value in all versions.
 pub(crate) const FORMAT_FAMILY: &str = "holo manifest ";

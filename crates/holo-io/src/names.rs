@@ -22,6 +22,20 @@ pub const LIGHT_FIELD_MAT: &str = "scene_5d.mat";
 pub const LIGHT_FIELD_HDF5: &str = "scene_5d.h5";
 /// The light fields of all frames of a sequence as one 6D array, in the folder of the sequence.
 pub const SEQUENCE_HDF5: &str = "sequence_5d.h5";
+/// The folder of single views in a dataset folder, in the layout of the HCI benchmark.
+pub const HCI_FOLDER: &str = "hci";
+/// The codes that an image sensor makes of the raw image, 16-bit linear.
+pub const CODES_PNG: &str = "scene_raw.png";
+/// The weights of the central view that was decoded from the raw image of a plenoptic camera.
+pub const WEIGHT_PNG: &str = "scene_weight.png";
+/// The raw image of a plenoptic camera in linear light, without exposure.
+pub const RAW_EXR: &str = "raw.exr";
+/// The raw image of a plenoptic camera, 16-bit linear.
+pub const RAW_PNG: &str = "raw_linear.png";
+/// The white image of a plenoptic camera, 16-bit linear.
+pub const WHITE_PNG: &str = "white.png";
+/// The plenoptic camera of a raw image.
+pub const CAMERA_TOML: &str = "camera.toml";
 /// The camera parameters.
 pub const PARAMETERS_CFG: &str = "parameters.cfg";
 /// The settings of the render and the digest of every file.
@@ -30,6 +44,11 @@ pub const MANIFEST_JSON: &str = "manifest.json";
 pub const DATASET_JSON: &str = "dataset.json";
 /// The description of a dataset for human readers, in its root folder.
 pub const DATASET_MD: &str = "DATASET.md";
+
+/// The images that this project writes beside a light field: none of them is a view of it.
+#[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
+pub(crate) const OWN_IMAGES: [&str; 7] =
+    [ELEMENTAL_PNG, VIEWPOINT_PNG, DISPARITY_PNG, CODES_PNG, WEIGHT_PNG, RAW_PNG, WHITE_PNG];
 
 /// Whether a name is a relative path that stays inside its folder on every system.
 pub(crate) fn stays_inside(name: &str) -> bool {

@@ -7,10 +7,12 @@ use std::path::Path;
 
 use holo_core::GridSize;
 
+#[cfg(feature = "camera")]
+use crate::dataset::PlenopticFolder;
 use crate::dataset::{self, DatasetEntry, DatasetFolder, MANIFEST_JSON, PARAMETERS_CFG, SequenceFolder};
 use crate::{
-    Error, FileFormat, GantryFolder, HciFolder, Manifest, ParametersCfg, PfmInfo, PngInfo, detect_format,
-    read_pfm_info, read_png_info,
+    DngInfo, Error, FileFormat, GantryFolder, HciFolder, Manifest, ParametersCfg, PfmInfo, PngInfo, detect_format,
+    read_dng_info, read_pfm_info, read_png_info,
 };
 
 /// Number of bytes of an unknown file that are shown.
@@ -25,6 +27,8 @@ pub enum FileInfo {
     /// A TIFF image.
     #[cfg(feature = "tiff")]
     Tiff(crate::TiffInfo),
+    /// The codes of an image sensor as DNG.
+    Dng(DngInfo),
     /// A PFM float image.
     Pfm(PfmInfo),
     /// An OpenEXR image.
@@ -54,6 +58,9 @@ pub enum FileInfo {
     },
     /// A folder that `holo render` wrote.
     DatasetFolder(Box<DatasetFolder>),
+    /// A folder of a plenoptic camera.
+    #[cfg(feature = "camera")]
+    PlenopticFolder(Box<PlenopticFolder>),
     /// A folder with the frames of a sequence in it.
     Sequence(SequenceFolder),
     /// A folder with dataset folders `<scene>/<S>x<T>/` in it.
@@ -71,9 +78,11 @@ pub enum FileInfo {
 
 /// Detects the format of a file or folder from its contents, and reads its headers, parameters and list of files.
 ///
-/// A folder is the first that applies of: a dataset folder if it has a `manifest.json`; an HCI folder if it has a
-/// `parameters.cfg` and a view `input_Cam*.png`; a gantry folder if it has a view `out_ROW_COLUMN_Y_X.png`; a sequence if
-/// it has frames `frame_NNNN/` in it; a folder of datasets if it has dataset folders in it.
+/// A folder is the first that applies of: a folder of a plenoptic camera if its `manifest.json` lists a `camera.toml` and
+/// has no rig; a dataset folder if it has a `manifest.json`; an HCI folder if it has a `parameters.cfg` and a view
+/// `input_Cam*.png`; a gantry folder if it has a view `out_ROW_COLUMN_Y_X.png`; a folder of a plenoptic camera if it has a
+/// `camera.toml` and a `raw.exr` or `raw_linear.png`; a sequence if it has frames `frame_NNNN/` in it; a folder of datasets
+/// if it has dataset folders in it.
 ///
 /// # Errors
 ///
@@ -101,6 +110,7 @@ fn probe_file(path: &Path, bytes: u64) -> Result<FileInfo, Error> {
         FileFormat::Png => FileInfo::Png(read_png_info(path)?),
         #[cfg(feature = "tiff")]
         FileFormat::Tiff => FileInfo::Tiff(crate::read_tiff_info(path)?),
+        FileFormat::Dng => FileInfo::Dng(read_dng_info(path)?),
         FileFormat::Pfm => FileInfo::Pfm(read_pfm_info(path)?),
         #[cfg(feature = "exr")]
         FileFormat::Exr => {
@@ -127,13 +137,22 @@ fn probe_folder(path: &Path) -> Result<FileInfo, Error> {
         Ok::<_, Error>(file.is_file() && detect_format(&file)? == format)
     };
     if is(MANIFEST_JSON, FileFormat::Manifest)? {
-        return Ok(FileInfo::DatasetFolder(Box::new(DatasetFolder::open(path)?)));
+        let manifest = Manifest::read(path.join(MANIFEST_JSON))?;
+        #[cfg(feature = "camera")]
+        if PlenopticFolder::is_described_by(&manifest) {
+            return Ok(FileInfo::PlenopticFolder(Box::new(PlenopticFolder::with_manifest(path, Some(manifest))?)));
+        }
+        return Ok(FileInfo::DatasetFolder(Box::new(DatasetFolder::with_manifest(path, manifest)?)));
     }
     if is(PARAMETERS_CFG, FileFormat::ParametersCfg)? && HciFolder::has_views(path)? {
         return Ok(FileInfo::HciFolder(Box::new(HciFolder::open(path)?)));
     }
     if GantryFolder::has_views(path)? {
         return Ok(FileInfo::GantryFolder(Box::new(GantryFolder::open(path)?)));
+    }
+    #[cfg(feature = "camera")]
+    if PlenopticFolder::has_files(path) {
+        return Ok(FileInfo::PlenopticFolder(Box::new(PlenopticFolder::with_manifest(path, None)?)));
     }
     let sequence = SequenceFolder::open(path)?;
     if !sequence.frames().is_empty() {
@@ -159,6 +178,14 @@ impl fmt::Display for FileInfo {
                 let (crate::TiffInfo { size, channels, kind }, s) = (info, plural(info.channels));
                 write!(f, "TIFF image, {}, {channels} channel{s} of {}", pixels(*size), kind.name())
             }
+            Self::Dng(info) => {
+                write!(f, "DNG raw image, {}, {} bits", pixels(info.size), info.bits)?;
+                info.white.map_or(Ok(()), |white| write!(f, ", largest code {white}"))?;
+                match &info.filter {
+                    Some(filter) => write!(f, ", color filter {filter}"),
+                    None => write!(f, ", no color filter of 2 x 2 pixels"),
+                }
+            }
             Self::Pfm(info) => {
                 let kind = if info.channels == 1 { "gray" } else { "color" };
                 write!(f, "PFM float image, {}, {kind}", pixels(info.size))
@@ -182,8 +209,21 @@ impl fmt::Display for FileInfo {
             }
             Self::DatasetFolder(folder) => {
                 let shape = folder.shape();
-                let no_image = if folder.raw_image().is_none() { ", no raw image" } else { "" };
-                write!(f, "dataset folder, {}{no_image}", grid(shape.views(), shape.lenses()))
+                let nothing = if folder.representations().is_empty() { ", no light field" } else { "" };
+                write!(f, "dataset folder, {}{nothing}", grid(shape.views(), shape.lenses()))
+            }
+            #[cfg(feature = "camera")]
+            Self::PlenopticFolder(folder) => {
+                let camera = folder.camera();
+                let (size, count) = (camera.camera.sensor().size, camera.camera.lens_count());
+                let nothing = if folder.representations().is_empty() { ", no raw image" } else { "" };
+                write!(
+                    f,
+                    "folder of the plenoptic camera '{}', {}, {count} micro-image{}{nothing}",
+                    camera.name.escape_debug(),
+                    pixels(size),
+                    plural(count)
+                )
             }
             Self::Sequence(sequence) => {
                 let frames = sequence.frames();

@@ -117,7 +117,19 @@ impl CameraArray {
     ///
     /// [`Error::BadInput`] if a camera has no size; [`Error::Io`] if the file cannot be written.
     pub fn write(&self, path: impl AsRef<Path>, up: WorldUp) -> Result<FileDigest, Error> {
-        let path = path.as_ref();
+        self.write_paths(path.as_ref(), up, |name| format!("images/{name}.png"))
+    }
+
+    /// Writes a file whose poses are those of folders, each with a light field or a raw image, instead of images.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`CameraArray::write`].
+    pub fn write_folders(&self, path: impl AsRef<Path>, up: WorldUp) -> Result<FileDigest, Error> {
+        self.write_paths(path.as_ref(), up, str::to_owned)
+    }
+
+    fn write_paths(&self, path: &Path, up: WorldUp, of: impl Fn(&str) -> String) -> Result<FileDigest, Error> {
         let frame = |camera: &ArrayCamera| -> Result<Value, Error> {
             let Some(size) = camera.size else {
                 return Err(Error::bad_input(path, format!("camera '{}' has no size", camera.name)));
@@ -127,7 +139,7 @@ impl CameraArray {
                 (0..3).map(|row| columns.iter().map(|column| column[row]).collect()).collect();
             rows.push(vec![0.0, 0.0, 0.0, 1.0]);
             Ok(json!({
-                "file_path": format!("images/{}.png", camera.name),
+                "file_path": of(&camera.name),
                 "fl_x": camera.focal_px, "fl_y": camera.focal_px,
                 "cx": size.columns as f64 / 2.0, "cy": size.rows as f64 / 2.0,
                 "w": size.columns, "h": size.rows,

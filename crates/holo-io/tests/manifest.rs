@@ -44,7 +44,7 @@ fn the_text_is_fixed() {
     let digest = "ab".repeat(32);
     let expected = format!(
         r#"{{
-  "format": "holo manifest 1",
+  "format": "holo manifest 2",
   "versions": {{
     "embree": "4.4.0",
     "holo": "0.1.0"
@@ -115,12 +115,15 @@ fn a_rig_of_no_views_is_an_error_of_the_file() {
 
 #[test]
 fn the_minimal_manifest_is_its_format() {
-    assert_eq!(Manifest::from_json(r#"{"format":"holo manifest 1","unknown":[1]}"#).unwrap(), Manifest::default());
+    for format in [1, 2] {
+        let text = format!(r#"{{"format":"holo manifest {format}","unknown":[1]}}"#);
+        assert_eq!(Manifest::from_json(&text).unwrap(), Manifest::default());
+    }
 }
 
 #[test]
 fn other_versions_are_distinguished_from_damage() {
-    let error = Manifest::from_json(r#"{"format":"holo manifest 2","files":7}"#).unwrap_err();
+    let error = Manifest::from_json(r#"{"format":"holo manifest 3","files":7}"#).unwrap_err();
     assert!(matches!(error, Error::Unsupported { .. }), "{error}");
     for text in
         ["", "7", "[]", "{}", "null", r#"{"format":7}"#, r#"{"format":"holo manifest 1","seed":-1}"#, "\u{feff}{}"]

@@ -98,7 +98,7 @@ fn folders_are_detected_by_their_files() {
     let dataset = root.path().join("boxes/3x2");
     fs::create_dir_all(&dataset).unwrap();
     Manifest { rig: Some(rig()), ..Manifest::default() }.write(dataset.join("manifest.json")).unwrap();
-    assert_eq!(probe(&dataset).unwrap().to_string(), "dataset folder, 3 x 2 views of 5 x 4 pixels, no raw image");
+    assert_eq!(probe(&dataset).unwrap().to_string(), "dataset folder, 3 x 2 views of 5 x 4 pixels, no light field");
     assert_eq!(probe(root.path()).unwrap().to_string(), "folder of 1 dataset");
     // A folder with the name of a manifest is not a manifest.
     fs::remove_file(dataset.join("manifest.json")).unwrap();

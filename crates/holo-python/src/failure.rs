@@ -1,5 +1,6 @@
 //! Errors as Python exceptions, with the messages of the command line.
 
+use holo_dataset::settings::spelled;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
@@ -43,10 +44,18 @@ impl From<holo_dataset::Error> for Failure {
             holo_dataset::Error::Render(holo_render::Error::Cancelled) => {
                 Self::Python(PyKeyboardInterrupt::new_err("stopped"))
             }
-            error if error.is_bad_request() => Self::Usage(error.to_string()),
-            error => Self::Failed(error.to_string()),
+            error if error.is_bad_request() => Self::Usage(keywords(&error.to_string())),
+            error => Self::Failed(keywords(&error.to_string())),
         }
     }
+}
+
+/// A message of the libraries with keywords of Python in it.
+pub fn keywords(message: &str) -> String {
+    spelled(message, |key, value| {
+        let (key, value) = (key.replace('-', "_"), value.trim_start());
+        if value.is_empty() || value.starts_with('=') { format!("{key}{value}") } else { format!("{key}={value}") }
+    })
 }
 
 impl From<holo_io::Error> for Failure {

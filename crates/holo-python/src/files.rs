@@ -247,7 +247,7 @@ pub fn read_image(py: Python<'_>, path: PathBuf) -> Result<Bound<'_, PyAny>, Fai
             give(py, pfm.values)
         }
         FileFormat::Exr => give(py, py.detach(|| holo_io::read_exr_rgb(&path, &limits))?),
-        FileFormat::Tiff => give_image(py, py.detach(|| holo_io::read_tiff(&path, &limits))?),
+        FileFormat::Tiff | FileFormat::Dng => give_image(py, py.detach(|| holo_io::read_tiff(&path, &limits))?),
         _ => {
             let image: DynImage = py.detach(|| holo_io::read_png(&path, &limits))?;
             give_image(py, image)

@@ -42,7 +42,7 @@ fn _holo(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(scene::meshes_to_glb, module)?,
         wrap_pyfunction!(render::render, module)?,
         wrap_pyfunction!(render::render_folder, module)?,
-        wrap_pyfunction!(render::render_raw, module)?,
+        wrap_pyfunction!(render::settings_table, module)?,
         wrap_pyfunction!(render::missing_embree, module)?,
         wrap_pyfunction!(rig::planned_rig, module)?,
         wrap_pyfunction!(rig::read_rig, module)?,

@@ -1,22 +1,45 @@
 //! Options as text, by the names of the command line.
 
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::path::Path;
 
 use holo_core::{Effort, Layout, ViewOrder};
-use holo_dataset::{EngineSpec, RenderSpec, Sky};
+use holo_dataset::settings::{Given, PRESETS, Preset, SettingType};
+use holo_dataset::{Camera, EngineSettings, RenderSettings};
+use holo_io::WorldUp;
 use holo_render::Backend;
 
 use crate::failure::Failure;
 
-/// Parses a specification; the sky is a path if it ends as one.
-pub fn spec(options: &BTreeMap<String, String>) -> Result<RenderSpec, Failure> {
-    let mut options = options.clone();
-    let sky = options.remove("sky");
-    let mut spec = RenderSpec::from_options(&options)?;
-    if let Some(sky) = sky {
-        spec.sky = sky.parse::<Sky>().map_err(|why| Failure::Usage(format!("sky='{sky}': {why}")))?;
+/// The settings of a render, over those of a preset, with this camera, at the poses of a file or of the scene.
+pub fn settings(
+    options: &BTreeMap<String, String>,
+    preset: Option<&str>,
+    camera: Camera,
+    poses: Option<(&Path, WorldUp)>,
+) -> Result<RenderSettings, Failure> {
+    let mut given = Given::default();
+    for (key, text) in options {
+        // A plenoptic camera has its own focus and aperture already.
+        if camera.plenoptic().is_none() || !["focus-m", "f-number"].contains(&key.as_str()) {
+            given.insert(key, text.as_str())?;
+        }
     }
-    Ok(spec)
+    if let Some(name) = preset {
+        let known = || {
+            let names: Vec<&str> = PRESETS.iter().map(|preset| preset.name).collect();
+            Failure::Usage(format!("preset='{name}': give {}", names.join(", ")))
+        };
+        given = given.over(Preset::by_name(name).ok_or_else(known)?.given());
+    }
+    let mut settings = RenderSettings::default();
+    settings.camera = camera;
+    match poses {
+        Some((path, up)) => settings.apply_at_poses(given, path, up)?,
+        None => settings.apply(&given)?,
+    }
+    Ok(settings)
 }
 
 /// The value of `word` among `choices`; the error names them.
@@ -30,9 +53,9 @@ pub fn choice<T: Copy>(name: &str, word: &str, choices: &[(&str, T)]) -> Result<
     }
 }
 
-pub fn engine(backend: &str, threads: usize) -> Result<EngineSpec, Failure> {
-    let choices = [("auto", Backend::Auto), ("embree", Backend::Embree), ("bvh", Backend::Bvh)];
-    Ok(EngineSpec { backend: choice("backend", backend, &choices)?, threads })
+pub fn engine(backend: &str, threads: usize) -> Result<EngineSettings, Failure> {
+    let backend = Backend::parse(backend).map_err(|why| Failure::Usage(format!("backend='{backend}': {why}")))?;
+    Ok(EngineSettings::default().backend(backend).threads(NonZeroUsize::new(threads)))
 }
 
 pub fn layout(word: &str) -> Result<Layout, Failure> {

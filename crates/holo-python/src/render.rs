@@ -5,23 +5,20 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use holo_core::{LightFieldOwned, Sample};
-use holo_dataset::options::{Options, integrator_name};
-use holo_dataset::{
-    About, CancelOnly, Checkpoints, Diagnostics, ImageJob, ImageReport, JobOutcome, PartProgress, RawJob, RenderJob,
-    Rollback, SequenceJob, Shard, Tool,
-};
-use holo_io::dataset::SEQUENCE_HDF5;
-use holo_render::{Backend, Layer, Layers, Motion, Progress, RayCounts};
+use holo_dataset::settings::{Kind, Setting, table, word};
+use holo_dataset::{About, Camera, Checkpoints, Diagnostics, RenderJob, Rendering, RunOptions, Shard};
+use holo_io::WorldUp;
+use holo_render::{Backend, Layer, Layers, Motion, RayCounts};
 use ndarray::{Array, Array3, Array5, Axis, Dimension};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde_json::{Value, json};
 
-use crate::arrays::{give, give_json};
+use crate::arrays::give;
 use crate::camera::PlenopticCamera;
-use crate::failure::Failure;
+use crate::failure::{Failure, keywords};
 use crate::rig::Rig;
 use crate::scene::Source;
+use crate::watch::Watch;
 use crate::{options, watch};
 
 /// Backend and number of threads.
@@ -36,19 +33,50 @@ pub fn missing_embree() -> Option<String> {
     Backend::find_embree().err().map(|why| why.to_string())
 }
 
+/// The settings by key with form, kind, default and help, as the command line has them.
+#[pyfunction]
+pub fn settings_table(py: Python<'_>) -> Result<Vec<Bound<'_, PyDict>>, Failure> {
+    let row = |setting: &'static Setting| {
+        let dict = PyDict::new(py);
+        dict.set_item("key", setting.key())?;
+        dict.set_item("form", setting.form())?;
+        dict.set_item("default", setting.default())?;
+        dict.set_item("help", setting.help().join("\n"))?;
+        let (kind, words) = match setting.kind() {
+            Kind::Flag => ("bool", Vec::new()),
+            Kind::Integer => ("int", Vec::new()),
+            Kind::Number => ("float", Vec::new()),
+            Kind::Size => ("size", Vec::new()),
+            Kind::Range => ("range", Vec::new()),
+            Kind::Word(words) => ("word", words.iter().map(|word| word.name).collect()),
+            Kind::Words(words) => ("words", words.iter().map(|word| word.name).collect()),
+            Kind::Other(python) => (python, Vec::new()),
+            _ => ("str", Vec::new()),
+        };
+        dict.set_item("kind", kind)?;
+        dict.set_item("words", words)?;
+        Ok(dict)
+    };
+    table().map(row).collect()
+}
+
 /// Renders into arrays.
 #[pyfunction]
 pub fn render<'py>(
     py: Python<'py>,
     source: Source,
+    camera: Option<PlenopticCamera>,
     options: BTreeMap<String, String>,
+    preset: Option<String>,
     engine: Engine,
     progress: Option<Bound<'py, PyAny>>,
 ) -> Result<Bound<'py, PyDict>, Failure> {
-    let engine = options::engine(&engine.0, engine.1)?;
-    let job = RenderJob::new(source.open()?, options::spec(&options)?).with_engine(engine);
-    let (rendering, lines) = watch::run(py, progress.as_ref(), |watch| listening(|tell| job.render(watch, tell)))?;
-    let (rendered, seconds) = (rendering.rendered, rendering.seconds);
+    let camera = camera.map_or_else(Camera::default, |camera| camera.0.into());
+    let settings = options::settings(&options, preset.as_deref(), camera, None)?;
+    let job = RenderJob::new(source.open()?, settings).engine(options::engine(&engine.0, engine.1)?);
+    let work = |watch: &Watch| listening(|tell| job.render(&RunOptions::new().progress(watch).diagnostics(tell)));
+    let (rendering, lines) = watch::run(py, progress.as_ref(), work)?;
+    let Rendering { rendered, seconds, .. } = rendering;
     let result = PyDict::new(py);
     result.set_item("color", rendered.color.map(|color| give(py, color.into_samples())))?;
     result.set_item("error", rendered.error.map(|error| give_channel(py, error)))?;
@@ -56,16 +84,20 @@ pub fn render<'py>(
     if let Some(visibility) = rendering.visibility {
         central.set_item("visibility", give(py, visibility))?;
     }
-    let rig = rendering.rig;
+    for (layer, image) in rendering.raw_layers {
+        central.set_item(layer.name(), give(py, image))?;
+    }
     let all = rendered.all.map(|all| give_layers(py, all, |field| give_channel(py, field))).transpose()?;
     // Motion of all views may be the only layer.
     let all = if rendering.motion.len() > 1 { Some(all.unwrap_or_else(|| PyDict::new(py))) } else { all };
-    give_motion(py, rendering.motion, &rig, &central, all.as_ref())?;
+    if let Some(rig) = rendering.rig {
+        give_motion(py, rendering.motion, &rig, &central, all.as_ref())?;
+    }
     result.set_item("central", central)?;
     result.set_item("all", all)?;
-    result.set_item("rig", Rig(rig))?;
+    result.set_item("rig", rendering.rig.map(Rig))?;
     result.set_item("exposure_ev", rendering.exposure_ev)?;
-    result.set_item("integrator", integrator_name(rendered.integrator))?;
+    result.set_item("integrator", word(&rendered.integrator))?;
     result.set_item("why", rendered.why)?;
     result.set_item("rays", give_rays(py, rendered.rays)?)?;
     result.set_item("samples", rendered.samples)?;
@@ -81,13 +113,16 @@ pub fn render<'py>(
 pub struct FolderRequest {
     out: PathBuf,
     camera: Option<PlenopticCamera>,
-    tools: Vec<String>,
+    transforms: Option<PathBuf>,
+    transforms_up: String,
+    preset: Option<String>,
     shard: Option<String>,
     overwrite: bool,
     checkpoint_seconds: f64,
 }
 
-/// Renders into a folder, as the command line does, and returns its report.
+/// Renders into a folder, as the command line does, and returns its reports as JSON texts, the number of shots that were
+/// done already, and diagnostics.
 #[pyfunction]
 pub fn render_folder<'py>(
     py: Python<'py>,
@@ -96,111 +131,34 @@ pub fn render_folder<'py>(
     engine: Engine,
     request: FolderRequest,
     progress: Option<Bound<'py, PyAny>>,
-) -> Result<(Bound<'py, PyAny>, Vec<String>), Failure> {
-    let shard = request.shard.as_deref().map(str::parse::<Shard>).transpose().map_err(Failure::Usage)?;
-    let (spec, engine) = (options::spec(&options)?, options::engine(&engine.0, engine.1)?);
-    // As the command line keeps them: what was given, and the defaults of the rest.
-    let mut words: Options = spec.to_options();
-    words.extend(options);
-    if words.contains_key("lenses") {
-        words.remove("sensor");
-    }
-    let source = source.open()?;
-    let place = Place { out: request.out, shard, overwrite: request.overwrite };
-    let (report, lines) = if let Some(camera) = request.camera {
-        let mut job = RawJob::new(source, camera.0, spec).with_options(words);
-        job.engine = engine;
-        job.tools = request.tools.iter().map(|name| tool(name)).collect::<Result<_, _>>()?;
-        watch::run(py, progress.as_ref(), |watch| listening(|tell| place.fill(job, watch, tell)))?
-    } else {
-        let checkpoints = Checkpoints::every_seconds(request.checkpoint_seconds);
-        let job = RenderJob::new(source, spec).with_options(words).with_engine(engine).with_checkpoints(checkpoints);
-        watch::run(py, progress.as_ref(), |watch| listening(|tell| place.fill(job, watch, tell)))?
+) -> Result<(Vec<String>, usize, Vec<String>), Failure> {
+    let shard =
+        request.shard.as_deref().map(str::parse::<Shard>).transpose().map_err(|why| Failure::Usage(why.to_string()))?;
+    let camera = request.camera.map_or_else(Camera::default, |camera| camera.0.into());
+    let up = options::choice("transforms_up", &request.transforms_up, &[("z", WorldUp::Z), ("y", WorldUp::Y)])?;
+    let poses = request.transforms.as_deref().map(|path| (path, up));
+    let settings = options::settings(&options, request.preset.as_deref(), camera, poses)?;
+    let job = RenderJob::new(source.open()?, settings)
+        .engine(options::engine(&engine.0, engine.1)?)
+        .checkpoints(Checkpoints::every_seconds(request.checkpoint_seconds));
+    let (out, overwrite) = (request.out, request.overwrite);
+    let work = |watch: &Watch| {
+        listening(|tell| {
+            job.run(&out, &RunOptions::new().shard(shard).overwrite(overwrite).progress(watch).diagnostics(tell))
+        })
     };
-    Ok((give_json(py, &report)?, lines))
-}
-
-/// Where an image goes, or the frames of a sequence.
-struct Place {
-    out: PathBuf,
-    shard: Option<Shard>,
-    overwrite: bool,
-}
-
-impl Place {
-    /// Renders into it, and returns the report.
-    fn fill(
-        &self,
-        job: impl ImageJob,
-        progress: &dyn Progress,
-        diagnostics: &dyn Diagnostics,
-    ) -> Result<Value, holo_dataset::Error> {
-        let Self { out, shard, overwrite } = self;
-        let rollback = Rollback::default();
-        if job.spec().scene.frames.is_none_or(|frames| frames.single().is_some()) {
-            if !overwrite {
-                job.check_replaceable(out, *shard)?;
-            }
-            return Ok(job.run(out, *shard, progress, diagnostics, &rollback)?.to_json());
-        }
-        if !overwrite {
-            SequenceJob::check_replaceable(&job, out)?;
-        }
-        let sequence = SequenceJob::new(job, &CancelOnly(progress), diagnostics)?;
-        let frames: Vec<u32> = sequence.frames(*shard).collect();
-        let mut reports = Vec::with_capacity(frames.len());
-        for (k, &frame) in frames.iter().enumerate() {
-            let part = PartProgress { inner: progress, k, of: frames.len() };
-            if let JobOutcome::Made(report, _) = sequence.run_frame(frame, out, &part, diagnostics, &rollback)? {
-                let mut report = report.to_json();
-                report["frame"] = frame.into();
-                reports.push(report);
-            }
-        }
-        let files: &[&str] = if sequence.finish(out)? { &[SEQUENCE_HDF5] } else { &[] };
-        Ok(json!({"made": reports.len(), "kept": frames.len() - reports.len(), "files": files, "frames": reports}))
-    }
-}
-
-fn tool(name: &str) -> Result<Tool, Failure> {
-    let known: Vec<(&str, Tool)> = Tool::ALL.iter().map(|tool| (tool.name(), *tool)).collect();
-    options::choice("tools", name, &known)
-}
-
-/// Renders the raw image of a plenoptic camera into arrays.
-#[pyfunction]
-pub fn render_raw<'py>(
-    py: Python<'py>,
-    source: Source,
-    camera: PlenopticCamera,
-    options: BTreeMap<String, String>,
-    engine: Engine,
-    progress: Option<Bound<'py, PyAny>>,
-) -> Result<Bound<'py, PyDict>, Failure> {
-    let mut job = RawJob::new(source.open()?, camera.0, options::spec(&options)?);
-    job.engine = options::engine(&engine.0, engine.1)?;
-    let ((rendered, others), lines) =
-        watch::run(py, progress.as_ref(), |watch| listening(|tell| job.render(watch, tell)))?;
-    let result = PyDict::new(py);
-    result.set_item("color", rendered.color.map(|color| give(py, color)))?;
-    let layers = give_layers(py, rendered.layers, |image| give_plane(py, image))?;
-    for (layer, image) in others {
-        layers.set_item(layer.name(), give(py, image))?;
-    }
-    result.set_item("layers", layers)?;
-    result.set_item("integrator", integrator_name(rendered.integrator))?;
-    result.set_item("why", rendered.why)?;
-    result.set_item("rays", give_rays(py, rendered.rays)?)?;
-    result.set_item("diagnostics", lines)?;
-    Ok(result)
+    let (outcomes, lines) = watch::run(py, progress.as_ref(), work)?;
+    let reports: Vec<String> = outcomes.iter().filter_map(|(_, outcome)| Some(outcome.report()?.to_json())).collect();
+    let kept = outcomes.len() - reports.len();
+    Ok((reports, kept, lines))
 }
 
 /// Does `work` with a receiver of diagnostics, and returns what it received.
 fn listening<T>(
-    work: impl FnOnce(&dyn holo_dataset::Diagnostics) -> Result<T, holo_dataset::Error>,
+    work: impl FnOnce(&dyn Diagnostics) -> Result<T, holo_dataset::Error>,
 ) -> Result<Told<T>, holo_dataset::Error> {
     let lines = RefCell::new(Vec::new());
-    let done = work(&|_: About, line: &str| lines.borrow_mut().push(line.to_owned()))?;
+    let done = work(&|_: About, line: &str| lines.borrow_mut().push(keywords(line)))?;
     Ok((done, lines.into_inner()))
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use holo_core::optics::{DepthRange, Optics};
 use holo_core::{Disparity, GridSize, Intrinsics, LightFieldShape, Projection};
+use holo_dataset::Camera;
 use holo_io::Limits;
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
@@ -219,7 +220,9 @@ pub fn planned_rig(
     lens_pitch_mm: Option<f64>,
 ) -> Result<Rig, Failure> {
     let depths = depths_m.map(|(near_m, far_m)| DepthRange::new(near_m, far_m)).transpose()?;
-    Ok(Rig(holo_dataset::planned_rig(&options::spec(&options)?.rig, lens_pitch_mm, depths)?))
+    let settings = options::settings(&options, None, Camera::default(), None)?;
+    let rig = settings.camera.rig().cloned().unwrap_or_default();
+    Ok(Rig(holo_dataset::planned_rig(&rig, lens_pitch_mm, depths)?))
 }
 
 /// The rig of a file or folder; None if there is none.

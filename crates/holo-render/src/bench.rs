@@ -10,6 +10,7 @@ use holo_core::Rig;
 use ndarray::Array3;
 use rayon::prelude::*;
 
+use crate::World;
 use crate::accel::{Backend, Coherence, NO_TRIANGLE, RayHits};
 use crate::camera::RaySource;
 use crate::camera::rig::RigRays;
@@ -45,7 +46,7 @@ pub fn renderer(scene: &Scene, pose: &Transform, storage: Storage) -> Result<Ren
         Storage::Instanced => Instancing::Always,
         Storage::Chosen => Instancing::Automatic,
     };
-    Renderer::with_instancing(scene, pose, Backend::Embree, 0, instancing)
+    World::with_instancing(scene, Backend::Embree, 0, instancing)?.at(pose)
 }
 
 /// The result of a measurement.

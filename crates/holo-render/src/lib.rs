@@ -69,7 +69,7 @@ pub use film::{exposure, layers};
 pub use integrator::{Integrator, RayCounts};
 pub use progress::{Progress, Tenths};
 pub use render::{
-    Checkpoint, Denoise, FinishedTile, Frame, GroundTruth, Motion, RawRendered, RawRequest, RawStatistics, Rendered,
-    Renderer, Request, Reuse, TextureFilter, TileId, TileKind, Transport, Views,
+    Camera, Checkpoint, Denoise, FinishedTile, Frame, GroundTruth, Motion, RawStatistics, Rendered, Renderer, Request,
+    Reuse, TextureFilter, TileId, TileKind, Transport, Views, World,
 };
 pub use sampling::Sampling;

@@ -11,6 +11,7 @@ mod rounds;
 mod transport;
 mod visibility;
 mod work;
+mod world;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -24,26 +25,25 @@ pub use self::checkpoint::{Checkpoint, FinishedTile, TileId, TileKind};
 #[cfg(feature = "bench")]
 pub(crate) use self::color::samples;
 pub use self::motion::{Frame, Motion};
-pub use self::raw::{RawRendered, RawRequest, RawStatistics};
-pub use self::request::{Denoise, GroundTruth, Rendered, Request, Views};
+pub use self::request::{Camera, Denoise, GroundTruth, RawStatistics, Rendered, Request, Views};
 pub use self::transport::{Reuse, TextureFilter, Transport};
+pub use self::world::World;
 
 use self::plan::{Plan, Region};
-use self::request::DEPTH_AND_DISPARITY;
-use crate::accel::{self, Backend, Engine};
+use self::raw::RawRequest;
+use self::request::{DEPTH_AND_DISPARITY, RigRequest};
+use crate::accel::{Backend, Engine};
 use crate::camera::RaySource;
 use crate::camera::framing::Framed;
 use crate::camera::rig::RigRays;
 use crate::error::Error;
 use crate::film::layers::{LayerSet, Layers};
-use crate::geometry::{Geometry, Instancing};
+use crate::geometry::Geometry;
 use crate::integrator::auto::{self, Contents};
 use crate::integrator::{Context, Integrator, Policy, SceneData};
 use crate::light::Emitters;
 use crate::light::EnvironmentLight;
-use crate::light::{self, PreparedLight};
-use crate::material::media::MAX_MEDIA;
-use crate::material::{AlphaTest, AlphaTested};
+use crate::light::PreparedLight;
 use crate::material::{Appearance, MaterialFlags};
 use crate::progress::{Progress, Stop};
 use crate::sampling::{self, Sampler};
@@ -66,67 +66,18 @@ pub struct Renderer {
     to_world: [[f64; 3]; 3],
     /// The number of instances and materials of the scene.
     counts: [usize; 2],
-    pool: rayon::ThreadPool,
+    pool: Arc<rayon::ThreadPool>,
 }
 
 impl Renderer {
     /// Validates `scene`, transforms it to the frame of a camera at `pose` (camera to world) and builds the
-    /// acceleration structure, with `threads` threads (0: the default of rayon, one per core).
+    /// acceleration structure, with `threads` threads (0: the default of rayon, one per core). A [`World`] does the same for
+    /// many poses.
     ///
     /// # Errors
-    /// [`Error::Scene`] for an invalid scene, [`Error::Embree`] if the backend is not available or runs out of memory,
-    /// [`Error::BadSetting`] for a pose that is not a rotation and translation or if the threads cannot be started.
+    /// As [`World::new`] and [`World::at`].
     pub fn new(scene: &Scene, pose: &Transform, backend: Backend, threads: usize) -> Result<Self, Error> {
-        Self::with_instancing(scene, pose, backend, threads, accel::instancing(backend))
-    }
-
-    /// As `new`; the engine must support `instancing`.
-    pub(crate) fn with_instancing(
-        scene: &Scene,
-        pose: &Transform,
-        backend: Backend,
-        threads: usize,
-        instancing: Instancing,
-    ) -> Result<Self, Error> {
-        scene.validate()?;
-        if !pose.is_pose() {
-            return Err(Error::BadSetting("the camera pose must be a rotation and a translation, both finite".into()));
-        }
-        let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
-            .build()
-            .map_err(|e| Error::BadSetting(format!("{threads} threads cannot be started: {e}")))?;
-        let (geometry, built) = pool.install(|| {
-            let geometry = Arc::new(Geometry::build(scene, pose, instancing)?);
-            let built = accel::build(backend, &geometry, pool.current_num_threads())?;
-            Ok::<_, Error>((geometry, built))
-        })?;
-        let (engine, note) = built;
-        let appearance = Arc::new(Appearance::new(&scene.materials, &scene.textures));
-        if appearance.media_count() > MAX_MEDIA {
-            return Err(Error::BadSetting(format!(
-                "the scene has {} kinds of glass with a volume; at most {MAX_MEDIA} are supported",
-                appearance.media_count()
-            )));
-        }
-        let engine: Arc<dyn Engine> = Arc::from(engine);
-        let engines = [false, true].map(|cull| {
-            [AlphaTest::Stochastic, AlphaTest::Threshold].map(|test| -> Arc<dyn Engine> {
-                let inner = Arc::clone(&engine);
-                if !cull && !appearance.flags().has(MaterialFlags::ALPHA) {
-                    return inner;
-                }
-                let (geometry, appearance) = (Arc::clone(&geometry), Arc::clone(&appearance));
-                Arc::new(AlphaTested { inner, geometry, appearance, test, cull })
-            })
-        });
-        let lights = light::prepare(&scene.lights, pose);
-        let emitters = Emitters::build(&geometry, &scene.materials, &scene.textures);
-        let environment = scene.environment.as_ref().map(|environment| EnvironmentLight::new(environment, pose));
-        let environment = environment.filter(|environment| !environment.is_black());
-        let counts = [scene.instances.len(), scene.materials.len()];
-        let to_world = pose.columns;
-        Ok(Self { engines, note, geometry, appearance, lights, emitters, environment, to_world, counts, pool })
+        World::new(scene, backend, threads)?.at(pose)
     }
 
     /// The name and version of the ray tracing backend, such as "embree 4.4.0" or "bvh".
@@ -157,7 +108,8 @@ impl Renderer {
         self.pool.install(work)
     }
 
-    /// Renders `request`. The result depends only on the scene, the pose and `request`, not on the number of threads or
+    /// Renders `request`. Of a plenoptic camera, a sample is a ray from a point of a pixel through a point of a microlens that
+    /// both apertures let pass: pixels that no light reaches are black and cost nothing. The result depends only on the scene, the pose and `request`, not on the number of threads or
     /// their timing.
     ///
     /// # Errors
@@ -165,6 +117,20 @@ impl Renderer {
     /// field does not fit into memory, [`Error::Cancelled`] if `progress` cancels.
     pub fn render(&self, request: &Request, progress: &dyn Progress) -> Result<Rendered, Error> {
         self.pool.install(|| self.render_here(request, progress, None))
+    }
+
+    /// Renders in the current thread pool.
+    fn render_here(
+        &self,
+        request: &Request,
+        progress: &dyn Progress,
+        checkpoint: Option<&dyn Checkpoint>,
+    ) -> Result<Rendered, Error> {
+        request.check(self.counts)?;
+        match &request.camera {
+            Camera::Rig(rig) => self.render_rig(&RigRequest { rig, request }, progress, checkpoint),
+            Camera::Plenoptic(camera) => self.render_raw(&RawRequest { camera, request }, progress, checkpoint),
+        }
     }
 
     /// Renders `request` as [`render`](Self::render) does, to the same values, but takes the tiles that `checkpoint`
@@ -181,21 +147,25 @@ impl Renderer {
         self.pool.install(|| self.render_here(request, progress, Some(checkpoint)))
     }
 
-    /// The lens rows of shard `shard` (from 0) of `count` shards. Each shard renders exactly the bytes that these rows
-    /// have in the whole image.
+    /// The rows of shard `shard` (from 0) of `count` shards: of microlenses of a rig, or of pixels of a plenoptic camera.
+    /// Each shard renders exactly the bytes that these rows have in the whole image.
     ///
-    /// Shards have about the same height; their boundaries lie between tiles. [`Request::lens_rows`] is ignored.
+    /// Shards have about the same height; those of a rig begin at tiles. [`Request::rows`] is ignored.
     ///
     /// # Errors
     /// [`Error::BadSetting`] as in [`Renderer::render`], and for more shards than rows of tiles.
-    pub fn shard_lens_rows(&self, request: &Request, shard: usize, count: usize) -> Result<Range<usize>, Error> {
+    pub fn shard_rows(&self, request: &Request, shard: usize, count: usize) -> Result<Range<usize>, Error> {
         let (integrator, _) = self.choose(request)?;
-        let step = Plan::new(request, integrator).row_step();
-        let rows = request.rig.shape().lenses().rows;
+        let whole = request.clone().rows(None);
+        let rows = whole.row_range().len();
+        let step = match &whole.camera {
+            Camera::Rig(_) => Plan::new(&whole.of_rig()?, integrator).row_step(),
+            Camera::Plenoptic(_) => 1,
+        };
         let max_count = rows.div_ceil(step);
         if shard >= count || count > max_count {
             return Err(Error::BadSetting(format!(
-                "shard {} of {count}: this image of {rows} lens rows can be cut into 1 to {max_count} shards",
+                "shard {} of {count}: this image of {rows} rows can be cut into 1 to {max_count} shards",
                 shard + 1
             )));
         }
@@ -234,7 +204,7 @@ impl Renderer {
         match framed.projection {
             Projection::Perspective => Ok(f64::INFINITY),
             Projection::Orthographic => Err(Error::BadSetting(
-                "the central view sees nothing to focus on; give a focus distance (--focus-m)".into(),
+                "the central view sees nothing to focus on; give a focus distance (`focus-m`)".into(),
             )),
         }
     }
@@ -262,7 +232,7 @@ impl Renderer {
     /// [`Error::Core`] if no focus distance gives these disparities; otherwise as [`Renderer::render`].
     pub fn rig_for_disparities(&self, framed: &Framed, disparities: DisparityRange) -> Result<Rig, Error> {
         const ROUNDS: usize = 10;
-        let bad = |why: &str| Error::BadSetting(format!("{why}; give --baseline-m and --focus-m, not --disparity"));
+        let bad = |why: &str| Error::BadSetting(format!("{why}; give `baseline-m` and `focus-m`, not `disparity`"));
         if framed.projection == Projection::Orthographic {
             return Err(bad("a range of disparities is for perspective views"));
         }
@@ -296,20 +266,20 @@ impl Renderer {
     /// The context of the integrators for the packets of `region`.
     fn context<'a>(
         &'a self,
-        request: &Request,
+        request: &RigRequest,
         integrator: Integrator,
         region: &Region,
         stop: &'a Stop<'a>,
     ) -> Context<'a> {
         let transport = &request.transport;
-        let rig = RigRays::new(&request.rig, &region.tiling, &region.selection);
+        let rig = RigRays::new(request.rig, &region.tiling, &region.selection);
         let rig = rig.with_filter_width(request.filter_width_px);
         let policy = Policy {
             target_error: transport.target_error.filter(|_| rounds::target(request).is_none()),
             reuse: self.reuses(request, integrator, region),
             ..self.policy(transport, integrator)
         };
-        let guides = color::needs_guides(request).then(|| color::disparity(&request.rig));
+        let guides = color::needs_guides(request).then(|| color::disparity(request.rig));
         let is_plain = request.denoise == Denoise::Off;
         let filters = transport.texture_filter == TextureFilter::Footprint && is_plain;
         let sampler = Sampler {
@@ -357,7 +327,7 @@ impl Renderer {
     }
 
     /// Whether the views of a packet share light.
-    fn reuses(&self, request: &Request, integrator: Integrator, region: &Region) -> bool {
+    fn reuses(&self, request: &RigRequest, integrator: Integrator, region: &Region) -> bool {
         let transport = &request.transport;
         // A single sample is for speed.
         let is_possible = transport.samples > 1

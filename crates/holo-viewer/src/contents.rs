@@ -5,7 +5,7 @@ use std::io::{self, Cursor, Read};
 use std::path::PathBuf;
 
 use holo_core::{DynLightField, GridSize, Layout, LightFieldShape, Rig};
-use holo_io::{ColorEncoding, Compression, LightFieldReader};
+use holo_io::{ColorEncoding, Compression, FileFormat, LightFieldReader};
 use ndarray::Array2;
 
 /// Maximum number of pixels of a raw image: a browser needs four bytes of graphics memory for each, and during loading
@@ -115,7 +115,9 @@ impl Page {
 
 /// The PNG of a light field: its file if that can be shown, else samples that are read and encoded.
 fn image(reader: LightFieldReader) -> Result<Image, Error> {
-    if let (Some(file), Some(Layout::ElementalGrid)) = (reader.raw_image(), reader.layout()) {
+    if let (Some(file), Some(Layout::ElementalGrid)) = (reader.raw_image(), reader.layout())
+        && holo_io::detect_format(&file)? == FileFormat::Png
+    {
         let info = holo_io::read_png_info(&file)?;
         if info.bits == 8 && matches!(info.channels, 1 | 3) && info.size == reader.shape().raw_size() {
             return Ok(Image::File(file));

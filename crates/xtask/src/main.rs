@@ -169,7 +169,8 @@ fn doc() -> Result {
 }
 
 /// Every feature that needs CMake.
-const HDF5_FEATURES: &str = "holo-io/hdf5,holo-cli/hdf5,holo-bench/hdf5,holo-python/hdf5,holo-workspace/hdf5";
+const HDF5_FEATURES: &str =
+    "holo-io/hdf5,holo-cli/hdf5,holo-bench/hdf5,holo-python/hdf5,holo-workspace/hdf5,holoscopic/hdf5";
 
 /// Lints what the plain `cargo clippy` omits.
 fn clippy() -> Result {

@@ -4,7 +4,8 @@ use crate::{Result, process};
 use std::path::PathBuf;
 
 /// Every package that is published and builds alone.
-const LIBRARIES: &[&str] = &["holo-core", "holo-scene", "holo-render", "holo-io", "holo-dataset", "holo-viewer"];
+const LIBRARIES: &[&str] =
+    &["holo-core", "holo-scene", "holo-render", "holo-io", "holo-dataset", "holo-viewer", "holoscopic"];
 
 /// The direct dependencies of `holo-core`.
 const CORE_NEEDS: &[&str] = &["ndarray", "rayon"];

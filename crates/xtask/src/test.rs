@@ -30,7 +30,7 @@ pub fn run(arguments: &[String]) -> Result {
         return Err(format!("HOLO_REQUIRE_PEERS is 1, and there is something missing:\n{}", lines.join("\n")));
     }
     let features: &[&str] = if cmake::is_present() {
-        &["--features", "holo-io/hdf5,holo-cli/hdf5,holo-python/hdf5,holo-workspace/hdf5"]
+        &["--features", "holo-io/hdf5,holo-cli/hdf5,holo-python/hdf5,holo-workspace/hdf5,holoscopic/hdf5"]
     } else {
         &[]
     };

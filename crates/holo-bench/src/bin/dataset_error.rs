@@ -134,7 +134,7 @@ fn measure(scene: &str, folder: &Path, settings: &Settings) -> Result<Measured> 
             .samples(settings.samples / 2)
             .seed(seed)
             .texture_filter(TextureFilter::Off)
-            .lens_rows(Some(rows.clone()))
+            .rows(Some(rows.clone()))
             .views(Views::List(list));
         renderer.render(&request, &())?.color.ok_or_else(|| bad("its scene has no light").into())
     };

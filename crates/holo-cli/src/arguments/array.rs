@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::Args;
 use holo_core::GridSize;
-use holo_dataset::options::{parse_positive, parse_range};
+use holo_dataset::settings::{positive as parse_positive, range as parse_range};
 use holo_io::WorldUp;
 
 use super::choices::{SURFACES, WORLD_UPS, choice};

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use clap::Args;
 use holo_core::GridSize;
-use holo_dataset::options::parse_positive;
+use holo_dataset::settings::positive as parse_positive;
 
 use super::EngineOptions;
 
@@ -62,14 +62,14 @@ pub struct TargetOptions {
 #[derive(Args, Debug)]
 pub struct DecodeOptions {
     /// The raw image: raw.exr, or a PNG in linear light such as raw_linear.png, whose views are then relative to its
-    /// brightest code.
+    /// brightest code; or the folder of either.
     pub raw: PathBuf,
     /// The white image [default: computed from the camera].
     #[arg(long, value_name = "FILE")]
     pub white: Option<PathBuf>,
-    /// Plenoptic camera: a camera file (TOML), or a preset of `holo camera`.
+    /// Plenoptic camera: a camera file (TOML), or a preset of `holo camera` [default: camera.toml beside the raw image].
     #[arg(long, value_name = "FILE|PRESET")]
-    pub camera_file: String,
+    pub camera_file: Option<String>,
     /// Views along each axis [default: those whose pixels are fully lit].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
     pub views: Option<u32>,

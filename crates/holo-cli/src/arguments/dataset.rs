@@ -7,9 +7,9 @@ use clap::Args;
 use holo_core::GridSize;
 
 use holo_dataset::Shard;
-use holo_dataset::options::parse_not_negative;
+use holo_dataset::settings::not_negative;
 
-use super::{EngineOptions, JobOptions, MainLensOptions};
+use super::{EngineOptions, OfDataset, Settings};
 
 /// Every option can also stand in a TOML file, under its long name; the command line wins.
 #[derive(Args, Clone, Debug)]
@@ -33,16 +33,14 @@ pub struct DatasetOptions {
     #[arg(long = "views", alias = "splits", value_name = "SxT|N,..", value_delimiter = ',', default_value = "20,40,60,80,100", value_parser = GridSize::from_str)]
     pub view_counts: Vec<GridSize>,
     #[command(flatten)]
-    pub main_lens: MainLensOptions,
-    #[command(flatten)]
-    pub job: JobOptions,
+    pub settings: Settings<OfDataset>,
     /// Render every N-th job only, starting with the K-th: N machines with K from 1 to N render the whole.
     #[arg(long, value_name = "K/N", value_parser = Shard::from_str)]
     pub shard: Option<Shard>,
     #[command(flatten)]
     pub engine: EngineOptions,
     /// Seconds between checkpoints, from which the same command continues after an interruption; 0: none.
-    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value = "30", value_parser = parse_not_negative)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value = "30", value_parser = not_negative)]
     pub checkpoint: f64,
     /// Print no progress and no summary.
     #[arg(long)]

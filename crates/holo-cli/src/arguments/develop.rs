@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use holo_dataset::DevelopOutput;
-use holo_dataset::options::{parse_positive, parse_sensor_model};
+use holo_dataset::settings::{Malformed, SensorName, SettingType, positive as parse_positive};
 
 use super::choices::{DEMOSAIC, DEVELOP_OUTPUTS, DemosaicArgument, choice};
 
@@ -74,6 +74,11 @@ pub struct DemosaicOptions {
 }
 
 /// Infinity stands for `auto`.
-fn parse_electrons(text: &str) -> Result<f64, String> {
+fn parse_electrons(text: &str) -> Result<f64, Malformed> {
     if text == "auto" { Ok(f64::INFINITY) } else { parse_positive(text) }
+}
+
+/// The name of a sensor.
+fn parse_sensor_model(text: &str) -> Result<String, Malformed> {
+    SensorName::parse(text).map(|sensor| sensor.name().to_owned())
 }

@@ -52,8 +52,8 @@ pub struct ComposeOptions {
 pub struct RotateOptions {
     #[command(flatten)]
     pub input: InputOptions,
-    /// PNG to write.
-    #[arg(value_parser = values::png)]
+    /// PNG to write, or PFM if the input has floats.
+    #[arg(value_parser = values::png_or_pfm)]
     pub output: PathBuf,
     /// Rotate the whole raw image instead: as a sensor behind a main lens records it.
     #[arg(long)]

@@ -7,7 +7,7 @@ use clap::{ArgGroup, Args};
 use holo_core::refocus::Kernel;
 use holo_core::{Effort, GridSize, Layout, ViewOrder};
 
-use holo_dataset::options::{parse_positive, parse_range};
+use holo_dataset::settings::{positive as parse_positive, range as parse_range};
 
 use super::choices::{EFFORTS, KERNELS, LAYOUTS, NORMALS, ORDERS, choice};
 use super::{Pair, values};
@@ -15,10 +15,10 @@ use super::{Pair, values};
 /// A light field, and what its files do not tell.
 #[derive(Args, Clone, Debug)]
 pub struct InputOptions {
-    /// Light field: a raw PNG, a .mat, an .h5, or a folder (of `holo render`, of the HCI benchmark, of the Stanford gantry, or
-    /// of PNGs, one per view).
+    /// Light field: a raw PNG or EXR, a .mat, an .h5, or a folder (of `holo render`, with any of its files, of the HCI
+    /// benchmark, of the Stanford gantry, or of PNGs, one per view).
     pub input: PathBuf,
-    /// Layout of a raw PNG [default: by `_el` or `_vpi` in its name].
+    /// Layout of a raw image [default: by `_el` or `_vpi` in its name].
     #[arg(long, value_parser = choice(LAYOUTS))]
     pub from: Option<Layout>,
     /// Views, columns x rows, or one number for both [default: from the parameters.cfg beside the input].

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use holo_core::GridSize;
-use holo_dataset::options::parse_positive as positive;
+use holo_dataset::settings::positive;
 
 use super::tools::ApertureArgument;
 

@@ -1,9 +1,12 @@
 //! `holo camera`, `holo white`, `holo target`, `holo decode`: plenoptic cameras, their white images and calibration
 //! targets, and views of their raw images.
 
+use std::path::{Path, PathBuf};
+
 use holo_core::plenoptic::presets;
 use holo_dataset::{DecodeJob, SceneSource, TargetJob, read_poses, text, write_white_images};
 use holo_io::CameraFile;
+use holo_io::dataset::{CAMERA_TOML, RAW_EXR, RAW_PNG};
 
 use crate::arguments::{CameraOptions, DecodeOptions, TargetOptions, WhiteOptions};
 use crate::console::{out, say, say_unless};
@@ -40,7 +43,7 @@ pub fn target(options: &TargetOptions) -> Result<(), Failure> {
         poses: options.poses.as_deref().map(read_poses).transpose()?.unwrap_or_default(),
         samples: options.spp,
         seed: 0,
-        engine: options.engine.spec(),
+        engine: options.engine.settings(),
     };
     if !options.overwrite {
         job.check_replaceable(&options.out)?;
@@ -54,12 +57,17 @@ pub fn target(options: &TargetOptions) -> Result<(), Failure> {
 }
 
 pub fn decode(options: &DecodeOptions) -> Result<(), Failure> {
-    let mut job = DecodeJob::new(options.raw.clone(), CameraFile::open(&options.camera_file)?);
+    let raw = if options.raw.is_dir() { raw_image_in(&options.raw)? } else { options.raw.clone() };
+    let camera = match &options.camera_file {
+        Some(camera) => CameraFile::open(camera)?,
+        None => camera_beside(&raw)?,
+    };
+    let mut job = DecodeJob::new(raw, camera);
     job.white.clone_from(&options.white);
     job.views = options.views.map(|views| views as usize);
     job.scene = options.scene.clone().map(SceneSource::File);
-    job.spec.rig.camera.clone_from(&options.camera);
-    job.engine = options.engine.spec();
+    job.settings.scene.camera.clone_from(&options.camera);
+    job.engine = options.engine.settings();
     if !options.overwrite {
         job.check_replaceable(&options.out)?;
     }
@@ -67,4 +75,22 @@ pub fn decode(options: &DecodeOptions) -> Result<(), Failure> {
     say!("decoded {}\n{}", text::shape(rig.shape()), text::rig(&rig, None));
     say!("wrote {} files to {}", files.len(), options.out.display());
     Ok(())
+}
+
+/// The raw image in a folder of `holo render --camera-file`.
+fn raw_image_in(folder: &Path) -> Result<PathBuf, Failure> {
+    let found = [RAW_EXR, RAW_PNG].map(|name| folder.join(name)).into_iter().find(|path| path.is_file());
+    found.ok_or_else(|| {
+        Failure::Failed(format!("{}: it has neither {RAW_EXR} nor {RAW_PNG}; name the raw image", folder.display()))
+    })
+}
+
+/// The camera in the folder of a raw image.
+fn camera_beside(raw: &Path) -> Result<CameraFile, Failure> {
+    let path = raw.with_file_name(CAMERA_TOML);
+    if path.is_file() {
+        return Ok(CameraFile::read(&path)?);
+    }
+    std::fs::metadata(raw).map_err(|why| Failure::Failed(format!("cannot read {}: {why}", raw.display())))?;
+    Err(Failure::Usage(format!("{}: there is no {CAMERA_TOML} beside it; give --camera-file", raw.display())))
 }

@@ -1,19 +1,16 @@
 //! `holo dataset`: scenes times numbers of views, each a folder of its own; complete folders are kept.
 
-mod config;
-
 use std::path::Path;
 use std::time::Instant;
 
 use clap::ArgMatches;
 use holo_dataset::{
-    Checkpoints, DatasetJob, DatasetPlan, DatasetSummary, Deduplicated, Diagnostics, JobSummary, finished, sources,
-    validate, write_catalog,
+    Checkpoints, DatasetJob, DatasetPlan, DatasetSummary, Deduplicated, Diagnostics, JobSummary, RunOptions, finished,
+    sources, write_catalog,
 };
 use serde_json::json;
 
-use super::requested::requested;
-use crate::arguments::DatasetOptions;
+use crate::arguments::{DatasetOptions, config};
 use crate::console::peak_rss_bytes;
 use crate::console::{out, say};
 use crate::failure::Failure;
@@ -23,41 +20,45 @@ use crate::progress::Overall;
 /// The word for no scene of the gallery.
 const NONE: &str = "none";
 
-pub fn run(options: DatasetOptions, matches: ArgMatches) -> Result<(), Failure> {
+pub fn run(options: DatasetOptions, matches: &ArgMatches) -> Result<(), Failure> {
     let start = Instant::now();
-    let (options, matches) = config::complete(options, matches)?;
+    let options = config::complete(options, matches)?;
     let root = options.out.clone().ok_or_else(|| {
         Failure::Usage("where to? give --out DIR, on the command line or as `out` in the file of --config".into())
     })?;
-    let plan = plan(&options, &matches)?;
+    let plan = plan(&options)?;
     let bar = Overall::new(options.quiet);
     let diagnostics = Deduplicated::new(|line: &str| {
         if !options.quiet {
+            let line = Failure::spelled(line);
             bar.above(|| say!("{line}"));
         }
     });
-    let backend = plan.backend(&diagnostics)?;
-    plan.describe(&root, &backend, interrupt::rollback())?;
+    plan.describe(&root, &diagnostics, interrupt::rollback())?;
 
-    let jobs = &plan.jobs;
+    let jobs = plan.jobs();
     let mine: Vec<(usize, &DatasetJob)> = jobs
         .iter()
         .enumerate()
         .filter(|(index, _)| options.shard.is_none_or(|shard| index % shard.of == shard.part - 1))
         .collect();
     bar.expect(mine.len());
+    let mut run = plan.run();
     let mut table = DatasetSummary::default();
     for (done, &(index, job)) in mine.iter().enumerate() {
         bar.begin(done, &job.name());
-        let scene = job.render.source.name();
-        let outcome = plan.run_job(job, &root, &backend, &bar, &diagnostics.of_scene(&scene), interrupt::rollback());
+        let scene = job.source().name();
+        let of_scene = diagnostics.of_scene(&scene);
+        let how = RunOptions::new().progress(&bar).diagnostics(&of_scene).rollback(interrupt::rollback());
+        let outcome = run.job(job, &root, &how);
         if outcome.is_err() && interrupt::requested() {
             return Err(Failure::Failed("stopped; the same command goes on".into()));
         }
         let outcome = outcome.map_err(|error| Failure::from(error).message());
         let summary = JobSummary::new(job, &root, outcome);
         if !options.quiet {
-            bar.above(|| say!("[{:>2}/{}] {summary}", index + 1, jobs.len()));
+            let line = Failure::spelled(&summary.to_string());
+            bar.above(|| say!("[{:>2}/{}] {line}", index + 1, jobs.len()));
         }
         if options.json {
             out!("{}", summary.to_json())?;
@@ -100,9 +101,8 @@ fn describe(root: &Path, is_part: bool, diagnostics: &dyn Diagnostics) -> Result
 }
 
 /// What the options mean.
-fn plan(options: &DatasetOptions, matches: &ArgMatches) -> Result<DatasetPlan, Failure> {
-    let spec = options.spec();
-    validate(&spec)?;
+fn plan(options: &DatasetOptions) -> Result<DatasetPlan, Failure> {
+    let settings = options.settings()?;
     let names = match options.scenes.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         // Who names scenes of his own wants these.
         [] if !options.glb.is_empty() && !options.gallery => Some(&[][..]),
@@ -111,6 +111,6 @@ fn plan(options: &DatasetOptions, matches: &ArgMatches) -> Result<DatasetPlan, F
         _ => Some(&options.scenes[..]),
     };
     let sources = sources(names, &options.glb)?;
-    let plan = DatasetPlan::new(&sources, &options.view_counts, spec, requested(matches), options.engine.spec())?;
-    Ok(plan.with_checkpoints(Checkpoints::every_seconds(options.checkpoint).as_ref()))
+    let plan = DatasetPlan::new(&sources, &options.view_counts, settings, options.engine.settings())?;
+    Ok(plan.checkpoints(Checkpoints::every_seconds(options.checkpoint).as_ref()))
 }

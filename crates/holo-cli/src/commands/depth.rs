@@ -10,7 +10,11 @@ use crate::console::say;
 use crate::failure::Failure;
 
 pub fn run(options: &DepthOptions) -> Result<(), Failure> {
-    let file = files::read(&options.input)?;
+    let reader = files::open(&options.input.input, &options.input)?;
+    if !options.quiet {
+        files::say_source(&reader);
+    }
+    let file = reader.read()?;
     let mut sweep = PlaneSweepOptions::default().effort(options.effort);
     if let Some((min, max)) = options.range.or(file.disparity_range_px) {
         sweep = sweep.range_px(min as f32, max as f32);

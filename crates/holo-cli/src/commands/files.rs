@@ -3,18 +3,31 @@
 use std::path::{Path, PathBuf};
 
 use holo_core::DynImageRef;
+use holo_io::dataset::Representation;
 use holo_io::{LightFieldFile, LightFieldReader, ReadOptions};
 
 use crate::arguments::InputOptions;
 use crate::console::say;
 use crate::failure::Failure;
 
-/// Reads the light field that the command line names, and says what is wrong beside its samples.
+/// Reads the light field that the command line names, and says what is wrong beside its samples, and which of the files of
+/// a folder is read.
 pub fn read(input: &InputOptions) -> Result<LightFieldFile, Failure> {
-    Ok(open(&input.input, input)?.read()?)
+    let reader = open(&input.input, input)?;
+    say_source(&reader);
+    Ok(reader.read()?)
 }
 
-/// The same without its samples; `path` instead of the input's own.
+/// Says what of a folder is read, where that is a choice or not what a folder usually has.
+pub fn say_source(reader: &LightFieldReader) {
+    let Some(read) = reader.representation() else { return };
+    let is_usual = matches!(read, Representation::ElementalPng | Representation::ViewpointPng | Representation::Views);
+    if !is_usual || reader.representations().len() > 1 {
+        say!("note: reads {read}");
+    }
+}
+
+/// Opens the light field without its samples; `path` instead of the input's own.
 pub fn open(path: &Path, input: &InputOptions) -> Result<LightFieldReader, Failure> {
     let options = ReadOptions::default().views(input.views).layout(input.from).order(input.order);
     let reader = LightFieldReader::open(path, &options)?;

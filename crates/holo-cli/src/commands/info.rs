@@ -5,7 +5,7 @@ use std::path::Path;
 use holo_core::{Layout, Rig};
 use holo_dataset::{SceneSource, text};
 use holo_io::dataset::{MANIFEST_JSON, PARAMETERS_CFG};
-use holo_io::{FileFormat, FileInfo, Limits, Manifest, ParametersCfg, ReadOptions};
+use holo_io::{FileFormat, FileInfo, LightFieldReader, Limits, Manifest, ParametersCfg, ReadOptions};
 use holo_render::Layer;
 
 use crate::arguments::InfoOptions;
@@ -19,17 +19,12 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
         FileInfo::Other(FileFormat::GltfBinary | FileFormat::GltfJson) => return scene(options),
         FileInfo::Unknown { .. } => {
             return Err(Failure::Failed(format!(
-                "{}: not a file that holo knows (.glb, .gltf, .png, .pfm, .exr, .hdr, .mat, .h5, {PARAMETERS_CFG}, \
-                 {MANIFEST_JSON}) but an {info}",
+                "{}: not a file that holo knows (.glb, .gltf, .png, .tif, .dng, .pfm, .exr, .hdr, .mat, .h5, \
+                 {PARAMETERS_CFG}, {MANIFEST_JSON}) but an {info}",
                 path.display()
             )));
         }
-        FileInfo::UnknownFolder { .. } => {
-            return Err(Failure::Failed(format!(
-                "{} is a folder without a {MANIFEST_JSON} or a light field; name a file in it",
-                path.display()
-            )));
-        }
+        FileInfo::UnknownFolder { .. } => return folder_without_manifest(path),
         _ => out!("{info}")?,
     }
     match info {
@@ -40,6 +35,7 @@ pub fn run(options: &InfoOptions) -> Result<(), Failure> {
         FileInfo::HciFolder(folder) => parameter_lines(folder.parameters()),
         FileInfo::Manifest(manifest) => manifest_lines(&manifest),
         FileInfo::DatasetFolder(folder) => manifest_lines(folder.manifest()),
+        FileInfo::PlenopticFolder(folder) => folder.manifest().map_or(Ok(()), manifest_lines),
         FileInfo::Sequence(sequence) => {
             sequence.frames().iter().try_for_each(|&frame| out!("{}", sequence.frame_path(frame).display()))
         }
@@ -59,26 +55,45 @@ fn mat(path: &Path) -> Result<(), Failure> {
 }
 
 fn hdf5(path: &Path) -> Result<(), Failure> {
-    let reader = holo_io::LightFieldReader::open(path, &ReadOptions::default())?;
+    light_field_lines(&LightFieldReader::open(path, &ReadOptions::default())?)
+}
+
+fn light_field_lines(reader: &LightFieldReader) -> Result<(), Failure> {
     match reader.rig() {
         Some(rig) => rig_lines(rig, reader.disparity_range_px()),
         None => out!("{}", text::shape(&reader.shape())),
     }
 }
 
+/// A folder of no known kind may still hold a light field.
+fn folder_without_manifest(path: &Path) -> Result<(), Failure> {
+    match LightFieldReader::open(path, &ReadOptions::default()) {
+        Ok(reader) => {
+            if let Some(read) = reader.representation() {
+                out!("folder without a {MANIFEST_JSON}, light field in {read}")?;
+            }
+            light_field_lines(&reader)
+        }
+        Err(holo_io::Error::NoLightField { .. } | holo_io::Error::MissingOption { .. }) => Err(Failure::Failed(
+            format!("{} is a folder without a {MANIFEST_JSON} or a light field; name a file in it", path.display()),
+        )),
+        Err(error) => Err(error.into()),
+    }
+}
+
 /// The scene, and the rig that a render with the same options would get.
 fn scene(options: &InfoOptions) -> Result<(), Failure> {
     let source = SceneSource::File(options.file.clone());
-    let (scene, rig) = (options.scene_file.spec(), options.rig.spec());
-    let prepared = source.prepare(&scene, &rig, &options.engine.spec(), &say_unless(false))?;
-    out!("{}", prepared.loaded.summary.to_string().trim_end())?;
-    out!("coincident faces:    {} pairs of triangles", prepared.loaded.scene.coincident_triangle_pairs())?;
-    if let Some((low, high)) = prepared.loaded.scene.bounds() {
+    let (stage, prepared) = source.prepare(&options.settings()?, &options.engine.settings(), &say_unless(false))?;
+    let rig = prepared.rig().ok_or_else(|| Failure::Failed("the settings are of no rig".into()))?;
+    out!("{}", stage.loaded.summary.to_string().trim_end())?;
+    out!("coincident faces:    {} pairs of triangles", stage.loaded.scene.coincident_triangle_pairs())?;
+    if let Some((low, high)) = stage.loaded.scene.bounds() {
         out!("bounds: {low:.4?} to {high:.4?} m")?;
     }
-    out!("a render with these options: {}, {}", text::shape(prepared.rig.shape()), prepared.renderer.engine_name())?;
-    out!("{}", prepared.framed.camera)?;
-    let truth = prepared.renderer.central_truth(&prepared.rig)?;
+    out!("a render with these options: {}, {}", text::shape(rig.shape()), prepared.renderer.engine_name())?;
+    out!("{}", prepared.name)?;
+    let truth = prepared.renderer.central_truth(rig)?;
     let range = |layer: Layer| {
         let finite = truth[layer].iter().filter(|x| x.is_finite());
         let range = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &x| {
@@ -96,7 +111,7 @@ fn scene(options: &InfoOptions) -> Result<(), Failure> {
         }
         None => out!("depth in the central view: nothing is seen")?,
     }
-    out!("{}", text::rig(&prepared.rig, range(Layer::Disparity)))?;
+    out!("{}", text::rig(rig, range(Layer::Disparity)))?;
     Ok(())
 }
 

@@ -4,7 +4,7 @@ use holo_core::optics::{DepthRange, Optics};
 use holo_dataset::{NamedQuantity, camera_optics, camera_warnings, planned_rig, rig_optics};
 use holo_io::{CameraFile, Limits};
 
-use crate::arguments::OpticsOptions;
+use crate::arguments::{OpticsOptions, adjusted};
 use crate::console::say;
 use crate::failure::Failure;
 use crate::quantities::{self, Quantity};
@@ -21,7 +21,7 @@ pub fn run(options: &OpticsOptions) -> Result<(), Failure> {
                 input.display()
             ))
         })?,
-        None => planned_rig(&options.spec(), options.lens_pitch_mm, depths)?,
+        None => planned_rig(&options.rig()?, options.lens_pitch_mm, depths)?,
     };
     let optics = Optics::new(rig)?;
     let rows = rig_optics(&optics, depths, options.circle_px, options.step_px)?;
@@ -41,7 +41,7 @@ fn print(rows: Vec<NamedQuantity>, as_json: bool) -> Result<(), Failure> {
 
 /// The optics of a plenoptic camera.
 fn plenoptic(options: &OpticsOptions, camera: &str) -> Result<(), Failure> {
-    let camera = options.main_lens.adjusted(CameraFile::open(camera)?)?;
+    let camera = adjusted(CameraFile::open(camera)?, &mut options.settings.given().clone())?;
     let depths = options.depths_m.map_or(Vec::new(), |(near_m, far_m)| vec![near_m, far_m]);
     print(camera_optics(&camera.camera, &depths)?, options.json)?;
     camera_warnings(&camera).iter().for_each(|line| say!("warning: {line}"));

@@ -31,7 +31,7 @@ pub fn output_layout(to: Option<Layout>, out: &Path, default: Option<Layout>) ->
     Ok(to)
 }
 
-/// Writes a whole light field as a PNG.
+/// Writes a whole light field as an image: integers as PNG or TIFF, floats as PFM or TIFF.
 pub fn write_grid(light_field: DynLightField, to: Layout, out: &Path) -> Result<(), Failure> {
     let grid = light_field.into_grid(to)?;
     files::create_folder_of(out)?;

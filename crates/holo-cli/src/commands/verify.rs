@@ -9,7 +9,7 @@ use crate::failure::Failure;
 pub fn run(options: &VerifyOptions) -> Result<(), Failure> {
     let found = verify(&options.folder)?;
     for line in found.mismatches.iter().chain(&found.notes) {
-        out!("{line}")?;
+        out!("{}", Failure::spelled(line))?;
     }
     let maker = if is_dataset(&options.folder) { "dataset" } else { "render" };
     // A sequence has folders as a dataset has.

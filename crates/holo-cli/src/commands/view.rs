@@ -14,6 +14,9 @@ use crate::failure::Failure;
 pub fn run(options: &ViewOptions) -> Result<(), Failure> {
     let input = &options.input.input;
     let reader = files::open(dataset_of(options).unwrap_or(input), &options.input)?;
+    if input.is_dir() {
+        files::say_source(&reader);
+    }
     let path = std::path::absolute(input).unwrap_or_else(|_| input.clone());
     let title = path.file_name().map_or_else(|| "light field".into(), |name| name.to_string_lossy());
     let mut page = Page::new(title, reader).map_err(|error| about(input, error))?;

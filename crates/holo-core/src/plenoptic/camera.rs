@@ -268,13 +268,15 @@ impl PlenopticCamera {
     ///
     /// # Source
     ///
-    /// E = L A / d^2 of a microlens of area A at a distance d; 4.09e15 photons a lumen and second, at 555 nm.
+    /// E = L c_0 A / d^2 of a microlens of area A at a distance d, with the [mean of cos^4](Self::central_cos4) c_0; of a
+    /// round one that is pi L sin^2(angle of its edge). 4.09e15 photons a lumen and second, at 555 nm.
     #[must_use]
     pub fn photometric_electrons(&self, luminance_cd_m2: f64, exposure_s: f64, quantum_efficiency: f64) -> f64 {
         const PHOTONS_PER_LUMEN_S: f64 = 4.09e15;
         let width_m = self.sensor.fill * self.sensor.pixel_m;
         let solid_angle = self.array.aperture.area_m2() / (self.array.gap_m * self.array.gap_m);
-        PHOTONS_PER_LUMEN_S * luminance_cd_m2 * exposure_s * quantum_efficiency * width_m * width_m * solid_angle
+        let illuminance_lx = luminance_cd_m2 * self.central_cos4() * solid_angle;
+        PHOTONS_PER_LUMEN_S * illuminance_lx * exposure_s * quantum_efficiency * width_m * width_m
     }
 
     /// Returns the center of a microlens, in meters from the axis.

@@ -53,6 +53,41 @@ impl PlenopticCamera {
         }
     }
 
+    /// Checks that the raw image has views: that the camera is unfocused, with microlenses of one type.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadNumber`] if the camera is focused: its micro-images are no samples of views.
+    pub fn require_unfocused(&self) -> Result<(), Error> {
+        if self.mode(0) == super::PlenopticMode::Unfocused && self.array().type_count() <= 1 {
+            return Ok(());
+        }
+        let what = "focal length of the microlenses in gaps";
+        let value = self.microlens_focal_lengths_m()[0] / self.array().gap_m;
+        let need = "about 1: a focused camera has no views; its raw image is for calibration and rendering tools";
+        Err(Error::BadNumber { what, value, need })
+    }
+
+    /// Returns the rig of the `views` x `views` views that [`decode`](Self::decode) makes, without an image.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`decode`](Self::decode) that no image causes.
+    pub fn decoded_rig(&self, views: usize) -> Result<Rig, Error> {
+        self.decoded_views(views).map(|(_, rig)| rig)
+    }
+
+    /// The pixels of the views, and their rig.
+    fn decoded_views(&self, views: usize) -> Result<(ViewGrid, Rig), Error> {
+        if views == 0 {
+            return Err(Error::ZeroCount { what: "views" });
+        }
+        self.require_unfocused()?;
+        let grid = self.view_grid(views)?;
+        let rig = self.equivalent_rig(GridSize::new(views, views), grid.size, grid.spacing_m, 1.0)?;
+        Ok((grid, rig))
+    }
+
     /// Decodes a raw image to views: looks raw and white image up around the center of every micro-image, one pixel from
     /// view to view, and divides one by the other.
     ///
@@ -79,17 +114,7 @@ impl PlenopticCamera {
                 return Err(Error::Shape { what, expected: vec![size.rows, size.columns], found: dim.to_vec() });
             }
         }
-        if views == 0 {
-            return Err(Error::ZeroCount { what: "views" });
-        }
-        if self.mode(0) != super::PlenopticMode::Unfocused || self.array().type_count() > 1 {
-            let what = "focal length of the microlenses in gaps";
-            let value = self.microlens_focal_lengths_m()[0] / self.array().gap_m;
-            let need = "about 1: a focused camera has no views; its raw image is for calibration and rendering tools";
-            return Err(Error::BadNumber { what, value, need });
-        }
-        let grid = self.view_grid(views)?;
-        let rig = self.equivalent_rig(GridSize::new(views, views), grid.size, grid.spacing_m, 1.0)?;
+        let (grid, rig) = self.decoded_views(views)?;
         let shape = LightFieldShape::new(GridSize::new(views, views), grid.size)?;
         let channels = raw.dim().2;
         let mut color = field(shape, channels)?;

@@ -5,8 +5,10 @@ use std::path::{Path, PathBuf};
 use holo_core::{DynLightField, GridSize, Layout, LightFieldShape, Rig};
 use ndarray::Array2;
 
-use super::{DEPTH_PFM, DISPARITY_PFM, ELEMENTAL_PNG, MANIFEST_JSON, PARAMETERS_CFG, VIEWPOINT_PNG};
-use crate::{Error, Limits, Manifest, ParametersCfg, read_pfm_gray, read_png, read_png_info};
+use super::{
+    DEPTH_PFM, DISPARITY_PFM, ELEMENTAL_PNG, HCI_FOLDER, MANIFEST_JSON, PARAMETERS_CFG, Representation, VIEWPOINT_PNG,
+};
+use crate::{Error, Limits, Manifest, ParametersCfg, hci, read_pfm_gray, read_png, read_png_info};
 
 /// The name of the format in messages.
 const FORMAT: &str = "dataset folder";
@@ -36,7 +38,11 @@ impl DatasetFolder {
     /// views or pixels.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        let manifest = Manifest::read(path.join(MANIFEST_JSON))?;
+        Self::with_manifest(path, Manifest::read(path.join(MANIFEST_JSON))?)
+    }
+
+    /// Opens a folder whose manifest has been read.
+    pub(crate) fn with_manifest(path: &Path, manifest: Manifest) -> Result<Self, Error> {
         let parameters_path = path.join(PARAMETERS_CFG);
         let listed = manifest.files.contains_key(PARAMETERS_CFG);
         let parameters = listed.then(|| ParametersCfg::read(&parameters_path)).transpose()?;
@@ -95,6 +101,22 @@ impl DatasetFolder {
         listed.map(|(name, layout)| (self.path.join(name), layout))
     }
 
+    /// Returns what the folder holds the light field in, by its manifest, in the order of preference. The subfolder `hci`
+    /// counts if it has all views. [`LightFieldReader`](crate::LightFieldReader) reads any of them.
+    #[must_use]
+    pub fn representations(&self) -> Vec<Representation> {
+        let is_listed = |representation: &Representation| match (representation, representation.file_name()) {
+            (Representation::Hci, _) => self.lists_all_views(),
+            (_, name) => name.is_some_and(|name| self.manifest.files.contains_key(name)),
+        };
+        Representation::OF_DATASET.into_iter().filter(is_listed).collect()
+    }
+
+    fn lists_all_views(&self) -> bool {
+        let inside = self.manifest.files.keys().filter_map(|name| name.strip_prefix(HCI_FOLDER)?.strip_prefix('/'));
+        inside.filter(|name| hci::is_view_file_name(name)).count() >= self.shape().views().count()
+    }
+
     /// Reads the light field from the raw image that [`raw_image`](Self::raw_image) names; both contain the same
     /// samples.
     ///
@@ -104,7 +126,8 @@ impl DatasetFolder {
     ///
     /// # Errors
     ///
-    /// [`Error::Unsupported`] if the dataset has no raw image, only ground truth; those of [`read_png`];
+    /// [`Error::Unsupported`] if the dataset has no raw image as PNG, which
+    /// [`LightFieldReader`](crate::LightFieldReader) does not need; those of [`read_png`];
     /// [`Error::Broken`] if the size of the image is not that of the rig, before memory is allocated for it.
     pub fn read(&self, limits: &Limits) -> Result<DynLightField, Error> {
         let Some((file, layout)) = self.raw_image() else {
@@ -154,7 +177,12 @@ impl DatasetFolder {
         Ok(Some(map))
     }
 
-    fn check_size(&self, file: &Path, found: GridSize, expected: GridSize) -> Result<(), Error> {
+    /// Checks the size of an image or map of the folder.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Broken`] if it is not that of the rig.
+    pub(crate) fn check_size(&self, file: &Path, found: GridSize, expected: GridSize) -> Result<(), Error> {
         if found == expected {
             return Ok(());
         }

@@ -101,7 +101,7 @@ impl HciFolder {
 
     /// Whether the folder has at least one file with the name of a view.
     pub(crate) fn has_views(path: &Path) -> Result<bool, Error> {
-        has_file(path, |name| matches!(Name::parse(name), Some(Name::View(_))))
+        has_file(path, super::is_view_file_name)
     }
 
     /// Returns the path of the folder.

@@ -5,9 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::Error;
+use crate::names::OWN_IMAGES;
 
 /// Lists the PNGs and TIFFs of a folder, by file extension, in natural order: digits in their names compare as numbers, so
-/// `view9.png` is before `view10.png`.
+/// `view9.png` is before `view10.png`. Images that this project writes beside a light field, such as `scene_el.png`, are no
+/// views and are left out.
 ///
 /// # Errors
 ///
@@ -18,7 +20,7 @@ pub fn list_images(folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
     let mut images = Vec::new();
     for entry in fs::read_dir(folder).map_err(failed)? {
         let path = entry.map_err(failed)?.path();
-        if is_image_name(&path) && path.is_file() {
+        if is_image_name(&path) && !is_own_image(&path) && path.is_file() {
             images.push(path);
         }
     }
@@ -55,6 +57,11 @@ fn runs(text: &str) -> Vec<&str> {
         rest = after;
     }
     runs
+}
+
+/// Whether a file has a name of this project.
+fn is_own_image(path: &Path) -> bool {
+    path.file_name().and_then(|name| name.to_str()).is_some_and(|name| OWN_IMAGES.contains(&name))
 }
 
 /// Whether a file may be the image of a view, by its extension.

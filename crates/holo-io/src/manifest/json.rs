@@ -7,7 +7,7 @@ use holo_core::Rig;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{FORMAT, Manifest, ManifestValue};
+use super::{FORMAT, FORMATS, Manifest, ManifestValue};
 use crate::names::stays_inside;
 use crate::{Error, FileDigest, Sha256};
 
@@ -168,10 +168,10 @@ pub(super) fn read(text: &[u8], path: &Path) -> Result<Manifest, Error> {
         format: String,
     }
     let version: Version = serde_json::from_slice(text).map_err(|error| broken(error.to_string()))?;
-    if version.format != FORMAT {
+    if !FORMATS.contains(&version.format.as_str()) {
         return Err(Error::unsupported(
             path,
-            format!("the format is {:?}; this version of holo reads {FORMAT:?}", version.format),
+            format!("the format is {:?}; this version of holo reads {FORMATS:?}", version.format),
         ));
     }
     let document: Document = serde_json::from_slice(text).map_err(|error| broken(error.to_string()))?;

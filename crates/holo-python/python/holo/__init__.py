@@ -27,6 +27,7 @@ from .light_field import LightField, open  # noqa: E402, A004
 from .metrics import compare, evaluate  # noqa: E402
 from .optics import optics  # noqa: E402
 from .plenoptic import Decoded, decode, demosaic, develop, sensor_models  # noqa: E402
+from ._settings import Settings  # noqa: E402
 from .rendering import RawRendering, Rendering, render, render_raw, render_to  # noqa: E402
 from .scene import Mesh, Scene  # noqa: E402
 
@@ -55,6 +56,7 @@ __all__ = [
     "read_image",
     "render",
     "render_raw",
+    "Settings",
     "render_to",
     "sensor_models",
     "write_image",

@@ -1,5 +1,6 @@
 """Arguments of Python as the text that the command line takes."""
 
+import inspect
 import logging
 import numbers
 import os
@@ -33,9 +34,32 @@ def text_of(name, value):
     return str(value)
 
 
-def texts_of(options):
-    """All options that are given, by their names on the command line."""
-    return {name.replace("_", "-"): text_of(name, value) for name, value in options.items() if value is not None}
+def texts_of(settings):
+    """All settings that are given, by their names on the command line."""
+    # `for` is a word of Python.
+    names = {"tools": "for"}
+    given = {names.get(name, name).replace("_", "-"): value for name, value in settings.items() if value is not None}
+    return {name: text_of(name, value) for name, value in given.items() if not _is_empty(value)}
+
+
+def _is_empty(value):
+    return isinstance(value, (tuple, list)) and len(value) == 0
+
+
+def with_signature(function):
+    """Gives a function with the keywords of `Settings` a signature that names them, for help and completion."""
+    from ._settings import Settings
+
+    signature = inspect.signature(function)
+    own = [parameter for parameter in signature.parameters.values() if parameter.kind is not parameter.VAR_KEYWORD]
+    kind = inspect.Parameter.KEYWORD_ONLY
+    settings = [
+        inspect.Parameter(name, kind, default=None, annotation=annotation)
+        for name, annotation in Settings.__annotations__.items()
+        if name not in signature.parameters
+    ]
+    function.__signature__ = signature.replace(parameters=own + settings)
+    return function
 
 
 def tell(lines):

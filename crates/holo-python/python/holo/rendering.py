@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import json
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _holo
 from ._holo import PlenopticCamera, Rig
-from ._options import tell, texts_of
+from ._options import tell, texts_of, with_signature
+from ._settings import Settings
 from .errors import UsageError
 from .light_field import LightField
 from .scene import Scene, as_scene
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 Progress = Callable[[int, int], object]
 
@@ -87,13 +92,15 @@ class RawRendering:
         return f"<RawRendering of {self.camera!r}, layers {', '.join(self.layers)}>"
 
 
+@with_signature
 def render(
     scene: Scene | str | os.PathLike,
     *,
     progress: bool | Progress = False,
     backend: str = "auto",
     threads: int = 0,
-    **options: Any,
+    preset: str | None = None,
+    **settings: Unpack[Settings],
 ) -> Rendering:
     """Renders a light field into memory.
 
@@ -101,7 +108,10 @@ def render(
     progress: True for a bar of tqdm, or a function of (done, total). Ctrl-C stops the render.
     backend: "auto", "embree" or "bvh". threads: 0 for one per core.
 
-    The options are those of `holo render` with the same defaults, `_` for `-`; pairs are (rows, columns):
+    preset: settings with a name; those that are given replace its own.
+
+    The settings are those of `holo render` with the same defaults, `_` for `-`; pairs are (rows, columns), and
+    `help(holo.Settings)` has all of them:
 
     views: (T, S), 100 x 100. lenses: (V, U), the pixels of a view; lens_shifts: N x N positions of their array. sensor: instead of lenses, "hd", "4k", "8k" (the
         default), "uhd8k" or (rows, columns).
@@ -117,11 +127,11 @@ def render(
     light_units, solid_glass, material_variant, cull, transparent_shadows, no_indirect, no_roulette, indirect_limit,
         no_multiple_scattering: as on the command line.
 
-    The same options and seed give the same samples as the command line, for any number of threads.
+    The same settings and seed give the same samples as the command line, for any number of threads.
     """
-    _refuse(options, ("write", "bit_depth", "mat_order", "sensor_model", "iso", "exposure"), "render_to")
+    _refuse(settings, ("write", "bit_depth", "mat_order", "sensor_model", "iso", "exposure", "tools"), "render_to")
     with _bar(progress) as report:
-        result = _holo.render(as_scene(scene)._as_item(), texts_of(options), (backend, threads), report)
+        result = _holo.render(as_scene(scene)._as_item(), None, texts_of(settings), preset, (backend, threads), report)
     tell(result["diagnostics"])
     central = result["central"]
     light_field = None
@@ -143,52 +153,64 @@ def render(
     )
 
 
+@with_signature
 def render_to(
     out: str | os.PathLike,
     scene: Scene | str | os.PathLike,
     *,
     camera_file: PlenopticCamera | str | os.PathLike | None = None,
-    tools: Sequence[str] = (),
+    transforms: str | os.PathLike | None = None,
+    transforms_up: str = "z",
+    preset: str | None = None,
     shard: str | None = None,
     overwrite: bool = False,
     checkpoint: float = 30.0,
     progress: bool | Progress = False,
     backend: str = "auto",
     threads: int = 0,
-    **options: Any,
+    **settings: Unpack[Settings],
 ) -> dict[str, Any]:
-    """Renders into a folder: the same files, byte for byte, as `holo render SCENE --out OUT` with these options.
+    """Renders into a folder: the same files, byte for byte, as `holo render SCENE --out OUT` with these settings.
 
-    camera_file: a plenoptic camera; the folder then holds its raw image. tools: programs that it is also written for.
+    camera_file: a plenoptic camera; the folder then holds its raw image, and tools are the programs that it is also written
+        for. transforms: a file of poses (transforms.json), whose world has the axis transforms_up upward: alone an image of a
+        pinhole camera at each, with views or camera_file a folder for each.
     shard: "K/N" for one part of several machines. overwrite: replaces another image in the folder. checkpoint: seconds
     between those of an interrupted render, 0 for none.
-    write: files, such as ["el", "vpi", "mat", "h5", "exr", "hci"]; further options as in `render`. frame: also several, "0-47",
+    write: files, such as ["el", "vpi", "mat", "h5", "exr", "hci"]; further settings as in `render`. frame: also several, "0-47",
     a folder each (shard "K/N" is then every N-th); frames that are there are kept.
 
-    Returns the report of `holo render --json`; of several frames their reports in "frames".
+    Returns the report of `holo render --json`; of several frames or poses their reports in "frames".
     """
     camera = camera_file
     if camera is not None and not isinstance(camera, PlenopticCamera):
         camera = PlenopticCamera.open(os.fspath(camera))
-    if camera is not None and (options.get("focus_m", "auto") != "auto" or options.get("f_number") is not None):
-        focus = options.get("focus_m")
-        camera = camera.adjusted(focus_m=None if focus == "auto" else focus, f_number=options.get("f_number"))
+    if camera is not None and (settings.get("focus_m", "auto") != "auto" or settings.get("f_number") is not None):
+        focus = settings.get("focus_m")
+        camera = camera.adjusted(focus_m=None if focus == "auto" else focus, f_number=settings.get("f_number"))
     request = {
         "out": os.fspath(out),
         "camera": camera,
-        "tools": list(tools),
+        "transforms": None if transforms is None else os.fspath(transforms),
+        "transforms_up": transforms_up,
+        "preset": preset,
         "shard": shard,
         "overwrite": overwrite,
         "checkpoint_seconds": float(checkpoint),
     }
     with _bar(progress) as report:
-        done, lines = _holo.render_folder(
-            as_scene(scene)._as_item(), texts_of(options), (backend, threads), request, report
+        reports, kept, lines = _holo.render_folder(
+            as_scene(scene)._as_item(), texts_of(settings), (backend, threads), request, report
         )
     tell(lines)
-    return done
+    reports = [json.loads(report) for report in reports]
+    if len(reports) == 1 and kept == 0 and not {"pose", "frame"} & reports[0].keys():
+        return reports[0]
+    sequence = [name for name in ("sequence_5d.h5",) if os.path.isfile(os.path.join(out, name))]
+    return {"made": len(reports), "kept": kept, "files": sequence, "frames": reports}
 
 
+@with_signature
 def render_raw(
     scene: Scene | str | os.PathLike,
     camera: PlenopticCamera | str,
@@ -196,33 +218,36 @@ def render_raw(
     progress: bool | Progress = False,
     backend: str = "auto",
     threads: int = 0,
-    **options: Any,
+    preset: str | None = None,
+    **settings: Unpack[Settings],
 ) -> RawRendering:
     """Renders the raw image of a plenoptic camera into memory.
 
     camera: a `PlenopticCamera`, or the name of a preset or of a camera file. The scene's camera is where it stands.
-    options: spp, integrator, seed, sky, layers and the others of `render` that are not of a rig.
+    settings: spp, integrator, seed, sky, layers and the others of `render` that are not of a rig.
     """
     if not isinstance(camera, PlenopticCamera):
         camera = PlenopticCamera.open(os.fspath(camera))
     rig = ("views", "lenses", "sensor", "baseline_m", "f_number", "focus_m", "disparity", "focal_mm", "sensor_mm")
-    _refuse(options, rig, "PlenopticCamera.adjusted")
+    _refuse(settings, rig, "PlenopticCamera.adjusted")
     with _bar(progress) as report:
-        result = _holo.render_raw(as_scene(scene)._as_item(), camera, texts_of(options), (backend, threads), report)
+        result = _holo.render(as_scene(scene)._as_item(), camera, texts_of(settings), preset, (backend, threads), report)
     tell(result["diagnostics"])
+    color = result["color"]
     return RawRendering(
-        image=result["color"],
+        # A light field of one view.
+        image=None if color is None else color[:, :, 0, 0, :],
         camera=camera,
-        layers=result["layers"],
+        layers=result["central"],
         integrator=result["integrator"],
         why=result["why"],
         rays=result["rays"],
     )
 
 
-def _refuse(options, names, instead):
+def _refuse(settings, names, instead):
     for name in names:
-        if options.get(name) is not None:
+        if settings.get(name) is not None:
             raise UsageError(f"{name}= has no effect here; use `{instead}`")
 
 

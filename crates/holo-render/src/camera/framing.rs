@@ -179,7 +179,7 @@ fn half_slope(camera: &Camera, lenses: GridSize) -> Result<f64, Error> {
             Ok(vertical * aspect)
         }
         CameraProjection::Orthographic { .. } => Err(Error::BadSetting(format!(
-            "camera '{}' is orthographic; choose a perspective camera, and --projection orthographic if the views \
+            "camera '{}' is orthographic; choose a perspective camera, and `projection orthographic` if the views \
              shall be parallel projections",
             camera.name
         ))),

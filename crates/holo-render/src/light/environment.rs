@@ -22,17 +22,20 @@ use crate::sampling::Points;
 use crate::simd::angles::{atan2, sin_cos};
 use crate::simd::{LANES, at};
 use cells::Cells;
+use std::sync::Arc;
+
 use holo_scene::{Environment, Transform};
 
-/// An environment map in the frame of a camera. It owns a copy of the image.
+/// An environment map in the frame of a camera. It owns a copy of the image, which clones share.
+#[derive(Clone)]
 pub(crate) struct EnvironmentLight {
     columns: i32,
     rows: i32,
     /// Row by row from the top, linear RGB.
-    texels: Vec<[f32; 3]>,
+    texels: Arc<[[f32; 3]]>,
     /// The axes of the camera in world coordinates.
     camera_axes: [[f32; 3]; 3],
-    cells: Cells,
+    cells: Arc<Cells>,
 }
 
 /// Sixteen sampled directions.
@@ -50,11 +53,16 @@ impl EnvironmentLight {
     /// Prepares a valid `environment` for a camera at `pose`.
     pub fn new(environment: &Environment, pose: &Transform) -> Self {
         let (rows, columns, _) = environment.radiance.dim();
-        let texels: Vec<[f32; 3]> = environment.radiance.rows().into_iter().map(|t| [t[0], t[1], t[2]]).collect();
-        let cells = Cells::build(columns, rows, &texels);
-        let camera_axes = pose.columns.map(|axis| axis.map(|x| x as f32));
+        let texels: Arc<[[f32; 3]]> = environment.radiance.rows().into_iter().map(|t| [t[0], t[1], t[2]]).collect();
+        let cells = Arc::new(Cells::build(columns, rows, &texels));
         // A valid image has fewer than 2^32 / 3 texels.
-        Self { columns: columns as i32, rows: rows as i32, texels, camera_axes, cells }
+        let (columns, rows) = (columns as i32, rows as i32);
+        Self { columns, rows, texels, camera_axes: Default::default(), cells }.at(pose)
+    }
+
+    /// The same map in the frame of a camera at another pose.
+    pub fn at(self, pose: &Transform) -> Self {
+        Self { camera_axes: pose.columns.map(|axis| axis.map(|x| x as f32)), ..self }
     }
 
     /// Whether all radiance is 0; then every pdf is 0.

@@ -86,7 +86,7 @@ fn requests() -> Vec<Request> {
     vec![
         lit(many).ground_truth(GroundTruth::All),
         lit(few).integrator(Integrator::Direct),
-        lit(few).target_error(Some(0.3)).samples(32).lens_rows(Some(0..36)),
+        lit(few).target_error(Some(0.3)).samples(32).rows(Some(0..36)),
         lit(few).views(Views::List(vec![ViewIndex { row: 1, column: 0 }])).ground_truth(GroundTruth::All),
         Request::new(many).integrator(Integrator::Depth).ground_truth(GroundTruth::All),
     ]

@@ -8,7 +8,7 @@ use ndarray::{Array3, ArrayViewMut5, s};
 use super::checkpoint::TileKind;
 use super::image::zeros;
 use super::plan::{Plan, Region};
-use super::request::{Denoise, Request};
+use super::request::{Denoise, RigRequest};
 use super::rounds;
 use super::work::{TileOutput, Work};
 use crate::camera::tile::{Tile, Tiling};
@@ -26,12 +26,12 @@ pub(super) fn disparity(rig: &Rig) -> Disparity {
 }
 
 /// Whether a render needs the guides of its pixels.
-pub(super) fn needs_guides(request: &Request) -> bool {
+pub(super) fn needs_guides(request: &RigRequest) -> bool {
     request.denoise == Denoise::Views || request.estimate_error
 }
 
 /// The lens rows on each side that are rendered for the reconstruction of others.
-pub(super) fn margin(request: &Request) -> usize {
+pub(super) fn margin(request: &RigRequest) -> usize {
     // In a round, the samples of a pixel depend on the error estimated before it.
     if needs_guides(request) { HALO * rounds::rounds(request).len() } else { 0 }
 }
@@ -78,7 +78,7 @@ impl TileOutput for ColorTile<'_> {
 
 impl ColorFields {
     /// Zeros for the pixels of `region`.
-    pub fn new(request: &Request, region: &Region) -> Result<Self, Error> {
+    pub fn new(request: &RigRequest, region: &Region) -> Result<Self, Error> {
         let shape = region.shape()?;
         let guides = if needs_guides(request) { Some(zeros(shape, guides::CHANNELS)?) } else { None };
         Ok(Self { color: zeros(shape, 3)?, guides })
@@ -87,7 +87,7 @@ impl ColorFields {
     /// Renders all tiles, in rounds if there is a target for the error after the reconstruction.
     pub fn trace(
         &mut self,
-        request: &Request,
+        request: &RigRequest,
         context: &Context,
         tiling: &Tiling,
         work: &Work,
@@ -124,7 +124,7 @@ impl ColorFields {
     }
 
     /// The error that reconstructed pixels would have with the samples so far.
-    fn estimate(&mut self, request: &Request, work: &Work) -> Result<LightFieldOwned<f32>, Error> {
+    fn estimate(&mut self, request: &RigRequest, work: &Work) -> Result<LightFieldOwned<f32>, Error> {
         let mut error = zeros(self.color.shape(), 1)?;
         let rows = 0..self.color.shape().lenses().rows;
         self.reconstruct(request, rows, false, Some(&mut error), || !work.is_stopped())?;
@@ -134,7 +134,7 @@ impl ColorFields {
     /// Reconstructs color in some lens rows if it `replaces` the samples, and estimates its error; `None` without guides.
     fn reconstruct(
         &mut self,
-        request: &Request,
+        request: &RigRequest,
         rows: Range<usize>,
         replaces: bool,
         error: Option<&mut LightFieldOwned<f32>>,
@@ -167,12 +167,12 @@ impl ColorFields {
     }
 
     /// Color and its error in the requested lens rows: reconstructed and estimated, if there are guides.
-    pub fn finish(mut self, request: &Request, plan: &Plan, work: &Work) -> Result<Finished, Error> {
+    pub fn finish(mut self, request: &RigRequest, plan: &Plan, work: &Work) -> Result<Finished, Error> {
         if self.guides.is_none() {
             return Ok(Finished { color: Some(self.color), ..Finished::default() });
         }
         let rendered = &plan.color.selection.lens_rows;
-        let wanted = request.lens_row_range();
+        let wanted = request.row_range();
         let rows = wanted.start - rendered.start..wanted.end - rendered.start;
         let (views, lenses) = (self.color.shape().views(), self.color.shape().lenses());
         let mut error = if request.estimate_error { Some(zeros(self.color.shape(), 1)?) } else { None };
@@ -192,9 +192,10 @@ impl ColorFields {
 
 /// The color and the guides of a request before the reconstruction, as elemental image arrays.
 #[cfg(feature = "bench")]
-pub(crate) fn samples(renderer: &super::Renderer, request: &Request) -> Result<[Array3<f32>; 2], Error> {
+pub(crate) fn samples(renderer: &super::Renderer, request: &super::Request) -> Result<[Array3<f32>; 2], Error> {
     let request = request.clone().denoise(Denoise::Views);
     let (integrator, _) = renderer.choose(&request)?;
+    let request = request.of_rig()?;
     let plan = Plan::new(&request, integrator);
     let stop = crate::progress::Stop::new(&());
     let work = Work::new(&(), &stop, None, std::iter::empty(), 0);

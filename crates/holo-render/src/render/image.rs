@@ -1,4 +1,4 @@
-//! The execution of one request.
+//! The execution of a request of a rig.
 
 use holo_core::{Layout, LightField, LightFieldOwned, LightFieldShape};
 use ndarray::Array3;
@@ -7,7 +7,7 @@ use super::Renderer;
 use super::checkpoint::{Checkpoint, TileKind};
 use super::color::{self, ColorFields, Finished};
 use super::plan::{Plan, Region};
-use super::request::{GroundTruth, Rendered, Request, Views};
+use super::request::{GroundTruth, Rendered, RigRequest, Views};
 use super::rounds;
 use super::work::Work;
 use crate::camera::tile::{Tile, Tiling};
@@ -20,10 +20,10 @@ use crate::progress::{Progress, Stop};
 use crate::simd;
 
 impl Renderer {
-    /// Renders in the current thread pool.
-    pub(super) fn render_here(
+    /// Renders the light field of a rig in the current thread pool.
+    pub(super) fn render_rig(
         &self,
-        request: &Request,
+        request: &RigRequest,
         progress: &dyn Progress,
         checkpoint: Option<&dyn Checkpoint>,
     ) -> Result<Rendered, Error> {
@@ -44,7 +44,7 @@ impl Renderer {
             (with_all, TileKind::AllLayers, &plan.all),
             (with_central, TileKind::CentralLayers, &plan.central),
         ];
-        let steps = if with_color && color::needs_guides(request) { request.lens_row_range().len() } else { 0 };
+        let steps = if with_color && color::needs_guides(request) { request.row_range().len() } else { 0 };
         let wanted = kinds.into_iter().filter(|(wanted, ..)| *wanted);
         let rounds = rounds::rounds(request).len();
         let counts = wanted.map(|(_, kind, region)| {
@@ -87,7 +87,8 @@ impl Renderer {
         if stop.requested() {
             return Err(Error::Cancelled);
         }
-        Ok(Rendered { color, error, error_distribution, central, all, integrator, why, rays, samples })
+        let statistics = None;
+        Ok(Rendered { color, error, error_distribution, central, all, statistics, integrator, why, rays, samples })
     }
 }
 

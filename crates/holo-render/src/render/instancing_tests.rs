@@ -3,9 +3,11 @@
 use holo_core::{GridSize, LightFieldShape, Rig};
 
 use super::*;
+use crate::accel;
 use crate::accel::refine;
 use crate::accel::{Coherence, RayHits};
 use crate::camera::tile::{Selection, Tiling};
+use crate::geometry::Instancing;
 use crate::geometry::{FLATTENED, Hit};
 use crate::simd::LANES;
 use holo_scene::{Instance, Light, LightKind, Material, Mesh, Texture, TextureInfo, Wrap};
@@ -105,7 +107,9 @@ fn both(scene: &Scene) -> Option<[Renderer; 2]> {
         return None;
     }
     Some([Instancing::Never, Instancing::Always].map(|instancing| {
-        Renderer::with_instancing(scene, &Transform::IDENTITY, Backend::Embree, 2, instancing).expect("a renderer")
+        World::with_instancing(scene, Backend::Embree, 2, instancing)
+            .and_then(|world| world.at(&Transform::IDENTITY))
+            .expect("a renderer")
     }))
 }
 

@@ -1,5 +1,6 @@
 //! Motion, compared with points that are moved by hand.
 
+use crate::World;
 use holo_core::{GridSize, LightFieldShape};
 use holo_scene::{Instance, Material, Mesh};
 
@@ -96,8 +97,9 @@ fn points_move_with_their_instances_and_the_camera() {
             let rig = rig(projection);
             let scenes = [false, true].map(|is_next| scene(&moved(places(is_next), far)));
             let poses = [false, true].map(|is_next| pose(is_next, far));
-            let renderer =
-                Renderer::with_instancing(&scenes[0], &poses[0], backend, 2, instancing).expect("a renderer");
+            let renderer = World::with_instancing(&scenes[0], backend, 2, instancing)
+                .and_then(|world| world.at(&poses[0]))
+                .expect("a renderer");
             let frames = [0, 1].map(|k| Frame { scene: &scenes[k], pose: poses[k], rig: &rig });
             let view = ViewIndex::new(1, 2);
             assert_eq!(rig.shape().central_view(), (1, 2));

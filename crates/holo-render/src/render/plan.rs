@@ -3,7 +3,7 @@
 use holo_core::{GridSize, LightFieldShape};
 
 use super::color;
-use super::request::{Request, Views};
+use super::request::{RigRequest, Views};
 use super::transport::Transport;
 use crate::camera::tile::{SelectedViews, Selection, Tiling};
 use crate::error::Error;
@@ -24,20 +24,20 @@ pub(super) struct Plan {
 
 impl Region {
     /// Divides all lens rows into tiles, then selects the requested rows.
-    fn new(request: &Request, views: SelectedViews, tile: impl Fn([usize; 4]) -> Tiling) -> Self {
+    fn new(request: &RigRequest, views: SelectedViews, tile: impl Fn([usize; 4]) -> Tiling) -> Self {
         Self::with_margin(request, views, tile, 0)
     }
 
     /// As `new`, with at least this many more lens rows on each side, up to the end of a tile or the image.
     fn with_margin(
-        request: &Request,
+        request: &RigRequest,
         views: SelectedViews,
         tile: impl Fn([usize; 4]) -> Tiling,
         margin: usize,
     ) -> Self {
         let whole = Selection { views, ..Selection::whole(request.rig.shape()) };
         let tiling = tile(whole.counts());
-        let lens_rows = match (request.lens_row_range(), margin) {
+        let lens_rows = match (request.row_range(), margin) {
             (rows, 0) => rows,
             (rows, margin) => {
                 let (step, count) = (tiling.tile_rows(), request.rig.shape().lenses().rows);
@@ -56,7 +56,7 @@ impl Region {
 }
 
 impl Plan {
-    pub fn new(request: &Request, integrator: Integrator) -> Self {
+    pub fn new(request: &RigRequest, integrator: Integrator) -> Self {
         let split = request.rig.shape();
         let views = match &request.views {
             Views::All => SelectedViews::Grid([split.views().rows, split.views().columns]),

@@ -5,7 +5,7 @@
 //! are rendered. Ground truth is that of the chief ray of every pixel.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
+use std::ops::{Deref, Range};
 
 use holo_core::plenoptic::{Microlens, MicrolensIndex, PlenopticCamera};
 use holo_core::{GridSize, Layout, LightField, LightFieldShape};
@@ -13,25 +13,23 @@ use ndarray::{Array2, Array3, Array5, ArrayViewMut5};
 use rayon::prelude::*;
 
 use super::Renderer;
-use super::checkpoint::TileKind;
+use super::checkpoint::{Checkpoint, TileKind};
 use super::plan::path_tile_pixels;
-use super::request::{DEPTH_AND_DISPARITY, check_ids};
-use super::transport::{Reuse, TextureFilter, Transport, transport_setters};
+use super::request::{Denoise, RawStatistics, Rendered, Request};
 use super::work::{TileOutput, Work};
 use crate::camera::RaySource;
 use crate::camera::plenoptic::{PlenopticRays, RawLens, RawPacket, RawPixels};
 use crate::camera::tile::{Tile, Tiling};
 use crate::error::Error;
 use crate::film::inverse_depth;
-use crate::film::layers::{LayerSet, Layers};
+use crate::film::layers::Layers;
 use crate::geometry::MAX_COORDINATE_M;
 use crate::integrator::aov::{AovTile, TileAovs};
 use crate::integrator::depth::DepthTile;
 use crate::integrator::path::{PathTile, Round, Scratch};
 use crate::integrator::{Context, Integrator, RayCounts};
 use crate::progress::{Progress, Stop};
-use crate::sampling::{Sampler, Sampling};
-use crate::setters::setters;
+use crate::sampling::Sampler;
 use crate::simd::{self, LANES};
 
 /// The lines of microlenses that are rendered together, counted from line 0 of the array.
@@ -43,103 +41,44 @@ const TRUTH_ROWS: usize = 64;
 /// The side of the block of pixels of a packet of ground truth.
 const BLOCK: usize = 4;
 
-/// A request for the raw image of a plenoptic camera.
-///
-/// The fields have the defaults of [`RawRequest::new`]; they are validated by [`Renderer::render_raw`].
-#[derive(Clone, Debug)]
-#[non_exhaustive]
-pub struct RawRequest {
-    /// The camera. The pose of the renderer is that of its entrance pupil.
-    pub camera: PlenopticCamera,
-    /// Light transport: the integrator and its samples. Textures are not filtered and light is not shared between pixels:
-    /// [`Transport::texture_filter`] and [`Transport::reuse`] have no effect.
-    pub transport: Transport,
-    /// The layers (AOVs) beside color: of the first hit of the chief ray of every pixel, from its center through the
-    /// center of the nearest microlens. `Disparity` is that of views of neighboring pixels (Eq. 3 of the equivalent rig)
-    /// and has a meaning for unfocused cameras only.
-    pub layers: LayerSet,
-    /// Whether [`RawRendered::statistics`] are computed.
-    pub statistics: bool,
-    /// The rows of the raw image to render; `None` renders all. They have the same values as in the whole image.
-    pub rows: Option<Range<usize>>,
+/// A request of a plenoptic camera.
+#[derive(Clone, Copy)]
+pub(super) struct RawRequest<'a> {
+    pub camera: &'a PlenopticCamera,
+    pub request: &'a Request,
 }
 
-impl RawRequest {
-    /// A request with the defaults of the command line, one sample per pixel and microlens, and a black environment.
-    #[must_use]
-    pub fn new(camera: PlenopticCamera) -> Self {
-        Self { camera, transport: Transport::default(), layers: DEPTH_AND_DISPARITY, statistics: false, rows: None }
-    }
+impl Deref for RawRequest<'_> {
+    type Target = Request;
 
-    setters! {
-        camera: PlenopticCamera,
-        transport: Transport,
-        layers: LayerSet,
-        statistics: bool,
-        rows: Option<Range<usize>>,
-    }
-
-    transport_setters!();
-
-    fn row_range(&self) -> Range<usize> {
-        self.rows.clone().unwrap_or(0..self.camera.sensor().size.rows)
-    }
-
-    /// Validates the request for a scene with this many instances and materials.
-    fn check(&self, counts: [usize; 2]) -> Result<(), Error> {
-        self.transport.check()?;
-        check_ids(self.layers, counts)?;
-        let size = self.camera.sensor().size;
-        if size.count() > u32::MAX as usize {
-            return Err(Error::BadSetting("a sensor of 2^32 or more pixels; choose fewer".into()));
-        }
-        let rows = self.row_range();
-        if rows.is_empty() || rows.end > size.rows {
-            return Err(Error::BadSetting(format!("rows {rows:?} are not a range of the {} rows", size.rows)));
-        }
-        for corner in [[0.0, 0.0], [size.columns as f64, size.rows as f64]] {
-            let place = self.camera.place_m(corner);
-            let lens = self.camera.owner(place);
-            let ray = self.camera.ray(place, self.camera.lens_center_m(lens), lens);
-            if !ray.origin_m.iter().chain(&ray.direction).all(|x| x.abs() < MAX_COORDINATE_M) {
-                return Err(Error::BadSetting(format!(
-                    "the camera is too large: a ray starts at {:?} m and runs along {:?}",
-                    ray.origin_m, ray.direction
-                )));
-            }
-        }
-        Ok(())
+    fn deref(&self) -> &Request {
+        self.request
     }
 }
 
-/// The raw image of a plenoptic camera. All arrays have the rows of [`RawRequest::rows`].
-#[derive(Debug)]
-pub struct RawRendered {
-    /// Linear RGB, axes (row, column, channel): radiance times [white
-    /// image](holo_core::plenoptic::PlenopticCamera::white_image). `None` for the integrator `Depth`.
-    pub color: Option<Array3<f32>>,
-    /// The layers, axes (row, column, channel). Units: [`layers`](crate::layers).
-    pub layers: Layers<Array3<f32>>,
-    /// Statistics of the inverse depth, if they were requested and there is color.
-    pub statistics: Option<RawStatistics>,
-    /// The integrator that was used.
-    pub integrator: Integrator,
-    /// The reason for the choice of the integrator.
-    pub why: String,
-    /// The number of rays, including those for ground truth.
-    pub rays: RayCounts,
-}
-
-/// What the pixels of a raw image see, over the samples of their color with their weights; axes (row, column). 0 where no
-/// light reaches a pixel.
-#[derive(Debug)]
-pub struct RawStatistics {
-    /// The mean of 1 / depth, 1/m; rays that miss the scene count as 0.
-    pub inverse_depth_mean: Array2<f32>,
-    /// The standard deviation of 1 / depth, 1/m.
-    pub inverse_depth_deviation: Array2<f32>,
-    /// The share of the light whose rays hit the scene.
-    pub coverage: Array2<f32>,
+/// Validates a request of a plenoptic camera.
+pub(super) fn check(request: &Request, camera: &PlenopticCamera) -> Result<(), Error> {
+    if request.denoise != Denoise::Off || request.estimate_error {
+        return Err(Error::BadSetting(
+            "the raw image of a plenoptic camera has no views to reduce its noise or estimate its error with".into(),
+        ));
+    }
+    let size = camera.sensor().size;
+    if size.count() > u32::MAX as usize {
+        return Err(Error::BadSetting("a sensor of 2^32 or more pixels; choose fewer".into()));
+    }
+    for corner in [[0.0, 0.0], [size.columns as f64, size.rows as f64]] {
+        let place = camera.place_m(corner);
+        let lens = camera.owner(place);
+        let ray = camera.ray(place, camera.lens_center_m(lens), lens);
+        if !ray.origin_m.iter().chain(&ray.direction).all(|x| x.abs() < MAX_COORDINATE_M) {
+            return Err(Error::BadSetting(format!(
+                "the camera is too large: a ray starts at {:?} m and runs along {:?}",
+                ray.origin_m, ray.direction
+            )));
+        }
+    }
+    Ok(())
 }
 
 impl RawStatistics {
@@ -197,70 +136,81 @@ struct Band {
 }
 
 impl Renderer {
-    /// Renders the raw image of a plenoptic camera. The result depends only on the scene, the pose and `request`, not on
-    /// the number of threads or their timing.
-    ///
-    /// A sample is a ray from a point of a pixel through a point of a microlens that both apertures let pass. Pixels
-    /// between the micro-images, which no light reaches, are black and cost nothing.
-    ///
-    /// # Errors
-    /// [`Error::BadSetting`] for settings that are out of range or do not fit the scene, [`Error::Core`] if the image does
-    /// not fit into memory, [`Error::Cancelled`] if `progress` cancels.
-    pub fn render_raw(&self, request: &RawRequest, progress: &dyn Progress) -> Result<RawRendered, Error> {
-        request.check(self.counts)?;
-        self.pool.install(|| self.render_raw_here(request, progress))
-    }
-
-    fn render_raw_here(&self, request: &RawRequest, progress: &dyn Progress) -> Result<RawRendered, Error> {
+    /// Renders the raw image of a plenoptic camera in the current thread pool.
+    pub(super) fn render_raw(
+        &self,
+        request: &RawRequest,
+        progress: &dyn Progress,
+        checkpoint: Option<&dyn Checkpoint>,
+    ) -> Result<Rendered, Error> {
         let (integrator, why) = self.integrator(&request.transport);
         let stop = Stop::new(progress);
         let has_color = integrator != Integrator::Depth;
         let bands = if has_color { bands(request) } else { Vec::new() };
         let tile_pixels = path_tile_pixels(&request.transport, integrator);
-        let color_tiles = bands.iter().map(|band| color_tiling(band.packets, tile_pixels).tiles().len()).sum();
+        let color_tiles = |bands: &[Band]| {
+            bands.iter().map(|band| color_tiling(band.packets, tile_pixels).tiles().len()).sum::<usize>()
+        };
         let truth = if request.layers.is_empty() { Vec::new() } else { truth_rows(request) };
-        let truth_tiles = truth.iter().map(|rows| Tiling::new(truth_counts(request, rows)).tiles().len()).sum();
-        let kinds = [(TileKind::Color, color_tiles), (TileKind::AllLayers, truth_tiles)].into_iter();
-        let work = Work::new(progress, &stop, None, kinds, 0);
+        let truth_tiles = |truth: &[Range<usize>]| {
+            truth.iter().map(|rows| Tiling::new(truth_counts(request, rows)).tiles().len()).sum::<usize>()
+        };
+        let kinds = [(TileKind::Color, color_tiles(&bands)), (TileKind::AllLayers, truth_tiles(&truth))].into_iter();
+        let work = Work::new(progress, &stop, checkpoint, kinds, 0);
         let mut rays = RayCounts::default();
         let mut sums = None;
         if has_color {
             let inverse_depths = request.statistics.then(|| zeros(request, inverse_depth::CHANNELS)).transpose()?;
             let mut image = Sums { color: zeros(request, 3)?, inverse_depths };
             let mut pixels = bands.first().map(|band| band_pixels(request, band));
-            for next in (1..=bands.len()).map(|number| bands.get(number)) {
+            for number in 0..bands.len() {
+                let first = color_tiles(&bands[..number]);
                 // The pixels of the next band are found while this one is traced.
                 let (traced, following) = rayon::join(
-                    || pixels.map(|pixels| self.trace_band(request, integrator, pixels, &work, &mut image)),
-                    || next.map(|band| band_pixels(request, band)),
+                    || pixels.map(|pixels| self.trace_band(request, integrator, (pixels, first), &work, &mut image)),
+                    || bands.get(number + 1).map(|band| band_pixels(request, band)),
                 );
                 rays = rays + traced.transpose()?.unwrap_or_default();
                 pixels = following;
             }
             sums = Some(image);
         }
+        // Every sample has one camera ray.
+        let samples = rays.primary;
         let mut layers: Layers<Array3<f32>> = request
             .layers
             .iter()
             .map(|layer| Ok((layer, zeros(request, layer.channels())?)))
             .collect::<Result<_, Error>>()?;
-        for rows in truth {
-            rays = rays + self.trace_truth(request, rows, &work, &mut layers)?;
+        for (number, rows) in truth.iter().enumerate() {
+            let first = truth_tiles(&truth[..number]);
+            rays = rays + self.trace_truth(request, (rows.clone(), first), &work, &mut layers)?;
         }
         if stop.requested() {
             return Err(Error::Cancelled);
         }
         let (color, inverse_depths) = sums.map_or((None, None), |sums| (Some(sums.color), sums.inverse_depths));
-        let statistics = inverse_depths.map(|sums| RawStatistics::new(&sums));
-        Ok(RawRendered { color, layers, statistics, integrator, why, rays })
+        let shape = shape(request)?;
+        Ok(Rendered {
+            color: color.map(|color| LightField::from_elemental_grid(color, shape)).transpose()?,
+            error: None,
+            error_distribution: None,
+            central: layers,
+            all: None,
+            statistics: inverse_depths.map(|sums| RawStatistics::new(&sums)),
+            integrator,
+            why,
+            rays,
+            samples,
+        })
     }
 
-    /// Renders the light of a band of microlenses and adds it to `image`.
+    /// Renders the light of a band of microlenses, whose tiles are numbered from `first_tile`, and adds it to `image`.
     fn trace_band(
         &self,
         request: &RawRequest,
         integrator: Integrator,
-        pixels: RawPixels,
+        (pixels, first_tile): (RawPixels, usize),
         work: &Work,
         image: &mut Sums,
     ) -> Result<RayCounts, Error> {
@@ -269,7 +219,7 @@ impl Renderer {
         let zeros = |channels| Array5::zeros((count, 1, 1, LANES, channels));
         let mut color = zeros(3);
         let mut inverse_depths = image.inverse_depths.is_some().then(|| zeros(inverse_depth::CHANNELS));
-        let rays = PlenopticRays::new(&request.camera, pixels);
+        let rays = PlenopticRays::new(request.camera, pixels);
         let context = self.raw_context(request, integrator, rays, work);
         let round = Round { samples: 0..request.transport.samples, wanted: Vec::new() };
         let trace = |tile: &Tile, out: &mut RawTile, scratch: &mut Scratch| {
@@ -280,7 +230,7 @@ impl Renderer {
         let mut depths = inverse_depths.as_mut().map(|sums| tiling.cut(sums.view_mut())).into_iter().flatten();
         let outputs = tiling.cut(color.view_mut()).into_iter();
         let outputs = outputs.map(|color| RawTile { color, inverse_depths: depths.next() }).collect();
-        let rays = work.run(TileKind::Color, 0, &tiling, outputs, trace)?;
+        let rays = work.run(TileKind::Color, first_tile, &tiling, outputs, trace)?;
         drop(depths);
         let first = request.row_range().start;
         let packets = context.camera.raw_packets();
@@ -297,20 +247,20 @@ impl Renderer {
         Ok(rays)
     }
 
-    /// Renders the layers of some rows.
+    /// Renders the layers of some rows, whose tiles are numbered from `first_tile`.
     fn trace_truth(
         &self,
         request: &RawRequest,
-        rows: Range<usize>,
+        (rows, first_tile): (Range<usize>, usize),
         work: &Work,
         layers: &mut Layers<Array3<f32>>,
     ) -> Result<RayCounts, Error> {
         let tiling = Tiling::new(truth_counts(request, &rows));
-        let pixels = truth_pixels(&request.camera, rows);
+        let pixels = truth_pixels(request.camera, rows);
         let count = pixels.packets.len();
         let mut fields: Layers<Array5<f32>> =
             request.layers.iter().map(|layer| (layer, Array5::zeros((count, 1, 1, LANES, layer.channels())))).collect();
-        let rays = PlenopticRays::new(&request.camera, pixels);
+        let rays = PlenopticRays::new(request.camera, pixels);
         let context = self.raw_context(request, Integrator::Depth, rays, work);
         let mut outputs: Vec<AovTile> = Vec::new();
         for (layer, field) in fields.iter_mut() {
@@ -322,7 +272,7 @@ impl Renderer {
             let out = out.iter_mut().map(|(layer, output)| (layer, output.view_mut())).collect();
             simd::run(DepthTile { context: &context, tile, out, aov })
         };
-        let rays = work.run(TileKind::AllLayers, 0, &tiling, outputs, trace)?;
+        let rays = work.run(TileKind::AllLayers, first_tile, &tiling, outputs, trace)?;
         let first = request.row_range().start;
         let packets = context.camera.raw_packets();
         for ((_, image), (layer, field)) in layers.iter_mut().zip(fields.iter()) {
@@ -383,10 +333,14 @@ fn scatter(
 
 /// Zeros for the requested rows.
 fn zeros(request: &RawRequest, channels: usize) -> Result<Array3<f32>, Error> {
-    let size = GridSize::new(request.row_range().len(), request.camera.sensor().size.columns);
-    let shape = LightFieldShape::new(GridSize::new(1, 1), size)?;
-    let field = LightField::filled(shape, channels, Layout::ElementalGrid, 0.0)?;
+    let field = LightField::filled(shape(request)?, channels, Layout::ElementalGrid, 0.0)?;
     Ok(field.into_elemental_grid().or_else(|field| field.to_elemental_grid())?)
+}
+
+/// The requested rows as a light field of one view.
+fn shape(request: &RawRequest) -> Result<LightFieldShape, Error> {
+    let size = GridSize::new(request.row_range().len(), request.camera.sensor().size.columns);
+    Ok(LightFieldShape::new(GridSize::new(1, 1), size)?)
 }
 
 /// The microlenses of a line and the clear gaps around them.
@@ -396,7 +350,7 @@ fn openings_on_line(camera: &PlenopticCamera, line: i32) -> impl Iterator<Item =
 
 /// The pixels of a band in the order of its microlenses.
 fn band_pixels(request: &RawRequest, band: &Band) -> RawPixels {
-    let camera = &request.camera;
+    let camera = request.camera;
     let of_line = |line: i32| {
         let (mut scratch, mut pixels) = (Vec::new(), RawPixels::default());
         for lens in openings_on_line(camera, line) {
@@ -409,7 +363,7 @@ fn band_pixels(request: &RawRequest, band: &Band) -> RawPixels {
 
 /// The bands that light the requested rows. Their boundaries are the same for any rows.
 fn bands(request: &RawRequest) -> Vec<Band> {
-    let camera = &request.camera;
+    let camera = request.camera;
     let size = camera.sensor().size;
     let (all, wanted) = (camera.lens_lines(0..size.rows), camera.lens_lines(request.row_range()));
     let (first, last) = (wanted.start().div_euclid(BAND_LINES), wanted.end().div_euclid(BAND_LINES));

@@ -1,9 +1,10 @@
 //! The render request, its validation, and the result of a render.
 
-use std::ops::Range;
+use std::ops::{Deref, Range};
 
+use holo_core::plenoptic::PlenopticCamera;
 use holo_core::{LightFieldOwned, Rig, ViewIndex};
-use ndarray::Array3;
+use ndarray::{Array2, Array3};
 
 use super::transport::{Reuse, TextureFilter, Transport, transport_setters};
 use crate::error::Error;
@@ -20,7 +21,49 @@ pub(super) const MAX_EXACT_ID: usize = 1 << 24;
 /// The largest [`Request::filter_width_px`].
 const MAX_FILTER_WIDTH_PX: f64 = 64.0;
 
-/// A render request: the rig, the settings of light transport, and the outputs.
+/// The camera of a request. The pose of the renderer is that of a rig, or of the entrance pupil of a plenoptic camera.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Camera {
+    /// A grid of parallel pinhole cameras: views, microlenses, intrinsics, baseline, focus distance and projection.
+    Rig(Rig),
+    /// A main lens and a microlens array in front of a sensor. Its image is a light field of one view, whose pixels are
+    /// those of the sensor.
+    Plenoptic(Box<PlenopticCamera>),
+}
+
+impl From<Rig> for Camera {
+    fn from(rig: Rig) -> Self {
+        Self::Rig(rig)
+    }
+}
+
+impl From<PlenopticCamera> for Camera {
+    fn from(camera: PlenopticCamera) -> Self {
+        Self::Plenoptic(Box::new(camera))
+    }
+}
+
+impl Camera {
+    /// Returns the rig; `None` for other cameras.
+    #[must_use]
+    pub fn rig(&self) -> Option<&Rig> {
+        match self {
+            Self::Rig(rig) => Some(rig),
+            Self::Plenoptic(_) => None,
+        }
+    }
+
+    /// The rows of pixels of one view.
+    fn row_count(&self) -> usize {
+        match self {
+            Self::Rig(rig) => rig.shape().lenses().rows,
+            Self::Plenoptic(camera) => camera.sensor().size.rows,
+        }
+    }
+}
+
+/// A render request: the camera, the settings of light transport, and the outputs.
 ///
 /// The fields have the defaults of [`Request::new`]; they are validated by
 /// [`Renderer::render`](super::Renderer::render).
@@ -39,35 +82,39 @@ const MAX_FILTER_WIDTH_PX: f64 = 64.0;
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Request {
-    /// The rig: views, microlenses, intrinsics, baseline, focus distance and projection.
-    pub rig: Rig,
-    /// The width of the square around its center over which a pixel averages, px. 1, the default: the pixel itself. N: of
+    /// The camera.
+    pub camera: Camera,
+    /// Of a rig: the width of the square around its center over which a pixel averages, px. 1, the default: the pixel itself. N: of
     /// the microlenses of an array that was exposed in N x N positions, 1/N of its pitch apart, each is N px wide.
     pub filter_width_px: f64,
     /// Light transport: the integrator and its samples.
     pub transport: Transport,
     /// The layers (AOVs) beside color. They describe the first hit of the ray through the center of the pixel, for any
-    /// number of samples.
+    /// number of samples; with a plenoptic camera of the chief ray, which also passes the center of the nearest microlens.
+    /// Its `Disparity` is that of views of neighboring pixels (Eq. 3 of the equivalent rig), which has a meaning for
+    /// unfocused cameras only.
     pub layers: LayerSet,
-    /// The views for which the layers are rendered.
+    /// Of a rig: the views for which the layers are rendered.
     pub ground_truth: GroundTruth,
-    /// The rendered views.
+    /// Of a rig: the rendered views.
     pub views: Views,
     /// Whether the noise of color is reduced with the samples of neighboring views.
     pub denoise: Denoise,
     /// Whether [`Rendered::error`] is estimated.
     pub estimate_error: bool,
-    /// The range of lens rows to render; `None` renders all. A range of
-    /// [`Renderer::shard_lens_rows`](super::Renderer::shard_lens_rows) has the same values as in the whole image.
-    pub lens_rows: Option<Range<usize>>,
+    /// Of a plenoptic camera: whether [`Rendered::statistics`] are computed.
+    pub statistics: bool,
+    /// The range of rows to render, of microlenses of a rig or of pixels of a plenoptic camera; `None` renders all. A range
+    /// of [`Renderer::shard_rows`](super::Renderer::shard_rows) has the same values as in the whole image.
+    pub rows: Option<Range<usize>>,
 }
 
 impl Request {
-    /// A request with the defaults of the command line, one sample per pixel and a black environment.
+    /// A request with one sample per pixel and a black environment.
     #[must_use]
-    pub fn new(rig: Rig) -> Self {
+    pub fn new(camera: impl Into<Camera>) -> Self {
         Self {
-            rig,
+            camera: camera.into(),
             filter_width_px: 1.0,
             transport: Transport::default(),
             layers: DEPTH_AND_DISPARITY,
@@ -75,12 +122,19 @@ impl Request {
             views: Views::All,
             denoise: Denoise::default(),
             estimate_error: false,
-            lens_rows: None,
+            statistics: false,
+            rows: None,
         }
     }
 
+    /// Sets [`Request::camera`].
+    #[must_use]
+    pub fn camera(mut self, camera: impl Into<Camera>) -> Self {
+        self.camera = camera.into();
+        self
+    }
+
     setters! {
-        rig: Rig,
         filter_width_px: f64,
         transport: Transport,
         layers: LayerSet,
@@ -88,7 +142,8 @@ impl Request {
         views: Views,
         denoise: Denoise,
         estimate_error: bool,
-        lens_rows: Option<Range<usize>>,
+        statistics: bool,
+        rows: Option<Range<usize>>,
     }
 
     transport_setters!();
@@ -137,11 +192,12 @@ pub enum GroundTruth {
 
 /// The result of a render.
 ///
-/// The memory layout of light fields is the elemental image array. All arrays have the lens rows of
-/// [`Request::lens_rows`].
+/// The memory layout of light fields is the elemental image array. All arrays have the rows of [`Request::rows`]. The raw
+/// image of a plenoptic camera is a light field of one view: its axes v and u are the rows and columns of the sensor.
 #[derive(Debug)]
 pub struct Rendered {
-    /// Linear RGB radiance, axes (v, u, t, s, c); `None` for the integrator `Depth`.
+    /// Linear RGB radiance, axes (v, u, t, s, c); of a plenoptic camera times its [white
+    /// image](holo_core::plenoptic::PlenopticCamera::white_image). `None` for the integrator `Depth`.
     pub color: Option<LightFieldOwned<f32>>,
     /// The estimated relative standard error of `color`, axes (v, u, t, s, c) with one channel, if
     /// [`Request::estimate_error`] is set: the square root of variance and squared bias, averaged over 5 x 5 microlenses and
@@ -154,6 +210,8 @@ pub struct Rendered {
     pub central: Layers<Array3<f32>>,
     /// The layers of all views, axes (v, u, t, s, c), if [`Request::ground_truth`] is [`GroundTruth::All`].
     pub all: Option<Layers<LightFieldOwned<f32>>>,
+    /// Statistics of the inverse depth, if [`Request::statistics`] is set and there is color.
+    pub statistics: Option<RawStatistics>,
     /// The integrator that was used.
     pub integrator: Integrator,
     /// The reason for the choice of the integrator.
@@ -164,10 +222,64 @@ pub struct Rendered {
     pub samples: u64,
 }
 
+/// What the pixels of a raw image see, over the samples of their color with their weights; axes (row, column). 0 where no
+/// light reaches a pixel.
+#[derive(Debug)]
+pub struct RawStatistics {
+    /// The mean of 1 / depth, 1/m; rays that miss the scene count as 0.
+    pub inverse_depth_mean: Array2<f32>,
+    /// The standard deviation of 1 / depth, 1/m.
+    pub inverse_depth_deviation: Array2<f32>,
+    /// The share of the light whose rays hit the scene.
+    pub coverage: Array2<f32>,
+}
+
+/// A request of a rig.
+#[derive(Clone, Copy)]
+pub(super) struct RigRequest<'a> {
+    pub rig: &'a Rig,
+    pub request: &'a Request,
+}
+
+impl Deref for RigRequest<'_> {
+    type Target = Request;
+
+    fn deref(&self) -> &Request {
+        self.request
+    }
+}
+
 impl Request {
+    /// The request as one of a rig.
+    pub(super) fn of_rig(&self) -> Result<RigRequest<'_>, Error> {
+        match &self.camera {
+            Camera::Rig(rig) => Ok(RigRequest { rig, request: self }),
+            Camera::Plenoptic(_) => Err(Error::BadSetting("this needs a rig, and the camera is plenoptic".into())),
+        }
+    }
+
+    /// The range of rows to render.
+    pub(super) fn row_range(&self) -> Range<usize> {
+        self.rows.clone().unwrap_or(0..self.camera.row_count())
+    }
+
     /// Validates the request for a scene with this many instances and materials.
     pub(super) fn check(&self, counts: [usize; 2]) -> Result<(), Error> {
         self.transport.check()?;
+        check_ids(self.layers, counts)?;
+        let (rows, count) = (self.row_range(), self.camera.row_count());
+        if rows.is_empty() || rows.end > count {
+            return Err(Error::BadSetting(format!("rows {rows:?} are not a range of the {count} rows")));
+        }
+        match &self.camera {
+            Camera::Rig(rig) => RigRequest { rig, request: self }.check(),
+            Camera::Plenoptic(camera) => super::raw::check(self, camera),
+        }
+    }
+}
+
+impl RigRequest<'_> {
+    fn check(&self) -> Result<(), Error> {
         if !(self.filter_width_px > 0.0 && self.filter_width_px <= MAX_FILTER_WIDTH_PX) {
             return Err(Error::BadSetting(format!(
                 "a pixel averages over {} px; choose a width above 0, at most {MAX_FILTER_WIDTH_PX}",
@@ -192,7 +304,6 @@ impl Request {
                 }
             }
         }
-        check_ids(self.layers, counts)?;
         let needs_samples = self.denoise == Denoise::Views || self.estimate_error;
         let what = if self.estimate_error { "the estimate of the error" } else { "denoising" };
         if needs_samples && self.transport.integrator == Integrator::Depth {
@@ -215,17 +326,7 @@ impl Request {
                 return Err(Error::BadSetting("the list of views is empty; name one or more".into()));
             }
         }
-        let rows = self.lens_row_range();
-        if rows.is_empty() || rows.end > lenses.rows {
-            let count = lenses.rows;
-            return Err(Error::BadSetting(format!("lens rows {rows:?} are not a range of the {count} lens rows")));
-        }
         Ok(())
-    }
-
-    /// The range of lens rows to render.
-    pub(super) fn lens_row_range(&self) -> Range<usize> {
-        self.lens_rows.clone().unwrap_or(0..self.rig.shape().lenses().rows)
     }
 }
 

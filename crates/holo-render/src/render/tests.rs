@@ -70,8 +70,8 @@ fn every_instruction_set_gives_the_same_image() {
     scene.environment = Some(Environment { radiance });
     let renderer = Renderer::new(&scene, &pose, Backend::Bvh, 1).expect("a renderer");
     let stop = Stop::new(&());
-    let region = region(request.rig.shape(), 10_000);
-    let context = renderer.context(&request, Integrator::Path, &region, &stop);
+    let region = region(request.camera.rig().expect("a rig").shape(), 10_000);
+    let context = renderer.context(&request.of_rig().expect("a rig"), Integrator::Path, &region, &stop);
     let tiling = &region.tiling;
     let [tile] = tiling.tiles()[..] else { panic!("one tile is enough for this rig") };
     // Every kernel writes into an image of its own.
@@ -98,8 +98,9 @@ fn every_instruction_set_gives_the_same_image() {
         assert!(images[set].iter().zip(&images[0]).all(|(a, b)| a.to_bits() == b.to_bits()), "set {set}");
     }
 
-    let mut layers_of_sets: Vec<_> =
-        (0..3).map(|_| light_fields(*request.rig.shape(), LayerSet::ALL).expect("room")).collect();
+    let mut layers_of_sets: Vec<_> = (0..3)
+        .map(|_| light_fields(*request.camera.rig().expect("a rig").shape(), LayerSet::ALL).expect("room"))
+        .collect();
     let mut outputs = layers_of_sets.iter_mut();
     let mut aov_memory: [TileAovs; 3] = Default::default();
     let mut aov_buffers = aov_memory.iter_mut();
@@ -123,11 +124,11 @@ fn the_size_of_tiles_changes_nothing() {
     let renderer = Renderer::new(&scene, &scene.cameras[0].pose, Backend::Bvh, 1).expect("a renderer");
     let (_, request) = garden();
     let split = LightFieldShape::new(GridSize::new(5, 6), GridSize::new(7, 30)).expect("sizes");
-    let rig = request.rig.to_builder().shape(split).build().expect("a rig");
+    let rig = request.camera.rig().expect("a rig").to_builder().shape(split).build().expect("a rig");
     let render_with = |integrator: Integrator, pixels: usize| {
-        let request = request.clone().rig(rig).integrator(integrator).samples(4);
+        let request = request.clone().camera(rig).integrator(integrator).samples(4);
         let (stop, region) = (Stop::new(&()), region(&split, pixels));
-        let context = renderer.context(&request, integrator, &region, &stop);
+        let context = renderer.context(&request.of_rig().expect("a rig"), integrator, &region, &stop);
         let tiling = &region.tiling;
         let (mut color, mut aov) = (zeros(split, 3).expect("room"), light_fields(split, LayerSet::ALL).expect("room"));
         let (mut scratch, mut buffer) = (Scratch::default(), TileAovs::default());
@@ -228,11 +229,11 @@ fn sixteen_samples_lie_in_the_sixteenths_of_the_pixel() {
     let (renderer, request) = garden();
     let stop = Stop::new(&());
     let split = LightFieldShape::new(GridSize::new(8, 8), GridSize::new(1, 60)).expect("sizes");
-    let rig = request.rig.to_builder().shape(split).build().expect("a rig");
+    let rig = request.camera.rig().expect("a rig").to_builder().shape(split).build().expect("a rig");
     let region = region(&split, 8192);
     for (sampling, places_in_a_group) in [(Sampling::OwnPositions, LANES), (Sampling::SharedPositions, 1)] {
-        let request = request.clone().rig(rig).samples(16).sampling(sampling);
-        let context = renderer.context(&request, request.transport.integrator, &region, &stop);
+        let request = request.clone().camera(rig).samples(16).sampling(sampling);
+        let context = renderer.context(&request.of_rig().expect("a rig"), request.transport.integrator, &region, &stop);
         let tiles = region.tiling.tiles();
         let packets: Vec<_> = tiles.iter().flat_map(|tile| context.camera.packets(tile)).collect();
         let positions = |[_, u, t, s]: [usize; 4], sample| -> [[f32; 2]; LANES] {
@@ -312,6 +313,6 @@ fn a_rig_for_a_range_of_disparities() {
         assert!((disparity.from_depth_m(far) + 0.5).abs() < bound, "{}", disparity.from_depth_m(far));
         let orthographic = crate::Framing::new(shape).projection(Projection::Orthographic).frame(&scene).expect("one");
         let error = renderer.rig_for_disparities(&orthographic, wanted).unwrap_err();
-        assert!(matches!(error, Error::BadSetting(why) if why.contains("--disparity")));
+        assert!(matches!(error, Error::BadSetting(why) if why.contains("`disparity`")));
     }
 }

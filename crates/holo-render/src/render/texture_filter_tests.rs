@@ -121,7 +121,8 @@ fn shifted_microlenses_are_as_wide_as_those_at_rest() {
     let scene = plane(Material { unlit: true, ..Material::default() });
     let request = request(Projection::Perspective).samples(1024).texture_filter(TextureFilter::Off);
     let shape = LightFieldShape::new(GridSize::new(2, 2), GridSize::new(42, 42)).expect("sizes");
-    let finer = request.clone().rig(request.rig.to_builder().shape(shape).build().expect("a rig"));
+    let finer =
+        request.clone().camera(request.camera.rig().expect("a rig").to_builder().shape(shape).build().expect("a rig"));
     let at_rest = render(&scene, &request);
     let every_third = |request: &Request| -> Vec<f32> {
         let values = render(&scene, request);

@@ -23,9 +23,9 @@ const BLOCK: usize = 4;
 const TOLERANCE: f64 = 1e-4;
 
 impl Renderer {
-    /// For every pixel of the central view, the part of all views of [`Request::rig`] that see the point at its center: 1
+    /// For every pixel of the central view, the part of all views of the rig that see the point at its center: 1
     /// where every view does, less at occlusions and where the point leaves the image of a view. Axes (v, u), of
-    /// [`Request::lens_rows`].
+    /// [`Request::rows`].
     ///
     /// What counts as a surface is as for [layers](crate::layers); a pixel that hits nothing is a point at infinity.
     ///
@@ -35,9 +35,10 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::render`].
     pub fn visibility(&self, request: &Request, progress: &dyn Progress) -> Result<Array2<f32>, Error> {
-        let rig = &request.rig;
+        let request = request.of_rig()?;
+        let rig = request.rig;
         let mut ground_truth = Request::new(*rig).integrator(Integrator::Depth).cull(request.transport.cull);
-        ground_truth.lens_rows.clone_from(&request.lens_rows);
+        ground_truth.rows.clone_from(&request.rows);
         let depth_m = self.render(&ground_truth, progress)?.central;
         let Some(depth_m) = depth_m.depth_m() else {
             return Err(Error::BadSetting(
@@ -47,7 +48,7 @@ impl Renderer {
         let depth_m = depth_m.index_axis(Axis(2), 0);
         let stop = Stop::new(progress);
         let engine = self.scene_data(&request.transport, Integrator::Depth).engine;
-        let first_row = request.lens_row_range().start;
+        let first_row = request.row_range().start;
         let mut out = Array2::zeros(depth_m.dim());
         self.install(|| {
             out.outer_iter_mut().into_par_iter().zip(depth_m.outer_iter()).enumerate().for_each(

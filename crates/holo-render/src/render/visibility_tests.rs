@@ -114,7 +114,7 @@ fn a_square_hides_the_wall_where_it_should() {
         }
         assert!(checked > found.len() * 9 / 10 && hidden > 20, "{checked} pixels, {hidden} not in all views");
         // Parts are those of the whole.
-        let part = renderer.visibility(&request.lens_rows(Some(4..9)), &()).expect("visibility");
+        let part = renderer.visibility(&request.rows(Some(4..9)), &()).expect("visibility");
         assert_eq!(part, found.slice(ndarray::s![4..9, ..]));
         let bvh = Renderer::new(&scene(with_wall), &Transform::IDENTITY, Backend::Bvh, 1).expect("a renderer");
         assert_eq!(bvh.visibility(&Request::new(rig), &()).expect("visibility"), found);

@@ -78,7 +78,7 @@ fn light_units(
     } else if standard {
         let text = "the lights seem to be exported with Blender's Lighting Mode: Standard, in candela and lux: \
             683 times as bright as in Blender beside emission and sky; \
-            export with Lighting Mode: Unitless, or load with --light-units blender";
+            export with Lighting Mode: Unitless, or load with `light-units blender`";
         warnings.note(text, String::new);
     }
     Ok(Some(if standard { LightUnits::Blender } else { LightUnits::Gltf }))
@@ -144,7 +144,7 @@ fn glass(scene: &mut Scene, solid: bool, warnings: &mut Warnings) {
         } else {
             let name = shorten(&scene.materials[material].name);
             let text = "transmission without a volume on a closed body: drawn as a thin pane, like a soap bubble; \
-                --solid-glass treats closed bodies as solid, or give the material a thickness (KHR_materials_volume)";
+                `solid-glass` treats closed bodies as solid, or give the material a thickness (KHR_materials_volume)";
             warnings.note(text, || format!("materials[{material}] '{name}'"));
         }
     }

@@ -130,7 +130,7 @@ fn closed_bodies_of_thin_glass() {
     let loaded = file.load().unwrap();
     assert_contains(
         &loaded.warnings.join("\n"),
-        &["materials[0] 'glass'", "thin pane", "soap bubble", "--solid-glass", "thickness"],
+        &["materials[0] 'glass'", "thin pane", "soap bubble", "`solid-glass`", "thickness"],
     );
     assert_eq!(loaded.scene.materials.len(), 1);
     let solid = load(&file, |options| options.solid_glass = true);

@@ -182,7 +182,7 @@ fn measure(name: &str, division: &Division) -> Measured {
     let scene = gallery::scene(name).expect("a scene of the gallery");
     let (renderer, rig) = on_the_paper_sensor(&scene, division.views);
     let rows = division.range(rig.shape().lenses());
-    let request = Request::new(rig).samples(SAMPLES).lens_rows(Some(rows));
+    let request = Request::new(rig).samples(SAMPLES).rows(Some(rows));
     let list = nine(division.views);
     let references = [1, 2].map(|seed| {
         let request = request.clone().samples(division.reference).seed(seed).texture_filter(TextureFilter::Off);

@@ -85,6 +85,7 @@ fn decoded_views_have_the_disparity_of_their_rig() {
     });
     let white = camera.white_image().expect("memory");
     let decoded = camera.decode(raw.view(), white.view(), 7).expect("views");
+    assert_eq!(camera.decoded_rig(7), Ok(decoded.rig));
     let image =
         |s: usize| decoded.light_field.view(3, s).expect("a view").index_axis(ndarray::Axis(2), 0).mapv(f64::from);
     // By least squares, the views in the middle row against the central one.

@@ -2,6 +2,70 @@
 
 use super::*;
 
+/// A point of a microlens for a point of the unit square: even points for even points.
+fn point_of_lens(aperture: LensAperture, [u, v]: [f64; 2]) -> [f64; 2] {
+    match aperture {
+        LensAperture::Round { radius_m } => {
+            let (sin, cos) = (2.0 * PI * v).sin_cos();
+            [cos, sin].map(|x| x * radius_m * u.sqrt())
+        }
+        LensAperture::Square { half_width_m } => [u, v].map(|x| (2.0 * x - 1.0) * half_width_m),
+        LensAperture::Hexagon { .. } => {
+            // Three rhombi between the center and every other corner.
+            let first = (3.0 * u).floor();
+            let [a, b] = [first, first + 1.0].map(|k| {
+                let (sin, cos) = (k * 2.0 * PI / 3.0).sin_cos();
+                [sin, cos].map(|x| x * aperture.outer_radius_m())
+            });
+            [0, 1].map(|k| (3.0 * u - first) * a[k] + v * b[k])
+        }
+    }
+}
+
+/// The mean of cos^4 over a microlens, which has a closed form, against that of many points.
+#[test]
+fn the_mean_of_cos4_is_that_of_many_points() {
+    let (gap, side) = (37e-6f64, 1200usize);
+    let at = |k: usize| (k as f64 + 0.5) / side as f64;
+    for part in [0.094, 0.25, 0.5] {
+        let half = part * gap;
+        for aperture in [
+            LensAperture::Round { radius_m: half },
+            LensAperture::Square { half_width_m: half },
+            LensAperture::Hexagon { half_width_m: half },
+        ] {
+            let sound = illum(GridSize::new(9, 9));
+            let mut array = sound.array().clone();
+            (array.pitch_m, array.aperture, array.rotation_rad) = (2.0 * half, aperture, 0.4);
+            let camera = PlenopticCamera::new(*sound.sensor(), array, sound.main_lens().clone()).expect("a camera");
+            let cos4 = |[x, y]: [f64; 2]| (1.0 + (x * x + y * y) / (gap * gap)).powi(-2);
+            let points = (0..side * side).map(|k| point_of_lens(aperture, [at(k % side), at(k / side)]));
+            let mean = points.map(cos4).sum::<f64>() / (side * side) as f64;
+            let error = camera.central_cos4() / mean - 1.0;
+            // The midpoints of 1200 (of 400 in each rhombus) steps leave 1e-7 to 3e-7.
+            assert!(error.abs() < 1e-6, "{aperture:?}: {error:e}");
+        }
+    }
+}
+
+/// A round microlens of luminance L gives the point behind its center the illuminance pi L sin^2(angle of its edge).
+#[test]
+fn electrons_are_those_of_the_illuminance_behind_a_microlens() {
+    let sound = illum(GridSize::new(9, 9));
+    for (radius_m, fill) in [(1e-6f64, 1.0f64), (10e-6, 0.8)] {
+        let (mut sensor, mut array) = (*sound.sensor(), sound.array().clone());
+        (sensor.fill, array.aperture) = (fill, LensAperture::Round { radius_m });
+        let gap = array.gap_m;
+        let camera = PlenopticCamera::new(sensor, array, sound.main_lens().clone()).expect("a camera");
+        let illuminance_lx = PI * 1000.0 * radius_m * radius_m / (radius_m * radius_m + gap * gap);
+        // 4.09e15 photons a lumen and second, for 10 ms, half of which a square of fill x 1.4 um counts.
+        let expected = 4.09e15 * illuminance_lx * 0.01 * 0.5 * (fill * 1.4e-6).powi(2);
+        let found = camera.photometric_electrons(1000.0, 0.01, 0.5);
+        // Rounding.
+        assert!((found / expected - 1.0).abs() < 1e-12, "{radius_m}: {found} {expected}");
+    }
+}
+
 /// What a camera lets through, by rays: the light of a pixel relative to the center of an unvignetted micro-image.
 fn traced(camera: &PlenopticCamera, numbers: &mut Numbers, [column, row]: [usize; 2], side: usize) -> f64 {
     let (array, pixel) = (camera.array(), camera.sensor().pixel_m * camera.sensor().fill);
@@ -120,6 +184,86 @@ fn the_white_image_is_the_light_that_rays_bring() {
                 }
             }
         }
+    }
+}
+
+/// The light of a pixel in which micro-images overlap, by many points of pixel and microlenses; else `None`.
+fn overlapping(camera: &PlenopticCamera, numbers: &mut Numbers, [column, row]: [usize; 2]) -> Option<f64> {
+    const ON_LENS: usize = 24;
+    const ON_PIXEL: usize = 12;
+    let (array, pixel) = (camera.array(), camera.sensor().pixel_m);
+    let (gap, exit, radius) = (array.gap_m, camera.exit_pupil_m(), camera.exit_pupil_radius_m());
+    let middle = camera.place_m([column as f64 + 0.5, row as f64 + 0.5]);
+    let owner = camera.owner(middle);
+    let around = (-1..=1).flat_map(|dr| (-1..=1).map(move |dc| (dr, dc)));
+    let neighbors = around.map(|(dr, dc)| MicrolensIndex { row: owner.row + dr, column: owner.column + dc });
+    let reaches = |lens: &MicrolensIndex| {
+        let center = camera.micro_image_center_m(*lens);
+        (center[0] - middle[0]).hypot(center[1] - middle[1]) < camera.micro_image_radii_m(0)[2] + pixel
+    };
+    let (mut light, mut lit) = (0.0, 0);
+    for lens in neighbors.filter(reaches) {
+        let (center, focal) = (camera.lens_center_m(lens), camera.microlens_focal_lengths_m()[array.type_of(lens)]);
+        let mut sum = 0.0;
+        for k in 0..ON_LENS * ON_LENS {
+            let unit = [k % ON_LENS, k / ON_LENS].map(|k| (k as f64 + numbers.next()) / ON_LENS as f64);
+            let from_center = point_of_lens(array.aperture, unit);
+            let q = [0, 1].map(|axis| center[axis] + from_center[axis]);
+            for n in 0..ON_PIXEL * ON_PIXEL {
+                let unit = [n % ON_PIXEL, n / ON_PIXEL].map(|n| (n as f64 + numbers.next()) / ON_PIXEL as f64);
+                let x = [0, 1].map(|axis| middle[axis] + (unit[axis] - 0.5) * pixel);
+                let slope = [0, 1].map(|axis| (q[axis] - x[axis]) / gap - from_center[axis] / focal);
+                let pupil = [0, 1].map(|axis| -(q[axis] + exit * slope[axis]));
+                if camera.main_lens().aperture.contains(pupil, radius) {
+                    sum += (1.0 + ((q[0] - x[0]).powi(2) + (q[1] - x[1]).powi(2)) / (gap * gap)).powi(-2);
+                }
+            }
+        }
+        light += sum / (ON_LENS * ON_LENS * ON_PIXEL * ON_PIXEL) as f64;
+        lit += usize::from(sum > 0.0);
+    }
+    (lit > 1).then(|| light / camera.central_cos4())
+}
+
+/// Where micro-images overlap, edges cross every pixel. A point of a microlens that is nearer to the pixel gives it
+/// more light, and lights more of it.
+#[test]
+fn overlapping_micro_images_have_their_light() {
+    let mut numbers = Numbers(23);
+    let size = GridSize::new(16, 16);
+    let pleno = Preset::by_name("pleno-upcs").expect("a preset").camera().expect("a camera");
+    let with = |camera: &PlenopticCamera, change: &dyn Fn(&mut ImageSensor, &mut MicrolensArray, &mut MainLens)| {
+        let (mut sensor, mut array, mut lens) = (*camera.sensor(), camera.array().clone(), camera.main_lens().clone());
+        sensor.size = size;
+        change(&mut sensor, &mut array, &mut lens);
+        PlenopticCamera::new(sensor, array, lens).expect("a camera")
+    };
+    let half_width_m = 10e-6;
+    for (name, camera) in [
+        ("pleno-upcs", with(&pleno, &|_, _, _| {})),
+        ("pleno-upcs, aside", with(&pleno, &|s, _, _| s.offset_m = [3e-3, -2e-3])),
+        (
+            "square",
+            with(&pleno, &|_, a, l| {
+                (a.aperture, l.aperture) = (LensAperture::Square { half_width_m }, PupilShape::Square);
+            }),
+        ),
+        ("hexagon", with(&pleno, &|_, a, _| a.aperture = LensAperture::Hexagon { half_width_m })),
+        ("illum, f/1.7", with(&illum(size), &|_, _, l| l.f_number = 1.7)),
+    ] {
+        let white = camera.white_image().expect("memory");
+        let (mut total, mut expected_total, mut worst, mut count) = (0.0, 0.0, 0f64, 0);
+        for (row, column) in (0..16).flat_map(|row| (0..16).map(move |column| (row, column))) {
+            let Some(expected) = overlapping(&camera, &mut numbers, [column, row]) else { continue };
+            let value = f64::from(white[[row, column]]);
+            worst = worst.max((value - expected).abs());
+            (total, expected_total, count) = (total + value, expected_total + expected, count + 1);
+        }
+        let error = total / expected_total - 1.0;
+        println!("{name}: {count} pixels, {error:.1e} of their light, worst pixel {worst:.1e}");
+        // The points have a standard error of 5e-4 in a pixel and of up to 1.5e-4 in the sum; the white image is within
+        // 1e-3 and 2e-4. Without the variation of cos^4 over the microlens, 3e-3 of the light of pleno-upcs is missing.
+        assert!(count > 20 && error.abs() < 7e-4 && worst < 3e-3, "{name}: {count} {error} {worst}");
     }
 }
 

@@ -1,0 +1,185 @@
+//! The settings of renders as arguments: one for every row of the table of `holo-dataset` that a command has.
+
+use std::marker::PhantomData;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParser};
+use clap::parser::ValueSource;
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
+use holo_dataset::settings::{Given, Kind, Setting, table};
+
+use crate::failure::Failure;
+
+/// Which settings a command has.
+pub trait Scope: Clone + std::fmt::Debug {
+    /// Whether it has the setting of this key.
+    fn has(key: &str) -> bool;
+}
+
+/// The settings of a scope that were given, and nothing of the others.
+#[derive(Clone, Debug)]
+pub struct Settings<S> {
+    given: Given,
+    scope: PhantomData<S>,
+}
+
+/// `holo render`: all of them.
+#[derive(Clone, Debug)]
+pub struct OfRender;
+
+/// `holo dataset`: those of a rig whose numbers of views are the dataset's.
+#[derive(Clone, Debug)]
+pub struct OfDataset;
+
+/// `holo info`: those of the scene file and the rig.
+#[derive(Clone, Debug)]
+pub struct OfInfo;
+
+/// `holo optics`: those of a rig without a scene.
+#[derive(Clone, Debug)]
+pub struct OfOptics;
+
+/// Settings of a scene file.
+const SCENE: [&str; 6] = ["light-units", "solid-glass", "material-variant", "frame", "fps", "animation"];
+
+/// Settings of a rig.
+const RIG: [&str; 13] = [
+    "sensor",
+    "f-number",
+    "focus-m",
+    "disparity",
+    "views",
+    "lenses",
+    "lens-shifts",
+    "baseline-m",
+    "focal-mm",
+    "sensor-mm",
+    "projection",
+    "camera",
+    "subset",
+];
+
+impl Scope for OfRender {
+    fn has(_: &str) -> bool {
+        true
+    }
+}
+
+impl Scope for OfDataset {
+    fn has(key: &str) -> bool {
+        let of_one = [
+            "views",
+            "lenses",
+            "lens-shifts",
+            "baseline-m",
+            "focal-mm",
+            "sensor-mm",
+            "projection",
+            "camera",
+            "subset",
+            "for",
+        ];
+        !of_one.contains(&key)
+    }
+}
+
+impl Scope for OfInfo {
+    fn has(key: &str) -> bool {
+        SCENE.contains(&key) || RIG.contains(&key)
+    }
+}
+
+impl Scope for OfOptics {
+    fn has(key: &str) -> bool {
+        RIG.contains(&key) && !["lens-shifts", "projection", "camera", "subset"].contains(&key)
+    }
+}
+
+impl<S: Scope> Settings<S> {
+    /// The settings that were given.
+    pub fn given(&self) -> &Given {
+        &self.given
+    }
+
+    fn table() -> impl Iterator<Item = &'static Setting> {
+        table().filter(|setting| S::has(setting.key()))
+    }
+}
+
+impl<S: Scope> FromArgMatches for Settings<S> {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let mut given = Given::default();
+        for setting in Self::table() {
+            let key = setting.key();
+            if matches.value_source(key) != Some(ValueSource::CommandLine) {
+                continue;
+            }
+            let values = matches.get_raw(key).into_iter().flatten();
+            let text = values.map(|value| value.to_string_lossy()).collect::<Vec<_>>().join(",");
+            let text = if text.is_empty() { "true".to_owned() } else { text };
+            // The keys are those of the table.
+            given.insert(key, text).map_err(|why| clap::Error::raw(clap::error::ErrorKind::UnknownArgument, why))?;
+        }
+        Ok(Self { given, scope: PhantomData })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl<S: Scope> Args for Settings<S> {
+    fn augment_args(command: Command) -> Command {
+        Self::table().fold(command, |command, setting| command.arg(argument(setting, S::has)))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+/// The argument of a setting, in a command that has the settings of which `has` is true.
+fn argument(setting: &'static Setting, has: fn(&str) -> bool) -> Arg {
+    let others = table().filter(|other| has(other.key()) && setting.excludes(other)).map(Setting::key);
+    let paragraphs: Vec<String> = setting.help().iter().map(|text| Failure::spelled(text)).collect();
+    let mut argument = Arg::new(setting.key())
+        .long(setting.key())
+        .help(without_stop(&paragraphs[0]))
+        // Numbers may be negative.
+        .allow_hyphen_values(matches!(
+            setting.kind(),
+            Kind::Integer | Kind::Number | Kind::Range | Kind::Size | Kind::Other(_)
+        ))
+        .conflicts_with_all(others.collect::<Vec<_>>());
+    if paragraphs.len() > 1 {
+        argument = argument.long_help(paragraphs.join("\n\n"));
+    }
+    if !setting.form().is_empty() {
+        argument = argument.value_name(setting.form());
+    }
+    if let Some(default) = setting.default().filter(|default| !default.is_empty()) {
+        argument = argument.default_value(default);
+    }
+    let check = move |text: &str| setting.check(text).map(|()| text.to_owned());
+    match setting.kind() {
+        Kind::Flag => argument.action(ArgAction::SetTrue),
+        Kind::Word(words) => argument.value_parser(one_of(words)),
+        Kind::Words(words) => argument.value_parser(one_of(words)).value_delimiter(',').action(ArgAction::Append),
+        _ => argument.value_parser(ValueParser::new(check)),
+    }
+}
+
+/// Clap ends no help with a full stop.
+fn without_stop(text: &str) -> String {
+    text.strip_suffix('.').unwrap_or(text).to_owned()
+}
+
+/// A parser of words.
+fn one_of(words: &'static [holo_dataset::settings::Word]) -> ValueParser {
+    let values = words.iter().map(|word| {
+        let value = PossibleValue::new(word.name).help(Failure::spelled(word.help));
+        // The British spelling of version 0.1.0.
+        if word.name == "color" { value.alias("colour") } else { value }
+    });
+    ValueParser::new(PossibleValuesParser::new(values.collect::<Vec<_>>()).map(|word| word))
+}

@@ -1,0 +1,16 @@
+//! The camera's side: decoding and developing raw images, calibration targets, optics in numbers, placements.
+//!
+//! **May import:** settings, output, resume, shot.
+
+mod decode;
+mod develop;
+mod linear_image;
+mod optics;
+mod placement;
+mod target;
+
+pub use self::decode::{DecodeJob, write_white_images};
+pub use self::develop::{DemosaicMethod, DevelopJob, DevelopOutput, Developed, write_demosaiced};
+pub use self::optics::{NamedQuantity, camera_optics, planned_rig, rig_optics};
+pub use self::placement::{Placement, Surface};
+pub use self::target::{BoardPose, TargetJob, read_poses};

@@ -1,0 +1,201 @@
+//! From the raw image of an unfocused plenoptic camera to a folder of views.
+
+use std::path::{Path, PathBuf};
+
+use holo_core::Rig;
+use holo_core::plenoptic::Decoded;
+use holo_io::{CameraFile, Manifest, ManifestValue, ParametersCfg, Sha256, dataset, hash_file};
+use holo_render::{Integrator, Layer, LayerSet, Layers, RayCounts, Rendered};
+use holo_scene::Transform;
+use ndarray::{Array3, Axis};
+
+use super::linear_image::read_linear;
+use crate::Error;
+use crate::output::raw::{lit_white_image, write_white};
+use crate::output::{OutputFolder, Rollback, Traced, TracedCamera, TracedViews, Wanted, exposure_ev, write};
+use crate::resume::identity::check_replaceable;
+use crate::settings::{EngineSettings, Output, RenderSettings};
+use crate::shot::{SceneSource, Stage, pose_of_scene};
+use crate::watch::Diagnostics;
+
+/// A raw image, a white image and their camera.
+#[derive(Clone, Debug)]
+pub struct DecodeJob {
+    /// The raw image: OpenEXR, or PNG in linear light, whose views have its scale: 1 is the brightest code.
+    pub raw: PathBuf,
+    /// The white image; `None`: that of the camera without dirt and noise.
+    pub white: Option<PathBuf>,
+    /// The camera.
+    pub camera: CameraFile,
+    /// Views an axis; `None`: as many as are fully lit.
+    pub views: Option<usize>,
+    /// The scene, for ground truth of the central view.
+    pub scene: Option<SceneSource>,
+    /// What to write, the bit depth, the exposure, and which camera of the scene.
+    pub settings: RenderSettings,
+    /// The ray tracing backend and the number of threads.
+    pub engine: EngineSettings,
+}
+
+impl DecodeJob {
+    /// Creates a job of the default outputs, with 16 bits.
+    #[must_use]
+    pub fn new(raw: PathBuf, camera: CameraFile) -> Self {
+        let mut settings = RenderSettings::default();
+        settings.output.bit_depth = 16;
+        Self { raw, white: None, camera, views: None, scene: None, settings, engine: EngineSettings::default() }
+    }
+
+    /// Checks that the folder `out` holds no other image: it has no manifest, or one of the same images, camera and scene.
+    ///
+    /// # Errors
+    /// [`Error::BadRequest`] if there is another image; [`Error::Io`] if a file cannot be read, or the manifest of the
+    /// folder is damaged.
+    pub fn check_replaceable(&self, out: &Path) -> Result<(), Error> {
+        check_replaceable(out, || self.identity(), |_| None)
+    }
+
+    /// What identifies the job in a manifest.
+    fn identity(&self) -> Result<Manifest, Error> {
+        let mut manifest = Manifest::default();
+        manifest.versions.insert("holo".into(), env!("CARGO_PKG_VERSION").into());
+        let mut set = |key: &str, value: ManifestValue| drop(manifest.settings.insert(key.into(), value));
+        set("decoded", "views of a plenoptic camera: raw image / white image".into());
+        set("camera-file", self.camera.name.clone().into());
+        set("camera_sha256", Sha256::of(self.camera.to_toml().as_bytes()).to_string().into());
+        set("raw_sha256", hash_file(&self.raw)?.sha256.to_string().into());
+        if let Some(white) = &self.white {
+            set("white_sha256", hash_file(white)?.sha256.to_string().into());
+        }
+        if let Some(views) = self.views {
+            set("decoded-views", views.into());
+        }
+        if let Some(scene) = &self.scene {
+            set("scene_sha256", scene.sha256()?.to_string().into());
+        }
+        Ok(manifest)
+    }
+
+    /// Whether an input lies in a folder whose files will be replaced.
+    fn check_inputs(&self, out: &Path) -> Result<(), Error> {
+        let replaced = out.join(dataset::MANIFEST_JSON).is_file().then(|| std::fs::canonicalize(out).ok()).flatten();
+        for path in std::iter::once(&self.raw).chain(&self.white) {
+            let folder = std::fs::canonicalize(path).ok().and_then(|path| path.parent().map(Path::to_path_buf));
+            if folder.is_some() && folder == replaced {
+                let (path, out) = (path.display(), out.display());
+                return Err(Error::BadRequest(format!(
+                    "{path} lies in {out}, whose files are replaced; choose another `out`"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Decodes into the folder `out`, which then holds a light field as a render writes it. Returns its rig and the names
+    /// of its files.
+    ///
+    /// # Errors
+    /// [`Error::BadRequest`] if an image lies in a folder whose files would be replaced; [`Error::Io`] if an image cannot be
+    /// read or a file cannot be written; [`Error::Core`] if they do not fit the camera, or it has no views; those of a
+    /// render for the ground truth.
+    pub fn run(
+        &self,
+        out: &Path,
+        diagnostics: &dyn Diagnostics,
+        rollback: &Rollback,
+    ) -> Result<(Rig, Vec<String>), Error> {
+        self.check_inputs(out)?;
+        let camera = &self.camera.camera;
+        let count = self.views.map_or_else(|| camera.decodable_views(), Ok)?;
+        let raw = read_linear(&self.raw)?;
+        let white = match &self.white {
+            Some(path) => read_linear(path)?.index_axis_move(Axis(2), 0),
+            None => lit_white_image(&self.camera)?,
+        };
+        let decoded = camera.decode(raw.view(), white.view(), count)?;
+        drop(raw);
+        let mut folder = OutputFolder::create(out, rollback)?;
+        let central = self.truth(&decoded, diagnostics)?;
+        let mut settings = self.settings.clone();
+        if central.iter().next().is_none() && settings.output.write.is_empty() {
+            // Without ground truth.
+            settings.output.write = vec![Output::Vpi, Output::El, Output::Mat];
+        }
+        let rig = decoded.rig;
+        let manifest = Manifest { rig: Some(rig), ..self.identity()? };
+        let rendered = Rendered {
+            color: Some(decoded.light_field),
+            error: None,
+            error_distribution: None,
+            central,
+            all: None,
+            statistics: None,
+            integrator: Integrator::Auto,
+            why: "decoded".into(),
+            rays: RayCounts::default(),
+            samples: 0,
+        };
+        let ev = exposure_ev(settings.output.exposure, &rendered);
+        let mut parameters = ParametersCfg::from_rig(&rig);
+        parameters.scene = self.scene.as_ref().map_or_else(String::new, SceneSource::name);
+        let wanted = Wanted::new(&settings)?;
+        let views = TracedViews { rig, parameters, highres_depth_m: None, visibility: None, motion: Vec::new() };
+        let camera = TracedCamera::Rig(Box::new(views));
+        let traced = Traced { rendered, wanted, manifest, camera };
+        let weight = decoded.weight.view(count / 2, count / 2)?.index_axis(Axis(2), 0).to_owned();
+        folder.unseal()?;
+        write_white(&mut folder, "scene_weight", &weight)?;
+        Ok((rig, write(&settings, traced, ev, folder)?.files))
+    }
+
+    /// Depth and disparity of the central view, if there is a scene.
+    fn truth(&self, decoded: &Decoded, diagnostics: &dyn Diagnostics) -> Result<Layers<Array3<f32>>, Error> {
+        let Some(scene) = &self.scene else { return Ok(Layers::default()) };
+        let stage = Stage::load(scene, &self.settings.scene, None, diagnostics)?;
+        let framed = pose_of_scene(scene, &stage.loaded, &self.settings.scene, diagnostics)?;
+        // A rotated array sees a rotated scene.
+        let pose = rolled(&framed.pose, decoded.roll_rad);
+        let renderer = stage.world(scene, &self.settings.light.sky, &self.engine)?.at(&pose)?;
+        Ok(renderer.central_layers(&decoded.rig, LayerSet::of(&[Layer::Depth, Layer::Disparity]))?)
+    }
+}
+
+/// A camera turned about its axis, counterclockwise as it sees the scene.
+fn rolled(pose: &Transform, roll_rad: f64) -> Transform {
+    let (sin, cos) = roll_rad.sin_cos();
+    let [right, up, back] = pose.columns;
+    let mix = |a: [f64; 3], b: [f64; 3], x: f64, y: f64| std::array::from_fn(|k| a[k] * x + b[k] * y);
+    Transform { columns: [mix(right, up, cos, sin), mix(up, right, cos, -sin), back], ..*pose }
+}
+
+/// Writes the white images of a camera into the folder `out`: `white.exr` and `white.png`, and with f-numbers
+/// `white_fN.exr` and `white_fN.png` of each. Returns the names of the files.
+///
+/// # Errors
+/// [`Error::BadRequest`] for an impossible f-number, a camera whose sensor no light reaches, and a folder with a manifest,
+/// whose files are not this function's; [`Error::Core`] if there is not enough memory; [`Error::Io`] if files
+/// cannot be written.
+pub fn write_white_images(
+    camera: &CameraFile,
+    f_numbers: &[f64],
+    out: &Path,
+    rollback: &Rollback,
+) -> Result<Vec<String>, Error> {
+    if out.join(dataset::MANIFEST_JSON).is_file() {
+        let out = out.display();
+        return Err(Error::BadRequest(format!("{out} holds another image, with a manifest; choose another `out`")));
+    }
+    let mut cameras = vec![("white".to_owned(), camera.clone())];
+    for f_number in f_numbers {
+        let stopped = camera.clone().with_f_number(*f_number).map_err(Error::BadRequest)?;
+        cameras.push((format!("white_f{f_number}"), stopped));
+    }
+    let mut folder = OutputFolder::create_plain(out, rollback)?;
+    let mut names = Vec::new();
+    for (stem, camera) in cameras {
+        write_white(&mut folder, &stem, &lit_white_image(&camera)?)?;
+        names.extend([format!("{stem}.exr"), format!("{stem}.png")]);
+    }
+    folder.keep();
+    Ok(names)
+}

@@ -1,0 +1,221 @@
+//! The optics of rigs and plenoptic cameras as named numbers.
+
+use holo_core::optics::{CameraDesign, DepthRange, DisparityRange, Optics, rig_for_disparities};
+use holo_core::plenoptic::{PlenopticCamera, PlenopticMode};
+use holo_core::{GridSize, Intrinsics, LightFieldShape, Remainder, Rig, automatic_baseline_m};
+use serde_json::{Value, json};
+
+use crate::Error;
+use crate::settings::{Focus, Pixels, RigSettings, Spacing};
+use crate::shot::shifted;
+use crate::text::json_number;
+
+/// The wavelength of the Airy disc, m: green light.
+const WAVELENGTH_M: f64 = 550e-9;
+
+/// A quantity: its key in JSON, its name, its value, its unit.
+pub type NamedQuantity = (String, String, Value, &'static str);
+
+/// Returns the properties of a plenoptic camera, and at `depths_m` those of points there.
+///
+/// # Errors
+/// [`Error::Core`] if there is not enough memory for its white image.
+pub fn camera_optics(camera: &PlenopticCamera, depths_m: &[f64]) -> Result<Vec<NamedQuantity>, Error> {
+    let mut rows: Vec<NamedQuantity> = Vec::new();
+    let mut row = |key: &str, name: &str, value, unit| rows.push((key.into(), name.into(), value, unit));
+    let (sensor, array, lens) = (camera.sensor(), camera.array(), camera.main_lens());
+    let (pixel_m, gap_m) = (sensor.pixel_m, array.gap_m);
+    let types = 0..array.type_count();
+    let list = |values: Vec<f64>| Value::Array(values.into_iter().map(json_number).collect());
+    let mm = |meters: f64| json_number(meters * 1e3);
+    row("sensor_px", "sensor", json!({"columns": sensor.size.columns, "rows": sensor.size.rows}), "px");
+    let modes = types.clone().map(|k| mode_name(camera.mode(k))).collect::<Vec<_>>();
+    row("mode", "microlenses", Value::from(modes.join(", ")), "");
+    row("mla_distance_mm", "main lens from the array (D)", mm(camera.mla_distance_m()), "mm");
+    row("exit_pupil_mm", "exit pupil from the array (D_X)", mm(camera.exit_pupil_m()), "mm");
+    row("entrance_pupil_mm", "entrance pupil from the main lens", mm(camera.entrance_pupil_offset_m()), "mm");
+    row(
+        "focus_distance_m",
+        "focus distance, from the entrance pupil",
+        json_number(1.0 / camera.inverse_focus_per_m()),
+        "m",
+    );
+    let pupil_f = camera.exit_pupil_m() / (2.0 * camera.exit_pupil_radius_m());
+    let lens_f = gap_m / (2.0 * array.aperture.half_width_m());
+    row("pupil_f_number", "f-number of the exit pupil, seen from the array", json_number(pupil_f), "");
+    row("microlens_f_number", "f-number of the microlenses, seen from the sensor", json_number(lens_f), "");
+    let pitch_px = camera.micro_image_pitch_px();
+    let half_px = camera.micro_image_radii_m(0)[1] / pixel_m;
+    let matching = lens.f_number * 2.0 * half_px / pitch_px;
+    row("matching_f_number", "f-number of the main lens whose micro-images touch", json_number(matching), "");
+    row("alpha", "alpha of every type", list(types.clone().map(|k| camera.alpha(k)).collect()), "");
+    row("micro_image_pitch_px", "distance between micro-images", json_number(pitch_px), "px");
+    let radii = camera.micro_image_radii_m(0).map(|radius| radius / pixel_m);
+    row("micro_image_radii_px", "micro-image: fully lit, half, dark", list(radii.to_vec()), "px");
+    row("lenses", "micro-images on the sensor", Value::from(camera.lens_count()), "");
+    let white = camera.white_image()?;
+    let lit = white.iter().filter(|&&light| light > 0.0).count() as f64 / white.len() as f64;
+    row("lit_share", "pixels that light reaches", json_number(100.0 * lit), "%");
+    let corner = f64::from(corner_light(&white));
+    row("corner_light", "light of a micro-image in the corner", json_number(100.0 * corner), "%");
+    let airy_m = 1.22 * WAVELENGTH_M * gap_m / (2.0 * array.aperture.half_width_m());
+    row("airy_radius_px", "radius of the Airy disc at 550 nm", json_number(airy_m / pixel_m), "px");
+    let is_unfocused = camera.mode(0) == PlenopticMode::Unfocused;
+    let views = camera.equivalent_views();
+    if is_unfocused {
+        if let Ok(views) = camera.decodable_views() {
+            row("views", "views along each axis that are fully lit", Value::from(views), "");
+        }
+        row("baseline_mm", "baseline (between the views of neighboring pixels)", mm(views.baseline_m), "mm");
+        row("slope_per_lens", "slope between microlenses", json_number(views.slope_per_lens), "m/m");
+        let scale = views.baseline_m / views.slope_per_lens;
+        row("disparity_scale_m_px", "disparity scale (Eq. 3: k)", json_number(scale), "m px");
+        row("cos4_disparity_px", "disparity that the cos^4 law adds", json_number(views.cos4_disparity_px), "px");
+    }
+    for &depth_m in depths_m {
+        let at = |what: &str| format!("{what} at {depth_m} m");
+        let key = |what: &str| format!("{what}_at_{depth_m}m");
+        if is_unfocused {
+            let scale = views.baseline_m / views.slope_per_lens;
+            let disparity = scale * (1.0 / depth_m - views.inverse_focus_per_m);
+            row(&key("disparity_px"), &at("disparity"), json_number(disparity), "px");
+        }
+        row(&key("virtual_depth"), &at("virtual depth"), json_number(camera.virtual_depth(depth_m)), "gaps");
+        let blur = types.clone().map(|k| 2.0 * camera.blur_radius_px(depth_m, k).abs()).collect();
+        row(&key("blur_px"), &at("blur of every type"), list(blur), "px");
+    }
+    Ok(rows)
+}
+
+/// The brightest pixel of a block in the corner.
+fn corner_light(white: &ndarray::Array2<f32>) -> f32 {
+    let corner = white.indexed_iter().filter(|((row, column), _)| *row < 64 && *column < 64);
+    corner.fold(0.0, |most, (_, &light)| most.max(light))
+}
+
+fn mode_name(mode: PlenopticMode) -> &'static str {
+    match mode {
+        PlenopticMode::Unfocused => "unfocused (plenoptic 1.0)",
+        PlenopticMode::Keplerian => "focused, Keplerian",
+        PlenopticMode::Galilean => "focused, Galilean",
+    }
+}
+
+fn size(size: GridSize) -> Value {
+    json!({ "columns": size.columns, "rows": size.rows })
+}
+
+/// Returns the properties of a rig, and those of a range of depths: the depth of field of views in which a point may be
+/// `circle_px` wide, and the depth that `step_px` of disparity tell apart.
+///
+/// # Errors
+/// [`Error::Core`] for a rig without baseline, or limits that are not above 0.
+pub fn rig_optics(
+    optics: &Optics,
+    depths: Option<DepthRange>,
+    circle_px: f64,
+    step_px: f64,
+) -> Result<Vec<NamedQuantity>, Error> {
+    let mut rows: Vec<NamedQuantity> = Vec::new();
+    let mut row = |key: &str, name: &str, value, unit| rows.push((key.into(), name.into(), value, unit));
+    let rig = optics.rig();
+    let shape = rig.shape();
+    let range = |range: DepthRange| json!([json_number(range.near_m), json_number(range.far_m)]);
+    row("views", "views", size(shape.views()), "");
+    row("lenses", "lenses (pixels of a view)", size(shape.lenses()), "");
+    row("focal_length_mm", "focal length", json_number(rig.focal_length_m() * 1e3), "mm");
+    row("sensor_size_mm", "larger image side on the sensor", json_number(rig.sensor_size_m() * 1e3), "mm");
+    row("focus_distance_m", "focus distance", json_number(rig.focus_distance_m()), "m");
+    row("baseline_mm", "baseline (between adjacent views)", json_number(rig.baseline_x_m() * 1e3), "mm");
+    row("aperture_mm", "synthetic aperture (first to last view)", json_number(optics.aperture_m() * 1e3), "mm");
+    let f_number = rig.focal_length_m() / optics.aperture_m();
+    row("f_number", "f-number of that aperture", json_number(f_number), "");
+    row("angular_step_mrad", "angle between views at the focus", json_number(optics.angular_step_rad() * 1e3), "mrad");
+    if rig.focus_distance_m().is_finite() {
+        let pixel = optics.pixel_size_m(rig.focus_distance_m()) * 1e3;
+        row("pixel_at_focus_mm", "a pixel of a view at the focus", json_number(pixel), "mm");
+    }
+    let matrix = rig.intrinsic_matrix(1).map(|row| Value::Array(row.map(json_number).to_vec()));
+    row("intrinsic_matrix", "ray (x, y, dx, dy, 1) of (s, t, u, v, 1), from 1", Value::Array(matrix.to_vec()), "");
+    let smooth = optics.angular_depth_of_field(1.0)?;
+    row("smooth_depths_m", "depths that move at most 1 px a view", range(smooth), "m");
+    let sharp = optics.defocus_depth_of_field(circle_px)?;
+    row("depth_of_field_m", "depth of field of all views together", range(sharp), "m");
+    row("hyperfocal_m", "hyperfocal distance", json_number(optics.hyperfocal_m(circle_px)?), "m");
+    if let Some(depths) = depths {
+        row("depths_m", "depths", range(depths), "m");
+        let DisparityRange { min_px, max_px } = optics.disparity_range_px(depths);
+        row("disparity_px", "their disparities", json!([json_number(min_px), json_number(max_px)]), "px");
+        let near = optics.depth_resolution_m(depths.near_m, step_px)?;
+        row("depth_resolution_near_mm", "one step of disparity at the nearest", json_number(near * 1e3), "mm");
+        if depths.far_m.is_finite() {
+            let far = optics.depth_resolution_m(depths.far_m, step_px)?;
+            row("depth_resolution_far_mm", "one step of disparity at the farthest", json_number(far * 1e3), "mm");
+        }
+    }
+    Ok(rows)
+}
+
+/// Returns the rig that settings describe without a scene: with `depths` instead, for disparities and an automatic focus,
+/// and the pitch of the microlenses instead of a number of views.
+///
+/// # Errors
+/// [`Error::BadRequest`] if disparities or focus need depths, or there is no focal length; [`Error::Core`] for an impossible
+/// rig.
+pub fn planned_rig(
+    settings: &RigSettings,
+    lens_pitch_mm: Option<f64>,
+    depths: Option<DepthRange>,
+) -> Result<Rig, Error> {
+    let focal_mm = settings.focal_mm.ok_or_else(|| Error::BadRequest("give a focal length: `focal-mm`".into()))?;
+    // Divided, because 1e-3 is not exact: 36 mm times it is not 0.036 m.
+    let intrinsics = Intrinsics { focal_length_m: focal_mm / 1e3, sensor_size_m: settings.sensor_mm / 1e3 };
+    if let Some(lens_pitch_mm) = lens_pitch_mm {
+        let (Pixels::Sensor(sensor), Spacing::FNumber(f_number)) = (settings.pixels, settings.spacing) else {
+            let what = "`lens-pitch-mm` divides a sensor behind a main lens; give `sensor` and `f-number` with it";
+            return Err(Error::BadRequest(what.into()));
+        };
+        let focus_distance_m = planned_focus_m(settings, depths)?;
+        return Ok(CameraDesign {
+            sensor,
+            sensor_size_m: intrinsics.sensor_size_m,
+            lens_pitch_m: lens_pitch_mm / 1e3,
+            focal_length_m: intrinsics.focal_length_m,
+            f_number,
+            focus_distance_m,
+        }
+        .rig()?);
+    }
+    let shape = match settings.pixels {
+        Pixels::Lenses(lenses) => LightFieldShape::new(settings.views, lenses)?,
+        Pixels::Sensor(sensor) => sensor.divide(settings.views, Remainder::Crop)?.shape,
+        Pixels::OfPoses => return Err(Error::BadRequest("give the pixels of a view: `lenses` or `sensor`".into())),
+    };
+    let shape = shifted(settings, shape)?;
+    let (baseline_m, focus_m) = match settings.spacing {
+        Spacing::DisparitiesPx((min_px, max_px)) => {
+            let which = || Error::BadRequest("`disparity` of which depths? give `depths-m`".into());
+            let depths = depths.ok_or_else(which)?;
+            let range = DisparityRange { min_px, max_px };
+            let found = rig_for_disparities(depths, range, intrinsics, shape.lenses())?;
+            (found.baseline_m, found.focus_distance_m)
+        }
+        Spacing::BaselineM(baseline_m) => (baseline_m, planned_focus_m(settings, depths)?),
+        Spacing::FNumber(f_number) => {
+            let baseline_m = automatic_baseline_m(intrinsics.focal_length_m, f_number, settings.views)?;
+            (baseline_m, planned_focus_m(settings, depths)?)
+        }
+    };
+    Ok(Rig::builder(shape).intrinsics(intrinsics).baseline_m(baseline_m).focus_distance_m(focus_m).build()?)
+}
+
+fn planned_focus_m(settings: &RigSettings, depths: Option<DepthRange>) -> Result<f64, Error> {
+    match (settings.focus, depths) {
+        (Focus::Meters(focus_m), _) => Ok(focus_m),
+        // The harmonic mean, as a render does it: it halves the range of disparities.
+        (Focus::Automatic, Some(depths)) => Ok(2.0 * depths.near_m / (1.0 + depths.near_m / depths.far_m)),
+        (Focus::Automatic, None) => {
+            Err(Error::BadRequest("where is the focus? give `focus-m`, or `depths-m` and it lies between them".into()))
+        }
+    }
+}

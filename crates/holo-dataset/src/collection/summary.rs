@@ -1,0 +1,158 @@
+//! What became of the jobs of a dataset: a line each, and a table of all.
+
+use std::fmt;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::plan::DatasetJob;
+use crate::output::Statistics;
+use crate::shot::{RenderReport, ShotOutcome};
+use crate::text;
+
+/// What became of a job; prints as a line of text.
+#[derive(Clone, Debug)]
+pub struct JobSummary {
+    scene: String,
+    views: String,
+    result: JobResult,
+    disparity_px: Option<(f64, f64)>,
+    statistics: Statistics,
+    bytes: u64,
+}
+
+#[derive(Clone, Debug)]
+enum JobResult {
+    Made { report: Box<RenderReport>, why: Option<String> },
+    Kept,
+    Failed(String),
+}
+
+impl JobSummary {
+    /// Summarizes a job of a dataset in the folder `root`. The error of a failed job is its message.
+    #[must_use]
+    pub fn new(job: &DatasetJob, root: &Path, outcome: Result<ShotOutcome, String>) -> Self {
+        let (result, disparity_px, statistics, bytes) = match outcome {
+            Ok(ShotOutcome::Made(report, why)) => {
+                let folder = job.folder().map(|folder| root.join(folder)).unwrap_or_default();
+                let size = |name: &String| folder.join(name).metadata().ok().map(|file| file.len());
+                let (range, statistics) = (report.disparity_px(), report.statistics.clone());
+                let bytes = report.files.iter().filter_map(size).sum();
+                (JobResult::Made { report, why }, range, statistics, bytes)
+            }
+            Ok(ShotOutcome::Kept(manifest)) => {
+                let bytes = manifest.files.values().map(|written| written.bytes).sum();
+                (JobResult::Kept, manifest.disparity_px, Statistics::of_manifest(&manifest), bytes)
+            }
+            Err(why) => (JobResult::Failed(why), None, Statistics::default(), 0),
+        };
+        let views = job.shape().views().to_string();
+        Self { scene: job.scene(), views, result, disparity_px, statistics, bytes }
+    }
+
+    /// The line of `holo dataset --json`: scene, views, disparities, bytes, status, and what the status tells more.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        self.json().to_string()
+    }
+
+    fn json(&self) -> Value {
+        let mut object = json!({
+            "scene": self.scene,
+            "views": self.views,
+            "disparity_px": self.disparity_px.map(|(min, max)| json!({"min": min, "max": max})),
+            "bytes": self.bytes,
+        });
+        match &self.result {
+            JobResult::Made { report, why } => {
+                object["status"] = "made".into();
+                object["run"] = report.run_json();
+                object["files"] = report.files.len().into();
+                if let Some(why) = why {
+                    object["why"] = why.as_str().into();
+                }
+            }
+            JobResult::Kept => {
+                object["status"] = "kept".into();
+                object["statistics"] = self.statistics.json();
+            }
+            JobResult::Failed(why) => {
+                object["status"] = "failed".into();
+                object["why"] = why.as_str().into();
+            }
+        }
+        object
+    }
+
+    fn disparities(&self) -> String {
+        let range = |(min, max)| format!("{} to {}", text::number(min), text::number(max));
+        self.disparity_px.map_or_else(|| "-".into(), range)
+    }
+
+    /// The median of the estimated error.
+    fn error_text(&self) -> String {
+        self.statistics.error.map_or_else(|| "-".into(), |error| format!("{:.2} %", error.median * 100.0))
+    }
+}
+
+impl fmt::Display for JobSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let size = text::bytes(self.bytes);
+        write!(f, "{} {}: ", self.scene, self.views)?;
+        match &self.result {
+            JobResult::Made { report, why } => {
+                let (seconds, speed) = (report.seconds.total, report.mrays_per_second());
+                write!(f, "{seconds:.1} s, {speed:.1} Mrays/s, disparity {} px, {size}", self.disparities())?;
+                self.statistics.error.map_or(Ok(()), |_| write!(f, ", estimated error {}", self.error_text()))?;
+                why.as_ref().map_or(Ok(()), |why| write!(f, " (made again: {why})"))
+            }
+            JobResult::Kept => write!(f, "done already, {size}"),
+            JobResult::Failed(why) => write!(f, "failed: {why}"),
+        }
+    }
+}
+
+/// What became of all jobs; prints as a table with a last line that counts them.
+#[derive(Clone, Debug, Default)]
+pub struct DatasetSummary(Vec<JobSummary>);
+
+impl DatasetSummary {
+    /// Adds a job.
+    pub fn push(&mut self, job: JobSummary) {
+        self.0.push(job);
+    }
+
+    /// Numbers of jobs that were made, were done already, and failed.
+    #[must_use]
+    pub fn counts(&self) -> (usize, usize, usize) {
+        let count = |is: fn(&JobResult) -> bool| self.0.iter().filter(|job| is(&job.result)).count();
+        (
+            count(|result| matches!(result, JobResult::Made { .. })),
+            count(|result| matches!(result, JobResult::Kept)),
+            count(|result| matches!(result, JobResult::Failed(_))),
+        )
+    }
+}
+
+impl fmt::Display for DatasetSummary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let heads = ["scene", "views", "seconds", "Mrays/s", "disparity, px", "median error", "size"];
+        let rows = self.0.iter().map(|job| {
+            let (time, speed) = match &job.result {
+                JobResult::Made { report, .. } => {
+                    (format!("{:.1}", report.seconds.total), format!("{:.1}", report.mrays_per_second()))
+                }
+                JobResult::Kept => ("kept".into(), "-".into()),
+                JobResult::Failed(_) => ("failed".into(), "-".into()),
+            };
+            let (range, error, size) = (job.disparities(), job.error_text(), text::bytes(job.bytes));
+            [job.scene.clone(), job.views.clone(), time, speed, range, error, size]
+        });
+        for [scene, views, time, speed, range, error, size] in std::iter::once(heads.map(String::from)).chain(rows) {
+            writeln!(f, "{scene:<12} {views:>8} {time:>9} {speed:>8} {range:>22} {error:>13} {size:>9}")?;
+        }
+        let (made, kept, failed) = self.counts();
+        let bytes = text::bytes(self.0.iter().map(|job| job.bytes).sum());
+        write!(f, "{made} made, {kept} done already, {failed} failed; {bytes}")
+    }
+}

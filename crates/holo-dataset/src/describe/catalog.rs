@@ -1,0 +1,198 @@
+//! What the root of a dataset says of its finished folders, for catalogs, loaders and readers.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `croissant.json` | MLCommons Croissant 1.0: every file with size and SHA-256, a record for each light field, splits |
+//! | `light_fields.csv` | the same records as a table |
+//! | `train.txt`, `test.txt` | the folders of both splits, a line each |
+//! | `contact_sheet_<S>x<T>.png` | the central view of every scene, and below it a part of its raw image |
+//!
+//! All of it follows from `dataset.json` and the finished folders that were made as it says, so that it can be written again at
+//! any time. There is a contact sheet of a number of views when all scenes are finished.
+
+mod contact_sheet;
+mod croissant;
+mod record;
+
+use std::fmt::Write;
+use std::io::ErrorKind;
+use std::path::Path;
+
+use holo_io::dataset::{self, DatasetIndex};
+use serde_json::Value;
+
+use self::record::FIELDS;
+pub(crate) use self::record::Record;
+use super::verify::differences;
+use crate::Error;
+use crate::resume::finished_manifest;
+use crate::watch::Diagnostics;
+
+/// Every scene of this number is for tests, so that no scene is in both splits.
+const TEST_EVERY: usize = 5;
+
+/// The description in the vocabulary of Croissant.
+pub(crate) const CROISSANT_JSON: &str = "croissant.json";
+
+/// The records as a table.
+pub(crate) const LIGHT_FIELDS_CSV: &str = "light_fields.csv";
+
+/// The folders for training, and those for tests.
+const SPLITS: [&str; 2] = ["train.txt", "test.txt"];
+
+/// How many light fields of a dataset a catalog describes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Described {
+    /// Light fields that are finished and as `dataset.json` says.
+    pub finished: usize,
+    /// Light fields that the dataset is to have.
+    pub of: usize,
+}
+
+/// Returns how many light fields of a dataset are finished, by their manifests; files are not compared with these.
+///
+/// # Errors
+/// [`Error::Io`] if `dataset.json` cannot be read.
+pub fn finished(root: &Path) -> Result<Described, Error> {
+    let index = DatasetIndex::read(root)?;
+    Ok(Described { finished: records(root, &index)?.len(), of: index.scenes.len() * index.shapes.len() })
+}
+
+/// Removes a catalog, before folders and `dataset.json` change.
+pub(crate) fn remove(root: &Path) -> Result<(), Error> {
+    contact_sheet::remove_others(root, &[])?;
+    [CROISSANT_JSON, LIGHT_FIELDS_CSV].iter().chain(&SPLITS).try_for_each(|name| remove_file(&root.join(name)))
+}
+
+/// Removes a file, unless it is gone already.
+fn remove_file(path: &Path) -> Result<(), Error> {
+    match std::fs::remove_file(path) {
+        Err(why) if why.kind() != ErrorKind::NotFound => Err(Error::Failed(format!("{}: {why}", path.display()))),
+        _ => Ok(()),
+    }
+}
+
+/// Writes what the root of a dataset says of its finished folders: `croissant.json`, `light_fields.csv`, `train.txt`,
+/// `test.txt`, and `contact_sheet_<S>x<T>.png` of every number of views for which all scenes are finished. Contact sheets that
+/// are newer than all of their folders stay. An image that cannot be read is an empty tile and a warning.
+///
+/// # Errors
+/// [`Error::Io`] if `dataset.json` cannot be read, or if a file cannot be written.
+pub fn write_catalog(root: &Path, diagnostics: &dyn Diagnostics) -> Result<Described, Error> {
+    let index = DatasetIndex::read(root)?;
+    let records = records(root, &index)?;
+    let document = croissant::document(&index, &records);
+    let json = serde_json::to_string_pretty(&document).map_err(|why| Error::Failed(why.to_string()))?;
+    let write = |name: &str, text: String| holo_io::write_file(root.join(name), text.as_bytes());
+    write(CROISSANT_JSON, format!("{json}\n"))?;
+    write(LIGHT_FIELDS_CSV, table(&records))?;
+    for (name, is_test) in SPLITS.into_iter().zip([false, true]) {
+        let folders = records.iter().filter(|record| record.is_test == is_test);
+        write(name, folders.map(|record| format!("{}\n", record.folder)).collect())?;
+    }
+    contact_sheet::remove_others(root, &index.shapes)?;
+    for shape in &index.shapes {
+        let of_shape: Vec<&Record> = records.iter().filter(|record| record.shape == *shape).collect();
+        let is_whole = of_shape.len() == index.scenes.len();
+        contact_sheet::write(root, *shape, if is_whole { &of_shape } else { &[] }, diagnostics)?;
+    }
+    Ok(Described { finished: records.len(), of: index.scenes.len() * index.shapes.len() })
+}
+
+/// The records of all finished folders that are as `dataset.json` says, in the order of the scenes.
+pub(crate) fn records(root: &Path, index: &DatasetIndex) -> Result<Vec<Record>, Error> {
+    let mut records = Vec::new();
+    let mut files: Vec<&str> = Vec::new();
+    for scene in &index.scenes {
+        // Frames of a sequence are of one file, and belong together.
+        if files.last() != Some(&scene.sha256.as_str()) {
+            files.push(&scene.sha256);
+        }
+        let is_test = files.len().is_multiple_of(TEST_EVERY);
+        for shape in &index.shapes {
+            let path = dataset::folder(&scene.name, shape.views())?;
+            let Ok(manifest) = finished_manifest(&root.join(&path)) else { continue };
+            let is_of_shape = manifest.rig.is_some_and(|rig| rig.shape() == shape);
+            if !is_of_shape || !differences(index, &manifest, &path).is_empty() {
+                continue;
+            }
+            // With `/` on every system.
+            let folder = format!("{}/{}", scene.name, shape.views());
+            records.push(Record::new(folder, scene.name.clone(), is_test, *shape, manifest));
+        }
+    }
+    Ok(records)
+}
+
+/// The records as a table of comma-separated values (RFC 4180).
+fn table(records: &[Record]) -> String {
+    let mut text = FIELDS.map(|field| field.name).join(",");
+    text.push('\n');
+    for record in records {
+        for (k, field) in FIELDS.iter().enumerate() {
+            let separator = if k > 0 { "," } else { "" };
+            let value = match (field.value)(record) {
+                Value::Null => String::new(),
+                Value::String(text) => quoted(text),
+                other => other.to_string(),
+            };
+            // Writing into a `String` cannot fail.
+            let _ = write!(text, "{separator}{value}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+fn quoted(text: String) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use holo_core::GridSize;
+
+    use super::*;
+    use crate::{DatasetPlan, EngineSettings, Pixels, RenderSettings, RigSettings, Rollback, RunOptions, sources};
+
+    /// Every file of the finished folders with its digest, a record for each of them, and five scenes of which the last is
+    /// for tests. A folder that is missing is left out.
+    #[test]
+    fn finished_folders_are_described() {
+        let root = tempfile::tempdir().unwrap();
+        let names: Vec<String> = holo_scene::gallery::NAMES.iter().take(5).map(|name| (*name).to_owned()).collect();
+        let pixels = Pixels::Sensor(holo_core::Sensor::Other(GridSize::new(12, 18)));
+        let rig = RigSettings { pixels, ..RigSettings::default() };
+        let mut settings = RenderSettings { camera: rig.into(), ..RenderSettings::default() };
+        (settings.light.samples, settings.output.write) = (Some(1), vec![crate::Output::Disparity]);
+        let (sources, views) = (sources(Some(&names), &[]).unwrap(), [GridSize::new(3, 3)]);
+        let plan = DatasetPlan::new(&sources, &views, settings, EngineSettings::default()).unwrap();
+        plan.describe(root.path(), &(), &Rollback::default()).unwrap();
+        let mut run = plan.run();
+        for job in plan.jobs().iter().skip(1) {
+            run.job(job, root.path(), &RunOptions::new()).unwrap();
+        }
+        assert_eq!(write_catalog(root.path(), &()).unwrap(), Described { finished: 4, of: 5 });
+        let text = std::fs::read_to_string(root.path().join("croissant.json")).unwrap();
+        let document: Value = serde_json::from_str(&text).unwrap();
+        let records = document["recordSet"][1]["data"].as_array().unwrap();
+        let splits: Vec<_> = records.iter().map(|record| record["light_fields/split"].as_str().unwrap()).collect();
+        assert_eq!(splits, ["train", "train", "train", "test"]);
+        assert_eq!(records[0]["light_fields/lens_columns"], 6);
+        for file in document["distribution"].as_array().unwrap() {
+            let digest = holo_io::hash_file(root.path().join(file["contentUrl"].as_str().unwrap())).unwrap();
+            assert_eq!(file["sha256"], digest.sha256.to_string());
+            assert_eq!(file["contentSize"], format!("{} B", digest.bytes));
+        }
+        // The same again.
+        write_catalog(root.path(), &()).unwrap();
+        assert_eq!(std::fs::read_to_string(root.path().join("croissant.json")).unwrap(), text);
+    }
+
+    /// Names as they are typed may contain what separates values.
+    #[test]
+    fn values_are_quoted() {
+        assert_eq!(quoted("plain/3x3".into()), "plain/3x3");
+        assert_eq!(quoted("a,\"b\"".into()), "\"a,\"\"b\"\"\"");
+    }
+}

@@ -1,0 +1,158 @@
+//! Contact sheets: all scenes with one number of views, in the order of the dataset, five in a row.
+//!
+//! A tile is the central view, enlarged by a whole number or reduced, above a part of the middle of the raw image at its
+//! real size.
+
+use std::path::Path;
+
+use holo_core::{DynLightField, GridSize, LightFieldOwned, LightFieldShape, Sample};
+use holo_io::dataset::{DatasetFolder, MANIFEST_JSON};
+use holo_io::{ColorEncoding, Compression, Limits};
+use image::imageops::{self, FilterType};
+use image::{Rgb, RgbImage};
+use ndarray::ArrayView3;
+
+use super::record::Record;
+use super::remove_file;
+use crate::Error;
+use crate::watch::{About, Diagnostics};
+
+/// Tiles in a row.
+const COLUMNS: usize = 5;
+
+/// The largest side of the view of a tile, px: that of a view of Table I with 20 x 20 views.
+const TILE_SIDE: u32 = 397;
+
+/// The height of the part of the raw image, px.
+const RAW_HEIGHT: u32 = 80;
+
+/// Between tiles, and half of it between the two images of a tile, px.
+const GAP: u32 = 8;
+
+/// What the names of contact sheets begin and end with.
+const NAME: [&str; 2] = ["contact_sheet_", ".png"];
+
+/// Removes the contact sheets of numbers of views that are not among `shapes`.
+pub(super) fn remove_others(root: &Path, shapes: &[LightFieldShape]) -> Result<(), Error> {
+    let failed = |why: std::io::Error| Error::Failed(format!("{}: {why}", root.display()));
+    for entry in root.read_dir().map_err(failed)? {
+        let path = entry.map_err(failed)?.path();
+        let name = path.file_name().and_then(|name| name.to_str());
+        let views = name.and_then(|name| name.strip_prefix(NAME[0])?.strip_suffix(NAME[1]));
+        let views = views.and_then(|views| views.parse::<GridSize>().ok());
+        // Not a file of the user's that is spelled otherwise.
+        let is_own = |views: GridSize| name == Some(&file_name(views));
+        if views.is_some_and(|views| is_own(views) && shapes.iter().all(|shape| shape.views() != views)) {
+            remove_file(&path)?;
+        }
+    }
+    Ok(())
+}
+
+fn file_name(views: GridSize) -> String {
+    format!("{}{views}{}", NAME[0], NAME[1])
+}
+
+/// Writes `contact_sheet_<S>x<T>.png` of the light fields of one shape, unless it is newer than all of them. If none of
+/// them has a raw image, there is no contact sheet.
+pub(super) fn write(
+    root: &Path,
+    shape: LightFieldShape,
+    records: &[&Record],
+    diagnostics: &dyn Diagnostics,
+) -> Result<(), Error> {
+    let path = root.join(file_name(shape.views()));
+    if is_newer(&path, root, records) {
+        return Ok(());
+    }
+    let mut sheet: Option<(RgbImage, (u32, u32))> = None;
+    for (k, record) in records.iter().enumerate() {
+        let tile = match read_tile(&root.join(&record.folder)) {
+            Ok(Some(tile)) => tile,
+            Ok(None) => continue,
+            Err(why) => {
+                diagnostics.report(About::Scene, &format!("warning: not in the contact sheet: {why}"));
+                continue;
+            }
+        };
+        let (sheet, size) = sheet.get_or_insert_with(|| (empty(records.len(), tile.dimensions()), tile.dimensions()));
+        let [column, row] = [k % COLUMNS, k / COLUMNS].map(|place| place as u32);
+        let [x, y] = [column * (size.0 + GAP), row * (size.1 + GAP)].map(i64::from);
+        imageops::replace(sheet, &tile, x, y);
+    }
+    // Without a raw image: one of older folders.
+    let Some((sheet, _)) = sheet else { return remove_file(&path) };
+    let (width, height) = sheet.dimensions();
+    let samples = sheet.as_raw().as_slice();
+    let samples = ArrayView3::from_shape((height as usize, width as usize, 3), samples)
+        .map_err(|why| Error::Failed(why.to_string()))?;
+    holo_io::write_png(path, samples, ColorEncoding::Srgb, Compression::Best)?;
+    Ok(())
+}
+
+/// A white sheet for so many tiles.
+fn empty(tiles: usize, size: (u32, u32)) -> RgbImage {
+    let [columns, rows] = [tiles.min(COLUMNS), tiles.div_ceil(COLUMNS)].map(|count| count as u32);
+    RgbImage::from_pixel(columns * (size.0 + GAP) - GAP, rows * (size.1 + GAP) - GAP, Rgb([255; 3]))
+}
+
+/// The tile of a folder, if it has a raw image.
+fn read_tile(folder: &Path) -> Result<Option<RgbImage>, holo_io::Error> {
+    let folder = DatasetFolder::open(folder)?;
+    if folder.raw_image().is_none() {
+        return Ok(None);
+    }
+    folder.read(&Limits::NONE).map(|field| Some(tile(&field)))
+}
+
+/// Whether a file was written after the manifests of all records, of which there are some.
+fn is_newer(path: &Path, root: &Path, records: &[&Record]) -> bool {
+    let time = |path: &Path| path.metadata().and_then(|file| file.modified()).ok();
+    let Some(own) = time(path).filter(|_| !records.is_empty()) else { return false };
+    let manifests = records.iter().map(|record| time(&root.join(&record.folder).join(MANIFEST_JSON)));
+    manifests.into_iter().all(|manifest| manifest.is_some_and(|manifest| manifest < own))
+}
+
+fn tile(field: &DynLightField) -> RgbImage {
+    match field {
+        DynLightField::U8(field) => tile_of(field),
+        DynLightField::U16(field) => tile_of(field),
+        DynLightField::F32(field) => tile_of(field),
+        DynLightField::F64(field) => tile_of(field),
+    }
+}
+
+fn tile_of<T: Sample>(field: &LightFieldOwned<T>) -> RgbImage {
+    let (shape, samples) = (field.shape(), field.samples());
+    let (lenses, views, raw) = (shape.lenses(), shape.views(), shape.raw_size());
+    let (t, s) = shape.central_view();
+    let channels = field.channels();
+    let scale = 255.0 / T::WHITE.unwrap_or(1.0);
+    let pixel = |v: usize, u: usize, t: usize, s: usize| {
+        Rgb([0, 1, 2].map(|c: usize| (samples[[v, u, t, s, c.min(channels - 1)]].to_f32() * scale).round() as u8))
+    };
+    let [width, height] = [lenses.columns, lenses.rows].map(|count| count as u32);
+    let view = RgbImage::from_fn(width, height, |x, y| pixel(y as usize, x as usize, t, s));
+    let larger = width.max(height);
+    let view = match TILE_SIDE / larger {
+        0 => {
+            let part = |side: u32| (u64::from(side) * u64::from(TILE_SIDE)).div_ceil(u64::from(larger)) as u32;
+            imageops::resize(&view, part(width), part(height), FilterType::Triangle)
+        }
+        factor => imageops::resize(&view, width * factor, height * factor, FilterType::Nearest),
+    };
+    let [raw_width, raw_height] = [view.width().min(raw.columns as u32), RAW_HEIGHT.min(raw.rows as u32)];
+    // The part begins with a microlens.
+    let top = (raw.rows - raw_height as usize) / 2 / views.rows * views.rows;
+    let left = (raw.columns - raw_width as usize) / 2 / views.columns * views.columns;
+    let mut tile = RgbImage::from_pixel(view.width(), view.height() + GAP / 2 + raw_height, Rgb([255; 3]));
+    for y in 0..raw_height {
+        for x in 0..raw_width {
+            let (row, column) = (top + y as usize, left + x as usize);
+            let at = [row / views.rows, column / views.columns, row % views.rows, column % views.columns];
+            tile.put_pixel(x, view.height() + GAP / 2 + y, pixel(at[0], at[1], at[2], at[3]));
+        }
+    }
+    imageops::replace(&mut tile, &view, 0, 0);
+    tile
+}

@@ -1,0 +1,156 @@
+//! The record of a light field in the lists of a dataset.
+
+use holo_core::{LightFieldShape, Rig, meters_to_millimeters};
+use holo_io::{Manifest, ManifestValue};
+use serde_json::Value;
+
+use crate::output::{ColorStatistics, EstimatedError, Statistics};
+use crate::text;
+
+/// A light field: a finished folder of a dataset.
+pub(crate) struct Record {
+    /// Relative to the dataset, with `/`.
+    pub folder: String,
+    pub scene: String,
+    pub is_test: bool,
+    pub shape: LightFieldShape,
+    pub manifest: Manifest,
+    statistics: Statistics,
+}
+
+/// What a record says of a light field.
+pub(super) struct Field {
+    pub name: &'static str,
+    /// The type in the vocabulary of schema.org.
+    pub kind: &'static str,
+    pub description: &'static str,
+    /// `Null` where it is unknown.
+    pub value: fn(&Record) -> Value,
+}
+
+const TEXT: &str = "sc:Text";
+const INTEGER: &str = "sc:Integer";
+const FLOAT: &str = "sc:Float";
+const BOOLEAN: &str = "sc:Boolean";
+
+const fn field(
+    name: &'static str,
+    kind: &'static str,
+    description: &'static str,
+    value: fn(&Record) -> Value,
+) -> Field {
+    Field { name, kind, description, value }
+}
+
+/// All fields, in the order of the table.
+pub(super) const FIELDS: [Field; 31] = [
+    field("folder", TEXT, "Folder of the light field, relative to the dataset", |r| r.folder.as_str().into()),
+    field("scene", TEXT, "Name of the scene", |r| r.scene.as_str().into()),
+    field("split", TEXT, "train or test; a scene is in one of them with all its view counts", |r| {
+        if r.is_test { "test" } else { "train" }.into()
+    }),
+    field("view_columns", INTEGER, "Views in a row (S)", |r| r.shape.views().columns.into()),
+    field("view_rows", INTEGER, "Views in a column (T)", |r| r.shape.views().rows.into()),
+    field("lens_columns", INTEGER, "Microlenses in a row, which are the pixels of a view (U)", |r| {
+        r.shape.lenses().columns.into()
+    }),
+    field("lens_rows", INTEGER, "Microlenses in a column (V)", |r| r.shape.lenses().rows.into()),
+    field("disparity_min_px", FLOAT, "Smallest disparity of the central view, pixels between adjacent views", |r| {
+        number(r.manifest.disparity_px.map(|(min, _)| min))
+    }),
+    field("disparity_max_px", FLOAT, "Largest disparity of the central view", |r| {
+        number(r.manifest.disparity_px.map(|(_, max)| max))
+    }),
+    field("depth_min_m", FLOAT, "Smallest depth of the central view", |r| r.depth_m(0)),
+    field("depth_median_m", FLOAT, "Median depth of what the central view hits", |r| r.depth_m(1)),
+    field("depth_max_m", FLOAT, "Largest depth of what the central view hits", |r| r.depth_m(2)),
+    field("hit", FLOAT, "Part of the pixels of the central view that hit something", |r| number(r.statistics.hit)),
+    field("seen_by_all_views", FLOAT, "Part of the pixels of the central view that every view sees", |r| {
+        number(r.statistics.seen_by_all_views)
+    }),
+    field("baseline_mm", FLOAT, "Distance between horizontally adjacent views", |r| {
+        r.rig(|rig| meters_to_millimeters(rig.baseline_x_m()))
+    }),
+    field("focus_distance_m", FLOAT, "Distance of the plane of disparity 0; null for infinity", |r| {
+        r.rig(Rig::focus_distance_m)
+    }),
+    field("focal_length_mm", FLOAT, "Focal length", |r| r.rig(|rig| meters_to_millimeters(rig.focal_length_m()))),
+    field("sensor_size_mm", FLOAT, "Larger image side on the sensor", |r| {
+        r.rig(|rig| meters_to_millimeters(rig.sensor_size_m()))
+    }),
+    field("exposure_ev", FLOAT, "Exposure compensation of the integers", |r| number(r.manifest.exposure_ev)),
+    field("mean_red", FLOAT, "Mean of the integers over all views, as a part of the largest integer", |r| r.mean(0)),
+    field("mean_green", FLOAT, "The same of green", |r| r.mean(1)),
+    field("mean_blue", FLOAT, "The same of blue", |r| r.mean(2)),
+    field("deviation_red", FLOAT, "Standard deviation of the same", |r| r.deviation(0)),
+    field("deviation_green", FLOAT, "The same of green", |r| r.deviation(1)),
+    field("deviation_blue", FLOAT, "The same of blue", |r| r.deviation(2)),
+    field("clipped", FLOAT, "Part of the pixels with the largest integer in a channel", |r| {
+        number(r.statistics.color.map(|color| color.clipped))
+    }),
+    field("samples", INTEGER, "Samples a pixel; with a target for the error the largest number", |r| {
+        let samples = r.setting("spp").and_then(ManifestValue::as_f64);
+        samples.map_or(Value::Null, |samples| (samples as u64).into())
+    }),
+    field("reconstructed", BOOLEAN, "Whether noise was reduced across views: a small bias", |r| {
+        r.setting("denoise").and_then(ManifestValue::as_text).is_some_and(|how| how != "off").into()
+    }),
+    field(
+        "error_median",
+        FLOAT,
+        "Estimated relative standard error of radiance, bias included: median of the pixels",
+        |r| r.error(|error| error.median),
+    ),
+    field("error_percentile_90", FLOAT, "The same: 90 % of the pixels are below", |r| {
+        r.error(|error| error.percentile_90)
+    }),
+    field("bytes", INTEGER, "Size of all files", |r| {
+        r.manifest.files.values().map(|written| written.bytes).sum::<u64>().into()
+    }),
+];
+
+impl Record {
+    pub fn new(folder: String, scene: String, is_test: bool, shape: LightFieldShape, manifest: Manifest) -> Self {
+        let statistics = Statistics::of_manifest(&manifest);
+        Self { folder, scene, is_test, shape, manifest, statistics }
+    }
+
+    /// All fields by their names.
+    pub fn to_json(&self) -> Value {
+        Value::Object(FIELDS.iter().map(|field| (field.name.to_owned(), (field.value)(self))).collect())
+    }
+
+    fn setting(&self, name: &str) -> Option<&ManifestValue> {
+        self.manifest.settings.get(name)
+    }
+
+    /// A finite number of the rig.
+    fn rig(&self, of: impl Fn(&Rig) -> f64) -> Value {
+        number(self.manifest.rig.as_ref().map(of))
+    }
+
+    fn depth_m(&self, k: usize) -> Value {
+        number(self.statistics.depth_m.map(|depths| depths[k]))
+    }
+
+    fn color(&self, of: impl Fn(&ColorStatistics) -> f64) -> Value {
+        number(self.statistics.color.as_ref().map(of))
+    }
+
+    fn mean(&self, channel: usize) -> Value {
+        self.color(|color| color.mean[channel])
+    }
+
+    fn deviation(&self, channel: usize) -> Value {
+        self.color(|color| color.deviation[channel])
+    }
+
+    fn error(&self, of: impl Fn(&EstimatedError) -> f64) -> Value {
+        number(self.statistics.error.as_ref().map(of))
+    }
+}
+
+/// A number if there is one and it is finite: catalogs have no infinity.
+fn number(value: Option<f64>) -> Value {
+    value.filter(|value| value.is_finite()).map_or(Value::Null, text::json_number)
+}

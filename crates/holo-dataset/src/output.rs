@@ -1,0 +1,25 @@
+//! The files of a render: what is written, under which names, into a folder that is rolled back after an error.
+//!
+//! **May import:** settings.
+
+pub(crate) mod codes;
+mod exr;
+mod files;
+mod folder;
+mod images;
+pub(crate) mod layers;
+mod motion;
+pub(crate) mod raw;
+mod statistics;
+mod subset;
+mod tools;
+mod wanted;
+
+pub(crate) use self::files::{Finished, Traced, TracedCamera, TracedViews, exposure_ev, write};
+pub(crate) use self::folder::{CHECKPOINT, checkpoints, clear_older};
+pub use self::folder::{OutputFolder, Rollback};
+pub(crate) use self::images::HIGHRES_SCALE;
+pub use self::statistics::{ColorStatistics, EstimatedError, Statistics};
+pub(crate) use self::wanted::Wanted;
+#[cfg(not(feature = "hdf5"))]
+pub(crate) use self::wanted::without_hdf5;

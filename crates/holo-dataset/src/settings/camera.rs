@@ -1,0 +1,144 @@
+//! The camera of a render, and where it stands.
+
+use std::path::Path;
+
+use holo_core::GridSize;
+use holo_io::{CameraArray, CameraFile, WorldUp};
+
+use super::RenderSettings;
+use super::given::Given;
+use super::table::RigSettings;
+use super::types::Pixels;
+use super::value::{Malformed, SettingType};
+use crate::Error;
+
+/// What makes one light field or raw image from one place.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum Camera {
+    /// A grid of parallel pinhole cameras, one a view.
+    Rig(RigSettings),
+    /// A main lens and a microlens array in front of a sensor.
+    Plenoptic(Box<CameraFile>),
+    /// A single pinhole camera, whose size and focal length come from [`Poses::Array`]: the images of all poses share one
+    /// folder.
+    Pinhole,
+}
+
+/// Where the camera stands.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Poses {
+    /// Where the camera of the scene stands: [`SceneSettings::camera`](super::SceneSettings::camera).
+    #[default]
+    Scene,
+    /// Many places, each with a name.
+    Array {
+        /// The places. The size and the focal length of each are those of a pinhole, or of every view of a rig.
+        cameras: CameraArray,
+        /// The axis that points up in the world of the `transforms.json` that is written.
+        up: WorldUp,
+    },
+}
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self::Rig(RigSettings::default())
+    }
+}
+
+impl From<RigSettings> for Camera {
+    fn from(rig: RigSettings) -> Self {
+        Self::Rig(rig)
+    }
+}
+
+impl From<CameraFile> for Camera {
+    fn from(file: CameraFile) -> Self {
+        Self::Plenoptic(Box::new(file))
+    }
+}
+
+impl Camera {
+    /// Returns the rig; `None` for other cameras.
+    #[must_use]
+    pub fn rig(&self) -> Option<&RigSettings> {
+        match self {
+            Self::Rig(rig) => Some(rig),
+            Self::Plenoptic(_) | Self::Pinhole => None,
+        }
+    }
+
+    /// Returns the rig, to change it.
+    ///
+    /// # Errors
+    /// A message for other cameras.
+    pub fn rig_mut(&mut self) -> Result<&mut RigSettings, Malformed> {
+        match self {
+            Self::Rig(rig) => Ok(rig),
+            Self::Plenoptic(_) => Err("a plenoptic camera has its own; remove it, or change the camera file".into()),
+            Self::Pinhole => {
+                Err("cameras of a file have their own; give `views` too for a light field at every pose".into())
+            }
+        }
+    }
+
+    /// Returns the plenoptic camera; `None` for other cameras.
+    #[must_use]
+    pub fn plenoptic(&self) -> Option<&CameraFile> {
+        match self {
+            Self::Plenoptic(camera) => Some(camera),
+            Self::Rig(_) | Self::Pinhole => None,
+        }
+    }
+
+    /// Returns the pixels of an image of the camera, if it knows them.
+    pub(crate) fn size(&self) -> Option<GridSize> {
+        match self {
+            Self::Rig(RigSettings { pixels: Pixels::Lenses(lenses), .. }) => Some(*lenses),
+            Self::Rig(_) | Self::Pinhole => None,
+            Self::Plenoptic(camera) => Some(camera.camera.sensor().size),
+        }
+    }
+}
+
+impl RenderSettings {
+    /// Applies settings, and places cameras at the poses of a `transforms.json`: the plenoptic camera, a rig with the pixels
+    /// of the file if a number of views is given, else a pinhole. `lenses` is the size of images whose size the file does
+    /// not say.
+    ///
+    /// # Errors
+    /// As [`apply`](Self::apply); [`Error::Io`] if the file cannot be read.
+    pub fn apply_at_poses(&mut self, mut given: Given, path: &Path, up: WorldUp) -> Result<(), Error> {
+        let lenses = given.get("lenses").map(GridSize::parse).transpose();
+        let lenses = lenses.map_err(|why| Error::BadRequest(format!("`lenses`: {why}")))?;
+        self.camera = match std::mem::take(&mut self.camera) {
+            Camera::Rig(rig) if given.get("views").is_some() => {
+                Camera::Rig(RigSettings { pixels: Pixels::OfPoses, ..rig })
+            }
+            Camera::Rig(_) | Camera::Pinhole => {
+                // It is the size of the images, which the cameras have then.
+                given.remove("lenses");
+                Camera::Pinhole
+            }
+            plenoptic @ Camera::Plenoptic(_) => plenoptic,
+        };
+        self.apply(&given)?;
+        let size = self.camera.size().or(lenses);
+        let mut cameras = CameraArray::read(path, up, size)?;
+        cameras.cameras.iter_mut().for_each(|camera| camera.size = camera.size.or(size));
+        self.poses = Poses::Array { cameras, up };
+        Ok(())
+    }
+}
+
+impl Poses {
+    /// Returns the cameras of a list of poses; `None` for the pose of the scene.
+    #[must_use]
+    pub fn cameras(&self) -> Option<&CameraArray> {
+        match self {
+            Self::Scene => None,
+            Self::Array { cameras, .. } => Some(cameras),
+        }
+    }
+}

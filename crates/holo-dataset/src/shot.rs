@@ -1,0 +1,28 @@
+//! Shots: one pose at one frame, from the scene to a folder of files; and the jobs of one or many of them.
+//!
+//! ```text
+//! SceneSource + RenderSettings -> RenderJob -> shots -> folders (images, ground truth, parameters.cfg, manifest.json)
+//! ```
+//!
+//! **May import:** settings, output, resume.
+
+mod choices;
+mod identity;
+mod job;
+mod motion;
+mod pinholes;
+mod prepare;
+mod report;
+mod runner;
+mod sky;
+mod source;
+mod trace;
+mod warning;
+
+pub use self::job::{Event, RenderJob, Rendering, RunOptions, Shot, ShotOutcome};
+pub use self::prepare::{Prepared, Stage};
+pub(crate) use self::prepare::{engine_name, pose_of_scene, shifted};
+pub use self::report::{CameraReport, RenderReport, Seconds};
+pub(crate) use self::runner::Runner;
+pub use self::source::SceneSource;
+pub use self::warning::{RenderWarning, camera_warnings};

@@ -1,0 +1,133 @@
+//! What identifies a shot in its manifest, and what the manifest says beside it.
+
+use holo_io::{CameraArray, Manifest, ManifestValue, Sha256};
+use holo_render::{Denoise, Integrator, Rendered, Request, Reuse};
+
+use super::prepare::{Prepared, Stage};
+use super::source::SceneSource;
+use crate::Error;
+use crate::output::Wanted;
+use crate::settings::{Camera, Frames, Poses, RenderSettings, Sky, to_manifest, word};
+
+/// Returns what identifies a job: digests of scene, sky, camera and poses, its settings, and versions.
+pub(super) fn of(source: &SceneSource, settings: &RenderSettings, backend: &str) -> Result<Manifest, Error> {
+    let mut manifest = Manifest { seed: settings.light.seed, ..Manifest::default() };
+    manifest.versions.insert("holo".into(), env!("CARGO_PKG_VERSION").into());
+    manifest.versions.insert("engine".into(), backend.into());
+    to_manifest(settings, &mut manifest);
+    let mut set = |key: &str, value: ManifestValue| drop(manifest.settings.insert(key.into(), value));
+    set("scene_sha256", source.sha256()?.to_string().into());
+    if let Sky::Map(path) = &settings.light.sky {
+        set("sky_sha256", holo_io::hash_file(path)?.sha256.to_string().into());
+    }
+    if let Camera::Plenoptic(file) = &settings.camera {
+        set("camera_sha256", Sha256::of(file.to_toml().as_bytes()).to_string().into());
+    }
+    if let Poses::Array { cameras, .. } = &settings.poses {
+        set("cameras_sha256", digest(cameras).to_string().into());
+    }
+    Ok(manifest)
+}
+
+/// Returns what identifies a shot of a job: its frame and its pose beside what identifies the job. Two manifests with the
+/// same identity are of the same image.
+pub(super) fn of_shot(
+    mut of_job: Manifest,
+    settings: &RenderSettings,
+    (frame, pose): (Option<u32>, Option<&str>),
+) -> Manifest {
+    let mut set = |key: &str, value: ManifestValue| drop(of_job.settings.insert(key.into(), value));
+    if let Some(frame) = frame {
+        set("frame", frame.into());
+        set("time_s", settings.scene.seconds_of(frame).into());
+    }
+    if let Some(pose) = pose {
+        set("pose", pose.into());
+    }
+    of_job
+}
+
+/// The digest of the cameras of a list: of names, sizes and the bits of all numbers.
+fn digest(array: &CameraArray) -> Sha256 {
+    let mut bytes = b"holo cameras 1".to_vec();
+    for camera in &array.cameras {
+        bytes.extend((camera.name.len() as u64).to_le_bytes());
+        bytes.extend(camera.name.as_bytes());
+        let size = camera.size.map_or([0; 2], |size| [size.rows as u64, size.columns as u64]);
+        bytes.extend(size.iter().flat_map(|count| count.to_le_bytes()));
+        let numbers = camera.axes_and_position.as_flattened().iter().chain([&camera.focal_px]);
+        // -0 is 0.
+        bytes.extend(numbers.flat_map(|number| (number + 0.0).to_bits().to_le_bytes()));
+    }
+    Sha256::of(&bytes)
+}
+
+/// Adds what was rendered and how.
+pub(super) fn describe(
+    mut manifest: Manifest,
+    (settings, wanted): (&RenderSettings, &Wanted),
+    (stage, prepared): (&Stage, &Prepared),
+    rendered: &Rendered,
+    request: &Request,
+) -> Manifest {
+    manifest.rig = prepared.rig().copied();
+    let values = &mut manifest.settings;
+    let mut set = |key: &str, value: ManifestValue| drop(values.insert(key.into(), value));
+    let switch = |is_on: bool| ManifestValue::from(if is_on { "on" } else { "off" });
+    let transport = &request.transport;
+    set("camera", prepared.name.clone().into());
+    if let Camera::Plenoptic(file) = &settings.camera {
+        set("camera-file", file.name.clone().into());
+        if file.is_approximate {
+            set("approximate", "some numbers of the camera are not published, and guesses".into());
+        }
+    }
+    set("integrator", word(&rendered.integrator).into());
+    set("spp", transport.samples.into());
+    if let Some(target) = transport.target_error {
+        set("target-error", target.into());
+    }
+    if rendered.integrator == Integrator::Path {
+        set("max-bounces", transport.max_bounces.into());
+        set("roulette", switch(transport.roulette));
+        set("indirect", switch(transport.indirect));
+    }
+    if transport.indirect_limit.is_finite() {
+        set("indirect-limit", f64::from(transport.indirect_limit).into());
+    }
+    if transport.transparent_shadows {
+        set("transparent-shadows", switch(true));
+    }
+    if !transport.multiple_scattering {
+        set("multiple-scattering", switch(false));
+    }
+    if rendered.color.is_some() && request.camera.rig().is_some() {
+        if transport.reuse == Reuse::Off {
+            set("reuse", switch(false));
+        }
+        if request.denoise == Denoise::Off {
+            set("texture-filter", word(&transport.texture_filter).into());
+        } else {
+            set("denoise", word(&request.denoise).into());
+            set("denoise-method", Denoise::METHOD.into());
+        }
+    }
+    if transport.cull {
+        set("cull", switch(true));
+    }
+    set("sky", ManifestValue::List(transport.sky.map(|c| f64::from(c).into()).to_vec()));
+    if stage.has_automatic_sky {
+        set("automatic-sky", switch(true));
+    }
+    set("bit-depth", u32::from(settings.output.bit_depth).into());
+    set("layers", wanted.names(rendered).into());
+    set("ground-truth", word(&request.ground_truth).into());
+    manifest
+}
+
+/// The frame of a shot in the settings of its job, which may have several.
+pub(super) fn at_frame(settings: &RenderSettings, frame: Option<u32>) -> RenderSettings {
+    let mut settings = settings.clone();
+    settings.scene.frames = frame.map(Frames::one).or(settings.scene.frames);
+    settings
+}

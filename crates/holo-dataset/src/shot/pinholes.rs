@@ -1,0 +1,151 @@
+//! Pinhole cameras anywhere, each with a pose and an image of its own, in one folder.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `images/NAME.png` | 8 or 16 bits, sRGB, one exposure for all |
+//! | `LAYER/NAME.pfm` | a layer, as for views |
+//! | `transforms.json` | the cameras ([`CameraArray`]), with the names of the images |
+//! | `manifest.json` | settings, exposure and digests |
+//!
+//! Every camera has an acceleration structure in its own frame, so that depth is exact wherever it stands. Cameras far
+//! apart share no light.
+
+use std::path::Path;
+use std::time::Instant;
+
+use holo_io::{ColorEncoding, Compression, FileDigest, Manifest};
+use holo_render::{Integrator, RayCounts, Rendered, World, exposure};
+
+use super::job::{RunOptions, Shot};
+use super::prepare::{Setup, Stage};
+use super::report::{CameraReport, RenderReport, Seconds};
+use super::runner::{Runner, TRANSFORMS};
+use super::trace;
+use crate::Error;
+use crate::output::layers::{COLOR, file_part, write_pfm};
+use crate::output::{OutputFolder, Statistics, Wanted, exposure_ev};
+use crate::resume::merge::{self, Label};
+use crate::settings::{Exposure, Shard, word};
+use crate::watch::{About, PartProgress};
+
+/// The folder of the images.
+const IMAGES: &str = "images";
+
+/// Renders the images of all cameras, or of every N-th of a shard, into the folder `out`.
+pub(super) fn render(
+    runner: &Runner,
+    setup: &Setup,
+    (stage, world): (&Stage, &World),
+    shot: &Shot,
+    (out, shard): (&Path, Option<Shard>),
+    options: &RunOptions,
+) -> Result<RenderReport, Error> {
+    let start = Instant::now();
+    let settings = setup.settings;
+    let Some(array) = settings.poses.cameras() else {
+        return Err(Error::BadRequest("pinhole cameras need `transforms`, which places them".into()));
+    };
+    if shard.is_some_and(|shard| shard.of > array.cameras.len()) {
+        let count = array.cameras.len();
+        return Err(Error::BadRequest(format!(
+            "{count} cameras can be cut into 1 to {count} shards; `shard` has more"
+        )));
+    }
+    let mut folder = OutputFolder::create(out, &options.rollback)?;
+    folder.unseal()?;
+    let mut exposure = match settings.output.exposure {
+        Exposure::Ev(ev) => Some(ev),
+        Exposure::Automatic => None,
+    };
+    let Shard { part, of } = shard.unwrap_or(Shard { part: 1, of: 1 });
+    let mine: Vec<usize> = (part - 1..array.cameras.len()).step_by(of).collect();
+    let (mut seconds, mut rays, mut samples) = (Seconds::default(), RayCounts::default(), 0);
+    let (mut threads, mut why, mut used, mut has_color) = (0, String::new(), setup.wanted.integrator, false);
+    for (k, &pose) in mine.iter().enumerate() {
+        let prepared = setup.prepare(stage, world, pose, options.diagnostics)?;
+        seconds.build += prepared.build_seconds;
+        let rendering = Instant::now();
+        let progress = PartProgress { inner: options.progress, k, of: mine.len() };
+        let rendered = prepared.renderer.render(&trace::request(setup, &prepared, None)?, &progress)?;
+        seconds.render += rendering.elapsed().as_secs_f64();
+        (rays, samples, threads) = (rays + rendered.rays, samples + rendered.samples, prepared.renderer.threads());
+        if k == 0 && rendered.color.is_none() && setup.wanted.integrator == Integrator::Auto {
+            let note = "note: the scene has no light sources, so there is no color, only ground truth; try `sky auto`";
+            options.diagnostics.report(About::Scene, note);
+        }
+        (has_color, used) = (has_color || rendered.color.is_some(), rendered.integrator);
+        why.clone_from(&rendered.why);
+        exposure = exposure.or_else(|| prepared.renderer.install(|| exposure_ev(settings.output.exposure, &rendered)));
+        let (name, bits) = (&array.cameras[pose].name, settings.output.bit_depth);
+        let writing = Instant::now();
+        prepared.renderer.install(|| write(&mut folder, name, &rendered, (exposure, bits), setup.wanted))?;
+        seconds.write += writing.elapsed().as_secs_f64();
+    }
+    if let crate::settings::Poses::Array { cameras, up } = &settings.poses {
+        folder.add(TRANSFORMS, cameras.write(folder.file(TRANSFORMS), *up)?);
+    }
+    let mut manifest = Manifest { exposure_ev: exposure.filter(|_| has_color), ..runner.identity(shot)? };
+    manifest.settings.insert("cameras".into(), array.cameras.len().into());
+    manifest.settings.insert("integrator".into(), word(&used).into());
+    let backend = manifest.versions.get("engine").cloned().unwrap_or_default();
+    if let Some(shard) = shard {
+        merge::label(&mut manifest, &Label::new(shard, rays, samples, &why));
+    }
+    let files = folder.seal(manifest)?;
+    seconds.load = stage.load_seconds;
+    seconds.total = stage.load_seconds + start.elapsed().as_secs_f64();
+    Ok(RenderReport {
+        seconds,
+        rays,
+        samples,
+        backend,
+        threads,
+        integrator: used,
+        why,
+        camera: CameraReport::Pinholes { count: mine.len() },
+        pose: None,
+        frame: shot.frame(),
+        statistics: Statistics::default(),
+        files,
+        warnings: Vec::new(),
+    })
+}
+
+/// Writes the files of one camera.
+fn write(
+    folder: &mut OutputFolder,
+    name: &str,
+    rendered: &Rendered,
+    (exposure, bits): (Option<f64>, u8),
+    wanted: &Wanted,
+) -> Result<(), Error> {
+    if let (Some(color), Some(ev)) = (&rendered.color, exposure) {
+        folder.subfolder(IMAGES)?;
+        let file = format!("{IMAGES}/{name}.png");
+        let path = folder.file(&file);
+        let written: FileDigest = if bits == 16 {
+            let coded = exposure::encode_16bit(color, ev)?;
+            holo_io::write_png(path, coded.view(0, 0)?, ColorEncoding::Srgb, Compression::Best)?
+        } else {
+            let coded = exposure::encode_8bit(color, ev)?;
+            holo_io::write_png(path, coded.view(0, 0)?, ColorEncoding::Srgb, Compression::Best)?
+        };
+        folder.add(file, written);
+    }
+    if let Some(color) = rendered.color.as_ref().filter(|_| wanted.color) {
+        let file = layer_file(folder, COLOR, name)?;
+        folder.add(file.clone(), write_pfm(folder.file(&file), color.view(0, 0)?)?);
+    }
+    for (layer, image) in rendered.central.iter().filter(|(layer, _)| wanted.written.contains(*layer)) {
+        let file = layer_file(folder, layer.name(), name)?;
+        folder.add(file.clone(), write_pfm(folder.file(&file), image.view())?);
+    }
+    Ok(())
+}
+
+/// The file of a layer of a camera, in a folder that exists.
+fn layer_file(folder: &OutputFolder, layer: &str, camera: &str) -> Result<String, Error> {
+    let layer = file_part(layer);
+    folder.subfolder(&layer)?;
+    Ok(format!("{layer}/{camera}.pfm"))
+}

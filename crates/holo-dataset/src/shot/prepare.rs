@@ -1,0 +1,502 @@
+//! The preparation of a shot: the scene at its frame, the camera at its pose, the acceleration structure, the focus.
+
+use std::path::Path;
+use std::time::Instant;
+
+use holo_core::optics::DisparityRange;
+use holo_core::{GridSize, LightFieldShape, Remainder, Rig};
+use holo_io::ArrayCamera;
+use holo_render::{Baseline, Camera as Optics, CameraChoice, Framed, Framing, Renderer, World};
+use holo_scene::gltf::Loaded;
+use holo_scene::{Camera as SceneCamera, CameraProjection, Scene, Transform};
+
+use super::sky;
+use super::source::SceneSource;
+use crate::Error;
+use crate::output::Wanted;
+use crate::settings::{
+    Camera, EngineSettings, Focus, Output, Pixels, RenderSettings, RigSettings, SceneSettings, Sky, Spacing,
+};
+use crate::watch::{About, Diagnostics};
+
+/// The length of the larger image side of cameras whose focal length is in pixels, m: only the ratio matters.
+const SENSOR_M: f64 = 0.036;
+
+/// How far the axes of a pose may be from orthonormal: files of single precision.
+const POSE_TOLERANCE: f64 = 1e-4;
+
+/// A scene at one frame, with its sky.
+pub struct Stage {
+    /// The scene, and warnings about its file.
+    pub loaded: Loaded,
+    /// Whether the scene has no light sources and got the soft sky of [`Sky::Automatic`].
+    pub has_automatic_sky: bool,
+    /// Wall-clock time of reading the scene, s.
+    pub load_seconds: f64,
+}
+
+/// A camera in front of a scene, ready to render.
+pub struct Prepared {
+    /// The camera.
+    pub camera: Optics,
+    /// Its pose, camera to world.
+    pub pose: Transform,
+    /// The name of the scene's camera or of the pose, for messages and manifests.
+    pub name: String,
+    /// The renderer with the acceleration structure of the scene.
+    pub renderer: Renderer,
+    /// Wall-clock time of building the acceleration structure and finding the focus, s.
+    pub build_seconds: f64,
+}
+
+impl Prepared {
+    /// Returns the rig; `None` for other cameras.
+    #[must_use]
+    pub fn rig(&self) -> Option<&Rig> {
+        self.camera.rig()
+    }
+}
+
+impl Stage {
+    /// Loads a scene at the frame of `scene`, and gives it its sky; `None`: its light does not matter.
+    ///
+    /// # Errors
+    /// [`Error::Failed`] if the scene or the environment map cannot be read; [`Error::BadRequest`] for several frames.
+    pub fn load(
+        source: &SceneSource,
+        scene: &SceneSettings,
+        sky: Option<&Sky>,
+        diagnostics: &dyn Diagnostics,
+    ) -> Result<Self, Error> {
+        let start = Instant::now();
+        let mut loaded = load(source, scene, diagnostics)?;
+        let has_automatic_sky = sky.map_or(Ok(false), |wanted| sky::add(wanted, &mut loaded.scene, diagnostics))?;
+        Ok(Self { loaded, has_automatic_sky, load_seconds: start.elapsed().as_secs_f64() })
+    }
+
+    /// Prepares the scene for cameras at any pose.
+    ///
+    /// # Errors
+    /// [`Error::Failed`] if the scene is invalid; [`Error::Render`] if the threads cannot be started.
+    pub fn world(&self, source: &SceneSource, sky: &Sky, engine: &EngineSettings) -> Result<World<'_>, Error> {
+        World::new(&self.loaded.scene, engine.backend, threads(engine))
+            .map_err(|error| blame(source.path(), sky, error))
+    }
+}
+
+/// The number of threads as the renderer takes it.
+fn threads(engine: &EngineSettings) -> usize {
+    engine.threads.map_or(0, std::num::NonZeroUsize::get)
+}
+
+/// What a job has in common for all of its shots.
+#[derive(Clone, Copy)]
+pub(super) struct Setup<'a> {
+    pub source: &'a SceneSource,
+    pub settings: &'a RenderSettings,
+    pub wanted: &'a Wanted,
+    pub engine: &'a EngineSettings,
+}
+
+impl Setup<'_> {
+    /// Checks what can be checked of sizes and poses before a scene is loaded.
+    ///
+    /// # Errors
+    /// [`Error::BadRequest`] and [`Error::Core`] for impossible sizes, for more memory than there is, and for a pose that
+    /// is none.
+    pub fn check(&self) -> Result<(), Error> {
+        let settings = self.settings;
+        let Some(array) = settings.poses.cameras() else {
+            return match &settings.camera {
+                Camera::Rig(rig) => validate_memory(&shape(rig, None, &())?, settings, self.wanted),
+                Camera::Plenoptic(_) | Camera::Pinhole => Ok(()),
+            };
+        };
+        for camera in &array.cameras {
+            pose_of(camera)?;
+            match &settings.camera {
+                Camera::Rig(rig) => validate_memory(&shape(rig, Some(camera), &())?, settings, self.wanted)?,
+                Camera::Pinhole if camera.size.is_none() => return Err(without_size(camera)),
+                Camera::Pinhole | Camera::Plenoptic(_) => {}
+            }
+        }
+        Ok(())
+    }
+
+    /// Loads the scene at a frame.
+    pub fn stage(&self, diagnostics: &dyn Diagnostics) -> Result<Stage, Error> {
+        let light = &self.settings.light;
+        let sees_light = light.sky != Sky::Automatic || self.wanted.integrator != holo_render::Integrator::Depth;
+        Stage::load(self.source, &self.settings.scene, sees_light.then_some(&light.sky), diagnostics)
+    }
+
+    /// Prepares the camera at the pose of this number; of a job without poses at that of the scene's camera.
+    pub fn prepare(
+        &self,
+        stage: &Stage,
+        world: &World,
+        pose: usize,
+        diagnostics: &dyn Diagnostics,
+    ) -> Result<Prepared, Error> {
+        let start = Instant::now();
+        let placed = self.place(stage, pose, diagnostics)?;
+        let renderer = world.at(&placed.pose()).map_err(|e| blame(self.source.path(), &self.settings.light.sky, e))?;
+        let (pose, name) = (placed.pose(), placed.name());
+        let camera = match placed {
+            Placed::Views(framed) => Optics::Rig(self.focused(&renderer, &framed)?),
+            Placed::Raw { camera, .. } => *camera,
+        };
+        Ok(Prepared { camera, pose, name, renderer, build_seconds: start.elapsed().as_secs_f64() })
+    }
+
+    /// The camera at a pose, before its focus is known.
+    fn place(&self, stage: &Stage, pose: usize, diagnostics: &dyn Diagnostics) -> Result<Placed, Error> {
+        let Self { source, settings, .. } = *self;
+        let at = settings.poses.cameras().and_then(|array| array.cameras.get(pose));
+        match (&settings.camera, at) {
+            (Camera::Rig(rig), None) => {
+                let shape = shape(rig, None, diagnostics)?;
+                validate_memory(&shape, settings, self.wanted)?;
+                let framed = frame(source.path(), &stage.loaded, (rig, shape), &settings.scene, diagnostics)?;
+                if let Some(change) = framed.aspect_change {
+                    diagnostics.report(About::Scene, &format!("note: {}: {change}", framed.camera));
+                }
+                Ok(Placed::Views(Box::new(framed)))
+            }
+            (Camera::Rig(rig), Some(camera)) => {
+                let shape = shape(rig, Some(camera), diagnostics)?;
+                validate_memory(&shape, settings, self.wanted)?;
+                Ok(Placed::Views(Box::new(frame_at(camera, rig, shape)?)))
+            }
+            (Camera::Plenoptic(file), None) => {
+                let framed = pose_of_scene(source, &stage.loaded, &settings.scene, diagnostics)?;
+                let camera = Box::new(file.camera.clone().into());
+                Ok(Placed::Raw { camera, pose: framed.pose, name: framed.camera })
+            }
+            (Camera::Plenoptic(file), Some(at)) => {
+                let camera = Box::new(file.camera.clone().into());
+                Ok(Placed::Raw { camera, pose: pose_of(at)?, name: at.name.clone() })
+            }
+            (Camera::Pinhole, Some(camera)) => {
+                let size = camera.size.ok_or_else(|| without_size(camera))?;
+                let shape = LightFieldShape::new(GridSize::new(1, 1), size)?;
+                let rig = RigSettings { focus: Focus::Meters(f64::INFINITY), ..RigSettings::default() };
+                Ok(Placed::Views(Box::new(frame_at(camera, &rig, shape)?)))
+            }
+            (Camera::Pinhole, None) => {
+                Err(Error::BadRequest("pinhole cameras need `transforms`, which places them".into()))
+            }
+        }
+    }
+
+    /// The rig with its focus.
+    fn focused(&self, renderer: &Renderer, framed: &Framed) -> Result<Rig, Error> {
+        let (spacing, focus) = match &self.settings.camera {
+            Camera::Rig(rig) => (rig.spacing, rig.focus),
+            _ => (Spacing::BaselineM(0.0), Focus::Meters(f64::INFINITY)),
+        };
+        let rig = match (spacing, focus) {
+            (Spacing::DisparitiesPx((min_px, max_px)), _) => {
+                renderer.rig_for_disparities(framed, DisparityRange { min_px, max_px })
+            }
+            (_, Focus::Meters(distance)) => framed.rig(distance),
+            (_, Focus::Automatic) => renderer.automatic_focus_m(framed).and_then(|distance| framed.rig(distance)),
+        };
+        rig.map_err(|error| blame(self.source.path(), &self.settings.light.sky, error))
+    }
+
+    /// The camera of another frame with the focus distance of `rig`, for motion: the scene, and the rig with its pose.
+    pub fn next_frame(&self, frame: u32, rig: &Rig, pose: usize) -> Result<(Scene, Transform, Rig), Error> {
+        let mut scene = self.settings.scene.clone();
+        scene.frames = Some(crate::settings::Frames::one(frame));
+        let stage = Stage { loaded: load(self.source, &scene, &())?, has_automatic_sky: false, load_seconds: 0.0 };
+        let Placed::Views(framed) = self.place(&stage, pose, &())? else {
+            return Err(Error::BadRequest("motion is of views, and a raw image has none".into()));
+        };
+        let spacing = self.settings.camera.rig().map(|rig| rig.spacing);
+        let next = match spacing {
+            // A baseline that followed from disparities stays; one of an f-number changes with the focal length.
+            Some(Spacing::DisparitiesPx(_)) => rig.to_builder().intrinsics(framed.intrinsics).build()?,
+            _ => framed.rig(rig.focus_distance_m())?,
+        };
+        Ok((stage.loaded.scene, framed.pose, next))
+    }
+}
+
+/// A camera at a pose.
+enum Placed {
+    Views(Box<Framed>),
+    Raw { camera: Box<Optics>, pose: Transform, name: String },
+}
+
+impl Placed {
+    fn pose(&self) -> Transform {
+        match self {
+            Self::Views(framed) => framed.pose,
+            Self::Raw { pose, .. } => *pose,
+        }
+    }
+
+    fn name(&self) -> String {
+        match self {
+            Self::Views(framed) => framed.camera.clone(),
+            Self::Raw { name, .. } => name.clone(),
+        }
+    }
+}
+
+impl SceneSource {
+    /// Loads the scene, chooses its camera, builds the acceleration structure and determines the focus, for rendering
+    /// depth and disparity of the central view.
+    ///
+    /// # Errors
+    /// [`Error::Failed`] if the scene cannot be read or its camera is unsuitable; [`Error::BadRequest`] and
+    /// [`Error::Core`] if the rig is invalid; [`Error::Render`] if the backend is not available.
+    pub fn prepare(
+        &self,
+        settings: &RenderSettings,
+        engine: &EngineSettings,
+        diagnostics: &dyn Diagnostics,
+    ) -> Result<(Stage, Prepared), Error> {
+        let mut of_truth = settings.clone();
+        if settings.camera.rig().is_some() {
+            // Nothing of the other views is rendered.
+            of_truth.light.integrator = holo_render::Integrator::Depth;
+            (of_truth.output.write, of_truth.output.layers) = (vec![Output::Depth, Output::Disparity], Vec::new());
+        }
+        let settings = &of_truth;
+        let wanted = Wanted::new(settings)?;
+        let setup = Setup { source: self, settings, wanted: &wanted, engine };
+        let stage = Stage::load(self, &settings.scene, None, diagnostics)?;
+        let prepared = setup.prepare(&stage, &stage.world(self, &settings.light.sky, engine)?, 0, diagnostics)?;
+        report_backend(&prepared.renderer, diagnostics);
+        Ok((stage, prepared))
+    }
+}
+
+/// Returns the ray tracing backend with its version, as manifests contain it.
+pub(crate) fn engine_name(engine: &EngineSettings, diagnostics: &dyn Diagnostics) -> Result<String, Error> {
+    let renderer = Renderer::new(&Scene::default(), &Transform::IDENTITY, engine.backend, 1)?;
+    report_backend(&renderer, diagnostics);
+    Ok(renderer.engine_name().to_owned())
+}
+
+/// Reports if another backend is used than the requested one.
+fn report_backend(renderer: &Renderer, diagnostics: &dyn Diagnostics) {
+    if let Some(note) = renderer.engine_note() {
+        diagnostics.report(About::Setup, &format!("warning: {note}"));
+    }
+}
+
+/// Loads a scene and reports its warnings.
+fn load(source: &SceneSource, scene: &SceneSettings, diagnostics: &dyn Diagnostics) -> Result<Loaded, Error> {
+    if scene.frames.is_some_and(|frames| frames.single().is_none()) {
+        return Err(Error::BadRequest("`frame` is of several images here; give one".into()));
+    }
+    let loaded = source.load(scene).map_err(|e| match e {
+        holo_scene::Error::Read { .. } => Error::Failed(e.to_string()),
+        other => Error::Failed(named(source.path(), &other.to_string())),
+    })?;
+    loaded.warnings.iter().for_each(|warning| diagnostics.report(About::Scene, &format!("warning: {warning}")));
+    Ok(loaded)
+}
+
+/// The camera of the scene, for cameras that have their own optics.
+pub(crate) fn pose_of_scene(
+    source: &SceneSource,
+    loaded: &Loaded,
+    scene: &SceneSettings,
+    diagnostics: &dyn Diagnostics,
+) -> Result<Framed, Error> {
+    let one = GridSize::new(1, 1);
+    let shape = LightFieldShape::new(one, one)?;
+    frame(source.path(), loaded, (&RigSettings::default(), shape), scene, diagnostics)
+}
+
+/// The camera of the scene with the intrinsics and the baseline of the rig.
+fn frame(
+    path: &Path,
+    loaded: &Loaded,
+    (rig, shape): (&RigSettings, LightFieldShape),
+    scene: &SceneSettings,
+    diagnostics: &dyn Diagnostics,
+) -> Result<Framed, Error> {
+    let framing = Framing::new(shape)
+        .camera(choice(scene.camera.as_ref(), loaded))
+        // Divided, because 1e-3 is not exact: 36 mm times it is not 0.036 m.
+        .focal_length_m(rig.focal_mm.map(|mm| mm / 1e3))
+        .sensor_size_m(rig.sensor_mm / 1e3)
+        .baseline(baseline(rig))
+        .projection(rig.projection);
+    let framed = framing.frame(&loaded.scene).map_err(|e| match e {
+        // No camera was requested: the file has no suitable one.
+        holo_render::Error::BadSetting(why) if scene.camera.is_none() => Error::Failed(named(path, &why)),
+        other => blame(path, &Sky::Automatic, other),
+    })?;
+    if loaded.scene.cameras.is_empty() {
+        diagnostics.report(About::Scene, &format!("warning: {}", framed.camera));
+    }
+    Ok(framed)
+}
+
+/// The rig at a pose of a list, with the focal length of its camera.
+fn frame_at(camera: &ArrayCamera, rig: &RigSettings, shape: LightFieldShape) -> Result<Framed, Error> {
+    let pose = pose_of(camera)?;
+    // The focal length is in pixels of the image without shifts.
+    let size = camera.size.unwrap_or_else(|| shape.lenses());
+    let projection = CameraProjection::Perspective { vertical_angle_rad: 1.0, aspect_ratio: None };
+    let only = Scene { cameras: vec![SceneCamera { name: camera.name.clone(), pose, projection }], ..Scene::default() };
+    let framed = Framing::new(shape)
+        .camera(CameraChoice::First)
+        .sensor_size_m(SENSOR_M)
+        .focal_length_m(Some(SENSOR_M * camera.focal_px / size.columns.max(size.rows) as f64))
+        .baseline(baseline(rig))
+        .projection(rig.projection)
+        .frame(&only)?;
+    Ok(framed)
+}
+
+fn baseline(rig: &RigSettings) -> Baseline {
+    match rig.spacing {
+        Spacing::FNumber(f_number) => Baseline::FNumber(f_number),
+        Spacing::BaselineM(meters) => Baseline::Meters(meters),
+        // It is found later.
+        Spacing::DisparitiesPx(_) => Baseline::FNumber(5.0),
+    }
+}
+
+/// The pose of a camera of a list, whose axes may be rounded.
+fn pose_of(camera: &ArrayCamera) -> Result<Transform, Error> {
+    let [x, y, z, translation] = camera.axes_and_position;
+    let given = Transform { columns: [x, y, z], translation };
+    let near = |pose: &Transform| {
+        let pairs = pose.columns.as_flattened().iter().zip(given.columns.as_flattened());
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) <= POSE_TOLERANCE
+    };
+    given.to_pose().filter(near).ok_or_else(|| {
+        let name = &camera.name;
+        Error::BadRequest(format!(
+            "the matrix of camera '{name}' is no rotation and translation; remove scale and mirroring from it"
+        ))
+    })
+}
+
+fn without_size(camera: &ArrayCamera) -> Error {
+    Error::BadRequest(format!("camera '{}' has no size; give `lenses=WIDTHxHEIGHT`", camera.name))
+}
+
+/// The choice of the camera: a number is an index, unless a camera has that name.
+fn choice(requested: Option<&String>, loaded: &Loaded) -> CameraChoice {
+    let Some(text) = requested else { return CameraChoice::First };
+    match text.parse::<usize>() {
+        Ok(index) if loaded.scene.cameras.iter().all(|c| c.name != *text) => CameraChoice::Index(index),
+        _ => CameraChoice::Name(text.clone()),
+    }
+}
+
+/// Converts an error of the renderer. If it may be caused by numbers of the scene file or the environment map, its message
+/// names the file.
+fn blame(scene: &Path, sky: &Sky, error: holo_render::Error) -> Error {
+    if let (holo_render::Error::Scene(holo_scene::Error::BadScene { at, what }), Sky::Map(sky)) = (&error, sky)
+        && at.starts_with("environment")
+    {
+        return Error::Failed(named(sky, &format!("{at}: {what}")));
+    }
+    let numbers = matches!(error, holo_render::Error::Scene(_) | holo_render::Error::Core(_));
+    match Error::from(error) {
+        error if numbers && !error.is_bad_request() => Error::Failed(named(scene, &error.to_string())),
+        error => error,
+    }
+}
+
+/// A message with the path of a file in front, unless it begins with that already.
+fn named(path: &Path, message: &str) -> String {
+    let name = path.display().to_string();
+    if message.starts_with(&format!("{name}: ")) { message.into() } else { format!("{name}: {message}") }
+}
+
+/// Allocates the memory that a render needs and frees it untouched, so that impossible sizes are refused first.
+fn validate_memory(shape: &LightFieldShape, settings: &RenderSettings, wanted: &Wanted) -> Result<(), Error> {
+    /// Room for tables over the rows and columns of lenses and views.
+    const LINE_BYTES: usize = 64;
+    let (views, lenses, raw) = (shape.views(), shape.lenses(), shape.raw_size());
+    let lines = [views.rows, views.columns, lenses.rows, lenses.columns];
+    let [sample_bytes, lens_bytes] = memory(settings, wanted);
+    let bytes = lines.iter().map(|count| count.saturating_mul(LINE_BYTES)).fold(
+        shape.sample_count().saturating_mul(sample_bytes).saturating_add(lenses.count().saturating_mul(lens_bytes)),
+        usize::saturating_add,
+    );
+    let mut room = Vec::<u8>::new();
+    let refused = room.try_reserve_exact(bytes).is_err();
+    // Otherwise the compiler may remove the allocation.
+    std::hint::black_box(&room);
+    if refused {
+        return Err(Error::BadRequest(format!(
+            "a light field of {} x {} views of {} x {} px ({} x {} in all) needs {:.0} GB of memory, more than there \
+             is; use fewer views or lenses",
+            views.columns,
+            views.rows,
+            lenses.columns,
+            lenses.rows,
+            raw.columns,
+            raw.rows,
+            bytes as f64 / 1e9
+        )));
+    }
+    Ok(())
+}
+
+/// The memory that a render needs: of every sample of the light field, and of every pixel of the central view, bytes.
+fn memory(settings: &RenderSettings, wanted: &Wanted) -> [usize; 2] {
+    let light = &settings.light;
+    let color = if wanted.integrator == holo_render::Integrator::Depth { 0 } else { 3 };
+    let is_denoised = light.denoise == holo_render::Denoise::Views;
+    let error = usize::from(wanted.error || is_denoised && light.target_error.is_some());
+    let guides = if color > 0 && (is_denoised || wanted.error) { 2 + error } else { 0 };
+    [color + guides + wanted.all.channels(), wanted.central.channels()].map(|floats| floats * size_of::<f32>())
+}
+
+/// The numbers of views and microlenses of a rig, at a pose with a size of its own or at that of the scene.
+fn shape(rig: &RigSettings, at: Option<&ArrayCamera>, diagnostics: &dyn Diagnostics) -> Result<LightFieldShape, Error> {
+    let shape = match (rig.pixels, at) {
+        (Pixels::Lenses(lenses), None) => LightFieldShape::new(rig.views, lenses)?,
+        (Pixels::Lenses(lenses), Some(camera)) if camera.size.is_none_or(|size| size == lenses) => {
+            LightFieldShape::new(rig.views, lenses)?
+        }
+        (Pixels::Lenses(_) | Pixels::Sensor(_), Some(camera)) => {
+            let size = camera.size.map_or_else(|| "no size".into(), |size| format!("{size} pixels"));
+            return Err(Error::BadRequest(format!(
+                "camera '{}' has {size}, and `lenses` or `sensor` say otherwise; remove them",
+                camera.name
+            )));
+        }
+        (Pixels::OfPoses, Some(camera)) => {
+            LightFieldShape::new(rig.views, camera.size.ok_or_else(|| without_size(camera))?)?
+        }
+        (Pixels::OfPoses, None) => {
+            return Err(Error::BadRequest("the pixels of a view are those of poses, and there are none".into()));
+        }
+        (Pixels::Sensor(sensor), None) => {
+            let divided = sensor.divide(rig.views, Remainder::Crop)?;
+            let border = divided.border;
+            if (border.rows, border.columns) != (0, 0) {
+                let size = sensor.size();
+                let note = format!(
+                    "note: {} x {} views leave {} columns and {} rows of the {} x {} sensor unused",
+                    rig.views.columns, rig.views.rows, border.columns, border.rows, size.columns, size.rows
+                );
+                diagnostics.report(About::Setup, &note);
+            }
+            divided.shape
+        }
+    };
+    shifted(rig, shape)
+}
+
+/// The microlenses of an array in all of its positions.
+pub(crate) fn shifted(rig: &RigSettings, shape: LightFieldShape) -> Result<LightFieldShape, Error> {
+    let Some(shifts) = rig.lens_shifts else { return Ok(shape) };
+    let more = |count: usize| count.saturating_mul(shifts as usize);
+    let lenses = shape.lenses();
+    Ok(LightFieldShape::new(rig.views, GridSize::new(more(lenses.rows), more(lenses.columns)))?)
+}

@@ -1,0 +1,114 @@
+//! The sources of scenes: files and the gallery.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use holo_io::Sha256;
+use holo_scene::gallery;
+use holo_scene::gltf::{self, LoadOptions, Loaded};
+
+use crate::Error;
+use crate::settings::SceneSettings;
+
+/// The source of a scene. Copies share the bytes of the file: a dataset has one for each of its images.
+#[derive(Clone, Debug)]
+pub enum SceneSource {
+    /// A `.glb` or `.gltf` file.
+    File(PathBuf),
+    /// A scene of the gallery: its name, and the `.glb` that `holo scene` writes, so that both give the same image.
+    Gallery(&'static str, Arc<[u8]>),
+    /// A `.glb` in memory, with a name for messages and files.
+    Memory(String, Arc<[u8]>),
+}
+
+impl SceneSource {
+    /// Creates the scene of a `.glb` or `.gltf` file. It is read when the scene is loaded.
+    #[must_use]
+    pub fn file(path: impl AsRef<Path>) -> Self {
+        Self::File(path.as_ref().to_owned())
+    }
+
+    /// Creates a scene of the gallery by its name.
+    ///
+    /// # Errors
+    /// [`Error::BadRequest`] if there is no such scene.
+    pub fn gallery(name: &str) -> Result<Self, Error> {
+        let mut all = gallery::NAMES.iter().chain(gallery::ANIMATED);
+        let known = all.find(|known| **known == name);
+        let (name, glb) = known.and_then(|known| Some((*known, gallery::to_glb(known)?))).ok_or_else(|| {
+            let known = [gallery::NAMES, gallery::ANIMATED].concat().join(", ");
+            Error::BadRequest(format!("the gallery has no scene '{name}'; it has: {known}"))
+        })?;
+        Ok(Self::Gallery(name, glb?.into()))
+    }
+
+    /// Returns the path of the file, or the name of the gallery scene, for messages.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        match self {
+            Self::File(path) => path,
+            Self::Gallery(name, _) => Path::new(name),
+            Self::Memory(name, _) => Path::new(name),
+        }
+    }
+
+    /// Returns the name of the scene: the file name without its extension, or the name in the gallery.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.path().file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
+    }
+
+    /// Computes the digest of the file, or of the `.glb` of the gallery scene.
+    ///
+    /// # Errors
+    /// [`Error::Io`] if the file cannot be read.
+    pub fn sha256(&self) -> Result<Sha256, Error> {
+        Ok(match self {
+            Self::File(path) => holo_io::hash_file(path)?.sha256,
+            Self::Gallery(_, glb) | Self::Memory(_, glb) => Sha256::of(glb),
+        })
+    }
+
+    /// Loads the scene, at the first of the frames of `settings` if it has some. Nothing else of it changes a scene of the
+    /// gallery.
+    ///
+    /// # Errors
+    /// An error of `holo-scene` if the file cannot be read, is not valid glTF, or does not have the material variant.
+    pub fn load(&self, settings: &SceneSettings) -> Result<Loaded, holo_scene::Error> {
+        match self {
+            Self::File(path) => gltf::load_with(path, &settings.load_options()),
+            Self::Gallery(_, glb) => gltf::load_slice_with(glb, &settings.times()),
+            Self::Memory(_, glb) => gltf::load_slice_with(glb, &settings.load_options()),
+        }
+    }
+}
+
+impl SceneSettings {
+    /// Returns the number of frames a second.
+    #[must_use]
+    pub fn frames_per_second(&self) -> f64 {
+        self.fps.unwrap_or(24.0)
+    }
+
+    /// Returns the time of a frame, s.
+    #[must_use]
+    pub fn seconds_of(&self, frame: u32) -> f64 {
+        f64::from(frame) / self.frames_per_second()
+    }
+
+    /// The options that concern time alone.
+    fn times(&self) -> LoadOptions {
+        let mut options = LoadOptions::default();
+        options.time_s = self.frames.map(|frames| self.seconds_of(frames.first));
+        options.animation.clone_from(&self.animation);
+        options
+    }
+
+    fn load_options(&self) -> LoadOptions {
+        let mut options = self.times();
+        options.light_units = self.light_units;
+        options.solid_glass = self.solid_glass;
+        options.material_variant.clone_from(&self.material_variant);
+        options
+    }
+}

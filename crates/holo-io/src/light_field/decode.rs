@@ -1,0 +1,30 @@
+//! The views of the raw image of an unfocused plenoptic camera.
+
+use std::path::Path;
+
+use holo_core::{DynLightField, LightFieldShape};
+
+use crate::{CameraFile, Error, Limits, read_linear};
+
+/// Decodes the views of `shape`, as many along both axes, by the white image of the camera without dirt and noise.
+pub(super) fn decode(
+    image: &Path,
+    file: &CameraFile,
+    shape: LightFieldShape,
+    limits: &Limits,
+) -> Result<DynLightField, Error> {
+    let failed = |error| Error::core(image, error);
+    let raw = read_linear(image, limits)?;
+    limits.elements(image, "light field", &shape.array_shape(raw.dim().2), size_of::<f32>())?;
+    let white = file.camera.white_image().map_err(failed)?;
+    if !white.iter().any(|&light| light > 0.0) {
+        let what = format!(
+            "no light reaches the sensor of the camera '{}': its micro-images lie beside the sensor or between the \
+             light-sensitive parts of its pixels",
+            file.name
+        );
+        return Err(Error::NoLightField { path: image.to_owned(), what });
+    }
+    let decoded = file.camera.decode(raw.view(), white.view(), shape.views().rows).map_err(failed)?;
+    Ok(decoded.light_field.into())
+}
