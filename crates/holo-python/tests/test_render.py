@@ -129,9 +129,9 @@ focus_m = 1.5
     ("options", "words"),
     [
         ({"views": (3,)}, "rows, columns"),
-        ({"views": "3y"}, "--views=3y"),
+        ({"views": "3y"}, "views=3y"),
         ({"sensr": "8k"}, "sensr"),
-        ({"spp": "many"}, "--spp=many"),
+        ({"spp": "many"}, "spp=many"),
         ({"layers": ["depth", "smell"]}, "smell"),
         ({"integrator": "photon"}, "photon"),
         ({"sky": (1, 2)}, "sky"),
