@@ -58,7 +58,7 @@ pub trait SettingType: Sized {
     /// A message for any other text.
     fn parse(text: &str) -> Result<Self, Malformed>;
 
-    /// Returns the typed value for a manifest, from whose [`text`] the same value is parsed.
+    /// Returns the typed value for a manifest, from whose text the same value is parsed.
     fn value(&self) -> ManifestValue;
 }
 
