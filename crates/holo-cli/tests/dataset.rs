@@ -41,6 +41,9 @@ fn a_dataset_has_the_folders_of_the_paper_and_tells_what_it_is() {
     for part in ["| `tiny` |", "| `4x2` | 4x2 | 15x20 | 60x40 |", "CC0", "--spp=2"] {
         assert!(page.contains(part), "no '{part}' in {page}");
     }
+    for option in ["--sensor-mm", "--projection"] {
+        assert!(!page.contains(option), "`holo dataset` has no {option}");
+    }
     let outcome = bench.run("verify set");
     assert_eq!(outcome.code, Some(0), "{outcome:?}");
     assert!(outcome.stdout.contains("4 folders with 28 files"), "{outcome:?}");

@@ -10,6 +10,7 @@ use holo_scene::gallery;
 
 use super::catalog;
 use crate::Error;
+use crate::settings::{RenderSettings, texts};
 
 /// SPDX identifier of the license of the images.
 const LICENSE: &str = "CC0-1.0";
@@ -170,7 +171,11 @@ fn write_origin(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
         writeln!(text, "    --glb {} \\", own.join(","))?;
     }
     write!(text, "    --views {}", join(shapes.iter().map(|shape| shape.views().to_string())))?;
-    for argument in arguments(&index.options).filter(|argument| !argument.ends_with('=')) {
+    // Defaults are left out: `holo dataset` does not take all settings.
+    let default = texts(&RenderSettings::default());
+    let given = index.options.iter().filter(|(key, value)| default.get(*key) != Some(value));
+    let given: Options = given.map(|(key, value)| (key.clone(), value.clone())).collect();
+    for argument in arguments(&given).filter(|argument| !argument.ends_with('=')) {
         write!(text, " \\\n    {argument}")?;
     }
     writeln!(
