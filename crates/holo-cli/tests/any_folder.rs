@@ -133,8 +133,8 @@ fn decode_finds_the_camera_beside_the_raw_image() {
     assert!(bench.bytes("beside") == bench.bytes("named") && bench.bytes("folder") == bench.bytes("named"));
     std::fs::create_dir(bench.path("alone")).unwrap();
     std::fs::copy(bench.path("raw/raw.exr"), bench.path("alone/raw.exr")).unwrap();
-    refused(&bench, "decode alone/raw.exr --out x", 2, &["no camera.toml beside it", "--camera-file"]);
-    refused(&bench, "decode alone --out x", 2, &["no camera.toml beside it", "--camera-file"]);
+    refused(&bench, "decode alone/raw.exr --out x", 2, &["has no camera.toml", "--camera-file"]);
+    refused(&bench, "decode alone --out x", 2, &["has no camera.toml", "--camera-file"]);
     ok(&bench, "decode alone --camera-file small.toml --out again");
     std::fs::remove_file(bench.path("alone/raw.exr")).unwrap();
     refused(&bench, "decode alone --out x", 1, &["alone", "neither raw.exr nor raw_linear.png"]);

@@ -23,3 +23,6 @@ pub use self::statistics::{ColorStatistics, EstimatedError, Statistics};
 pub(crate) use self::wanted::Wanted;
 #[cfg(not(feature = "hdf5"))]
 pub(crate) use self::wanted::without_hdf5;
+
+/// The cameras in the folder of several poses.
+pub(crate) const TRANSFORMS: &str = "transforms.json";

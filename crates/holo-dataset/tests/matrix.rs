@@ -136,6 +136,8 @@ fn check(out: &Path, job: &RenderJob) {
         let found = verify(&folder).unwrap_or_else(|why| panic!("{}: {why}", folder.display()));
         assert_eq!(found.bad_folders, 0, "{found:?}");
     }
+    let whole = verify(out).unwrap_or_else(|why| panic!("{}: {why}", out.display()));
+    assert_eq!((whole.folders, whole.bad_folders), (job.shots().len(), 0), "{whole:?}");
 }
 
 /// All files below a folder.
@@ -206,6 +208,19 @@ fn motion_is_of_frames_of_views() {
             _ => assert!(outcome.expect_err("refused").is_bad_request(), "{kind:?} {many_frames}"),
         }
     }
+}
+
+/// The folder of several poses names the one that is missing.
+#[test]
+fn a_missing_pose_is_found() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let job = job(settings(Kind::Rig, true, false));
+    job.run(folder.path(), &RunOptions::new()).expect("two poses");
+    check(folder.path(), &job);
+    std::fs::remove_dir_all(folder.path().join("left")).expect("the folder of a pose");
+    let found = verify(folder.path()).expect("folders");
+    assert_eq!((found.folders, found.bad_folders), (2, 1), "{found:?}");
+    assert!(found.mismatches.iter().all(|line| line.starts_with("left: ")), "{found:?}");
 }
 
 /// Two shards are the whole: merged rows and images, and shots in one folder.

@@ -66,19 +66,8 @@ impl Scope for OfRender {
 
 impl Scope for OfDataset {
     fn has(key: &str) -> bool {
-        let of_one = [
-            "views",
-            "lenses",
-            "lens-shifts",
-            "baseline-m",
-            "focal-mm",
-            "sensor-mm",
-            "projection",
-            "camera",
-            "subset",
-            "for",
-        ];
-        !of_one.contains(&key)
+        let of_all = ["sensor", "f-number", "focus-m", "disparity"];
+        of_all.contains(&key) || !(RIG.contains(&key) || key == "for")
     }
 }
 
@@ -138,7 +127,7 @@ impl<S: Scope> Args for Settings<S> {
     }
 }
 
-/// The argument of a setting, in a command that has the settings of which `has` is true.
+/// Makes the argument of a setting. `has` says which settings the command has.
 fn argument(setting: &'static Setting, has: fn(&str) -> bool) -> Arg {
     let others = table().filter(|other| has(other.key()) && setting.excludes(other)).map(Setting::key);
     let paragraphs: Vec<String> = setting.help().iter().map(|text| Failure::spelled(text)).collect();

@@ -53,7 +53,7 @@ pub fn adjusted(mut camera: CameraFile, given: &mut Given) -> Result<CameraFile,
 }
 
 impl DatasetOptions {
-    /// Without views, of which every job has its own.
+    /// Returns the settings that all jobs share; every job has its own number of views.
     pub fn settings(&self) -> Result<RenderSettings, Failure> {
         let mut settings = RenderSettings::default();
         settings.apply(self.settings.given())?;

@@ -92,5 +92,5 @@ fn camera_beside(raw: &Path) -> Result<CameraFile, Failure> {
         return Ok(CameraFile::read(&path)?);
     }
     std::fs::metadata(raw).map_err(|why| Failure::Failed(format!("cannot read {}: {why}", raw.display())))?;
-    Err(Failure::Usage(format!("{}: there is no {CAMERA_TOML} beside it; give --camera-file", raw.display())))
+    Err(Failure::Usage(format!("{}: its folder has no {CAMERA_TOML}; give --camera-file", raw.display())))
 }

@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use holo_io::dataset::{self, DatasetIndex, SequenceFolder};
-use holo_io::{Manifest, ManifestValue};
+use holo_io::{CameraArray, Manifest, ManifestValue, WorldUp};
 
 use crate::Error;
+use crate::output::TRANSFORMS;
 use crate::resume::finished_manifest;
 use crate::settings::{Frames, SettingType, value_text};
 
@@ -37,7 +38,8 @@ pub fn is_dataset(folder: &Path) -> bool {
     folder.join(dataset::DATASET_JSON).is_file()
 }
 
-/// Compares every file of a folder of `holo render`, or of all folders of a dataset or a sequence, with its digest.
+/// Compares every file of a folder of `holo render`, or of all folders of a dataset, a sequence or several poses, with its
+/// digest.
 ///
 /// # Errors
 /// [`Error::Io`] if `manifest.json` or `dataset.json` cannot be read; [`Error::Failed`] for an unfinished render. In a dataset or a
@@ -47,10 +49,9 @@ pub fn verify(folder: &Path) -> Result<Verification, Error> {
         return verify_all(folder);
     }
     if !folder.join(dataset::MANIFEST_JSON).exists() && folder.is_dir() {
-        let sequence = SequenceFolder::open(folder)?;
-        if !sequence.frames().is_empty() {
-            let frames = frames_of(&sequence).into_iter().map(|frame| SequenceFolder::frame_name(frame).into());
-            return Ok(verify_folders(folder, &frames.collect::<Vec<_>>(), |_, _| Vec::new()));
+        let shots = shots_of(folder)?;
+        if !shots.is_empty() {
+            return Ok(verify_folders(folder, &shots, |_, _| Vec::new()));
         }
     }
     let manifest = finished_manifest(folder)?;
@@ -78,6 +79,38 @@ fn verify_all(root: &Path) -> Result<Verification, Error> {
         }
     }
     Ok(found)
+}
+
+/// The folders of the poses and frames that a folder without a manifest should have, relative to it; none if it has
+/// neither.
+fn shots_of(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let transforms = folder.join(TRANSFORMS);
+    if !transforms.is_file() {
+        return frames_in(folder);
+    }
+    // Which axis is up does not matter for names.
+    let array = CameraArray::read(&transforms, WorldUp::default(), None)?;
+    let mut shots = Vec::new();
+    for pose in array.cameras.iter().map(|camera| Path::new(&camera.name)) {
+        let frames = frames_in(&folder.join(pose))?;
+        match frames.is_empty() {
+            true => shots.push(pose.to_owned()),
+            false => shots.extend(frames.into_iter().map(|frame| pose.join(frame))),
+        }
+    }
+    Ok(shots)
+}
+
+/// The folders of the frames that a folder should have, relative to it.
+fn frames_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    if folder.join(dataset::MANIFEST_JSON).exists() || !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let sequence = SequenceFolder::open(folder)?;
+    if sequence.frames().is_empty() {
+        return Ok(Vec::new());
+    }
+    Ok(frames_of(&sequence).into_iter().map(|frame| SequenceFolder::frame_name(frame).into()).collect())
 }
 
 /// The frames that a sequence should have: those that are there, and all of the ranges that they were rendered with.

@@ -16,15 +16,12 @@ use super::report::{CameraReport, RenderReport, Seconds};
 use super::{choices, pinholes, trace};
 use crate::Error;
 use crate::output::layers::FLOWS;
-use crate::output::{self, Finished, OutputFolder, Traced, TracedCamera, Wanted, exposure_ev};
+use crate::output::{self, Finished, OutputFolder, TRANSFORMS, Traced, TracedCamera, Wanted, exposure_ev};
 use crate::resume::checkpoint::Keeper;
 use crate::resume::identity::{check_replaceable, difference};
 use crate::resume::{done, merge};
 use crate::settings::{Camera, Output, Poses, RenderSettings, Shard};
 use crate::watch::Diagnostics;
-
-/// The cameras in the output folder of many poses.
-pub(super) const TRANSFORMS: &str = "transforms.json";
 
 /// Runs the shots of a job.
 pub(crate) struct Runner<'a> {
