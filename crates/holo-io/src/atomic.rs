@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256 as Hasher};
 
 use crate::Error;
+use crate::folder::Destination;
 pub(crate) use path::AtomicPath;
 use temporary::Temporary;
 pub use temporary::{TemporaryFilesRemoved, remove_stale_temporary_files, remove_temporary_files};
@@ -75,8 +76,9 @@ pub struct FileDigest {
 /// even after a power failure. A file that is dropped without `commit` is removed. A killed process leaves at most the
 /// `.part`, which [`remove_stale_temporary_files`] removes.
 ///
-/// Where the name is a symbolic link to a file, that file is replaced and the link stays. Where it is a device or a
-/// pipe (`/dev/null`, `/dev/stdout`), the bytes are written into it directly.
+/// Where a path is a symbolic link to a file, that file is replaced and the link stays. Where it is a device or a
+/// pipe (`/dev/null`, `/dev/stdout`), the bytes are written into it directly. Neither is so for a name in a
+/// [`Folder`](crate::Folder): there only a regular file is replaced, and everything else is an error.
 ///
 /// The size and the SHA-256 of the contents are computed during writing, so the file need not be read again for its
 /// manifest.
@@ -112,21 +114,20 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Creates the temporary file of a file that `commit` will name `path`.
+    /// Creates the temporary file of a file that `commit` will give its name.
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] if the folder does not exist or cannot be written, or if `path` is a folder; [`Error::BadInput`] if
-    /// `path` has no file name.
-    pub fn create(path: impl AsRef<Path>) -> Result<Self, Error> {
-        let path = path.as_ref();
-        let failed = |source| Error::io("write", path, source);
-        let (file, temporary) = match target_of(path)? {
-            Some(target) => {
-                let (file, temporary) = Temporary::create(&target).map_err(failed)?;
-                (file, Some(temporary))
+    /// [`Error::Io`] if the folder does not exist or cannot be written, or if the destination is a folder, or in a
+    /// [`Folder`](crate::Folder) anything but a regular file; [`Error::BadInput`] if it has no file name.
+    pub fn create(destination: impl Destination) -> Result<Self, Error> {
+        let path = destination.path();
+        let (file, temporary) = match Temporary::of(&destination)? {
+            Some((file, temporary)) => (file, Some(temporary)),
+            None => {
+                let failed = |source| Error::io("write", path, source);
+                (OpenOptions::new().write(true).open(path).map_err(failed)?, None)
             }
-            None => (OpenOptions::new().write(true).open(path).map_err(failed)?, None),
         };
         Ok(Self {
             path: path.to_owned(),
@@ -276,8 +277,8 @@ fn copy_of(error: &io::Error) -> io::Error {
 /// # Errors
 ///
 /// Those of [`AtomicFile::create`] and [`AtomicFile::commit`].
-pub fn write_file(path: impl AsRef<Path>, contents: &[u8]) -> Result<FileDigest, Error> {
-    let mut file = AtomicFile::create(path)?;
+pub fn write_file(destination: impl Destination, contents: &[u8]) -> Result<FileDigest, Error> {
+    let mut file = AtomicFile::create(destination)?;
     match file.write_all(contents) {
         Ok(()) => file.commit(),
         Err(error) => Err(file.error(error)),
@@ -297,7 +298,7 @@ pub fn hash_file(path: impl AsRef<Path>) -> Result<FileDigest, Error> {
 }
 
 /// Computes the size and digest of everything up to the end of `source`.
-fn hash(source: &mut impl Read) -> io::Result<FileDigest> {
+pub(crate) fn hash(source: &mut impl Read) -> io::Result<FileDigest> {
     let mut hasher = Hasher::new();
     let mut buffer = vec![0; BUFFER_BYTES];
     let mut bytes = 0;

@@ -54,7 +54,10 @@ pub use crate::names::{
 /// ```
 pub fn folder(scene: &str, views: GridSize) -> Result<PathBuf, Error> {
     if !stays_inside(scene) || scene.contains('/') {
-        return Err(Error::bad_input(Path::new(scene), "a scene's name must be usable as the name of one folder"));
+        return Err(Error::bad_input(
+            Path::new(&*crate::shown(scene)),
+            "a scene's name must be usable as the name of one folder: without /, \\, : and control characters; rename it",
+        ));
     }
     Ok(Path::new(scene).join(format!("{}x{}", views.columns, views.rows)))
 }

@@ -11,6 +11,8 @@
 //!   positive nearer than the focus plane. Millimeters occur only in fields whose name says so, because their files do.
 //! - A file appears whole or not at all: it is written under a temporary name in its folder, synced, and renamed
 //!   ([`AtomicFile`]).
+//! - Writers take a path or a place in an open folder ([`Folder`], [`Destination`]), which no link and no `..` leaves.
+//! - Text of files is escaped before it is shown ([`shown`]).
 //! - `decode_*` read from any [`Read`](std::io::Read) and `encode_*` write into any [`Write`](std::io::Write), with
 //!   neither temporary file nor digest nor sync, which are then the caller's choice. HDF5 needs a file: its library
 //!   opens paths.
@@ -112,6 +114,7 @@ mod error;
 #[cfg(feature = "exr")]
 mod exr;
 mod flo;
+mod folder;
 #[cfg(feature = "png")]
 pub mod gantry;
 #[cfg(feature = "gif")]
@@ -147,6 +150,7 @@ mod probe;
 mod raw_image;
 #[cfg(any(feature = "mat", feature = "hdf5"))]
 mod rig_values;
+mod shown;
 mod stream;
 #[cfg(feature = "tiff")]
 mod tiff;
@@ -175,6 +179,7 @@ pub use exr::{
     encode_exr_with, read_exr, read_exr_info, read_exr_rgb, write_exr, write_exr_with,
 };
 pub use flo::{decode_flo, read_flo, write_flo};
+pub use folder::{Destination, EntryKind, Folder, FolderFile, FolderLock};
 #[cfg(feature = "png")]
 pub use gantry::{GantryFolder, GantryPosition};
 #[cfg(feature = "gif")]
@@ -221,6 +226,7 @@ pub use png::{
 #[cfg(feature = "png")]
 pub use probe::{FileInfo, probe};
 pub use raw_image::layout_of_file_name;
+pub use shown::{shown, shown_lines, shown_output, visible};
 #[cfg(feature = "tiff")]
 pub use tiff::{TiffInfo, decode_tiff, encode_tiff, read_tiff, read_tiff_info, write_tiff};
 pub use transforms::{ArrayCamera, CameraArray, WorldUp};

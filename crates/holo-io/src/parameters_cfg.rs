@@ -13,6 +13,7 @@ use std::path::Path;
 use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 
 use crate::error::STREAM;
+use crate::folder::Destination;
 use crate::limits::read_small_file;
 use crate::{Error, FileDigest, meters_to_millimeters, millimeters_to_meters, write_file};
 
@@ -197,9 +198,9 @@ impl ParametersCfg {
     /// # Errors
     ///
     /// Those of [`ParametersCfg::to_text`], and [`Error::Io`] if the file cannot be written.
-    pub fn write(&self, path: impl AsRef<Path>) -> Result<FileDigest, Error> {
-        let path = path.as_ref();
-        write_file(path, keys::write(self, path)?.as_bytes())
+    pub fn write(&self, path: impl Destination) -> Result<FileDigest, Error> {
+        let text = keys::write(self, path.path())?;
+        write_file(path, text.as_bytes())
     }
 
     /// Reads a file. Text that is not UTF-8 is decoded as Latin-1.

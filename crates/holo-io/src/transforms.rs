@@ -14,6 +14,7 @@ use std::path::Path;
 use holo_core::GridSize;
 use serde_json::{Map, Value, json};
 
+use crate::folder::Destination;
 use crate::limits::read_small_file;
 use crate::{Error, FileDigest, write_file};
 
@@ -116,8 +117,8 @@ impl CameraArray {
     /// # Errors
     ///
     /// [`Error::BadInput`] if a camera has no size; [`Error::Io`] if the file cannot be written.
-    pub fn write(&self, path: impl AsRef<Path>, up: WorldUp) -> Result<FileDigest, Error> {
-        self.write_paths(path.as_ref(), up, |name| format!("images/{name}.png"))
+    pub fn write(&self, path: impl Destination, up: WorldUp) -> Result<FileDigest, Error> {
+        self.write_paths(&path, up, |name| format!("images/{name}.png"))
     }
 
     /// Writes a file whose poses are those of folders, each with a light field or a raw image, instead of images.
@@ -125,11 +126,17 @@ impl CameraArray {
     /// # Errors
     ///
     /// Those of [`CameraArray::write`].
-    pub fn write_folders(&self, path: impl AsRef<Path>, up: WorldUp) -> Result<FileDigest, Error> {
-        self.write_paths(path.as_ref(), up, str::to_owned)
+    pub fn write_folders(&self, path: impl Destination, up: WorldUp) -> Result<FileDigest, Error> {
+        self.write_paths(&path, up, str::to_owned)
     }
 
-    fn write_paths(&self, path: &Path, up: WorldUp, of: impl Fn(&str) -> String) -> Result<FileDigest, Error> {
+    fn write_paths(
+        &self,
+        destination: &dyn Destination,
+        up: WorldUp,
+        of: impl Fn(&str) -> String,
+    ) -> Result<FileDigest, Error> {
+        let path = destination.path();
         let frame = |camera: &ArrayCamera| -> Result<Value, Error> {
             let Some(size) = camera.size else {
                 return Err(Error::bad_input(path, format!("camera '{}' has no size", camera.name)));
@@ -150,7 +157,7 @@ impl CameraArray {
         let root = json!({ "camera_model": "PINHOLE", "frames": frames });
         let mut text = serde_json::to_string_pretty(&root).map_err(|why| Error::bad_input(path, why.to_string()))?;
         text.push('\n');
-        write_file(path, text.as_bytes())
+        write_file(destination, text.as_bytes())
     }
 }
 

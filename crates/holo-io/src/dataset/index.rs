@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use super::{DATASET_JSON, folder};
 use crate::error::STREAM;
-use crate::limits::read_small_file;
+use crate::folder::Folder;
+use crate::limits::read_beside;
 use crate::names::stays_inside;
 use crate::{Error, FileDigest, write_file};
 
@@ -153,7 +154,8 @@ impl DatasetIndex {
     ///
     /// Those of [`to_json`](Self::to_json), and [`Error::Io`] if the file cannot be written.
     pub fn write(&self, root: impl AsRef<Path>) -> Result<FileDigest, Error> {
-        write_file(root.as_ref().join(DATASET_JSON), self.to_json()?.as_bytes())
+        let text = self.to_json()?;
+        write_file(Folder::open(root)?.file(DATASET_JSON), text.as_bytes())
     }
 
     /// Reads `dataset.json` in the root folder of a dataset.
@@ -164,7 +166,7 @@ impl DatasetIndex {
     /// more than 16 MiB.
     pub fn read(root: impl AsRef<Path>) -> Result<Self, Error> {
         let path = root.as_ref().join(DATASET_JSON);
-        parse(&read_small_file(&path, MAX_BYTES)?, &path)
+        parse(&read_beside(&path, MAX_BYTES)?, &path)
     }
 }
 
@@ -172,10 +174,11 @@ fn parse(bytes: &[u8], path: &Path) -> Result<DatasetIndex, Error> {
     let broken = |what: String| Error::broken(path, "dataset index", what);
     let document: Document = serde_json::from_slice(bytes).map_err(|error| broken(error.to_string()))?;
     if document.format != FORMAT {
-        return Err(Error::unsupported(path, format!("its format is '{}'; '{FORMAT}' can be read", document.format)));
+        let found = crate::shown(&document.format);
+        return Err(Error::unsupported(path, format!("its format is '{found}'; '{FORMAT}' can be read")));
     }
     if let Some(scene) = document.scenes.iter().find(|scene| !stays_inside(&scene.name) || scene.name.contains('/')) {
-        return Err(broken(format!("a scene called '{}' has no folder", scene.name)));
+        return Err(broken(format!("a scene called '{}' has no folder", crate::shown(&scene.name))));
     }
     let shape = |entry: &ShapeEntry| LightFieldShape::new((&entry.views).into(), (&entry.lenses).into());
     let shapes: Result<Vec<LightFieldShape>, _> = document.shapes.iter().map(shape).collect();

@@ -12,6 +12,7 @@ use super::scales::{self, Scales};
 use super::{FORMAT, Hdf5Map, attributes};
 use crate::atomic::AtomicPath;
 use crate::dataset::{LIGHT_FIELD_HDF5, MANIFEST_JSON, PARAMETERS_CFG, SEQUENCE_HDF5, SequenceFolder};
+use crate::folder::Folder;
 use crate::rig_values::RigValues;
 use crate::{CameraPose, Error, FileDigest, Manifest, ManifestValue, ParametersCfg};
 
@@ -61,7 +62,7 @@ pub fn write_hdf5_sequence(sequence: &SequenceFolder, frames: &[u32]) -> Result<
         let what = format!("frame {} has other arrays than frame {}", frames[other], frames[0]);
         return Err(Error::bad_input(&path, what));
     }
-    let target = AtomicPath::create(&path)?;
+    let target = AtomicPath::create(Folder::open(sequence.path())?.file(SEQUENCE_HDF5))?;
     write(&target, frames, &read).map_err(|error| match error {
         Problem::Library(error) => Failure { path: &path, is_writing: true }.error(error),
         Problem::Own(error) => error,

@@ -15,6 +15,7 @@ use super::order::Plan;
 use super::value::{Element, for_each_array};
 use super::{MatArray, MatClass, MatInfo, MatValue, MatVariable, unreadable};
 use crate::atomic::AtomicPath;
+use crate::folder::Destination;
 use crate::hdf5::{Failure, check_chunk, create, open, read_text};
 use crate::{Error, FileDigest, Limits};
 
@@ -44,19 +45,24 @@ fn header() -> Vec<u8> {
     bytes
 }
 
-pub(super) fn write(path: &Path, variables: &[MatVariable<'_>], is_compressed: bool) -> Result<FileDigest, Error> {
+pub(super) fn write(
+    path: &dyn Destination,
+    variables: &[MatVariable<'_>],
+    is_compressed: bool,
+) -> Result<FileDigest, Error> {
     let (target, file) = begin(path)?;
     for one in variables {
-        variable(&file, one, is_compressed).map_err(|error| Failure { path, is_writing: true }.error(error))?;
+        let failed = |error| Failure { path: path.path(), is_writing: true }.error(error);
+        variable(&file, one, is_compressed).map_err(failed)?;
     }
     end(target, file)
 }
 
 /// Starts a file.
-pub(super) fn begin(path: &Path) -> Result<(AtomicPath, File), Error> {
+pub(super) fn begin(path: &dyn Destination) -> Result<(AtomicPath, File), Error> {
     let target = AtomicPath::create(path)?;
     let file = create(target.temporary_path(), BLOCK_BYTES as u64, true)
-        .map_err(|error| Failure { path, is_writing: true }.error(error))?;
+        .map_err(|error| Failure { path: path.path(), is_writing: true }.error(error))?;
     Ok((target, file))
 }
 
