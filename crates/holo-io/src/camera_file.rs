@@ -309,7 +309,8 @@ impl CameraFile {
 
 /// A basic string of TOML, whose escapes are those of JSON.
 fn toml_string(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
+    // The one control character that JSON takes and TOML does not.
+    serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007f")
 }
 
 /// An error of the camera with the key that it is about.

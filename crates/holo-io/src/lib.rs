@@ -150,7 +150,6 @@ mod probe;
 mod raw_image;
 #[cfg(any(feature = "mat", feature = "hdf5"))]
 mod rig_values;
-mod shown;
 mod stream;
 #[cfg(feature = "tiff")]
 mod tiff;
@@ -193,7 +192,7 @@ pub use hdf5::{
 };
 #[cfg(feature = "hdr")]
 pub use hdr::{HdrInfo, decode_hdr, read_hdr, read_hdr_info};
-pub use holo_core::{ColorEncoding, meters_to_millimeters, millimeters_to_meters};
+pub use holo_core::{ColorEncoding, meters_to_millimeters, millimeters_to_meters, shown};
 #[cfg(feature = "png")]
 pub use image_file::write_image;
 #[cfg(feature = "png")]
@@ -226,7 +225,6 @@ pub use png::{
 #[cfg(feature = "png")]
 pub use probe::{FileInfo, probe};
 pub use raw_image::layout_of_file_name;
-pub use shown::{shown, shown_lines, shown_output, visible};
 #[cfg(feature = "tiff")]
 pub use tiff::{TiffInfo, decode_tiff, encode_tiff, read_tiff, read_tiff_info, write_tiff};
 pub use transforms::{ArrayCamera, CameraArray, WorldUp};

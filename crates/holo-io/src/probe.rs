@@ -220,7 +220,7 @@ impl fmt::Display for FileInfo {
                 write!(
                     f,
                     "folder of the plenoptic camera '{}', {}, {count} micro-image{}{nothing}",
-                    camera.name.escape_debug(),
+                    crate::shown(&camera.name),
                     pixels(size),
                     plural(count)
                 )

@@ -107,7 +107,7 @@ impl CameraArray {
         let mut names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         names.sort_unstable();
         match names.windows(2).find(|pair| pair[0] == pair[1]) {
-            Some(pair) => Err(broken(format!("two frames have the image '{}'", pair[0]))),
+            Some(pair) => Err(broken(format!("two frames have the image '{}'", crate::shown(pair[0])))),
             None => Ok(Self { cameras }),
         }
     }
@@ -139,7 +139,7 @@ impl CameraArray {
         let path = destination.path();
         let frame = |camera: &ArrayCamera| -> Result<Value, Error> {
             let Some(size) = camera.size else {
-                return Err(Error::bad_input(path, format!("camera '{}' has no size", camera.name)));
+                return Err(Error::bad_input(path, format!("camera '{}' has no size", crate::shown(&camera.name))));
             };
             let columns = camera.axes_and_position.map(|column| up.file_of(column));
             let mut rows: Vec<Vec<f64>> =
@@ -266,7 +266,7 @@ impl Entry<'_> {
         let file = path.rsplit(['/', '\\']).next().unwrap_or_default();
         let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
         if stem.is_empty() || !crate::names::stays_inside(stem) {
-            return Err(self.broken(&format!("`file_path` '{path}' names no file")));
+            return Err(self.broken(&format!("`file_path` '{}' names no file", crate::shown(path))));
         }
         Ok(stem.to_owned())
     }

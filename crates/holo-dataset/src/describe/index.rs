@@ -114,7 +114,7 @@ fn write_contents(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
         shapes.len()
     )?;
     writeln!(text, "## Scenes\n\n| folder | what it is there for |\n|---|---|")?;
-    scenes.iter().try_for_each(|scene| writeln!(text, "| `{}` | {} |", scene.name, scene.purpose))?;
+    scenes.iter().try_for_each(|scene| writeln!(text, "| `{}` | {} |", cell(&scene.name), cell(&scene.purpose)))?;
     writeln!(text, "\n## View counts\n\nEvery scene has a folder for each, named by its views, columns x rows.\n")?;
     writeln!(text, "| folder | views | lenses (pixels of a view) | raw image, px |\n|---|---|---|---|")?;
     for shape in shapes {
@@ -148,7 +148,7 @@ fn write_contents(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
 fn arguments(options: &Options) -> impl Iterator<Item = String> {
     options.iter().filter(|(_, value)| *value != "false").map(|(name, value)| match value.as_str() {
         "true" => format!("--{name}"),
-        value => format!("--{name}={value}"),
+        value => format!("--{name}={}", holo_core::visible(value)),
     })
 }
 
@@ -165,7 +165,7 @@ fn write_origin(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
     writeln!(text, "```\nholo dataset --out DIR \\")?;
     let (built_in, own): (Vec<_>, Vec<_>) = scenes.iter().partition(|scene| gallery::purpose(&scene.name).is_some());
     let names = |scenes: Vec<&SceneEntry>| join(scenes.into_iter().map(|scene| scene.name.clone()));
-    let own: Vec<String> = own.iter().map(|scene| format!("{}.glb", scene.name)).collect();
+    let own: Vec<String> = own.iter().map(|scene| format!("{}.glb", holo_core::visible(&scene.name))).collect();
     writeln!(text, "    --scenes {} \\", if built_in.is_empty() { "none".into() } else { names(built_in) })?;
     if !own.is_empty() {
         writeln!(text, "    --glb {} \\", own.join(","))?;
@@ -221,6 +221,11 @@ const FILES: [(&str, &str); 10] = [
     (names::PARAMETERS_CFG, "the cameras, with the keys of the HCI benchmark"),
     (names::MANIFEST_JSON, "settings, versions, exposure, and the SHA-256 of every file"),
 ];
+
+/// Text of a file in a cell of a table of Markdown, between backticks or not.
+fn cell(text: &str) -> String {
+    holo_io::shown(text).replace('|', "\\|").replace('`', "'")
+}
 
 fn join(words: impl Iterator<Item = String>) -> String {
     words.collect::<Vec<_>>().join(",")

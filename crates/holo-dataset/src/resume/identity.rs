@@ -54,7 +54,7 @@ pub(crate) fn difference(manifest: &Manifest, identity: &Manifest) -> Option<Str
                 Some(key) => format!("`{key}` has changed"),
                 None => continue,
             },
-            _ => format!("'{name}' has changed"),
+            _ => format!("'{}' has changed", holo_io::shown(name)),
         });
     }
     // What this image does not have at all.

@@ -30,7 +30,7 @@ pub(super) fn open(image: &Path, file: CameraFile, options: &ReadOptions) -> Res
     if size != sensor {
         return Err(nothing(format!(
             "it has {size} pixels, but the sensor of the camera '{}' in {CAMERA_TOML} has {sensor}",
-            file.name
+            crate::shown(&file.name)
         )));
     }
     let impossible = |error: holo_core::Error| nothing(error.to_string());

@@ -15,9 +15,9 @@ const SHOWN: usize = 120;
 /// # Examples
 ///
 /// ```
-/// assert_eq!(holo_io::shown("café 20x20"), "café 20x20");
-/// assert_eq!(holo_io::shown("a\u{1b}[2J\nb"), "a\\u{1b}[2J\\nb");
-/// assert!(holo_io::shown(&"x".repeat(60_000)).len() < 130);
+/// assert_eq!(holo_core::shown("café 20x20"), "café 20x20");
+/// assert_eq!(holo_core::shown("a\u{1b}[2J\nb"), "a\\u{1b}[2J\\nb");
+/// assert!(holo_core::shown(&"x".repeat(60_000)).len() < 130);
 /// ```
 #[must_use]
 pub fn shown(text: &str) -> Cow<'_, str> {
