@@ -225,6 +225,22 @@ impl Folder {
         matches!(self.kind(name), Ok(Some(EntryKind::File)))
     }
 
+    /// Checks that a name is a regular file and returns its path, for readers and libraries that open files by path. The
+    /// path is looked up again when it is opened: this finds what lies in a folder, and not what another process does in it
+    /// at the same moment.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] if there is none, or the name or a part of it is something else; [`Error::BadInput`] if the name leads
+    /// out of the folder.
+    pub fn regular_path(&self, name: &str) -> Result<PathBuf, Error> {
+        match self.kind(name)? {
+            Some(EntryKind::File) => Ok(self.path_of(name)),
+            Some(kind) => Err(self.refused("read", name, kind)),
+            None => Err(Error::io("read", &self.path_of(name), io::ErrorKind::NotFound.into())),
+        }
+    }
+
     /// Opens a regular file of at most `max_bytes` for reading.
     ///
     /// # Errors

@@ -216,7 +216,9 @@ pub use mosaic::MosaicInfo;
 pub use mp4::write_mp4_animation;
 pub use panic_guard::is_guarding;
 pub use parameters_cfg::{CameraPose, ParametersCfg, date_from_epoch};
-pub use pfm::{Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_gray, read_pfm_info, write_pfm, write_pfm_rgb};
+pub use pfm::{
+    Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_gray, read_pfm_in, read_pfm_info, write_pfm, write_pfm_rgb,
+};
 #[cfg(feature = "png")]
 pub use png::{
     Compression, PngInfo, PngWriter, decode_png, encode_png, read_png, read_png_info, write_disparity_png, write_png,

@@ -13,7 +13,7 @@ use holo_core::GridSize;
 use ndarray::{Array2, Array3, ArrayView2, ArrayView3, Axis};
 
 use crate::error::STREAM;
-use crate::folder::Destination;
+use crate::folder::{Destination, Folder};
 use crate::stream::read_to_end;
 use crate::{AtomicFile, Error, FileDigest, Limits};
 use header::Header;
@@ -164,6 +164,18 @@ pub fn read_pfm(path: impl AsRef<Path>, limits: &Limits) -> Result<Pfm, Error> {
     let mut bytes = Vec::new();
     file.take(limits.max_bytes.saturating_add(header::MAX_BYTES)).read_to_end(&mut bytes).map_err(failed)?;
     decode(&mut bytes.as_slice(), bytes.len() as u64, path, *limits)
+}
+
+/// Reads a PFM of an open folder, like [`read_pfm`].
+///
+/// # Errors
+///
+/// Those of [`read_pfm`] and [`Folder::open_regular`].
+pub fn read_pfm_in(folder: &Folder, name: &str, limits: &Limits) -> Result<Pfm, Error> {
+    let path = folder.path_of(name);
+    let file = folder.open_regular(name, limits.max_bytes.saturating_add(header::MAX_BYTES))?;
+    let length = file.metadata().map_err(|source| Error::io("read", &path, source))?.len();
+    decode(&mut BufReader::with_capacity(BLOCK_BYTES, file), length, &path, *limits)
 }
 
 /// Reads a PFM of one channel, such as depth or disparity, as `(rows, columns)`, top row first.

@@ -121,7 +121,7 @@ impl TargetJob {
     /// # Errors
     /// [`Error::BadRequest`] if there are others; [`Error::Io`] if the manifest of the folder is damaged.
     pub fn check_replaceable(&self, out: &Path) -> Result<(), Error> {
-        check_replaceable(out, || Ok(self.identity()), |_| None)
+        check_replaceable((out, ""), || Ok(self.identity()), |_| None)
     }
 
     /// What identifies the job in a manifest.

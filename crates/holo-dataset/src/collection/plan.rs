@@ -162,7 +162,7 @@ impl DatasetPlan {
         let mut options = texts(&self.settings);
         // Every light field has its own.
         options.remove("views");
-        index::write(root, &entries, &options, &backend)?;
+        index::write(folder.folder(), &entries, &options, &backend)?;
         folder.keep();
         Ok(())
     }
@@ -184,7 +184,7 @@ impl DatasetRun<'_> {
             Some((render, runner)) if render == job.render => runner,
             _ => Runner::new(&self.plan.renders[job.render], options.diagnostics_of())?,
         };
-        let outcome = runner.run_shot(&job.shot, &root.join(job.folder()?), options);
+        let outcome = runner.run_shot(&job.shot, root, &job.folder()?, options);
         self.runner = Some((job.render, runner));
         outcome
     }

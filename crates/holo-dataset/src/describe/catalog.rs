@@ -15,9 +15,9 @@ mod croissant;
 mod record;
 
 use std::fmt::Write;
-use std::io::ErrorKind;
 use std::path::Path;
 
+use holo_io::Folder;
 use holo_io::dataset::{self, DatasetIndex};
 use serde_json::Value;
 
@@ -25,6 +25,7 @@ use self::record::FIELDS;
 pub(crate) use self::record::Record;
 use super::verify::differences;
 use crate::Error;
+use crate::output::inner_name;
 use crate::resume::finished_manifest;
 use crate::watch::Diagnostics;
 
@@ -55,20 +56,23 @@ pub struct Described {
 /// [`Error::Io`] if `dataset.json` cannot be read.
 pub fn finished(root: &Path) -> Result<Described, Error> {
     let index = DatasetIndex::read(root)?;
-    Ok(Described { finished: records(root, &index)?.len(), of: index.scenes.len() * index.shapes.len() })
+    Ok(Described {
+        finished: records(&Folder::open(root)?, &index)?.len(),
+        of: index.scenes.len() * index.shapes.len(),
+    })
 }
 
 /// Removes a catalog, before folders and `dataset.json` change.
-pub(crate) fn remove(root: &Path) -> Result<(), Error> {
+pub(crate) fn remove(root: &Folder) -> Result<(), Error> {
     contact_sheet::remove_others(root, &[])?;
-    [CROISSANT_JSON, LIGHT_FIELDS_CSV].iter().chain(&SPLITS).try_for_each(|name| remove_file(&root.join(name)))
+    [CROISSANT_JSON, LIGHT_FIELDS_CSV].iter().chain(&SPLITS).try_for_each(|name| remove_file(root, name))
 }
 
 /// Removes a file, unless it is gone already.
-fn remove_file(path: &Path) -> Result<(), Error> {
-    match std::fs::remove_file(path) {
-        Err(why) if why.kind() != ErrorKind::NotFound => Err(Error::Failed(format!("{}: {why}", path.display()))),
-        _ => Ok(()),
+fn remove_file(root: &Folder, name: &str) -> Result<(), Error> {
+    match root.kind(name)? {
+        Some(_) => Ok(root.remove_file(name)?),
+        None => Ok(()),
     }
 }
 
@@ -80,10 +84,11 @@ fn remove_file(path: &Path) -> Result<(), Error> {
 /// [`Error::Io`] if `dataset.json` cannot be read, or if a file cannot be written.
 pub fn write_catalog(root: &Path, diagnostics: &dyn Diagnostics) -> Result<Described, Error> {
     let index = DatasetIndex::read(root)?;
+    let root = &Folder::open(root)?;
     let records = records(root, &index)?;
     let document = croissant::document(&index, &records);
     let json = serde_json::to_string_pretty(&document).map_err(|why| Error::Failed(why.to_string()))?;
-    let write = |name: &str, text: String| holo_io::write_file(root.join(name), text.as_bytes());
+    let write = |name: &str, text: String| holo_io::write_file(root.file(name), text.as_bytes());
     write(CROISSANT_JSON, format!("{json}\n"))?;
     write(LIGHT_FIELDS_CSV, table(&records))?;
     for (name, is_test) in SPLITS.into_iter().zip([false, true]) {
@@ -100,7 +105,7 @@ pub fn write_catalog(root: &Path, diagnostics: &dyn Diagnostics) -> Result<Descr
 }
 
 /// The records of all finished folders that are as `dataset.json` says, in the order of the scenes.
-pub(crate) fn records(root: &Path, index: &DatasetIndex) -> Result<Vec<Record>, Error> {
+pub(crate) fn records(root: &Folder, index: &DatasetIndex) -> Result<Vec<Record>, Error> {
     let mut records = Vec::new();
     let mut files: Vec<&str> = Vec::new();
     for scene in &index.scenes {
@@ -111,7 +116,8 @@ pub(crate) fn records(root: &Path, index: &DatasetIndex) -> Result<Vec<Record>, 
         let is_test = files.len().is_multiple_of(TEST_EVERY);
         for shape in &index.shapes {
             let path = dataset::folder(&scene.name, shape.views())?;
-            let Ok(manifest) = finished_manifest(&root.join(&path)) else { continue };
+            let Ok(inside) = root.sub(&inner_name(&path)?) else { continue };
+            let Ok(manifest) = finished_manifest(&inside) else { continue };
             let is_of_shape = manifest.rig.is_some_and(|rig| rig.shape() == shape);
             if !is_of_shape || !differences(index, &manifest, &path).is_empty() {
                 continue;

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::Path;
 
 use holo_core::LightFieldShape;
+use holo_io::Folder;
 use holo_io::dataset::{self as names, DatasetIndex, SceneEntry};
 use holo_scene::gallery;
 
@@ -51,14 +51,14 @@ pub(crate) struct Entry {
 type Options = BTreeMap<String, String>;
 
 /// Writes both files for a dataset of these jobs.
-pub(crate) fn write(root: &Path, entries: &[Entry], options: &Options, backend: &str) -> Result<(), Error> {
+pub(crate) fn write(root: &Folder, entries: &[Entry], options: &Options, backend: &str) -> Result<(), Error> {
     let index = index(entries, options, backend)?;
     // The catalog of other folders would be one of none.
-    if DatasetIndex::read(root).ok().as_ref() != Some(&index) {
+    if DatasetIndex::read_in(root).ok().as_ref() != Some(&index) {
         catalog::remove(root)?;
     }
-    index.write(root)?;
-    holo_io::write_file(root.join(names::DATASET_MD), document(&index).as_bytes())?;
+    index.write_in(root)?;
+    holo_io::write_file(root.file(names::DATASET_MD), document(&index).as_bytes())?;
     Ok(())
 }
 

@@ -4,10 +4,8 @@
 //! `<layer>` with one map a view (`-` in the name of a layer is `_` in a file name). `scene_central.exr` contains all
 //! layers of the central view.
 
-use std::path::PathBuf;
-
 use holo_core::LightFieldOwned;
-use holo_io::{Compression, FileDigest, dataset};
+use holo_io::{Compression, Destination, FileDigest, dataset};
 use holo_render::{Layer, Layers, Rendered};
 use ndarray::{Array2, ArrayView3, Axis};
 use rayon::prelude::*;
@@ -115,7 +113,7 @@ fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwne
 }
 
 /// Writes a PFM, gray or RGB by the number of channels.
-pub(crate) fn write_pfm(path: PathBuf, image: ArrayView3<f32>) -> Result<FileDigest, holo_io::Error> {
+pub(crate) fn write_pfm(path: impl Destination, image: ArrayView3<f32>) -> Result<FileDigest, holo_io::Error> {
     match image.dim().2 {
         1 => holo_io::write_pfm(path, image.index_axis_move(Axis(2), 0)),
         _ => holo_io::write_pfm_rgb(path, image),

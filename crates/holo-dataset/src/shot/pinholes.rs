@@ -10,7 +10,6 @@
 //! Every camera has an acceleration structure in its own frame, so that depth is exact wherever it stands. Cameras far
 //! apart share no light.
 
-use std::path::Path;
 use std::time::Instant;
 
 use holo_io::{ColorEncoding, Compression, FileDigest, Manifest};
@@ -31,13 +30,13 @@ use crate::watch::{About, PartProgress};
 /// The folder of the images.
 const IMAGES: &str = "images";
 
-/// Renders the images of all cameras, or of every N-th of a shard, into the folder `out`.
+/// Renders the images of all cameras, or of every N-th of a shard, into a folder.
 pub(super) fn render(
     runner: &Runner,
     setup: &Setup,
     (stage, world): (&Stage, &World),
     shot: &Shot,
-    (out, shard): (&Path, Option<Shard>),
+    (mut folder, shard): (OutputFolder, Option<Shard>),
     options: &RunOptions,
 ) -> Result<RenderReport, Error> {
     let start = Instant::now();
@@ -51,7 +50,6 @@ pub(super) fn render(
             "{count} cameras can be cut into 1 to {count} shards; `shard` has more"
         )));
     }
-    let mut folder = OutputFolder::create(out, &options.rollback)?;
     folder.unseal()?;
     let mut exposure = match settings.output.exposure {
         Exposure::Ev(ev) => Some(ev),

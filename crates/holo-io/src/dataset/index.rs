@@ -154,8 +154,17 @@ impl DatasetIndex {
     ///
     /// Those of [`to_json`](Self::to_json), and [`Error::Io`] if the file cannot be written.
     pub fn write(&self, root: impl AsRef<Path>) -> Result<FileDigest, Error> {
+        self.write_in(&Folder::open(root)?)
+    }
+
+    /// Writes `dataset.json` into an open folder.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`write`](Self::write).
+    pub fn write_in(&self, root: &Folder) -> Result<FileDigest, Error> {
         let text = self.to_json()?;
-        write_file(Folder::open(root)?.file(DATASET_JSON), text.as_bytes())
+        write_file(root.file(DATASET_JSON), text.as_bytes())
     }
 
     /// Reads `dataset.json` in the root folder of a dataset.
@@ -167,6 +176,15 @@ impl DatasetIndex {
     pub fn read(root: impl AsRef<Path>) -> Result<Self, Error> {
         let path = root.as_ref().join(DATASET_JSON);
         parse(&read_beside(&path, MAX_BYTES)?, &path)
+    }
+
+    /// Reads `dataset.json` of an open folder.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`read`](Self::read).
+    pub fn read_in(root: &Folder) -> Result<Self, Error> {
+        parse(&root.read(DATASET_JSON, MAX_BYTES)?, &root.path_of(DATASET_JSON))
     }
 }
 

@@ -48,9 +48,11 @@ pub(super) fn folders(path: &Path) -> Result<Vec<(String, PathBuf)>, Error> {
     let failed = |source| Error::io("list", path, source);
     let mut folders = Vec::new();
     for entry in fs::read_dir(path).map_err(failed)? {
-        let path = entry.map_err(failed)?.path();
-        if let Some(name) = path.file_name().and_then(|name| name.to_str()).filter(|_| path.is_dir()) {
-            folders.push((name.to_owned(), path));
+        let entry = entry.map_err(failed)?;
+        // False for links, which lead elsewhere.
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        if let Some(name) = entry.file_name().to_str().filter(|_| is_folder) {
+            folders.push((name.to_owned(), entry.path()));
         }
     }
     Ok(folders)

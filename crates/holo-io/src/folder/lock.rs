@@ -48,7 +48,7 @@ impl Folder {
                 Err(TryLockError::WouldBlock) => return Err(self.in_use(holder.as_deref(), "wait for it to end")),
                 Err(TryLockError::Error(_)) if holder.is_none() || ignores_files => {}
                 Err(TryLockError::Error(_)) => {
-                    let advice = "this file system has no locks, so if that process has ended, give `overwrite`";
+                    let advice = "this file system has no locks, so if that process has ended, remove its .holo.lock or give `overwrite`";
                     return Err(self.in_use(holder.as_deref(), advice));
                 }
             }
