@@ -59,6 +59,10 @@
 //!
 //! # Safety
 //!
+//! Nothing outside of the file is read: external storage, external and symbolic links, virtual datasets and filters that
+//! would have to be loaded are refused before the library asks for values. The virtual datasets of a sequence are read frame
+//! by frame.
+//!
 //! The C library does not check all that it reads: a malicious file may crash the process. Shapes, types and chunks are
 //! compared with the memory limit before samples are read, but not what the library allocates while it parses the
 //! structure of the file. Read files from sources you trust only.
@@ -71,6 +75,7 @@ mod read;
 mod rows;
 mod scales;
 mod sequence;
+mod storage;
 mod write;
 
 use std::path::Path;
@@ -91,6 +96,8 @@ pub use read::{Hdf5LightField, is_light_field_hdf5};
 #[cfg(feature = "mat")]
 pub(crate) use rows::{RowDataset, SampleRows};
 pub use sequence::write_hdf5_sequence;
+#[cfg(feature = "mat")]
+pub(crate) use storage::{check_values, find, members};
 pub use write::Hdf5Writer;
 
 /// The name of the format in messages.

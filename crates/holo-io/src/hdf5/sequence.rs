@@ -9,6 +9,7 @@ use ndarray::{Array1, ArrayView, Dimension, aview1, aview2};
 use super::library::{Failure, create, open};
 use super::read::sample_kind;
 use super::scales::{self, Scales};
+use super::storage::find;
 use super::{FORMAT, Hdf5Map, attributes};
 use crate::atomic::AtomicPath;
 use crate::dataset::{LIGHT_FIELD_HDF5, MANIFEST_JSON, PARAMETERS_CFG, SEQUENCE_HDF5, SequenceFolder};
@@ -182,7 +183,7 @@ fn read_frame(folder: &Path) -> Result<Frame, Error> {
     let maps = Hdf5Map::ALL.map(|map| (map.name().to_owned(), "vuts"));
     let central = Hdf5Map::ALL.map(|map| (format!("central/{}", map.name()), "vu"));
     for (name, axes) in std::iter::once(("H".to_owned(), "vutsc")).chain(maps).chain(central) {
-        let Ok(dataset) = file.dataset(&name) else { continue };
+        let Some(dataset) = find(&file, &path, &name)? else { continue };
         let shape = dataset.get_shape().map_err(failed)?;
         let kind = sample_kind(&dataset).map_err(failed)?;
         let Some(kind) = kind.filter(|_| shape.len() == axes.len()) else {
