@@ -143,7 +143,69 @@ fn refused(path: &Path, name: &str, what: &str) -> Error {
 
 #[cfg(test)]
 mod tests {
+    use ::hdf5::{Hyperslab, SliceOrIndex};
+    use ndarray::Array5;
+
     use super::*;
+    use crate::{Hdf5LightField, Limits};
+
+    /// Writes `/H` into a file; the paths are those of another file and of a secret.
+    type Make = fn(&File, &str, &str) -> ::hdf5::Result<()>;
+
+    const SHAPE: [usize; 5] = [4, 4, 2, 2, 1];
+
+    fn own(file: &File, _: &str, _: &str) -> ::hdf5::Result<()> {
+        file.new_dataset_builder().with_data(&Array5::<u8>::ones(SHAPE)).create("H").map(drop)
+    }
+
+    fn external_storage(file: &File, _: &str, secret: &str) -> ::hdf5::Result<()> {
+        file.new_dataset::<u8>().shape(SHAPE).external(secret, 0, 64).create("H").map(drop)
+    }
+
+    fn external_link(file: &File, other: &str, _: &str) -> ::hdf5::Result<()> {
+        file.link_external(other, "H", "H")
+    }
+
+    fn link_to_a_link(file: &File, other: &str, _: &str) -> ::hdf5::Result<()> {
+        file.link_external(other, "H", "real")?;
+        file.link_soft("/real", "H")
+    }
+
+    fn virtual_dataset(file: &File, other: &str, _: &str) -> ::hdf5::Result<()> {
+        let whole = || Hyperslab::from(SHAPE.map(|count| SliceOrIndex::from(0..count)).to_vec());
+        let (from, to) = (SHAPE.to_vec(), SHAPE.to_vec());
+        let builder = file.new_dataset::<u8>().shape(SHAPE);
+        builder.virtual_map(other, "/H", &from, whole(), &to, whole()).create("H").map(drop)
+    }
+
+    #[test]
+    fn values_that_lie_elsewhere_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let [other, secret] = ["other.h5", "secret"].map(|name| folder.path().join(name));
+        std::fs::write(&secret, [7; 64]).unwrap();
+        let [other_name, secret_name] = [&other, &secret].map(|path| path.to_str().unwrap());
+        let make = |path: &Path, make: Make| {
+            let file = File::create(path).unwrap();
+            make(&file, other_name, secret_name).unwrap();
+            file.close().unwrap();
+        };
+        make(&other, own);
+        let limits = Limits::default();
+        assert!(Hdf5LightField::open(&other, &limits).unwrap().read().is_ok());
+        let cases: [(&str, Make); 4] = [
+            ("external storage", external_storage),
+            ("external link", external_link),
+            ("link to a link", link_to_a_link),
+            ("virtual dataset", virtual_dataset),
+        ];
+        for (name, case) in cases {
+            let path = folder.path().join(format!("{name}.h5"));
+            make(&path, case);
+            let error = Hdf5LightField::open(&path, &limits).unwrap_err();
+            assert!(matches!(error, Error::Unsupported { .. }), "{name}: {error}");
+            assert!(crate::is_light_field_hdf5(&path).is_err(), "{name}");
+        }
+    }
 
     #[test]
     fn sources_of_a_sequence_are_files_of_frames() {
