@@ -107,6 +107,7 @@ mod atomic;
 mod camera_file;
 pub mod dataset;
 mod detect_format;
+mod digest;
 #[cfg(feature = "tiff")]
 mod dng;
 mod dng_header;
@@ -161,13 +162,11 @@ mod zlib;
 
 #[cfg(feature = "png")]
 pub use animation::write_animation;
-pub use atomic::{
-    AtomicFile, FileDigest, Sha256, TemporaryFilesRemoved, hash_file, remove_stale_temporary_files,
-    remove_temporary_files, write_file,
-};
+pub use atomic::{AtomicFile, TemporaryFilesRemoved, remove_stale_temporary_files, remove_temporary_files, write_file};
 #[cfg(feature = "camera")]
 pub use camera_file::{CameraFile, SensorNoise};
 pub use detect_format::{FileFormat, detect_format};
+pub use digest::{FileDigest, Sha256, hash_file};
 #[cfg(feature = "tiff")]
 pub use dng::write_dng;
 pub use dng_header::{DngInfo, read_dng_info};

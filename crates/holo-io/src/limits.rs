@@ -5,8 +5,6 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::Error;
-use crate::folder::Folder;
-use crate::names::stays_inside;
 
 /// Maximum memory that reading one file may take.
 ///
@@ -92,23 +90,6 @@ pub(crate) fn read_small_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Er
     file.take(max_bytes + 1).read_to_end(&mut bytes).map_err(failed)?;
     Limits { max_bytes }.elements(path, "file", &[bytes.len()], 1)?;
     Ok(bytes)
-}
-
-/// Reads a text file that belongs to others beside it: a regular file of at most `max_bytes`, and neither link nor pipe.
-pub(crate) fn read_beside(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Error> {
-    let name = path.file_name().and_then(|name| name.to_str());
-    // A name that a folder does not take, as the only part of its path, is the user's own.
-    let Some(name) = name.filter(|name| stays_inside(name)) else { return read_small_file(path, max_bytes) };
-    let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let inside = Folder::open(parent).and_then(|folder| folder.read(name, max_bytes));
-    // With the path as the caller gave it.
-    inside.map_err(|error| match error {
-        Error::Io { error, .. } => Error::io("read", path, error),
-        Error::TooLarge { what, needed, allowed, .. } => {
-            Error::TooLarge { path: path.to_owned(), what, needed, allowed }
-        }
-        other => other,
-    })
 }
 
 #[cfg(test)]

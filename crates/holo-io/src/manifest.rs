@@ -10,8 +10,7 @@ use std::path::Path;
 use holo_core::Rig;
 
 use crate::error::STREAM;
-use crate::folder::{Destination, Folder};
-use crate::limits::read_beside;
+use crate::folder::{Destination, Folder, read_beside};
 use crate::names::MANIFEST_JSON;
 use crate::{Error, FileDigest, write_file};
 

@@ -11,20 +11,9 @@ use ndarray::{Array2, ArrayView3, Axis};
 use rayon::prelude::*;
 
 use super::folder::OutputFolder;
+pub(crate) use super::names::{COLOR, ERROR, FLOWS, VISIBILITY, file_part};
 use super::wanted::Wanted;
 use crate::Error;
-
-/// The name of linear color among the layers.
-pub(crate) const COLOR: &str = "color";
-
-/// The name of the estimated error of color among the layers.
-pub(crate) const ERROR: &str = "error";
-
-/// The name of the part of all views that sees a point.
-pub(crate) const VISIBILITY: &str = "visibility";
-
-/// The names of the movement of images until the next frame, and of that of points in the world.
-pub(crate) const FLOWS: [&str; 2] = ["optical-flow", "scene-flow"];
 
 /// Writes the layers of `wanted`, and disparity also as PNG over the range `disparity_px`.
 pub(crate) fn write(
@@ -73,11 +62,6 @@ fn write_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwned<f3
 pub(crate) fn central_view(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_, f32>, Error> {
     let (t, s) = field.shape().central_view();
     Ok(field.view(t, s)?)
-}
-
-/// The part of a file name for a layer.
-pub(crate) fn file_part(name: &str) -> String {
-    name.replace('-', "_")
 }
 
 /// The file of a layer of view `k` of `count`, in the folder of the layer, numbered as in HCI folders: view row * columns +

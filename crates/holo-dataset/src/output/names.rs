@@ -3,8 +3,19 @@
 
 use holo_render::Layer;
 
-use super::layers::{COLOR, ERROR, FLOWS, VISIBILITY, file_part};
 use crate::settings::Tool;
+
+/// The name of linear color among the layers.
+pub(crate) const COLOR: &str = "color";
+
+/// The name of the estimated error of color among the layers.
+pub(crate) const ERROR: &str = "error";
+
+/// The name of the part of all views that sees a point.
+pub(crate) const VISIBILITY: &str = "visibility";
+
+/// The names of the movement of images until the next frame, and of that of points in the world.
+pub(crate) const FLOWS: [&str; 2] = ["optical-flow", "scene-flow"];
 
 /// Files of the folder itself.
 const FILES: [&str; 9] = [
@@ -40,6 +51,11 @@ const TOOLS: [Tool; 7] =
 
 /// The endings in subfolders for other programs, in lower case.
 const OF_TOOLS: [&str; 9] = ["js", "json", "m", "png", "py", "raw", "tiff", "txt", "xml"];
+
+/// The part of a file name for a layer.
+pub(crate) fn file_part(name: &str) -> String {
+    name.replace('-', "_")
+}
 
 /// Whether a job can write a file of this name.
 pub(super) fn is_of_a_job(name: &str) -> bool {

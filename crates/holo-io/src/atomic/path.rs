@@ -5,8 +5,8 @@ use std::io::{Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::temporary::Temporary;
-use super::{FileDigest, hash};
 use crate::Error;
+use crate::digest::{FileDigest, hash};
 use crate::folder::{Destination, path_of_open_file};
 
 /// An atomic file like [`AtomicFile`](super::AtomicFile), for writers that seek or open it by name. `commit` reads it

@@ -8,8 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{DATASET_JSON, folder};
 use crate::error::STREAM;
-use crate::folder::Folder;
-use crate::limits::read_beside;
+use crate::folder::{Folder, read_beside};
 use crate::names::stays_inside;
 use crate::{Error, FileDigest, write_file};
 
