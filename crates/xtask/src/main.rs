@@ -159,6 +159,12 @@ fn features() -> &'static [&'static str] {
     if cmake::is_present() { &["--features", "hdf5"] } else { &[] }
 }
 
+/// Cargo's arguments for every feature of the workspace that can be built here. All commands on debug builds use this
+/// one set: cargo builds a library again for each set of its features.
+fn workspace_features() -> &'static [&'static str] {
+    if cmake::is_present() { &["--features", HDF5_FEATURES] } else { &[] }
+}
+
 /// Builds the documentation that the plain `cargo doc` omits.
 fn doc() -> Result {
     if !cmake::is_present() {
