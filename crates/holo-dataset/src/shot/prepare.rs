@@ -96,6 +96,8 @@ pub(super) struct Setup<'a> {
     pub settings: &'a RenderSettings,
     pub wanted: &'a Wanted,
     pub engine: &'a EngineSettings,
+    /// The electrons of the radiance 1 on an image sensor that the first shot chose; `None`: every shot chooses its own.
+    pub electrons: Option<f64>,
 }
 
 impl Setup<'_> {
@@ -266,7 +268,7 @@ impl SceneSource {
         }
         let settings = &of_truth;
         let wanted = Wanted::new(settings)?;
-        let setup = Setup { source: self, settings, wanted: &wanted, engine };
+        let setup = Setup { source: self, settings, wanted: &wanted, engine, electrons: None };
         let stage = Stage::load(self, &settings.scene, None, diagnostics)?;
         let prepared = setup.prepare(&stage, &stage.world(self, &settings.light.sky, engine)?, 0, diagnostics)?;
         report_backend(&prepared.renderer, diagnostics);
