@@ -134,6 +134,28 @@ fn wrong_use_is_said() {
     fails("", "distortion");
 }
 
+/// What `--json` lists is what is there, where it is: also for one pose, whose folder has its name.
+#[test]
+fn reports_list_the_files_of_all_poses() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("plane.glb"), holo_scene::gltf::to_glb(&plane()).unwrap()).unwrap();
+    for count in [1, 2] {
+        let mut value = seventeen();
+        value["frames"].as_array_mut().unwrap().truncate(count);
+        std::fs::write(bench.path("in.json"), value.to_string()).unwrap();
+        let line =
+            "render plane.glb --transforms in.json --views 2 --spp 1 --integrator direct --write el,depth --json";
+        let outcome = bench.run(&format!("{line} --out {count}"));
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        let report: Value = serde_json::from_str(outcome.stdout.lines().last().unwrap()).unwrap();
+        let there: Vec<String> =
+            bench.list(&count.to_string()).into_iter().filter(|name| !name.ends_with('/')).collect();
+        assert_eq!(common::names(&report["files"]), there);
+        assert!(there.contains(&"r_0/scene_el.png".to_owned()) && there.contains(&"transforms.json".to_owned()));
+        assert!(count > 1 || outcome.stderr.contains(" files to 1/r_0 ("), "{outcome:?}");
+    }
+}
+
 /// Placed cameras are read again, and see what is in their middle.
 #[test]
 fn placed_cameras_look_at_their_target() {

@@ -117,7 +117,8 @@ impl<'a> Runner<'a> {
                     (None, Some(stage), Some(world)) => {
                         self.forget_sequence(shot, out)?;
                         let folder = out.join(shot.folder());
-                        let report = self.shot(&setup, (stage, world), shot, &folder, of_image, options)?;
+                        let mut report = self.shot(&setup, (stage, world), shot, &folder, of_image, options)?;
+                        report.files.iter_mut().for_each(|name| *name = shot.file(name));
                         ShotOutcome::Made(Box::new(report), why)
                     }
                     (None, ..) => return Err(Error::Failed("the scene of a shot was not loaded".into())),
