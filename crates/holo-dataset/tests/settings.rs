@@ -4,7 +4,8 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use holo_dataset::settings::{Given, Kind, Setting, table};
-use holo_dataset::{LayerChoice, Output, RenderSettings, Tool};
+use holo_dataset::{Camera, LayerChoice, Output, RenderSettings, Tool};
+use holo_io::CameraFile;
 
 fn given(pairs: &[(&str, &str)]) -> RenderSettings {
     let mut given = Given::default();
@@ -48,6 +49,22 @@ fn settings_that_cannot_be_are_refused() {
         pairs.iter().for_each(|(key, text)| given.insert(key, *text).expect("a setting"));
         let error = RenderSettings::default().apply(&given).expect_err("refused");
         assert!(error.is_bad_request() && error.to_string().contains(part), "{pairs:?}: {error}");
+    }
+}
+
+/// A camera without a grid of views shares no light between views: to ask for it is an error, not to want it is none.
+#[test]
+fn reuse_is_of_views() {
+    let plenoptic: Camera = CameraFile::preset("lytro-illum").expect("a preset").into();
+    for camera in [plenoptic, Camera::Pinhole] {
+        let apply = |word: &str| {
+            let mut given = Given::default();
+            given.insert("reuse", word).expect("a setting");
+            RenderSettings::default().camera(camera.clone()).apply(&given)
+        };
+        let error = apply("views").expect_err("refused");
+        assert!(error.is_bad_request() && error.to_string().contains("`reuse views`"), "{error}");
+        apply("off").expect("what it does anyway");
     }
 }
 

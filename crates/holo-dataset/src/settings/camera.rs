@@ -4,6 +4,7 @@ use std::path::Path;
 
 use holo_core::GridSize;
 use holo_io::{CameraArray, CameraFile, WorldUp};
+use holo_render::Reuse;
 
 use super::RenderSettings;
 use super::given::Given;
@@ -103,6 +104,17 @@ impl Camera {
 }
 
 impl RenderSettings {
+    /// Refuses what has no effect with the camera. As a default it is no request.
+    pub(super) fn check_effect(&self, given: &Given) -> Result<(), Error> {
+        let is_shared = given.get("reuse").is_some() && self.light.reuse == Reuse::Views;
+        match &self.camera {
+            Camera::Plenoptic(_) | Camera::Pinhole if is_shared => Err(Error::BadRequest(
+                "`reuse views` shares light between the views of a rig, and this camera has none; remove it".into(),
+            )),
+            _ => Ok(()),
+        }
+    }
+
     /// Applies settings, and places cameras at the poses of a `transforms.json`: the plenoptic camera, a rig with the pixels
     /// of the file if a number of views is given, else a pinhole. `lenses` is the size of images whose size the file does
     /// not say.

@@ -288,7 +288,7 @@ impl<'a> Runner<'a> {
     ) -> Option<Keeper<'k>> {
         let has_subset = self.job.settings.camera.rig().is_some_and(|rig| rig.subset.is_some());
         let checkpoints = self.job.checkpoints.as_ref().filter(|_| !has_subset)?;
-        let of = (&stage.loaded.scene, &prepared.pose, request);
+        let of = (&stage.loaded.scene, (&prepared.pose, request));
         Some(Keeper::open(checkpoints, out, of, identity, diagnostics))
     }
 
