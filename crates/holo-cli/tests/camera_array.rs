@@ -129,7 +129,10 @@ fn wrong_use_is_said() {
         value.as_object_mut().unwrap().remove("w");
         value["fl_x"] = json!(30);
     });
-    fails("", "--lenses");
+    fails("", "--lenses=WIDTHxHEIGHT");
+    // From the angle of view nothing follows without a size.
+    file(&|value| drop(value.as_object_mut().unwrap().remove("w")));
+    fails("", "--lenses=WIDTHxHEIGHT");
     file(&|value| value["k1"] = json!(0.1));
     fails("", "distortion");
 }

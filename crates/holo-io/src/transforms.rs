@@ -197,7 +197,12 @@ impl Entry<'_> {
         let focal_px = match (self.number("fl_x")?, self.number("camera_angle_x")?, size) {
             (Some(focal_px), ..) => focal_px,
             (None, Some(angle), Some(size)) => size.columns as f64 / (2.0 * (angle / 2.0).tan()),
-            (None, Some(_), None) => return Err(self.broken("has no size: `w` and `h`, or give one")),
+            (None, Some(_), None) => {
+                return Err(self.broken(
+                    "has an angle of view, but no size in pixels; add `w` and `h` to it or beside `frames`, or give the size \
+                     of the images as `lenses=WIDTHxHEIGHT`",
+                ));
+            }
             (None, None, _) => return Err(self.broken("has no focal length: `fl_x` or `camera_angle_x`")),
         };
         if !(focal_px > 0.0 && focal_px.is_finite()) {
@@ -368,7 +373,8 @@ mod tests {
             assert!(message.contains(part), "no '{part}' in {message}");
         }
         let angle = json!({ "camera_angle_x": 1.0, "frames": [{ "transform_matrix": matrix() }] });
-        assert!(read(&angle, None).expect_err("no size").to_string().contains("size"));
+        let message = read(&angle, None).expect_err("no size").to_string();
+        assert!(message.contains("`w` and `h`") && message.contains("`lenses=WIDTHxHEIGHT`"), "{message}");
         assert!(read(&angle, Some(GridSize::new(10, 20))).is_ok());
     }
 }

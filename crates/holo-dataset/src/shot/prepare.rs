@@ -384,7 +384,11 @@ fn pose_of(camera: &ArrayCamera) -> Result<Transform, Error> {
 }
 
 fn without_size(camera: &ArrayCamera) -> Error {
-    Error::BadRequest(format!("camera '{}' has no size; give `lenses=WIDTHxHEIGHT`", camera.name))
+    let name = &camera.name;
+    Error::BadRequest(format!(
+        "camera '{name}' has no size in pixels; add `w` and `h` to the file of `transforms`, or give the size of the images \
+         as `lenses=WIDTHxHEIGHT`"
+    ))
 }
 
 /// The choice of the camera: a number is an index, unless a camera has that name.
