@@ -324,12 +324,21 @@ fn the_same_settings_in_another_form_are_the_same_image() {
         &[("views", "2"), ("spp", "16")][..],
         &[("views", "2x2"), ("f-number", "5.0"), ("sensor-mm", "36")],
         &[("views", "2x2"), ("write", "mat,el,vpi,depth,disparity")],
+        &[("views", "2x2"), ("lens-shifts", "1")],
     ] {
         render(same, false).unwrap_or_else(|why| panic!("{same:?}: {why}"));
     }
-    for (other, part) in [(&[("views", "2x2"), ("spp", "3")][..], "`spp`"), (&[("views", "3")], "`views`")] {
+    for (other, part) in [
+        (&[("views", "2x2"), ("spp", "3")][..], "`spp`"),
+        (&[("views", "3")], "`views`"),
+        (&[("views", "2x2"), ("lens-shifts", "2")], "`lens-shifts`"),
+    ] {
         let why = render(other, false).expect_err("another image").to_string();
         assert!(why.contains(part) && why.contains("`overwrite`"), "{why}");
     }
     render(&[("views", "3")], true).expect("overwritten");
+    render(&[("views", "3"), ("subset", "2,1;0,1")], true).expect("some views");
+    render(&[("views", "3"), ("subset", "0,1; 2,1;0,1")], false).expect("the same views");
+    let why = render(&[("views", "3"), ("subset", "0,1")], false).expect_err("other views").to_string();
+    assert!(why.contains("`subset`"), "{why}");
 }
