@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use holo_core::{LightFieldOwned, Sample};
 use holo_dataset::settings::{Kind, Setting, table, word};
-use holo_dataset::{About, Camera, Checkpoints, Diagnostics, RenderJob, Rendering, RunOptions, Shard};
+use holo_dataset::{About, Camera, Checkpoints, Diagnostics, Event, RenderJob, Rendering, RunOptions, Shard};
 use holo_io::WorldUp;
 use holo_render::{Backend, Layer, Layers, Motion, RayCounts};
 use ndarray::{Array, Array3, Array5, Axis, Dimension};
@@ -145,9 +145,12 @@ pub fn render_folder<'py>(
         .checkpoints(Checkpoints::every_seconds(request.checkpoint_seconds));
     let (out, overwrite) = (request.out, request.overwrite);
     let work = |watch: &Watch| {
-        listening(|tell| {
-            job.run(&out, &RunOptions::new().shard(shard).overwrite(overwrite).progress(watch).diagnostics(tell))
-        })
+        let events = |event: Event| match event {
+            Event::Begin(number, of, _) => watch.shots(number, of),
+            Event::End(number, of, ..) => watch.shots(number + 1, of),
+        };
+        let how = RunOptions::new().shard(shard).overwrite(overwrite).progress(watch).events(&events);
+        listening(|tell| job.run(&out, &how.clone().diagnostics(tell)))
     };
     let (outcomes, lines) = watch::run(py, progress.as_ref(), work)?;
     let reports: Vec<String> = outcomes.iter().filter_map(|(_, outcome)| Some(outcome.report()?.to_json())).collect();

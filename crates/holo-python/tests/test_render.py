@@ -193,6 +193,15 @@ def test_progress_and_its_exceptions(garden, options):
         holo.render(garden, progress=stop, **{**options, "lenses": (200, 300), "spp": 64})
 
 
+def test_progress_runs_once_over_all_frames(tmp_path):
+    seen = []
+    options = {"views": (2, 3), "lenses": (40, 60), "spp": 64, "integrator": "direct", "write": ["el"], "layers": ["depth"]}
+    scene = holo.Scene.gallery("pendulum")
+    report = holo.render_to(tmp_path, scene, frame="4-6", progress=lambda *now: seen.append(now), **options)
+    assert report["made"] == 3
+    assert seen and seen == sorted(seen) and {total for _, total in seen} == {3000}
+
+
 def test_other_threads_run_and_ctrl_c_stops(garden, options):
     ticks = []
     stopping = threading.Event()

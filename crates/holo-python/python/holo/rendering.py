@@ -272,7 +272,8 @@ class _bar:
             except ImportError:
                 raise UsageError("progress=True shows a bar of tqdm: install it, or give a function of (done, total)") from None
 
-            self.bar = tqdm(unit="tile")
+            # Tiles, or thousandths of every frame and pose of several.
+            self.bar = tqdm(unit="step")
             return self._step
         return self.progress or None
 
