@@ -7,6 +7,7 @@ use holo_dataset::{EngineSettings, Focus, RenderSettings, RigSettings, Spacing};
 use holo_io::CameraFile;
 
 use super::config;
+use super::settings::FOCAL_MM;
 use super::{DatasetOptions, EngineOptions, InfoOptions, OpticsOptions, RenderOptions};
 use crate::failure::Failure;
 
@@ -71,8 +72,6 @@ impl InfoOptions {
 
 impl OpticsOptions {
     pub fn rig(&self) -> Result<RigSettings, Failure> {
-        /// The focal length of a common lens, where no scene has a camera.
-        const FOCAL_MM: f64 = 50.0;
         let mut rig = RigSettings::default();
         rig.focal_mm = Some(FOCAL_MM);
         let mut settings = RenderSettings::default();

@@ -23,7 +23,16 @@ pub fn run(options: &OpticsOptions) -> Result<(), Failure> {
         })?,
         None => planned_rig(&options.rig()?, options.lens_pitch_mm, depths)?,
     };
-    let optics = Optics::new(rig)?;
+    let optics = Optics::new(rig).map_err(|error| match &options.input {
+        // That of a file is no wrong use.
+        None if rig.shape().views().columns < 2 => {
+            Failure::Usage("one column of views has no disparities between them; give --views with two or more".into())
+        }
+        None if rig.baseline_x_m() == 0.0 => {
+            Failure::Usage("with --baseline-m 0 all views coincide and have no disparities; give one above 0".into())
+        }
+        _ => error.into(),
+    })?;
     let rows = rig_optics(&optics, depths, options.circle_px, options.step_px)?;
     print(rows, options.json)?;
     if let Some(depths) = depths {
