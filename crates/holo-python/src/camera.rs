@@ -10,7 +10,7 @@ use numpy::{PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{give, give_json};
+use crate::arrays::{give, give_quantities};
 use crate::failure::Failure;
 use crate::rig::{Rig, Size, size};
 
@@ -112,7 +112,7 @@ impl PlenopticCamera {
     #[pyo3(signature = (depths_m=Vec::new()))]
     fn optics<'py>(&self, py: Python<'py>, depths_m: Vec<f64>) -> Result<Bound<'py, PyAny>, Failure> {
         let rows = py.detach(|| holo_dataset::camera_optics(&self.0.camera, &depths_m))?;
-        give_json(py, &rows.into_iter().map(|(key, _, value, _)| (key, value)).collect())
+        give_quantities(py, rows)
     }
 
     /// Decodes a raw image: radiance and weight, axes (v, u, t, s, c), the rig, and the roll in radians.
