@@ -34,7 +34,7 @@ impl PlenopticCamera {
     #[staticmethod]
     #[pyo3(signature = (toml, name="camera"))]
     fn from_toml(toml: &str, name: &str) -> Result<Self, Failure> {
-        Ok(Self(CameraFile::parse(toml, name).map_err(Failure::Usage)?))
+        Ok(Self(CameraFile::parse(toml, name)?))
     }
 
     /// The names of the presets and their descriptions.
@@ -148,10 +148,10 @@ impl PlenopticCamera {
 
 fn adjusted(mut file: CameraFile, focus_m: Option<f64>, f_number: Option<f64>) -> Result<PlenopticCamera, Failure> {
     if let Some(focus_m) = focus_m {
-        file = file.with_focus_m(focus_m).map_err(Failure::Usage)?;
+        file = file.with_focus_m(focus_m)?;
     }
     if let Some(f_number) = f_number {
-        file = file.with_f_number(f_number).map_err(Failure::Usage)?;
+        file = file.with_f_number(f_number)?;
     }
     Ok(PlenopticCamera(file))
 }

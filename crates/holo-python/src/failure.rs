@@ -64,7 +64,7 @@ impl From<holo_io::Error> for Failure {
             holo_io::Error::MissingOption { path, option, what } => {
                 Self::Usage(format!("{}: {what}; give {option}=", path.display()))
             }
-            error @ holo_io::Error::BadInput { .. } => Self::Usage(error.to_string()),
+            error @ (holo_io::Error::BadInput { .. } | holo_io::Error::Camera(_)) => Self::Usage(error.to_string()),
             error => Self::Failed(error.to_string()),
         }
     }

@@ -45,10 +45,10 @@ pub fn adjusted(mut camera: CameraFile, given: &mut Given) -> Result<CameraFile,
     rig.apply(&own)?;
     let Some(rig) = rig.camera.rig() else { return Ok(camera) };
     if let Focus::Meters(depth_m) = rig.focus {
-        camera = camera.with_focus_m(depth_m).map_err(Failure::Usage)?;
+        camera = camera.with_focus_m(depth_m)?;
     }
     if let (Spacing::FNumber(f_number), true) = (rig.spacing, own.get("f-number").is_some()) {
-        camera = camera.with_f_number(f_number).map_err(Failure::Usage)?;
+        camera = camera.with_f_number(f_number)?;
     }
     Ok(camera)
 }
