@@ -79,6 +79,8 @@ fn words_are_read_back() {
         }
         assert!(!setting.help()[0].is_empty(), "{} has no help", setting.key());
     }
+    let keyword = |key: &str| Setting::by_key(key).expect("a setting").keyword();
+    assert_eq!((keyword("for"), keyword("focus-m")), ("tools".into(), "focus_m".into()));
     assert_eq!((Output::El.name(), Tool::Lytro.name(), LayerChoice::All.name()), ("el", "lytro", "all"));
 }
 
@@ -108,18 +110,14 @@ fn python() -> String {
          from typing import TYPE_CHECKING, Literal, TypedDict\n\n\nclass Settings(TypedDict, total=False):\n    \
          \"\"\"The settings of a render, as keywords of `render`, `render_to` and `render_raw`.\n\n",
     );
-    let name = |setting: &Setting| match setting.key() {
-        "for" => "tools".to_owned(),
-        key => key.replace('-', "_"),
-    };
     for setting in table() {
         let default = setting.default().map_or_else(String::new, |default| format!(" Default: {default}."));
         let help = setting.help().join(" ").replace('\\', "\\\\");
-        let _ = writeln!(text, "    {}: {help}{default}", name(setting));
+        let _ = writeln!(text, "    {}: {help}{default}", setting.keyword());
     }
     text.push_str("    \"\"\"\n\n");
     for setting in table() {
-        let _ = writeln!(text, "    {}: {} | None", name(setting), python_type(setting));
+        let _ = writeln!(text, "    {}: {} | None", setting.keyword(), python_type(setting));
     }
     text.replace("import TYPE_CHECKING, Literal", "import Literal")
 }

@@ -145,6 +145,12 @@ def test_wrong_options(garden, options, words):
         holo.render(garden, **options)
 
 
+def test_errors_name_keywords_of_python(tmp_path, garden, options):
+    # On the command line it is --for, which is a word of Python.
+    with pytest.raises(holo.UsageError, match="^tools=lftoolbox is of a plenoptic camera; give one with camera_file"):
+        holo.render_to(tmp_path / "a", garden, tools=["lftoolbox"], **options)
+
+
 def test_scenes_that_are_not_there(tmp_path):
     with pytest.raises(holo.UsageError, match="the gallery has no scene 'gardn'"):
         holo.Scene.gallery("gardn")
