@@ -15,7 +15,7 @@ mod subset;
 mod tools;
 mod wanted;
 
-pub(crate) use self::files::{Finished, Traced, TracedCamera, TracedViews, exposure_ev, write};
+pub(crate) use self::files::{Exposed, Finished, Traced, TracedCamera, TracedViews, exposure_ev, write};
 pub(crate) use self::folder::{CHECKPOINT, checkpoints, clear_older};
 pub use self::folder::{OutputFolder, Rollback};
 pub(crate) use self::images::HIGHRES_SCALE;

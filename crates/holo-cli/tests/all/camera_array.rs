@@ -127,9 +127,52 @@ fn wrong_use_is_said() {
         value.as_object_mut().unwrap().remove("w");
         value["fl_x"] = json!(30);
     });
-    fails("", "--lenses");
+    fails("", "--lenses=WIDTHxHEIGHT");
+    // From the angle of view nothing follows without a size.
+    file(&|value| drop(value.as_object_mut().unwrap().remove("w")));
+    fails("", "--lenses=WIDTHxHEIGHT");
     file(&|value| value["k1"] = json!(0.1));
     fails("", "distortion");
+}
+
+/// A sensor has the pixels of an image of pinholes, and of all views of a light field; another size than the file's is refused.
+#[test]
+fn a_sensor_of_the_size_of_the_file_is_accepted() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("plane.glb"), holo_scene::gltf::to_glb(&plane()).unwrap()).unwrap();
+    let mut value = seventeen();
+    value["frames"].as_array_mut().unwrap().truncate(2);
+    std::fs::write(bench.path("in.json"), value.to_string()).unwrap();
+    let line = "render plane.glb --transforms in.json --integrator depth --layers depth --quiet";
+    for (more, sensor) in [("", "24x16"), ("--views 2", "48x32")] {
+        let outcome = bench.run(&format!("{line} {more} --sensor {sensor} --out {sensor}"));
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        let outcome = bench.run(&format!("{line} {more} --sensor 60x40 --out other"));
+        assert!(outcome.code == Some(2) && outcome.stderr.contains("24x16 pixels"), "{outcome:?}");
+        assert!(outcome.stderr.contains("--sensor") && !bench.path("other").exists(), "{outcome:?}");
+    }
+}
+
+/// What `--json` lists is what is there, where it is: also for one pose, whose folder has its name.
+#[test]
+fn reports_list_the_files_of_all_poses() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("plane.glb"), holo_scene::gltf::to_glb(&plane()).unwrap()).unwrap();
+    for count in [1, 2] {
+        let mut value = seventeen();
+        value["frames"].as_array_mut().unwrap().truncate(count);
+        std::fs::write(bench.path("in.json"), value.to_string()).unwrap();
+        let line =
+            "render plane.glb --transforms in.json --views 2 --spp 1 --integrator direct --write el,depth --json";
+        let outcome = bench.run(&format!("{line} --out {count}"));
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        let report: Value = serde_json::from_str(outcome.stdout.lines().last().unwrap()).unwrap();
+        let there: Vec<String> =
+            bench.list(&count.to_string()).into_iter().filter(|name| !name.ends_with('/')).collect();
+        assert_eq!(common::names(&report["files"]), there);
+        assert!(there.contains(&"r_0/scene_el.png".to_owned()) && there.contains(&"transforms.json".to_owned()));
+        assert!(count > 1 || outcome.stderr.contains(" files to 1/r_0 ("), "{outcome:?}");
+    }
 }
 
 /// Placed cameras are read again, and see what is in their middle.

@@ -112,6 +112,14 @@ fn collect(folder: &Path, prefix: &str, names: &mut Vec<String>) {
     }
 }
 
+/// The names in a list of a report, in alphabetical order.
+pub fn names(list: &serde_json::Value) -> Vec<String> {
+    let mut names: Vec<String> =
+        list.as_array().unwrap().iter().map(|name| name.as_str().unwrap().to_owned()).collect();
+    names.sort();
+    names
+}
+
 /// Runs to the end.
 pub fn outcome(mut command: Command) -> Outcome {
     let start = Instant::now();

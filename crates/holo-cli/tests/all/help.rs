@@ -62,6 +62,8 @@ fn the_other_commands_say_it_too() {
     assert!(text.contains("--view <S,T> Viewpoint images: the column and row of one, from 0"), "{text}");
     assert!(text.contains("--lens <U,V> Elemental images: the column and row of a lens, from 0"), "{text}");
     assert!(help("help verify").contains("manifest.json"));
+    let text = help("optics --help");
+    assert!(text.contains("--focal-mm <F> Focal length, mm [default: 50]"), "{text}");
 }
 
 #[test]

@@ -135,6 +135,8 @@ fn wrong_use_is_said() {
         ("animate out --fps 0 --out x.png", "0.01 to 600"),
         ("rotate-elements out x.jpg", ".png"),
         ("optics", "--focus-m"),
+        ("optics --focus-m 1 --baseline-m 0", "--baseline-m 0"),
+        ("optics --focus-m 1 --views 1", "--views"),
         ("optics out --views 3", "cannot be used with"),
         ("optics --depths-m 6,2", "NEAR,FAR"),
         ("optics --disparity -2,2", "--depths-m"),

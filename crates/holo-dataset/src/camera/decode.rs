@@ -187,7 +187,8 @@ pub fn write_white_images(
     }
     let mut cameras = vec![("white".to_owned(), camera.clone())];
     for f_number in f_numbers {
-        let stopped = camera.clone().with_f_number(*f_number).map_err(Error::BadRequest)?;
+        let stopped = camera.clone().with_f_number(*f_number);
+        let stopped = stopped.map_err(|why| Error::BadRequest(why.to_string()))?;
         cameras.push((format!("white_f{f_number}"), stopped));
     }
     let mut folder = OutputFolder::create_plain(out, rollback)?;

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use holo_core::optics::DisparityRange;
-use holo_core::{GridSize, LightFieldShape, Remainder, Rig};
+use holo_core::{GridSize, LightFieldShape, Remainder, Rig, Sensor};
 use holo_io::ArrayCamera;
 use holo_render::{Baseline, Camera as Optics, CameraChoice, Framed, Framing, Renderer, World};
 use holo_scene::gltf::Loaded;
@@ -96,6 +96,8 @@ pub(super) struct Setup<'a> {
     pub settings: &'a RenderSettings,
     pub wanted: &'a Wanted,
     pub engine: &'a EngineSettings,
+    /// The electrons of the radiance 1 on an image sensor that the first shot chose; `None`: every shot chooses its own.
+    pub electrons: Option<f64>,
 }
 
 impl Setup<'_> {
@@ -266,7 +268,7 @@ impl SceneSource {
         }
         let settings = &of_truth;
         let wanted = Wanted::new(settings)?;
-        let setup = Setup { source: self, settings, wanted: &wanted, engine };
+        let setup = Setup { source: self, settings, wanted: &wanted, engine, electrons: None };
         let stage = Stage::load(self, &settings.scene, None, diagnostics)?;
         let prepared = setup.prepare(&stage, &stage.world(self, &settings.light.sky, engine)?, 0, diagnostics)?;
         report_backend(&prepared.renderer, diagnostics);
@@ -382,7 +384,11 @@ fn pose_of(camera: &ArrayCamera) -> Result<Transform, Error> {
 }
 
 fn without_size(camera: &ArrayCamera) -> Error {
-    Error::BadRequest(format!("camera '{}' has no size; give `lenses=WIDTHxHEIGHT`", camera.name))
+    let name = &camera.name;
+    Error::BadRequest(format!(
+        "camera '{name}' has no size in pixels; add `w` and `h` to the file of `transforms`, or give the size of the images \
+         as `lenses=WIDTHxHEIGHT`"
+    ))
 }
 
 /// The choice of the camera: a number is an index, unless a camera has that name.
@@ -458,39 +464,42 @@ fn memory(settings: &RenderSettings, wanted: &Wanted) -> [usize; 2] {
 
 /// The numbers of views and microlenses of a rig, at a pose with a size of its own or at that of the scene.
 fn shape(rig: &RigSettings, at: Option<&ArrayCamera>, diagnostics: &dyn Diagnostics) -> Result<LightFieldShape, Error> {
-    let shape = match (rig.pixels, at) {
-        (Pixels::Lenses(lenses), None) => LightFieldShape::new(rig.views, lenses)?,
-        (Pixels::Lenses(lenses), Some(camera)) if camera.size.is_none_or(|size| size == lenses) => {
-            LightFieldShape::new(rig.views, lenses)?
-        }
-        (Pixels::Lenses(_) | Pixels::Sensor(_), Some(camera)) => {
-            let size = camera.size.map_or_else(|| "no size".into(), |size| format!("{size} pixels"));
+    let own = match rig.pixels {
+        Pixels::Lenses(lenses) => Some(LightFieldShape::new(rig.views, lenses)?),
+        Pixels::Sensor(sensor) => Some(divided(sensor, rig.views, diagnostics)?),
+        Pixels::OfPoses => None,
+    };
+    let shape = match (own, at.map(|camera| (camera, camera.size))) {
+        (Some(shape), None | Some((_, None))) => shape,
+        (Some(shape), Some((_, Some(size)))) if size == shape.lenses() => shape,
+        (Some(shape), Some((camera, Some(size)))) => {
+            let (name, lenses) = (&camera.name, shape.lenses());
             return Err(Error::BadRequest(format!(
-                "camera '{}' has {size}, and `lenses` or `sensor` say otherwise; remove them",
-                camera.name
+                "camera '{name}' has {size} pixels, and with `lenses` or `sensor` a view has {lenses}; remove them"
             )));
         }
-        (Pixels::OfPoses, Some(camera)) => {
-            LightFieldShape::new(rig.views, camera.size.ok_or_else(|| without_size(camera))?)?
-        }
-        (Pixels::OfPoses, None) => {
+        (None, Some((_, Some(size)))) => LightFieldShape::new(rig.views, size)?,
+        (None, Some((camera, None))) => return Err(without_size(camera)),
+        (None, None) => {
             return Err(Error::BadRequest("the pixels of a view are those of poses, and there are none".into()));
-        }
-        (Pixels::Sensor(sensor), None) => {
-            let divided = sensor.divide(rig.views, Remainder::Crop)?;
-            let border = divided.border;
-            if (border.rows, border.columns) != (0, 0) {
-                let size = sensor.size();
-                let note = format!(
-                    "note: {} x {} views leave {} columns and {} rows of the {} x {} sensor unused",
-                    rig.views.columns, rig.views.rows, border.columns, border.rows, size.columns, size.rows
-                );
-                diagnostics.report(About::Setup, &note);
-            }
-            divided.shape
         }
     };
     shifted(rig, shape)
+}
+
+/// The views and microlenses of a sensor.
+fn divided(sensor: Sensor, views: GridSize, diagnostics: &dyn Diagnostics) -> Result<LightFieldShape, Error> {
+    let divided = sensor.divide(views, Remainder::Crop)?;
+    let border = divided.border;
+    if (border.rows, border.columns) != (0, 0) {
+        let size = sensor.size();
+        let note = format!(
+            "note: {} x {} views leave {} columns and {} rows of the {} x {} sensor unused",
+            views.columns, views.rows, border.columns, border.rows, size.columns, size.rows
+        );
+        diagnostics.report(About::Setup, &note);
+    }
+    Ok(divided.shape)
 }
 
 /// The microlenses of an array in all of its positions.

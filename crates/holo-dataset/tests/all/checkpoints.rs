@@ -10,9 +10,10 @@ use std::time::{Duration, Instant};
 
 use holo_core::GridSize;
 use holo_dataset::{
-    About, Checkpoints, DatasetPlan, EngineSettings, Error, Output, Pixels, RenderJob, RenderSettings, RigSettings,
-    Rollback, RunOptions, SceneSource, Shard, ShotOutcome, Spacing, merge, verify,
+    About, Camera, Checkpoints, DatasetPlan, EngineSettings, Error, Output, Pixels, Poses, RenderJob, RenderSettings,
+    RigSettings, Rollback, RunOptions, SceneSource, Shard, ShotOutcome, Spacing, merge, verify,
 };
+use holo_io::{ArrayCamera, CameraArray, WorldUp};
 use holo_render::{Backend, GroundTruth, Integrator, Progress};
 
 /// Cancels after some tiles, and counts them. Waits before each.
@@ -154,6 +155,32 @@ fn a_render_that_is_canceled_again_and_again_comes_to_an_end() {
     }
     assert!(runs > 2);
     assert!(bytes(&out) == expected);
+}
+
+/// The images of pinhole cameras share a checkpoint: those that were finished are not rendered again.
+#[test]
+fn pinhole_cameras_continue_to_the_same_bytes() {
+    let camera = |k: usize| ArrayCamera {
+        name: format!("camera_{k}"),
+        axes_and_position: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.1 * k as f64, 0.3, 1.2]],
+        focal_px: 60.0,
+        size: Some(GridSize::new(36, 45)),
+    };
+    let mut settings = RenderSettings::default();
+    settings.camera = Camera::Pinhole;
+    settings.poses = Poses::Array { cameras: CameraArray { cameras: (0..3).map(camera).collect() }, up: WorldUp::Y };
+    (settings.light.samples, settings.light.integrator) = (Some(4), Integrator::Direct);
+    let job = with_settings(settings);
+    let folder = tempfile::tempdir().unwrap();
+    let (whole, out) = (folder.path().join("whole"), folder.path().join("out"));
+    let (tiles, _) = finish(&job.clone().checkpoints(None), &whole);
+    assert!(tiles >= 3, "{tiles}");
+    let lines = cancel(&job, &out, tiles / 2);
+    assert!(lines.len() == 1 && lines[0].contains("the same command continues"), "{lines:?}");
+    assert_eq!(bytes(&out).len(), 1, "nothing but the checkpoint is left: {:?}", bytes(&out).keys());
+    let (rendered, lines) = finish(&job, &out);
+    assert!(rendered < tiles && lines[0].starts_with("note: continues with"), "{rendered} of {tiles}: {lines:?}");
+    assert!(bytes(&out) == bytes(&whole));
 }
 
 #[test]

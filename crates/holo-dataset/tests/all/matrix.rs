@@ -8,7 +8,7 @@ use holo_dataset::{
     Camera, Checkpoints, Frames, LayerChoice, Output, Pixels, Poses, RenderJob, RenderSettings, RigSettings, Rollback,
     RunOptions, SceneSource, Sky, merge, verify,
 };
-use holo_io::{ArrayCamera, CameraArray, CameraFile, WorldUp};
+use holo_io::{ArrayCamera, CameraArray, CameraFile, MosaicInfo, WorldUp};
 use holo_render::{Denoise, GroundTruth, Integrator, Progress, Reuse, TextureFilter};
 
 /// An unfocused camera of 60 x 45 pixels with its pupil in the lens.
@@ -79,16 +79,14 @@ const FEATURES: [Feature; 12] = [
         |settings| settings.output.ground_truth = GroundTruth::All,
         &[(Kind::Plenoptic, "views"), (Kind::Pinhole, "grid of views")],
     ),
-    (
-        "sensor codes",
-        |settings| {
-            let mut given = holo_dataset::settings::Given::default();
-            given.insert("sensor-model", "imx250").expect("a setting");
-            settings.apply(&given).expect("a sensor");
-        },
-        &[(Kind::Pinhole, "raw image")],
-    ),
+    ("sensor codes", |settings| apply(settings, &[("sensor-model", "imx250")]), &[(Kind::Pinhole, "raw image")]),
 ];
+
+fn apply(settings: &mut RenderSettings, pairs: &[(&str, &str)]) {
+    let mut given = holo_dataset::settings::Given::default();
+    pairs.iter().for_each(|(key, text)| given.insert(key, *text).expect("a setting"));
+    settings.apply(&given).expect("settings");
+}
 
 fn poses() -> Poses {
     let camera = |name: &str, x: f64| ArrayCamera {
@@ -254,6 +252,26 @@ fn shards_of_everything_are_the_whole() {
     }
 }
 
+/// The sensor is exposed in all shots as in the first, whichever part renders them: a sequence does not flicker.
+#[test]
+fn sensor_codes_of_all_shots_have_one_exposure() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for kind in [Kind::Rig, Kind::Plenoptic] {
+        let mut settings = settings(kind, true, true);
+        apply(&mut settings, &[("sensor-model", "imx250")]);
+        let (job, out) = (job(settings), folder.path().join(format!("{kind:?}")));
+        for part in [2, 1] {
+            let shard = holo_dataset::Shard { part, of: 2 };
+            job.run(&out, &RunOptions::new().shard(shard)).expect("a part");
+        }
+        let exposure = |shot: &holo_dataset::Shot| {
+            MosaicInfo::read_for(out.join(shot.folder()).join("scene_raw.png")).expect("a sensor").exposure
+        };
+        let electrons: Vec<f64> = job.shots().iter().map(|shot| exposure(shot).electrons_at_one).collect();
+        assert_eq!(electrons, [electrons[0]; 4], "{kind:?}");
+    }
+}
+
 /// Cancels after some tiles.
 struct CancelAfter(u64, std::sync::atomic::AtomicU64);
 
@@ -297,11 +315,8 @@ fn everything_continues() {
 fn the_same_settings_in_another_form_are_the_same_image() {
     let folder = tempfile::tempdir().expect("a folder");
     let render = |pairs: &[(&str, &str)], overwrite: bool| {
-        let mut given = holo_dataset::settings::Given::default();
-        let small = [("lenses", "12x8"), ("integrator", "direct")];
-        small.iter().chain(pairs).for_each(|(key, text)| given.insert(key, *text).expect("a setting"));
         let mut settings = RenderSettings::default();
-        settings.apply(&given).expect("settings");
+        apply(&mut settings, &[&[("lenses", "12x8"), ("integrator", "direct")][..], pairs].concat());
         job(settings).run(folder.path().join("out"), &RunOptions::new().overwrite(overwrite)).map(drop)
     };
     render(&[("views", "2x2")], false).expect("the first");
@@ -309,12 +324,21 @@ fn the_same_settings_in_another_form_are_the_same_image() {
         &[("views", "2"), ("spp", "16")][..],
         &[("views", "2x2"), ("f-number", "5.0"), ("sensor-mm", "36")],
         &[("views", "2x2"), ("write", "mat,el,vpi,depth,disparity")],
+        &[("views", "2x2"), ("lens-shifts", "1")],
     ] {
         render(same, false).unwrap_or_else(|why| panic!("{same:?}: {why}"));
     }
-    for (other, part) in [(&[("views", "2x2"), ("spp", "3")][..], "`spp`"), (&[("views", "3")], "`views`")] {
+    for (other, part) in [
+        (&[("views", "2x2"), ("spp", "3")][..], "`spp`"),
+        (&[("views", "3")], "`views`"),
+        (&[("views", "2x2"), ("lens-shifts", "2")], "`lens-shifts`"),
+    ] {
         let why = render(other, false).expect_err("another image").to_string();
         assert!(why.contains(part) && why.contains("`overwrite`"), "{why}");
     }
     render(&[("views", "3")], true).expect("overwritten");
+    render(&[("views", "3"), ("subset", "2,1;0,1")], true).expect("some views");
+    render(&[("views", "3"), ("subset", "0,1; 2,1;0,1")], false).expect("the same views");
+    let why = render(&[("views", "3"), ("subset", "0,1")], false).expect_err("other views").to_string();
+    assert!(why.contains("`subset`"), "{why}");
 }

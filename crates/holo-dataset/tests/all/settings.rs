@@ -4,7 +4,8 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use holo_dataset::settings::{Given, Kind, Setting, table};
-use holo_dataset::{LayerChoice, Output, RenderSettings, Tool};
+use holo_dataset::{Camera, LayerChoice, Output, RenderSettings, Tool};
+use holo_io::CameraFile;
 
 fn given(pairs: &[(&str, &str)]) -> RenderSettings {
     let mut given = Given::default();
@@ -51,6 +52,22 @@ fn settings_that_cannot_be_are_refused() {
     }
 }
 
+/// A camera without a grid of views shares no light between views: to ask for it is an error, not to want it is none.
+#[test]
+fn reuse_is_of_views() {
+    let plenoptic: Camera = CameraFile::preset("lytro-illum").expect("a preset").into();
+    for camera in [plenoptic, Camera::Pinhole] {
+        let apply = |word: &str| {
+            let mut given = Given::default();
+            given.insert("reuse", word).expect("a setting");
+            RenderSettings::default().camera(camera.clone()).apply(&given)
+        };
+        let error = apply("views").expect_err("refused");
+        assert!(error.is_bad_request() && error.to_string().contains("`reuse views`"), "{error}");
+        apply("off").expect("what it does anyway");
+    }
+}
+
 /// Every word has a help, and every value that it names comes back from it.
 #[test]
 fn words_are_read_back() {
@@ -62,6 +79,8 @@ fn words_are_read_back() {
         }
         assert!(!setting.help()[0].is_empty(), "{} has no help", setting.key());
     }
+    let keyword = |key: &str| Setting::by_key(key).expect("a setting").keyword();
+    assert_eq!((keyword("for"), keyword("focus-m")), ("tools".into(), "focus_m".into()));
     assert_eq!((Output::El.name(), Tool::Lytro.name(), LayerChoice::All.name()), ("el", "lytro", "all"));
 }
 
@@ -91,18 +110,14 @@ fn python() -> String {
          from typing import TYPE_CHECKING, Literal, TypedDict\n\n\nclass Settings(TypedDict, total=False):\n    \
          \"\"\"The settings of a render, as keywords of `render`, `render_to` and `render_raw`.\n\n",
     );
-    let name = |setting: &Setting| match setting.key() {
-        "for" => "tools".to_owned(),
-        key => key.replace('-', "_"),
-    };
     for setting in table() {
         let default = setting.default().map_or_else(String::new, |default| format!(" Default: {default}."));
         let help = setting.help().join(" ").replace('\\', "\\\\");
-        let _ = writeln!(text, "    {}: {help}{default}", name(setting));
+        let _ = writeln!(text, "    {}: {help}{default}", setting.keyword());
     }
     text.push_str("    \"\"\"\n\n");
     for setting in table() {
-        let _ = writeln!(text, "    {}: {} | None", name(setting), python_type(setting));
+        let _ = writeln!(text, "    {}: {} | None", setting.keyword(), python_type(setting));
     }
     text.replace("import TYPE_CHECKING, Literal", "import Literal")
 }

@@ -180,7 +180,8 @@ def render_to(
     write: files, such as ["el", "vpi", "mat", "h5", "exr", "hci"]; further settings as in `render`. frame: also several, "0-47",
     a folder each (shard "K/N" is then every N-th); frames that are there are kept.
 
-    Returns the report of `holo render --json`; of several frames or poses their reports in "frames".
+    Returns the report of `holo render --json`; of several frames or poses their reports in "frames", and in "files" the names
+    of all their files in `out`.
     """
     camera = camera_file
     if camera is not None and not isinstance(camera, PlenopticCamera):
@@ -199,15 +200,14 @@ def render_to(
         "checkpoint_seconds": float(checkpoint),
     }
     with _bar(progress) as report:
-        reports, kept, lines = _holo.render_folder(
+        reports, kept, files, lines = _holo.render_folder(
             as_scene(scene)._as_item(), texts_of(settings), (backend, threads), request, report
         )
     tell(lines)
     reports = [json.loads(report) for report in reports]
     if len(reports) == 1 and kept == 0 and not {"pose", "frame"} & reports[0].keys():
         return reports[0]
-    sequence = [name for name in ("sequence_5d.h5",) if os.path.isfile(os.path.join(out, name))]
-    return {"made": len(reports), "kept": kept, "files": sequence, "frames": reports}
+    return {"made": len(reports), "kept": kept, "files": files, "frames": reports}
 
 
 @with_signature
@@ -272,7 +272,8 @@ class _bar:
             except ImportError:
                 raise UsageError("progress=True shows a bar of tqdm: install it, or give a function of (done, total)") from None
 
-            self.bar = tqdm(unit="tile")
+            # Tiles, or thousandths of every frame and pose of several.
+            self.bar = tqdm(unit="step")
             return self._step
         return self.progress or None
 
