@@ -16,6 +16,7 @@ use super::Renderer;
 use super::checkpoint::{Checkpoint, TileKind};
 use super::plan::path_tile_pixels;
 use super::request::{Denoise, RawStatistics, Rendered, Request};
+use super::transport::TextureFilter;
 use super::work::{TileOutput, Work};
 use crate::camera::RaySource;
 use crate::camera::plenoptic::{PlenopticRays, RawLens, RawPacket, RawPixels};
@@ -29,7 +30,7 @@ use crate::integrator::depth::DepthTile;
 use crate::integrator::path::{PathTile, Round, Scratch};
 use crate::integrator::{Context, Integrator, RayCounts};
 use crate::progress::{Progress, Stop};
-use crate::sampling::Sampler;
+use crate::sampling::{self, Sampler};
 use crate::simd::{self, LANES};
 
 /// The lines of microlenses that are rendered together, counted from line 0 of the array.
@@ -290,12 +291,14 @@ impl Renderer {
         work: &Work<'a>,
     ) -> Context<'a> {
         let transport = &request.transport;
+        // The windows of the reconstruction hold so many samples that the bias of the filter would be what is left.
+        let filters = transport.texture_filter == TextureFilter::Footprint && request.denoise == Denoise::Off;
         let sampler = Sampler {
             seed: transport.seed,
             samples: transport.samples,
             sampling: transport.sampling,
             centered: transport.samples == 1,
-            cells: None,
+            cells: filters.then(|| sampling::cells(transport.samples)),
         };
         Context {
             scene: self.scene_data(transport, integrator),
