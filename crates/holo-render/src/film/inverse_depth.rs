@@ -4,7 +4,7 @@
 //! linear in disparity and in virtual depth, so its mean and deviation give theirs. A ray that misses the scene counts as
 //! inverse depth 0. Samples have the weight that they have in color.
 
-use crate::simd::{LANES, Lanes};
+use crate::simd::{LANES, Lanes, at};
 
 /// Values of a pixel: the sum of the weights, of those of rays that hit, the mean of the inverse depth, and the sum of
 /// the weighted squares of the differences from it.
@@ -53,6 +53,29 @@ impl InverseDepths {
         }
         out
     }
+}
+
+/// The values of a packet if every sample has `factor` times its weight.
+#[inline(always)]
+pub(crate) fn scaled(mut values: [[f32; LANES]; CHANNELS], factor: f32) -> [[f32; LANES]; CHANNELS] {
+    // All but the mean.
+    for k in [0, 1, 3] {
+        for lane in 0..LANES {
+            values[k][lane] *= factor;
+        }
+    }
+    values
+}
+
+/// The values of the samples of two packets of the same pixels together.
+pub(crate) fn merged_packets(a: &[[f32; LANES]; CHANNELS], b: &[[f32; LANES]; CHANNELS]) -> [[f32; LANES]; CHANNELS] {
+    let mut out = [[0.0; LANES]; CHANNELS];
+    for lane in 0..LANES {
+        for (out, value) in out.iter_mut().zip(merged(at(a, lane), at(b, lane))) {
+            out[lane] = value;
+        }
+    }
+    out
 }
 
 /// The values of the samples of `a` and `b` together.
