@@ -263,6 +263,23 @@ impl Request {
         self.rows.clone().unwrap_or(0..self.camera.row_count())
     }
 
+    /// Whether the samples of color are compared with each other, and for what.
+    fn needs_samples(&self) -> (bool, &'static str) {
+        let what = if self.estimate_error { "the estimate of the error" } else { "denoising" };
+        (self.denoise == Denoise::Views || self.estimate_error, what)
+    }
+
+    /// Validates that there is color if its samples are needed.
+    pub(super) fn check_needs_color(&self) -> Result<(), Error> {
+        let (needs_samples, what) = self.needs_samples();
+        if needs_samples && self.transport.integrator == Integrator::Depth {
+            return Err(Error::BadSetting(format!(
+                "{what} needs color, which the integrator 'depth' does not render; choose another one, or leave it out"
+            )));
+        }
+        Ok(())
+    }
+
     /// Validates the request for a scene with this many instances and materials.
     pub(super) fn check(&self, counts: [usize; 2]) -> Result<(), Error> {
         self.transport.check()?;
@@ -304,13 +321,8 @@ impl RigRequest<'_> {
                 }
             }
         }
-        let needs_samples = self.denoise == Denoise::Views || self.estimate_error;
-        let what = if self.estimate_error { "the estimate of the error" } else { "denoising" };
-        if needs_samples && self.transport.integrator == Integrator::Depth {
-            return Err(Error::BadSetting(format!(
-                "{what} needs color, which the integrator 'depth' does not render; choose another one, or leave it out"
-            )));
-        }
+        self.check_needs_color()?;
+        let (needs_samples, what) = self.needs_samples();
         if needs_samples && self.views != Views::All {
             return Err(Error::BadSetting(format!("{what} needs all views; render them all, or without it")));
         }
