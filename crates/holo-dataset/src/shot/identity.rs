@@ -101,8 +101,8 @@ pub(super) fn describe(
     if !transport.multiple_scattering {
         set("multiple-scattering", switch(false));
     }
-    if rendered.color.is_some() && request.camera.rig().is_some() {
-        if transport.reuse == Reuse::Off {
+    if rendered.color.is_some() {
+        if request.camera.rig().is_some() && transport.reuse == Reuse::Off {
             set("reuse", switch(false));
         }
         if request.denoise == Denoise::Off {
