@@ -98,7 +98,8 @@ pub struct Request {
     pub ground_truth: GroundTruth,
     /// Of a rig: the rendered views.
     pub views: Views,
-    /// Whether the noise of color is reduced with the samples of neighboring views.
+    /// Whether the noise of color is reduced with the samples of neighboring views, or of those pixels of a plenoptic camera
+    /// that see the same point.
     pub denoise: Denoise,
     /// Whether [`Rendered::error`] is estimated.
     pub estimate_error: bool,
@@ -171,7 +172,8 @@ pub enum Denoise {
     #[default]
     Off,
     /// Reconstruction across views: every pixel is a mean over the samples of neighboring views, as many as show the same
-    /// within the noise. Biased where the views differ by less than that; the bias vanishes as the samples grow.
+    /// within the noise. Biased where the views differ by less than that; the bias vanishes as the samples grow. A pixel of a
+    /// plenoptic camera is a mean over the pixels, behind its own and other microlenses, that see the same point.
     Views,
 }
 
@@ -201,8 +203,9 @@ pub struct Rendered {
     pub color: Option<LightFieldOwned<f32>>,
     /// The estimated relative standard error of `color`, axes (v, u, t, s, c) with one channel, if
     /// [`Request::estimate_error`] is set: the square root of variance and squared bias, averaged over 5 x 5 microlenses and
-    /// about 8 x 8 views and divided by the luminance there. The estimate is above the true error where samples are better
-    /// distributed than independent ones. `None` for the integrator `Depth`.
+    /// about 8 x 8 views and divided by the luminance there; of a plenoptic camera 8 x 8 pixels, and 0 for pixels without
+    /// light. The estimate is above the true error where samples are better distributed than independent ones. `None` for the
+    /// integrator `Depth`.
     pub error: Option<LightFieldOwned<f32>>,
     /// The distribution of the same over all pixels, if [`Request::estimate_error`] is set or color is reconstructed.
     pub error_distribution: Option<ErrorDistribution>,
