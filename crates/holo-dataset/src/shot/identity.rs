@@ -109,7 +109,9 @@ pub(super) fn describe(
             set("texture-filter", word(&transport.texture_filter).into());
         } else {
             set("denoise", word(&request.denoise).into());
-            set("denoise-method", Denoise::METHOD.into());
+            let is_rig = request.camera.rig().is_some();
+            let method = if is_rig { Denoise::METHOD } else { Denoise::RAW_METHOD };
+            set("denoise-method", method.into());
         }
     }
     if transport.cull {

@@ -121,4 +121,24 @@ mod tests {
         }
         assert_eq!(merged([0.0; 4], whole), whole);
     }
+
+    /// The means of a first round and the sums of a second one are the means of all samples.
+    #[test]
+    fn rounds_have_the_means_of_all_samples() {
+        let packet = |samples: &[(f32, f64)]| {
+            let mut sums = InverseDepths::default();
+            sums.begin(1);
+            for &(weight, depth) in samples {
+                sums.add(0, &Lanes([-1; LANES]), &[weight; LANES], &[depth; LANES]);
+            }
+            sums.packet(0)
+        };
+        let samples: [(f32, f64); 5] = [(1.0, 2.0), (0.5, 2.1), (0.25, f64::INFINITY), (2.0, 1.9), (0.0, 1.0)];
+        let expected = scaled(packet(&samples), 1.0 / 5.0);
+        let first = scaled(packet(&samples[..2]), 1.0 / 2.0);
+        let all = merged_packets(&scaled(first, 2.0 / 5.0), &scaled(packet(&samples[2..]), 1.0 / 5.0));
+        for k in 0..CHANNELS {
+            assert!((all[k][7] - expected[k][7]).abs() < 1e-6, "{k}: {} {}", all[k][7], expected[k][7]);
+        }
+    }
 }

@@ -180,6 +180,9 @@ pub enum Denoise {
 impl Denoise {
     /// The name of the method of [`Denoise::Views`], for manifests: it changes when the results do.
     pub const METHOD: &'static str = "mean over neighboring views, 1";
+
+    /// The same for plenoptic cameras.
+    pub const RAW_METHOD: &'static str = "mean over pixels that see the same point, 1";
 }
 
 /// The views for which ground truth is rendered.

@@ -171,9 +171,13 @@ impl Lattice {
     /// The rows above and below a pixel on which it may depend: those of its neighbors in every step of the
     /// reconstruction, each up to the edge of its micro-image, for grids at any angle.
     pub fn margin_rows(camera: &PlenopticCamera) -> usize {
+        let (array, pixel_m) = (camera.array(), camera.sensor().pixel_m);
         // One pitch for the microlens that owns the pixel, one for the edges of its neighbors' micro-images.
-        let pitches = (HALO as f64 * std::f64::consts::SQRT_2 + 2.0) * camera.array().scale_y.max(1.0);
-        (pitches * camera.micro_image_pitch_px()).ceil() as usize
+        let pitches = (HALO as f64 * std::f64::consts::SQRT_2 + 2.0) * array.scale_y.max(1.0);
+        // The number of samples is that of packets, whose pixels lie anywhere in a micro-image.
+        let openings = 0..array.type_count() + usize::from(array.has_clear_gaps);
+        let dark_px = openings.map(|k| camera.micro_image_radii_m(k)[2] / pixel_m).fold(0.0, f64::max);
+        (pitches * camera.micro_image_pitch_px() + 2.0 * dark_px).ceil() as usize + 1
     }
 
     /// The movement between pixels one pixel apart, in pitches of the array, of what lies at this inverse depth, 1/m.
