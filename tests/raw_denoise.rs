@@ -48,12 +48,12 @@ fn part(name: &str, size: GridSize) -> PlenopticCamera {
 
 /// The mean squared difference relative to the mean square, without the largest of a hundred.
 fn squared_error(found: &Rendered, exact: &Rendered) -> f64 {
-    let pairs = color(found).samples().iter().zip(color(exact).samples());
-    let mut squares: Vec<f64> = pairs.map(|(a, b)| f64::from(a - b).powi(2)).collect();
+    let (found, exact) = (color(found).samples(), color(exact).samples());
+    let mut squares: Vec<f64> = found.iter().zip(&exact).map(|(a, b)| f64::from(a - b).powi(2)).collect();
     squares.sort_by(f64::total_cmp);
     squares.truncate(squares.len() * 99 / 100);
-    let bright = color(exact).samples().iter().map(|&x| f64::from(x).powi(2)).sum::<f64>();
-    squares.iter().sum::<f64>() / squares.len() as f64 / (bright / color(exact).samples().len() as f64)
+    let bright = exact.iter().map(|&x| f64::from(x).powi(2)).sum::<f64>() / exact.len() as f64;
+    squares.iter().sum::<f64>() / squares.len() as f64 / bright
 }
 
 /// Where the camera is a rig, its reconstruction is about as good as that of the rig.
@@ -134,7 +134,7 @@ fn parts_and_threads_give_the_same_bytes() {
             let whole = one.render(&request, &()).expect("a render");
             let again = three.render(&request, &()).expect("a render");
             assert!(color(&whole) == color(&again) && whole.error == again.error, "{grid:?}");
-            for rows in [0..17, 190..212] {
+            for rows in [0..17usize, 190..212] {
                 let part = three.render(&request.clone().rows(Some(rows.clone())), &()).expect("a part");
                 let same = |part: &LightFieldOwned<f32>, whole: &LightFieldOwned<f32>| {
                     let rows = whole.samples().slice_move(s![rows.clone(), .., .., .., ..]).to_owned();

@@ -1,8 +1,8 @@
 //! The raw image of a plenoptic camera.
 //!
-//! [Color](color) is rendered microlens by microlens, in bands of lines of the array. A pixel sums the light of every microlens
-//! that reaches it, in the order of the lines and along them, so the result does not depend on threads or on which rows
-//! are rendered. Ground truth is that of the chief ray of every pixel.
+//! [Color](color) is rendered microlens by microlens, in bands of lines of the array. A pixel sums the light of every
+//! microlens that reaches it, in the order of the lines and along them, so the result does not depend on threads or on
+//! which rows are rendered. Ground truth is that of the chief ray of every pixel.
 
 mod color;
 

@@ -159,7 +159,7 @@ fn parts_and_threads_give_the_same_bytes() {
             let (color, error) = whole.reconstructed(0..260);
             let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().expect("threads");
             assert!(pool.install(|| whole.reconstructed(0..260)) == (color.clone(), error.clone()));
-            for rows in [0..11, 120..141, 241..260] {
+            for rows in [0..11usize, 120..141, 241..260] {
                 let cut = rows.start.saturating_sub(margin)..(rows.end + margin).min(260);
                 assert!(cut.len() < 260, "the part is the whole");
                 let part = Synthetic::new(&camera, cut, disparity, 0.1, value).reconstructed(rows.clone());
