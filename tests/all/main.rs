@@ -20,5 +20,6 @@ mod path;
 mod pinned;
 mod plenoptic;
 mod radiance;
+mod raw_denoise;
 mod reuse;
 mod shadows;

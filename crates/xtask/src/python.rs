@@ -49,7 +49,9 @@ pub fn test(arguments: &[String]) -> Result {
 /// The package of this checkout, to be named in `PYTHONPATH`.
 fn build() -> Result<PathBuf> {
     // With the features of the tests, those of development dependencies too: the libraries are theirs.
-    process::cargo(&[&["build", "--quiet", "--workspace", "--lib", "--examples"], crate::workspace_features()].concat())?;
+    process::cargo(
+        &[&["build", "--quiet", "--workspace", "--lib", "--examples"], crate::workspace_features()].concat(),
+    )?;
     let out = target().join("python-package").join("holo");
     let _ = std::fs::remove_dir_all(&out);
     std::fs::create_dir_all(&out).map_err(|why| format!("{}: {why}", out.display()))?;

@@ -1,5 +1,6 @@
 //! `--transforms`: cameras anywhere, in the files of NeRF and nerfstudio.
 
+use crate::common;
 use crate::common::Bench;
 use holo_io::{Limits, read_pfm_gray};
 use holo_scene::{Camera, CameraProjection, Instance, Light, LightKind, Material, Mesh, Scene, Transform};

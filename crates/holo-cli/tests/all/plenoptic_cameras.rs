@@ -114,6 +114,30 @@ fn parts_of_a_raw_image_become_the_whole() {
     assert!(!bench.path("other").exists());
 }
 
+/// Reconstruction and the estimate of its error: the map of the error, the numbers of the manifest, and parts that become
+/// the whole.
+#[test]
+fn raw_images_are_denoised() {
+    let bench = bench();
+    let render =
+        format!("render {SCENE} --camera-file small.toml --spp 2 --sky 1,1,1 --denoise views --layers error,depth");
+    succeeds(&bench, &format!("{render} --out whole"));
+    let files = bench.list("whole");
+    assert!(files.contains(&"raw_error.pfm".to_owned()) && files.contains(&"raw_depth.pfm".to_owned()), "{files:?}");
+    succeeds(&bench, "verify whole");
+    for part in 1..=2 {
+        succeeds(&bench, &format!("{render} --shard {part}/2 --out part{part}"));
+    }
+    succeeds(&bench, "merge merged part1 part2");
+    assert_eq!(bench.bytes("merged"), bench.bytes("whole"));
+    // Another image than that of the plain samples.
+    refused(
+        &bench,
+        &format!("render {SCENE} --camera-file small.toml --spp 2 --sky 1,1,1 --out whole"),
+        "another image",
+    );
+}
+
 /// Frames of an animation as raw images: a folder each, with the exposure of the first, in any parts.
 #[test]
 fn a_plenoptic_camera_films() {
@@ -141,9 +165,9 @@ fn impossible_requests_are_refused() {
     let bench = bench();
     let render = |more: &str| format!("render {SCENE} --camera-file small.toml --out out {more}");
     refused(&bench, &render("--ground-truth all"), "`holo decode` adds those of the central view");
-    refused(&bench, &render("--denoise views"), "--denoise");
     refused(&bench, &render("--write el"), "raw-png");
-    refused(&bench, &render("--layers error"), "--layers error");
+    refused(&bench, &render("--layers visibility"), "--layers visibility");
+    refused(&bench, &render("--integrator depth --layers error"), "error");
     refused(&bench, &render("--integrator depth --for lftoolbox"), "--for lftoolbox");
     refused(&bench, &render("--for matlab"), "lftoolbox, plenopticam");
     refused(&bench, &format!("render {SCENE} --out out --for lftoolbox"), "--camera-file");

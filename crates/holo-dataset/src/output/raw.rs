@@ -10,7 +10,7 @@ use ndarray::{Array2, Array3, Axis, Zip};
 use super::codes;
 use super::files::{Exposed, Finished};
 use super::folder::OutputFolder;
-use super::layers::{COLOR, write_pfm};
+use super::layers::{COLOR, ERROR, write_pfm};
 use super::statistics::Statistics;
 use super::wanted::Wanted;
 use crate::Error;
@@ -92,6 +92,10 @@ fn write_layers(
     if let Some(color) = rendered.color.as_ref().filter(|_| wanted.color) {
         let name = name(COLOR);
         folder.add(name.clone(), holo_io::write_pfm_rgb(folder.file(&name), color.to_elemental_grid()?.view())?);
+    }
+    if let Some(error) = &rendered.error {
+        let name = name(ERROR);
+        folder.add(name.clone(), write_pfm(folder.file(&name), error.to_elemental_grid()?.view())?);
     }
     Ok(())
 }

@@ -8,8 +8,8 @@
 //! | `central_LAYER.pfm`, `all_LAYER.pfm` | layers of the central view, and of all views as an elemental image array |
 //! | `parameters.cfg`, `manifest.json` | as of the complete image; the manifest also contains the number of the shard |
 //!
-//! A shard of the images of pinhole cameras has every N-th image as it is. A shard of the raw image of a plenoptic camera has some rows of its pixels: `color.pfm`, `raw_LAYER.pfm` and
-//! `camera.toml`.
+//! A shard of the images of pinhole cameras has every N-th image as it is. A shard of the raw image of a plenoptic camera
+//! has some rows of its pixels: `color.pfm`, `error.pfm`, `raw_LAYER.pfm` and `camera.toml`.
 
 mod images;
 mod raw;

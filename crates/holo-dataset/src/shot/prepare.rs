@@ -111,9 +111,13 @@ impl Setup<'_> {
         let Some(array) = settings.poses.cameras() else {
             return match &settings.camera {
                 Camera::Rig(rig) => validate_memory(&shape(rig, None, &())?, settings, self.wanted),
-                Camera::Plenoptic(_) | Camera::Pinhole => Ok(()),
+                Camera::Plenoptic(file) => validate_raw_memory(file.camera.sensor().size, settings, self.wanted),
+                Camera::Pinhole => Ok(()),
             };
         };
+        if let Camera::Plenoptic(file) = &settings.camera {
+            validate_raw_memory(file.camera.sensor().size, settings, self.wanted)?;
+        }
         for camera in &array.cameras {
             pose_of(camera)?;
             match &settings.camera {
@@ -432,11 +436,7 @@ fn validate_memory(shape: &LightFieldShape, settings: &RenderSettings, wanted: &
         shape.sample_count().saturating_mul(sample_bytes).saturating_add(lenses.count().saturating_mul(lens_bytes)),
         usize::saturating_add,
     );
-    let mut room = Vec::<u8>::new();
-    let refused = room.try_reserve_exact(bytes).is_err();
-    // Otherwise the compiler may remove the allocation.
-    std::hint::black_box(&room);
-    if refused {
+    if !is_room(bytes) {
         return Err(Error::BadRequest(format!(
             "a light field of {} x {} views of {} x {} px ({} x {} in all) needs {:.0} GB of memory, more than there \
              is; use fewer views or lenses",
@@ -450,6 +450,49 @@ fn validate_memory(shape: &LightFieldShape, settings: &RenderSettings, wanted: &
         )));
     }
     Ok(())
+}
+
+/// The same for the raw image of a plenoptic camera.
+fn validate_raw_memory(size: GridSize, settings: &RenderSettings, wanted: &Wanted) -> Result<(), Error> {
+    let bytes = size.count().saturating_mul(raw_memory(settings, wanted));
+    if is_room(bytes) {
+        return Ok(());
+    }
+    Err(Error::BadRequest(format!(
+        "a raw image of {} x {} px needs {:.0} GB of memory, more than there is; use a smaller sensor",
+        size.columns,
+        size.rows,
+        bytes as f64 / 1e9
+    )))
+}
+
+/// Whether this much memory can be allocated.
+fn is_room(bytes: usize) -> bool {
+    let mut room = Vec::<u8>::new();
+    let is_room = room.try_reserve_exact(bytes).is_ok();
+    // Otherwise the compiler may remove the allocation.
+    std::hint::black_box(&room);
+    is_room
+}
+
+/// The memory that a raw image needs of every pixel, bytes.
+fn raw_memory(settings: &RenderSettings, wanted: &Wanted) -> usize {
+    /// Weight, hits, mean and spread of the inverse depth.
+    const STATISTICS: usize = 4;
+    /// The samples of a pixel, and the microlens that owns it.
+    const SOURCE: usize = 7;
+    // The white image is always computed.
+    let white = 1;
+    let color = if wanted.integrator == holo_render::Integrator::Depth { 0 } else { 3 };
+    let is_denoised = settings.light.denoise == holo_render::Denoise::Views;
+    let has_guides = color > 0 && (is_denoised || wanted.error);
+    let statistics = usize::from(has_guides || wanted.raw.iter().any(|layer| layer.needs_samples())) * STATISTICS;
+    let guides = if has_guides { 2 + SOURCE } else { 0 };
+    // In rounds the values of all packets stay, of which some have fewer pixels than lanes.
+    let is_in_rounds = has_guides && is_denoised && settings.light.target_error.is_some();
+    let rounds = if is_in_rounds { (color + 2 + STATISTICS) * 5 / 4 } else { 0 };
+    let error = usize::from(wanted.error || is_in_rounds);
+    (white + color + statistics + guides + rounds + error + wanted.central.channels()) * size_of::<f32>()
 }
 
 /// The memory that a render needs: of every sample of the light field, and of every pixel of the central view, bytes.

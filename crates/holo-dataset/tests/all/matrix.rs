@@ -58,16 +58,8 @@ const FEATURES: [Feature; 12] = [
         },
         &[],
     ),
-    (
-        "reconstruction",
-        |settings| settings.light.denoise = Denoise::Views,
-        &[(Kind::Plenoptic, "views"), (Kind::Pinhole, "grid of views")],
-    ),
-    (
-        "error",
-        |settings| settings.output.layers = vec![LayerChoice::Error],
-        &[(Kind::Plenoptic, "views"), (Kind::Pinhole, "grid of views")],
-    ),
+    ("reconstruction", |settings| settings.light.denoise = Denoise::Views, &[(Kind::Pinhole, "grid of views")]),
+    ("error", |settings| settings.output.layers = vec![LayerChoice::Error], &[(Kind::Pinhole, "grid of views")]),
     ("layers of the first hit", |settings| settings.output.layers = vec![LayerChoice::All], &[]),
     (
         "visibility",

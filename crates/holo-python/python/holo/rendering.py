@@ -71,6 +71,7 @@ class RawRendering:
 
     image: radiance times white image, float32, axes (row, column, channel); None with integrator="depth".
     layers: maps by their names on the command line, axes (row, column[, channel]).
+    error: estimated relative standard error of the image, axes (row, column), with layers=["error"]; 0 for dark pixels.
     """
 
     image: np.ndarray | None
@@ -79,6 +80,7 @@ class RawRendering:
     integrator: str
     why: str
     rays: dict[str, int]
+    error: np.ndarray | None = None
 
     def decode(self, white: np.ndarray | None = None, *, views: int | None = None):
         """The views of the raw image; see `holo.decode`."""
@@ -233,7 +235,7 @@ def render_raw(
     with _bar(progress) as report:
         result = _holo.render(as_scene(scene)._as_item(), camera, texts_of(settings), preset, (backend, threads), report)
     tell(result["diagnostics"])
-    color = result["color"]
+    color, error = result["color"], result["error"]
     return RawRendering(
         # A light field of one view.
         image=None if color is None else color[:, :, 0, 0, :],
@@ -242,6 +244,7 @@ def render_raw(
         integrator=result["integrator"],
         why=result["why"],
         rays=result["rays"],
+        error=None if error is None else error[:, :, 0, 0],
     )
 
 
