@@ -1,6 +1,6 @@
 //! Renders of the library, pinned to the bit: SHA-256 of every render's arrays, against `pinned/arrays.txt`.
 //!
-//! What changes pixels on purpose writes the list anew (`HOLO_PIN=write cargo test --test pinned`) and says why in the
+//! What changes pixels on purpose writes the list anew (`HOLO_PIN=write cargo test --test all pinned::`) and says why in the
 //! changelog; nothing else may change a line of it.
 //!
 //! The arrays are the same for any number of threads and any instruction set. They are pinned on 64-bit Linux with

@@ -1,7 +1,7 @@
 //! Files that `holo` writes, pinned to the byte: SHA-256 of every one, against `pinned/files.txt`.
 //!
 //! Of a manifest all but the versions counts. What changes files on purpose writes the list anew (`HOLO_PIN=write cargo
-//! test -p holo-cli --features hdf5 --test pinned`) and says why in the changelog; nothing else may change a line of it.
+//! test -p holo-cli --features hdf5 --test all pinned::`) and says why in the changelog; nothing else may change a line of it.
 
 use crate::common;
 use crate::pins;

@@ -479,7 +479,7 @@ const LARGE: Limits = Limits {
     max_bytes: 16 << 30,
 };
 
-/// Renews the seeds of the fuzzer: `cargo test -p holo-scene --test gltf_mutations -- --ignored`.
+/// Renews the seeds of the fuzzer: `cargo test -p holo-scene --test all write_the_corpus -- --ignored`.
 #[test]
 #[ignore = "writes fuzz/corpus/gltf"]
 fn write_the_corpus() {
