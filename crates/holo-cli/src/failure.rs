@@ -81,6 +81,8 @@ impl From<holo_io::Error> for Failure {
                 let flag = if option == "layout" { "from" } else { option };
                 Self::Usage(format!("{}: {what}; give --{flag}", path.display()))
             }
+            // One of the command line: that of a file is broken.
+            holo_io::Error::Camera(what) => Self::Usage(what),
             other => Self::Failed(other.to_string()),
         }
     }

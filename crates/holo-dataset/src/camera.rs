@@ -7,10 +7,12 @@ mod develop;
 mod linear_image;
 mod optics;
 mod placement;
+mod quantity;
 mod target;
 
 pub use self::decode::{DecodeJob, write_white_images};
 pub use self::develop::{DemosaicMethod, DevelopJob, DevelopOutput, Developed, write_demosaiced};
-pub use self::optics::{NamedQuantity, camera_optics, planned_rig, rig_optics};
+pub use self::optics::{camera_optics, planned_rig, rig_optics};
 pub use self::placement::{Placement, Surface};
+pub use self::quantity::{NamedQuantity, QuantityValue};
 pub use self::target::{BoardPose, TargetJob, read_poses};

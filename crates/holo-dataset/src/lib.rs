@@ -40,8 +40,9 @@ mod shot;
 mod watch;
 
 pub use camera::{
-    BoardPose, DecodeJob, DemosaicMethod, DevelopJob, DevelopOutput, Developed, NamedQuantity, Placement, Surface,
-    TargetJob, camera_optics, planned_rig, read_poses, rig_optics, write_demosaiced, write_white_images,
+    BoardPose, DecodeJob, DemosaicMethod, DevelopJob, DevelopOutput, Developed, NamedQuantity, Placement,
+    QuantityValue, Surface, TargetJob, camera_optics, planned_rig, read_poses, rig_optics, write_demosaiced,
+    write_white_images,
 };
 pub use collection::{DatasetJob, DatasetPlan, DatasetRun, DatasetSummary, JobSummary, sources};
 pub use describe::{Archive, Described, Verification, WebDataset, finished, is_dataset, verify, write_catalog};

@@ -16,7 +16,7 @@ mod subset;
 mod tools;
 mod wanted;
 
-pub(crate) use self::files::{Finished, Traced, TracedCamera, TracedViews, exposure_ev, write};
+pub(crate) use self::files::{Exposed, Finished, Traced, TracedCamera, TracedViews, exposure_ev, write};
 pub(crate) use self::folder::{
     CHECKPOINT, CHECKPOINT_MAGIC, checkpoints, existing, inner_name, leftover, remove_checkpoints,
 };

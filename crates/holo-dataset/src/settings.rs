@@ -110,6 +110,12 @@ impl Setting {
         self.key
     }
 
+    /// Returns the name as a keyword of Python: `_` for `-`, and `tools` for `for`, which is a word of the language.
+    #[must_use]
+    pub fn keyword(&self) -> String {
+        if self.key == "for" { "tools".into() } else { self.key.replace('-', "_") }
+    }
+
     /// Returns the form of the value, such as `SxT|N`; empty if its words or its being a flag say it.
     #[must_use]
     pub fn form(&self) -> &'static str {

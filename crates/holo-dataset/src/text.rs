@@ -48,8 +48,7 @@ pub fn number(x: f64) -> String {
 }
 
 /// A number of a JSON file. JSON has neither infinity nor NaN: these are the texts `"inf"`, `"-inf"` and `"NaN"`.
-#[must_use]
-pub fn json_number(x: f64) -> Value {
+pub(crate) fn json_number(x: f64) -> Value {
     if x.is_finite() { json!(x) } else { json!(x.to_string()) }
 }
 

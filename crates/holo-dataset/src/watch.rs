@@ -86,7 +86,10 @@ impl Progress for CancelOnly<'_> {
     }
 }
 
-/// The progress of one of several images of the same size, as that of all of them.
+/// The steps of the progress of one of several images, whose numbers of tiles may differ.
+const STEPS: u64 = 1000;
+
+/// The progress of one of several images, as that of all of them.
 #[derive(Clone, Copy)]
 pub(crate) struct PartProgress<'a> {
     /// The progress of all.
@@ -99,7 +102,8 @@ pub(crate) struct PartProgress<'a> {
 
 impl Progress for PartProgress<'_> {
     fn advance(&self, done: u64, total: u64) {
-        self.inner.advance(self.k as u64 * total + done, self.of as u64 * total);
+        let part = (STEPS * done / total.max(1)).min(STEPS);
+        self.inner.advance(self.k as u64 * STEPS + part, self.of as u64 * STEPS);
     }
 
     fn cancelled(&self) -> bool {
@@ -110,6 +114,24 @@ impl Progress for PartProgress<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_progress_of_images_of_any_size_never_goes_back() {
+        struct Seen(std::sync::Mutex<Vec<(u64, u64)>>);
+        impl Progress for Seen {
+            fn advance(&self, done: u64, total: u64) {
+                self.0.lock().unwrap().push((done, total));
+            }
+        }
+        let seen = Seen(std::sync::Mutex::default());
+        for (k, tiles) in [100, 3, 7].into_iter().enumerate() {
+            let image = PartProgress { inner: &seen, k, of: 3 };
+            (1..=tiles).for_each(|done| image.advance(done, tiles));
+        }
+        let seen = seen.0.into_inner().unwrap();
+        assert!(seen.is_sorted() && seen.iter().all(|(_, total)| *total == 3 * STEPS), "{seen:?}");
+        assert_eq!((seen[0].0, seen[99].0, seen[102].0, seen[109].0), (10, 1000, 2000, 3000));
+    }
 
     #[test]
     fn every_line_is_reported_once_and_those_of_scenes_by_their_name() {

@@ -143,7 +143,7 @@ impl CameraFile {
         let broken = |what: String| Error::Broken { path: path.into(), format: "camera", what };
         let text = std::str::from_utf8(bytes).map_err(|_| broken("it is not text in UTF-8".into()))?;
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-        Self::parse(text, &stem).map_err(broken)
+        Self::parsed(text, &stem).map_err(broken)
     }
 
     /// Returns the camera of a file, or of the preset of this name.
@@ -180,8 +180,12 @@ impl CameraFile {
     /// Parses the text of a camera file; `name` is that of a camera without one.
     ///
     /// # Errors
-    /// A message that names the key.
-    pub fn parse(text: &str, name: &str) -> Result<Self, String> {
+    /// [`Error::Camera`] with the key.
+    pub fn parse(text: &str, name: &str) -> Result<Self, Error> {
+        Self::parsed(text, name).map_err(Error::Camera)
+    }
+
+    fn parsed(text: &str, name: &str) -> Result<Self, String> {
         let document: Document = toml::from_str(text).map_err(|why| explained(&why))?;
         let preset = match &document.preset {
             None => None,
@@ -204,8 +208,8 @@ impl CameraFile {
     /// Returns the camera focused at another depth, in meters.
     ///
     /// # Errors
-    /// A message, if the lens cannot be focused there.
-    pub fn with_focus_m(self, depth_m: f64) -> Result<Self, String> {
+    /// [`Error::Camera`] if the lens cannot be focused there.
+    pub fn with_focus_m(self, depth_m: f64) -> Result<Self, Error> {
         let mut lens = self.camera.main_lens().clone();
         let virtual_depth = match lens.focus {
             ArrayFocus::Depth { virtual_depth, .. } => virtual_depth,
@@ -218,15 +222,15 @@ impl CameraFile {
     /// Returns the camera with another f-number.
     ///
     /// # Errors
-    /// A message, if it is not above 0.
-    pub fn with_f_number(self, f_number: f64) -> Result<Self, String> {
+    /// [`Error::Camera`] if it is not above 0.
+    pub fn with_f_number(self, f_number: f64) -> Result<Self, Error> {
         let lens = MainLens { f_number, ..self.camera.main_lens().clone() };
         self.with_lens(lens)
     }
 
-    fn with_lens(self, lens: MainLens) -> Result<Self, String> {
+    fn with_lens(self, lens: MainLens) -> Result<Self, Error> {
         let camera = PlenopticCamera::new(*self.camera.sensor(), self.camera.array().clone(), lens);
-        let camera = camera.map_err(|why| keyed(&why, &MainLensTable::default()))?;
+        let camera = camera.map_err(|why| Error::Camera(keyed(&why, &MainLensTable::default())))?;
         Ok(Self { camera, ..self })
     }
 

@@ -100,6 +100,10 @@ pub enum Error {
         /// The error of `holo-core` about the numbers.
         error: holo_core::Error,
     },
+    /// A plenoptic camera is impossible, or another program has no file for one like it. The message names the key of the
+    /// camera file.
+    #[error("{0}")]
+    Camera(String),
 }
 
 /// Stands for the path of data that did not come from a file.
@@ -119,6 +123,7 @@ impl Error {
             | Self::MissingOption { path, .. }
             | Self::NoLightField { path, .. }
             | Self::Core { path, .. } => path,
+            Self::Camera(_) => Path::new(STREAM),
         }
     }
 

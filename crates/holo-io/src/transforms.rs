@@ -30,6 +30,10 @@ const PINHOLES: [&str; 3] = ["PINHOLE", "SIMPLE_PINHOLE", "OPENCV"];
 /// Coefficients of lens distortion.
 const DISTORTION: [&str; 6] = ["k1", "k2", "k3", "k4", "p1", "p2"];
 
+/// Endings of the names of images, which are not part of the name of a camera.
+const IMAGES: [&str; 15] =
+    ["png", "jpg", "jpeg", "exr", "hdr", "tif", "tiff", "webp", "bmp", "gif", "pfm", "ppm", "dng", "heic", "avif"];
+
 /// Cameras anywhere in the world.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraArray {
@@ -40,7 +44,7 @@ pub struct CameraArray {
 /// A pinhole camera with square pixels and its principal point in the middle of the image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ArrayCamera {
-    /// Its name: the file name of its image without folder and ending, or `camera_0003` without one.
+    /// Its name: the file name of its image without folder and without the ending of an image, or `camera_0003` without one.
     pub name: String,
     /// Its +X, +Y and +Z axes and its position in the world of glTF (+Y up), m; as in the file, not normalized.
     pub axes_and_position: [[f64; 3]; 4],
@@ -200,7 +204,12 @@ impl Entry<'_> {
         let focal_px = match (self.number("fl_x")?, self.number("camera_angle_x")?, size) {
             (Some(focal_px), ..) => focal_px,
             (None, Some(angle), Some(size)) => size.columns as f64 / (2.0 * (angle / 2.0).tan()),
-            (None, Some(_), None) => return Err(self.broken("has no size: `w` and `h`, or give one")),
+            (None, Some(_), None) => {
+                return Err(self.broken(
+                    "has an angle of view, but no size in pixels; add `w` and `h` to it or beside `frames`, or give the size \
+                     of the images as `lenses=WIDTHxHEIGHT`",
+                ));
+            }
             (None, None, _) => return Err(self.broken("has no focal length: `fl_x` or `camera_angle_x`")),
         };
         if !(focal_px > 0.0 && focal_px.is_finite()) {
@@ -259,12 +268,13 @@ impl Entry<'_> {
         Ok(columns.map(|column| up.gltf_of(column)))
     }
 
-    /// The name of the image without folder and ending.
+    /// The name of the image without folder and ending. Names may have dots: `r_0.5` ends in nothing that images end in.
     fn name(&self, k: usize) -> Result<String, Error> {
         let Some(path) = self.own.get("file_path") else { return Ok(format!("camera_{k:04}")) };
         let path = path.as_str().ok_or_else(|| self.broken("`file_path` is no text"))?;
         let file = path.rsplit(['/', '\\']).next().unwrap_or_default();
-        let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
+        let is_image = |ending: &str| IMAGES.iter().any(|known| ending.eq_ignore_ascii_case(known));
+        let stem = file.rsplit_once('.').filter(|(_, ending)| is_image(ending)).map_or(file, |(stem, _)| stem);
         if stem.is_empty() || !crate::names::stays_inside(stem) {
             return Err(self.broken(&format!("`file_path` '{}' names no file", crate::shown(path))));
         }
@@ -302,11 +312,25 @@ mod tests {
     }
 
     #[test]
+    fn names_may_have_dots() {
+        for (path, name) in [
+            ("images/a.b", "a.b"),
+            ("images/a.b.png", "a.b"),
+            ("r_0.5", "r_0.5"),
+            ("IMG_1.JPG", "IMG_1"),
+            ("..\\a.exr.d", "a.exr.d"),
+        ] {
+            let file = json!({ "fl_x": 100, "frames": [{ "file_path": path, "transform_matrix": matrix() }] });
+            assert_eq!(read(&file, None).expect(path).cameras[0].name, name);
+        }
+    }
+
+    #[test]
     fn what_is_written_is_read_again() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("transforms.json");
         let camera = |k: usize| ArrayCamera {
-            name: format!("view_{k}"),
+            name: format!("view.{k}"),
             axes_and_position: [
                 [0.1 + k as f64, 0.2, 0.3],
                 [1.0 / 3.0, 0.7, -0.1],
@@ -320,6 +344,8 @@ mod tests {
         for up in [WorldUp::Z, WorldUp::Y] {
             array.write(&path, up).expect("written");
             assert_eq!(CameraArray::read(&path, up, None).expect("read"), array);
+            array.write_folders(&path, up).expect("written");
+            assert_eq!(CameraArray::read(&path, up, None).expect("read"), array);
         }
     }
 
@@ -332,7 +358,7 @@ mod tests {
             read(&file, None).expect_err("broken").to_string()
         };
         type Change<'a> = &'a dyn Fn(&mut Value);
-        let cases: [(Change, &str); 14] = [
+        let cases: [(Change, &str); 15] = [
             (&|f| f["frames"] = json!([]), "empty"),
             (&|f| f["frames"] = json!(3), "frames"),
             (&|f| f["frames"][0]["transform_matrix"] = json!([1, 2]), "transform_matrix"),
@@ -346,6 +372,7 @@ mod tests {
             (&|f| f["is_fisheye"] = json!(true), "no pinhole"),
             (&|f| f["w"] = json!(1.5), "size"),
             (&|f| f["frames"][0]["file_path"] = json!(".."), "names no file"),
+            (&|f| f["frames"][0]["file_path"] = json!("a/.png"), "names no file"),
             (&|f| f["frames"] = json!([f["frames"][0], f["frames"][0]]), "two frames"),
         ];
         for (change, part) in cases {
@@ -353,7 +380,8 @@ mod tests {
             assert!(message.contains(part), "no '{part}' in {message}");
         }
         let angle = json!({ "camera_angle_x": 1.0, "frames": [{ "transform_matrix": matrix() }] });
-        assert!(read(&angle, None).expect_err("no size").to_string().contains("size"));
+        let message = read(&angle, None).expect_err("no size").to_string();
+        assert!(message.contains("`w` and `h`") && message.contains("`lenses=WIDTHxHEIGHT`"), "{message}");
         assert!(read(&angle, Some(GridSize::new(10, 20))).is_ok());
     }
 }

@@ -1,6 +1,7 @@
 //! Arrays of Python as those of the libraries, without copies.
 
 use holo_core::{DynImage, DynImageRef, DynLightField, DynLightFieldRef, LightField, for_each_sample};
+use holo_dataset::NamedQuantity;
 use numpy::{PyArray, PyReadonlyArray3, PyReadonlyArray5};
 use pyo3::prelude::*;
 use pyo3::types::PyString;
@@ -65,6 +66,15 @@ pub fn give_image(py: Python<'_>, image: DynImage) -> Bound<'_, PyAny> {
 /// Gives a light field to Python.
 pub fn give_field(py: Python<'_>, field: DynLightField) -> Bound<'_, PyAny> {
     for_each_sample!(DynLightField, field, field => give(py, field.into_samples()))
+}
+
+/// Named quantities as a dict.
+pub fn give_quantities(py: Python<'_>, rows: Vec<NamedQuantity>) -> Result<Bound<'_, PyAny>, Failure> {
+    let pair = |row: NamedQuantity| -> (String, serde_json::Value) {
+        let value = serde_json::from_str(&row.value.to_json()).unwrap_or_default();
+        (row.key, value)
+    };
+    give_json(py, &rows.into_iter().map(pair).collect())
 }
 
 /// Gives numbers and names to Python: objects become dictionaries.

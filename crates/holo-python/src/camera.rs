@@ -10,7 +10,7 @@ use numpy::{PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::arrays::{give, give_json};
+use crate::arrays::{give, give_quantities};
 use crate::failure::Failure;
 use crate::rig::{Rig, Size, size};
 
@@ -34,7 +34,7 @@ impl PlenopticCamera {
     #[staticmethod]
     #[pyo3(signature = (toml, name="camera"))]
     fn from_toml(toml: &str, name: &str) -> Result<Self, Failure> {
-        Ok(Self(CameraFile::parse(toml, name).map_err(Failure::Usage)?))
+        Ok(Self(CameraFile::parse(toml, name)?))
     }
 
     /// The names of the presets and their descriptions.
@@ -112,7 +112,7 @@ impl PlenopticCamera {
     #[pyo3(signature = (depths_m=Vec::new()))]
     fn optics<'py>(&self, py: Python<'py>, depths_m: Vec<f64>) -> Result<Bound<'py, PyAny>, Failure> {
         let rows = py.detach(|| holo_dataset::camera_optics(&self.0.camera, &depths_m))?;
-        give_json(py, &rows.into_iter().map(|(key, _, value, _)| (key, value)).collect())
+        give_quantities(py, rows)
     }
 
     /// Decodes a raw image: radiance and weight, axes (v, u, t, s, c), the rig, and the roll in radians.
@@ -148,10 +148,10 @@ impl PlenopticCamera {
 
 fn adjusted(mut file: CameraFile, focus_m: Option<f64>, f_number: Option<f64>) -> Result<PlenopticCamera, Failure> {
     if let Some(focus_m) = focus_m {
-        file = file.with_focus_m(focus_m).map_err(Failure::Usage)?;
+        file = file.with_focus_m(focus_m)?;
     }
     if let Some(f_number) = f_number {
-        file = file.with_f_number(f_number).map_err(Failure::Usage)?;
+        file = file.with_f_number(f_number)?;
     }
     Ok(PlenopticCamera(file))
 }

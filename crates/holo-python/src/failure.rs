@@ -1,6 +1,6 @@
 //! Errors as Python exceptions, with the messages of the command line.
 
-use holo_dataset::settings::spelled;
+use holo_dataset::settings::{Setting, spelled};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 
@@ -53,7 +53,8 @@ impl From<holo_dataset::Error> for Failure {
 /// A message of the libraries with keywords of Python in it.
 pub fn keywords(message: &str) -> String {
     spelled(message, |key, value| {
-        let (key, value) = (key.replace('-', "_"), value.trim_start());
+        let keyword = Setting::by_key(key).map_or_else(|| key.replace('-', "_"), Setting::keyword);
+        let (key, value) = (keyword, value.trim_start());
         if value.is_empty() || value.starts_with('=') { format!("{key}{value}") } else { format!("{key}={value}") }
     })
 }
@@ -64,7 +65,7 @@ impl From<holo_io::Error> for Failure {
             holo_io::Error::MissingOption { path, option, what } => {
                 Self::Usage(format!("{}: {what}; give {option}=", path.display()))
             }
-            error @ holo_io::Error::BadInput { .. } => Self::Usage(error.to_string()),
+            error @ (holo_io::Error::BadInput { .. } | holo_io::Error::Camera(_)) => Self::Usage(error.to_string()),
             error => Self::Failed(error.to_string()),
         }
     }

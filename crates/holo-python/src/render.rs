@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use holo_core::{LightFieldOwned, Sample};
 use holo_dataset::settings::{Kind, Setting, table, word};
-use holo_dataset::{About, Camera, Checkpoints, Diagnostics, RenderJob, Rendering, RunOptions, Shard};
+use holo_dataset::{About, Camera, Checkpoints, Diagnostics, Event, RenderJob, Rendering, RunOptions, Shard};
 use holo_io::WorldUp;
 use holo_render::{Backend, Layer, Layers, Motion, RayCounts};
 use ndarray::{Array, Array3, Array5, Axis, Dimension};
@@ -121,8 +121,10 @@ pub struct FolderRequest {
     checkpoint_seconds: f64,
 }
 
-/// Renders into a folder, as the command line does, and returns its reports as JSON texts, the number of shots that were
-/// done already, and diagnostics.
+/// The reports of shots as JSON texts, the number of shots that were done already, the names of all files, and diagnostics.
+type FolderReport = (Vec<String>, usize, Vec<String>, Vec<String>);
+
+/// Renders into a folder, as the command line does.
 #[pyfunction]
 pub fn render_folder<'py>(
     py: Python<'py>,
@@ -131,7 +133,7 @@ pub fn render_folder<'py>(
     engine: Engine,
     request: FolderRequest,
     progress: Option<Bound<'py, PyAny>>,
-) -> Result<(Vec<String>, usize, Vec<String>), Failure> {
+) -> Result<FolderReport, Failure> {
     let shard =
         request.shard.as_deref().map(str::parse::<Shard>).transpose().map_err(|why| Failure::Usage(why.to_string()))?;
     let camera = request.camera.map_or_else(Camera::default, |camera| camera.0.into());
@@ -143,14 +145,17 @@ pub fn render_folder<'py>(
         .checkpoints(Checkpoints::every_seconds(request.checkpoint_seconds));
     let (out, overwrite) = (request.out, request.overwrite);
     let work = |watch: &Watch| {
-        listening(|tell| {
-            job.run(&out, &RunOptions::new().shard(shard).overwrite(overwrite).progress(watch).diagnostics(tell))
-        })
+        let events = |event: Event| match event {
+            Event::Begin(number, of, _) => watch.shots(number, of),
+            Event::End(number, of, ..) => watch.shots(number + 1, of),
+        };
+        let how = RunOptions::new().shard(shard).overwrite(overwrite).progress(watch).events(&events);
+        listening(|tell| job.run(&out, &how.clone().diagnostics(tell)))
     };
     let (outcomes, lines) = watch::run(py, progress.as_ref(), work)?;
     let reports: Vec<String> = outcomes.iter().filter_map(|(_, outcome)| Some(outcome.report()?.to_json())).collect();
     let kept = outcomes.len() - reports.len();
-    Ok((reports, kept, lines))
+    Ok((reports, kept, job.files(&out, &outcomes), lines))
 }
 
 /// Does `work` with a receiver of diagnostics, and returns what it received.

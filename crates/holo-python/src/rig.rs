@@ -10,7 +10,7 @@ use holo_io::Limits;
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
 
-use crate::arrays::{give, give_json};
+use crate::arrays::{give, give_quantities};
 use crate::failure::Failure;
 use crate::options;
 
@@ -145,7 +145,7 @@ impl Rig {
     ) -> Result<Bound<'py, PyAny>, Failure> {
         let depths = depths_m.map(|(near_m, far_m)| DepthRange::new(near_m, far_m)).transpose()?;
         let rows = holo_dataset::rig_optics(&Optics::new(self.0)?, depths, circle_px, step_px)?;
-        give_json(py, &rows.into_iter().map(|(key, _, value, _)| (key, value)).collect())
+        give_quantities(py, rows)
     }
 
     fn __repr__(&self) -> String {

@@ -11,16 +11,41 @@ use crate::failure::Failure;
 /// How often signals are handled and progress is told.
 const INTERVAL: Duration = Duration::from_millis(50);
 
+/// The steps of the progress of one of several shots.
+const STEPS: u64 = 1000;
+
 /// Progress of the work, and whether to stop it.
 #[derive(Default)]
 pub struct Watch {
     done: AtomicU64,
     total: AtomicU64,
+    /// Shots that are over.
+    over: AtomicU64,
+    /// All shots; 0 where there is only one, whose tiles are counted.
+    shots: AtomicU64,
     stop: AtomicBool,
+}
+
+impl Watch {
+    /// `over` shots of so many are over: progress is that of all of them, and does not begin again with each.
+    pub fn shots(&self, over: usize, of: usize) {
+        if of > 1 {
+            self.shots.store(of as u64, Ordering::Relaxed);
+            self.over.store(over as u64, Ordering::Relaxed);
+            self.advance(0, 1);
+        }
+    }
 }
 
 impl Progress for Watch {
     fn advance(&self, done: u64, total: u64) {
+        let (done, total) = match self.shots.load(Ordering::Relaxed) {
+            0 => (done, total),
+            shots => {
+                let part = (STEPS * done / total.max(1)).min(STEPS);
+                (self.over.load(Ordering::Relaxed) * STEPS + part, shots * STEPS)
+            }
+        };
         self.total.store(total, Ordering::Relaxed);
         self.done.fetch_max(done, Ordering::Relaxed);
     }

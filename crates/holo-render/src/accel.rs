@@ -17,7 +17,9 @@ pub(crate) mod triangle;
 
 use std::sync::Arc;
 
-pub(crate) use packet::{CAMERA_RAY, ExactRays, NO_TRIANGLE, RayDifferentials, RayHits, Rays};
+pub(crate) use packet::{
+    CAMERA_RAY, Cells, ExactRays, NO_TRIANGLE, RayDifferentials, RayHits, Rays, SpotDifferentials,
+};
 
 use crate::error::Error;
 use crate::geometry::{Geometry, Instancing};

@@ -14,7 +14,7 @@ pub(crate) mod plenoptic;
 pub(crate) mod rig;
 pub(crate) mod tile;
 
-use crate::accel::{CAMERA_RAY, ExactRays, RayDifferentials, RayHits};
+use crate::accel::{CAMERA_RAY, Cells, ExactRays, RayHits};
 use crate::sampling::{PixelIds, Sampler};
 use crate::simd::{LANES, Lanes};
 use plenoptic::{PlenopticRays, RawPacket};
@@ -54,7 +54,7 @@ pub(crate) struct CameraRays {
     /// -1 for lanes with a ray, else 0.
     pub valid: Lanes<i32>,
     /// The cells of the pixels that the rays stand for, if textures are filtered.
-    pub cells: Option<RayDifferentials>,
+    pub cells: Option<Cells>,
 }
 
 /// Iterates over the packets of a tile.
@@ -93,7 +93,7 @@ impl PixelPacket<'_> {
             PixelSource::Rig(rig, pixels) => {
                 let position = if !sampler.centered { Some(sampler.pixel_positions(&self.ids, sample)) } else { None };
                 let exact = rig.fill(pixels, position.as_ref(), packet);
-                let cells = sampler.cells.map(|count| rig.cells(position.as_ref(), count));
+                let cells = sampler.cells.map(|count| Cells::Squares(rig.cells(position.as_ref(), count)));
                 CameraRays { exact, weight: [1.0; LANES], valid: self.valid, cells }
             }
             PixelSource::Plenoptic(rays, pixels) => rays.sample(pixels, &self.ids, sampler, sample, packet),

@@ -15,10 +15,9 @@ mod scatterer;
 mod shade;
 mod straight_shadows;
 
-use holo_core::Disparity;
-
 use crate::accel::Engine;
 use crate::camera::RaySource;
+use crate::film::guides::Movement;
 use crate::geometry::Geometry;
 use crate::light::Emitters;
 use crate::light::EnvironmentLight;
@@ -48,8 +47,8 @@ pub(crate) struct Context<'a> {
     pub camera: RaySource,
     pub sampler: Sampler,
     pub policy: Policy,
-    /// The disparity that the guides of the reconstruction hold, if they are wanted.
-    pub guides: Option<Disparity>,
+    /// What the guides of the reconstruction hold, if they are wanted.
+    pub guides: Option<Movement>,
     /// Whether statistics of the inverse depth are wanted.
     pub inverse_depths: bool,
     /// Checked between samples.

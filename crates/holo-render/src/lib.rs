@@ -52,7 +52,7 @@ mod integrator;
 mod light;
 mod material;
 #[cfg(test)]
-#[path = "../../../tests/common/peer.rs"]
+#[path = "../../../tests/all/common/peer.rs"]
 mod peer;
 mod progress;
 mod render;

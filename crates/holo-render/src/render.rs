@@ -37,6 +37,7 @@ use crate::camera::RaySource;
 use crate::camera::framing::Framed;
 use crate::camera::rig::RigRays;
 use crate::error::Error;
+use crate::film::guides::Movement;
 use crate::film::layers::{LayerSet, Layers};
 use crate::geometry::Geometry;
 use crate::integrator::auto::{self, Contents};
@@ -279,7 +280,7 @@ impl Renderer {
             reuse: self.reuses(request, integrator, region),
             ..self.policy(transport, integrator)
         };
-        let guides = color::needs_guides(request).then(|| color::disparity(request.rig));
+        let guides = color::needs_guides(request).then(|| Movement::Disparity(color::disparity(request.rig)));
         let is_plain = request.denoise == Denoise::Off;
         let filters = transport.texture_filter == TextureFilter::Footprint && is_plain;
         let sampler = Sampler {

@@ -39,7 +39,7 @@ pub fn run(arguments: &[String]) -> Result {
         let findings = folder.join("findings").join(name);
         std::fs::create_dir_all(&findings).map_err(|why| format!("{}: {why}", findings.display()))?;
         process::run(
-            Command::new(folder.join(&host).join("release").join(name))
+            Command::new(folder.join(&host).join("quick").join(name))
                 .current_dir(root())
                 .arg(format!("-max_total_time={seconds}"))
                 .args(["-rss_limit_mb=4096", "-timeout=20", "-print_final_stats=1"])
@@ -62,10 +62,20 @@ fn build(targets: &[&str], folder: &Path, host: &str) -> Result {
         process::cargo_command()
             .env("RUSTFLAGS", flags)
             .env("CARGO_TARGET_DIR", folder)
-            // Link-time optimization takes a minute a program.
-            .env("CARGO_PROFILE_RELEASE_LTO", "off")
+            .env("CARGO_PROFILE_QUICK_LTO", "off")
             .envs(cmake::environment())
-            .args(["build", "--quiet", "--release", "-p", "holo-fuzz", "--features", features, "--target", host])
+            .args([
+                "build",
+                "--quiet",
+                "--profile",
+                "quick",
+                "-p",
+                "holo-fuzz",
+                "--features",
+                features,
+                "--target",
+                host,
+            ])
             .args(targets.iter().flat_map(|name| ["--bin", name])),
     )
 }

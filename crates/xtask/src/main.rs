@@ -3,12 +3,12 @@
 //! ```text
 //! setup    fetch what the machine lacks (Embree 4, CMake) under target/
 //! build    setup + the release binary target/release/holo with every feature
-//! demo     build + render the demo scene into out/
+//! demo     a quick build without HDF5 + render the demo scene into out/
 //! test     setup + the programs to test against + every test
 //! dist     build + an archive for machines without Rust in target/dist/; --check: unpack it and run what is in it
 //! embree   fetch Embree 4 alone
-//! doc      documentation with HDF5
-//! clippy   clippy with HDF5, warnings denied
+//! doc      documentation
+//! clippy   clippy, warnings denied
 //! fuzz     build every fuzz target and run each for some seconds
 //! sanitize the renderer's tests under AddressSanitizer and ThreadSanitizer, parts under Miri (nightly)
 //! modules  the top-level modules of every library and what they import of each other; cycles are errors
@@ -64,10 +64,7 @@ fn run(arguments: &[String]) -> Result {
     match command.as_str() {
         "setup" => setup(),
         "build" => build(),
-        "demo" => {
-            build()?;
-            demo::run(rest)
-        }
+        "demo" => demo::run(rest),
         "test" => {
             setup()?;
             test::run(rest)
@@ -139,16 +136,21 @@ fn strs(list: &[String]) -> Vec<&str> {
 /// Fetches what is missing. A machine that cannot have Embree or CMake is no error: without Embree everything works,
 /// slower; without CMake, everything but HDF5.
 fn setup() -> Result {
-    if let Availability::Missing(why) = embree::ensure()? {
-        eprintln!("xtask: no Embree 4: {why}");
-        eprintln!(
-            "xtask: continuing with the built-in BVH, which is several times slower; install libembree4 to avoid that"
-        );
-    }
+    setup_embree()?;
     if let Availability::Missing(why) = cmake::ensure()? {
         eprintln!("xtask: no CMake: {why}");
         eprintln!(
             "xtask: continuing without HDF5 and MATLAB's version 7.3; install cmake and a C compiler to have them"
+        );
+    }
+    Ok(())
+}
+
+fn setup_embree() -> Result {
+    if let Availability::Missing(why) = embree::ensure()? {
+        eprintln!("xtask: no Embree 4: {why}");
+        eprintln!(
+            "xtask: continuing with the built-in BVH, which is several times slower; install libembree4 to avoid that"
         );
     }
     Ok(())
@@ -159,27 +161,25 @@ fn features() -> &'static [&'static str] {
     if cmake::is_present() { &["--features", "hdf5"] } else { &[] }
 }
 
-/// Builds the documentation that the plain `cargo doc` omits.
+/// Cargo's arguments for every feature of the workspace that can be built here. All commands on debug builds use this
+/// one set: cargo builds a library again for each set of its features.
+fn workspace_features() -> &'static [&'static str] {
+    if cmake::is_present() { &["--features", HDF5_FEATURES] } else { &[] }
+}
+
+/// Builds the documentation.
 fn doc() -> Result {
-    if !cmake::is_present() {
-        println!("not run: documentation with HDF5: needs cmake");
-        return Ok(());
-    }
-    process::cargo(&["doc", "--quiet", "--workspace", "--no-deps", "--features", HDF5_FEATURES])
+    process::cargo(&[&["doc", "--quiet", "--workspace", "--no-deps"], workspace_features()].concat())
 }
 
 /// Every feature that needs CMake.
 const HDF5_FEATURES: &str =
     "holo-io/hdf5,holo-cli/hdf5,holo-bench/hdf5,holo-python/hdf5,holo-workspace/hdf5,holoscopic/hdf5";
 
-/// Lints what the plain `cargo clippy` omits.
+/// Lints everything.
 fn clippy() -> Result {
-    if !cmake::is_present() {
-        println!("not run: clippy with HDF5: needs cmake");
-        return Ok(());
-    }
-    let clippy = ["clippy", "--workspace", "--all-targets", "--quiet", "--features", HDF5_FEATURES];
-    process::cargo(&[&clippy[..], &["--", "-D", "warnings"]].concat())
+    let clippy = ["clippy", "--workspace", "--all-targets", "--quiet"];
+    process::cargo(&[&clippy, workspace_features(), &["--", "-D", "warnings"]].concat())
 }
 
 fn build() -> Result {

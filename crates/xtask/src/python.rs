@@ -1,13 +1,13 @@
 //! The Python package of this checkout under `target/python-package`, and its tests.
 //!
-//! Users install it with pip, which builds a release wheel. For the tests its library is that of the debug build, which the
-//! Rust tests have built in large part.
+//! Users install it with pip, which builds an optimized wheel. For the tests its library is linked from what the Rust
+//! tests have built.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::pip::{self, Availability, Requirements};
-use crate::{Result, cmake, embree, process, root, target};
+use crate::{Result, embree, process, root, target};
 
 const REQUIREMENTS: Requirements = Requirements { name: "package", pythons: 10..=14, platforms: pip::COMMON_PLATFORMS };
 
@@ -48,8 +48,10 @@ pub fn test(arguments: &[String]) -> Result {
 
 /// The package of this checkout, to be named in `PYTHONPATH`.
 fn build() -> Result<PathBuf> {
-    let features: &[&str] = if cmake::is_present() { &["--features", "hdf5"] } else { &[] };
-    process::cargo(&[&["build", "--quiet", "-p", "holo-python"], features].concat())?;
+    // With the features of the tests, those of development dependencies too: the libraries are theirs.
+    process::cargo(
+        &[&["build", "--quiet", "--workspace", "--lib", "--examples"], crate::workspace_features()].concat(),
+    )?;
     let out = target().join("python-package").join("holo");
     let _ = std::fs::remove_dir_all(&out);
     std::fs::create_dir_all(&out).map_err(|why| format!("{}: {why}", out.display()))?;

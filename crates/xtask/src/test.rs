@@ -29,12 +29,7 @@ pub fn run(arguments: &[String]) -> Result {
     if std::env::var_os("HOLO_REQUIRE_PEERS").is_some_and(|value| value == "1") && !lines.is_empty() {
         return Err(format!("HOLO_REQUIRE_PEERS is 1, and there is something missing:\n{}", lines.join("\n")));
     }
-    let features: &[&str] = if cmake::is_present() {
-        &["--features", "holo-io/hdf5,holo-cli/hdf5,holo-python/hdf5,holo-workspace/hdf5,holoscopic/hdf5"]
-    } else {
-        &[]
-    };
-    process::cargo(&[&["test", "--workspace", "--quiet"], features, extra.as_slice()].concat())?;
+    process::cargo(&[&["test", "--workspace", "--quiet"], crate::workspace_features(), extra.as_slice()].concat())?;
     if python::ensure()?.is_present() {
         python::test(&[])?;
     }

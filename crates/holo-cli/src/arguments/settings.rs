@@ -13,7 +13,15 @@ use crate::failure::Failure;
 pub trait Scope: Clone + std::fmt::Debug {
     /// Whether it has the setting of this key.
     fn has(key: &str) -> bool;
+
+    /// The help of a setting whose default is another one here than the table says.
+    fn help(_: &str) -> Option<String> {
+        None
+    }
 }
+
+/// The focal length of a common lens, mm, where no scene has a camera.
+pub const FOCAL_MM: f64 = 50.0;
 
 /// The settings of a scope that were given, and nothing of the others.
 #[derive(Clone, Debug)]
@@ -81,6 +89,10 @@ impl Scope for OfOptics {
     fn has(key: &str) -> bool {
         RIG.contains(&key) && !["lens-shifts", "projection", "camera", "subset"].contains(&key)
     }
+
+    fn help(key: &str) -> Option<String> {
+        (key == "focal-mm").then(|| format!("Focal length, mm [default: {FOCAL_MM}]"))
+    }
 }
 
 impl<S: Scope> Settings<S> {
@@ -119,7 +131,7 @@ impl<S: Scope> FromArgMatches for Settings<S> {
 
 impl<S: Scope> Args for Settings<S> {
     fn augment_args(command: Command) -> Command {
-        Self::table().fold(command, |command, setting| command.arg(argument(setting, S::has)))
+        Self::table().fold(command, |command, setting| command.arg(argument::<S>(setting)))
     }
 
     fn augment_args_for_update(command: Command) -> Command {
@@ -127,10 +139,11 @@ impl<S: Scope> Args for Settings<S> {
     }
 }
 
-/// Makes the argument of a setting. `has` says which settings the command has.
-fn argument(setting: &'static Setting, has: fn(&str) -> bool) -> Arg {
-    let others = table().filter(|other| has(other.key()) && setting.excludes(other)).map(Setting::key);
-    let paragraphs: Vec<String> = setting.help().iter().map(|text| Failure::spelled(text)).collect();
+/// Makes the argument of a setting of a command with these settings.
+fn argument<S: Scope>(setting: &'static Setting) -> Arg {
+    let others = table().filter(|other| S::has(other.key()) && setting.excludes(other)).map(Setting::key);
+    let help = S::help(setting.key()).map_or_else(|| setting.help(), |own| vec![own]);
+    let paragraphs: Vec<String> = help.iter().map(|text| Failure::spelled(text)).collect();
     let mut argument = Arg::new(setting.key())
         .long(setting.key())
         .help(without_stop(&paragraphs[0]))

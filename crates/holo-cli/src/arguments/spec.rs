@@ -7,6 +7,7 @@ use holo_dataset::{EngineSettings, Focus, RenderSettings, RigSettings, Spacing};
 use holo_io::CameraFile;
 
 use super::config;
+use super::settings::FOCAL_MM;
 use super::{DatasetOptions, EngineOptions, InfoOptions, OpticsOptions, RenderOptions};
 use crate::failure::Failure;
 
@@ -44,10 +45,10 @@ pub fn adjusted(mut camera: CameraFile, given: &mut Given) -> Result<CameraFile,
     rig.apply(&own)?;
     let Some(rig) = rig.camera.rig() else { return Ok(camera) };
     if let Focus::Meters(depth_m) = rig.focus {
-        camera = camera.with_focus_m(depth_m).map_err(Failure::Usage)?;
+        camera = camera.with_focus_m(depth_m)?;
     }
     if let (Spacing::FNumber(f_number), true) = (rig.spacing, own.get("f-number").is_some()) {
-        camera = camera.with_f_number(f_number).map_err(Failure::Usage)?;
+        camera = camera.with_f_number(f_number)?;
     }
     Ok(camera)
 }
@@ -71,8 +72,6 @@ impl InfoOptions {
 
 impl OpticsOptions {
     pub fn rig(&self) -> Result<RigSettings, Failure> {
-        /// The focal length of a common lens, where no scene has a camera.
-        const FOCAL_MM: f64 = 50.0;
         let mut rig = RigSettings::default();
         rig.focal_mm = Some(FOCAL_MM);
         let mut settings = RenderSettings::default();

@@ -7,14 +7,13 @@ use holo_core::metrics::{
     median_angle_error_deg, psnr_db, ssim, trivial_constant, trivial_plane,
 };
 use holo_core::{DynImage, GridSize, Rig, Sample, for_each_sample};
-use holo_dataset::text::json_number;
+use holo_dataset::{NamedQuantity, QuantityValue};
 use holo_io::{ColorEncoding, Compression, FileFormat, Limits};
 use ndarray::{Array2, Axis};
-use serde_json::json;
 
 use crate::arguments::{EvalOptions, NormalsArgument};
 use crate::failure::Failure;
-use crate::quantities::{self, Quantity};
+use crate::quantities;
 
 /// The threshold at which the best constant and plane are found: the benchmark's widest.
 const FIT_THRESHOLD_PX: f64 = 0.07;
@@ -32,14 +31,14 @@ pub fn run(options: &EvalOptions) -> Result<(), Failure> {
             )));
         }
     };
-    quantities::print(rows, options.json)
+    quantities::print(&rows, options.json)
 }
 
-fn row(key: &str, name: &str, value: f64, unit: &'static str) -> Quantity {
-    Quantity::new(key, name, json_number(value), unit)
+fn row(key: &str, name: &str, value: f64, unit: &'static str) -> NamedQuantity {
+    NamedQuantity::new(key, name, QuantityValue::Number(value), unit)
 }
 
-fn maps(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {
+fn maps(options: &EvalOptions) -> Result<Vec<NamedQuantity>, Failure> {
     let limits = Limits::default();
     let estimate = holo_io::read_pfm_gray(&options.estimate, &limits)?;
     let truth = holo_io::read_pfm_gray(&options.truth, &limits)?;
@@ -82,7 +81,7 @@ fn maps(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {
         ("estimate_not_finite", "without a finite estimate", counts.estimate_not_finite),
         ("truth_not_finite", "without a finite truth", counts.truth_not_finite),
     ] {
-        rows.push(Quantity::new(key, name, json!(count), "pixels"));
+        rows.push(NamedQuantity::new(key, name, QuantityValue::Count(count), "pixels"));
     }
     if let Some(path) = &options.error_map {
         let image = error_map(&estimate, &truth, options.error_range, &ErrorColors::default())?;
@@ -105,7 +104,7 @@ fn read_mask(path: &Path) -> Result<Array2<bool>, Failure> {
     )
 }
 
-fn images(options: &EvalOptions) -> Result<Vec<Quantity>, Failure> {
+fn images(options: &EvalOptions) -> Result<Vec<NamedQuantity>, Failure> {
     if options.mask.is_some() || options.error_map.is_some() {
         return Err(Failure::Usage("--mask and --error-map are for disparity maps".into()));
     }

@@ -1,13 +1,13 @@
 //! `holo optics`: what a camera will see, before it is built or rendered; and the camera that sees what is wanted.
 
 use holo_core::optics::{DepthRange, Optics};
-use holo_dataset::{NamedQuantity, camera_optics, camera_warnings, planned_rig, rig_optics};
+use holo_dataset::{camera_optics, camera_warnings, planned_rig, rig_optics};
 use holo_io::{CameraFile, Limits};
 
 use crate::arguments::{OpticsOptions, adjusted};
 use crate::console::say;
 use crate::failure::Failure;
-use crate::quantities::{self, Quantity};
+use crate::quantities;
 
 pub fn run(options: &OpticsOptions) -> Result<(), Failure> {
     if let Some(camera) = &options.camera_file {
@@ -23,9 +23,18 @@ pub fn run(options: &OpticsOptions) -> Result<(), Failure> {
         })?,
         None => planned_rig(&options.rig()?, options.lens_pitch_mm, depths)?,
     };
-    let optics = Optics::new(rig)?;
+    let optics = Optics::new(rig).map_err(|error| match &options.input {
+        // That of a file is no wrong use.
+        None if rig.shape().views().columns < 2 => {
+            Failure::Usage("one column of views has no disparities between them; give --views with two or more".into())
+        }
+        None if rig.baseline_x_m() == 0.0 => {
+            Failure::Usage("with --baseline-m 0 all views coincide and have no disparities; give one above 0".into())
+        }
+        _ => error.into(),
+    })?;
     let rows = rig_optics(&optics, depths, options.circle_px, options.step_px)?;
-    print(rows, options.json)?;
+    quantities::print(&rows, options.json)?;
     if let Some(depths) = depths {
         for warning in optics.warnings(depths, options.limit_px, options.step_px)? {
             say!("warning: {warning}");
@@ -34,16 +43,11 @@ pub fn run(options: &OpticsOptions) -> Result<(), Failure> {
     Ok(())
 }
 
-fn print(rows: Vec<NamedQuantity>, as_json: bool) -> Result<(), Failure> {
-    let rows = rows.into_iter().map(|(key, name, value, unit)| Quantity::new(key, name, value, unit));
-    quantities::print(rows.collect(), as_json)
-}
-
 /// The optics of a plenoptic camera.
 fn plenoptic(options: &OpticsOptions, camera: &str) -> Result<(), Failure> {
     let camera = adjusted(CameraFile::open(camera)?, &mut options.settings.given().clone())?;
     let depths = options.depths_m.map_or(Vec::new(), |(near_m, far_m)| vec![near_m, far_m]);
-    print(camera_optics(&camera.camera, &depths)?, options.json)?;
+    quantities::print(&camera_optics(&camera.camera, &depths)?, options.json)?;
     camera_warnings(&camera).iter().for_each(|line| say!("warning: {line}"));
     Ok(())
 }

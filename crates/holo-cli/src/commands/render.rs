@@ -1,6 +1,10 @@
 //! `holo render`: scene in, folders of images and ground truth out.
 
-use holo_dataset::{Checkpoints, Deduplicated, Event, RenderJob, RenderReport, RunOptions, SceneSource, ShotOutcome};
+use std::path::PathBuf;
+
+use holo_dataset::{
+    Checkpoints, Deduplicated, Event, RenderJob, RenderReport, RunOptions, SceneSource, Shot, ShotOutcome,
+};
 use holo_io::dataset::SEQUENCE_HDF5;
 use serde_json::{Value, json};
 
@@ -28,7 +32,10 @@ fn one(options: &RenderOptions, job: &RenderJob) -> Result<(), Failure> {
     let diagnostics = say_unless(options.quiet);
     let done = job.run(&options.out, &how(options).progress(&bar).diagnostics(&diagnostics));
     bar.finish();
-    done?.iter().filter_map(|(_, outcome)| outcome.report()).try_for_each(|report| tell(options, report))
+    let shots = done?;
+    let files = job.files(&options.out, &shots);
+    let mut made = shots.iter().filter_map(|(shot, outcome)| Some((shot, outcome.report()?)));
+    made.try_for_each(|(shot, report)| tell(options, shot, report, &files))
 }
 
 /// A job with a shot for every frame and pose, each in a folder of its own; complete ones are kept.
@@ -70,14 +77,15 @@ fn many(options: &RenderOptions, job: &RenderJob) -> Result<(), Failure> {
     if done.is_err() && interrupt::requested() {
         return Err(Failure::Failed("stopped; the same command goes on".into()));
     }
-    let shots = done?.len();
+    let shots = done?;
     if let Some(failure) = broken_pipe.into_inner() {
         return Err(failure);
     }
-    let files: &[&str] = if options.out.join(SEQUENCE_HDF5).is_file() { &[SEQUENCE_HDF5] } else { &[] };
-    let (made, kept) = (made.get(), shots - made.get());
+    let files = job.files(&options.out, &shots);
+    let (made, kept) = (made.get(), shots.len() - made.get());
     if !options.quiet {
-        let of_all = files.first().map_or_else(String::new, |file| format!("; {file} has them all"));
+        let of_all = files.iter().find(|file| *file == SEQUENCE_HDF5);
+        let of_all = of_all.map_or_else(String::new, |file| format!("; {file} has them all"));
         say!("{made} images made, {kept} done already, in {}{of_all}", options.out.display());
     }
     if options.json {
@@ -86,16 +94,19 @@ fn many(options: &RenderOptions, job: &RenderJob) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Prints what was done.
-fn tell(options: &RenderOptions, report: &RenderReport) -> Result<(), Failure> {
+/// Prints what was done. `files` are all that the job has.
+fn tell(options: &RenderOptions, shot: &Shot, report: &RenderReport, files: &[String]) -> Result<(), Failure> {
     let s = &report.seconds;
     if !options.quiet {
         let times = format!("load {:.2} s, build {:.2} s, total {:.2} s", s.load, s.build, s.total);
-        let (files, out) = (report.files.len(), options.out.display());
-        say!("{report}\nwrote {files} files to {out} ({:.2} s; {times})", s.write);
+        // Joined with an empty path, it would end in a slash.
+        let folder = options.out.components().chain(shot.folder().components()).collect::<PathBuf>();
+        let (count, folder) = (report.files.len(), folder.display());
+        say!("{report}\nwrote {count} files to {folder} ({:.2} s; {times})", s.write);
     }
     if options.json {
         let mut object: Value = serde_json::from_str(&report.to_json()).unwrap_or_default();
+        object["files"] = json!(files);
         object["peak_rss_bytes"] = peak_rss_bytes().into();
         out!("{object}")?;
     }

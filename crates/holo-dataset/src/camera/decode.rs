@@ -12,7 +12,7 @@ use ndarray::{Array3, Axis};
 use super::linear_image::read_linear;
 use crate::Error;
 use crate::output::raw::{lit_white_image, write_white};
-use crate::output::{OutputFolder, Rollback, Traced, TracedCamera, TracedViews, Wanted, exposure_ev, write};
+use crate::output::{Exposed, OutputFolder, Rollback, Traced, TracedCamera, TracedViews, Wanted, exposure_ev, write};
 use crate::resume::identity::check_replaceable;
 use crate::settings::{EngineSettings, Output, RenderSettings};
 use crate::shot::{SceneSource, Stage, pose_of_scene};
@@ -147,7 +147,7 @@ impl DecodeJob {
         let weight = decoded.weight.view(count / 2, count / 2)?.index_axis(Axis(2), 0).to_owned();
         folder.unseal()?;
         write_white(&mut folder, "scene_weight", &weight)?;
-        Ok((rig, write(&settings, traced, ev, folder)?.files))
+        Ok((rig, write(&settings, traced, Exposed { ev, electrons: None }, folder)?.files))
     }
 
     /// Depth and disparity of the central view, if there is a scene.
@@ -189,7 +189,8 @@ pub fn write_white_images(
     }
     let mut cameras = vec![("white".to_owned(), camera.clone())];
     for f_number in f_numbers {
-        let stopped = camera.clone().with_f_number(*f_number).map_err(Error::BadRequest)?;
+        let stopped = camera.clone().with_f_number(*f_number);
+        let stopped = stopped.map_err(|why| Error::BadRequest(why.to_string()))?;
         cameras.push((format!("white_f{f_number}"), stopped));
     }
     let mut folder = OutputFolder::create_plain(out, rollback)?;

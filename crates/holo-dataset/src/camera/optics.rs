@@ -2,19 +2,16 @@
 
 use holo_core::optics::{CameraDesign, DepthRange, DisparityRange, Optics, rig_for_disparities};
 use holo_core::plenoptic::{PlenopticCamera, PlenopticMode};
-use holo_core::{GridSize, Intrinsics, LightFieldShape, Remainder, Rig, automatic_baseline_m};
-use serde_json::{Value, json};
+use holo_core::{Intrinsics, LightFieldShape, Remainder, Rig, automatic_baseline_m};
 
+use super::quantity::NamedQuantity;
+use super::quantity::QuantityValue::{Count, List, Matrix, Number, Size, Text};
 use crate::Error;
 use crate::settings::{Focus, Pixels, RigSettings, Spacing};
 use crate::shot::shifted;
-use crate::text::json_number;
 
 /// The wavelength of the Airy disc, m: green light.
 const WAVELENGTH_M: f64 = 550e-9;
-
-/// A quantity: its key in JSON, its name, its value, its unit.
-pub type NamedQuantity = (String, String, Value, &'static str);
 
 /// Returns the properties of a plenoptic camera, and at `depths_m` those of points there.
 ///
@@ -22,55 +19,49 @@ pub type NamedQuantity = (String, String, Value, &'static str);
 /// [`Error::Core`] if there is not enough memory for its white image.
 pub fn camera_optics(camera: &PlenopticCamera, depths_m: &[f64]) -> Result<Vec<NamedQuantity>, Error> {
     let mut rows: Vec<NamedQuantity> = Vec::new();
-    let mut row = |key: &str, name: &str, value, unit| rows.push((key.into(), name.into(), value, unit));
+    let mut row = |key: &str, name: &str, value, unit| rows.push(NamedQuantity::new(key, name, value, unit));
     let (sensor, array, lens) = (camera.sensor(), camera.array(), camera.main_lens());
     let (pixel_m, gap_m) = (sensor.pixel_m, array.gap_m);
     let types = 0..array.type_count();
-    let list = |values: Vec<f64>| Value::Array(values.into_iter().map(json_number).collect());
-    let mm = |meters: f64| json_number(meters * 1e3);
-    row("sensor_px", "sensor", json!({"columns": sensor.size.columns, "rows": sensor.size.rows}), "px");
+    let mm = |meters: f64| Number(meters * 1e3);
+    row("sensor_px", "sensor", Size(sensor.size), "px");
     let modes = types.clone().map(|k| mode_name(camera.mode(k))).collect::<Vec<_>>();
-    row("mode", "microlenses", Value::from(modes.join(", ")), "");
+    row("mode", "microlenses", Text(modes.join(", ")), "");
     row("mla_distance_mm", "main lens from the array (D)", mm(camera.mla_distance_m()), "mm");
     row("exit_pupil_mm", "exit pupil from the array (D_X)", mm(camera.exit_pupil_m()), "mm");
     row("entrance_pupil_mm", "entrance pupil from the main lens", mm(camera.entrance_pupil_offset_m()), "mm");
-    row(
-        "focus_distance_m",
-        "focus distance, from the entrance pupil",
-        json_number(1.0 / camera.inverse_focus_per_m()),
-        "m",
-    );
+    row("focus_distance_m", "focus distance, from the entrance pupil", Number(1.0 / camera.inverse_focus_per_m()), "m");
     let pupil_f = camera.exit_pupil_m() / (2.0 * camera.exit_pupil_radius_m());
     let lens_f = gap_m / (2.0 * array.aperture.half_width_m());
-    row("pupil_f_number", "f-number of the exit pupil, seen from the array", json_number(pupil_f), "");
-    row("microlens_f_number", "f-number of the microlenses, seen from the sensor", json_number(lens_f), "");
+    row("pupil_f_number", "f-number of the exit pupil, seen from the array", Number(pupil_f), "");
+    row("microlens_f_number", "f-number of the microlenses, seen from the sensor", Number(lens_f), "");
     let pitch_px = camera.micro_image_pitch_px();
     let half_px = camera.micro_image_radii_m(0)[1] / pixel_m;
     let matching = lens.f_number * 2.0 * half_px / pitch_px;
-    row("matching_f_number", "f-number of the main lens whose micro-images touch", json_number(matching), "");
-    row("alpha", "alpha of every type", list(types.clone().map(|k| camera.alpha(k)).collect()), "");
-    row("micro_image_pitch_px", "distance between micro-images", json_number(pitch_px), "px");
+    row("matching_f_number", "f-number of the main lens whose micro-images touch", Number(matching), "");
+    row("alpha", "alpha of every type", List(types.clone().map(|k| camera.alpha(k)).collect()), "");
+    row("micro_image_pitch_px", "distance between micro-images", Number(pitch_px), "px");
     let radii = camera.micro_image_radii_m(0).map(|radius| radius / pixel_m);
-    row("micro_image_radii_px", "micro-image: fully lit, half, dark", list(radii.to_vec()), "px");
-    row("lenses", "micro-images on the sensor", Value::from(camera.lens_count()), "");
+    row("micro_image_radii_px", "micro-image: fully lit, half, dark", List(radii.to_vec()), "px");
+    row("lenses", "micro-images on the sensor", Count(camera.lens_count()), "");
     let white = camera.white_image()?;
     let lit = white.iter().filter(|&&light| light > 0.0).count() as f64 / white.len() as f64;
-    row("lit_share", "pixels that light reaches", json_number(100.0 * lit), "%");
+    row("lit_share", "pixels that light reaches", Number(100.0 * lit), "%");
     let corner = f64::from(corner_light(&white));
-    row("corner_light", "light of a micro-image in the corner", json_number(100.0 * corner), "%");
+    row("corner_light", "light of a micro-image in the corner", Number(100.0 * corner), "%");
     let airy_m = 1.22 * WAVELENGTH_M * gap_m / (2.0 * array.aperture.half_width_m());
-    row("airy_radius_px", "radius of the Airy disc at 550 nm", json_number(airy_m / pixel_m), "px");
+    row("airy_radius_px", "radius of the Airy disc at 550 nm", Number(airy_m / pixel_m), "px");
     let is_unfocused = camera.mode(0) == PlenopticMode::Unfocused;
     let views = camera.equivalent_views();
     if is_unfocused {
         if let Ok(views) = camera.decodable_views() {
-            row("views", "views along each axis that are fully lit", Value::from(views), "");
+            row("views", "views along each axis that are fully lit", Count(views), "");
         }
         row("baseline_mm", "baseline (between the views of neighboring pixels)", mm(views.baseline_m), "mm");
-        row("slope_per_lens", "slope between microlenses", json_number(views.slope_per_lens), "m/m");
+        row("slope_per_lens", "slope between microlenses", Number(views.slope_per_lens), "m/m");
         let scale = views.baseline_m / views.slope_per_lens;
-        row("disparity_scale_m_px", "disparity scale (Eq. 3: k)", json_number(scale), "m px");
-        row("cos4_disparity_px", "disparity that the cos^4 law adds", json_number(views.cos4_disparity_px), "px");
+        row("disparity_scale_m_px", "disparity scale (Eq. 3: k)", Number(scale), "m px");
+        row("cos4_disparity_px", "disparity that the cos^4 law adds", Number(views.cos4_disparity_px), "px");
     }
     for &depth_m in depths_m {
         let at = |what: &str| format!("{what} at {depth_m} m");
@@ -78,11 +69,11 @@ pub fn camera_optics(camera: &PlenopticCamera, depths_m: &[f64]) -> Result<Vec<N
         if is_unfocused {
             let scale = views.baseline_m / views.slope_per_lens;
             let disparity = scale * (1.0 / depth_m - views.inverse_focus_per_m);
-            row(&key("disparity_px"), &at("disparity"), json_number(disparity), "px");
+            row(&key("disparity_px"), &at("disparity"), Number(disparity), "px");
         }
-        row(&key("virtual_depth"), &at("virtual depth"), json_number(camera.virtual_depth(depth_m)), "gaps");
+        row(&key("virtual_depth"), &at("virtual depth"), Number(camera.virtual_depth(depth_m)), "gaps");
         let blur = types.clone().map(|k| 2.0 * camera.blur_radius_px(depth_m, k).abs()).collect();
-        row(&key("blur_px"), &at("blur of every type"), list(blur), "px");
+        row(&key("blur_px"), &at("blur of every type"), List(blur), "px");
     }
     Ok(rows)
 }
@@ -101,10 +92,6 @@ fn mode_name(mode: PlenopticMode) -> &'static str {
     }
 }
 
-fn size(size: GridSize) -> Value {
-    json!({ "columns": size.columns, "rows": size.rows })
-}
-
 /// Returns the properties of a rig, and those of a range of depths: the depth of field of views in which a point may be
 /// `circle_px` wide, and the depth that `step_px` of disparity tell apart.
 ///
@@ -117,40 +104,40 @@ pub fn rig_optics(
     step_px: f64,
 ) -> Result<Vec<NamedQuantity>, Error> {
     let mut rows: Vec<NamedQuantity> = Vec::new();
-    let mut row = |key: &str, name: &str, value, unit| rows.push((key.into(), name.into(), value, unit));
+    let mut row = |key: &str, name: &str, value, unit| rows.push(NamedQuantity::new(key, name, value, unit));
     let rig = optics.rig();
     let shape = rig.shape();
-    let range = |range: DepthRange| json!([json_number(range.near_m), json_number(range.far_m)]);
-    row("views", "views", size(shape.views()), "");
-    row("lenses", "lenses (pixels of a view)", size(shape.lenses()), "");
-    row("focal_length_mm", "focal length", json_number(rig.focal_length_m() * 1e3), "mm");
-    row("sensor_size_mm", "larger image side on the sensor", json_number(rig.sensor_size_m() * 1e3), "mm");
-    row("focus_distance_m", "focus distance", json_number(rig.focus_distance_m()), "m");
-    row("baseline_mm", "baseline (between adjacent views)", json_number(rig.baseline_x_m() * 1e3), "mm");
-    row("aperture_mm", "synthetic aperture (first to last view)", json_number(optics.aperture_m() * 1e3), "mm");
+    let range = |range: DepthRange| List(vec![range.near_m, range.far_m]);
+    row("views", "views", Size(shape.views()), "");
+    row("lenses", "lenses (pixels of a view)", Size(shape.lenses()), "");
+    row("focal_length_mm", "focal length", Number(rig.focal_length_m() * 1e3), "mm");
+    row("sensor_size_mm", "larger image side on the sensor", Number(rig.sensor_size_m() * 1e3), "mm");
+    row("focus_distance_m", "focus distance", Number(rig.focus_distance_m()), "m");
+    row("baseline_mm", "baseline (between adjacent views)", Number(rig.baseline_x_m() * 1e3), "mm");
+    row("aperture_mm", "synthetic aperture (first to last view)", Number(optics.aperture_m() * 1e3), "mm");
     let f_number = rig.focal_length_m() / optics.aperture_m();
-    row("f_number", "f-number of that aperture", json_number(f_number), "");
-    row("angular_step_mrad", "angle between views at the focus", json_number(optics.angular_step_rad() * 1e3), "mrad");
+    row("f_number", "f-number of that aperture", Number(f_number), "");
+    row("angular_step_mrad", "angle between views at the focus", Number(optics.angular_step_rad() * 1e3), "mrad");
     if rig.focus_distance_m().is_finite() {
         let pixel = optics.pixel_size_m(rig.focus_distance_m()) * 1e3;
-        row("pixel_at_focus_mm", "a pixel of a view at the focus", json_number(pixel), "mm");
+        row("pixel_at_focus_mm", "a pixel of a view at the focus", Number(pixel), "mm");
     }
-    let matrix = rig.intrinsic_matrix(1).map(|row| Value::Array(row.map(json_number).to_vec()));
-    row("intrinsic_matrix", "ray (x, y, dx, dy, 1) of (s, t, u, v, 1), from 1", Value::Array(matrix.to_vec()), "");
+    let matrix = rig.intrinsic_matrix(1).map(|row| row.to_vec());
+    row("intrinsic_matrix", "ray (x, y, dx, dy, 1) of (s, t, u, v, 1), from 1", Matrix(matrix.to_vec()), "");
     let smooth = optics.angular_depth_of_field(1.0)?;
     row("smooth_depths_m", "depths that move at most 1 px a view", range(smooth), "m");
     let sharp = optics.defocus_depth_of_field(circle_px)?;
     row("depth_of_field_m", "depth of field of all views together", range(sharp), "m");
-    row("hyperfocal_m", "hyperfocal distance", json_number(optics.hyperfocal_m(circle_px)?), "m");
+    row("hyperfocal_m", "hyperfocal distance", Number(optics.hyperfocal_m(circle_px)?), "m");
     if let Some(depths) = depths {
         row("depths_m", "depths", range(depths), "m");
         let DisparityRange { min_px, max_px } = optics.disparity_range_px(depths);
-        row("disparity_px", "their disparities", json!([json_number(min_px), json_number(max_px)]), "px");
+        row("disparity_px", "their disparities", List(vec![min_px, max_px]), "px");
         let near = optics.depth_resolution_m(depths.near_m, step_px)?;
-        row("depth_resolution_near_mm", "one step of disparity at the nearest", json_number(near * 1e3), "mm");
+        row("depth_resolution_near_mm", "one step of disparity at the nearest", Number(near * 1e3), "mm");
         if depths.far_m.is_finite() {
             let far = optics.depth_resolution_m(depths.far_m, step_px)?;
-            row("depth_resolution_far_mm", "one step of disparity at the farthest", json_number(far * 1e3), "mm");
+            row("depth_resolution_far_mm", "one step of disparity at the farthest", Number(far * 1e3), "mm");
         }
     }
     Ok(rows)

@@ -1,9 +1,9 @@
 //! The codes that an image sensor makes of a raw image: `scene_raw.png`, `scene_raw.dng` of a mosaic, `scene_raw.json`.
 
-use holo_core::sensor::Exposure;
+use holo_core::sensor::{Exposure, SensorModel, SensorPreset};
 use holo_core::{ColorEncoding, LightFieldOwned};
 use holo_io::{Compression, MosaicInfo};
-use ndarray::Axis;
+use ndarray::{ArrayView3, Axis};
 
 use super::folder::OutputFolder;
 use crate::Error;
@@ -13,28 +13,39 @@ const PNG: &str = "scene_raw.png";
 const DNG: &str = "scene_raw.dng";
 const JSON: &str = "scene_raw.json";
 
-/// Writes the codes of the elemental images of a light field, with automatic exposure.
-pub(crate) fn write(
-    folder: &mut OutputFolder,
+/// An image sensor, and how it is exposed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Exposing {
+    pub sensor: SensorName,
+    /// Film speed; `None`: that of the sensor.
+    pub iso: Option<f64>,
+    /// The electrons of the radiance 1, where all shots of a job have the same; `None`: by the image itself.
+    pub electrons: Option<f64>,
+    /// The seed of the noise.
+    pub seed: u64,
+}
+
+/// Returns the electrons of the radiance 1 that automatic exposure gives to the elemental images of a light field.
+pub(crate) fn automatic_electrons(
     color: &LightFieldOwned<f32>,
     name: SensorName,
     iso: Option<f64>,
-    seed: u64,
-) -> Result<(), Error> {
-    let unknown = || Error::BadRequest(format!("there is no sensor '{}'", name.name()));
-    let preset = name.preset().ok_or_else(unknown)?;
+) -> Result<f64, Error> {
+    let sensor = &preset(name)?.model;
+    with_elemental_grid(color, |image| Ok(sensor.automatic_electrons(image, speed(sensor, iso))?))
+}
+
+/// Writes the codes of the elemental images of a light field.
+pub(crate) fn write(folder: &mut OutputFolder, color: &LightFieldOwned<f32>, exposing: Exposing) -> Result<(), Error> {
+    let Exposing { sensor: name, iso, electrons, seed } = exposing;
+    let preset = preset(name)?;
     let sensor = &preset.model;
-    let copy;
-    let image = match color.as_elemental_grid() {
-        Some(image) => image,
-        None => {
-            copy = color.to_elemental_grid()?;
-            copy.view()
-        }
-    };
-    let iso = iso.unwrap_or(sensor.base_iso);
-    let exposure = Exposure { seed, ..Exposure::new(sensor.automatic_electrons(image, iso)?, iso) };
-    let codes = sensor.expose(image, &exposure, 1)?;
+    let iso = speed(sensor, iso);
+    let (codes, exposure) = with_elemental_grid(color, |image| {
+        let electrons = electrons.map_or_else(|| sensor.automatic_electrons(image, iso), Ok)?;
+        let exposure = Exposure { seed, ..Exposure::new(electrons, iso) };
+        Ok((sensor.expose(image, &exposure, 1)?, exposure))
+    })?;
     folder.add(PNG, holo_io::write_png(folder.file(PNG), codes.view(), ColorEncoding::Linear, Compression::Best)?);
     if sensor.filter.mosaic().is_some() {
         let mosaic = codes.index_axis(Axis(2), 0);
@@ -43,4 +54,23 @@ pub(crate) fn write(
     let info = MosaicInfo::new(name.name(), preset.guesses, *sensor, exposure);
     folder.add(JSON, info.write(folder.file(JSON))?);
     Ok(())
+}
+
+fn preset(name: SensorName) -> Result<&'static SensorPreset, Error> {
+    name.preset().ok_or_else(|| Error::BadRequest(format!("there is no sensor '{}'", name.name())))
+}
+
+fn speed(sensor: &SensorModel, iso: Option<f64>) -> f64 {
+    iso.unwrap_or(sensor.base_iso)
+}
+
+/// Does `work` with the elemental images, which are copied if the light field has another order.
+fn with_elemental_grid<T>(
+    color: &LightFieldOwned<f32>,
+    work: impl FnOnce(ArrayView3<f32>) -> Result<T, Error>,
+) -> Result<T, Error> {
+    match color.as_elemental_grid() {
+        Some(image) => work(image),
+        None => work(color.to_elemental_grid()?.view()),
+    }
 }

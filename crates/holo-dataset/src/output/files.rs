@@ -9,7 +9,7 @@ use super::folder::OutputFolder;
 use super::images::Images;
 use super::statistics::Statistics;
 use super::wanted::Wanted;
-use super::{layers, motion, raw};
+use super::{codes, layers, motion, raw};
 use crate::Error;
 use crate::settings::{Exposure, RenderSettings};
 
@@ -53,6 +53,24 @@ pub(crate) struct Finished {
     pub files: Vec<String>,
 }
 
+/// How the integers of an image are exposed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Exposed {
+    /// The exposure compensation, EV; `None` without color.
+    pub ev: Option<f64>,
+    /// The electrons of the radiance 1 on an image sensor; `None`: by the image itself.
+    pub electrons: Option<f64>,
+}
+
+impl Exposed {
+    /// The image sensor of the settings, if they have one.
+    pub fn sensor(self, settings: &RenderSettings) -> Option<codes::Exposing> {
+        let sensor = settings.output.sensor_model?;
+        let (iso, seed) = (settings.output.iso, settings.light.seed);
+        Some(codes::Exposing { sensor, iso, electrons: self.electrons, seed })
+    }
+}
+
 /// Returns the exposure compensation of the complete image in EV, if it has color.
 pub(crate) fn exposure_ev(wanted: Exposure, rendered: &Rendered) -> Option<f64> {
     rendered.color.as_ref().map(|color| match wanted {
@@ -65,14 +83,14 @@ pub(crate) fn exposure_ev(wanted: Exposure, rendered: &Rendered) -> Option<f64> 
 pub(crate) fn write(
     settings: &RenderSettings,
     traced: Traced,
-    exposure_ev: Option<f64>,
+    exposed: Exposed,
     folder: OutputFolder,
 ) -> Result<Finished, Error> {
     let Traced { rendered, wanted, manifest, camera } = traced;
     match camera {
-        TracedCamera::Rig(views) => write_views(settings, (rendered, wanted, manifest), *views, exposure_ev, folder),
+        TracedCamera::Rig(views) => write_views(settings, (rendered, wanted, manifest), *views, exposed, folder),
         TracedCamera::Plenoptic { file, white } => {
-            raw::write_all(settings, (rendered, wanted, manifest), (&file, white), exposure_ev, folder)
+            raw::write_all(settings, (rendered, wanted, manifest), (&file, white), exposed, folder)
         }
     }
 }
@@ -82,7 +100,7 @@ fn write_views(
     settings: &RenderSettings,
     (mut rendered, wanted, manifest): (Rendered, Wanted, Manifest),
     views: TracedViews,
-    exposure_ev: Option<f64>,
+    exposed: Exposed,
     mut folder: OutputFolder,
 ) -> Result<Finished, Error> {
     let outputs = wanted.outputs(rendered.color.is_some())?;
@@ -104,15 +122,15 @@ fn write_views(
     let images = Images {
         settings: &settings.output,
         subset: settings.camera.rig().and_then(|rig| rig.subset.as_ref()),
-        seed: settings.light.seed,
+        sensor: exposed.sensor(settings),
         outputs: &outputs,
         rig: &views.rig,
         parameters: &parameters,
         highres_depth_m: views.highres_depth_m.as_ref(),
     };
-    statistics.color = images.write(&mut folder, &wanted, &mut rendered, exposure_ev)?;
+    statistics.color = images.write(&mut folder, &wanted, &mut rendered, exposed.ev)?;
     folder.add(dataset::PARAMETERS_CFG, parameters.write(folder.file(dataset::PARAMETERS_CFG))?);
-    let mut manifest = Manifest { disparity_px, exposure_ev, ..manifest };
+    let mut manifest = Manifest { disparity_px, exposure_ev: exposed.ev, ..manifest };
     statistics.write_to(&mut manifest);
     let files = folder.seal(manifest)?;
     Ok(Finished { disparity_px, statistics, files })

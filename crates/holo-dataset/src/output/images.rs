@@ -28,8 +28,8 @@ pub(crate) struct Images<'a> {
     pub settings: &'a OutputSettings,
     /// The views that were rendered, if not all.
     pub subset: Option<&'a ViewSubset>,
-    /// The seed of sensor noise.
-    pub seed: u64,
+    /// The image sensor whose codes are written too.
+    pub sensor: Option<codes::Exposing>,
     pub outputs: &'a [Output],
     pub rig: &'a Rig,
     pub parameters: &'a ParametersCfg,
@@ -64,8 +64,8 @@ impl Images<'_> {
         if self.wants(Output::H5) {
             self.write_hdf5(folder, rendered)?;
         }
-        if let (Some(color), Some(sensor)) = (&rendered.color, self.settings.sensor_model) {
-            codes::write(folder, color, sensor, self.settings.iso, self.seed)?;
+        if let (Some(color), Some(exposing)) = (&rendered.color, self.sensor) {
+            codes::write(folder, color, exposing)?;
         }
         // Radiance takes four times the memory of 8-bit codes, so it is dropped as soon as it is encoded.
         if let (Some(color), Some(ev)) = (rendered.color.take(), exposure_ev) {

@@ -8,9 +8,9 @@ use holo_render::{Rendered, exposure};
 use ndarray::{Array2, Array3, Axis, Zip};
 
 use super::codes;
-use super::files::Finished;
+use super::files::{Exposed, Finished};
 use super::folder::OutputFolder;
-use super::layers::{COLOR, write_pfm};
+use super::layers::{COLOR, ERROR, write_pfm};
 use super::statistics::Statistics;
 use super::wanted::Wanted;
 use crate::Error;
@@ -27,7 +27,7 @@ pub(crate) fn write_all(
     settings: &RenderSettings,
     (mut rendered, wanted, mut manifest): (Rendered, Wanted, Manifest),
     (file, white): (&CameraFile, Array2<f32>),
-    exposure_ev: Option<f64>,
+    exposed: Exposed,
     mut folder: OutputFolder,
 ) -> Result<Finished, Error> {
     let camera = &file.camera;
@@ -42,9 +42,9 @@ pub(crate) fn write_all(
     }
     let statistics = Statistics::new(&rendered, None);
     write_layers(&mut folder, camera, &wanted, &rendered, &white)?;
-    if let (Some(color), Some(ev)) = (rendered.color.take(), exposure_ev) {
-        if let Some(sensor) = settings.output.sensor_model {
-            codes::write(&mut folder, &color, sensor, settings.output.iso, settings.light.seed)?;
+    if let (Some(color), Some(ev)) = (rendered.color.take(), exposed.ev) {
+        if let Some(exposing) = exposed.sensor(settings) {
+            codes::write(&mut folder, &color, exposing)?;
         }
         let color = image(color)?;
         for tool in &settings.output.tools {
@@ -92,6 +92,10 @@ fn write_layers(
     if let Some(color) = rendered.color.as_ref().filter(|_| wanted.color) {
         let name = name(COLOR);
         folder.add(name.clone(), holo_io::write_pfm_rgb(folder.file(&name), color.to_elemental_grid()?.view())?);
+    }
+    if let Some(error) = &rendered.error {
+        let name = name(ERROR);
+        folder.add(name.clone(), write_pfm(folder.file(&name), error.to_elemental_grid()?.view())?);
     }
     Ok(())
 }

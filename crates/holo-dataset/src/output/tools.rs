@@ -38,7 +38,7 @@ struct Pictures<'a> {
 
 impl Tool {
     /// The texts of a camera: names and contents.
-    fn texts(self, camera: &PlenopticCamera) -> Result<Vec<(&'static str, String)>, String> {
+    fn texts(self, camera: &PlenopticCamera) -> Result<Vec<(&'static str, String)>, holo_io::Error> {
         let mut texts = match self {
             Self::LfToolbox => {
                 let grid = LensletGridModel::new(camera)?;
@@ -96,7 +96,7 @@ impl Tool {
     ) -> Result<(), Error> {
         let name = |file: &str| format!("{}/{file}", self.name());
         folder.subfolder(self.name())?;
-        for (file, text) in self.texts(camera).map_err(Error::BadRequest)? {
+        for (file, text) in self.texts(camera).map_err(refused)? {
             if let Some((parent, _)) = file.rsplit_once('/') {
                 folder.subfolder(&name(parent))?;
             }
@@ -130,7 +130,7 @@ impl Tool {
             Self::Raytrix => png("raw.png", pictures.without_vignetting().view().into(), ColorEncoding::Srgb)?,
             Self::Libpleno => {
                 png("raw.png", pictures.rgb(byte).view().into(), linear)?;
-                for (file, stopped) in stopped(camera).map_err(Error::BadRequest)? {
+                for (file, stopped) in stopped(camera).map_err(refused)? {
                     let white = stopped.white_image()?;
                     let brightest = white.iter().fold(f32::MIN_POSITIVE, |most, &light| most.max(light));
                     let codes = white.mapv(|light| byte(f64::from(light / brightest))).insert_axis(Axis(2));
@@ -146,7 +146,7 @@ impl Tool {
                 }
             }
             Self::Lytro => {
-                let model = LytroModel::of(camera).map_err(Error::BadRequest)?;
+                let model = LytroModel::of(camera).map_err(refused)?;
                 let [raw, white] = pictures.lytro_codes(&model.sensor())?;
                 for (file, codes) in
                     [("Images/IMG_0001__frame.raw", raw), ("Cameras/HOLO000001/WhiteImages/MOD_0000.RAW", white)]
@@ -207,13 +207,18 @@ impl Pictures<'_> {
     }
 }
 
+/// The error of a camera that a program cannot read.
+fn refused(why: holo_io::Error) -> Error {
+    Error::BadRequest(why.to_string())
+}
+
 /// The cameras of white images for libpleno, with the names of these.
-fn stopped(camera: &PlenopticCamera) -> Result<Vec<(String, PlenopticCamera)>, String> {
+fn stopped(camera: &PlenopticCamera) -> Result<Vec<(String, PlenopticCamera)>, holo_io::Error> {
     let stop = |factor: f64| {
         let f_number = camera.main_lens().f_number * factor;
         let lens = MainLens { f_number, ..camera.main_lens().clone() };
         let stopped = PlenopticCamera::new(*camera.sensor(), camera.array().clone(), lens);
-        Ok((format!("white_f{f_number:.3}.png"), stopped.map_err(|why| why.to_string())?))
+        Ok((format!("white_f{f_number:.3}.png"), stopped.map_err(|why| holo_io::Error::Camera(why.to_string()))?))
     };
     STOPS.into_iter().map(stop).collect()
 }

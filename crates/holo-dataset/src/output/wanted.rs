@@ -257,9 +257,6 @@ fn check_raw(settings: &RenderSettings) -> Result<(), Error> {
              decode` makes views of them"
         ));
     }
-    if settings.light.denoise != Denoise::Off {
-        return bad("`denoise views` needs views; render the raw image of a plenoptic camera without it".into());
-    }
     if output.ground_truth == GroundTruth::All {
         return bad(
             "`ground-truth all` is of rendered views; the layers of a raw image are those of its pixels, and `holo decode` \
@@ -267,7 +264,7 @@ fn check_raw(settings: &RenderSettings) -> Result<(), Error> {
                 .into(),
         );
     }
-    let of_views = [LayerChoice::Error, LayerChoice::Visibility, LayerChoice::OpticalFlow, LayerChoice::SceneFlow];
+    let of_views = [LayerChoice::Visibility, LayerChoice::OpticalFlow, LayerChoice::SceneFlow];
     match of_views.into_iter().find(|layer| output.layers.contains(layer)) {
         Some(layer) => bad(format!("`layers {}` is of rendered views; remove it", layer.name())),
         None => Ok(()),

@@ -12,6 +12,7 @@
 mod file;
 mod fingerprint;
 
+use std::fmt::Debug;
 use std::io;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -19,8 +20,8 @@ use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use holo_io::{Folder, Manifest, Sha256, dataset};
-use holo_render::{Checkpoint, FinishedTile, Request, TileId};
-use holo_scene::{Scene, Transform};
+use holo_render::{Checkpoint, FinishedTile, TileId};
+use holo_scene::Scene;
 
 use self::file::{CheckpointFile, Earlier};
 use super::identity::difference;
@@ -95,16 +96,16 @@ struct State {
 
 impl<'a> Keeper<'a> {
     /// Opens the checkpoint of an earlier run of the same render, if there is one, and reports what it contains, and
-    /// which others are not used.
+    /// which others are not used. `request` is all that decides the tiles beside the scene, with the pose of the camera.
     pub fn open(
         checkpoints: &Checkpoints,
         out: &Folder,
-        (scene, pose, request): (&'a Scene, &'a Transform, &'a Request),
+        (scene, request): (&'a Scene, impl Debug + Send + 'a),
         identity: &Manifest,
         diagnostics: &dyn Diagnostics,
     ) -> Self {
         let identity = identity.clone();
-        let key = move || Key { digest: fingerprint::of(scene, pose, request, &identity), identity };
+        let key = move || Key { digest: fingerprint::of(scene, &request, &identity), identity };
         let start = Instant::now();
         let folder = match &checkpoints.folder {
             Some(path) => Folder::open(path).map_err(|why| why.to_string()),
@@ -264,6 +265,47 @@ impl Checkpoint for Keeper<'_> {
             failure: outcome.err().map(|why| why.to_string()),
         };
         state.failure.is_none()
+    }
+}
+
+/// The checkpoint of one of several images that share a file.
+pub(crate) struct ImageKeeper<'a> {
+    /// The checkpoint of all.
+    pub all: &'a dyn Checkpoint,
+    /// The number of the image, and how many there are.
+    pub image: (usize, usize),
+    /// The place of the image among those that this run renders, and how many these are.
+    pub turn: (usize, usize),
+}
+
+impl ImageKeeper<'_> {
+    /// The identity of a tile among those of all images.
+    fn of_all(&self, id: TileId) -> TileId {
+        let (image, count) = self.image;
+        TileId { number: id.number * count + image, ..id }
+    }
+}
+
+impl Checkpoint for ImageKeeper<'_> {
+    fn contains(&self, id: TileId) -> bool {
+        self.all.contains(self.of_all(id))
+    }
+
+    fn restore(&self, id: TileId) -> Option<FinishedTile> {
+        Some(FinishedTile { id, ..self.all.restore(self.of_all(id))? })
+    }
+
+    fn is_due(&self, done: u64, total: u64) -> bool {
+        let (turn, count) = self.turn;
+        self.all.is_due(turn as u64 * total + done, count as u64 * total)
+    }
+
+    fn wants_rest(&self) -> bool {
+        self.all.wants_rest()
+    }
+
+    fn store(&self, tiles: &mut dyn Iterator<Item = FinishedTile>) -> bool {
+        self.all.store(&mut tiles.map(|tile| FinishedTile { id: self.of_all(tile.id), ..tile }))
     }
 }
 

@@ -8,8 +8,8 @@
 //! | `central_LAYER.pfm`, `all_LAYER.pfm` | layers of the central view, and of all views as an elemental image array |
 //! | `parameters.cfg`, `manifest.json` | as of the complete image; the manifest also contains the number of the shard |
 //!
-//! A shard of the images of pinhole cameras has every N-th image as it is. A shard of the raw image of a plenoptic camera has some rows of its pixels: `color.pfm`, `raw_LAYER.pfm` and
-//! `camera.toml`.
+//! A shard of the images of pinhole cameras has every N-th image as it is. A shard of the raw image of a plenoptic camera
+//! has some rows of its pixels: `color.pfm`, `error.pfm`, `raw_LAYER.pfm` and `camera.toml`.
 
 mod images;
 mod raw;
@@ -27,7 +27,7 @@ use super::checkpoint::finished_manifest;
 use crate::Error;
 use crate::output::layers::write_pfm;
 use crate::output::raw::CAMERA_TOML;
-use crate::output::{self, Finished, OutputFolder, Rollback, Statistics, Traced, TracedCamera, exposure_ev};
+use crate::output::{self, Exposed, Finished, OutputFolder, Rollback, Statistics, Traced, TracedCamera, exposure_ev};
 use crate::settings::{SettingType, Shard};
 
 const COLOR: &str = "color.pfm";
@@ -124,8 +124,10 @@ pub fn merge(out: &Path, parts: &[PathBuf], rollback: &Rollback) -> Result<Vec<S
         return images::merge(&parts, folder);
     }
     let (traced, settings) = if raw::is_raw(&parts) { raw::traced(&parts)? } else { views::traced(&parts)? };
-    let exposure_ev = exposure_ev(settings.output.exposure, &traced.rendered);
-    Ok(output::write(&settings, traced, exposure_ev, folder)?.files)
+    let ev = exposure_ev(settings.output.exposure, &traced.rendered);
+    // Only a job with one shot has rows as parts.
+    let exposed = Exposed { ev, electrons: None };
+    Ok(output::write(&settings, traced, exposed, folder)?.files)
 }
 
 /// Writes a shard.

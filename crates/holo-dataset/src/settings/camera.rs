@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
-use holo_core::GridSize;
-use holo_io::{CameraArray, CameraFile, WorldUp};
+use holo_core::{GridSize, Remainder, Sensor};
+use holo_io::{ArrayCamera, CameraArray, CameraFile, WorldUp};
+use holo_render::Reuse;
 
 use super::RenderSettings;
 use super::given::Given;
@@ -96,6 +97,9 @@ impl Camera {
     pub(crate) fn size(&self) -> Option<GridSize> {
         match self {
             Self::Rig(RigSettings { pixels: Pixels::Lenses(lenses), .. }) => Some(*lenses),
+            Self::Rig(RigSettings { pixels: Pixels::Sensor(sensor), views, .. }) => {
+                sensor.divide(*views, Remainder::Crop).ok().map(|divided| divided.shape.lenses())
+            }
             Self::Rig(_) | Self::Pinhole => None,
             Self::Plenoptic(camera) => Some(camera.camera.sensor().size),
         }
@@ -103,33 +107,63 @@ impl Camera {
 }
 
 impl RenderSettings {
+    /// Refuses what has no effect with the camera. As a default it is no request.
+    pub(super) fn check_effect(&self, given: &Given) -> Result<(), Error> {
+        let is_shared = given.get("reuse").is_some() && self.light.reuse == Reuse::Views;
+        match &self.camera {
+            Camera::Plenoptic(_) | Camera::Pinhole if is_shared => Err(Error::BadRequest(
+                "`reuse views` shares light between the views of a rig, and this camera has none; remove it".into(),
+            )),
+            _ => Ok(()),
+        }
+    }
+
     /// Applies settings, and places cameras at the poses of a `transforms.json`: the plenoptic camera, a rig with the pixels
     /// of the file if a number of views is given, else a pinhole. `lenses` is the size of images whose size the file does
-    /// not say.
+    /// not say. `sensor` is that of a pinhole, or is divided into the views of a rig: the images of all poses have its size.
     ///
     /// # Errors
-    /// As [`apply`](Self::apply); [`Error::Io`] if the file cannot be read.
+    /// As [`apply`](Self::apply); [`Error::BadRequest`] if `sensor` has another size than the images of the file;
+    /// [`Error::Io`] if the file cannot be read.
     pub fn apply_at_poses(&mut self, mut given: Given, path: &Path, up: WorldUp) -> Result<(), Error> {
         let lenses = given.get("lenses").map(GridSize::parse).transpose();
         let lenses = lenses.map_err(|why| Error::BadRequest(format!("`lenses`: {why}")))?;
+        let mut sensor = None;
         self.camera = match std::mem::take(&mut self.camera) {
             Camera::Rig(rig) if given.get("views").is_some() => {
                 Camera::Rig(RigSettings { pixels: Pixels::OfPoses, ..rig })
             }
             Camera::Rig(_) | Camera::Pinhole => {
                 // It is the size of the images, which the cameras have then.
-                given.remove("lenses");
+                sensor = match given.remove("lenses") {
+                    None => given.remove("sensor").map(|text| of_images(&text)).transpose()?,
+                    // Both exclude each other, and `sensor` is refused below.
+                    Some(_) => None,
+                };
                 Camera::Pinhole
             }
             plenoptic @ Camera::Plenoptic(_) => plenoptic,
         };
         self.apply(&given)?;
-        let size = self.camera.size().or(lenses);
+        let size = self.camera.size().or(lenses).or(sensor);
         let mut cameras = CameraArray::read(path, up, size)?;
         cameras.cameras.iter_mut().for_each(|camera| camera.size = camera.size.or(size));
+        let other = |camera: &&ArrayCamera| sensor.is_some() && camera.size != sensor;
+        if let (Some(camera), Some(sensor)) = (cameras.cameras.iter().find(other), sensor) {
+            let (name, size) = (&camera.name, camera.size.unwrap_or(sensor));
+            return Err(Error::BadRequest(format!(
+                "camera '{name}' has {size} pixels, and `sensor` {sensor}; remove it"
+            )));
+        }
         self.poses = Poses::Array { cameras, up };
         Ok(())
     }
+}
+
+/// The size of the images of pinholes with a sensor.
+fn of_images(sensor: &str) -> Result<GridSize, Error> {
+    let parsed = Sensor::parse(sensor);
+    parsed.map(|sensor| sensor.size()).map_err(|why| Error::BadRequest(format!("`sensor={sensor}`: {why}")))
 }
 
 impl Poses {

@@ -64,6 +64,10 @@ impl RenderSettings {
         if settings.scene.frames.is_some() {
             settings.scene.fps = Some(self.scene.frames_per_second());
         }
+        if let Camera::Rig(rig) = &mut settings.camera {
+            // One position of the microlens array is no shift.
+            rig.lens_shifts = rig.lens_shifts.filter(|shifts| *shifts != 1);
+        }
         settings
     }
 

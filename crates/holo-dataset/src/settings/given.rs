@@ -130,7 +130,7 @@ impl RenderSettings {
             let text = given.0[setting.key].as_str();
             (setting.set)(self, text).map_err(|why| Error::BadRequest(format!("`{}={text}`: {why}", setting.key)))?;
         }
-        Ok(())
+        self.check_effect(given)
     }
 }
 

@@ -111,8 +111,8 @@ settings! {
         /// Average fine textures over the part of a pixel that a sample stands for: a small bias that more samples remove.
         /// Without effect with `denoise views`.
         texture_filter: TextureFilter = TextureFilter::Footprint, "texture-filter" "";
-        /// Reduce the noise of color: with `denoise views` by the samples of neighboring views, a small bias that more samples
-        /// remove.
+        /// Reduce the noise of color: with `denoise views` by the samples of neighboring views, or by those pixels of a plenoptic
+        /// camera that see the same point; a small bias that more samples remove.
         denoise: Denoise = Denoise::Off, "denoise" "";
         /// Hide surfaces that are not double-sided from behind, as game engines do; shadows and mirrors still show them.
         cull: bool = false, "cull" "";

@@ -8,22 +8,26 @@ use super::identity::at_frame;
 use super::prepare::Setup;
 use super::trace::{exposure_request, request};
 use crate::Error;
-use crate::output::{Wanted, exposure_ev};
+use crate::output::{Wanted, codes, exposure_ev};
 use crate::settings::{Camera, Exposure, Focus, Output, RenderSettings, Spacing};
 use crate::watch::{CancelOnly, Diagnostics};
 
-/// Returns the settings of a job with the choices of its first shot: loads the scene, and if exposure is automatic renders
-/// the central view, or the raw image.
-pub(super) fn choose(
-    setup: &Setup,
-    progress: &dyn Progress,
-    diagnostics: &dyn Diagnostics,
-) -> Result<RenderSettings, Error> {
+/// The choices of the first shot.
+pub(super) struct Chosen {
+    /// The settings of the job with its focus distance, baseline and exposure.
+    pub settings: RenderSettings,
+    /// The electrons of the radiance 1 on the image sensor, if there is one and the image has color. No setting says them.
+    pub electrons: Option<f64>,
+}
+
+/// Returns the choices of the first shot of a job: loads the scene, and if exposure is automatic renders the central view,
+/// or the raw image.
+pub(super) fn choose(setup: &Setup, progress: &dyn Progress, diagnostics: &dyn Diagnostics) -> Result<Chosen, Error> {
     let first = setup.settings.scene.frames.map(|frames| frames.first);
     let settings = at_frame(setup.settings, first);
-    let mut chosen = setup.settings.clone();
+    let (mut chosen, mut electrons) = (setup.settings.clone(), None);
     if is_chosen(&settings, setup.wanted) {
-        return Ok(chosen);
+        return Ok(Chosen { settings: chosen, electrons });
     }
     let setup = Setup { settings: &settings, ..*setup };
     let stage = setup.stage(diagnostics)?;
@@ -35,19 +39,27 @@ pub(super) fn choose(
         }
         own.focus = Focus::Meters(rig.focus_distance_m());
     }
-    if needs_exposure(&settings, setup.wanted) {
+    let needs_exposure = needs_exposure(&settings, setup.wanted);
+    let sensor = settings.output.sensor_model;
+    if needs_exposure || sensor.is_some() {
         let request = exposure_request(request(&setup, &prepared, None)?);
         let rendered = prepared.renderer.render(&request, &CancelOnly(progress))?;
-        let ev = prepared.renderer.install(|| exposure_ev(Exposure::Automatic, &rendered));
-        chosen.output.exposure = ev.map_or(Exposure::Automatic, Exposure::Ev);
+        if needs_exposure {
+            let ev = prepared.renderer.install(|| exposure_ev(Exposure::Automatic, &rendered));
+            chosen.output.exposure = ev.map_or(Exposure::Automatic, Exposure::Ev);
+        }
+        if let (Some(sensor), Some(color)) = (sensor, &rendered.color) {
+            let iso = settings.output.iso;
+            electrons = Some(prepared.renderer.install(|| codes::automatic_electrons(color, sensor, iso))?);
+        }
     }
-    Ok(chosen)
+    Ok(Chosen { settings: chosen, electrons })
 }
 
 /// Whether nothing is left to choose.
 fn is_chosen(settings: &RenderSettings, wanted: &Wanted) -> bool {
     let is_focused = settings.camera.rig().is_none_or(|rig| rig.focus != Focus::Automatic);
-    is_focused && is_spaced(settings) && !needs_exposure(settings, wanted)
+    is_focused && is_spaced(settings) && !needs_exposure(settings, wanted) && settings.output.sensor_model.is_none()
 }
 
 /// Whether the baseline of every shot follows from the settings. That of an f-number follows from the focal length, which

@@ -101,15 +101,17 @@ pub(super) fn describe(
     if !transport.multiple_scattering {
         set("multiple-scattering", switch(false));
     }
-    if rendered.color.is_some() && request.camera.rig().is_some() {
-        if transport.reuse == Reuse::Off {
+    if rendered.color.is_some() {
+        if request.camera.rig().is_some() && transport.reuse == Reuse::Off {
             set("reuse", switch(false));
         }
         if request.denoise == Denoise::Off {
             set("texture-filter", word(&transport.texture_filter).into());
         } else {
             set("denoise", word(&request.denoise).into());
-            set("denoise-method", Denoise::METHOD.into());
+            let is_rig = request.camera.rig().is_some();
+            let method = if is_rig { Denoise::METHOD } else { Denoise::RAW_METHOD };
+            set("denoise-method", method.into());
         }
     }
     if transport.cull {

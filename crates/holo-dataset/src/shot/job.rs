@@ -4,7 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use holo_core::Rig;
-use holo_io::dataset::SequenceFolder;
+use holo_io::dataset::{MANIFEST_JSON, SEQUENCE_HDF5, SequenceFolder};
 use holo_io::{CameraFile, Manifest};
 use holo_render::{Motion, Progress, Rendered};
 use ndarray::Array2;
@@ -14,9 +14,9 @@ use super::runner::Runner;
 use super::source::SceneSource;
 use super::warning::RenderWarning;
 use crate::Error;
-use crate::output::{Rollback, Wanted};
+use crate::output::{Rollback, TRANSFORMS, Wanted};
 use crate::resume::Checkpoints;
-use crate::settings::{Camera, EngineSettings, RawLayer, RenderSettings, Shard};
+use crate::settings::{Camera, EngineSettings, Output, RawLayer, RenderSettings, Shard};
 use crate::watch::Diagnostics;
 
 /// A render: a scene, settings and a ray tracing backend. It has a shot for every pose and every frame.
@@ -190,6 +190,13 @@ impl Shot {
         }
         folder
     }
+
+    /// The name of a file of the shot, relative to the folder of its job.
+    pub(super) fn file(&self, name: &str) -> String {
+        let frame = self.frame.map(SequenceFolder::frame_name);
+        let parts = self.pose_name.as_deref().into_iter().chain(frame.as_deref()).chain([name]);
+        parts.collect::<Vec<_>>().join("/")
+    }
 }
 
 impl fmt::Display for Shot {
@@ -259,6 +266,25 @@ impl RenderJob {
         Runner::new(self, options.diagnostics)?.run(out.as_ref(), options)
     }
 
+    /// Returns the names of all files that these shots of the job have in its folder `out`, relative to it: those of every
+    /// shot, made or kept, the poses, and the light fields of all frames as one array.
+    #[must_use]
+    pub fn files(&self, out: impl AsRef<Path>, shots: &[(Shot, ShotOutcome)]) -> Vec<String> {
+        let mut files: Vec<String> = shots.iter().flat_map(|(shot, outcome)| outcome.files(shot)).collect();
+        let mut of_all = Vec::new();
+        if self.settings.poses.cameras().is_some() && !matches!(self.settings.camera, Camera::Pinhole) {
+            of_all.push(TRANSFORMS.to_owned());
+        }
+        if self.settings.output.write.contains(&Output::H5) {
+            let of_frames = shots.iter().filter(|(shot, _)| shot.frame.is_some());
+            of_all.extend(of_frames.map(|(shot, _)| Shot { frame: None, ..shot.clone() }.file(SEQUENCE_HDF5)));
+        }
+        of_all.sort_unstable();
+        of_all.dedup();
+        files.extend(of_all.into_iter().filter(|name| out.as_ref().join(name).is_file()));
+        files
+    }
+
     /// Renders the complete image of a job with one shot into memory: what [`run`](Self::run) writes, before it is encoded.
     /// Needs no folder and keeps no checkpoint.
     ///
@@ -276,6 +302,17 @@ impl ShotOutcome {
         match self {
             Self::Made(report, _) => Some(report),
             Self::Kept(_) => None,
+        }
+    }
+
+    /// The names of the files of a shot, relative to the folder of its job.
+    fn files(&self, shot: &Shot) -> Vec<String> {
+        match self {
+            Self::Made(report, _) => report.files.clone(),
+            Self::Kept(manifest) => {
+                let names = manifest.files.keys().map(String::as_str).chain([MANIFEST_JSON]);
+                names.map(|name| shot.file(name)).collect()
+            }
         }
     }
 }

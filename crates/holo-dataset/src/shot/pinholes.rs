@@ -8,11 +8,11 @@
 //! | `manifest.json` | settings, exposure and digests |
 //!
 //! Every camera has an acceleration structure in its own frame, so that depth is exact wherever it stands. Cameras far
-//! apart share no light.
+//! apart share no light. All of them share one checkpoint, from which an interrupted job continues.
 
 use std::time::Instant;
 
-use holo_io::{ColorEncoding, Compression, FileDigest, Manifest};
+use holo_io::{CameraArray, ColorEncoding, Compression, FileDigest, Manifest};
 use holo_render::{Integrator, RayCounts, Rendered, World, exposure};
 
 use super::job::{RunOptions, Shot};
@@ -23,8 +23,9 @@ use super::trace;
 use crate::Error;
 use crate::output::layers::{COLOR, file_part, write_pfm};
 use crate::output::{OutputFolder, Statistics, TRANSFORMS, Wanted, exposure_ev};
+use crate::resume::checkpoint::{ImageKeeper, Keeper};
 use crate::resume::merge::{self, Label};
-use crate::settings::{Exposure, Shard, word};
+use crate::settings::{Exposure, Poses, Shard, word};
 use crate::watch::{About, PartProgress};
 
 /// The folder of the images.
@@ -36,12 +37,10 @@ pub(super) fn render(
     setup: &Setup,
     (stage, world): (&Stage, &World),
     shot: &Shot,
-    (mut folder, shard): (OutputFolder, Option<Shard>),
+    (folder, shard): (OutputFolder, Option<Shard>),
     options: &RunOptions,
 ) -> Result<RenderReport, Error> {
-    let start = Instant::now();
-    let settings = setup.settings;
-    let Some(array) = settings.poses.cameras() else {
+    let Some(array) = setup.settings.poses.cameras() else {
         return Err(Error::BadRequest("pinhole cameras need `transforms`, which places them".into()));
     };
     if shard.is_some_and(|shard| shard.of > array.cameras.len()) {
@@ -51,6 +50,31 @@ pub(super) fn render(
         )));
     }
     folder.unseal()?;
+    let identity = runner.identity(shot)?;
+    let request = (array, &setup.settings.light, setup.wanted, shard);
+    let keeper = runner.job.checkpoints.as_ref().map(|checkpoints| {
+        Keeper::open(checkpoints, folder.folder(), (&stage.loaded.scene, request), &identity, options.diagnostics)
+    });
+    let made = images(setup, (stage, world), (array, shard), (folder, identity), keeper.as_ref(), options);
+    if let Some(keeper) = keeper {
+        keeper.report(made.is_err(), options.diagnostics);
+        if made.is_ok() {
+            keeper.remove();
+        }
+    }
+    made.map(|report| RenderReport { frame: shot.frame(), ..report })
+}
+
+/// Renders and writes the images, and last the manifest.
+fn images(
+    setup: &Setup,
+    (stage, world): (&Stage, &World),
+    (array, shard): (&CameraArray, Option<Shard>),
+    (mut folder, identity): (OutputFolder, Manifest),
+    keeper: Option<&Keeper>,
+    options: &RunOptions,
+) -> Result<RenderReport, Error> {
+    let (start, settings) = (Instant::now(), setup.settings);
     let mut exposure = match settings.output.exposure {
         Exposure::Ev(ev) => Some(ev),
         Exposure::Automatic => None,
@@ -64,7 +88,14 @@ pub(super) fn render(
         seconds.build += prepared.build_seconds;
         let rendering = Instant::now();
         let progress = PartProgress { inner: options.progress, k, of: mine.len() };
-        let rendered = prepared.renderer.render(&trace::request(setup, &prepared, None)?, &progress)?;
+        let request = trace::request(setup, &prepared, None)?;
+        let rendered = match keeper {
+            Some(all) => {
+                let keeper = ImageKeeper { all, image: (pose, array.cameras.len()), turn: (k, mine.len()) };
+                prepared.renderer.render_with_checkpoint(&request, &progress, &keeper)?
+            }
+            None => prepared.renderer.render(&request, &progress)?,
+        };
         seconds.render += rendering.elapsed().as_secs_f64();
         (rays, samples, threads) = (rays + rendered.rays, samples + rendered.samples, prepared.renderer.threads());
         if k == 0 && rendered.color.is_none() && setup.wanted.integrator == Integrator::Auto {
@@ -79,10 +110,10 @@ pub(super) fn render(
         prepared.renderer.install(|| write(&mut folder, name, &rendered, (exposure, bits), setup.wanted))?;
         seconds.write += writing.elapsed().as_secs_f64();
     }
-    if let crate::settings::Poses::Array { cameras, up } = &settings.poses {
+    if let Poses::Array { cameras, up } = &settings.poses {
         folder.add(TRANSFORMS, cameras.write(folder.file(TRANSFORMS), *up)?);
     }
-    let mut manifest = Manifest { exposure_ev: exposure.filter(|_| has_color), ..runner.identity(shot)? };
+    let mut manifest = Manifest { exposure_ev: exposure.filter(|_| has_color), ..identity };
     manifest.settings.insert("cameras".into(), array.cameras.len().into());
     manifest.settings.insert("integrator".into(), word(&used).into());
     let backend = manifest.versions.get("engine").cloned().unwrap_or_default();
@@ -102,7 +133,7 @@ pub(super) fn render(
         why,
         camera: CameraReport::Pinholes { count: mine.len() },
         pose: None,
-        frame: shot.frame(),
+        frame: None,
         statistics: Statistics::default(),
         files,
         warnings: Vec::new(),

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use holo_core::optics::DisparityRange;
-use holo_core::{GridSize, LightFieldShape, Remainder, Rig};
+use holo_core::{GridSize, LightFieldShape, Remainder, Rig, Sensor};
 use holo_io::ArrayCamera;
 use holo_render::{Baseline, Camera as Optics, CameraChoice, Framed, Framing, Renderer, World};
 use holo_scene::gltf::Loaded;
@@ -96,6 +96,8 @@ pub(super) struct Setup<'a> {
     pub settings: &'a RenderSettings,
     pub wanted: &'a Wanted,
     pub engine: &'a EngineSettings,
+    /// The electrons of the radiance 1 on an image sensor that the first shot chose; `None`: every shot chooses its own.
+    pub electrons: Option<f64>,
 }
 
 impl Setup<'_> {
@@ -109,9 +111,13 @@ impl Setup<'_> {
         let Some(array) = settings.poses.cameras() else {
             return match &settings.camera {
                 Camera::Rig(rig) => validate_memory(&shape(rig, None, &())?, settings, self.wanted),
-                Camera::Plenoptic(_) | Camera::Pinhole => Ok(()),
+                Camera::Plenoptic(file) => validate_raw_memory(file.camera.sensor().size, settings, self.wanted),
+                Camera::Pinhole => Ok(()),
             };
         };
+        if let Camera::Plenoptic(file) = &settings.camera {
+            validate_raw_memory(file.camera.sensor().size, settings, self.wanted)?;
+        }
         for camera in &array.cameras {
             pose_of(camera)?;
             match &settings.camera {
@@ -266,7 +272,7 @@ impl SceneSource {
         }
         let settings = &of_truth;
         let wanted = Wanted::new(settings)?;
-        let setup = Setup { source: self, settings, wanted: &wanted, engine };
+        let setup = Setup { source: self, settings, wanted: &wanted, engine, electrons: None };
         let stage = Stage::load(self, &settings.scene, None, diagnostics)?;
         let prepared = setup.prepare(&stage, &stage.world(self, &settings.light.sky, engine)?, 0, diagnostics)?;
         report_backend(&prepared.renderer, diagnostics);
@@ -382,7 +388,11 @@ fn pose_of(camera: &ArrayCamera) -> Result<Transform, Error> {
 }
 
 fn without_size(camera: &ArrayCamera) -> Error {
-    Error::BadRequest(format!("camera '{}' has no size; give `lenses=WIDTHxHEIGHT`", camera.name))
+    let name = &camera.name;
+    Error::BadRequest(format!(
+        "camera '{name}' has no size in pixels; add `w` and `h` to the file of `transforms`, or give the size of the images \
+         as `lenses=WIDTHxHEIGHT`"
+    ))
 }
 
 /// The choice of the camera: a number is an index, unless a camera has that name.
@@ -426,11 +436,7 @@ fn validate_memory(shape: &LightFieldShape, settings: &RenderSettings, wanted: &
         shape.sample_count().saturating_mul(sample_bytes).saturating_add(lenses.count().saturating_mul(lens_bytes)),
         usize::saturating_add,
     );
-    let mut room = Vec::<u8>::new();
-    let refused = room.try_reserve_exact(bytes).is_err();
-    // Otherwise the compiler may remove the allocation.
-    std::hint::black_box(&room);
-    if refused {
+    if !is_room(bytes) {
         return Err(Error::BadRequest(format!(
             "a light field of {} x {} views of {} x {} px ({} x {} in all) needs {:.0} GB of memory, more than there \
              is; use fewer views or lenses",
@@ -446,6 +452,49 @@ fn validate_memory(shape: &LightFieldShape, settings: &RenderSettings, wanted: &
     Ok(())
 }
 
+/// The same for the raw image of a plenoptic camera.
+fn validate_raw_memory(size: GridSize, settings: &RenderSettings, wanted: &Wanted) -> Result<(), Error> {
+    let bytes = size.count().saturating_mul(raw_memory(settings, wanted));
+    if is_room(bytes) {
+        return Ok(());
+    }
+    Err(Error::BadRequest(format!(
+        "a raw image of {} x {} px needs {:.0} GB of memory, more than there is; use a smaller sensor",
+        size.columns,
+        size.rows,
+        bytes as f64 / 1e9
+    )))
+}
+
+/// Whether this much memory can be allocated.
+fn is_room(bytes: usize) -> bool {
+    let mut room = Vec::<u8>::new();
+    let is_room = room.try_reserve_exact(bytes).is_ok();
+    // Otherwise the compiler may remove the allocation.
+    std::hint::black_box(&room);
+    is_room
+}
+
+/// The memory that a raw image needs of every pixel, bytes.
+fn raw_memory(settings: &RenderSettings, wanted: &Wanted) -> usize {
+    /// Weight, hits, mean and spread of the inverse depth.
+    const STATISTICS: usize = 4;
+    /// The samples of a pixel, and the microlens that owns it.
+    const SOURCE: usize = 7;
+    // The white image is always computed.
+    let white = 1;
+    let color = if wanted.integrator == holo_render::Integrator::Depth { 0 } else { 3 };
+    let is_denoised = settings.light.denoise == holo_render::Denoise::Views;
+    let has_guides = color > 0 && (is_denoised || wanted.error);
+    let statistics = usize::from(has_guides || wanted.raw.iter().any(|layer| layer.needs_samples())) * STATISTICS;
+    let guides = if has_guides { 2 + SOURCE } else { 0 };
+    // In rounds the values of all packets stay, of which some have fewer pixels than lanes.
+    let is_in_rounds = has_guides && is_denoised && settings.light.target_error.is_some();
+    let rounds = if is_in_rounds { (color + 2 + STATISTICS) * 5 / 4 } else { 0 };
+    let error = usize::from(wanted.error || is_in_rounds);
+    (white + color + statistics + guides + rounds + error + wanted.central.channels()) * size_of::<f32>()
+}
+
 /// The memory that a render needs: of every sample of the light field, and of every pixel of the central view, bytes.
 fn memory(settings: &RenderSettings, wanted: &Wanted) -> [usize; 2] {
     let light = &settings.light;
@@ -458,39 +507,42 @@ fn memory(settings: &RenderSettings, wanted: &Wanted) -> [usize; 2] {
 
 /// The numbers of views and microlenses of a rig, at a pose with a size of its own or at that of the scene.
 fn shape(rig: &RigSettings, at: Option<&ArrayCamera>, diagnostics: &dyn Diagnostics) -> Result<LightFieldShape, Error> {
-    let shape = match (rig.pixels, at) {
-        (Pixels::Lenses(lenses), None) => LightFieldShape::new(rig.views, lenses)?,
-        (Pixels::Lenses(lenses), Some(camera)) if camera.size.is_none_or(|size| size == lenses) => {
-            LightFieldShape::new(rig.views, lenses)?
-        }
-        (Pixels::Lenses(_) | Pixels::Sensor(_), Some(camera)) => {
-            let size = camera.size.map_or_else(|| "no size".into(), |size| format!("{size} pixels"));
+    let own = match rig.pixels {
+        Pixels::Lenses(lenses) => Some(LightFieldShape::new(rig.views, lenses)?),
+        Pixels::Sensor(sensor) => Some(divided(sensor, rig.views, diagnostics)?),
+        Pixels::OfPoses => None,
+    };
+    let shape = match (own, at.map(|camera| (camera, camera.size))) {
+        (Some(shape), None | Some((_, None))) => shape,
+        (Some(shape), Some((_, Some(size)))) if size == shape.lenses() => shape,
+        (Some(shape), Some((camera, Some(size)))) => {
+            let (name, lenses) = (&camera.name, shape.lenses());
             return Err(Error::BadRequest(format!(
-                "camera '{}' has {size}, and `lenses` or `sensor` say otherwise; remove them",
-                camera.name
+                "camera '{name}' has {size} pixels, and with `lenses` or `sensor` a view has {lenses}; remove them"
             )));
         }
-        (Pixels::OfPoses, Some(camera)) => {
-            LightFieldShape::new(rig.views, camera.size.ok_or_else(|| without_size(camera))?)?
-        }
-        (Pixels::OfPoses, None) => {
+        (None, Some((_, Some(size)))) => LightFieldShape::new(rig.views, size)?,
+        (None, Some((camera, None))) => return Err(without_size(camera)),
+        (None, None) => {
             return Err(Error::BadRequest("the pixels of a view are those of poses, and there are none".into()));
-        }
-        (Pixels::Sensor(sensor), None) => {
-            let divided = sensor.divide(rig.views, Remainder::Crop)?;
-            let border = divided.border;
-            if (border.rows, border.columns) != (0, 0) {
-                let size = sensor.size();
-                let note = format!(
-                    "note: {} x {} views leave {} columns and {} rows of the {} x {} sensor unused",
-                    rig.views.columns, rig.views.rows, border.columns, border.rows, size.columns, size.rows
-                );
-                diagnostics.report(About::Setup, &note);
-            }
-            divided.shape
         }
     };
     shifted(rig, shape)
+}
+
+/// The views and microlenses of a sensor.
+fn divided(sensor: Sensor, views: GridSize, diagnostics: &dyn Diagnostics) -> Result<LightFieldShape, Error> {
+    let divided = sensor.divide(views, Remainder::Crop)?;
+    let border = divided.border;
+    if (border.rows, border.columns) != (0, 0) {
+        let size = sensor.size();
+        let note = format!(
+            "note: {} x {} views leave {} columns and {} rows of the {} x {} sensor unused",
+            views.columns, views.rows, border.columns, border.rows, size.columns, size.rows
+        );
+        diagnostics.report(About::Setup, &note);
+    }
+    Ok(divided.shape)
 }
 
 /// The microlenses of an array in all of its positions.

@@ -39,7 +39,7 @@ pub struct RenderReport {
     pub frame: Option<u32>,
     /// Numbers that describe the light field; of a shard none.
     pub statistics: Statistics,
-    /// Names of the files, relative to the folder.
+    /// Names of the files, relative to the folder of the job; of a job of a dataset to its own.
     pub files: Vec<String>,
     /// What is probably not wanted in the image; of a shard nothing. Diagnostics received the same as lines.
     pub warnings: Vec<RenderWarning>,

@@ -9,15 +9,17 @@ use holo_io::{Folder, Manifest};
 use holo_render::{Request, World};
 use ndarray::Axis;
 
+use super::choices::{self, Chosen};
 use super::identity::{self, at_frame};
 use super::job::{Event, RenderJob, Rendering, RunOptions, Shot, ShotOutcome};
 use super::prepare::{Prepared, Setup, Stage, engine_name};
 use super::report::{CameraReport, RenderReport, Seconds};
-use super::{choices, pinholes, trace};
+use super::{pinholes, trace};
 use crate::Error;
 use crate::output::layers::FLOWS;
 use crate::output::{
-    self, Finished, OutputFolder, TRANSFORMS, Traced, TracedCamera, Wanted, existing, exposure_ev, inner_name, leftover,
+    self, Exposed, Finished, OutputFolder, TRANSFORMS, Traced, TracedCamera, Wanted, existing, exposure_ev, inner_name,
+    leftover,
 };
 use crate::resume::checkpoint::Keeper;
 use crate::resume::identity::{check_replaceable, difference};
@@ -43,8 +45,8 @@ pub(crate) struct Runner<'a> {
     shots: Vec<Shot>,
     /// What identifies all shots.
     identity: OnceCell<Manifest>,
-    /// The settings with what is chosen by the first shot.
-    chosen: OnceCell<RenderSettings>,
+    /// What is chosen by the first shot.
+    chosen: OnceCell<Chosen>,
 }
 
 impl<'a> Runner<'a> {
@@ -127,7 +129,8 @@ impl<'a> Runner<'a> {
                         self.forget_sequence(shot, out)?;
                         let inner = inner_name(&shot.folder())?;
                         let place = Place { root: out, inner, replaces: options.overwrite };
-                        let report = self.shot(&setup, (stage, world), shot, &place, of_image, options)?;
+                        let mut report = self.shot(&setup, (stage, world), shot, &place, of_image, options)?;
+                        report.files.iter_mut().for_each(|name| *name = shot.file(name));
                         ShotOutcome::Made(Box::new(report), why)
                     }
                     (None, ..) => return Err(Error::Failed("the scene of a shot was not loaded".into())),
@@ -218,7 +221,8 @@ impl<'a> Runner<'a> {
     }
 
     pub(super) fn setup<'s>(&'s self, settings: &'s RenderSettings) -> Setup<'s> {
-        Setup { source: &self.job.source, settings, wanted: &self.wanted, engine: &self.job.engine }
+        let electrons = self.chosen.get().and_then(|chosen| chosen.electrons);
+        Setup { source: &self.job.source, settings, wanted: &self.wanted, engine: &self.job.engine, electrons }
     }
 
     /// The settings with what is chosen by the first shot of several.
@@ -228,10 +232,10 @@ impl<'a> Runner<'a> {
             return Ok(&self.job.settings);
         }
         if let Some(chosen) = self.chosen.get() {
-            return Ok(chosen);
+            return Ok(&chosen.settings);
         }
         let chosen = choices::choose(&self.setup(&self.job.settings), options.progress, options.diagnostics)?;
-        Ok(self.chosen.get_or_init(|| chosen))
+        Ok(&self.chosen.get_or_init(|| chosen).settings)
     }
 
     /// The manifest of a shot that is up to date, of several; otherwise why it is not.
@@ -313,7 +317,7 @@ impl<'a> Runner<'a> {
     ) -> Option<Keeper<'k>> {
         let has_subset = self.job.settings.camera.rig().is_some_and(|rig| rig.subset.is_some());
         let checkpoints = self.job.checkpoints.as_ref().filter(|_| !has_subset)?;
-        let of = (&stage.loaded.scene, &prepared.pose, request);
+        let of = (&stage.loaded.scene, (&prepared.pose, request));
         Some(Keeper::open(checkpoints, out, of, identity, diagnostics))
     }
 
@@ -378,15 +382,16 @@ impl<'a> Runner<'a> {
                 CameraReport::Plenoptic { name, size, lenses, rows, lit_share }
             }
         };
-        let exposure_ev = match shard {
+        let ev = match shard {
             // The exposure depends on the complete image.
             Some(_) => None,
             None => renderer.install(|| exposure_ev(setup.settings.output.exposure, rendered)),
         };
+        let exposed = Exposed { ev, electrons: setup.electrons };
         let (render, writing) = (rendering.elapsed().as_secs_f64(), Instant::now());
         let Finished { disparity_px, statistics, files } = renderer.install(|| match shard {
             Some(shard) => merge::write(traced, shard, folder),
-            None => output::write(setup.settings, traced, exposure_ev, folder),
+            None => output::write(setup.settings, traced, exposed, folder),
         })?;
         let (camera, pixels) = match camera {
             CameraReport::Rig { rig, .. } => {

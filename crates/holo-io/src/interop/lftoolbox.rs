@@ -3,6 +3,8 @@
 use holo_core::plenoptic::{MicrolensGrid, MicrolensIndex, PlenopticCamera};
 use serde_json::json;
 
+use crate::Error;
+
 /// `LensletGridModel` of the Light Field Toolbox (LFToolbox 0.5): what its `LFBuildLensletGridModel` estimates from a white
 /// image, here from the camera itself; of a tilted array that around its origin.
 ///
@@ -33,20 +35,22 @@ impl LensletGridModel {
     /// Describes the grid of a camera.
     ///
     /// # Errors
-    /// A message, if the array is a hexagonal grid of columns, turned by more than 45 degrees, or has no row of micro-images on the sensor.
-    pub fn new(camera: &PlenopticCamera) -> Result<Self, String> {
+    /// [`Error::Camera`] if the array is a hexagonal grid of columns, turned by more than 45 degrees, or has no row of micro-images on the sensor.
+    pub fn new(camera: &PlenopticCamera) -> Result<Self, Error> {
         let (array, size) = (camera.array(), camera.sensor().size);
         let (row_step, is_hexagonal) = match array.grid {
             MicrolensGrid::Square => (1, false),
             MicrolensGrid::HexRows => (2, true),
             MicrolensGrid::HexColumns => {
-                return Err("LFToolbox decodes hexagonal grids of rows; mla.grid is hex-columns".into());
+                return Err(Error::Camera("LFToolbox decodes hexagonal grids of rows; mla.grid is hex-columns".into()));
             }
         };
         // Rows run to the right, and the next one lies below.
         if array.rotation_rad.cos() < std::f64::consts::FRAC_1_SQRT_2 {
             let degrees = array.rotation_rad.to_degrees();
-            return Err(format!("LFToolbox reads grids turned by at most 45 degrees; mla.rotation_deg is {degrees}"));
+            return Err(Error::Camera(format!(
+                "LFToolbox reads grids turned by at most 45 degrees; mla.rotation_deg is {degrees}"
+            )));
         }
         let h_spacing = camera.micro_image_pitch_px();
         let row_height = if is_hexagonal { 3f64.sqrt() / 2.0 } else { 1.0 };
@@ -66,7 +70,7 @@ impl LensletGridModel {
         let count = |size: usize, offset: f64, spacing: f64| ((size as f64 - offset) / spacing).floor() + 1.0;
         let (u_max, v_max) = (count(size.columns, h_offset, h_spacing), count(size.rows, v_offset, v_spacing));
         if u_max < 1.0 || v_max < 1.0 {
-            return Err("no row of micro-images lies on the sensor".into());
+            return Err(Error::Camera("no row of micro-images lies on the sensor".into()));
         }
         let (u_max, v_max) = (u_max as usize, v_max as usize);
         Ok(Self { h_spacing, v_spacing, h_offset, v_offset, rot: -array.rotation_rad, u_max, v_max, is_hexagonal })
@@ -146,8 +150,8 @@ mod tests {
         }
         let turned = "preset = \"lytro-illum\"\n[mla]\nrotation_deg = 180.0";
         let turned = CameraFile::parse(turned, "").unwrap().camera;
-        assert!(LensletGridModel::new(&turned).unwrap_err().contains("mla.rotation_deg is 180"));
+        assert!(LensletGridModel::new(&turned).unwrap_err().to_string().contains("mla.rotation_deg is 180"));
         let columns = CameraFile::preset("raytrix-r8").unwrap().camera;
-        assert!(LensletGridModel::new(&columns).unwrap_err().contains("hex-columns"));
+        assert!(LensletGridModel::new(&columns).unwrap_err().to_string().contains("hex-columns"));
     }
 }

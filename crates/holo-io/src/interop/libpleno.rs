@@ -5,6 +5,7 @@ use holo_core::plenoptic::{MicrolensFocus, MicrolensGrid, MicrolensIndex, Plenop
 use serde_json::{Value, json};
 
 use super::micro_images;
+use crate::Error;
 
 /// The files of libpleno that describe a camera.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +25,7 @@ struct Grid {
 }
 
 impl Grid {
-    fn new(camera: &PlenopticCamera) -> Result<Self, String> {
+    fn new(camera: &PlenopticCamera) -> Result<Self, Error> {
         let all = micro_images(camera);
         let mut rows: Vec<&[_]> = all.chunk_by(|(a, _), (b, _)| a.row == b.row).collect();
         let longest = rows.iter().map(|row| row.len()).max().unwrap_or(0);
@@ -41,7 +42,7 @@ impl Grid {
                 let first = MicrolensIndex { row: row[0].0.row, column: first };
                 Ok(Self { first, rows: rows.len(), columns: more + 1 })
             }
-            _ => Err("no column of micro-images lies in all rows of the sensor".into()),
+            _ => Err(Error::Camera("no column of micro-images lies in all rows of the sensor".into())),
         }
     }
 
@@ -64,22 +65,24 @@ impl Libpleno {
     /// Distortion acts on the image of the main lens there, here on the array: the same to first order.
     ///
     /// # Errors
-    /// A message, if the array is a hexagonal grid of columns, or of several types without being hexagonal, or has no whole
-    /// row and column on the sensor.
-    pub fn new(camera: &PlenopticCamera) -> Result<Self, String> {
+    /// [`Error::Camera`] if the array is a hexagonal grid of columns, or of several types without being hexagonal, or has no
+    /// whole row and column on the sensor.
+    pub fn new(camera: &PlenopticCamera) -> Result<Self, Error> {
         let (array, sensor, lens) = (camera.array(), camera.sensor(), camera.main_lens());
         let geometry = match array.grid {
             MicrolensGrid::Square => 0,
             MicrolensGrid::HexRows => 1,
             MicrolensGrid::HexColumns => {
-                return Err("grids of columns are not written for libpleno; mla.grid is hex-columns".into());
+                return Err(Error::Camera(
+                    "grids of columns are not written for libpleno; mla.grid is hex-columns".into(),
+                ));
             }
         };
         let types = array.type_count();
         if !matches!((types, geometry), (1, _) | (3, 1)) {
-            return Err(format!(
+            return Err(Error::Camera(format!(
                 "libpleno interleaves one or three types in hexagonal grids; mla.focal_um has {types}"
-            ));
+            )));
         }
         let grid = Grid::new(camera)?;
         let (gap, distance) = (mm(array.gap_m), mm(camera.mla_distance_m()));
@@ -271,7 +274,7 @@ mod tests {
         let tangential = vector(&file["distortions"]["tangential"][0]);
         assert!((tangential[0] + 1.458_53e-4).abs() < 1e-8 && (tangential[1] + 6.3402e-5).abs() < 1e-8);
         let columns = CameraFile::preset("raytrix-r8").unwrap().camera;
-        assert!(Libpleno::new(&columns).unwrap_err().contains("hex-columns"));
+        assert!(Libpleno::new(&columns).unwrap_err().to_string().contains("hex-columns"));
     }
 
     /// Radii of micro-images by libpleno's parameters, those of half light: m / N + q.

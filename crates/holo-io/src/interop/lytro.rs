@@ -7,6 +7,7 @@ use ndarray::ArrayView2;
 use serde_json::{Value, json};
 
 use super::LensletGridModel;
+use crate::Error;
 
 /// The serial number of the camera.
 const SERIAL: &str = "HOLO000001";
@@ -24,13 +25,12 @@ impl LytroModel {
     /// The model whose sensor has the size of a camera's.
     ///
     /// # Errors
-    /// A message, if there is none: the toolbox reads files of these sizes only.
-    pub fn of(camera: &PlenopticCamera) -> Result<Self, String> {
+    /// [`Error::Camera`] if there is none: the toolbox reads files of these sizes only.
+    pub fn of(camera: &PlenopticCamera) -> Result<Self, Error> {
         let size = camera.sensor().size;
-        [Self::F01, Self::Illum]
-            .into_iter()
-            .find(|model| model.size() == size)
-            .ok_or_else(|| format!("files of Lytro have 3280 x 3280 or 7728 x 5368 pixels; sensor.size_px is {size}"))
+        let what = || format!("files of Lytro have 3280 x 3280 or 7728 x 5368 pixels; sensor.size_px is {size}");
+        let mut models = [Self::F01, Self::Illum].into_iter();
+        models.find(|model| model.size() == size).ok_or_else(|| Error::Camera(what()))
     }
 
     fn size(self) -> GridSize {
@@ -215,6 +215,6 @@ mod tests {
             assert!(grid["LensletGridModel"]["HSpacing"].as_f64().unwrap() > 9.0);
         }
         let other = CameraFile::preset("h3dv").unwrap().camera;
-        assert!(LytroModel::of(&other).unwrap_err().contains("sensor.size_px"));
+        assert!(LytroModel::of(&other).unwrap_err().to_string().contains("sensor.size_px"));
     }
 }

@@ -3,6 +3,8 @@
 use holo_core::meters_to_millimeters;
 use holo_core::plenoptic::{MicrolensGrid, PlenopticCamera};
 
+use crate::Error;
+
 /// Returns `MLAconfig.xml` of PIP, which reads hexagonal grids only.
 ///
 /// # Units
@@ -10,13 +12,15 @@ use holo_core::plenoptic::{MicrolensGrid, PlenopticCamera};
 /// Pixels, the center of the first pixel being 0; millimeters; radians, counterclockwise.
 ///
 /// # Errors
-/// A message, if the array is square: PIP takes every grid for hexagonal.
-pub fn pip_configuration(camera: &PlenopticCamera) -> Result<String, String> {
+/// [`Error::Camera`] if the array is square: PIP takes every grid for hexagonal.
+pub fn pip_configuration(camera: &PlenopticCamera) -> Result<String, Error> {
     let (array, sensor) = (camera.array(), camera.sensor());
     let rotation = match array.grid {
         MicrolensGrid::HexRows => array.rotation_rad,
         MicrolensGrid::HexColumns => array.rotation_rad + std::f64::consts::FRAC_PI_2,
-        MicrolensGrid::Square => return Err("PIP takes every grid for hexagonal; mla.grid is square".into()),
+        MicrolensGrid::Square => {
+            return Err(Error::Camera("PIP takes every grid for hexagonal; mla.grid is square".into()));
+        }
     };
     // Numbers of pixel centers; microlenses as they lie, not as the pupil projects them.
     let pixel = |place_m: [f64; 2]| camera.position_px(place_m).map(|x| x - 0.5);
@@ -83,6 +87,8 @@ mod tests {
                 assert!(inner.split('<').next().unwrap().contains('.'), "{tag} is no real number to OpenCV");
             }
         }
-        assert!(pip_configuration(&CameraFile::preset("h3dv").unwrap().camera).unwrap_err().contains("square"));
+        assert!(
+            pip_configuration(&CameraFile::preset("h3dv").unwrap().camera).unwrap_err().to_string().contains("square")
+        );
     }
 }

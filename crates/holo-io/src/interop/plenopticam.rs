@@ -4,6 +4,7 @@ use holo_core::plenoptic::{MicrolensGrid, PlenopticCamera};
 use serde_json::{Value, json};
 
 use super::micro_images;
+use crate::Error;
 
 /// Returns the calibration file (JSON) of PlenoptiCam 0.9 for a camera, which takes the place of its own calibration by a
 /// white image: the centers of all micro-images of the columns that all rows share.
@@ -13,13 +14,13 @@ use super::micro_images;
 /// Pixels, the center of the first pixel being 0.
 ///
 /// # Errors
-/// A message, if the array is a hexagonal grid of columns, or no column of micro-images lies in all rows.
-pub fn plenopticam_calibration(camera: &PlenopticCamera) -> Result<String, String> {
+/// [`Error::Camera`] if the array is a hexagonal grid of columns, or no column of micro-images lies in all rows.
+pub fn plenopticam_calibration(camera: &PlenopticCamera) -> Result<String, Error> {
     let (pattern, row_height) = match camera.array().grid {
         MicrolensGrid::Square => ("rec", 1.0),
         MicrolensGrid::HexRows => ("hex", 3f64.sqrt() / 2.0),
         MicrolensGrid::HexColumns => {
-            return Err("PlenoptiCam reads hexagonal grids of rows; mla.grid is hex-columns".into());
+            return Err(Error::Camera("PlenoptiCam reads hexagonal grids of rows; mla.grid is hex-columns".into()));
         }
     };
     let all = micro_images(camera);
@@ -30,7 +31,7 @@ pub fn plenopticam_calibration(camera: &PlenopticCamera) -> Result<String, Strin
     let first = rows.iter().map(|row| row[0].0.column).max().unwrap_or(0);
     let last = rows.iter().map(|row| row[row.len() - 1].0.column).min().unwrap_or(-1);
     if first > last {
-        return Err("no column of micro-images lies in all rows of the sensor".into());
+        return Err(Error::Camera("no column of micro-images lies in all rows of the sensor".into()));
     }
     let mut list = Vec::new();
     for (number, row) in rows.iter().enumerate() {

@@ -3,6 +3,8 @@
 use holo_core::plenoptic::{MicrolensGrid, PlenopticCamera};
 use serde_json::json;
 
+use crate::Error;
+
 /// The focus distance, in meters, that stands for infinity.
 const FAR_M: f64 = 1e9;
 
@@ -14,10 +16,10 @@ const FAR_M: f64 = 1e9;
 /// Meters and pixels.
 ///
 /// # Errors
-/// A message, if the array is no hexagonal grid of rows.
-pub fn plenpy_files(camera: &PlenopticCamera) -> Result<[String; 2], String> {
+/// [`Error::Camera`] if the array is no hexagonal grid of rows.
+pub fn plenpy_files(camera: &PlenopticCamera) -> Result<[String; 2], Error> {
     if camera.array().grid != MicrolensGrid::HexRows {
-        return Err("plenpy decodes hexagonal grids of rows only; mla.grid is another".into());
+        return Err(Error::Camera("plenpy decodes hexagonal grids of rows only; mla.grid is another".into()));
     }
     let focus_m = camera.inverse_focus_per_m().recip();
     let focus_m = if focus_m.is_finite() { focus_m } else { FAR_M };

@@ -4,6 +4,8 @@ use std::fmt::Write as _;
 
 use holo_core::plenoptic::{MicrolensGrid, MicrolensIndex, PlenopticCamera};
 
+use crate::Error;
+
 /// Returns the calibration (XML) of a camera in the form of Raytrix, which PlenopticToolbox2.0 reads beside the image of the
 /// same name.
 ///
@@ -12,18 +14,25 @@ use holo_core::plenoptic::{MicrolensGrid, MicrolensIndex, PlenopticCamera};
 /// Pixels from the middle of the image, x to the right and y up; the lattice is in microlenses.
 ///
 /// # Errors
-/// A message, if the array is square or a hexagonal grid of columns, or scaled along one axis.
-pub fn raytrix_calibration(camera: &PlenopticCamera) -> Result<String, String> {
+/// [`Error::Camera`] if the array is square or a hexagonal grid of columns, or scaled along one axis.
+pub fn raytrix_calibration(camera: &PlenopticCamera) -> Result<String, Error> {
     let (array, size) = (camera.array(), camera.sensor().size);
     match array.grid {
         MicrolensGrid::HexRows => {}
-        MicrolensGrid::Square => return Err("Raytrix's calibrations are of hexagonal grids; mla.grid is square".into()),
+        MicrolensGrid::Square => {
+            return Err(Error::Camera("Raytrix's calibrations are of hexagonal grids; mla.grid is square".into()));
+        }
         MicrolensGrid::HexColumns => {
-            return Err("readers of Raytrix's calibrations differ on grids of columns; mla.grid is hex-columns".into());
+            return Err(Error::Camera(
+                "readers of Raytrix's calibrations differ on grids of columns; mla.grid is hex-columns".into(),
+            ));
         }
     }
     if (array.scale_y - 1.0).abs() > 1e-2 {
-        return Err(format!("Raytrix's calibrations have no vertical scale; mla.scale_y is {}", array.scale_y));
+        return Err(Error::Camera(format!(
+            "Raytrix's calibrations have no vertical scale; mla.scale_y is {}",
+            array.scale_y
+        )));
     }
     let middle = [size.columns as f64 / 2.0, size.rows as f64 / 2.0];
     let lens = camera.owner(camera.place_m(middle));
@@ -124,6 +133,6 @@ mod tests {
             }
         }
         let square = CameraFile::preset("h3dv").unwrap().camera;
-        assert!(raytrix_calibration(&square).unwrap_err().contains("square"));
+        assert!(raytrix_calibration(&square).unwrap_err().to_string().contains("square"));
     }
 }

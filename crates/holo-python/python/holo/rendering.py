@@ -71,6 +71,7 @@ class RawRendering:
 
     image: radiance times white image, float32, axes (row, column, channel); None with integrator="depth".
     layers: maps by their names on the command line, axes (row, column[, channel]).
+    error: estimated relative standard error of the image, axes (row, column), with layers=["error"]; 0 for dark pixels.
     """
 
     image: np.ndarray | None
@@ -79,6 +80,7 @@ class RawRendering:
     integrator: str
     why: str
     rays: dict[str, int]
+    error: np.ndarray | None = None
 
     def decode(self, white: np.ndarray | None = None, *, views: int | None = None):
         """The views of the raw image; see `holo.decode`."""
@@ -180,7 +182,8 @@ def render_to(
     write: files, such as ["el", "vpi", "mat", "h5", "exr", "hci"]; further settings as in `render`. frame: also several, "0-47",
     a folder each (shard "K/N" is then every N-th); frames that are there are kept.
 
-    Returns the report of `holo render --json`; of several frames or poses their reports in "frames".
+    Returns the report of `holo render --json`; of several frames or poses their reports in "frames", and in "files" the names
+    of all their files in `out`.
     """
     camera = camera_file
     if camera is not None and not isinstance(camera, PlenopticCamera):
@@ -199,15 +202,14 @@ def render_to(
         "checkpoint_seconds": float(checkpoint),
     }
     with _bar(progress) as report:
-        reports, kept, lines = _holo.render_folder(
+        reports, kept, files, lines = _holo.render_folder(
             as_scene(scene)._as_item(), texts_of(settings), (backend, threads), request, report
         )
     tell(lines)
     reports = [json.loads(report) for report in reports]
     if len(reports) == 1 and kept == 0 and not {"pose", "frame"} & reports[0].keys():
         return reports[0]
-    sequence = [name for name in ("sequence_5d.h5",) if os.path.isfile(os.path.join(out, name))]
-    return {"made": len(reports), "kept": kept, "files": sequence, "frames": reports}
+    return {"made": len(reports), "kept": kept, "files": files, "frames": reports}
 
 
 @with_signature
@@ -233,7 +235,7 @@ def render_raw(
     with _bar(progress) as report:
         result = _holo.render(as_scene(scene)._as_item(), camera, texts_of(settings), preset, (backend, threads), report)
     tell(result["diagnostics"])
-    color = result["color"]
+    color, error = result["color"], result["error"]
     return RawRendering(
         # A light field of one view.
         image=None if color is None else color[:, :, 0, 0, :],
@@ -242,6 +244,7 @@ def render_raw(
         integrator=result["integrator"],
         why=result["why"],
         rays=result["rays"],
+        error=None if error is None else error[:, :, 0, 0],
     )
 
 
@@ -272,7 +275,8 @@ class _bar:
             except ImportError:
                 raise UsageError("progress=True shows a bar of tqdm: install it, or give a function of (done, total)") from None
 
-            self.bar = tqdm(unit="tile")
+            # Tiles, or thousandths of every frame and pose of several.
+            self.bar = tqdm(unit="step")
             return self._step
         return self.progress or None
 

@@ -51,6 +51,32 @@ impl ExactRays {
     }
 }
 
+/// The parts of their pixels that sixteen exact rays stand for.
+#[derive(Clone, Copy)]
+#[allow(clippy::large_enum_variant, reason = "one at a time, on the stack")]
+pub(crate) enum Cells {
+    /// Squares of an image that pinholes form.
+    Squares(RayDifferentials),
+    /// Parts of pixels of a sensor, each seen through a part of a microlens.
+    Spots(SpotDifferentials),
+}
+
+/// How sixteen exact rays change over a part of a pixel of a sensor and over a part of the microlens in front of it.
+/// A coordinate of a ray moves by the same factor along both axes of either, so that a part and its spot in the scene are
+/// similar.
+#[derive(Clone, Copy)]
+pub(crate) struct SpotDifferentials {
+    /// What origin and direction change by over the width of the part of the pixel, m.
+    pub on_sensor: [[f32; LANES]; 2],
+    /// What origin and direction change by per meter on the microlens.
+    pub on_lens: [[f32; LANES]; 2],
+    /// The part of the microlens: 12 times the variances along x and y and the covariance of its points, m^2. That is the
+    /// square of the width of a square. Not a number where the part is not lit whole.
+    pub lens_part: [[f32; LANES]; 3],
+    /// What origin and direction change by, along x and y, to the ray through the middles of both parts.
+    pub to_center: [[[f32; LANES]; 2]; 2],
+}
+
 /// The differentials of sixteen exact rays: how they change over the pixels, in steps that divide a pixel into cells.
 #[derive(Clone, Copy)]
 pub(crate) struct RayDifferentials {

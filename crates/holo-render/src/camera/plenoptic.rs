@@ -8,10 +8,10 @@
 //!
 //! Source: [`holo_core::plenoptic::PlenopticCamera`], in f64.
 
-use holo_core::plenoptic::{Microlens, MicrolensIndex, PlenopticCamera};
+use holo_core::plenoptic::{LitRegion, Microlens, MicrolensIndex, PlenopticCamera};
 
 use super::CameraRays;
-use crate::accel::{ExactRays, RayHits};
+use crate::accel::{Cells, ExactRays, RayHits, SpotDifferentials};
 use crate::sampling::{PixelIds, Points, Purpose, Sampler, hash, morton};
 use crate::simd::{LANES, Lanes};
 
@@ -117,6 +117,48 @@ impl RawPacket {
     }
 }
 
+/// A cell of a microlens.
+struct LensPart {
+    /// The mean of its points, m from the center of the microlens.
+    mean: [f64; 2],
+    /// The variances of its points along x and y, and their covariance, m^2.
+    variances: [f64; 3],
+}
+
+/// The places of two points that have the mean and the variance of an interval from 0 to 1.
+const TWO_POINTS: [f64; 2] = [0.211_324_865_405_187_1, 0.788_675_134_594_812_9];
+
+impl LensPart {
+    /// The part of a lit region that belongs to a cell of the unit square with this corner; `None` if it is not lit whole.
+    #[inline(always)]
+    fn new(region: &LitRegion, corner: [f64; 2], count: u32) -> Option<Self> {
+        let mut points = [[0.0; 2]; 4];
+        let mut mean = [0.0; 2];
+        for k in 0..4 {
+            let x = corner[0] + TWO_POINTS[k % 2] / f64::from(count);
+            let y = corner[1] + TWO_POINTS[k / 2] / f64::from(count);
+            points[k] = region.point([x, y])?;
+            for axis in 0..2 {
+                mean[axis] += points[k][axis] / 4.0;
+            }
+        }
+        let mut variances = [0.0; 3];
+        for point in points {
+            let (x, y) = (point[0] - mean[0], point[1] - mean[1]);
+            variances[0] += x * x / 4.0;
+            variances[1] += y * y / 4.0;
+            variances[2] += x * y / 4.0;
+        }
+        Some(Self { mean, variances })
+    }
+}
+
+/// Where the cell of a place between 0 and 1 begins, if there are `count` of them.
+#[inline(always)]
+fn cell_start(place: f64, count: u32) -> f64 {
+    (place * f64::from(count)).floor().min(f64::from(count) - 1.0) / f64::from(count)
+}
+
 impl PlenopticRays {
     pub fn new(camera: &PlenopticCamera, pixels: RawPixels) -> Self {
         let views = camera.equivalent_views();
@@ -183,7 +225,7 @@ impl PlenopticRays {
             let runs = sampler.runs(ids);
             on_pixel = sampler.points(&runs.sequence, &runs.first.map(|first| first + sample), Purpose::SENSOR);
         }
-        let width = self.camera.sensor().fill * self.camera.sensor().pixel_m;
+        let width = self.width_m();
         let mut out = CameraRays { exact: NO_RAYS, weight: [0.0; LANES], valid: pixels.valid(), cells: None };
         for lane in 0..LANES {
             let lens = &self.pixels.lenses[pixels.lens[lane] as usize].lens;
@@ -209,7 +251,72 @@ impl PlenopticRays {
             out.exact.direction_x[lane] = ray.direction[0];
             out.exact.direction_y[lane] = ray.direction[1];
         }
+        if let Some(count) = sampler.cells {
+            out.cells = Some(Cells::Spots(self.spots(pixels, &out, [&on_lens, &on_pixel], count)));
+        }
         self.write(&out.exact, packet);
+        out
+    }
+
+    /// The width of the light-sensitive square of a pixel, m.
+    #[inline(always)]
+    fn width_m(&self) -> f64 {
+        self.camera.sensor().fill * self.camera.sensor().pixel_m
+    }
+
+    /// The parts of pixels and microlenses that the `rays` of a sample stand for, if both are divided into `count` x `count`
+    /// cells. Cells of a microlens have the same area; the means and variances of their points are those of four points.
+    #[inline(always)]
+    fn spots(
+        &self,
+        pixels: &RawPacket,
+        rays: &CameraRays,
+        [on_lens, on_pixel]: [&Points; 2],
+        count: u32,
+    ) -> SpotDifferentials {
+        let width = self.width_m();
+        let unit = self.camera.array().aperture.half_width_m();
+        let mut out = SpotDifferentials {
+            on_sensor: [[0.0; LANES]; 2],
+            on_lens: [[0.0; LANES]; 2],
+            lens_part: [[f32::NAN; LANES]; 3],
+            to_center: [[[0.0; LANES]; 2]; 2],
+        };
+        for lane in 0..LANES {
+            if rays.valid.0[lane] == 0 {
+                continue;
+            }
+            let lens = &self.pixels.lenses[pixels.lens[lane] as usize].lens;
+            let middle = self.on_sensor(pixels, lane, lens);
+            let (mut on_sensor, mut center) = ([0.0; 2], [0.0; 2]);
+            let mut cell = [0.0; 2];
+            for axis in 0..2 {
+                let sign = if axis == 0 { 1.0 } else { -1.0 };
+                let place = f64::from(on_pixel[axis][lane]);
+                on_sensor[axis] = middle[axis] + sign * (place - 0.5) * width;
+                center[axis] = middle[axis] + sign * (cell_start(place, count) + 0.5 / f64::from(count) - 0.5) * width;
+                cell[axis] = cell_start(f64::from(on_lens[axis][lane]), count);
+            }
+            let Some(part) = LensPart::new(&self.camera.relative_lit_region(lens, on_sensor), cell, count) else {
+                continue;
+            };
+            let at = self.camera.relative_ray(lens, on_sensor, part.mean);
+            let beside = self.camera.relative_ray(lens, [on_sensor[0] + width, on_sensor[1]], part.mean);
+            let across = self.camera.relative_ray(lens, on_sensor, [part.mean[0] + unit, part.mean[1]]);
+            let to = self.camera.relative_ray(lens, center, part.mean);
+            let per_cell = 1.0 / f64::from(count);
+            out.on_sensor[0][lane] = ((beside.origin_m[0] - at.origin_m[0]) * per_cell) as f32;
+            out.on_sensor[1][lane] = ((beside.direction[0] - at.direction[0]) * per_cell) as f32;
+            out.on_lens[0][lane] = ((across.origin_m[0] - at.origin_m[0]) / unit) as f32;
+            out.on_lens[1][lane] = ((across.direction[0] - at.direction[0]) / unit) as f32;
+            for k in 0..3 {
+                out.lens_part[k][lane] = (12.0 * part.variances[k]) as f32;
+            }
+            out.to_center[0][0][lane] = (to.origin_m[0] - rays.exact.origin_x[lane]) as f32;
+            out.to_center[0][1][lane] = (to.origin_m[1] - rays.exact.origin_y[lane]) as f32;
+            out.to_center[1][0][lane] = (to.direction[0] - rays.exact.direction_x[lane]) as f32;
+            out.to_center[1][1][lane] = (to.direction[1] - rays.exact.direction_y[lane]) as f32;
+        }
         out
     }
 

@@ -12,7 +12,7 @@
 //! # Bias
 //! A pixel whose first samples happen to agree terminates earlier, so rare bright samples are missed slightly too
 //! often. A bright feature that covers less than 1/256 of an otherwise black pixel may be lost. The tests in
-//! `tests/adaptive.rs` compare the means of images with the unbiased ones.
+//! `tests/all/adaptive.rs` compare the means of images with the unbiased ones.
 
 use crate::simd::{LANES, Lanes};
 

@@ -6,10 +6,21 @@
 //! samples if they are independent, and more if they are stratified. It holds noise alone: texture and edges are in
 //! both halves. (Rousselle, Knaus and Zwicker, "Adaptive rendering with non-local means filtering", 2012.)
 
+use holo_core::Disparity;
+
 use crate::simd::LANES;
 
 /// Channels of the guides of a pixel: the half difference, then the mean disparity of the first hits, px.
 pub(crate) const CHANNELS: usize = 2;
+
+/// What tells how far things move from view to view.
+#[derive(Clone, Copy)]
+pub(crate) enum Movement {
+    /// The disparity of the views: the mean over the samples is the second guide.
+    Disparity(Disparity),
+    /// The statistics of the inverse depth, in which samples have the weight of their light. The second guide stays 0.
+    Statistics,
+}
 
 /// From this many samples on, groups of this many belong to one half; of fewer samples, the first half are one half.
 const GROUP: u32 = 4;

@@ -4,7 +4,7 @@
 //! linear in disparity and in virtual depth, so its mean and deviation give theirs. A ray that misses the scene counts as
 //! inverse depth 0. Samples have the weight that they have in color.
 
-use crate::simd::{LANES, Lanes};
+use crate::simd::{LANES, Lanes, at};
 
 /// Values of a pixel: the sum of the weights, of those of rays that hit, the mean of the inverse depth, and the sum of
 /// the weighted squares of the differences from it.
@@ -55,6 +55,29 @@ impl InverseDepths {
     }
 }
 
+/// The values of a packet if every sample has `factor` times its weight.
+#[inline(always)]
+pub(crate) fn scaled(mut values: [[f32; LANES]; CHANNELS], factor: f32) -> [[f32; LANES]; CHANNELS] {
+    // All but the mean.
+    for k in [0, 1, 3] {
+        for lane in 0..LANES {
+            values[k][lane] *= factor;
+        }
+    }
+    values
+}
+
+/// The values of the samples of two packets of the same pixels together.
+pub(crate) fn merged_packets(a: &[[f32; LANES]; CHANNELS], b: &[[f32; LANES]; CHANNELS]) -> [[f32; LANES]; CHANNELS] {
+    let mut out = [[0.0; LANES]; CHANNELS];
+    for lane in 0..LANES {
+        for (out, value) in out.iter_mut().zip(merged(at(a, lane), at(b, lane))) {
+            out[lane] = value;
+        }
+    }
+    out
+}
+
 /// The values of the samples of `a` and `b` together.
 pub(crate) fn merged(a: [f32; CHANNELS], b: [f32; CHANNELS]) -> [f32; CHANNELS] {
     let [a, b] = [a, b].map(|values| values.map(f64::from));
@@ -97,5 +120,25 @@ mod tests {
             assert!((a - b).abs() < 1e-6, "{whole:?} {parts:?}");
         }
         assert_eq!(merged([0.0; 4], whole), whole);
+    }
+
+    /// The means of a first round and the sums of a second one are the means of all samples.
+    #[test]
+    fn rounds_have_the_means_of_all_samples() {
+        let packet = |samples: &[(f32, f64)]| {
+            let mut sums = InverseDepths::default();
+            sums.begin(1);
+            for &(weight, depth) in samples {
+                sums.add(0, &Lanes([-1; LANES]), &[weight; LANES], &[depth; LANES]);
+            }
+            sums.packet(0)
+        };
+        let samples: [(f32, f64); 5] = [(1.0, 2.0), (0.5, 2.1), (0.25, f64::INFINITY), (2.0, 1.9), (0.0, 1.0)];
+        let expected = scaled(packet(&samples), 1.0 / 5.0);
+        let first = scaled(packet(&samples[..2]), 1.0 / 2.0);
+        let all = merged_packets(&scaled(first, 2.0 / 5.0), &scaled(packet(&samples[2..]), 1.0 / 5.0));
+        for k in 0..CHANNELS {
+            assert!((all[k][7] - expected[k][7]).abs() < 1e-6, "{k}: {} {}", all[k][7], expected[k][7]);
+        }
     }
 }

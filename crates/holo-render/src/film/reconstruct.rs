@@ -20,6 +20,7 @@
 
 mod choice;
 mod gather;
+pub(crate) mod lattice;
 mod windows;
 
 use std::collections::VecDeque;

@@ -36,8 +36,8 @@ use crate::accel::{CAMERA_RAY, Coherence, NO_TRIANGLE, RayHits, Rays};
 use crate::camera::tile::Tile;
 use crate::camera::{CameraRays, PixelPacket};
 use crate::film::adaptive::Samples;
-use crate::film::guides::{self, Guides};
-use crate::film::inverse_depth::InverseDepths;
+use crate::film::guides::{self, Guides, Movement};
+use crate::film::inverse_depth::{self, InverseDepths};
 use crate::material::media::MediaStack;
 use crate::material::{HitPoints, SurfaceInteraction};
 use crate::sampling::{self, Runs};
@@ -146,7 +146,13 @@ impl Kernel for PathTile<'_, '_> {
             self.tile.write(&color.map(packet).collect::<Vec<_>>(), 1.0, out);
         }
         if let Some(out) = &mut self.inverse_depths {
-            let packets: Vec<_> = (0..self.tile.packet_count()).map(|k| scratch.inverse_depths.packet(k)).collect();
+            // With guides the light of a pixel is compared with that of others: means, as color.
+            let factor = |k: usize| 1.0 / scratch.samples.count(k).max(1) as f32;
+            let packet = |k: usize| match &context.guides {
+                Some(_) => inverse_depth::scaled(scratch.inverse_depths.packet(k), factor(k)),
+                None => scratch.inverse_depths.packet(k),
+            };
+            let packets: Vec<_> = (0..self.tile.packet_count()).map(packet).collect();
             self.tile.write(&packets, 1.0, out);
         }
         let scale = scratch.samples.average(&mut scratch.color, round.end);
@@ -174,6 +180,16 @@ impl PathTile<'_, '_> {
                         all[lane] = mean(all[lane], added[lane] * (end - start) as f32);
                     }
                 }
+            }
+            self.tile.write(&all, 1.0, out);
+        }
+        if let Some(out) = &mut self.inverse_depths {
+            let mut all = self.tile.read::<{ inverse_depth::CHANNELS }>(out);
+            for k in wanted.clone() {
+                // Means over the samples before, and sums of those of this round.
+                let before = inverse_depth::scaled(all[k], start as f32 / end as f32);
+                let added = inverse_depth::scaled(scratch.inverse_depths.packet(k), 1.0 / end as f32);
+                all[k] = inverse_depth::merged_packets(&before, &added);
             }
             self.tile.write(&all, 1.0, out);
         }
@@ -353,7 +369,7 @@ impl TilePaths<'_> {
         context.scene.engine.intersect(&valid, packet, Coherence::Coherent);
         self.counts.primary += if again { 0 } else { count(&valid) };
         let refined = refine::refine(context.scene.geometry, packet, &exact);
-        if let Some(map) = &context.guides
+        if let Some(Movement::Disparity(map)) = &context.guides
             && !again
         {
             let mut disparity = [0.0; LANES];

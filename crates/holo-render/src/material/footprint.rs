@@ -8,10 +8,15 @@
 //! triangle that a ray hits have no footprint: the rest of such a cell sees something else, and the texels around those
 //! of a triangle may belong to other surfaces.
 //!
+//! A sample of a plenoptic camera stands for a cell of its pixel on the sensor and for a cell of its microlens, each with a
+//! spot on the surface. Their sum is taken for a parallelogram of the same mean and the same variances: it is exact
+//! where one of the two spots is much larger, which is that of the microlens in unfocused cameras, and that of the pixel in
+//! focused ones.
+//!
 //! Sources: H. Igehy, "Tracing Ray Differentials" (1999), for the extent of a cell on the plane of a surface.
 
 use crate::accel::refine::Refined;
-use crate::accel::{ExactRays, RayDifferentials};
+use crate::accel::{Cells, ExactRays, RayDifferentials, SpotDifferentials};
 use crate::geometry::{Geometry, Hit};
 use crate::simd::LANES;
 use glam::Vec3;
@@ -44,7 +49,54 @@ pub(crate) struct TextureTriangle {
 
 impl Footprints {
     #[inline(always)]
-    pub fn new(cells: &RayDifferentials, rays: &ExactRays, refined: &Refined) -> Self {
+    pub fn new(cells: &Cells, rays: &ExactRays, refined: &Refined) -> Self {
+        match cells {
+            Cells::Squares(cells) => Self::of_squares(cells, rays, refined),
+            Cells::Spots(cells) => Self::of_spots(cells, rays, refined),
+        }
+    }
+
+    /// Those of cells of a pixel and of its microlens.
+    #[inline(always)]
+    fn of_spots(cells: &SpotDifferentials, rays: &ExactRays, refined: &Refined) -> Self {
+        let mut out = Self { sides: [[[0.0; LANES]; 3]; 2], to_center: [[0.0; LANES]; 2] };
+        for lane in 0..LANES {
+            let [x, y, z] = &refined.normal;
+            let normal = [x[lane] as f32, y[lane] as f32, z[lane] as f32];
+            let direction = [rays.direction_x[lane] as f32, rays.direction_y[lane] as f32, -1.0];
+            let towards = normal[0] * direction[0] + normal[1] * direction[1] - normal[2];
+            let depth = refined.depth[lane] as f32;
+            // In the plane z = -depth.
+            let width = cells.on_sensor[0][lane] + depth * cells.on_sensor[1][lane];
+            let factor = cells.on_lens[0][lane] + depth * cells.on_lens[1][lane];
+            let xx = factor * factor * cells.lens_part[0][lane];
+            let yy = factor * factor * cells.lens_part[1][lane];
+            let xy = factor * factor * cells.lens_part[2][lane];
+            // Cholesky's decomposition: the sides (a, b) and (0, c) of a parallelogram with these variances.
+            let a = (xx + width * width).sqrt();
+            let b = if a > 0.0 { xy / a } else { 0.0 };
+            let c = (yy + width * width - b * b).max(0.0).sqrt();
+            let mut center = [0.0; 2];
+            for axis in 0..2 {
+                center[axis] = cells.to_center[0][axis][lane] + depth * cells.to_center[1][axis][lane];
+            }
+            let along_first = if a > 0.0 { center[0] / a } else { 0.0 };
+            let along_second = if c > 0.0 { (center[1] - along_first * b) / c } else { 0.0 };
+            out.to_center[0][lane] = along_first;
+            out.to_center[1][lane] = along_second;
+            for (side, [across, up]) in [[a, b], [0.0, c]].into_iter().enumerate() {
+                // From there along the ray to the plane of the surface.
+                let along = -(normal[0] * across + normal[1] * up) / towards;
+                out.sides[side][0][lane] = across + direction[0] * along;
+                out.sides[side][1][lane] = up + direction[1] * along;
+                out.sides[side][2][lane] = direction[2] * along;
+            }
+        }
+        out
+    }
+
+    #[inline(always)]
+    fn of_squares(cells: &RayDifferentials, rays: &ExactRays, refined: &Refined) -> Self {
         let mut out = Self { sides: [[[0.0; LANES]; 3]; 2], to_center: cells.to_center };
         for lane in 0..LANES {
             let [x, y, z] = &refined.normal;
@@ -185,7 +237,7 @@ mod tests {
                 direction_step: of_direction as f32,
                 to_center: [[0.5; LANES], [-0.25; LANES]],
             };
-            let footprints = Footprints::new(&cells, &rays, &refined);
+            let footprints = Footprints::new(&Cells::Squares(cells), &rays, &refined);
             let footprint = footprints.on_texture(5, &triangle, [0.3, 0.3]).expect("one inside the triangle");
             assert!(footprints.on_texture(5, &triangle, [0.9999, 0.0]).is_none(), "beyond the second corner");
             // Columns go to the right, rows down.
@@ -206,6 +258,40 @@ mod tests {
                     assert!((f64::from(found[k]) - expected[k]).abs() < 1e-3 * size, "{found:?}, {expected:?}");
                 }
             }
+        }
+    }
+
+    /// The spot of a sample of a plenoptic camera has the variances of the sum of a square on the sensor and of a part of a
+    /// microlens, each as large as its rays are apart at the depth of the surface, and lies around its middle ray.
+    #[test]
+    fn spots_have_the_variances_of_both_parts() {
+        let rays = ExactRays {
+            origin_x: [0.0; LANES],
+            origin_y: [0.0; LANES],
+            direction_x: [0.0; LANES],
+            direction_y: [0.0; LANES],
+        };
+        let refined = Refined { depth: [2.0; LANES], normal: [[0.0; LANES], [0.0; LANES], [1.0; LANES]] };
+        let cells = Cells::Spots(SpotDifferentials {
+            on_sensor: [[3e-3; LANES], [-1e-3; LANES]],
+            on_lens: [[-0.5; LANES], [1.25; LANES]],
+            lens_part: [[9e-6; LANES], [4e-6; LANES], [-2e-6; LANES]],
+            to_center: [[[1e-4; LANES], [0.0; LANES]], [[0.0; LANES], [-2e-4; LANES]]],
+        });
+        let footprints = Footprints::new(&cells, &rays, &refined);
+        let side = |k: usize| footprints.sides[k].map(|axis| f64::from(axis[3]));
+        let (first, second) = (side(0), side(1));
+        // 3e-3 - 2 * 1e-3 on the sensor, -0.5 + 2 * 1.25 = 2 on the lens.
+        let of = |a: usize, b: usize| first[a] * first[b] + second[a] * second[b];
+        for (found, expected) in
+            [(of(0, 0), 1e-6 + 36e-6), (of(1, 1), 1e-6 + 16e-6), (of(0, 1), -8e-6), (of(2, 2), 0.0)]
+        {
+            assert!((found - expected).abs() < 1e-11, "{found} {expected}");
+        }
+        let [along, up] = [0, 1].map(|k| f64::from(footprints.to_center[k][3]));
+        for (axis, expected) in [1e-4, -4e-4].into_iter().enumerate() {
+            let found = along * first[axis] + up * second[axis];
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         }
     }
 }

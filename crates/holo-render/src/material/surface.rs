@@ -4,7 +4,7 @@
 //! f64, both for camera rays ([`crate::accel::refine`]) and for scattered rays, so that new rays start on the surface.
 
 use crate::accel::refine::Refined;
-use crate::accel::{ExactRays, NO_TRIANGLE, RayDifferentials, RayHits};
+use crate::accel::{Cells, ExactRays, NO_TRIANGLE, RayHits};
 use crate::geometry::{Geometry, Hit};
 use crate::material::{Appearance, Footprints, MaterialFlags, PacketHits};
 use crate::simd::{LANES, at};
@@ -60,7 +60,7 @@ impl HitPoints {
 
     /// The hit points of camera rays, with the footprints of `cells` of their pixels.
     #[inline(always)]
-    pub fn primary(rays: &ExactRays, refined: &Refined, cells: Option<&RayDifferentials>) -> Self {
+    pub fn primary(rays: &ExactRays, refined: &Refined, cells: Option<&Cells>) -> Self {
         let footprints = cells.map(|cells| Footprints::new(cells, rays, refined));
         let mut points = Self { normal: refined.normal, footprints, ..Self::NONE };
         for lane in 0..LANES {

@@ -35,7 +35,7 @@ pub struct FinishedTile {
     pub id: TileId,
     /// The rays that were traced for it.
     pub rays: RayCounts,
-    /// Color, followed by what a reconstruction across views needs of each pixel, if one is requested; or one layer after
+    /// Color, followed by what a reconstruction needs of each pixel, if one is requested; or one layer after
     /// another in the order of [`Layer::ALL`](crate::Layer::ALL); of each the values with the
     /// axes (v, u, t, s, c), the last fastest.
     pub values: Vec<f32>,

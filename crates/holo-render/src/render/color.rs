@@ -8,7 +8,7 @@ use ndarray::{Array3, ArrayViewMut5, s};
 use super::checkpoint::TileKind;
 use super::image::zeros;
 use super::plan::{Plan, Region};
-use super::request::{Denoise, RigRequest};
+use super::request::{Denoise, Request, RigRequest};
 use super::rounds;
 use super::work::{TileOutput, Work};
 use crate::camera::tile::{Tile, Tiling};
@@ -26,7 +26,7 @@ pub(super) fn disparity(rig: &Rig) -> Disparity {
 }
 
 /// Whether a render needs the guides of its pixels.
-pub(super) fn needs_guides(request: &RigRequest) -> bool {
+pub(super) fn needs_guides(request: &Request) -> bool {
     request.denoise == Denoise::Views || request.estimate_error
 }
 

@@ -1,39 +1,40 @@
 //! The raw image of a plenoptic camera.
 //!
-//! Color is rendered microlens by microlens, in bands of lines of the array. A pixel sums the light of every microlens
-//! that reaches it, in the order of the lines and along them, so the result does not depend on threads or on which rows
-//! are rendered. Ground truth is that of the chief ray of every pixel.
+//! [Color](color) is rendered microlens by microlens, in bands of lines of the array. A pixel sums the light of every
+//! microlens that reaches it, in the order of the lines and along them, so the result does not depend on threads or on
+//! which rows are rendered. Ground truth is that of the chief ray of every pixel.
+
+mod color;
 
 use std::collections::BTreeMap;
 use std::ops::{Deref, Range};
 
-use holo_core::plenoptic::{Microlens, MicrolensIndex, PlenopticCamera};
+use holo_core::plenoptic::{MicrolensIndex, PlenopticCamera};
 use holo_core::{GridSize, Layout, LightField, LightFieldShape};
-use ndarray::{Array2, Array3, Array5, ArrayViewMut5};
+use ndarray::{Array2, Array3, Array5};
 use rayon::prelude::*;
 
+use self::color::{Finished, RawColor};
 use super::Renderer;
 use super::checkpoint::{Checkpoint, TileKind};
-use super::plan::path_tile_pixels;
+use super::color::needs_guides;
 use super::request::{Denoise, RawStatistics, Rendered, Request};
-use super::work::{TileOutput, Work};
+use super::rounds;
+use super::transport::TextureFilter;
+use super::work::Work;
 use crate::camera::RaySource;
 use crate::camera::plenoptic::{PlenopticRays, RawLens, RawPacket, RawPixels};
 use crate::camera::tile::{Tile, Tiling};
 use crate::error::Error;
-use crate::film::inverse_depth;
+use crate::film::guides::Movement;
 use crate::film::layers::Layers;
 use crate::geometry::MAX_COORDINATE_M;
 use crate::integrator::aov::{AovTile, TileAovs};
 use crate::integrator::depth::DepthTile;
-use crate::integrator::path::{PathTile, Round, Scratch};
-use crate::integrator::{Context, Integrator, RayCounts};
+use crate::integrator::{Context, Integrator, Policy, RayCounts};
 use crate::progress::{Progress, Stop};
-use crate::sampling::Sampler;
+use crate::sampling::{self, Sampler};
 use crate::simd::{self, LANES};
-
-/// The lines of microlenses that are rendered together, counted from line 0 of the array.
-const BAND_LINES: i32 = 16;
 
 /// The rows of pixels whose ground truth is rendered together; a multiple of the height of a packet.
 const TRUTH_ROWS: usize = 64;
@@ -58,11 +59,7 @@ impl Deref for RawRequest<'_> {
 
 /// Validates a request of a plenoptic camera.
 pub(super) fn check(request: &Request, camera: &PlenopticCamera) -> Result<(), Error> {
-    if request.denoise != Denoise::Off || request.estimate_error {
-        return Err(Error::BadSetting(
-            "the raw image of a plenoptic camera has no views to reduce its noise or estimate its error with".into(),
-        ));
-    }
+    request.check_needs_color()?;
     let size = camera.sensor().size;
     if size.count() > u32::MAX as usize {
         return Err(Error::BadSetting("a sensor of 2^32 or more pixels; choose fewer".into()));
@@ -82,7 +79,7 @@ pub(super) fn check(request: &Request, camera: &PlenopticCamera) -> Result<(), E
 }
 
 impl RawStatistics {
-    /// From the values of [`inverse_depth`].
+    /// From the values of [`crate::film::inverse_depth`].
     fn new(sums: &Array3<f32>) -> Self {
         let (rows, columns, _) = sums.dim();
         let image = |value: fn([f32; 4]) -> f32| {
@@ -99,42 +96,6 @@ impl RawStatistics {
     }
 }
 
-/// The arrays that bands add their light to.
-struct Sums {
-    color: Array3<f32>,
-    inverse_depths: Option<Array3<f32>>,
-}
-
-/// The memory of a tile of color.
-struct RawTile<'a> {
-    color: ArrayViewMut5<'a, f32>,
-    inverse_depths: Option<ArrayViewMut5<'a, f32>>,
-}
-
-impl TileOutput for RawTile<'_> {
-    fn values(&self) -> Vec<f32> {
-        self.color.iter().chain(self.inverse_depths.iter().flatten()).copied().collect()
-    }
-
-    fn count(&self) -> usize {
-        self.color.len() + self.inverse_depths.as_ref().map_or(0, ArrayViewMut5::len)
-    }
-
-    fn fill(&mut self, values: &[f32]) {
-        let (color, rest) = values.split_at(self.color.len());
-        self.color.fill(color);
-        if let Some(own) = &mut self.inverse_depths {
-            own.fill(rest);
-        }
-    }
-}
-
-/// Bands of lines, and how many packets each has.
-struct Band {
-    lines: Range<i32>,
-    packets: usize,
-}
-
 impl Renderer {
     /// Renders the raw image of a plenoptic camera in the current thread pool.
     pub(super) fn render_raw(
@@ -145,36 +106,19 @@ impl Renderer {
     ) -> Result<Rendered, Error> {
         let (integrator, why) = self.integrator(&request.transport);
         let stop = Stop::new(progress);
+        let wider = color::with_margin(request);
+        let with_margin = RawRequest { camera: request.camera, request: &wider };
         let has_color = integrator != Integrator::Depth;
-        let bands = if has_color { bands(request) } else { Vec::new() };
-        let tile_pixels = path_tile_pixels(&request.transport, integrator);
-        let color_tiles = |bands: &[Band]| {
-            bands.iter().map(|band| color_tiling(band.packets, tile_pixels).tiles().len()).sum::<usize>()
-        };
+        let color = has_color.then(|| RawColor::new(with_margin, request.row_range(), integrator));
         let truth = if request.layers.is_empty() { Vec::new() } else { truth_rows(request) };
         let truth_tiles = |truth: &[Range<usize>]| {
             truth.iter().map(|rows| Tiling::new(truth_counts(request, rows)).tiles().len()).sum::<usize>()
         };
-        let kinds = [(TileKind::Color, color_tiles(&bands)), (TileKind::AllLayers, truth_tiles(&truth))].into_iter();
-        let work = Work::new(progress, &stop, checkpoint, kinds, 0);
-        let mut rays = RayCounts::default();
-        let mut sums = None;
-        if has_color {
-            let inverse_depths = request.statistics.then(|| zeros(request, inverse_depth::CHANNELS)).transpose()?;
-            let mut image = Sums { color: zeros(request, 3)?, inverse_depths };
-            let mut pixels = bands.first().map(|band| band_pixels(request, band));
-            for number in 0..bands.len() {
-                let first = color_tiles(&bands[..number]);
-                // The pixels of the next band are found while this one is traced.
-                let (traced, following) = rayon::join(
-                    || pixels.map(|pixels| self.trace_band(request, integrator, (pixels, first), &work, &mut image)),
-                    || bands.get(number + 1).map(|band| band_pixels(request, band)),
-                );
-                rays = rays + traced.transpose()?.unwrap_or_default();
-                pixels = following;
-            }
-            sums = Some(image);
-        }
+        let (color_tiles, steps) = color.as_ref().map_or((0, 0), |color| (color.tiles(), color.steps()));
+        let kinds = [(TileKind::Color, color_tiles), (TileKind::AllLayers, truth_tiles(&truth))].into_iter();
+        let work = Work::new(progress, &stop, checkpoint, kinds, steps);
+        let traced = color.as_ref().map(|color| color.trace(self, &work)).transpose()?;
+        let (sums, mut rays) = traced.map_or((None, RayCounts::default()), |(sums, rays)| (Some(sums), rays));
         // Every sample has one camera ray.
         let samples = rays.primary;
         let mut layers: Layers<Array3<f32>> = request
@@ -186,65 +130,30 @@ impl Renderer {
             let first = truth_tiles(&truth[..number]);
             rays = rays + self.trace_truth(request, (rows.clone(), first), &work, &mut layers)?;
         }
+        let finished = color.zip(sums).map(|(color, sums)| color.finish(sums, &work)).transpose()?;
         if stop.requested() {
             return Err(Error::Cancelled);
         }
-        let (color, inverse_depths) = sums.map_or((None, None), |sums| (Some(sums.color), sums.inverse_depths));
         let shape = shape(request)?;
-        Ok(Rendered {
-            color: color.map(|color| LightField::from_elemental_grid(color, shape)).transpose()?,
+        let field = |image: Array3<f32>| LightField::from_elemental_grid(image, shape);
+        let mut out = Rendered {
+            color: None,
             error: None,
             error_distribution: None,
             central: layers,
             all: None,
-            statistics: inverse_depths.map(|sums| RawStatistics::new(&sums)),
+            statistics: None,
             integrator,
             why,
             rays,
             samples,
-        })
-    }
-
-    /// Renders the light of a band of microlenses, whose tiles are numbered from `first_tile`, and adds it to `image`.
-    fn trace_band(
-        &self,
-        request: &RawRequest,
-        integrator: Integrator,
-        (pixels, first_tile): (RawPixels, usize),
-        work: &Work,
-        image: &mut Sums,
-    ) -> Result<RayCounts, Error> {
-        let tiling = color_tiling(pixels.packets.len(), path_tile_pixels(&request.transport, integrator));
-        let count = pixels.packets.len();
-        let zeros = |channels| Array5::zeros((count, 1, 1, LANES, channels));
-        let mut color = zeros(3);
-        let mut inverse_depths = image.inverse_depths.is_some().then(|| zeros(inverse_depth::CHANNELS));
-        let rays = PlenopticRays::new(request.camera, pixels);
-        let context = self.raw_context(request, integrator, rays, work);
-        let round = Round { samples: 0..request.transport.samples, wanted: Vec::new() };
-        let trace = |tile: &Tile, out: &mut RawTile, scratch: &mut Scratch| {
-            let color = out.color.view_mut();
-            let inverse_depths = out.inverse_depths.as_mut().map(|sums| sums.view_mut());
-            simd::run(PathTile { context: &context, tile, color, guides: None, inverse_depths, round: &round, scratch })
         };
-        let mut depths = inverse_depths.as_mut().map(|sums| tiling.cut(sums.view_mut())).into_iter().flatten();
-        let outputs = tiling.cut(color.view_mut()).into_iter();
-        let outputs = outputs.map(|color| RawTile { color, inverse_depths: depths.next() }).collect();
-        let rays = work.run(TileKind::Color, first_tile, &tiling, outputs, trace)?;
-        drop(depths);
-        let first = request.row_range().start;
-        let packets = context.camera.raw_packets();
-        scatter(packets, &color, first, &mut image.color, |sum, added| {
-            sum.iter_mut().zip(added).for_each(|(sum, value)| *sum += value);
-        });
-        if let (Some(all), Some(own)) = (&mut image.inverse_depths, &inverse_depths) {
-            scatter(packets, own, first, all, |sum, added| {
-                if let (Ok(a), Ok(b)) = (<[f32; inverse_depth::CHANNELS]>::try_from(&*sum), added.try_into()) {
-                    sum.copy_from_slice(&inverse_depth::merged(a, b));
-                }
-            });
+        if let Some(Finished { color, error, error_distribution, inverse_depths }) = finished {
+            out.color = Some(field(color)?);
+            (out.error, out.error_distribution) = (error.map(field).transpose()?, error_distribution);
+            out.statistics = inverse_depths.filter(|_| request.statistics).map(|sums| RawStatistics::new(&sums));
         }
-        Ok(rays)
+        Ok(out)
     }
 
     /// Renders the layers of some rows, whose tiles are numbered from `first_tile`.
@@ -290,20 +199,26 @@ impl Renderer {
         work: &Work<'a>,
     ) -> Context<'a> {
         let transport = &request.transport;
+        let has_guides = needs_guides(request);
+        // The windows of the reconstruction hold so many samples that the bias of the filter would be what is left.
+        let filters = transport.texture_filter == TextureFilter::Footprint && request.denoise == Denoise::Off;
         let sampler = Sampler {
             seed: transport.seed,
             samples: transport.samples,
             sampling: transport.sampling,
             centered: transport.samples == 1,
-            cells: None,
+            cells: filters.then(|| sampling::cells(transport.samples)),
         };
         Context {
             scene: self.scene_data(transport, integrator),
             camera: RaySource::Plenoptic(Box::new(rays)),
             sampler,
-            policy: self.policy(transport, integrator),
-            guides: None,
-            inverse_depths: request.statistics && integrator != Integrator::Depth,
+            policy: Policy {
+                target_error: transport.target_error.filter(|_| rounds::target(request).is_none()),
+                ..self.policy(transport, integrator)
+            },
+            guides: has_guides.then_some(Movement::Statistics),
+            inverse_depths: (request.statistics || has_guides) && integrator != Integrator::Depth,
             stop: work.stop(),
         }
     }
@@ -341,47 +256,6 @@ fn zeros(request: &RawRequest, channels: usize) -> Result<Array3<f32>, Error> {
 fn shape(request: &RawRequest) -> Result<LightFieldShape, Error> {
     let size = GridSize::new(request.row_range().len(), request.camera.sensor().size.columns);
     Ok(LightFieldShape::new(GridSize::new(1, 1), size)?)
-}
-
-/// The microlenses of a line and the clear gaps around them.
-fn openings_on_line(camera: &PlenopticCamera, line: i32) -> impl Iterator<Item = Microlens> {
-    camera.lenses_on_line(line, 0..camera.sensor().size.rows).flat_map(|lens| camera.openings(lens))
-}
-
-/// The pixels of a band in the order of its microlenses.
-fn band_pixels(request: &RawRequest, band: &Band) -> RawPixels {
-    let camera = request.camera;
-    let of_line = |line: i32| {
-        let (mut scratch, mut pixels) = (Vec::new(), RawPixels::default());
-        for lens in openings_on_line(camera, line) {
-            pixels.push_lens(camera, lens, &mut scratch);
-        }
-        pixels
-    };
-    RawPixels::joined(&band.lines.clone().into_par_iter().map(of_line).collect::<Vec<_>>())
-}
-
-/// The bands that light the requested rows. Their boundaries are the same for any rows.
-fn bands(request: &RawRequest) -> Vec<Band> {
-    let camera = request.camera;
-    let size = camera.sensor().size;
-    let (all, wanted) = (camera.lens_lines(0..size.rows), camera.lens_lines(request.row_range()));
-    let (first, last) = (wanted.start().div_euclid(BAND_LINES), wanted.end().div_euclid(BAND_LINES));
-    let band = |number: i32| {
-        let lines = (number * BAND_LINES).max(*all.start())..((number + 1) * BAND_LINES).min(all.end() + 1);
-        let count = |lens: Microlens| -> usize {
-            let pixels: usize = camera.lit_pixels(&lens, 0..size.rows).map(|(_, columns)| columns.len()).sum();
-            pixels.div_ceil(LANES)
-        };
-        let packets =
-            lines.clone().into_par_iter().map(|line| openings_on_line(camera, line).map(count).sum::<usize>()).sum();
-        Band { lines, packets }
-    };
-    (first..=last).map(band).filter(|band| band.packets > 0).collect()
-}
-
-fn color_tiling(packets: usize, tile_pixels: usize) -> Tiling {
-    Tiling::with_tiles_of([packets, 1, 1, LANES], tile_pixels)
 }
 
 /// Rows whose ground truth is rendered together.

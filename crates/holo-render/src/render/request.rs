@@ -98,7 +98,8 @@ pub struct Request {
     pub ground_truth: GroundTruth,
     /// Of a rig: the rendered views.
     pub views: Views,
-    /// Whether the noise of color is reduced with the samples of neighboring views.
+    /// Whether the noise of color is reduced with the samples of neighboring views, or of those pixels of a plenoptic camera
+    /// that see the same point.
     pub denoise: Denoise,
     /// Whether [`Rendered::error`] is estimated.
     pub estimate_error: bool,
@@ -171,13 +172,17 @@ pub enum Denoise {
     #[default]
     Off,
     /// Reconstruction across views: every pixel is a mean over the samples of neighboring views, as many as show the same
-    /// within the noise. Biased where the views differ by less than that; the bias vanishes as the samples grow.
+    /// within the noise. Biased where the views differ by less than that; the bias vanishes as the samples grow. A pixel of a
+    /// plenoptic camera is a mean over the pixels, behind its own and other microlenses, that see the same point.
     Views,
 }
 
 impl Denoise {
     /// The name of the method of [`Denoise::Views`], for manifests: it changes when the results do.
     pub const METHOD: &'static str = "mean over neighboring views, 1";
+
+    /// The same for plenoptic cameras.
+    pub const RAW_METHOD: &'static str = "mean over pixels that see the same point, 1";
 }
 
 /// The views for which ground truth is rendered.
@@ -201,8 +206,9 @@ pub struct Rendered {
     pub color: Option<LightFieldOwned<f32>>,
     /// The estimated relative standard error of `color`, axes (v, u, t, s, c) with one channel, if
     /// [`Request::estimate_error`] is set: the square root of variance and squared bias, averaged over 5 x 5 microlenses and
-    /// about 8 x 8 views and divided by the luminance there. The estimate is above the true error where samples are better
-    /// distributed than independent ones. `None` for the integrator `Depth`.
+    /// about 8 x 8 views and divided by the luminance there; of a plenoptic camera 8 x 8 pixels, and 0 for pixels without
+    /// light. The estimate is above the true error where samples are better distributed than independent ones. `None` for the
+    /// integrator `Depth`.
     pub error: Option<LightFieldOwned<f32>>,
     /// The distribution of the same over all pixels, if [`Request::estimate_error`] is set or color is reconstructed.
     pub error_distribution: Option<ErrorDistribution>,
@@ -263,6 +269,23 @@ impl Request {
         self.rows.clone().unwrap_or(0..self.camera.row_count())
     }
 
+    /// Whether the samples of color are compared with each other, and for what.
+    fn needs_samples(&self) -> (bool, &'static str) {
+        let what = if self.estimate_error { "the estimate of the error" } else { "denoising" };
+        (self.denoise == Denoise::Views || self.estimate_error, what)
+    }
+
+    /// Validates that there is color if its samples are needed.
+    pub(super) fn check_needs_color(&self) -> Result<(), Error> {
+        let (needs_samples, what) = self.needs_samples();
+        if needs_samples && self.transport.integrator == Integrator::Depth {
+            return Err(Error::BadSetting(format!(
+                "{what} needs color, which the integrator 'depth' does not render; choose another one, or leave it out"
+            )));
+        }
+        Ok(())
+    }
+
     /// Validates the request for a scene with this many instances and materials.
     pub(super) fn check(&self, counts: [usize; 2]) -> Result<(), Error> {
         self.transport.check()?;
@@ -304,13 +327,8 @@ impl RigRequest<'_> {
                 }
             }
         }
-        let needs_samples = self.denoise == Denoise::Views || self.estimate_error;
-        let what = if self.estimate_error { "the estimate of the error" } else { "denoising" };
-        if needs_samples && self.transport.integrator == Integrator::Depth {
-            return Err(Error::BadSetting(format!(
-                "{what} needs color, which the integrator 'depth' does not render; choose another one, or leave it out"
-            )));
-        }
+        self.check_needs_color()?;
+        let (needs_samples, what) = self.needs_samples();
         if needs_samples && self.views != Views::All {
             return Err(Error::BadSetting(format!("{what} needs all views; render them all, or without it")));
         }

@@ -10,19 +10,19 @@
 
 use std::ops::Range;
 
-use super::request::{Denoise, RigRequest};
+use super::request::{Denoise, Request};
 
 /// The samples of the first round: enough for half differences.
 const FIRST: u32 = 4;
 
 /// The target of the error after the reconstruction, if there is one.
-pub(super) fn target(request: &RigRequest) -> Option<f32> {
+pub(super) fn target(request: &Request) -> Option<f32> {
     let target = request.transport.target_error.filter(|_| request.denoise == Denoise::Views);
     target.map(|target| target as f32)
 }
 
 /// The numbers of the samples of all rounds; a single round without a target.
-pub(super) fn rounds(request: &RigRequest) -> Vec<Range<u32>> {
+pub(super) fn rounds(request: &Request) -> Vec<Range<u32>> {
     if target(request).is_none() {
         return vec![0..request.transport.samples; 1];
     }
@@ -38,7 +38,6 @@ pub(super) fn rounds(request: &RigRequest) -> Vec<Range<u32>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::request::Request;
     use holo_core::{GridSize, LightFieldShape, Rig};
 
     #[test]
@@ -47,8 +46,8 @@ mod tests {
         let request = Request::new(Rig::builder(shape).build().expect("a rig")).denoise(Denoise::Views);
         for samples in [1, 2, 4, 5, 100, 65_536] {
             let one = request.clone().samples(samples);
-            assert_eq!(rounds(&one.of_rig().expect("a rig")), vec![0..samples; 1]);
-            let found = rounds(&one.target_error(Some(0.02)).of_rig().expect("a rig"));
+            assert_eq!(rounds(&one), vec![0..samples; 1]);
+            let found = rounds(&one.target_error(Some(0.02)));
             assert_eq!(found.iter().map(|round| round.len() as u32).sum::<u32>(), samples);
             assert!(found.windows(2).all(|pair| pair[0].end == pair[1].start && pair[0].end.is_power_of_two()));
         }

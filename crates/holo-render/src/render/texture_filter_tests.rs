@@ -1,5 +1,6 @@
 //! Filtered textures in whole renders: what they take away of the noise of fine texture, and what they change of its mean.
 
+use holo_core::plenoptic::{ImageSensor, MainLens, MicrolensArray, MicrolensGrid, PlenopticCamera};
 use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 
 use super::*;
@@ -85,6 +86,31 @@ fn the_noise_of_fine_texture_vanishes() {
                 // At most 0.17 of it is left, at 16 samples: the shape of the filter, which more samples do not change.
                 assert!(filtered < 0.3 * plain, "{projection:?} {samples}: {filtered} instead of {plain}");
             }
+        }
+    }
+}
+
+/// The same for a plenoptic camera, whose pixels see spots that are as large as a microlens.
+#[test]
+fn the_noise_of_fine_texture_vanishes_in_raw_images() {
+    let scene = plane(Material { unlit: true, ..Material::default() });
+    for grid in [MicrolensGrid::Square, MicrolensGrid::HexRows] {
+        let camera = PlenopticCamera::new(
+            ImageSensor::new(GridSize::new(28, 28), 50e-6),
+            MicrolensArray::new(grid, 700e-6, 1.4e-3),
+            MainLens::new(5e-3, 2.0, 2.0),
+        );
+        let request = Request::new(camera.expect("a camera")).integrator(Integrator::Direct);
+        let request = request.layers(LayerSet::EMPTY);
+        let exact = render(&scene, &request.clone().samples(4096).texture_filter(TextureFilter::Off));
+        for samples in [1, 4, 16] {
+            let request = request.clone().samples(samples);
+            let plain = difference(&render(&scene, &request.clone().texture_filter(TextureFilter::Off)), &exact);
+            let filtered = difference(&render(&scene, &request), &exact);
+            println!("{grid:?} {samples} samples: {plain:.5} -> {filtered:.5}");
+            // A parallelogram of the variances of a cell is not its shape, and the light of the edges of micro-images has
+            // noise of its own.
+            assert!(filtered < 0.5 * plain, "{grid:?} {samples}: {filtered} instead of {plain}");
         }
     }
 }

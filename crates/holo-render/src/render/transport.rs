@@ -28,7 +28,8 @@ pub struct Transport {
     pub roulette: bool,
     /// The target of the relative standard error of each pixel for adaptive sampling; `samples` is then the maximum per
     /// pixel. `None`: all pixels get `samples`. With [`Denoise::Views`](crate::Denoise::Views) it is the error after the reconstruction, estimated
-    /// in rounds after 4, 8, 16, ... samples; shards then render 7 more lens rows on either side for every round.
+    /// in rounds after 4, 8, 16, ... samples; shards then render 7 more lens rows on either side for every round, or 13 micro-images
+    /// of a plenoptic camera.
     pub target_error: Option<f64>,
     /// Whether `Auto` includes indirect illumination between diffuse surfaces. Otherwise paths continue only from metal
     /// and glass.
@@ -119,7 +120,7 @@ pub enum TextureFilter {
     /// None: a texture counts at the hit point, bilinearly interpolated. Unbiased.
     Off,
     /// The mean over a cell of the pixel. A pixel is divided into the largest number of 4^m cells that is not above the
-    /// number of samples. Biased where texture and light vary together within a cell (a normal map: 0.25 % of the mean of
+    /// number of samples; so is the microlens of a plenoptic camera. Biased where texture and light vary together within a cell (a normal map: 0.25 % of the mean of
     /// `garden` at 4 samples and 18 x 12 pixels a view); the error vanishes with the size of the cells.
     #[default]
     Footprint,

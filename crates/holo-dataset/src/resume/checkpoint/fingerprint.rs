@@ -6,21 +6,19 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use holo_io::{Manifest, Sha256};
-use holo_render::Request;
-use holo_scene::{Environment, Mesh, Scene, Texture, Transform};
+use holo_scene::{Environment, Mesh, Scene, Texture};
 
 /// The bytes that are hashed at a time.
 const BLOCK_BYTES: usize = 1 << 20;
 
-/// Computes the digest for a scene, its camera, a request, and the versions of `identity`. Settings that decide only how
-/// the tiles are encoded are not among them.
-pub(super) fn of(scene: &Scene, pose: &Transform, request: &Request, identity: &Manifest) -> Sha256 {
+/// Computes the digest for a scene, a request with the pose of its camera, and the versions of `identity`. Settings that
+/// decide only how the tiles are encoded are not among them.
+pub(super) fn of(scene: &Scene, request: &impl Debug, identity: &Manifest) -> Sha256 {
     let mut hash = Hash::default();
     // With the ray tracing backend.
     hash.debug(&identity.versions);
     // With the camera, the seed and the rows. Equal numbers have equal text, different ones have different text.
     hash.debug(request);
-    hash.debug(pose);
     // As it was loaded, because its file may refer to others.
     hash.scene(scene);
     hash.debug(&*PROGRAM);

@@ -5,7 +5,7 @@ use holo_io::CameraFile;
 use holo_render::{Layer, Layers, RawStatistics, Rendered};
 use ndarray::{Array2, Array3, Axis};
 
-use super::{COLOR, Parts, Put};
+use super::{COLOR, Parts, Put, grid};
 use crate::Error;
 use crate::output::raw::{CAMERA_TOML, lit_white_image};
 use crate::output::{Traced, TracedCamera, Wanted};
@@ -14,12 +14,17 @@ use crate::settings::{RawLayer, RenderSettings, from_manifest};
 /// The files of the statistics.
 const STATISTICS: [RawLayer; 3] = [RawLayer::InverseDepthMean, RawLayer::InverseDepthDeviation, RawLayer::Coverage];
 
+const ERROR: &str = "error.pfm";
+
 fn file(layer: &str) -> String {
     format!("raw_{layer}.pfm")
 }
 
 /// Writes the layers and the statistics of a shard.
 pub(super) fn write(rendered: &Rendered, put: &mut Put) -> Result<(), Error> {
+    if let Some(error) = &rendered.error {
+        put(ERROR.into(), grid(error)?)?;
+    }
     for (layer, image) in rendered.central.iter() {
         put(file(layer.name()), image.view())?;
     }
@@ -44,6 +49,7 @@ pub(super) fn traced(parts: &Parts) -> Result<(Traced, RenderSettings), Error> {
     let size = file_of_camera.camera.sensor().size;
     let shape = LightFieldShape::new(GridSize::new(1, 1), size)?;
     let color = parts.has(COLOR).then(|| parts.gather(COLOR, size, 1, 3)).transpose()?;
+    let error = parts.has(ERROR).then(|| parts.gather(ERROR, size, 1, 1)).transpose()?;
     let mut central: Layers<Array3<f32>> = Layers::default();
     for layer in Layer::ALL {
         let name = file(layer.name());
@@ -54,8 +60,8 @@ pub(super) fn traced(parts: &Parts) -> Result<(Traced, RenderSettings), Error> {
     let has_statistics = parts.has(&file(RawLayer::Coverage.name()));
     let rendered = Rendered {
         color: color.map(|color| LightField::from_elemental_grid(color, shape)).transpose()?,
-        error: None,
-        error_distribution: None,
+        error: error.map(|error| LightField::from_elemental_grid(error, shape)).transpose()?,
+        error_distribution: parts.error_distribution(),
         central,
         all: None,
         statistics: has_statistics.then(|| statistics(parts, size)).transpose()?,

@@ -1,7 +1,7 @@
 //! The numbers of a variable, decoded by the crate `matfile` in pieces.
 //!
 //! `matfile` 0.5 reads whole files, with errors: it accepts truncated files, multiplies dimensions without a check,
-//! refuses `int32` (its table has `uint32` in that place) and ignores text. `tests/mat_matfile.rs` tests each of these,
+//! refuses `int32` (its table has `uint32` in that place) and ignores text. `tests/all/mat_matfile.rs` tests each of these,
 //! so that a change in a later version is noticed. By its source it also inflates without a limit, prints to the
 //! terminal, and refuses doubles that are stored as `int8`.
 //!

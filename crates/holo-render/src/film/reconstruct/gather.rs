@@ -24,7 +24,7 @@ pub(super) const GATHERED_VIEWS: [f64; LEVELS] = [1.0, 7.0, 18.0, 38.0, 90.0, 90
 pub(super) const MAX_PARTING_PX: f32 = 0.25;
 
 /// The largest distance of a view in a window, in views along an axis.
-const FARTHEST: usize = 10;
+pub(super) const FARTHEST: usize = 10;
 
 /// The number of views along an axis among which a window is sought.
 const CANDIDATES: usize = 2 * FARTHEST + 1;

@@ -1,0 +1,236 @@
+//! Commands for plenoptic cameras: what they write, what they refuse, and what they never delete.
+
+use std::collections::BTreeMap;
+
+use crate::common::{Bench, SCENE};
+use holo_io::Manifest;
+
+/// A square camera of 120 x 90 pixels with its pupil in the lens.
+const CAMERA: &str = r#"
+name = "small"
+[sensor]
+size_px = [120, 90]
+pixel_um = 5.0
+[mla]
+grid = "square"
+pitch_um = 71.2
+offset_um = [7.0, -4.0]
+gap_um = 400.0
+[main_lens]
+focal_mm = 40.0
+f_number = 5.8
+focus_m = 0.8
+"#;
+
+fn bench() -> Bench {
+    let bench = Bench::new();
+    std::fs::write(bench.path("small.toml"), CAMERA).unwrap();
+    bench
+}
+
+fn succeeds(bench: &Bench, command: &str) -> String {
+    let outcome = bench.run(command);
+    assert_eq!(outcome.code, Some(0), "{command}: {outcome:?}");
+    outcome.stderr
+}
+
+fn refused(bench: &Bench, command: &str, word: &str) {
+    let outcome = bench.run(command);
+    assert_eq!(outcome.code, Some(2), "{command}: {outcome:?}");
+    assert!(outcome.stderr.contains(word), "{command}: no '{word}' in {}", outcome.stderr);
+}
+
+#[test]
+fn raw_images_are_rendered_decoded_and_kept() {
+    let bench = bench();
+    let render = format!("render {SCENE} --camera-file small.toml --spp 2 --sky 1,1,1 --out raw");
+    let said = succeeds(&bench, &format!("{render} --layers depth,blur,coverage --for lftoolbox,plenopticam"));
+    assert!(said.contains("angle of view") && said.contains("% of the pixels lit"), "{said}");
+    let files = bench.list("raw");
+    for name in [
+        "camera.toml",
+        "centers.csv",
+        "lftoolbox/decode.m",
+        "lftoolbox/raw.grid.json",
+        "lftoolbox/raw.png",
+        "lftoolbox/white.png",
+        "manifest.json",
+        "plenopticam/calibration.json",
+        "plenopticam/raw.tiff",
+        "plenopticam/white.tiff",
+        "raw.exr",
+        "raw_blur.pfm",
+        "raw_coverage.pfm",
+        "raw_depth.pfm",
+        "raw_linear.png",
+        "white.exr",
+        "white.png",
+    ] {
+        assert!(files.contains(&name.to_owned()), "no {name} in {files:?}");
+    }
+    succeeds(&bench, "verify raw");
+    let before = bench.bytes("raw");
+    // The raw image stays where it is decoded, and so does another image.
+    refused(&bench, "decode raw/raw.exr --camera-file small.toml --out raw", "another image");
+    refused(&bench, "decode raw/raw.exr --camera-file small.toml --out raw --overwrite", "choose another --out");
+    refused(&bench, "target --camera-file small.toml --square-mm 10 --out raw", "another image");
+    refused(&bench, "white --camera-file small.toml --out raw", "another image");
+    assert_eq!(bench.bytes("raw"), before);
+    succeeds(&bench, &format!("decode raw/raw.exr --camera-file raw/camera.toml --scene {SCENE} --out views"));
+    for command in
+        ["verify views", "info views", "depth views --out estimate.pfm", "refocus views --disparity 0 --out sharp.png"]
+    {
+        succeeds(&bench, command);
+    }
+    let views = bench.bytes("views");
+    // The same again, and with another number of views only on request.
+    succeeds(&bench, &format!("decode raw/raw.exr --camera-file raw/camera.toml --scene {SCENE} --out views"));
+    assert_eq!(bench.bytes("views"), views);
+    let fewer = format!("decode raw/raw.exr --camera-file raw/camera.toml --scene {SCENE} --views 3 --out views");
+    refused(&bench, &fewer, "another image");
+    succeeds(&bench, &format!("{fewer} --overwrite"));
+    succeeds(&bench, "verify views");
+}
+
+/// Rows of pixels, each with every layer, become the same files as the whole.
+#[test]
+fn parts_of_a_raw_image_become_the_whole() {
+    let bench = bench();
+    let render = format!("render {SCENE} --camera-file small.toml --spp 2 --sky 1,1,1 --layers all --for lftoolbox");
+    succeeds(&bench, &format!("{render} --out whole"));
+    for part in 1..=3 {
+        succeeds(&bench, &format!("{render} --shard {part}/3 --out part{part}"));
+    }
+    refused(&bench, "merge merged part1 part3", "2/3 missing");
+    refused(&bench, &format!("{render} --shard 2/3 --out part1"), "another part");
+    succeeds(&bench, "merge merged part2 part1 part3");
+    assert_eq!(bench.bytes("merged"), bench.bytes("whole"));
+    succeeds(&bench, "verify merged");
+
+    // A part of another image.
+    succeeds(&bench, &format!("{render} --seed 1 --shard 2/3 --out part2 --overwrite"));
+    let outcome = bench.run("merge other part1 part2 part3");
+    assert!(outcome.code == Some(1) && outcome.stderr.contains("parts of different images"), "{outcome:?}");
+    assert!(!bench.path("other").exists());
+}
+
+/// Reconstruction and the estimate of its error: the map of the error, the numbers of the manifest, and parts that become
+/// the whole.
+#[test]
+fn raw_images_are_denoised() {
+    let bench = bench();
+    let render =
+        format!("render {SCENE} --camera-file small.toml --spp 2 --sky 1,1,1 --denoise views --layers error,depth");
+    succeeds(&bench, &format!("{render} --out whole"));
+    let files = bench.list("whole");
+    assert!(files.contains(&"raw_error.pfm".to_owned()) && files.contains(&"raw_depth.pfm".to_owned()), "{files:?}");
+    succeeds(&bench, "verify whole");
+    for part in 1..=2 {
+        succeeds(&bench, &format!("{render} --shard {part}/2 --out part{part}"));
+    }
+    succeeds(&bench, "merge merged part1 part2");
+    assert_eq!(bench.bytes("merged"), bench.bytes("whole"));
+    // Another image than that of the plain samples.
+    refused(
+        &bench,
+        &format!("render {SCENE} --camera-file small.toml --spp 2 --sky 1,1,1 --out whole"),
+        "another image",
+    );
+}
+
+/// Frames of an animation as raw images: a folder each, with the exposure of the first, in any parts.
+#[test]
+fn a_plenoptic_camera_films() {
+    let bench = bench();
+    succeeds(&bench, "scene pendulum");
+    let render = "render pendulum.glb --camera-file small.toml --spp 2 --write raw,raw-png --quiet";
+    succeeds(&bench, &format!("{render} --frame 4-6 --out film"));
+    for part in ["2/2", "1/2"] {
+        succeeds(&bench, &format!("{render} --frame 4-6 --shard {part} --out parts"));
+    }
+    assert!(bench.bytes("film") == bench.bytes("parts"), "parts differ from the whole");
+    let manifest = |frame: u32| Manifest::read(bench.path(format!("film/frame_{frame:04}/manifest.json"))).unwrap();
+    let ev = manifest(4).exposure_ev.unwrap();
+    assert_eq!((manifest(6).exposure_ev, manifest(6).settings["frame"].clone()), (Some(ev), 6_u32.into()));
+    // One frame alone is exposed for itself, and otherwise the same.
+    let raw = |folder: &str| std::fs::read(bench.path(format!("{folder}/raw_linear.png"))).unwrap();
+    succeeds(&bench, &format!("{render} --frame 4 --out alone"));
+    assert!(raw("alone") == raw("film/frame_0004") && raw("alone") != raw("film/frame_0006"));
+    succeeds(&bench, &format!("{render} --frame 6 --exposure {ev} --out later"));
+    assert!(raw("later") == raw("film/frame_0006"));
+}
+
+#[test]
+fn impossible_requests_are_refused() {
+    let bench = bench();
+    let render = |more: &str| format!("render {SCENE} --camera-file small.toml --out out {more}");
+    refused(&bench, &render("--ground-truth all"), "`holo decode` adds those of the central view");
+    refused(&bench, &render("--write el"), "raw-png");
+    refused(&bench, &render("--layers visibility"), "--layers visibility");
+    refused(&bench, &render("--integrator depth --layers error"), "error");
+    refused(&bench, &render("--integrator depth --for lftoolbox"), "--for lftoolbox");
+    refused(&bench, &render("--for matlab"), "lftoolbox, plenopticam");
+    refused(&bench, &format!("render {SCENE} --out out --for lftoolbox"), "--camera-file");
+    refused(&bench, &render("--shard 91/91"), "90 rows");
+    let outcome = bench.run(&format!("render {SCENE} --camera-file lytro-ilum --out out"));
+    assert_eq!(outcome.code, Some(1), "{outcome:?}");
+    assert!(outcome.stderr.contains("did you mean lytro-illum"), "{outcome:?}");
+    // Micro-images between the light-sensitive squares of huge pixels.
+    let dark = CAMERA
+        .replace("size_px = [120, 90]", "size_px = [1, 1]\nfill = 0.01")
+        .replace("f_number = 5.8", "f_number = 500.0");
+    let dark = dark.replace("[7.0, -4.0]", "[35.0, 35.0]");
+    std::fs::write(bench.path("dark.toml"), dark).unwrap();
+    for command in [
+        format!("render {SCENE} --camera-file dark.toml --out out"),
+        "white --camera-file dark.toml --out out".into(),
+        "target --camera-file dark.toml --square-mm 10 --out out".into(),
+    ] {
+        refused(&bench, &command, "no light reaches the sensor");
+    }
+    assert!(!bench.path("out").exists());
+}
+
+/// Corners against a projection through thin lenses, from the centers of the micro-images.
+#[test]
+fn corners_are_where_thin_lenses_image_them() {
+    let bench = bench();
+    let poses = "[[pose]]\nposition_m = [0.0005, -0.0003, -0.35]\nrotation_deg = [20.0, 0.0, 0.0]\n";
+    std::fs::write(bench.path("poses.toml"), poses).unwrap();
+    succeeds(
+        &bench,
+        "target --camera-file small.toml --checkerboard 5x3 --square-mm 0.6 --poses poses.toml --spp 1 --out target",
+    );
+    let rows = |name: &str| -> Vec<Vec<f64>> {
+        let text = std::fs::read_to_string(bench.path("target").join(name)).unwrap();
+        text.lines().skip(1).map(|line| line.split(',').map(|x| x.parse().unwrap()).collect()).collect()
+    };
+    let centers: BTreeMap<[i64; 2], [f64; 2]> =
+        rows("centers.csv").iter().map(|row| ([row[0] as i64, row[1] as i64], [row[2], row[3]])).collect();
+    let (f, gap, pixel) = (0.04, 400e-6, 5e-6);
+    let distance = 1.0 / (1.0 / f - 1.0 / 0.8);
+    let (sin, cos) = 20f64.to_radians().sin_cos();
+    let mut seen = [false; 15];
+    let corners = rows("corners.csv");
+    for row in &corners {
+        let cluster = row[5] as usize;
+        let [x, y] = [(cluster % 5) as f64 - 2.0, 1.0 - (cluster / 5) as f64].map(|x| 0.0006 * x);
+        let point = [0.0005 + x, -0.0003 + cos * y, -0.35 + sin * y];
+        for k in 0..3 {
+            assert!((row[7 + k] - point[k]).abs() < 1e-15, "{row:?} {point:?}");
+        }
+        // The image of the main lens, and of that through the microlens.
+        let behind = 1.0 / (1.0 / f + 1.0 / point[2]);
+        let image = [point[0], point[1]].map(|x| x * behind / -point[2]);
+        let virtual_depth = (behind - distance) / gap;
+        let [u, v] = centers[&[row[0] as i64, row[1] as i64]];
+        let place = [(u + 0.5 - 60.0) * pixel, (45.0 - v - 0.5) * pixel];
+        let lens = place.map(|x| x / (1.0 + gap / distance));
+        let at = [0, 1].map(|k| lens[k] + (image[k] - lens[k]) / virtual_depth);
+        let expected = [at[0] / pixel + 60.0 - 0.5, 45.0 - at[1] / pixel - 0.5];
+        assert!((row[2] - expected[0]).abs() < 1e-9 && (row[3] - expected[1]).abs() < 1e-9, "{row:?} {expected:?}");
+        seen[cluster] = true;
+        assert_eq!((row[6], row[10], row[11]), (0.0, 0.0, 1.0));
+    }
+    assert!(seen.iter().all(|&seen| seen), "{seen:?} of {} lines", corners.len());
+}

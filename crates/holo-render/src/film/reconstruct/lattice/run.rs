@@ -1,0 +1,262 @@
+//! The reconstruction of a raw image: evidence, choices and means of the microlenses, band by band.
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::super::choice::{self, Choice, Evidence, LENSES};
+use super::super::gather::GATHER_LEVELS;
+use super::super::windows::LEVELS;
+use super::super::{Blocks, SMOOTHED};
+use super::gather::gather;
+use super::{Lattice, Source};
+use crate::film::error_distribution::ErrorDistribution;
+use crate::film::guides::luminance;
+
+/// Rows of microlenses that are reconstructed together.
+const BAND_ROWS: usize = 16;
+
+/// The reconstruction of a raw image, or the estimate of its error.
+pub(crate) struct LatticeReconstruction<'a> {
+    pub lattice: &'a Lattice,
+    /// The samples of the pixels of the lattice.
+    pub sources: &'a [Source],
+    /// Whether the error is that of reconstructed color; otherwise that of the samples.
+    pub filters: bool,
+    /// The rows of the sensor to reconstruct; the others are only read.
+    pub rows: Range<usize>,
+    /// Color, 3 channels, of all pixels of the lattice, if it is to be replaced: radiance times weight.
+    pub color: Option<&'a mut [f32]>,
+    /// The estimated relative error of every pixel, if wanted. 0 for pixels without light.
+    pub error: Option<&'a mut [f32]>,
+}
+
+/// What is known of a block of viewpoints of a microlens.
+#[derive(Clone, Copy)]
+struct Observed {
+    evidence: Evidence,
+    /// Sums over its sampled pixels of the pixels of their windows.
+    counts: [f64; LEVELS],
+    pixels: f64,
+}
+
+/// A finished pixel.
+struct Finished {
+    place: usize,
+    /// `None` for one that keeps its samples.
+    color: Option<[f32; 3]>,
+    error: f32,
+}
+
+impl LatticeReconstruction<'_> {
+    /// The number of calls of `advance`.
+    pub fn steps(lattice: &Lattice, rows: &Range<usize>) -> usize {
+        lattice.lens_rows(rows).len().div_ceil(BAND_ROWS)
+    }
+
+    /// Reconstructs; returns the distribution of the error over the pixels with light. `advance` is called after every band
+    /// of microlenses and returns whether to go on.
+    pub fn run(mut self, advance: impl Fn() -> bool) -> ErrorDistribution {
+        let mut distribution = ErrorDistribution::default();
+        let (lattice, columns) = (self.lattice, self.lattice.grid[1]);
+        let lens_rows = lattice.lens_rows(&self.rows);
+        for start in lens_rows.clone().step_by(BAND_ROWS) {
+            let band = start..(start + BAND_ROWS).min(lens_rows.end);
+            let wider = |by: usize| {
+                let rows = band.start.saturating_sub(by)..(band.end + by).min(lattice.grid[0]);
+                rows.start * columns..rows.end * columns
+            };
+            let (observed_lenses, chosen_lenses) = (wider(SMOOTHED + LENSES), wider(SMOOTHED));
+            let first = observed_lenses.start;
+            let observed: Vec<Vec<Observed>> = observed_lenses.into_par_iter().map(|lens| self.observe(lens)).collect();
+            let first_chosen = chosen_lenses.start;
+            let chosen: Vec<Vec<Choice>> =
+                chosen_lenses.into_par_iter().map(|lens| self.choose(lens, &observed, first)).collect();
+            let finished: Vec<Vec<Finished>> =
+                wider(0).into_par_iter().map(|lens| self.finish(lens, &chosen, first_chosen)).collect();
+            for pixels in finished {
+                let errors: Vec<f32> = pixels.iter().map(|pixel| pixel.error).collect();
+                distribution.extend(&errors);
+                for Finished { place, color, error } in pixels {
+                    if let (Some(all), Some(color)) = (&mut self.color, color) {
+                        all[3 * place..3 * place + 3].copy_from_slice(&color);
+                    }
+                    if let Some(all) = &mut self.error {
+                        all[place] = error;
+                    }
+                }
+            }
+            if !advance() {
+                break;
+            }
+        }
+        distribution
+    }
+
+    /// The number of windows, from the pixel itself to the largest one.
+    fn levels(&self) -> usize {
+        if self.filters { GATHER_LEVELS } else { 1 }
+    }
+
+    /// The evidence of the blocks of a microlens, from about every second row and column of its pixels. Empty for a
+    /// microlens without pixels.
+    fn observe(&self, lens: usize) -> Vec<Observed> {
+        let (lattice, levels) = (self.lattice, self.levels());
+        let blocks = lattice.blocks();
+        let own = &lattice.lenses[lens];
+        if own.rows.is_empty() {
+            return Vec::new();
+        }
+        let nothing = Observed { evidence: Evidence::new(levels), counts: [0.0; LEVELS], pixels: 0.0 };
+        let mut out = vec![nothing; blocks.count()];
+        for row in own.rows.clone() {
+            let t = lattice.view(own.center[1], row);
+            for column in own.columns.clone() {
+                let s = lattice.view(own.center[0], column);
+                let place = lattice.place(row, column);
+                let is_sampled = t.is_multiple_of(2) && s.is_multiple_of(2);
+                if !is_sampled || lattice.owners[place] as usize != lens || !self.sources[place].is_lit() {
+                    continue;
+                }
+                let found = gather(lattice, self.sources, lens, [row, column], levels - 1);
+                let (mut bright, mut difference) = ([0.0; LEVELS], [0.0; LEVELS]);
+                let block = &mut out[blocks.of([t, s])];
+                for level in 0..levels {
+                    let [r, g, b, d] = found.means[level];
+                    (bright[level], difference[level]) = (luminance([r, g, b]), d);
+                    block.counts[level] += f64::from(found.counts[level]);
+                }
+                block.evidence.add(&bright, &difference);
+                block.pixels += 1.0;
+            }
+        }
+        out
+    }
+
+    /// The microlenses of the same type at most `distance` rows and columns of the table away, as numbers from `first` on.
+    fn alike(&self, lens: usize, distance: usize, first: usize, count: usize) -> impl Iterator<Item = usize> {
+        let lattice = self.lattice;
+        let own_type = lattice.lenses[lens].lens_type;
+        let is_alike = move |other: &usize| lattice.lenses[*other].lens_type == own_type;
+        let numbers = lattice.around(lens, distance).filter(is_alike);
+        numbers.filter_map(move |other| other.checked_sub(first).filter(|&number| number < count))
+    }
+
+    /// The choices of the blocks of a microlens from the evidence around it, which is that of the microlenses from
+    /// `first` on. Blocks without evidence choose as the others do on average.
+    fn choose(&self, lens: usize, observed: &[Vec<Observed>], first: usize) -> Vec<Choice> {
+        let (lattice, levels) = (self.lattice, self.levels());
+        if lattice.lenses[lens].rows.is_empty() {
+            return Vec::new();
+        }
+        let blocks = lattice.blocks();
+        let of_block = |block: usize| {
+            let mut near = Vec::new();
+            let (mut window_pixels, mut pixels) = ([0.0; LEVELS], 0.0);
+            for number in self.alike(lens, LENSES, first, observed.len()) {
+                let Some(found) = observed[number].get(block).filter(|found| found.pixels > 0.0) else { continue };
+                near.push(found.evidence);
+                pixels += found.pixels;
+                for (sum, count) in window_pixels.iter_mut().zip(found.counts) {
+                    *sum += count;
+                }
+            }
+            let window_pixels = window_pixels.map(|sum: f64| (sum / pixels).max(1.0));
+            (!near.is_empty()).then(|| choice::choose(&near, levels, &window_pixels, blocks.size()))
+        };
+        let choices: Vec<Option<Choice>> = (0..blocks.count()).map(of_block).collect();
+        let mean = mean(choices.iter().flatten());
+        choices.into_iter().map(|choice| choice.unwrap_or(mean)).collect()
+    }
+
+    /// The pixels of a microlens from the choices around it, which are those of the microlenses from `first` on.
+    fn finish(&self, lens: usize, chosen: &[Vec<Choice>], first: usize) -> Vec<Finished> {
+        let lattice = self.lattice;
+        let blocks = lattice.blocks();
+        let own = &lattice.lenses[lens];
+        let smooth = self.smooth(lens, &blocks, chosen, first);
+        let mut out = Vec::new();
+        for row in own.rows.start.max(self.rows.start)..own.rows.end.min(self.rows.end) {
+            for column in own.columns.clone() {
+                let place = lattice.place(row, column);
+                let source = &self.sources[place];
+                if lattice.owners[place] as usize != lens || source.weight <= 0.0 {
+                    continue;
+                }
+                let view = [lattice.view(own.center[1], row), lattice.view(own.center[0], column)];
+                let choice = blocks.interpolate(&smooth, view);
+                let replaces = self.color.is_some() && source.is_lit();
+                let color = replaces.then(|| self.color_of(lens, [row, column], choice.level));
+                out.push(Finished { place, color, error: choice.error.sqrt() });
+            }
+        }
+        out
+    }
+
+    /// The means of the choices of a microlens and its neighbors.
+    fn smooth(&self, lens: usize, blocks: &Blocks, chosen: &[Vec<Choice>], first: usize) -> Vec<Choice> {
+        let near: Vec<&Vec<Choice>> = self
+            .alike(lens, SMOOTHED, first, chosen.len())
+            .map(|number| &chosen[number])
+            .filter(|choices| !choices.is_empty())
+            .collect();
+        (0..blocks.count()).map(|block| mean(near.iter().map(|choices| &choices[block]))).collect()
+    }
+
+    /// The light of a pixel: the mean over a window, or a mixture of those over two, times its weight.
+    fn color_of(&self, lens: usize, [row, column]: [usize; 2], level: f32) -> [f32; 3] {
+        // Means of levels may be rounded up.
+        let level = level.clamp(0.0, (self.levels() - 1) as f32);
+        let (lower, upper) = (level.floor() as usize, level.ceil() as usize);
+        let part = level - lower as f32;
+        let means = gather(self.lattice, self.sources, lens, [row, column], upper).means;
+        let weight = self.sources[self.lattice.place(row, column)].weight;
+        std::array::from_fn(|c| {
+            let (low, high) = (means[lower][c], means[upper][c]);
+            weight * if part > 0.0 { low + (high - low) * part } else { low }
+        })
+    }
+}
+
+/// The mean of choices; without any the pixel itself.
+fn mean<'a>(choices: impl Iterator<Item = &'a Choice>) -> Choice {
+    let (mut sum, mut count) = (Choice::default(), 0.0);
+    for choice in choices {
+        sum.level += choice.level;
+        sum.error += choice.error;
+        count += 1.0;
+    }
+    if count > 0.0 { Choice { level: sum.level / count, error: sum.error / count } } else { sum }
+}
+
+/// With one sample per pixel there are no halves. Of every two neighbors in a row of a micro-image, one gets their
+/// difference in place of a half difference and the other nothing, which has the variance of a pixel on average. Signs
+/// alternate, so that gradients cancel.
+pub(crate) fn differences_between_pixels(lattice: &Lattice, sources: &mut [Source]) {
+    let difference = |place: usize| {
+        let (row, column) = (lattice.rows.start + place / lattice.columns, place % lattice.columns);
+        let owner = lattice.owners[place];
+        let Some(own) = lattice.lenses.get(owner as usize) else { return 0.0 };
+        let (t, s) = (lattice.view(own.center[1], row), lattice.view(own.center[0], column));
+        let bright = |column: usize| luminance(sources[lattice.place(row, column)].color);
+        let is_partner = |column: usize| {
+            let place = lattice.place(row, column);
+            lattice.owners[place] == owner && sources[place].is_lit()
+        };
+        let left = column.checked_sub(1).filter(|&left| is_partner(left));
+        let right = Some(column + 1).filter(|&right| right < lattice.columns && is_partner(right));
+        let sign = if (t + s / 2).is_multiple_of(2) { 1.0 } else { -1.0 };
+        let is_first = s.is_multiple_of(2);
+        match (if is_first { right } else { left }, if is_first { left } else { right }) {
+            (Some(partner), _) if (t + s).is_multiple_of(2) => sign * (bright(column) - bright(partner)),
+            (Some(_), _) => 0.0,
+            // The one at the edge stands for itself.
+            (None, Some(partner)) => sign * (bright(column) - bright(partner)) * std::f32::consts::FRAC_1_SQRT_2,
+            (None, None) => 0.0,
+        }
+    };
+    let differences: Vec<f32> = (0..sources.len()).into_par_iter().map(difference).collect();
+    for (source, difference) in sources.iter_mut().zip(differences) {
+        source.difference = difference;
+    }
+}

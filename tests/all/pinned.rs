@@ -1,0 +1,108 @@
+//! Renders of the library, pinned to the bit: SHA-256 of every render's arrays, against `pinned/arrays.txt`.
+//!
+//! What changes pixels on purpose writes the list anew (`HOLO_PIN=write cargo test --test all pinned::`) and says why in the
+//! changelog; nothing else may change a line of it.
+//!
+//! The arrays are the same for any number of threads and any instruction set. They are pinned on 64-bit Linux with
+//! glibc alone, because the gallery's shapes are computed with the system's sine and cosine; and for Embree 4.4.0
+//! alone.
+
+use crate::common;
+use crate::pins;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use crate::common::{engines, rig};
+use holo_core::Projection;
+use holo_io::{Limits, Sha256};
+use holo_render::{Backend, Denoise, GroundTruth, Integrator, LayerSet, Rendered, Renderer, Request};
+use holo_scene::{Environment, Scene};
+use holo_scene::{gallery, gltf};
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests")
+}
+
+/// The digest of float values in the order of their axes.
+fn digest<'a>(values: impl Iterator<Item = &'a f32>) -> String {
+    let bytes: Vec<u8> = values.flat_map(|value| value.to_bits().to_le_bytes()).collect();
+    Sha256::of(&bytes).to_string()
+}
+
+/// A line for the color, one for its estimated error, and one for the layers of each kind.
+fn lines(name: &str, rendered: &Rendered, lines: &mut BTreeMap<String, String>) {
+    if let Some(color) = &rendered.color {
+        lines.insert(format!("{name}/color"), digest(color.samples().iter()));
+    }
+    if let Some(error) = &rendered.error {
+        lines.insert(format!("{name}/error"), digest(error.samples().iter()));
+    }
+    lines.insert(format!("{name}/central"), digest(rendered.central.iter().flat_map(|(_, image)| image)));
+    if let Some(all) = &rendered.all {
+        lines.insert(format!("{name}/all"), digest(all.iter().flat_map(|(_, field)| field.samples().into_iter())));
+    }
+}
+
+/// The gallery, and a scene from a file with an environment map.
+fn scenes() -> Vec<(&'static str, Scene)> {
+    let mut scenes: Vec<_> =
+        gallery::NAMES.iter().map(|&name| (name, gallery::scene(name).expect("a scene of the gallery"))).collect();
+    let radiance = folder().join("radiance");
+    let mut window = gltf::load(&radiance.join("window.glb"), &gltf::Limits::default()).expect("a scene").scene;
+    let map = holo_io::read_hdr(radiance.join("window_sky.hdr"), &Limits::default()).expect("a map");
+    window.environment = Some(Environment { radiance: map });
+    scenes.push(("window", window));
+    scenes
+}
+
+fn arrays(backend: Backend, engine: &str) -> BTreeMap<String, String> {
+    let mut found = BTreeMap::new();
+    for (name, scene) in scenes() {
+        let renderer = Renderer::new(&scene, &scene.cameras[0].pose, backend, 0).expect("a renderer");
+        let sky = if name == "garden" { [0.3, 0.4, 0.5] } else { [0.0; 3] };
+        let focused = |views, lenses, projection| rig(views, lenses, 1e-3, 0.6, projection);
+        let dense = focused([5, 6], [12, 17], Projection::Perspective);
+        let path = Request::new(dense).samples(3).seed(5).sky(sky).max_bounces(5);
+        let mut put = |what: &str, request: Request| {
+            let rendered = renderer.render(&request, &()).expect("a render");
+            lines(&format!("{engine}/{name}/{what}"), &rendered, &mut found);
+        };
+        put("path", path.clone().integrator(Integrator::Path));
+        put("direct", path.clone().integrator(Integrator::Direct).layers(LayerSet::ALL));
+        put("no_indirect", path.clone().indirect(false).samples(1));
+        let sparse = focused([1, 2], [19, 23], Projection::Perspective);
+        put("adaptive", path.clone().target_error(Some(0.2)).samples(64).camera(sparse));
+        put("denoised", path.clone().denoise(Denoise::Views).estimate_error(true));
+        let parallel = focused([9, 4], [7, 5], Projection::Orthographic);
+        let truth = Request::new(parallel).integrator(Integrator::Depth).layers(LayerSet::ALL);
+        put("parallel", truth.clone().ground_truth(GroundTruth::All));
+        put("rows", truth.camera(dense).rows(Some(4..9)));
+    }
+    found
+}
+
+#[test]
+fn no_bit_of_a_render_changes() {
+    if !cfg!(all(target_os = "linux", target_env = "gnu", target_arch = "x86_64")) {
+        println!("not run: the arrays are pinned on 64-bit x86 Linux with glibc");
+        return;
+    }
+    let list = folder().join("pinned").join("arrays.txt");
+    let mut found = BTreeMap::new();
+    for backend in engines() {
+        let name = Renderer::new(&common::soup(4, 1), &holo_scene::Transform::IDENTITY, backend, 1)
+            .expect("a renderer")
+            .engine_name()
+            .to_owned();
+        let pinned = match name.as_str() {
+            "bvh" => Some("bvh"),
+            "embree 4.4.0" | "embree 4.4.0 avx2" | "embree 4.4.0 avx512" => pins::embree(),
+            _ => None,
+        };
+        match pinned {
+            Some(engine) => found.extend(arrays(backend, engine)),
+            None => println!("not run for {name}: the arrays are pinned for Embree 4.4.0 with AVX2 or AVX-512"),
+        }
+    }
+    pins::check(&list, &found, |_| false);
+}
