@@ -103,8 +103,8 @@ impl TargetJob {
         for (frame, pose) in poses.iter().enumerate() {
             let placed = transform(pose);
             count += self.list_corners(frame, &placed, &mut table);
-            let threads = self.engine.threads.map_or(0, std::num::NonZeroUsize::get);
-            let renderer = Renderer::new(&self.board(&placed), &Transform::IDENTITY, self.engine.backend, threads)?;
+            let EngineSettings { backend, threads } = self.engine;
+            let renderer = Renderer::new(&self.board(&placed), &Transform::IDENTITY, backend, threads)?;
             let request = Request::new(camera.clone()).integrator(Integrator::Direct).samples(self.samples);
             let request = request.seed(self.seed + frame as u64).layers(LayerSet::EMPTY);
             let color = renderer.render(&request, progress)?.color;
