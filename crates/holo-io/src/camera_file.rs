@@ -64,8 +64,8 @@ use sensor_table::{SensorTable, noise_lines};
 use serde::Deserialize;
 use tables::{MainLensTable, MlaTable, grid_name, um};
 
-use crate::Error;
 use crate::limits::read_small_file;
+use crate::{Error, Folder};
 
 mod sensor_table;
 mod tables;

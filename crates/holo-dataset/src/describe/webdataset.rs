@@ -27,9 +27,10 @@ const COPIES: [&str; 2] = [VIEWPOINT_PNG, LIGHT_FIELD_MAT];
 /// What the archives of a dataset contain.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WebDataset {
-    /// The fields of every sample, such as `el.png`, each without `scene_`; none: all files of a folder except for those
-    /// in its subfolders, and beside `el.png` without `vpi.png` and `5d.mat`, which have its pixels in another order.
-    pub fields: Vec<String>,
+    /// The fields of every sample, such as `el.png`, each without `scene_`; `None`: all files of a folder except for
+    /// those in its subfolders, and beside `el.png` without `vpi.png` and `5d.mat`, which have its pixels in another
+    /// order.
+    pub fields: Option<Vec<String>>,
     /// The largest size of the files of light fields in an archive, bytes. A sample is never divided.
     pub max_bytes: u64,
 }
@@ -62,7 +63,7 @@ struct Sample {
 impl Default for WebDataset {
     /// All fields, and a gigabyte an archive.
     fn default() -> Self {
-        Self { fields: Vec::new(), max_bytes: 1_000_000_000 }
+        Self { fields: None, max_bytes: 1_000_000_000 }
     }
 }
 
@@ -71,13 +72,16 @@ impl WebDataset {
     /// scenes for training, `test-000000.tar` for the others.
     ///
     /// # Errors
-    /// [`Error::BadRequest`] if a light field lacks a requested field or has no files but those in subfolders, if two have the
-    /// same key, or `out` has archives of
-    /// this name already; [`Error::Failed`] if no folder is finished; [`Error::Io`] if files cannot be read or written,
-    /// or have another size than their manifest says.
+    /// [`Error::BadRequest`] if no field is requested, if a light field lacks a requested one or has no files but those
+    /// in subfolders, if two have the same key, or `out` has archives of this name already; [`Error::Failed`] if no
+    /// folder is finished; [`Error::Io`] if files cannot be read or written, or have another size than their manifest
+    /// says.
     pub fn write(&self, root: &Path, out: &Path, rollback: &Rollback) -> Result<Vec<Archive>, Error> {
         if !is_dataset(root) {
             return Err(Error::BadRequest(format!("{}: not a folder of `holo dataset`", root.display())));
+        }
+        if self.fields.as_ref().is_some_and(Vec::is_empty) {
+            return Err(Error::BadRequest("`fields` names no file; without it samples have all files".into()));
         }
         let opened = Folder::open(root)?;
         let index = DatasetIndex::read_in(&opened)?;
@@ -122,16 +126,16 @@ impl WebDataset {
         let file = |name: &str, bytes: u64| FileOfSample { name: format!("{}/{name}", record.folder), bytes };
         let mut files: Vec<(String, FileOfSample)> = listed
             .filter(|(name, _)| !name.contains('/'))
-            .filter(|(name, _)| !self.fields.is_empty() || !has_raw_image || !COPIES.contains(&name.as_str()))
+            .filter(|(name, _)| self.fields.is_some() || !has_raw_image || !COPIES.contains(&name.as_str()))
             .map(|(name, written)| (field(name).to_owned(), file(name, written.bytes)))
             .collect();
-        if !self.fields.is_empty() {
-            if let Some(missing) = self.fields.iter().find(|field| !files.iter().any(|(own, ..)| own == *field)) {
+        if let Some(fields) = &self.fields {
+            if let Some(missing) = fields.iter().find(|field| !files.iter().any(|(own, ..)| own == *field)) {
                 let own: Vec<&str> = files.iter().map(|(field, ..)| field.as_str()).collect();
                 let (folder, own) = (&record.folder, own.join(", "));
                 return Err(Error::BadRequest(format!("{folder} has no {missing}; it has {own}")));
             }
-            files.retain(|(field, ..)| self.fields.contains(field));
+            files.retain(|(field, ..)| fields.contains(field));
         }
         if files.iter().all(|(own, ..)| own == PARAMETERS_CFG) {
             return Err(Error::BadRequest(format!(
@@ -266,7 +270,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let [root, out] = ["dataset", "out"].map(|name| folder.path().join(name));
         dataset(&root);
-        let web = WebDataset { fields: vec!["el.png".into(), "disparity.pfm".into()], max_bytes: 1 };
+        let web = WebDataset { fields: Some(vec!["el.png".into(), "disparity.pfm".into()]), max_bytes: 1 };
         let archives = web.write(&root, &out, &Rollback::default()).unwrap();
         let names: Vec<&str> = archives.iter().map(|archive| archive.name.as_str()).collect();
         let expected =
@@ -310,9 +314,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let [root, out] = ["dataset", "out"].map(|name| folder.path().join(name));
         dataset(&root);
-        let web = WebDataset { fields: vec!["normal.pfm".into()], ..WebDataset::default() };
+        let web = WebDataset { fields: Some(vec!["normal.pfm".into()]), ..WebDataset::default() };
         let why = web.write(&root, &out, &Rollback::default()).unwrap_err().to_string();
         assert!(why.contains("plaster/3x3 has no normal.pfm; it has parameters.cfg, 5d.mat, depth.pfm"), "{why}");
+        let nothing = WebDataset { fields: Some(Vec::new()), ..WebDataset::default() };
+        assert!(matches!(nothing.write(&root, &out, &Rollback::default()), Err(Error::BadRequest(_))));
         // A truncated file.
         std::fs::write(root.join("tiles/3x3/scene_el.png"), b"short").unwrap();
         let why = WebDataset::default().write(&root, &out, &Rollback::default()).unwrap_err().to_string();
@@ -321,7 +327,7 @@ mod tests {
         // An archive is not overwritten.
         std::fs::create_dir(&out).unwrap();
         std::fs::write(out.join("train-000000.tar"), b"own").unwrap();
-        let web = WebDataset { fields: vec!["depth.pfm".into()], ..WebDataset::default() };
+        let web = WebDataset { fields: Some(vec!["depth.pfm".into()]), ..WebDataset::default() };
         let why = web.write(&root, &out, &Rollback::default()).unwrap_err().to_string();
         assert!(why.contains("exists already"), "{why}");
         assert_eq!(std::fs::read(out.join("train-000000.tar")).unwrap(), b"own");
