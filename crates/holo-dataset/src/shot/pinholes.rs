@@ -37,7 +37,7 @@ pub(super) fn render(
     setup: &Setup,
     (stage, world): (&Stage, &World),
     shot: &Shot,
-    (folder, shard): (OutputFolder, Option<Shard>),
+    (mut folder, shard): (OutputFolder, Option<Shard>),
     options: &RunOptions,
 ) -> Result<RenderReport, Error> {
     let Some(array) = setup.settings.poses.cameras() else {
