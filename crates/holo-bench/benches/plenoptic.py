@@ -76,7 +76,7 @@ def squared_error(image, exact):
 
 os.makedirs(folder, exist_ok=True)
 os.chdir(folder)
-run("scene", scene, "--out", "scene.glb", "--quiet")
+run("scene", scene, "--out", "scene.glb")
 for name in ("lytro-illum", "raytrix-r12-a"):
     text = subprocess.run([holo, "camera", name], check=True, capture_output=True, text=True).stdout
     size = [int(x) // 10 for x in re.search(r"size_px = \[(\d+), (\d+)\]", text).groups()]
@@ -91,7 +91,7 @@ for name in ("lytro-illum", "raytrix-r12-a"):
     parts = [f"{name}_part{k}" for k in (1, 2, 3)]
     for k, part in enumerate(parts, 1):
         run(*render(part, *how, "--shard", f"{k}/3")[1:])
-    run("merge", *parts, "--out", merged)
+    run("merge", merged, *parts)
     equal = all(same(whole, other, file) for other in (again, merged) for file in ("raw.exr", "raw_error.pfm"))
     timed(f"{name}_exact", "--spp", REFERENCE, "--seed", "99", "--texture-filter", "off")
     exact = read(f"{name}_exact")

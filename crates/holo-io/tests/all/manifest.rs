@@ -190,7 +190,7 @@ fn files_too_long_to_be_a_manifest_are_not_read() {
     fs::File::create(&path).unwrap().set_len(17 << 20).unwrap();
     assert!(matches!(Manifest::read(&path), Err(Error::TooLarge { .. })));
     #[cfg(target_os = "linux")]
-    assert!(matches!(Manifest::read("/dev/zero"), Err(Error::TooLarge { .. })));
+    assert!(Manifest::read("/dev/zero").unwrap_err().to_string().contains("a device"));
     assert!(matches!(Manifest::read(folder.path().join("none")), Err(Error::Io { .. })));
 }
 
