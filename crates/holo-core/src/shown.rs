@@ -26,7 +26,7 @@ pub fn shown(text: &str) -> Cow<'_, str> {
     if end == text.len() { visible } else { Cow::Owned(format!("{visible}...")) }
 }
 
-/// Returns text of a file in whole, with control characters as in [`shown`]: for values of which every part counts.
+/// Returns the whole text of a file, with control characters as in [`shown`]: for values that must not be shortened.
 #[must_use]
 pub fn visible(text: &str) -> Cow<'_, str> {
     if !text.chars().any(is_hidden) {

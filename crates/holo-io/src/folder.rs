@@ -280,7 +280,7 @@ impl Folder {
         Ok(bytes)
     }
 
-    /// Computes the size and the digest of a regular file, of which at most one byte more than `max_bytes` is read.
+    /// Computes the size and the digest of a regular file. Reads at most one byte more than `max_bytes`.
     ///
     /// # Errors
     ///

@@ -168,7 +168,7 @@ fn no_library_of_the_working_folder_is_loaded() {
         fs::create_dir_all(bench.path(folder)).unwrap();
         fs::write(bench.path(folder).join("libembree4.so.4"), "no library").unwrap();
     }
-    // Where no folder `embree` lies beside it.
+    // The copy has no folder `embree` next to it.
     fs::copy(env!("CARGO_BIN_EXE_holo"), bench.path("bin/holo")).unwrap();
     for value in ["", ".", "holo/.."] {
         let mut command = Command::new(bench.path("bin/holo"));

@@ -483,7 +483,7 @@ fn raw_memory(settings: &RenderSettings, wanted: &Wanted) -> usize {
     let has_guides = color > 0 && (is_denoised || wanted.error);
     let statistics = usize::from(has_guides || wanted.raw.iter().any(|layer| layer.needs_samples())) * STATISTICS;
     let guides = if has_guides { 2 + SOURCE } else { 0 };
-    // In rounds the values of all packets stay, of which some have fewer pixels than lanes.
+    // In rounds the values of all packets stay in memory. Some packets have fewer pixels than lanes.
     let is_in_rounds = has_guides && is_denoised && settings.light.target_error.is_some();
     let rounds = if is_in_rounds { (color + 2 + STATISTICS) * 5 / 4 } else { 0 };
     let error = usize::from(wanted.error || is_in_rounds);

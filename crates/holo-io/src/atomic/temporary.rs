@@ -102,7 +102,7 @@ impl Temporary {
         }
     }
 
-    /// Creates a temporary file in the folder of `target`, of which a path must be absolute.
+    /// Creates a temporary file in the folder of `target`. If `target` is a path, it must be absolute.
     fn create(target: Place) -> io::Result<(File, Self)> {
         let name = target.name().ok_or(io::ErrorKind::InvalidInput)?;
         let end = (0..=name.len().min(MAX_NAME_BYTES)).rev().find(|&at| name.is_char_boundary(at)).unwrap_or(0);

@@ -3,7 +3,7 @@
 //! A dataset of HDF5 may lie in any other file: as external storage, behind an external link, or as the source of a virtual
 //! dataset. The library opens these files when values are read, whatever they are and wherever they lie, so that the bytes
 //! of `/etc/passwd` become pixels. An unknown filter makes it load a library. So every dataset that is read here is found by
-//! links that lie in the file, and the place of its values is checked before anything else is asked of it.
+//! links that lie in the file, and the place of its values is checked before anything else is read.
 
 use std::path::Path;
 
