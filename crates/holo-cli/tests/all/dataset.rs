@@ -34,7 +34,7 @@ fn a_dataset_has_the_folders_of_the_paper_and_tells_what_it_is() {
         assert!(list.contains(&format!("tiny/4x2/{file}")), "{file}");
     }
     let index = holo_io::dataset::DatasetIndex::read(bench.path("set")).unwrap();
-    assert_eq!(index.shapes.len(), 4);
+    assert_eq!(index.cameras.len(), 4);
     assert_eq!(index.options["spp"], "2");
     let page = std::fs::read_to_string(bench.path("set/DATASET.md")).unwrap();
     for part in ["| `tiny` |", "| `4x2` | 4x2 | 15x20 | 60x40 |", "CC0", "--spp=2"] {
