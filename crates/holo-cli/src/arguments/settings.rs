@@ -14,7 +14,7 @@ pub trait Scope: Clone + std::fmt::Debug {
     /// Whether it has the setting of this key.
     fn has(key: &str) -> bool;
 
-    /// The help of a setting whose default is another one here than the table says.
+    /// The help of a setting whose default or effect is another one here than the table says.
     fn help(_: &str) -> Option<String> {
         None
     }

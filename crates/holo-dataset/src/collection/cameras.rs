@@ -7,7 +7,7 @@ use holo_io::{CameraArray, CameraFile};
 use crate::Error;
 use crate::output::Wanted;
 use crate::settings::{Camera, Pixels, RenderSettings, RigSettings};
-use crate::shot::camera_digest;
+use crate::shot::{camera_digest, shifted};
 
 /// The cameras of a dataset: each has a folder of every scene.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,11 +73,11 @@ fn rigs(views: &[GridSize], settings: &RenderSettings) -> Result<Vec<Planned>, E
                 return bad("a dataset divides one sensor by several numbers of views; give `sensor`");
             }
         };
-        let camera = DatasetCamera::Rig(shape);
+        let rig = RigSettings { views, ..rig.clone() };
+        let camera = DatasetCamera::Rig(shifted(&rig, shape)?);
         if planned.iter().any(|(other, _)| *other == camera) {
             return bad(format!("`views` has {views} twice"));
         }
-        let rig = RigSettings { views, ..rig.clone() };
         planned.push((camera, RenderSettings { camera: rig.into(), ..settings.clone() }));
     }
     Ok(planned)

@@ -83,7 +83,8 @@ fn remove_file(path: &Path) -> Result<(), Error> {
 }
 
 /// Writes what the root of a dataset says of its finished folders: `croissant.json`, `light_fields.csv`, `train.txt`,
-/// `test.txt`, and `contact_sheet_<camera>.png` of every camera for which all scenes are finished. Contact sheets that are newer than all of their folders stay. An image that cannot be read is an empty tile and a warning.
+/// `test.txt`, and `contact_sheet_<camera>.png` of every camera for which all scenes are finished. Contact sheets that are
+/// newer than all of their folders stay. An image that cannot be read is an empty tile and a warning.
 ///
 /// # Errors
 /// [`Error::Io`] if `dataset.json` cannot be read, or if a file cannot be written.
@@ -137,7 +138,7 @@ fn is_of(manifest: &Manifest, camera: &DatasetCamera) -> bool {
     match camera {
         DatasetCamera::Rig(shape) => manifest.rig.is_some_and(|rig| rig.shape() == shape),
         DatasetCamera::Plenoptic { sha256, .. } => {
-            manifest.settings.get("camera_sha256").and_then(ManifestValue::as_text) == Some(sha256)
+            manifest.settings.get("camera_sha256").and_then(ManifestValue::as_text) == Some(sha256.as_str())
         }
     }
 }

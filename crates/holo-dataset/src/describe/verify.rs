@@ -169,7 +169,7 @@ pub(crate) fn differences(index: &DatasetIndex, manifest: &Manifest, folder: &Pa
     }
     let camera = index.cameras.iter().find(|camera| folder.ends_with(camera.name()));
     if let Some(DatasetCamera::Plenoptic { sha256, .. }) = camera
-        && digest("camera_sha256") != Some(sha256)
+        && digest("camera_sha256") != Some(sha256.as_str())
     {
         differences.push("made with another camera of this name".into());
     }

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use holo_core::color::linear_to_srgb8;
-use holo_core::{DynImage, DynLightField, GridSize, LightFieldOwned, Sample, for_each_sample};
+use holo_core::{DynLightField, GridSize, LightFieldOwned, Sample, for_each_sample};
 use holo_io::dataset::{DatasetCamera, DatasetFolder, MANIFEST_JSON, RAW_PNG};
 use holo_io::{ColorEncoding, Compression, Limits};
 use image::imageops::{self, FilterType};
