@@ -209,6 +209,36 @@ mod tests {
         assert_eq!(std::fs::read_to_string(root.path().join("croissant.json")).unwrap(), text);
     }
 
+    /// All poses of a scene are in the same split, here those of the fifth.
+    #[test]
+    fn poses_of_a_scene_stay_together() {
+        let root = tempfile::tempdir().unwrap();
+        let names: Vec<String> = holo_scene::gallery::NAMES.iter().take(5).map(|name| (*name).to_owned()).collect();
+        let camera = |name: &str, x: f64| holo_io::ArrayCamera {
+            name: name.into(),
+            axes_and_position: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [x, 0.3, 1.2]],
+            focal_px: 14.0,
+            size: Some(GridSize::new(8, 12)),
+        };
+        let cameras = holo_io::CameraArray { cameras: vec![camera("left", -0.1), camera("right", 0.1)] };
+        let (pixels, focus) = (Pixels::OfPoses, crate::Focus::Meters(1.0));
+        let rig = RigSettings { pixels, focus, ..RigSettings::default() };
+        let mut settings = RenderSettings { camera: rig.into(), ..RenderSettings::default() };
+        settings.poses = crate::Poses::Array { cameras, up: holo_io::WorldUp::Y };
+        settings.output.write = vec![crate::Output::Disparity];
+        let (sources, views) = (sources(Some(&names), &[]).unwrap(), [GridSize::new(3, 3)]);
+        let plan = DatasetPlan::new(&sources, &views, settings, EngineSettings::default()).unwrap();
+        plan.describe(root.path(), &(), &Rollback::default()).unwrap();
+        let mut run = plan.run();
+        for job in plan.jobs() {
+            run.job(job, root.path(), &RunOptions::new()).unwrap();
+        }
+        assert_eq!(write_catalog(root.path(), &()).unwrap(), Described { finished: 10, of: 10 });
+        let lines = |name: &str| std::fs::read_to_string(root.path().join(name)).unwrap();
+        assert_eq!(lines("test.txt"), format!("{0}_left/3x3\n{0}_right/3x3\n", names[4]));
+        assert_eq!(lines("train.txt").lines().count(), 8);
+    }
+
     /// Names as they are typed may contain what separates values.
     #[test]
     fn values_are_quoted() {
