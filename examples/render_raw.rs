@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let framing = Framing::new(LightFieldShape::new(GridSize::new(10, 10), GridSize::new(80, 120))?)
         .baseline(Baseline::Meters(0.002));
     let framed = framing.frame(&scene)?;
-    let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0)?;
+    let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, None)?;
     let request = Request::new(framed.rig(0.5)?).integrator(Integrator::Direct).samples(4).sky([0.1, 0.1, 0.12]);
     let rendered = renderer.render(&request, &())?;
 

@@ -25,7 +25,7 @@ fn five_views_have_the_depth_of_blender() {
     let framed = framing.frame(&loaded.scene).unwrap();
     let rig = framed.rig(6.0).unwrap();
     for backend in common::engines() {
-        let renderer = Renderer::new(&loaded.scene, &framed.pose, backend, 0).unwrap();
+        let renderer = Renderer::new(&loaded.scene, &framed.pose, backend, None).unwrap();
         let all = renderer.render(&common::truth(rig), &()).unwrap().all.expect("requested");
         for (t, s) in [(0, 0), (0, 40), (13, 29), (20, 20), (40, 40)] {
             let file = folder.join(format!("still_life_depth_t{t}_s{s}.pfm"));

@@ -1,5 +1,7 @@
 //! Reconstruction across views: less error, the same bytes for parts and threads, no effect where it is off.
 
+use std::num::NonZeroUsize;
+
 use crate::common;
 use crate::common::rig;
 use holo_core::{GridSize, LightFieldOwned, LightFieldShape, Projection, ViewIndex};
@@ -13,7 +15,7 @@ fn prepared(name: &str, movement_px: f64) -> (Renderer, Request) {
     let scene = gallery::scene(name).expect("a scene of the gallery");
     let shape = LightFieldShape::new(GridSize::new(24, 24), GridSize::new(12, 18)).expect("sizes");
     let framed = Framing::new(shape).frame(&scene).expect("a camera");
-    let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
+    let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, None).expect("a renderer");
     let focus_m = renderer.automatic_focus_m(&framed).expect("a focus");
     let rig = framed.rig(focus_m).expect("a rig");
     let (near_m, _) = renderer.central_depths_m(&rig).expect("depths").expect("something is seen");
@@ -166,8 +168,10 @@ fn an_estimate_of_the_error_changes_nothing() {
 #[test]
 fn parts_have_the_bytes_of_the_whole() {
     let scene = common::soup(80, 3);
-    let renderer =
-        |threads| Renderer::new(&scene, &holo_scene::Transform::IDENTITY, Backend::Bvh, threads).expect("a renderer");
+    let renderer = |threads| {
+        Renderer::new(&scene, &holo_scene::Transform::IDENTITY, Backend::Bvh, NonZeroUsize::new(threads))
+            .expect("a renderer")
+    };
     let (one, three) = (renderer(1), renderer(3));
     // Elemental images as tiles; rows of microlenses as tiles, with points that move by several pixels.
     for (views, lenses, baseline_m) in [([70, 70], [22, 3], 0.0005), ([4, 5], [60, 40], 0.03)] {

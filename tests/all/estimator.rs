@@ -48,7 +48,7 @@ impl Case {
     }
 
     fn new(name: &'static str, scene: &Scene, focus_m: f64, sky: f32) -> Self {
-        let renderer = Renderer::new(scene, &scene.cameras[0].pose, Backend::Auto, 0).expect("a scene");
+        let renderer = Renderer::new(scene, &scene.cameras[0].pose, Backend::Auto, None).expect("a scene");
         Self { name, renderer, rig: rig([2, 2], [4, 6], 1e-3, focus_m, Projection::Perspective), sky: [sky; 3] }
     }
 

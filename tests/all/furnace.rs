@@ -68,7 +68,7 @@ fn furnace(material: Material, samples: u32, bounces: u32, seed: u64) -> (f64, f
     let mut scene = Scene::default();
     common::add(&mut scene, sphere(0.6), [1.0; 4], Transform::from_translation([0.0, 0.0, -2.0]));
     scene.materials[0] = material;
-    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, None).expect("a scene");
     let request = Request::new(rig([3, 3], [12, 18], 0.05, 2.0, Projection::Perspective))
         .integrator(Integrator::Path)
         .samples(samples)

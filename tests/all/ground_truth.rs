@@ -1,5 +1,7 @@
 //! Depth and disparity against closed forms, against each other, and against other views.
 
+use std::num::NonZeroUsize;
+
 use crate::common::{add, engines, render, rig, soup, square, truth};
 use holo_core::Projection;
 use holo_render::{Backend, Layer, Renderer};
@@ -44,7 +46,10 @@ fn the_central_view_is_one_of_all() {
         let rig = rig(views, [11, 13], 0.02, 3.0, Projection::Perspective);
         let scene = soup(200, 3);
         let rendered = render(&scene, &truth(rig), Backend::Bvh, 2);
-        let alone = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, 1).unwrap().central_truth(&rig).unwrap();
+        let alone = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, NonZeroUsize::new(1))
+            .unwrap()
+            .central_truth(&rig)
+            .unwrap();
         assert_eq!(alone, rendered.central);
         let depth_m = &alone[Layer::Depth];
         assert!(depth_m.iter().any(|z| z.is_finite()) && depth_m.iter().any(|z| z.is_infinite()));

@@ -1,5 +1,7 @@
 //! Hard cases of precision and robustness.
 
+use std::num::NonZeroUsize;
+
 use crate::common::{add, engines, everything, render, render_from, rig, soup, square, truth};
 use holo_core::{Projection, RigRay};
 use holo_render::{Backend, Error, Integrator, Layer, Renderer};
@@ -252,7 +254,7 @@ fn sizes_at_the_edges_of_index_types_work() {
 /// Sizes beyond memory are errors without an allocation.
 #[test]
 fn absurd_sizes_are_errors() {
-    let renderer = Renderer::new(&soup(4, 1), &Transform::IDENTITY, Backend::Bvh, 1).unwrap();
+    let renderer = Renderer::new(&soup(4, 1), &Transform::IDENTITY, Backend::Bvh, NonZeroUsize::new(1)).unwrap();
     let huge = rig([30_000, 30_000], [10_000, 10_000], 1e-5, 3.0, Projection::Perspective);
     for request in [truth(huge), everything(huge, 1, [1.0; 3])] {
         assert!(matches!(renderer.render(&request, &()), Err(Error::Core(_))));
@@ -371,7 +373,9 @@ fn broken_scenes_are_named_errors() {
     for (scene, word) in
         [(nan, "meshes[0]"), (range, "meshes[1]"), (far, "mesh"), (canceling, "mesh"), (glaring, "lights[0]")]
     {
-        let Err(error) = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, 1) else { panic!("accepted") };
+        let Err(error) = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, NonZeroUsize::new(1)) else {
+            panic!("accepted")
+        };
         assert!(error.to_string().contains(word), "{error}");
     }
 }
@@ -379,7 +383,7 @@ fn broken_scenes_are_named_errors() {
 /// A rig beyond the range of f32 is an error.
 #[test]
 fn a_rig_of_absurd_size_is_an_error() {
-    let renderer = Renderer::new(&soup(4, 1), &Transform::IDENTITY, Backend::Bvh, 1).unwrap();
+    let renderer = Renderer::new(&soup(4, 1), &Transform::IDENTITY, Backend::Bvh, NonZeroUsize::new(1)).unwrap();
     let rig = rig([2, 2], [3, 3], 1e39, f64::INFINITY, Projection::Perspective);
     assert!(matches!(renderer.render(&truth(rig), &()), Err(Error::BadSetting(_))));
 }

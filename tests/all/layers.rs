@@ -1,6 +1,8 @@
 //! Every layer (AOV) against a reference implementation in f64 without packets, ray tracing backends or camera
 //! coordinates.
 
+use std::num::NonZeroUsize;
+
 use crate::common::{Random, cross, dot, engines, render_from, rig, square, sub};
 use holo_core::{LightFieldOwned, Projection, Rig};
 use holo_render::{Backend, GroundTruth, Integrator, Layer, LayerSet, Layers, Renderer, Request};
@@ -290,7 +292,7 @@ fn any_subset_of_the_layers_can_be_requested() {
     let nothing = request(rig).layers(LayerSet::EMPTY);
     let rendered = render_from(&scene, &pose, &nothing, Backend::Bvh, 1);
     assert_eq!((rendered.central, rendered.all, rendered.rays.total()), (Layers::default(), None, 0));
-    let renderer = Renderer::new(&scene, &pose, Backend::Bvh, 1).expect("a renderer");
+    let renderer = Renderer::new(&scene, &pose, Backend::Bvh, NonZeroUsize::new(1)).expect("a renderer");
     let central = renderer.central_layers(&rig, first).expect("layers");
     assert_eq!(central.set(), first);
 }

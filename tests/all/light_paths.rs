@@ -1,5 +1,7 @@
 //! Hard cases of glass and mirrors: energy is bounded, and no radiance is NaN.
 
+use std::num::NonZeroUsize;
+
 use crate::common;
 use crate::common::{add, rig, square};
 use holo_core::{GridSize, LightFieldShape, Projection, Rig};
@@ -27,7 +29,7 @@ fn place(scene: &mut Scene, mesh: Mesh, material: Material, transform: Transform
 
 /// Mean and largest radiance under a sky of 1, by paths of many bounces.
 fn under_the_sky(scene: &Scene, pose: &Transform, samples: u32, bounces: u32) -> (f64, f32) {
-    let renderer = Renderer::new(scene, pose, Backend::Auto, 0).expect("a scene");
+    let renderer = Renderer::new(scene, pose, Backend::Auto, None).expect("a scene");
     let request = Request::new(rig([3, 3], [12, 18], 0.01, 2.0, Projection::Perspective))
         .integrator(Integrator::Path)
         .samples(samples)
@@ -82,7 +84,7 @@ fn sixty_four_bounces_between_mirrors_lose_nothing_and_gain_nothing() {
         let mut scene = Scene::default();
         place(&mut scene, square(1.0), mirror(reflectance), Transform::from_translation([0.0, 0.0, -1.0]));
         place(&mut scene, square(1.0), mirror(reflectance), Transform::from_translation([0.0, 0.0, 0.5]));
-        let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+        let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, None).expect("a scene");
         let request = Request::new(rig).integrator(Integrator::Path).sky([1.0; 3]).max_bounces(64).roulette(false);
         let color = renderer.render(&request, &()).expect("a render").color.expect("an image");
         let (mut judged, mut most, mut trapped) = (0, 0, 0);
@@ -140,7 +142,7 @@ fn radiance_at_grazing_and_critical_angles_is_finite() {
         let tilted = Transform::from_parts([0.0, 0.0, -2.0], [sin, 0.0, 0.0, cos], [1.0; 3]);
         let mut scene = Scene::default();
         place(&mut scene, square(3.0), Material { volume: None, ..glass(1.5) }, tilted);
-        let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+        let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, None).expect("a scene");
         let (rig, integrator) = (narrow_rig(angle / 8.0), Integrator::Path);
         let request = Request::new(rig).integrator(integrator).samples(16).sky([1.0; 3]).max_bounces(16);
         let rendered = renderer.render(&request, &()).expect("a render");
@@ -165,7 +167,7 @@ fn radiance_at_grazing_and_critical_angles_is_finite() {
         let mut scene = Scene::default();
         // The camera in the middle of the glass looks at a face under the critical angle.
         place(&mut scene, cube(1.0), glass(1.5), tilted);
-        let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+        let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, None).expect("a scene");
         let (rig, integrator) = (narrow_rig(critical * width), Integrator::Path);
         let (samples, roulette) = (256, false);
         let request =
@@ -192,7 +194,8 @@ fn images_scale_with_very_strong_and_very_faint_light() {
         let mut scene = common::soup(60, 3);
         let kind = LightKind::Point { position: [0.5, 1.0, 0.0], range: None };
         scene.lights.push(Light { name: "lamp".into(), intensity: [power; 3], kind });
-        let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 1).expect("a scene");
+        let renderer =
+            Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, NonZeroUsize::new(1)).expect("a scene");
         let request = Request::new(rig([2, 2], [8, 12], 0.01, 3.0, Projection::Perspective))
             .integrator(Integrator::Path)
             .samples(4)
@@ -224,7 +227,7 @@ fn what_lies_in_absorbing_glass_is_attenuated() {
     };
     let lamp = Material { emission: [1.0; 3], ..Material::default() };
     let color = |scene: &Scene| {
-        let renderer = Renderer::new(scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+        let renderer = Renderer::new(scene, &Transform::IDENTITY, Backend::Auto, None).expect("a scene");
         let rig = rig([1, 1], [3, 3], 0.0, 2.0, Projection::Orthographic);
         let request = Request::new(rig).integrator(Integrator::Path);
         let color = renderer.render(&request, &()).expect("a render").color.expect("an image");
@@ -267,7 +270,7 @@ fn a_body_in_the_same_medium_is_invisible() {
         }
         let lamp = Material { emission: [1.0, 2.0, 3.0], ..Material::default() };
         place(&mut scene, square(0.3), lamp, Transform::from_translation([0.0, 0.0, -3.0]));
-        let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+        let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, None).expect("a scene");
         let request = Request::new(rig([1, 1], [30, 40], 0.0, 2.0, Projection::Perspective))
             .integrator(Integrator::Path)
             .samples(64)
@@ -296,7 +299,7 @@ fn partial_opacity_depends_on_the_seed() {
         ..Material::default()
     };
     place(&mut scene, square(9.0), veil, Transform::from_translation([0.0, 0.0, -2.0]));
-    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, None).expect("a scene");
     let image = |seed: u64| {
         let request = Request::new(rig([4, 4], [20, 20], 0.01, 2.0, Projection::Perspective)).seed(seed);
         renderer.render(&request, &()).expect("a render").color.expect("an image").samples().to_owned()
@@ -340,7 +343,7 @@ fn a_sun_is_a_far_glowing_disc() {
                 let emission = Material { emission: [radiance as f32; 3], ..Material::default() };
                 place(&mut scene, Mesh { positions, triangles, ..Mesh::default() }, emission, lamp_pose);
             }
-            let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+            let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, None).expect("a scene");
             let request = Request::new(rig([2, 2], [40, 60], 0.01, 2.0, Projection::Perspective))
                 .integrator(Integrator::Direct)
                 .samples(64);
@@ -365,7 +368,7 @@ fn culled_backs_are_seen_by_light_alone() {
     place(&mut scene, square(3.0), Material::default(), Transform::from_translation([0.0, 0.0, -2.0]));
     let kind = LightKind::Directional { direction: [0.0, 0.0, -1.0], angular_diameter_rad: 0.0 };
     scene.lights.push(Light { name: String::new(), intensity: [1.0; 3], kind });
-    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, None).expect("a scene");
     let center = |cull: bool| {
         let request = Request::new(rig([1, 1], [21, 21], 0.0, 2.0, Projection::Perspective)).cull(cull);
         let rendered = renderer.render(&request, &()).expect("a render");
@@ -383,7 +386,7 @@ fn a_limit_takes_away_bright_paths_alone() {
     place(&mut scene, square(3.0), Material::default(), Transform::from_translation([0.0, 0.0, -2.0]));
     let lamp = Material { emission: [200.0; 3], ..Material::default() };
     place(&mut scene, square(0.05), lamp, Transform::from_translation([0.3, 0.6, -1.5]));
-    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, None).expect("a scene");
     let image = |limit: f32| {
         let request = Request::new(rig([1, 1], [20, 30], 0.0, 2.0, Projection::Perspective))
             .integrator(Integrator::Path)
@@ -438,7 +441,7 @@ impl Floor {
     }
 
     fn render(&self, samples: u32, seed: u64, transparent: bool) -> Vec<f64> {
-        let renderer = Renderer::new(&self.scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a scene");
+        let renderer = Renderer::new(&self.scene, &Transform::IDENTITY, Backend::Auto, None).expect("a scene");
         let request = Request::new(self.rig)
             .integrator(Integrator::Path)
             .samples(samples)

@@ -1,5 +1,6 @@
 //! Path tracing: the same bytes for any number of threads, the same image with both backends.
 
+use std::num::NonZeroUsize;
 use std::path::Path;
 
 use crate::common::engines;
@@ -25,7 +26,10 @@ fn render(scene: &Scene, sky: [f32; 3], backend: Backend, threads: usize, change
     let framed = framing.frame(scene).unwrap();
     let mut request = Request::new(framed.rig(3.0).unwrap()).integrator(Integrator::Path).sky(sky);
     change(&mut request);
-    Renderer::new(scene, &framed.pose, backend, threads).unwrap().render(&request, &()).expect("a render")
+    Renderer::new(scene, &framed.pose, backend, NonZeroUsize::new(threads))
+        .unwrap()
+        .render(&request, &())
+        .expect("a render")
 }
 
 #[test]

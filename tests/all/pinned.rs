@@ -10,6 +10,7 @@
 use crate::common;
 use crate::pins;
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use crate::common::{engines, rig};
@@ -58,7 +59,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
 fn arrays(backend: Backend, engine: &str) -> BTreeMap<String, String> {
     let mut found = BTreeMap::new();
     for (name, scene) in scenes() {
-        let renderer = Renderer::new(&scene, &scene.cameras[0].pose, backend, 0).expect("a renderer");
+        let renderer = Renderer::new(&scene, &scene.cameras[0].pose, backend, None).expect("a renderer");
         let sky = if name == "garden" { [0.3, 0.4, 0.5] } else { [0.0; 3] };
         let focused = |views, lenses, projection| rig(views, lenses, 1e-3, 0.6, projection);
         let dense = focused([5, 6], [12, 17], Projection::Perspective);
@@ -90,7 +91,7 @@ fn no_bit_of_a_render_changes() {
     let list = folder().join("pinned").join("arrays.txt");
     let mut found = BTreeMap::new();
     for backend in engines() {
-        let name = Renderer::new(&common::soup(4, 1), &holo_scene::Transform::IDENTITY, backend, 1)
+        let name = Renderer::new(&common::soup(4, 1), &holo_scene::Transform::IDENTITY, backend, NonZeroUsize::new(1))
             .expect("a renderer")
             .engine_name()
             .to_owned();

@@ -1,5 +1,7 @@
 //! Raw images of plenoptic cameras against closed forms: white images, the ideal rig, points of light, planes.
 
+use std::num::NonZeroUsize;
+
 use crate::common::{add, engines, soup, square};
 use holo_core::plenoptic::{
     ArrayFocus, ImageSensor, LensAperture, MainLens, MicrolensArray, MicrolensFocus, MicrolensGrid, PlenopticCamera,
@@ -11,7 +13,8 @@ use holo_scene::{Material, Scene, Transform};
 use ndarray::{Array2, Array3, s};
 
 fn render(scene: &Scene, request: &Request, threads: usize) -> Rendered {
-    let renderer = Renderer::new(scene, &Transform::IDENTITY, Backend::Auto, threads).expect("a renderer");
+    let renderer =
+        Renderer::new(scene, &Transform::IDENTITY, Backend::Auto, NonZeroUsize::new(threads)).expect("a renderer");
     renderer.render(request, &()).expect("a render")
 }
 
@@ -119,7 +122,7 @@ fn the_limit_of_point_pixels_is_the_ideal_rig() {
     let (camera, rig) = ideal(5, [21, 31]);
     let layers = LayerSet::ALL;
     let request = Request::new(rig).integrator(Integrator::Direct).samples(64).sky([0.5, 0.7, 1.0]).layers(layers);
-    let expected = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a renderer");
+    let expected = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, None).expect("a renderer");
     let expected = expected.render(&request.ground_truth(holo_render::GroundTruth::All), &()).expect("a render");
     let white = camera.white_image().expect("memory");
     let raw = Request::new(camera).integrator(Integrator::Direct).samples(64).sky([0.5, 0.7, 1.0]).layers(layers);
@@ -320,7 +323,7 @@ fn chief_rays_have_the_truth_of_a_plane() {
     for backend in engines() {
         let camera = part("lytro-illum", GridSize::new(60, 61), [4e-3, 2e-3]);
         let request = Request::new(camera.clone()).integrator(Integrator::Depth).layers(LayerSet::ALL);
-        let renderer = Renderer::new(&scene, &Transform::IDENTITY, backend, 0).expect("a renderer");
+        let renderer = Renderer::new(&scene, &Transform::IDENTITY, backend, None).expect("a renderer");
         let rendered = renderer.render(&request, &()).expect("a render");
         assert!(rendered.color.is_none());
         let views = camera.equivalent_views();

@@ -35,7 +35,7 @@ fn prepare(folder: &Path, case: &Case, size: GridSize, backend: Backend) -> (Ren
     let framing =
         Framing::new(LightFieldShape::new(GridSize::new(1, 1), size).unwrap()).baseline(Baseline::Meters(0.0));
     let framed = framing.frame(&scene).unwrap();
-    (Renderer::new(&scene, &framed.pose, backend, 0).unwrap(), framed.rig(6.0).unwrap())
+    (Renderer::new(&scene, &framed.pose, backend, None).unwrap(), framed.rig(6.0).unwrap())
 }
 
 fn compare(folder: &Path, case: &Case, backend: Backend) {

@@ -1,6 +1,8 @@
 //! Reconstruction of raw images of plenoptic cameras: as good as that of the views of a rig, even where vignetting is not,
 //! the same bytes for parts and threads.
 
+use std::num::NonZeroUsize;
+
 use crate::common::soup;
 use holo_core::plenoptic::{
     ArrayFocus, ImageSensor, LensAperture, MainLens, MicrolensArray, MicrolensFocus, MicrolensGrid, PlenopticCamera,
@@ -12,7 +14,7 @@ use holo_scene::{Scene, Transform};
 use ndarray::s;
 
 fn renderer(scene: &Scene, threads: usize) -> Renderer {
-    Renderer::new(scene, &Transform::IDENTITY, Backend::Auto, threads).expect("a renderer")
+    Renderer::new(scene, &Transform::IDENTITY, Backend::Auto, NonZeroUsize::new(threads)).expect("a renderer")
 }
 
 fn color(rendered: &Rendered) -> &LightFieldOwned<f32> {

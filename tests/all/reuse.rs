@@ -5,6 +5,7 @@
 //! freedom: 0.39 % lie beyond 3, five in a million beyond 5. The 34 sums over the microlenses of an image are about normal:
 //! six in 100,000 lie beyond 4. Seeds are fixed, so the result is deterministic.
 
+use std::num::NonZeroUsize;
 use std::path::Path;
 
 use crate::common::rig;
@@ -59,7 +60,7 @@ fn cases() -> Vec<(String, Renderer, Request)> {
     scenes.push(("corner".into(), corner(), 1.0, 0.2));
     let case = |(name, scene, focus_m, sky): (String, Scene, f64, f32)| {
         let pose = scene.cameras.first().map_or(Transform::IDENTITY, |camera| camera.pose);
-        let renderer = Renderer::new(&scene, &pose, Backend::Auto, 0).expect("a renderer");
+        let renderer = Renderer::new(&scene, &pose, Backend::Auto, None).expect("a renderer");
         (name, renderer, Request::new(small_rig(focus_m)).samples(4).max_bounces(3).sky([sky; 3]))
     };
     scenes.into_iter().map(case).collect()
@@ -132,7 +133,7 @@ fn sharing_light_is_unbiased() {
 fn there_is_less_noise_in_every_view() {
     let mut scene = corner();
     scene.lights.clear();
-    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, 0).expect("a renderer");
+    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Auto, None).expect("a renderer");
     let request = Request::new(small_rig(1.0)).samples(4).max_bounces(2).sky([0.5; 3]);
     for integrator in [Integrator::Direct, Integrator::Path] {
         let request = request.clone().integrator(integrator);
@@ -166,8 +167,9 @@ fn variance(values: impl Iterator<Item = f64> + Clone) -> f64 {
 #[test]
 fn parts_have_the_bytes_of_the_whole() {
     let scene = gallery::scene("plaster").expect("a scene of the gallery");
-    let [one, many] = [1, 3]
-        .map(|threads| Renderer::new(&scene, &scene.cameras[0].pose, Backend::Auto, threads).expect("a renderer"));
+    let [one, many] = [1, 3].map(|threads| {
+        Renderer::new(&scene, &scene.cameras[0].pose, Backend::Auto, NonZeroUsize::new(threads)).expect("a renderer")
+    });
     let request = Request::new(rig([8, 8], [8, 6], 4e-4, 0.6, Projection::Perspective));
     let request = request.integrator(Integrator::Path).samples(5).max_bounces(3);
     let whole = color(&one, &request);

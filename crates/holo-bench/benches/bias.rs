@@ -107,7 +107,7 @@ fn measure(name: &str, options: &Options) -> (usize, usize) {
 fn framed(scene: &Scene, options: &Options) -> (Renderer, Request) {
     let shape = LightFieldShape::new(GridSize::new(options.views, options.views), LENSES).expect("sizes");
     let framed = Framing::new(shape).frame(scene).expect("a camera");
-    let renderer = Renderer::new(scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
+    let renderer = Renderer::new(scene, &framed.pose, Backend::Auto, None).expect("a renderer");
     let rig = framed.rig(renderer.automatic_focus_m(&framed).expect("a focus")).expect("a rig");
     let request = Request::new(rig).integrator(options.integrator).samples(options.samples);
     (renderer, request.texture_filter(TextureFilter::Off))

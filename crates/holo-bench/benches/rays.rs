@@ -23,7 +23,7 @@ fn main() {
         run(renderer, &Request::new(rig).integrator(integrator).sky(sky).ground_truth(ground_truth))
     };
     let sky = [0.2, 0.24, 0.32];
-    let engines = [Backend::Embree, Backend::Bvh].map(|b| Renderer::new(&setup.scene, &setup.pose, b, 0));
+    let engines = [Backend::Embree, Backend::Bvh].map(|b| Renderer::new(&setup.scene, &setup.pose, b, None));
     let mut entries: Vec<Entry> = Vec::new();
     for renderer in engines.iter().flatten() {
         let name = renderer.engine_name();

@@ -72,7 +72,7 @@ pub fn scene_rig(arguments: impl Iterator<Item = String>) -> Setup {
     )
     .baseline(Baseline::FNumber(5.0));
     let framed = framing.frame(&scene).expect("a camera");
-    let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
+    let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, None).expect("a renderer");
     let focus = renderer.automatic_focus_m(&framed).expect("a focus");
     let rig = framed.rig(focus).expect("a rig");
     Setup { scene, pose: framed.pose, rig, rounds, name }
@@ -86,7 +86,7 @@ pub fn scene_rig(arguments: impl Iterator<Item = String>) -> Setup {
 pub fn on_the_paper_sensor(scene: &Scene, views: usize) -> (Renderer, Rig) {
     let shape = Sensor::Paper8k.divide(GridSize::new(views, views), Remainder::Crop).expect("views that fit").shape;
     let framed = Framing::new(shape).frame(scene).expect("a camera");
-    let renderer = Renderer::new(scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
+    let renderer = Renderer::new(scene, &framed.pose, Backend::Auto, None).expect("a renderer");
     let rig = framed.rig(renderer.automatic_focus_m(&framed).expect("a focus")).expect("a rig");
     (renderer, rig)
 }

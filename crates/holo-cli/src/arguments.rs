@@ -223,7 +223,7 @@ pub struct PackOptions {
     /// Files of every light field, without `scene_`, separated by commas, such as el.png,disparity.pfm [default: all
     /// but subfolders, and beside el.png without vpi.png and 5d.mat, which have its pixels].
     #[arg(long, value_name = "NAME,..", value_delimiter = ',')]
-    pub fields: Vec<String>,
+    pub fields: Option<Vec<String>>,
     /// Largest size of an archive, MB; one light field is never divided.
     #[arg(long, value_name = "MB", default_value_t = 1000)]
     pub max_mb: u64,

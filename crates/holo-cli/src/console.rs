@@ -4,14 +4,17 @@
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write};
 
+use holo_core::{shown_lines, shown_output};
 use holo_dataset::About;
 
 use crate::failure::Failure;
 
-/// A line on standard output, for `out!`. A reader that has seen enough (`holo info x | head`) is no failure.
+/// A line on standard output, for `out!`. A reader that has seen enough (`holo info x | head`) is no failure. Names from
+/// files may be in it: what a terminal would take for a command is escaped.
 pub fn print(line: Arguments) -> Result<(), Failure> {
+    let line = line.to_string();
     let mut stdout = std::io::stdout().lock();
-    match writeln!(stdout, "{line}").and_then(|()| stdout.flush()) {
+    match writeln!(stdout, "{}", shown_output(&line)).and_then(|()| stdout.flush()) {
         Err(why) if why.kind() != ErrorKind::BrokenPipe => {
             Err(Failure::Failed(format!("cannot write to standard output: {why}")))
         }
@@ -19,9 +22,11 @@ pub fn print(line: Arguments) -> Result<(), Failure> {
     }
 }
 
-/// A line on standard error, for `say!`. There is nowhere left to complain if it cannot be written.
+/// A line on standard error, for `say!`, escaped in the same way and shortened. There is nowhere left to complain if it
+/// cannot be written.
 pub fn tell(line: Arguments) {
-    let _ = writeln!(std::io::stderr().lock(), "{line}");
+    let line = line.to_string();
+    let _ = writeln!(std::io::stderr().lock(), "{}", shown_lines(&line));
 }
 
 /// Puts the diagnostics of a render on standard error, or nowhere.

@@ -91,7 +91,7 @@ impl Overall {
     /// `done` renders are over; the next is called `name`.
     pub fn begin(&self, done: usize, name: &str) {
         self.done.store(done as u64, Ordering::Relaxed);
-        self.bar.set_message(name.to_owned());
+        self.bar.set_message(holo_core::shown(name).into_owned());
         self.bar.set_position(done as u64 * STEPS);
         if let Some(lines) = &self.lines {
             *lines.lock().unwrap_or_else(PoisonError::into_inner) = (name.to_owned(), Tenths::default());

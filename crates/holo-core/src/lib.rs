@@ -103,6 +103,7 @@ pub mod refocus;
 pub mod sensor;
 #[cfg(feature = "serde")]
 mod serialize;
+mod shown;
 
 /// The crate `ndarray` in the version of the public signatures.
 pub use ndarray;
@@ -121,3 +122,4 @@ pub use light_field::{
 };
 pub use millimeters::{meters_to_millimeters, millimeters_to_meters};
 pub use real::Real;
+pub use shown::{shown, shown_lines, shown_output, visible};

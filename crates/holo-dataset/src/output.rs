@@ -9,6 +9,7 @@ mod folder;
 mod images;
 pub(crate) mod layers;
 mod motion;
+mod names;
 pub(crate) mod raw;
 mod statistics;
 mod subset;
@@ -16,7 +17,9 @@ mod tools;
 mod wanted;
 
 pub(crate) use self::files::{Exposed, Finished, Traced, TracedCamera, TracedViews, exposure_ev, write};
-pub(crate) use self::folder::{CHECKPOINT, checkpoints, clear_older};
+pub(crate) use self::folder::{
+    CHECKPOINT, CHECKPOINT_MAGIC, checkpoints, existing, inner_name, leftover, remove_checkpoints,
+};
 pub use self::folder::{OutputFolder, Rollback};
 pub(crate) use self::images::HIGHRES_SCALE;
 pub use self::statistics::{ColorStatistics, EstimatedError, Statistics};

@@ -5,68 +5,20 @@ mod temporary;
 
 use std::fmt;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256 as Hasher};
 
 use crate::Error;
+use crate::digest::{FileDigest, Sha256, hash};
+use crate::folder::Destination;
 pub(crate) use path::AtomicPath;
 use temporary::Temporary;
 pub use temporary::{TemporaryFilesRemoved, remove_stale_temporary_files, remove_temporary_files};
 
 /// Bytes that are collected before they are hashed and written.
 const BUFFER_BYTES: usize = 256 * 1024;
-
-/// The SHA-256 digest of a file; prints as 64 lower-case hexadecimal digits.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Sha256(pub [u8; 32]);
-
-impl Sha256 {
-    /// Computes the digest of bytes in memory.
-    #[must_use]
-    pub fn of(bytes: &[u8]) -> Self {
-        Self(Hasher::digest(bytes).into())
-    }
-}
-
-impl fmt::Display for Sha256 {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))
-    }
-}
-
-impl fmt::Debug for Sha256 {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "Sha256({self})")
-    }
-}
-
-impl Sha256 {
-    /// Parses 64 hexadecimal digits of either case; `None` for any other text.
-    #[must_use]
-    pub fn from_hex(text: &str) -> Option<Self> {
-        let digits = text.as_bytes();
-        if digits.len() != 64 {
-            return None;
-        }
-        let digit = |at: usize| (digits[at] as char).to_digit(16).map(|value| value as u8);
-        let mut digest = [0; 32];
-        for (at, byte) in digest.iter_mut().enumerate() {
-            *byte = digit(2 * at)? << 4 | digit(2 * at + 1)?;
-        }
-        Some(Self(digest))
-    }
-}
-
-/// Size and digest of a file: what a manifest contains of it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct FileDigest {
-    /// Size of the file in bytes.
-    pub bytes: u64,
-    /// Digest of its contents.
-    pub sha256: Sha256,
-}
 
 /// A file that is written under a temporary name and renamed when it is complete.
 ///
@@ -75,8 +27,9 @@ pub struct FileDigest {
 /// even after a power failure. A file that is dropped without `commit` is removed. A killed process leaves at most the
 /// `.part`, which [`remove_stale_temporary_files`] removes.
 ///
-/// Where the name is a symbolic link to a file, that file is replaced and the link stays. Where it is a device or a
-/// pipe (`/dev/null`, `/dev/stdout`), the bytes are written into it directly.
+/// Where a path is a symbolic link to a file, that file is replaced and the link stays. Where it is a device or a
+/// pipe (`/dev/null`, `/dev/stdout`), the bytes are written into it directly. Neither is so for a name in a
+/// [`Folder`](crate::Folder): there only a regular file is replaced, and everything else is an error.
 ///
 /// The size and the SHA-256 of the contents are computed during writing, so the file need not be read again for its
 /// manifest.
@@ -112,21 +65,20 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Creates the temporary file of a file that `commit` will name `path`.
+    /// Creates the temporary file of a file that `commit` will give its name.
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] if the folder does not exist or cannot be written, or if `path` is a folder; [`Error::BadInput`] if
-    /// `path` has no file name.
-    pub fn create(path: impl AsRef<Path>) -> Result<Self, Error> {
-        let path = path.as_ref();
-        let failed = |source| Error::io("write", path, source);
-        let (file, temporary) = match target_of(path)? {
-            Some(target) => {
-                let (file, temporary) = Temporary::create(&target).map_err(failed)?;
-                (file, Some(temporary))
+    /// [`Error::Io`] if the folder does not exist or cannot be written, or if the destination is a folder, or in a
+    /// [`Folder`](crate::Folder) anything but a regular file; [`Error::BadInput`] if it has no file name.
+    pub fn create(destination: impl Destination) -> Result<Self, Error> {
+        let path = destination.path();
+        let (file, temporary) = match Temporary::of(&destination)? {
+            Some((file, temporary)) => (file, Some(temporary)),
+            None => {
+                let failed = |source| Error::io("write", path, source);
+                (OpenOptions::new().write(true).open(path).map_err(failed)?, None)
             }
-            None => (OpenOptions::new().write(true).open(path).map_err(failed)?, None),
         };
         Ok(Self {
             path: path.to_owned(),
@@ -276,41 +228,10 @@ fn copy_of(error: &io::Error) -> io::Error {
 /// # Errors
 ///
 /// Those of [`AtomicFile::create`] and [`AtomicFile::commit`].
-pub fn write_file(path: impl AsRef<Path>, contents: &[u8]) -> Result<FileDigest, Error> {
-    let mut file = AtomicFile::create(path)?;
+pub fn write_file(destination: impl Destination, contents: &[u8]) -> Result<FileDigest, Error> {
+    let mut file = AtomicFile::create(destination)?;
     match file.write_all(contents) {
         Ok(()) => file.commit(),
         Err(error) => Err(file.error(error)),
     }
-}
-
-/// Computes the size and digest of a file.
-///
-/// # Errors
-///
-/// [`Error::Io`] if the file cannot be read.
-pub fn hash_file(path: impl AsRef<Path>) -> Result<FileDigest, Error> {
-    let path = path.as_ref();
-    let failed = |source| Error::io("read", path, source);
-    let mut file = File::open(path).map_err(failed)?;
-    hash(&mut file).map_err(failed)
-}
-
-/// Computes the size and digest of everything up to the end of `source`.
-fn hash(source: &mut impl Read) -> io::Result<FileDigest> {
-    let mut hasher = Hasher::new();
-    let mut buffer = vec![0; BUFFER_BYTES];
-    let mut bytes = 0;
-    loop {
-        match source.read(&mut buffer) {
-            Ok(0) => break,
-            Ok(count) => {
-                hasher.update(&buffer[..count]);
-                bytes += count as u64;
-            }
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-            Err(error) => return Err(error),
-        }
-    }
-    Ok(FileDigest { bytes, sha256: Sha256(hasher.finalize().into()) })
 }

@@ -64,8 +64,8 @@ use sensor_table::{SensorTable, noise_lines};
 use serde::Deserialize;
 use tables::{MainLensTable, MlaTable, grid_name, um};
 
-use crate::Error;
 use crate::limits::read_small_file;
+use crate::{Error, Folder};
 
 mod sensor_table;
 mod tables;
@@ -128,9 +128,20 @@ impl CameraFile {
     /// [`Error::Io`] if it cannot be read; [`Error::Broken`] if it is no TOML or no camera. The message names the key.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        let bytes = read_small_file(path, MAX_BYTES)?;
+        Self::decode(&read_small_file(path, MAX_BYTES)?, path)
+    }
+
+    /// Reads a camera file of an open folder, like [`CameraFile::read`].
+    ///
+    /// # Errors
+    /// Those of [`CameraFile::read`] and [`Folder::open_regular`].
+    pub fn read_in(folder: &Folder, name: &str) -> Result<Self, Error> {
+        Self::decode(&folder.read(name, MAX_BYTES)?, &folder.path_of(name))
+    }
+
+    fn decode(bytes: &[u8], path: &Path) -> Result<Self, Error> {
         let broken = |what: String| Error::Broken { path: path.into(), format: "camera", what };
-        let text = std::str::from_utf8(&bytes).map_err(|_| broken("it is not text in UTF-8".into()))?;
+        let text = std::str::from_utf8(bytes).map_err(|_| broken("it is not text in UTF-8".into()))?;
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         Self::parsed(text, &stem).map_err(broken)
     }
@@ -313,7 +324,8 @@ impl CameraFile {
 
 /// A basic string of TOML, whose escapes are those of JSON.
 fn toml_string(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
+    // The one control character that JSON takes and TOML does not.
+    serde_json::Value::from(text).to_string().replace('\u{7f}', "\\u007f")
 }
 
 /// An error of the camera with the key that it is about.

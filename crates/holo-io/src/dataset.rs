@@ -76,7 +76,7 @@ pub fn folder(scene: &str, views: GridSize) -> Result<PathBuf, Error> {
 pub fn camera_folder(scene: &str, camera: &str) -> Result<PathBuf, Error> {
     if !is_camera_name(camera) {
         return Err(Error::bad_input(
-            Path::new(camera),
+            Path::new(&*crate::shown(camera)),
             "a camera's name must be usable as the name of one folder, and not be that of a number of views or a frame",
         ));
     }
@@ -85,7 +85,10 @@ pub fn camera_folder(scene: &str, camera: &str) -> Result<PathBuf, Error> {
 
 fn scene_folder(scene: &str) -> Result<&Path, Error> {
     if !stays_inside(scene) || scene.contains('/') {
-        return Err(Error::bad_input(Path::new(scene), "a scene's name must be usable as the name of one folder"));
+        return Err(Error::bad_input(
+            Path::new(&*crate::shown(scene)),
+            "a scene's name must be usable as the name of one folder: without /, \\, : and control characters; rename it",
+        ));
     }
     Ok(Path::new(scene))
 }

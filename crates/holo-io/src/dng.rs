@@ -1,7 +1,6 @@
 //! DNG: the mosaic of an image sensor as raw converters read it.
 
 use std::io::Cursor;
-use std::path::Path;
 
 use holo_core::sensor::SensorModel;
 use ndarray::ArrayView2;
@@ -9,6 +8,7 @@ use tiff::TiffResult;
 use tiff::encoder::{Rational, SRational, TiffEncoder};
 use tiff::tags::Tag;
 
+use crate::folder::Destination;
 use crate::{Error, FileDigest, write_file};
 
 /// The largest file of TIFF's 32-bit offsets, with room for the header.
@@ -44,20 +44,19 @@ const SRGB_FROM_XYZ: [[f64; 3]; 3] = [
 /// [`Error::BadInput`] if the sensor has no mosaic, its color matrix has no inverse, or the image is empty or larger than a
 /// TIFF; [`Error::Io`] if the file cannot be written. No file of that name appears then.
 pub fn write_dng(
-    path: impl AsRef<Path>,
+    path: impl Destination,
     codes: ArrayView2<'_, u16>,
     sensor: &SensorModel,
     name: &str,
 ) -> Result<FileDigest, Error> {
-    let path = path.as_ref();
-    let bad = |what: &str| Error::bad_input(path, what.to_owned());
+    let bad = |what: &str| Error::bad_input(path.path(), what.to_owned());
     let mosaic = sensor.filter.mosaic().ok_or_else(|| bad("a DNG holds a Bayer mosaic; write a PNG"))?;
     if codes.is_empty() || codes.len() > MAX_PIXELS {
         return Err(bad("an image without pixels, or too large for a DNG; write a PNG"));
     }
     let camera_from_rgb = sensor.camera_from_rgb().map_err(|why| bad(&why.to_string()))?;
     let encoded = encode(codes, sensor, mosaic, camera_from_rgb, name).map_err(|error| bad(&error.to_string()))?;
-    write_file(path, &encoded)
+    write_file(&path as &dyn Destination, &encoded)
 }
 
 fn encode(

@@ -40,6 +40,7 @@ use holo_core::GridSize;
 use ndarray::{Array2, Array3, ArrayView2};
 
 use crate::error::STREAM;
+use crate::folder::Destination;
 use crate::stream::{read_to_end, write_bytes};
 use crate::{Error, FileDigest, Limits};
 
@@ -137,7 +138,7 @@ pub struct ExrInfo {
 /// assert_eq!(image.channel("ViewLayer.Depth.Z"), Some(&depth_m));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write_exr(path: impl AsRef<Path>, channels: &[ExrChannel<'_>]) -> Result<FileDigest, Error> {
+pub fn write_exr(path: impl Destination, channels: &[ExrChannel<'_>]) -> Result<FileDigest, Error> {
     write_exr_with(path, channels, ExrCompression::Zip)
 }
 
@@ -147,12 +148,11 @@ pub fn write_exr(path: impl AsRef<Path>, channels: &[ExrChannel<'_>]) -> Result<
 ///
 /// Those of [`write_exr`].
 pub fn write_exr_with(
-    path: impl AsRef<Path>,
+    path: impl Destination,
     channels: &[ExrChannel<'_>],
     compression: ExrCompression,
 ) -> Result<FileDigest, Error> {
-    let path = path.as_ref();
-    let size = common_size(channels, path)?;
+    let size = common_size(channels, path.path())?;
     let mut writer = ExrWriter::create(path, size, &formats(channels), compression)?;
     writer.write_rows(&planes(channels))?;
     writer.finish()

@@ -14,6 +14,7 @@ use std::path::Path;
 
 use ndarray::{Array3, ArrayView3};
 
+use crate::folder::Destination;
 use crate::{AtomicFile, Error, FileDigest, Limits};
 
 /// The first four bytes, as a float.
@@ -50,12 +51,11 @@ const HEADER_BYTES: usize = 12;
 /// assert_eq!(holo_io::read_flo(&path, &holo_io::Limits::default())?, flow);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write_flo(path: impl AsRef<Path>, flow: ArrayView3<'_, f32>) -> Result<FileDigest, Error> {
-    let path = path.as_ref();
+pub fn write_flo(path: impl Destination, flow: ArrayView3<'_, f32>) -> Result<FileDigest, Error> {
     let (rows, columns, channels) = flow.dim();
     let sizes = (i32::try_from(rows), i32::try_from(columns));
     let (Ok(height), Ok(width), 2, false) = (sizes.0, sizes.1, channels, flow.is_empty()) else {
-        return Err(Error::bad_input(path, format!("an image of shape {:?} cannot be a .flo", flow.shape())));
+        return Err(Error::bad_input(path.path(), format!("an image of shape {:?} cannot be a .flo", flow.shape())));
     };
     let mut file = AtomicFile::create(path)?;
     let mut encode = || -> std::io::Result<()> {

@@ -59,6 +59,10 @@
 //!
 //! # Safety
 //!
+//! Nothing outside of the file is read: external storage, external and symbolic links, virtual datasets and filters that
+//! would have to be loaded are refused before the library asks for values. The virtual datasets of a sequence are read frame
+//! by frame.
+//!
 //! The C library does not check all that it reads: a malicious file may crash the process. Shapes, types and chunks are
 //! compared with the memory limit before samples are read, but not what the library allocates while it parses the
 //! structure of the file. Read files from sources you trust only.
@@ -71,6 +75,7 @@ mod read;
 mod rows;
 mod scales;
 mod sequence;
+mod storage;
 mod write;
 
 use std::path::Path;
@@ -78,6 +83,7 @@ use std::path::Path;
 use holo_core::{LightField, Rig, Sample};
 use ndarray::{ArrayView2, ArrayView4, Axis, Data, Slice};
 
+use crate::folder::Destination;
 use crate::{Error, FileDigest};
 
 #[cfg(feature = "mat")]
@@ -90,6 +96,8 @@ pub use read::{Hdf5LightField, is_light_field_hdf5};
 #[cfg(feature = "mat")]
 pub(crate) use rows::{RowDataset, SampleRows};
 pub use sequence::write_hdf5_sequence;
+#[cfg(feature = "mat")]
+pub(crate) use storage::{check_values, find, members};
 pub use write::Hdf5Writer;
 
 /// The name of the format in messages.
@@ -167,7 +175,7 @@ pub(crate) use with_sample_type;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_hdf5<S>(
-    path: impl AsRef<Path>,
+    path: impl Destination,
     light_field: &LightField<S>,
     rig: &Rig,
     maps: &[(Hdf5Map, ArrayView4<'_, f32>)],
@@ -178,14 +186,14 @@ where
     S: Data,
     S::Elem: Sample,
 {
-    let path = path.as_ref();
     let names: Vec<Hdf5Map> = maps.iter().map(|&(name, _)| name).collect();
-    crate::rig_values::check_split(path, Some(rig), &light_field.shape())?;
-    let mut writer = Hdf5Writer::<S::Elem>::create(path, rig, light_field.channels(), &names, options)?;
+    crate::rig_values::check_split(path.path(), Some(rig), &light_field.shape())?;
+    let mut writer =
+        Hdf5Writer::<S::Elem>::create(&path as &dyn Destination, rig, light_field.channels(), &names, options)?;
     let samples = light_field.samples();
     for range in lens_rows(rig, writer.lens_rows_at_a_time()) {
         writer.write_lens_rows(samples.slice_axis(Axis(0), range))?;
-        write_rows_of_maps(&mut writer, path, rig, maps, range)?;
+        write_rows_of_maps(&mut writer, path.path(), rig, maps, range)?;
     }
     finish(writer, central)
 }
@@ -201,17 +209,16 @@ where
 ///
 /// Those of [`Hdf5Writer`].
 pub fn write_hdf5_maps(
-    path: impl AsRef<Path>,
+    path: impl Destination,
     rig: &Rig,
     maps: &[(Hdf5Map, ArrayView4<'_, f32>)],
     central: &[(Hdf5Map, ArrayView2<'_, f32>)],
     options: &Hdf5Options,
 ) -> Result<FileDigest, Error> {
-    let path = path.as_ref();
     let names: Vec<Hdf5Map> = maps.iter().map(|&(name, _)| name).collect();
-    let mut writer = Hdf5Writer::<f32>::start(path, rig, None, &names, options)?;
+    let mut writer = Hdf5Writer::<f32>::start(&path, rig, None, &names, options)?;
     for range in lens_rows(rig, writer.lens_rows_at_a_time()) {
-        write_rows_of_maps(&mut writer, path, rig, maps, range)?;
+        write_rows_of_maps(&mut writer, path.path(), rig, maps, range)?;
     }
     finish(writer, central)
 }

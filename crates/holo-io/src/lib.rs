@@ -11,6 +11,8 @@
 //!   positive nearer than the focus plane. Millimeters occur only in fields whose name says so, because their files do.
 //! - A file appears whole or not at all: it is written under a temporary name in its folder, synced, and renamed
 //!   ([`AtomicFile`]).
+//! - Writers take a path or a place in an open folder ([`Folder`], [`Destination`]), which no link and no `..` leaves.
+//! - Text of files is escaped before it is shown ([`shown`]).
 //! - `decode_*` read from any [`Read`](std::io::Read) and `encode_*` write into any [`Write`](std::io::Write), with
 //!   neither temporary file nor digest nor sync, which are then the caller's choice. HDF5 needs a file: its library
 //!   opens paths.
@@ -105,6 +107,7 @@ mod atomic;
 mod camera_file;
 pub mod dataset;
 mod detect_format;
+mod digest;
 #[cfg(feature = "tiff")]
 mod dng;
 mod dng_header;
@@ -112,6 +115,7 @@ mod error;
 #[cfg(feature = "exr")]
 mod exr;
 mod flo;
+mod folder;
 #[cfg(feature = "png")]
 pub mod gantry;
 #[cfg(feature = "gif")]
@@ -158,13 +162,11 @@ mod zlib;
 
 #[cfg(feature = "png")]
 pub use animation::write_animation;
-pub use atomic::{
-    AtomicFile, FileDigest, Sha256, TemporaryFilesRemoved, hash_file, remove_stale_temporary_files,
-    remove_temporary_files, write_file,
-};
+pub use atomic::{AtomicFile, TemporaryFilesRemoved, remove_stale_temporary_files, remove_temporary_files, write_file};
 #[cfg(feature = "camera")]
 pub use camera_file::{CameraFile, SensorNoise};
 pub use detect_format::{FileFormat, detect_format};
+pub use digest::{FileDigest, Sha256, hash_file};
 #[cfg(feature = "tiff")]
 pub use dng::write_dng;
 pub use dng_header::{DngInfo, read_dng_info};
@@ -175,6 +177,7 @@ pub use exr::{
     encode_exr_with, read_exr, read_exr_info, read_exr_rgb, write_exr, write_exr_with,
 };
 pub use flo::{decode_flo, read_flo, write_flo};
+pub use folder::{Destination, EntryKind, Folder, FolderFile, FolderLock};
 #[cfg(feature = "png")]
 pub use gantry::{GantryFolder, GantryPosition};
 #[cfg(feature = "gif")]
@@ -188,7 +191,7 @@ pub use hdf5::{
 };
 #[cfg(feature = "hdr")]
 pub use hdr::{HdrInfo, decode_hdr, read_hdr, read_hdr_info};
-pub use holo_core::{ColorEncoding, meters_to_millimeters, millimeters_to_meters};
+pub use holo_core::{ColorEncoding, meters_to_millimeters, millimeters_to_meters, shown};
 #[cfg(feature = "png")]
 pub use image_file::write_image;
 #[cfg(feature = "png")]
@@ -212,7 +215,9 @@ pub use mosaic::MosaicInfo;
 pub use mp4::write_mp4_animation;
 pub use panic_guard::is_guarding;
 pub use parameters_cfg::{CameraPose, ParametersCfg, date_from_epoch};
-pub use pfm::{Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_gray, read_pfm_info, write_pfm, write_pfm_rgb};
+pub use pfm::{
+    Pfm, PfmInfo, decode_pfm, read_pfm, read_pfm_gray, read_pfm_in, read_pfm_info, write_pfm, write_pfm_rgb,
+};
 #[cfg(feature = "png")]
 pub use png::{
     Compression, PngInfo, PngWriter, decode_png, encode_png, read_png, read_png_info, write_disparity_png, write_png,

@@ -20,6 +20,7 @@ use std::path::Path;
 
 use holo_core::Rig;
 
+use crate::names::is_regular;
 use crate::{Error, FileFormat, Limits, ParametersCfg, detect_format};
 use reader::parameters_path;
 
@@ -145,7 +146,7 @@ pub fn read_rig(path: impl AsRef<Path>, limits: &Limits) -> Result<Option<Rig>, 
         true => path.to_owned(),
         false => parameters_path(path),
     };
-    if own.is_some() || !parameters_path.is_file() {
+    if own.is_some() || !is_regular(&parameters_path) {
         return Ok(own);
     }
     let parameters = ParametersCfg::read(&parameters_path)?;

@@ -79,7 +79,7 @@ impl Limits {
     }
 }
 
-/// Reads a text file of at most `max_bytes`.
+/// Reads a text file of at most `max_bytes`, or what a pipe gives.
 pub(crate) fn read_small_file(path: &Path, max_bytes: u64) -> Result<Vec<u8>, Error> {
     let failed = |source| Error::io("read", path, source);
     let file = File::open(path).map_err(failed)?;

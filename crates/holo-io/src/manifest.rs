@@ -10,7 +10,8 @@ use std::path::Path;
 use holo_core::Rig;
 
 use crate::error::STREAM;
-use crate::limits::read_small_file;
+use crate::folder::{Destination, Folder, read_beside};
+use crate::names::MANIFEST_JSON;
 use crate::{Error, FileDigest, write_file};
 
 pub use value::ManifestValue;
@@ -96,28 +97,46 @@ impl Manifest {
     /// # Errors
     ///
     /// Those of [`Manifest::to_json`], and [`Error::Io`] if the file cannot be written.
-    pub fn write(&self, path: impl AsRef<Path>) -> Result<FileDigest, Error> {
-        let path = path.as_ref();
-        write_file(path, json::write(self, path)?.as_bytes())
+    pub fn write(&self, path: impl Destination) -> Result<FileDigest, Error> {
+        let text = json::write(self, path.path())?;
+        write_file(path, text.as_bytes())
     }
 
     /// Reads a manifest from a file.
     ///
     /// # Errors
     ///
-    /// Those of [`Manifest::from_json`]; [`Error::Io`] if the file cannot be read; [`Error::TooLarge`] if it has more
-    /// than 16 MiB.
+    /// Those of [`Manifest::from_json`]; [`Error::Io`] if the file cannot be read, or is a link, a pipe or a device;
+    /// [`Error::TooLarge`] if it has more than 16 MiB.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        json::read(&read_small_file(path, MAX_BYTES)?, path)
+        json::read(&read_beside(path, MAX_BYTES)?, path)
+    }
+
+    /// Reads `manifest.json` of an open folder.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Manifest::read`].
+    pub fn read_in(folder: &Folder) -> Result<Self, Error> {
+        json::read(&folder.read(MANIFEST_JSON, MAX_BYTES)?, &folder.path_of(MANIFEST_JSON))
     }
 
     /// Reads every listed file in parallel and returns those that differ from the manifest, in the order of their
     /// names.
     ///
-    /// Files that the manifest does not list are ignored.
+    /// Files that the manifest does not list are ignored. Links in the folder are not followed.
     #[must_use]
     pub fn verify(&self, folder: impl AsRef<Path>) -> Vec<Mismatch> {
-        verify::verify(self, folder.as_ref())
+        match Folder::open(folder) {
+            Ok(folder) => self.verify_in(&folder),
+            Err(error) => verify::missing(self, &error),
+        }
+    }
+
+    /// The same for an open folder.
+    #[must_use]
+    pub fn verify_in(&self, folder: &Folder) -> Vec<Mismatch> {
+        verify::verify(self, folder)
     }
 }

@@ -46,6 +46,7 @@ mod value;
 use std::io::{Read, Write};
 use std::path::Path;
 
+use crate::folder::Destination;
 use crate::stream::read_to_end;
 use crate::{Error, FileDigest, Limits};
 
@@ -158,11 +159,11 @@ impl MatOptions {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_mat(
-    path: impl AsRef<Path>,
+    path: impl Destination,
     variables: &[MatVariable<'_>],
     options: &MatOptions,
 ) -> Result<FileDigest, Error> {
-    file::write(path.as_ref(), variables, *options)
+    file::write(&path, variables, *options)
 }
 
 /// Encodes a MAT file of version 5 into a stream. With compression each file is encoded in memory first, because the

@@ -6,6 +6,7 @@ use holo_core::sensor::{Exposure, SensorModel};
 use ndarray::{Array3, ArrayView3};
 use serde::{Deserialize, Serialize};
 
+use crate::folder::Destination;
 use crate::limits::read_small_file;
 use crate::{Error, FileDigest, write_file};
 
@@ -70,10 +71,9 @@ impl MosaicInfo {
     ///
     /// # Errors
     /// [`Error::Io`] if it cannot be written.
-    pub fn write(&self, path: impl AsRef<Path>) -> Result<FileDigest, Error> {
-        let path = path.as_ref();
+    pub fn write(&self, path: impl Destination) -> Result<FileDigest, Error> {
         let text = serde_json::to_string_pretty(self)
-            .map_err(|why| Error::bad_input(path, format!("a number that JSON does not have: {why}")))?;
+            .map_err(|why| Error::bad_input(path.path(), format!("a number that JSON does not have: {why}")))?;
         write_file(path, (text + "\n").as_bytes())
     }
 

@@ -50,10 +50,17 @@ pub const DATASET_MD: &str = "DATASET.md";
 pub(crate) const OWN_IMAGES: [&str; 7] =
     [ELEMENTAL_PNG, VIEWPOINT_PNG, DISPARITY_PNG, CODES_PNG, WEIGHT_PNG, RAW_PNG, WHITE_PNG];
 
-/// Whether a name is a relative path that stays inside its folder on every system.
+/// Whether a name is a relative path that stays inside its folder on every system, and of characters that can be shown:
+/// a line break in a name would be one in every list of names.
 pub(crate) fn stays_inside(name: &str) -> bool {
-    let plain = |part: &str| !matches!(part, "" | "." | "..") && !part.contains(['\\', ':', '\0']);
+    let is_plain = |c: char| !c.is_control() && !matches!(c, '\\' | ':');
+    let plain = |part: &str| !matches!(part, "" | "." | "..") && part.chars().all(is_plain);
     name.split('/').all(plain)
+}
+
+/// Whether a path that was not given by the user, but found beside others, is a regular file: no link, pipe or device.
+pub(crate) fn is_regular(path: &std::path::Path) -> bool {
+    path.symlink_metadata().is_ok_and(|found| found.is_file())
 }
 
 #[cfg(test)]
@@ -65,7 +72,7 @@ mod tests {
         for name in ["scene_el.png", "hci/input_Cam000.png", "..x", "a b"] {
             assert!(stays_inside(name), "{name}");
         }
-        for name in ["", "/etc/passwd", "../x", "a/../b", "a//b", "./a", "a/", "C:x", "a\\..\\b", "a\0"] {
+        for name in ["", "/etc/passwd", "../x", "a/../b", "a//b", "./a", "a/", "C:x", "a\\..\\b", "a\0", "a\nb"] {
             assert!(!stays_inside(name), "{name}");
         }
     }

@@ -13,6 +13,7 @@ use std::path::Path;
 use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 
 use crate::error::STREAM;
+use crate::folder::{Destination, Folder};
 use crate::limits::read_small_file;
 use crate::{Error, FileDigest, meters_to_millimeters, millimeters_to_meters, write_file};
 
@@ -197,9 +198,9 @@ impl ParametersCfg {
     /// # Errors
     ///
     /// Those of [`ParametersCfg::to_text`], and [`Error::Io`] if the file cannot be written.
-    pub fn write(&self, path: impl AsRef<Path>) -> Result<FileDigest, Error> {
-        let path = path.as_ref();
-        write_file(path, keys::write(self, path)?.as_bytes())
+    pub fn write(&self, path: impl Destination) -> Result<FileDigest, Error> {
+        let text = keys::write(self, path.path())?;
+        write_file(path, text.as_bytes())
     }
 
     /// Reads a file. Text that is not UTF-8 is decoded as Latin-1.
@@ -210,7 +211,19 @@ impl ParametersCfg {
     /// more than 1 MiB.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        let bytes = read_small_file(path, MAX_BYTES)?;
+        Self::decode(read_small_file(path, MAX_BYTES)?, path)
+    }
+
+    /// Reads a file of an open folder, like [`ParametersCfg::read`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`ParametersCfg::read`] and [`Folder::open_regular`].
+    pub fn read_in(folder: &Folder, name: &str) -> Result<Self, Error> {
+        Self::decode(folder.read(name, MAX_BYTES)?, &folder.path_of(name))
+    }
+
+    fn decode(bytes: Vec<u8>, path: &Path) -> Result<Self, Error> {
         let text = String::from_utf8(bytes)
             .unwrap_or_else(|error| error.as_bytes().iter().map(|&byte| char::from(byte)).collect());
         keys::read(&text, path)

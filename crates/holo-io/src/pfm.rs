@@ -13,6 +13,7 @@ use holo_core::GridSize;
 use ndarray::{Array2, Array3, ArrayView2, ArrayView3, Axis};
 
 use crate::error::STREAM;
+use crate::folder::{Destination, Folder};
 use crate::stream::read_to_end;
 use crate::{AtomicFile, Error, FileDigest, Limits};
 use header::Header;
@@ -87,8 +88,8 @@ pub struct PfmInfo {
 /// assert_eq!(holo_io::read_pfm_gray(&path, &holo_io::Limits::default())?, depth_m);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write_pfm(path: impl AsRef<Path>, image: ArrayView2<'_, f32>) -> Result<FileDigest, Error> {
-    write(path.as_ref(), image.insert_axis(Axis(2)))
+pub fn write_pfm(path: impl Destination, image: ArrayView2<'_, f32>) -> Result<FileDigest, Error> {
+    write(&path, image.insert_axis(Axis(2)))
 }
 
 /// Writes an RGB float image as PFM.
@@ -101,16 +102,15 @@ pub fn write_pfm(path: impl AsRef<Path>, image: ArrayView2<'_, f32>) -> Result<F
 ///
 /// [`Error::BadInput`] if the image is empty or does not have three channels; [`Error::Io`] if the file cannot be
 /// written. No file of that name appears then.
-pub fn write_pfm_rgb(path: impl AsRef<Path>, image: ArrayView3<'_, f32>) -> Result<FileDigest, Error> {
-    let path = path.as_ref();
+pub fn write_pfm_rgb(path: impl Destination, image: ArrayView3<'_, f32>) -> Result<FileDigest, Error> {
     if image.dim().2 != 3 {
-        return Err(Error::bad_input(path, format!("an RGB PFM has 3 channels, not {}", image.dim().2)));
+        return Err(Error::bad_input(path.path(), format!("an RGB PFM has 3 channels, not {}", image.dim().2)));
     }
-    write(path, image)
+    write(&path, image)
 }
 
-fn write(path: &Path, image: ArrayView3<'_, f32>) -> Result<FileDigest, Error> {
-    check(image, path)?;
+fn write(path: &dyn Destination, image: ArrayView3<'_, f32>) -> Result<FileDigest, Error> {
+    check(image, path.path())?;
     let mut file = AtomicFile::create(path)?;
     match encode(&mut file, image, 1.0) {
         Ok(()) => file.commit(),
@@ -164,6 +164,18 @@ pub fn read_pfm(path: impl AsRef<Path>, limits: &Limits) -> Result<Pfm, Error> {
     let mut bytes = Vec::new();
     file.take(limits.max_bytes.saturating_add(header::MAX_BYTES)).read_to_end(&mut bytes).map_err(failed)?;
     decode(&mut bytes.as_slice(), bytes.len() as u64, path, *limits)
+}
+
+/// Reads a PFM of an open folder, like [`read_pfm`].
+///
+/// # Errors
+///
+/// Those of [`read_pfm`] and [`Folder::open_regular`].
+pub fn read_pfm_in(folder: &Folder, name: &str, limits: &Limits) -> Result<Pfm, Error> {
+    let path = folder.path_of(name);
+    let file = folder.open_regular(name, limits.max_bytes.saturating_add(header::MAX_BYTES))?;
+    let length = file.metadata().map_err(|source| Error::io("read", &path, source))?.len();
+    decode(&mut BufReader::with_capacity(BLOCK_BYTES, file), length, &path, *limits)
 }
 
 /// Reads a PFM of one channel, such as depth or disparity, as `(rows, columns)`, top row first.

@@ -14,6 +14,7 @@ use holo_core::{ColorEncoding, DynImageRef, GridSize};
 use ndarray::ArrayView2;
 
 use crate::error::STREAM;
+use crate::folder::Destination;
 use crate::stream::write_bytes;
 use crate::{Error, FileDigest};
 use encode::Encoder;
@@ -75,7 +76,7 @@ pub struct PngInfo {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn write_png<'a>(
-    path: impl AsRef<Path>,
+    path: impl Destination,
     image: impl Into<DynImageRef<'a>>,
     encoding: ColorEncoding,
     compression: Compression,
@@ -127,15 +128,17 @@ pub fn encode_png<'a>(
 /// [`Error::BadInput`] if `min_px` or `max_px` is not finite, if `min_px` is greater, or if the map is empty;
 /// [`Error::Io`] if the file cannot be written.
 pub fn write_disparity_png(
-    path: impl AsRef<Path>,
+    path: impl Destination,
     disparity_px: ArrayView2<'_, f32>,
     min_px: f64,
     max_px: f64,
     compression: Compression,
 ) -> Result<FileDigest, Error> {
-    let path = path.as_ref();
     if !(min_px.is_finite() && max_px.is_finite() && min_px <= max_px) {
-        return Err(Error::bad_input(path, format!("a disparity range of {min_px} to {max_px} px cannot be shown")));
+        return Err(Error::bad_input(
+            path.path(),
+            format!("a disparity range of {min_px} to {max_px} px cannot be shown"),
+        ));
     }
     let gray = disparity_px.mapv(|disparity_px| gray_level(f64::from(disparity_px), min_px, max_px));
     let gray = gray.insert_axis(ndarray::Axis(2));

@@ -10,6 +10,7 @@ use holo_core::GridSize;
 #[cfg(feature = "camera")]
 use crate::dataset::PlenopticFolder;
 use crate::dataset::{self, DatasetEntry, DatasetFolder, MANIFEST_JSON, PARAMETERS_CFG, SequenceFolder};
+use crate::names::is_regular;
 use crate::{
     DngInfo, Error, FileFormat, GantryFolder, HciFolder, Manifest, ParametersCfg, PfmInfo, PngInfo, detect_format,
     read_dng_info, read_pfm_info, read_png_info,
@@ -134,7 +135,7 @@ fn probe_file(path: &Path, bytes: u64) -> Result<FileInfo, Error> {
 fn probe_folder(path: &Path) -> Result<FileInfo, Error> {
     let is = |name: &str, format| {
         let file = path.join(name);
-        Ok::<_, Error>(file.is_file() && detect_format(&file)? == format)
+        Ok::<_, Error>(is_regular(&file) && detect_format(&file)? == format)
     };
     if is(MANIFEST_JSON, FileFormat::Manifest)? {
         let manifest = Manifest::read(path.join(MANIFEST_JSON))?;
@@ -220,7 +221,7 @@ impl fmt::Display for FileInfo {
                 write!(
                     f,
                     "folder of the plenoptic camera '{}', {}, {count} micro-image{}{nothing}",
-                    camera.name.escape_debug(),
+                    crate::shown(&camera.name),
                     pixels(size),
                     plural(count)
                 )

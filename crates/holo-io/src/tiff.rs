@@ -12,6 +12,7 @@ use std::path::Path;
 use holo_core::{DynImageRef, GridSize, SampleKind};
 
 use crate::error::STREAM;
+use crate::folder::Destination;
 use crate::stream::write_bytes;
 use crate::{Error, FileDigest, write_file};
 
@@ -57,9 +58,9 @@ pub struct TiffInfo {
 /// assert_eq!(read_tiff(&path, &Limits::default())?, DynImage::F32(image));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub fn write_tiff<'a>(path: impl AsRef<Path>, image: impl Into<DynImageRef<'a>>) -> Result<FileDigest, Error> {
-    let path = path.as_ref();
-    write_file(path, &encode::encode(path, image.into())?)
+pub fn write_tiff<'a>(path: impl Destination, image: impl Into<DynImageRef<'a>>) -> Result<FileDigest, Error> {
+    let encoded = encode::encode(path.path(), image.into())?;
+    write_file(path, &encoded)
 }
 
 /// Encodes an image as TIFF into a stream: the bytes that [`write_tiff`] writes.

@@ -14,6 +14,7 @@ use std::path::Path;
 use holo_core::GridSize;
 use serde_json::{Map, Value, json};
 
+use crate::folder::Destination;
 use crate::limits::read_small_file;
 use crate::{Error, FileDigest, write_file};
 
@@ -110,7 +111,7 @@ impl CameraArray {
         let mut names: Vec<&str> = cameras.iter().map(|camera| camera.name.as_str()).collect();
         names.sort_unstable();
         match names.windows(2).find(|pair| pair[0] == pair[1]) {
-            Some(pair) => Err(broken(format!("two frames have the image '{}'", pair[0]))),
+            Some(pair) => Err(broken(format!("two frames have the image '{}'", crate::shown(pair[0])))),
             None => Ok(Self { cameras }),
         }
     }
@@ -120,8 +121,8 @@ impl CameraArray {
     /// # Errors
     ///
     /// [`Error::BadInput`] if a camera has no size; [`Error::Io`] if the file cannot be written.
-    pub fn write(&self, path: impl AsRef<Path>, up: WorldUp) -> Result<FileDigest, Error> {
-        self.write_paths(path.as_ref(), up, |name| format!("images/{name}.png"))
+    pub fn write(&self, path: impl Destination, up: WorldUp) -> Result<FileDigest, Error> {
+        self.write_paths(&path, up, |name| format!("images/{name}.png"))
     }
 
     /// Writes a file whose poses are those of folders, each with a light field or a raw image, instead of images.
@@ -129,14 +130,20 @@ impl CameraArray {
     /// # Errors
     ///
     /// Those of [`CameraArray::write`].
-    pub fn write_folders(&self, path: impl AsRef<Path>, up: WorldUp) -> Result<FileDigest, Error> {
-        self.write_paths(path.as_ref(), up, str::to_owned)
+    pub fn write_folders(&self, path: impl Destination, up: WorldUp) -> Result<FileDigest, Error> {
+        self.write_paths(&path, up, str::to_owned)
     }
 
-    fn write_paths(&self, path: &Path, up: WorldUp, of: impl Fn(&str) -> String) -> Result<FileDigest, Error> {
+    fn write_paths(
+        &self,
+        destination: &dyn Destination,
+        up: WorldUp,
+        of: impl Fn(&str) -> String,
+    ) -> Result<FileDigest, Error> {
+        let path = destination.path();
         let frame = |camera: &ArrayCamera| -> Result<Value, Error> {
             let Some(size) = camera.size else {
-                return Err(Error::bad_input(path, format!("camera '{}' has no size", camera.name)));
+                return Err(Error::bad_input(path, format!("camera '{}' has no size", crate::shown(&camera.name))));
             };
             let columns = camera.axes_and_position.map(|column| up.file_of(column));
             let mut rows: Vec<Vec<f64>> =
@@ -154,7 +161,7 @@ impl CameraArray {
         let root = json!({ "camera_model": "PINHOLE", "frames": frames });
         let mut text = serde_json::to_string_pretty(&root).map_err(|why| Error::bad_input(path, why.to_string()))?;
         text.push('\n');
-        write_file(path, text.as_bytes())
+        write_file(destination, text.as_bytes())
     }
 }
 
@@ -269,7 +276,7 @@ impl Entry<'_> {
         let is_image = |ending: &str| IMAGES.iter().any(|known| ending.eq_ignore_ascii_case(known));
         let stem = file.rsplit_once('.').filter(|(_, ending)| is_image(ending)).map_or(file, |(stem, _)| stem);
         if stem.is_empty() || !crate::names::stays_inside(stem) {
-            return Err(self.broken(&format!("`file_path` '{path}' names no file")));
+            return Err(self.broken(&format!("`file_path` '{}' names no file", crate::shown(path))));
         }
         Ok(stem.to_owned())
     }

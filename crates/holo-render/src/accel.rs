@@ -10,6 +10,7 @@ pub(crate) mod brute_force;
 pub(crate) mod bvh;
 #[allow(unsafe_code, reason = "calls the C interface of Embree")]
 pub(crate) mod embree;
+mod library;
 mod packet;
 pub(crate) mod refine;
 pub(crate) mod triangle;

@@ -46,7 +46,7 @@ pub fn renderer(scene: &Scene, pose: &Transform, storage: Storage) -> Result<Ren
         Storage::Instanced => Instancing::Always,
         Storage::Chosen => Instancing::Automatic,
     };
-    World::with_instancing(scene, Backend::Embree, 0, instancing)?.at(pose)
+    World::with_instancing(scene, Backend::Embree, None, instancing)?.at(pose)
 }
 
 /// The result of a measurement.

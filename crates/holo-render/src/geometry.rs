@@ -187,7 +187,7 @@ impl Geometry {
         // Larger squares and products would overflow f32 inside a ray tracing engine.
         if let Some(bad) = exact.par_iter().flatten().find_any(|x| x.is_nan() || x.abs() >= MAX_COORDINATE_M) {
             let what = format!("a vertex is {bad:e} m from the camera; coordinates must stay below 1e18 m");
-            return Err(bad_scene(format!("mesh '{}'", mesh.name), what));
+            return Err(bad_scene(format!("mesh '{}'", holo_core::shown(&mesh.name)), what));
         }
         self.positions.par_extend(exact.par_iter().map(|p| p.map(|x| x as f32)));
         // A mirroring map reverses the orientation of triangles; swapping two corners restores it.

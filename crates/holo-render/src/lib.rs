@@ -27,7 +27,7 @@
 //! let scene = holo_scene::gallery::scene("garden").expect("a scene of the gallery");
 //! let shape = LightFieldShape::new(GridSize::new(8, 8), GridSize::new(20, 30))?; // views, lenses
 //! let framed = Framing::new(shape).frame(&scene)?;
-//! let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0)?;
+//! let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, None)?;
 //! let rig = framed.rig(renderer.automatic_focus_m(&framed)?)?;
 //! let request = Request::new(rig).sky([0.2, 0.24, 0.32]).max_bounces(3);
 //! let rendered = renderer.render(&request, &())?;

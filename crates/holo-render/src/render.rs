@@ -13,6 +13,7 @@ mod visibility;
 mod work;
 mod world;
 
+use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -72,12 +73,17 @@ pub struct Renderer {
 
 impl Renderer {
     /// Validates `scene`, transforms it to the frame of a camera at `pose` (camera to world) and builds the
-    /// acceleration structure, with `threads` threads (0: the default of rayon, one per core). A [`World`] does the same for
+    /// acceleration structure. The renderer uses `threads` threads; `None`: one per core. A [`World`] does the same for
     /// many poses.
     ///
     /// # Errors
     /// As [`World::new`] and [`World::at`].
-    pub fn new(scene: &Scene, pose: &Transform, backend: Backend, threads: usize) -> Result<Self, Error> {
+    pub fn new(
+        scene: &Scene,
+        pose: &Transform,
+        backend: Backend,
+        threads: impl Into<Option<NonZeroUsize>>,
+    ) -> Result<Self, Error> {
         World::new(scene, backend, threads)?.at(pose)
     }
 

@@ -13,7 +13,7 @@ fn disparities_suit_dense_views() {
         let scene = &scene(name).expect("a scene of the gallery");
         let framing = Framing::new(split).baseline(Baseline::FNumber(5.0));
         let framed = framing.frame(scene).expect(name);
-        let renderer = Renderer::new(scene, &framed.pose, Backend::Auto, 0).expect(name);
+        let renderer = Renderer::new(scene, &framed.pose, Backend::Auto, None).expect(name);
         let rig = framed.rig(renderer.automatic_focus_m(&framed).expect(name)).expect(name);
         let truth = renderer.central_truth(&rig).expect(name);
         let disparity = truth.disparity_px().expect(name);

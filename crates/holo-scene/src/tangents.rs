@@ -38,7 +38,7 @@ fn add(mesh: &mut Mesh, set: usize) -> Result<(), Error> {
         return Ok(());
     }
     let mut corners = Corners { mesh, set, tangents: vec![None; mesh.triangles.len()] };
-    generate_tangents(&mut corners).map_err(|_| failed(&format!("mesh '{}'", mesh.name)))?;
+    generate_tangents(&mut corners).map_err(|_| failed(&format!("mesh '{}'", holo_core::shown(&mesh.name))))?;
     let tangents = corners.tangents;
     split(mesh, &tangents);
     Ok(())

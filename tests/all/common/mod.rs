@@ -3,6 +3,8 @@
 
 mod peer;
 
+use std::num::NonZeroUsize;
+
 use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_render::{Backend, GroundTruth, Integrator, Rendered, Renderer, Request};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
@@ -82,7 +84,7 @@ pub fn render(scene: &Scene, request: &Request, backend: Backend, threads: usize
 
 /// Renders with the camera at `pose`.
 pub fn render_from(scene: &Scene, pose: &Transform, request: &Request, backend: Backend, threads: usize) -> Rendered {
-    let renderer = Renderer::new(scene, pose, backend, threads).expect("a renderer");
+    let renderer = Renderer::new(scene, pose, backend, NonZeroUsize::new(threads)).expect("a renderer");
     renderer.render(request, &()).expect("a render")
 }
 
@@ -99,7 +101,7 @@ pub fn truth(rig: Rig) -> Request {
 
 /// The ray tracing backends of this machine. Prints a line if Embree is missing.
 pub fn engines() -> Vec<Backend> {
-    match Renderer::new(&soup(4, 1), &Transform::IDENTITY, Backend::Embree, 1) {
+    match Renderer::new(&soup(4, 1), &Transform::IDENTITY, Backend::Embree, NonZeroUsize::new(1)) {
         Ok(_) => vec![Backend::Embree, Backend::Bvh],
         Err(why) => {
             peer::missing(&format!("Embree: {why}"));

@@ -119,7 +119,7 @@ fn measure(scene: &str, folder: &Path, settings: &Settings) -> Result<Measured> 
     };
     let scene = gallery::scene(scene).ok_or_else(|| bad("not a scene of the gallery; choose by --scenes"))?;
     let framed = Framing::new(*rig.shape()).frame(&scene)?;
-    let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0)?;
+    let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, None)?;
     let (views, lenses) = (rig.shape().views(), rig.shape().lenses());
     let first = lenses.rows.saturating_sub(settings.rows) / 2;
     let rows = first..(first + settings.rows).min(lenses.rows);

@@ -49,7 +49,7 @@ pub struct DevelopOptions {
     pub dark: bool,
     /// Files to write, separated by commas [default: all that the sensor has].
     #[arg(long, value_name = "FILE,..", value_parser = choice(DEVELOP_OUTPUTS), value_delimiter = ',')]
-    pub write: Vec<DevelopOutput>,
+    pub write: Option<Vec<DevelopOutput>>,
     /// Print no summary.
     #[arg(long)]
     pub quiet: bool,

@@ -40,7 +40,7 @@ pub fn target(options: &TargetOptions) -> Result<(), Failure> {
         camera: CameraFile::open(&options.camera_file)?,
         corners: options.checkerboard,
         square_m: options.square_mm / 1e3,
-        poses: options.poses.as_deref().map(read_poses).transpose()?.unwrap_or_default(),
+        poses: options.poses.as_deref().map(read_poses).transpose()?,
         samples: options.spp,
         seed: 0,
         engine: options.engine.settings(),

@@ -15,6 +15,7 @@ mod develop;
 mod error_chains;
 mod failures;
 mod help;
+mod hostile_folders;
 mod images;
 mod info;
 mod json_report;

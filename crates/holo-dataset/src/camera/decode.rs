@@ -52,7 +52,7 @@ impl DecodeJob {
     /// [`Error::BadRequest`] if there is another image; [`Error::Io`] if a file cannot be read, or the manifest of the
     /// folder is damaged.
     pub fn check_replaceable(&self, out: &Path) -> Result<(), Error> {
-        check_replaceable(out, || self.identity(), |_| None)
+        check_replaceable((out, ""), || self.identity(), |_| None)
     }
 
     /// What identifies the job in a manifest.
@@ -137,7 +137,9 @@ impl DecodeJob {
         };
         let ev = exposure_ev(settings.output.exposure, &rendered);
         let mut parameters = ParametersCfg::from_rig(&rig);
-        parameters.scene = self.scene.as_ref().map_or_else(String::new, SceneSource::name);
+        // A line of the file.
+        let scene = self.scene.as_ref().map_or_else(String::new, SceneSource::name);
+        parameters.scene = holo_core::visible(&scene).into_owned();
         let wanted = Wanted::new(&settings)?;
         let views = TracedViews { rig, parameters, highres_depth_m: None, visibility: None, motion: Vec::new() };
         let camera = TracedCamera::Rig(Box::new(views));

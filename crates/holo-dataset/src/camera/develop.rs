@@ -71,8 +71,8 @@ pub struct DevelopJob {
     pub frames: u64,
     /// Whether the shutter stays closed.
     pub is_dark: bool,
-    /// What to write; empty: everything that the sensor has.
-    pub outputs: Vec<DevelopOutput>,
+    /// What to write; `None`: everything that the sensor has.
+    pub outputs: Option<Vec<DevelopOutput>>,
 }
 
 /// What was developed.
@@ -102,7 +102,7 @@ impl DevelopJob {
             frame: 0,
             frames: 1,
             is_dark: false,
-            outputs: Vec::new(),
+            outputs: None,
         }
     }
 
@@ -110,8 +110,8 @@ impl DevelopJob {
     /// exposure.
     ///
     /// # Errors
-    /// [`Error::BadRequest`] if there is no sensor, an output is impossible with it, or the input would be overwritten;
-    /// [`Error::Core`] for numbers out of range; [`Error::Io`] if files cannot be read or written.
+    /// [`Error::BadRequest`] if there is no sensor or no output, an output is impossible with it, or the input would be
+    /// overwritten; [`Error::Core`] for numbers out of range; [`Error::Io`] if files cannot be read or written.
     pub fn run(&self, out: &Path) -> Result<Developed, Error> {
         let (name, guesses, sensor, electrons) = self.sensor()?;
         let outputs = self.outputs(&sensor)?;
@@ -199,17 +199,20 @@ impl DevelopJob {
 
     fn outputs(&self, sensor: &SensorModel) -> Result<Vec<DevelopOutput>, Error> {
         let has_mosaic = sensor.filter.mosaic().is_some();
-        if self.outputs.is_empty() {
+        let Some(outputs) = &self.outputs else {
             let is_possible = |output: &DevelopOutput| has_mosaic || *output != DevelopOutput::Dng;
             return Ok(DevelopOutput::ALL.into_iter().filter(is_possible).collect());
+        };
+        if outputs.is_empty() {
+            return Err(Error::BadRequest("`write` names no file; without it everything is written".into()));
         }
-        if self.outputs.contains(&DevelopOutput::Dng) && !has_mosaic {
+        if outputs.contains(&DevelopOutput::Dng) && !has_mosaic {
             let name = sensor.filter.name();
             return Err(Error::BadRequest(format!(
                 "`write dng` needs a Bayer mosaic, and this sensor is {name}; remove it, or change sensor.cfa"
             )));
         }
-        Ok(self.outputs.clone())
+        Ok(outputs.clone())
     }
 
     fn exposure(

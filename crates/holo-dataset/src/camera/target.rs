@@ -45,8 +45,8 @@ pub struct TargetJob {
     pub corners: GridSize,
     /// The side of a square, in meters.
     pub square_m: f64,
-    /// The poses, one image each; empty: five around the focus.
-    pub poses: Vec<BoardPose>,
+    /// The poses, one image each; `None`: five around the focus.
+    pub poses: Option<Vec<BoardPose>>,
     /// Samples a pixel.
     pub samples: u32,
     /// Random seed.
@@ -86,8 +86,8 @@ impl TargetJob {
     /// `visible`, which corners on the back are not.
     ///
     /// # Errors
-    /// [`Error::BadRequest`] for an impossible board; [`Error::Render`] for errors and cancellation of the renderer;
-    /// [`Error::Io`] if files cannot be written.
+    /// [`Error::BadRequest`] for an impossible board or no pose; [`Error::Render`] for errors and cancellation of the
+    /// renderer; [`Error::Io`] if files cannot be written.
     pub fn run(&self, out: &Path, progress: &dyn Progress, rollback: &Rollback) -> Result<(Vec<String>, usize), Error> {
         let poses = self.validated_poses()?;
         let camera = &self.camera.camera;
@@ -103,8 +103,8 @@ impl TargetJob {
         for (frame, pose) in poses.iter().enumerate() {
             let placed = transform(pose);
             count += self.list_corners(frame, &placed, &mut table);
-            let threads = self.engine.threads.map_or(0, std::num::NonZeroUsize::get);
-            let renderer = Renderer::new(&self.board(&placed), &Transform::IDENTITY, self.engine.backend, threads)?;
+            let EngineSettings { backend, threads } = self.engine;
+            let renderer = Renderer::new(&self.board(&placed), &Transform::IDENTITY, backend, threads)?;
             let request = Request::new(camera.clone()).integrator(Integrator::Direct).samples(self.samples);
             let request = request.seed(self.seed + frame as u64).layers(LayerSet::EMPTY);
             let color = renderer.render(&request, progress)?.color;
@@ -121,7 +121,7 @@ impl TargetJob {
     /// # Errors
     /// [`Error::BadRequest`] if there are others; [`Error::Io`] if the manifest of the folder is damaged.
     pub fn check_replaceable(&self, out: &Path) -> Result<(), Error> {
-        check_replaceable(out, || Ok(self.identity()), |_| None)
+        check_replaceable((out, ""), || Ok(self.identity()), |_| None)
     }
 
     /// What identifies the job in a manifest.
@@ -134,7 +134,7 @@ impl TargetJob {
         set("checkerboard", self.corners.to_string().into());
         set("square-mm", (1e3 * self.square_m).into());
         set("spp", self.samples.into());
-        let numbers = self.poses.iter().flat_map(|pose| pose.position_m.into_iter().chain(pose.rotation_deg));
+        let numbers = self.poses.iter().flatten().flat_map(|pose| pose.position_m.into_iter().chain(pose.rotation_deg));
         set("poses", ManifestValue::List(numbers.map(ManifestValue::Float).collect()));
         manifest
     }
@@ -148,8 +148,10 @@ impl TargetJob {
         if !(self.square_m.is_finite() && self.square_m > 0.0) {
             return bad("the squares of a checkerboard must be larger than 0");
         }
-        if !self.poses.is_empty() {
-            return Ok(self.poses.clone());
+        match &self.poses {
+            Some(poses) if poses.is_empty() => return bad("`poses` has no pose; without it there are five"),
+            Some(poses) => return Ok(poses.clone()),
+            None => {}
         }
         let focus_m = 1.0 / self.camera.camera.inverse_focus_per_m();
         if !(focus_m.is_finite() && focus_m > 0.0) {

@@ -96,7 +96,7 @@ fn size_of_poses(array: &CameraArray, pixels: Pixels) -> Result<GridSize, Error>
     };
     let mut found = lenses;
     for camera in &array.cameras {
-        let name = &camera.name;
+        let name = holo_io::shown(&camera.name);
         let Some(size) = camera.size.or(lenses) else {
             return bad(format!("camera '{name}' of `transforms` has no size; give `lenses`"));
         };
@@ -129,6 +129,7 @@ fn plenoptic(files: Vec<CameraFile>, settings: &RenderSettings) -> Result<Vec<Pl
         }
         // Some systems do not distinguish capital letters.
         if planned.iter().any(|(other, _)| other.name().eq_ignore_ascii_case(&name)) {
+            let name = holo_io::shown(&name);
             return bad(format!(
                 "two cameras of `camera-file` have the name '{name}' and would share a folder; change one of the names"
             ));

@@ -150,13 +150,13 @@ impl DatasetPlan {
         let mut options = texts(&self.settings);
         // Every light field has its own.
         options.remove("views");
-        index::write(root, &entries, self.poses(), (&options, &backend))?;
+        index::write(folder.folder(), &entries, self.poses(), (&options, &backend))?;
         if let Poses::Array { cameras, up } = &self.settings.poses {
             let mut cameras = cameras.clone();
             for camera in &mut cameras.cameras {
                 camera.size = camera.size.or(self.settings.camera.size());
             }
-            cameras.write_folders(root.join(TRANSFORMS), *up)?;
+            cameras.write_folders(folder.folder().file(TRANSFORMS), *up)?;
         }
         folder.keep();
         Ok(())
@@ -190,7 +190,7 @@ impl DatasetRun<'_> {
             Some((render, runner)) if render == job.render => runner,
             _ => Runner::new(&self.plan.renders[job.render], options.diagnostics_of())?,
         };
-        let outcome = runner.run_shot(&job.shot, &root.join(job.folder()?), options);
+        let outcome = runner.run_shot(&job.shot, root, &job.folder()?, options);
         self.runner = Some((job.render, runner));
         outcome
     }

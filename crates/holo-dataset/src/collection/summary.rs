@@ -105,7 +105,7 @@ impl JobSummary {
 impl fmt::Display for JobSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let size = text::bytes(self.bytes);
-        write!(f, "{} {}: ", self.scene, self.camera)?;
+        write!(f, "{} {}: ", holo_io::shown(&self.scene), holo_io::shown(&self.camera))?;
         match &self.result {
             JobResult::Made { report, why } => {
                 let (seconds, speed) = (report.seconds.total, report.mrays_per_second());

@@ -16,18 +16,17 @@ mod croissant;
 mod record;
 
 use std::fmt::Write;
-use std::io::ErrorKind;
 use std::path::Path;
 
 use holo_io::dataset::{DatasetCamera, DatasetIndex};
-use holo_io::{Manifest, ManifestValue};
+use holo_io::{Folder, Manifest, ManifestValue};
 use serde_json::Value;
 
 pub(crate) use self::record::Record;
 use self::record::fields;
 use super::verify::differences;
 use crate::Error;
-use crate::output::TRANSFORMS;
+use crate::output::{TRANSFORMS, inner_name};
 use crate::resume::finished_manifest;
 use crate::watch::Diagnostics;
 
@@ -58,27 +57,30 @@ pub struct Described {
 /// [`Error::Io`] if `dataset.json` cannot be read.
 pub fn finished(root: &Path) -> Result<Described, Error> {
     let index = DatasetIndex::read(root)?;
-    Ok(Described { finished: records(root, &index)?.len(), of: index.scenes.len() * index.cameras.len() })
+    Ok(Described {
+        finished: records(&Folder::open(root)?, &index)?.len(),
+        of: index.scenes.len() * index.cameras.len(),
+    })
 }
 
 /// Removes a catalog and the poses, before folders and `dataset.json` change.
-pub(crate) fn remove(root: &Path) -> Result<(), Error> {
+pub(crate) fn remove(root: &Folder) -> Result<(), Error> {
     contact_sheet::remove_others(root, &[])?;
-    if let Ok(index) = DatasetIndex::read(root) {
+    if let Ok(index) = DatasetIndex::read_in(root) {
         // Their names alone do not say that they are contact sheets of a dataset.
-        index.cameras.iter().try_for_each(|camera| remove_file(&root.join(contact_sheet::file_name(camera))))?;
+        index.cameras.iter().try_for_each(|camera| remove_file(root, &contact_sheet::file_name(camera)))?;
         if index.poses.is_some() {
-            remove_file(&root.join(TRANSFORMS))?;
+            remove_file(root, TRANSFORMS)?;
         }
     }
-    [CROISSANT_JSON, LIGHT_FIELDS_CSV].iter().chain(&SPLITS).try_for_each(|name| remove_file(&root.join(name)))
+    [CROISSANT_JSON, LIGHT_FIELDS_CSV].iter().chain(&SPLITS).try_for_each(|name| remove_file(root, name))
 }
 
 /// Removes a file, unless it is gone already.
-fn remove_file(path: &Path) -> Result<(), Error> {
-    match std::fs::remove_file(path) {
-        Err(why) if why.kind() != ErrorKind::NotFound => Err(Error::Failed(format!("{}: {why}", path.display()))),
-        _ => Ok(()),
+fn remove_file(root: &Folder, name: &str) -> Result<(), Error> {
+    match root.kind(name)? {
+        Some(_) => Ok(root.remove_file(name)?),
+        None => Ok(()),
     }
 }
 
@@ -90,10 +92,11 @@ fn remove_file(path: &Path) -> Result<(), Error> {
 /// [`Error::Io`] if `dataset.json` cannot be read, or if a file cannot be written.
 pub fn write_catalog(root: &Path, diagnostics: &dyn Diagnostics) -> Result<Described, Error> {
     let index = DatasetIndex::read(root)?;
+    let root = &Folder::open(root)?;
     let records = records(root, &index)?;
     let document = croissant::document(&index, &records);
     let json = serde_json::to_string_pretty(&document).map_err(|why| Error::Failed(why.to_string()))?;
-    let write = |name: &str, text: String| holo_io::write_file(root.join(name), text.as_bytes());
+    let write = |name: &str, text: String| holo_io::write_file(root.file(name), text.as_bytes());
     write(CROISSANT_JSON, format!("{json}\n"))?;
     write(LIGHT_FIELDS_CSV, table(&index, &records))?;
     for (name, is_test) in SPLITS.into_iter().zip([false, true]) {
@@ -110,7 +113,7 @@ pub fn write_catalog(root: &Path, diagnostics: &dyn Diagnostics) -> Result<Descr
 }
 
 /// The records of all finished folders that are as `dataset.json` says, in the order of the scenes.
-pub(crate) fn records(root: &Path, index: &DatasetIndex) -> Result<Vec<Record>, Error> {
+pub(crate) fn records(root: &Folder, index: &DatasetIndex) -> Result<Vec<Record>, Error> {
     let mut records = Vec::new();
     let mut files: Vec<&str> = Vec::new();
     for scene in &index.scenes {
@@ -121,7 +124,8 @@ pub(crate) fn records(root: &Path, index: &DatasetIndex) -> Result<Vec<Record>, 
         let is_test = files.len().is_multiple_of(TEST_EVERY);
         for camera in &index.cameras {
             let path = camera.folder(&scene.name)?;
-            let Ok(manifest) = finished_manifest(&root.join(&path)) else { continue };
+            let Ok(inside) = root.sub(&inner_name(&path)?) else { continue };
+            let Ok(manifest) = finished_manifest(&inside) else { continue };
             if !is_of(&manifest, camera) || !differences(index, &manifest, &path).is_empty() {
                 continue;
             }

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::Path;
 
 use holo_core::{GridSize, LightFieldShape};
+use holo_io::Folder;
 use holo_io::dataset::{self as names, DatasetCamera, DatasetIndex, DatasetPoses, SceneEntry};
 use holo_scene::gallery;
 
@@ -68,18 +68,18 @@ type Options = BTreeMap<String, String>;
 
 /// Writes both files for a dataset of these jobs, which have these settings and were made by this backend.
 pub(crate) fn write(
-    root: &Path,
+    root: &Folder,
     entries: &[Entry],
     poses: Option<DatasetPoses>,
     (options, backend): (&Options, &str),
 ) -> Result<(), Error> {
     let index = index(entries, poses, options, backend);
     // The catalog of other folders would be one of none.
-    if DatasetIndex::read(root).ok().as_ref() != Some(&index) {
+    if DatasetIndex::read_in(root).ok().as_ref() != Some(&index) {
         catalog::remove(root)?;
     }
-    index.write(root)?;
-    holo_io::write_file(root.join(names::DATASET_MD), document(&index).as_bytes())?;
+    index.write_in(root)?;
+    holo_io::write_file(root.file(names::DATASET_MD), document(&index).as_bytes())?;
     Ok(())
 }
 
@@ -163,7 +163,7 @@ fn write_contents(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
         )?;
     }
     writeln!(text, "## Scenes\n\n| folder | what it is there for |\n|---|---|")?;
-    scenes.iter().try_for_each(|scene| writeln!(text, "| `{}` | {} |", scene.name, scene.purpose))?;
+    scenes.iter().try_for_each(|scene| writeln!(text, "| `{}` | {} |", cell(&scene.name), cell(&scene.purpose)))?;
     if let Some(poses) = &index.poses {
         let count = poses.count;
         writeln!(
@@ -218,8 +218,9 @@ fn write_views(index: &DatasetIndex, shapes: &[LightFieldShape], text: &mut Stri
 fn write_cameras(index: &DatasetIndex, cameras: &[(&str, GridSize)], text: &mut String) -> std::fmt::Result {
     writeln!(text, "\n## Cameras\n\nEvery scene has a folder for each, with its name.\n")?;
     writeln!(text, "| folder | raw image, px |\n|---|---|")?;
-    cameras.iter().try_for_each(|(name, size)| writeln!(text, "| `{name}` | {size} |"))?;
+    cameras.iter().try_for_each(|(name, size)| writeln!(text, "| `{}` | {size} |", cell(name)))?;
     if let Some((name, _)) = cameras.first().filter(|_| has_output(index, &["raw-png"])) {
+        let name = holo_core::visible(name);
         writeln!(text, "\n![Contact sheet of all scenes with {name}](<contact_sheet_{name}.png>)\n")?;
         writeln!(
             text,
@@ -234,7 +235,7 @@ fn write_cameras(index: &DatasetIndex, cameras: &[(&str, GridSize)], text: &mut 
 fn arguments(options: &Options) -> impl Iterator<Item = String> {
     options.iter().filter(|(_, value)| *value != "false").map(|(name, value)| match value.as_str() {
         "true" => format!("--{name}"),
-        value => format!("--{name}={value}"),
+        value => format!("--{name}={}", holo_core::visible(value)),
     })
 }
 
@@ -250,7 +251,7 @@ fn write_command(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
     }
     let (built_in, own): (Vec<&str>, Vec<&str>) =
         sources.into_iter().partition(|scene| gallery::purpose(scene).is_some());
-    let own: Vec<String> = own.iter().map(|scene| format!("{scene}.glb")).collect();
+    let own: Vec<String> = own.iter().map(|scene| format!("{}.glb", holo_core::visible(scene))).collect();
     writeln!(text, "    --scenes {} \\", if built_in.is_empty() { "none".into() } else { built_in.join(",") })?;
     if !own.is_empty() {
         writeln!(text, "    --glb {} \\", own.join(","))?;
@@ -261,7 +262,7 @@ fn write_command(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
         // Each folder has its camera.
         true => {
             let files = cameras.iter().map(|(name, _)| format!("{first}/{name}/{}", names::CAMERA_TOML));
-            write!(text, "    --camera-file {}", quoted(join(files)))?;
+            write!(text, "    --camera-file {}", quoted(holo_core::visible(&join(files)).into_owned()))?;
         }
         false => write!(text, "    --views {}", join(shapes.iter().map(|shape| shape.views().to_string())))?,
     }
@@ -349,6 +350,11 @@ const RAW_FILES: [(&str, &str); 7] = [
 /// A word of a command line, quoted if it has blanks.
 fn quoted(word: String) -> String {
     if word.contains(char::is_whitespace) { format!("\"{word}\"") } else { word }
+}
+
+/// Text of a file in a cell of a table of Markdown, between backticks or not.
+fn cell(text: &str) -> String {
+    holo_io::shown(text).replace('|', "\\|").replace('`', "'")
 }
 
 fn join(words: impl Iterator<Item = String>) -> String {

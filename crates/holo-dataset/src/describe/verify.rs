@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use holo_io::dataset::{self, DatasetCamera, DatasetIndex, SequenceFolder};
-use holo_io::{CameraArray, Manifest, ManifestValue, WorldUp};
+use holo_io::{CameraArray, Folder, Manifest, ManifestValue, WorldUp};
 
 use crate::Error;
-use crate::output::TRANSFORMS;
+use crate::output::{TRANSFORMS, inner_name};
 use crate::resume::finished_manifest;
 use crate::settings::{Frames, SettingType, value_text};
 
@@ -35,7 +35,7 @@ pub struct Verification {
 /// Returns whether a folder is a dataset: whether it has a `dataset.json`.
 #[must_use]
 pub fn is_dataset(folder: &Path) -> bool {
-    folder.join(dataset::DATASET_JSON).is_file()
+    Folder::open(folder).is_ok_and(|folder| folder.has_file(dataset::DATASET_JSON))
 }
 
 /// Compares every file of a folder of `holo render`, or of all folders of a dataset, a sequence or several poses, with its
@@ -48,14 +48,15 @@ pub fn verify(folder: &Path) -> Result<Verification, Error> {
     if is_dataset(folder) {
         return verify_all(folder);
     }
-    if !folder.join(dataset::MANIFEST_JSON).exists() && folder.is_dir() {
+    let root = Folder::open(folder)?;
+    if root.kind(dataset::MANIFEST_JSON)?.is_none() {
         let shots = shots_of(folder)?;
         if !shots.is_empty() {
-            return Ok(verify_folders(folder, &shots, |_, _| Vec::new()));
+            return Ok(verify_folders(&root, &shots, |_, _| Vec::new()));
         }
     }
-    let manifest = finished_manifest(folder)?;
-    let mismatches: Vec<String> = manifest.verify(folder).iter().map(ToString::to_string).collect();
+    let manifest = finished_manifest(&root)?;
+    let mismatches: Vec<String> = manifest.verify_in(&root).iter().map(ToString::to_string).collect();
     Ok(Verification {
         folders: 1,
         bad_folders: usize::from(!mismatches.is_empty()),
@@ -70,7 +71,8 @@ pub fn verify(folder: &Path) -> Result<Verification, Error> {
 fn verify_all(root: &Path) -> Result<Verification, Error> {
     let index = DatasetIndex::read(root)?;
     let folders = index.folders()?;
-    let mut found = verify_folders(root, &folders, |manifest, name| differences(&index, manifest, name));
+    let opened = Folder::open(root)?;
+    let mut found = verify_folders(&opened, &folders, |manifest, name| differences(&index, manifest, name));
     for entry in dataset::list(root)? {
         let name: PathBuf = [entry.scene, entry.camera].iter().collect();
         if !folders.contains(&name) {
@@ -129,18 +131,19 @@ fn frames_of(sequence: &SequenceFolder) -> BTreeSet<u32> {
 
 /// Checks folders below `root`, with what else is wrong with a manifest.
 fn verify_folders(
-    root: &Path,
+    root: &Folder,
     folders: &[PathBuf],
     differences: impl Fn(&Manifest, &Path) -> Vec<String>,
 ) -> Verification {
     let mut found = Verification { folders: folders.len(), ..Verification::default() };
     for name in folders {
-        let mismatches = match finished_manifest(&root.join(name)) {
-            Ok(manifest) => {
+        let folder = inner_name(name).and_then(|inner| Ok(root.sub(&inner)?));
+        let found_there = folder.and_then(|folder| Ok((finished_manifest(&folder)?, folder)));
+        let mismatches = match found_there {
+            Ok((manifest, folder)) => {
                 found.files += manifest.files.len();
                 found.bytes += bytes(&manifest);
-                let mut mismatches: Vec<String> =
-                    manifest.verify(root.join(name)).iter().map(ToString::to_string).collect();
+                let mut mismatches: Vec<String> = manifest.verify_in(&folder).iter().map(ToString::to_string).collect();
                 mismatches.extend(differences(&manifest, name));
                 mismatches
             }
@@ -181,6 +184,7 @@ pub(crate) fn differences(index: &DatasetIndex, manifest: &Manifest, folder: &Pa
             let own = options.get(name).and_then(value_text);
             if own.as_ref() != Some(value) {
                 let own = own.as_deref().unwrap_or("?");
+                let (own, value) = (holo_io::shown(own), holo_io::shown(value));
                 differences.push(format!("made with `{name}={own}`, the dataset with {value}"));
             }
         }

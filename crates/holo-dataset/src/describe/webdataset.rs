@@ -9,17 +9,16 @@
 //! The conventions of <https://github.com/webdataset/webdataset>.
 
 use std::collections::BTreeSet;
-use std::fs::File;
 use std::io::{Read, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use holo_io::AtomicFile;
 use holo_io::dataset::{CAMERA_TOML, DatasetIndex, ELEMENTAL_PNG, LIGHT_FIELD_MAT, PARAMETERS_CFG, VIEWPOINT_PNG};
+use holo_io::{AtomicFile, Destination, Folder, FolderFile};
 use tar::{Builder, EntryType, Header};
 
 use super::catalog::{Record, records};
 use super::verify::is_dataset;
-use crate::output::{OutputFolder, Rollback};
+use crate::output::{OutputFolder, Rollback, existing};
 use crate::{Error, text};
 
 /// Files that hold the pixels of `scene_el.png` again.
@@ -28,9 +27,10 @@ const COPIES: [&str; 2] = [VIEWPOINT_PNG, LIGHT_FIELD_MAT];
 /// What the archives of a dataset contain.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct WebDataset {
-    /// The fields of every sample, such as `el.png`, each without `scene_`; none: all files of a folder except for those
-    /// in its subfolders, and beside `el.png` without `vpi.png` and `5d.mat`, which have its pixels in another order.
-    pub fields: Vec<String>,
+    /// The fields of every sample, such as `el.png`, each without `scene_`; `None`: all files of a folder except for
+    /// those in its subfolders, and beside `el.png` without `vpi.png` and `5d.mat`, which have its pixels in another
+    /// order.
+    pub fields: Option<Vec<String>>,
     /// The largest size of the files of light fields in an archive, bytes. A sample is never divided.
     pub max_bytes: u64,
 }
@@ -46,18 +46,24 @@ pub struct Archive {
     pub bytes: u64,
 }
 
-/// A light field with the files that go into an archive: their fields and sizes.
+/// A file of a light field: its name in the dataset, and the size that the manifest says.
+struct FileOfSample {
+    name: String,
+    bytes: u64,
+}
+
+/// A light field with the files that go into an archive, by their fields.
 struct Sample {
     record: Record,
     key: String,
-    files: Vec<(String, PathBuf, u64)>,
+    files: Vec<(String, FileOfSample)>,
     json: String,
 }
 
 impl Default for WebDataset {
     /// All fields, and a gigabyte an archive.
     fn default() -> Self {
-        Self { fields: Vec::new(), max_bytes: 1_000_000_000 }
+        Self { fields: None, max_bytes: 1_000_000_000 }
     }
 }
 
@@ -66,17 +72,21 @@ impl WebDataset {
     /// scenes for training, `test-000000.tar` for the others.
     ///
     /// # Errors
-    /// [`Error::BadRequest`] if a light field lacks a requested field or has no files but those in subfolders, if two have the
-    /// same key, or `out` has archives of
-    /// this name already; [`Error::Failed`] if no folder is finished; [`Error::Io`] if files cannot be read or written,
-    /// or have another size than their manifest says.
+    /// [`Error::BadRequest`] if no field is requested, if a light field lacks a requested one or has no files but those
+    /// in subfolders, if two have the same key, or `out` has archives of this name already; [`Error::Failed`] if no
+    /// folder is finished; [`Error::Io`] if files cannot be read or written, or have another size than their manifest
+    /// says.
     pub fn write(&self, root: &Path, out: &Path, rollback: &Rollback) -> Result<Vec<Archive>, Error> {
         if !is_dataset(root) {
             return Err(Error::BadRequest(format!("{}: not a folder of `holo dataset`", root.display())));
         }
-        let index = DatasetIndex::read(root)?;
+        if self.fields.as_ref().is_some_and(Vec::is_empty) {
+            return Err(Error::BadRequest("`fields` names no file; without it samples have all files".into()));
+        }
+        let opened = Folder::open(root)?;
+        let index = DatasetIndex::read_in(&opened)?;
         let samples: Vec<Sample> =
-            records(root, &index)?.into_iter().map(|record| self.sample(root, record)).collect::<Result<_, _>>()?;
+            records(&opened, &index)?.into_iter().map(|record| self.sample(record)).collect::<Result<_, _>>()?;
         if samples.is_empty() {
             return Err(Error::Failed(format!("{}: no light field is finished; see `holo verify`", root.display())));
         }
@@ -87,12 +97,13 @@ impl WebDataset {
                 twice.key
             )));
         }
-        let mut planned = Vec::new();
+        let (mut planned, older) = (Vec::new(), existing(out, "")?);
         for (split, is_test) in [("train", false), ("test", true)] {
             let of_split: Vec<&Sample> = samples.iter().filter(|sample| sample.record.is_test == is_test).collect();
             for (number, samples) in self.divide(&of_split).into_iter().enumerate() {
                 let name = format!("{split}-{number:06}.tar");
-                if out.join(&name).exists() {
+                let kind = older.as_ref().map(|older| older.kind(&name)).transpose()?;
+                if kind.flatten().is_some() {
                     let path = out.join(&name);
                     return Err(Error::BadRequest(format!("{}: exists already; give another folder", path.display())));
                 }
@@ -102,29 +113,29 @@ impl WebDataset {
         let folder = OutputFolder::create_plain(out, rollback)?;
         let mut archives = Vec::new();
         for (name, samples) in planned {
-            let bytes = write_archive(&folder.file(&name), &samples)?;
+            let bytes = write_archive(&opened, &folder.file(&name), &samples)?;
             archives.push(Archive { name, samples: samples.len(), bytes });
         }
         folder.keep();
         Ok(archives)
     }
 
-    fn sample(&self, root: &Path, record: Record) -> Result<Sample, Error> {
-        let folder = root.join(&record.folder);
+    fn sample(&self, record: Record) -> Result<Sample, Error> {
         let listed = record.manifest.files.iter();
         let has_raw_image = record.manifest.files.contains_key(ELEMENTAL_PNG);
-        let mut files: Vec<(String, PathBuf, u64)> = listed
+        let file = |name: &str, bytes: u64| FileOfSample { name: format!("{}/{name}", record.folder), bytes };
+        let mut files: Vec<(String, FileOfSample)> = listed
             .filter(|(name, _)| !name.contains('/'))
-            .filter(|(name, _)| !self.fields.is_empty() || !has_raw_image || !COPIES.contains(&name.as_str()))
-            .map(|(name, written)| (field(name).to_owned(), folder.join(name), written.bytes))
+            .filter(|(name, _)| self.fields.is_some() || !has_raw_image || !COPIES.contains(&name.as_str()))
+            .map(|(name, written)| (field(name).to_owned(), file(name, written.bytes)))
             .collect();
-        if !self.fields.is_empty() {
-            if let Some(missing) = self.fields.iter().find(|field| !files.iter().any(|(own, ..)| own == *field)) {
+        if let Some(fields) = &self.fields {
+            if let Some(missing) = fields.iter().find(|field| !files.iter().any(|(own, ..)| own == *field)) {
                 let own: Vec<&str> = files.iter().map(|(field, ..)| field.as_str()).collect();
                 let (folder, own) = (&record.folder, own.join(", "));
                 return Err(Error::BadRequest(format!("{folder} has no {missing}; it has {own}")));
             }
-            files.retain(|(field, ..)| self.fields.contains(field));
+            files.retain(|(field, ..)| fields.contains(field));
         }
         // Neither describes an image of its own.
         if files.iter().all(|(own, ..)| [PARAMETERS_CFG, CAMERA_TOML].contains(&own.as_str())) {
@@ -145,7 +156,7 @@ impl WebDataset {
         let mut archives: Vec<Vec<&Sample>> = Vec::new();
         let mut bytes = 0;
         for sample in samples {
-            let own: u64 = sample.files.iter().map(|(.., bytes)| bytes).sum();
+            let own: u64 = sample.files.iter().map(|(_, file)| file.bytes).sum();
             match archives.last_mut() {
                 Some(archive) if bytes + own <= self.max_bytes => {
                     archive.push(sample);
@@ -166,18 +177,24 @@ fn field(name: &str) -> &str {
     name.strip_prefix("scene_").unwrap_or(name)
 }
 
-/// Writes an archive; returns its size.
-fn write_archive(path: &Path, samples: &[&Sample]) -> Result<u64, Error> {
-    let failed = |why: std::io::Error| Error::Failed(format!("{}: {why}", path.display()));
-    let mut archive = Builder::new(AtomicFile::create(path)?);
+/// Writes an archive of files below `root`; returns its size. Regular files of the size that their manifests say go into it,
+/// and nothing that a link leads to: an archive is passed on.
+fn write_archive(root: &Folder, place: &FolderFile, samples: &[&Sample]) -> Result<u64, Error> {
+    let failed = |why: std::io::Error| Error::Failed(format!("{}: {why}", place.path().display()));
+    let mut archive = Builder::new(AtomicFile::create(place)?);
     for sample in samples {
-        for (field, source, bytes) in &sample.files {
-            let read = |why: std::io::Error| Error::Failed(format!("{}: {why}", source.display()));
-            let file = File::open(source).map_err(read)?;
-            let found = file.metadata().map_err(read)?.len();
+        for (field, FileOfSample { name, bytes }) in &sample.files {
+            let source = root.path_of(name);
+            let differs = |what: String| Error::Failed(format!("{}: {what}; see `holo verify`", source.display()));
+            let file = match root.open_regular(name, *bytes) {
+                Err(holo_io::Error::TooLarge { needed, allowed, .. }) => {
+                    return Err(differs(format!("{needed} bytes, but its manifest says {allowed}")));
+                }
+                other => other?,
+            };
+            let found = file.metadata().map_err(|why| differs(why.to_string()))?.len();
             if found != *bytes {
-                let what = format!("{found} bytes, but its manifest says {bytes}; see `holo verify`");
-                return Err(Error::Failed(format!("{}: {what}", source.display())));
+                return Err(differs(format!("{found} bytes, but its manifest says {bytes}")));
             }
             append(&mut archive, &format!("{}.{field}", sample.key), *bytes, file).map_err(failed)?;
         }
@@ -190,6 +207,8 @@ fn write_archive(path: &Path, samples: &[&Sample]) -> Result<u64, Error> {
 
 /// Appends a file without owner and time.
 fn append(archive: &mut Builder<impl Write>, name: &str, bytes: u64, data: impl Read) -> std::io::Result<()> {
+    // The file may grow or shrink while it is read.
+    let mut data = data.take(bytes);
     let mut header = Header::new_ustar();
     header.set_entry_type(EntryType::Regular);
     header.set_size(bytes);
@@ -197,7 +216,11 @@ fn append(archive: &mut Builder<impl Write>, name: &str, bytes: u64, data: impl 
     header.set_mtime(0);
     header.set_uid(0);
     header.set_gid(0);
-    archive.append_data(&mut header, name, data)
+    archive.append_data(&mut header, name, &mut data)?;
+    match data.limit() {
+        0 => Ok(()),
+        left => Err(std::io::Error::other(format!("the file of {name} became {left} bytes shorter while it was read"))),
+    }
 }
 
 impl std::fmt::Display for Archive {
@@ -209,6 +232,8 @@ impl std::fmt::Display for Archive {
 #[cfg(test)]
 mod tests {
     use holo_core::GridSize;
+
+    use std::fs::File;
 
     use super::*;
     use crate::{DatasetPlan, EngineSettings, Pixels, RenderSettings, RigSettings, RunOptions, SceneSource};
@@ -247,7 +272,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let [root, out] = ["dataset", "out"].map(|name| folder.path().join(name));
         dataset(&root);
-        let web = WebDataset { fields: vec!["el.png".into(), "disparity.pfm".into()], max_bytes: 1 };
+        let web = WebDataset { fields: Some(vec!["el.png".into(), "disparity.pfm".into()]), max_bytes: 1 };
         let archives = web.write(&root, &out, &Rollback::default()).unwrap();
         let names: Vec<&str> = archives.iter().map(|archive| archive.name.as_str()).collect();
         let expected =
@@ -291,9 +316,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let [root, out] = ["dataset", "out"].map(|name| folder.path().join(name));
         dataset(&root);
-        let web = WebDataset { fields: vec!["normal.pfm".into()], ..WebDataset::default() };
+        let web = WebDataset { fields: Some(vec!["normal.pfm".into()]), ..WebDataset::default() };
         let why = web.write(&root, &out, &Rollback::default()).unwrap_err().to_string();
         assert!(why.contains("plaster/3x3 has no normal.pfm; it has parameters.cfg, 5d.mat, depth.pfm"), "{why}");
+        let nothing = WebDataset { fields: Some(Vec::new()), ..WebDataset::default() };
+        assert!(matches!(nothing.write(&root, &out, &Rollback::default()), Err(Error::BadRequest(_))));
         // A truncated file.
         std::fs::write(root.join("tiles/3x3/scene_el.png"), b"short").unwrap();
         let why = WebDataset::default().write(&root, &out, &Rollback::default()).unwrap_err().to_string();
@@ -302,7 +329,7 @@ mod tests {
         // An archive is not overwritten.
         std::fs::create_dir(&out).unwrap();
         std::fs::write(out.join("train-000000.tar"), b"own").unwrap();
-        let web = WebDataset { fields: vec!["depth.pfm".into()], ..WebDataset::default() };
+        let web = WebDataset { fields: Some(vec!["depth.pfm".into()]), ..WebDataset::default() };
         let why = web.write(&root, &out, &Rollback::default()).unwrap_err().to_string();
         assert!(why.contains("exists already"), "{why}");
         assert_eq!(std::fs::read(out.join("train-000000.tar")).unwrap(), b"own");

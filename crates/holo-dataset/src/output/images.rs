@@ -2,10 +2,10 @@
 //!
 //! HDF5, EXR and PFM contain linear radiance. Exposure and the sRGB curve are applied for all integers.
 
-use std::path::PathBuf;
-
 use holo_core::{Layout, LightField, LightFieldOwned, Rig, Sample};
-use holo_io::{ColorEncoding, Compression, HciHighResolution, HciImage, HciTruth, MatOptions, ParametersCfg, dataset};
+use holo_io::{
+    ColorEncoding, Compression, FolderFile, HciHighResolution, HciImage, HciTruth, MatOptions, ParametersCfg, dataset,
+};
 use holo_render::{GroundTruth, Layer, Rendered, exposure};
 use ndarray::{Array2, Array3, ArrayView3, Axis};
 
@@ -105,11 +105,11 @@ impl Images<'_> {
             let views = views.views(self.rig.shape().views());
             return subset::write(folder, coded, &views, self.parameters);
         }
-        let write_png = |path: PathBuf, image: ArrayView3<T>| {
+        let write_png = |path: FolderFile, image: ArrayView3<T>| {
             holo_io::write_png(path, image, ColorEncoding::Srgb, Compression::Best)
         };
         let write_copy =
-            |path: PathBuf, image: Result<Array3<T>, holo_core::Error>| Ok(write_png(path, image?.view())?);
+            |path: FolderFile, image: Result<Array3<T>, holo_core::Error>| Ok(write_png(path, image?.view())?);
         let elemental = || {
             let path = self.wants(Output::El).then(|| folder.file(dataset::ELEMENTAL_PNG))?;
             Some(match coded.as_elemental_grid() {
@@ -171,11 +171,11 @@ impl Images<'_> {
                 depth_m: depth_m.view(),
             }),
         };
-        folder.subfolder(HCI_FOLDER)?;
+        let inner = folder.subfolder(HCI_FOLDER)?;
         let name = |file: &str| format!("{HCI_FOLDER}/{file}");
         // Registered before they are written, so that an interrupted run removes them.
         image.file_names().iter().for_each(|file| drop(folder.file(&name(file))));
-        let written = image.write(folder.file(HCI_FOLDER), Compression::Best)?;
+        let written = image.write_in(&inner, Compression::Best)?;
         written.into_iter().for_each(|(file, written)| folder.add(name(&file), written));
         Ok(())
     }

@@ -4,29 +4,16 @@
 //! `<layer>` with one map a view (`-` in the name of a layer is `_` in a file name). `scene_central.exr` contains all
 //! layers of the central view.
 
-use std::path::PathBuf;
-
 use holo_core::LightFieldOwned;
-use holo_io::{Compression, FileDigest, dataset};
+use holo_io::{Compression, Destination, FileDigest, dataset};
 use holo_render::{Layer, Layers, Rendered};
 use ndarray::{Array2, ArrayView3, Axis};
 use rayon::prelude::*;
 
 use super::folder::OutputFolder;
+pub(crate) use super::names::{COLOR, ERROR, FLOWS, VISIBILITY, file_part};
 use super::wanted::Wanted;
 use crate::Error;
-
-/// The name of linear color among the layers.
-pub(crate) const COLOR: &str = "color";
-
-/// The name of the estimated error of color among the layers.
-pub(crate) const ERROR: &str = "error";
-
-/// The name of the part of all views that sees a point.
-pub(crate) const VISIBILITY: &str = "visibility";
-
-/// The names of the movement of images until the next frame, and of that of points in the world.
-pub(crate) const FLOWS: [&str; 2] = ["optical-flow", "scene-flow"];
 
 /// Writes the layers of `wanted`, and disparity also as PNG over the range `disparity_px`.
 pub(crate) fn write(
@@ -77,11 +64,6 @@ pub(crate) fn central_view(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_
     Ok(field.view(t, s)?)
 }
 
-/// The part of a file name for a layer.
-pub(crate) fn file_part(name: &str) -> String {
-    name.replace('-', "_")
-}
-
 /// The file of a layer of view `k` of `count`, in the folder of the layer, numbered as in HCI folders: view row * columns +
 /// view column.
 pub(crate) fn view_file(name: &str, k: usize, count: usize, ending: &str) -> String {
@@ -115,7 +97,7 @@ fn write_all_views(folder: &mut OutputFolder, name: &str, field: &LightFieldOwne
 }
 
 /// Writes a PFM, gray or RGB by the number of channels.
-pub(crate) fn write_pfm(path: PathBuf, image: ArrayView3<f32>) -> Result<FileDigest, holo_io::Error> {
+pub(crate) fn write_pfm(path: impl Destination, image: ArrayView3<f32>) -> Result<FileDigest, holo_io::Error> {
     match image.dim().2 {
         1 => holo_io::write_pfm(path, image.index_axis_move(Axis(2), 0)),
         _ => holo_io::write_pfm_rgb(path, image),

@@ -108,7 +108,7 @@ pub(crate) fn lit_white_image(file: &CameraFile) -> Result<Array2<f32>, Error> {
         false => Err(Error::BadRequest(format!(
             "no light reaches the sensor of the camera '{}': its micro-images lie beside the sensor or between the \
              light-sensitive parts of its pixels; check mla.offset_um, main_lens.f_number and sensor.fill",
-            file.name
+            holo_io::shown(&file.name)
         ))),
     }
 }

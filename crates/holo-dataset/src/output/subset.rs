@@ -3,7 +3,7 @@
 //! path reuse: byte for byte, unless a rounding of the ray tracing backend, which depends on the rays that are traced together, decides a code.
 
 use holo_core::{GridSize, LightFieldOwned, Sample, ViewIndex};
-use holo_io::{ColorEncoding, Compression, ParametersCfg, dataset, hci};
+use holo_io::{ColorEncoding, Compression, FolderFile, ParametersCfg, dataset, hci};
 use holo_render::{Denoise, GroundTruth};
 use rayon::prelude::*;
 
@@ -60,7 +60,7 @@ pub(crate) fn write<T: Sample>(
     let columns = parameters.num_cams.columns;
     let name = |view: &ViewIndex| format!("{FOLDER}/{}", hci::view_file_name(view.row * columns + view.column));
     let files: Vec<_> = views.iter().map(|view| (name(view), folder.file(&name(view)))).collect();
-    let write_one = |(k, (_, path)): (usize, &(String, std::path::PathBuf))| {
+    let write_one = |(k, (_, path)): (usize, &(String, FolderFile))| {
         Ok(holo_io::write_png(path, coded.view(0, k)?, ColorEncoding::Srgb, Compression::Best)?)
     };
     let written = files.par_iter().enumerate().map(write_one).collect::<Result<Vec<_>, Error>>()?;

@@ -13,14 +13,13 @@ mod file;
 mod fingerprint;
 
 use std::fmt::Debug;
-use std::fs;
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{LazyLock, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use holo_io::{Manifest, Sha256, dataset};
+use holo_io::{Folder, Manifest, Sha256, dataset};
 use holo_render::{Checkpoint, FinishedTile, TileId};
 use holo_scene::Scene;
 
@@ -69,7 +68,8 @@ pub(crate) struct Key {
 
 /// The checkpoint of one render.
 pub(crate) struct Keeper<'a> {
-    folder: PathBuf,
+    /// Where the file is, or why that folder cannot be opened.
+    folder: Result<Folder, String>,
     every: Duration,
     start: Instant,
     /// Computed only if it is needed, because scene and program are hashed for it.
@@ -99,7 +99,7 @@ impl<'a> Keeper<'a> {
     /// which others are not used. `request` is all that decides the tiles beside the scene, with the pose of the camera.
     pub fn open(
         checkpoints: &Checkpoints,
-        out: &Path,
+        out: &Folder,
         (scene, request): (&'a Scene, impl Debug + Send + 'a),
         identity: &Manifest,
         diagnostics: &dyn Diagnostics,
@@ -107,8 +107,12 @@ impl<'a> Keeper<'a> {
         let identity = identity.clone();
         let key = move || Key { digest: fingerprint::of(scene, &request, &identity), identity };
         let start = Instant::now();
+        let folder = match &checkpoints.folder {
+            Some(path) => Folder::open(path).map_err(|why| why.to_string()),
+            None => Ok(out.clone()),
+        };
         let mut keeper = Self {
-            folder: checkpoints.folder.clone().unwrap_or_else(|| out.to_owned()),
+            folder: folder.clone(),
             every: checkpoints.every,
             start,
             key: LazyLock::new(Box::new(key)),
@@ -122,22 +126,25 @@ impl<'a> Keeper<'a> {
                 failure: None,
             }),
         };
-        for path in files(&keeper.folder) {
-            let line = keeper.read(&path);
-            diagnostics.report(About::Scene, &line);
+        if let Ok(folder) = folder {
+            for name in files(&folder) {
+                let line = keeper.read(&folder, &name);
+                diagnostics.report(About::Scene, &line);
+            }
         }
         keeper
     }
 
-    /// Reads the checkpoint at `path`, if it is of this render. Returns what to report.
-    fn read(&mut self, path: &Path) -> String {
+    /// Reads the checkpoint of a name, if it is of this render. Returns what to report.
+    fn read(&mut self, folder: &Folder, own: &str) -> String {
+        let path = folder.path_of(own);
         let name = path.display();
-        if path != self.path() {
-            let difference = file::identity(path).and_then(|of| difference(&of, &self.key.identity));
+        if own != self.name() {
+            let difference = file::identity(folder, own).and_then(|of| difference(&of, &self.key.identity));
             let why = difference.unwrap_or_else(|| "the scene, the camera, the part or the program is another".into());
             return format!("note: the checkpoint {name} is not used: {why}");
         }
-        match file::open(path, &self.key) {
+        match file::open(folder, own, &self.key) {
             Ok(file::Opened { earlier, file, damaged }) => {
                 let count = earlier.entries.len();
                 let cut = if damaged > 0 {
@@ -153,9 +160,9 @@ impl<'a> Keeper<'a> {
         }
     }
 
-    /// The path of the file, whether it exists or not.
-    fn path(&self) -> PathBuf {
-        self.folder.join(file::name(&self.key.digest))
+    /// The name of the file, whether it exists or not.
+    fn name(&self) -> String {
+        file::name(&self.key.digest)
     }
 
     /// Reports what went wrong while it was used and, of a render that `is_unfinished`, that it can be continued.
@@ -168,11 +175,11 @@ impl<'a> Keeper<'a> {
         if let Some(why) = &state.failure {
             diagnostics.report(About::Scene, &format!("warning: the last checkpoint could not be written: {why}"));
         }
-        if let Some(file) = state.file.as_ref().filter(|_| is_unfinished) {
-            let (name, megabytes) = (self.path(), file.length() as f64 / 1e6);
+        if let (Some(file), Ok(folder)) = (state.file.as_ref().filter(|_| is_unfinished), &self.folder) {
+            let (path, megabytes) = (folder.path_of(&self.name()), file.length() as f64 / 1e6);
             let line = format!(
                 "note: {} ({megabytes:.1} MB) has what is finished; the same command continues",
-                name.display()
+                path.display()
             );
             diagnostics.report(About::Scene, &line);
         }
@@ -181,8 +188,8 @@ impl<'a> Keeper<'a> {
     /// Removes the file. Errors are ignored: such a file does no harm.
     pub fn remove(self) {
         let file = lock(&self.state).file.take();
-        if file.is_some() {
-            let _ = fs::remove_file(self.path());
+        if let (Some(_), Ok(folder)) = (file, &self.folder) {
+            let _ = folder.remove_file(&self.name());
         }
     }
 
@@ -198,7 +205,10 @@ impl<'a> Keeper<'a> {
         }
         let file = match file {
             Some(file) => file,
-            None => file.insert(CheckpointFile::create(&self.path(), &self.key)?),
+            None => {
+                let folder = self.folder.as_ref().map_err(|why| io::Error::other(why.clone()))?;
+                file.insert(CheckpointFile::create(folder, &self.name(), &self.key)?)
+            }
         };
         file.append(&mut tiles)
     }
@@ -305,13 +315,12 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// Reads the manifest of a folder. Where there is none but a checkpoint, the error says that the render is unfinished.
-pub(crate) fn finished_manifest(folder: &Path) -> Result<Manifest, Error> {
-    let path = folder.join(dataset::MANIFEST_JSON);
-    if !path.exists() && !files(folder).is_empty() {
-        let folder = folder.display();
+pub(crate) fn finished_manifest(folder: &Folder) -> Result<Manifest, Error> {
+    if folder.kind(dataset::MANIFEST_JSON)?.is_none() && !files(folder).is_empty() {
+        let folder = folder.path().display();
         return Err(Error::Failed(format!(
             "{folder}: an unfinished render with a checkpoint; its command continues it"
         )));
     }
-    Ok(Manifest::read(path)?)
+    Ok(Manifest::read_in(folder)?)
 }

@@ -5,27 +5,28 @@ use std::path::Path;
 use holo_io::{Manifest, dataset};
 
 use crate::Error;
+use crate::output::existing;
 use crate::settings::{OPTIONS, changed};
 
-/// Checks that a folder has no manifest, or one of a result with the same identity. Results that another version or
+/// Checks that the folder `inner` below `root` has no manifest, or one of a result with the same identity. Results that another version or
 /// backend made of the same may be replaced. `other` returns a further reason why the result is another one.
 pub(crate) fn check_replaceable(
-    out: &Path,
+    (root, inner): (&Path, &str),
     identity: impl FnOnce() -> Result<Manifest, Error>,
     other: impl FnOnce(&Manifest) -> Option<String>,
 ) -> Result<(), Error> {
-    let path = out.join(dataset::MANIFEST_JSON);
-    if !path.is_file() {
+    let Some(folder) = existing(root, inner)? else { return Ok(()) };
+    if folder.kind(dataset::MANIFEST_JSON)?.is_none() {
         return Ok(());
     }
-    let mut older = Manifest::read(&path)?;
+    let mut older = Manifest::read_in(&folder)?;
     let identity = identity()?;
     let further = other(&older);
     older.versions.clone_from(&identity.versions);
     let advice = "give `overwrite` to replace it, or another `out`";
-    further
-        .or_else(|| difference(&older, &identity))
-        .map_or(Ok(()), |why| Err(Error::BadRequest(format!("{} holds another image: {why}; {advice}", out.display()))))
+    further.or_else(|| difference(&older, &identity)).map_or(Ok(()), |why| {
+        Err(Error::BadRequest(format!("{} holds another image: {why}; {advice}", folder.path().display())))
+    })
 }
 
 /// The first difference between the manifest of an older result and the identity of a job.
@@ -54,7 +55,7 @@ pub(crate) fn difference(manifest: &Manifest, identity: &Manifest) -> Option<Str
                 Some(key) => format!("`{key}` has changed"),
                 None => continue,
             },
-            _ => format!("'{name}' has changed"),
+            _ => format!("'{}' has changed", holo_io::shown(name)),
         });
     }
     // What this image does not have at all.

@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use holo_core::{GridSize, LightFieldOwned};
-use holo_io::{Limits, Manifest, ManifestValue, dataset};
+use holo_io::{Folder, Limits, Manifest, ManifestValue, dataset};
 use holo_render::{ErrorDistribution, Integrator, RayCounts};
 use ndarray::{Array3, ArrayView3, Axis, Slice};
 
@@ -105,8 +105,8 @@ impl Label {
 }
 
 /// An open shard: its manifest and label, without its pixels.
-struct Part<'a> {
-    folder: &'a Path,
+struct Part {
+    folder: Folder,
     manifest: Manifest,
     label: Label,
 }
@@ -174,15 +174,15 @@ fn grid(field: &LightFieldOwned<f32>) -> Result<ArrayView3<'_, f32>, Error> {
 }
 
 /// All shards of an image, in order.
-struct Parts<'a> {
-    parts: Vec<Part<'a>>,
+struct Parts {
+    parts: Vec<Part>,
     /// The manifest that they have in common.
     manifest: Manifest,
 }
 
-impl<'a> Parts<'a> {
+impl Parts {
     /// Opens the shards of an image; errors as [`merge`].
-    fn open(folders: &'a [PathBuf]) -> Result<Self, Error> {
+    fn open(folders: &[PathBuf]) -> Result<Self, Error> {
         let mut parts = folders.iter().map(|folder| open(folder)).collect::<Result<Vec<_>, _>>()?;
         parts.sort_by_key(|part| part.label.shard.part);
         let manifest = same(&parts)?;
@@ -190,8 +190,8 @@ impl<'a> Parts<'a> {
     }
 
     /// The folder of the first shard.
-    fn folder(&self) -> &Path {
-        self.parts[0].folder
+    fn folder(&self) -> &Folder {
+        &self.parts[0].folder
     }
 
     /// Whether the shards have a file.
@@ -232,8 +232,8 @@ impl<'a> Parts<'a> {
         let mut grid = Array3::<f32>::zeros((size.rows, size.columns, channels));
         let mut first = 0;
         for part in &self.parts {
-            let path = part.folder.join(name);
-            let image = holo_io::read_pfm(&path, &Limits::default())?.values;
+            let path = part.folder.path_of(name);
+            let image = holo_io::read_pfm_in(&part.folder, name, &Limits::default())?.values;
             let (rows, columns, found) = image.dim();
             if rows % step != 0 || first + rows > size.rows || (columns, found) != (size.columns, channels) {
                 let what = format!("{}: {columns} x {rows} pixels are no rows of this image", path.display());
@@ -255,24 +255,25 @@ pub(crate) fn other(manifest: &Manifest, shard: Option<Shard>) -> Option<String>
     (own != shard).then(|| "it is another part of an image".to_owned())
 }
 
-fn open(folder: &Path) -> Result<Part<'_>, Error> {
-    let manifest = finished_manifest(folder)?;
+fn open(path: &Path) -> Result<Part, Error> {
+    let folder = Folder::open(path)?;
+    let manifest = finished_manifest(&folder)?;
     let label = manifest.settings.get(PART).and_then(Label::read).ok_or_else(|| {
-        Error::BadRequest(format!("{}: not a part; a render of a `shard` makes parts", folder.display()))
+        Error::BadRequest(format!("{}: not a part; a render of a `shard` makes parts", path.display()))
     })?;
-    let mismatches = manifest.verify(folder);
+    let mismatches = manifest.verify_in(&folder);
     match mismatches.first() {
         Some(mismatch) => {
             let Shard { part, of } = label.shard;
-            Err(Error::Failed(format!("{}: {mismatch}; render it again with `shard={part}/{of}`", folder.display())))
+            Err(Error::Failed(format!("{}: {mismatch}; render it again with `shard={part}/{of}`", path.display())))
         }
         None => Ok(Part { folder, manifest, label }),
     }
 }
 
 /// The manifest that all shards have in common.
-fn same(parts: &[Part<'_>]) -> Result<Manifest, Error> {
-    let plain = |part: &Part<'_>| {
+fn same(parts: &[Part]) -> Result<Manifest, Error> {
+    let plain = |part: &Part| {
         let mut manifest = Manifest { files: BTreeMap::new(), ..part.manifest.clone() };
         manifest.settings.remove(PART);
         manifest
@@ -283,8 +284,8 @@ fn same(parts: &[Part<'_>]) -> Result<Manifest, Error> {
         if part.label.shard.of != of || plain(part) != first {
             return Err(Error::Failed(format!(
                 "{} and {} are parts of different images: scene, settings, versions and N must be the same",
-                parts[0].folder.display(),
-                part.folder.display()
+                parts[0].folder.path().display(),
+                part.folder.path().display()
             )));
         }
     }

@@ -2,28 +2,35 @@
 
 use std::path::Path;
 
-use holo_io::{Manifest, dataset};
+use holo_io::{EntryKind, FolderLock, Manifest, dataset};
 
 use super::identity::difference;
-use crate::output::{checkpoints, clear_older};
+use crate::output::{existing, remove_checkpoints};
 
-/// Returns the manifest of a job that is done: with the same scene, options and versions, and with every file as its
-/// digest. The error is why an older result is not up to date, if there is one.
-pub(crate) fn done(folder: &Path, identity: &Manifest) -> Result<Manifest, Option<String>> {
-    let path = folder.join(dataset::MANIFEST_JSON);
-    let manifest = match Manifest::read(&path) {
+/// Returns the manifest of a job that is done in the folder `inner` below `root`: with the same scene, options and versions,
+/// and with every file as its digest. The error is why an older result is not up to date, if there is one.
+pub(crate) fn done(root: &Path, inner: &str, identity: &Manifest) -> Result<Manifest, Option<String>> {
+    let folder = match existing(root, inner) {
+        Ok(Some(folder)) => folder,
+        Ok(None) => return Err(None),
+        Err(why) => return Err(Some(why.to_string())),
+    };
+    let manifest = match Manifest::read_in(&folder) {
         Ok(manifest) => manifest,
-        Err(_) if !path.is_file() => return Err(None),
+        Err(_) if !matches!(folder.kind(dataset::MANIFEST_JSON), Ok(Some(EntryKind::File))) => return Err(None),
         Err(why) => return Err(Some(why.to_string())),
     };
     if let Some(why) = difference(&manifest, identity) {
         return Err(Some(why));
     }
-    if let Some(mismatch) = manifest.verify(folder).first() {
+    if let Some(mismatch) = manifest.verify_in(&folder).first() {
         return Err(Some(mismatch.to_string()));
     }
     // A run may have been killed before these last steps.
-    clear_older(folder, &manifest);
-    checkpoints(folder).iter().for_each(|path| drop(std::fs::remove_file(path)));
+    remove_checkpoints(&folder);
+    if folder.has_file(FolderLock::FILE) {
+        // Taken and given back, which removes its file.
+        drop(folder.lock(false));
+    }
     Ok(manifest)
 }

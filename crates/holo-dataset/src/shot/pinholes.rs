@@ -10,7 +10,6 @@
 //! Every camera has an acceleration structure in its own frame, so that depth is exact wherever it stands. Cameras far
 //! apart share no light. All of them share one checkpoint, from which an interrupted job continues.
 
-use std::path::Path;
 use std::time::Instant;
 
 use holo_io::{CameraArray, ColorEncoding, Compression, FileDigest, Manifest};
@@ -32,13 +31,13 @@ use crate::watch::{About, PartProgress};
 /// The folder of the images.
 const IMAGES: &str = "images";
 
-/// Renders the images of all cameras, or of every N-th of a shard, into the folder `out`.
+/// Renders the images of all cameras, or of every N-th of a shard, into a folder.
 pub(super) fn render(
     runner: &Runner,
     setup: &Setup,
     (stage, world): (&Stage, &World),
     shot: &Shot,
-    (out, shard): (&Path, Option<Shard>),
+    (mut folder, shard): (OutputFolder, Option<Shard>),
     options: &RunOptions,
 ) -> Result<RenderReport, Error> {
     let Some(array) = setup.settings.poses.cameras() else {
@@ -50,12 +49,11 @@ pub(super) fn render(
             "{count} cameras can be cut into 1 to {count} shards; `shard` has more"
         )));
     }
-    let folder = OutputFolder::create(out, &options.rollback)?;
     folder.unseal()?;
     let identity = runner.identity(shot)?;
     let request = (array, &setup.settings.light, setup.wanted, shard);
     let keeper = runner.job.checkpoints.as_ref().map(|checkpoints| {
-        Keeper::open(checkpoints, out, (&stage.loaded.scene, request), &identity, options.diagnostics)
+        Keeper::open(checkpoints, folder.folder(), (&stage.loaded.scene, request), &identity, options.diagnostics)
     });
     let made = images(setup, (stage, world), (array, shard), (folder, identity), keeper.as_ref(), options);
     if let Some(keeper) = keeper {

@@ -1,5 +1,6 @@
 //! The preparation of a shot: the scene at its frame, the camera at its pose, the acceleration structure, the focus.
 
+use std::num::NonZeroUsize;
 use std::path::Path;
 use std::time::Instant;
 
@@ -79,14 +80,8 @@ impl Stage {
     /// # Errors
     /// [`Error::Failed`] if the scene is invalid; [`Error::Render`] if the threads cannot be started.
     pub fn world(&self, source: &SceneSource, sky: &Sky, engine: &EngineSettings) -> Result<World<'_>, Error> {
-        World::new(&self.loaded.scene, engine.backend, threads(engine))
-            .map_err(|error| blame(source.path(), sky, error))
+        World::new(&self.loaded.scene, engine.backend, engine.threads).map_err(|error| blame(source.path(), sky, error))
     }
-}
-
-/// The number of threads as the renderer takes it.
-fn threads(engine: &EngineSettings) -> usize {
-    engine.threads.map_or(0, std::num::NonZeroUsize::get)
 }
 
 /// What a job has in common for all of its shots.
@@ -282,7 +277,7 @@ impl SceneSource {
 
 /// Returns the ray tracing backend with its version, as manifests contain it.
 pub(crate) fn engine_name(engine: &EngineSettings, diagnostics: &dyn Diagnostics) -> Result<String, Error> {
-    let renderer = Renderer::new(&Scene::default(), &Transform::IDENTITY, engine.backend, 1)?;
+    let renderer = Renderer::new(&Scene::default(), &Transform::IDENTITY, engine.backend, NonZeroUsize::new(1))?;
     report_backend(&renderer, diagnostics);
     Ok(renderer.engine_name().to_owned())
 }

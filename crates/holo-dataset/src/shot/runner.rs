@@ -4,8 +4,8 @@ use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use holo_io::Manifest;
 use holo_io::dataset::{MANIFEST_JSON, SEQUENCE_HDF5, SequenceFolder};
+use holo_io::{Folder, Manifest};
 use holo_render::{Request, World};
 use ndarray::Axis;
 
@@ -17,12 +17,24 @@ use super::report::{CameraReport, RenderReport, Seconds};
 use super::{pinholes, trace};
 use crate::Error;
 use crate::output::layers::FLOWS;
-use crate::output::{self, Exposed, Finished, OutputFolder, TRANSFORMS, Traced, TracedCamera, Wanted, exposure_ev};
+use crate::output::{
+    self, Exposed, Finished, OutputFolder, TRANSFORMS, Traced, TracedCamera, Wanted, existing, exposure_ev, inner_name,
+    leftover,
+};
 use crate::resume::checkpoint::Keeper;
 use crate::resume::identity::{check_replaceable, difference};
 use crate::resume::{done, merge};
 use crate::settings::{Camera, Output, Poses, RenderSettings, Shard};
-use crate::watch::Diagnostics;
+use crate::watch::{About, Diagnostics};
+
+/// The folder of a shot.
+struct Place<'a> {
+    root: &'a Path,
+    /// Below the root.
+    inner: String,
+    /// Whether another image in it is replaced.
+    replaces: bool,
+}
 
 /// Runs the shots of a job.
 pub(crate) struct Runner<'a> {
@@ -74,8 +86,7 @@ impl<'a> Runner<'a> {
         self.check_root(out)?;
         if !options.overwrite {
             for shot in shots {
-                let folder = out.join(shot.folder());
-                check_replaceable(&folder, || self.identity(shot), |older| merge::other(older, of_image))?;
+                self.check_replaceable(shot, out, of_image)?;
             }
         }
         let Shard { part, of } = of_shots.unwrap_or(Shard { part: 1, of: 1 });
@@ -98,7 +109,7 @@ impl<'a> Runner<'a> {
             };
             let mut pending = Vec::new();
             for &shot in group {
-                match self.kept(shot, &out.join(shot.folder()))? {
+                match self.kept(shot, out)? {
                     Ok(manifest) => pending.push((shot, Some(ShotOutcome::Kept(Box::new(manifest))), None)),
                     Err(why) => pending.push((shot, None, why)),
                 }
@@ -116,8 +127,9 @@ impl<'a> Runner<'a> {
                     (Some(kept), ..) => kept,
                     (None, Some(stage), Some(world)) => {
                         self.forget_sequence(shot, out)?;
-                        let folder = out.join(shot.folder());
-                        let mut report = self.shot(&setup, (stage, world), shot, &folder, of_image, options)?;
+                        let inner = inner_name(&shot.folder())?;
+                        let place = Place { root: out, inner, replaces: options.overwrite };
+                        let mut report = self.shot(&setup, (stage, world), shot, &place, of_image, options)?;
                         report.files.iter_mut().for_each(|name| *name = shot.file(name));
                         ShotOutcome::Made(Box::new(report), why)
                     }
@@ -132,9 +144,11 @@ impl<'a> Runner<'a> {
         Ok(outcomes)
     }
 
-    /// Renders one shot into a folder, unless the folder is up to date: for jobs whose folders have other names.
-    pub fn run_shot(&self, shot: &Shot, folder: &Path, options: &RunOptions) -> Result<ShotOutcome, Error> {
-        let why = match done(folder, &self.identity(shot)?) {
+    /// Renders one shot into the folder `inner` below `root`, unless the folder is up to date: for jobs whose folders have
+    /// other names. Another image in it is replaced.
+    pub fn run_shot(&self, shot: &Shot, root: &Path, inner: &Path, options: &RunOptions) -> Result<ShotOutcome, Error> {
+        let inner = inner_name(inner)?;
+        let why = match done(root, &inner, &self.identity(shot)?) {
             Ok(manifest) => return Ok(ShotOutcome::Kept(Box::new(manifest))),
             Err(why) => why,
         };
@@ -142,7 +156,8 @@ impl<'a> Runner<'a> {
         let setup = self.setup(&settings);
         let stage = setup.stage(options.diagnostics)?;
         let world = stage.world(&self.job.source, &settings.light.sky, &self.job.engine)?;
-        let report = self.shot(&setup, (&stage, &world), shot, folder, None, options)?;
+        let place = Place { root, inner, replaces: true };
+        let report = self.shot(&setup, (&stage, &world), shot, &place, None, options)?;
         Ok(ShotOutcome::Made(Box::new(report), why))
     }
 
@@ -224,11 +239,17 @@ impl<'a> Runner<'a> {
     }
 
     /// The manifest of a shot that is up to date, of several; otherwise why it is not.
-    fn kept(&self, shot: &Shot, folder: &Path) -> Result<Result<Manifest, Option<String>>, Error> {
+    fn kept(&self, shot: &Shot, out: &Path) -> Result<Result<Manifest, Option<String>>, Error> {
         if self.is_single() {
             return Ok(Err(None));
         }
-        Ok(done(folder, &self.identity(shot)?))
+        Ok(done(out, &inner_name(&shot.folder())?, &self.identity(shot)?))
+    }
+
+    /// Checks that the folder of a shot holds no other image.
+    fn check_replaceable(&self, shot: &Shot, out: &Path, of_image: Option<Shard>) -> Result<(), Error> {
+        let inner = inner_name(&shot.folder())?;
+        check_replaceable((out, &inner), || self.identity(shot), |older| merge::other(older, of_image))
     }
 
     /// Renders a shot into its folder.
@@ -237,20 +258,28 @@ impl<'a> Runner<'a> {
         setup: &Setup,
         (stage, world): (&Stage, &World),
         shot: &Shot,
-        out: &Path,
+        place: &Place,
         shard: Option<Shard>,
         options: &RunOptions,
     ) -> Result<RenderReport, Error> {
         let start = Instant::now();
-        if matches!(setup.settings.camera, Camera::Pinhole) {
-            return pinholes::render(self, setup, (stage, world), shot, (out, shard), options);
+        let folder = OutputFolder::create_in(place.root, &place.inner, options.overwrite, &options.rollback)?;
+        if !place.replaces {
+            // Again, now that nobody else writes in it.
+            let inside = (place.root, place.inner.as_str());
+            check_replaceable(inside, || self.identity(shot), |older| merge::other(older, shard))?;
         }
-        let folder = OutputFolder::create(out, &options.rollback)?;
+        if let Some(note) = leftover(folder.folder()) {
+            options.diagnostics.report(About::Scene, &note);
+        }
+        if matches!(setup.settings.camera, Camera::Pinhole) {
+            return pinholes::render(self, setup, (stage, world), shot, (folder, shard), options);
+        }
         let prepared = setup.prepare(stage, world, shot.pose, options.diagnostics)?;
         let rendering = Instant::now();
         let identity = self.identity(shot)?;
         let request = trace::request(setup, &prepared, shard)?;
-        let keeper = self.keeper(out, (stage, &prepared, &request), &identity, options.diagnostics);
+        let keeper = self.keeper(folder.folder(), (stage, &prepared, &request), &identity, options.diagnostics);
         let traced = trace::trace(
             setup,
             (stage, &prepared, shot.pose),
@@ -281,7 +310,7 @@ impl<'a> Runner<'a> {
     /// The checkpoint of a shot. Tiles are kept of whole grids of views.
     fn keeper<'k>(
         &self,
-        out: &Path,
+        out: &Folder,
         (stage, prepared, request): (&'k Stage, &'k Prepared, &'k Request),
         identity: &Manifest,
         diagnostics: &dyn Diagnostics,
@@ -294,8 +323,11 @@ impl<'a> Runner<'a> {
 
     /// Checks that the folder of several poses is not that of an image, to which its `transforms.json` belongs.
     fn check_root(&self, out: &Path) -> Result<(), Error> {
-        let is_plain = self.job.settings.poses.cameras().is_none() || self.owns_transforms();
-        match is_plain || !out.join(MANIFEST_JSON).exists() {
+        if self.job.settings.poses.cameras().is_none() || self.owns_transforms() {
+            return Ok(());
+        }
+        let Some(folder) = existing(out, "")? else { return Ok(()) };
+        match folder.kind(MANIFEST_JSON)?.is_none() {
             true => Ok(()),
             false => Err(Error::BadRequest(format!("{} holds an image itself; give another `out`", out.display()))),
         }
@@ -396,12 +428,10 @@ impl<'a> Runner<'a> {
         if shot.frame.is_none() {
             return Ok(());
         }
-        let path = Self::sequence(shot, out).join(SEQUENCE_HDF5);
-        match std::fs::remove_file(&path) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                Err(Error::Failed(format!("cannot remove {}: {error}", path.display())))
-            }
-            _ => Ok(()),
+        let Some(folder) = existing(out, shot.pose().unwrap_or(""))? else { return Ok(()) };
+        match folder.kind(SEQUENCE_HDF5)? {
+            Some(_) => Ok(folder.remove_file(SEQUENCE_HDF5)?),
+            None => Ok(()),
         }
     }
 
@@ -414,7 +444,7 @@ impl<'a> Runner<'a> {
             for camera in &mut cameras.cameras {
                 camera.size = camera.size.or(self.job.settings.camera.size());
             }
-            cameras.write_folders(out.join(TRANSFORMS), *up)?;
+            cameras.write_folders(Folder::open(out)?.file(TRANSFORMS), *up)?;
         }
         if !self.job.settings.output.write.contains(&Output::H5) || shots.iter().any(|shot| shot.frame.is_none()) {
             return Ok(());
@@ -422,8 +452,8 @@ impl<'a> Runner<'a> {
         for first in shots.iter().filter(|shot| shot.frame == shots[0].frame) {
             let of_pose: Vec<&Shot> = shots.iter().filter(|shot| shot.pose == first.pose).collect();
             let is_there = |shot: &&Shot| -> Result<bool, Error> {
-                let path = out.join(shot.folder()).join(MANIFEST_JSON);
-                let Ok(manifest) = Manifest::read(path) else { return Ok(false) };
+                let Ok(Some(folder)) = existing(out, &inner_name(&shot.folder())?) else { return Ok(false) };
+                let Ok(manifest) = Manifest::read_in(&folder) else { return Ok(false) };
                 Ok(difference(&manifest, &self.identity(shot)?).is_none())
             };
             let mut all = true;

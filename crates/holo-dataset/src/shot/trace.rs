@@ -152,7 +152,8 @@ fn parameters(setup: &Setup, prepared: &Prepared, rig: &Rig) -> ParametersCfg {
     let mut parameters = ParametersCfg::from_rig(rig);
     let [right, up, back] = prepared.pose.columns;
     parameters.center_cam = Some(CameraPose::from_gltf(prepared.pose.translation, right, up, back));
-    parameters.scene = setup.source.name();
+    // A line of the file.
+    parameters.scene = holo_core::visible(&setup.source.name()).into_owned();
     parameters.cycles_seed = i64::try_from(setup.settings.light.seed).ok();
     // Reproducible builds set this variable; without it files contain no date.
     if let Some(seconds) = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|text| text.parse::<i64>().ok()) {

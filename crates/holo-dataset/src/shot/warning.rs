@@ -79,7 +79,10 @@ pub fn camera_warnings(file: &CameraFile) -> Vec<String> {
     let camera = &file.camera;
     let mut lines = Vec::new();
     if file.is_approximate {
-        lines.push(format!("some numbers of the camera '{}' are not published, and guesses", file.name));
+        lines.push(format!(
+            "some numbers of the camera '{}' are not published, and guesses",
+            holo_io::shown(&file.name)
+        ));
     }
     let pitch_px = camera.array().pitch_m / camera.sensor().pixel_m;
     if pitch_px < 4.0 {

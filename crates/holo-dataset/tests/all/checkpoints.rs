@@ -209,6 +209,26 @@ fn another_folder_may_hold_the_checkpoint() {
     assert!(checkpoints(&aside).is_empty());
 }
 
+/// A name alone makes no checkpoint: the file may be anybody's.
+#[test]
+fn a_file_of_the_name_of_a_checkpoint_is_not_overwritten() {
+    let (folder, expected, tiles) = bench();
+    let out = folder.path().join("out");
+    cancel(&job(), &out, 12);
+    let path = checkpoint(&out);
+    let mut bytes_of_other = fs::read(&path).unwrap();
+    bytes_of_other[3] ^= 4;
+    fs::write(&path, &bytes_of_other).unwrap();
+    let watch = Watch::cancel_after(u64::MAX);
+    let (outcome, lines) = run(&job(), &out, &watch, None);
+    outcome.unwrap();
+    assert!(lines.iter().any(|line| line.contains("is no checkpoint of this program")), "{lines:?}");
+    assert!(watch.done() >= tiles, "everything is rendered");
+    assert!(fs::read(&path).unwrap() == bytes_of_other);
+    fs::remove_file(&path).unwrap();
+    assert!(bytes(&out) == expected);
+}
+
 /// Damage of any kind costs tiles, not correctness.
 #[test]
 fn of_a_damaged_checkpoint_the_good_part_is_used() {
@@ -236,7 +256,6 @@ fn of_a_damaged_checkpoint_the_good_part_is_used() {
         ("cut in the header", good[..header - 1].to_vec(), 0, "header is damaged"),
         ("empty", Vec::new(), 0, "header is damaged"),
         ("zeros at the end", zeros, 14, "10000 damaged bytes at its end"),
-        ("a bit of the magic number", flip(3), 0, "header is damaged"),
         ("a bit of the digest of the render", flip(20), 0, "header is damaged"),
         ("a bit of the identity", flip(60), 0, "header is damaged"),
         ("a bit of the first record", flip(header + 9), 0, "damaged bytes at its end"),
@@ -356,7 +375,7 @@ fn an_interrupted_job_of_a_dataset_continues() {
     assert!(bytes(&root) == bytes(&alone));
     // Killed between the manifest and the removal of the checkpoint.
     let inner = root.join(plan.jobs()[0].folder().unwrap());
-    fs::write(inner.join(".holo-0123456789abcdef.checkpoint"), "left").unwrap();
+    fs::write(inner.join(".holo-0123456789abcdef.checkpoint"), "holo checkpoint\x01 and more").unwrap();
     assert!(matches!(run(&root, &watch).unwrap(), ShotOutcome::Kept(_)));
     assert!(bytes(&root) == bytes(&alone));
 }
@@ -394,7 +413,7 @@ fn start(out: &Path, before: &str, pause_ms: u64) -> Child {
 fn a_killed_process_is_continued_to_the_same_bytes() {
     let (folder, expected, tiles) = bench();
     let out = folder.path().join("out");
-    let size = || checkpoints(&out).first().map_or(0, |path| fs::metadata(path).unwrap().len());
+    let size = || checkpoints(&out).first().and_then(|path| fs::metadata(path).ok()).map_or(0, |found| found.len());
     let mut kills = 0;
     let mut before = 0;
     // Each process is killed when it has stored some more tiles.
@@ -440,11 +459,15 @@ fn start_and_wait(out: &Path, bytes: u64) -> Child {
 
 #[cfg(unix)]
 #[test]
-fn two_processes_do_not_share_a_checkpoint() {
+fn two_processes_do_not_share_a_folder_or_a_checkpoint() {
     let (folder, expected, _) = bench();
-    let out = folder.path().join("out");
+    let (out, other) = (folder.path().join("out"), folder.path().join("other"));
     let mut child = start_and_wait(&out, 30_000);
-    let lines = run(&job(), &out, &Watch::cancel_after(3), None).1;
+    let why = run(&job(), &out, &Watch::cancel_after(3), None).0.unwrap_err().to_string();
+    assert!(why.contains(&format!("process {} on ", child.id())) && why.contains("is writing in it"), "{why}");
+    // With a folder of its own, and the checkpoint in that of the first.
+    let aside = Checkpoints { every: Duration::ZERO, folder: Some(out.clone()) };
+    let lines = run(&job().checkpoints(aside), &other, &Watch::cancel_after(3), None).1;
     assert!(lines.iter().any(|line| line.contains("another process renders the same")), "{lines:?}");
     let _ = child.kill();
     child.wait().unwrap();

@@ -1,11 +1,13 @@
 //! An atomic file that is not written front to back: a library opens it by name, or a writer seeks in it.
 
 use std::fs::File;
+use std::io::{Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
 use super::temporary::Temporary;
-use super::{FileDigest, hash_file, target_of};
 use crate::Error;
+use crate::digest::{FileDigest, hash};
+use crate::folder::{Destination, path_of_open_file};
 
 /// An atomic file like [`AtomicFile`](super::AtomicFile), for writers that seek or open it by name. `commit` reads it
 /// once for its digest.
@@ -15,19 +17,24 @@ pub(crate) struct AtomicPath {
     /// Holds the lock by which other processes see that the writer runs.
     file: File,
     temporary: Temporary,
+    temporary_path: PathBuf,
 }
 
 impl AtomicPath {
-    /// Creates the temporary file of a file that `commit` will name `path`.
-    pub(crate) fn create(path: &Path) -> Result<Self, Error> {
-        let Some(target) = target_of(path)? else {
+    /// Creates the temporary file of a file that `commit` will give its name.
+    pub(crate) fn create(destination: impl Destination) -> Result<Self, Error> {
+        let path = destination.path();
+        let Some((file, temporary)) = Temporary::of(&destination)? else {
             return Err(Error::bad_input(
                 path,
                 "a device or pipe cannot take a file that is not written front to back; name a file",
             ));
         };
-        let (file, temporary) = Temporary::create(&target).map_err(|source| Error::io("write", path, source))?;
-        Ok(Self { path: path.to_owned(), file, temporary })
+        // A library looks the path up again. In an open folder it gets one that leads to this file alone, where the system
+        // has such paths.
+        let own = destination.place().and_then(|_| path_of_open_file(&file));
+        let temporary_path = own.unwrap_or_else(|| temporary.path());
+        Ok(Self { path: path.to_owned(), file, temporary, temporary_path })
     }
 
     /// The path that the file will have.
@@ -38,7 +45,7 @@ impl AtomicPath {
 
     /// The path that it has until `commit`.
     pub(crate) fn temporary_path(&self) -> &Path {
-        self.temporary.path()
+        &self.temporary_path
     }
 
     /// The open file, at its beginning. Buffers on top of it must be flushed before `commit`.
@@ -49,10 +56,12 @@ impl AtomicPath {
 
     /// Completes the file: syncs, hashes, renames.
     pub(crate) fn commit(self) -> Result<FileDigest, Error> {
-        let failed = |source| Error::io("write", &self.path, source);
-        self.file.sync_all().map_err(failed)?;
-        let written = hash_file(self.temporary.path())?;
-        self.temporary.rename().map_err(failed)?;
+        let Self { path, mut file, temporary, .. } = self;
+        let failed = |source| Error::io("write", &path, source);
+        file.sync_all().map_err(failed)?;
+        file.seek(SeekFrom::Start(0)).map_err(failed)?;
+        let written = hash(&mut file).map_err(failed)?;
+        temporary.rename().map_err(failed)?;
         Ok(written)
     }
 }

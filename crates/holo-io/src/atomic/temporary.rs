@@ -1,13 +1,15 @@
 //! Temporary files: creation, registration, renaming, and removal after a crash.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use super::target_of;
 use crate::Error;
+use crate::folder::{Destination, EntryKind, Folder};
 
 const SUFFIX: &str = ".part";
 
@@ -15,44 +17,109 @@ const SUFFIX: &str = ".part";
 /// the rest.
 const MAX_NAME_BYTES: usize = 200;
 
-/// The temporary files of this process. A list of the process, because a signal such as Ctrl-C is one of the process.
-static LIVE: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+/// The temporary files of this process by their numbers. A list of the process, because a signal such as Ctrl-C is one of
+/// the process.
+static LIVE: Mutex<BTreeMap<u64, Place>> = Mutex::new(BTreeMap::new());
 static NEXT: AtomicU64 = AtomicU64::new(0);
 
-/// A poisoned lock is used: the set is consistent after every statement.
-fn live() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+/// A poisoned lock is used: the map is consistent after every statement.
+fn live() -> MutexGuard<'static, BTreeMap<u64, Place>> {
     LIVE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Where a file is.
+#[derive(Debug, Clone)]
+enum Place {
+    /// By an absolute path.
+    Path(PathBuf),
+    /// By its name in an open folder.
+    Inside(Folder, String),
+}
+
+impl Place {
+    fn create_new(&self) -> io::Result<File> {
+        match self {
+            // For reading too: a digest at `commit` reads the file.
+            Self::Path(path) => OpenOptions::new().read(true).write(true).create_new(true).open(path),
+            Self::Inside(folder, name) => folder.create_new(name),
+        }
+    }
+
+    fn remove(&self) -> bool {
+        match self {
+            Self::Path(path) => fs::remove_file(path).is_ok(),
+            Self::Inside(folder, name) => folder.remove_file(name).is_ok(),
+        }
+    }
+
+    /// The place of another name in the same folder.
+    fn beside(&self, name: &str) -> Self {
+        match self {
+            Self::Path(path) => Self::Path(path.with_file_name(name)),
+            Self::Inside(folder, own) => {
+                let name = own.rsplit_once('/').map_or_else(|| name.to_owned(), |(inner, _)| format!("{inner}/{name}"));
+                Self::Inside(folder.clone(), name)
+            }
+        }
+    }
+
+    /// The last part of the name; `None` for a path without one.
+    fn name(&self) -> Option<String> {
+        match self {
+            Self::Path(path) => Some(path.file_name()?.to_string_lossy().into_owned()),
+            Self::Inside(_, name) => name.rsplit('/').next().map(str::to_owned),
+        }
+    }
 }
 
 /// A temporary file that is removed when dropped, unless it was renamed.
 #[derive(Debug)]
 pub(super) struct Temporary {
-    path: PathBuf,
-    target: PathBuf,
+    number: u64,
+    place: Place,
+    target: Place,
     renamed: bool,
 }
 
 impl Temporary {
-    /// Creates a temporary file in the folder of `target`, which must be absolute.
-    pub(super) fn create(target: &Path) -> io::Result<(File, Self)> {
-        let folder = target.parent().ok_or(io::ErrorKind::InvalidInput)?;
-        let name = target.file_name().ok_or(io::ErrorKind::InvalidInput)?.to_string_lossy();
+    /// Creates a temporary file in the folder of a destination; `None` where that is a device or a pipe, which only a path
+    /// can be.
+    pub(super) fn of(destination: &impl Destination) -> Result<Option<(File, Self)>, Error> {
+        let target = match destination.place() {
+            Some((folder, name)) => {
+                folder.check_replaceable(name)?;
+                Place::Inside(folder.clone(), name.to_owned())
+            }
+            None => match target_of(destination.path())? {
+                Some(target) => Place::Path(target),
+                None => return Ok(None),
+            },
+        };
+        match (Self::create(target), destination.place()) {
+            (Ok(created), _) => Ok(Some(created)),
+            (Err(error), Some((folder, name))) => Err(folder.failed("write", name, error)),
+            (Err(error), None) => Err(Error::io("write", destination.path(), error)),
+        }
+    }
+
+    /// Creates a temporary file in the folder of `target`, of which a path must be absolute.
+    fn create(target: Place) -> io::Result<(File, Self)> {
+        let name = target.name().ok_or(io::ErrorKind::InvalidInput)?;
         let end = (0..=name.len().min(MAX_NAME_BYTES)).rev().find(|&at| name.is_char_boundary(at)).unwrap_or(0);
         let name = &name[..end];
         loop {
             let number = NEXT.fetch_add(1, Ordering::Relaxed);
-            let path = folder.join(format!(".{name}.{}-{number}{SUFFIX}", std::process::id()));
+            let place = target.beside(&format!(".{name}.{}-{number}{SUFFIX}", std::process::id()));
             // Held while the file is created, so that `remove_temporary_files` never runs between creation and
             // registration.
             let mut live = live();
-            // For reading too: a digest at `commit` reads the file.
-            match OpenOptions::new().read(true).write(true).create_new(true).open(&path) {
+            match place.create_new() {
                 Ok(file) => {
                     // By the lock other processes see that the writer of this file runs. The system releases it when
                     // the process ends. Where the file system has no locks, `is_alive` is the only check.
                     let _ = file.try_lock();
-                    live.insert(path.clone());
-                    return Ok((file, Self { path, target: target.to_owned(), renamed: false }));
+                    live.insert(number, place.clone());
+                    return Ok((file, Self { number, place, target, renamed: false }));
                 }
                 // Left by an earlier process of the same number.
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
@@ -62,24 +129,37 @@ impl Temporary {
     }
 
     /// The temporary path.
-    pub(super) fn path(&self) -> &Path {
-        &self.path
+    pub(super) fn path(&self) -> PathBuf {
+        match &self.place {
+            Place::Path(path) => path.clone(),
+            Place::Inside(folder, name) => folder.path_of(name),
+        }
     }
 
     /// Renames the file to its target, atomically, and syncs the folder.
     pub(super) fn rename(mut self) -> io::Result<()> {
-        fs::rename(&self.path, &self.target)?;
-        self.renamed = true;
-        sync_folder(self.target.parent())
+        match (&self.place, &self.target) {
+            (Place::Inside(folder, own), Place::Inside(_, name)) => {
+                folder.replace(own, name)?;
+                self.renamed = true;
+                folder.sync_of(name)
+            }
+            (Place::Path(own), Place::Path(target)) => {
+                fs::rename(own, target)?;
+                self.renamed = true;
+                sync_folder(target.parent())
+            }
+            _ => Err(io::ErrorKind::InvalidInput.into()),
+        }
     }
 }
 
 impl Drop for Temporary {
     fn drop(&mut self) {
-        live().remove(&self.path);
+        live().remove(&self.number);
         if !self.renamed {
             // There is no caller to report an error to.
-            let _ = fs::remove_file(&self.path);
+            self.place.remove();
         }
     }
 }
@@ -108,7 +188,7 @@ fn sync_folder(folder: Option<&Path>) -> io::Result<()> {
 #[derive(Debug)]
 pub struct TemporaryFilesRemoved {
     count: usize,
-    _live: MutexGuard<'static, BTreeSet<PathBuf>>,
+    _live: MutexGuard<'static, BTreeMap<u64, Place>>,
 }
 
 impl TemporaryFilesRemoved {
@@ -127,8 +207,8 @@ impl TemporaryFilesRemoved {
 #[must_use = "dropped, it lets other threads create temporary files again"]
 pub fn remove_temporary_files() -> TemporaryFilesRemoved {
     let mut live = live();
-    let paths = std::mem::take(&mut *live);
-    let count = paths.iter().filter(|path| fs::remove_file(path).is_ok()).count();
+    let places = std::mem::take(&mut *live);
+    let count = places.values().filter(|place| place.remove()).count();
     TemporaryFilesRemoved { count, _live: live }
 }
 
@@ -143,24 +223,44 @@ pub fn remove_temporary_files() -> TemporaryFilesRemoved {
 /// [`Error::Io`] if the folder cannot be listed or a stale file cannot be removed.
 pub fn remove_stale_temporary_files(folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
     let folder = folder.as_ref();
-    let unlisted = |source| Error::io("list", folder, source);
-    let mut removed = Vec::new();
-    for entry in fs::read_dir(folder).map_err(unlisted)? {
-        let entry = entry.map_err(unlisted)?;
-        let Some(process) = entry.file_name().to_str().and_then(process_of) else { continue };
-        let path = entry.path();
-        if !entry.file_type().is_ok_and(|kind| kind.is_file()) || is_alive(process) || is_locked(&path) {
-            continue;
+    let opened = Folder::open(folder).map_err(|error| match error {
+        Error::Io { error, .. } => Error::io("list", folder, error),
+        other => other,
+    })?;
+    opened.remove_stale_temporary_files()
+}
+
+impl Folder {
+    /// Removes the temporary files that ended processes left in this folder, as [`remove_stale_temporary_files`].
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Io`] if the folder cannot be listed or a stale file cannot be removed.
+    pub fn remove_stale_temporary_files(&self) -> Result<Vec<PathBuf>, Error> {
+        let mut removed = Vec::new();
+        for (name, kind) in self.list()? {
+            let Some(process) = process_of(&name) else { continue };
+            if kind != EntryKind::File || is_alive(process) || self.is_locked(&name) {
+                continue;
+            }
+            match self.remove_file(&name) {
+                Ok(()) => removed.push(self.path_of(&name)),
+                // Another process removed it.
+                Err(Error::Io { error, .. }) if error.kind() == io::ErrorKind::NotFound => {}
+                Err(error) => return Err(error),
+            }
         }
-        match fs::remove_file(&path) {
-            Ok(()) => removed.push(path),
-            // Another process removed it.
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-            Err(error) => return Err(Error::io("remove", &path, error)),
+        Ok(removed)
+    }
+
+    /// Whether a process, here or on another machine, holds the lock of a file; `true` if the file cannot be opened.
+    fn is_locked(&self, name: &str) -> bool {
+        // Opened for writing, because network file systems require that for an exclusive lock.
+        match self.open_own(name, false) {
+            Ok(file) => matches!(file.try_lock(), Err(TryLockError::WouldBlock)),
+            Err(_) => true,
         }
     }
-    removed.sort();
-    Ok(removed)
 }
 
 /// Returns the process number in a name of the form `.NAME.<process>-<number>.part`.
@@ -177,15 +277,6 @@ fn process_of(name: &str) -> Option<u32> {
 /// Whether a process of this number runs; for other processes `false` where the system has no `/proc`.
 fn is_alive(process: u32) -> bool {
     process == std::process::id() || Path::new("/proc").join(process.to_string()).exists()
-}
-
-/// Whether a process, here or on another machine, holds the lock of the file; `true` if the file cannot be opened.
-fn is_locked(path: &Path) -> bool {
-    // Opened for writing, because network file systems require that for an exclusive lock.
-    match OpenOptions::new().write(true).open(path) {
-        Ok(file) => matches!(file.try_lock(), Err(TryLockError::WouldBlock)),
-        Err(_) => true,
-    }
 }
 
 #[cfg(test)]
@@ -215,7 +306,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         // Two-byte characters, so that a cut at a fixed byte would split one.
         let target = folder.path().join(format!("a{}", "ä".repeat(127)));
-        let (_file, temporary) = Temporary::create(&target).unwrap();
+        let (_file, temporary) = Temporary::create(Place::Path(target.clone())).unwrap();
         temporary.rename().unwrap();
         assert!(target.exists());
     }
@@ -227,7 +318,7 @@ mod tests {
         for number in next..next + 50 {
             fs::write(folder.path().join(format!(".x.{}-{number}.part", std::process::id())), b"old").unwrap();
         }
-        let (_file, temporary) = Temporary::create(&folder.path().join("x")).unwrap();
+        let (_file, temporary) = Temporary::create(Place::Path(folder.path().join("x"))).unwrap();
         temporary.rename().unwrap();
         assert_eq!(fs::read(folder.path().join("x")).unwrap(), b"");
     }

@@ -95,7 +95,8 @@ impl SensorTable {
             Some(name) => Some(SensorPreset::by_name(name).ok_or_else(|| {
                 let names = sensor_presets().iter().map(|preset| preset.name);
                 let all = names.clone().collect::<Vec<_>>().join(", ");
-                format!("sensor.model: there is none called '{name}'{}; they are {all}", suggestion(name, names))
+                let suggestion = suggestion(name, names);
+                format!("sensor.model: there is none called '{}'{suggestion}; they are {all}", crate::shown(name))
             })?),
             None => None,
         };
@@ -171,7 +172,7 @@ impl ElectronsTable {
 fn filter(name: &str) -> Result<ColorFilter, String> {
     ColorFilter::ALL.into_iter().find(|filter| filter.name().eq_ignore_ascii_case(name)).ok_or_else(|| {
         let names = ColorFilter::ALL.map(ColorFilter::name).join(", ");
-        format!("sensor.cfa is '{name}'; give one of {names}")
+        format!("sensor.cfa is '{}'; give one of {names}", crate::shown(name))
     })
 }
 

@@ -89,7 +89,7 @@ impl MlaTable {
             Some(name) => [MicrolensGrid::Square, MicrolensGrid::HexRows, MicrolensGrid::HexColumns]
                 .into_iter()
                 .find(|&grid| grid_name(grid) == name)
-                .ok_or_else(|| format!("mla.grid is '{name}'; give square, hex-rows or hex-columns"))?,
+                .ok_or_else(|| format!("mla.grid is '{}'; give square, hex-rows or hex-columns", crate::shown(name)))?,
             None => base.map(|base| base.grid).ok_or_else(|| missing("mla.grid"))?,
         };
         let pitch_m = length("mla.pitch_um", self.pitch_um, base.map(|base| base.pitch_m))?;

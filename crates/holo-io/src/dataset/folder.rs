@@ -8,6 +8,7 @@ use ndarray::Array2;
 use super::{
     DEPTH_PFM, DISPARITY_PFM, ELEMENTAL_PNG, HCI_FOLDER, MANIFEST_JSON, PARAMETERS_CFG, Representation, VIEWPOINT_PNG,
 };
+use crate::folder::Folder;
 use crate::{Error, Limits, Manifest, ParametersCfg, hci, read_pfm_gray, read_png, read_png_info};
 
 /// The name of the format in messages.
@@ -38,14 +39,15 @@ impl DatasetFolder {
     /// views or pixels.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        Self::with_manifest(path, Manifest::read(path.join(MANIFEST_JSON))?)
+        Self::with_manifest(path, Manifest::read_in(&open(path)?)?)
     }
 
     /// Opens a folder whose manifest has been read.
     pub(crate) fn with_manifest(path: &Path, manifest: Manifest) -> Result<Self, Error> {
         let parameters_path = path.join(PARAMETERS_CFG);
         let listed = manifest.files.contains_key(PARAMETERS_CFG);
-        let parameters = listed.then(|| ParametersCfg::read(&parameters_path)).transpose()?;
+        let read = || ParametersCfg::read_in(&Folder::open(path)?, PARAMETERS_CFG);
+        let parameters = listed.then(read).transpose()?;
         let rig = match (&manifest.rig, &parameters) {
             (Some(rig), _) => *rig,
             (None, Some(parameters)) => parameters.rig().map_err(|error| error.about(&parameters_path))?,
@@ -130,11 +132,13 @@ impl DatasetFolder {
     /// [`LightFieldReader`](crate::LightFieldReader) does not need; those of [`read_png`];
     /// [`Error::Broken`] if the size of the image is not that of the rig, before memory is allocated for it.
     pub fn read(&self, limits: &Limits) -> Result<DynLightField, Error> {
-        let Some((file, layout)) = self.raw_image() else {
+        let Some((_, layout)) = self.raw_image() else {
             let what =
                 format!("the dataset has no raw image: {MANIFEST_JSON} lists no {ELEMENTAL_PNG} or {VIEWPOINT_PNG}");
             return Err(Error::unsupported(&self.path, what));
         };
+        let name = if layout == Layout::ElementalGrid { ELEMENTAL_PNG } else { VIEWPOINT_PNG };
+        let file = open(&self.path)?.regular_path(name)?;
         self.check_size(&file, read_png_info(&file)?.size, self.shape().raw_size())?;
         DynLightField::from_grid(read_png(&file, limits)?, layout, self.shape())
             .map_err(|error| Error::core(&file, error))
@@ -171,7 +175,7 @@ impl DatasetFolder {
         if !self.manifest.files.contains_key(name) {
             return Ok(None);
         }
-        let file = self.path.join(name);
+        let file = open(&self.path)?.regular_path(name)?;
         let map = read_pfm_gray(&file, limits)?;
         self.check_size(&file, GridSize::new(map.nrows(), map.ncols()), self.shape().lenses())?;
         Ok(Some(map))
@@ -197,6 +201,14 @@ impl DatasetFolder {
         );
         Err(Error::broken(file, FORMAT, what))
     }
+}
+
+/// Opens the folder; the error is that of its manifest, if it is missing.
+fn open(path: &Path) -> Result<Folder, Error> {
+    Folder::open(path).map_err(|error| match error {
+        Error::Io { error, .. } => Error::io("read", &path.join(MANIFEST_JSON), error),
+        other => other,
+    })
 }
 
 fn in_words((views, pixels): (GridSize, GridSize)) -> String {

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{DATASET_JSON, DatasetCamera, is_camera_name};
 use crate::error::STREAM;
-use crate::limits::read_small_file;
+use crate::folder::{Folder, read_beside};
 use crate::names::stays_inside;
 use crate::{Error, FileDigest, write_file};
 
@@ -204,7 +204,17 @@ impl DatasetIndex {
     ///
     /// Those of [`to_json`](Self::to_json), and [`Error::Io`] if the file cannot be written.
     pub fn write(&self, root: impl AsRef<Path>) -> Result<FileDigest, Error> {
-        write_file(root.as_ref().join(DATASET_JSON), self.to_json()?.as_bytes())
+        self.write_in(&Folder::open(root)?)
+    }
+
+    /// Writes `dataset.json` into an open folder.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`write`](Self::write).
+    pub fn write_in(&self, root: &Folder) -> Result<FileDigest, Error> {
+        let text = self.to_json()?;
+        write_file(root.file(DATASET_JSON), text.as_bytes())
     }
 
     /// Reads `dataset.json` in the root folder of a dataset.
@@ -215,7 +225,16 @@ impl DatasetIndex {
     /// more than 16 MiB.
     pub fn read(root: impl AsRef<Path>) -> Result<Self, Error> {
         let path = root.as_ref().join(DATASET_JSON);
-        parse(&read_small_file(&path, MAX_BYTES)?, &path)
+        parse(&read_beside(&path, MAX_BYTES)?, &path)
+    }
+
+    /// Reads `dataset.json` of an open folder.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`read`](Self::read).
+    pub fn read_in(root: &Folder) -> Result<Self, Error> {
+        parse(&root.read(DATASET_JSON, MAX_BYTES)?, &root.path_of(DATASET_JSON))
     }
 }
 
@@ -223,14 +242,14 @@ fn parse(bytes: &[u8], path: &Path) -> Result<DatasetIndex, Error> {
     let broken = |what: String| Error::broken(path, "dataset index", what);
     let document: Document = serde_json::from_slice(bytes).map_err(|error| broken(error.to_string()))?;
     if !FORMATS.contains(&document.format.as_str()) {
-        let known = FORMATS.join("' and '");
-        return Err(Error::unsupported(path, format!("its format is '{}'; '{known}' can be read", document.format)));
+        let (found, known) = (crate::shown(&document.format), FORMATS.join("' and '"));
+        return Err(Error::unsupported(path, format!("its format is '{found}'; '{known}' can be read")));
     }
     if let Some(scene) = document.scenes.iter().find(|scene| !stays_inside(&scene.name) || scene.name.contains('/')) {
-        return Err(broken(format!("a scene called '{}' has no folder", scene.name)));
+        return Err(broken(format!("a scene called '{}' has no folder", crate::shown(&scene.name))));
     }
     if let Some(camera) = document.cameras.iter().find(|camera| !is_camera_name(&camera.name)) {
-        return Err(broken(format!("a camera called '{}' has no folder", camera.name)));
+        return Err(broken(format!("a camera called '{}' has no folder", crate::shown(&camera.name))));
     }
     let shape = |entry: &ShapeEntry| LightFieldShape::new((&entry.views).into(), (&entry.lenses).into());
     let rigs = document.shapes.iter().map(|entry| shape(entry).map(DatasetCamera::Rig));

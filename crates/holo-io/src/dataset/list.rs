@@ -7,6 +7,7 @@ use holo_core::GridSize;
 
 use super::{CAMERA_TOML, MANIFEST_JSON, is_camera_name, views_name};
 use crate::Error;
+use crate::names::is_regular;
 
 /// A folder of a dataset and what its path states.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,7 +43,7 @@ pub fn list(path: impl AsRef<Path>) -> Result<Vec<DatasetEntry>, Error> {
     for (scene, scene_path) in folders(path.as_ref())? {
         for (camera, path) in folders(&scene_path)? {
             let has = |name: &str| path.join(name).is_file();
-            let is_camera = || is_camera_name(&camera) && has(CAMERA_TOML);
+            let is_camera = || is_camera_name(&camera) && is_regular(&path.join(CAMERA_TOML));
             if has(MANIFEST_JSON) && (views_of(&camera).is_some() || is_camera()) {
                 entries.push(DatasetEntry { scene: scene.clone(), camera, path });
             }
@@ -65,9 +66,11 @@ pub(super) fn folders(path: &Path) -> Result<Vec<(String, PathBuf)>, Error> {
     let failed = |source| Error::io("list", path, source);
     let mut folders = Vec::new();
     for entry in fs::read_dir(path).map_err(failed)? {
-        let path = entry.map_err(failed)?.path();
-        if let Some(name) = path.file_name().and_then(|name| name.to_str()).filter(|_| path.is_dir()) {
-            folders.push((name.to_owned(), path));
+        let entry = entry.map_err(failed)?;
+        // False for links, which lead elsewhere.
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        if let Some(name) = entry.file_name().to_str().filter(|_| is_folder) {
+            folders.push((name.to_owned(), entry.path()));
         }
     }
     Ok(folders)

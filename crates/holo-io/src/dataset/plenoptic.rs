@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use super::{CAMERA_TOML, MANIFEST_JSON, Representation};
+use crate::folder::Folder;
+use crate::names::is_regular;
 use crate::{CameraFile, Error, Manifest};
 
 /// A folder with the raw image of a plenoptic camera, opened for reading: the camera in `camera.toml`, and beside it
@@ -26,13 +28,13 @@ impl PlenopticFolder {
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         let manifest_path = path.join(MANIFEST_JSON);
-        let manifest = manifest_path.is_file().then(|| Manifest::read(&manifest_path)).transpose()?;
+        let manifest = is_regular(&manifest_path).then(|| Manifest::read(&manifest_path)).transpose()?;
         Self::with_manifest(path, manifest)
     }
 
     /// Opens a folder whose manifest has been read.
     pub(crate) fn with_manifest(path: &Path, manifest: Option<Manifest>) -> Result<Self, Error> {
-        let camera = CameraFile::read(path.join(CAMERA_TOML))?;
+        let camera = CameraFile::read_in(&Folder::open(path)?, CAMERA_TOML)?;
         Ok(Self { path: path.to_owned(), camera, manifest })
     }
 
@@ -43,7 +45,7 @@ impl PlenopticFolder {
 
     /// Whether a folder without a manifest has a camera and a raw image.
     pub(crate) fn has_files(path: &Path) -> bool {
-        let has = |name: &str| path.join(name).is_file();
+        let has = |name: &str| is_regular(&path.join(name));
         has(CAMERA_TOML) && Representation::OF_PLENOPTIC.iter().filter_map(|raw| raw.file_name()).any(has)
     }
 
@@ -71,7 +73,7 @@ impl PlenopticFolder {
     pub fn representations(&self) -> Vec<Representation> {
         let is_listed = |name: &str| self.manifest.as_ref().is_none_or(|manifest| manifest.files.contains_key(name));
         let has = |raw: &Representation| {
-            raw.file_name().is_some_and(|name| is_listed(name) && self.path.join(name).is_file())
+            raw.file_name().is_some_and(|name| is_listed(name) && is_regular(&self.path.join(name)))
         };
         Representation::OF_PLENOPTIC.into_iter().filter(has).collect()
     }

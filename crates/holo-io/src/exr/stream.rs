@@ -1,12 +1,11 @@
 //! A writer of EXR band by band, for images that do not fit into memory.
 
-use std::path::Path;
-
 use holo_core::GridSize;
 use ndarray::ArrayView2;
 
 use super::write::Encoder;
 use super::{ExrCompression, ExrSamples};
+use crate::folder::Destination;
 use crate::{AtomicFile, Error, FileDigest};
 
 /// A writer of an EXR, from top to bottom, a band of rows at a time.
@@ -60,21 +59,20 @@ impl ExrWriter {
     /// contain a NUL, if a channel of identifiers is [`Half`](ExrSamples::Half), or if one block of lines would exceed
     /// 2 GiB; [`Error::Io`] if the file cannot be written.
     pub fn create(
-        path: impl AsRef<Path>,
+        path: impl Destination,
         size: GridSize,
         channels: &[(&str, ExrSamples)],
         compression: ExrCompression,
     ) -> Result<Self, Error> {
-        let path = path.as_ref();
         // Into memory first, so that invalid arguments create no file.
         let mut start = Vec::new();
-        let encoder = Encoder::new(size, channels, compression, path, &mut start)?;
-        let mut file = AtomicFile::create(path)?;
+        let encoder = Encoder::new(size, channels, compression, path.path(), &mut start)?;
+        let mut file = AtomicFile::create(&path as &dyn Destination)?;
         let mut whole = None;
         if file.is_temporary() {
             // The offset table is known at the end only.
             file.hash_at_commit();
-            std::io::Write::write_all(&mut file, &start).map_err(|error| Error::io("write", path, error))?;
+            std::io::Write::write_all(&mut file, &start).map_err(|error| Error::io("write", path.path(), error))?;
         } else {
             whole = Some(start);
         }

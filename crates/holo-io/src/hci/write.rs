@@ -1,6 +1,5 @@
 //! The writer of HCI folders.
 
-use std::fs;
 use std::path::Path;
 
 use holo_core::{DynImageRef, DynLightFieldRef, GridSize, LightFieldRef, LightFieldShape, for_each_sample};
@@ -10,6 +9,7 @@ use rayon::prelude::*;
 use super::folder::files;
 use super::names::Name;
 use super::{HciQuantity, HciResolution};
+use crate::folder::{Destination, Folder, FolderFile};
 use crate::names::PARAMETERS_CFG;
 use crate::{ColorEncoding, Compression, Error, FileDigest, ParametersCfg, write_pfm, write_png};
 
@@ -76,23 +76,31 @@ impl<'a> HciImage<'a> {
         folder: impl AsRef<Path>,
         compression: Compression,
     ) -> Result<Vec<(String, FileDigest)>, Error> {
-        let folder = folder.as_ref();
-        self.check(folder)?;
-        let parameters = folder.join(PARAMETERS_CFG);
+        // Before the folder is opened: what is wrong with the image does not depend on it.
+        self.check(folder.as_ref())?;
+        self.write_in(&Folder::open(folder)?, compression)
+    }
+
+    /// Writes the files into an open folder, like [`HciImage::write`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`HciImage::write`].
+    pub fn write_in(&self, folder: &Folder, compression: Compression) -> Result<Vec<(String, FileDigest)>, Error> {
+        self.check(folder.path())?;
+        self.check_leftovers(folder.path())?;
+        let parameters = folder.file(PARAMETERS_CFG);
         // Before any view is written.
-        self.parameters.to_text().map_err(|error| at(&parameters, error))?;
-        match fs::remove_file(&parameters) {
-            Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                return Err(Error::io("replace", &parameters, error));
-            }
-            _ => {}
+        self.parameters.to_text().map_err(|error| at(parameters.path(), error))?;
+        if folder.kind(PARAMETERS_CFG)?.is_some() {
+            folder.remove_file(PARAMETERS_CFG)?;
         }
         let mut written: Vec<(String, FileDigest)> = self
             .names()
             .into_par_iter()
             .map(|name| {
                 let text = name.to_string();
-                self.write_one(name, &folder.join(&text), compression).map(|written| (text, written))
+                self.write_one(name, &folder.file(text.as_str()), compression).map(|written| (text, written))
             })
             .collect::<Result<_, Error>>()?;
         written.push((PARAMETERS_CFG.to_owned(), self.parameters.write(&parameters)?));
@@ -172,7 +180,7 @@ impl<'a> HciImage<'a> {
                 _ => {}
             }
         }
-        self.check_leftovers(folder)
+        Ok(())
     }
 
     /// Refuses a folder with files of another image that a reader would read as part of this one.
@@ -189,7 +197,8 @@ impl<'a> HciImage<'a> {
         Ok(())
     }
 
-    fn write_one(&self, name: Name, path: &Path, compression: Compression) -> Result<FileDigest, Error> {
+    fn write_one(&self, name: Name, file: &FolderFile, compression: Compression) -> Result<FileDigest, Error> {
+        let path = file.path();
         let shape = self.shape(path)?;
         let GridSize { columns, .. } = shape.views();
         let failed = |error| Error::core(path, error);
@@ -199,18 +208,18 @@ impl<'a> HciImage<'a> {
                 let Some(images) = &self.views else { return Err(Error::bad_input(path, "there is no view to write")) };
                 let view: DynImageRef<'_> =
                     for_each_sample!(DynLightFieldRef, images, views => views.view(t, s).map_err(failed)?.into());
-                write_png(path, view, ColorEncoding::Srgb, compression)
+                write_png(file, view, ColorEncoding::Srgb, compression)
             }
             Name::Truth { depth, high: true, .. } => match self.high_resolution {
-                Some(truth) => write_pfm(path, if depth { truth.depth_m } else { truth.disparity_px }),
+                Some(truth) => write_pfm(file, if depth { truth.depth_m } else { truth.disparity_px }),
                 None => Err(Error::bad_input(path, "there is no ground truth to write")),
             },
             Name::Truth { depth, view, .. } => {
                 let (t, s) = view.map_or(shape.central_view(), |index| (index / columns, index % columns));
                 match if depth { self.depth_m } else { self.disparity_px } {
-                    HciTruth::Central(map) => write_pfm(path, map),
+                    HciTruth::Central(map) => write_pfm(file, map),
                     HciTruth::All(maps) => {
-                        write_pfm(path, maps.view(t, s).map_err(failed)?.index_axis_move(Axis(2), 0))
+                        write_pfm(file, maps.view(t, s).map_err(failed)?.index_axis_move(Axis(2), 0))
                     }
                     HciTruth::None => Err(Error::bad_input(path, "there is no ground truth to write")),
                 }

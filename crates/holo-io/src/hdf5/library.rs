@@ -65,11 +65,16 @@ pub(crate) fn create(path: &Path, user_block: u64, oldest: bool) -> ::hdf5::Resu
 
 /// Opens a file for reading.
 pub(crate) fn open(path: &Path) -> Result<File, Error> {
-    // For the error of the system, if there is no such file.
-    let file = std::fs::File::open(path).map_err(|source| Error::io("read", path, source))?;
-    if file.metadata().is_ok_and(|metadata| metadata.is_dir()) {
-        return Err(Error::io("read", path, io::ErrorKind::IsADirectory.into()));
+    // Before the library opens it: for the error of the system, if there is no such file, and because opening a pipe waits.
+    let failed = |source| Error::io("read", path, source);
+    let found = std::fs::metadata(path).map_err(failed)?;
+    if found.is_dir() {
+        return Err(failed(io::ErrorKind::IsADirectory.into()));
     }
+    if !found.is_file() {
+        return Err(failed(io::Error::other("it is a pipe, a socket or a device; HDF5 needs a file")));
+    }
+    drop(std::fs::File::open(path).map_err(failed)?);
     File::with_options()
         .with_fapl(|access| access.file_locking(false))
         .open(path)

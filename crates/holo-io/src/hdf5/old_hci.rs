@@ -21,6 +21,7 @@ use ndarray::{Array2, ArrayD, Axis, Ix2, Ix5};
 
 use super::library::{Failure, open};
 use super::read::check_chunk;
+use super::storage::find;
 use super::{FORMAT, Hdf5Map, attributes};
 use crate::{Error, Limits};
 
@@ -50,7 +51,7 @@ pub(crate) struct OldHciFile {
 
 /// Whether a file has the dataset of such a light field.
 pub(crate) fn is_old_hci(path: &Path) -> Result<bool, Error> {
-    Ok(open(path)?.dataset("LF").is_ok_and(|samples| samples.ndim() == 5))
+    Ok(find(&open(path)?, path, "LF")?.is_some_and(|samples| samples.ndim() == 5))
 }
 
 impl OldHciFile {
@@ -58,7 +59,7 @@ impl OldHciFile {
         let failed = |error| Failure { path, is_writing: false }.error(error);
         let broken = |what: String| Error::broken(path, FORMAT, what);
         let file = open(path)?;
-        let samples = file.dataset("LF").map_err(|_| broken("there is no dataset /LF".into()))?;
+        let samples = find(&file, path, "LF")?.ok_or_else(|| broken("there is no dataset /LF".into()))?;
         let dimensions: [usize; 5] = samples
             .get_shape()
             .map_err(failed)?
@@ -107,9 +108,13 @@ impl OldHciFile {
     /// Depth, or disparity between adjacent views, of the central view; `None` if the file has no depth, or not what
     /// disparity needs.
     pub fn central_map(&self, map: Hdf5Map) -> Result<Option<Array2<f32>>, Error> {
-        let Some(name) = DEPTHS.into_iter().find(|name| self.file.dataset(name).is_ok()) else { return Ok(None) };
-        let failed = |error| Failure { path: &self.path, is_writing: false }.error(error);
-        let dataset = self.file.dataset(name).map_err(failed)?;
+        let mut first = None;
+        for name in DEPTHS {
+            if first.is_none() {
+                first = find(&self.file, &self.path, name)?.map(|dataset| (name, dataset));
+            }
+        }
+        let Some((name, dataset)) = first else { return Ok(None) };
         let [t, s, v, u, _] = self.dimensions;
         let (row, column) = self.shape.central_view();
         let all = [SliceOrIndex::from(0..v), (0..u).into()];

@@ -8,6 +8,7 @@ use holo_core::{DynImage, DynLightField, GridSize, LightField, LightFieldShape, 
 use ndarray::{Array2, Array4, Array5, ArrayD, Dimension, Ix3};
 
 use super::library::{Failure, open};
+use super::storage::{check_values, find};
 use super::{FORMAT, Hdf5Map, Number, attributes, with_sample_type};
 use crate::rig_values::{self, FoundRig};
 use crate::{Error, Limits};
@@ -34,8 +35,9 @@ pub struct Hdf5LightField {
 ///
 /// [`Error::Io`] if the file cannot be read; [`Error::Broken`] if it is not an HDF5 file.
 pub fn is_light_field_hdf5(path: impl AsRef<Path>) -> Result<bool, Error> {
-    let file = open(path.as_ref())?;
-    Ok(file.dataset("H").is_ok_and(|samples| samples.ndim() == 5))
+    let path = path.as_ref();
+    let file = open(path)?;
+    Ok(find(&file, path, "H")?.is_some_and(|samples| samples.ndim() == 5))
 }
 
 impl Hdf5LightField {
@@ -51,7 +53,7 @@ impl Hdf5LightField {
         let failed = |error| Failure { path, is_writing: false }.error(error);
         let broken = |what: String| Error::broken(path, FORMAT, what);
         let file = open(path)?;
-        let samples = file.dataset("H").map_err(|_| broken("there is no dataset /H".into()))?;
+        let samples = find(&file, path, "H")?.ok_or_else(|| broken("there is no dataset /H".into()))?;
         if samples.ndim() == 6 {
             let what = format!("a sequence of {} frames; read the file of one of them", samples.shape()[0]);
             return Err(Error::unsupported(path, what));
@@ -122,7 +124,7 @@ impl Hdf5LightField {
     /// Returns the maps of all views, and the maps of the central view alone, that the file contains.
     #[must_use]
     pub fn maps(&self) -> (Vec<Hdf5Map>, Vec<Hdf5Map>) {
-        let exists = |name: &str| self.file.dataset(name).is_ok();
+        let exists = |name: &str| matches!(find(&self.file, &self.path, name), Ok(Some(_)));
         let all = Hdf5Map::ALL.into_iter().filter(|map| exists(map.name())).collect();
         (all, Hdf5Map::ALL.into_iter().filter(|map| exists(&format!("central/{}", map.name()))).collect())
     }
@@ -223,7 +225,7 @@ impl Hdf5LightField {
     /// Those of [`read_map`](Self::read_map).
     pub fn read_central_map(&self, map: Hdf5Map) -> Result<Array2<f32>, Error> {
         let name = format!("central/{}", map.name());
-        if self.file.dataset(&name).is_err() {
+        if find(&self.file, &self.path, &name)?.is_none() {
             let (t, s) = self.shape.central_view();
             return self.read_map_of_view(map, t, s);
         }
@@ -232,10 +234,8 @@ impl Hdf5LightField {
     }
 
     fn map_dataset(&self, name: &str, shape: &[usize]) -> Result<Dataset, Error> {
-        let dataset = self
-            .file
-            .dataset(name)
-            .map_err(|_| Error::bad_input(&self.path, format!("the file has no map /{name}")))?;
+        let dataset = find(&self.file, &self.path, name)?
+            .ok_or_else(|| Error::bad_input(&self.path, format!("the file has no map /{name}")))?;
         if dataset.shape() != shape {
             let what = format!("/{name} has shape {:?} instead of {shape:?}", dataset.shape());
             return Err(Error::broken(&self.path, FORMAT, what));
@@ -275,8 +275,10 @@ impl Hdf5LightField {
     }
 }
 
-/// Checks the size of a chunk, which the library reads as a whole, against the limit.
+/// Checks that the values of a dataset lie in the file, and the size of a chunk, which the library reads as a whole, against
+/// the limit.
 pub(crate) fn check_chunk(path: &Path, dataset: &Dataset, limits: Limits) -> Result<(), Error> {
+    check_values(dataset, path)?;
     let bytes = dataset.dtype().map_or(1, |dtype| dtype.size());
     let chunk = dataset.chunk().unwrap_or_default();
     limits.elements(path, "chunk", &chunk, bytes).map(|_| ())

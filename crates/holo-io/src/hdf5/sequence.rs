@@ -9,9 +9,11 @@ use ndarray::{Array1, ArrayView, Dimension, aview1, aview2};
 use super::library::{Failure, create, open};
 use super::read::sample_kind;
 use super::scales::{self, Scales};
+use super::storage::find;
 use super::{FORMAT, Hdf5Map, attributes};
 use crate::atomic::AtomicPath;
 use crate::dataset::{LIGHT_FIELD_HDF5, MANIFEST_JSON, PARAMETERS_CFG, SEQUENCE_HDF5, SequenceFolder};
+use crate::folder::Folder;
 use crate::rig_values::RigValues;
 use crate::{CameraPose, Error, FileDigest, Manifest, ManifestValue, ParametersCfg};
 
@@ -61,7 +63,7 @@ pub fn write_hdf5_sequence(sequence: &SequenceFolder, frames: &[u32]) -> Result<
         let what = format!("frame {} has other arrays than frame {}", frames[other], frames[0]);
         return Err(Error::bad_input(&path, what));
     }
-    let target = AtomicPath::create(&path)?;
+    let target = AtomicPath::create(Folder::open(sequence.path())?.file(SEQUENCE_HDF5))?;
     write(&target, frames, &read).map_err(|error| match error {
         Problem::Library(error) => Failure { path: &path, is_writing: true }.error(error),
         Problem::Own(error) => error,
@@ -181,7 +183,7 @@ fn read_frame(folder: &Path) -> Result<Frame, Error> {
     let maps = Hdf5Map::ALL.map(|map| (map.name().to_owned(), "vuts"));
     let central = Hdf5Map::ALL.map(|map| (format!("central/{}", map.name()), "vu"));
     for (name, axes) in std::iter::once(("H".to_owned(), "vutsc")).chain(maps).chain(central) {
-        let Ok(dataset) = file.dataset(&name) else { continue };
+        let Some(dataset) = find(&file, &path, &name)? else { continue };
         let shape = dataset.get_shape().map_err(failed)?;
         let kind = sample_kind(&dataset).map_err(failed)?;
         let Some(kind) = kind.filter(|_| shape.len() == axes.len()) else {

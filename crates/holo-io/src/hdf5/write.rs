@@ -2,7 +2,6 @@
 
 use std::marker::PhantomData;
 use std::ops::Range;
-use std::path::Path;
 
 use holo_core::{DynLightFieldRef, LightField, Rig, Sample};
 
@@ -14,6 +13,7 @@ use super::rows::{RowDataset, Rows, SampleRows};
 use super::scales::{self, Scales};
 use super::{Hdf5Map, Hdf5Options, Number, attributes, with_sample_type};
 use crate::atomic::AtomicPath;
+use crate::folder::Destination;
 use crate::{Error, FileDigest};
 
 /// The axes of a light field, a letter each.
@@ -65,31 +65,31 @@ impl<T: Sample> Hdf5Writer<T> {
     /// [`Error::BadInput`] if `channels` is 0, the level of gzip is above 9, or a map occurs twice; [`Error::Io`] if
     /// the file cannot be written.
     pub fn create(
-        path: impl AsRef<Path>,
+        path: impl Destination,
         rig: &Rig,
         channels: usize,
         maps: &[Hdf5Map],
         options: &Hdf5Options,
     ) -> Result<Self, Error> {
-        let path = path.as_ref();
         if channels == 0 {
-            return Err(Error::bad_input(path, "a light field without channels"));
+            return Err(Error::bad_input(path.path(), "a light field without channels"));
         }
-        Self::start(path, rig, Some(channels), maps, options)
+        Self::start(&path, rig, Some(channels), maps, options)
     }
 
     /// Starts a file with samples, or without channels one of maps alone.
     pub(super) fn start(
-        path: &Path,
+        destination: &dyn Destination,
         rig: &Rig,
         channels: Option<usize>,
         maps: &[Hdf5Map],
         options: &Hdf5Options,
     ) -> Result<Self, Error> {
+        let path = destination.path();
         if options.gzip_level > 9 {
             return Err(Error::bad_input(path, format!("gzip has the levels 0 to 9, not {}", options.gzip_level)));
         }
-        let target = AtomicPath::create(path)?;
+        let target = AtomicPath::create(destination)?;
         let failed = |error| Failure { path, is_writing: true }.error(error);
         let text = scales::text_type(target.temporary_path(), path)?;
         let file = create(target.temporary_path(), 0, false).map_err(failed)?;

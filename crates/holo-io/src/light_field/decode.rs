@@ -21,7 +21,7 @@ pub(super) fn decode(
         let what = format!(
             "no light reaches the sensor of the camera '{}': its micro-images lie beside the sensor or between the \
              light-sensitive parts of its pixels",
-            file.name
+            crate::shown(&file.name)
         );
         return Err(Error::NoLightField { path: image.to_owned(), what });
     }

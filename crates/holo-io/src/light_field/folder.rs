@@ -15,8 +15,9 @@ use super::source::Source;
 #[cfg(feature = "camera")]
 use crate::dataset::PlenopticFolder;
 use crate::dataset::{DatasetFolder, Representation};
+use crate::folder::Folder;
 use crate::image_file::read_image_info;
-use crate::names::{LIGHT_FIELD_HDF5, MANIFEST_JSON, PARAMETERS_CFG};
+use crate::names::{LIGHT_FIELD_HDF5, MANIFEST_JSON, PARAMETERS_CFG, is_regular};
 use crate::{Error, FileInfo, GantryFolder, HciFolder};
 
 /// The name of the format in messages.
@@ -215,8 +216,11 @@ fn file_of(folder: &Path, representation: Representation) -> PathBuf {
 fn is_there(folder: &Path, representation: Representation) -> bool {
     let path = file_of(folder, representation);
     match representation {
-        Representation::Hci => path.join(PARAMETERS_CFG).is_file() && HciFolder::has_views(&path).unwrap_or(false),
-        _ => path.is_file(),
+        Representation::Hci => {
+            let is_folder = path.symlink_metadata().is_ok_and(|found| found.is_dir());
+            is_folder && is_regular(&path.join(PARAMETERS_CFG)) && HciFolder::has_views(&path).unwrap_or(false)
+        }
+        _ => is_regular(&path),
     }
 }
 
@@ -255,7 +259,7 @@ fn beside_views(path: &Path) -> Vec<Representation> {
 }
 
 fn without_manifest(path: &Path, has_views: bool) -> Vec<Representation> {
-    let has_parameters = path.join(PARAMETERS_CFG).is_file();
+    let has_parameters = is_regular(&path.join(PARAMETERS_CFG));
     let is_described = |found: &Representation| has_parameters || found.layout().is_none();
     let (described, others): (Vec<_>, Vec<_>) = own_files(path).into_iter().partition(is_described);
     described.into_iter().chain(has_views.then_some(Representation::Views)).chain(others).collect()
@@ -266,7 +270,11 @@ fn open_dataset(
     representation: Representation,
     options: &ReadOptions,
 ) -> Result<LightFieldReader, Error> {
-    let path = file_of(folder.path(), representation);
+    let (root, name) = (Folder::open(folder.path())?, representation.file_name().unwrap_or_default());
+    let path = match representation {
+        Representation::Hci => root.sub(name)?.path().to_owned(),
+        _ => root.regular_path(name)?,
+    };
     let reader = match (representation, representation.layout()) {
         (_, Some(layout)) => open_grid(&folder, &path, layout, options)?,
         (Representation::Hdf5, _) => file::of_hdf5(&path, options)?,

@@ -8,14 +8,14 @@ use super::options::ReadOptions;
 use super::reader::{LightFieldFormat, LightFieldReader};
 use super::source::Source;
 use crate::image_file::read_image_info;
-use crate::names::CAMERA_TOML;
+use crate::names::{CAMERA_TOML, is_regular};
 use crate::{CameraFile, Error};
 
 /// The camera beside an image, if the image may be its raw image: of the size of its sensor, and with colors. The codes of
 /// a sensor behind a color filter and white images in integers have one channel.
 pub(super) fn camera_beside(image: &Path) -> Result<Option<CameraFile>, Error> {
     let path = image.with_file_name(CAMERA_TOML);
-    if !path.is_file() {
+    if !is_regular(&path) {
         return Ok(None);
     }
     let (info, file) = (read_image_info(image)?, CameraFile::read(&path)?);
@@ -30,7 +30,7 @@ pub(super) fn open(image: &Path, file: CameraFile, options: &ReadOptions) -> Res
     if size != sensor {
         return Err(nothing(format!(
             "it has {size} pixels, but the sensor of the camera '{}' in {CAMERA_TOML} has {sensor}",
-            file.name
+            crate::shown(&file.name)
         )));
     }
     let impossible = |error: holo_core::Error| nothing(error.to_string());

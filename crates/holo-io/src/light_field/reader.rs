@@ -12,7 +12,7 @@ use super::source::{Map, Source};
 #[cfg(feature = "png")]
 use crate::dataset::DatasetFolder;
 use crate::dataset::Representation;
-use crate::names::PARAMETERS_CFG;
+use crate::names::{PARAMETERS_CFG, is_regular};
 use crate::{Error, Limits, ParametersCfg};
 
 /// The format of a folder or file that contains a light field.
@@ -255,7 +255,7 @@ impl LightFieldReader {
 
     /// Completes rig and disparity range from a `parameters.cfg`, if it specifies the same numbers of views and pixels.
     pub(super) fn complete_from(mut self, parameters_path: &Path) -> Self {
-        if !parameters_path.is_file() {
+        if !is_regular(parameters_path) {
             return self;
         }
         match ParametersCfg::read(parameters_path) {

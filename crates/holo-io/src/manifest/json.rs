@@ -143,7 +143,7 @@ fn value_from_json(value: Value) -> ManifestValue {
 
 pub(super) fn write(manifest: &Manifest, path: &Path) -> Result<String, Error> {
     if let Some(name) = manifest.files.keys().find(|name| !stays_inside(name)) {
-        return Err(Error::bad_input(path, format!("the manifest lists {name:?}, which leads outside its folder")));
+        return Err(Error::bad_input(path, format!("the manifest lists {name:?}, which is no name inside its folder")));
     }
     let entry = |written: &FileDigest| FileEntry { bytes: written.bytes, sha256: written.sha256.to_string() };
     let document = Document {
@@ -171,17 +171,18 @@ pub(super) fn read(text: &[u8], path: &Path) -> Result<Manifest, Error> {
     if !FORMATS.contains(&version.format.as_str()) {
         return Err(Error::unsupported(
             path,
-            format!("the format is {:?}; this version of holo reads {FORMATS:?}", version.format),
+            format!("the format is {:?}; this version of holo reads {FORMATS:?}", crate::shown(&version.format)),
         ));
     }
     let document: Document = serde_json::from_slice(text).map_err(|error| broken(error.to_string()))?;
     let mut files = BTreeMap::new();
     for (name, entry) in document.files {
         if !stays_inside(&name) {
-            return Err(broken(format!("files: {name:?} leads outside the folder")));
+            return Err(broken(format!("files: {:?} is no name inside the folder", crate::shown(&name))));
         }
-        let sha256 = Sha256::from_hex(&entry.sha256)
-            .ok_or_else(|| broken(format!("files: the SHA-256 of {name:?} is not 64 hexadecimal digits")))?;
+        let sha256 = Sha256::from_hex(&entry.sha256).ok_or_else(|| {
+            broken(format!("files: the SHA-256 of {:?} is not 64 hexadecimal digits", crate::shown(&name)))
+        })?;
         files.insert(name, FileDigest { bytes: entry.bytes, sha256 });
     }
     Ok(Manifest {

@@ -1,13 +1,14 @@
 //! Compares a folder with its manifest.
 
 use std::fmt;
-use std::path::Path;
+use std::io;
 
 use rayon::prelude::*;
 
 use super::Manifest;
+use crate::folder::{EntryKind, Folder};
 use crate::names::stays_inside;
-use crate::{Error, FileDigest, Sha256, hash_file};
+use crate::{Error, FileDigest, Sha256};
 
 /// A file that differs from its entry in the manifest.
 #[derive(Debug)]
@@ -46,7 +47,7 @@ pub enum MismatchKind {
 
 impl fmt::Display for Mismatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: ", self.file)?;
+        write!(f, "{}: ", crate::shown(&self.file))?;
         match &self.kind {
             MismatchKind::Missing => write!(f, "missing"),
             MismatchKind::Unreadable(error) => write!(f, "{error}"),
@@ -59,7 +60,7 @@ impl fmt::Display for Mismatch {
     }
 }
 
-pub(super) fn verify(manifest: &Manifest, folder: &Path) -> Vec<Mismatch> {
+pub(super) fn verify(manifest: &Manifest, folder: &Folder) -> Vec<Mismatch> {
     // Collecting keeps the order of the names, whatever the timing of the threads.
     let files: Vec<(&String, &FileDigest)> = manifest.files.iter().collect();
     files
@@ -70,23 +71,25 @@ pub(super) fn verify(manifest: &Manifest, folder: &Path) -> Vec<Mismatch> {
         .collect()
 }
 
-fn difference(name: &str, expected: &FileDigest, folder: &Path) -> Option<MismatchKind> {
+/// The files of a folder that cannot be opened.
+pub(super) fn missing(manifest: &Manifest, error: &Error) -> Vec<Mismatch> {
+    let kind = || match error {
+        Error::Io { error, .. } if error.kind() == io::ErrorKind::NotFound => MismatchKind::Missing,
+        other => MismatchKind::Unreadable(Error::io("open", other.path(), io::Error::other(other.to_string()))),
+    };
+    manifest.files.keys().map(|name| Mismatch { file: name.clone(), kind: kind() }).collect()
+}
+
+fn difference(name: &str, expected: &FileDigest, folder: &Folder) -> Option<MismatchKind> {
     if !stays_inside(name) {
         return Some(MismatchKind::Outside);
     }
-    let path = folder.join(name);
-    match std::fs::metadata(&path) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Some(MismatchKind::Missing),
-        Err(error) => return Some(MismatchKind::Unreadable(Error::io("read", &path, error))),
-        // Reading a device may not end, and a folder cannot be read.
-        Ok(found) if !found.is_file() => return Some(MismatchKind::Missing),
-        Ok(found) if found.len() != expected.bytes => {
-            return Some(MismatchKind::Size { expected: expected.bytes, found: found.len() });
-        }
-        Ok(_) => {}
+    match folder.kind(name) {
+        Ok(Some(EntryKind::File | EntryKind::Link)) => {}
+        Ok(_) => return Some(MismatchKind::Missing),
+        Err(error) => return Some(MismatchKind::Unreadable(error)),
     }
-    match hash_file(&path) {
-        Err(error) => Some(MismatchKind::Unreadable(error)),
+    match folder.digest(name, expected.bytes) {
         Ok(found) if found.bytes != expected.bytes => {
             Some(MismatchKind::Size { expected: expected.bytes, found: found.bytes })
         }
@@ -94,5 +97,8 @@ fn difference(name: &str, expected: &FileDigest, folder: &Path) -> Option<Mismat
             Some(MismatchKind::Contents { expected: expected.sha256, found: found.sha256 })
         }
         Ok(_) => None,
+        Err(Error::TooLarge { needed, .. }) => Some(MismatchKind::Size { expected: expected.bytes, found: needed }),
+        Err(Error::Io { error, .. }) if error.kind() == io::ErrorKind::NotFound => Some(MismatchKind::Missing),
+        Err(error) => Some(MismatchKind::Unreadable(error)),
     }
 }

@@ -10,6 +10,7 @@ use super::v5::{self, MAX_VARIABLE_BYTES, VARIABLE_HEAD_BYTES};
 use super::{FORMAT_V5, MatArray, MatInfo, MatOptions, MatVariable, MatVersion};
 use crate::atomic::AtomicPath;
 use crate::error::STREAM;
+use crate::folder::Destination;
 use crate::stream::write_bytes;
 use crate::{AtomicFile, Error, FileDigest, Limits};
 
@@ -67,8 +68,12 @@ fn check(variables: &[MatVariable<'_>], version: MatVersion, path: &Path) -> Res
     }
 }
 
-pub(super) fn write(path: &Path, variables: &[MatVariable<'_>], options: MatOptions) -> Result<FileDigest, Error> {
-    if check(variables, options.version, path)? {
+pub(super) fn write(
+    path: &dyn Destination,
+    variables: &[MatVariable<'_>],
+    options: MatOptions,
+) -> Result<FileDigest, Error> {
+    if check(variables, options.version, path.path())? {
         return write_v73(path, variables, options);
     }
     if options.is_compressed {
@@ -88,14 +93,14 @@ pub(super) fn write(path: &Path, variables: &[MatVariable<'_>], options: MatOpti
 }
 
 #[cfg(feature = "hdf5")]
-fn write_v73(path: &Path, variables: &[MatVariable<'_>], options: MatOptions) -> Result<FileDigest, Error> {
+fn write_v73(path: &dyn Destination, variables: &[MatVariable<'_>], options: MatOptions) -> Result<FileDigest, Error> {
     super::v73::write(path, variables, options.is_compressed)
 }
 
 #[cfg(not(feature = "hdf5"))]
-fn write_v73(path: &Path, _: &[MatVariable<'_>], _: MatOptions) -> Result<FileDigest, Error> {
+fn write_v73(path: &dyn Destination, _: &[MatVariable<'_>], _: MatOptions) -> Result<FileDigest, Error> {
     Err(Error::bad_input(
-        path,
+        path.path(),
         "this build cannot write a MAT file of version 7.3, which is an HDF5 file; build with the feature `hdf5`",
     ))
 }

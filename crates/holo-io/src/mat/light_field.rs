@@ -7,6 +7,7 @@ use ndarray::{Array5, ArrayD, ArrayView5, ArrayViewD, Data, Ix5, IxDyn, aview0, 
 
 use super::file::{MatReader, missing};
 use super::{MatArray, MatClass, MatInfo, MatOptions, MatValue, MatVariable, write_mat};
+use crate::folder::Destination;
 use crate::rig_values::{self, RigValues};
 use crate::{Error, FileDigest, Limits};
 
@@ -96,7 +97,7 @@ pub(super) fn value<'a>(samples: DynLightFieldRef<'a>, axes: &[usize; 5]) -> Mat
 ///
 /// Those of [`write_mat`], and [`Error::BadInput`] if the rig has other numbers of views or microlenses.
 pub fn write_mat_light_field<S>(
-    path: impl AsRef<Path>,
+    path: impl Destination,
     light_field: &LightField<S>,
     rig: Option<&Rig>,
     order: MatOrder,
@@ -106,9 +107,8 @@ where
     S: Data,
     S::Elem: Sample,
 {
-    let path = path.as_ref();
     let shape = light_field.shape();
-    rig_values::check_split(path, rig, &shape)?;
+    rig_values::check_split(path.path(), rig, &shape)?;
     let counts = [shape.views(), shape.lenses()].map(|size| [size.rows as f64, size.columns as f64]);
     let values = rig.map(RigValues::from);
     let samples = value(light_field.as_light_field_ref().into(), &order.axes());

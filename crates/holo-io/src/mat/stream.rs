@@ -111,7 +111,7 @@ impl<T: Sample> MatWriter<T> {
             return Err(Error::bad_input(path, "a light field without channels"));
         }
         let values = RigValues::from(rig);
-        let (target, file) = v73::begin(path)?;
+        let (target, file) = v73::begin(&path)?;
         let failed = |error| Failure { path, is_writing: true }.error(error);
         let counts = [rig.shape().views(), rig.shape().lenses()].map(|size| [size.rows as f64, size.columns as f64]);
         for variable in metadata(MatOrder::Lenses, &counts, Some(&values)) {

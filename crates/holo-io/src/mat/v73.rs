@@ -15,7 +15,8 @@ use super::order::Plan;
 use super::value::{Element, for_each_array};
 use super::{MatArray, MatClass, MatInfo, MatValue, MatVariable, unreadable};
 use crate::atomic::AtomicPath;
-use crate::hdf5::{Failure, check_chunk, create, open, read_text};
+use crate::folder::Destination;
+use crate::hdf5::{Failure, check_chunk, check_values, create, find, members, open, read_text};
 use crate::{Error, FileDigest, Limits};
 
 /// The descriptive text at the beginning of the file. MATLAB requires the first words.
@@ -44,19 +45,24 @@ fn header() -> Vec<u8> {
     bytes
 }
 
-pub(super) fn write(path: &Path, variables: &[MatVariable<'_>], is_compressed: bool) -> Result<FileDigest, Error> {
+pub(super) fn write(
+    path: &dyn Destination,
+    variables: &[MatVariable<'_>],
+    is_compressed: bool,
+) -> Result<FileDigest, Error> {
     let (target, file) = begin(path)?;
     for one in variables {
-        variable(&file, one, is_compressed).map_err(|error| Failure { path, is_writing: true }.error(error))?;
+        let failed = |error| Failure { path: path.path(), is_writing: true }.error(error);
+        variable(&file, one, is_compressed).map_err(failed)?;
     }
     end(target, file)
 }
 
 /// Starts a file.
-pub(super) fn begin(path: &Path) -> Result<(AtomicPath, File), Error> {
+pub(super) fn begin(path: &dyn Destination) -> Result<(AtomicPath, File), Error> {
     let target = AtomicPath::create(path)?;
     let file = create(target.temporary_path(), BLOCK_BYTES as u64, true)
-        .map_err(|error| Failure { path, is_writing: true }.error(error))?;
+        .map_err(|error| Failure { path: path.path(), is_writing: true }.error(error))?;
     Ok((target, file))
 }
 
@@ -186,9 +192,8 @@ impl<'a> Reader<'a> {
         let failed = |error| Failure { path, is_writing: false }.error(error);
         let file = open(path)?;
         let mut infos = Vec::new();
-        // Names of internal groups of MATLAB begin with #; they contain parts of structures and cells.
-        for name in file.member_names().map_err(failed)?.into_iter().filter(|name| !name.starts_with('#')) {
-            infos.push(info(&file, name, path).map_err(failed)??);
+        for (name, dataset) in members(&file, path)? {
+            infos.push(info(&file, dataset, name, path).map_err(failed)??);
         }
         Ok(Self { file, path, limits, infos })
     }
@@ -205,7 +210,8 @@ impl<'a> Reader<'a> {
             return Err(unreadable(path, &info.name, info.class, info.is_complex));
         };
         let elements = self.limits.elements(path, "variable", &info.size, bytes)?;
-        let dataset = self.file.dataset(&info.name).map_err(|error| self.failure().error(error))?;
+        let dataset = find(&self.file, path, &info.name)?;
+        let dataset = dataset.ok_or_else(|| broken(path, &info.name, "is no dataset"))?;
         check_chunk(path, &dataset, self.limits)?;
         let value = match info.class {
             MatClass::U8 | MatClass::Logical => self.array::<u8>(&dataset, &info),
@@ -261,8 +267,8 @@ fn broken(path: &Path, name: &str, what: &str) -> Error {
 }
 
 /// Reads name, class and size of a member of the root group.
-fn info(file: &File, name: String, path: &Path) -> ::hdf5::Result<Result<MatInfo, Error>> {
-    let Ok(dataset) = file.dataset(&name) else {
+fn info(file: &File, dataset: Option<Dataset>, name: String, path: &Path) -> ::hdf5::Result<Result<MatInfo, Error>> {
+    let Some(dataset) = dataset else {
         // A group: a structure, a sparse matrix or an object.
         let group = file.group(&name)?;
         let is_sparse = group.attr_names()?.iter().any(|own| own == "MATLAB_sparse");
@@ -296,6 +302,9 @@ fn info(file: &File, name: String, path: &Path) -> ::hdf5::Result<Result<MatInfo
     let mut is_complex = false;
     if has(EMPTY) {
         // The maximum number of dimensions of HDF5.
+        if let Err(elsewhere) = check_values(&dataset, path) {
+            return Ok(Err(elsewhere));
+        }
         if dataset.size() > 32 {
             return Ok(Err(broken(path, &name, "is empty in more than 32 dimensions")));
         }

@@ -1,11 +1,12 @@
 //! A writer of PNG band by band, for images that do not fit into memory.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use holo_core::{ColorEncoding, DynImageRef, GridSize, SampleKind};
 
 use super::Compression;
 use super::encode::{Encoder, Layout};
+use crate::folder::Destination;
 use crate::{AtomicFile, Error, FileDigest};
 
 /// A writer of a PNG of 8 or 16 bits a channel, from top to bottom, a band of rows at a time.
@@ -56,18 +57,17 @@ impl PngWriter {
     /// [`Error::BadInput`] if the samples are floats, if the image is empty, has another number of channels or more
     /// than 2^31 - 1 rows or columns; [`Error::Io`] if the file cannot be written.
     pub fn create(
-        path: impl AsRef<Path>,
+        path: impl Destination,
         size: GridSize,
         channels: usize,
         kind: SampleKind,
         encoding: ColorEncoding,
         compression: Compression,
     ) -> Result<Self, Error> {
-        let path = path.as_ref();
-        let layout = Layout::new(size, channels, kind, path)?;
-        let file = AtomicFile::create(path)?;
+        let layout = Layout::new(size, channels, kind, path.path())?;
+        let file = AtomicFile::create(&path as &dyn Destination)?;
         let encoder = Encoder::new(file, layout, encoding, compression)?;
-        Ok(Self { path: path.to_owned(), encoder, layout, rows: 0, has_failed: false })
+        Ok(Self { path: path.path().to_owned(), encoder, layout, rows: 0, has_failed: false })
     }
 
     /// Writes the next rows, any number of them.

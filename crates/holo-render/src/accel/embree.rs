@@ -17,12 +17,12 @@
 
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
 use std::ptr::{self, NonNull};
 use std::sync::{Arc, OnceLock};
 
 use libloading::Library;
 
+use super::library::{Candidate, candidates};
 use super::{Coherence, Engine, NO_TRIANGLE, RayHits, Rays};
 use crate::error::Error;
 use crate::geometry::{FLATTENED, Geometry};
@@ -67,6 +67,8 @@ const FORMAT_FLOAT3X4_COLUMN_MAJOR: c_int = 0x9234;
 /// watertightness).
 const SCENE_FLAG_ROBUST: c_int = 1 << 2;
 const BUILD_QUALITY_MEDIUM: c_int = 1;
+const ERROR_OUT_OF_MEMORY: c_int = 4;
+const ERROR_UNSUPPORTED_CPU: c_int = 5;
 
 /// Declares the function table and its loader from one list.
 macro_rules! api {
@@ -129,8 +131,13 @@ impl Api {
 
     fn load() -> Result<Self, String> {
         let mut tried = Vec::new();
-        for candidate in candidates() {
-            // SAFETY: loading runs the initializers of the library, which by its name is Embree (with TBB).
+        for Candidate { path: candidate, refused } in candidates() {
+            if let Some(why) = refused {
+                tried.push(format!("{}: {why}", candidate.display()));
+                continue;
+            }
+            // SAFETY: loading runs the initializers of the library, which by its name is Embree (with TBB), and which the
+            // user named, the system's loader finds, or nobody else could have put there (`library`).
             let loaded = unsafe { Library::new(&candidate) }.map_err(|why| why.to_string());
             match loaded.and_then(|library| Self::from_library(library).map_err(|why| why.to_string())) {
                 Ok(api) => match api.check() {
@@ -156,7 +163,8 @@ impl Api {
         unsafe {
             let device = (self.rtcNewDevice)(ptr::null());
             if device.is_null() {
-                return Err(format!("cannot create a device (error {})", (self.rtcGetDeviceError)(ptr::null_mut())));
+                let code = (self.rtcGetDeviceError)(ptr::null_mut());
+                return Err(format!("cannot create a device: {} (error {code})", device_failure(code)));
             }
             let property = |which| (self.rtcGetDeviceProperty)(device, which);
             let version = property(DEVICE_PROPERTY_VERSION);
@@ -179,42 +187,13 @@ impl Api {
     }
 }
 
-/// The candidate paths of the library, in order of preference: only HOLO_EMBREE_LIB if it is set; otherwise the library
-/// of the system, a folder `embree` beside the running program or in the cargo target folder around it, the cache of
-/// the user.
-fn candidates() -> Vec<PathBuf> {
-    if let Some(path) = std::env::var_os("HOLO_EMBREE_LIB") {
-        return vec![path.into()];
+/// Why a device could not be created, by the error that the library keeps for this case.
+fn device_failure(code: c_int) -> &'static str {
+    match code {
+        ERROR_OUT_OF_MEMORY => "memory is missing; close other programs, or render less at once",
+        ERROR_UNSUPPORTED_CPU => "it does not know this processor",
+        _ => "the library does not say why",
     }
-    let names: &[&str] = if cfg!(windows) {
-        &["embree4.dll"]
-    } else if cfg!(target_os = "macos") {
-        &["libembree4.4.dylib", "libembree4.dylib", "/opt/homebrew/lib/libembree4.dylib"]
-    } else {
-        &["libembree4.so.4", "libembree4.so"]
-    };
-    let mut found: Vec<PathBuf> = names.iter().map(PathBuf::from).collect();
-    let mut folders: Vec<PathBuf> = Vec::new();
-    if let Ok(program) = std::env::current_exe() {
-        // Folders above that of the program count only if they are cargo target folders.
-        let above = program.ancestors().skip(1).take(4).enumerate();
-        let trusted = above.filter(|(up, folder)| *up == 0 || folder.join("CACHEDIR.TAG").is_file());
-        folders.extend(trusted.map(|(_, folder)| folder.join("embree")));
-    }
-    let cache = std::env::var_os("XDG_CACHE_HOME")
-        .map(PathBuf::from)
-        .or_else(|| std::env::var_os("HOME").map(|home| Path::new(&home).join(".cache")));
-    folders.extend(cache.map(|cache| cache.join("holo").join("embree")));
-    for folder in folders {
-        let Ok(entries) = std::fs::read_dir(&folder) else { continue };
-        let mut here: Vec<PathBuf> = entries
-            .filter_map(|entry| Some(entry.ok()?.path()))
-            .filter(|p| p.file_name().is_some_and(|n| n.to_string_lossy().contains("embree4")))
-            .collect();
-        here.sort();
-        found.extend(here);
-    }
-    found
 }
 
 /// The instruction set that HOLO_EMBREE_ISA names: intersections with AVX-512 and with AVX2 differ in their last bits, so that
@@ -276,7 +255,9 @@ impl Embree {
         let device = NonNull::new(unsafe { (api.rtcNewDevice)(config.as_ptr()) }).ok_or_else(|| {
             let hint =
                 if isa.is_some() { "; perhaps the processor lacks the set that HOLO_EMBREE_ISA names" } else { "" };
-            Error::Embree(format!("cannot create a device{hint}"))
+            // SAFETY: without a device this returns the error of its creation on this thread.
+            let why = device_failure(unsafe { (api.rtcGetDeviceError)(ptr::null_mut()) });
+            Error::Embree(format!("cannot create a device: {why}{hint}"))
         })?;
         // SAFETY: the device was just created.
         let version = unsafe { (api.rtcGetDeviceProperty)(device.as_ptr(), DEVICE_PROPERTY_VERSION) };

@@ -6,7 +6,7 @@
 mod aspect;
 mod default_camera;
 
-use holo_core::{GridSize, Intrinsics, LightFieldShape, Projection, Rig, automatic_baseline_m};
+use holo_core::{GridSize, Intrinsics, LightFieldShape, Projection, Rig, automatic_baseline_m, shown};
 
 use crate::error::Error;
 use crate::setters::setters;
@@ -108,7 +108,7 @@ impl Framing {
         // A focal length that was given decides the angles of view.
         let aspect_change =
             self.focal_length_m.is_none().then(|| AspectChange::new(camera, lenses, half_slope)).flatten();
-        let description = format!("camera '{}'", camera.name);
+        let description = format!("camera '{}'", shown(&camera.name));
         self.framed(camera.pose, description, focal_length_m).map(|framed| Framed { aspect_change, ..framed })
     }
 
@@ -146,10 +146,17 @@ impl Framed {
     }
 }
 
+/// The cameras of a scene that a message names.
+const SHOWN_CAMERAS: usize = 12;
+
 fn choose<'a>(scene: &'a Scene, choice: &CameraChoice) -> Result<Option<&'a Camera>, Error> {
     let list = || match scene.cameras.len() {
         0 => "it has none".to_string(),
-        _ => format!("it has {}", scene.cameras.iter().map(|c| format!("'{}'", c.name)).collect::<Vec<_>>().join(", ")),
+        count => {
+            let names = scene.cameras.iter().take(SHOWN_CAMERAS).map(|camera| format!("'{}'", shown(&camera.name)));
+            let more = if count > SHOWN_CAMERAS { ", ..." } else { "" };
+            format!("it has {}{more}", names.collect::<Vec<_>>().join(", "))
+        }
     };
     match choice {
         CameraChoice::First => Ok(scene.cameras.first()),
@@ -159,7 +166,7 @@ fn choose<'a>(scene: &'a Scene, choice: &CameraChoice) -> Result<Option<&'a Came
         },
         CameraChoice::Name(name) => match scene.cameras.iter().find(|c| c.name == *name) {
             Some(camera) => Ok(Some(camera)),
-            None => Err(Error::BadSetting(format!("the scene has no camera '{name}': {}", list()))),
+            None => Err(Error::BadSetting(format!("the scene has no camera '{}': {}", shown(name), list()))),
         },
     }
 }
@@ -181,7 +188,7 @@ fn half_slope(camera: &Camera, lenses: GridSize) -> Result<f64, Error> {
         CameraProjection::Orthographic { .. } => Err(Error::BadSetting(format!(
             "camera '{}' is orthographic; choose a perspective camera, and `projection orthographic` if the views \
              shall be parallel projections",
-            camera.name
+            shown(&camera.name)
         ))),
     }
 }

@@ -94,7 +94,7 @@ fn requests() -> Vec<Request> {
 
 fn renderer() -> Renderer {
     let scene = gallery::scene("glasses").expect("a scene of the gallery");
-    Renderer::new(&scene, &scene.cameras[0].pose, Backend::Bvh, 2).expect("a renderer")
+    Renderer::new(&scene, &scene.cameras[0].pose, Backend::Bvh, NonZeroUsize::new(2)).expect("a renderer")
 }
 
 fn assert_same(continued: &Rendered, whole: &Rendered) {

@@ -107,7 +107,7 @@ fn both(scene: &Scene) -> Option<[Renderer; 2]> {
         return None;
     }
     Some([Instancing::Never, Instancing::Always].map(|instancing| {
-        World::with_instancing(scene, Backend::Embree, 2, instancing)
+        World::with_instancing(scene, Backend::Embree, NonZeroUsize::new(2), instancing)
             .and_then(|world| world.at(&Transform::IDENTITY))
             .expect("a renderer")
     }))
@@ -295,7 +295,7 @@ fn bumps_of_mirrored_placements_are_not_dents() {
 #[test]
 fn the_bvh_renders_what_is_instanced_elsewhere() {
     let scene = scene();
-    let bvh = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, 2).expect("a renderer");
+    let bvh = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, NonZeroUsize::new(2)).expect("a renderer");
     assert!(!bvh.geometry.is_instanced());
     let Some([_, instanced]) = both(&scene) else { return };
     let [a, b] = [&bvh, &instanced].map(|renderer| renderer.central_truth(&rig()).expect("a render"));

@@ -55,7 +55,7 @@ fn image(scene: &Scene, integrator: Integrator) -> Array5<f32> {
         .focus_distance_m(1.0)
         .build()
         .expect("a rig");
-    let renderer = Renderer::new(scene, &Transform::IDENTITY, Backend::Bvh, 1).expect("a renderer");
+    let renderer = Renderer::new(scene, &Transform::IDENTITY, Backend::Bvh, NonZeroUsize::new(1)).expect("a renderer");
     let request = Request::new(rig).integrator(integrator).sky([0.2; 3]).samples(4);
     renderer.render(&request, &()).expect("a render").color.expect("lit").samples().to_owned()
 }

@@ -139,7 +139,8 @@ fn check([this, next]: [&Frame; 2], wanted: &[ViewIndex], instances: usize) -> R
         .position(|(a, b)| old.get(a.mesh).map(|mesh| &mesh.triangles) != new.get(b.mesh).map(|mesh| &mesh.triangles));
     match differs {
         Some(k) => {
-            bad(format!("instance {k}, '{}', has another number of triangles in the next frame", before[k].name))
+            let name = holo_core::shown(&before[k].name);
+            bad(format!("instance {k}, '{name}', has another number of triangles in the next frame"))
         }
         None => Ok(()),
     }

@@ -1,5 +1,7 @@
 //! Motion, compared with points that are moved by hand.
 
+use std::num::NonZeroUsize;
+
 use crate::World;
 use holo_core::{GridSize, LightFieldShape};
 use holo_scene::{Instance, Material, Mesh};
@@ -97,7 +99,7 @@ fn points_move_with_their_instances_and_the_camera() {
             let rig = rig(projection);
             let scenes = [false, true].map(|is_next| scene(&moved(places(is_next), far)));
             let poses = [false, true].map(|is_next| pose(is_next, far));
-            let renderer = World::with_instancing(&scenes[0], backend, 2, instancing)
+            let renderer = World::with_instancing(&scenes[0], backend, NonZeroUsize::new(2), instancing)
                 .and_then(|world| world.at(&poses[0]))
                 .expect("a renderer");
             let frames = [0, 1].map(|k| Frame { scene: &scenes[k], pose: poses[k], rig: &rig });
@@ -171,7 +173,7 @@ fn rest_is_zero_and_bending_is_linear_on_a_triangle() {
     // A translation of the vertices of one mesh, rounded to f32.
     scenes[1].meshes[1].positions.iter_mut().for_each(|p| p[2] += 1.0 / 64.0);
     let pose = pose(false, [0.0; 3]);
-    let renderer = Renderer::new(&scenes[0], &pose, Backend::Bvh, 1).expect("a renderer");
+    let renderer = Renderer::new(&scenes[0], &pose, Backend::Bvh, NonZeroUsize::new(1)).expect("a renderer");
     let frames = [0, 1].map(|k| Frame { scene: &scenes[k], pose, rig: &rig });
     let motion = renderer.motion([&frames[0], &frames[1]], &[ViewIndex::new(0, 0)], false, &());
     let motion = motion.expect("motion").remove(0);
@@ -195,7 +197,7 @@ fn rest_is_zero_and_bending_is_linear_on_a_triangle() {
 fn frames_must_fit() {
     let (rig, pose) = (rig(Projection::Perspective), pose(false, [0.0; 3]));
     let here = scene(&places(false));
-    let renderer = Renderer::new(&here, &pose, Backend::Bvh, 1).expect("a renderer");
+    let renderer = Renderer::new(&here, &pose, Backend::Bvh, NonZeroUsize::new(1)).expect("a renderer");
     let this = Frame { scene: &here, pose, rig: &rig };
     let error = |next: &Scene, rig: &Rig, view: ViewIndex| {
         let next = Frame { scene: next, pose, rig };
@@ -220,7 +222,7 @@ fn culled_faces_have_no_motion() {
     let mut scenes = [scene(&[back(0.0), behind]), scene(&[back(0.1), behind])];
     scenes.iter_mut().for_each(|scene| scene.materials[0].double_sided = false);
     let (rig, pose) = (rig(Projection::Perspective), Transform::IDENTITY);
-    let renderer = Renderer::new(&scenes[0], &pose, Backend::BruteForce, 1).expect("a renderer");
+    let renderer = Renderer::new(&scenes[0], &pose, Backend::BruteForce, NonZeroUsize::new(1)).expect("a renderer");
     let frames = [0, 1].map(|k| Frame { scene: &scenes[k], pose, rig: &rig });
     let center = |cull: bool| {
         let motion = renderer.motion([&frames[0], &frames[1]], &[ViewIndex::new(1, 2)], cull, &());

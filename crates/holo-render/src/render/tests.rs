@@ -20,7 +20,8 @@ use holo_scene::{Alpha, Anisotropy, Clearcoat, DiffuseTransmission, Environment,
 
 fn garden() -> (Renderer, Request) {
     let scene = gallery::scene("garden").expect("a scene of the gallery");
-    let renderer = Renderer::new(&scene, &scene.cameras[0].pose, Backend::Bvh, 1).expect("a renderer");
+    let renderer =
+        Renderer::new(&scene, &scene.cameras[0].pose, Backend::Bvh, NonZeroUsize::new(1)).expect("a renderer");
     let rig = Rig::builder(LightFieldShape::new(GridSize::new(5, 6), GridSize::new(1, 60)).expect("sizes"))
         .focal_length_m(0.04)
         .sensor_size_m(0.036)
@@ -68,7 +69,7 @@ fn every_instruction_set_gives_the_same_image() {
     }
     let radiance = ndarray::Array3::from_shape_fn((8, 16, 3), |(v, u, c)| (v * u + c) as f32 * 0.01);
     scene.environment = Some(Environment { radiance });
-    let renderer = Renderer::new(&scene, &pose, Backend::Bvh, 1).expect("a renderer");
+    let renderer = Renderer::new(&scene, &pose, Backend::Bvh, NonZeroUsize::new(1)).expect("a renderer");
     let stop = Stop::new(&());
     let region = region(request.camera.rig().expect("a rig").shape(), 10_000);
     let context = renderer.context(&request.of_rig().expect("a rig"), Integrator::Path, &region, &stop);
@@ -121,7 +122,8 @@ fn every_instruction_set_gives_the_same_image() {
 #[test]
 fn the_size_of_tiles_changes_nothing() {
     let scene = gallery::scene("garden").expect("a scene of the gallery");
-    let renderer = Renderer::new(&scene, &scene.cameras[0].pose, Backend::Bvh, 1).expect("a renderer");
+    let renderer =
+        Renderer::new(&scene, &scene.cameras[0].pose, Backend::Bvh, NonZeroUsize::new(1)).expect("a renderer");
     let (_, request) = garden();
     let split = LightFieldShape::new(GridSize::new(5, 6), GridSize::new(7, 30)).expect("sizes");
     let rig = request.camera.rig().expect("a rig").to_builder().shape(split).build().expect("a rig");
@@ -218,7 +220,7 @@ fn poses_that_are_no_camera_are_errors() {
     let mut scaled = Transform::IDENTITY;
     scaled.columns[0][0] = 2.0;
     for pose in [scaled, Transform::from_translation([f64::NAN, 0.0, 0.0])] {
-        assert!(matches!(Renderer::new(&scene, &pose, Backend::Bvh, 1), Err(Error::BadSetting(_))));
+        assert!(matches!(Renderer::new(&scene, &pose, Backend::Bvh, NonZeroUsize::new(1)), Err(Error::BadSetting(_))));
     }
 }
 
@@ -304,7 +306,7 @@ fn a_rig_for_a_range_of_disparities() {
     for (views, bound) in [(5, 1e-4), (6, 0.1)] {
         let shape = LightFieldShape::new(GridSize::new(views, views), GridSize::new(40, 60)).expect("sizes");
         let framed = crate::Framing::new(shape).frame(&scene).expect("a camera");
-        let renderer = Renderer::new(&scene, &framed.pose, Backend::Bvh, 1).expect("a renderer");
+        let renderer = Renderer::new(&scene, &framed.pose, Backend::Bvh, NonZeroUsize::new(1)).expect("a renderer");
         let wanted = DisparityRange { min_px: -0.5, max_px: 1.5 };
         let rig = renderer.rig_for_disparities(&framed, wanted).expect("a rig");
         let (near, far) = renderer.central_depths_m(&rig).expect("layers").expect("hits");

@@ -58,7 +58,7 @@ fn request(projection: Projection) -> Request {
 }
 
 fn render(scene: &Scene, request: &Request) -> Vec<f32> {
-    let renderer = Renderer::new(scene, &Transform::IDENTITY, Backend::Bvh, 1).expect("a renderer");
+    let renderer = Renderer::new(scene, &Transform::IDENTITY, Backend::Bvh, NonZeroUsize::new(1)).expect("a renderer");
     renderer.render(request, &()).expect("a render").color.expect("lit").samples().iter().copied().collect()
 }
 
@@ -177,7 +177,7 @@ fn shifted_microlenses_are_as_wide_as_those_at_rest() {
     println!("single samples {single:.4}");
     // 256 samples without a net have a noise of 62 % / 16 = 3.9 %; through the centers it would be that of one sample.
     assert!(single < 0.06, "{single}");
-    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, 1).expect("a renderer");
+    let renderer = Renderer::new(&scene, &Transform::IDENTITY, Backend::Bvh, NonZeroUsize::new(1)).expect("a renderer");
     for width in [0.0, -1.0, f64::NAN, 65.0] {
         let error = renderer.render(&finer.clone().filter_width_px(width), &()).expect_err("a bad width");
         assert!(error.to_string().contains("at most 64"), "{error}");

@@ -100,7 +100,8 @@ fn a_square_hides_the_wall_where_it_should() {
     let perspective = |focus_m| rig(Projection::Perspective, focus_m);
     let rigs = [perspective(1.4), perspective(f64::INFINITY), rig(Projection::Orthographic, 1.4)];
     for (rig, with_wall) in rigs.into_iter().zip([true, false, true]) {
-        let renderer = Renderer::new(&scene(with_wall), &Transform::IDENTITY, Backend::Auto, 2).expect("a renderer");
+        let renderer = Renderer::new(&scene(with_wall), &Transform::IDENTITY, Backend::Auto, NonZeroUsize::new(2))
+            .expect("a renderer");
         let request = Request::new(rig);
         let found = renderer.visibility(&request, &()).expect("visibility");
         let (mut checked, mut hidden) = (0, 0);
@@ -116,7 +117,8 @@ fn a_square_hides_the_wall_where_it_should() {
         // Parts are those of the whole.
         let part = renderer.visibility(&request.rows(Some(4..9)), &()).expect("visibility");
         assert_eq!(part, found.slice(ndarray::s![4..9, ..]));
-        let bvh = Renderer::new(&scene(with_wall), &Transform::IDENTITY, Backend::Bvh, 1).expect("a renderer");
+        let bvh = Renderer::new(&scene(with_wall), &Transform::IDENTITY, Backend::Bvh, NonZeroUsize::new(1))
+            .expect("a renderer");
         assert_eq!(bvh.visibility(&Request::new(rig), &()).expect("visibility"), found);
     }
 }

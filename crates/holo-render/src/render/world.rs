@@ -1,5 +1,6 @@
 //! The world: what of a scene does not depend on the camera.
 
+use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use holo_scene::{Scene, Transform};
@@ -27,28 +28,31 @@ pub struct World<'a> {
 }
 
 impl<'a> World<'a> {
-    /// Validates `scene` and prepares what does not depend on the camera, for renderers with `threads` threads (0: the
-    /// default of rayon, one per core).
+    /// Validates `scene` and prepares what does not depend on the camera. The renderers of this world use `threads`
+    /// threads; `None`: one per core.
     ///
     /// # Errors
     /// [`Error::Scene`] for an invalid scene, [`Error::BadSetting`] for too many kinds of glass, or if the threads cannot be
     /// started.
-    pub fn new(scene: &'a Scene, backend: Backend, threads: usize) -> Result<Self, Error> {
-        Self::with_instancing(scene, backend, threads, accel::instancing(backend))
+    pub fn new(scene: &'a Scene, backend: Backend, threads: impl Into<Option<NonZeroUsize>>) -> Result<Self, Error> {
+        Self::with_instancing(scene, backend, threads.into(), accel::instancing(backend))
     }
 
     /// As `new`; the engine must support `instancing`.
     pub(crate) fn with_instancing(
         scene: &'a Scene,
         backend: Backend,
-        threads: usize,
+        threads: Option<NonZeroUsize>,
         instancing: Instancing,
     ) -> Result<Self, Error> {
         scene.validate()?;
         let pool = rayon::ThreadPoolBuilder::new()
-            .num_threads(threads)
+            .num_threads(threads.map_or(0, NonZeroUsize::get)) // 0: one per core.
             .build()
-            .map_err(|e| Error::BadSetting(format!("{threads} threads cannot be started: {e}")))?;
+            .map_err(|e| match threads {
+                Some(threads) => Error::BadSetting(format!("{threads} threads cannot be started: {e}")),
+                None => Error::BadSetting(format!("one thread per core cannot be started: {e}")),
+            })?;
         let appearance = Arc::new(Appearance::new(&scene.materials, &scene.textures));
         if appearance.media_count() > MAX_MEDIA {
             return Err(Error::BadSetting(format!(

@@ -172,10 +172,24 @@ impl Files {
 
     /// The path of an external file, from that in a URI.
     pub(super) fn locate(&self, path: &Path, at: &str) -> Result<PathBuf, Error> {
-        self.folder
-            .as_ref()
-            .map(|folder| folder.join(path))
-            .ok_or_else(|| bad(at, format!("refers to the file '{}'; load the scene from its path", path.display())))
+        let shown = || uri::shorten(&path.display().to_string());
+        let Some(folder) = &self.folder else {
+            return Err(bad(at, format!("refers to the file '{}'; load the scene from its path", shown())));
+        };
+        let found = folder.join(path);
+        // The text of the path stays in the folder, but links may lead anywhere. What does not exist has the error of
+        // reading it.
+        let root = if folder.as_os_str().is_empty() { Path::new(".") } else { folder.as_path() };
+        if let (Ok(root), Ok(real)) = (root.canonicalize(), found.canonicalize())
+            && !real.starts_with(root)
+        {
+            let what = format!(
+                "the file '{}' is a link that leads out of the folder of the glTF file; copy the file below that folder",
+                shown()
+            );
+            return Err(bad(at, what));
+        }
+        Ok(found)
     }
 }
 

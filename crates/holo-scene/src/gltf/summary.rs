@@ -121,7 +121,8 @@ impl fmt::Display for Summary {
             None => {}
         }
         if !self.animations.is_empty() {
-            let animation = |(k, of): (usize, &AnimationSummary)| format!("{k} '{}' ({} s)", of.name, of.seconds);
+            let animation =
+                |(k, of): (usize, &AnimationSummary)| format!("{k} '{}' ({} s)", shorten(&of.name), of.seconds);
             let animations: Vec<String> = self.animations.iter().enumerate().map(animation).collect();
             writeln!(f, "animations:          {}", list(&animations))?;
         }

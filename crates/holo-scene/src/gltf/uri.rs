@@ -125,12 +125,9 @@ fn sextet(letter: u8) -> Option<u8> {
     })
 }
 
-/// Text of a file for use in messages: shortened, and without control characters.
+/// Text of a file for use in messages.
 pub(super) fn shorten(text: &str) -> String {
-    let mut characters = text.chars();
-    let visible = |c: char| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c };
-    let short: String = characters.by_ref().take(60).map(visible).collect();
-    if characters.next().is_some() { format!("{short}...") } else { short }
+    holo_core::shown(text).into_owned()
 }
 
 #[cfg(test)]
@@ -160,8 +157,8 @@ mod tests {
     #[test]
     fn messages_show_short_harmless_text() {
         assert_eq!(shorten("caf\u{e9}"), "caf\u{e9}");
-        assert_eq!(shorten("\u{1b}[2J"), "\u{fffd}[2J");
-        assert_eq!(shorten(&"x".repeat(61)), format!("{}...", "x".repeat(60)));
+        assert_eq!(shorten("\u{1b}[2J"), "\\u{1b}[2J");
+        assert!(shorten(&"x".repeat(60_000)).len() < 130);
     }
 
     #[test]

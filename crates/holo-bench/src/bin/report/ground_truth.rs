@@ -70,7 +70,7 @@ fn slanted_plane(options: &RunOptions, engine: Backend, table: &mut Table) -> [S
         .focus_distance_m(2.0)
         .build()
         .expect("a rig");
-    let renderer = Renderer::new(&scene, &Transform::IDENTITY, engine, 0).expect("a scene");
+    let renderer = Renderer::new(&scene, &Transform::IDENTITY, engine, None).expect("a scene");
     let (seconds, rendered) =
         timed(options.rounds, || renderer.render(&ground_truth_request(rig), &()).expect("a render"));
     let all = rendered.all.expect("requested");
@@ -94,11 +94,11 @@ fn brute_force(options: &RunOptions, scene: &str, engine: Backend, table: &mut T
     let lenses = if options.quick { GridSize::new(6, 9) } else { GridSize::new(20, 30) };
     let framed = FramedScene::new(scene, 2, lenses, Some(1e-3));
     let request = ground_truth_request(framed.rig);
-    let render = |backend| framed.renderer(backend, 0).render(&request, &()).expect("a render");
+    let render = |backend| framed.renderer(backend, None).render(&request, &()).expect("a render");
     let (exact, found) = (render(Backend::BruteForce), render(engine));
     let speed = {
         let many = FramedScene::new(scene, if options.quick { 20 } else { 100 }, GridSize::new(53, 79), None);
-        let renderer = many.renderer(engine, 0);
+        let renderer = many.renderer(engine, None);
         let request = ground_truth_request(many.rig);
         let (seconds, rendered) = timed(options.rounds, || renderer.render(&request, &()).expect("a render"));
         rendered.rays.total() as f64 / seconds.median

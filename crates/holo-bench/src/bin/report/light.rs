@@ -153,7 +153,7 @@ impl LightSection<'_> {
     fn scene(&mut self, scene: &str, integrator: Integrator) -> Vec<(String, Vec<(f64, f64)>)> {
         let framed = FramedScene::new(scene, self.views, self.lenses, None);
         let request = Request::new(framed.rig).integrator(integrator).sky(sky(scene));
-        let renderer = framed.renderer(self.options.engines[0], 0);
+        let renderer = framed.renderer(self.options.engines[0], None);
         let reference = request.clone().samples(self.reference_samples).seed(0xBEEF);
         let reference = renderer.render(&reference, &()).expect("a render").color.expect("the scene is lit");
         drop(renderer);
@@ -161,7 +161,7 @@ impl LightSection<'_> {
         // Cost of the fastest backend with the default setting, by the number of samples.
         let mut default_cost = Vec::new();
         for (engine, setting) in lines(&self.options.engines, integrator) {
-            let renderer = framed.renderer(engine, 0);
+            let renderer = framed.renderer(engine, None);
             let mut points = Vec::new();
             for (k, &samples) in self.samples.iter().enumerate() {
                 // Long renders have little relative scatter.

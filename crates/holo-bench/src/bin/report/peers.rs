@@ -241,7 +241,7 @@ fn measure_own(
         .baseline(Baseline::Meters(APERTURE_M / (side - 1) as f64));
     let framed = framing.frame(&scene).expect("a camera");
     let rig = framed.rig(FOCUS_M).expect("a rig");
-    let renderer = Renderer::new(&scene, &framed.pose, engine, 0).expect("a renderer");
+    let renderer = Renderer::new(&scene, &framed.pose, engine, None).expect("a renderer");
     let size = if side > 11 { format!(", {side} x {side}") } else { String::new() };
     let program = format!("holo, {}{size}{}", backend_name(engine), light.label());
     let rounds = if side > 11 { 1 } else { options.rounds.min(3) };

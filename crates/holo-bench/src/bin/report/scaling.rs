@@ -1,5 +1,7 @@
 //! How time and memory grow with views, with triangles and with threads.
 
+use std::num::NonZeroUsize;
+
 use holo_core::{GridSize, Remainder, Sensor};
 use holo_render::{Backend, Integrator, Renderer, Request};
 use holo_scene::{Instance, Light, LightKind, Material, Mesh, Scene, Transform};
@@ -87,7 +89,7 @@ fn add_garden_row(
 ) -> (f64, f64) {
     let framed = FramedScene::new("garden", views, lenses, None);
     let request = direct(framed.rig, sky("garden"));
-    let (build, renderer) = timed(1, || framed.renderer(engine, 0));
+    let (build, renderer) = timed(1, || framed.renderer(engine, None));
     let (bytes, (seconds, rendered)) =
         peak_bytes(|| timed(rounds, || renderer.render(&request, &()).expect("a render")));
     let count = views * views;
@@ -109,7 +111,7 @@ fn threads(options: &RunOptions, engine: Backend, table: &mut Table) -> Vec<(f64
     let mut points = Vec::new();
     let mut count = 1;
     loop {
-        let renderer = framed.renderer(engine, count);
+        let renderer = framed.renderer(engine, NonZeroUsize::new(count));
         let (seconds, rendered) = timed(options.rounds, || renderer.render(&request, &()).expect("a render"));
         points.push((count as f64, seconds.median));
         let rays = short(rendered.rays.total() as f64 / seconds.median / 1e6);
@@ -130,7 +132,7 @@ fn triangles(options: &RunOptions, engine: Backend, table: &mut Table) -> Vec<(f
     for &target in counts {
         let scene = displaced_sphere(target);
         let (bytes, (build, seconds, rendered)) = peak_bytes(|| {
-            let renderer = || Renderer::new(&scene, &Transform::from_translation([0.0, 0.0, 3.0]), engine, 0);
+            let renderer = || Renderer::new(&scene, &Transform::from_translation([0.0, 0.0, 3.0]), engine, None);
             let (build, renderer) = timed(1, || renderer().expect("a scene"));
             let request = direct(rig, [0.0; 3]);
             let (seconds, rendered) = timed(options.rounds, || renderer.render(&request, &()).expect("a render"));

@@ -1,5 +1,7 @@
 //! Gallery scenes with their rigs, and a description of the machine.
 
+use std::num::NonZeroUsize;
+
 use holo_core::{GridSize, LightFieldShape, Rig};
 use holo_render::{Backend, Baseline, Framing, Integrator, Renderer};
 use holo_scene::gallery;
@@ -19,12 +21,13 @@ impl FramedScene {
         let framing = Framing::new(LightFieldShape::new(GridSize::new(views, views), lenses).expect("sizes"))
             .baseline(baseline_m.map_or(Baseline::FNumber(5.0), Baseline::Meters));
         let framed = framing.frame(&scene).expect("a camera");
-        let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, 0).expect("a renderer");
+        let renderer = Renderer::new(&scene, &framed.pose, Backend::Auto, None).expect("a renderer");
         let focus = renderer.automatic_focus_m(&framed).expect("a focus");
         Self { rig: framed.rig(focus).expect("a rig"), pose: framed.pose, scene }
     }
 
-    pub fn renderer(&self, backend: Backend, threads: usize) -> Renderer {
+    /// A renderer with `threads` threads; `None`: one per core.
+    pub fn renderer(&self, backend: Backend, threads: impl Into<Option<NonZeroUsize>>) -> Renderer {
         Renderer::new(&self.scene, &self.pose, backend, threads).expect("a renderer")
     }
 }
@@ -39,7 +42,9 @@ pub fn sky(name: &str) -> [f32; 3] {
 pub fn engines() -> Vec<Backend> {
     let empty = Scene::default();
     let all = [Backend::Embree, Backend::Bvh];
-    all.into_iter().filter(|&backend| Renderer::new(&empty, &Transform::IDENTITY, backend, 1).is_ok()).collect()
+    all.into_iter()
+        .filter(|&backend| Renderer::new(&empty, &Transform::IDENTITY, backend, NonZeroUsize::new(1)).is_ok())
+        .collect()
 }
 
 /// The name of a backend in tables.
@@ -57,7 +62,7 @@ pub fn machine() -> String {
     let model = cpu.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or(": an unknown processor");
     let avx512 = if cpu.contains(" avx512f ") { " with AVX-512" } else { "" };
     let threads = std::thread::available_parallelism().map_or(1, usize::from);
-    let engine = Renderer::new(&Scene::default(), &Transform::IDENTITY, Backend::Auto, 1);
+    let engine = Renderer::new(&Scene::default(), &Transform::IDENTITY, Backend::Auto, NonZeroUsize::new(1));
     let engine = engine.map_or_else(|error| error.to_string(), |renderer| renderer.engine_name().to_owned());
     format!(
         "Machine: {}{avx512}, {threads} threads; {engine}; holo {}.",

@@ -101,7 +101,7 @@ pub fn noise(options: &RunOptions) -> Section {
     let preset = SensorPreset::by_name("imx250").expect("a preset");
     for (color, scene_name) in ["mountains", "dominoes"].into_iter().enumerate() {
         let framed = FramedScene::new(scene_name, 9, lenses, Some(0.003 * 300.0 / lenses.rows as f64));
-        let renderer = framed.renderer(options.engines[0], 0);
+        let renderer = framed.renderer(options.engines[0], None);
         let request = Request::new(framed.rig).integrator(Integrator::Direct).samples(samples).sky(sky(scene_name));
         let rendered = renderer.render(&request, &()).expect("a render");
         let truth = rendered.central[Layer::Disparity].index_axis(Axis(2), 0).to_owned();

@@ -36,7 +36,7 @@ pub fn section(options: &RunOptions) -> Section {
     let mut plot = Plot::new("Stereo: time against bad pixels", "seconds", "BadPix(0.07), %");
     for (color, scene_name) in ["mountains", "dominoes", "garden"].into_iter().enumerate() {
         let framed = FramedScene::new(scene_name, 9, lenses, Some(0.003 * 300.0 / lenses.rows as f64));
-        let renderer = framed.renderer(options.engines[0], 0);
+        let renderer = framed.renderer(options.engines[0], None);
         let integrator = Integrator::Direct;
         let request = Request::new(framed.rig).integrator(integrator).samples(samples).sky(sky(scene_name));
         let render = |sampling| {

@@ -3,12 +3,10 @@
 //! A tile is the central view, enlarged by a whole number or reduced, above a part of the middle of the raw image at its
 //! real size. Of a plenoptic camera the raw image takes the place of the central view.
 
-use std::path::Path;
-
 use holo_core::color::linear_to_srgb8;
 use holo_core::{DynLightField, GridSize, LightFieldOwned, Sample, for_each_sample};
 use holo_io::dataset::{DatasetCamera, DatasetFolder, MANIFEST_JSON, RAW_PNG};
-use holo_io::{ColorEncoding, Compression, Limits};
+use holo_io::{ColorEncoding, Compression, EntryKind, Folder, Limits};
 use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
 use ndarray::{Array3, ArrayView3};
@@ -34,18 +32,15 @@ const GAP: u32 = 8;
 const NAME: [&str; 2] = ["contact_sheet_", ".png"];
 
 /// Removes the contact sheets of numbers of views that are not among `cameras`.
-pub(super) fn remove_others(root: &Path, cameras: &[DatasetCamera]) -> Result<(), Error> {
-    let failed = |why: std::io::Error| Error::Failed(format!("{}: {why}", root.display()));
-    for entry in root.read_dir().map_err(failed)? {
-        let path = entry.map_err(failed)?.path();
-        let name = path.file_name().and_then(|name| name.to_str());
-        let views = name.and_then(|name| name.strip_prefix(NAME[0])?.strip_suffix(NAME[1]));
+pub(super) fn remove_others(root: &Folder, cameras: &[DatasetCamera]) -> Result<(), Error> {
+    for (name, kind) in root.list()? {
+        let views = name.strip_prefix(NAME[0]).and_then(|name| name.strip_suffix(NAME[1]));
         let views = views.and_then(|views| views.parse::<GridSize>().ok());
         // Not a file of the user's that is spelled otherwise.
-        let is_own = |views: GridSize| name == Some(&of_name(&views.to_string()));
-        let is_known = cameras.iter().any(|camera| name == Some(&file_name(camera)));
+        let is_own = |views: GridSize| kind == EntryKind::File && name == of_name(&views.to_string());
+        let is_known = cameras.iter().any(|camera| name == file_name(camera));
         if views.is_some_and(is_own) && !is_known {
-            remove_file(&path)?;
+            remove_file(root, &name)?;
         }
     }
     Ok(())
@@ -63,22 +58,21 @@ fn of_name(camera: &str) -> String {
 /// Writes `contact_sheet_<camera>.png` of the images of one camera, unless it is newer than all of them. If none of
 /// them has a raw image, there is no contact sheet.
 pub(super) fn write(
-    root: &Path,
+    root: &Folder,
     camera: &DatasetCamera,
     records: &[&Record],
     diagnostics: &dyn Diagnostics,
 ) -> Result<(), Error> {
-    let path = root.join(file_name(camera));
-    if is_newer(&path, root, records) {
+    let name = file_name(camera);
+    if is_newer(&name, root, records) {
         return Ok(());
     }
     let mut sheet: Option<(RgbImage, (u32, u32))> = None;
     for (k, record) in records.iter().enumerate() {
-        let folder = root.join(&record.folder);
-        let tile = match camera {
+        let tile = root.sub(&record.folder).and_then(|folder| match camera {
             DatasetCamera::Rig(_) => read_tile(&folder),
             DatasetCamera::Plenoptic { .. } => read_raw_tile(&folder, record),
-        };
+        });
         let tile = match tile {
             Ok(Some(tile)) => tile,
             Ok(None) => continue,
@@ -93,12 +87,12 @@ pub(super) fn write(
         imageops::replace(sheet, &tile, x, y);
     }
     // Without a raw image: one of older folders.
-    let Some((sheet, _)) = sheet else { return remove_file(&path) };
+    let Some((sheet, _)) = sheet else { return remove_file(root, &name) };
     let (width, height) = sheet.dimensions();
     let samples = sheet.as_raw().as_slice();
     let samples = ArrayView3::from_shape((height as usize, width as usize, 3), samples)
         .map_err(|why| Error::Failed(why.to_string()))?;
-    holo_io::write_png(path, samples, ColorEncoding::Srgb, Compression::Best)?;
+    holo_io::write_png(root.file(name), samples, ColorEncoding::Srgb, Compression::Best)?;
     Ok(())
 }
 
@@ -109,8 +103,8 @@ fn empty(tiles: usize, size: (u32, u32)) -> RgbImage {
 }
 
 /// The tile of a folder, if it has a raw image.
-fn read_tile(folder: &Path) -> Result<Option<RgbImage>, holo_io::Error> {
-    let folder = DatasetFolder::open(folder)?;
+fn read_tile(folder: &Folder) -> Result<Option<RgbImage>, holo_io::Error> {
+    let folder = DatasetFolder::open(folder.path())?;
     if folder.raw_image().is_none() {
         return Ok(None);
     }
@@ -118,19 +112,19 @@ fn read_tile(folder: &Path) -> Result<Option<RgbImage>, holo_io::Error> {
 }
 
 /// The tile of a folder of a plenoptic camera, if it has its raw image in integers, which have an exposure.
-fn read_raw_tile(folder: &Path, record: &Record) -> Result<Option<RgbImage>, holo_io::Error> {
+fn read_raw_tile(folder: &Folder, record: &Record) -> Result<Option<RgbImage>, holo_io::Error> {
     if !record.manifest.files.contains_key(RAW_PNG) {
         return Ok(None);
     }
-    let image = holo_io::read_png(folder.join(RAW_PNG), &Limits::NONE)?;
+    let image = holo_io::read_png(folder.regular_path(RAW_PNG)?, &Limits::NONE)?;
     Ok(Some(for_each_sample!(DynImage, image, image => raw_tile(&image))))
 }
 
 /// Whether a file was written after the manifests of all records, of which there are some.
-fn is_newer(path: &Path, root: &Path, records: &[&Record]) -> bool {
-    let time = |path: &Path| path.metadata().and_then(|file| file.modified()).ok();
-    let Some(own) = time(path).filter(|_| !records.is_empty()) else { return false };
-    let manifests = records.iter().map(|record| time(&root.join(&record.folder).join(MANIFEST_JSON)));
+fn is_newer(name: &str, root: &Folder, records: &[&Record]) -> bool {
+    let time = |name: &str| root.open_regular(name, u64::MAX).ok()?.metadata().and_then(|file| file.modified()).ok();
+    let Some(own) = time(name).filter(|_| !records.is_empty()) else { return false };
+    let manifests = records.iter().map(|record| time(&format!("{}/{MANIFEST_JSON}", record.folder)));
     manifests.into_iter().all(|manifest| manifest.is_some_and(|manifest| manifest < own))
 }
 

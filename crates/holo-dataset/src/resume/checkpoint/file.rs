@@ -7,19 +7,19 @@
 //!
 //! A record whose own digest is wrong ends the file: it was being written when the process or the machine stopped, and
 //! is cut off before the next one is appended. Values are compared with their digest when they are read.
+//!
+//! The name can be foretold, so the file of that name may be anybody's. Only a regular file without other names is opened,
+//! and only one that is empty or begins with the magic is written.
 
 use std::collections::HashMap;
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
-use std::path::Path;
 
-use holo_io::{Manifest, Sha256};
+use holo_io::{Folder, Manifest, Sha256};
 use holo_render::{FinishedTile, RayCounts, TileId, TileKind};
 
 use super::Key;
-use crate::output::CHECKPOINT;
-
-const MAGIC: &[u8; 16] = b"holo checkpoint\x01";
+use crate::output::{CHECKPOINT, CHECKPOINT_MAGIC as MAGIC};
 
 /// The bytes of a record before its values.
 const RECORD_BYTES: usize = 6 * 8 + 32 + 32;
@@ -69,8 +69,8 @@ pub(super) struct Opened {
 ///
 /// # Errors
 /// If it cannot be read, is of another render, or is in use by another process.
-pub(super) fn open(path: &Path, key: &Key) -> io::Result<Opened> {
-    let file = lock(path, OpenOptions::new().read(true).write(true))?;
+pub(super) fn open(folder: &Folder, name: &str, key: &Key) -> io::Result<Opened> {
+    let file = lock(folder, name, false)?;
     let available = file.metadata()?.len();
     let mut reader = BufReader::new(&file);
     let (digest, _) = read_header(&mut reader)?;
@@ -87,19 +87,20 @@ pub(super) fn open(path: &Path, key: &Key) -> io::Result<Opened> {
     }
     let damaged = available - length;
     file.set_len(length)?;
-    let earlier = Earlier { entries, file: File::open(path)? };
+    let earlier = Earlier { entries, file: folder.open_regular(name, u64::MAX).map_err(io::Error::other)? };
     Ok(Opened { earlier, file: CheckpointFile { file, digest, length }, damaged })
 }
 
 /// Reads the identity of the render that a checkpoint is of; `None` if the header is damaged.
-pub(super) fn identity(path: &Path) -> Option<Manifest> {
-    let (_, identity) = read_header(&mut BufReader::new(File::open(path).ok()?)).ok()?;
+pub(super) fn identity(folder: &Folder, name: &str) -> Option<Manifest> {
+    let file = folder.open_regular(name, u64::MAX).ok()?;
+    let (_, identity) = read_header(&mut BufReader::new(file)).ok()?;
     Manifest::from_json(&identity).ok()
 }
 
-/// Opens a file and takes its lock, by which another process sees that it is in use.
-fn lock(path: &Path, options: &OpenOptions) -> io::Result<File> {
-    let file = options.open(path)?;
+/// Opens a file, which is created if that is wanted, and takes its lock, by which another process sees that it is in use.
+fn lock(folder: &Folder, name: &str, create: bool) -> io::Result<File> {
+    let file = folder.open_own(name, create).map_err(io::Error::other)?;
     match file.try_lock() {
         Err(std::fs::TryLockError::WouldBlock) => Err(io::Error::other("another process renders the same")),
         // A file system without locks.
@@ -164,10 +165,18 @@ impl Entry {
 }
 
 impl CheckpointFile {
-    /// Creates the checkpoint of the render `key`, in place of one that cannot be read.
-    pub fn create(path: &Path, key: &Key) -> io::Result<Self> {
+    /// Creates the checkpoint of the render `key`, in place of one that is damaged.
+    pub fn create(folder: &Folder, name: &str, key: &Key) -> io::Result<Self> {
         // Truncated once it is locked.
-        let mut file = lock(path, OpenOptions::new().read(true).write(true).create(true).truncate(false))?;
+        let mut file = lock(folder, name, true)?;
+        let mut begin = Vec::new();
+        Read::by_ref(&mut file).take(MAGIC.len() as u64).read_to_end(&mut begin)?;
+        if !begin.is_empty() && begin != MAGIC {
+            let path = folder.path_of(name);
+            let what = format!("{} is no checkpoint of this program; remove it", path.display());
+            return Err(io::Error::other(what));
+        }
+        file.rewind()?;
         let identity = key.identity.to_json().map_err(io::Error::other)?;
         let mut header =
             [&MAGIC[..], &key.digest.0, &(identity.len() as u64).to_le_bytes(), identity.as_bytes()].concat();
@@ -176,9 +185,7 @@ impl CheckpointFile {
         file.write_all(&header)?;
         file.sync_all()?;
         // So that the name survives a power failure too. Not every system can sync folders.
-        if let Some(folder) = path.parent() {
-            let _ = File::open(folder).and_then(|folder| folder.sync_all());
-        }
+        let _ = folder.sync(name);
         Ok(Self { file, digest: key.digest, length: header.len() as u64 })
     }
 

@@ -37,13 +37,13 @@ pub(super) fn write(rendered: &Rendered, put: &mut Put) -> Result<(), Error> {
 }
 
 /// Whether the shards are of the raw image of a plenoptic camera.
-pub(super) fn is_raw(parts: &Parts<'_>) -> bool {
+pub(super) fn is_raw(parts: &Parts) -> bool {
     parts.has(CAMERA_TOML)
 }
 
 /// The raw image of all shards.
-pub(super) fn traced(parts: &Parts<'_>) -> Result<(Traced, RenderSettings), Error> {
-    let file_of_camera = CameraFile::read(parts.folder().join(CAMERA_TOML))?;
+pub(super) fn traced(parts: &Parts) -> Result<(Traced, RenderSettings), Error> {
+    let file_of_camera = CameraFile::read_in(parts.folder(), CAMERA_TOML)?;
     let manifest = parts.manifest.clone();
     let settings = from_manifest(&manifest, file_of_camera.clone().into())?;
     let size = file_of_camera.camera.sensor().size;
@@ -75,7 +75,7 @@ pub(super) fn traced(parts: &Parts<'_>) -> Result<(Traced, RenderSettings), Erro
     Ok((Traced { rendered, wanted: Wanted::new(&settings)?, manifest, camera }, settings))
 }
 
-fn statistics(parts: &Parts<'_>, size: GridSize) -> Result<RawStatistics, Error> {
+fn statistics(parts: &Parts, size: GridSize) -> Result<RawStatistics, Error> {
     let image = |layer: RawLayer| -> Result<Array2<f32>, Error> {
         Ok(parts.gather(&file(layer.name()), size, 1, 1)?.index_axis_move(Axis(2), 0))
     };

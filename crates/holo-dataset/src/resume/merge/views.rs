@@ -40,11 +40,11 @@ pub(super) fn write(rendered: &Rendered, views: &TracedViews, put: &mut Put) -> 
 }
 
 /// The light field of all shards.
-pub(super) fn traced(parts: &Parts<'_>) -> Result<(Traced, RenderSettings), Error> {
+pub(super) fn traced(parts: &Parts) -> Result<(Traced, RenderSettings), Error> {
     let manifest = parts.manifest.clone();
     let settings = from_manifest(&manifest, Camera::default())?;
-    let parameters = ParametersCfg::read(parts.folder().join(dataset::PARAMETERS_CFG))?;
-    let broken = |what: String| Error::Failed(format!("{}: {what}", parts.folder().display()));
+    let parameters = ParametersCfg::read_in(parts.folder(), dataset::PARAMETERS_CFG)?;
+    let broken = |what: String| Error::Failed(format!("{}: {what}", parts.folder().path().display()));
     let rig = manifest.rig.ok_or_else(|| broken("the manifest has no rig".into()))?;
     let shape = *rig.shape();
     let wanted = Wanted::new(&settings)?;
