@@ -54,7 +54,8 @@ pub struct Arguments {
 pub enum Command {
     /// Render a scene (.glb, .gltf) to the raw image of a holoscopic camera, with ground truth.
     Render(Box<RenderOptions>),
-    /// Render a dataset: built-in scenes and your own, each with several numbers of views. Resumes where it was stopped.
+    /// Render a dataset: built-in scenes and your own, each with several numbers of views or plenoptic cameras. Resumes where
+    /// it was stopped.
     Dataset(Box<DatasetOptions>),
     /// Merge the parts that `holo render --shard` wrote.
     Merge(MergeOptions),

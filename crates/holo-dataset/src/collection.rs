@@ -1,9 +1,11 @@
-//! Collections: scenes times numbers of views, each a job with a folder of its own.
+//! Collections: scenes times cameras, at one or many poses and frames, each a job with a folder of its own.
 //!
 //! **May import:** settings, output, resume, shot, describe.
 
+mod cameras;
 mod plan;
 mod summary;
 
+pub use self::cameras::DatasetCameras;
 pub use self::plan::{DatasetJob, DatasetPlan, DatasetRun, sources};
 pub use self::summary::{DatasetSummary, JobSummary};

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! SceneSource + RenderSettings -> RenderJob -> folders (images, ground truth, parameters.cfg, manifest.json)
-//! scenes x view counts         -> DatasetPlan -> <scene>/<S>x<T>/ each, dataset.json, DATASET.md, catalog
+//! scenes x cameras             -> DatasetPlan -> <scene>/<camera>/ each, dataset.json, DATASET.md, catalog
 //! ```
 //!
 //! A job has a shot for every pose and every frame; each shot has a folder of its own. A folder is complete when it has
@@ -44,7 +44,7 @@ pub use camera::{
     QuantityValue, Surface, TargetJob, camera_optics, planned_rig, read_poses, rig_optics, write_demosaiced,
     write_white_images,
 };
-pub use collection::{DatasetJob, DatasetPlan, DatasetRun, DatasetSummary, JobSummary, sources};
+pub use collection::{DatasetCameras, DatasetJob, DatasetPlan, DatasetRun, DatasetSummary, JobSummary, sources};
 pub use describe::{Archive, Described, Verification, WebDataset, finished, is_dataset, verify, write_catalog};
 pub use error::Error;
 pub use output::{ColorStatistics, EstimatedError, OutputFolder, Rollback, Statistics};

@@ -19,6 +19,7 @@ mod source;
 mod trace;
 mod warning;
 
+pub(crate) use self::identity::{camera_digest, poses_digest};
 pub use self::job::{Event, RenderJob, Rendering, RunOptions, Shot, ShotOutcome};
 pub use self::prepare::{Prepared, Stage};
 pub(crate) use self::prepare::{engine_name, pose_of_scene, shifted};

@@ -4,6 +4,7 @@
 //!
 //! Section IV of the paper names the folders and the raw images; the other files are this project's.
 
+mod camera;
 #[cfg(feature = "png")]
 mod folder;
 mod index;
@@ -20,9 +21,10 @@ use holo_core::GridSize;
 use crate::Error;
 use crate::names::stays_inside;
 
+pub use camera::DatasetCamera;
 #[cfg(feature = "png")]
 pub use folder::DatasetFolder;
-pub use index::{DatasetIndex, SceneEntry};
+pub use index::{DatasetIndex, DatasetPoses, SceneEntry};
 pub use list::{DatasetEntry, list};
 #[cfg(all(feature = "png", feature = "camera"))]
 pub use plenoptic::PlenopticFolder;
@@ -53,11 +55,53 @@ pub use crate::names::{
 /// # Ok::<(), holo_io::Error>(())
 /// ```
 pub fn folder(scene: &str, views: GridSize) -> Result<PathBuf, Error> {
+    Ok(scene_folder(scene)?.join(views_name(views)))
+}
+
+/// Returns the relative path of the folder of one scene and one plenoptic camera: `<scene>/<camera>`.
+///
+/// # Errors
+///
+/// [`Error::BadInput`] if the scene's name cannot be a folder name, or the camera's name cannot be one on every system, is
+/// that of a number of views such as `20x20`, or that of a frame such as `frame_0012`.
+///
+/// # Examples
+///
+/// ```
+/// let folder = holo_io::dataset::camera_folder("still_life", "lytro-illum")?;
+/// assert_eq!(folder, std::path::Path::new("still_life/lytro-illum"));
+/// assert!(holo_io::dataset::camera_folder("still_life", "20x20").is_err());
+/// # Ok::<(), holo_io::Error>(())
+/// ```
+pub fn camera_folder(scene: &str, camera: &str) -> Result<PathBuf, Error> {
+    if !is_camera_name(camera) {
+        return Err(Error::bad_input(
+            Path::new(&*crate::shown(camera)),
+            "a camera's name must be usable as the name of one folder, and not be that of a number of views or a frame",
+        ));
+    }
+    Ok(scene_folder(scene)?.join(camera))
+}
+
+fn scene_folder(scene: &str) -> Result<&Path, Error> {
     if !stays_inside(scene) || scene.contains('/') {
         return Err(Error::bad_input(
             Path::new(&*crate::shown(scene)),
             "a scene's name must be usable as the name of one folder: without /, \\, : and control characters; rename it",
         ));
     }
-    Ok(Path::new(scene).join(format!("{}x{}", views.columns, views.rows)))
+    Ok(Path::new(scene))
+}
+
+/// The name of the folder of a number of views.
+fn views_name(views: GridSize) -> String {
+    format!("{}x{}", views.columns, views.rows)
+}
+
+/// Whether a plenoptic camera of this name can have a folder. Windows drops dots and spaces at the end of a name, and lists
+/// of folders have a line each.
+fn is_camera_name(name: &str) -> bool {
+    let is_plain = name.trim() == name && !name.ends_with('.') && !name.contains(['/', '"', '*', '<', '>', '?', '|']);
+    let is_other = list::views_of(name).is_some() || sequence::frame_of(name).is_some();
+    stays_inside(name) && is_plain && !name.chars().any(char::is_control) && !is_other
 }

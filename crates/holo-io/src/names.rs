@@ -59,7 +59,6 @@ pub(crate) fn stays_inside(name: &str) -> bool {
 }
 
 /// Whether a path that was not given by the user, but found beside others, is a regular file: no link, pipe or device.
-#[cfg(any(feature = "png", feature = "mat", feature = "hdf5"))]
 pub(crate) fn is_regular(path: &std::path::Path) -> bool {
     path.symlink_metadata().is_ok_and(|found| found.is_file())
 }

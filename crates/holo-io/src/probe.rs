@@ -64,7 +64,7 @@ pub enum FileInfo {
     PlenopticFolder(Box<PlenopticFolder>),
     /// A folder with the frames of a sequence in it.
     Sequence(SequenceFolder),
-    /// A folder with dataset folders `<scene>/<S>x<T>/` in it.
+    /// A folder with dataset folders `<scene>/<S>x<T>/` or `<scene>/<camera>/` in it.
     Datasets(Vec<DatasetEntry>),
     /// A folder with the layout of the HCI benchmark.
     HciFolder(Box<HciFolder>),

@@ -89,3 +89,31 @@ def test_visibility_is_a_layer(folder):
     rendering = holo.render(scene, views=3, lenses="24x16", spp=1, layers=["visibility"])
     visibility = rendering.layers["visibility"]
     assert visibility.shape == (16, 24) and visibility.max() == 1 and visibility.min() >= np.float32(1 / 9)
+
+
+CAMERA = """
+name = "small"
+[sensor]
+size_px = [60, 45]
+pixel_um = 5.0
+[mla]
+grid = "square"
+pitch_um = 71.2
+gap_um = 400.0
+[main_lens]
+focal_mm = 40.0
+f_number = 5.8
+focus_m = 0.8
+"""
+
+
+def test_datasets_of_plenoptic_cameras(tmp_path):
+    (tmp_path / "camera.toml").write_text(CAMERA)
+    run("dataset", "--out", tmp_path / "set", "--scenes", "plaster", "--camera-file", tmp_path / "camera.toml",
+        "--spp", 1, "--sky", "1,1,1", "--layers", "depth", "--quiet")
+    (job,) = dataset = holo.Dataset(tmp_path / "set")
+    assert repr(dataset).endswith("1 raw images>") and "camera 'small'" in repr(job)
+    assert (job.scene, job.views, job.camera, job.path.name) == ("plaster", None, "small", "small")
+    assert job.raw.shape == (45, 60, 3) and job.depth.shape == (45, 60)
+    assert not len(holo.Dataset(tmp_path / "set", views=[(3, 3)]))
+    assert len(holo.Dataset(tmp_path / "set", cameras=["small"])) == 1

@@ -47,7 +47,7 @@ fn run() -> Result<()> {
     let mut jobs = dataset::list(&settings.root)?;
     jobs.retain(|job| {
         let is_named = settings.scenes.is_empty() || settings.scenes.contains(&job.scene);
-        is_named && settings.views.iter().any(|&views| views as usize == job.views.columns)
+        is_named && job.views().is_some_and(|own| settings.views.iter().any(|&views| views as usize == own.columns))
     });
     if jobs.is_empty() {
         return Err(format!("{}: no light field of these --views and --scenes", settings.root.display()).into());
@@ -59,10 +59,10 @@ fn run() -> Result<()> {
     println!("|---|---|---|---|---|---|---|");
     let mut medians: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for job in jobs {
-        let folder = settings.root.join(dataset::folder(&job.scene, job.views)?);
-        let measured = measure(&job.scene, &folder, &settings)?;
+        let Some(views) = job.views() else { continue };
+        let measured = measure(&job.scene, &job.path, &settings)?;
         let [estimated, all, rounding, reference] = measured.quantiles.map(|[median, high]| percent(median, high));
-        let (samples, views) = (measured.samples, job.views);
+        let samples = measured.samples;
         println!("| {} | {views} | {samples} | {estimated} | {all} | {rounding} | {reference} |", job.scene);
         medians.entry(views.columns).or_default().push(measured.quantiles[1][0]);
     }

@@ -6,6 +6,7 @@ use std::path::Path;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
 use holo_dataset::settings::Given;
+use holo_io::CameraFile;
 use toml::Value;
 
 use super::DatasetOptions;
@@ -15,7 +16,10 @@ use crate::failure::Failure;
 const MAX_BYTES: u64 = 1 << 20;
 
 /// Options whose values are files, which a TOML file names from where it lies itself.
-const PATHS: [&str; 2] = ["out", "glb"];
+const PATHS: [&str; 3] = ["out", "glb", "transforms"];
+
+/// An option whose values are files or names of cameras.
+const CAMERA_FILE: &str = "camera-file";
 
 /// Adds what the file of `--config` says, if there is one.
 pub fn complete(options: DatasetOptions, said: &ArgMatches) -> Result<DatasetOptions, Failure> {
@@ -74,7 +78,12 @@ fn parse(path: &Path, text: &str, said: &ArgMatches, own: Vec<OsString>) -> Resu
         }
         let words = words(value)
             .ok_or_else(|| wrong(format!("`{key}` is neither a number, a text, yes or no, nor a list of these")))?;
-        let words = if PATHS.contains(&name.as_str()) { relative_to_file(path, words) } else { words };
+        let words = match name.as_str() {
+            name if PATHS.contains(&name) => relative_to_file(path, words),
+            // In their order.
+            CAMERA_FILE => words.into_iter().flat_map(|word| camera(path, word)).collect(),
+            _ => words,
+        };
         match words.join(",").as_str() {
             "false" if option.is_some() => {}
             "true" => line.push(format!("--{name}").into()),
@@ -97,6 +106,11 @@ fn words(value: &Value) -> Option<Vec<String>> {
         Value::Array(values) => values.iter().map(words).collect::<Option<Vec<_>>>()?.concat(),
         Value::Datetime(_) | Value::Table(_) => return None,
     })
+}
+
+/// A camera, as a preset or a path relative to the folder of the file.
+fn camera(path: &Path, word: String) -> Vec<String> {
+    if CameraFile::preset(&word).is_some() { vec![word] } else { relative_to_file(path, vec![word]) }
 }
 
 /// Paths that are relative to the folder of the file.
@@ -127,10 +141,19 @@ mod tests {
         assert_eq!(options.out.as_deref(), Some(Path::new("some/data")));
         assert_eq!(options.scenes, ["garden", "chess"]);
         assert_eq!(options.view_counts, [holo_core::GridSize::new(20, 20), holo_core::GridSize::new(3, 4)]);
-        let settings = options.settings().unwrap();
+        let (_, settings) = options.settings().unwrap();
         assert_eq!((settings.light.samples, settings.light.indirect, options.quiet), (Some(5), false, false));
         let spacing = settings.camera.rig().unwrap().spacing;
         assert_eq!((spacing, options.glb), (Spacing::FNumber(2.8), vec!["some/own/a.glb".into()]));
+    }
+
+    #[test]
+    fn cameras_of_a_file_are_presets_or_lie_beside_it() {
+        let options = read("camera_file = [\"own.toml\", \"lytro-illum\"]\ntransforms = \"t.json\"", "").unwrap();
+        assert_eq!(options.camera_file, ["some/own.toml", "lytro-illum"]);
+        assert_eq!(options.transforms.as_deref(), Some(Path::new("some/t.json")));
+        let error = read("camera_file = \"lytro-illum\"\nviews = 3", "").unwrap_err();
+        assert!(error.contains("--views") && error.contains("--camera-file"), "{error}");
     }
 
     #[test]

@@ -8,7 +8,9 @@ use holo_core::GridSize;
 
 use holo_dataset::Shard;
 use holo_dataset::settings::not_negative;
+use holo_io::WorldUp;
 
+use super::choices::{WORLD_UPS, choice};
 use super::{EngineOptions, OfDataset, Settings};
 
 /// Every option can also stand in a TOML file, under its long name; the command line wins.
@@ -32,6 +34,19 @@ pub struct DatasetOptions {
     /// Numbers of views, each columns x rows or one number for both, separated by commas: every scene is rendered with each.
     #[arg(long = "views", alias = "splits", value_name = "SxT|N,..", value_delimiter = ',', default_value = "20,40,60,80,100", value_parser = GridSize::from_str)]
     pub view_counts: Vec<GridSize>,
+    /// Plenoptic cameras instead of rigs of views, separated by commas: camera files (TOML) or presets of `holo camera`.
+    /// Every scene is rendered with each, into a folder with the name of the camera; --focus-m and --f-number replace
+    /// those of the files.
+    #[arg(long, value_name = "FILE|PRESET,..", value_delimiter = ',', conflicts_with_all = ["view_counts", "sensor", "lenses", "disparity"])]
+    pub camera_file: Vec<String>,
+    /// Poses of NeRF and nerfstudio (transforms.json): every scene is rendered at each, as a scene of its own
+    /// (`garden_POSE`), instead of where its camera stands. Views have the size of the images in the file, or --lenses if
+    /// it says none.
+    #[arg(long, value_name = "FILE", conflicts_with = "sensor")]
+    pub transforms: Option<PathBuf>,
+    /// The axis that points up in the world of --transforms: z in files of Blender and nerfstudio, y in glTF.
+    #[arg(long, value_name = "z|y", default_value = "z", requires = "transforms", value_parser = choice(WORLD_UPS))]
+    pub transforms_up: WorldUp,
     #[command(flatten)]
     pub settings: Settings<OfDataset>,
     /// Render every N-th job only, starting with the K-th: N machines with K from 1 to N render the whole.

@@ -14,7 +14,7 @@ pub trait Scope: Clone + std::fmt::Debug {
     /// Whether it has the setting of this key.
     fn has(key: &str) -> bool;
 
-    /// The help of a setting whose default is another one here than the table says.
+    /// The help of a setting whose default or effect is another one here than the table says.
     fn help(_: &str) -> Option<String> {
         None
     }
@@ -34,7 +34,7 @@ pub struct Settings<S> {
 #[derive(Clone, Debug)]
 pub struct OfRender;
 
-/// `holo dataset`: those of a rig whose numbers of views are the dataset's.
+/// `holo dataset`: those of a rig whose numbers of views are the dataset's, or of a plenoptic camera.
 #[derive(Clone, Debug)]
 pub struct OfDataset;
 
@@ -74,8 +74,13 @@ impl Scope for OfRender {
 
 impl Scope for OfDataset {
     fn has(key: &str) -> bool {
-        let of_all = ["sensor", "f-number", "focus-m", "disparity"];
-        of_all.contains(&key) || !(RIG.contains(&key) || key == "for")
+        let of_all = ["sensor", "lenses", "f-number", "focus-m", "disparity"];
+        of_all.contains(&key) || !RIG.contains(&key)
+    }
+
+    fn help(key: &str) -> Option<String> {
+        let lenses = "With `transforms`: pixels of a view, columns x rows, where the file says no size";
+        (key == "lenses").then(|| lenses.to_owned())
     }
 }
 

@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 
 use holo_dataset::settings::Given;
-use holo_dataset::{EngineSettings, Focus, RenderSettings, RigSettings, Spacing};
+use holo_dataset::{DatasetCameras, EngineSettings, Focus, RenderSettings, RigSettings, Spacing};
 use holo_io::CameraFile;
 
 use super::config;
@@ -54,11 +54,34 @@ pub fn adjusted(mut camera: CameraFile, given: &mut Given) -> Result<CameraFile,
 }
 
 impl DatasetOptions {
-    /// Returns the settings that all jobs share; every job has its own number of views.
-    pub fn settings(&self) -> Result<RenderSettings, Failure> {
+    /// Returns the cameras, and the settings that all jobs share.
+    pub fn settings(&self) -> Result<(DatasetCameras, RenderSettings), Failure> {
+        let mut given = self.settings.given().clone();
         let mut settings = RenderSettings::default();
-        settings.apply(self.settings.given())?;
-        Ok(settings)
+        let files = self.camera_file.iter().map(|path| adjusted(CameraFile::open(path)?, &mut given.clone()));
+        let files = files.collect::<Result<Vec<_>, Failure>>()?;
+        if let Some(first) = files.first() {
+            settings.camera = first.clone().into();
+            // The cameras have both now.
+            for key in ["focus-m", "f-number"] {
+                given.remove(key);
+            }
+        }
+        match &self.transforms {
+            Some(path) => {
+                // Light fields instead of single images; every job has its own number of views.
+                if let (true, Some(views)) = (files.is_empty(), self.view_counts.first()) {
+                    given.insert("views", views.to_string())?;
+                }
+                settings.apply_at_poses(given, path, self.transforms_up)?;
+            }
+            None => settings.apply(&given)?,
+        }
+        let cameras = match files.is_empty() {
+            true => DatasetCameras::Views(self.view_counts.clone()),
+            false => DatasetCameras::Plenoptic(files),
+        };
+        Ok((cameras, settings))
     }
 }
 

@@ -1,4 +1,4 @@
-//! `holo dataset`: scenes times numbers of views, each a folder of its own; complete folders are kept.
+//! `holo dataset`: scenes times cameras, each a folder of its own; complete folders are kept.
 
 use std::path::Path;
 use std::time::Instant;
@@ -102,7 +102,7 @@ fn describe(root: &Path, is_part: bool, diagnostics: &dyn Diagnostics) -> Result
 
 /// What the options mean.
 fn plan(options: &DatasetOptions) -> Result<DatasetPlan, Failure> {
-    let settings = options.settings()?;
+    let (cameras, settings) = options.settings()?;
     // The scenes take seconds.
     settings.check()?;
     let names = match options.scenes.iter().map(String::as_str).collect::<Vec<_>>()[..] {
@@ -113,6 +113,6 @@ fn plan(options: &DatasetOptions) -> Result<DatasetPlan, Failure> {
         _ => Some(&options.scenes[..]),
     };
     let sources = sources(names, &options.glb)?;
-    let plan = DatasetPlan::new(&sources, &options.view_counts, settings, options.engine.settings())?;
+    let plan = DatasetPlan::new(&sources, cameras, settings, options.engine.settings())?;
     Ok(plan.checkpoints(Checkpoints::every_seconds(options.checkpoint).as_ref()))
 }

@@ -34,7 +34,7 @@ fn a_dataset_has_the_folders_of_the_paper_and_tells_what_it_is() {
         assert!(list.contains(&format!("tiny/4x2/{file}")), "{file}");
     }
     let index = holo_io::dataset::DatasetIndex::read(bench.path("set")).unwrap();
-    assert_eq!(index.shapes.len(), 4);
+    assert_eq!(index.cameras.len(), 4);
     assert_eq!(index.options["spp"], "2");
     let page = std::fs::read_to_string(bench.path("set/DATASET.md")).unwrap();
     for part in ["| `tiny` |", "| `4x2` | 4x2 | 15x20 | 60x40 |", "CC0", "--spp=2"] {
@@ -113,6 +113,122 @@ fn a_dataset_is_described_and_packed() {
     assert!(outcome.stderr.contains("exists already"), "{outcome:?}");
     let outcome = bench.run("pack nothing --out other");
     assert_eq!((outcome.code, bench.path("other").exists()), (Some(2), false), "{outcome:?}");
+}
+
+/// A plenoptic camera of 60 x 45 pixels.
+const CAMERA: &str = r#"
+name = "small"
+[sensor]
+size_px = [60, 45]
+pixel_um = 5.0
+[mla]
+grid = "square"
+pitch_um = 71.2
+gap_um = 400.0
+[main_lens]
+focal_mm = 40.0
+f_number = 5.8
+focus_m = 0.8
+"#;
+
+#[test]
+fn plenoptic_cameras_make_datasets_of_raw_images() {
+    let bench = Bench::new();
+    std::fs::write(bench.path("small.toml"), CAMERA).unwrap();
+    std::fs::copy(bench.path(SCENE), bench.path("other.glb")).unwrap();
+    let scenes = "dataset --scenes none --glb tiny.glb,other.glb --spp 2 --sky 0.2,0.3,0.4 --layers depth";
+    let run = |more: &str| {
+        let outcome = bench.run(&format!("{scenes} --json {more}"));
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        outcome
+    };
+    let outcome = run("--camera-file small.toml --out set");
+    assert_eq!(states(&outcome), ["made"; 2]);
+    assert!(outcome.stderr.contains("[ 1/2] tiny small: "), "{outcome:?}");
+    let line: Value = serde_json::from_str(outcome.stdout.lines().next().unwrap()).unwrap();
+    assert_eq!((line["camera"].as_str(), line.get("views")), (Some("small"), None));
+    let list = bench.list("set");
+    for file in
+        ["camera.toml", "raw.exr", "raw_linear.png", "raw_depth.pfm", "white.png", "centers.csv", "manifest.json"]
+    {
+        assert!(list.contains(&format!("other/small/{file}")), "{file}");
+    }
+    assert!(list.contains(&"contact_sheet_small.png".to_owned()));
+    let table = std::fs::read_to_string(bench.path("set/light_fields.csv")).unwrap();
+    assert!(table.starts_with("folder,scene,split,camera,sensor_columns,sensor_rows,depth_min_m,"), "{table}");
+    assert!(table.lines().nth(2).unwrap().starts_with("other/small,other,train,small,60,45,"), "{table}");
+    let page = std::fs::read_to_string(bench.path("set/DATASET.md")).unwrap();
+    assert!(page.contains("--camera-file tiny/small/camera.toml"), "{page}");
+    let verified = bench.run("verify set");
+    assert!(verified.code == Some(0) && verified.stdout.contains("2 folders with "), "{verified:?}");
+    assert!(bench.run("info set").stdout.contains("folder of 2 datasets"));
+    let packed = bench.run("pack set --out archives --fields raw.exr,camera.toml");
+    assert!(packed.stderr.contains("train-000000.tar: 2 "), "{packed:?}");
+
+    // The same, from the camera of a folder, and in parts.
+    assert_eq!(states(&run("--camera-file set/tiny/small/camera.toml --out set --quiet")), ["kept"; 2]);
+    for part in ["2/2", "1/2"] {
+        run(&format!("--camera-file small.toml --out parts --quiet --shard {part}"));
+    }
+    assert!(bench.bytes("set") == bench.bytes("parts"));
+    // Another camera of the same name; another dataset, without the contact sheet of the first.
+    assert_eq!(states(&run("--camera-file small.toml --f-number 8 --out set --quiet")), ["made"; 2]);
+    run("--views 3 --sensor 60x40 --out set --quiet");
+    let list = bench.list("set");
+    assert!(
+        !list.contains(&"contact_sheet_small.png".to_owned()) && list.contains(&"tiny/3x3/".to_owned()),
+        "{list:?}"
+    );
+    let verified = bench.run("verify set");
+    assert!(verified.stdout.contains("small: note: not part of this dataset"), "{verified:?}");
+}
+
+#[test]
+fn poses_are_scenes_of_a_dataset() {
+    let bench = Bench::new();
+    let frame = |name: &str, x: f64| {
+        let rows = [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
+        serde_json::json!({ "file_path": format!("{name}.png"), "transform_matrix": rows })
+    };
+    let file =
+        serde_json::json!({ "fl_x": 14.0, "w": 12, "h": 8, "frames": [frame("left", -0.1), frame("right", 0.1)] });
+    std::fs::create_dir(bench.path("etc")).unwrap();
+    std::fs::write(bench.path("etc/poses.json"), file.to_string()).unwrap();
+    std::fs::write(bench.path("small.toml"), CAMERA).unwrap();
+    let scenes = "dataset --scenes none --glb tiny.glb --spp 2 --sky 0.2,0.3,0.4";
+    let rig = format!("{scenes} --views 3,4x2 --transforms etc/poses.json --transforms-up y");
+    let outcome = bench.run(&format!("{rig} --out set --json"));
+    assert_eq!((outcome.code, states(&outcome)), (Some(0), vec!["made".to_owned(); 4]), "{outcome:?}");
+    let list = bench.list("set");
+    for folder in ["tiny_left/3x3/", "tiny_left/4x2/", "tiny_right/3x3/", "tiny_right/4x2/"] {
+        assert!(list.contains(&folder.to_owned()), "{folder}: {list:?}");
+    }
+    let train = std::fs::read_to_string(bench.path("set/train.txt")).unwrap();
+    assert_eq!(train, "tiny_left/3x3\ntiny_left/4x2\ntiny_right/3x3\ntiny_right/4x2\n");
+    let page = std::fs::read_to_string(bench.path("set/DATASET.md")).unwrap();
+    for part in ["--glb tiny.glb \\", "--transforms transforms.json --transforms-up y", "from 2 poses"] {
+        assert!(page.contains(part), "no '{part}' in {page}");
+    }
+    assert_eq!(bench.run("verify set").code, Some(0));
+    // The same from the copy of the poses, and from a file of options.
+    let copy = rig.replace("etc/poses.json", "set/transforms.json");
+    assert_eq!(states(&bench.run(&format!("{copy} --out set --json --quiet"))), ["kept"; 4]);
+    let options = "transforms = \"poses.json\"\ntransforms-up = \"y\"\nviews = [3, \"4x2\"]\n";
+    std::fs::write(bench.path("etc/set.toml"), options).unwrap();
+    let outcome = bench.run(&format!("{scenes} --config etc/set.toml --out set --json --quiet"));
+    assert_eq!(states(&outcome), ["kept"; 4], "{outcome:?}");
+    // A plenoptic camera at the same poses.
+    let raw =
+        format!("{scenes} --camera-file small.toml --transforms etc/poses.json --transforms-up y --out raw --quiet");
+    assert_eq!(bench.run(&raw).code, Some(0));
+    assert!(bench.list("raw").contains(&"tiny_right/small/raw.exr".to_owned()));
+    for (more, part) in [("--sensor 60x40", "--sensor"), ("--camera-file small.toml", "--camera-file")] {
+        let outcome = bench.run(&format!("{rig} --out other {more}"));
+        assert!(outcome.code == Some(2) && outcome.stderr.contains(part), "{more}: {outcome:?}");
+    }
+    let outcome = bench.run(&format!("{scenes} --lenses 12x8 --views 3 --out other"));
+    assert!(outcome.code == Some(2) && outcome.stderr.contains("--sensor"), "{outcome:?}");
+    assert!(!bench.path("other").exists());
 }
 
 #[test]

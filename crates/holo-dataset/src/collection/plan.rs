@@ -1,33 +1,38 @@
-//! The plan of a dataset: a job for every scene and every number of views, their order, and which of them are done.
+//! The plan of a dataset: a job for every scene, pose, frame and camera, their order, and which of them are done.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use holo_core::{GridSize, LightFieldShape, Remainder};
-use holo_io::dataset;
+use holo_core::GridSize;
+use holo_io::WorldUp;
+use holo_io::dataset::{self, DatasetCamera, DatasetPoses};
 use holo_scene::gallery;
+
+use super::cameras::{self, DatasetCameras};
 
 use crate::Error;
 use crate::describe::index::{self, Entry};
-use crate::output::{OutputFolder, Rollback, Wanted};
+use crate::output::{OutputFolder, Rollback, TRANSFORMS};
 use crate::resume::Checkpoints;
-use crate::settings::{Camera, EngineSettings, Pixels, RenderSettings, texts};
-use crate::shot::{RenderJob, RunOptions, Runner, SceneSource, Shot, ShotOutcome, engine_name};
+use crate::settings::{EngineSettings, Poses, RenderSettings, texts};
+use crate::shot::{RenderJob, RunOptions, Runner, SceneSource, Shot, ShotOutcome, engine_name, poses_digest};
 use crate::watch::Diagnostics;
 
 /// The plan of a dataset: its jobs in order.
 #[derive(Clone, Debug)]
 pub struct DatasetPlan {
+    /// Those of the first camera.
     settings: RenderSettings,
     engine: EngineSettings,
-    /// The renders of every scene with every number of views.
+    /// The renders of every scene with every camera.
     renders: Vec<RenderJob>,
     jobs: Vec<DatasetJob>,
 }
 
-/// A light field of a dataset: one scene with one number of views, at one frame.
+/// A light field or raw image of a dataset: one scene with one camera, at one pose and one frame.
 #[derive(Clone, Debug)]
 pub struct DatasetJob {
-    shape: LightFieldShape,
+    camera: DatasetCamera,
     source: SceneSource,
     /// The number of its render.
     render: usize,
@@ -42,11 +47,12 @@ pub struct DatasetRun<'a> {
 }
 
 impl DatasetJob {
-    /// Returns the name of the scene; of a frame with its number: `pendulum_0012`.
+    /// Returns the name of the scene; of one of several poses and frames with both behind it: `pendulum_left_0012`.
     #[must_use]
     pub fn scene(&self) -> String {
-        let name = self.source.name();
-        self.shot.frame().map_or(name.clone(), |frame| format!("{name}_{frame:04}"))
+        let frame = self.shot.frame().map(|frame| format!("{frame:04}"));
+        let parts = [self.shot.pose().map(str::to_owned), frame].into_iter().flatten();
+        parts.fold(self.source.name(), |name, part| format!("{name}_{part}"))
     }
 
     /// Returns the source of the scene.
@@ -55,16 +61,16 @@ impl DatasetJob {
         &self.source
     }
 
-    /// Returns the numbers of views and microlenses.
+    /// Returns the camera.
     #[must_use]
-    pub fn shape(&self) -> LightFieldShape {
-        self.shape
+    pub fn camera(&self) -> &DatasetCamera {
+        &self.camera
     }
 
-    /// Returns the name of the job, such as `garden 20x20` with views as columns x rows.
+    /// Returns the name of the job, such as `garden 20x20` with views as columns x rows, or `garden lytro-illum`.
     #[must_use]
     pub fn name(&self) -> String {
-        format!("{} {}", self.scene(), self.shape.views())
+        format!("{} {}", self.scene(), self.camera.name())
     }
 
     /// Returns the folder of the job, relative to the root of the dataset.
@@ -72,52 +78,33 @@ impl DatasetJob {
     /// # Errors
     /// [`Error::Io`] if the name of the scene cannot be a folder name.
     pub fn folder(&self) -> Result<PathBuf, Error> {
-        Ok(dataset::folder(&self.scene(), self.shape.views())?)
+        Ok(self.camera.folder(&self.scene())?)
     }
 }
 
 impl DatasetPlan {
-    /// Plans a job for every source, every number of views, and every frame if there are several. The settings are those of
-    /// all jobs, except for the number of views.
+    /// Plans a job for every source and every camera, at every pose and every frame if there are several. The settings are
+    /// those of all jobs, except for the number of views or the plenoptic camera.
     ///
     /// # Errors
-    /// [`Error::BadRequest`] if the settings contradict each other or are of another camera than a rig at the pose of its
-    /// scene, there is no scene, or views or scene names repeat; [`Error::Core`] if the sensor has fewer pixels than views;
+    /// [`Error::BadRequest`] if the settings contradict each other or are of another kind of camera, there is no scene, or
+    /// views, cameras, scene names or folders repeat; [`Error::Core`] if the sensor has fewer pixels than views;
     /// [`Error::Io`] if the name of a scene cannot be a folder name.
     pub fn new(
         sources: &[SceneSource],
-        views: &[GridSize],
+        cameras: impl Into<DatasetCameras>,
         settings: RenderSettings,
         engine: EngineSettings,
     ) -> Result<Self, Error> {
-        Wanted::new(&settings)?;
+        let cameras = cameras::of(cameras.into(), &settings)?;
         check_names(sources)?;
-        let (Camera::Rig(rig), None) = (&settings.camera, settings.poses.cameras()) else {
-            return Err(Error::BadRequest(
-                "a dataset is of rigs that stand where the cameras of its scenes stand".into(),
-            ));
-        };
-        let Pixels::Sensor(sensor) = rig.pixels else {
-            return Err(Error::BadRequest(
-                "a dataset divides one sensor by several numbers of views; give `sensor`".into(),
-            ));
-        };
-        let mut shapes: Vec<LightFieldShape> = Vec::new();
-        for &views in views {
-            if shapes.iter().any(|shape| shape.views() == views) {
-                return Err(Error::BadRequest(format!("`views` has {views} twice")));
-            }
-            shapes.push(sensor.divide(views, Remainder::Crop)?.shape);
-        }
+        let settings = cameras.first().map_or(settings, |(_, first)| first.clone());
         let (mut renders, mut jobs) = (Vec::new(), Vec::new());
         for source in sources {
-            for &shape in &shapes {
-                let mut rig = rig.clone();
-                rig.views = shape.views();
-                let settings = RenderSettings { camera: rig.into(), ..settings.clone() };
-                let render = RenderJob::new(source.clone(), settings).engine(engine);
+            for (camera, settings) in &cameras {
+                let render = RenderJob::new(source.clone(), settings.clone()).engine(engine);
                 jobs.extend(render.shots().into_iter().map(|shot| DatasetJob {
-                    shape,
+                    camera: camera.clone(),
                     source: source.clone(),
                     render: renders.len(),
                     shot,
@@ -125,6 +112,7 @@ impl DatasetPlan {
                 renders.push(render);
             }
         }
+        check_folders(&jobs)?;
         Ok(Self { settings, engine, renders, jobs })
     }
 
@@ -141,8 +129,8 @@ impl DatasetPlan {
         &self.jobs
     }
 
-    /// Creates the root folder and writes `dataset.json` and `DATASET.md` into it: before the jobs, so that an
-    /// unfinished dataset can be verified too.
+    /// Creates the root folder and writes `dataset.json`, `DATASET.md` and of several poses `transforms.json` into it:
+    /// before the jobs, so that an unfinished dataset can be verified too.
     ///
     /// # Errors
     /// [`Error::Failed`] or [`Error::Io`] if folder or files cannot be written; [`Error::Render`] if the requested backend
@@ -157,14 +145,32 @@ impl DatasetPlan {
                 digest = (job.render, job.source.sha256()?.to_string());
             }
             let (name, scene, sha256) = (job.scene(), job.source.name(), digest.1.clone());
-            entries.push(Entry { name, scene, sha256, shape: job.shape });
+            entries.push(Entry { name, scene, sha256, camera: job.camera.clone() });
         }
         let mut options = texts(&self.settings);
         // Every light field has its own.
         options.remove("views");
-        index::write(folder.folder(), &entries, &options, &backend)?;
+        index::write(folder.folder(), &entries, self.poses(), (&options, &backend))?;
+        if let Poses::Array { cameras, up } = &self.settings.poses {
+            let mut cameras = cameras.clone();
+            for camera in &mut cameras.cameras {
+                camera.size = camera.size.or(self.settings.camera.size());
+            }
+            cameras.write_folders(folder.folder().file(TRANSFORMS), *up)?;
+        }
         folder.keep();
         Ok(())
+    }
+
+    /// What `dataset.json` says of the poses, if there are several.
+    fn poses(&self) -> Option<DatasetPoses> {
+        let Poses::Array { cameras, up } = &self.settings.poses else { return None };
+        let up = match up {
+            WorldUp::Y => "y",
+            WorldUp::Z => "z",
+        };
+        let sha256 = poses_digest(cameras).to_string();
+        Some(DatasetPoses { count: cameras.cameras.len(), sha256, up: up.to_owned() })
     }
 
     /// Returns what runs the jobs.
@@ -223,6 +229,22 @@ fn check_names(sources: &[SceneSource]) -> Result<(), Error> {
     }
     if sources.is_empty() {
         return Err(Error::BadRequest("no scene: omit `scenes` for all scenes of the gallery, or give `glb`".into()));
+    }
+    Ok(())
+}
+
+/// Checks that every job has a folder of its own: names of scenes, poses and frames may combine to the same name.
+fn check_folders(jobs: &[DatasetJob]) -> Result<(), Error> {
+    let mut folders = BTreeSet::new();
+    for job in jobs {
+        let folder = job.folder()?;
+        if folders.contains(&folder) {
+            let folder = folder.display();
+            return Err(Error::BadRequest(format!(
+                "two images of the dataset would share the folder {folder}; rename a scene, or a pose of `transforms`"
+            )));
+        }
+        folders.insert(folder);
     }
     Ok(())
 }

@@ -14,7 +14,9 @@ use crate::text;
 #[derive(Clone, Debug)]
 pub struct JobSummary {
     scene: String,
-    views: String,
+    /// The name of the camera: that of its folder.
+    camera: String,
+    is_rig: bool,
     result: JobResult,
     disparity_px: Option<(f64, f64)>,
     statistics: Statistics,
@@ -46,11 +48,12 @@ impl JobSummary {
             }
             Err(why) => (JobResult::Failed(why), None, Statistics::default(), 0),
         };
-        let views = job.shape().views().to_string();
-        Self { scene: job.scene(), views, result, disparity_px, statistics, bytes }
+        let (camera, is_rig) = (job.camera().name(), job.camera().shape().is_some());
+        Self { scene: job.scene(), camera, is_rig, result, disparity_px, statistics, bytes }
     }
 
-    /// The line of `holo dataset --json`: scene, views, disparities, bytes, status, and what the status tells more.
+    /// The line of `holo dataset --json`: scene, views and disparities of a rig or the name of a plenoptic camera, bytes,
+    /// status, and what the status tells more.
     #[must_use]
     pub fn to_json(&self) -> String {
         self.json().to_string()
@@ -59,10 +62,14 @@ impl JobSummary {
     fn json(&self) -> Value {
         let mut object = json!({
             "scene": self.scene,
-            "views": self.views,
-            "disparity_px": self.disparity_px.map(|(min, max)| json!({"min": min, "max": max})),
             "bytes": self.bytes,
         });
+        if self.is_rig {
+            object["views"] = self.camera.as_str().into();
+            object["disparity_px"] = json!(self.disparity_px.map(|(min, max)| json!({"min": min, "max": max})));
+        } else {
+            object["camera"] = self.camera.as_str().into();
+        }
         match &self.result {
             JobResult::Made { report, why } => {
                 object["status"] = "made".into();
@@ -98,11 +105,15 @@ impl JobSummary {
 impl fmt::Display for JobSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let size = text::bytes(self.bytes);
-        write!(f, "{} {}: ", holo_io::shown(&self.scene), self.views)?;
+        write!(f, "{} {}: ", holo_io::shown(&self.scene), holo_io::shown(&self.camera))?;
         match &self.result {
             JobResult::Made { report, why } => {
                 let (seconds, speed) = (report.seconds.total, report.mrays_per_second());
-                write!(f, "{seconds:.1} s, {speed:.1} Mrays/s, disparity {} px, {size}", self.disparities())?;
+                write!(f, "{seconds:.1} s, {speed:.1} Mrays/s, ")?;
+                if self.is_rig {
+                    write!(f, "disparity {} px, ", self.disparities())?;
+                }
+                write!(f, "{size}")?;
                 self.statistics.error.map_or(Ok(()), |_| write!(f, ", estimated error {}", self.error_text()))?;
                 why.as_ref().map_or(Ok(()), |why| write!(f, " (made again: {why})"))
             }
@@ -136,7 +147,8 @@ impl DatasetSummary {
 
 impl fmt::Display for DatasetSummary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let heads = ["scene", "views", "seconds", "Mrays/s", "disparity, px", "median error", "size"];
+        let camera = if self.0.iter().all(|job| job.is_rig) { "views" } else { "camera" };
+        let heads = ["scene", camera, "seconds", "Mrays/s", "disparity, px", "median error", "size"];
         let rows = self.0.iter().map(|job| {
             let (time, speed) = match &job.result {
                 JobResult::Made { report, .. } => {
@@ -146,10 +158,14 @@ impl fmt::Display for DatasetSummary {
                 JobResult::Failed(_) => ("failed".into(), "-".into()),
             };
             let (range, error, size) = (job.disparities(), job.error_text(), text::bytes(job.bytes));
-            [job.scene.clone(), job.views.clone(), time, speed, range, error, size]
+            [job.scene.clone(), job.camera.clone(), time, speed, range, error, size]
         });
-        for [scene, views, time, speed, range, error, size] in std::iter::once(heads.map(String::from)).chain(rows) {
-            writeln!(f, "{scene:<12} {views:>8} {time:>9} {speed:>8} {range:>22} {error:>13} {size:>9}")?;
+        let width = |least: usize, of: fn(&JobSummary) -> &str| {
+            self.0.iter().map(|job| of(job).chars().count()).fold(least, usize::max)
+        };
+        let (first, second) = (width(12, |job| job.scene.as_str()), width(8, |job| job.camera.as_str()));
+        for [scene, camera, time, speed, range, error, size] in std::iter::once(heads.map(String::from)).chain(rows) {
+            writeln!(f, "{scene:<first$} {camera:>second$} {time:>9} {speed:>8} {range:>22} {error:>13} {size:>9}")?;
         }
         let (made, kept, failed) = self.counts();
         let bytes = text::bytes(self.0.iter().map(|job| job.bytes).sum());

@@ -6,9 +6,10 @@
 //! | `light_fields.csv` | the same records as a table |
 //! | `train.txt`, `test.txt` | the folders of both splits, a line each |
 //! | `contact_sheet_<S>x<T>.png` | the central view of every scene, and below it a part of its raw image |
+//! | `contact_sheet_<camera>.png` | the same of a plenoptic camera, with the raw image in place of the view |
 //!
 //! All of it follows from `dataset.json` and the finished folders that were made as it says, so that it can be written again at
-//! any time. There is a contact sheet of a number of views when all scenes are finished.
+//! any time. There is a contact sheet of a camera when all scenes are finished.
 
 mod contact_sheet;
 mod croissant;
@@ -17,15 +18,15 @@ mod record;
 use std::fmt::Write;
 use std::path::Path;
 
-use holo_io::Folder;
-use holo_io::dataset::{self, DatasetIndex};
+use holo_io::dataset::{DatasetCamera, DatasetIndex};
+use holo_io::{Folder, Manifest, ManifestValue};
 use serde_json::Value;
 
-use self::record::FIELDS;
 pub(crate) use self::record::Record;
+use self::record::fields;
 use super::verify::differences;
 use crate::Error;
-use crate::output::inner_name;
+use crate::output::{TRANSFORMS, inner_name};
 use crate::resume::finished_manifest;
 use crate::watch::Diagnostics;
 
@@ -58,13 +59,20 @@ pub fn finished(root: &Path) -> Result<Described, Error> {
     let index = DatasetIndex::read(root)?;
     Ok(Described {
         finished: records(&Folder::open(root)?, &index)?.len(),
-        of: index.scenes.len() * index.shapes.len(),
+        of: index.scenes.len() * index.cameras.len(),
     })
 }
 
-/// Removes a catalog, before folders and `dataset.json` change.
+/// Removes a catalog and the poses, before folders and `dataset.json` change.
 pub(crate) fn remove(root: &Folder) -> Result<(), Error> {
     contact_sheet::remove_others(root, &[])?;
+    if let Ok(index) = DatasetIndex::read_in(root) {
+        // Their names alone do not say that they are contact sheets of a dataset.
+        index.cameras.iter().try_for_each(|camera| remove_file(root, &contact_sheet::file_name(camera)))?;
+        if index.poses.is_some() {
+            remove_file(root, TRANSFORMS)?;
+        }
+    }
     [CROISSANT_JSON, LIGHT_FIELDS_CSV].iter().chain(&SPLITS).try_for_each(|name| remove_file(root, name))
 }
 
@@ -77,8 +85,8 @@ fn remove_file(root: &Folder, name: &str) -> Result<(), Error> {
 }
 
 /// Writes what the root of a dataset says of its finished folders: `croissant.json`, `light_fields.csv`, `train.txt`,
-/// `test.txt`, and `contact_sheet_<S>x<T>.png` of every number of views for which all scenes are finished. Contact sheets that
-/// are newer than all of their folders stay. An image that cannot be read is an empty tile and a warning.
+/// `test.txt`, and `contact_sheet_<camera>.png` of every camera for which all scenes are finished. Contact sheets that are
+/// newer than all of their folders stay. An image that cannot be read is an empty tile and a warning.
 ///
 /// # Errors
 /// [`Error::Io`] if `dataset.json` cannot be read, or if a file cannot be written.
@@ -90,18 +98,18 @@ pub fn write_catalog(root: &Path, diagnostics: &dyn Diagnostics) -> Result<Descr
     let json = serde_json::to_string_pretty(&document).map_err(|why| Error::Failed(why.to_string()))?;
     let write = |name: &str, text: String| holo_io::write_file(root.file(name), text.as_bytes());
     write(CROISSANT_JSON, format!("{json}\n"))?;
-    write(LIGHT_FIELDS_CSV, table(&records))?;
+    write(LIGHT_FIELDS_CSV, table(&index, &records))?;
     for (name, is_test) in SPLITS.into_iter().zip([false, true]) {
         let folders = records.iter().filter(|record| record.is_test == is_test);
         write(name, folders.map(|record| format!("{}\n", record.folder)).collect())?;
     }
-    contact_sheet::remove_others(root, &index.shapes)?;
-    for shape in &index.shapes {
-        let of_shape: Vec<&Record> = records.iter().filter(|record| record.shape == *shape).collect();
-        let is_whole = of_shape.len() == index.scenes.len();
-        contact_sheet::write(root, *shape, if is_whole { &of_shape } else { &[] }, diagnostics)?;
+    contact_sheet::remove_others(root, &index.cameras)?;
+    for camera in &index.cameras {
+        let of_camera: Vec<&Record> = records.iter().filter(|record| record.camera == *camera).collect();
+        let is_whole = of_camera.len() == index.scenes.len();
+        contact_sheet::write(root, camera, if is_whole { &of_camera } else { &[] }, diagnostics)?;
     }
-    Ok(Described { finished: records.len(), of: index.scenes.len() * index.shapes.len() })
+    Ok(Described { finished: records.len(), of: index.scenes.len() * index.cameras.len() })
 }
 
 /// The records of all finished folders that are as `dataset.json` says, in the order of the scenes.
@@ -109,33 +117,43 @@ pub(crate) fn records(root: &Folder, index: &DatasetIndex) -> Result<Vec<Record>
     let mut records = Vec::new();
     let mut files: Vec<&str> = Vec::new();
     for scene in &index.scenes {
-        // Frames of a sequence are of one file, and belong together.
+        // Poses and frames are of one file, and belong together.
         if files.last() != Some(&scene.sha256.as_str()) {
             files.push(&scene.sha256);
         }
         let is_test = files.len().is_multiple_of(TEST_EVERY);
-        for shape in &index.shapes {
-            let path = dataset::folder(&scene.name, shape.views())?;
+        for camera in &index.cameras {
+            let path = camera.folder(&scene.name)?;
             let Ok(inside) = root.sub(&inner_name(&path)?) else { continue };
             let Ok(manifest) = finished_manifest(&inside) else { continue };
-            let is_of_shape = manifest.rig.is_some_and(|rig| rig.shape() == shape);
-            if !is_of_shape || !differences(index, &manifest, &path).is_empty() {
+            if !is_of(&manifest, camera) || !differences(index, &manifest, &path).is_empty() {
                 continue;
             }
             // With `/` on every system.
-            let folder = format!("{}/{}", scene.name, shape.views());
-            records.push(Record::new(folder, scene.name.clone(), is_test, *shape, manifest));
+            let folder = format!("{}/{}", scene.name, camera.name());
+            records.push(Record::new(folder, scene.name.clone(), is_test, camera.clone(), manifest));
         }
     }
     Ok(records)
 }
 
+/// Whether a manifest is that of a camera.
+fn is_of(manifest: &Manifest, camera: &DatasetCamera) -> bool {
+    match camera {
+        DatasetCamera::Rig(shape) => manifest.rig.is_some_and(|rig| rig.shape() == shape),
+        DatasetCamera::Plenoptic { sha256, .. } => {
+            manifest.settings.get("camera_sha256").and_then(ManifestValue::as_text) == Some(sha256.as_str())
+        }
+    }
+}
+
 /// The records as a table of comma-separated values (RFC 4180).
-fn table(records: &[Record]) -> String {
-    let mut text = FIELDS.map(|field| field.name).join(",");
+fn table(index: &DatasetIndex, records: &[Record]) -> String {
+    let names: Vec<&str> = fields(&index.cameras).map(|field| field.name).collect();
+    let mut text = names.join(",");
     text.push('\n');
     for record in records {
-        for (k, field) in FIELDS.iter().enumerate() {
+        for (k, field) in fields(&index.cameras).enumerate() {
             let separator = if k > 0 { "," } else { "" };
             let value = match (field.value)(record) {
                 Value::Null => String::new(),
@@ -193,6 +211,36 @@ mod tests {
         // The same again.
         write_catalog(root.path(), &()).unwrap();
         assert_eq!(std::fs::read_to_string(root.path().join("croissant.json")).unwrap(), text);
+    }
+
+    /// All poses of a scene are in the same split, here those of the fifth.
+    #[test]
+    fn poses_of_a_scene_stay_together() {
+        let root = tempfile::tempdir().unwrap();
+        let names: Vec<String> = holo_scene::gallery::NAMES.iter().take(5).map(|name| (*name).to_owned()).collect();
+        let camera = |name: &str, x: f64| holo_io::ArrayCamera {
+            name: name.into(),
+            axes_and_position: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [x, 0.3, 1.2]],
+            focal_px: 14.0,
+            size: Some(GridSize::new(8, 12)),
+        };
+        let cameras = holo_io::CameraArray { cameras: vec![camera("left", -0.1), camera("right", 0.1)] };
+        let (pixels, focus) = (Pixels::OfPoses, crate::Focus::Meters(1.0));
+        let rig = RigSettings { pixels, focus, ..RigSettings::default() };
+        let mut settings = RenderSettings { camera: rig.into(), ..RenderSettings::default() };
+        settings.poses = crate::Poses::Array { cameras, up: holo_io::WorldUp::Y };
+        settings.output.write = vec![crate::Output::Disparity];
+        let (sources, views) = (sources(Some(&names), &[]).unwrap(), [GridSize::new(3, 3)]);
+        let plan = DatasetPlan::new(&sources, &views, settings, EngineSettings::default()).unwrap();
+        plan.describe(root.path(), &(), &Rollback::default()).unwrap();
+        let mut run = plan.run();
+        for job in plan.jobs() {
+            run.job(job, root.path(), &RunOptions::new()).unwrap();
+        }
+        assert_eq!(write_catalog(root.path(), &()).unwrap(), Described { finished: 10, of: 10 });
+        let lines = |name: &str| std::fs::read_to_string(root.path().join(name)).unwrap();
+        assert_eq!(lines("test.txt"), format!("{0}_left/3x3\n{0}_right/3x3\n", names[4]));
+        assert_eq!(lines("train.txt").lines().count(), 8);
     }
 
     /// Names as they are typed may contain what separates values.

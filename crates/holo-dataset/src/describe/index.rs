@@ -3,19 +3,20 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use holo_core::LightFieldShape;
+use holo_core::{GridSize, LightFieldShape};
 use holo_io::Folder;
-use holo_io::dataset::{self as names, DatasetIndex, SceneEntry};
+use holo_io::dataset::{self as names, DatasetCamera, DatasetIndex, DatasetPoses, SceneEntry};
 use holo_scene::gallery;
 
 use super::catalog;
 use crate::Error;
+use crate::output::TRANSFORMS;
 use crate::settings::{RenderSettings, texts};
 
 /// SPDX identifier of the license of the images.
 const LICENSE: &str = "CC0-1.0";
 
-/// The conventions in `dataset.json` and `DATASET.md`. Their text is part of the files, so it must not change.
+/// The conventions of light fields in `dataset.json` and `DATASET.md`. Their text is part of the files, so it must not change.
 const CONVENTIONS: [(&str, &str); 8] = [
     ("axes", "Light fields have the axes (v, u, t, s, c): lens row, lens column, view row, view column, channel."),
     ("scene_el.png", "Elemental grid, the raw image: lens (v, u) owns the T x S block at row v*T, column u*S."),
@@ -36,7 +37,22 @@ const CONVENTIONS: [(&str, &str); 8] = [
     ),
 ];
 
-/// A light field of a dataset.
+/// Those of the raw images of plenoptic cameras.
+const RAW_CONVENTIONS: [(&str, &str); 5] = [
+    ("raw images", "They are upright: rows run down, and nothing is turned or flipped. Vignetting is in them."),
+    (
+        "colour",
+        "raw.exr holds linear radiance; raw_linear.png holds it times 65535 times 2^EV at the exposure of manifest.json.",
+    ),
+    ("white images", "The light of a scene of radiance 1 in white.exr; in white.png 65535 is the brightest pixel."),
+    (
+        "centers.csv",
+        "Column and row of a micro-image from the upper left, and its center in pixels, whose centers are whole numbers.",
+    ),
+    ("depth", "Metres along the optical axis; infinity where nothing is."),
+];
+
+/// A light field or a raw image of a dataset.
 pub(crate) struct Entry {
     /// The name of its scene in the dataset.
     pub name: String,
@@ -44,15 +60,20 @@ pub(crate) struct Entry {
     pub scene: String,
     /// The digest of the scene.
     pub sha256: String,
-    pub shape: LightFieldShape,
+    pub camera: DatasetCamera,
 }
 
 /// Settings as text, by key.
 type Options = BTreeMap<String, String>;
 
-/// Writes both files for a dataset of these jobs.
-pub(crate) fn write(root: &Folder, entries: &[Entry], options: &Options, backend: &str) -> Result<(), Error> {
-    let index = index(entries, options, backend)?;
+/// Writes both files for a dataset of these jobs, which have these settings and were made by this backend.
+pub(crate) fn write(
+    root: &Folder,
+    entries: &[Entry],
+    poses: Option<DatasetPoses>,
+    (options, backend): (&Options, &str),
+) -> Result<(), Error> {
+    let index = index(entries, poses, options, backend);
     // The catalog of other folders would be one of none.
     if DatasetIndex::read_in(root).ok().as_ref() != Some(&index) {
         catalog::remove(root)?;
@@ -62,30 +83,33 @@ pub(crate) fn write(root: &Folder, entries: &[Entry], options: &Options, backend
     Ok(())
 }
 
-fn index(entries: &[Entry], options: &Options, backend: &str) -> Result<DatasetIndex, Error> {
+fn index(entries: &[Entry], poses: Option<DatasetPoses>, options: &Options, backend: &str) -> DatasetIndex {
     let mut scenes: Vec<SceneEntry> = Vec::new();
-    let mut shapes: Vec<LightFieldShape> = Vec::new();
-    for Entry { name, scene, sha256, shape } in entries {
+    let mut cameras: Vec<DatasetCamera> = Vec::new();
+    for Entry { name, scene, sha256, camera } in entries {
         if scenes.iter().all(|scene| scene.name != *name) {
             let purpose = gallery::purpose(scene).unwrap_or("a scene from a file").to_owned();
-            scenes.push(SceneEntry { name: name.clone(), purpose, sha256: sha256.clone() });
+            let source = (name != scene).then(|| scene.clone());
+            scenes.push(SceneEntry { name: name.clone(), purpose, sha256: sha256.clone(), source });
         }
-        if !shapes.contains(shape) {
-            shapes.push(*shape);
+        if !cameras.contains(camera) {
+            cameras.push(camera.clone());
         }
     }
+    let has_rigs = cameras.iter().any(|camera| camera.shape().is_some());
     let pairs = |pairs: &[(&str, &str)]| pairs.iter().map(|(k, v)| ((*k).to_owned(), (*v).to_owned())).collect();
-    Ok(DatasetIndex {
+    DatasetIndex {
         versions: BTreeMap::from([
             ("holo".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
             ("engine".to_owned(), backend.to_owned()),
         ]),
         options: options.clone(),
         scenes,
-        shapes,
-        conventions: pairs(&CONVENTIONS),
+        conventions: if has_rigs { pairs(&CONVENTIONS) } else { pairs(&RAW_CONVENTIONS) },
+        cameras,
+        poses,
         license: LICENSE.to_owned(),
-    })
+    }
 }
 
 /// The text of `DATASET.md`.
@@ -101,20 +125,77 @@ fn write_document(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
     write_origin(index, text)
 }
 
-/// Scenes, view counts, files and conventions.
+/// The rigs of a dataset.
+fn shapes(index: &DatasetIndex) -> Vec<LightFieldShape> {
+    index.cameras.iter().filter_map(DatasetCamera::shape).collect()
+}
+
+/// The plenoptic cameras of a dataset: names and sizes of raw images.
+fn plenoptic(index: &DatasetIndex) -> Vec<(&str, GridSize)> {
+    let named = index.cameras.iter().filter_map(|camera| match camera {
+        DatasetCamera::Plenoptic { name, size, .. } => Some((name.as_str(), *size)),
+        DatasetCamera::Rig(_) => None,
+    });
+    named.collect()
+}
+
+/// Scenes, cameras, files and conventions.
 fn write_contents(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
-    let (scenes, shapes) = (&index.scenes, &index.shapes);
+    let (scenes, shapes, cameras) = (&index.scenes, shapes(index), plenoptic(index));
     writeln!(text, "# A dataset of raw holoscopic images\n")?;
-    writeln!(
-        text,
-        "{} scenes, each seen through {} arrays of micro-lenses: raw images as a holoscopic (integral, plenoptic 1.0) camera\n\
-         would take them, the same light fields as grids of views and as 5D arrays, and exact depth and disparity. Everything is\n\
-         synthetic; the ground truth comes from the geometry itself.\n",
-        scenes.len(),
-        shapes.len()
-    )?;
+    if !shapes.is_empty() {
+        writeln!(
+            text,
+            "{} scenes, each seen through {} arrays of micro-lenses: raw images as a holoscopic (integral, plenoptic 1.0) camera\n\
+             would take them, the same light fields as grids of views and as 5D arrays, and exact depth and disparity. Everything is\n\
+             synthetic; the ground truth comes from the geometry itself.\n",
+            scenes.len(),
+            shapes.len()
+        )?;
+    }
+    if !cameras.is_empty() {
+        writeln!(
+            text,
+            "{} scenes, each seen by {} plenoptic cameras: raw images as their sensors record them through main lens and\n\
+             microlenses, white images, and the centers of the micro-images. Everything is synthetic; each folder has its camera.\n",
+            scenes.len(),
+            cameras.len()
+        )?;
+    }
     writeln!(text, "## Scenes\n\n| folder | what it is there for |\n|---|---|")?;
     scenes.iter().try_for_each(|scene| writeln!(text, "| `{}` | {} |", cell(&scene.name), cell(&scene.purpose)))?;
+    if let Some(poses) = &index.poses {
+        let count = poses.count;
+        writeln!(
+            text,
+            "\nEvery scene is seen from {count} poses, and has a folder for each: `<scene>_<pose>`. The poses are in `{TRANSFORMS}`."
+        )?;
+    }
+    if !shapes.is_empty() {
+        write_views(index, &shapes, text)?;
+    }
+    if !cameras.is_empty() {
+        write_cameras(index, &cameras, text)?;
+    }
+    writeln!(text, "\n## Lists\n\n| file | what |\n|---|---|")?;
+    for (file, what) in LISTS {
+        writeln!(text, "| `{file}` | {what} |")?;
+    }
+    writeln!(text, "\n## Files\n\n| file | what |\n|---|---|")?;
+    let files: &[(&str, &str)] = if shapes.is_empty() { &RAW_FILES } else { &FILES };
+    for (file, what) in files {
+        writeln!(text, "| `{file}` | {what} |")?;
+    }
+    writeln!(text, "\n## Conventions\n")?;
+    index.conventions.iter().try_for_each(|(topic, what)| writeln!(text, "- **{topic}**: {what}"))
+}
+
+/// Whether folders have one of these outputs, by the settings.
+fn has_output(index: &DatasetIndex, outputs: &[&str]) -> bool {
+    index.options.get("write").is_none_or(|written| written.split(',').any(|one| outputs.contains(&one)))
+}
+
+fn write_views(index: &DatasetIndex, shapes: &[LightFieldShape], text: &mut String) -> std::fmt::Result {
     writeln!(text, "\n## View counts\n\nEvery scene has a folder for each, named by its views, columns x rows.\n")?;
     writeln!(text, "| folder | views | lenses (pixels of a view) | raw image, px |\n|---|---|---|---|")?;
     for shape in shapes {
@@ -122,8 +203,7 @@ fn write_contents(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
             (shape.views().to_string(), shape.lenses().to_string(), shape.raw_size().to_string());
         writeln!(text, "| `{views}` | {views} | {lenses} | {raw} |")?;
     }
-    let outputs = index.options.get("write").map(|outputs| outputs.split(',').any(|one| ["el", "vpi"].contains(&one)));
-    if let Some(first) = shapes.first().filter(|_| outputs.unwrap_or(true)) {
+    if let Some(first) = shapes.first().filter(|_| has_output(index, &["el", "vpi"])) {
         let views = first.views();
         writeln!(text, "\n![Contact sheet of all scenes with {views} views](contact_sheet_{views}.png)\n")?;
         writeln!(
@@ -132,16 +212,23 @@ fn write_contents(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
              size. `contact_sheet_<S>x<T>.png` has the same for every number of views."
         )?;
     }
-    writeln!(text, "\n## Lists\n\n| file | what |\n|---|---|")?;
-    for (file, what) in LISTS {
-        writeln!(text, "| `{file}` | {what} |")?;
+    Ok(())
+}
+
+fn write_cameras(index: &DatasetIndex, cameras: &[(&str, GridSize)], text: &mut String) -> std::fmt::Result {
+    writeln!(text, "\n## Cameras\n\nEvery scene has a folder for each, with its name.\n")?;
+    writeln!(text, "| folder | raw image, px |\n|---|---|")?;
+    cameras.iter().try_for_each(|(name, size)| writeln!(text, "| `{}` | {size} |", cell(name)))?;
+    if let Some((name, _)) = cameras.first().filter(|_| has_output(index, &["raw-png"])) {
+        let name = holo_core::visible(name);
+        writeln!(text, "\n![Contact sheet of all scenes with {name}](<contact_sheet_{name}.png>)\n")?;
+        writeln!(
+            text,
+            "The scenes in the order of the table, with the camera {name}: the raw image, and a part of it at its real size.\n\
+             `contact_sheet_<camera>.png` has the same for every camera."
+        )?;
     }
-    writeln!(text, "\n## Files\n\n| file | what |\n|---|---|")?;
-    for (file, what) in FILES {
-        writeln!(text, "| `{file}` | {what} |")?;
-    }
-    writeln!(text, "\n## Conventions\n")?;
-    index.conventions.iter().try_for_each(|(topic, what)| writeln!(text, "- **{topic}**: {what}"))
+    Ok(())
 }
 
 /// Settings as arguments of a command line. Flags with the value `false` are omitted.
@@ -152,25 +239,36 @@ fn arguments(options: &Options) -> impl Iterator<Item = String> {
     })
 }
 
-/// The command that makes the dataset, and how to cite it.
-fn write_origin(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
-    let (scenes, shapes) = (&index.scenes, &index.shapes);
-    writeln!(text, "\n## How it was made\n")?;
-    let versions: Vec<String> = index.versions.iter().map(|(what, version)| format!("{what} {version}")).collect();
-    writeln!(
-        text,
-        "With `holo dataset`: {}. The same command makes the same bytes, on any number of machines:\n",
-        versions.join(", ")
-    )?;
+/// The command that makes the dataset.
+fn write_command(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
     writeln!(text, "```\nholo dataset --out DIR \\")?;
-    let (built_in, own): (Vec<_>, Vec<_>) = scenes.iter().partition(|scene| gallery::purpose(&scene.name).is_some());
-    let names = |scenes: Vec<&SceneEntry>| join(scenes.into_iter().map(|scene| scene.name.clone()));
-    let own: Vec<String> = own.iter().map(|scene| format!("{}.glb", holo_core::visible(&scene.name))).collect();
-    writeln!(text, "    --scenes {} \\", if built_in.is_empty() { "none".into() } else { names(built_in) })?;
+    let mut sources: Vec<&str> = Vec::new();
+    for scene in index.scenes.iter().map(SceneEntry::source) {
+        // Poses and frames of a scene follow each other.
+        if sources.last() != Some(&scene) {
+            sources.push(scene);
+        }
+    }
+    let (built_in, own): (Vec<&str>, Vec<&str>) =
+        sources.into_iter().partition(|scene| gallery::purpose(scene).is_some());
+    let own: Vec<String> = own.iter().map(|scene| format!("{}.glb", holo_core::visible(scene))).collect();
+    writeln!(text, "    --scenes {} \\", if built_in.is_empty() { "none".into() } else { built_in.join(",") })?;
     if !own.is_empty() {
         writeln!(text, "    --glb {} \\", own.join(","))?;
     }
-    write!(text, "    --views {}", join(shapes.iter().map(|shape| shape.views().to_string())))?;
+    let (shapes, cameras) = (shapes(index), plenoptic(index));
+    let first = index.scenes.first().map_or("", |scene| scene.name.as_str());
+    match shapes.is_empty() {
+        // Each folder has its camera.
+        true => {
+            let files = cameras.iter().map(|(name, _)| format!("{first}/{name}/{}", names::CAMERA_TOML));
+            write!(text, "    --camera-file {}", quoted(holo_core::visible(&join(files)).into_owned()))?;
+        }
+        false => write!(text, "    --views {}", join(shapes.iter().map(|shape| shape.views().to_string())))?,
+    }
+    if let Some(poses) = &index.poses {
+        write!(text, " \\\n    --transforms {TRANSFORMS} --transforms-up {}", poses.up)?;
+    }
     // Defaults are left out: `holo dataset` does not take all settings.
     let default = texts(&RenderSettings::default());
     let given = index.options.iter().filter(|(key, value)| default.get(*key) != Some(value));
@@ -178,10 +276,26 @@ fn write_origin(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
     for argument in arguments(&given).filter(|argument| !argument.ends_with('=')) {
         write!(text, " \\\n    {argument}")?;
     }
+    writeln!(text)
+}
+
+/// The command that makes the dataset, and how to cite it.
+fn write_origin(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
+    writeln!(text, "\n## How it was made\n")?;
+    let versions: Vec<String> = index.versions.iter().map(|(what, version)| format!("{what} {version}")).collect();
     writeln!(
         text,
-        "\n```\n\nThe files of --glb are scenes that are not of the gallery. `holo verify DIR` checks the result."
+        "With `holo dataset`: {}. The same command makes the same bytes, on any number of machines:\n",
+        versions.join(", ")
     )?;
+    write_command(index, text)?;
+    writeln!(
+        text,
+        "```\n\nThe files of --glb are scenes that are not of the gallery. `holo verify DIR` checks the result."
+    )?;
+    if shapes(index).is_empty() || index.poses.is_some() {
+        writeln!(text, "The other files of the command are in this folder.")?;
+    }
     writeln!(text, "\n## Licence and citation\n")?;
     writeln!(
         text,
@@ -199,16 +313,16 @@ const LISTS: [(&str, &str); 4] = [
     (catalog::CROISSANT_JSON, "MLCommons Croissant: every file with its SHA-256, a record for each light field"),
     (
         catalog::LIGHT_FIELDS_CSV,
-        "the same records as a table: rig, disparities, depths, mean and deviation of color, error",
+        "the same records as a table: cameras, disparities, depths, mean and deviation of color, error",
     ),
     (
         "train.txt, test.txt",
-        "the folders for training and for tests; a scene is in one of both with all its view counts",
+        "the folders for training and for tests; a scene is in one of both with all its cameras, poses and frames",
     ),
-    (names::DATASET_JSON, "scenes, view counts, options and conventions, for programs"),
+    (names::DATASET_JSON, "scenes, cameras, options and conventions, for programs"),
 ];
 
-/// Files of a folder, as `DATASET.md` lists them.
+/// Files of a folder of a rig, as `DATASET.md` lists them.
 const FILES: [(&str, &str); 10] = [
     (names::ELEMENTAL_PNG, "the raw image behind the lenses"),
     (names::VIEWPOINT_PNG, "all views side by side"),
@@ -221,6 +335,22 @@ const FILES: [(&str, &str); 10] = [
     (names::PARAMETERS_CFG, "the cameras, with the keys of the HCI benchmark"),
     (names::MANIFEST_JSON, "settings, versions, exposure, and the SHA-256 of every file"),
 ];
+
+/// The same of a plenoptic camera.
+const RAW_FILES: [(&str, &str); 7] = [
+    (names::RAW_EXR, "the raw image in linear light"),
+    (names::RAW_PNG, "the same with 16 bits, linear"),
+    ("white.exr, white.png", "the white image: light of an evenly bright scene"),
+    ("centers.csv", "the centers of the micro-images"),
+    ("raw_depth.pfm", "depth that a pixel sees through the middle of the lens, m, if it was requested"),
+    (names::CAMERA_TOML, "the camera, as a file of --camera-file"),
+    (names::MANIFEST_JSON, "settings, versions, exposure, and the SHA-256 of every file"),
+];
+
+/// A word of a command line, quoted if it has blanks.
+fn quoted(word: String) -> String {
+    if word.contains(char::is_whitespace) { format!("\"{word}\"") } else { word }
+}
 
 /// Text of a file in a cell of a table of Markdown, between backticks or not.
 fn cell(text: &str) -> String {

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use holo_io::dataset::{self, DatasetIndex, SequenceFolder};
+use holo_io::dataset::{self, DatasetCamera, DatasetIndex, SequenceFolder};
 use holo_io::{CameraArray, Folder, Manifest, ManifestValue, WorldUp};
 
 use crate::Error;
@@ -74,7 +74,7 @@ fn verify_all(root: &Path) -> Result<Verification, Error> {
     let opened = Folder::open(root)?;
     let mut found = verify_folders(&opened, &folders, |manifest, name| differences(&index, manifest, name));
     for entry in dataset::list(root)? {
-        let name: PathBuf = dataset::folder(&entry.scene, entry.views)?;
+        let name: PathBuf = [entry.scene, entry.camera].iter().collect();
         if !folders.contains(&name) {
             let line = format!("{}: note: not part of this dataset by its {}", name.display(), dataset::DATASET_JSON);
             found.notes.push(line);
@@ -165,10 +165,19 @@ pub(crate) fn differences(index: &DatasetIndex, manifest: &Manifest, folder: &Pa
     if manifest.versions != index.versions {
         differences.push(format!("made by {:?}, the dataset by {:?}", manifest.versions, index.versions));
     }
+    let digest = |key: &str| manifest.settings.get(key).and_then(ManifestValue::as_text);
     let scene = index.scenes.iter().find(|scene| folder.starts_with(&scene.name));
-    let digest = manifest.settings.get("scene_sha256").and_then(ManifestValue::as_text);
-    if scene.is_some_and(|scene| digest != Some(&scene.sha256)) {
+    if scene.is_some_and(|scene| digest("scene_sha256") != Some(&scene.sha256)) {
         differences.push("made from another scene of this name".into());
+    }
+    let camera = index.cameras.iter().find(|camera| folder.ends_with(camera.name()));
+    if let Some(DatasetCamera::Plenoptic { sha256, .. }) = camera
+        && digest("camera_sha256") != Some(sha256.as_str())
+    {
+        differences.push("made with another camera of this name".into());
+    }
+    if digest("cameras_sha256") != index.poses.as_ref().map(|poses| poses.sha256.as_str()) {
+        differences.push("made at other poses".into());
     }
     if let Some(ManifestValue::Table(options)) = manifest.settings.get("options") {
         for (name, value) in &index.options {

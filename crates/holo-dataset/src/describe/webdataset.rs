@@ -1,6 +1,6 @@
 //! A dataset as WebDataset archives, which training programs read one after another, also from a web server.
 //!
-//! A sample is a light field. Its files share a key, and what follows the first dot of a name is the field: of
+//! A sample is a light field, or the raw image of a plenoptic camera. Its files share a key, and what follows the first dot of a name is the field: of
 //! `garden/20x20/scene_el.png` the archive has `garden_20x20.el.png`, and beside the files of every folder
 //! `garden_20x20.json`, its record in `croissant.json`. Archives are tar files without owners and times, so that equal
 //! datasets give equal bytes; a new one begins where the limit of bytes would be exceeded.
@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use std::io::{Read, Write};
 use std::path::Path;
 
-use holo_io::dataset::{DatasetIndex, ELEMENTAL_PNG, LIGHT_FIELD_MAT, PARAMETERS_CFG, VIEWPOINT_PNG};
+use holo_io::dataset::{CAMERA_TOML, DatasetIndex, ELEMENTAL_PNG, LIGHT_FIELD_MAT, PARAMETERS_CFG, VIEWPOINT_PNG};
 use holo_io::{AtomicFile, Destination, Folder, FolderFile};
 use tar::{Builder, EntryType, Header};
 
@@ -137,9 +137,11 @@ impl WebDataset {
             }
             files.retain(|(field, ..)| fields.contains(field));
         }
-        if files.iter().all(|(own, ..)| own == PARAMETERS_CFG) {
+        // Neither describes an image of its own.
+        if files.iter().all(|(own, ..)| [PARAMETERS_CFG, CAMERA_TOML].contains(&own.as_str())) {
+            let output = if record.camera.shape().is_some() { "el" } else { "raw" };
             return Err(Error::BadRequest(format!(
-                "{} has files in subfolders only, which archives do not contain; render with `write el`",
+                "{} has files in subfolders only, which archives do not contain; render with `write {output}`",
                 record.folder
             )));
         }

@@ -1,6 +1,6 @@
 //! What identifies a shot in its manifest, and what the manifest says beside it.
 
-use holo_io::{CameraArray, Manifest, ManifestValue, Sha256};
+use holo_io::{CameraArray, CameraFile, Manifest, ManifestValue, Sha256};
 use holo_render::{Denoise, Integrator, Rendered, Request, Reuse};
 
 use super::prepare::{Prepared, Stage};
@@ -21,10 +21,10 @@ pub(super) fn of(source: &SceneSource, settings: &RenderSettings, backend: &str)
         set("sky_sha256", holo_io::hash_file(path)?.sha256.to_string().into());
     }
     if let Camera::Plenoptic(file) = &settings.camera {
-        set("camera_sha256", Sha256::of(file.to_toml().as_bytes()).to_string().into());
+        set("camera_sha256", camera_digest(file).to_string().into());
     }
     if let Poses::Array { cameras, .. } = &settings.poses {
-        set("cameras_sha256", digest(cameras).to_string().into());
+        set("cameras_sha256", poses_digest(cameras).to_string().into());
     }
     Ok(manifest)
 }
@@ -47,8 +47,13 @@ pub(super) fn of_shot(
     of_job
 }
 
+/// The digest of a plenoptic camera: of its `camera.toml`.
+pub(crate) fn camera_digest(file: &CameraFile) -> Sha256 {
+    Sha256::of(file.to_toml().as_bytes())
+}
+
 /// The digest of the cameras of a list: of names, sizes and the bits of all numbers.
-fn digest(array: &CameraArray) -> Sha256 {
+pub(crate) fn poses_digest(array: &CameraArray) -> Sha256 {
     let mut bytes = b"holo cameras 1".to_vec();
     for camera in &array.cameras {
         bytes.extend((camera.name.len() as u64).to_le_bytes());

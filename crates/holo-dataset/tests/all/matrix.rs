@@ -3,11 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use holo_core::GridSize;
+use holo_core::{GridSize, Sensor};
 use holo_dataset::{
-    Camera, Checkpoints, Frames, LayerChoice, Output, Pixels, Poses, RenderJob, RenderSettings, RigSettings, Rollback,
-    RunOptions, SceneSource, Sky, merge, verify,
+    Camera, Checkpoints, DatasetCameras, DatasetPlan, EngineSettings, Frames, LayerChoice, Output, Pixels, Poses,
+    RenderJob, RenderSettings, RigSettings, Rollback, RunOptions, SceneSource, Sky, WebDataset, merge, verify,
+    write_catalog,
 };
+use holo_io::dataset::{self, DatasetIndex};
 use holo_io::{ArrayCamera, CameraArray, CameraFile, MosaicInfo, WorldUp};
 use holo_render::{Denoise, GroundTruth, Integrator, Progress, Reuse, TextureFilter};
 
@@ -333,4 +335,134 @@ fn the_same_settings_in_another_form_are_the_same_image() {
     render(&[("views", "3"), ("subset", "0,1; 2,1;0,1")], false).expect("the same views");
     let why = render(&[("views", "3"), ("subset", "0,1")], false).expect_err("other views").to_string();
     assert!(why.contains("`subset`"), "{why}");
+}
+
+/// Two plenoptic cameras of these names.
+fn plenoptic(names: [&str; 2]) -> DatasetCameras {
+    let files = names.map(|name| {
+        let mut file = CameraFile::parse(CAMERA, "small").expect("a camera");
+        file.name = name.into();
+        file
+    });
+    DatasetCameras::Plenoptic(files.to_vec())
+}
+
+/// A dataset of two cameras of a kind, of two scenes or an animated one.
+fn plan(kind: Kind, many_poses: bool, many_frames: bool) -> DatasetPlan {
+    let mut settings = settings(kind, many_poses, many_frames);
+    if let (Camera::Rig(rig), false) = (&mut settings.camera, many_poses) {
+        rig.pixels = Pixels::Sensor(Sensor::Other(GridSize::new(24, 36)));
+    }
+    let cameras = match kind {
+        Kind::Rig => DatasetCameras::Views(vec![GridSize::new(3, 3), GridSize::new(5, 5)]),
+        Kind::Plenoptic | Kind::Pinhole => plenoptic(["small", "other camera"]),
+    };
+    let names = if many_frames { &["pendulum"][..] } else { &["plaster", "chess"] };
+    let sources: Vec<_> = names.iter().map(|name| SceneSource::gallery(name).expect("a scene")).collect();
+    DatasetPlan::new(&sources, cameras, settings, EngineSettings::default()).expect("a plan")
+}
+
+/// Runs a part of the jobs of a dataset, and returns how many of them were rendered.
+fn run_part(plan: &DatasetPlan, root: &Path, (part, of): (usize, usize)) -> usize {
+    plan.describe(root, &(), &Rollback::default()).expect("a description");
+    let mut run = plan.run();
+    let mut made = 0;
+    for job in plan.jobs().iter().skip(part - 1).step_by(of) {
+        let outcome = run.job(job, root, &RunOptions::new()).expect("a job");
+        made += usize::from(outcome.report().is_some());
+    }
+    made
+}
+
+/// A dataset has any camera at any poses and frames: it describes itself, verifies, is kept, packed, and made in parts.
+#[test]
+fn datasets_have_any_camera_pose_and_frame() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cells = cells().filter(|(kind, ..)| *kind != Kind::Pinhole);
+    for (number, (kind, many_poses, many_frames)) in cells.enumerate() {
+        let what = format!("{kind:?}, poses {many_poses}, frames {many_frames}");
+        let plan = plan(kind, many_poses, many_frames);
+        let scenes = if many_poses { 4 } else { 2 };
+        let jobs = 2 * scenes;
+        assert_eq!(plan.jobs().len(), jobs, "{what}");
+        let [whole, parts, archives] =
+            ["whole", "parts", "archives"].map(|name| folder.path().join(format!("{number} {name}")));
+        assert_eq!(run_part(&plan, &whole, (1, 1)), jobs, "{what}");
+        let described = write_catalog(&whole, &()).expect("a catalog");
+        assert_eq!((described.finished, described.of), (jobs, jobs), "{what}");
+        let found = verify(&whole).expect("folders");
+        assert_eq!((found.folders, found.bad_folders, found.notes.len()), (jobs, 0, 0), "{what}: {found:?}");
+        let index = DatasetIndex::read(&whole).expect("an index");
+        assert_eq!((index.scenes.len(), index.cameras.len()), (scenes, 2), "{what}");
+        assert_eq!(index.poses.map(|poses| poses.count), many_poses.then_some(2), "{what}");
+        assert_eq!(whole.join("transforms.json").is_file(), many_poses, "{what}");
+        assert_eq!(dataset::list(&whole).expect("folders").len(), jobs, "{what}");
+        let sheet = if kind == Kind::Rig { "contact_sheet_3x3.png" } else { "contact_sheet_small.png" };
+        assert!(whole.join(sheet).is_file(), "{what}");
+
+        assert_eq!(run_part(&plan, &whole, (1, 1)), 0, "{what}: all is done");
+        let made: usize = [2, 1].into_iter().map(|part| run_part(&plan, &parts, (part, 2))).sum();
+        write_catalog(&parts, &()).expect("a catalog");
+        assert!(made == jobs && bytes(&whole) == bytes(&parts), "{what}");
+        let archives = WebDataset::default().write(&whole, &archives, &Rollback::default()).expect("archives");
+        assert_eq!(archives.iter().map(|archive| archive.samples).sum::<usize>(), jobs, "{what}");
+    }
+}
+
+/// Another camera of the same name, and other poses, are found by `verify` and rendered again.
+#[test]
+fn datasets_know_their_cameras_and_poses() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plaster = [SceneSource::gallery("plaster").expect("a scene")];
+    let plan = |cameras: DatasetCameras, settings: RenderSettings| {
+        DatasetPlan::new(&plaster, cameras, settings, EngineSettings::default()).expect("a plan")
+    };
+    let own = settings(Kind::Plenoptic, true, false);
+    let first = plan(plenoptic(["small", "other"]), own.clone());
+    assert_eq!(run_part(&first, folder.path(), (1, 1)), 4);
+    let DatasetCameras::Plenoptic(mut files) = plenoptic(["small", "other"]) else { panic!("plenoptic cameras") };
+    files[1] = files[1].clone().with_f_number(8.0).expect("a camera");
+    let changed = plan(files.into(), own.clone());
+    changed.describe(folder.path(), &(), &Rollback::default()).expect("a description");
+    let found = verify(folder.path()).expect("folders");
+    assert_eq!((found.bad_folders, found.folders), (2, 4), "{found:?}");
+    assert!(found.mismatches.iter().all(|line| line.contains("another camera of this name")), "{found:?}");
+    assert_eq!(run_part(&changed, folder.path(), (1, 1)), 2);
+
+    let Poses::Array { mut cameras, up } = poses() else { panic!("poses") };
+    cameras.cameras[1].axes_and_position[3][0] = 0.2;
+    let moved = plan(plenoptic(["small", "other"]), own.poses(Poses::Array { cameras, up }));
+    moved.describe(folder.path(), &(), &Rollback::default()).expect("a description");
+    let found = verify(folder.path()).expect("folders");
+    assert!(found.bad_folders == 4 && found.mismatches[0].contains("other poses"), "{found:?}");
+    // At the poses of the scene nothing is left that says others.
+    let still = plan(plenoptic(["small", "other"]), settings(Kind::Plenoptic, false, false));
+    still.describe(folder.path(), &(), &Rollback::default()).expect("a description");
+    assert!(!folder.path().join("transforms.json").exists());
+}
+
+#[test]
+fn datasets_refuse_what_has_no_folder_of_its_own() {
+    let rig = || settings(Kind::Rig, true, false);
+    let Poses::Array { mut cameras, up } = poses() else { panic!("poses") };
+    cameras.cameras[1].size = Some(GridSize::new(8, 13));
+    let views = || DatasetCameras::Views(vec![GridSize::new(3, 3)]);
+    let small = || CameraFile::parse(CAMERA, "small").expect("a camera");
+    for (cameras, settings, part) in [
+        (plenoptic(["small", "Small"]), settings(Kind::Plenoptic, false, false), "two cameras of `camera-file`"),
+        (plenoptic(["small", "20x20"]), settings(Kind::Plenoptic, false, false), "`camera-file`: 20x20"),
+        (plenoptic(["small", "a/b"]), settings(Kind::Plenoptic, false, false), "`camera-file`: a/b"),
+        (DatasetCameras::Plenoptic(Vec::new()), settings(Kind::Plenoptic, false, false), "`camera-file`"),
+        (plenoptic(["small", "other"]), settings(Kind::Rig, false, false), "`camera-file`"),
+        (views(), RenderSettings::default().camera(small()), "`views`"),
+        (views(), settings(Kind::Pinhole, true, false), "`views`"),
+        (views(), settings(Kind::Rig, false, false), "`sensor`"),
+        (views(), rig().poses(Poses::Array { cameras, up }), "'right' of `transforms` has 13x8 pixels"),
+        (views(), rig().camera(RigSettings::default()), "`sensor`"),
+    ] {
+        let source = SceneSource::gallery("plaster").expect("a scene");
+        let refused = DatasetPlan::new(&[source], cameras, settings, EngineSettings::default());
+        let why = refused.expect_err(part);
+        assert!(why.is_bad_request() && why.to_string().contains(part), "{part}: {why}");
+    }
 }

@@ -1,28 +1,39 @@
-//! The list of the dataset folders `<scene>/<S>x<T>/` in a folder.
+//! The list of the folders `<scene>/<S>x<T>/` and `<scene>/<camera>/` of a dataset.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use holo_core::GridSize;
 
-use super::MANIFEST_JSON;
+use super::{CAMERA_TOML, MANIFEST_JSON, is_camera_name, views_name};
 use crate::Error;
+use crate::names::is_regular;
 
-/// A dataset folder and what its path states.
+/// A folder of a dataset and what its path states.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DatasetEntry {
     /// The name of the scene's folder.
     pub scene: String,
-    /// Number of views, T rows and S columns; the folder name has columns x rows.
-    pub views: GridSize,
-    /// The dataset's folder.
+    /// The name of the folder in it: views as columns x rows, or the name of a plenoptic camera.
+    pub camera: String,
+    /// The path of the folder.
     pub path: PathBuf,
 }
 
-/// Lists the dataset folders `<scene>/<S>x<T>/` in a folder, sorted by scene, then by view columns, then by view rows.
+impl DatasetEntry {
+    /// Returns the number of views, T rows and S columns; `None` for a plenoptic camera.
+    #[must_use]
+    pub fn views(&self) -> Option<GridSize> {
+        views_of(&self.camera)
+    }
+}
+
+/// Lists the folders of a dataset, sorted by scene, then by view columns, then by view rows; behind them those of
+/// plenoptic cameras, sorted by name.
 ///
-/// Only folders with a manifest are listed, because unfinished ones have none; the manifest is not read. Other files
-/// and folders are ignored: a folder without datasets gives an empty list.
+/// Only folders with a manifest are listed, because unfinished ones have none; the manifest is not read. The folder of a
+/// plenoptic camera has a `camera.toml` too. Other files and folders are ignored: a folder without datasets gives an
+/// empty list.
 ///
 /// # Errors
 ///
@@ -30,17 +41,24 @@ pub struct DatasetEntry {
 pub fn list(path: impl AsRef<Path>) -> Result<Vec<DatasetEntry>, Error> {
     let mut entries = Vec::new();
     for (scene, scene_path) in folders(path.as_ref())? {
-        for (name, path) in folders(&scene_path)? {
-            if let Some(views) = views_of(&name).filter(|_| path.join(MANIFEST_JSON).is_file()) {
-                entries.push(DatasetEntry { scene: scene.clone(), views, path });
+        for (camera, path) in folders(&scene_path)? {
+            let has = |name: &str| path.join(name).is_file();
+            let is_camera = || is_camera_name(&camera) && is_regular(&path.join(CAMERA_TOML));
+            if has(MANIFEST_JSON) && (views_of(&camera).is_some() || is_camera()) {
+                entries.push(DatasetEntry { scene: scene.clone(), camera, path });
             }
         }
     }
-    entries.sort_by(|a, b| {
-        let key = |entry: &DatasetEntry| (entry.views.columns, entry.views.rows);
-        a.scene.cmp(&b.scene).then(key(a).cmp(&key(b)))
-    });
+    entries.sort_by(|a, b| a.scene.cmp(&b.scene).then_with(|| order(&a.camera).cmp(&order(&b.camera))));
     Ok(entries)
+}
+
+/// What the folders of a scene are sorted by.
+fn order(camera: &str) -> (bool, usize, usize, &str) {
+    match views_of(camera) {
+        Some(views) => (false, views.columns, views.rows, camera),
+        None => (true, 0, 0, camera),
+    }
 }
 
 /// The subfolders of a folder whose names are UTF-8.
@@ -59,11 +77,11 @@ pub(super) fn folders(path: &Path) -> Result<Vec<(String, PathBuf)>, Error> {
 }
 
 /// Reads `<S>x<T>` as [`folder`](super::folder) writes it.
-fn views_of(name: &str) -> Option<GridSize> {
+pub(super) fn views_of(name: &str) -> Option<GridSize> {
     let (columns, rows) = name.split_once('x')?;
     let views = GridSize::new(rows.parse().ok()?, columns.parse().ok()?);
     // Only the spelling that `folder` writes: no sign, no leading zero, no count of 0.
-    (views.count() > 0 && format!("{}x{}", views.columns, views.rows) == name).then_some(views)
+    (views.count() > 0 && views_name(views) == name).then_some(views)
 }
 
 #[cfg(test)]

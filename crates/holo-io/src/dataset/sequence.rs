@@ -59,7 +59,7 @@ impl SequenceFolder {
 }
 
 /// Reads `frame_0012` as [`SequenceFolder::frame_name`] writes it.
-fn frame_of(name: &str) -> Option<u32> {
+pub(super) fn frame_of(name: &str) -> Option<u32> {
     let frame = name.strip_prefix(PREFIX)?.parse().ok()?;
     (SequenceFolder::frame_name(frame) == name).then_some(frame)
 }

@@ -14,6 +14,15 @@ fn folders_are_named_after_scene_and_views() {
 }
 
 #[test]
+fn folders_of_plenoptic_cameras_have_their_names() {
+    assert_eq!(dataset::camera_folder("a b", "bench camera").unwrap(), std::path::Path::new("a b/bench camera"));
+    for camera in ["", "..", "a/b", "c:", "20x20", "frame_0012", "dot.", "line\nfeed", "what?"] {
+        assert!(matches!(dataset::camera_folder("a", camera), Err(Error::BadInput { .. })), "{camera:?}");
+    }
+    assert!(matches!(dataset::camera_folder("..", "camera"), Err(Error::BadInput { .. })));
+}
+
+#[test]
 fn formats_are_detected_by_contents() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("misleading.png");

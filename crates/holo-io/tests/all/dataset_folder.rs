@@ -132,15 +132,30 @@ fn folders_that_are_unfinished_or_contradict_themselves_are_refused() {
 #[test]
 fn finished_datasets_are_listed_in_order() {
     let root = tempfile::tempdir().unwrap();
-    let expected: Vec<DatasetEntry> = [("boxes", 9, 9), ("boxes", 20, 3), ("boxes", 100, 100), ("town", 1, 2)]
+    let mut expected: Vec<DatasetEntry> = [("boxes", 9, 9), ("boxes", 20, 3), ("boxes", 100, 100), ("town", 1, 2)]
         .map(|(scene, columns, rows)| {
             let views = GridSize::new(rows, columns);
             let path = root.path().join(dataset::folder(scene, views).unwrap());
             fs::create_dir_all(&path).unwrap();
             fs::write(path.join(dataset::MANIFEST_JSON), "{}").unwrap();
-            DatasetEntry { scene: scene.to_owned(), views, path }
+            let entry = DatasetEntry { scene: scene.to_owned(), camera: format!("{columns}x{rows}"), path };
+            assert_eq!(entry.views(), Some(views));
+            entry
         })
         .into();
+    // Plenoptic cameras are those with a camera file; a pose of a sequence has folders of frames.
+    for (folder, files) in [
+        ("boxes/bench", &[dataset::MANIFEST_JSON, dataset::CAMERA_TOML][..]),
+        ("boxes/frame_0001", &[dataset::MANIFEST_JSON, dataset::CAMERA_TOML]),
+        ("boxes/other", &[dataset::MANIFEST_JSON]),
+        ("boxes/unfinished", &[dataset::CAMERA_TOML]),
+    ] {
+        fs::create_dir_all(root.path().join(folder)).unwrap();
+        files.iter().for_each(|file| fs::write(root.path().join(folder).join(file), "{}").unwrap());
+    }
+    let (scene, camera) = ("boxes".to_owned(), "bench".to_owned());
+    expected.insert(3, DatasetEntry { scene, camera, path: root.path().join("boxes/bench") });
+    assert_eq!(expected[3].views(), None);
     for unfinished in ["boxes/5x5", "boxes/textures", "empty"] {
         fs::create_dir_all(root.path().join(unfinished)).unwrap();
     }

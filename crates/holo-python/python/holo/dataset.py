@@ -20,16 +20,23 @@ _SHAPES = "splits"
 
 
 class Job:
-    """A light field of a dataset: one scene with one number of views. Everything is read at access."""
+    """A light field or a raw image of a dataset: one scene with one camera. Everything is read at access.
 
-    __slots__ = ("path", "scene", "views")
+    views: T rows and S columns of a rig; None for a plenoptic camera.
+    camera: the name of the plenoptic camera; None for a rig.
+    """
 
-    def __init__(self, path: pathlib.Path, scene: str, views: tuple[int, int]):
-        self.path, self.scene, self.views = path, scene, views
+    __slots__ = ("path", "scene", "views", "camera")
+
+    def __init__(self, path: pathlib.Path, scene: str, views: tuple[int, int] | None, camera: str | None = None):
+        self.path, self.scene, self.views, self.camera = path, scene, views, camera
 
     @property
     def light_field(self) -> LightField:
-        """The light field, read anew at every access: float32 if the folder has HDF5, else the integers of its images."""
+        """The light field, read anew at every access: float32 if the folder has HDF5, else the integers of its images.
+
+        The raw image of an unfocused plenoptic camera is decoded.
+        """
         hdf5 = self.path / "scene_5d.h5"
         return open_light_field(hdf5 if hdf5.is_file() else self.path)
 
@@ -39,14 +46,21 @@ class Job:
         return _holo.Reader(hdf5 if hdf5.is_file() else self.path, None, None, None).read_view(t, s)
 
     @property
+    def raw(self) -> np.ndarray:
+        """The raw image of a plenoptic camera in linear light, axes (row, column, channel): float32, or uint16 of the PNG."""
+        exr = self.path / "raw.exr"
+        return read_image(exr if exr.is_file() else self.path / "raw_linear.png")
+
+    @property
     def disparity(self) -> np.ndarray:
         """Disparity of the central view in pixels, float32, axes (row, column)."""
         return read_image(self.path / "scene_disparity.pfm")
 
     @property
     def depth(self) -> np.ndarray:
-        """Depth of the central view in meters, float32, axes (row, column); infinite where nothing was hit."""
-        return read_image(self.path / "scene_depth.pfm")
+        """Depth of the central view, or of the pixels of a raw image, in meters, float32, axes (row, column); infinite where
+        nothing was hit."""
+        return read_image(self.path / ("scene_depth.pfm" if self.camera is None else "raw_depth.pfm"))
 
     @property
     def manifest(self) -> dict:
@@ -54,7 +68,8 @@ class Job:
         return json.loads((self.path / "manifest.json").read_text(encoding="utf-8"))
 
     def __repr__(self):
-        return f"<Job {self.scene!r}: {self.views[0]} x {self.views[1]} views in {self.path}>"
+        what = f"camera {self.camera!r}" if self.views is None else f"{self.views[0]} x {self.views[1]} views"
+        return f"<Job {self.scene!r}: {what} in {self.path}>"
 
 
 class Dataset(Sequence):
@@ -63,7 +78,8 @@ class Dataset(Sequence):
         for job in holo.Dataset("out"):
             print(job.scene, job.views, job.light_field.lenses)
 
-    scenes, views: only those, such as scenes=["garden"], views=[(20, 20)].
+    scenes, views, cameras: only those, such as scenes=["garden"], views=[(20, 20)], cameras=["lytro-illum"].
+    A scene at several poses or frames is several scenes: "garden_left", "pendulum_0012".
     """
 
     def __init__(
@@ -72,6 +88,7 @@ class Dataset(Sequence):
         *,
         scenes: Sequence[str] | None = None,
         views: Sequence[tuple[int, int]] | None = None,
+        cameras: Sequence[str] | None = None,
     ):
         self.path = pathlib.Path(path)
         description = self.path / "dataset.json"
@@ -79,12 +96,17 @@ class Dataset(Sequence):
             raise Error(f"{self.path}: no dataset.json; is it a folder that `holo dataset` wrote?")
         self.description = json.loads(description.read_text(encoding="utf-8"))
         wanted = None if views is None else {tuple(size) for size in views}
-        self.jobs = [
-            Job(self.path / scene["name"] / f"{size[1]}x{size[0]}", scene["name"], size)
-            for scene in self.description["scenes"]
-            for size in ((shape["views"]["rows"], shape["views"]["columns"]) for shape in self.description[_SHAPES])
-            if (scenes is None or scene["name"] in scenes) and (wanted is None or size in wanted)
-        ]
+        # Whoever names views or cameras wants no others.
+        sizes = [(shape["views"]["rows"], shape["views"]["columns"]) for shape in self.description[_SHAPES]]
+        sizes = [size for size in sizes if (size in wanted if wanted is not None else cameras is None)]
+        names = [camera["name"] for camera in self.description.get("cameras", [])]
+        names = [name for name in names if (name in cameras if cameras is not None else wanted is None)]
+        self.jobs = []
+        for scene in (entry["name"] for entry in self.description["scenes"]):
+            if scenes is None or scene in scenes:
+                folder = self.path / scene
+                self.jobs += [Job(folder / f"{size[1]}x{size[0]}", scene, size) for size in sizes]
+                self.jobs += [Job(folder / name, scene, None, name) for name in names]
 
     def __len__(self):
         return len(self.jobs)
@@ -96,4 +118,5 @@ class Dataset(Sequence):
         return iter(self.jobs)
 
     def __repr__(self):
-        return f"<Dataset {self.path}: {len(self)} light fields>"
+        what = "raw images" if self.jobs and all(job.views is None for job in self.jobs) else "light fields"
+        return f"<Dataset {self.path}: {len(self)} {what}>"

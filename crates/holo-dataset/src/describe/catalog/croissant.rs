@@ -5,7 +5,7 @@ use holo_io::dataset::DatasetIndex;
 use serde_json::{Map, Value, json};
 
 use super::TEST_EVERY;
-use super::record::{FIELDS, Field, Record};
+use super::record::{Field, Record, fields};
 
 /// The name of every dataset: that of its folder would make equal datasets differ.
 const NAME: &str = "holo-light-fields";
@@ -22,11 +22,7 @@ pub(super) fn document(index: &DatasetIndex, records: &[Record]) -> Value {
         "@type": "sc:Dataset",
         "conformsTo": "http://mlcommons.org/croissant/1.0",
         "name": NAME,
-        "description": format!(
-            "Synthetic light fields of {} scenes as raw images of a holoscopic (integral, plenoptic 1.0) camera and as views, with \
-             exact depth and disparity. Made by holo {version}; DATASET.md has files and conventions.",
-            index.scenes.len()
-        ),
+        "description": description(index, version),
         "license": format!("https://spdx.org/licenses/{}.html", index.license),
         "version": version,
         "citeAs": format!("@software{{holo, title = {{holo: raw holoscopic images with exact ground truth}}, version = {{{version}}}}}"),
@@ -37,10 +33,22 @@ pub(super) fn document(index: &DatasetIndex, records: &[Record]) -> Value {
             "name": "light_fields",
             "description": "One record for each light field, which is a folder of files",
             "key": {"@id": "light_fields/folder"},
-            "field": FIELDS.each_ref().map(field),
-            "data": records.iter().map(values).collect::<Vec<_>>(),
+            "field": fields(&index.cameras).map(field).collect::<Vec<_>>(),
+            "data": records.iter().map(|record| values(index, record)).collect::<Vec<_>>(),
         }],
     })
+}
+
+fn description(index: &DatasetIndex, version: &str) -> String {
+    let count = index.scenes.len();
+    let what = match index.cameras.iter().any(|camera| camera.shape().is_some()) {
+        true => format!(
+            "Synthetic light fields of {count} scenes as raw images of a holoscopic (integral, plenoptic 1.0) camera and as views, \
+             with exact depth and disparity."
+        ),
+        false => format!("Synthetic raw images of {count} scenes, as the sensors of plenoptic cameras record them."),
+    };
+    format!("{what} Made by holo {version}; DATASET.md has files and conventions.")
 }
 
 fn field(field: &Field) -> Value {
@@ -78,6 +86,7 @@ fn file(folder: &str, name: &str, written: &FileDigest) -> Value {
         "mat" => "application/x-matlab-data",
         "json" => "application/json",
         "cfg" | "txt" => "text/plain",
+        "toml" => "application/toml",
         "csv" => "text/csv",
         "pfm" => "image/x-portable-floatmap",
         _ => "application/octet-stream",
@@ -93,8 +102,8 @@ fn file(folder: &str, name: &str, written: &FileDigest) -> Value {
     })
 }
 
-fn values(record: &Record) -> Value {
-    let named = FIELDS.iter().map(|field| (format!("light_fields/{}", field.name), (field.value)(record)));
+fn values(index: &DatasetIndex, record: &Record) -> Value {
+    let named = fields(&index.cameras).map(|field| (format!("light_fields/{}", field.name), (field.value)(record)));
     Value::Object(named.collect::<Map<_, _>>())
 }
 
