@@ -124,8 +124,9 @@ fn check_storage(dataset: &Dataset, path: &Path, name: &str) -> Result<(), Error
 /// Checks that the values of a dataset lie in the file: virtual datasets are those of a sequence, whose frames are read one
 /// by one.
 pub(crate) fn check_values(dataset: &Dataset, path: &Path) -> Result<(), Error> {
-    let created = dataset.dcpl().map_err(|error| Failure { path, is_writing: false }.error(error))?;
-    match created.layout() {
+    let failed = |error| Failure { path, is_writing: false }.error(error);
+    let layout = dataset.dcpl().and_then(|created| created.get_layout()).map_err(failed)?;
+    match layout {
         Layout::Virtual => Err(Error::unsupported(path, "its values are in other files; read these")),
         _ => Ok(()),
     }
