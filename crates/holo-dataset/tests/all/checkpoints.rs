@@ -11,10 +11,12 @@ use std::time::{Duration, Instant};
 use holo_core::GridSize;
 use holo_dataset::{
     About, Camera, Checkpoints, DatasetPlan, EngineSettings, Error, Output, Pixels, Poses, RenderJob, RenderSettings,
-    RigSettings, Rollback, RunOptions, SceneSource, Shard, ShotOutcome, Spacing, merge, verify,
+    RigSettings, Rollback, RunOptions, Shard, ShotOutcome, Spacing, merge, verify,
 };
 use holo_io::{ArrayCamera, CameraArray, WorldUp};
 use holo_render::{Backend, GroundTruth, Integrator, Progress};
+
+use crate::gallery;
 
 /// Cancels after some tiles, and counts them. Waits before each.
 struct Watch {
@@ -48,7 +50,7 @@ impl Progress for Watch {
 fn job() -> RenderJob {
     let mut settings = RenderSettings::default();
     settings.camera = rig(Pixels::Lenses(GridSize::new(36, 45))).into();
-    (settings.light.samples, settings.light.integrator) = (Some(4), Integrator::Direct);
+    (settings.light.samples, settings.light.integrator) = (Some(1), Integrator::Direct);
     settings.output.ground_truth = GroundTruth::All;
     settings.output.write = vec![Output::El, Output::Mat, Output::Exr, Output::Depth];
     with_settings(settings)
@@ -62,7 +64,7 @@ fn rig(pixels: Pixels) -> RigSettings {
 
 fn with_settings(settings: RenderSettings) -> RenderJob {
     let engine = EngineSettings::default().backend(Backend::Bvh).threads(std::num::NonZeroUsize::new(2));
-    let job = RenderJob::new(SceneSource::gallery("plaster").unwrap(), settings).engine(engine);
+    let job = RenderJob::new(gallery("plaster"), settings).engine(engine);
     job.checkpoints(Checkpoints { every: Duration::ZERO, ..Checkpoints::default() })
 }
 
@@ -169,7 +171,7 @@ fn pinhole_cameras_continue_to_the_same_bytes() {
     let mut settings = RenderSettings::default();
     settings.camera = Camera::Pinhole;
     settings.poses = Poses::Array { cameras: CameraArray { cameras: (0..3).map(camera).collect() }, up: WorldUp::Y };
-    (settings.light.samples, settings.light.integrator) = (Some(4), Integrator::Direct);
+    (settings.light.samples, settings.light.integrator) = (Some(1), Integrator::Direct);
     let job = with_settings(settings);
     let folder = tempfile::tempdir().unwrap();
     let (whole, out) = (folder.path().join("whole"), folder.path().join("out"));
@@ -283,7 +285,7 @@ fn a_checkpoint_of_another_render_is_not_used() {
         with_settings(settings)
     };
     let mut other_scene = job();
-    other_scene.source = SceneSource::gallery("chess").unwrap();
+    other_scene.source = gallery("chess");
     for (number, (other, part)) in [
         (with(|settings| settings.light.seed = 1), "`seed=1`"),
         (with(|settings| settings.light.samples = Some(3)), "`spp` has changed"),

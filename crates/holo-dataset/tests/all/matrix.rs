@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use holo_core::{GridSize, Sensor};
 use holo_dataset::{
     Camera, Checkpoints, DatasetCameras, DatasetPlan, EngineSettings, Frames, LayerChoice, Output, Pixels, Poses,
-    RenderJob, RenderSettings, RigSettings, Rollback, RunOptions, SceneSource, Sky, WebDataset, merge, verify,
-    write_catalog,
+    RenderJob, RenderSettings, RigSettings, Rollback, RunOptions, Sky, WebDataset, merge, verify, write_catalog,
 };
 use holo_io::dataset::{self, DatasetIndex};
 use holo_io::{ArrayCamera, CameraArray, CameraFile, MosaicInfo, WorldUp};
 use holo_render::{Denoise, GroundTruth, Integrator, Progress, Reuse, TextureFilter};
+
+use crate::gallery;
 
 /// An unfocused camera of 60 x 45 pixels with its pupil in the lens.
 const CAMERA: &str = r#"
@@ -118,7 +119,7 @@ fn settings(kind: Kind, many_poses: bool, many_frames: bool) -> RenderSettings {
 
 fn job(settings: RenderSettings) -> RenderJob {
     let name = if settings.scene.frames.is_some() { "pendulum" } else { "plaster" };
-    RenderJob::new(SceneSource::gallery(name).expect("a scene"), settings)
+    RenderJob::new(gallery(name), settings)
 }
 
 /// The folders of all shots have manifests, and every file its digest.
@@ -358,7 +359,7 @@ fn plan(kind: Kind, many_poses: bool, many_frames: bool) -> DatasetPlan {
         Kind::Plenoptic | Kind::Pinhole => plenoptic(["small", "other camera"]),
     };
     let names = if many_frames { &["pendulum"][..] } else { &["plaster", "chess"] };
-    let sources: Vec<_> = names.iter().map(|name| SceneSource::gallery(name).expect("a scene")).collect();
+    let sources: Vec<_> = names.iter().map(|name| gallery(name)).collect();
     DatasetPlan::new(&sources, cameras, settings, EngineSettings::default()).expect("a plan")
 }
 
@@ -413,7 +414,7 @@ fn datasets_have_any_camera_pose_and_frame() {
 #[test]
 fn datasets_know_their_cameras_and_poses() {
     let folder = tempfile::tempdir().expect("a folder");
-    let plaster = [SceneSource::gallery("plaster").expect("a scene")];
+    let plaster = [gallery("plaster")];
     let plan = |cameras: DatasetCameras, settings: RenderSettings| {
         DatasetPlan::new(&plaster, cameras, settings, EngineSettings::default()).expect("a plan")
     };
@@ -460,7 +461,7 @@ fn datasets_refuse_what_has_no_folder_of_its_own() {
         (views(), rig().poses(Poses::Array { cameras, up }), "'right' of `transforms` has 13x8 pixels"),
         (views(), rig().camera(RigSettings::default()), "`sensor`"),
     ] {
-        let source = SceneSource::gallery("plaster").expect("a scene");
+        let source = gallery("plaster");
         let refused = DatasetPlan::new(&[source], cameras, settings, EngineSettings::default());
         let why = refused.expect_err(part);
         assert!(why.is_bad_request() && why.to_string().contains(part), "{part}: {why}");
