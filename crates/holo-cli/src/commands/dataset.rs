@@ -103,8 +103,7 @@ fn describe(root: &Path, is_part: bool, diagnostics: &dyn Diagnostics) -> Result
 /// What the options mean.
 fn plan(options: &DatasetOptions) -> Result<DatasetPlan, Failure> {
     let (cameras, settings) = options.settings()?;
-    // The scenes take seconds.
-    settings.check()?;
+    cameras.check(&settings)?;
     let names = match options.scenes.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         // Who names scenes of his own wants these.
         [] if !options.glb.is_empty() && !options.gallery => Some(&[][..]),

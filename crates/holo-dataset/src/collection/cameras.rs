@@ -19,6 +19,16 @@ pub enum DatasetCameras {
     Plenoptic(Vec<CameraFile>),
 }
 
+impl DatasetCameras {
+    /// Checks that a dataset can have these cameras and settings, which needs no scene: to make scenes takes seconds.
+    ///
+    /// # Errors
+    /// As [`DatasetPlan::new`](crate::DatasetPlan::new).
+    pub fn check(&self, settings: &RenderSettings) -> Result<(), Error> {
+        of(self.clone(), settings).map(drop)
+    }
+}
+
 impl From<&[GridSize]> for DatasetCameras {
     fn from(views: &[GridSize]) -> Self {
         Self::Views(views.to_vec())

@@ -43,16 +43,6 @@ pub(crate) struct Wanted {
     pub flow: [bool; 2],
 }
 
-impl RenderSettings {
-    /// Checks that the settings fit each other, which needs no scene.
-    ///
-    /// # Errors
-    /// [`Error::BadRequest`] names the settings that contradict each other.
-    pub fn check(&self) -> Result<(), Error> {
-        Wanted::new(self).map(drop)
-    }
-}
-
 impl Wanted {
     /// Decides what a render writes.
     ///
