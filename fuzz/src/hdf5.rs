@@ -8,6 +8,8 @@ use hdf5::{Container, File, H5Type};
 use holo_io::{Hdf5LightField, Limits};
 use ndarray::{Array1, ArrayD, IxDyn};
 
+use crate::bytes::Bytes;
+
 const NAMES: [&str; 10] = [
     "axes",
     "views",
@@ -24,20 +26,7 @@ const NAMES: [&str; 10] = [
 const WORDS: [&str; 8] =
     ["vutsc", "tsvuc", "perspective", "orthographic", "", "vuts", "uint8", "holo light field 1, with a longer text"];
 
-/// The input byte by byte; zeros follow its end.
-struct Bytes<'a>(&'a [u8]);
-
 impl Bytes<'_> {
-    fn next(&mut self) -> u8 {
-        let Some((&first, rest)) = self.0.split_first() else { return 0 };
-        self.0 = rest;
-        first
-    }
-
-    fn below(&mut self, count: usize) -> usize {
-        usize::from(self.next()) % count
-    }
-
     /// Small whole numbers, and any others.
     fn number(&mut self) -> f64 {
         match self.next() {

@@ -78,6 +78,12 @@ fn parameters_cfg() {
     run("parameters_cfg", holo_fuzz::io::parameters_cfg);
 }
 
+#[cfg(unix)]
+#[test]
+fn folder() {
+    run("folder", holo_fuzz::folder);
+}
+
 #[test]
 fn manifest() {
     run("manifest", holo_fuzz::io::manifest);

@@ -19,7 +19,7 @@ use std::str::FromStr;
 use clap::{Args, Parser, Subcommand};
 use holo_core::Layout;
 use holo_dataset::Shard;
-use holo_dataset::settings::{PRESETS, Preset, not_negative};
+use holo_dataset::settings::{PRESETS, Preset, not_negative, positive};
 use holo_io::WorldUp;
 use holo_render::Backend;
 
@@ -46,6 +46,9 @@ pub use values::{Crop, Pair, Places};
 #[derive(Parser, Debug)]
 #[command(name = "holo", version, propagate_version = true, subcommand_required = true, arg_required_else_help = true)]
 pub struct Arguments {
+    /// Memory that the command may use, GB; on Linux [default: nine tenths of what is free].
+    #[arg(long, global = true, value_name = "GB", value_parser = positive, help_heading = "General")]
+    pub memory_gb: Option<f64>,
     #[command(subcommand)]
     pub command: Command,
 }

@@ -6,6 +6,7 @@
 #![forbid(unsafe_code)]
 
 mod arguments;
+mod budget;
 mod commands;
 mod console;
 mod failure;
@@ -14,8 +15,9 @@ mod progress;
 mod quantities;
 
 use std::ffi::OsString;
+use std::path::Path;
 
-use clap::{CommandFactory, FromArgMatches};
+use clap::{ArgMatches, CommandFactory, FromArgMatches};
 
 use arguments::{Arguments, Command};
 use console::say;
@@ -30,6 +32,11 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
     let words = matches.subcommand().map(|(_, words)| words.clone()).unwrap_or_default();
     stay_silent_while_a_guard_watches();
     interrupt::install();
+    if let Err(why) = budget::limit(arguments.memory_gb) {
+        say!("holo: {why}");
+        return 2;
+    }
+    remove_leftovers(&words);
     let result = match arguments.command {
         Command::Render(options) => commands::render::run(&options),
         Command::Dataset(options) => commands::dataset::run(*options, &words),
@@ -73,6 +80,16 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
                 Failure::Failed(_) => 1,
             }
         }
+    }
+}
+
+/// Removes the temporary files that killed commands left in the folder of the output. Errors do no harm.
+fn remove_leftovers(words: &ArgMatches) {
+    for name in ["out", "output"] {
+        let Ok(Some(mut given)) = words.try_get_raw(name) else { continue };
+        let Some(path) = given.next().map(Path::new) else { continue };
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let _ = holo_io::remove_stale_temporary_files(if path.is_dir() { path } else { parent });
     }
 }
 

@@ -1,4 +1,4 @@
-//! The allocator of the C library.
+//! The allocator of the C library, and the end of a process without memory.
 
 /// The size from which a block of memory is one of the system's own, bytes.
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
@@ -14,6 +14,28 @@ pub fn return_large_blocks() {
         // SAFETY: `mallopt` sets a number of the allocator, before this program starts threads.
         unsafe {
             libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE);
+        }
+    }
+}
+
+/// Makes the process end with a message and exit code 1 where it would abort: Rust and C++ do so if they get no memory and
+/// cannot report it. Files that are being written keep their temporary names, and the next command in the folder removes
+/// them. Does nothing on other systems than Unix.
+pub fn report_aborts() {
+    #[cfg(unix)]
+    {
+        extern "C" fn end(_: libc::c_int) {
+            const MESSAGE: &[u8] = b"holo: stopped: out of memory, or a fault of a library; \
+                make the images smaller, or raise --memory-gb\n";
+            // SAFETY: both functions may be called in a handler of signals, and the message is as long as it says.
+            unsafe {
+                libc::write(libc::STDERR_FILENO, MESSAGE.as_ptr().cast(), MESSAGE.len());
+                libc::_exit(1);
+            }
+        }
+        // SAFETY: the handler has the signature that `signal` asks for, and calls nothing that a handler must not call.
+        unsafe {
+            libc::signal(libc::SIGABRT, end as extern "C" fn(libc::c_int) as libc::sighandler_t);
         }
     }
 }

@@ -22,7 +22,7 @@ mod system;
 mod system;
 
 use std::fmt;
-use std::fs::File;
+use std::fs::{File, FileType};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -313,8 +313,11 @@ impl Folder {
     }
 
     /// Whether a name is still the file that was opened by it.
-    pub(crate) fn is_same(&self, name: &str, file: &File) -> bool {
-        self.0.handle.is_same(name, file).unwrap_or(false)
+    pub(crate) fn is_same(&self, name: &str, file: &File) -> io::Result<bool> {
+        match self.0.handle.is_same(name, file) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
+            found => found,
+        }
     }
 
     /// Removes a regular file.
@@ -388,7 +391,7 @@ impl Folder {
     pub(crate) fn replace(&self, temporary: &str, name: &str) -> io::Result<()> {
         match self.0.handle.kind(name)? {
             Some(EntryKind::File) | None => self.0.handle.rename(temporary, name),
-            Some(kind) => Err(io::Error::other(instead(kind))),
+            Some(kind) => Err(io::Error::other(kind.instead())),
         }
     }
 
@@ -429,19 +432,37 @@ impl Folder {
     }
 
     fn refused(&self, action: &'static str, name: &str, kind: EntryKind) -> Error {
-        Error::io(action, &self.path_of(name), io::Error::other(instead(kind)))
+        kind.refused(action, &self.path_of(name))
     }
 }
 
-/// What is wrong with a name that should be a file, and what to do.
-fn instead(kind: EntryKind) -> &'static str {
-    match kind {
-        EntryKind::File => "it is a file; remove it or choose another folder",
-        EntryKind::Folder => "it is a folder; remove it or choose another folder",
-        EntryKind::Link => {
-            "it is a symbolic link, and in a folder none is followed; put the file itself there, or remove the link"
+impl From<FileType> for EntryKind {
+    fn from(kind: FileType) -> Self {
+        match kind {
+            kind if kind.is_symlink() => Self::Link,
+            kind if kind.is_dir() => Self::Folder,
+            kind if kind.is_file() => Self::File,
+            _ => Self::Other,
         }
-        EntryKind::Other => "it is a pipe, a socket or a device; remove it",
+    }
+}
+
+impl EntryKind {
+    /// What is wrong with a name that should be a file, and what to do.
+    const fn instead(self) -> &'static str {
+        match self {
+            Self::File => "it is a file; remove it or choose another folder",
+            Self::Folder => "it is a folder; remove it or choose another folder",
+            Self::Link => {
+                "it is a symbolic link, and in a folder none is followed; put the file itself there, or remove the link"
+            }
+            Self::Other => "it is a pipe, a socket or a device; remove it",
+        }
+    }
+
+    /// The error that says so.
+    pub(crate) fn refused(self, action: &'static str, path: &Path) -> Error {
+        Error::io(action, path, io::Error::other(self.instead()))
     }
 }
 

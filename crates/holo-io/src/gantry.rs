@@ -33,7 +33,7 @@ use std::path::{Path, PathBuf};
 
 use holo_core::{DynImage, DynLightField, GridSize};
 
-use crate::views::{Views, files_by_key, has_file};
+use crate::views::{Views, check_regular, files_by_key, has_file};
 use crate::{Error, Limits};
 use name::Name;
 
@@ -69,7 +69,7 @@ impl GantryFolder {
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] if the folder cannot be listed; [`Error::Broken`] if it has no such file, if two files have the
+    /// [`Error::Io`] if the folder cannot be listed, or a view is a link or no file; [`Error::Broken`] if it has no such file, if two files have the
     /// same indices, if a view of the grid is missing, or if rows or columns are not evenly spaced.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
@@ -81,6 +81,7 @@ impl GantryFolder {
                 "there is no file named like out_00_00_-381.909271_1103.376221.png",
             ));
         }
+        found.values().try_for_each(|(file, _)| check_regular(file))?;
         let rows = evenly_spaced(path, "row", found.keys().map(|&(row, _)| row).collect())?;
         let columns = evenly_spaced(path, "column", found.keys().map(|&(_, column)| column).collect())?;
         let views = GridSize::new(rows.len(), columns.len());

@@ -16,7 +16,7 @@ use serde_json::{Map, Value, json};
 
 use crate::folder::Destination;
 use crate::limits::read_small_file;
-use crate::{Error, FileDigest, write_file};
+use crate::{Error, FileDigest, Folder, write_file};
 
 /// Maximum size of a file, bytes: some ten thousand cameras.
 const MAX_BYTES: u64 = 64 << 20;
@@ -92,6 +92,15 @@ impl CameraArray {
         let path = path.as_ref();
         let bytes = read_small_file(path, MAX_BYTES)?;
         Self::from_json(&bytes, path, up, size)
+    }
+
+    /// Reads a file of an open folder, like [`CameraArray::read`].
+    ///
+    /// # Errors
+    ///
+    /// Those of [`CameraArray::read`] and [`Folder::open_regular`].
+    pub fn read_in(folder: &Folder, name: &str, up: WorldUp, size: Option<GridSize>) -> Result<Self, Error> {
+        Self::from_json(&folder.read(name, MAX_BYTES)?, &folder.path_of(name), up, size)
     }
 
     fn from_json(bytes: &[u8], path: &Path, up: WorldUp, size: Option<GridSize>) -> Result<Self, Error> {

@@ -11,6 +11,7 @@ use holo_core::{
 use ndarray::{Array3, ArrayViewMut3, Axis, Slice};
 use rayon::prelude::*;
 
+use crate::folder::EntryKind;
 use crate::image_file::{ImageInfo, read_image, read_image_info};
 use crate::{Error, Limits};
 
@@ -207,6 +208,12 @@ pub(crate) fn files_by_key<K: Ord, V>(
         }
     }
     Ok(files)
+}
+
+/// Checks that a file of a folder is one, and no link to another place.
+pub(crate) fn check_regular(path: &Path) -> Result<(), Error> {
+    let kind = path.symlink_metadata().map_err(|source| Error::io("read", path, source))?.file_type();
+    if kind.is_file() { Ok(()) } else { Err(EntryKind::from(kind).refused("read", path)) }
 }
 
 fn in_words(info: &ImageInfo) -> String {

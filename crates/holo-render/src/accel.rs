@@ -28,7 +28,7 @@ use crate::simd::Lanes;
 /// The ray tracing backend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Backend {
-    /// Embree if it can be loaded, otherwise the BVH.
+    /// Embree if it can be loaded and has enough memory, otherwise the BVH.
     #[default]
     Auto,
     /// Embree 4. An error if no library is found; the message lists the locations that were searched.
@@ -96,15 +96,17 @@ pub(crate) fn build(
         Backend::Embree => (Box::new(embree::Embree::build(geometry, threads)?), None),
         Backend::Bvh => (Box::new(bvh::Bvh::build(geometry)), None),
         Backend::BruteForce => (Box::new(brute_force::BruteForce::build(geometry)), None),
-        // A missing library is no error here; a library that fails to build this scene is.
+        // A missing library is no error here. Of one without memory `World::at` knows what to do.
         Backend::Auto => match embree::Embree::available() {
             Ok(()) => (Box::new(embree::Embree::build(geometry, threads)?), None),
-            Err(why) => {
-                let note = format!("{why}; using the built-in BVH, which is several times slower");
-                (Box::new(bvh::Bvh::build(geometry)), Some(note))
-            }
+            Err(why) => (Box::new(bvh::Bvh::build(geometry)), Some(fallback(&why))),
         },
     })
+}
+
+/// The note that `Auto` uses the BVH.
+pub(crate) fn fallback(why: &Error) -> String {
+    format!("{why}; using the built-in BVH, which is several times slower")
 }
 
 #[cfg(test)]

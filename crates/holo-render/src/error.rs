@@ -13,6 +13,9 @@ pub enum Error {
     /// The requested ray tracing backend is not available.
     #[error("Embree: {0}")]
     Embree(String),
+    /// The ray tracing backend has no memory left for the scene.
+    #[error("out of memory: {0}")]
+    OutOfMemory(String),
     /// The caller canceled the render.
     #[error("stopped")]
     Cancelled,

@@ -6,8 +6,21 @@ use std::process::Command;
 use crate::{Result, cmake, process, root};
 
 /// The targets that need Rust alone.
-const TARGETS: &[&str] =
-    &["gltf", "draco", "meshopt", "png", "pfm", "hdr", "exr", "tiff", "mat", "parameters_cfg", "camera", "manifest"];
+const TARGETS: &[&str] = &[
+    "gltf",
+    "draco",
+    "meshopt",
+    "png",
+    "pfm",
+    "hdr",
+    "exr",
+    "tiff",
+    "mat",
+    "parameters_cfg",
+    "camera",
+    "manifest",
+    "folder",
+];
 
 /// The target that needs CMake, for the HDF5 library.
 const HDF5: &str = "hdf5";

@@ -252,6 +252,53 @@ fn a_pipe_makes_nobody_wait() {
     assert_eq!(holo(&bench, &format!("render {SCENE} --out out {SMALL} --spp 1 --overwrite")).code, Some(0));
 }
 
+/// The images of views are files of their folder: in those of HCI, of the gantry, and of images.
+#[test]
+fn views_are_read_through_no_link_and_no_pipe() {
+    let bench = bench();
+    bench.render("out", "--write el,hci");
+    let images = |folder: &str, names: [&str; 2]| {
+        fs::create_dir(bench.path(folder)).unwrap();
+        for name in names {
+            fs::copy(bench.path("out/scene_el.png"), bench.path(folder).join(name)).unwrap();
+        }
+    };
+    images("gantry", ["out_00_00_-1.5_2.5.png", "out_00_01_-2.5_2.5.png"]);
+    images("images", ["a1.png", "a2.png"]);
+    for (folder, name, views) in [
+        ("out/hci", "input_Cam003.png", ""),
+        ("gantry", "out_00_01_-2.5_2.5.png", ""),
+        ("images", "a2.png", "--views 2x1"),
+    ] {
+        let arguments = format!("extract {folder} --view 0,0 --out view.png {views}");
+        let path = bench.path(folder).join(name);
+        let own = fs::read(&path).unwrap();
+        fs::remove_file(&path).unwrap();
+        symlink(bench.path("victim/keep.txt"), &path).unwrap();
+        failed(&holo(&bench, &arguments), &["symbolic link", name]);
+        fs::remove_file(&path).unwrap();
+        pipe(&path);
+        failed(&holo(&bench, &arguments), &["pipe", name]);
+        holo(&bench, &format!("info {folder}"));
+        fs::remove_file(&path).unwrap();
+        fs::write(&path, own).unwrap();
+        assert!(!bench.path("view.png").exists());
+    }
+    // The numbers beside the images are not read, and the images alone have no grid.
+    fs::remove_file(bench.path("out/hci/parameters.cfg")).unwrap();
+    pipe(&bench.path("out/hci/parameters.cfg"));
+    let outcome = holo(&bench, "extract out/hci --view 0,0 --out view.png");
+    assert!(outcome.code == Some(2) && outcome.stderr.contains("grid"), "{outcome:?}");
+    fs::create_dir(bench.path("poses")).unwrap();
+    let link = |path: &Path| symlink("../victim/keep.txt", path).unwrap();
+    for make in [&pipe as &dyn Fn(&Path), &link] {
+        let path = bench.path("poses/transforms.json");
+        make(&path);
+        failed(&holo(&bench, "verify poses"), &["transforms.json"]);
+        fs::remove_file(&path).unwrap();
+    }
+}
+
 /// Row 11.
 #[test]
 fn names_reach_the_terminal_and_other_files_escaped() {

@@ -86,12 +86,12 @@ fn verify_all(root: &Path) -> Result<Verification, Error> {
 /// The folders of the poses and frames that a folder without a manifest should have, relative to it; none if it has
 /// neither.
 fn shots_of(folder: &Path) -> Result<Vec<PathBuf>, Error> {
-    let transforms = folder.join(TRANSFORMS);
-    if !transforms.is_file() {
+    let opened = Folder::open(folder)?;
+    if opened.kind(TRANSFORMS)?.is_none() {
         return frames_in(folder);
     }
     // Which axis is up does not matter for names.
-    let array = CameraArray::read(&transforms, WorldUp::default(), None)?;
+    let array = CameraArray::read_in(&opened, TRANSFORMS, WorldUp::default(), None)?;
     let mut shots = Vec::new();
     for pose in array.cameras.iter().map(|camera| Path::new(&camera.name)) {
         let frames = frames_in(&folder.join(pose))?;

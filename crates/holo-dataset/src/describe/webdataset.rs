@@ -9,11 +9,12 @@
 //! The conventions of <https://github.com/webdataset/webdataset>.
 
 use std::collections::BTreeSet;
-use std::io::{Read, Write};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Write};
 use std::path::Path;
 
 use holo_io::dataset::{CAMERA_TOML, DatasetIndex, ELEMENTAL_PNG, LIGHT_FIELD_MAT, PARAMETERS_CFG, VIEWPOINT_PNG};
-use holo_io::{AtomicFile, Destination, Folder, FolderFile};
+use holo_io::{AtomicFile, Destination, Folder};
 use tar::{Builder, EntryType, Header};
 
 use super::catalog::{Record, records};
@@ -69,11 +70,11 @@ impl Default for WebDataset {
 
 impl WebDataset {
     /// Writes the finished folders of the dataset `root` into the folder `out`: `train-000000.tar` and so on for the
-    /// scenes for training, `test-000000.tar` for the others.
+    /// scenes for training, `test-000000.tar` for the others. Archives that an interrupted run has finished stay.
     ///
     /// # Errors
     /// [`Error::BadRequest`] if no field is requested, if a light field lacks a requested one or has no files but those
-    /// in subfolders, if two have the same key, or `out` has archives of this name already; [`Error::Failed`] if no
+    /// in subfolders, if two have the same key, or `out` has other archives of these names; [`Error::Failed`] if no
     /// folder is finished; [`Error::Io`] if files cannot be read or written, or have another size than their manifest
     /// says.
     pub fn write(&self, root: &Path, out: &Path, rollback: &Rollback) -> Result<Vec<Archive>, Error> {
@@ -102,18 +103,26 @@ impl WebDataset {
             let of_split: Vec<&Sample> = samples.iter().filter(|sample| sample.record.is_test == is_test).collect();
             for (number, samples) in self.divide(&of_split).into_iter().enumerate() {
                 let name = format!("{split}-{number:06}.tar");
-                let kind = older.as_ref().map(|older| older.kind(&name)).transpose()?;
-                if kind.flatten().is_some() {
-                    let path = out.join(&name);
-                    return Err(Error::BadRequest(format!("{}: exists already; give another folder", path.display())));
-                }
-                planned.push((name, samples));
+                let kept = match &older {
+                    Some(older) if older.kind(&name)?.is_some() => {
+                        Some(check_archive(&opened, older, &name, &samples)?)
+                    }
+                    _ => None,
+                };
+                planned.push((name, samples, kept));
             }
         }
         let folder = OutputFolder::create_plain(out, rollback)?;
         let mut archives = Vec::new();
-        for (name, samples) in planned {
-            let bytes = write_archive(&opened, &folder.file(&name), &samples)?;
+        for (name, samples, kept) in planned {
+            let bytes = match kept {
+                Some(bytes) => bytes,
+                None => {
+                    let place = folder.file(&name);
+                    let archive = write_archive(&opened, place.path(), AtomicFile::create(&place)?, &samples)?;
+                    archive.commit()?.bytes
+                }
+            };
             archives.push(Archive { name, samples: samples.len(), bytes });
         }
         folder.keep();
@@ -177,11 +186,46 @@ fn field(name: &str) -> &str {
     name.strip_prefix("scene_").unwrap_or(name)
 }
 
-/// Writes an archive of files below `root`; returns its size. Regular files of the size that their manifests say go into it,
+/// Checks that an archive is the one that would be written; returns its size.
+fn check_archive(root: &Folder, out: &Folder, name: &str, samples: &[&Sample]) -> Result<u64, Error> {
+    let file = out.open_regular(name, u64::MAX)?;
+    let path = out.path_of(name);
+    let bytes = file.metadata().map_err(|why| Error::Failed(format!("{}: {why}", path.display())))?.len();
+    let mut compared = Compared { file: BufReader::new(file), own: Vec::new(), is_equal: true };
+    let written = write_archive(root, &path, &mut compared, samples).map(drop);
+    let is_at_end = compared.file.fill_buf().is_ok_and(<[u8]>::is_empty);
+    if !compared.is_equal || written.is_ok() && !is_at_end {
+        let path = path.display();
+        return Err(Error::BadRequest(format!("{path}: exists already and is another archive; give another folder")));
+    }
+    written.map(|()| bytes)
+}
+
+/// A place that compares what is written with a file, and takes no more after the first difference.
+struct Compared {
+    file: BufReader<File>,
+    /// What was read of the file.
+    own: Vec<u8>,
+    is_equal: bool,
+}
+
+impl Write for Compared {
+    fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+        self.own.resize(bytes.len(), 0);
+        self.is_equal = self.is_equal && self.file.read_exact(&mut self.own).is_ok() && self.own == bytes;
+        if self.is_equal { Ok(bytes.len()) } else { Err(std::io::Error::other("it is another archive")) }
+    }
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        Ok(())
+    }
+}
+
+/// Writes an archive of files below `root` and returns where; `path` is for messages. Regular files of the size that their manifests say go into it,
 /// and nothing that a link leads to: an archive is passed on.
-fn write_archive(root: &Folder, place: &FolderFile, samples: &[&Sample]) -> Result<u64, Error> {
-    let failed = |why: std::io::Error| Error::Failed(format!("{}: {why}", place.path().display()));
-    let mut archive = Builder::new(AtomicFile::create(place)?);
+fn write_archive<W: Write>(root: &Folder, path: &Path, place: W, samples: &[&Sample]) -> Result<W, Error> {
+    let failed = |why: std::io::Error| Error::Failed(format!("{}: {why}", path.display()));
+    let mut archive = Builder::new(place);
     for sample in samples {
         for (field, FileOfSample { name, bytes }) in &sample.files {
             let source = root.path_of(name);
@@ -202,7 +246,7 @@ fn write_archive(root: &Folder, place: &FolderFile, samples: &[&Sample]) -> Resu
         append(&mut archive, &format!("{}.json", sample.key), json.len() as u64, json).map_err(failed)?;
     }
     archive.finish().map_err(failed)?;
-    Ok(archive.into_inner().map_err(failed)?.commit()?.bytes)
+    archive.into_inner().map_err(failed)
 }
 
 /// Appends a file without owner and time.
@@ -232,8 +276,6 @@ impl std::fmt::Display for Archive {
 #[cfg(test)]
 mod tests {
     use holo_core::GridSize;
-
-    use std::fs::File;
 
     use super::*;
     use crate::{DatasetPlan, EngineSettings, Pixels, RenderSettings, RigSettings, RunOptions, SceneSource};
@@ -333,5 +375,6 @@ mod tests {
         let why = web.write(&root, &out, &Rollback::default()).unwrap_err().to_string();
         assert!(why.contains("exists already"), "{why}");
         assert_eq!(std::fs::read(out.join("train-000000.tar")).unwrap(), b"own");
+        assert!(!out.join("test-000000.tar").exists());
     }
 }

@@ -45,7 +45,7 @@ impl Handle {
 
     pub(super) fn kind(&self, name: &str) -> io::Result<Option<EntryKind>> {
         match self.at(name).and_then(fs::symlink_metadata) {
-            Ok(found) => Ok(Some(kind_of(found.file_type()))),
+            Ok(found) => Ok(Some(found.file_type().into())),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(error) => Err(error),
         }
@@ -100,7 +100,7 @@ impl Handle {
         for entry in fs::read_dir(&self.0)? {
             let entry = entry?;
             if let Ok(name) = entry.file_name().into_string() {
-                found.push((name, kind_of(entry.file_type()?)));
+                found.push((name, entry.file_type()?.into()));
             }
         }
         Ok(found)
@@ -109,15 +109,6 @@ impl Handle {
     /// Open files keep their names here until they are closed.
     pub(super) fn is_same(&self, name: &str, _: &File) -> io::Result<bool> {
         Ok(self.kind(name)? == Some(EntryKind::File))
-    }
-}
-
-fn kind_of(kind: fs::FileType) -> EntryKind {
-    match kind {
-        kind if kind.is_file() => EntryKind::File,
-        kind if kind.is_dir() => EntryKind::Folder,
-        kind if kind.is_symlink() => EntryKind::Link,
-        _ => EntryKind::Other,
     }
 }
 

@@ -53,8 +53,8 @@ impl Folder {
                 }
             }
             // Its holder may have removed the file after it was opened here: then the lock is of no name.
-            if self.is_same(NAME, &file) {
-                let failed = |error| Error::io("write", &self.path_of(NAME), error);
+            let failed = |error| Error::io("write", &self.path_of(NAME), error);
+            if self.is_same(NAME, &file).map_err(failed)? {
                 write_holder(&mut file).map_err(failed)?;
                 return Ok(FolderLock { folder: self.clone(), file });
             }
@@ -113,7 +113,7 @@ fn host() -> String {
 impl Drop for FolderLock {
     fn drop(&mut self) {
         // Not the file of a process that has taken the lock since this one's file was removed.
-        if self.folder.is_same(NAME, &self.file) {
+        if self.folder.is_same(NAME, &self.file).unwrap_or(false) {
             // A file that stays does no harm.
             let _ = self.folder.remove_file(NAME);
         }

@@ -10,8 +10,8 @@ use rayon::prelude::*;
 use super::names::Name;
 use super::{FORMAT, HciQuantity, HciResolution};
 use crate::names::PARAMETERS_CFG;
-use crate::views::{Views, files_by_key, has_file};
-use crate::{Error, Limits, ParametersCfg, read_pfm_gray, read_pfm_info};
+use crate::views::{Views, check_regular, files_by_key, has_file};
+use crate::{Error, Folder, Limits, ParametersCfg, read_pfm_gray, read_pfm_info};
 
 /// An [HCI folder](super), opened for reading.
 ///
@@ -65,13 +65,13 @@ impl HciFolder {
     /// # Errors
     ///
     /// Those of [`ParametersCfg::read`]; [`Error::Io`] if the folder cannot be listed; [`Error::Core`] if the numbers
-    /// of views or pixels are invalid; [`Error::Broken`] if a view is missing or has two files, such as
+    /// of views or pixels are invalid, [`Error::Io`] if a view or a map is a link or no file; [`Error::Broken`] if a view is missing or has two files, such as
     /// `input_Cam007.png` and `input_Cam0007.png`.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
         // First, because a folder without it is unfinished.
         let parameters_path = path.join(PARAMETERS_CFG);
-        let parameters = ParametersCfg::read(&parameters_path)?;
+        let parameters = ParametersCfg::read_in(&Folder::open(path)?, PARAMETERS_CFG)?;
         let shape = LightFieldShape::new(parameters.num_cams, parameters.image_resolution_px)
             .map_err(|error| Error::core(&parameters_path, error))?;
         let mut files = files(path)?;
@@ -96,6 +96,7 @@ impl HciFolder {
             views.push(file);
         }
         files.retain(|name, _| matches!(name, Name::Truth { .. }));
+        views.iter().chain(files.values()).try_for_each(|file| check_regular(file))?;
         Ok(Self { path: path.to_owned(), parameters, shape, views, truth: files })
     }
 

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 use crate::names::OWN_IMAGES;
+use crate::views::check_regular;
 
 /// Lists the PNGs and TIFFs of a folder, by file extension, in natural order: digits in their names compare as numbers, so
 /// `view9.png` is before `view10.png`. Images that this project writes beside a light field, such as `scene_el.png`, are no
@@ -13,14 +14,16 @@ use crate::names::OWN_IMAGES;
 ///
 /// # Errors
 ///
-/// [`Error::Io`] if the folder cannot be listed.
+/// [`Error::Io`] if the folder cannot be listed, or one of the images is a link or no file.
 pub fn list_images(folder: impl AsRef<Path>) -> Result<Vec<PathBuf>, Error> {
     let folder = folder.as_ref();
     let failed = |source| Error::io("list", folder, source);
     let mut images = Vec::new();
     for entry in fs::read_dir(folder).map_err(failed)? {
-        let path = entry.map_err(failed)?.path();
-        if is_image_name(&path) && !is_own_image(&path) && path.is_file() {
+        let entry = entry.map_err(failed)?;
+        let path = entry.path();
+        if is_image_name(&path) && !is_own_image(&path) && !entry.file_type().map_err(failed)?.is_dir() {
+            check_regular(&path)?;
             images.push(path);
         }
     }

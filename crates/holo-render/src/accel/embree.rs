@@ -256,8 +256,10 @@ impl Embree {
             let hint =
                 if isa.is_some() { "; perhaps the processor lacks the set that HOLO_EMBREE_ISA names" } else { "" };
             // SAFETY: without a device this returns the error of its creation on this thread.
-            let why = device_failure(unsafe { (api.rtcGetDeviceError)(ptr::null_mut()) });
-            Error::Embree(format!("cannot create a device: {why}{hint}"))
+            match unsafe { (api.rtcGetDeviceError)(ptr::null_mut()) } {
+                ERROR_OUT_OF_MEMORY => Error::OutOfMemory("Embree cannot create a device".into()),
+                code => Error::Embree(format!("cannot create a device: {}{hint}", device_failure(code))),
+            }
         })?;
         // SAFETY: the device was just created.
         let version = unsafe { (api.rtcGetDeviceProperty)(device.as_ptr(), DEVICE_PROPERTY_VERSION) };
@@ -361,11 +363,13 @@ impl Embree {
 
     fn error(&self, code: c_int) -> Error {
         let (triangles, places) = (self.geometry.triangles().len(), self.geometry.placements().len());
-        Error::Embree(match code {
-            4 if places > 0 => format!("out of memory over {triangles} triangles and {places} instances"),
-            4 => format!("out of memory over {triangles} triangles"),
-            code => format!("building failed with error code {code}"),
-        })
+        match (code, places) {
+            (ERROR_OUT_OF_MEMORY, 0) => Error::OutOfMemory(format!("Embree, over {triangles} triangles")),
+            (ERROR_OUT_OF_MEMORY, _) => {
+                Error::OutOfMemory(format!("Embree, over {triangles} triangles and {places} instances"))
+            }
+            (code, _) => Error::Embree(format!("building failed with error code {code}")),
+        }
     }
 }
 

@@ -27,6 +27,9 @@ pub struct World<'a> {
     pool: Arc<rayon::ThreadPool>,
 }
 
+/// An engine, and a note about its choice.
+type Built = (Box<dyn Engine>, Option<String>);
+
 impl<'a> World<'a> {
     /// Validates `scene` and prepares what does not depend on the camera. The renderers of this world use `threads`
     /// threads; `None`: one per core.
@@ -68,18 +71,15 @@ impl<'a> World<'a> {
     /// Transforms the scene to the frame of a camera at `pose` (camera to world) and builds the acceleration structure.
     ///
     /// # Errors
-    /// [`Error::Embree`] if the backend is not available or runs out of memory, [`Error::Scene`] for coordinates out of
-    /// range, [`Error::BadSetting`] for a pose that is not a rotation and translation.
+    /// [`Error::Embree`] if the backend is not available, [`Error::OutOfMemory`] if it runs out of memory,
+    /// [`Error::Scene`] for coordinates out of range, [`Error::BadSetting`] for a pose that is not a rotation and
+    /// translation.
     pub fn at(&self, pose: &Transform) -> Result<Renderer, Error> {
         if !pose.is_pose() {
             return Err(Error::BadSetting("the camera pose must be a rotation and a translation, both finite".into()));
         }
         let Self { scene, appearance, pool, .. } = self;
-        let (geometry, (engine, note)) = pool.install(|| {
-            let geometry = Arc::new(Geometry::build(scene, pose, self.instancing)?);
-            let built = accel::build(self.backend, &geometry, pool.current_num_threads())?;
-            Ok::<_, Error>((geometry, built))
-        })?;
+        let (geometry, (engine, note)) = pool.install(|| self.build(pose))?;
         let engine: Arc<dyn Engine> = Arc::from(engine);
         let engines = [false, true].map(|cull| {
             [AlphaTest::Stochastic, AlphaTest::Threshold].map(|test| -> Arc<dyn Engine> {
@@ -103,5 +103,21 @@ impl<'a> World<'a> {
             appearance: Arc::clone(appearance),
             pool: Arc::clone(pool),
         })
+    }
+
+    /// The geometry in the frame of a camera, its engine, and a note if `Auto` fell back to the BVH.
+    fn build(&self, pose: &Transform) -> Result<(Arc<Geometry>, Built), Error> {
+        let threads = self.pool.current_num_threads();
+        let geometry = Arc::new(Geometry::build(self.scene, pose, self.instancing)?);
+        match accel::build(self.backend, &geometry, threads) {
+            // The BVH needs less memory, and has no instances.
+            Err(why @ Error::OutOfMemory(_)) if self.backend == Backend::Auto => {
+                drop(geometry);
+                let geometry = Arc::new(Geometry::build(self.scene, pose, accel::instancing(Backend::Bvh))?);
+                let (engine, _) = accel::build(Backend::Bvh, &geometry, threads)?;
+                Ok((geometry, (engine, Some(accel::fallback(&why)))))
+            }
+            built => Ok((geometry, built?)),
+        }
     }
 }
