@@ -88,8 +88,8 @@ pub fn folder(data: &[u8]) {
     for _ in 0..1 + bytes.below(6) {
         plant(&mut bytes, &root, &victim);
     }
-    let own = OWN.map(|name| root.join(name)).into_iter().filter_map(|path| Some((fs::read(&path).ok()?, path)));
-    let own: Vec<(Vec<u8>, PathBuf)> = own.filter(|(_, path)| path.is_file() && !path.is_symlink()).collect();
+    let own = OWN.map(|name| root.join(name)).into_iter().filter(|path| path.is_file() && !path.is_symlink());
+    let own: Vec<(Vec<u8>, PathBuf)> = own.filter_map(|path| Some((fs::read(&path).ok()?, path))).collect();
     let expected = tree(&victim);
     for _ in 0..2 {
         act(&mut bytes, &root, base.path());
@@ -104,10 +104,10 @@ pub fn folder(data: &[u8]) {
 fn plant(bytes: &mut Bytes, root: &Path, victim: &Path) {
     let name = if bytes.below(4) == 0 { bytes.pick(&OWN) } else { bytes.pick(&NAMES) };
     let path = root.join(name);
-    if let Some(parent) = path.parent() {
-        let _ = fs::create_dir_all(parent);
-    }
-    if path.symlink_metadata().is_ok() {
+    let parent = path.parent().expect("a folder");
+    // What lies behind a link that was planted before is not the stranger's.
+    let is_inside = || root.canonicalize().ok().zip(parent.canonicalize().ok()).is_some_and(|(a, b)| b.starts_with(a));
+    if fs::create_dir_all(parent).is_err() || !is_inside() || path.symlink_metadata().is_ok() {
         return;
     }
     // Errors: a part of the name is a file, a link or a pipe.

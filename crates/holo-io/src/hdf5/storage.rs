@@ -15,6 +15,12 @@ use super::library::Failure;
 use crate::Error;
 use crate::dataset::{LIGHT_FIELD_HDF5, SequenceFolder};
 
+/// Deflate makes at most so many bytes of one (zlib manual, "Maximum Compression Factor").
+const MAX_RATIO: u64 = 1032;
+
+/// Values that a file does not store are zeros or the like, and more of them than these take memory for nothing.
+const MAX_SPARSE_BYTES: u64 = 64 << 20;
+
 /// Finds a dataset of a file by its name, of one or two parts; `None` if there is none. Its values may be read, unless it
 /// [is virtual](check_values).
 ///
@@ -118,6 +124,13 @@ fn check_storage(dataset: &Dataset, path: &Path, name: &str) -> Result<(), Error
             return Err(refused(path, name, what));
         }
     }
+    let value_bytes = dataset.dtype().map_err(failed)?.size();
+    let announced = (dataset.size() as u64).saturating_mul(value_bytes as u64);
+    let stored = dataset.storage_size();
+    if announced > MAX_SPARSE_BYTES && stored.saturating_mul(MAX_RATIO) < announced {
+        let what = format!("of {announced} bytes, and the file stores {stored} of them; write all of its values");
+        return Err(refused(path, name, &what));
+    }
     Ok(())
 }
 
@@ -207,6 +220,20 @@ mod tests {
             assert!(matches!(error, Error::Unsupported { .. }), "{name}: {error}");
             assert!(crate::is_light_field_hdf5(&path).is_err(), "{name}");
         }
+    }
+
+    /// A file of some kilobytes announces 3.9 GB.
+    #[test]
+    fn values_that_are_not_stored_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sparse.h5");
+        let file = File::create(&path).unwrap();
+        let shape = [8, 8, 4500, 4500, 3];
+        file.new_dataset::<u8>().shape(shape).chunk([1, 1, 450, 450, 3]).deflate(9).create("H").unwrap();
+        file.close().unwrap();
+        assert!(path.metadata().unwrap().len() < 10_000);
+        let error = Hdf5LightField::open(&path, &Limits::default()).unwrap_err();
+        assert!(matches!(error, Error::Unsupported { .. }) && error.to_string().contains("3888000000"), "{error}");
     }
 
     #[test]
