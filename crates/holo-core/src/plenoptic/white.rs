@@ -1,5 +1,7 @@
 //! The white image: what the camera records of a scene of radiance 1, without rays.
 
+use std::ops::Range;
+
 use ndarray::{Array2, ArrayViewMut2, Axis};
 
 use super::microlenses::HEX_ROW;
@@ -44,16 +46,26 @@ impl PlenopticCamera {
     ///
     /// [`Error::OutOfMemory`] if the image does not fit into memory.
     pub fn white_image(&self) -> Result<Array2<f32>, Error> {
+        self.white_rows(0..self.sensor().size.rows)
+    }
+
+    /// Returns some rows of the [white image](Self::white_image), with the same values; without those beyond the sensor.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OutOfMemory`] if the rows do not fit into memory.
+    pub fn white_rows(&self, rows: Range<usize>) -> Result<Array2<f32>, Error> {
         let size = self.sensor().size;
-        let values = memory::filled("a white image", size.rows * size.columns, 0.0f32)?;
-        let mut image = Array2::from_shape_vec((size.rows, size.columns), values).map_err(|_| Error::Shape {
+        let rows = rows.start..rows.end.min(size.rows);
+        let values = memory::filled("a white image", rows.len() * size.columns, 0.0f32)?;
+        let mut image = Array2::from_shape_vec((rows.len(), size.columns), values).map_err(|_| Error::Shape {
             what: "white image",
-            expected: vec![size.rows, size.columns],
+            expected: vec![rows.len(), size.columns],
             found: Vec::new(),
         })?;
         let mut bands: Vec<_> = image.axis_chunks_iter_mut(Axis(0), BAND_ROWS).enumerate().collect();
         let rule = Rule::new(self);
-        bands.par_iter_mut().for_each(|(number, band)| self.white_band(&rule, *number * BAND_ROWS, band));
+        bands.par_iter_mut().for_each(|(number, band)| self.white_band(&rule, rows.start + *number * BAND_ROWS, band));
         Ok(image)
     }
 
@@ -503,6 +515,20 @@ mod tests {
                 let error = mean - central_cos4(aperture, 1.0);
                 assert!(error.abs() < 0.2 * part.powi(6), "{aperture:?}: {error:e}");
             }
+        }
+    }
+
+    /// Rows are those of the whole image, also where bands begin elsewhere, and none are beyond the sensor.
+    #[test]
+    fn rows_are_those_of_the_image() {
+        let array = crate::plenoptic::MicrolensArray::new(crate::plenoptic::MicrolensGrid::HexRows, 5e-5, 3e-4);
+        let sensor = crate::plenoptic::ImageSensor::new(crate::GridSize::new(90, 40), 5e-6);
+        let camera = PlenopticCamera::new(sensor, array, crate::plenoptic::MainLens::new(0.05, 5.6, 3.0)).unwrap();
+        let image = camera.white_image().unwrap();
+        assert!(image.iter().any(|&light| light > 0.5));
+        for rows in [0..90, 7..53, 33..34, 60..200, 90..100] {
+            let inside = rows.start..rows.end.min(90);
+            assert_eq!(camera.white_rows(rows).unwrap(), image.slice_axis(Axis(0), inside.into()));
         }
     }
 

@@ -109,7 +109,7 @@ impl Renderer {
         let wider = color::with_margin(request);
         let with_margin = RawRequest { camera: request.camera, request: &wider };
         let has_color = integrator != Integrator::Depth;
-        let color = has_color.then(|| RawColor::new(with_margin, request.row_range(), integrator));
+        let color = has_color.then(|| RawColor::new(with_margin, request.row_range(), integrator)).transpose()?;
         let truth = if request.layers.is_empty() { Vec::new() } else { truth_rows(request) };
         let truth_tiles = |truth: &[Range<usize>]| {
             truth.iter().map(|rows| Tiling::new(truth_counts(request, rows)).tiles().len()).sum::<usize>()

@@ -9,8 +9,10 @@
 //! contradicts, per microlens and block of viewpoints.
 //!
 //! **Light.** Windows average radiance: the light of a pixel divided by the mean weight of its samples, which is its
-//! share of the white image. The mean is multiplied by the pixel's own weight. Vignetting therefore neither spreads nor
-//! vanishes, and an even sky stays as even as its samples.
+//! share of the white image. The mean is multiplied by the pixel's share in closed form
+//! ([`PlenopticCamera::white_image`]), because at the rim of a micro-image the samples' own share is the larger part of the
+//! noise. A pixel at the rim of which no sample is lit takes light and disparity from its neighbors. Vignetting therefore
+//! neither spreads nor vanishes.
 //!
 //! **Focus.** What a pixel sees of a plane is a spot: the width of the pixel and the width of the blurred microlens. The
 //! distances at which windows end are multiples of the spot. Microlenses of another type take part if their spot there
@@ -18,7 +20,8 @@
 //!
 //! # Bias
 //! That of views of a rig. Pixels that several microlenses light count for the nearest one, with the mean depth of all of
-//! their light.
+//! their light. The white image is itself an approximation: shares are mixed with those of the samples, as the
+//! [variances](share) of both demand, so that its error vanishes as the samples grow.
 //!
 //! # Determinism
 //! A pixel depends on the samples of at most [`Lattice::margin_rows`] rows above and below it.
@@ -41,8 +44,11 @@ const NO_LENS: u32 = u32::MAX;
 /// The spots of microlenses of two types are comparable if one is at most this many times as wide as the other.
 const MAX_SPOT_RATIO: f32 = 1.25;
 
-/// Pixels with less light, relative to an unvignetted one, keep their samples and are no samples of others.
+/// Pixels whose samples have less light, relative to an unvignetted one, are no samples of others.
 const MIN_WEIGHT: f32 = 0.01;
+
+/// The largest error of a pixel of the white image that is usual, as [`PlenopticCamera::white_image`] states it.
+const WHITE_ERROR: f32 = 0.01;
 
 /// The distance of the rows of a hexagonal grid, in pitches.
 const HEX_ROW: f64 = 0.866_025_403_784_438_6;
@@ -58,6 +64,48 @@ pub(crate) struct Source {
     pub disparity: f32,
     /// The mean weight of the samples: 1 for an unvignetted pixel on the axis.
     pub weight: f32,
+    /// The share of the white image that the pixel has in the result.
+    pub share: f32,
+}
+
+/// The share of a pixel from that of the white image and from the mean weight of its samples. A sample is lit or not,
+/// so that the variance of the mean is about share (1 - share) / samples; each part counts as the other's variance.
+pub(crate) fn share(white: f32, weight: f32, samples: u32) -> f32 {
+    let variance = (white * (1.0 - white)).max(0.0) / samples as f32;
+    let own = WHITE_ERROR * WHITE_ERROR / (WHITE_ERROR * WHITE_ERROR + variance);
+    white + (weight - white) * own
+}
+
+/// Gives pixels at the rims of micro-images whose samples have no light the mean of their neighbors behind the same
+/// microlens. Pixels without such neighbors keep the share of their samples.
+pub(crate) fn fill_rims(lattice: &Lattice, sources: &mut [Source]) {
+    let filled = |place: usize| -> Option<(usize, Source)> {
+        let source = &sources[place];
+        if source.is_lit() || source.share <= 0.0 || lattice.owners[place] == NO_LENS {
+            return None;
+        }
+        let (row, column) = (place / lattice.columns, place % lattice.columns);
+        let around = |k: usize, count: usize| k.saturating_sub(1)..(k + 2).min(count);
+        let near = around(row, lattice.rows.len())
+            .flat_map(|row| around(column, lattice.columns).map(move |column| row * lattice.columns + column))
+            .filter(|&other| lattice.owners[other] == lattice.owners[place] && sources[other].is_lit());
+        let (mut sum, mut count) = (Source::default(), 0.0);
+        for other in near {
+            let Source { color, disparity, .. } = sources[other];
+            sum.color = std::array::from_fn(|c| sum.color[c] + color[c]);
+            sum.disparity += disparity;
+            count += 1.0;
+        }
+        if count == 0.0 {
+            return Some((place, Source { share: source.weight, ..*source }));
+        }
+        let color = sum.color.map(|value| value / count);
+        Some((place, Source { color, disparity: sum.disparity / count, difference: 0.0, ..*source }))
+    };
+    let filled: Vec<(usize, Source)> = (0..sources.len()).into_par_iter().filter_map(filled).collect();
+    for (place, source) in filled {
+        sources[place] = source;
+    }
 }
 
 impl Source {

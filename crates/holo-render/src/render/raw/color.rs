@@ -4,7 +4,7 @@
 use std::ops::Range;
 
 use holo_core::plenoptic::{Microlens, PlenopticCamera};
-use ndarray::{Array3, Array5, ArrayViewMut5, s};
+use ndarray::{Array2, Array3, Array5, ArrayViewMut5, s};
 use rayon::prelude::*;
 
 use super::super::Renderer;
@@ -21,7 +21,9 @@ use crate::error::Error;
 use crate::film::error_distribution::ErrorDistribution;
 use crate::film::guides;
 use crate::film::inverse_depth;
-use crate::film::reconstruct::lattice::{Lattice, LatticeReconstruction, Source, differences_between_pixels};
+use crate::film::reconstruct::lattice::{
+    Lattice, LatticeReconstruction, Source, differences_between_pixels, fill_rims, share,
+};
 use crate::integrator::path::{PathTile, Round, Scratch};
 use crate::integrator::{Integrator, RayCounts};
 use crate::simd::{self, LANES};
@@ -41,6 +43,8 @@ pub(super) struct RawColor<'a> {
     rounds: Vec<Range<u32>>,
     /// Which pixels see the same, if color is reconstructed or its error estimated.
     lattice: Option<Lattice>,
+    /// The white image of these rows, if color is reconstructed.
+    white: Option<Array2<f32>>,
 }
 
 /// The arrays that bands add their light to.
@@ -170,9 +174,11 @@ pub(super) fn with_margin(request: &RawRequest) -> Request {
 
 impl<'a> RawColor<'a> {
     /// The color of the requested `rows` of a `request` with their margin.
-    pub fn new(request: RawRequest<'a>, rows: Range<usize>, integrator: Integrator) -> Self {
+    pub fn new(request: RawRequest<'a>, rows: Range<usize>, integrator: Integrator) -> Result<Self, Error> {
         let lattice = needs_guides(&request).then(|| Lattice::new(request.camera, request.row_range()));
-        Self { bands: bands(&request), rounds: rounds::rounds(&request), request, rows, integrator, lattice }
+        let reconstructs = request.denoise == Denoise::Views;
+        let white = reconstructs.then(|| request.camera.white_rows(request.row_range())).transpose()?;
+        Ok(Self { bands: bands(&request), rounds: rounds::rounds(&request), request, rows, integrator, lattice, white })
     }
 
     /// The number of tiles of all rounds.
@@ -327,6 +333,7 @@ impl<'a> RawColor<'a> {
                 difference: guides[0] * scale,
                 disparity: lattice.disparity_px(f64::from(inverse_depth[2])),
                 weight,
+                share: weight,
             }
         };
         let pixels = color.par_chunks_exact(3).zip(guides.par_chunks_exact(guides::CHANNELS));
@@ -334,6 +341,12 @@ impl<'a> RawColor<'a> {
         let mut sources: Vec<Source> = pixels.map(source).collect();
         if self.request.transport.samples == 1 {
             differences_between_pixels(lattice, &mut sources);
+        }
+        if let Some(white) = self.white.as_ref().and_then(|white| white.as_slice()) {
+            let samples = self.request.transport.samples;
+            let pixels = sources.par_iter_mut().zip(white);
+            pixels.for_each(|(source, &white)| source.share = share(white, source.weight, samples));
+            fill_rims(lattice, &mut sources);
         }
         Some(sources)
     }

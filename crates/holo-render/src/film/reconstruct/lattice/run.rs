@@ -25,7 +25,7 @@ pub(crate) struct LatticeReconstruction<'a> {
     pub filters: bool,
     /// The rows of the sensor to reconstruct; the others are only read.
     pub rows: Range<usize>,
-    /// Color, 3 channels, of all pixels of the lattice, if it is to be replaced: radiance times weight.
+    /// Color, 3 channels, of all pixels of the lattice, if it is to be replaced: radiance times share.
     pub color: Option<&'a mut [f32]>,
     /// The estimated relative error of every pixel, if wanted. 0 for pixels without light.
     pub error: Option<&'a mut [f32]>,
@@ -43,7 +43,7 @@ struct Observed {
 /// A finished pixel.
 struct Finished {
     place: usize,
-    /// `None` for one that keeps its samples.
+    /// `None` if color is not replaced.
     color: Option<[f32; 3]>,
     error: f32,
 }
@@ -180,13 +180,12 @@ impl LatticeReconstruction<'_> {
             for column in own.columns.clone() {
                 let place = lattice.place(row, column);
                 let source = &self.sources[place];
-                if lattice.owners[place] as usize != lens || source.weight <= 0.0 {
+                if lattice.owners[place] as usize != lens || source.share <= 0.0 {
                     continue;
                 }
                 let view = [lattice.view(own.center[1], row), lattice.view(own.center[0], column)];
                 let choice = blocks.interpolate(&smooth, view);
-                let replaces = self.color.is_some() && source.is_lit();
-                let color = replaces.then(|| self.color_of(lens, [row, column], choice.level));
+                let color = self.color.is_some().then(|| self.color_of(lens, [row, column], choice.level));
                 out.push(Finished { place, color, error: choice.error.sqrt() });
             }
         }
@@ -203,17 +202,17 @@ impl LatticeReconstruction<'_> {
         (0..blocks.count()).map(|block| mean(near.iter().map(|choices| &choices[block]))).collect()
     }
 
-    /// The light of a pixel: the mean over a window, or a mixture of those over two, times its weight.
+    /// The light of a pixel: the mean over a window, or a mixture of those over two, times its share.
     fn color_of(&self, lens: usize, [row, column]: [usize; 2], level: f32) -> [f32; 3] {
         // Means of levels may be rounded up.
         let level = level.clamp(0.0, (self.levels() - 1) as f32);
         let (lower, upper) = (level.floor() as usize, level.ceil() as usize);
         let part = level - lower as f32;
         let means = gather(self.lattice, self.sources, lens, [row, column], upper).means;
-        let weight = self.sources[self.lattice.place(row, column)].weight;
+        let share = self.sources[self.lattice.place(row, column)].share;
         std::array::from_fn(|c| {
             let (low, high) = (means[lower][c], means[upper][c]);
-            weight * if part > 0.0 { low + (high - low) * part } else { low }
+            share * if part > 0.0 { low + (high - low) * part } else { low }
         })
     }
 }

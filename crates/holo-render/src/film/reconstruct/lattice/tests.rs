@@ -46,11 +46,13 @@ impl Synthetic {
                 |seed: u32| (uniform(seed, row, column) - 0.5) * 12.0f32.sqrt() * noise * 2.0f32.sqrt() * expected;
             let (a, b) = (half(1), half(2));
             let radiance = expected + (a + b) / 2.0;
+            let weight = 0.2 + 0.8 * uniform(3, row, column);
             sources.push(Source {
                 color: [radiance, 0.5 * radiance, 2.0 * radiance],
                 difference: luminance([1.0, 0.5, 2.0]) * (a - b) / 2.0,
                 disparity,
-                weight: 0.2 + 0.8 * uniform(3, row, column),
+                weight,
+                share: weight,
             });
         }
         Self { lattice, sources }
@@ -192,4 +194,57 @@ fn black_and_bright_pixels_stay_finite() {
         let (color, error) = field.reconstructed(0..40);
         assert!(color.iter().chain(&error).all(|x| x.is_finite()), "{disparity}");
     }
+}
+
+/// Samples count the more, the more of them there are; with few, the share is that of the white image up to its error.
+#[test]
+fn shares_become_those_of_the_samples() {
+    let (white, weight) = (0.4, 0.6);
+    assert!((share(white, weight, 8) - white).abs() < 2e-3);
+    assert!((share(white, weight, 1 << 20) - weight).abs() < 1e-3);
+    let shares: Vec<f32> = (0..24).map(|power| share(white, weight, 1 << power)).collect();
+    assert!(shares.windows(2).all(|pair| pair[0] < pair[1]), "{shares:?}");
+    // Pixels that all or no samples should reach have no noise: the samples know better.
+    for white in [0.0, 1.0] {
+        assert_eq!(share(white, 0.5, 8), 0.5);
+    }
+}
+
+/// With eight samples a pixel, each lit or not, the white image takes away what is most of the noise at the rims.
+#[test]
+fn rims_take_their_shares_from_the_white_image() {
+    const SAMPLES: u32 = 8;
+    let camera = camera(MicrolensGrid::HexRows, 14.0, GridSize::new(120, 130));
+    let Synthetic { lattice, sources } = Synthetic::new(&camera, 0..120, 0.01, 0.1, |_| 1.0);
+    let white = camera.white_image().unwrap();
+    let lit = |place: usize, white: f32| {
+        let is_lit = |k: &u32| uniform(10 + k, place / lattice.columns, place % lattice.columns) < white;
+        (0..SAMPLES).filter(is_lit).count() as f32 / SAMPLES as f32
+    };
+    let mut sources: Vec<Source> = sources
+        .into_iter()
+        .zip(&white)
+        .enumerate()
+        .map(|(k, (source, &white))| {
+            let weight = lit(k, white);
+            let is_lit = weight >= MIN_WEIGHT;
+            let color = if is_lit { source.color } else { [0.0; 3] };
+            let disparity = if is_lit { source.disparity } else { 0.0 };
+            Source { color, disparity, weight, share: weight, ..source }
+        })
+        .collect();
+    let squared_error = |sources: &[Source]| {
+        let all = Synthetic { lattice: Lattice::new(&camera, 0..120), sources: sources.to_vec() };
+        let (color, _) = all.reconstructed(0..120);
+        let squares =
+            color.iter().zip(&white).filter(|(_, white)| **white > 0.05).map(|(color, white)| (color - white).powi(2));
+        squares.sum::<f32>() / white.iter().filter(|white| **white > 0.05).map(|white| white * white).sum::<f32>()
+    };
+    let before = squared_error(&sources);
+    for (source, &white) in sources.iter_mut().zip(&white) {
+        source.share = share(white, source.weight, SAMPLES);
+    }
+    fill_rims(&lattice, &mut sources);
+    let after = squared_error(&sources);
+    assert!(after < before / 10.0, "{before:e} {after:e}");
 }
