@@ -44,8 +44,16 @@ const NAMES: [&str; 22] = [
     "out_00_00_0.0_0.0.png",
 ];
 
-/// Names that no job writes: the files of somebody's work.
-const OWN: [&str; 4] = ["thesis.tex", ".git/config", "notes/scene_el.png", "scene_el.png.bak"];
+/// Names that no job writes, and those that a dataset gives to files that only their contents tell from these: the files
+/// of somebody's work.
+const OWN: [&str; 6] = [
+    "thesis.tex",
+    ".git/config",
+    "notes/scene_el.png",
+    "scene_el.png.bak",
+    "light_fields.csv",
+    "contact_sheet_2x2.png",
+];
 
 /// One triangle before a camera.
 static SCENE: LazyLock<SceneSource> = LazyLock::new(|| {
