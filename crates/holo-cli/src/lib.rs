@@ -83,9 +83,9 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
     }
 }
 
-/// Removes the temporary files that killed commands left in the folder of the output. Errors do no harm.
+/// Removes the temporary files that killed commands left in the folders of the outputs. Errors do no harm.
 fn remove_leftovers(words: &ArgMatches) {
-    for name in ["out", "output"] {
+    for name in ["out", "output", "error_map", "confidence"] {
         let Ok(Some(mut given)) = words.try_get_raw(name) else { continue };
         let Some(path) = given.next().map(Path::new) else { continue };
         let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));

@@ -14,6 +14,11 @@ use ndarray::Array3;
 
 pub use crate::python::peer;
 
+/// The program: that of this build, or the one at the path `HOLO_PROGRAM`, to see how an older one fails.
+pub fn program() -> PathBuf {
+    std::env::var_os("HOLO_PROGRAM").map_or_else(|| env!("CARGO_BIN_EXE_holo").into(), PathBuf::from)
+}
+
 /// The scene in every [`Bench`].
 pub const SCENE: &str = "tiny.glb";
 
@@ -65,7 +70,7 @@ impl Bench {
 
     /// `holo` with arguments separated by blanks, ready to be changed or started.
     pub fn command(&self, arguments: &str) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_holo"));
+        let mut command = Command::new(program());
         command.current_dir(self.folder.path()).stdin(Stdio::null()).args(arguments.split_whitespace());
         command.env_remove("SOURCE_DATE_EPOCH");
         command
