@@ -4,8 +4,8 @@ use crate::common;
 use std::path::Path;
 use std::process::Command;
 
-use crate::common::{Bench, Outcome, SCENE, SMALL, read_u8};
-use holo_io::{Limits, Manifest, read_pfm_gray};
+use crate::common::{Bench, Outcome, SCENE, SMALL};
+use holo_io::Manifest;
 
 fn failed(outcome: &Outcome, words: &[&str]) {
     assert_eq!((outcome.code, outcome.stdout.as_str()), (Some(1), ""), "{outcome:?}");
@@ -127,8 +127,9 @@ fn a_write_that_fails_over_older_results_leaves_whole_files() {
     failed(&with_small_files(&bench, &arguments), &["cannot write out/scene_"]);
     assert!(!bench.list("out").contains(&"manifest.json".into()), "no manifest vouches for a mixture");
     assert!(bench.list("out").iter().all(|name| !name.ends_with(".part")), "{:?}", bench.list("out"));
-    assert_eq!(read_u8(bench.path("out/scene_el.png")).dim(), (32, 60, 3), "the older image, whole");
-    assert_eq!(read_pfm_gray(bench.path("out/scene_depth.pfm"), &Limits::default()).unwrap().dim(), (32, 48));
+    assert_eq!(common::read_u8(bench.path("out/scene_el.png")).dim(), (32, 60, 3), "the older image, whole");
+    let depth = holo_io::read_pfm_gray(bench.path("out/scene_depth.pfm"), &holo_io::Limits::default()).unwrap();
+    assert_eq!(depth.dim(), (32, 48));
 }
 
 /// A file system of 64 KiB at a path, for as long as this lives.

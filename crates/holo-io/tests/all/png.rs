@@ -2,7 +2,6 @@
 #![cfg(feature = "png")]
 
 use std::fs;
-use std::path::Path;
 
 use holo_core::DynImage;
 use holo_io::{
@@ -346,7 +345,10 @@ fn a_full_disk_is_reported_with_its_path_and_the_error_of_the_system() {
         for image in [Array3::zeros((1, 1, 3)), large_image()] {
             let error = write_png("/dev/full", image.view(), ColorEncoding::Srgb, compression).unwrap_err();
             let Error::Io { path, error: source, .. } = &error else { panic!("{error}") };
-            assert_eq!((path.as_path(), source.kind()), (Path::new("/dev/full"), std::io::ErrorKind::StorageFull));
+            assert_eq!(
+                (path.as_path(), source.kind()),
+                (std::path::Path::new("/dev/full"), std::io::ErrorKind::StorageFull)
+            );
             assert!(error.to_string().contains("free some space"), "{error}");
         }
     }

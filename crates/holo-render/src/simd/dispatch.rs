@@ -50,6 +50,7 @@ fn avx2<K: Kernel>(kernel: K) -> K::Output {
 /// Runs the kernel on every instruction set of this processor, slowest first: for tests that compare them.
 #[cfg(test)]
 pub(crate) fn run_on_all<K: Kernel>(mut kernel: impl FnMut() -> K) -> Vec<K::Output> {
+    #[cfg_attr(not(target_arch = "x86_64"), allow(unused_mut, reason = "there is one set"))]
     let mut results = vec![kernel().run()];
     #[cfg(target_arch = "x86_64")]
     {
