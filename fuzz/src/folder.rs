@@ -126,6 +126,7 @@ fn plant(bytes: &mut Bytes, root: &Path, victim: &Path) {
         4 => symlink(victim.join("keep.txt"), &path),
         5 => symlink(if name.contains('/') { "../../victim/inner" } else { "../victim/inner" }, &path),
         6 => symlink(bytes.pick(&["..", ".", "nowhere", "../victim", "/dev/zero"]), &path),
+        #[cfg(not(target_vendor = "apple"))]
         7 => rustix::fs::mkfifoat(rustix::fs::CWD, &path, rustix::fs::Mode::RWXU).map_err(Into::into),
         _ => fs::write(&path, "%PDF"),
     };
@@ -155,7 +156,7 @@ fn act(bytes: &mut Bytes, root: &Path, base: &Path) {
         2 | 3 => drop(job.run(root, &RunOptions::new().overwrite(true))),
         4 => drop(job.run(root, &RunOptions::new().shard(Shard { part: 1, of: 2 }))),
         5 => drop(verify(root)),
-        6 => drop(merge(root, &[base.join("victim"), root.to_owned()], &rollback)),
+        6 => drop(merge(root, &[base.join("victim"), root.to_owned()], &(), &rollback)),
         7 => drop(WebDataset::default().write(root, &base.join("packed"), &rollback)),
         8 => {
             let views = [GridSize::new(2, 2)];

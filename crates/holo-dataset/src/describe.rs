@@ -4,6 +4,7 @@
 
 mod catalog;
 pub(crate) mod index;
+mod own;
 mod verify;
 mod webdataset;
 

@@ -10,16 +10,16 @@ mod images;
 pub(crate) mod layers;
 mod motion;
 mod names;
+pub(crate) mod poses;
 pub(crate) mod raw;
+pub(crate) mod sequence;
 mod statistics;
 mod subset;
 mod tools;
 mod wanted;
 
 pub(crate) use self::files::{Exposed, Finished, Traced, TracedCamera, TracedViews, exposure_ev, write};
-pub(crate) use self::folder::{
-    CHECKPOINT, CHECKPOINT_MAGIC, checkpoints, existing, inner_name, leftover, remove_checkpoints,
-};
+pub(crate) use self::folder::{CHECKPOINT, CHECKPOINT_MAGIC, checkpoints, existing, inner_name, remove_checkpoints};
 pub use self::folder::{OutputFolder, Rollback};
 pub(crate) use self::images::HIGHRES_SCALE;
 pub use self::statistics::{ColorStatistics, EstimatedError, Statistics};

@@ -7,6 +7,7 @@
 //! **May import:** settings, output, resume.
 
 mod choices;
+mod engine;
 mod identity;
 mod job;
 mod motion;
@@ -19,10 +20,11 @@ mod source;
 mod trace;
 mod warning;
 
+pub(crate) use self::engine::{engine_name, libraries};
 pub(crate) use self::identity::{camera_digest, poses_digest};
 pub use self::job::{Event, RenderJob, Rendering, RunOptions, Shot, ShotOutcome};
 pub use self::prepare::{Prepared, Stage};
-pub(crate) use self::prepare::{engine_name, pose_of_scene, shifted};
+pub(crate) use self::prepare::{pose_of_scene, shifted};
 pub use self::report::{CameraReport, RenderReport, Seconds};
 pub(crate) use self::runner::Runner;
 pub use self::source::SceneSource;

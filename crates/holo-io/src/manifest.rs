@@ -57,6 +57,8 @@ const MAX_BYTES: u64 = 16 << 20;
 pub struct Manifest {
     /// Versions of `holo` and of the ray tracing backend that made the files.
     pub versions: BTreeMap<String, String>,
+    /// The libraries that were loaded to make the files, by the names of their files: not part of what identifies an image.
+    pub libraries: BTreeMap<String, FileDigest>,
     /// Random seed.
     pub seed: u64,
     /// The other settings, by their names on the command line.

@@ -131,7 +131,8 @@ impl CameraArray {
     ///
     /// [`Error::BadInput`] if a camera has no size; [`Error::Io`] if the file cannot be written.
     pub fn write(&self, path: impl Destination, up: WorldUp) -> Result<FileDigest, Error> {
-        self.write_paths(&path, up, |name| format!("images/{name}.png"))
+        let text = self.to_json(path.path(), up, |name| format!("images/{name}.png"))?;
+        write_file(path, text.as_bytes())
     }
 
     /// Writes a file whose poses are those of folders, each with a light field or a raw image, instead of images.
@@ -140,16 +141,20 @@ impl CameraArray {
     ///
     /// Those of [`CameraArray::write`].
     pub fn write_folders(&self, path: impl Destination, up: WorldUp) -> Result<FileDigest, Error> {
-        self.write_paths(&path, up, str::to_owned)
+        let text = self.to_folders_json(path.path(), up)?;
+        write_file(path, text.as_bytes())
     }
 
-    fn write_paths(
-        &self,
-        destination: &dyn Destination,
-        up: WorldUp,
-        of: impl Fn(&str) -> String,
-    ) -> Result<FileDigest, Error> {
-        let path = destination.path();
+    /// Returns the text of the file that [`write_folders`](CameraArray::write_folders) writes to `path`.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadInput`] if a camera has no size.
+    pub fn to_folders_json(&self, path: &Path, up: WorldUp) -> Result<String, Error> {
+        self.to_json(path, up, str::to_owned)
+    }
+
+    fn to_json(&self, path: &Path, up: WorldUp, of: impl Fn(&str) -> String) -> Result<String, Error> {
         let frame = |camera: &ArrayCamera| -> Result<Value, Error> {
             let Some(size) = camera.size else {
                 return Err(Error::bad_input(path, format!("camera '{}' has no size", crate::shown(&camera.name))));
@@ -170,7 +175,7 @@ impl CameraArray {
         let root = json!({ "camera_model": "PINHOLE", "frames": frames });
         let mut text = serde_json::to_string_pretty(&root).map_err(|why| Error::bad_input(path, why.to_string()))?;
         text.push('\n');
-        write_file(destination, text.as_bytes())
+        Ok(text)
     }
 }
 

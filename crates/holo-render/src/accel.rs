@@ -15,6 +15,7 @@ mod packet;
 pub(crate) mod refine;
 pub(crate) mod triangle;
 
+use std::path::Path;
 use std::sync::Arc;
 
 pub(crate) use packet::{
@@ -74,6 +75,11 @@ pub(crate) trait Engine: Send + Sync {
 
     /// The name and version for logs and manifests, such as "embree 4.4.0".
     fn name(&self) -> &str;
+
+    /// The file that was loaded for the engine, if it is known.
+    fn library(&self) -> Option<&Path> {
+        None
+    }
 }
 
 /// The instancing policy for the engine of `backend`.

@@ -15,6 +15,7 @@ mod world;
 
 use std::num::NonZeroUsize;
 use std::ops::Range;
+use std::path::Path;
 use std::sync::Arc;
 
 use holo_core::optics::{DepthRange, DisparityRange, rig_for_disparities};
@@ -91,6 +92,13 @@ impl Renderer {
     #[must_use]
     pub fn engine_name(&self) -> &str {
         self.engines[0][0].name()
+    }
+
+    /// The file of the library that was loaded for the ray tracing backend; `None` if it is built in, or the system does
+    /// not tell.
+    #[must_use]
+    pub fn engine_library(&self) -> Option<&Path> {
+        self.engines[0][0].library()
     }
 
     /// Why [`Backend::Auto`] did not select Embree; `None` if it did, or if the backend was requested explicitly.

@@ -49,7 +49,7 @@ pub fn target(options: &TargetOptions) -> Result<(), Failure> {
         job.check_replaceable(&options.out)?;
     }
     let bar = Bar::new("rendering", false);
-    let done = job.run(&options.out, &bar, interrupt::rollback());
+    let done = job.run(&options.out, &bar, &say_unless(false), interrupt::rollback());
     bar.finish();
     let (files, corners) = done?;
     say!("wrote {} files with {corners} corners to {}", files.len(), options.out.display());

@@ -52,13 +52,24 @@ fn pipe(path: &Path) {
     assert!(Command::new("mkfifo").arg(path).status().unwrap().success());
 }
 
-/// A manifest that lists files with their true sizes and digests.
-fn plant(bench: &Bench, name: &str, folder: &str, files: &[&str]) {
+/// What is planted where: a manifest of either format under either name, and what replaces it.
+const PLANTED: [(&str, u32, &str, &str); 4] = [
+    ("a1", 1, ".manifest.old.json", ""),
+    ("a2", 2, ".manifest.old.json", ""),
+    ("b1", 1, "manifest.json", "--overwrite"),
+    ("b2", 2, "manifest.json", "--overwrite"),
+];
+
+/// A manifest of a format that lists files with their true sizes and digests.
+fn plant(bench: &Bench, name: &str, format: u32, folder: &str, files: &[&str]) {
     let mut manifest = Manifest::default();
     for file in files {
         manifest.files.insert((*file).to_owned(), hash_file(bench.path(folder).join(file)).unwrap());
     }
-    manifest.write(bench.path(folder).join(name)).unwrap();
+    let text = manifest.to_json().unwrap();
+    assert!(text.contains("holo manifest 2"), "{text}");
+    fs::write(bench.path(folder).join(name), text.replace("holo manifest 2", &format!("holo manifest {format}")))
+        .unwrap();
 }
 
 /// Waits until a file of a folder has a name, and returns it.
@@ -80,11 +91,11 @@ fn wait_for(child: &mut Child, folder: &Path, is_it: impl Fn(&str) -> bool) -> S
 #[test]
 fn a_planted_manifest_deletes_nothing_through_a_link() {
     let bench = bench();
-    for (out, name, more) in [("a", ".manifest.old.json", ""), ("b", "manifest.json", "--overwrite")] {
+    for (out, format, name, more) in PLANTED {
         fs::create_dir(bench.path(out)).unwrap();
         symlink("../victim", bench.path(out).join("x")).unwrap();
         symlink("../victim", bench.path(out).join("depth")).unwrap();
-        plant(&bench, name, out, &["x/keep.txt", "depth/keep.txt"]);
+        plant(&bench, name, format, out, &["x/keep.txt", "depth/keep.txt"]);
         let outcome = holo(&bench, &format!("render {SCENE} --out {out} {SMALL} --spp 1 {more}"));
         assert_eq!(outcome.code, Some(0), "{outcome:?}");
         assert_eq!(outcome.stderr.contains("is not used"), name == ".manifest.old.json", "{outcome:?}");
@@ -95,11 +106,11 @@ fn a_planted_manifest_deletes_nothing_through_a_link() {
 #[test]
 fn a_planted_manifest_deletes_no_file_that_no_job_writes_or_that_has_changed() {
     let bench = bench();
-    for (out, name, more) in [("a", ".manifest.old.json", ""), ("b", "manifest.json", "--overwrite")] {
+    for (out, format, name, more) in PLANTED {
         fs::create_dir_all(bench.path(out).join(".git")).unwrap();
         let own = ["thesis.tex", ".git/config", "scene_notes.png"];
         own.iter().for_each(|file| fs::write(bench.path(out).join(file), *file).unwrap());
-        plant(&bench, name, out, &own);
+        plant(&bench, name, format, out, &own);
         fs::write(bench.path(out).join("scene_notes.png"), "scene_nOtes.png").unwrap();
         let outcome = holo(&bench, &format!("render {SCENE} --out {out} {SMALL} --spp 1 {more}"));
         assert_eq!(outcome.code, Some(0), "{outcome:?}");
@@ -109,6 +120,84 @@ fn a_planted_manifest_deletes_no_file_that_no_job_writes_or_that_has_changed() {
     bench.render("c", "--write el,depth");
     holo(&bench, &format!("render {SCENE} --out c {SMALL} --spp 1 --write el --overwrite"));
     assert!(!bench.path("c/scene_depth.pfm").exists());
+}
+
+/// Row 2: files in the root of a dataset that only have the names of its own.
+#[test]
+fn a_dataset_replaces_no_file_that_only_has_a_name_of_its_own() {
+    let bench = bench();
+    let arguments = format!("dataset --glb {SCENE} --scenes none --views 3x3 --spp 1 --out set");
+    let poses = r#"{"frames": [{"file_path": "a", "fl_x": 9, "w": 8, "h": 6, "note": "mine",
+        "transform_matrix": [[1,0,0,0],[0,1,0,0],[0,0,1,1],[0,0,0,1]]}]}"#;
+    fs::write(bench.path("mine.json"), poses).unwrap();
+    // What a stranger says of a folder grants no right.
+    let complete = format!("{} --sensor 36x24", arguments.replace("--out set", "--out whole"));
+    assert_eq!(holo(&bench, &complete).code, Some(0));
+    let planted = fs::read(bench.path("whole/dataset.json")).unwrap();
+    let names = ["train.txt", "test.txt", "light_fields.csv", "croissant.json", "contact_sheet_3x3.png", "DATASET.md"];
+    for (name, text) in
+        names.map(|name| (name, "mine\n")).into_iter().chain([("dataset.json", "{}"), ("transforms.json", poses)])
+    {
+        fs::create_dir(bench.path("set")).unwrap();
+        if name != "dataset.json" {
+            fs::write(bench.path("set/dataset.json"), &planted).unwrap();
+        }
+        fs::write(bench.path("set").join(name), text).unwrap();
+        let before = bench.list("set");
+        let pixels = if name == "transforms.json" { "--transforms mine.json --focus-m 1" } else { "--sensor 36x24" };
+        failed(&holo(&bench, &format!("{arguments} {pixels}")), &[name, "none of its own"]);
+        assert_eq!(bench.list("set"), before);
+        assert_eq!(fs::read_to_string(bench.path("set").join(name)).unwrap(), text);
+        assert!(name == "dataset.json" || fs::read(bench.path("set/dataset.json")).unwrap() == planted);
+        fs::remove_dir_all(bench.path("set")).unwrap();
+    }
+    // Other sheets than those of the dataset are no concern of it, and its own give way to another dataset.
+    fs::write(bench.path("whole/contact_sheet_9x9.png"), "mine").unwrap();
+    let other = complete.replace("3x3", "2x2");
+    assert_eq!(holo(&bench, &other).code, Some(0));
+    let list = bench.list("whole");
+    let has = |name: &str| list.iter().any(|entry| entry == name);
+    assert!(has("contact_sheet_9x9.png") && has("contact_sheet_2x2.png") && !has("contact_sheet_3x3.png"), "{list:?}");
+    // Poses that are read from the folder where those of the images would be written.
+    fs::create_dir(bench.path("poses")).unwrap();
+    fs::write(bench.path("poses/transforms.json"), poses).unwrap();
+    let render =
+        format!("render {SCENE} --transforms poses/transforms.json --views 3x3 --spp 1 --focus-m 1 --out poses");
+    let outcome = holo(&bench, &render);
+    assert!(outcome.code == Some(2) && outcome.stderr.contains("came from elsewhere"), "{outcome:?}");
+    assert_eq!(bench.list("poses"), ["transforms.json"]);
+}
+
+/// Row 2: the array of all frames.
+#[test]
+fn a_sequence_replaces_no_array_of_another() {
+    let bench = bench();
+    assert_eq!(holo(&bench, "scene pendulum").code, Some(0));
+    let render = "render pendulum.glb --frame 3-4 --lenses 12x8 --views 3x2 --spp 1 --quiet --overwrite";
+    for target in [None, Some("../victim/keep.txt")] {
+        fs::create_dir(bench.path("out")).unwrap();
+        let file = bench.path("out/sequence_5d.h5");
+        match target {
+            Some(target) => symlink(target, &file).unwrap(),
+            None => fs::write(&file, "mine").unwrap(),
+        }
+        if cfg!(feature = "hdf5") {
+            let outcome = holo(&bench, &format!("{render} --out out --write h5"));
+            assert!(outcome.code == Some(2) && outcome.stderr.contains("came from elsewhere"), "{outcome:?}");
+            assert_eq!(bench.list("out"), ["sequence_5d.h5"]);
+        }
+        let outcome = holo(&bench, &format!("{render} --out out --write el"));
+        assert_eq!(outcome.code, Some(0), "{outcome:?}");
+        assert_eq!(fs::read(&file).unwrap(), if target.is_some() { "keep" } else { "mine" }.as_bytes());
+        fs::remove_dir_all(bench.path("out")).unwrap();
+    }
+    if cfg!(feature = "hdf5") {
+        // Its own goes, because the frames get another shape.
+        assert_eq!(holo(&bench, &format!("{render} --out out --write h5")).code, Some(0));
+        assert!(bench.path("out/sequence_5d.h5").is_file());
+        assert_eq!(holo(&bench, &format!("{render} --out out --write el")).code, Some(0));
+        assert!(!bench.path("out/sequence_5d.h5").exists());
+    }
 }
 
 /// Row 3.
@@ -145,15 +234,15 @@ fn pack_archives_no_device_and_nothing_behind_a_link() {
     assert_eq!(made.code, Some(0), "{made:?}");
     let (file, manifest) = (bench.path("set/tiny/3x3/scene_depth.pfm"), bench.path("set/tiny/3x3/manifest.json"));
     for target in ["/dev/zero", "../../../victim/keep.txt"] {
-        let mut listed = Manifest::read(&manifest).unwrap();
-        let length = if target == "/dev/zero" { 0 } else { 4 };
-        listed.files.get_mut("scene_depth.pfm").unwrap().bytes = length;
-        listed.write(&manifest).unwrap();
+        // As text, so that the format stays that of the program.
+        let mut listed: serde_json::Value = serde_json::from_slice(&fs::read(&manifest).unwrap()).unwrap();
+        listed["files"]["scene_depth.pfm"]["bytes"] = if target == "/dev/zero" { 0.into() } else { 4.into() };
+        fs::write(&manifest, listed.to_string()).unwrap();
         fs::remove_file(&file).unwrap();
         symlink(target, &file).unwrap();
         // A larger archive would be one without an end.
         let mut command = Command::new("sh");
-        command.args(["-c", "trap '' XFSZ; ulimit -f 20000; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_holo")]);
+        command.args(["-c", "trap '' XFSZ; ulimit -f 20000; exec \"$0\" \"$@\""]).arg(common::program());
         command.args(["pack", "set", "--out", "packed"]).current_dir(bench.path(""));
         failed(&run(&bench, command), &["symbolic link"]);
         assert!(!bench.path("packed").exists());
@@ -169,7 +258,7 @@ fn no_library_of_the_working_folder_is_loaded() {
         fs::write(bench.path(folder).join("libembree4.so.4"), "no library").unwrap();
     }
     // The copy has no folder `embree` next to it.
-    fs::copy(env!("CARGO_BIN_EXE_holo"), bench.path("bin/holo")).unwrap();
+    fs::copy(common::program(), bench.path("bin/holo")).unwrap();
     for value in ["", ".", "holo/.."] {
         let mut command = Command::new(bench.path("bin/holo"));
         command.current_dir(bench.path("")).args(format!("render {SCENE} --out out {SMALL} --spp 1").split(' '));

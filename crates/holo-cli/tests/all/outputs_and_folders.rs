@@ -2,6 +2,7 @@
 
 use crate::common;
 use crate::common::{Bench, Outcome, SCENE, SMALL};
+#[cfg(feature = "hdf5")]
 use crate::python;
 use holo_io::{HciFolder, HciQuantity, HciResolution, Limits, Manifest, read_exr, read_pfm_gray};
 use serde_json::Value;

@@ -114,7 +114,7 @@ impl DecodeJob {
         };
         let decoded = camera.decode(raw.view(), white.view(), count)?;
         drop(raw);
-        let mut folder = OutputFolder::create(out, rollback)?;
+        let mut folder = OutputFolder::create(out, rollback, diagnostics)?;
         let central = self.truth(&decoded, diagnostics)?;
         let mut settings = self.settings.clone();
         if central.iter().next().is_none() && settings.output.write.is_empty() {

@@ -16,6 +16,8 @@ use crate::output::raw::{
 use crate::output::{OutputFolder, Rollback};
 use crate::resume::identity::check_replaceable;
 use crate::settings::{EngineSettings, Exposure};
+use crate::shot::libraries;
+use crate::watch::Diagnostics;
 
 /// How far from the edge of a micro-image corners are listed, px: less than half of a detector's window is cut off.
 const BORDER_PX: f64 = 1.5;
@@ -88,11 +90,17 @@ impl TargetJob {
     /// # Errors
     /// [`Error::BadRequest`] for an impossible board or no pose; [`Error::Render`] for errors and cancellation of the
     /// renderer; [`Error::Io`] if files cannot be written.
-    pub fn run(&self, out: &Path, progress: &dyn Progress, rollback: &Rollback) -> Result<(Vec<String>, usize), Error> {
+    pub fn run(
+        &self,
+        out: &Path,
+        progress: &dyn Progress,
+        diagnostics: &dyn Diagnostics,
+        rollback: &Rollback,
+    ) -> Result<(Vec<String>, usize), Error> {
         let poses = self.validated_poses()?;
         let camera = &self.camera.camera;
         let white = lit_white_image(&self.camera)?;
-        let mut folder = OutputFolder::create(out, rollback)?;
+        let mut folder = OutputFolder::create(out, rollback, diagnostics)?;
         folder.unseal()?;
         let text = self.camera.to_toml();
         folder.add(CAMERA_TOML, holo_io::write_file(folder.file(CAMERA_TOML), text.as_bytes())?);
@@ -100,6 +108,7 @@ impl TargetJob {
         write_white(&mut folder, "white", &white)?;
         let mut table = String::from("k,l,u,v,rho,cluster,frame,x,y,z,type,visible\n");
         let mut count = 0;
+        let mut manifest = self.identity();
         for (frame, pose) in poses.iter().enumerate() {
             let placed = transform(pose);
             count += self.list_corners(frame, &placed, &mut table);
@@ -107,13 +116,14 @@ impl TargetJob {
             let renderer = Renderer::new(&self.board(&placed), &Transform::IDENTITY, backend, threads)?;
             let request = Request::new(camera.clone()).integrator(Integrator::Direct).samples(self.samples);
             let request = request.seed(self.seed + frame as u64).layers(LayerSet::EMPTY);
+            manifest.libraries = libraries(&renderer);
             let color = renderer.render(&request, progress)?.color;
             let color = color.ok_or_else(|| Error::Failed("the renderer returned no color".into()))?;
             // A white square has 80 % of the range.
             write_raw(&mut folder, &format!("frame_{frame:02}"), image(color)?, Exposure::Ev(0.0))?;
         }
         folder.add("corners.csv", holo_io::write_file(folder.file("corners.csv"), table.as_bytes())?);
-        Ok((folder.seal(self.identity())?, count))
+        Ok((folder.seal(manifest)?, count))
     }
 
     /// Checks that the folder `out` holds no other images: it has no manifest, or one of the same target.

@@ -12,7 +12,7 @@ use super::cameras::{self, DatasetCameras};
 
 use crate::Error;
 use crate::describe::index::{self, Entry};
-use crate::output::{OutputFolder, Rollback, TRANSFORMS};
+use crate::output::{OutputFolder, Rollback, poses};
 use crate::resume::Checkpoints;
 use crate::settings::{EngineSettings, Poses, RenderSettings, texts};
 use crate::shot::{RenderJob, RunOptions, Runner, SceneSource, Shot, ShotOutcome, engine_name, poses_digest};
@@ -133,7 +133,8 @@ impl DatasetPlan {
     /// before the jobs, so that an unfinished dataset can be verified too.
     ///
     /// # Errors
-    /// [`Error::Failed`] or [`Error::Io`] if folder or files cannot be written; [`Error::Render`] if the requested backend
+    /// [`Error::Failed`], before anything changes, if a file of these names or of those of the catalog is not the
+    /// dataset's own; [`Error::Failed`] or [`Error::Io`] if folder or files cannot be written; [`Error::Render`] if the requested backend
     /// is not available.
     pub fn describe(&self, root: &Path, diagnostics: &dyn Diagnostics, rollback: &Rollback) -> Result<(), Error> {
         let backend = engine_name(&self.engine, diagnostics)?;
@@ -152,11 +153,7 @@ impl DatasetPlan {
         options.remove("views");
         index::write(folder.folder(), &entries, self.poses(), (&options, &backend))?;
         if let Poses::Array { cameras, up } = &self.settings.poses {
-            let mut cameras = cameras.clone();
-            for camera in &mut cameras.cameras {
-                camera.size = camera.size.or(self.settings.camera.size());
-            }
-            cameras.write_folders(folder.folder().file(TRANSFORMS), *up)?;
+            poses::write(folder.folder(), cameras, *up, self.settings.camera.size())?;
         }
         folder.keep();
         Ok(())

@@ -11,9 +11,9 @@
 //! All of it follows from `dataset.json` and the finished folders that were made as it says, so that it can be written again at
 //! any time. There is a contact sheet of a camera when all scenes are finished.
 
-mod contact_sheet;
-mod croissant;
-mod record;
+pub(super) mod contact_sheet;
+pub(super) mod croissant;
+pub(super) mod record;
 
 use std::fmt::Write;
 use std::path::Path;
@@ -24,9 +24,10 @@ use serde_json::Value;
 
 pub(crate) use self::record::Record;
 use self::record::fields;
+use super::own::{self, Own};
 use super::verify::differences;
 use crate::Error;
-use crate::output::{TRANSFORMS, inner_name};
+use crate::output::inner_name;
 use crate::resume::finished_manifest;
 use crate::watch::Diagnostics;
 
@@ -40,7 +41,7 @@ pub(crate) const CROISSANT_JSON: &str = "croissant.json";
 pub(crate) const LIGHT_FIELDS_CSV: &str = "light_fields.csv";
 
 /// The folders for training, and those for tests.
-const SPLITS: [&str; 2] = ["train.txt", "test.txt"];
+pub(super) const SPLITS: [&str; 2] = ["train.txt", "test.txt"];
 
 /// How many light fields of a dataset a catalog describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,36 +64,18 @@ pub fn finished(root: &Path) -> Result<Described, Error> {
     })
 }
 
-/// Removes a catalog and the poses, before folders and `dataset.json` change.
-pub(crate) fn remove(root: &Folder) -> Result<(), Error> {
-    contact_sheet::remove_others(root, &[])?;
-    if let Ok(index) = DatasetIndex::read_in(root) {
-        // Their names alone do not say that they are contact sheets of a dataset.
-        index.cameras.iter().try_for_each(|camera| remove_file(root, &contact_sheet::file_name(camera)))?;
-        if index.poses.is_some() {
-            remove_file(root, TRANSFORMS)?;
-        }
-    }
-    [CROISSANT_JSON, LIGHT_FIELDS_CSV].iter().chain(&SPLITS).try_for_each(|name| remove_file(root, name))
-}
-
-/// Removes a file, unless it is gone already.
-fn remove_file(root: &Folder, name: &str) -> Result<(), Error> {
-    match root.kind(name)? {
-        Some(_) => Ok(root.remove_file(name)?),
-        None => Ok(()),
-    }
-}
-
 /// Writes what the root of a dataset says of its finished folders: `croissant.json`, `light_fields.csv`, `train.txt`,
 /// `test.txt`, and `contact_sheet_<camera>.png` of every camera for which all scenes are finished. Contact sheets that are
 /// newer than all of their folders stay. An image that cannot be read is an empty tile and a warning.
 ///
 /// # Errors
-/// [`Error::Io`] if `dataset.json` cannot be read, or if a file cannot be written.
+/// [`Error::Failed`], before anything is written, if a file of these names is not the dataset's own; [`Error::Io`] if
+/// `dataset.json` cannot be read, or if a file cannot be written.
 pub fn write_catalog(root: &Path, diagnostics: &dyn Diagnostics) -> Result<Described, Error> {
     let index = DatasetIndex::read(root)?;
     let root = &Folder::open(root)?;
+    let own_files = Own::new(root);
+    own_files.check(&index)?;
     let records = records(root, &index)?;
     let document = croissant::document(&index, &records);
     let json = serde_json::to_string_pretty(&document).map_err(|why| Error::Failed(why.to_string()))?;
@@ -103,11 +86,12 @@ pub fn write_catalog(root: &Path, diagnostics: &dyn Diagnostics) -> Result<Descr
         let folders = records.iter().filter(|record| record.is_test == is_test);
         write(name, folders.map(|record| format!("{}\n", record.folder)).collect())?;
     }
-    contact_sheet::remove_others(root, &index.cameras)?;
     for camera in &index.cameras {
         let of_camera: Vec<&Record> = records.iter().filter(|record| record.camera == *camera).collect();
         let is_whole = of_camera.len() == index.scenes.len();
-        contact_sheet::write(root, camera, if is_whole { &of_camera } else { &[] }, diagnostics)?;
+        if !(is_whole && contact_sheet::write(root, camera, &of_camera, diagnostics)?) {
+            own_files.remove(&contact_sheet::file_name(camera))?;
+        }
     }
     Ok(Described { finished: records.len(), of: index.scenes.len() * index.cameras.len() })
 }
@@ -129,9 +113,13 @@ pub(crate) fn records(root: &Folder, index: &DatasetIndex) -> Result<Vec<Record>
             if !is_of(&manifest, camera) || !differences(index, &manifest, &path).is_empty() {
                 continue;
             }
-            // With `/` on every system.
-            let folder = format!("{}/{}", scene.name, camera.name());
-            records.push(Record::new(folder, scene.name.clone(), is_test, camera.clone(), manifest));
+            records.push(Record::new(
+                own::folder(&scene.name, camera),
+                scene.name.clone(),
+                is_test,
+                camera.clone(),
+                manifest,
+            ));
         }
     }
     Ok(records)

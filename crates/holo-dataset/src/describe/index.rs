@@ -9,9 +9,13 @@ use holo_io::dataset::{self as names, DatasetCamera, DatasetIndex, DatasetPoses,
 use holo_scene::gallery;
 
 use super::catalog;
+use super::own::Own;
 use crate::Error;
 use crate::output::TRANSFORMS;
 use crate::settings::{RenderSettings, texts};
+
+/// The title of every `DATASET.md`.
+pub(super) const TITLE: &str = "# A dataset of raw holoscopic images";
 
 /// SPDX identifier of the license of the images.
 const LICENSE: &str = "CC0-1.0";
@@ -66,7 +70,8 @@ pub(crate) struct Entry {
 /// Settings as text, by key.
 type Options = BTreeMap<String, String>;
 
-/// Writes both files for a dataset of these jobs, which have these settings and were made by this backend.
+/// Writes both files for a dataset of these jobs, which have these settings and were made by this backend. Nothing
+/// changes if a file that the dataset will write is there and is none of its own.
 pub(crate) fn write(
     root: &Folder,
     entries: &[Entry],
@@ -74,9 +79,11 @@ pub(crate) fn write(
     (options, backend): (&Options, &str),
 ) -> Result<(), Error> {
     let index = index(entries, poses, options, backend);
+    let own = Own::new(root);
+    own.check(&index)?;
     // The catalog of other folders would be one of none.
-    if DatasetIndex::read_in(root).ok().as_ref() != Some(&index) {
-        catalog::remove(root)?;
+    if !own.is(&index) {
+        own.remove_catalog()?;
     }
     index.write_in(root)?;
     holo_io::write_file(root.file(names::DATASET_MD), document(&index).as_bytes())?;
@@ -142,7 +149,7 @@ fn plenoptic(index: &DatasetIndex) -> Vec<(&str, GridSize)> {
 /// Scenes, cameras, files and conventions.
 fn write_contents(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
     let (scenes, shapes, cameras) = (&index.scenes, shapes(index), plenoptic(index));
-    writeln!(text, "# A dataset of raw holoscopic images\n")?;
+    writeln!(text, "{TITLE}\n")?;
     if !shapes.is_empty() {
         writeln!(
             text,

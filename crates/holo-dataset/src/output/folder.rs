@@ -12,6 +12,7 @@ use holo_io::{AtomicFile, FileDigest, Folder, FolderFile, FolderLock, Manifest, 
 
 use super::names::is_of_a_job;
 use crate::Error;
+use crate::watch::{About, Diagnostics};
 
 /// The name of an older manifest while its folder is written again.
 const OLD_MANIFEST: &str = ".manifest.old.json";
@@ -143,13 +144,18 @@ impl OutputFolder {
     ///
     /// # Errors
     /// [`Error::Failed`] or [`Error::Io`] if the folder cannot be created or written, or another process writes in it.
-    pub fn create(path: &Path, rollback: &Rollback) -> Result<Self, Error> {
-        Self::create_in(path, "", false, rollback)
+    pub fn create(path: &Path, rollback: &Rollback, diagnostics: &dyn Diagnostics) -> Result<Self, Error> {
+        Self::create_in((path, ""), false, rollback, diagnostics)
     }
 
     /// The same for a folder `inner` below `root`, where no link is followed. Where the file system has no locks,
-    /// `overwrite` passes the file of a process that may have ended.
-    pub(crate) fn create_in(root: &Path, inner: &str, overwrite: bool, rollback: &Rollback) -> Result<Self, Error> {
+    /// `overwrite` passes the file of a process that may have ended. A manifest that another run has put aside is reported.
+    pub(crate) fn create_in(
+        (root, inner): (&Path, &str),
+        overwrite: bool,
+        rollback: &Rollback,
+        diagnostics: &dyn Diagnostics,
+    ) -> Result<Self, Error> {
         let mut folder = Self::open(root, inner, rollback)?;
         // Dropped without `commit`, it leaves no file.
         AtomicFile::create(folder.folder.file(dataset::MANIFEST_JSON))?;
@@ -160,6 +166,9 @@ impl OutputFolder {
         })?;
         folder._lock = Some(lock);
         folder.folder.remove_stale_temporary_files()?;
+        if let Some(note) = leftover(&folder.folder) {
+            diagnostics.report(About::Scene, &note);
+        }
         Ok(folder)
     }
 
@@ -320,7 +329,7 @@ pub(crate) fn existing(root: &Path, inner: &str) -> Result<Option<Folder>, Error
 }
 
 /// The line that reports a manifest that another run has put aside, if there is one.
-pub(crate) fn leftover(folder: &Folder) -> Option<String> {
+fn leftover(folder: &Folder) -> Option<String> {
     let path = folder.path_of(OLD_MANIFEST);
     let is_there = !matches!(folder.kind(OLD_MANIFEST), Ok(None));
     is_there.then(|| {

@@ -29,6 +29,7 @@ use crate::output::layers::write_pfm;
 use crate::output::raw::CAMERA_TOML;
 use crate::output::{self, Exposed, Finished, OutputFolder, Rollback, Statistics, Traced, TracedCamera, exposure_ev};
 use crate::settings::{SettingType, Shard};
+use crate::watch::Diagnostics;
 
 const COLOR: &str = "color.pfm";
 
@@ -117,8 +118,13 @@ struct Part {
 /// # Errors
 /// [`Error::BadRequest`] if a folder is no shard, or if a shard is missing or given twice; [`Error::Failed`] if shards
 /// are damaged or of different images; [`Error::Io`] if files cannot be read or written.
-pub fn merge(out: &Path, parts: &[PathBuf], rollback: &Rollback) -> Result<Vec<String>, Error> {
-    let folder = OutputFolder::create(out, rollback)?;
+pub fn merge(
+    out: &Path,
+    parts: &[PathBuf],
+    diagnostics: &dyn Diagnostics,
+    rollback: &Rollback,
+) -> Result<Vec<String>, Error> {
+    let folder = OutputFolder::create(out, rollback, diagnostics)?;
     let parts = Parts::open(parts)?;
     if images::is_images(&parts) {
         return images::merge(&parts, folder);
@@ -274,7 +280,7 @@ fn open(path: &Path) -> Result<Part, Error> {
 /// The manifest that all shards have in common.
 fn same(parts: &[Part]) -> Result<Manifest, Error> {
     let plain = |part: &Part| {
-        let mut manifest = Manifest { files: BTreeMap::new(), ..part.manifest.clone() };
+        let mut manifest = Manifest { files: BTreeMap::new(), libraries: BTreeMap::new(), ..part.manifest.clone() };
         manifest.settings.remove(PART);
         manifest
     };
@@ -298,5 +304,6 @@ fn same(parts: &[Part]) -> Result<Manifest, Error> {
     if !missing.is_empty() {
         return Err(Error::BadRequest(format!("{} missing; give all {of} parts", missing.join(", "))));
     }
-    Ok(first)
+    let libraries = parts.iter().flat_map(|part| part.manifest.libraries.clone()).collect();
+    Ok(Manifest { libraries, ..first })
 }

@@ -3,6 +3,7 @@
 use holo_io::{CameraArray, CameraFile, Manifest, ManifestValue, Sha256};
 use holo_render::{Denoise, Integrator, Rendered, Request, Reuse};
 
+use super::engine::ENGINE;
 use super::prepare::{Prepared, Stage};
 use super::source::SceneSource;
 use crate::Error;
@@ -13,7 +14,7 @@ use crate::settings::{Camera, Frames, Poses, RenderSettings, Sky, to_manifest, w
 pub(super) fn of(source: &SceneSource, settings: &RenderSettings, backend: &str) -> Result<Manifest, Error> {
     let mut manifest = Manifest { seed: settings.light.seed, ..Manifest::default() };
     manifest.versions.insert("holo".into(), env!("CARGO_PKG_VERSION").into());
-    manifest.versions.insert("engine".into(), backend.into());
+    manifest.versions.insert(ENGINE.into(), backend.into());
     to_manifest(settings, &mut manifest);
     let mut set = |key: &str, value: ManifestValue| drop(manifest.settings.insert(key.into(), value));
     set("scene_sha256", source.sha256()?.to_string().into());

@@ -10,11 +10,13 @@
 //! Every camera has an acceleration structure in its own frame, so that depth is exact wherever it stands. Cameras far
 //! apart share no light. All of them share one checkpoint, from which an interrupted job continues.
 
+use std::collections::BTreeMap;
 use std::time::Instant;
 
 use holo_io::{CameraArray, ColorEncoding, Compression, FileDigest, Manifest};
 use holo_render::{Integrator, RayCounts, Rendered, World, exposure};
 
+use super::engine;
 use super::job::{RunOptions, Shot};
 use super::prepare::{Setup, Stage};
 use super::report::{CameraReport, RenderReport, Seconds};
@@ -70,7 +72,7 @@ fn images(
     setup: &Setup,
     (stage, world): (&Stage, &World),
     (array, shard): (&CameraArray, Option<Shard>),
-    (mut folder, identity): (OutputFolder, Manifest),
+    (mut folder, mut identity): (OutputFolder, Manifest),
     keeper: Option<&Keeper>,
     options: &RunOptions,
 ) -> Result<RenderReport, Error> {
@@ -83,13 +85,16 @@ fn images(
     let mine: Vec<usize> = (part - 1..array.cameras.len()).step_by(of).collect();
     let (mut seconds, mut rays, mut samples) = (Seconds::default(), RayCounts::default(), 0);
     let (mut threads, mut why, mut used, mut has_color) = (0, String::new(), setup.wanted.integrator, false);
+    let (mut libraries, planned) = (BTreeMap::new(), identity.clone());
     for (k, &pose) in mine.iter().enumerate() {
         let prepared = setup.prepare(stage, world, pose, options.diagnostics)?;
         seconds.build += prepared.build_seconds;
+        identity = engine::built_with(identity, &prepared.renderer, options.diagnostics);
         let rendering = Instant::now();
         let progress = PartProgress { inner: options.progress, k, of: mine.len() };
         let request = trace::request(setup, &prepared, None)?;
-        let rendered = match keeper {
+        // The checkpoint is of the backend of the job.
+        let rendered = match keeper.filter(|_| identity == planned) {
             Some(all) => {
                 let keeper = ImageKeeper { all, image: (pose, array.cameras.len()), turn: (k, mine.len()) };
                 prepared.renderer.render_with_checkpoint(&request, &progress, &keeper)?
@@ -109,14 +114,15 @@ fn images(
         let writing = Instant::now();
         prepared.renderer.install(|| write(&mut folder, name, &rendered, (exposure, bits), setup.wanted))?;
         seconds.write += writing.elapsed().as_secs_f64();
+        libraries.append(&mut engine::libraries(&prepared.renderer));
     }
     if let Poses::Array { cameras, up } = &settings.poses {
         folder.add(TRANSFORMS, cameras.write(folder.file(TRANSFORMS), *up)?);
     }
-    let mut manifest = Manifest { exposure_ev: exposure.filter(|_| has_color), ..identity };
+    let mut manifest = Manifest { exposure_ev: exposure.filter(|_| has_color), libraries, ..identity };
     manifest.settings.insert("cameras".into(), array.cameras.len().into());
     manifest.settings.insert("integrator".into(), word(&used).into());
-    let backend = manifest.versions.get("engine").cloned().unwrap_or_default();
+    let backend = manifest.versions.get(engine::ENGINE).cloned().unwrap_or_default();
     if let Some(shard) = shard {
         merge::label(&mut manifest, &Label::new(shard, rays, samples, &why));
     }

@@ -1,6 +1,5 @@
 //! The preparation of a shot: the scene at its frame, the camera at its pose, the acceleration structure, the focus.
 
-use std::num::NonZeroUsize;
 use std::path::Path;
 use std::time::Instant;
 
@@ -11,6 +10,7 @@ use holo_render::{Baseline, Camera as Optics, CameraChoice, Framed, Framing, Ren
 use holo_scene::gltf::Loaded;
 use holo_scene::{Camera as SceneCamera, CameraProjection, Scene, Transform};
 
+use super::engine::report_backend;
 use super::sky;
 use super::source::SceneSource;
 use crate::Error;
@@ -272,20 +272,6 @@ impl SceneSource {
         let prepared = setup.prepare(&stage, &stage.world(self, &settings.light.sky, engine)?, 0, diagnostics)?;
         report_backend(&prepared.renderer, diagnostics);
         Ok((stage, prepared))
-    }
-}
-
-/// Returns the ray tracing backend with its version, as manifests contain it.
-pub(crate) fn engine_name(engine: &EngineSettings, diagnostics: &dyn Diagnostics) -> Result<String, Error> {
-    let renderer = Renderer::new(&Scene::default(), &Transform::IDENTITY, engine.backend, NonZeroUsize::new(1))?;
-    report_backend(&renderer, diagnostics);
-    Ok(renderer.engine_name().to_owned())
-}
-
-/// Reports if another backend is used than the requested one.
-fn report_backend(renderer: &Renderer, diagnostics: &dyn Diagnostics) {
-    if let Some(note) = renderer.engine_note() {
-        diagnostics.report(About::Setup, &format!("warning: {note}"));
     }
 }
 

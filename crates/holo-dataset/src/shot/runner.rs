@@ -4,28 +4,28 @@ use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use holo_io::dataset::{MANIFEST_JSON, SEQUENCE_HDF5, SequenceFolder};
+use holo_io::dataset::MANIFEST_JSON;
 use holo_io::{Folder, Manifest};
 use holo_render::{Request, World};
 use ndarray::Axis;
 
 use super::choices::{self, Chosen};
+use super::engine::{self, engine_name};
 use super::identity::{self, at_frame};
 use super::job::{Event, RenderJob, Rendering, RunOptions, Shot, ShotOutcome};
-use super::prepare::{Prepared, Setup, Stage, engine_name};
+use super::prepare::{Prepared, Setup, Stage};
 use super::report::{CameraReport, RenderReport, Seconds};
 use super::{pinholes, trace};
 use crate::Error;
 use crate::output::layers::FLOWS;
 use crate::output::{
     self, Exposed, Finished, OutputFolder, TRANSFORMS, Traced, TracedCamera, Wanted, existing, exposure_ev, inner_name,
-    leftover,
 };
 use crate::resume::checkpoint::Keeper;
 use crate::resume::identity::{check_replaceable, difference};
 use crate::resume::{done, merge};
 use crate::settings::{Camera, Output, Poses, RenderSettings, Shard};
-use crate::watch::{About, Diagnostics};
+use crate::watch::Diagnostics;
 
 /// The folder of a shot.
 struct Place<'a> {
@@ -84,6 +84,11 @@ impl<'a> Runner<'a> {
         let (of_shots, of_image) = if self.is_single() { (None, options.shard) } else { (options.shard, None) };
         self.check_shard(options.shard, of_image)?;
         self.check_root(out)?;
+        if self.job.settings.output.write.contains(&Output::H5) {
+            for shot in shots.iter().filter(|shot| shot.frame == shots[0].frame) {
+                Self::frames_of(shot, out)?.iter().try_for_each(output::sequence::check)?;
+            }
+        }
         if !options.overwrite {
             for shot in shots {
                 self.check_replaceable(shot, out, of_image)?;
@@ -126,7 +131,9 @@ impl<'a> Runner<'a> {
                 let outcome = match (kept, &stage, &world) {
                     (Some(kept), ..) => kept,
                     (None, Some(stage), Some(world)) => {
-                        self.forget_sequence(shot, out)?;
+                        if let Some(folder) = Self::frames_of(shot, out)? {
+                            output::sequence::forget(&folder)?;
+                        }
                         let inner = inner_name(&shot.folder())?;
                         let place = Place { root: out, inner, replaces: options.overwrite };
                         let mut report = self.shot(&setup, (stage, world), shot, &place, of_image, options)?;
@@ -263,21 +270,23 @@ impl<'a> Runner<'a> {
         options: &RunOptions,
     ) -> Result<RenderReport, Error> {
         let start = Instant::now();
-        let folder = OutputFolder::create_in(place.root, &place.inner, options.overwrite, &options.rollback)?;
+        let folder = OutputFolder::create_in(
+            (place.root, &place.inner),
+            options.overwrite,
+            &options.rollback,
+            options.diagnostics,
+        )?;
         if !place.replaces {
             // Again, now that nobody else writes in it.
             let inside = (place.root, place.inner.as_str());
             check_replaceable(inside, || self.identity(shot), |older| merge::other(older, shard))?;
-        }
-        if let Some(note) = leftover(folder.folder()) {
-            options.diagnostics.report(About::Scene, &note);
         }
         if matches!(setup.settings.camera, Camera::Pinhole) {
             return pinholes::render(self, setup, (stage, world), shot, (folder, shard), options);
         }
         let prepared = setup.prepare(stage, world, shot.pose, options.diagnostics)?;
         let rendering = Instant::now();
-        let identity = self.identity(shot)?;
+        let identity = engine::built_with(self.identity(shot)?, &prepared.renderer, options.diagnostics);
         let request = trace::request(setup, &prepared, shard)?;
         let keeper = self.keeper(folder.folder(), (stage, &prepared, &request), &identity, options.diagnostics);
         let traced = trace::trace(
@@ -321,15 +330,22 @@ impl<'a> Runner<'a> {
         Some(Keeper::open(checkpoints, out, of, identity, diagnostics))
     }
 
-    /// Checks that the folder of several poses is not that of an image, to which its `transforms.json` belongs.
+    /// Checks that the folder of several poses is not that of an image, to which its `transforms.json` belongs, and that
+    /// this file is no list from elsewhere.
     fn check_root(&self, out: &Path) -> Result<(), Error> {
         if self.job.settings.poses.cameras().is_none() || self.owns_transforms() {
             return Ok(());
         }
         let Some(folder) = existing(out, "")? else { return Ok(()) };
-        match folder.kind(MANIFEST_JSON)?.is_none() {
+        if folder.kind(MANIFEST_JSON)?.is_some() {
+            return Err(Error::BadRequest(format!("{} holds an image itself; give another `out`", out.display())));
+        }
+        match folder.kind(TRANSFORMS)?.is_none() || output::poses::is_own(&folder) {
             true => Ok(()),
-            false => Err(Error::BadRequest(format!("{} holds an image itself; give another `out`", out.display()))),
+            false => Err(Error::BadRequest(format!(
+                "{}: a file of this name will be written, and this one came from elsewhere; give another `out`",
+                folder.path_of(TRANSFORMS).display()
+            ))),
         }
     }
 
@@ -361,7 +377,7 @@ impl<'a> Runner<'a> {
     fn write(
         &self,
         setup: &Setup,
-        traced: Traced,
+        mut traced: Traced,
         (prepared, request): (&Prepared, &Request),
         shard: Option<Shard>,
         folder: OutputFolder,
@@ -387,6 +403,7 @@ impl<'a> Runner<'a> {
             Some(_) => None,
             None => renderer.install(|| exposure_ev(setup.settings.output.exposure, rendered)),
         };
+        traced.manifest.libraries = engine::libraries(renderer);
         let exposed = Exposed { ev, electrons: setup.electrons };
         let (render, writing) = (rendering.elapsed().as_secs_f64(), Instant::now());
         let Finished { disparity_px, statistics, files } = renderer.install(|| match shard {
@@ -423,16 +440,9 @@ impl<'a> Runner<'a> {
         shot.pose().map_or_else(|| out.to_owned(), |pose| out.join(pose))
     }
 
-    /// Removes the array of all frames, because one of them may get another shape.
-    fn forget_sequence(&self, shot: &Shot, out: &Path) -> Result<(), Error> {
-        if shot.frame.is_none() {
-            return Ok(());
-        }
-        let Some(folder) = existing(out, shot.pose().unwrap_or(""))? else { return Ok(()) };
-        match folder.kind(SEQUENCE_HDF5)? {
-            Some(_) => Ok(folder.remove_file(SEQUENCE_HDF5)?),
-            None => Ok(()),
-        }
+    /// The same folder, if it is there and the shot is one of several frames.
+    fn frames_of(shot: &Shot, out: &Path) -> Result<Option<Folder>, Error> {
+        if shot.frame.is_some() { existing(out, shot.pose().unwrap_or("")) } else { Ok(None) }
     }
 
     /// Writes the files of all shots: the poses, and the light fields of all frames as one array, if HDF5 files are wanted
@@ -440,11 +450,7 @@ impl<'a> Runner<'a> {
     fn finish(&self, out: &Path) -> Result<(), Error> {
         let shots = &self.shots;
         if let (Poses::Array { cameras, up }, false) = (&self.job.settings.poses, self.owns_transforms()) {
-            let mut cameras = cameras.clone();
-            for camera in &mut cameras.cameras {
-                camera.size = camera.size.or(self.job.settings.camera.size());
-            }
-            cameras.write_folders(Folder::open(out)?.file(TRANSFORMS), *up)?;
+            output::poses::write(&Folder::open(out)?, cameras, *up, self.job.settings.camera.size())?;
         }
         if !self.job.settings.output.write.contains(&Output::H5) || shots.iter().any(|shot| shot.frame.is_none()) {
             return Ok(());
@@ -462,7 +468,7 @@ impl<'a> Runner<'a> {
             }
             if all {
                 let frames: Vec<u32> = of_pose.iter().filter_map(|shot| shot.frame).collect();
-                write_sequence(&Self::sequence(first, out), &frames)?;
+                output::sequence::write(&Self::sequence(first, out), &frames)?;
             }
         }
         Ok(())
@@ -472,16 +478,4 @@ impl<'a> Runner<'a> {
     fn owns_transforms(&self) -> bool {
         matches!(self.job.settings.camera, Camera::Pinhole)
     }
-}
-
-#[cfg(feature = "hdf5")]
-fn write_sequence(root: &Path, frames: &[u32]) -> Result<(), Error> {
-    holo_io::write_hdf5_sequence(&SequenceFolder::open(root)?, frames)?;
-    Ok(())
-}
-
-#[cfg(not(feature = "hdf5"))]
-fn write_sequence(root: &Path, _: &[u32]) -> Result<(), Error> {
-    SequenceFolder::open(root)?;
-    Err(output::without_hdf5())
 }

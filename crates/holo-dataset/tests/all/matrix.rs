@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::Mutex;
 
 use holo_core::{GridSize, Sensor};
 use holo_dataset::{
@@ -9,8 +10,9 @@ use holo_dataset::{
     RenderJob, RenderSettings, RigSettings, Rollback, RunOptions, Sky, WebDataset, merge, verify, write_catalog,
 };
 use holo_io::dataset::{self, DatasetIndex};
-use holo_io::{ArrayCamera, CameraArray, CameraFile, MosaicInfo, WorldUp};
-use holo_render::{Denoise, GroundTruth, Integrator, Progress, Reuse, TextureFilter};
+use holo_io::{ArrayCamera, CameraArray, CameraFile, FileDigest, Manifest, MosaicInfo, Sha256, WorldUp};
+use holo_render::{Backend, Denoise, GroundTruth, Integrator, Progress, Renderer, Reuse, TextureFilter};
+use holo_scene::{Scene, Transform};
 
 use crate::gallery;
 
@@ -133,6 +135,57 @@ fn check(out: &Path, job: &RenderJob) {
     assert_eq!((whole.folders, whole.bad_folders), (job.shots().len(), 0), "{whole:?}");
 }
 
+/// The manifest names the file of the library that was loaded.
+#[test]
+fn a_manifest_names_the_library() {
+    let renderer = Renderer::new(&Scene::default(), &Transform::IDENTITY, Backend::Auto, None).expect("a renderer");
+    let folder = tempfile::tempdir().expect("a folder");
+    for (out, backend) in [("auto", Backend::Auto), ("built in", Backend::Bvh)] {
+        let engine = EngineSettings { backend, ..EngineSettings::default() };
+        let job = job(settings(Kind::Rig, false, false)).engine(engine);
+        job.run(folder.path().join(out), &RunOptions::new()).expect("a run");
+        let manifest = Manifest::read(folder.path().join(out).join(dataset::MANIFEST_JSON)).expect("a manifest");
+        let loaded = renderer.engine_library().filter(|_| backend == Backend::Auto);
+        assert_eq!(loaded.is_some(), manifest.versions["engine"].starts_with("embree"), "{manifest:?}");
+        let expected = loaded.map(|path| {
+            let path = path.canonicalize().expect("a file");
+            let name = path.file_name().expect("a name").to_str().expect("UTF-8").to_owned();
+            let bytes = std::fs::read(path).expect("a file");
+            (name, FileDigest { bytes: bytes.len() as u64, sha256: Sha256::of(&bytes) })
+        });
+        assert_eq!(manifest.libraries, expected.into_iter().collect());
+    }
+}
+
+/// A manifest that another run has put aside is reported by every job.
+#[test]
+fn a_manifest_that_lies_aside_is_reported() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (job, out) = (job(settings(Kind::Rig, false, false)), folder.path().join("out"));
+    let notes = Mutex::new(Vec::new());
+    let tell = |_: holo_dataset::About, line: &str| notes.lock().expect("a list").push(line.to_owned());
+    let aside = |out: &Path| {
+        std::fs::create_dir_all(out).expect("a folder");
+        std::fs::write(out.join(".manifest.old.json"), "{}").expect("a file");
+    };
+    let parts: Vec<PathBuf> = (1..=2)
+        .map(|part| {
+            let out = folder.path().join(part.to_string());
+            job.run(&out, &RunOptions::new().shard(holo_dataset::Shard { part, of: 2 })).expect("a part");
+            out
+        })
+        .collect();
+    aside(&out);
+    job.run(&out, &RunOptions::new().diagnostics(&tell)).expect("a run");
+    let merged = folder.path().join("merged");
+    aside(&merged);
+    merge(&merged, &parts, &tell, &Rollback::default()).expect("merged");
+    let notes = notes.into_inner().expect("a list");
+    let of = |out: &Path| notes.iter().filter(|line| line.contains(&*out.to_string_lossy())).count();
+    assert_eq!((of(&out), of(&merged)), (1, 1), "{notes:?}");
+    assert!(notes.iter().all(|line| !line.contains(".manifest.old.json") || line.contains("is not used")), "{notes:?}");
+}
+
 /// All files below a folder.
 fn bytes(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut found = BTreeMap::new();
@@ -236,7 +289,7 @@ fn shards_of_everything_are_the_whole() {
             parts.push(out);
         }
         if is_single {
-            merge(&merged, &parts, &Rollback::default()).expect("merged");
+            merge(&merged, &parts, &(), &Rollback::default()).expect("merged");
         }
         let (whole, merged) = (bytes(&whole), bytes(&merged));
         let names = |files: &BTreeMap<PathBuf, Vec<u8>>| files.keys().cloned().collect::<Vec<_>>();

@@ -17,6 +17,8 @@ struct Document {
     format: String,
     #[serde(default)]
     versions: BTreeMap<String, String>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    libraries: BTreeMap<String, FileEntry>,
     #[serde(default)]
     seed: u64,
     #[serde(default)]
@@ -145,16 +147,20 @@ pub(super) fn write(manifest: &Manifest, path: &Path) -> Result<String, Error> {
     if let Some(name) = manifest.files.keys().find(|name| !stays_inside(name)) {
         return Err(Error::bad_input(path, format!("the manifest lists {name:?}, which is no name inside its folder")));
     }
-    let entry = |written: &FileDigest| FileEntry { bytes: written.bytes, sha256: written.sha256.to_string() };
+    let entries = |files: &BTreeMap<String, FileDigest>| {
+        let entry = |file: &FileDigest| FileEntry { bytes: file.bytes, sha256: file.sha256.to_string() };
+        files.iter().map(|(name, file)| (name.clone(), entry(file))).collect()
+    };
     let document = Document {
         format: FORMAT.to_owned(),
         versions: manifest.versions.clone(),
+        libraries: entries(&manifest.libraries),
         seed: manifest.seed,
         settings: manifest.settings.iter().map(|(key, value)| (key.clone(), value_to_json(value))).collect(),
         rig: manifest.rig,
         disparity_px: manifest.disparity_px.map(|(min, max)| Range { min: min.into(), max: max.into() }),
         exposure_ev: manifest.exposure_ev.map(Number::from),
-        files: manifest.files.iter().map(|(name, written)| (name.clone(), entry(written))).collect(),
+        files: entries(&manifest.files),
     };
     let text = serde_json::to_string_pretty(&document);
     text.map(|text| text + "\n").map_err(|error| Error::bad_input(path, error.to_string()))
@@ -175,23 +181,27 @@ pub(super) fn read(text: &[u8], path: &Path) -> Result<Manifest, Error> {
         ));
     }
     let document: Document = serde_json::from_slice(text).map_err(|error| broken(error.to_string()))?;
-    let mut files = BTreeMap::new();
-    for (name, entry) in document.files {
-        if !stays_inside(&name) {
-            return Err(broken(format!("files: {:?} is no name inside the folder", crate::shown(&name))));
+    let digests = |key: &str, entries: BTreeMap<String, FileEntry>| {
+        let mut files = BTreeMap::new();
+        for (name, entry) in entries {
+            if !stays_inside(&name) {
+                return Err(broken(format!("{key}: {:?} is no name inside the folder", crate::shown(&name))));
+            }
+            let sha256 = Sha256::from_hex(&entry.sha256).ok_or_else(|| {
+                broken(format!("{key}: the SHA-256 of {:?} is not 64 hexadecimal digits", crate::shown(&name)))
+            })?;
+            files.insert(name, FileDigest { bytes: entry.bytes, sha256 });
         }
-        let sha256 = Sha256::from_hex(&entry.sha256).ok_or_else(|| {
-            broken(format!("files: the SHA-256 of {:?} is not 64 hexadecimal digits", crate::shown(&name)))
-        })?;
-        files.insert(name, FileDigest { bytes: entry.bytes, sha256 });
-    }
+        Ok(files)
+    };
     Ok(Manifest {
         versions: document.versions,
+        libraries: digests("libraries", document.libraries)?,
         seed: document.seed,
         settings: document.settings.into_iter().map(|(key, value)| (key, value_from_json(value))).collect(),
         rig: document.rig,
         disparity_px: document.disparity_px.map(|range| (range.min.into(), range.max.into())),
         exposure_ev: document.exposure_ev.map(f64::from),
-        files,
+        files: digests("files", document.files)?,
     })
 }

@@ -28,6 +28,7 @@ fn example() -> Manifest {
     };
     manifest.versions.insert("holo".into(), "0.1.0".into());
     manifest.versions.insert("embree".into(), "4.4.0".into());
+    manifest.libraries.insert("libembree4.so.4".into(), FileDigest { bytes: 4, sha256: Sha256([0xab; 32]) });
     manifest.settings.insert("spp".into(), 16_u32.into());
     manifest.settings.insert("sky".into(), vec![0.2, 0.24, 0.32].into());
     manifest.settings.insert("sensor".into(), GridSize::new(5304, 7952).into());
@@ -48,6 +49,12 @@ fn the_text_is_fixed() {
   "versions": {{
     "embree": "4.4.0",
     "holo": "0.1.0"
+  }},
+  "libraries": {{
+    "libembree4.so.4": {{
+      "bytes": 4,
+      "sha256": "{digest}"
+    }}
   }},
   "seed": 18446744073709551615,
   "settings": {{
@@ -224,6 +231,7 @@ proptest! {
         let [min, max, exposure, _] = numbers;
         let manifest = Manifest {
             versions: BTreeMap::from([("holo".into(), "0".into())]),
+            libraries: BTreeMap::from([("lib".into(), FileDigest { bytes, sha256: Sha256(digest) })]),
             seed,
             settings,
             rig: rig()

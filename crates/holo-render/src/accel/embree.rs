@@ -17,6 +17,7 @@
 
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
 use std::ops::Range;
+use std::path::{Path, PathBuf};
 use std::ptr::{self, NonNull};
 use std::sync::{Arc, OnceLock};
 
@@ -77,6 +78,8 @@ macro_rules! api {
         #[allow(non_snake_case, reason = "the names of the C header")]
         struct Api {
             $($(#[$attribute])* $name: unsafe extern "C" fn($($argument),*) $(-> $result)?,)*
+            /// The file, if it is known.
+            path: Option<PathBuf>,
             _library: Library,
         }
 
@@ -92,6 +95,7 @@ macro_rules! api {
                             unsafe { *library.get(symbol)? }
                         },
                     )*
+                    path: None,
                     _library: library,
                 })
             }
@@ -141,7 +145,10 @@ impl Api {
             let loaded = unsafe { Library::new(&candidate) }.map_err(|why| why.to_string());
             match loaded.and_then(|library| Self::from_library(library).map_err(|why| why.to_string())) {
                 Ok(api) => match api.check() {
-                    Ok(()) => return Ok(api),
+                    Ok(()) => {
+                        let path = file_of(api.rtcNewDevice as *const c_void).or(Some(candidate));
+                        return Ok(Self { path: path.filter(|path| path.is_absolute()), ..api });
+                    }
                     Err(why) => tried.push(format!("{}: {why}", candidate.display())),
                 },
                 // A bare file name that is not found needs no explanation.
@@ -185,6 +192,29 @@ impl Api {
         }
         Ok(())
     }
+}
+
+/// The file that a function was loaded from.
+#[cfg(unix)]
+fn file_of(function: *const c_void) -> Option<PathBuf> {
+    use std::ffi::{CStr, OsStr};
+    use std::os::unix::ffi::OsStrExt;
+
+    let mut found = std::mem::MaybeUninit::<libc::Dl_info>::zeroed();
+    // SAFETY: `dladdr` writes the structure; zeros are a valid one.
+    let (is_found, found) = unsafe { (libc::dladdr(function, found.as_mut_ptr()), found.assume_init()) };
+    if is_found == 0 || found.dli_fname.is_null() {
+        return None;
+    }
+    // SAFETY: the name ends in NUL and lives as long as the library is loaded, which `function` is of.
+    let name = unsafe { CStr::from_ptr(found.dli_fname) };
+    Some(Path::new(OsStr::from_bytes(name.to_bytes())).to_owned())
+}
+
+/// Windows loads from absolute paths only ([`candidates`]).
+#[cfg(not(unix))]
+fn file_of(_: *const c_void) -> Option<PathBuf> {
+    None
 }
 
 /// Why a device could not be created, by the error that the library keeps for this case.
@@ -459,6 +489,10 @@ impl Engine for Embree {
 
     fn name(&self) -> &str {
         &self.name
+    }
+
+    fn library(&self) -> Option<&Path> {
+        self.api.path.as_deref()
     }
 }
 

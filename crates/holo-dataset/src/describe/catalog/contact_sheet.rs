@@ -4,15 +4,14 @@
 //! real size. Of a plenoptic camera the raw image takes the place of the central view.
 
 use holo_core::color::linear_to_srgb8;
-use holo_core::{DynLightField, GridSize, LightFieldOwned, Sample, for_each_sample};
+use holo_core::{DynLightField, LightFieldOwned, Sample, for_each_sample};
 use holo_io::dataset::{DatasetCamera, DatasetFolder, MANIFEST_JSON, RAW_PNG};
-use holo_io::{ColorEncoding, Compression, EntryKind, Folder, Limits};
+use holo_io::{ColorEncoding, Compression, Folder, Limits};
 use image::imageops::{self, FilterType};
 use image::{Rgb, RgbImage};
 use ndarray::{Array3, ArrayView3};
 
 use super::record::Record;
-use super::remove_file;
 use crate::Error;
 use crate::watch::{About, Diagnostics};
 
@@ -28,44 +27,32 @@ const RAW_HEIGHT: u32 = 80;
 /// Between tiles, and half of it between the two images of a tile, px.
 const GAP: u32 = 8;
 
-/// What the names of contact sheets begin and end with.
-const NAME: [&str; 2] = ["contact_sheet_", ".png"];
-
-/// Removes the contact sheets of numbers of views that are not among `cameras`.
-pub(super) fn remove_others(root: &Folder, cameras: &[DatasetCamera]) -> Result<(), Error> {
-    for (name, kind) in root.list()? {
-        let views = name.strip_prefix(NAME[0]).and_then(|name| name.strip_suffix(NAME[1]));
-        let views = views.and_then(|views| views.parse::<GridSize>().ok());
-        // Not a file of the user's that is spelled otherwise.
-        let is_own = |views: GridSize| kind == EntryKind::File && name == of_name(&views.to_string());
-        let is_known = cameras.iter().any(|camera| name == file_name(camera));
-        if views.is_some_and(is_own) && !is_known {
-            remove_file(root, &name)?;
-        }
-    }
-    Ok(())
-}
-
 /// The name of the contact sheet of a camera.
-pub(super) fn file_name(camera: &DatasetCamera) -> String {
-    of_name(&camera.name())
+pub(in super::super) fn file_name(camera: &DatasetCamera) -> String {
+    format!("contact_sheet_{}.png", camera.name())
 }
 
-fn of_name(camera: &str) -> String {
-    format!("{}{camera}{}", NAME[0], NAME[1])
+/// Width and height of the contact sheet of a camera and so many scenes.
+pub(in super::super) fn size(camera: &DatasetCamera, scenes: usize) -> (u32, u32) {
+    let (upper, raw) = match camera {
+        DatasetCamera::Rig(shape) => (shape.lenses(), shape.raw_size()),
+        DatasetCamera::Plenoptic { size, .. } => (*size, *size),
+    };
+    let (width, height) = scaled_size((upper.columns as u32, upper.rows as u32));
+    sheet_size(scenes, (width, height + GAP / 2 + RAW_HEIGHT.min(raw.rows as u32)))
 }
 
-/// Writes `contact_sheet_<camera>.png` of the images of one camera, unless it is newer than all of them. If none of
-/// them has a raw image, there is no contact sheet.
+/// Writes `contact_sheet_<camera>.png` of the images of one camera, unless it is newer than all of them. Returns whether
+/// there is one: not if none of them has a raw image.
 pub(super) fn write(
     root: &Folder,
     camera: &DatasetCamera,
     records: &[&Record],
     diagnostics: &dyn Diagnostics,
-) -> Result<(), Error> {
+) -> Result<bool, Error> {
     let name = file_name(camera);
     if is_newer(&name, root, records) {
-        return Ok(());
+        return Ok(true);
     }
     let mut sheet: Option<(RgbImage, (u32, u32))> = None;
     for (k, record) in records.iter().enumerate() {
@@ -81,25 +68,28 @@ pub(super) fn write(
                 continue;
             }
         };
-        let (sheet, size) = sheet.get_or_insert_with(|| (empty(records.len(), tile.dimensions()), tile.dimensions()));
+        let (sheet, size) = sheet.get_or_insert_with(|| {
+            let (width, height) = sheet_size(records.len(), tile.dimensions());
+            (RgbImage::from_pixel(width, height, Rgb([255; 3])), tile.dimensions())
+        });
         let [column, row] = [k % COLUMNS, k / COLUMNS].map(|place| place as u32);
         let [x, y] = [column * (size.0 + GAP), row * (size.1 + GAP)].map(i64::from);
         imageops::replace(sheet, &tile, x, y);
     }
-    // Without a raw image: one of older folders.
-    let Some((sheet, _)) = sheet else { return remove_file(root, &name) };
+    let Some((sheet, _)) = sheet else { return Ok(false) };
     let (width, height) = sheet.dimensions();
     let samples = sheet.as_raw().as_slice();
     let samples = ArrayView3::from_shape((height as usize, width as usize, 3), samples)
         .map_err(|why| Error::Failed(why.to_string()))?;
     holo_io::write_png(root.file(name), samples, ColorEncoding::Srgb, Compression::Best)?;
-    Ok(())
+    Ok(true)
 }
 
-/// A white sheet for so many tiles.
-fn empty(tiles: usize, size: (u32, u32)) -> RgbImage {
-    let [columns, rows] = [tiles.min(COLUMNS), tiles.div_ceil(COLUMNS)].map(|count| count as u32);
-    RgbImage::from_pixel(columns * (size.0 + GAP) - GAP, rows * (size.1 + GAP) - GAP, Rgb([255; 3]))
+/// The size of a sheet of so many tiles, with gaps between them.
+fn sheet_size(tiles: usize, tile: (u32, u32)) -> (u32, u32) {
+    let side =
+        |tiles: usize, of_tile: u32| (tiles as u32).saturating_mul(of_tile.saturating_add(GAP)).saturating_sub(GAP);
+    (side(tiles.min(COLUMNS), tile.0), side(tiles.div_ceil(COLUMNS), tile.1))
 }
 
 /// The tile of a folder, if it has a raw image.
@@ -163,14 +153,18 @@ fn tile_of<T: Sample>(field: &LightFieldOwned<T>) -> RgbImage {
 
 /// An image that is enlarged by a whole number or reduced to the size of a tile.
 fn scaled(image: RgbImage) -> RgbImage {
-    let (width, height) = image.dimensions();
-    let larger = width.max(height);
+    let (width, height) = scaled_size(image.dimensions());
+    let filter = if width < image.width() { FilterType::Triangle } else { FilterType::Nearest };
+    imageops::resize(&image, width, height, filter)
+}
+
+/// Width and height of such an image from those before.
+fn scaled_size((width, height): (u32, u32)) -> (u32, u32) {
+    let larger = width.max(height).max(1);
+    let part = |side: u32| (u64::from(side) * u64::from(TILE_SIDE)).div_ceil(u64::from(larger)) as u32;
     match TILE_SIDE / larger {
-        0 => {
-            let part = |side: u32| (u64::from(side) * u64::from(TILE_SIDE)).div_ceil(u64::from(larger)) as u32;
-            imageops::resize(&image, part(width), part(height), FilterType::Triangle)
-        }
-        factor => imageops::resize(&image, width * factor, height * factor, FilterType::Nearest),
+        0 => (part(width), part(height)),
+        factor => (width * factor, height * factor),
     }
 }
 

@@ -8,7 +8,10 @@ use super::TEST_EVERY;
 use super::record::{Field, Record, fields};
 
 /// The name of every dataset: that of its folder would make equal datasets differ.
-const NAME: &str = "holo-light-fields";
+pub(in super::super) const NAME: &str = "holo-light-fields";
+
+/// The specification that every description follows.
+pub(in super::super) const CONFORMS_TO: &str = "http://mlcommons.org/croissant/1.0";
 
 /// The document of a dataset with these light fields.
 pub(super) fn document(index: &DatasetIndex, records: &[Record]) -> Value {
@@ -20,7 +23,7 @@ pub(super) fn document(index: &DatasetIndex, records: &[Record]) -> Value {
     json!({
         "@context": context(),
         "@type": "sc:Dataset",
-        "conformsTo": "http://mlcommons.org/croissant/1.0",
+        "conformsTo": CONFORMS_TO,
         "name": NAME,
         "description": description(index, version),
         "license": format!("https://spdx.org/licenses/{}.html", index.license),

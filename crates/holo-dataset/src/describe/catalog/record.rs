@@ -73,6 +73,11 @@ pub(super) fn fields(cameras: &[DatasetCamera]) -> impl Iterator<Item = &'static
     })
 }
 
+/// What every table begins with.
+pub(in super::super) fn first_names() -> String {
+    FIELDS.iter().take(3).map(|field| format!("{},", field.name)).collect()
+}
+
 /// All fields, in the order of the table.
 static FIELDS: [Field; 34] = [
     field("folder", TEXT, "Folder of the light field, relative to the dataset", |r| r.folder.as_str().into()),
