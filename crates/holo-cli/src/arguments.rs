@@ -33,7 +33,7 @@ pub use develop::{DemosaicOptions, DevelopOptions};
 pub use images::{AnimateOptions, ComposeOptions, ExtractOptions, PathArgument, QuiltOptions, RotateOptions};
 pub use optics::OpticsOptions;
 pub use settings::{OfDataset, OfInfo, OfRender, Settings};
-pub use spec::adjusted;
+pub use spec::{adjusted, open_camera};
 pub use tools::{
     ApertureArgument, DepthOptions, EpiOptions, EvalOptions, InputOptions, NormalsArgument, RefocusOptions,
 };

@@ -8,6 +8,7 @@ mod files;
 mod folder;
 mod images;
 pub(crate) mod layers;
+mod memory;
 mod motion;
 mod names;
 pub(crate) mod poses;
@@ -22,6 +23,7 @@ pub(crate) use self::files::{Exposed, Finished, Traced, TracedCamera, TracedView
 pub(crate) use self::folder::{CHECKPOINT, CHECKPOINT_MAGIC, checkpoints, existing, inner_name, remove_checkpoints};
 pub use self::folder::{OutputFolder, Rollback};
 pub(crate) use self::images::HIGHRES_SCALE;
+pub(crate) use self::memory::is_room;
 pub use self::statistics::{ColorStatistics, EstimatedError, Statistics};
 pub(crate) use self::wanted::Wanted;
 #[cfg(not(feature = "hdf5"))]

@@ -10,6 +10,7 @@ mod choices;
 mod engine;
 mod identity;
 mod job;
+mod library;
 mod motion;
 mod pinholes;
 mod prepare;

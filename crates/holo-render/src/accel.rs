@@ -18,6 +18,7 @@ pub(crate) mod triangle;
 use std::path::Path;
 use std::sync::Arc;
 
+pub use library::cache_folder;
 pub(crate) use packet::{
     CAMERA_RAY, Cells, ExactRays, NO_TRIANGLE, RayDifferentials, RayHits, Rays, SpotDifferentials,
 };

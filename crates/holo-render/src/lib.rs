@@ -60,7 +60,7 @@ mod sampling;
 mod setters;
 mod simd;
 
-pub use accel::Backend;
+pub use accel::{Backend, cache_folder};
 pub use camera::framing::{AspectChange, Baseline, CameraChoice, Framed, Framing};
 pub use error::Error;
 pub use film::error_distribution::ErrorDistribution;

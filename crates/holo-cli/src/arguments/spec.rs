@@ -9,6 +9,7 @@ use holo_io::CameraFile;
 use super::config;
 use super::settings::FOCAL_MM;
 use super::{DatasetOptions, EngineOptions, InfoOptions, OpticsOptions, RenderOptions};
+use crate::console::say;
 use crate::failure::Failure;
 
 impl RenderOptions {
@@ -23,7 +24,7 @@ impl RenderOptions {
         }
         let mut settings = RenderSettings::default();
         if let Some(path) = &self.camera_file {
-            settings.camera = adjusted(CameraFile::open(path)?, &mut given)?.into();
+            settings.camera = adjusted(open_camera(path)?, &mut given)?.into();
         }
         match &self.transforms {
             Some(path) => settings.apply_at_poses(given, path, self.transforms_up)?,
@@ -31,6 +32,19 @@ impl RenderOptions {
         }
         Ok(settings)
     }
+}
+
+/// The pixels of a sensor whose images take minutes.
+const MANY_PIXELS: usize = 1 << 28;
+
+/// Reads a camera file or a preset, and says if the sensor will take long: a file of a few lines announces any size.
+pub fn open_camera(name: &str) -> Result<CameraFile, Failure> {
+    let file = CameraFile::open(name)?;
+    let size = file.camera.sensor().size;
+    if size.count() > MANY_PIXELS {
+        say!("note: {name}: a sensor of {} x {} px; its images take minutes", size.columns, size.rows);
+    }
+    Ok(file)
 }
 
 /// A plenoptic camera with the focus and the f-number that were given, which are the camera's then.
@@ -58,7 +72,7 @@ impl DatasetOptions {
     pub fn settings(&self) -> Result<(DatasetCameras, RenderSettings), Failure> {
         let mut given = self.settings.given().clone();
         let mut settings = RenderSettings::default();
-        let files = self.camera_file.iter().map(|path| adjusted(CameraFile::open(path)?, &mut given.clone()));
+        let files = self.camera_file.iter().map(|path| adjusted(open_camera(path)?, &mut given.clone()));
         let files = files.collect::<Result<Vec<_>, Failure>>()?;
         if let Some(first) = files.first() {
             settings.camera = first.clone().into();

@@ -8,7 +8,7 @@ use holo_dataset::{DecodeJob, SceneSource, TargetJob, read_poses, text, write_wh
 use holo_io::CameraFile;
 use holo_io::dataset::{CAMERA_TOML, RAW_EXR, RAW_PNG};
 
-use crate::arguments::{CameraOptions, DecodeOptions, TargetOptions, WhiteOptions};
+use crate::arguments::{CameraOptions, DecodeOptions, TargetOptions, WhiteOptions, open_camera};
 use crate::console::{out, say, say_unless};
 use crate::failure::Failure;
 use crate::interrupt;
@@ -29,7 +29,7 @@ pub fn run(options: &CameraOptions) -> Result<(), Failure> {
 }
 
 pub fn white(options: &WhiteOptions) -> Result<(), Failure> {
-    let camera = CameraFile::open(&options.camera_file)?;
+    let camera = open_camera(&options.camera_file)?;
     let files = write_white_images(&camera, &options.f_numbers, &options.out, interrupt::rollback())?;
     say!("wrote {} to {}", files.join(", "), options.out.display());
     Ok(())
@@ -37,7 +37,7 @@ pub fn white(options: &WhiteOptions) -> Result<(), Failure> {
 
 pub fn target(options: &TargetOptions) -> Result<(), Failure> {
     let job = TargetJob {
-        camera: CameraFile::open(&options.camera_file)?,
+        camera: open_camera(&options.camera_file)?,
         corners: options.checkerboard,
         square_m: options.square_mm / 1e3,
         poses: options.poses.as_deref().map(read_poses).transpose()?,
@@ -59,7 +59,7 @@ pub fn target(options: &TargetOptions) -> Result<(), Failure> {
 pub fn decode(options: &DecodeOptions) -> Result<(), Failure> {
     let raw = if options.raw.is_dir() { raw_image_in(&options.raw)? } else { options.raw.clone() };
     let camera = match &options.camera_file {
-        Some(camera) => CameraFile::open(camera)?,
+        Some(camera) => open_camera(camera)?,
         None => camera_beside(&raw)?,
     };
     let mut job = DecodeJob::new(raw, camera);

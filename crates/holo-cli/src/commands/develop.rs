@@ -2,16 +2,15 @@
 
 use holo_core::sensor::ElectronsAtOne;
 use holo_dataset::{DemosaicMethod, DevelopJob, text, write_demosaiced};
-use holo_io::CameraFile;
 
-use crate::arguments::{DemosaicArgument, DemosaicOptions, DevelopOptions};
+use crate::arguments::{DemosaicArgument, DemosaicOptions, DevelopOptions, open_camera};
 use crate::console::say;
 use crate::failure::Failure;
 
 pub fn run(options: &DevelopOptions) -> Result<(), Failure> {
     let electrons = |n: f64| if n.is_finite() { ElectronsAtOne::Given(n) } else { ElectronsAtOne::Automatic };
     let mut job = DevelopJob::new(options.image.clone());
-    job.camera = options.camera_file.as_deref().map(CameraFile::open).transpose()?;
+    job.camera = options.camera_file.as_deref().map(open_camera).transpose()?;
     (job.sensor, job.outputs) = (options.sensor_model.clone(), options.write.clone());
     (job.electrons_at_one, job.iso, job.time_s) = (options.electrons.map(electrons), options.iso, options.exposure_s);
     (job.camera_seed, job.seed) = (options.camera_seed, options.seed);
@@ -40,9 +39,7 @@ pub fn run(options: &DevelopOptions) -> Result<(), Failure> {
 pub fn demosaic(options: &DemosaicOptions) -> Result<(), Failure> {
     let method = match (options.method, options.camera_file.as_deref()) {
         (DemosaicArgument::Plain(method), _) => DemosaicMethod::Plain(method),
-        (DemosaicArgument::MicroImages, Some(camera)) => {
-            DemosaicMethod::MicroImages(Box::new(CameraFile::open(camera)?))
-        }
+        (DemosaicArgument::MicroImages, Some(camera)) => DemosaicMethod::MicroImages(Box::new(open_camera(camera)?)),
         (DemosaicArgument::MicroImages, None) => {
             return Err(Failure::Usage("--method micro-images needs --camera-file".into()));
         }

@@ -108,6 +108,11 @@ impl DecodeJob {
         let camera = &self.camera.camera;
         let count = self.views.map_or_else(|| camera.decodable_views(), Ok)?;
         let raw = read_linear(&self.raw)?;
+        let (size, found) = (camera.sensor().size, [raw.dim().0, raw.dim().1]);
+        if found != [size.rows, size.columns] {
+            let expected = vec![size.rows, size.columns];
+            return Err(holo_core::Error::Shape { what: "raw image", expected, found: found.to_vec() }.into());
+        }
         let white = match &self.white {
             Some(path) => read_linear(path)?.index_axis_move(Axis(2), 0),
             None => lit_white_image(&self.camera)?,

@@ -284,6 +284,11 @@ pub fn write_demosaiced(mosaic: &Path, method: &DemosaicMethod, out: &Path) -> R
         _ if filter.channels() == 3 => values,
         DemosaicMethod::Plain(method) => demosaic(values.index_axis(Axis(2), 0), filter, *method)?,
         DemosaicMethod::MicroImages(file) => {
+            let (size, found) = (file.camera.sensor().size, [values.dim().0, values.dim().1]);
+            if found != [size.rows, size.columns] {
+                let expected = vec![size.rows, size.columns];
+                return Err(holo_core::Error::Shape { what: "mosaic", expected, found: found.to_vec() }.into());
+            }
             let white = lit_white_image(file)?;
             file.camera.demosaic(values.index_axis(Axis(2), 0), white.view(), filter)?
         }

@@ -13,6 +13,12 @@ use crate::shot::shifted;
 /// The wavelength of the Airy disc, m: green light.
 const WAVELENGTH_M: f64 = 550e-9;
 
+/// The pixels of which the light is computed at most, about; below it is all of them.
+const MOST_PIXELS: usize = 1 << 26;
+
+/// The rows of a band of these pixels.
+const BAND_ROWS: usize = 512;
+
 /// Returns the properties of a plenoptic camera, and at `depths_m` those of points there.
 ///
 /// # Errors
@@ -44,10 +50,8 @@ pub fn camera_optics(camera: &PlenopticCamera, depths_m: &[f64]) -> Result<Vec<N
     let radii = camera.micro_image_radii_m(0).map(|radius| radius / pixel_m);
     row("micro_image_radii_px", "micro-image: fully lit, half, dark", List(radii.to_vec()), "px");
     row("lenses", "micro-images on the sensor", Count(camera.lens_count()), "");
-    let white = camera.white_image()?;
-    let lit = white.iter().filter(|&&light| light > 0.0).count() as f64 / white.len() as f64;
-    row("lit_share", "pixels that light reaches", Number(100.0 * lit), "%");
-    let corner = f64::from(corner_light(&white));
+    row("lit_share", "pixels that light reaches", Number(100.0 * lit_share(camera)?), "%");
+    let corner = f64::from(corner_light(camera)?);
     row("corner_light", "light of a micro-image in the corner", Number(100.0 * corner), "%");
     let airy_m = 1.22 * WAVELENGTH_M * gap_m / (2.0 * array.aperture.half_width_m());
     row("airy_radius_px", "radius of the Airy disc at 550 nm", Number(airy_m / pixel_m), "px");
@@ -78,10 +82,27 @@ pub fn camera_optics(camera: &PlenopticCamera, depths_m: &[f64]) -> Result<Vec<N
     Ok(rows)
 }
 
+/// The share of pixels that light reaches: of all of them, or on large sensors of some bands of rows, evenly spread.
+fn lit_share(camera: &PlenopticCamera) -> Result<f64, Error> {
+    let size = camera.sensor().size;
+    let bands = size.rows.div_ceil(BAND_ROWS);
+    let step = size.count().div_ceil(MOST_PIXELS).max(1);
+    let (mut lit, mut all) = (0, 0);
+    for band in (0..bands).step_by(step) {
+        let white = camera.white_rows(band * BAND_ROWS..(band + 1) * BAND_ROWS)?;
+        lit += white.iter().filter(|&&light| light > 0.0).count();
+        all += white.len();
+    }
+    Ok(lit as f64 / all as f64)
+}
+
 /// The brightest pixel of a block in the corner.
-fn corner_light(white: &ndarray::Array2<f32>) -> f32 {
-    let corner = white.indexed_iter().filter(|((row, column), _)| *row < 64 && *column < 64);
-    corner.fold(0.0, |most, (_, &light)| most.max(light))
+fn corner_light(camera: &PlenopticCamera) -> Result<f32, Error> {
+    /// Rows and columns of the block.
+    const SIDE: usize = 64;
+    let white = camera.white_rows(0..SIDE)?;
+    let corner = white.indexed_iter().filter(|((_, column), _)| *column < SIDE);
+    Ok(corner.fold(0.0, |most, (_, &light)| most.max(light)))
 }
 
 fn mode_name(mode: PlenopticMode) -> &'static str {

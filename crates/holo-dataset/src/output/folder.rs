@@ -4,6 +4,7 @@
 //! result only those files are removed that are as its manifest records them and have names that jobs write, and a
 //! manifest that another run has put aside counts for nothing.
 
+use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -129,6 +130,8 @@ impl Drop for Run {
 pub struct OutputFolder {
     folder: Folder,
     files: Vec<(String, FileDigest)>,
+    /// Those in it that were opened: of thousands of files, each needs its folder.
+    subfolders: Mutex<BTreeMap<String, Folder>>,
     /// Whether this run has put an older manifest aside.
     is_unsealed: bool,
     /// That manifest, if it could be read.
@@ -200,7 +203,8 @@ impl OutputFolder {
             create_folders(&run, &folder, inner)?;
             folder = folder.sub(inner)?;
         }
-        Ok(Self { folder, files: Vec::new(), is_unsealed: false, older: None, run, _lock: None })
+        let (files, subfolders) = (Vec::new(), Mutex::default());
+        Ok(Self { folder, files, subfolders, is_unsealed: false, older: None, run, _lock: None })
     }
 
     /// Finishes without a manifest: all files stay.
@@ -233,9 +237,14 @@ impl OutputFolder {
     /// [`Error::Failed`] with the error of the file system; [`Error::Io`] if stale files cannot be removed, or a part of
     /// the name is a link.
     pub fn subfolder(&self, name: &str) -> Result<Folder, Error> {
+        let mut opened = self.subfolders.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(inner) = opened.get(name) {
+            return Ok(inner.clone());
+        }
         create_folders(&self.run, &self.folder, name)?;
         let inner = self.folder.sub(name)?;
         inner.remove_stale_temporary_files()?;
+        opened.insert(name.to_owned(), inner.clone());
         Ok(inner)
     }
 

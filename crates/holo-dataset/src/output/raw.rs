@@ -11,6 +11,7 @@ use super::codes;
 use super::files::{Exposed, Finished};
 use super::folder::OutputFolder;
 use super::layers::{COLOR, ERROR, write_pfm};
+use super::memory::is_room;
 use super::statistics::Statistics;
 use super::wanted::Wanted;
 use crate::Error;
@@ -102,6 +103,19 @@ fn write_layers(
 
 /// The white image of a camera, of which a pixel is lit at least.
 pub(crate) fn lit_white_image(file: &CameraFile) -> Result<Array2<f32>, Error> {
+    /// The image, its codes and what is lost in blocks.
+    const BYTES: usize = size_of::<f32>() + size_of::<u16>() + 1;
+    // A file of a few lines announces any size.
+    let size = file.camera.sensor().size;
+    let bytes = size.count().saturating_mul(BYTES);
+    if !is_room(bytes) {
+        return Err(Error::BadRequest(format!(
+            "a white image of {} x {} px needs {:.0} GB of memory, more than there is; use a smaller sensor",
+            size.columns,
+            size.rows,
+            bytes as f64 / 1e9
+        )));
+    }
     let white = file.camera.white_image()?;
     match white.iter().any(|&light| light > 0.0) {
         true => Ok(white),

@@ -14,7 +14,7 @@ use super::engine::report_backend;
 use super::sky;
 use super::source::SceneSource;
 use crate::Error;
-use crate::output::Wanted;
+use crate::output::{Wanted, is_room};
 use crate::settings::{
     Camera, EngineSettings, Focus, Output, Pixels, RenderSettings, RigSettings, SceneSettings, Sky, Spacing,
 };
@@ -445,15 +445,6 @@ fn validate_raw_memory(size: GridSize, settings: &RenderSettings, wanted: &Wante
         size.rows,
         bytes as f64 / 1e9
     )))
-}
-
-/// Whether this much memory can be allocated.
-fn is_room(bytes: usize) -> bool {
-    let mut room = Vec::<u8>::new();
-    let is_room = room.try_reserve_exact(bytes).is_ok();
-    // Otherwise the compiler may remove the allocation.
-    std::hint::black_box(&room);
-    is_room
 }
 
 /// The memory that a raw image needs of every pixel, bytes.

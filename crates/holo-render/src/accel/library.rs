@@ -22,8 +22,7 @@ pub(super) fn candidates() -> Vec<Candidate> {
     }
     let mut found: Vec<Candidate> = of_system().into_iter().map(trusted).collect();
     let program = env::current_exe().ok();
-    let cache = cache_folder(env::var_os("XDG_CACHE_HOME").map(PathBuf::from), env::var_os("HOME").map(PathBuf::from));
-    for folder in folders(program.as_deref(), cache) {
+    for folder in folders(program.as_deref(), cache_folder()) {
         let Ok(entries) = std::fs::read_dir(&folder) else { continue };
         let mut here: Vec<PathBuf> = entries
             .filter_map(|entry| Some(entry.ok()?.path()))
@@ -57,15 +56,22 @@ fn folders(program: Option<&Path>, cache: Option<PathBuf>) -> Vec<PathBuf> {
     let above = program.into_iter().flat_map(|program| program.ancestors().skip(1).take(4).enumerate());
     let trusted = above.filter(|(up, folder)| *up == 0 || folder.join("CACHEDIR.TAG").is_file());
     let beside = trusted.map(|(_, folder)| folder.join("embree"));
-    let all = beside.chain(cache.map(|cache| cache.join("holo").join("embree")));
+    let all = beside.chain(cache.map(|cache| cache.join("embree")));
     all.filter(|folder| folder.is_absolute()).collect()
 }
 
-/// The user's cache by these values of `XDG_CACHE_HOME` and `HOME`. An empty or relative one means nothing, as the XDG Base
-/// Directory Specification says: it would be a folder below the working folder.
-fn cache_folder(xdg: Option<PathBuf>, home: Option<PathBuf>) -> Option<PathBuf> {
+/// Returns the folder of `holo` in the cache of the user, which may not exist: where `XDG_CACHE_HOME` and `HOME` lead.
+#[must_use]
+pub fn cache_folder() -> Option<PathBuf> {
+    cache_folder_by(env::var_os("XDG_CACHE_HOME").map(PathBuf::from), env::var_os("HOME").map(PathBuf::from))
+}
+
+/// The same by these values. An empty or relative one means nothing, as the XDG Base Directory Specification says: it would
+/// be a folder below the working folder.
+fn cache_folder_by(xdg: Option<PathBuf>, home: Option<PathBuf>) -> Option<PathBuf> {
     let absolute = |path: Option<PathBuf>| path.filter(|path| path.is_absolute());
-    absolute(xdg).or_else(|| absolute(home).map(|home| home.join(".cache")))
+    let cache = absolute(xdg).or_else(|| absolute(home).map(|home| home.join(".cache")));
+    cache.map(|cache| cache.join("holo"))
 }
 
 /// Checks that nobody but the administrator and the user could have put a library there.
@@ -101,18 +107,18 @@ mod tests {
     #[test]
     fn empty_and_relative_variables_name_no_folder() {
         let cache =
-            |xdg: Option<&str>, home: Option<&str>| cache_folder(xdg.map(PathBuf::from), home.map(PathBuf::from));
+            |xdg: Option<&str>, home: Option<&str>| cache_folder_by(xdg.map(PathBuf::from), home.map(PathBuf::from));
         let root = if cfg!(windows) { "C:\\" } else { "/" };
         let [a, b] = ["a", "b"].map(|name| format!("{root}{name}"));
-        assert_eq!(cache(Some(&a), Some(&b)), Some(PathBuf::from(&a)));
-        assert_eq!(cache(Some(""), Some(&b)), Some(Path::new(&b).join(".cache")));
-        assert_eq!(cache(Some("x"), Some(&b)), Some(Path::new(&b).join(".cache")));
+        assert_eq!(cache(Some(&a), Some(&b)), Some(Path::new(&a).join("holo")));
+        assert_eq!(cache(Some(""), Some(&b)), Some(Path::new(&b).join(".cache").join("holo")));
+        assert_eq!(cache(Some("x"), Some(&b)), Some(Path::new(&b).join(".cache").join("holo")));
         for (xdg, home) in [(None, None), (Some(""), Some("")), (Some("x"), Some(".")), (None, Some(""))] {
             assert_eq!(cache(xdg, home), None, "{xdg:?} {home:?}");
         }
         assert!(folders(Some(Path::new("holo")), Some(PathBuf::from("cache"))).is_empty());
         let all = folders(Some(&Path::new(&a).join("holo")), Some(PathBuf::from(&b)));
-        assert_eq!(all, [Path::new(&a).join("embree"), Path::new(&b).join("holo").join("embree")]);
+        assert_eq!(all, [Path::new(&a).join("embree"), Path::new(&b).join("embree")]);
     }
 
     #[cfg(unix)]
