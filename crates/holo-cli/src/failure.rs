@@ -59,7 +59,9 @@ impl From<holo_render::Error> for Failure {
 impl From<holo_dataset::Error> for Failure {
     fn from(error: holo_dataset::Error) -> Self {
         match error {
-            holo_dataset::Error::BadRequest(message) => Self::Usage(Self::spelled(&message)),
+            holo_dataset::Error::BadRequest(message) | holo_dataset::Error::OutOfMemory(message) => {
+                Self::Usage(Self::spelled(&message))
+            }
             holo_dataset::Error::Render(error) => error.into(),
             // The sizes of a render are those of the command line.
             holo_dataset::Error::Core(error) => Self::Usage(message(&error)),

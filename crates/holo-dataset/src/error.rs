@@ -10,6 +10,9 @@ pub enum Error {
     /// The work failed, for example because files are damaged or missing.
     #[error("{0}")]
     Failed(String),
+    /// The request needs more memory than there is; nothing was written.
+    #[error("{0}")]
+    OutOfMemory(String),
     /// An error of the renderer, or cancellation.
     #[error(transparent)]
     Render(#[from] holo_render::Error),
@@ -29,12 +32,29 @@ impl Error {
     #[must_use]
     pub fn is_bad_request(&self) -> bool {
         match self {
-            Self::BadRequest(_) | Self::Render(holo_render::Error::BadSetting(_)) | Self::Core(_) => true,
             // The only invalid rig that options alone cause.
             Self::Render(holo_render::Error::Core(why)) => {
                 matches!(why, holo_core::Error::OrthographicFocus { .. })
             }
+            Self::BadRequest(_)
+            | Self::OutOfMemory(_)
+            | Self::Render(holo_render::Error::BadSetting(_))
+            | Self::Core(_) => true,
             Self::Failed(_) | Self::Render(_) | Self::Scene(_) | Self::Io(_) => false,
+        }
+    }
+
+    /// Whether memory was missing.
+    #[must_use]
+    pub fn is_out_of_memory(&self) -> bool {
+        match self {
+            Self::Core(why) | Self::Render(holo_render::Error::Core(why)) => {
+                matches!(why, holo_core::Error::OutOfMemory { .. })
+            }
+            Self::OutOfMemory(_)
+            | Self::Render(holo_render::Error::OutOfMemory(_))
+            | Self::Io(holo_io::Error::OutOfMemory { .. }) => true,
+            Self::BadRequest(_) | Self::Failed(_) | Self::Render(_) | Self::Scene(_) | Self::Io(_) => false,
         }
     }
 }

@@ -10,6 +10,8 @@ pub enum Failure {
     Usage(String),
     /// The work failed: `holo.Error`.
     Failed(String),
+    /// There is not enough memory: `holo.OutOfMemoryError`.
+    Memory(String),
     /// An exception of Python.
     Python(PyErr),
 }
@@ -27,6 +29,7 @@ impl From<Failure> for PyErr {
         match failure {
             Failure::Usage(message) => exception("UsageError", message),
             Failure::Failed(message) => exception("Error", message),
+            Failure::Memory(message) => exception("OutOfMemoryError", message),
             Failure::Python(error) => error,
         }
     }
@@ -44,6 +47,7 @@ impl From<holo_dataset::Error> for Failure {
             holo_dataset::Error::Render(holo_render::Error::Cancelled) => {
                 Self::Python(PyKeyboardInterrupt::new_err("stopped"))
             }
+            error if error.is_out_of_memory() => Self::Memory(keywords(&error.to_string())),
             error if error.is_bad_request() => Self::Usage(keywords(&error.to_string())),
             error => Self::Failed(keywords(&error.to_string())),
         }
@@ -65,6 +69,7 @@ impl From<holo_io::Error> for Failure {
             holo_io::Error::MissingOption { path, option, what } => {
                 Self::Usage(format!("{}: {what}; give {option}=", path.display()))
             }
+            error @ holo_io::Error::OutOfMemory { .. } => Self::Memory(error.to_string()),
             error @ (holo_io::Error::BadInput { .. } | holo_io::Error::Camera(_)) => Self::Usage(error.to_string()),
             error => Self::Failed(error.to_string()),
         }
@@ -87,7 +92,7 @@ impl From<holo_scene::Error> for Failure {
 impl From<holo_core::Error> for Failure {
     fn from(error: holo_core::Error) -> Self {
         match error {
-            error @ holo_core::Error::OutOfMemory { .. } => Self::Failed(error.to_string()),
+            error @ holo_core::Error::OutOfMemory { .. } => Self::Memory(error.to_string()),
             error => Self::Usage(error.to_string()),
         }
     }

@@ -69,11 +69,12 @@ where
     std::thread::scope(|scope| {
         let waiting = std::thread::current();
         let watched = &watch;
-        let worker = scope.spawn(move || {
+        let spawned = std::thread::Builder::new().spawn_scoped(scope, move || {
             let result = work(watched);
             waiting.unpark();
             result
         });
+        let worker = spawned.map_err(|why| Failure::Memory(format!("a thread cannot be started: {why}")))?;
         let (mut told, mut exception) = ((0, 0), None);
         while !worker.is_finished() {
             py.detach(|| std::thread::park_timeout(INTERVAL));

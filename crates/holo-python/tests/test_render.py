@@ -209,6 +209,8 @@ def test_progress_runs_once_over_all_frames(tmp_path):
 
 
 def test_other_threads_run_and_ctrl_c_stops(garden, options):
+    # A process that a shell started in the background ignores the signal.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     ticks = []
     stopping = threading.Event()
 
@@ -274,3 +276,9 @@ def test_frames_go_into_folders(tmp_path):
     # Lenses between those of the array.
     finer = holo.render(scene, frame=4, views=(2, 3), lenses=(8, 12), lens_shifts=2, spp=1, integrator="depth")
     assert finer.rig.lenses == (16, 24)
+
+
+def test_missing_memory_is_a_memory_error(garden):
+    with pytest.raises(MemoryError, match="GB of memory") as caught:
+        holo.render(garden, views=1000, lenses=(20000, 20000))
+    assert isinstance(caught.value, holo.OutOfMemoryError) and not isinstance(caught.value, holo.UsageError)

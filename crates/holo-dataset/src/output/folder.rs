@@ -216,12 +216,19 @@ impl OutputFolder {
     /// subfolder.
     #[must_use]
     pub fn file(&self, name: &str) -> FolderFile {
+        let opened = self.opened();
+        let inner = name.rsplit_once('/').and_then(|(folder, last)| Some((opened.get(folder)?, last)));
+        let (folder, name) = inner.unwrap_or((&self.folder, name));
         // What is there already is not this run's.
-        if matches!(self.folder.kind(name), Ok(None)) {
-            let place = Place::File(self.folder.clone(), name.to_owned());
+        if matches!(folder.kind(name), Ok(None)) {
+            let place = Place::File(folder.clone(), name.to_owned());
             self.run.rollback.created().places.push((self.run.number, place));
         }
-        self.folder.file(name)
+        folder.file(name)
+    }
+
+    fn opened(&self) -> MutexGuard<'_, BTreeMap<String, Folder>> {
+        self.subfolders.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Returns the open folder.
@@ -237,7 +244,7 @@ impl OutputFolder {
     /// [`Error::Failed`] with the error of the file system; [`Error::Io`] if stale files cannot be removed, or a part of
     /// the name is a link.
     pub fn subfolder(&self, name: &str) -> Result<Folder, Error> {
-        let mut opened = self.subfolders.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut opened = self.opened();
         if let Some(inner) = opened.get(name) {
             return Ok(inner.clone());
         }

@@ -109,7 +109,7 @@ pub(crate) fn lit_white_image(file: &CameraFile) -> Result<Array2<f32>, Error> {
     let size = file.camera.sensor().size;
     let bytes = size.count().saturating_mul(BYTES);
     if !is_room(bytes) {
-        return Err(Error::BadRequest(format!(
+        return Err(Error::OutOfMemory(format!(
             "a white image of {} x {} px needs {:.0} GB of memory, more than there is; use a smaller sensor",
             size.columns,
             size.rows,

@@ -13,7 +13,7 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use holo_io::{CameraArray, ColorEncoding, Compression, FileDigest, FolderFile, Manifest};
+use holo_io::{CameraArray, ColorEncoding, Compression, FileDigest, Manifest};
 use holo_render::{Integrator, RayCounts, Rendered, World, exposure};
 
 use super::engine;
@@ -155,8 +155,9 @@ fn write(
     wanted: &Wanted,
 ) -> Result<(), Error> {
     if let (Some(color), Some(ev)) = (&rendered.color, exposure) {
-        let (file, inside) = (format!("{IMAGES}/{name}.png"), folder.subfolder(IMAGES)?);
-        let path = inside.file(format!("{name}.png"));
+        folder.subfolder(IMAGES)?;
+        let file = format!("{IMAGES}/{name}.png");
+        let path = folder.file(&file);
         let written: FileDigest = if bits == 16 {
             let coded = exposure::encode_16bit(color, ev)?;
             holo_io::write_png(path, coded.view(0, 0)?, ColorEncoding::Srgb, Compression::Best)?
@@ -167,19 +168,19 @@ fn write(
         folder.add(file, written);
     }
     if let Some(color) = rendered.color.as_ref().filter(|_| wanted.color) {
-        let (file, path) = layer_file(folder, COLOR, name)?;
-        folder.add(file, write_pfm(path, color.view(0, 0)?)?);
+        let file = layer_file(folder, COLOR, name)?;
+        folder.add(file.clone(), write_pfm(folder.file(&file), color.view(0, 0)?)?);
     }
     for (layer, image) in rendered.central.iter().filter(|(layer, _)| wanted.written.contains(*layer)) {
-        let (file, path) = layer_file(folder, layer.name(), name)?;
-        folder.add(file, write_pfm(path, image.view())?);
+        let file = layer_file(folder, layer.name(), name)?;
+        folder.add(file.clone(), write_pfm(folder.file(&file), image.view())?);
     }
     Ok(())
 }
 
 /// The file of a layer of a camera, in a folder that exists.
-fn layer_file(folder: &OutputFolder, layer: &str, camera: &str) -> Result<(String, FolderFile), Error> {
-    let (layer, file) = (file_part(layer), format!("{camera}.pfm"));
-    let inside = folder.subfolder(&layer)?;
-    Ok((format!("{layer}/{file}"), inside.file(file)))
+fn layer_file(folder: &OutputFolder, layer: &str, camera: &str) -> Result<String, Error> {
+    let layer = file_part(layer);
+    folder.subfolder(&layer)?;
+    Ok(format!("{layer}/{camera}.pfm"))
 }

@@ -418,7 +418,7 @@ fn validate_memory(shape: &LightFieldShape, settings: &RenderSettings, wanted: &
         usize::saturating_add,
     );
     if !is_room(bytes) {
-        return Err(Error::BadRequest(format!(
+        return Err(Error::OutOfMemory(format!(
             "a light field of {} x {} views of {} x {} px ({} x {} in all) needs {:.0} GB of memory, more than there \
              is; use fewer views or lenses",
             views.columns,
@@ -439,7 +439,7 @@ fn validate_raw_memory(size: GridSize, settings: &RenderSettings, wanted: &Wante
     if is_room(bytes) {
         return Ok(());
     }
-    Err(Error::BadRequest(format!(
+    Err(Error::OutOfMemory(format!(
         "a raw image of {} x {} px needs {:.0} GB of memory, more than there is; use a smaller sensor",
         size.columns,
         size.rows,

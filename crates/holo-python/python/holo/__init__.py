@@ -21,7 +21,7 @@ _embree.find()
 
 from ._holo import PlenopticCamera, Rig, __version__  # noqa: E402
 from .dataset import Dataset, Job  # noqa: E402
-from .errors import Error, HoloWarning, UsageError  # noqa: E402
+from .errors import Error, HoloWarning, OutOfMemoryError, UsageError  # noqa: E402
 from .images import read_image, write_image  # noqa: E402
 from .light_field import LightField, open  # noqa: E402, A004
 from .metrics import compare, evaluate  # noqa: E402
@@ -39,6 +39,7 @@ __all__ = [
     "Job",
     "LightField",
     "Mesh",
+    "OutOfMemoryError",
     "PlenopticCamera",
     "RawRendering",
     "Rendering",
