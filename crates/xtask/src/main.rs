@@ -9,7 +9,7 @@
 //! embree   fetch Embree 4 alone
 //! doc      documentation
 //! clippy   clippy, warnings denied
-//! fuzz     build every fuzz target and run each for some seconds
+//! fuzz     build every fuzz target and run each for some seconds, or over its corpus
 //! sanitize the renderer's tests under AddressSanitizer and ThreadSanitizer, parts under Miri (nightly)
 //! modules  the top-level modules of every library and what they import of each other; cycles are errors
 //! python   build the Python package and run its tests
@@ -45,7 +45,7 @@ use std::process::ExitCode;
 use pip::Availability;
 
 const USAGE: &str = "usage: cargo xtask setup | build | demo | test | dist [--check] | clippy | doc | embree | \
-    fuzz [SECONDS [TARGET..]] | package | python [PYTEST ARGUMENTS] | blender [--bundle] [--test] | modules | bench | report [--quick] [--peers] [--only TEXT].. [--out DIR] | \
+    fuzz [SECONDS [TARGET..] | corpora] | package | python [PYTEST ARGUMENTS] | blender [--bundle] [--test] | modules | bench | report [--quick] [--peers] [--only TEXT].. [--out DIR] | \
     sanitize [address] [thread] [miri] | wild DIR [--list FILE]";
 
 fn main() -> ExitCode {

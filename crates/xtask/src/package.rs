@@ -1,21 +1,21 @@
-//! Packages as `cargo add` gets them: each library is packed, unpacked and built from its package alone.
+//! Packages as `cargo add` gets them: each library is packed, unpacked and checked from its package alone.
 
 use crate::{Result, process};
-use std::path::PathBuf;
+use std::process::Command;
 
 /// Every package that is published and builds alone.
-const LIBRARIES: &[&str] =
-    &["holo-core", "holo-scene", "holo-render", "holo-io", "holo-dataset", "holo-viewer", "holoscopic"];
+const LIBRARIES: [&str; 7] =
+    ["holo-core", "holo-scene", "holo-render", "holo-io", "holo-dataset", "holo-viewer", "holoscopic"];
 
 /// The direct dependencies of `holo-core`.
 const CORE_NEEDS: &[&str] = &["ndarray", "rayon"];
 
 /// Packs and builds the libraries; checks the licenses in all packages and the dependencies of `holo-core`.
 pub fn run() -> Result {
-    forget_unpacked()?;
-    let mut arguments = vec!["package", "--quiet", "--allow-dirty"];
+    let mut arguments = vec!["package", "--quiet", "--allow-dirty", "--no-verify"];
     arguments.extend(LIBRARIES.iter().flat_map(|name| ["-p", name]));
     process::cargo(&arguments)?;
+    check_unpacked()?;
     for name in LIBRARIES.iter().chain(&[PROGRAM]) {
         has_licenses(name)?;
     }
@@ -26,7 +26,7 @@ pub fn run() -> Result {
         return Err(format!("holo-core depends on {needs:?}; it may depend on {CORE_NEEDS:?} alone"));
     }
     println!(
-        "{} packages build from what they contain; holo-core depends on {} alone",
+        "{} packages compile from what they contain; holo-core depends on {} alone",
         LIBRARIES.len(),
         needs.join(" and ")
     );
@@ -46,22 +46,41 @@ fn has_licenses(name: &str) -> Result {
     if missing.is_empty() { Ok(()) } else { Err(format!("the package of {name} lacks {}", missing.join(", "))) }
 }
 
-/// Removes the libraries that an earlier run unpacked into cargo's home and built: `cargo package` takes both as
-/// current as long as the version is the same. Their registries are the nameless ones that cargo makes within a target
-/// folder, so nothing that was downloaded is touched.
-fn forget_unpacked() -> Result {
-    let home = std::env::var_os("CARGO_HOME").map(PathBuf::from);
-    let home = home.or_else(|| std::env::home_dir().map(|home| home.join(".cargo")));
-    let registries = home.and_then(|home| home.join("registry/src").read_dir().ok()).into_iter().flatten().flatten();
-    let nameless = registries.filter(|registry| registry.file_name().to_string_lossy().starts_with('-'));
-    let mut folders: Vec<PathBuf> = nameless.map(|registry| registry.path()).collect();
-    folders.push(crate::target().join("debug/.fingerprint"));
-    for entry in folders.iter().filter_map(|folder| folder.read_dir().ok()).flatten().flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        if LIBRARIES.iter().any(|library| name.strip_prefix(library).is_some_and(|rest| rest.starts_with('-'))) {
-            let path = entry.path();
-            std::fs::remove_dir_all(&path).map_err(|why| format!("removing {}: {why}", path.display()))?;
-        }
+/// Unpacks an archive into a folder.
+const UNPACK: &str = "import sys, tarfile
+tarfile.open(sys.argv[1]).extractall(sys.argv[2])";
+
+/// Checks the packages in a workspace of their own, in which the libraries are each other's and everything else is as in
+/// this one: what clippy has checked is not checked again.
+fn check_unpacked() -> Result {
+    let version = env!("CARGO_PKG_VERSION");
+    let packed = crate::target().join("package");
+    let place = packed.join("workspace");
+    let failed = |why: std::io::Error| format!("{}: {why}", place.display());
+    if place.exists() {
+        std::fs::remove_dir_all(&place).map_err(failed)?;
     }
-    Ok(())
+    std::fs::create_dir_all(&place).map_err(failed)?;
+    for name in LIBRARIES {
+        let archive = packed.join(format!("{name}-{version}.crate"));
+        process::run(Command::new(process::python()?).args(["-c", UNPACK]).arg(archive).arg(&place))?;
+    }
+    let whole = std::fs::read_to_string(crate::root().join("Cargo.toml")).map_err(failed)?;
+    let (from, to) = (whole.find("[profile.dev]"), whole.find("[profile.release]"));
+    let profiles = from.zip(to).and_then(|(from, to)| whole.get(from..to)).unwrap_or_default();
+    let folders = LIBRARIES.map(|name| (name, format!("{name}-{version}")));
+    let members = folders.each_ref().map(|(_, folder)| format!("\"{folder}\"")).join(", ");
+    let patches = folders.map(|(name, folder)| format!("{name} = {{ path = \"{folder}\" }}\n")).concat();
+    let manifest =
+        format!("[workspace]\nresolver = \"3\"\nmembers = [{members}]\n\n[patch.crates-io]\n{patches}\n{profiles}");
+    std::fs::write(place.join("Cargo.toml"), manifest).map_err(failed)?;
+    std::fs::copy(crate::root().join("Cargo.lock"), place.join("Cargo.lock")).map_err(failed)?;
+    let mut check = process::cargo_command();
+    check.current_dir(&place).env("CARGO_TARGET_DIR", crate::target()).args([
+        "check",
+        "--quiet",
+        "--workspace",
+        "--offline",
+    ]);
+    process::run(&mut check)
 }

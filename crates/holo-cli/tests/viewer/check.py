@@ -327,7 +327,8 @@ def main():
     if not program:
         return 77
     address = "file://" + os.path.abspath(options.page)
-    with Browser(program, size=(1100, 400)) as browser:
+    # Large enough for all controls, and small for a browser without a graphics card.
+    with Browser(program, size=(800, 300)) as browser:
         browser.send("Emulation.setTouchEmulationEnabled", enabled=False)
         seconds = browser.open(address + options.address_part)
         maps = [path and read_pfm(path) for path in (options.truth, options.estimate)]
