@@ -2,12 +2,11 @@
 
 use std::num::NonZeroUsize;
 
-use crate::common::{add, engines, soup, square};
+use crate::common::{add, engines, ideal, soup, square};
+use holo_core::GridSize;
 use holo_core::plenoptic::{
-    ArrayFocus, ImageSensor, LensAperture, MainLens, MicrolensArray, MicrolensFocus, MicrolensGrid, PlenopticCamera,
-    Preset, PupilShape, Stop,
+    ArrayFocus, ImageSensor, LensAperture, MainLens, MicrolensArray, PlenopticCamera, Preset, PupilShape, Stop,
 };
-use holo_core::{GridSize, Rig};
 use holo_render::{Backend, Integrator, Layer, LayerSet, Rendered, Renderer, Request};
 use holo_scene::{Material, Scene, Transform};
 use ndarray::{Array2, Array3, s};
@@ -96,24 +95,6 @@ fn a_bright_sky_gives_the_white_image() {
         let dark = if name.ends_with("stop") { 2.0 / 128.0 } else { 0.01 };
         assert!(raw.iter().zip(&white).all(|(raw, white)| *white > 0.0 || *raw < dark), "{name}");
     }
-}
-
-/// Whole pixels behind square microlenses that image a matched square pupil: the ideal rig.
-fn ideal(views: usize, lenses: [usize; 2]) -> (PlenopticCamera, Rig) {
-    let (pixel, gap, focal) = (5e-6, 2e-3, 0.05);
-    let distance = 1.0 / (1.0 / focal - 1.0 / 3.0);
-    let pitch = views as f64 * pixel / (1.0 + gap / distance);
-    let mut array = MicrolensArray::new(MicrolensGrid::Square, pitch, gap);
-    (array.focus, array.aperture) = (MicrolensFocus::Pupil, LensAperture::Square { half_width_m: pitch / 2.0 });
-    // The image of the pupil is as wide as the micro-images are apart: no overlap.
-    let mut lens = MainLens::new(focal, focal * gap / (views as f64 * pixel * distance), 3.0);
-    (lens.focus, lens.aperture) = (ArrayFocus::Distance { mla_distance_m: distance }, PupilShape::Square);
-    let [v, u] = lenses;
-    let mut sensor = ImageSensor::new(GridSize::new(v * views, u * views), pixel);
-    sensor.fill = 1e-6;
-    let camera = PlenopticCamera::new(sensor, array, lens).expect("a camera");
-    let rig = camera.equivalent_rig(GridSize::new(views, views), GridSize::new(v, u), pitch, 1.0).expect("a rig");
-    (camera, rig)
 }
 
 #[test]

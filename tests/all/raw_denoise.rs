@@ -3,12 +3,11 @@
 
 use std::num::NonZeroUsize;
 
-use crate::common::soup;
+use crate::common::{ideal, soup};
 use holo_core::plenoptic::{
-    ArrayFocus, ImageSensor, LensAperture, MainLens, MicrolensArray, MicrolensFocus, MicrolensGrid, PlenopticCamera,
-    Preset, PupilShape,
+    ImageSensor, LensAperture, MainLens, MicrolensArray, MicrolensGrid, PlenopticCamera, Preset,
 };
-use holo_core::{GridSize, LightFieldOwned, Rig};
+use holo_core::{GridSize, LightFieldOwned};
 use holo_render::{Backend, Denoise, Error, Integrator, LayerSet, Rendered, Renderer, Request, Reuse, TextureFilter};
 use holo_scene::{Scene, Transform};
 use ndarray::s;
@@ -19,23 +18,6 @@ fn renderer(scene: &Scene, threads: usize) -> Renderer {
 
 fn color(rendered: &Rendered) -> &LightFieldOwned<f32> {
     rendered.color.as_ref().expect("an image")
-}
-
-/// Whole pixels behind square microlenses that image a matched square pupil, and its rig.
-fn ideal(views: usize, lenses: [usize; 2]) -> (PlenopticCamera, Rig) {
-    let (pixel, gap, focal) = (5e-6, 2e-3, 0.05);
-    let distance = 1.0 / (1.0 / focal - 1.0 / 3.0);
-    let pitch = views as f64 * pixel / (1.0 + gap / distance);
-    let mut array = MicrolensArray::new(MicrolensGrid::Square, pitch, gap);
-    (array.focus, array.aperture) = (MicrolensFocus::Pupil, LensAperture::Square { half_width_m: pitch / 2.0 });
-    let mut lens = MainLens::new(focal, focal * gap / (views as f64 * pixel * distance), 3.0);
-    (lens.focus, lens.aperture) = (ArrayFocus::Distance { mla_distance_m: distance }, PupilShape::Square);
-    let [v, u] = lenses;
-    let mut sensor = ImageSensor::new(GridSize::new(v * views, u * views), pixel);
-    sensor.fill = 1e-6;
-    let camera = PlenopticCamera::new(sensor, array, lens).expect("a camera");
-    let rig = camera.equivalent_rig(GridSize::new(views, views), GridSize::new(v, u), pitch, 1.0).expect("a rig");
-    (camera, rig)
 }
 
 /// A preset's camera with a smaller sensor.

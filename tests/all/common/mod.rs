@@ -5,6 +5,10 @@ mod peer;
 
 use std::num::NonZeroUsize;
 
+use holo_core::plenoptic::{
+    ArrayFocus, ImageSensor, LensAperture, MainLens, MicrolensArray, MicrolensFocus, MicrolensGrid, PlenopticCamera,
+    PupilShape,
+};
 use holo_core::{GridSize, LightFieldShape, Projection, Rig};
 use holo_render::{Backend, GroundTruth, Integrator, Rendered, Renderer, Request};
 use holo_scene::{Instance, Material, Mesh, Scene, Transform};
@@ -123,4 +127,22 @@ pub fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 /// The cross product of two vectors.
 pub fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// Whole pixels behind square microlenses that image a matched square pupil: the ideal rig, and that rig.
+pub fn ideal(views: usize, lenses: [usize; 2]) -> (PlenopticCamera, Rig) {
+    let (pixel, gap, focal) = (5e-6, 2e-3, 0.05);
+    let distance = 1.0 / (1.0 / focal - 1.0 / 3.0);
+    let pitch = views as f64 * pixel / (1.0 + gap / distance);
+    let mut array = MicrolensArray::new(MicrolensGrid::Square, pitch, gap);
+    (array.focus, array.aperture) = (MicrolensFocus::Pupil, LensAperture::Square { half_width_m: pitch / 2.0 });
+    // The image of the pupil is as wide as the micro-images are apart: no overlap.
+    let mut lens = MainLens::new(focal, focal * gap / (views as f64 * pixel * distance), 3.0);
+    (lens.focus, lens.aperture) = (ArrayFocus::Distance { mla_distance_m: distance }, PupilShape::Square);
+    let [v, u] = lenses;
+    let mut sensor = ImageSensor::new(GridSize::new(v * views, u * views), pixel);
+    sensor.fill = 1e-6;
+    let camera = PlenopticCamera::new(sensor, array, lens).expect("a camera");
+    let rig = camera.equivalent_rig(GridSize::new(views, views), GridSize::new(v, u), pitch, 1.0).expect("a rig");
+    (camera, rig)
 }

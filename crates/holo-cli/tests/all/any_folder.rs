@@ -1,23 +1,6 @@
 //! Every command reads every folder that holds a light field, whatever it holds it in; and says what it reads.
 
-use crate::common::{Bench, Outcome, SCENE, read_u8};
-
-/// A square camera of 120 x 90 pixels with its pupil in the lens.
-const CAMERA: &str = r#"
-name = "small"
-[sensor]
-size_px = [120, 90]
-pixel_um = 5.0
-[mla]
-grid = "square"
-pitch_um = 71.2
-offset_um = [7.0, -4.0]
-gap_um = 400.0
-[main_lens]
-focal_mm = 40.0
-f_number = 5.8
-focus_m = 0.8
-"#;
+use crate::common::{Bench, Outcome, SCENE, read_u8, shifted_camera};
 
 fn ok(bench: &Bench, arguments: &str) -> Outcome {
     let outcome = bench.run(arguments);
@@ -34,7 +17,7 @@ fn refused(bench: &Bench, arguments: &str, code: i32, words: &[&str]) {
 /// A bench with the raw image of a plenoptic camera in `raw`.
 fn plenoptic() -> Bench {
     let bench = Bench::new();
-    std::fs::write(bench.path("small.toml"), CAMERA).unwrap();
+    std::fs::write(bench.path("small.toml"), shifted_camera()).unwrap();
     ok(&bench, &format!("render {SCENE} --camera-file small.toml --spp 2 --sky 1,1,1 --out raw"));
     bench
 }
@@ -111,7 +94,7 @@ fn a_plenoptic_folder_is_read_as_views() {
     every_command_reads(&bench, "raw", "raw_linear.png", "pfm");
 
     // The raw image of a focused camera has no views.
-    let focused = CAMERA.replace("gap_um = 400.0", "gap_um = 400.0\nfocal_um = [500.0]");
+    let focused = shifted_camera().replace("gap_um = 400.0", "gap_um = 400.0\nfocal_um = [500.0]");
     std::fs::write(bench.path("focused.toml"), focused).unwrap();
     ok(&bench, &format!("render {SCENE} --camera-file focused.toml --spp 1 --sky 1,1,1 --out focused"));
     ok(&bench, "info focused");

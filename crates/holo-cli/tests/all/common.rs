@@ -25,6 +25,37 @@ pub const SCENE: &str = "tiny.glb";
 /// The rig of most tests: 12 x 8 lenses and 5 x 4 views, columns x rows.
 pub const SMALL: &str = "--lenses 12x8 --views 5x4";
 
+/// An unfocused camera of 60 x 45 pixels with its pupil in the lens.
+pub const CAMERA: &str = r#"
+name = "small"
+[sensor]
+size_px = [60, 45]
+pixel_um = 5.0
+[mla]
+grid = "square"
+pitch_um = 71.2
+gap_um = 400.0
+[main_lens]
+focal_mm = 40.0
+f_number = 5.8
+focus_m = 0.8
+"#;
+
+/// The same with 120 x 90 pixels and the array beside the axis.
+pub fn shifted_camera() -> String {
+    CAMERA.replace("[60, 45]", "[120, 90]").replace("gap_um", "offset_um = [7.0, -4.0]\ngap_um")
+}
+
+/// The keys of an image sensor, for the section `sensor`.
+const SENSOR_KEYS: &str = r#"pixel_um = 5.0
+model = "imx250"
+electrons_at_one = { luminance_cd_m2 = 1000.0, exposure_s = 0.004 }"#;
+
+/// The camera with an image sensor.
+pub fn camera_with_sensor() -> String {
+    CAMERA.replace("pixel_um = 5.0", SENSOR_KEYS)
+}
+
 /// The light field shape of [`SMALL`].
 pub fn small_split() -> LightFieldShape {
     LightFieldShape::new(GridSize::new(4, 5), GridSize::new(8, 12)).unwrap()

@@ -4,7 +4,7 @@ use crate::common;
 use std::process::Stdio;
 use std::time::Duration;
 
-use crate::common::{Bench, Outcome, SCENE};
+use crate::common::{Bench, CAMERA, Outcome, SCENE};
 use serde_json::Value;
 
 /// Four jobs of a moment each: one scene, four view counts.
@@ -114,22 +114,6 @@ fn a_dataset_is_described_and_packed() {
     let outcome = bench.run("pack nothing --out other");
     assert_eq!((outcome.code, bench.path("other").exists()), (Some(2), false), "{outcome:?}");
 }
-
-/// A plenoptic camera of 60 x 45 pixels.
-const CAMERA: &str = r#"
-name = "small"
-[sensor]
-size_px = [60, 45]
-pixel_um = 5.0
-[mla]
-grid = "square"
-pitch_um = 71.2
-gap_um = 400.0
-[main_lens]
-focal_mm = 40.0
-f_number = 5.8
-focus_m = 0.8
-"#;
 
 #[test]
 fn plenoptic_cameras_make_datasets_of_raw_images() {

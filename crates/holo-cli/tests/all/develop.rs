@@ -1,27 +1,14 @@
 //! `holo develop` and `holo demosaic`: codes of sensors, and color again.
 
-use crate::common::{Bench, SCENE};
+use crate::common::{Bench, SCENE, camera_with_sensor};
 use crate::python;
 use holo_io::{ExrChannel, Limits, MosaicInfo, read_exr, read_png, write_exr};
 use ndarray::{Array2, Array3};
 
-/// A square camera of 120 x 90 pixels, with a sensor.
-const CAMERA: &str = r#"
-name = "small"
-[sensor]
-size_px = [120, 90]
-pixel_um = 5.0
-model = "imx250"
-electrons_at_one = { luminance_cd_m2 = 1000.0, exposure_s = 0.004 }
-[mla]
-grid = "square"
-pitch_um = 71.2
-gap_um = 400.0
-[main_lens]
-focal_mm = 40.0
-f_number = 5.8
-focus_m = 0.8
-"#;
+/// A camera of 120 x 90 pixels with a sensor.
+fn camera() -> String {
+    camera_with_sensor().replace("[60, 45]", "[120, 90]")
+}
 
 fn succeeds(bench: &Bench, command: &str) -> String {
     let outcome = bench.run(command);
@@ -38,7 +25,7 @@ fn refused(bench: &Bench, command: &str, word: &str) {
 /// A bench with the raw image of a camera, in `out`.
 fn bench() -> Bench {
     let bench = Bench::new();
-    std::fs::write(bench.path("small.toml"), CAMERA).unwrap();
+    std::fs::write(bench.path("small.toml"), camera()).unwrap();
     succeeds(&bench, &format!("render {SCENE} --camera-file small.toml --spp 4 --sky 1,1,1 --out out"));
     bench
 }
@@ -189,14 +176,14 @@ fn impossible_requests_are_refused() {
     refused(&bench, "demosaic out/raw_linear.png --method micro-images --out x.exr", "--camera-file");
     let outcome = bench.run("demosaic out/raw_linear.png --out x.exr");
     assert!(outcome.code == Some(1) && outcome.stderr.contains("raw_linear.json"), "{outcome:?}");
-    let mono = CAMERA.replace("model = \"imx250\"", "model = \"imx250\"\ncfa = \"mono\"");
+    let mono = camera().replace("model = \"imx250\"", "model = \"imx250\"\ncfa = \"mono\"");
     std::fs::write(bench.path("mono.toml"), mono).unwrap();
     refused(&bench, "develop out/raw.exr --camera-file mono.toml --write dng --out x.dng", "Bayer mosaic");
     succeeds(&bench, "develop out/raw.exr --camera-file mono.toml --out mono.png");
     assert!(!bench.path("mono.dng").exists() && bench.path("mono_clean.png").exists());
     for (key, word) in [("bits = 20", "bits"), ("cfa = \"RGBG\"", "RGGB"), ("model = \"imx25\"", "did you mean imx250")]
     {
-        let text = CAMERA.replace("model = \"imx250\"", key);
+        let text = camera().replace("model = \"imx250\"", key);
         let text =
             if key.starts_with("model") { text } else { text.replace("electrons", "model = \"imx250\"\nelectrons") };
         std::fs::write(bench.path("bad.toml"), text).unwrap();

@@ -2,29 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use crate::common::{Bench, SCENE};
+use crate::common::{Bench, SCENE, shifted_camera};
 use holo_io::Manifest;
-
-/// A square camera of 120 x 90 pixels with its pupil in the lens.
-const CAMERA: &str = r#"
-name = "small"
-[sensor]
-size_px = [120, 90]
-pixel_um = 5.0
-[mla]
-grid = "square"
-pitch_um = 71.2
-offset_um = [7.0, -4.0]
-gap_um = 400.0
-[main_lens]
-focal_mm = 40.0
-f_number = 5.8
-focus_m = 0.8
-"#;
 
 fn bench() -> Bench {
     let bench = Bench::new();
-    std::fs::write(bench.path("small.toml"), CAMERA).unwrap();
+    std::fs::write(bench.path("small.toml"), shifted_camera()).unwrap();
     bench
 }
 
@@ -176,7 +159,7 @@ fn impossible_requests_are_refused() {
     assert_eq!(outcome.code, Some(1), "{outcome:?}");
     assert!(outcome.stderr.contains("did you mean lytro-illum"), "{outcome:?}");
     // Micro-images between the light-sensitive squares of huge pixels.
-    let dark = CAMERA
+    let dark = shifted_camera()
         .replace("size_px = [120, 90]", "size_px = [1, 1]\nfill = 0.01")
         .replace("f_number = 5.8", "f_number = 500.0");
     let dark = dark.replace("[7.0, -4.0]", "[35.0, 35.0]");

@@ -6,25 +6,7 @@ use std::collections::BTreeMap;
 use std::process::Stdio;
 use std::time::Duration;
 
-use crate::common::{Bench, SCENE, SMALL};
-
-/// An unfocused camera of few pixels.
-const CAMERA: &str = r#"
-name = "small"
-[sensor]
-size_px = [60, 45]
-pixel_um = 5.0
-model = "imx250"
-electrons_at_one = { luminance_cd_m2 = 1000.0, exposure_s = 0.004 }
-[mla]
-grid = "square"
-pitch_um = 71.2
-gap_um = 400.0
-[main_lens]
-focal_mm = 40.0
-f_number = 5.8
-focus_m = 0.8
-"#;
+use crate::common::{Bench, SCENE, SMALL, camera_with_sensor};
 
 fn rounds() -> u32 {
     std::env::var("HOLO_ROUNDS").map_or(70, |count| count.parse().expect("HOLO_ROUNDS is a number"))
@@ -33,7 +15,7 @@ fn rounds() -> u32 {
 /// A bench with the inputs of every command that writes.
 fn bench() -> Bench {
     let bench = Bench::new();
-    std::fs::write(bench.path("small.toml"), CAMERA).unwrap();
+    std::fs::write(bench.path("small.toml"), camera_with_sensor()).unwrap();
     let frame = |name: &str, x: f64| {
         let rows = [[1.0, 0.0, 0.0, x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]];
         serde_json::json!({ "file_path": format!("{name}.png"), "transform_matrix": rows })

@@ -51,6 +51,42 @@ impl Grid {
     }
 }
 
+/// The number of the grid of microlenses.
+fn geometry(camera: &PlenopticCamera) -> Result<u32, Error> {
+    let array = camera.array();
+    let geometry = match array.grid {
+        MicrolensGrid::Square => 0,
+        MicrolensGrid::HexRows => 1,
+        MicrolensGrid::HexColumns => {
+            return Err(Error::Camera("grids of columns are not written for libpleno; mla.grid is hex-columns".into()));
+        }
+    };
+    let types = array.type_count();
+    if !matches!((types, geometry), (1, _) | (3, 1)) {
+        return Err(Error::Camera(format!(
+            "libpleno interleaves one or three types in hexagonal grids; mla.focal_um has {types}"
+        )));
+    }
+    Ok(geometry)
+}
+
+/// The parameters of the projection and the blur, of a mode and the focal lengths of the types.
+fn parameters(camera: &PlenopticCamera, mode: u32, focal: &[f64]) -> Value {
+    let (array, lens) = (camera.array(), camera.main_lens());
+    let (gap, distance) = (mm(array.gap_m), mm(camera.mla_distance_m()));
+    let (pixel, pitch_px, types) = (mm(camera.sensor().pixel_m), camera.micro_image_pitch_px(), array.type_count());
+    let share = distance / (distance + gap);
+    let spacing = pixel * pitch_px;
+    let sign = if mode == 1 { 1.0 } else { -1.0 };
+    let within: Vec<f64> = focal.iter().map(|f| share * spacing * gap / (2.0 * f)).collect();
+    let beyond: Vec<f64> = within.iter().map(|q| q - spacing / 2.0).collect();
+    json!({
+        "m": sign * gap * mm(lens.focal_length_m) / (2.0 * distance), "scale": pixel,
+        "q": beyond, "q_prime": within, "dc": spacing, "dC": share * spacing, "lambda": share,
+        "N": lens.f_number, "I": types, "kappa": 1.0,
+    })
+}
+
 impl Libpleno {
     /// Describes a camera.
     ///
@@ -69,21 +105,8 @@ impl Libpleno {
     /// whole row and column on the sensor.
     pub fn new(camera: &PlenopticCamera) -> Result<Self, Error> {
         let (array, sensor, lens) = (camera.array(), camera.sensor(), camera.main_lens());
-        let geometry = match array.grid {
-            MicrolensGrid::Square => 0,
-            MicrolensGrid::HexRows => 1,
-            MicrolensGrid::HexColumns => {
-                return Err(Error::Camera(
-                    "grids of columns are not written for libpleno; mla.grid is hex-columns".into(),
-                ));
-            }
-        };
+        let geometry = geometry(camera)?;
         let types = array.type_count();
-        if !matches!((types, geometry), (1, _) | (3, 1)) {
-            return Err(Error::Camera(format!(
-                "libpleno interleaves one or three types in hexagonal grids; mla.focal_um has {types}"
-            )));
-        }
         let grid = Grid::new(camera)?;
         let (gap, distance) = (mm(array.gap_m), mm(camera.mla_distance_m()));
         let pixel = mm(sensor.pixel_m);
@@ -149,16 +172,7 @@ impl Libpleno {
                 },
             },
         });
-        let share = distance / (distance + gap);
-        let spacing = pixel * pitch_px;
-        let sign = if mode == 1 { 1.0 } else { -1.0 };
-        let within: Vec<f64> = focal.iter().map(|f| share * spacing * gap / (2.0 * f)).collect();
-        let beyond: Vec<f64> = within.iter().map(|q| q - spacing / 2.0).collect();
-        let parameters = json!({
-            "m": sign * gap * mm(lens.focal_length_m) / (2.0 * distance), "scale": pixel,
-            "q": beyond, "q_prime": within, "dc": spacing, "dC": share * spacing, "lambda": share,
-            "N": lens.f_number, "I": types, "kappa": 1.0,
-        });
+        let parameters = parameters(camera, mode, &focal);
         Ok(Self { intrinsics: format!("{intrinsics:#}\n"), parameters: format!("{parameters:#}\n") })
     }
 
