@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use crate::common::{engines, rig};
 use holo_core::Projection;
 use holo_io::{Limits, Sha256};
-use holo_render::{Backend, Denoise, GroundTruth, Integrator, LayerSet, Rendered, Renderer, Request};
+use holo_render::{Backend, Denoise, GroundTruth, Integrator, LayerSet, Rendered, Renderer, Request, Reuse};
 use holo_scene::{Environment, Scene};
 use holo_scene::{gallery, gltf};
 
@@ -63,7 +63,7 @@ fn arrays(backend: Backend, engine: &str) -> BTreeMap<String, String> {
         let sky = if name == "garden" { [0.3, 0.4, 0.5] } else { [0.0; 3] };
         let focused = |views, lenses, projection| rig(views, lenses, 1e-3, 0.6, projection);
         let dense = focused([5, 6], [12, 17], Projection::Perspective);
-        let path = Request::new(dense).samples(3).seed(5).sky(sky).max_bounces(5);
+        let path = Request::new(dense).samples(3).seed(5).sky(sky).max_bounces(5).reuse(Reuse::Views);
         let mut put = |what: &str, request: Request| {
             let rendered = renderer.render(&request, &()).expect("a render");
             lines(&format!("{engine}/{name}/{what}"), &rendered, &mut found);

@@ -61,7 +61,7 @@ fn cases() -> Vec<(String, Renderer, Request)> {
     let case = |(name, scene, focus_m, sky): (String, Scene, f64, f32)| {
         let pose = scene.cameras.first().map_or(Transform::IDENTITY, |camera| camera.pose);
         let renderer = Renderer::new(&scene, &pose, Backend::Auto, None).expect("a renderer");
-        (name, renderer, Request::new(small_rig(focus_m)).samples(4).max_bounces(3).sky([sky; 3]))
+        (name, renderer, Request::new(small_rig(focus_m)).reuse(Reuse::Views).samples(4).max_bounces(3).sky([sky; 3]))
     };
     scenes.into_iter().map(case).collect()
 }
@@ -163,6 +163,34 @@ fn variance(values: impl Iterator<Item = f64> + Clone) -> f64 {
     values.map(|x| (x - mean).powi(2)).sum::<f64>() / (count - 1.0)
 }
 
+/// The correlation of the noise of views that are a number of columns apart, at the same pixel: of the difference of two
+/// seeds, which contains no scene.
+fn correlation(renderer: &Renderer, request: &Request, apart: usize) -> f64 {
+    let [one, other] = [1, 2].map(|seed| color(renderer, &request.clone().seed(seed)));
+    let noise = &one.samples() - &other.samples();
+    let views = noise.dim().3 - apart;
+    let [left, right] = [0, apart].map(|from| noise.slice(ndarray::s![.., .., .., from..from + views, ..]));
+    let product = |a: ndarray::ArrayView5<f32>, b: ndarray::ArrayView5<f32>| -> f64 {
+        a.iter().zip(b).map(|(a, b)| f64::from(*a) * f64::from(*b)).sum()
+    };
+    product(left, right) / (product(left, left) * product(right, right)).sqrt()
+}
+
+/// What matches views must find nothing in the noise of a default render; light that views share stands still.
+#[test]
+fn the_noise_of_neighboring_views_tells_nothing() {
+    let scene = gallery::scene("plaster").expect("a scene of the gallery");
+    let renderer = Renderer::new(&scene, &scene.cameras[0].pose, Backend::Auto, None).expect("a renderer");
+    let request = Request::new(rig([9, 9], [24, 24], 4e-4, 0.6, Projection::Perspective));
+    let request = request.integrator(Integrator::Path).samples(4).max_bounces(8);
+    for apart in [1, 2] {
+        let [own, shared] =
+            [Reuse::default(), Reuse::Views].map(|reuse| correlation(&renderer, &request.clone().reuse(reuse), apart));
+        println!("{apart} apart: {own:.3} by default, {shared:.3} where light is shared");
+        assert!(own.abs() <= 0.05 && shared > own + 0.05, "{apart} apart: {own}, {shared}");
+    }
+}
+
 /// Parts of a light field and any number of threads have the bytes of the whole; views alone those without reuse.
 #[test]
 fn parts_have_the_bytes_of_the_whole() {
@@ -171,7 +199,7 @@ fn parts_have_the_bytes_of_the_whole() {
         Renderer::new(&scene, &scene.cameras[0].pose, Backend::Auto, NonZeroUsize::new(threads)).expect("a renderer")
     });
     let request = Request::new(rig([8, 8], [8, 6], 4e-4, 0.6, Projection::Perspective));
-    let request = request.integrator(Integrator::Path).samples(5).max_bounces(3);
+    let request = request.reuse(Reuse::Views).integrator(Integrator::Path).samples(5).max_bounces(3);
     let whole = color(&one, &request);
     assert_eq!(color(&many, &request).samples(), whole.samples());
     let rows = one.shard_rows(&request, 1, 2).expect("a shard");

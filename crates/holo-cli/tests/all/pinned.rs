@@ -15,18 +15,19 @@ use holo_io::Sha256;
 const RENDERS: [(&str, &str); 8] = [
     (
         "path",
-        "window.glb --lenses 14x10 --views 5x4 --spp 3 --sky sky.hdr --ground-truth all --layers all,color \
+        "window.glb --lenses 14x10 --views 5x4 --spp 3 --reuse views --sky sky.hdr --ground-truth all --layers all,color \
          --write vpi,el,mat,disparity,depth,exr,hci",
     ),
     (
         "direct",
-        "window.glb --lenses 9x14 --views 6 --spp 2 --sky 0.3,0.4,0.5 --no-indirect --bit-depth 16 --mat-order lftoolbox --seed 7",
+        "window.glb --lenses 9x14 --views 6 --spp 2 --reuse views --sky 0.3,0.4,0.5 --no-indirect --bit-depth 16 --mat-order lftoolbox \
+         --seed 7",
     ),
     (
         "gloss",
-        "metal.glb --sensor 100x71 --views 7x6 --spp 4 --sky 1,1,1 --max-bounces 4 --no-roulette --exposure -0.5",
+        "metal.glb --sensor 100x71 --views 7x6 --spp 4 --reuse views --sky 1,1,1 --max-bounces 4 --no-roulette --exposure -0.5",
     ),
-    ("adaptive", "metal.glb --lenses 24x16 --views 2 --sky 1,1,1 --spp 64 --target-error 0.2"),
+    ("adaptive", "metal.glb --lenses 24x16 --views 2 --sky 1,1,1 --spp 64 --target-error 0.2 --reuse views"),
     (
         "parallel",
         "metal.glb --lenses 12x9 --views 9x2 --projection orthographic --focus-m 2 --integrator depth --ground-truth all",
@@ -36,7 +37,7 @@ const RENDERS: [(&str, &str); 8] = [
         "window.glb --lenses 5x4 --views 30x33 --spp 1 --sky 0.5,0.5,0.5 --baseline-m 0.001 --focal-mm 40 --sensor-mm 20",
     ),
     ("one", "metal.glb --lenses 40x30 --views 1 --spp 1 --sky 1,1,1 --max-bounces 1 --focus-m inf"),
-    ("stereo", "metal.glb --lenses 64x48 --views 5 --spp 2 --sky 1,1,1 --no-indirect --baseline-m 0.02"),
+    ("stereo", "metal.glb --lenses 64x48 --views 5 --spp 2 --reuse views --sky 1,1,1 --no-indirect --baseline-m 0.02"),
 ];
 
 /// What the toolbox makes of those.
@@ -83,7 +84,8 @@ fn made(backend: &str) -> (String, BTreeMap<String, String>) {
         run(&format!("render {options} --out {name} --backend {backend} --quiet"));
     }
     for part in 1..=3 {
-        let options = "--lenses 14x50 --views 5x4 --spp 3 --sky 0.5,0.5,0.5 --write el,exr --layers albedo,depth";
+        let options =
+            "--lenses 14x50 --views 5x4 --spp 3 --reuse views --sky 0.5,0.5,0.5 --write el,exr --layers albedo,depth";
         run(&format!("render window.glb {options} --shard {part}/3 --out part{part} --backend {backend} --quiet"));
     }
     run("merge merged part1 part2 part3 --quiet");

@@ -296,9 +296,19 @@ fn write_origin(index: &DatasetIndex, text: &mut String) -> std::fmt::Result {
         versions.join(", ")
     )?;
     write_command(index, text)?;
+    let is_shared = |key: &str| index.options.get(key).is_some_and(|value| value == "views");
+    let shared = if is_shared("denoise") {
+        "\n\nViews share samples along the true disparity (--denoise views), and what is left of the noise moves with it: do not\n\
+         score or train methods that match views on these images."
+    } else if is_shared("reuse") {
+        "\n\nGroups of 16 views share light (--reuse views), and their noise stands still: do not score or train methods that\n\
+         match views on these images."
+    } else {
+        ""
+    };
     writeln!(
         text,
-        "```\n\nThe files of --glb are scenes that are not of the gallery. `holo verify DIR` checks the result."
+        "```{shared}\n\nThe files of --glb are scenes that are not of the gallery. `holo verify DIR` checks the result."
     )?;
     if shapes(index).is_empty() || index.poses.is_some() {
         writeln!(text, "The other files of the command are in this folder.")?;

@@ -106,13 +106,14 @@ settings! {
         /// renderers without this model.
         off multiple_scattering, "no-multiple-scattering";
         /// Share the light that rays find on diffuse surfaces: with `reuse views` between groups of 16 neighboring views, whose
-        /// noise is then lower and correlated.
-        reuse: Reuse = Reuse::Views, "reuse" "";
+        /// noise is then lower and stands still: not for scoring or training stereo.
+        reuse: Reuse = Reuse::Off, "reuse" "";
         /// Average fine textures over the part of a pixel that a sample stands for: a small bias that more samples remove.
         /// Without effect with `denoise views`.
         texture_filter: TextureFilter = TextureFilter::Footprint, "texture-filter" "";
         /// Reduce the noise of color: with `denoise views` by the samples of neighboring views, or by those pixels of a plenoptic
-        /// camera that see the same point; a small bias that more samples remove.
+        /// camera that see the same point; a small bias that more samples remove. What is left of the noise moves with the true
+        /// disparity: not for scoring or training stereo.
         denoise: Denoise = Denoise::Off, "denoise" "";
         /// Hide surfaces that are not double-sided from behind, as game engines do; shadows and mirrors still show them.
         cull: bool = false, "cull" "";

@@ -68,6 +68,17 @@ pub(crate) fn poses_digest(array: &CameraArray) -> Sha256 {
     Sha256::of(&bytes)
 }
 
+/// Why images are not for scoring or training methods that match views, if their noise tells a disparity.
+fn not_for_stereo(denoise: Denoise, reuse: Reuse) -> Option<&'static str> {
+    match (denoise, reuse) {
+        (Denoise::Views, _) => {
+            Some("the noise that is left moves with the true disparity, because views share samples")
+        }
+        (Denoise::Off, Reuse::Views) => Some("the noise stands still in groups of views, because they share light"),
+        (Denoise::Off, Reuse::Off) => None,
+    }
+}
+
 /// Adds what was rendered and how.
 pub(super) fn describe(
     mut manifest: Manifest,
@@ -108,8 +119,12 @@ pub(super) fn describe(
         set("multiple-scattering", switch(false));
     }
     if rendered.color.is_some() {
-        if request.camera.rig().is_some() && transport.reuse == Reuse::Off {
-            set("reuse", switch(false));
+        let reuse = if request.camera.rig().is_some() { transport.reuse } else { Reuse::Off };
+        if reuse == Reuse::Views {
+            set("reuse", word(&reuse).into());
+        }
+        if let Some(why) = not_for_stereo(request.denoise, reuse) {
+            set("not-for-stereo", why.into());
         }
         if request.denoise == Denoise::Off {
             set("texture-filter", word(&transport.texture_filter).into());

@@ -48,10 +48,10 @@ const FEATURES: [Feature; 12] = [
     ("paths", |settings| settings.light.integrator = Integrator::Path, &[]),
     ("adaptive sampling", |settings| settings.light.target_error = Some(0.5), &[]),
     (
-        "no footprints, no reuse",
+        "no footprints, light shared between views",
         |settings| {
             settings.light.texture_filter = TextureFilter::Off;
-            settings.light.reuse = Reuse::Off;
+            settings.light.reuse = Reuse::Views;
         },
         &[],
     ),
@@ -154,6 +154,38 @@ fn a_manifest_names_the_library() {
             (name, FileDigest { bytes: bytes.len() as u64, sha256: Sha256::of(&bytes) })
         });
         assert_eq!(manifest.libraries, expected.into_iter().collect());
+    }
+}
+
+/// Images whose noise tells a disparity say that they are not for scoring stereo; those of default settings need not.
+#[test]
+fn noise_that_tells_a_disparity_is_stated() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let plain: fn(&mut RenderSettings) = |_| {};
+    for (out, kind, change, words) in [
+        ("plain", Kind::Rig, plain, None),
+        ("reuse", Kind::Rig, |settings: &mut RenderSettings| settings.light.reuse = Reuse::Views, Some("stands still")),
+        (
+            "denoise",
+            Kind::Rig,
+            |settings: &mut RenderSettings| settings.light.denoise = Denoise::Views,
+            Some("true disparity"),
+        ),
+        (
+            "raw",
+            Kind::Plenoptic,
+            |settings: &mut RenderSettings| settings.light.denoise = Denoise::Views,
+            Some("true disparity"),
+        ),
+    ] {
+        let mut settings = settings(kind, false, false);
+        settings.light.samples = Some(2);
+        change(&mut settings);
+        job(settings).run(folder.path().join(out), &RunOptions::new()).expect("a run");
+        let manifest = Manifest::read(folder.path().join(out).join(dataset::MANIFEST_JSON)).expect("a manifest");
+        let stated = manifest.settings.get("not-for-stereo").and_then(|value| value.as_text());
+        assert_eq!(stated.is_some(), words.is_some(), "{out}: {stated:?}");
+        assert!(words.is_none_or(|words| stated.is_some_and(|text| text.contains(words))), "{out}: {stated:?}");
     }
 }
 

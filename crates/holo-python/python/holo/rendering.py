@@ -118,7 +118,7 @@ def render(
     views: (T, S), 100 x 100. lenses: (V, U), the pixels of a view; lens_shifts: N x N positions of their array. sensor: instead of lenses, "hd", "4k", "8k" (the
         default), "uhd8k" or (rows, columns).
     spp: samples a pixel, 16. integrator: "auto", "depth", "direct", "path". seed. target_error. max_bounces.
-    denoise: "off" or "views". reuse: "views" or "off". texture_filter: "footprint" or "off".
+    denoise: "off" or "views". reuse: "off" or "views". texture_filter: "footprint" or "off".
     sky: "auto", (r, g, b), a number, or the path of an environment map.
     baseline_m, f_number, focus_m ("auto" or meters), disparity (min, max in pixels), focal_mm, sensor_mm, projection,
         camera (name or number).

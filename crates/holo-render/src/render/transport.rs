@@ -131,13 +131,15 @@ pub enum TextureFilter {
 pub enum Reuse {
     /// None: every pixel uses its own samples alone, so the noise of pixels is independent, and does not depend on which
     /// views are rendered.
+    #[default]
     Off,
     /// The views of a group of 16 neighbors (4 x 4 views where their number allows) share samples of the environment and
     /// what their scattered rays find: for direct light, and on diffuse surfaces for paths. There is less noise in every view, and about the same in the mean of a group: the
-    /// noise that is left is correlated. Direct light of a sky gains most (5 to 7 times in error x time). Without effect
+    /// noise that is left is correlated, and stands still from view to view of a group: what matches views finds a
+    /// disparity of 0 in it, so that such images are not for scoring or training stereo. Direct light of a sky gains most
+    /// (5 to 7 times in error x time). Without effect
     /// on single samples, which are for speed, on lists of views, with [`Denoise::Views`](crate::Denoise::Views), which uses the same samples,
     /// and with [`Transport::indirect_limit`], [`Transport::transparent_shadows`] or blended alpha.
-    #[default]
     Views,
 }
 

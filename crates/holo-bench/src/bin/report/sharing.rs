@@ -24,8 +24,8 @@ const FEW_VIEWS: [&str; 4] = ["glasses", "chess", "garden", "plaster"];
 
 /// What the views share, in the order of the table.
 const SETTINGS: [(&str, Reuse, Denoise); 3] = [
-    ("nothing (`--reuse off`)", Reuse::Off, Denoise::Off),
-    ("paths (default)", Reuse::Views, Denoise::Off),
+    ("nothing (default)", Reuse::Off, Denoise::Off),
+    ("paths (`--reuse views`)", Reuse::Views, Denoise::Off),
     ("samples (`--denoise views`)", Reuse::Views, Denoise::Views),
 ];
 
