@@ -1,13 +1,19 @@
 //! `holo extract`: one, some or all views or elemental images.
 
-use holo_core::{DynImageRef, GridSize};
+use holo_core::{DynImage, DynImageRef, GridSize};
+use holo_io::LightFieldReader;
 
 use super::files;
 use crate::arguments::{Crop, ExtractOptions, Places};
 use crate::failure::Failure;
 
 pub fn run(options: &ExtractOptions) -> Result<(), Failure> {
-    let light_field = files::read(&options.input)?.light_field;
+    let reader = files::open(&options.input.input, &options.input)?;
+    files::say_source(&reader);
+    if let (Some(places), Some(view)) = (options.view, only_view(options, &reader)?) {
+        return write(options, places, reader.shape().views(), |_, _| Ok(view.as_image_ref()));
+    }
+    let light_field = reader.read()?.light_field;
     let shape = light_field.shape();
     match (options.view, options.lens) {
         (Some(places), _) => write(options, places, shape.views(), |row, column| light_field.view(row, column)),
@@ -15,6 +21,17 @@ pub fn run(options: &ExtractOptions) -> Result<(), Failure> {
             write(options, places, shape.lenses(), |row, column| light_field.elemental_image(row, column))
         }
         (None, None) => Err(Failure::Usage("give --view S,T or --lens U,V".into())),
+    }
+}
+
+/// Reads the view without the others, if it is the only one and its file has it by itself.
+fn only_view(options: &ExtractOptions, reader: &LightFieldReader) -> Result<Option<DynImage>, Failure> {
+    let Some(places) = options.view.filter(|places| places.is_one()) else { return Ok(None) };
+    let views = reader.shape().views();
+    match (places.rows.indices(views.rows).next(), places.columns.indices(views.columns).next()) {
+        (Some(row), Some(column)) if row < views.rows && column < views.columns => Ok(reader.read_view(row, column)?),
+        // The light field says what is wrong.
+        _ => Ok(None),
     }
 }
 

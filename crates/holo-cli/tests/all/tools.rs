@@ -74,6 +74,19 @@ fn refocus_knows_distances_slopes_stacks_and_everything_in_focus() {
     assert_eq!(read_u8(bench.path("one.png")), read_u8(bench.path("view.png")));
 }
 
+/// One view of an HDF5 file is read without the others, and is the one among all.
+#[cfg(feature = "hdf5")]
+#[test]
+fn one_view_of_an_hdf5_file_is_that_of_all() {
+    let bench = Bench::new();
+    bench.render("out", "--write h5");
+    ok(bench.run("extract out/scene_5d.h5 --view all --out all.pfm"));
+    ok(bench.run("extract out --view 3,1 --out one.pfm"));
+    assert_eq!(bench.bytes("")["one.pfm"], bench.bytes("")["all_r01_c03.pfm"]);
+    let outcome = bench.run("extract out --view 5,1 --out none.pfm");
+    assert!(outcome.code == Some(2) && outcome.stderr.contains("5"), "{outcome:?}");
+}
+
 #[test]
 fn an_estimate_is_written_and_judged() {
     let bench = Bench::new();

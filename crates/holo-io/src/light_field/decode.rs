@@ -16,6 +16,13 @@ pub(super) fn decode(
     let failed = |error| Error::core(image, error);
     let raw = read_linear(image, limits)?;
     limits.elements(image, "light field", &shape.array_shape(raw.dim().2), size_of::<f32>())?;
+    let size = file.camera.sensor().size;
+    if (raw.dim().0, raw.dim().1) != (size.rows, size.columns) {
+        // Before the white image, which may be as large as its camera says.
+        let (expected, found) = (vec![size.rows, size.columns], vec![raw.dim().0, raw.dim().1]);
+        return Err(failed(holo_core::Error::Shape { what: "raw image", expected, found }));
+    }
+    limits.elements(image, "white image", &[size.rows, size.columns], size_of::<f32>())?;
     let white = file.camera.white_image().map_err(failed)?;
     if !white.iter().any(|&light| light > 0.0) {
         let what = format!(

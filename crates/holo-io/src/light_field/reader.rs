@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use holo_core::{
-    ColorEncoding, DynLightField, GridSize, Layout, LightFieldOwned, LightFieldShape, PlaneSweepOptions, Rig,
+    ColorEncoding, DynImage, DynLightField, GridSize, Layout, LightFieldOwned, LightFieldShape, PlaneSweepOptions, Rig,
 };
 use ndarray::Array2;
 
@@ -218,6 +218,20 @@ impl LightFieldReader {
     /// Those of the reader of the format.
     pub fn central_disparity_px(&self) -> Result<Option<Array2<f32>>, Error> {
         self.central_map(Map::Disparity)
+    }
+
+    /// Reads one view without the others, or returns `None` if the format stores them together: then [`read`](Self::read)
+    /// has it.
+    ///
+    /// # Shape
+    ///
+    /// `(v, u, c)`.
+    ///
+    /// # Errors
+    ///
+    /// Those of the reader of the format; [`Error::BadInput`] if there is no such view.
+    pub fn read_view(&self, row: usize, column: usize) -> Result<Option<DynImage>, Error> {
+        self.source.read_view((row, column))
     }
 
     /// Reads the samples.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use holo_core::{DynLightField, LightFieldShape};
+use holo_core::{DynImage, DynLightField, LightFieldShape};
 use ndarray::Array2;
 
 use crate::{Error, Limits};
@@ -87,6 +87,17 @@ impl Source {
             }
             #[cfg(feature = "hdf5")]
             (Self::OldHci(file), map) => file.central_map(hdf5_map(map)),
+            #[allow(unreachable_patterns, reason = "with one feature alone there is no other variant")]
+            _ => Ok(None),
+        }
+    }
+
+    /// The view (row, column), if it can be read without the others.
+    #[allow(unused_variables, reason = "with one feature alone some are unused")]
+    pub(super) fn read_view(&self, (row, column): (usize, usize)) -> Result<Option<DynImage>, Error> {
+        match self {
+            #[cfg(feature = "hdf5")]
+            Self::Hdf5(file) => file.read_view(row, column).map(Some),
             #[allow(unreachable_patterns, reason = "with one feature alone there is no other variant")]
             _ => Ok(None),
         }
