@@ -85,6 +85,8 @@ fn an_even_sky_becomes_the_white_image() {
         let (plain, _) = error(&renderer.render(&request, &()).expect("a render"));
         let (denoised, largest) = error(&renderer.render(&request.denoise(Denoise::Views), &()).expect("a render"));
         println!("{name}: {plain:.5} of the samples, {denoised:.5} after, at most {largest:.5}");
+        // The closed form has an error of 0.01 at most, usually far less. One pixel in ten thousand has samples that are lit
+        // by luck where the white image is nearly dark; their part of the mixture is 0.1 at most.
         assert!(denoised < 0.25 * plain + 1e-6 && largest < 0.1, "{name}: {plain} to {denoised}, at most {largest}");
     }
 }

@@ -4,6 +4,11 @@
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 const LARGE: libc::c_int = 1 << 20;
 
+/// The free memory that a region of smaller blocks keeps, bytes. By default it is 128 KB, and every small image that is
+/// encoded gives its memory back to the system and gets it again: 400 files took 1.7 to 2.6 times as long.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+const KEPT: libc::c_int = 16 << 20;
+
 /// Makes blocks of a megabyte and more go back to the system when they are freed. By default glibc raises this size to 32 MB
 /// as a program frees larger blocks, and keeps them in regions of the threads that freed them, so that a process with many
 /// jobs would need more memory than any of the jobs. Does nothing with other C libraries, or where the
@@ -11,9 +16,10 @@ const LARGE: libc::c_int = 1 << 20;
 pub fn return_large_blocks() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     if std::env::var_os("MALLOC_MMAP_THRESHOLD_").is_none() {
-        // SAFETY: `mallopt` sets a number of the allocator, before this program starts threads.
+        // SAFETY: `mallopt` sets numbers of the allocator, before this program starts threads.
         unsafe {
             libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE);
+            libc::mallopt(libc::M_TRIM_THRESHOLD, KEPT);
         }
     }
 }

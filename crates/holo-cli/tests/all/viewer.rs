@@ -175,13 +175,10 @@ fn a_browser_shows_what_the_files_say() {
 fn a_browser_shows_one_view_and_one_lens() {
     let bench = Bench::new();
     for (views, rows, columns) in [("1x1", 6, 9), ("9x6", 6, 9), ("3x2", 6, 9)] {
-        // Drawing without a graphics card is sooner done where it is no shader's.
-        let renderer: &[&str] =
-            if views == "1x1" { &[] } else { &["--address-part", "#canvas", "--renderer", "canvas"] };
         let image = Array3::from_shape_fn((rows, columns, 1), |(row, column, _)| (row * 40 + column * 5) as u8);
         holo_io::write_png(bench.path("raw_el.png"), image.view(), ColorEncoding::Srgb, Compression::Fast).unwrap();
         ok(bench.run(&format!("view raw_el.png --views {views} -o page.html")));
-        if !browse(&bench, &[&["page.html", "raw_el.png"], renderer].concat()) {
+        if !browse(&bench, &["page.html", "raw_el.png"]) {
             return;
         }
     }

@@ -13,7 +13,7 @@ use crate::shot::shifted;
 /// The wavelength of the Airy disc, m: green light.
 const WAVELENGTH_M: f64 = 550e-9;
 
-/// The pixels of which the light is computed at most, about; below it is all of them.
+/// Sensors with more pixels are judged by some of their rows, which have about this many.
 const MOST_PIXELS: usize = 1 << 26;
 
 /// The rows of a band of these pixels.

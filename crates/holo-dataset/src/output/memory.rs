@@ -1,4 +1,4 @@
-//! Memory that is asked for before a long computation.
+//! Whether there is memory for an image, before it is computed.
 
 /// Whether this much memory can be allocated.
 pub(crate) fn is_room(bytes: usize) -> bool {

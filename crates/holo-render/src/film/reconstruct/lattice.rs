@@ -11,7 +11,7 @@
 //! **Light.** Windows average radiance: the light of a pixel divided by the mean weight of its samples, which is its
 //! share of the white image. The mean is multiplied by the pixel's share in closed form
 //! ([`PlenopticCamera::white_image`]), because at the rim of a micro-image the samples' own share is the larger part of the
-//! noise. A pixel at the rim of which no sample is lit takes light and disparity from its neighbors. Vignetting therefore
+//! noise. At the rim of a micro-image a pixel without lit samples takes light and disparity from its neighbors. Vignetting therefore
 //! neither spreads nor vanishes.
 //!
 //! **Focus.** What a pixel sees of a plane is a spot: the width of the pixel and the width of the blurred microlens. The
